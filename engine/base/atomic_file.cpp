@@ -1,0 +1,76 @@
+#include "engine/base/atomic_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace ringdown {
+namespace {
+
+std::string system_message() { return std::strerror(errno); }
+
+bool write_all(int descriptor, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  std::string temporary = path.string() + ".XXXXXX";
+  const int descriptor = ::mkstemp(temporary.data());
+  if (descriptor < 0) {
+    return fail("cannot write " + path.string() + ": " + system_message() + "; choose a folder you may write to");
+  }
+  const bool stored = write_all(descriptor, bytes) && ::fchmod(descriptor, 0644) == 0 && ::fsync(descriptor) == 0;
+  const std::string reason = stored ? "" : system_message();
+  ::close(descriptor);
+  if (!stored || ::rename(temporary.c_str(), path.c_str()) != 0) {
+    const std::string why = stored ? system_message() : reason;
+    ::unlink(temporary.c_str());
+    return fail("cannot write " + path.string() + ": " + why + "; the old file, if any, is unchanged");
+  }
+  return {};
+}
+
+Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text) {
+  return write_file_atomically(path, std::as_bytes(std::span(text)));
+}
+
+Result<std::string> read_whole_file(const std::filesystem::path& path, std::size_t limit_bytes) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) return fail("cannot open " + path.string() + ": " + system_message());
+  struct stat status {};
+  std::string text;
+  Result<void> outcome;
+  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+    outcome = fail("cannot read " + path.string() + ": it is not a regular file");
+  } else if (static_cast<std::size_t>(status.st_size) > limit_bytes) {
+    outcome = fail("cannot read " + path.string() + ": " + std::to_string(status.st_size) +
+                   " bytes is more than the limit of " + std::to_string(limit_bytes));
+  } else {
+    text.resize(static_cast<std::size_t>(status.st_size));
+    std::size_t filled = 0;
+    while (filled < text.size()) {
+      const ssize_t got = ::read(descriptor, text.data() + filled, text.size() - filled);
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) {
+        outcome = fail("cannot read " + path.string() + ": " + (got < 0 ? system_message() : "it shrank while read"));
+        break;
+      }
+      filled += static_cast<std::size_t>(got);
+    }
+  }
+  ::close(descriptor);
+  if (!outcome) return fail(outcome.error());
+  return text;
+}
+
+}  // namespace ringdown

@@ -1,0 +1,54 @@
+// A bounded queue between exactly one producing and one consuming thread, without locks.
+//
+// The write index belongs to the producer, the read index to the consumer; each only reads the other's. Both count
+// up without wrapping, so full is `write - read == capacity` and no slot is wasted. push() releases the slot it
+// filled, pop() acquires it. Neither allocates, blocks or makes a system call.
+#pragma once
+
+#include "engine/base/realtime.h"
+
+#include <atomic>
+#include <bit>
+#include <cassert>
+#include <cstddef>
+#include <type_traits>
+#include <vector>
+
+namespace ringdown {
+
+template <class T>
+class SpscRing {
+  static_assert(std::is_trivially_copyable_v<T>, "the audio thread copies elements and must not run destructors");
+
+ public:
+  // `capacity` is rounded up to a power of two. [any thread, before use]
+  explicit SpscRing(std::size_t capacity) : slots_(std::bit_ceil(capacity)) { assert(capacity > 0); }
+
+  // False when the queue is full: the element was not taken, and the caller counts or reports it. [producer]
+  [[nodiscard]] bool push(const T& element) RINGDOWN_REALTIME {
+    const std::size_t write = write_.load(std::memory_order_relaxed);
+    if (write - read_.load(std::memory_order_acquire) == slots_.size()) return false;
+    slots_.data()[write & (slots_.size() - 1)] = element;
+    write_.store(write + 1, std::memory_order_release);
+    return true;
+  }
+
+  // The oldest element, or nullptr when empty. Stays valid until pop(). [consumer]
+  [[nodiscard]] const T* front() const RINGDOWN_REALTIME {
+    const std::size_t read = read_.load(std::memory_order_relaxed);
+    if (read == write_.load(std::memory_order_acquire)) return nullptr;
+    return slots_.data() + (read & (slots_.size() - 1));
+  }
+
+  // Removes the element that front() showed. [consumer]
+  void pop() RINGDOWN_REALTIME { read_.store(read_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
+
+  [[nodiscard]] std::size_t capacity() const RINGDOWN_REALTIME { return slots_.size(); }
+
+ private:
+  std::vector<T> slots_;
+  alignas(64) std::atomic<std::size_t> write_ = 0;
+  alignas(64) std::atomic<std::size_t> read_ = 0;
+};
+
+}  // namespace ringdown

@@ -1,0 +1,74 @@
+// A bank: everything the real-time half knows of one shape and material.
+//
+// Plain data, checked once when it is read (bank_file.h) and immutable after; many objects may share one. It holds
+// M modes and P sample points on the surface:
+//
+//   frequency_hz   M      damped, in (0, inf)                    [Hz]
+//   decay_per_s    M      amplitude decay, in [0, inf)           [1/s]
+//   positions      P x 3  object frame                           [m]
+//   shapes         M x P x 3, mode-major: shape(m, p) is the mass-normalised displacement of point p in mode m
+//                                                                [kg^-1/2]
+//   triangles      T x 3  point numbers, counter-clockwise from outside; may be empty
+//
+// Modes stand in order of decreasing perceptual importance, not of pitch. Rigid-body modes are not in it.
+#pragma once
+
+#include "engine/base/vec3.h"
+#include "engine/modal/damping.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ringdown::modal {
+
+using Vec3f = std::array<float, 3>;
+
+// An isotropic elastic solid.
+struct Material {
+  std::string name;
+  double youngs_modulus_pa = 0;
+  double poisson_ratio = 0;
+  double density_kg_m3 = 0;
+  RayleighDamping damping;
+};
+
+struct MassProperties {
+  double mass_kg = 0;
+  Vec3 center_of_mass_m;
+  Vec3 inertia_kg_m2;                                // principal moments about the centre of mass
+  std::array<double, 4> orientation = {0, 0, 0, 1};  // unit quaternion x y z w: principal axes -> object frame
+};
+
+// How the bank was made; all of it optional, none of it needed to play. Kept in extras.ringdown of the file.
+struct Provenance {
+  std::string generator;       // program and version
+  std::string element;         // "tet10 consistent", ...
+  std::int64_t unknowns = 0;   // degrees of freedom of the eigenproblem
+  std::int64_t rigid_modes = 0;
+  double band_low_hz = 0, band_high_hz = 0;
+  double largest_residual = 0;  // max over modes of |K phi - lambda M phi| / |lambda M phi|
+};
+
+struct Bank {
+  std::string name;
+  std::vector<double> frequency_hz;
+  std::vector<double> decay_per_s;
+  std::vector<Vec3f> positions;
+  std::vector<Vec3f> shapes;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::optional<Material> material;
+  std::optional<MassProperties> mass;
+  Provenance provenance;
+
+  [[nodiscard]] std::size_t mode_count() const { return frequency_hz.size(); }
+  [[nodiscard]] std::size_t point_count() const { return positions.size(); }
+  [[nodiscard]] const Vec3f& shape(std::size_t mode, std::size_t point) const RINGDOWN_REALTIME {
+    return shapes.data()[mode * positions.size() + point];
+  }
+};
+
+}  // namespace ringdown::modal

@@ -1,0 +1,28 @@
+// Banks on disk: binary glTF 2.0 with the extension KHR_audio_rigid_bodies (docs/bank-format.md). [worker]
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/modal/bank.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+
+namespace ringdown::modal {
+
+// What a file may ask of us before anything is allocated.
+inline constexpr std::size_t kLargestBankFile = std::size_t{1} << 30;  // bytes
+inline constexpr std::size_t kMostModes = 16384;
+inline constexpr std::size_t kMostPoints = std::size_t{1} << 20;
+
+// Reads a bank, ours or another tool's. Every size, index and number is checked first; an error names the file and the
+// field, and what was expected of it.
+Result<Bank> read_bank(const std::filesystem::path& path);
+
+// The same from memory. `name` stands in error messages where the path would.
+Result<Bank> parse_bank(std::span<const std::byte> glb, const std::string& name);
+
+// Writes atomically: a reader sees the old file or the new one.
+Result<void> write_bank(const Bank& bank, const std::filesystem::path& path);
+
+}  // namespace ringdown::modal

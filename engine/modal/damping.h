@@ -1,0 +1,65 @@
+// Where a mode's frequency meets its decay. The one place that turns Hz into rad/s.
+//
+// A mode of the undamped problem K phi = lambda M phi, with Rayleigh damping C = alpha M + beta K, moves as
+//   q(t) = exp(-d t) sin(omega_d t),   d = (alpha + beta lambda) / 2 [1/s],   omega_d = sqrt(lambda - d^2) [rad/s].
+// Source: any text on modal analysis, e.g. Shabana, Theory of Vibration, section 5.6. docs/physics.md derives it.
+#pragma once
+
+#include "engine/base/realtime.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace ringdown::modal {
+
+// Rayleigh damping: alpha [1/s] weighs the mass matrix, beta [s] the stiffness matrix.
+struct RayleighDamping {
+  double alpha_per_s = 0;
+  double beta_s = 0;
+  friend bool operator==(const RayleighDamping&, const RayleighDamping&) = default;
+};
+
+// A damped sinusoid exp(-decay t) sin(2 pi frequency t).
+struct DampedMode {
+  double frequency_hz = 0;  // damped; 0 when the mode is critically or over-damped and has no pitch
+  double decay_per_s = 0;   // amplitude falls by 1/e in 1/decay seconds
+};
+
+constexpr double hz_to_rad_per_s(double frequency_hz) RINGDOWN_REALTIME {
+  return 2 * std::numbers::pi * frequency_hz;
+}
+constexpr double rad_per_s_to_hz(double omega_rad_s) RINGDOWN_REALTIME {
+  return omega_rad_s / (2 * std::numbers::pi);
+}
+
+// Eigenvalue lambda [rad^2/s^2] -> the mode as heard.
+inline DampedMode damp(double lambda, RayleighDamping damping) {
+  const double decay = 0.5 * (damping.alpha_per_s + damping.beta_s * lambda);
+  const double omega_squared = lambda - decay * decay;
+  return {omega_squared > 0 ? rad_per_s_to_hz(std::sqrt(omega_squared)) : 0.0, decay};
+}
+
+// The eigenvalue a damped mode came from: lambda = omega_d^2 + d^2.
+inline double undamped_lambda(DampedMode mode) {
+  const double omega = hz_to_rad_per_s(mode.frequency_hz);
+  return omega * omega + mode.decay_per_s * mode.decay_per_s;
+}
+
+// Seconds until the amplitude has fallen by 60 dB: ln(1000) / d.
+inline double t60_s(double decay_per_s) { return std::log(1000.0) / decay_per_s; }
+
+// Displacement of one mode at time t after a unit impulse, whatever the damping: under-, critically and over-damped,
+// all without cancellation. Reference formula for tests and tables; the mixer never calls it.
+inline double impulse_response(double lambda, RayleighDamping damping, double t_s) {
+  const double decay = 0.5 * (damping.alpha_per_s + damping.beta_s * lambda);
+  const double discriminant = lambda - decay * decay;
+  const double x = std::sqrt(std::abs(discriminant)) * t_s;
+  if (x < 1e-8) return t_s * std::exp(-decay * t_s);
+  if (discriminant > 0) return t_s * std::exp(-decay * t_s) * std::sin(x) / x;
+  // exp(-d t) sinh(x)/x = (exp(x - d t) - exp(-x - d t)) / 2x, with x <= d t so that nothing overflows. x - d t is
+  // rewritten as -lambda t^2 / (x + d t): the roots of a heavily over-damped mode differ by orders of magnitude.
+  const double slow = -lambda * t_s * t_s / (x + decay * t_s);
+  return t_s * std::exp(slow) * -std::expm1(-2 * x) / (2 * x);
+}
+
+}  // namespace ringdown::modal

@@ -1,0 +1,38 @@
+// What the mixer understands: something that happens to one object at one sample frame.
+//
+// A strike from a game over OSC, from the embedded scene or from a score is the same Event. Small and trivially
+// copyable, because it crosses threads through SpscRing by value. [any thread]
+#pragma once
+
+#include "engine/base/vec3.h"
+
+#include <cstdint>
+#include <type_traits>
+
+namespace ringdown::protocol {
+
+using Frame = std::int64_t;          // sample frames since the mixer started
+using ObjectNumber = std::uint32_t;  // the object's place in the mixer, as the daemon assigned it
+
+enum class EventType : std::uint8_t {
+  strike,         // point_m, impulse_ns, contact_time_s: rings the object at the nearest point of its surface
+  strike_vertex,  // vertex, impulse_ns, contact_time_s: rings it at one sample point
+  gain,           // value: linear gain, reached over `ramp_s`
+  pan,            // value: -1 left ... +1 right, equal power
+  clear,          // fades what rings to silence within a few milliseconds
+};
+
+struct Event {
+  Frame frame = 0;
+  ObjectNumber object = 0;
+  EventType type = EventType::strike;
+  std::uint32_t vertex = 0;
+  Vec3 point_m;                // object frame
+  Vec3 impulse_ns;             // object frame [N s]
+  double contact_time_s = 0;   // duration of the half-sine force pulse; 0 is an ideal impulse
+  double value = 0;
+  double ramp_s = 0;
+};
+static_assert(std::is_trivially_copyable_v<Event>);
+
+}  // namespace ringdown::protocol

@@ -1,0 +1,20 @@
+// An OSC message as plain data: no wire format, no library. [any thread]
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace ringdown::protocol {
+
+// OSC types i, h, f, d, s. Others are refused where packets are decoded (server/osc_codec.h).
+using Argument = std::variant<std::int32_t, std::int64_t, float, double, std::string>;
+
+struct Message {
+  std::string address;
+  std::vector<Argument> arguments;
+  friend bool operator==(const Message&, const Message&) = default;
+};
+
+}  // namespace ringdown::protocol

@@ -1,0 +1,97 @@
+// Everything a client can ask of Ringdown, one struct each. schema.h turns messages into these and back.
+//
+// Values are SI and already checked: finite, inside the range the schema states. Points and impulses are in the
+// object's own frame. [any thread]
+#pragma once
+
+#include "engine/base/vec3.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+
+namespace ringdown::protocol {
+
+// An object as a client names it: by name, or by the number that /load replied.
+struct ObjectRef {
+  std::string name;                     // empty when given by number
+  std::optional<std::uint32_t> number;  // empty when given by name
+  friend bool operator==(const ObjectRef&, const ObjectRef&) = default;
+};
+
+struct Strike {        // /object/{object}/strike
+  ObjectRef object;
+  Vec3 point_m, impulse_ns;
+  double contact_time_s = 0;
+};
+struct StrikeVertex {  // /object/{object}/strike_vertex
+  ObjectRef object;
+  std::uint32_t vertex = 0;
+  Vec3 impulse_ns;
+  double contact_time_s = 0;
+};
+struct SetGain {       // /object/{object}/gain
+  ObjectRef object;
+  double gain = 1;
+  double ramp_s = 0;
+};
+struct SetPan {        // /object/{object}/pan
+  ObjectRef object;
+  double pan = 0;
+};
+// Scales of the bank's own material; 1 1 1 1 is the bank as baked. The modes follow exactly, without a new analysis.
+struct MaterialScale {
+  double alpha = 1, beta = 1, density = 1, stiffness = 1;
+  friend bool operator==(const MaterialScale&, const MaterialScale&) = default;
+};
+struct SetMaterial {   // /object/{object}/material
+  ObjectRef object;
+  MaterialScale scale;
+};
+struct ClearObject {   // /object/{object}/clear
+  ObjectRef object;
+};
+struct FreeObject {    // /object/{object}/free
+  ObjectRef object;
+};
+// Loads a bank under a new name, or gives an existing object a new bank while the old one rings out.
+struct LoadObject {    // /load
+  std::string name;
+  std::string bank_path;
+};
+struct ClearAll {};    // /clear
+
+struct SceneLoad {     // /scene/load
+  std::string path;
+};
+struct ScenePause {    // /scene/pause
+  bool paused = true;
+};
+// Drops a new body into the scene. `object` sounds; without one the body is silent but strikes others.
+struct SpawnBox {      // /scene/spawn/box
+  std::optional<ObjectRef> object;
+  Vec3 position_m, velocity_m_s;
+  Vec3 size_m;                // edge lengths; 0 0 0: the bounding box of the object's bank
+  double density_kg_m3 = 0;   // 0: mass and inertia from the object's bank
+};
+struct SpawnSphere {   // /scene/spawn/sphere
+  std::optional<ObjectRef> object;
+  Vec3 position_m, velocity_m_s;
+  double radius_m = 0;        // 0: the radius that encloses the object's bank
+  double density_kg_m3 = 0;   // 0: mass and inertia from the object's bank
+};
+struct SceneClear {};  // /scene/clear
+
+struct Status {};      // /status
+struct Version {};     // /version
+struct Sync {          // /sync
+  std::int32_t id = 0;
+};
+struct Quit {};        // /quit
+
+using Request = std::variant<Strike, StrikeVertex, SetGain, SetPan, SetMaterial, ClearObject, FreeObject, LoadObject,
+                             ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, Status, Version,
+                             Sync, Quit>;
+
+}  // namespace ringdown::protocol
