@@ -1,0 +1,283 @@
+#include "engine/modal/bank_file.h"
+
+#include "engine/base/atomic_file.h"
+#include "engine/modal/glb.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace ringdown::modal {
+namespace {
+
+constexpr const char* kExtension = "KHR_audio_rigid_bodies";
+constexpr std::size_t kMostTriangleCorners = 6 * kMostPoints;
+
+std::vector<Vec3f> as_vectors(const std::vector<float>& values) {
+  std::vector<Vec3f> vectors(values.size() / 3);
+  std::memcpy(vectors.data(), values.data(), values.size() * sizeof(float));
+  return vectors;
+}
+
+std::span<const float> as_floats(const std::vector<Vec3f>& vectors) {
+  return {reinterpret_cast<const float*>(vectors.data()), 3 * vectors.size()};
+}
+
+// Reads a number that must lie in [low, high], or above `low` when `open`.
+Result<void> read_number(const Field& field, double& target, double low, double high, bool open = false) {
+  const auto value = field.number_or(target);
+  if (!value) return fail(value.error());
+  if (*value < low || (open && *value == low) || *value > high) {
+    return field.wrong((open ? "more than " : "at least ") + Json(low).dump() +
+                       (std::isinf(high) ? "" : ", at most " + Json(high).dump()));
+  }
+  target = *value;
+  return {};
+}
+
+template <std::size_t N>
+Result<void> read_array(const Field& field, std::array<double, N>& target) {
+  if (!field.present()) return {};
+  if (field.size() != N) return field.wrong(std::to_string(N) + " numbers");
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto value = field[i].number();
+    if (!value) return fail(value.error());
+    target[i] = *value;
+  }
+  return {};
+}
+
+Result<std::optional<Material>> read_material(const Field& materials, const Field& reference) {
+  if (!reference.present()) return std::nullopt;
+  const auto number = reference.index();
+  if (!number) return fail(number.error());
+  const Field field = materials[*number];
+  if (!field.present()) return reference.wrong("the number of an acoustic material in the file");
+  Material material{.name = field["name"].text_or("")};
+  for (const auto& outcome :
+       {read_number(field["density"], material.density_kg_m3, 0, INFINITY),
+        read_number(field["youngsModulus"], material.youngs_modulus_pa, 0, INFINITY),
+        read_number(field["poissonRatio"], material.poisson_ratio, -1, 0.5, true),
+        read_number(field["alpha"], material.damping.alpha_per_s, 0, INFINITY),
+        read_number(field["beta"], material.damping.beta_s, 0, INFINITY)}) {
+    if (!outcome) return fail(outcome.error());
+  }
+  return material;
+}
+
+Result<std::optional<MassProperties>> read_mass(const Field& field) {
+  if (!field.present()) return std::nullopt;
+  if (!field["mass"].present()) return field["mass"].wrong("a mass in kg");
+  MassProperties mass;
+  std::array<double, 3> center{}, inertia{};
+  for (const auto& outcome :
+       {read_number(field["mass"], mass.mass_kg, 0, INFINITY, true), read_array(field["centerOfMass"], center),
+        read_array(field["inertiaDiagonal"], inertia), read_array(field["inertiaOrientation"], mass.orientation)}) {
+    if (!outcome) return fail(outcome.error());
+  }
+  mass.center_of_mass_m = {center[0], center[1], center[2]};
+  mass.inertia_kg_m2 = {inertia[0], inertia[1], inertia[2]};
+  if (*std::min_element(inertia.begin(), inertia.end()) < 0) return field["inertiaDiagonal"].wrong("at least 0");
+  double norm = 0;
+  for (const double q : mass.orientation) norm += q * q;
+  if (std::abs(norm - 1) > 1e-3) return field["inertiaOrientation"].wrong("a unit quaternion");
+  return mass;
+}
+
+Provenance read_provenance(const Field& extras, std::string generator) {
+  const auto number = [&extras](const char* key) { return extras[key].number().value_or(0.0); };
+  return {.generator = std::move(generator),
+          .element = extras["element"].text_or(""),
+          .unknowns = static_cast<std::int64_t>(number("unknowns")),
+          .rigid_modes = static_cast<std::int64_t>(number("rigidModes")),
+          .band_low_hz = number("bandLow"),
+          .band_high_hz = number("bandHigh"),
+          .largest_residual = number("largestResidual")};
+}
+
+// The model a node plays, and that node's uniform scale.
+struct Instance {
+  std::size_t model = 0;
+  double scale = 1;
+  std::string name;
+};
+
+Result<Instance> find_instance(const Glb& glb) {
+  const Field nodes = glb.root()["nodes"];
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Field reference = nodes[i]["extensions"][kExtension]["modalModel"];
+    if (!reference.present()) continue;
+    const auto model = reference.index();
+    if (!model) return fail(model.error());
+    std::array<double, 3> scale{1, 1, 1};
+    if (const auto read = read_array(nodes[i]["scale"], scale); !read) return fail(read.error());
+    if (!(scale[0] > 0) || scale[1] != scale[0] || scale[2] != scale[0]) {
+      return nodes[i]["scale"].wrong("three equal numbers above 0: an uneven scale needs a new bake");
+    }
+    return Instance{*model, scale[0], nodes[i]["name"].text_or("")};
+  }
+  return Instance{};
+}
+
+// Similar bodies of one material: lengths times s, frequencies by 1/s, mass by s^3, shapes by s^-3/2. Of the decay
+// the part that Rayleigh's beta causes falls by 1/s^2, the rest stays (docs/physics.md).
+void scale_size(Bank& bank, double s) {
+  const double beta = bank.material ? bank.material->damping.beta_s : 0.0;
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const double lambda = undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
+    const double stiffness_part = std::min(0.5 * beta * lambda, bank.decay_per_s[m]);
+    const double decay = bank.decay_per_s[m] - stiffness_part * (1 - 1 / (s * s));
+    bank.frequency_hz[m] = rad_per_s_to_hz(std::sqrt(std::max(lambda / (s * s) - decay * decay, 0.0)));
+    bank.decay_per_s[m] = decay;
+  }
+  const auto length = static_cast<float>(s), shape = static_cast<float>(std::pow(s, -1.5));
+  for (Vec3f& p : bank.positions) p = {p[0] * length, p[1] * length, p[2] * length};
+  for (Vec3f& v : bank.shapes) v = {v[0] * shape, v[1] * shape, v[2] * shape};
+  if (bank.mass) {
+    bank.mass->mass_kg *= s * s * s;
+    bank.mass->center_of_mass_m = s * bank.mass->center_of_mass_m;
+    bank.mass->inertia_kg_m2 = std::pow(s, 5) * bank.mass->inertia_kg_m2;
+  }
+}
+
+Result<void> read_modes(const Glb& glb, const Field& model, Bank& bank) {
+  const auto frequencies = read_floats(glb, model["frequencies"], 1, kMostModes);
+  if (!frequencies) return fail(frequencies.error());
+  const auto decays = read_floats(glb, model["decayRates"], 1, kMostModes);
+  if (!decays) return fail(decays.error());
+  const auto positions = read_floats(glb, model["positions"], 3, kMostPoints);
+  if (!positions) return fail(positions.error());
+  const std::size_t modes = frequencies->size(), points = positions->size() / 3;
+  if (decays->size() != modes) {
+    return fail(model["decayRates"].path() + " has " + std::to_string(decays->size()) + " elements, expected " +
+                std::to_string(modes) + " as in frequencies");
+  }
+  const auto shapes = read_floats(glb, model["shapes"], 3, kMostModes * kMostPoints);
+  if (!shapes) return fail(shapes.error());
+  if (shapes->size() != 3 * modes * points) {
+    return fail(model["shapes"].path() + " has " + std::to_string(shapes->size() / 3) + " elements, expected " +
+                std::to_string(modes * points) + " (modes times points)");
+  }
+  for (std::size_t m = 0; m < modes; ++m) {
+    if ((*frequencies)[m] <= 0) {
+      return fail(model["frequencies"].path() + ": element " + std::to_string(m) + " is not above 0 Hz");
+    }
+    if ((*decays)[m] < 0) return fail(model["decayRates"].path() + ": element " + std::to_string(m) + " is below 0");
+  }
+  bank.frequency_hz.assign(frequencies->begin(), frequencies->end());
+  bank.decay_per_s.assign(decays->begin(), decays->end());
+  bank.positions = as_vectors(*positions);
+  bank.shapes = as_vectors(*shapes);
+  return {};
+}
+
+Result<void> read_triangles(const Glb& glb, const Field& reference, Bank& bank) {
+  if (!reference.present()) return {};
+  const auto corners = read_indices(glb, reference, kMostTriangleCorners);
+  if (!corners) return fail(corners.error());
+  if (corners->size() % 3 != 0) return reference.wrong("an accessor whose count is a multiple of 3");
+  for (std::size_t i = 0; i < corners->size(); ++i) {
+    if ((*corners)[i] >= bank.point_count()) {
+      return fail(reference.path() + ": element " + std::to_string(i) + " is " + std::to_string((*corners)[i]) +
+                  ", but there are only " + std::to_string(bank.point_count()) + " positions");
+    }
+  }
+  bank.triangles.resize(corners->size() / 3);
+  std::memcpy(bank.triangles.data(), corners->data(), corners->size() * sizeof(std::uint32_t));
+  return {};
+}
+
+Json mass_json(const MassProperties& mass) {
+  const auto triple = [](Vec3 v) { return Json::array({v.x, v.y, v.z}); };
+  return {{"mass", mass.mass_kg},
+          {"centerOfMass", triple(mass.center_of_mass_m)},
+          {"inertiaDiagonal", triple(mass.inertia_kg_m2)},
+          {"inertiaOrientation", mass.orientation}};
+}
+
+Json material_json(const Material& material) {
+  return {{"name", material.name},
+          {"density", material.density_kg_m3},
+          {"youngsModulus", material.youngs_modulus_pa},
+          {"poissonRatio", material.poisson_ratio},
+          {"alpha", material.damping.alpha_per_s},
+          {"beta", material.damping.beta_s}};
+}
+
+Json provenance_json(const Provenance& provenance) {
+  return {{"element", provenance.element},        {"unknowns", provenance.unknowns},
+          {"rigidModes", provenance.rigid_modes}, {"bandLow", provenance.band_low_hz},
+          {"bandHigh", provenance.band_high_hz},  {"largestResidual", provenance.largest_residual}};
+}
+
+}  // namespace
+
+Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& name) {
+  const auto glb = parse_glb(bytes, name);
+  if (!glb) return fail(glb.error());
+  const Field extension = glb->root()["extensions"][kExtension];
+  if (extension["modalModels"].size() == 0) {
+    return fail(name + " holds no modal model (extension " + kExtension + "); make one with `ringdown bake`");
+  }
+  const auto instance = find_instance(*glb);
+  if (!instance) return fail(instance.error());
+  const Field model = extension["modalModels"][instance->model];
+  if (!model.present()) return fail(name + ": a node plays modal model " + std::to_string(instance->model) +
+                                    ", which the file does not have");
+  Bank bank{.name = model["name"].text_or(instance->name)};
+  if (const auto read = read_modes(*glb, model, bank); !read) return fail(read.error());
+  if (const auto read = read_triangles(*glb, model["indices"], bank); !read) return fail(read.error());
+  auto material = read_material(extension["acousticMaterials"], model["material"]);
+  if (!material) return fail(material.error());
+  auto mass = read_mass(model["massProperties"]);
+  if (!mass) return fail(mass.error());
+  bank.material = std::move(*material);
+  bank.mass = *mass;
+  bank.provenance = read_provenance(model["extras"]["ringdown"], glb->root()["asset"]["generator"].text_or(""));
+  if (instance->scale != 1) scale_size(bank, instance->scale);
+  return bank;
+}
+
+Result<Bank> read_bank(const std::filesystem::path& path) {
+  const auto text = read_whole_file(path, kLargestBankFile);
+  if (!text) return fail(text.error());
+  return parse_bank(std::as_bytes(std::span(*text)), path.string());
+}
+
+Result<void> write_bank(const Bank& bank, const std::filesystem::path& path) {
+  GlbWriter writer;
+  const std::vector<float> frequencies(bank.frequency_hz.begin(), bank.frequency_hz.end());
+  const std::vector<float> decays(bank.decay_per_s.begin(), bank.decay_per_s.end());
+  const std::size_t positions = writer.add_floats(as_floats(bank.positions), 3, GlbWriter::Use::vertices);
+  Json model = {{"name", bank.name},
+                {"positions", positions},
+                {"frequencies", writer.add_floats(frequencies, 1)},
+                {"decayRates", writer.add_floats(decays, 1)},
+                {"shapes", writer.add_floats(as_floats(bank.shapes), 3)},
+                {"extras", {{"ringdown", provenance_json(bank.provenance)}}}};
+  Json primitive = {{"attributes", {{"POSITION", positions}}}, {"mode", 0}};
+  if (!bank.triangles.empty()) {
+    const std::span corners(bank.triangles.front().data(), 3 * bank.triangles.size());
+    model["indices"] = primitive["indices"] = writer.add_indices(corners);
+    primitive["mode"] = 4;
+  }
+  Json extension = {{"modalModels", Json::array()}};
+  if (bank.material) {
+    extension["acousticMaterials"] = Json::array({material_json(*bank.material)});
+    model["material"] = 0;
+  }
+  if (bank.mass) model["massProperties"] = mass_json(*bank.mass);
+  extension["modalModels"].push_back(std::move(model));
+
+  const Json node = {{"name", bank.name}, {"mesh", 0}, {"extensions", {{kExtension, {{"modalModel", 0}}}}}};
+  Json document = {{"asset", {{"version", "2.0"}, {"generator", bank.provenance.generator}}},
+                   {"extensionsUsed", Json::array({kExtension})},
+                   {"extensions", {{kExtension, std::move(extension)}}},
+                   {"scene", 0},
+                   {"scenes", Json::array({{{"nodes", Json::array({0})}}})},
+                   {"nodes", Json::array({node})},
+                   {"meshes", Json::array({{{"name", bank.name}, {"primitives", Json::array({primitive})}}})}};
+  return write_file_atomically(path, std::move(writer).finish(std::move(document)));
+}
+
+}  // namespace ringdown::modal

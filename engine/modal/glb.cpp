@@ -1,0 +1,242 @@
+#include "engine/modal/glb.h"
+
+#include <bit>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace ringdown::modal {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "glTF is little-endian; a big-endian port swaps here");
+
+constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+constexpr int kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
+
+std::uint32_t word_at(std::span<const std::byte> bytes, std::size_t offset) {
+  std::uint32_t word;
+  std::memcpy(&word, bytes.data() + offset, sizeof word);
+  return word;
+}
+
+// Where an accessor's elements lie, after every bound was checked.
+struct Elements {
+  const std::byte* first = nullptr;
+  std::size_t count = 0, stride = 0;
+  int component_type = 0;
+};
+
+std::size_t component_size(int type) {
+  switch (type) {
+    case kUnsignedByte: return 1;
+    case kUnsignedShort: return 2;
+    case kUnsignedInt:
+    case kFloat: return 4;
+    default: return 0;
+  }
+}
+
+Result<Elements> locate(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit) {
+  const auto number = reference.index();
+  if (!number) return fail(number.error());
+  const Field accessor = glb.root()["accessors"][*number];
+  if (!accessor.present()) return reference.wrong("the number of an accessor in the file");
+  const char* type = width == 1 ? "SCALAR" : "VEC3";
+  if (accessor["type"].text_or("") != type) return accessor["type"].wrong(std::string("\"") + type + "\"");
+  if (accessor["sparse"].present()) return accessor["sparse"].wrong("absent: sparse accessors are not supported");
+
+  const auto component = accessor["componentType"].index();
+  const auto count = accessor["count"].index();
+  const auto offset = accessor["byteOffset"].index_or(0);
+  for (const auto* value : {&component, &count, &offset}) {
+    if (!*value) return fail(value->error());
+  }
+  Elements elements{.count = *count, .component_type = static_cast<int>(*component)};
+  const std::size_t size = component_size(elements.component_type) * width;
+  if (*count < 1 || *count > limit) return accessor["count"].wrong("from 1 to " + std::to_string(limit));
+  if (size == 0) return accessor["componentType"].wrong("a glTF component type");
+
+  const auto view_number = accessor["bufferView"].index();
+  if (!view_number) return fail(view_number.error());
+  const Field view = glb.root()["bufferViews"][*view_number];
+  if (!view.present()) return accessor["bufferView"].wrong("the number of a buffer view in the file");
+  const auto buffer = view["buffer"].index();
+  const auto view_offset = view["byteOffset"].index_or(0);
+  const auto view_length = view["byteLength"].index();
+  const auto stride = view["byteStride"].index_or(size);
+  for (const auto* value : {&buffer, &view_offset, &view_length, &stride}) {
+    if (!*value) return fail(value->error());
+  }
+  if (*buffer != 0) return view["buffer"].wrong("0, the file's own binary chunk");
+  if (glb.root()["buffers"][0]["uri"].present()) {
+    return glb.root()["buffers"][0]["uri"].wrong("absent: the data must be inside the .glb file");
+  }
+  if (*view_offset > glb.binary.size() || *view_length > glb.binary.size() - *view_offset) {
+    return view["byteLength"].wrong("inside the binary chunk of " + std::to_string(glb.binary.size()) + " bytes");
+  }
+  if (*stride < size || *stride > 252) return view["byteStride"].wrong("from the element's size to 252");
+  // count * stride cannot overflow: count <= limit <= 2^34, stride <= 252.
+  if (*offset > *view_length || (*count - 1) * *stride + size > *view_length - *offset) {
+    return accessor["count"].wrong("small enough to fit its buffer view of " + std::to_string(*view_length) + " bytes");
+  }
+  elements.first = glb.binary.data() + *view_offset + *offset;
+  elements.stride = *stride;
+  return elements;
+}
+
+}  // namespace
+
+Field Field::operator[](const std::string& key) const {
+  const std::string path = path_ + (path_.ends_with(": ") ? "" : ".") + key;
+  if (!value_ || !value_->is_object()) return {nullptr, path};
+  const auto found = value_->find(key);
+  return {found == value_->end() ? nullptr : &*found, path};
+}
+
+Field Field::operator[](std::size_t index) const {
+  return {index < size() ? &(*value_)[index] : nullptr, path_ + "[" + std::to_string(index) + "]"};
+}
+
+tl::unexpected<Error> Field::wrong(const std::string& expectation) const {
+  std::string found = "is missing";
+  if (value_) {
+    found = "is " + value_->dump(-1, ' ', true, Json::error_handler_t::replace);
+    if (found.size() > 60) found = found.substr(0, 57) + "...";
+  }
+  return fail(path_ + " " + found + ", expected " + expectation);
+}
+
+Result<double> Field::number() const {
+  if (!value_ || !value_->is_number() || !std::isfinite(value_->get<double>())) return wrong("a finite number");
+  return value_->get<double>();
+}
+
+Result<double> Field::number_or(double fallback) const { return present() ? number() : Result<double>(fallback); }
+
+Result<std::size_t> Field::index() const {
+  constexpr double kLargest = 1e15;  // whole numbers are exact in a double up to 2^53
+  if (!value_ || !value_->is_number()) return wrong("a whole number from 0");
+  const double number = value_->get<double>();
+  if (!(number >= 0 && number <= kLargest) || number != std::floor(number)) return wrong("a whole number from 0");
+  return static_cast<std::size_t>(number);
+}
+
+Result<std::size_t> Field::index_or(std::size_t fallback) const {
+  return present() ? index() : Result<std::size_t>(fallback);
+}
+
+std::string Field::text_or(std::string fallback) const {
+  return value_ && value_->is_string() ? value_->get<std::string>() : std::move(fallback);
+}
+
+Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name) {
+  if (bytes.size() < 20 || word_at(bytes, 0) != kMagic) {
+    return fail(name + " is not a binary glTF file (.glb); make one with `ringdown bake`");
+  }
+  if (word_at(bytes, 4) != 2) return fail(name + ": glTF version " + std::to_string(word_at(bytes, 4)) + ", expected 2");
+  if (word_at(bytes, 8) != bytes.size()) {
+    return fail(name + ": its header says " + std::to_string(word_at(bytes, 8)) + " bytes but the file has " +
+                std::to_string(bytes.size()) + "; it was cut off or altered");
+  }
+  const std::size_t json_size = word_at(bytes, 12);
+  if (word_at(bytes, 16) != kJsonChunk || json_size > bytes.size() - 20) {
+    return fail(name + ": the first chunk must be the JSON text and end inside the file");
+  }
+  Glb glb{.name = name};
+  const auto* text = reinterpret_cast<const char*>(bytes.data()) + 20;
+  glb.json = Json::parse(text, text + json_size, nullptr, /*allow_exceptions=*/false);
+  if (!glb.json.is_object()) return fail(name + ": its JSON text is malformed");
+
+  const auto rest = bytes.subspan(20 + json_size);
+  if (rest.size() >= 8) {
+    if (word_at(rest, 4) != kBinaryChunk || word_at(rest, 0) > rest.size() - 8) {
+      return fail(name + ": the second chunk must be binary data and end inside the file");
+    }
+    glb.binary = rest.subspan(8, word_at(rest, 0));
+  }
+  return glb;
+}
+
+Result<std::vector<float>> read_floats(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit) {
+  const auto elements = locate(glb, reference, width, limit);
+  if (!elements) return fail(elements.error());
+  if (elements->component_type != kFloat) return reference.wrong("an accessor of component type 5126 (FLOAT)");
+  std::vector<float> values(elements->count * width);
+  for (std::size_t i = 0; i < elements->count; ++i) {
+    std::memcpy(&values[i * width], elements->first + i * elements->stride, width * sizeof(float));
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) {
+      return fail(reference.path() + ": element " + std::to_string(i / width) + " is not a finite number");
+    }
+  }
+  return values;
+}
+
+Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const Field& reference, std::size_t limit) {
+  const auto elements = locate(glb, reference, 1, limit);
+  if (!elements) return fail(elements.error());
+  if (elements->component_type == kFloat) return reference.wrong("an accessor of unsigned integers");
+  std::vector<std::uint32_t> values(elements->count, 0);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::memcpy(&values[i], elements->first + i * elements->stride, component_size(elements->component_type));
+  }
+  return values;
+}
+
+std::size_t GlbWriter::add(std::span<const std::byte> bytes, Json accessor, Use use) {
+  Json view = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", bytes.size()}};
+  if (use == Use::vertices) view["target"] = 34962;
+  if (use == Use::indices) view["target"] = 34963;
+  accessor["bufferView"] = views_.size();
+  views_.push_back(std::move(view));
+  accessors_.push_back(std::move(accessor));
+  binary_.insert(binary_.end(), bytes.begin(), bytes.end());
+  return accessors_.size() - 1;
+}
+
+std::size_t GlbWriter::add_floats(std::span<const float> values, std::size_t width, Use use) {
+  Json accessor = {{"componentType", kFloat}, {"count", values.size() / width}, {"type", width == 1 ? "SCALAR" : "VEC3"}};
+  if (use == Use::vertices) {
+    std::vector<float> low(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(width)), high = low;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      low[i % width] = std::min(low[i % width], values[i]);
+      high[i % width] = std::max(high[i % width], values[i]);
+    }
+    accessor["min"] = low;
+    accessor["max"] = high;
+  }
+  return add(std::as_bytes(values), std::move(accessor), use);
+}
+
+std::size_t GlbWriter::add_indices(std::span<const std::uint32_t> values) {
+  return add(std::as_bytes(values),
+             {{"componentType", kUnsignedInt}, {"count", values.size()}, {"type", "SCALAR"}}, Use::indices);
+}
+
+std::vector<std::byte> GlbWriter::finish(Json document) && {
+  document["accessors"] = std::move(accessors_);
+  document["bufferViews"] = std::move(views_);
+  document["buffers"] = Json::array({{{"byteLength", binary_.size()}}});
+  std::string text = document.dump(-1, ' ', false, Json::error_handler_t::replace);
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  binary_.resize((binary_.size() + 3) / 4 * 4, std::byte{0});
+
+  std::vector<std::byte> file;
+  const auto put = [&file](std::span<const std::byte> bytes) { file.insert(file.end(), bytes.begin(), bytes.end()); };
+  const auto put_word = [&put](std::size_t value) {
+    const auto word = static_cast<std::uint32_t>(value);
+    put(std::as_bytes(std::span(&word, 1)));
+  };
+  for (const std::size_t word : {std::size_t{kMagic}, std::size_t{2}, 28 + text.size() + binary_.size(), text.size(),
+                                 std::size_t{kJsonChunk}}) {
+    put_word(word);
+  }
+  put(std::as_bytes(std::span(text)));
+  put_word(binary_.size());
+  put_word(kBinaryChunk);
+  put(binary_);
+  return file;
+}
+
+}  // namespace ringdown::modal

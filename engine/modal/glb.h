@@ -1,0 +1,82 @@
+// Binary glTF 2.0 as a container: one JSON text and one block of bytes, and typed arrays (accessors) into it.
+//
+// Reading trusts nothing: a document is refused before memory is allocated for what it claims to hold. Private to
+// bank_file.cpp and its tests. [worker]
+#pragma once
+
+#include "engine/base/result.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace ringdown::modal {
+
+using Json = nlohmann::json;
+
+// A place in the JSON text that knows its own name, so that an error can say which field is wrong.
+class Field {
+ public:
+  Field(const Json* value, std::string path) : value_(value), path_(std::move(path)) {}
+
+  [[nodiscard]] bool present() const { return value_ != nullptr; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] const Json& json() const { return *value_; }
+
+  [[nodiscard]] Field operator[](const std::string& key) const;  // absent when this is no object or lacks the key
+  [[nodiscard]] Field operator[](std::size_t index) const;       // absent when this is no array or is shorter
+  [[nodiscard]] std::size_t size() const { return value_ && value_->is_array() ? value_->size() : 0; }
+
+  [[nodiscard]] Result<double> number() const;                    // finite
+  [[nodiscard]] Result<double> number_or(double fallback) const;  // `fallback` when absent
+  [[nodiscard]] Result<std::size_t> index() const;                // a whole number >= 0
+  [[nodiscard]] Result<std::size_t> index_or(std::size_t fallback) const;
+  [[nodiscard]] std::string text_or(std::string fallback) const;
+  [[nodiscard]] tl::unexpected<Error> wrong(const std::string& expectation) const;
+
+ private:
+  const Json* value_;
+  std::string path_;
+};
+
+struct Glb {
+  Json json;
+  std::span<const std::byte> binary;  // into the bytes given to parse_glb
+  std::string name;                   // for error messages
+
+  [[nodiscard]] Field root() const { return {&json, name + ": "}; }
+};
+
+// `name` stands in error messages where the path would.
+Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name);
+
+// The accessor that `reference` (a field holding its number) names, as count x width numbers. `width` 1 is SCALAR,
+// 3 is VEC3. At most `limit` elements.
+Result<std::vector<float>> read_floats(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit);
+Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const Field& reference, std::size_t limit);
+
+// Collects arrays into one buffer, then writes the container.
+class GlbWriter {
+ public:
+  enum class Use { data, vertices, indices };
+
+  // Returns the accessor's number. Vertex arrays get the bounds that glTF wants.
+  std::size_t add_floats(std::span<const float> values, std::size_t width, Use use = Use::data);
+  std::size_t add_indices(std::span<const std::uint32_t> values);
+
+  // Completes `document` with accessors, views and the buffer, and returns the file's bytes.
+  [[nodiscard]] std::vector<std::byte> finish(Json document) &&;
+
+ private:
+  std::size_t add(std::span<const std::byte> bytes, Json accessor, Use use);
+
+  std::vector<std::byte> binary_;
+  Json accessors_ = Json::array();
+  Json views_ = Json::array();
+};
+
+}  // namespace ringdown::modal

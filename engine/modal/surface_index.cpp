@@ -1,0 +1,146 @@
+#include "engine/modal/surface_index.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+namespace ringdown::modal {
+namespace {
+
+constexpr std::uint32_t kLeafSize = 4;
+constexpr std::size_t kDeepestTree = 48;  // halving 2^20 points or 2 * 2^20 triangles needs 20 levels
+
+Vec3 lowest(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
+Vec3 highest(Vec3 a, Vec3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
+
+double squared_distance_to_box(Vec3 p, Vec3 low, Vec3 high) RINGDOWN_REALTIME {
+  const double dx = std::max({low.x - p.x, 0.0, p.x - high.x});
+  const double dy = std::max({low.y - p.y, 0.0, p.y - high.y});
+  const double dz = std::max({low.z - p.z, 0.0, p.z - high.z});
+  return dx * dx + dy * dy + dz * dz;
+}
+
+// Barycentric weights of the point of the segment a-b nearest to the origin.
+std::array<double, 2> nearest_on_segment(Vec3 a, Vec3 b) RINGDOWN_REALTIME {
+  const Vec3 along = b - a;
+  const double squared = dot(along, along);
+  const double t = squared > 0 ? std::clamp(-dot(a, along) / squared, 0.0, 1.0) : 0.0;
+  return {1 - t, t};
+}
+
+Vec3 combine(const std::array<Vec3, 3>& v, const std::array<double, 3>& w) RINGDOWN_REALTIME {
+  return w[0] * v[0] + (w[1] * v[1] + w[2] * v[2]);
+}
+
+// Barycentric weights of the point of a triangle nearest to `p`: the projection when it falls inside, else the best
+// of the three edges. Degenerate triangles fall through to their edges.
+std::array<double, 3> nearest_on_triangle(Vec3 p, const std::array<Vec3, 3>& corners) RINGDOWN_REALTIME {
+  const std::array<Vec3, 3> v = {corners[0] - p, corners[1] - p, corners[2] - p};
+  const Vec3 normal = cross(v[1] - v[0], v[2] - v[0]);
+  const double area_squared = dot(normal, normal);
+  if (area_squared > 0) {
+    const std::array<double, 3> inside = {dot(cross(v[1], v[2]), normal) / area_squared,
+                                          dot(cross(v[2], v[0]), normal) / area_squared,
+                                          dot(cross(v[0], v[1]), normal) / area_squared};
+    if (inside[0] >= 0 && inside[1] >= 0 && inside[2] >= 0) return inside;
+  }
+  std::array<double, 3> best{};
+  double best_squared = std::numeric_limits<double>::infinity();
+  for (std::size_t edge = 0; edge < 3; ++edge) {
+    const std::size_t next = (edge + 1) % 3;
+    const auto weights = nearest_on_segment(v[edge], v[next]);
+    std::array<double, 3> candidate{};
+    candidate[edge] = weights[0];
+    candidate[next] = weights[1];
+    const Vec3 offset = combine(v, candidate);
+    if (dot(offset, offset) < best_squared) {
+      best_squared = dot(offset, offset);
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+SurfaceIndex::SurfaceIndex(const Bank& bank) {
+  const auto position = [&bank](std::uint32_t p) {
+    const Vec3f& v = bank.positions[p];
+    return Vec3{v[0], v[1], v[2]};
+  };
+  for (const auto& t : bank.triangles) triangles_.push_back({t, {position(t[0]), position(t[1]), position(t[2])}});
+  if (bank.triangles.empty()) {
+    for (std::uint32_t p = 0; p < bank.point_count(); ++p) {
+      triangles_.push_back({{p, p, p}, {position(p), position(p), position(p)}});
+    }
+  }
+  assert(!triangles_.empty());
+  nodes_.reserve(2 * triangles_.size());
+  build(0, static_cast<std::uint32_t>(triangles_.size()));
+}
+
+void SurfaceIndex::build(std::uint32_t begin, std::uint32_t end) {
+  Node node{.low = triangles_[begin].corners[0], .high = triangles_[begin].corners[0], .first = begin,
+            .count = end - begin};
+  for (std::uint32_t i = begin; i < end; ++i) {
+    for (const Vec3& corner : triangles_[i].corners) {
+      node.low = lowest(node.low, corner);
+      node.high = highest(node.high, corner);
+    }
+  }
+  const std::size_t place = nodes_.size();
+  nodes_.push_back(node);
+  if (node.count <= kLeafSize) return;
+
+  const Vec3 size = node.high - node.low;
+  const auto coordinate = size.x >= size.y && size.x >= size.z ? &Vec3::x : (size.y >= size.z ? &Vec3::y : &Vec3::z);
+  const auto center = [coordinate](const Triangle& t) {
+    return t.corners[0].*coordinate + t.corners[1].*coordinate + t.corners[2].*coordinate;
+  };
+  const std::uint32_t middle = begin + (end - begin) / 2;
+  std::nth_element(triangles_.begin() + begin, triangles_.begin() + middle, triangles_.begin() + end,
+                   [&center](const Triangle& a, const Triangle& b) { return center(a) < center(b); });
+  build(begin, middle);
+  nodes_[place].first = static_cast<std::uint32_t>(nodes_.size());
+  nodes_[place].count = 0;
+  build(middle, end);
+}
+
+SurfacePoint SurfaceIndex::nearest(Vec3 query) const RINGDOWN_REALTIME {
+  struct Pending {
+    std::uint32_t node;
+    double squared;
+  };
+  const Node* nodes = nodes_.data();
+  const Triangle* triangles = triangles_.data();
+  const auto pending = [nodes, query](std::uint32_t n) RINGDOWN_REALTIME {
+    return Pending{n, squared_distance_to_box(query, nodes[n].low, nodes[n].high)};
+  };
+  std::array<Pending, kDeepestTree> stack;
+  std::size_t depth = 0;
+  stack[depth++] = pending(0);
+  SurfacePoint best;
+  double best_squared = std::numeric_limits<double>::infinity();
+  while (depth > 0) {
+    const Pending top = stack[--depth];
+    if (top.squared >= best_squared) continue;
+    const Node& node = nodes[top.node];
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      const auto weights = nearest_on_triangle(query, triangles[i].corners);
+      const Vec3 offset = combine(triangles[i].corners, weights) - query;
+      if (dot(offset, offset) < best_squared) {
+        best_squared = dot(offset, offset);
+        best = {triangles[i].points, weights, 0};
+      }
+    }
+    if (node.count > 0) continue;
+    Pending nearer = pending(top.node + 1), farther = pending(node.first);
+    if (farther.squared < nearer.squared) std::swap(nearer, farther);
+    stack[depth++] = farther;
+    stack[depth++] = nearer;
+  }
+  best.distance_m = std::sqrt(best_squared);
+  return best;
+}
+
+}  // namespace ringdown::modal

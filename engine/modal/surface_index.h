@@ -1,0 +1,50 @@
+// Finds where on an object's surface a strike lands.
+//
+// A bounding-volume hierarchy over the bank's triangles (over its points, when it has no triangles), built once by the
+// worker. The audio thread asks it for the surface point nearest to any point: about a microsecond for a thousand
+// triangles, no allocation, a stack of fixed depth.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/base/vec3.h"
+#include "engine/modal/bank.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace ringdown::modal {
+
+// A point of the surface as a weighted mean of three sample points; the weights are >= 0 and sum to 1.
+struct SurfacePoint {
+  std::array<std::uint32_t, 3> points{};
+  std::array<double, 3> weights{};
+  double distance_m = 0;  // from the point that was asked for
+};
+
+class SurfaceIndex {
+ public:
+  // O(n log n). The bank must have passed read_bank's checks. [worker]
+  explicit SurfaceIndex(const Bank& bank);
+
+  // The nearest point of the surface; `query` is in the object frame and finite. [audio]
+  [[nodiscard]] SurfacePoint nearest(Vec3 query) const RINGDOWN_REALTIME;
+
+ private:
+  struct Triangle {
+    std::array<std::uint32_t, 3> points;
+    std::array<Vec3, 3> corners;
+  };
+  struct Node {
+    Vec3 low, high;
+    std::uint32_t first = 0;  // leaf: its first triangle; else: its right child (the left one follows it directly)
+    std::uint32_t count = 0;  // leaf: number of triangles; else 0
+  };
+
+  void build(std::uint32_t begin, std::uint32_t end);
+
+  std::vector<Triangle> triangles_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace ringdown::modal
