@@ -1,10 +1,12 @@
 // Everything a client can ask of Ringdown, one struct each. schema.h turns messages into these and back.
 //
 // Values are SI and already checked: finite, inside the range the schema states. Points and impulses are in the
-// object's own frame. [any thread]
+// object's own frame. A member's initialiser is the default of an optional argument. [any thread]
 #pragma once
 
 #include "engine/base/vec3.h"
+#include "engine/modal/material_scale.h"
+#include "protocol/defaults.h"
 
 #include <cstdint>
 #include <optional>
@@ -23,13 +25,13 @@ struct ObjectRef {
 struct Strike {        // /object/{object}/strike
   ObjectRef object;
   Vec3 point_m, impulse_ns;
-  double contact_time_s = 0;
+  double contact_time_s = kDefaultContactTimeS;
 };
 struct StrikeVertex {  // /object/{object}/strike_vertex
   ObjectRef object;
   std::uint32_t vertex = 0;
   Vec3 impulse_ns;
-  double contact_time_s = 0;
+  double contact_time_s = kDefaultContactTimeS;
 };
 struct SetGain {       // /object/{object}/gain
   ObjectRef object;
@@ -40,14 +42,9 @@ struct SetPan {        // /object/{object}/pan
   ObjectRef object;
   double pan = 0;
 };
-// Scales of the bank's own material; 1 1 1 1 is the bank as baked. The modes follow exactly, without a new analysis.
-struct MaterialScale {
-  double alpha = 1, beta = 1, density = 1, stiffness = 1;
-  friend bool operator==(const MaterialScale&, const MaterialScale&) = default;
-};
 struct SetMaterial {   // /object/{object}/material
   ObjectRef object;
-  MaterialScale scale;
+  modal::MaterialScale scale;
 };
 struct ClearObject {   // /object/{object}/clear
   ObjectRef object;
@@ -71,14 +68,16 @@ struct ScenePause {    // /scene/pause
 // Drops a new body into the scene. `object` sounds; without one the body is silent but strikes others.
 struct SpawnBox {      // /scene/spawn/box
   std::optional<ObjectRef> object;
-  Vec3 position_m, velocity_m_s;
+  Vec3 position_m;
   Vec3 size_m;                // edge lengths; 0 0 0: the bounding box of the object's bank
+  Vec3 velocity_m_s;
   double density_kg_m3 = 0;   // 0: mass and inertia from the object's bank
 };
 struct SpawnSphere {   // /scene/spawn/sphere
   std::optional<ObjectRef> object;
-  Vec3 position_m, velocity_m_s;
+  Vec3 position_m;
   double radius_m = 0;        // 0: the radius that encloses the object's bank
+  Vec3 velocity_m_s;
   double density_kg_m3 = 0;   // 0: mass and inertia from the object's bank
 };
 struct SceneClear {};  // /scene/clear

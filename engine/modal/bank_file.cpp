@@ -2,6 +2,7 @@
 
 #include "engine/base/atomic_file.h"
 #include "engine/modal/glb.h"
+#include "engine/modal/material_scale.h"
 
 #include <algorithm>
 #include <cmath>
@@ -119,16 +120,13 @@ Result<Instance> find_instance(const Glb& glb) {
   return Instance{};
 }
 
-// Similar bodies of one material: lengths times s, frequencies by 1/s, mass by s^3, shapes by s^-3/2. Of the decay
-// the part that Rayleigh's beta causes falls by 1/s^2, the rest stays (docs/physics.md).
+// Similar bodies of one material: lengths times s, eigenvalues by 1/s^2 (as a stiffness by 1/s^2 would do), mass by
+// s^3, shapes by s^-3/2.
 void scale_size(Bank& bank, double s) {
-  const double beta = bank.material ? bank.material->damping.beta_s : 0.0;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
-    const double lambda = undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
-    const double stiffness_part = std::min(0.5 * beta * lambda, bank.decay_per_s[m]);
-    const double decay = bank.decay_per_s[m] - stiffness_part * (1 - 1 / (s * s));
-    bank.frequency_hz[m] = rad_per_s_to_hz(std::sqrt(std::max(lambda / (s * s) - decay * decay, 0.0)));
-    bank.decay_per_s[m] = decay;
+    const DampedMode mode = rescale(bank, m, {.stiffness = 1 / (s * s)});
+    bank.frequency_hz[m] = mode.frequency_hz;
+    bank.decay_per_s[m] = mode.decay_per_s;
   }
   const auto length = static_cast<float>(s), shape = static_cast<float>(std::pow(s, -1.5));
   for (Vec3f& p : bank.positions) p = {p[0] * length, p[1] * length, p[2] * length};

@@ -1,0 +1,38 @@
+// From a point and an impulse to the excitation of every mode.
+//
+// Holds what a strike needs of a bank, laid out for it: the surface index, and the shapes point by point, so that the
+// modes of one point lie side by side. Built once per bank by the worker and shared by its voices.
+#pragma once
+
+#include "engine/modal/bank.h"
+#include "engine/modal/surface_index.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace ringdown::modal {
+
+class StrikeMap {
+ public:
+  // The bank must have passed read_bank's checks. [worker]
+  explicit StrikeMap(std::shared_ptr<const Bank> bank);
+
+  [[nodiscard]] const Bank& bank() const RINGDOWN_REALTIME { return *bank_; }
+
+  // amplitudes[m] = phi_m(p) . j [J^1/2]: the modal velocity that the impulse gives mode m. `amplitudes` has one
+  // element per mode of the bank. Cost O(modes), plus finding the surface point. [audio]
+  void excite(Vec3 point_m, Vec3 impulse_ns, std::span<double> amplitudes) const RINGDOWN_REALTIME;
+
+  // The same at a sample point, `vertex` < bank().point_count(). [audio]
+  void excite_vertex(std::size_t vertex, Vec3 impulse_ns, std::span<double> amplitudes) const RINGDOWN_REALTIME;
+
+ private:
+  void add(std::size_t point, Vec3 impulse_ns, std::span<double> amplitudes) const RINGDOWN_REALTIME;
+
+  std::shared_ptr<const Bank> bank_;
+  SurfaceIndex surface_;
+  std::vector<float> shapes_;  // P x 3 x M: x of all modes at a point, then y, then z
+};
+
+}  // namespace ringdown::modal
