@@ -1,0 +1,46 @@
+// The matrices of a whole mesh. [worker]
+//
+// The eigenproblem of a free elastic body is  K phi = lambda M phi  with 3 N unknowns, N the number of nodes:
+// unknown 3 n + i is the displacement of node n along axis i. Because every mass is the same in all
+// directions, M is kron(node_mass, I3), and only the N x N node matrix is kept.
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/fem/elastic.h"
+#include "engine/mesh/tet_mesh.h"
+
+#include <Eigen/SparseCore>
+
+#include <string_view>
+
+namespace ringdown::fem {
+
+enum class Element {
+  kTet10,      // quadratic, consistent mass: the default
+  kTet4,       // linear, consistent mass
+  kTet4Lumped, // linear, lumped mass: the course report's. Far too stiff in bending (docs/physics.md)
+};
+
+// "tet10", "tet4", "tet4-lumped".
+std::string_view element_name(Element element);
+Result<Element> parse_element(std::string_view name);
+
+using SparseMatrix = Eigen::SparseMatrix<double>;
+
+struct System {
+  SparseMatrix stiffness; // 3N x 3N [N/m]; the LOWER triangle only, columns sorted
+  SparseMatrix node_mass; // N x N [kg]; both triangles; diagonal only when lumped
+
+  [[nodiscard]] Eigen::Index unknowns() const { return stiffness.rows(); }
+};
+
+// The mesh must be of the element's order (to_quadratic, to_linear) and checked (check_mesh). Each entry is
+// added in the order of the elements, so the result is the same in every run. O(E), no list of triplets: the
+// pattern is found first from the nodes' neighbours. Fails on a material that is not stable.
+Result<System> assemble(const mesh::TetMesh& mesh, const Elastic& elastic, Element element);
+
+// y = kron(node_mass, I3) x for x of 3N numbers, or 3N x m at once. y may not be x.
+void apply_mass(const SparseMatrix& node_mass, const double* x, double* y);
+Eigen::MatrixXd mass_times(const SparseMatrix& node_mass, const Eigen::MatrixXd& x);
+
+} // namespace ringdown::fem

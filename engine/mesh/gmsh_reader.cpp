@@ -1,0 +1,168 @@
+#include "engine/mesh/gmsh_reader.h"
+
+#include "engine/base/atomic_file.h"
+
+#include <gmsh.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <mutex>
+#include <optional>
+#include <regex>
+#include <unordered_map>
+#include <vector>
+
+namespace ringdown::mesh {
+namespace {
+
+constexpr int kTet4 = 4, kTet10 = 11;                                     // gmsh's element types
+constexpr std::array<int, 10> kFromGmsh = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8}; // its last two edges are exchanged
+constexpr std::size_t kLargestGeometry = 16 << 20;                        // bytes of a .geo
+
+std::string plain_number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+// gmsh between initialize() and finalize(), with the numbers that .geo files may ask for.
+class Session {
+public:
+  explicit Session(const std::map<std::string, double>& numbers) : lock_(mutex_) {
+    std::vector<std::string> arguments = {"gmsh"};
+    for (const auto& [name, value] : numbers) {
+      arguments.insert(arguments.end(), {"-setnumber", name, plain_number(value)});
+    }
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    gmsh::initialize(static_cast<int>(argv.size()), argv.data(), false);
+    gmsh::option::setNumber("General.Terminal", 0);
+    gmsh::option::setNumber("General.NumThreads", 1); // the same mesh on every machine
+  }
+  ~Session() { gmsh::finalize(); }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+private:
+  static inline std::mutex mutex_;
+  std::lock_guard<std::mutex> lock_;
+};
+
+Result<void> check_parameters(const std::filesystem::path& path,
+                              const std::map<std::string, double>& parameters) {
+  if (parameters.empty()) return {};
+  if (path.extension() != ".geo") {
+    return fail(path.string() + " takes no parameters; only .geo files have them");
+  }
+  const Result<std::string> text = read_whole_file(path, kLargestGeometry);
+  if (!text) return fail(text.error());
+  for (const auto& [name, value] : parameters) {
+    if (!std::regex_match(name, std::regex("[A-Za-z_][A-Za-z0-9_]*")) ||
+        !std::regex_search(*text, std::regex("\\b" + name + "\\s*="))) {
+      return fail(path.string() + " has no parameter '" + name +
+                  "'; the file's DefineConstant lists what it takes");
+    }
+  }
+  return {};
+}
+
+std::size_t count_elements(int type) {
+  std::vector<std::size_t> elements, nodes;
+  gmsh::model::mesh::getElementsByType(type, elements, nodes);
+  return elements.size();
+}
+
+void generate_if_geometry(const GmshOptions& options) {
+  std::vector<int> types;
+  gmsh::model::mesh::getElementTypes(types, 3);
+  gmsh::vectorpair volumes;
+  gmsh::model::getEntities(volumes, 3);
+  if (!types.empty() || volumes.empty()) return;
+  if (options.mesh_size_m > 0) {
+    gmsh::option::setNumber("Mesh.MeshSizeMax", options.mesh_size_m / options.unit_m);
+  }
+  gmsh::model::mesh::generate(3);
+  if (options.order == 2) gmsh::model::mesh::setOrder(2);
+}
+
+std::optional<std::string> foreign_solid_element() {
+  std::vector<int> types;
+  gmsh::model::mesh::getElementTypes(types, 3);
+  for (const int type : types) {
+    if (type == kTet4 || type == kTet10) continue;
+    std::string name;
+    int dimension = 0, order = 0, nodes = 0, primary_nodes = 0;
+    std::vector<double> coordinates;
+    gmsh::model::mesh::getElementProperties(type, name, dimension, order, nodes, coordinates, primary_nodes);
+    return name;
+  }
+  return std::nullopt;
+}
+
+TetMesh take_mesh(int type, double unit_m) {
+  std::vector<std::size_t> node_tags, element_tags, element_nodes;
+  std::vector<double> coordinates, parametric;
+  gmsh::model::mesh::getNodes(node_tags, coordinates, parametric);
+  gmsh::model::mesh::getElementsByType(type, element_tags, element_nodes);
+
+  TetMesh mesh;
+  const auto node_count = static_cast<Eigen::Index>(node_tags.size());
+  mesh.nodes = unit_m * Eigen::Map<const Points>(coordinates.data(), node_count, 3);
+  std::unordered_map<std::size_t, std::int32_t> number;
+  for (std::size_t i = 0; i < node_tags.size(); ++i)
+    number.emplace(node_tags[i], static_cast<std::int32_t>(i));
+  const int per_element = type == kTet10 ? 10 : 4;
+  mesh.elements.resize(static_cast<Eigen::Index>(element_tags.size()), per_element);
+  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+    for (int a = 0; a < per_element; ++a) {
+      mesh.elements(e, a) =
+          number.at(element_nodes[static_cast<std::size_t>(e * per_element + kFromGmsh[a])]);
+    }
+  }
+  return mesh;
+}
+
+Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptions& options) {
+  gmsh::open(path.string());
+  generate_if_geometry(options);
+  if (const auto foreign = foreign_solid_element()) {
+    return fail(path.string() + " has elements of type " + *foreign +
+                "; only tetrahedra of 4 or 10 nodes are " + "understood, so mesh it with those");
+  }
+  const std::size_t linear = count_elements(kTet4), quadratic = count_elements(kTet10);
+  if (linear > 0 && quadratic > 0) {
+    return fail(path.string() + " mixes tetrahedra of 4 and of 10 nodes; give all of them the same order");
+  }
+  return check_mesh(take_mesh(quadratic > 0 ? kTet10 : kTet4, options.unit_m), path.string());
+}
+
+// gmsh's message as part of a sentence: one line, without a full stop.
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
+  return text.empty() ? "it gave no reason" : text;
+}
+
+} // namespace
+
+Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    return fail("cannot open " + path.string() + ": there is no such file");
+  }
+  if (!(options.unit_m > 0) || !std::isfinite(options.unit_m)) {
+    return fail("the unit of " + path.string() + " must be a positive length in metres");
+  }
+  if (auto known = check_parameters(path, options.parameters); !known) return fail(known.error());
+  try {
+    std::map<std::string, double> numbers = options.parameters;
+    if (options.mesh_size_m > 0) numbers["mesh_size"] = options.mesh_size_m / options.unit_m;
+    const Session session(numbers);
+    return read_open(path, options);
+  } catch (const std::exception& exception) {
+    return fail("gmsh cannot make a mesh of " + path.string() + ": " + one_line(exception.what()));
+  }
+}
+
+} // namespace ringdown::mesh

@@ -1,0 +1,34 @@
+// Meshes from files, by gmsh. Links GPL code: only ringdown-bake and tests use it. [worker, one call at a
+// time: gmsh keeps its state in globals, so calls wait for each other]
+//
+// Two kinds of files:
+//   a mesh      .msh .vtk .inp .unv .mesh .bdf ... with tetrahedra of 4 or 10 nodes; read as it is.
+//   a geometry  .geo (parametric), .step, .brep: meshed here, elements curved where the geometry is.
+// A .geo file takes numbers from outside through DefineConstant:
+//   DefineConstant[ length = 350, mesh_size = 10 ];   // defaults, in the file's unit
+// and `mesh_size` is always handed over that way too, for files that place their own nodes (Transfinite,
+// Layers). A .geo file is a program and may run commands: open only those you trust.
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/mesh/tet_mesh.h"
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+namespace ringdown::mesh {
+
+struct GmshOptions {
+  double unit_m = 1;      // length of one unit of the file, e.g. 0.001 for millimetres
+  double mesh_size_m = 0; // longest edge wanted; 0: the file's own or gmsh's choice. Geometry only
+  int order = 2;          // 1: straight 4-node, 2: curved 10-node elements. Geometry only
+  std::map<std::string, double> parameters; // DefineConstant names of a .geo, in the file's unit
+};
+
+// Reads or meshes `path` and checks it (check_mesh). Prints nothing. Fails with one sentence when gmsh does,
+// when a parameter is not one of the file's, when there are no tetrahedra, or other solid elements beside
+// them.
+Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options);
+
+} // namespace ringdown::mesh
