@@ -1,0 +1,273 @@
+#include "engine/synth/mixer.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace ringdown::synth {
+namespace {
+
+using protocol::Event;
+using protocol::EventType;
+using protocol::Frame;
+
+constexpr double kShortestRamp_s = 0.005;  // a step in gain or pan would click
+
+template <class T>
+void count(std::atomic<T>& counter) RINGDOWN_REALTIME {
+  counter.fetch_add(1, std::memory_order_relaxed);
+}
+
+bool is_strike(EventType type) RINGDOWN_REALTIME {
+  return type == EventType::strike || type == EventType::strike_vertex;
+}
+
+}  // namespace
+
+double Mixer::Ramp::at(Frame frame) const RINGDOWN_REALTIME {
+  if (frame >= end) return to;
+  if (frame <= begin) return from;
+  return from + (to - from) * (static_cast<double>(frame - begin) / static_cast<double>(end - begin));
+}
+
+void Mixer::Ramp::aim(double target, Frame now, Frame length) RINGDOWN_REALTIME {
+  *this = {at(now), target, now, now + length};
+}
+
+Mixer::Mixer(double sample_rate_hz)
+    : sample_rate_hz_(sample_rate_hz),
+      queues_{SpscRing<Event>(kQueueCapacity), SpscRing<Event>(kQueueCapacity), SpscRing<Event>(kQueueCapacity)} {}
+
+Mixer::~Mixer() {
+  for (; const Order* order = orders_.front(); orders_.pop()) delete order->voice;
+  for (; const Retired* retired = retired_.front(); retired_.pop()) delete retired->voice;
+  for (const Object& object : objects_) {
+    delete object.current;
+    for (Voice* voice = object.tails; voice;) delete std::exchange(voice, voice->next);
+  }
+}
+
+bool Mixer::push(Producer producer, const Event& event) RINGDOWN_REALTIME {
+  assert(event.object < kMostObjects);
+  return queues_[static_cast<std::size_t>(producer)].push(event);
+}
+
+bool Mixer::install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice, Install how) {
+  assert(object < kMostObjects && voice);
+  if (voices_alive_ == kMostVoices) return false;
+  const auto kind = how == Install::replace ? Order::Kind::replace : Order::Kind::retune;
+  if (!orders_.push({kind, object, voice.get()})) return false;
+  static_cast<void>(voice.release());
+  ++voices_alive_;
+  ++voices_of_[object];
+  return true;
+}
+
+bool Mixer::remove(protocol::ObjectNumber object) {
+  assert(object < kMostObjects);
+  return orders_.push({Order::Kind::remove, object, nullptr});
+}
+
+void Mixer::collect() {
+  for (; const Retired* retired = retired_.front(); retired_.pop()) {
+    delete retired->voice;
+    --voices_alive_;
+    --voices_of_[retired->object];
+  }
+}
+
+void Mixer::render(std::span<float> left, std::span<float> right) RINGDOWN_REALTIME {
+  const DenormalGuard guard;
+  accept_orders();
+  accept_events();
+  const std::size_t frames = left.size();
+  float* out[] = {left.data(), right.data()};
+  float peak = 0;
+  ringing_voices_ = ringing_modes_ = 0;
+  for (std::size_t done = 0; done < frames;) {
+    const Frame rest = static_cast<Frame>(frames - done);
+    if (active_count_ == 0 && (pending_count_ == 0 || pending_.data()[0].event.frame >= now_ + rest)) {
+      for (float* channel : out) std::fill_n(channel + done, frames - done, 0.0f);
+      now_ += rest;
+      break;
+    }
+    const std::size_t chunk = std::min(kChunkFrames, frames - done);
+    render_chunk(chunk);
+    for (std::size_t n = 0; n < chunk; ++n) {
+      out[0][done + n] = static_cast<float>(mix_left_[n]);
+      out[1][done + n] = static_cast<float>(mix_right_[n]);
+      peak = std::max({peak, std::abs(out[0][done + n]), std::abs(out[1][done + n])});
+    }
+    done += chunk;
+    now_ += static_cast<Frame>(chunk);
+  }
+  counters_.ringing_voices.store(ringing_voices_, std::memory_order_relaxed);
+  counters_.ringing_modes.store(ringing_modes_, std::memory_order_relaxed);
+  counters_.peak.store(peak, std::memory_order_relaxed);
+  counters_.frames.store(now_, std::memory_order_release);
+}
+
+void Mixer::accept_orders() RINGDOWN_REALTIME {
+  for (; const Order* order = orders_.front(); orders_.pop()) carry_out(*order);
+}
+
+void Mixer::carry_out(const Order& order) RINGDOWN_REALTIME {
+  Object& object = objects_.data()[order.object];
+  Voice* old = std::exchange(object.current, order.voice);
+  activate(object);  // the next chunk finds out what rings, and retires what does not
+  if (!old) return;
+  if (order.kind == Order::Kind::retune) {
+    order.voice->take_over(*old);
+    old->silence();
+  } else if (order.kind == Order::Kind::remove) {
+    old->fade_out();
+  }
+  keep_as_tail(object, old);
+}
+
+void Mixer::accept_events() RINGDOWN_REALTIME {
+  Pending* heap = pending_.data();
+  for (auto& queue : queues_) {
+    for (; pending_count_ < kMostPendingEvents; queue.pop()) {
+      const Event* event = queue.front();
+      if (!event) break;
+      heap[pending_count_] = {*event, next_order_++};
+      if (event->frame < now_) {
+        heap[pending_count_].event.frame = now_;
+        count(counters_.late);
+      }
+      ++pending_count_;
+      std::push_heap(heap, heap + pending_count_, Later{});
+    }
+  }
+}
+
+// Sorts the events of the coming chunk to their objects.
+void Mixer::take_due_events(std::size_t frames) RINGDOWN_REALTIME {
+  Pending* heap = pending_.data();
+  DueEvent* due = due_.data();
+  const Frame end = now_ + static_cast<Frame>(frames);
+  for (std::int32_t place = 0; pending_count_ > 0 && heap[0].event.frame < end; ++place) {
+    if (place == static_cast<std::int32_t>(kMostEventsPerChunk)) return;
+    const Event& event = heap[0].event;
+    Object& object = objects_.data()[event.object];
+    due[place] = {event, static_cast<std::size_t>(std::max<Frame>(event.frame - now_, 0)), -1};
+    (object.first_due < 0 ? object.first_due : due[object.last_due].next) = place;
+    object.last_due = place;
+    activate(object);
+    std::pop_heap(heap, heap + pending_count_--, Later{});
+  }
+}
+
+void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
+  mix_left_.fill(0);
+  mix_right_.fill(0);
+  take_due_events(frames);
+  ringing_voices_ = ringing_modes_ = 0;
+  protocol::ObjectNumber* active = active_.data();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < active_count_; ++i) {
+    Object& object = objects_.data()[active[i]];
+    object.active = render_object(object, frames);
+    if (object.active) active[kept++] = active[i];
+  }
+  active_count_ = kept;
+}
+
+// Renders one object's share of the chunk. False when nothing of it rings any more.
+bool Mixer::render_object(Object& object, std::size_t frames) RINGDOWN_REALTIME {
+  std::size_t at = 0;
+  for (std::int32_t i = std::exchange(object.first_due, -1); i >= 0;) {
+    const DueEvent& due = due_.data()[i];
+    render_segment(object, at, due.offset);
+    at = due.offset;
+    apply(object, due.event);
+    i = due.next;
+  }
+  render_segment(object, at, frames);
+  retire_silent_tails(object);
+  const auto note = [this](const Voice& voice) RINGDOWN_REALTIME {
+    ++ringing_voices_;
+    ringing_modes_ += static_cast<std::uint32_t>(voice.playable_modes());
+  };
+  const bool current_rings = object.current && object.current->ringing();
+  if (current_rings) note(*object.current);
+  for (const Voice* voice = object.tails; voice; voice = voice->next) note(*voice);
+  return current_rings || object.tails;
+}
+
+void Mixer::render_segment(Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME {
+  if (begin == end) return;
+  bool sounds = false;
+  std::fill_n(mono_.data() + begin, end - begin, 0.0);
+  const auto add = [&](Voice* voice) RINGDOWN_REALTIME {
+    if (!voice || !voice->ringing()) return;
+    if (!voice->render(mono_.data() + begin, end - begin)) count(counters_.not_finite);
+    sounds = true;
+  };
+  add(object.current);
+  for (Voice* voice = object.tails; voice; voice = voice->next) add(voice);
+  if (!sounds) return;
+  for (std::size_t n = begin; n < end; ++n) {
+    const Frame frame = now_ + static_cast<Frame>(n);
+    const double sample = object.gain.at(frame) * mono_[n];
+    mix_left_[n] += object.left.at(frame) * sample;
+    mix_right_[n] += object.right.at(frame) * sample;
+  }
+}
+
+void Mixer::apply(Object& object, const Event& event) RINGDOWN_REALTIME {
+  const auto ramp = static_cast<Frame>(std::max(event.ramp_s, kShortestRamp_s) * sample_rate_hz_);
+  if (is_strike(event.type)) {
+    const bool struck = object.current && object.current->strike(event);
+    count(struck ? counters_.strikes : counters_.refused);
+  } else if (event.type == EventType::gain) {
+    object.gain.aim(event.value, event.frame, ramp);
+  } else if (event.type == EventType::pan) {
+    const double angle = 0.25 * std::numbers::pi * (1 + event.value);
+    object.left.aim(std::cos(angle), event.frame, ramp);
+    object.right.aim(std::sin(angle), event.frame, ramp);
+  } else if (event.type == EventType::clear) {
+    if (object.current) object.current->fade_out();
+    for (Voice* voice = object.tails; voice; voice = voice->next) voice->fade_out();
+  }
+}
+
+void Mixer::activate(Object& object) RINGDOWN_REALTIME {
+  if (std::exchange(object.active, true)) return;
+  active_.data()[active_count_++] = number_of(object);
+}
+
+void Mixer::keep_as_tail(Object& object, Voice* voice) RINGDOWN_REALTIME {
+  voice->next = object.tails;
+  object.tails = voice;
+}
+
+void Mixer::retire_silent_tails(Object& object) RINGDOWN_REALTIME {
+  for (Voice** link = &object.tails; *link;) {
+    Voice* voice = *link;
+    Voice* next = voice->next;
+    if (voice->ringing()) {
+      link = &voice->next;
+      continue;
+    }
+    const bool last = !object.current && !next && link == &object.tails;
+    if (last) reset_ramps(object);  // before the worker learns that the number is free again
+    *link = next;
+    [[maybe_unused]] const bool handed_over = retired_.push({number_of(object), voice});
+    assert(handed_over);  // the ring holds kMostVoices, and install() allows no more
+  }
+}
+
+void Mixer::reset_ramps(Object& object) RINGDOWN_REALTIME {
+  object.gain = {1, 1};
+  object.left = object.right = {kCentre, kCentre};
+}
+
+protocol::ObjectNumber Mixer::number_of(const Object& object) const RINGDOWN_REALTIME {
+  return static_cast<protocol::ObjectNumber>(&object - objects_.data());
+}
+
+}  // namespace ringdown::synth

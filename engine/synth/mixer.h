@@ -1,0 +1,161 @@
+// Everything that rings, summed to stereo: what the JACK callback runs.
+//
+// Threads. One audio thread calls render(). Each Producer is one thread that pushes events through its own ring. One
+// worker thread installs and collects voices. None of them ever waits for another, and the audio thread neither
+// allocates, locks, makes system calls nor frees.
+//
+// Time. Frame 0 is the first frame ever rendered. An event happens at its own frame whatever the block size; one whose
+// frame has passed happens at once and is counted as late.
+//
+// Banks. install() gives an object a new voice at the start of the next block, while the voice it had rings out beside
+// it. Voices that have died away come back through collect(), which frees them on the worker.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/base/spsc_ring.h"
+#include "engine/synth/voice.h"
+#include "protocol/event.h"
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace ringdown::synth {
+
+// Capacities. Past one, a push or install returns false and nothing changes.
+inline constexpr std::size_t kMostObjects = 1024;
+inline constexpr std::size_t kMostVoices = 4096;         // playing, ringing out or waiting for collect()
+inline constexpr std::size_t kQueueCapacity = 4096;      // events one producer may have in its ring
+inline constexpr std::size_t kMostPendingEvents = 8192;  // events waiting in the mixer for their frame
+inline constexpr std::size_t kMostEventsPerChunk = 512;  // more in one chunk happen up to kChunkFrames later
+
+enum class Producer : std::size_t { control, worker, scene, kCount };
+
+// Numbers that any thread may read while the mixer runs.
+struct MixerCounters {
+  std::atomic<std::int64_t> frames{0};           // rendered so far; also the time of the next block's first frame
+  std::atomic<std::uint64_t> strikes{0};         // played
+  std::atomic<std::uint64_t> late{0};            // events that came after their frame
+  std::atomic<std::uint64_t> refused{0};         // events for an object or vertex that does not exist (any more)
+  std::atomic<std::uint64_t> not_finite{0};      // voices silenced because a state was no longer a finite number
+  std::atomic<std::uint32_t> ringing_voices{0};  // in the last block
+  std::atomic<std::uint32_t> ringing_modes{0};   // in the last block
+  std::atomic<float> peak{0};                    // largest |sample| of the last block
+};
+
+class Mixer {
+ public:
+  explicit Mixer(double sample_rate_hz);
+  ~Mixer();
+  Mixer(const Mixer&) = delete;
+  Mixer& operator=(const Mixer&) = delete;
+
+  [[nodiscard]] double sample_rate_hz() const { return sample_rate_hz_; }
+
+  // Hands an event over. False when the producer's ring is full: the event was not taken. The event's object is
+  // < kMostObjects and its numbers are finite. [the producer's thread]
+  [[nodiscard]] bool push(Producer producer, const protocol::Event& event) RINGDOWN_REALTIME;
+
+  enum class Install {
+    replace,  // the old voice rings out, the new one takes the strikes to come
+    retune,   // the new voice, of the same bank, takes over what rings: for a change of material
+  };
+  // Gives `object` a new voice from the next block on. False when kMostVoices are alive. [worker]
+  [[nodiscard]] bool install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice, Install how);
+
+  // Takes the object away: what rings fades out within Voice::kFadeFrames. False when the worker's ring is full.
+  // [worker]
+  [[nodiscard]] bool remove(protocol::ObjectNumber object);
+
+  // Frees the voices that have died away. [worker]
+  void collect();
+
+  // True while `object` has a voice that is playing, ringing out or not yet collected. [worker]
+  [[nodiscard]] bool in_use(protocol::ObjectNumber object) const { return voices_of_[object] > 0; }
+
+  // Writes the next frames of the mix; any number of frames. [audio]
+  void render(std::span<float> left, std::span<float> right) RINGDOWN_REALTIME;
+
+  [[nodiscard]] const MixerCounters& counters() const { return counters_; }
+
+ private:
+  // A value that moves linearly from one frame to another, independent of how the time between is cut into blocks.
+  struct Ramp {
+    double from = 0, to = 0;
+    protocol::Frame begin = 0, end = 0;
+    [[nodiscard]] double at(protocol::Frame frame) const RINGDOWN_REALTIME;
+    void aim(double target, protocol::Frame now, protocol::Frame length) RINGDOWN_REALTIME;
+  };
+  struct Pending {
+    protocol::Event event;
+    std::uint64_t order;  // among events of one frame: first pushed, first played
+  };
+  struct Later {
+    bool operator()(const Pending& a, const Pending& b) const RINGDOWN_REALTIME {
+      return a.event.frame != b.event.frame ? a.event.frame > b.event.frame : a.order > b.order;
+    }
+  };
+  struct DueEvent {
+    protocol::Event event;
+    std::size_t offset;   // frames into the chunk
+    std::int32_t next;    // the object's next event in this chunk, -1 for none
+  };
+  static constexpr double kCentre = 0.70710678118654752;  // equal power: cos 45 degrees
+  struct Object {
+    Voice* current = nullptr;  // takes strikes
+    Voice* tails = nullptr;    // ring out
+    Ramp gain{1, 1}, left{kCentre, kCentre}, right{kCentre, kCentre};
+    bool active = false;       // listed in active_
+    std::int32_t first_due = -1, last_due = -1;
+  };
+  struct Order {
+    enum class Kind { replace, retune, remove } kind;
+    protocol::ObjectNumber object;
+    Voice* voice;
+  };
+  struct Retired {
+    protocol::ObjectNumber object;
+    Voice* voice;
+  };
+
+  void accept_orders() RINGDOWN_REALTIME;
+  void carry_out(const Order& order) RINGDOWN_REALTIME;
+  void accept_events() RINGDOWN_REALTIME;
+  void take_due_events(std::size_t frames) RINGDOWN_REALTIME;
+  void render_chunk(std::size_t frames) RINGDOWN_REALTIME;
+  [[nodiscard]] bool render_object(Object& object, std::size_t frames) RINGDOWN_REALTIME;
+  void render_segment(Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME;
+  void apply(Object& object, const protocol::Event& event) RINGDOWN_REALTIME;
+  void activate(Object& object) RINGDOWN_REALTIME;
+  void keep_as_tail(Object& object, Voice* voice) RINGDOWN_REALTIME;
+  void retire_silent_tails(Object& object) RINGDOWN_REALTIME;
+  void reset_ramps(Object& object) RINGDOWN_REALTIME;
+  [[nodiscard]] protocol::ObjectNumber number_of(const Object& object) const RINGDOWN_REALTIME;
+
+  const double sample_rate_hz_;
+  MixerCounters counters_;
+  std::array<SpscRing<protocol::Event>, static_cast<std::size_t>(Producer::kCount)> queues_;
+  SpscRing<Order> orders_{kMostVoices + kMostObjects};
+  SpscRing<Retired> retired_{kMostVoices};
+
+  // The audio thread's own.
+  std::vector<Object> objects_{kMostObjects};
+  std::vector<protocol::ObjectNumber> active_ = std::vector<protocol::ObjectNumber>(kMostObjects);
+  std::size_t active_count_ = 0;
+  std::vector<Pending> pending_ = std::vector<Pending>(kMostPendingEvents);  // a heap, earliest first
+  std::size_t pending_count_ = 0;
+  std::uint64_t next_order_ = 0;
+  std::uint32_t ringing_voices_ = 0, ringing_modes_ = 0;  // of the chunk being rendered
+  std::vector<DueEvent> due_ = std::vector<DueEvent>(kMostEventsPerChunk);
+  std::array<double, kChunkFrames> mono_{}, mix_left_{}, mix_right_{};
+  protocol::Frame now_ = 0;
+
+  // The worker's own.
+  std::array<std::uint32_t, kMostObjects> voices_of_{};
+  std::size_t voices_alive_ = 0;
+};
+
+}  // namespace ringdown::synth
