@@ -68,16 +68,14 @@ struct ScenePause {    // /scene/pause
 // Drops a new body into the scene. `object` sounds; without one the body is silent but strikes others.
 struct SpawnBox {      // /scene/spawn/box
   std::optional<ObjectRef> object;
-  Vec3 position_m;
+  Vec3 position_m, velocity_m_s;
   Vec3 size_m;                // edge lengths; 0 0 0: the bounding box of the object's bank
-  Vec3 velocity_m_s;
   double density_kg_m3 = 0;   // 0: mass and inertia from the object's bank
 };
 struct SpawnSphere {   // /scene/spawn/sphere
   std::optional<ObjectRef> object;
-  Vec3 position_m;
+  Vec3 position_m, velocity_m_s;
   double radius_m = 0;        // 0: the radius that encloses the object's bank
-  Vec3 velocity_m_s;
   double density_kg_m3 = 0;   // 0: mass and inertia from the object's bank
 };
 struct SceneClear {};  // /scene/clear

@@ -1,0 +1,132 @@
+#include "protocol/convert.h"
+
+#include "protocol/names.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace ringdown::protocol {
+namespace {
+
+constexpr std::size_t kLongestText = 4096;
+
+std::string shown(const std::string& text) {
+  return "the text " + quoted(text);
+}
+std::string shown(std::int32_t value) {
+  return std::to_string(value);
+}
+std::string shown(std::int64_t value) {
+  return std::to_string(value);
+}
+std::string shown(double value) {
+  if (std::isnan(value)) return "not a number (NaN)";
+  if (std::isinf(value)) return value > 0 ? "infinite" : "minus infinite";
+  return number_text(value);
+}
+std::string shown(const Argument& argument) {
+  return std::visit([](const auto& value) { return shown(value); }, argument);
+}
+
+tl::unexpected<Error> refuse(const ArgumentSpec& spec, const std::string& what) {
+  return fail("is " + what + "; it must be " + expectation(spec));
+}
+
+// An int64 above 2^53 loses digits here, but is outside every range of the table anyway.
+std::optional<double> as_number(const Argument& argument) {
+  if (const auto* value = std::get_if<std::int32_t>(&argument)) return *value;
+  if (const auto* value = std::get_if<std::int64_t>(&argument)) return static_cast<double>(*value);
+  if (const auto* value = std::get_if<float>(&argument)) return *value;
+  if (const auto* value = std::get_if<double>(&argument)) return *value;
+  return std::nullopt;
+}
+
+Result<Value> convert_number(const ArgumentSpec& spec, const Argument& argument) {
+  const std::optional<double> number = as_number(argument);
+  const bool inside = number && *number >= spec.least && *number <= spec.most; // false for NaN
+  if (!inside) return refuse(spec, shown(argument));
+  if (spec.type == ValueType::number) return Value(*number);
+  if (*number != std::floor(*number)) return refuse(spec, shown(argument));
+  return Value(static_cast<std::int32_t>(*number));
+}
+
+Result<Value> convert_object(const ArgumentSpec& spec, const Argument& argument) {
+  if (const std::optional<double> number = as_number(argument)) {
+    const bool fits = *number >= 0 && *number <= kLargestNumber && *number == std::floor(*number);
+    if (!fits) return refuse(spec, shown(argument));
+    return Value(ObjectRef{"", static_cast<std::uint32_t>(*number)});
+  }
+  const auto& text = std::get<std::string>(argument);
+  if (spec.type == ValueType::object_or_none && text == kNoObject) return Value();
+  Result<ObjectRef> object = parse_object(text);
+  if (!object) return refuse(spec, shown(argument));
+  return Value(std::move(*object));
+}
+
+Result<Value> convert_text(const ArgumentSpec& spec, const Argument& argument) {
+  const auto* text = std::get_if<std::string>(&argument);
+  if (!text) return refuse(spec, "the number " + shown(argument));
+  const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 127; };
+  const bool good = spec.type == ValueType::name ? is_object_name(*text)
+                                                 : !text->empty() && text->size() <= kLongestText &&
+                                                       std::ranges::none_of(*text, is_control);
+  if (!good) return refuse(spec, shown(argument));
+  return Value(*text);
+}
+
+} // namespace
+
+Result<Value> convert(const ArgumentSpec& spec, const Argument& argument) {
+  switch (spec.type) {
+  case ValueType::number:
+  case ValueType::integer:
+  case ValueType::flag:
+    return convert_number(spec, argument);
+  case ValueType::text:
+  case ValueType::name:
+    return convert_text(spec, argument);
+  case ValueType::object:
+  case ValueType::object_or_none:
+    break;
+  }
+  return convert_object(spec, argument);
+}
+
+std::string expectation(const ArgumentSpec& spec) {
+  const std::string unit = spec.unit.empty() ? "" : " " + std::string(spec.unit);
+  const std::string range = " from " + number_text(spec.least) + " to " + number_text(spec.most) + unit;
+  switch (spec.type) {
+  case ValueType::number:
+    return "a number" + range;
+  case ValueType::integer:
+    return "a whole number" + range;
+  case ValueType::flag:
+    return "0 or 1";
+  case ValueType::text:
+    return "text of 1 to 4096 bytes without control characters";
+  case ValueType::name:
+    return "a name of 1 to 64 of A-Z a-z 0-9 _ . - that is not all digits";
+  case ValueType::object:
+    return "an object's name or number";
+  case ValueType::object_or_none:
+    break;
+  }
+  return "an object's name or number, or - for none";
+}
+
+std::string number_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.10g", value);
+  return text;
+}
+
+std::string value_text(const Value& value) {
+  if (const auto* number = std::get_if<double>(&value)) return number_text(*number);
+  if (const auto* integer = std::get_if<std::int32_t>(&value)) return std::to_string(*integer);
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (const auto* object = std::get_if<ObjectRef>(&value)) return to_text(*object);
+  return std::string(kNoObject);
+}
+
+} // namespace ringdown::protocol

@@ -1,0 +1,124 @@
+#include "protocol/help.h"
+
+#include "protocol/convert.h"
+#include "protocol/defaults.h"
+
+#include <cctype>
+
+namespace ringdown::protocol {
+namespace {
+
+constexpr std::string_view kHead = R"(# The protocol
+
+<!-- Written by `ringdown protocol --markdown` from the table in protocol/table.cpp. Change it there. -->
+
+Ringdown is played over OSC 1.0 by UDP, on port {port} of this computer unless the daemon was started with others.
+
+- **Units** are SI: m, kg, s, N s. Points and impulses are in the object's own frame, the one of its mesh.
+- **Numbers** may be sent as any of the OSC types `i` `h` `f` `d`. They must be finite and in range, and whole where a whole
+  number is wanted: Pure Data's 3.0 is 3. Text is type `s`. Arguments in [brackets] may be left out, from the right.
+- **Objects** have a name (1 to 64 of `A-Z a-z 0-9 _ . -`, not digits only) and a number; both serve in an address:
+  `/object/bell/strike`, `/object/0/strike`.
+- **Time**: a message outside a bundle is played at once, that is a fixed short latency after it arrived, so that the time
+  between two messages is kept. A bundle's timetag says when its messages are played, to the sample; bundles nest up to 4
+  deep, and an inner one is never earlier than the one around it.
+- **Answers** go to the port the request came from. Every refusal is `/fail address sentence`, and the sentence names the
+  argument. Where no answer is listed, silence is success; send `/sync` to be sure that all before it has arrived.
+- **Limits**: 64 arguments, an address of 256 characters, no OSC address patterns. A datagram with any fault in it is refused
+  whole.
+
+)";
+
+std::string accepted_text(const ArgumentSpec& spec) {
+  std::string text = expectation(spec);
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+std::string fallback_text(const ArgumentSpec& spec) {
+  const bool absent = std::holds_alternative<std::monostate>(spec.fallback);
+  return absent ? "absent" : value_text(spec.fallback);
+}
+
+std::string argument_table(const AddressSpec& spec) {
+  if (spec.arguments.empty()) return "";
+  std::string table = "\n| argument | meaning | accepted | if left out |\n|---|---|---|---|\n";
+  for (const ArgumentSpec& argument : spec.arguments) {
+    table.append("| `").append(argument.name).append("` | ").append(argument.sentence).append(" | ");
+    table += expectation(argument) + " | " + (argument.optional ? fallback_text(argument) : "") + " |\n";
+  }
+  return table;
+}
+
+std::string answer_text(const AddressSpec& spec) {
+  if (spec.reply.empty()) return "Answer: none.";
+  std::string text = "Answer: `" + std::string(spec.reply);
+  if (spec.reply == "/done") text.append(" ").append(spec.address);
+  text += "`";
+  if (!spec.reply_number.empty()) text.append(" and ").append(spec.reply_number);
+  return text + ".";
+}
+
+std::string request_section(const AddressSpec& spec) {
+  return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + "\n" + argument_table(spec) +
+         "\n" + answer_text(spec) + "\n\n```\n" + oscsend_command(spec) + "\n```\n\n";
+}
+
+std::string reply_section(const AddressSpec& spec) {
+  return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + "\n" + argument_table(spec) +
+         "\n";
+}
+
+// An argument for oscsend: its type letter and its word. Numbers go as f, as most clients send them.
+std::pair<char, std::string> as_word(const Argument& argument) {
+  if (const auto* text = std::get_if<std::string>(&argument)) return {'s', *text};
+  if (const auto* integer = std::get_if<std::int32_t>(&argument)) return {'i', std::to_string(*integer)};
+  return {'f', number_text(std::get<double>(argument))};
+}
+
+} // namespace
+
+std::string signature(const AddressSpec& spec) {
+  std::string text(spec.address);
+  for (const ArgumentSpec& argument : std::span(spec.arguments).subspan(spec.arguments_in_address())) {
+    text.append(argument.optional ? " [" : " ").append(argument.name).append(argument.optional ? "]" : "");
+  }
+  return text;
+}
+
+std::string describe(const ArgumentSpec& spec) {
+  std::string text = std::string(spec.sentence) + " " + accepted_text(spec);
+  if (spec.optional) text += "; " + fallback_text(spec) + " if left out";
+  return text + ".";
+}
+
+std::string overview() {
+  std::string text;
+  for (const AddressSpec& spec : addresses())
+    text += signature(spec) + "\n    " + std::string(spec.sentence) + "\n";
+  return text;
+}
+
+std::string markdown() {
+  std::string text(kHead);
+  text.replace(text.find("{port}"), 6, std::to_string(kDefaultPort));
+  text += "## What you can send\n\n";
+  for (const AddressSpec& spec : addresses()) text += request_section(spec);
+  text += "## What is answered\n\nAnswers use the OSC types `i`, `f` and `s` only.\n\n";
+  for (const AddressSpec& spec : reply_addresses()) text += reply_section(spec);
+  text.pop_back();
+  return text;
+}
+
+std::string oscsend_command(const AddressSpec& spec) {
+  std::string types, words;
+  for (const Argument& argument : spec.example.arguments) {
+    const auto [type, word] = as_word(argument);
+    types += type;
+    words += " " + word;
+  }
+  const std::string target = "oscsend localhost " + std::to_string(kDefaultPort) + " " + spec.example.address;
+  return types.empty() ? target : target + " " + types + words;
+}
+
+} // namespace ringdown::protocol

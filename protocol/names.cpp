@@ -1,0 +1,48 @@
+#include "protocol/names.h"
+
+#include <algorithm>
+#include <charconv>
+
+namespace ringdown::protocol {
+namespace {
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+bool is_name_character(char c) {
+  return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '.' || c == '-';
+}
+
+} // namespace
+
+bool is_object_name(std::string_view text) {
+  return !text.empty() && text.size() <= kLongestName && text != kNoObject &&
+         std::ranges::all_of(text, is_name_character) && !std::ranges::all_of(text, is_digit);
+}
+
+Result<ObjectRef> parse_object(std::string_view text) {
+  if (is_object_name(text)) return ObjectRef{std::string(text), std::nullopt};
+  std::uint32_t number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (!text.empty() && error == std::errc() && stop == end && number <= kLargestNumber) {
+    return ObjectRef{"", number};
+  }
+  return fail(quoted(text) + " is no object: give its number, up to " + std::to_string(kLargestNumber) +
+              ", or a name of 1 to 64 of A-Z a-z 0-9 _ . - that is not all digits");
+}
+
+std::string to_text(const ObjectRef& object) {
+  return object.number ? std::to_string(*object.number) : object.name;
+}
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kShown = 48;
+  std::string shown(text.substr(0, kShown));
+  std::ranges::replace_if(
+      shown, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return "'" + shown + (text.size() > kShown ? "...'" : "'");
+}
+
+} // namespace ringdown::protocol

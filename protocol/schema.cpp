@@ -1,0 +1,222 @@
+#include "protocol/schema.h"
+
+#include "protocol/binding.h"
+#include "protocol/convert.h"
+
+#include <algorithm>
+#include <cassert>
+#include <charconv>
+#include <numeric>
+
+namespace ringdown::protocol {
+namespace {
+
+constexpr std::string_view kObjectPrefix = "/object/";
+constexpr std::string_view kPlaceholder = "{object}";
+
+template <class Any>
+std::vector<AddressSpec> specs_of(const std::vector<Row<Any>>& rows) {
+  std::vector<AddressSpec> specs;
+  for (const Row<Any>& row : rows) specs.push_back(row.spec);
+  return specs;
+}
+
+// "/object/bell/gain" -> "bell"; empty for an address without an object.
+std::string_view object_in(std::string_view address) {
+  if (!address.starts_with(kObjectPrefix)) return {};
+  address.remove_prefix(kObjectPrefix.size());
+  return address.substr(0, address.find('/'));
+}
+
+std::string replace_once(std::string_view text, std::string_view what, std::string_view with) {
+  const std::size_t at = text.find(what);
+  if (what.empty() || at == text.npos) return std::string(text);
+  return std::string(text.substr(0, at)).append(with).append(text.substr(at + what.size()));
+}
+
+// "/object/bell/gain" -> "/object/{object}/gain"
+std::string pattern_of(std::string_view address) {
+  const std::string_view object = object_in(address);
+  if (object.empty()) return std::string(address);
+  return std::string(kObjectPrefix)
+      .append(kPlaceholder)
+      .append(address.substr(kObjectPrefix.size() + object.size()));
+}
+
+// Levenshtein's distance: the fewest letters to insert, remove or change.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i] != b[j]);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({changed, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+template <class Any>
+Result<const Row<Any>*> find_row(const std::vector<Row<Any>>& rows, std::string_view address) {
+  constexpr std::size_t kLongestAddress = 256;
+  if (address.size() > kLongestAddress) return fail(quoted(address) + " is no address: it is too long");
+  const std::string pattern = pattern_of(address);
+  const auto same = [&](const Row<Any>& row) { return row.spec.address == pattern; };
+  if (const auto row = std::ranges::find_if(rows, same); row != rows.end()) return &*row;
+  const auto distance = [&](const Row<Any>& row) { return edit_distance(pattern, row.spec.address); };
+  const Row<Any>& nearest = *std::ranges::min_element(rows, {}, distance);
+  return fail(quoted(address) + " is no address; the nearest is " + std::string(nearest.spec.address));
+}
+
+// "x y z [contact_time]"
+std::string argument_names(const AddressSpec& spec) {
+  std::string names;
+  for (const ArgumentSpec& argument : std::span(spec.arguments).subspan(spec.arguments_in_address())) {
+    const std::string name(argument.name);
+    names += (names.empty() ? "" : " ") + (argument.optional ? "[" + name + "]" : name);
+  }
+  return names.empty() ? "no arguments" : names;
+}
+
+// Sentences about one argument: `position` counts from 1 in the message, 0 stands for the one in the address.
+std::string about(const Message& message, const ArgumentSpec& spec, std::size_t position,
+                  const std::string& what) {
+  const std::string where = position == 0 ? "" : "argument " + std::to_string(position) + " ";
+  return message.address + ": " + where + "(" + std::string(spec.name) + ") " + what;
+}
+
+// The values of all arguments in the table's order, absent optional ones left out.
+template <class Any>
+Result<Any> parse_row(const Row<Any>& row, const Message& message) {
+  const AddressSpec& spec = row.spec;
+  const std::size_t in_address = spec.arguments_in_address();
+  const std::size_t most = spec.arguments.size() - in_address;
+  if (message.arguments.size() > most) {
+    return fail(message.address + ": argument " + std::to_string(most + 1) + " is one too many; it takes " +
+                argument_names(spec));
+  }
+  Any any = row.blank;
+  for (std::size_t i = 0; i < spec.arguments.size(); ++i) {
+    const ArgumentSpec& argument = spec.arguments[i];
+    const std::size_t position = i < in_address ? 0 : i - in_address + 1;
+    if (position > message.arguments.size()) {
+      if (argument.optional) break;
+      return fail(about(message, argument, position, "is missing; it takes " + argument_names(spec)));
+    }
+    const Argument given =
+        position == 0 ? Argument(std::string(object_in(message.address))) : message.arguments[position - 1];
+    const Result<Value> value = convert(argument, given);
+    if (!value) return fail(about(message, argument, position, value.error().message));
+    row.bindings[i].write(any, *value);
+  }
+  return any;
+}
+
+// Requests keep every digit; replies use only what Pure Data can read.
+Argument number_argument(const Request&, double value) {
+  return value;
+}
+Argument number_argument(const Reply&, double value) {
+  return static_cast<float>(value);
+}
+
+template <class Any>
+Argument to_argument(const Any& any, const Value& value) {
+  if (const auto* number = std::get_if<double>(&value)) return number_argument(any, *number);
+  if (const auto* integer = std::get_if<std::int32_t>(&value)) return *integer;
+  if (const auto* object = std::get_if<ObjectRef>(&value); object && object->number) {
+    return static_cast<std::int32_t>(*object->number);
+  }
+  return value_text(value);
+}
+
+// A word as the argument wants it; one that does not fit stays text, and the parser says why.
+Argument from_word(const ArgumentSpec& spec, const std::string& word) {
+  const bool is_text =
+      spec.type != ValueType::number && spec.type != ValueType::integer && spec.type != ValueType::flag;
+  double number = 0;
+  const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  const bool is_number = error == std::errc() && stop == word.data() + word.size();
+  if (is_text || !is_number) return word;
+  return number;
+}
+
+} // namespace
+
+template <class Any>
+Message format_row(const Row<Any>& row, const Any& any) {
+  Message message{std::string(row.spec.address), {}};
+  for (std::size_t i = 0; i < row.bindings.size(); ++i) {
+    const Value value = row.bindings[i].read(any);
+    const ArgumentSpec& spec = row.spec.arguments[i];
+    const bool absent = std::holds_alternative<std::monostate>(value);
+    if (absent && spec.type != ValueType::object_or_none) break;
+    if (i < row.spec.arguments_in_address()) {
+      message.address = replace_once(message.address, kPlaceholder, value_text(value));
+    } else {
+      message.arguments.push_back(to_argument(any, value));
+    }
+  }
+  return message;
+}
+template Message format_row(const Row<Request>&, const Request&);
+template Message format_row(const Row<Reply>&, const Reply&);
+
+std::span<const AddressSpec> addresses() {
+  static const std::vector<AddressSpec> specs = specs_of(request_rows());
+  return specs;
+}
+
+std::span<const AddressSpec> reply_addresses() {
+  static const std::vector<AddressSpec> specs = specs_of(reply_rows());
+  return specs;
+}
+
+const AddressSpec& spec_of(const Request& request) {
+  return addresses()[request.index()];
+}
+const AddressSpec& spec_of(const Reply& reply) {
+  return reply_addresses()[reply.index()];
+}
+
+Result<const AddressSpec*> find_address(std::string_view address) {
+  const auto row = find_row(request_rows(), address);
+  if (!row) return fail(row.error());
+  return &(*row)->spec;
+}
+
+Result<Request> parse(const Message& message) {
+  const auto row = find_row(request_rows(), message.address);
+  if (!row) return fail(row.error());
+  return parse_row(**row, message);
+}
+
+Result<Reply> parse_reply(const Message& message) {
+  const auto row = find_row(reply_rows(), message.address);
+  if (!row) return fail(row.error());
+  return parse_row(**row, message);
+}
+
+Message format(const Request& request) {
+  return format_row(request_rows()[request.index()], request);
+}
+Message format(const Reply& reply) {
+  return format_row(reply_rows()[reply.index()], reply);
+}
+
+Result<Message> compose(std::string_view address, std::span<const std::string> words) {
+  const auto row = find_row(request_rows(), address);
+  if (!row) return fail(row.error());
+  const AddressSpec& spec = (*row)->spec;
+  const auto wanted = std::span(spec.arguments).subspan(spec.arguments_in_address());
+  Message message{std::string(address), {}};
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    message.arguments.push_back(i < wanted.size() ? from_word(wanted[i], words[i]) : Argument(words[i]));
+  }
+  if (const Result<Request> request = parse_row(**row, message); !request) return fail(request.error());
+  return message;
+}
+
+} // namespace ringdown::protocol

@@ -1,0 +1,87 @@
+// The protocol: every address with its arguments, what it does, and what is answered.
+//
+// All of it comes from one table (table.cpp), written once: the parser, the formatter, docs/protocol.md, the
+// help texts of the `ringdown` program, and the conversion of command-line words. Nothing else lists an
+// argument.
+//
+//   Result<Request> request = parse(message);            // the daemon
+//   if (!request) reply(format(Fail{message.address, request.error().message}));
+//   Message message = format(Request(Strike{...}));      // a client, or the scene striking another daemon
+//
+// Strict where it matters: a number may come as any of the OSC types i h f d, but must be finite and in
+// range, and whole where an integer is wanted (Pure Data sends 3 as the float 3.0). Text is never read as a
+// number. Every refusal is one sentence that names the address and the argument. [any thread but audio:
+// allocates]
+#pragma once
+
+#include "engine/base/result.h"
+#include "protocol/message.h"
+#include "protocol/reply.h"
+#include "protocol/request.h"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ringdown::protocol {
+
+enum class ValueType {
+  number,         // finite, least <= value <= most
+  integer,        // whole, least <= value <= most
+  flag,           // 0 or 1
+  text,           // 1 to 4096 bytes without control characters
+  name,           // the name of an object, new or old (names.h)
+  object,         // an object by name or number
+  object_or_none, // the same, or "-" for none
+};
+
+// An argument's value after all checks; monostate where an optional object or number is absent.
+using Value = std::variant<std::monostate, double, std::int32_t, std::string, ObjectRef>;
+
+struct ArgumentSpec {
+  std::string_view name = ""; // "contact_time"
+  ValueType type = ValueType::number;
+  std::string_view unit = "";     // SI, "" for a pure number or text
+  double least = 0, most = 0;     // for numbers and integers
+  std::string_view sentence = ""; // what it means
+  bool optional = false;          // may be left out, together with all that follow
+  Value fallback = {};            // then it is this
+};
+
+struct AddressSpec {
+  std::string_view address;  // "/object/{object}/strike": {object} is filled from the argument of that name
+  std::string_view sentence; // what it does
+  std::vector<ArgumentSpec> arguments; // those in the address first, then those of the message, in order
+  std::string_view reply;        // the address of the answer when it succeeds, "" when silence is success
+  std::string_view reply_number; // what the number in /done is, "" for none
+  Message example;               // valid, and worth trying
+
+  [[nodiscard]] std::size_t arguments_in_address() const { return address.find('{') == address.npos ? 0 : 1; }
+};
+
+// Every address a client may send, in the order of Request's alternatives.
+std::span<const AddressSpec> addresses();
+// Every address the daemon may answer with, in the order of Reply's alternatives.
+std::span<const AddressSpec> reply_addresses();
+
+const AddressSpec& spec_of(const Request& request);
+const AddressSpec& spec_of(const Reply& reply);
+
+// The row that a concrete address belongs to ("/object/bell/gain"), or a sentence that suggests the nearest
+// known one.
+Result<const AddressSpec*> find_address(std::string_view address);
+
+Result<Request> parse(const Message& message);
+Result<Reply> parse_reply(const Message& message);
+
+// The inverse of parse. Requests carry numbers as d, so that nothing is lost; replies as f (reply.h).
+Message format(const Request& request);
+Message format(const Reply& reply);
+
+// A message from command-line words: each is converted to the type its argument wants, then everything is
+// checked as parse() does. compose("/object/bell/gain", {"0.5"}).
+Result<Message> compose(std::string_view address, std::span<const std::string> words);
+
+} // namespace ringdown::protocol

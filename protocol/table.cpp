@@ -1,0 +1,227 @@
+// The table. A new address is a struct in request.h, a row here, and its cases in
+// tests/protocol/schema_test.cpp.
+#include "protocol/binding.h"
+
+#include <limits>
+
+namespace ringdown::protocol {
+namespace {
+
+constexpr Quantity kPosition{"m", -1e4, 1e4};
+constexpr Quantity kVelocity{"m/s", -1e3, 1e3};
+constexpr Quantity kSize{"m", 0, 1e3};
+constexpr Quantity kDensity{"kg/m3", 0, 1e5};
+constexpr Quantity kImpulse{"N s", -1e4, 1e4};
+constexpr Quantity kContactTime{"s", 0, 0.1};
+constexpr Quantity kGain{"", 0, 100};
+constexpr Quantity kRamp{"s", 0, 60};
+constexpr Quantity kPan{"", -1, 1};
+constexpr Quantity kScale{"", 1e-3, 1e3};
+constexpr Quantity kDampingScale{"", 0, 1e3};
+constexpr Quantity kIndex{"", 0, kLargestNumber};
+constexpr Quantity kCount{"", 0, std::numeric_limits<std::int32_t>::max()};
+constexpr Quantity kId{"", std::numeric_limits<std::int32_t>::min(), kCount.most};
+constexpr Quantity kLoad{"", 0, 1e6};
+constexpr Quantity kRate{"Hz", 0, 1e7};
+
+template <auto... path>
+auto object() {
+  return other<ValueType::object, path...>("object",
+                                           "The object, by its name or by the number that /load answered.");
+}
+
+template <auto... path>
+auto body_object() {
+  return other<ValueType::object_or_none, path...>("object",
+                                                   "What sounds when the body is hit; - for a silent body.");
+}
+
+template <auto... path>
+auto impulse() {
+  return vector<path...>(
+      {"jx", "jy", "jz"}, kImpulse,
+      "The impulse it receives, in the object's own frame: mass times change of velocity.");
+}
+
+template <auto... path>
+auto contact_time() {
+  return optional(
+      number<path...>("contact_time", kContactTime,
+                      "How long the blow lasts: short is bright, long is dull, 0 is an ideal impulse."));
+}
+
+template <auto... path>
+auto position() {
+  return vector<path...>({"x", "y", "z"}, kPosition,
+                         "Where its centre of mass starts, in the scene's frame.");
+}
+
+template <auto... path>
+auto velocity() {
+  return optional(vector<path...>({"vx", "vy", "vz"}, kVelocity, "Its velocity at the start."));
+}
+
+template <auto... path>
+auto density() {
+  return optional(
+      number<path...>("density", kDensity, "Its density; 0 takes mass and inertia from the object's bank."));
+}
+
+const ObjectRef kBell{"bell", std::nullopt};
+
+using Arguments = std::initializer_list<Columns<Request>>;
+
+// An address that succeeds in silence. `example` is what docs/protocol.md shows; a test sends it through the
+// parser.
+template <class Struct>
+Row<Request> silent(std::string_view address, const Struct& example, std::string_view sentence,
+                    Arguments arguments) {
+  return make_row<Request>(address, sentence, arguments, example);
+}
+
+// One that is answered; `number` says what the number in /done is, if there is one.
+template <class Struct>
+Row<Request> answered(std::string_view address, const Struct& example, std::string_view sentence,
+                      Arguments arguments, std::string_view reply = "/done", std::string_view number = "") {
+  Row<Request> row = silent(address, example, sentence, arguments);
+  row.spec.reply = reply;
+  row.spec.reply_number = number;
+  return row;
+}
+
+std::vector<Row<Request>> make_request_rows() {
+  return {
+      silent("/object/{object}/strike", Strike{kBell, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005},
+             "Rings the object at the point of its surface that is nearest to x y z.",
+             {object<&Strike::object>(),
+              vector<&Strike::point_m>({"x", "y", "z"}, kPosition,
+                                       "Where it is struck, in the object's own frame."),
+              impulse<&Strike::impulse_ns>(), contact_time<&Strike::contact_time_s>()}),
+      silent("/object/{object}/strike_vertex", StrikeVertex{kBell, 12, {-0.02, 0, 0}, 0.0005},
+             "Rings the object at one sample point of its bank.",
+             {object<&StrikeVertex::object>(),
+              integer<&StrikeVertex::vertex>("vertex", kIndex, "The sample point's number, from 0."),
+              impulse<&StrikeVertex::impulse_ns>(), contact_time<&StrikeVertex::contact_time_s>()}),
+      silent("/object/{object}/gain", SetGain{kBell, 0.5, 0.1}, "Sets the object's loudness.",
+             {object<&SetGain::object>(),
+              number<&SetGain::gain>("gain", kGain,
+                                     "The factor on its signal; 1 is as computed, 0.5 is 6 dB less."),
+              optional(number<&SetGain::ramp_s>("ramp", kRamp, "How long the change takes."))}),
+      silent("/object/{object}/pan", SetPan{kBell, -0.3},
+             "Places the object between left and right, at equal power.",
+             {object<&SetPan::object>(),
+              number<&SetPan::pan>("pan", kPan, "-1 is left, 0 the middle, 1 right.")}),
+      answered(
+          "/object/{object}/material", SetMaterial{kBell, {1, 1, 1, 4}},
+          "Scales the material the object was baked with: its modes follow exactly, without a new analysis. "
+          "The factors count from the bank, not from the last scale; 1 1 1 1 is the bank as baked.",
+          {object<&SetMaterial::object>(),
+           number<&SetMaterial::scale, &modal::MaterialScale::alpha>(
+               "alpha", kDampingScale, "The factor on Rayleigh's alpha, the damping of low modes."),
+           number<&SetMaterial::scale, &modal::MaterialScale::beta>(
+               "beta", kDampingScale, "The factor on Rayleigh's beta, the damping of high modes."),
+           number<&SetMaterial::scale, &modal::MaterialScale::density>("density", kScale,
+                                                                       "The factor on the density."),
+           number<&SetMaterial::scale, &modal::MaterialScale::stiffness>(
+               "stiffness", kScale, "The factor on Young's modulus; 4 is an octave up.")}),
+      silent("/object/{object}/clear", ClearObject{kBell},
+             "Fades what rings in the object within a few milliseconds.", {object<&ClearObject::object>()}),
+      answered("/object/{object}/free", FreeObject{kBell},
+               "Removes the object. What rings is faded, its name and number become free.",
+               {object<&FreeObject::object>()}),
+      answered("/load", LoadObject{"bell", "presets/banks/bell.glb"},
+               "Reads a bank and gives it a name. A name that exists gets the new bank, while the old one "
+               "rings out.",
+               {other<ValueType::name, &LoadObject::name>("name", "The object's name."),
+                other<ValueType::text, &LoadObject::bank_path>(
+                    "path", "The bank, a .glb file; a relative path starts where the daemon was started.")},
+               "/done", "the object's number"),
+      silent("/clear", ClearAll{}, "Fades all that rings within a few milliseconds.", {}),
+      answered("/scene/load", SceneLoad{"presets/scenes/demo.toml"},
+               "Replaces the embedded scene, and loads the objects it names.",
+               {other<ValueType::text, &SceneLoad::path>(
+                   "path", "The scene, a .toml file; a relative path starts where the daemon was started.")},
+               "/done", "the count of its bodies"),
+      answered(
+          "/scene/pause", ScenePause{true}, "Stops or continues the scene. What rings goes on ringing.",
+          {optional(other<ValueType::flag, &ScenePause::paused>("paused", "1 stops it, 0 lets it run."))}),
+      answered(
+          "/scene/spawn/box", SpawnBox{kBell, {0, 0, 1}, {0, 0, -2}, {0.1, 0.1, 0.1}, 0},
+          "Drops a new box into the scene.",
+          {body_object<&SpawnBox::object>(), position<&SpawnBox::position_m>(),
+           optional(vector<&SpawnBox::size_m>(
+               {"sx", "sy", "sz"}, kSize, "Its edges; 0 0 0 takes the bounding box of the object's bank.")),
+           velocity<&SpawnBox::velocity_m_s>(), density<&SpawnBox::density_kg_m3>()},
+          "/done", "the body's number"),
+      answered("/scene/spawn/sphere", SpawnSphere{std::nullopt, {0, 0, 1}, {0, 0, 0}, 0.01, 7850},
+               "Drops a new ball into the scene.",
+               {body_object<&SpawnSphere::object>(), position<&SpawnSphere::position_m>(),
+                optional(number<&SpawnSphere::radius_m>(
+                    "radius", kSize, "Its radius; 0 takes the one that encloses the object's bank.")),
+                velocity<&SpawnSphere::velocity_m_s>(), density<&SpawnSphere::density_kg_m3>()},
+               "/done", "the body's number"),
+      answered("/scene/clear", SceneClear{}, "Removes all bodies from the scene.", {}),
+      answered("/status", Status{}, "Asks how the daemon is doing.", {}, "/status.reply"),
+      answered("/version", Version{}, "Asks which program this is.", {}, "/version.reply"),
+      answered("/sync", Sync{7}, "Answers when all that was sent before it has been taken up.",
+               {integer<&Sync::id>("id", kId, "Any number; the answer repeats it.")}, "/synced"),
+      answered("/quit", Quit{}, "Stops the daemon.", {}),
+  };
+}
+
+template <class Struct>
+Row<Reply> reply(std::string_view address, const Struct& example, std::string_view sentence,
+                 std::initializer_list<Columns<Reply>> arguments) {
+  return make_row<Reply>(address, sentence, arguments, example);
+}
+
+std::vector<Row<Reply>> make_reply_rows() {
+  return {
+      reply("/done", Done{"/load", 3}, "The request was carried out.",
+            {other<ValueType::text, &Done::address>("address", "The address that was asked."),
+             optional(
+                 integer<&Done::number>("number", kCount, "What the address says it is; absent for most."))}),
+      reply("/fail", Fail{"/load", "cannot open bell.glb: No such file or directory"},
+            "The request was refused, and nothing was changed.",
+            {other<ValueType::text, &Fail::address>("address", "The address that was asked."),
+             other<ValueType::text, &Fail::sentence>("sentence", "What is wrong, and with which argument.")}),
+      reply(
+          "/status.reply", StatusReply{4, 1, 220, 6, 48000, 256, 0.031, 0.058, 0, 0, 0},
+          "How the daemon is doing.",
+          {integer<&StatusReply::objects>("objects", kCount, "How many objects are loaded."),
+           integer<&StatusReply::sounding_objects>("sounding_objects", kCount, "How many of them ring."),
+           integer<&StatusReply::sounding_modes>("sounding_modes", kCount, "How many modes ring in these."),
+           integer<&StatusReply::bodies>("bodies", kCount, "How many bodies the scene has."),
+           number<&StatusReply::sample_rate_hz>("sample_rate", kRate, "Of the audio driver."),
+           integer<&StatusReply::block_frames>("block", kCount, "Frames per block of the audio driver."),
+           number<&StatusReply::load_mean>("load_mean", kLoad,
+                                           "Time spent per block over the block's duration: 1 is all of it."),
+           number<&StatusReply::load_peak>("load_peak", kLoad, "The same for the slowest block so far."),
+           integer<&StatusReply::xruns>("xruns", kCount, "Blocks that came too late."),
+           integer<&StatusReply::dropped_events>("dropped", kCount, "Events lost because a queue was full."),
+           integer<&StatusReply::late_events>("late", kCount,
+                                              "Events whose time was past when they arrived.")}),
+      reply("/version.reply", VersionReply{"ringdownd", RINGDOWN_VERSION, kProtocolVersion},
+            "Which program this is.",
+            {other<ValueType::text, &VersionReply::program>("program", "The program's name."),
+             other<ValueType::text, &VersionReply::version>("version", "Its version."),
+             integer<&VersionReply::protocol>(
+                 "protocol", kCount, "Of this protocol; grows when an address changes its meaning.")}),
+      reply("/synced", Synced{7}, "All that was sent before /sync has been taken up.",
+            {integer<&Synced::id>("id", kId, "The number that /sync gave.")}),
+  };
+}
+
+} // namespace
+
+const std::vector<Row<Request>>& request_rows() {
+  static const std::vector<Row<Request>> rows = make_request_rows();
+  return rows;
+}
+
+const std::vector<Row<Reply>>& reply_rows() {
+  static const std::vector<Row<Reply>> rows = make_reply_rows();
+  return rows;
+}
+
+} // namespace ringdown::protocol
