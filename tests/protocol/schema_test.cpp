@@ -1,0 +1,388 @@
+// Every address with good and bad arguments. The cases are written by hand, not taken from the table: a new address
+// without cases here, or an argument that no case refuses, fails.
+#include "protocol/schema.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <set>
+
+namespace ringdown::protocol {
+namespace {
+
+using Arguments = std::vector<Argument>;
+using Claim = std::function<bool(const Request&)>;
+
+struct Good {
+  std::string address;
+  Arguments arguments;
+  Claim claim;
+};
+struct Bad {
+  std::string address;
+  Arguments arguments;
+  std::string argument;  // the one the sentence must name
+};
+struct Cases {
+  std::vector<Good> good;
+  std::vector<Bad> bad;
+};
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+template <class Struct>
+Claim claim(std::function<bool(const Struct&)> predicate) {
+  return [predicate](const Request& request) {
+    const auto* parsed = std::get_if<Struct>(&request);
+    return parsed && predicate(*parsed);
+  };
+}
+template <class Struct>
+Claim is_a() {
+  return [](const Request& request) { return std::holds_alternative<Struct>(request); };
+}
+ObjectRef named(std::string name) { return {std::move(name), std::nullopt}; }
+ObjectRef numbered(std::uint32_t number) { return {"", number}; }
+
+Cases strike_cases() {
+  const std::string a = "/object/bell/strike";
+  return {{{a,
+            {1.f, 2.f, 3.f, -4.f, 5.f, -6.f},
+            claim<Strike>([](const Strike& s) {
+              return s.object == named("bell") && s.point_m == Vec3{1, 2, 3} && s.impulse_ns == Vec3{-4, 5, -6} &&
+                     s.contact_time_s == 0.0002;
+            })},
+           {"/object/7/strike",
+            {1, std::int64_t{-2}, 0.5, 0.25f, 0, 0, 0.1},
+            claim<Strike>([](const Strike& s) {
+              return s.object == numbered(7) && s.point_m == Vec3{1, -2, 0.5} && s.impulse_ns == Vec3{0.25, 0, 0} &&
+                     s.contact_time_s == 0.1;
+            })}},
+          {{"/object//strike", {0, 0, 0, 0, 0, 0}, "object"},
+           {"/object/a bell/strike", {0, 0, 0, 0, 0, 0}, "object"},
+           {"/object/*/strike", {0, 0, 0, 0, 0, 0}, "object"},
+           {"/object/-/strike", {0, 0, 0, 0, 0, 0}, "object"},
+           {"/object/99999999999/strike", {0, 0, 0, 0, 0, 0}, "object"},
+           {"/object/" + std::string(65, 'a') + "/strike", {0, 0, 0, 0, 0, 0}, "object"},
+           {a, {}, "x"},
+           {a, {kNan, 0, 0, 0, 0, 0}, "x"},
+           {a, {"1", 0, 0, 0, 0, 0}, "x"},
+           {a, {0, kInfinity, 0, 0, 0, 0}, "y"},
+           {a, {0, 0, 10001, 0, 0, 0}, "z"},
+           {a, {0, 0, 0, 1e5, 0, 0}, "jx"},
+           {a, {0, 0, 0, 0}, "jy"},
+           {a, {0, 0, 0, 0, 0}, "jz"},
+           {a, {0, 0, 0, 0, 0, 0, 0.11}, "contact_time"},
+           {a, {0, 0, 0, 0, 0, 0, -0.001}, "contact_time"}}};
+}
+
+Cases strike_vertex_cases() {
+  const std::string a = "/object/bell/strike_vertex";
+  return {{{a,
+            {12.f, 0, 0, 1},
+            claim<StrikeVertex>([](const StrikeVertex& s) {
+              return s.object == named("bell") && s.vertex == 12 && s.impulse_ns == Vec3{0, 0, 1} &&
+                     s.contact_time_s == 0.0002;
+            })},
+           {a,
+            {16777215, 0, 0, 1, 0},
+            claim<StrikeVertex>([](const StrikeVertex& s) { return s.vertex == 16777215 && s.contact_time_s == 0; })}},
+          {{"/object/b+ll/strike_vertex", {1, 0, 0, 0}, "object"},
+           {a, {0.5f, 0, 0, 0}, "vertex"},
+           {a, {-1, 0, 0, 0}, "vertex"},
+           {a, {1e20, 0, 0, 0}, "vertex"},
+           {a, {kNan, 0, 0, 0}, "vertex"},
+           {a, {16777216, 0, 0, 0}, "vertex"},
+           {a, {std::numeric_limits<std::int64_t>::max(), 0, 0, 0}, "vertex"},
+           {a, {1, "a", 0, 0}, "jx"},
+           {a, {1, 0, -1e9, 0}, "jy"},
+           {a, {1, 0, 0, kNan}, "jz"},
+           {a, {1, 0, 0, 0, "soft"}, "contact_time"}}};
+}
+
+Cases gain_cases() {
+  const std::string a = "/object/bell/gain";
+  return {{{a, {0.5f}, claim<SetGain>([](const SetGain& s) { return s.gain == 0.5 && s.ramp_s == 0; })},
+           {a, {100, 60}, claim<SetGain>([](const SetGain& s) { return s.gain == 100 && s.ramp_s == 60; })}},
+          {{"/object/b%/gain", {1}, "object"},
+           {a, {-0.1}, "gain"},
+           {a, {100.1}, "gain"},
+           {a, {1, 61}, "ramp"},
+           {a, {1, -1}, "ramp"}}};
+}
+
+Cases pan_cases() {
+  const std::string a = "/object/bell/pan";
+  return {{{a, {-1}, claim<SetPan>([](const SetPan& s) { return s.pan == -1 && s.object == named("bell"); })}},
+          {{"/object/b%/pan", {1}, "object"}, {a, {1.01}, "pan"}, {a, {-1.01f}, "pan"}}};
+}
+
+Cases material_cases() {
+  const std::string a = "/object/bell/material";
+  return {{{a,
+            {1, 2, 3, 4},
+            claim<SetMaterial>([](const SetMaterial& s) { return s.scale == modal::MaterialScale{1, 2, 3, 4}; })},
+           {a, {0, 0, 0.001, 1000}, is_a<SetMaterial>()}},
+          {{"/object/b%/material", {1, 1, 1, 1}, "object"},
+           {a, {-1, 1, 1, 1}, "alpha"},
+           {a, {1, 1001, 1, 1}, "beta"},
+           {a, {1, 1, 0, 1}, "density"},
+           {a, {1, 1, 1, 0}, "stiffness"},
+           {a, {1, 1, 1}, "stiffness"}}};
+}
+
+template <class Struct>
+Cases object_only_cases(const std::string& verb) {
+  return {{{"/object/b.e-l_L9/" + verb,
+            {},
+            claim<Struct>([](const Struct& s) { return s.object == named("b.e-l_L9"); })},
+           {"/object/0/" + verb, {}, claim<Struct>([](const Struct& s) { return s.object == numbered(0); })}},
+          {{"/object/b ll/" + verb, {}, "object"}}};
+}
+
+Cases load_cases() {
+  return {{{"/load",
+            {"bell", "a/b c.glb"},
+            claim<LoadObject>([](const LoadObject& s) { return s.name == "bell" && s.bank_path == "a/b c.glb"; })}},
+          {{"/load", {"12", "a.glb"}, "name"},
+           {"/load", {12, "a.glb"}, "name"},
+           {"/load", {"-", "a.glb"}, "name"},
+           {"/load", {"bell"}, "path"},
+           {"/load", {"bell", ""}, "path"},
+           {"/load", {"bell", "a\nb"}, "path"},
+           {"/load", {"bell", 3.f}, "path"},
+           {"/load", {"bell", std::string(4097, 'a')}, "path"}}};
+}
+
+Cases pause_cases() {
+  const auto paused = [](bool value) {
+    return claim<ScenePause>([value](const ScenePause& s) { return s.paused == value; });
+  };
+  return {{{"/scene/pause", {}, paused(true)},
+           {"/scene/pause", {1.f}, paused(true)},
+           {"/scene/pause", {0}, paused(false)}},
+          {{"/scene/pause", {2}, "paused"}, {"/scene/pause", {"yes"}, "paused"}, {"/scene/pause", {0.5}, "paused"}}};
+}
+
+Cases box_cases() {
+  const std::string a = "/scene/spawn/box";
+  return {{{a,
+            {"bell", 1, 2, 3},
+            claim<SpawnBox>([](const SpawnBox& s) {
+              return s.object == named("bell") && s.position_m == Vec3{1, 2, 3} && s.size_m == Vec3{} &&
+                     s.velocity_m_s == Vec3{} && s.density_kg_m3 == 0;
+            })},
+           {a,
+            {"-", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10},
+            claim<SpawnBox>([](const SpawnBox& s) {
+              return !s.object && s.size_m == Vec3{4, 5, 6} && s.velocity_m_s == Vec3{7, 8, 9} && s.density_kg_m3 == 10;
+            })},
+           {a, {3.f, 0, 0, 0}, claim<SpawnBox>([](const SpawnBox& s) { return s.object == numbered(3); })},
+           {a, {"3", 0, 0, 0}, claim<SpawnBox>([](const SpawnBox& s) { return s.object == numbered(3); })}},
+          {{a, {"", 0, 0, 0}, "object"},
+           {a, {0.5, 0, 0, 0}, "object"},
+           {a, {kNan, 0, 0, 0}, "object"},
+           {a, {-1, 0, 0, 0}, "object"},
+           {a, {"-", "-", 0, 0}, "x"},
+           {a, {"-", 0, kNan, 0}, "y"},
+           {a, {"-", 0, 0}, "z"},
+           {a, {"-", 0, 0, 0, -1}, "sx"},
+           {a, {"-", 0, 0, 0, 1, kInfinity}, "sy"},
+           {a, {"-", 0, 0, 0, 1, 1, 1001}, "sz"},
+           {a, {"-", 0, 0, 0, 1, 1, 1, 1001}, "vx"},
+           {a, {"-", 0, 0, 0, 1, 1, 1, 0, -1001}, "vy"},
+           {a, {"-", 0, 0, 0, 1, 1, 1, 0, 0, "x"}, "vz"},
+           {a, {"-", 0, 0, 0, 1, 1, 1, 0, 0, 0, -1}, "density"}}};
+}
+
+Cases sphere_cases() {
+  const std::string a = "/scene/spawn/sphere";
+  return {{{a, {"bell", 0, 0, 1}, claim<SpawnSphere>([](const SpawnSphere& s) { return s.radius_m == 0; })},
+           {a,
+            {"-", 1, 2, 3, 4, 5, 6, 7, 8},
+            claim<SpawnSphere>([](const SpawnSphere& s) {
+              return !s.object && s.position_m == Vec3{1, 2, 3} && s.radius_m == 4 &&
+                     s.velocity_m_s == Vec3{5, 6, 7} && s.density_kg_m3 == 8;
+            })}},
+          {{a, {}, "object"},
+           {a, {"-", kNan, 0, 0}, "x"},
+           {a, {"-", 0, 2e4, 0}, "y"},
+           {a, {"-", 0, 0, "up"}, "z"},
+           {a, {"-", 0, 0, 0, -1}, "radius"},
+           {a, {"-", 0, 0, 0, 1, kNan}, "vx"},
+           {a, {"-", 0, 0, 0, 1, 0, kNan}, "vy"},
+           {a, {"-", 0, 0, 0, 1, 0, 0, kNan}, "vz"},
+           {a, {"-", 0, 0, 0, 1, 0, 0, 0, 1e6}, "density"}}};
+}
+
+Cases sync_cases() {
+  const auto id = [](std::int32_t value) { return claim<Sync>([value](const Sync& s) { return s.id == value; }); };
+  return {{{"/sync", {-2147483647 - 1}, id(-2147483647 - 1)}, {"/sync", {2147483647.0}, id(2147483647)}},
+          {{"/sync", {2147483648.0}, "id"}, {"/sync", {1e20f}, "id"}, {"/sync", {}, "id"}, {"/sync", {"1"}, "id"}}};
+}
+
+template <class Struct>
+Cases bare_cases(const std::string& address) {
+  return {{{address, {}, is_a<Struct>()}}, {{address, {1}, "argument 1"}}};
+}
+
+const std::map<std::string, Cases>& all_cases() {
+  static const std::map<std::string, Cases> cases = {
+      {"/object/{object}/strike", strike_cases()},
+      {"/object/{object}/strike_vertex", strike_vertex_cases()},
+      {"/object/{object}/gain", gain_cases()},
+      {"/object/{object}/pan", pan_cases()},
+      {"/object/{object}/material", material_cases()},
+      {"/object/{object}/clear", object_only_cases<ClearObject>("clear")},
+      {"/object/{object}/free", object_only_cases<FreeObject>("free")},
+      {"/load", load_cases()},
+      {"/clear", bare_cases<ClearAll>("/clear")},
+      {"/scene/load",
+       {{{"/scene/load", {"a.toml"}, claim<SceneLoad>([](const SceneLoad& s) { return s.path == "a.toml"; })}},
+        {{"/scene/load", {1}, "path"}}}},
+      {"/scene/pause", pause_cases()},
+      {"/scene/spawn/box", box_cases()},
+      {"/scene/spawn/sphere", sphere_cases()},
+      {"/scene/clear", bare_cases<SceneClear>("/scene/clear")},
+      {"/status", bare_cases<Status>("/status")},
+      {"/version", bare_cases<Version>("/version")},
+      {"/sync", sync_cases()},
+      {"/quit", bare_cases<Quit>("/quit")},
+  };
+  return cases;
+}
+
+TEST(Schema, EveryAddressHasCasesAndEveryArgumentIsRefusedByOne) {
+  ASSERT_EQ(addresses().size(), all_cases().size());
+  for (const AddressSpec& spec : addresses()) {
+    const auto cases = all_cases().find(std::string(spec.address));
+    ASSERT_NE(cases, all_cases().end()) << spec.address << " has no cases";
+    EXPECT_FALSE(cases->second.good.empty()) << spec.address;
+    std::set<std::string> refused;
+    for (const Bad& bad : cases->second.bad) refused.insert(bad.argument);
+    for (const ArgumentSpec& argument : spec.arguments) {
+      EXPECT_TRUE(refused.contains(std::string(argument.name))) << spec.address << " " << argument.name;
+    }
+  }
+}
+
+TEST(Schema, TheTableStandsInTheOrderOfTheAlternatives) {
+  ASSERT_EQ(addresses().size(), std::variant_size_v<Request>);
+  ASSERT_EQ(reply_addresses().size(), std::variant_size_v<Reply>);
+  for (std::size_t i = 0; i < addresses().size(); ++i) {
+    const Result<Request> request = parse(addresses()[i].example);
+    ASSERT_TRUE(request) << request.error().message;
+    EXPECT_EQ(request->index(), i) << addresses()[i].address;
+  }
+}
+
+TEST(Schema, GoodArgumentsFillTheStruct) {
+  for (const auto& [pattern, cases] : all_cases()) {
+    for (const Good& good : cases.good) {
+      const Result<Request> request = parse({good.address, good.arguments});
+      ASSERT_TRUE(request) << request.error().message;
+      EXPECT_TRUE(good.claim(*request)) << good.address << " with " << good.arguments.size() << " arguments";
+    }
+  }
+}
+
+TEST(Schema, EveryRefusalNamesTheAddressAndTheArgument) {
+  for (const auto& [pattern, cases] : all_cases()) {
+    for (const Bad& bad : cases.bad) {
+      const Result<Request> request = parse({bad.address, bad.arguments});
+      ASSERT_FALSE(request) << bad.address << " took a bad " << bad.argument;
+      const std::string& sentence = request.error().message;
+      EXPECT_TRUE(sentence.starts_with(bad.address)) << sentence;
+      const bool is_name = !bad.argument.starts_with("argument");
+      EXPECT_NE(sentence.find(is_name ? "(" + bad.argument + ")" : bad.argument), sentence.npos) << sentence;
+    }
+  }
+}
+
+TEST(Schema, AnArgumentTooManyIsRefused) {
+  for (const AddressSpec& spec : addresses()) {
+    Message message = spec.example;
+    message.arguments.resize(spec.arguments.size() - spec.arguments_in_address(), 0);
+    message.arguments.emplace_back(0);
+    const Result<Request> request = parse(message);
+    ASSERT_FALSE(request) << spec.address;
+    EXPECT_NE(request.error().message.find("one too many"), std::string::npos) << request.error().message;
+  }
+}
+
+TEST(Schema, FormatIsTheInverseOfParse) {
+  for (const auto& [pattern, cases] : all_cases()) {
+    for (const Good& good : cases.good) {
+      const Result<Request> request = parse({good.address, good.arguments});
+      ASSERT_TRUE(request) << request.error().message;
+      const Message message = format(*request);
+      const Result<Request> again = parse(message);
+      ASSERT_TRUE(again) << again.error().message;
+      EXPECT_TRUE(good.claim(*again)) << good.address;
+      EXPECT_EQ(format(*again), message);
+    }
+  }
+}
+
+TEST(Schema, FormatWritesWhatAClientWouldSend) {
+  const Strike strike{named("bell"), {1, 2, 3}, {4, 5, 6}, 0.001};
+  EXPECT_EQ(format(Request(strike)), (Message{"/object/bell/strike", {1., 2., 3., 4., 5., 6., 0.001}}));
+  const SpawnSphere ball{std::nullopt, {0, 0, 1}, {0, 0, 0}, 0.5, 7800};
+  EXPECT_EQ(format(Request(ball)), (Message{"/scene/spawn/sphere", {"-", 0., 0., 1., 0.5, 0., 0., 0., 7800.}}));
+  EXPECT_EQ(format(Request(FreeObject{numbered(4)})), (Message{"/object/4/free", {}}));
+}
+
+TEST(Schema, AnUnknownAddressSuggestsTheNearestOne) {
+  const auto sentence = [](const std::string& address) { return parse({address, {}}).error().message; };
+  EXPECT_NE(sentence("/object/bell/strik").find("/object/{object}/strike"), std::string::npos);
+  EXPECT_NE(sentence("/object/my-long-bell-name/gian").find("/object/{object}/gain"), std::string::npos);
+  EXPECT_NE(sentence("/scene/spwan/box").find("/scene/spawn/box"), std::string::npos);
+  EXPECT_NE(sentence("/stauts").find("/status"), std::string::npos);
+  EXPECT_NE(sentence("/stauts").find("'/stauts'"), std::string::npos);
+  for (const char* odd : {"", "/", "//", "/object", "/object/", "/object/bell", "/object/bell/", "strike", "/status/"}) {
+    EXPECT_FALSE(parse({odd, {}})) << odd;
+  }
+  EXPECT_FALSE(parse({"/" + std::string(100000, 'a'), {}}));
+}
+
+TEST(Schema, RepliesRoundTripInTypesPureDataKnows) {
+  const StatusReply status{4, 1, 220, 6, 48000, 256, 0.25, 0.5, 7, 8, 9};
+  const Message message = format(Reply(status));
+  EXPECT_EQ(message, (Message{"/status.reply", {4, 1, 220, 6, 48000.f, 256, 0.25f, 0.5f, 7, 8, 9}}));
+  for (const Reply& reply : {Reply(Done{"/load", 3}), Reply(Done{"/quit", std::nullopt}), Reply(Fail{"/load", "why"}),
+                             Reply(status), Reply(VersionReply{"ringdownd", "0.1.0", 1}), Reply(Synced{-5})}) {
+    const Result<Reply> again = parse_reply(format(reply));
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(format(*again), format(reply));
+  }
+  EXPECT_EQ(format(Reply(Done{"/load", 3})), (Message{"/done", {"/load", 3}}));
+  EXPECT_EQ(format(Reply(Done{"/quit", std::nullopt})), (Message{"/done", {"/quit"}}));
+}
+
+TEST(Schema, EveryAnswerNamedByARequestIsAReply) {
+  std::set<std::string_view> replies = {""};
+  for (const AddressSpec& spec : reply_addresses()) replies.insert(spec.address);
+  for (const AddressSpec& spec : addresses()) EXPECT_TRUE(replies.contains(spec.reply)) << spec.address;
+}
+
+TEST(Schema, WordsOfACommandLineBecomeTypedArguments) {
+  const std::vector<std::string> words = {"bell", "1", "-2.5", "3e-1"};
+  const Result<Message> message = compose("/scene/spawn/box", words);
+  ASSERT_TRUE(message) << message.error().message;
+  EXPECT_EQ(*message, (Message{"/scene/spawn/box", {"bell", 1., -2.5, 0.3}}));
+  const std::vector<std::string> digits = {"bell", "007"};
+  EXPECT_EQ(compose("/load", digits), (Message{"/load", {"bell", "007"}})) << "text that looks like a number is text";
+  for (const char* word : {"", "1x", "nan", "inf", "0x10", " 1", "1 ", "--1"}) {
+    const std::vector<std::string> bad = {word};
+    const Result<Message> refused = compose("/object/bell/gain", bad);
+    ASSERT_FALSE(refused) << word;
+    EXPECT_NE(refused.error().message.find("(gain)"), std::string::npos) << refused.error().message;
+  }
+}
+
+}  // namespace
+}  // namespace ringdown::protocol
