@@ -1,0 +1,50 @@
+#include "clients/cli/bake/cancellable.h"
+
+#include <atomic>
+#include <csignal>
+#include <ctime>
+#include <thread>
+#include <unistd.h>
+
+namespace ringdown::cli {
+namespace {
+
+constexpr timespec kPoll = {0, 50'000'000}; // 50 ms
+constexpr int kPatience = 20;               // polls after the signal
+
+bool signal_arrived(const sigset_t& signals) {
+  return sigtimedwait(&signals, nullptr, &kPoll) > 0;
+}
+
+} // namespace
+
+int run_cancellable(const std::function<int(std::stop_token)>& work) {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+
+  std::atomic<bool> done = false;
+  int exit_code = 0;
+  std::jthread worker([&](std::stop_token stop) {
+    exit_code = work(stop);
+    done = true;
+  });
+  bool cancelled = false;
+  for (int patience = kPatience; !done;) {
+    if (signal_arrived(signals)) {
+      cancelled = true;
+      worker.request_stop();
+    }
+    if (cancelled && !done && --patience == 0) {
+      static constexpr char kMessage[] = "\ncancelled; nothing was written\n";
+      [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
+      ::_exit(kExitCancelled);
+    }
+  }
+  worker.join();
+  return exit_code;
+}
+
+} // namespace ringdown::cli
