@@ -1,0 +1,135 @@
+#include "server/daemon.h"
+
+#include "server/driver.h"
+#include "server/offline.h"
+#include "server/osc_server.h"
+#include "server/remote_strikes.h"
+#include "server/session.h"
+#include "server/worker.h"
+
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+#include <cstdio>
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+
+namespace ringdown::server {
+namespace {
+
+using namespace std::chrono_literals;
+using protocol::ExitCode;
+
+// Signals that end the daemon: blocked in every thread, taken by the main one with sigtimedwait.
+sigset_t ending_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  return signals;
+}
+
+bool signal_came(std::chrono::milliseconds wait) {
+  const sigset_t signals = ending_signals();
+  const timespec time{.tv_sec = 0, .tv_nsec = std::chrono::nanoseconds(wait).count()};
+  return sigtimedwait(&signals, nullptr, &time) > 0;
+}
+
+ExitCode report(const Error& error, ExitCode code) {
+  std::fprintf(stderr, "ringdownd: %s\n", error.message.c_str());
+  return code;
+}
+
+// Keeps the scene a little ahead of the sound, so that its strikes always have a frame to come.
+std::jthread start_scene(Session& session, const Driver& driver) {
+  return std::jthread([&session, &driver](const std::stop_token& stop) {
+    const auto rate = driver.sample_rate_hz();
+    const auto slack = static_cast<protocol::Frame>(0.25 * rate);
+    while (!stop.stop_requested()) {
+      const auto ahead = 2 * latency_frames(driver) + static_cast<protocol::Frame>(0.01 * rate);
+      session.scene().advance_to(driver.now() + ahead, slack);
+      std::this_thread::sleep_for(2ms);
+    }
+  });
+}
+
+Result<void> load_what_was_asked_for(Session& session, const DaemonOptions& options, protocol::Frame start) {
+  for (const auto& [name, bank] : options.objects) {
+    if (const auto loaded = session.rack().load(name, bank); !loaded) return fail(loaded.error());
+  }
+  if (options.scene) {
+    if (const auto loaded = session.scene().load(*options.scene, start); !loaded) return fail(loaded.error());
+  }
+  return {};
+}
+
+ExitCode render_to_file(const DaemonOptions& options) {
+  const auto recording = render_offline({.scene = options.scene,
+                                         .objects = options.objects,
+                                         .seconds = options.seconds,
+                                         .sample_rate_hz = options.sample_rate_hz,
+                                         .block_frames = options.block_frames},
+                                        [](double) { return !signal_came(0ms); });
+  if (!recording) return report(recording.error(), ExitCode::failure);
+  if (const auto written = write_audio(*recording, options.output); !written) return report(written.error(), ExitCode::failure);
+  spdlog::info("wrote {}, {:.2f} s", options.output.string(),
+               static_cast<double>(recording->left.size()) / recording->sample_rate_hz);
+  return ExitCode::ok;
+}
+
+ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<Driver> opened) {
+  Session session(opened->sample_rate_hz());
+  const std::unique_ptr<Driver> driver = std::move(opened);  // after the session, so that it stops before that goes
+  if (options.scene_to) {
+    auto remote = open_remote_strikes(*options.scene_to, session.rack(), *driver);
+    if (!remote) return report(remote.error(), ExitCode::usage);
+    session.scene().send_to(std::move(*remote));
+  }
+  // A second of silence before the scene starts: the driver may take that long.
+  const auto start = static_cast<protocol::Frame>(driver->sample_rate_hz());
+  if (const auto loaded = load_what_was_asked_for(session, options, start); !loaded) {
+    return report(loaded.error(), ExitCode::bad_input);
+  }
+  std::atomic<bool> quit = false, lost = false;
+  if (const auto started = driver->start(session.rack().mixer(), [&lost] { lost = true; }); !started) {
+    return report(started.error(), ExitCode::no_jack);
+  }
+  Worker worker([&session] { session.rack().collect(); }, 50ms);
+  const OscServer server(std::move(socket), {session, worker, *driver, [&quit] { quit = true; }});
+  const std::jthread scene = start_scene(session, *driver);
+  spdlog::info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options.address, server.port(),
+               session.rack().objects().size(), driver->sample_rate_hz(), driver->block_frames(), synth::kernel_target());
+
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds.value_or(1e9));
+  while (!quit && !lost && std::chrono::steady_clock::now() < end) {
+    if (signal_came(50ms)) break;
+  }
+  if (lost) return report({"the JACK server went away; start it and ringdownd again"}, ExitCode::no_jack);
+  spdlog::info("stopping");
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+ExitCode run_daemon(const DaemonOptions& options) {
+  const sigset_t signals = ending_signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  if (options.driver == DaemonOptions::DriverKind::wav) return render_to_file(options);
+
+  const auto endpoint = resolve(options.address, options.port);
+  if (!endpoint) return report(endpoint.error(), ExitCode::usage);
+  auto socket = OscSocket::bind(*endpoint);
+  if (!socket) return report(socket.error(), ExitCode::port_busy);
+  if (endpoint->address >> 24 != 127) {
+    spdlog::warn("listening on {}: anyone who can reach this address can play, load files and stop the daemon", options.address);
+  }
+  auto driver = options.driver == DaemonOptions::DriverKind::jack
+                    ? open_jack({.client_name = options.jack_name, .connect = options.connect})
+                    : open_null(options.sample_rate_hz, options.block_frames);
+  if (!driver) return report(driver.error(), ExitCode::no_jack);
+  return serve(options, std::move(*socket), std::move(*driver));
+}
+
+}  // namespace ringdown::server

@@ -1,0 +1,38 @@
+// The daemon: an audio driver, an OSC server, a worker and the scene's thread around one session.
+#pragma once
+
+#include "engine/base/result.h"
+#include "protocol/defaults.h"
+#include "protocol/exit_codes.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace ringdown::server {
+
+struct DaemonOptions {
+  enum class DriverKind { jack, wav, null };
+  DriverKind driver = DriverKind::jack;
+  std::vector<std::pair<std::string, std::filesystem::path>> objects;  // name, bank
+  std::optional<std::filesystem::path> scene;
+  std::optional<std::string> scene_to;  // osc.udp://host:port that gets the scene's strikes instead of our own mixer
+  std::string address = "127.0.0.1";    // where OSC is received
+  std::uint16_t port = protocol::kDefaultPort;  // 0: any free one
+  std::string jack_name = "ringdown";
+  bool connect = false;                 // to the speakers
+  double sample_rate_hz = 48000;        // wav and null; JACK has its own
+  std::size_t block_frames = 256;       // wav and null
+  std::optional<double> seconds;        // null, jack: stop after this time; wav: length of the file
+  std::filesystem::path output = "ringdown.wav";  // wav
+};
+
+// Runs until SIGINT, SIGTERM, /quit or the end of `seconds`. Failures are written to standard error, one sentence each.
+// Blocks both signals for the whole process. [main]
+protocol::ExitCode run_daemon(const DaemonOptions& options);
+
+}  // namespace ringdown::server

@@ -1,0 +1,68 @@
+// ringdownd: command line to DaemonOptions.
+#include "server/daemon.h"
+
+#include "protocol/names.h"
+
+#include <CLI/CLI.hpp>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <map>
+
+namespace {
+
+using ringdown::server::DaemonOptions;
+
+std::pair<std::string, std::filesystem::path> parse_object_option(const std::string& text) {
+  const auto equals = text.find('=');
+  if (equals == text.npos || !ringdown::protocol::is_object_name(text.substr(0, equals))) {
+    throw CLI::ValidationError("--object", "'" + text + "' is not NAME=BANK, where NAME is of A-Z a-z 0-9 _ . -");
+  }
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using ringdown::protocol::ExitCode;
+  spdlog::set_default_logger(spdlog::stderr_color_mt("ringdownd"));
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+
+  DaemonOptions options;
+  CLI::App app("Rings solid objects: a JACK client, struck by OSC messages (docs/protocol.md).", "ringdownd");
+  app.set_version_flag("--version", RINGDOWN_VERSION);
+  app.footer(std::string(ringdown::protocol::kExitCodeHelp));
+  std::vector<std::string> objects;
+  const std::map<std::string, DaemonOptions::DriverKind> drivers = {{"jack", DaemonOptions::DriverKind::jack},
+                                                                    {"wav", DaemonOptions::DriverKind::wav},
+                                                                    {"null", DaemonOptions::DriverKind::null}};
+  app.add_option("--scene", options.scene, "Scene file to run (docs/scenes.md)")->type_name("FILE");
+  app.add_option("--object", objects, "Object to load; may be given more than once")->type_name("NAME=BANK");
+  app.add_option("--driver", options.driver, "jack; wav: render the scene to a file at full speed; null: no sound")
+      ->transform(CLI::CheckedTransformer(drivers).description(""))
+      ->type_name("jack|wav|null");
+  app.add_option("--port", options.port, "UDP port for OSC; 0 takes any free one")->capture_default_str();
+  app.add_option("--address", options.address, "Address to listen on; others than this machine's own let strangers in")
+      ->capture_default_str();
+  app.add_option("--scene-to", options.scene_to, "Send the scene's strikes to another daemon instead of playing them")
+      ->type_name("osc.udp://HOST:PORT");
+  app.add_option("--name", options.jack_name, "Name of the JACK client")->capture_default_str();
+  app.add_flag("--connect", options.connect, "Connect to the speakers (JACK)");
+  app.add_option("--rate", options.sample_rate_hz, "Sample rate in Hz (wav, null)")
+      ->check(CLI::Range(8000.0, 768000.0))
+      ->capture_default_str();
+  app.add_option("--block", options.block_frames, "Frames per block (wav, null)")
+      ->check(CLI::Range(1, 8192))
+      ->capture_default_str();
+  app.add_option("--seconds", options.seconds, "Stop after this time; wav: the length of the file")
+      ->check(CLI::Range(0.0, 86400.0));
+  app.add_option("-o,--output", options.output, "File to write (wav): .wav or .flac")->capture_default_str();
+  try {
+    app.parse(argc, argv);
+    for (const std::string& text : objects) options.objects.push_back(parse_object_option(text));
+  } catch (const CLI::ParseError& error) {
+    const bool asked_for = error.get_exit_code() == 0;  // --help, --version
+    return app.exit(error) == 0 && asked_for ? 0 : static_cast<int>(ExitCode::usage);
+  }
+  return static_cast<int>(ringdown::server::run_daemon(options));
+}

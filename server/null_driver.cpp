@@ -1,0 +1,57 @@
+#include "server/driver.h"
+#include "server/load_meter.h"
+
+#include <thread>
+#include <vector>
+
+namespace ringdown::server {
+namespace {
+
+class NullDriver final : public Driver {
+ public:
+  NullDriver(double sample_rate_hz, std::size_t block_frames) : sample_rate_hz_(sample_rate_hz), block_(block_frames) {}
+
+  [[nodiscard]] double sample_rate_hz() const override { return sample_rate_hz_; }
+  [[nodiscard]] std::size_t block_frames() const override { return block_; }
+
+  Result<void> start(synth::Mixer& mixer, std::function<void()>) override {
+    origin_ = LoadMeter::Clock::now();
+    thread_ = std::jthread([this, &mixer](const std::stop_token& stop) { run(mixer, stop); });
+    return {};
+  }
+
+  [[nodiscard]] protocol::Frame now() const override {
+    const std::chrono::duration<double> elapsed = LoadMeter::Clock::now() - origin_;
+    return static_cast<protocol::Frame>(elapsed.count() * sample_rate_hz_);
+  }
+
+  [[nodiscard]] Load load() const override { return meter_.read(); }
+  [[nodiscard]] std::int32_t xruns() const override { return 0; }
+
+ private:
+  void run(synth::Mixer& mixer, const std::stop_token& stop) {
+    std::vector<float> left(block_), right(block_);
+    for (std::int64_t block = 0; !stop.stop_requested(); ++block) {
+      const double due_s = static_cast<double>(block * static_cast<std::int64_t>(block_)) / sample_rate_hz_;
+      std::this_thread::sleep_until(origin_ + std::chrono::duration_cast<LoadMeter::Clock::duration>(
+                                                  std::chrono::duration<double>(due_s)));
+      const auto begin = LoadMeter::Clock::now();
+      mixer.render(left, right);
+      meter_.note(begin, block_, sample_rate_hz_);
+    }
+  }
+
+  double sample_rate_hz_;
+  std::size_t block_;
+  LoadMeter meter_;
+  LoadMeter::Clock::time_point origin_;
+  std::jthread thread_;  // last: it stops before what it uses goes away
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Driver>> open_null(double sample_rate_hz, std::size_t block_frames) {
+  return std::make_unique<NullDriver>(sample_rate_hz, block_frames);
+}
+
+}  // namespace ringdown::server

@@ -1,0 +1,146 @@
+#include "server/offline.h"
+
+#include "protocol/schema.h"
+#include "server/osc_score.h"
+#include "server/session.h"
+
+#include <sndfile.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ringdown::server {
+namespace {
+
+using protocol::Frame;
+
+// One render: a session, the score that plays it, and the samples so far.
+class Run {
+ public:
+  Run(const OfflineOptions& options, Recording& recording)
+      : options_(options), recording_(recording), session_(options.sample_rate_hz) {}
+
+  Result<void> prepare() {
+    for (const auto& [name, bank] : options_.objects) {
+      if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());
+    }
+    if (options_.scene) {
+      if (const auto loaded = session_.scene().load(*options_.scene, 0); !loaded) return fail(loaded.error());
+    }
+    if (options_.score) {
+      auto score = read_score(*options_.score);
+      if (!score) return fail(score.error());
+      score_ = std::move(*score);
+    }
+    const double score_s = score_.empty() ? 0 : score_.back().time_s + kTail_s;
+    const double seconds = options_.seconds.value_or(std::max(score_s, session_.scene().duration_s()));
+    if (!(seconds > 0 && seconds <= kLongestRender_s)) {
+      return fail("nothing to render: name a scene or a score, or a length of 0 to 86400 s with --seconds");
+    }
+    const auto frames = static_cast<std::size_t>(std::llround(seconds * options_.sample_rate_hz));
+    recording_.left.resize(frames);
+    recording_.right.resize(frames);
+    return {};
+  }
+
+  Result<void> render(const Progress& progress) {
+    const auto total = static_cast<Frame>(recording_.left.size());
+    const auto block = static_cast<Frame>(options_.block_frames);
+    for (Frame begin = 0; begin < total; begin += block) {
+      render_until(std::min(begin + block, total));
+      if (!progress(static_cast<double>(now_) / static_cast<double>(total))) return fail("cancelled; nothing was written");
+    }
+    return {};
+  }
+
+ private:
+  // Events go ahead with their frame; a request that changes more than that splits the block at its own frame.
+  void render_until(Frame end) {
+    while (next_ < score_.size() && frame_of(score_[next_]) < end) {
+      const ScoreEvent& event = score_[next_++];
+      const auto request = protocol::parse(event.message);
+      if (!request) {
+        warn(event, request.error().message);
+      } else if (Session::is_event(*request)) {
+        flush_now_and_then();
+        if (const auto played = session_.play(*request, frame_of(event)); !played) warn(event, played.error().message);
+      } else {
+        render_frames(frame_of(event));
+        if (const auto done = session_.perform(*request, now_); !done) warn(event, done.error().message);
+      }
+    }
+    render_frames(end);
+  }
+
+  void render_frames(Frame end) {
+    session_.scene().advance_to(end, end);
+    const auto begin = static_cast<std::size_t>(now_), count = static_cast<std::size_t>(end - now_);
+    session_.rack().mixer().render({recording_.left.data() + begin, count}, {recording_.right.data() + begin, count});
+    session_.rack().collect();
+    now_ = end;
+  }
+
+  // Rendering no frames moves events from the mixer's ring, which is short, to its queue.
+  void flush_now_and_then() {
+    if (++pushed_ % (synth::kQueueCapacity / 2) == 0) session_.rack().mixer().render({}, {});
+  }
+
+  [[nodiscard]] Frame frame_of(const ScoreEvent& event) const {
+    return std::max(now_, static_cast<Frame>(std::llround(event.time_s * options_.sample_rate_hz)));
+  }
+
+  void warn(const ScoreEvent& event, const std::string& sentence) {
+    recording_.warnings.push_back("at " + std::to_string(event.time_s) + " s: " + event.message.address + ": " + sentence);
+  }
+
+  const OfflineOptions& options_;
+  Recording& recording_;
+  Session session_;
+  std::vector<ScoreEvent> score_;
+  std::size_t next_ = 0, pushed_ = 0;
+  Frame now_ = 0;
+};
+
+}  // namespace
+
+Result<Recording> render_offline(const OfflineOptions& options, const Progress& progress) {
+  Recording recording{.sample_rate_hz = options.sample_rate_hz};
+  Run run(options, recording);
+  if (const auto ready = run.prepare(); !ready) return fail(ready.error());
+  if (const auto rendered = run.render(progress); !rendered) return fail(rendered.error());
+  for (const auto* channel : {&recording.left, &recording.right}) {
+    for (const float sample : *channel) recording.peak = std::max(recording.peak, std::abs(sample));
+  }
+  return recording;
+}
+
+Result<void> write_audio(const Recording& recording, const std::filesystem::path& path) {
+  const bool flac = path.extension() == ".flac";
+  SF_INFO info{.samplerate = static_cast<int>(recording.sample_rate_hz),
+               .channels = 2,
+               .format = flac ? SF_FORMAT_FLAC | SF_FORMAT_PCM_24 : SF_FORMAT_WAV | SF_FORMAT_FLOAT};
+  const std::filesystem::path temporary = path.string() + "." + std::to_string(::getpid()) + ".part";
+  SNDFILE* file = sf_open(temporary.c_str(), SFM_WRITE, &info);
+  if (!file) return fail("cannot write " + path.string() + ": " + sf_strerror(nullptr));
+  sf_command(file, SFC_SET_CLIPPING, nullptr, SF_TRUE);
+  sf_command(file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);  // it holds the time of day
+  std::vector<float> frames(2 * recording.left.size());
+  for (std::size_t n = 0; n < recording.left.size(); ++n) {
+    frames[2 * n] = recording.left[n];
+    frames[2 * n + 1] = recording.right[n];
+  }
+  const auto count = static_cast<sf_count_t>(recording.left.size());
+  const bool written = sf_writef_float(file, frames.data(), count) == count;
+  const bool closed = sf_close(file) == 0;
+  std::error_code error;
+  if (written && closed) std::filesystem::rename(temporary, path, error);
+  if (!written || !closed || error) {
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    return fail("cannot write " + path.string() + ": " + (error ? error.message() : "the disk may be full"));
+  }
+  return {};
+}
+
+}  // namespace ringdown::server

@@ -1,0 +1,143 @@
+#include "server/rack.h"
+
+#include "engine/modal/bank_file.h"
+#include "protocol/names.h"
+
+namespace ringdown::server {
+namespace {
+
+using protocol::Event;
+using protocol::EventType;
+using protocol::ObjectRef;
+
+std::string shown(const ObjectRef& object) {
+  return object.number ? "number " + std::to_string(*object.number) : "\"" + object.name + "\"";
+}
+
+// Two loads of one unchanged file share its memory.
+std::string file_key(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto canonical = std::filesystem::weakly_canonical(path, error);
+  const auto time = std::filesystem::last_write_time(path, error).time_since_epoch().count();
+  return canonical.string() + "@" + std::to_string(time);
+}
+
+}  // namespace
+
+Result<RackObject> Rack::find(const ObjectRef& object) const {
+  const std::scoped_lock lock(mutex_);
+  if (!object.number) {
+    const auto found = objects_.find(object.name);
+    if (found != objects_.end()) return found->second;
+  } else {
+    for (const auto& [name, candidate] : objects_) {
+      if (candidate.number == *object.number) return candidate;
+    }
+  }
+  return fail("object: there is no object " + shown(object) + "; load one with /load");
+}
+
+std::vector<RackObject> Rack::objects() const {
+  const std::scoped_lock lock(mutex_);
+  std::vector<RackObject> objects;
+  for (const auto& [name, object] : objects_) objects.push_back(object);
+  return objects;
+}
+
+Result<protocol::ObjectNumber> Rack::load(const std::string& name, const std::filesystem::path& bank) {
+  auto map = read(bank);
+  if (!map) return fail(map.error());
+  RackObject object{.name = name, .map = std::move(*map)};
+  if (const auto old = find({.name = name}); old) {
+    object.number = old->number;
+  } else {
+    const auto number = free_number();
+    if (!number) return fail(number.error());
+    object.number = *number;
+  }
+  if (const auto installed = install(object, synth::Mixer::Install::replace); !installed) return fail(installed.error());
+  const std::scoped_lock lock(mutex_);
+  objects_[name] = object;
+  return object.number;
+}
+
+Result<void> Rack::set_material(const ObjectRef& ref, const modal::MaterialScale& scale) {
+  auto object = find(ref);
+  if (!object) return fail(object.error());
+  object->material = scale;
+  if (const auto installed = install(*object, synth::Mixer::Install::retune); !installed) return installed;
+  const std::scoped_lock lock(mutex_);
+  objects_[object->name] = *object;
+  return {};
+}
+
+Result<void> Rack::free(const ObjectRef& ref) {
+  const auto object = find(ref);
+  if (!object) return fail(object.error());
+  if (!mixer_.remove(object->number)) return fail("object: too many changes at once; try again");
+  const std::scoped_lock lock(mutex_);
+  objects_.erase(object->name);
+  return {};
+}
+
+Result<std::shared_ptr<const modal::StrikeMap>> Rack::read(const std::filesystem::path& path) {
+  std::erase_if(maps_, [](const auto& entry) { return entry.second.expired(); });
+  const std::string key = file_key(path);
+  if (const auto known = maps_.find(key); known != maps_.end()) {
+    if (auto map = known->second.lock()) return map;
+  }
+  auto bank = modal::read_bank(path);
+  if (!bank) return fail(bank.error());
+  auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(*bank)));
+  maps_[key] = map;
+  return map;
+}
+
+Result<protocol::ObjectNumber> Rack::free_number() const {
+  const std::scoped_lock lock(mutex_);
+  std::vector<bool> taken(synth::kMostObjects);
+  for (const auto& [name, object] : objects_) taken[object.number] = true;
+  for (protocol::ObjectNumber number = 0; number < synth::kMostObjects; ++number) {
+    if (!taken[number] && !mixer_.in_use(number)) return number;
+  }
+  return fail("name: all " + std::to_string(synth::kMostObjects) + " objects are in use; free one with /object/.../free");
+}
+
+Result<void> Rack::install(const RackObject& object, synth::Mixer::Install how) {
+  auto voice = std::make_unique<synth::Voice>(object.map, object.material, mixer_.sample_rate_hz());
+  if (!mixer_.install(object.number, std::move(voice), how)) {
+    return fail("object: " + std::to_string(synth::kMostVoices) + " voices are still ringing out; try again later");
+  }
+  return {};
+}
+
+Result<Event> event_for(const protocol::Request& request, const RackObject& object, protocol::Frame frame) {
+  Event event{.frame = frame, .object = object.number};
+  if (const auto* strike = std::get_if<protocol::Strike>(&request)) {
+    event.point_m = strike->point_m;
+    event.impulse_ns = strike->impulse_ns;
+    event.contact_time_s = strike->contact_time_s;
+  } else if (const auto* at_vertex = std::get_if<protocol::StrikeVertex>(&request)) {
+    const std::size_t points = object.map->bank().point_count();
+    if (at_vertex->vertex >= points) {
+      return fail("vertex: " + std::to_string(at_vertex->vertex) + " is not one of the " + std::to_string(points) +
+                  " sample points of \"" + object.name + "\", which are numbered from 0");
+    }
+    event.type = EventType::strike_vertex;
+    event.vertex = at_vertex->vertex;
+    event.impulse_ns = at_vertex->impulse_ns;
+    event.contact_time_s = at_vertex->contact_time_s;
+  } else if (const auto* gain = std::get_if<protocol::SetGain>(&request)) {
+    event.type = EventType::gain;
+    event.value = gain->gain;
+    event.ramp_s = gain->ramp_s;
+  } else if (const auto* pan = std::get_if<protocol::SetPan>(&request)) {
+    event.type = EventType::pan;
+    event.value = pan->pan;
+  } else {
+    event.type = EventType::clear;
+  }
+  return event;
+}
+
+}  // namespace ringdown::server

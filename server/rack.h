@@ -1,0 +1,71 @@
+// The objects that can be struck: their names and numbers, their banks, and the mixer they ring in.
+//
+// Threads. One worker thread loads, retunes, frees and collects. Any other thread but audio may look objects up and
+// make events; a mutex guards the table, and the audio thread never takes it.
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/modal/strike_map.h"
+#include "engine/synth/mixer.h"
+#include "protocol/event.h"
+#include "protocol/request.h"
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace ringdown::server {
+
+// An object as it is now. The bank stays valid for whoever holds the pointer, whatever is loaded later.
+struct RackObject {
+  std::string name;
+  protocol::ObjectNumber number = 0;
+  std::shared_ptr<const modal::StrikeMap> map;
+  modal::MaterialScale material;
+};
+
+class Rack {
+ public:
+  explicit Rack(double sample_rate_hz) : mixer_(sample_rate_hz) {}
+
+  [[nodiscard]] synth::Mixer& mixer() { return mixer_; }
+  [[nodiscard]] const synth::Mixer& mixer() const { return mixer_; }
+
+  // [any but audio]
+  [[nodiscard]] Result<RackObject> find(const protocol::ObjectRef& object) const;
+  [[nodiscard]] std::vector<RackObject> objects() const;
+
+  // A bank, ready to be struck; shared with every object that plays the same unchanged file. [worker]
+  Result<std::shared_ptr<const modal::StrikeMap>> read(const std::filesystem::path& bank);
+
+  // Reads a bank and gives it to `name`: a new object, or a new bank for that object, whose old one rings out.
+  // Returns its number. On failure nothing changed. [worker]
+  Result<protocol::ObjectNumber> load(const std::string& name, const std::filesystem::path& bank);
+
+  // Retunes what rings, and what will. [worker]
+  Result<void> set_material(const protocol::ObjectRef& object, const modal::MaterialScale& scale);
+
+  // Fades the object out and gives its name and number free. [worker]
+  Result<void> free(const protocol::ObjectRef& object);
+
+  // Frees memory the mixer is done with, and numbers that have fallen silent. Several times a second. [worker]
+  void collect() { mixer_.collect(); }
+
+ private:
+  [[nodiscard]] Result<protocol::ObjectNumber> free_number() const;
+  [[nodiscard]] Result<void> install(const RackObject& object, synth::Mixer::Install how);
+
+  synth::Mixer mixer_;
+  mutable std::mutex mutex_;                                      // guards objects_
+  std::map<std::string, RackObject> objects_;                     // changed by the worker only
+  std::map<std::string, std::weak_ptr<const modal::StrikeMap>> maps_;  // worker: banks in use, by file and its time
+};
+
+// The event of an immediate request (strike, gain, pan, clear of one object), for an object that find() returned.
+// Refuses a vertex the object does not have. [any but audio]
+Result<protocol::Event> event_for(const protocol::Request& request, const RackObject& object, protocol::Frame frame);
+
+}  // namespace ringdown::server

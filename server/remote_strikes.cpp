@@ -1,0 +1,53 @@
+#include "server/remote_strikes.h"
+
+#include "protocol/schema.h"
+#include "server/osc_codec.h"
+#include "server/osc_socket.h"
+
+#include <chrono>
+#include <map>
+#include <memory>
+
+namespace ringdown::server {
+namespace {
+
+constexpr std::size_t kStrikesPerPacket = 16;  // some 1,300 bytes: one Ethernet frame
+
+double unix_now_s() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+Result<ScenePlayer::Sink> open_remote_strikes(const std::string& url, const Rack& rack, const Driver& driver) {
+  const auto target = parse_url(url);
+  if (!target) return fail(target.error());
+  const auto to = resolve(target->host, target->port);
+  if (!to) return fail(to.error());
+  // Bound to all interfaces' any port only when the target is outside this machine.
+  auto bound = OscSocket::bind({.address = to->address >> 24 == 127 ? to->address : 0, .port = 0});
+  if (!bound) return fail(bound.error());
+  auto socket = std::make_shared<OscSocket>(std::move(*bound));
+
+  return [socket, to = *to, &rack, &driver](std::span<const protocol::Event> strikes) {
+    std::map<protocol::ObjectNumber, std::string> names;
+    for (const RackObject& object : rack.objects()) names[object.number] = object.name;
+    std::size_t lost = 0;
+    while (!strikes.empty()) {
+      std::vector<protocol::Message> messages;
+      const protocol::Frame frame = strikes.front().frame;
+      while (!strikes.empty() && strikes.front().frame == frame && messages.size() < kStrikesPerPacket) {
+        const protocol::Event& event = strikes.front();
+        messages.push_back(protocol::format(protocol::Strike{
+            {.name = names[event.object]}, event.point_m, event.impulse_ns, event.contact_time_s}));
+        strikes = strikes.subspan(1);
+      }
+      const double ahead_s = static_cast<double>(frame - driver.now()) / driver.sample_rate_hz();
+      const auto packet = encode_bundle(time_tag(unix_now_s() + ahead_s), messages);
+      if (!socket->send_to(to, packet)) lost += messages.size();
+    }
+    return lost;
+  };
+}
+
+}  // namespace ringdown::server

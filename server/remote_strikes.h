@@ -1,0 +1,18 @@
+// The embedded scene as an outside simulator: its strikes go to another daemon as OSC, the same messages that a game
+// would send.
+#pragma once
+
+#include "engine/base/result.h"
+#include "server/driver.h"
+#include "server/rack.h"
+#include "server/scene_player.h"
+
+#include <string>
+
+namespace ringdown::server {
+
+// A sink that sends strikes to `url` (osc.udp://host:port) in bundles whose time tag is the moment at which our driver
+// will play their frame. Objects go by name. `rack` and `driver` must outlive it.
+Result<ScenePlayer::Sink> open_remote_strikes(const std::string& url, const Rack& rack, const Driver& driver);
+
+}  // namespace ringdown::server

@@ -1,0 +1,132 @@
+#include "server/scene_player.h"
+
+#include "engine/scene/scene_file.h"
+
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+
+namespace ringdown::server {
+namespace {
+
+using protocol::Event;
+using protocol::EventType;
+using protocol::Frame;
+
+scene::SoundingObject as_sounding(const RackObject& object) {
+  return {object.name, object.number, {object.map, &object.map->bank()}};
+}
+
+tl::unexpected<Error> no_scene() { return fail("there is no scene; load one with /scene/load"); }
+
+}  // namespace
+
+ScenePlayer::ScenePlayer(Rack& rack) : rack_(rack) {
+  sink_ = [&rack](std::span<const Event> strikes) {
+    std::size_t lost = 0;
+    for (const Event& strike : strikes) lost += !rack.mixer().push(synth::Producer::scene, strike);
+    return lost;
+  };
+}
+
+Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
+  const auto description = scene::read_scene(path);
+  if (!description) return fail(description.error());
+  std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // all read before anything changes
+  for (const auto& object : description->objects) {
+    auto bank = rack_.read(object.bank);
+    if (!bank) return fail(bank.error());
+    banks.push_back(std::move(*bank));
+  }
+  synth::Mixer& mixer = rack_.mixer();
+  for (const auto& object : description->objects) {
+    const auto number = rack_.load(object.name, object.bank);
+    if (!number) return fail(number.error());
+    if (object.material != modal::MaterialScale{}) {
+      if (const auto set = rack_.set_material({.name = object.name}, object.material); !set) return fail(set.error());
+    }
+    const bool sent =
+        mixer.push(synth::Producer::worker, {.frame = frame, .object = *number, .type = EventType::gain, .value = object.gain}) &&
+        mixer.push(synth::Producer::worker, {.frame = frame, .object = *number, .type = EventType::pan, .value = object.pan});
+    if (!sent) return fail(path.string() + ": too many objects at once; wait for those before to be taken up");
+  }
+  std::vector<scene::SoundingObject> objects;
+  for (const RackObject& object : rack_.objects()) objects.push_back(as_sounding(object));
+  auto world = scene::World::create(*description, objects, mixer.sample_rate_hz());
+  if (!world) return fail(path.string() + ": " + world.error().message);
+
+  const std::scoped_lock lock(mutex_);
+  world_ = std::move(*world);
+  world_->set_start_frame(start_ = frame);
+  paused_ = false;
+  duration_s_ = description->duration_s;
+  return body_count_ = world_->bodies().size();
+}
+
+Result<void> ScenePlayer::pause(bool paused) {
+  const std::scoped_lock lock(mutex_);
+  if (!world_) return no_scene();
+  paused_ = paused;
+  return {};
+}
+
+template <class Body>
+Result<scene::BodyId> ScenePlayer::spawn_body(Body body) {
+  if (body.object) {
+    const auto object = rack_.find(*body.object);
+    if (!object) return fail(object.error());
+    body.object = protocol::ObjectRef{.name = object->name};
+  }
+  const std::scoped_lock lock(mutex_);
+  if (!world_) return no_scene();
+  const auto id = world_->spawn(body);
+  if (id) body_count_ = world_->bodies().size();
+  return id;
+}
+
+Result<scene::BodyId> ScenePlayer::spawn(protocol::SpawnBox box) { return spawn_body(std::move(box)); }
+Result<scene::BodyId> ScenePlayer::spawn(protocol::SpawnSphere sphere) { return spawn_body(std::move(sphere)); }
+
+Result<void> ScenePlayer::clear() {
+  const std::scoped_lock lock(mutex_);
+  if (!world_) return no_scene();
+  world_->clear();
+  body_count_ = 0;
+  return {};
+}
+
+Result<void> ScenePlayer::object_changed(const RackObject& object) {
+  const std::scoped_lock lock(mutex_);
+  return world_ ? world_->set_object(as_sounding(object)) : Result<void>{};
+}
+
+void ScenePlayer::object_freed(protocol::ObjectNumber number) {
+  const std::scoped_lock lock(mutex_);
+  if (world_) world_->remove_object(number);
+}
+
+void ScenePlayer::advance_to(Frame frame, Frame slack) {
+  const std::scoped_lock lock(mutex_);
+  if (!world_) return;
+  if (paused_ || body_count_ == 0) return move_start(frame - position());
+  move_start(frame - position() - slack);
+  while (position() < frame && body_count_ > 0) take(world_->step());
+}
+
+// The frame of the world's present time.
+Frame ScenePlayer::position() const {
+  return start_ + std::llround(world_->time_s() * rack_.mixer().sample_rate_hz());
+}
+
+void ScenePlayer::move_start(Frame later) {
+  if (later > 0) world_->set_start_frame(start_ += later);
+}
+
+void ScenePlayer::take(const scene::StepReport& report) {
+  dropped_ += report.dropped_strikes;
+  if (!report.strikes.empty()) dropped_ += sink_(report.strikes);
+  for (const std::string& notice : report.notices) spdlog::warn("scene: {}", notice);
+  if (!report.notices.empty()) body_count_ = world_->bodies().size();
+}
+
+}  // namespace ringdown::server

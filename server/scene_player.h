@@ -1,0 +1,74 @@
+// The embedded scene in the mixer's time: steps the world so that it stays just ahead of the sound, and passes its
+// strikes on.
+//
+// It has no thread and no clock of its own: the daemon's scene thread and `ringdown render` both call advance_to().
+// A mutex guards the world against requests that arrive meanwhile; the audio thread never takes it.
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/scene/world.h"
+#include "protocol/event.h"
+#include "protocol/request.h"
+#include "server/rack.h"
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <span>
+
+namespace ringdown::server {
+
+class ScenePlayer {
+ public:
+  // Takes the strikes of one step; returns how many of them were lost.
+  using Sink = std::function<std::size_t(std::span<const protocol::Event>)>;
+
+  // Strikes go to the rack's mixer, unless send_to() names another sink.
+  explicit ScenePlayer(Rack& rack);
+
+  // Sends strikes elsewhere. Before anything is loaded. [main]
+  void send_to(Sink sink) { sink_ = std::move(sink); }
+
+  // Loads a scene file and the objects it names, and starts it at `frame`. The former scene ends; its objects stay.
+  // Returns the number of bodies. [worker]
+  Result<std::size_t> load(const std::filesystem::path& path, protocol::Frame frame);
+
+  Result<void> pause(bool paused);                                 // [worker]
+  Result<scene::BodyId> spawn(protocol::SpawnBox box);             // the body's number [worker]
+  Result<scene::BodyId> spawn(protocol::SpawnSphere sphere);       // [worker]
+  Result<void> clear();                                            // [worker]
+
+  // An object of the rack has a new bank, or has gone; bodies that play it follow. [worker]
+  Result<void> object_changed(const RackObject& object);
+  void object_freed(protocol::ObjectNumber number);
+
+  // Steps the world until its time has passed `frame`. When it is more than `slack` frames behind, it skips the
+  // difference instead of bunching strikes: the scene then runs slowly. A paused or empty scene is not stepped. [scene]
+  void advance_to(protocol::Frame frame, protocol::Frame slack);
+
+  [[nodiscard]] std::size_t body_count() const { return body_count_; }
+  [[nodiscard]] double duration_s() const { return duration_s_; }  // what the scene file is worth hearing; 0 without one
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+
+ private:
+  template <class Body>
+  Result<scene::BodyId> spawn_body(Body body);
+  [[nodiscard]] protocol::Frame position() const;
+  void move_start(protocol::Frame later);
+  void take(const scene::StepReport& report);
+
+  Rack& rack_;
+  Sink sink_;
+  std::mutex mutex_;  // guards all that follows but the atomics
+  std::optional<scene::World> world_;
+  protocol::Frame start_ = 0;  // where scene time 0 lies
+  bool paused_ = false;
+  std::atomic<std::size_t> body_count_ = 0;
+  std::atomic<double> duration_s_ = 0;
+  std::atomic<std::uint64_t> dropped_ = 0;
+};
+
+}  // namespace ringdown::server

@@ -1,0 +1,95 @@
+#include "server/session.h"
+
+#include <concepts>
+
+namespace ringdown::server {
+namespace {
+
+template <class... Cases>
+struct Match : Cases... {
+  using Cases::operator()...;
+};
+
+const protocol::ObjectRef* object_of(const protocol::Request& request) {
+  return std::visit(
+      [](const auto& r) -> const protocol::ObjectRef* {
+        if constexpr (requires { { r.object } -> std::same_as<const protocol::ObjectRef&>; }) return &r.object;
+        return nullptr;
+      },
+      request);
+}
+
+}  // namespace
+
+bool Session::is_event(const protocol::Request& request) {
+  return std::visit(Match{[](const protocol::Strike&) { return true; },
+                          [](const protocol::StrikeVertex&) { return true; },
+                          [](const protocol::SetGain&) { return true; },
+                          [](const protocol::SetPan&) { return true; },
+                          [](const protocol::ClearObject&) { return true; },
+                          [](const protocol::ClearAll&) { return true; },
+                          [](const auto&) { return false; }},
+                    request);
+}
+
+Result<void> Session::play(const protocol::Request& request, protocol::Frame frame) {
+  const auto latest = rack_.mixer().counters().frames.load(std::memory_order_relaxed) +
+                      static_cast<protocol::Frame>(kFarthestAhead_s * sample_rate_hz());
+  if (frame > latest) return fail("its time tag is more than " + std::to_string(int{kFarthestAhead_s}) + " s ahead");
+  if (std::holds_alternative<protocol::ClearAll>(request)) {
+    for (const RackObject& object : rack_.objects()) {
+      const auto event = event_for(request, object, frame);
+      if (const auto pushed = push(*event); !pushed) return pushed;
+    }
+    return {};
+  }
+  const auto object = rack_.find(*object_of(request));
+  if (!object) return fail(object.error());
+  const auto event = event_for(request, *object, frame);
+  return event ? push(*event) : fail(event.error());
+}
+
+Result<void> Session::push(const protocol::Event& event) {
+  if (rack_.mixer().push(synth::Producer::control, event)) return {};
+  ++dropped_;
+  return fail("dropped, because " + std::to_string(synth::kQueueCapacity) +
+              " events are waiting already; send fewer at once");
+}
+
+Result<std::optional<std::int32_t>> Session::perform(const protocol::Request& request, protocol::Frame frame) {
+  using namespace protocol;
+  using Answer = Result<std::optional<std::int32_t>>;
+  const auto number = [](auto value) { return std::optional(static_cast<std::int32_t>(value)); };
+  const auto none = [](const Result<void>& outcome) -> Answer {
+    if (!outcome) return fail(outcome.error());
+    return std::nullopt;
+  };
+  return std::visit(
+      Match{[&](const LoadObject& load) -> Answer { return load_object(load).map(number); },
+            [&](const SetMaterial& material) { return none(rack_.set_material(material.object, material.scale)); },
+            [&](const FreeObject& object) { return none(free_object(object)); },
+            [&](const SceneLoad& scene) -> Answer { return scene_.load(scene.path, frame).map(number); },
+            [&](const ScenePause& pause) { return none(scene_.pause(pause.paused)); },
+            [&](const SpawnBox& box) -> Answer { return scene_.spawn(box).map(number); },
+            [&](const SpawnSphere& sphere) -> Answer { return scene_.spawn(sphere).map(number); },
+            [&](const SceneClear&) { return none(scene_.clear()); },
+            [](const auto&) -> Answer { return fail("this request is not for a session"); }},
+      request);
+}
+
+Result<protocol::ObjectNumber> Session::load_object(const protocol::LoadObject& load) {
+  const auto number = rack_.load(load.name, load.bank_path);
+  if (!number) return number;
+  if (const auto followed = scene_.object_changed(*rack_.find({.name = load.name})); !followed) {
+    return fail("the object has its new bank, but the scene goes on with the old one: " + followed.error().message);
+  }
+  return number;
+}
+
+Result<void> Session::free_object(const protocol::FreeObject& request) {
+  const auto object = rack_.find(request.object);
+  if (object) scene_.object_freed(object->number);
+  return rack_.free(request.object);
+}
+
+}  // namespace ringdown::server

@@ -1,0 +1,53 @@
+// What requests do, without sockets, threads or clocks: the part that the daemon and `ringdown render` share.
+//
+// play() answers requests that only make events, perform() those that load, free or change the scene. In the daemon the
+// two run on different threads; offline, one thread calls both between blocks.
+#pragma once
+
+#include "engine/base/result.h"
+#include "protocol/request.h"
+#include "server/rack.h"
+#include "server/scene_player.h"
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+namespace ringdown::server {
+
+// Events may lie at most this far ahead.
+inline constexpr double kFarthestAhead_s = 3600;
+
+class Session {
+ public:
+  explicit Session(double sample_rate_hz) : rack_(sample_rate_hz), scene_(rack_) {}
+
+  [[nodiscard]] Rack& rack() { return rack_; }
+  [[nodiscard]] const Rack& rack() const { return rack_; }
+  [[nodiscard]] ScenePlayer& scene() { return scene_; }
+  [[nodiscard]] double sample_rate_hz() const { return rack_.mixer().sample_rate_hz(); }
+
+  // Whether play() takes it: strikes, gain, pan and clear.
+  [[nodiscard]] static bool is_event(const protocol::Request& request);
+
+  // Sends an event request to the mixer, to happen at `frame`. An error names the argument. [control]
+  Result<void> play(const protocol::Request& request, protocol::Frame frame);
+
+  // Carries out a request that is neither an event nor about the daemon itself (/load, /object/.../material and free,
+  // /scene/...). A scene loaded now starts at `frame`. Returns the number for the answer, if there is one. [worker]
+  Result<std::optional<std::int32_t>> perform(const protocol::Request& request, protocol::Frame frame);
+
+  // Events that were refused because a queue was full. [any]
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_ + scene_.dropped(); }
+
+ private:
+  Result<void> push(const protocol::Event& event);
+  Result<protocol::ObjectNumber> load_object(const protocol::LoadObject& load);
+  Result<void> free_object(const protocol::FreeObject& request);
+
+  Rack rack_;
+  ScenePlayer scene_;
+  std::atomic<std::uint64_t> dropped_ = 0;
+};
+
+}  // namespace ringdown::server

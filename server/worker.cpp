@@ -1,0 +1,36 @@
+#include "server/worker.h"
+
+#include <utility>
+
+namespace ringdown::server {
+
+Worker::Worker(Task chore, std::chrono::milliseconds period)
+    : chore_(std::move(chore)), period_(period), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+bool Worker::post(Task task) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (tasks_.size() == kMostTasks) return false;
+    tasks_.push_back(std::move(task));
+  }
+  wake_.notify_one();
+  return true;
+}
+
+void Worker::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    Task task;
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait_for(lock, stop, period_, [this] { return !tasks_.empty(); });
+      if (!tasks_.empty()) {
+        task = std::move(tasks_.front());
+        tasks_.pop_front();
+      }
+    }
+    if (task) task();
+    chore_();
+  }
+}
+
+}  // namespace ringdown::server

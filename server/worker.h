@@ -1,0 +1,38 @@
+// The thread that may take its time: it reads files and builds voices, one task after the other, in order.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace ringdown::server {
+
+class Worker {
+ public:
+  using Task = std::function<void()>;
+
+  // Tasks that may wait. Past it, post() refuses.
+  static constexpr std::size_t kMostTasks = 1024;
+
+  // Runs `chore` between tasks, at least every `period`. Both run on the worker's own thread.
+  Worker(Task chore, std::chrono::milliseconds period);
+  ~Worker() = default;  // finishes the task at hand, drops the others
+
+  // False when kMostTasks are waiting. [any but audio]
+  [[nodiscard]] bool post(Task task);
+
+ private:
+  void run(const std::stop_token& stop);
+
+  Task chore_;
+  std::chrono::milliseconds period_;
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::deque<Task> tasks_;
+  std::jthread thread_;  // last: it stops before what it uses goes away
+};
+
+}  // namespace ringdown::server
