@@ -35,7 +35,7 @@ bool Session::is_event(const protocol::Request& request) {
 Result<void> Session::play(const protocol::Request& request, protocol::Frame frame) {
   const auto latest = rack_.mixer().counters().frames.load(std::memory_order_relaxed) +
                       static_cast<protocol::Frame>(kFarthestAhead_s * sample_rate_hz());
-  if (frame > latest) return fail("its time tag is more than " + std::to_string(int{kFarthestAhead_s}) + " s ahead");
+  if (frame > latest) return fail("its time tag is more than " + std::to_string(static_cast<int>(kFarthestAhead_s)) + " s ahead");
   if (std::holds_alternative<protocol::ClearAll>(request)) {
     for (const RackObject& object : rack_.objects()) {
       const auto event = event_for(request, object, frame);
