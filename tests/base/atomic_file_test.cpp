@@ -1,0 +1,93 @@
+#include "engine/base/atomic_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+namespace ringdown {
+namespace {
+
+namespace fs = std::filesystem;
+
+class AtomicFile : public testing::Test {
+ protected:
+  AtomicFile() {
+    std::string pattern = (fs::temp_directory_path() / "ringdown-test-XXXXXX").string();
+    folder_ = ::mkdtemp(pattern.data());
+  }
+  ~AtomicFile() override { fs::remove_all(folder_); }
+
+  static std::string content(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  [[nodiscard]] std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), {}));
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(AtomicFile, HoldsTheNewTextAndLeavesNothingBeside) {
+  const fs::path path = folder_ / "a.txt";
+  ASSERT_TRUE(write_file_atomically(path, std::string_view("one")));
+  ASSERT_TRUE(write_file_atomically(path, std::string_view("two, longer")));
+  EXPECT_EQ(content(path), "two, longer");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(AtomicFile, IsReadableByOthers) {
+  const fs::path path = folder_ / "a.txt";
+  ASSERT_TRUE(write_file_atomically(path, std::string_view("one")));
+  EXPECT_EQ(fs::status(path).permissions(), static_cast<fs::perms>(0644));
+}
+
+// A reader that opened the old file goes on reading the old file.
+TEST_F(AtomicFile, NeverChangesTheFileThatAReaderHasOpen) {
+  const fs::path path = folder_ / "a.txt";
+  ASSERT_TRUE(write_file_atomically(path, std::string_view("old")));
+  std::ifstream reader(path);
+  ASSERT_TRUE(write_file_atomically(path, std::string_view("new")));
+  std::string word;
+  reader >> word;
+  EXPECT_EQ(word, "old");
+}
+
+TEST_F(AtomicFile, RefusesAFolderThatIsNotThereAndNamesThePath) {
+  const auto outcome = write_file_atomically(folder_ / "nowhere" / "a.txt", std::string_view("x"));
+  ASSERT_FALSE(outcome);
+  EXPECT_NE(outcome.error().message.find("nowhere/a.txt"), std::string::npos) << outcome.error().message;
+}
+
+// rename() over a folder fails after the temporary file was written: it must be cleaned up.
+TEST_F(AtomicFile, CleansUpWhenTheLastStepFails) {
+  const fs::path path = folder_ / "a";
+  fs::create_directories(path / "full");
+  ASSERT_FALSE(write_file_atomically(path, std::string_view("x")));
+  EXPECT_TRUE(fs::is_directory(path / "full"));
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(AtomicFile, ReadsUpToTheLimitAndNotOneByteMore) {
+  const fs::path path = folder_ / "a.txt";
+  ASSERT_TRUE(write_file_atomically(path, std::string_view("12345")));
+  EXPECT_EQ(read_whole_file(path, 5).value(), "12345");
+  const auto refused = read_whole_file(path, 4);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("5 bytes"), std::string::npos) << refused.error().message;
+}
+
+TEST_F(AtomicFile, RefusesToReadWhatIsNoFile) {
+  EXPECT_FALSE(read_whole_file(folder_, 100));
+  EXPECT_FALSE(read_whole_file(folder_ / "absent", 100));
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_FALSE(read_whole_file(pipe, 100)) << "and it must not wait for a writer";
+}
+
+}  // namespace
+}  // namespace ringdown

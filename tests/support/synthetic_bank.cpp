@@ -1,0 +1,118 @@
+#include "tests/support/synthetic_bank.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace ringdown::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// beta L of the n-th flexural mode: the n-th positive root of cos x cosh x = 1, close to (2 n + 1) pi / 2.
+double bar_wave_number(std::size_t n) {
+  double x = (2 * static_cast<double>(n) + 1) * kPi / 2;
+  for (int step = 0; step < 20; ++step) {  // Newton on cos x - 1 / cosh x
+    const double sech = 1 / std::cosh(x);
+    x -= (std::cos(x) - sech) / (-std::sin(x) + sech * std::tanh(x));
+  }
+  return x;
+}
+
+// Displacement at x in [0, 1], 2 or -2 at the ends; its mean square along the bar is 1. Symmetric about the middle for
+// odd n, antisymmetric for even n.
+double bar_shape(std::size_t n, double x) {
+  const double k = bar_wave_number(n), y = k * (x - 0.5);
+  if (n % 2 == 1) return std::cos(y) / std::cos(k / 2) + std::cosh(y) / std::cosh(k / 2);
+  return std::sin(y) / std::sin(k / 2) + std::sinh(y) / std::sinh(k / 2);
+}
+
+}  // namespace
+
+modal::Bank single_mode_bank(double frequency_hz, double decay_per_s, modal::Vec3f shape) {
+  modal::Bank bank{.name = "single"};
+  bank.frequency_hz = {frequency_hz};
+  bank.decay_per_s = {decay_per_s};
+  const float s = static_cast<float>(1 / std::sqrt(3.0));
+  bank.positions = {{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}};
+  bank.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
+  bank.shapes.assign(4, shape);
+  return bank;
+}
+
+modal::Bank bar_bank(std::size_t modes) {
+  constexpr double kLength = 0.3, kWidth = 0.02, kThickness = 0.005;
+  const modal::Material steel{"steel", 200e9, 0.3, 7800, {2.0, 5e-8}};
+  const double mass = kLength * kWidth * kThickness * steel.density_kg_m3;
+  const double stiffness = steel.youngs_modulus_pa * kWidth * std::pow(kThickness, 3) / 12;
+  modal::Bank bank{.name = "bar", .material = steel};
+  constexpr std::size_t kPoints = 17;
+  for (std::size_t p = 0; p < kPoints; ++p) {
+    bank.positions.push_back({static_cast<float>(kLength * static_cast<double>(p) / (kPoints - 1)), 0, 0});
+  }
+  for (std::size_t n = 1; n <= modes; ++n) {
+    const double lambda = std::pow(bar_wave_number(n), 4) * stiffness / (mass * std::pow(kLength, 3));
+    const double decay = 0.5 * (steel.damping.alpha_per_s + steel.damping.beta_s * lambda);
+    bank.frequency_hz.push_back(std::sqrt(lambda - decay * decay) / (2 * kPi));
+    bank.decay_per_s.push_back(decay);
+    for (std::size_t p = 0; p < kPoints; ++p) {
+      const double x = static_cast<double>(p) / (kPoints - 1);
+      bank.shapes.push_back({0, 0, static_cast<float>(bar_shape(n, x) / std::sqrt(mass))});
+    }
+  }
+  const auto moment = [mass](double a, double b) { return mass * (a * a + b * b) / 12; };
+  bank.mass = modal::MassProperties{
+      .mass_kg = mass,
+      .center_of_mass_m = {kLength / 2, 0, 0},
+      .inertia_kg_m2 = {moment(kWidth, kThickness), moment(kLength, kThickness), moment(kLength, kWidth)}};
+  bank.provenance = {.generator = "tests", .element = "Euler-Bernoulli", .unknowns = 0, .rigid_modes = 6,
+                     .band_low_hz = 20, .band_high_hz = 20000, .largest_residual = 1.25e-13};
+  return bank;
+}
+
+modal::Bank random_bank(std::uint32_t seed, std::size_t modes, std::size_t points) {
+  std::mt19937 random(seed);
+  const auto uniform = [&random](double low, double high) {
+    return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
+  };
+  modal::Bank bank{.name = "random"};
+  const std::size_t around = std::max<std::size_t>(3, static_cast<std::size_t>(std::sqrt(points)));
+  const std::size_t rings = std::max<std::size_t>(1, (points + around - 1) / around);
+  const auto point = [&](double polar, double azimuth) {
+    const double radius = uniform(0.08, 0.12);
+    bank.positions.push_back({static_cast<float>(radius * std::sin(polar) * std::cos(azimuth)),
+                              static_cast<float>(radius * std::sin(polar) * std::sin(azimuth)),
+                              static_cast<float>(radius * std::cos(polar))});
+    return static_cast<std::uint32_t>(bank.positions.size() - 1);
+  };
+  const std::uint32_t top = point(0, 0), bottom = point(kPi, 0);
+  const auto at = [&](std::size_t ring, std::size_t i) {
+    return static_cast<std::uint32_t>(2 + ring * around + i % around);
+  };
+  for (std::size_t ring = 0; ring < rings; ++ring) {
+    for (std::size_t i = 0; i < around; ++i) {
+      point(kPi * (static_cast<double>(ring) + 1) / (static_cast<double>(rings) + 1),
+            2 * kPi * static_cast<double>(i) / static_cast<double>(around));
+    }
+  }
+  for (std::size_t i = 0; i < around; ++i) {
+    bank.triangles.push_back({top, at(0, i), at(0, i + 1)});
+    for (std::size_t ring = 0; ring + 1 < rings; ++ring) {
+      bank.triangles.push_back({at(ring, i), at(ring + 1, i), at(ring + 1, i + 1)});
+      bank.triangles.push_back({at(ring, i), at(ring + 1, i + 1), at(ring, i + 1)});
+    }
+    bank.triangles.push_back({bottom, at(rings - 1, i + 1), at(rings - 1, i)});
+  }
+  for (std::size_t m = 0; m < modes; ++m) {
+    bank.frequency_hz.push_back(40 * std::pow(19000.0 / 40, uniform(0, 1)));
+    bank.decay_per_s.push_back(std::log(1000.0) / (0.05 * std::pow(100.0, uniform(0, 1))));
+  }
+  for (std::size_t i = 0; i < modes * bank.positions.size(); ++i) {
+    bank.shapes.push_back({static_cast<float>(uniform(-1, 1)), static_cast<float>(uniform(-1, 1)),
+                           static_cast<float>(uniform(-1, 1))});
+  }
+  return bank;
+}
+
+}  // namespace ringdown::test

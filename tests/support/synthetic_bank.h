@@ -1,0 +1,28 @@
+// Banks whose modes are known without any solver. [any thread]
+#pragma once
+
+#include "engine/modal/bank.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+namespace ringdown::test {
+
+// One mode that moves every point alike, by `shape`. Four points 1 m from the origin, a tetrahedron's surface.
+modal::Bank single_mode_bank(double frequency_hz, double decay_per_s, modal::Vec3f shape = {0, 0, 1});
+
+// The flexural modes of a free-free bar by Euler and Bernoulli: length 0.3 m along x, 20 mm x 5 mm of steel, moving
+// along z; sampled at 17 points of its axis, no triangles. Material and mass properties are filled.
+// Source: Blevins, Formulas for Natural Frequency and Mode Shape, table 8-1, case 1.
+modal::Bank bar_bank(std::size_t modes);
+
+// Any number of modes between 40 Hz and 19 kHz with T60 between 50 ms and 5 s, random shapes of order 1, on a closed
+// bumpy surface of at least `points` points. The same seed gives the same bank.
+modal::Bank random_bank(std::uint32_t seed, std::size_t modes, std::size_t points);
+
+inline std::shared_ptr<const modal::Bank> shared(modal::Bank bank) {
+  return std::make_shared<const modal::Bank>(std::move(bank));
+}
+
+}  // namespace ringdown::test
