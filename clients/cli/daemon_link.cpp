@@ -1,0 +1,68 @@
+#include "clients/cli/daemon_link.h"
+
+#include "protocol/schema.h"
+#include "server/osc_codec.h"
+
+#include <optional>
+#include <variant>
+
+namespace ringdown::cli {
+namespace {
+
+using protocol::Message;
+using protocol::Reply;
+using Clock = std::chrono::steady_clock;
+
+// Whether `reply` is about the message sent to `address`, for which `expected` is the address of success.
+bool answers(const Message& message, const Reply& reply, std::string_view address, std::string_view expected) {
+  if (const auto* fail = std::get_if<protocol::Fail>(&reply)) return fail->address == address;
+  if (const auto* done = std::get_if<protocol::Done>(&reply)) return done->address == address;
+  return message.address == expected;
+}
+
+std::optional<Reply> find_answer(const server::Datagram& datagram, std::string_view address,
+                                 std::string_view expected) {
+  const auto messages = server::decode_packet(datagram.bytes);
+  if (!messages) return std::nullopt;
+  for (const auto& [time, message] : *messages) {
+    Result<Reply> reply = protocol::parse_reply(message);
+    if (reply && answers(message, *reply, address, expected)) return std::move(*reply);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<DaemonLink> DaemonLink::open(const std::string& url) {
+  const auto parsed = server::parse_url(url);
+  if (!parsed) return fail(parsed.error());
+  const auto daemon = server::resolve(parsed->host, parsed->port);
+  if (!daemon) return fail(daemon.error());
+  // A daemon on this computer is asked from loopback; for another one, any of our addresses must do.
+  const bool local = daemon->address >> 24 == 127;
+  auto socket = server::OscSocket::bind({local ? daemon->address : 0, 0});
+  if (!socket) return fail(socket.error());
+  return DaemonLink(std::move(*socket), *daemon, url);
+}
+
+Result<Reply> DaemonLink::ask(const Message& message, std::chrono::milliseconds timeout) {
+  const auto spec = protocol::find_address(message.address);
+  if (!spec) return fail(spec.error());
+  const bool silent = (*spec)->reply.empty();
+  if (Result<void> sent = socket_.send_to(daemon_, server::encode(message)); !sent) return fail(sent.error());
+  if (silent) {
+    const Message sync = protocol::format(protocol::Request(protocol::Sync{1}));
+    if (Result<void> sent = socket_.send_to(daemon_, server::encode(sync)); !sent) return fail(sent.error());
+  }
+  const std::string_view expected = silent ? "/synced" : (*spec)->reply;
+  server::Datagram datagram;
+  for (const auto deadline = Clock::now() + timeout;;) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+    if (left.count() <= 0) break;
+    if (!socket_.receive(datagram, left)) continue;
+    if (std::optional<Reply> reply = find_answer(datagram, message.address, expected)) return std::move(*reply);
+  }
+  return fail("no answer from a daemon at " + url_ + ": start ringdownd, or name the right one with --to");
+}
+
+}  // namespace ringdown::cli

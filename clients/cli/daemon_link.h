@@ -1,0 +1,32 @@
+// Asking a running daemon something, and waiting for what it says.
+#pragma once
+
+#include "engine/base/result.h"
+#include "protocol/message.h"
+#include "protocol/reply.h"
+#include "server/osc_socket.h"
+
+#include <chrono>
+#include <string>
+
+namespace ringdown::cli {
+
+class DaemonLink {
+ public:
+  // `url` as in osc.udp://127.0.0.1:7770. Succeeds whether or not a daemon is there: UDP cannot tell.
+  static Result<DaemonLink> open(const std::string& url);
+
+  // Sends a message of the protocol and waits for its answer. A request that succeeds in silence is followed by /sync,
+  // so that Synced means it has arrived. Fail is an answer like any other; an error means that none came in time.
+  Result<protocol::Reply> ask(const protocol::Message& message, std::chrono::milliseconds timeout);
+
+ private:
+  DaemonLink(server::OscSocket socket, server::Endpoint daemon, std::string url)
+      : socket_(std::move(socket)), daemon_(daemon), url_(std::move(url)) {}
+
+  server::OscSocket socket_;
+  server::Endpoint daemon_;
+  std::string url_;
+};
+
+}  // namespace ringdown::cli

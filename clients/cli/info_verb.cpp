@@ -1,0 +1,71 @@
+#include "clients/cli/pitch.h"
+#include "clients/cli/verb.h"
+#include "engine/modal/bank_file.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+namespace ringdown::cli {
+namespace {
+
+// How strongly the mode answers a blow at a random point: sqrt of the mean of |phi|^2 over the sample points.
+double rms_shape(const modal::Bank& bank, std::size_t mode) {
+  double sum = 0;
+  for (std::size_t p = 0; p < bank.point_count(); ++p) {
+    for (const double component : bank.shape(mode, p)) sum += component * component;
+  }
+  return std::sqrt(sum / static_cast<double>(bank.point_count()));
+}
+
+void print_head(const modal::Bank& bank) {
+  std::printf("%s: %zu modes at %zu points, %zu triangles\n", bank.name.c_str(), bank.mode_count(), bank.point_count(),
+              bank.triangles.size());
+  if (const auto& m = bank.material) {
+    std::printf("material   %s: E = %.4g Pa, nu = %.3g, rho = %.5g kg/m3, alpha = %.4g 1/s, beta = %.4g s\n",
+                m->name.c_str(), m->youngs_modulus_pa, m->poisson_ratio, m->density_kg_m3, m->damping.alpha_per_s,
+                m->damping.beta_s);
+  }
+  if (const auto& m = bank.mass) {
+    std::printf("mass       %.4g kg, inertia %.4g %.4g %.4g kg m2 about (%.4g %.4g %.4g) m\n", m->mass_kg,
+                m->inertia_kg_m2.x, m->inertia_kg_m2.y, m->inertia_kg_m2.z, m->center_of_mass_m.x,
+                m->center_of_mass_m.y, m->center_of_mass_m.z);
+  }
+  const modal::Provenance& made = bank.provenance;
+  if (!made.generator.empty()) std::printf("made by    %s\n", made.generator.c_str());
+  if (made.unknowns > 0) {
+    std::printf("analysis   %s, %lld unknowns, %.4g to %.4g Hz, %lld rigid modes left out, largest residual %.2g\n",
+                made.element.c_str(), static_cast<long long>(made.unknowns), made.band_low_hz, made.band_high_hz,
+                static_cast<long long>(made.rigid_modes), made.largest_residual);
+  }
+}
+
+void print_modes(const modal::Bank& bank) {
+  std::printf("\n%5s %12s %10s %10s %14s  %s\n", "mode", "frequency Hz", "T60 s", "decay 1/s", "rms kg^-1/2", "note");
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const double decay = bank.decay_per_s[m];
+    std::printf("%5zu %12.3f %10.4g %10.4g %14.4g  %s\n", m, bank.frequency_hz[m], modal::t60_s(decay), decay,
+                rms_shape(bank, m), note_name(bank.frequency_hz[m]).c_str());
+  }
+}
+
+ExitCode info(const std::string& path) {
+  const auto bank = modal::read_bank(path);
+  if (!bank) return complain(bank.error().message, ExitCode::bad_input);
+  print_head(*bank);
+  print_modes(*bank);
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+void add_info_verb(CLI::App& app, ExitCode& outcome) {
+  auto path = std::make_shared<std::string>();
+  CLI::App* verb = app.add_subcommand("info", "Prints the modes of a bank as a table, in the bank's order.");
+  verb->add_option("bank", *path, "The bank, a .glb file.")->required();
+  verb->callback([path, &outcome] { outcome = info(*path); });
+}
+
+}  // namespace ringdown::cli
