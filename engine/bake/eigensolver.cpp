@@ -112,8 +112,9 @@ Eigenmodes solve_dense(const fem::System& system) {
   return modes;
 }
 
-// Rounding leaves a rigid motion with lambda of about 1e-16 of the largest eigenvalue of the mesh, which the
-// largest ratio of diagonal entries bounds from below and which is far below any audible mode.
+// Rounding leaves a rigid motion with lambda of about 1e-16 of the largest eigenvalue of the mesh, which the largest
+// ratio of diagonal entries estimates. The limit stays far below the band (a few Hz to 60 Hz under 20 kHz), so that a
+// mesh with a few very bad elements does not make sounding modes look rigid.
 double rigid_limit(const fem::System& system, double highest_lambda) {
   double stiffest = 0;
   for (Eigen::Index n = 0; n < system.node_mass.cols(); ++n) {
@@ -121,7 +122,8 @@ double rigid_limit(const fem::System& system, double highest_lambda) {
     for (int i = 0; i < 3; ++i)
       stiffest = std::max(stiffest, system.stiffness.coeff(3 * n + i, 3 * n + i) / mass);
   }
-  return std::max(1e-8 * highest_lambda, 100 * std::numeric_limits<double>::epsilon() * stiffest);
+  const double rounding = 100 * std::numeric_limits<double>::epsilon() * stiffest;
+  return std::clamp(rounding, 1e-8 * highest_lambda, 1e-5 * highest_lambda);
 }
 
 int count_rigid(const Eigen::VectorXd& lambda, double limit) {

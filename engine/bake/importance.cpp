@@ -14,9 +14,10 @@ double a_weighting(double frequency_hz) {
 }
 
 double importance(modal::DampedMode mode, double surface_rms) {
-  constexpr double kIntegrationSeconds = 0.2;
+  constexpr double kIntegrationSeconds = 0.2, kContactSeconds = 3e-4;
+  const double frequency = mode.frequency_hz, side = 2 * frequency * kContactSeconds;
   const double amplitude =
-      modal::hz_to_rad_per_s(mode.frequency_hz) * surface_rms * a_weighting(mode.frequency_hz);
+      modal::hz_to_rad_per_s(frequency) * surface_rms * a_weighting(frequency) / (1 + side * side);
   const double x = 2 * mode.decay_per_s * kIntegrationSeconds;
   const double collected = kIntegrationSeconds * (x > 1e-12 ? -std::expm1(-x) / x : 1.0);
   return amplitude * amplitude * collected;

@@ -10,11 +10,12 @@ double a_weighting(double frequency_hz);
 
 // Energy of the mode's sound as the ear collects it, up to a factor common to all modes of an object:
 //
-//   (2 pi f * rms shape * A(f))^2 * integral over the first 0.2 s of exp(-2 d t)
+//   (2 pi f * rms shape * A(f) / (1 + (2 f tau)^2))^2 * integral over the first 0.2 s of exp(-2 d t)
 //
-// 2 pi f is the radiation factor of a strike (docs/physics.md), the rms over the surface stands for a strike
-// anywhere, and 0.2 s is the time over which loudness builds up (Zwicker & Fastl, Psychoacoustics,
-// section 8.4). A choice, used for ordering only: dropping a bank's last modes loses the least.
+// 2 pi f is the radiation factor of a strike (docs/physics.md); the rms over the surface stands for a strike anywhere;
+// the fraction is the envelope of the contact pulse's spectrum for a hard contact of tau = 0.3 ms; 0.2 s is the time
+// over which loudness builds up (Zwicker & Fastl, Psychoacoustics, section 8.4). A choice, used for ordering only:
+// dropping a bank's last modes loses the least.
 double importance(modal::DampedMode mode, double surface_rms);
 
 } // namespace ringdown::bake

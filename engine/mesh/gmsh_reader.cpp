@@ -144,6 +144,10 @@ std::string one_line(std::string text) {
   return text.empty() ? "it gave no reason" : text;
 }
 
+tl::unexpected<Error> gmsh_failed(const std::filesystem::path& path, const std::string& message) {
+  return fail("gmsh cannot make a mesh of " + path.string() + ": " + one_line(message));
+}
+
 } // namespace
 
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options) {
@@ -161,7 +165,11 @@ Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const Gmsh
     const Session session(numbers);
     return read_open(path, options);
   } catch (const std::exception& exception) {
-    return fail("gmsh cannot make a mesh of " + path.string() + ": " + one_line(exception.what()));
+    return gmsh_failed(path, exception.what());
+  } catch (const std::string& message) {  // some of its own code throws its message bare
+    return gmsh_failed(path, message);
+  } catch (...) {
+    return gmsh_failed(path, "");
   }
 }
 

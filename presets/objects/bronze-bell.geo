@@ -2,35 +2,33 @@
 // The profile is drawn for a mouth of diameter 1: thick sound bow, waist of a third of it, rounded shoulder.
 SetFactory("OpenCASCADE");
 DefineConstant[ diameter = 300, mesh_size = 22 ];
-Macro At
-  point = newp; Point(point) = {r * diameter, 0, z * diameter};
-Return
-r = 0.500; z = 0.000; Call At; lip_out = point;
-r = 0.488; z = 0.045; Call At; o1 = point;
-r = 0.425; z = 0.130; Call At; o2 = point;
-r = 0.345; z = 0.270; Call At; o3 = point;
-r = 0.295; z = 0.430; Call At; o4 = point;
-r = 0.270; z = 0.580; Call At; o5 = point;
-r = 0.258; z = 0.690; Call At; shoulder_out = point;
-r = 0.215; z = 0.755; Call At; o6 = point;
-r = 0.120; z = 0.780; Call At; o7 = point;
-r = 0.030; z = 0.785; Call At; crown_out = point;
-r = 0.030; z = 0.735; Call At; crown_in = point;
-r = 0.110; z = 0.732; Call At; i7 = point;
-r = 0.190; z = 0.705; Call At; i6 = point;
-r = 0.222; z = 0.665; Call At; shoulder_in = point;
-r = 0.236; z = 0.570; Call At; i5 = point;
-r = 0.262; z = 0.425; Call At; i4 = point;
-r = 0.310; z = 0.265; Call At; i3 = point;
-r = 0.375; z = 0.135; Call At; i2 = point;
-r = 0.425; z = 0.055; Call At; i1 = point;
-r = 0.480; z = 0.000; Call At; lip_in = point;
-Spline(1) = {lip_out, o1, o2, o3, o4, o5, shoulder_out};
-Spline(2) = {shoulder_out, o6, o7, crown_out};
-Line(3) = {crown_out, crown_in};
-Spline(4) = {crown_in, i7, i6, shoulder_in};
-Spline(5) = {shoulder_in, i5, i4, i3, i2, i1, lip_in};
-Line(6) = {lip_in, lip_out};
+d = diameter;
+Point(1) = {0.500 * d, 0, 0.000 * d};  // lip out
+Point(2) = {0.488 * d, 0, 0.045 * d};  // o1
+Point(3) = {0.425 * d, 0, 0.130 * d};  // o2
+Point(4) = {0.345 * d, 0, 0.270 * d};  // o3
+Point(5) = {0.295 * d, 0, 0.430 * d};  // o4
+Point(6) = {0.270 * d, 0, 0.580 * d};  // o5
+Point(7) = {0.258 * d, 0, 0.690 * d};  // shoulder out
+Point(8) = {0.215 * d, 0, 0.755 * d};  // o6
+Point(9) = {0.120 * d, 0, 0.780 * d};  // o7
+Point(10) = {0.030 * d, 0, 0.785 * d};  // crown out
+Point(11) = {0.030 * d, 0, 0.735 * d};  // crown in
+Point(12) = {0.110 * d, 0, 0.732 * d};  // i7
+Point(13) = {0.190 * d, 0, 0.705 * d};  // i6
+Point(14) = {0.222 * d, 0, 0.665 * d};  // shoulder in
+Point(15) = {0.236 * d, 0, 0.570 * d};  // i5
+Point(16) = {0.262 * d, 0, 0.425 * d};  // i4
+Point(17) = {0.310 * d, 0, 0.265 * d};  // i3
+Point(18) = {0.375 * d, 0, 0.135 * d};  // i2
+Point(19) = {0.425 * d, 0, 0.055 * d};  // i1
+Point(20) = {0.480 * d, 0, 0.000 * d};  // lip in
+Spline(1) = {1, 2, 3, 4, 5, 6, 7};
+Spline(2) = {7, 8, 9, 10};
+Line(3) = {10, 11};
+Spline(4) = {11, 12, 13, 14};
+Spline(5) = {14, 15, 16, 17, 18, 19, 20};
+Line(6) = {20, 1};
 Curve Loop(1) = {1, 2, 3, 4, 5, 6};
 Plane Surface(1) = {1};
 Extrude { {0, 0, 1}, {0, 0, 0}, 2 * Pi } { Surface{1}; }

@@ -1,34 +1,33 @@
 // A wine glass: thin bowl, stem and foot in one piece of glass, turned about its axis. Lengths in mm.
 SetFactory("OpenCASCADE");
 DefineConstant[ rim_radius = 32, wall = 1.6, stem = 60, mesh_size = 6 ];
+Mesh.MeshSizeFromCurvature = 9;  // the stem is thinner than mesh_size
+Mesh.MeshSizeMin = 2.5;          // and on the axis the curvature has no limit
 s = rim_radius / 32;
-Macro At
-  point = newp; Point(point) = {r, 0, z};
-Return
-r = 0;              z = 0;               Call At; foot_axis = point;
-r = 34 * s;         z = 0;               Call At; foot_low = point;
-r = 34 * s;         z = 2;               Call At; foot_rim = point;
-r = 15 * s;         z = 4;               Call At; foot_mid = point;
-r = 5;              z = 12;              Call At; stem_low = point;
-r = 4;              z = 0.5 * stem;      Call At; stem_mid = point;
-r = 5;              z = stem;            Call At; stem_top = point;
-r = 20 * s;         z = stem + 12 * s;   Call At; b1 = point;
-r = 34 * s;         z = stem + 32 * s;   Call At; b2 = point;
-r = 38 * s;         z = stem + 52 * s;   Call At; b3 = point;
-r = 36 * s;         z = stem + 75 * s;   Call At; b4 = point;
-r = rim_radius;     z = stem + 100 * s;  Call At; rim_out = point;
-r = rim_radius - wall;   z = stem + 100 * s;       Call At; rim_in = point;
-r = 36 * s - wall;  z = stem + 75 * s;   Call At; c4 = point;
-r = 38 * s - wall;  z = stem + 52 * s;   Call At; c3 = point;
-r = 34 * s - wall;  z = stem + 32.5 * s; Call At; c2 = point;
-r = 19.5 * s - wall; z = stem + 14 * s;  Call At; c1 = point;
-r = 0;              z = stem + 6 * s;    Call At; well = point;
-Line(1) = {foot_axis, foot_low};
-Line(2) = {foot_low, foot_rim};
-Spline(3) = {foot_rim, foot_mid, stem_low, stem_mid, stem_top, b1, b2, b3, b4, rim_out};
-Line(4) = {rim_out, rim_in};
-Spline(5) = {rim_in, c4, c3, c2, c1, well};
-Line(6) = {well, foot_axis};
+Point(1) = {0, 0, 0};  // foot axis
+Point(2) = {34 * s, 0, 0};  // foot low
+Point(3) = {34 * s, 0, 2};  // foot rim
+Point(4) = {15 * s, 0, 4};  // foot mid
+Point(5) = {5, 0, 12};  // stem low
+Point(6) = {4, 0, 0.5 * stem};  // stem mid
+Point(7) = {5, 0, stem};  // stem top
+Point(8) = {20 * s, 0, stem + 12 * s};  // b1
+Point(9) = {34 * s, 0, stem + 32 * s};  // b2
+Point(10) = {38 * s, 0, stem + 52 * s};  // b3
+Point(11) = {36 * s, 0, stem + 75 * s};  // b4
+Point(12) = {rim_radius, 0, stem + 100 * s};  // rim out
+Point(13) = {rim_radius - wall, 0, stem + 100 * s};  // rim in
+Point(14) = {36 * s - wall, 0, stem + 75 * s};  // c4
+Point(15) = {38 * s - wall, 0, stem + 52 * s};  // c3
+Point(16) = {34 * s - wall, 0, stem + 32.5 * s};  // c2
+Point(17) = {19.5 * s - wall, 0, stem + 14 * s};  // c1
+Point(18) = {0, 0, stem + 6 * s};  // well
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Spline(3) = {3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+Line(4) = {12, 13};
+Spline(5) = {13, 14, 15, 16, 17, 18};
+Line(6) = {18, 1};
 Curve Loop(1) = {1, 2, 3, 4, 5, 6};
 Plane Surface(1) = {1};
 Extrude { {0, 0, 1}, {0, 0, 0}, 2 * Pi } { Surface{1}; }
