@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kLongestText = 4096;
 
 std::string shown(const std::string& text) {
-  return "the text " + in_quotes(text);
+  return "the text " + quoted(text);
 }
 std::string shown(std::int32_t value) {
   return std::to_string(value);

@@ -29,7 +29,7 @@ Result<ObjectRef> parse_object(std::string_view text) {
   if (!text.empty() && error == std::errc() && stop == end && number <= kLargestNumber) {
     return ObjectRef{"", number};
   }
-  return fail(in_quotes(text) + " is no object: give its number, up to " + std::to_string(kLargestNumber) +
+  return fail(quoted(text) + " is no object: give its number, up to " + std::to_string(kLargestNumber) +
               ", or a name of 1 to 64 of A-Z a-z 0-9 _ . - that is not all digits");
 }
 
@@ -37,7 +37,7 @@ std::string to_text(const ObjectRef& object) {
   return object.number ? std::to_string(*object.number) : object.name;
 }
 
-std::string in_quotes(std::string_view text) {
+std::string quoted(std::string_view text) {
   constexpr std::size_t kShown = 48;
   std::string shown(text.substr(0, kShown));
   std::ranges::replace_if(

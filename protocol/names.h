@@ -27,6 +27,6 @@ Result<ObjectRef> parse_object(std::string_view text);
 std::string to_text(const ObjectRef& object);
 
 // `text` in single quotes for an error message: unprintable characters become '?', long text is cut.
-std::string in_quotes(std::string_view text);
+std::string quoted(std::string_view text);
 
 } // namespace ringdown::protocol

@@ -61,13 +61,13 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 template <class Any>
 Result<const Row<Any>*> find_row(const std::vector<Row<Any>>& rows, std::string_view address) {
   constexpr std::size_t kLongestAddress = 256;
-  if (address.size() > kLongestAddress) return fail(in_quotes(address) + " is no address: it is too long");
+  if (address.size() > kLongestAddress) return fail(quoted(address) + " is no address: it is too long");
   const std::string pattern = pattern_of(address);
   const auto same = [&](const Row<Any>& row) { return row.spec.address == pattern; };
   if (const auto row = std::ranges::find_if(rows, same); row != rows.end()) return &*row;
   const auto distance = [&](const Row<Any>& row) { return edit_distance(pattern, row.spec.address); };
   const Row<Any>& nearest = *std::ranges::min_element(rows, {}, distance);
-  return fail(in_quotes(address) + " is no address; the nearest is " + std::string(nearest.spec.address));
+  return fail(quoted(address) + " is no address; the nearest is " + std::string(nearest.spec.address));
 }
 
 // "x y z [contact_time]"
