@@ -1,0 +1,59 @@
+#include "tests/integration/daemon_fixture.h"
+
+#include <unistd.h>
+
+namespace ringdown::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::vector<std::string> daemon_command(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {program("ringdownd"), "--port", "0"});
+  return arguments;
+}
+
+}  // namespace
+
+// Port limit: jackd's default wants 107 MB of shared memory, more than many containers have.
+JackServer::JackServer()
+    : name_("ringdown-test-" + std::to_string(::getpid())),
+      server_({"jackd", "--no-realtime", "--name", name_, "--port-max", "128", "-d", "dummy", "-r", "48000", "-p", "256"},
+              {{"JACK_NO_AUDIO_RESERVATION", "1"}}) {}
+
+Process::Environment JackServer::environment() const {
+  return {{"JACK_DEFAULT_SERVER", name_}, {"JACK_NO_START_SERVER", "1"}};
+}
+
+bool JackServer::runs() { return run({"jack_wait", "--server", name_, "--wait", "--timeout", "10"}).exit_code == 0; }
+
+Daemon::Daemon(std::vector<std::string> arguments, const Process::Environment& environment)
+    : process_(daemon_command(std::move(arguments)), environment), socket_(*server::OscSocket::bind()) {
+  const std::string announcement = "OSC on 127.0.0.1:";
+  if (!process_.wait_for_output(announcement, 20s)) return;
+  const std::string output = process_.output();
+  port_ = static_cast<std::uint16_t>(std::stoi(output.substr(output.find(announcement) + announcement.size())));
+}
+
+void Daemon::send(const protocol::Message& message) {
+  static_cast<void>(socket_.send_to({.port = port_}, server::encode(message)));
+}
+
+void Daemon::send_bundle(double unix_s, const std::vector<protocol::Message>& messages) {
+  static_cast<void>(socket_.send_to({.port = port_}, server::encode_bundle(server::time_tag(unix_s), messages)));
+}
+
+std::optional<protocol::Reply> Daemon::reply(std::chrono::milliseconds limit) {
+  server::Datagram datagram;
+  if (!socket_.receive(datagram, limit)) return std::nullopt;
+  const auto messages = server::decode_packet(datagram.bytes);
+  if (!messages || messages->empty()) return std::nullopt;
+  const auto reply = protocol::parse_reply(messages->front().message);
+  return reply ? std::optional(*reply) : std::nullopt;
+}
+
+std::optional<protocol::Reply> Daemon::ask(const protocol::Message& message) {
+  send(message);
+  return reply();
+}
+
+}  // namespace ringdown::test

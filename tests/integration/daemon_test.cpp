@@ -1,0 +1,190 @@
+// ringdownd as a program: what it answers, refuses, and how it ends. No JACK needed.
+#include "engine/modal/bank_file.h"
+#include "tests/integration/daemon_fixture.h"
+#include "tests/support/synthetic_bank.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+namespace ringdown::test {
+namespace {
+
+using namespace std::chrono_literals;
+using protocol::Done;
+using protocol::Fail;
+using protocol::Message;
+
+// A JACK server that certainly is not there.
+const Process::Environment kNoJack = {{"JACK_DEFAULT_SERVER", "ringdown-test-nobody"}, {"JACK_NO_START_SERVER", "1"}};
+
+class DaemonTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"low.glb", "high.glb"}) {
+      const double pitch_hz = name[0] == 'l' ? 300 : 1200;
+      ASSERT_TRUE(modal::write_bank(single_mode_bank(pitch_hz, 2), folder_ / name));
+    }
+  }
+
+  [[nodiscard]] std::string bank(const std::string& name) const { return (folder_ / name).string(); }
+
+  template <class Reply>
+  Reply expect(Daemon& daemon, const Message& message) {
+    const auto reply = daemon.ask(message);
+    EXPECT_TRUE(reply) << "no answer to " << message.address;
+    const auto* expected = reply ? std::get_if<Reply>(&*reply) : nullptr;
+    if (expected) return *expected;
+    if (reply) ADD_FAILURE() << message.address << " was answered by " << protocol::format(*reply).address;
+    if (const auto* refusal = reply ? std::get_if<Fail>(&*reply) : nullptr) ADD_FAILURE() << refusal->sentence;
+    return {};
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(DaemonTest, LoadsStrikesRetunesAndFreesObjectsByNameAndNumber) {
+  Daemon daemon({"--driver", "null", "--object", "low=" + bank("low.glb")});
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  const auto loaded = expect<Done>(daemon, {"/load", {"high", bank("high.glb")}});
+  ASSERT_TRUE(loaded.number);
+  const std::string by_number = "/object/" + std::to_string(*loaded.number);
+
+  daemon.send({by_number + "/strike", {1.f, 0.f, 0.f, 0.f, 0.f, 0.5f}});
+  daemon.send({"/object/low/strike_vertex", {0, 0.f, 0.f, 0.5f}});
+  daemon.send({"/object/low/gain", {0.5f}});
+  daemon.send({"/object/low/pan", {-1.f}});
+  expect<Done>(daemon, {"/object/low/material", {1.f, 1.f, 1.f, 4.f}});
+  EXPECT_EQ(expect<protocol::Synced>(daemon, {"/sync", {7}}).id, 7);
+  protocol::StatusReply status;
+  for (int tries = 0; tries < 100 && status.sounding_objects < 2; ++tries) {
+    status = expect<protocol::StatusReply>(daemon, {"/status", {}});
+  }
+  EXPECT_EQ(status.objects, 2);
+  EXPECT_EQ(status.sounding_objects, 2);
+  EXPECT_EQ(status.sample_rate_hz, 48000);
+
+  expect<Done>(daemon, {by_number + "/free", {}});
+  EXPECT_EQ(expect<protocol::StatusReply>(daemon, {"/status", {}}).objects, 1);
+  EXPECT_NE(expect<Fail>(daemon, {by_number + "/free", {}}).sentence.find("object"), std::string::npos);
+}
+
+TEST_F(DaemonTest, EveryRefusalNamesWhatIsWrong) {
+  Daemon daemon({"--driver", "null", "--object", "low=" + bank("low.glb")});
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  const std::vector<std::pair<Message, std::string>> refused = {
+      {{"/object/nobody/strike", {0.f, 0.f, 0.f, 0.f, 0.f, 1.f}}, "nobody"},
+      {{"/object/low/strike", {0.f, 0.f, 0.f, 0.f, 0.f}}, "jz"},
+      {{"/object/low/strike", {0.f, 0.f, NAN, 0.f, 0.f, 1.f}}, "z"},
+      {{"/object/low/strike_vertex", {99, 0.f, 0.f, 1.f}}, "vertex"},
+      {{"/object/low/gain", {-1.f}}, "gain"},
+      {{"/object/low/material", {1.f, 1.f, 0.f, 1.f}}, "density"},
+      {{"/load", {"new", bank("missing.glb")}}, "missing.glb"},
+      {{"/load", {"bad name", bank("low.glb")}}, "name"},
+      {{"/scene/load", {bank("missing.toml")}}, "missing.toml"},
+      {{"/scene/pause", {}}, "no scene"},
+      {{"/no/such/address", {}}, "/no/such/address"},
+  };
+  for (const auto& [message, word] : refused) {
+    const auto refusal = expect<Fail>(daemon, message);
+    EXPECT_NE(refusal.sentence.find(word), std::string::npos) << message.address << ": " << refusal.sentence;
+  }
+}
+
+TEST_F(DaemonTest, AnswersVersionAndStopsOnQuit) {
+  Daemon daemon({"--driver", "null"});
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  EXPECT_EQ(expect<protocol::VersionReply>(daemon, {"/version", {}}).program, "ringdownd");
+  expect<Done>(daemon, {"/quit", {}});
+  EXPECT_EQ(daemon.process().wait(10s), 0);
+}
+
+TEST_F(DaemonTest, StopsCleanlyOnBothSignals) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Daemon daemon({"--driver", "null", "--object", "low=" + bank("low.glb")});
+    ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+    daemon.process().send_signal(signal);
+    EXPECT_EQ(daemon.process().wait(10s), 0) << daemon.process().output();
+  }
+}
+
+TEST_F(DaemonTest, ListensOnLoopbackOnly) {
+  Daemon daemon({"--driver", "null"});
+  ASSERT_TRUE(daemon.ready());
+  char port[8];
+  std::snprintf(port, sizeof port, ":%04X", daemon.port());
+  std::ifstream sockets("/proc/net/udp");
+  std::vector<std::string> ours;
+  for (std::string line; std::getline(sockets, line);) {
+    const std::string local = line.substr(0, 21);
+    if (local.find(port) != std::string::npos) ours.push_back(local);
+  }
+  ASSERT_EQ(ours.size(), 1u);
+  EXPECT_NE(ours.front().find("0100007F"), std::string::npos) << ours.front();
+}
+
+TEST_F(DaemonTest, NoJackServerABusyPortAndABadBankHaveTheirOwnExitCodes) {
+  const Outcome no_jack = run({program("ringdownd"), "--port", "0"}, kNoJack);
+  EXPECT_EQ(no_jack.exit_code, 4);
+  EXPECT_NE(no_jack.output.find("no JACK server"), std::string::npos) << no_jack.output;
+  EXPECT_EQ(std::count(no_jack.output.begin(), no_jack.output.end(), '\n'), 1) << no_jack.output;
+
+  Daemon first({"--driver", "null"});
+  const Outcome busy = run({program("ringdownd"), "--driver", "null", "--port", std::to_string(first.port())});
+  EXPECT_EQ(busy.exit_code, 5);
+  EXPECT_NE(busy.output.find(std::to_string(first.port())), std::string::npos) << busy.output;
+
+  std::ofstream(folder_ / "broken.glb") << "this is no bank";
+  const Outcome broken = run({program("ringdownd"), "--driver", "null", "--port", "0", "--object", "x=" + bank("broken.glb")});
+  EXPECT_EQ(broken.exit_code, 3);
+  EXPECT_NE(broken.output.find("broken.glb"), std::string::npos) << broken.output;
+
+  EXPECT_EQ(run({program("ringdownd"), "--object", "no-equals-sign"}).exit_code, 2);
+  EXPECT_EQ(run({program("ringdownd"), "--help"}).exit_code, 0);
+}
+
+TEST_F(DaemonTest, SendsItsSceneToAnotherDaemonAsOsc) {
+  std::ofstream(folder_ / "drop.toml") << R"(
+[[object]]
+name = "ball"
+bank = "low.glb"
+[[static]]
+type = "plane"
+[[body]]
+name = "ball"
+object = "ball"
+shape = "sphere"
+radius = 0.05
+density = 1000
+position = [0, 0, 0.2]
+)";
+  Daemon listener({"--driver", "null", "--object", "ball=" + bank("low.glb")});
+  ASSERT_TRUE(listener.ready());
+  Daemon sender({"--driver", "null", "--scene", (folder_ / "drop.toml").string(), "--scene-to",
+                 "osc.udp://127.0.0.1:" + std::to_string(listener.port())});
+  ASSERT_TRUE(sender.ready()) << sender.process().output();
+  protocol::StatusReply status;
+  for (int tries = 0; tries < 200 && status.sounding_objects == 0; ++tries) {
+    status = expect<protocol::StatusReply>(listener, {"/status", {}});
+    std::this_thread::sleep_for(50ms);
+  }
+  EXPECT_EQ(status.sounding_objects, 1);
+  EXPECT_EQ(status.late_events, 0);
+  EXPECT_EQ(expect<protocol::StatusReply>(sender, {"/status", {}}).sounding_objects, 0);
+}
+
+TEST_F(DaemonTest, TheWavDriverWritesTheSceneToAFile) {
+  std::ofstream(folder_ / "still.toml") << "[[object]]\nname = \"ball\"\nbank = \"low.glb\"\n";
+  const auto file = folder_ / "out.wav";
+  const Outcome written = run({program("ringdownd"), "--driver", "wav", "--scene", (folder_ / "still.toml").string(),
+                               "--seconds", "0.5", "-o", file.string()});
+  EXPECT_EQ(written.exit_code, 0) << written.output;
+  EXPECT_GT(std::filesystem::file_size(file), 24000u * 8);
+}
+
+}  // namespace
+}  // namespace ringdown::test

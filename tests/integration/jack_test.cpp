@@ -1,0 +1,128 @@
+// The whole way with real parts: jackd, ringdownd, oscsend, and a JACK client that records.
+#include "engine/modal/bank_file.h"
+#include "tests/integration/daemon_fixture.h"
+#include "tests/support/keep_signals.h"
+#include "tests/support/signal.h"
+#include "tests/support/synthetic_bank.h"
+
+#include <gtest/gtest.h>
+#include <sndfile.h>
+
+#include <cmath>
+#include <csignal>
+#include <thread>
+
+namespace ringdown::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kRate = 48000, kPitch_hz = 987.5, kDecay_per_s = 8;
+
+// The left channel.
+Samples read_left(const std::filesystem::path& path) {
+  SF_INFO info{};
+  SNDFILE* file = sf_open(path.c_str(), SFM_READ, &info);
+  if (!file) return {};
+  Samples frames(static_cast<std::size_t>(info.frames * info.channels));
+  sf_readf_double(file, frames.data(), info.frames);
+  sf_close(file);
+  Samples left;
+  for (std::size_t i = 0; i < frames.size(); i += static_cast<std::size_t>(info.channels)) left.push_back(frames[i]);
+  return left;
+}
+
+// Frames at which the signal exceeds `threshold` after staying below it for more than `quiet` frames.
+std::vector<std::size_t> onsets(const Samples& samples, double threshold, std::size_t quiet) {
+  std::vector<std::size_t> found;
+  std::size_t last_loud = 0;
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    if (std::abs(samples[n]) <= threshold) continue;
+    if (found.empty() || n - last_loud > quiet) found.push_back(n);
+    last_loud = n;
+  }
+  return found;
+}
+
+class Jack : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!installed("jackd") || !installed("jack_rec") || !installed("oscsend")) {
+      GTEST_SKIP() << "needs jackd2, jack-tools and liblo-tools (./run packages)";
+    }
+    ASSERT_TRUE(modal::write_bank(single_mode_bank(kPitch_hz, kDecay_per_s), bank_));
+    ASSERT_TRUE(server_.runs());
+  }
+
+  // Records `seconds` of the daemon's output while `play` runs.
+  template <class Play>
+  Samples record(double seconds, Play play) {
+    const auto file = folder_ / "recording.wav";
+    Process recorder({"jack_rec", "-f", file.string(), "-d", std::to_string(seconds), "-b", "32", "ringdown:out_left",
+                      "ringdown:out_right"},
+                     server_.environment());
+    std::this_thread::sleep_for(500ms);
+    play();
+    EXPECT_EQ(recorder.wait(30s).value_or(-1), 0) << recorder.output();
+    return read_left(file);
+  }
+
+  ScratchFolder folder_;
+  std::filesystem::path bank_ = folder_ / "tone.glb";
+  JackServer server_;
+};
+
+TEST_F(Jack, AStrikeFromOscsendIsRecordedAtItsPitchAndDecay) {
+  Daemon daemon({"--object", "tone=" + bank_.string()}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  const Samples heard = record(2, [&] {
+    const auto sent = run({"oscsend", "osc.udp://127.0.0.1:" + std::to_string(daemon.port()), "/object/tone/strike",
+                           "fffffff", "1", "0", "0", "0", "0", "0.5", "0"});
+    EXPECT_EQ(sent.exit_code, 0) << sent.output;
+  });
+  KeepSignals keep(kRate);
+  keep.add("heard", heard);
+  ASSERT_GT(heard.size(), 90000u);
+
+  const auto begin = onsets(heard, 1e-4, 90000);
+  ASSERT_EQ(begin.size(), 1u);
+  EXPECT_EQ(peak(std::span(heard).first(begin.front() - 2)), 0) << "silence before the strike";
+  const auto tone = fit_damped_sinusoid(std::span(heard).subspan(begin.front(), 24000), kRate);
+  EXPECT_NEAR(tone.frequency_hz, kPitch_hz, 1e-3 * kPitch_hz);
+  EXPECT_NEAR(tone.decay_per_s, kDecay_per_s, 1e-2 * kDecay_per_s);
+  EXPECT_GT(tone.amplitude(), 0.01);
+}
+
+TEST_F(Jack, TimedBundlesKeepTheirDistanceToAMillisecond) {
+  Daemon daemon({"--object", "tone=" + bank_.string()}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  const protocol::Message strike = protocol::format(protocol::Strike{{.name = "tone"}, {1, 0, 0}, {0, 0, 0.5}, 0});
+  const protocol::Message clear = protocol::format(protocol::ClearAll{});
+  constexpr double kApart_s = 0.3137;
+  const Samples heard = record(2, [&] {
+    const double now =
+        std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    daemon.send_bundle(now + 0.2, {strike});
+    daemon.send_bundle(now + 0.3, {clear});  // so that the second onset rises out of silence
+    daemon.send_bundle(now + 0.2 + kApart_s, {strike});
+  });
+  KeepSignals keep(kRate);
+  keep.add("heard", heard);
+  const auto found = onsets(heard, 1e-4, 8000);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_NEAR(static_cast<double>(found[1] - found[0]) / kRate, kApart_s, 1e-3);
+}
+
+TEST_F(Jack, ItsPortsAreNamedAndItStopsCleanlyOnASignal) {
+  Daemon daemon({}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  const Outcome ports = run({"jack_lsp"}, server_.environment());
+  EXPECT_NE(ports.output.find("ringdown:out_left"), std::string::npos) << ports.output;
+  EXPECT_NE(ports.output.find("ringdown:out_right"), std::string::npos) << ports.output;
+  daemon.process().send_signal(SIGINT);
+  EXPECT_EQ(daemon.process().wait(10s), 0) << daemon.process().output();
+  EXPECT_EQ(run({"jack_lsp"}, server_.environment()).output.find("ringdown:"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ringdown::test

@@ -1,0 +1,114 @@
+#include "tests/integration/process.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fcntl.h>
+#include <fstream>
+#include <sstream>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+namespace ringdown::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::filesystem::path fresh(const std::string& pattern, bool folder) {
+  std::string name = (std::filesystem::temp_directory_path() / pattern).string();
+  if (folder) return ::mkdtemp(name.data());
+  ::close(::mkstemp(name.data()));
+  return name;
+}
+
+}  // namespace
+
+ScratchFolder::ScratchFolder() : path_(fresh("ringdown-test-XXXXXX", true)) {}
+
+ScratchFolder::~ScratchFolder() {
+  if (testing::Test::HasFailure()) {
+    std::fprintf(stderr, "kept for a look: %s\n", path_.c_str());
+  } else {
+    std::filesystem::remove_all(path_);
+  }
+}
+
+Process::Process(const std::vector<std::string>& command, const Environment& environment)
+    : output_(fresh("ringdown-output-XXXXXX", false)) {
+  std::vector<char*> arguments;
+  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  id_ = ::fork();
+  if (id_ != 0) return;
+  const int file = ::open(output_.c_str(), O_WRONLY | O_APPEND);
+  ::dup2(file, STDOUT_FILENO);
+  ::dup2(file, STDERR_FILENO);
+  for (const auto& [name, value] : environment) ::setenv(name.c_str(), value.c_str(), 1);
+  ::execvp(arguments[0], arguments.data());
+  ::_exit(127);
+}
+
+Process::~Process() {
+  if (!wait(0ms)) {
+    send_signal(SIGTERM);
+    if (!wait(5000ms)) {
+      send_signal(SIGKILL);
+      wait(5000ms);
+    }
+  }
+  std::error_code ignored;
+  std::filesystem::remove(output_, ignored);
+}
+
+void Process::send_signal(int signal) const {
+  if (!exit_code_) ::kill(id_, signal);
+}
+
+std::optional<int> Process::wait(std::chrono::milliseconds limit) {
+  const auto end = std::chrono::steady_clock::now() + limit;
+  while (!exit_code_) {
+    int status = 0;
+    if (::waitpid(id_, &status, WNOHANG) == id_) {
+      exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    } else if (std::chrono::steady_clock::now() >= end) {
+      break;
+    } else {
+      std::this_thread::sleep_for(5ms);
+    }
+  }
+  return exit_code_;
+}
+
+std::string Process::output() const {
+  std::ostringstream text;
+  text << std::ifstream(output_).rdbuf();
+  return text.str();
+}
+
+bool Process::wait_for_output(const std::string& text, std::chrono::milliseconds limit) {
+  const auto end = std::chrono::steady_clock::now() + limit;
+  while (output().find(text) == std::string::npos) {
+    if (wait(0ms) || std::chrono::steady_clock::now() >= end) return output().find(text) != std::string::npos;
+    std::this_thread::sleep_for(10ms);
+  }
+  return true;
+}
+
+Outcome run(const std::vector<std::string>& command, const Process::Environment& environment,
+            std::chrono::milliseconds limit) {
+  Process process(command, environment);
+  const auto code = process.wait(limit);
+  return {code.value_or(-1), process.output()};
+}
+
+bool installed(const std::string& program) {
+  std::istringstream folders(std::getenv("PATH") ? std::getenv("PATH") : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (::access((folder + "/" + program).c_str(), X_OK) == 0) return true;
+  }
+  return false;
+}
+
+}  // namespace ringdown::test

@@ -1,0 +1,193 @@
+// Rendering without a clock: the same samples every time, whatever the block size.
+#include "engine/modal/bank_file.h"
+#include "protocol/schema.h"
+#include "server/offline.h"
+#include "server/osc_score.h"
+#include "tests/support/keep_signals.h"
+#include "tests/support/signal.h"
+#include "tests/support/synthetic_bank.h"
+
+#include <gtest/gtest.h>
+#include <sndfile.h>
+
+#include <fstream>
+#include <unistd.h>
+
+namespace ringdown::server {
+namespace {
+
+using protocol::format;
+using protocol::Request;
+
+class OfflineTest : public testing::Test {
+ protected:
+  OfflineTest() : folder_(std::filesystem::temp_directory_path() / ("ringdown-offline-" + std::to_string(::getpid()))) {
+    std::filesystem::create_directory(folder_);
+    EXPECT_TRUE(modal::write_bank(test::random_bank(1, 60, 40), folder_ / "a.glb"));
+    EXPECT_TRUE(modal::write_bank(test::random_bank(2, 35, 40), folder_ / "b.glb"));
+    std::ofstream(folder_ / "scene.toml") << R"(
+[[object]]
+name = "a"
+bank = "a.glb"
+pan = -0.5
+[[object]]
+name = "b"
+bank = "b.glb"
+gain = 0.3
+[[static]]
+type = "plane"
+[[body]]
+name = "one"
+object = "a"
+shape = "sphere"
+radius = 0.05
+density = 2000
+position = [0, 0, 0.3]
+[[body]]
+name = "two"
+object = "b"
+shape = "box"
+size = [0.1, 0.1, 0.05]
+density = 2000
+position = [0.02, 0, 0.7]
+)";
+  }
+  ~OfflineTest() override { std::filesystem::remove_all(folder_); }
+
+  // Everything a score can ask of a session, at awkward times.
+  void write_full_score() {
+    const std::string a = (folder_ / "a.glb").string(), b = (folder_ / "b.glb").string();
+    const protocol::ObjectRef x{.name = "x"}, y{.name = "y"};
+    const std::vector<std::pair<double, Request>> requests = {
+        {0.0, protocol::LoadObject{"x", a}},
+        {0.0, protocol::LoadObject{"y", b}},
+        {0.01, protocol::Strike{x, {1, 0, 0}, {0.1, 0.2, 0.3}, 0.0003}},
+        {0.1, protocol::SetGain{x, 0.5, 0.05}},
+        {0.12, protocol::SetGain{x, 2, 0.1}},  // while the ramp before still runs
+        {0.13, protocol::SetPan{x, 0.7}},
+        {0.2003, protocol::StrikeVertex{y, 3, {0, 0, 0.4}, 0}},
+        {0.2003, protocol::StrikeVertex{y, 3, {0.1, 0, 0.4}, 0.001}},
+        {0.3001, protocol::SetMaterial{y, {1, 2, 1.5, 0.8}}},
+        {0.4017, protocol::LoadObject{"x", b}},
+        {0.45, protocol::Strike{x, {0, 1, 0}, {0.3, 0, 0}, 0.0002}},
+        {0.6, protocol::ClearObject{y}},
+        {0.605, protocol::Strike{y, {0, 0, 1}, {0, 0.5, 0}, 0.0002}},
+        {0.8, protocol::FreeObject{x}},
+    };
+    std::vector<ScoreEvent> events;
+    for (const auto& [time_s, request] : requests) events.push_back({time_s, format(request)});
+    ASSERT_TRUE(write_score(events, folder_ / "full.osc"));
+  }
+
+  Recording render(OfflineOptions options) {
+    const auto recording = render_offline(options, [](double) { return true; });
+    EXPECT_TRUE(recording) << recording.error().message;
+    if (!recording) return {};
+    for (const std::string& warning : recording->warnings) ADD_FAILURE() << warning;
+    return *recording;
+  }
+
+  void expect_equal_at_every_block_size(const OfflineOptions& options) {
+    const Recording reference = render(options);
+    ASSERT_GT(reference.peak, 1e-3f);
+    for (const std::size_t block : {1, 7, 64, 100, 1024, 8192}) {
+      OfflineOptions other = options;
+      other.block_frames = block;
+      const Recording recording = render(other);
+      for (const auto channel : {&Recording::left, &Recording::right}) {
+        const auto expected = test::to_doubles(reference.*channel), got = test::to_doubles(recording.*channel);
+        test::KeepSignals keep(options.sample_rate_hz);
+        keep.add("blocks-of-256", expected);
+        keep.add("blocks-of-" + std::to_string(block), got);
+        EXPECT_LT(test::relative_error_db(got, expected), -100) << "blocks of " << block;
+      }
+    }
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(OfflineTest, AScoreSoundsTheSameAtEveryBlockSize) {
+  write_full_score();
+  expect_equal_at_every_block_size({.score = folder_ / "full.osc", .seconds = 1});
+}
+
+TEST_F(OfflineTest, ASceneSoundsTheSameAtEveryBlockSize) {
+  expect_equal_at_every_block_size({.scene = folder_ / "scene.toml", .seconds = 1});
+}
+
+TEST_F(OfflineTest, TwoRendersAreTheSameFileBitForBit) {
+  write_full_score();
+  std::vector<std::string> files;
+  for (const char* name : {"first.wav", "second.wav"}) {
+    const auto recording = render({.scene = folder_ / "scene.toml", .score = folder_ / "full.osc", .seconds = 1});
+    ASSERT_TRUE(write_audio(recording, folder_ / name));
+    std::ifstream file(folder_ / name, std::ios::binary);
+    files.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  }
+  EXPECT_GT(files[0].size(), 48000u * 8);
+  EXPECT_EQ(files[0], files[1]);
+}
+
+TEST_F(OfflineTest, PitchAndDecayDoNotDependOnTheSampleRate) {
+  ASSERT_TRUE(modal::write_bank(test::single_mode_bank(1234.5, 6), folder_ / "tone.glb"));
+  const std::vector<ScoreEvent> events = {
+      {0.0, format(Request(protocol::Strike{{.name = "tone"}, {1, 0, 0}, {0, 0, 1}, 0}))}};
+  ASSERT_TRUE(write_score(events, folder_ / "tone.osc"));
+  for (const double rate : {22050.0, 44100.0, 48000.0, 96000.0, 192000.0}) {
+    const auto recording = render({.score = folder_ / "tone.osc",
+                                   .objects = {{"tone", folder_ / "tone.glb"}},
+                                   .seconds = 0.5,
+                                   .sample_rate_hz = rate});
+    const auto tone = test::fit_damped_sinusoid(test::to_doubles(recording.left), rate);
+    EXPECT_NEAR(tone.frequency_hz, 1234.5, 1e-3) << rate;
+    EXPECT_NEAR(tone.decay_per_s, 6, 1e-3) << rate;
+  }
+}
+
+TEST_F(OfflineTest, MoreStrikesInOneBlockThanAQueueHoldsAreAllPlayed) {
+  ASSERT_TRUE(modal::write_bank(test::single_mode_bank(500, 1), folder_ / "tone.glb"));
+  const std::size_t count = 3 * synth::kQueueCapacity / 2;
+  const auto strike = format(Request(protocol::Strike{{.name = "tone"}, {1, 0, 0}, {0, 0, 1e-3}, 0}));
+  std::vector<ScoreEvent> many;
+  for (std::size_t i = 0; i < count; ++i) many.push_back({0.001 + 1e-3 * static_cast<double>(i), strike});
+  ASSERT_TRUE(write_score(many, folder_ / "many.osc"));
+  OfflineOptions options{.score = folder_ / "many.osc", .objects = {{"tone", folder_ / "tone.glb"}}, .seconds = 8};
+  const auto paced = render(options);
+  options.block_frames = 8192;
+  const auto crowded = render(options);
+  EXPECT_LT(test::relative_error_db(test::to_doubles(crowded.left), test::to_doubles(paced.left)), -100);
+}
+
+TEST_F(OfflineTest, RefusedRequestsOfAScoreAreReportedWithTheirTime) {
+  const std::vector<ScoreEvent> events = {{0.25, {"/object/nobody/gain", {1.f}}}, {0.5, {"/nonsense", {}}}};
+  ASSERT_TRUE(write_score(events, folder_ / "bad.osc"));
+  const auto recording = render_offline({.score = folder_ / "bad.osc"}, [](double) { return true; });
+  ASSERT_TRUE(recording);
+  ASSERT_EQ(recording->warnings.size(), 2u);
+  EXPECT_NE(recording->warnings[0].find("0.25"), std::string::npos) << recording->warnings[0];
+  EXPECT_NE(recording->warnings[0].find("nobody"), std::string::npos) << recording->warnings[0];
+}
+
+TEST_F(OfflineTest, NothingToRenderAndCancellationAreErrors) {
+  EXPECT_FALSE(render_offline({}, [](double) { return true; }));
+  EXPECT_FALSE(render_offline({.scene = folder_ / "missing.toml"}, [](double) { return true; }));
+  EXPECT_FALSE(render_offline({.scene = folder_ / "scene.toml", .seconds = 1}, [](double) { return false; }));
+}
+
+TEST_F(OfflineTest, TheWrittenFileHoldsTheSamples) {
+  Recording recording{.sample_rate_hz = 44100, .left = {0.f, 0.25f, -1.5f}, .right = {1.f, 0.f, 0.125f}};
+  ASSERT_TRUE(write_audio(recording, folder_ / "three.wav"));
+  SF_INFO info{};
+  SNDFILE* file = sf_open((folder_ / "three.wav").c_str(), SFM_READ, &info);
+  ASSERT_TRUE(file);
+  std::vector<float> frames(6);
+  EXPECT_EQ(sf_readf_float(file, frames.data(), 3), 3);
+  sf_close(file);
+  EXPECT_EQ(info.samplerate, 44100);
+  EXPECT_EQ(frames, (std::vector<float>{0.f, 1.f, 0.25f, 0.f, -1.5f, 0.125f}));
+  EXPECT_FALSE(write_audio(recording, folder_ / "no such folder" / "three.wav"));
+}
+
+}  // namespace
+}  // namespace ringdown::server

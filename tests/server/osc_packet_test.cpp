@@ -1,0 +1,113 @@
+#include "server/osc_packet.h"
+
+#include "tests/server/osc_bytes.h"
+
+#include <gtest/gtest.h>
+
+namespace ringdown::server {
+namespace {
+
+std::string message(const std::string& address) { return osc_string(address) + osc_string(","); }
+
+// The sentence that refuses the packet, or "" when it was accepted.
+std::string refusal(const std::string& packet) {
+  const Bytes bytes = to_bytes(packet);
+  const auto messages = split_packet(bytes);
+  return messages ? "" : messages.error().message;
+}
+
+TEST(OscPacket, ABundleIsOpenedInItsOrder) {
+  const std::string inner = osc_bundle(9, {message("/b"), message("/c")});
+  const Bytes packet = to_bytes(osc_bundle(5, {message("/a"), inner, message("/d")}));
+  const auto messages = split_packet(packet);
+  ASSERT_TRUE(messages) << messages.error().message;
+  std::string order;
+  std::vector<TimeTag> times;
+  for (const RawMessage& raw : *messages) {
+    order += static_cast<char>(raw.bytes[1]);
+    times.push_back(raw.time);
+  }
+  EXPECT_EQ(order, "abcd");
+  EXPECT_EQ(times, (std::vector<TimeTag>{5, 9, 9, 5}));
+}
+
+TEST(OscPacket, AnInnerBundleIsNeverEarlierThanTheOuterOne) {
+  const Bytes packet = to_bytes(osc_bundle(500, {osc_bundle(kImmediately, {message("/a")})}));
+  EXPECT_EQ(split_packet(packet)->at(0).time, 500u);
+}
+
+TEST(OscPacket, AMessageAloneIsImmediate) {
+  const Bytes packet = to_bytes(message("/a"));
+  EXPECT_EQ(split_packet(packet)->at(0).time, kImmediately);
+}
+
+TEST(OscPacket, AnEmptyBundleIsNoMessages) {
+  const Bytes packet = to_bytes(osc_bundle(1, {}));
+  EXPECT_TRUE(split_packet(packet)->empty());
+}
+
+TEST(OscPacket, EveryLimitHoldsAtTheLimitAndRefusesPastIt) {
+  const auto nested = [](int depth) {
+    std::string packet = message("/a");
+    for (int i = 0; i < depth; ++i) packet = osc_bundle(1, {packet});
+    return packet;
+  };
+  EXPECT_EQ(refusal(nested(4)), "");
+  EXPECT_NE(refusal(nested(5)).find("deeper than 4"), std::string::npos);
+
+  const auto with_arguments = [](std::size_t count) {
+    std::string packet = osc_string("/a") + osc_string("," + std::string(count, 'i'));
+    for (std::size_t i = 0; i < count; ++i) packet += osc_int(1);
+    return packet;
+  };
+  EXPECT_EQ(refusal(with_arguments(64)), "");
+  EXPECT_NE(refusal(with_arguments(65)).find("more than 64"), std::string::npos);
+
+  EXPECT_EQ(refusal(message("/" + std::string(255, 'a'))), "");
+  EXPECT_NE(refusal(message("/" + std::string(256, 'a'))).find("256"), std::string::npos);
+
+  const auto sized = [](std::size_t bytes) {  // one message with one long text
+    return osc_string("/a") + osc_string(",s") + osc_string(std::string(bytes - 9, 'x'));
+  };
+  EXPECT_EQ(refusal(sized(65536)), "");
+  EXPECT_NE(refusal(sized(65540)).find("65536"), std::string::npos);
+}
+
+TEST(OscPacket, ForeignTypesAreRefusedByName) {
+  for (const char type : std::string("bTFNItcrmSI[]")) {
+    const std::string sentence = refusal(osc_string("/a") + osc_string(std::string(",i") + type) + osc_int(1) + osc_int(0));
+    EXPECT_NE(sentence.find("/a argument 2"), std::string::npos) << type << ": " << sentence;
+    EXPECT_NE(sentence.find(std::string("'") + type + "'"), std::string::npos) << sentence;
+  }
+  EXPECT_NE(refusal(osc_string("/a") + osc_string(",b") + osc_int(0)).find("blob"), std::string::npos);
+}
+
+TEST(OscPacket, BrokenPacketsAreRefused) {
+  const std::pair<const char*, std::string> broken[] = {
+      {"empty", ""},
+      {"no multiple of 4", "/a\0"},
+      {"address without end", "/abc"},
+      {"no slash", message("a")},
+      {"empty address", osc_string("") + osc_string(",")},
+      {"control character in the address", message("/a\x01")},
+      {"space in the address", message("/a b")},
+      {"no type tags", osc_string("/a")},
+      {"type tags without comma", osc_string("/a") + osc_string("i") + osc_int(1)},
+      {"argument missing", osc_string("/a") + osc_string(",i")},
+      {"half a double", osc_string("/a") + osc_string(",d") + osc_int(1)},
+      {"bytes left over", message("/a") + osc_int(0)},
+      {"padding not zero", osc_string("/a") + std::string(",\0x\0", 4)},
+      {"text without end", osc_string("/a") + osc_string(",s") + "abcd"},
+      {"bundle without timetag", osc_string("#bundle")},
+      {"element size past the end", osc_bundle(1, {}) + big_endian(12, 4) + message("/a")},
+      {"element size huge", osc_bundle(1, {}) + big_endian(0xffffffff, 4) + message("/a")},
+      {"element size cut", osc_bundle(1, {message("/a")}) + "ab"},
+      {"element empty", osc_bundle(1, {""})},
+      {"element not OSC", osc_bundle(1, {"abcd"})},
+      {"one bad among good", osc_bundle(1, {message("/a"), osc_string("/b")})},
+  };
+  for (const auto& [what, packet] : broken) EXPECT_NE(refusal(packet), "") << what;
+}
+
+}  // namespace
+}  // namespace ringdown::server
