@@ -1,0 +1,141 @@
+#include "engine/scene/check.h"
+
+#include "engine/scene/rotation.h"
+#include "protocol/names.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <set>
+#include <string_view>
+
+namespace ringdown::scene {
+namespace {
+
+std::string text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%g", value);
+  return buffer;
+}
+
+// Collects checks of one thing's fields; the first that fails is the answer.
+class Fields {
+ public:
+  explicit Fields(std::string owner) : owner_(std::move(owner)) {}
+
+  Fields& number(std::string_view field, double value, const Range& range) {
+    if (const auto ok = check_range(value, range); !ok) refuse(std::string(field) + " " + ok.error().message);
+    return *this;
+  }
+  Fields& vector(std::string_view field, Vec3 v, const Range& range) {
+    return number(field, v.x, range).number(field, v.y, range).number(field, v.z, range);
+  }
+  Fields& rotation(const Rotation& q) {
+    return require(norm(q) > 1e-3 && norm(q) < 1e3, "its rotation is not a quaternion of length 1");
+  }
+  Fields& surface(const Surface& s) {
+    return number("restitution", s.restitution, range::kRestitution)
+        .number("friction", s.friction, range::kFriction)
+        .number("contact_time_s", s.contact_time_s, range::kContactTime_s);
+  }
+  Fields& require(bool holds, const std::string& otherwise) {
+    if (!holds) refuse(otherwise);
+    return *this;
+  }
+  [[nodiscard]] Result<void> result() const { return result_; }
+
+ private:
+  void refuse(const std::string& why) {
+    if (result_) result_ = fail(owner_ + ": " + why);
+  }
+  std::string owner_;
+  Result<void> result_;
+};
+
+// Every element passes its own check, and no two share a name.
+template <class Things>
+Result<void> check_all(const Things& things, std::string_view kind, std::size_t most) {
+  if (things.size() > most) {
+    return fail("the scene has " + std::to_string(things.size()) + " " + std::string(kind) + ", more than the " +
+                std::to_string(most) + " it may have");
+  }
+  std::set<std::string_view> names;
+  for (const auto& thing : things) {
+    if (const auto ok = check(thing); !ok) return ok;
+    if (!thing.name.empty() && !names.insert(thing.name).second) {
+      return fail("two " + std::string(kind) + " are named " + protocol::quoted(thing.name) + "; names are unique");
+    }
+  }
+  return {};
+}
+
+Result<void> check_world(const SceneDescription& scene) {
+  return Fields("scene")
+      .vector("gravity_m_s2", scene.gravity_m_s2, range::kGravity_m_s2)
+      .number("step_s", scene.step_s, range::kStep_s)
+      .number("duration_s", scene.duration_s, range::kDuration_s)
+      .number("spring_n_m", scene.contact.spring_n_m, range::kSpring_n_m)
+      .number("damper_ns_m", scene.contact.damper_ns_m, range::kDamper_ns_m)
+      .number("bounce_threshold_m_s", scene.contact.bounce_threshold_m_s, range::kBounceThreshold_m_s)
+      .number("minimum_repeat_s", scene.contact.minimum_repeat_s, range::kMinimumRepeat_s)
+      .result();
+}
+
+}  // namespace
+
+Result<void> check_range(double value, const Range& range) {
+  if (range.holds(value)) return {};
+  return fail(text(value) + " is outside " + text(range.low) + " ... " + text(range.high));
+}
+
+Result<void> check(const ObjectDescription& object) {
+  const modal::MaterialScale& material = object.material;
+  return Fields("object " + protocol::quoted(object.name))
+      .require(protocol::is_object_name(object.name), "a name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only")
+      .number("gain", object.gain, range::kGain)
+      .number("pan", object.pan, range::kPan)
+      .number("material.alpha", material.alpha, range::kDampingScale)
+      .number("material.beta", material.beta, range::kDampingScale)
+      .number("material.density", material.density, range::kMaterialScale)
+      .number("material.stiffness", material.stiffness, range::kMaterialScale)
+      .result();
+}
+
+Result<void> check(const BodyDescription& body) {
+  return Fields("body " + protocol::quoted(body.name))
+      .vector("position_m", body.position_m, range::kPosition_m)
+      .rotation(body.rotation)
+      .vector("velocity_m_s", body.velocity_m_s, range::kVelocity_m_s)
+      .vector("spin_rad_s", body.spin_rad_s, range::kSpin_rad_s)
+      .number("scatter_m", body.scatter_m, range::kScatter_m)
+      .surface(body.surface)
+      .result();
+}
+
+Result<void> check(const StaticDescription& description) {
+  Fields fields("static " + protocol::quoted(description.name));
+  if (description.type == StaticType::plane) {
+    const double size = length(description.normal);
+    fields.require(size > 1e-6 && size < 1e6, "its normal has no direction")
+        .number("offset_m", description.offset_m, range::kPosition_m);
+  } else {
+    fields.vector("size_m", description.size_m, range::kSize_m)
+        .vector("position_m", description.position_m, range::kPosition_m)
+        .rotation(description.rotation);
+  }
+  return fields.surface(description.surface).result();
+}
+
+Result<void> check(const SceneDescription& scene) {
+  if (auto ok = check_world(scene); !ok) return ok;
+  if (auto ok = check_all(scene.objects, "objects", kMostObjects); !ok) return ok;
+  if (auto ok = check_all(scene.bodies, "bodies", kMostBodies); !ok) return ok;
+  if (auto ok = check_all(scene.statics, "statics", kMostStatics); !ok) return ok;
+  for (const BodyDescription& body : scene.bodies) {
+    if (!body.object.empty() && !std::ranges::count(scene.objects, body.object, &ObjectDescription::name)) {
+      return fail("body " + protocol::quoted(body.name) + ": the scene has no object " + protocol::quoted(body.object));
+    }
+  }
+  return {};
+}
+
+}  // namespace ringdown::scene

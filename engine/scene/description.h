@@ -1,0 +1,133 @@
+// A scene as plain data: what a scene file says (scene_file.h) and what a World is built from (world.h).
+//
+// SI units, z upwards by convention (gravity decides). An object's pose is the pose of its bank's own frame; a silent
+// body's frame has its origin at the body's centre. Every limit named here is checked by whoever takes the
+// description in, so a program may fill the structs itself. [any thread]
+#pragma once
+
+#include "engine/base/vec3.h"
+#include "engine/modal/material_scale.h"
+#include "protocol/defaults.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ringdown::scene {
+
+// What a scene may ask for. Readers and World refuse more with a sentence.
+inline constexpr std::size_t kMostBodies = 512;  // described and spawned together
+inline constexpr std::size_t kMostStatics = 64;
+inline constexpr std::size_t kMostObjects = 256;
+
+// Closed ranges of a scene's numbers.
+struct Range {
+  double low = 0, high = 0;
+  [[nodiscard]] bool holds(double value) const { return value >= low && value <= high; }  // false for NaN
+};
+namespace range {
+inline constexpr Range kGravity_m_s2{-1000, 1000};  // each component
+inline constexpr Range kStep_s{1e-5, 0.05};
+inline constexpr Range kDuration_s{0.01, 36000};
+inline constexpr Range kSpring_n_m{1, 1e12};
+inline constexpr Range kDamper_ns_m{1, 1e12};
+inline constexpr Range kBounceThreshold_m_s{0, 100};
+inline constexpr Range kMinimumRepeat_s{0, 10};
+inline constexpr Range kGain{0, 1000};
+inline constexpr Range kPan{-1, 1};
+inline constexpr Range kMaterialScale{1e-3, 1e3};  // density, stiffness
+inline constexpr Range kDampingScale{0, 1e3};      // alpha, beta
+inline constexpr Range kDensity_kg_m3{0.1, 1e5};
+inline constexpr Range kSize_m{1e-4, 1000};
+inline constexpr Range kMass_kg{1e-7, 1e7};
+inline constexpr Range kPosition_m{-1000, 1000};    // each component; a body farther out has left the scene
+inline constexpr Range kVelocity_m_s{-1000, 1000};  // each component; more is taken for an error
+inline constexpr Range kSpin_rad_s{-3000, 3000};    // each component; a 10 cm bar then has tips at 150 m/s
+inline constexpr Range kPush_ns{-1e6, 1e6};         // each component
+inline constexpr Range kScatter_m{0, 100};
+inline constexpr Range kRestitution{0, 1};
+inline constexpr Range kFriction{0, 10};
+inline constexpr Range kContactTime_s{0, 0.1};
+}  // namespace range
+
+// Unit quaternion x y z w, as in glTF.
+struct Rotation {
+  double x = 0, y = 0, z = 0, w = 1;
+  friend bool operator==(const Rotation&, const Rotation&) = default;
+};
+
+// What a body brings to its contacts. A pair takes the geometric mean of both restitutions and both frictions, and
+// the longer of both contact times: the softer of the two decides how long they touch.
+struct Surface {
+  double restitution = 0.4;                                // speed after : speed before
+  double friction = 0.5;                                   // Coulomb's coefficient
+  double contact_time_s = protocol::kDefaultContactTimeS;  // half-sine force pulse; 0 is an ideal impulse
+};
+
+enum class ShapeType { box, sphere, convex, trimesh };
+
+// A body's shape for collisions. Sizes left at 0 come from the surface of the object's bank, in its own place there.
+struct Shape {
+  ShapeType type = ShapeType::box;
+  Vec3 size_m;          // box: edge lengths; 0 0 0 is the bank's bounding box
+  double radius_m = 0;  // sphere; 0 is the sphere about the centre of mass that encloses the bank
+};
+
+// An object that can sound, and what the mixer should set for it.
+struct ObjectDescription {
+  std::string name;  // protocol/names.h says what a name is
+  std::filesystem::path bank;
+  double gain = 1;                // linear
+  double pan = 0;                 // -1 left ... +1 right
+  modal::MaterialScale material;  // the mixer rescales the modes; a World scales the mass by `density`
+};
+
+struct BodyDescription {
+  std::string name;
+  std::string object;  // name of the object that sounds; empty: a silent body, which still strikes others
+  Shape shape;
+  double density_kg_m3 = 0;  // 0: mass and inertia from the bank; else of a solid box or sphere of this density
+  Vec3 position_m;
+  Rotation rotation;
+  Vec3 velocity_m_s;     // of the centre of mass
+  Vec3 spin_rad_s;       // about it, world axes
+  bool fixed = false;    // hangs where it is and still sounds when struck
+  double scatter_m = 0;  // moves the start by up to this along each axis, drawn from the scene's seed
+  Surface surface;
+};
+
+enum class StaticType { plane, box };
+
+// What never moves and never sounds.
+struct StaticDescription {
+  std::string name;
+  StaticType type = StaticType::plane;
+  Vec3 normal = {0, 0, 1};  // plane: the half-space normal . x < offset is solid; any length but zero
+  double offset_m = 0;
+  Vec3 size_m, position_m;  // box: edge lengths and centre
+  Rotation rotation;
+  Surface surface;
+};
+
+// Contacts as springs with dampers. The defaults are stiff: a 10 kg body loses 0.5 % of its rebound to them at 1/500 s.
+struct ContactSettings {
+  double spring_n_m = 1e8;
+  double damper_ns_m = 8e5;
+  double bounce_threshold_m_s = 0.05;  // a contact that approaches faster is a strike, a slower one is silent
+  double minimum_repeat_s = 0.02;      // a pair of bodies sounds at most this often
+};
+
+struct SceneDescription {
+  Vec3 gravity_m_s2 = {0, 0, -9.81};
+  double step_s = 1.0 / 500;
+  std::uint64_t seed = 1;
+  double duration_s = 10;  // how long is worth listening to: a hint for rendering
+  ContactSettings contact;
+  std::vector<ObjectDescription> objects;
+  std::vector<BodyDescription> bodies;
+  std::vector<StaticDescription> statics;
+};
+
+}  // namespace ringdown::scene

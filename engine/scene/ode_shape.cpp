@@ -1,0 +1,83 @@
+#include "engine/scene/ode_shape.h"
+
+#include "engine/scene/rotation.h"
+
+#include <ode/ode.h>
+
+#include <cassert>
+
+namespace ringdown::scene {
+namespace {
+
+void flatten(const CollisionShape& shape, OdeShape& out) {
+  for (const Vec3& p : shape.points) out.points.insert(out.points.end(), {p.x, p.y, p.z});
+}
+
+// ODE wants a plane per face, and each face as its corner count followed by the corners.
+void make_convex(dxSpace* space, const CollisionShape& shape, OdeShape& out) {
+  flatten(shape, out);
+  for (const auto& [a, b, c] : shape.triangles) {
+    const Vec3 area = cross(shape.points[b] - shape.points[a], shape.points[c] - shape.points[a]);
+    const Vec3 normal = (1 / length(area)) * area;
+    out.planes.insert(out.planes.end(), {normal.x, normal.y, normal.z, dot(normal, shape.points[a])});
+    out.indices.insert(out.indices.end(), {3, a, b, c});
+  }
+  out.geom.reset(dCreateConvex(space, out.planes.data(), static_cast<unsigned>(shape.triangles.size()),
+                               out.points.data(), static_cast<unsigned>(shape.points.size()), out.indices.data()));
+}
+
+// Convex against trimesh ends the process unless the face angles are there.
+void make_trimesh(dxSpace* space, const CollisionShape& shape, OdeShape& out) {
+  flatten(shape, out);
+  for (const auto& triangle : shape.triangles) out.indices.insert(out.indices.end(), triangle.begin(), triangle.end());
+  out.mesh.reset(dGeomTriMeshDataCreate());
+  dGeomTriMeshDataBuildDouble(out.mesh.get(), out.points.data(), 3 * sizeof(double),
+                              static_cast<int>(shape.points.size()), out.indices.data(),
+                              static_cast<int>(out.indices.size()), 3 * sizeof(std::uint32_t));
+  const unsigned wanted = 1u << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES | 1u << dTRIDATAPREPROCESS_BUILD_CONCAVE_EDGES;
+  dGeomTriMeshDataPreprocess2(out.mesh.get(), wanted, nullptr);
+  out.geom.reset(dCreateTriMesh(space, out.mesh.get(), nullptr, nullptr, nullptr));
+}
+
+}  // namespace
+
+void GeomDeleter::operator()(dxGeom* geom) const { dGeomDestroy(geom); }
+void MeshDeleter::operator()(dxTriMeshData* data) const { dGeomTriMeshDataDestroy(data); }
+
+OdeShape make_shape(dxSpace* space, const CollisionShape& shape) {
+  OdeShape out;
+  switch (shape.type) {
+    case ShapeType::box:
+      out.geom.reset(dCreateBox(space, shape.size_m.x, shape.size_m.y, shape.size_m.z));
+      break;
+    case ShapeType::sphere:
+      out.geom.reset(dCreateSphere(space, shape.radius_m));
+      break;
+    case ShapeType::convex:
+      make_convex(space, shape, out);
+      break;
+    case ShapeType::trimesh:
+      make_trimesh(space, shape, out);
+      break;
+  }
+  assert(out.geom);
+  return out;
+}
+
+OdeShape make_static(dxSpace* space, const StaticDescription& description) {
+  OdeShape out;
+  if (description.type == StaticType::plane) {
+    const Vec3 normal = (1 / length(description.normal)) * description.normal;
+    out.geom.reset(dCreatePlane(space, normal.x, normal.y, normal.z, description.offset_m));
+    return out;
+  }
+  const Vec3 size = description.size_m, position = description.position_m;
+  const Rotation rotation = normalized(description.rotation);
+  out.geom.reset(dCreateBox(space, size.x, size.y, size.z));
+  dGeomSetPosition(out.geom.get(), position.x, position.y, position.z);
+  const dQuaternion q = {rotation.w, rotation.x, rotation.y, rotation.z};
+  dGeomSetQuaternion(out.geom.get(), q);
+  return out;
+}
+
+}  // namespace ringdown::scene

@@ -1,0 +1,46 @@
+// The few things a scene does with rotations. [any thread]
+#pragma once
+
+#include "engine/base/vec3.h"
+#include "engine/scene/description.h"
+
+#include <array>
+#include <cmath>
+
+namespace ringdown::scene {
+
+// Row-major 3 x 3; column i is the image of axis i.
+using Matrix3 = std::array<std::array<double, 3>, 3>;
+
+inline Matrix3 to_matrix(const Rotation& q) {
+  const double x = q.x, y = q.y, z = q.z, w = q.w;
+  return {{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+           {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+           {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
+}
+
+inline Vec3 operator*(const Matrix3& m, Vec3 v) {
+  return {m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z, m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
+          m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
+}
+
+// World -> body for a body -> world matrix.
+inline Matrix3 transpose(const Matrix3& m) {
+  return {{{m[0][0], m[1][0], m[2][0]}, {m[0][1], m[1][1], m[2][1]}, {m[0][2], m[1][2], m[2][2]}}};
+}
+
+inline double norm(const Rotation& q) { return std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w); }
+
+// Of a quaternion whose norm is not zero.
+inline Rotation normalized(const Rotation& q) {
+  const double scale = 1 / norm(q);
+  return {q.x * scale, q.y * scale, q.z * scale, q.w * scale};
+}
+
+// `angle_rad` about `axis`, of any length but zero.
+inline Rotation about(Vec3 axis, double angle_rad) {
+  const double s = std::sin(angle_rad / 2) / length(axis);
+  return {s * axis.x, s * axis.y, s * axis.z, std::cos(angle_rad / 2)};
+}
+
+}  // namespace ringdown::scene

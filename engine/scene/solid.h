@@ -1,0 +1,44 @@
+// A body before any physics engine: its mass, and the shape it collides with. [worker]
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/modal/bank.h"
+#include "engine/scene/description.h"
+#include "engine/scene/rotation.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace ringdown::scene {
+
+struct RigidMass {
+  double mass_kg = 0;
+  Vec3 center_m;          // centre of mass, object frame
+  Matrix3 inertia_kg_m2;  // about the centre of mass, along the object frame's axes
+};
+
+// Everything relative to the centre of mass, along the object frame's axes.
+struct CollisionShape {
+  ShapeType type = ShapeType::box;
+  Vec3 center_m;                                        // of the box or sphere
+  Vec3 size_m;                                          // box
+  double radius_m = 0;                                  // sphere
+  std::vector<Vec3> points;                             // convex: corners; trimesh: vertices
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise from outside
+};
+
+struct Solid {
+  RigidMass mass;
+  CollisionShape shape;
+};
+
+// Mass and inertia from the bank's massProperties times `density_scale`, or from the body's own density and size;
+// sizes left at 0 from the bank's surface. `bank` is null for a silent body. A fixed body needs no mass.
+// Everything a physics engine could choke on is refused here: a missing or degenerate mass, no surface, no size.
+Result<Solid> make_solid(const BodyDescription& body, const modal::Bank* bank, double density_scale);
+
+// I = R diag(principal moments) R^T, R from the orientation quaternion.
+Matrix3 inertia_tensor(const modal::MassProperties& mass);
+
+}  // namespace ringdown::scene

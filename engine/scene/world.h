@@ -1,0 +1,111 @@
+// A scene in motion: bodies fall, collide, and what their contacts sound like comes out as protocol events.
+//
+// A World knows nothing of threads, clocks or sockets. Its owner steps it: a daemon paced by its clock, a renderer as
+// fast as it can. The same description, objects and calls give the same events, bit for bit, on one machine.
+//
+//   Result<World> world = World::create(scene, objects, 48000);
+//   world->set_start_frame(now);                       // where scene time 0 lies
+//   for (;;) {
+//     const StepReport report = world->step();         // advances by step_s()
+//     for (const protocol::Event& strike : report.strikes) ...  // to a mixer, or as OSC to another program
+//   }
+//
+// What sounds: a contact is a strike when its two bodies approached faster than the bounce threshold just before the
+// step; slower ones rest or slide and are silent. A pair of bodies sounds again only after the minimum repeat time;
+// all contact points of a pair in one step sound together. Both bodies ring, with opposite impulses, each at the
+// contact's point in its own object's frame. The impulse is the contact joint's force times the step: normal and
+// friction together. [one thread at a time per World; several Worlds may run on several threads]
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/modal/bank.h"
+#include "engine/scene/description.h"
+#include "engine/scene/simulation.h"
+#include "protocol/event.h"
+#include "protocol/request.h"
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace ringdown::scene {
+
+inline constexpr std::size_t kMostStrikesPerStep = 512;
+inline constexpr int kMostResets = 3;  // a body that has to be reset more often is removed
+
+// An object as the mixer knows it: what a body named after it rings.
+struct SoundingObject {
+  std::string name;
+  protocol::ObjectNumber number = 0;
+  std::shared_ptr<const modal::Bank> bank;  // as baked: the World applies the description's density scale
+};
+
+// Views into the World, valid until its next step().
+struct StepReport {
+  std::span<const protocol::Event> strikes;  // frames never fall, within a step and from step to step
+  std::span<const std::string> notices;      // sentences for the user: a body was reset, removed, ...
+  std::size_t dropped_strikes = 0;           // beyond kMostStrikesPerStep
+  std::size_t dropped_contacts = 0;          // beyond kMostContactsPerStep
+};
+
+// A body for a viewer or a test. The pose is that of the object's frame: a bank's mesh drawn with it is in place.
+struct BodyState {
+  BodyId id = 0;
+  std::string name;
+  std::string object;  // empty: silent
+  Vec3 position_m;
+  Rotation rotation;
+  Vec3 center_m;      // centre of mass
+  Vec3 velocity_m_s;  // of the centre of mass
+  Vec3 spin_rad_s;
+  bool fixed = false;
+};
+
+class World {
+ public:
+  // Builds the scene. Every object that its bodies name must be among `objects`; more may be given, for spawning.
+  // Refused with one sentence: anything outside its range, a bank without mass or surface, a name that is missing.
+  static Result<World> create(const SceneDescription& scene, std::span<const SoundingObject> objects,
+                              double sample_rate_hz);
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+  ~World();
+
+  // The frame at which scene time 0 lies, so that an owner who pauses can shift what follows. Initially 0.
+  void set_start_frame(protocol::Frame frame);
+
+  // Advances by one step and reports what sounded. An event's frame is start + round(time * sample rate), with the
+  // time at which the contact was found: the beginning of the step. Never fails: a body that has become unreal (not a
+  // number, too fast) goes back to its start at rest, one that has left the scene is removed, and a notice says so.
+  StepReport step();
+
+  [[nodiscard]] double time_s() const;  // step_s() times the steps so far
+  [[nodiscard]] double step_s() const;
+
+  // Drops a new body; its number is never used again. Refused when the scene is full or a value is out of range.
+  Result<BodyId> spawn(const protocol::SpawnBox& box);
+  Result<BodyId> spawn(const protocol::SpawnSphere& sphere);
+  void clear_spawned();  // only what spawn() added
+  void clear();          // every body; statics stay
+
+  // A new object, or a new bank for one the World knows by this name: its bodies take the new mass and shape where
+  // they are. Refused, and nothing changed, when a body of it could not be built.
+  Result<void> set_object(const SoundingObject& object);
+
+  // Its bodies stay and become silent.
+  void remove_object(protocol::ObjectNumber number);
+
+  // Gives a body an impulse [N s, world axes] at its centre of mass.
+  Result<void> push(BodyId body, Vec3 impulse_ns);
+
+  [[nodiscard]] std::vector<BodyState> bodies() const;  // by number: the scene's own in its order, then spawned
+
+ private:
+  struct Impl;
+  explicit World(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ringdown::scene
