@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   ExitCode outcome = ExitCode::ok;
   add_bake_verb(app, outcome);
   add_info_verb(app, outcome);
+  add_render_verb(app, outcome);
   add_strike_verb(app, outcome);
   add_send_verb(app, outcome);
   add_protocol_verb(app, outcome);

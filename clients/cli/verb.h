@@ -20,6 +20,7 @@ void add_strike_verb(CLI::App& app, ExitCode& outcome);    // rings an object in
 void add_send_verb(CLI::App& app, ExitCode& outcome);      // any other message of the protocol
 void add_info_verb(CLI::App& app, ExitCode& outcome);      // the modes of a bank as a table
 void add_protocol_verb(CLI::App& app, ExitCode& outcome);  // every address
+void add_render_verb(CLI::App& app, ExitCode& outcome);    // a scene or a score to a sound file
 void add_bake_verb(CLI::App& app, ExitCode& outcome);      // hands over to the program ringdown-bake
 
 // "ringdown: SENTENCE" on stderr; returns `code`, so that a verb can write `outcome = complain(...)`.

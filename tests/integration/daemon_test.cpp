@@ -63,6 +63,7 @@ TEST_F(DaemonTest, LoadsStrikesRetunesAndFreesObjectsByNameAndNumber) {
   protocol::StatusReply status;
   for (int tries = 0; tries < 100 && status.sounding_objects < 2; ++tries) {
     status = expect<protocol::StatusReply>(daemon, {"/status", {}});
+    std::this_thread::sleep_for(10ms);
   }
   EXPECT_EQ(status.objects, 2);
   EXPECT_EQ(status.sounding_objects, 2);
@@ -153,14 +154,15 @@ TEST_F(DaemonTest, SendsItsSceneToAnotherDaemonAsOsc) {
 name = "ball"
 bank = "low.glb"
 [[static]]
-type = "plane"
+name = "floor"
+shape = "plane"
 [[body]]
 name = "ball"
 object = "ball"
 shape = "sphere"
-radius = 0.05
-density = 1000
-position = [0, 0, 0.2]
+radius_m = 0.05
+density_kg_m3 = 1000
+position_m = [0, 0, 0.2]
 )";
   Daemon listener({"--driver", "null", "--object", "ball=" + bank("low.glb")});
   ASSERT_TRUE(listener.ready());

@@ -1,5 +1,6 @@
 // Rendering without a clock: the same samples every time, whatever the block size.
 #include "engine/modal/bank_file.h"
+#include "engine/synth/mixer.h"
 #include "protocol/schema.h"
 #include "server/offline.h"
 #include "server/osc_score.h"
@@ -35,21 +36,22 @@ name = "b"
 bank = "b.glb"
 gain = 0.3
 [[static]]
-type = "plane"
+name = "floor"
+shape = "plane"
 [[body]]
 name = "one"
 object = "a"
 shape = "sphere"
-radius = 0.05
-density = 2000
-position = [0, 0, 0.3]
+radius_m = 0.05
+density_kg_m3 = 2000
+position_m = [0, 0, 0.3]
 [[body]]
 name = "two"
 object = "b"
 shape = "box"
-size = [0.1, 0.1, 0.05]
-density = 2000
-position = [0.02, 0, 0.7]
+size_m = [0.1, 0.1, 0.05]
+density_kg_m3 = 2000
+position_m = [0.02, 0, 0.7]
 )";
   }
   ~OfflineTest() override { std::filesystem::remove_all(folder_); }
@@ -150,9 +152,9 @@ TEST_F(OfflineTest, MoreStrikesInOneBlockThanAQueueHoldsAreAllPlayed) {
   const std::size_t count = 3 * synth::kQueueCapacity / 2;
   const auto strike = format(Request(protocol::Strike{{.name = "tone"}, {1, 0, 0}, {0, 0, 1e-3}, 0}));
   std::vector<ScoreEvent> many;
-  for (std::size_t i = 0; i < count; ++i) many.push_back({0.001 + 1e-3 * static_cast<double>(i), strike});
+  for (std::size_t i = 0; i < count; ++i) many.push_back({0.001 + 1e-5 * static_cast<double>(i), strike});
   ASSERT_TRUE(write_score(many, folder_ / "many.osc"));
-  OfflineOptions options{.score = folder_ / "many.osc", .objects = {{"tone", folder_ / "tone.glb"}}, .seconds = 8};
+  OfflineOptions options{.score = folder_ / "many.osc", .objects = {{"tone", folder_ / "tone.glb"}}, .seconds = 1};
   const auto paced = render(options);
   options.block_frames = 8192;
   const auto crowded = render(options);

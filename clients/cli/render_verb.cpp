@@ -1,0 +1,80 @@
+#include "clients/cli/verb.h"
+#include "server/offline.h"
+
+#include <CLI/CLI.hpp>
+
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <unistd.h>
+
+namespace ringdown::cli {
+namespace {
+
+std::atomic<bool> interrupted = false;
+
+struct RenderArguments {
+  server::OfflineOptions options;
+  std::vector<std::string> objects;
+  std::string output;
+};
+
+// A bar on a terminal, nothing elsewhere.
+bool show_progress(double done) {
+  static int shown = -1;
+  const int percent = static_cast<int>(100 * done);
+  if (percent != shown && isatty(STDERR_FILENO)) {
+    shown = percent;
+    std::fprintf(stderr, "\rrendering %3d %%%s", percent, percent == 100 ? "\n" : "");
+  }
+  return !interrupted;
+}
+
+ExitCode render(RenderArguments& arguments) {
+  for (const std::string& text : arguments.objects) {
+    const auto equals = text.find('=');
+    if (equals == text.npos) return complain("--object " + text + " is not NAME=BANK", ExitCode::usage);
+    arguments.options.objects.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+  }
+  std::signal(SIGINT, [](int) { interrupted = true; });
+  const auto recording = server::render_offline(arguments.options, show_progress);
+  if (!recording) return complain(recording.error().message, interrupted ? ExitCode::cancelled : ExitCode::bad_input);
+  for (const std::string& warning : recording->warnings) complain(warning, ExitCode::ok);
+  if (const auto written = server::write_audio(*recording, arguments.output); !written) {
+    return complain(written.error().message, ExitCode::failure);
+  }
+  std::printf("%s: %.2f s at %.0f Hz, peak %.1f dB\n", arguments.output.c_str(),
+              static_cast<double>(recording->left.size()) / recording->sample_rate_hz, recording->sample_rate_hz,
+              20 * std::log10(static_cast<double>(recording->peak) + 1e-12));
+  if (recording->peak > 1)
+    complain("it exceeds full scale: lower the objects' gain, or keep the float file", ExitCode::ok);
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+void add_render_verb(CLI::App& app, ExitCode& outcome) {
+  auto arguments = std::make_shared<RenderArguments>();
+  server::OfflineOptions& options = arguments->options;
+  CLI::App* verb = app.add_subcommand("render", "Renders a scene or an OSC score to a sound file, without a clock.");
+  verb->add_option("--scene", options.scene, "Scene file (docs/scenes.md).")->type_name("FILE");
+  verb->add_option("--events", options.score, "OSC score, the format of scsynth's non-real-time mode.")
+      ->type_name("FILE");
+  verb->add_option("--object", arguments->objects, "Object to load first; may be given more than once.")
+      ->type_name("NAME=BANK");
+  verb->add_option("-o,--output", arguments->output, "File to write: .wav (32-bit float) or .flac (24 bit).")
+      ->required();
+  verb->add_option("--seconds", options.seconds, "Length; default: the scene's own, or the score's and 5 s more.")
+      ->check(CLI::Range(0.0, server::kLongestRender_s));
+  verb->add_option("--rate", options.sample_rate_hz, "Sample rate in Hz.")
+      ->check(CLI::Range(8000.0, 768000.0))
+      ->capture_default_str();
+  verb->add_option("--block", options.block_frames, "Frames per block; changes nothing but rounding.")
+      ->check(CLI::Range(1, 8192))
+      ->capture_default_str();
+  verb->callback([arguments, &outcome] { outcome = render(*arguments); });
+}
+
+}  // namespace ringdown::cli
