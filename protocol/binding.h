@@ -34,8 +34,8 @@ using Columns = std::vector<Column<Any>>;
 template <class Any>
 struct Row {
   AddressSpec spec;
-  std::vector<Binding<Any>> bindings; // one for each of spec.arguments
-  Any blank;                          // the struct with all members at their initialisers
+  std::vector<Binding<Any>> bindings;  // one for each of spec.arguments
+  Any blank;                           // the struct with all members at their initialisers
 };
 
 const std::vector<Row<Request>>& request_rows();
@@ -55,53 +55,31 @@ Struct owner_of(Member Struct::*);
 template <class Struct, class Any>
 inline constexpr bool is_alternative = false;
 template <class Struct, class... Alternatives>
-inline constexpr bool
-    is_alternative<Struct, std::variant<Alternatives...>> = (std::is_same_v<Struct, Alternatives> || ...);
+inline constexpr bool is_alternative<Struct, std::variant<Alternatives...>> = (std::is_same_v<Struct, Alternatives> ||
+                                                                               ...);
 
 template <class Struct>
 using AnyOf = std::conditional_t<is_alternative<Struct, Request>, Request, Reply>;
 
-inline Value to_value(double member) {
-  return member;
-}
-inline Value to_value(std::int32_t member) {
-  return member;
-}
-inline Value to_value(std::uint32_t member) {
-  return static_cast<std::int32_t>(member);
-}
-inline Value to_value(bool member) {
-  return std::int32_t{member};
-}
-inline Value to_value(const std::string& member) {
-  return member;
-}
-inline Value to_value(const ObjectRef& member) {
-  return member;
-}
+inline Value to_value(double member) { return member; }
+inline Value to_value(std::int32_t member) { return member; }
+inline Value to_value(std::uint32_t member) { return static_cast<std::int32_t>(member); }
+inline Value to_value(bool member) { return std::int32_t{member}; }
+inline Value to_value(const std::string& member) { return member; }
+inline Value to_value(const ObjectRef& member) { return member; }
 template <class T>
 Value to_value(const std::optional<T>& member) {
   return member ? to_value(*member) : Value();
 }
 
-inline void assign(double& member, const Value& value) {
-  member = std::get<double>(value);
-}
-inline void assign(std::int32_t& member, const Value& value) {
-  member = std::get<std::int32_t>(value);
-}
+inline void assign(double& member, const Value& value) { member = std::get<double>(value); }
+inline void assign(std::int32_t& member, const Value& value) { member = std::get<std::int32_t>(value); }
 inline void assign(std::uint32_t& member, const Value& value) {
   member = static_cast<std::uint32_t>(std::get<std::int32_t>(value));
 }
-inline void assign(bool& member, const Value& value) {
-  member = std::get<std::int32_t>(value) != 0;
-}
-inline void assign(std::string& member, const Value& value) {
-  member = std::get<std::string>(value);
-}
-inline void assign(ObjectRef& member, const Value& value) {
-  member = std::get<ObjectRef>(value);
-}
+inline void assign(bool& member, const Value& value) { member = std::get<std::int32_t>(value) != 0; }
+inline void assign(std::string& member, const Value& value) { member = std::get<std::string>(value); }
+inline void assign(ObjectRef& member, const Value& value) { member = std::get<ObjectRef>(value); }
 template <class T>
 void assign(std::optional<T>& member, const Value& value) {
   if (std::holds_alternative<std::monostate>(value)) return member.reset();
@@ -112,21 +90,18 @@ template <auto first, auto... rest>
 auto bind(const ArgumentSpec& spec) {
   using Struct = decltype(owner_of(first));
   using Any = AnyOf<Struct>;
-  const auto write = [](Any& any, const Value& value) {
-    assign(((std::get<Struct>(any).*first).*....*rest), value);
-  };
+  const auto write = [](Any& any, const Value& value) { assign(((std::get<Struct>(any).*first).*....*rest), value); };
   const auto read = [](const Any& any) { return to_value(((std::get<Struct>(any).*first).*....*rest)); };
   return Columns<Any>{{spec, {write, read}}};
 }
 
-} // namespace detail
+}  // namespace detail
 
 // The kinds of argument a row is made of. Each names the member it fills.
 
 template <auto... path>
 auto number(std::string_view name, Quantity quantity, std::string_view sentence) {
-  return detail::bind<path...>(
-      {name, ValueType::number, quantity.unit, quantity.least, quantity.most, sentence});
+  return detail::bind<path...>({name, ValueType::number, quantity.unit, quantity.least, quantity.most, sentence});
 }
 
 // Three numbers: the sentence stands at the first.
@@ -140,8 +115,7 @@ auto vector(std::array<std::string_view, 3> names, Quantity quantity, std::strin
 
 template <auto... path>
 auto integer(std::string_view name, Quantity quantity, std::string_view sentence) {
-  return detail::bind<path...>(
-      {name, ValueType::integer, quantity.unit, quantity.least, quantity.most, sentence});
+  return detail::bind<path...>({name, ValueType::integer, quantity.unit, quantity.least, quantity.most, sentence});
 }
 
 // flag, text, name, object, object_or_none
@@ -162,8 +136,8 @@ template <class Any>
 Message format_row(const Row<Any>& row, const Any& any);
 
 template <class Any, class Struct>
-Row<Any> make_row(std::string_view address, std::string_view sentence,
-                  std::initializer_list<Columns<Any>> groups, const Struct& example) {
+Row<Any> make_row(std::string_view address, std::string_view sentence, std::initializer_list<Columns<Any>> groups,
+                  const Struct& example) {
   Row<Any> row{{address, sentence, {}, "", "", {}}, {}, Any(Struct{})};
   for (const Columns<Any>& group : groups) {
     for (const Column<Any>& column : group) {
@@ -176,4 +150,4 @@ Row<Any> make_row(std::string_view address, std::string_view sentence,
   return row;
 }
 
-} // namespace ringdown::protocol
+}  // namespace ringdown::protocol

@@ -11,15 +11,9 @@ namespace {
 
 constexpr std::size_t kLongestText = 4096;
 
-std::string shown(const std::string& text) {
-  return "the text " + quoted(text);
-}
-std::string shown(std::int32_t value) {
-  return std::to_string(value);
-}
-std::string shown(std::int64_t value) {
-  return std::to_string(value);
-}
+std::string shown(const std::string& text) { return "the text " + quoted(text); }
+std::string shown(std::int32_t value) { return std::to_string(value); }
+std::string shown(std::int64_t value) { return std::to_string(value); }
 std::string shown(double value) {
   if (std::isnan(value)) return "not a number (NaN)";
   if (std::isinf(value)) return value > 0 ? "infinite" : "minus infinite";
@@ -44,7 +38,7 @@ std::optional<double> as_number(const Argument& argument) {
 
 Result<Value> convert_number(const ArgumentSpec& spec, const Argument& argument) {
   const std::optional<double> number = as_number(argument);
-  const bool inside = number && *number >= spec.least && *number <= spec.most; // false for NaN
+  const bool inside = number && *number >= spec.least && *number <= spec.most;  // false for NaN
   if (!inside) return refuse(spec, shown(argument));
   if (spec.type == ValueType::number) return Value(*number);
   if (*number != std::floor(*number)) return refuse(spec, shown(argument));
@@ -68,27 +62,27 @@ Result<Value> convert_text(const ArgumentSpec& spec, const Argument& argument) {
   const auto* text = std::get_if<std::string>(&argument);
   if (!text) return refuse(spec, "the number " + shown(argument));
   const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 127; };
-  const bool good = spec.type == ValueType::name ? is_object_name(*text)
-                                                 : !text->empty() && text->size() <= kLongestText &&
-                                                       std::ranges::none_of(*text, is_control);
+  const bool good = spec.type == ValueType::name
+                        ? is_object_name(*text)
+                        : !text->empty() && text->size() <= kLongestText && std::ranges::none_of(*text, is_control);
   if (!good) return refuse(spec, shown(argument));
   return Value(*text);
 }
 
-} // namespace
+}  // namespace
 
 Result<Value> convert(const ArgumentSpec& spec, const Argument& argument) {
   switch (spec.type) {
-  case ValueType::number:
-  case ValueType::integer:
-  case ValueType::flag:
-    return convert_number(spec, argument);
-  case ValueType::text:
-  case ValueType::name:
-    return convert_text(spec, argument);
-  case ValueType::object:
-  case ValueType::object_or_none:
-    break;
+    case ValueType::number:
+    case ValueType::integer:
+    case ValueType::flag:
+      return convert_number(spec, argument);
+    case ValueType::text:
+    case ValueType::name:
+      return convert_text(spec, argument);
+    case ValueType::object:
+    case ValueType::object_or_none:
+      break;
   }
   return convert_object(spec, argument);
 }
@@ -97,20 +91,20 @@ std::string expectation(const ArgumentSpec& spec) {
   const std::string unit = spec.unit.empty() ? "" : " " + std::string(spec.unit);
   const std::string range = " from " + number_text(spec.least) + " to " + number_text(spec.most) + unit;
   switch (spec.type) {
-  case ValueType::number:
-    return "a number" + range;
-  case ValueType::integer:
-    return "a whole number" + range;
-  case ValueType::flag:
-    return "0 or 1";
-  case ValueType::text:
-    return "text of 1 to 4096 bytes without control characters";
-  case ValueType::name:
-    return "a name of 1 to 64 of A-Z a-z 0-9 _ . - that is not all digits";
-  case ValueType::object:
-    return "an object's name or number";
-  case ValueType::object_or_none:
-    break;
+    case ValueType::number:
+      return "a number" + range;
+    case ValueType::integer:
+      return "a whole number" + range;
+    case ValueType::flag:
+      return "0 or 1";
+    case ValueType::text:
+      return "text of 1 to 4096 bytes without control characters";
+    case ValueType::name:
+      return "a name of 1 to 64 of A-Z a-z 0-9 _ . - that is not all digits";
+    case ValueType::object:
+      return "an object's name or number";
+    case ValueType::object_or_none:
+      break;
   }
   return "an object's name or number, or - for none";
 }
@@ -129,4 +123,4 @@ std::string value_text(const Value& value) {
   return std::string(kNoObject);
 }
 
-} // namespace ringdown::protocol
+}  // namespace ringdown::protocol

@@ -17,4 +17,4 @@ std::string number_text(double value);
 // A value as one writes it: 0.0002, bell, -.
 std::string value_text(const Value& value);
 
-} // namespace ringdown::protocol
+}  // namespace ringdown::protocol

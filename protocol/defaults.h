@@ -17,4 +17,4 @@ inline constexpr double kDefaultContactTimeS = 0.0002;
 // Grows when an address changes its meaning; new addresses and new optional arguments do not count.
 inline constexpr std::int32_t kProtocolVersion = 1;
 
-} // namespace ringdown::protocol
+}  // namespace ringdown::protocol

@@ -7,13 +7,13 @@ namespace ringdown::protocol {
 
 enum class ExitCode : int {
   ok = 0,
-  failure = 1,        // anything that no other code names
-  usage = 2,          // a wrong option or argument
-  bad_input = 3,      // a file that cannot be read or is not what it should be
-  no_jack = 4,        // no JACK server answers
-  port_busy = 5,      // the OSC port cannot be bound
-  no_answer = 6,      // no daemon answered in time
-  cancelled = 130,    // SIGINT, as shells count it: 128 + 2
+  failure = 1,      // anything that no other code names
+  usage = 2,        // a wrong option or argument
+  bad_input = 3,    // a file that cannot be read or is not what it should be
+  no_jack = 4,      // no JACK server answers
+  port_busy = 5,    // the OSC port cannot be bound
+  no_answer = 6,    // no daemon answered in time
+  cancelled = 130,  // SIGINT, as shells count it: 128 + 2
 };
 
 // What a script's author wants to know, one line per code; printed by the programs' --help.

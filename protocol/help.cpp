@@ -15,20 +15,21 @@ constexpr std::string_view kHead = R"(# The protocol
 Ringdown is played over OSC 1.0 by UDP, on port {port} of this computer unless the daemon was started with others.
 
 - **Units** are SI: m, kg, s, N s. Points and impulses are in the object's own frame, the one of its mesh.
-- **Numbers** may be sent as any of the OSC types `i` `h` `f` `d`. They must be finite and in range, and whole where a whole
-  number is wanted: Pure Data's 3.0 is 3. Text is type `s`. Arguments in [brackets] may be left out, from the right.
+- **Numbers** may be sent as any of the OSC types `i` `h` `f` `d`. They must be finite and in range, and whole where a
+  whole number is wanted: Pure Data's 3.0 is 3. Text is type `s`. Arguments in [brackets] may be left out, from the
+  right.
 - **Objects** have a name (1 to 64 of `A-Z a-z 0-9 _ . -`, not digits only) and a number; both serve in an address:
   `/object/bell/strike`, `/object/0/strike`.
 - **Contact time**: a strike that names none lasts 0.2 ms. An ideal impulse (0 s) excites every mode up to 20 kHz alike,
-  which is brighter than any real mallet; a blow of length T falls off above 1/T. 0.2 ms is a hard mallet, 1 ms hard rubber,
-  5 ms a felt beater.
-- **Time**: a message outside a bundle is played at once, that is a fixed short latency after it arrived, so that the time
-  between two messages is kept. A bundle's timetag says when its messages are played, to the sample; bundles nest up to 4
-  deep, and an inner one is never earlier than the one around it.
-- **Answers** go to the port the request came from. Every refusal is `/fail address sentence`, and the sentence names the
-  argument. Where no answer is listed, silence is success; send `/sync` to be sure that all before it has arrived.
-- **Limits**: 64 arguments, an address of 256 characters, no OSC address patterns. A datagram with any fault in it is refused
-  whole.
+  which is brighter than any real mallet; a blow of length T falls off above 1/T. 0.2 ms is a hard mallet, 1 ms hard
+  rubber, 5 ms a felt beater.
+- **Time**: a message outside a bundle is played at once, that is a fixed short latency after it arrived, so that the
+  time between two messages is kept. A bundle's timetag says when its messages are played, to the sample; bundles nest
+  up to 4 deep, and an inner one is never earlier than the one around it.
+- **Answers** go to the port the request came from. Every refusal is `/fail address sentence`, and the sentence names
+  the argument. Where no answer is listed, silence is success; send `/sync` to be sure that all before it has arrived.
+- **Limits**: 64 arguments, an address of 256 characters, no OSC address patterns. A datagram with any fault in it is
+  refused whole.
 
 )";
 
@@ -63,13 +64,12 @@ std::string answer_text(const AddressSpec& spec) {
 }
 
 std::string request_section(const AddressSpec& spec) {
-  return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + "\n" + argument_table(spec) +
-         "\n" + answer_text(spec) + "\n\n```\n" + oscsend_command(spec) + "\n```\n\n";
+  return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + "\n" + argument_table(spec) + "\n" +
+         answer_text(spec) + "\n\n```\n" + oscsend_command(spec) + "\n```\n\n";
 }
 
 std::string reply_section(const AddressSpec& spec) {
-  return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + "\n" + argument_table(spec) +
-         "\n";
+  return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + "\n" + argument_table(spec) + "\n";
 }
 
 // An argument for oscsend: its type letter and its word. Numbers go as f, as most clients send them.
@@ -79,7 +79,7 @@ std::pair<char, std::string> as_word(const Argument& argument) {
   return {'f', number_text(std::get<double>(argument))};
 }
 
-} // namespace
+}  // namespace
 
 std::string signature(const AddressSpec& spec) {
   std::string text(spec.address);
@@ -97,8 +97,7 @@ std::string describe(const ArgumentSpec& spec) {
 
 std::string overview() {
   std::string text;
-  for (const AddressSpec& spec : addresses())
-    text += signature(spec) + "\n    " + std::string(spec.sentence) + "\n";
+  for (const AddressSpec& spec : addresses()) text += signature(spec) + "\n    " + std::string(spec.sentence) + "\n";
   return text;
 }
 
@@ -124,4 +123,4 @@ std::string oscsend_command(const AddressSpec& spec) {
   return types.empty() ? target : target + " " + types + words;
 }
 
-} // namespace ringdown::protocol
+}  // namespace ringdown::protocol

@@ -22,4 +22,4 @@ std::string markdown();
 // The row's example as a shell command: "oscsend localhost 7770 /object/bell/gain ff 0.5 0.1".
 std::string oscsend_command(const AddressSpec& spec);
 
-} // namespace ringdown::protocol
+}  // namespace ringdown::protocol

@@ -6,15 +6,13 @@
 namespace ringdown::protocol {
 namespace {
 
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 bool is_name_character(char c) {
   return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '.' || c == '-';
 }
 
-} // namespace
+}  // namespace
 
 bool is_object_name(std::string_view text) {
   return !text.empty() && text.size() <= kLongestName && text != kNoObject &&
@@ -33,9 +31,7 @@ Result<ObjectRef> parse_object(std::string_view text) {
               ", or a name of 1 to 64 of A-Z a-z 0-9 _ . - that is not all digits");
 }
 
-std::string to_text(const ObjectRef& object) {
-  return object.number ? std::to_string(*object.number) : object.name;
-}
+std::string to_text(const ObjectRef& object) { return object.number ? std::to_string(*object.number) : object.name; }
 
 std::string quoted(std::string_view text) {
   constexpr std::size_t kShown = 48;
@@ -45,4 +41,4 @@ std::string quoted(std::string_view text) {
   return "'" + shown + (text.size() > kShown ? "...'" : "'");
 }
 
-} // namespace ringdown::protocol
+}  // namespace ringdown::protocol

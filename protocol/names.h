@@ -14,8 +14,7 @@
 namespace ringdown::protocol {
 
 inline constexpr std::size_t kLongestName = 64;
-inline constexpr std::uint32_t kLargestNumber =
-    (1u << 24) - 1; // exact in a float, the only number Pure Data sends
+inline constexpr std::uint32_t kLargestNumber = (1u << 24) - 1;  // exact in a float, the only number Pure Data sends
 inline constexpr std::string_view kNoObject = "-";
 
 bool is_object_name(std::string_view text);
@@ -29,4 +28,4 @@ std::string to_text(const ObjectRef& object);
 // `text` in single quotes for an error message: unprintable characters become '?', long text is cut.
 std::string quoted(std::string_view text);
 
-} // namespace ringdown::protocol
+}  // namespace ringdown::protocol

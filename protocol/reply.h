@@ -10,15 +10,15 @@
 
 namespace ringdown::protocol {
 
-struct Done {          // /done
+struct Done {  // /done
   std::string address;
   std::optional<std::int32_t> number;
 };
-struct Fail {          // /fail
+struct Fail {  // /fail
   std::string address;
   std::string sentence;
 };
-struct StatusReply {   // /status.reply
+struct StatusReply {  // /status.reply
   std::int32_t objects = 0;
   std::int32_t sounding_objects = 0;
   std::int32_t sounding_modes = 0;
@@ -36,7 +36,7 @@ struct VersionReply {  // /version.reply
   std::string version;
   std::int32_t protocol = 0;
 };
-struct Synced {        // /synced
+struct Synced {  // /synced
   std::int32_t id = 0;
 };
 

@@ -36,11 +36,9 @@ std::string replace_once(std::string_view text, std::string_view what, std::stri
 
 // "/object/bell/gain" -> "/object/{object}/gain"
 std::string pattern_of(std::string_view address) {
-  const std::string_view object = object_in(address);
-  if (object.empty()) return std::string(address);
-  return std::string(kObjectPrefix)
-      .append(kPlaceholder)
-      .append(address.substr(kObjectPrefix.size() + object.size()));
+  if (!address.starts_with(kObjectPrefix)) return std::string(address);
+  const std::string_view rest = address.substr(kObjectPrefix.size() + object_in(address).size());
+  return std::string(kObjectPrefix).append(kPlaceholder).append(rest);
 }
 
 // Levenshtein's distance: the fewest letters to insert, remove or change.
@@ -81,13 +79,12 @@ std::string argument_names(const AddressSpec& spec) {
 }
 
 // Sentences about one argument: `position` counts from 1 in the message, 0 stands for the one in the address.
-std::string about(const Message& message, const ArgumentSpec& spec, std::size_t position,
-                  const std::string& what) {
+std::string about(const Message& message, const ArgumentSpec& spec, std::size_t position, const std::string& what) {
   const std::string where = position == 0 ? "" : "argument " + std::to_string(position) + " ";
   return message.address + ": " + where + "(" + std::string(spec.name) + ") " + what;
 }
 
-// The values of all arguments in the table's order, absent optional ones left out.
+// The row's struct, filled from the address and the arguments.
 template <class Any>
 Result<Any> parse_row(const Row<Any>& row, const Message& message) {
   const AddressSpec& spec = row.spec;
@@ -115,12 +112,8 @@ Result<Any> parse_row(const Row<Any>& row, const Message& message) {
 }
 
 // Requests keep every digit; replies use only what Pure Data can read.
-Argument number_argument(const Request&, double value) {
-  return value;
-}
-Argument number_argument(const Reply&, double value) {
-  return static_cast<float>(value);
-}
+Argument number_argument(const Request&, double value) { return value; }
+Argument number_argument(const Reply&, double value) { return static_cast<float>(value); }
 
 template <class Any>
 Argument to_argument(const Any& any, const Value& value) {
@@ -143,7 +136,7 @@ Argument from_word(const ArgumentSpec& spec, const std::string& word) {
   return number;
 }
 
-} // namespace
+}  // namespace
 
 template <class Any>
 Message format_row(const Row<Any>& row, const Any& any) {
@@ -174,12 +167,8 @@ std::span<const AddressSpec> reply_addresses() {
   return specs;
 }
 
-const AddressSpec& spec_of(const Request& request) {
-  return addresses()[request.index()];
-}
-const AddressSpec& spec_of(const Reply& reply) {
-  return reply_addresses()[reply.index()];
-}
+const AddressSpec& spec_of(const Request& request) { return addresses()[request.index()]; }
+const AddressSpec& spec_of(const Reply& reply) { return reply_addresses()[reply.index()]; }
 
 Result<const AddressSpec*> find_address(std::string_view address) {
   const auto row = find_row(request_rows(), address);
@@ -199,12 +188,8 @@ Result<Reply> parse_reply(const Message& message) {
   return parse_row(**row, message);
 }
 
-Message format(const Request& request) {
-  return format_row(request_rows()[request.index()], request);
-}
-Message format(const Reply& reply) {
-  return format_row(reply_rows()[reply.index()], reply);
-}
+Message format(const Request& request) { return format_row(request_rows()[request.index()], request); }
+Message format(const Reply& reply) { return format_row(reply_rows()[reply.index()], reply); }
 
 Result<Message> compose(std::string_view address, std::span<const std::string> words) {
   const auto row = find_row(request_rows(), address);
@@ -219,4 +204,4 @@ Result<Message> compose(std::string_view address, std::span<const std::string> w
   return message;
 }
 
-} // namespace ringdown::protocol
+}  // namespace ringdown::protocol

@@ -28,35 +28,35 @@
 namespace ringdown::protocol {
 
 enum class ValueType {
-  number,         // finite, least <= value <= most
-  integer,        // whole, least <= value <= most
-  flag,           // 0 or 1
-  text,           // 1 to 4096 bytes without control characters
-  name,           // the name of an object, new or old (names.h)
-  object,         // an object by name or number
-  object_or_none, // the same, or "-" for none
+  number,          // finite, least <= value <= most
+  integer,         // whole, least <= value <= most
+  flag,            // 0 or 1
+  text,            // 1 to 4096 bytes without control characters
+  name,            // the name of an object, new or old (names.h)
+  object,          // an object by name or number
+  object_or_none,  // the same, or "-" for none
 };
 
 // An argument's value after all checks; monostate where an optional object or number is absent.
 using Value = std::variant<std::monostate, double, std::int32_t, std::string, ObjectRef>;
 
 struct ArgumentSpec {
-  std::string_view name = ""; // "contact_time"
+  std::string_view name = "";  // "contact_time"
   ValueType type = ValueType::number;
-  std::string_view unit = "";     // SI, "" for a pure number or text
-  double least = 0, most = 0;     // for numbers and integers
-  std::string_view sentence = ""; // what it means
-  bool optional = false;          // may be left out, together with all that follow
-  Value fallback = {};            // then it is this
+  std::string_view unit = "";      // SI, "" for a pure number or text
+  double least = 0, most = 0;      // for numbers and integers
+  std::string_view sentence = "";  // what it means
+  bool optional = false;           // may be left out, together with all that follow
+  Value fallback = {};             // then it is this
 };
 
 struct AddressSpec {
-  std::string_view address;  // "/object/{object}/strike": {object} is filled from the argument of that name
-  std::string_view sentence; // what it does
-  std::vector<ArgumentSpec> arguments; // those in the address first, then those of the message, in order
-  std::string_view reply;        // the address of the answer when it succeeds, "" when silence is success
-  std::string_view reply_number; // what the number in /done is, "" for none
-  Message example;               // valid, and worth trying
+  std::string_view address;             // "/object/{object}/strike": {object} is filled from the argument of that name
+  std::string_view sentence;            // what it does
+  std::vector<ArgumentSpec> arguments;  // those in the address first, then those of the message, in order
+  std::string_view reply;               // the address of the answer when it succeeds, "" when silence is success
+  std::string_view reply_number;        // what the number in /done is, "" for none
+  Message example;                      // valid, and worth trying
 
   [[nodiscard]] std::size_t arguments_in_address() const { return address.find('{') == address.npos ? 0 : 1; }
 };
@@ -84,4 +84,4 @@ Message format(const Reply& reply);
 // checked as parse() does. compose("/object/bell/gain", {"0.5"}).
 Result<Message> compose(std::string_view address, std::span<const std::string> words);
 
-} // namespace ringdown::protocol
+}  // namespace ringdown::protocol

@@ -26,34 +26,29 @@ constexpr Quantity kRate{"Hz", 0, 1e7};
 
 template <auto... path>
 auto object() {
-  return other<ValueType::object, path...>("object",
-                                           "The object, by its name or by the number that /load answered.");
+  return other<ValueType::object, path...>("object", "The object, by its name or by the number that /load answered.");
 }
 
 template <auto... path>
 auto body_object() {
-  return other<ValueType::object_or_none, path...>("object",
-                                                   "What sounds when the body is hit; - for a silent body.");
+  return other<ValueType::object_or_none, path...>("object", "What sounds when the body is hit; - for a silent body.");
 }
 
 template <auto... path>
 auto impulse() {
-  return vector<path...>(
-      {"jx", "jy", "jz"}, kImpulse,
-      "The impulse it receives, in the object's own frame: mass times change of velocity.");
+  return vector<path...>({"jx", "jy", "jz"}, kImpulse,
+                         "The impulse it receives, in the object's own frame: mass times change of velocity.");
 }
 
 template <auto... path>
 auto contact_time() {
-  return optional(
-      number<path...>("contact_time", kContactTime,
-                      "How long the blow lasts: short is bright, long is dull, 0 is an ideal impulse."));
+  return optional(number<path...>("contact_time", kContactTime,
+                                  "How long the blow lasts: short is bright, long is dull, 0 is an ideal impulse."));
 }
 
 template <auto... path>
 auto position() {
-  return vector<path...>({"x", "y", "z"}, kPosition,
-                         "Where its centre of mass starts, in the scene's frame.");
+  return vector<path...>({"x", "y", "z"}, kPosition, "Where its centre of mass starts, in the scene's frame.");
 }
 
 template <auto... path>
@@ -74,15 +69,14 @@ using Arguments = std::initializer_list<Columns<Request>>;
 // An address that succeeds in silence. `example` is what docs/protocol.md shows; a test sends it through the
 // parser.
 template <class Struct>
-Row<Request> silent(std::string_view address, const Struct& example, std::string_view sentence,
-                    Arguments arguments) {
+Row<Request> silent(std::string_view address, const Struct& example, std::string_view sentence, Arguments arguments) {
   return make_row<Request>(address, sentence, arguments, example);
 }
 
 // One that is answered; `number` says what the number in /done is, if there is one.
 template <class Struct>
-Row<Request> answered(std::string_view address, const Struct& example, std::string_view sentence,
-                      Arguments arguments, std::string_view reply = "/done", std::string_view number = "") {
+Row<Request> answered(std::string_view address, const Struct& example, std::string_view sentence, Arguments arguments,
+                      std::string_view reply = "/done", std::string_view number = "") {
   Row<Request> row = silent(address, example, sentence, arguments);
   row.spec.reply = reply;
   row.spec.reply_number = number;
@@ -94,8 +88,7 @@ std::vector<Row<Request>> make_request_rows() {
       silent("/object/{object}/strike", Strike{kBell, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005},
              "Rings the object at the point of its surface that is nearest to x y z.",
              {object<&Strike::object>(),
-              vector<&Strike::point_m>({"x", "y", "z"}, kPosition,
-                                       "Where it is struck, in the object's own frame."),
+              vector<&Strike::point_m>({"x", "y", "z"}, kPosition, "Where it is struck, in the object's own frame."),
               impulse<&Strike::impulse_ns>(), contact_time<&Strike::contact_time_s>()}),
       silent("/object/{object}/strike_vertex", StrikeVertex{kBell, 12, {-0.02, 0, 0}, 0.0005},
              "Rings the object at one sample point of its bank.",
@@ -104,13 +97,10 @@ std::vector<Row<Request>> make_request_rows() {
               impulse<&StrikeVertex::impulse_ns>(), contact_time<&StrikeVertex::contact_time_s>()}),
       silent("/object/{object}/gain", SetGain{kBell, 0.5, 0.1}, "Sets the object's loudness.",
              {object<&SetGain::object>(),
-              number<&SetGain::gain>("gain", kGain,
-                                     "The factor on its signal; 1 is as computed, 0.5 is 6 dB less."),
+              number<&SetGain::gain>("gain", kGain, "The factor on its signal; 1 is as computed, 0.5 is 6 dB less."),
               optional(number<&SetGain::ramp_s>("ramp", kRamp, "How long the change takes."))}),
-      silent("/object/{object}/pan", SetPan{kBell, -0.3},
-             "Places the object between left and right, at equal power.",
-             {object<&SetPan::object>(),
-              number<&SetPan::pan>("pan", kPan, "-1 is left, 0 the middle, 1 right.")}),
+      silent("/object/{object}/pan", SetPan{kBell, -0.3}, "Places the object between left and right, at equal power.",
+             {object<&SetPan::object>(), number<&SetPan::pan>("pan", kPan, "-1 is left, 0 the middle, 1 right.")}),
       answered(
           "/object/{object}/material", SetMaterial{kBell, {1, 1, 1, 4}},
           "Scales the material the object was baked with: its modes follow exactly, without a new analysis. "
@@ -120,12 +110,11 @@ std::vector<Row<Request>> make_request_rows() {
                "alpha", kDampingScale, "The factor on Rayleigh's alpha, the damping of low modes."),
            number<&SetMaterial::scale, &modal::MaterialScale::beta>(
                "beta", kDampingScale, "The factor on Rayleigh's beta, the damping of high modes."),
-           number<&SetMaterial::scale, &modal::MaterialScale::density>("density", kScale,
-                                                                       "The factor on the density."),
+           number<&SetMaterial::scale, &modal::MaterialScale::density>("density", kScale, "The factor on the density."),
            number<&SetMaterial::scale, &modal::MaterialScale::stiffness>(
                "stiffness", kScale, "The factor on Young's modulus; 4 is an octave up.")}),
-      silent("/object/{object}/clear", ClearObject{kBell},
-             "Fades what rings in the object within a few milliseconds.", {object<&ClearObject::object>()}),
+      silent("/object/{object}/clear", ClearObject{kBell}, "Fades what rings in the object within a few milliseconds.",
+             {object<&ClearObject::object>()}),
       answered("/object/{object}/free", FreeObject{kBell},
                "Removes the object. What rings is faded, its name and number become free.",
                {object<&FreeObject::object>()}),
@@ -142,17 +131,15 @@ std::vector<Row<Request>> make_request_rows() {
                {other<ValueType::text, &SceneLoad::path>(
                    "path", "The scene, a .toml file; a relative path starts where the daemon was started.")},
                "/done", "the count of its bodies"),
-      answered(
-          "/scene/pause", ScenePause{true}, "Stops or continues the scene. What rings goes on ringing.",
-          {optional(other<ValueType::flag, &ScenePause::paused>("paused", "1 stops it, 0 lets it run."))}),
-      answered(
-          "/scene/spawn/box", SpawnBox{kBell, {0, 0, 1}, {0, 0, -2}, {0.1, 0.1, 0.1}, 0},
-          "Drops a new box into the scene.",
-          {body_object<&SpawnBox::object>(), position<&SpawnBox::position_m>(),
-           optional(vector<&SpawnBox::size_m>(
-               {"sx", "sy", "sz"}, kSize, "Its edges; 0 0 0 takes the bounding box of the object's bank.")),
-           velocity<&SpawnBox::velocity_m_s>(), density<&SpawnBox::density_kg_m3>()},
-          "/done", "the body's number"),
+      answered("/scene/pause", ScenePause{true}, "Stops or continues the scene. What rings goes on ringing.",
+               {optional(other<ValueType::flag, &ScenePause::paused>("paused", "1 stops it, 0 lets it run."))}),
+      answered("/scene/spawn/box", SpawnBox{kBell, {0, 0, 1}, {0, 0, -2}, {0.1, 0.1, 0.1}, 0},
+               "Drops a new box into the scene.",
+               {body_object<&SpawnBox::object>(), position<&SpawnBox::position_m>(),
+                optional(vector<&SpawnBox::size_m>({"sx", "sy", "sz"}, kSize,
+                                                   "Its edges; 0 0 0 takes the bounding box of the object's bank.")),
+                velocity<&SpawnBox::velocity_m_s>(), density<&SpawnBox::density_kg_m3>()},
+               "/done", "the body's number"),
       answered("/scene/spawn/sphere", SpawnSphere{std::nullopt, {0, 0, 1}, {0, 0, 0}, 0.01, 7850},
                "Drops a new ball into the scene.",
                {body_object<&SpawnSphere::object>(), position<&SpawnSphere::position_m>(),
@@ -179,40 +166,35 @@ std::vector<Row<Reply>> make_reply_rows() {
   return {
       reply("/done", Done{"/load", 3}, "The request was carried out.",
             {other<ValueType::text, &Done::address>("address", "The address that was asked."),
-             optional(
-                 integer<&Done::number>("number", kCount, "What the address says it is; absent for most."))}),
+             optional(integer<&Done::number>("number", kCount, "What the address says it is; absent for most."))}),
       reply("/fail", Fail{"/load", "cannot open bell.glb: No such file or directory"},
             "The request was refused, and nothing was changed.",
             {other<ValueType::text, &Fail::address>("address", "The address that was asked."),
              other<ValueType::text, &Fail::sentence>("sentence", "What is wrong, and with which argument.")}),
-      reply(
-          "/status.reply", StatusReply{4, 1, 220, 6, 48000, 256, 0.031, 0.058, 0, 0, 0},
-          "How the daemon is doing.",
-          {integer<&StatusReply::objects>("objects", kCount, "How many objects are loaded."),
-           integer<&StatusReply::sounding_objects>("sounding_objects", kCount, "How many of them ring."),
-           integer<&StatusReply::sounding_modes>("sounding_modes", kCount, "How many modes ring in these."),
-           integer<&StatusReply::bodies>("bodies", kCount, "How many bodies the scene has."),
-           number<&StatusReply::sample_rate_hz>("sample_rate", kRate, "Of the audio driver."),
-           integer<&StatusReply::block_frames>("block", kCount, "Frames per block of the audio driver."),
-           number<&StatusReply::load_mean>("load_mean", kLoad,
-                                           "Time spent per block over the block's duration: 1 is all of it."),
-           number<&StatusReply::load_peak>("load_peak", kLoad, "The same for the slowest block so far."),
-           integer<&StatusReply::xruns>("xruns", kCount, "Blocks that came too late."),
-           integer<&StatusReply::dropped_events>("dropped", kCount, "Events lost because a queue was full."),
-           integer<&StatusReply::late_events>("late", kCount,
-                                              "Events whose time was past when they arrived.")}),
-      reply("/version.reply", VersionReply{"ringdownd", RINGDOWN_VERSION, kProtocolVersion},
-            "Which program this is.",
+      reply("/status.reply", StatusReply{4, 1, 220, 6, 48000, 256, 0.031, 0.058, 0, 0, 0}, "How the daemon is doing.",
+            {integer<&StatusReply::objects>("objects", kCount, "How many objects are loaded."),
+             integer<&StatusReply::sounding_objects>("sounding_objects", kCount, "How many of them ring."),
+             integer<&StatusReply::sounding_modes>("sounding_modes", kCount, "How many modes ring in these."),
+             integer<&StatusReply::bodies>("bodies", kCount, "How many bodies the scene has."),
+             number<&StatusReply::sample_rate_hz>("sample_rate", kRate, "Of the audio driver."),
+             integer<&StatusReply::block_frames>("block", kCount, "Frames per block of the audio driver."),
+             number<&StatusReply::load_mean>("load_mean", kLoad,
+                                             "Time spent per block over the block's duration: 1 is all of it."),
+             number<&StatusReply::load_peak>("load_peak", kLoad, "The same for the slowest block so far."),
+             integer<&StatusReply::xruns>("xruns", kCount, "Blocks that came too late."),
+             integer<&StatusReply::dropped_events>("dropped", kCount, "Events lost because a queue was full."),
+             integer<&StatusReply::late_events>("late", kCount, "Events whose time was past when they arrived.")}),
+      reply("/version.reply", VersionReply{"ringdownd", RINGDOWN_VERSION, kProtocolVersion}, "Which program this is.",
             {other<ValueType::text, &VersionReply::program>("program", "The program's name."),
              other<ValueType::text, &VersionReply::version>("version", "Its version."),
-             integer<&VersionReply::protocol>(
-                 "protocol", kCount, "Of this protocol; grows when an address changes its meaning.")}),
+             integer<&VersionReply::protocol>("protocol", kCount,
+                                              "Of this protocol; grows when an address changes its meaning.")}),
       reply("/synced", Synced{7}, "All that was sent before /sync has been taken up.",
             {integer<&Synced::id>("id", kId, "The number that /sync gave.")}),
   };
 }
 
-} // namespace
+}  // namespace
 
 const std::vector<Row<Request>>& request_rows() {
   static const std::vector<Row<Request>> rows = make_request_rows();
@@ -224,4 +206,4 @@ const std::vector<Row<Reply>>& reply_rows() {
   return rows;
 }
 
-} // namespace ringdown::protocol
+}  // namespace ringdown::protocol

@@ -38,11 +38,16 @@ T value_at(const lo_arg* argument) {
 
 Argument to_argument(char type, const lo_arg* argument) {
   switch (type) {
-  case LO_INT32: return value_at<std::int32_t>(argument);
-  case LO_INT64: return value_at<std::int64_t>(argument);
-  case LO_FLOAT: return value_at<float>(argument);
-  case LO_DOUBLE: return value_at<double>(argument);
-  default: break;
+    case LO_INT32:
+      return value_at<std::int32_t>(argument);
+    case LO_INT64:
+      return value_at<std::int64_t>(argument);
+    case LO_FLOAT:
+      return value_at<float>(argument);
+    case LO_DOUBLE:
+      return value_at<double>(argument);
+    default:
+      break;
   }
   assert(type == LO_STRING);
   return std::string(reinterpret_cast<const char*>(argument));

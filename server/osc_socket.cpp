@@ -24,9 +24,7 @@ sockaddr_in to_sockaddr(Endpoint endpoint) {
   return address;
 }
 
-Endpoint from_sockaddr(const sockaddr_in& address) {
-  return {ntohl(address.sin_addr.s_addr), ntohs(address.sin_port)};
-}
+Endpoint from_sockaddr(const sockaddr_in& address) { return {ntohl(address.sin_addr.s_addr), ntohs(address.sin_port)}; }
 
 Error bind_error(Endpoint endpoint, int reason) {
   if (reason == EADDRINUSE) {
@@ -128,8 +126,8 @@ void OscSocket::wake() noexcept { ::eventfd_write(waker_, 1); }
 
 Result<void> OscSocket::send_to(Endpoint to, std::span<const std::byte> bytes) {
   const sockaddr_in address = to_sockaddr(to);
-  const ssize_t sent = ::sendto(socket_, bytes.data(), bytes.size(), 0,
-                                reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  const ssize_t sent =
+      ::sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&address), sizeof address);
   if (sent < 0) return fail("cannot send OSC to " + to_text(to) + ": " + std::strerror(errno));
   return {};
 }

@@ -6,7 +6,8 @@ namespace ringdown::protocol {
 namespace {
 
 TEST(Names, LettersDigitsAndThreeSignsMakeAName) {
-  for (const char* good : {"a", "Bell", "bell.2", "_", "..", "1a", "a-b", "-a"}) EXPECT_TRUE(is_object_name(good)) << good;
+  for (const char* good : {"a", "Bell", "bell.2", "_", "..", "1a", "a-b", "-a"})
+    EXPECT_TRUE(is_object_name(good)) << good;
   for (const char* bad : {"", "-", "1", "007", "a b", "a/b", "a*", "ä", "a\n", "{object}", "#a"}) {
     EXPECT_FALSE(is_object_name(bad)) << bad;
   }

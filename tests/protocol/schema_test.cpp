@@ -50,15 +50,11 @@ ObjectRef numbered(std::uint32_t number) { return {"", number}; }
 
 Cases strike_cases() {
   const std::string a = "/object/bell/strike";
-  return {{{a,
-            {1.f, 2.f, 3.f, -4.f, 5.f, -6.f},
-            claim<Strike>([](const Strike& s) {
+  return {{{a, {1.f, 2.f, 3.f, -4.f, 5.f, -6.f}, claim<Strike>([](const Strike& s) {
               return s.object == named("bell") && s.point_m == Vec3{1, 2, 3} && s.impulse_ns == Vec3{-4, 5, -6} &&
                      s.contact_time_s == 0.0002;
             })},
-           {"/object/7/strike",
-            {1, std::int64_t{-2}, 0.5, 0.25f, 0, 0, 0.1},
-            claim<Strike>([](const Strike& s) {
+           {"/object/7/strike", {1, std::int64_t{-2}, 0.5, 0.25f, 0, 0, 0.1}, claim<Strike>([](const Strike& s) {
               return s.object == numbered(7) && s.point_m == Vec3{1, -2, 0.5} && s.impulse_ns == Vec3{0.25, 0, 0} &&
                      s.contact_time_s == 0.1;
             })}},
@@ -82,15 +78,13 @@ Cases strike_cases() {
 
 Cases strike_vertex_cases() {
   const std::string a = "/object/bell/strike_vertex";
-  return {{{a,
-            {12.f, 0, 0, 1},
-            claim<StrikeVertex>([](const StrikeVertex& s) {
+  return {{{a, {12.f, 0, 0, 1}, claim<StrikeVertex>([](const StrikeVertex& s) {
               return s.object == named("bell") && s.vertex == 12 && s.impulse_ns == Vec3{0, 0, 1} &&
                      s.contact_time_s == 0.0002;
             })},
-           {a,
-            {16777215, 0, 0, 1, 0},
-            claim<StrikeVertex>([](const StrikeVertex& s) { return s.vertex == 16777215 && s.contact_time_s == 0; })}},
+           {a, {16777215, 0, 0, 1, 0}, claim<StrikeVertex>([](const StrikeVertex& s) {
+              return s.vertex == 16777215 && s.contact_time_s == 0;
+            })}},
           {{"/object/b+ll/strike_vertex", {1, 0, 0, 0}, "object"},
            {a, {0.5f, 0, 0, 0}, "vertex"},
            {a, {-1, 0, 0, 0}, "vertex"},
@@ -123,9 +117,9 @@ Cases pan_cases() {
 
 Cases material_cases() {
   const std::string a = "/object/bell/material";
-  return {{{a,
-            {1, 2, 3, 4},
-            claim<SetMaterial>([](const SetMaterial& s) { return s.scale == modal::MaterialScale{1, 2, 3, 4}; })},
+  return {{{a, {1, 2, 3, 4}, claim<SetMaterial>([](const SetMaterial& s) {
+              return s.scale == modal::MaterialScale{1, 2, 3, 4};
+            })},
            {a, {0, 0, 0.001, 1000}, is_a<SetMaterial>()}},
           {{"/object/b%/material", {1, 1, 1, 1}, "object"},
            {a, {-1, 1, 1, 1}, "alpha"},
@@ -137,17 +131,16 @@ Cases material_cases() {
 
 template <class Struct>
 Cases object_only_cases(const std::string& verb) {
-  return {{{"/object/b.e-l_L9/" + verb,
-            {},
-            claim<Struct>([](const Struct& s) { return s.object == named("b.e-l_L9"); })},
-           {"/object/0/" + verb, {}, claim<Struct>([](const Struct& s) { return s.object == numbered(0); })}},
-          {{"/object/b ll/" + verb, {}, "object"}}};
+  return {
+      {{"/object/b.e-l_L9/" + verb, {}, claim<Struct>([](const Struct& s) { return s.object == named("b.e-l_L9"); })},
+       {"/object/0/" + verb, {}, claim<Struct>([](const Struct& s) { return s.object == numbered(0); })}},
+      {{"/object/b ll/" + verb, {}, "object"}}};
 }
 
 Cases load_cases() {
-  return {{{"/load",
-            {"bell", "a/b c.glb"},
-            claim<LoadObject>([](const LoadObject& s) { return s.name == "bell" && s.bank_path == "a/b c.glb"; })}},
+  return {{{"/load", {"bell", "a/b c.glb"}, claim<LoadObject>([](const LoadObject& s) {
+              return s.name == "bell" && s.bank_path == "a/b c.glb";
+            })}},
           {{"/load", {"12", "a.glb"}, "name"},
            {"/load", {12, "a.glb"}, "name"},
            {"/load", {"-", "a.glb"}, "name"},
@@ -162,23 +155,18 @@ Cases pause_cases() {
   const auto paused = [](bool value) {
     return claim<ScenePause>([value](const ScenePause& s) { return s.paused == value; });
   };
-  return {{{"/scene/pause", {}, paused(true)},
-           {"/scene/pause", {1.f}, paused(true)},
-           {"/scene/pause", {0}, paused(false)}},
-          {{"/scene/pause", {2}, "paused"}, {"/scene/pause", {"yes"}, "paused"}, {"/scene/pause", {0.5}, "paused"}}};
+  return {
+      {{"/scene/pause", {}, paused(true)}, {"/scene/pause", {1.f}, paused(true)}, {"/scene/pause", {0}, paused(false)}},
+      {{"/scene/pause", {2}, "paused"}, {"/scene/pause", {"yes"}, "paused"}, {"/scene/pause", {0.5}, "paused"}}};
 }
 
 Cases box_cases() {
   const std::string a = "/scene/spawn/box";
-  return {{{a,
-            {"bell", 1, 2, 3},
-            claim<SpawnBox>([](const SpawnBox& s) {
+  return {{{a, {"bell", 1, 2, 3}, claim<SpawnBox>([](const SpawnBox& s) {
               return s.object == named("bell") && s.position_m == Vec3{1, 2, 3} && s.size_m == Vec3{} &&
                      s.velocity_m_s == Vec3{} && s.density_kg_m3 == 0;
             })},
-           {a,
-            {"-", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10},
-            claim<SpawnBox>([](const SpawnBox& s) {
+           {a, {"-", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10}, claim<SpawnBox>([](const SpawnBox& s) {
               return !s.object && s.size_m == Vec3{4, 5, 6} && s.velocity_m_s == Vec3{7, 8, 9} && s.density_kg_m3 == 10;
             })},
            {a, {3.f, 0, 0, 0}, claim<SpawnBox>([](const SpawnBox& s) { return s.object == numbered(3); })},
@@ -202,11 +190,9 @@ Cases box_cases() {
 Cases sphere_cases() {
   const std::string a = "/scene/spawn/sphere";
   return {{{a, {"bell", 0, 0, 1}, claim<SpawnSphere>([](const SpawnSphere& s) { return s.radius_m == 0; })},
-           {a,
-            {"-", 1, 2, 3, 4, 5, 6, 7, 8},
-            claim<SpawnSphere>([](const SpawnSphere& s) {
-              return !s.object && s.position_m == Vec3{1, 2, 3} && s.radius_m == 4 &&
-                     s.velocity_m_s == Vec3{5, 6, 7} && s.density_kg_m3 == 8;
+           {a, {"-", 1, 2, 3, 4, 5, 6, 7, 8}, claim<SpawnSphere>([](const SpawnSphere& s) {
+              return !s.object && s.position_m == Vec3{1, 2, 3} && s.radius_m == 4 && s.velocity_m_s == Vec3{5, 6, 7} &&
+                     s.density_kg_m3 == 8;
             })}},
           {{a, {}, "object"},
            {a, {"-", kNan, 0, 0}, "x"},
@@ -343,7 +329,8 @@ TEST(Schema, AnUnknownAddressSuggestsTheNearestOne) {
   EXPECT_NE(sentence("/scene/spwan/box").find("/scene/spawn/box"), std::string::npos);
   EXPECT_NE(sentence("/stauts").find("/status"), std::string::npos);
   EXPECT_NE(sentence("/stauts").find("'/stauts'"), std::string::npos);
-  for (const char* odd : {"", "/", "//", "/object", "/object/", "/object/bell", "/object/bell/", "strike", "/status/"}) {
+  for (const char* odd :
+       {"", "/", "//", "/object", "/object/", "/object/bell", "/object/bell/", "strike", "/status/"}) {
     EXPECT_FALSE(parse({odd, {}})) << odd;
   }
   EXPECT_FALSE(parse({"/" + std::string(100000, 'a'), {}}));

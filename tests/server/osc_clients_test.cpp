@@ -144,7 +144,8 @@ TEST(OscClients, EveryExampleOfTheManualWorksWithOscsend) {
 TEST(OscClients, PythonStrikesNowAndInTimedBundles) {
   if (!is_installed("python3")) GTEST_SKIP() << "python3 is not installed";
   FakeDaemon daemon;
-  const Outcome outcome = run("python3 " RINGDOWN_SOURCE_DIR "/clients/python/strike.py bell --roll 3 --port " + daemon.port());
+  const Outcome outcome =
+      run("python3 " RINGDOWN_SOURCE_DIR "/clients/python/strike.py bell --roll 3 --port " + daemon.port());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   const auto received = daemon.received(4);
   ASSERT_EQ(received.size(), 4u);
@@ -167,9 +168,10 @@ TEST(OscClients, PythonSaysWhatTheDaemonRefused) {
 TEST(OscClients, PureDataStrikes) {
   if (!is_installed("pd")) GTEST_SKIP() << "pd (puredata-core) is not installed";
   FakeDaemon daemon;
-  const Outcome outcome =
-      run("timeout 30 pd -nogui -noaudio -nomidi -stderr -open " RINGDOWN_SOURCE_DIR "/clients/puredata/strike.pd"
-          " -send 'ringdown-port " + daemon.port() + "; strike bang; pd quit'");
+  const Outcome outcome = run("timeout 30 pd -nogui -noaudio -nomidi -stderr -open " RINGDOWN_SOURCE_DIR
+                              "/clients/puredata/strike.pd"
+                              " -send 'ringdown-port " +
+                              daemon.port() + "; strike bang; pd quit'");
   const auto received = daemon.received(1);
   ASSERT_EQ(received.size(), 1u) << outcome.output;
   expect_example_blow(received[0]);

@@ -84,7 +84,7 @@ TEST(OscCodec, NestedBundlesOfLibloItselfKeepTheirOrder) {
 
 TEST(OscCodec, APacketCutAnywhereIsRefused) {
   const std::string whole = osc_bundle(1, {all_types_by_hand(), all_types_by_hand()});
-  const std::size_t after_head = 16;                                        // a bundle of no messages is a packet
+  const std::size_t after_head = 16;                                            // a bundle of no messages is a packet
   const std::size_t after_first = after_head + 4 + all_types_by_hand().size();  // and so is one with the first only
   for (std::size_t length = 0; length < whole.size(); ++length) {
     const auto messages = decode_packet(to_bytes(whole.substr(0, length)));
@@ -118,7 +118,7 @@ TEST(OscCodec, DamagedPacketsAreRefusedOrUnderstood) {
 }
 
 TEST(OscCodec, TimeTagsCountFrom1900) {
-  EXPECT_EQ(time_tag(0), TimeTag{2208988800} << 32);                         // RFC 868
+  EXPECT_EQ(time_tag(0), TimeTag{2208988800} << 32);  // RFC 868
   EXPECT_EQ(time_tag(0.5), (TimeTag{2208988800} << 32) + 0x80000000);
   EXPECT_NEAR(unix_seconds(time_tag(1795228800.123456)), 1795228800.123456, 1e-6);
 }

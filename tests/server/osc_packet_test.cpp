@@ -75,7 +75,8 @@ TEST(OscPacket, EveryLimitHoldsAtTheLimitAndRefusesPastIt) {
 
 TEST(OscPacket, ForeignTypesAreRefusedByName) {
   for (const char type : std::string("bTFNItcrmSI[]")) {
-    const std::string sentence = refusal(osc_string("/a") + osc_string(std::string(",i") + type) + osc_int(1) + osc_int(0));
+    const std::string sentence =
+        refusal(osc_string("/a") + osc_string(std::string(",i") + type) + osc_int(1) + osc_int(0));
     EXPECT_NE(sentence.find("/a argument 2"), std::string::npos) << type << ": " << sentence;
     EXPECT_NE(sentence.find(std::string("'") + type + "'"), std::string::npos) << sentence;
   }

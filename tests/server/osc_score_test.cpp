@@ -28,8 +28,7 @@ std::string order(const std::string& score) {
 
 TEST(OscScore, AFileByHandIsReadInTheOrderOfItsTimes) {
   const std::string score = framed(osc_bundle(kSecond * 2, {message("/c"), message("/d")})) +
-                            framed(osc_bundle(0, {message("/a")})) +
-                            framed(osc_bundle(kSecond / 2, {message("/b")})) +
+                            framed(osc_bundle(0, {message("/a")})) + framed(osc_bundle(kSecond / 2, {message("/b")})) +
                             framed(osc_bundle(kSecond * 2, {message("/e")}));
   const auto events = parse_score(to_bytes(score), "a.osc");
   ASSERT_TRUE(events) << events.error().message;
@@ -44,7 +43,8 @@ TEST(OscScore, ImmediatelyIsTheStart) {
 }
 
 TEST(OscScore, WhatIsWrittenIsReadBack) {
-  const std::vector<ScoreEvent> events = {{0, {"/a", {1}}}, {0, {"/b", {0.5f, "x"}}}, {1.25, {"/c", {}}}, {86400, {"/d", {}}}};
+  const std::vector<ScoreEvent> events = {
+      {0, {"/a", {1}}}, {0, {"/b", {0.5f, "x"}}}, {1.25, {"/c", {}}}, {86400, {"/d", {}}}};
   const auto folder = std::filesystem::temp_directory_path();
   const auto path = folder / ("ringdown-score-" + std::to_string(::getpid()) + ".osc");
   ASSERT_TRUE(write_score(events, path));
@@ -81,7 +81,8 @@ TEST(OscScore, BrokenScoresAreRefusedWithFileAndBundle) {
   };
   for (const auto& [what, score] : broken) {
     const std::string sentence = order(score);
-    EXPECT_TRUE(sentence.starts_with("a.osc: bundle 2 at byte " + std::to_string(good.size()))) << what << ": " << sentence;
+    EXPECT_TRUE(sentence.starts_with("a.osc: bundle 2 at byte " + std::to_string(good.size())))
+        << what << ": " << sentence;
   }
 }
 
