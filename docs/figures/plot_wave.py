@@ -52,9 +52,11 @@ def main():
     wave.set_ylabel("amplitude")
     wave.legend(loc="upper right")
     mono = samples.mean(axis=1)
-    _, _, _, image = spectrum.specgram(
-        mono + 1e-12, NFFT=2048, Fs=rate, noverlap=1536, cmap="magma", vmin=-150, vmax=-40
-    )
+    with np.errstate(divide="ignore"):  # digital silence is black
+        _, _, _, image = spectrum.specgram(
+            mono, NFFT=2048, Fs=rate, noverlap=1536, cmap="magma", vmin=-150, vmax=-40
+        )
+    spectrum.set_facecolor("black")
     spectrum.set_ylim(50, min(20000, rate / 2))
     spectrum.set_yscale("log")
     spectrum.set_yticks([100, 200, 500, 1000, 2000, 5000, 10000, 20000])
