@@ -14,6 +14,8 @@ using protocol::EventType;
 using protocol::Frame;
 
 constexpr double kShortestRamp_s = 0.005;  // a step in gain or pan would click
+constexpr double kLongestRamp_s = 3600;
+constexpr double kLargestValue = 1e6;  // of a gain or pan: what is beyond, or no number, would spoil the whole mix
 
 template <class T>
 void count(std::atomic<T>& counter) RINGDOWN_REALTIME {
@@ -115,14 +117,13 @@ void Mixer::accept_orders() RINGDOWN_REALTIME {
 
 void Mixer::carry_out(const Order& order) RINGDOWN_REALTIME {
   Object& object = objects_.data()[order.object];
+  if (order.kind == Order::Kind::remove) fade_out(object);
   Voice* old = std::exchange(object.current, order.voice);
   activate(object);  // the next chunk finds out what rings, and retires what does not
   if (!old) return;
   if (order.kind == Order::Kind::retune) {
     order.voice->take_over(*old);
     old->silence();
-  } else if (order.kind == Order::Kind::remove) {
-    old->fade_out();
   }
   keep_as_tail(object, old);
 }
@@ -154,6 +155,7 @@ void Mixer::take_due_events(std::size_t frames) RINGDOWN_REALTIME {
     const Event& event = heap[0].event;
     Object& object = objects_.data()[event.object];
     due[place] = {event, static_cast<std::size_t>(std::max<Frame>(event.frame - now_, 0)), -1};
+    due[place].event.frame = std::max(event.frame, now_);  // it may have been left over from the chunk before
     (object.first_due < 0 ? object.first_due : due[object.last_due].next) = place;
     object.last_due = place;
     activate(object);
@@ -219,7 +221,13 @@ void Mixer::render_segment(Object& object, std::size_t begin, std::size_t end) R
 }
 
 void Mixer::apply(Object& object, const Event& event) RINGDOWN_REALTIME {
-  const auto ramp = static_cast<Frame>(std::max(event.ramp_s, kShortestRamp_s) * sample_rate_hz_);
+  if (!is_strike(event.type) && !(std::abs(event.value) <= kLargestValue)) {
+    count(counters_.refused);
+    return;
+  }
+  // Written so that a ramp that is no number becomes the shortest.
+  const double ramp_s = std::min(event.ramp_s > kShortestRamp_s ? event.ramp_s : kShortestRamp_s, kLongestRamp_s);
+  const auto ramp = static_cast<Frame>(ramp_s * sample_rate_hz_);
   if (is_strike(event.type)) {
     const bool struck = object.current && object.current->strike(event);
     count(struck ? counters_.strikes : counters_.refused);
@@ -230,9 +238,14 @@ void Mixer::apply(Object& object, const Event& event) RINGDOWN_REALTIME {
     object.left.aim(std::cos(angle), event.frame, ramp);
     object.right.aim(std::sin(angle), event.frame, ramp);
   } else if (event.type == EventType::clear) {
-    if (object.current) object.current->fade_out();
-    for (Voice* voice = object.tails; voice; voice = voice->next) voice->fade_out();
+    fade_out(object);
   }
+}
+
+// The current voice and the tails of earlier banks alike.
+void Mixer::fade_out(Object& object) RINGDOWN_REALTIME {
+  if (object.current) object.current->fade_out();
+  for (Voice* voice = object.tails; voice; voice = voice->next) voice->fade_out();
 }
 
 void Mixer::activate(Object& object) RINGDOWN_REALTIME {

@@ -39,8 +39,8 @@ struct MixerCounters {
   std::atomic<std::int64_t> frames{0};           // rendered so far; also the time of the next block's first frame
   std::atomic<std::uint64_t> strikes{0};         // played
   std::atomic<std::uint64_t> late{0};            // events that came after their frame
-  std::atomic<std::uint64_t> refused{0};         // events for an object or vertex that does not exist (any more)
-  std::atomic<std::uint64_t> not_finite{0};      // voices silenced because a state was no longer a finite number
+  std::atomic<std::uint64_t> refused{0};         // strikes on what does not exist (any more), gains and pans that are no numbers
+  std::atomic<std::uint64_t> not_finite{0};      // voices silenced because a state was no longer a sensible number
   std::atomic<std::uint32_t> ringing_voices{0};  // in the last block
   std::atomic<std::uint32_t> ringing_modes{0};   // in the last block
   std::atomic<float> peak{0};                    // largest |sample| of the last block
@@ -129,6 +129,7 @@ class Mixer {
   [[nodiscard]] bool render_object(Object& object, std::size_t frames) RINGDOWN_REALTIME;
   void render_segment(Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME;
   void apply(Object& object, const protocol::Event& event) RINGDOWN_REALTIME;
+  void fade_out(Object& object) RINGDOWN_REALTIME;
   void activate(Object& object) RINGDOWN_REALTIME;
   void keep_as_tail(Object& object, Voice* voice) RINGDOWN_REALTIME;
   void retire_silent_tails(Object& object) RINGDOWN_REALTIME;

@@ -44,7 +44,7 @@ HWY_INLINE Complex power(Complex base, std::size_t exponent) {
 // of the recurrence.
 template <std::size_t kVectors>
 HWY_INLINE void render_group(const ModeArrays& modes, std::size_t first, double* HWY_RESTRICT sums,
-                             std::size_t frames, Vec& largest) {
+                             std::size_t frames, Vec& energy) {
   const Tag tag;
   const std::size_t lanes = hn::Lanes(tag);
   // Plain arrays of vectors need a fixed vector size, which all targets but SVE and RVV have.
@@ -65,7 +65,7 @@ HWY_INLINE void render_group(const ModeArrays& modes, std::size_t first, double*
     const Complex next = multiply(z, advance);
     hn::Store(next.re, tag, modes.z_re + at);
     hn::Store(next.im, tag, modes.z_im + at);
-    largest = hn::Max(largest, hn::MulAdd(next.re, next.re, hn::Mul(next.im, next.im)));
+    energy = hn::Add(energy, hn::MulAdd(next.re, next.re, hn::Mul(next.im, next.im)));
   }
   for (std::size_t n = 0; n < frames; ++n) {
     Vec sum = hn::Load(tag, sums + n * lanes);
@@ -87,17 +87,17 @@ double render_modes_here(const ModeArrays& modes, double* HWY_RESTRICT out, std:
   HWY_ALIGN double sums[kChunkFrames * kModePadding];
   for (std::size_t i = 0; i < frames * lanes; i += lanes) hn::Store(hn::Zero(tag), tag, sums + i);
 
-  Vec largest = hn::Zero(tag);
+  Vec energy = hn::Zero(tag);
   std::size_t mode = 0;
   for (; mode + kGroup * lanes <= modes.count; mode += kGroup * lanes) {
-    render_group<kGroup>(modes, mode, sums, frames, largest);
+    render_group<kGroup>(modes, mode, sums, frames, energy);
   }
-  for (; mode < modes.count; mode += lanes) render_group<1>(modes, mode, sums, frames, largest);
+  for (; mode < modes.count; mode += lanes) render_group<1>(modes, mode, sums, frames, energy);
 
   for (std::size_t n = 0; n < frames; ++n) {
     out[n] += hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums + n * lanes)));
   }
-  return hn::GetLane(hn::MaxOfLanes(tag, largest));
+  return hn::GetLane(hn::SumOfLanes(tag, energy));
 }
 
 const char* target_here() { return hwy::TargetName(HWY_TARGET); }

@@ -31,8 +31,9 @@ struct ModeArrays {
   std::size_t count = 0;
 };
 
-// Adds the modes' sum to out[0, frames) and moves their states on by `frames` <= kChunkFrames. Returns the largest
-// |z|^2 among the states it left behind; not finite when any state is not. [audio]
+// Adds the modes' sum to out[0, frames) and moves their states on by `frames` <= kChunkFrames. Returns the sum of
+// |z|^2 over the states it left behind. A sum, because it stays not finite when any state is not; the largest would
+// not: a vector maximum forgets a NaN that meets a number. [audio]
 double render_modes(const ModeArrays& modes, double* out, std::size_t frames) RINGDOWN_REALTIME;
 
 // The instruction set in use: "AVX3", "AVX2", "NEON", ... [any]

@@ -13,6 +13,15 @@ namespace {
 // A voice stops when even the sum of all its modes in phase is below this: -120 dB of full scale.
 constexpr double kFloor = 1e-6;
 
+// The sum of |z|^2 above which something is wrong: 240 dB over full scale. Also catches what is not a number.
+constexpr double kAbsurdEnergy = 1e24;
+
+bool is_sane(double energy) RINGDOWN_REALTIME { return energy < kAbsurdEnergy; }
+
+void add_samples(const double* from, double* out, std::size_t frames) RINGDOWN_REALTIME {
+  for (std::size_t n = 0; n < frames; ++n) out[n] += from[n];
+}
+
 }  // namespace
 
 Voice::Voice(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz)
@@ -95,24 +104,29 @@ void Voice::fade_out() RINGDOWN_REALTIME {
 }
 
 bool Voice::render(double* out, std::size_t frames) RINGDOWN_REALTIME {
-  if (fade_left_ > 0) render_fade(out, frames);
-  if (!ringing_) return true;
-  const double largest = render_modes(modes(z_re, z_im), out, frames);
-  if (!std::isfinite(largest)) {
+  // Rendered aside first: what is not a number must not reach a mix that other voices share.
+  double sum[kChunkFrames] = {};
+  const double fade_energy = fade_left_ > 0 ? render_fade(sum, frames) : 0.0;
+  const double energy = ringing_ ? render_modes(modes(z_re, z_im), sum, frames) : 0.0;
+  if (!is_sane(fade_energy) || !is_sane(energy)) {
     silence();
     return false;
   }
-  ringing_ = std::sqrt(largest) * static_cast<double>(playable_modes()) > kFloor;
+  add_samples(sum, out, frames);
+  // |sum of z| <= sqrt(modes * sum of |z|^2), by Cauchy and Schwarz.
+  ringing_ = std::sqrt(energy * static_cast<double>(playable_modes())) > kFloor;
   return true;
 }
 
-void Voice::render_fade(double* out, std::size_t frames) RINGDOWN_REALTIME {
+// Returns the energy of what fades, as render_modes() does.
+double Voice::render_fade(double* out, std::size_t frames) RINGDOWN_REALTIME {
   double sum[kChunkFrames] = {};
-  render_modes(modes(fade_re, fade_im), sum, frames);
+  const double energy = render_modes(modes(fade_re, fade_im), sum, frames);
   for (std::size_t n = 0; n < frames && fade_left_ > 0; ++n, --fade_left_) {
     out[n] += sum[n] * static_cast<double>(fade_left_) / kFadeFrames;
   }
   if (fade_left_ == 0) std::fill_n(row(fade_re), 2 * padded_, 0.0);
+  return energy;
 }
 
 void Voice::silence() RINGDOWN_REALTIME {

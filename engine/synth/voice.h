@@ -41,8 +41,8 @@ class Voice {
   // Ends everything at once, with the click that this makes if it rings. [audio]
   void silence() RINGDOWN_REALTIME;
 
-  // Adds `frames` <= kChunkFrames samples to `out` and moves on. A state that is no longer finite silences the voice
-  // and is reported by `false`. [audio]
+  // Adds `frames` <= kChunkFrames samples to `out` and moves on. A state that is no longer a number, or absurdly loud,
+  // silences the voice: nothing is added, and `false` reports it. [audio]
   bool render(double* out, std::size_t frames) RINGDOWN_REALTIME;
 
   // False once everything has died away below the floor; rendering would then add nothing. [audio]
@@ -60,7 +60,7 @@ class Voice {
   enum Row { z_re, z_im, fade_re, fade_im, pole_re, pole_im, chunk_re, chunk_im, kRows };
   [[nodiscard]] double* row(Row which) const RINGDOWN_REALTIME { return states_.get() + which * padded_; }
   [[nodiscard]] ModeArrays modes(Row re, Row im) const RINGDOWN_REALTIME;
-  void render_fade(double* out, std::size_t frames) RINGDOWN_REALTIME;
+  double render_fade(double* out, std::size_t frames) RINGDOWN_REALTIME;
 
   std::shared_ptr<const modal::StrikeMap> map_;
   std::vector<std::uint32_t> mode_of_;          // playable mode i is mode mode_of_[i] of the bank
