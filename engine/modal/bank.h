@@ -62,6 +62,7 @@ struct Bank {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::optional<Material> material;
   std::optional<MassProperties> mass;
+  double gain = 1;  // linear, on all that it sounds: how loud its maker wants it beside others
   Provenance provenance;
 
   [[nodiscard]] std::size_t mode_count() const { return frequency_hz.size(); }

@@ -96,17 +96,18 @@ Provenance read_provenance(const Field& extras, std::string generator) {
           .largest_residual = number("largestResidual")};
 }
 
-// The model a node plays, and that node's uniform scale.
+// The model a node plays, and that node's uniform scale and gain.
 struct Instance {
   std::size_t model = 0;
-  double scale = 1;
+  double scale = 1, gain = 1;
   std::string name;
 };
 
 Result<Instance> find_instance(const Glb& glb) {
   const Field nodes = glb.root()["nodes"];
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const Field reference = nodes[i]["extensions"][kExtension]["modalModel"];
+    const Field extension = nodes[i]["extensions"][kExtension];
+    const Field reference = extension["modalModel"];
     if (!reference.present()) continue;
     const auto model = reference.index();
     if (!model) return fail(model.error());
@@ -115,7 +116,9 @@ Result<Instance> find_instance(const Glb& glb) {
     if (!(scale[0] > 0) || scale[1] != scale[0] || scale[2] != scale[0]) {
       return nodes[i]["scale"].wrong("three equal numbers above 0: an uneven scale needs a new bake");
     }
-    return Instance{*model, scale[0], nodes[i]["name"].text_or("")};
+    Instance instance{.model = *model, .scale = scale[0], .name = nodes[i]["name"].text_or("")};
+    if (const auto read = read_number(extension["gain"], instance.gain, 0, INFINITY); !read) return fail(read.error());
+    return instance;
   }
   return Instance{};
 }
@@ -222,7 +225,7 @@ Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& nam
   const Field model = extension["modalModels"][instance->model];
   if (!model.present()) return fail(name + ": a node plays modal model " + std::to_string(instance->model) +
                                     ", which the file does not have");
-  Bank bank{.name = model["name"].text_or(instance->name)};
+  Bank bank{.name = model["name"].text_or(instance->name), .gain = instance->gain};
   if (const auto read = read_modes(*glb, model, bank); !read) return fail(read.error());
   if (const auto read = read_triangles(*glb, model["indices"], bank); !read) return fail(read.error());
   auto material = read_material(extension["acousticMaterials"], model["material"]);
@@ -267,7 +270,8 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path) {
   if (bank.mass) model["massProperties"] = mass_json(*bank.mass);
   extension["modalModels"].push_back(std::move(model));
 
-  const Json node = {{"name", bank.name}, {"mesh", 0}, {"extensions", {{kExtension, {{"modalModel", 0}}}}}};
+  const Json node = {
+      {"name", bank.name}, {"mesh", 0}, {"extensions", {{kExtension, {{"modalModel", 0}, {"gain", bank.gain}}}}}};
   Json document = {{"asset", {{"version", "2.0"}, {"generator", bank.provenance.generator}}},
                    {"extensionsUsed", Json::array({kExtension})},
                    {"extensions", {{kExtension, std::move(extension)}}},

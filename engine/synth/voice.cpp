@@ -34,7 +34,7 @@ Voice::Voice(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialS
     place_of_[m] = static_cast<std::int32_t>(mode_of_.size());
     mode_of_.push_back(static_cast<std::uint32_t>(m));
     frequency_hz_.push_back(mode.frequency_hz);
-    weight_.push_back(kOutputScale * omega * modal::shape_factor(material));
+    weight_.push_back(kOutputScale * bank().gain * omega * modal::shape_factor(material));
     poles.push_back(std::complex<double>(-mode.decay_per_s, omega) / sample_rate_hz);  // exponents, for now
   }
   padded_ = (mode_of_.size() + kModePadding - 1) / kModePadding * kModePadding;

@@ -65,7 +65,7 @@ class Voice {
   std::shared_ptr<const modal::StrikeMap> map_;
   std::vector<std::uint32_t> mode_of_;          // playable mode i is mode mode_of_[i] of the bank
   std::vector<std::int32_t> place_of_;          // and back; -1 where the bank's mode is not playable
-  std::vector<double> weight_;                  // output per modal velocity: kOutputScale omega / sqrt(density scale)
+  std::vector<double> weight_;                  // output per modal velocity: G_n, the bank's gain, the density scale
   std::vector<double> frequency_hz_;
   std::vector<double> excitation_;              // scratch of a strike, one per mode of the bank
   std::size_t padded_ = 0;                      // playable modes, rounded up to kModePadding
