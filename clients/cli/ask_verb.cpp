@@ -23,6 +23,7 @@ void print(const protocol::Reply& reply) {
   const protocol::Message message = protocol::format(reply);
   for (std::size_t i = 0; i < message.arguments.size(); ++i) {
     const protocol::ArgumentSpec& argument = spec.arguments[i];
+    if (argument.name == "address") continue;  // the user has just typed it
     std::printf("%-17.*s %s%s%.*s\n", static_cast<int>(argument.name.size()), argument.name.data(),
                 text_of(message.arguments[i]).c_str(), argument.unit.empty() ? "" : " ",
                 static_cast<int>(argument.unit.size()), argument.unit.data());

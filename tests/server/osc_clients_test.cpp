@@ -1,5 +1,6 @@
 // The senders in clients/, oscsend and the `ringdown` program against a daemon of the test's own: a socket that answers
 // /sync and keeps what arrives. What is sent must arrive, and parse.
+#include "clients/cli/pitch.h"
 #include "protocol/help.h"
 #include "protocol/schema.h"
 #include "server/osc_codec.h"
@@ -12,11 +13,13 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <sstream>
 #include <sys/wait.h>
 #include <thread>
+#include <unistd.h>
 
 namespace ringdown::server {
 namespace {
@@ -275,11 +278,92 @@ TEST(RingdownSend, PrintsTheAnswer) {
   EXPECT_NE(outcome.output.find("9.8"), std::string::npos) << outcome.output;
 }
 
+TEST(RingdownSend, PrintsTheNumberButNotTheAddressThatWasAsked) {
+  FakeDaemon daemon([](const Message& message) { return protocol::Done{message.address, 42}; });
+  const Outcome outcome = run(kRingdown + " send /load bell a.glb --to " + daemon.url());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("42"), std::string::npos) << outcome.output;
+  EXPECT_EQ(outcome.output.find("/load"), std::string::npos) << outcome.output;
+}
+
+TEST(RingdownSend, WaitsForItsOwnAnswerAndNotForAnothers) {
+  FakeDaemon daemon([](const Message&) { return protocol::Done{"/scene/clear", 1}; });
+  const Outcome outcome = run(kRingdown + " send /load bell a.glb --timeout 0.2 --to " + daemon.url());
+  EXPECT_EQ(outcome.exit_code, 6) << outcome.output;
+}
+
 TEST(RingdownProtocol, MarkdownIsTheCommittedManual) {
   std::ifstream file(RINGDOWN_SOURCE_DIR "/docs/protocol.md");
   std::ostringstream text;
   text << file.rdbuf();
   EXPECT_EQ(run(kRingdown + " protocol --markdown").output, text.str());
+}
+
+// A folder with a copy of the program, and perhaps something else for its sibling.
+class BakeFolder : public ::testing::Test {
+ protected:
+  BakeFolder() { std::filesystem::copy_file(kRingdown, folder_ / "ringdown"); }
+  ~BakeFolder() override { std::filesystem::remove_all(folder_); }
+
+  static std::filesystem::path make_folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "ringdown-bake-XXXXXX").string();
+    return ::mkdtemp(name.data());
+  }
+  [[nodiscard]] Outcome bake(const std::string& arguments) const {
+    return run((folder_ / "ringdown").string() + " bake " + arguments);
+  }
+
+  std::filesystem::path folder_ = make_folder();
+};
+
+TEST_F(BakeFolder, EveryArgumentReachesTheSiblingUnchanged) {
+  const std::filesystem::path sibling = folder_ / "ringdown-bake";
+  std::ofstream(sibling) << "#!/bin/sh\nprintf '<%s>' \"$@\"\nexit 7\n";
+  std::filesystem::permissions(sibling, std::filesystem::perms::owner_all);
+  const Outcome outcome = bake("'a b.toml' -o x.glb --help --modes=3 -- -y ''");
+  EXPECT_EQ(outcome.output, "<a b.toml><-o><x.glb><--help><--modes=3><--><-y><>");
+  EXPECT_EQ(outcome.exit_code, 7);
+  EXPECT_EQ(bake("--help").output, "<--help>");
+}
+
+TEST_F(BakeFolder, WithoutTheSiblingOneSentenceSaysSo) {
+  const Outcome outcome = bake("a.toml");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.output.find((folder_ / "ringdown-bake").string()), std::string::npos) << outcome.output;
+}
+
+TEST(NoteName, FollowsEqualTemperament) {
+  EXPECT_EQ(cli::note_name(440), "A4 +0 ct");
+  EXPECT_EQ(cli::note_name(261.6256), "C4 +0 ct");  // middle C
+  EXPECT_EQ(cli::note_name(246.9417), "B3 +0 ct");  // the octave's number changes at C
+  EXPECT_EQ(cli::note_name(27.5), "A0 +0 ct");      // the piano's lowest
+  EXPECT_EQ(cli::note_name(20), "D#0 +49 ct");      // 19.445 Hz, and 1200 log2(20 / 19.445) = 48.7
+  EXPECT_EQ(cli::note_name(450), "A4 +39 ct");      // 1200 log2(45 / 44) = 38.9
+  EXPECT_EQ(cli::note_name(0), "");
+}
+
+TEST(RingdownInfo, ListsEveryModeOfABank) {
+  const std::string bank = RINGDOWN_SOURCE_DIR "/presets/banks/bronze-bell.glb";
+  const Outcome outcome = run(kRingdown + " info " + bank);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  std::istringstream lines(outcome.output);
+  std::string line;
+  std::getline(lines, line);
+  const std::size_t modes = std::stoul(line.substr(line.find(": ") + 2));
+  while (std::getline(lines, line) && line.find("frequency Hz") == line.npos) {
+  }
+  std::size_t rows = 0;
+  for (; std::getline(lines, line); ++rows) {
+    std::istringstream row(line);
+    std::size_t number = 0;
+    double frequency = 0, t60 = 0, decay = 0;
+    row >> number >> frequency >> t60 >> decay;
+    EXPECT_EQ(number, rows);
+    EXPECT_NEAR(t60 * decay, std::log(1000.0), 0.01) << line;
+    EXPECT_TRUE(frequency >= 20 && frequency <= 20000) << line;
+  }
+  EXPECT_GT(modes, 0u);
+  EXPECT_EQ(rows, modes);
 }
 
 TEST(RingdownInfo, AMissingBankIsABadInput) {
