@@ -15,19 +15,19 @@ namespace ringdown::bake {
 namespace {
 
 class Stopwatch {
-public:
+ public:
   // Seconds since the last call, or since construction.
   double lap() {
     const auto now = std::chrono::steady_clock::now();
     return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
   }
 
-private:
+ private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
 struct HeardMode {
-  Eigen::Index number; // in Eigenmodes
+  Eigen::Index number;  // in Eigenmodes
   modal::DampedMode mode;
   double importance;
 };
@@ -80,19 +80,18 @@ void add_mode(modal::Bank& bank, const HeardMode& heard, const Eigen::Ref<const 
 
 std::string element_text(fem::Element element) {
   switch (element) {
-  case fem::Element::kTet10:
-    return "tet10 consistent";
-  case fem::Element::kTet4:
-    return "tet4 consistent";
-  case fem::Element::kTet4Lumped:
-    return "tet4 lumped";
+    case fem::Element::kTet10:
+      return "tet10 consistent";
+    case fem::Element::kTet4:
+      return "tet4 consistent";
+    case fem::Element::kTet4Lumped:
+      return "tet4 lumped";
   }
   return "";
 }
 
 Result<void> check_options(const BakeOptions& options) {
-  if (!(options.band_low_hz >= 0 && options.band_high_hz > options.band_low_hz &&
-        options.band_high_hz < 1e9)) {
+  if (!(options.band_low_hz >= 0 && options.band_high_hz > options.band_low_hz && options.band_high_hz < 1e9)) {
     return fail("the band must go from a frequency >= 0 Hz to a higher one");
   }
   if (options.most_points < 4) return fail("a bank needs at least 4 surface points");
@@ -106,8 +105,7 @@ Result<void> check_rigid(const Eigenmodes& modes, int pieces) {
                             std::to_string(pieces) + (pieces == 1 ? " piece has " : " pieces has ") +
                             std::to_string(6 * pieces);
   return fail(modes.rigid > 6 * pieces
-                  ? "found " + found +
-                        ": parts of it hang together at an edge or a point only; join them by a face"
+                  ? "found " + found + ": parts of it hang together at an edge or a point only; join them by a face"
                   : "found " + found + ": the elements are too distorted to solve; mesh the object again");
 }
 
@@ -121,7 +119,7 @@ modal::Provenance provenance(const BakeOptions& options, const BakeReport& repor
           .largest_residual = modes.residuals.size() > 0 ? modes.residuals.maxCoeff() : 0.0};
 }
 
-} // namespace
+}  // namespace
 
 double highest_lambda_in_band(double band_high_hz, modal::RayleighDamping damping) {
   const double omega = modal::hz_to_rad_per_s(band_high_hz);
@@ -135,8 +133,8 @@ double highest_lambda_in_band(double band_high_hz, modal::RayleighDamping dampin
   return std::max(half * 4 / (beta * beta), 0.0);
 }
 
-Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& material,
-                   const BakeOptions& options, const std::string& name, const Progress& progress) {
+Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& material, const BakeOptions& options,
+                   const std::string& name, const Progress& progress) {
   if (auto good = check_options(options); !good) return fail(good.error());
   if (progress && !progress("assemble", 0)) return fail(std::string(kCancelled));
   Stopwatch watch;
@@ -154,15 +152,13 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
 
   const EigenRequest request{.highest_lambda = highest_lambda_in_band(options.band_high_hz, material.damping),
                              .most_modes = options.most_modes};
-  if (!(request.highest_lambda > 0))
-    return fail(material.name + " is damped so strongly that nothing of it rings");
+  if (!(request.highest_lambda > 0)) return fail(material.name + " is damped so strongly that nothing of it rings");
   const Result<Eigenmodes> modes = solve_modes(*system, request, progress);
   if (!modes) return fail(modes.error());
   report.rigid = modes->rigid;
   report.factor_seconds = modes->factor_seconds;
   report.iterate_seconds = modes->iterate_seconds;
-  if (auto rigid = check_rigid(*modes, checked.pieces); !rigid)
-    return fail(name + ": " + rigid.error().message);
+  if (auto rigid = check_rigid(*modes, checked.pieces); !rigid) return fail(name + ": " + rigid.error().message);
 
   watch.lap();
   if (progress && !progress("finish", 0)) return fail(std::string(kCancelled));
@@ -191,4 +187,4 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   return baked;
 }
 
-} // namespace ringdown::bake
+}  // namespace ringdown::bake

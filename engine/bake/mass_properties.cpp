@@ -19,7 +19,7 @@ Eigen::Matrix3d principal_frame(const Eigen::Matrix3d& axes) {
   return frame;
 }
 
-} // namespace
+}  // namespace
 
 modal::MassProperties mass_properties(const mesh::TetMesh& mesh, const fem::SparseMatrix& node_mass) {
   const Eigen::VectorXd weight = node_mass * Eigen::VectorXd::Ones(node_mass.cols());
@@ -37,4 +37,4 @@ modal::MassProperties mass_properties(const mesh::TetMesh& mesh, const fem::Spar
           .orientation = {turn.x(), turn.y(), turn.z(), turn.w()}};
 }
 
-} // namespace ringdown::bake
+}  // namespace ringdown::bake

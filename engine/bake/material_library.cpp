@@ -19,7 +19,7 @@ double sourced_number(TomlTable& file, const std::string& key, MaterialEntry& en
   return value;
 }
 
-} // namespace
+}  // namespace
 
 Result<MaterialEntry> read_material(const std::filesystem::path& path) {
   Result<TomlTable> file = TomlTable::read(path);
@@ -37,16 +37,14 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path) {
   if (material.damping.alpha_per_s < 0) file->refuse("alpha_per_s", "must not be negative");
   if (material.damping.beta_s < 0) file->refuse("beta_s", "must not be negative");
   if (auto good = file->finish(); !good) return fail(good.error());
-  const auto stable =
-      fem::check_elastic({material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3});
+  const auto stable = fem::check_elastic({material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3});
   if (!stable) return fail(path.string() + ": " + stable.error().message);
   return entry;
 }
 
 Result<MaterialEntry> find_material(const std::filesystem::path& folder, const std::string& name) {
   const std::vector<std::string> known = names_in(folder);
-  if (std::find(known.begin(), known.end(), name) != known.end())
-    return read_material(folder / (name + ".toml"));
+  if (std::find(known.begin(), known.end(), name) != known.end()) return read_material(folder / (name + ".toml"));
   if (known.empty())
     return fail("there are no materials in " + folder.string() + "; name their folder with --materials");
   std::string list;
@@ -64,4 +62,4 @@ std::vector<std::string> names_in(const std::filesystem::path& folder) {
   return names;
 }
 
-} // namespace ringdown::bake
+}  // namespace ringdown::bake

@@ -38,7 +38,7 @@ void read_options(TomlTable& file, BakeOptions& options) {
   options.band_high_hz = band[1];
 }
 
-} // namespace
+}  // namespace
 
 Result<ObjectRecipe> read_object(const std::filesystem::path& path) {
   Result<TomlTable> file = TomlTable::read(path);
@@ -72,4 +72,4 @@ Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesyste
   return BakedObject{std::move(*baked), std::move(*mesh), seconds};
 }
 
-} // namespace ringdown::bake
+}  // namespace ringdown::bake

@@ -19,4 +19,4 @@ Result<std::filesystem::path> preset_folder() {
               " nor in " RINGDOWN_SOURCE_PRESETS "; set RINGDOWN_PRESETS to their folder");
 }
 
-} // namespace ringdown::bake
+}  // namespace ringdown::bake

@@ -10,13 +10,11 @@
 namespace ringdown::bake {
 namespace {
 
-constexpr std::size_t kLargestFile = 1 << 20; // bytes
+constexpr std::size_t kLargestFile = 1 << 20;  // bytes
 
-std::string line_of(const toml::node& node) {
-  return ", line " + std::to_string(node.source().begin.line);
-}
+std::string line_of(const toml::node& node) { return ", line " + std::to_string(node.source().begin.line); }
 
-} // namespace
+}  // namespace
 
 struct TomlTable::Document {
   std::string path;
@@ -113,9 +111,7 @@ double TomlTable::number(const std::string& key) {
   return node->value<double>().value_or(0);
 }
 
-double TomlTable::number(const std::string& key, double otherwise) {
-  return has(key) ? number(key) : otherwise;
-}
+double TomlTable::number(const std::string& key, double otherwise) { return has(key) ? number(key) : otherwise; }
 
 std::vector<double> TomlTable::numbers(const std::string& key) {
   const toml::node* node = document_->find(place_, key);
@@ -138,8 +134,7 @@ std::map<std::string, double> TomlTable::all_numbers(const std::string& key) {
   TomlTable inner = table(key);
   const toml::table* names = document_->table_at(inner.place_);
   if (!names) return values;
-  for (const auto& [name, node] : *names)
-    values[std::string(name.str())] = inner.number(std::string(name.str()));
+  for (const auto& [name, node] : *names) values[std::string(name.str())] = inner.number(std::string(name.str()));
   return values;
 }
 
@@ -163,10 +158,9 @@ Result<void> TomlTable::finish() const {
   if (document_->error) return fail(*document_->error);
   std::string name;
   if (const toml::node* node = document_->unread(document_->root, name)) {
-    return fail(document_->path + line_of(*node) + ": unknown key '" + name +
-                "'; remove it or correct its spelling");
+    return fail(document_->path + line_of(*node) + ": unknown key '" + name + "'; remove it or correct its spelling");
   }
   return {};
 }
 
-} // namespace ringdown::bake
+}  // namespace ringdown::bake

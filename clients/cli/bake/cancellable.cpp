@@ -9,16 +9,16 @@
 namespace ringdown::cli {
 namespace {
 
-constexpr timespec kPoll = {0, 50'000'000}; // 50 ms
-constexpr int kPatience = 20;               // polls after the signal
+using protocol::ExitCode;
 
-bool signal_arrived(const sigset_t& signals) {
-  return sigtimedwait(&signals, nullptr, &kPoll) > 0;
-}
+constexpr timespec kPoll = {0, 50'000'000};  // 50 ms
+constexpr int kPatience = 20;                // polls after the signal
 
-} // namespace
+bool signal_arrived(const sigset_t& signals) { return sigtimedwait(&signals, nullptr, &kPoll) > 0; }
 
-int run_cancellable(const std::function<int(std::stop_token)>& work) {
+}  // namespace
+
+protocol::ExitCode run_cancellable(const std::function<protocol::ExitCode(std::stop_token)>& work) {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
@@ -26,7 +26,7 @@ int run_cancellable(const std::function<int(std::stop_token)>& work) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
   std::atomic<bool> done = false;
-  int exit_code = 0;
+  ExitCode exit_code = ExitCode::ok;
   std::jthread worker([&](std::stop_token stop) {
     exit_code = work(stop);
     done = true;
@@ -40,11 +40,11 @@ int run_cancellable(const std::function<int(std::stop_token)>& work) {
     if (cancelled && !done && --patience == 0) {
       static constexpr char kMessage[] = "\ncancelled; nothing was written\n";
       [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
-      ::_exit(kExitCancelled);
+      ::_exit(static_cast<int>(ExitCode::cancelled));
     }
   }
   worker.join();
   return exit_code;
 }
 
-} // namespace ringdown::cli
+}  // namespace ringdown::cli

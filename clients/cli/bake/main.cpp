@@ -1,12 +1,13 @@
 // ringdown-bake: shapes and materials to banks. `ringdown bake ...` runs this program.
 //
-// Exit codes: 0 written; 1 could not be baked, one sentence on stderr says why; 2 wrong arguments; 130
-// cancelled.
+// Exit codes (protocol/exit_codes.h): ok; usage; bad_input when an object cannot be baked; failure when a bank cannot
+// be written; cancelled. One sentence on stderr says why. With --all the others are baked all the same.
 #include "clients/cli/bake/cancellable.h"
 #include "clients/cli/bake/progress_line.h"
 #include "engine/bake/object_file.h"
 #include "engine/bake/preset_folder.h"
 #include "engine/modal/bank_file.h"
+#include "protocol/exit_codes.h"
 
 #include <CLI/CLI.hpp>
 
@@ -18,7 +19,7 @@ namespace {
 using namespace ringdown;
 namespace fs = std::filesystem;
 
-constexpr int kExitFailed = 1, kExitUsage = 2;
+using protocol::ExitCode;
 
 // What the command line says; an option that is not given leaves the object file's or the default value.
 struct Arguments {
@@ -35,8 +36,7 @@ struct Arguments {
 void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& settings) {
   app.add_option("input", arguments.input,
                  "an object (.toml), a geometry (.geo .step .brep) or a mesh (.msh .vtk .inp ...)");
-  app.add_option("-o,--output", arguments.output, "the bank to write (.glb); with --all, the folder")
-      ->required();
+  app.add_option("-o,--output", arguments.output, "the bank to write (.glb); with --all, the folder")->required();
   app.add_option("--all", arguments.all, "bake every .toml of this folder instead of one input");
   app.add_option("-m,--material", arguments.material, "name of a material; an object file has one already");
   app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')");
@@ -51,24 +51,20 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_option("--points", arguments.points, "surface points in the bank (default 200)")
       ->check(CLI::Range(4, 1 << 20));
   app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")->expected(2);
-  app.add_option("--max-modes", arguments.max_modes,
-                 "keep the most important ones (default: all in the band)")
+  app.add_option("--max-modes", arguments.max_modes, "keep the most important ones (default: all in the band)")
       ->check(CLI::Range(1, 16384));
   app.add_flag("--progress", arguments.progress, "show progress even when stderr is not a terminal");
   app.add_flag("-q,--quiet", arguments.quiet, "print nothing but errors");
-  app.footer(
-      "Exit codes: 0 written, 1 could not be baked, 2 wrong arguments, 130 cancelled (nothing written).");
+  app.footer(std::string(protocol::kExitCodeHelp));
 }
 
-Result<void> read_settings(const std::vector<std::string>& settings,
-                           std::map<std::string, double>& parameters) {
+Result<void> read_settings(const std::vector<std::string>& settings, std::map<std::string, double>& parameters) {
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
     const std::string text = equals == std::string::npos ? "" : setting.substr(equals + 1);
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
-    if (equals == 0 || text.empty() || *end != '\0')
-      return fail("--set wants NAME=NUMBER, not '" + setting + "'");
+    if (equals == 0 || text.empty() || *end != '\0') return fail("--set wants NAME=NUMBER, not '" + setting + "'");
     parameters[setting.substr(0, equals)] = value;
   }
   return {};
@@ -105,23 +101,21 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   return recipe;
 }
 
-void print_summary(const bake::ObjectRecipe& recipe, const bake::BakedObject& object,
-                   const fs::path& output) {
+void print_summary(const bake::ObjectRecipe& recipe, const bake::BakedObject& object, const fs::path& output) {
   const auto& [bank, report] = object.baked;
   const auto [low, high] = std::minmax_element(bank.frequency_hz.begin(), bank.frequency_hz.end());
   std::error_code error;
-  std::printf("%s: %zu modes, %.0f to %.0f Hz, at %zu points -> %s (%.0f kB)\n", recipe.name.c_str(),
-              bank.mode_count(), *low, *high, bank.point_count(), output.c_str(),
+  std::printf("%s: %zu modes, %.0f to %.0f Hz, at %zu points -> %s (%.0f kB)\n", recipe.name.c_str(), bank.mode_count(),
+              *low, *high, bank.point_count(), output.c_str(),
               static_cast<double>(fs::file_size(output, error)) / 1000);
   std::printf(
       "  %s, %.3f kg; %td elements, %td unknowns; dropped %d rigid, %d below the band, %d over-damped, "
       "%d unimportant\n",
       bank.material->name.c_str(), bank.mass->mass_kg, report.elements, report.unknowns, report.rigid,
       report.below_band, report.over_damped, report.unimportant);
-  std::printf(
-      "  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, finish %.1f; largest residual %.1e\n",
-      object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
-      report.finish_seconds, bank.provenance.largest_residual);
+  std::printf("  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, finish %.1f; largest residual %.1e\n",
+              object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
+              report.finish_seconds, bank.provenance.largest_residual);
   if (object.mesh.straightened > 0) {
     std::printf("  %d curved elements folded and were straightened; a smaller mesh size avoids that\n",
                 object.mesh.straightened);
@@ -129,10 +123,15 @@ void print_summary(const bake::ObjectRecipe& recipe, const bake::BakedObject& ob
   std::fflush(stdout);
 }
 
-Result<void> bake_one(const fs::path& input, const fs::path& output, const Arguments& arguments,
-                      const std::stop_token& stop) {
+ExitCode complain(const std::string& message, ExitCode code) {
+  std::fprintf(stderr, "ringdown-bake: %s\n", message.c_str());
+  return code;
+}
+
+ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments& arguments,
+                  const std::stop_token& stop) {
   const Result<bake::ObjectRecipe> recipe = recipe_for(input, arguments);
-  if (!recipe) return fail(recipe.error());
+  if (!recipe) return complain(recipe.error().message, ExitCode::bad_input);
   cli::ProgressLine line(recipe->name, !arguments.quiet && (arguments.progress || ::isatty(STDERR_FILENO)));
   const Result<bake::BakedObject> object =
       bake::bake_object(*recipe, arguments.materials, [&](std::string_view stage, double fraction) {
@@ -140,48 +139,35 @@ Result<void> bake_one(const fs::path& input, const fs::path& output, const Argum
         return !stop.stop_requested();
       });
   line.clear();
-  if (!object) return fail(object.error());
-  if (stop.stop_requested()) return fail(std::string(bake::kCancelled));
-  if (auto written = modal::write_bank(object->baked.bank, output); !written) return written;
+  if (stop.stop_requested()) return complain("cancelled; " + output.string() + " was not written", ExitCode::cancelled);
+  if (!object) return complain(object.error().message, ExitCode::bad_input);
+  if (auto written = modal::write_bank(object->baked.bank, output); !written) {
+    return complain(written.error().message, ExitCode::failure);
+  }
   if (!arguments.quiet) print_summary(*recipe, *object, output);
-  return {};
+  return ExitCode::ok;
 }
 
-int bake_inputs(const Arguments& arguments, const std::stop_token& stop) {
-  std::vector<std::pair<fs::path, fs::path>> jobs = {{arguments.input, arguments.output}};
-  if (!arguments.all.empty()) {
-    jobs.clear();
-    std::error_code error;
-    fs::create_directories(arguments.output, error);
-    for (const std::string& name : bake::names_in(arguments.all)) {
-      jobs.emplace_back(arguments.all / (name + ".toml"), arguments.output / (name + ".glb"));
-    }
-    if (jobs.empty())
-      std::fprintf(stderr, "ringdown-bake: there are no objects in %s\n", arguments.all.c_str());
+ExitCode bake_folder(const Arguments& arguments, const std::stop_token& stop) {
+  const std::vector<std::string> names = bake::names_in(arguments.all);
+  if (names.empty()) return complain("there are no objects in " + arguments.all.string(), ExitCode::bad_input);
+  std::error_code error;
+  fs::create_directories(arguments.output, error);
+  ExitCode worst = ExitCode::ok;
+  for (const std::string& name : names) {
+    const fs::path input = arguments.all / (name + ".toml"), output = arguments.output / (name + ".glb");
+    const ExitCode code = bake_one(input, output, arguments, stop);
+    if (code == ExitCode::cancelled) return code;
+    if (code != ExitCode::ok) worst = code;
   }
-  int exit_code = jobs.empty() ? kExitFailed : 0;
-  for (const auto& [input, output] : jobs) {
-    const Result<void> baked = bake_one(input, output, arguments, stop);
-    if (stop.stop_requested()) {
-      std::fprintf(stderr, "cancelled; %s was not written\n", output.c_str());
-      return cli::kExitCancelled;
-    }
-    if (!baked) {
-      std::fprintf(stderr, "ringdown-bake: %s\n", baked.error().message.c_str());
-      exit_code = kExitFailed;
-    }
-  }
-  return exit_code;
+  return worst;
 }
 
-int usage_error(const std::string& message) {
-  std::fprintf(stderr, "ringdown-bake: %s; ringdown-bake --help lists the options\n", message.c_str());
-  return kExitUsage;
+ExitCode usage_error(const std::string& message) {
+  return complain(message + "; ringdown-bake --help lists the options", ExitCode::usage);
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
+ExitCode run(int argc, char** argv) {
   CLI::App app("Bakes an object's shape and material into a bank of its modes.", "ringdown-bake");
   app.set_version_flag("--version", "ringdown-bake " RINGDOWN_VERSION);
   Arguments arguments;
@@ -189,24 +175,24 @@ int main(int argc, char** argv) {
   add_options(app, arguments, settings);
   try {
     app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& help) {
-    return app.exit(help);
-  } catch (const CLI::CallForVersion& version) {
-    return app.exit(version);
+  } catch (const CLI::Success& help_or_version) {
+    return static_cast<ExitCode>(app.exit(help_or_version));
   } catch (const CLI::ParseError& error) {
     return usage_error(error.what());
   }
-  if (arguments.input.empty() == arguments.all.empty())
-    return usage_error("give one input, or --all and a folder");
-  if (auto read = read_settings(settings, arguments.parameters); !read)
-    return usage_error(read.error().message);
+  if (arguments.input.empty() == arguments.all.empty()) return usage_error("give one input, or --all and a folder");
+  if (auto read = read_settings(settings, arguments.parameters); !read) return usage_error(read.error().message);
   if (arguments.materials.empty()) {
     const Result<fs::path> presets = bake::preset_folder();
-    if (!presets) {
-      std::fprintf(stderr, "ringdown-bake: %s\n", presets.error().message.c_str());
-      return kExitFailed;
-    }
+    if (!presets) return complain(presets.error().message, ExitCode::failure);
     arguments.materials = *presets / "materials";
   }
-  return cli::run_cancellable([&](const std::stop_token& stop) { return bake_inputs(arguments, stop); });
+  return cli::run_cancellable([&](const std::stop_token& stop) {
+    return arguments.all.empty() ? bake_one(arguments.input, arguments.output, arguments, stop)
+                                 : bake_folder(arguments, stop);
+  });
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return static_cast<int>(run(argc, argv)); }

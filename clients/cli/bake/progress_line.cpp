@@ -27,4 +27,4 @@ void ProgressLine::clear() {
   stage_.clear();
 }
 
-} // namespace ringdown::cli
+}  // namespace ringdown::cli

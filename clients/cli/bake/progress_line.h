@@ -8,7 +8,7 @@
 namespace ringdown::cli {
 
 class ProgressLine {
-public:
+ public:
   // Shows nothing unless `enabled`. `title` starts the line.
   ProgressLine(std::string title, bool enabled) : title_(std::move(title)), enabled_(enabled) {}
   ~ProgressLine() { clear(); }
@@ -19,11 +19,11 @@ public:
   void show(std::string_view stage, double fraction);
   void clear();
 
-private:
+ private:
   std::string title_;
   bool enabled_;
   std::string stage_;
   std::chrono::steady_clock::time_point shown_{};
 };
 
-} // namespace ringdown::cli
+}  // namespace ringdown::cli

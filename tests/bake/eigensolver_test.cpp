@@ -1,0 +1,133 @@
+#include "engine/bake/eigensolver.h"
+
+#include "tests/fem/sample_meshes.h"
+
+#include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
+#include <gtest/gtest.h>
+
+namespace ringdown {
+namespace {
+
+constexpr fem::Elastic kSteel{200e9, 0.3, 7850};
+const Eigen::Vector3d kSize(0.1, 0.08, 0.06);
+
+double lambda_of(double frequency_hz) { return std::pow(2 * M_PI * frequency_hz, 2); }
+
+fem::System system_of(const mesh::TetMesh& mesh) {
+  return fem::assemble(mesh::to_quadratic(mesh), kSteel, fem::Element::kTet10).value();
+}
+
+// Sylvester: as many negative pivots in L D L^T of K - lambda M as eigenvalues below lambda.
+int modes_below(const fem::System& system, double lambda) {
+  fem::SparseMatrix mass(system.unknowns(), system.unknowns());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int n = 0; n < system.node_mass.outerSize(); ++n) {
+    for (fem::SparseMatrix::InnerIterator m(system.node_mass, n); m; ++m) {
+      for (int i = 0; i < 3; ++i) {
+        entries.emplace_back(static_cast<int>(3 * m.row() + i), static_cast<int>(3 * n + i), m.value());
+      }
+    }
+  }
+  mass.setFromTriplets(entries.begin(), entries.end());
+  const fem::SparseMatrix shifted = system.stiffness - lambda * fem::SparseMatrix(mass.triangularView<Eigen::Lower>());
+  const Eigen::SimplicialLDLT<fem::SparseMatrix, Eigen::Lower> factors(shifted);
+  return static_cast<int>((factors.vectorD().array() < 0).count());
+}
+
+TEST(Eigensolver, FindsEveryModeBelowTheTopAndNoOther) {
+  const fem::System system = system_of(test::box_mesh({4, 4, 3}, kSize));  // mirror-symmetric: many close pairs
+  for (const double top_hz : {20e3, 60e3, 110e3}) {
+    const auto modes = bake::solve_modes(system, {.highest_lambda = lambda_of(top_hz)});
+    ASSERT_TRUE(modes) << modes.error().message;
+    EXPECT_EQ(modes->lambda.size(), modes_below(system, lambda_of(top_hz))) << top_hz;
+    EXPECT_LE(modes->lambda.maxCoeff(), lambda_of(top_hz));
+    EXPECT_EQ(modes->rigid, 6);
+  }
+}
+
+TEST(Eigensolver, ModesSolveTheEquationAndAreOrthonormal) {
+  const fem::System system = system_of(test::box_mesh({4, 4, 3}, kSize));
+  const auto modes = bake::solve_modes(system, {.highest_lambda = lambda_of(80e3)}).value();
+  EXPECT_LT(modes.residuals.maxCoeff(), 1e-7);
+  const Eigen::MatrixXd stiffness = Eigen::MatrixXd(system.stiffness).selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd mass_shapes = fem::mass_times(system.node_mass, modes.shapes);
+  const Eigen::MatrixXd gram = modes.shapes.transpose() * mass_shapes;
+  EXPECT_LT((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff(), 1e-10);
+  const Eigen::MatrixXd error = stiffness * modes.shapes - mass_shapes * modes.lambda.asDiagonal();
+  for (Eigen::Index m = 6; m < modes.lambda.size(); ++m) {
+    const double residual = error.col(m).norm() / (modes.lambda[m] * mass_shapes.col(m).norm());
+    EXPECT_NEAR(residual, modes.residuals[m], 1e-9);
+  }
+}
+
+TEST(Eigensolver, AgreesWithDenseAlgebra) {
+  const fem::System system = system_of(test::box_mesh({3, 2, 2}, kSize));
+  ASSERT_GT(system.unknowns(), 300) << "the solver itself would use dense algebra";
+  const Eigen::MatrixXd stiffness = Eigen::MatrixXd(system.stiffness).selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd mass =
+      fem::mass_times(system.node_mass, Eigen::MatrixXd::Identity(system.unknowns(), system.unknowns()));
+  const Eigen::VectorXd exact =
+      Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(stiffness, mass).eigenvalues();
+  const auto modes = bake::solve_modes(system, {.highest_lambda = lambda_of(70e3)}).value();
+  for (Eigen::Index m = 6; m < modes.lambda.size(); ++m) EXPECT_NEAR(modes.lambda[m] / exact[m], 1, 1e-9);
+}
+
+TEST(Eigensolver, TinyMeshesWork) {
+  mesh::TetMesh one{mesh::Points(4, 3), mesh::Indices(1, 4)};
+  one.nodes << 0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1;
+  one.elements << 0, 1, 2, 3;
+  const fem::System system = fem::assemble(one, kSteel, fem::Element::kTet4Lumped).value();
+  const auto modes = bake::solve_modes(system, {.highest_lambda = lambda_of(1e6)});
+  ASSERT_TRUE(modes) << modes.error().message;
+  EXPECT_EQ(modes->rigid, 6);
+  EXPECT_EQ(modes->lambda.size(), 12);
+}
+
+TEST(Eigensolver, SixRigidMotionsForEachPiece) {
+  const mesh::TetMesh box = test::box_mesh({3, 2, 2}, kSize);
+  mesh::TetMesh far = box;
+  far.nodes.array() += 1;
+  const auto modes = bake::solve_modes(system_of(test::both(box, far)), {.highest_lambda = lambda_of(30e3)});
+  ASSERT_TRUE(modes) << modes.error().message;
+  EXPECT_EQ(modes->rigid, 12);
+}
+
+TEST(Eigensolver, RepeatsBitForBit) {
+  const fem::System system = system_of(test::box_mesh({5, 4, 3}, kSize));
+  const auto first = bake::solve_modes(system, {.highest_lambda = lambda_of(60e3)}).value();
+  const auto second = bake::solve_modes(system, {.highest_lambda = lambda_of(60e3)}).value();
+  EXPECT_TRUE(first.lambda == second.lambda);
+  EXPECT_TRUE(first.shapes == second.shapes);
+}
+
+TEST(Eigensolver, StopsWhenToldTo) {
+  const fem::System system = system_of(test::box_mesh({4, 3, 3}, kSize));
+  for (const std::string_view stop_at : {"factors", "modes"}) {
+    int calls_after = 0;
+    bool stopped = false;
+    const auto modes = bake::solve_modes(system, {.highest_lambda = lambda_of(60e3)}, [&](auto stage, double fraction) {
+      EXPECT_GE(fraction, 0);
+      EXPECT_LT(fraction, 1);
+      calls_after += stopped;
+      stopped = stopped || stage == stop_at;
+      return !stopped;
+    });
+    ASSERT_FALSE(modes);
+    EXPECT_EQ(modes.error().message, bake::kCancelled);
+    EXPECT_EQ(calls_after, 0);
+  }
+}
+
+TEST(Eigensolver, RefusesMoreModesThanAllowed) {
+  const fem::System system = system_of(test::box_mesh({4, 3, 3}, kSize));
+  const double top = lambda_of(80e3);
+  const int present = modes_below(system, top) - 6;
+  EXPECT_TRUE(bake::solve_modes(system, {.highest_lambda = top, .most_modes = present}));
+  const auto fewer = bake::solve_modes(system, {.highest_lambda = top, .most_modes = present - 1});
+  ASSERT_FALSE(fewer);
+  EXPECT_NE(fewer.error().message.find("more than " + std::to_string(present - 1) + " modes"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ringdown
