@@ -83,6 +83,12 @@ TEST(OscPacket, ForeignTypesAreRefusedByName) {
   EXPECT_NE(refusal(osc_string("/a") + osc_string(",b") + osc_int(0)).find("blob"), std::string::npos);
 }
 
+TEST(OscPacket, LengthsAreMultiplesOfFour) {
+  for (const std::size_t length : {1, 2, 3, 6, 9, 11}) {
+    EXPECT_NE(refusal(message("/abc").substr(0, length)).find("multiple of 4"), std::string::npos) << length;
+  }
+}
+
 TEST(OscPacket, BrokenPacketsAreRefused) {
   const std::pair<const char*, std::string> broken[] = {
       {"empty", ""},
