@@ -61,6 +61,7 @@ Result<Value> convert_object(const ArgumentSpec& spec, const Argument& argument)
 Result<Value> convert_text(const ArgumentSpec& spec, const Argument& argument) {
   const auto* text = std::get_if<std::string>(&argument);
   if (!text) return refuse(spec, "the number " + shown(argument));
+  if (spec.type == ValueType::any_text) return Value(*text);
   const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 127; };
   const bool good = spec.type == ValueType::name
                         ? is_object_name(*text)
@@ -78,6 +79,7 @@ Result<Value> convert(const ArgumentSpec& spec, const Argument& argument) {
     case ValueType::flag:
       return convert_number(spec, argument);
     case ValueType::text:
+    case ValueType::any_text:
     case ValueType::name:
       return convert_text(spec, argument);
     case ValueType::object:
@@ -99,6 +101,8 @@ std::string expectation(const ArgumentSpec& spec) {
       return "0 or 1";
     case ValueType::text:
       return "text of 1 to 4096 bytes without control characters";
+    case ValueType::any_text:
+      return "text";
     case ValueType::name:
       return "a name of 1 to 64 of A-Z a-z 0-9 _ . - that is not all digits";
     case ValueType::object:

@@ -32,6 +32,7 @@ enum class ValueType {
   integer,         // whole, least <= value <= most
   flag,            // 0 or 1
   text,            // 1 to 4096 bytes without control characters
+  any_text,        // whatever the daemon says
   name,            // the name of an object, new or old (names.h)
   object,          // an object by name or number
   object_or_none,  // the same, or "-" for none
