@@ -13,6 +13,7 @@ namespace {
 
 constexpr const char* kExtension = "KHR_audio_rigid_bodies";
 constexpr std::size_t kMostTriangleCorners = 6 * kMostPoints;
+constexpr double kLargestNodeScale = 1000;  // and its inverse: a bell of a millimetre up to one of a kilometre
 
 std::vector<Vec3f> as_vectors(const std::vector<float>& values) {
   std::vector<Vec3f> vectors(values.size() / 3);
@@ -87,10 +88,13 @@ Result<std::optional<MassProperties>> read_mass(const Field& field) {
 
 Provenance read_provenance(const Field& extras, std::string generator) {
   const auto number = [&extras](const char* key) { return extras[key].number().value_or(0.0); };
+  const auto count = [&extras](const char* key) {
+    return static_cast<std::int64_t>(extras[key].index().value_or(0));
+  };
   return {.generator = std::move(generator),
           .element = extras["element"].text_or(""),
-          .unknowns = static_cast<std::int64_t>(number("unknowns")),
-          .rigid_modes = static_cast<std::int64_t>(number("rigidModes")),
+          .unknowns = count("unknowns"),
+          .rigid_modes = count("rigidModes"),
           .band_low_hz = number("bandLow"),
           .band_high_hz = number("bandHigh"),
           .largest_residual = number("largestResidual")};
@@ -113,8 +117,9 @@ Result<Instance> find_instance(const Glb& glb) {
     if (!model) return fail(model.error());
     std::array<double, 3> scale{1, 1, 1};
     if (const auto read = read_array(nodes[i]["scale"], scale); !read) return fail(read.error());
-    if (!(scale[0] > 0) || scale[1] != scale[0] || scale[2] != scale[0]) {
-      return nodes[i]["scale"].wrong("three equal numbers above 0: an uneven scale needs a new bake");
+    if (scale[0] < 1 / kLargestNodeScale || scale[0] > kLargestNodeScale || scale[1] != scale[0] ||
+        scale[2] != scale[0]) {
+      return nodes[i]["scale"].wrong("three equal numbers from 0.001 to 1000: an uneven scale needs a new bake");
     }
     Instance instance{.model = *model, .scale = scale[0], .name = nodes[i]["name"].text_or("")};
     if (const auto read = read_number(extension["gain"], instance.gain, 0, INFINITY); !read) return fail(read.error());
@@ -125,9 +130,13 @@ Result<Instance> find_instance(const Glb& glb) {
 
 // Similar bodies of one material: lengths times s, eigenvalues by 1/s^2 (as a stiffness by 1/s^2 would do), mass by
 // s^3, shapes by s^-3/2.
-void scale_size(Bank& bank, double s) {
+Result<void> scale_size(Bank& bank, double s, const std::string& name) {
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const DampedMode mode = rescale(bank, m, {.stiffness = 1 / (s * s)});
+    if (!(mode.frequency_hz > 0)) {
+      return fail(name + ": at the node's scale of " + Json(s).dump() + " mode " + std::to_string(m) +
+                  " is over-damped and has no pitch; bake the object at that size");
+    }
     bank.frequency_hz[m] = mode.frequency_hz;
     bank.decay_per_s[m] = mode.decay_per_s;
   }
@@ -139,6 +148,12 @@ void scale_size(Bank& bank, double s) {
     bank.mass->center_of_mass_m = s * bank.mass->center_of_mass_m;
     bank.mass->inertia_kg_m2 = std::pow(s, 5) * bank.mass->inertia_kg_m2;
   }
+  const auto finite = [](const Vec3f& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); };
+  if (!std::all_of(bank.positions.begin(), bank.positions.end(), finite) ||
+      !std::all_of(bank.shapes.begin(), bank.shapes.end(), finite)) {
+    return fail(name + ": at the node's scale of " + Json(s).dump() + " its positions or shapes overflow");
+  }
+  return {};
 }
 
 Result<void> read_modes(const Glb& glb, const Field& model, Bank& bank) {
@@ -235,7 +250,9 @@ Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& nam
   bank.material = std::move(*material);
   bank.mass = *mass;
   bank.provenance = read_provenance(model["extras"]["ringdown"], glb->root()["asset"]["generator"].text_or(""));
-  if (instance->scale != 1) scale_size(bank, instance->scale);
+  if (instance->scale != 1) {
+    if (const auto scaled = scale_size(bank, instance->scale, name); !scaled) return fail(scaled.error());
+  }
   return bank;
 }
 

@@ -11,7 +11,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "glTF is little-endian; a big-endian port swaps here");
 
 constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
-constexpr int kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
+constexpr std::size_t kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 
 std::uint32_t word_at(std::span<const std::byte> bytes, std::size_t offset) {
   std::uint32_t word;
@@ -23,10 +23,10 @@ std::uint32_t word_at(std::span<const std::byte> bytes, std::size_t offset) {
 struct Elements {
   const std::byte* first = nullptr;
   std::size_t count = 0, stride = 0;
-  int component_type = 0;
+  std::size_t component_type = 0;
 };
 
-std::size_t component_size(int type) {
+std::size_t component_size(std::size_t type) {
   switch (type) {
     case kUnsignedByte: return 1;
     case kUnsignedShort: return 2;
@@ -51,7 +51,7 @@ Result<Elements> locate(const Glb& glb, const Field& reference, std::size_t widt
   for (const auto* value : {&component, &count, &offset}) {
     if (!*value) return fail(value->error());
   }
-  Elements elements{.count = *count, .component_type = static_cast<int>(*component)};
+  Elements elements{.count = *count, .component_type = *component};
   const std::size_t size = component_size(elements.component_type) * width;
   if (*count < 1 || *count > limit) return accessor["count"].wrong("from 1 to " + std::to_string(limit));
   if (size == 0) return accessor["componentType"].wrong("a glTF component type");
@@ -99,7 +99,9 @@ Field Field::operator[](std::size_t index) const {
 
 tl::unexpected<Error> Field::wrong(const std::string& expectation) const {
   std::string found = "is missing";
-  if (value_) {
+  if (value_ && value_->is_structured()) {  // not printed: dump() would recurse as deep as a hostile file nests
+    found = value_->is_array() ? "is an array" : "is an object";
+  } else if (value_) {
     found = "is " + value_->dump(-1, ' ', true, Json::error_handler_t::replace);
     if (found.size() > 60) found = found.substr(0, 57) + "...";
   }

@@ -111,9 +111,12 @@ namespace ringdown::synth {
 HWY_EXPORT(render_modes_here);
 HWY_EXPORT(target_here);
 
+// Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
+RINGDOWN_TRUST_REALTIME_BEGIN
 double render_modes(const ModeArrays& modes, double* out, std::size_t frames) RINGDOWN_REALTIME {
   return HWY_DYNAMIC_DISPATCH(render_modes_here)(modes, out, frames);
 }
+RINGDOWN_TRUST_REALTIME_END
 
 const char* kernel_target() { return HWY_DYNAMIC_DISPATCH(target_here)(); }
 

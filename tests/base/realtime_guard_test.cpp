@@ -71,7 +71,8 @@ TEST_F(RealtimeGuard, SeesSystemCalls) {
   EXPECT_EQ(watch([] {
               void* page = ::mmap(nullptr, 4096, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
               ::munmap(page, 4096);
-            }).system_calls, 2u);
+            }).system_calls,
+            2u);
 }
 
 TEST_F(RealtimeGuard, CountsOnlyItsOwnThreadAndOnlyInsideItsScope) {

@@ -78,12 +78,12 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t size) noexce
 
 // WATCH(counter, result, name, (parameters), (arguments)): defines `name`, which counts and calls the next `name`.
 // WATCH_NOEXCEPT: the same for what the C library declares as never throwing.
-#define RINGDOWN_WATCH_AS(counter, result, name, parameters, arguments, specifier)       \
-  extern "C" result name parameters specifier {                                          \
-    note(&Seen::counter, #name);                                                         \
-    using Function = result(*) parameters;                                               \
-    static const auto next = reinterpret_cast<Function>(::dlsym(RTLD_NEXT, #name));      \
-    return next arguments;                                                               \
+#define RINGDOWN_WATCH_AS(counter, result, name, parameters, arguments, specifier)  \
+  extern "C" result name parameters specifier {                                     \
+    note(&Seen::counter, #name);                                                    \
+    using Function = result(*) parameters;                                          \
+    static const auto next = reinterpret_cast<Function>(::dlsym(RTLD_NEXT, #name)); \
+    return next arguments;                                                          \
   }
 #define WATCH(counter, result, name, parameters, arguments) \
   RINGDOWN_WATCH_AS(counter, result, name, parameters, arguments, )

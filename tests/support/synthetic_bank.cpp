@@ -66,8 +66,13 @@ modal::Bank bar_bank(std::size_t modes) {
       .mass_kg = mass,
       .center_of_mass_m = {kLength / 2, 0, 0},
       .inertia_kg_m2 = {moment(kWidth, kThickness), moment(kLength, kThickness), moment(kLength, kWidth)}};
-  bank.provenance = {.generator = "tests", .element = "Euler-Bernoulli", .unknowns = 0, .rigid_modes = 6,
-                     .band_low_hz = 20, .band_high_hz = 20000, .largest_residual = 1.25e-13};
+  bank.provenance = {.generator = "tests",
+                     .element = "Euler-Bernoulli",
+                     .unknowns = 0,
+                     .rigid_modes = 6,
+                     .band_low_hz = 20,
+                     .band_high_hz = 20000,
+                     .largest_residual = 1.25e-13};
   return bank;
 }
 
@@ -109,8 +114,8 @@ modal::Bank random_bank(std::uint32_t seed, std::size_t modes, std::size_t point
     bank.decay_per_s.push_back(std::log(1000.0) / (0.05 * std::pow(100.0, uniform(0, 1))));
   }
   for (std::size_t i = 0; i < modes * bank.positions.size(); ++i) {
-    bank.shapes.push_back({static_cast<float>(uniform(-1, 1)), static_cast<float>(uniform(-1, 1)),
-                           static_cast<float>(uniform(-1, 1))});
+    bank.shapes.push_back(
+        {static_cast<float>(uniform(-1, 1)), static_cast<float>(uniform(-1, 1)), static_cast<float>(uniform(-1, 1))});
   }
   return bank;
 }

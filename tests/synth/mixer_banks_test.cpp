@@ -100,7 +100,8 @@ TEST(Retune, ContinuesPhaseAndAmplitudeAtTheNewPitch) {
   Samples exact = closed_form(kF, kD, 1, 0, kRate, 20000);
   const double level = std::numbers::sqrt2 / 2 * kOutputScale * omega;
   for (std::size_t n = kChange; n < exact.size(); ++n) {
-    const double phase = omega * kChange / kRate + 2 * std::numbers::pi * new_f * static_cast<double>(n - kChange) / kRate;
+    const double phase =
+        omega * kChange / kRate + 2 * std::numbers::pi * new_f * static_cast<double>(n - kChange) / kRate;
     exact[n] = level * std::exp(-kD * static_cast<double>(n) / kRate) * std::sin(phase);
   }
   KeepSignals keep(kRate);

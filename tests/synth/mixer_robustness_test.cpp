@@ -137,7 +137,8 @@ TEST(Silence, AGainOrPanEventDoesNotWakeAnObject) {
   EXPECT_EQ(peak(player.left), 0);
 }
 
-// The audio thread flushes denormals: a sound scaled below the smallest normal float comes out as zero, not as a denormal.
+// The audio thread flushes denormals: a sound scaled below the smallest normal float comes out as zero, not as a
+// denormal.
 TEST(Silence, NeverHandsDenormalsToTheSoundCard) {
   Player player;
   player.install(0, map_of(single_mode_bank(1000, 20)));

@@ -44,8 +44,8 @@ void produce(Mixer& mixer, Producer producer, const std::atomic<bool>& stop, std
     const ObjectNumber object = turn % kObjects;
     const Event events[] = {strike_at(frame, object, {0.01, 0.02, 0}, 1e-4, {0.1, 0, 0}),
                             vertex_strike_at(frame, object, turn % 8, {0, 0.01, 0}),
-                            gain_at(frame, object, 0.5 + 0.1 * (turn % 5), 0.01), pan_at(frame, object, 0.1 * (turn % 7)),
-                            clear_at(frame, object)};
+                            gain_at(frame, object, 0.5 + 0.1 * (turn % 5), 0.01),
+                            pan_at(frame, object, 0.1 * (turn % 7)), clear_at(frame, object)};
     const std::size_t pick = turn % 10 < 7 ? turn % 2 : 2 + turn % 3;
     if (mixer.push(producer, events[pick]) && pick < 2) ++strikes;
     if (turn % 8 == 0) let_pass(mixer, 200, stop);

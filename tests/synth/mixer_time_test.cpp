@@ -106,12 +106,14 @@ class Performance {
     }
     events_.push_back(clear_at(20001, 1));
     for (std::uint32_t seed = 0; seed < 4; ++seed) maps_.push_back(map_of(random_bank(20 + seed, 45, 40)));
-    at_frame_ = {{0, [this](Player& p) { for (ObjectNumber o = 0; o < 3; ++o) p.install(o, maps_[o]); }},
-                 {10007, [this](Player& p) { p.install(0, maps_[3]); }},
-                 {15000, [this](Player& p) {
-                    p.install(1, maps_[1], Mixer::Install::retune, {.alpha = 2, .stiffness = 1.2});
-                  }},
-                 {25001, [](Player& p) { ASSERT_TRUE(p.mixer.remove(2)); }}};
+    at_frame_ = {
+        {0,
+         [this](Player& p) {
+           for (ObjectNumber o = 0; o < 3; ++o) p.install(o, maps_[o]);
+         }},
+        {10007, [this](Player& p) { p.install(0, maps_[3]); }},
+        {15000, [this](Player& p) { p.install(1, maps_[1], Mixer::Install::retune, {.alpha = 2, .stiffness = 1.2}); }},
+        {25001, [](Player& p) { ASSERT_TRUE(p.mixer.remove(2)); }}};
   }
 
   // Renders 40000 frames in blocks of the given sizes, over and over; a block ends where a bank changes.
@@ -143,9 +145,21 @@ TEST(MixerTime, BlockSizeDoesNotChangeTheSound) {
   const Samples reference = performance.play({64});
   ASSERT_GT(peak(reference), 0.01);
   double worst = -400;
-  for (const auto& blocks : std::vector<std::vector<std::size_t>>{
-           {1}, {2}, {3}, {17}, {63}, {65}, {100}, {128}, {256}, {441}, {1000}, {1024}, {4096}, {8192},
-           {1, 8192, 64, 3, 511, 1025, 2}}) {
+  for (const auto& blocks : std::vector<std::vector<std::size_t>>{{1},
+                                                                  {2},
+                                                                  {3},
+                                                                  {17},
+                                                                  {63},
+                                                                  {65},
+                                                                  {100},
+                                                                  {128},
+                                                                  {256},
+                                                                  {441},
+                                                                  {1000},
+                                                                  {1024},
+                                                                  {4096},
+                                                                  {8192},
+                                                                  {1, 8192, 64, 3, 511, 1025, 2}}) {
     const Samples other = performance.play(blocks);
     KeepSignals keep(kRate);
     keep.add("reference", reference);

@@ -49,8 +49,8 @@ class Bundle {
     for (std::size_t i = 0; i < modes.size(); ++i) {
       const std::complex<double> pole(std::exp(exponent(modes[i], rate)));
       const std::complex<double> chunk(std::exp(static_cast<long double>(kChunkFrames) * exponent(modes[i], rate)));
-      const double values[] = {modes[i].start.real(), modes[i].start.imag(), pole.real(), pole.imag(), chunk.real(),
-                               chunk.imag()};
+      const double values[] = {modes[i].start.real(), modes[i].start.imag(), pole.real(),
+                               pole.imag(),           chunk.real(),          chunk.imag()};
       for (std::size_t row = 0; row < 6; ++row) rows_[row * padded_ + i] = values[row];
     }
   }
@@ -100,7 +100,8 @@ std::vector<Mode> random_modes(std::size_t count, double rate) {
   const auto uniform = [&random] { return static_cast<double>(random()) / 4294967296.0; };
   std::vector<Mode> modes(count);
   for (Mode& mode : modes) {
-    mode = {20 * std::pow(0.4999 * rate / 20, uniform()), 0.005 * std::pow(120000.0, uniform()),
+    mode = {20 * std::pow(0.4999 * rate / 20, uniform()),
+            0.005 * std::pow(120000.0, uniform()),
             {uniform() - 0.5, uniform() - 0.5}};
   }
   return modes;
@@ -137,8 +138,8 @@ TEST(ModeKernel, KeepsItsStateExactForTenMinutes) {
     double worst = -400;
     for (std::size_t i = 0; i < modes.size(); ++i) {
       const Exact exact = exact_state(modes[i], rate, frames);
-      const double error = static_cast<double>(20 * std::log10(std::abs(Exact(bundle.state(i)) - exact) /
-                                                               std::abs(exact)));
+      const double error =
+          static_cast<double>(20 * std::log10(std::abs(Exact(bundle.state(i)) - exact) / std::abs(exact)));
       worst = std::max(worst, error);
       EXPECT_LT(error, -140) << modes[i].frequency_hz << " Hz, chunk " << chunk;
     }
@@ -215,7 +216,8 @@ TEST(ModeKernel, ADyingTailNeverGetsIntoDenormals) {
       for (const double part : {bundle.state(i).real(), bundle.state(i).imag()}) {
         // fpclassify() would itself be fooled by the guard: look at the bits.
         ASSERT_TRUE((std::bit_cast<std::uint64_t>(part) << 1) == 0 ||
-                    (std::bit_cast<std::uint64_t>(part) >> 52 & 0x7ff) != 0) << "chunk " << chunk;
+                    (std::bit_cast<std::uint64_t>(part) >> 52 & 0x7ff) != 0)
+            << "chunk " << chunk;
       }
     }
   }

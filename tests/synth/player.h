@@ -34,12 +34,16 @@ inline std::unique_ptr<Voice> voice_of(Map map, double rate = kRate, const modal
 
 inline Event strike_at(Frame frame, ObjectNumber object, Vec3 impulse_ns, double contact_time_s = 0,
                        Vec3 point_m = {1, 1, 1}) {
-  return {.frame = frame, .object = object, .type = EventType::strike, .point_m = point_m, .impulse_ns = impulse_ns,
+  return {.frame = frame,
+          .object = object,
+          .type = EventType::strike,
+          .point_m = point_m,
+          .impulse_ns = impulse_ns,
           .contact_time_s = contact_time_s};
 }
 inline Event vertex_strike_at(Frame frame, ObjectNumber object, std::uint32_t vertex, Vec3 impulse_ns) {
-  return {.frame = frame, .object = object, .type = EventType::strike_vertex, .vertex = vertex,
-          .impulse_ns = impulse_ns};
+  return {
+      .frame = frame, .object = object, .type = EventType::strike_vertex, .vertex = vertex, .impulse_ns = impulse_ns};
 }
 inline Event gain_at(Frame frame, ObjectNumber object, double gain, double ramp_s = 0) {
   return {.frame = frame, .object = object, .type = EventType::gain, .value = gain, .ramp_s = ramp_s};

@@ -9,8 +9,7 @@
 namespace ringdown::synth::test {
 namespace {
 
-Samples play_one(double f, double d, Vec3 impulse, double contact_time, double rate, std::size_t frames,
-                 Frame at = 0) {
+Samples play_one(double f, double d, Vec3 impulse, double contact_time, double rate, std::size_t frames, Frame at = 0) {
   Player player(rate);
   player.install(0, map_of(single_mode_bank(f, d)));
   player.push(strike_at(at, 0, impulse, contact_time));
@@ -72,8 +71,8 @@ TEST(StruckMode, IsTheClosedFormSampleBySample) {
 
 TEST(StruckMode, KeepsPitchAndDecayAtEverySampleRate) {
   for (const double rate : {22050.0, 44100.0, 48000.0, 88200.0, 96000.0, 192000.0}) {
-    const auto mode = fit_damped_sinusoid(play_one(5000, 20, {0, 0, 1}, 1e-4, rate,
-                                                   static_cast<std::size_t>(rate / 4)), rate);
+    const auto mode =
+        fit_damped_sinusoid(play_one(5000, 20, {0, 0, 1}, 1e-4, rate, static_cast<std::size_t>(rate / 4)), rate);
     EXPECT_NEAR(mode.frequency_hz, 5000, 1e-3) << rate;
     EXPECT_NEAR(mode.decay_per_s, 20, 1e-3) << rate;
   }

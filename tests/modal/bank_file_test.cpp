@@ -1,0 +1,136 @@
+// Banks written and read again, and the glTF structure that other programs will see.
+#include "tests/modal/glb_editor.h"
+#include "tests/support/synthetic_bank.h"
+
+#include <gtest/gtest.h>
+
+namespace ringdown::modal::test {
+namespace {
+
+using namespace ringdown::test;  // NOLINT: the synthetic banks
+
+void expect_same(const Bank& a, const Bank& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.frequency_hz, b.frequency_hz);
+  EXPECT_EQ(a.decay_per_s, b.decay_per_s);
+  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_EQ(a.shapes, b.shapes);
+  EXPECT_EQ(a.triangles, b.triangles);
+  ASSERT_EQ(a.material.has_value(), b.material.has_value());
+  if (a.material) {
+    EXPECT_EQ(a.material->name, b.material->name);
+    EXPECT_EQ(a.material->youngs_modulus_pa, b.material->youngs_modulus_pa);
+    EXPECT_EQ(a.material->poisson_ratio, b.material->poisson_ratio);
+    EXPECT_EQ(a.material->density_kg_m3, b.material->density_kg_m3);
+    EXPECT_EQ(a.material->damping, b.material->damping);
+  }
+  ASSERT_EQ(a.mass.has_value(), b.mass.has_value());
+  if (a.mass) {
+    EXPECT_EQ(a.mass->mass_kg, b.mass->mass_kg);
+    EXPECT_EQ(a.mass->center_of_mass_m, b.mass->center_of_mass_m);
+    EXPECT_EQ(a.mass->inertia_kg_m2, b.mass->inertia_kg_m2);
+    EXPECT_EQ(a.mass->orientation, b.mass->orientation);
+  }
+  EXPECT_EQ(a.provenance.generator, b.provenance.generator);
+  EXPECT_EQ(a.provenance.element, b.provenance.element);
+  EXPECT_EQ(a.provenance.unknowns, b.provenance.unknowns);
+  EXPECT_EQ(a.provenance.rigid_modes, b.provenance.rigid_modes);
+  EXPECT_EQ(a.provenance.band_low_hz, b.provenance.band_low_hz);
+  EXPECT_EQ(a.provenance.band_high_hz, b.provenance.band_high_hz);
+  EXPECT_EQ(a.provenance.largest_residual, b.provenance.largest_residual);
+}
+
+TEST(BankFile, ComesBackAsItWentIn) {
+  for (const Bank& bank : {bar_bank(12), random_bank(1, 40, 100), single_mode_bank(440.5, 2.25)}) {
+    const auto once = parse(written(bank));
+    ASSERT_TRUE(once) << once.error().message;
+    ASSERT_EQ(once->mode_count(), bank.mode_count());
+    for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+      EXPECT_EQ(once->frequency_hz[m], static_cast<double>(static_cast<float>(bank.frequency_hz[m])));
+      EXPECT_EQ(once->decay_per_s[m], static_cast<double>(static_cast<float>(bank.decay_per_s[m])));
+    }
+    Bank rounded = bank;
+    rounded.frequency_hz = once->frequency_hz;
+    rounded.decay_per_s = once->decay_per_s;
+    expect_same(*once, rounded);
+  }
+}
+
+TEST(BankFile, IsBitExactAfterOneTrip) {
+  const std::string once = written(random_bank(2, 40, 100));
+  const std::string twice = written(parse(once).value());
+  EXPECT_EQ(once, twice);
+}
+
+TEST(BankFile, KeepsNamesInAnyScript) {
+  Bank bank = bar_bank(1);
+  bank.name = "колокол \"鐘\" \\ \n";
+  bank.material->name = std::string("bad utf-8: \xff");
+  const auto back = parse(written(bank));
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->name, bank.name);
+  EXPECT_EQ(back->material->name, "bad utf-8: \xef\xbf\xbd");
+}
+
+TEST(BankFile, LeavesTheOldFileWhenTheNewCannotBeWritten) {
+  const Folder folder;
+  std::filesystem::create_directories(folder / "bank.glb" / "not-empty");
+  const auto outcome = write_bank(bar_bank(2), folder / "bank.glb");
+  ASSERT_FALSE(outcome);
+  EXPECT_NE(outcome.error().message.find("bank.glb"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(folder / "bank.glb" / "not-empty"));
+}
+
+TEST(BankFile, RefusesAFileThatIsNotThere) {
+  const auto bank = read_bank("/nonexistent/x.glb");
+  ASSERT_FALSE(bank);
+  EXPECT_NE(bank.error().message.find("/nonexistent/x.glb"), std::string::npos);
+}
+
+TEST(BankFile, IsAWellFormedGlbContainer) {
+  const std::string file = written(random_bank(3, 5, 30));
+  EXPECT_EQ(file.substr(0, 4), "glTF");
+  EXPECT_EQ(word(file, 4), 2u);
+  EXPECT_EQ(word(file, 8), file.size());
+  const std::size_t text = word(file, 12);
+  EXPECT_EQ(text % 4, 0u);
+  EXPECT_EQ(file.substr(16, 4), "JSON");
+  const std::size_t data = word(file, 20 + text);
+  EXPECT_EQ(data % 4, 0u);
+  EXPECT_EQ(file.substr(24 + text, 4), std::string("BIN\0", 4));
+  EXPECT_EQ(28 + text + data, file.size());
+}
+
+TEST(BankFile, IsAValidGltfDocument) {
+  GlbParts parts(written(random_bank(3, 5, 30)));
+  const Json& json = parts.json;
+  EXPECT_EQ(json["asset"]["version"], "2.0");
+  EXPECT_EQ(json["extensionsUsed"], Json::array({"KHR_audio_rigid_bodies"}));
+  EXPECT_FALSE(json.contains("extensionsRequired")) << "a viewer without the extension must show the mesh";
+  EXPECT_EQ(json["buffers"].size(), 1u);
+  EXPECT_LE(json["buffers"][0]["byteLength"], parts.binary.size());
+  for (const Json& view : json["bufferViews"]) {
+    EXPECT_EQ(view["byteOffset"].get<std::size_t>() % 4, 0u);
+    EXPECT_LE(view["byteOffset"].get<std::size_t>() + view["byteLength"].get<std::size_t>(),
+              json["buffers"][0]["byteLength"]);
+  }
+  const Json& primitive = json["meshes"][0]["primitives"][0];
+  const Json& position = json["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()];
+  EXPECT_EQ(position["type"], "VEC3");
+  EXPECT_EQ(position["min"].size(), 3u) << "required by the glTF specification for POSITION";
+  EXPECT_EQ(position["max"].size(), 3u);
+  EXPECT_EQ(primitive["indices"], parts.model()["indices"]);
+  EXPECT_EQ(primitive["attributes"]["POSITION"], parts.model()["positions"]);
+  EXPECT_EQ(json["nodes"][0]["extensions"]["KHR_audio_rigid_bodies"]["modalModel"], 0);
+  EXPECT_EQ(parts.accessor("shapes")["count"],
+            parts.accessor("frequencies")["count"].get<std::size_t>() * position["count"].get<std::size_t>());
+}
+
+TEST(BankFile, WithoutTrianglesShowsPoints) {
+  GlbParts parts(written(bar_bank(3)));
+  EXPECT_EQ(parts.json["meshes"][0]["primitives"][0]["mode"], 0);
+  EXPECT_FALSE(parts.model().contains("indices"));
+}
+
+}  // namespace
+}  // namespace ringdown::modal::test

@@ -1,0 +1,244 @@
+// Broken files: each is refused with a sentence that names the field, without a crash and without a large allocation.
+#include "tests/modal/glb_editor.h"
+#include "tests/support/synthetic_bank.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <random>
+
+namespace ringdown::modal::test {
+namespace {
+
+using namespace ringdown::test;  // NOLINT: the synthetic banks
+
+std::string good_file() {
+  Bank bank = random_bank(9, 6, 20);
+  bank.material = bar_bank(1).material;
+  bank.mass = bar_bank(1).mass;
+  return written(bank);
+}
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+// What is done to the parts of a good file, and a word of the sentence that must come of it.
+struct Damage {
+  const char* name;
+  std::function<void(GlbParts&)> change;
+  const char* expected;
+};
+
+const std::vector<Damage>& damages() {
+  static const std::vector<Damage> all = {
+      {"NoExtension", [](GlbParts& p) { p.json.erase("extensions"); }, "no modal model"},
+      {"NoModels", [](GlbParts& p) { p.extension()["modalModels"] = Json::array(); }, "no modal model"},
+      {"ModelsNoArray", [](GlbParts& p) { p.extension()["modalModels"] = 7; }, "no modal model"},
+      {"NoFrequencies", [](GlbParts& p) { p.model().erase("frequencies"); }, "frequencies"},
+      {"NoDecayRates", [](GlbParts& p) { p.model().erase("decayRates"); }, "decayRates"},
+      {"NoPositions", [](GlbParts& p) { p.model().erase("positions"); }, "positions"},
+      {"NoShapes", [](GlbParts& p) { p.model().erase("shapes"); }, "shapes"},
+      {"AccessorNumberPastTheEnd", [](GlbParts& p) { p.model()["shapes"] = 99; }, "shapes"},
+      {"AccessorNumberNegative", [](GlbParts& p) { p.model()["shapes"] = -1; }, "shapes"},
+      {"AccessorNumberFraction", [](GlbParts& p) { p.model()["shapes"] = 1.5; }, "shapes"},
+      {"AccessorNumberHuge", [](GlbParts& p) { p.model()["shapes"] = 1e300; }, "shapes"},
+      {"AccessorNumberText", [](GlbParts& p) { p.model()["shapes"] = "one"; }, "shapes"},
+      {"FrequencyZero", [](GlbParts& p) { p.set("frequencies", 2, 0.0f); }, "frequencies: element 2"},
+      {"FrequencyNegative", [](GlbParts& p) { p.set("frequencies", 0, -440.0f); }, "frequencies: element 0"},
+      {"FrequencyNan", [](GlbParts& p) { p.set("frequencies", 5, kNan); }, "frequencies: element 5"},
+      {"DecayNegative", [](GlbParts& p) { p.set("decayRates", 3, -1.0f); }, "decayRates: element 3"},
+      {"DecayInfinite", [](GlbParts& p) { p.set("decayRates", 1, INFINITY); }, "decayRates: element 1"},
+      {"PositionNan", [](GlbParts& p) { p.set("positions", 4, kNan); }, "positions: element 1"},
+      {"ShapeInfinite", [](GlbParts& p) { p.set("shapes", 31, -INFINITY); }, "shapes: element 10"},
+      {"FewerDecaysThanModes", [](GlbParts& p) { p.accessor("decayRates")["count"] = 5; }, "decayRates"},
+      {"FewerShapesThanModes", [](GlbParts& p) { p.accessor("shapes")["count"] = 100; }, "shapes"},
+      {"NoModes", [](GlbParts& p) { p.accessor("frequencies")["count"] = 0; }, "count"},
+      {"CountHuge", [](GlbParts& p) { p.accessor("frequencies")["count"] = 1e12; }, "count"},
+      {"CountPastItsView", [](GlbParts& p) { p.accessor("frequencies")["count"] = 7; }, "count"},
+      {"CountMissing", [](GlbParts& p) { p.accessor("positions").erase("count"); }, "count"},
+      {"ComponentTypeWrong", [](GlbParts& p) { p.accessor("frequencies")["componentType"] = 5125; }, "FLOAT"},
+      {"ComponentTypeUnknown", [](GlbParts& p) { p.accessor("frequencies")["componentType"] = 1; }, "componentType"},
+      {"ComponentTypeWrapped", [](GlbParts& p) { p.accessor("frequencies")["componentType"] = 5126 + 4294967296.0; },
+       "componentType"},
+      {"TypeWrong", [](GlbParts& p) { p.accessor("positions")["type"] = "VEC4"; }, "type"},
+      {"Sparse",
+       [](GlbParts& p) {
+         p.accessor("shapes")["sparse"] = {{"count", 1}};
+       },
+       "sparse"},
+      {"NoBufferView", [](GlbParts& p) { p.accessor("shapes").erase("bufferView"); }, "bufferView"},
+      {"BufferViewPastTheEnd", [](GlbParts& p) { p.accessor("shapes")["bufferView"] = 99; }, "bufferView"},
+      {"ByteOffsetPastItsView", [](GlbParts& p) { p.accessor("shapes")["byteOffset"] = 1 << 20; }, "count"},
+      {"ViewPastTheBinary", [](GlbParts& p) { p.view("shapes")["byteLength"] = 1 << 30; }, "byteLength"},
+      {"ViewOffsetPastTheBinary", [](GlbParts& p) { p.view("shapes")["byteOffset"] = 1e15; }, "byteLength"},
+      {"StrideTooSmall", [](GlbParts& p) { p.view("shapes")["byteStride"] = 4; }, "byteStride"},
+      {"StrideTooLarge", [](GlbParts& p) { p.view("shapes")["byteStride"] = 256; }, "byteStride"},
+      {"OtherBuffer", [](GlbParts& p) { p.view("shapes")["buffer"] = 1; }, "buffer"},
+      {"BufferElsewhere", [](GlbParts& p) { p.json["buffers"][0]["uri"] = "far.bin"; }, "uri"},
+      {"CornerPastThePoints", [](GlbParts& p) { p.set("indices", 4, std::uint32_t{4000}); }, "indices: element 4"},
+      {"CornersNoTriangles",
+       [](GlbParts& p) { p.accessor("indices")["count"] = p.accessor("indices")["count"].get<int>() - 1; }, "indices"},
+      {"CornersAreFloats", [](GlbParts& p) { p.accessor("indices")["componentType"] = 5126; }, "indices"},
+      {"MaterialPastTheEnd", [](GlbParts& p) { p.model()["material"] = 3; }, "material"},
+      {"DensityNegative", [](GlbParts& p) { p.extension()["acousticMaterials"][0]["density"] = -1; }, "density"},
+      {"DensityText", [](GlbParts& p) { p.extension()["acousticMaterials"][0]["density"] = "heavy"; }, "density"},
+      {"PoissonTooLarge", [](GlbParts& p) { p.extension()["acousticMaterials"][0]["poissonRatio"] = 0.6; },
+       "poissonRatio"},
+      {"BetaNegative", [](GlbParts& p) { p.extension()["acousticMaterials"][0]["beta"] = -1e-9; }, "beta"},
+      {"MassZero", [](GlbParts& p) { p.model()["massProperties"]["mass"] = 0; }, "mass"},
+      {"MassMissing", [](GlbParts& p) { p.model()["massProperties"].erase("mass"); }, "mass"},
+      {"CenterOfTwoNumbers",
+       [](GlbParts& p) {
+         p.model()["massProperties"]["centerOfMass"] = {1, 2};
+       },
+       "centerOfMass"},
+      {"InertiaNegative",
+       [](GlbParts& p) {
+         p.model()["massProperties"]["inertiaDiagonal"] = {1, -1, 1};
+       },
+       "inertiaDiagonal"},
+      {"OrientationNoUnit",
+       [](GlbParts& p) {
+         p.model()["massProperties"]["inertiaOrientation"] = {0, 0, 0, 2};
+       },
+       "inertiaOrientation"},
+      {"NodePlaysAnotherModel",
+       [](GlbParts& p) { p.json["nodes"][0]["extensions"]["KHR_audio_rigid_bodies"]["modalModel"] = 5; },
+       "modal model 5"},
+      {"NodeScaleUneven",
+       [](GlbParts& p) {
+         p.json["nodes"][0]["scale"] = {1, 2, 1};
+       },
+       "scale"},
+      {"NodeScaleZero",
+       [](GlbParts& p) {
+         p.json["nodes"][0]["scale"] = {0, 0, 0};
+       },
+       "scale"},
+      {"NodeScaleTiny",
+       [](GlbParts& p) {
+         p.json["nodes"][0]["scale"] = {1e-300, 1e-300, 1e-300};
+       },
+       "scale"},
+      {"NodeScaleHuge",
+       [](GlbParts& p) {
+         p.json["nodes"][0]["scale"] = {1e300, 1e300, 1e300};
+       },
+       "scale"},
+  };
+  return all;
+}
+
+class BrokenBank : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(BrokenBank, IsRefusedByTheNameOfItsField) {
+  const Damage& damage = damages()[GetParam()];
+  GlbParts parts(good_file());
+  damage.change(parts);
+  const auto bank = parse(parts.join());
+  ASSERT_FALSE(bank);
+  EXPECT_EQ(bank.error().message.rfind("x.glb", 0), 0u) << bank.error().message;
+  EXPECT_NE(bank.error().message.find(damage.expected), std::string::npos) << bank.error().message;
+  EXPECT_LT(bank.error().message.size(), 300u) << "one sentence: " << bank.error().message;
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, BrokenBank, testing::Range(std::size_t{0}, damages().size()),
+                         [](const auto& each) { return std::string(damages()[each.param].name); });
+
+void expect_refused(const std::string& bytes, const char* expected) {
+  const auto bank = parse(bytes);
+  ASSERT_FALSE(bank) << expected;
+  EXPECT_NE(bank.error().message.find(expected), std::string::npos) << bank.error().message;
+}
+
+TEST(BrokenContainer, IsRefused) {
+  const std::string good = good_file();
+  ASSERT_TRUE(parse(good));
+  const auto with_word = [&good](std::size_t at, std::uint32_t value) {
+    std::string bytes = good;
+    set_word(bytes, at, value);
+    return bytes;
+  };
+  expect_refused("", "not a binary glTF");
+  expect_refused("RIFF, not glTF at all", "not a binary glTF");
+  expect_refused(with_word(4, 1), "version 1");
+  expect_refused(good.substr(0, good.size() - 1), "cut off");
+  expect_refused(good + "x", "cut off");
+  expect_refused(with_word(12, 0x7fffffff), "JSON");
+  expect_refused(with_word(16, 0), "JSON");
+  const std::size_t text = word(good, 12);
+  expect_refused(with_word(20 + text, 0xffffffff), "second chunk");
+  expect_refused(with_word(24 + text, 0), "second chunk");
+  std::string torn = good;
+  torn[20] = '[';
+  expect_refused(torn, "malformed");
+}
+
+TEST(BrokenContainer, CutAnywhereIsRefused) {
+  const std::string good = good_file();
+  for (std::size_t size = 0; size < good.size(); size += 1 + size / 50) {
+    std::string cut = good.substr(0, size);
+    EXPECT_FALSE(parse(cut));
+    if (size < 12) continue;
+    set_word(cut, 8, static_cast<std::uint32_t>(size));  // with a header that agrees
+    EXPECT_FALSE(parse(cut)) << size;
+  }
+}
+
+// A hostile text: a value nested a million deep where a number should stand must not exhaust the stack.
+TEST(BrokenContainer, DeepNestingIsRefusedWithoutACrash) {
+  GlbParts parts(good_file());
+  parts.model()["frequencies"] = "@";
+  std::string text = parts.json.dump();
+  constexpr std::size_t kDepth = 1000000;
+  text.replace(text.find("\"@\""), 3, std::string(kDepth, '[') + std::string(kDepth, ']'));
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  std::string file = "glTF" + std::string(16, '\0') + text;
+  set_word(file, 4, 2);
+  set_word(file, 8, static_cast<std::uint32_t>(file.size()));
+  set_word(file, 12, static_cast<std::uint32_t>(text.size()));
+  std::memcpy(file.data() + 16, "JSON", 4);
+  expect_refused(file, "frequencies");
+}
+
+TEST(BrokenProvenance, LoadsAllTheSame) {
+  for (const Json& value : {Json(1e300), Json(-1e300), Json("many"), Json(nullptr), Json(-3), Json(0.5)}) {
+    GlbParts parts(good_file());
+    parts.model()["extras"]["ringdown"]["unknowns"] = value;
+    const auto bank = parse(parts.join());
+    ASSERT_TRUE(bank) << bank.error().message;
+    EXPECT_EQ(bank->provenance.unknowns, 0) << value;
+  }
+}
+
+// Whatever bytes a file has, reading gives a bank that keeps its promises, or a sentence.
+TEST(BrokenBytes, TwentyThousandRandomFlipsNeverCrashOrPassABadBank) {
+  const std::string good = good_file();
+  const std::size_t text = word(good, 12);
+  std::mt19937 random(5);
+  std::size_t accepted = 0;
+  for (int turn = 0; turn < 20000; ++turn) {
+    std::string bytes = good;
+    const std::size_t flips = 1 + random() % 4;
+    for (std::size_t i = 0; i < flips; ++i) {
+      const std::size_t limit = turn % 2 == 0 ? bytes.size() : 20 + text;  // every other time in header and text only
+      bytes[random() % limit] = static_cast<char>(random() % (turn % 3 == 0 ? 256 : 128));
+    }
+    const auto bank = parse(bytes);
+    if (!bank) {
+      ASSERT_FALSE(bank.error().message.empty());
+      continue;
+    }
+    ++accepted;
+    ASSERT_EQ(bank->decay_per_s.size(), bank->mode_count());
+    ASSERT_EQ(bank->shapes.size(), bank->mode_count() * bank->point_count());
+    for (const double f : bank->frequency_hz) ASSERT_TRUE(f > 0 && std::isfinite(f));
+    for (const auto& triangle : bank->triangles) {
+      for (const std::uint32_t corner : triangle) ASSERT_LT(corner, bank->point_count());
+    }
+  }
+  EXPECT_GT(accepted, 1000u);
+}
+
+}  // namespace
+}  // namespace ringdown::modal::test
