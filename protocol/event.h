@@ -27,9 +27,9 @@ struct Event {
   ObjectNumber object = 0;
   EventType type = EventType::strike;
   std::uint32_t vertex = 0;
-  Vec3 point_m;                // object frame
-  Vec3 impulse_ns;             // object frame [N s]
-  double contact_time_s = 0;   // duration of the half-sine force pulse; 0 is an ideal impulse
+  Vec3 point_m;               // object frame
+  Vec3 impulse_ns;            // object frame [N s]
+  double contact_time_s = 0;  // duration of the half-sine force pulse; 0 is an ideal impulse
   double value = 0;
   double ramp_s = 0;
 };

@@ -22,7 +22,7 @@ struct ObjectRef {
   friend bool operator==(const ObjectRef&, const ObjectRef&) = default;
 };
 
-struct Strike {        // /object/{object}/strike
+struct Strike {  // /object/{object}/strike
   ObjectRef object;
   Vec3 point_m, impulse_ns;
   double contact_time_s = kDefaultContactTimeS;
@@ -33,62 +33,62 @@ struct StrikeVertex {  // /object/{object}/strike_vertex
   Vec3 impulse_ns;
   double contact_time_s = kDefaultContactTimeS;
 };
-struct SetGain {       // /object/{object}/gain
+struct SetGain {  // /object/{object}/gain
   ObjectRef object;
   double gain = 1;
   double ramp_s = 0;
 };
-struct SetPan {        // /object/{object}/pan
+struct SetPan {  // /object/{object}/pan
   ObjectRef object;
   double pan = 0;
 };
-struct SetMaterial {   // /object/{object}/material
+struct SetMaterial {  // /object/{object}/material
   ObjectRef object;
   modal::MaterialScale scale;
 };
-struct ClearObject {   // /object/{object}/clear
+struct ClearObject {  // /object/{object}/clear
   ObjectRef object;
 };
-struct FreeObject {    // /object/{object}/free
+struct FreeObject {  // /object/{object}/free
   ObjectRef object;
 };
 // Loads a bank under a new name, or gives an existing object a new bank while the old one rings out.
-struct LoadObject {    // /load
+struct LoadObject {  // /load
   std::string name;
   std::string bank_path;
 };
-struct ClearAll {};    // /clear
+struct ClearAll {};  // /clear
 
-struct SceneLoad {     // /scene/load
+struct SceneLoad {  // /scene/load
   std::string path;
 };
-struct ScenePause {    // /scene/pause
+struct ScenePause {  // /scene/pause
   bool paused = true;
 };
 // Drops a new body into the scene. `object` sounds; without one the body is silent but strikes others.
-struct SpawnBox {      // /scene/spawn/box
+struct SpawnBox {  // /scene/spawn/box
   std::optional<ObjectRef> object;
   Vec3 position_m, velocity_m_s;
-  Vec3 size_m;                // edge lengths; 0 0 0: the bounding box of the object's bank
-  double density_kg_m3 = 0;   // 0: mass and inertia from the object's bank
+  Vec3 size_m;               // edge lengths; 0 0 0: the bounding box of the object's bank
+  double density_kg_m3 = 0;  // 0: mass and inertia from the object's bank
 };
-struct SpawnSphere {   // /scene/spawn/sphere
+struct SpawnSphere {  // /scene/spawn/sphere
   std::optional<ObjectRef> object;
   Vec3 position_m, velocity_m_s;
-  double radius_m = 0;        // 0: the radius that encloses the object's bank
-  double density_kg_m3 = 0;   // 0: mass and inertia from the object's bank
+  double radius_m = 0;       // 0: the radius that encloses the object's bank
+  double density_kg_m3 = 0;  // 0: mass and inertia from the object's bank
 };
 struct SceneClear {};  // /scene/clear
 
-struct Status {};      // /status
-struct Version {};     // /version
-struct Sync {          // /sync
+struct Status {};   // /status
+struct Version {};  // /version
+struct Sync {       // /sync
   std::int32_t id = 0;
 };
-struct Quit {};        // /quit
+struct Quit {};  // /quit
 
-using Request = std::variant<Strike, StrikeVertex, SetGain, SetPan, SetMaterial, ClearObject, FreeObject, LoadObject,
-                             ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, Status, Version,
-                             Sync, Quit>;
+using Request =
+    std::variant<Strike, StrikeVertex, SetGain, SetPan, SetMaterial, ClearObject, FreeObject, LoadObject, ClearAll,
+                 SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, Status, Version, Sync, Quit>;
 
 }  // namespace ringdown::protocol

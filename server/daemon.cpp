@@ -73,7 +73,8 @@ ExitCode render_to_file(const DaemonOptions& options) {
                                          .block_frames = options.block_frames},
                                         [](double) { return !signal_came(0ms); });
   if (!recording) return report(recording.error(), ExitCode::failure);
-  if (const auto written = write_audio(*recording, options.output); !written) return report(written.error(), ExitCode::failure);
+  if (const auto written = write_audio(*recording, options.output); !written)
+    return report(written.error(), ExitCode::failure);
   spdlog::info("wrote {}, {:.2f} s", options.output.string(),
                static_cast<double>(recording->left.size()) / recording->sample_rate_hz);
   return ExitCode::ok;
@@ -100,7 +101,8 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   const OscServer server(std::move(socket), {session, worker, *driver, [&quit] { quit = true; }});
   const std::jthread scene = start_scene(session, *driver);
   spdlog::info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options.address, server.port(),
-               session.rack().objects().size(), driver->sample_rate_hz(), driver->block_frames(), synth::kernel_target());
+               session.rack().objects().size(), driver->sample_rate_hz(), driver->block_frames(),
+               synth::kernel_target());
 
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds.value_or(1e9));
   while (!quit && !lost && std::chrono::steady_clock::now() < end) {
@@ -123,7 +125,8 @@ ExitCode run_daemon(const DaemonOptions& options) {
   auto socket = OscSocket::bind(*endpoint);
   if (!socket) return report(socket.error(), ExitCode::port_busy);
   if (endpoint->address >> 24 != 127) {
-    spdlog::warn("listening on {}: anyone who can reach this address can play, load files and stop the daemon", options.address);
+    spdlog::warn("listening on {}: anyone who can reach this address can play, load files and stop the daemon",
+                 options.address);
   }
   auto driver = options.driver == DaemonOptions::DriverKind::jack
                     ? open_jack({.client_name = options.jack_name, .connect = options.connect})

@@ -24,10 +24,10 @@ struct DaemonOptions {
   std::string address = "127.0.0.1";    // where OSC is received
   std::uint16_t port = protocol::kDefaultPort;  // 0: any free one
   std::string jack_name = "ringdown";
-  bool connect = false;                 // to the speakers
-  double sample_rate_hz = 48000;        // wav and null; JACK has its own
-  std::size_t block_frames = 256;       // wav and null
-  std::optional<double> seconds;        // null, jack: stop after this time; wav: length of the file
+  bool connect = false;                           // to the speakers
+  double sample_rate_hz = 48000;                  // wav and null; JACK has its own
+  std::size_t block_frames = 256;                 // wav and null
+  std::optional<double> seconds;                  // null, jack: stop after this time; wav: length of the file
   std::filesystem::path output = "ringdown.wav";  // wav
 };
 

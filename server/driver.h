@@ -31,7 +31,7 @@ class Driver {
   // The mixer's frame that is being computed at this instant. [any but audio]
   [[nodiscard]] virtual protocol::Frame now() const = 0;
 
-  [[nodiscard]] virtual Load load() const = 0;         // [any but audio]
+  [[nodiscard]] virtual Load load() const = 0;           // [any but audio]
   [[nodiscard]] virtual std::int32_t xruns() const = 0;  // [any]
 };
 

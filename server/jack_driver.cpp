@@ -28,18 +28,27 @@ class JackDriver final : public Driver {
   Result<void> start(synth::Mixer& mixer, std::function<void()> on_lost) override {
     mixer_ = &mixer;
     on_lost_ = std::move(on_lost);
-    jack_set_process_callback(client_, [](jack_nframes_t frames, void* self) {
-      static_cast<JackDriver*>(self)->process(frames);
-      return 0;
-    }, this);
-    jack_set_xrun_callback(client_, [](void* self) {
-      ++static_cast<JackDriver*>(self)->xruns_;
-      return 0;
-    }, this);
-    jack_on_shutdown(client_, [](void* self) {
-      static_cast<JackDriver*>(self)->lost_ = true;
-      static_cast<JackDriver*>(self)->on_lost_();
-    }, this);
+    jack_set_process_callback(
+        client_,
+        [](jack_nframes_t frames, void* self) {
+          static_cast<JackDriver*>(self)->process(frames);
+          return 0;
+        },
+        this);
+    jack_set_xrun_callback(
+        client_,
+        [](void* self) {
+          ++static_cast<JackDriver*>(self)->xruns_;
+          return 0;
+        },
+        this);
+    jack_on_shutdown(
+        client_,
+        [](void* self) {
+          static_cast<JackDriver*>(self)->lost_ = true;
+          static_cast<JackDriver*>(self)->on_lost_();
+        },
+        this);
     if (jack_activate(client_) != 0) return fail("the JACK server refused to start the client; see its own messages");
     if (connect_) connect_to_speakers();
     return {};
@@ -68,7 +77,8 @@ class JackDriver final : public Driver {
   }
 
   void connect_to_speakers() {
-    const char** speakers = jack_get_ports(client_, nullptr, JACK_DEFAULT_AUDIO_TYPE, JackPortIsInput | JackPortIsPhysical);
+    const char** speakers =
+        jack_get_ports(client_, nullptr, JACK_DEFAULT_AUDIO_TYPE, JackPortIsInput | JackPortIsPhysical);
     for (std::size_t i = 0; speakers && speakers[i] && i < ports_.size(); ++i) {
       jack_connect(client_, jack_port_name(ports_[i]), speakers[i]);
     }

@@ -33,8 +33,8 @@ class NullDriver final : public Driver {
     std::vector<float> left(block_), right(block_);
     for (std::int64_t block = 0; !stop.stop_requested(); ++block) {
       const double due_s = static_cast<double>(block * static_cast<std::int64_t>(block_)) / sample_rate_hz_;
-      std::this_thread::sleep_until(origin_ + std::chrono::duration_cast<LoadMeter::Clock::duration>(
-                                                  std::chrono::duration<double>(due_s)));
+      std::this_thread::sleep_until(
+          origin_ + std::chrono::duration_cast<LoadMeter::Clock::duration>(std::chrono::duration<double>(due_s)));
       const auto begin = LoadMeter::Clock::now();
       mixer.render(left, right);
       meter_.note(begin, block_, sample_rate_hz_);

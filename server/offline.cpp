@@ -33,7 +33,7 @@ class Run {
       if (!score) return fail(score.error());
       score_ = std::move(*score);
     }
-    const double score_s = score_.empty() ? 0 : score_.back().time_s + kTail_s;
+    const double score_s = take_score_length();
     const double seconds = options_.seconds.value_or(std::max(score_s, session_.scene().duration_s()));
     if (!(seconds > 0 && seconds <= kLongestRender_s)) {
       return fail("nothing to render: name a scene or a score, or a length of 0 to 86400 s with --seconds");
@@ -49,12 +49,22 @@ class Run {
     const auto block = static_cast<Frame>(options_.block_frames);
     for (Frame begin = 0; begin < total; begin += block) {
       render_until(std::min(begin + block, total));
-      if (!progress(static_cast<double>(now_) / static_cast<double>(total))) return fail("cancelled; nothing was written");
+      if (!progress(static_cast<double>(now_) / static_cast<double>(total)))
+        return fail("cancelled; nothing was written");
     }
     return {};
   }
 
  private:
+  // The score's last event and a tail, or just its end mark: scores for scsynth close with a /c_set that does nothing.
+  double take_score_length() {
+    if (score_.empty()) return 0;
+    const double last_s = score_.back().time_s;
+    if (score_.back().message.address != "/c_set") return last_s + kTail_s;
+    score_.pop_back();
+    return last_s;
+  }
+
   // Events go ahead with their frame; a request that changes more than that splits the block at its own frame.
   void render_until(Frame end) {
     while (next_ < score_.size() && frame_of(score_[next_]) < end) {
@@ -91,7 +101,8 @@ class Run {
   }
 
   void warn(const ScoreEvent& event, const std::string& sentence) {
-    recording_.warnings.push_back("at " + std::to_string(event.time_s) + " s: " + event.message.address + ": " + sentence);
+    recording_.warnings.push_back("at " + std::to_string(event.time_s) + " s: " + event.message.address + ": " +
+                                  sentence);
   }
 
   const OfflineOptions& options_;

@@ -1,7 +1,7 @@
 // Rendering without a clock: the same session, mixer and scene as the daemon's, driven as fast as the machine can.
 //
-// What `ringdown render` and `ringdownd --driver wav` do, and the oracle that live sound is compared with. Bit-identical
-// from run to run; at another block size the samples differ only by rounding.
+// What `ringdown render` and `ringdownd --driver wav` do, and the oracle that live sound is compared with.
+// Bit-identical from run to run; at another block size the samples differ only by rounding.
 #pragma once
 
 #include "engine/base/result.h"
@@ -18,9 +18,10 @@ namespace ringdown::server {
 
 struct OfflineOptions {
   std::optional<std::filesystem::path> scene;
-  std::optional<std::filesystem::path> score;                        // OSC score (osc_score.h)
+  std::optional<std::filesystem::path> score;                          // OSC score (osc_score.h)
   std::vector<std::pair<std::string, std::filesystem::path>> objects;  // name, bank
-  std::optional<double> seconds;  // default: the scene's own duration, or the score's plus kTail_s
+  std::optional<double> seconds;  // default: the scene's own duration, or up to the score's end mark /c_set, or its
+                                  // last event and kTail_s
   double sample_rate_hz = 48000;
   std::size_t block_frames = 256;
 };

@@ -78,7 +78,8 @@ void OscServer::handle(const TimedMessage& timed, Endpoint from, protocol::Frame
 // /sync goes the same way as what it waits for.
 void OscServer::post(const Request& request, const std::string& address, Endpoint from) {
   const auto task = [socket = socket_, &session = parts_.session, &driver = parts_.driver, request, address, from] {
-    if (const auto* sync = std::get_if<protocol::Sync>(&request)) return answer(*socket, from, protocol::Synced{sync->id});
+    if (const auto* sync = std::get_if<protocol::Sync>(&request))
+      return answer(*socket, from, protocol::Synced{sync->id});
     const auto number = session.perform(request, driver.now() + latency_frames(driver));
     if (number) return answer(*socket, from, protocol::Done{address, *number});
     answer(*socket, from, Fail{address, address + ": " + number.error().message});

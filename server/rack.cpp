@@ -55,7 +55,8 @@ Result<protocol::ObjectNumber> Rack::load(const std::string& name, const std::fi
     if (!number) return fail(number.error());
     object.number = *number;
   }
-  if (const auto installed = install(object, synth::Mixer::Install::replace); !installed) return fail(installed.error());
+  if (const auto installed = install(object, synth::Mixer::Install::replace); !installed)
+    return fail(installed.error());
   const std::scoped_lock lock(mutex_);
   objects_[name] = object;
   return object.number;
@@ -100,7 +101,8 @@ Result<protocol::ObjectNumber> Rack::free_number() const {
   for (protocol::ObjectNumber number = 0; number < synth::kMostObjects; ++number) {
     if (!taken[number] && !mixer_.in_use(number)) return number;
   }
-  return fail("name: all " + std::to_string(synth::kMostObjects) + " objects are in use; free one with /object/.../free");
+  return fail("name: all " + std::to_string(synth::kMostObjects) +
+              " objects are in use; free one with /object/.../free");
 }
 
 Result<void> Rack::install(const RackObject& object, synth::Mixer::Install how) {

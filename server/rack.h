@@ -59,8 +59,8 @@ class Rack {
   [[nodiscard]] Result<void> install(const RackObject& object, synth::Mixer::Install how);
 
   synth::Mixer mixer_;
-  mutable std::mutex mutex_;                                      // guards objects_
-  std::map<std::string, RackObject> objects_;                     // changed by the worker only
+  mutable std::mutex mutex_;                                           // guards objects_
+  std::map<std::string, RackObject> objects_;                          // changed by the worker only
   std::map<std::string, std::weak_ptr<const modal::StrikeMap>> maps_;  // worker: banks in use, by file and its time
 };
 

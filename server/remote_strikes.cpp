@@ -38,8 +38,8 @@ Result<ScenePlayer::Sink> open_remote_strikes(const std::string& url, const Rack
       const protocol::Frame frame = strikes.front().frame;
       while (!strikes.empty() && strikes.front().frame == frame && messages.size() < kStrikesPerPacket) {
         const protocol::Event& event = strikes.front();
-        messages.push_back(protocol::format(protocol::Strike{
-            {.name = names[event.object]}, event.point_m, event.impulse_ns, event.contact_time_s}));
+        messages.push_back(protocol::format(
+            protocol::Strike{{.name = names[event.object]}, event.point_m, event.impulse_ns, event.contact_time_s}));
         strikes = strikes.subspan(1);
       }
       const double ahead_s = static_cast<double>(frame - driver.now()) / driver.sample_rate_hz();

@@ -45,9 +45,10 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
     if (object.material != modal::MaterialScale{}) {
       if (const auto set = rack_.set_material({.name = object.name}, object.material); !set) return fail(set.error());
     }
-    const bool sent =
-        mixer.push(synth::Producer::worker, {.frame = frame, .object = *number, .type = EventType::gain, .value = object.gain}) &&
-        mixer.push(synth::Producer::worker, {.frame = frame, .object = *number, .type = EventType::pan, .value = object.pan});
+    const bool sent = mixer.push(synth::Producer::worker,
+                                 {.frame = frame, .object = *number, .type = EventType::gain, .value = object.gain}) &&
+                      mixer.push(synth::Producer::worker,
+                                 {.frame = frame, .object = *number, .type = EventType::pan, .value = object.pan});
     if (!sent) return fail(path.string() + ": too many objects at once; wait for those before to be taken up");
   }
   std::vector<scene::SoundingObject> objects;
@@ -114,9 +115,7 @@ void ScenePlayer::advance_to(Frame frame, Frame slack) {
 }
 
 // The frame of the world's present time.
-Frame ScenePlayer::position() const {
-  return start_ + std::llround(world_->time_s() * rack_.mixer().sample_rate_hz());
-}
+Frame ScenePlayer::position() const { return start_ + std::llround(world_->time_s() * rack_.mixer().sample_rate_hz()); }
 
 void ScenePlayer::move_start(Frame later) {
   if (later > 0) world_->set_start_frame(start_ += later);

@@ -36,10 +36,10 @@ class ScenePlayer {
   // Returns the number of bodies. [worker]
   Result<std::size_t> load(const std::filesystem::path& path, protocol::Frame frame);
 
-  Result<void> pause(bool paused);                                 // [worker]
-  Result<scene::BodyId> spawn(protocol::SpawnBox box);             // the body's number [worker]
-  Result<scene::BodyId> spawn(protocol::SpawnSphere sphere);       // [worker]
-  Result<void> clear();                                            // [worker]
+  Result<void> pause(bool paused);                            // [worker]
+  Result<scene::BodyId> spawn(protocol::SpawnBox box);        // the body's number [worker]
+  Result<scene::BodyId> spawn(protocol::SpawnSphere sphere);  // [worker]
+  Result<void> clear();                                       // [worker]
 
   // An object of the rack has a new bank, or has gone; bodies that play it follow. [worker]
   Result<void> object_changed(const RackObject& object);
@@ -50,7 +50,9 @@ class ScenePlayer {
   void advance_to(protocol::Frame frame, protocol::Frame slack);
 
   [[nodiscard]] std::size_t body_count() const { return body_count_; }
-  [[nodiscard]] double duration_s() const { return duration_s_; }  // what the scene file is worth hearing; 0 without one
+  [[nodiscard]] double duration_s() const {
+    return duration_s_;
+  }  // what the scene file is worth hearing; 0 without one
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
  private:

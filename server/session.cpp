@@ -13,7 +13,10 @@ struct Match : Cases... {
 const protocol::ObjectRef* object_of(const protocol::Request& request) {
   return std::visit(
       [](const auto& r) -> const protocol::ObjectRef* {
-        if constexpr (requires { { r.object } -> std::same_as<const protocol::ObjectRef&>; }) return &r.object;
+        if constexpr (requires {
+                        { r.object } -> std::same_as<const protocol::ObjectRef&>;
+                      })
+          return &r.object;
         return nullptr;
       },
       request);
@@ -22,20 +25,19 @@ const protocol::ObjectRef* object_of(const protocol::Request& request) {
 }  // namespace
 
 bool Session::is_event(const protocol::Request& request) {
-  return std::visit(Match{[](const protocol::Strike&) { return true; },
-                          [](const protocol::StrikeVertex&) { return true; },
-                          [](const protocol::SetGain&) { return true; },
-                          [](const protocol::SetPan&) { return true; },
-                          [](const protocol::ClearObject&) { return true; },
-                          [](const protocol::ClearAll&) { return true; },
-                          [](const auto&) { return false; }},
-                    request);
+  return std::visit(
+      Match{[](const protocol::Strike&) { return true; }, [](const protocol::StrikeVertex&) { return true; },
+            [](const protocol::SetGain&) { return true; }, [](const protocol::SetPan&) { return true; },
+            [](const protocol::ClearObject&) { return true; }, [](const protocol::ClearAll&) { return true; },
+            [](const auto&) { return false; }},
+      request);
 }
 
 Result<void> Session::play(const protocol::Request& request, protocol::Frame frame) {
   const auto latest = rack_.mixer().counters().frames.load(std::memory_order_relaxed) +
                       static_cast<protocol::Frame>(kFarthestAhead_s * sample_rate_hz());
-  if (frame > latest) return fail("its time tag is more than " + std::to_string(static_cast<int>(kFarthestAhead_s)) + " s ahead");
+  if (frame > latest)
+    return fail("its time tag is more than " + std::to_string(static_cast<int>(kFarthestAhead_s)) + " s ahead");
   if (std::holds_alternative<protocol::ClearAll>(request)) {
     for (const RackObject& object : rack_.objects()) {
       const auto event = event_for(request, object, frame);

@@ -17,8 +17,9 @@ std::vector<std::string> daemon_command(std::vector<std::string> arguments) {
 // Port limit: jackd's default wants 107 MB of shared memory, more than many containers have.
 JackServer::JackServer()
     : name_("ringdown-test-" + std::to_string(::getpid())),
-      server_({"jackd", "--no-realtime", "--name", name_, "--port-max", "128", "-d", "dummy", "-r", "48000", "-p", "256"},
-              {{"JACK_NO_AUDIO_RESERVATION", "1"}}) {}
+      server_(
+          {"jackd", "--no-realtime", "--name", name_, "--port-max", "128", "-d", "dummy", "-r", "48000", "-p", "256"},
+          {{"JACK_NO_AUDIO_RESERVATION", "1"}}) {}
 
 Process::Environment JackServer::environment() const {
   return {{"JACK_DEFAULT_SERVER", name_}, {"JACK_NO_START_SERVER", "1"}};

@@ -1,4 +1,5 @@
-// Real daemons for tests: a private jackd with its dummy driver, ringdownd on a free port, and a client that talks to it.
+// Real daemons for tests: a private jackd with its dummy driver, ringdownd on a free port, and a client that talks to
+// it.
 #pragma once
 
 #include "protocol/schema.h"

@@ -140,7 +140,8 @@ TEST_F(DaemonTest, NoJackServerABusyPortAndABadBankHaveTheirOwnExitCodes) {
   EXPECT_NE(busy.output.find(std::to_string(first.port())), std::string::npos) << busy.output;
 
   std::ofstream(folder_ / "broken.glb") << "this is no bank";
-  const Outcome broken = run({program("ringdownd"), "--driver", "null", "--port", "0", "--object", "x=" + bank("broken.glb")});
+  const Outcome broken =
+      run({program("ringdownd"), "--driver", "null", "--port", "0", "--object", "x=" + bank("broken.glb")});
   EXPECT_EQ(broken.exit_code, 3);
   EXPECT_NE(broken.output.find("broken.glb"), std::string::npos) << broken.output;
 

@@ -100,8 +100,7 @@ TEST_F(Jack, TimedBundlesKeepTheirDistanceToAMillisecond) {
   const protocol::Message clear = protocol::format(protocol::ClearAll{});
   constexpr double kApart_s = 0.3137;
   const Samples heard = record(2, [&] {
-    const double now =
-        std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    const double now = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
     daemon.send_bundle(now + 0.2, {strike});
     daemon.send_bundle(now + 0.3, {clear});  // so that the second onset rises out of silence
     daemon.send_bundle(now + 0.2 + kApart_s, {strike});

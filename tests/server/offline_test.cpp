@@ -171,6 +171,11 @@ TEST_F(OfflineTest, RefusedRequestsOfAScoreAreReportedWithTheirTime) {
   EXPECT_NE(recording->warnings[0].find("nobody"), std::string::npos) << recording->warnings[0];
 }
 
+TEST_F(OfflineTest, AScoreEndsAtItsEndMark) {
+  ASSERT_TRUE(write_score(std::vector<ScoreEvent>{{0.75, {"/c_set", {0, 0}}}}, folder_ / "end.osc"));
+  EXPECT_EQ(render({.score = folder_ / "end.osc"}).left.size(), 36000u);
+}
+
 TEST_F(OfflineTest, NothingToRenderAndCancellationAreErrors) {
   EXPECT_FALSE(render_offline({}, [](double) { return true; }));
   EXPECT_FALSE(render_offline({.scene = folder_ / "missing.toml"}, [](double) { return true; }));
