@@ -176,13 +176,14 @@ Result<Eigenmodes> iterate(const fem::System& system, const EigenRequest& reques
     Eigenmodes modes;
     modes.lambda = solver.eigenvalues();
     modes.rigid = count_rigid(modes.lambda, rigid_limit);
-    if (modes.lambda[wanted - 1] > request.highest_lambda || wanted == unknowns - 1) {
+    const auto in_band = (modes.lambda.array() <= request.highest_lambda).count();
+    if (in_band - modes.rigid > request.most_modes) {
+      return fail("more than " + std::to_string(request.most_modes) +
+                  " modes lie in the band; narrow the band or allow more modes");
+    }
+    if (in_band < wanted || wanted == unknowns - 1) {
       modes.shapes = solver.eigenvectors();
       return modes;
-    }
-    if (wanted - modes.rigid >= request.most_modes) {
-      return fail("more than " + std::to_string(request.most_modes) + " modes lie in the band; narrow the band or " +
-                  "allow more modes");
     }
     wanted = next_request(modes.lambda, modes.rigid, request.highest_lambda);
     wanted = std::min({wanted, unknowns - 1, request.most_modes + modes.rigid + 1});

@@ -7,18 +7,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <mutex>
 #include <optional>
 #include <regex>
+#include <unistd.h>
 #include <unordered_map>
 #include <vector>
 
 namespace ringdown::mesh {
 namespace {
 
-constexpr int kTet4 = 4, kTet10 = 11;                                     // gmsh's element types
-constexpr std::array<int, 10> kFromGmsh = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8}; // its last two edges are exchanged
-constexpr std::size_t kLargestGeometry = 16 << 20;                        // bytes of a .geo
+constexpr int kTet4 = 4, kTet10 = 11;                                      // gmsh's element types
+constexpr std::array<int, 10> kFromGmsh = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};  // its last two edges are exchanged
+constexpr std::size_t kLargestGeometry = 16 << 20;                         // bytes of a .geo
 
 std::string plain_number(double value) {
   char text[40];
@@ -26,31 +28,64 @@ std::string plain_number(double value) {
   return text;
 }
 
-// gmsh between initialize() and finalize(), with the numbers that .geo files may ask for.
+// gmsh between initialize() and finalize().
 class Session {
-public:
-  explicit Session(const std::map<std::string, double>& numbers) : lock_(mutex_) {
-    std::vector<std::string> arguments = {"gmsh"};
-    for (const auto& [name, value] : numbers) {
-      arguments.insert(arguments.end(), {"-setnumber", name, plain_number(value)});
-    }
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    gmsh::initialize(static_cast<int>(argv.size()), argv.data(), false);
+ public:
+  Session() : lock_(mutex_) {
+    gmsh::initialize(0, nullptr, false);
     gmsh::option::setNumber("General.Terminal", 0);
-    gmsh::option::setNumber("General.NumThreads", 1); // the same mesh on every machine
+    gmsh::option::setNumber("General.NumThreads", 1);    // the same mesh on every machine
+    gmsh::option::setNumber("General.AbortOnError", 0);  // an exception through its parser spoils the next file
+    gmsh::logger::start();
   }
-  ~Session() { gmsh::finalize(); }
+  ~Session() {
+    gmsh::logger::stop();  // or the next session finds this one's errors
+    gmsh::finalize();
+  }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-private:
+  // The first error logged so far, without its label.
+  [[nodiscard]] std::optional<std::string> first_error() const {
+    std::vector<std::string> log;
+    gmsh::logger::get(log);
+    for (const std::string& line : log) {
+      if (line.starts_with("Error")) return line.substr(std::min(line.find(": ") + 2, line.size()));
+    }
+    return std::nullopt;
+  }
+
+ private:
   static inline std::mutex mutex_;
   std::lock_guard<std::mutex> lock_;
 };
 
-Result<void> check_parameters(const std::filesystem::path& path,
-                              const std::map<std::string, double>& parameters) {
+// A .geo that sets the parameters and includes the real one. gmsh's own way, -setnumber, cannot be taken back, and its
+// parser's variables outlive finalize(), so this also forgets those of the file before.
+class ParameterFile {
+ public:
+  ParameterFile(const std::filesystem::path& geometry, const std::map<std::string, double>& numbers) {
+    std::string text = "Delete Variables;\n";
+    for (const auto& [name, value] : numbers) text += name + " = " + plain_number(value) + ";\n";
+    text += "Include \"" + std::filesystem::absolute(geometry).string() + "\";\n";
+    const int descriptor = ::mkstemps(path_.data(), 4);
+    if (descriptor < 0) return;
+    written_ = ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+    ::close(descriptor);
+  }
+  ~ParameterFile() { ::unlink(path_.c_str()); }
+  ParameterFile(const ParameterFile&) = delete;
+  ParameterFile& operator=(const ParameterFile&) = delete;
+
+  [[nodiscard]] bool written() const { return written_; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_ = (std::filesystem::temp_directory_path() / "ringdown-XXXXXX.geo").string();
+  bool written_ = false;
+};
+
+Result<void> check_parameters(const std::filesystem::path& path, const std::map<std::string, double>& parameters) {
   if (parameters.empty()) return {};
   if (path.extension() != ".geo") {
     return fail(path.string() + " takes no parameters; only .geo files have them");
@@ -60,8 +95,7 @@ Result<void> check_parameters(const std::filesystem::path& path,
   for (const auto& [name, value] : parameters) {
     if (!std::regex_match(name, std::regex("[A-Za-z_][A-Za-z0-9_]*")) ||
         !std::regex_search(*text, std::regex("\\b" + name + "\\s*="))) {
-      return fail(path.string() + " has no parameter '" + name +
-                  "'; the file's DefineConstant lists what it takes");
+      return fail(path.string() + " has no parameter '" + name + "'; the file's DefineConstant lists what it takes");
     }
   }
   return {};
@@ -110,31 +144,15 @@ TetMesh take_mesh(int type, double unit_m) {
   const auto node_count = static_cast<Eigen::Index>(node_tags.size());
   mesh.nodes = unit_m * Eigen::Map<const Points>(coordinates.data(), node_count, 3);
   std::unordered_map<std::size_t, std::int32_t> number;
-  for (std::size_t i = 0; i < node_tags.size(); ++i)
-    number.emplace(node_tags[i], static_cast<std::int32_t>(i));
+  for (std::size_t i = 0; i < node_tags.size(); ++i) number.emplace(node_tags[i], static_cast<std::int32_t>(i));
   const int per_element = type == kTet10 ? 10 : 4;
   mesh.elements.resize(static_cast<Eigen::Index>(element_tags.size()), per_element);
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
     for (int a = 0; a < per_element; ++a) {
-      mesh.elements(e, a) =
-          number.at(element_nodes[static_cast<std::size_t>(e * per_element + kFromGmsh[a])]);
+      mesh.elements(e, a) = number.at(element_nodes[static_cast<std::size_t>(e * per_element + kFromGmsh[a])]);
     }
   }
   return mesh;
-}
-
-Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptions& options) {
-  gmsh::open(path.string());
-  generate_if_geometry(options);
-  if (const auto foreign = foreign_solid_element()) {
-    return fail(path.string() + " has elements of type " + *foreign +
-                "; only tetrahedra of 4 or 10 nodes are " + "understood, so mesh it with those");
-  }
-  const std::size_t linear = count_elements(kTet4), quadratic = count_elements(kTet10);
-  if (linear > 0 && quadratic > 0) {
-    return fail(path.string() + " mixes tetrahedra of 4 and of 10 nodes; give all of them the same order");
-  }
-  return check_mesh(take_mesh(quadratic > 0 ? kTet10 : kTet4, options.unit_m), path.string());
 }
 
 // gmsh's message as part of a sentence: one line, without a full stop.
@@ -148,7 +166,41 @@ tl::unexpected<Error> gmsh_failed(const std::filesystem::path& path, const std::
   return fail("gmsh cannot make a mesh of " + path.string() + ": " + one_line(message));
 }
 
-} // namespace
+Result<void> open_file(const std::filesystem::path& path, const GmshOptions& options) {
+  if (path.extension() != ".geo") {
+    gmsh::open(path.string());
+    return {};
+  }
+  std::map<std::string, double> numbers = options.parameters;
+  if (options.mesh_size_m > 0) numbers["mesh_size"] = options.mesh_size_m / options.unit_m;
+  const ParameterFile wrapper(path, numbers);
+  if (!wrapper.written()) return fail("cannot write " + wrapper.path() + "; the temporary folder must be writable");
+  gmsh::open(wrapper.path());
+  return {};
+}
+
+Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptions& options) {
+  const Session session;
+  try {
+    if (auto opened = open_file(path, options); !opened) return fail(opened.error());
+    if (const auto error = session.first_error()) return gmsh_failed(path, *error);
+    generate_if_geometry(options);
+  } catch (...) {  // of several types; what it says is in the log, too
+    return gmsh_failed(path, session.first_error().value_or(""));
+  }
+  if (const auto error = session.first_error()) return gmsh_failed(path, *error);
+  if (const auto foreign = foreign_solid_element()) {
+    return fail(path.string() + " has elements of type " + *foreign + "; only tetrahedra of 4 or 10 nodes are " +
+                "understood, so mesh it with those");
+  }
+  const std::size_t linear = count_elements(kTet4), quadratic = count_elements(kTet10);
+  if (linear > 0 && quadratic > 0) {
+    return fail(path.string() + " mixes tetrahedra of 4 and of 10 nodes; give all of them the same order");
+  }
+  return check_mesh(take_mesh(quadratic > 0 ? kTet10 : kTet4, options.unit_m), path.string());
+}
+
+}  // namespace
 
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options) {
   std::error_code error;
@@ -160,17 +212,10 @@ Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const Gmsh
   }
   if (auto known = check_parameters(path, options.parameters); !known) return fail(known.error());
   try {
-    std::map<std::string, double> numbers = options.parameters;
-    if (options.mesh_size_m > 0) numbers["mesh_size"] = options.mesh_size_m / options.unit_m;
-    const Session session(numbers);
     return read_open(path, options);
   } catch (const std::exception& exception) {
     return gmsh_failed(path, exception.what());
-  } catch (const std::string& message) {  // some of its own code throws its message bare
-    return gmsh_failed(path, message);
-  } catch (...) {
-    return gmsh_failed(path, "");
   }
 }
 
-} // namespace ringdown::mesh
+}  // namespace ringdown::mesh

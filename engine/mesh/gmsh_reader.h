@@ -20,10 +20,10 @@
 namespace ringdown::mesh {
 
 struct GmshOptions {
-  double unit_m = 1;      // length of one unit of the file, e.g. 0.001 for millimetres
-  double mesh_size_m = 0; // longest edge wanted; 0: the file's own or gmsh's choice. Geometry only
-  int order = 2;          // 1: straight 4-node, 2: curved 10-node elements. Geometry only
-  std::map<std::string, double> parameters; // DefineConstant names of a .geo, in the file's unit
+  double unit_m = 1;                         // length of one unit of the file, e.g. 0.001 for millimetres
+  double mesh_size_m = 0;                    // longest edge, for a geometry; never above a tenth of its diagonal
+  int order = 2;                             // 1: straight 4-node, 2: curved 10-node elements. Geometry only
+  std::map<std::string, double> parameters;  // DefineConstant names of a .geo, in the file's unit
 };
 
 // Reads or meshes `path` and checks it (check_mesh). Prints nothing. Fails with one sentence when gmsh does,
@@ -31,4 +31,4 @@ struct GmshOptions {
 // them.
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options);
 
-} // namespace ringdown::mesh
+}  // namespace ringdown::mesh

@@ -45,8 +45,8 @@ Surface number_points(const std::vector<Triangle>& faces) {
 std::vector<Triangle> faces_of(const Surface& surface, const std::vector<std::uint32_t>& indices) {
   std::vector<Triangle> faces;
   for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
-    faces.push_back(lowest_first(
-        {surface.nodes[indices[i]], surface.nodes[indices[i + 1]], surface.nodes[indices[i + 2]]}));
+    faces.push_back(
+        lowest_first({surface.nodes[indices[i]], surface.nodes[indices[i + 1]], surface.nodes[indices[i + 2]]}));
   }
   return faces;
 }
@@ -58,24 +58,23 @@ std::vector<std::uint32_t> simplify(const Surface& surface, const Points& nodes,
     for (int axis = 0; axis < 3; ++axis) positions.push_back(static_cast<float>(nodes(node, axis)));
   }
   std::vector<std::uint32_t> indices;
-  for (const auto& triangle : surface.triangles)
-    indices.insert(indices.end(), triangle.begin(), triangle.end());
+  for (const auto& triangle : surface.triangles) indices.insert(indices.end(), triangle.begin(), triangle.end());
   std::vector<std::uint32_t> fewer(indices.size());
   constexpr std::size_t kStride = 3 * sizeof(float);
   constexpr float kAnyError = 1e9f;
-  const std::size_t count =
-      keep_topology ? meshopt_simplify(fewer.data(), indices.data(), indices.size(), positions.data(),
-                                       surface.nodes.size(), kStride, target_indices, kAnyError)
-                    : meshopt_simplifySloppy(fewer.data(), indices.data(), indices.size(), positions.data(),
-                                             surface.nodes.size(), kStride, target_indices, kAnyError);
+  const std::size_t count = keep_topology
+                                ? meshopt_simplify(fewer.data(), indices.data(), indices.size(), positions.data(),
+                                                   surface.nodes.size(), kStride, target_indices, kAnyError)
+                                : meshopt_simplifySloppy(fewer.data(), indices.data(), indices.size(), positions.data(),
+                                                         surface.nodes.size(), kStride, target_indices, kAnyError);
   fewer.resize(count);
   return fewer;
 }
 
-} // namespace
+}  // namespace
 
 Surface boundary_surface(const TetMesh& mesh) {
-  std::vector<std::pair<Triangle, Triangle>> faces; // by its sorted nodes; as seen from outside
+  std::vector<std::pair<Triangle, Triangle>> faces;  // by its sorted nodes; as seen from outside
   faces.reserve(4 * static_cast<std::size_t>(mesh.elements.rows()));
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
     for (const auto& [a, b, c] : kFaces) {
@@ -115,8 +114,7 @@ Result<Surface> decimate(const Surface& surface, const Points& nodes, std::size_
 std::vector<double> area_weights(const Surface& surface, const Points& nodes) {
   std::vector<double> weights(surface.nodes.size(), 0.0);
   for (const auto& triangle : surface.triangles) {
-    const Eigen::Vector3d a = nodes.row(surface.nodes[triangle[0]]),
-                          b = nodes.row(surface.nodes[triangle[1]]),
+    const Eigen::Vector3d a = nodes.row(surface.nodes[triangle[0]]), b = nodes.row(surface.nodes[triangle[1]]),
                           c = nodes.row(surface.nodes[triangle[2]]);
     for (const std::uint32_t point : triangle) weights[point] += (b - a).cross(c - a).norm();
   }
@@ -125,4 +123,4 @@ std::vector<double> area_weights(const Surface& surface, const Points& nodes) {
   return weights;
 }
 
-} // namespace ringdown::mesh
+}  // namespace ringdown::mesh

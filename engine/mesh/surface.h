@@ -12,8 +12,8 @@ namespace ringdown::mesh {
 
 // Triangles between corner nodes of a TetMesh.
 struct Surface {
-  std::vector<std::int32_t> nodes;                     // P numbers of nodes in the TetMesh, ascending
-  std::vector<std::array<std::uint32_t, 3>> triangles; // positions in `nodes`, counter-clockwise from outside
+  std::vector<std::int32_t> nodes;                      // P numbers of nodes in the TetMesh, ascending
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // positions in `nodes`, counter-clockwise from outside
 };
 
 // The faces that belong to one element only, turned outward. Nodes on edges of 10-node elements are left out:
@@ -29,4 +29,4 @@ Result<Surface> decimate(const Surface& surface, const Points& nodes, std::size_
 // P weights that sum to 1: a third of the area of the triangles around each point, over the whole area.
 std::vector<double> area_weights(const Surface& surface, const Points& nodes);
 
-} // namespace ringdown::mesh
+}  // namespace ringdown::mesh

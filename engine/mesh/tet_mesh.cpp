@@ -38,15 +38,14 @@ void flip(TetMesh& mesh, Eigen::Index element) {
   auto row = mesh.elements.row(element);
   std::swap(row[1], row[2]);
   if (!mesh.quadratic()) return;
-  std::swap(row[4], row[6]); // edges 0-1 and 2-0
-  std::swap(row[8], row[9]); // edges 1-3 and 2-3
+  std::swap(row[4], row[6]);  // edges 0-1 and 2-0
+  std::swap(row[8], row[9]);  // edges 1-3 and 2-3
 }
 
 void straighten(TetMesh& mesh, Eigen::Index element) {
   const auto row = mesh.elements.row(element);
   for (int e = 0; e < 6; ++e) {
-    mesh.nodes.row(row[4 + e]) =
-        0.5 * (mesh.nodes.row(row[kTetEdges[e][0]]) + mesh.nodes.row(row[kTetEdges[e][1]]));
+    mesh.nodes.row(row[4 + e]) = 0.5 * (mesh.nodes.row(row[kTetEdges[e][0]]) + mesh.nodes.row(row[kTetEdges[e][1]]));
   }
 }
 
@@ -144,7 +143,7 @@ Result<void> check_numbers(const TetMesh& mesh, const std::string& name) {
   return {};
 }
 
-} // namespace
+}  // namespace
 
 Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name) {
   if (auto numbers = check_numbers(mesh, name); !numbers) return fail(numbers.error());
@@ -154,8 +153,7 @@ Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name) {
     const Corners corners = corners_of(checked.mesh, e);
     const double determinant = jacobian4(corners).determinant();
     if (is_flat(corners, determinant)) {
-      return fail(name + ": element " + std::to_string(e) +
-                  " has no volume (its four corners lie in a plane); " +
+      return fail(name + ": element " + std::to_string(e) + " has no volume (its four corners lie in a plane); " +
                   "mesh the object again, or repair it in a mesh tool");
     }
     if (determinant > 0) continue;
@@ -176,11 +174,9 @@ TetMesh to_quadratic(const TetMesh& mesh) {
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
     quadratic.elements.row(e).head<4>() = mesh.elements.row(e);
     for (int k = 0; k < 6; ++k) {
-      const auto [low, high] =
-          std::minmax(mesh.elements(e, kTetEdges[k][0]), mesh.elements(e, kTetEdges[k][1]));
+      const auto [low, high] = std::minmax(mesh.elements(e, kTetEdges[k][0]), mesh.elements(e, kTetEdges[k][1]));
       const std::uint64_t edge = (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint32_t>(high);
-      const auto next =
-          static_cast<std::int32_t>(mesh.nodes.rows() + static_cast<Eigen::Index>(middles.size()));
+      const auto next = static_cast<std::int32_t>(mesh.nodes.rows() + static_cast<Eigen::Index>(middles.size()));
       const auto [found, is_new] = middle_of.try_emplace(edge, next);
       if (is_new) middles.push_back(0.5 * (mesh.nodes.row(low) + mesh.nodes.row(high)));
       quadratic.elements(e, 4 + k) = found->second;
@@ -201,4 +197,4 @@ TetMesh to_linear(const TetMesh& mesh) {
   return linear;
 }
 
-} // namespace ringdown::mesh
+}  // namespace ringdown::mesh

@@ -22,12 +22,11 @@ namespace ringdown::mesh {
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Indices = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-inline constexpr std::array<std::array<int, 2>, 6> kTetEdges = {
-    {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
+inline constexpr std::array<std::array<int, 2>, 6> kTetEdges = {{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
 
 struct TetMesh {
-  Points nodes;     // N x 3 [m]
-  Indices elements; // E x 4 or E x 10, numbers of nodes
+  Points nodes;      // N x 3 [m]
+  Indices elements;  // E x 4 or E x 10, numbers of nodes
 
   [[nodiscard]] bool quadratic() const { return elements.cols() == 10; }
 };
@@ -36,10 +35,10 @@ struct TetMesh {
 // oriented and with volume, coordinates finite.
 struct CheckedMesh {
   TetMesh mesh;
-  int pieces = 0;       // parts that share no node
-  int flipped = 0;      // elements given inside out, now turned
-  int straightened = 0; // curved elements that folded over themselves, whose edges are now straight
-  int unused_nodes = 0; // dropped
+  int pieces = 0;        // parts that share no node
+  int flipped = 0;       // elements given inside out, now turned
+  int straightened = 0;  // curved elements that folded over themselves, whose edges are now straight
+  int unused_nodes = 0;  // dropped
 };
 
 // Repairs what has one right repair (the counts above) and refuses the rest: no elements, a node number out
@@ -54,4 +53,4 @@ TetMesh to_quadratic(const TetMesh& mesh);
 // 10 -> 4 nodes: straight edges between the corners; the nodes on edges are dropped.
 TetMesh to_linear(const TetMesh& mesh);
 
-} // namespace ringdown::mesh
+}  // namespace ringdown::mesh

@@ -11,8 +11,8 @@ namespace ringdown::mesh {
 namespace {
 
 struct LineRule {
-  Eigen::VectorXd points;  // in (0, 1)
-  Eigen::VectorXd weights; // sum to 1
+  Eigen::VectorXd points;   // in (0, 1)
+  Eigen::VectorXd weights;  // sum to 1
 };
 
 // Gauss rule for the weight (1-t)^power on (0, 1), by the eigenvalues of the Jacobi matrix (Golub & Welsch
@@ -30,13 +30,11 @@ LineRule gauss_jacobi(int count, int power) {
     }
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solved(jacobi);
-  return {(0.5 * (1 + solved.eigenvalues().array())).matrix(),
-          solved.eigenvectors().row(0).array().square().matrix()};
+  return {(0.5 * (1 + solved.eigenvalues().array())).matrix(), solved.eigenvectors().row(0).array().square().matrix()};
 }
 
 std::vector<QuadraturePoint> conical_product(int count) {
-  const LineRule first = gauss_jacobi(count, 2), second = gauss_jacobi(count, 1),
-                 third = gauss_jacobi(count, 0);
+  const LineRule first = gauss_jacobi(count, 2), second = gauss_jacobi(count, 1), third = gauss_jacobi(count, 0);
   std::vector<QuadraturePoint> rule;
   for (int i = 0; i < count; ++i) {
     for (int j = 0; j < count; ++j) {
@@ -44,15 +42,14 @@ std::vector<QuadraturePoint> conical_product(int count) {
         const double l1 = first.points[i];
         const double l2 = (1 - l1) * second.points[j];
         const double l3 = (1 - l1 - l2) * third.points[k];
-        rule.push_back(
-            {{1 - l1 - l2 - l3, l1, l2, l3}, first.weights[i] * second.weights[j] * third.weights[k]});
+        rule.push_back({{1 - l1 - l2 - l3, l1, l2, l3}, first.weights[i] * second.weights[j] * third.weights[k]});
       }
     }
   }
   return rule;
 }
 
-} // namespace
+}  // namespace
 
 Shape10 shape10(const Eigen::Vector4d& l) {
   Shape10 shape;
@@ -62,7 +59,7 @@ Shape10 shape10(const Eigen::Vector4d& l) {
 }
 
 Gradient10 reference_gradient10(const Eigen::Vector4d& l) {
-  Eigen::Matrix<double, 10, 4> d = Eigen::Matrix<double, 10, 4>::Zero(); // as if the four l were independent
+  Eigen::Matrix<double, 10, 4> d = Eigen::Matrix<double, 10, 4>::Zero();  // as if the four l were independent
   for (int i = 0; i < 4; ++i) d(i, i) = 4 * l[i] - 1;
   for (int e = 0; e < 6; ++e) {
     const auto [i, j] = kTetEdges[e];
@@ -72,9 +69,7 @@ Gradient10 reference_gradient10(const Eigen::Vector4d& l) {
   return d.rightCols<3>().colwise() - d.col(0);
 }
 
-Eigen::Matrix3d jacobian4(const Corners& corners) {
-  return corners.bottomRows<3>().rowwise() - corners.row(0);
-}
+Eigen::Matrix3d jacobian4(const Corners& corners) { return corners.bottomRows<3>().rowwise() - corners.row(0); }
 
 Eigen::Matrix3d jacobian10(const Nodes10& nodes, const Gradient10& reference_gradient) {
   return reference_gradient.transpose() * nodes;
@@ -98,4 +93,4 @@ std::vector<QuadraturePoint> tet_quadrature(int degree) {
   return rule;
 }
 
-} // namespace ringdown::mesh
+}  // namespace ringdown::mesh

@@ -33,7 +33,7 @@ bool is_straight(const Nodes10& nodes);
 
 struct QuadraturePoint {
   Eigen::Vector4d barycentric;
-  double weight; // the weights of a rule sum to 1: integral = volume * sum w f for a straight element
+  double weight;  // the weights of a rule sum to 1: integral = volume * sum w f for a straight element
 };
 
 // A rule exact for polynomials up to `degree`: the centroid (1), the symmetric 4-point rule (2), and above
@@ -41,4 +41,4 @@ struct QuadraturePoint {
 // Stroud, Approximate Calculation of Multiple Integrals, 1971, sections 2.4 and 8.8.
 std::vector<QuadraturePoint> tet_quadrature(int degree);
 
-} // namespace ringdown::mesh
+}  // namespace ringdown::mesh

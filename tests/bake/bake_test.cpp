@@ -1,0 +1,223 @@
+#include "engine/bake/bake.h"
+
+#include "engine/bake/importance.h"
+#include "engine/modal/bank_file.h"
+#include "tests/bake/temporary_folder.h"
+#include "tests/fem/sample_meshes.h"
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace ringdown {
+namespace {
+
+const Eigen::Vector3d kSize(0.2, 0.02, 0.01);
+
+modal::Material steel(double alpha = 5, double beta = 3e-8) { return {"steel", 200e9, 0.3, 7850, {alpha, beta}}; }
+
+mesh::CheckedMesh bar() { return test::checked(test::box_mesh({12, 2, 2}, kSize)); }
+
+bake::Baked baked(const bake::BakeOptions& options = {}, const modal::Material& material = steel()) {
+  return bake::bake(bar(), material, options, "bar").value();
+}
+
+std::string refusal(const mesh::CheckedMesh& mesh, const modal::Material& material, const bake::BakeOptions& options) {
+  const auto result = bake::bake(mesh, material, options, "thing");
+  return result ? "accepted" : result.error().message;
+}
+
+TEST(Bake, FillsEverythingABankHolds) {
+  const auto [bank, report] = baked();
+  EXPECT_EQ(bank.name, "bar");
+  EXPECT_GE(bank.mode_count(), 10u);
+  EXPECT_EQ(bank.decay_per_s.size(), bank.mode_count());
+  EXPECT_EQ(bank.shapes.size(), bank.mode_count() * bank.point_count());
+  EXPECT_LE(bank.point_count(), 200u);
+  EXPECT_FALSE(bank.triangles.empty());
+  EXPECT_EQ(bank.material->name, "steel");
+  EXPECT_EQ(report.rigid, 6);
+  EXPECT_EQ(bank.provenance.rigid_modes, 6);
+  EXPECT_EQ(bank.provenance.unknowns, report.unknowns);
+  EXPECT_EQ(bank.provenance.element, "tet10 consistent");
+  EXPECT_GT(bank.provenance.largest_residual, 0);
+  EXPECT_LT(bank.provenance.largest_residual, 1e-6);
+  for (const double frequency : bank.frequency_hz) {
+    EXPECT_GE(frequency, 20);
+    EXPECT_LE(frequency, 20000);
+  }
+}
+
+TEST(Bake, DecayFollowsRayleigh) {
+  const modal::Material material = steel(40, 2e-7);
+  const auto bank = baked({}, material).bank;
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const double decay = bank.decay_per_s[m], omega = 2 * M_PI * bank.frequency_hz[m];
+    EXPECT_NEAR(decay, 0.5 * (40 + 2e-7 * (omega * omega + decay * decay)), 1e-9 * decay);
+  }
+}
+
+TEST(Bake, MassPropertiesAreABoxs) {
+  const modal::MassProperties mass = *baked().bank.mass;
+  const double m = 7850 * kSize.prod();
+  EXPECT_NEAR(mass.mass_kg, m, 1e-12);
+  EXPECT_NEAR(mass.center_of_mass_m.x, 0.1, 1e-12);
+  EXPECT_NEAR(mass.center_of_mass_m.y, 0.01, 1e-12);
+  EXPECT_NEAR(mass.center_of_mass_m.z, 0.005, 1e-12);
+  const double xx = kSize[0] * kSize[0], yy = kSize[1] * kSize[1], zz = kSize[2] * kSize[2];
+  EXPECT_NEAR(mass.inertia_kg_m2.x, m / 12 * (yy + zz), 1e-13);
+  EXPECT_NEAR(mass.inertia_kg_m2.y, m / 12 * (xx + zz), 1e-13);
+  EXPECT_NEAR(mass.inertia_kg_m2.z, m / 12 * (xx + yy), 1e-13);
+  EXPECT_NEAR(std::abs(mass.orientation[3]), 1, 1e-9) << "a box's principal axes are its edges";
+}
+
+TEST(Bake, TurnedBodiesHaveTurnedPrincipalAxes) {
+  mesh::CheckedMesh mesh = bar();
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  mesh.mesh.nodes = (mesh.mesh.nodes * turn.transpose()).eval();
+  const auto mass = *bake::bake(mesh, steel(), {}, "turned")->bank.mass;
+  const Eigen::Quaterniond q(mass.orientation[3], mass.orientation[0], mass.orientation[1], mass.orientation[2]);
+  EXPECT_NEAR(q.norm(), 1, 1e-12);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(std::abs((q * Eigen::Vector3d::Unit(axis)).dot(turn.col(axis))), 1, 1e-9) << axis;
+  }
+}
+
+// The surface points are nodes and the shapes nodal values, so fewer points are a subset, not an approximation.
+TEST(Bake, DecimationChangesNoShape) {
+  const auto all = baked({.most_points = 10000}).bank, few = baked({.most_points = 40}).bank;
+  ASSERT_LE(few.point_count(), 40u);
+  ASSERT_EQ(few.frequency_hz, all.frequency_hz);
+  for (std::size_t p = 0; p < few.point_count(); ++p) {
+    const auto found = std::find(all.positions.begin(), all.positions.end(), few.positions[p]);
+    ASSERT_NE(found, all.positions.end());
+    const auto q = static_cast<std::size_t>(found - all.positions.begin());
+    for (std::size_t m = 0; m < few.mode_count(); ++m) EXPECT_EQ(few.shape(m, p), all.shape(m, q));
+  }
+}
+
+// For a mass-normalised shape the mass-weighted mean square over the body is 1; over the surface of a slender bar's
+// first bending mode it is 1/m too, and at the ends a free beam moves twice the rms.
+TEST(Bake, ShapesAreMassNormalised) {
+  const auto bank = baked({.most_points = 10000}).bank;
+  const auto lowest = static_cast<std::size_t>(std::min_element(bank.frequency_hz.begin(), bank.frequency_hz.end()) -
+                                               bank.frequency_hz.begin());
+  double largest = 0;
+  for (std::size_t p = 0; p < bank.point_count(); ++p) {
+    largest = std::max(largest, std::abs(static_cast<double>(bank.shape(lowest, p)[2])));
+  }
+  EXPECT_NEAR(largest * std::sqrt(bank.mass->mass_kg), 2, 0.03);
+}
+
+TEST(Bake, OrdersModesByImportance) {
+  const auto bank = baked({.most_points = 10000}).bank;
+  std::vector<double> value(bank.mode_count());
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    value[m] = bake::importance({bank.frequency_hz[m], bank.decay_per_s[m]}, 1);
+  }
+  // All modes of one body have about the same surface rms, so the order is that of the spectral part within a factor.
+  for (std::size_t m = 1; m < value.size(); ++m) EXPECT_LT(value[m], 12 * value[m - 1]);
+  EXPECT_GT(value.front(), value.back());
+}
+
+TEST(Bake, KeepsTheMostImportantModes) {
+  const auto all = baked(), few = baked({.keep_modes = 5});
+  ASSERT_EQ(few.bank.mode_count(), 5u);
+  EXPECT_EQ(few.report.unimportant, static_cast<int>(all.bank.mode_count()) - 5);
+  EXPECT_TRUE(std::equal(few.bank.frequency_hz.begin(), few.bank.frequency_hz.end(), all.bank.frequency_hz.begin()));
+}
+
+TEST(Bake, DropsWhatLiesBelowTheBandOrIsOverDamped) {
+  const auto whole = baked();
+  const double first = *std::min_element(whole.bank.frequency_hz.begin(), whole.bank.frequency_hz.end());
+  const auto above = baked({.band_low_hz = first * 1.01});
+  EXPECT_EQ(above.report.below_band, 1);
+  EXPECT_EQ(above.bank.mode_count(), whole.bank.mode_count() - 1);
+  // alpha = 2 omega of a mode makes it critical: below there is no pitch.
+  const auto tar = baked({}, steel(2 * 2 * M_PI * 5000, 0));
+  EXPECT_GT(tar.report.over_damped, 0);
+  EXPECT_EQ(tar.report.over_damped + tar.report.below_band + tar.bank.mode_count(), whole.bank.mode_count());
+}
+
+TEST(Bake, BandTopIsWhereTheDampedFrequencyMeetsIt) {
+  for (const modal::RayleighDamping damping : {modal::RayleighDamping{0, 0}, {100, 0}, {5, 3e-8}, {60, 2e-6}}) {
+    const double lambda = bake::highest_lambda_in_band(20000, damping);
+    EXPECT_NEAR(modal::damp(lambda, damping).frequency_hz, 20000, 1e-6);
+  }
+  const modal::RayleighDamping strong{0, 1e-4};  // no mode reaches 20 kHz; the highest pitch is at lambda = 2 / beta^2
+  EXPECT_NEAR(bake::highest_lambda_in_band(20000, strong), 2e8, 1);
+}
+
+TEST(Bake, IsTheSameFileEveryTime) {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"a.glb", "b.glb"}) ASSERT_TRUE(modal::write_bank(baked().bank, folder.path() / name));
+  const auto bytes = [&](const char* name) {
+    std::ifstream file(folder.path() / name, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  ASSERT_GT(bytes("a.glb").size(), 1000u);
+  EXPECT_TRUE(bytes("a.glb") == bytes("b.glb"));
+}
+
+TEST(Bake, TakesTheOtherElementsToo) {
+  const double exact = *std::min_element(baked().bank.frequency_hz.begin(), baked().bank.frequency_hz.end());
+  for (const auto element : {fem::Element::kTet4, fem::Element::kTet4Lumped}) {
+    const auto other = baked({.element = element});
+    EXPECT_LT(other.report.unknowns, baked().report.unknowns);
+    const double first = *std::min_element(other.bank.frequency_hz.begin(), other.bank.frequency_hz.end());
+    EXPECT_GT(first, 1.1 * exact) << "linear tetrahedra are too stiff";
+  }
+}
+
+TEST(Bake, TwoPiecesHaveTwelveRigidMotions) {
+  mesh::TetMesh far = bar().mesh;
+  far.nodes.array() += 1;
+  const auto pair = bake::bake(test::checked(test::both(bar().mesh, far)), steel(), {}, "pair");
+  ASSERT_TRUE(pair) << pair.error().message;
+  EXPECT_EQ(pair->report.rigid, 12);
+}
+
+TEST(Bake, RefusesWithOneSentence) {
+  EXPECT_NE(refusal(bar(), {"jelly", 1e9, 0.5, 1000, {}}, {}).find("jelly: Poisson's ratio"), std::string::npos);
+  EXPECT_NE(refusal(bar(), steel(), {.band_low_hz = 30, .band_high_hz = 40}).find("no mode between 30 and 40 Hz"),
+            std::string::npos);
+  EXPECT_NE(refusal(bar(), steel(), {.band_low_hz = 40, .band_high_hz = 30}).find("the band must"), std::string::npos);
+  EXPECT_NE(refusal(bar(), steel(), {.most_points = 3}).find("at least 4 surface points"), std::string::npos);
+  EXPECT_NE(refusal(bar(), steel(), {.most_modes = 3}).find("more than 3 modes"), std::string::npos);
+  EXPECT_NE(refusal(bar(), steel(3, 1), {}).find("damped so strongly"), std::string::npos);
+}
+
+TEST(Bake, NamesTheHingeWhenPartsHangTogetherAtAnEdge) {
+  mesh::TetMesh hinge = test::box_mesh({1, 1, 1}, {0.1, 0.1, 0.1});
+  mesh::TetMesh other = hinge;  // the same cube mirrored through one edge, sharing only that edge's two nodes
+  other.nodes.leftCols<2>() *= -1;
+  mesh::TetMesh both = test::both(hinge, other);
+  for (std::int32_t& node : both.elements.reshaped()) {
+    for (std::int32_t twin = 0; twin < 8; ++twin) {
+      if (node >= 8 && (both.nodes.row(node) - both.nodes.row(twin)).norm() < 1e-12) node = twin;
+    }
+  }
+  EXPECT_NE(refusal(test::checked(both), steel(), {.band_high_hz = 1e5}).find("7 motions without energy"),
+            std::string::npos);
+}
+
+TEST(Bake, CanBeCancelledInEveryStage) {
+  for (const std::string_view stage : {"assemble", "factors", "modes", "finish"}) {
+    const auto result = bake::bake(bar(), steel(), {}, "bar", [&](std::string_view at, double) { return at != stage; });
+    ASSERT_FALSE(result) << stage;
+    EXPECT_EQ(result.error().message, bake::kCancelled);
+  }
+}
+
+TEST(AWeighting, IsThatOfTheStandardsTable) {
+  const auto decibels = [](double f) { return 20 * std::log10(bake::a_weighting(f)); };
+  EXPECT_NEAR(decibels(1000), 0, 0.05);
+  EXPECT_NEAR(decibels(100), -19.1, 0.1);
+  EXPECT_NEAR(decibels(31.62), -39.4, 0.15);
+  EXPECT_NEAR(decibels(10000), -2.5, 0.1);
+}
+
+}  // namespace
+}  // namespace ringdown

@@ -1,0 +1,131 @@
+#include "engine/mesh/gmsh_reader.h"
+
+#include "engine/fem/assembly.h"
+#include "tests/bake/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace ringdown {
+namespace {
+
+using test::TemporaryFolder;
+
+const char* const kBox = R"(SetFactory("OpenCASCADE");
+DefineConstant[ side = 10, mesh_size = 4 ];
+Box(1) = {0, 0, 0, side, side, side};
+)";
+
+double volume(const mesh::CheckedMesh& mesh) {
+  const auto element = mesh.mesh.quadratic() ? fem::Element::kTet10 : fem::Element::kTet4;
+  return fem::assemble(mesh.mesh, {1e9, 0.3, 1}, element)->node_mass.sum();
+}
+
+mesh::GmshOptions in_millimetres(std::map<std::string, double> parameters = {}) {
+  return {.unit_m = 0.001, .mesh_size_m = 0.004, .order = 2, .parameters = std::move(parameters)};
+}
+
+std::string refusal(const std::filesystem::path& path, const mesh::GmshOptions& options = in_millimetres()) {
+  const auto mesh = mesh::read_with_gmsh(path, options);
+  return mesh ? "accepted" : mesh.error().message;
+}
+
+TEST(GmshReader, MeshesAGeometryInItsUnit) {
+  const TemporaryFolder folder;
+  const auto mesh = mesh::read_with_gmsh(folder.write("box.geo", kBox), in_millimetres());
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_TRUE(mesh->mesh.quadratic());
+  EXPECT_EQ(mesh->pieces, 1);
+  EXPECT_NEAR(volume(*mesh), 1e-6, 1e-15);
+}
+
+TEST(GmshReader, HandsOverParameters) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("box.geo", kBox);
+  const auto large = mesh::read_with_gmsh(path, in_millimetres({{"side", 20}}));
+  ASSERT_TRUE(large) << large.error().message;
+  EXPECT_NEAR(volume(*large), 8e-6, 1e-14);
+  const auto standard = mesh::read_with_gmsh(path, in_millimetres());
+  EXPECT_NEAR(volume(*standard), 1e-6, 1e-15) << "the last call's parameters are forgotten";
+}
+
+TEST(GmshReader, MeshSizeAndOrderAreObeyed) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("box.geo", kBox);
+  mesh::GmshOptions fine = in_millimetres();
+  fine.mesh_size_m = 0.001;
+  fine.order = 1;
+  const auto coarse = mesh::read_with_gmsh(path, in_millimetres()), finer = mesh::read_with_gmsh(path, fine);
+  EXPECT_GT(finer->mesh.elements.rows(), 3 * coarse->mesh.elements.rows());
+  EXPECT_FALSE(finer->mesh.quadratic());
+}
+
+TEST(GmshReader, CurvedElementsFollowTheSphere) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("ball.geo", "SetFactory(\"OpenCASCADE\"); Sphere(1) = {0, 0, 0, 10};");
+  const double exact = 4.0 / 3 * std::numbers::pi * 1e-6;
+  mesh::GmshOptions straight = in_millimetres();
+  straight.order = 1;
+  EXPECT_NEAR(volume(*mesh::read_with_gmsh(path, in_millimetres())) / exact, 1, 2e-3);
+  EXPECT_LT(volume(*mesh::read_with_gmsh(path, straight)) / exact, 0.97);
+}
+
+TEST(GmshReader, TheSameFileGivesTheSameMesh) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("box.geo", kBox);
+  const auto first = mesh::read_with_gmsh(path, in_millimetres()),
+             second = mesh::read_with_gmsh(path, in_millimetres());
+  EXPECT_TRUE(first->mesh.nodes == second->mesh.nodes);
+  EXPECT_TRUE(first->mesh.elements == second->mesh.elements);
+}
+
+TEST(GmshReader, ReadsAMeshAsItIs) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("one.msh", R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+4
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 0 0 1
+$EndNodes
+$Elements
+1
+1 4 2 1 1 1 2 3 4
+$EndElements
+)");
+  const auto mesh = mesh::read_with_gmsh(path, {.mesh_size_m = 0.01, .parameters = {}});
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_EQ(mesh->mesh.elements.rows(), 1);
+  EXPECT_FALSE(mesh->mesh.quadratic());
+  EXPECT_NEAR(volume(*mesh), 1.0 / 6, 1e-15);
+}
+
+TEST(GmshReader, RefusesWithOneSentence) {
+  const TemporaryFolder folder;
+  EXPECT_NE(refusal(folder.path() / "none.msh").find("there is no such file"), std::string::npos);
+  EXPECT_NE(refusal(folder.write("bad.geo", "Box(1) = {0, 0,;\n")).find("bad.geo"), std::string::npos);
+  EXPECT_NE(refusal(folder.write("bad2.geo", "Point(1) = {nowhere, 0, 0};\n")).find("nowhere"), std::string::npos);
+  EXPECT_NE(refusal(folder.write("bad.msh", "this is no mesh")).find("bad.msh"), std::string::npos);
+  EXPECT_NE(refusal(folder.write("flat.geo", "SetFactory(\"OpenCASCADE\"); Rectangle(1) = {0, 0, 0, 1, 1};"))
+                .find("no tetrahedra"),
+            std::string::npos);
+  EXPECT_NE(refusal(folder.write("box.geo", kBox), in_millimetres({{"hight", 3}})).find("no parameter 'hight'"),
+            std::string::npos);
+  EXPECT_NE(refusal(folder.write("brick.geo", R"(SetFactory("Built-in");
+Point(1) = {0, 0, 0}; e1[] = Extrude {1, 0, 0} { Point{1}; Layers{1}; };
+e2[] = Extrude {0, 1, 0} { Curve{e1[1]}; Layers{1}; Recombine; };
+Extrude {0, 0, 1} { Surface{e2[1]}; Layers{1}; Recombine; }
+)"))
+                .find("Hexahedron"),
+            std::string::npos);
+  mesh::GmshOptions no_unit = in_millimetres();
+  no_unit.unit_m = 0;
+  EXPECT_NE(refusal(folder.write("box.geo", kBox), no_unit).find("unit"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ringdown

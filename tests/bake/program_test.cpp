@@ -1,0 +1,123 @@
+// ringdown-bake as its user meets it: exit codes, what it prints, what it leaves behind.
+#include "engine/modal/bank_file.h"
+#include "tests/bake/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+namespace ringdown {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+const fs::path kPresets = fs::path(RINGDOWN_SOURCE_DIR) / "presets";
+
+struct Ran {
+  int exit_code;
+  std::string output;
+};
+
+Ran bake(const std::string& arguments, const std::string& environment = "") {
+  const std::string command = environment + " " RINGDOWN_BIN_DIR "/ringdown-bake " + arguments + " 2>&1";
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  std::string output;
+  std::array<char, 512> part{};
+  while (std::fgets(part.data(), part.size(), pipe)) output += part.data();
+  return {WEXITSTATUS(::pclose(pipe)), output};
+}
+
+TEST(BakeProgram, BakesAPreset) {
+  const TemporaryFolder folder;
+  const fs::path bank = folder.path() / "bar.glb";
+  const Ran ran = bake((kPresets / "objects/wooden-bar.toml").string() + " -o " + bank.string());
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_NE(ran.output.find("unknowns"), std::string::npos) << ran.output;
+  EXPECT_EQ(ran.output.find('\r'), std::string::npos) << "progress is for terminals";
+  const auto fresh = modal::read_bank(bank), kept = modal::read_bank(kPresets / "banks/wooden-bar.glb");
+  ASSERT_TRUE(fresh) << fresh.error().message;
+  ASSERT_EQ(fresh->mode_count(), kept->mode_count());
+  for (std::size_t m = 0; m < fresh->mode_count(); ++m) {
+    EXPECT_NEAR(fresh->frequency_hz[m] / kept->frequency_hz[m], 1, 1e-5);
+  }
+}
+
+TEST(BakeProgram, OptionsOverrideTheObject) {
+  const TemporaryFolder folder;
+  const fs::path bank = folder.path() / "bar.glb";
+  const Ran ran =
+      bake((kPresets / "objects/wooden-bar.toml").string() + " -q -m steel --element tet4 --points 30 " +
+           "--band 100 9000 --max-modes 4 --set length=200 --mesh-size 0.01 --name rod -o " + bank.string());
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_EQ(ran.output, "");
+  const auto read = modal::read_bank(bank);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->name, "rod");
+  EXPECT_EQ(read->mode_count(), 4u);
+  EXPECT_LE(read->point_count(), 30u);
+  EXPECT_EQ(read->material->name, "steel");
+  EXPECT_EQ(read->provenance.element, "tet4 consistent");
+  EXPECT_NEAR(read->mass->mass_kg, 7800 * 0.2 * 0.045 * 0.022, 0.6);
+}
+
+TEST(BakeProgram, RefusalsHaveTheirExitCodesAndOneSentence) {
+  const TemporaryFolder folder;
+  const std::string out = " -o " + (folder.path() / "x.glb").string();
+  const fs::path mesh = folder.write("bad.msh", "no mesh");
+  const std::pair<std::string, int> cases[] = {
+      {"", 2},
+      {"--nonsense" + out, 2},
+      {mesh.string() + out + " --points few", 2},
+      {mesh.string() + out + " --set length", 2},
+      {"--all /nowhere " + mesh.string() + out, 2},
+      {"--all /nowhere" + out, 3},
+      {mesh.string() + out, 3},
+      {mesh.string() + " -m steel" + out, 3},
+      {mesh.string() + " -m kryptonite" + out, 3},
+      {"/nowhere.toml" + out, 3},
+      {(kPresets / "objects/wooden-bar.toml").string() + " -o /nowhere/x.glb", 1},
+  };
+  for (const auto& [arguments, exit_code] : cases) {
+    const Ran ran = bake(arguments);
+    EXPECT_EQ(ran.exit_code, exit_code) << arguments << "\n" << ran.output;
+    EXPECT_EQ(std::count(ran.output.begin(), ran.output.end(), '\n'), 1) << ran.output;
+    EXPECT_TRUE(ran.output.starts_with("ringdown-bake: ")) << ran.output;
+  }
+  EXPECT_FALSE(fs::exists(folder.path() / "x.glb"));
+}
+
+TEST(BakeProgram, FindsThePresetsWhereItIsTold) {
+  const TemporaryFolder folder;
+  const Ran ran = bake("a.msh -m steel -o b.glb", "RINGDOWN_PRESETS=/nowhere");
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_NE(ran.output.find("RINGDOWN_PRESETS"), std::string::npos);
+}
+
+TEST(BakeProgram, ControlCLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  const std::string program = RINGDOWN_BIN_DIR "/ringdown-bake", bell = kPresets / "objects/bronze-bell.toml",
+                    out = folder.path() / "bell.glb";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::freopen("/dev/null", "w", stderr);
+    ::execl(program.c_str(), program.c_str(), bell.c_str(), "--mesh-size", "0.012", "-o", out.c_str(), nullptr);
+    ::_exit(99);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // a bake of this size takes a minute and more
+  ::kill(child, SIGINT);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+}  // namespace
+}  // namespace ringdown
