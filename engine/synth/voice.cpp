@@ -38,7 +38,7 @@ Voice::Voice(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialS
     poles.push_back(std::complex<double>(-mode.decay_per_s, omega) / sample_rate_hz);  // exponents, for now
   }
   padded_ = (mode_of_.size() + kModePadding - 1) / kModePadding * kModePadding;
-  states_ = hwy::AllocateAligned<double>(std::max(kRows * padded_, std::size_t{1}));
+  states_.reset(new (kAlignment) double[kRows * padded_]);
   std::fill_n(states_.get(), kRows * padded_, 0.0);
   for (std::size_t i = 0; i < poles.size(); ++i) {
     const std::complex<double> pole = std::exp(poles[i]);

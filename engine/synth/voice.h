@@ -10,10 +10,9 @@
 #include "engine/synth/mode_kernel.h"
 #include "protocol/event.h"
 
-#include <hwy/aligned_allocator.h>
-
 #include <cstdint>
 #include <memory>
+#include <new>
 #include <vector>
 
 namespace ringdown::synth {
@@ -57,6 +56,10 @@ class Voice {
   static constexpr std::size_t kFadeFrames = 512;
 
  private:
+  static constexpr std::align_val_t kAlignment{64};  // what the kernel's aligned loads need, at any vector size
+  struct AlignedDelete {
+    void operator()(double* block) const { ::operator delete[](block, kAlignment); }
+  };
   enum Row { z_re, z_im, fade_re, fade_im, pole_re, pole_im, chunk_re, chunk_im, kRows };
   [[nodiscard]] double* row(Row which) const RINGDOWN_REALTIME { return states_.get() + which * padded_; }
   [[nodiscard]] ModeArrays modes(Row re, Row im) const RINGDOWN_REALTIME;
@@ -69,7 +72,7 @@ class Voice {
   std::vector<double> frequency_hz_;
   std::vector<double> excitation_;              // scratch of a strike, one per mode of the bank
   std::size_t padded_ = 0;                      // playable modes, rounded up to kModePadding
-  hwy::AlignedFreeUniquePtr<double[]> states_;  // kRows x padded_
+  std::unique_ptr<double[], AlignedDelete> states_;  // kRows x padded_
   std::size_t fade_left_ = 0;
   bool ringing_ = false;
 };

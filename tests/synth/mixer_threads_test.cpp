@@ -80,35 +80,45 @@ class Band {
   std::vector<std::thread> threads_;
 };
 
+// Renders until `blocks` blocks have sounded and a thousand strikes were played: silent blocks, of which a fast audio
+// thread gets through millions while the others start, do not count. `look` sees every block.
+template <class Look>
+void play(Mixer& mixer, std::span<float> left, std::span<float> right, int blocks, Look&& look) {
+  for (int sounding = 0; sounding < blocks || mixer.counters().strikes < 1000;) {
+    mixer.render(left, right);
+    sounding += mixer.counters().ringing_voices > 0;
+    look();
+  }
+}
+
 TEST(AudioThread, AllocatesLocksAndCallsTheSystemNeverInAHundredThousandBlocks) {
   Band band;
   std::vector<float> left(64), right(64);
   RealtimeViolations seen;
   {
     const RealtimeScope scope;
-    for (int block = 0; block < 100000; ++block) band.mixer.render(left, right);
+    play(band.mixer, left, right, 100000, [] {});
     seen = scope.seen();
   }
   band.stop();
   EXPECT_EQ(seen.allocations, 0u) << seen.first;
   EXPECT_EQ(seen.locks, 0u) << seen.first;
   EXPECT_EQ(seen.system_calls, 0u) << seen.first;
-  EXPECT_GT(band.mixer.counters().strikes, 100u) << "hardly anything happened: the test shows nothing";
 }
 
 TEST(AudioThread, PlaysOrRefusesEveryStrikeThatWasTaken) {
   Band band;
   std::vector<float> left(128), right(128);
-  for (int block = 0; block < 20000; ++block) {
-    band.mixer.render(left, right);
-    for (std::size_t n = 0; n < left.size(); ++n) ASSERT_TRUE(std::isfinite(left[n]) && std::isfinite(right[n]));
-  }
+  std::size_t not_finite = 0;
+  play(band.mixer, left, right, 20000, [&] {
+    for (std::size_t n = 0; n < left.size(); ++n) not_finite += !std::isfinite(left[n]) || !std::isfinite(right[n]);
+  });
   band.stop();
-  for (int block = 0; block < 200; ++block) band.mixer.render(left, right);
+  for (int block = 0; block < 200; ++block) band.mixer.render(left, right);  // what is still in the rings
   const MixerCounters& counters = band.mixer.counters();
   EXPECT_EQ(counters.strikes + counters.refused, band.strikes_taken());
-  EXPECT_GT(counters.strikes, 100u);
   EXPECT_EQ(counters.not_finite, 0u);
+  EXPECT_EQ(not_finite, 0u);
 }
 
 }  // namespace

@@ -1,0 +1,175 @@
+// Who may include whom, checked on every source file of the project. The two tables are the rule; docs/architecture.md
+// says why.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// A file below `folder` may include project headers whose path begins with one of `allowed`. The first row that fits
+// counts.
+struct FolderRule {
+  std::string folder;
+  std::vector<std::string> allowed;
+};
+
+const std::vector<FolderRule> kFolderRules = {
+    {"engine/base/", {"engine/base/"}},
+    // the real-time half
+    {"engine/modal/", {"engine/base/", "engine/modal/"}},
+    {"engine/synth/", {"engine/base/", "engine/modal/", "engine/synth/", "protocol/event.h"}},
+    // the offline half
+    {"engine/mesh/", {"engine/base/", "engine/mesh/"}},
+    {"engine/fem/", {"engine/base/", "engine/mesh/", "engine/fem/"}},
+    {"engine/bake/", {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/bake/"}},
+    // rigid bodies
+    {"engine/scene/", {"engine/base/", "engine/modal/", "engine/scene/", "protocol/"}},
+    // the programs
+    {"protocol/", {"engine/base/", "engine/modal/material_scale.h", "protocol/"}},
+    {"server/", {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "server/"}},
+    {"clients/cli/bake/",
+     {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/bake/", "protocol/", "clients/cli/"}},
+    {"clients/",
+     {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "server/", "clients/"}},
+};
+
+// A third-party header whose name begins with `header` may be included by files whose path begins with one of
+// `allowed`, and by at most `most_files` of them; by headers of ours only if they are `shown` in one of these folders.
+struct LibraryRule {
+  std::string header;
+  std::vector<std::string> allowed;
+  std::size_t most_files = 1000;
+  std::vector<std::string> shown = {};
+};
+
+const std::vector<LibraryRule> kLibraryRules = {
+    {"jack/", {"server/"}, 1},
+    {"lo/", {"server/"}, 1},
+    {"ode/", {"engine/scene/"}, 2},
+    {"Spectra/", {"engine/bake/"}, 1},
+    {"cholmod.h", {"engine/bake/", "engine/fem/"}},
+    {"suitesparse/", {"engine/bake/", "engine/fem/"}},
+    {"gmsh", {"engine/mesh/"}},
+    {"assimp/", {"engine/mesh/"}},
+    {"meshoptimizer.h", {"engine/mesh/", "engine/bake/"}, 1},
+    {"Eigen/", {"engine/mesh/", "engine/fem/", "engine/bake/"}, 1000, {"engine/mesh/", "engine/fem/", "engine/bake/"}},
+    {"hwy/", {"engine/synth/"}},
+    {"nlohmann/", {"engine/modal/", "clients/cli/"}, 1000, {"engine/modal/glb.h"}},
+    {"tl/", {"engine/base/"}, 1, {"engine/base/"}},
+    {"toml++/", {"engine/bake/", "engine/scene/", "server/"}},
+    {"CLI/", {"server/", "clients/"}},
+    {"sndfile", {"server/", "clients/"}},
+    {"spdlog/", {"server/", "clients/"}},
+};
+
+struct Include {
+  std::string file;  // relative to the source folder
+  int line = 0;
+  std::string header;
+  bool quoted = false;
+};
+
+bool begins_with_any(const std::string& text, const std::vector<std::string>& prefixes) {
+  return std::any_of(prefixes.begin(), prefixes.end(), [&text](const auto& p) { return text.rfind(p, 0) == 0; });
+}
+
+std::vector<Include> includes_of(const fs::path& path, const std::string& relative) {
+  std::vector<Include> found;
+  std::ifstream file(path);
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    const auto hash = line.find_first_not_of(" \t");
+    if (hash == std::string::npos || line[hash] != '#') continue;
+    const auto word = line.find("include", hash);
+    const auto open = line.find_first_of("<\"", hash);
+    if (word == std::string::npos || open == std::string::npos || word > open) continue;
+    const auto close = line.find_first_of(">\"", open + 1);
+    if (close == std::string::npos) continue;
+    found.push_back({relative, number, line.substr(open + 1, close - open - 1), line[open] == '"'});
+  }
+  return found;
+}
+
+std::vector<Include> all_includes() {
+  const fs::path root = RINGDOWN_SOURCE_DIR;
+  std::vector<Include> all;
+  for (const char* folder : {"engine", "protocol", "server", "clients"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+      const std::string extension = entry.path().extension().string();
+      if (extension != ".h" && extension != ".cpp") continue;
+      const auto found = includes_of(entry.path(), fs::relative(entry.path(), root).generic_string());
+      all.insert(all.end(), found.begin(), found.end());
+    }
+  }
+  return all;
+}
+
+std::string place(const Include& include) {
+  return include.file + ":" + std::to_string(include.line) + " includes " + include.header;
+}
+
+bool is_allowed(const Include& include) {
+  const auto rule = std::find_if(kFolderRules.begin(), kFolderRules.end(),
+                                 [&](const FolderRule& r) { return include.file.rfind(r.folder, 0) == 0; });
+  return rule != kFolderRules.end() && begins_with_any(include.header, rule->allowed);
+}
+
+bool is_of_project(const Include& include) {
+  return begins_with_any(include.header, {"engine/", "protocol/", "server/", "clients/", "tests/"});
+}
+
+TEST(Structure, EveryFolderIncludesOnlyWhatItMay) {
+  const auto all = all_includes();
+  ASSERT_GT(all.size(), 100u);
+  for (const Include& include : all) {
+    if (!is_of_project(include)) continue;
+    EXPECT_TRUE(is_allowed(include)) << place(include) << ", which its folder may not";
+  }
+}
+
+TEST(Structure, ProjectHeadersAreNamedFromTheRoot) {
+  for (const Include& include : all_includes()) {
+    // The few generated or third-party headers that come quoted are none of the project's own.
+    if (!include.quoted || is_of_project(include)) continue;
+    const fs::path beside = fs::path(RINGDOWN_SOURCE_DIR) / fs::path(include.file).parent_path() / include.header;
+    EXPECT_FALSE(fs::exists(beside)) << place(include) << "; write its path from the root of the project";
+  }
+}
+
+TEST(Structure, ThirdPartyHeadersStayWhereTheyBelong) {
+  std::map<std::string, std::set<std::string>> users;
+  for (const Include& include : all_includes()) {
+    for (const LibraryRule& rule : kLibraryRules) {
+      if (include.quoted || include.header.rfind(rule.header, 0) != 0) continue;
+      EXPECT_TRUE(begins_with_any(include.file, rule.allowed)) << place(include) << ", which its folder may not";
+      EXPECT_TRUE(include.file.ends_with(".cpp") || begins_with_any(include.file, rule.shown))
+          << place(include) << ", which belongs into a .cpp";
+      users[rule.header].insert(include.file);
+    }
+  }
+  for (const LibraryRule& rule : kLibraryRules) {
+    EXPECT_LE(users[rule.header].size(), rule.most_files)
+        << "<" << rule.header << "> is private to " << rule.most_files << " file(s), but is included by "
+        << testing::PrintToString(users[rule.header]);
+  }
+}
+
+// The rules can fail: what they forbid is found.
+TEST(Structure, RefusesWhatItShould) {
+  EXPECT_FALSE(is_allowed({"engine/synth/mixer.cpp", 1, "engine/mesh/surface.h", true}));
+  EXPECT_FALSE(is_allowed({"engine/base/vec3.h", 1, "engine/modal/bank.h", true}));
+  EXPECT_FALSE(is_allowed({"engine/synth/voice.h", 1, "protocol/schema.h", true}));
+  EXPECT_FALSE(is_allowed({"server/main.cpp", 1, "engine/bake/bake.h", true}));
+  EXPECT_FALSE(is_allowed({"engine/modal/bank.h", 1, "tests/support/signal.h", true}));
+  EXPECT_TRUE(is_allowed({"engine/synth/mixer.h", 1, "protocol/event.h", true}));
+}
+
+}  // namespace
