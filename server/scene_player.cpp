@@ -1,5 +1,6 @@
 #include "server/scene_player.h"
 
+#include "engine/base/preset_folder.h"
 #include "engine/scene/scene_file.h"
 
 #include <spdlog/spdlog.h>
@@ -30,7 +31,7 @@ ScenePlayer::ScenePlayer(Rack& rack) : rack_(rack) {
 }
 
 Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
-  const auto description = scene::read_scene(path, {});
+  const auto description = scene::read_scene(path, preset_folder().value_or(std::filesystem::path()));
   if (!description) return fail(description.error());
   std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // all read before anything changes
   for (const auto& object : description->objects) {

@@ -5,7 +5,7 @@
 #include "clients/cli/bake/cancellable.h"
 #include "clients/cli/bake/progress_line.h"
 #include "engine/bake/object_file.h"
-#include "engine/bake/preset_folder.h"
+#include "engine/base/preset_folder.h"
 #include "engine/modal/bank_file.h"
 #include "protocol/exit_codes.h"
 
@@ -183,7 +183,7 @@ ExitCode run(int argc, char** argv) {
   if (arguments.input.empty() == arguments.all.empty()) return usage_error("give one input, or --all and a folder");
   if (auto read = read_settings(settings, arguments.parameters); !read) return usage_error(read.error().message);
   if (arguments.materials.empty()) {
-    const Result<fs::path> presets = bake::preset_folder();
+    const Result<fs::path> presets = ringdown::preset_folder();
     if (!presets) return complain(presets.error().message, ExitCode::failure);
     arguments.materials = *presets / "materials";
   }

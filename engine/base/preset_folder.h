@@ -5,10 +5,10 @@
 
 #include <filesystem>
 
-namespace ringdown::bake {
+namespace ringdown {
 
 // The environment's RINGDOWN_PRESETS if set; else share/ringdown/presets beside the bin/ that the program
 // runs from; else the source tree it was built from. Fails, naming the places, when none of them is a folder.
 Result<std::filesystem::path> preset_folder();
 
-} // namespace ringdown::bake
+} // namespace ringdown

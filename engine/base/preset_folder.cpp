@@ -1,8 +1,8 @@
-#include "engine/bake/preset_folder.h"
+#include "engine/base/preset_folder.h"
 
 #include <cstdlib>
 
-namespace ringdown::bake {
+namespace ringdown {
 
 Result<std::filesystem::path> preset_folder() {
   std::error_code error;
@@ -19,4 +19,4 @@ Result<std::filesystem::path> preset_folder() {
               " nor in " RINGDOWN_SOURCE_PRESETS "; set RINGDOWN_PRESETS to their folder");
 }
 
-}  // namespace ringdown::bake
+}  // namespace ringdown
