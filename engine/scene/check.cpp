@@ -1,21 +1,15 @@
 #include "engine/scene/check.h"
 
+#include "engine/base/range.h"
 #include "engine/scene/rotation.h"
 #include "protocol/names.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <set>
 #include <string_view>
 
 namespace ringdown::scene {
 namespace {
-
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%g", value);
-  return buffer;
-}
 
 // Collects checks of one thing's fields; the first that fails is the answer.
 class Fields {
@@ -81,11 +75,6 @@ Result<void> check_world(const SceneDescription& scene) {
 }
 
 }  // namespace
-
-Result<void> check_range(double value, const Range& range) {
-  if (range.holds(value)) return {};
-  return fail(text(value) + " is outside " + text(range.low) + " ... " + text(range.high));
-}
 
 Result<void> check(const ObjectDescription& object) {
   const modal::MaterialScale& material = object.material;

@@ -4,12 +4,7 @@
 #include "engine/base/result.h"
 #include "engine/scene/description.h"
 
-#include <string>
-
 namespace ringdown::scene {
-
-// "9 is outside -1 ... 1", or nothing when it is inside.
-Result<void> check_range(double value, const Range& range);
 
 // Each names the thing and the field: "body 'bell': restitution 3 is outside 0 ... 1".
 Result<void> check(const ObjectDescription& object);

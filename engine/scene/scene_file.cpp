@@ -1,75 +1,78 @@
 #include "engine/scene/scene_file.h"
 
-#include "engine/base/atomic_file.h"
-#include "engine/scene/check.h"
-#include "engine/scene/toml_table.h"
+#include "engine/base/toml_table.h"
+#include "engine/scene/rotation.h"
 #include "protocol/names.h"
 
 #include <algorithm>
 #include <map>
+#include <numbers>
+#include <optional>
 #include <system_error>
 
 namespace ringdown::scene {
 namespace {
 
-// Reads one file; every function adds to `scene_` or leaves an error in `result_`.
+// `rotation = { axis = [x, y, z], degrees = a }`
+void read_rotation(TomlTable& table, Rotation& rotation) {
+  std::optional<TomlTable> turn = table.table("rotation");
+  if (!turn) return;
+  Vec3 axis = {0, 0, 1};
+  double degrees = 0;
+  turn->require({"axis", "degrees"});
+  turn->vector("axis", axis, {-1e6, 1e6});
+  turn->number("degrees", degrees, {-1e6, 1e6});
+  if (!(length(axis) > 1e-6)) return turn->complain("axis", "axis must not be [0, 0, 0]");
+  rotation = about(axis, degrees * std::numbers::pi / 180);
+}
+
+// Reads one file; every function adds to `scene_` or leaves its complaint in the file.
 class SceneReader {
  public:
   SceneReader(std::filesystem::path path, std::filesystem::path presets)
       : path_(std::move(path)), presets_(std::move(presets)) {}
 
-  Result<SceneDescription> read(const toml::table& file) {
-    TomlTable root(file, path_.string(), "");
-    if (const auto* table = root.table("scene")) read_settings({*table, path_.string(), "[scene]"});
-    if (const auto* table = root.table("contact")) read_contact({*table, path_.string(), "[contact]"});
-    for_each(root, "object", kMostObjects, [this](TomlTable table) { read_object(table); });
-    for_each(root, "static", kMostStatics, [this](TomlTable table) { read_static(table); });
-    for_each(root, "body", kMostBodies, [this](TomlTable table) { read_body(table); });
-    keep(root.finish());
-    if (!result_) return fail(result_.error());
+  Result<SceneDescription> read(TomlTable file) {
+    if (auto table = file.table("scene")) read_settings(*table);
+    if (auto table = file.table("contact")) read_contact(*table);
+    for_each(file, "object", kMostObjects, [this](TomlTable& table) { read_object(table); });
+    for_each(file, "static", kMostStatics, [this](TomlTable& table) { read_static(table); });
+    for_each(file, "body", kMostBodies, [this](TomlTable& table) { read_body(table); });
+    if (auto good = file.finish(); !good) return fail(good.error());
     return std::move(scene_);
   }
 
  private:
-  void keep(const Result<void>& done) {
-    if (result_) result_ = done;
-  }
-
-  // Reads every [[kind]]; a name stands in all sentences about its table and is given once.
+  // Reads every [[kind]]; a name is given once.
   template <class Read>
-  void for_each(TomlTable& root, const std::string& kind, std::size_t most, const Read& read) {
-    const toml::array* tables = root.tables(kind);
-    if (!tables) return;
+  void for_each(TomlTable& file, std::string_view kind, std::size_t most, const Read& read) {
     std::map<std::string, std::uint32_t> names;
-    for (const toml::node& node : *tables) {
-      const toml::table& table = *node.as_table();
-      const std::string name = table["name"].value_or(std::string());
-      const std::string what = name.empty() ? "[[" + kind + "]]" : kind + " " + protocol::quoted(name);
-      TomlTable reader(table, path_.string(), what);
-      const auto [first, is_new] = names.try_emplace(name, reader.line_of("name"));
+    std::size_t count = 0;
+    for (TomlTable& table : file.tables(kind)) {
+      if (++count > most) return table.complain("", "a scene has at most " + std::to_string(most));
+      std::string name;
+      table.text("name", name);
+      const auto [first, is_new] = names.try_emplace(name, table.line_of("name"));
       if (!is_new && !name.empty()) {
-        reader.complain(reader.line_of("name"), "the name is taken by line " + std::to_string(first->second));
+        table.complain("name", "the name is taken by line " + std::to_string(first->second));
       }
-      if (names.size() > most) reader.complain(reader.line(), "a scene has at most " + std::to_string(most));
-      read(std::move(reader));
+      read(table);
     }
   }
 
-  void read_settings(TomlTable table) {
+  void read_settings(TomlTable& table) {
     table.vector("gravity_m_s2", scene_.gravity_m_s2, range::kGravity_m_s2);
     table.number("step_s", scene_.step_s, range::kStep_s);
     table.number("duration_s", scene_.duration_s, range::kDuration_s);
-    table.seed("seed", scene_.seed);
-    keep(table.finish());
+    table.whole("seed", scene_.seed);
   }
 
-  void read_contact(TomlTable table) {
+  void read_contact(TomlTable& table) {
     ContactSettings& contact = scene_.contact;
     table.number("spring_n_m", contact.spring_n_m, range::kSpring_n_m);
     table.number("damper_ns_m", contact.damper_ns_m, range::kDamper_ns_m);
     table.number("bounce_threshold_m_s", contact.bounce_threshold_m_s, range::kBounceThreshold_m_s);
     table.number("minimum_repeat_s", contact.minimum_repeat_s, range::kMinimumRepeat_s);
-    keep(table.finish());
   }
 
   void read_object(TomlTable& table) {
@@ -80,21 +83,19 @@ class SceneReader {
     table.text("bank", bank);
     table.number("gain", object.gain, range::kGain);
     table.number("pan", object.pan, range::kPan);
-    if (const auto* material = table.table("material")) read_material({*material, path_.string(), "material"}, object);
+    if (auto material = table.table("material")) read_material(*material, object);
     if (!object.name.empty() && !protocol::is_object_name(object.name)) {
-      table.complain(table.line_of("name"), "a name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
+      table.complain("name", "a name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
     }
     if (!bank.empty()) object.bank = find_bank(bank, table);
-    keep(table.finish());
     scene_.objects.push_back(std::move(object));
   }
 
-  void read_material(TomlTable table, ObjectDescription& object) {
+  void read_material(TomlTable& table, ObjectDescription& object) {
     table.number("alpha", object.material.alpha, range::kDampingScale);
     table.number("beta", object.material.beta, range::kDampingScale);
     table.number("density", object.material.density, range::kMaterialScale);
     table.number("stiffness", object.material.stiffness, range::kMaterialScale);
-    keep(table.finish());
   }
 
   std::filesystem::path find_bank(const std::string& bank, TomlTable& table) {
@@ -102,7 +103,7 @@ class SceneReader {
     const std::filesystem::path beside = path_.parent_path() / bank, preset = presets_ / bank;
     if (std::filesystem::is_regular_file(beside, ignored)) return beside;
     if (!presets_.empty() && std::filesystem::is_regular_file(preset, ignored)) return preset;
-    table.complain(table.line_of("bank"), "no bank " + beside.string() +
+    table.complain("bank", "no bank " + beside.string() +
                                               (presets_.empty() ? "" : " or " + preset.string()) +
                                               "; bake it with `ringdown bake`");
     return {};
@@ -123,15 +124,14 @@ class SceneReader {
     if (shape == 0) {
       table.vector("normal", item.normal, {-1e6, 1e6});
       table.number("offset_m", item.offset_m, range::kPosition_m);
-      if (!(length(item.normal) > 1e-6)) table.complain(table.line_of("normal"), "normal must not be [0, 0, 0]");
+      if (!(length(item.normal) > 1e-6)) table.complain("normal", "normal must not be [0, 0, 0]");
     } else if (shape == 1) {
       table.require({"size_m"});
       table.vector("size_m", item.size_m, range::kSize_m);
       table.vector("position_m", item.position_m, range::kPosition_m);
-      table.rotation("rotation", item.rotation);
+      read_rotation(table, item.rotation);
     }
     read_surface(table, item.surface);
-    keep(table.finish());
     scene_.statics.push_back(std::move(item));
   }
 
@@ -142,7 +142,7 @@ class SceneReader {
     table.text("object", body.object);
     read_shape(table, body);
     table.vector("position_m", body.position_m, range::kPosition_m);
-    table.rotation("rotation", body.rotation);
+    read_rotation(table, body.rotation);
     table.vector("velocity_m_s", body.velocity_m_s, range::kVelocity_m_s);
     table.vector("spin_rad_s", body.spin_rad_s, range::kSpin_rad_s);
     table.boolean("fixed", body.fixed);
@@ -150,9 +150,8 @@ class SceneReader {
     read_surface(table, body.surface);
     const bool known = std::ranges::count(scene_.objects, body.object, &ObjectDescription::name) > 0;
     if (!body.object.empty() && !known) {
-      table.complain(table.line_of("object"), "the scene has no object " + protocol::quoted(body.object));
+      table.complain("object", "the scene has no object " + protocol::quoted(body.object));
     }
-    keep(table.finish());
     scene_.bodies.push_back(std::move(body));
   }
 
@@ -164,33 +163,28 @@ class SceneReader {
     if (sphere) table.number("radius_m", body.shape.radius_m, range::kSize_m);
     if (box || sphere) table.number("density_kg_m3", body.density_kg_m3, range::kDensity_kg_m3);
     if (!body.object.empty()) return;
-    if (!box && !sphere) table.complain(table.line_of("shape"), "a body without an object is a box or a sphere");
+    if (!box && !sphere) table.complain("shape", "a body without an object is a box or a sphere");
     table.require({box ? "size_m" : "radius_m"});
     if (!table.has("fixed")) table.require({"density_kg_m3"});
   }
 
   std::filesystem::path path_, presets_;
   SceneDescription scene_;
-  Result<void> result_;
 };
 
 }  // namespace
 
 Result<SceneDescription> read_scene(const std::filesystem::path& path, const std::filesystem::path& presets) {
-  const Result<std::string> text = read_whole_file(path, kLargestSceneFile);
-  if (!text) return fail(text.error());
-  return parse_scene(*text, path, presets);
+  Result<TomlTable> file = TomlTable::read(path);
+  if (!file) return fail(file.error());
+  return SceneReader(path, presets).read(std::move(*file));
 }
 
 Result<SceneDescription> parse_scene(std::string_view text, const std::filesystem::path& path,
                                      const std::filesystem::path& presets) {
-  const toml::parse_result file = toml::parse(text, path.string());
-  if (!file) {
-    const toml::parse_error& error = file.error();
-    return fail(path.string() + ":" + std::to_string(error.source().begin.line) +
-                ": not TOML: " + std::string(error.description()));
-  }
-  return SceneReader(path, presets).read(file.table());
+  Result<TomlTable> file = TomlTable::parse(text, path);
+  if (!file) return fail(file.error());
+  return SceneReader(path, presets).read(std::move(*file));
 }
 
 }  // namespace ringdown::scene

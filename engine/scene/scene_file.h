@@ -4,13 +4,10 @@
 #include "engine/base/result.h"
 #include "engine/scene/description.h"
 
-#include <cstddef>
 #include <filesystem>
 #include <string_view>
 
 namespace ringdown::scene {
-
-inline constexpr std::size_t kLargestSceneFile = std::size_t{4} << 20;  // bytes
 
 // Reads and checks a scene. A relative bank path is looked for beside the scene file, then in `presets` (which may be
 // empty); banks must exist but are not opened. An unknown key, a wrong type, a number out of range, a missing bank or

@@ -51,6 +51,9 @@ constexpr int kMostContactsFound = 256;
 // A body that has hardly moved for this long sleeps until something touches it.
 constexpr double kSleepAfter_s = 0.5, kSleepSpeed_m_s = 0.005, kSleepSpin_rad_s = 0.01;
 
+// Pushing overlapping bodies apart faster than this would make a bounce, and energy, out of nothing.
+constexpr double kFastestCorrection_m_s = 0.02;
+
 Vec3 to_vec3(const dReal* v) { return {v[0], v[1], v[2]}; }
 
 // What collides: a body, or a static without one. A geometry's user data points here.
@@ -134,8 +137,7 @@ Simulation::Ode::Ode(const SceneDescription& scene)
   dWorldSetGravity(world.get(), scene.gravity_m_s2.x, scene.gravity_m_s2.y, scene.gravity_m_s2.z);
   dWorldSetERP(world.get(), soft.erp);
   dWorldSetCFM(world.get(), soft.cfm);
-  // Pushing bodies apart faster than this would make a bounce out of an overlap, and energy out of nothing.
-  dWorldSetContactMaxCorrectingVel(world.get(), std::max(bounce_threshold_m_s, 0.01));
+  dWorldSetContactMaxCorrectingVel(world.get(), kFastestCorrection_m_s);
   dWorldSetMaxAngularSpeed(world.get(), 2 * range::kSpin_rad_s.high);
   dWorldSetAutoDisableFlag(world.get(), 1);
   dWorldSetAutoDisableTime(world.get(), kSleepAfter_s);

@@ -111,10 +111,11 @@ Result<RigidMass> mass_of(const BodyDescription& body, const modal::Bank* bank, 
   if (body.shape.type == ShapeType::convex || body.shape.type == ShapeType::trimesh) {
     return fail("density_kg_m3 goes with shape box or sphere; a convex or trimesh body takes its mass from its bank");
   }
-  const bool sphere = body.shape.type == ShapeType::sphere;
-  const double radius = extent.radius_m > 0 ? extent.radius_m : enclosing_radius(*bank, extent.center_m);
-  const RigidMass mass = sphere ? sphere_mass(radius, body.density_kg_m3, extent.center_m)
-                                : box_mass(extent.size_m, body.density_kg_m3, extent.center_m);
+  RigidMass mass = box_mass(extent.size_m, body.density_kg_m3, extent.center_m);
+  if (body.shape.type == ShapeType::sphere) {
+    const double radius = extent.radius_m > 0 ? extent.radius_m : enclosing_radius(*bank, extent.center_m);
+    mass = sphere_mass(radius, body.density_kg_m3, extent.center_m);
+  }
   if (!range::kMass_kg.holds(mass.mass_kg)) {
     return fail("its size and density make " + std::to_string(mass.mass_kg) + " kg, outside 1e-7 ... 1e7 kg");
   }

@@ -1,0 +1,95 @@
+// A bank of a solid box, with the surface and mass properties that a box has by formula. For scene tests.
+#pragma once
+
+#include "engine/modal/bank.h"
+#include "engine/scene/world.h"
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace ringdown::test {
+
+// Edges `size`, centre of mass at `center` in the object frame, mass `mass_kg`; one mode.
+inline modal::Bank box_bank(Vec3 size, double mass_kg, Vec3 center = {}) {
+  modal::Bank bank;
+  bank.name = "box";
+  bank.frequency_hz = {440};
+  bank.decay_per_s = {3};
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto place = [&](double middle, double edge, int bit) {
+      return static_cast<float>(middle + ((corner & bit) ? 0.5 : -0.5) * edge);
+    };
+    bank.positions.push_back({place(center.x, size.x, 1), place(center.y, size.y, 2), place(center.z, size.z, 4)});
+    bank.shapes.push_back({0, 0, 1});
+  }
+  bank.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  const double k = mass_kg / 12;
+  modal::MassProperties mass;
+  mass.mass_kg = mass_kg;
+  mass.center_of_mass_m = center;
+  mass.inertia_kg_m2 = {k * (size.y * size.y + size.z * size.z), k * (size.x * size.x + size.z * size.z),
+                        k * (size.x * size.x + size.y * size.y)};
+  bank.mass = mass;
+  return bank;
+}
+
+inline scene::SoundingObject sounding(const std::string& name, protocol::ObjectNumber number, modal::Bank bank) {
+  return {name, number, std::make_shared<const modal::Bank>(std::move(bank))};
+}
+
+// A body of object `name` named the same.
+inline scene::BodyDescription body_of(const std::string& name, scene::ShapeType shape, Vec3 position) {
+  scene::BodyDescription body;
+  body.name = body.object = name;
+  body.shape.type = shape;
+  body.position_m = position;
+  return body;
+}
+
+// A scene with these bodies and a floor at z = 0 of the given restitution; one object for each body that names one.
+inline scene::SceneDescription scene_of(std::vector<scene::BodyDescription> bodies, double restitution = 0.5) {
+  scene::SceneDescription scene;
+  scene::StaticDescription floor;
+  floor.name = "floor";
+  floor.surface.restitution = restitution;
+  scene.statics = {floor};
+  for (auto& body : bodies) {
+    body.surface.restitution = restitution;
+    if (body.object.empty()) continue;
+    scene::ObjectDescription object;
+    object.name = body.object;
+    scene.objects.push_back(object);
+  }
+  scene.bodies = std::move(bodies);
+  return scene;
+}
+
+inline scene::World world_of(const scene::SceneDescription& scene, std::vector<scene::SoundingObject> objects) {
+  auto world = scene::World::create(scene, objects, 48000);
+  if (!world) throw std::runtime_error(world.error().message);  // the test reports it
+  return std::move(*world);
+}
+
+// Every strike of the next `seconds`.
+inline std::vector<protocol::Event> run(scene::World& world, double seconds) {
+  std::vector<protocol::Event> all;
+  const double end = world.time_s() + seconds;
+  while (world.time_s() < end) {
+    const auto report = world.step();
+    all.insert(all.end(), report.strikes.begin(), report.strikes.end());
+  }
+  return all;
+}
+
+inline Vec3 total_impulse(const std::vector<protocol::Event>& strikes, protocol::ObjectNumber object) {
+  Vec3 sum;
+  for (const auto& strike : strikes) {
+    if (strike.object == object) sum = sum + strike.impulse_ns;
+  }
+  return sum;
+}
+
+}  // namespace ringdown::test

@@ -1,0 +1,249 @@
+// What happens while a scene runs: spawning, clearing, new banks, poisoned bodies, limits.
+#include "engine/scene/rotation.h"
+#include "tests/scene/box_bank.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace ringdown::scene {
+namespace {
+
+using test::body_of;
+using test::box_bank;
+using test::run;
+using test::scene_of;
+using test::sounding;
+using test::world_of;
+
+constexpr Vec3 kSize{0.1, 0.1, 0.1};
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+World empty_world() { return world_of(scene_of({}), {sounding("bell", 4, box_bank(kSize, 1))}); }
+
+protocol::SpawnSphere silent_ball() {
+  protocol::SpawnSphere ball;
+  ball.position_m = {0, 0, 0.3};
+  ball.radius_m = 0.02;
+  ball.density_kg_m3 = 2500;
+  return ball;
+}
+
+TEST(Spawn, ABoxOfAnObjectFallsAndRings) {
+  World world = empty_world();
+  protocol::SpawnBox box;
+  box.object = protocol::ObjectRef{"bell", {}};
+  box.position_m = {0, 0, 0.5};
+  const auto id = world.spawn(box);
+  ASSERT_TRUE(id) << id.error().message;
+  const auto strikes = run(world, 2);
+  ASSERT_FALSE(strikes.empty());
+  EXPECT_EQ(strikes.front().object, 4u);
+  EXPECT_EQ(world.bodies()[0].object, "bell");
+}
+
+TEST(Spawn, ByNumberAndSilentOnesToo) {
+  World world = empty_world();
+  protocol::SpawnSphere ball;
+  ball.object = protocol::ObjectRef{"", 4};
+  ball.position_m = {1, 0, 0.5};
+  EXPECT_TRUE(world.spawn(ball));
+  ASSERT_TRUE(world.spawn(silent_ball()));
+  EXPECT_EQ(world.bodies()[1].object, "");
+}
+
+TEST(Spawn, RefusesWhatCannotBe) {
+  World world = empty_world();
+  const auto refused = [&](auto body, const std::string& word) {
+    const auto id = world.spawn(body);
+    ASSERT_FALSE(id) << word;
+    EXPECT_NE(id.error().message.find(word), std::string::npos) << id.error().message;
+  };
+  auto ball = silent_ball();
+  ball.object = protocol::ObjectRef{"gong", {}};
+  refused(ball, "'gong'");
+  ball = silent_ball();
+  ball.position_m.x = kNan;
+  refused(ball, "position_m");
+  ball = silent_ball();
+  ball.velocity_m_s.y = 1e9;
+  refused(ball, "velocity_m_s");
+  ball = silent_ball();
+  ball.radius_m = -1;
+  refused(ball, "size");
+  ball.radius_m = 0;
+  refused(ball, "size");
+  ball = silent_ball();
+  ball.density_kg_m3 = 0;
+  refused(ball, "density");
+  EXPECT_TRUE(world.bodies().empty());
+}
+
+TEST(Spawn, FillsUpToTheLimitAndNotBeyond) {
+  World world = empty_world();
+  auto ball = silent_ball();
+  for (std::size_t k = 0; k < kMostBodies; ++k) {
+    ball.position_m = {0.1 * static_cast<double>(k % 32), 0.1 * static_cast<double>(k / 32), 1};
+    ASSERT_TRUE(world.spawn(ball));
+  }
+  const auto more = world.spawn(ball);
+  ASSERT_FALSE(more);
+  EXPECT_NE(more.error().message.find("full"), std::string::npos);
+  world.step();
+  world.clear();
+  EXPECT_TRUE(world.spawn(ball));
+}
+
+TEST(Clear, SpawnedBodiesGoAndTheSceneStays) {
+  World world =
+      world_of(scene_of({body_of("bell", ShapeType::box, {0, 0, 1})}), {sounding("bell", 4, box_bank(kSize, 1))});
+  ASSERT_TRUE(world.spawn(silent_ball()));
+  world.clear_spawned();
+  ASSERT_EQ(world.bodies().size(), 1u);
+  EXPECT_EQ(world.bodies()[0].name, "bell");
+  world.clear();
+  EXPECT_TRUE(world.bodies().empty());
+  EXPECT_EQ(run(world, 0.1).size(), 0u);
+}
+
+TEST(Clear, WhatSleptOnABodyFalls) {
+  std::vector<BodyDescription> bodies{body_of("bell", ShapeType::box, {0, 0, 0.15})};
+  World world = world_of(scene_of(bodies, 0), {sounding("bell", 4, box_bank(kSize, 1))});
+  protocol::SpawnBox table;
+  table.size_m = kSize;
+  table.density_kg_m3 = 1000;
+  table.position_m = {0, 0, 0.05};
+  ASSERT_TRUE(world.spawn(table));
+  run(world, 2);
+  EXPECT_NEAR(world.bodies()[0].position_m.z, 0.15, 0.002);
+  world.clear_spawned();
+  run(world, 1);
+  EXPECT_NEAR(world.bodies()[0].position_m.z, 0.05, 0.002);
+}
+
+TEST(Objects, ANewBankGivesItsMassAndShapeWhereTheBodyIs) {
+  BodyDescription body = body_of("bell", ShapeType::box, {0, 0, 1});
+  body.rotation = about({1, 0, 0}, 0.3);
+  World world = world_of(scene_of({body}), {sounding("bell", 4, box_bank(kSize, 1))});
+  run(world, 0.1);
+  const Vec3 before = world.bodies()[0].position_m;
+  ASSERT_TRUE(world.set_object(sounding("bell", 4, box_bank(kSize, 3, {0.2, 0, 0}))));
+  EXPECT_NEAR(length(world.bodies()[0].position_m - before), 0, 1e-12);
+  ASSERT_TRUE(world.push(world.bodies()[0].id, {6, 0, 0}));
+  EXPECT_DOUBLE_EQ(world.bodies()[0].velocity_m_s.x, 2) << "6 N s on 3 kg";
+}
+
+TEST(Objects, ABankThatCannotBeABodyChangesNothing) {
+  World world =
+      world_of(scene_of({body_of("bell", ShapeType::box, {0, 0, 1})}), {sounding("bell", 4, box_bank(kSize, 1))});
+  modal::Bank bad = box_bank(kSize, 1);
+  bad.mass->mass_kg = -1;
+  EXPECT_FALSE(world.set_object(sounding("bell", 4, bad)));
+  ASSERT_TRUE(world.push(world.bodies()[0].id, {6, 0, 0}));
+  EXPECT_DOUBLE_EQ(world.bodies()[0].velocity_m_s.x, 6);
+}
+
+TEST(Objects, OneThatHasGoneIsSilentUntilItIsBack) {
+  World world = world_of(scene_of({body_of("bell", ShapeType::sphere, {0, 0, 0.3})}, 0.95),
+                         {sounding("bell", 4, box_bank(kSize, 1))});
+  EXPECT_FALSE(run(world, 1).empty());
+  world.remove_object(4);
+  EXPECT_TRUE(run(world, 1).empty());
+  ASSERT_TRUE(world.set_object(sounding("bell", 7, box_bank(kSize, 1))));
+  const auto strikes = run(world, 1);
+  ASSERT_FALSE(strikes.empty());
+  EXPECT_EQ(strikes.front().object, 7u);
+}
+
+TEST(Poison, ABodyBeyondWhatIsRealGoesBackAndThenAway) {
+  World world =
+      world_of(scene_of({body_of("bell", ShapeType::box, {0, 0, 1})}), {sounding("bell", 4, box_bank(kSize, 1))});
+  const BodyId id = world.bodies()[0].id;
+  for (int k = 0; k < kMostResets; ++k) {
+    ASSERT_TRUE(world.push(id, {9e5, 0, 0}));
+    const auto report = world.step();
+    ASSERT_EQ(report.notices.size(), 1u);
+    EXPECT_NE(report.notices[0].find("'bell' moved beyond what is real"), std::string::npos) << report.notices[0];
+    EXPECT_EQ(world.bodies()[0].position_m, (Vec3{0, 0, 1}));
+    EXPECT_EQ(world.bodies()[0].velocity_m_s, (Vec3{}));
+  }
+  ASSERT_TRUE(world.push(id, {9e5, 0, 0}));
+  EXPECT_NE(world.step().notices[0].find("removed"), std::string::npos);
+  EXPECT_TRUE(world.bodies().empty());
+}
+
+TEST(Poison, ABodyThatFallsOffTheWorldIsRemovedAndReported) {
+  auto scene = scene_of({body_of("bell", ShapeType::box, {0, 0, -900})});
+  scene.statics.clear();
+  World world = world_of(scene, {sounding("bell", 4, box_bank(kSize, 1))});
+  std::size_t notices = 0;
+  while (world.time_s() < 10) notices += world.step().notices.size();
+  EXPECT_EQ(notices, 1u);
+  EXPECT_TRUE(world.bodies().empty());
+}
+
+TEST(Poison, APushThatIsNoNumberIsRefused) {
+  World world =
+      world_of(scene_of({body_of("bell", ShapeType::box, {0, 0, 1})}), {sounding("bell", 4, box_bank(kSize, 1))});
+  EXPECT_FALSE(world.push(0, {kNan, 0, 0}));
+  EXPECT_FALSE(world.push(0, {1e300, 0, 0}));
+  EXPECT_FALSE(world.push(77, {1, 0, 0}));
+}
+
+TEST(Poison, ADescriptionFilledWithNonsenseIsRefusedBeforeOdeSeesIt) {
+  const auto refused = [](const std::string& word, auto spoil) {
+    SceneDescription scene = scene_of({body_of("bell", ShapeType::box, {0, 0, 1})});
+    spoil(scene);
+    const auto world = World::create(scene, std::vector{sounding("bell", 4, box_bank(kSize, 1))}, 48000);
+    ASSERT_FALSE(world) << word;
+    EXPECT_NE(world.error().message.find(word), std::string::npos) << world.error().message;
+  };
+  refused("gravity", [](auto& scene) { scene.gravity_m_s2.z = kNan; });
+  refused("step_s", [](auto& scene) { scene.step_s = 0; });
+  refused("spring", [](auto& scene) { scene.contact.spring_n_m = -1; });
+  refused("position_m", [](auto& scene) { scene.bodies[0].position_m.x = kNan; });
+  refused("rotation", [](auto& scene) { scene.bodies[0].rotation = {0, 0, 0, 0}; });
+  refused("spin_rad_s", [](auto& scene) { scene.bodies[0].spin_rad_s.x = 1e12; });
+  refused("restitution", [](auto& scene) { scene.bodies[0].surface.restitution = 1.5; });
+  refused("normal", [](auto& scene) { scene.statics[0].normal = {}; });
+  refused("size_m", [](auto& scene) { scene.statics[0].type = StaticType::box; });
+  refused("no object", [](auto& scene) { scene.bodies[0].object = "gong"; });
+  refused("named", [](auto& scene) { scene.bodies.push_back(scene.bodies[0]); });
+  refused("pan", [](auto& scene) { scene.objects[0].pan = 2; });
+  refused("more than", [](auto& scene) { scene.statics.resize(kMostStatics + 1); });
+}
+
+TEST(Stress, OverlappingBodiesOfEveryShapePartWithoutAFlight) {
+  std::vector<BodyDescription> bodies;
+  std::vector<SoundingObject> objects;
+  for (int k = 0; k < 8; ++k) {
+    const std::string name = "b" + std::to_string(k);
+    bodies.push_back(body_of(name, static_cast<ShapeType>(k % 4), {0.01 * k, 0.02 * (k % 3), 0.06}));
+    objects.push_back(sounding(name, static_cast<std::uint32_t>(k), box_bank(kSize, k % 2 ? 0.01 : 10)));
+  }
+  World world = world_of(scene_of(bodies), objects);
+  run(world, 3);
+  EXPECT_EQ(world.bodies().size(), 8u);
+  for (const BodyState& body : world.bodies()) EXPECT_LT(body.position_m.z, 1);
+}
+
+TEST(Stress, APileUsesTheIterativeSolverAndIsStillTheSameTwice) {
+  const auto pile = [] {
+    World world = empty_world();
+    protocol::SpawnBox box;
+    box.object = protocol::ObjectRef{"bell", {}};
+    for (int k = 0; k < 60; ++k) {
+      box.position_m = {0.09 * (k % 4), 0.09 * (k / 4 % 4), 0.1 + 0.11 * (k / 16)};
+      EXPECT_TRUE(world.spawn(box));
+    }
+    const auto strikes = run(world, 1);
+    return std::pair(strikes.size(), world.bodies().back().position_m);
+  };
+  const auto first = pile(), second = pile();
+  EXPECT_GT(first.first, 100u);
+  EXPECT_EQ(first.first, second.first);
+  EXPECT_EQ(first.second, second.second);
+}
+
+}  // namespace
+}  // namespace ringdown::scene
