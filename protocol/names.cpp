@@ -33,12 +33,4 @@ Result<ObjectRef> parse_object(std::string_view text) {
 
 std::string to_text(const ObjectRef& object) { return object.number ? std::to_string(*object.number) : object.name; }
 
-std::string quoted(std::string_view text) {
-  constexpr std::size_t kShown = 48;
-  std::string shown(text.substr(0, kShown));
-  std::ranges::replace_if(
-      shown, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return "'" + shown + (text.size() > kShown ? "...'" : "'");
-}
-
 }  // namespace ringdown::protocol

@@ -4,6 +4,7 @@
 // alone is no name either: it stands for "no object" where an argument allows that.
 #pragma once
 
+#include "engine/base/quoted.h"
 #include "engine/base/result.h"
 #include "protocol/request.h"
 
@@ -25,7 +26,6 @@ Result<ObjectRef> parse_object(std::string_view text);
 // The inverse: the name, or the number in decimal.
 std::string to_text(const ObjectRef& object);
 
-// `text` in single quotes for an error message: unprintable characters become '?', long text is cut.
-std::string quoted(std::string_view text);
+using ringdown::quoted;  // for error messages
 
 }  // namespace ringdown::protocol

@@ -1,22 +1,29 @@
 #include "engine/bake/material_library.h"
 
-#include "engine/bake/toml_table.h"
+#include "engine/base/quoted.h"
+#include "engine/base/toml_table.h"
 #include "engine/fem/elastic.h"
 
 #include <algorithm>
-#include <cmath>
+#include <optional>
 
 namespace ringdown::bake {
 namespace {
 
-double sourced_number(TomlTable& file, const std::string& key, MaterialEntry& entry) {
-  TomlTable figure = file.table(key);
-  const std::string source = figure.text("source");
-  if (source.empty()) figure.refuse("source", "must say where the figure is from");
-  entry.sources[key] = source;
-  const double value = figure.number("value");
-  if (!std::isfinite(value)) figure.refuse("value", "must be a finite number");
-  return value;
+// What no solid exceeds; fem::check_elastic() is stricter.
+constexpr Range kYoungsModulus_pa{1e3, 1e13};
+constexpr Range kPoissonRatio{-1, 0.5};
+constexpr Range kDensity_kg_m3{0.1, 1e5};
+constexpr Range kAlpha_per_s{0, 1e6};
+constexpr Range kBeta_s{0, 1};
+
+void read_figure(TomlTable& file, const std::string& key, double& target, const Range& range, MaterialEntry& entry) {
+  file.require({key});
+  std::optional<TomlTable> figure = file.table(key);
+  if (!figure) return;
+  figure->require({"value", "source"});
+  figure->number("value", target, range);
+  figure->text("source", entry.sources[key]);
 }
 
 }  // namespace
@@ -26,19 +33,19 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path) {
   if (!file) return fail(file.error());
   MaterialEntry entry;
   modal::Material& material = entry.material;
-  material.name = file->text("name");
-  entry.description = file->text("description");
-  if (material.name != path.stem()) file->refuse("name", "must be the file's name, " + path.stem().string());
-  material.youngs_modulus_pa = sourced_number(*file, "youngs_modulus_pa", entry);
-  material.poisson_ratio = sourced_number(*file, "poisson_ratio", entry);
-  material.density_kg_m3 = sourced_number(*file, "density_kg_m3", entry);
-  material.damping.alpha_per_s = sourced_number(*file, "alpha_per_s", entry);
-  material.damping.beta_s = sourced_number(*file, "beta_s", entry);
-  if (material.damping.alpha_per_s < 0) file->refuse("alpha_per_s", "must not be negative");
-  if (material.damping.beta_s < 0) file->refuse("beta_s", "must not be negative");
+  file->require({"name", "description"});
+  file->text("name", material.name);
+  file->text("description", entry.description);
+  if (material.name != path.stem())
+    file->complain("name", "name must be the file's, " + ringdown::quoted(path.stem().string()));
+  read_figure(*file, "youngs_modulus_pa", material.youngs_modulus_pa, kYoungsModulus_pa, entry);
+  read_figure(*file, "poisson_ratio", material.poisson_ratio, kPoissonRatio, entry);
+  read_figure(*file, "density_kg_m3", material.density_kg_m3, kDensity_kg_m3, entry);
+  read_figure(*file, "alpha_per_s", material.damping.alpha_per_s, kAlpha_per_s, entry);
+  read_figure(*file, "beta_s", material.damping.beta_s, kBeta_s, entry);
   if (auto good = file->finish(); !good) return fail(good.error());
   const auto stable = fem::check_elastic({material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3});
-  if (!stable) return fail(path.string() + ": " + stable.error().message);
+  if (!stable) return fail(path.string() + ":1: " + stable.error().message);
   return entry;
 }
 

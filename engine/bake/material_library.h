@@ -7,7 +7,7 @@
 //   source = "where the figure is from, or that it is our choice and why"
 //
 // Every figure has a source. Rayleigh's alpha and beta are seldom published: most are fitted to a loss factor
-// eta at one frequency by beta = eta / omega, which the source then says.
+// eta at one frequency by beta = eta / omega, which the source then says. docs/materials.md lists all of them.
 #pragma once
 
 #include "engine/base/result.h"
@@ -16,9 +16,14 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace ringdown::bake {
+
+// Words in a source that docs/materials.md marks.
+inline constexpr std::string_view kOurChoice = "our choice";
+inline constexpr std::string_view kToBeChecked = "to be checked against the original";
 
 struct MaterialEntry {
   modal::Material material;
@@ -26,7 +31,8 @@ struct MaterialEntry {
   std::map<std::string, std::string> sources; // key of the figure -> where it is from
 };
 
-// Checks that the name is the file's, that the constants are a stable solid's, and that no source is empty.
+// Checks that the name is the file's, that the constants are a stable solid's, and that every figure has its
+// source. A sentence about one figure begins with path:line.
 Result<MaterialEntry> read_material(const std::filesystem::path& path);
 
 // `folder`/`name`.toml; when there is none, the error lists those that are there.

@@ -10,7 +10,7 @@
 //   surface_points = 160             # default 200
 //   band_hz = [20, 20000]            # default
 //   max_modes = 120                  # the most important ones; default: all in the band
-//   gain_db = -3                     # how loud a scene should play it beside the other presets; default 0
+//   gain_db = -3                     # the bank's gain, -60 ... 60: how loud beside other objects; default 0
 //   [parameters]                     # DefineConstant names of a .geo, in its unit
 //   height = 110
 #pragma once

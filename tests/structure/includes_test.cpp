@@ -64,7 +64,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"hwy/", {"engine/synth/"}},
     {"nlohmann/", {"engine/modal/", "clients/cli/"}, 1000, {"engine/modal/glb.h"}},
     {"tl/", {"engine/base/"}, 1, {"engine/base/"}},
-    {"toml++/", {"engine/bake/", "engine/scene/", "server/"}, 1000, {"engine/scene/toml_table.h"}},
+    {"toml++/", {"engine/base/"}, 1},
     {"CLI/", {"server/", "clients/"}},
     {"sndfile", {"server/", "clients/"}},
     {"spdlog/", {"server/", "clients/"}},

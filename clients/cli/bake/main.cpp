@@ -4,6 +4,7 @@
 // be written; cancelled. One sentence on stderr says why. With --all the others are baked all the same.
 #include "clients/cli/bake/cancellable.h"
 #include "clients/cli/bake/progress_line.h"
+#include "engine/bake/material_page.h"
 #include "engine/bake/object_file.h"
 #include "engine/base/preset_folder.h"
 #include "engine/modal/bank_file.h"
@@ -30,13 +31,13 @@ struct Arguments {
   std::optional<int> max_modes;
   std::vector<double> band_hz;
   std::map<std::string, double> parameters;
-  bool progress = false, quiet = false;
+  bool list_materials = false, progress = false, quiet = false;
 };
 
 void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& settings) {
   app.add_option("input", arguments.input,
                  "an object (.toml), a geometry (.geo .step .brep) or a mesh (.msh .vtk .inp ...)");
-  app.add_option("-o,--output", arguments.output, "the bank to write (.glb); with --all, the folder")->required();
+  app.add_option("-o,--output", arguments.output, "the bank to write (.glb); with --all, the folder");
   app.add_option("--all", arguments.all, "bake every .toml of this folder instead of one input");
   app.add_option("-m,--material", arguments.material, "name of a material; an object file has one already");
   app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')");
@@ -53,6 +54,8 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")->expected(2);
   app.add_option("--max-modes", arguments.max_modes, "keep the most important ones (default: all in the band)")
       ->check(CLI::Range(1, 16384));
+  app.add_flag("--list-materials", arguments.list_materials,
+               "print the materials with their sources as Markdown, and bake nothing");
   app.add_flag("--progress", arguments.progress, "show progress even when stderr is not a terminal");
   app.add_flag("-q,--quiet", arguments.quiet, "print nothing but errors");
   app.footer(std::string(protocol::kExitCodeHelp));
@@ -163,6 +166,13 @@ ExitCode bake_folder(const Arguments& arguments, const std::stop_token& stop) {
   return worst;
 }
 
+ExitCode list_materials(const fs::path& folder) {
+  const Result<std::string> page = bake::materials_as_markdown(folder);
+  if (!page) return complain(page.error().message, ExitCode::bad_input);
+  const bool written = std::fputs(page->c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
+  return written ? ExitCode::ok : complain("cannot write to the standard output", ExitCode::failure);
+}
+
 ExitCode usage_error(const std::string& message) {
   return complain(message + "; ringdown-bake --help lists the options", ExitCode::usage);
 }
@@ -180,13 +190,17 @@ ExitCode run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return usage_error(error.what());
   }
-  if (arguments.input.empty() == arguments.all.empty()) return usage_error("give one input, or --all and a folder");
+  if (!arguments.list_materials) {
+    if (arguments.input.empty() == arguments.all.empty()) return usage_error("give one input, or --all and a folder");
+    if (arguments.output.empty()) return usage_error("say with --output where to write");
+  }
   if (auto read = read_settings(settings, arguments.parameters); !read) return usage_error(read.error().message);
   if (arguments.materials.empty()) {
     const Result<fs::path> presets = ringdown::preset_folder();
     if (!presets) return complain(presets.error().message, ExitCode::failure);
     arguments.materials = *presets / "materials";
   }
+  if (arguments.list_materials) return list_materials(arguments.materials);
   return cli::run_cancellable([&](const std::stop_token& stop) {
     return arguments.all.empty() ? bake_one(arguments.input, arguments.output, arguments, stop)
                                  : bake_folder(arguments, stop);

@@ -1,0 +1,243 @@
+#include "engine/base/toml_table.h"
+
+#include "engine/base/atomic_file.h"
+#include "engine/base/quoted.h"
+
+#define TOML_HEADER_ONLY 1
+#define TOML_EXCEPTIONS 0
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <set>
+#include <unordered_map>
+#include <utility>
+
+namespace ringdown {
+
+// A table that somebody reads.
+struct TomlTable::Place {
+  const toml::table* table;
+  std::string what;
+  std::set<std::string, std::less<>> taken = {};
+
+  const toml::node* take(std::string_view key) {
+    taken.emplace(key);
+    return table->get(key);
+  }
+};
+
+struct TomlTable::Document {
+  std::string path;
+  toml::table root;
+  std::deque<Place> places = {};  // in the order of reading; they stay where they are
+  std::unordered_map<const toml::table*, Place*> known = {};
+  std::optional<Error> error = {};
+
+  // A table asked for twice is one place: what either reader takes is taken.
+  Place& place_of(const toml::table& table, std::string what) {
+    Place*& place = known[&table];
+    if (!place) place = &places.emplace_back(Place{&table, std::move(what)});
+    return *place;
+  }
+
+  [[nodiscard]] Error sentence(const Place& place, std::uint32_t line, const std::string& why) const {
+    return {path + ":" + std::to_string(line) + ": " + (place.what.empty() ? "" : place.what + ": ") + why};
+  }
+};
+
+namespace {
+
+std::uint32_t line_of_table(const toml::table& table) { return std::max(table.source().begin.line, 1u); }
+
+std::string name_of(const toml::table& table, std::string_view kind) {
+  const std::string name = table["name"].value_or(std::string());
+  return name.empty() ? "[[" + std::string(kind) + "]]" : std::string(kind) + " " + ringdown::quoted(name);
+}
+
+}  // namespace
+
+TomlTable::TomlTable(std::shared_ptr<Document> document, Place& place)
+    : document_(std::move(document)), place_(&place) {}
+
+Result<TomlTable> TomlTable::read(const std::filesystem::path& path) {
+  const Result<std::string> text = read_whole_file(path, kLargestTomlFile);
+  if (!text) return fail(text.error());
+  return parse(*text, path);
+}
+
+Result<TomlTable> TomlTable::parse(std::string_view text, const std::filesystem::path& path) {
+  toml::parse_result file = toml::parse(text);
+  if (!file) {
+    const toml::parse_error& error = file.error();
+    return fail(path.string() + ":" + std::to_string(error.source().begin.line) +
+                ": not TOML: " + std::string(error.description()));
+  }
+  auto document = std::make_shared<Document>(Document{path.string(), std::move(file).table()});
+  Place& root = document->place_of(document->root, "");
+  return TomlTable(std::move(document), root);
+}
+
+bool TomlTable::has(std::string_view key) const { return place_->table->contains(key); }
+
+std::uint32_t TomlTable::line_of(std::string_view key) const {
+  const toml::node* node = place_->table->get(key);
+  return node && node->source().begin.line ? node->source().begin.line : line_of_table(*place_->table);
+}
+
+const std::string& TomlTable::what() const { return place_->what; }
+
+void TomlTable::complain(std::string_view key, const std::string& why) {
+  if (!document_->error) document_->error = document_->sentence(*place_, line_of(key), why);
+}
+
+void TomlTable::expected(std::string_view key, const std::string& what) {
+  complain(key, std::string(key) + " must be " + what);
+}
+
+void TomlTable::require(std::initializer_list<std::string_view> keys) {
+  for (const std::string_view key : keys) {
+    if (!has(key)) complain(key, "the key " + std::string(key) + " is missing");
+  }
+}
+
+void TomlTable::text(std::string_view key, std::string& target) {
+  const toml::node* node = place_->take(key);
+  if (!node) return;
+  if (!node->is_string() || node->as_string()->get().empty()) return expected(key, "a text in quotes, not empty");
+  target = node->as_string()->get();
+}
+
+void TomlTable::boolean(std::string_view key, bool& target) {
+  const toml::node* node = place_->take(key);
+  if (!node) return;
+  if (!node->is_boolean()) return expected(key, "true or false");
+  target = node->as_boolean()->get();
+}
+
+void TomlTable::number(std::string_view key, double& target, const Range& range) {
+  const toml::node* node = place_->take(key);
+  if (!node) return;
+  if (!node->is_number()) return expected(key, "a number");
+  const double value = *node->value<double>();
+  const auto inside = check_range(value, range);
+  if (!inside) return complain(key, std::string(key) + " = " + inside.error().message);
+  target = value;
+}
+
+void TomlTable::number(std::string_view key, double& target) {
+  const toml::node* node = place_->take(key);
+  if (!node) return;
+  if (!node->is_number() || !std::isfinite(*node->value<double>())) return expected(key, "a finite number");
+  target = *node->value<double>();
+}
+
+void TomlTable::whole(std::string_view key, std::uint64_t& target, std::uint64_t low, std::uint64_t high) {
+  const toml::node* node = place_->take(key);
+  if (!node) return;
+  const auto* integer = node->as_integer();
+  const std::uint64_t value = integer && integer->get() >= 0 ? static_cast<std::uint64_t>(integer->get()) : 0;
+  if (!integer || integer->get() < 0 || value < low || value > high) {
+    const std::string most = high == kAnyWhole ? "" : " and <= " + std::to_string(high);
+    return expected(key, "a whole number >= " + std::to_string(low) + most);
+  }
+  target = value;
+}
+
+void TomlTable::vector(std::string_view key, Vec3& target, const Range& range) {
+  const toml::node* node = place_->take(key);
+  if (!node) return;
+  const toml::array* array = node->as_array();
+  if (!array || array->size() != 3) return expected(key, "three numbers [x, y, z]");
+  double values[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!array->get(k)->is_number()) return expected(key, "three numbers [x, y, z]");
+    values[k] = *array->get(k)->value<double>();
+    const auto inside = check_range(values[k], range);
+    if (!inside) return complain(key, std::string(key) + ": " + inside.error().message);
+  }
+  target = {values[0], values[1], values[2]};
+}
+
+void TomlTable::numbers(std::string_view key, std::vector<double>& target) {
+  const toml::node* node = place_->take(key);
+  if (!node) return;
+  std::vector<double> values;
+  bool good = node->is_array();
+  for (std::size_t k = 0; good && k < node->as_array()->size(); ++k) {
+    const toml::node& element = *node->as_array()->get(k);
+    good = element.is_number() && std::isfinite(*element.value<double>());
+    if (good) values.push_back(*element.value<double>());
+  }
+  if (!good) return expected(key, "a list of finite numbers");
+  target = std::move(values);
+}
+
+void TomlTable::named_numbers(std::string_view key, std::map<std::string, double>& target) {
+  std::optional<TomlTable> names = table(key);
+  if (!names) return;
+  for (const auto& [name, node] : *names->place_->table) {
+    double value = 0;
+    names->number(name.str(), value);
+    target[std::string(name.str())] = value;
+  }
+}
+
+int TomlTable::choice(std::string_view key, std::initializer_list<std::string_view> choices) {
+  const toml::node* node = place_->take(key);
+  if (!node) return -1;
+  std::string allowed;
+  int place = 0;
+  for (const std::string_view option : choices) {
+    if (node->is_string() && node->as_string()->get() == option) return place;
+    allowed += (place ? ", \"" : "\"") + std::string(option) + "\"";
+    ++place;
+  }
+  expected(key, "one of " + allowed);
+  return -1;
+}
+
+std::optional<TomlTable> TomlTable::table(std::string_view key) {
+  const toml::node* node = place_->take(key);
+  if (!node) return {};
+  if (!node->is_table()) {
+    expected(key, "a table");
+    return {};
+  }
+  const std::string name(key);
+  const std::string what = place_->what.empty() ? "[" + name + "]" : place_->what + ": " + name;
+  return TomlTable(document_, document_->place_of(*node->as_table(), what));
+}
+
+std::vector<TomlTable> TomlTable::tables(std::string_view key) {
+  const toml::node* node = place_->take(key);
+  if (!node) return {};
+  const toml::array* array = node->as_array();
+  if (!array || !array->is_homogeneous(toml::node_type::table)) {
+    expected(key, "written as [[" + std::string(key) + "]]");
+    return {};
+  }
+  const std::string outer = place_->what.empty() ? "" : place_->what + ": ";
+  std::vector<TomlTable> all;
+  for (const toml::node& element : *array) {
+    const toml::table& table = *element.as_table();
+    all.push_back(TomlTable(document_, document_->place_of(table, outer + name_of(table, key))));
+  }
+  return all;
+}
+
+Result<void> TomlTable::finish() const {
+  if (document_->error) return fail(*document_->error);
+  for (const Place& place : document_->places) {
+    for (const auto& [key, node] : *place.table) {
+      if (place.taken.contains(key.str())) continue;
+      const std::uint32_t line = key.source().begin.line ? key.source().begin.line : line_of_table(*place.table);
+      return fail(
+          document_->sentence(place, line, "unknown key " + ringdown::quoted(key.str()) + "; remove it or correct it"));
+    }
+  }
+  return {};
+}
+
+}  // namespace ringdown

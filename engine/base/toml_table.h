@@ -1,0 +1,84 @@
+// A TOML file read strictly: a wrong type, a number out of range, a missing key and a key nobody asked for are all
+// errors, each one sentence that begins with path:line. [worker]
+//
+//   Result<TomlTable> file = TomlTable::read(path);
+//   if (!file) return fail(file.error());
+//   file->require({"name"});
+//   file->text("name", thing.name);
+//   file->number("size_m", thing.size_m, {0, 10});               // optional: keeps its value when absent
+//   if (auto inner = file->table("inner")) inner->boolean("on", thing.on);
+//   for (TomlTable& part : file->tables("part")) read_part(part);
+//   if (auto good = file->finish(); !good) return fail(good.error());
+//
+// Every reader takes the key's value if it is there and leaves its target as it was if not, or if it is wrong. The
+// first thing that is wrong is kept, reading goes on without harm, and finish() of the file's table gives it back: so
+// reading code is one straight line. Tables are handles on one shared file; copies are cheap. One thread per file.
+#pragma once
+
+#include "engine/base/range.h"
+#include "engine/base/result.h"
+#include "engine/base/vec3.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ringdown {
+
+inline constexpr std::size_t kLargestTomlFile = std::size_t{4} << 20;  // bytes
+
+class TomlTable {
+ public:
+  static Result<TomlTable> read(const std::filesystem::path& path);
+
+  // The same from memory; `path` stands in the sentences.
+  static Result<TomlTable> parse(std::string_view text, const std::filesystem::path& path);
+
+  [[nodiscard]] bool has(std::string_view key) const;
+  [[nodiscard]] std::uint32_t line_of(std::string_view key) const;  // the table's own line when there is no such key
+
+  // How sentences about this table begin: "" for the file's table, "[inner]", "body 'bell'" for the [[body]] of that
+  // name, "body 'bell': inner" for a table inside.
+  [[nodiscard]] const std::string& what() const;
+
+  void require(std::initializer_list<std::string_view> keys);
+  void text(std::string_view key, std::string& target);  // never empty
+  void boolean(std::string_view key, bool& target);
+  void number(std::string_view key, double& target, const Range& range);
+  void number(std::string_view key, double& target);  // any finite one
+  void whole(std::string_view key, std::uint64_t& target, std::uint64_t low = 0, std::uint64_t high = kAnyWhole);
+  void vector(std::string_view key, Vec3& target, const Range& range);              // [x, y, z], each in the range
+  void numbers(std::string_view key, std::vector<double>& target);                  // a list of finite ones
+  void named_numbers(std::string_view key, std::map<std::string, double>& target);  // a table of any names
+
+  // The key's place in `choices`, or -1 when it is missing or wrong.
+  int choice(std::string_view key, std::initializer_list<std::string_view> choices);
+
+  std::optional<TomlTable> table(std::string_view key);  // of [key]; nothing when there is none
+  std::vector<TomlTable> tables(std::string_view key);   // of each [[key]]
+
+  // Notes an error of the caller's own at the key's line, or at the table's when there is no such key.
+  void complain(std::string_view key, const std::string& why);
+
+  // The first error; else one for the first key in the tables read that nobody asked for; else fine.
+  [[nodiscard]] Result<void> finish() const;
+
+ private:
+  static constexpr std::uint64_t kAnyWhole = INT64_MAX;  // TOML has no larger ones
+  struct Document;
+  struct Place;
+  TomlTable(std::shared_ptr<Document> document, Place& place);
+  void expected(std::string_view key, const std::string& what);
+
+  std::shared_ptr<Document> document_;
+  Place* place_;  // this table in the document
+};
+
+}  // namespace ringdown
