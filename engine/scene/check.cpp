@@ -95,6 +95,7 @@ Result<void> check(const BodyDescription& body) {
       .rotation(body.rotation)
       .vector("velocity_m_s", body.velocity_m_s, range::kVelocity_m_s)
       .vector("spin_rad_s", body.spin_rad_s, range::kSpin_rad_s)
+      .number("start_s", body.start_s, range::kStart_s)
       .number("scatter_m", body.scatter_m, range::kScatter_m)
       .surface(body.surface)
       .result();

@@ -44,6 +44,7 @@ inline constexpr Range kVelocity_m_s{-1000, 1000};  // each component; more is t
 inline constexpr Range kSpin_rad_s{-3000, 3000};    // each component; a 10 cm bar then has tips at 150 m/s
 inline constexpr Range kPush_ns{-1e6, 1e6};         // each component
 inline constexpr Range kScatter_m{0, 100};
+inline constexpr Range kStart_s{0, 86400};
 inline constexpr Range kRestitution{0, 1};
 inline constexpr Range kFriction{0, 10};
 inline constexpr Range kContactTime_s{0, 0.1};
@@ -91,6 +92,7 @@ struct BodyDescription {
   Vec3 velocity_m_s;     // of the centre of mass
   Vec3 spin_rad_s;       // about it, world axes
   bool fixed = false;    // hangs where it is and still sounds when struck
+  double start_s = 0;    // enters the scene at this time, moving as described; until then it touches nothing
   double scatter_m = 0;  // moves the start by up to this along each axis, drawn from the scene's seed
   Surface surface;
 };

@@ -103,9 +103,8 @@ class SceneReader {
     const std::filesystem::path beside = path_.parent_path() / bank, preset = presets_ / bank;
     if (std::filesystem::is_regular_file(beside, ignored)) return beside;
     if (!presets_.empty() && std::filesystem::is_regular_file(preset, ignored)) return preset;
-    table.complain("bank", "no bank " + beside.string() +
-                                              (presets_.empty() ? "" : " or " + preset.string()) +
-                                              "; bake it with `ringdown bake`");
+    table.complain("bank", "no bank " + beside.string() + (presets_.empty() ? "" : " or " + preset.string()) +
+                               "; bake it with `ringdown bake`");
     return {};
   }
 
@@ -146,6 +145,7 @@ class SceneReader {
     table.vector("velocity_m_s", body.velocity_m_s, range::kVelocity_m_s);
     table.vector("spin_rad_s", body.spin_rad_s, range::kSpin_rad_s);
     table.boolean("fixed", body.fixed);
+    table.number("start_s", body.start_s, range::kStart_s);
     table.number("scatter_m", body.scatter_m, range::kScatter_m);
     read_surface(table, body.surface);
     const bool known = std::ranges::count(scene_.objects, body.object, &ObjectDescription::name) > 0;

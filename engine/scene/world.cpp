@@ -42,6 +42,7 @@ struct Body {
   std::optional<protocol::ObjectNumber> object;
   RigidMass mass;
   bool spawned = false;
+  std::optional<Solid> waiting;  // until start_s, when the simulation gets it
   Motion motion;  // the step to come: where contacts are found, and where the body is for everyone outside
   int resets = 0;
 
@@ -83,6 +84,7 @@ struct World::Impl {
   Result<BodyId> spawn(const std::optional<protocol::ObjectRef>& object, BodyDescription description);
   void sound(const Touch& touch, protocol::Frame frame);
   void strike(BodyId id, Vec3 world_point, Vec3 world_impulse, double contact_time_s, protocol::Frame frame);
+  void let_in(double now_s);
   void check_bodies();
   void remove(BodyId id);
   [[nodiscard]] double time_s() const { return static_cast<double>(steps) * step_s; }
@@ -128,12 +130,20 @@ Result<BodyId> World::Impl::add(BodyDescription description, bool spawned) {
   if (!solid) return fail(who + solid.error().message);
   description.position_m = description.position_m + description.scatter_m * random.next_vec3();
   const BodyId id = next_id++;
-  Body body{std::move(description), {}, solid->mass, spawned};
+  Body body{std::move(description), {}, solid->mass, spawned, std::move(*solid)};
   body.motion = body.start();
   if (object) body.object = object->number;
-  simulation.put_body(id, *solid, body.motion, body.description.surface, body.description.fixed);
   bodies.emplace(id, std::move(body));
+  let_in(time_s());
   return id;
+}
+
+void World::Impl::let_in(double now_s) {
+  for (auto& [id, body] : bodies) {
+    if (!body.waiting || body.description.start_s > now_s) continue;
+    simulation.put_body(id, *body.waiting, body.motion, body.description.surface, body.description.fixed);
+    body.waiting.reset();
+  }
 }
 
 Result<BodyId> World::Impl::spawn(const std::optional<protocol::ObjectRef>& object, BodyDescription description) {
@@ -175,7 +185,7 @@ void World::Impl::strike(BodyId id, Vec3 world_point, Vec3 world_impulse, double
 void World::Impl::check_bodies() {
   std::vector<BodyId> gone;
   for (auto& [id, body] : bodies) {
-    if (body.description.fixed) continue;
+    if (body.description.fixed || body.waiting) continue;
     body.motion = simulation.motion(id);
     if (is_real(body.motion) && within(body.motion.position_m, range::kPosition_m)) continue;
     const std::string who = "body " + protocol::quoted(body.description.name);
@@ -230,6 +240,7 @@ StepReport World::step() {
   w.notices.clear();
   w.dropped_strikes = 0;
   const auto frame = w.start_frame + static_cast<protocol::Frame>(std::llround(w.time_s() * w.sample_rate_hz));
+  w.let_in(w.time_s());
   for (const Touch& touch : w.simulation.step()) w.sound(touch, frame);
   const std::size_t dropped_contacts = w.simulation.dropped_contacts();
   w.repeat.forget_old(w.time_s());
@@ -292,7 +303,11 @@ Result<void> World::set_object(const SoundingObject& object) {
     body.motion.position_m =
         body.motion.position_m + to_matrix(body.motion.rotation) * (solid.mass.center_m - body.mass.center_m);
     body.mass = solid.mass;
-    w.simulation.put_body(id, solid, body.motion, body.description.surface, body.description.fixed);
+    if (body.waiting) {
+      body.waiting = solid;
+    } else {
+      w.simulation.put_body(id, solid, body.motion, body.description.surface, body.description.fixed);
+    }
   }
   return {};
 }
@@ -311,6 +326,7 @@ Result<void> World::push(BodyId body, Vec3 impulse_ns) {
   if (!within(impulse_ns, range::kPush_ns))
     return fail("cannot push " + who + ": the impulse is not a number or too large");
   if (found->second.description.fixed) return fail("cannot push " + who + ": it is fixed");
+  if (found->second.waiting) return fail("cannot push " + who + ": it has not entered the scene yet");
   Motion& motion = found->second.motion;
   motion.velocity_m_s = motion.velocity_m_s + (1 / found->second.mass.mass_kg) * impulse_ns;
   impl_->simulation.set_motion(body, motion);
@@ -324,7 +340,8 @@ std::vector<BodyState> World::bodies() const {
     const bool sounds = body.object.has_value();
     const Vec3 origin = motion.position_m - to_matrix(motion.rotation) * body.mass.center_m;
     states.push_back({id, body.description.name, sounds ? body.description.object : "", origin, motion.rotation,
-                      motion.position_m, motion.velocity_m_s, motion.spin_rad_s, body.description.fixed});
+                      motion.position_m, motion.velocity_m_s, motion.spin_rad_s, body.description.fixed,
+                      body.waiting.has_value()});
   }
   return states;
 }

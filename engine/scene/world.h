@@ -61,6 +61,7 @@ struct BodyState {
   Vec3 velocity_m_s;  // of the centre of mass
   Vec3 spin_rad_s;
   bool fixed = false;
+  bool waiting = false;  // for its start_s: not in the scene yet
 };
 
 class World {

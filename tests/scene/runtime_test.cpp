@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace ringdown::scene {
@@ -104,6 +105,35 @@ TEST(Clear, SpawnedBodiesGoAndTheSceneStays) {
   world.clear();
   EXPECT_TRUE(world.bodies().empty());
   EXPECT_EQ(run(world, 0.1).size(), 0u);
+}
+
+TEST(Start, ABodyEntersAtItsTimeAndThenFallsAsAnyOther) {
+  const double height = 0.2, fall_s = std::sqrt(2 * height / 9.81);
+  std::vector<protocol::Frame> landed;
+  for (const double start_s : {0.0, 1.5}) {
+    BodyDescription body = body_of("a", ShapeType::box, {0, 0, 0.05 + height});
+    body.start_s = start_s;
+    SceneDescription scene = scene_of({body});
+    scene.step_s = 1.0 / 1000;
+    World world = world_of(scene, {sounding("a", 4, box_bank(kSize, 1))});
+    EXPECT_EQ(world.bodies()[0].waiting, start_s > 0);
+    const auto strikes = run(world, start_s + fall_s + 0.01);
+    ASSERT_FALSE(strikes.empty());
+    EXPECT_FALSE(world.bodies()[0].waiting);
+    landed.push_back(strikes.front().frame);
+  }
+  EXPECT_EQ(landed[1] - landed[0], 72000);
+}
+
+TEST(Start, AWaitingBodyIsInNobodysWay) {
+  BodyDescription falling = body_of("a", ShapeType::box, {0, 0, 0.3}), late = body_of("b", ShapeType::box, {0, 0, 0.1});
+  late.start_s = 60;
+  World world = world_of(scene_of({falling, late}),
+                         {sounding("a", 4, box_bank(kSize, 1)), sounding("b", 5, box_bank(kSize, 1))});
+  run(world, 2);
+  EXPECT_NEAR(world.bodies()[0].position_m.z, 0.05, 0.002);
+  EXPECT_EQ(world.bodies()[1].position_m, (Vec3{0, 0, 0.1}));
+  EXPECT_FALSE(world.push(world.bodies()[1].id, {1, 0, 0}));
 }
 
 TEST(Clear, WhatSleptOnABodyFalls) {
