@@ -24,7 +24,7 @@ std::array<Figure, 5> figures_of(const modal::Material& material) {
            {"beta_s", "beta", material.damping.beta_s}}};
 }
 
-std::string text(double value, const char* format = "%.4g") {
+std::string text(double value, const char* format = "%.5g") {
   char buffer[32];
   std::snprintf(buffer, sizeof buffer, format, value);
   return buffer;

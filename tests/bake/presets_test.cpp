@@ -1,4 +1,5 @@
 // The text files: strict reading, and that every preset in the repository is whole.
+#include "engine/bake/material_page.h"
 #include "engine/bake/object_file.h"
 #include "engine/modal/bank_file.h"
 #include "tests/bake/temporary_folder.h"
@@ -6,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 
 namespace ringdown {
 namespace {
@@ -54,25 +57,25 @@ TEST(MaterialFile, RefusesMistakesByLine) {
     const char *what, *instead, *complaint;
   };
   const Mistake mistakes[] = {
-      {"value = 1e9", "value = = 1e9", "line 4: not TOML"},
-      {"value = 1e9", "value = \"much\"", "line 4: 'value' must be a number"},
-      {"value = 1e9", "valeu = 1e9", "line 3: 'youngs_modulus_pa.value' is missing"},
-      {"description = \"A test\"", "description = 3", "line 2: 'description' must be text"},
-      {"description", "colour = \"red\"\ndescription", "line 2: unknown key 'colour'"},
-      {"value = 0.3", "value = 0.3\nunit = \"1\"", "line 8: unknown key 'unit'"},
-      {"source = \"a guess\"", "source = \"\"", "line 14: 'alpha_per_s.source' must say where"},
-      {"value = 1\n", "value = -1\n", "'alpha_per_s' must not be negative"},
-      {"value = 1e9", "value = nan", "line 4: 'youngs_modulus_pa.value' must be a finite number"},
-      {"value = 0.3", "value = 0.5", "Poisson's ratio must lie between"},
-      {"name = \"clay\"", "name = \"mud\"", "line 1: 'name' must be the file's name, clay"},
-      {"[beta_s]", "[beta]", "'beta_s' is missing"},
+      {"value = 1e9", "value = = 1e9", ":4: not TOML"},
+      {"value = 1e9", "value = \"much\"", ":4: [youngs_modulus_pa]: value must be a number"},
+      {"value = 1e9", "valeu = 1e9", ":3: [youngs_modulus_pa]: the key value is missing"},
+      {"description = \"A test\"", "description = 3", ":2: description must be a text"},
+      {"description", "colour = \"red\"\ndescription", ":2: unknown key 'colour'"},
+      {"value = 0.3", "value = 0.3\nunit = \"1\"", ":8: [poisson_ratio]: unknown key 'unit'"},
+      {"source = \"a guess\"", "source = \"\"", ":14: [alpha_per_s]: source must be a text in quotes, not empty"},
+      {"value = 1\n", "value = -1\n", ":13: [alpha_per_s]: value = -1 is outside 0"},
+      {"value = 1e9", "value = nan", ":4: [youngs_modulus_pa]: value = nan is outside"},
+      {"value = 0.3", "value = 0.5", ":1: Poisson's ratio must lie between"},
+      {"name = \"clay\"", "name = \"mud\"", ":1: name must be the file's, 'clay'"},
+      {"[beta_s]", "[beta]", ":1: the key beta_s is missing"},
   };
   const TemporaryFolder folder;
   for (const Mistake& mistake : mistakes) {
     const auto entry = bake::read_material(folder.write("clay.toml", with(kGood, mistake.what, mistake.instead)));
     ASSERT_FALSE(entry) << mistake.instead;
-    EXPECT_NE(entry.error().message.find(mistake.complaint), std::string::npos) << entry.error().message;
-    EXPECT_NE(entry.error().message.find("clay.toml"), std::string::npos) << entry.error().message;
+    const std::string begin = (folder.path() / "clay.toml").string() + mistake.complaint;
+    EXPECT_TRUE(entry.error().message.starts_with(begin)) << entry.error().message;
   }
 }
 
@@ -88,16 +91,22 @@ TEST(ObjectFile, RefusesMistakesByLine) {
   const TemporaryFolder folder;
   const std::string good = "material = \"steel\"\ngeometry = \"a.geo\"\n";
   ASSERT_TRUE(bake::read_object(folder.write("a.toml", good)));
+  ASSERT_TRUE(bake::read_object(folder.write("a.toml", good + "gain_db = -60\n")));
+  ASSERT_TRUE(bake::read_object(folder.write("a.toml", good + "gain_db = 60\n")));
   const std::pair<const char*, const char*> mistakes[] = {
-      {"element = \"hex8\"", "line 3: 'element' must be tet10"},
-      {"surface_points = 2.5", "line 3: 'surface_points' must be a whole number"},
-      {"surface_points = 3", "line 3: 'surface_points' must be a whole number of at least 4"},
-      {"band_hz = [20]", "line 3: 'band_hz' must be two frequencies"},
-      {"band_hz = [\"low\", \"high\"]", "line 3: 'band_hz' must be a list of numbers"},
-      {"unit_m = 0", "line 3: 'unit_m' must be a positive number"},
-      {"mesh_size_m = -1", "line 3: 'mesh_size_m' must be a positive number"},
-      {"colour = 1", "line 3: unknown key 'colour'"},
-      {"[parameters]\nheight = \"tall\"", "line 4: 'height' must be a number"},
+      {"element = \"hex8\"", ":3: element must be \"tet10\""},
+      {"surface_points = 2.5", ":3: surface_points must be a whole number"},
+      {"surface_points = 3", ":3: surface_points must be a whole number >= 4"},
+      {"max_modes = 5000000000", ":3: max_modes must be a whole number >= 0 and <= 1000000"},
+      {"band_hz = [20]", ":3: band_hz must be two frequencies"},
+      {"band_hz = [\"low\", \"high\"]", ":3: band_hz must be a list of finite numbers"},
+      {"unit_m = 0", ":3: unit_m = 0 is outside"},
+      {"mesh_size_m = -1", ":3: mesh_size_m = -1 is outside"},
+      {"gain_db = 60.1", ":3: gain_db = 60.1 is outside -60 ... 60"},
+      {"gain_db = -61", ":3: gain_db = -61 is outside -60 ... 60"},
+      {"gain_db = nan", ":3: gain_db = nan is outside -60 ... 60"},
+      {"colour = 1", ":3: unknown key 'colour'"},
+      {"[parameters]\nheight = \"tall\"", ":4: [parameters]: height must be a finite number"},
   };
   for (const auto& [line, complaint] : mistakes) {
     const auto object = bake::read_object(folder.write("a.toml", good + line + "\n"));
@@ -105,6 +114,47 @@ TEST(ObjectFile, RefusesMistakesByLine) {
     EXPECT_NE(object.error().message.find(complaint), std::string::npos) << object.error().message;
   }
   EXPECT_FALSE(bake::read_object(folder.path() / "none.toml"));
+}
+
+// A linear amplitude of 1/2 is -6.0206 dB. The shapes stay physical: only the bank's gain says how loud it plays.
+TEST(ObjectFile, ItsGainInDecibelsIsTheBanksLinearOne) {
+  const TemporaryFolder folder;
+  const auto gain_of = [&](const std::string& line) {
+    const std::string text = "material = \"steel\"\nunit_m = 0.001\nelement = \"tet4\"\nsurface_points = 20\n";
+    const auto recipe = bake::read_object(folder.write(
+        "a.toml", text + "geometry = \"" + (kPresets / "objects/box.geo").string() + "\"\n" + line + "\n"));
+    EXPECT_TRUE(recipe) << recipe.error().message;
+    const auto object = bake::bake_object(*recipe, kPresets / "materials");
+    EXPECT_TRUE(object) << object.error().message;
+    EXPECT_TRUE(modal::write_bank(object->baked.bank, folder.path() / "a.glb"));
+    return std::pair(modal::read_bank(folder.path() / "a.glb")->gain, object->baked.bank.shapes.front());
+  };
+  const auto [plain, shape] = gain_of("");
+  const auto [half, same_shape] = gain_of("gain_db = -6.020599913");
+  EXPECT_EQ(plain, 1);
+  EXPECT_NEAR(half, 0.5, 1e-9);
+  EXPECT_EQ(shape, same_shape);
+}
+
+TEST(MaterialPage, TheCommittedTableIsInStep) {
+  std::ifstream file(fs::path(RINGDOWN_SOURCE_DIR) / "docs/materials.md");
+  const std::string page((std::istreambuf_iterator<char>(file)), {});
+  const auto table = bake::materials_as_markdown(kPresets / "materials");
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_NE(page.find("-->\n" + *table + "<!-- end"), std::string::npos) << "run: ./run docs";
+}
+
+TEST(MaterialPage, SaysWhichFiguresToDoubt) {
+  const TemporaryFolder folder;
+  std::string text = with(kGood, "source = \"a guess\"", "source = \"our choice: none\"");
+  text = with(text, "source = \"a book\"", "source = \"a book; to be checked against the original\"");
+  (void)folder.write("clay.toml", text);
+  const auto page = bake::materials_as_markdown(folder.path());
+  ASSERT_TRUE(page);
+  // d = (1 + 1e-7 (2000 pi)^2) / 2 = 2.474 1/s, and 6.908 / 2.474 = 2.79
+  EXPECT_NE(page->find("| `clay` | A test | 1 ? | 0.3 | 1000 | *1* | 1e-07 | 2.8 |\n"), std::string::npos) << *page;
+  EXPECT_NE(page->find("| `clay` | nu, rho | a book |\n"), std::string::npos) << *page;
+  EXPECT_FALSE(bake::materials_as_markdown(folder.path() / "none"));
 }
 
 TEST(Presets, EveryMaterialIsWholeAndSourced) {

@@ -74,6 +74,8 @@ TEST(BakeProgram, RefusalsHaveTheirExitCodesAndOneSentence) {
   const std::pair<std::string, int> cases[] = {
       {"", 2},
       {"--nonsense" + out, 2},
+      {mesh.string() + " -m steel", 2},
+      {"--list-materials --materials /nowhere", 3},
       {mesh.string() + out + " --points few", 2},
       {mesh.string() + out + " --set length", 2},
       {"--all /nowhere " + mesh.string() + out, 2},
@@ -91,6 +93,12 @@ TEST(BakeProgram, RefusalsHaveTheirExitCodesAndOneSentence) {
     EXPECT_TRUE(ran.output.starts_with("ringdown-bake: ")) << ran.output;
   }
   EXPECT_FALSE(fs::exists(folder.path() / "x.glb"));
+}
+
+TEST(BakeProgram, ListsItsMaterials) {
+  const Ran ran = bake("--list-materials");
+  EXPECT_EQ(ran.exit_code, 0);
+  EXPECT_NE(ran.output.find("| `bronze` |"), std::string::npos) << ran.output;
 }
 
 TEST(BakeProgram, FindsThePresetsWhereItIsTold) {
