@@ -66,15 +66,17 @@ Result<void> load_what_was_asked_for(Session& session, const DaemonOptions& opti
 }
 
 ExitCode render_to_file(const DaemonOptions& options) {
+  bool cancelled = false;
   const auto recording = render_offline({.scene = options.scene,
                                          .objects = options.objects,
                                          .seconds = options.seconds,
                                          .sample_rate_hz = options.sample_rate_hz,
                                          .block_frames = options.block_frames},
-                                        [](double) { return !signal_came(0ms); });
-  if (!recording) return report(recording.error(), ExitCode::failure);
-  if (const auto written = write_audio(*recording, options.output); !written)
+                                        [&cancelled](double) { return !(cancelled = signal_came(0ms)); });
+  if (!recording) return report(recording.error(), cancelled ? ExitCode::cancelled : ExitCode::bad_input);
+  if (const auto written = write_audio(*recording, options.output); !written) {
     return report(written.error(), ExitCode::failure);
+  }
   spdlog::info("wrote {}, {:.2f} s", options.output.string(),
                static_cast<double>(recording->left.size()) / recording->sample_rate_hz);
   return ExitCode::ok;

@@ -211,7 +211,19 @@ void Mixer::render_segment(Object& object, std::size_t begin, std::size_t end) R
   };
   add(object.current);
   for (Voice* voice = object.tails; voice; voice = voice->next) add(voice);
-  if (!sounds) return;
+  if (sounds) mix_segment(object, begin, end);
+}
+
+void Mixer::mix_segment(const Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME {
+  const Frame first = now_ + static_cast<Frame>(begin);
+  if (object.gain.still_at(first) && object.left.still_at(first) && object.right.still_at(first)) {
+    for (std::size_t n = begin; n < end; ++n) {
+      const double sample = object.gain.to * mono_[n];
+      mix_left_[n] += object.left.to * sample;
+      mix_right_[n] += object.right.to * sample;
+    }
+    return;
+  }
   for (std::size_t n = begin; n < end; ++n) {
     const Frame frame = now_ + static_cast<Frame>(n);
     const double sample = object.gain.at(frame) * mono_[n];

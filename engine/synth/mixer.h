@@ -87,6 +87,7 @@ class Mixer {
     double from = 0, to = 0;
     protocol::Frame begin = 0, end = 0;
     [[nodiscard]] double at(protocol::Frame frame) const RINGDOWN_REALTIME;
+    [[nodiscard]] bool still_at(protocol::Frame frame) const RINGDOWN_REALTIME { return frame >= end; }
     void aim(double target, protocol::Frame now, protocol::Frame length) RINGDOWN_REALTIME;
   };
   struct Pending {
@@ -128,6 +129,7 @@ class Mixer {
   void render_chunk(std::size_t frames) RINGDOWN_REALTIME;
   [[nodiscard]] bool render_object(Object& object, std::size_t frames) RINGDOWN_REALTIME;
   void render_segment(Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME;
+  void mix_segment(const Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME;
   void apply(Object& object, const protocol::Event& event) RINGDOWN_REALTIME;
   void fade_out(Object& object) RINGDOWN_REALTIME;
   void activate(Object& object) RINGDOWN_REALTIME;

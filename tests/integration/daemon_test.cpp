@@ -187,6 +187,9 @@ TEST_F(DaemonTest, TheWavDriverWritesTheSceneToAFile) {
                                "--seconds", "0.5", "-o", file.string()});
   EXPECT_EQ(written.exit_code, 0) << written.output;
   EXPECT_GT(std::filesystem::file_size(file), 24000u * 8);
+  const Outcome missing = run({program("ringdownd"), "--driver", "wav", "--scene", bank("missing.toml")});
+  EXPECT_EQ(missing.exit_code, 3);
+  EXPECT_NE(missing.output.find("missing.toml"), std::string::npos) << missing.output;
 }
 
 }  // namespace
