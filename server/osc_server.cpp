@@ -45,23 +45,25 @@ void OscServer::run(const std::stop_token& stop) {
 }
 
 void OscServer::handle(const Datagram& datagram) {
-  const protocol::Frame now = parts_.driver.now();
+  const Arrival arrival{datagram.from, parts_.driver.now(), unix_now_s()};
   const auto messages = decode_packet(datagram.bytes);
   if (!messages) return answer(*socket_, datagram.from, Fail{"", messages.error().message});
-  for (const TimedMessage& timed : *messages) handle(timed, datagram.from, now);
+  for (const TimedMessage& timed : *messages) handle(timed, arrival);
 }
 
-void OscServer::handle(const TimedMessage& timed, Endpoint from, protocol::Frame now) {
+protocol::Frame OscServer::frame_of(TimeTag time, const Arrival& arrival) const {
+  if (time == kImmediately) return arrival.frame + latency_frames(parts_.driver);
+  const double ahead_s = unix_seconds(time) - arrival.unix_s;
+  return arrival.frame + std::llround(ahead_s * parts_.driver.sample_rate_hz());
+}
+
+void OscServer::handle(const TimedMessage& timed, const Arrival& arrival) {
   const std::string& address = timed.message.address;
+  const Endpoint from = arrival.from;
   const auto request = protocol::parse(timed.message);
   if (!request) return answer(*socket_, from, Fail{address, request.error().message});
   if (Session::is_event(*request)) {
-    protocol::Frame frame = now + latency_frames(parts_.driver);
-    if (timed.time != kImmediately) {
-      const double ahead_s = unix_seconds(timed.time) - unix_now_s();
-      frame = now + std::llround(ahead_s * parts_.driver.sample_rate_hz());
-    }
-    const auto played = parts_.session.play(*request, frame);
+    const auto played = parts_.session.play(*request, frame_of(timed.time, arrival));
     if (!played) answer(*socket_, from, Fail{address, address + ": " + played.error().message});
   } else if (std::holds_alternative<protocol::Status>(*request)) {
     answer(*socket_, from, status());

@@ -34,9 +34,17 @@ class OscServer {
   [[nodiscard]] std::uint16_t port() const { return socket_->port(); }
 
  private:
+  // When a datagram came, by both clocks: what its time tags are measured from.
+  struct Arrival {
+    Endpoint from;
+    protocol::Frame frame;
+    double unix_s;
+  };
+
   void run(const std::stop_token& stop);
   void handle(const Datagram& datagram);
-  void handle(const TimedMessage& timed, Endpoint from, protocol::Frame now);
+  void handle(const TimedMessage& timed, const Arrival& arrival);
+  [[nodiscard]] protocol::Frame frame_of(TimeTag time, const Arrival& arrival) const;
   void post(const protocol::Request& request, const std::string& address, Endpoint from);
   [[nodiscard]] protocol::StatusReply status() const;
 
