@@ -120,7 +120,7 @@ std::string oscsend_command(const AddressSpec& spec) {
     types += type;
     words += " " + word;
   }
-  const std::string target = "oscsend localhost " + std::to_string(kDefaultPort) + " " + spec.example.address;
+  const std::string target = "oscsend osc.udp://127.0.0.1:" + std::to_string(kDefaultPort) + " " + spec.example.address;
   return types.empty() ? target : target + " " + types + words;
 }
 

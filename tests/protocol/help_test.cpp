@@ -32,9 +32,9 @@ TEST(Help, EveryAddressAndArgumentIsInTheManual) {
 
 TEST(Help, AWorkedExampleIsAnOscsendCommand) {
   const auto example = [](std::string_view address) { return oscsend_command(**find_address(address)); };
-  EXPECT_EQ(example("/object/bell/gain"), "oscsend localhost 7770 /object/bell/gain ff 0.5 0.1");
-  EXPECT_EQ(example("/quit"), "oscsend localhost 7770 /quit");
-  EXPECT_EQ(example("/sync"), "oscsend localhost 7770 /sync i 7");
+  EXPECT_EQ(example("/object/bell/gain"), "oscsend osc.udp://127.0.0.1:7770 /object/bell/gain ff 0.5 0.1");
+  EXPECT_EQ(example("/quit"), "oscsend osc.udp://127.0.0.1:7770 /quit");
+  EXPECT_EQ(example("/sync"), "oscsend osc.udp://127.0.0.1:7770 /sync i 7");
 }
 
 TEST(Help, AnArgumentIsDescribedWithUnitRangeAndDefault) {
