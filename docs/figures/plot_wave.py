@@ -3,7 +3,7 @@
 
 usage: plot_wave.py SOUND.wav PICTURE.png
 
-Reads 32-bit float and 16-bit integer WAV. Needs Debian's python3-numpy and python3-matplotlib.
+Reads WAV of 32-bit float, 16-bit or 32-bit integer samples. Needs Debian's python3-numpy and python3-matplotlib.
 """
 import struct
 import sys
@@ -25,17 +25,19 @@ def read_wav(path):
     while position + 8 <= len(data):
         name, size = data[position : position + 4], struct.unpack_from("<I", data, position + 4)[0]
         if name == b"fmt ":
-            layout = struct.unpack_from("<HHIIHH", data, position + 8)
+            layout = list(struct.unpack_from("<HHIIHH", data, position + 8))
+            if layout[0] == 0xFFFE:  # extensible: the format stands in its sub-format
+                layout[0] = struct.unpack_from("<H", data, position + 8 + 24)[0]
         elif name == b"data":
             samples = data[position + 8 : position + 8 + size]
         position += 8 + size + size % 2
     if layout is None or samples is None:
         sys.exit(f"{path} has no samples")
-    _, channels, rate, _, _, bits = layout
-    kinds = {32: ("<f4", 1.0), 16: ("<i2", 32768.0)}
-    if bits not in kinds:
-        sys.exit(f"{path} has {bits}-bit samples; only 32-bit float and 16-bit integer are read")
-    kind, scale = kinds[bits]
+    tag, channels, rate, _, _, bits = layout
+    kinds = {(3, 32): ("<f4", 1.0), (1, 16): ("<i2", 2.0**15), (1, 32): ("<i4", 2.0**31)}
+    if (tag, bits) not in kinds:
+        sys.exit(f"{path} has {bits}-bit samples of format {tag}; only 32-bit float, 16- and 32-bit integers are read")
+    kind, scale = kinds[tag, bits]
     return rate, np.frombuffer(samples, kind).reshape(-1, channels) / scale
 
 
