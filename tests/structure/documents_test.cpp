@@ -1,0 +1,52 @@
+// What the documents promise about the tree.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = RINGDOWN_SOURCE_DIR;
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(Documents, EveryPackageHasItsReason) {
+  std::istringstream packages(text_of(kRoot / "packages.txt"));
+  const std::string reasons = text_of(kRoot / "docs/dependencies.md");
+  int count = 0;
+  for (std::string line; std::getline(packages, line);) {
+    if (line.empty() || line.front() == '#') continue;
+    EXPECT_NE(reasons.find(line), std::string::npos) << line << " is not in docs/dependencies.md";
+    ++count;
+  }
+  EXPECT_GT(count, 20);
+}
+
+TEST(Documents, EveryLinkToAFileLeadsSomewhere) {
+  const std::regex link(R"(\]\(([^)#:]+)(#[^)]*)?\))");
+  int count = 0;
+  std::vector<fs::path> pages = {kRoot / "README.md"};
+  for (const auto& entry : fs::directory_iterator(kRoot / "docs")) {
+    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  }
+  for (const fs::path& page : pages) {
+    const std::string text = text_of(page);
+    for (std::sregex_iterator found(text.begin(), text.end(), link), end; found != end; ++found, ++count) {
+      const std::string target = (*found)[1];
+      EXPECT_TRUE(fs::exists(page.parent_path() / target)) << page.filename() << " links to " << target;
+    }
+  }
+  EXPECT_GT(count, 10);
+}
+
+}  // namespace
