@@ -8,6 +8,8 @@
 #include <cassert>
 #include <chrono>
 #include <cmath>
+#include <numbers>
+#include <cstdio>
 #include <numeric>
 #include <vector>
 
@@ -109,6 +111,28 @@ Result<void> check_rigid(const Eigenmodes& modes, int pieces) {
                   : "found " + found + ": the elements are too distorted to solve; mesh the object again");
 }
 
+// About how many modes a solid has below a frequency: Debye's count V omega^3/(6 pi^2) (1/c_l^3 + 2/c_t^3) of waves
+// with the two speeds of sound (Landau & Lifshitz, Statistical Physics, section 64; Theory of Elasticity, section 22).
+// Plates and shells have more.
+double debye_count(double volume_m3, const modal::Material& material, double lambda) {
+  const double e = material.youngs_modulus_pa, nu = material.poisson_ratio, rho = material.density_kg_m3;
+  const double transverse = std::sqrt(e / (2 * (1 + nu) * rho));
+  const double longitudinal = transverse * std::sqrt((2 - 2 * nu) / (1 - 2 * nu));
+  const double slowness = std::pow(longitudinal, -3) + 2 * std::pow(transverse, -3);
+  return volume_m3 * std::pow(lambda, 1.5) / (6 * std::numbers::pi * std::numbers::pi) * slowness;
+}
+
+Result<void> check_count(const fem::System& system, const modal::Material& material, const BakeOptions& options,
+                         double highest_lambda) {
+  const double count = debye_count(system.node_mass.sum() / material.density_kg_m3, material, highest_lambda);
+  if (count <= 4.0 * options.most_modes) return {};
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g", count);
+  return fail(std::string("about ") + text + " modes lie below " + std::to_string(std::lround(options.band_high_hz)) +
+              " Hz, and a bank holds " + std::to_string(options.most_modes) +
+              ": check the unit of its lengths (--unit 0.001 for millimetres), or narrow the band (--band)");
+}
+
 modal::Provenance provenance(const BakeOptions& options, const BakeReport& report, const Eigenmodes& modes) {
   return {.generator = "Ringdown " RINGDOWN_VERSION,
           .element = element_text(options.element),
@@ -153,6 +177,9 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   const EigenRequest request{.highest_lambda = highest_lambda_in_band(options.band_high_hz, material.damping),
                              .most_modes = options.most_modes};
   if (!(request.highest_lambda > 0)) return fail(material.name + " is damped so strongly that nothing of it rings");
+  if (auto few = check_count(*system, material, options, request.highest_lambda); !few) {
+    return fail(name + ": " + few.error().message);
+  }
   const Result<Eigenmodes> modes = solve_modes(*system, request, progress);
   if (!modes) return fail(modes.error());
   report.rigid = modes->rigid;

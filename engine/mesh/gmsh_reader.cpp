@@ -18,7 +18,8 @@
 namespace ringdown::mesh {
 namespace {
 
-constexpr int kTet4 = 4, kTet10 = 11;                                      // gmsh's element types
+constexpr double kMostCells = 1e9;     // of the mesh size, in the bounding box; thin bodies fill little of theirs
+constexpr int kTet4 = 4, kTet10 = 11;  // gmsh's element types
 constexpr std::array<int, 10> kFromGmsh = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};  // its last two edges are exchanged
 constexpr std::size_t kLargestGeometry = 16 << 20;                         // bytes of a .geo
 
@@ -107,17 +108,30 @@ std::size_t count_elements(int type) {
   return elements.size();
 }
 
-void generate_if_geometry(const GmshOptions& options) {
+// gmsh would work on a mesh of billions of elements until the memory is full, and cannot be interrupted.
+Result<void> check_mesh_size(const std::filesystem::path& path, const GmshOptions& options) {
+  double x0, y0, z0, x1, y1, z1;
+  gmsh::model::getBoundingBox(-1, -1, x0, y0, z0, x1, y1, z1);
+  const double size = options.mesh_size_m / options.unit_m;
+  if ((x1 - x0) / size * ((y1 - y0) / size) * ((z1 - z0) / size) <= kMostCells) return {};
+  return fail(path.string() + ": a mesh size of " + std::to_string(options.mesh_size_m) +
+              " m is far too small for a body " + std::to_string(options.unit_m * (x1 - x0)) +
+              " m long; choose a larger one, or check the unit of its lengths");
+}
+
+Result<void> generate_if_geometry(const std::filesystem::path& path, const GmshOptions& options) {
   std::vector<int> types;
   gmsh::model::mesh::getElementTypes(types, 3);
   gmsh::vectorpair volumes;
   gmsh::model::getEntities(volumes, 3);
-  if (!types.empty() || volumes.empty()) return;
+  if (!types.empty() || volumes.empty()) return {};
   if (options.mesh_size_m > 0) {
+    if (auto good = check_mesh_size(path, options); !good) return good;
     gmsh::option::setNumber("Mesh.MeshSizeMax", options.mesh_size_m / options.unit_m);
   }
   gmsh::model::mesh::generate(3);
   if (options.order == 2) gmsh::model::mesh::setOrder(2);
+  return {};
 }
 
 std::optional<std::string> foreign_solid_element() {
@@ -184,7 +198,7 @@ Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptio
   try {
     if (auto opened = open_file(path, options); !opened) return fail(opened.error());
     if (const auto error = session.first_error()) return gmsh_failed(path, *error);
-    generate_if_geometry(options);
+    if (auto meshed = generate_if_geometry(path, options); !meshed) return fail(meshed.error());
   } catch (...) {  // of several types; what it says is in the log, too
     return gmsh_failed(path, session.first_error().value_or(""));
   }

@@ -189,6 +189,9 @@ TEST(Bake, RefusesWithOneSentence) {
   EXPECT_NE(refusal(bar(), steel(), {.most_points = 3}).find("at least 4 surface points"), std::string::npos);
   EXPECT_NE(refusal(bar(), steel(), {.most_modes = 3}).find("more than 3 modes"), std::string::npos);
   EXPECT_NE(refusal(bar(), steel(3, 1), {}).find("damped so strongly"), std::string::npos);
+  mesh::CheckedMesh in_millimetres = bar();  // 200 m long, when its numbers are taken for metres
+  in_millimetres.mesh.nodes *= 1000;
+  EXPECT_NE(refusal(in_millimetres, steel(), {}).find("check the unit"), std::string::npos);
 }
 
 TEST(Bake, NamesTheHingeWhenPartsHangTogetherAtAnEdge) {

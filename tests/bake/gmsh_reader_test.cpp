@@ -122,6 +122,9 @@ Extrude {0, 0, 1} { Surface{e2[1]}; Layers{1}; Recombine; }
 )"))
                 .find("Hexahedron"),
             std::string::npos);
+  mesh::GmshOptions dust = in_millimetres();
+  dust.mesh_size_m = 1e-6;
+  EXPECT_NE(refusal(folder.write("box.geo", kBox), dust).find("far too small"), std::string::npos);
   mesh::GmshOptions no_unit = in_millimetres();
   no_unit.unit_m = 0;
   EXPECT_NE(refusal(folder.write("box.geo", kBox), no_unit).find("unit"), std::string::npos);
