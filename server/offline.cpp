@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 namespace ringdown::server {
@@ -127,13 +128,21 @@ Result<Recording> render_offline(const OfflineOptions& options, const Progress& 
 }
 
 Result<void> write_audio(const Recording& recording, const std::filesystem::path& path) {
-  const bool flac = path.extension() == ".flac";
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending != ".wav" && ending != ".flac") {
+    return fail("cannot write " + path.string() + ": its name must end in .wav or .flac, which says the format");
+  }
   SF_INFO info{.samplerate = static_cast<int>(recording.sample_rate_hz),
                .channels = 2,
-               .format = flac ? SF_FORMAT_FLAC | SF_FORMAT_PCM_24 : SF_FORMAT_WAV | SF_FORMAT_FLOAT};
+               .format = ending == ".flac" ? SF_FORMAT_FLAC | SF_FORMAT_PCM_24 : SF_FORMAT_WAV | SF_FORMAT_FLOAT};
   const std::filesystem::path temporary = path.string() + "." + std::to_string(::getpid()) + ".part";
+  std::error_code ignored;
   SNDFILE* file = sf_open(temporary.c_str(), SFM_WRITE, &info);
-  if (!file) return fail("cannot write " + path.string() + ": " + sf_strerror(nullptr));
+  if (!file) {
+    std::filesystem::remove(temporary, ignored);
+    return fail("cannot write " + path.string() + ": " + sf_strerror(nullptr));
+  }
   sf_command(file, SFC_SET_CLIPPING, nullptr, SF_TRUE);
   sf_command(file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);  // it holds the time of day
   std::vector<float> frames(2 * recording.left.size());
@@ -147,7 +156,6 @@ Result<void> write_audio(const Recording& recording, const std::filesystem::path
   std::error_code error;
   if (written && closed) std::filesystem::rename(temporary, path, error);
   if (!written || !closed || error) {
-    std::error_code ignored;
     std::filesystem::remove(temporary, ignored);
     return fail("cannot write " + path.string() + ": " + (error ? error.message() : "the disk may be full"));
   }

@@ -196,5 +196,15 @@ TEST_F(OfflineTest, TheWrittenFileHoldsTheSamples) {
   EXPECT_FALSE(write_audio(recording, folder_ / "no such folder" / "three.wav"));
 }
 
+TEST_F(OfflineTest, WhatCannotBeWrittenLeavesNothingBehind) {
+  Recording recording{.sample_rate_hz = 768000, .left = {0.f}, .right = {0.f}};  // more than FLAC has room for
+  const auto files = [this] { return std::distance(std::filesystem::directory_iterator(folder_), {}); };
+  const auto before = files();
+  EXPECT_FALSE(write_audio(recording, folder_ / "fast.flac"));
+  EXPECT_FALSE(write_audio(recording, folder_ / "sound.ogg"));
+  EXPECT_EQ(files(), before);
+  EXPECT_TRUE(write_audio(recording, folder_ / "LOUD.WAV"));
+}
+
 }  // namespace
 }  // namespace ringdown::server
