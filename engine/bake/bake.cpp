@@ -3,6 +3,7 @@
 #include "engine/bake/importance.h"
 #include "engine/bake/mass_properties.h"
 #include "engine/mesh/surface.h"
+#include "engine/solve/eigensolver.h"
 
 #include <algorithm>
 #include <cassert>
@@ -15,6 +16,8 @@
 
 namespace ringdown::bake {
 namespace {
+
+using solve::Eigenmodes;
 
 class Stopwatch {
  public:
@@ -174,13 +177,13 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   report.elements = mesh.elements.rows();
   report.assemble_seconds = watch.lap();
 
-  const EigenRequest request{.highest_lambda = highest_lambda_in_band(options.band_high_hz, material.damping),
+  const solve::EigenRequest request{.highest_lambda = highest_lambda_in_band(options.band_high_hz, material.damping),
                              .most_modes = options.most_modes};
   if (!(request.highest_lambda > 0)) return fail(material.name + " is damped so strongly that nothing of it rings");
   if (auto few = check_count(*system, material, options, request.highest_lambda); !few) {
     return fail(name + ": " + few.error().message);
   }
-  const Result<Eigenmodes> modes = solve_modes(*system, request, progress);
+  const Result<Eigenmodes> modes = solve::solve_modes(*system, request, progress);
   if (!modes) return fail(modes.error());
   report.rigid = modes->rigid;
   report.factor_seconds = modes->factor_seconds;

@@ -5,7 +5,8 @@
 //   return modal::write_bank(baked->bank, "bell.glb");
 #pragma once
 
-#include "engine/bake/eigensolver.h"
+#include "engine/base/progress.h"
+#include "engine/fem/assembly.h"
 #include "engine/mesh/tet_mesh.h"
 #include "engine/modal/bank.h"
 
@@ -17,7 +18,7 @@ struct BakeOptions {
   fem::Element element = fem::Element::kTet10; // the mesh is brought to its order
   double band_low_hz = 20, band_high_hz = 20000;
   std::size_t most_points = 200; // on the surface, >= 4. Fewer points, not coarser physics
-  int most_modes = 4096;         // in the band; a fuller band fails (see EigenRequest)
+  int most_modes = 4096;         // in the band; a fuller band fails (see solve::EigenRequest)
   int keep_modes = 0;            // the most important ones go into the bank; 0: all
 };
 

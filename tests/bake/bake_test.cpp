@@ -212,7 +212,7 @@ TEST(Bake, CanBeCancelledInEveryStage) {
   for (const std::string_view stage : {"assemble", "factors", "modes", "finish"}) {
     const auto result = bake::bake(bar(), steel(), {}, "bar", [&](std::string_view at, double) { return at != stage; });
     ASSERT_FALSE(result) << stage;
-    EXPECT_EQ(result.error().message, bake::kCancelled);
+    EXPECT_EQ(result.error().message, kCancelled);
   }
 }
 

@@ -2,6 +2,7 @@
 // unknowns of the eigenproblem, modes found, systems solved.
 #include "engine/bake/object_file.h"
 #include "engine/mesh/surface.h"
+#include "engine/solve/eigensolver.h"
 
 #include <benchmark/benchmark.h>
 
@@ -52,10 +53,10 @@ void assemble(benchmark::State& state, const std::string& name) {
 }
 
 // Times factors and iteration by the solver's own clocks, so that each stands alone.
-void solve(benchmark::State& state, const std::string& name, double top_hz, double bake::Eigenmodes::*seconds) {
+void solve_timed(benchmark::State& state, const std::string& name, double top_hz, double solve::Eigenmodes::*seconds) {
   const fem::System system = system_of(name);
   for (auto _ : state) {
-    const auto modes = bake::solve_modes(system, {.highest_lambda = lambda_of(top_hz)}).value();
+    const auto modes = solve::solve_modes(system, {.highest_lambda = lambda_of(top_hz)}).value();
     state.SetIterationTime(modes.*seconds);
     state.counters["modes"] = static_cast<double>(modes.lambda.size());
     state.counters["solves"] = modes.solves;
@@ -75,21 +76,21 @@ BENCHMARK_CAPTURE(mesh_with_gmsh, bell, "bronze-bell")->Unit(benchmark::kMillise
 BENCHMARK_CAPTURE(assemble, plate, "steel-plate")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(assemble, bell, "bronze-bell")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(assemble, glass, "wine-glass")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(solve, factors_bell, "bronze-bell", 500.0, &bake::Eigenmodes::factor_seconds)
+BENCHMARK_CAPTURE(solve_timed, factors_bell, "bronze-bell", 500.0, &solve::Eigenmodes::factor_seconds)
     ->Unit(benchmark::kMillisecond)
     ->UseManualTime();
-BENCHMARK_CAPTURE(solve, factors_glass, "wine-glass", 400.0, &bake::Eigenmodes::factor_seconds)
+BENCHMARK_CAPTURE(solve_timed, factors_glass, "wine-glass", 400.0, &solve::Eigenmodes::factor_seconds)
     ->Unit(benchmark::kMillisecond)
     ->UseManualTime();
-BENCHMARK_CAPTURE(solve, modes_plate, "steel-plate", 20e3, &bake::Eigenmodes::iterate_seconds)
+BENCHMARK_CAPTURE(solve_timed, modes_plate, "steel-plate", 20e3, &solve::Eigenmodes::iterate_seconds)
     ->Unit(benchmark::kMillisecond)
     ->UseManualTime()
     ->Iterations(1);
-BENCHMARK_CAPTURE(solve, modes_bell, "bronze-bell", 10e3, &bake::Eigenmodes::iterate_seconds)
+BENCHMARK_CAPTURE(solve_timed, modes_bell, "bronze-bell", 10e3, &solve::Eigenmodes::iterate_seconds)
     ->Unit(benchmark::kMillisecond)
     ->UseManualTime()
     ->Iterations(1);
-BENCHMARK_CAPTURE(solve, modes_glass, "wine-glass", 20e3, &bake::Eigenmodes::iterate_seconds)
+BENCHMARK_CAPTURE(solve_timed, modes_glass, "wine-glass", 20e3, &solve::Eigenmodes::iterate_seconds)
     ->Unit(benchmark::kMillisecond)
     ->UseManualTime()
     ->Iterations(1);

@@ -1,4 +1,4 @@
-#include "engine/bake/eigensolver.h"
+#include "engine/solve/eigensolver.h"
 
 #include "tests/fem/sample_meshes.h"
 
@@ -38,7 +38,7 @@ int modes_below(const fem::System& system, double lambda) {
 TEST(Eigensolver, FindsEveryModeBelowTheTopAndNoOther) {
   const fem::System system = system_of(test::box_mesh({4, 4, 3}, kSize));  // mirror-symmetric: many close pairs
   for (const double top_hz : {20e3, 60e3, 110e3}) {
-    const auto modes = bake::solve_modes(system, {.highest_lambda = lambda_of(top_hz)});
+    const auto modes = solve::solve_modes(system, {.highest_lambda = lambda_of(top_hz)});
     ASSERT_TRUE(modes) << modes.error().message;
     EXPECT_EQ(modes->lambda.size(), modes_below(system, lambda_of(top_hz))) << top_hz;
     EXPECT_LE(modes->lambda.maxCoeff(), lambda_of(top_hz));
@@ -48,7 +48,7 @@ TEST(Eigensolver, FindsEveryModeBelowTheTopAndNoOther) {
 
 TEST(Eigensolver, ModesSolveTheEquationAndAreOrthonormal) {
   const fem::System system = system_of(test::box_mesh({4, 4, 3}, kSize));
-  const auto modes = bake::solve_modes(system, {.highest_lambda = lambda_of(80e3)}).value();
+  const auto modes = solve::solve_modes(system, {.highest_lambda = lambda_of(80e3)}).value();
   EXPECT_LT(modes.residuals.maxCoeff(), 1e-7);
   const Eigen::MatrixXd stiffness = Eigen::MatrixXd(system.stiffness).selfadjointView<Eigen::Lower>();
   const Eigen::MatrixXd mass_shapes = fem::mass_times(system.node_mass, modes.shapes);
@@ -69,7 +69,7 @@ TEST(Eigensolver, AgreesWithDenseAlgebra) {
       fem::mass_times(system.node_mass, Eigen::MatrixXd::Identity(system.unknowns(), system.unknowns()));
   const Eigen::VectorXd exact =
       Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(stiffness, mass).eigenvalues();
-  const auto modes = bake::solve_modes(system, {.highest_lambda = lambda_of(70e3)}).value();
+  const auto modes = solve::solve_modes(system, {.highest_lambda = lambda_of(70e3)}).value();
   for (Eigen::Index m = 6; m < modes.lambda.size(); ++m) EXPECT_NEAR(modes.lambda[m] / exact[m], 1, 1e-9);
 }
 
@@ -78,7 +78,7 @@ TEST(Eigensolver, TinyMeshesWork) {
   one.nodes << 0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1;
   one.elements << 0, 1, 2, 3;
   const fem::System system = fem::assemble(one, kSteel, fem::Element::kTet4Lumped).value();
-  const auto modes = bake::solve_modes(system, {.highest_lambda = lambda_of(1e6)});
+  const auto modes = solve::solve_modes(system, {.highest_lambda = lambda_of(1e6)});
   ASSERT_TRUE(modes) << modes.error().message;
   EXPECT_EQ(modes->rigid, 6);
   EXPECT_EQ(modes->lambda.size(), 12);
@@ -88,15 +88,15 @@ TEST(Eigensolver, SixRigidMotionsForEachPiece) {
   const mesh::TetMesh box = test::box_mesh({3, 2, 2}, kSize);
   mesh::TetMesh far = box;
   far.nodes.array() += 1;
-  const auto modes = bake::solve_modes(system_of(test::both(box, far)), {.highest_lambda = lambda_of(30e3)});
+  const auto modes = solve::solve_modes(system_of(test::both(box, far)), {.highest_lambda = lambda_of(30e3)});
   ASSERT_TRUE(modes) << modes.error().message;
   EXPECT_EQ(modes->rigid, 12);
 }
 
 TEST(Eigensolver, RepeatsBitForBit) {
   const fem::System system = system_of(test::box_mesh({5, 4, 3}, kSize));
-  const auto first = bake::solve_modes(system, {.highest_lambda = lambda_of(60e3)}).value();
-  const auto second = bake::solve_modes(system, {.highest_lambda = lambda_of(60e3)}).value();
+  const auto first = solve::solve_modes(system, {.highest_lambda = lambda_of(60e3)}).value();
+  const auto second = solve::solve_modes(system, {.highest_lambda = lambda_of(60e3)}).value();
   EXPECT_TRUE(first.lambda == second.lambda);
   EXPECT_TRUE(first.shapes == second.shapes);
 }
@@ -106,7 +106,7 @@ TEST(Eigensolver, StopsWhenToldTo) {
   for (const std::string_view stop_at : {"factors", "modes"}) {
     int calls_after = 0;
     bool stopped = false;
-    const auto modes = bake::solve_modes(system, {.highest_lambda = lambda_of(60e3)}, [&](auto stage, double fraction) {
+    const auto modes = solve::solve_modes(system, {.highest_lambda = lambda_of(60e3)}, [&](auto stage, double fraction) {
       EXPECT_GE(fraction, 0);
       EXPECT_LT(fraction, 1);
       calls_after += stopped;
@@ -114,7 +114,7 @@ TEST(Eigensolver, StopsWhenToldTo) {
       return !stopped;
     });
     ASSERT_FALSE(modes);
-    EXPECT_EQ(modes.error().message, bake::kCancelled);
+    EXPECT_EQ(modes.error().message, kCancelled);
     EXPECT_EQ(calls_after, 0);
   }
 }
@@ -123,8 +123,8 @@ TEST(Eigensolver, RefusesMoreModesThanAllowed) {
   const fem::System system = system_of(test::box_mesh({4, 3, 3}, kSize));
   const double top = lambda_of(80e3);
   const int present = modes_below(system, top) - 6;
-  EXPECT_TRUE(bake::solve_modes(system, {.highest_lambda = top, .most_modes = present}));
-  const auto fewer = bake::solve_modes(system, {.highest_lambda = top, .most_modes = present - 1});
+  EXPECT_TRUE(solve::solve_modes(system, {.highest_lambda = top, .most_modes = present}));
+  const auto fewer = solve::solve_modes(system, {.highest_lambda = top, .most_modes = present - 1});
   ASSERT_FALSE(fewer);
   EXPECT_NE(fewer.error().message.find("more than " + std::to_string(present - 1) + " modes"), std::string::npos);
 }

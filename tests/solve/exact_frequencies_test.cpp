@@ -1,5 +1,5 @@
 // Modes of whole bodies against exact frequencies and beam theory.
-#include "engine/bake/eigensolver.h"
+#include "engine/solve/eigensolver.h"
 
 #include "engine/mesh/gmsh_reader.h"
 #include "tests/fem/reference_frequencies.h"
@@ -21,7 +21,7 @@ std::vector<double> frequencies(const mesh::TetMesh& mesh, const fem::Elastic& e
                                 double top_hz, std::size_t count) {
   const mesh::TetMesh of_order = element == fem::Element::kTet10 ? mesh::to_quadratic(mesh) : mesh::to_linear(mesh);
   const fem::System system = fem::assemble(of_order, elastic, element).value();
-  const auto modes = bake::solve_modes(system, {.highest_lambda = std::pow(2 * std::numbers::pi * top_hz, 2)});
+  const auto modes = solve::solve_modes(system, {.highest_lambda = std::pow(2 * std::numbers::pi * top_hz, 2)});
   EXPECT_TRUE(modes) << modes.error().message;
   EXPECT_EQ(modes->rigid, 6);
   std::vector<double> found;

@@ -1,0 +1,50 @@
+// The modes of a free elastic body: K phi = lambda M phi, all of them up to a highest lambda. [worker]
+//
+//   Result<Eigenmodes> modes = solve_modes(system, {.highest_lambda = square(2 * pi * 20e3)});
+//
+// K is singular (a free body has six rigid motions for each piece), M is not. How many modes lie below the top is
+// counted, not guessed: by Sylvester's law of inertia a symmetric factorisation K - lambda M = L D L^T has as many
+// negative entries in D as there are eigenvalues below lambda. The set returned has exactly that many, or the solver
+// fails and says so.
+#pragma once
+
+#include "engine/base/progress.h"
+#include "engine/base/result.h"
+#include "engine/fem/assembly.h"
+
+#include <Eigen/Core>
+
+namespace ringdown::solve {
+
+enum class Method {
+  kAutomatic,     // dense for small systems, block Lanczos for others
+  kDense,         // LAPACK on full matrices: the yardstick
+  kSpectra,       // Spectra's shift-invert Lanczos over CHOLMOD: the reference
+  kBlockLanczos,  // shift-invert in blocks, in slices of the spectrum, over an own L D L^T
+};
+
+struct EigenRequest {
+  double highest_lambda = 0;  // [rad^2/s^2], > 0
+  int most_modes = 4096;      // more than these fail, instead of filling the memory
+  double tolerance = 1e-9;    // relative, on 1 / (lambda - sigma)
+  Method method = Method::kAutomatic;
+  int threads = 0;  // 0: as many as there are processors
+};
+
+struct Eigenmodes {
+  Eigen::VectorXd lambda;     // m, ascending; the rigid motions' are zero to rounding, and may be below zero
+  Eigen::MatrixXd shapes;     // 3N x m, phi_i^T M phi_j = delta_ij [kg^-1/2]
+  Eigen::VectorXd residuals;  // m, |K phi - lambda M phi| / |lambda M phi|; 0 for the rigid motions
+  int rigid = 0;              // how many of the first modes are rigid motions
+  int counted = 0;            // eigenvalues below highest_lambda by inertia, rigid ones included: equal to m
+  int solves = 0;             // right-hand sides solved for
+  int factorizations = 0;
+  double factor_seconds = 0, iterate_seconds = 0;  // summed over threads
+};
+
+// Fails when the system cannot be factored (a mesh or material that is not sound), when the iteration does not
+// converge, when modes found and counted disagree, when there are more than most_modes, or when cancelled. Results
+// repeat bit for bit on one machine with one number of threads.
+Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& request, const Progress& progress = {});
+
+}  // namespace ringdown::solve
