@@ -10,10 +10,10 @@
 #pragma once
 
 #include "engine/base/result.h"
+#include "engine/mesh/tet_basis.h"
 
 #include <Eigen/Core>
 
-#include <array>
 #include <cstdint>
 #include <string>
 
@@ -21,8 +21,6 @@ namespace ringdown::mesh {
 
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Indices = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-inline constexpr std::array<std::array<int, 2>, 6> kTetEdges = {{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
 
 struct TetMesh {
   Points nodes;      // N x 3 [m]
