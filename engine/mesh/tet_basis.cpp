@@ -1,7 +1,6 @@
 #include "engine/mesh/tet_basis.h"
 
 #include <cassert>
-#include <vector>
 
 namespace ringdown::mesh {
 namespace {
@@ -79,6 +78,17 @@ Lattice lattice(int order) {
     for (int i = 0; i < 4; ++i) points(a, i) = static_cast<double>(nodes[a][i]) / order;
   }
   return points;
+}
+
+std::vector<int> nodes_at(int order, const Lattice& points) {
+  const Lattice nodes = lattice(order);
+  std::vector<int> found(points.rows(), -1);
+  for (Eigen::Index k = 0; k < points.rows(); ++k) {
+    for (int a = 0; a < nodes.rows(); ++a) {
+      if ((nodes.row(a) - points.row(k)).norm() < 1e-3) found[k] = a;
+    }
+  }
+  return found;
 }
 
 Eigen::VectorXd shape(int order, const Eigen::Vector4d& l) {

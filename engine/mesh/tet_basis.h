@@ -17,6 +17,7 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <vector>
 
 namespace ringdown::mesh {
 
@@ -44,6 +45,10 @@ using ReferenceGradient = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
 // n x 4 barycentric coordinates of the nodes.
 Lattice lattice(int order);
+
+// Which node of the element lies at each of the points, given as n x 4 barycentric coordinates; -1 where there is none.
+// So an element whose nodes come in another order, or with its corners exchanged, is put into ours.
+std::vector<int> nodes_at(int order, const Lattice& points);
 
 // n values N_a at a point. They sum to 1.
 Eigen::VectorXd shape(int order, const Eigen::Vector4d& barycentric);
