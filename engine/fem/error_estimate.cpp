@@ -27,25 +27,27 @@
 namespace ringdown::fem {
 namespace {
 
-using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;  // 3 rows a function, modes side by side
-
-constexpr Eigen::Index kModesAtOnce = 32, kElementsAtOnce = 256;
+constexpr int kModesAtOnce = 32;
+constexpr Eigen::Index kElementsAtOnce = 256;
 constexpr int kSteps = 6;  // of conjugate gradients: 1 % short of the end in well-shaped elements, 10 to 40 % in flat ones
 
 // What degree p + 2 and more would add, and what the mean above leaves: measured, not derived.
 double surplus_factor(int order) { return (order + 1) / 3.0; }
+
+using Rows = Eigen::Matrix<float, Eigen::Dynamic, kModesAtOnce, Eigen::RowMajor>;  // of 3 count() unknowns, or 3w
+using PerMode = Eigen::Array<double, 1, kModesAtOnce>;
 
 class SurplusProblem {
  public:
   SurplusProblem(const mesh::TetMesh& mesh, const Elastic& elastic)
       : mesh_(mesh), space_(mesh::surplus_space(mesh)), element_(mesh.order(), elastic) {}
 
-  // Residuals of all modes, a group of kModesAtOnce to an entry; keeps the energy of every element.
+  // Residuals of all modes, kModesAtOnce to an entry, the last one filled up with zeros; keeps every element's energy.
   std::vector<Rows> residuals(const Eigen::Ref<const Eigen::VectorXd>& lambda,
                               const Eigen::Ref<const Eigen::MatrixXd>& shapes, int threads);
 
   // r A^-1 r for each mode of a group, from below.
-  [[nodiscard]] Eigen::VectorXd falls(Rows residual) const;
+  [[nodiscard]] PerMode falls(Rows r) const;
 
  private:
   void add_residual(const SurplusMatrices& matrices, Eigen::Index e, const Eigen::Ref<const Eigen::VectorXd>& lambda,
@@ -74,7 +76,8 @@ void SurplusProblem::add_residual(const SurplusMatrices& matrices, Eigen::Index 
   Eigen::MatrixXd local = matrices.coupling * values;
   values *= lambda.asDiagonal();
   for (int i = 0; i < 3; ++i) local.middleRows(i * w, w).noalias() -= matrices.mass * values.middleRows(i * n, n);
-  const Rows rows = local.cast<float>();
+  Rows rows = Rows::Zero(3 * w, kModesAtOnce);
+  rows.leftCols(shapes.cols()) = local.cast<float>();
   for (int i = 0; i < 3; ++i) {
     for (int a = 0; a < w; ++a) residual.row(3 * space_.functions(e, a) + i) += rows.row(i * w + a);
   }
@@ -82,10 +85,8 @@ void SurplusProblem::add_residual(const SurplusMatrices& matrices, Eigen::Index 
 
 std::vector<Rows> SurplusProblem::residuals(const Eigen::Ref<const Eigen::VectorXd>& lambda,
                                             const Eigen::Ref<const Eigen::MatrixXd>& shapes, int threads) {
-  std::vector<Rows> groups;
-  for (Eigen::Index first = 0; first < shapes.cols(); first += kModesAtOnce) {
-    groups.push_back(Rows::Zero(3 * space_.count(), std::min(kModesAtOnce, shapes.cols() - first)));
-  }
+  std::vector<Rows> groups((shapes.cols() + kModesAtOnce - 1) / kModesAtOnce,
+                           Rows::Zero(3 * space_.count(), kModesAtOnce));
   energies_.resize(mesh_.elements.rows());
   for (Eigen::Index first = 0; first < mesh_.elements.rows(); first += kElementsAtOnce) {
     std::vector<SurplusMatrices> batch(std::min(kElementsAtOnce, mesh_.elements.rows() - first));
@@ -98,7 +99,8 @@ std::vector<Rows> SurplusProblem::residuals(const Eigen::Ref<const Eigen::Vector
     });
     in_parallel(threads, [&](int thread) {
       for (std::size_t g = thread; g < groups.size(); g += threads) {
-        const auto begin = kModesAtOnce * static_cast<Eigen::Index>(g), modes = groups[g].cols();
+        const auto begin = kModesAtOnce * static_cast<Eigen::Index>(g);
+        const auto modes = std::min<Eigen::Index>(kModesAtOnce, shapes.cols() - begin);
         for (std::size_t k = 0; k < batch.size(); ++k) {
           add_residual(batch[k], first + static_cast<Eigen::Index>(k), lambda.segment(begin, modes),
                        shapes.middleCols(begin, modes), groups[g]);
@@ -136,7 +138,7 @@ void SurplusProblem::invert_parts() {
 
 Rows SurplusProblem::energy_times(const Rows& x) const {
   const int w = element_.functions();
-  Rows y = Rows::Zero(x.rows(), x.cols()), values(3 * w, x.cols()), local(3 * w, x.cols());
+  Rows y = Rows::Zero(x.rows(), kModesAtOnce), values(3 * w, kModesAtOnce), local(3 * w, kModesAtOnce);
   for (Eigen::Index e = 0; e < space_.functions.rows(); ++e) {
     for (int i = 0; i < 3; ++i) {
       for (int a = 0; a < w; ++a) values.row(i * w + a) = x.row(3 * space_.functions(e, a) + i);
@@ -150,7 +152,7 @@ Rows SurplusProblem::energy_times(const Rows& x) const {
 }
 
 Rows SurplusProblem::preconditioned(const Rows& x) const {
-  Rows y(x.rows(), x.cols());
+  Rows y(x.rows(), kModesAtOnce);
   for (std::size_t part = 0; part < inverses_.size(); ++part) {
     const Eigen::Index first = 3 * space_.parts[part], rows = inverses_[part].rows();
     y.middleRows(first, rows) = inverses_[part].lazyProduct(x.middleRows(first, rows));
@@ -158,32 +160,39 @@ Rows SurplusProblem::preconditioned(const Rows& x) const {
   return y;
 }
 
-// One number for each column.
-Eigen::RowVectorXd products(const Rows& a, const Rows& b) {
-  return (a.cast<double>().array() * b.cast<double>().array()).colwise().sum();
+PerMode products(const Rows& a, const Rows& b) {
+  PerMode sum = PerMode::Zero();
+  for (Eigen::Index row = 0; row < a.rows(); ++row) {
+    sum += a.row(row).array().cast<double>() * b.row(row).array().cast<double>();
+  }
+  return sum;
 }
 
 // 0 where there is nothing left to divide by.
-Eigen::RowVectorXd ratios(const Eigen::RowVectorXd& a, const Eigen::RowVectorXd& b) {
-  return (b.array() > 0).select(a.array() / b.array(), 0.0);
+PerMode ratios(const PerMode& a, const PerMode& b) { return (b > 0).select(a / b, 0.0); }
+
+// x + factor y, mode by mode.
+void add(Rows& x, const PerMode& factor, const Rows& y) {
+  const Eigen::Array<float, 1, kModesAtOnce> scale = factor.cast<float>();
+  for (Eigen::Index row = 0; row < x.rows(); ++row) x.row(row).array() += scale * y.row(row).array();
 }
 
 // Conjugate gradients on A e = r from e = 0, for all modes of the group at once. After each step the energy of e is the
 // sum of (step length)(r z), and grows towards r A^-1 r (Hestenes & Stiefel, J. Res. NBS 49, 1952, theorem 6:1).
-Eigen::VectorXd SurplusProblem::falls(Rows r) const {
+PerMode SurplusProblem::falls(Rows r) const {
   Rows z = preconditioned(r), p = z;
-  Eigen::RowVectorXd rz = products(r, z), fall = Eigen::RowVectorXd::Zero(r.cols());
-  for (int step = 0; step < kSteps; ++step) {
+  PerMode rz = products(r, z), fall = PerMode::Zero();
+  for (int step = 1;; ++step) {
     const Rows energy_p = energy_times(p);
-    const Eigen::RowVectorXd length = ratios(rz, products(p, energy_p));
-    fall.array() += length.array() * rz.array();
-    r.array() -= energy_p.array().rowwise() * length.cast<float>().array();
+    const PerMode length = ratios(rz, products(p, energy_p));
+    fall += length * rz;
+    if (step == kSteps) return fall;
+    add(r, -length, energy_p);
     z = preconditioned(r);
-    const Eigen::RowVectorXd next = products(r, z), turn = ratios(next, rz);
-    p = z.array() + p.array().rowwise() * turn.cast<float>().array();
-    rz = next;
+    const PerMode before = std::exchange(rz, products(r, z));
+    add(z, ratios(rz, before), p);
+    p.swap(z);
   }
-  return fall.transpose();
 }
 
 }  // namespace
@@ -199,8 +208,9 @@ Result<Eigen::VectorXd> frequency_errors(const mesh::TetMesh& mesh, const Elasti
     Eigen::VectorXd falls(lambda.size());
     in_parallel(threads, [&](int thread) {
       for (std::size_t g = thread; g < residuals.size(); g += threads) {
-        const Eigen::Index modes = residuals[g].cols();
-        falls.segment(kModesAtOnce * static_cast<Eigen::Index>(g), modes) = problem.falls(std::move(residuals[g]));
+        const auto begin = kModesAtOnce * static_cast<Eigen::Index>(g);
+        const auto modes = std::min<Eigen::Index>(kModesAtOnce, lambda.size() - begin);
+        falls.segment(begin, modes) = problem.falls(std::move(residuals[g])).head(modes).transpose();
       }
     });
     // To first order half of the fall; the root keeps large errors, of bending in linear elements, in proportion.
