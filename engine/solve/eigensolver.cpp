@@ -46,13 +46,17 @@ void find_residuals(const fem::System& system, Eigenmodes& modes) {
 }
 
 Result<Eigenmodes> solve_by(Method method, const fem::System& system, const EigenRequest& request, double rigid_limit,
-                            const Progress& progress) {
-  if (method == Method::kAutomatic)
-    method = system.unknowns() <= kSmallProblem ? Method::kDense : Method::kBlockLanczos;
-  if (method == Method::kDense) return solve_dense(system);
-  if (method == Method::kSpectra) return solve_spectra(system, request, rigid_limit, progress);
-  const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  return solve_block_lanczos(system, request, request.threads > 0 ? request.threads : processors, progress);
+                            int threads, const Progress& progress) {
+  if (method == Method::kBlockLanczos) return solve_block_lanczos(system, request, threads, progress);
+  Result<Eigenmodes> modes =
+      method == Method::kDense ? solve_dense(system) : solve_spectra(system, request, rigid_limit, progress);
+  if (!modes) return modes;
+  const Result<int> counted = count_modes(system, request.highest_lambda, threads);
+  if (!counted) return fail(counted.error());
+  modes->counted = *counted;
+  const auto found = (modes->lambda.array() < request.highest_lambda).count();
+  if (found == *counted) return modes;
+  return fail(std::to_string(*counted) + " modes were counted and " + std::to_string(found) + " found");
 }
 
 }  // namespace
@@ -101,11 +105,16 @@ Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& re
   const BlasThreads one(1);
   try {
     const double limit = rigid_limit(system, request.highest_lambda);
-    Result<Eigenmodes> modes = solve_by(request.method, system, request, limit, progress);
+    const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    const int threads = request.threads > 0 ? request.threads : processors;
+    Method method = request.method;
+    if (method == Method::kAutomatic)
+      method = system.unknowns() <= kSmallProblem ? Method::kDense : Method::kBlockLanczos;
+    Result<Eigenmodes> modes = solve_by(method, system, request, limit, threads, progress);
     if (!modes) return modes;
-    keep_first(*modes, (modes->lambda.array() <= request.highest_lambda).count());
+    keep_first(*modes, (modes->lambda.array() < request.highest_lambda).count());
     modes->rigid = count_below(modes->lambda, limit);
-    modes->counted = static_cast<int>(modes->lambda.size());
+    if (modes->lambda.size() - modes->rigid > request.most_modes) return fail(too_many_modes(request));
     find_residuals(system, *modes);
     return modes;
   } catch (const Cancelled&) {

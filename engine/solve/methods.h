@@ -12,12 +12,16 @@ struct Cancelled {};
 using RigidLimit = double;
 
 // Each returns at least the modes up to request.highest_lambda, ascending, M-orthonormal; lambda and shapes are filled.
+// Only the last proves that they are all, and fills `counted`.
 Result<Eigenmodes> solve_dense(const fem::System& system);
 Result<Eigenmodes> solve_spectra(const fem::System& system, const EigenRequest& request, RigidLimit rigid_limit,
                                  const Progress& progress);
 
 Result<Eigenmodes> solve_block_lanczos(const fem::System& system, const EigenRequest& request, int threads,
                                        const Progress& progress);
+
+// Eigenvalues below, by inertia alone.
+Result<int> count_modes(const fem::System& system, double highest_lambda, int threads);
 
 // K - sigma M in K's pattern (lower triangle), which holds M's.
 fem::SparseMatrix shifted_stiffness(const fem::System& system, double sigma);

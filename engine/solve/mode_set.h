@@ -18,6 +18,9 @@ class ModeSet {
   // what is close together becomes orthogonal (Rayleigh & Ritz, in the span of what is there).
   void join_at(double lambda);
 
+  // Forgets those at or above `lambda`.
+  void drop_from(double lambda) { modes_.erase(at_least(lambda), modes_.end()); }
+
   [[nodiscard]] int size() const { return static_cast<int>(modes_.size()); }
   [[nodiscard]] double lambda(int i) const { return modes_[i].lambda; }
   [[nodiscard]] const Eigen::VectorXd& shape(int i) const { return modes_[i].shape; }

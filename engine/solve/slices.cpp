@@ -163,6 +163,7 @@ Result<void> Slicer::slice() {
     done_ = top_;
   } else {
     done_ = last_gap(shift->lambda);
+    modes_.drop_from(done_.lambda);
   }
   return {};
 }
@@ -220,6 +221,15 @@ Result<Eigenmodes> Slicer::solve() {
 }
 
 }  // namespace
+
+Result<int> count_modes(const fem::System& system, double highest_lambda, int threads) {
+  Team team(threads);
+  const Elimination plan = plan_elimination(system, threads);
+  const OrderedSystem ordered(system, plan, team);
+  Ldlt factors(plan, ordered, team);
+  if (!factors.factor(highest_lambda) || factors.backward_error() > kBackwardError) return fail(not_factored(system));
+  return factors.negative();
+}
 
 Result<Eigenmodes> solve_block_lanczos(const fem::System& system, const EigenRequest& request, int threads,
                                        const Progress& progress) {
