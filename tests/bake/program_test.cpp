@@ -54,7 +54,7 @@ TEST(BakeProgram, OptionsOverrideTheObject) {
   const fs::path bank = folder.path() / "bar.glb";
   const Ran ran =
       bake((kPresets / "objects/wooden-bar.toml").string() + " -q -m steel --element tet4 --points 30 " +
-           "--band 100 9000 --max-modes 4 --set length=200 --mesh-size 0.01 --name rod -o " + bank.string());
+           "--band 100 9000 --keep 4 --set length=200 --mesh-size 0.01 --name rod -o " + bank.string());
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_EQ(ran.output, "");
   const auto read = modal::read_bank(bank);
