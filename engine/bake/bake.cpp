@@ -71,12 +71,16 @@ std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& un
   return heard;
 }
 
+// Of the first component that is as large as any. In a symmetric body there are several, equal to rounding.
+double sign_of(const Eigen::Ref<const Eigen::VectorXd>& shape) {
+  const double large = 0.999 * shape.cwiseAbs().maxCoeff();
+  return *std::find_if(shape.begin(), shape.end(), [large](double x) { return std::abs(x) >= large; }) < 0 ? -1 : 1;
+}
+
 // `rows` are those of the bank's points in `shape`.
 void add_mode(modal::Bank& bank, const HeardMode& heard, const Eigen::Ref<const Eigen::VectorXd>& shape,
               double shape_unit, const std::vector<Eigen::Index>& rows) {
-  Eigen::Index largest = 0;
-  shape.cwiseAbs().maxCoeff(&largest);
-  const double unit = shape[largest] < 0 ? -shape_unit : shape_unit;
+  const double unit = sign_of(shape) * shape_unit;
   bank.frequency_hz.push_back(heard.mode.frequency_hz);
   bank.decay_per_s.push_back(heard.mode.decay_per_s);
   for (const Eigen::Index row : rows) {
