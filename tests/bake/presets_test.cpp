@@ -98,7 +98,6 @@ TEST(ObjectFile, RefusesMistakesByLine) {
       {"surface_points = 2.5", ":3: surface_points must be a whole number"},
       {"surface_points = 3", ":3: surface_points must be a whole number >= 4"},
       {"floor_db = 0", ":3: floor_db = 0 is outside 1 ... 200"},
-      {"max_modes = 3", ":3: unknown key 'max_modes'"},
       {"keep_modes = 5000000000", ":3: keep_modes must be a whole number >= 0 and <= 1000000"},
       {"band_hz = [20]", ":3: band_hz must be two frequencies"},
       {"band_hz = [\"low\", \"high\"]", ":3: band_hz must be a list of finite numbers"},
