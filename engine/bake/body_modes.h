@@ -32,7 +32,7 @@ struct BodyModes {
   Eigen::MatrixXd shapes;     // 3S x m, at the S nodes of mesh::boundary_surface(), in its order
   Eigen::VectorXd residuals;  // m, as in solve::Eigenmodes
   Eigen::VectorXd errors;     // m, estimated relative errors of the frequencies; or empty: none was made
-  double complete_to = 0;     // every mode with lambda up to here is in the set: counted
+  double complete_to = 0;     // every mode with lambda up to here is in the set: inertia counted `rigid` + m of them
   int rigid = 0;
   std::int64_t unknowns = 0;
   modal::MassProperties mass;  // of density 1
