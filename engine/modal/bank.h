@@ -51,6 +51,9 @@ struct Provenance {
   std::int64_t rigid_modes = 0;
   double band_low_hz = 0, band_high_hz = 0;
   double largest_residual = 0;  // max over modes of |K phi - lambda M phi| / |lambda M phi|
+  std::int64_t dropped_modes = 0;  // of the band, as inaudible or unimportant (engine/bake/audibility.h)
+  double floor_db = 0;             // how far below the loudest mode one was dropped as inaudible; 0: none was for that
+  double loss_db = 0;              // energy they held over that of all, for the worst strike; with dropped_modes > 0
 };
 
 struct Bank {

@@ -91,13 +91,17 @@ Provenance read_provenance(const Field& extras, std::string generator) {
   const auto count = [&extras](const char* key) {
     return static_cast<std::int64_t>(extras[key].index().value_or(0));
   };
+  const Field dropped = extras["dropped"];
   return {.generator = std::move(generator),
           .element = extras["element"].text_or(""),
           .unknowns = count("unknowns"),
           .rigid_modes = count("rigidModes"),
           .band_low_hz = number("bandLow"),
           .band_high_hz = number("bandHigh"),
-          .largest_residual = number("largestResidual")};
+          .largest_residual = number("largestResidual"),
+          .dropped_modes = static_cast<std::int64_t>(dropped["count"].index().value_or(0)),
+          .floor_db = dropped["floor"].number().value_or(0.0),
+          .loss_db = dropped["loss"].number().value_or(0.0)};
 }
 
 // The model a node plays, and that node's uniform scale and gain.
@@ -221,9 +225,14 @@ Json material_json(const Material& material) {
 }
 
 Json provenance_json(const Provenance& provenance) {
-  return {{"element", provenance.element},        {"unknowns", provenance.unknowns},
-          {"rigidModes", provenance.rigid_modes}, {"bandLow", provenance.band_low_hz},
-          {"bandHigh", provenance.band_high_hz},  {"largestResidual", provenance.largest_residual}};
+  Json json = {{"element", provenance.element},        {"unknowns", provenance.unknowns},
+               {"rigidModes", provenance.rigid_modes}, {"bandLow", provenance.band_low_hz},
+               {"bandHigh", provenance.band_high_hz},  {"largestResidual", provenance.largest_residual}};
+  if (provenance.dropped_modes > 0) {
+    json["dropped"] = {{"count", provenance.dropped_modes}, {"loss", provenance.loss_db}};
+    if (provenance.floor_db > 0) json["dropped"]["floor"] = provenance.floor_db;
+  }
+  return json;
 }
 
 }  // namespace
