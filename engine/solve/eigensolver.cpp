@@ -9,24 +9,12 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <thread>
 
 namespace ringdown::solve {
 namespace {
 
 constexpr int kSmallProblem = 300;  // unknowns; below, dense algebra is quicker and sure
-
-// Two threads gained nothing in single-vector solves (bell: 14.3 s against 14.7 s of processor time) and changed the
-// last bits; with one, a bake is the same on every run.
-class OneBlasThread {
- public:
-  OneBlasThread() { openblas_set_num_threads(1); }
-  ~OneBlasThread() { openblas_set_num_threads(before_); }
-  OneBlasThread(const OneBlasThread&) = delete;
-  OneBlasThread& operator=(const OneBlasThread&) = delete;
-
- private:
-  int before_ = openblas_get_num_threads();
-};
 
 // Rounding leaves a rigid motion with lambda of about 1e-16 of the largest eigenvalue of the mesh, which the largest
 // ratio of diagonal entries estimates. The limit stays far below the band (a few Hz to 60 Hz under 20 kHz), so that a
@@ -58,13 +46,23 @@ void find_residuals(const fem::System& system, Eigenmodes& modes) {
 }
 
 Result<Eigenmodes> solve_by(Method method, const fem::System& system, const EigenRequest& request, double rigid_limit,
-                            const Progress& progress) {
-  if (method == Method::kAutomatic) method = system.unknowns() <= kSmallProblem ? Method::kDense : Method::kSpectra;
-  if (method == Method::kDense) return solve_dense(system);
-  return solve_spectra(system, request, rigid_limit, progress);
+                            int threads, const Progress& progress) {
+  if (method == Method::kBlockLanczos) return solve_block_lanczos(system, request, threads, progress);
+  Result<Eigenmodes> modes =
+      method == Method::kDense ? solve_dense(system) : solve_spectra(system, request, rigid_limit, progress);
+  if (!modes) return modes;
+  const Result<int> counted = count_modes(system, request.highest_lambda, threads);
+  if (!counted) return fail(counted.error());
+  modes->counted = *counted;
+  const auto found = (modes->lambda.array() < request.highest_lambda).count();
+  if (found == *counted) return modes;
+  return fail(std::to_string(*counted) + " modes were counted and " + std::to_string(found) + " found");
 }
 
 }  // namespace
+
+BlasThreads::BlasThreads(int threads) : before_(openblas_get_num_threads()) { openblas_set_num_threads(threads); }
+BlasThreads::~BlasThreads() { openblas_set_num_threads(before_); }
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -104,14 +102,19 @@ fem::SparseMatrix shifted_stiffness(const fem::System& system, double sigma) {
 }
 
 Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& request, const Progress& progress) {
-  const OneBlasThread one_thread;
+  const BlasThreads one(1);
   try {
     const double limit = rigid_limit(system, request.highest_lambda);
-    Result<Eigenmodes> modes = solve_by(request.method, system, request, limit, progress);
+    const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    const int threads = request.threads > 0 ? request.threads : processors;
+    Method method = request.method;
+    if (method == Method::kAutomatic)
+      method = system.unknowns() <= kSmallProblem ? Method::kDense : Method::kBlockLanczos;
+    Result<Eigenmodes> modes = solve_by(method, system, request, limit, threads, progress);
     if (!modes) return modes;
-    keep_first(*modes, (modes->lambda.array() <= request.highest_lambda).count());
+    keep_first(*modes, (modes->lambda.array() < request.highest_lambda).count());
     modes->rigid = count_below(modes->lambda, limit);
-    modes->counted = static_cast<int>(modes->lambda.size());
+    if (modes->lambda.size() - modes->rigid > request.most_modes) return fail(too_many_modes(request));
     find_residuals(system, *modes);
     return modes;
   } catch (const Cancelled&) {
