@@ -131,9 +131,10 @@ void print_summary(const bake::ObjectRecipe& recipe, const bake::BakedObject& ob
   }
   if (report.from_cache) std::printf("  from the cache: nothing was solved\n");
   if (!report.cache_trouble.empty()) std::printf("  not kept in the cache: %s\n", report.cache_trouble.c_str());
-  std::printf("  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, finish %.1f; largest residual %.1e\n",
+  std::printf("  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, errors %.1f, finish %.1f; largest residual %.1e\n",
               object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
-              report.finish_seconds, bank.provenance.largest_residual);
+              report.estimate_seconds, report.finish_seconds, bank.provenance.largest_residual);
+  std::printf("  estimated errors of the frequencies: %s\n", modal::describe_errors(bank.frequency_error).c_str());
   if (object.mesh.straightened > 0) {
     std::printf("  %d curved elements folded and were straightened; a smaller mesh size avoids that\n",
                 object.mesh.straightened);
