@@ -23,6 +23,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kBackwardError = 1e-10;  // of a solve; above, the shift moves
 constexpr double kStep = 3e-4;            // relative, by which it moves
 constexpr double kGap = 1e-5;             // relative, between the last eigenvalue of a slice and the next one's first
+constexpr int kDenseAtMost = 4000;        // unknowns; below, dense algebra is quicker when a quarter of all is wanted
 constexpr int kMostRepairs = 12;          // between two counts
 
 struct Count {
@@ -214,6 +215,11 @@ Result<Eigenmodes> Slicer::solve() {
   if (!top) return fail(top.error());
   top_ = *top;
   if (top_.below > 2 * request_.most_modes + 1000) return fail(too_many_modes(request_));
+  if (4 * Eigen::Index{top_.below} > system_.unknowns() && system_.unknowns() < kDenseAtMost) {
+    Result<Eigenmodes> all = solve_dense(system_);
+    if (all) all->counted = top_.below;
+    return all;
+  }
   while (done_.below < top_.below) {
     if (auto went = slice(); !went) return fail(went.error());
   }
