@@ -15,6 +15,7 @@ namespace ringdown::solve {
 namespace {
 
 constexpr int kSmallProblem = 300;  // unknowns; below, dense algebra is quicker and sure
+constexpr int kOneThread = 3000;    // unknowns; below, threads would mostly wait for each other
 
 // Rounding leaves a rigid motion with lambda of about 1e-16 of the largest eigenvalue of the mesh, which the largest
 // ratio of diagonal entries estimates. The limit stays far below the band (a few Hz to 60 Hz under 20 kHz), so that a
@@ -111,7 +112,8 @@ Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& re
   try {
     const double limit = rigid_limit(system, request.highest_lambda);
     const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    const int threads = request.threads > 0 ? request.threads : processors;
+    const int wished = request.threads > 0 ? request.threads : processors;
+    const int threads = system.unknowns() < kOneThread ? 1 : wished;
     Method method = request.method;
     if (method == Method::kAutomatic)
       method = system.unknowns() <= kSmallProblem ? Method::kDense : Method::kBlockLanczos;
