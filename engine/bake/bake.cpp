@@ -5,6 +5,7 @@
 #include "engine/bake/importance.h"
 #include "engine/bake/mass_properties.h"
 #include "engine/bake/mode_cache.h"
+#include "engine/fem/error_estimate.h"
 #include "engine/mesh/surface.h"
 #include "engine/solve/eigensolver.h"
 
@@ -14,6 +15,7 @@
 #include <cmath>
 #include <numbers>
 #include <cstdio>
+#include <cstdlib>
 #include <numeric>
 #include <vector>
 
@@ -41,6 +43,7 @@ struct HeardMode {
   Eigen::Index number;  // in BodyModes
   modal::DampedMode mode;
   double importance;
+  double frequency_error;
 };
 
 double surface_rms(const std::vector<double>& weights, const Eigen::Ref<const Eigen::VectorXd>& shape) {
@@ -63,7 +66,8 @@ std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& un
       ++report.below_band;
     } else if (mode.frequency_hz <= options.band_high_hz) {
       const double rms = units.shape() * surface_rms(weights, modes.shapes.col(m));
-      heard.push_back({m, mode, importance(mode, rms)});
+      heard.push_back({m, mode, importance(mode, rms), modes.errors[m]});
+      report.largest_error = std::max(report.largest_error, modes.errors[m]);
     }
   }
   std::stable_sort(heard.begin(), heard.end(),
@@ -77,12 +81,20 @@ double sign_of(const Eigen::Ref<const Eigen::VectorXd>& shape) {
   return *std::find_if(shape.begin(), shape.end(), [large](double x) { return std::abs(x) >= large; }) < 0 ? -1 : 1;
 }
 
+// To the three digits that an estimate may claim.
+double rounded(double error) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2e", error);
+  return std::strtod(text, nullptr);
+}
+
 // `rows` are those of the bank's points in `shape`.
 void add_mode(modal::Bank& bank, const HeardMode& heard, const Eigen::Ref<const Eigen::VectorXd>& shape,
               double shape_unit, const std::vector<Eigen::Index>& rows) {
   const double unit = sign_of(shape) * shape_unit;
   bank.frequency_hz.push_back(heard.mode.frequency_hz);
   bank.decay_per_s.push_back(heard.mode.decay_per_s);
+  bank.frequency_error.push_back(rounded(heard.frequency_error));
   for (const Eigen::Index row : rows) {
     const Eigen::Vector3f value = (unit * shape.segment<3>(row)).cast<float>();
     bank.shapes.push_back({value[0], value[1], value[2]});
@@ -107,15 +119,8 @@ std::vector<Eigen::Index> rows_of(const mesh::Surface& points, const mesh::Surfa
 }
 
 std::string element_text(fem::Element element) {
-  switch (element) {
-    case fem::Element::kTet10:
-      return "tet10 consistent";
-    case fem::Element::kTet4:
-      return "tet4 consistent";
-    case fem::Element::kTet4Lumped:
-      return "tet4 lumped";
-  }
-  return "";
+  if (element == fem::Element::kTet4Lumped) return "tet4 lumped";
+  return std::string(fem::element_name(element)) + " consistent";
 }
 
 Result<void> check_options(const BakeOptions& options) {
@@ -189,9 +194,8 @@ struct Task {
 Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& request, BakeReport& report,
                              const Progress& progress) {
   Stopwatch watch;
-  const Result<fem::System> system = fem::assemble(
-      task.unit_mesh, {.youngs_modulus_pa = 1, .poisson_ratio = task.material.poisson_ratio, .density_kg_m3 = 1},
-      task.options.element);
+  const fem::Elastic elastic{.youngs_modulus_pa = 1, .poisson_ratio = task.material.poisson_ratio, .density_kg_m3 = 1};
+  const Result<fem::System> system = fem::assemble(task.unit_mesh, elastic, task.options.element);
   if (!system) return fail(task.material.name + ": " + system.error().message);
   report.assemble_seconds = watch.lap();
 
@@ -205,6 +209,13 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   if (auto rigid = check_rigid(*modes, task.pieces); !rigid) return fail(rigid.error());
 
   BodyModes body = on_surface(*modes, task.surface);
+  watch.lap();
+  if (progress && !progress("errors", 0)) return fail(std::string(kCancelled));
+  Result<Eigen::VectorXd> errors =
+      fem::frequency_errors(task.unit_mesh, elastic, body.lambda, modes->shapes.rightCols(body.lambda.size()));
+  if (!errors) return fail(errors.error());
+  body.errors = std::move(*errors);
+  report.estimate_seconds = watch.lap();
   body.complete_to = request.highest_lambda;
   body.unknowns = system->unknowns();
   body.mass = mass_properties(task.unit_mesh, system->node_mass);
@@ -220,16 +231,17 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
   const ModeCache cache{ContentCache(task.options.cache)};
   const BodyQuestion question{task.unit_mesh, task.surface.nodes.size(), task.options.element,
                               task.material.poisson_ratio, request.tolerance};
-  if (auto kept = cache.find(question, top, request.most_modes)) {
+  auto kept = cache.find(question, top, request.most_modes);
+  if (kept && kept->errors.size() == kept->lambda.size()) {
     report.from_cache = true;
     return std::move(*kept);
   }
   request.expected_lambda = cache.expected(question, task.options.family);
   Result<BodyModes> modes = solve_body(task, request, report, progress);
   if (!modes) return modes;
-  const Result<void> kept = cache.store(question, *modes);
-  if (!kept) report.cache_trouble = kept.error().message;
-  if (kept) (void)cache.expect(question, task.options.family, modes->lambda);
+  const Result<void> stored = cache.store(question, *modes);
+  if (!stored) report.cache_trouble = stored.error().message;
+  if (stored) (void)cache.expect(question, task.options.family, modes->lambda);
   return std::move(modes).map(in_band);
 }
 
@@ -268,8 +280,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   Baked baked;
   auto& [bank, report] = baked;
 
-  const bool quadratic = options.element == fem::Element::kTet10;
-  const mesh::TetMesh mesh = quadratic ? mesh::to_quadratic(checked.mesh) : mesh::to_linear(checked.mesh);
+  const mesh::TetMesh mesh = mesh::to_order(checked.mesh, fem::order_of(options.element));
   const double length_m = characteristic_length(mesh.nodes);
   const BodyUnits units{length_m, material.youngs_modulus_pa, material.density_kg_m3};
   const Task task{

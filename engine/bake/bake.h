@@ -35,7 +35,8 @@ struct BakeReport {
   int unimportant = 0; // dropped by keep_modes
   bool from_cache = false;    // nothing was assembled or solved
   std::string cache_trouble;  // why the cache could not be written; the bake is none the worse
-  double assemble_seconds = 0, factor_seconds = 0, iterate_seconds = 0, finish_seconds = 0;
+  double assemble_seconds = 0, factor_seconds = 0, iterate_seconds = 0, estimate_seconds = 0, finish_seconds = 0;
+  double largest_error = 0;  // estimated, relative, of any mode's frequency in the band, dropped ones included
 };
 
 struct Baked {
@@ -46,7 +47,7 @@ struct Baked {
 // The modes of the free body whose damped frequency lies in the band, in order of importance() but with inaudible ones
 // last (audibility.h), and everything else that a bank holds. Shapes are exact nodal values at the kept surface points;
 // the sign of each is chosen so that its largest component on the surface (the first of equals) is positive. Progress stages: "assemble",
-// "factors", "modes", "finish".
+// "factors", "modes", "errors", "finish".
 //
 // With a cache, a body whose shape, Poisson's ratio and element were solved before, up to the band's top or higher, is
 // not solved again: E, density, damping and size rescale exactly (body_modes.h). The bank is the same, byte for byte

@@ -9,6 +9,7 @@
 //   shapes         M x P x 3, mode-major: shape(m, p) is the mass-normalised displacement of point p in mode m
 //                                                                [kg^-1/2]
 //   triangles      T x 3  point numbers, counter-clockwise from outside; may be empty
+//   frequency_error  M    estimated relative errors of the frequencies, at least 0; empty when unknown
 //
 // Modes stand in order of decreasing perceptual importance, not of pitch. Rigid-body modes are not in it.
 #pragma once
@@ -60,6 +61,7 @@ struct Bank {
   std::string name;
   std::vector<double> frequency_hz;
   std::vector<double> decay_per_s;
+  std::vector<double> frequency_error;
   std::vector<Vec3f> positions;
   std::vector<Vec3f> shapes;
   std::vector<std::array<std::uint32_t, 3>> triangles;

@@ -104,6 +104,18 @@ Provenance read_provenance(const Field& extras, std::string generator) {
           .loss_db = dropped["loss"].number().value_or(0.0)};
 }
 
+// Empty unless it is a list of one sound number for each mode: the bank plays without.
+std::vector<double> read_frequency_errors(const Field& list, std::size_t modes) {
+  std::vector<double> errors;
+  if (list.size() != modes) return errors;
+  for (std::size_t m = 0; m < modes; ++m) {
+    const double error = list[m].number().value_or(-1);
+    if (error < 0) return {};
+    errors.push_back(error);
+  }
+  return errors;
+}
+
 // The model a node plays, and that node's uniform scale and gain.
 struct Instance {
   std::size_t model = 0;
@@ -258,6 +270,7 @@ Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& nam
   if (!mass) return fail(mass.error());
   bank.material = std::move(*material);
   bank.mass = *mass;
+  bank.frequency_error = read_frequency_errors(model["extras"]["ringdown"]["frequencyErrors"], bank.mode_count());
   bank.provenance = read_provenance(model["extras"]["ringdown"], glb->root()["asset"]["generator"].text_or(""));
   if (instance->scale != 1) {
     if (const auto scaled = scale_size(bank, instance->scale, name); !scaled) return fail(scaled.error());
@@ -282,6 +295,7 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path) {
                 {"decayRates", writer.add_floats(decays, 1)},
                 {"shapes", writer.add_floats(as_floats(bank.shapes), 3)},
                 {"extras", {{"ringdown", provenance_json(bank.provenance)}}}};
+  if (!bank.frequency_error.empty()) model["extras"]["ringdown"]["frequencyErrors"] = bank.frequency_error;
   Json primitive = {{"attributes", {{"POSITION", positions}}}, {"mode", 0}};
   if (!bank.triangles.empty()) {
     const std::span corners(bank.triangles.front().data(), 3 * bank.triangles.size());
