@@ -23,6 +23,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kBackwardError = 1e-10;  // of a solve; above, the shift moves
 constexpr double kStep = 3e-4;            // relative, by which it moves
 constexpr double kGap = 1e-5;             // relative, between the last eigenvalue of a slice and the next one's first
+constexpr int kDenseAtMost = 4000;        // unknowns; below, dense algebra is quicker when a quarter of all is wanted
 constexpr int kMostRepairs = 12;          // between two counts
 
 struct Count {
@@ -86,9 +87,15 @@ Result<Count> Slicer::factor(Ldlt& factors, double lambda, double step) {
   return fail(not_factored(system_));
 }
 
-// The eigenvalue of so high a number, guessed between what is done and the top: their number grows like f^2.4, between
-// the f of plates and bars and the f^3 of solids.
+// The eigenvalue of so high a number: that of a similar problem when the request knows one, else guessed between what is
+// done and the top, their number growing like f^2.4, between the f of plates and bars and the f^3 of solids.
 double Slicer::lambda_at(double count) const {
+  const Eigen::VectorXd& expected = request_.expected_lambda;
+  const auto number = static_cast<Eigen::Index>(count) - 6;  // without the rigid motions of one piece
+  if (number > 0 && number < expected.size()) {
+    const double middle = 0.5 * (expected[number - 1] + expected[number]);
+    if (middle > done_.lambda && middle > 0 && middle < top_.lambda) return middle;
+  }
   constexpr double kPower = 1.2;
   const double share = (count - done_.below) / std::max(1, top_.below - done_.below);
   const double low = std::pow(std::max(0.0, done_.lambda), kPower), high = std::pow(top_.lambda, kPower);
@@ -214,6 +221,11 @@ Result<Eigenmodes> Slicer::solve() {
   if (!top) return fail(top.error());
   top_ = *top;
   if (top_.below > 2 * request_.most_modes + 1000) return fail(too_many_modes(request_));
+  if (4 * Eigen::Index{top_.below} > system_.unknowns() && system_.unknowns() < kDenseAtMost) {
+    Result<Eigenmodes> all = solve_dense(system_);
+    if (all) all->counted = top_.below;
+    return all;
+  }
   while (done_.below < top_.below) {
     if (auto went = slice(); !went) return fail(went.error());
   }
