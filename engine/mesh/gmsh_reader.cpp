@@ -85,6 +85,12 @@ class ParameterFile {
   bool written_ = false;
 };
 
+bool geo_says(const std::filesystem::path& path, const char* expression) {
+  if (path.extension() != ".geo") return false;
+  const Result<std::string> text = read_whole_file(path, kLargestGeometry);
+  return text && std::regex_search(*text, std::regex(expression));
+}
+
 Result<void> check_parameters(const std::filesystem::path& path, const std::map<std::string, double>& parameters) {
   if (parameters.empty()) return {};
   if (path.extension() != ".geo") {
@@ -154,10 +160,8 @@ std::vector<double> sharp_curves() {
 
 // Elements of `edge_size` up to half of it away from sharp edges, of `mesh_size` from two and a half on.
 void refine_at_edges(double edge_size, double mesh_size) {
-  std::vector<int> own;
-  gmsh::model::mesh::field::list(own);
   const std::vector<double> curves = sharp_curves();
-  if (!own.empty() || curves.empty()) return;
+  if (curves.empty()) return;
   constexpr int kSamples = 400;  // of a curve
   const int distance = gmsh::model::mesh::field::add("Distance"), size = gmsh::model::mesh::field::add("Threshold");
   gmsh::model::mesh::field::setNumbers(distance, "CurvesList", curves);
@@ -175,7 +179,8 @@ Result<void> generate(const std::filesystem::path& path, const GmshOptions& opti
   if (options.mesh_size_m > 0) {
     if (auto good = check_mesh_size(path, options); !good) return good;
     gmsh::option::setNumber("Mesh.MeshSizeMax", options.mesh_size_m / options.unit_m);
-    if (options.edge_size_m > 0 && options.edge_size_m < options.mesh_size_m) {
+    const bool finer_at_edges = options.edge_size_m > 0 && options.edge_size_m < options.mesh_size_m;
+    if (finer_at_edges && !geo_says(path, "\\bBackground\\s+Field\\b")) {
       refine_at_edges(options.edge_size_m / options.unit_m, options.mesh_size_m / options.unit_m);
     }
   }
@@ -305,9 +310,7 @@ bool is_geometry_file(const std::filesystem::path& path) {
 }
 
 bool names_mesh_size(const std::filesystem::path& path) {
-  if (path.extension() != ".geo") return false;
-  const Result<std::string> text = read_whole_file(path, kLargestGeometry);
-  return text && std::regex_search(*text, std::regex("\\bmesh_size\\s*="));
+  return geo_says(path, "\\bmesh_size\\s*=");
 }
 
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options) {

@@ -1,5 +1,7 @@
 #include "engine/mesh/tet_mesh.h"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <unordered_map>
 #include <utility>
