@@ -61,6 +61,7 @@ Result<Eigenmodes> solve_by(Method method, const fem::System& system, const Eige
                             const Progress& progress) {
   if (method == Method::kAutomatic) method = system.unknowns() <= kSmallProblem ? Method::kDense : Method::kSpectra;
   if (method == Method::kDense) return solve_dense(system);
+  if (method == Method::kSlepc) return solve_slepc(system, request, progress);
   return solve_spectra(system, request, rigid_limit, progress);
 }
 

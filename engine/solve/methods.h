@@ -15,6 +15,7 @@ using RigidLimit = double;
 Result<Eigenmodes> solve_dense(const fem::System& system);
 Result<Eigenmodes> solve_spectra(const fem::System& system, const EigenRequest& request, RigidLimit rigid_limit,
                                  const Progress& progress);
+Result<Eigenmodes> solve_slepc(const fem::System& system, const EigenRequest& request, const Progress& progress);
 
 // K - sigma M in K's pattern (lower triangle), which holds M's.
 fem::SparseMatrix shifted_stiffness(const fem::System& system, double sigma);
