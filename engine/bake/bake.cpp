@@ -178,7 +178,9 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   report.assemble_seconds = watch.lap();
 
   const solve::EigenRequest request{.highest_lambda = highest_lambda_in_band(options.band_high_hz, material.damping),
-                             .most_modes = options.most_modes};
+                             .most_modes = options.most_modes,
+                             .method = options.solver,
+                             .processes = options.processes};
   if (!(request.highest_lambda > 0)) return fail(material.name + " is damped so strongly that nothing of it rings");
   if (auto few = check_count(*system, material, options, request.highest_lambda); !few) {
     return fail(name + ": " + few.error().message);

@@ -9,6 +9,7 @@
 #include "engine/fem/assembly.h"
 #include "engine/mesh/tet_mesh.h"
 #include "engine/modal/bank.h"
+#include "engine/solve/eigensolver.h"
 
 #include <string>
 
@@ -20,6 +21,8 @@ struct BakeOptions {
   std::size_t most_points = 200; // on the surface, >= 4. Fewer points, not coarser physics
   int most_modes = 4096;         // in the band; a fuller band fails (see solve::EigenRequest)
   int keep_modes = 0;            // the most important ones go into the bank; 0: all
+  solve::Method solver = solve::Method::kAutomatic;
+  int processes = 2; // of solve::Method::kSlepc
 };
 
 struct BakeReport {

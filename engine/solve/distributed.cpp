@@ -52,12 +52,16 @@ Result<void> write_system(const fs::path& path, const fem::System& system, const
   return write_problem(path, header, view_of(stiffness), view_of(system.node_mass));
 }
 
-// mpirun counts cores and will not start more processes than that, nor anything for root, unless told to.
+// mpirun counts cores and will not start more processes than that, nor anything for root, unless told to. Processes are
+// many already, so each has one thread.
 ChildRequest command_for(const fs::path& program, const DistributedRun& run) {
   ChildRequest child;
+  child.environment = {{"OPENBLAS_NUM_THREADS", "1"}, {"OMP_NUM_THREADS", "1"}};
   if (run.processes > 1) {
     child.command = {"mpirun", "--oversubscribe", "-n", std::to_string(run.processes)};
-    if (::geteuid() == 0) child.environment = {{"OMPI_ALLOW_RUN_AS_ROOT", "1"}, {"OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"}};
+    if (::geteuid() == 0) {
+      child.environment.insert({{"OMPI_ALLOW_RUN_AS_ROOT", "1"}, {"OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"}});
+    }
   }
   child.command.push_back(program.string());
   child.limit_s = run.limit_s;

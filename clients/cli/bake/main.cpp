@@ -25,10 +25,10 @@ using protocol::ExitCode;
 // What the command line says; an option that is not given leaves the object file's or the default value.
 struct Arguments {
   fs::path input, output, all, materials;
-  std::optional<std::string> material, name, element;
+  std::optional<std::string> material, name, element, solver;
   std::optional<double> mesh_size_m, unit_m;
   std::optional<std::size_t> points;
-  std::optional<int> max_modes;
+  std::optional<int> max_modes, processes;
   std::vector<double> band_hz;
   std::map<std::string, double> parameters;
   bool list_materials = false, progress = false, quiet = false;
@@ -54,6 +54,9 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")->expected(2);
   app.add_option("--max-modes", arguments.max_modes, "keep the most important ones (default: all in the band)")
       ->check(CLI::Range(1, 16384));
+  app.add_option("--solver", arguments.solver,
+                 "auto (default), block, spectra, dense, or slepc: over MPI, for meshes that outgrow one machine");
+  app.add_option("--processes", arguments.processes, "of --solver slepc (default 2)")->check(CLI::Range(1, 4096));
   app.add_flag("--list-materials", arguments.list_materials,
                "print the materials with their sources as Markdown, and bake nothing");
   app.add_flag("--progress", arguments.progress, "show progress even when stderr is not a terminal");
@@ -92,6 +95,12 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
     recipe.options.element = *element;
     recipe.meshing.order = *element == fem::Element::kTet10 ? 2 : 1;
   }
+  if (arguments.solver) {
+    const Result<solve::Method> solver = solve::parse_method(*arguments.solver);
+    if (!solver) return fail(solver.error());
+    recipe.options.solver = *solver;
+  }
+  if (arguments.processes) recipe.options.processes = *arguments.processes;
   if (arguments.mesh_size_m) recipe.meshing.mesh_size_m = *arguments.mesh_size_m;
   if (arguments.unit_m) recipe.meshing.unit_m = *arguments.unit_m;
   if (arguments.points) recipe.options.most_points = *arguments.points;

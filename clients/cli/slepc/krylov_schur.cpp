@@ -10,15 +10,17 @@ namespace {
 
 // K is singular, so the lowest shift lies a little below zero (in units of the band's top), as solve_modes() has it.
 constexpr double kBelowZero = -1e-4;
+constexpr int kSolvesPerMode = 3;  // about, for the progress shown
 
+// Counts solves, the one thing that both ways of solving tell as they go on.
 struct Watch {
-  const ModeProgress& progress;
-  int expected = 0;
+  const SolveProgress& progress;
+  int solves = 0, expected = 0;
 };
 
-PetscErrorCode tell(EPS, PetscInt, PetscInt found, PetscScalar*, PetscScalar*, PetscReal*, PetscInt, void* context) {
-  const Watch& watch = *static_cast<Watch*>(context);
-  watch.progress(static_cast<int>(found), watch.expected);
+PetscErrorCode count_solve(KSP, Vec, Vec, void* context) {
+  Watch& watch = *static_cast<Watch*>(context);
+  if (++watch.solves % 8 == 0) watch.progress(std::min(0.99, static_cast<double>(watch.solves) / watch.expected));
   return 0;
 }
 
@@ -60,16 +62,6 @@ void factor_by_mumps(EPS solver) {
 #endif
 }
 
-int total_solves(EPS solver) {
-  ST shift = nullptr;
-  KSP solve = nullptr;
-  PetscInt count = 0;
-  check(EPSGetST(solver, &shift));
-  check(STGetKSP(shift, &solve));
-  check(KSPGetTotalIterations(solve, &count));
-  return static_cast<int>(count);
-}
-
 struct Inertia {
   int counted = 0;  // eigenvalues between the ends
   int shifts = 0;
@@ -86,11 +78,14 @@ Inertia inertia_of(EPS solver) {
   return found;
 }
 
-void iterate(EPS solver, Solved& solved) {
+// `solve` is the solver's own, which for slices of the spectrum is not that of its ST.
+void iterate(EPS solver, KSP solve, int expected_modes, const SolveProgress& progress, Solved& solved) {
+  Watch watch{progress, 0, kSolvesPerMode * std::max(20, expected_modes)};
+  check(KSPSetPostSolve(solve, count_solve, &watch));
   const double start = MPI_Wtime();
   check(EPSSolve(solver));
   solved.iterate_seconds = MPI_Wtime() - start;
-  solved.solves = total_solves(solver);
+  solved.solves = watch.solves;
   EPSConvergedReason reason = EPS_CONVERGED_ITERATING;
   check(EPSGetConvergedReason(solver, &reason));
   if (reason < 0) give_up("the modes did not converge; look for needle-like elements in the mesh");
@@ -117,20 +112,20 @@ void take_values(const Pencil& pencil, Solved& solved) {
 
 }  // namespace
 
-Solved solve_band(const Pencil& pencil, const ModeProgress& progress) {
+Solved solve_band(const Pencil& pencil, const SolveProgress& progress) {
   EPS solver = new_solver(pencil);
   factor_by_mumps(solver);
   check(EPSSetWhichEigenpairs(solver, EPS_ALL));
   check(EPSSetInterval(solver, kBelowZero, 1));
-  Watch watch{progress};
-  check(EPSMonitorSet(solver, tell, &watch, nullptr));
   Solved solved;
   set_up(solver, solved);
-  watch.expected = inertia_of(solver).counted;
-  if (watch.expected > pencil.header.most_modes) {
-    give_up(std::to_string(watch.expected) + " modes lie in the band; narrow the band or allow more modes");
+  const int expected = inertia_of(solver).counted;
+  if (expected > pencil.header.most_modes) {
+    give_up(std::to_string(expected) + " modes lie in the band; narrow the band or allow more modes");
   }
-  iterate(solver, solved);
+  KSP solve = nullptr;
+  check(EPSKrylovSchurGetKSP(solver, &solve));
+  iterate(solver, solve, expected, progress, solved);
   const Inertia inertia = inertia_of(solver);
   solved.factorizations = inertia.shifts;
   take_values(pencil, solved);
@@ -141,16 +136,18 @@ Solved solve_band(const Pencil& pencil, const ModeProgress& progress) {
   return solved;
 }
 
-Solved solve_first(const Pencil& pencil, int count, const ModeProgress& progress) {
+Solved solve_first(const Pencil& pencil, int count, const SolveProgress& progress) {
   EPS solver = new_solver(pencil);
   check(EPSSetDimensions(solver, count, PETSC_DEFAULT, PETSC_DEFAULT));
   check(EPSSetWhichEigenpairs(solver, EPS_TARGET_MAGNITUDE));
   check(EPSSetTarget(solver, kBelowZero));
-  Watch watch{progress, count};
-  check(EPSMonitorSet(solver, tell, &watch, nullptr));
   Solved solved;
   set_up(solver, solved);
-  iterate(solver, solved);
+  ST shift = nullptr;
+  KSP solve = nullptr;
+  check(EPSGetST(solver, &shift));
+  check(STGetKSP(shift, &solve));
+  iterate(solver, solve, count, progress, solved);
   solved.factorizations = 1;
   take_values(pencil, solved);
   return solved;

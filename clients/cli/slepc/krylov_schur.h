@@ -10,8 +10,8 @@
 
 namespace ringdown::cli {
 
-// Called in every process with how many modes there are by now, and of how many.
-using ModeProgress = std::function<void(int found, int expected)>;
+// Called in every process now and then with how far the iteration is, about: 0..1.
+using SolveProgress = std::function<void(double fraction)>;
 
 struct Solved {
   EPS solver = nullptr;
@@ -24,10 +24,10 @@ struct Solved {
 // All modes below highest_lambda: SLEPc slices the spectrum, and by Sylvester's law of inertia knows how many lie in
 // each slice. Factors by MUMPS, which works over all processes. Gives up unless as many are found as were counted, or
 // when there are more than most_modes.
-Solved solve_band(const Pencil& pencil, const ModeProgress& progress);
+Solved solve_band(const Pencil& pencil, const SolveProgress& progress);
 
 // The first `count` modes, from one factorisation, uncounted: for comparison. PETSc's own options choose what factors:
 // -st_pc_factor_mat_solver_type petsc | cholmod | mumps.
-Solved solve_first(const Pencil& pencil, int count, const ModeProgress& progress);
+Solved solve_first(const Pencil& pencil, int count, const SolveProgress& progress);
 
 }  // namespace ringdown::cli

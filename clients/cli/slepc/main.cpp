@@ -76,9 +76,7 @@ void run(const char* problem, const char* answer) {
   cli::Pencil pencil = cli::read_pencil(problem);
   PetscInt first = 0;
   check(PetscOptionsGetInt(nullptr, nullptr, "-first", &first, nullptr));
-  const cli::ModeProgress progress = [](int found, int expected) {
-    if (expected > 0) say("modes", static_cast<double>(found) / expected);
-  };
+  const cli::SolveProgress progress = [](double fraction) { say("modes", fraction); };
   cli::Solved solved =
       first > 0 ? cli::solve_first(pencil, first, progress) : cli::solve_band(pencil, progress);
   write_result(answer, pencil, solved);
