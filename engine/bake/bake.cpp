@@ -84,15 +84,8 @@ void add_mode(modal::Bank& bank, const HeardMode& heard, const Eigen::Ref<const 
 }
 
 std::string element_text(fem::Element element) {
-  switch (element) {
-    case fem::Element::kTet10:
-      return "tet10 consistent";
-    case fem::Element::kTet4:
-      return "tet4 consistent";
-    case fem::Element::kTet4Lumped:
-      return "tet4 lumped";
-  }
-  return "";
+  if (element == fem::Element::kTet4Lumped) return "tet4 lumped";
+  return std::string(fem::element_name(element)) + " consistent";
 }
 
 Result<void> check_options(const BakeOptions& options) {
@@ -168,8 +161,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   Baked baked;
   auto& [bank, report] = baked;
 
-  const bool quadratic = options.element == fem::Element::kTet10;
-  const mesh::TetMesh mesh = quadratic ? mesh::to_quadratic(checked.mesh) : mesh::to_linear(checked.mesh);
+  const mesh::TetMesh mesh = mesh::to_order(checked.mesh, fem::order_of(options.element));
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
   const Result<fem::System> system = fem::assemble(mesh, elastic, options.element);
   if (!system) return fail(material.name + ": " + system.error().message);

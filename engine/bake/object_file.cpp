@@ -16,7 +16,7 @@ void read_options(TomlTable& file, BakeOptions& options) {
   file.text("element", name);
   const Result<fem::Element> element = fem::parse_element(name);
   if (element) options.element = *element;
-  if (!element) file.complain("element", "element must be \"tet10\", \"tet4\" or \"tet4-lumped\"");
+  if (!element) file.complain("element", "element must be \"tet10\", \"tet20\", \"tet35\", \"tet4\" or \"tet4-lumped\"");
 
   std::uint64_t points = options.most_points, modes = 0;
   file.whole("surface_points", points, 4, 1'000'000);
@@ -51,7 +51,7 @@ Result<ObjectRecipe> read_object(const std::filesystem::path& path) {
   file->number("mesh_size_m", recipe.meshing.mesh_size_m, kLength_m);
   file->named_numbers("parameters", recipe.meshing.parameters);
   read_options(*file, recipe.options);
-  recipe.meshing.order = recipe.options.element == fem::Element::kTet10 ? 2 : 1;
+  recipe.meshing.order = fem::order_of(recipe.options.element);
   file->number("gain_db", recipe.gain_db, kGain_db);
   if (auto good = file->finish(); !good) return fail(good.error());
   return recipe;

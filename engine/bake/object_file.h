@@ -6,7 +6,7 @@
 //   geometry = "tumbler.geo"         # or a mesh; relative to this file
 //   unit_m = 0.001                   # length of one unit of the geometry; default 1
 //   mesh_size_m = 0.006              # longest edge, for a geometry; default: gmsh's choice
-//   element = "tet10"                # default; tet4, tet4-lumped
+//   element = "tet10"                # default; tet20, tet35, tet4, tet4-lumped
 //   surface_points = 160             # default 200
 //   band_hz = [20, 20000]            # default
 //   max_modes = 120                  # the most important ones; default: all in the band

@@ -16,31 +16,37 @@
 namespace ringdown::fem {
 
 enum class Element {
-  kTet10,      // quadratic, consistent mass: the default
-  kTet4,       // linear, consistent mass
-  kTet4Lumped, // linear, lumped mass: the course report's. Far too stiff in bending (docs/physics.md)
+  kTet4,        // linear, consistent mass
+  kTet4Lumped,  // linear, lumped mass: the course report's. Far too stiff in bending (docs/physics.md)
+  kTet10,       // quadratic, consistent mass: the default
+  kTet20,       // cubic
+  kTet35,       // quartic
 };
 
-// "tet10", "tet4", "tet4-lumped".
+// "tet4", "tet4-lumped", "tet10", "tet20", "tet35".
 std::string_view element_name(Element element);
 Result<Element> parse_element(std::string_view name);
+
+// Of its polynomials, and of the mesh it needs.
+int order_of(Element element);
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
 struct System {
-  SparseMatrix stiffness; // 3N x 3N [N/m]; the LOWER triangle only, columns sorted
-  SparseMatrix node_mass; // N x N [kg]; both triangles; diagonal only when lumped
+  SparseMatrix stiffness;  // 3N x 3N [N/m]; the LOWER triangle only, columns sorted
+  SparseMatrix node_mass;  // N x N [kg]; both triangles; diagonal only when lumped
 
   [[nodiscard]] Eigen::Index unknowns() const { return stiffness.rows(); }
 };
 
-// The mesh must be of the element's order (to_quadratic, to_linear) and checked (check_mesh). Each entry is
-// added in the order of the elements, so the result is the same in every run. O(E), no list of triplets: the
-// pattern is found first from the nodes' neighbours. Fails on a material that is not stable.
-Result<System> assemble(const mesh::TetMesh& mesh, const Elastic& elastic, Element element);
+// The mesh must be of the element's order (mesh::to_order) and checked (mesh::check_mesh). threads = 0: as many as
+// there are processors. Each entry is added up by one thread in the order of the elements, so the result is the same to
+// the last bit in every run and for any number of threads. O(E), no list of triplets: the pattern is found first from
+// the nodes' neighbours. Fails on a material that is not stable, and when memory runs out.
+Result<System> assemble(const mesh::TetMesh& mesh, const Elastic& elastic, Element element, int threads = 0);
 
 // y = kron(node_mass, I3) x for x of 3N numbers, or 3N x m at once. y may not be x.
 void apply_mass(const SparseMatrix& node_mass, const double* x, double* y);
 Eigen::MatrixXd mass_times(const SparseMatrix& node_mass, const Eigen::MatrixXd& x);
 
-} // namespace ringdown::fem
+}  // namespace ringdown::fem

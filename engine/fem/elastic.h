@@ -6,9 +6,9 @@
 namespace ringdown::fem {
 
 struct Elastic {
-  double youngs_modulus_pa = 0; // E > 0
-  double poisson_ratio = 0;     // nu in (-1, 1/2)
-  double density_kg_m3 = 0;     // rho > 0
+  double youngs_modulus_pa = 0;  // E > 0
+  double poisson_ratio = 0;      // nu in (-1, 1/2)
+  double density_kg_m3 = 0;      // rho > 0
 
   // Lame's constants: stress = lambda tr(strain) I + 2 mu strain.
   [[nodiscard]] double lambda_pa() const {
@@ -20,4 +20,4 @@ struct Elastic {
 // One sentence when a constant is outside the range in which a solid is stable.
 Result<void> check_elastic(const Elastic& elastic);
 
-} // namespace ringdown::fem
+}  // namespace ringdown::fem

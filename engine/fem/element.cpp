@@ -2,57 +2,95 @@
 
 #include <Eigen/LU>
 
+#include <array>
+#include <cmath>
 #include <vector>
 
 namespace ringdown::fem {
 namespace {
 
-using mesh::Gradient10;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using mesh::QuadraturePoint;
 
-// stiffness += weight * (lambda g_a g_b^T + mu g_b g_a^T + mu g_a.g_b I), gradients in rows.
-template <int kNodes>
-void add_stiffness(Eigen::Matrix<double, 3 * kNodes, 3 * kNodes>& stiffness,
-                   const Eigen::Matrix<double, kNodes, 3>& gradient, const Elastic& elastic, double weight) {
-  const double lambda = weight * elastic.lambda_pa(), mu = weight * elastic.mu_pa();
-  for (int b = 0; b < kNodes; ++b) {
-    for (int a = 0; a < kNodes; ++a) {
-      const double diagonal = mu * gradient.row(a).dot(gradient.row(b));
-      for (int j = 0; j < 3; ++j) {
-        for (int i = 0; i < 3; ++i) {
-          stiffness(3 * a + i, 3 * b + j) += lambda * gradient(a, i) * gradient(b, j) +
-                                             mu * gradient(a, j) * gradient(b, i) + (i == j ? diagonal : 0.0);
-        }
-      }
+// Shape functions and their reference gradients at the points of a rule.
+struct Samples {
+  Samples(int order, int degree) {
+    const std::vector<QuadraturePoint> rule = mesh::tet_quadrature(degree);
+    const auto count = static_cast<Eigen::Index>(rule.size());
+    weights.resize(count);
+    shapes.resize(mesh::nodes_per_element(order), count);
+    gradients.resize(3 * count, shapes.rows());
+    for (Eigen::Index q = 0; q < count; ++q) {
+      weights[q] = rule[q].weight;
+      shapes.col(q) = mesh::shape(order, rule[q].barycentric);
+      gradients.middleRows<3>(3 * q) = mesh::reference_gradient(order, rule[q].barycentric).transpose();
+    }
+  }
+  [[nodiscard]] Eigen::Index count() const { return weights.size(); }
+
+  Eigen::VectorXd weights;
+  MatrixXd shapes;     // n x count
+  MatrixXd gradients;  // three rows for each point: 3 count x n
+};
+
+// What is known of all elements of one order.
+struct Reference {
+  explicit Reference(int order)
+      : stiffness_rule(order, 2 * order + 1), mass_rule(order, 5 * order - 3), mass(shape_products(order)) {
+    const Samples rule(order, 2 * order - 2);
+    gradients = MatrixXd::Zero(3 * rule.shapes.rows(), 3 * rule.shapes.rows());
+    for (Eigen::Index q = 0; q < rule.count(); ++q) {
+      const MatrixXd at = rule.gradients.middleRows<3>(3 * q);
+      gradients += rule.weights[q] * at.reshaped() * at.reshaped().transpose();
+    }
+  }
+
+  static MatrixXd shape_products(int order) {
+    const Samples rule(order, 2 * order);
+    return rule.shapes * rule.weights.asDiagonal() * rule.shapes.transpose();
+  }
+
+  Samples stiffness_rule, mass_rule;  // for curved elements
+  MatrixXd mass;                      // n x n, mean of N_a N_b over the element
+  MatrixXd gradients;                 // 3n x 3n, mean of ghat_a ghat_b^T
+};
+
+const Reference& reference(int order) {
+  static const std::array<Reference, mesh::kHighestOrder> all = {Reference(1), Reference(2), Reference(3),
+                                                                 Reference(4)};
+  return all[order - 1];
+}
+
+double volume(const mesh::Corners& corners) { return mesh::jacobian(corners).determinant() / 6; }
+
+// G of a straight element; the blocks below the diagonal and on it.
+void straight_gradients(const mesh::Corners& corners, const MatrixXd& reference_gradients, MatrixXd& gradients) {
+  const Matrix3d inverse = mesh::jacobian(corners).inverse(), scaled = volume(corners) * inverse;
+  for (Eigen::Index b = 0; b < gradients.cols(); b += 3) {
+    for (Eigen::Index a = b; a < gradients.rows(); a += 3) {
+      const Matrix3d block = reference_gradients.block<3, 3>(a, b);
+      gradients.block<3, 3>(a, b) = scaled * block * inverse.transpose();
     }
   }
 }
 
-struct Sample {
-  double weight;
-  mesh::Shape10 shape;
-  Gradient10 reference_gradient;
-};
-
-std::vector<Sample> sampled(int degree) {
-  std::vector<Sample> samples;
-  for (const mesh::QuadraturePoint& point : mesh::tet_quadrature(degree)) {
-    samples.push_back(
-        {point.weight, mesh::shape10(point.barycentric), mesh::reference_gradient10(point.barycentric)});
+// K from G.
+void elastic_stiffness(const MatrixXd& gradients, const Elastic& elastic, Eigen::Ref<MatrixXd> stiffness) {
+  const double lambda = elastic.lambda_pa(), mu = elastic.mu_pa();
+  for (Eigen::Index b = 0; b < gradients.cols(); b += 3) {
+    for (Eigen::Index a = b; a < gradients.rows(); a += 3) {
+      Matrix3d block = gradients.block<3, 3>(a, b);
+      if (a == b) block.triangularView<Eigen::StrictlyUpper>() = block.transpose();
+      Matrix3d sum = lambda * block + mu * block.transpose();
+      sum.diagonal().array() += mu * block.trace();
+      stiffness.block<3, 3>(a, b) = sum;
+      stiffness.block<3, 3>(b, a) = sum.transpose();
+    }
   }
-  return samples;
 }
 
-Mass10 straight_mass_per_volume() {
-  Mass10 mass = Mass10::Zero();
-  for (const Sample& sample : sampled(4)) mass += sample.weight * sample.shape * sample.shape.transpose();
-  return mass;
-}
-
-double volume4(const mesh::Corners& corners) {
-  return mesh::jacobian4(corners).determinant() / 6;
-}
-
-} // namespace
+}  // namespace
 
 Result<void> check_elastic(const Elastic& elastic) {
   if (!(elastic.youngs_modulus_pa > 0 && elastic.youngs_modulus_pa < 1e15)) {
@@ -67,45 +105,68 @@ Result<void> check_elastic(const Elastic& elastic) {
   return {};
 }
 
-Stiffness4 stiffness4(const mesh::Corners& corners, const Elastic& elastic) {
-  const Eigen::Matrix3d inverse = mesh::jacobian4(corners).inverse();
-  mesh::Corners gradient;
-  gradient.bottomRows<3>() = inverse.transpose();
-  gradient.row(0) = -gradient.bottomRows<3>().colwise().sum();
-  Stiffness4 stiffness = Stiffness4::Zero();
-  add_stiffness<4>(stiffness, gradient, elastic, volume4(corners));
+ElementIntegrals::ElementIntegrals(int order) : order_(order) {
+  const Eigen::Index nodes = mesh::nodes_per_element(order), points = reference(order).mass_rule.count();
+  gradients_.resize(3 * nodes, 3 * nodes);
+  samples_.resize(3 * nodes, points);
+  jacobians_.resize(3 * points, 3);
+}
+
+void ElementIntegrals::operator()(const mesh::ElementNodes& nodes, const Elastic& elastic,
+                                  Eigen::Ref<MatrixXd> stiffness, Eigen::Ref<MatrixXd> mass) {
+  const double density = elastic.density_kg_m3;
+  if (mesh::is_straight(nodes)) {
+    const mesh::Corners corners = nodes.topRows<4>();
+    straight_gradients(corners, reference(order_).gradients, gradients_);
+    mass = density * volume(corners) * reference(order_).mass;
+  } else {
+    integrate_curved(nodes, density, mass);
+  }
+  elastic_stiffness(gradients_, elastic, stiffness);
+}
+
+// Sums over the points q of a rule are products of a matrix, whose columns are the samples times sqrt(weight), with its
+// own transpose: BLAS does those best.
+void ElementIntegrals::integrate_curved(const mesh::ElementNodes& nodes, double density_kg_m3,
+                                        Eigen::Ref<MatrixXd> mass) {
+  const Samples& for_stiffness = reference(order_).stiffness_rule;
+  const auto jacobian_at = [&](Eigen::Index q) -> Matrix3d { return jacobians_.middleRows<3>(3 * q); };
+  auto slopes = samples_.leftCols(for_stiffness.count());
+  jacobians_.topRows(3 * for_stiffness.count()).noalias() = for_stiffness.gradients * nodes;
+  for (Eigen::Index q = 0; q < for_stiffness.count(); ++q) {
+    const Matrix3d jacobian = jacobian_at(q);
+    const Matrix3d to_space = std::sqrt(for_stiffness.weights[q] * jacobian.determinant() / 6) * jacobian.inverse();
+    slopes.col(q).reshaped(3, nodes.rows()) = to_space.lazyProduct(for_stiffness.gradients.middleRows<3>(3 * q));
+  }
+  gradients_.setZero();
+  gradients_.selfadjointView<Eigen::Lower>().rankUpdate(slopes);
+
+  const Samples& for_mass = reference(order_).mass_rule;
+  auto shapes = samples_.topLeftCorner(nodes.rows(), for_mass.count());
+  jacobians_.noalias() = for_mass.gradients * nodes;
+  for (Eigen::Index q = 0; q < for_mass.count(); ++q) {
+    const double volume = jacobian_at(q).determinant() / 6;
+    shapes.col(q) = std::sqrt(density_kg_m3 * for_mass.weights[q] * volume) * for_mass.shapes.col(q);
+  }
+  mass.setZero();
+  mass.selfadjointView<Eigen::Lower>().rankUpdate(shapes);
+  mass.triangularView<Eigen::StrictlyUpper>() = mass.transpose();
+}
+
+MatrixXd stiffness(const mesh::ElementNodes& nodes, const Elastic& elastic) {
+  MatrixXd stiffness(3 * nodes.rows(), 3 * nodes.rows()), mass(nodes.rows(), nodes.rows());
+  ElementIntegrals(mesh::order_of_nodes(nodes.rows()))(nodes, elastic, stiffness, mass);
   return stiffness;
 }
 
-Mass4 consistent_mass4(const mesh::Corners& corners, double density_kg_m3) {
-  return density_kg_m3 * volume4(corners) / 20 * (Mass4::Ones() + Mass4::Identity());
-}
-
-Mass4 lumped_mass4(const mesh::Corners& corners, double density_kg_m3) {
-  return density_kg_m3 * volume4(corners) / 4 * Mass4::Identity();
-}
-
-Stiffness10 stiffness10(const mesh::Nodes10& nodes, const Elastic& elastic) {
-  static const std::vector<Sample> straight = sampled(2), curved = sampled(5);
-  Stiffness10 stiffness = Stiffness10::Zero();
-  for (const Sample& sample : mesh::is_straight(nodes) ? straight : curved) {
-    const Eigen::Matrix3d jacobian = mesh::jacobian10(nodes, sample.reference_gradient);
-    const Gradient10 gradient = sample.reference_gradient * jacobian.inverse().transpose();
-    add_stiffness<10>(stiffness, gradient, elastic, sample.weight * jacobian.determinant() / 6);
-  }
-  return stiffness;
-}
-
-Mass10 consistent_mass10(const mesh::Nodes10& nodes, double density_kg_m3) {
-  static const Mass10 per_volume = straight_mass_per_volume();
-  static const std::vector<Sample> curved = sampled(7);
-  if (mesh::is_straight(nodes)) return density_kg_m3 * volume4(nodes.topRows<4>()) * per_volume;
-  Mass10 mass = Mass10::Zero();
-  for (const Sample& sample : curved) {
-    const double volume = mesh::jacobian10(nodes, sample.reference_gradient).determinant() / 6;
-    mass += density_kg_m3 * sample.weight * volume * sample.shape * sample.shape.transpose();
-  }
+MatrixXd consistent_mass(const mesh::ElementNodes& nodes, double density_kg_m3) {
+  MatrixXd stiffness(3 * nodes.rows(), 3 * nodes.rows()), mass(nodes.rows(), nodes.rows());
+  ElementIntegrals(mesh::order_of_nodes(nodes.rows()))(nodes, {1, 0, density_kg_m3}, stiffness, mass);
   return mass;
 }
 
-} // namespace ringdown::fem
+Eigen::Matrix4d lumped_mass(const mesh::Corners& corners, double density_kg_m3) {
+  return density_kg_m3 * volume(corners) / 4 * Eigen::Matrix4d::Identity();
+}
+
+}  // namespace ringdown::fem

@@ -5,10 +5,12 @@
 //   K_ab = integral of  lambda g_a g_b^T + mu g_b g_a^T + mu (g_a . g_b) I        [N/m]
 //   M_ab = I * integral of  rho N_a N_b                                           [kg]
 //
-// K_ab is B_a^T D B_b written without the zeros of B and D (Bathe, Finite Element Procedures, section 4.2).
-// For 4 nodes g is constant, so K_ab is its integrand times the volume: DESIGN's +vol (lambda b_ia b_jb +
-// ...), without the factor -1/2 that the course report has (docs/physics.md, errata). The mass is a multiple
-// of I, so only the number is kept.
+// K_ab is B_a^T D B_b written without the zeros of B and D (Bathe, Finite Element Procedures, section 4.2). For 4 nodes
+// g is constant, so K_ab is its integrand times the volume: vol (lambda b_ia b_jb + ...), without the factor -1/2 that
+// the course report has (docs/physics.md, errata). The mass is a multiple of I, so only the number is kept.
+//
+// All of K_ab follows from G_ab = integral of g_a g_b^T. In a straight element of any order g_a = A ghat_a with one
+// matrix A = dl/dx, so G_ab = vol A Ghat_ab A^T with numbers Ghat_ab found once, for the reference element.
 //
 // Order of unknowns in a stiffness: node by node, x y z: row 3 a + component.
 #pragma once
@@ -20,25 +22,33 @@
 
 namespace ringdown::fem {
 
-using Stiffness4 = Eigen::Matrix<double, 12, 12>;
-using Stiffness10 = Eigen::Matrix<double, 30, 30>;
-using Mass4 = Eigen::Matrix<double, 4, 4>;
-using Mass10 = Eigen::Matrix<double, 10, 10>;
+// Integrates elements of one order, n nodes each, in memory of its own: one for each thread.
+class ElementIntegrals {
+ public:
+  explicit ElementIntegrals(int order);
 
-Stiffness4 stiffness4(const mesh::Corners& corners, const Elastic& elastic);
+  // Fills 3n x 3n stiffness and n x n mass of a positively oriented element that does not fold (mesh::check_mesh).
+  // Straight elements: exact. Curved ones: the integrand of the stiffness is a rational function, and the rule is exact
+  // for degree 2p + 1, two more than leaves the eigenvalues their order of convergence (Banerjee & Osborn, Numer. Math.
+  // 56, 1990); rigid motions still cost no energy, because they are in the span of the N_a. The mass is exact: N_a N_b
+  // det J has degree 5p - 3.
+  void operator()(const mesh::ElementNodes& nodes, const Elastic& elastic, Eigen::Ref<Eigen::MatrixXd> stiffness,
+                  Eigen::Ref<Eigen::MatrixXd> mass);
 
-// rho volume / 20 (1 + delta_ab), exact.
-Mass4 consistent_mass4(const mesh::Corners& corners, double density_kg_m3);
+ private:
+  void integrate_curved(const mesh::ElementNodes& nodes, double density_kg_m3, Eigen::Ref<Eigen::MatrixXd> mass);
 
-// A quarter of the element's mass at each corner, as the course report has it.
-Mass4 lumped_mass4(const mesh::Corners& corners, double density_kg_m3);
+  int order_;
+  Eigen::MatrixXd gradients_;  // G, 3n x 3n; its lower triangle
+  Eigen::MatrixXd samples_;    // of gradients or of shape functions, a column for each point
+  Eigen::MatrixXd jacobians_;  // 3 rows for each point
+};
 
-// Exact for straight elements (the integrand has degree 2). In curved ones it is a rational function: the
-// rule is exact for degree 5, and rigid motions still cost no energy, because they are in the span of the
-// N_a.
-Stiffness10 stiffness10(const mesh::Nodes10& nodes, const Elastic& elastic);
+// The same for one element.
+Eigen::MatrixXd stiffness(const mesh::ElementNodes& nodes, const Elastic& elastic);
+Eigen::MatrixXd consistent_mass(const mesh::ElementNodes& nodes, double density_kg_m3);
 
-// Exact, also for curved elements: N_a N_b det J has degree 4 + 3 = 7.
-Mass10 consistent_mass10(const mesh::Nodes10& nodes, double density_kg_m3);
+// Of 4 nodes: a quarter of the element's mass at each corner, as the course report has it.
+Eigen::Matrix4d lumped_mass(const mesh::Corners& corners, double density_kg_m3);
 
-} // namespace ringdown::fem
+}  // namespace ringdown::fem

@@ -18,10 +18,8 @@
 namespace ringdown::mesh {
 namespace {
 
-constexpr double kMostCells = 1e9;     // of the mesh size, in the bounding box; thin bodies fill little of theirs
-constexpr int kTet4 = 4, kTet10 = 11;  // gmsh's element types
-constexpr std::array<int, 10> kFromGmsh = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};  // its last two edges are exchanged
-constexpr std::size_t kLargestGeometry = 16 << 20;                         // bytes of a .geo
+constexpr double kMostCells = 1e9;  // of the mesh size, in the bounding box; thin bodies fill little of theirs
+constexpr std::size_t kLargestGeometry = 16 << 20;  // bytes of a .geo
 
 std::string plain_number(double value) {
   char text[40];
@@ -102,12 +100,6 @@ Result<void> check_parameters(const std::filesystem::path& path, const std::map<
   return {};
 }
 
-std::size_t count_elements(int type) {
-  std::vector<std::size_t> elements, nodes;
-  gmsh::model::mesh::getElementsByType(type, elements, nodes);
-  return elements.size();
-}
-
 // gmsh would work on a mesh of billions of elements until the memory is full, and cannot be interrupted.
 Result<void> check_mesh_size(const std::filesystem::path& path, const GmshOptions& options) {
   double x0, y0, z0, x1, y1, z1;
@@ -130,41 +122,57 @@ Result<void> generate_if_geometry(const std::filesystem::path& path, const GmshO
     gmsh::option::setNumber("Mesh.MeshSizeMax", options.mesh_size_m / options.unit_m);
   }
   gmsh::model::mesh::generate(3);
-  if (options.order == 2) gmsh::model::mesh::setOrder(2);
+  if (options.order > 1) gmsh::model::mesh::setOrder(options.order);
   return {};
 }
 
-std::optional<std::string> foreign_solid_element() {
+// One of gmsh's element types: tetrahedra of one order.
+struct ElementType {
+  int type = 0, order = 0;
+  std::vector<int> ours;  // ours[k]: which node of tet_basis.h gmsh's node k is
+};
+
+// The type of the tetrahedra in a mesh that has no other solid elements.
+Result<ElementType> only_type(const std::filesystem::path& path) {
   std::vector<int> types;
   gmsh::model::mesh::getElementTypes(types, 3);
+  ElementType found;
   for (const int type : types) {
-    if (type == kTet4 || type == kTet10) continue;
     std::string name;
     int dimension = 0, order = 0, nodes = 0, primary_nodes = 0;
-    std::vector<double> coordinates;
-    gmsh::model::mesh::getElementProperties(type, name, dimension, order, nodes, coordinates, primary_nodes);
-    return name;
+    std::vector<double> places;
+    gmsh::model::mesh::getElementProperties(type, name, dimension, order, nodes, places, primary_nodes);
+    if (primary_nodes != 4 || order_of_nodes(nodes) != order) {
+      return fail(path.string() + " has elements of type " + name + "; only tetrahedra of 4, 10, 20 or 35 nodes are " +
+                  "understood, so mesh it with those");
+    }
+    if (found.order > 0) {
+      return fail(path.string() + " mixes tetrahedra of " + std::to_string(nodes_per_element(found.order)) +
+                  " and of " + std::to_string(nodes) + " nodes; give all of them the same order");
+    }
+    const Eigen::Map<const Points> free_coordinates(places.data(), nodes, 3);
+    Lattice points(nodes, 4);
+    points << (1 - free_coordinates.rowwise().sum().array()).matrix(), free_coordinates;
+    found = {type, order, nodes_at(order, points)};
   }
-  return std::nullopt;
+  return found;
 }
 
-TetMesh take_mesh(int type, double unit_m) {
+TetMesh take_mesh(const ElementType& type, double unit_m) {
   std::vector<std::size_t> node_tags, element_tags, element_nodes;
   std::vector<double> coordinates, parametric;
   gmsh::model::mesh::getNodes(node_tags, coordinates, parametric);
-  gmsh::model::mesh::getElementsByType(type, element_tags, element_nodes);
+  gmsh::model::mesh::getElementsByType(type.type, element_tags, element_nodes);
 
   TetMesh mesh;
   const auto node_count = static_cast<Eigen::Index>(node_tags.size());
   mesh.nodes = unit_m * Eigen::Map<const Points>(coordinates.data(), node_count, 3);
   std::unordered_map<std::size_t, std::int32_t> number;
   for (std::size_t i = 0; i < node_tags.size(); ++i) number.emplace(node_tags[i], static_cast<std::int32_t>(i));
-  const int per_element = type == kTet10 ? 10 : 4;
-  mesh.elements.resize(static_cast<Eigen::Index>(element_tags.size()), per_element);
+  mesh.elements.resize(static_cast<Eigen::Index>(element_tags.size()), nodes_per_element(type.order));
+  std::size_t next = 0;
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
-    for (int a = 0; a < per_element; ++a) {
-      mesh.elements(e, a) = number.at(element_nodes[static_cast<std::size_t>(e * per_element + kFromGmsh[a])]);
-    }
+    for (const int node : type.ours) mesh.elements(e, node) = number.at(element_nodes[next++]);
   }
   return mesh;
 }
@@ -203,15 +211,10 @@ Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptio
     return gmsh_failed(path, session.first_error().value_or(""));
   }
   if (const auto error = session.first_error()) return gmsh_failed(path, *error);
-  if (const auto foreign = foreign_solid_element()) {
-    return fail(path.string() + " has elements of type " + *foreign + "; only tetrahedra of 4 or 10 nodes are " +
-                "understood, so mesh it with those");
-  }
-  const std::size_t linear = count_elements(kTet4), quadratic = count_elements(kTet10);
-  if (linear > 0 && quadratic > 0) {
-    return fail(path.string() + " mixes tetrahedra of 4 and of 10 nodes; give all of them the same order");
-  }
-  return check_mesh(take_mesh(quadratic > 0 ? kTet10 : kTet4, options.unit_m), path.string());
+  const Result<ElementType> type = only_type(path);
+  if (!type) return fail(type.error());
+  if (type->order == 0) return check_mesh({Points(0, 3), Indices(0, 4)}, path.string());
+  return check_mesh(take_mesh(*type, options.unit_m), path.string());
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 // time: gmsh keeps its state in globals, so calls wait for each other]
 //
 // Two kinds of files:
-//   a mesh      .msh .vtk .inp .unv .mesh .bdf ... with tetrahedra of 4 or 10 nodes; read as it is.
+//   a mesh      .msh .vtk .inp .unv .mesh .bdf ... with tetrahedra of 4, 10, 20 or 35 nodes; read as it is.
 //   a geometry  .geo (parametric), .step, .brep: meshed here, elements curved where the geometry is.
 // A .geo file takes numbers from outside through DefineConstant:
 //   DefineConstant[ length = 350, mesh_size = 10 ];   // defaults, in the file's unit
@@ -22,7 +22,7 @@ namespace ringdown::mesh {
 struct GmshOptions {
   double unit_m = 1;                         // length of one unit of the file, e.g. 0.001 for millimetres
   double mesh_size_m = 0;                    // longest edge, for a geometry; never above a tenth of its diagonal
-  int order = 2;                             // 1: straight 4-node, 2: curved 10-node elements. Geometry only
+  int order = 2;                             // 1: straight elements, 2 to 4: curved ones. For a geometry only
   std::map<std::string, double> parameters;  // DefineConstant names of a .geo, in the file's unit
 };
 

@@ -13,9 +13,6 @@ namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
 
-// The face opposite each corner, counter-clockwise from outside.
-constexpr std::array<std::array<int, 3>, 4> kFaces = {{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-
 // The same turn of the face, its lowest number first.
 Triangle lowest_first(Triangle face) {
   std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
@@ -77,7 +74,7 @@ Surface boundary_surface(const TetMesh& mesh) {
   std::vector<std::pair<Triangle, Triangle>> faces;  // by its sorted nodes; as seen from outside
   faces.reserve(4 * static_cast<std::size_t>(mesh.elements.rows()));
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
-    for (const auto& [a, b, c] : kFaces) {
+    for (const auto& [a, b, c] : kTetFaces) {
       const Triangle face = {mesh.elements(e, a), mesh.elements(e, b), mesh.elements(e, c)};
       faces.emplace_back(sorted(face), lowest_first(face));
     }

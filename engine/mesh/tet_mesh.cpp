@@ -1,7 +1,5 @@
 #include "engine/mesh/tet_mesh.h"
 
-#include "engine/mesh/tet_shape.h"
-
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -14,18 +12,6 @@
 namespace ringdown::mesh {
 namespace {
 
-Corners corners_of(const TetMesh& mesh, Eigen::Index element) {
-  Corners corners;
-  for (int a = 0; a < 4; ++a) corners.row(a) = mesh.nodes.row(mesh.elements(element, a));
-  return corners;
-}
-
-Nodes10 nodes_of(const TetMesh& mesh, Eigen::Index element) {
-  Nodes10 nodes;
-  for (int a = 0; a < 10; ++a) nodes.row(a) = mesh.nodes.row(mesh.elements(element, a));
-  return nodes;
-}
-
 // The determinant of an equilateral tetrahedron of edge h is h^3 / sqrt(2): below 1e-9 h^3 there is no
 // volume.
 bool is_flat(const Corners& corners, double determinant) {
@@ -34,52 +20,59 @@ bool is_flat(const Corners& corners, double determinant) {
   return !(std::abs(determinant) > 1e-9 * longest * longest * longest);
 }
 
-void flip(TetMesh& mesh, Eigen::Index element) {
-  auto row = mesh.elements.row(element);
-  std::swap(row[1], row[2]);
-  if (!mesh.quadratic()) return;
-  std::swap(row[4], row[6]);  // edges 0-1 and 2-0
-  std::swap(row[8], row[9]);  // edges 1-3 and 2-3
+// nodes[k] of the element, exchanged with corners 1 and 2, is where node k was.
+std::vector<int> flipped_nodes(int order) {
+  Lattice points = lattice(order);
+  points.col(1).swap(points.col(2));
+  return nodes_at(order, points);
 }
 
 void straighten(TetMesh& mesh, Eigen::Index element) {
-  const auto row = mesh.elements.row(element);
-  for (int e = 0; e < 6; ++e) {
-    mesh.nodes.row(row[4 + e]) = 0.5 * (mesh.nodes.row(row[kTetEdges[e][0]]) + mesh.nodes.row(row[kTetEdges[e][1]]));
-  }
+  const ElementNodes straight = straight_nodes(mesh.order(), corners_of(mesh, element));
+  for (Eigen::Index a = 4; a < straight.rows(); ++a) mesh.nodes.row(mesh.elements(element, a)) = straight.row(a);
 }
 
-// Where a curved element is looked at: its nodes and the points that assembly integrates over.
-std::vector<Gradient10> gradients_to_check() {
-  std::vector<Gradient10> gradients;
-  for (int i = 0; i < 4; ++i) gradients.push_back(reference_gradient10(Eigen::Vector4d::Unit(i)));
-  for (const auto& [i, j] : kTetEdges) {
-    gradients.push_back(reference_gradient10(0.5 * (Eigen::Vector4d::Unit(i) + Eigen::Vector4d::Unit(j))));
-  }
-  for (const int degree : {4, 7}) {
-    for (const QuadraturePoint& point : tet_quadrature(degree)) {
-      gradients.push_back(reference_gradient10(point.barycentric));
+// det J of curved elements, a polynomial of degree 3 (p - 1), in points that determine it and in those that assembly
+// integrates over.
+class FoldTest {
+ public:
+  explicit FoldTest(int order) {
+    const int parts = 3 * (order - 1);
+    std::vector<Eigen::Vector4d> points;
+    for (int i = 0; i <= parts; ++i) {
+      for (int j = 0; i + j <= parts; ++j) {
+        for (int k = 0; i + j + k <= parts; ++k) {
+          points.push_back(Eigen::Vector4d(parts - i - j - k, i, j, k) / parts);
+        }
+      }
     }
+    for (const int degree : {2 * order + 1, 5 * order - 3}) {
+      for (const QuadraturePoint& point : tet_quadrature(degree)) points.push_back(point.barycentric);
+    }
+    for (const Eigen::Vector4d& point : points) gradients_.push_back(reference_gradient(order, point));
   }
-  return gradients;
-}
 
-bool folds(const Nodes10& nodes, const std::vector<Gradient10>& gradients) {
-  if (is_straight(nodes)) return false;
-  const double straight = jacobian4(nodes.topRows<4>()).determinant();
-  return std::any_of(gradients.begin(), gradients.end(), [&](const Gradient10& gradient) {
-    return jacobian10(nodes, gradient).determinant() < 1e-3 * straight;
-  });
-}
+  [[nodiscard]] bool folds(const ElementNodes& nodes) const {
+    if (is_straight(nodes)) return false;
+    const double least = 1e-3 * jacobian(Corners(nodes.topRows<4>())).determinant();
+    return std::any_of(gradients_.begin(), gradients_.end(), [&](const ReferenceGradient& gradient) {
+      return !(jacobian(nodes, gradient).determinant() >= least);
+    });
+  }
+
+ private:
+  std::vector<ReferenceGradient> gradients_;
+};
 
 // Straightening an element bends its neighbours less or more, so it is repeated until none folds.
 int straighten_folded(TetMesh& mesh) {
-  const std::vector<Gradient10> gradients = gradients_to_check();
+  if (mesh.order() < 2) return 0;
+  const FoldTest test(mesh.order());
   std::vector<bool> straightened(mesh.elements.rows(), false);
   for (bool again = true; again;) {
     again = false;
     for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
-      if (straightened[e] || !folds(nodes_of(mesh, e), gradients)) continue;
+      if (straightened[e] || !test.folds(nodes_of(mesh, e))) continue;
       straighten(mesh, e);
       straightened[e] = again = true;
     }
@@ -88,19 +81,45 @@ int straighten_folded(TetMesh& mesh) {
 }
 
 // Renumbers the nodes in use, keeping their order. Returns how many were dropped.
-int drop_unused_nodes(TetMesh& mesh) {
-  std::vector<std::int32_t> number(mesh.nodes.rows(), -1);
-  for (const std::int32_t node : mesh.elements.reshaped()) number[node] = 0;
+int drop_unused_nodes(Points& nodes, Eigen::Ref<Indices> elements) {
+  std::vector<std::int32_t> number(nodes.rows(), -1);
+  for (const auto& element : elements.rowwise()) {
+    for (const std::int32_t node : element) number[node] = 0;
+  }
   std::int32_t used = 0;
-  for (Eigen::Index node = 0; node < mesh.nodes.rows(); ++node) {
+  for (Eigen::Index node = 0; node < nodes.rows(); ++node) {
     if (number[node] < 0) continue;
-    mesh.nodes.row(used) = mesh.nodes.row(node).eval();
+    nodes.row(used) = nodes.row(node).eval();
     number[node] = used++;
   }
-  const auto dropped = static_cast<int>(mesh.nodes.rows() - used);
-  mesh.nodes.conservativeResize(used, 3);
-  for (std::int32_t& node : mesh.elements.reshaped()) node = number[node];
+  const auto dropped = static_cast<int>(nodes.rows() - used);
+  nodes.conservativeResize(used, 3);
+  for (auto element : elements.rowwise()) {
+    for (std::int32_t& node : element) node = number[node];
+  }
   return dropped;
+}
+
+// What a node is called by every element it belongs to: the corners around it in ascending order, each with its share
+// p l_i; the rest is zero.
+using Place = std::array<std::int64_t, 4>;
+
+struct PlaceHash {
+  std::size_t operator()(const Place& place) const {
+    std::uint64_t hash = 0;
+    for (const std::int64_t part : place) hash = (hash ^ static_cast<std::uint64_t>(part)) * 0x9E3779B97F4A7C15u;
+    return hash ^ (hash >> 32);
+  }
+};
+
+Place place_of(const TetMesh& mesh, Eigen::Index element, const Eigen::RowVector4d& shares) {
+  Place place{};
+  for (int i = 0; i < 4; ++i) {
+    const auto share = static_cast<std::int64_t>(std::lround(shares[i]));
+    if (share > 0) place[i] = (std::int64_t{mesh.elements(element, i)} << 3) + share;
+  }
+  std::sort(place.begin(), place.end());
+  return place;
 }
 
 int count_pieces(const TetMesh& mesh) {
@@ -124,9 +143,9 @@ Result<void> check_numbers(const TetMesh& mesh, const std::string& name) {
   if (mesh.elements.rows() == 0) {
     return fail(name + " has no tetrahedra; a solid is needed, so mesh its volume, not only its surface");
   }
-  if (mesh.elements.cols() != 4 && mesh.elements.cols() != 10) {
+  if (mesh.order() == 0) {
     return fail(name + " has elements of " + std::to_string(mesh.elements.cols()) +
-                " nodes; give tetrahedra of 4 or 10 nodes");
+                " nodes; give tetrahedra of 4, 10, 20 or 35 nodes");
   }
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
     for (const std::int32_t node : mesh.elements.row(e)) {
@@ -148,53 +167,63 @@ Result<void> check_numbers(const TetMesh& mesh, const std::string& name) {
 Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name) {
   if (auto numbers = check_numbers(mesh, name); !numbers) return fail(numbers.error());
   CheckedMesh checked{.mesh = std::move(mesh)};
-  checked.unused_nodes = drop_unused_nodes(checked.mesh);
+  checked.unused_nodes = drop_unused_nodes(checked.mesh.nodes, checked.mesh.elements);
+  const std::vector<int> flipped = flipped_nodes(checked.mesh.order());
   for (Eigen::Index e = 0; e < checked.mesh.elements.rows(); ++e) {
     const Corners corners = corners_of(checked.mesh, e);
-    const double determinant = jacobian4(corners).determinant();
+    const double determinant = jacobian(corners).determinant();
     if (is_flat(corners, determinant)) {
       return fail(name + ": element " + std::to_string(e) + " has no volume (its four corners lie in a plane); " +
                   "mesh the object again, or repair it in a mesh tool");
     }
     if (determinant > 0) continue;
-    flip(checked.mesh, e);
+    checked.mesh.elements.row(e) = checked.mesh.elements(e, flipped).eval();
     ++checked.flipped;
   }
-  if (checked.mesh.quadratic()) checked.straightened = straighten_folded(checked.mesh);
+  checked.straightened = straighten_folded(checked.mesh);
   checked.pieces = count_pieces(checked.mesh);
   return checked;
 }
 
-TetMesh to_quadratic(const TetMesh& mesh) {
-  if (mesh.quadratic()) return mesh;
-  TetMesh quadratic;
-  quadratic.elements.resize(mesh.elements.rows(), 10);
-  std::unordered_map<std::uint64_t, std::int32_t> middle_of;
-  std::vector<Eigen::RowVector3d> middles;
-  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
-    quadratic.elements.row(e).head<4>() = mesh.elements.row(e);
-    for (int k = 0; k < 6; ++k) {
-      const auto [low, high] = std::minmax(mesh.elements(e, kTetEdges[k][0]), mesh.elements(e, kTetEdges[k][1]));
-      const std::uint64_t edge = (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint32_t>(high);
-      const auto next = static_cast<std::int32_t>(mesh.nodes.rows() + static_cast<Eigen::Index>(middles.size()));
-      const auto [found, is_new] = middle_of.try_emplace(edge, next);
-      if (is_new) middles.push_back(0.5 * (mesh.nodes.row(low) + mesh.nodes.row(high)));
-      quadratic.elements(e, 4 + k) = found->second;
-    }
-  }
-  quadratic.nodes.resize(mesh.nodes.rows() + static_cast<Eigen::Index>(middles.size()), 3);
-  quadratic.nodes.topRows(mesh.nodes.rows()) = mesh.nodes;
-  for (std::size_t k = 0; k < middles.size(); ++k) {
-    quadratic.nodes.row(mesh.nodes.rows() + static_cast<Eigen::Index>(k)) = middles[k];
-  }
-  return quadratic;
+ElementNodes nodes_of(const TetMesh& mesh, Eigen::Index element) {
+  ElementNodes nodes(mesh.elements.cols(), 3);
+  for (Eigen::Index a = 0; a < nodes.rows(); ++a) nodes.row(a) = mesh.nodes.row(mesh.elements(element, a));
+  return nodes;
 }
 
-TetMesh to_linear(const TetMesh& mesh) {
-  if (!mesh.quadratic()) return mesh;
-  TetMesh linear{mesh.nodes, mesh.elements.leftCols<4>()};
-  drop_unused_nodes(linear);
-  return linear;
+Corners corners_of(const TetMesh& mesh, Eigen::Index element) {
+  Corners corners;
+  for (int a = 0; a < 4; ++a) corners.row(a) = mesh.nodes.row(mesh.elements(element, a));
+  return corners;
+}
+
+TetMesh to_order(const TetMesh& mesh, int order) {
+  if (mesh.order() == order) return mesh;
+  const Lattice points = lattice(order);
+  Eigen::MatrixXd from_old(points.rows(), mesh.elements.cols());
+  for (Eigen::Index a = 0; a < points.rows(); ++a) from_old.row(a) = shape(mesh.order(), points.row(a).transpose());
+
+  TetMesh changed;
+  changed.elements.resize(mesh.elements.rows(), points.rows());
+  changed.elements.leftCols<4>() = mesh.elements.leftCols<4>();
+  changed.nodes = mesh.nodes;
+  drop_unused_nodes(changed.nodes, changed.elements.leftCols<4>());
+  auto next = static_cast<std::int32_t>(changed.nodes.rows());
+  std::unordered_map<Place, std::int32_t, PlaceHash> number_at;
+  std::vector<Eigen::RowVector3d> added;
+  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+    const ElementNodes own = nodes_of(mesh, e);
+    for (Eigen::Index a = 4; a < points.rows(); ++a) {
+      const auto [found, is_new] = number_at.try_emplace(place_of(mesh, e, order * points.row(a)), next);
+      if (is_new) added.emplace_back(from_old.row(a) * own), ++next;
+      changed.elements(e, a) = found->second;
+    }
+  }
+  const Eigen::Index corners = changed.nodes.rows();
+  changed.nodes.conservativeResize(next, 3);
+  for (Eigen::Index n = corners; n < next; ++n) changed.nodes.row(n) = added[n - corners];
+  if (order < mesh.order()) straighten_folded(changed);
+  return changed;
 }
 
 }  // namespace ringdown::mesh

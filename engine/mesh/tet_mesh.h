@@ -1,19 +1,17 @@
 // A solid as tetrahedra. [worker]
 //
-// Nodes are points in metres. An element has 4 nodes (straight edges, displacement linear inside) or 10 nodes
-// (edges and faces may be curved, displacement quadratic). All elements of a mesh have the same order. Node
-// order of an element: four corners, of which 1, 2, 3 turn counter-clockwise when seen from outside opposite
-// corner 0, so that
-//   det[x1-x0, x2-x0, x3-x0] > 0,
-// then the nodes on the edges in the order of kTetEdges. That is VTK's and CalculiX's order; gmsh's has the
-// last two edges exchanged (gmsh_reader.cpp exchanges them back).
+// Nodes are points in metres. All elements of a mesh have the same order p, 1 to 4, and 4, 10, 20 or 35 nodes in the
+// order of tet_basis.h: inside, displacement and position are polynomials of degree p, so above order 1 edges and faces
+// may be curved. Corners 1, 2, 3 turn counter-clockwise when seen from outside opposite corner 0, so that
+//   det[x1-x0, x2-x0, x3-x0] > 0.
+// gmsh's order of nodes is another one; gmsh_reader.cpp changes it.
 #pragma once
 
 #include "engine/base/result.h"
+#include "engine/mesh/tet_shape.h"
 
 #include <Eigen/Core>
 
-#include <array>
 #include <cstdint>
 #include <string>
 
@@ -22,14 +20,16 @@ namespace ringdown::mesh {
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Indices = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-inline constexpr std::array<std::array<int, 2>, 6> kTetEdges = {{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
-
 struct TetMesh {
   Points nodes;      // N x 3 [m]
-  Indices elements;  // E x 4 or E x 10, numbers of nodes
+  Indices elements;  // E x 4, 10, 20 or 35, numbers of nodes
 
-  [[nodiscard]] bool quadratic() const { return elements.cols() == 10; }
+  [[nodiscard]] int order() const { return order_of_nodes(elements.cols()); }
 };
+
+// The nodes of one element, in its order.
+ElementNodes nodes_of(const TetMesh& mesh, Eigen::Index element);
+Corners corners_of(const TetMesh& mesh, Eigen::Index element);
 
 // A mesh that the other folders may trust: node numbers in range, every node used, every element positively
 // oriented and with volume, coordinates finite.
@@ -37,20 +37,20 @@ struct CheckedMesh {
   TetMesh mesh;
   int pieces = 0;        // parts that share no node
   int flipped = 0;       // elements given inside out, now turned
-  int straightened = 0;  // curved elements that folded over themselves, whose edges are now straight
+  int straightened = 0;  // curved elements that folded over themselves, now straight
   int unused_nodes = 0;  // dropped
 };
 
-// Repairs what has one right repair (the counts above) and refuses the rest: no elements, a node number out
-// of range, a coordinate that is not finite, an element without volume. `name` stands in the sentence. O(E
-// log E).
+// Repairs what has one right repair (the counts above) and refuses the rest: no elements, a node number out of range, a
+// coordinate that is not finite, an element without volume. A curved element folds where the determinant of its map
+// falls below a thousandth of the straight one's; it is looked at in as many points as determine that polynomial, and
+// in those that assembly integrates over. `name` stands in the sentence. O(E log E).
 Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name);
 
-// 4 -> 10 nodes: a node in the middle of every edge, shared by the elements around it. Corners keep their
-// numbers.
-TetMesh to_quadratic(const TetMesh& mesh);
-
-// 10 -> 4 nodes: straight edges between the corners; the nodes on edges are dropped.
-TetMesh to_linear(const TetMesh& mesh);
+// The same elements with the nodes of another order: each element's own map at the places of the new nodes, which are
+// shared by the elements around an edge or a face. Raising the order keeps the geometry exactly. Lowering it keeps the
+// corners and puts the other nodes on the old curve; what the lower order cannot follow in between is lost, and
+// elements that would fold become straight. Corners come first, in their old sequence. O(E).
+TetMesh to_order(const TetMesh& mesh, int order);
 
 }  // namespace ringdown::mesh

@@ -1,10 +1,8 @@
 #include "engine/mesh/tet_shape.h"
 
-#include "engine/mesh/tet_mesh.h"
-
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cassert>
 
 namespace ringdown::mesh {
@@ -51,36 +49,23 @@ std::vector<QuadraturePoint> conical_product(int count) {
 
 }  // namespace
 
-Shape10 shape10(const Eigen::Vector4d& l) {
-  Shape10 shape;
-  for (int i = 0; i < 4; ++i) shape[i] = l[i] * (2 * l[i] - 1);
-  for (int e = 0; e < 6; ++e) shape[4 + e] = 4 * l[kTetEdges[e][0]] * l[kTetEdges[e][1]];
-  return shape;
+Eigen::Matrix3d jacobian(const Corners& corners) { return corners.bottomRows<3>().rowwise() - corners.row(0); }
+
+Eigen::Matrix3d jacobian(const ElementNodes& nodes, const ReferenceGradient& reference_gradient) {
+  return reference_gradient.transpose().lazyProduct(nodes);
 }
 
-Gradient10 reference_gradient10(const Eigen::Vector4d& l) {
-  Eigen::Matrix<double, 10, 4> d = Eigen::Matrix<double, 10, 4>::Zero();  // as if the four l were independent
-  for (int i = 0; i < 4; ++i) d(i, i) = 4 * l[i] - 1;
-  for (int e = 0; e < 6; ++e) {
-    const auto [i, j] = kTetEdges[e];
-    d(4 + e, i) = 4 * l[j];
-    d(4 + e, j) = 4 * l[i];
-  }
-  return d.rightCols<3>().colwise() - d.col(0);
+ElementNodes straight_nodes(int order, const Corners& corners) {
+  static const std::array<Lattice, kHighestOrder> lattices = {lattice(1), lattice(2), lattice(3), lattice(4)};
+  return lattices[order - 1].lazyProduct(corners);
 }
 
-Eigen::Matrix3d jacobian4(const Corners& corners) { return corners.bottomRows<3>().rowwise() - corners.row(0); }
-
-Eigen::Matrix3d jacobian10(const Nodes10& nodes, const Gradient10& reference_gradient) {
-  return reference_gradient.transpose() * nodes;
-}
-
-bool is_straight(const Nodes10& nodes) {
-  for (int e = 0; e < 6; ++e) {
-    const Eigen::RowVector3d a = nodes.row(kTetEdges[e][0]), b = nodes.row(kTetEdges[e][1]);
-    if ((nodes.row(4 + e) - 0.5 * (a + b)).norm() > 1e-9 * (b - a).norm()) return false;
-  }
-  return true;
+bool is_straight(const ElementNodes& nodes) {
+  const Corners corners = nodes.topRows<4>();
+  double longest = 0;
+  for (const auto& [i, j] : kTetEdges) longest = std::max(longest, (corners.row(i) - corners.row(j)).norm());
+  const ElementNodes straight = straight_nodes(order_of_nodes(nodes.rows()), corners);
+  return (nodes - straight).rowwise().squaredNorm().maxCoeff() <= 1e-18 * longest * longest;
 }
 
 std::vector<QuadraturePoint> tet_quadrature(int degree) {

@@ -1,10 +1,9 @@
-// Shape functions and quadrature of the tetrahedron. [any thread]
+// Where a tetrahedron lies in space, and how to integrate over it. [any thread]
 //
-// A point of the reference tetrahedron has barycentric coordinates l0 + l1 + l2 + l3 = 1; its free
-// coordinates are (l1, l2, l3). With corner shape functions l_i (2 l_i - 1) and edge shape functions 4 l_i
-// l_j, a 10-node element maps it to x = sum_a N_a x_a. Source: Zienkiewicz & Taylor, The Finite Element
-// Method, vol. 1, section 8.
+// The reference tetrahedron and the shape functions N_a that map it to x = sum_a N_a x_a are tet_basis.h's.
 #pragma once
+
+#include "engine/mesh/tet_basis.h"
 
 #include <Eigen/Core>
 
@@ -12,24 +11,20 @@
 
 namespace ringdown::mesh {
 
-using Shape10 = Eigen::Matrix<double, 10, 1>;
-using Gradient10 = Eigen::Matrix<double, 10, 3>;
-using Nodes10 = Eigen::Matrix<double, 10, 3>;
 using Corners = Eigen::Matrix<double, 4, 3>;
+// n x 3 [m], the nodes of one element in the order of tet_basis.h; kept without a heap.
+using ElementNodes = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, nodes_per_element(kHighestOrder), 3>;
 
-// N_a at a point.
-Shape10 shape10(const Eigen::Vector4d& barycentric);
+// d(x, y, z) / d(l1, l2, l3), rows l, columns x. For straight elements it is x_i - x_0 everywhere.
+Eigen::Matrix3d jacobian(const Corners& corners);
+Eigen::Matrix3d jacobian(const ElementNodes& nodes, const ReferenceGradient& reference_gradient);
 
-// dN_a / d(l1, l2, l3) at a point.
-Gradient10 reference_gradient10(const Eigen::Vector4d& barycentric);
+// The nodes of a straight element of that order.
+ElementNodes straight_nodes(int order, const Corners& corners);
 
-// d(x, y, z) / d(l1, l2, l3), rows l, columns x: x_i - x_0 for the straight element.
-Eigen::Matrix3d jacobian4(const Corners& corners);
-Eigen::Matrix3d jacobian10(const Nodes10& nodes, const Gradient10& reference_gradient);
-
-// True when every edge node is in the middle of its edge (to 1e-9 of the edge): the element is then an affine
-// image of the reference one, and cheap exact integrals exist.
-bool is_straight(const Nodes10& nodes);
+// True when every node is where it would be in a straight element (to 1e-9 of the longest edge): the element is then an
+// affine image of the reference one, and cheap exact integrals exist.
+bool is_straight(const ElementNodes& nodes);
 
 struct QuadraturePoint {
   Eigen::Vector4d barycentric;

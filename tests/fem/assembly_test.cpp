@@ -14,7 +14,7 @@ const Eigen::Vector3d kSize(0.1, 0.08, 0.06);
 
 Eigen::MatrixXd full(const fem::SparseMatrix& lower) { return Eigen::MatrixXd(lower).selfadjointView<Eigen::Lower>(); }
 
-mesh::TetMesh curved_box() { return test::bent(mesh::to_quadratic(test::box_mesh({3, 2, 2}, kSize)), 5); }
+mesh::TetMesh curved_box(int order) { return test::bent(mesh::to_order(test::box_mesh({3, 2, 2}, kSize), order), 5); }
 
 // Pairs of a mesh and an element that suits it.
 struct Case {
@@ -27,21 +27,39 @@ std::vector<Case> cases() {
   const mesh::TetMesh box = test::box_mesh({3, 2, 2}, kSize);
   return {{box, fem::Element::kTet4, kSize.prod()},
           {box, fem::Element::kTet4Lumped, kSize.prod()},
-          {mesh::to_quadratic(box), fem::Element::kTet10, kSize.prod()}};
+          {mesh::to_order(box, 2), fem::Element::kTet10, kSize.prod()},
+          {mesh::to_order(box, 3), fem::Element::kTet20, kSize.prod()},
+          {mesh::to_order(box, 4), fem::Element::kTet35, kSize.prod()}};
 }
 
-TEST(Assembly, IsTheSumOfItsElements) {
-  const mesh::TetMesh mesh = curved_box();
-  const fem::System system = fem::assemble(mesh, kSteel, fem::Element::kTet10).value();
+bool is_inside(const Eigen::Vector3d& point) {
+  const Eigen::Array3d at = point.cwiseQuotient(kSize).array();
+  return (at > 1e-6).all() && (at < 1 - 1e-6).all();
+}
+
+// Straight elements of all forms in a box that keeps its own.
+mesh::TetMesh uneven_box(int order) {
+  const mesh::TetMesh box = test::box_mesh({3, 3, 3}, kSize), moved = test::shaken(box, 0.004);
+  mesh::TetMesh uneven = box;
+  for (Eigen::Index n = 0; n < box.nodes.rows(); ++n) {
+    if (is_inside(box.nodes.row(n).transpose())) uneven.nodes.row(n) = moved.nodes.row(n);
+  }
+  return mesh::to_order(uneven, order);
+}
+
+class AssemblyOf : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Orders, AssemblyOf, testing::Range(1, mesh::kHighestOrder + 1));
+
+TEST_P(AssemblyOf, IsTheSumOfItsElements) {
+  const mesh::TetMesh mesh = curved_box(GetParam());
+  const fem::System system = fem::assemble(mesh, kSteel, test::element_of(mesh)).value();
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(system.unknowns(), system.unknowns());
   Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(mesh.nodes.rows(), mesh.nodes.rows());
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
-    mesh::Nodes10 nodes;
-    for (int a = 0; a < 10; ++a) nodes.row(a) = mesh.nodes.row(mesh.elements(e, a));
-    const fem::Stiffness10 k = fem::stiffness10(nodes, kSteel);
-    const fem::Mass10 m = fem::consistent_mass10(nodes, kSteel.density_kg_m3);
-    for (int a = 0; a < 10; ++a) {
-      for (int b = 0; b < 10; ++b) {
+    const mesh::ElementNodes nodes = mesh::nodes_of(mesh, e);
+    const Eigen::MatrixXd k = fem::stiffness(nodes, kSteel), m = fem::consistent_mass(nodes, kSteel.density_kg_m3);
+    for (int a = 0; a < nodes.rows(); ++a) {
+      for (int b = 0; b < nodes.rows(); ++b) {
         const int row = mesh.elements(e, a), column = mesh.elements(e, b);
         stiffness.block<3, 3>(3 * row, 3 * column) += k.block<3, 3>(3 * a, 3 * b);
         mass(row, column) += m(a, b);
@@ -61,7 +79,8 @@ TEST(Assembly, MassSumsToTheVolumeTimesTheDensity) {
 
 TEST(Assembly, RigidMotionCostsNoEnergy) {
   std::vector<Case> all = cases();
-  all.push_back({curved_box(), fem::Element::kTet10, 0});
+  all.push_back({curved_box(2), fem::Element::kTet10, 0});
+  all.push_back({curved_box(3), fem::Element::kTet20, 0});
   for (const Case& one : all) {
     const fem::System system = fem::assemble(one.mesh, kSteel, one.element).value();
     const Eigen::MatrixXd stiffness = full(system.stiffness);
@@ -77,33 +96,104 @@ TEST(Assembly, RigidMotionCostsNoEnergy) {
 }
 
 // The patch test: a body whose surface is displaced linearly must displace linearly inside, however its nodes lie.
-TEST(Assembly, PassesThePatchTest) {
-  const mesh::TetMesh box = test::shaken(test::box_mesh({3, 3, 3}, kSize), 0.004);
-  const mesh::TetMesh quadratic = test::shaken(mesh::to_quadratic(box), 0.001);
+TEST_P(AssemblyOf, PassesThePatchTest) {
+  const mesh::TetMesh mesh = test::shaken(uneven_box(GetParam()), 0.0005);
   const Eigen::Matrix3d gradient = Eigen::Matrix3d::Random();
-  for (const mesh::TetMesh& mesh : {box, quadratic}) {
-    const auto element = mesh.quadratic() ? fem::Element::kTet10 : fem::Element::kTet4;
-    const Eigen::MatrixXd stiffness = full(fem::assemble(mesh, kSteel, element).value().stiffness);
-    Eigen::VectorXd exact(stiffness.rows());
-    for (Eigen::Index n = 0; n < mesh.nodes.rows(); ++n) {
-      exact.segment<3>(3 * n) = gradient * mesh.nodes.row(n).transpose();
-    }
-    std::vector<int> inside, outside;
-    for (int n = 0; n < mesh.nodes.rows(); ++n) {
-      const Eigen::Vector3d at = mesh.nodes.row(n).transpose().cwiseQuotient(kSize);
-      const bool inner = (at.array() > 0.1).all() && (at.array() < 0.9).all();
-      for (int i = 0; i < 3; ++i) (inner ? inside : outside).push_back(3 * n + i);
-    }
-    ASSERT_GT(inside.size(), 20u);
-    const Eigen::MatrixXd coupling = stiffness(inside, outside), core = stiffness(inside, inside);
-    const Eigen::VectorXd given = exact(outside);
-    const Eigen::VectorXd found = core.ldlt().solve(-coupling * given);
-    EXPECT_LT((found - exact(inside)).norm(), 1e-10 * exact.norm());
+  const Eigen::MatrixXd stiffness = full(fem::assemble(mesh, kSteel, test::element_of(mesh)).value().stiffness);
+  Eigen::VectorXd exact(stiffness.rows());
+  std::vector<int> inside, outside;
+  for (int n = 0; n < mesh.nodes.rows(); ++n) {
+    const Eigen::Vector3d at = mesh.nodes.row(n);
+    exact.segment<3>(3 * n) = gradient * at;
+    const bool inner = (at.array() > 0.002).all() && (at.array() < kSize.array() - 0.002).all();
+    for (int i = 0; i < 3; ++i) (inner ? inside : outside).push_back(3 * n + i);
   }
+  ASSERT_GT(inside.size(), 20u);
+  const Eigen::MatrixXd coupling = stiffness(inside, outside), core = stiffness(inside, inside);
+  const Eigen::VectorXd given = exact(outside);
+  const Eigen::VectorXd found = core.llt().solve(-coupling * given);
+  EXPECT_LT((found - exact(inside)).norm(), 1e-10 * exact.norm());
+}
+
+// A displacement whose components are polynomials, and its gradient.
+struct Polynomial {
+  explicit Polynomial(int degree) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> number(-1, 1);
+    for (int a = 0; a <= degree; ++a) {
+      for (int b = 0; a + b <= degree; ++b) {
+        for (int c = 0; a + b + c <= degree; ++c) {
+          terms.push_back({{a, b, c}, {number(random), number(random), number(random)}});
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] Eigen::Vector3d at(const Eigen::Vector3d& x) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Term& term : terms) sum += term.factor * product(term.power, x);
+    return sum;
+  }
+  [[nodiscard]] Eigen::Matrix3d gradient(const Eigen::Vector3d& x) const {  // du_i / dx_j
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (const Term& term : terms) {
+      for (int j = 0; j < 3; ++j) {
+        std::array<int, 3> power = term.power;
+        if (power[j]-- > 0) sum.col(j) += term.factor * term.power[j] / kScale * product(power, x);
+      }
+    }
+    return sum;
+  }
+
+ private:
+  static constexpr double kScale = 0.1;
+  struct Term {
+    std::array<int, 3> power;
+    Eigen::Vector3d factor;
+  };
+  static double product(const std::array<int, 3>& power, const Eigen::Vector3d& x) {
+    double value = 1;
+    for (int i = 0; i < 3; ++i) value *= std::pow(x[i] / kScale, power[i]);
+    return value;
+  }
+  std::vector<Term> terms;
+};
+
+// Over the box, by the five-point Gauss rule along each axis: exact to degree 9 in each.
+template <class Integrand>
+double integral(const Integrand& integrand) {
+  const std::array<double, 5> point = {-0.906179845938664, -0.538469310105683, 0, 0.538469310105683, 0.906179845938664};
+  const std::array<double, 5> weight = {0.236926885056189, 0.478628670499366, 0.568888888888889, 0.478628670499366,
+                                        0.236926885056189};
+  double sum = 0;
+  for (int i = 0; i < 5; ++i) {
+    for (int j = 0; j < 5; ++j) {
+      for (int k = 0; k < 5; ++k) {
+        const Eigen::Vector3d at(point[i], point[j], point[k]);
+        sum += weight[i] * weight[j] * weight[k] / 8 * integrand((0.5 * (at.array() + 1) * kSize.array()).matrix());
+      }
+    }
+  }
+  return sum * kSize.prod();
+}
+
+TEST_P(AssemblyOf, APolynomialOfItsOrderHasExactlyItsEnergies) {
+  const mesh::TetMesh mesh = uneven_box(GetParam());
+  const fem::System system = fem::assemble(mesh, kSteel, test::element_of(mesh)).value();
+  const Polynomial motion(GetParam());
+  Eigen::VectorXd u(system.unknowns());
+  for (Eigen::Index n = 0; n < mesh.nodes.rows(); ++n) u.segment<3>(3 * n) = motion.at(mesh.nodes.row(n));
+  const double elastic = integral([&](const Eigen::Vector3d& x) {
+    const Eigen::Matrix3d gradient = motion.gradient(x), strain = 0.5 * (gradient + gradient.transpose());
+    return kSteel.lambda_pa() * std::pow(strain.trace(), 2) + 2 * kSteel.mu_pa() * strain.squaredNorm();
+  });
+  const double kinetic = 7850 * integral([&](const Eigen::Vector3d& x) { return motion.at(x).squaredNorm(); });
+  EXPECT_NEAR(u.dot(system.stiffness.selfadjointView<Eigen::Lower>() * u), elastic, 1e-11 * elastic);
+  EXPECT_NEAR(u.dot(fem::mass_times(system.node_mass, u).col(0)), kinetic, 1e-11 * kinetic);
 }
 
 TEST(Assembly, MassProductActsOnEachDirectionAlike) {
-  const fem::System system = fem::assemble(curved_box(), kSteel, fem::Element::kTet10).value();
+  const fem::System system = fem::assemble(curved_box(3), kSteel, fem::Element::kTet20).value();
   const Eigen::MatrixXd x = Eigen::MatrixXd::Random(system.unknowns(), 3);
   const Eigen::MatrixXd y = fem::mass_times(system.node_mass, x), mass = Eigen::MatrixXd(system.node_mass);
   for (int i = 0; i < 3; ++i) {
@@ -113,12 +203,24 @@ TEST(Assembly, MassProductActsOnEachDirectionAlike) {
   }
 }
 
-TEST(Assembly, RepeatsBitForBit) {
-  const mesh::TetMesh mesh = curved_box();
-  const fem::System a = fem::assemble(mesh, kSteel, fem::Element::kTet10).value();
-  const fem::System b = fem::assemble(mesh, kSteel, fem::Element::kTet10).value();
-  EXPECT_TRUE((a.stiffness.coeffs() == b.stiffness.coeffs()).all());
-  EXPECT_TRUE((a.node_mass.coeffs() == b.node_mass.coeffs()).all());
+TEST_P(AssemblyOf, RepeatsBitForBitOnAnyNumberOfThreads) {
+  const mesh::TetMesh mesh = test::bent(mesh::to_order(test::box_mesh({5, 4, 3}, kSize), GetParam()), 5);
+  const fem::System one = fem::assemble(mesh, kSteel, test::element_of(mesh), 1).value();
+  for (const int threads : {1, 2, 3, 0}) {
+    const fem::System other = fem::assemble(mesh, kSteel, test::element_of(mesh), threads).value();
+    EXPECT_TRUE((one.stiffness.coeffs() == other.stiffness.coeffs()).all()) << threads;
+    EXPECT_TRUE((one.node_mass.coeffs() == other.node_mass.coeffs()).all()) << threads;
+  }
+}
+
+TEST(Assembly, ElementsAreKnownByTheirNames) {
+  using fem::Element;
+  for (const Element element :
+       {Element::kTet4, Element::kTet4Lumped, Element::kTet10, Element::kTet20, Element::kTet35}) {
+    EXPECT_EQ(fem::parse_element(fem::element_name(element)).value(), element);
+  }
+  EXPECT_EQ(fem::order_of(fem::parse_element("tet20").value()), 3);
+  EXPECT_FALSE(fem::parse_element("hex8"));
 }
 
 TEST(Assembly, RefusesMaterialsThatAreNotStable) {

@@ -1,6 +1,5 @@
 #include "engine/mesh/surface.h"
 #include "engine/mesh/tet_mesh.h"
-#include "engine/mesh/tet_shape.h"
 #include "tests/fem/sample_meshes.h"
 
 #include <Eigen/Geometry>
@@ -44,32 +43,52 @@ std::string refusal(const mesh::TetMesh& mesh) {
   return checked ? "accepted" : checked.error().message;
 }
 
-TEST(CheckMesh, TurnsElementsThatAreInsideOut) {
-  for (const bool quadratic : {false, true}) {
-    mesh::TetMesh box = test::box_mesh({2, 2, 2}, kSize);
-    if (quadratic) box = mesh::to_quadratic(box);
-    mesh::TetMesh wrong = box;
-    for (Eigen::Index e = 0; e < wrong.elements.rows(); e += 3) {
-      wrong.elements.row(e).head<4>() = box.elements(e, {0, 1, 3, 2}).eval();
-      if (quadratic) wrong.elements.row(e).tail<6>() = box.elements(e, {4, 8, 7, 6, 5, 9}).eval();
+// As in shape(): the node of the element at `place`.
+Eigen::Index node_at(int order, const Eigen::RowVector4d& place) {
+  Eigen::Index found = 0;
+  (mesh::lattice(order).rowwise() - place).rowwise().norm().minCoeff(&found);
+  return found;
+}
+
+class MeshOfOrder : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Orders, MeshOfOrder, testing::Range(1, mesh::kHighestOrder + 1));
+
+TEST_P(MeshOfOrder, HasItsElementsTurnedThatAreInsideOut) {
+  const mesh::TetMesh box = mesh::to_order(test::box_mesh({2, 2, 2}, kSize), GetParam());
+  mesh::TetMesh wrong = box;
+  const mesh::Lattice places = mesh::lattice(GetParam());
+  for (Eigen::Index e = 0; e < wrong.elements.rows(); e += 3) {
+    for (Eigen::Index a = 0; a < places.rows(); ++a) {
+      const Eigen::RowVector4d place = places(a, {0, 1, 3, 2});
+      wrong.elements(e, a) = box.elements(e, node_at(GetParam(), place));
     }
-    const auto checked = mesh::check_mesh(wrong, "wrong");
-    ASSERT_TRUE(checked) << checked.error().message;
-    EXPECT_EQ(checked->flipped, 16);
-    EXPECT_EQ(checked->straightened, 0) << "edge nodes lie on the wrong edges";
-    EXPECT_NEAR(enclosed_volume(mesh::boundary_surface(checked->mesh), checked->mesh.nodes), kSize.prod(), 1e-15);
   }
+  const auto checked = mesh::check_mesh(wrong, "wrong");
+  ASSERT_TRUE(checked) << checked.error().message;
+  EXPECT_EQ(checked->flipped, 16);
+  EXPECT_EQ(checked->straightened, 0) << "nodes lie on the wrong edges or faces";
+  EXPECT_NEAR(enclosed_volume(mesh::boundary_surface(checked->mesh), checked->mesh.nodes), kSize.prod(), 1e-15);
 }
 
 TEST(CheckMesh, StraightensCurvedElementsThatFold) {
-  mesh::TetMesh box = mesh::to_quadratic(test::box_mesh({1, 1, 1}, kSize));
-  box.nodes.row(box.elements(0, 4)) += Eigen::RowVector3d(0.5, 0.4, 0.3);
-  const auto checked = mesh::check_mesh(box, "folded");
-  ASSERT_TRUE(checked);
-  EXPECT_GE(checked->straightened, 1);
-  mesh::Nodes10 nodes;
-  for (int a = 0; a < 10; ++a) nodes.row(a) = checked->mesh.nodes.row(checked->mesh.elements(0, a));
-  EXPECT_TRUE(mesh::is_straight(nodes));
+  for (const int order : {2, 3, 4}) {
+    mesh::TetMesh box = mesh::to_order(test::box_mesh({1, 1, 1}, kSize), order);
+    box.nodes.row(box.elements(0, 4)) += Eigen::RowVector3d(0.5, 0.4, 0.3);
+    const auto checked = mesh::check_mesh(box, "folded");
+    ASSERT_TRUE(checked);
+    EXPECT_GE(checked->straightened, 1);
+    EXPECT_TRUE(mesh::is_straight(mesh::nodes_of(checked->mesh, 0)));
+  }
+}
+
+TEST(CheckMesh, LeavesCurvedElementsThatDoNotFold) {
+  for (const int order : {2, 3, 4}) {
+    const mesh::TetMesh bent = test::bent(mesh::to_order(test::box_mesh({2, 2, 1}, kSize), order), 8);
+    const auto checked = mesh::check_mesh(bent, "bent");
+    ASSERT_TRUE(checked);
+    EXPECT_EQ(checked->straightened, 0);
+    EXPECT_EQ(checked->mesh.nodes, bent.nodes);
+  }
 }
 
 TEST(CheckMesh, DropsNodesThatNothingUses) {
@@ -117,21 +136,62 @@ TEST(CheckMesh, RefusesWhatHasNoRightRepair) {
   EXPECT_NE(refusal(broken).find("elements of 8 nodes"), std::string::npos);
 }
 
-TEST(Order, QuadraticAndBackIsTheSameMesh) {
-  const mesh::TetMesh box = test::box_mesh({2, 1, 2}, kSize), quadratic = mesh::to_quadratic(box);
-  const mesh::TetMesh back = mesh::to_linear(quadratic);
-  EXPECT_EQ(back.nodes, box.nodes);
-  EXPECT_EQ(back.elements, box.elements);
-  // Euler: a node for every vertex and every edge, and V - E + F - T = 1 for a ball.
-  const auto vertices = box.nodes.rows(), elements = box.elements.rows();
+// Euler: V - E + F - T = 1 for a ball. Every edge, face and element has its inner nodes once, whoever shares it.
+TEST_P(MeshOfOrder, SharesItsNodes) {
+  const int p = GetParam();
+  const mesh::TetMesh box = test::box_mesh({2, 1, 2}, kSize), raised = mesh::to_order(box, p);
+  const Eigen::Index vertices = box.nodes.rows(), elements = box.elements.rows();
   const auto outer = static_cast<Eigen::Index>(mesh::boundary_surface(box).triangles.size());
   const Eigen::Index faces = (4 * elements + outer) / 2, edges = vertices + faces - elements - 1;
-  EXPECT_EQ(quadratic.nodes.rows(), vertices + edges);
+  EXPECT_EQ(raised.nodes.rows(),
+            vertices + edges * (p - 1) + faces * (p - 1) * (p - 2) / 2 + elements * (p - 1) * (p - 2) * (p - 3) / 6);
+  EXPECT_EQ(raised.order(), p);
+  EXPECT_EQ(test::checked(raised).unused_nodes, 0);
+  for (Eigen::Index e = 0; e < elements; ++e) {
+    const mesh::Corners corners = mesh::corners_of(box, e);
+    EXPECT_LT((mesh::nodes_of(raised, e) - mesh::lattice(p) * corners).norm(), 1e-16) << e;
+  }
+}
+
+TEST_P(MeshOfOrder, ComesBackFromEveryHigherOrder) {
+  mesh::TetMesh mesh = mesh::to_order(test::box_mesh({2, 1, 2}, kSize), GetParam());
+  if (GetParam() > 1) mesh = test::bent(mesh, 8);
+  for (int higher = GetParam(); higher <= mesh::kHighestOrder; ++higher) {
+    const mesh::TetMesh back = mesh::to_order(mesh::to_order(mesh, higher), GetParam());
+    EXPECT_EQ(back.elements, mesh.elements);
+    EXPECT_LT((back.nodes - mesh.nodes).cwiseAbs().maxCoeff(), 1e-15);
+  }
+}
+
+TEST_P(MeshOfOrder, KeepsItsCurvedFormWhenRaised) {
+  const int order = GetParam();
+  const mesh::TetMesh mesh = test::bent(mesh::to_order(test::box_mesh({2, 1, 2}, kSize), order), 8);
+  const Eigen::Vector4d place(0.1, 0.2, 0.3, 0.4);
+  for (int higher = order; higher <= mesh::kHighestOrder; ++higher) {
+    const mesh::TetMesh raised = mesh::to_order(mesh, higher);
+    for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+      const Eigen::Vector3d before = mesh::nodes_of(mesh, e).transpose() * mesh::shape(order, place),
+                            after = mesh::nodes_of(raised, e).transpose() * mesh::shape(higher, place);
+      EXPECT_LT((after - before).norm(), 1e-15);
+    }
+  }
+}
+
+TEST(Order, LoweringKeepsCornersAndPutsTheOtherNodesOnTheOldCurve) {
+  const mesh::TetMesh cubic = test::bent(mesh::to_order(test::box_mesh({2, 1, 2}, kSize), 3), 8);
+  const mesh::TetMesh quadratic = mesh::to_order(cubic, 2);
+  const mesh::ElementNodes before = mesh::nodes_of(cubic, 3), after = mesh::nodes_of(quadratic, 3);
+  EXPECT_EQ(before.topRows<4>(), after.topRows<4>());
+  // A cubic through four even points has the mean (9 (b + c) - (a + d)) / 16 in its middle.
+  const Eigen::RowVector3d middle =
+      (9 * (before.row(4) + before.row(5)) - before.row(mesh::kTetEdges[0][0]) - before.row(mesh::kTetEdges[0][1])) /
+      16;
+  EXPECT_LT((after.row(4) - middle).norm(), 1e-15);
 }
 
 TEST(Surface, IsClosedAndFacesOutward) {
   const mesh::TetMesh box = test::box_mesh({3, 2, 2}, kSize);
-  for (const mesh::TetMesh& mesh : {box, mesh::to_quadratic(box)}) {
+  for (const mesh::TetMesh& mesh : {box, mesh::to_order(box, 2), mesh::to_order(box, 4)}) {
     const mesh::Surface surface = mesh::boundary_surface(mesh);
     EXPECT_EQ(surface.triangles.size(), 2u * (2 * (3 * 2 + 3 * 2 + 2 * 2)));
     EXPECT_TRUE(is_closed(surface));

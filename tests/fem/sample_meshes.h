@@ -1,6 +1,7 @@
 // Meshes for tests, made without gmsh.
 #pragma once
 
+#include "engine/fem/assembly.h"
 #include "engine/mesh/tet_mesh.h"
 
 #include <algorithm>
@@ -48,6 +49,13 @@ inline mesh::TetMesh box_mesh(Cells cells, Eigen::Vector3d size) {
     for (int a = 0; a < 4; ++a) box.elements(static_cast<Eigen::Index>(e), a) = elements[e][a];
   }
   return mesh::check_mesh(box, "box").value().mesh;  // turns the half that is inside out
+}
+
+// The element with consistent mass that suits the mesh.
+inline fem::Element element_of(const mesh::TetMesh& mesh) {
+  constexpr std::array kElements = {fem::Element::kTet4, fem::Element::kTet10, fem::Element::kTet20,
+                                    fem::Element::kTet35};
+  return kElements[mesh.order() - 1];
 }
 
 inline mesh::CheckedMesh checked(const mesh::TetMesh& mesh) { return mesh::check_mesh(mesh, "test mesh").value(); }

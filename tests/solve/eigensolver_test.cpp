@@ -15,7 +15,7 @@ const Eigen::Vector3d kSize(0.1, 0.08, 0.06);
 double lambda_of(double frequency_hz) { return std::pow(2 * M_PI * frequency_hz, 2); }
 
 fem::System system_of(const mesh::TetMesh& mesh) {
-  return fem::assemble(mesh::to_quadratic(mesh), kSteel, fem::Element::kTet10).value();
+  return fem::assemble(mesh::to_order(mesh, 2), kSteel, fem::Element::kTet10).value();
 }
 
 // Sylvester: as many negative pivots in L D L^T of K - lambda M as eigenvalues below lambda.

@@ -19,7 +19,7 @@ constexpr fem::Elastic kSteel{200e9, 0.3, 7850}, kSoft{200e9, 0.49, 7850};
 // The first `count` elastic frequencies [Hz].
 std::vector<double> frequencies(const mesh::TetMesh& mesh, const fem::Elastic& elastic, fem::Element element,
                                 double top_hz, std::size_t count) {
-  const mesh::TetMesh of_order = element == fem::Element::kTet10 ? mesh::to_quadratic(mesh) : mesh::to_linear(mesh);
+  const mesh::TetMesh of_order = element == fem::Element::kTet10 ? mesh::to_order(mesh, 2) : mesh::to_order(mesh, 1);
   const fem::System system = fem::assemble(of_order, elastic, element).value();
   const auto modes = solve::solve_modes(system, {.highest_lambda = std::pow(2 * std::numbers::pi * top_hz, 2)});
   EXPECT_TRUE(modes) << modes.error().message;
@@ -69,7 +69,7 @@ TEST(ExactFrequencies, OfASphereWithCurvedElements) {
   const auto ball = mesh::read_with_gmsh(path, {.mesh_size_m = 0.045, .parameters = {}});
   std::filesystem::remove(path);
   ASSERT_TRUE(ball) << ball.error().message;
-  ASSERT_TRUE(ball->mesh.quadratic());
+  ASSERT_TRUE(ball->mesh.order() == 2);
   EXPECT_EQ(ball->straightened, 0);
   const fem::System system = fem::assemble(ball->mesh, kSteel, fem::Element::kTet10).value();
   const double mass = 7850 * 4.0 / 3 * std::numbers::pi * 1e-3;

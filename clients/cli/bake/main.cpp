@@ -43,7 +43,7 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')");
   app.add_option("--name", arguments.name, "name kept in the bank (default: the input's)");
   app.add_option("-e,--element", arguments.element,
-                 "tet10 (default), tet4, or tet4-lumped: the 2011 report's, far too stiff in bending");
+                 "tet10 (default), tet20, tet35, tet4, or tet4-lumped: the 2011 report's, far too stiff in bending");
   app.add_option("--mesh-size", arguments.mesh_size_m, "longest edge in metres, when a geometry is meshed")
       ->check(CLI::PositiveNumber);
   app.add_option("--set", settings, "NAME=NUMBER, a parameter of a .geo file, in its unit");
@@ -93,7 +93,7 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
     const Result<fem::Element> element = fem::parse_element(*arguments.element);
     if (!element) return fail(element.error());
     recipe.options.element = *element;
-    recipe.meshing.order = *element == fem::Element::kTet10 ? 2 : 1;
+    recipe.meshing.order = fem::order_of(*element);
   }
   if (arguments.solver) {
     const Result<solve::Method> solver = solve::parse_method(*arguments.solver);

@@ -1,0 +1,38 @@
+// Work shared out to threads that live as long as the call. [worker]
+#pragma once
+
+#include <algorithm>
+#include <exception>
+#include <thread>
+#include <vector>
+
+namespace ringdown {
+
+// How many threads a caller means who writes 0 for as many as there are processors.
+inline int thread_count(int wanted) {
+  return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+// work(0) ... work(count - 1), each on its own thread, 0 on the caller's; returns when all have. The first exception in
+// the order of these numbers comes out of the call.
+template <class Work>
+void in_parallel(int count, const Work& work) {
+  std::vector<std::exception_ptr> failures(count);
+  const auto guarded = [&](int number) {
+    try {
+      work(number);
+    } catch (...) {
+      failures[number] = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (int number = 1; number < count; ++number) others.emplace_back(guarded, number);
+    guarded(0);
+  }
+  for (const std::exception_ptr& failure : failures) {
+    if (failure) std::rethrow_exception(failure);
+  }
+}
+
+}  // namespace ringdown
