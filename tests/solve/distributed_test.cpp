@@ -20,7 +20,7 @@ constexpr fem::Elastic kSteel{200e9, 0.3, 7850};
 double lambda_of(double frequency_hz) { return std::pow(2 * std::numbers::pi * frequency_hz, 2); }
 
 fem::System block(test::Cells cells, const Eigen::Vector3d& size = {0.1, 0.08, 0.06}) {
-  return fem::assemble(mesh::to_quadratic(test::box_mesh(cells, size)), kSteel, fem::Element::kTet10).value();
+  return fem::assemble(mesh::to_order(test::box_mesh(cells, size), 2), kSteel, fem::Element::kTet10).value();
 }
 
 #define SKIP_WITHOUT_SLEPC()                                                                                      \

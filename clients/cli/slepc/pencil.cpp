@@ -60,8 +60,11 @@ Mat matrix_of(const SparseRows& rows) {
   const std::vector<PetscInt> starts(rows.starts.begin(), rows.starts.end());
   const auto count = static_cast<PetscInt>(starts.size()) - 1;
   Mat matrix = nullptr;
-  check(MatCreateMPIAIJWithArrays(PETSC_COMM_WORLD, count, count, PETSC_DETERMINE, PETSC_DETERMINE, starts.data(),
-                                  rows.columns.data(), rows.values.data(), &matrix));
+  check(MatCreate(PETSC_COMM_WORLD, &matrix));
+  check(MatSetSizes(matrix, count, count, PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetType(matrix, MATAIJ));  // one of the two below, the other call does nothing
+  check(MatSeqAIJSetPreallocationCSR(matrix, starts.data(), rows.columns.data(), rows.values.data()));
+  check(MatMPIAIJSetPreallocationCSR(matrix, starts.data(), rows.columns.data(), rows.values.data()));
   check(MatSetOption(matrix, MAT_SYMMETRIC, PETSC_TRUE));
   check(MatSetOption(matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
   return matrix;
