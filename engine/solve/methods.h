@@ -16,6 +16,7 @@ using RigidLimit = double;
 Result<Eigenmodes> solve_dense(const fem::System& system);
 Result<Eigenmodes> solve_spectra(const fem::System& system, const EigenRequest& request, RigidLimit rigid_limit,
                                  const Progress& progress);
+Result<Eigenmodes> solve_slepc(const fem::System& system, const EigenRequest& request, const Progress& progress);
 
 Result<Eigenmodes> solve_block_lanczos(const fem::System& system, const EigenRequest& request, int threads,
                                        const Progress& progress);
