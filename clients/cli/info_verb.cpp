@@ -40,6 +40,10 @@ void print_head(const modal::Bank& bank) {
                 made.element.c_str(), static_cast<long long>(made.unknowns), made.band_low_hz, made.band_high_hz,
                 static_cast<long long>(made.rigid_modes), made.largest_residual);
   }
+  if (made.counted_modes > 0) {
+    std::printf("complete   %lld eigenvalues below the band's top were counted by inertia, and as many found\n",
+                static_cast<long long>(made.counted_modes));
+  }
   if (made.dropped_modes > 0) {
     std::printf("left out   %lld modes, at most %.1f dB of the energy of a blow",
                 static_cast<long long>(made.dropped_modes), made.loss_db);
