@@ -78,4 +78,11 @@ struct Bank {
   }
 };
 
+struct ErrorSpread {
+  double median = 0, largest = 0;
+};
+
+// Of bank.frequency_error; nothing when that is empty.
+std::optional<ErrorSpread> error_spread(const Bank& bank);
+
 }  // namespace ringdown::modal
