@@ -106,8 +106,9 @@ TEST(BakeProgram, EverySolverFindsTheSamePitches) {
       GTEST_SKIP() << "ringdown-modes-slepc was not built: no SLEPc here";
     }
     const fs::path bank = folder.path() / "bar.glb";
-    const Ran ran = bake((kPresets / "objects/wooden-bar.toml").string() +
-                         " -q --element tet4 --mesh-size 0.03 --band 20 9000 --solver " + solver + " -o " + bank.string());
+    const Ran ran =
+        bake((kPresets / "objects/wooden-bar.toml").string() +
+             " -q --element tet4 --mesh-size 0.03 --band 20 9000 --solver " + solver + " -o " + bank.string());
     ASSERT_EQ(ran.exit_code, 0) << ran.output;
     const auto read = modal::read_bank(bank);
     ASSERT_TRUE(read);
