@@ -40,6 +40,12 @@ void print_head(const modal::Bank& bank) {
                 made.element.c_str(), static_cast<long long>(made.unknowns), made.band_low_hz, made.band_high_hz,
                 static_cast<long long>(made.rigid_modes), made.largest_residual);
   }
+  if (made.dropped_modes > 0) {
+    std::printf("left out   %lld modes, at most %.1f dB of the energy of a blow",
+                static_cast<long long>(made.dropped_modes), made.loss_db);
+    made.floor_db > 0 ? std::printf("; inaudible %.4g dB below the loudest, or masked\n", made.floor_db)
+                      : std::printf("; the least important\n");
+  }
 }
 
 void print_modes(const modal::Bank& bank) {

@@ -1,7 +1,11 @@
 #include "engine/bake/bake.h"
 
+#include "engine/bake/audibility.h"
+#include "engine/bake/body_modes.h"
 #include "engine/bake/importance.h"
 #include "engine/bake/mass_properties.h"
+#include "engine/bake/mode_cache.h"
+#include "engine/fem/error_estimate.h"
 #include "engine/mesh/surface.h"
 #include "engine/solve/eigensolver.h"
 
@@ -11,6 +15,7 @@
 #include <cmath>
 #include <numbers>
 #include <cstdio>
+#include <cstdlib>
 #include <numeric>
 #include <vector>
 
@@ -18,6 +23,9 @@ namespace ringdown::bake {
 namespace {
 
 using solve::Eigenmodes;
+
+// The same band of a rescaled body differs in its last bits; it shall be covered by what was solved before.
+constexpr double kHeadroom = 1 + 1e-9;
 
 class Stopwatch {
  public:
@@ -32,55 +40,82 @@ class Stopwatch {
 };
 
 struct HeardMode {
-  Eigen::Index number;  // in Eigenmodes
+  Eigen::Index number;  // in BodyModes
   modal::DampedMode mode;
   double importance;
+  double frequency_error;
 };
 
-double surface_rms(const mesh::Surface& surface, const std::vector<double>& weights,
-                   const Eigen::Ref<const Eigen::VectorXd>& shape) {
+double surface_rms(const std::vector<double>& weights, const Eigen::Ref<const Eigen::VectorXd>& shape) {
   double sum = 0;
   for (std::size_t p = 0; p < weights.size(); ++p) {
-    sum += weights[p] * shape.segment<3>(3 * surface.nodes[p]).squaredNorm();
+    sum += weights[p] * shape.segment<3>(3 * static_cast<Eigen::Index>(p)).squaredNorm();
   }
   return std::sqrt(sum);
 }
 
-std::vector<HeardMode> modes_in_band(const Eigenmodes& modes, const mesh::Surface& surface,
-                                     const std::vector<double>& weights, modal::RayleighDamping damping,
-                                     const BakeOptions& options, BakeReport& report) {
+// By importance, the most important first.
+std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& units, const std::vector<double>& weights,
+                                     modal::RayleighDamping damping, const BakeOptions& options, BakeReport& report) {
   std::vector<HeardMode> heard;
-  for (Eigen::Index m = modes.rigid; m < modes.lambda.size(); ++m) {
-    const modal::DampedMode mode = modal::damp(modes.lambda[m], damping);
+  for (Eigen::Index m = 0; m < modes.lambda.size(); ++m) {
+    const modal::DampedMode mode = modal::damp(units.lambda() * modes.lambda[m], damping);
     if (mode.frequency_hz == 0) {
       ++report.over_damped;
     } else if (mode.frequency_hz < options.band_low_hz) {
       ++report.below_band;
     } else if (mode.frequency_hz <= options.band_high_hz) {
-      heard.push_back({m, mode, importance(mode, surface_rms(surface, weights, modes.shapes.col(m)))});
+      const double rms = units.shape() * surface_rms(weights, modes.shapes.col(m));
+      heard.push_back({m, mode, importance(mode, rms), modes.errors[m]});
+      report.largest_error = std::max(report.largest_error, modes.errors[m]);
     }
   }
   std::stable_sort(heard.begin(), heard.end(),
                    [](const HeardMode& a, const HeardMode& b) { return a.importance > b.importance; });
-  const auto keep = static_cast<std::size_t>(std::max(0, options.keep_modes));
-  if (keep > 0 && heard.size() > keep) {
-    report.unimportant = static_cast<int>(heard.size() - keep);
-    heard.resize(keep);
-  }
   return heard;
 }
 
+// Of the first component that is as large as any. In a symmetric body there are several, equal to rounding.
+double sign_of(const Eigen::Ref<const Eigen::VectorXd>& shape) {
+  const double large = 0.999 * shape.cwiseAbs().maxCoeff();
+  return *std::find_if(shape.begin(), shape.end(), [large](double x) { return std::abs(x) >= large; }) < 0 ? -1 : 1;
+}
+
+// To the three digits that an estimate may claim.
+double rounded(double error) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2e", error);
+  return std::strtod(text, nullptr);
+}
+
+// `rows` are those of the bank's points in `shape`.
 void add_mode(modal::Bank& bank, const HeardMode& heard, const Eigen::Ref<const Eigen::VectorXd>& shape,
-              const std::vector<std::int32_t>& nodes) {
-  Eigen::Index largest = 0;
-  shape.cwiseAbs().maxCoeff(&largest);
-  const double sign = shape[largest] < 0 ? -1 : 1;
+              double shape_unit, const std::vector<Eigen::Index>& rows) {
+  const double unit = sign_of(shape) * shape_unit;
   bank.frequency_hz.push_back(heard.mode.frequency_hz);
   bank.decay_per_s.push_back(heard.mode.decay_per_s);
-  for (const std::int32_t node : nodes) {
-    const Eigen::Vector3f value = (sign * shape.segment<3>(3 * node)).cast<float>();
+  bank.frequency_error.push_back(rounded(heard.frequency_error));
+  for (const Eigen::Index row : rows) {
+    const Eigen::Vector3f value = (unit * shape.segment<3>(row)).cast<float>();
     bank.shapes.push_back({value[0], value[1], value[2]});
   }
+}
+
+void add_points(modal::Bank& bank, const mesh::Surface& points, const mesh::Points& nodes) {
+  for (const std::int32_t node : points.nodes) {
+    const Eigen::Vector3f at = nodes.row(node).transpose().cast<float>();
+    bank.positions.push_back({at[0], at[1], at[2]});
+  }
+  bank.triangles = points.triangles;
+}
+
+// Where the unknowns of `points`, some of the surface's nodes, stand in BodyModes::shapes.
+std::vector<Eigen::Index> rows_of(const mesh::Surface& points, const mesh::Surface& surface) {
+  std::vector<Eigen::Index> rows;
+  for (const std::int32_t node : points.nodes) {
+    rows.push_back(3 * (std::lower_bound(surface.nodes.begin(), surface.nodes.end(), node) - surface.nodes.begin()));
+  }
+  return rows;
 }
 
 std::string element_text(fem::Element element) {
@@ -94,6 +129,7 @@ Result<void> check_options(const BakeOptions& options) {
   }
   if (options.most_points < 4) return fail("a bank needs at least 4 surface points");
   if (options.most_modes < 1) return fail("a bank needs at least 1 mode");
+  if (!(options.floor_db >= 0 && options.floor_db <= 1000)) return fail("the floor must be from 0 to 1000 dB");
   return {};
 }
 
@@ -118,9 +154,9 @@ double debye_count(double volume_m3, const modal::Material& material, double lam
   return volume_m3 * std::pow(lambda, 1.5) / (6 * std::numbers::pi * std::numbers::pi) * slowness;
 }
 
-Result<void> check_count(const fem::System& system, const modal::Material& material, const BakeOptions& options,
+Result<void> check_count(double volume_m3, const modal::Material& material, const BakeOptions& options,
                          double highest_lambda) {
-  const double count = debye_count(system.node_mass.sum() / material.density_kg_m3, material, highest_lambda);
+  const double count = debye_count(volume_m3, material, highest_lambda);
   if (count <= 4.0 * options.most_modes) return {};
   char text[32];
   std::snprintf(text, sizeof text, "%.2g", count);
@@ -129,11 +165,94 @@ Result<void> check_count(const fem::System& system, const modal::Material& mater
               ": check the unit of its lengths (--unit 0.001 for millimetres), or narrow the band (--band)");
 }
 
-modal::Provenance provenance(const BakeOptions& options, const BakeReport& report, const Eigenmodes& modes) {
+BodyModes on_surface(const Eigenmodes& modes, const mesh::Surface& surface) {
+  const Eigen::Index elastic = modes.lambda.size() - modes.rigid;
+  BodyModes body{.lambda = modes.lambda.tail(elastic),
+                 .shapes = Eigen::MatrixXd(3 * static_cast<Eigen::Index>(surface.nodes.size()), elastic),
+                 .residuals = modes.residuals.tail(elastic),
+                 .rigid = modes.rigid};
+  for (Eigen::Index m = 0; m < elastic; ++m) {
+    for (std::size_t p = 0; p < surface.nodes.size(); ++p) {
+      body.shapes.col(m).segment<3>(3 * static_cast<Eigen::Index>(p)) =
+          modes.shapes.col(modes.rigid + m).segment<3>(3 * surface.nodes[p]);
+    }
+  }
+  return body;
+}
+
+// What a bake is about, once its mesh has the element's order.
+struct Task {
+  const mesh::TetMesh& mesh;
+  const mesh::TetMesh unit_mesh;  // in units of units.length_m
+  const mesh::Surface surface;
+  const BodyUnits units;
+  const modal::Material& material;
+  const BakeOptions& options;
+  int pieces;
+};
+
+Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& request, BakeReport& report,
+                             const Progress& progress) {
+  Stopwatch watch;
+  const fem::Elastic elastic{.youngs_modulus_pa = 1, .poisson_ratio = task.material.poisson_ratio, .density_kg_m3 = 1};
+  const Result<fem::System> system = fem::assemble(task.unit_mesh, elastic, task.options.element);
+  if (!system) return fail(task.material.name + ": " + system.error().message);
+  report.assemble_seconds = watch.lap();
+
+  const double volume_m3 = system->node_mass.sum() * std::pow(task.units.length_m, 3);
+  const double highest_lambda = request.highest_lambda * task.units.lambda();
+  if (auto few = check_count(volume_m3, task.material, task.options, highest_lambda); !few) return fail(few.error());
+  const Result<Eigenmodes> modes = solve::solve_modes(*system, request, progress);
+  if (!modes) return fail(modes.error());
+  report.factor_seconds = modes->factor_seconds;
+  report.iterate_seconds = modes->iterate_seconds;
+  if (auto rigid = check_rigid(*modes, task.pieces); !rigid) return fail(rigid.error());
+
+  BodyModes body = on_surface(*modes, task.surface);
+  watch.lap();
+  if (progress && !progress("errors", 0)) return fail(std::string(kCancelled));
+  Result<Eigen::VectorXd> errors =
+      fem::frequency_errors(task.unit_mesh, elastic, body.lambda, modes->shapes.rightCols(body.lambda.size()));
+  if (!errors) return fail(errors.error());
+  body.errors = std::move(*errors);
+  report.estimate_seconds = watch.lap();
+  body.complete_to = request.highest_lambda;
+  body.unknowns = system->unknowns();
+  body.mass = mass_properties(task.unit_mesh, system->node_mass);
+  return body;
+}
+
+// From the cache, or solved and put there.
+Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& report, const Progress& progress) {
+  solve::EigenRequest request{.highest_lambda = kHeadroom * top,
+                              .most_modes = task.options.most_modes,
+                              .method = task.options.solver,
+                              .processes = task.options.processes};
+  const auto in_band = [top](BodyModes modes) { return up_to(std::move(modes), top); };
+  if (task.options.cache.empty()) return solve_body(task, request, report, progress).map(in_band);
+
+  const ModeCache cache{ContentCache(task.options.cache)};
+  const BodyQuestion question{task.unit_mesh, task.surface.nodes.size(), task.options.element,
+                              task.material.poisson_ratio, request.tolerance};
+  auto kept = cache.find(question, top, request.most_modes);
+  if (kept && kept->errors.size() == kept->lambda.size()) {
+    report.from_cache = true;
+    return std::move(*kept);
+  }
+  request.expected_lambda = cache.expected(question, task.options.family);
+  Result<BodyModes> modes = solve_body(task, request, report, progress);
+  if (!modes) return modes;
+  const Result<void> stored = cache.store(question, *modes);
+  if (!stored) report.cache_trouble = stored.error().message;
+  if (stored) (void)cache.expect(question, task.options.family, modes->lambda);
+  return std::move(modes).map(in_band);
+}
+
+modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes) {
   return {.generator = "Ringdown " RINGDOWN_VERSION,
           .element = element_text(options.element),
-          .unknowns = report.unknowns,
-          .rigid_modes = report.rigid,
+          .unknowns = modes.unknowns,
+          .rigid_modes = modes.rigid,
           .band_low_hz = options.band_low_hz,
           .band_high_hz = options.band_high_hz,
           .largest_residual = modes.residuals.size() > 0 ? modes.residuals.maxCoeff() : 0.0};
@@ -156,41 +275,33 @@ double highest_lambda_in_band(double band_high_hz, modal::RayleighDamping dampin
 Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& material, const BakeOptions& options,
                    const std::string& name, const Progress& progress) {
   if (auto good = check_options(options); !good) return fail(good.error());
+  const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
+  if (auto good = fem::check_elastic(elastic); !good) return fail(material.name + ": " + good.error().message);
+  const double highest_lambda = highest_lambda_in_band(options.band_high_hz, material.damping);
+  if (!(highest_lambda > 0)) return fail(material.name + " is damped so strongly that nothing of it rings");
   if (progress && !progress("assemble", 0)) return fail(std::string(kCancelled));
-  Stopwatch watch;
   Baked baked;
   auto& [bank, report] = baked;
 
   const mesh::TetMesh mesh = mesh::to_order(checked.mesh, fem::order_of(options.element));
-  const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
-  const Result<fem::System> system = fem::assemble(mesh, elastic, options.element);
-  if (!system) return fail(material.name + ": " + system.error().message);
-  report.unknowns = system->unknowns();
+  const double length_m = characteristic_length(mesh.nodes);
+  const BodyUnits units{length_m, material.youngs_modulus_pa, material.density_kg_m3};
+  const Task task{
+      mesh,          {mesh.nodes / length_m, mesh.elements}, mesh::boundary_surface(mesh), units, material, options,
+      checked.pieces};
+  const Result<BodyModes> modes = find_body_modes(task, highest_lambda / units.lambda(), report, progress);
+  if (!modes)
+    return modes.error().message == kCancelled ? fail(modes.error()) : fail(name + ": " + modes.error().message);
+  report.unknowns = modes->unknowns;
   report.elements = mesh.elements.rows();
-  report.assemble_seconds = watch.lap();
-
-  const solve::EigenRequest request{.highest_lambda = highest_lambda_in_band(options.band_high_hz, material.damping),
-                             .most_modes = options.most_modes,
-                             .method = options.solver,
-                             .processes = options.processes};
-  if (!(request.highest_lambda > 0)) return fail(material.name + " is damped so strongly that nothing of it rings");
-  if (auto few = check_count(*system, material, options, request.highest_lambda); !few) {
-    return fail(name + ": " + few.error().message);
-  }
-  const Result<Eigenmodes> modes = solve::solve_modes(*system, request, progress);
-  if (!modes) return fail(modes.error());
   report.rigid = modes->rigid;
-  report.factor_seconds = modes->factor_seconds;
-  report.iterate_seconds = modes->iterate_seconds;
-  if (auto rigid = check_rigid(*modes, checked.pieces); !rigid) return fail(name + ": " + rigid.error().message);
 
-  watch.lap();
+  Stopwatch watch;
   if (progress && !progress("finish", 0)) return fail(std::string(kCancelled));
-  const mesh::Surface surface = mesh::boundary_surface(mesh);
-  const Result<mesh::Surface> points = mesh::decimate(surface, mesh.nodes, options.most_points);
+  const Result<mesh::Surface> points = mesh::decimate(task.surface, mesh.nodes, options.most_points);
   if (!points) return fail(name + ": " + points.error().message);
   const std::vector<HeardMode> heard =
-      modes_in_band(*modes, surface, area_weights(surface, mesh.nodes), material.damping, options, report);
+      modes_in_band(*modes, units, area_weights(task.surface, mesh.nodes), material.damping, options, report);
   if (heard.empty()) {
     return fail(name + " has no mode between " + std::to_string(std::lround(options.band_low_hz)) + " and " +
                 std::to_string(std::lround(options.band_high_hz)) +
@@ -198,15 +309,15 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   }
 
   bank.name = name;
-  for (const HeardMode& mode : heard) add_mode(bank, mode, modes->shapes.col(mode.number), points->nodes);
-  for (const std::int32_t node : points->nodes) {
-    const Eigen::Vector3f at = mesh.nodes.row(node).transpose().cast<float>();
-    bank.positions.push_back({at[0], at[1], at[2]});
-  }
-  bank.triangles = points->triangles;
+  const std::vector<Eigen::Index> rows = rows_of(*points, task.surface);
+  for (const HeardMode& mode : heard) add_mode(bank, mode, modes->shapes.col(mode.number), units.shape(), rows);
+  add_points(bank, *points, mesh.nodes);
   bank.material = material;
-  bank.mass = mass_properties(mesh, system->node_mass);
-  bank.provenance = provenance(options, report, *modes);
+  bank.mass = units.mass(modes->mass);
+  bank.provenance = provenance(options, *modes);
+  const Reduced reduced = reduce(bank, {.floor_db = options.floor_db, .keep = options.keep_modes});
+  report.inaudible = reduced.inaudible;
+  report.unimportant = reduced.unimportant;
   report.finish_seconds = watch.lap();
   return baked;
 }

@@ -11,6 +11,7 @@
 #include "engine/modal/bank.h"
 #include "engine/solve/eigensolver.h"
 
+#include <filesystem>
 #include <string>
 
 namespace ringdown::bake {
@@ -21,6 +22,9 @@ struct BakeOptions {
   std::size_t most_points = 200; // on the surface, >= 4. Fewer points, not coarser physics
   int most_modes = 4096;         // in the band; a fuller band fails (see solve::EigenRequest)
   int keep_modes = 0;            // the most important ones go into the bank; 0: all
+  double floor_db = 0;           // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
+  std::filesystem::path cache;   // folder of results that bake() may use and add to (mode_cache.h); empty: none
+  std::string family;            // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
   solve::Method solver = solve::Method::kAutomatic;
   int processes = 2; // of solve::Method::kSlepc
 };
@@ -30,8 +34,12 @@ struct BakeReport {
   int rigid = 0;       // dropped
   int below_band = 0;  // dropped
   int over_damped = 0; // dropped: they have no pitch
+  int inaudible = 0;   // dropped by floor_db
   int unimportant = 0; // dropped by keep_modes
-  double assemble_seconds = 0, factor_seconds = 0, iterate_seconds = 0, finish_seconds = 0;
+  bool from_cache = false;    // nothing was assembled or solved
+  std::string cache_trouble;  // why the cache could not be written; the bake is none the worse
+  double assemble_seconds = 0, factor_seconds = 0, iterate_seconds = 0, estimate_seconds = 0, finish_seconds = 0;
+  double largest_error = 0;  // estimated, relative, of any mode's frequency in the band, dropped ones included
 };
 
 struct Baked {
@@ -39,10 +47,15 @@ struct Baked {
   BakeReport report;
 };
 
-// The modes of the free body whose damped frequency lies in the band, in order of importance(), with
-// everything else that a bank holds. Shapes are exact nodal values at the kept surface points; the sign of
-// each is chosen so that its largest component is positive. Progress stages: "assemble", "factors", "modes",
-// "finish".
+// The modes of the free body whose damped frequency lies in the band, in order of importance() but with inaudible ones
+// last (audibility.h), and everything else that a bank holds. Shapes are exact nodal values at the kept surface points;
+// the sign of each is chosen so that its largest component on the surface (the first of equals) is positive. Progress stages: "assemble",
+// "factors", "modes", "errors", "finish".
+//
+// With a cache, a body whose shape, Poisson's ratio and element were solved before, up to the band's top or higher, is
+// not solved again: E, density, damping and size rescale exactly (body_modes.h). The bank is the same, byte for byte
+// when nothing changed and to rounding when E, density, damping or size did; only inside a family of equal frequencies
+// (a sphere's, a tube's pairs) may the shapes be another basis of the same motions.
 //
 // Fails when the material is not stable, when the eigensolver fails, when no mode lies in the band, or when
 // the body has more motions without energy than six for each piece: then parts hang together at an edge or a

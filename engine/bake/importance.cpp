@@ -13,13 +13,22 @@ double a_weighting(double frequency_hz) {
   return response * std::pow(10.0, 2.0 / 20);
 }
 
+double hard_contact(double frequency_hz) {
+  constexpr double kContactSeconds = 3e-4;
+  const double side = 2 * frequency_hz * kContactSeconds;
+  return 1 / (1 + side * side);
+}
+
+double collected_s(double decay_per_s) {
+  constexpr double kIntegrationSeconds = 0.2;
+  const double x = 2 * decay_per_s * kIntegrationSeconds;
+  return kIntegrationSeconds * (x > 1e-12 ? -std::expm1(-x) / x : 1.0);
+}
+
 double importance(modal::DampedMode mode, double surface_rms) {
-  constexpr double kIntegrationSeconds = 0.2, kContactSeconds = 3e-4;
-  const double frequency = mode.frequency_hz, side = 2 * frequency * kContactSeconds;
-  const double amplitude = modal::hz_to_rad_per_s(frequency) * surface_rms * a_weighting(frequency) / (1 + side * side);
-  const double x = 2 * mode.decay_per_s * kIntegrationSeconds;
-  const double collected = kIntegrationSeconds * (x > 1e-12 ? -std::expm1(-x) / x : 1.0);
-  return amplitude * amplitude * collected;
+  const double amplitude = modal::hz_to_rad_per_s(mode.frequency_hz) * surface_rms * a_weighting(mode.frequency_hz) *
+                           hard_contact(mode.frequency_hz);
+  return amplitude * amplitude * collected_s(mode.decay_per_s);
 }
 
 }  // namespace ringdown::bake

@@ -1,6 +1,8 @@
 #include "engine/bake/object_file.h"
 
+#include "engine/base/atomic_file.h"
 #include "engine/base/toml_table.h"
+#include "engine/mesh/mesh_cache.h"
 
 #include <chrono>
 #include <cmath>
@@ -10,6 +12,8 @@ namespace {
 
 constexpr Range kLength_m{1e-9, 1e6};
 constexpr Range kGain_db{-60, 60};
+constexpr Range kFloor_db{1, 200};
+constexpr std::size_t kLargestGeometry = 16 << 20;  // bytes hashed for a family's name
 
 void read_options(TomlTable& file, BakeOptions& options) {
   std::string name = "tet10";
@@ -20,7 +24,8 @@ void read_options(TomlTable& file, BakeOptions& options) {
 
   std::uint64_t points = options.most_points, modes = 0;
   file.whole("surface_points", points, 4, 1'000'000);
-  file.whole("max_modes", modes, 0, 1'000'000);
+  file.whole("keep_modes", modes, 0, 1'000'000);
+  file.number("floor_db", options.floor_db, kFloor_db);
   options.most_points = points;
   options.keep_modes = static_cast<int>(modes);
 
@@ -31,6 +36,21 @@ void read_options(TomlTable& file, BakeOptions& options) {
   }
   options.band_low_hz = band[0];
   options.band_high_hz = band[1];
+}
+
+// Meshes of one geometry with the same parameters, however fine and of whatever material.
+std::string family_of(const ObjectRecipe& recipe) {
+  const Result<std::string> geometry = read_whole_file(recipe.geometry, kLargestGeometry);
+  if (!geometry) return "";
+  ContentHasher hasher;
+  hasher.text(*geometry);
+  for (const auto& [name, value] : recipe.meshing.parameters) hasher.text(name).value(value);
+  return hasher.hash().text();
+}
+
+Result<mesh::CheckedMesh> find_mesh(const ObjectRecipe& recipe) {
+  if (recipe.options.cache.empty()) return mesh::read_with_gmsh(recipe.geometry, recipe.meshing);
+  return mesh::read_through_cache(recipe.geometry, recipe.meshing, ContentCache(recipe.options.cache));
 }
 
 }  // namespace
@@ -63,10 +83,12 @@ Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesyste
   if (!material) return fail(material.error());
   if (progress && !progress("mesh", 0)) return fail(std::string(kCancelled));
   const auto start = std::chrono::steady_clock::now();
-  Result<mesh::CheckedMesh> mesh = mesh::read_with_gmsh(recipe.geometry, recipe.meshing);
+  Result<mesh::CheckedMesh> mesh = find_mesh(recipe);
   if (!mesh) return fail(mesh.error());
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  Result<Baked> baked = bake(*mesh, material->material, recipe.options, recipe.name, progress);
+  BakeOptions options = recipe.options;
+  if (!options.cache.empty()) options.family = family_of(recipe);
+  Result<Baked> baked = bake(*mesh, material->material, options, recipe.name, progress);
   if (!baked) return fail(baked.error());
   baked->bank.gain = std::pow(10.0, recipe.gain_db / 20);
   return BakedObject{std::move(*baked), std::move(*mesh), seconds};

@@ -9,7 +9,8 @@
 //   element = "tet10"                # default; tet20, tet35, tet4, tet4-lumped
 //   surface_points = 160             # default 200
 //   band_hz = [20, 20000]            # default
-//   max_modes = 120                  # the most important ones; default: all in the band
+//   keep_modes = 120                 # the most important ones; default: all in the band
+//   floor_db = 60                    # drop what is inaudible this far below the loudest mode; default: nothing
 //   gain_db = -3                     # the bank's gain, -60 ... 60: how loud beside other objects; default 0
 //   [parameters]                     # DefineConstant names of a .geo, in its unit
 //   height = 110
@@ -43,7 +44,8 @@ struct BakedObject {
 };
 
 // Meshes, then bakes with the material of that name in `materials`. A first progress stage, "mesh", comes
-// before those of bake(); meshing cannot be cancelled while gmsh is at work.
+// before those of bake(); meshing cannot be cancelled while gmsh is at work. With a cache (recipe.options.cache), neither
+// is done a second time for the same object.
 Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesystem::path& materials,
                                 const Progress& progress = {});
 

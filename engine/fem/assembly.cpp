@@ -31,50 +31,8 @@ const Kind& kind_of(Element element) {
   return *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& kind) { return kind.element == element; });
 }
 
-constexpr Eigen::Index kBatchBytes = 8 << 20;     // of element matrices: they stay in the cache
+constexpr Eigen::Index kBatchBytes = 32 << 20;    // of element matrices
 constexpr Eigen::Index kElementsPerThread = 100;  // fewer are done before a thread has started
-
-// The lower triangle of a matrix of 3 x 3 blocks: column 3n+j holds rows j..2 of the diagonal block, then
-// three rows of each later neighbour.
-SparseMatrix empty_stiffness(const NodeGraph& graph) {
-  const auto node_count = static_cast<int>(graph.own.size());
-  SparseMatrix stiffness(3 * node_count, 3 * node_count);
-  int* outer = stiffness.outerIndexPtr();
-  int entries = 0;
-  for (int n = 0; n < node_count; ++n) {
-    for (int j = 0; j < 3; ++j) {
-      outer[3 * n + j] = entries;
-      entries += 3 * (graph.first[n + 1] - graph.own[n]) - j;
-    }
-  }
-  outer[3 * node_count] = entries;
-  stiffness.resizeNonZeros(entries);
-  int* inner = stiffness.innerIndexPtr();
-  for (int n = 0; n < node_count; ++n) {
-    for (int j = 0; j < 3; ++j) {
-      for (int k = graph.own[n]; k < graph.first[n + 1]; ++k) {
-        for (int i = k == graph.own[n] ? j : 0; i < 3; ++i) *inner++ = 3 * graph.neighbors[k] + i;
-      }
-    }
-  }
-  std::fill_n(stiffness.valuePtr(), entries, 0.0);
-  return stiffness;
-}
-
-SparseMatrix empty_mass(const NodeGraph& graph, bool lumped) {
-  const auto node_count = static_cast<int>(graph.own.size());
-  SparseMatrix mass(node_count, node_count);
-  if (lumped) {
-    mass.setIdentity();
-    mass.coeffs().setZero();
-    return mass;
-  }
-  mass.resizeNonZeros(static_cast<Eigen::Index>(graph.neighbors.size()));
-  std::copy(graph.first.begin(), graph.first.end(), mass.outerIndexPtr());
-  std::copy(graph.neighbors.begin(), graph.neighbors.end(), mass.innerIndexPtr());
-  std::fill_n(mass.valuePtr(), graph.neighbors.size(), 0.0);
-  return mass;
-}
 
 // The matrices of a run of elements, one after the other.
 class Batch {
@@ -187,6 +145,16 @@ void add_elements(const mesh::TetMesh& mesh, const Elastic& elastic, Element ele
   }
 }
 
+// Eigen's sparse matrices cannot be moved: made where they stay.
+Result<System> assemble_checked(const mesh::TetMesh& mesh, const Elastic& elastic, Element element, int threads) {
+  const NodeGraph graph = node_graph(mesh, threads);
+  Result<System> system = System{};
+  lay_out_stiffness(graph, threads, system->stiffness);
+  lay_out_mass(graph, element == Element::kTet4Lumped, system->node_mass);
+  add_elements(mesh, elastic, element, threads, graph, *system);
+  return system;
+}
+
 }  // namespace
 
 std::string_view element_name(Element element) { return kind_of(element).name; }
@@ -203,13 +171,9 @@ Result<System> assemble(const mesh::TetMesh& mesh, const Elastic& elastic, Eleme
   assert(mesh.order() == order_of(element));
   if (auto stable = check_elastic(elastic); !stable) return fail(stable.error());
   const auto useful = static_cast<int>(mesh.elements.rows() / kElementsPerThread + 1);
-  threads = std::min(thread_count(threads), useful);
   const OneBlasThread one_blas_thread;
   try {
-    const NodeGraph graph = node_graph(mesh, threads);
-    System system{empty_stiffness(graph), empty_mass(graph, element == Element::kTet4Lumped)};
-    add_elements(mesh, elastic, element, threads, graph, system);
-    return system;
+    return assemble_checked(mesh, elastic, element, std::min(thread_count(threads), useful));
   } catch (const std::exception&) {
     return fail("not enough memory for the matrices of " + std::to_string(mesh.nodes.rows()) +
                 " nodes; make the mesh coarser");

@@ -3,10 +3,16 @@
 #include "engine/base/in_parallel.h"
 
 #include <algorithm>
+#include <limits>
+#include <new>
 #include <utility>
 
 namespace ringdown::fem {
 namespace {
+
+std::pair<int, int> share(std::int64_t count, int thread, int threads) {
+  return {static_cast<int>(count * thread / threads), static_cast<int>(count * (thread + 1) / threads)};
+}
 
 // Node n belongs to elements[first[n]] ... elements[first[n+1] - 1].
 struct ElementsOfNodes {
@@ -49,12 +55,11 @@ struct Part {
 }  // namespace
 
 NodeGraph node_graph(const mesh::TetMesh& mesh, int threads) {
-  const auto node_count = static_cast<std::int64_t>(mesh.nodes.rows());
+  const auto node_count = static_cast<int>(mesh.nodes.rows());
   const ElementsOfNodes around(mesh);
   std::vector<Part> parts(threads);
   in_parallel(threads, [&](int thread) {
-    const auto begin = static_cast<int>(node_count * thread / threads);
-    const auto end = static_cast<int>(node_count * (thread + 1) / threads);
+    const auto [begin, end] = share(node_count, thread, threads);
     parts[thread] = Part(mesh, around, begin, end);
   });
 
@@ -68,6 +73,47 @@ NodeGraph node_graph(const mesh::TetMesh& mesh, int threads) {
     graph.neighbors.insert(graph.neighbors.end(), part.neighbors.begin(), part.neighbors.end());
   }
   return graph;
+}
+
+void lay_out_stiffness(const NodeGraph& graph, int threads, Eigen::SparseMatrix<double>& stiffness) {
+  const int node_count = graph.node_count();
+  stiffness.resize(3 * node_count, 3 * node_count);
+  int* outer = stiffness.outerIndexPtr();
+  std::int64_t entries = 0;
+  for (int n = 0; n < node_count; ++n) {
+    for (int j = 0; j < 3; ++j) {
+      outer[3 * n + j] = static_cast<int>(entries);
+      entries += 3 * (graph.first[n + 1] - graph.own[n]) - j;
+    }
+  }
+  if (entries > std::numeric_limits<int>::max()) throw std::bad_alloc();  // 26 GB of them
+  outer[3 * node_count] = static_cast<int>(entries);
+  stiffness.resizeNonZeros(entries);
+  in_parallel(threads, [&](int thread) {
+    const auto [begin, end] = share(node_count, thread, threads);
+    int* inner = stiffness.innerIndexPtr() + outer[3 * begin];
+    for (int n = begin; n < end; ++n) {
+      for (int j = 0; j < 3; ++j) {
+        for (int k = graph.own[n]; k < graph.first[n + 1]; ++k) {
+          for (int i = k == graph.own[n] ? j : 0; i < 3; ++i) *inner++ = 3 * graph.neighbors[k] + i;
+        }
+      }
+    }
+    std::fill(stiffness.valuePtr() + outer[3 * begin], stiffness.valuePtr() + outer[3 * end], 0.0);
+  });
+}
+
+void lay_out_mass(const NodeGraph& graph, bool lumped, Eigen::SparseMatrix<double>& mass) {
+  mass.resize(graph.node_count(), graph.node_count());
+  if (lumped) {
+    mass.setIdentity();
+    mass.coeffs().setZero();
+    return;
+  }
+  mass.resizeNonZeros(static_cast<Eigen::Index>(graph.neighbors.size()));
+  std::copy(graph.first.begin(), graph.first.end(), mass.outerIndexPtr());
+  std::copy(graph.neighbors.begin(), graph.neighbors.end(), mass.innerIndexPtr());
+  std::fill_n(mass.valuePtr(), graph.neighbors.size(), 0.0);
 }
 
 }  // namespace ringdown::fem

@@ -3,6 +3,8 @@
 
 #include "engine/mesh/tet_mesh.h"
 
+#include <Eigen/SparseCore>
+
 #include <vector>
 
 namespace ringdown::fem {
@@ -16,5 +18,11 @@ struct NodeGraph {
 };
 
 NodeGraph node_graph(const mesh::TetMesh& mesh, int threads);
+
+// Every entry of the matrices of such a mesh, with the value 0. The stiffness is the lower triangle of a matrix of 3 x
+// 3 blocks: column 3n+j holds rows j..2 of the diagonal block, then three rows of each later neighbour. The mass has
+// one number for each pair of neighbours, both triangles; lumped, only the diagonal.
+void lay_out_stiffness(const NodeGraph& graph, int threads, Eigen::SparseMatrix<double>& stiffness);
+void lay_out_mass(const NodeGraph& graph, bool lumped, Eigen::SparseMatrix<double>& mass);
 
 }  // namespace ringdown::fem

@@ -26,9 +26,10 @@ struct GmshOptions {
   std::map<std::string, double> parameters;  // DefineConstant names of a .geo, in the file's unit
 };
 
-// Reads or meshes `path` and checks it (check_mesh). Prints nothing. Fails with one sentence when gmsh does,
-// when a parameter is not one of the file's, when there are no tetrahedra, or other solid elements beside
-// them.
+// Reads or meshes `path` and checks it (check_mesh). Where curved elements of a geometry would fold, gmsh may move
+// their inner nodes; those that still fold become straight, and are counted. Prints nothing. Fails with one sentence
+// when gmsh does, when a parameter is not one of the file's, when there are no tetrahedra, or other solid elements
+// beside them.
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options);
 
 }  // namespace ringdown::mesh

@@ -27,9 +27,13 @@ std::vector<int> flipped_nodes(int order) {
   return nodes_at(order, points);
 }
 
-void straighten(TetMesh& mesh, Eigen::Index element) {
+// Leaves `kept` of what makes an element curved.
+void pull_straight(TetMesh& mesh, Eigen::Index element, double kept) {
   const ElementNodes straight = straight_nodes(mesh.order(), corners_of(mesh, element));
-  for (Eigen::Index a = 4; a < straight.rows(); ++a) mesh.nodes.row(mesh.elements(element, a)) = straight.row(a);
+  for (Eigen::Index a = 4; a < straight.rows(); ++a) {
+    auto node = mesh.nodes.row(mesh.elements(element, a));
+    node = straight.row(a) + kept * (node - straight.row(a));
+  }
 }
 
 // det J of curved elements, a polynomial of degree 3 (p - 1), in points that determine it and in those that assembly
@@ -64,20 +68,24 @@ class FoldTest {
   std::vector<ReferenceGradient> gradients_;
 };
 
-// Straightening an element bends its neighbours less or more, so it is repeated until none folds.
+// Elements that fold lose half of their curvature, three times if need be, then all. That bends their neighbours less
+// or more, so it is repeated until none folds. Halves keep more of the geometry: of a ball of 50 elements of order 4, 3
+// fold.
 int straighten_folded(TetMesh& mesh) {
+  constexpr int kHalvings = 3;
   if (mesh.order() < 2) return 0;
   const FoldTest test(mesh.order());
-  std::vector<bool> straightened(mesh.elements.rows(), false);
+  std::vector<int> pulled(mesh.elements.rows(), 0);
   for (bool again = true; again;) {
     again = false;
     for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
-      if (straightened[e] || !test.folds(nodes_of(mesh, e))) continue;
-      straighten(mesh, e);
-      straightened[e] = again = true;
+      if (pulled[e] > kHalvings || !test.folds(nodes_of(mesh, e))) continue;
+      pull_straight(mesh, e, pulled[e] < kHalvings ? 0.5 : 0);
+      ++pulled[e];
+      again = true;
     }
   }
-  return static_cast<int>(std::count(straightened.begin(), straightened.end(), true));
+  return static_cast<int>(mesh.elements.rows() - std::count(pulled.begin(), pulled.end(), 0));
 }
 
 // Renumbers the nodes in use, keeping their order. Returns how many were dropped.

@@ -9,6 +9,7 @@
 //   shapes         M x P x 3, mode-major: shape(m, p) is the mass-normalised displacement of point p in mode m
 //                                                                [kg^-1/2]
 //   triangles      T x 3  point numbers, counter-clockwise from outside; may be empty
+//   frequency_error  M    estimated relative errors of the frequencies, at least 0; empty when unknown
 //
 // Modes stand in order of decreasing perceptual importance, not of pitch. Rigid-body modes are not in it.
 #pragma once
@@ -51,12 +52,16 @@ struct Provenance {
   std::int64_t rigid_modes = 0;
   double band_low_hz = 0, band_high_hz = 0;
   double largest_residual = 0;  // max over modes of |K phi - lambda M phi| / |lambda M phi|
+  std::int64_t dropped_modes = 0;  // of the band, as inaudible or unimportant (engine/bake/audibility.h)
+  double floor_db = 0;             // how far below the loudest mode one was dropped as inaudible; 0: none was for that
+  double loss_db = 0;              // energy they held over that of all, for the worst strike; with dropped_modes > 0
 };
 
 struct Bank {
   std::string name;
   std::vector<double> frequency_hz;
   std::vector<double> decay_per_s;
+  std::vector<double> frequency_error;
   std::vector<Vec3f> positions;
   std::vector<Vec3f> shapes;
   std::vector<std::array<std::uint32_t, 3>> triangles;

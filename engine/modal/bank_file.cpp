@@ -91,13 +91,29 @@ Provenance read_provenance(const Field& extras, std::string generator) {
   const auto count = [&extras](const char* key) {
     return static_cast<std::int64_t>(extras[key].index().value_or(0));
   };
+  const Field dropped = extras["dropped"];
   return {.generator = std::move(generator),
           .element = extras["element"].text_or(""),
           .unknowns = count("unknowns"),
           .rigid_modes = count("rigidModes"),
           .band_low_hz = number("bandLow"),
           .band_high_hz = number("bandHigh"),
-          .largest_residual = number("largestResidual")};
+          .largest_residual = number("largestResidual"),
+          .dropped_modes = static_cast<std::int64_t>(dropped["count"].index().value_or(0)),
+          .floor_db = dropped["floor"].number().value_or(0.0),
+          .loss_db = dropped["loss"].number().value_or(0.0)};
+}
+
+// Empty unless it is a list of one sound number for each mode: the bank plays without.
+std::vector<double> read_frequency_errors(const Field& list, std::size_t modes) {
+  std::vector<double> errors;
+  if (list.size() != modes) return errors;
+  for (std::size_t m = 0; m < modes; ++m) {
+    const double error = list[m].number().value_or(-1);
+    if (error < 0) return {};
+    errors.push_back(error);
+  }
+  return errors;
 }
 
 // The model a node plays, and that node's uniform scale and gain.
@@ -221,9 +237,14 @@ Json material_json(const Material& material) {
 }
 
 Json provenance_json(const Provenance& provenance) {
-  return {{"element", provenance.element},        {"unknowns", provenance.unknowns},
-          {"rigidModes", provenance.rigid_modes}, {"bandLow", provenance.band_low_hz},
-          {"bandHigh", provenance.band_high_hz},  {"largestResidual", provenance.largest_residual}};
+  Json json = {{"element", provenance.element},        {"unknowns", provenance.unknowns},
+               {"rigidModes", provenance.rigid_modes}, {"bandLow", provenance.band_low_hz},
+               {"bandHigh", provenance.band_high_hz},  {"largestResidual", provenance.largest_residual}};
+  if (provenance.dropped_modes > 0) {
+    json["dropped"] = {{"count", provenance.dropped_modes}, {"loss", provenance.loss_db}};
+    if (provenance.floor_db > 0) json["dropped"]["floor"] = provenance.floor_db;
+  }
+  return json;
 }
 
 }  // namespace
@@ -249,6 +270,7 @@ Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& nam
   if (!mass) return fail(mass.error());
   bank.material = std::move(*material);
   bank.mass = *mass;
+  bank.frequency_error = read_frequency_errors(model["extras"]["ringdown"]["frequencyErrors"], bank.mode_count());
   bank.provenance = read_provenance(model["extras"]["ringdown"], glb->root()["asset"]["generator"].text_or(""));
   if (instance->scale != 1) {
     if (const auto scaled = scale_size(bank, instance->scale, name); !scaled) return fail(scaled.error());
@@ -273,6 +295,7 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path) {
                 {"decayRates", writer.add_floats(decays, 1)},
                 {"shapes", writer.add_floats(as_floats(bank.shapes), 3)},
                 {"extras", {{"ringdown", provenance_json(bank.provenance)}}}};
+  if (!bank.frequency_error.empty()) model["extras"]["ringdown"]["frequencyErrors"] = bank.frequency_error;
   Json primitive = {{"attributes", {{"POSITION", positions}}}, {"mode", 0}};
   if (!bank.triangles.empty()) {
     const std::span corners(bank.triangles.front().data(), 3 * bank.triangles.size());

@@ -9,24 +9,13 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <thread>
 
 namespace ringdown::solve {
 namespace {
 
 constexpr int kSmallProblem = 300;  // unknowns; below, dense algebra is quicker and sure
-
-// Two threads gained nothing in single-vector solves (bell: 14.3 s against 14.7 s of processor time) and changed the
-// last bits; with one, a bake is the same on every run.
-class OneBlasThread {
- public:
-  OneBlasThread() { openblas_set_num_threads(1); }
-  ~OneBlasThread() { openblas_set_num_threads(before_); }
-  OneBlasThread(const OneBlasThread&) = delete;
-  OneBlasThread& operator=(const OneBlasThread&) = delete;
-
- private:
-  int before_ = openblas_get_num_threads();
-};
+constexpr int kOneThread = 3000;    // unknowns; below, threads would mostly wait for each other
 
 // Rounding leaves a rigid motion with lambda of about 1e-16 of the largest eigenvalue of the mesh, which the largest
 // ratio of diagonal entries estimates. The limit stays far below the band (a few Hz to 60 Hz under 20 kHz), so that a
@@ -47,25 +36,40 @@ void keep_first(Eigenmodes& modes, Eigen::Index count) {
 }
 
 void find_residuals(const fem::System& system, Eigenmodes& modes) {
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  constexpr Eigen::Index kTogether = 8;  // shapes; one at a time takes three times as long
   modes.residuals = Eigen::VectorXd::Zero(modes.lambda.size());
-  const auto stiffness = system.stiffness.selfadjointView<Eigen::Lower>();
-  Eigen::VectorXd mass_shape(system.unknowns());
-  for (Eigen::Index m = modes.rigid; m < modes.lambda.size(); ++m) {
-    fem::apply_mass(system.node_mass, modes.shapes.col(m).data(), mass_shape.data());
-    const Eigen::VectorXd error = stiffness * modes.shapes.col(m) - modes.lambda[m] * mass_shape;
-    modes.residuals[m] = error.norm() / (modes.lambda[m] * mass_shape.norm());
+  for (Eigen::Index first = modes.rigid; first < modes.lambda.size(); first += kTogether) {
+    const Eigen::Index count = std::min(kTogether, modes.lambda.size() - first);
+    const Rows shapes = modes.shapes.middleCols(first, count);
+    const Rows stiff = system.stiffness.selfadjointView<Eigen::Lower>() * shapes;
+    const Eigen::MatrixXd heavy = fem::mass_times(system.node_mass, modes.shapes.middleCols(first, count));
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const double lambda = modes.lambda[first + i];
+      modes.residuals[first + i] = (stiff.col(i) - lambda * heavy.col(i)).norm() / (lambda * heavy.col(i).norm());
+    }
   }
 }
 
 Result<Eigenmodes> solve_by(Method method, const fem::System& system, const EigenRequest& request, double rigid_limit,
-                            const Progress& progress) {
-  if (method == Method::kAutomatic) method = system.unknowns() <= kSmallProblem ? Method::kDense : Method::kSpectra;
-  if (method == Method::kDense) return solve_dense(system);
+                            int threads, const Progress& progress) {
+  if (method == Method::kBlockLanczos) return solve_block_lanczos(system, request, threads, progress);
   if (method == Method::kSlepc) return solve_slepc(system, request, progress);
-  return solve_spectra(system, request, rigid_limit, progress);
+  Result<Eigenmodes> modes =
+      method == Method::kDense ? solve_dense(system) : solve_spectra(system, request, rigid_limit, progress);
+  if (!modes) return modes;
+  const Result<int> counted = count_modes(system, request.highest_lambda, threads);
+  if (!counted) return fail(counted.error());
+  modes->counted = *counted;
+  const auto found = (modes->lambda.array() < request.highest_lambda).count();
+  if (found == *counted) return modes;
+  return fail(std::to_string(*counted) + " modes were counted and " + std::to_string(found) + " found");
 }
 
 }  // namespace
+
+BlasThreads::BlasThreads(int threads) : before_(openblas_get_num_threads()) { openblas_set_num_threads(threads); }
+BlasThreads::~BlasThreads() { openblas_set_num_threads(before_); }
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -105,14 +109,20 @@ fem::SparseMatrix shifted_stiffness(const fem::System& system, double sigma) {
 }
 
 Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& request, const Progress& progress) {
-  const OneBlasThread one_thread;
+  const BlasThreads one(1);
   try {
     const double limit = rigid_limit(system, request.highest_lambda);
-    Result<Eigenmodes> modes = solve_by(request.method, system, request, limit, progress);
+    const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    const int wished = request.threads > 0 ? request.threads : processors;
+    const int threads = system.unknowns() < kOneThread ? 1 : wished;
+    Method method = request.method;
+    if (method == Method::kAutomatic)
+      method = system.unknowns() <= kSmallProblem ? Method::kDense : Method::kBlockLanczos;
+    Result<Eigenmodes> modes = solve_by(method, system, request, limit, threads, progress);
     if (!modes) return modes;
-    keep_first(*modes, (modes->lambda.array() <= request.highest_lambda).count());
+    keep_first(*modes, (modes->lambda.array() < request.highest_lambda).count());
     modes->rigid = count_below(modes->lambda, limit);
-    modes->counted = static_cast<int>(modes->lambda.size());
+    if (modes->lambda.size() - modes->rigid > request.most_modes) return fail(too_many_modes(request));
     find_residuals(system, *modes);
     return modes;
   } catch (const Cancelled&) {

@@ -36,6 +36,9 @@ struct EigenRequest {
   double tolerance = 1e-9;    // relative, on 1 / (lambda - sigma)
   Method method = Method::kAutomatic;
   int threads = 0;         // 0: as many as there are processors
+  // Where a near relative of the body had its elastic modes, ascending; may be empty, or end before highest_lambda. For
+  // planning only: it changes how long a solve takes, not what is found.
+  Eigen::VectorXd expected_lambda = {};
   int processes = 2;       // of kSlepc
   int expected_modes = 0;  // with the rigid ones, when known: kSpectra then asks for so many at once. 0: not known
 };

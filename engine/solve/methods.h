@@ -12,10 +12,16 @@ struct Cancelled {};
 using RigidLimit = double;
 
 // Each returns at least the modes up to request.highest_lambda, ascending, M-orthonormal; lambda and shapes are filled.
+// The last two prove that they are all, and fill `counted`.
 Result<Eigenmodes> solve_dense(const fem::System& system);
 Result<Eigenmodes> solve_spectra(const fem::System& system, const EigenRequest& request, RigidLimit rigid_limit,
                                  const Progress& progress);
 Result<Eigenmodes> solve_slepc(const fem::System& system, const EigenRequest& request, const Progress& progress);
+Result<Eigenmodes> solve_block_lanczos(const fem::System& system, const EigenRequest& request, int threads,
+                                       const Progress& progress);
+
+// Eigenvalues below, by inertia alone.
+Result<int> count_modes(const fem::System& system, double highest_lambda, int threads);
 
 // K - sigma M in K's pattern (lower triangle), which holds M's.
 fem::SparseMatrix shifted_stiffness(const fem::System& system, double sigma);
@@ -23,6 +29,19 @@ fem::SparseMatrix shifted_stiffness(const fem::System& system, double sigma);
 int count_below(const Eigen::VectorXd& lambda, double limit);
 Error too_many_modes(const EigenRequest& request);
 Error not_factored(const fem::System& system);
+
+// How many threads BLAS uses, for as long as this lives. One, unless a single caller has large products to do: with
+// more, threads that call BLAS at the same time wait for each other.
+class BlasThreads {
+ public:
+  explicit BlasThreads(int threads);
+  ~BlasThreads();
+  BlasThreads(const BlasThreads&) = delete;
+  BlasThreads& operator=(const BlasThreads&) = delete;
+
+ private:
+  int before_;
+};
 
 // Steady clock [s].
 double seconds_now();

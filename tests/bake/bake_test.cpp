@@ -171,6 +171,10 @@ TEST(Bake, TakesTheOtherElementsToo) {
     EXPECT_LT(other.report.unknowns, quadratic.report.unknowns);
     EXPECT_GT(lowest(other.bank), 1.1 * lowest(quadratic.bank)) << "linear tetrahedra are too stiff";
   }
+  const bake::Baked cubic = baked({.element = fem::Element::kTet20});
+  EXPECT_EQ(cubic.bank.provenance.element, "tet20 consistent");
+  EXPECT_LT(lowest(cubic.bank), lowest(quadratic.bank));
+  EXPECT_NEAR(lowest(cubic.bank) / lowest(quadratic.bank), 1, 0.01);
 }
 
 TEST(Bake, TwoPiecesHaveTwelveRigidMotions) {

@@ -9,6 +9,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -26,7 +28,8 @@ struct Ran {
   std::string output;
 };
 
-Ran bake(const std::string& arguments, const std::string& environment = "") {
+// Without a cache unless `environment` names one: tests must neither use nor fill the user's.
+Ran bake(const std::string& arguments, const std::string& environment = "RINGDOWN_CACHE=/dev/null/none") {
   const std::string command = environment + " " RINGDOWN_BIN_DIR "/ringdown-bake " + arguments + " 2>&1";
   std::FILE* pipe = ::popen(command.c_str(), "r");
   std::string output;
@@ -53,9 +56,8 @@ TEST(BakeProgram, BakesAPreset) {
 TEST(BakeProgram, OptionsOverrideTheObject) {
   const TemporaryFolder folder;
   const fs::path bank = folder.path() / "bar.glb";
-  const Ran ran =
-      bake((kPresets / "objects/wooden-bar.toml").string() + " -q -m steel --element tet4 --points 30 " +
-           "--band 100 9000 --max-modes 4 --set length=200 --mesh-size 0.01 --name rod -o " + bank.string());
+  const Ran ran = bake((kPresets / "objects/wooden-bar.toml").string() + " -q -m steel --element tet4 --points 30 " +
+                       "--band 100 9000 --keep 4 --set length=200 --mesh-size 0.01 --name rod -o " + bank.string());
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_EQ(ran.output, "");
   const auto read = modal::read_bank(bank);
@@ -98,17 +100,58 @@ TEST(BakeProgram, RefusalsHaveTheirExitCodesAndOneSentence) {
   EXPECT_FALSE(fs::exists(folder.path() / "x.glb"));
 }
 
+std::string bytes_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(BakeProgram, ASecondBakeComesFromTheCacheAndIsTheSameFile) {
+  const TemporaryFolder folder;
+  const std::string environment = "RINGDOWN_CACHE=" + (folder.path() / "cache").string();
+  const auto bar = [&](const std::string& name, const std::string& options) {
+    return bake(
+        (kPresets / "objects/wooden-bar.toml").string() + " " + options + " -o " + (folder.path() / name).string(),
+        environment);
+  };
+  const auto solved = [](const Ran& ran) { return ran.output.find("from the cache") == std::string::npos; };
+  const Ran apart = bar("apart.glb", "--no-cache");
+  ASSERT_EQ(apart.exit_code, 0) << apart.output;
+  EXPECT_FALSE(fs::exists(folder.path() / "cache"));
+  EXPECT_TRUE(solved(bar("first.glb", "")));
+  const Ran second = bar("second.glb", "");
+  EXPECT_FALSE(solved(second)) << second.output;
+  EXPECT_FALSE(solved(bar("smaller.glb", "--unit 0.0005 --mesh-size 0.006 --points 40"))) << "the same shape";
+  EXPECT_TRUE(solved(bar("steel.glb", "-m steel"))) << "another Poisson's ratio";
+  EXPECT_TRUE(solved(bar("longer.glb", "--set length=341")));
+  EXPECT_TRUE(bytes_of(folder.path() / "first.glb") == bytes_of(folder.path() / "second.glb"));
+  EXPECT_TRUE(bytes_of(folder.path() / "first.glb") == bytes_of(folder.path() / "apart.glb"));
+}
+
+TEST(BakeProgram, SaysWhatItLeftOut) {
+  const TemporaryFolder folder;
+  const fs::path bank = folder.path() / "bar.glb";
+  const Ran ran = bake((kPresets / "objects/wooden-bar.toml").string() + " --keep 10 --floor 50 -o " + bank.string());
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_NE(ran.output.find("left out of the band: "), std::string::npos) << ran.output;
+  const auto read = modal::read_bank(bank);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->mode_count(), 10u);
+  EXPECT_GT(read->provenance.dropped_modes, 0);
+  EXPECT_EQ(read->provenance.floor_db, 50);
+  EXPECT_LT(read->provenance.loss_db, 0);
+}
+
 TEST(BakeProgram, EverySolverFindsTheSamePitches) {
   const TemporaryFolder folder;
   std::vector<double> yardstick;
-  for (const std::string solver : {"dense", "spectra", "slepc --processes 2"}) {
+  for (const std::string solver : {"dense", "spectra", "block", "slepc --processes 2"}) {
     if (solver.starts_with("slepc") && !fs::exists(RINGDOWN_BIN_DIR "/ringdown-modes-slepc")) {
       GTEST_SKIP() << "ringdown-modes-slepc was not built: no SLEPc here";
     }
     const fs::path bank = folder.path() / "bar.glb";
-    const Ran ran =
-        bake((kPresets / "objects/wooden-bar.toml").string() +
-             " -q --element tet4 --mesh-size 0.03 --band 20 9000 --solver " + solver + " -o " + bank.string());
+    const Ran ran = bake((kPresets / "objects/wooden-bar.toml").string() +
+                         " -q --no-cache --element tet4 --mesh-size 0.03 --band 20 9000 --solver " + solver + " -o " +
+                         bank.string());
     ASSERT_EQ(ran.exit_code, 0) << ran.output;
     const auto read = modal::read_bank(bank);
     ASSERT_TRUE(read);
@@ -127,7 +170,7 @@ TEST(BakeProgram, ListsItsMaterials) {
 
 TEST(BakeProgram, FindsThePresetsWhereItIsTold) {
   const TemporaryFolder folder;
-  const Ran ran = bake("a.msh -m steel -o b.glb", "RINGDOWN_PRESETS=/nowhere");
+  const Ran ran = bake("a.msh -m steel -o b.glb", "RINGDOWN_CACHE=/dev/null/none RINGDOWN_PRESETS=/nowhere");
   EXPECT_EQ(ran.exit_code, 1);
   EXPECT_NE(ran.output.find("RINGDOWN_PRESETS"), std::string::npos);
 }
@@ -139,7 +182,8 @@ TEST(BakeProgram, ControlCLeavesNothingBehind) {
   const pid_t child = ::fork();
   if (child == 0) {
     std::freopen("/dev/null", "w", stderr);
-    ::execl(program.c_str(), program.c_str(), bell.c_str(), "--mesh-size", "0.012", "-o", out.c_str(), nullptr);
+    ::execl(program.c_str(), program.c_str(), bell.c_str(), "--mesh-size", "0.012", "--no-cache", "-o", out.c_str(),
+            nullptr);
     ::_exit(99);
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // a bake of this size takes a minute and more

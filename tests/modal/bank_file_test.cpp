@@ -38,6 +38,9 @@ void expect_same(const Bank& a, const Bank& b) {
   EXPECT_EQ(a.provenance.band_low_hz, b.provenance.band_low_hz);
   EXPECT_EQ(a.provenance.band_high_hz, b.provenance.band_high_hz);
   EXPECT_EQ(a.provenance.largest_residual, b.provenance.largest_residual);
+  EXPECT_EQ(a.provenance.dropped_modes, b.provenance.dropped_modes);
+  EXPECT_EQ(a.provenance.floor_db, b.provenance.floor_db);
+  EXPECT_EQ(a.provenance.loss_db, b.provenance.loss_db);
 }
 
 TEST(BankFile, ComesBackAsItWentIn) {

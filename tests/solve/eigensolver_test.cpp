@@ -93,6 +93,69 @@ TEST(Eigensolver, SixRigidMotionsForEachPiece) {
   EXPECT_EQ(modes->rigid, 12);
 }
 
+// Twelve equal boxes: every eigenvalue twelve times, more than a Lanczos block is wide.
+TEST(Eigensolver, EigenvaluesOfHighMultiplicityAreFoundWhole) {
+  const mesh::TetMesh box = test::box_mesh({2, 2, 2}, kSize);
+  mesh::TetMesh many = box;
+  for (int copy = 1; copy < 12; ++copy) {
+    mesh::TetMesh moved = box;
+    moved.nodes.col(0).array() += 0.2 * copy;
+    many = test::both(many, moved);
+  }
+  const auto one = solve::solve_modes(system_of(box), {.highest_lambda = lambda_of(40e3)}).value();
+  const auto all = solve::solve_modes(system_of(many), {.highest_lambda = lambda_of(40e3)});
+  ASSERT_TRUE(all) << all.error().message;
+  EXPECT_EQ(all->rigid, 72);
+  ASSERT_EQ(all->lambda.size(), 12 * one.lambda.size());
+  EXPECT_EQ(all->counted, all->lambda.size());
+  for (Eigen::Index m = 72; m < all->lambda.size(); ++m) {
+    EXPECT_NEAR(all->lambda[m] / one.lambda[m / 12], 1, 1e-9) << m;
+  }
+  EXPECT_LT(all->residuals.maxCoeff(), 1e-7);
+  const Eigen::MatrixXd gram = all->shapes.transpose() * fem::mass_times(system_of(many).node_mass, all->shapes);
+  EXPECT_LT((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+// Several slices, and the same from every method and number of threads.
+TEST(Eigensolver, MethodsAgreeOnHundredsOfModes) {
+  const fem::System system = system_of(test::box_mesh({5, 4, 3}, kSize));
+  solve::EigenRequest request{.highest_lambda = lambda_of(150e3), .method = solve::Method::kSpectra};
+  const auto reference = solve::solve_modes(system, request).value();
+  ASSERT_GT(reference.lambda.size(), 200);
+  request.method = solve::Method::kBlockLanczos;
+  for (const int threads : {1, 2, 3}) {
+    request.threads = threads;
+    const auto found = solve::solve_modes(system, request);
+    ASSERT_TRUE(found) << found.error().message;
+    ASSERT_EQ(found->lambda.size(), reference.lambda.size());
+    for (Eigen::Index m = 6; m < found->lambda.size(); ++m) {
+      EXPECT_NEAR(found->lambda[m] / reference.lambda[m], 1, 1e-9);
+    }
+    const Eigen::MatrixXd gram = found->shapes.transpose() * fem::mass_times(system.node_mass, found->shapes);
+    EXPECT_LT((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff(), 1e-9);
+  }
+}
+
+// A top in the middle of a family of equal eigenvalues cannot be told from one beside it; near one it can.
+TEST(Eigensolver, TheTopMayLieVeryCloseToAMode) {
+  const fem::System system = system_of(test::box_mesh({4, 3, 3}, kSize));
+  const auto modes = solve::solve_modes(system, {.highest_lambda = lambda_of(60e3)}).value();
+  const double last = modes.lambda[modes.lambda.size() - 1];
+  const auto with = solve::solve_modes(system, {.highest_lambda = last * (1 + 1e-9)});
+  const auto without = solve::solve_modes(system, {.highest_lambda = last * (1 - 1e-9)});
+  ASSERT_TRUE(with) << with.error().message;
+  ASSERT_TRUE(without) << without.error().message;
+  EXPECT_EQ(with->lambda.size(), modes.lambda.size());
+  EXPECT_EQ(without->lambda.size(), modes.lambda.size() - 1);
+}
+
+TEST(Eigensolver, EveryModeOfASmallMeshCanBeAskedFor) {
+  const fem::System system = system_of(test::box_mesh({3, 2, 2}, kSize));
+  const auto modes = solve::solve_modes(system, {.highest_lambda = 1e20, .method = solve::Method::kBlockLanczos});
+  ASSERT_TRUE(modes) << modes.error().message;
+  EXPECT_EQ(modes->lambda.size(), system.unknowns());
+}
+
 TEST(Eigensolver, RepeatsBitForBit) {
   const fem::System system = system_of(test::box_mesh({5, 4, 3}, kSize));
   const auto first = solve::solve_modes(system, {.highest_lambda = lambda_of(60e3)}).value();
@@ -106,13 +169,14 @@ TEST(Eigensolver, StopsWhenToldTo) {
   for (const std::string_view stop_at : {"factors", "modes"}) {
     int calls_after = 0;
     bool stopped = false;
-    const auto modes = solve::solve_modes(system, {.highest_lambda = lambda_of(60e3)}, [&](auto stage, double fraction) {
-      EXPECT_GE(fraction, 0);
-      EXPECT_LT(fraction, 1);
-      calls_after += stopped;
-      stopped = stopped || stage == stop_at;
-      return !stopped;
-    });
+    const auto modes =
+        solve::solve_modes(system, {.highest_lambda = lambda_of(60e3)}, [&](auto stage, double fraction) {
+          EXPECT_GE(fraction, 0);
+          EXPECT_LT(fraction, 1);
+          calls_after += stopped;
+          stopped = stopped || stage == stop_at;
+          return !stopped;
+        });
     ASSERT_FALSE(modes);
     EXPECT_EQ(modes.error().message, kCancelled);
     EXPECT_EQ(calls_after, 0);

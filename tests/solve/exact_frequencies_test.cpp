@@ -16,66 +16,136 @@ namespace {
 
 constexpr fem::Elastic kSteel{200e9, 0.3, 7850}, kSoft{200e9, 0.49, 7850};
 
+// The elastic modes up to top_hz of a mesh brought to the element's order.
+struct Modes {
+  Modes(const mesh::TetMesh& any_order, const fem::Elastic& elastic, fem::Element element, double top_hz)
+      : mesh(mesh::to_order(any_order, fem::order_of(element))),
+        system(fem::assemble(mesh, elastic, element).value()),
+        found(solve::solve_modes(system, {.highest_lambda = std::pow(2 * std::numbers::pi * top_hz, 2)}).value()) {
+    EXPECT_EQ(found.rigid, 6);
+  }
+  [[nodiscard]] std::vector<double> frequencies_hz() const {
+    std::vector<double> frequencies;
+    for (Eigen::Index m = found.rigid; m < found.lambda.size(); ++m) {
+      frequencies.push_back(std::sqrt(found.lambda[m]) / (2 * std::numbers::pi));
+    }
+    return frequencies;
+  }
+
+  mesh::TetMesh mesh;
+  fem::System system;
+  solve::Eigenmodes found;
+};
+
 // The first `count` elastic frequencies [Hz].
 std::vector<double> frequencies(const mesh::TetMesh& mesh, const fem::Elastic& elastic, fem::Element element,
                                 double top_hz, std::size_t count) {
-  const mesh::TetMesh of_order = element == fem::Element::kTet10 ? mesh::to_order(mesh, 2) : mesh::to_order(mesh, 1);
-  const fem::System system = fem::assemble(of_order, elastic, element).value();
-  const auto modes = solve::solve_modes(system, {.highest_lambda = std::pow(2 * std::numbers::pi * top_hz, 2)});
-  EXPECT_TRUE(modes) << modes.error().message;
-  EXPECT_EQ(modes->rigid, 6);
-  std::vector<double> found;
-  for (Eigen::Index m = modes->rigid; m < modes->lambda.size() && found.size() < count; ++m) {
-    found.push_back(std::sqrt(modes->lambda[m]) / (2 * std::numbers::pi));
-  }
-  EXPECT_EQ(found.size(), count) << "raise top_hz";
+  std::vector<double> found = Modes(mesh, elastic, element, top_hz).frequencies_hz();
+  EXPECT_GE(found.size(), count) << "raise top_hz";
+  found.resize(count);
   return found;
 }
 
 // Finite elements bound frequencies from above; so do ours, by at most `most`.
 template <std::size_t kCount>
 void expect_slightly_above(const std::vector<double>& found, const std::array<double, kCount>& exact, double most) {
-  ASSERT_EQ(found.size(), kCount);
-  for (std::size_t m = 0; m < kCount; ++m) {
+  ASSERT_LE(found.size(), kCount);
+  for (std::size_t m = 0; m < found.size(); ++m) {
     EXPECT_GT(found[m] / exact[m], 1 - 1e-6) << "mode " << m << ": " << found[m] << " against " << exact[m];
     EXPECT_LT(found[m] / exact[m], 1 + most) << "mode " << m << ": " << found[m] << " against " << exact[m];
   }
 }
 
+// The goal: the first ten within 0.02 %, all that are known (50, of the bar 40) within 0.1 %.
+template <std::size_t kCount>
+void expect_goal(const mesh::TetMesh& mesh, const fem::Elastic& elastic, fem::Element element,
+                 const std::array<double, kCount>& exact) {
+  const std::vector<double> found = frequencies(mesh, elastic, element, 1.003 * exact.back(), kCount);
+  expect_slightly_above(found, exact, 1e-3);
+  expect_slightly_above({found.begin(), found.begin() + 10}, exact, 2e-4);
+}
+
+// A plate whose outermost elements are as wide as it is thick: its free edges have layers of that width, which larger
+// elements there cannot follow.
+mesh::TetMesh graded_plate(int cells, double edge) {
+  mesh::TetMesh plate = test::box_mesh({cells, cells, 1}, {double(cells), double(cells), 0.004});
+  for (double& at : plate.nodes.leftCols<2>().reshaped()) {
+    const double inner = edge + (at - 1) * (0.2 - 2 * edge) / (cells - 2);
+    at = at < 0.5 ? 0 : at > cells - 0.5 ? 0.2 : inner;
+  }
+  return plate;
+}
+
+const Eigen::Vector3d kBlockSize(0.1, 0.08, 0.06), kBarSize(0.2, 0.01, 0.01);
+
 TEST(ExactFrequencies, OfABlock) {
-  const auto box = test::box_mesh({8, 7, 6}, {0.1, 0.08, 0.06});
-  expect_slightly_above(frequencies(box, kSteel, fem::Element::kTet10, 30e3, 10), reference::kBlock, 2e-3);
+  const auto box = test::box_mesh({8, 7, 6}, kBlockSize);
+  expect_slightly_above(frequencies(box, kSteel, fem::Element::kTet10, 27e3, 10), reference::kBlock, 2e-3);
+}
+
+TEST(ExactFrequencies, OfABlockByCubicElements) {
+  expect_goal(test::box_mesh({7, 5, 4}, kBlockSize), kSteel, fem::Element::kTet20, reference::kBlock);
 }
 
 TEST(ExactFrequencies, OfANearlyIncompressibleBlock) {
-  const auto box = test::box_mesh({8, 7, 6}, {0.1, 0.08, 0.06});
-  expect_slightly_above(frequencies(box, kSoft, fem::Element::kTet10, 30e3, 10), reference::kSoftBlock, 4e-3);
+  const auto box = test::box_mesh({8, 7, 6}, kBlockSize);
+  expect_slightly_above(frequencies(box, kSoft, fem::Element::kTet10, 26e3, 10), reference::kSoftBlock, 4e-3);
+  expect_slightly_above(frequencies(test::box_mesh({7, 5, 4}, kBlockSize), kSoft, fem::Element::kTet20, 26e3, 10),
+                        reference::kSoftBlock, 2e-4);
+}
+
+TEST(ExactFrequencies, OfANearlyIncompressibleBlockByQuarticElements) {
+  expect_goal(test::box_mesh({4, 3, 3}, kBlockSize), kSoft, fem::Element::kTet35, reference::kSoftBlock);
 }
 
 TEST(ExactFrequencies, OfABar) {
-  const auto bar = test::box_mesh({32, 3, 3}, {0.2, 0.01, 0.01});
+  const auto bar = test::box_mesh({32, 3, 3}, kBarSize);
   expect_slightly_above(frequencies(bar, kSteel, fem::Element::kTet10, 15e3, 10), reference::kBar, 6e-3);
+  expect_slightly_above(frequencies(test::box_mesh({16, 3, 3}, kBarSize), kSteel, fem::Element::kTet20, 13e3, 10),
+                        reference::kBar, 2e-4);
+}
+
+TEST(ExactFrequencies, OfABarByQuarticElements) {
+  expect_goal(test::box_mesh({12, 2, 2}, kBarSize), kSteel, fem::Element::kTet35, reference::kBar);
 }
 
 TEST(ExactFrequencies, OfAThinPlate) {
   const auto plate = test::box_mesh({22, 22, 1}, {0.2, 0.2, 0.004});
-  expect_slightly_above(frequencies(plate, kSteel, fem::Element::kTet10, 2500, 10), reference::kPlate, 1e-2);
+  expect_slightly_above(frequencies(plate, kSteel, fem::Element::kTet10, 1900, 10), reference::kPlate, 1e-2);
 }
 
-// Curved elements from gmsh, whose node order differs from ours: were it taken wrongly, nothing here would fit.
-TEST(ExactFrequencies, OfASphereWithCurvedElements) {
-  const auto path = std::filesystem::temp_directory_path() / "ringdown-exact-sphere.geo";
-  std::ofstream(path) << "SetFactory(\"OpenCASCADE\"); Sphere(1) = {0, 0, 0, 0.1};\n";
-  const auto ball = mesh::read_with_gmsh(path, {.mesh_size_m = 0.045, .parameters = {}});
+TEST(ExactFrequencies, OfAThinPlateByQuarticElements) {
+  const auto plate = graded_plate(7, 0.005);
+  expect_slightly_above(frequencies(plate, kSteel, fem::Element::kTet35, 1900, 10), reference::kPlate, 2e-4);
+}
+
+// A ball of curved elements from gmsh, whose node order differs from ours: were it taken wrongly, nothing would fit.
+mesh::TetMesh ball(double mesh_size_m, int order) {
+  const auto path = std::filesystem::temp_directory_path() / ("ringdown-ball-" + std::to_string(order) + ".geo");
+  std::ofstream(path) << "SetFactory(\"OpenCASCADE\"); DefineConstant[ mesh_size = 0.05 ];\n"
+                         "Sphere(1) = {0, 0, 0, 0.1}; MeshSize{ PointsOf{ Volume{1}; } } = mesh_size;\n";
+  const auto mesh = mesh::read_with_gmsh(path, {.mesh_size_m = mesh_size_m, .order = order, .parameters = {}});
   std::filesystem::remove(path);
-  ASSERT_TRUE(ball) << ball.error().message;
-  ASSERT_TRUE(ball->mesh.order() == 2);
-  EXPECT_EQ(ball->straightened, 0);
-  const fem::System system = fem::assemble(ball->mesh, kSteel, fem::Element::kTet10).value();
+  EXPECT_TRUE(mesh) << mesh.error().message;
+  EXPECT_EQ(mesh->straightened, 0);
+  EXPECT_EQ(mesh->mesh.order(), order);
+  return mesh->mesh;
+}
+
+TEST(ExactFrequencies, OfASphereWithCurvedElements) {
+  const Modes quadratic(ball(0.032, 2), kSteel, fem::Element::kTet10, 18e3);
   const double mass = 7850 * 4.0 / 3 * std::numbers::pi * 1e-3;
-  EXPECT_NEAR(system.node_mass.sum(), mass, 2e-3 * mass);
-  const auto found = frequencies(ball->mesh, kSteel, fem::Element::kTet10, 20e3, 13);
-  for (std::size_t m = 0; m < found.size(); ++m) EXPECT_NEAR(found[m] / reference::kSphere[m], 1, 3e-3) << m;
+  EXPECT_NEAR(quadratic.system.node_mass.sum(), mass, 2e-3 * mass);
+  const std::vector<double> found = quadratic.frequencies_hz();
+  ASSERT_GE(found.size(), 13u);
+  for (std::size_t m = 0; m < 13; ++m) EXPECT_NEAR(found[m] / reference::kSphere[m], 1, 3e-3) << m;
+}
+
+TEST(ExactFrequencies, OfASphereByCurvedCubicElements) {
+  const auto found = frequencies(ball(0.038, 3), kSteel, fem::Element::kTet20, 25.6e3, 50);
+  for (std::size_t m = 0; m < 50; ++m) {
+    EXPECT_NEAR(found[m] / reference::kSphere[m], 1, m < 10 ? 2e-4 : 1e-3) << m;
+  }
 }
 
 // A slender free beam: Euler-Bernoulli's (k L) = 4.7300, 7.8532, 10.9956, lowered by shear and rotary inertia to first

@@ -74,6 +74,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"nlohmann/", {"engine/modal/", "clients/cli/"}, 1000, {"engine/modal/glb.h"}},
     {"tl/", {"engine/base/"}, 1, {"engine/base/"}},
     {"toml++/", {"engine/base/"}, 1},
+    {"xxhash.h", {"engine/base/"}, 1},
     {"CLI/", {"server/", "clients/"}},
     {"sndfile", {"server/", "clients/"}},
     {"spdlog/", {"server/", "clients/"}},

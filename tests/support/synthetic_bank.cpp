@@ -72,7 +72,10 @@ modal::Bank bar_bank(std::size_t modes) {
                      .rigid_modes = 6,
                      .band_low_hz = 20,
                      .band_high_hz = 20000,
-                     .largest_residual = 1.25e-13};
+                     .largest_residual = 1.25e-13,
+                     .dropped_modes = 7,
+                     .floor_db = 62.5,
+                     .loss_db = -41.300000000000004};
   return bank;
 }
 

@@ -6,6 +6,7 @@
 #include "clients/cli/bake/progress_line.h"
 #include "engine/bake/material_page.h"
 #include "engine/bake/object_file.h"
+#include "engine/base/content_cache.h"
 #include "engine/base/preset_folder.h"
 #include "engine/modal/bank_file.h"
 #include "protocol/exit_codes.h"
@@ -28,10 +29,12 @@ struct Arguments {
   std::optional<std::string> material, name, element, solver;
   std::optional<double> mesh_size_m, unit_m;
   std::optional<std::size_t> points;
-  std::optional<int> max_modes, processes;
+  std::optional<int> keep;
+  std::optional<double> floor_db;
+  std::optional<int> processes;
   std::vector<double> band_hz;
   std::map<std::string, double> parameters;
-  bool list_materials = false, progress = false, quiet = false;
+  bool list_materials = false, progress = false, quiet = false, no_cache = false;
 };
 
 void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& settings) {
@@ -52,8 +55,13 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_option("--points", arguments.points, "surface points in the bank (default 200)")
       ->check(CLI::Range(4, 1 << 20));
   app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")->expected(2);
-  app.add_option("--max-modes", arguments.max_modes, "keep the most important ones (default: all in the band)")
+  app.add_option("--keep", arguments.keep, "how many modes, the most important ones (default: all in the band)")
       ->check(CLI::Range(1, 16384));
+  app.add_option("--floor", arguments.floor_db,
+                 "drop modes that no blow makes audible, this many dB below the loudest or masked (default: none)")
+      ->check(CLI::Range(1.0, 200.0));
+  app.add_flag("--no-cache", arguments.no_cache,
+               "neither use nor keep earlier results (in $RINGDOWN_CACHE, or ringdown in the user's cache folder)");
   app.add_option("--solver", arguments.solver,
                  "auto (default), block, spectra, dense, or slepc: over MPI, for meshes that outgrow one machine");
   app.add_option("--processes", arguments.processes, "of --solver slepc (default 2)")->check(CLI::Range(1, 4096));
@@ -104,7 +112,9 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   if (arguments.mesh_size_m) recipe.meshing.mesh_size_m = *arguments.mesh_size_m;
   if (arguments.unit_m) recipe.meshing.unit_m = *arguments.unit_m;
   if (arguments.points) recipe.options.most_points = *arguments.points;
-  if (arguments.max_modes) recipe.options.keep_modes = *arguments.max_modes;
+  if (arguments.keep) recipe.options.keep_modes = *arguments.keep;
+  if (arguments.floor_db) recipe.options.floor_db = *arguments.floor_db;
+  if (!arguments.no_cache) recipe.options.cache = cache_folder().value_or("");
   if (arguments.band_hz.size() == 2) {
     recipe.options.band_low_hz = arguments.band_hz[0];
     recipe.options.band_high_hz = arguments.band_hz[1];
@@ -122,9 +132,15 @@ void print_summary(const bake::ObjectRecipe& recipe, const bake::BakedObject& ob
               static_cast<double>(fs::file_size(output, error)) / 1000);
   std::printf(
       "  %s, %.3f kg; %td elements, %td unknowns; dropped %d rigid, %d below the band, %d over-damped, "
-      "%d unimportant\n",
+      "%d inaudible, %d unimportant\n",
       bank.material->name.c_str(), bank.mass->mass_kg, report.elements, report.unknowns, report.rigid,
-      report.below_band, report.over_damped, report.unimportant);
+      report.below_band, report.over_damped, report.inaudible, report.unimportant);
+  if (bank.provenance.dropped_modes > 0) {
+    std::printf("  left out of the band: %lld modes, at most %.1f dB of the energy of a blow\n",
+                static_cast<long long>(bank.provenance.dropped_modes), bank.provenance.loss_db);
+  }
+  if (report.from_cache) std::printf("  from the cache: nothing was solved\n");
+  if (!report.cache_trouble.empty()) std::printf("  not kept in the cache: %s\n", report.cache_trouble.c_str());
   std::printf("  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, finish %.1f; largest residual %.1e\n",
               object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
               report.finish_seconds, bank.provenance.largest_residual);

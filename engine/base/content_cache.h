@@ -1,0 +1,50 @@
+// A folder of results, each found again by the hash of what it was made from. [worker; any number of processes]
+//
+//   const ContentCache cache(*cache_folder());
+//   if (auto kept = cache.find("modes", key)) ...use *kept...
+//   else cache.store("modes", key, bytes);
+//
+// An entry is one file, KIND-KEY. It is written under another name and renamed, so that processes may share the folder;
+// it carries its kind, key and a checksum of its content, and what does not match them is deleted and not returned.
+// When the folder outgrows its size the entries that were not used for longest are deleted, and with them what a killed
+// process left half-written; files of other names are never touched. Deleting the whole folder at any time is safe.
+#pragma once
+
+#include "engine/base/content_hash.h"
+#include "engine/base/result.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace ringdown {
+
+inline constexpr std::uintmax_t kMostCacheBytes = std::uintmax_t{2} << 30;
+
+class ContentCache {
+ public:
+  // The folder need not exist yet.
+  explicit ContentCache(std::filesystem::path folder, std::uintmax_t most_bytes = kMostCacheBytes)
+      : folder_(std::move(folder)), most_bytes_(most_bytes) {}
+
+  // What was stored, which now counts as used. `kind` is a word of small letters.
+  [[nodiscard]] std::optional<std::string> find(std::string_view kind, const ContentHash& key) const;
+
+  // Replaces an older entry of that kind and key. Content larger than a quarter of the folder's size is not kept.
+  Result<void> store(std::string_view kind, const ContentHash& key, std::string_view content) const;
+
+ private:
+  [[nodiscard]] std::filesystem::path file_of(std::string_view kind, const ContentHash& key) const;
+  void make_room() const;
+
+  std::filesystem::path folder_;
+  std::uintmax_t most_bytes_;
+};
+
+// $RINGDOWN_CACHE, else $XDG_CACHE_HOME/ringdown, else ~/.cache/ringdown; nothing when none of the three is set. As the
+// XDG base directory specification asks, a relative XDG_CACHE_HOME is ignored.
+std::optional<std::filesystem::path> cache_folder();
+
+}  // namespace ringdown

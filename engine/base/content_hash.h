@@ -1,0 +1,51 @@
+// A name for content: 128 bits that differ when the content does. [any thread]
+//
+//   const ContentHash hash = ContentHasher().text(file).value(1e-9).values(std::span(numbers)).hash();
+//
+// XXH3-128 (libxxhash), which hashes at memory speed. Among n contents the chance that any two share a hash is about
+// n^2 / 2^129. It is no defence against someone who wants a collision.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace ringdown {
+
+struct ContentHash {
+  std::uint64_t high = 0, low = 0;
+  [[nodiscard]] std::string text() const;  // 32 hexadecimal digits
+  friend bool operator==(const ContentHash&, const ContentHash&) = default;
+};
+
+// Takes content piece by piece. Lengths are hashed too, so that ("ab", "c") and ("a", "bc") differ. Numbers are taken
+// bit by bit as they lie in memory: the hash of the same content on a machine of the other byte order is another one.
+class ContentHasher {
+ public:
+  ContentHasher();
+  ~ContentHasher();
+  ContentHasher(const ContentHasher&) = delete;
+  ContentHasher& operator=(const ContentHasher&) = delete;
+
+  ContentHasher& bytes(std::span<const std::byte> content);
+  ContentHasher& text(std::string_view content) { return bytes(std::as_bytes(std::span(content))); }
+  template <class T>
+  requires std::is_arithmetic_v<T> ContentHasher& values(std::span<const T> numbers) {
+    return bytes(std::as_bytes(numbers));
+  }
+  template <class T>
+  requires std::is_arithmetic_v<T> ContentHasher& value(T number) { return values(std::span<const T>(&number, 1)); }
+  [[nodiscard]] ContentHash hash() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+ContentHash hash_of(std::string_view content);
+
+}  // namespace ringdown

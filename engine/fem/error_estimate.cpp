@@ -1,0 +1,227 @@
+#include "engine/fem/error_estimate.h"
+
+#include "engine/base/in_parallel.h"
+#include "engine/fem/one_blas_thread.h"
+#include "engine/fem/surplus_element.h"
+#include "engine/mesh/surplus_space.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+// With V the functions of the mesh and W those of degree p + 1, a mode's residual r(w) = K(phi, w) - lambda M(phi, w)
+// is zero on V. In V + W lambda falls by r A^-1 r, with A the energy of W after V has relaxed, a Schur complement. A
+// would need solves with the whole of V. Two energies that do not enclose it:
+//
+//   K_WW, no relaxation at all                        from above, so lambda's fall from below
+//   K_WW - K_WV K_VV^+ K_VW of each element alone     from below, because an element alone relaxes more
+//
+// Taken here is the mean of both with weights 1 - kRelaxed and kRelaxed. In flat elements and for nearly incompressible
+// materials the first is too small by large factors (functions of W alone lock), the second too large; their mean stays
+// within narrow bounds (docs/accuracy.md has the measurements that chose the weight). For the same reason the stiffness
+// against changes of volume counts only up to kStiffestVolume mu in it; the residual is the true one.
+namespace ringdown::fem {
+namespace {
+
+constexpr int kModesAtOnce = 32;
+constexpr Eigen::Index kElementsAtOnce = 256;
+constexpr int kSteps = 6;  // of conjugate gradients: 1 % short of the end in well-shaped elements, 10 to 40 % in flat ones
+
+// What degree p + 2 and more would add, and what the mean above leaves: measured, not derived.
+double surplus_factor(int order) { return (order + 1) / 3.0; }
+
+using Rows = Eigen::Matrix<float, Eigen::Dynamic, kModesAtOnce, Eigen::RowMajor>;  // of 3 count() unknowns, or 3w
+using PerMode = Eigen::Array<double, 1, kModesAtOnce>;
+
+class SurplusProblem {
+ public:
+  SurplusProblem(const mesh::TetMesh& mesh, const Elastic& elastic)
+      : mesh_(mesh), space_(mesh::surplus_space(mesh)), element_(mesh.order(), elastic) {}
+
+  // Residuals of all modes, kModesAtOnce to an entry, the last one filled up with zeros; keeps every element's energy.
+  std::vector<Rows> residuals(const Eigen::Ref<const Eigen::VectorXd>& lambda,
+                              const Eigen::Ref<const Eigen::MatrixXd>& shapes, int threads);
+
+  // r A^-1 r for each mode of a group, from below.
+  [[nodiscard]] PerMode falls(Rows r) const;
+
+ private:
+  void add_residual(const SurplusMatrices& matrices, Eigen::Index e, const Eigen::Ref<const Eigen::VectorXd>& lambda,
+                    const Eigen::Ref<const Eigen::MatrixXd>& shapes, Rows& residual) const;
+  void invert_parts();
+  [[nodiscard]] Rows energy_times(const Rows& x) const;
+  [[nodiscard]] Rows preconditioned(const Rows& x) const;
+
+  const mesh::TetMesh& mesh_;
+  mesh::SurplusSpace space_;
+  SurplusElement element_;
+  std::vector<Eigen::MatrixXf> energies_;  // one for each element
+  std::vector<Eigen::MatrixXf> inverses_;  // of the energy of each edge, face and element's own functions
+};
+
+void SurplusProblem::add_residual(const SurplusMatrices& matrices, Eigen::Index e,
+                                  const Eigen::Ref<const Eigen::VectorXd>& lambda,
+                                  const Eigen::Ref<const Eigen::MatrixXd>& shapes, Rows& residual) const {
+  const int w = element_.functions(), n = element_.nodes();
+  Eigen::MatrixXd values(3 * n, shapes.cols());
+  for (Eigen::Index m = 0; m < shapes.cols(); ++m) {
+    for (int a = 0; a < n; ++a) {
+      for (int i = 0; i < 3; ++i) values(i * n + a, m) = shapes(3 * space_.nodes(e, a) + i, m);
+    }
+  }
+  Eigen::MatrixXd local = matrices.coupling * values;
+  values *= lambda.asDiagonal();
+  for (int i = 0; i < 3; ++i) local.middleRows(i * w, w).noalias() -= matrices.mass * values.middleRows(i * n, n);
+  Rows rows = Rows::Zero(3 * w, kModesAtOnce);
+  rows.leftCols(shapes.cols()) = local.cast<float>();
+  for (int i = 0; i < 3; ++i) {
+    for (int a = 0; a < w; ++a) residual.row(3 * space_.functions(e, a) + i) += rows.row(i * w + a);
+  }
+}
+
+std::vector<Rows> SurplusProblem::residuals(const Eigen::Ref<const Eigen::VectorXd>& lambda,
+                                            const Eigen::Ref<const Eigen::MatrixXd>& shapes, int threads) {
+  std::vector<Rows> groups((shapes.cols() + kModesAtOnce - 1) / kModesAtOnce,
+                           Rows::Zero(3 * space_.count(), kModesAtOnce));
+  energies_.resize(mesh_.elements.rows());
+  for (Eigen::Index first = 0; first < mesh_.elements.rows(); first += kElementsAtOnce) {
+    std::vector<SurplusMatrices> batch(std::min(kElementsAtOnce, mesh_.elements.rows() - first));
+    in_parallel(threads, [&](int thread) {
+      for (std::size_t k = thread; k < batch.size(); k += threads) {
+        const auto e = first + static_cast<Eigen::Index>(k);
+        batch[k] = element_(mesh_.nodes(space_.nodes.row(e), Eigen::all));
+        energies_[e] = batch[k].energy;
+      }
+    });
+    in_parallel(threads, [&](int thread) {
+      for (std::size_t g = thread; g < groups.size(); g += threads) {
+        const auto begin = kModesAtOnce * static_cast<Eigen::Index>(g);
+        const auto modes = std::min<Eigen::Index>(kModesAtOnce, shapes.cols() - begin);
+        for (std::size_t k = 0; k < batch.size(); ++k) {
+          add_residual(batch[k], first + static_cast<Eigen::Index>(k), lambda.segment(begin, modes),
+                       shapes.middleCols(begin, modes), groups[g]);
+        }
+      }
+    });
+  }
+  invert_parts();
+  return groups;
+}
+
+void SurplusProblem::invert_parts() {
+  std::vector<int> part_of(space_.count());
+  std::vector<Eigen::MatrixXd> energies;
+  for (std::size_t part = 0; part + 1 < space_.parts.size(); ++part) {
+    const int first = space_.parts[part], functions = space_.parts[part + 1] - first;
+    for (int k = 0; k < functions; ++k) part_of[first + k] = static_cast<int>(part);
+    energies.push_back(Eigen::MatrixXd::Zero(3 * functions, 3 * functions));
+  }
+  const int w = element_.functions();
+  for (Eigen::Index e = 0; e < space_.functions.rows(); ++e) {
+    for (int b = 0; b < w; ++b) {
+      for (int a = 0; a < w; ++a) {
+        const int row = space_.functions(e, a), column = space_.functions(e, b), part = part_of[row];
+        if (part != part_of[column]) continue;
+        auto block = energies[part].block<3, 3>(3 * (row - space_.parts[part]), 3 * (column - space_.parts[part]));
+        for (int j = 0; j < 3; ++j) {
+          for (int i = 0; i < 3; ++i) block(i, j) += energies_[e](i * w + a, j * w + b);
+        }
+      }
+    }
+  }
+  for (const Eigen::MatrixXd& energy : energies) inverses_.push_back(energy.inverse().cast<float>());
+}
+
+Rows SurplusProblem::energy_times(const Rows& x) const {
+  const int w = element_.functions();
+  Rows y = Rows::Zero(x.rows(), kModesAtOnce), values(3 * w, kModesAtOnce), local(3 * w, kModesAtOnce);
+  for (Eigen::Index e = 0; e < space_.functions.rows(); ++e) {
+    for (int i = 0; i < 3; ++i) {
+      for (int a = 0; a < w; ++a) values.row(i * w + a) = x.row(3 * space_.functions(e, a) + i);
+    }
+    local.noalias() = energies_[e] * values;
+    for (int i = 0; i < 3; ++i) {
+      for (int a = 0; a < w; ++a) y.row(3 * space_.functions(e, a) + i) += local.row(i * w + a);
+    }
+  }
+  return y;
+}
+
+Rows SurplusProblem::preconditioned(const Rows& x) const {
+  Rows y(x.rows(), kModesAtOnce);
+  for (std::size_t part = 0; part < inverses_.size(); ++part) {
+    const Eigen::Index first = 3 * space_.parts[part], rows = inverses_[part].rows();
+    y.middleRows(first, rows) = inverses_[part].lazyProduct(x.middleRows(first, rows));
+  }
+  return y;
+}
+
+PerMode products(const Rows& a, const Rows& b) {
+  PerMode sum = PerMode::Zero();
+  for (Eigen::Index row = 0; row < a.rows(); ++row) {
+    sum += a.row(row).array().cast<double>() * b.row(row).array().cast<double>();
+  }
+  return sum;
+}
+
+// 0 where there is nothing left to divide by.
+PerMode ratios(const PerMode& a, const PerMode& b) { return (b > 0).select(a / b, 0.0); }
+
+// x + factor y, mode by mode.
+void add(Rows& x, const PerMode& factor, const Rows& y) {
+  const Eigen::Array<float, 1, kModesAtOnce> scale = factor.cast<float>();
+  for (Eigen::Index row = 0; row < x.rows(); ++row) x.row(row).array() += scale * y.row(row).array();
+}
+
+// Conjugate gradients on A e = r from e = 0, for all modes of the group at once. After each step the energy of e is the
+// sum of (step length)(r z), and grows towards r A^-1 r (Hestenes & Stiefel, J. Res. NBS 49, 1952, theorem 6:1).
+PerMode SurplusProblem::falls(Rows r) const {
+  Rows z = preconditioned(r), p = z;
+  PerMode rz = products(r, z), fall = PerMode::Zero();
+  for (int step = 1;; ++step) {
+    const Rows energy_p = energy_times(p);
+    const PerMode length = ratios(rz, products(p, energy_p));
+    fall += length * rz;
+    if (step == kSteps) return fall;
+    add(r, -length, energy_p);
+    z = preconditioned(r);
+    const PerMode before = std::exchange(rz, products(r, z));
+    add(z, ratios(rz, before), p);
+    p.swap(z);
+  }
+}
+
+}  // namespace
+
+Result<Eigen::VectorXd> frequency_errors(const mesh::TetMesh& mesh, const Elastic& elastic,
+                                         const Eigen::Ref<const Eigen::VectorXd>& lambda,
+                                         const Eigen::Ref<const Eigen::MatrixXd>& shapes, int threads) {
+  threads = thread_count(threads);
+  const OneBlasThread one_blas_thread;
+  try {
+    SurplusProblem problem(mesh, elastic);
+    std::vector<Rows> residuals = problem.residuals(lambda, shapes, threads);
+    Eigen::VectorXd falls(lambda.size());
+    in_parallel(threads, [&](int thread) {
+      for (std::size_t g = thread; g < residuals.size(); g += threads) {
+        const auto begin = kModesAtOnce * static_cast<Eigen::Index>(g);
+        const auto modes = std::min<Eigen::Index>(kModesAtOnce, lambda.size() - begin);
+        falls.segment(begin, modes) = problem.falls(std::move(residuals[g])).head(modes).transpose();
+      }
+    });
+    // To first order half of the fall; the root keeps large errors, of bending in linear elements, in proportion.
+    const Eigen::ArrayXd ratio = surplus_factor(mesh.order()) * falls.array() / lambda.array();
+    const Eigen::ArrayXd errors = (1 + ratio).sqrt() - 1;
+    return errors.unaryExpr([](double error) { return error < kLargestFrequencyError ? error : kLargestFrequencyError; })
+        .matrix();
+  } catch (const std::exception&) {
+    return fail("not enough memory to estimate the errors of " + std::to_string(lambda.size()) +
+                " modes; make the mesh coarser");
+  }
+}
+
+}  // namespace ringdown::fem

@@ -1,0 +1,39 @@
+// Eigenvalues near a shift, by Lanczos iteration with blocks of kWidth vectors. [worker]
+//
+// The operator is (K - sigma M)^-1 M, whose eigenvalues theta = 1 / (lambda - sigma) are largest near the shift. Each
+// step solves for a block at once and makes the result M-orthogonal to all blocks before, so no spurious copies appear,
+// and multiple eigenvalues up to the block's width are found together. There is no restart: a window with more
+// eigenvalues than the basis can hold comes back in part, and the caller sets another shift. Sources: Grimes, Lewis &
+// Simon, SIAM J. Matrix Anal. Appl. 15, 1994; Ericsson & Ruhe, Math. Comp. 35, 1980 (the last, free step that purifies
+// a vector).
+#pragma once
+
+#include "engine/solve/ldlt.h"
+
+#include <functional>
+
+namespace ringdown::solve {
+
+// What one iteration is asked for: the eigenvalues from `low` on. How many lie below the shift is known, from inertia.
+struct Window {
+  double low = 0;
+  int left = 0;          // eigenvalues in [low, sigma)
+  int right = 0;         // how many more from sigma on ...
+  double high = 0;       // ... where `right` are all in [sigma, high), or infinity: then the `right` nearest, or more
+  int most_vectors = 0;  // of the basis
+  double tolerance = 1e-9;  // on the residual of theta, relative
+};
+
+struct Pairs {
+  std::vector<double> lambda;  // ascending, from window.low to below window.high
+  Eigen::MatrixXd shapes;      // 3N x count, in the order of elimination
+  int solves = 0;              // right-hand sides
+  bool complete = false;       // as many as were asked for; otherwise what there is, the nearest to the shift
+};
+
+// `locked` (3N x l, M-orthonormal, order of elimination) is kept out of the result: eigenvectors known already.
+// `keep_going` gets a guess of the share done; Cancelled is thrown when it says no. `seed` starts the random block.
+Pairs block_lanczos(const OrderedSystem& system, const Ldlt& factors, Team& team, const Window& window,
+                    const Eigen::MatrixXd& locked, unsigned seed, const std::function<bool(double)>& keep_going);
+
+}  // namespace ringdown::solve

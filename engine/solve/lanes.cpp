@@ -1,0 +1,30 @@
+#include "engine/solve/lanes.h"
+
+namespace ringdown::solve {
+
+RINGDOWN_CLONES
+void add_inner_products(const double* y, const double* x, std::ptrdiff_t unknowns, Small& sum) {
+  Lanes columns[kWidth];
+  for (int j = 0; j < kWidth; ++j) columns[j] = *lanes(sum.data(), j);
+  for (std::ptrdiff_t u = 0; u < unknowns; ++u) {
+    const Lanes value = *lanes(y, u);
+    const double* factor = x + u * kWidth;
+    for (int j = 0; j < kWidth; ++j) columns[j] += factor[j] * value;
+  }
+  for (int j = 0; j < kWidth; ++j) *lanes(sum.data(), j) = columns[j];
+}
+
+RINGDOWN_CLONES
+void subtract_combination(const double* y, const Small& factors, double* x, std::ptrdiff_t unknowns) {
+  const Small by_vector = factors.transpose();  // column i: what vector i of y adds to each of x
+  Lanes columns[kWidth];
+  for (int i = 0; i < kWidth; ++i) columns[i] = *lanes(by_vector.data(), i);
+  for (std::ptrdiff_t u = 0; u < unknowns; ++u) {
+    const double* value = y + u * kWidth;
+    Lanes a = value[0] * columns[0], b = value[1] * columns[1];
+    for (int i = 2; i < kWidth; i += 2) a += value[i] * columns[i], b += value[i + 1] * columns[i + 1];
+    *lanes(x, u) -= a + b;
+  }
+}
+
+}  // namespace ringdown::solve

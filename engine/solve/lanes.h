@@ -1,0 +1,36 @@
+// Blocks of kWidth vectors, side by side, and the arithmetic on them. Private to engine/solve. [any thread]
+//
+// Entry (unknown u, vector v) of a block stands at [u * kWidth + v], so that what is done to one unknown is done to all
+// vectors by a few wide instructions. RINGDOWN_CLONES compiles a function for several instruction sets; the right one
+// is chosen when the program is loaded.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace ringdown::solve {
+
+inline constexpr int kWidth = 8;
+using Block = Eigen::Matrix<double, kWidth, Eigen::Dynamic>;  // kWidth x 3N: a column for each unknown
+using Small = Eigen::Matrix<double, kWidth, kWidth>;
+
+#if defined(__x86_64__) && defined(__gnu_linux__)
+#define RINGDOWN_CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#else
+#define RINGDOWN_CLONES
+#endif
+
+using Lanes = double __attribute__((vector_size(kWidth * sizeof(double)), aligned(8), may_alias));
+
+inline Lanes* lanes(double* x, std::ptrdiff_t unknown = 0) { return reinterpret_cast<Lanes*>(x + unknown * kWidth); }
+inline const Lanes* lanes(const double* x, std::ptrdiff_t unknown = 0) {
+  return reinterpret_cast<const Lanes*>(x + unknown * kWidth);
+}
+
+// y x^T: inner products of all vectors of y with all of x, over `unknowns`, added to `sum` (column-major, y's vectors
+// down).
+void add_inner_products(const double* y, const double* x, std::ptrdiff_t unknowns, Small& sum);
+
+// x -= factors^T y: takes combinations of y's vectors out of x.
+void subtract_combination(const double* y, const Small& factors, double* x, std::ptrdiff_t unknowns);
+
+}  // namespace ringdown::solve

@@ -1,0 +1,57 @@
+// K - sigma M = L D L^T by a multifrontal method, without pivoting: its signs count eigenvalues. [worker]
+//
+//   Ldlt factors(plan, system, team);
+//   factors.factor(sigma);
+//   factors.negative();          // eigenvalues of K phi = lambda M phi below sigma (Sylvester)
+//   factors.solve(block);        // x = (K - sigma M)^-1 x
+//
+// Nothing is exchanged for stability. That is safe for K - sigma M with a sigma that is not very close to an eigenvalue
+// of a leading part of the system, and the shift can be moved when it is: backward_error() tells. The parts of the plan
+// are worked on at the same time, and the crown after them, by matrix products that use all threads. Source: Duff &
+// Reid, ACM Trans. Math. Softw. 9, 1983; Parlett, The Symmetric Eigenvalue Problem, section 3.3 on inertia.
+#pragma once
+
+#include "engine/solve/ordered_system.h"
+#include "engine/solve/team.h"
+#include "engine/solve/tiles.h"
+
+#include <functional>
+
+namespace ringdown::solve {
+
+class Ldlt {
+ public:
+  // All three must live longer. Allocates nothing yet.
+  Ldlt(const Elimination& plan, const OrderedSystem& system, Team& team) : plan_(plan), system_(system), team_(team) {}
+
+  // False when a pivot is zero or not finite. `keep_going` is asked between fronts; when it says no, Cancelled is
+  // thrown.
+  bool factor(double sigma, const std::function<bool()>& keep_going = {});
+
+  [[nodiscard]] int negative() const { return negative_; }
+  [[nodiscard]] double sigma() const { return sigma_; }
+
+  void solve(Block& x) const;
+
+  // |A x - b| / (|A| |x| + |b|) of one solve: far above rounding when the shift should move.
+  [[nodiscard]] double backward_error() const;
+
+ private:
+  struct Front;
+
+  bool factor_supernodes(int begin, int end, Front& front, const std::function<bool()>& keep_going);
+  void assemble(const Supernode& node, Front& front) const;
+  void take_update(int child, const Supernode& node, Front& front);
+  bool eliminate(const Supernode& node, Front& front);
+
+  const Elimination& plan_;
+  const OrderedSystem& system_;
+  Team& team_;
+  double sigma_ = 0;
+  int negative_ = 0;
+  std::vector<double> tiles_;                 // L, supernode by supernode (tiles.h)
+  std::vector<double> diagonal_;              // D
+  std::vector<std::vector<double>> updates_;  // what a supernode left for its parent: lower triangle, packed by columns
+};
+
+}  // namespace ringdown::solve

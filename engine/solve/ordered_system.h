@@ -1,0 +1,47 @@
+// K and M in the order of elimination, as 3 x 3 blocks, and their products with several vectors at once. [worker]
+#pragma once
+
+#include "engine/solve/elimination.h"
+#include "engine/solve/lanes.h"
+#include "engine/solve/team.h"
+
+#include <array>
+
+namespace ringdown::solve {
+
+class OrderedSystem {
+ public:
+  // All must live longer.
+  OrderedSystem(const fem::System& system, const Elimination& plan, Team& team);
+
+  [[nodiscard]] int node_count() const { return static_cast<int>(first_.size()) - 1; }
+  [[nodiscard]] Eigen::Index unknowns() const { return 3 * static_cast<Eigen::Index>(node_count()); }
+
+  // The entries of a node's column, its own first: numbers from begin() to end() of the arrays below.
+  [[nodiscard]] std::size_t begin(int column) const { return first_[column]; }
+  [[nodiscard]] std::size_t end(int column) const { return first_[column + 1]; }
+  [[nodiscard]] int row(std::size_t entry) const { return rows_[entry]; }
+  [[nodiscard]] double mass(std::size_t entry) const { return masses_[entry]; }  // of M's block mass * I
+  // [3 * i + j]: component i of the row's node, j of the column's.
+  [[nodiscard]] const std::array<double, 9>& stiffness(std::size_t entry) const { return stiffnesses_[entry]; }
+
+  // y = M x, y = K x, by the team's threads, part by part of the plan. y may not be x.
+  void times_mass(const Block& x, Block& y) const;
+  void times_stiffness(const Block& x, Block& y) const;
+
+ private:
+  struct Target;
+  using Columns = void (OrderedSystem::*)(int, int, const double*, const Target&) const;
+  void mass_columns(int begin, int end, const double* x, const Target& y) const;
+  void stiffness_columns(int begin, int end, const double* x, const Target& y) const;
+  void multiply(Columns columns, const Block& x, Block& y) const;
+
+  const Elimination& plan_;
+  Team& team_;
+  std::vector<std::size_t> first_;
+  std::vector<int> rows_;
+  std::vector<double> masses_;
+  std::vector<std::array<double, 9>> stiffnesses_;
+};
+
+}  // namespace ringdown::solve
