@@ -41,6 +41,10 @@ void print_head(const modal::Bank& bank) {
                 made.element.c_str(), static_cast<long long>(made.unknowns), made.band_low_hz, made.band_high_hz,
                 static_cast<long long>(made.rigid_modes), made.largest_residual);
   }
+  if (made.counted_modes > 0) {
+    std::printf("complete   %lld eigenvalues below the band's top were counted by inertia, and as many found\n",
+                static_cast<long long>(made.counted_modes));
+  }
   if (const auto spread = modal::error_spread(bank)) {
     std::printf("errors     of the frequencies, as estimated: median %s, largest %s\n",
                 as_percent(spread->median).c_str(), as_percent(spread->largest).c_str());

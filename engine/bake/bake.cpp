@@ -224,7 +224,10 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
 
 // From the cache, or solved and put there.
 Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& report, const Progress& progress) {
-  solve::EigenRequest request{.highest_lambda = kHeadroom * top, .most_modes = task.options.most_modes};
+  solve::EigenRequest request{.highest_lambda = kHeadroom * top,
+                              .most_modes = task.options.most_modes,
+                              .method = task.options.solver,
+                              .processes = task.options.processes};
   const auto in_band = [top](BodyModes modes) { return up_to(std::move(modes), top); };
   if (task.options.cache.empty()) return solve_body(task, request, report, progress).map(in_band);
 
@@ -250,6 +253,7 @@ modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes)
           .element = element_text(options.element),
           .unknowns = modes.unknowns,
           .rigid_modes = modes.rigid,
+          .counted_modes = modes.rigid + modes.lambda.size(),  // a solve that found fewer than it counted has failed
           .band_low_hz = options.band_low_hz,
           .band_high_hz = options.band_high_hz,
           .largest_residual = modes.residuals.size() > 0 ? modes.residuals.maxCoeff() : 0.0};

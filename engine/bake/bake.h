@@ -9,6 +9,7 @@
 #include "engine/fem/assembly.h"
 #include "engine/mesh/tet_mesh.h"
 #include "engine/modal/bank.h"
+#include "engine/solve/eigensolver.h"
 
 #include <filesystem>
 #include <string>
@@ -24,6 +25,8 @@ struct BakeOptions {
   double floor_db = 0;           // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
   std::filesystem::path cache;   // folder of results that bake() may use and add to (mode_cache.h); empty: none
   std::string family;            // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
+  solve::Method solver = solve::Method::kAutomatic;
+  int processes = 2; // of solve::Method::kSlepc
 };
 
 struct BakeReport {

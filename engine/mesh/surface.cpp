@@ -24,6 +24,26 @@ Triangle sorted(Triangle face) {
   return face;
 }
 
+// The p^2 triangles between an element's nodes on one of its faces, turned as kTetFaces turns it.
+std::vector<Triangle> parts_of_face(int order, int face) {
+  const auto node_at = [&](int i, int j, int k) {  // shares of the face's corners, p in all
+    Lattice place = Lattice::Zero(1, 4);
+    place(kTetFaces[face][0]) = i;
+    place(kTetFaces[face][1]) = j;
+    place(kTetFaces[face][2]) = k;
+    return nodes_at(order, place / order)[0];
+  };
+  std::vector<Triangle> parts;
+  for (int i = 0; i < order; ++i) {
+    for (int j = 0; i + j < order; ++j) {
+      const int k = order - 1 - i - j;
+      parts.push_back({node_at(i + 1, j, k), node_at(i, j + 1, k), node_at(i, j, k + 1)});
+      if (k > 0) parts.push_back({node_at(i + 1, j + 1, k - 1), node_at(i, j + 1, k), node_at(i + 1, j, k)});
+    }
+  }
+  return parts;
+}
+
 Surface number_points(const std::vector<Triangle>& faces) {
   Surface surface;
   for (const Triangle& face : faces) surface.nodes.insert(surface.nodes.end(), face.begin(), face.end());
@@ -71,20 +91,32 @@ std::vector<std::uint32_t> simplify(const Surface& surface, const Points& nodes,
 }  // namespace
 
 Surface boundary_surface(const TetMesh& mesh) {
-  std::vector<std::pair<Triangle, Triangle>> faces;  // by its sorted nodes; as seen from outside
+  struct Face {
+    Triangle corners;  // sorted
+    Eigen::Index element;
+    int opposite;
+  };
+  std::vector<Face> faces;
   faces.reserve(4 * static_cast<std::size_t>(mesh.elements.rows()));
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
-    for (const auto& [a, b, c] : kTetFaces) {
-      const Triangle face = {mesh.elements(e, a), mesh.elements(e, b), mesh.elements(e, c)};
-      faces.emplace_back(sorted(face), lowest_first(face));
+    for (int f = 0; f < 4; ++f) {
+      const auto& [a, b, c] = kTetFaces[f];
+      faces.push_back({sorted({mesh.elements(e, a), mesh.elements(e, b), mesh.elements(e, c)}), e, f});
     }
   }
-  std::sort(faces.begin(), faces.end());
+  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.corners < b.corners; });
+  std::array<std::vector<Triangle>, 4> parts;
+  for (int f = 0; f < 4; ++f) parts[f] = parts_of_face(mesh.order(), f);
   std::vector<Triangle> outer;
   for (std::size_t i = 0; i < faces.size();) {
     std::size_t next = i + 1;
-    while (next < faces.size() && faces[next].first == faces[i].first) ++next;
-    if (next == i + 1) outer.push_back(faces[i].second);
+    while (next < faces.size() && faces[next].corners == faces[i].corners) ++next;
+    if (next == i + 1) {
+      const auto element = mesh.elements.row(faces[i].element);
+      for (const auto& [a, b, c] : parts[faces[i].opposite]) {
+        outer.push_back(lowest_first({element[a], element[b], element[c]}));
+      }
+    }
     i = next;
   }
   return number_points(outer);

@@ -10,14 +10,14 @@
 
 namespace ringdown::mesh {
 
-// Triangles between corner nodes of a TetMesh.
+// Triangles between nodes of a TetMesh.
 struct Surface {
   std::vector<std::int32_t> nodes;                      // P numbers of nodes in the TetMesh, ascending
   std::vector<std::array<std::uint32_t, 3>> triangles;  // positions in `nodes`, counter-clockwise from outside
 };
 
-// The faces that belong to one element only, turned outward. Nodes on edges of 10-node elements are left out:
-// the triangles are flat. Ordered by node number, whatever the order of the elements.
+// The faces that belong to one element only, turned outward. A face of an element of order p becomes p^2 flat triangles
+// between all its nodes, so that a coarse mesh of high order has as many points as its shapes need.
 Surface boundary_surface(const TetMesh& mesh);
 
 // At most `most_points` (>= 4) of the surface's own points, spread so that its form is kept: edges are

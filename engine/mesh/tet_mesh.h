@@ -37,20 +37,21 @@ struct CheckedMesh {
   TetMesh mesh;
   int pieces = 0;        // parts that share no node
   int flipped = 0;       // elements given inside out, now turned
-  int straightened = 0;  // curved elements that folded over themselves, now straight
+  int straightened = 0;  // curved elements that folded over themselves, now less curved or straight
   int unused_nodes = 0;  // dropped
 };
 
 // Repairs what has one right repair (the counts above) and refuses the rest: no elements, a node number out of range, a
 // coordinate that is not finite, an element without volume. A curved element folds where the determinant of its map
 // falls below a thousandth of the straight one's; it is looked at in as many points as determine that polynomial, and
-// in those that assembly integrates over. `name` stands in the sentence. O(E log E).
+// in those that assembly integrates over. One that does loses half
+// of its curvature, up to three times, then all. `name` stands in the sentence. O(E log E).
 Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name);
 
 // The same elements with the nodes of another order: each element's own map at the places of the new nodes, which are
 // shared by the elements around an edge or a face. Raising the order keeps the geometry exactly. Lowering it keeps the
 // corners and puts the other nodes on the old curve; what the lower order cannot follow in between is lost, and
-// elements that would fold become straight. Corners come first, in their old sequence. O(E).
+// elements that would fold lose curvature. Corners come first, in their old sequence. O(E).
 TetMesh to_order(const TetMesh& mesh, int order);
 
 // Every element cut into eight of the same order, which together are the same body: its corners cut off, and the

@@ -54,6 +54,7 @@ void find_residuals(const fem::System& system, Eigenmodes& modes) {
 Result<Eigenmodes> solve_by(Method method, const fem::System& system, const EigenRequest& request, double rigid_limit,
                             int threads, const Progress& progress) {
   if (method == Method::kBlockLanczos) return solve_block_lanczos(system, request, threads, progress);
+  if (method == Method::kSlepc) return solve_slepc(system, request, progress);
   Result<Eigenmodes> modes =
       method == Method::kDense ? solve_dense(system) : solve_spectra(system, request, rigid_limit, progress);
   if (!modes) return modes;

@@ -14,6 +14,8 @@
 
 #include <Eigen/Core>
 
+#include <string_view>
+
 namespace ringdown::solve {
 
 enum class Method {
@@ -21,17 +23,24 @@ enum class Method {
   kDense,         // LAPACK on full matrices: the yardstick
   kSpectra,       // Spectra's shift-invert Lanczos over CHOLMOD: the reference
   kBlockLanczos,  // shift-invert in blocks, in slices of the spectrum, over an own L D L^T
+  kSlepc,         // SLEPc over MPI, in processes of their own (engine/solve/distributed.h); only where it was built
 };
+
+// "auto", "dense", "spectra", "block", "slepc".
+std::string_view method_name(Method method);
+Result<Method> parse_method(std::string_view name);
 
 struct EigenRequest {
   double highest_lambda = 0;  // [rad^2/s^2], > 0
   int most_modes = 4096;      // more than these fail, instead of filling the memory
   double tolerance = 1e-9;    // relative, on 1 / (lambda - sigma)
   Method method = Method::kAutomatic;
-  int threads = 0;  // 0: as many as there are processors
+  int threads = 0;         // 0: as many as there are processors
   // Where a near relative of the body had its elastic modes, ascending; may be empty, or end before highest_lambda. For
   // planning only: it changes how long a solve takes, not what is found.
   Eigen::VectorXd expected_lambda = {};
+  int processes = 2;       // of kSlepc
+  int expected_modes = 0;  // with the rigid ones, when known: kSpectra then asks for so many at once. 0: not known
 };
 
 struct Eigenmodes {

@@ -75,7 +75,8 @@ Result<Eigenmodes> iterate(const fem::System& system, const EigenRequest& reques
   using Solver = Spectra::SymGEigsShiftSolver<ShiftedInverse, MassProduct, Spectra::GEigsMode::ShiftInvert>;
   MassProduct mass(system.node_mass);
   const auto unknowns = static_cast<int>(system.unknowns());
-  for (int wanted = std::min(kFirstRequest, unknowns - 1);;) {
+  const int first = request.expected_modes > 0 ? request.expected_modes + 1 : kFirstRequest;
+  for (int wanted = std::min(first, unknowns - 1);;) {
     const int basis = std::min(unknowns, 2 * wanted + 20);
     inverse.expect(basis + wanted);
     Solver solver(inverse, mass, wanted, basis, sigma);

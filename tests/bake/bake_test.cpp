@@ -40,6 +40,8 @@ TEST(Bake, FillsEverythingABankHolds) {
   EXPECT_EQ(bank.material->name, "steel");
   EXPECT_EQ(report.rigid, 6);
   EXPECT_EQ(bank.provenance.rigid_modes, 6);
+  EXPECT_EQ(bank.provenance.counted_modes, static_cast<std::int64_t>(bank.mode_count()) + report.rigid +
+                                               report.below_band + report.over_damped);
   EXPECT_EQ(bank.provenance.unknowns, report.unknowns);
   EXPECT_EQ(bank.provenance.element, "tet10 consistent");
   EXPECT_GT(bank.provenance.largest_residual, 0);
@@ -171,6 +173,10 @@ TEST(Bake, TakesTheOtherElementsToo) {
     EXPECT_LT(other.report.unknowns, quadratic.report.unknowns);
     EXPECT_GT(lowest(other.bank), 1.1 * lowest(quadratic.bank)) << "linear tetrahedra are too stiff";
   }
+  const bake::Baked cubic = baked({.element = fem::Element::kTet20});
+  EXPECT_EQ(cubic.bank.provenance.element, "tet20 consistent");
+  EXPECT_LT(lowest(cubic.bank), lowest(quadratic.bank));
+  EXPECT_NEAR(lowest(cubic.bank) / lowest(quadratic.bank), 1, 0.01);
 }
 
 TEST(Bake, TwoPiecesHaveTwelveRigidMotions) {

@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <iomanip>
 #include <numbers>
+#include <sstream>
 
 namespace ringdown {
 namespace {
@@ -111,6 +113,36 @@ $EndElements
   EXPECT_EQ(mesh->mesh.elements.rows(), 1);
   EXPECT_EQ(mesh->mesh.order(), 1);
   EXPECT_NEAR(volume(*mesh), 1.0 / 6, 1e-15);
+}
+
+// gmsh's order of 20 nodes, from its manual: inner nodes of the edges 01 12 20 30 32 31, middles of the faces 021 013
+// 032 312.
+TEST(GmshReader, ReadsAMeshOfHigherOrder) {
+  const std::array<std::array<int, 2>, 6> edges = {{{0, 1}, {1, 2}, {2, 0}, {3, 0}, {3, 2}, {3, 1}}};
+  const std::array<std::array<int, 3>, 4> faces = {{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {3, 1, 2}}};
+  mesh::Corners corners;
+  corners << 0, 0, 0, 3, 0, 0, 1, 2, 0, 0, 1, 2;
+  std::vector<Eigen::RowVector3d> nodes;
+  for (int i = 0; i < 4; ++i) nodes.emplace_back(corners.row(i));
+  for (const auto& [a, b] : edges) {
+    nodes.emplace_back((2 * corners.row(a) + corners.row(b)) / 3);
+    nodes.emplace_back((corners.row(a) + 2 * corners.row(b)) / 3);
+  }
+  for (const auto& [a, b, c] : faces) nodes.emplace_back((corners.row(a) + corners.row(b) + corners.row(c)) / 3);
+  std::ostringstream file;
+  file << std::setprecision(17) << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n20\n";
+  for (int n = 0; n < 20; ++n) file << n + 1 << ' ' << nodes[n] << '\n';
+  file << "$EndNodes\n$Elements\n1\n1 29 2 1 1";
+  for (int n = 0; n < 20; ++n) file << ' ' << n + 1;
+  file << "\n$EndElements\n";
+
+  const TemporaryFolder folder;
+  const auto mesh = mesh::read_with_gmsh(folder.write("cubic.msh", file.str()), {.parameters = {}});
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  ASSERT_EQ(mesh->mesh.order(), 3);
+  EXPECT_EQ(mesh->straightened, 0);
+  EXPECT_LT((mesh::nodes_of(mesh->mesh, 0) - mesh::lattice(3) * corners).norm(), 1e-14);
+  EXPECT_NEAR(volume(*mesh), 2, 1e-13);
 }
 
 TEST(GmshReader, RefusesWithOneSentence) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <csignal>
@@ -78,6 +79,8 @@ TEST(BakeProgram, RefusalsHaveTheirExitCodesAndOneSentence) {
       {"--nonsense" + out, 2},
       {mesh.string() + " -m steel", 2},
       {"--list-materials --materials /nowhere", 3},
+      {(kPresets / "objects/wooden-bar.toml").string() + " --solver magic" + out, 3},
+      {(kPresets / "objects/wooden-bar.toml").string() + " --processes 0" + out, 2},
       {mesh.string() + out + " --points few", 2},
       {mesh.string() + out + " --set length", 2},
       {"--all /nowhere " + mesh.string() + out, 2},
@@ -136,6 +139,27 @@ TEST(BakeProgram, SaysWhatItLeftOut) {
   EXPECT_GT(read->provenance.dropped_modes, 0);
   EXPECT_EQ(read->provenance.floor_db, 50);
   EXPECT_LT(read->provenance.loss_db, 0);
+}
+
+TEST(BakeProgram, EverySolverFindsTheSamePitches) {
+  const TemporaryFolder folder;
+  std::vector<double> yardstick;
+  for (const std::string solver : {"dense", "spectra", "block", "slepc --processes 2"}) {
+    if (solver.starts_with("slepc") && !fs::exists(RINGDOWN_BIN_DIR "/ringdown-modes-slepc")) {
+      GTEST_SKIP() << "ringdown-modes-slepc was not built: no SLEPc here";
+    }
+    const fs::path bank = folder.path() / "bar.glb";
+    const Ran ran = bake((kPresets / "objects/wooden-bar.toml").string() +
+                         " -q --no-cache --element tet4 --mesh-size 0.03 --band 20 9000 --solver " + solver + " -o " +
+                         bank.string());
+    ASSERT_EQ(ran.exit_code, 0) << ran.output;
+    const auto read = modal::read_bank(bank);
+    ASSERT_TRUE(read);
+    if (yardstick.empty()) yardstick = read->frequency_hz;
+    ASSERT_EQ(read->mode_count(), yardstick.size()) << solver;
+    for (std::size_t m = 0; m < yardstick.size(); ++m) EXPECT_NEAR(read->frequency_hz[m] / yardstick[m], 1, 1e-7);
+  }
+  EXPECT_GT(yardstick.size(), 3u);
 }
 
 TEST(BakeProgram, ListsItsMaterials) {

@@ -37,6 +37,7 @@ const std::vector<FolderRule> kFolderRules = {
     // the programs
     {"protocol/", {"engine/base/", "engine/modal/material_scale.h", "protocol/"}},
     {"server/", {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "server/"}},
+    {"clients/cli/slepc/", {"engine/base/", "engine/solve/distributed_files.h", "clients/cli/slepc/"}},
     {"clients/cli/bake/",
      {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/bake/", "protocol/", "clients/cli/"}},
     {"clients/",
@@ -66,6 +67,8 @@ const std::vector<LibraryRule> kLibraryRules = {
      {"engine/mesh/", "engine/fem/", "engine/solve/", "engine/bake/"},
      1000,
      {"engine/mesh/", "engine/fem/", "engine/solve/", "engine/bake/"}},
+    {"slepc", {"clients/cli/slepc/"}, 1, {"clients/cli/slepc/"}},
+    {"petsc", {"clients/cli/slepc/"}, 2, {"clients/cli/slepc/"}},
     {"metis.h", {"engine/solve/"}, 1},
     {"hwy/", {"engine/synth/"}},
     {"nlohmann/", {"engine/modal/", "clients/cli/"}, 1000, {"engine/modal/glb.h"}},

@@ -27,11 +27,12 @@ using protocol::ExitCode;
 // What the command line says; an option that is not given leaves the object file's or the default value.
 struct Arguments {
   fs::path input, output, all, materials;
-  std::optional<std::string> material, name, element, error;
+  std::optional<std::string> material, name, element, error, solver;
   std::optional<double> mesh_size_m, unit_m;
   std::optional<std::size_t> points;
   std::optional<int> keep;
   std::optional<double> floor_db;
+  std::optional<int> processes;
   std::vector<double> band_hz;
   std::map<std::string, double> parameters;
   bool list_materials = false, progress = false, quiet = false, no_cache = false, preview = false;
@@ -72,6 +73,9 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
       ->excludes(error);
   app.add_flag("--no-cache", arguments.no_cache,
                "neither use nor keep earlier results (in $RINGDOWN_CACHE, or ringdown in the user's cache folder)");
+  app.add_option("--solver", arguments.solver,
+                 "auto (default), block, spectra, dense, or slepc: over MPI, for meshes that outgrow one machine");
+  app.add_option("--processes", arguments.processes, "of --solver slepc (default 2)")->check(CLI::Range(1, 4096));
   app.add_flag("--list-materials", arguments.list_materials,
                "print the materials with their sources as Markdown, and bake nothing");
   app.add_flag("--progress", arguments.progress, "show progress even when stderr is not a terminal");
@@ -110,6 +114,12 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
     recipe.options.element = *element;
     recipe.meshing.order = fem::order_of(*element);
   }
+  if (arguments.solver) {
+    const Result<solve::Method> solver = solve::parse_method(*arguments.solver);
+    if (!solver) return fail(solver.error());
+    recipe.options.solver = *solver;
+  }
+  if (arguments.processes) recipe.options.processes = *arguments.processes;
   if (arguments.mesh_size_m) recipe.meshing.mesh_size_m = *arguments.mesh_size_m;
   if (arguments.unit_m) recipe.meshing.unit_m = *arguments.unit_m;
   if (arguments.points) recipe.options.most_points = *arguments.points;

@@ -1,0 +1,144 @@
+#include "engine/solve/distributed.h"
+
+#include "engine/solve/distributed_files.h"
+#include "engine/solve/methods.h"
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <unistd.h>
+
+namespace ringdown::solve {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kProgram = "ringdown-modes-slepc";
+constexpr int kRigidRoom = 600;  // the program cannot tell rigid motions; solve_modes() counts again without them
+
+// A folder that only we can read, gone afterwards.
+class PrivateFolder {
+ public:
+  PrivateFolder() {
+    std::error_code error;
+    std::string name = (fs::temp_directory_path(error) / "ringdown-modes-XXXXXX").string();
+    if (::mkdtemp(name.data()) != nullptr) path_ = name;
+  }
+  ~PrivateFolder() {
+    std::error_code error;
+    if (!path_.empty()) fs::remove_all(path_, error);
+  }
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+// A symmetric matrix is the same column by column and row by row.
+SparseView view_of(const fem::SparseMatrix& matrix) {
+  const auto rows = static_cast<std::size_t>(matrix.rows()), entries = static_cast<std::size_t>(matrix.nonZeros());
+  return {{matrix.outerIndexPtr(), rows + 1}, {matrix.innerIndexPtr(), entries}, {matrix.valuePtr(), entries}};
+}
+
+Result<void> write_system(const fs::path& path, const fem::System& system, const EigenRequest& request) {
+  const fem::SparseMatrix stiffness = system.stiffness.selfadjointView<Eigen::Lower>();
+  const ProblemHeader header{.nodes = system.node_mass.rows(),
+                             .stiffness_entries = stiffness.nonZeros(),
+                             .mass_entries = system.node_mass.nonZeros(),
+                             .highest_lambda = request.highest_lambda,
+                             .tolerance = request.tolerance,
+                             .most_modes = request.most_modes + kRigidRoom};
+  return write_problem(path, header, view_of(stiffness), view_of(system.node_mass));
+}
+
+// mpirun counts cores and will not start more processes than that, nor anything for root, unless told to. Processes are
+// many already, so each has one thread.
+ChildRequest command_for(const fs::path& program, const DistributedRun& run) {
+  ChildRequest child;
+  child.environment = {{"OPENBLAS_NUM_THREADS", "1"}, {"OMP_NUM_THREADS", "1"}};
+  if (run.processes > 1) {
+    child.command = {"mpirun", "--oversubscribe", "-n", std::to_string(run.processes)};
+    if (::geteuid() == 0) {
+      child.environment.insert({{"OMPI_ALLOW_RUN_AS_ROOT", "1"}, {"OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"}});
+    }
+  }
+  child.command.push_back(program.string());
+  child.limit_s = run.limit_s;
+  return child;
+}
+
+// Lines of the program are "STAGE FRACTION".
+struct Watcher {
+  const Progress& progress;
+  std::string stage = "factors";
+  double fraction = 0;
+
+  void read(std::string_view line) {
+    const std::size_t blank = line.find(' ');
+    if (blank == std::string_view::npos) return;
+    stage = line.substr(0, blank);
+    fraction = std::min(0.99, std::max(0.0, std::atof(std::string(line.substr(blank + 1)).c_str())));
+  }
+  [[nodiscard]] bool go_on() const { return !progress || progress(stage, fraction); }
+};
+
+// What the program said on a line of its own, or failing that the last thing anybody said.
+std::string reason_of(const ChildOutcome& outcome) {
+  const std::string mark = std::string(kProgram) + ": ";
+  const std::size_t said = outcome.errors.find(mark);
+  if (said == std::string::npos) {
+    const std::string last = last_line(outcome.errors);
+    return "ended with exit code " + std::to_string(outcome.exit_code) + (last.empty() ? "" : ": " + last);
+  }
+  const std::size_t start = said + mark.size();
+  return outcome.errors.substr(start, outcome.errors.find('\n', start) - start);
+}
+
+}  // namespace
+
+Result<DistributedModes> run_distributed(const fem::System& system, const EigenRequest& request,
+                                         const DistributedRun& run, const Progress& progress) {
+  const Result<fs::path> program = find_beside(kProgram);
+  if (!program) return fail(program.error().message + "; it is built where SLEPc is installed (libslepc-real-dev)");
+  const PrivateFolder folder;
+  if (folder.path().empty()) return fail(std::string("cannot make a temporary folder: ") + std::strerror(errno));
+  const fs::path problem = folder.path() / "problem", answer = folder.path() / "modes";
+  Watcher watcher{progress};
+  if (!watcher.go_on()) throw Cancelled{};
+  if (auto written = write_system(problem, system, request); !written) return fail(written.error());
+
+  ChildRequest child = command_for(*program, run);
+  child.command.insert(child.command.end(), {problem.string(), answer.string()});
+  child.command.insert(child.command.end(), run.options.begin(), run.options.end());
+  child.on_line = [&](std::string_view line) { watcher.read(line); };
+  child.keep_going = [&] { return watcher.go_on(); };
+  const Result<ChildOutcome> outcome = run_child(child);
+  if (!outcome) return fail(outcome.error().message + (run.processes > 1 ? "; install openmpi-bin" : ""));
+  if (outcome->stopped) throw Cancelled{};
+  if (outcome->out_of_time) return fail("SLEPc took longer than its limit");
+  if (outcome->exit_code != 0) return fail("SLEPc: " + reason_of(*outcome));
+
+  const Result<ModesFile> file = read_modes(answer, system.node_mass.rows());
+  if (!file) return fail(file.error());
+  const auto count = static_cast<Eigen::Index>(file->lambda.size());
+  DistributedModes found{{}, *outcome};
+  found.modes.lambda = Eigen::Map<const Eigen::VectorXd>(file->lambda.data(), count);
+  found.modes.shapes = Eigen::Map<const Eigen::MatrixXd>(file->shapes.data(), system.unknowns(), count);
+  found.modes.solves = static_cast<int>(file->header.solves);
+  found.modes.factorizations = static_cast<int>(file->header.factorizations);
+  found.modes.factor_seconds = file->header.factor_seconds;
+  found.modes.iterate_seconds = file->header.iterate_seconds;
+  return found;
+}
+
+Result<Eigenmodes> solve_slepc(const fem::System& system, const EigenRequest& request, const Progress& progress) {
+  Result<DistributedModes> found =
+      run_distributed(system, request, {.processes = std::max(1, request.processes)}, progress);
+  if (!found) return fail(found.error());
+  found->modes.counted = static_cast<int>(found->modes.lambda.size());  // the program checked it, by MUMPS's inertia
+  return std::move(found->modes);
+}
+
+}  // namespace ringdown::solve

@@ -1,0 +1,234 @@
+// Modal analysis against exact values and against other programs: how far off, how long, how much memory.
+//
+//   ringdown_modal_bench -o build/bench/modal.csv [--gate] [--quick] [--only PART] [--case BODY] [--limit S] [--resume]
+//
+// `./run bench modal` runs it; docs/benchmarks.md reads it. Every measurement is a process of its own (this program
+// with `single`), held to as many cores as its row says, so that times and peak memory are its alone. The CSV is
+// written again after each one: a run that is cut short is taken up by --resume.
+#include "engine/base/child_process.h"
+#include "tests/bench/modal/machine.h"
+#include "tests/bench/modal/methods.h"
+#include "tests/bench/modal/plan.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <iterator>
+#include <fstream>
+#include <sched.h>
+
+namespace {
+
+using namespace ringdown;
+namespace fs = std::filesystem;
+
+struct Arguments {
+  fs::path output = "modal.csv";
+  std::vector<std::string> only, cases;
+  bool gate = false, quick = false, resume = false;
+  double limit_s = 900;
+  // of a measuring process
+  bool single = false;
+  bench::Spec spec;
+  fs::path frequencies, reference;
+
+  [[nodiscard]] fs::path folder() const { return output.parent_path() / (output.stem().string() + "-runs"); }
+  [[nodiscard]] fs::path file_of(const bench::Spec& of, const char* extension) const {
+    return folder() / (of.key() + extension);
+  }
+};
+
+void add_options(CLI::App& app, Arguments& a) {
+  app.add_option("-o,--output", a.output, "the CSV to write; files of single measurements lie beside it");
+  app.add_flag("--gate", a.gate, "exit with 1 when a promise is missed");
+  app.add_flag("--quick", a.quick, "small meshes: shows that everything runs, promises nothing");
+  app.add_option("--only", a.only, "parts: default agreement peers threads many memory series");
+  app.add_option("--case", a.cases, "bodies: block plate sphere bell soft-block bar");
+  app.add_option("--limit", a.limit_s, "seconds each measurement may take (default 900)");
+  app.add_flag("--resume", a.resume, "keep what an earlier run measured");
+  CLI::App* single = app.add_subcommand("single", "one measurement, in this process")->group("");
+  single->add_option("--body", a.spec.body);
+  single->add_option("--mesh", a.spec.mesh);
+  single->add_option("--element", a.spec.element);
+  single->add_option("--method", a.spec.method);
+  single->add_option("--threads", a.spec.threads);
+  single->add_option("--top", a.spec.top_hz);
+  single->add_option("--expected", a.spec.expected);
+  single->add_option("--limit", a.limit_s);
+  single->add_option("--frequencies", a.frequencies);
+  single->add_option("--reference", a.reference);
+}
+
+// This process and its children may run on so many cores only.
+void hold_to_cores(int count) {
+  cpu_set_t allowed, kept;
+  CPU_ZERO(&kept);
+  ::sched_getaffinity(0, sizeof allowed, &allowed);
+  for (int cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&kept) < count; ++cpu) {
+    if (CPU_ISSET(cpu, &allowed)) CPU_SET(cpu, &kept);
+  }
+  ::sched_setaffinity(0, sizeof kept, &kept);
+}
+
+int measure_here(const Arguments& a) {
+  hold_to_cores(a.spec.threads);
+  const auto reference = a.reference.empty() ? std::vector<double>{} : bench::read_frequencies(a.reference);
+  std::fputs(to_lines(bench::measure(a.spec, a.limit_s, a.frequencies, reference)).c_str(), stdout);
+  return 0;
+}
+
+bench::Measurement measure_in_a_child(const Arguments& a, const bench::Spec& spec) {
+  bench::Measurement failed{.spec = spec};
+  if (!bench::installed(spec.method)) return failed.status = bench::Status::kNotInstalled, failed;
+  std::string said;
+  const fs::path reference = spec.body == "bell" ? a.file_of(bench::bell_reference(a.quick), ".hz") : fs::path();
+  const std::string threads = std::to_string(spec.threads);
+  ChildRequest child{.command = {fs::read_symlink("/proc/self/exe").string(),
+                                 "single",
+                                 "--body",
+                                 spec.body,
+                                 "--mesh",
+                                 spec.mesh,
+                                 "--element",
+                                 spec.element,
+                                 "--method",
+                                 spec.method,
+                                 "--threads",
+                                 threads,
+                                 "--top",
+                                 std::to_string(spec.top_hz),
+                                 "--expected",
+                                 std::to_string(spec.expected),
+                                 "--limit",
+                                 std::to_string(a.limit_s),
+                                 "--frequencies",
+                                 a.file_of(spec, ".hz").string()},
+                     .environment = {{"OPENBLAS_NUM_THREADS", threads}, {"OMP_NUM_THREADS", threads}},
+                     .limit_s = 1.2 * a.limit_s + 60,  // a peer's own limit ends it first; meshing is not its time
+                     .on_line = [&](std::string_view line) { said.append(line).append("\n"); }};
+  if (!reference.empty()) child.command.insert(child.command.end(), {"--reference", reference.string()});
+  const auto run = run_child(child);
+  if (!run) return failed.complaint = run.error().message, failed;
+  if (run->out_of_time) {
+    failed.status = bench::Status::kOverLimit;
+    failed.seconds = a.limit_s;
+    return failed;
+  }
+  const auto measured = bench::from_lines(said, spec);
+  if (measured) return *measured;
+  failed.complaint = run->exit_code == 0
+                         ? measured.error().message
+                         : "exit code " + std::to_string(run->exit_code) + ", " + last_line(run->errors);
+  return failed;
+}
+
+void show(const bench::Measurement& m) {
+  const bench::Spec& s = m.spec;
+  std::printf("%-10s %-9s %-7s %-13s %d thread%s ", s.body.c_str(), s.mesh.c_str(), s.element.c_str(), s.method.c_str(),
+              s.threads, s.threads == 1 ? " " : "s");
+  switch (m.status) {
+    case bench::Status::kNotInstalled:
+      std::printf("not installed\n");
+      break;
+    case bench::Status::kFailed:
+      std::printf("failed: %s\n", m.complaint.c_str());
+      break;
+    case bench::Status::kOverLimit:
+      std::printf("> %.0f s\n", m.seconds);
+      break;
+    case bench::Status::kDone:
+      std::printf("%7ld unknowns %5ld modes %8.2f s %7.0f MiB", m.unknowns, m.modes, m.seconds, m.peak_mib);
+      if (m.error_10 >= 0) std::printf("  errors %.4f %%", m.error_10);
+      if (m.error_50 >= 0) std::printf(" %.4f %%", m.error_50);
+      std::printf("\n");
+  }
+  std::fflush(stdout);
+}
+
+bool wanted(const Arguments& a, const bench::Spec& planned) {
+  const auto chosen = [](const std::vector<std::string>& names, const std::string& name) {
+    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+  };
+  return chosen(a.only, planned.part) && chosen(a.cases, planned.body);
+}
+
+std::string whole_file(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// What an earlier run wrote; a failure is tried again.
+const bench::Measurement* take_earlier(const Arguments& a, const bench::Spec& spec, bench::Measurements& all) {
+  const auto earlier = bench::from_lines(whole_file(a.file_of(spec, ".txt")), spec);
+  if (!earlier || earlier->status == bench::Status::kFailed || earlier->status == bench::Status::kNotInstalled) {
+    return nullptr;
+  }
+  return &(all[spec.key()] = *earlier);
+}
+
+// Peers are asked for as many modes as ours found, and one for each rigid motion.
+int expected_modes(const bench::Measurements& all, const bench::Spec& spec) {
+  const bench::Measurement* ours = find(all, spec.by("ours"));
+  return ours == nullptr ? 0 : static_cast<int>(ours->modes) + 6;
+}
+
+bool needs_ours(const bench::Spec& spec) { return spec.method != "ours" && spec.method != "bake"; }
+
+// False when the CSV could not be written.
+bool save(const Arguments& a, const std::vector<bench::Spec>& plan, bench::Measurements& all) {
+  compare(all, a.folder());
+  const auto written = write_csv(a.output, plan, all, bench::this_machine());
+  if (!written) std::fprintf(stderr, "%s\n", written.error().message.c_str());
+  return written.has_value();
+}
+
+// What is not chosen is taken from an earlier run, so that a table can be made in parts.
+bool measure_all(const Arguments& a, const std::vector<bench::Spec>& plan, bench::Measurements& all) {
+  for (const bench::Spec& planned : plan) {
+    bench::Spec spec = planned;
+    const bool due = wanted(a, planned);
+    const bool kept = (a.resume || !due) && take_earlier(a, spec, all) != nullptr;
+    if (kept || !due || find(all, spec) != nullptr) continue;
+    spec.expected = needs_ours(spec) ? expected_modes(all, spec) : 0;
+    bench::Measurement measured{.spec = spec, .complaint = "ours, which tells the number of modes, was not measured"};
+    if (!needs_ours(spec) || spec.expected > 6) measured = measure_in_a_child(a, spec);
+    show(all[spec.key()] = measured);
+    std::ofstream(a.file_of(spec, ".txt")) << to_lines(measured);
+    if (!save(a, plan, all)) return false;
+  }
+  return save(a, plan, all);
+}
+
+// True when no promise was missed.
+bool report(const std::vector<bench::Promise>& promises) {
+  constexpr std::array kVerdicts = {"pass  ", "MISSED", "-     "};
+  std::array<int, 3> counts{};
+  std::printf("\n");
+  for (const bench::Promise& promise : promises) {
+    std::printf("%s  %s\n", kVerdicts[promise.verdict], promise.sentence.c_str());
+    ++counts[promise.verdict];
+  }
+  std::printf("\n%d passed, %d missed, %d not measured\n", counts[0], counts[1], counts[2]);
+  return counts[1] == 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Measures modal analysis against exact values and other programs.", "ringdown_modal_bench");
+  Arguments arguments;
+  add_options(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  if (app.got_subcommand("single")) return measure_here(arguments);
+  std::error_code error;
+  fs::create_directories(arguments.folder(), error);
+  std::vector<bench::Spec> plan = bench::plan(arguments.quick);
+  bench::Measurements all;
+  if (!measure_all(arguments, plan, all)) return 1;
+  std::erase_if(plan, [&](const bench::Spec& planned) { return !wanted(arguments, planned); });
+  const bool kept = report(promises(plan, all, arguments.quick));
+  std::printf("\n%s\n", arguments.output.c_str());
+  return arguments.gate && !kept ? 1 : 0;
+}
