@@ -47,7 +47,7 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')");
   app.add_option("--name", arguments.name, "name kept in the bank (default: the input's)");
   app.add_option("-e,--element", arguments.element,
-                 "tet10 (default), tet20, tet35, tet4, or tet4-lumped: the 2011 report's, far too stiff in bending");
+                 "tet20 (default), tet10, tet35, tet4, or tet4-lumped: the 2011 report's, far too stiff in bending");
   app.add_option("--mesh-size", arguments.mesh_size_m, "longest edge in metres, when a geometry is meshed (default: by the band)")
       ->check(CLI::PositiveNumber);
   app.add_option("--set", settings, "NAME=NUMBER, a parameter of a .geo file, in its unit");
