@@ -13,7 +13,7 @@
 namespace ringdown::bake {
 namespace {
 
-constexpr std::size_t kLargestGeometry = 16 << 20;  // bytes hashed for a family's name
+constexpr std::size_t kLargestGeometry = 16 << 20;                         // bytes hashed for a family's name
 constexpr double kSmallestStep = 0.4, kLargestStep = 0.85, kMargin = 0.9;  // of mesh sizes from round to round
 constexpr double kPreviewUnknowns = 5000;
 constexpr std::size_t kPreviewPoints = 60;
@@ -193,14 +193,16 @@ class Baker {
 
   [[nodiscard]] std::string more_than_most(double wanted) const {
     char text[80];
-    std::snprintf(text, sizeof text, "the next round would take about %.2g million unknowns, more than %.2g", wanted / 1e6,
-                  recipe_.most_unknowns / 1e6);
+    std::snprintf(text, sizeof text, "the next round would take about %.2g million unknowns, more than %.2g",
+                  wanted / 1e6, recipe_.most_unknowns / 1e6);
     return text;
   }
 
   [[nodiscard]] std::string out_of_reach(const std::string& why) const {
-    const double best = std::min_element(object_.rounds.begin(), object_.rounds.end(),
-                                         [](const Round& a, const Round& b) { return a.error < b.error; })->error;
+    const double best =
+        std::min_element(object_.rounds.begin(), object_.rounds.end(), [](const Round& a, const Round& b) {
+          return a.error < b.error;
+        })->error;
     return recipe_.name + ": the error stays at " + as_percent(best) + " instead of " + as_percent(recipe_.error) +
            " (" + why + "); allow a larger --error, or narrow the band with --band";
   }

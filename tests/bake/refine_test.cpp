@@ -59,7 +59,8 @@ TEST(BodyShape, OfABoxIsItsOwn) {
 TEST(MeshChoice, FollowsTheShortestWave) {
   const bake::BodyShape plate{.volume_m3 = 1.6e-4, .thickness_m = 0.004, .width_m = 0.2};
   const bake::BodyShape block{.volume_m3 = 4.8e-4, .thickness_m = 0.0255, .width_m = 0.08};
-  const auto thin = bake::choose_mesh(plate, kSteel, 8000, 3, 1e9), thick = bake::choose_mesh(block, kSteel, 50e3, 3, 1e9);
+  const auto thin = bake::choose_mesh(plate, kSteel, 8000, 3, 1e9),
+             thick = bake::choose_mesh(block, kSteel, 50e3, 3, 1e9);
   const double stiffness = 200e9 * std::pow(0.004, 3) / 12 / 0.91, omega = 16e3 * std::numbers::pi;
   const double bending = 2 * std::numbers::pi / std::pow(7850 * 0.004 * omega * omega / stiffness, 0.25);
   EXPECT_NEAR(thin.shortest_wave_m / bending, 1, 1e-9);
@@ -172,7 +173,8 @@ TEST(AskedError, SaysHowFarItCameWhenItCannotBeReached) {
   ASSERT_FALSE(object);
   EXPECT_NE(object.error().message.find("body: the error stays at "), std::string::npos) << object.error().message;
   EXPECT_NE(object.error().message.find(" instead of 1e-05 %"), std::string::npos) << object.error().message;
-  EXPECT_NE(object.error().message.find("million unknowns, more than 0.002)"), std::string::npos) << object.error().message;
+  EXPECT_NE(object.error().message.find("million unknowns, more than 0.002)"), std::string::npos)
+      << object.error().message;
 }
 
 TEST(Preview, IsQuickCoarseAndSaysItsError) {
