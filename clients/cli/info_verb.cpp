@@ -1,5 +1,6 @@
 #include "clients/cli/pitch.h"
 #include "clients/cli/verb.h"
+#include "engine/base/fraction.h"
 #include "engine/modal/bank_file.h"
 
 #include <CLI/CLI.hpp>
@@ -40,6 +41,14 @@ void print_head(const modal::Bank& bank) {
                 made.element.c_str(), static_cast<long long>(made.unknowns), made.band_low_hz, made.band_high_hz,
                 static_cast<long long>(made.rigid_modes), made.largest_residual);
   }
+  if (made.counted_modes > 0) {
+    std::printf("complete   %lld eigenvalues below the band's top were counted by inertia, and as many found\n",
+                static_cast<long long>(made.counted_modes));
+  }
+  if (const auto spread = modal::error_spread(bank)) {
+    std::printf("errors     of the frequencies, as estimated: median %s, largest %s\n",
+                as_percent(spread->median).c_str(), as_percent(spread->largest).c_str());
+  }
   if (made.dropped_modes > 0) {
     std::printf("left out   %lld modes, at most %.1f dB of the energy of a blow",
                 static_cast<long long>(made.dropped_modes), made.loss_db);
@@ -49,11 +58,14 @@ void print_head(const modal::Bank& bank) {
 }
 
 void print_modes(const modal::Bank& bank) {
-  std::printf("\n%5s %12s %10s %10s %14s  %s\n", "mode", "frequency Hz", "T60 s", "decay 1/s", "rms kg^-1/2", "note");
+  std::printf("\n%5s %12s %10s %10s %14s %8s  %s\n", "mode", "frequency Hz", "T60 s", "decay 1/s", "rms kg^-1/2",
+              "error %", "note");
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double decay = bank.decay_per_s[m];
-    std::printf("%5zu %12.3f %10.4g %10.4g %14.4g  %s\n", m, bank.frequency_hz[m], modal::t60_s(decay), decay,
-                rms_shape(bank, m), note_name(bank.frequency_hz[m]).c_str());
+    char error[16] = "";
+    if (!bank.frequency_error.empty()) std::snprintf(error, sizeof error, "%.2g", 100 * bank.frequency_error[m]);
+    std::printf("%5zu %12.3f %10.4g %10.4g %14.4g %8s  %s\n", m, bank.frequency_hz[m], modal::t60_s(decay), decay,
+                rms_shape(bank, m), error, note_name(bank.frequency_hz[m]).c_str());
   }
 }
 

@@ -253,6 +253,7 @@ modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes)
           .element = element_text(options.element),
           .unknowns = modes.unknowns,
           .rigid_modes = modes.rigid,
+          .counted_modes = modes.rigid + modes.lambda.size(),  // a solve that found fewer than it counted has failed
           .band_low_hz = options.band_low_hz,
           .band_high_hz = options.band_high_hz,
           .largest_residual = modes.residuals.size() > 0 ? modes.residuals.maxCoeff() : 0.0};

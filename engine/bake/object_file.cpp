@@ -1,10 +1,8 @@
 #include "engine/bake/object_file.h"
 
-#include "engine/base/atomic_file.h"
+#include "engine/bake/refine.h"
 #include "engine/base/toml_table.h"
-#include "engine/mesh/mesh_cache.h"
 
-#include <chrono>
 #include <cmath>
 
 namespace ringdown::bake {
@@ -13,7 +11,6 @@ namespace {
 constexpr Range kLength_m{1e-9, 1e6};
 constexpr Range kGain_db{-60, 60};
 constexpr Range kFloor_db{1, 200};
-constexpr std::size_t kLargestGeometry = 16 << 20;  // bytes hashed for a family's name
 
 void read_options(TomlTable& file, BakeOptions& options) {
   std::string name = "tet10";
@@ -38,21 +35,6 @@ void read_options(TomlTable& file, BakeOptions& options) {
   options.band_high_hz = band[1];
 }
 
-// Meshes of one geometry with the same parameters, however fine and of whatever material.
-std::string family_of(const ObjectRecipe& recipe) {
-  const Result<std::string> geometry = read_whole_file(recipe.geometry, kLargestGeometry);
-  if (!geometry) return "";
-  ContentHasher hasher;
-  hasher.text(*geometry);
-  for (const auto& [name, value] : recipe.meshing.parameters) hasher.text(name).value(value);
-  return hasher.hash().text();
-}
-
-Result<mesh::CheckedMesh> find_mesh(const ObjectRecipe& recipe) {
-  if (recipe.options.cache.empty()) return mesh::read_with_gmsh(recipe.geometry, recipe.meshing);
-  return mesh::read_through_cache(recipe.geometry, recipe.meshing, ContentCache(recipe.options.cache));
-}
-
 }  // namespace
 
 Result<ObjectRecipe> read_object(const std::filesystem::path& path) {
@@ -72,6 +54,7 @@ Result<ObjectRecipe> read_object(const std::filesystem::path& path) {
   file->named_numbers("parameters", recipe.meshing.parameters);
   read_options(*file, recipe.options);
   recipe.meshing.order = fem::order_of(recipe.options.element);
+  file->fraction("error", recipe.error, kError);
   file->number("gain_db", recipe.gain_db, kGain_db);
   if (auto good = file->finish(); !good) return fail(good.error());
   return recipe;
@@ -81,17 +64,9 @@ Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesyste
                                 const Progress& progress) {
   const Result<MaterialEntry> material = find_material(materials, recipe.material);
   if (!material) return fail(material.error());
-  if (progress && !progress("mesh", 0)) return fail(std::string(kCancelled));
-  const auto start = std::chrono::steady_clock::now();
-  Result<mesh::CheckedMesh> mesh = find_mesh(recipe);
-  if (!mesh) return fail(mesh.error());
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  BakeOptions options = recipe.options;
-  if (!options.cache.empty()) options.family = family_of(recipe);
-  Result<Baked> baked = bake(*mesh, material->material, options, recipe.name, progress);
-  if (!baked) return fail(baked.error());
-  baked->bank.gain = std::pow(10.0, recipe.gain_db / 20);
-  return BakedObject{std::move(*baked), std::move(*mesh), seconds};
+  Result<BakedObject> object = bake_recipe(recipe, material->material, progress);
+  if (object) object->baked.bank.gain = std::pow(10.0, recipe.gain_db / 20);
+  return object;
 }
 
 }  // namespace ringdown::bake

@@ -5,7 +5,8 @@
 //   material = "glass"               # a file of presets/materials
 //   geometry = "tumbler.geo"         # or a mesh; relative to this file
 //   unit_m = 0.001                   # length of one unit of the geometry; default 1
-//   mesh_size_m = 0.006              # longest edge, for a geometry; default: gmsh's choice
+//   mesh_size_m = 0.006              # longest edge, for a geometry; default: chosen by the band (mesh_choice.h)
+//   error = "0.1%"                   # or 0.001: refine until every frequency is that good (refine.h); default: no matter
 //   element = "tet10"                # default; tet20, tet35, tet4, tet4-lumped
 //   surface_points = 160             # default 200
 //   band_hz = [20, 20000]            # default
@@ -18,10 +19,14 @@
 
 #include "engine/bake/bake.h"
 #include "engine/bake/material_library.h"
+#include "engine/bake/mesh_choice.h"
+#include "engine/base/range.h"
 #include "engine/mesh/gmsh_reader.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace ringdown::bake {
 
@@ -33,17 +38,30 @@ struct ObjectRecipe {
   mesh::GmshOptions meshing;
   BakeOptions options;
   double gain_db = 0;
+  double error = 0;      // relative, that the estimate for every frequency in the band must reach; 0: whatever it is
+  bool preview = false;  // coarse and quick; `error` does not count
 };
 
+inline constexpr Range kError{1e-7, 0.5};  // that may be asked for
+
 Result<ObjectRecipe> read_object(const std::filesystem::path& path);
+
+// One bake of several that refine each other.
+struct Round {
+  fem::Element element = fem::Element::kTet10;
+  Eigen::Index elements = 0, unknowns = 0;
+  double error = 0;  // the largest estimate of any frequency in the band
+};
 
 struct BakedObject {
   Baked baked;
   mesh::CheckedMesh mesh;
+  std::optional<MeshChoice> choice;  // of the mesh size, where none was named
+  std::vector<Round> rounds;         // one, or more with recipe.error; the last one made the bank
   double mesh_seconds = 0;
 };
 
-// Meshes, then bakes with the material of that name in `materials`. A first progress stage, "mesh", comes
+// Bakes with the material of that name in `materials`, by bake_recipe() (refine.h). A first progress stage, "mesh", comes
 // before those of bake(); meshing cannot be cancelled while gmsh is at work. With a cache (recipe.options.cache), neither
 // is done a second time for the same object.
 Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesystem::path& materials,

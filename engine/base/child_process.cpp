@@ -19,9 +19,7 @@ constexpr int kPoll_ms = 50;
 constexpr double kGrace_s = 0.5;  // from SIGTERM to SIGKILL
 constexpr std::size_t kKeptErrors = 8192;
 
-double now_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 double seconds_of(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);

@@ -28,13 +28,13 @@ struct ChildRequest {
 };
 
 struct ChildOutcome {
-  int exit_code = 0;          // 128 + signal when one ended it
-  bool stopped = false;       // keep_going said no
-  bool out_of_time = false;   // limit_s passed
-  std::string errors;         // the end of its standard error, at most 8 kB
-  double seconds = 0;         // wall time
-  double processor_s = 0;     // of it and of those it waited for
-  double peak_mib = 0;        // resident: of it, or of the largest of those it waited for
+  int exit_code = 0;         // 128 + signal when one ended it
+  bool stopped = false;      // keep_going said no
+  bool out_of_time = false;  // limit_s passed
+  std::string errors;        // the end of its standard error, at most 8 kB
+  double seconds = 0;        // wall time
+  double processor_s = 0;    // of it and of those it waited for
+  double peak_mib = 0;       // resident: of it, or of the largest of those it waited for
 };
 
 // Fails only when the program cannot be started. Ending it: SIGTERM, and SIGKILL half a second later.

@@ -1,6 +1,7 @@
 #include "engine/base/toml_table.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/base/fraction.h"
 #include "engine/base/quoted.h"
 
 #define TOML_HEADER_ONLY 1
@@ -131,6 +132,18 @@ void TomlTable::number(std::string_view key, double& target) {
   if (!node) return;
   if (!node->is_number() || !std::isfinite(*node->value<double>())) return expected(key, "a finite number");
   target = *node->value<double>();
+}
+
+void TomlTable::fraction(std::string_view key, double& target, const Range& range) {
+  const toml::node* node = place_->take(key);
+  if (!node) return;
+  const Result<double> value = node->is_string()   ? parse_fraction(node->as_string()->get())
+                               : node->is_number() ? Result<double>(*node->value<double>())
+                                                   : fail("");
+  if (!value) return expected(key, "a number or a percentage in quotes, such as \"0.1%\"");
+  const auto inside = check_range(*value, range);
+  if (!inside) return complain(key, std::string(key) + " = " + inside.error().message);
+  target = *value;
 }
 
 void TomlTable::whole(std::string_view key, std::uint64_t& target, std::uint64_t low, std::uint64_t high) {

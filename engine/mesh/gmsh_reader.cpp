@@ -85,6 +85,12 @@ class ParameterFile {
   bool written_ = false;
 };
 
+bool geo_says(const std::filesystem::path& path, const char* expression) {
+  if (path.extension() != ".geo") return false;
+  const Result<std::string> text = read_whole_file(path, kLargestGeometry);
+  return text && std::regex_search(*text, std::regex(expression));
+}
+
 Result<void> check_parameters(const std::filesystem::path& path, const std::map<std::string, double>& parameters) {
   if (parameters.empty()) return {};
   if (path.extension() != ".geo") {
@@ -121,10 +127,62 @@ bool is_geometry() {
   return types.empty() && !volumes.empty();
 }
 
+// The angle between the two faces at a curve's middle is more than this; a seam has one face only.
+bool is_sharp(int curve) {
+  constexpr double kSmooth = 0.94;  // cosine of 20 degrees
+  std::vector<int> faces, ends;
+  gmsh::model::getAdjacencies(1, curve, faces, ends);
+  std::sort(faces.begin(), faces.end());
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  if (faces.size() != 2) return faces.size() > 2;
+  std::vector<double> from, to, middle;
+  gmsh::model::getParametrizationBounds(1, curve, from, to);
+  gmsh::model::getValue(1, curve, {0.5 * (from.at(0) + to.at(0))}, middle);
+  std::array<std::vector<double>, 2> normals;
+  for (int side = 0; side < 2; ++side) {
+    std::vector<double> at;
+    gmsh::model::getParametrization(2, faces[side], middle, at);
+    gmsh::model::getNormal(faces[side], at, normals[side]);
+  }
+  const auto& [a, b] = normals;
+  return std::abs(a.at(0) * b.at(0) + a.at(1) * b.at(1) + a.at(2) * b.at(2)) < kSmooth;
+}
+
+std::vector<double> sharp_curves() {
+  gmsh::vectorpair curves;
+  gmsh::model::getEntities(curves, 1);
+  std::vector<double> sharp;
+  for (const auto& [dimension, curve] : curves) {
+    if (is_sharp(curve)) sharp.push_back(curve);
+  }
+  return sharp;
+}
+
+// Elements of `edge_size` up to half of it away from sharp edges, of `mesh_size` from two and a half on.
+void refine_at_edges(double edge_size, double mesh_size) {
+  const std::vector<double> curves = sharp_curves();
+  if (curves.empty()) return;
+  constexpr int kSamples = 400;  // of a curve
+  const int distance = gmsh::model::mesh::field::add("Distance"), size = gmsh::model::mesh::field::add("Threshold");
+  gmsh::model::mesh::field::setNumbers(distance, "CurvesList", curves);
+  gmsh::model::mesh::field::setNumber(distance, "NumPointsPerCurve", kSamples);
+  gmsh::model::mesh::field::setNumber(size, "InField", distance);
+  gmsh::model::mesh::field::setNumber(size, "SizeMin", edge_size);
+  gmsh::model::mesh::field::setNumber(size, "SizeMax", mesh_size);
+  gmsh::model::mesh::field::setNumber(size, "DistMin", 0.5 * edge_size);
+  gmsh::model::mesh::field::setNumber(size, "DistMax", 2.5 * edge_size);
+  gmsh::model::mesh::field::setAsBackgroundMesh(size);
+  gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 0);
+}
+
 Result<void> generate(const std::filesystem::path& path, const GmshOptions& options) {
   if (options.mesh_size_m > 0) {
     if (auto good = check_mesh_size(path, options); !good) return good;
     gmsh::option::setNumber("Mesh.MeshSizeMax", options.mesh_size_m / options.unit_m);
+    const bool finer_at_edges = options.edge_size_m > 0 && options.edge_size_m < options.mesh_size_m;
+    if (finer_at_edges && !geo_says(path, "\\bBackground\\s+Field\\b")) {
+      refine_at_edges(options.edge_size_m / options.unit_m, options.mesh_size_m / options.unit_m);
+    }
   }
   gmsh::model::mesh::generate(3);
   if (options.order > 1) gmsh::model::mesh::setOrder(options.order);
@@ -245,6 +303,15 @@ Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptio
 }
 
 }  // namespace
+
+bool is_geometry_file(const std::filesystem::path& path) {
+  constexpr std::array kEndings = {".geo", ".step", ".stp", ".brep", ".iges", ".igs", ".xao"};
+  return std::find(kEndings.begin(), kEndings.end(), path.extension()) != kEndings.end();
+}
+
+bool names_mesh_size(const std::filesystem::path& path) {
+  return geo_says(path, "\\bmesh_size\\s*=");
+}
 
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options) {
   std::error_code error;

@@ -22,6 +22,7 @@ namespace ringdown::mesh {
 struct GmshOptions {
   double unit_m = 1;                         // length of one unit of the file, e.g. 0.001 for millimetres
   double mesh_size_m = 0;                    // longest edge, for a geometry; never above a tenth of its diagonal
+  double edge_size_m = 0;                    // the same along sharp edges, growing to mesh_size_m inside; 0: no less
   int order = 2;                             // 1: straight elements, 2 to 4: curved ones. For a geometry only
   std::map<std::string, double> parameters;  // DefineConstant names of a .geo, in the file's unit
 };
@@ -30,6 +31,15 @@ struct GmshOptions {
 // their inner nodes; those that still fold become straight, and are counted. Prints nothing. Fails with one sentence
 // when gmsh does, when a parameter is not one of the file's, when there are no tetrahedra, or other solid elements
 // beside them.
+//
+// Displacement changes within a thickness or so of a sharp edge, however long the waves: edge_size_m is for that. It is
+// not used where a .geo file has size fields of its own.
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options);
+
+// True for the files that are meshed here, by their names' endings; a .geo file may still hold a mesh.
+bool is_geometry_file(const std::filesystem::path& path);
+
+// True for a .geo file that gives mesh_size a value, so that it need not be chosen for it.
+bool names_mesh_size(const std::filesystem::path& path);
 
 }  // namespace ringdown::mesh

@@ -38,10 +38,10 @@ bool is_program(const std::filesystem::path& path) {
 
 // Every option by name: a new one that is not in the key does not compile.
 ContentHash key_of(const std::filesystem::path& path, const std::string& text, const GmshOptions& options) {
-  const auto& [unit_m, mesh_size_m, order, parameters] = options;
+  const auto& [unit_m, mesh_size_m, edge_size_m, order, parameters] = options;
   ContentHasher hasher;
   hasher.value(kFormat).text(GMSH_API_VERSION).text(path.extension().string()).text(text);
-  hasher.value(unit_m).value(mesh_size_m).value(order);
+  hasher.value(unit_m).value(mesh_size_m).value(edge_size_m).value(order);
   for (const auto& [name, value] : parameters) hasher.text(name).value(value);
   return hasher.hash();
 }

@@ -54,4 +54,8 @@ Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name);
 // elements that would fold lose curvature. Corners come first, in their old sequence. O(E).
 TetMesh to_order(const TetMesh& mesh, int order);
 
+// Every element cut into eight of the same order, which together are the same body: its corners cut off, and the
+// octahedron between them cut in four along its shortest diagonal (Bey, Computing 55, 1995).
+TetMesh split(const TetMesh& mesh);
+
 }  // namespace ringdown::mesh

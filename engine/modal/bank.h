@@ -50,6 +50,7 @@ struct Provenance {
   std::string element;         // "tet10 consistent", ...
   std::int64_t unknowns = 0;   // degrees of freedom of the eigenproblem
   std::int64_t rigid_modes = 0;
+  std::int64_t counted_modes = 0;  // rigid ones and all below the band's top, by inertia; 0: not counted
   double band_low_hz = 0, band_high_hz = 0;
   double largest_residual = 0;  // max over modes of |K phi - lambda M phi| / |lambda M phi|
   std::int64_t dropped_modes = 0;  // of the band, as inaudible or unimportant (engine/bake/audibility.h)
@@ -76,5 +77,12 @@ struct Bank {
     return shapes.data()[mode * positions.size() + point];
   }
 };
+
+struct ErrorSpread {
+  double median = 0, largest = 0;
+};
+
+// Of bank.frequency_error; nothing when that is empty.
+std::optional<ErrorSpread> error_spread(const Bank& bank);
 
 }  // namespace ringdown::modal

@@ -96,6 +96,7 @@ Provenance read_provenance(const Field& extras, std::string generator) {
           .element = extras["element"].text_or(""),
           .unknowns = count("unknowns"),
           .rigid_modes = count("rigidModes"),
+          .counted_modes = count("modesCounted"),
           .band_low_hz = number("bandLow"),
           .band_high_hz = number("bandHigh"),
           .largest_residual = number("largestResidual"),
@@ -240,6 +241,7 @@ Json provenance_json(const Provenance& provenance) {
   Json json = {{"element", provenance.element},        {"unknowns", provenance.unknowns},
                {"rigidModes", provenance.rigid_modes}, {"bandLow", provenance.band_low_hz},
                {"bandHigh", provenance.band_high_hz},  {"largestResidual", provenance.largest_residual}};
+  if (provenance.counted_modes > 0) json["modesCounted"] = provenance.counted_modes;
   if (provenance.dropped_modes > 0) {
     json["dropped"] = {{"count", provenance.dropped_modes}, {"loss", provenance.loss_db}};
     if (provenance.floor_db > 0) json["dropped"]["floor"] = provenance.floor_db;

@@ -14,6 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "ringdown-modes-slepc";
+constexpr int kRigidRoom = 600;  // the program cannot tell rigid motions; solve_modes() counts again without them
 
 // A folder that only we can read, gone afterwards.
 class PrivateFolder {
@@ -48,7 +49,7 @@ Result<void> write_system(const fs::path& path, const fem::System& system, const
                              .mass_entries = system.node_mass.nonZeros(),
                              .highest_lambda = request.highest_lambda,
                              .tolerance = request.tolerance,
-                             .most_modes = request.most_modes};
+                             .most_modes = request.most_modes + kRigidRoom};
   return write_problem(path, header, view_of(stiffness), view_of(system.node_mass));
 }
 

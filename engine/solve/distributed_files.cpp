@@ -139,7 +139,8 @@ Result<ModesFile> read_modes(const fs::path& path, std::int64_t nodes) {
   ModesHeader& header = modes.header;
   if (!file || !get_header(file, header) || header.nodes != nodes || header.modes < 0) return broken();
   const std::int64_t rows = 3 * nodes;
-  if (header.modes > rows || file_bytes(path) != static_cast<std::int64_t>(sizeof header) + 8 * header.modes * (rows + 1)) {
+  if (header.modes > rows ||
+      file_bytes(path) != static_cast<std::int64_t>(sizeof header) + 8 * header.modes * (rows + 1)) {
     return broken();
   }
   modes.lambda.resize(static_cast<std::size_t>(header.modes));

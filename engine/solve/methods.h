@@ -12,12 +12,11 @@ struct Cancelled {};
 using RigidLimit = double;
 
 // Each returns at least the modes up to request.highest_lambda, ascending, M-orthonormal; lambda and shapes are filled.
-// Only the last proves that they are all, and fills `counted`.
+// The last two prove that they are all, and fill `counted`.
 Result<Eigenmodes> solve_dense(const fem::System& system);
 Result<Eigenmodes> solve_spectra(const fem::System& system, const EigenRequest& request, RigidLimit rigid_limit,
                                  const Progress& progress);
 Result<Eigenmodes> solve_slepc(const fem::System& system, const EigenRequest& request, const Progress& progress);
-
 Result<Eigenmodes> solve_block_lanczos(const fem::System& system, const EigenRequest& request, int threads,
                                        const Progress& progress);
 

@@ -246,7 +246,7 @@ TEST(ModeCache, RemembersWhereARelativesModesWere) {
   const bake::ModeCache cache{ContentCache(folder.path())};
   modal::Material material = kSteel;
   const bake::Baked first = baked(folder.path(), material);
-  mesh::TetMesh unit_mesh = mesh::to_quadratic(bar().mesh);
+  mesh::TetMesh unit_mesh = mesh::to_order(bar().mesh, 2);
   const double length = bake::characteristic_length(unit_mesh.nodes);
   unit_mesh.nodes /= length;
   const bake::BodyQuestion question{unit_mesh, 0, fem::Element::kTet10, 0.25, 1e-9};

@@ -150,7 +150,8 @@ TEST(BakeProgram, EverySolverFindsTheSamePitches) {
     }
     const fs::path bank = folder.path() / "bar.glb";
     const Ran ran = bake((kPresets / "objects/wooden-bar.toml").string() +
-                         " -q --no-cache --element tet4 --mesh-size 0.03 --band 20 9000 --solver " + solver + " -o " + bank.string());
+                         " -q --no-cache --element tet4 --mesh-size 0.03 --band 20 9000 --solver " + solver + " -o " +
+                         bank.string());
     ASSERT_EQ(ran.exit_code, 0) << ran.output;
     const auto read = modal::read_bank(bank);
     ASSERT_TRUE(read);

@@ -42,7 +42,8 @@ TEST(ChildProcess, EndsWhenToldToOrOutOfTimeEvenIfItDoesNotListen) {
   ASSERT_TRUE(told);
   EXPECT_TRUE(told->stopped);
   EXPECT_EQ(told->exit_code, 128 + SIGTERM);
-  const auto late = run_child({.command = {"sh", "-c", "trap '' TERM; while true; do sleep 0.05; done"}, .limit_s = 0.2});
+  const auto late =
+      run_child({.command = {"sh", "-c", "trap '' TERM; while true; do sleep 0.05; done"}, .limit_s = 0.2});
   ASSERT_TRUE(late);
   EXPECT_TRUE(late->out_of_time);
   EXPECT_EQ(late->exit_code, 128 + SIGKILL);

@@ -35,6 +35,7 @@ void expect_same(const Bank& a, const Bank& b) {
   EXPECT_EQ(a.provenance.element, b.provenance.element);
   EXPECT_EQ(a.provenance.unknowns, b.provenance.unknowns);
   EXPECT_EQ(a.provenance.rigid_modes, b.provenance.rigid_modes);
+  EXPECT_EQ(a.provenance.counted_modes, b.provenance.counted_modes);
   EXPECT_EQ(a.provenance.band_low_hz, b.provenance.band_low_hz);
   EXPECT_EQ(a.provenance.band_high_hz, b.provenance.band_high_hz);
   EXPECT_EQ(a.provenance.largest_residual, b.provenance.largest_residual);

@@ -23,7 +23,7 @@ fem::System block(test::Cells cells, const Eigen::Vector3d& size = {0.1, 0.08, 0
   return fem::assemble(mesh::to_order(test::box_mesh(cells, size), 2), kSteel, fem::Element::kTet10).value();
 }
 
-#define SKIP_WITHOUT_SLEPC()                                                                                      \
+#define SKIP_WITHOUT_SLEPC()                                                                                     \
   if (!find_beside("ringdown-modes-slepc")) GTEST_SKIP() << "ringdown-modes-slepc was not built: no SLEPc here"; \
   if (!run_child({.command = {"mpirun", "--version"}})) GTEST_SKIP() << "mpirun is not installed"
 
@@ -37,7 +37,8 @@ TEST(Distributed, TwoProcessesFindTheSameModes) {
   const fem::System system = block({4, 4, 3}, {0.1, 0.1, 0.06});  // two sides alike: many modes come in pairs
   const double top = lambda_of(75e3);
   const auto here = solve::solve_modes(system, {.highest_lambda = top}).value();
-  const auto there = solve::solve_modes(system, {.highest_lambda = top, .method = solve::Method::kSlepc, .processes = 2});
+  const auto there =
+      solve::solve_modes(system, {.highest_lambda = top, .method = solve::Method::kSlepc, .processes = 2});
   ASSERT_TRUE(there) << there.error().message;
   ASSERT_EQ(there->lambda.size(), here.lambda.size());
   EXPECT_GT(here.lambda.size(), 60);
@@ -61,7 +62,8 @@ TEST(Distributed, OneProcessNeedsNoMpirun) {
   const fem::System system = block({3, 2, 2});
   const double top = lambda_of(60e3);
   const auto here = solve::solve_modes(system, {.highest_lambda = top}).value();
-  const auto there = solve::solve_modes(system, {.highest_lambda = top, .method = solve::Method::kSlepc, .processes = 1});
+  const auto there =
+      solve::solve_modes(system, {.highest_lambda = top, .method = solve::Method::kSlepc, .processes = 1});
   ASSERT_TRUE(there) << there.error().message;
   ASSERT_EQ(there->lambda.size(), here.lambda.size());
   for (Eigen::Index m = 6; m < here.lambda.size(); ++m) EXPECT_NEAR(there->lambda[m] / here.lambda[m], 1, 1e-8) << m;
@@ -70,9 +72,9 @@ TEST(Distributed, OneProcessNeedsNoMpirun) {
 TEST(Distributed, StopsWhenToldTo) {
   SKIP_WITHOUT_SLEPC();
   int calls = 0;
-  const auto modes = solve::solve_modes(block({4, 4, 3}),
-                                        {.highest_lambda = lambda_of(60e3), .method = solve::Method::kSlepc},
-                                        [&](auto, double) { return ++calls < 2; });
+  const auto modes =
+      solve::solve_modes(block({4, 4, 3}), {.highest_lambda = lambda_of(60e3), .method = solve::Method::kSlepc},
+                         [&](auto, double) { return ++calls < 2; });
   ASSERT_FALSE(modes);
   EXPECT_EQ(modes.error().message, kCancelled);
 }
@@ -104,8 +106,9 @@ TEST_F(Files, AProblemThatIsCutShortIsRefused) {
   const solve::ProblemHeader header{
       .nodes = 1, .stiffness_entries = 3, .mass_entries = 1, .highest_lambda = 1, .tolerance = 1e-9, .most_modes = 9};
   const auto path = folder_ / "problem";
-  ASSERT_TRUE(solve::write_problem(path, header, {starts, std::span(columns).first(3), std::span(values).first(3)},
-                                   {std::span(starts).first(2), std::span(columns).first(1), std::span(values).first(1)}));
+  ASSERT_TRUE(
+      solve::write_problem(path, header, {starts, std::span(columns).first(3), std::span(values).first(3)},
+                           {std::span(starts).first(2), std::span(columns).first(1), std::span(values).first(1)}));
   auto whole = solve::ProblemFile::open(path);
   ASSERT_TRUE(whole) << whole.error().message;
   EXPECT_EQ(whole->stiffness_rows(1, 2).value().values, (std::vector<double>{6, 7}));
@@ -124,8 +127,9 @@ TEST_F(Files, ColumnsOutsideTheMatrixAreRefused) {
   const solve::ProblemHeader header{
       .nodes = 1, .stiffness_entries = 3, .mass_entries = 1, .highest_lambda = 1, .tolerance = 1e-9, .most_modes = 9};
   const auto path = folder_ / "problem";
-  ASSERT_TRUE(solve::write_problem(path, header, {starts, std::span(columns).first(3), std::span(values).first(3)},
-                                   {std::span(starts).first(2), std::span(columns).first(1), std::span(values).first(1)}));
+  ASSERT_TRUE(
+      solve::write_problem(path, header, {starts, std::span(columns).first(3), std::span(values).first(3)},
+                           {std::span(starts).first(2), std::span(columns).first(1), std::span(values).first(1)}));
   auto file = solve::ProblemFile::open(path);
   ASSERT_TRUE(file);
   EXPECT_TRUE(file->stiffness_rows(0, 1));
@@ -135,7 +139,8 @@ TEST_F(Files, ColumnsOutsideTheMatrixAreRefused) {
 TEST_F(Files, ModesOfAnotherMeshAreRefused) {
   const std::vector<double> lambda = {1, 2}, shape = {1, 2, 3};
   const auto path = folder_ / "modes";
-  ASSERT_TRUE(solve::write_modes(path, {.nodes = 1, .modes = 2}, lambda, [&](std::int64_t) { return std::span(shape); }));
+  ASSERT_TRUE(
+      solve::write_modes(path, {.nodes = 1, .modes = 2}, lambda, [&](std::int64_t) { return std::span(shape); }));
   const auto modes = solve::read_modes(path, 1);
   ASSERT_TRUE(modes) << modes.error().message;
   EXPECT_EQ(modes->shapes, (std::vector<double>{1, 2, 3, 1, 2, 3}));

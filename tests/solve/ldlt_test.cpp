@@ -21,7 +21,7 @@ constexpr fem::Elastic kSteel{200e9, 0.3, 7850};
 const Eigen::Vector3d kSize(0.1, 0.08, 0.06);
 
 fem::System box_system(test::Cells cells) {
-  return fem::assemble(mesh::to_quadratic(test::box_mesh(cells, kSize)), kSteel, fem::Element::kTet10).value();
+  return fem::assemble(mesh::to_order(test::box_mesh(cells, kSize), 2), kSteel, fem::Element::kTet10).value();
 }
 
 fem::SparseMatrix full(const fem::SparseMatrix& lower) { return lower.selfadjointView<Eigen::Lower>(); }

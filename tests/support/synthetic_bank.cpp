@@ -70,6 +70,7 @@ modal::Bank bar_bank(std::size_t modes) {
                      .element = "Euler-Bernoulli",
                      .unknowns = 0,
                      .rigid_modes = 6,
+                     .counted_modes = 23,
                      .band_low_hz = 20,
                      .band_high_hz = 20000,
                      .largest_residual = 1.25e-13,

@@ -7,6 +7,7 @@
 #include "engine/bake/material_page.h"
 #include "engine/bake/object_file.h"
 #include "engine/base/content_cache.h"
+#include "engine/base/fraction.h"
 #include "engine/base/preset_folder.h"
 #include "engine/modal/bank_file.h"
 #include "protocol/exit_codes.h"
@@ -26,7 +27,7 @@ using protocol::ExitCode;
 // What the command line says; an option that is not given leaves the object file's or the default value.
 struct Arguments {
   fs::path input, output, all, materials;
-  std::optional<std::string> material, name, element, solver;
+  std::optional<std::string> material, name, element, error, solver;
   std::optional<double> mesh_size_m, unit_m;
   std::optional<std::size_t> points;
   std::optional<int> keep;
@@ -34,7 +35,7 @@ struct Arguments {
   std::optional<int> processes;
   std::vector<double> band_hz;
   std::map<std::string, double> parameters;
-  bool list_materials = false, progress = false, quiet = false, no_cache = false;
+  bool list_materials = false, progress = false, quiet = false, no_cache = false, preview = false;
 };
 
 void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& settings) {
@@ -47,7 +48,7 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_option("--name", arguments.name, "name kept in the bank (default: the input's)");
   app.add_option("-e,--element", arguments.element,
                  "tet10 (default), tet20, tet35, tet4, or tet4-lumped: the 2011 report's, far too stiff in bending");
-  app.add_option("--mesh-size", arguments.mesh_size_m, "longest edge in metres, when a geometry is meshed")
+  app.add_option("--mesh-size", arguments.mesh_size_m, "longest edge in metres, when a geometry is meshed (default: by the band)")
       ->check(CLI::PositiveNumber);
   app.add_option("--set", settings, "NAME=NUMBER, a parameter of a .geo file, in its unit");
   app.add_option("--unit", arguments.unit_m, "metres per unit of the file, e.g. 0.001 for millimetres")
@@ -60,6 +61,10 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_option("--floor", arguments.floor_db,
                  "drop modes that no blow makes audible, this many dB below the loudest or masked (default: none)")
       ->check(CLI::Range(1.0, 200.0));
+  CLI::Option* error = app.add_option(
+      "--error", arguments.error, "refine until the estimated error of every frequency is below this: 0.1%, or 0.001");
+  app.add_flag("--preview", arguments.preview, "coarse and quick: order 2, few points, an error that it says")
+      ->excludes(error);
   app.add_flag("--no-cache", arguments.no_cache,
                "neither use nor keep earlier results (in $RINGDOWN_CACHE, or ringdown in the user's cache folder)");
   app.add_option("--solver", arguments.solver,
@@ -114,6 +119,14 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   if (arguments.points) recipe.options.most_points = *arguments.points;
   if (arguments.keep) recipe.options.keep_modes = *arguments.keep;
   if (arguments.floor_db) recipe.options.floor_db = *arguments.floor_db;
+  if (arguments.error) {
+    const Result<double> wanted = parse_fraction(*arguments.error);
+    if (!wanted) return fail("--error: " + wanted.error().message);
+    if (auto good = check_range(*wanted, bake::kError); !good) return fail("--error: " + good.error().message);
+    recipe.error = *wanted;
+  }
+  recipe.preview = arguments.preview;
+  if (recipe.preview) recipe.error = 0;
   if (!arguments.no_cache) recipe.options.cache = cache_folder().value_or("");
   if (arguments.band_hz.size() == 2) {
     recipe.options.band_low_hz = arguments.band_hz[0];
@@ -121,6 +134,30 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   }
   for (const auto& [name, value] : arguments.parameters) recipe.meshing.parameters[name] = value;
   return recipe;
+}
+
+void print_errors(const bake::BakedObject& object) {
+  if (const auto& choice = object.choice) {
+    std::printf("  mesh size %.3g mm", 1000 * choice->size_m);
+    if (choice->edge_size_m > 0 && choice->edge_size_m < choice->size_m) {
+      std::printf(", %.3g mm at sharp edges", 1000 * choice->edge_size_m);
+    }
+    if (choice->shortest_wave_m > 0) std::printf(", for waves of %.3g mm", 1000 * choice->shortest_wave_m);
+    std::printf("%s\n", choice->bounded ? "; finer would be right, but too much to solve unasked (--mesh-size)" : "");
+  }
+  if (object.rounds.size() > 1) {
+    std::printf("  refined:");
+    for (const bake::Round& round : object.rounds) {
+      std::printf(" %s %td unknowns %s;", std::string(fem::element_name(round.element)).c_str(), round.unknowns,
+                  as_percent(round.error).c_str());
+    }
+    std::printf("\n");
+  }
+  const auto spread = modal::error_spread(object.baked.bank);
+  if (spread) {
+    std::printf("  estimated errors of the frequencies: median %s, largest %s\n", as_percent(spread->median).c_str(),
+                as_percent(spread->largest).c_str());
+  }
 }
 
 void print_summary(const bake::ObjectRecipe& recipe, const bake::BakedObject& object, const fs::path& output) {
@@ -141,9 +178,10 @@ void print_summary(const bake::ObjectRecipe& recipe, const bake::BakedObject& ob
   }
   if (report.from_cache) std::printf("  from the cache: nothing was solved\n");
   if (!report.cache_trouble.empty()) std::printf("  not kept in the cache: %s\n", report.cache_trouble.c_str());
-  std::printf("  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, finish %.1f; largest residual %.1e\n",
+  std::printf("  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, errors %.1f, finish %.1f; largest residual %.1e\n",
               object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
-              report.finish_seconds, bank.provenance.largest_residual);
+              report.estimate_seconds, report.finish_seconds, bank.provenance.largest_residual);
+  print_errors(object);
   if (object.mesh.straightened > 0) {
     std::printf("  %d curved elements folded and were straightened; a smaller mesh size avoids that\n",
                 object.mesh.straightened);

@@ -77,8 +77,7 @@ void run(const char* problem, const char* answer) {
   PetscInt first = 0;
   check(PetscOptionsGetInt(nullptr, nullptr, "-first", &first, nullptr));
   const cli::SolveProgress progress = [](double fraction) { say("modes", fraction); };
-  cli::Solved solved =
-      first > 0 ? cli::solve_first(pencil, first, progress) : cli::solve_band(pencil, progress);
+  cli::Solved solved = first > 0 ? cli::solve_first(pencil, first, progress) : cli::solve_band(pencil, progress);
   write_result(answer, pencil, solved);
   check(EPSDestroy(&solved.solver));
   check(MatDestroy(&pencil.stiffness));

@@ -101,13 +101,13 @@ Pencil read_pencil(const char* path) {
   ProblemHeader& header = pencil.header;
   if (file) header = file->header();
   MPI_Bcast(&header, sizeof header, MPI_BYTE, 0, PETSC_COMM_WORLD);
-  SparseRows stiffness = scatter(
-      header.nodes, [&](Share share) { return file->stiffness_rows(3 * share.first, 3 * share.count); });
+  SparseRows stiffness =
+      scatter(header.nodes, [&](Share share) { return file->stiffness_rows(3 * share.first, 3 * share.count); });
   for (double& value : stiffness.values) value /= header.highest_lambda;
   pencil.stiffness = matrix_of(stiffness);
   stiffness = {};
-  pencil.mass =
-      matrix_of(three_times(scatter(header.nodes, [&](Share share) { return file->mass_rows(share.first, share.count); })));
+  pencil.mass = matrix_of(
+      three_times(scatter(header.nodes, [&](Share share) { return file->mass_rows(share.first, share.count); })));
   return pencil;
 }
 

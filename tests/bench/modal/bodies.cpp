@@ -73,10 +73,9 @@ Result<mesh::TetMesh> mesh_of(const Body& body, const std::string& mesh, int ord
   }
   const double size_mm = std::atof(mesh.c_str());
   if (!(size_mm > 0)) return fail("a mesh is cells like 4x3x2, or a length in mm, not " + mesh);
-  const auto read = mesh::read_with_gmsh(body.geometry, {.unit_m = kMillimetre,
-                                                         .mesh_size_m = size_mm * kMillimetre,
-                                                         .order = order,
-                                                         .parameters = body.parameters});
+  const auto read = mesh::read_with_gmsh(
+      body.geometry,
+      {.unit_m = kMillimetre, .mesh_size_m = size_mm * kMillimetre, .order = order, .parameters = body.parameters});
   if (!read) return fail(read.error());
   return read->mesh;
 }

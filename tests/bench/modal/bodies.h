@@ -12,8 +12,8 @@
 namespace ringdown::bench {
 
 struct Body {
-  std::string name;              // block, soft-block (nu = 0.49), plate, bar, sphere, bell
-  std::string material;          // a file of `materials`
+  std::string name;      // block, soft-block (nu = 0.49), plate, bar, sphere, bell
+  std::string material;  // a file of `materials`
   std::filesystem::path materials;
   std::filesystem::path geometry;
   std::map<std::string, double> parameters;  // of the geometry, in mm

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <functional>
+#include <set>
 #include <sstream>
 
 namespace ringdown::bench {
@@ -18,11 +18,11 @@ struct Field {
   double Measurement::*value;
 };
 constexpr std::array kFields = {
-    Field{"seconds", &Measurement::seconds},         Field{"factor_s", &Measurement::factor_s},
-    Field{"iterate_s", &Measurement::iterate_s},     Field{"assemble_s", &Measurement::assemble_s},
-    Field{"processor_s", &Measurement::processor_s}, Field{"peak_mib", &Measurement::peak_mib},
+    Field{"seconds", &Measurement::seconds},           Field{"factor_s", &Measurement::factor_s},
+    Field{"iterate_s", &Measurement::iterate_s},       Field{"assemble_s", &Measurement::assemble_s},
+    Field{"processor_s", &Measurement::processor_s},   Field{"peak_mib", &Measurement::peak_mib},
     Field{"error_10_percent", &Measurement::error_10}, Field{"error_50_percent", &Measurement::error_50},
-    Field{"difference", &Measurement::difference},   Field{"ratio", &Measurement::ratio}};
+    Field{"difference", &Measurement::difference},     Field{"ratio", &Measurement::ratio}};
 
 constexpr std::array kStatusNames = {"ok", "not installed", "over limit", "failed"};
 
@@ -92,22 +92,24 @@ void compare(Measurements& all, const std::filesystem::path& folder) {
   }
 }
 
-Result<void> write_csv(const std::filesystem::path& path, const std::vector<Spec>& order, const Measurements& all) {
+Result<void> write_csv(const std::filesystem::path& path, const std::vector<Spec>& order, const Measurements& all,
+                       const std::string& machine) {
   std::ostringstream text;
-  text << "case,mesh,element,top_hz,method,threads,status,unknowns,modes";
+  std::set<std::string> written;
+  text << "part,case,mesh,element,top_hz,method,threads,status,unknowns,modes";
   for (const Field& field : kFields) text << ',' << field.name;
-  text << '\n';
+  text << ",machine\n";
   for (const Spec& spec : order) {
     const Measurement* m = find(all, spec);
-    if (m == nullptr) continue;
-    text << spec.body << ',' << spec.mesh << ',' << spec.element << ',' << number(spec.top_hz) << ',' << spec.method
-         << ',' << spec.threads << ',' << kStatusNames[static_cast<std::size_t>(m->status)] << ',' << m->unknowns << ','
-         << m->modes;
+    if (m == nullptr || !written.insert(spec.key()).second) continue;
+    text << spec.part << ',' << spec.body << ',' << spec.mesh << ',' << spec.element << ',' << number(spec.top_hz)
+         << ',' << spec.method << ',' << spec.threads << ',' << kStatusNames[static_cast<std::size_t>(m->status)] << ','
+         << m->unknowns << ',' << m->modes;
     for (const Field& field : kFields) {
       const double value = m->*field.value;
       text << ',' << (value < 0 ? "" : number(value));
     }
-    text << '\n';
+    text << ',' << machine << '\n';
   }
   return write_file_atomically(path, text.str());
 }

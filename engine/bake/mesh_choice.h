@@ -1,0 +1,41 @@
+// How fine a mesh a body needs, before there is one. [any thread]
+//
+// The highest note of the band sets the shortest wave that the mesh must follow: a shear wave, c_t / f, or where the
+// body is thin, a bending wave of a plate of its thickness, 2 pi (D / (rho h))^(1/4) / sqrt(omega) with
+// D = E h^3 / (12 (1 - nu^2)) (Landau & Lifshitz, Theory of Elasticity, sections 22 and 25). Elements per wave, by order:
+// 20, 8, 4, 2.5. Beside waves, elements must follow what happens within a thickness of sharp edges, where twist lets
+// go, and how a slender body's section warps. With order 3 that leaves less than 0.1 % in the first fifty frequencies
+// and 0.02 % in the first ten of the bodies in docs/accuracy.md; linear elements do not reach that at any sane size.
+#pragma once
+
+#include "engine/fem/assembly.h"
+#include "engine/mesh/tet_mesh.h"
+#include "engine/modal/bank.h"
+
+namespace ringdown::bake {
+
+struct BodyShape {
+  double volume_m3 = 0;
+  double thickness_m = 0;  // 2 V / A: a plate's and a shell's own thickness, less than a compact body's
+  double width_m = 0;      // the second of its three principal extents, as if it were a box of its inertia
+};
+
+// From any mesh of the body; the coarsest will do.
+BodyShape measure_shape(const mesh::TetMesh& mesh);
+
+struct MeshChoice {
+  double size_m = 0, edge_size_m = 0;  // as in mesh::GmshOptions
+  double shortest_wave_m = 0;
+  bool bounded = false;  // made coarser than the wave asks, to keep within most_unknowns
+};
+
+// Guessed from the volume; true within a factor of two for gmsh's meshes.
+double estimated_unknowns(const BodyShape& shape, double size_m, int order);
+
+MeshChoice choose_mesh(const BodyShape& shape, const modal::Material& material, double band_high_hz, int order,
+                       double most_unknowns);
+
+// As coarse as `unknowns` make it, whatever the waves.
+MeshChoice choose_coarse_mesh(const BodyShape& shape, int order, double unknowns);
+
+}  // namespace ringdown::bake

@@ -1,0 +1,217 @@
+#include "engine/bake/refine.h"
+
+#include "engine/base/atomic_file.h"
+#include "engine/base/content_cache.h"
+#include "engine/base/fraction.h"
+#include "engine/mesh/mesh_cache.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace ringdown::bake {
+namespace {
+
+constexpr std::size_t kLargestGeometry = 16 << 20;  // bytes hashed for a family's name
+constexpr double kSmallestStep = 0.4, kLargestStep = 0.85, kMargin = 0.9;  // of mesh sizes from round to round
+constexpr double kPreviewUnknowns = 5000;
+constexpr std::size_t kPreviewPoints = 60;
+constexpr Eigen::Index kPreviewElements = 10'000;  // of a mesh from a file, that order 2 is still quick with
+
+// Meshes of one geometry with the same parameters, however fine and of whatever material.
+std::string family_of(const ObjectRecipe& recipe) {
+  const Result<std::string> geometry = read_whole_file(recipe.geometry, kLargestGeometry);
+  if (!geometry) return "";
+  ContentHasher hasher;
+  hasher.text(*geometry);
+  for (const auto& [name, value] : recipe.meshing.parameters) hasher.text(name).value(value);
+  return hasher.hash().text();
+}
+
+Result<mesh::CheckedMesh> find_mesh(const ObjectRecipe& recipe, const mesh::GmshOptions& meshing) {
+  if (recipe.options.cache.empty()) return mesh::read_with_gmsh(recipe.geometry, meshing);
+  return mesh::read_through_cache(recipe.geometry, meshing, ContentCache(recipe.options.cache));
+}
+
+double mean_longest_edge(const mesh::TetMesh& mesh) {
+  double sum = 0;
+  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+    const mesh::Corners corners = mesh::corners_of(mesh, e);
+    double longest = 0;
+    for (const auto& [a, b] : mesh::kTetEdges) longest = std::max(longest, (corners.row(b) - corners.row(a)).norm());
+    sum += longest;
+  }
+  return sum / static_cast<double>(mesh.elements.rows());
+}
+
+fem::Element of_order(int order) {
+  constexpr std::array kElements = {fem::Element::kTet4, fem::Element::kTet10, fem::Element::kTet20,
+                                    fem::Element::kTet35};
+  return kElements[order - 1];
+}
+
+// About how many times the unknowns of order p those of p + 1 are.
+double growth(int order) {
+  constexpr std::array kGrowth = {8.0, 2.8, 2.3};
+  return kGrowth[order - 1];
+}
+
+class Baker {
+ public:
+  Baker(const ObjectRecipe& recipe, const modal::Material& material, const Progress& progress)
+      : recipe_(recipe), material_(material), progress_(progress) {
+    if (!recipe.options.cache.empty()) recipe_.options.family = family_of(recipe);
+  }
+
+  Result<BakedObject> run() {
+    if (auto planned = plan(); !planned) return fail(planned.error());
+    bool same_mesh = false;
+    for (;;) {
+      if (!same_mesh) {
+        if (auto meshed = mesh(); !meshed) return fail(meshed.error());
+      }
+      if (auto baked = bake_once(); !baked) return fail(baked.error());
+      if (recipe_.error <= 0 || error() <= recipe_.error) return std::move(object_);
+      const Result<bool> refined = refine();
+      if (!refined) return fail(refined.error());
+      same_mesh = *refined;
+    }
+  }
+
+ private:
+  [[nodiscard]] bool is_geometry() const { return mesh::is_geometry_file(recipe_.geometry); }
+  [[nodiscard]] double error() const { return object_.rounds.back().error; }
+
+  bool go_on(std::string_view stage, double fraction) const {
+    if (!progress_) return true;
+    if (object_.rounds.empty()) return progress_(stage, fraction);
+    const std::string prefix =
+        "round " + std::to_string(object_.rounds.size() + 1) + ", error " + as_percent(error()) + " so far: ";
+    return progress_(prefix + std::string(stage), fraction);
+  }
+
+  void set_order(int order) {
+    recipe_.options.element = of_order(order);
+    recipe_.meshing.order = order;
+  }
+
+  // The mesh size, where none is named, and what a preview leaves out.
+  Result<void> plan() {
+    if (recipe_.preview) {
+      set_order(2);
+      recipe_.options.most_points = std::min(recipe_.options.most_points, kPreviewPoints);
+    }
+    const bool named = recipe_.meshing.mesh_size_m > 0 || mesh::names_mesh_size(recipe_.geometry);
+    if (!is_geometry() || (named && !recipe_.preview)) return {};
+    if (!go_on("mesh", 0)) return fail(std::string(kCancelled));
+    mesh::GmshOptions coarse = recipe_.meshing;
+    coarse.mesh_size_m = 0;
+    coarse.order = 1;
+    const Result<mesh::CheckedMesh> sketch = find_mesh(recipe_, coarse);
+    if (!sketch) return fail(sketch.error());
+    const BodyShape shape = measure_shape(sketch->mesh);
+    const int order = fem::order_of(recipe_.options.element);
+    MeshChoice choice = choose_mesh(shape, material_, recipe_.options.band_high_hz, order, kMostChosenUnknowns);
+    if (recipe_.preview) {
+      const MeshChoice quick = choose_coarse_mesh(shape, order, kPreviewUnknowns);
+      if (quick.size_m > choice.size_m) choice = quick;
+    }
+    recipe_.meshing.mesh_size_m = choice.size_m;
+    recipe_.meshing.edge_size_m = choice.edge_size_m;
+    object_.choice = choice;
+    return {};
+  }
+
+  Result<void> mesh() {
+    if (!go_on("mesh", 0)) return fail(std::string(kCancelled));
+    const auto start = std::chrono::steady_clock::now();
+    Result<mesh::CheckedMesh> mesh = find_mesh(recipe_, recipe_.meshing);
+    if (!mesh) return fail(mesh.error());
+    object_.mesh = std::move(*mesh);
+    object_.mesh_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const bool large = object_.mesh.mesh.elements.rows() > kPreviewElements;
+    if (recipe_.preview && !is_geometry() && large) set_order(1);
+    return {};
+  }
+
+  Result<void> bake_once() {
+    Result<Baked> baked = bake(object_.mesh, material_, recipe_.options, recipe_.name,
+                               [this](std::string_view stage, double fraction) { return go_on(stage, fraction); });
+    if (!baked) return fail(baked.error());
+    object_.baked = std::move(*baked);
+    object_.rounds.push_back({.element = recipe_.options.element,
+                              .elements = object_.baked.report.elements,
+                              .unknowns = object_.baked.report.unknowns,
+                              .error = object_.baked.report.largest_error});
+    return {};
+  }
+
+  // Prepares the next round; true when it takes object_.mesh as it is.
+  Result<bool> refine() {
+    if (object_.rounds.size() >= kMostRounds) return fail(out_of_reach("that was the last of its rounds"));
+    return is_geometry() ? refine_geometry() : refine_mesh();
+  }
+
+  Result<bool> refine_geometry() {
+    const int order = fem::order_of(recipe_.options.element);
+    const double wanted = kMargin * std::pow(recipe_.error / error(), 0.5 / order);
+    const BodyShape shape = measure_shape(object_.mesh.mesh);
+    const double edge = mean_longest_edge(object_.mesh.mesh);
+    const double now = recipe_.meshing.mesh_size_m > 0 ? std::min(recipe_.meshing.mesh_size_m, edge) : edge;
+    const auto unknowns_at = [&](double step) {
+      return unknowns() * estimated_unknowns(shape, step * now, order) / estimated_unknowns(shape, now, order);
+    };
+    const double step = std::clamp(wanted, kSmallestStep, kLargestStep);
+    const bool too_many = unknowns_at(std::min(wanted, kLargestStep)) > kMostUnknowns;
+    if (too_many && order < mesh::kHighestOrder && unknowns() * growth(order) <= kMostUnknowns) {
+      set_order(order + 1);
+      return false;
+    }
+    if (unknowns_at(step) > kMostUnknowns) return fail(out_of_reach(more_than_most(unknowns_at(step))));
+    recipe_.meshing.mesh_size_m = step * now;
+    recipe_.meshing.edge_size_m *= step;
+    return false;
+  }
+
+  Result<bool> refine_mesh() {
+    const int order = fem::order_of(recipe_.options.element);
+    const bool raise = order < mesh::kHighestOrder;
+    const double next = unknowns() * (raise ? growth(order) : 8);
+    if (next > kMostUnknowns) return fail(out_of_reach(more_than_most(next)));
+    if (raise) {
+      set_order(order + 1);
+    } else {
+      Result<mesh::CheckedMesh> fine = mesh::check_mesh(mesh::split(object_.mesh.mesh), recipe_.geometry.string());
+      if (!fine) return fail(fine.error());
+      object_.mesh = std::move(*fine);
+    }
+    return true;
+  }
+
+  [[nodiscard]] double unknowns() const { return static_cast<double>(object_.rounds.back().unknowns); }
+
+  [[nodiscard]] static std::string more_than_most(double wanted) {
+    return "the next round would take about " + std::to_string(std::lround(wanted / 1000)) +
+           ",000 unknowns, and it stops at " + std::to_string(std::lround(kMostUnknowns / 1000)) + ",000";
+  }
+
+  [[nodiscard]] std::string out_of_reach(const std::string& why) const {
+    const double best = std::min_element(object_.rounds.begin(), object_.rounds.end(),
+                                         [](const Round& a, const Round& b) { return a.error < b.error; })->error;
+    return recipe_.name + ": the error stays at " + as_percent(best) + " instead of " + as_percent(recipe_.error) +
+           " (" + why + "); allow a larger --error, or narrow the band with --band";
+  }
+
+  ObjectRecipe recipe_;
+  const modal::Material& material_;
+  const Progress& progress_;
+  BakedObject object_;
+};
+
+}  // namespace
+
+Result<BakedObject> bake_recipe(const ObjectRecipe& recipe, const modal::Material& material, const Progress& progress) {
+  return Baker(recipe, material, progress).run();
+}
+
+}  // namespace ringdown::bake

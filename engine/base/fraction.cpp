@@ -1,0 +1,27 @@
+#include "engine/base/fraction.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+
+namespace ringdown {
+
+Result<double> parse_fraction(const std::string& text) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  std::string_view rest(end);
+  while (rest.starts_with(' ')) rest.remove_prefix(1);
+  if (end == text.c_str() || !std::isfinite(number) || (!rest.empty() && rest != "%")) {
+    return fail("'" + text + "' is neither a number nor a percentage such as 0.1%");
+  }
+  return rest.empty() ? number : number / 100;
+}
+
+std::string as_percent(double fraction) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.2g %%", 100 * fraction);
+  return buffer;
+}
+
+}  // namespace ringdown
