@@ -1,5 +1,7 @@
 #include "engine/mesh/tet_mesh.h"
 
+#include "engine/mesh/mesh_joints.h"
+
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -188,6 +190,8 @@ Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name) {
     checked.mesh.elements.row(e) = checked.mesh.elements(e, flipped).eval();
     ++checked.flipped;
   }
+  checked.duplicates = drop_duplicates(checked.mesh);
+  if (auto joints = check_joints(checked.mesh, name); !joints) return fail(joints.error());
   checked.straightened = straighten_folded(checked.mesh);
   checked.pieces = count_pieces(checked.mesh);
   return checked;

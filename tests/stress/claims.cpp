@@ -23,16 +23,16 @@ double worst_error(const std::vector<double>& found, const std::vector<double>& 
   return worst;
 }
 
-}  // namespace
-
-fem::Elastic elastic(const modal::Material& material) {
-  return {material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
-}
-
 std::vector<double> sorted_frequencies(const modal::Bank& bank) {
   std::vector<double> sorted = bank.frequency_hz;
   std::sort(sorted.begin(), sorted.end());
   return sorted;
+}
+
+}  // namespace
+
+fem::Elastic elastic(const modal::Material& material) {
+  return {material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
 }
 
 void expect_baked(const Body& body) {
@@ -55,8 +55,26 @@ void expect_baked(const Body& body) {
          .limit = body.limit,
          .estimate = baked->report.largest_error,
          .outcome = "against " + body.oracle});
+  EXPECT_EQ(baked->report.rigid, body.rigid);
   EXPECT_EQ(found.size(), there);
   EXPECT_LE(worst, body.limit);
+}
+
+void expect_like(Body body, const mesh::TetMesh& sound, double top_hz, double factor) {
+  body.truth_hz =
+      baked_frequencies(sound, kSteel, {.element = body.element, .band_low_hz = 0, .band_high_hz = top_hz});
+  for (double& frequency : body.truth_hz) frequency *= factor;
+  expect_baked(body);
+}
+
+std::vector<double> baked_frequencies(const mesh::TetMesh& mesh, const modal::Material& material,
+                                      const bake::BakeOptions& options) {
+  const auto checked = mesh::check_mesh(mesh, "body");
+  EXPECT_TRUE(checked) << checked.error().message;
+  if (!checked) return {};
+  const auto baked = bake::bake(*checked, material, options, "body");
+  EXPECT_TRUE(baked) << baked.error().message;
+  return baked ? sorted_frequencies(baked->bank) : std::vector<double>();
 }
 
 void expect_refused(const std::string& name, const std::string& hard, const mesh::TetMesh& mesh,

@@ -21,16 +21,21 @@ struct Body {
   double limit = 0;
   std::string oracle;
   modal::Material material = kSteel;
-  fem::Element element = fem::Element::kTet10;
+  fem::Element element = fem::Element::kTet20;
   std::size_t least_modes = 10;
+  int rigid = 6;
 };
 
 // The band ends in a gap above the least modes, so that the number of modes in it is known: so many are found, each
 // within the limit.
 void expect_baked(const Body& body);
 
-// The same with the band given, for bodies whose truth is another bank: as many modes, each within the limit.
-std::vector<double> sorted_frequencies(const modal::Bank& bank);
+// The same for a body whose truth is the bank of another mesh, baked up to `top_hz`, with frequencies times `factor`.
+void expect_like(Body body, const mesh::TetMesh& sound, double top_hz, double factor = 1);
+
+// Bakes; an empty list, and a failed test, when that fails.
+std::vector<double> baked_frequencies(const mesh::TetMesh& mesh, const modal::Material& material,
+                                      const bake::BakeOptions& options);
 
 // Refused by check_mesh() or by bake(), with a sentence that has these words.
 void expect_refused(const std::string& name, const std::string& hard, const mesh::TetMesh& mesh,
