@@ -17,7 +17,7 @@
 namespace ringdown::bake {
 
 struct BakeOptions {
-  fem::Element element = fem::Element::kTet10; // the mesh is brought to its order
+  fem::Element element = fem::Element::kTet20; // the mesh is brought to its order
   double band_low_hz = 20, band_high_hz = 20000;
   std::size_t most_points = 200; // on the surface, >= 4. Fewer points, not coarser physics
   int most_modes = 4096;         // in the band; a fuller band fails (see solve::EigenRequest)

@@ -17,7 +17,7 @@ namespace {
 constexpr std::array kElementsPerWave = {20.0, 8.0, 4.0, 2.5};        // order 1 to 4
 constexpr std::array kUnknownsPerElement = {0.7, 6.0, 17.0, 38.0};    // gmsh's meshes of bodies, not of films
 constexpr double kElementsPerThicknessAtEdges = 1;
-constexpr double kSizeInSection = 0.35;  // of the width
+constexpr double kSizeInSection = 0.33;  // of the width
 
 double surface_area(const mesh::TetMesh& mesh) {
   const mesh::Surface surface = mesh::boundary_surface(mesh);

@@ -24,7 +24,7 @@ namespace ringdown::bake {
 struct BodyQuestion {
   const mesh::TetMesh& unit_mesh;  // of the element's order, in units of its characteristic length
   std::size_t surface_nodes = 0;   // S
-  fem::Element element = fem::Element::kTet10;
+  fem::Element element = fem::Element::kTet20;
   double poisson_ratio = 0;
   double tolerance = 0;  // of the solver
 };

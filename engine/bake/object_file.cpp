@@ -13,7 +13,7 @@ constexpr Range kGain_db{-60, 60};
 constexpr Range kFloor_db{1, 200};
 
 void read_options(TomlTable& file, BakeOptions& options) {
-  std::string name = "tet10";
+  std::string name(fem::element_name(options.element));
   file.text("element", name);
   const Result<fem::Element> element = fem::parse_element(name);
   if (element) options.element = *element;

@@ -7,7 +7,7 @@
 //   unit_m = 0.001                   # length of one unit of the geometry; default 1
 //   mesh_size_m = 0.006              # longest edge, for a geometry; default: chosen by the band (mesh_choice.h)
 //   error = "0.1%"                   # or 0.001: refine until every frequency is that good (refine.h); default: no matter
-//   element = "tet10"                # default; tet20, tet35, tet4, tet4-lumped
+//   element = "tet20"                # default; tet10, tet35, tet4, tet4-lumped
 //   surface_points = 160             # default 200
 //   band_hz = [20, 20000]            # default
 //   keep_modes = 120                 # the most important ones; default: all in the band
@@ -48,7 +48,7 @@ Result<ObjectRecipe> read_object(const std::filesystem::path& path);
 
 // One bake of several that refine each other.
 struct Round {
-  fem::Element element = fem::Element::kTet10;
+  fem::Element element = fem::Element::kTet20;
   Eigen::Index elements = 0, unknowns = 0;
   double error = 0;  // the largest estimate of any frequency in the band
 };

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 
 namespace ringdown::bake {
 namespace {
@@ -191,8 +192,10 @@ class Baker {
   [[nodiscard]] double unknowns() const { return static_cast<double>(object_.rounds.back().unknowns); }
 
   [[nodiscard]] static std::string more_than_most(double wanted) {
-    return "the next round would take about " + std::to_string(std::lround(wanted / 1000)) +
-           ",000 unknowns, and it stops at " + std::to_string(std::lround(kMostUnknowns / 1000)) + ",000";
+    char text[80];
+    std::snprintf(text, sizeof text, "the next round would take about %.2g million unknowns, more than %.2g", wanted / 1e6,
+                  kMostUnknowns / 1e6);
+    return text;
   }
 
   [[nodiscard]] std::string out_of_reach(const std::string& why) const {

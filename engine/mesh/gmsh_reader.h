@@ -23,7 +23,7 @@ struct GmshOptions {
   double unit_m = 1;                         // length of one unit of the file, e.g. 0.001 for millimetres
   double mesh_size_m = 0;                    // longest edge, for a geometry; never above a tenth of its diagonal
   double edge_size_m = 0;                    // the same along sharp edges, growing to mesh_size_m inside; 0: no less
-  int order = 2;                             // 1: straight elements, 2 to 4: curved ones. For a geometry only
+  int order = 3;                             // 1: straight elements, 2 to 4: curved ones. For a geometry only
   std::map<std::string, double> parameters;  // DefineConstant names of a .geo, in the file's unit
 };
 

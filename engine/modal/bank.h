@@ -47,7 +47,7 @@ struct MassProperties {
 // How the bank was made; all of it optional, none of it needed to play. Kept in extras.ringdown of the file.
 struct Provenance {
   std::string generator;       // program and version
-  std::string element;         // "tet10 consistent", ...
+  std::string element;         // "tet20 consistent", ...
   std::int64_t unknowns = 0;   // degrees of freedom of the eigenproblem
   std::int64_t rigid_modes = 0;
   std::int64_t counted_modes = 0;  // rigid ones and all below the band's top, by inertia; 0: not counted

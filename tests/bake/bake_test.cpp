@@ -43,7 +43,7 @@ TEST(Bake, FillsEverythingABankHolds) {
   EXPECT_EQ(bank.provenance.counted_modes, static_cast<std::int64_t>(bank.mode_count()) + report.rigid +
                                                report.below_band + report.over_damped);
   EXPECT_EQ(bank.provenance.unknowns, report.unknowns);
-  EXPECT_EQ(bank.provenance.element, "tet10 consistent");
+  EXPECT_EQ(bank.provenance.element, "tet20 consistent");
   EXPECT_GT(bank.provenance.largest_residual, 0);
   EXPECT_LT(bank.provenance.largest_residual, 1e-6);
   for (const double frequency : bank.frequency_hz) {

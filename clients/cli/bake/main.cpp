@@ -47,7 +47,7 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')");
   app.add_option("--name", arguments.name, "name kept in the bank (default: the input's)");
   app.add_option("-e,--element", arguments.element,
-                 "tet10 (default), tet20, tet35, tet4, or tet4-lumped: the 2011 report's, far too stiff in bending");
+                 "tet20 (default), tet10, tet35, tet4, or tet4-lumped: the 2011 report's, far too stiff in bending");
   app.add_option("--mesh-size", arguments.mesh_size_m, "longest edge in metres, when a geometry is meshed (default: by the band)")
       ->check(CLI::PositiveNumber);
   app.add_option("--set", settings, "NAME=NUMBER, a parameter of a .geo file, in its unit");
@@ -61,8 +61,14 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_option("--floor", arguments.floor_db,
                  "drop modes that no blow makes audible, this many dB below the loudest or masked (default: none)")
       ->check(CLI::Range(1.0, 200.0));
-  CLI::Option* error = app.add_option(
-      "--error", arguments.error, "refine until the estimated error of every frequency is below this: 0.1%, or 0.001");
+  const auto check_error = [](const std::string& text) {
+    const Result<void> good = parse_fraction(text).and_then([](double e) { return check_range(e, bake::kError); });
+    return good ? std::string() : good.error().message;
+  };
+  CLI::Option* error =
+      app.add_option("--error", arguments.error,
+                     "refine until the estimated error of every frequency is below this: 0.1%, or 0.001")
+          ->check(check_error);
   app.add_flag("--preview", arguments.preview, "coarse and quick: order 2, few points, an error that it says")
       ->excludes(error);
   app.add_flag("--no-cache", arguments.no_cache,
@@ -119,12 +125,7 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   if (arguments.points) recipe.options.most_points = *arguments.points;
   if (arguments.keep) recipe.options.keep_modes = *arguments.keep;
   if (arguments.floor_db) recipe.options.floor_db = *arguments.floor_db;
-  if (arguments.error) {
-    const Result<double> wanted = parse_fraction(*arguments.error);
-    if (!wanted) return fail("--error: " + wanted.error().message);
-    if (auto good = check_range(*wanted, bake::kError); !good) return fail("--error: " + good.error().message);
-    recipe.error = *wanted;
-  }
+  if (arguments.error) recipe.error = parse_fraction(*arguments.error).value();
   recipe.preview = arguments.preview;
   if (recipe.preview) recipe.error = 0;
   if (!arguments.no_cache) recipe.options.cache = cache_folder().value_or("");

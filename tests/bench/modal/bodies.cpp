@@ -24,7 +24,7 @@ Body box(const std::string& name, const std::string& material, const Eigen::Vect
   return {name,
           material,
           kRoot / "tests/bench/modal/materials",
-          kRoot / "presets/objects/box.geo",
+          kRoot / "tests/bench/modal/box.geo",
           {{"length", mm[0]}, {"width", mm[1]}, {"thickness", mm[2]}},
           size_m,
           std::move(exact_hz)};
@@ -85,6 +85,7 @@ bake::ObjectRecipe default_recipe(const Body& body) {
   recipe.name = body.name;
   recipe.material = body.material;
   recipe.geometry = body.geometry;
+  recipe.meshing.order = fem::order_of(recipe.options.element);
   recipe.meshing.unit_m = kMillimetre;
   recipe.meshing.parameters = body.parameters;
   return recipe;

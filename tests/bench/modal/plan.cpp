@@ -18,8 +18,8 @@ struct Place {
 };
 
 // Near 60,000 unknowns and 200 modes, and near 3,000 unknowns and 40 modes.
-constexpr std::array kPeerPlaces = {Place{"block", "16x14x10", 91200}, Place{"bell", "11.2", 18850},
-                                    Place{"plate", "40x40x1", 42300}, Place{"sphere", "11.5", 48100}};
+constexpr std::array kPeerPlaces = {Place{"block", "16x14x10", 91200}, Place{"bell", "11.2", 17960},
+                                    Place{"plate", "40x40x1", 40162}, Place{"sphere", "11.5", 48100}};
 constexpr std::array kQuickPeerPlaces = {Place{"block", "5x4x3", 47000}, Place{"bell", "60", 6500},
                                          Place{"plate", "12x12x1", 9000}, Place{"sphere", "35", 25300}};
 

@@ -1,4 +1,4 @@
-// A ball about the origin. Lengths in mm.
+// A ball about the origin. Lengths in mm. Names no mesh size: that is ringdown-bake's to choose.
 SetFactory("OpenCASCADE");
-DefineConstant[ radius = 100, mesh_size = 20 ];
+DefineConstant[ radius = 100 ];
 Sphere(1) = {0, 0, 0, radius};
