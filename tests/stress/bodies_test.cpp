@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -83,9 +84,24 @@ Body thin_plate(int cells, double limit) {
           slender_truth({0.5, 0.5, 0.001}, {20, 20, 3}, 24), limit, kRitz};
 }
 
+// Pairs of bending modes of a free, square bar: Euler-Bernoulli, lowered by shear and rotary inertia to first order
+// (Timoshenko, Phil. Mag. 41, 1921).
+std::vector<double> slender_beam(double length, double side, int pairs) {
+  const auto [e, nu, rho] = test::elastic(test::kSteel);
+  const double radius = side / std::sqrt(12.0);  // of gyration
+  std::vector<double> frequencies;
+  for (int n = 1; n <= pairs; ++n) {
+    const std::array<double, 2> first = {4.730040745, 7.853204624};  // roots of cos(x) cosh(x) = 1
+    const double k = (n <= 2 ? first[n - 1] : (n + 0.5) * std::numbers::pi) / length;
+    const double euler = k * k * radius * std::sqrt(e / rho) / (2 * std::numbers::pi);
+    frequencies.insert(frequencies.end(), 2, euler / std::sqrt(1 + std::pow(k * radius, 2) * (1 + 2.4 * (1 + nu))));
+  }
+  return frequencies;
+}
+
 Body wire() {
-  return {"wire 1:1000", "1 x 0.001 x 0.001 m", test::box_mesh({40, 1, 1}, {1, 0.001, 0.001}),
-          slender_truth({1, 0.001, 0.001}, {30, 3, 3}, 24), 1e-3, kRitz};
+  return {"wire 1:1000", "1 x 0.001 x 0.001 m, cells 25:1", test::box_mesh({40, 1, 1}, {1, 0.001, 0.001}),
+          slender_beam(1, 0.001, 8), 3e-4, "Timoshenko's beam"};
 }
 
 // Before the solver was told how many motions are rigid, the two lowest of these modes were taken for such.
@@ -94,7 +110,7 @@ Body wire_with_slivers() {
           .hard = "41 slivers of 0.01 degree, 5 Hz in a band of 2 kHz",
           .mesh = test::box_with_slivers({41, 1, 2}, {1, 0.001, 0.001}, 0.01),
           .truth_hz = slender_truth({1, 0.001, 0.001}, {50, 3, 3}, 80),
-          .limit = 1e-3,
+          .limit = 2e-2,
           .oracle = kRitz,
           .least_modes = 56};
 }

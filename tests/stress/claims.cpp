@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
+
+#include <sys/resource.h>
 
 namespace ringdown::test {
 namespace {
@@ -29,6 +33,14 @@ std::vector<double> sorted_frequencies(const modal::Bank& bank) {
   return sorted;
 }
 
+std::string memory_so_far() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f GiB at most", static_cast<double>(usage.ru_maxrss) / (1 << 20));
+  return text;
+}
+
 }  // namespace
 
 fem::Elastic elastic(const modal::Material& material) {
@@ -41,6 +53,7 @@ void expect_baked(const Body& body) {
   const double top = body.truth_hz[there] * (1 - 0.1 * body.limit);
   const auto checked = mesh::check_mesh(body.mesh, body.name);
   ASSERT_TRUE(checked) << checked.error().message;
+  const auto start = std::chrono::steady_clock::now();
   const auto baked = bake::bake(*checked, body.material,
                                 {.element = body.element, .band_low_hz = 0, .band_high_hz = top}, body.name);
   ASSERT_TRUE(baked) << baked.error().message;
@@ -54,7 +67,8 @@ void expect_baked(const Body& body) {
          .error = worst,
          .limit = body.limit,
          .estimate = baked->report.largest_error,
-         .outcome = "against " + body.oracle});
+         .seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
+         .outcome = "against " + body.oracle + (baked->report.unknowns > 100000 ? "; " + memory_so_far() : "")});
   EXPECT_EQ(baked->report.rigid, body.rigid);
   EXPECT_EQ(found.size(), there);
   EXPECT_LE(worst, body.limit);

@@ -130,7 +130,13 @@ const std::vector<Fault> kFaults = {
     {"no volume", "four corners in a plane", spoiled([](auto& m) { m.nodes.col(2).setZero(); }),
      {"element 0 has no volume", "mesh the object again"}},
     {"repeated node", "one corner twice", spoiled([](auto& m) { m.elements(1, 3) = m.elements(1, 2); }),
-     {"element 1 has no volume"}},
+     {"element 1 names node", "twice"}},
+    {"repeated edge node", "of a 10-node element", [] {
+       mesh::TetMesh mesh = mesh::to_order(block(), 2);
+       mesh.elements(1, 8) = mesh.elements(1, 5);
+       return mesh;
+     },
+     {"element 1 names node", "twice"}},
     {"tangled mesh", "a node pulled through faces", spoiled(tangle), {"elements overlap", "tangled"}},
     {"three at a face", "an element too many", spoiled([](auto& m) {
        const auto corners = m.elements.row(0).eval();
@@ -142,15 +148,23 @@ const std::vector<Fault> kFaults = {
      }),
      {"elements overlap"}},
     {"unmerged edge nodes", "corners shared, edges not", unmerged_edges, {"share the corners", "merge the nodes"}},
+    {"the same body twice", "with nodes of its own", spoiled([](auto& m) { m = test::both(m, m); }),
+     {"elements overlap at", "given twice"}},
+    {"bodies in each other", "two blocks, half a cell apart", spoiled([](auto& m) {
+       mesh::TetMesh other = m;
+       other.nodes.col(0).array() += 0.09;
+       m = test::both(m, other);
+     }),
+     {"elements overlap at", "run through each other"}},
     {"hinge at an edge", "two cubes share an edge", [] { return test::cubes({{0, 0, 0}, {1, 1, 0}}); },
-     {"touch only along an edge from (0.1, 0.1, 0) to (0.1, 0.1, 0.1) m", "hinge"}},
+     {"touch only along an edge from (0.1, 0.1, 0) m to (0.1, 0.1, 0.1) m", "hinge"}},
     {"hinge at a point", "two cubes share a vertex", [] { return test::cubes({{0, 0, 0}, {1, 1, 1}}); },
      {"touch only in the point (0.1, 0.1, 0.1) m"}},
     {"touches itself at an edge", "whole without it",
      [] {
        return test::cubes({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}, {1, 1, 1}, {0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {1, 1, 2}});
      },
-     {"touch only along an edge from (0.1, 0.1, 0.1) to (0.1, 0.1, 0.2) m"}},
+     {"touch only along an edge from (0.1, 0.1, 0.1) m to (0.1, 0.1, 0.2) m"}},
     {"touches itself at a vertex", "whole without it",
      [] {
        return test::cubes({{1, 1, 1}, {0, 1, 1}, {0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}, {2, 2, 3}, {2, 2, 2}});

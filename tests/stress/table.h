@@ -22,6 +22,7 @@ struct TableLine {
   double error = kNotSaid;     // the worst of them, relative
   double limit = kNotSaid;     // that the case allows
   double estimate = kNotSaid;  // the largest that the bank itself states
+  double seconds = kNotSaid;   // of the bake, as it happened: no test depends on it
   std::string outcome;         // what the truth is, or what was repaired, or the sentence of the refusal
 };
 
