@@ -133,14 +133,17 @@ Result<void> check_options(const BakeOptions& options) {
   return {};
 }
 
-Result<void> check_rigid(const Eigenmodes& modes, int pieces) {
-  if (modes.rigid == 6 * pieces) return {};
-  const std::string found = std::to_string(modes.rigid) + " motions without energy where a mesh of " +
-                            std::to_string(pieces) + (pieces == 1 ? " piece has " : " pieces has ") +
-                            std::to_string(6 * pieces);
-  return fail(modes.rigid > 6 * pieces
-                  ? "found " + found + ": parts of it hang together at an edge or a point only; join them by a face"
-                  : "found " + found + ": the elements are too distorted to solve; mesh the object again");
+// What rounding makes of the zero energy of a rigid motion, and so of the energy of any other mode [lambda].
+double rounding_of(const Eigenmodes& modes) { return modes.lambda.head(modes.rigid).cwiseAbs().maxCoeff(); }
+
+// A mesh whose pieces hold together by faces (check_mesh) has six rigid motions for each, and no others.
+Result<void> check_rigid(const Eigenmodes& modes, int pieces, double highest_lambda) {
+  constexpr double kLeastContrast = 10;
+  const bool vibrates = modes.lambda.size() > modes.rigid;
+  const double lowest = vibrates ? modes.lambda[modes.rigid] : highest_lambda;
+  if (modes.rigid == 6 * pieces && lowest > kLeastContrast * rounding_of(modes)) return {};
+  return fail("its lowest vibration cannot be told from rigid motions for rounding; its elements are too flat or too "
+              "distorted: mesh the object again");
 }
 
 // About how many modes a solid has below a frequency: Debye's count V omega^3/(6 pi^2) (1/c_l^3 + 2/c_t^3) of waves
@@ -152,6 +155,20 @@ double debye_count(double volume_m3, const modal::Material& material, double lam
   const double longitudinal = transverse * std::sqrt((2 - 2 * nu) / (1 - 2 * nu));
   const double slowness = std::pow(longitudinal, -3) + 2 * std::pow(transverse, -3);
   return volume_m3 * std::pow(lambda, 1.5) / (6 * std::numbers::pi * std::numbers::pi) * slowness;
+}
+
+// A bank keeps positions as 32-bit floats, which have 24 bits: at ten thousand times its length from the origin a body
+// still has points to a thousandth of its length.
+Result<void> check_place(const mesh::Points& nodes, double length_m) {
+  constexpr double kFarthest = 1e4;
+  const double reach = nodes.cwiseAbs().maxCoeff();
+  if (reach < kFarthest * length_m) return {};
+  char text[200];
+  std::snprintf(text, sizeof text,
+                " is %.3g m long and lies %.3g m from the origin, too far for the 32-bit positions of a bank; move it to "
+                "the origin",
+                length_m, reach);
+  return fail(text);
 }
 
 Result<void> check_count(double volume_m3, const modal::Material& material, const BakeOptions& options,
@@ -206,7 +223,7 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   if (!modes) return fail(modes.error());
   report.factor_seconds = modes->factor_seconds;
   report.iterate_seconds = modes->iterate_seconds;
-  if (auto rigid = check_rigid(*modes, task.pieces); !rigid) return fail(rigid.error());
+  if (auto rigid = check_rigid(*modes, task.pieces, request.highest_lambda); !rigid) return fail(rigid.error());
 
   BodyModes body = on_surface(*modes, task.surface);
   watch.lap();
@@ -214,7 +231,7 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   Result<Eigen::VectorXd> errors =
       fem::frequency_errors(task.unit_mesh, elastic, body.lambda, modes->shapes.rightCols(body.lambda.size()));
   if (!errors) return fail(errors.error());
-  body.errors = std::move(*errors);
+  body.errors = *errors + rounding_of(*modes) * body.lambda.cwiseInverse();
   report.estimate_seconds = watch.lap();
   body.complete_to = request.highest_lambda;
   body.unknowns = system->unknowns();
@@ -227,6 +244,7 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
   solve::EigenRequest request{.highest_lambda = kHeadroom * top,
                               .most_modes = task.options.most_modes,
                               .method = task.options.solver,
+                              .rigid = 6 * task.pieces,
                               .processes = task.options.processes};
   const auto in_band = [top](BodyModes modes) { return up_to(std::move(modes), top); };
   if (task.options.cache.empty()) return solve_body(task, request, report, progress).map(in_band);
@@ -286,6 +304,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
 
   const mesh::TetMesh mesh = mesh::to_order(checked.mesh, fem::order_of(options.element));
   const double length_m = characteristic_length(mesh.nodes);
+  if (auto near = check_place(mesh.nodes, length_m); !near) return fail(name + near.error().message);
   const BodyUnits units{length_m, material.youngs_modulus_pa, material.density_kg_m3};
   const Task task{
       mesh,          {mesh.nodes / length_m, mesh.elements}, mesh::boundary_surface(mesh), units, material, options,

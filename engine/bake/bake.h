@@ -57,9 +57,12 @@ struct Baked {
 // when nothing changed and to rounding when E, density, damping or size did; only inside a family of equal frequencies
 // (a sphere's, a tube's pairs) may the shapes be another basis of the same motions.
 //
-// Fails when the material is not stable, when the eigensolver fails, when no mode lies in the band, or when
-// the body has more motions without energy than six for each piece: then parts hang together at an edge or a
-// point like a hinge.
+// Errors are estimated from what finer elements would add (fem::frequency_errors) and from what rounding leaves of the
+// rigid motions' zero energy: in meshes of very flat elements that disturbs the lowest modes.
+//
+// Fails when the material is not stable, when the eigensolver fails, when no mode lies in the band, when rounding
+// hides the lowest mode among the rigid motions, or when the body is so far from the origin that a bank's positions would
+// lose it.
 Result<Baked> bake(const mesh::CheckedMesh& mesh, const modal::Material& material, const BakeOptions& options,
                    const std::string& name, const Progress& progress = {});
 

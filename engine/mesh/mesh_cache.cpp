@@ -15,7 +15,7 @@ namespace ringdown::mesh {
 namespace {
 
 constexpr std::string_view kKind = "mesh";
-constexpr int kFormat = 1;                                    // of an entry, and of how gmsh_reader asks gmsh
+constexpr int kFormat = 2;                                    // of an entry, and of how gmsh_reader asks gmsh
 constexpr std::size_t kLargestFile = std::size_t{256} << 20;  // bytes; a larger file is read each time
 
 // Words of gmsh's language and of mesh formats by which a result depends on more than the file and its parameters. One
@@ -49,7 +49,7 @@ ContentHash key_of(const std::filesystem::path& path, const std::string& text, c
 std::string packed(const CheckedMesh& checked) {
   const auto& [nodes, elements] = checked.mesh;
   ByteWriter out;
-  out.put(std::array{checked.pieces, checked.flipped, checked.straightened, checked.unused_nodes});
+  out.put(std::array{checked.pieces, checked.flipped, checked.straightened, checked.unused_nodes, checked.duplicates});
   out.put(elements.cols());
   out.put_list(std::span(nodes.data(), static_cast<std::size_t>(nodes.size())));
   out.put_list(std::span(elements.data(), static_cast<std::size_t>(elements.size())));
@@ -59,7 +59,7 @@ std::string packed(const CheckedMesh& checked) {
 // Checked again, as if it came from anywhere.
 std::optional<CheckedMesh> unpacked(std::string_view bytes) {
   ByteReader in(bytes);
-  std::array<int, 4> counts{};
+  std::array<int, 5> counts{};
   Eigen::Index per_element = 0;
   std::vector<double> nodes;
   std::vector<std::int32_t> elements;
@@ -79,6 +79,7 @@ std::optional<CheckedMesh> unpacked(std::string_view bytes) {
   checked->flipped = counts[1];
   checked->straightened = counts[2];
   checked->unused_nodes = counts[3];
+  checked->duplicates = counts[4];
   return std::move(*checked);
 }
 

@@ -1,5 +1,8 @@
 #include "engine/mesh/tet_mesh.h"
 
+#include "engine/mesh/mesh_joints.h"
+#include "engine/mesh/overlap.h"
+
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -162,6 +165,15 @@ Result<void> check_numbers(const TetMesh& mesh, const std::string& name) {
                   ", but there are only " + std::to_string(mesh.nodes.rows()));
     }
   }
+  std::vector<std::int32_t> own(mesh.elements.cols());
+  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+    std::copy(mesh.elements.row(e).begin(), mesh.elements.row(e).end(), own.begin());
+    std::sort(own.begin(), own.end());
+    if (const auto twice = std::adjacent_find(own.begin(), own.end()); twice != own.end()) {
+      return fail(name + ": element " + std::to_string(e) + " names node " + std::to_string(*twice) +
+                  " twice; mesh the object again, or repair it in a mesh tool");
+    }
+  }
   for (Eigen::Index node = 0; node < mesh.nodes.rows(); ++node) {
     if (!mesh.nodes.row(node).allFinite()) {
       return fail(name + ": a coordinate of node " + std::to_string(node) + " is not a finite number");
@@ -188,6 +200,9 @@ Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name) {
     checked.mesh.elements.row(e) = checked.mesh.elements(e, flipped).eval();
     ++checked.flipped;
   }
+  checked.duplicates = drop_duplicates(checked.mesh);
+  if (auto joints = check_joints(checked.mesh, name); !joints) return fail(joints.error());
+  if (auto apart = check_overlap(checked.mesh, name); !apart) return fail(apart.error());
   checked.straightened = straighten_folded(checked.mesh);
   checked.pieces = count_pieces(checked.mesh);
   return checked;

@@ -32,20 +32,23 @@ ElementNodes nodes_of(const TetMesh& mesh, Eigen::Index element);
 Corners corners_of(const TetMesh& mesh, Eigen::Index element);
 
 // A mesh that the other folders may trust: node numbers in range, every node used, every element positively
-// oriented and with volume, coordinates finite.
+// oriented and with volume, coordinates finite, neighbours joined by whole faces (mesh_joints.h), none inside
+// another (overlap.h).
 struct CheckedMesh {
   TetMesh mesh;
   int pieces = 0;        // parts that share no node
   int flipped = 0;       // elements given inside out, now turned
   int straightened = 0;  // curved elements that folded over themselves, now less curved or straight
   int unused_nodes = 0;  // dropped
+  int duplicates = 0;    // elements with the same nodes as another, dropped
 };
 
-// Repairs what has one right repair (the counts above) and refuses the rest: no elements, a node number out of range, a
-// coordinate that is not finite, an element without volume. A curved element folds where the determinant of its map
-// falls below a thousandth of the straight one's; it is looked at in as many points as determine that polynomial, and
-// in those that assembly integrates over. One that does loses half
-// of its curvature, up to three times, then all. `name` stands in the sentence. O(E log E).
+// Repairs what has one right repair (the counts above) and refuses the rest: no elements, a node number out of range or
+// twice in an element, a coordinate that is not finite, an element without volume, elements that overlap, parts that
+// touch in an edge or a point only. A curved element folds where the determinant of its map falls below a thousandth of
+// the straight one's; it is looked at in as many points as determine that polynomial, and in those that assembly
+// integrates over. One that does loses half of its curvature, up to three times, then all. `name` stands in the
+// sentence. O(E log E).
 Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name);
 
 // The same elements with the nodes of another order: each element's own map at the places of the new nodes, which are

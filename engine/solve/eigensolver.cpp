@@ -121,7 +121,8 @@ Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& re
     Result<Eigenmodes> modes = solve_by(method, system, request, limit, threads, progress);
     if (!modes) return modes;
     keep_first(*modes, (modes->lambda.array() < request.highest_lambda).count());
-    modes->rigid = count_below(modes->lambda, limit);
+    const auto known = std::min<Eigen::Index>(request.rigid, modes->lambda.size());
+    modes->rigid = request.rigid >= 0 ? static_cast<int>(known) : count_below(modes->lambda, limit);
     if (modes->lambda.size() - modes->rigid > request.most_modes) return fail(too_many_modes(request));
     find_residuals(system, *modes);
     return modes;

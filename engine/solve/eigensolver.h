@@ -39,6 +39,9 @@ struct EigenRequest {
   // Where a near relative of the body had its elastic modes, ascending; may be empty, or end before highest_lambda. For
   // planning only: it changes how long a solve takes, not what is found.
   Eigen::VectorXd expected_lambda = {};
+  // How many motions of the body are rigid, when the caller knows (six for each piece): the first ones. -1: those whose
+  // lambda is zero to rounding; in a mesh of very thin or distorted elements that may be as much as a vibration's.
+  int rigid = -1;
   int processes = 2;       // of kSlepc
   int expected_modes = 0;  // with the rigid ones, when known: kSpectra then asks for so many at once. 0: not known
 };

@@ -200,20 +200,6 @@ TEST(Bake, RefusesWithOneSentence) {
   EXPECT_NE(refusal(in_millimetres, steel(), {}).find("check the unit"), std::string::npos);
 }
 
-TEST(Bake, NamesTheHingeWhenPartsHangTogetherAtAnEdge) {
-  mesh::TetMesh hinge = test::box_mesh({1, 1, 1}, {0.1, 0.1, 0.1});
-  mesh::TetMesh other = hinge;  // the same cube mirrored through one edge, sharing only that edge's two nodes
-  other.nodes.leftCols<2>() *= -1;
-  mesh::TetMesh both = test::both(hinge, other);
-  for (std::int32_t& node : both.elements.reshaped()) {
-    for (std::int32_t twin = 0; twin < 8; ++twin) {
-      if (node >= 8 && (both.nodes.row(node) - both.nodes.row(twin)).norm() < 1e-12) node = twin;
-    }
-  }
-  EXPECT_NE(refusal(test::checked(both), steel(), {.band_high_hz = 1e5}).find("7 motions without energy"),
-            std::string::npos);
-}
-
 TEST(Bake, CanBeCancelledInEveryStage) {
   for (const std::string_view stage : {"assemble", "factors", "modes", "finish"}) {
     const auto result = bake::bake(bar(), steel(), {}, "bar", [&](std::string_view at, double) { return at != stage; });

@@ -36,7 +36,8 @@ struct Case {
 
 bool same(const mesh::CheckedMesh& a, const mesh::CheckedMesh& b) {
   return a.mesh.nodes == b.mesh.nodes && a.mesh.elements == b.mesh.elements && a.pieces == b.pieces &&
-         a.flipped == b.flipped && a.straightened == b.straightened && a.unused_nodes == b.unused_nodes;
+         a.flipped == b.flipped && a.straightened == b.straightened && a.unused_nodes == b.unused_nodes &&
+         a.duplicates == b.duplicates;
 }
 
 TEST(MeshCache, GivesTheSameMeshBitForBitWithoutMeshing) {

@@ -183,9 +183,15 @@ void print_summary(const bake::ObjectRecipe& recipe, const bake::BakedObject& ob
               object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
               report.estimate_seconds, report.finish_seconds, bank.provenance.largest_residual);
   print_errors(object);
-  if (object.mesh.straightened > 0) {
+  const mesh::CheckedMesh& checked = object.mesh;
+  if (checked.pieces > 1) std::printf("  %d pieces that share no node\n", checked.pieces);
+  if (checked.flipped + checked.duplicates + checked.unused_nodes > 0) {
+    std::printf("  repaired: %d elements were inside out, %d were there twice; %d nodes belonged to none\n",
+                checked.flipped, checked.duplicates, checked.unused_nodes);
+  }
+  if (checked.straightened > 0) {
     std::printf("  %d curved elements folded and were straightened; a smaller mesh size avoids that\n",
-                object.mesh.straightened);
+                checked.straightened);
   }
   std::fflush(stdout);
 }

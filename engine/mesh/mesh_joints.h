@@ -1,0 +1,24 @@
+// How the elements of a mesh meet. [worker]
+//
+// In a sound mesh neighbours share a whole face with all its nodes, one on each side of it, and from any element around
+// a node or an edge one comes to any other by stepping through faces there. Then each piece has six motions without
+// energy and no more. Where parts of a body touch in a node or an edge only, the joint has no meaning: a point of an
+// elastic body that is pushed gives way without limit as elements get smaller, so what a mesh says of it is said of the
+// size of its elements.
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/mesh/tet_mesh.h"
+
+#include <string>
+
+namespace ringdown::mesh {
+
+// Removes elements that have the same nodes as an earlier one. Returns how many. O(E log E).
+int drop_duplicates(TetMesh& mesh);
+
+// Fails with one sentence, which says where, when elements overlap at a face, have the corners of a face in common but
+// not its other nodes, or touch in an edge or a node only. The elements must be positively oriented. O(E log E).
+Result<void> check_joints(const TetMesh& mesh, const std::string& name);
+
+}  // namespace ringdown::mesh
