@@ -49,8 +49,8 @@ struct Baked {
 
 // The modes of the free body whose damped frequency lies in the band, in order of importance() but with inaudible ones
 // last (audibility.h), and everything else that a bank holds. Shapes are exact nodal values at the kept surface points;
-// the sign of each is chosen so that its largest component on the surface (the first of equals) is positive. Progress stages: "assemble",
-// "factors", "modes", "errors", "finish".
+// the sign of each is chosen so that its largest component on the surface (the first of equals) is positive. Progress
+// stages: "assemble", "factors", "modes", "errors", "finish".
 //
 // With a cache, a body whose shape, Poisson's ratio and element were solved before, up to the band's top or higher, is
 // not solved again: E, density, damping and size rescale exactly (body_modes.h). The bank is the same, byte for byte

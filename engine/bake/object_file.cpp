@@ -17,7 +17,8 @@ void read_options(TomlTable& file, BakeOptions& options) {
   file.text("element", name);
   const Result<fem::Element> element = fem::parse_element(name);
   if (element) options.element = *element;
-  if (!element) file.complain("element", "element must be \"tet10\", \"tet20\", \"tet35\", \"tet4\" or \"tet4-lumped\"");
+  if (!element)
+    file.complain("element", "element must be \"tet10\", \"tet20\", \"tet35\", \"tet4\" or \"tet4-lumped\"");
 
   std::uint64_t points = options.most_points, modes = 0;
   file.whole("surface_points", points, 4, 1'000'000);

@@ -52,7 +52,7 @@ class TomlTable {
   void text(std::string_view key, std::string& target);  // never empty
   void boolean(std::string_view key, bool& target);
   void number(std::string_view key, double& target, const Range& range);
-  void number(std::string_view key, double& target);  // any finite one
+  void number(std::string_view key, double& target);                        // any finite one
   void fraction(std::string_view key, double& target, const Range& range);  // a number, or a text such as "0.1%"
   void whole(std::string_view key, std::uint64_t& target, std::uint64_t low = 0, std::uint64_t high = kAnyWhole);
   void vector(std::string_view key, Vec3& target, const Range& range);              // [x, y, z], each in the range

@@ -309,9 +309,7 @@ bool is_geometry_file(const std::filesystem::path& path) {
   return std::find(kEndings.begin(), kEndings.end(), path.extension()) != kEndings.end();
 }
 
-bool names_mesh_size(const std::filesystem::path& path) {
-  return geo_says(path, "\\bmesh_size\\s*=");
-}
+bool names_mesh_size(const std::filesystem::path& path) { return geo_says(path, "\\bmesh_size\\s*="); }
 
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options) {
   std::error_code error;

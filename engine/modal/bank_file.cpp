@@ -56,12 +56,11 @@ Result<std::optional<Material>> read_material(const Field& materials, const Fiel
   const Field field = materials[*number];
   if (!field.present()) return reference.wrong("the number of an acoustic material in the file");
   Material material{.name = field["name"].text_or("")};
-  for (const auto& outcome :
-       {read_number(field["density"], material.density_kg_m3, 0, INFINITY),
-        read_number(field["youngsModulus"], material.youngs_modulus_pa, 0, INFINITY),
-        read_number(field["poissonRatio"], material.poisson_ratio, -1, 0.5, true),
-        read_number(field["alpha"], material.damping.alpha_per_s, 0, INFINITY),
-        read_number(field["beta"], material.damping.beta_s, 0, INFINITY)}) {
+  for (const auto& outcome : {read_number(field["density"], material.density_kg_m3, 0, INFINITY),
+                              read_number(field["youngsModulus"], material.youngs_modulus_pa, 0, INFINITY),
+                              read_number(field["poissonRatio"], material.poisson_ratio, -1, 0.5, true),
+                              read_number(field["alpha"], material.damping.alpha_per_s, 0, INFINITY),
+                              read_number(field["beta"], material.damping.beta_s, 0, INFINITY)}) {
     if (!outcome) return fail(outcome.error());
   }
   return material;
@@ -88,9 +87,7 @@ Result<std::optional<MassProperties>> read_mass(const Field& field) {
 
 Provenance read_provenance(const Field& extras, std::string generator) {
   const auto number = [&extras](const char* key) { return extras[key].number().value_or(0.0); };
-  const auto count = [&extras](const char* key) {
-    return static_cast<std::int64_t>(extras[key].index().value_or(0));
-  };
+  const auto count = [&extras](const char* key) { return static_cast<std::int64_t>(extras[key].index().value_or(0)); };
   const Field dropped = extras["dropped"];
   return {.generator = std::move(generator),
           .element = extras["element"].text_or(""),
@@ -261,8 +258,9 @@ Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& nam
   const auto instance = find_instance(*glb);
   if (!instance) return fail(instance.error());
   const Field model = extension["modalModels"][instance->model];
-  if (!model.present()) return fail(name + ": a node plays modal model " + std::to_string(instance->model) +
-                                    ", which the file does not have");
+  if (!model.present())
+    return fail(name + ": a node plays modal model " + std::to_string(instance->model) +
+                ", which the file does not have");
   Bank bank{.name = model["name"].text_or(instance->name), .gain = instance->gain};
   if (const auto read = read_modes(*glb, model, bank); !read) return fail(read.error());
   if (const auto read = read_triangles(*glb, model["indices"], bank); !read) return fail(read.error());

@@ -48,7 +48,8 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_option("--name", arguments.name, "name kept in the bank (default: the input's)");
   app.add_option("-e,--element", arguments.element,
                  "tet20 (default), tet10, tet35, tet4, or tet4-lumped: the 2011 report's, far too stiff in bending");
-  app.add_option("--mesh-size", arguments.mesh_size_m, "longest edge in metres, when a geometry is meshed (default: by the band)")
+  app.add_option("--mesh-size", arguments.mesh_size_m,
+                 "longest edge in metres, when a geometry is meshed (default: by the band)")
       ->check(CLI::PositiveNumber);
   app.add_option("--set", settings, "NAME=NUMBER, a parameter of a .geo file, in its unit");
   app.add_option("--unit", arguments.unit_m, "metres per unit of the file, e.g. 0.001 for millimetres")
@@ -179,9 +180,11 @@ void print_summary(const bake::ObjectRecipe& recipe, const bake::BakedObject& ob
   }
   if (report.from_cache) std::printf("  from the cache: nothing was solved\n");
   if (!report.cache_trouble.empty()) std::printf("  not kept in the cache: %s\n", report.cache_trouble.c_str());
-  std::printf("  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, errors %.1f, finish %.1f; largest residual %.1e\n",
-              object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
-              report.estimate_seconds, report.finish_seconds, bank.provenance.largest_residual);
+  std::printf(
+      "  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, errors %.1f, finish %.1f; largest residual "
+      "%.1e\n",
+      object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
+      report.estimate_seconds, report.finish_seconds, bank.provenance.largest_residual);
   print_errors(object);
   const mesh::CheckedMesh& checked = object.mesh;
   if (checked.pieces > 1) std::printf("  %d pieces that share no node\n", checked.pieces);
