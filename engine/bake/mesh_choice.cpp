@@ -14,8 +14,8 @@
 namespace ringdown::bake {
 namespace {
 
-constexpr std::array kElementsPerWave = {20.0, 8.0, 4.0, 2.5};        // order 1 to 4
-constexpr std::array kUnknownsPerElement = {0.7, 6.0, 17.0, 38.0};    // gmsh's meshes of bodies, not of films
+constexpr std::array kElementsPerWave = {20.0, 8.0, 4.0, 2.5};      // order 1 to 4
+constexpr std::array kUnknownsPerElement = {0.7, 6.0, 17.0, 38.0};  // gmsh's meshes of bodies, not of films
 constexpr double kElementsPerThicknessAtEdges = 1;
 constexpr double kSizeInSection = 0.33;  // of the width
 
@@ -74,7 +74,8 @@ double estimated_unknowns(const BodyShape& shape, double size_m, int order) {
 MeshChoice choose_mesh(const BodyShape& shape, const modal::Material& material, double band_high_hz, int order,
                        double most_unknowns) {
   MeshChoice choice{.shortest_wave_m = shortest_wave(shape, material, band_high_hz)};
-  choice.size_m = std::min(choice.shortest_wave_m / kElementsPerWave[order - 1], kSizeInSection * shape.width_m);
+  choice.size_m = std::min({choice.shortest_wave_m / kElementsPerWave[order - 1], kSizeInSection * shape.width_m,
+                            (order + 1) * shape.thickness_m});
   const double finest = size_for(shape, most_unknowns, order);
   choice.bounded = choice.size_m < finest;
   choice.size_m = std::max(choice.size_m, finest);

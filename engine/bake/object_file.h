@@ -39,6 +39,7 @@ struct ObjectRecipe {
   BakeOptions options;
   double gain_db = 0;
   double error = 0;      // relative, that the estimate for every frequency in the band must reach; 0: whatever it is
+  double most_unknowns = 400'000;  // that `error` may lead to
   bool preview = false;  // coarse and quick; `error` does not count
 };
 

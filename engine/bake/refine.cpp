@@ -13,7 +13,7 @@
 namespace ringdown::bake {
 namespace {
 
-constexpr std::size_t kLargestGeometry = 16 << 20;  // bytes hashed for a family's name
+constexpr std::size_t kLargestGeometry = 16 << 20;                         // bytes hashed for a family's name
 constexpr double kSmallestStep = 0.4, kLargestStep = 0.85, kMargin = 0.9;  // of mesh sizes from round to round
 constexpr double kPreviewUnknowns = 5000;
 constexpr std::size_t kPreviewPoints = 60;
@@ -163,12 +163,12 @@ class Baker {
       return unknowns() * estimated_unknowns(shape, step * now, order) / estimated_unknowns(shape, now, order);
     };
     const double step = std::clamp(wanted, kSmallestStep, kLargestStep);
-    const bool too_many = unknowns_at(std::min(wanted, kLargestStep)) > kMostUnknowns;
-    if (too_many && order < mesh::kHighestOrder && unknowns() * growth(order) <= kMostUnknowns) {
+    const bool too_many = unknowns_at(std::min(wanted, kLargestStep)) > recipe_.most_unknowns;
+    if (too_many && order < mesh::kHighestOrder && unknowns() * growth(order) <= recipe_.most_unknowns) {
       set_order(order + 1);
       return false;
     }
-    if (unknowns_at(step) > kMostUnknowns) return fail(out_of_reach(more_than_most(unknowns_at(step))));
+    if (unknowns_at(step) > recipe_.most_unknowns) return fail(out_of_reach(more_than_most(unknowns_at(step))));
     recipe_.meshing.mesh_size_m = step * now;
     recipe_.meshing.edge_size_m *= step;
     return false;
@@ -178,7 +178,7 @@ class Baker {
     const int order = fem::order_of(recipe_.options.element);
     const bool raise = order < mesh::kHighestOrder;
     const double next = unknowns() * (raise ? growth(order) : 8);
-    if (next > kMostUnknowns) return fail(out_of_reach(more_than_most(next)));
+    if (next > recipe_.most_unknowns) return fail(out_of_reach(more_than_most(next)));
     if (raise) {
       set_order(order + 1);
     } else {
@@ -191,16 +191,18 @@ class Baker {
 
   [[nodiscard]] double unknowns() const { return static_cast<double>(object_.rounds.back().unknowns); }
 
-  [[nodiscard]] static std::string more_than_most(double wanted) {
+  [[nodiscard]] std::string more_than_most(double wanted) const {
     char text[80];
-    std::snprintf(text, sizeof text, "the next round would take about %.2g million unknowns, more than %.2g", wanted / 1e6,
-                  kMostUnknowns / 1e6);
+    std::snprintf(text, sizeof text, "the next round would take about %.2g million unknowns, more than %.2g",
+                  wanted / 1e6, recipe_.most_unknowns / 1e6);
     return text;
   }
 
   [[nodiscard]] std::string out_of_reach(const std::string& why) const {
-    const double best = std::min_element(object_.rounds.begin(), object_.rounds.end(),
-                                         [](const Round& a, const Round& b) { return a.error < b.error; })->error;
+    const double best =
+        std::min_element(object_.rounds.begin(), object_.rounds.end(), [](const Round& a, const Round& b) {
+          return a.error < b.error;
+        })->error;
     return recipe_.name + ": the error stays at " + as_percent(best) + " instead of " + as_percent(recipe_.error) +
            " (" + why + "); allow a larger --error, or narrow the band with --band";
   }

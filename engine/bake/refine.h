@@ -7,6 +7,8 @@
 //   that would take too many unknowns, the order rises instead;
 //   a mesh from a file keeps its nodes: the order rises up to 4, then each element is split into eight.
 //
+// It stops before a round of more than recipe.most_unknowns.
+//
 // With recipe.preview it is meshed coarsely instead, of order 2, so that it takes a second or less.
 #pragma once
 
@@ -14,8 +16,7 @@
 
 namespace ringdown::bake {
 
-inline constexpr double kMostUnknowns = 400'000;         // that refinement goes to
-inline constexpr double kMostChosenUnknowns = 150'000;   // that a chosen mesh size makes
+inline constexpr double kMostChosenUnknowns = 150'000;  // that a chosen mesh size makes
 inline constexpr int kMostRounds = 6;
 
 // Progress stages: "mesh" and those of bake(), from the second round on with the round and its error before them. Fails

@@ -22,14 +22,15 @@
 //
 // Taken here is the mean of both with weights 1 - kRelaxed and kRelaxed. In flat elements and for nearly incompressible
 // materials the first is too small by large factors (functions of W alone lock), the second too large; their mean stays
-// within narrow bounds (docs/accuracy.md has the measurements that chose the weight). For the same reason the stiffness
-// against changes of volume counts only up to kStiffestVolume mu in it; the residual is the true one.
+// within narrow bounds (docs/accuracy.md has the measurements that chose the weight). For the same reason lambda counts
+// in it as mu^(1/4) lambda^(3/4) where it is more than mu; the residual is the true one.
 namespace ringdown::fem {
 namespace {
 
 constexpr int kModesAtOnce = 32;
 constexpr Eigen::Index kElementsAtOnce = 256;
-constexpr int kSteps = 6;  // of conjugate gradients: 1 % short of the end in well-shaped elements, 10 to 40 % in flat ones
+constexpr int kSteps =
+    6;  // of conjugate gradients: 1 % short of the end in well-shaped elements, 10 to 40 % in flat ones
 
 // What degree p + 2 and more would add, and what the mean above leaves: measured, not derived.
 double surplus_factor(int order) { return (order + 1) / 3.0; }
@@ -155,7 +156,10 @@ Rows SurplusProblem::preconditioned(const Rows& x) const {
   Rows y(x.rows(), kModesAtOnce);
   for (std::size_t part = 0; part < inverses_.size(); ++part) {
     const Eigen::Index first = 3 * space_.parts[part], rows = inverses_[part].rows();
-    y.middleRows(first, rows) = inverses_[part].lazyProduct(x.middleRows(first, rows));
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      y.row(first + i) = inverses_[part](i, 0) * x.row(first);
+      for (Eigen::Index j = 1; j < rows; ++j) y.row(first + i) += inverses_[part](i, j) * x.row(first + j);
+    }
   }
   return y;
 }
@@ -216,7 +220,8 @@ Result<Eigen::VectorXd> frequency_errors(const mesh::TetMesh& mesh, const Elasti
     // To first order half of the fall; the root keeps large errors, of bending in linear elements, in proportion.
     const Eigen::ArrayXd ratio = surplus_factor(mesh.order()) * falls.array() / lambda.array();
     const Eigen::ArrayXd errors = (1 + ratio).sqrt() - 1;
-    return errors.unaryExpr([](double error) { return error < kLargestFrequencyError ? error : kLargestFrequencyError; })
+    return errors
+        .unaryExpr([](double error) { return error < kLargestFrequencyError ? error : kLargestFrequencyError; })
         .matrix();
   } catch (const std::exception&) {
     return fail("not enough memory to estimate the errors of " + std::to_string(lambda.size()) +

@@ -14,9 +14,10 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 
-// See error_estimate.cpp, where these are explained.
+// See error_estimate.cpp, where this and softened() are explained.
 constexpr double kRelaxed = 0.8;
-constexpr double kStiffestVolume = 4;  // lambda / mu
+
+double softened(double lambda, double mu) { return lambda > mu ? mu * std::pow(lambda / mu, 0.75) : lambda; }
 
 // K from the products of gradients, for the functions from `row` and from `column` on.
 MatrixXd stiffness(const MatrixXd& products, double lambda, double mu, int row, int rows, int column, int columns) {
@@ -102,7 +103,7 @@ MatrixXd SurplusElement::gradient_products(const mesh::ElementNodes& nodes, Matr
 }
 
 Eigen::MatrixXf SurplusElement::relaxed(const MatrixXd& products, const mesh::ElementNodes& nodes) const {
-  const double mu = elastic_.mu_pa(), lambda = std::min(elastic_.lambda_pa(), kStiffestVolume * mu);
+  const double mu = elastic_.mu_pa(), lambda = softened(elastic_.lambda_pa(), mu);
   MatrixXd energy = stiffness(products, lambda, mu, 0, w_, 0, w_);
   MatrixXd lower = stiffness(products, lambda, mu, w_, n_, w_, n_);
   const MatrixXd rigid = rigid_motions(nodes);

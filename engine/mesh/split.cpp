@@ -26,11 +26,12 @@ Children children_of(const Corners& corners) {
   points.topRows<4>() = corners;
   for (int e = 0; e < 6; ++e) points.row(4 + e) = 0.5 * (corners.row(kTetEdges[e][0]) + corners.row(kTetEdges[e][1]));
   const auto length = [&](const Diagonal& d) { return (points.row(d.to) - points.row(d.from)).squaredNorm(); };
-  const Diagonal& shortest = *std::min_element(
-      kDiagonals.begin(), kDiagonals.end(), [&](const auto& a, const auto& b) { return length(a) < length(b); });
+  const Diagonal& shortest = *std::min_element(kDiagonals.begin(), kDiagonals.end(),
+                                               [&](const auto& a, const auto& b) { return length(a) < length(b); });
 
   Children children = {{{0, 4, 6, 7}, {1, 5, 4, 8}, {2, 6, 5, 9}, {3, 8, 7, 9}}};
-  for (int k = 0; k < 4; ++k) children[4 + k] = {shortest.from, shortest.to, shortest.ring[k], shortest.ring[(k + 1) % 4]};
+  for (int k = 0; k < 4; ++k)
+    children[4 + k] = {shortest.from, shortest.to, shortest.ring[k], shortest.ring[(k + 1) % 4]};
   for (Child& child : children) {
     Corners at;
     for (int i = 0; i < 4; ++i) at.row(i) = points.row(child[i]);
@@ -38,8 +39,6 @@ Children children_of(const Corners& corners) {
   }
   return children;
 }
-
-
 
 std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
   const auto [low, high] = std::minmax(a, b);

@@ -250,10 +250,10 @@ TEST(ModeCache, RemembersWhereARelativesModesWere) {
   const bake::ModeCache cache{ContentCache(folder.path())};
   modal::Material material = kSteel;
   const bake::Baked first = baked(folder.path(), material);
-  mesh::TetMesh unit_mesh = mesh::to_order(bar().mesh, 2);
+  mesh::TetMesh unit_mesh = mesh::to_order(bar().mesh, 3);
   const double length = bake::characteristic_length(unit_mesh.nodes);
   unit_mesh.nodes /= length;
-  const bake::BodyQuestion question{unit_mesh, 0, fem::Element::kTet10, 0.25, 1e-9};
+  const bake::BodyQuestion question{unit_mesh, 0, fem::Element::kTet20, 0.25, 1e-9};
   const Eigen::VectorXd expected = cache.expected(question, "");
   ASSERT_EQ(expected.size(), static_cast<Eigen::Index>(first.bank.mode_count()));
   material.poisson_ratio = 0.25;

@@ -93,6 +93,8 @@ TEST(ObjectFile, RefusesMistakesByLine) {
   ASSERT_TRUE(bake::read_object(folder.write("a.toml", good)));
   ASSERT_TRUE(bake::read_object(folder.write("a.toml", good + "gain_db = -60\n")));
   ASSERT_TRUE(bake::read_object(folder.write("a.toml", good + "gain_db = 60\n")));
+  EXPECT_DOUBLE_EQ(bake::read_object(folder.write("a.toml", good + "error = \"0.1%\"\n"))->error, 1e-3);
+  EXPECT_DOUBLE_EQ(bake::read_object(folder.write("a.toml", good + "error = 0.002\n"))->error, 2e-3);
   const std::pair<const char*, const char*> mistakes[] = {
       {"element = \"hex8\"", ":3: element must be \"tet10\""},
       {"surface_points = 2.5", ":3: surface_points must be a whole number"},
@@ -103,6 +105,10 @@ TEST(ObjectFile, RefusesMistakesByLine) {
       {"band_hz = [\"low\", \"high\"]", ":3: band_hz must be a list of finite numbers"},
       {"unit_m = 0", ":3: unit_m = 0 is outside"},
       {"mesh_size_m = -1", ":3: mesh_size_m = -1 is outside"},
+      {"error = \"small\"", ":3: error must be a number or a percentage"},
+      {"error = true", ":3: error must be a number or a percentage"},
+      {"error = \"60%\"", ":3: error = 0.6 is outside"},
+      {"error = 0", ":3: error = 0 is outside"},
       {"gain_db = 60.1", ":3: gain_db = 60.1 is outside -60 ... 60"},
       {"gain_db = -61", ":3: gain_db = -61 is outside -60 ... 60"},
       {"gain_db = nan", ":3: gain_db = nan is outside -60 ... 60"},

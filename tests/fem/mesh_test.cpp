@@ -1,3 +1,4 @@
+#include "engine/fem/element.h"
 #include "engine/mesh/surface.h"
 #include "engine/mesh/tet_mesh.h"
 #include "tests/fem/sample_meshes.h"
@@ -252,6 +253,43 @@ TEST(Surface, AreaWeightsSumToOneAndFollowTheArea) {
   double sum = 0;
   for (const double weight : weights) sum += weight;
   EXPECT_NEAR(sum, 1, 1e-14);
+}
+
+// Faces between two elements.
+Eigen::Index inner_faces(const mesh::TetMesh& mesh) {
+  std::map<std::array<int, 3>, int> seen;
+  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+    for (const auto& face : mesh::kTetFaces) {
+      std::array<int, 3> nodes = {mesh.elements(e, face[0]), mesh.elements(e, face[1]), mesh.elements(e, face[2])};
+      std::sort(nodes.begin(), nodes.end());
+      ++seen[nodes];
+    }
+  }
+  return std::count_if(seen.begin(), seen.end(), [](const auto& face) { return face.second == 2; });
+}
+
+TEST(Split, MakesEightOfEachAndIsTheSameBody) {
+  for (int order = 1; order <= mesh::kHighestOrder; ++order) {
+    const mesh::TetMesh coarse = test::bent(mesh::to_order(test::box_mesh({2, 2, 1}, kSize), order), 8);
+    const mesh::TetMesh fine = mesh::split(coarse);
+    EXPECT_EQ(fine.order(), order);
+    ASSERT_EQ(fine.elements.rows(), 8 * coarse.elements.rows());
+    const auto checked = mesh::check_mesh(fine, "fine");
+    ASSERT_TRUE(checked) << checked.error().message;
+    EXPECT_EQ(checked->flipped + checked->straightened + checked->unused_nodes, 0) << order;
+    EXPECT_EQ(checked->pieces, 1);
+    // Each edge, face and inside of the coarse mesh has the new nodes once: Euler's count of a ball is 1.
+    const mesh::TetMesh corners = mesh::to_order(fine, 1), edges = mesh::to_order(corners, 2);
+    const auto faces = 4 * fine.elements.rows() - inner_faces(fine);
+    EXPECT_EQ(faces - inner_faces(fine), 4 * (4 * coarse.elements.rows() - 2 * inner_faces(coarse)));  // of the surface
+    EXPECT_EQ(corners.nodes.rows() - (edges.nodes.rows() - corners.nodes.rows()) + faces - fine.elements.rows(), 1);
+    const auto mass = [&](const mesh::TetMesh& m) {
+      double sum = 0;
+      for (Eigen::Index e = 0; e < m.elements.rows(); ++e) sum += fem::consistent_mass(mesh::nodes_of(m, e), 1000).sum();
+      return sum;
+    };
+    EXPECT_NEAR(mass(fine) / mass(coarse), 1, 1e-12) << order;
+  }
 }
 
 }  // namespace

@@ -32,7 +32,8 @@ TEST(SurplusBasis, GradientsAreDifferencesOfValues) {
     const mesh::ReferenceGradient gradient = mesh::surplus_gradient(order, at);
     for (int i = 0; i < 3; ++i) {
       const Eigen::Vector4d step = 1e-6 * (Eigen::Vector4d::Unit(i + 1) - Eigen::Vector4d::Unit(0));
-      const Eigen::VectorXd slope = (mesh::surplus_shape(order, at + step) - mesh::surplus_shape(order, at - step)) / 2e-6;
+      const Eigen::VectorXd slope =
+          (mesh::surplus_shape(order, at + step) - mesh::surplus_shape(order, at - step)) / 2e-6;
       EXPECT_LT((slope - gradient.col(i)).norm(), 1e-8) << order;
     }
   }

@@ -13,6 +13,7 @@ void expect_same(const Bank& a, const Bank& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.frequency_hz, b.frequency_hz);
   EXPECT_EQ(a.decay_per_s, b.decay_per_s);
+  EXPECT_EQ(a.frequency_error, b.frequency_error);
   EXPECT_EQ(a.positions, b.positions);
   EXPECT_EQ(a.shapes, b.shapes);
   EXPECT_EQ(a.triangles, b.triangles);
@@ -64,6 +65,21 @@ TEST(BankFile, IsBitExactAfterOneTrip) {
   const std::string once = written(random_bank(2, 40, 100));
   const std::string twice = written(parse(once).value());
   EXPECT_EQ(once, twice);
+}
+
+TEST(BankFile, KeepsTheErrorOfEachMode) {
+  Bank bank = bar_bank(3);
+  bank.frequency_error = {1.23e-4, 0, 0.05};
+  const std::string once = written(bank);
+  const auto back = parse(once);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->frequency_error, bank.frequency_error);
+  EXPECT_EQ(written(*back), once);
+  EXPECT_EQ(error_spread(*back)->median, 1.23e-4);
+  EXPECT_EQ(error_spread(*back)->largest, 0.05);
+  bank.frequency_error.clear();
+  EXPECT_TRUE(parse(written(bank))->frequency_error.empty());
+  EXPECT_FALSE(error_spread(bank));
 }
 
 TEST(BankFile, KeepsNamesInAnyScript) {

@@ -211,6 +211,26 @@ TEST(BrokenProvenance, LoadsAllTheSame) {
   }
 }
 
+TEST(BrokenProvenance, ErrorsThatAreNotOneSoundNumberAModeAreNone) {
+  GlbParts parts(good_file());
+  const std::size_t modes = parse(parts.join())->mode_count();
+  Json good = Json::array();
+  for (std::size_t m = 0; m < modes; ++m) good.push_back(0.01);
+  Json longer = good, negative = good, text = good, empty = good;
+  longer.push_back(0.01);
+  negative[modes - 1] = -0.01;
+  text[0] = "small";
+  empty[0] = nullptr;
+  for (const Json& errors : {longer, negative, text, empty, Json(0.01), Json::array(), Json("none"), Json::object()}) {
+    parts.model()["extras"]["ringdown"]["frequencyErrors"] = errors;
+    const auto bank = parse(parts.join());
+    ASSERT_TRUE(bank) << bank.error().message;
+    EXPECT_TRUE(bank->frequency_error.empty()) << errors;
+  }
+  parts.model()["extras"]["ringdown"]["frequencyErrors"] = good;
+  EXPECT_EQ(parse(parts.join())->frequency_error, std::vector<double>(modes, 0.01));
+}
+
 // Whatever bytes a file has, reading gives a bank that keeps its promises, or a sentence.
 TEST(BrokenBytes, TwentyThousandRandomFlipsNeverCrashOrPassABadBank) {
   const std::string good = good_file();

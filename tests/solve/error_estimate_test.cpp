@@ -17,7 +17,8 @@ namespace ringdown {
 namespace {
 
 constexpr fem::Elastic kSteel{200e9, 0.3, 7850}, kSoft{200e9, 0.49, 7850};
-constexpr std::array kElements = {fem::Element::kTet4, fem::Element::kTet10, fem::Element::kTet20, fem::Element::kTet35};
+constexpr std::array kElements = {fem::Element::kTet4, fem::Element::kTet10, fem::Element::kTet20,
+                                  fem::Element::kTet35};
 
 struct Solved {
   mesh::TetMesh mesh;
@@ -84,8 +85,8 @@ class ErrorEstimate : public testing::TestWithParam<Case> {};
 TEST_P(ErrorEstimate, LiesBetweenHalfAndFiveTimesTheTruthAndRarelyBelowIt) {
   const Case& body = GetParam();
   const double top = 1.12 * body.exact.back();
-  const Effectivity e =
-      effectivity(solved(test::box_mesh(body.cells, body.size), body.order, body.elastic, top), body.elastic, body.exact);
+  const Effectivity e = effectivity(solved(test::box_mesh(body.cells, body.size), body.order, body.elastic, top),
+                                    body.elastic, body.exact);
   RecordProperty("least", std::to_string(e.least));
   RecordProperty("median", std::to_string(e.median));
   RecordProperty("most", std::to_string(e.most));
@@ -132,7 +133,8 @@ TEST(ErrorEstimateOfAnyMesh, IsTheSameForAnyNumberOfThreads) {
 
 // Neither the numbers of the nodes, nor how the body lies in space, nor its size change a relative error.
 TEST(ErrorEstimateOfAnyMesh, DoesNotDependOnNumbersPlaceOrSize) {
-  Solved body = solved(test::bent(mesh::to_order(test::box_mesh({4, 2, 1}, {0.2, 0.05, 0.02}), 3), 3.0), 3, kSteel, 20e3);
+  Solved body =
+      solved(test::bent(mesh::to_order(test::box_mesh({4, 2, 1}, {0.2, 0.05, 0.02}), 3), 3.0), 3, kSteel, 20e3);
   const auto before = fem::frequency_errors(body.mesh, kSteel, body.lambda, body.shapes).value();
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   const Eigen::Index nodes = body.mesh.nodes.rows(), modes = body.shapes.cols();

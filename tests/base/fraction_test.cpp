@@ -1,0 +1,28 @@
+#include "engine/base/fraction.h"
+
+#include <gtest/gtest.h>
+
+namespace ringdown {
+namespace {
+
+TEST(Fraction, IsReadAsPeopleWriteIt) {
+  EXPECT_DOUBLE_EQ(parse_fraction("0.1%").value(), 1e-3);
+  EXPECT_DOUBLE_EQ(parse_fraction("0.1 %").value(), 1e-3);
+  EXPECT_DOUBLE_EQ(parse_fraction("2e-4").value(), 2e-4);
+  EXPECT_DOUBLE_EQ(parse_fraction("100%").value(), 1);
+}
+
+TEST(Fraction, RefusesTheRest) {
+  for (const char* text : {"", "%", "much", "0.1 percent", "0.1%%", "1 2", "nan", "inf%", "1% "}) {
+    EXPECT_FALSE(parse_fraction(text)) << text;
+  }
+}
+
+TEST(Fraction, IsWrittenWithTwoDigits) {
+  EXPECT_EQ(as_percent(1.234e-3), "0.12 %");
+  EXPECT_EQ(as_percent(0.5), "50 %");
+  EXPECT_EQ(as_percent(0), "0 %");
+}
+
+}  // namespace
+}  // namespace ringdown
