@@ -50,7 +50,8 @@ class BoxTree {
   }
 
  private:
-  // A tree over n elements, split into n / 2 and the rest, has fewer than 2 n nodes; those of the first half come first.
+  // A tree over n elements, split into n / 2 and the rest, has fewer than 2 n nodes; those of the first half come
+  // first.
   static std::size_t first_child(std::size_t node) { return node + 1; }
   static std::size_t second_child(std::size_t node, std::size_t first_half) { return node + 2 * first_half; }
 
@@ -67,9 +68,8 @@ class BoxTree {
     middles.sizes().maxCoeff(&axis);
     const std::size_t half = (end - begin) / 2;
     const auto at = [this](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
-    std::nth_element(at(begin), at(begin + half), at(end), [&](Eigen::Index a, Eigen::Index b) {
-      return middles_(axis, a) < middles_(axis, b);
-    });
+    std::nth_element(at(begin), at(begin + half), at(end),
+                     [&](Eigen::Index a, Eigen::Index b) { return middles_(axis, a) < middles_(axis, b); });
     build(first_child(node), begin, begin + half);
     build(second_child(node, half), begin + half, end);
     boxes_[node] = boxes_[first_child(node)].merged(boxes_[second_child(node, half)]);
