@@ -51,8 +51,12 @@ Case slivers(double degree, const std::string& written) {
 
 Body flat_elements() {
   const mesh::TetMesh box = test::box_mesh({5, 4, 3}, kBlock);
-  return {"flat elements 1:1000", "a layer of cells 0.02 mm thick in a block", test::with_thin_layer(box, 2, 3, 1e-3),
-          block_truth(), 1e-3, kRitz};
+  return {"flat elements 1:1000",
+          "a layer of cells 0.02 mm thick in a block",
+          test::with_thin_layer(box, 2, 3, 1e-3),
+          block_truth(),
+          1e-3,
+          kRitz};
 }
 
 Body needles() {
@@ -80,8 +84,12 @@ Body one_element(int order) {
 // Thin bodies ---------------------------------------------------------------------------------------------------------
 
 Body thin_plate(int cells, double limit) {
-  return {"plate 1:500", "0.5 x 0.5 x 0.001 m, one layer", test::box_mesh({cells, cells, 1}, {0.5, 0.5, 0.001}),
-          slender_truth({0.5, 0.5, 0.001}, {20, 20, 3}, 24), limit, kRitz};
+  return {"plate 1:500",
+          "0.5 x 0.5 x 0.001 m, one layer",
+          test::box_mesh({cells, cells, 1}, {0.5, 0.5, 0.001}),
+          slender_truth({0.5, 0.5, 0.001}, {20, 20, 3}, 24),
+          limit,
+          kRitz};
 }
 
 // Pairs of bending modes of a free, square bar: Euler-Bernoulli, lowered by shear and rotary inertia to first order
@@ -100,8 +108,12 @@ std::vector<double> slender_beam(double length, double side, int pairs) {
 }
 
 Body wire() {
-  return {"wire 1:1000", "1 x 0.001 x 0.001 m, cells 25:1", test::box_mesh({40, 1, 1}, {1, 0.001, 0.001}),
-          slender_beam(1, 0.001, 8), 3e-4, "Timoshenko's beam"};
+  return {"wire 1:1000",
+          "1 x 0.001 x 0.001 m, cells 25:1",
+          test::box_mesh({40, 1, 1}, {1, 0.001, 0.001}),
+          slender_beam(1, 0.001, 8),
+          3e-4,
+          "Timoshenko's beam"};
 }
 
 // Before the solver was told how many motions are rigid, the two lowest of these modes were taken for such.
@@ -225,16 +237,15 @@ struct Scale {
 void PrintTo(const Scale& scale, std::ostream* out) { *out << scale.name; }
 
 class ScaledBody : public testing::TestWithParam<Scale> {};
-INSTANTIATE_TEST_SUITE_P(Stress, ScaledBody,
-                         testing::Values(Scale{.name = "1 mm", .hard = "size; f ~ 1 / L", .size = 0.01},
-                                         Scale{.name = "100 m", .hard = "size; f ~ 1 / L", .size = 1000},
-                                         Scale{.name = "E = 1e4 Pa", .hard = "f ~ sqrt(E)", .stiffness = 1e4 / 200e9},
-                                         Scale{.name = "E = 1e12 Pa", .hard = "f ~ sqrt(E)", .stiffness = 5},
-                                         Scale{.name = "1 kg/m^3", .hard = "f ~ 1 / sqrt(rho)", .density = 1 / 7850.0},
-                                         Scale{.name = "22,600 kg/m^3", .hard = "f ~ 1 / sqrt(rho)",
-                                               .density = 22600 / 7850.0},
-                                         Scale{.name = "1 km from the origin", .hard = "a block 0.14 m long",
-                                               .away_m = 1000}));
+INSTANTIATE_TEST_SUITE_P(
+    Stress, ScaledBody,
+    testing::Values(Scale{.name = "1 mm", .hard = "size; f ~ 1 / L", .size = 0.01},
+                    Scale{.name = "100 m", .hard = "size; f ~ 1 / L", .size = 1000},
+                    Scale{.name = "E = 1e4 Pa", .hard = "f ~ sqrt(E)", .stiffness = 1e4 / 200e9},
+                    Scale{.name = "E = 1e12 Pa", .hard = "f ~ sqrt(E)", .stiffness = 5},
+                    Scale{.name = "1 kg/m^3", .hard = "f ~ 1 / sqrt(rho)", .density = 1 / 7850.0},
+                    Scale{.name = "22,600 kg/m^3", .hard = "f ~ 1 / sqrt(rho)", .density = 22600 / 7850.0},
+                    Scale{.name = "1 km from the origin", .hard = "a block 0.14 m long", .away_m = 1000}));
 
 TEST_P(ScaledBody, RingsAtExactlyScaledFrequencies) {
   const auto& [name, hard, size, stiffness, density, away_m] = GetParam();

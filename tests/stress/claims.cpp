@@ -54,8 +54,8 @@ void expect_baked(const Body& body) {
   const auto checked = mesh::check_mesh(body.mesh, body.name);
   ASSERT_TRUE(checked) << checked.error().message;
   const auto start = std::chrono::steady_clock::now();
-  const auto baked = bake::bake(*checked, body.material,
-                                {.element = body.element, .band_low_hz = 0, .band_high_hz = top}, body.name);
+  const auto baked =
+      bake::bake(*checked, body.material, {.element = body.element, .band_low_hz = 0, .band_high_hz = top}, body.name);
   ASSERT_TRUE(baked) << baked.error().message;
   const std::vector<double> found = sorted_frequencies(baked->bank);
   const double worst = worst_error(found, body.truth_hz);
@@ -75,8 +75,7 @@ void expect_baked(const Body& body) {
 }
 
 void expect_like(Body body, const mesh::TetMesh& sound, double top_hz, double factor) {
-  body.truth_hz =
-      baked_frequencies(sound, kSteel, {.element = body.element, .band_low_hz = 0, .band_high_hz = top_hz});
+  body.truth_hz = baked_frequencies(sound, kSteel, {.element = body.element, .band_low_hz = 0, .band_high_hz = top_hz});
   for (double& frequency : body.truth_hz) frequency *= factor;
   expect_baked(body);
 }

@@ -120,25 +120,40 @@ mesh::TetMesh unmerged_edges() {
 const double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
 
 const std::vector<Fault> kFaults = {
-    {"no element", "0 elements", spoiled([](auto& m) { m.elements.resize(0, 4); }), {"no tetrahedra", "mesh its volume"}},
-    {"node out of range", "one past the last", spoiled([](auto& m) { m.elements(3, 2) = m.nodes.rows(); }),
+    {"no element",
+     "0 elements",
+     spoiled([](auto& m) { m.elements.resize(0, 4); }),
+     {"no tetrahedra", "mesh its volume"}},
+    {"node out of range",
+     "one past the last",
+     spoiled([](auto& m) { m.elements(3, 2) = m.nodes.rows(); }),
      {"element 3 names node 36", "only 36"}},
     {"negative node", "-1", spoiled([](auto& m) { m.elements(3, 2) = -1; }), {"element 3 names node -1"}},
     {"NaN coordinate", "of one node", spoiled([](auto& m) { m.nodes(5, 1) = kNaN; }), {"node 5", "not a finite"}},
-    {"infinite coordinate", "of one node", spoiled([](auto& m) { m.nodes(5, 1) = kInfinity; }),
+    {"infinite coordinate",
+     "of one node",
+     spoiled([](auto& m) { m.nodes(5, 1) = kInfinity; }),
      {"node 5", "not a finite"}},
-    {"no volume", "four corners in a plane", spoiled([](auto& m) { m.nodes.col(2).setZero(); }),
+    {"no volume",
+     "four corners in a plane",
+     spoiled([](auto& m) { m.nodes.col(2).setZero(); }),
      {"element 0 has no volume", "mesh the object again"}},
-    {"repeated node", "one corner twice", spoiled([](auto& m) { m.elements(1, 3) = m.elements(1, 2); }),
+    {"repeated node",
+     "one corner twice",
+     spoiled([](auto& m) { m.elements(1, 3) = m.elements(1, 2); }),
      {"element 1 names node", "twice"}},
-    {"repeated edge node", "of a 10-node element", [] {
+    {"repeated edge node",
+     "of a 10-node element",
+     [] {
        mesh::TetMesh mesh = mesh::to_order(block(), 2);
        mesh.elements(1, 8) = mesh.elements(1, 5);
        return mesh;
      },
      {"element 1 names node", "twice"}},
     {"tangled mesh", "a node pulled through faces", spoiled(tangle), {"elements overlap", "tangled"}},
-    {"three at a face", "an element too many", spoiled([](auto& m) {
+    {"three at a face",
+     "an element too many",
+     spoiled([](auto& m) {
        const auto corners = m.elements.row(0).eval();
        m.nodes.conservativeResize(m.nodes.rows() + 1, 3);
        m.nodes.row(m.nodes.rows() - 1).setConstant(0.2);
@@ -148,32 +163,60 @@ const std::vector<Fault> kFaults = {
      }),
      {"elements overlap"}},
     {"unmerged edge nodes", "corners shared, edges not", unmerged_edges, {"share the corners", "merge the nodes"}},
-    {"the same body twice", "with nodes of its own", spoiled([](auto& m) { m = test::both(m, m); }),
+    {"the same body twice",
+     "with nodes of its own",
+     spoiled([](auto& m) { m = test::both(m, m); }),
      {"elements overlap at", "given twice"}},
-    {"bodies in each other", "two blocks, half a cell apart", spoiled([](auto& m) {
+    {"bodies in each other",
+     "two blocks, half a cell apart",
+     spoiled([](auto& m) {
        mesh::TetMesh other = m;
        other.nodes.col(0).array() += 0.09;
        m = test::both(m, other);
      }),
      {"elements overlap at", "run through each other"}},
-    {"hinge at an edge", "two cubes share an edge", [] { return test::cubes({{0, 0, 0}, {1, 1, 0}}); },
-     {"touch only along an edge from (0.1, 0.1, 0) m to (0.1, 0.1, 0.1) m", "hinge"}},
-    {"hinge at a point", "two cubes share a vertex", [] { return test::cubes({{0, 0, 0}, {1, 1, 1}}); },
-     {"touch only in the point (0.1, 0.1, 0.1) m"}},
-    {"touches itself at an edge", "whole without it",
+    {"hinge at an edge",
+     "two cubes share an edge",
      [] {
-       return test::cubes({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}, {1, 1, 1}, {0, 0, 2}, {1, 0, 2}, {0, 1, 2}, {1, 1, 2}});
+       return test::cubes({{0, 0, 0}, {1, 1, 0}});
+     },
+     {"touch only along an edge from (0.1, 0.1, 0) m to (0.1, 0.1, 0.1) m", "hinge"}},
+    {"hinge at a point",
+     "two cubes share a vertex",
+     [] {
+       return test::cubes({{0, 0, 0}, {1, 1, 1}});
+     },
+     {"touch only in the point (0.1, 0.1, 0.1) m"}},
+    {"touches itself at an edge",
+     "whole without it",
+     [] {
+       return test::cubes({{0, 0, 0},
+                           {1, 0, 0},
+                           {0, 1, 0},
+                           {1, 1, 0},
+                           {0, 0, 1},
+                           {1, 1, 1},
+                           {0, 0, 2},
+                           {1, 0, 2},
+                           {0, 1, 2},
+                           {1, 1, 2}});
      },
      {"touch only along an edge from (0.1, 0.1, 0.1) m to (0.1, 0.1, 0.2) m"}},
-    {"touches itself at a vertex", "whole without it",
+    {"touches itself at a vertex",
+     "whole without it",
      [] {
        return test::cubes({{1, 1, 1}, {0, 1, 1}, {0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}, {2, 2, 3}, {2, 2, 2}});
      },
      {"touch only in the point (0.2, 0.2, 0.2) m"}},
-    {"far from the origin", "0.14 m long, 1000 km away", spoiled([](auto& m) { m.nodes.array() += 1e6; }),
+    {"far from the origin",
+     "0.14 m long, 1000 km away",
+     spoiled([](auto& m) { m.nodes.array() += 1e6; }),
      {"0.141 m long", "1e+06 m from the origin", "move it"}},
-    {"flat to rounding", "slivers of 1e-6 degree in a plate 1:500",
-     [] { return test::box_with_slivers({5, 5, 2}, {0.5, 0.5, 0.001}, 1e-6); },
+    {"flat to rounding",
+     "slivers of 1e-6 degree in a plate 1:500",
+     [] {
+       return test::box_with_slivers({5, 5, 2}, {0.5, 0.5, 0.001}, 1e-6);
+     },
      {"cannot be told from rigid motions", "too flat"}},
 };
 

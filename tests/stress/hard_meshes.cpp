@@ -70,9 +70,7 @@ Sphere icosahedron() {
     }
   }
   const double edge = 2 / std::sqrt(1 + g * g);
-  const auto close = [&](int a, int b) {
-    return (sphere.directions[a] - sphere.directions[b]).norm() < 1.1 * edge;
-  };
+  const auto close = [&](int a, int b) { return (sphere.directions[a] - sphere.directions[b]).norm() < 1.1 * edge; };
   for (int a = 0; a < 12; ++a) {
     for (int b = a + 1; b < 12; ++b) {
       for (int c = b + 1; c < 12; ++c) {

@@ -167,7 +167,8 @@ std::vector<double> tetrahedron_frequencies(const Eigen::Matrix<double, 4, 3>& c
       const Powers product = {functions[u][0] + functions[v][0], functions[u][1] + functions[v][1],
                               functions[u][2] + functions[v][2]};
       const auto row = 3 * static_cast<Eigen::Index>(u), column = 3 * static_cast<Eigen::Index>(v);
-      stiffness.block<3, 3>(row, column) = lambda * s + mu * s.transpose() + mu * s.trace() * Eigen::Matrix3d::Identity();
+      stiffness.block<3, 3>(row, column) =
+          lambda * s + mu * s.transpose() + mu * s.trace() * Eigen::Matrix3d::Identity();
       mass.block<3, 3>(row, column) =
           elastic.density_kg_m3 * six_volumes * integral(product) * Eigen::Matrix3d::Identity();
     }

@@ -27,8 +27,8 @@ std::string markdown(const TableLine& line) {
   row += solved ? std::to_string(line.unknowns) + " | " + std::to_string(line.found) + " / " +
                       std::to_string(line.there) + " | "
                 : " | | ";
-  return row + percent(line.error) + " | " + percent(line.limit) + " | " + percent(line.estimate) + " | " +
-         seconds + " | " + line.outcome + " |";
+  return row + percent(line.error) + " | " + percent(line.limit) + " | " + percent(line.estimate) + " | " + seconds +
+         " | " + line.outcome + " |";
 }
 
 class Table : public testing::Environment {
@@ -43,7 +43,8 @@ class Table : public testing::Environment {
     const char* path = std::getenv("RINGDOWN_STRESS_TABLE");
     if (path == nullptr) return;
     std::ofstream file(path);
-    file << "| case | what is hard | unknowns | modes found / there | worst error % | allowed % | the bank's estimate % | "
+    file << "| case | what is hard | unknowns | modes found / there | worst error % | allowed % | the bank's estimate "
+            "% | "
             "seconds | outcome |\n|---|---|--:|--:|--:|--:|--:|--:|---|\n";
     for (const std::string& line : lines_) file << line << "\n";
     EXPECT_TRUE(file.good()) << "cannot write " << path;
