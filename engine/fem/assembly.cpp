@@ -3,7 +3,7 @@
 #include "engine/base/in_parallel.h"
 #include "engine/fem/element.h"
 #include "engine/fem/node_graph.h"
-#include "engine/fem/one_blas_thread.h"
+#include "engine/fem/blas_threads.h"
 
 #include <algorithm>
 #include <array>
@@ -171,7 +171,7 @@ Result<System> assemble(const mesh::TetMesh& mesh, const Elastic& elastic, Eleme
   assert(mesh.order() == order_of(element));
   if (auto stable = check_elastic(elastic); !stable) return fail(stable.error());
   const auto useful = static_cast<int>(mesh.elements.rows() / kElementsPerThread + 1);
-  const OneBlasThread one_blas_thread;
+  const BlasThreads one(1);
   try {
     return assemble_checked(mesh, elastic, element, std::min(thread_count(threads), useful));
   } catch (const std::exception&) {

@@ -1,7 +1,7 @@
 #include "engine/fem/error_estimate.h"
 
 #include "engine/base/in_parallel.h"
-#include "engine/fem/one_blas_thread.h"
+#include "engine/fem/blas_threads.h"
 #include "engine/fem/surplus_element.h"
 #include "engine/mesh/surplus_space.h"
 
@@ -205,7 +205,7 @@ Result<Eigen::VectorXd> frequency_errors(const mesh::TetMesh& mesh, const Elasti
                                          const Eigen::Ref<const Eigen::VectorXd>& lambda,
                                          const Eigen::Ref<const Eigen::MatrixXd>& shapes, int threads) {
   threads = thread_count(threads);
-  const OneBlasThread one_blas_thread;
+  const BlasThreads one(1);
   try {
     SurplusProblem problem(mesh, elastic);
     std::vector<Rows> residuals = problem.residuals(lambda, shapes, threads);

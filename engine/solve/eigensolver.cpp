@@ -1,8 +1,7 @@
 #include "engine/solve/eigensolver.h"
 
+#include "engine/fem/blas_threads.h"
 #include "engine/solve/methods.h"
-
-#include <cblas.h>
 
 #include <algorithm>
 #include <chrono>
@@ -68,9 +67,6 @@ Result<Eigenmodes> solve_by(Method method, const fem::System& system, const Eige
 
 }  // namespace
 
-BlasThreads::BlasThreads(int threads) : before_(openblas_get_num_threads()) { openblas_set_num_threads(threads); }
-BlasThreads::~BlasThreads() { openblas_set_num_threads(before_); }
-
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -109,7 +105,7 @@ fem::SparseMatrix shifted_stiffness(const fem::System& system, double sigma) {
 }
 
 Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& request, const Progress& progress) {
-  const BlasThreads one(1);
+  const fem::BlasThreads one(1);
   try {
     const double limit = rigid_limit(system, request.highest_lambda);
     const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));

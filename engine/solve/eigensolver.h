@@ -35,7 +35,7 @@ struct EigenRequest {
   int most_modes = 4096;      // more than these fail, instead of filling the memory
   double tolerance = 1e-9;    // relative, on 1 / (lambda - sigma)
   Method method = Method::kAutomatic;
-  int threads = 0;         // 0: as many as there are processors
+  int threads = 0;  // 0: as many as there are processors
   // Where a near relative of the body had its elastic modes, ascending; may be empty, or end before highest_lambda. For
   // planning only: it changes how long a solve takes, not what is found.
   Eigen::VectorXd expected_lambda = {};

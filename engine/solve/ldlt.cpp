@@ -1,5 +1,6 @@
 #include "engine/solve/ldlt.h"
 
+#include "engine/fem/blas_threads.h"
 #include "engine/solve/methods.h"
 
 #include <cblas.h>
@@ -148,7 +149,7 @@ bool Ldlt::factor(double sigma, const std::function<bool()>& keep_going) {
                                    part == 0 ? keep_going : std::function<bool()>());
   });
   if (std::find(good.begin(), good.end(), 0) != good.end()) return false;
-  const BlasThreads all(team_.size());
+  const fem::BlasThreads all(team_.size());
   const int end = static_cast<int>(plan_.nodes.size());
   if (!factor_supernodes(plan_.crown_begin(), end, fronts[0], keep_going)) return false;
   negative_ = static_cast<int>(std::count_if(diagonal_.begin(), diagonal_.end(), [](double d) { return d < 0; }));

@@ -30,19 +30,6 @@ int count_below(const Eigen::VectorXd& lambda, double limit);
 Error too_many_modes(const EigenRequest& request);
 Error not_factored(const fem::System& system);
 
-// How many threads BLAS uses, for as long as this lives. One, unless a single caller has large products to do: with
-// more, threads that call BLAS at the same time wait for each other.
-class BlasThreads {
- public:
-  explicit BlasThreads(int threads);
-  ~BlasThreads();
-  BlasThreads(const BlasThreads&) = delete;
-  BlasThreads& operator=(const BlasThreads&) = delete;
-
- private:
-  int before_;
-};
-
 // Steady clock [s].
 double seconds_now();
 

@@ -87,8 +87,8 @@ Result<Count> Slicer::factor(Ldlt& factors, double lambda, double step) {
   return fail(not_factored(system_));
 }
 
-// The eigenvalue of so high a number: that of a similar problem when the request knows one, else guessed between what is
-// done and the top, their number growing like f^2.4, between the f of plates and bars and the f^3 of solids.
+// The eigenvalue of so high a number: that of a similar problem when the request knows one, else guessed between what
+// is done and the top, their number growing like f^2.4, between the f of plates and bars and the f^3 of solids.
 double Slicer::lambda_at(double count) const {
   const Eigen::VectorXd& expected = request_.expected_lambda;
   const auto number = static_cast<Eigen::Index>(count) - 6;  // without the rigid motions of one piece
