@@ -17,7 +17,11 @@ using Eigen::MatrixXd;
 // See error_estimate.cpp, where this and softened() are explained.
 constexpr double kRelaxed = 0.8;
 
-double softened(double lambda, double mu) { return lambda > mu ? mu * std::pow(lambda / mu, 0.75) : lambda; }
+constexpr double kLocked = 60;  // lambda / mu at nu = 0.492
+
+double softened(double lambda, double mu) {
+  return lambda > mu ? mu * std::pow(std::min(lambda / mu, kLocked), 0.75) : lambda;
+}
 
 // K from the products of gradients, for the functions from `row` and from `column` on.
 MatrixXd stiffness(const MatrixXd& products, double lambda, double mu, int row, int rows, int column, int columns) {

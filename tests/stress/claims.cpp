@@ -72,6 +72,7 @@ void expect_baked(const Body& body) {
   EXPECT_EQ(baked->report.rigid, body.rigid);
   EXPECT_EQ(found.size(), there);
   EXPECT_LE(worst, body.limit);
+  EXPECT_LE(worst, body.shortfall * baked->report.largest_error);
 }
 
 void expect_like(Body body, const mesh::TetMesh& sound, double top_hz, double factor) {
