@@ -20,7 +20,7 @@ namespace ringdown::solve {
 
 enum class Method {
   kAutomatic,     // dense for small systems, block Lanczos for others
-  kDense,         // LAPACK on full matrices: the yardstick
+  kDense,         // Eigen on full matrices: the yardstick
   kSpectra,       // Spectra's shift-invert Lanczos over CHOLMOD: the reference
   kBlockLanczos,  // shift-invert in blocks, in slices of the spectrum, over an own L D L^T
   kSlepc,         // SLEPc over MPI, in processes of their own (engine/solve/distributed.h); only where it was built
@@ -54,7 +54,7 @@ struct Eigenmodes {
   int counted = 0;            // eigenvalues below highest_lambda by inertia, rigid ones included: equal to m
   int solves = 0;             // right-hand sides solved for
   int factorizations = 0;
-  double factor_seconds = 0, iterate_seconds = 0;  // summed over threads
+  double factor_seconds = 0, iterate_seconds = 0;  // on the clock
 };
 
 // Fails when the system cannot be factored (a mesh or material that is not sound), when the iteration does not
