@@ -142,8 +142,9 @@ Result<void> check_rigid(const Eigenmodes& modes, int pieces, double highest_lam
   const bool vibrates = modes.lambda.size() > modes.rigid;
   const double lowest = vibrates ? modes.lambda[modes.rigid] : highest_lambda;
   if (modes.rigid == 6 * pieces && lowest > kLeastContrast * rounding_of(modes)) return {};
-  return fail("its lowest vibration cannot be told from rigid motions for rounding; its elements are too flat or too "
-              "distorted: mesh the object again");
+  return fail(
+      "its lowest vibration cannot be told from rigid motions for rounding; its elements are too flat or too "
+      "distorted: mesh the object again");
 }
 
 // About how many modes a solid has below a frequency: Debye's count V omega^3/(6 pi^2) (1/c_l^3 + 2/c_t^3) of waves
@@ -164,10 +165,11 @@ Result<void> check_place(const mesh::Points& nodes, double length_m) {
   const double reach = nodes.cwiseAbs().maxCoeff();
   if (reach < kFarthest * length_m) return {};
   char text[200];
-  std::snprintf(text, sizeof text,
-                " is %.3g m long and lies %.3g m from the origin, too far for the 32-bit positions of a bank; move it to "
-                "the origin",
-                length_m, reach);
+  std::snprintf(
+      text, sizeof text,
+      " is %.3g m long and lies %.3g m from the origin, too far for the 32-bit positions of a bank; move it to "
+      "the origin",
+      length_m, reach);
   return fail(text);
 }
 

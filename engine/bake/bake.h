@@ -17,25 +17,25 @@
 namespace ringdown::bake {
 
 struct BakeOptions {
-  fem::Element element = fem::Element::kTet20; // the mesh is brought to its order
+  fem::Element element = fem::Element::kTet20;  // the mesh is brought to its order
   double band_low_hz = 20, band_high_hz = 20000;
-  std::size_t most_points = 200; // on the surface, >= 4. Fewer points, not coarser physics
-  int most_modes = 4096;         // in the band; a fuller band fails (see solve::EigenRequest)
-  int keep_modes = 0;            // the most important ones go into the bank; 0: all
-  double floor_db = 0;           // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
-  std::filesystem::path cache;   // folder of results that bake() may use and add to (mode_cache.h); empty: none
-  std::string family;            // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
+  std::size_t most_points = 200;  // on the surface, >= 4. Fewer points, not coarser physics
+  int most_modes = 4096;          // in the band; a fuller band fails (see solve::EigenRequest)
+  int keep_modes = 0;             // the most important ones go into the bank; 0: all
+  double floor_db = 0;            // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
+  std::filesystem::path cache;    // folder of results that bake() may use and add to (mode_cache.h); empty: none
+  std::string family;             // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
   solve::Method solver = solve::Method::kAutomatic;
-  int processes = 2; // of solve::Method::kSlepc
+  int processes = 2;  // of solve::Method::kSlepc
 };
 
 struct BakeReport {
   Eigen::Index unknowns = 0, elements = 0;
-  int rigid = 0;       // dropped
-  int below_band = 0;  // dropped
-  int over_damped = 0; // dropped: they have no pitch
-  int inaudible = 0;   // dropped by floor_db
-  int unimportant = 0; // dropped by keep_modes
+  int rigid = 0;              // dropped
+  int below_band = 0;         // dropped
+  int over_damped = 0;        // dropped: they have no pitch
+  int inaudible = 0;          // dropped by floor_db
+  int unimportant = 0;        // dropped by keep_modes
   bool from_cache = false;    // nothing was assembled or solved
   std::string cache_trouble;  // why the cache could not be written; the bake is none the worse
   double assemble_seconds = 0, factor_seconds = 0, iterate_seconds = 0, estimate_seconds = 0, finish_seconds = 0;
@@ -61,14 +61,15 @@ struct Baked {
 // rigid motions' zero energy: in meshes of very flat elements that disturbs the lowest modes.
 //
 // Fails when the material is not stable, when the eigensolver fails, when no mode lies in the band, when rounding
-// hides the lowest mode among the rigid motions, or when the body is so far from the origin that a bank's positions would
-// lose it.
+// hides the lowest mode among the rigid motions, or when the body is so far from the origin that a bank's positions
+// would lose it.
 Result<Baked> bake(const mesh::CheckedMesh& mesh, const modal::Material& material, const BakeOptions& options,
                    const std::string& name, const Progress& progress = {});
 
 // The largest lambda whose mode may still lie below band_high_hz: the smaller root of
-// lambda - ((alpha + beta lambda) / 2)^2 = (2 pi f)^2, or where there is none, that of the highest pitch: decay 1 / beta.
-// Above, stiffness damping makes pitch fall again; such modes lose 55 dB or more in a cycle and are not looked for.
+// lambda - ((alpha + beta lambda) / 2)^2 = (2 pi f)^2, or where there is none, that of the highest pitch: decay 1 /
+// beta. Above, stiffness damping makes pitch fall again; such modes lose 55 dB or more in a cycle and are not looked
+// for.
 double highest_lambda_in_band(double band_high_hz, modal::RayleighDamping damping);
 
-} // namespace ringdown::bake
+}  // namespace ringdown::bake

@@ -13,4 +13,4 @@ namespace ringdown::bake {
 // frame is right-handed, and its signs are fixed, so equal meshes give equal frames.
 modal::MassProperties mass_properties(const mesh::TetMesh& mesh, const fem::SparseMatrix& node_mass);
 
-} // namespace ringdown::bake
+}  // namespace ringdown::bake

@@ -28,7 +28,7 @@ inline constexpr std::string_view kToBeChecked = "to be checked against the orig
 struct MaterialEntry {
   modal::Material material;
   std::string description;
-  std::map<std::string, std::string> sources; // key of the figure -> where it is from
+  std::map<std::string, std::string> sources;  // key of the figure -> where it is from
 };
 
 // Checks that the name is the file's, that the constants are a stable solid's, and that every figure has its
@@ -41,4 +41,4 @@ Result<MaterialEntry> find_material(const std::filesystem::path& folder, const s
 // Names of the .toml files in a folder, sorted; empty when there is no such folder.
 std::vector<std::string> names_in(const std::filesystem::path& folder);
 
-} // namespace ringdown::bake
+}  // namespace ringdown::bake

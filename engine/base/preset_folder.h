@@ -11,4 +11,4 @@ namespace ringdown {
 // runs from; else the source tree it was built from. Fails, naming the places, when none of them is a folder.
 Result<std::filesystem::path> preset_folder();
 
-} // namespace ringdown
+}  // namespace ringdown

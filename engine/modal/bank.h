@@ -46,13 +46,13 @@ struct MassProperties {
 
 // How the bank was made; all of it optional, none of it needed to play. Kept in extras.ringdown of the file.
 struct Provenance {
-  std::string generator;       // program and version
-  std::string element;         // "tet20 consistent", ...
-  std::int64_t unknowns = 0;   // degrees of freedom of the eigenproblem
+  std::string generator;      // program and version
+  std::string element;        // "tet20 consistent", ...
+  std::int64_t unknowns = 0;  // degrees of freedom of the eigenproblem
   std::int64_t rigid_modes = 0;
   std::int64_t counted_modes = 0;  // rigid ones and all below the band's top, by inertia; 0: not counted
   double band_low_hz = 0, band_high_hz = 0;
-  double largest_residual = 0;  // max over modes of |K phi - lambda M phi| / |lambda M phi|
+  double largest_residual = 0;     // max over modes of |K phi - lambda M phi| / |lambda M phi|
   std::int64_t dropped_modes = 0;  // of the band, as inaudible or unimportant (engine/bake/audibility.h)
   double floor_db = 0;             // how far below the loudest mode one was dropped as inaudible; 0: none was for that
   double loss_db = 0;              // energy they held over that of all, for the worst strike; with dropped_modes > 0

@@ -28,11 +28,15 @@ struct Elements {
 
 std::size_t component_size(std::size_t type) {
   switch (type) {
-    case kUnsignedByte: return 1;
-    case kUnsignedShort: return 2;
+    case kUnsignedByte:
+      return 1;
+    case kUnsignedShort:
+      return 2;
     case kUnsignedInt:
-    case kFloat: return 4;
-    default: return 0;
+    case kFloat:
+      return 4;
+    default:
+      return 0;
   }
 }
 
@@ -135,7 +139,8 @@ Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name)
   if (bytes.size() < 20 || word_at(bytes, 0) != kMagic) {
     return fail(name + " is not a binary glTF file (.glb); make one with `ringdown bake`");
   }
-  if (word_at(bytes, 4) != 2) return fail(name + ": glTF version " + std::to_string(word_at(bytes, 4)) + ", expected 2");
+  if (word_at(bytes, 4) != 2)
+    return fail(name + ": glTF version " + std::to_string(word_at(bytes, 4)) + ", expected 2");
   if (word_at(bytes, 8) != bytes.size()) {
     return fail(name + ": its header says " + std::to_string(word_at(bytes, 8)) + " bytes but the file has " +
                 std::to_string(bytes.size()) + "; it was cut off or altered");
@@ -198,7 +203,8 @@ std::size_t GlbWriter::add(std::span<const std::byte> bytes, Json accessor, Use 
 }
 
 std::size_t GlbWriter::add_floats(std::span<const float> values, std::size_t width, Use use) {
-  Json accessor = {{"componentType", kFloat}, {"count", values.size() / width}, {"type", width == 1 ? "SCALAR" : "VEC3"}};
+  Json accessor = {
+      {"componentType", kFloat}, {"count", values.size() / width}, {"type", width == 1 ? "SCALAR" : "VEC3"}};
   if (use == Use::vertices) {
     std::vector<float> low(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(width)), high = low;
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -212,8 +218,8 @@ std::size_t GlbWriter::add_floats(std::span<const float> values, std::size_t wid
 }
 
 std::size_t GlbWriter::add_indices(std::span<const std::uint32_t> values) {
-  return add(std::as_bytes(values),
-             {{"componentType", kUnsignedInt}, {"count", values.size()}, {"type", "SCALAR"}}, Use::indices);
+  return add(std::as_bytes(values), {{"componentType", kUnsignedInt}, {"count", values.size()}, {"type", "SCALAR"}},
+             Use::indices);
 }
 
 std::vector<std::byte> GlbWriter::finish(Json document) && {
@@ -230,8 +236,8 @@ std::vector<std::byte> GlbWriter::finish(Json document) && {
     const auto word = static_cast<std::uint32_t>(value);
     put(std::as_bytes(std::span(&word, 1)));
   };
-  for (const std::size_t word : {std::size_t{kMagic}, std::size_t{2}, 28 + text.size() + binary_.size(), text.size(),
-                                 std::size_t{kJsonChunk}}) {
+  for (const std::size_t word :
+       {std::size_t{kMagic}, std::size_t{2}, 28 + text.size() + binary_.size(), text.size(), std::size_t{kJsonChunk}}) {
     put_word(word);
   }
   put(std::as_bytes(std::span(text)));

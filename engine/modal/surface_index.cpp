@@ -80,8 +80,8 @@ SurfaceIndex::SurfaceIndex(const Bank& bank) {
 }
 
 void SurfaceIndex::build(std::uint32_t begin, std::uint32_t end) {
-  Node node{.low = triangles_[begin].corners[0], .high = triangles_[begin].corners[0], .first = begin,
-            .count = end - begin};
+  Node node{
+      .low = triangles_[begin].corners[0], .high = triangles_[begin].corners[0], .first = begin, .count = end - begin};
   for (std::uint32_t i = begin; i < end; ++i) {
     for (const Vec3& corner : triangles_[i].corners) {
       node.low = lowest(node.low, corner);

@@ -1,62 +1,98 @@
 #include "engine/solve/basis.h"
 
 #include <algorithm>
+#include <array>
 
 namespace ringdown::solve {
 namespace {
 
 constexpr Eigen::Index kChunk = 384;  // unknowns at a time: their part of x stays in the first cache
 
-// Thread `part` of `parts` gets the chunks of its share of the unknowns.
+// act(first unknown, how many) for the chunks of this member's share.
 template <class Do>
-void each_chunk(Eigen::Index unknowns, int part, int parts, Do&& act) {
+void each_chunk(Eigen::Index unknowns, const Member& member, Do&& act) {
   const Eigen::Index chunks = (unknowns + kChunk - 1) / kChunk;
-  for (Eigen::Index c = chunks * part / parts; c < chunks * (part + 1) / parts; ++c) {
+  for (Eigen::Index c = member.begin(chunks); c < member.end(chunks); ++c) {
     act(c * kChunk, std::min(kChunk, unknowns - c * kChunk));
   }
 }
 
-}  // namespace
-
-Eigen::MatrixXd Basis::inner_products(const Block& x) const {
-  std::vector<std::vector<Small>> sums(team_.size(), std::vector<Small>(blocks_.size(), Small::Zero()));
-  team_.run([&](int part) {
-    each_chunk(x.cols(), part, team_.size(), [&](Eigen::Index first, Eigen::Index count) {
-      for (std::size_t b = 0; b < blocks_.size(); ++b) {
-        add_inner_products(blocks_[b].data() + first * kWidth, x.data() + first * kWidth, count, sums[part][b]);
+// y_b x^T for each block y_b, one below the other.
+Eigen::MatrixXd all_inner_products(Team& team, const std::vector<const double*>& blocks, const Block& x) {
+  std::vector<std::vector<Small>> sums(team.size(), std::vector<Small>(blocks.size(), Small::Zero()));
+  team.run_together([&](int number, const Member& member) {
+    each_chunk(x.cols(), member, [&](Eigen::Index first, Eigen::Index count) {
+      for (std::size_t b = 0; b < blocks.size(); ++b) {
+        add_inner_products(blocks[b] + first * kWidth, x.data() + first * kWidth, count, sums[number][b]);
       }
     });
   });
-  Eigen::MatrixXd result(size(), kWidth);
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+  Eigen::MatrixXd result(kWidth * static_cast<Eigen::Index>(blocks.size()), kWidth);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
     auto rows = result.middleRows<kWidth>(static_cast<Eigen::Index>(b) * kWidth);
     rows = sums[0][b];
-    for (int part = 1; part < team_.size(); ++part) rows += sums[part][b];
+    for (int part = 1; part < team.size(); ++part) rows += sums[part][b];
   }
   return result;
 }
 
-void Basis::subtract_combination(const Eigen::MatrixXd& factors, Block& x) const {
-  team_.run([&](int part) {
-    each_chunk(x.cols(), part, team_.size(), [&](Eigen::Index first, Eigen::Index count) {
-      for (std::size_t b = 0; b < blocks_.size(); ++b) {
-        const Small block_factors = factors.middleRows<kWidth>(static_cast<Eigen::Index>(b) * kWidth);
-        solve::subtract_combination(blocks_[b].data() + first * kWidth, block_factors, x.data() + first * kWidth,
-                                    count);
+void subtract_all(Team& team, const std::vector<const double*>& blocks, const std::vector<Small>& factors, Block& x) {
+  team.run_together([&](int, const Member& member) {
+    each_chunk(x.cols(), member, [&](Eigen::Index first, Eigen::Index count) {
+      for (std::size_t b = 0; b < blocks.size(); ++b) {
+        subtract_combination(blocks[b] + first * kWidth, factors[b], x.data() + first * kWidth, count);
       }
     });
   });
 }
 
+}  // namespace
+
+Small inner_products(Team& team, const Block& y, const Block& x) { return all_inner_products(team, {y.data()}, x); }
+
+void combine_in_place(Team& team, const Small& factors, Block& x) {
+  team.run_together([&](int, const Member& member) {
+    const Eigen::Index first = member.begin(x.cols());
+    combine_in_place(factors, x.data() + first * kWidth, member.end(x.cols()) - first);
+  });
+}
+
+void Basis::append(const Block& block) {
+  unknowns_ = block.cols();
+  Numbers& kept = blocks_.emplace_back(block.size());
+  team_.run_together([&](int, const Member& member) {
+    std::copy(block.data() + member.begin(block.size()), block.data() + member.end(block.size()),
+              kept.data() + member.begin(block.size()));
+  });
+}
+
+std::vector<const double*> Basis::places() const {
+  std::vector<const double*> places;
+  for (const Numbers& block : blocks_) places.push_back(block.data());
+  return places;
+}
+
+Eigen::MatrixXd Basis::inner_products(const Block& x) const { return all_inner_products(team_, places(), x); }
+
+void Basis::subtract_combination(const Eigen::MatrixXd& factors, Block& x) const {
+  std::vector<Small> by_block;
+  for (int row = 0; row < size(); row += kWidth) by_block.push_back(factors.middleRows<kWidth>(row));
+  subtract_all(team_, places(), by_block, x);
+}
+
+void Basis::subtract_combination(int block, const Small& factors, Block& x) const {
+  subtract_all(team_, {blocks_[block].data()}, {factors}, x);
+}
+
 Eigen::MatrixXd Basis::combine(const Eigen::MatrixXd& factors) const {
-  const Eigen::Index unknowns = blocks_.empty() ? 0 : blocks_[0].cols();
-  Eigen::MatrixXd result(unknowns, factors.cols());
-  team_.run([&](int part) {
+  Eigen::MatrixXd result(unknowns_, factors.cols());
+  team_.run_together([&](int, const Member& member) {
     Eigen::MatrixXd chunk(kChunk, size());
-    each_chunk(unknowns, part, team_.size(), [&](Eigen::Index first, Eigen::Index count) {
+    each_chunk(unknowns_, member, [&](Eigen::Index first, Eigen::Index count) {
       for (std::size_t b = 0; b < blocks_.size(); ++b) {
-        const Eigen::Index column = static_cast<Eigen::Index>(b) * kWidth;
-        chunk.block(0, column, count, kWidth) = blocks_[b].middleCols(first, count).transpose();
+        const Eigen::Map<const Block> block(blocks_[b].data(), kWidth, unknowns_);
+        chunk.block(0, static_cast<Eigen::Index>(b) * kWidth, count, kWidth) =
+            block.middleCols(first, count).transpose();
       }
       result.middleRows(first, count).noalias() = chunk.topRows(count) * factors;
     });

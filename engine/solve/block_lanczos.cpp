@@ -36,18 +36,13 @@ VectorXd eigen_decompose(MatrixXd& matrix) {
   return values;
 }
 
-Small inner_products(const Block& y, const Block& x) {
-  Small sum = Small::Zero();
-  add_inner_products(y.data(), x.data(), x.cols(), sum);
-  return sum;
-}
-
 class Iteration {
  public:
   Iteration(const OrderedSystem& system, const Ldlt& factors, Team& team, const Window& window, const MatrixXd& locked,
             unsigned seed)
       : system_(system),
         factors_(factors),
+        team_(team),
         window_(window),
         random_(seed),
         basis_(team),
@@ -71,10 +66,10 @@ class Iteration {
     solves_ += kWidth;
     // Three-term recurrence first: what is left is small where the basis already holds it.
     const int last = size() - kWidth, blocks = size() / kWidth;
-    if (blocks > 1) subtract(basis_.block(blocks - 2), coupling_.transpose());
-    Small diagonal = inner_products(mass_last_, next_);
+    if (blocks > 1) basis_.subtract_combination(blocks - 2, coupling_.transpose(), next_);
+    Small diagonal = inner_products(team_, mass_last_, next_);
     diagonal = (0.5 * (diagonal + diagonal.transpose())).eval();
-    subtract(basis_.block(blocks - 1), diagonal);
+    basis_.subtract_combination(blocks - 1, diagonal, next_);
     const MatrixXd correction = orthogonalize(next_);
     const Small extra = correction.bottomRows(kWidth);
     diagonal += 0.5 * (extra + extra.transpose());
@@ -133,11 +128,6 @@ class Iteration {
     mass_last_ = mass_next_;
   }
 
-  // next -= (block factors)^T
-  void subtract(const Block& block, const Small& factors) {
-    subtract_combination(block.data(), factors, next_.data(), next_.cols());
-  }
-
   // Takes the basis and the locked vectors out of a block; returns the part that lay in the basis. A second time when
   // the first took most of it away, for rounding leaves then too much (Daniel, Gragg, Kaufman & Stewart 1976).
   MatrixXd orthogonalize(Block& block) {
@@ -161,7 +151,7 @@ class Iteration {
     system_.times_mass(next_, mass_next_);
     Small factor = Small::Identity();
     for (int pass = 0; pass < 2; ++pass) {
-      Small gram = inner_products(next_, mass_next_);
+      Small gram = inner_products(team_, next_, mass_next_);
       gram = (0.5 * (gram + gram.transpose())).eval();
       if (pass == 0) {
         const Eigen::SelfAdjointEigenSolver<Small> spectrum(gram);
@@ -170,13 +160,14 @@ class Iteration {
         // 2002).
         const auto root = spectrum.eigenvalues().cwiseSqrt();
         const Small inverse = root.cwiseInverse().asDiagonal() * spectrum.eigenvectors().transpose();
-        next_ = (inverse * next_).eval();
+        combine_in_place(team_, inverse, next_);
         factor = root.asDiagonal() * spectrum.eigenvectors().transpose();
         system_.times_mass(next_, mass_next_);
       } else {
         const Eigen::LLT<Small> cholesky(gram);
-        cholesky.matrixL().solveInPlace(next_);
-        cholesky.matrixL().solveInPlace(mass_next_);
+        const Small inverse = cholesky.matrixL().solve(Small::Identity());
+        combine_in_place(team_, inverse, next_);
+        combine_in_place(team_, inverse, mass_next_);
         factor = cholesky.matrixU() * factor;
       }
     }
@@ -186,7 +177,7 @@ class Iteration {
   template <class Spectrum>
   Small rescue(const Spectrum& spectrum) {
     Small factor = Small::Zero();
-    next_ = (spectrum.eigenvectors().transpose() * next_).eval();
+    combine_in_place(team_, spectrum.eigenvectors().transpose(), next_);
     std::normal_distribution<double> normal;
     for (int i = 0; i < kWidth; ++i) {
       const double square = spectrum.eigenvalues()[i];
@@ -216,6 +207,7 @@ class Iteration {
 
   const OrderedSystem& system_;
   const Ldlt& factors_;
+  Team& team_;
   const Window& window_;
   std::mt19937_64 random_;
   Basis basis_, locked_, mass_locked_;

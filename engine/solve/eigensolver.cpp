@@ -1,5 +1,6 @@
 #include "engine/solve/eigensolver.h"
 
+#include "engine/base/in_parallel.h"
 #include "engine/fem/blas_threads.h"
 #include "engine/solve/methods.h"
 
@@ -8,7 +9,6 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <thread>
 
 namespace ringdown::solve {
 namespace {
@@ -34,20 +34,23 @@ void keep_first(Eigenmodes& modes, Eigen::Index count) {
   modes.shapes.conservativeResize(Eigen::NoChange, count);
 }
 
-void find_residuals(const fem::System& system, Eigenmodes& modes) {
+void find_residuals(const fem::System& system, int threads, Eigenmodes& modes) {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   constexpr Eigen::Index kTogether = 8;  // shapes; one at a time takes three times as long
   modes.residuals = Eigen::VectorXd::Zero(modes.lambda.size());
-  for (Eigen::Index first = modes.rigid; first < modes.lambda.size(); first += kTogether) {
-    const Eigen::Index count = std::min(kTogether, modes.lambda.size() - first);
-    const Rows shapes = modes.shapes.middleCols(first, count);
-    const Rows stiff = system.stiffness.selfadjointView<Eigen::Lower>() * shapes;
-    const Eigen::MatrixXd heavy = fem::mass_times(system.node_mass, modes.shapes.middleCols(first, count));
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const double lambda = modes.lambda[first + i];
-      modes.residuals[first + i] = (stiff.col(i) - lambda * heavy.col(i)).norm() / (lambda * heavy.col(i).norm());
+  in_parallel(threads, [&](int thread) {
+    for (Eigen::Index first = modes.rigid + thread * kTogether; first < modes.lambda.size();
+         first += threads * kTogether) {
+      const Eigen::Index count = std::min(kTogether, modes.lambda.size() - first);
+      const Rows shapes = modes.shapes.middleCols(first, count);
+      const Rows stiff = system.stiffness.selfadjointView<Eigen::Lower>() * shapes;
+      const Eigen::MatrixXd heavy = fem::mass_times(system.node_mass, modes.shapes.middleCols(first, count));
+      for (Eigen::Index i = 0; i < count; ++i) {
+        const double lambda = modes.lambda[first + i];
+        modes.residuals[first + i] = (stiff.col(i) - lambda * heavy.col(i)).norm() / (lambda * heavy.col(i).norm());
+      }
     }
-  }
+  });
 }
 
 Result<Eigenmodes> solve_by(Method method, const fem::System& system, const EigenRequest& request, double rigid_limit,
@@ -108,9 +111,7 @@ Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& re
   const fem::BlasThreads one(1);
   try {
     const double limit = rigid_limit(system, request.highest_lambda);
-    const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    const int wished = request.threads > 0 ? request.threads : processors;
-    const int threads = system.unknowns() < kOneThread ? 1 : wished;
+    const int threads = system.unknowns() < kOneThread ? 1 : thread_count(request.threads);
     Method method = request.method;
     if (method == Method::kAutomatic)
       method = system.unknowns() <= kSmallProblem ? Method::kDense : Method::kBlockLanczos;
@@ -120,7 +121,7 @@ Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& re
     const auto known = std::min<Eigen::Index>(request.rigid, modes->lambda.size());
     modes->rigid = request.rigid >= 0 ? static_cast<int>(known) : count_below(modes->lambda, limit);
     if (modes->lambda.size() - modes->rigid > request.most_modes) return fail(too_many_modes(request));
-    find_residuals(system, *modes);
+    find_residuals(system, threads, *modes);
     return modes;
   } catch (const Cancelled&) {
     return fail(std::string(kCancelled));

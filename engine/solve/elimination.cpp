@@ -181,7 +181,7 @@ double flops_of(double pivots, double below) {
 }
 
 // Deals whole subtrees to the parts, the largest first to the part with least so far, and splits a subtree while it is
-// more than a small share of a part's work. Returns the part of each supernode, `parts` for the crown.
+// more than 0.4 of a part's work. Returns the part of each supernode, `parts` for the crown.
 std::vector<int> deal(const std::vector<int>& parent, const std::vector<double>& work, int parts) {
   const auto children = children_of(parent);
   std::vector<double> subtree(work);
@@ -200,7 +200,7 @@ std::vector<int> deal(const std::vector<int>& parent, const std::vector<double>&
     std::pop_heap(open.begin(), open.end(), lighter);
     const int s = open.back();
     open.pop_back();
-    if (parts == 1 || subtree[s] < 0.1 * total / parts) {
+    if (parts == 1 || subtree[s] < 0.4 * total / parts) {
       whole.push_back(s);
       continue;
     }

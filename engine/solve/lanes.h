@@ -33,4 +33,7 @@ void add_inner_products(const double* y, const double* x, std::ptrdiff_t unknown
 // x -= factors^T y: takes combinations of y's vectors out of x.
 void subtract_combination(const double* y, const Small& factors, double* x, std::ptrdiff_t unknowns);
 
+// x := factors x.
+void combine_in_place(const Small& factors, double* x, std::ptrdiff_t unknowns);
+
 }  // namespace ringdown::solve

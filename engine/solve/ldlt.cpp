@@ -1,6 +1,5 @@
 #include "engine/solve/ldlt.h"
 
-#include "engine/fem/blas_threads.h"
 #include "engine/solve/methods.h"
 
 #include <cblas.h>
@@ -30,19 +29,80 @@ bool eliminate_small(double* a, int size, int stride, double* diagonal) {
   return true;
 }
 
+// Columns at a time, of `all`, that leave each of `count` threads several pieces.
+int piece(int all, int count) {
+  return count == 1 ? kColumns : std::clamp((all / (4 * count) + 7) / 8 * 8, 24, kColumns);
+}
+
+// Where column `c` of a packed lower triangle of `size` rows begins.
+std::size_t packed(std::size_t c, std::size_t size) { return c * size - c * (c - 1) / 2; }
+
 }  // namespace
 
-// Where one thread works on one supernode after the other.
+// Where one supernode after the other is worked on, by one thread or by several.
 struct Ldlt::Front {
-  std::vector<double> panel;   // height x pivots
-  std::vector<double> rest;    // below x below: what is left for the parent
-  std::vector<double> scaled;  // L D
-  std::vector<int> place;      // row of a node in the front
+  Numbers panel;                // height x pivots
+  Numbers rest;                 // below x below: what is left for the parent
+  Numbers scaled;               // L D of the pivots at hand
+  std::vector<Numbers> copies;  // L D of some rows, for each thread
+  std::vector<int> place;       // row of a node in the front
+
+  Front(int nodes, int threads) : copies(threads), place(nodes) {}
+  void open(const Supernode& node);
+
+  // Whose columns these are while the front is filled: in turn, by a few nodes.
+  static bool owns(const Member& member, int column) { return member.has(column / 24); }
 };
 
-void Ldlt::assemble(const Supernode& node, Front& front) const {
-  const int height = node.height();
+void Ldlt::Front::open(const Supernode& node) {
+  const std::size_t below = node.below();
+  panel.resize(static_cast<std::size_t>(node.height()) * node.pivots());
+  rest.resize(below * below);
+  scaled.resize(static_cast<std::size_t>(node.height()) * kPanel);
+  for (int c = 0; c < node.columns; ++c) place[node.first + c] = 3 * c;
+  for (std::size_t r = 0; r < node.rows.size(); ++r) place[node.rows[r]] = node.pivots() + 3 * static_cast<int>(r);
+}
+
+// Updates lie on a stack for each part and one for the crown: where a supernode's children lay, its own goes.
+Ldlt::Ldlt(const Elimination& plan, const OrderedSystem& system, Team& team)
+    : plan_(plan), system_(system), team_(team), places_(plan.nodes.size()) {
+  for (int part = 0; part <= plan.parts(); ++part) {
+    const bool crown = part == plan.parts();
+    const int begin = crown ? plan.crown_begin() : plan.part_begin(part);
+    const int end = crown ? static_cast<int>(plan.nodes.size()) : plan.part_end[part];
+    std::size_t top = 0, most = 0;
+    for (int s = begin; s < end; ++s) {
+      for (const int child : plan.nodes[s].children) {
+        if (child >= begin) top = std::min(top, places_[child].offset);
+      }
+      const std::size_t below = plan.nodes[s].below();
+      places_[s] = {part, top};
+      top += packed(below, below);
+      most = std::max(most, top);
+    }
+    stacks_.emplace_back(most);
+    if (!crown) fronts_.emplace_back(plan.node_count(), part == 0 ? team.size() : 1);
+  }
+}
+
+Ldlt::~Ldlt() = default;
+
+double* Ldlt::update_of(int supernode) { return stacks_[places_[supernode].stack].data() + places_[supernode].offset; }
+
+void Ldlt::assemble(const Supernode& node, Front& front, const Member& member) const {
+  const int height = node.height(), below = node.below();
+  for (int c = 0; c < node.pivots(); ++c) {
+    if (!Front::owns(member, c)) continue;
+    double* const column = front.panel.data() + static_cast<std::ptrdiff_t>(c) * height;
+    std::fill(column + c, column + height, 0.0);
+  }
+  for (int c = 0; c < below; ++c) {
+    if (!Front::owns(member, node.pivots() + c)) continue;
+    double* const column = front.rest.data() + static_cast<std::ptrdiff_t>(c) * below;
+    std::fill(column + c, column + below, 0.0);
+  }
   for (int c = 0; c < node.columns; ++c) {
+    if (!Front::owns(member, 3 * c)) continue;
     for (std::size_t e = system_.begin(node.first + c); e < system_.end(node.first + c); ++e) {
       for (int j = 0; j < 3; ++j) {
         double* to = front.panel.data() + static_cast<std::ptrdiff_t>(3 * c + j) * height + front.place[system_.row(e)];
@@ -53,12 +113,13 @@ void Ldlt::assemble(const Supernode& node, Front& front) const {
   }
 }
 
-void Ldlt::take_update(int child, const Supernode& node, Front& front) {
+void Ldlt::take_update(int child, const Supernode& node, Front& front, const Member& member) {
   const std::vector<int>& rows = plan_.nodes[child].rows;
   const int height = node.height(), pivots = node.pivots(), below = node.below();
-  const double* from = updates_[child].data();
   for (std::size_t c = 0; c < rows.size(); ++c) {
     const int column = front.place[rows[c]];
+    if (!Front::owns(member, column)) continue;
+    const double* from = update_of(child) + packed(3 * c, 3 * rows.size());
     for (int j = 0; j < 3; ++j) {
       double* to = column < pivots
                        ? front.panel.data() + static_cast<std::ptrdiff_t>(column + j) * height
@@ -70,90 +131,111 @@ void Ldlt::take_update(int child, const Supernode& node, Front& front) {
       }
     }
   }
-  std::vector<double>().swap(updates_[child]);
 }
 
-bool Ldlt::eliminate(const Supernode& node, Front& front) {
+void Ldlt::keep_update(int supernode, const Front& front, const Member& member) {
+  const int below = plan_.nodes[supernode].below();
+  for (int c = 0; c < below; ++c) {
+    if (!Front::owns(member, c)) continue;
+    const double* column = front.rest.data() + static_cast<std::ptrdiff_t>(c) * below;
+    std::copy(column + c, column + below, update_of(supernode) + packed(c, below));
+  }
+}
+
+void Ldlt::eliminate(const Supernode& node, Front& front, const Member& member) {
   const int height = node.height(), pivots = node.pivots(), below = node.below();
   double* const panel = front.panel.data();
   double* const rest = front.rest.data();
-  std::vector<double>& scaled = front.scaled;
   double* diagonal = diagonal_.data() + 3 * static_cast<std::ptrdiff_t>(node.first);
   const auto at = [&](int row, int column) { return panel + static_cast<std::ptrdiff_t>(column) * height + row; };
-  scaled.resize(std::max(static_cast<std::size_t>(height) * kPanel, static_cast<std::size_t>(kColumns) * pivots));
   for (int j = 0; j < pivots; j += kPanel) {
-    const int width = std::min(kPanel, pivots - j), next = j + width, rows = height - next;
-    if (!eliminate_small(at(j, j), width, height, diagonal + j)) return false;
-    if (rows == 0) continue;
-    cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasUnit, rows, width, 1, at(j, j), height,
-                at(next, j), height);
+    const int width = std::min(kPanel, pivots - j), next = j + width;
+    if (member.first() && !eliminate_small(at(j, j), width, height, diagonal + j)) singular_ = true;
+    member.meet();
+    if (singular_) return;
+    const int begin = next + member.begin(height - next), end = next + member.end(height - next);
+    if (begin < end) {
+      cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasUnit, end - begin, width, 1, at(j, j), height,
+                  at(begin, j), height);
+    }
     for (int c = 0; c < width; ++c) {  // keep L D of the pivots to come, leave L
-      double* column = at(next, j + c);
-      std::copy_n(column, pivots - next, scaled.data() + static_cast<std::ptrdiff_t>(c) * height);
+      double* column = at(0, j + c);
+      if (begin < pivots) {
+        std::copy(column + begin, column + std::min(end, pivots),
+                  front.scaled.data() + static_cast<std::ptrdiff_t>(c) * height + (begin - next));
+      }
       const double inverse = 1 / diagonal[j + c];
-      for (int i = 0; i < rows; ++i) column[i] *= inverse;
+      for (int i = begin; i < end; ++i) column[i] *= inverse;
     }
-    for (int k = next; k < pivots; k += kColumns) {
-      const int columns = std::min(kColumns, pivots - k);
-      cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, height - k, columns, width, -1, at(k, j), height,
-                  scaled.data() + (k - next), height, 1, at(k, k), height);
+    member.meet();
+    const int most = piece(pivots - next, member.count());
+    for (int k = next, turn = 0; k < pivots; k += most, ++turn) {
+      if (!member.has(turn)) continue;
+      cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, height - k, std::min(most, pivots - k), width, -1, at(k, j),
+                  height, front.scaled.data() + (k - next), height, 1, at(k, k), height);
     }
+    member.meet();
   }
-  for (int k = 0; k < below; k += kColumns) {
-    const int columns = std::min(kColumns, below - k);
+  const int most = piece(below, member.count());
+  Numbers& copy = front.copies[member.number()];
+  copy.resize(static_cast<std::size_t>(most) * pivots);
+  for (int k = 0, turn = 0; k < below; k += most, ++turn) {
+    if (!member.has(turn)) continue;
+    const int columns = std::min(most, below - k);
     for (int p = 0; p < pivots; ++p) {
       for (int c = 0; c < columns; ++c) {
-        scaled[static_cast<std::size_t>(p) * columns + c] = *at(pivots + k + c, p) * diagonal[p];
+        copy[static_cast<std::size_t>(p) * columns + c] = *at(pivots + k + c, p) * diagonal[p];
       }
     }
     cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, below - k, columns, pivots, -1, at(pivots + k, 0), height,
-                scaled.data(), columns, 1, rest + static_cast<std::ptrdiff_t>(k) * below + k, below);
+                copy.data(), columns, 1, rest + static_cast<std::ptrdiff_t>(k) * below + k, below);
   }
-  return true;
+  member.meet();
 }
 
-bool Ldlt::factor_supernodes(int begin, int end, Front& front, const std::function<bool()>& keep_going) {
+// All members of a crew go through the same supernodes and meet at the same places.
+void Ldlt::factor_supernodes(int begin, int end, Front& front, const Member& member,
+                             const std::function<bool()>& keep_going) {
   for (int s = begin; s < end; ++s) {
-    if (keep_going && !keep_going()) throw Cancelled{};
     const Supernode& node = plan_.nodes[s];
-    const std::size_t below = node.below();
-    front.panel.assign(static_cast<std::size_t>(node.height()) * node.pivots(), 0.0);
-    front.rest.assign(below * below, 0.0);
-    for (int c = 0; c < node.columns; ++c) front.place[node.first + c] = 3 * c;
-    for (std::size_t r = 0; r < node.rows.size(); ++r) {
-      front.place[node.rows[r]] = node.pivots() + 3 * static_cast<int>(r);
+    if (member.first()) {
+      if (keep_going && !keep_going()) cancelled_ = true;
+      front.open(node);
     }
-    assemble(node, front);
-    for (const int child : node.children) take_update(child, node, front);
-    if (!eliminate(node, front)) return false;
-    to_tiles(front.panel.data(), node.height(), node.pivots(), node.below(), tiles_.data() + node.offset);
-    updates_[s].reserve(below * (below + 1) / 2);
-    for (std::size_t c = 0; c < below; ++c) {
-      const double* column = front.rest.data() + c * below;
-      updates_[s].insert(updates_[s].end(), column + c, column + below);
+    member.meet();
+    if (cancelled_) throw Cancelled{};
+    assemble(node, front, member);
+    for (const int child : node.children) take_update(child, node, front, member);
+    member.meet();
+    eliminate(node, front, member);
+    if (singular_) return;
+    const std::vector<Strip> strips = strips_of(node.pivots(), node.below());
+    for (std::size_t i = 0; i < strips.size(); ++i) {
+      if (member.has(static_cast<int>(i))) {
+        to_tiles(strips[i], front.panel.data(), node.height(), tiles_.data() + node.offset);
+      }
     }
+    keep_update(s, front, member);
+    member.meet();
   }
-  return true;
 }
 
 bool Ldlt::factor(double sigma, const std::function<bool()>& keep_going) {
   sigma_ = sigma;
+  singular_ = cancelled_ = false;
   tiles_.resize(plan_.factor_entries);
   diagonal_.assign(3 * static_cast<std::size_t>(plan_.node_count()), 0.0);
-  updates_.assign(plan_.nodes.size(), {});
-  std::vector<Front> fronts(plan_.parts(), Front{.place = std::vector<int>(plan_.node_count())});
-  std::vector<char> good(plan_.parts(), 0);
   team_.run([&](int part) {
     if (part >= plan_.parts()) return;
-    good[part] = factor_supernodes(plan_.part_begin(part), plan_.part_end[part], fronts[part],
-                                   part == 0 ? keep_going : std::function<bool()>());
+    factor_supernodes(plan_.part_begin(part), plan_.part_end[part], fronts_[part], Member(),
+                      part == 0 ? keep_going : std::function<bool()>());
   });
-  if (std::find(good.begin(), good.end(), 0) != good.end()) return false;
-  const fem::BlasThreads all(team_.size());
+  if (singular_) return false;
   const int end = static_cast<int>(plan_.nodes.size());
-  if (!factor_supernodes(plan_.crown_begin(), end, fronts[0], keep_going)) return false;
+  team_.run_together(
+      [&](int, const Member& member) { factor_supernodes(plan_.crown_begin(), end, fronts_[0], member, keep_going); });
   negative_ = static_cast<int>(std::count_if(diagonal_.begin(), diagonal_.end(), [](double d) { return d < 0; }));
-  return true;
+  return !singular_;
 }
 
 // Each part works on its own rows and keeps what it has for the crown's rows apart until all are done.
@@ -161,38 +243,64 @@ void Ldlt::solve(Block& x) const {
   const int crown = plan_.crown_begin(), end = static_cast<int>(plan_.nodes.size());
   const std::ptrdiff_t crown_row = plan_.first_column(crown),
                        crown_size = std::ptrdiff_t{3 * kWidth} * plan_.crown_columns();
-  const auto own = [&](const Supernode& node) { return x.data() + std::ptrdiff_t{3 * kWidth} * node.first; };
-  std::vector<std::vector<double>> for_crown(plan_.parts(), std::vector<double>(crown_size, 0.0));
-  const auto down = [&](int begin, int stop, double* crown_rows) {
+  double* const crown_rows = x.data() + std::ptrdiff_t{3 * kWidth} * crown_row;
+  std::vector<std::vector<double>> for_crown(plan_.parts());
+  const auto sides = [&](const Supernode& node, const Strip& strip, double* other) {
+    const auto split = std::lower_bound(node.rows.begin(), node.rows.end(), crown_row) - node.rows.begin();
+    return Sides{.own = x.data() + std::ptrdiff_t{kWidth} * (3 * node.first + strip.first),
+                 .later = node.pivots() - strip.first - strip.width,
+                 .rows = &node.rows,
+                 .split = static_cast<int>(split),
+                 .x = x.data(),
+                 .other = other};
+  };
+  const auto down = [&](int begin, int stop, double* other, const Member& member) {
     for (int s = begin; s < stop; ++s) {
       const Supernode& node = plan_.nodes[s];
-      const auto split = std::lower_bound(node.rows.begin(), node.rows.end(), crown_row) - node.rows.begin();
-      solve_down(tiles_.data() + node.offset, node.pivots(), node.rows, static_cast<int>(split), own(node), x.data(),
-                 crown_rows - std::ptrdiff_t{3 * kWidth} * crown_row);
+      const double* const tiles = tiles_.data() + node.offset;
+      for (const Strip& strip : strips_of(node.pivots(), node.below())) {
+        const Sides all = sides(node, strip, other);
+        if (member.first()) solve_down_own(strip, tiles, all);
+        member.meet();
+        solve_down_below(strip, tiles, all, member.begin(strip.tiles()), member.end(strip.tiles()));
+        member.meet();
+      }
     }
   };
-  const auto up = [&](int begin, int stop) {
+  const auto up = [&](int begin, int stop, const Member& member) {
     for (int s = stop; s-- > begin;) {
       const Supernode& node = plan_.nodes[s];
-      double* const rows = own(node);
-      for (int u = 0; u < node.pivots(); ++u) {
-        for (int v = 0; v < kWidth; ++v)
-          rows[u * kWidth + v] /= diagonal_[3 * static_cast<std::size_t>(node.first) + u];
+      const double* const tiles = tiles_.data() + node.offset;
+      const std::vector<Strip> strips = strips_of(node.pivots(), node.below());
+      for (auto strip = strips.rbegin(); strip != strips.rend(); ++strip) {
+        const Sides all = sides(node, *strip, x.data());
+        const int first = member.begin(strip->width), last = member.end(strip->width);
+        for (int u = first; u < last; ++u) {
+          const double pivot = diagonal_[static_cast<std::size_t>(3) * node.first + strip->first + u];
+          *lanes(all.own, u) /= pivot;
+        }
+        solve_up_below(*strip, tiles, all, first, last);
+        member.meet();
+        if (member.first()) solve_up_own(*strip, tiles, all);
+        member.meet();
       }
-      solve_up(tiles_.data() + node.offset, node.pivots(), node.rows, rows, x.data());
     }
   };
-  team_.run([&](int part) {
-    if (part < plan_.parts()) down(plan_.part_begin(part), plan_.part_end[part], for_crown[part].data());
-  });
-  double* const crown_rows = x.data() + std::ptrdiff_t{3 * kWidth} * crown_row;
-  for (const auto& share : for_crown) {
-    for (std::ptrdiff_t i = 0; i < crown_size; ++i) crown_rows[i] += share[i];
-  }
-  down(crown, end, crown_rows);
-  up(crown, end);
-  team_.run([&](int part) {
-    if (part < plan_.parts()) up(plan_.part_begin(part), plan_.part_end[part]);
+  team_.run_together([&](int number, const Member& member) {
+    const bool has_part = number < plan_.parts();
+    if (has_part) {
+      for_crown[number].assign(crown_size, 0.0);
+      down(plan_.part_begin(number), plan_.part_end[number],
+           for_crown[number].data() - std::ptrdiff_t{3 * kWidth} * crown_row, Member());
+    }
+    member.meet();
+    for (const auto& share : for_crown) {
+      for (std::ptrdiff_t i = member.begin(crown_size); i < member.end(crown_size); ++i) crown_rows[i] += share[i];
+    }
+    member.meet();
+    down(crown, end, x.data(), member);
+    up(crown, end, member);
+    if (has_part) up(plan_.part_begin(number), plan_.part_end[number], Member());
   });
 }
 

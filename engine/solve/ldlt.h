@@ -7,22 +7,28 @@
 //
 // Nothing is exchanged for stability. That is safe for K - sigma M with a sigma that is not very close to an eigenvalue
 // of a leading part of the system, and the shift can be moved when it is: backward_error() tells. The parts of the plan
-// are worked on at the same time, and the crown after them, by matrix products that use all threads. Source: Duff &
-// Reid, ACM Trans. Math. Softw. 9, 1983; Parlett, The Symmetric Eigenvalue Problem, section 3.3 on inertia.
+// are worked on at the same time, a thread each, and the supernodes of the crown after them by all threads together.
+// Source: Duff & Reid, ACM Trans. Math. Softw. 9, 1983; Parlett, The Symmetric Eigenvalue Problem, section 3.3 on
+// inertia.
 #pragma once
 
+#include "engine/solve/large_pages.h"
 #include "engine/solve/ordered_system.h"
 #include "engine/solve/team.h"
 #include "engine/solve/tiles.h"
 
+#include <atomic>
 #include <functional>
 
 namespace ringdown::solve {
 
 class Ldlt {
  public:
-  // All three must live longer. Allocates nothing yet.
-  Ldlt(const Elimination& plan, const OrderedSystem& system, Team& team) : plan_(plan), system_(system), team_(team) {}
+  // All three must live longer. What is allocated stays so for the next factorization.
+  Ldlt(const Elimination& plan, const OrderedSystem& system, Team& team);
+  ~Ldlt();
+  Ldlt(const Ldlt&) = delete;
+  Ldlt& operator=(const Ldlt&) = delete;
 
   // False when a pivot is zero or not finite. `keep_going` is asked between fronts; when it says no, Cancelled is
   // thrown.
@@ -38,20 +44,30 @@ class Ldlt {
 
  private:
   struct Front;
+  struct Place {
+    int stack = 0;
+    std::size_t offset = 0;
+  };
 
-  bool factor_supernodes(int begin, int end, Front& front, const std::function<bool()>& keep_going);
-  void assemble(const Supernode& node, Front& front) const;
-  void take_update(int child, const Supernode& node, Front& front);
-  bool eliminate(const Supernode& node, Front& front);
+  void factor_supernodes(int begin, int end, Front& front, const Member& member,
+                         const std::function<bool()>& keep_going);
+  void assemble(const Supernode& node, Front& front, const Member& member) const;
+  void take_update(int child, const Supernode& node, Front& front, const Member& member);
+  void eliminate(const Supernode& node, Front& front, const Member& member);
+  double* update_of(int supernode);
+  void keep_update(int supernode, const Front& front, const Member& member);
 
   const Elimination& plan_;
   const OrderedSystem& system_;
   Team& team_;
   double sigma_ = 0;
   int negative_ = 0;
-  std::vector<double> tiles_;                 // L, supernode by supernode (tiles.h)
-  std::vector<double> diagonal_;              // D
-  std::vector<std::vector<double>> updates_;  // what a supernode left for its parent: lower triangle, packed by columns
+  std::atomic<bool> singular_ = false, cancelled_ = false;
+  Numbers tiles_;                 // L, supernode by supernode (tiles.h)
+  std::vector<double> diagonal_;  // D
+  std::vector<Front> fronts_;     // of the parts; the crown's is the first
+  std::vector<Numbers> stacks_;   // updates: what supernodes leave for their parents, lower triangles packed by columns
+  std::vector<Place> places_;     // of each supernode's update
 };
 
 }  // namespace ringdown::solve

@@ -28,9 +28,10 @@ Eigen::MatrixXd project(const OrderedSystem& system, Product product, const Eige
 
 }  // namespace
 
-void ModeSet::add(const std::vector<double>& lambda, const Eigen::MatrixXd& shapes) {
+void ModeSet::add(const std::vector<double>& lambda, Eigen::MatrixXd shapes) {
+  const auto kept = std::make_shared<const Eigen::MatrixXd>(std::move(shapes));
   for (std::size_t i = 0; i < lambda.size(); ++i) {
-    modes_.push_back({lambda[i], shapes.col(static_cast<Eigen::Index>(i))});
+    modes_.push_back({lambda[i], kept, static_cast<Eigen::Index>(i)});
   }
   std::stable_sort(modes_.begin(), modes_.end(), [](const Mode& a, const Mode& b) { return a.lambda < b.lambda; });
 }
@@ -50,7 +51,7 @@ int ModeSet::count(double low, double high) const {
 Eigen::MatrixXd ModeSet::shapes(double low, double high) const {
   Eigen::MatrixXd result(system_.unknowns(), count(low, high));
   auto mode = at_least(low);
-  for (Eigen::Index i = 0; i < result.cols(); ++i, ++mode) result.col(i) = mode->shape;
+  for (Eigen::Index i = 0; i < result.cols(); ++i, ++mode) result.col(i) = mode->shape();
   return result;
 }
 
@@ -62,15 +63,15 @@ void ModeSet::join_at(double lambda) {
   if (last - first < 2) return;
 
   Eigen::MatrixXd x(system_.unknowns(), last - first);
-  for (Eigen::Index i = 0; i < x.cols(); ++i) x.col(i) = (first + i)->shape;
+  for (Eigen::Index i = 0; i < x.cols(); ++i) x.col(i) = (first + i)->shape();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> gram(project(system_, &OrderedSystem::times_mass, x));
   const Eigen::Index kept = (gram.eigenvalues().array() > kCopies).count();
   x = (x *
        (gram.eigenvectors().rightCols(kept) * gram.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal()))
           .eval();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(project(system_, &OrderedSystem::times_stiffness, x));
-  x = (x * ritz.eigenvectors()).eval();
-  for (Eigen::Index i = 0; i < kept; ++i) *(first + i) = {ritz.eigenvalues()[i], x.col(i)};
+  const auto joined = std::make_shared<const Eigen::MatrixXd>(x * ritz.eigenvectors());
+  for (Eigen::Index i = 0; i < kept; ++i) *(first + i) = {ritz.eigenvalues()[i], joined, i};
   modes_.erase(first + kept, last);
 }
 

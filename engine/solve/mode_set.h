@@ -3,16 +3,25 @@
 
 #include "engine/solve/ordered_system.h"
 
+#include <memory>
 #include <vector>
 
 namespace ringdown::solve {
 
 class ModeSet {
+  struct Mode {
+    double lambda;
+    std::shared_ptr<const Eigen::MatrixXd> shapes;
+    Eigen::Index column;  // of `shapes`
+
+    [[nodiscard]] Eigen::MatrixXd::ConstColXpr shape() const { return shapes->col(column); }
+  };
+
  public:
   explicit ModeSet(const OrderedSystem& system) : system_(system) {}
 
   // shapes: 3N x count, M-normalised, in the order of elimination.
-  void add(const std::vector<double>& lambda, const Eigen::MatrixXd& shapes);
+  void add(const std::vector<double>& lambda, Eigen::MatrixXd shapes);
 
   // Makes one orthonormal set of the modes about `lambda`, where two iterations met: what both found stays once, and
   // what is close together becomes orthogonal (Rayleigh & Ritz, in the span of what is there).
@@ -23,18 +32,13 @@ class ModeSet {
 
   [[nodiscard]] int size() const { return static_cast<int>(modes_.size()); }
   [[nodiscard]] double lambda(int i) const { return modes_[i].lambda; }
-  [[nodiscard]] const Eigen::VectorXd& shape(int i) const { return modes_[i].shape; }
+  [[nodiscard]] auto shape(int i) const { return modes_[i].shape(); }
 
   // How many have low <= lambda < high; their shapes side by side.
   [[nodiscard]] int count(double low, double high) const;
   [[nodiscard]] Eigen::MatrixXd shapes(double low, double high) const;
 
  private:
-  struct Mode {
-    double lambda;
-    Eigen::VectorXd shape;
-  };
-
   [[nodiscard]] std::vector<Mode>::iterator at_least(double lambda);
   [[nodiscard]] std::vector<Mode>::const_iterator at_least(double lambda) const;
 

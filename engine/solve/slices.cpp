@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numbers>
 #include <string>
 
@@ -40,22 +39,23 @@ class Slicer {
         team_(threads),
         plan_(plan_elimination(system, threads)),
         ordered_(system, plan_, team_),
+        factors_(plan_, ordered_, team_),
         modes_(ordered_) {}
 
   Result<Eigenmodes> solve();
 
  private:
-  Result<Count> factor(Ldlt& factors, double lambda, double step = -kStep);
+  Result<Count> factor(double lambda, double step = -kStep);
   Result<void> slice();
   Result<void> repair(const Count& low, const Count& high);
-  void iterate(std::unique_ptr<Ldlt> factors, const Window& window, const Eigen::MatrixXd& locked);
+  void iterate(const Window& window, const Eigen::MatrixXd& locked);
   [[nodiscard]] double lambda_at(double count) const;
   [[nodiscard]] int slices_for(int modes) const;
   [[nodiscard]] Count last_gap(double above) const;
   [[nodiscard]] bool tell(std::string_view stage, double fraction) const {
     return !progress_ || progress_(stage, fraction);
   }
-  Eigenmodes result() const;
+  Eigenmodes result();
 
   const fem::System& system_;
   const EigenRequest& request_;
@@ -63,6 +63,7 @@ class Slicer {
   Team team_;
   const Elimination plan_;
   const OrderedSystem ordered_;
+  Ldlt factors_;
   ModeSet modes_;
   Count done_{-kInfinity, 0};    // all below were found
   Count proved_{-kInfinity, 0};  // the last shift: its count and what was found agree
@@ -75,14 +76,14 @@ class Slicer {
 double hertz(double lambda) { return std::sqrt(std::max(0.0, lambda)) / (2 * std::numbers::pi); }
 
 // Factors at lambda, or some steps from it where the factors would lose digits.
-Result<Count> Slicer::factor(Ldlt& factors, double lambda, double step) {
+Result<Count> Slicer::factor(double lambda, double step) {
   const double start = seconds_now();
   for (int attempt = 0; attempt < 4; ++attempt, lambda *= 1 + step) {
     ++factorizations_;
-    if (!factors.factor(lambda, [this] { return tell("factors", 0); })) continue;
-    if (factors.backward_error() > kBackwardError) continue;
+    if (!factors_.factor(lambda, [this] { return tell("factors", 0); })) continue;
+    if (factors_.backward_error() > kBackwardError) continue;
     factor_seconds_ += seconds_now() - start;
-    return Count{lambda, factors.negative()};
+    return Count{lambda, factors_.negative()};
   }
   return fail(not_factored(system_));
 }
@@ -121,14 +122,13 @@ int Slicer::slices_for(int modes) const {
   return best;
 }
 
-void Slicer::iterate(std::unique_ptr<Ldlt> factors, const Window& window, const Eigen::MatrixXd& locked) {
+void Slicer::iterate(const Window& window, const Eigen::MatrixXd& locked) {
   const double start = seconds_now(), all = std::max(1, top_.below), before = done_.below / all;
   const double share = (window.left + window.right) / all;
-  const Pairs pairs = block_lanczos(ordered_, *factors, team_, window, locked, seed_++,
-                                    [&](double part) { return tell("modes", std::min(0.99, before + part * share)); });
-  factors.reset();
+  Pairs pairs = block_lanczos(ordered_, factors_, team_, window, locked, seed_++,
+                              [&](double part) { return tell("modes", std::min(0.99, before + part * share)); });
   solves_ += pairs.solves;
-  modes_.add(pairs.lambda, pairs.shapes);
+  modes_.add(pairs.lambda, std::move(pairs.shapes));
   iterate_seconds_ += seconds_now() - start;
 }
 
@@ -144,12 +144,11 @@ Count Slicer::last_gap(double above) const {
 Result<void> Slicer::slice() {
   const int left = top_.below - done_.below, slices = slices_for(left);
   const double each = static_cast<double>(left) / slices;
-  auto factors = std::make_unique<Ldlt>(plan_, ordered_, team_);
-  Result<Count> shift = factor(*factors, lambda_at(done_.below + 0.5 * each));
+  Result<Count> shift = factor(lambda_at(done_.below + 0.5 * each));
   // Far more below it than thought: try again where they would be if they lay evenly.
   if (shift && shift->below - done_.below > 1.5 * each + 20) {
     const double low = std::max(0.0, done_.lambda);
-    shift = factor(*factors, low + (shift->lambda - low) * 0.6 * each / (shift->below - done_.below));
+    shift = factor(low + (shift->lambda - low) * 0.6 * each / (shift->below - done_.below));
   }
   if (!shift) return fail(shift.error());
   const bool last = slices == 1;
@@ -161,7 +160,7 @@ Result<void> Slicer::slice() {
                       .most_vectors = static_cast<int>(4 * each) + 40 * kWidth,
                       .tolerance = request_.tolerance};
   const double seam = done_.lambda;
-  iterate(std::move(factors), window, Eigen::MatrixXd(ordered_.unknowns(), 0));
+  iterate(window, Eigen::MatrixXd(ordered_.unknowns(), 0));
   if (std::isfinite(seam)) modes_.join_at(seam);
   if (auto whole = repair(proved_, *shift); !whole) return whole;
   proved_ = *shift;
@@ -179,9 +178,8 @@ Result<void> Slicer::slice() {
 Result<void> Slicer::repair(const Count& low, const Count& high) {
   const int wanted = high.below - low.below;
   for (int attempt = 0; modes_.count(low.lambda, high.lambda) < wanted && attempt < kMostRepairs; ++attempt) {
-    auto factors = std::make_unique<Ldlt>(plan_, ordered_, team_);
     const double bottom = std::max(0.0, low.lambda), share = 0.1 + 0.8 * std::fmod(0.5 + 0.382 * attempt, 1.0);
-    const Result<Count> shift = factor(*factors, bottom + share * (high.lambda - bottom));
+    const Result<Count> shift = factor(bottom + share * (high.lambda - bottom));
     if (!shift) return fail(shift.error());
     Window window{.low = low.lambda, .high = high.lambda, .tolerance = request_.tolerance};
     window.left = shift->below - low.below - modes_.count(low.lambda, shift->lambda);
@@ -189,7 +187,7 @@ Result<void> Slicer::repair(const Count& low, const Count& high) {
     if (window.left < 0 || window.right < 0) break;
     window.most_vectors = 4 * (window.left + window.right) + 40 * kWidth;
     const double margin = 1e-3 * high.lambda;
-    iterate(std::move(factors), window, modes_.shapes(low.lambda - margin, high.lambda + margin));
+    iterate(window, modes_.shapes(low.lambda - margin, high.lambda + margin));
   }
   const int found = modes_.count(low.lambda, high.lambda);
   if (found == wanted) return {};
@@ -198,17 +196,20 @@ Result<void> Slicer::repair(const Count& low, const Count& high) {
               " Hz; look for needle-like elements in the mesh");
 }
 
-Eigenmodes Slicer::result() const {
+Eigenmodes Slicer::result() {
   Eigenmodes result;
   result.counted = modes_.count(-kInfinity, request_.highest_lambda);
   result.lambda.resize(result.counted);
   result.shapes.resize(ordered_.unknowns(), result.counted);
-  for (int m = 0; m < result.counted; ++m) {
-    result.lambda[m] = modes_.lambda(m);
-    for (int n = 0; n < plan_.node_count(); ++n) {
-      result.shapes.col(m).segment<3>(3 * plan_.old_of[n]) = modes_.shape(m).segment<3>(3 * n);
+  team_.run_together([&](int, const Member& member) {
+    for (int m = member.begin(result.counted); m < member.end(result.counted); ++m) {
+      result.lambda[m] = modes_.lambda(m);
+      const auto shape = modes_.shape(m);
+      for (int n = 0; n < plan_.node_count(); ++n) {
+        result.shapes.col(m).segment<3>(3 * plan_.old_of[n]) = shape.segment<3>(3 * n);
+      }
     }
-  }
+  });
   result.solves = solves_;
   result.factorizations = factorizations_;
   result.factor_seconds = factor_seconds_;
@@ -217,7 +218,7 @@ Eigenmodes Slicer::result() const {
 }
 
 Result<Eigenmodes> Slicer::solve() {
-  const Result<Count> top = factor(*std::make_unique<Ldlt>(plan_, ordered_, team_), request_.highest_lambda, +kStep);
+  const Result<Count> top = factor(request_.highest_lambda, +kStep);
   if (!top) return fail(top.error());
   top_ = *top;
   if (top_.below > 2 * request_.most_modes + 1000) return fail(too_many_modes(request_));

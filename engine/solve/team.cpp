@@ -48,4 +48,17 @@ void Team::run(const std::function<void(int)>& part) {
   }
 }
 
+void Team::run_together(const std::function<void(int, const Member&)>& part) {
+  if (helpers_.empty()) return part(0, Member());
+  std::barrier<> meeting(size());
+  run([&](int number) {
+    try {
+      part(number, Member(number, size(), meeting));
+    } catch (...) {
+      meeting.arrive_and_drop();
+      throw;
+    }
+  });
+}
+
 }  // namespace ringdown::solve

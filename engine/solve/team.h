@@ -2,12 +2,46 @@
 #pragma once
 
 #include <atomic>
+#include <barrier>
 #include <exception>
 #include <functional>
 #include <thread>
 #include <vector>
 
 namespace ringdown::solve {
+
+// One of several threads that work on the same thing: each does its share, then they meet.
+class Member {
+ public:
+  Member() = default;  // alone
+  Member(int number, int count, std::barrier<>& meeting) : number_(number), count_(count), meeting_(&meeting) {}
+
+  [[nodiscard]] int number() const { return number_; }
+  [[nodiscard]] int count() const { return count_; }
+  [[nodiscard]] bool first() const { return number_ == 0; }
+
+  // Whether item `i` of many like ones is this member's, when they go round.
+  [[nodiscard]] bool has(int i) const { return i % count_ == number_; }
+
+  // Where this member's even share of `items` begins; it ends where the next one's begins.
+  template <class Int>
+  [[nodiscard]] Int begin(Int items) const {
+    return items * number_ / count_;
+  }
+  template <class Int>
+  [[nodiscard]] Int end(Int items) const {
+    return items * (number_ + 1) / count_;
+  }
+
+  // Waits until all have come here.
+  void meet() const {
+    if (meeting_ != nullptr) meeting_->arrive_and_wait();
+  }
+
+ private:
+  int number_ = 0, count_ = 1;
+  std::barrier<>* meeting_ = nullptr;
+};
 
 class Team {
  public:
@@ -21,6 +55,9 @@ class Team {
   // Calls part(0) .. part(size() - 1), part(0) here and the others on the helpers, and waits for all. The first
   // exception is thrown again here.
   void run(const std::function<void(int)>& part);
+
+  // The same for work whose members meet. One that throws is not waited for.
+  void run_together(const std::function<void(int, const Member&)>& part);
 
  private:
   void help(int number);

@@ -1,35 +1,81 @@
 // Triangular solves with one supernode's factor, kWidth right-hand sides at once. [any thread]
 //
-// The factor's columns (height x pivots, unit lower triangular on top) are kept as tiles of kTile rows: a tile holds
-// kTile numbers of the first column, then of the second, and so on. So a solve reads the factor once, in order, and
-// keeps kTile x kWidth results in registers: it is bound by the memory's bandwidth, not by arithmetic. The rows of the
-// pivots and those below are tiled apart, both filled up with zeros; a tile of pivots ends with its own columns.
+// The factor's columns (height x pivots, unit lower triangular on top) are cut into strips of at most kStrip columns,
+// and each strip into tiles of kTile rows: a tile holds kTile numbers of the strip's first column, then of the second,
+// and so on. So a solve reads the factor once, in order, keeps kTile x kWidth results in registers, and finds the
+// strip's own right-hand sides in the first cache. A strip begins with the tiles of its own rows, each ending with its
+// own columns; all rows below follow, those of the supernode's later pivots first. Tiles are filled up with zeros.
 //
 // Right-hand sides stand as in Block: kWidth numbers for each unknown.
 #pragma once
 
 #include "engine/solve/lanes.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
 namespace ringdown::solve {
 
-inline constexpr int kTile = 8;  // rows
+inline constexpr int kTile = 8;     // rows
+inline constexpr int kStrip = 120;  // columns
+
+// Some of a supernode's columns: `first` .. `first + width - 1`.
+struct Strip {
+  int first, width;
+  int below;           // rows below its own, the supernode's later pivots included
+  std::size_t offset;  // of its tiles among the supernode's
+
+  Strip(int pivots, int below_supernode) : Strip(0, pivots, below_supernode, 0) {}
+  // The one that follows; no columns when there is none.
+  [[nodiscard]] Strip next(int pivots, int below_supernode) const {
+    return {first + width, pivots, below_supernode, offset + size()};
+  }
+  [[nodiscard]] std::size_t size() const { return triangle() + static_cast<std::size_t>(tiles()) * kTile * width; }
+  [[nodiscard]] std::size_t triangle() const;                              // numbers in the tiles of its own rows
+  [[nodiscard]] int tiles() const { return (below + kTile - 1) / kTile; }  // of the rows below
+
+ private:
+  Strip(int column, int pivots, int below_supernode, std::size_t at)
+      : first(column),
+        width(std::min(kStrip, pivots - column)),
+        below(pivots - column - width + below_supernode),
+        offset(at) {}
+};
+
+// All strips of a supernode, first to last.
+std::vector<Strip> strips_of(int pivots, int below);
 
 // Numbers in the tiles of a supernode.
 std::size_t tiled_size(int pivots, int below);
 
-// Copies a factor from columns of `stride` numbers into `tiles` (tiled_size() of them). The part above the diagonal is
-// not read.
-void to_tiles(const double* columns, int stride, int pivots, int below, double* tiles);
+// Copies a strip of a factor from columns of `stride` numbers (the supernode's first column at `columns`) to `tiles`,
+// the supernode's. The part above the diagonal is not read.
+void to_tiles(const Strip& strip, const double* columns, int stride, double* tiles);
 
-// x := L^-1 x in the rows of the pivots (`own`, contiguous), and what follows from it subtracted in the rows below,
-// which come in threes: node rows[i] begins at 3 * rows[i] * kWidth of `x` for i < split, and of `other` from there on.
-void solve_down(const double* tiles, int pivots, const std::vector<int>& rows, int split, double* own, double* x,
-                double* other);
+// Right-hand sides as a strip sees them: its own, the supernode's later pivots after these, then the rows below.
+struct Sides {
+  double* own;
+  int later;                     // unknowns of the supernode after the strip's own
+  const std::vector<int>* rows;  // nodes below the supernode
+  int split;  // rows[i] begins at 3 * rows[i] * kWidth of `x` for i < split, of `other` from there on
+  double *x, *other;
 
-// x := L^-T x in the rows of the pivots, given the solution in those below.
-void solve_up(const double* tiles, int pivots, const std::vector<int>& rows, double* own, const double* x);
+  // Row i below the strip's own.
+  [[nodiscard]] Lanes* below(int i, int width) const {
+    if (i < later) return lanes(own, width + i);
+    const int row = (i - later) / 3;
+    return lanes(row < split ? x : other, 3 * static_cast<std::ptrdiff_t>((*rows)[row]) + (i - later) % 3);
+  }
+};
+
+// x := L^-1 x: in the strip's own rows; then what follows from them subtracted in tiles `begin` to `end` of those
+// below.
+void solve_down_own(const Strip& strip, const double* tiles, const Sides& sides);
+void solve_down_below(const Strip& strip, const double* tiles, const Sides& sides, int begin, int end);
+
+// x := L^-T x: what is known below subtracted in columns `begin` to `end` of the strip; then the strip's own rows.
+void solve_up_below(const Strip& strip, const double* tiles, const Sides& sides, int begin, int end);
+void solve_up_own(const Strip& strip, const double* tiles, const Sides& sides);
 
 }  // namespace ringdown::solve

@@ -36,10 +36,11 @@ enum class Producer : std::size_t { control, worker, scene, kCount };
 
 // Numbers that any thread may read while the mixer runs.
 struct MixerCounters {
-  std::atomic<std::int64_t> frames{0};           // rendered so far; also the time of the next block's first frame
-  std::atomic<std::uint64_t> strikes{0};         // played
-  std::atomic<std::uint64_t> late{0};            // events that came after their frame
-  std::atomic<std::uint64_t> refused{0};         // strikes on what does not exist (any more), gains and pans that are no numbers
+  std::atomic<std::int64_t> frames{0};    // rendered so far; also the time of the next block's first frame
+  std::atomic<std::uint64_t> strikes{0};  // played
+  std::atomic<std::uint64_t> late{0};     // events that came after their frame
+  std::atomic<std::uint64_t> refused{
+      0};  // strikes on what does not exist (any more), gains and pans that are no numbers
   std::atomic<std::uint64_t> not_finite{0};      // voices silenced because a state was no longer a sensible number
   std::atomic<std::uint32_t> ringing_voices{0};  // in the last block
   std::atomic<std::uint32_t> ringing_modes{0};   // in the last block
@@ -101,15 +102,15 @@ class Mixer {
   };
   struct DueEvent {
     protocol::Event event;
-    std::size_t offset;   // frames into the chunk
-    std::int32_t next;    // the object's next event in this chunk, -1 for none
+    std::size_t offset;  // frames into the chunk
+    std::int32_t next;   // the object's next event in this chunk, -1 for none
   };
   static constexpr double kCentre = 0.70710678118654752;  // equal power: cos 45 degrees
   struct Object {
     Voice* current = nullptr;  // takes strikes
     Voice* tails = nullptr;    // ring out
     Ramp gain{1, 1}, left{kCentre, kCentre}, right{kCentre, kCentre};
-    bool active = false;       // listed in active_
+    bool active = false;  // listed in active_
     std::int32_t first_due = -1, last_due = -1;
   };
   struct Order {

@@ -43,8 +43,8 @@ HWY_INLINE Complex power(Complex base, std::size_t exponent) {
 // Renders kVectors vectors of modes that start at `first` into per-lane sums. Several vectors at once hide the latency
 // of the recurrence.
 template <std::size_t kVectors>
-HWY_INLINE void render_group(const ModeArrays& modes, std::size_t first, double* HWY_RESTRICT sums,
-                             std::size_t frames, Vec& energy) {
+HWY_INLINE void render_group(const ModeArrays& modes, std::size_t first, double* HWY_RESTRICT sums, std::size_t frames,
+                             Vec& energy) {
   const Tag tag;
   const std::size_t lanes = hn::Lanes(tag);
   // Plain arrays of vectors need a fixed vector size, which all targets but SVE and RVV have.
@@ -59,9 +59,9 @@ HWY_INLINE void render_group(const ModeArrays& modes, std::size_t first, double*
     twice_cosine[v] = hn::Add(pole.re, pole.re);
     radius[v] = hn::MulAdd(pole.re, pole.re, hn::Mul(pole.im, pole.im));
 
-    const Complex advance = frames == kChunkFrames
-                                ? Complex{hn::Load(tag, modes.chunk_pole_re + at), hn::Load(tag, modes.chunk_pole_im + at)}
-                                : power(pole, frames);
+    const Complex advance = frames == kChunkFrames ? Complex{hn::Load(tag, modes.chunk_pole_re + at),
+                                                             hn::Load(tag, modes.chunk_pole_im + at)}
+                                                   : power(pole, frames);
     const Complex next = multiply(z, advance);
     hn::Store(next.re, tag, modes.z_re + at);
     hn::Store(next.im, tag, modes.z_im + at);

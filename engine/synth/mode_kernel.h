@@ -24,7 +24,7 @@ inline constexpr std::size_t kModePadding = 8;
 struct ModeArrays {
   double* z_re = nullptr;
   double* z_im = nullptr;
-  const double* pole_re = nullptr;        // p = exp((-d + i omega) / sample rate)
+  const double* pole_re = nullptr;  // p = exp((-d + i omega) / sample rate)
   const double* pole_im = nullptr;
   const double* chunk_pole_re = nullptr;  // p^kChunkFrames
   const double* chunk_pole_im = nullptr;

@@ -66,12 +66,12 @@ class Voice {
   double render_fade(double* out, std::size_t frames) RINGDOWN_REALTIME;
 
   std::shared_ptr<const modal::StrikeMap> map_;
-  std::vector<std::uint32_t> mode_of_;          // playable mode i is mode mode_of_[i] of the bank
-  std::vector<std::int32_t> place_of_;          // and back; -1 where the bank's mode is not playable
-  std::vector<double> weight_;                  // output per modal velocity: G_n, the bank's gain, the density scale
+  std::vector<std::uint32_t> mode_of_;  // playable mode i is mode mode_of_[i] of the bank
+  std::vector<std::int32_t> place_of_;  // and back; -1 where the bank's mode is not playable
+  std::vector<double> weight_;          // output per modal velocity: G_n, the bank's gain, the density scale
   std::vector<double> frequency_hz_;
-  std::vector<double> excitation_;              // scratch of a strike, one per mode of the bank
-  std::size_t padded_ = 0;                      // playable modes, rounded up to kModePadding
+  std::vector<double> excitation_;                   // scratch of a strike, one per mode of the bank
+  std::size_t padded_ = 0;                           // playable modes, rounded up to kModePadding
   std::unique_ptr<double[], AlignedDelete> states_;  // kRows x padded_
   std::size_t fade_left_ = 0;
   bool ringing_ = false;

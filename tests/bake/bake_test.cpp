@@ -40,8 +40,8 @@ TEST(Bake, FillsEverythingABankHolds) {
   EXPECT_EQ(bank.material->name, "steel");
   EXPECT_EQ(report.rigid, 6);
   EXPECT_EQ(bank.provenance.rigid_modes, 6);
-  EXPECT_EQ(bank.provenance.counted_modes, static_cast<std::int64_t>(bank.mode_count()) + report.rigid +
-                                               report.below_band + report.over_damped);
+  EXPECT_EQ(bank.provenance.counted_modes,
+            static_cast<std::int64_t>(bank.mode_count()) + report.rigid + report.below_band + report.over_damped);
   EXPECT_EQ(bank.provenance.unknowns, report.unknowns);
   EXPECT_EQ(bank.provenance.element, "tet20 consistent");
   EXPECT_GT(bank.provenance.largest_residual, 0);

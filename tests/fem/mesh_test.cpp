@@ -285,7 +285,8 @@ TEST(Split, MakesEightOfEachAndIsTheSameBody) {
     EXPECT_EQ(corners.nodes.rows() - (edges.nodes.rows() - corners.nodes.rows()) + faces - fine.elements.rows(), 1);
     const auto mass = [&](const mesh::TetMesh& m) {
       double sum = 0;
-      for (Eigen::Index e = 0; e < m.elements.rows(); ++e) sum += fem::consistent_mass(mesh::nodes_of(m, e), 1000).sum();
+      for (Eigen::Index e = 0; e < m.elements.rows(); ++e)
+        sum += fem::consistent_mass(mesh::nodes_of(m, e), 1000).sum();
       return sum;
     };
     EXPECT_NEAR(mass(fine) / mass(coarse), 1, 1e-12) << order;

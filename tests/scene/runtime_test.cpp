@@ -128,8 +128,8 @@ TEST(Start, ABodyEntersAtItsTimeAndThenFallsAsAnyOther) {
 TEST(Start, AWaitingBodyIsInNobodysWay) {
   BodyDescription falling = body_of("a", ShapeType::box, {0, 0, 0.3}), late = body_of("b", ShapeType::box, {0, 0, 0.1});
   late.start_s = 60;
-  World world = world_of(scene_of({falling, late}),
-                         {sounding("a", 4, box_bank(kSize, 1)), sounding("b", 5, box_bank(kSize, 1))});
+  World world =
+      world_of(scene_of({falling, late}), {sounding("a", 4, box_bank(kSize, 1)), sounding("b", 5, box_bank(kSize, 1))});
   run(world, 2);
   EXPECT_NEAR(world.bodies()[0].position_m.z, 0.05, 0.002);
   EXPECT_EQ(world.bodies()[1].position_m, (Vec3{0, 0, 0.1}));

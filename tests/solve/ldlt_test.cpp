@@ -189,5 +189,54 @@ TEST(Team, DoesEveryPartOnceAndPassesOnWhatIsThrown) {
   EXPECT_EQ(after, 1);
 }
 
+TEST(Team, MeetsAndDoesNotWaitForOneThatThrew) {
+  solve::Team team(3);
+  std::vector<int> seen(3, 0);
+  std::atomic<int> before = 0;
+  team.run_together([&](int number, const solve::Member& member) {
+    for (int round = 1; round <= 100; ++round) {
+      ++before;
+      member.meet();
+      if (before == 3 * round) ++seen[number];
+      member.meet();
+    }
+  });
+  EXPECT_EQ(seen, std::vector<int>(3, 100));
+  const auto one_throws = [](int number, const solve::Member& member) {
+    if (number == 1) throw std::runtime_error("number 1");
+    member.meet();
+  };
+  EXPECT_THROW(team.run_together(one_throws), std::runtime_error);
+}
+
+TEST(Team, SharesCoverEverythingOnce) {
+  std::barrier<> meeting(3);
+  for (const int items : {0, 1, 2, 7, 100}) {
+    int next = 0;
+    for (int number = 0; number < 3; ++number) {
+      const solve::Member member(number, 3, meeting);
+      EXPECT_EQ(member.begin(items), next);
+      next = member.end(items);
+    }
+    EXPECT_EQ(next, items);
+  }
+}
+
+TEST(Tiles, CutEveryColumnIntoOneStripWithAllBelowIt) {
+  for (const int pivots : {3, 117, 120, 123, 480, 501}) {
+    const int below = 33;
+    int next = 0;
+    std::size_t offset = 0;
+    for (const solve::Strip& strip : solve::strips_of(pivots, below)) {
+      EXPECT_EQ(strip.first, next);
+      EXPECT_EQ(strip.offset, offset);
+      EXPECT_EQ(strip.first + strip.width + strip.below, pivots + below);
+      next += strip.width, offset += strip.size();
+    }
+    EXPECT_EQ(next, pivots);
+    EXPECT_EQ(offset, solve::tiled_size(pivots, below));
+  }
+}
+
 }  // namespace
 }  // namespace ringdown

@@ -30,8 +30,7 @@ const std::vector<FolderRule> kFolderRules = {
     {"engine/mesh/", {"engine/base/", "engine/mesh/"}},
     {"engine/fem/", {"engine/base/", "engine/mesh/", "engine/fem/"}},
     {"engine/solve/", {"engine/base/", "engine/mesh/", "engine/fem/", "engine/solve/"}},
-    {"engine/bake/",
-     {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/solve/", "engine/bake/"}},
+    {"engine/bake/", {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/solve/", "engine/bake/"}},
     // rigid bodies
     {"engine/scene/", {"engine/base/", "engine/modal/", "engine/scene/", "protocol/"}},
     // the programs

@@ -1,0 +1,60 @@
+// Arrays too large for the processor's page tables to reach at once, on pages of 2 MiB where the system has them.
+// [any thread]
+//
+// A solve reads hundreds of megabytes in order: on pages of 4 KiB it waits for a new one after every 64 cache lines.
+// Numbers are not set to zero when a vector grows.
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <utility>
+#include <vector>
+
+#include <sys/mman.h>
+
+namespace ringdown::solve {
+
+template <class T>
+struct LargePages {
+  using value_type = T;
+  static constexpr std::size_t kPage = std::size_t{2} << 20;
+
+  LargePages() = default;
+  template <class U>
+  LargePages(const LargePages<U>&) {}  // NOLINT(google-explicit-constructor): containers rebind allocators
+
+  T* allocate(std::size_t count) {
+    const std::size_t bytes = count * sizeof(T);
+    if (bytes < kPage) return static_cast<T*>(::operator new(bytes, std::align_val_t{64}));
+    const std::size_t whole = (bytes + kPage - 1) / kPage * kPage;
+    void* place = std::aligned_alloc(kPage, whole);
+    if (place == nullptr) throw std::bad_alloc();
+    ::madvise(place, whole, MADV_HUGEPAGE);
+    return static_cast<T*>(place);
+  }
+
+  void deallocate(T* place, std::size_t count) {
+    if (count * sizeof(T) < kPage) {
+      ::operator delete(place, std::align_val_t{64});
+    } else {
+      std::free(place);
+    }
+  }
+
+  template <class U, class... Arguments>
+  void construct(U* at, Arguments&&... arguments) {
+    if constexpr (sizeof...(Arguments) == 0) {
+      ::new (static_cast<void*>(at)) U;
+    } else {
+      ::new (static_cast<void*>(at)) U(std::forward<Arguments>(arguments)...);
+    }
+  }
+
+  friend bool operator==(const LargePages&, const LargePages&) { return true; }
+};
+
+using Numbers = std::vector<double, LargePages<double>>;
+
+}  // namespace ringdown::solve
