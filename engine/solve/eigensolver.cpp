@@ -3,6 +3,7 @@
 #include "engine/base/in_parallel.h"
 #include "engine/fem/blas_threads.h"
 #include "engine/solve/methods.h"
+#include "engine/solve/ordered_system.h"
 
 #include <algorithm>
 #include <chrono>
@@ -32,25 +33,13 @@ double rigid_limit(const fem::System& system, double highest_lambda) {
 void keep_first(Eigenmodes& modes, Eigen::Index count) {
   modes.lambda.conservativeResize(count);
   modes.shapes.conservativeResize(Eigen::NoChange, count);
+  if (modes.residuals.size() > 0) modes.residuals.conservativeResize(count);
 }
 
-void find_residuals(const fem::System& system, int threads, Eigenmodes& modes) {
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  constexpr Eigen::Index kTogether = 8;  // shapes; one at a time takes three times as long
-  modes.residuals = Eigen::VectorXd::Zero(modes.lambda.size());
-  in_parallel(threads, [&](int thread) {
-    for (Eigen::Index first = modes.rigid + thread * kTogether; first < modes.lambda.size();
-         first += threads * kTogether) {
-      const Eigen::Index count = std::min(kTogether, modes.lambda.size() - first);
-      const Rows shapes = modes.shapes.middleCols(first, count);
-      const Rows stiff = system.stiffness.selfadjointView<Eigen::Lower>() * shapes;
-      const Eigen::MatrixXd heavy = fem::mass_times(system.node_mass, modes.shapes.middleCols(first, count));
-      for (Eigen::Index i = 0; i < count; ++i) {
-        const double lambda = modes.lambda[first + i];
-        modes.residuals[first + i] = (stiff.col(i) - lambda * heavy.col(i)).norm() / (lambda * heavy.col(i).norm());
-      }
-    }
-  });
+Eigen::VectorXd residuals_of(const fem::System& system, int threads, const Eigenmodes& modes) {
+  Team team(threads);
+  const Elimination plan = plan_elimination(system, threads);
+  return OrderedSystem(system, plan, team).residuals(modes.lambda, modes.shapes);
 }
 
 Result<Eigenmodes> solve_by(Method method, const fem::System& system, const EigenRequest& request, double rigid_limit,
@@ -121,7 +110,8 @@ Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& re
     const auto known = std::min<Eigen::Index>(request.rigid, modes->lambda.size());
     modes->rigid = request.rigid >= 0 ? static_cast<int>(known) : count_below(modes->lambda, limit);
     if (modes->lambda.size() - modes->rigid > request.most_modes) return fail(too_many_modes(request));
-    find_residuals(system, threads, *modes);
+    if (modes->residuals.size() == 0) modes->residuals = residuals_of(system, threads, *modes);
+    modes->residuals.head(modes->rigid).setZero();
     return modes;
   } catch (const Cancelled&) {
     return fail(std::string(kCancelled));

@@ -12,7 +12,7 @@ struct Cancelled {};
 using RigidLimit = double;
 
 // Each returns at least the modes up to request.highest_lambda, ascending, M-orthonormal; lambda and shapes are filled.
-// The last two prove that they are all, and fill `counted`.
+// The last two prove that they are all, and fill `counted`; the last one `residuals` too.
 Result<Eigenmodes> solve_dense(const fem::System& system);
 Result<Eigenmodes> solve_spectra(const fem::System& system, const EigenRequest& request, RigidLimit rigid_limit,
                                  const Progress& progress);

@@ -137,4 +137,24 @@ void OrderedSystem::times_stiffness(const Block& x, Block& y) const {
   multiply(&OrderedSystem::stiffness_columns, x, y);
 }
 
+Eigen::VectorXd OrderedSystem::residuals(const Eigen::VectorXd& lambda, const Eigen::MatrixXd& shapes) const {
+  Eigen::VectorXd result(lambda.size());
+  Block x = Block::Zero(kWidth, unknowns()), stiff, heavy;
+  for (Eigen::Index first = 0; first < lambda.size(); first += kWidth) {
+    const Eigen::Index count = std::min<Eigen::Index>(kWidth, lambda.size() - first);
+    team_.run_together([&](int, const Member& member) {
+      for (int n = member.begin(node_count()); n < member.end(node_count()); ++n) {
+        const Eigen::Index row = Eigen::Index{3} * plan_.old_of[n];
+        x.middleCols<3>(Eigen::Index{3} * n).topRows(count) = shapes.block(row, first, 3, count).transpose();
+      }
+    });
+    times_stiffness(x, stiff);
+    times_mass(x, heavy);
+    heavy.topRows(count).array().colwise() *= lambda.segment(first, count).array();
+    result.segment(first, count) = (stiff - heavy).topRows(count).rowwise().norm();
+    result.segment(first, count).array() /= heavy.topRows(count).rowwise().norm().array();
+  }
+  return result;
+}
+
 }  // namespace ringdown::solve

@@ -29,6 +29,9 @@ class OrderedSystem {
   void times_mass(const Block& x, Block& y) const;
   void times_stiffness(const Block& x, Block& y) const;
 
+  // |K phi - lambda M phi| / |lambda M phi| of each pair, for shapes (3N x m) in the order of the mesh.
+  [[nodiscard]] Eigen::VectorXd residuals(const Eigen::VectorXd& lambda, const Eigen::MatrixXd& shapes) const;
+
  private:
   struct Target;
   using Columns = void (OrderedSystem::*)(int, int, const double*, const Target&) const;

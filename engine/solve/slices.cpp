@@ -210,6 +210,7 @@ Eigenmodes Slicer::result() {
       }
     }
   });
+  result.residuals = ordered_.residuals(result.lambda, result.shapes);
   result.solves = solves_;
   result.factorizations = factorizations_;
   result.factor_seconds = factor_seconds_;
