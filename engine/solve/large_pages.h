@@ -27,7 +27,7 @@ struct LargePages {
 
   T* allocate(std::size_t count) {
     const std::size_t bytes = count * sizeof(T);
-    if (bytes < kPage) return static_cast<T*>(::operator new(bytes, std::align_val_t{64}));
+    if (bytes < kPage) return static_cast<T*>(::operator new (bytes, std::align_val_t{64}));
     const std::size_t whole = (bytes + kPage - 1) / kPage * kPage;
     void* place = std::aligned_alloc(kPage, whole);
     if (place == nullptr) throw std::bad_alloc();
@@ -37,7 +37,7 @@ struct LargePages {
 
   void deallocate(T* place, std::size_t count) {
     if (count * sizeof(T) < kPage) {
-      ::operator delete(place, std::align_val_t{64});
+      ::operator delete (place, std::align_val_t{64});
     } else {
       std::free(place);
     }

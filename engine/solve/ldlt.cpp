@@ -80,12 +80,23 @@ Ldlt::Ldlt(const Elimination& plan, const OrderedSystem& system, Team& team)
       top += packed(below, below);
       most = std::max(most, top);
     }
-    stacks_.emplace_back(most);
-    if (!crown) fronts_.emplace_back(plan.node_count(), part == 0 ? team.size() : 1);
+    stack_sizes_.push_back(most);
   }
 }
 
 Ldlt::~Ldlt() = default;
+
+void Ldlt::release_workspace() {
+  stacks_.clear();
+  fronts_.clear();
+}
+
+void Ldlt::open_workspace() {
+  if (!stacks_.empty()) return;
+  for (const std::size_t size : stack_sizes_) stacks_.emplace_back(size);
+  for (int part = 0; part < plan_.parts(); ++part)
+    fronts_.emplace_back(plan_.node_count(), part == 0 ? team_.size() : 1);
+}
 
 double* Ldlt::update_of(int supernode) { return stacks_[places_[supernode].stack].data() + places_[supernode].offset; }
 
@@ -221,6 +232,7 @@ void Ldlt::factor_supernodes(int begin, int end, Front& front, const Member& mem
 }
 
 bool Ldlt::factor(double sigma, const std::function<bool()>& keep_going) {
+  open_workspace();
   sigma_ = sigma;
   singular_ = cancelled_ = false;
   tiles_.resize(plan_.factor_entries);

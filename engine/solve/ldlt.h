@@ -24,7 +24,7 @@ namespace ringdown::solve {
 
 class Ldlt {
  public:
-  // All three must live longer. What is allocated stays so for the next factorization.
+  // All three must live longer.
   Ldlt(const Elimination& plan, const OrderedSystem& system, Team& team);
   ~Ldlt();
   Ldlt(const Ldlt&) = delete;
@@ -33,6 +33,9 @@ class Ldlt {
   // False when a pivot is zero or not finite. `keep_going` is asked between fronts; when it says no, Cancelled is
   // thrown.
   bool factor(double sigma, const std::function<bool()>& keep_going = {});
+
+  // Gives back the memory that only factoring needs; kept otherwise for the next time.
+  void release_workspace();
 
   [[nodiscard]] int negative() const { return negative_; }
   [[nodiscard]] double sigma() const { return sigma_; }
@@ -49,6 +52,7 @@ class Ldlt {
     std::size_t offset = 0;
   };
 
+  void open_workspace();
   void factor_supernodes(int begin, int end, Front& front, const Member& member,
                          const std::function<bool()>& keep_going);
   void assemble(const Supernode& node, Front& front, const Member& member) const;
@@ -67,7 +71,8 @@ class Ldlt {
   std::vector<double> diagonal_;  // D
   std::vector<Front> fronts_;     // of the parts; the crown's is the first
   std::vector<Numbers> stacks_;   // updates: what supernodes leave for their parents, lower triangles packed by columns
-  std::vector<Place> places_;     // of each supernode's update
+  std::vector<std::size_t> stack_sizes_;
+  std::vector<Place> places_;  // of each supernode's update
 };
 
 }  // namespace ringdown::solve

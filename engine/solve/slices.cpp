@@ -125,6 +125,7 @@ int Slicer::slices_for(int modes) const {
 void Slicer::iterate(const Window& window, const Eigen::MatrixXd& locked) {
   const double start = seconds_now(), all = std::max(1, top_.below), before = done_.below / all;
   const double share = (window.left + window.right) / all;
+  factors_.release_workspace();
   Pairs pairs = block_lanczos(ordered_, factors_, team_, window, locked, seed_++,
                               [&](double part) { return tell("modes", std::min(0.99, before + part * share)); });
   solves_ += pairs.solves;

@@ -13,6 +13,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
+#include "engine/synth/moments.h"
 #include "engine/synth/voice.h"
 #include "protocol/event.h"
 
@@ -77,6 +78,10 @@ class Mixer {
   // True while `object` has a voice that is playing, ringing out or not yet collected. [worker]
   [[nodiscard]] bool in_use(protocol::ObjectNumber object) const { return voices_of_[object] > 0; }
 
+  // Modes quieter than this, of full scale and at the gain of their object, rest until the next strike. 1e-6 (-120 dB)
+  // unless set. [any thread]
+  void set_floor(double amplitude) { floor_.store(amplitude, std::memory_order_relaxed); }
+
   // Writes the next frames of the mix; any number of frames. [audio]
   void render(std::span<float> left, std::span<float> right) RINGDOWN_REALTIME;
 
@@ -128,7 +133,13 @@ class Mixer {
   void accept_events() RINGDOWN_REALTIME;
   void take_due_events(std::size_t frames) RINGDOWN_REALTIME;
   void render_chunk(std::size_t frames) RINGDOWN_REALTIME;
+  void choose_path(std::size_t frames) RINGDOWN_REALTIME;
   [[nodiscard]] bool render_object(Object& object, std::size_t frames) RINGDOWN_REALTIME;
+  [[nodiscard]] bool plain_in_chunk(const Object& object) const RINGDOWN_REALTIME;
+  void render_in_segments(Object& object, std::size_t frames) RINGDOWN_REALTIME;
+  void render_together(Object& object, std::size_t frames) RINGDOWN_REALTIME;
+  [[nodiscard]] bool add_strikes(Object& object, std::int32_t due, std::size_t frames) RINGDOWN_REALTIME;
+  [[nodiscard]] double floor_of(const Object& object) const RINGDOWN_REALTIME;
   void render_segment(Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME;
   void mix_segment(const Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME;
   void apply(Object& object, const protocol::Event& event) RINGDOWN_REALTIME;
@@ -140,6 +151,7 @@ class Mixer {
   [[nodiscard]] protocol::ObjectNumber number_of(const Object& object) const RINGDOWN_REALTIME;
 
   const double sample_rate_hz_;
+  std::atomic<double> floor_{1e-6};
   MixerCounters counters_;
   std::array<SpscRing<protocol::Event>, static_cast<std::size_t>(Producer::kCount)> queues_;
   SpscRing<Order> orders_{kMostVoices + kMostObjects};
@@ -155,6 +167,9 @@ class Mixer {
   std::uint32_t ringing_voices_ = 0, ringing_modes_ = 0;  // of the chunk being rendered
   std::vector<DueEvent> due_ = std::vector<DueEvent>(kMostEventsPerChunk);
   std::array<double, kChunkFrames> mono_{}, mix_left_{}, mix_right_{};
+  bool together_ = false;  // whether this chunk's slow modes are summed as moments
+  MomentSums moments_left_, moments_right_;
+  MomentSynthesis synthesis_;
   protocol::Frame now_ = 0;
 
   // The worker's own.

@@ -6,98 +6,104 @@
 
 #include "engine/synth/mode_kernel.h"
 
+#include "engine/synth/mode_vectors-inl.h"
+
+#include <algorithm>
+
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Tag = hn::CappedTag<double, kModePadding>;
-using Vec = hn::Vec<Tag>;
+constexpr std::size_t kMostRuns = kChunkFrames / kRun;
 
-// Loops over a few vectors must unroll, or g++ keeps them in memory instead of registers: measured 2.9 times slower.
-// clang unrolls them unasked.
-#if defined(__GNUC__) && !defined(__clang__)
-#define RINGDOWN_UNROLL _Pragma("GCC unroll 8")
-#else
-#define RINGDOWN_UNROLL
-#endif
-
-struct Complex {
-  Vec re, im;
+// z p^(kRun r) of a group's modes for r < kMostRuns, in float.
+struct Anchors {
+  alignas(64) float re[kMostRuns][kModePadding], im[kMostRuns][kModePadding];
 };
 
-HWY_INLINE Complex multiply(Complex a, Complex b) {
-  return {hn::NegMulAdd(a.im, b.im, hn::Mul(a.re, b.re)), hn::MulAdd(a.im, b.re, hn::Mul(a.re, b.im))};
-}
-
-// p^exponent by repeated squaring: at most 2 log2(kChunkFrames) products, relative error about 1e-15.
-HWY_INLINE Complex power(Complex base, std::size_t exponent) {
+// Fills in `runs` anchors of a group and moves its states on; returns the energy it leaves.
+HWY_INLINE double advance_group(const ModeArrays& modes, std::size_t first, std::size_t frames, std::size_t runs,
+                                Anchors& anchors) {
   const Tag tag;
-  Complex result{hn::Set(tag, 1.0), hn::Zero(tag)};
-  for (; exponent > 0; exponent >>= 1) {
-    if (exponent & 1) result = multiply(result, base);
-    base = multiply(base, base);
-  }
-  return result;
-}
-
-// Renders kVectors vectors of modes that start at `first` into per-lane sums. Several vectors at once hide the latency
-// of the recurrence.
-template <std::size_t kVectors>
-HWY_INLINE void render_group(const ModeArrays& modes, std::size_t first, double* HWY_RESTRICT sums, std::size_t frames,
-                             Vec& energy) {
-  const Tag tag;
+  const hn::CappedTag<float, hn::MaxLanes(Tag())> narrow;
   const std::size_t lanes = hn::Lanes(tag);
-  // Plain arrays of vectors need a fixed vector size, which all targets but SVE and RVV have.
-  Vec now[kVectors], before[kVectors], twice_cosine[kVectors], radius[kVectors];
-  RINGDOWN_UNROLL
-  for (std::size_t v = 0; v < kVectors; ++v) {
-    const std::size_t at = first + v * lanes;
-    const Complex z{hn::Load(tag, modes.z_re + at), hn::Load(tag, modes.z_im + at)};
-    const Complex pole{hn::Load(tag, modes.pole_re + at), hn::Load(tag, modes.pole_im + at)};
-    before[v] = z.re;
-    now[v] = multiply(z, pole).re;
-    twice_cosine[v] = hn::Add(pole.re, pole.re);
-    radius[v] = hn::MulAdd(pole.re, pole.re, hn::Mul(pole.im, pole.im));
-
-    const Complex advance = frames == kChunkFrames ? Complex{hn::Load(tag, modes.chunk_pole_re + at),
-                                                             hn::Load(tag, modes.chunk_pole_im + at)}
-                                                   : power(pole, frames);
-    const Complex next = multiply(z, advance);
-    hn::Store(next.re, tag, modes.z_re + at);
-    hn::Store(next.im, tag, modes.z_im + at);
-    energy = hn::Add(energy, hn::MulAdd(next.re, next.re, hn::Mul(next.im, next.im)));
-  }
-  for (std::size_t n = 0; n < frames; ++n) {
-    Vec sum = hn::Load(tag, sums + n * lanes);
-    RINGDOWN_UNROLL
-    for (std::size_t v = 0; v < kVectors; ++v) {
-      sum = hn::Add(sum, before[v]);
-      const Vec next = hn::NegMulAdd(radius[v], before[v], hn::Mul(twice_cosine[v], now[v]));
-      before[v] = now[v];
-      now[v] = next;
-    }
-    hn::Store(sum, tag, sums + n * lanes);
-  }
-}
-
-double render_modes_here(const ModeArrays& modes, double* HWY_RESTRICT out, std::size_t frames) {
-  constexpr std::size_t kGroup = 4;
-  const Tag tag;
-  const std::size_t lanes = hn::Lanes(tag);
-  HWY_ALIGN double sums[kChunkFrames * kModePadding];
-  for (std::size_t i = 0; i < frames * lanes; i += lanes) hn::Store(hn::Zero(tag), tag, sums + i);
-
   Vec energy = hn::Zero(tag);
-  std::size_t mode = 0;
-  for (; mode + kGroup * lanes <= modes.count; mode += kGroup * lanes) {
-    render_group<kGroup>(modes, mode, sums, frames, energy);
-  }
-  for (; mode < modes.count; mode += lanes) render_group<1>(modes, mode, sums, frames, energy);
-
-  for (std::size_t n = 0; n < frames; ++n) {
-    out[n] += hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums + n * lanes)));
+  RINGDOWN_UNROLL
+  for (std::size_t i = 0; i < kModePadding; i += lanes) {
+    const Complex z = load_states(modes, first + i);
+    const Complex next = multiply(z, advance_of(modes, first + i, frames));
+    store_states(next, modes, first + i);
+    energy = hn::Add(energy, norm(next));
+    auto re = hn::DemoteTo(narrow, z.re), im = hn::DemoteTo(narrow, z.im);
+    const auto stride_re = hn::Load(narrow, modes.stride_re + first + i),
+               stride_im = hn::Load(narrow, modes.stride_im + first + i);
+    for (std::size_t r = 0; r < runs; ++r) {
+      hn::Store(re, narrow, anchors.re[r] + i);
+      hn::Store(im, narrow, anchors.im[r] + i);
+      const auto turned = hn::NegMulAdd(im, stride_im, hn::Mul(re, stride_re));
+      im = hn::MulAdd(im, stride_re, hn::Mul(re, stride_im));
+      re = turned;
+    }
   }
   return hn::GetLane(hn::SumOfLanes(tag, energy));
+}
+
+// Some frames of the sum of all active groups, kept in registers: kRuns runs from run `first_run` on.
+template <std::size_t kRuns>
+HWY_INLINE void add_runs(const Anchors& anchors, const float* runs, std::size_t first_run, float* HWY_RESTRICT sums) {
+  const hn::CappedTag<float, kRun> tag;
+  constexpr std::size_t kLanes = hn::MaxLanes(hn::CappedTag<float, kRun>()), kParts = kRun / kLanes;
+  hn::Vec<decltype(tag)> sum[kRuns * kParts];
+  RINGDOWN_UNROLL
+  for (std::size_t i = 0; i < kRuns * kParts; ++i) sum[i] = hn::Load(tag, sums + i * kLanes);
+  for (std::size_t m = 0; m < kModePadding; ++m, runs += 2 * kRun) {
+    RINGDOWN_UNROLL
+    for (std::size_t part = 0; part < kParts; ++part) {
+      const auto re = hn::Load(tag, runs + part * kLanes), im = hn::Load(tag, runs + kRun + part * kLanes);
+      RINGDOWN_UNROLL
+      for (std::size_t r = 0; r < kRuns; ++r) {
+        auto& to = sum[r * kParts + part];
+        to = hn::MulAdd(hn::Set(tag, anchors.re[first_run + r][m]), re, to);
+        to = hn::MulAdd(hn::Set(tag, anchors.im[first_run + r][m]), im, to);
+      }
+    }
+  }
+  RINGDOWN_UNROLL
+  for (std::size_t i = 0; i < kRuns * kParts; ++i) hn::Store(sum[i], tag, sums + i * kLanes);
+}
+
+double render_modes_here(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
+                         std::size_t frames) {
+  // As many runs at once as eight registers hold.
+  constexpr std::size_t kTogether =
+      std::clamp<std::size_t>(8 * hn::MaxLanes(hn::CappedTag<float, kRun>()) / kRun, 1, kMostRuns);
+  alignas(64) float sums[kChunkFrames] = {};
+  Anchors anchors;
+  const std::size_t runs = (frames + kRun - 1) / kRun;
+  double total = 0;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < active.count; ++i) {
+    const std::uint32_t group = active.list[i];
+    const std::size_t first = std::size_t{group} * kModePadding;
+    const double energy = advance_group(modes, first, frames, runs, anchors);
+    total += energy;
+    active.list[kept] = group;
+    kept += energy <= limits.floor ? 0 : 1;
+    const float* const table = modes.runs + first * 2 * kRun;
+    std::size_t run = 0;
+    for (; run + kTogether <= runs; run += kTogether) add_runs<kTogether>(anchors, table, run, sums + run * kRun);
+    for (; run < runs; ++run) add_runs<1>(anchors, table, run, sums + run * kRun);
+  }
+  active.count = kept;
+  for (std::size_t n = 0; n < frames; ++n) out[n] += static_cast<double>(sums[n]);
+  return total;
+}
+
+void fill_advances_here(const ModeArrays& modes, std::size_t count, std::size_t frames, double* to_re, double* to_im) {
+  for (std::size_t i = 0; i < count; i += hn::Lanes(Tag())) {
+    const Complex advance = power(load_poles(modes, i), frames);
+    hn::Store(advance.re, Tag(), to_re + i);
+    hn::Store(advance.im, Tag(), to_im + i);
+  }
 }
 
 const char* target_here() { return hwy::TargetName(HWY_TARGET); }
@@ -109,12 +115,29 @@ HWY_AFTER_NAMESPACE();
 namespace ringdown::synth {
 
 HWY_EXPORT(render_modes_here);
+HWY_EXPORT(fill_advances_here);
 HWY_EXPORT(target_here);
+
+std::array<float, 2 * kRun> run_of(std::complex<double> s) {
+  std::array<float, 2 * kRun> run{};
+  for (std::size_t l = 0; l < kRun; ++l) {
+    const std::complex<double> power = std::exp(s * static_cast<double>(l));
+    run[l] = static_cast<float>(power.real());
+    run[kRun + l] = static_cast<float>(-power.imag());
+  }
+  return run;
+}
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
 RINGDOWN_TRUST_REALTIME_BEGIN
-double render_modes(const ModeArrays& modes, double* out, std::size_t frames) RINGDOWN_REALTIME {
-  return HWY_DYNAMIC_DISPATCH(render_modes_here)(modes, out, frames);
+double render_modes(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
+                    std::size_t frames) RINGDOWN_REALTIME {
+  return HWY_DYNAMIC_DISPATCH(render_modes_here)(modes, active, limits, out, frames);
+}
+
+void fill_advances(const ModeArrays& modes, std::size_t count, std::size_t frames, double* to_re,
+                   double* to_im) RINGDOWN_REALTIME {
+  HWY_DYNAMIC_DISPATCH(fill_advances_here)(modes, count, frames, to_re, to_im);
 }
 RINGDOWN_TRUST_REALTIME_END
 

@@ -1,40 +1,69 @@
 // The inner loop: sums damped sinusoids, modes in SIMD lanes.
 //
 // Mode i sounds as Re(z_i p_i^n), n = 0, 1, ... frames. The state z is complex double and anchored: after a chunk it is
-// multiplied once by p^frames, so neither frequency nor decay drifts. Inside the chunk the samples follow the two-pole
-// recurrence y[n] = 2 Re(p) y[n-1] - |p|^2 y[n-2], started afresh from z, also in double: its error stays below 1e-12
-// of the mode's amplitude from 20 Hz to Nyquist at every sample rate.
+// multiplied once by p^frames, so neither frequency nor decay drifts. Inside the chunk n = kRun r + l: the samples are
+// products of z p^(kRun r), r = 0, 1, ..., and of p^l, l < kRun, which stand in a table; both in float, whose rounding
+// leaves errors near 1e-7 of the mode's amplitude, at any pitch and decay.
 //
+// Modes come in groups of kModePadding; only groups in a list are looked at, and those that have died away leave it.
 // One source, compiled for every instruction set that Highway knows and chosen when the program starts.
 #pragma once
 
 #include "engine/base/realtime.h"
 
+#include <array>
+#include <complex>
 #include <cstddef>
+#include <cstdint>
 
 namespace ringdown::synth {
 
 // Frames that one call may render.
-inline constexpr std::size_t kChunkFrames = 64;
+inline constexpr std::size_t kChunkFrames = 128;
 
-// Arrays of modes are padded with silent ones (z = p = 0) to a multiple of this.
+// Modes in a group. Arrays of modes are padded with silent ones (z = p = 0) to a multiple of this.
 inline constexpr std::size_t kModePadding = 8;
 
-// Structure of arrays; each holds `count` numbers, 64-byte aligned, `count` a multiple of kModePadding.
+// Frames that come from one anchor.
+inline constexpr std::size_t kRun = 16;
+
+// Structure of arrays; each 64-byte aligned, a multiple of kModePadding long.
 struct ModeArrays {
   double* z_re = nullptr;
   double* z_im = nullptr;
   const double* pole_re = nullptr;  // p = exp((-d + i omega) / sample rate)
   const double* pole_im = nullptr;
-  const double* chunk_pole_re = nullptr;  // p^kChunkFrames
-  const double* chunk_pole_im = nullptr;
+  const double* advance_re = nullptr;  // p^frames of the call; null: found from p
+  const double* advance_im = nullptr;
+  const float* stride_re = nullptr;  // p^kRun
+  const float* stride_im = nullptr;
+  const float* runs = nullptr;  // 2 kRun numbers for each mode, as run_of() says
+};
+
+// Re(p^l) for l < kRun, then -Im(p^l); s = log p. [any]
+std::array<float, 2 * kRun> run_of(std::complex<double> s);
+
+// The groups that sound: group g holds modes g * kModePadding and the kModePadding - 1 after it.
+struct ActiveGroups {
+  std::uint32_t* list = nullptr;
   std::size_t count = 0;
+};
+
+// Sums of |z|^2.
+struct EnergyLimits {
+  double floor = 0;  // a group that is not above leaves the list
+  double most = 0;   // of all together; more, or no number at all, means that something is wrong
 };
 
 // Adds the modes' sum to out[0, frames) and moves their states on by `frames` <= kChunkFrames. Returns the sum of
 // |z|^2 over the states it left behind. A sum, because it stays not finite when any state is not; the largest would
 // not: a vector maximum forgets a NaN that meets a number. [audio]
-double render_modes(const ModeArrays& modes, double* out, std::size_t frames) RINGDOWN_REALTIME;
+double render_modes(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
+                    std::size_t frames) RINGDOWN_REALTIME;
+
+// to = p^frames for the first `count` modes, a multiple of kModePadding. [audio]
+void fill_advances(const ModeArrays& modes, std::size_t count, std::size_t frames, double* to_re,
+                   double* to_im) RINGDOWN_REALTIME;
 
 // The instruction set in use: "AVX3", "AVX2", "NEON", ... [any]
 const char* kernel_target();

@@ -69,7 +69,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"slepc", {"clients/cli/slepc/"}, 1, {"clients/cli/slepc/"}},
     {"petsc", {"clients/cli/slepc/"}, 2, {"clients/cli/slepc/"}},
     {"metis.h", {"engine/solve/"}, 1},
-    {"hwy/", {"engine/synth/"}},
+    {"hwy/", {"engine/synth/"}, 1000, {"engine/synth/mode_vectors-inl.h"}},
     {"nlohmann/", {"engine/modal/", "clients/cli/"}, 1000, {"engine/modal/glb.h"}},
     {"tl/", {"engine/base/"}, 1, {"engine/base/"}},
     {"toml++/", {"engine/base/"}, 1},

@@ -47,6 +47,9 @@ Promise ratio(const std::string& name, const Measurement* peer, const Measuremen
 // Two programs that share no code, on one mesh: the frequencies are those of the mesh.
 void add_agreement(std::vector<Promise>& list, const Measurement* peer) {
   if (peer == nullptr) return;
+  if (peer->status == Status::kOverLimit) {  // a peer's slowness is not a promise of ours
+    return list.push_back({peer->spec.body + ": " + peer->spec.method + ": took too long", Promise::kNotMeasured});
+  }
   if (peer->status != Status::kDone)
     return list.push_back(not_measured(peer->spec.body + ": " + peer->spec.method, peer));
   const std::string what = place(*peer) + "largest relative difference from " + peer->spec.method;

@@ -1,0 +1,75 @@
+// Many modes at once: a chunk of their sum from a few moments per band of frequency, and one short transform.
+//
+// A chunk is seen as a window of kChunkFrames frames, t in [-1, 1] across it, and frequencies as kBands bands of width
+// (sample rate) / (2 kChunkFrames), band k centred at w_k. A mode is exp(s j) with s = -d + i omega per frame; what
+// sets it apart from its band's centre is small: delta = (s - i w_k) kChunkFrames / 2, and
+//   exp(delta t) = sum over p < kMoments of (delta + kDecay)^p q_p(t),
+// with real q_p(t) that are the same for all modes: the Chebyshev expansion of exp, cut off and put in powers. So all
+// modes of a band come down to kMoments sums of z (delta + kDecay)^p, the moments, and the chunk is kMoments inverse
+// Fourier transforms of 2 kChunkFrames, each times its q_p. A mode costs the same however long the chunk is. What is
+// cut off is below 1.1e-6 of a mode's amplitude (-119 dB) where takes_moments() says yes, 3e-8 (-150 dB) in the middle.
+//
+// After an idea in the literature on non-uniform transforms: Anderson & Dahleh, SIAM J. Sci. Comput. 17, 1996.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/mode_kernel.h"
+
+#include <array>
+#include <complex>
+#include <cstdint>
+#include <span>
+
+namespace ringdown::synth {
+
+inline constexpr std::size_t kMoments = 8;
+inline constexpr std::size_t kBands = kChunkFrames + 1;
+
+// Whether a mode exp(s n) decays slowly enough, and lies below Nyquist. [any]
+bool takes_moments(std::complex<double> s);
+
+// The band of a mode, and what its z is multiplied with to make moments: kMoments real parts, then imaginary ones.
+// [any]
+std::uint16_t band_of(std::complex<double> s);
+std::array<float, 2 * kMoments> moment_weights(std::complex<double> s);
+
+// The moments of one output: kBands times kMoments real and kMoments imaginary parts.
+struct alignas(64) MomentSums {
+  std::array<float, kBands * 2 * kMoments> of{};
+};
+
+// Modes as moments see them, beside what ModeArrays says of them.
+struct MomentArrays {
+  const std::uint16_t* band = nullptr;  // ascending
+  const float* weights = nullptr;       // 2 kMoments for each mode, 64-byte aligned
+};
+
+struct MomentTarget {
+  MomentSums* sums = nullptr;
+  float gain = 0;
+};
+
+// Adds the moments of the active groups to each target and moves their states on by `frames` <= kChunkFrames; groups
+// that fall below the floor leave the list. Returns the sum of |z|^2 before: when it is above `most_energy`, or no
+// number, the rest was left undone, and nothing of what was wrong was added. [audio]
+double add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
+                   const EnergyLimits& limits, std::span<const MomentTarget> targets) RINGDOWN_REALTIME;
+
+// Turns moments into samples. [audio, after construction]
+class MomentSynthesis {
+ public:
+  MomentSynthesis();
+
+  // Adds the first `frames` samples of two outputs. The sums are used up: they are not zero afterwards.
+  void add(const MomentSums& left, const MomentSums& right, double* out_left, double* out_right,
+           std::size_t frames) RINGDOWN_REALTIME;
+
+ private:
+  static constexpr std::size_t kWindow = 2 * kChunkFrames;
+  alignas(64) std::array<float, kChunkFrames * kMoments> shape_;  // q_p at each frame
+  std::array<float, kWindow> cosine_, sine_;                      // exp(2 pi i k / kWindow)
+  std::array<std::uint16_t, kChunkFrames> place_;                 // of frame j after the transform
+  alignas(64) std::array<float, kWindow * kMoments> re_, im_;
+};
+
+}  // namespace ringdown::synth
