@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 namespace {
@@ -47,13 +48,14 @@ int main(int argc, char** argv) {
 
   const std::string machine = bench::this_machine(synth::kernel_target());
   bench::hold_to_cores(1);
-  settings.folder = output.parent_path() / (output.stem().string() + "-runs");
+  settings.folder = fs::absolute(output).parent_path() / (output.stem().string() + "-runs");
   std::error_code ignored;
   fs::create_directories(settings.folder, ignored);
 
   bench::Rows rows;
   const auto keep = [&rows](bench::Row row) {
-    bench::show(row);
+    const bool between_seconds = row.part == "decay" && std::fmod(row.time_s, 1) != 0;
+    if (!between_seconds) bench::show(row);
     rows.push_back(std::move(row));
   };
   for (const Part& part : kParts) {

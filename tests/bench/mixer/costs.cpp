@@ -114,8 +114,8 @@ void measure_storm(const Settings& settings, const Sink& sink) {
 }
 
 void measure_decay(const Settings& settings, const Sink& sink) {
-  constexpr std::size_t kObjects = 200, kModes = 100, kBlocksPerRow = 38;  // a row is 0.1 s
-  const std::size_t rows = settings.quick ? 40 : 120;
+  constexpr std::size_t kObjects = 200, kModes = 100, kBlocksPerRow = 75;  // a row is 0.2 s
+  const std::size_t rows = settings.quick ? 20 : 60;
   Stage stage(kBlock);
   for (std::size_t object = 0; object < kObjects; ++object) {
     stage.install(static_cast<protocol::ObjectNumber>(object),

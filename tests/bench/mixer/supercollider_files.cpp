@@ -161,7 +161,7 @@ Result<void> write_klank_score(const std::filesystem::path& path, const std::fil
   add_bundle(score, 0, text_message("/d_load", definition.string()));
   add_bundle(score, 0, new_synth("noise"));
   for (std::size_t s = 0; s < synths; ++s) add_bundle(score, 0, new_synth("klank"));
-  add_bundle(score, seconds, message("/status", ",", ""));
+  add_bundle(score, seconds, message("/g_freeAll", ",i", std::string(4, '\0')));  // the root group: the end
   return write_file_atomically(path, score.text());
 }
 

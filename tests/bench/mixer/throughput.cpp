@@ -10,7 +10,8 @@
 namespace ringdown::bench {
 namespace {
 
-constexpr double kKlankGuess = 20000;  // modes per core, to choose how long scsynth renders
+constexpr double kKlankGuess = 20000;      // modes per core, to choose how long scsynth renders
+constexpr std::size_t kManyModes = 10000;  // fewer take too little memory to tell it from the rest of a process
 
 struct Effort {
   std::size_t repeats;
@@ -42,7 +43,9 @@ Candidate timed(Row row, double repeat_s, std::function<void()> render, std::fun
 }
 
 Candidate ours(Row row, const Effort& effort) {
-  const std::shared_ptr<Stage> stage = ringing_stage({.modes = row.modes}, row.objects, row.block, &row.bytes_per_mode);
+  double bytes_per_mode = 0;
+  const std::shared_ptr<Stage> stage = ringing_stage({.modes = row.modes}, row.objects, row.block, &bytes_per_mode);
+  if (row.modes >= kManyModes) row.bytes_per_mode = bytes_per_mode;
   const auto complaint = [stage, modes = row.modes]() -> std::string {
     if (stage->ringing_modes() == modes) return "";
     return "failed: only " + std::to_string(stage->ringing_modes()) + " modes rang to the end";
@@ -83,6 +86,9 @@ Candidate klank(Row row, const Settings& settings, const Effort& effort) {
     }
     const double blocks = seconds * kRate / static_cast<double>(r.block);
     self.times.repeats_s.push_back((with->processor_s - without->processor_s) / blocks);
+    if (r.modes >= kManyModes) {
+      r.bytes_per_mode = (with->peak_bytes - without->peak_bytes) / static_cast<double>(r.modes);
+    }
   };
   return {std::move(row), {}, repeat, [] { return std::string(); }};
 }
