@@ -74,6 +74,7 @@ def draw_throughput(axes, rows, block):
     axes.set_title(f"block of {block}")
     axes.set_xlabel("modes ringing")
     axes.set_ylabel("modes that one core sustains at 48 kHz")
+    axes.set_xlim(right=2 * max(counts))
     axes.set_xticks(counts, [f"{count:,.0f}" for count in counts])
     axes.grid(True, which="major", alpha=0.3)
     axes.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:,.0f}"))
@@ -86,7 +87,9 @@ def draw_errors(axes, rows):
         later = row["time_s"] > 1
         axes.semilogx(row["modes_per_core"], row["error_db"], "o", color=colour, fillstyle="none" if later else "full", markersize=10 if later else 6)
         if not later:
-            axes.annotate("  " + row["who"].replace("ours", "Ringdown"), (row["modes_per_core"], row["error_db"]), va="center", fontsize=9, color=colour)
+            name = row["who"].replace("ours", "Ringdown")
+            point = (row["modes_per_core"], row["error_db"])
+            axes.annotate(name, point, (9, -9 if ours else 3), textcoords="offset points", fontsize=9, color=colour)
     axes.plot([], [], "o", color="black", label="after 1 s")
     axes.plot([], [], "o", color="black", fillstyle="none", markersize=10, label="after 10 min")
     axes.axhline(MOST_ERROR_DB, color="black", linewidth=0.8, linestyle=":")
@@ -108,11 +111,11 @@ def draw_decay(axes, rows):
     axes.set_title(f"a scene of {scene[0]['objects']:.0f} objects dies away")
     axes.set_xlabel("seconds since the strike")
     axes.set_ylabel(f"time of a block of {scene[0]['block']:.0f} [us]", color="#0072B2")
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, 1.1 * max(r["p50_us"] for r in scene))
     other = axes.twinx()
     other.plot(times, [r["modes"] for r in scene], color="#D55E00", linestyle="--", label="audible modes")
     other.set_ylabel("audible modes", color="#D55E00")
-    other.set_ylim(bottom=0)
+    other.set_ylim(0, 1.1 * max(r["modes"] for r in scene))
     other.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:,.0f}"))
     axes.grid(True, alpha=0.3)
 
