@@ -81,6 +81,9 @@ def draw_throughput(axes, rows, block):
 
 
 def draw_errors(axes, rows):
+    for who in {row["who"] for row in measured(rows, "accuracy")}:
+        both = measured(rows, "accuracy", who=who)
+        axes.semilogx([r["modes_per_core"] for r in both], [r["error_db"] for r in both], color="#BBBBBB", linewidth=1)
     for row in measured(rows, "accuracy"):
         ours = row["who"].startswith("ours")
         colour = "#0072B2" if ours else "#555555"
