@@ -9,13 +9,14 @@ page, between its marks, in place of an older row of the same machine. Needs Deb
 """
 import argparse
 import csv
-import re
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib import ticker
+
+from results_table import put_into_table
 
 # Okabe & Ito's colours, which the colour-blind can tell apart; each also has its own marker or hatch.
 ELEMENTS = {
@@ -34,7 +35,6 @@ METHODS = {
 }
 BODIES = ["block", "plate", "sphere", "bell"]
 MOST_ERROR = 0.1  # [%] the promise
-BEGIN, END = "<!-- begin: modal results, by docs/figures/plot_modal.py -->", "<!-- end: modal results -->"
 TABLE_HEAD = (
     "| machine | 200 modes [s] | Spectra | SLEPc | CalculiX | 2 threads | 1,000 modes: Spectra | 200,000 unknowns [MiB] |"
     " worst error [%] of the first 10, 50 |\n|---|---|---|---|---|---|---|---|---|"
@@ -156,17 +156,6 @@ def table_row(rows):
     return "| " + " | ".join(cells) + " |"
 
 
-def put_into_table(page, row):
-    with open(page) as file:
-        text = file.read()
-    start, end = text.index(BEGIN) + len(BEGIN), text.index(END)
-    machine = row.split("|")[1].strip()
-    kept = [line for line in text[start:end].splitlines() if line.startswith("|") and not re.match(r"\|(---| machine )", line)]
-    kept = [line for line in kept if line.split("|")[1].strip() != machine] + [row]
-    with open(page, "w") as file:
-        file.write(text[:start] + "\n" + TABLE_HEAD + "\n" + "\n".join(kept) + "\n" + text[end:])
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("csv")
@@ -178,7 +167,7 @@ def main():
         parser.exit(1, f"{arguments.csv} has no rows\n")
     draw(rows, arguments.picture)
     if arguments.table:
-        put_into_table(arguments.table, table_row(rows))
+        put_into_table(arguments.table, "modal results", TABLE_HEAD, table_row(rows))
 
 
 if __name__ == "__main__":

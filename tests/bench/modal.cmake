@@ -1,7 +1,7 @@
 # Included by tests/bench/CMakeLists.txt. A program with a main of its own: it measures in processes.
 find_package(CLI11 REQUIRED)
 find_path(OPENBLAS_INCLUDE_DIR openblas_config.h PATH_SUFFIXES openblas openblas-pthread REQUIRED)
-add_executable(ringdown_modal_bench modal_bench.cpp modal/bodies.cpp modal/calculix.cpp modal/machine.cpp
+add_executable(ringdown_modal_bench modal_bench.cpp machine.cpp promise.cpp modal/bodies.cpp modal/calculix.cpp
                modal/measurement.cpp modal/methods.cpp modal/plan.cpp modal/promises.cpp)
 target_link_libraries(ringdown_modal_bench PRIVATE ringdown_options ringdown_presets ringdown_solve CLI11::CLI11)
 target_include_directories(ringdown_modal_bench SYSTEM PRIVATE ${OPENBLAS_INCLUDE_DIR})

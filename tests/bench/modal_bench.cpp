@@ -6,18 +6,19 @@
 // with `single`), held to as many cores as its row says, so that times and peak memory are its alone. The CSV is
 // written again after each one: a run that is cut short is taken up by --resume.
 #include "engine/base/child_process.h"
-#include "tests/bench/modal/machine.h"
+#include "tests/bench/machine.h"
 #include "tests/bench/modal/methods.h"
 #include "tests/bench/modal/plan.h"
 
 #include <CLI/CLI.hpp>
+#include <cblas.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <iterator>
 #include <fstream>
-#include <sched.h>
+#include <sstream>
 
 namespace {
 
@@ -61,19 +62,16 @@ void add_options(CLI::App& app, Arguments& a) {
   single->add_option("--reference", a.reference);
 }
 
-// This process and its children may run on so many cores only.
-void hold_to_cores(int count) {
-  cpu_set_t allowed, kept;
-  CPU_ZERO(&kept);
-  ::sched_getaffinity(0, sizeof allowed, &allowed);
-  for (int cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&kept) < count; ++cpu) {
-    if (CPU_ISSET(cpu, &allowed)) CPU_SET(cpu, &kept);
-  }
-  ::sched_setaffinity(0, sizeof kept, &kept);
+// "OpenBLAS 0.3.21 (SkylakeX)": of OpenBLAS's long description the first two words, and the kernels it chose.
+std::string blas() {
+  std::istringstream config(openblas_get_config());
+  std::string name, version;
+  config >> name >> version;
+  return name + " " + version + " (" + openblas_get_corename() + ")";
 }
 
 int measure_here(const Arguments& a) {
-  hold_to_cores(a.spec.threads);
+  bench::hold_to_cores(a.spec.threads);
   const auto reference = a.reference.empty() ? std::vector<double>{} : bench::read_frequencies(a.reference);
   std::fputs(to_lines(bench::measure(a.spec, a.limit_s, a.frequencies, reference)).c_str(), stdout);
   return 0;
@@ -179,7 +177,7 @@ bool needs_ours(const bench::Spec& spec) { return spec.method != "ours" && spec.
 // False when the CSV could not be written.
 bool save(const Arguments& a, const std::vector<bench::Spec>& plan, bench::Measurements& all) {
   compare(all, a.folder());
-  const auto written = write_csv(a.output, plan, all, bench::this_machine());
+  const auto written = write_csv(a.output, plan, all, bench::this_machine(blas()));
   if (!written) std::fprintf(stderr, "%s\n", written.error().message.c_str());
   return written.has_value();
 }
@@ -201,19 +199,6 @@ bool measure_all(const Arguments& a, const std::vector<bench::Spec>& plan, bench
   return save(a, plan, all);
 }
 
-// True when no promise was missed.
-bool report(const std::vector<bench::Promise>& promises) {
-  constexpr std::array kVerdicts = {"pass  ", "MISSED", "-     "};
-  std::array<int, 3> counts{};
-  std::printf("\n");
-  for (const bench::Promise& promise : promises) {
-    std::printf("%s  %s\n", kVerdicts[promise.verdict], promise.sentence.c_str());
-    ++counts[promise.verdict];
-  }
-  std::printf("\n%d passed, %d missed, %d not measured\n", counts[0], counts[1], counts[2]);
-  return counts[1] == 0;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -228,7 +213,7 @@ int main(int argc, char** argv) {
   bench::Measurements all;
   if (!measure_all(arguments, plan, all)) return 1;
   std::erase_if(plan, [&](const bench::Spec& planned) { return !wanted(arguments, planned); });
-  const bool kept = report(promises(plan, all, arguments.quick));
+  const bool kept = bench::report(promises(plan, all, arguments.quick));
   std::printf("\n%s\n", arguments.output.c_str());
   return arguments.gate && !kept ? 1 : 0;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tests/bench/modal/measurement.h"
+#include "tests/bench/promise.h"
 
 #include <string>
 #include <vector>
@@ -22,11 +23,6 @@ std::vector<Spec> plan(bool quick);
 // The bell has no exact frequencies: its errors are against this, the finest measured. It is measured before the rest
 // of its series.
 Spec bell_reference(bool quick);
-
-struct Promise {
-  std::string sentence;  // "block, 60291 unknowns, 200 modes: times as fast as Spectra over CHOLMOD 3.4 (at least 3)"
-  enum { kPass, kMissed, kNotMeasured } verdict = kNotMeasured;  // kNotMeasured: not asked for, or no such peer here
-};
 
 // `quick`: only that all methods find the same frequencies; times of small meshes say nothing.
 std::vector<Promise> promises(const std::vector<Spec>& plan, const Measurements& all, bool quick);

@@ -1,15 +1,7 @@
 #include "tests/bench/modal/plan.h"
 
-#include <cstdio>
-
 namespace ringdown::bench {
 namespace {
-
-std::string text(const char* format, double value) {
-  char buffer[64];
-  std::snprintf(buffer, sizeof buffer, format, value);
-  return buffer;
-}
 
 std::string place(const Measurement& m) {
   return m.spec.body + ", " + std::to_string(m.unknowns) + " unknowns, " + std::to_string(m.modes) + " modes: ";
@@ -24,17 +16,6 @@ Promise not_measured(const std::string& what, const Measurement* m) {
 // Peers over their limit were at least so slow.
 bool has_time(const Measurement* m) {
   return m != nullptr && (m->status == Status::kDone || m->status == Status::kOverLimit);
-}
-
-Promise at_least(const std::string& what, double value, double least, bool bound = false) {
-  const bool good = value >= least;
-  return {what + (bound ? " > " : " ") + text("%.2f", value) + text(" (at least %g)", least),
-          good ? Promise::kPass : Promise::kMissed};
-}
-
-Promise at_most(const std::string& what, double value, double most, const char* unit) {
-  return {what + text(" %.3g", value) + unit + text(" (at most %g", most) + unit + ")",
-          value <= most ? Promise::kPass : Promise::kMissed};
 }
 
 Promise ratio(const std::string& name, const Measurement* peer, const Measurement* ours, double least) {

@@ -1,0 +1,31 @@
+// The parts of the mixer benchmark. Each hands its rows to `sink` as they come.
+#pragma once
+
+#include "tests/bench/mixer/row.h"
+
+namespace ringdown::bench {
+
+// Modes per core: ours in one object and in ten, plain filters, Faust, scsynth; by turns, so that what disturbs the
+// machine disturbs all.
+void measure_throughput(const Settings& settings, const Sink& sink);
+
+// Error of the sum of 2,000 modes, 20 Hz to 0.499 of the sample rate and T60 from 5 ms to 10 min, 1 s and 10 min after
+// the strike; and how many modes per core each kernel sustains.
+void measure_accuracy(const Settings& settings, const Sink& sink);
+
+// A block of 1,000 silent objects.
+void measure_silence(const Settings& settings, const Sink& sink);
+
+// What a strike adds to a block.
+void measure_strikes(const Settings& settings, const Sink& sink);
+
+// 10,000 strikes a second on 1,000 objects.
+void measure_storm(const Settings& settings, const Sink& sink);
+
+// Block time and audible modes while a scene of 200 objects dies away.
+void measure_decay(const Settings& settings, const Sink& sink);
+
+// Block time while 999 of 1,000 modes pass through denormal numbers and one still rings, beside all of them loud.
+void measure_tail(const Settings& settings, const Sink& sink);
+
+}  // namespace ringdown::bench
