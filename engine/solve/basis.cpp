@@ -46,6 +46,13 @@ void subtract_all(Team& team, const std::vector<const double*>& blocks, const st
   });
 }
 
+void copy_numbers(Team& team, const Block& from, double* to) {
+  team.run_together([&](int, const Member& member) {
+    const Eigen::Index begin = member.begin(from.size()), end = member.end(from.size());
+    std::copy(from.data() + begin, from.data() + end, to + begin);
+  });
+}
+
 }  // namespace
 
 Small inner_products(Team& team, const Block& y, const Block& x) { return all_inner_products(team, {y.data()}, x); }
@@ -57,13 +64,14 @@ void combine_in_place(Team& team, const Small& factors, Block& x) {
   });
 }
 
+void copy(Team& team, const Block& from, Block& to) {
+  to.resize(kWidth, from.cols());
+  copy_numbers(team, from, to.data());
+}
+
 void Basis::append(const Block& block) {
   unknowns_ = block.cols();
-  Numbers& kept = blocks_.emplace_back(block.size());
-  team_.run_together([&](int, const Member& member) {
-    std::copy(block.data() + member.begin(block.size()), block.data() + member.end(block.size()),
-              kept.data() + member.begin(block.size()));
-  });
+  copy_numbers(team_, block, blocks_.emplace_back(block.size()).data());
 }
 
 std::vector<const double*> Basis::places() const {

@@ -12,6 +12,7 @@ namespace ringdown::solve {
 // As in lanes.h, on all unknowns.
 Small inner_products(Team& team, const Block& y, const Block& x);
 void combine_in_place(Team& team, const Small& factors, Block& x);
+void copy(Team& team, const Block& from, Block& to);
 
 class Basis {
  public:

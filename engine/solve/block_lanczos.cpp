@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <utility>
 
 extern "C" void dsyevd_(const char* job, const char* triangle, const int* n, double* a, const int* lda, double* w,
                         double* work, const int* lwork, int* iwork, const int* liwork, int* info);
@@ -61,7 +62,7 @@ class Iteration {
   // Multiplies the last block by the operator and adds the next one to the basis.
   void step() {
     if (stepped_ > 0) append();
-    next_ = mass_last_;
+    copy(team_, mass_last_, next_);
     factors_.solve(next_);
     solves_ += kWidth;
     // Three-term recurrence first: what is left is small where the basis already holds it.
@@ -125,7 +126,7 @@ class Iteration {
   void append() {
     if (stepped_ > 0) projected_.block(size(), size() - kWidth, kWidth, kWidth) = coupling_;
     basis_.append(next_);
-    mass_last_ = mass_next_;
+    std::swap(mass_last_, mass_next_);
   }
 
   // Takes the basis and the locked vectors out of a block; returns the part that lay in the basis. A second time when
@@ -134,7 +135,7 @@ class Iteration {
     MatrixXd total = MatrixXd::Zero(size(), kWidth);
     for (int pass = 0; pass < 3; ++pass) {
       system_.times_mass(block, mass_next_);
-      const Eigen::Array<double, kWidth, 1> before = block.cwiseProduct(mass_next_).rowwise().sum();
+      const Eigen::Array<double, kWidth, 1> before = inner_products(team_, block, mass_next_).diagonal();
       const MatrixXd inside = basis_.inner_products(mass_next_);
       locked_.subtract_combination(mass_locked_.inner_products(block), block);
       basis_.subtract_combination(inside, block);

@@ -142,8 +142,8 @@ double add_moments_here(const ModeArrays& modes, const MomentArrays& moments, Ac
   return total;
 }
 
-// kWindow-point transform of kMoments sequences at once, in place, exp(+2 pi i j k / kWindow); frame j ends at the place
-// of j with its base-4 digits turned round. Source: the radix-4 decimation in frequency of every textbook.
+// kWindow-point transform of kMoments sequences at once, in place, exp(+2 pi i j k / kWindow); frame j ends at the
+// place of j with its base-4 digits turned round. Source: the radix-4 decimation in frequency of every textbook.
 void transform_here(float* re, float* im, const float* cosine, const float* sine, std::size_t window) {
   for (std::size_t size = window; size > 1; size /= 4) {
     const std::size_t quarter = size / 4, step = window / size;
@@ -194,7 +194,8 @@ void fill_spectrum_here(const float* left, const float* right, float* re, float*
 
 void shape_here(const float* values, const std::uint16_t* place, const float* shape, double* out, std::size_t frames) {
   for (std::size_t j = 0; j < frames; ++j) {
-    out[j] += static_cast<double>((Eight::load(values + place[j] * kMoments) * Eight::load(shape + j * kMoments)).sum());
+    out[j] +=
+        static_cast<double>((Eight::load(values + place[j] * kMoments) * Eight::load(shape + j * kMoments)).sum());
   }
 }
 

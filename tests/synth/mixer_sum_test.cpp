@@ -37,7 +37,9 @@ struct Scene {
       // Each object rings from the start, loud enough that the floor is far away.
       const auto object = static_cast<ObjectNumber>(i % objects);
       const Frame frame = i < objects ? 300 : 300 + static_cast<Frame>(uniform() * static_cast<double>(length));
-      strikes.push_back({object, frame, static_cast<std::uint32_t>(random() % kPoints),
+      strikes.push_back({object,
+                         frame,
+                         static_cast<std::uint32_t>(random() % kPoints),
                          {3e3 * uniform(), 3e3 * uniform(), 3e3 * (uniform() - 0.5)}});
     }
   }

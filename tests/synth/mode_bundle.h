@@ -56,7 +56,7 @@ class Bundle {
   Bundle(std::vector<Mode> modes, double rate, Kernel kernel)
       : kernel_(kernel),
         padded_((modes.size() + kModePadding - 1) / kModePadding * kModePadding),
-        rows_(zeros<double>(4 * padded_)),
+        rows_(zeros<double>(kRows * padded_)),
         strides_(zeros<float>(2 * padded_)),
         runs_(zeros<float>(padded_ * 2 * kRun)),
         weights_(zeros<float>(padded_ * 2 * kMoments)),
@@ -68,8 +68,10 @@ class Bundle {
     for (std::size_t i = 0; i < modes.size(); ++i) {
       const std::complex<double> s(exponent(modes[i], rate)), pole = std::exp(s);
       const std::complex<double> stride = std::exp(s * static_cast<double>(kRun));
-      const double values[] = {modes[i].start.real(), modes[i].start.imag(), pole.real(), pole.imag()};
-      for (std::size_t row = 0; row < 4; ++row) rows_[row * padded_ + i] = values[row];
+      const std::complex<double> full = std::exp(s * static_cast<double>(kChunkFrames));
+      const double values[kRows] = {modes[i].start.real(), modes[i].start.imag(), pole.real(),
+                                    pole.imag(),           full.real(),           full.imag()};
+      for (std::size_t row = 0; row < kRows; ++row) rows_[row * padded_ + i] = values[row];
       strides_[i] = static_cast<float>(stride.real());
       strides_[padded_ + i] = static_cast<float>(stride.imag());
       std::ranges::copy(run_of(s), &runs_[i * 2 * kRun]);
@@ -92,16 +94,15 @@ class Bundle {
   }
   void add(double* out, std::size_t frames) {
     if (kernel_ == Kernel::direct) {
-      energy = render_modes(arrays(), active_, limits, out, frames);
+      energy = render_modes(arrays(frames), active_, limits, out, frames);
       return;
     }
     left_->of.fill(0);
     right_->of.fill(0);
     const MomentTarget targets[] = {{left_.get(), 1.0f}, {right_.get(), -0.5f}};
-    energy = add_moments(arrays(), {band_.data(), weights_.get()}, active_, frames, limits, targets);
-    std::vector<double> other(frames, 0.0);
-    synthesis_->add(*left_, *right_, out, other.data(), frames);
-    last_other = other;
+    energy = add_moments(arrays(frames), {band_.data(), weights_.get()}, active_, frames, limits, targets);
+    last_other.assign(frames, 0.0);
+    synthesis_->add(*left_, *right_, out, last_other.data(), frames);
   }
   void skip(std::size_t frames, std::size_t chunk) {
     double ignored[kChunkFrames];
@@ -115,18 +116,23 @@ class Bundle {
   std::vector<double> last_other;  // the second output of the last call, -0.5 times the first
 
  private:
+  static constexpr std::size_t kRows = 6;
+
   template <class T>
   static hwy::AlignedFreeUniquePtr<T[]> zeros(std::size_t count) {
     auto block = hwy::AllocateAligned<T>(count);
     std::fill_n(block.get(), count, T{0});
     return block;
   }
-  [[nodiscard]] ModeArrays arrays() {
+  [[nodiscard]] ModeArrays arrays(std::size_t frames) {
     double* r = rows_.get();
+    const bool full = frames == kChunkFrames;
     return {.z_re = r,
             .z_im = r + padded_,
             .pole_re = r + 2 * padded_,
             .pole_im = r + 3 * padded_,
+            .advance_re = full ? r + 4 * padded_ : nullptr,
+            .advance_im = full ? r + 5 * padded_ : nullptr,
             .stride_re = strides_.get(),
             .stride_im = strides_.get() + padded_,
             .runs = runs_.get()};

@@ -1,12 +1,11 @@
 #include "tests/bench/mixer/kernels.h"
 
-#include "engine/synth/mode_kernel.h"
+#include "tests/synth/mode_bundle.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
-#include <new>
 #include <numbers>
 
 namespace ringdown::bench {
@@ -142,37 +141,27 @@ class InLanes : public Kernel {
   std::vector<Group> groups_;
 };
 
-// synth::render_modes(), which the mixer uses where modes are few.
-class Direct : public Kernel {
+// What the mixer is made of: tables where modes are few, moments where they are many.
+template <synth::test::Kernel kKernel>
+class Ours : public Kernel {
  public:
-  explicit Direct(const std::vector<Sinusoid>& modes)
-      : padded_((modes.size() + synth::kModePadding - 1) / synth::kModePadding * synth::kModePadding),
-        numbers_((kRows * padded_ + kPerLine - 1) / kPerLine) {
-    for (std::size_t m = 0; m < modes.size(); ++m) {
-      const std::complex<double> pole = std::exp(exponent_of(modes[m]));
-      const std::complex<double> chunk = std::exp(static_cast<double>(synth::kChunkFrames) * exponent_of(modes[m]));
-      row(1)[m] = -modes[m].amplitude;
-      row(2)[m] = pole.real(), row(3)[m] = pole.imag();
-      row(4)[m] = chunk.real(), row(5)[m] = chunk.imag();
-    }
-  }
+  explicit Ours(const std::vector<Sinusoid>& modes) : bundle_(modes_of(modes), kRate, kKernel) {}
   void render(std::span<double> out) override {
     std::fill(out.begin(), out.end(), 0.0);
     for (std::size_t done = 0; done < out.size(); done += synth::kChunkFrames) {
-      const std::size_t frames = std::min(synth::kChunkFrames, out.size() - done);
-      synth::render_modes({row(0), row(1), row(2), row(3), row(4), row(5), padded_}, out.data() + done, frames);
+      bundle_.add(out.data() + done, std::min(synth::kChunkFrames, out.size() - done));
     }
   }
 
  private:
-  static constexpr std::size_t kRows = 6, kPerLine = 8;
-  struct alignas(64) Line {
-    double numbers[kPerLine];
-  };
-  double* row(std::size_t which) { return numbers_[0].numbers + which * padded_; }
+  static std::vector<synth::test::Mode> modes_of(const std::vector<Sinusoid>& sinusoids) {
+    std::vector<synth::test::Mode> modes;
+    for (const Sinusoid& s : sinusoids)
+      modes.push_back({s.frequency_hz, std::log(1000.0) / s.decay_per_s, {0, -s.amplitude}});
+    return modes;
+  }
 
-  std::size_t padded_;
-  std::vector<Line> numbers_;
+  synth::test::Bundle bundle_;
 };
 
 template <class K>
@@ -190,7 +179,7 @@ const std::vector<KernelMaker>& kernels() {
       {"two-pole double SIMD", true, make<InLanes<TwoPole, double>>},
       {"phasor float SIMD", false, make<InLanes<Phasor, float>>},
       {"phasor double SIMD", true, make<InLanes<Phasor, double>>},
-      {"ours: direct kernel", true, make<Direct>},
+      {"ours: tables", true, make<Ours<synth::test::Kernel::direct>>},
   };
   return list;
 }
