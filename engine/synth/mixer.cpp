@@ -1,5 +1,7 @@
 #include "engine/synth/mixer.h"
 
+#include "engine/synth/mix_kernel.h"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -97,11 +99,8 @@ void Mixer::render(std::span<float> left, std::span<float> right) RINGDOWN_REALT
     }
     const std::size_t chunk = std::min(kChunkFrames, frames - done);
     render_chunk(chunk);
-    for (std::size_t n = 0; n < chunk; ++n) {
-      out[0][done + n] = static_cast<float>(mix_left_[n]);
-      out[1][done + n] = static_cast<float>(mix_right_[n]);
-      peak = std::max({peak, std::abs(out[0][done + n]), std::abs(out[1][done + n])});
-    }
+    peak = std::max({peak, write_samples(mix_left_.data(), out[0] + done, chunk),
+                     write_samples(mix_right_.data(), out[1] + done, chunk)});
     done += chunk;
     now_ += static_cast<Frame>(chunk);
   }
@@ -180,10 +179,11 @@ void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
   if (together_) synthesis_.add(moments_left_, moments_right_, mix_left_.data(), mix_right_.data(), frames);
 }
 
-// Moments cost about kMomentsFixed, and 1 for each mode; samples one by one 1 for each mode and kFramesPerMode frames.
-// Measured by `./run bench mixer`, on AVX-512 and AVX2; both ways sound the same, so a wrong choice costs time only.
+// In units of what moments cost for a mode, 2 ns: moments cost kMomentsFixed more, tables 1 for a mode and
+// kFramesPerMode frames. Measured by `./run bench mixer`, with AVX-512; both ways sound the same, so a wrong
+// choice costs time only.
 void Mixer::choose_path(std::size_t frames) RINGDOWN_REALTIME {
-  constexpr std::size_t kMomentsFixed = 600, kFramesPerMode = 48;
+  constexpr std::size_t kMomentsFixed = 800, kFramesPerMode = 50;
   std::size_t modes = 0;
   for (std::size_t i = 0; i < active_count_; ++i) {
     const Object& object = objects_.data()[active_.data()[i]];
@@ -301,11 +301,9 @@ void Mixer::render_segment(Object& object, std::size_t begin, std::size_t end) R
 void Mixer::mix_segment(const Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME {
   const Frame first = now_ + static_cast<Frame>(begin);
   if (object.gain.still_at(first) && object.left.still_at(first) && object.right.still_at(first)) {
-    for (std::size_t n = begin; n < end; ++n) {
-      const double sample = object.gain.to * mono_[n];
-      mix_left_[n] += object.left.to * sample;
-      mix_right_[n] += object.right.to * sample;
-    }
+    const double gain = object.gain.to;
+    add_to_stereo(mono_.data() + begin, gain * object.left.to, gain * object.right.to, mix_left_.data() + begin,
+                  mix_right_.data() + begin, end - begin);
     return;
   }
   for (std::size_t n = begin; n < end; ++n) {

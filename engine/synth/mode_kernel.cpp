@@ -47,28 +47,47 @@ HWY_INLINE double advance_group(const ModeArrays& modes, std::size_t first, std:
   return hn::GetLane(hn::SumOfLanes(tag, energy));
 }
 
-// Some frames of the sum of all active groups, kept in registers: kRuns runs from run `first_run` on.
+// A few groups that are summed together.
+struct Batch {
+  static constexpr std::size_t kMost = 4;
+  std::size_t count = 0;
+  Anchors anchors[kMost];
+  const float* runs[kMost];  // of each group's modes
+};
+
+// Adds kRuns runs of a batch, from run `first_run` on, to `sums`; the sums stay in registers.
 template <std::size_t kRuns>
-HWY_INLINE void add_runs(const Anchors& anchors, const float* runs, std::size_t first_run, float* HWY_RESTRICT sums) {
+HWY_INLINE void add_runs(const Batch& batch, std::size_t first_run, float* HWY_RESTRICT sums) {
   const hn::CappedTag<float, kRun> tag;
   constexpr std::size_t kLanes = hn::MaxLanes(hn::CappedTag<float, kRun>()), kParts = kRun / kLanes;
   hn::Vec<decltype(tag)> sum[kRuns * kParts];
   RINGDOWN_UNROLL
   for (std::size_t i = 0; i < kRuns * kParts; ++i) sum[i] = hn::Load(tag, sums + i * kLanes);
-  for (std::size_t m = 0; m < kModePadding; ++m, runs += 2 * kRun) {
-    RINGDOWN_UNROLL
-    for (std::size_t part = 0; part < kParts; ++part) {
-      const auto re = hn::Load(tag, runs + part * kLanes), im = hn::Load(tag, runs + kRun + part * kLanes);
+  for (std::size_t g = 0; g < batch.count; ++g) {
+    const Anchors& anchors = batch.anchors[g];
+    const float* runs = batch.runs[g];
+    for (std::size_t m = 0; m < kModePadding; ++m, runs += 2 * kRun) {
       RINGDOWN_UNROLL
-      for (std::size_t r = 0; r < kRuns; ++r) {
-        auto& to = sum[r * kParts + part];
-        to = hn::MulAdd(hn::Set(tag, anchors.re[first_run + r][m]), re, to);
-        to = hn::MulAdd(hn::Set(tag, anchors.im[first_run + r][m]), im, to);
+      for (std::size_t part = 0; part < kParts; ++part) {
+        const auto re = hn::Load(tag, runs + part * kLanes), im = hn::Load(tag, runs + kRun + part * kLanes);
+        RINGDOWN_UNROLL
+        for (std::size_t r = 0; r < kRuns; ++r) {
+          auto& to = sum[r * kParts + part];
+          to = hn::MulAdd(hn::Set(tag, anchors.re[first_run + r][m]), re, to);
+          to = hn::MulAdd(hn::Set(tag, anchors.im[first_run + r][m]), im, to);
+        }
       }
     }
   }
   RINGDOWN_UNROLL
   for (std::size_t i = 0; i < kRuns * kParts; ++i) hn::Store(sum[i], tag, sums + i * kLanes);
+}
+
+// All of a batch's runs from `run` on, at most kRuns at once.
+template <std::size_t kRuns>
+HWY_INLINE void add_batch(const Batch& batch, std::size_t run, std::size_t runs, float* sums) {
+  for (; run + kRuns <= runs; run += kRuns) add_runs<kRuns>(batch, run, sums + run * kRun);
+  if constexpr (kRuns > 1) add_batch<kRuns / 2>(batch, run, runs, sums);
 }
 
 double render_modes_here(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
@@ -77,22 +96,23 @@ double render_modes_here(const ModeArrays& modes, ActiveGroups& active, const En
   constexpr std::size_t kTogether =
       std::clamp<std::size_t>(8 * hn::MaxLanes(hn::CappedTag<float, kRun>()) / kRun, 1, kMostRuns);
   alignas(64) float sums[kChunkFrames] = {};
-  Anchors anchors;
+  Batch batch;
   const std::size_t runs = (frames + kRun - 1) / kRun;
   double total = 0;
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < active.count; ++i) {
-    const std::uint32_t group = active.list[i];
-    const std::size_t first = std::size_t{group} * kModePadding;
-    const double energy = advance_group(modes, first, frames, runs, anchors);
-    total += energy;
-    active.list[kept] = group;
-    kept += energy <= limits.floor ? 0 : 1;
-    const float* const table = modes.runs + first * 2 * kRun;
-    std::size_t run = 0;
-    for (; run + kTogether <= runs; run += kTogether) add_runs<kTogether>(anchors, table, run, sums + run * kRun);
-    for (; run < runs; ++run) add_runs<1>(anchors, table, run, sums + run * kRun);
+  for (std::size_t i = 0; i < active.count;) {
+    for (batch.count = 0; batch.count < Batch::kMost && i < active.count; ++batch.count, ++i) {
+      const std::uint32_t group = active.list[i];
+      const std::size_t first = std::size_t{group} * kModePadding;
+      const double energy = advance_group(modes, first, frames, runs, batch.anchors[batch.count]);
+      batch.runs[batch.count] = modes.runs + first * 2 * kRun;
+      total += energy;
+      active.list[kept] = group;
+      kept += energy <= limits.floor ? 0 : 1;
+    }
+    add_batch<kTogether>(batch, 0, runs, sums);
   }
+  if (!(total <= limits.most)) return total;
   active.count = kept;
   for (std::size_t n = 0; n < frames; ++n) out[n] += static_cast<double>(sums[n]);
   return total;

@@ -52,12 +52,13 @@ struct ActiveGroups {
 // Sums of |z|^2.
 struct EnergyLimits {
   double floor = 0;  // a group that is not above leaves the list
-  double most = 0;   // of all together; more, or no number at all, means that something is wrong
+  double most = 0;   // of all together; more, or no number at all, means that something is wrong, and is not added
 };
 
 // Adds the modes' sum to out[0, frames) and moves their states on by `frames` <= kChunkFrames. Returns the sum of
-// |z|^2 over the states it left behind. A sum, because it stays not finite when any state is not; the largest would
-// not: a vector maximum forgets a NaN that meets a number. [audio]
+// |z|^2 over the states it left behind; when that is above `most`, or no number, nothing was added. A sum, because it
+// stays not finite when any state is not; the largest would not: a vector maximum forgets a NaN that meets a number.
+// [audio]
 double render_modes(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
                     std::size_t frames) RINGDOWN_REALTIME;
 

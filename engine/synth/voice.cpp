@@ -15,13 +15,7 @@ namespace {
 constexpr double kAbsurdEnergy = 1e24;
 constexpr EnergyLimits kKeepAll{-1, kAbsurdEnergy};
 
-bool is_sane(double energy) RINGDOWN_REALTIME { return energy <= kAbsurdEnergy; }
-
 std::size_t groups_for(std::size_t modes) { return (modes + kModePadding - 1) / kModePadding; }
-
-void add_samples(const double* from, double* out, std::size_t frames) RINGDOWN_REALTIME {
-  for (std::size_t n = 0; n < frames; ++n) out[n] += from[n];
-}
 
 struct PlayableMode {
   std::uint32_t mode;  // of the bank
@@ -179,49 +173,35 @@ void Voice::fade_out() RINGDOWN_REALTIME {
 }
 
 bool Voice::render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME {
-  // Rendered aside first: what is not a number must not reach a mix that other voices share.
-  double sum[kChunkFrames] = {};
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
-  double energy = fade_left_ > 0 ? render_fade(sum, frames) : 0.0;
+  double energy = fade_left_ > 0 ? render_fade(out, frames) : 0.0;
   for (ActiveGroups* groups : {&slow_, &fast_}) {
-    if (groups->count > 0) energy += render_modes(modes(z_re, z_im, frames), *groups, limits, sum, frames);
+    if (groups->count > 0) energy += render_modes(modes(z_re, z_im, frames), *groups, limits, out, frames);
   }
-  if (!is_sane(energy)) {
-    silence();
-    return false;
-  }
-  add_samples(sum, out, frames);
-  return true;
+  return keep_if_sane(energy);
 }
 
 bool Voice::render_together(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                             double floor) RINGDOWN_REALTIME {
-  double sum[kChunkFrames] = {};
-  const bool rest = has_rest();
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
   const ModeArrays all = modes(z_re, z_im, frames);
-  double energy = fade_left_ > 0 ? render_fade(sum, frames) : 0.0;
-  if (fast_.count > 0) energy += render_modes(all, fast_, limits, sum, frames);
-  if (slow_.count > 0 && is_sane(energy)) {
+  double energy = fade_left_ > 0 ? render_fade(out, frames) : 0.0;
+  if (fast_.count > 0) energy += render_modes(all, fast_, limits, out, frames);
+  if (slow_.count > 0) {
     energy += add_moments(all, {band_.data(), moment_weights_.get()}, slow_, frames, limits, targets);
   }
-  if (!is_sane(energy)) {
-    silence();
-    return false;
-  }
-  if (rest) add_samples(sum, out, frames);
-  return true;
+  return keep_if_sane(energy);
 }
 
 bool Voice::render_aside(double* out, std::size_t frames) RINGDOWN_REALTIME {
-  double sum[kChunkFrames] = {};
   ActiveGroups all{aside_groups_.data(), aside_groups_.size()};
-  if (!is_sane(render_modes(modes(aside_re, aside_im, frames), all, kKeepAll, sum, frames))) {
-    silence();
-    return false;
-  }
-  add_samples(sum, out, frames);
-  return true;
+  return keep_if_sane(render_modes(modes(aside_re, aside_im, frames), all, kKeepAll, out, frames));
+}
+
+bool Voice::keep_if_sane(double energy) RINGDOWN_REALTIME {
+  if (energy <= kAbsurdEnergy) return true;
+  silence();
+  return false;
 }
 
 void Voice::join() RINGDOWN_REALTIME {

@@ -49,12 +49,11 @@ class Voice {
   void prepare(std::size_t frames) RINGDOWN_REALTIME;
 
   // Adds `frames` <= kChunkFrames samples to `out` and moves on. Modes whose amplitude falls below `floor` rest until
-  // the next strike. A state that is no longer a number, or absurdly loud, silences the voice: nothing is added, and
+  // the next strike. A state that is no longer a number, or absurdly loud, silences the voice: it is not added, and
   // `false` reports it. [audio]
   bool render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME;
 
-  // The same, by moments where that is possible; what is wrong is left out of both. `out` gets the rest: nothing unless
-  // has_rest() said so before. [audio]
+  // The same, by moments where that is possible. `out` gets the rest: nothing unless has_rest() said so before. [audio]
   bool render_together(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                        double floor) RINGDOWN_REALTIME;
   [[nodiscard]] bool has_rest() const RINGDOWN_REALTIME { return fast_.count + fade_left_ > 0; }
@@ -108,6 +107,7 @@ class Voice {
   [[nodiscard]] ModeArrays modes(Row re, Row im, std::size_t frames) const RINGDOWN_REALTIME;
   bool excite(const protocol::Event& event, double* im, bool wake) RINGDOWN_REALTIME;
   double render_fade(double* out, std::size_t frames) RINGDOWN_REALTIME;
+  bool keep_if_sane(double energy) RINGDOWN_REALTIME;
   void wake_all() RINGDOWN_REALTIME;
   void clear_row(Row which) RINGDOWN_REALTIME;
 
