@@ -71,7 +71,8 @@ ExitCode render_to_file(const DaemonOptions& options) {
                                          .objects = options.objects,
                                          .seconds = options.seconds,
                                          .sample_rate_hz = options.sample_rate_hz,
-                                         .block_frames = options.block_frames},
+                                         .block_frames = options.block_frames,
+                                         .floor_db = options.floor_db},
                                         [&cancelled](double) { return !(cancelled = signal_came(0ms)); });
   if (!recording) return report(recording.error(), cancelled ? ExitCode::cancelled : ExitCode::bad_input);
   if (const auto written = write_audio(*recording, options.output); !written) {
@@ -84,6 +85,7 @@ ExitCode render_to_file(const DaemonOptions& options) {
 
 ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<Driver> opened) {
   Session session(opened->sample_rate_hz());
+  session.rack().mixer().set_floor(options.floor_db);
   const std::unique_ptr<Driver> driver = std::move(opened);  // after the session, so that it stops before that goes
   if (options.scene_to) {
     auto remote = open_remote_strikes(*options.scene_to, session.rack(), *driver);

@@ -23,6 +23,7 @@ class Run {
       : options_(options), recording_(recording), session_(options.sample_rate_hz) {}
 
   Result<void> prepare() {
+    session_.rack().mixer().set_floor(options_.floor_db);
     for (const auto& [name, bank] : options_.objects) {
       if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());
     }

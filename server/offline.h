@@ -24,6 +24,7 @@ struct OfflineOptions {
                                   // last event and kTail_s
   double sample_rate_hz = 48000;
   std::size_t block_frames = 256;
+  double floor_db = 120;  // below full scale, where modes rest (Mixer::set_floor)
 };
 
 inline constexpr double kTail_s = 5;

@@ -74,6 +74,9 @@ void add_render_verb(CLI::App& app, ExitCode& outcome) {
   verb->add_option("--block", options.block_frames, "Frames per block; changes nothing but rounding.")
       ->check(CLI::Range(1, 8192))
       ->capture_default_str();
+  verb->add_option("--floor", options.floor_db, "Modes this many dB below full scale rest until they are struck.")
+      ->check(CLI::Range(20.0, 300.0))
+      ->capture_default_str();
   verb->callback([arguments, &outcome] { outcome = render(*arguments); });
 }
 

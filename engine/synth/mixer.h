@@ -19,6 +19,7 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -78,9 +79,9 @@ class Mixer {
   // True while `object` has a voice that is playing, ringing out or not yet collected. [worker]
   [[nodiscard]] bool in_use(protocol::ObjectNumber object) const { return voices_of_[object] > 0; }
 
-  // Modes quieter than this, of full scale and at the gain of their object, rest until the next strike. 1e-6 (-120 dB)
+  // Modes whose amplitude, at the gain of their object, lies so far below full scale rest until the next strike; 120 dB
   // unless set. [any thread]
-  void set_floor(double amplitude) { floor_.store(amplitude, std::memory_order_relaxed); }
+  void set_floor(double decibels) { floor_.store(std::pow(10.0, -decibels / 20), std::memory_order_relaxed); }
 
   // Writes the next frames of the mix; any number of frames. [audio]
   void render(std::span<float> left, std::span<float> right) RINGDOWN_REALTIME;
