@@ -14,21 +14,15 @@ namespace ringdown::synth::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-void add_to_stereo_here(const double* mono, double left_gain, double right_gain, double* left, double* right,
-                        std::size_t frames) {
+void add_scaled_here(const double* from, double gain, double* out, std::size_t frames) {
   const hn::CappedTag<double, 8> tag;
   const std::size_t lanes = hn::Lanes(tag);
-  const auto l = hn::Set(tag, left_gain), r = hn::Set(tag, right_gain);
+  const auto factor = hn::Set(tag, gain);
   std::size_t n = 0;
   for (; n + lanes <= frames; n += lanes) {
-    const auto sample = hn::LoadU(tag, mono + n);
-    hn::StoreU(hn::MulAdd(l, sample, hn::LoadU(tag, left + n)), tag, left + n);
-    hn::StoreU(hn::MulAdd(r, sample, hn::LoadU(tag, right + n)), tag, right + n);
+    hn::StoreU(hn::MulAdd(factor, hn::LoadU(tag, from + n), hn::LoadU(tag, out + n)), tag, out + n);
   }
-  for (; n < frames; ++n) {
-    left[n] += left_gain * mono[n];
-    right[n] += right_gain * mono[n];
-  }
+  for (; n < frames; ++n) out[n] += gain * from[n];
 }
 
 float write_samples_here(const double* from, float* to, std::size_t frames) {
@@ -56,14 +50,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ringdown::synth {
 
-HWY_EXPORT(add_to_stereo_here);
+HWY_EXPORT(add_scaled_here);
 HWY_EXPORT(write_samples_here);
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
 RINGDOWN_TRUST_REALTIME_BEGIN
-void add_to_stereo(const double* mono, double left_gain, double right_gain, double* left, double* right,
-                   std::size_t frames) RINGDOWN_REALTIME {
-  HWY_DYNAMIC_DISPATCH(add_to_stereo_here)(mono, left_gain, right_gain, left, right, frames);
+void add_scaled(const double* from, double gain, double* out, std::size_t frames) RINGDOWN_REALTIME {
+  HWY_DYNAMIC_DISPATCH(add_scaled_here)(from, gain, out, frames);
 }
 
 float write_samples(const double* from, float* to, std::size_t frames) RINGDOWN_REALTIME {

@@ -3,6 +3,7 @@
 #include "engine/synth/mix_kernel.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -62,7 +63,7 @@ bool Mixer::install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice,
   assert(object < kMostObjects && voice);
   if (voices_alive_ == kMostVoices) return false;
   const auto kind = how == Install::replace ? Order::Kind::replace : Order::Kind::retune;
-  if (!orders_.push({kind, object, voice.get()})) return false;
+  if (!orders_.push({.kind = kind, .object = object, .voice = voice.get()})) return false;
   static_cast<void>(voice.release());
   ++voices_alive_;
   ++voices_of_[object];
@@ -71,7 +72,12 @@ bool Mixer::install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice,
 
 bool Mixer::remove(protocol::ObjectNumber object) {
   assert(object < kMostObjects);
-  return orders_.push({Order::Kind::remove, object, nullptr});
+  return orders_.push({.kind = Order::Kind::remove, .object = object});
+}
+
+bool Mixer::assign(protocol::ObjectNumber object, std::optional<std::size_t> bus) {
+  assert(object < kMostObjects && (!bus || *bus < kMostBuses));
+  return orders_.push({.kind = Order::Kind::assign, .object = object, .channel = bus ? kFirstBus + *bus : kNoBus});
 }
 
 void Mixer::collect() {
@@ -83,24 +89,26 @@ void Mixer::collect() {
 }
 
 void Mixer::render(std::span<float> left, std::span<float> right) RINGDOWN_REALTIME {
+  render(Outputs(left.data(), right.data()), left.size());
+}
+
+void Mixer::render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME {
   const DenormalGuard guard;
   accept_orders();
   accept_events();
-  const std::size_t frames = left.size();
-  float* out[] = {left.data(), right.data()};
+  wanted_ = outputs.wanted();
   float peak = 0;
   ringing_voices_ = ringing_modes_ = 0;
   for (std::size_t done = 0; done < frames;) {
-    const Frame rest = static_cast<Frame>(frames - done);
+    std::size_t chunk = frames - done;
+    const Frame rest = static_cast<Frame>(chunk);
     if (active_count_ == 0 && (pending_count_ == 0 || pending_.data()[0].event.frame >= now_ + rest)) {
-      for (float* channel : out) std::fill_n(channel + done, frames - done, 0.0f);
-      now_ += rest;
-      break;
+      desk_.open(chunk);
+    } else {
+      chunk = std::min(kChunkFrames, chunk);
+      render_chunk(chunk);
     }
-    const std::size_t chunk = std::min(kChunkFrames, frames - done);
-    render_chunk(chunk);
-    peak = std::max({peak, write_samples(mix_left_.data(), out[0] + done, chunk),
-                     write_samples(mix_right_.data(), out[1] + done, chunk)});
+    write(outputs, done, chunk, peak);
     done += chunk;
     now_ += static_cast<Frame>(chunk);
   }
@@ -110,12 +118,27 @@ void Mixer::render(std::span<float> left, std::span<float> right) RINGDOWN_REALT
   counters_.frames.store(now_, std::memory_order_release);
 }
 
+void Mixer::write(const Outputs& outputs, std::size_t at, std::size_t frames, float& peak) RINGDOWN_REALTIME {
+  for (ChannelSet rest = wanted_; rest != 0; rest &= rest - 1) {
+    const auto c = static_cast<std::size_t>(std::countr_zero(rest));
+    if (const double* samples = desk_.result(c)) {
+      peak = std::max(peak, write_samples(samples, outputs.at(c) + at, frames));
+    } else {
+      std::fill_n(outputs.at(c) + at, frames, 0.0f);
+    }
+  }
+}
+
 void Mixer::accept_orders() RINGDOWN_REALTIME {
   for (; const Order* order = orders_.front(); orders_.pop()) carry_out(*order);
 }
 
 void Mixer::carry_out(const Order& order) RINGDOWN_REALTIME {
   Object& object = objects_.data()[order.object];
+  if (order.kind == Order::Kind::assign) {
+    object.bus = order.channel;
+    return;
+  }
   if (order.kind == Order::Kind::remove) fade_out(object);
   Voice* old = std::exchange(object.current, order.voice);
   activate(object);  // the next chunk finds out what rings, and retires what does not
@@ -163,8 +186,7 @@ void Mixer::take_due_events(std::size_t frames) RINGDOWN_REALTIME {
 }
 
 void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
-  mix_left_.fill(0);
-  mix_right_.fill(0);
+  desk_.open(frames);
   take_due_events(frames);
   choose_path(frames);
   ringing_voices_ = ringing_modes_ = 0;
@@ -176,7 +198,7 @@ void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
     if (object.active) active[kept++] = active[i];
   }
   active_count_ = kept;
-  if (together_) synthesis_.add(moments_left_, moments_right_, mix_left_.data(), mix_right_.data(), frames);
+  desk_.close();
 }
 
 // In units of what moments cost for a mode, 2 ns: moments cost kMomentsFixed more, tables 1 for a mode and
@@ -194,14 +216,11 @@ void Mixer::choose_path(std::size_t frames) RINGDOWN_REALTIME {
     }
   }
   together_ = modes * frames > kFramesPerMode * (kMomentsFixed + modes);
-  if (!together_) return;
-  moments_left_.of.fill(0);
-  moments_right_.of.fill(0);
 }
 
 // Renders one object's share of the chunk. False when nothing of it rings any more.
 bool Mixer::render_object(Object& object, std::size_t frames) RINGDOWN_REALTIME {
-  if (together_ && plain_in_chunk(object)) {
+  if ((together_ || !heard(object)) && plain_in_chunk(object)) {
     render_together(object, frames);
   } else {
     render_in_segments(object, frames);
@@ -248,9 +267,15 @@ void Mixer::render_together(Object& object, std::size_t frames) RINGDOWN_REALTIM
   std::int32_t next = std::exchange(object.first_due, -1);
   for (; next >= 0 && due_.data()[next].offset == 0; next = due_.data()[next].next)
     apply(object, due_.data()[next].event);
-  const double gain = object.gain.to;
-  const MomentTarget targets[] = {{&moments_left_, static_cast<float>(gain * object.left.to)},
-                                  {&moments_right_, static_cast<float>(gain * object.right.to)}};
+  std::array<MomentTarget, 3> all;
+  std::size_t count_of_targets = 0;
+  const auto aim = [&](std::size_t channel, double gain) RINGDOWN_REALTIME {
+    if (contains(wanted_, channel)) all[count_of_targets++] = {desk_.moments(channel), static_cast<float>(gain)};
+  };
+  aim(kLeft, object.gain.to * object.left.to);
+  aim(kRight, object.gain.to * object.right.to);
+  if (object.bus != kNoBus) aim(object.bus, object.gain.to);
+  const std::span<const MomentTarget> targets(all.data(), count_of_targets);
   bool sounds = false;
   mono_.fill(0);
   const auto add = [&](Voice& voice) RINGDOWN_REALTIME {
@@ -300,18 +325,25 @@ void Mixer::render_segment(Object& object, std::size_t begin, std::size_t end) R
 
 void Mixer::mix_segment(const Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME {
   const Frame first = now_ + static_cast<Frame>(begin);
-  if (object.gain.still_at(first) && object.left.still_at(first) && object.right.still_at(first)) {
-    const double gain = object.gain.to;
-    add_to_stereo(mono_.data() + begin, gain * object.left.to, gain * object.right.to, mix_left_.data() + begin,
-                  mix_right_.data() + begin, end - begin);
-    return;
-  }
-  for (std::size_t n = begin; n < end; ++n) {
-    const Frame frame = now_ + static_cast<Frame>(n);
-    const double sample = object.gain.at(frame) * mono_[n];
-    mix_left_[n] += object.left.at(frame) * sample;
-    mix_right_[n] += object.right.at(frame) * sample;
-  }
+  static constexpr Ramp kUnity{1, 1};
+  const auto add_to = [&](std::size_t channel, const Ramp& share) RINGDOWN_REALTIME {
+    if (!contains(wanted_, channel)) return;
+    double* const out = desk_.samples(channel);
+    if (object.gain.still_at(first) && share.still_at(first)) {
+      return add_scaled(mono_.data() + begin, object.gain.to * share.to, out + begin, end - begin);
+    }
+    for (std::size_t n = begin; n < end; ++n) {
+      const Frame frame = now_ + static_cast<Frame>(n);
+      out[n] += object.gain.at(frame) * share.at(frame) * mono_[n];
+    }
+  };
+  add_to(kLeft, object.left);
+  add_to(kRight, object.right);
+  if (object.bus != kNoBus) add_to(object.bus, kUnity);
+}
+
+bool Mixer::heard(const Object& object) const RINGDOWN_REALTIME {
+  return (wanted_ & (only(kLeft) | only(kRight) | (object.bus == kNoBus ? 0 : only(object.bus)))) != 0;
 }
 
 void Mixer::apply(Object& object, const Event& event) RINGDOWN_REALTIME {
@@ -361,14 +393,15 @@ void Mixer::retire_silent_tails(Object& object) RINGDOWN_REALTIME {
       continue;
     }
     const bool last = !object.current && !next && link == &object.tails;
-    if (last) reset_ramps(object);  // before the worker learns that the number is free again
+    if (last) reset(object);  // before the worker learns that the number is free again
     *link = next;
     [[maybe_unused]] const bool handed_over = retired_.push({number_of(object), voice});
     assert(handed_over);  // the ring holds kMostVoices, and install() allows no more
   }
 }
 
-void Mixer::reset_ramps(Object& object) RINGDOWN_REALTIME {
+void Mixer::reset(Object& object) RINGDOWN_REALTIME {
+  object.bus = kNoBus;
   object.gain = {1, 1};
   object.left = object.right = {kCentre, kCentre};
 }

@@ -1,4 +1,4 @@
-// Everything that rings, summed to stereo: what the JACK callback runs.
+// Everything that rings, summed to a stereo mix and to buses: what the JACK callback runs.
 //
 // Threads. One audio thread calls render(). Each Producer is one thread that pushes events through its own ring. One
 // worker thread installs and collects voices. None of them ever waits for another, and the audio thread neither
@@ -13,7 +13,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
-#include "engine/synth/moments.h"
+#include "engine/synth/desk.h"
 #include "engine/synth/voice.h"
 #include "protocol/event.h"
 
@@ -22,6 +22,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,10 +30,30 @@ namespace ringdown::synth {
 
 // Capacities. Past one, a push or install returns false and nothing changes.
 inline constexpr std::size_t kMostObjects = 1024;
-inline constexpr std::size_t kMostVoices = 4096;         // playing, ringing out or waiting for collect()
-inline constexpr std::size_t kQueueCapacity = 4096;      // events one producer may have in its ring
-inline constexpr std::size_t kMostPendingEvents = 8192;  // events waiting in the mixer for their frame
-inline constexpr std::size_t kMostEventsPerChunk = 512;  // more in one chunk happen up to kChunkFrames later
+inline constexpr std::size_t kMostVoices = 4096;              // playing, ringing out or waiting for collect()
+inline constexpr std::size_t kQueueCapacity = 4096;           // events one producer may have in its ring
+inline constexpr std::size_t kMostPendingEvents = 8192;       // events waiting in the mixer for their frame
+inline constexpr std::size_t kMostEventsPerChunk = 512;       // more in one chunk happen up to kChunkFrames later
+inline constexpr std::size_t kMostBuses = kMostChannels - 2;  // outputs beside the stereo mix
+
+// Where a block is written. What nobody listens to is not rendered.
+class Outputs {
+ public:
+  Outputs() = default;
+  Outputs(float* left, float* right) RINGDOWN_REALTIME { listen(0, left), listen(1, right); }
+  void listen_to_bus(std::size_t bus, float* samples) RINGDOWN_REALTIME { listen(2 + bus, samples); }
+
+  [[nodiscard]] ChannelSet wanted() const RINGDOWN_REALTIME { return wanted_; }
+  [[nodiscard]] float* at(std::size_t channel) const RINGDOWN_REALTIME { return samples_[channel]; }
+
+ private:
+  void listen(std::size_t channel, float* samples) RINGDOWN_REALTIME {
+    samples_[channel] = samples;
+    wanted_ |= only(channel);
+  }
+  std::array<float*, kMostChannels> samples_;  // those that are wanted
+  ChannelSet wanted_ = 0;
+};
 
 enum class Producer : std::size_t { control, worker, scene, kCount };
 
@@ -73,6 +94,10 @@ class Mixer {
   // [worker]
   [[nodiscard]] bool remove(protocol::ObjectNumber object);
 
+  // Sends the object, at its gain, to a bus as well as to the mix, from the next block on; nullopt: to the mix only, as
+  // in the beginning. Several objects may share a bus. False when the worker's ring is full. [worker]
+  [[nodiscard]] bool assign(protocol::ObjectNumber object, std::optional<std::size_t> bus);
+
   // Frees the voices that have died away. [worker]
   void collect();
 
@@ -83,8 +108,9 @@ class Mixer {
   // unless set. [any thread]
   void set_floor(double decibels) { floor_.store(std::pow(10.0, -decibels / 20), std::memory_order_relaxed); }
 
-  // Writes the next frames of the mix; any number of frames. [audio]
-  void render(std::span<float> left, std::span<float> right) RINGDOWN_REALTIME;
+  // Writes the next frames; any number of frames. [audio]
+  void render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME;
+  void render(std::span<float> left, std::span<float> right) RINGDOWN_REALTIME;  // the mix only
 
   [[nodiscard]] const MixerCounters& counters() const { return counters_; }
 
@@ -111,8 +137,11 @@ class Mixer {
     std::size_t offset;  // frames into the chunk
     std::int32_t next;   // the object's next event in this chunk, -1 for none
   };
-  static constexpr double kCentre = 0.70710678118654752;  // equal power: cos 45 degrees
+  static constexpr double kCentre = 0.70710678118654752;              // equal power: cos 45 degrees
+  static constexpr std::size_t kLeft = 0, kRight = 1, kFirstBus = 2;  // channels
+  static constexpr std::size_t kNoBus = 0;
   struct Object {
+    std::size_t bus = kNoBus;  // its channel
     Voice* current = nullptr;  // takes strikes
     Voice* tails = nullptr;    // ring out
     Ramp gain{1, 1}, left{kCentre, kCentre}, right{kCentre, kCentre};
@@ -120,9 +149,10 @@ class Mixer {
     std::int32_t first_due = -1, last_due = -1;
   };
   struct Order {
-    enum class Kind { replace, retune, remove } kind;
+    enum class Kind { replace, retune, remove, assign } kind;
     protocol::ObjectNumber object;
-    Voice* voice;
+    Voice* voice = nullptr;
+    std::size_t channel = kNoBus;
   };
   struct Retired {
     protocol::ObjectNumber object;
@@ -143,12 +173,14 @@ class Mixer {
   [[nodiscard]] double floor_of(const Object& object) const RINGDOWN_REALTIME;
   void render_segment(Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME;
   void mix_segment(const Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME;
+  void write(const Outputs& outputs, std::size_t at, std::size_t frames, float& peak) RINGDOWN_REALTIME;
   void apply(Object& object, const protocol::Event& event) RINGDOWN_REALTIME;
   void fade_out(Object& object) RINGDOWN_REALTIME;
   void activate(Object& object) RINGDOWN_REALTIME;
   void keep_as_tail(Object& object, Voice* voice) RINGDOWN_REALTIME;
   void retire_silent_tails(Object& object) RINGDOWN_REALTIME;
-  void reset_ramps(Object& object) RINGDOWN_REALTIME;
+  void reset(Object& object) RINGDOWN_REALTIME;
+  [[nodiscard]] bool heard(const Object& object) const RINGDOWN_REALTIME;
   [[nodiscard]] protocol::ObjectNumber number_of(const Object& object) const RINGDOWN_REALTIME;
 
   const double sample_rate_hz_;
@@ -167,10 +199,10 @@ class Mixer {
   std::uint64_t next_order_ = 0;
   std::uint32_t ringing_voices_ = 0, ringing_modes_ = 0;  // of the chunk being rendered
   std::vector<DueEvent> due_ = std::vector<DueEvent>(kMostEventsPerChunk);
-  std::array<double, kChunkFrames> mono_{}, mix_left_{}, mix_right_{};
+  std::array<double, kChunkFrames> mono_{};
+  Desk desk_;
+  ChannelSet wanted_ = 0;  // channels that are listened to in this block
   bool together_ = false;  // whether this chunk's slow modes are summed as moments
-  MomentSums moments_left_, moments_right_;
-  MomentSynthesis synthesis_;
   protocol::Frame now_ = 0;
 
   // The worker's own.

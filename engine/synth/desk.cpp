@@ -1,0 +1,48 @@
+#include "engine/synth/desk.h"
+
+#include <bit>
+
+namespace ringdown::synth {
+
+void Desk::open(std::size_t frames) RINGDOWN_REALTIME {
+  has_samples_ = has_moments_ = 0;
+  frames_ = frames;
+}
+
+double* Desk::samples(std::size_t channel) RINGDOWN_REALTIME {
+  Channel& c = channels_.data()[channel];
+  if (!contains(has_samples_, channel)) c.samples.fill(0);
+  has_samples_ |= only(channel);
+  return c.samples.data();
+}
+
+MomentSums* Desk::moments(std::size_t channel) RINGDOWN_REALTIME {
+  Channel& c = channels_.data()[channel];
+  if (!contains(has_moments_, channel)) c.moments.of.fill(0);
+  has_moments_ |= only(channel);
+  return &c.moments;
+}
+
+// Two channels at the price of one transform.
+void Desk::close() RINGDOWN_REALTIME {
+  std::array<double, kChunkFrames> nobody;
+  for (ChannelSet rest = has_moments_; rest != 0;) {
+    const auto take = [&rest]() RINGDOWN_REALTIME {
+      const auto channel = static_cast<std::size_t>(std::countr_zero(rest));
+      rest &= rest - 1;
+      return channel;
+    };
+    const std::size_t first = take();
+    const bool alone = rest == 0;
+    const std::size_t second = alone ? first : take();
+    if (alone) nobody.fill(0);
+    synthesis_.add(channels_.data()[first].moments, channels_.data()[second].moments, samples(first),
+                   alone ? nobody.data() : samples(second), frames_);
+  }
+}
+
+const double* Desk::result(std::size_t channel) const RINGDOWN_REALTIME {
+  return contains(has_samples_, channel) ? channels_.data()[channel].samples.data() : nullptr;
+}
+
+}  // namespace ringdown::synth
