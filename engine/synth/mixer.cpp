@@ -325,7 +325,7 @@ void Mixer::render_segment(Object& object, std::size_t begin, std::size_t end) R
 
 void Mixer::mix_segment(const Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME {
   const Frame first = now_ + static_cast<Frame>(begin);
-  static constexpr Ramp kUnity{1, 1};
+  const Ramp unity{1, 1};
   const auto add_to = [&](std::size_t channel, const Ramp& share) RINGDOWN_REALTIME {
     if (!contains(wanted_, channel)) return;
     double* const out = desk_.samples(channel);
@@ -339,7 +339,7 @@ void Mixer::mix_segment(const Object& object, std::size_t begin, std::size_t end
   };
   add_to(kLeft, object.left);
   add_to(kRight, object.right);
-  if (object.bus != kNoBus) add_to(object.bus, kUnity);
+  if (object.bus != kNoBus) add_to(object.bus, unity);
 }
 
 bool Mixer::heard(const Object& object) const RINGDOWN_REALTIME {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <numeric>
+#include <tuple>
 
 namespace ringdown::synth {
 namespace {
@@ -34,10 +35,11 @@ std::vector<PlayableMode> playable_modes_of(const modal::Bank& bank, const modal
     playable.push_back(
         {static_cast<std::uint32_t>(m), mode, std::complex<double>(-mode.decay_per_s, omega) / sample_rate_hz});
   }
-  std::stable_sort(playable.begin(), playable.end(), [](const PlayableMode& a, const PlayableMode& b) {
-    return std::pair(!takes_moments(a.s), a.damped.frequency_hz) <
-           std::pair(!takes_moments(b.s), b.damped.frequency_hz);
-  });
+  const auto order = [](const PlayableMode& m) {
+    return std::tuple(!takes_moments(m.s), m.damped.frequency_hz, m.mode);
+  };
+  std::sort(playable.begin(), playable.end(),
+            [&](const PlayableMode& a, const PlayableMode& b) { return order(a) < order(b); });
   return playable;
 }
 

@@ -62,8 +62,7 @@ class Bundle {
         weights_(zeros<float>(padded_ * 2 * kMoments)),
         band_(padded_, 0),
         groups_(padded_ / kModePadding) {
-    std::stable_sort(modes.begin(), modes.end(),
-                     [](const Mode& a, const Mode& b) { return a.frequency_hz < b.frequency_hz; });
+    std::ranges::sort(modes, {}, &Mode::frequency_hz);
     std::iota(groups_.begin(), groups_.end(), 0);
     for (std::size_t i = 0; i < modes.size(); ++i) {
       const std::complex<double> s(exponent(modes[i], rate)), pole = std::exp(s);
