@@ -86,6 +86,7 @@ ExitCode render_to_file(const DaemonOptions& options) {
 ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<Driver> opened) {
   Session session(opened->sample_rate_hz());
   session.rack().mixer().set_floor(options.floor_db);
+  session.rack().mixer().set_threads(options.threads);
   const std::unique_ptr<Driver> driver = std::move(opened);  // after the session, so that it stops before that goes
   if (options.scene_to) {
     auto remote = open_remote_strikes(*options.scene_to, session.rack(), *driver);

@@ -27,6 +27,7 @@ struct DaemonOptions {
   bool connect = false;                           // to the speakers
   double sample_rate_hz = 48000;                  // wav and null; JACK has its own
   std::size_t block_frames = 256;                 // wav and null
+  std::size_t threads = 1;                        // that mix (Mixer::set_threads)
   double floor_db = 120;                          // below full scale, where modes rest (Mixer::set_floor)
   std::optional<double> seconds;                  // null, jack: stop after this time; wav: length of the file
   std::filesystem::path output = "ringdown.wav";  // wav

@@ -54,6 +54,9 @@ int main(int argc, char** argv) {
   app.add_option("--block", options.block_frames, "Frames per block (wav, null)")
       ->check(CLI::Range(1, 8192))
       ->capture_default_str();
+  app.add_option("--threads", options.threads, "Threads that mix big scenes, JACK's among them; the others spin")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
   app.add_option("--floor", options.floor_db, "Modes this many dB below full scale rest until they are struck")
       ->check(CLI::Range(20.0, 300.0))
       ->capture_default_str();

@@ -1,5 +1,7 @@
 #include "engine/synth/desk.h"
 
+#include "engine/synth/mix_kernel.h"
+
 #include <bit>
 
 namespace ringdown::synth {
@@ -21,6 +23,16 @@ MomentSums* Desk::moments(std::size_t channel) RINGDOWN_REALTIME {
   if (!contains(has_moments_, channel)) c.moments.of.fill(0);
   has_moments_ |= only(channel);
   return &c.moments;
+}
+
+void Desk::take(const Desk& other) RINGDOWN_REALTIME {
+  for (std::size_t c = 0; c < kMostChannels; ++c) {
+    const Channel& from = other.channels_.data()[c];
+    if (contains(other.has_samples_, c)) add_scaled(from.samples.data(), 1, samples(c), frames_);
+    if (!contains(other.has_moments_, c)) continue;
+    float* const to = moments(c)->of.data();
+    for (std::size_t i = 0; i < from.moments.of.size(); ++i) to[i] += from.moments.of[i];
+  }
 }
 
 // Two channels at the price of one transform.

@@ -29,6 +29,9 @@ class Desk {
   double* samples(std::size_t channel) RINGDOWN_REALTIME;
   MomentSums* moments(std::size_t channel) RINGDOWN_REALTIME;
 
+  // Adds all that was added to another of the same chunk.
+  void take(const Desk& other) RINGDOWN_REALTIME;
+
   // Turns moments into samples, after all was added.
   void close() RINGDOWN_REALTIME;
 

@@ -54,6 +54,14 @@ Mixer::~Mixer() {
   }
 }
 
+void Mixer::set_threads(std::size_t threads) {
+  crew_.reset();
+  places_ = std::vector<Place>(std::max<std::size_t>(1, threads));
+  if (threads < 2) return;
+  crew_ = std::make_unique<Crew>(threads - 1, [this](std::size_t item, std::size_t who)
+                                                  RINGDOWN_REALTIME { render_item(item, places_.data()[who]); });
+}
+
 bool Mixer::push(Producer producer, const Event& event) RINGDOWN_REALTIME {
   assert(event.object < kMostObjects);
   return queues_[static_cast<std::size_t>(producer)].push(event);
@@ -98,12 +106,13 @@ void Mixer::render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME
   accept_events();
   wanted_ = outputs.wanted();
   float peak = 0;
-  ringing_voices_ = ringing_modes_ = 0;
+  Place& place = places_.data()[0];
+  place.ringing_voices = place.ringing_modes = 0;
   for (std::size_t done = 0; done < frames;) {
     std::size_t chunk = frames - done;
     const Frame rest = static_cast<Frame>(chunk);
     if (active_count_ == 0 && (pending_count_ == 0 || pending_.data()[0].event.frame >= now_ + rest)) {
-      desk_.open(chunk);
+      place.desk.open(chunk);
     } else {
       chunk = std::min(kChunkFrames, chunk);
       render_chunk(chunk);
@@ -112,8 +121,8 @@ void Mixer::render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME
     done += chunk;
     now_ += static_cast<Frame>(chunk);
   }
-  counters_.ringing_voices.store(ringing_voices_, std::memory_order_relaxed);
-  counters_.ringing_modes.store(ringing_modes_, std::memory_order_relaxed);
+  counters_.ringing_voices.store(place.ringing_voices, std::memory_order_relaxed);
+  counters_.ringing_modes.store(place.ringing_modes, std::memory_order_relaxed);
   counters_.peak.store(peak, std::memory_order_relaxed);
   counters_.frames.store(now_, std::memory_order_release);
 }
@@ -121,7 +130,7 @@ void Mixer::render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME
 void Mixer::write(const Outputs& outputs, std::size_t at, std::size_t frames, float& peak) RINGDOWN_REALTIME {
   for (ChannelSet rest = wanted_; rest != 0; rest &= rest - 1) {
     const auto c = static_cast<std::size_t>(std::countr_zero(rest));
-    if (const double* samples = desk_.result(c)) {
+    if (const double* samples = places_.data()[0].desk.result(c)) {
       peak = std::max(peak, write_samples(samples, outputs.at(c) + at, frames));
     } else {
       std::fill_n(outputs.at(c) + at, frames, 0.0f);
@@ -186,54 +195,84 @@ void Mixer::take_due_events(std::size_t frames) RINGDOWN_REALTIME {
 }
 
 void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
-  desk_.open(frames);
+  frames_ = frames;
   take_due_events(frames);
-  choose_path(frames);
-  ringing_voices_ = ringing_modes_ = 0;
-  protocol::ObjectNumber* active = active_.data();
+  const bool much = choose_path(frames);
+  Place* const places = places_.data();
+  for (std::size_t who = 0; who < places_.size(); ++who) {
+    places[who].desk.open(frames);
+    places[who].ringing_voices = places[who].ringing_modes = places[who].slow_modes = 0;
+  }
+  if (crew_ && much) {
+    crew_->run(active_count_);
+  } else {
+    for (std::size_t i = 0; i < active_count_; ++i) render_item(i, places[0]);
+  }
+  keep_active();
+  slow_modes_ = 0;
+  for (std::size_t who = 0; who < places_.size(); ++who) slow_modes_ += places[who].slow_modes;
+  for (std::size_t who = 1; who < places_.size(); ++who) {
+    places[0].desk.take(places[who].desk);
+    places[0].ringing_voices += places[who].ringing_voices;
+    places[0].ringing_modes += places[who].ringing_modes;
+  }
+  places[0].desk.close();
+}
+
+// What rang in the last chunk decides. In units of what moments cost for a mode, 2 ns: moments cost kMomentsFixed more,
+// tables 1 for a mode and kFramesPerMode frames. Measured by `./run bench mixer`, with AVX-512; both ways sound the
+// same, so a wrong choice costs time only. True when there is enough to do for several threads.
+bool Mixer::choose_path(std::size_t frames) RINGDOWN_REALTIME {
+  constexpr std::size_t kMomentsFixed = 800, kFramesPerMode = 50, kMuch = 3000;
+  together_ = slow_modes_ * frames > kFramesPerMode * (kMomentsFixed + slow_modes_);
+  return slow_modes_ > kMuch;
+}
+
+// Object number `item` of the active ones, and what remains to be done about it.
+void Mixer::render_item(std::size_t item, Place& place) RINGDOWN_REALTIME {
+  Object& object = objects_.data()[active_.data()[item]];
+  render_object(object, place);
+  const bool rings = object.current && object.current->ringing();
+  after_.data()[item] = object.tails ? After::look_at_tails : rings ? After::keep : After::drop;
+}
+
+// Takes what no longer rings off the list of active objects.
+void Mixer::keep_active() RINGDOWN_REALTIME {
+  protocol::ObjectNumber* const active = active_.data();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < active_count_; ++i) {
+    bool keep = after_.data()[i] == After::keep;
     Object& object = objects_.data()[active[i]];
-    object.active = render_object(object, frames);
-    if (object.active) active[kept++] = active[i];
-  }
-  active_count_ = kept;
-  desk_.close();
-}
-
-// In units of what moments cost for a mode, 2 ns: moments cost kMomentsFixed more, tables 1 for a mode and
-// kFramesPerMode frames. Measured by `./run bench mixer`, with AVX-512; both ways sound the same, so a wrong
-// choice costs time only.
-void Mixer::choose_path(std::size_t frames) RINGDOWN_REALTIME {
-  constexpr std::size_t kMomentsFixed = 800, kFramesPerMode = 50;
-  std::size_t modes = 0;
-  for (std::size_t i = 0; i < active_count_; ++i) {
-    const Object& object = objects_.data()[active_.data()[i]];
-    if (object.current) object.current->prepare(frames), modes += object.current->sounding_slow_modes();
-    for (Voice* voice = object.tails; voice; voice = voice->next) {
-      voice->prepare(frames);
-      modes += voice->sounding_slow_modes();
+    if (after_.data()[i] == After::look_at_tails) {
+      retire_silent_tails(object);
+      keep = object.tails || (object.current && object.current->ringing());
+    }
+    if (keep) {
+      active[kept++] = active[i];
+    } else {
+      object.active = false;
     }
   }
-  together_ = modes * frames > kFramesPerMode * (kMomentsFixed + modes);
+  active_count_ = kept;
 }
 
-// Renders one object's share of the chunk. False when nothing of it rings any more.
-bool Mixer::render_object(Object& object, std::size_t frames) RINGDOWN_REALTIME {
+// Renders one object's share of the chunk.
+void Mixer::render_object(Object& object, Place& place) RINGDOWN_REALTIME {
+  if (object.current) object.current->prepare(frames_);
+  for (Voice* voice = object.tails; voice; voice = voice->next) voice->prepare(frames_);
   if ((together_ || !heard(object)) && plain_in_chunk(object)) {
-    render_together(object, frames);
+    render_together(object, place);
   } else {
-    render_in_segments(object, frames);
+    render_in_segments(object, place);
   }
-  retire_silent_tails(object);
-  const auto note = [this](const Voice& voice) RINGDOWN_REALTIME {
-    ++ringing_voices_;
-    ringing_modes_ += static_cast<std::uint32_t>(voice.sounding_modes());
+  const auto note = [&place](const Voice& voice) RINGDOWN_REALTIME {
+    if (!voice.ringing()) return;
+    ++place.ringing_voices;
+    place.ringing_modes += static_cast<std::uint32_t>(voice.sounding_modes());
+    place.slow_modes += voice.sounding_slow_modes();
   };
-  const bool current_rings = object.current && object.current->ringing();
-  if (current_rings) note(*object.current);
+  if (object.current) note(*object.current);
   for (const Voice* voice = object.tails; voice; voice = voice->next) note(*voice);
-  return current_rings || object.tails;
 }
 
 // Nothing but strikes happens to it, and no gain or pan is moving.
@@ -250,52 +289,52 @@ double Mixer::floor_of(const Object& object) const RINGDOWN_REALTIME {
   return floor_.load(std::memory_order_relaxed) / std::max(1.0, gain);
 }
 
-void Mixer::render_in_segments(Object& object, std::size_t frames) RINGDOWN_REALTIME {
+void Mixer::render_in_segments(Object& object, Place& place) RINGDOWN_REALTIME {
   std::size_t at = 0;
   for (std::int32_t i = std::exchange(object.first_due, -1); i >= 0;) {
     const DueEvent& due = due_.data()[i];
-    render_segment(object, at, due.offset);
+    render_segment(object, at, due.offset, place);
     at = due.offset;
     apply(object, due.event);
     i = due.next;
   }
-  render_segment(object, at, frames);
+  render_segment(object, at, frames_, place);
 }
 
 // What rings already, as moments; strikes within the chunk beside it, sample by sample.
-void Mixer::render_together(Object& object, std::size_t frames) RINGDOWN_REALTIME {
+void Mixer::render_together(Object& object, Place& place) RINGDOWN_REALTIME {
   std::int32_t next = std::exchange(object.first_due, -1);
   for (; next >= 0 && due_.data()[next].offset == 0; next = due_.data()[next].next)
     apply(object, due_.data()[next].event);
   std::array<MomentTarget, 3> all;
   std::size_t count_of_targets = 0;
   const auto aim = [&](std::size_t channel, double gain) RINGDOWN_REALTIME {
-    if (contains(wanted_, channel)) all[count_of_targets++] = {desk_.moments(channel), static_cast<float>(gain)};
+    if (contains(wanted_, channel)) all[count_of_targets++] = {place.desk.moments(channel), static_cast<float>(gain)};
   };
   aim(kLeft, object.gain.to * object.left.to);
   aim(kRight, object.gain.to * object.right.to);
   if (object.bus != kNoBus) aim(object.bus, object.gain.to);
   const std::span<const MomentTarget> targets(all.data(), count_of_targets);
   bool sounds = false;
-  mono_.fill(0);
+  place.mono.fill(0);
   const auto add = [&](Voice& voice) RINGDOWN_REALTIME {
     if (!voice.ringing()) return;
     sounds = sounds || voice.has_rest();
-    if (!voice.render_together(targets, mono_.data(), frames, floor_of(object))) count(counters_.not_finite);
+    if (!voice.render_together(targets, place.mono.data(), frames_, floor_of(object))) count(counters_.not_finite);
   };
   if (object.current) add(*object.current);
   for (Voice* voice = object.tails; voice; voice = voice->next) add(*voice);
-  if (next >= 0) sounds = add_strikes(object, next, frames) || sounds;
-  if (sounds) mix_segment(object, 0, frames);
+  if (next >= 0) sounds = add_strikes(object, next, place) || sounds;
+  if (sounds) mix_segment(object, 0, frames_, place);
 }
 
 // The strikes of a chunk from number `due` on. False when none of them could be played.
-bool Mixer::add_strikes(Object& object, std::int32_t due, std::size_t frames) RINGDOWN_REALTIME {
+bool Mixer::add_strikes(Object& object, std::int32_t due, Place& place) RINGDOWN_REALTIME {
   Voice* const voice = object.current;
   bool struck = false;
   std::size_t at = 0;
   const auto render_to = [&](std::size_t end) RINGDOWN_REALTIME {
-    if (struck && end > at && !voice->render_aside(mono_.data() + at, end - at)) count(counters_.not_finite);
+    if (struck && end > at && !voice->render_aside(place.mono.data() + at, end - at)) count(counters_.not_finite);
     at = end;
   };
   for (; due >= 0; due = due_.data()[due].next) {
@@ -304,37 +343,37 @@ bool Mixer::add_strikes(Object& object, std::int32_t due, std::size_t frames) RI
     count(played ? counters_.strikes : counters_.refused);
     struck = struck || played;
   }
-  render_to(frames);
+  render_to(frames_);
   if (struck) voice->join();
   return struck;
 }
 
-void Mixer::render_segment(Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME {
+void Mixer::render_segment(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME {
   if (begin == end) return;
   bool sounds = false;
-  std::fill_n(mono_.data() + begin, end - begin, 0.0);
+  std::fill_n(place.mono.data() + begin, end - begin, 0.0);
   const auto add = [&](Voice* voice) RINGDOWN_REALTIME {
     if (!voice || !voice->ringing()) return;
-    if (!voice->render(mono_.data() + begin, end - begin, floor_of(object))) count(counters_.not_finite);
+    if (!voice->render(place.mono.data() + begin, end - begin, floor_of(object))) count(counters_.not_finite);
     sounds = true;
   };
   add(object.current);
   for (Voice* voice = object.tails; voice; voice = voice->next) add(voice);
-  if (sounds) mix_segment(object, begin, end);
+  if (sounds) mix_segment(object, begin, end, place);
 }
 
-void Mixer::mix_segment(const Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME {
+void Mixer::mix_segment(const Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME {
   const Frame first = now_ + static_cast<Frame>(begin);
   const Ramp unity{1, 1};
   const auto add_to = [&](std::size_t channel, const Ramp& share) RINGDOWN_REALTIME {
     if (!contains(wanted_, channel)) return;
-    double* const out = desk_.samples(channel);
+    double* const out = place.desk.samples(channel);
     if (object.gain.still_at(first) && share.still_at(first)) {
-      return add_scaled(mono_.data() + begin, object.gain.to * share.to, out + begin, end - begin);
+      return add_scaled(place.mono.data() + begin, object.gain.to * share.to, out + begin, end - begin);
     }
     for (std::size_t n = begin; n < end; ++n) {
       const Frame frame = now_ + static_cast<Frame>(n);
-      out[n] += object.gain.at(frame) * share.at(frame) * mono_[n];
+      out[n] += object.gain.at(frame) * share.at(frame) * place.mono[n];
     }
   };
   add_to(kLeft, object.left);

@@ -13,6 +13,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
+#include "engine/synth/crew.h"
 #include "engine/synth/desk.h"
 #include "engine/synth/voice.h"
 #include "protocol/event.h"
@@ -78,6 +79,10 @@ class Mixer {
   Mixer& operator=(const Mixer&) = delete;
 
   [[nodiscard]] double sample_rate_hz() const { return sample_rate_hz_; }
+
+  // Spreads big scenes over so many threads, the audio thread among them; 1 unless set. With more than one, rounding
+  // depends on who does what. [worker, while nothing is rendered]
+  void set_threads(std::size_t threads);
 
   // Hands an event over. False when the producer's ring is full: the event was not taken. The event's object is
   // < kMostObjects and its numbers are finite. [the producer's thread]
@@ -148,6 +153,14 @@ class Mixer {
     bool active = false;  // listed in active_
     std::int32_t first_due = -1, last_due = -1;
   };
+  // What one thread renders with.
+  struct Place {
+    Desk desk;
+    std::array<double, kChunkFrames> mono{};
+    std::uint32_t ringing_voices = 0, ringing_modes = 0;  // of the chunk being rendered
+    std::size_t slow_modes = 0;                           // of these, that take moments
+  };
+  enum class After : std::uint8_t { keep, drop, look_at_tails };  // of an active object when the chunk is done
   struct Order {
     enum class Kind { replace, retune, remove, assign } kind;
     protocol::ObjectNumber object;
@@ -164,15 +177,17 @@ class Mixer {
   void accept_events() RINGDOWN_REALTIME;
   void take_due_events(std::size_t frames) RINGDOWN_REALTIME;
   void render_chunk(std::size_t frames) RINGDOWN_REALTIME;
-  void choose_path(std::size_t frames) RINGDOWN_REALTIME;
-  [[nodiscard]] bool render_object(Object& object, std::size_t frames) RINGDOWN_REALTIME;
+  [[nodiscard]] bool choose_path(std::size_t frames) RINGDOWN_REALTIME;
+  void render_item(std::size_t item, Place& place) RINGDOWN_REALTIME;
+  void keep_active() RINGDOWN_REALTIME;
+  void render_object(Object& object, Place& place) RINGDOWN_REALTIME;
   [[nodiscard]] bool plain_in_chunk(const Object& object) const RINGDOWN_REALTIME;
-  void render_in_segments(Object& object, std::size_t frames) RINGDOWN_REALTIME;
-  void render_together(Object& object, std::size_t frames) RINGDOWN_REALTIME;
-  [[nodiscard]] bool add_strikes(Object& object, std::int32_t due, std::size_t frames) RINGDOWN_REALTIME;
+  void render_in_segments(Object& object, Place& place) RINGDOWN_REALTIME;
+  void render_together(Object& object, Place& place) RINGDOWN_REALTIME;
+  [[nodiscard]] bool add_strikes(Object& object, std::int32_t due, Place& place) RINGDOWN_REALTIME;
   [[nodiscard]] double floor_of(const Object& object) const RINGDOWN_REALTIME;
-  void render_segment(Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME;
-  void mix_segment(const Object& object, std::size_t begin, std::size_t end) RINGDOWN_REALTIME;
+  void render_segment(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
+  void mix_segment(const Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
   void write(const Outputs& outputs, std::size_t at, std::size_t frames, float& peak) RINGDOWN_REALTIME;
   void apply(Object& object, const protocol::Event& event) RINGDOWN_REALTIME;
   void fade_out(Object& object) RINGDOWN_REALTIME;
@@ -194,18 +209,20 @@ class Mixer {
   std::vector<Object> objects_{kMostObjects};
   std::vector<protocol::ObjectNumber> active_ = std::vector<protocol::ObjectNumber>(kMostObjects);
   std::size_t active_count_ = 0;
+  std::vector<After> after_ = std::vector<After>(kMostObjects);
+  std::size_t slow_modes_ = 0;  // that took moments, or could have, in the last chunk
   std::vector<Pending> pending_ = std::vector<Pending>(kMostPendingEvents);  // a heap, earliest first
   std::size_t pending_count_ = 0;
   std::uint64_t next_order_ = 0;
-  std::uint32_t ringing_voices_ = 0, ringing_modes_ = 0;  // of the chunk being rendered
   std::vector<DueEvent> due_ = std::vector<DueEvent>(kMostEventsPerChunk);
-  std::array<double, kChunkFrames> mono_{};
-  Desk desk_;
-  ChannelSet wanted_ = 0;  // channels that are listened to in this block
-  bool together_ = false;  // whether this chunk's slow modes are summed as moments
+  std::vector<Place> places_ = std::vector<Place>(1);  // the audio thread's, then its helpers'
+  ChannelSet wanted_ = 0;                              // channels that are listened to in this block
+  std::size_t frames_ = 0;                             // of the chunk being rendered
+  bool together_ = false;                              // whether this chunk's slow modes are summed as moments
   protocol::Frame now_ = 0;
 
   // The worker's own.
+  std::unique_ptr<Crew> crew_;  // null: the audio thread is alone
   std::array<std::uint32_t, kMostObjects> voices_of_{};
   std::size_t voices_alive_ = 0;
 };

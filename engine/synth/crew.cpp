@@ -1,0 +1,77 @@
+#include "engine/synth/crew.h"
+
+#include <algorithm>
+#include <chrono>
+#include <pthread.h>
+#include <sched.h>
+#include <utility>
+
+namespace ringdown::synth {
+namespace {
+
+constexpr auto kSpin = std::chrono::milliseconds(20);  // after the last work: a few blocks
+constexpr auto kNap = std::chrono::microseconds(500);
+
+void pause() RINGDOWN_REALTIME {
+#if defined(__SSE2__)
+  _mm_pause();
+#endif
+}
+
+// As urgent as JACK's own threads, where the system allows it.
+void ask_for_realtime() {
+  const sched_param urgent{.sched_priority = std::max(sched_get_priority_min(SCHED_FIFO), 10)};
+  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &urgent));
+}
+
+}  // namespace
+
+Crew::Crew(std::size_t helpers, std::function<void(std::size_t, std::size_t)> work) : work_(std::move(work)) {
+  for (std::size_t who = 1; who <= helpers; ++who) {
+    helpers_.emplace_back([this, who](const std::stop_token& stop) { help(who, stop); });
+  }
+}
+
+Crew::~Crew() = default;
+
+void Crew::help(std::size_t who, const std::stop_token& stop) {
+  const DenormalGuard guard;
+  ask_for_realtime();
+  using Clock = std::chrono::steady_clock;
+  for (Clock::time_point last = Clock::now() - kSpin; !stop.stop_requested();) {
+    if (take_some(who)) {
+      last = Clock::now();
+    } else if (Clock::now() - last < kSpin) {
+      for (int i = 0; i < 64; ++i) pause();
+    } else {
+      std::this_thread::sleep_for(kNap);
+    }
+  }
+}
+
+RINGDOWN_TRUST_REALTIME_BEGIN  // work_ is what the constructor was given
+bool Crew::take_some(std::size_t who) RINGDOWN_REALTIME {
+  const auto count_of = [](std::uint64_t word) { return static_cast<std::size_t>(word >> kItemBits & kItemMask); };
+  const auto item_of = [](std::uint64_t word) { return static_cast<std::size_t>(word & kItemMask); };
+  const std::uint64_t seen = next_.load(std::memory_order_acquire);
+  if (item_of(seen) >= count_of(seen)) return false;
+  const std::size_t few = std::max<std::size_t>(1, count_of(seen) / (8 * (helpers_.size() + 1)));
+  const std::uint64_t mine = next_.fetch_add(few, std::memory_order_acq_rel);
+  const std::size_t begin = item_of(mine), end = std::min(begin + few, count_of(mine));
+  if (begin >= end) return false;
+  for (std::size_t item = begin; item < end; ++item) work_(item, who);
+  done_.fetch_add(end - begin, std::memory_order_release);
+  return true;
+}
+RINGDOWN_TRUST_REALTIME_END
+
+void Crew::run(std::size_t count) RINGDOWN_REALTIME {
+  const std::uint64_t round = (next_.load(std::memory_order_relaxed) >> 2 * kItemBits) + 1;
+  done_.store(0, std::memory_order_relaxed);
+  next_.store(round << 2 * kItemBits | std::uint64_t{count} << kItemBits, std::memory_order_release);
+  while (take_some(0)) {
+  }
+  while (done_.load(std::memory_order_acquire) < count) pause();
+}
+
+}  // namespace ringdown::synth

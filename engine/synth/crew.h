@@ -1,0 +1,47 @@
+// Threads that help the audio thread with a list of things to do, without a lock or a system call on its side.
+//
+// Whoever is free takes the next few items. A helper that is late, or that the system does not let run, takes none, and
+// the audio thread does them; it waits only for items that somebody has begun. Helpers spin for as long as there was
+// work lately, and sleep otherwise.
+#pragma once
+
+#include "engine/base/realtime.h"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <thread>
+#include <vector>
+
+namespace ringdown::synth {
+
+class Crew {
+ public:
+  static constexpr std::size_t kMostItems = 1 << 16;
+
+  // `work(item, who)` does an item; who is 0 on the audio thread and 1 ... helpers on the others. It lives as long as the
+  // crew, and allocates, locks and throws nothing. [worker]
+  Crew(std::size_t helpers, std::function<void(std::size_t item, std::size_t who)> work);
+  ~Crew();
+  Crew(const Crew&) = delete;
+  Crew& operator=(const Crew&) = delete;
+
+  // Has items 0 ... count - 1 done, count <= kMostItems, and returns when all are. [audio]
+  void run(std::size_t count) RINGDOWN_REALTIME;
+
+ private:
+  // Round, number of items and next item in one word: an item is taken from the round it belongs to or not at all.
+  static constexpr unsigned kItemBits = 20;
+  static constexpr std::uint64_t kItemMask = (std::uint64_t{1} << kItemBits) - 1;
+
+  void help(std::size_t who, const std::stop_token& stop);
+  [[nodiscard]] bool take_some(std::size_t who) RINGDOWN_REALTIME;
+
+  std::function<void(std::size_t, std::size_t)> work_;
+  alignas(64) std::atomic<std::uint64_t> next_{0};
+  alignas(64) std::atomic<std::size_t> done_{0};
+  std::vector<std::jthread> helpers_;
+};
+
+}  // namespace ringdown::synth
