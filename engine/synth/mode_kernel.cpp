@@ -109,6 +109,7 @@ double render_modes_here(const ModeArrays& modes, ActiveGroups& active, const En
       total += energy;
       active.list[kept] = group;
       kept += energy <= limits.floor ? 0 : 1;
+      if (energy <= limits.floor) forget_states(modes, first);
     }
     add_batch<kTogether>(batch, 0, runs, sums);
   }

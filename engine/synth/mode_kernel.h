@@ -51,7 +51,7 @@ struct ActiveGroups {
 
 // Sums of |z|^2.
 struct EnergyLimits {
-  double floor = 0;  // a group that is not above leaves the list
+  double floor = 0;  // a group that is not above leaves the list, and its states become zero
   double most = 0;   // of all together; more, or no number at all, means that something is wrong, and is not added
 };
 

@@ -57,6 +57,12 @@ HWY_INLINE void store_states(Complex z, const ModeArrays& modes, std::size_t at)
   hn::Store(z.im, Tag(), modes.z_im + at);
 }
 
+// What rests must not come back as it was, long after, with the next strike.
+HWY_INLINE void forget_states(const ModeArrays& modes, std::size_t first) {
+  const Complex none{hn::Zero(Tag()), hn::Zero(Tag())};
+  for (std::size_t i = 0; i < kModePadding; i += hn::Lanes(Tag())) store_states(none, modes, first + i);
+}
+
 HWY_INLINE Complex load_poles(const ModeArrays& modes, std::size_t at) {
   return {hn::Load(Tag(), modes.pole_re + at), hn::Load(Tag(), modes.pole_im + at)};
 }

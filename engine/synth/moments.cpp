@@ -125,6 +125,7 @@ double add_moments_here(const ModeArrays& modes, const MomentArrays& moments, Ac
     if (!(total <= limits.most)) return total;
     active.list[kept] = group;
     kept += energy <= limits.floor ? 0 : 1;
+    if (energy <= limits.floor) forget_states(modes, first);
     const std::uint16_t* const band = moments.band + first;
     const float* weights = moments.weights + first * 2 * kMoments;
     for (std::size_t m = 0; m < kModePadding;) {

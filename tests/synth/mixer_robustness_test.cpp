@@ -137,6 +137,25 @@ TEST(Silence, AGainOrPanEventDoesNotWakeAnObject) {
   EXPECT_EQ(peak(player.left), 0);
 }
 
+// Long after it rested, at a gain that would make its last state loud.
+TEST(Silence, WhatRestsIsForgotten) {
+  const Map map = map_of(random_bank(2, 400, 20));  // enough modes for moments
+  const Event none = vertex_strike_at(50 * 48000, 0, 1, {0, 0, 0});
+  for (const Event& waking : {none, clear_at(50 * 48000, 0)}) {
+    for (const std::size_t block : {8192, 32}) {
+      Player player;
+      player.install(0, map);
+      player.push(vertex_strike_at(0, 0, 1, {0.01, 0, 0}));
+      player.push(gain_at(40 * 48000, 0, 1e6));
+      player.push(waking);
+      player.render(50 * 48000, block);
+      ASSERT_EQ(player.mixer.counters().ringing_modes, 0u);
+      player.render(2000, block);
+      EXPECT_EQ(peak(player.left_from(40 * 48000)), 0);
+    }
+  }
+}
+
 // The audio thread flushes denormals: a sound scaled below the smallest normal float comes out as zero, not as a
 // denormal.
 TEST(Silence, NeverHandsDenormalsToTheSoundCard) {
