@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numeric>
 #include <tuple>
 
@@ -132,9 +133,14 @@ bool Voice::excite(const protocol::Event& event, double* im, bool wake) RINGDOWN
   const std::uint32_t *mode_of = mode_of_.data(), *column_of = column_of_.data();
   const double* weight = weight_.data();
   const double* frequency = frequency_hz_.data();
+  double energy = 0;
   for (std::size_t i = 0; i < playable_modes(); ++i) {
-    im[column_of[i]] -= weight[i] * excitation[mode_of[i]] * modal::pulse_spectrum(frequency[i], event.contact_time_s);
+    const double a = weight[i] * excitation[mode_of[i]] * modal::pulse_spectrum(frequency[i], event.contact_time_s);
+    im[column_of[i]] -= a;
+    energy += a * a;
   }
+  // Modes that die within the chunk would take the trace of an absurd strike with them: this one stays.
+  if (!(energy <= kAbsurdEnergy)) std::fill_n(im, padded_, std::numeric_limits<double>::quiet_NaN());
   if (wake) wake_all();
   return true;
 }

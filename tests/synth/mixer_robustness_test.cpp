@@ -63,6 +63,23 @@ TEST(Poison, InAStrikeOnASingleModeIsFoundToo) {
   for (const double sample : player.left) ASSERT_TRUE(std::isfinite(sample));
 }
 
+TEST(Poison, InAStrikeOnModesThatDieWithinAChunkIsFoundToo) {
+  modal::Bank with_a_slow_one = single_mode_bank(440, 1e5);  // which is not struck
+  with_a_slow_one.frequency_hz.push_back(500);
+  with_a_slow_one.decay_per_s.push_back(1);
+  with_a_slow_one.shapes.insert(with_a_slow_one.shapes.end(), 4, {1, 0, 0});
+  for (const Map& map : {map_of(single_mode_bank(440, 1e5)), map_of(with_a_slow_one)}) {
+    for (const double bad : {kNan, 1e300, 1e40, 1e30, 1e20}) {
+      Player player;
+      player.install(0, map);
+      player.push(strike_at(0, 0, {0, 0, bad}));
+      player.render(1000, 128);
+      EXPECT_EQ(player.mixer.counters().not_finite, 1u) << bad;
+      EXPECT_EQ(peak(player.left), 0) << bad;
+    }
+  }
+}
+
 TEST(Poison, InContactTimeOrPointDoesNotSpread) {
   for (const double bad : {kNan, kInf, 1e300, -1.0}) {
     EXPECT_TRUE(Poisoned(strike_at(4600, 1, {0, 0, 0.001}, bad)).bystander_unharmed) << "contact time " << bad;
