@@ -96,12 +96,17 @@ class Bundle {
       energy = render_modes(arrays(frames), active_, limits, out, frames);
       return;
     }
+    gather(frames);
+    last_other.assign(frames, 0.0);
+    synthesis_->add(*left_, *right_, out, last_other.data(), frames);
+  }
+  // Moves on, and leaves the moments to be looked at.
+  const MomentSums& gather(std::size_t frames) {
     left_->of.fill(0);
     right_->of.fill(0);
     const MomentTarget targets[] = {{left_.get(), 1.0f}, {right_.get(), -0.5f}};
     energy = add_moments(arrays(frames), {band_.data(), weights_.get()}, active_, frames, limits, targets);
-    last_other.assign(frames, 0.0);
-    synthesis_->add(*left_, *right_, out, last_other.data(), frames);
+    return *left_;
   }
   void skip(std::size_t frames, std::size_t chunk) {
     double ignored[kChunkFrames];

@@ -1,0 +1,90 @@
+#include "tests/stress/exact_voice.h"
+
+#include <utility>
+
+namespace ringdown::synth::test {
+
+ExactVoice::ExactVoice(Map map, double rate_hz, const modal::MaterialScale& material)
+    : map_(std::move(map)), modes_(map_->bank().mode_count()) {
+  for (std::size_t m = 0; m < modes_.size(); ++m) {
+    const modal::DampedMode damped = modal::rescale(map_->bank(), m, material);
+    if (damped.frequency_hz <= 0 || damped.frequency_hz >= rate_hz / 2) continue;
+    const long double omega = 2 * std::numbers::pi_v<long double> * static_cast<long double>(damped.frequency_hz);
+    modes_[m] = {.plays = true,
+                 .frequency_hz = damped.frequency_hz,
+                 .s = Exact(-static_cast<long double>(damped.decay_per_s), omega) / static_cast<long double>(rate_hz),
+                 .weight = kOutputScale * omega * map_->bank().gain / std::sqrt(material.density)};
+  }
+}
+
+void ExactVoice::advance(Frame to) {
+  const auto frames = static_cast<long double>(to - at_);
+  at_ = to;
+  if (frames == 0) return;
+  for (ExactMode& mode : modes_) {
+    if (mode.size == 0) continue;
+    mode.z *= std::polar(std::exp(mode.s.real() * frames), mode.s.imag() * frames);
+    mode.size = static_cast<double>(std::abs(mode.z));
+  }
+}
+
+double ExactVoice::strike(const Event& event) {
+  const modal::Bank& bank = map_->bank();
+  std::vector<double> at_point(modes_.size());
+  if (event.type == EventType::strike) map_->excite(event.point_m, event.impulse_ns, at_point);
+  advance(event.frame);
+  double added = 0;
+  for (std::size_t m = 0; m < modes_.size(); ++m) {
+    ExactMode& mode = modes_[m];
+    if (!mode.plays) continue;
+    long double along = at_point[m];
+    if (event.type == EventType::strike_vertex) {
+      const modal::Vec3f& shape = bank.shape(m, event.vertex);
+      along = shape[0] * event.impulse_ns.x + shape[1] * event.impulse_ns.y + shape[2] * event.impulse_ns.z;
+    }
+    const long double a = mode.weight * along * pulse_factor(mode.frequency_hz, event.contact_time_s);
+    mode.z -= Exact(0, a);
+    mode.size = static_cast<double>(std::abs(mode.z));
+    added += static_cast<double>(std::abs(a));
+  }
+  return added;
+}
+
+void ExactVoice::take_over(const ExactVoice& other, Frame now) {
+  ExactVoice old = other;
+  old.advance(now);
+  at_ = now;
+  for (std::size_t m = 0; m < modes_.size(); ++m) {
+    if (modes_[m].plays) modes_[m].z = old.modes_[m].z, modes_[m].size = old.modes_[m].size;
+  }
+}
+
+void ExactVoice::silence() {
+  for (ExactMode& mode : modes_) mode.z = 0, mode.size = 0;
+}
+
+double ExactVoice::loudness(Frame when) const {
+  const auto frames = static_cast<double>(when - at_);
+  double sum = 0;
+  for (const ExactMode& mode : modes_) {
+    if (mode.size > 0) sum += mode.size * std::exp(static_cast<double>(mode.s.real()) * frames);
+  }
+  return sum;
+}
+
+Samples ExactVoice::samples(Frame first, std::size_t count) const {
+  Samples sum(count, 0.0);
+  const auto frames = static_cast<long double>(first - at_);
+  for (const ExactMode& mode : modes_) {
+    if (mode.size == 0) continue;
+    Exact z = mode.z * std::polar(std::exp(mode.s.real() * frames), mode.s.imag() * frames);
+    const Exact pole = std::polar(std::exp(mode.s.real()), mode.s.imag());
+    for (double& sample : sum) {
+      sample += static_cast<double>(z.real());
+      z *= pole;
+    }
+  }
+  return sum;
+}
+
+}  // namespace ringdown::synth::test
