@@ -6,11 +6,15 @@
 
 #include <complex>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace ringdown::synth::test {
 
 using Exact = std::complex<long double>;
+
+// The floor of a mixer whose modes never rest.
+inline constexpr double kNever = std::numeric_limits<double>::infinity();
 
 class ExactVoice {
  public:

@@ -150,7 +150,7 @@ class Score {
   Score(std::uint32_t seed, Totals& totals)
       : dice_(seed), rate_(pick({44100, 48000, 88200, 96000, 176400, 192000})), mixer_(rate_), totals_(totals) {
     objects_.resize(1 + dice_.below(5));
-    if (dice_.chance(0.3)) mixer_.set_floor(dice_.spread(1e-9, 1e-2));
+    if (dice_.chance(0.3)) mixer_.set_floor(dice_.uniform(40, 180));
     busy_ = dice_.spread(0.3, 10);
   }
 
@@ -297,7 +297,7 @@ class Score {
 TEST(StressScores, AnyOrderOfAnythingStaysFiniteAndBelowTheSumOfItsModes) {
   const char* given = std::getenv("RINGDOWN_STRESS_SEED");
   const std::uint32_t first = given ? static_cast<std::uint32_t>(std::strtoul(given, nullptr, 10)) : 1;
-  const std::uint32_t count = given ? 1 : long_form() ? 50000 : 1500;
+  const std::uint32_t count = given ? 1 : long_form() ? 30000 : 1500;
   Totals totals;
   for (std::uint32_t seed = first; seed - first < count && !HasFailure(); ++seed) {
     SCOPED_TRACE("play this score again with RINGDOWN_STRESS_SEED=" + std::to_string(seed));
