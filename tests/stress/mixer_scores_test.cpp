@@ -3,7 +3,7 @@
 //
 // The bound. A mode sounds Re(z p^n) with |p| < 1, so no sample of it exceeds |z|, and |z| only falls but where a
 // strike adds to it. An object's gain moves between two values in a straight line, the gain of each channel is at most
-// 1, and a fade multiplies with at most 1. So within a block no sample exceeds
+// 1, and a fade multiplies with at most 1. So within a block no sample of the mix or a bus exceeds
 //   sum over objects of (largest gain in the block) (sum over modes of |z| at its beginning + what strikes in it add),
 // with |z| from the closed form, strike by strike. Without a strike the bound falls, by itself and for ever.
 //
@@ -193,7 +193,10 @@ class Score {
   void change_a_voice() {
     const auto object = static_cast<ObjectNumber>(dice_.below(objects_.size()));
     ++totals_.changes;
-    if (dice_.chance(0.2)) {
+    if (dice_.chance(0.3)) {
+      const std::size_t bus = dice_.below(kBuses + 1);
+      ASSERT_TRUE(mixer_.assign(object, bus < kBuses ? std::optional(bus) : std::nullopt));
+    } else if (dice_.chance(0.2)) {
       ASSERT_TRUE(mixer_.remove(object));
       objects_[object].remove(now_);
     } else {
@@ -248,18 +251,28 @@ class Score {
     return sum;
   }
 
+  // The mix nine times in ten, and each bus every other time; zeros stay where nobody listens.
+  Outputs choose_outputs(std::size_t frames) {
+    for (std::vector<float>& channel : channels_) channel.assign(frames, 0.0f);
+    Outputs outputs = dice_.chance(0.9) ? Outputs(channels_[0].data(), channels_[1].data()) : Outputs();
+    for (std::size_t bus = 0; bus < kBuses; ++bus) {
+      if (dice_.chance(0.5)) outputs.listen_to_bus(bus, channels_[2 + bus].data());
+    }
+    return outputs;
+  }
+
   void render(std::size_t frames) {
     const double bound = bound_of(frames);
-    left_.resize(frames);
-    right_.resize(frames);
-    mixer_.render(left_, right_);
+    mixer_.render(choose_outputs(frames), frames);
     double loudest = 0;
-    for (std::size_t n = 0; n < frames; ++n) {
-      if (!std::isfinite(left_[n]) || !std::isfinite(right_[n])) {
-        ADD_FAILURE() << "not finite at frame " << now_ + static_cast<Frame>(n);
-        return;
+    for (const std::vector<float>& channel : channels_) {
+      for (const float sample : channel) {
+        if (!std::isfinite(sample)) {
+          ADD_FAILURE() << "not finite in the block from frame " << now_;
+          return;
+        }
+        loudest = std::max(loudest, std::abs(static_cast<double>(sample)));
       }
-      loudest = std::max({loudest, std::abs(static_cast<double>(left_[n])), std::abs(static_cast<double>(right_[n]))});
     }
     EXPECT_LE(loudest, bound * (1 + kRounding)) << "in the block from frame " << now_;
     if (bound > 1e-6) totals_.closest = std::max(totals_.closest, loudest / bound);
@@ -287,7 +300,8 @@ class Score {
   Totals& totals_;
   std::vector<BoundedObject> objects_;
   std::vector<Event> pending_;  // by frame, and in the order in which the mixer takes them
-  std::vector<float> left_, right_;
+  static constexpr std::size_t kBuses = 3;
+  std::array<std::vector<float>, 2 + kBuses> channels_;  // of the last block
   std::size_t block_ = 64;
   double busy_ = 1;
   std::uint64_t strikes_pushed_ = 0;
@@ -303,15 +317,15 @@ TEST(StressScores, AnyOrderOfAnythingStaysFiniteAndBelowTheSumOfItsModes) {
     SCOPED_TRACE("play this score again with RINGDOWN_STRESS_SEED=" + std::to_string(seed));
     Score(seed, totals).play();
   }
-  enter(
-      {"random scores",
-       text("%llu scores, %llu strikes of 1e-9 to 1e6 N s, %llu banks changed or removed, gains to 1e6, blocks of 1 to "
-            "8192, 44.1 to 192 kHz, %.0f million frames",
-            static_cast<unsigned long long>(totals.scores), static_cast<unsigned long long>(totals.strikes),
-            static_cast<unsigned long long>(totals.changes), 1e-6 * static_cast<double>(totals.frames)),
-       text("all finite; loudest sample %.7f of the bound; %llu scores heard until silent", totals.closest,
-            static_cast<unsigned long long>(totals.quiet)),
-       "1.00001 of the bound"});
+  enter({"random scores",
+         text("%llu scores, %llu strikes of 1e-9 to 1e6 N s, %llu banks or buses changed or removed, gains to 1e6, "
+              "blocks of 1 to "
+              "8192, 44.1 to 192 kHz, %.0f million frames",
+              static_cast<unsigned long long>(totals.scores), static_cast<unsigned long long>(totals.strikes),
+              static_cast<unsigned long long>(totals.changes), 1e-6 * static_cast<double>(totals.frames)),
+         text("all finite; loudest sample %.7f of the bound; %llu scores heard until silent", totals.closest,
+              static_cast<unsigned long long>(totals.quiet)),
+         "1.00001 of the bound"});
 }
 
 }  // namespace
