@@ -22,13 +22,14 @@ void ExactVoice::advance(Frame to) {
   at_ = to;
   if (frames == 0) return;
   for (ExactMode& mode : modes_) {
-    if (mode.size == 0) continue;
+    if (mode.size + mode.lost == 0) continue;
     mode.z *= std::polar(std::exp(mode.s.real() * frames), mode.s.imag() * frames);
+    mode.lost *= static_cast<double>(std::exp(mode.s.real() * frames));
     mode.size = static_cast<double>(std::abs(mode.z));
   }
 }
 
-double ExactVoice::strike(const Event& event) {
+double ExactVoice::strike(const Event& event, double floor) {
   const modal::Bank& bank = map_->bank();
   std::vector<double> at_point(modes_.size());
   if (event.type == EventType::strike) map_->excite(event.point_m, event.impulse_ns, at_point);
@@ -43,6 +44,7 @@ double ExactVoice::strike(const Event& event) {
       along = shape[0] * event.impulse_ns.x + shape[1] * event.impulse_ns.y + shape[2] * event.impulse_ns.z;
     }
     const long double a = mode.weight * along * pulse_factor(mode.frequency_hz, event.contact_time_s);
+    if (mode.size - mode.lost <= floor) mode.lost = std::max(mode.lost, mode.size);
     mode.z -= Exact(0, a);
     mode.size = static_cast<double>(std::abs(mode.z));
     added += static_cast<double>(std::abs(a));
@@ -55,19 +57,21 @@ void ExactVoice::take_over(const ExactVoice& other, Frame now) {
   old.advance(now);
   at_ = now;
   for (std::size_t m = 0; m < modes_.size(); ++m) {
-    if (modes_[m].plays) modes_[m].z = old.modes_[m].z, modes_[m].size = old.modes_[m].size;
+    ExactMode& mode = modes_[m];
+    if (mode.plays) mode.z = old.modes_[m].z, mode.size = old.modes_[m].size, mode.lost = old.modes_[m].lost;
   }
 }
 
 void ExactVoice::silence() {
-  for (ExactMode& mode : modes_) mode.z = 0, mode.size = 0;
+  for (ExactMode& mode : modes_) mode.z = 0, mode.size = mode.lost = 0;
 }
 
 double ExactVoice::loudness(Frame when) const {
   const auto frames = static_cast<double>(when - at_);
   double sum = 0;
   for (const ExactMode& mode : modes_) {
-    if (mode.size > 0) sum += mode.size * std::exp(static_cast<double>(mode.s.real()) * frames);
+    const double most = mode.size + mode.lost;
+    if (most > 0) sum += most * std::exp(static_cast<double>(mode.s.real()) * frames);
   }
   return sum;
 }

@@ -20,8 +20,9 @@ class ExactVoice {
  public:
   ExactVoice(Map map, double rate_hz, const modal::MaterialScale& material = {});
 
-  // At the event's frame, which is not before any earlier one. Returns the sum over modes of what |z| it adds.
-  double strike(const Event& event);
+  // At the event's frame, which is not before any earlier one. Returns the sum over modes of what |z| it adds. Modes
+  // below `floor` may have been put to rest before: from then on they differ by what was lost, which loudness() counts.
+  double strike(const Event& event, double floor = 0);
 
   // The states of `other`, at these pitches and decays from `now` on.
   void take_over(const ExactVoice& other, Frame now);
@@ -29,7 +30,7 @@ class ExactVoice {
   // All states become zero.
   void silence();
 
-  // Sum over modes of |z| at a frame at or after the last strike: no sample is larger from there on.
+  // Sum over modes of what |z| can be at a frame at or after the last strike: no sample is larger from there on.
   [[nodiscard]] double loudness(Frame when) const;
 
   // What it sounds in frames [first, first + count), all at or after the last strike.
@@ -44,7 +45,8 @@ class ExactVoice {
     Exact s;             // per frame
     long double weight;  // output per modal velocity
     Exact z;             // at frame at_
-    double size = 0;     // |z|
+    double size = 0;     // |z| at frame at_
+    double lost = 0;     // the most that resting may have taken from z, or, by taking its opposite, added to it
   };
   void advance(Frame to);
 
