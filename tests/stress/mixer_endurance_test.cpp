@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <limits>
 #include <random>
+#include <string>
 
 namespace ringdown::synth::test {
 namespace {
@@ -18,6 +19,10 @@ const double kLn1000 = std::log(1000.0);
 
 double uniform(std::mt19937& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
+}
+
+std::string span_of(double seconds) {
+  return seconds < 3600 ? text("%g min", seconds / 60) : text("%g h", seconds / 3600);
 }
 
 // A mixer whose sound is looked at and not kept.
@@ -126,7 +131,7 @@ TEST(StressEndurance, EnergyNeverRisesInADay) {
     EXPECT_EQ(rises, 0u);
     // omega / (sample rate) is rounded to a double: after a day at 24 kHz, 1.3e10 radians, that is 1e-6 of a radian.
     EXPECT_LT(worst, -110);
-    enter({text("energy in %.4g min", seconds / 60),
+    enter({"energy in " + span_of(seconds),
            text("10 modes, T60 1 h to 24 h%s", kernel == Kernel::moments ? "; moments" : ""),
            text("%zu chunks, energy rose in %zu; states %.1f dB of the closed form at the end", chunks, rises, worst),
            "0 rises; -110 dB"});
@@ -147,7 +152,7 @@ TEST(StressEndurance, UndampedModesRingForADay) {
   const double drift = std::abs(bundle.energy / start - 1);
   const double allowed = 4 * std::numeric_limits<double>::epsilon() * static_cast<double>(chunks);
   EXPECT_LT(drift, allowed);
-  enter({text("%.4g min undamped", seconds / 60), "10 modes that never decay", text("energy within %.1e", drift),
+  enter({span_of(seconds) + " undamped", "10 modes that never decay", text("energy within %.1e", drift),
          text("%.1e", allowed)});
 }
 
@@ -192,7 +197,7 @@ TEST(StressEndurance, TheSoundOfADayStaysTheClosedForm) {
   EXPECT_EQ(heard.mixer.counters().strikes, strikes);
   EXPECT_GT(heard.mixer.counters().ringing_modes, 0u);
   EXPECT_LT(worst, -110);
-  enter({text("%g min of sound", 60 * hours), text("8 modes, blocks of 8192, a strike every %g s", strike_every_s),
+  enter({span_of(3600 * hours) + " of sound", text("8 modes, blocks of 8192, a strike every %g s", strike_every_s),
          text("%.1f dB of the closed form, each minute; %zu blocks above the falling sum of amplitudes, loudest %.4f "
               "of it",
               worst, over, closest),
