@@ -20,8 +20,8 @@ class Crew {
  public:
   static constexpr std::size_t kMostItems = 1 << 16;
 
-  // `work(item, who)` does an item; who is 0 on the audio thread and 1 ... helpers on the others. It lives as long as the
-  // crew, and allocates, locks and throws nothing. [worker]
+  // `work(item, who)` does an item; who is 0 on the audio thread and 1 ... helpers on the others. It lives as long as
+  // the crew, and allocates, locks and throws nothing. [worker]
   Crew(std::size_t helpers, std::function<void(std::size_t item, std::size_t who)> work);
   ~Crew();
   Crew(const Crew&) = delete;
