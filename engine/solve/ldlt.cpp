@@ -257,21 +257,22 @@ void Ldlt::solve(Block& x) const {
                        crown_size = std::ptrdiff_t{3 * kWidth} * plan_.crown_columns();
   double* const crown_rows = x.data() + std::ptrdiff_t{3 * kWidth} * crown_row;
   std::vector<std::vector<double>> for_crown(plan_.parts());
-  const auto sides = [&](const Supernode& node, const Strip& strip, double* other) {
+  const auto sides = [&](const Supernode& node, const Strip& strip, double* for_rows_of_crown) {
     const auto split = std::lower_bound(node.rows.begin(), node.rows.end(), crown_row) - node.rows.begin();
     return Sides{.own = x.data() + std::ptrdiff_t{kWidth} * (3 * node.first + strip.first),
                  .later = node.pivots() - strip.first - strip.width,
                  .rows = &node.rows,
                  .split = static_cast<int>(split),
+                 .first_of_crown = static_cast<int>(crown_row),
                  .x = x.data(),
-                 .other = other};
+                 .crown = for_rows_of_crown};
   };
-  const auto down = [&](int begin, int stop, double* other, const Member& member) {
+  const auto down = [&](int begin, int stop, double* for_rows_of_crown, const Member& member) {
     for (int s = begin; s < stop; ++s) {
       const Supernode& node = plan_.nodes[s];
       const double* const tiles = tiles_.data() + node.offset;
       for (const Strip& strip : strips_of(node.pivots(), node.below())) {
-        const Sides all = sides(node, strip, other);
+        const Sides all = sides(node, strip, for_rows_of_crown);
         if (member.first()) solve_down_own(strip, tiles, all);
         member.meet();
         solve_down_below(strip, tiles, all, member.begin(strip.tiles()), member.end(strip.tiles()));
@@ -285,7 +286,7 @@ void Ldlt::solve(Block& x) const {
       const double* const tiles = tiles_.data() + node.offset;
       const std::vector<Strip> strips = strips_of(node.pivots(), node.below());
       for (auto strip = strips.rbegin(); strip != strips.rend(); ++strip) {
-        const Sides all = sides(node, *strip, x.data());
+        const Sides all = sides(node, *strip, crown_rows);
         const int first = member.begin(strip->width), last = member.end(strip->width);
         for (int u = first; u < last; ++u) {
           const double pivot = diagonal_[static_cast<std::size_t>(3) * node.first + strip->first + u];
@@ -302,15 +303,14 @@ void Ldlt::solve(Block& x) const {
     const bool has_part = number < plan_.parts();
     if (has_part) {
       for_crown[number].assign(crown_size, 0.0);
-      down(plan_.part_begin(number), plan_.part_end[number],
-           for_crown[number].data() - std::ptrdiff_t{3 * kWidth} * crown_row, Member());
+      down(plan_.part_begin(number), plan_.part_end[number], for_crown[number].data(), Member());
     }
     member.meet();
     for (const auto& share : for_crown) {
       for (std::ptrdiff_t i = member.begin(crown_size); i < member.end(crown_size); ++i) crown_rows[i] += share[i];
     }
     member.meet();
-    down(crown, end, x.data(), member);
+    down(crown, end, crown_rows, member);
     up(crown, end, member);
     if (has_part) up(plan_.part_begin(number), plan_.part_end[number], Member());
   });

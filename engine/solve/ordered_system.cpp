@@ -74,10 +74,12 @@ OrderedSystem::OrderedSystem(const fem::System& system, const Elimination& plan,
 // Where a part adds its results: rows below `split` in place, those of the crown apart until all parts are done.
 struct OrderedSystem::Target {
   double* rows;
-  double* crown;  // as if it began with row 0
+  double* crown;  // from row `split` on
   int split;
 
-  [[nodiscard]] Lanes* at(int node) const { return lanes(node < split ? rows : crown, 3 * std::ptrdiff_t{node}); }
+  [[nodiscard]] Lanes* at(int node) const {
+    return node < split ? lanes(rows, 3 * std::ptrdiff_t{node}) : lanes(crown, 3 * std::ptrdiff_t{node - split});
+  }
 };
 
 RINGDOWN_CLONES
@@ -122,13 +124,13 @@ void OrderedSystem::multiply(Columns columns, const Block& x, Block& y) const {
     const int first = plan_.first_column(plan_.part_begin(part)), last = plan_.first_column(plan_.part_end[part]);
     std::fill(y.data() + std::ptrdiff_t{3 * kWidth} * first, y.data() + std::ptrdiff_t{3 * kWidth} * last, 0.0);
     for_crown[part].assign(crown_size, 0.0);
-    (this->*columns)(first, last, x.data(), {y.data(), for_crown[part].data() - offset, crown});
+    (this->*columns)(first, last, x.data(), {y.data(), for_crown[part].data(), crown});
   });
   std::copy_n(for_crown[0].data(), crown_size, y.data() + offset);
   for (int part = 1; part < plan_.parts(); ++part) {
     for (std::ptrdiff_t i = 0; i < crown_size; ++i) y.data()[offset + i] += for_crown[part][i];
   }
-  (this->*columns)(crown, node_count(), x.data(), {y.data(), y.data(), crown});
+  (this->*columns)(crown, node_count(), x.data(), {y.data(), y.data() + offset, crown});
 }
 
 void OrderedSystem::times_mass(const Block& x, Block& y) const { multiply(&OrderedSystem::mass_columns, x, y); }

@@ -58,14 +58,16 @@ struct Sides {
   double* own;
   int later;                     // unknowns of the supernode after the strip's own
   const std::vector<int>* rows;  // nodes below the supernode
-  int split;  // rows[i] begins at 3 * rows[i] * kWidth of `x` for i < split, of `other` from there on
-  double *x, *other;
+  int split;                     // rows[i] stands in `x` for i < split, in `crown` from there on
+  int first_of_crown;            // the node that `crown` begins with
+  double *x, *crown;
 
   // Row i below the strip's own.
   [[nodiscard]] Lanes* below(int i, int width) const {
     if (i < later) return lanes(own, width + i);
     const int row = (i - later) / 3;
-    return lanes(row < split ? x : other, 3 * static_cast<std::ptrdiff_t>((*rows)[row]) + (i - later) % 3);
+    const std::ptrdiff_t node = (*rows)[row], unknown = (i - later) % 3;
+    return row < split ? lanes(x, 3 * node + unknown) : lanes(crown, 3 * (node - first_of_crown) + unknown);
   }
 };
 

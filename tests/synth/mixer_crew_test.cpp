@@ -3,8 +3,8 @@
 #include "tests/synth/player.h"
 
 #include <atomic>
+#include <chrono>
 #include <random>
-#include <thread>
 
 namespace ringdown::synth::test {
 namespace {
@@ -31,7 +31,9 @@ TEST(Crew, HelpersHelp) {
   std::atomic<int> by_helpers = 0;
   Crew crew(1, [&](std::size_t, std::size_t who) {
     by_helpers += who == 1 ? 1 : 0;
-    std::this_thread::sleep_for(std::chrono::microseconds(50));
+    const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(50);
+    while (std::chrono::steady_clock::now() < end) {
+    }
   });
   for (int round = 0; round < 200 && by_helpers == 0; ++round) crew.run(100);
   EXPECT_GT(by_helpers, 0);
