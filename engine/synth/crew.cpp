@@ -49,9 +49,9 @@ void Crew::help(std::size_t who, const std::stop_token& stop) {
   }
 }
 
-RINGDOWN_TRUST_REALTIME_BEGIN  // work_ is what the constructor was given
-    bool
-    Crew::take_some(std::size_t who) RINGDOWN_REALTIME {
+// work_ is what the constructor was given, and promised to be fit for the audio thread.
+RINGDOWN_TRUST_REALTIME_BEGIN
+bool Crew::take_some(std::size_t who) RINGDOWN_REALTIME {
   const auto count_of = [](std::uint64_t word) { return static_cast<std::size_t>(word >> kItemBits & kItemMask); };
   const auto item_of = [](std::uint64_t word) { return static_cast<std::size_t>(word & kItemMask); };
   const std::uint64_t seen = next_.load(std::memory_order_acquire);

@@ -1,7 +1,7 @@
 // Threads that help the audio thread with a list of things to do, without a lock or a system call on its side.
 //
 // Whoever is free takes the next few items. A helper that is late, or that the system does not let run, takes none, and
-// the audio thread does them; it waits only for items that somebody has begun. Helpers spin for as long as there was
+// the audio thread does them; it waits only for items that somebody has taken. Helpers spin for as long as there was
 // work lately, and sleep otherwise.
 #pragma once
 

@@ -50,7 +50,7 @@ struct MomentTarget {
 };
 
 // Adds the moments of the active groups to each target and moves their states on by `frames` <= kChunkFrames; groups
-// that fall below the floor leave the list. Returns the sum of |z|^2 before: when it is above `most_energy`, or no
+// that fall below the floor leave the list. Returns the sum of |z|^2 before: when it is above `limits.most`, or no
 // number, the rest was left undone, and nothing of what was wrong was added. [audio]
 double add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
                    const EnergyLimits& limits, std::span<const MomentTarget> targets) RINGDOWN_REALTIME;

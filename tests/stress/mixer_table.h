@@ -1,13 +1,13 @@
-// The mixer's part of the stress suite's table: printed as it goes, and written as Markdown to the file that
-// $RINGDOWN_STRESS_TABLE names.
+// The table of the mixer's stress suite (table_file.h): one line for each case.
 #pragma once
+
+#include "tests/stress/table_file.h"
 
 #include <string>
 
 namespace ringdown::synth::test {
 
-// The long form runs with RINGDOWN_STRESS=long.
-bool long_form();
+using ringdown::test::long_form;
 
 struct MixerLine {
   std::string name;     // the case

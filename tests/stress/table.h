@@ -1,6 +1,7 @@
-// The table of the stress suite: one line for each case, printed as it goes, and written as Markdown to the file that
-// $RINGDOWN_STRESS_TABLE names.
+// The table of the stress suite of bakes (table_file.h): one line for each case.
 #pragma once
+
+#include "tests/stress/table_file.h"
 
 #include <Eigen/Core>
 
@@ -8,9 +9,6 @@
 #include <string>
 
 namespace ringdown::test {
-
-// The long form runs with RINGDOWN_STRESS=long.
-bool long_form();
 
 inline constexpr double kNotSaid = std::numeric_limits<double>::quiet_NaN();
 
