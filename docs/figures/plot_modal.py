@@ -7,7 +7,6 @@ Above, for each body: worst error of the first 50 modes against seconds, one lin
 each program takes for the same 200 modes, with its ratio to ours. --table puts this machine's row into the table of that
 page, between its marks, in place of an older row of the same machine. Needs Debian's python3-matplotlib.
 """
-import argparse
 import csv
 
 import matplotlib
@@ -16,7 +15,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib import ticker
 
-from results_table import put_into_table
+from results_table import command
 
 # Okabe & Ito's colours, which the colour-blind can tell apart; each also has its own marker or hatch.
 ELEMENTS = {
@@ -156,19 +155,5 @@ def table_row(rows):
     return "| " + " | ".join(cells) + " |"
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("csv")
-    parser.add_argument("picture")
-    parser.add_argument("--table", help="a page with the marks of the table")
-    arguments = parser.parse_args()
-    rows = read(arguments.csv)
-    if not rows:
-        parser.exit(1, f"{arguments.csv} has no rows\n")
-    draw(rows, arguments.picture)
-    if arguments.table:
-        put_into_table(arguments.table, "modal results", TABLE_HEAD, table_row(rows))
-
-
 if __name__ == "__main__":
-    main()
+    command(__doc__, read, draw, "modal results", TABLE_HEAD, table_row)
