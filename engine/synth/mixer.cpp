@@ -21,8 +21,8 @@ constexpr double kLongestRamp_s = 3600;
 constexpr double kLargestValue = 1e6;  // of a gain or pan: what is beyond, or no number, would spoil the whole mix
 
 template <class T>
-void count(std::atomic<T>& counter) RINGDOWN_REALTIME {
-  counter.fetch_add(1, std::memory_order_relaxed);
+void count(std::atomic<T>& counter, std::size_t times = 1) RINGDOWN_REALTIME {
+  if (times > 0) counter.fetch_add(times, std::memory_order_relaxed);
 }
 
 bool is_strike(EventType type) RINGDOWN_REALTIME {
@@ -31,19 +31,7 @@ bool is_strike(EventType type) RINGDOWN_REALTIME {
 
 }  // namespace
 
-double Mixer::Ramp::at(Frame frame) const RINGDOWN_REALTIME {
-  if (frame >= end) return to;
-  if (frame <= begin) return from;
-  return from + (to - from) * (static_cast<double>(frame - begin) / static_cast<double>(end - begin));
-}
-
-void Mixer::Ramp::aim(double target, Frame now, Frame length) RINGDOWN_REALTIME {
-  *this = {at(now), target, now, now + length};
-}
-
-Mixer::Mixer(double sample_rate_hz)
-    : sample_rate_hz_(sample_rate_hz),
-      queues_{SpscRing<Event>(kQueueCapacity), SpscRing<Event>(kQueueCapacity), SpscRing<Event>(kQueueCapacity)} {}
+Mixer::Mixer(double sample_rate_hz) : sample_rate_hz_(sample_rate_hz) {}
 
 Mixer::~Mixer() {
   for (; const Order* order = orders_.front(); orders_.pop()) delete order->voice;
@@ -60,11 +48,6 @@ void Mixer::set_threads(std::size_t threads) {
   if (threads < 2) return;
   crew_ = std::make_unique<Crew>(threads - 1, [this](std::size_t item, std::size_t who)
                                                   RINGDOWN_REALTIME { render_item(item, places_.data()[who]); });
-}
-
-bool Mixer::push(Producer producer, const Event& event) RINGDOWN_REALTIME {
-  assert(event.object < kMostObjects);
-  return queues_[static_cast<std::size_t>(producer)].push(event);
 }
 
 bool Mixer::install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice, Install how) {
@@ -103,7 +86,7 @@ void Mixer::render(std::span<float> left, std::span<float> right) RINGDOWN_REALT
 void Mixer::render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME {
   const DenormalGuard guard;
   accept_orders();
-  accept_events();
+  count(counters_.late, agenda_.accept(now_));
   wanted_ = outputs.wanted();
   float peak = 0;
   Place& place = places_.data()[0];
@@ -111,7 +94,7 @@ void Mixer::render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME
   for (std::size_t done = 0; done < frames;) {
     std::size_t chunk = frames - done;
     const Frame rest = static_cast<Frame>(chunk);
-    if (active_count_ == 0 && (pending_count_ == 0 || pending_.data()[0].event.frame >= now_ + rest)) {
+    if (active_count_ == 0 && !agenda_.next_before(now_ + rest)) {
       place.desk.open(chunk);
     } else {
       chunk = std::min(kChunkFrames, chunk);
@@ -159,38 +142,19 @@ void Mixer::carry_out(const Order& order) RINGDOWN_REALTIME {
   keep_as_tail(object, old);
 }
 
-void Mixer::accept_events() RINGDOWN_REALTIME {
-  Pending* heap = pending_.data();
-  for (auto& queue : queues_) {
-    for (; pending_count_ < kMostPendingEvents; queue.pop()) {
-      const Event* event = queue.front();
-      if (!event) break;
-      heap[pending_count_] = {*event, next_order_++};
-      if (event->frame < now_) {
-        heap[pending_count_].event.frame = now_;
-        count(counters_.late);
-      }
-      ++pending_count_;
-      std::push_heap(heap, heap + pending_count_, Later{});
-    }
-  }
-}
-
 // Sorts the events of the coming chunk to their objects.
 void Mixer::take_due_events(std::size_t frames) RINGDOWN_REALTIME {
-  Pending* heap = pending_.data();
   DueEvent* due = due_.data();
   const Frame end = now_ + static_cast<Frame>(frames);
-  for (std::int32_t place = 0; pending_count_ > 0 && heap[0].event.frame < end; ++place) {
-    if (place == static_cast<std::int32_t>(kMostEventsPerChunk)) return;
-    const Event& event = heap[0].event;
-    Object& object = objects_.data()[event.object];
-    due[place] = {event, static_cast<std::size_t>(std::max<Frame>(event.frame - now_, 0)), -1};
-    due[place].event.frame = std::max(event.frame, now_);  // it may have been left over from the chunk before
+  for (std::int32_t place = 0; place < static_cast<std::int32_t>(kMostEventsPerChunk); ++place, agenda_.pop()) {
+    const Event* event = agenda_.next_before(end);
+    if (!event) return;
+    Object& object = objects_.data()[event->object];
+    due[place] = {*event, static_cast<std::size_t>(std::max<Frame>(event->frame - now_, 0)), -1};
+    due[place].event.frame = std::max(event->frame, now_);  // it may have been left over from the chunk before
     (object.first_due < 0 ? object.first_due : due[object.last_due].next) = place;
     object.last_due = place;
     activate(object);
-    std::pop_heap(heap, heap + pending_count_--, Later{});
   }
 }
 
@@ -203,6 +167,7 @@ void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
     places[who].desk.open(frames);
     places[who].ringing_voices = places[who].ringing_modes = places[who].slow_modes = 0;
   }
+  prepare_tables(frames);
   if (crew_ && much) {
     crew_->run(active_count_);
   } else {
@@ -217,6 +182,16 @@ void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
     places[0].ringing_modes += places[who].ringing_modes;
   }
   places[0].desk.close();
+}
+
+// Before several threads read them.
+void Mixer::prepare_tables(std::size_t frames) RINGDOWN_REALTIME {
+  if (frames == kChunkFrames) return;
+  for (std::size_t i = 0; i < active_count_; ++i) {
+    Object& object = objects_.data()[active_.data()[i]];
+    if (object.current) object.current->table().prepare(frames);
+    for (Voice* voice = object.tails; voice; voice = voice->next) voice->table().prepare(frames);
+  }
 }
 
 // What rang in the last chunk decides. In units of what moments cost for a mode, 2 ns: moments cost kMomentsFixed more,
@@ -258,8 +233,6 @@ void Mixer::keep_active() RINGDOWN_REALTIME {
 
 // Renders one object's share of the chunk.
 void Mixer::render_object(Object& object, Place& place) RINGDOWN_REALTIME {
-  if (object.current) object.current->prepare(frames_);
-  for (Voice* voice = object.tails; voice; voice = voice->next) voice->prepare(frames_);
   if ((together_ || !heard(object)) && plain_in_chunk(object)) {
     render_together(object, place);
   } else {

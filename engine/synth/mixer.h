@@ -13,8 +13,10 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
+#include "engine/synth/agenda.h"
 #include "engine/synth/crew.h"
 #include "engine/synth/desk.h"
+#include "engine/synth/ramp.h"
 #include "engine/synth/voice.h"
 #include "protocol/event.h"
 
@@ -32,8 +34,6 @@ namespace ringdown::synth {
 // Capacities. Past one, a push or install returns false and nothing changes.
 inline constexpr std::size_t kMostObjects = 1024;
 inline constexpr std::size_t kMostVoices = 4096;              // playing, ringing out or waiting for collect()
-inline constexpr std::size_t kQueueCapacity = 4096;           // events one producer may have in its ring
-inline constexpr std::size_t kMostPendingEvents = 8192;       // events waiting in the mixer for their frame
 inline constexpr std::size_t kMostEventsPerChunk = 512;       // more in one chunk happen up to kChunkFrames later
 inline constexpr std::size_t kMostBuses = kMostChannels - 2;  // outputs beside the stereo mix
 
@@ -55,8 +55,6 @@ class Outputs {
   std::array<float*, kMostChannels> samples_;  // those that are wanted
   ChannelSet wanted_ = 0;
 };
-
-enum class Producer : std::size_t { control, worker, scene, kCount };
 
 // Numbers that any thread may read while the mixer runs.
 struct MixerCounters {
@@ -86,7 +84,9 @@ class Mixer {
 
   // Hands an event over. False when the producer's ring is full: the event was not taken. The event's object is
   // < kMostObjects and its numbers are finite. [the producer's thread]
-  [[nodiscard]] bool push(Producer producer, const protocol::Event& event) RINGDOWN_REALTIME;
+  [[nodiscard]] bool push(Producer producer, const protocol::Event& event) RINGDOWN_REALTIME {
+    return agenda_.push(producer, event);
+  }
 
   enum class Install {
     replace,  // the old voice rings out, the new one takes the strikes to come
@@ -120,23 +120,6 @@ class Mixer {
   [[nodiscard]] const MixerCounters& counters() const { return counters_; }
 
  private:
-  // A value that moves linearly from one frame to another, independent of how the time between is cut into blocks.
-  struct Ramp {
-    double from = 0, to = 0;
-    protocol::Frame begin = 0, end = 0;
-    [[nodiscard]] double at(protocol::Frame frame) const RINGDOWN_REALTIME;
-    [[nodiscard]] bool still_at(protocol::Frame frame) const RINGDOWN_REALTIME { return frame >= end; }
-    void aim(double target, protocol::Frame now, protocol::Frame length) RINGDOWN_REALTIME;
-  };
-  struct Pending {
-    protocol::Event event;
-    std::uint64_t order;  // among events of one frame: first pushed, first played
-  };
-  struct Later {
-    bool operator()(const Pending& a, const Pending& b) const RINGDOWN_REALTIME {
-      return a.event.frame != b.event.frame ? a.event.frame > b.event.frame : a.order > b.order;
-    }
-  };
   struct DueEvent {
     protocol::Event event;
     std::size_t offset;  // frames into the chunk
@@ -174,9 +157,9 @@ class Mixer {
 
   void accept_orders() RINGDOWN_REALTIME;
   void carry_out(const Order& order) RINGDOWN_REALTIME;
-  void accept_events() RINGDOWN_REALTIME;
   void take_due_events(std::size_t frames) RINGDOWN_REALTIME;
   void render_chunk(std::size_t frames) RINGDOWN_REALTIME;
+  void prepare_tables(std::size_t frames) RINGDOWN_REALTIME;
   [[nodiscard]] bool choose_path(std::size_t frames) RINGDOWN_REALTIME;
   void render_item(std::size_t item, Place& place) RINGDOWN_REALTIME;
   void keep_active() RINGDOWN_REALTIME;
@@ -201,7 +184,7 @@ class Mixer {
   const double sample_rate_hz_;
   std::atomic<double> floor_{1e-6};
   MixerCounters counters_;
-  std::array<SpscRing<protocol::Event>, static_cast<std::size_t>(Producer::kCount)> queues_;
+  Agenda agenda_;
   SpscRing<Order> orders_{kMostVoices + kMostObjects};
   SpscRing<Retired> retired_{kMostVoices};
 
@@ -211,9 +194,6 @@ class Mixer {
   std::size_t active_count_ = 0;
   std::vector<After> after_ = std::vector<After>(kMostObjects);
   std::size_t slow_modes_ = 0;  // that took moments, or could have, in the last chunk
-  std::vector<Pending> pending_ = std::vector<Pending>(kMostPendingEvents);  // a heap, earliest first
-  std::size_t pending_count_ = 0;
-  std::uint64_t next_order_ = 0;
   std::vector<DueEvent> due_ = std::vector<DueEvent>(kMostEventsPerChunk);
   std::vector<Place> places_ = std::vector<Place>(1);  // the audio thread's, then its helpers'
   ChannelSet wanted_ = 0;                              // channels that are listened to in this block

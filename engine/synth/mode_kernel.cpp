@@ -127,6 +127,12 @@ void fill_advances_here(const ModeArrays& modes, std::size_t count, std::size_t 
   }
 }
 
+void skip_modes_here(const ModeArrays& modes, std::size_t count, std::uint64_t frames) {
+  for (std::size_t i = 0; i < count; i += hn::Lanes(Tag())) {
+    store_states(multiply(load_states(modes, i), power(load_poles(modes, i), frames)), modes, i);
+  }
+}
+
 const char* target_here() { return hwy::TargetName(HWY_TARGET); }
 
 }  // namespace ringdown::synth::HWY_NAMESPACE
@@ -137,6 +143,7 @@ namespace ringdown::synth {
 
 HWY_EXPORT(render_modes_here);
 HWY_EXPORT(fill_advances_here);
+HWY_EXPORT(skip_modes_here);
 HWY_EXPORT(target_here);
 
 std::array<float, 2 * kRun> run_of(std::complex<double> s) {
@@ -159,6 +166,10 @@ double render_modes(const ModeArrays& modes, ActiveGroups& active, const EnergyL
 void fill_advances(const ModeArrays& modes, std::size_t count, std::size_t frames, double* to_re,
                    double* to_im) RINGDOWN_REALTIME {
   HWY_DYNAMIC_DISPATCH(fill_advances_here)(modes, count, frames, to_re, to_im);
+}
+
+void skip_modes(const ModeArrays& modes, std::size_t count, std::uint64_t frames) RINGDOWN_REALTIME {
+  HWY_DYNAMIC_DISPATCH(skip_modes_here)(modes, count, frames);
 }
 RINGDOWN_TRUST_REALTIME_END
 

@@ -66,6 +66,10 @@ double render_modes(const ModeArrays& modes, ActiveGroups& active, const EnergyL
 void fill_advances(const ModeArrays& modes, std::size_t count, std::size_t frames, double* to_re,
                    double* to_im) RINGDOWN_REALTIME;
 
+// z *= p^frames for the first `count` modes, a multiple of kModePadding: at most 2 log2(frames) products a mode,
+// relative error about 1e-16 frames. [audio]
+void skip_modes(const ModeArrays& modes, std::size_t count, std::uint64_t frames) RINGDOWN_REALTIME;
+
 // The instruction set in use: "AVX3", "AVX2", "NEON", ... [any]
 const char* kernel_target();
 

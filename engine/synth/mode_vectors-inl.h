@@ -37,8 +37,8 @@ HWY_INLINE Complex multiply(Complex a, Complex b) {
 
 HWY_INLINE Vec norm(Complex z) { return hn::MulAdd(z.re, z.re, hn::Mul(z.im, z.im)); }
 
-// p^exponent by repeated squaring: at most 2 log2(kChunkFrames) products, relative error about 1e-15.
-HWY_INLINE Complex power(Complex base, std::size_t exponent) {
+// p^exponent by repeated squaring: at most 2 log2(exponent) products, relative error about 1e-16 exponent.
+HWY_INLINE Complex power(Complex base, std::uint64_t exponent) {
   const Tag tag;
   Complex result{hn::Set(tag, 1.0), hn::Zero(tag)};
   for (; exponent > 0; exponent >>= 1) {

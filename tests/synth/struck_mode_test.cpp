@@ -102,8 +102,8 @@ TEST(StruckMode, OverdampedByAMaterialIsLeftOut) {
   modal::Bank bank = bar_bank(3);
   const Map map = map_of(bank);
   const auto voice = voice_of(map, kRate, {.alpha = 1e6});
-  EXPECT_EQ(voice->playable_modes(), 0u);
-  EXPECT_EQ(voice_of(map)->playable_modes(), 3u);
+  EXPECT_EQ(voice->table().playable_modes(), 0u);
+  EXPECT_EQ(voice_of(map)->table().playable_modes(), 3u);
 }
 
 TEST(Gain, AndPanScaleTheClosedForm) {

@@ -1,0 +1,57 @@
+// The events to come: one ring per producer, and the audio thread's queue of what waits for its frame.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/base/spsc_ring.h"
+#include "protocol/event.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace ringdown::synth {
+
+// Capacities. Past the first, push() returns false; past the second, events stay in their rings.
+inline constexpr std::size_t kQueueCapacity = 4096;      // events one producer may have in its ring
+inline constexpr std::size_t kMostPendingEvents = 8192;  // events waiting for their frame
+
+enum class Producer : std::size_t { control, worker, scene, kCount };
+
+class Agenda {
+ public:
+  // Hands an event over. False when the producer's ring is full: the event was not taken. [the producer's thread]
+  [[nodiscard]] bool push(Producer producer, const protocol::Event& event) RINGDOWN_REALTIME {
+    return rings_[static_cast<std::size_t>(producer)].push(event);
+  }
+
+  // Takes what the producers pushed; an event whose frame has passed gets frame `now`. Returns how many of these there
+  // were. [audio]
+  std::size_t accept(protocol::Frame now) RINGDOWN_REALTIME;
+
+  // The earliest event, if it happens before frame `end`; of events at one frame the one pushed first. [audio]
+  [[nodiscard]] const protocol::Event* next_before(protocol::Frame end) const RINGDOWN_REALTIME {
+    return count_ > 0 && heap_.data()[0].event.frame < end ? &heap_.data()[0].event : nullptr;
+  }
+  void pop() RINGDOWN_REALTIME;  // [audio]
+
+ private:
+  struct Pending {
+    protocol::Event event;
+    std::uint64_t order;
+  };
+  struct Later {
+    bool operator()(const Pending& a, const Pending& b) const RINGDOWN_REALTIME {
+      return a.event.frame != b.event.frame ? a.event.frame > b.event.frame : a.order > b.order;
+    }
+  };
+  using Ring = SpscRing<protocol::Event>;
+
+  std::array<Ring, static_cast<std::size_t>(Producer::kCount)> rings_{Ring(kQueueCapacity), Ring(kQueueCapacity),
+                                                                      Ring(kQueueCapacity)};
+  std::vector<Pending> heap_ = std::vector<Pending>(kMostPendingEvents);  // earliest first
+  std::size_t count_ = 0;
+  std::uint64_t next_order_ = 0;
+};
+
+}  // namespace ringdown::synth

@@ -1,0 +1,128 @@
+#include "engine/synth/mode_table.h"
+
+#include "engine/modal/contact_pulse.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace ringdown::synth {
+namespace {
+
+std::size_t groups_for(std::size_t modes) { return (modes + kModePadding - 1) / kModePadding; }
+
+struct PlayableMode {
+  std::uint32_t mode;  // of the bank
+  modal::DampedMode damped;
+  std::complex<double> s;  // exponent per frame
+};
+
+// Those that take moments first, each kind by frequency.
+std::vector<PlayableMode> playable_modes_of(const modal::Bank& bank, const modal::MaterialScale& material,
+                                            double sample_rate_hz) {
+  std::vector<PlayableMode> playable;
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const modal::DampedMode mode = modal::rescale(bank, m, material);
+    if (mode.frequency_hz <= 0 || mode.frequency_hz >= 0.5 * sample_rate_hz) continue;
+    const double omega = modal::hz_to_rad_per_s(mode.frequency_hz);
+    playable.push_back(
+        {static_cast<std::uint32_t>(m), mode, std::complex<double>(-mode.decay_per_s, omega) / sample_rate_hz});
+  }
+  const auto order = [](const PlayableMode& m) {
+    return std::tuple(!takes_moments(m.s), m.damped.frequency_hz, m.mode);
+  };
+  std::sort(playable.begin(), playable.end(),
+            [&](const PlayableMode& a, const PlayableMode& b) { return order(a) < order(b); });
+  return playable;
+}
+
+}  // namespace
+
+ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material,
+                     double sample_rate_hz)
+    : map_(std::move(map)), column_of_(bank().mode_count(), -1) {
+  const std::vector<PlayableMode> playable = playable_modes_of(bank(), material, sample_rate_hz);
+  slow_modes_ = static_cast<std::size_t>(
+      std::count_if(playable.begin(), playable.end(), [](const PlayableMode& m) { return takes_moments(m.s); }));
+  slow_groups_ = groups_for(slow_modes_);
+  columns_ = kModePadding * (slow_groups_ + groups_for(playable.size() - slow_modes_));
+  rows_ = aligned_zeros<double>(kRows * columns_);
+  strides_ = aligned_zeros<float>(2 * columns_);
+  runs_ = aligned_zeros<float>(columns_ * 2 * kRun);
+  moment_weights_ = aligned_zeros<float>(columns_ * 2 * kMoments);
+  band_.assign(columns_, 0);
+  for (const PlayableMode& mode : playable) {
+    const std::size_t skipped = mode_of_.size() < slow_modes_ ? 0 : kModePadding * slow_groups_ - slow_modes_;
+    column_.push_back(static_cast<std::uint32_t>(mode_of_.size() + skipped));
+    const double shape = modal::shape_factor(material), omega = modal::hz_to_rad_per_s(mode.damped.frequency_hz);
+    weight_.push_back(kOutputScale * bank().gain * omega * shape);
+    add_mode(mode.mode, mode.damped, mode.s);
+  }
+  if (slow_modes_ > 0)
+    std::fill(band_.begin() + static_cast<std::ptrdiff_t>(slow_modes_), band_.end(), band_[slow_modes_ - 1]);
+}
+
+// Of the last column.
+void ModeTable::add_mode(std::uint32_t mode, const modal::DampedMode& damped, std::complex<double> s) {
+  const std::uint32_t at = column_.back();
+  const auto put = [at](std::complex<double> value, auto* re, auto* im) {
+    re[at] = static_cast<std::remove_reference_t<decltype(*re)>>(value.real());
+    im[at] = static_cast<std::remove_reference_t<decltype(*im)>>(value.imag());
+  };
+  mode_of_.push_back(mode);
+  column_of_[mode] = static_cast<std::int32_t>(at);
+  frequency_hz_.push_back(damped.frequency_hz);
+  put(std::exp(s), row(pole_re), row(pole_im));
+  put(std::exp(s * static_cast<double>(kChunkFrames)), row(full_re), row(full_im));
+  put(std::exp(s * static_cast<double>(kRun)), strides_.get(), strides_.get() + columns_);
+  std::ranges::copy(run_of(s), runs_.get() + std::size_t{at} * 2 * kRun);
+  if (mode_of_.size() > slow_modes_) return;
+  band_[at] = band_of(s);
+  std::ranges::copy(moment_weights(s), moment_weights_.get() + std::size_t{at} * 2 * kMoments);
+}
+
+std::optional<std::size_t> ModeTable::column_of(std::size_t mode) const RINGDOWN_REALTIME {
+  const std::int32_t column = column_of_.data()[mode];
+  if (column < 0) return std::nullopt;
+  return static_cast<std::size_t>(column);
+}
+
+std::optional<double> ModeTable::strike(const protocol::Event& event, std::span<double> scratch,
+                                        double* amplitudes) const RINGDOWN_REALTIME {
+  if (event.type == protocol::EventType::strike_vertex) {
+    if (event.vertex >= bank().point_count()) return std::nullopt;
+    map_->excite_vertex(event.vertex, event.impulse_ns, scratch);
+  } else {
+    map_->excite(event.point_m, event.impulse_ns, scratch);
+  }
+  const std::uint32_t *mode = mode_of_.data(), *column = column_.data();
+  const double *weight = weight_.data(), *frequency = frequency_hz_.data();
+  double energy = 0;
+  for (std::size_t i = 0; i < playable_modes(); ++i) {
+    const double a = weight[i] * scratch[mode[i]] * modal::pulse_spectrum(frequency[i], event.contact_time_s);
+    amplitudes[column[i]] = a;
+    energy += a * a;
+  }
+  return energy;
+}
+
+void ModeTable::prepare(std::size_t frames) RINGDOWN_REALTIME {
+  if (frames == kChunkFrames || frames == rest_frames_) return;
+  rest_frames_ = frames;
+  fill_advances(modes(nullptr, nullptr, 0), columns_, frames, row(rest_re), row(rest_im));
+}
+
+ModeArrays ModeTable::modes(double* z_re, double* z_im, std::size_t frames) const RINGDOWN_REALTIME {
+  ModeArrays modes{.z_re = z_re,
+                   .z_im = z_im,
+                   .pole_re = row(pole_re),
+                   .pole_im = row(pole_im),
+                   .stride_re = strides_.get(),
+                   .stride_im = strides_.get() + columns_,
+                   .runs = runs_.get()};
+  if (frames == kChunkFrames) modes.advance_re = row(full_re), modes.advance_im = row(full_im);
+  if (frames == rest_frames_) modes.advance_re = row(rest_re), modes.advance_im = row(rest_im);
+  return modes;
+}
+
+}  // namespace ringdown::synth

@@ -1,0 +1,80 @@
+// What the modes of a bank need at one sample rate in one material: poles, tables, moments' weights. Objects that sound
+// alike share one.
+//
+// Modes at or above Nyquist, and over-damped ones, are left out. The others stand in columns: those that take moments
+// first, each kind by frequency and padded with silent ones to whole groups of kModePadding.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/modal/material_scale.h"
+#include "engine/modal/strike_map.h"
+#include "engine/synth/aligned_array.h"
+#include "engine/synth/mode_kernel.h"
+#include "engine/synth/moments.h"
+#include "protocol/event.h"
+
+#include <complex>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace ringdown::synth {
+
+// Output samples per unit of modal acceleration [kg^1/2 m/s^2]: the uniform part of the radiation factor
+// G_n = 2 pi f_n kOutputScale. Chosen so that a strike of 0.1 N s on a 1 kg object peaks near -12 dB of full scale.
+inline constexpr double kOutputScale = 1e-4;
+
+class ModeTable {
+ public:
+  // [worker]
+  ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz);
+
+  [[nodiscard]] const modal::Bank& bank() const RINGDOWN_REALTIME { return map_->bank(); }
+  [[nodiscard]] std::size_t playable_modes() const RINGDOWN_REALTIME { return mode_of_.size(); }
+  [[nodiscard]] std::size_t slow_modes() const RINGDOWN_REALTIME { return slow_modes_; }  // that take moments
+  [[nodiscard]] std::size_t columns() const RINGDOWN_REALTIME { return columns_; }
+  [[nodiscard]] std::size_t groups() const RINGDOWN_REALTIME { return columns_ / kModePadding; }
+  [[nodiscard]] std::size_t slow_groups() const RINGDOWN_REALTIME { return slow_groups_; }
+
+  // The column of mode `mode` of the bank; nullopt where it is not playable.
+  [[nodiscard]] std::optional<std::size_t> column_of(std::size_t mode) const RINGDOWN_REALTIME;
+  // The mode of the bank that is playable mode `i`, and its column.
+  [[nodiscard]] std::size_t mode_of(std::size_t i) const RINGDOWN_REALTIME { return mode_of_.data()[i]; }
+  [[nodiscard]] std::size_t column(std::size_t i) const RINGDOWN_REALTIME { return column_.data()[i]; }
+
+  // The output amplitude that a strike (EventType::strike or strike_vertex) gives the mode of each column, and the sum
+  // of their squares; nullopt when the vertex does not exist. `scratch` has one element per mode of the bank,
+  // `amplitudes` one per column; its padding stays as it was. [audio]
+  [[nodiscard]] std::optional<double> strike(const protocol::Event& event, std::span<double> scratch,
+                                             double* amplitudes) const RINGDOWN_REALTIME;
+
+  // Finds what chunks of `frames` need, so that it is found once. [audio, while no other thread renders]
+  void prepare(std::size_t frames) RINGDOWN_REALTIME;
+
+  // For the kernels: these states, columns() long, in chunks of `frames`.
+  [[nodiscard]] ModeArrays modes(double* z_re, double* z_im, std::size_t frames) const RINGDOWN_REALTIME;
+  [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME { return {band_.data(), moment_weights_.get()}; }
+
+ private:
+  enum Row { pole_re, pole_im, full_re, full_im, rest_re, rest_im, kRows };
+
+  void add_mode(std::uint32_t mode, const modal::DampedMode& damped, std::complex<double> s);
+  [[nodiscard]] double* row(Row which) const RINGDOWN_REALTIME { return rows_.get() + which * columns_; }
+
+  std::shared_ptr<const modal::StrikeMap> map_;
+  std::vector<std::uint32_t> mode_of_, column_;  // of playable mode i
+  std::vector<std::int32_t> column_of_;          // of a mode of the bank; -1 where it is not playable
+  std::vector<double> weight_;                   // output per modal velocity: G_n, the bank's gain, the density scale
+  std::vector<double> frequency_hz_;
+  std::size_t columns_ = 0, slow_modes_ = 0, slow_groups_ = 0;
+  std::size_t rest_frames_ = 0;         // whose advance stands in rest_re and rest_im
+  AlignedArray<double> rows_;           // kRows x columns
+  AlignedArray<float> strides_;         // 2 x columns: p^kRun
+  AlignedArray<float> runs_;            // columns x 2 kRun
+  AlignedArray<float> moment_weights_;  // columns x 2 kMoments
+  std::vector<std::uint16_t> band_;
+};
+
+}  // namespace ringdown::synth

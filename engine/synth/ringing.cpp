@@ -1,0 +1,148 @@
+#include "engine/synth/ringing.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace ringdown::synth {
+namespace {
+
+constexpr EnergyLimits kKeepAll{-1, Ringing::kAbsurdEnergy};
+
+}  // namespace
+
+Ringing::Ringing(const ModeTable& table) : table_(table), states_(aligned_zeros<double>(kRows * table.columns())) {
+  for (std::vector<std::uint32_t>* list : {&groups_, &aside_groups_, &fade_groups_}) {
+    list->resize(table.groups());
+    std::iota(list->begin(), list->end(), 0);
+  }
+  slow_.list = groups_.data();
+  fast_.list = groups_.data() + table.slow_groups();
+}
+
+// a sin(omega t) = Re(-i a exp(i omega t)): a strike lowers the imaginary part of z.
+void Ringing::add(const double* amplitudes, double gain) RINGDOWN_REALTIME {
+  double* const im = row(z_im);
+  for (std::size_t i = 0; i < table_.columns(); ++i) im[i] -= gain * amplitudes[i];
+  wake();
+}
+
+void Ringing::add_aside(const double* amplitudes, double gain) RINGDOWN_REALTIME {
+  double* const im = row(aside_im);
+  for (std::size_t i = 0; i < table_.columns(); ++i) im[i] -= gain * amplitudes[i];
+}
+
+void Ringing::add(const Ringing& other, double gain) RINGDOWN_REALTIME {
+  assert(&table_ == &other.table_);
+  for (const Row which : {z_re, z_im}) {
+    double* const mine = row(which);
+    const double* const theirs = other.row(which);
+    for (std::size_t i = 0; i < table_.columns(); ++i) mine[i] += gain * theirs[i];
+  }
+  wake();
+}
+
+void Ringing::wake() RINGDOWN_REALTIME {
+  slow_.count = table_.slow_groups();
+  fast_.count = table_.groups() - slow_.count;
+  std::iota(slow_.list, slow_.list + table_.groups(), 0);
+}
+
+void Ringing::take_over(const Ringing& other) RINGDOWN_REALTIME {
+  for (const Row which : {z_re, z_im, fade_re, fade_im}) {
+    double* const mine = row(which);
+    const double* const theirs = other.row(which);
+    for (std::size_t i = 0; i < table_.playable_modes(); ++i) {
+      const std::optional<std::size_t> from = other.table_.column_of(table_.mode_of(i));
+      mine[table_.column(i)] = from ? theirs[*from] : 0.0;
+    }
+  }
+  fade_left_ = other.fade_left_;
+  if (other.slow_.count + other.fast_.count > 0) wake();
+}
+
+void Ringing::fade_out() RINGDOWN_REALTIME {
+  // A fade may still be running: what is left of it joins the new one at its present level.
+  const double level = static_cast<double>(fade_left_) / kFadeFrames;
+  for (const auto& [from, to] : {std::pair{z_re, fade_re}, std::pair{z_im, fade_im}}) {
+    for (std::size_t i = 0; i < table_.columns(); ++i) {
+      row(to)[i] = level * row(to)[i] + row(from)[i];
+      row(from)[i] = 0;
+    }
+  }
+  fade_left_ = kFadeFrames;
+  rest();
+}
+
+bool Ringing::render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME {
+  const EnergyLimits limits{floor * floor, kAbsurdEnergy};
+  double energy = fade_left_ > 0 ? render_fade(out, frames) : 0.0;
+  for (ActiveGroups* groups : {&slow_, &fast_}) {
+    if (groups->count > 0) energy += render_modes(modes(z_re, z_im, frames), *groups, limits, out, frames);
+  }
+  return keep_if_sane(energy);
+}
+
+bool Ringing::render_together(std::span<const MomentTarget> targets, double* out, std::size_t frames,
+                              double floor) RINGDOWN_REALTIME {
+  const EnergyLimits limits{floor * floor, kAbsurdEnergy};
+  const ModeArrays all = modes(z_re, z_im, frames);
+  double energy = fade_left_ > 0 ? render_fade(out, frames) : 0.0;
+  if (fast_.count > 0) energy += render_modes(all, fast_, limits, out, frames);
+  if (slow_.count > 0) energy += add_moments(all, table_.moments(), slow_, frames, limits, targets);
+  return keep_if_sane(energy);
+}
+
+bool Ringing::render_aside(double* out, std::size_t frames) RINGDOWN_REALTIME {
+  ActiveGroups all{aside_groups_.data(), aside_groups_.size()};
+  return keep_if_sane(render_modes(modes(aside_re, aside_im, frames), all, kKeepAll, out, frames));
+}
+
+bool Ringing::keep_if_sane(double energy) RINGDOWN_REALTIME {
+  if (energy <= kAbsurdEnergy) return true;
+  silence();
+  return false;
+}
+
+void Ringing::join() RINGDOWN_REALTIME {
+  for (const auto& [from, to] : {std::pair{aside_re, z_re}, std::pair{aside_im, z_im}}) {
+    for (std::size_t i = 0; i < table_.columns(); ++i) {
+      row(to)[i] += row(from)[i];
+      row(from)[i] = 0;
+    }
+  }
+  wake();
+}
+
+void Ringing::skip(protocol::Frame frames) RINGDOWN_REALTIME {
+  if (frames > 0) skip_modes(modes(z_re, z_im, 0), table_.columns(), static_cast<std::uint64_t>(frames));
+}
+
+// Returns the energy of what fades, as render_modes() does.
+double Ringing::render_fade(double* out, std::size_t frames) RINGDOWN_REALTIME {
+  double sum[kChunkFrames] = {};
+  ActiveGroups all{fade_groups_.data(), fade_groups_.size()};
+  const double energy = render_modes(modes(fade_re, fade_im, frames), all, kKeepAll, sum, frames);
+  for (std::size_t n = 0; n < frames && fade_left_ > 0; ++n, --fade_left_) {
+    out[n] += sum[n] * static_cast<double>(fade_left_) / kFadeFrames;
+  }
+  if (fade_left_ == 0) clear_row(fade_re), clear_row(fade_im);
+  return energy;
+}
+
+std::size_t Ringing::sounding_modes() const RINGDOWN_REALTIME {
+  return std::min(kModePadding * slow_.count, table_.slow_modes()) +
+         std::min(kModePadding * fast_.count, table_.playable_modes() - table_.slow_modes());
+}
+
+void Ringing::silence() RINGDOWN_REALTIME {
+  for (const Row which : {z_re, z_im, aside_re, aside_im, fade_re, fade_im}) clear_row(which);
+  rest();
+  fade_left_ = 0;
+}
+
+void Ringing::clear_row(Row which) RINGDOWN_REALTIME { std::fill_n(row(which), table_.columns(), 0.0); }
+
+}  // namespace ringdown::synth
