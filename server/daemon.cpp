@@ -72,7 +72,8 @@ ExitCode render_to_file(const DaemonOptions& options) {
                                          .seconds = options.seconds,
                                          .sample_rate_hz = options.sample_rate_hz,
                                          .block_frames = options.block_frames,
-                                         .floor_db = options.floor_db},
+                                         .floor_db = options.floor_db,
+                                         .limiter_db = options.limiter_db},
                                         [&cancelled](double) { return !(cancelled = signal_came(0ms)); });
   if (!recording) return report(recording.error(), cancelled ? ExitCode::cancelled : ExitCode::bad_input);
   if (const auto written = write_audio(*recording, options.output); !written) {
@@ -86,6 +87,7 @@ ExitCode render_to_file(const DaemonOptions& options) {
 ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<Driver> opened) {
   Session session(opened->sample_rate_hz());
   session.rack().mixer().set_floor(options.floor_db);
+  session.rack().mixer().limit(options.limiter_db);
   session.rack().mixer().set_threads(options.threads);
   const std::unique_ptr<Driver> driver = std::move(opened);  // after the session, so that it stops before that goes
   if (options.scene_to) {

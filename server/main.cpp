@@ -60,6 +60,12 @@ int main(int argc, char** argv) {
   app.add_option("--floor", options.floor_db, "Modes this many dB below full scale rest until they are struck")
       ->check(CLI::Range(20.0, 300.0))
       ->capture_default_str();
+  app.add_option("--limiter", options.limiter_db,
+                 "Keep the mix below a ceiling in dB, -1 unless given; it comes 2 ms later")
+      ->expected(0, 1)
+      ->default_str("-1")
+      ->check(CLI::Range(-60.0, 0.0))
+      ->type_name("DB");
   app.add_option("--seconds", options.seconds, "Stop after this time; wav: the length of the file")
       ->check(CLI::Range(0.0, 86400.0));
   app.add_option("-o,--output", options.output, "File to write (wav): .wav or .flac")->capture_default_str();

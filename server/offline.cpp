@@ -24,6 +24,7 @@ class Run {
 
   Result<void> prepare() {
     session_.rack().mixer().set_floor(options_.floor_db);
+    session_.rack().mixer().limit(options_.limiter_db);
     for (const auto& [name, bank] : options_.objects) {
       if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());
     }
@@ -40,7 +41,7 @@ class Run {
     if (!(seconds > 0 && seconds <= kLongestRender_s)) {
       return fail("nothing to render: name a scene or a score, or a length of 0 to 86400 s with --seconds");
     }
-    const auto frames = static_cast<std::size_t>(std::llround(seconds * options_.sample_rate_hz));
+    const auto frames = static_cast<std::size_t>(std::llround(seconds * options_.sample_rate_hz)) + latency();
     recording_.left.resize(frames);
     recording_.right.resize(frames);
     return {};
@@ -53,6 +54,9 @@ class Run {
       render_until(std::min(begin + block, total));
       if (!progress(static_cast<double>(now_) / static_cast<double>(total)))
         return fail("cancelled; nothing was written");
+    }
+    for (auto* channel : {&recording_.left, &recording_.right}) {
+      channel->erase(channel->begin(), channel->begin() + static_cast<std::ptrdiff_t>(latency()));
     }
     return {};
   }
@@ -97,6 +101,8 @@ class Run {
   void flush_now_and_then() {
     if (++pushed_ % (synth::kQueueCapacity / 2) == 0) session_.rack().mixer().render({}, {});
   }
+
+  [[nodiscard]] std::size_t latency() { return session_.rack().mixer().latency_frames(); }
 
   [[nodiscard]] Frame frame_of(const ScoreEvent& event) const {
     return std::max(now_, static_cast<Frame>(std::llround(event.time_s * options_.sample_rate_hz)));

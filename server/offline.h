@@ -24,7 +24,8 @@ struct OfflineOptions {
                                   // last event and kTail_s
   double sample_rate_hz = 48000;
   std::size_t block_frames = 256;
-  double floor_db = 120;  // below full scale, where modes rest (Mixer::set_floor)
+  double floor_db = 120;             // below full scale, where modes rest (Mixer::set_floor)
+  std::optional<double> limiter_db;  // ceiling of the mix (Mixer::limit); its delay is taken off again
 };
 
 inline constexpr double kTail_s = 5;

@@ -1,6 +1,7 @@
 #include "engine/bake/audibility.h"
 
 #include "engine/bake/importance.h"
+#include "engine/modal/masking.h"
 
 #include <Eigen/Dense>
 
@@ -14,7 +15,6 @@ namespace ringdown::bake {
 namespace {
 
 constexpr double kLoudest_db = 60;      // SPL, for the level-dependent slope
-constexpr double kLeastOffset_db = 25;  // beats below 1 dB
 constexpr double kMinute_s = 60;        // what outlasts it is not waited for
 constexpr Eigen::Index kRowsAtOnce = 256;
 
@@ -50,11 +50,6 @@ Eigen::MatrixXd strike_amplitudes(const modal::Bank& bank) {
   return amplitudes;
 }
 
-// Critical-band rate [Zwicker & Terhardt 1980, eq. 1].
-double bark(double frequency_hz) {
-  return 13 * std::atan(0.00076 * frequency_hz) + 3.5 * std::atan(std::pow(frequency_hz / 7500, 2));
-}
-
 // A mode's level at one point: `start` + `fall` t, the loudest starting at kLoudest_db.
 struct Heard {
   double start_db, collected_db, fall_db_per_s, frequency_hz, bark;
@@ -66,7 +61,7 @@ std::vector<Heard> heard_at(const modal::Bank& bank, const Eigen::Ref<const Eige
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double power = std::pow(amplitudes[static_cast<Eigen::Index>(m)], 2), decay = bank.decay_per_s[m];
     heard.push_back({db(power), db(power * collected_s(decay)), -20 * decay / std::numbers::ln10, bank.frequency_hz[m],
-                     bark(bank.frequency_hz[m])});
+                     modal::bark(bank.frequency_hz[m])});
     loudest = std::max(loudest, heard.back().start_db);
     most_collected = std::max(most_collected, heard.back().collected_db);
   }
@@ -80,9 +75,7 @@ std::vector<Heard> heard_at(const modal::Bank& bank, const Eigen::Ref<const Eige
 
 bool hides(const Heard& masker, const Heard& masked, double time_s) {
   const double level = masker.start_db + masker.fall_db_per_s * time_s;
-  const double distance = masked.bark - masker.bark;
-  const double slope = distance < 0 ? 27 : 24 + 230 / masker.frequency_hz - 0.2 * level;
-  const double threshold = level - std::max(kLeastOffset_db, 14.5 + masker.bark) - slope * std::abs(distance);
+  const double threshold = modal::masked_below_db(level, masker.frequency_hz, masker.bark, masked.bark);
   return masked.start_db + masked.fall_db_per_s * time_s < threshold;
 }
 
@@ -93,7 +86,7 @@ bool is_heard(const std::vector<Heard>& modes, std::size_t m, const std::vector<
   // Threshold and level are straight lines in time, so that it is enough to look at both ends.
   const double until_s = std::clamp((floor - mode.start_db) / std::min(mode.fall_db_per_s, -1e-9), 0.0, kMinute_s);
   for (std::size_t j = 0; j < modes.size(); ++j) {
-    if (may_mask[j] && modes[j].start_db > mode.start_db + kLeastOffset_db && hides(modes[j], mode, 0) &&
+    if (may_mask[j] && modes[j].start_db > mode.start_db + modal::kLeastMaskingOffset_db && hides(modes[j], mode, 0) &&
         hides(modes[j], mode, until_s)) {
       return false;
     }

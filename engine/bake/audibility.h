@@ -8,17 +8,10 @@
 // and falls by 8.7 d_n dB a second. At that point it is inaudible when either holds:
 //
 // - floor: both its first level and the energy that the ear collects of it in 0.2 s are more than floor_db below those
-// of
-//   the loudest mode there;
-// - masking: one louder mode hides it from its start until it has fallen to the floor. Mode j, at level L, hides what
-// is
-//   below  L - max(25, 14.5 + z_j) - slope * distance [dB],  z_j and the distance in Bark [Zwicker & Terhardt, J.
-//   Acoust. Soc. Am. 68, 1980]. Slopes are Terhardt's [Hearing Research 1, 1979], as van den Doel, Knott & Pai use them
-//   to cull modes [Presence 13(1), 2004]: 27 dB/Bark towards lower pitch, 24 + 230 Hz/f_j - 0.2 L towards higher, the
-//   loudest mode taken as 60 dB SPL (played louder it hides more). The offset 14.5 + z is Schroeder, Atal & Hall's for
-//   a tone that masks [J. Acoust. Soc. Am. 66, 1979]; at 25 dB the beats of two close tones change the level by less
-//   than 1 dB, about what one can hear. Because levels are followed in time, a masker that dies sooner does not mask. A
-//   mode that is itself dropped hides nothing.
+//   of the loudest mode there;
+// - masking: one louder mode hides it (engine/modal/masking.h) from its start until it has fallen to the floor; the loudest
+//   mode is taken as 60 dB SPL (played louder it hides more). Because levels are followed in time, a masker that dies
+//   sooner does not mask. A mode that is itself dropped hides nothing.
 //
 // A mode is dropped only when it is inaudible at every point. Glancing blows, and listening louder than the floor
 // allows for, can find it.

@@ -42,6 +42,11 @@ Mixer::~Mixer() {
   }
 }
 
+void Mixer::limit(std::optional<double> ceiling_db) {
+  limiter_.reset();
+  if (ceiling_db) limiter_.emplace(sample_rate_hz_, *ceiling_db);
+}
+
 void Mixer::set_threads(std::size_t threads) {
   crew_.reset();
   places_ = std::vector<Place>(std::max<std::size_t>(1, threads));
@@ -104,6 +109,7 @@ void Mixer::render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME
     done += chunk;
     now_ += static_cast<Frame>(chunk);
   }
+  if (limiter_) peak = std::max(peak, limit_mix(outputs, frames));
   counters_.ringing_voices.store(place.ringing_voices, std::memory_order_relaxed);
   counters_.ringing_modes.store(place.ringing_modes, std::memory_order_relaxed);
   counters_.peak.store(peak, std::memory_order_relaxed);
@@ -114,11 +120,18 @@ void Mixer::write(const Outputs& outputs, std::size_t at, std::size_t frames, fl
   for (ChannelSet rest = wanted_; rest != 0; rest &= rest - 1) {
     const auto c = static_cast<std::size_t>(std::countr_zero(rest));
     if (const double* samples = places_.data()[0].desk.result(c)) {
-      peak = std::max(peak, write_samples(samples, outputs.at(c) + at, frames));
+      const float highest = write_samples(samples, outputs.at(c) + at, frames);
+      if (!limiter_ || c >= kFirstBus) peak = std::max(peak, highest);
     } else {
       std::fill_n(outputs.at(c) + at, frames, 0.0f);
     }
   }
+}
+
+float Mixer::limit_mix(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME {
+  const auto wanted = [&](std::size_t channel)
+                          RINGDOWN_REALTIME { return contains(wanted_, channel) ? outputs.at(channel) : nullptr; };
+  return limiter_->process(wanted(kLeft), wanted(kRight), frames);
 }
 
 void Mixer::accept_orders() RINGDOWN_REALTIME {

@@ -16,6 +16,7 @@
 #include "engine/synth/agenda.h"
 #include "engine/synth/crew.h"
 #include "engine/synth/desk.h"
+#include "engine/synth/limiter.h"
 #include "engine/synth/ramp.h"
 #include "engine/synth/voice.h"
 #include "protocol/event.h"
@@ -81,6 +82,13 @@ class Mixer {
   // Spreads big scenes over so many threads, the audio thread among them; 1 unless set. With more than one, rounding
   // depends on who does what. [worker, while nothing is rendered]
   void set_threads(std::size_t threads);
+
+  // Keeps the mix, but not the buses, below a ceiling in dB of full scale, and latency_frames() late (limiter.h);
+  // nullopt: samples go out as they are, as in the beginning. [worker, while nothing is rendered]
+  void limit(std::optional<double> ceiling_db);
+
+  // By how much the mix comes later than events say. [any, but not while limit() runs]
+  [[nodiscard]] std::size_t latency_frames() const { return limiter_ ? limiter_->delay_frames() : 0; }
 
   // Hands an event over. False when the producer's ring is full: the event was not taken. The event's object is
   // < kMostObjects and its numbers are finite. [the producer's thread]
@@ -172,6 +180,7 @@ class Mixer {
   void render_segment(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
   void mix_segment(const Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
   void write(const Outputs& outputs, std::size_t at, std::size_t frames, float& peak) RINGDOWN_REALTIME;
+  [[nodiscard]] float limit_mix(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME;
   void apply(Object& object, const protocol::Event& event) RINGDOWN_REALTIME;
   void fade_out(Object& object) RINGDOWN_REALTIME;
   void activate(Object& object) RINGDOWN_REALTIME;
@@ -187,6 +196,8 @@ class Mixer {
   Agenda agenda_;
   SpscRing<Order> orders_{kMostVoices + kMostObjects};
   SpscRing<Retired> retired_{kMostVoices};
+
+  std::optional<Limiter> limiter_;
 
   // The audio thread's own.
   std::vector<Object> objects_{kMostObjects};
