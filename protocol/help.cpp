@@ -25,12 +25,15 @@ Ringdown is played over OSC 1.0 by UDP, on port {port} of this computer unless t
   Mechanics, equation 11.24) a ball that meets steel at 1 m/s stays 0.07 ms if it is steel of 10 mm radius, and at 15 mm
   0.1 ms if it is hardwood, 0.2 ms hard plastic, 0.7 ms hard rubber.
 - **Time**: a message outside a bundle is played at once, that is a fixed short latency after it arrived, so that the
-  time between two messages is kept. A bundle's timetag says when its messages are played, to the sample; bundles nest
-  up to 4 deep, and an inner one is never earlier than the one around it.
+  time between two messages is kept (`--latency`; one block of audio and a sixteenth unless set). A bundle's timetag says
+  when its messages are played, to the sample; one whose time is past is played at once, and counted. It may lie up to an
+  hour ahead. Bundles nest up to 4 deep, and an inner one is never earlier than the one around it.
 - **Answers** go to the port the request came from. Every refusal is `/fail address sentence`, and the sentence names
   the argument. Where no answer is listed, silence is success; send `/sync` to be sure that all before it has arrived.
-- **Limits**: 64 arguments, an address of 256 characters, no OSC address patterns. A datagram with any fault in it is
-  refused whole.
+- **Patterns** of OSC 1.0 stand for objects, and for what follows them: `/object/glass*/gain`,
+  `/object/{bell,bowl}/[!f]*`. `?` is one character, `*` any number, `[a-z]` and `[!a-z]` a set, `{low,high}` words. They
+  are matched with names, not numbers; one that matches nothing is a `/fail`.
+- **Limits**: 64 arguments, an address of 256 characters. A datagram with any fault in it is refused whole.
 
 )";
 

@@ -7,6 +7,7 @@
 #include <cassert>
 #include <charconv>
 #include <numeric>
+#include <unordered_map>
 
 namespace ringdown::protocol {
 namespace {
@@ -34,11 +35,16 @@ std::string replace_once(std::string_view text, std::string_view what, std::stri
   return std::string(text.substr(0, at)).append(with).append(text.substr(at + what.size()));
 }
 
+// "/object/bell/gain" -> "/gain"; nothing else changes.
+std::string_view without_object(std::string_view address) {
+  if (!address.starts_with(kObjectPrefix)) return address;
+  return address.substr(kObjectPrefix.size() + object_in(address).size());
+}
+
 // "/object/bell/gain" -> "/object/{object}/gain"
-std::string pattern_of(std::string_view address) {
+std::string skeleton_of(std::string_view address) {
   if (!address.starts_with(kObjectPrefix)) return std::string(address);
-  const std::string_view rest = address.substr(kObjectPrefix.size() + object_in(address).size());
-  return std::string(kObjectPrefix).append(kPlaceholder).append(rest);
+  return std::string(kObjectPrefix).append(kPlaceholder).append(without_object(address));
 }
 
 // Levenshtein's distance: the fewest letters to insert, remove or change.
@@ -56,14 +62,31 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+// Where a row stands, found in a time that neither the rows nor the objects change.
+template <class Any>
+struct Index {
+  std::unordered_map<std::string_view, const Row<Any>*> plain, of_object;  // the latter by what follows the object
+
+  explicit Index(const std::vector<Row<Any>>& rows) {
+    for (const Row<Any>& row : rows) {
+      (row.spec.arguments_in_address() ? of_object : plain)[without_object(row.spec.address)] = &row;
+    }
+  }
+  [[nodiscard]] const Row<Any>* find(std::string_view address) const {
+    const auto& rows = address.starts_with(kObjectPrefix) ? of_object : plain;
+    const auto found = rows.find(without_object(address));
+    return found == rows.end() ? nullptr : found->second;
+  }
+};
+
 template <class Any>
 Result<const Row<Any>*> find_row(const std::vector<Row<Any>>& rows, std::string_view address) {
   constexpr std::size_t kLongestAddress = 256;
   if (address.size() > kLongestAddress) return fail(quoted(address) + " is no address: it is too long");
-  const std::string pattern = pattern_of(address);
-  const auto same = [&](const Row<Any>& row) { return row.spec.address == pattern; };
-  if (const auto row = std::ranges::find_if(rows, same); row != rows.end()) return &*row;
-  const auto distance = [&](const Row<Any>& row) { return edit_distance(pattern, row.spec.address); };
+  static const Index<Any> index(rows);
+  if (const Row<Any>* row = index.find(address)) return row;
+  const std::string skeleton = skeleton_of(address);
+  const auto distance = [&](const Row<Any>& row) { return edit_distance(skeleton, row.spec.address); };
   const Row<Any>& nearest = *std::ranges::min_element(rows, {}, distance);
   return fail(quoted(address) + " is no address; the nearest is " + std::string(nearest.spec.address));
 }

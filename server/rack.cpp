@@ -3,6 +3,8 @@
 #include "engine/modal/bank_file.h"
 #include "protocol/names.h"
 
+#include <algorithm>
+
 namespace ringdown::server {
 namespace {
 
@@ -26,22 +28,40 @@ std::string file_key(const std::filesystem::path& path) {
 
 Result<RackObject> Rack::find(const ObjectRef& object) const {
   const std::scoped_lock lock(mutex_);
-  if (!object.number) {
-    const auto found = objects_.find(object.name);
-    if (found != objects_.end()) return found->second;
-  } else {
-    for (const auto& [name, candidate] : objects_) {
-      if (candidate.number == *object.number) return candidate;
-    }
+  std::size_t number = objects_.size();
+  if (object.number) {
+    number = *object.number;
+  } else if (const auto found = numbers_.find(object.name); found != numbers_.end()) {
+    number = found->second;
   }
+  if (number < objects_.size() && objects_[number]) return *objects_[number];
   return fail("object: there is no object " + shown(object) + "; load one with /load");
 }
 
 std::vector<RackObject> Rack::objects() const {
-  const std::scoped_lock lock(mutex_);
   std::vector<RackObject> objects;
-  for (const auto& [name, object] : objects_) objects.push_back(object);
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& [name, number] : numbers_) objects.push_back(*objects_[number]);
+  }
+  std::ranges::sort(objects, {}, &RackObject::name);
   return objects;
+}
+
+std::vector<std::string> Rack::names() const {
+  std::vector<std::string> names;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& [name, number] : numbers_) names.push_back(name);
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+void Rack::keep(RackObject object) {
+  const std::scoped_lock lock(mutex_);
+  numbers_[object.name] = object.number;
+  objects_[object.number] = std::move(object);
 }
 
 Result<protocol::ObjectNumber> Rack::load(const std::string& name, const std::filesystem::path& bank) {
@@ -57,8 +77,7 @@ Result<protocol::ObjectNumber> Rack::load(const std::string& name, const std::fi
   }
   if (const auto installed = install(object, synth::Mixer::Install::replace); !installed)
     return fail(installed.error());
-  const std::scoped_lock lock(mutex_);
-  objects_[name] = object;
+  keep(object);
   return object.number;
 }
 
@@ -67,8 +86,7 @@ Result<void> Rack::set_material(const ObjectRef& ref, const modal::MaterialScale
   if (!object) return fail(object.error());
   object->material = scale;
   if (const auto installed = install(*object, synth::Mixer::Install::retune); !installed) return installed;
-  const std::scoped_lock lock(mutex_);
-  objects_[object->name] = *object;
+  keep(*object);
   return {};
 }
 
@@ -77,7 +95,8 @@ Result<void> Rack::free(const ObjectRef& ref) {
   if (!object) return fail(object.error());
   if (!mixer_.remove(object->number)) return fail("object: too many changes at once; try again");
   const std::scoped_lock lock(mutex_);
-  objects_.erase(object->name);
+  numbers_.erase(object->name);
+  objects_[object->number].reset();
   return {};
 }
 
@@ -96,10 +115,8 @@ Result<std::shared_ptr<const modal::StrikeMap>> Rack::read(const std::filesystem
 
 Result<protocol::ObjectNumber> Rack::free_number() const {
   const std::scoped_lock lock(mutex_);
-  std::vector<bool> taken(synth::kMostObjects);
-  for (const auto& [name, object] : objects_) taken[object.number] = true;
   for (protocol::ObjectNumber number = 0; number < synth::kMostObjects; ++number) {
-    if (!taken[number] && !mixer_.in_use(number)) return number;
+    if (!objects_[number] && !mixer_.in_use(number)) return number;
   }
   return fail("name: all " + std::to_string(synth::kMostObjects) +
               " objects are in use; free one with /object/.../free");

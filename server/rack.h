@@ -14,7 +14,9 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace ringdown::server {
@@ -34,9 +36,12 @@ class Rack {
   [[nodiscard]] synth::Mixer& mixer() { return mixer_; }
   [[nodiscard]] const synth::Mixer& mixer() const { return mixer_; }
 
-  // [any but audio]
+  // Takes as long with one object as with kMostObjects. [any but audio]
   [[nodiscard]] Result<RackObject> find(const protocol::ObjectRef& object) const;
+
+  // By name. [any but audio]
   [[nodiscard]] std::vector<RackObject> objects() const;
+  [[nodiscard]] std::vector<std::string> names() const;
 
   // A bank, ready to be struck; shared with every object that plays the same unchanged file. [worker]
   Result<std::shared_ptr<const modal::StrikeMap>> read(const std::filesystem::path& bank);
@@ -59,8 +64,12 @@ class Rack {
   [[nodiscard]] Result<void> install(const RackObject& object, synth::Mixer::Install how);
 
   synth::Mixer mixer_;
-  mutable std::mutex mutex_;                                           // guards objects_
-  std::map<std::string, RackObject> objects_;                          // changed by the worker only
+  // Puts an object in the table, or its successor in its place. [worker]
+  void keep(RackObject object);
+
+  mutable std::mutex mutex_;  // guards the next two, which the worker alone changes
+  std::vector<std::optional<RackObject>> objects_ = std::vector<std::optional<RackObject>>(synth::kMostObjects);
+  std::unordered_map<std::string, protocol::ObjectNumber> numbers_;    // by name
   std::map<std::string, std::weak_ptr<const modal::StrikeMap>> maps_;  // worker: banks in use, by file and its time
 };
 

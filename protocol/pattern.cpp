@@ -1,0 +1,123 @@
+#include "protocol/pattern.h"
+
+#include "protocol/names.h"
+#include "protocol/schema.h"
+
+#include <bitset>
+#include <cassert>
+
+namespace ringdown::protocol {
+namespace {
+
+constexpr std::size_t kLongestText = 127;
+constexpr std::string_view kObjectPrefix = "/object/";
+
+// How far into the text the pattern may have come.
+using Places = std::bitset<kLongestText + 1>;
+
+template <class Accepts>
+Places step(const Places& places, std::string_view text, Accepts accepts) {
+  Places next;
+  for (std::size_t i = 0; i < text.size(); ++i) next[i + 1] = places[i] && accepts(text[i]);
+  return next;
+}
+
+Places step_word(Places places, std::string_view text, std::string_view word) {
+  for (const char wanted : word) {
+    places = step(places, text, [wanted](char c) { return c == wanted; });
+  }
+  return places;
+}
+
+Places step_any(const Places& places, std::string_view text) {
+  Places next = places;
+  for (std::size_t i = 0; i < text.size(); ++i) next[i + 1] = next[i + 1] || next[i];
+  return next;
+}
+
+// "abc", "a-z", "!a-z"
+bool in_set(std::string_view set, char c) {
+  const bool negated = set.starts_with('!');
+  if (negated) set.remove_prefix(1);
+  bool found = false;
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    if (i + 2 < set.size() && set[i + 1] == '-') {
+      found = found || (set[i] <= c && c <= set[i + 2]);
+      i += 2;
+    } else {
+      found = found || set[i] == c;
+    }
+  }
+  return found != negated;
+}
+
+Places step_words(const Places& places, std::string_view text, std::string_view words) {
+  Places next;
+  for (;;) {
+    const std::size_t comma = words.find(',');
+    next |= step_word(places, text, words.substr(0, comma));
+    if (comma == words.npos) return next;
+    words.remove_prefix(comma + 1);
+  }
+}
+
+// What stands between the pattern's first character and `close`; takes all of it off. No value when it is not closed.
+std::optional<std::string_view> take_enclosed(std::string_view& pattern, char close) {
+  const std::size_t end = pattern.find(close);
+  if (end == pattern.npos) return std::nullopt;
+  const std::string_view inside = pattern.substr(1, end - 1);
+  pattern.remove_prefix(end + 1);
+  return inside;
+}
+
+}  // namespace
+
+bool matches(std::string_view pattern, std::string_view text) {
+  assert(text.size() <= kLongestText);
+  Places places;
+  places[0] = true;
+  while (!pattern.empty() && places.any()) {
+    const char first = pattern.front();
+    if (first == '[' || first == '{') {
+      const auto inside = take_enclosed(pattern, first == '[' ? ']' : '}');
+      if (!inside || inside->empty()) return false;
+      places = first == '{' ? step_words(places, text, *inside)
+                            : step(places, text, [&](char c) { return in_set(*inside, c); });
+      continue;
+    }
+    pattern.remove_prefix(1);
+    if (first == '*') {
+      places = step_any(places, text);
+    } else {
+      places = step(places, text, [first](char c) { return first == '?' || c == first; });
+    }
+  }
+  return places[text.size()];
+}
+
+Result<std::vector<std::string>> expand(std::string_view pattern, std::span<const std::string> names) {
+  const std::string shown = quoted(pattern);
+  if (!pattern.starts_with(kObjectPrefix)) {
+    return fail(shown + ": patterns stand for objects, as in /object/glass*/gain; write other addresses out");
+  }
+  const std::string_view rest = pattern.substr(kObjectPrefix.size());
+  const std::string_view object = rest.substr(0, rest.find('/'));
+  const std::string_view action = rest.substr(std::min(rest.size(), object.size() + 1));
+  std::vector<std::string> actions, addresses;
+  for (const AddressSpec& spec : protocol::addresses()) {
+    if (spec.arguments_in_address() == 0) continue;
+    const std::string_view known = spec.address.substr(spec.address.rfind('/') + 1);
+    if (matches(action, known)) actions.emplace_back(known);
+  }
+  if (actions.empty()) return fail(shown + " matches no address: " + quoted(action) + " is nothing an object can do");
+  for (const std::string& name : names) {
+    if (name != object && !matches(object, name)) continue;
+    for (const std::string& known : actions) addresses.push_back(std::string(kObjectPrefix) + name + "/" + known);
+  }
+  if (addresses.empty()) {
+    return fail(shown + " matches none of the " + std::to_string(names.size()) + " objects' names");
+  }
+  return addresses;
+}
+
+}  // namespace ringdown::protocol
