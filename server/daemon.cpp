@@ -1,6 +1,7 @@
 #include "server/daemon.h"
 
 #include "server/driver.h"
+#include "server/latency.h"
 #include "server/offline.h"
 #include "server/osc_server.h"
 #include "server/remote_strikes.h"
@@ -105,7 +106,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
     return report(started.error(), ExitCode::no_jack);
   }
   Worker worker([&session] { session.rack().collect(); }, 50ms);
-  const OscServer server(std::move(socket), {session, worker, *driver, [&quit] { quit = true; }});
+  const OscServer server(std::move(socket), {session, worker, *driver, [&quit] { quit = true; }, options.latency});
   const std::jthread scene = start_scene(session, *driver);
   spdlog::info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options.address, server.port(),
                session.rack().objects().size(), driver->sample_rate_hz(), driver->block_frames(),

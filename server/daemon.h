@@ -4,6 +4,7 @@
 #include "engine/base/result.h"
 #include "protocol/defaults.h"
 #include "protocol/exit_codes.h"
+#include "server/latency.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -23,6 +24,7 @@ struct DaemonOptions {
   std::optional<std::string> scene_to;  // osc.udp://host:port that gets the scene's strikes instead of our own mixer
   std::string address = "127.0.0.1";    // where OSC is received
   std::uint16_t port = protocol::kDefaultPort;  // 0: any free one
+  Latency latency;                              // of untimed messages
   std::string jack_name = "ringdown";
   bool connect = false;                           // to the speakers
   double sample_rate_hz = 48000;                  // wav and null; JACK has its own

@@ -21,6 +21,12 @@ std::pair<std::string, std::filesystem::path> parse_object_option(const std::str
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
+ringdown::server::Latency parse_latency_option(const std::string& text) {
+  const auto latency = ringdown::server::parse_latency(text);
+  if (!latency) throw CLI::ValidationError("--latency", latency.error().message);
+  return *latency;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -33,6 +39,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", RINGDOWN_VERSION);
   app.footer(std::string(ringdown::protocol::kExitCodeHelp));
   std::vector<std::string> objects;
+  std::string latency;
   const std::map<std::string, DaemonOptions::DriverKind> drivers = {{"jack", DaemonOptions::DriverKind::jack},
                                                                     {"wav", DaemonOptions::DriverKind::wav},
                                                                     {"null", DaemonOptions::DriverKind::null}};
@@ -44,6 +51,10 @@ int main(int argc, char** argv) {
   app.add_option("--port", options.port, "UDP port for OSC; 0 takes any free one")->capture_default_str();
   app.add_option("--address", options.address, "Address to listen on; others than this machine's own let strangers in")
       ->capture_default_str();
+  app.add_option(
+         "--latency", latency,
+         "From an untimed message to its sound, always the same: frames, or with ms; default one block and a 16th")
+      ->type_name("FRAMES|MSms");
   app.add_option("--scene-to", options.scene_to, "Send the scene's strikes to another daemon instead of playing them")
       ->type_name("osc.udp://HOST:PORT");
   app.add_option("--name", options.jack_name, "Name of the JACK client")->capture_default_str();
@@ -72,6 +83,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     for (const std::string& text : objects) options.objects.push_back(parse_object_option(text));
+    if (!latency.empty()) options.latency = parse_latency_option(latency);
   } catch (const CLI::ParseError& error) {
     const bool asked_for = error.get_exit_code() == 0;  // --help, --version
     return app.exit(error) == 0 && asked_for ? 0 : static_cast<int>(ExitCode::usage);

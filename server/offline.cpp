@@ -1,5 +1,6 @@
 #include "server/offline.h"
 
+#include "protocol/pattern.h"
 #include "protocol/schema.h"
 #include "server/osc_score.h"
 #include "server/session.h"
@@ -71,22 +72,33 @@ class Run {
     return last_s;
   }
 
-  // Events go ahead with their frame; a request that changes more than that splits the block at its own frame.
   void render_until(Frame end) {
     while (next_ < score_.size() && frame_of(score_[next_]) < end) {
       const ScoreEvent& event = score_[next_++];
-      const auto request = protocol::parse(event.message);
-      if (!request) {
-        warn(event, request.error().message);
-      } else if (Session::is_event(*request)) {
-        flush_now_and_then();
-        if (const auto played = session_.play(*request, frame_of(event)); !played) warn(event, played.error().message);
-      } else {
-        render_frames(frame_of(event));
-        if (const auto done = session_.perform(*request, now_); !done) warn(event, done.error().message);
+      if (!protocol::is_pattern(event.message.address)) {
+        carry_out(event);
+        continue;
+      }
+      const auto addresses = protocol::expand(event.message.address, session_.rack().names());
+      if (!addresses) warn(event, addresses.error().message);
+      for (const std::string& address : addresses.value_or(std::vector<std::string>())) {
+        carry_out({event.time_s, {address, event.message.arguments}});
       }
     }
     render_frames(end);
+  }
+
+  // Events go ahead with their frame; a request that changes more than that splits the block at its own frame.
+  void carry_out(const ScoreEvent& event) {
+    const auto request = protocol::parse(event.message);
+    if (!request) return warn(event, request.error().message);
+    if (Session::is_event(*request)) {
+      flush_now_and_then();
+      if (const auto played = session_.play(*request, frame_of(event)); !played) warn(event, played.error().message);
+    } else {
+      render_frames(frame_of(event));
+      if (const auto done = session_.perform(*request, now_); !done) warn(event, done.error().message);
+    }
   }
 
   void render_frames(Frame end) {

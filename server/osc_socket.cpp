@@ -1,12 +1,14 @@
 #include "server/osc_socket.h"
 
 #include <arpa/inet.h>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <netdb.h>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 #include <utility>
 
@@ -38,6 +40,19 @@ Error bind_error(Endpoint endpoint, int reason) {
 void raise_receive_buffer(int socket) {
   if (::setsockopt(socket, SOL_SOCKET, SO_RCVBUFFORCE, &kReceiveBuffer, sizeof kReceiveBuffer) == 0) return;
   ::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
+}
+
+// Since the kernel received what `header` describes; 0 where it does not say, or the clock was set meanwhile.
+double age_s(msghdr& header) {
+  const cmsghdr* const control = CMSG_FIRSTHDR(&header);
+  if (!control || control->cmsg_level != SOL_SOCKET || control->cmsg_type != SCM_TIMESTAMPNS) return 0;
+  timespec then{}, now{};
+  std::memcpy(&then, CMSG_DATA(control), sizeof then);
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  const double age =
+      static_cast<double>(now.tv_sec - then.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec - then.tv_nsec);
+  constexpr double kOldest_s = 1;
+  return age > 0 && age < kOldest_s ? age : 0;
 }
 
 void close_if_open(int& descriptor) {
@@ -78,6 +93,8 @@ Result<OscSocket> OscSocket::bind(Endpoint endpoint) {
     return fail(bind_error(endpoint, errno));
   }
   raise_receive_buffer(opened.socket_);
+  const int on = 1;
+  ::setsockopt(opened.socket_, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
   opened.endpoint_ = from_sockaddr(address);
   return opened;
 }
@@ -113,12 +130,20 @@ bool OscSocket::receive(Datagram& datagram, std::chrono::milliseconds timeout) {
     return false;
   }
   sockaddr_in from{};
-  socklen_t size = sizeof from;
   datagram.bytes.resize(kLargestDatagram);
-  const ssize_t received = ::recvfrom(socket_, datagram.bytes.data(), datagram.bytes.size(), MSG_DONTWAIT,
-                                      reinterpret_cast<sockaddr*>(&from), &size);
+  iovec room{datagram.bytes.data(), datagram.bytes.size()};
+  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(timespec))> control{};
+  msghdr header{};
+  header.msg_name = &from;
+  header.msg_namelen = sizeof from;
+  header.msg_iov = &room;
+  header.msg_iovlen = 1;
+  header.msg_control = control.data();
+  header.msg_controllen = control.size();
+  const ssize_t received = ::recvmsg(socket_, &header, MSG_DONTWAIT);
   datagram.bytes.resize(received > 0 ? static_cast<std::size_t>(received) : 0);
   datagram.from = from_sockaddr(from);
+  datagram.age_s = received > 0 ? age_s(header) : 0;
   return received >= 0;
 }
 

@@ -36,6 +36,7 @@ std::string to_text(Endpoint endpoint);
 struct Datagram {
   std::vector<std::byte> bytes;
   Endpoint from;
+  double age_s = 0;  // how long the kernel kept it until receive() took it, by the realtime clock; never negative
 };
 
 class OscSocket {

@@ -1,10 +1,10 @@
 #include "server/remote_strikes.h"
 
 #include "protocol/schema.h"
+#include "server/frame_clock.h"
 #include "server/osc_codec.h"
 #include "server/osc_socket.h"
 
-#include <chrono>
 #include <map>
 #include <memory>
 
@@ -12,10 +12,6 @@ namespace ringdown::server {
 namespace {
 
 constexpr std::size_t kStrikesPerPacket = 16;  // some 1,300 bytes: one Ethernet frame
-
-double unix_now_s() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 }  // namespace
 
@@ -29,10 +25,13 @@ Result<ScenePlayer::Sink> open_remote_strikes(const std::string& url, const Rack
   if (!bound) return fail(bound.error());
   auto socket = std::make_shared<OscSocket>(std::move(*bound));
 
-  return [socket, to = *to, &rack, &driver](std::span<const protocol::Event> strikes) {
+  auto clock = std::make_shared<FrameClock>(driver_clock(driver), steady_now_s);
+  return [socket, clock, to = *to, &rack](std::span<const protocol::Event> strikes) {
     std::map<protocol::ObjectNumber, std::string> names;
     for (const RackObject& object : rack.objects()) names[object.number] = object.name;
     std::size_t lost = 0;
+    clock->measure();
+    const double unix_ahead_s = unix_now_s() - steady_now_s();
     while (!strikes.empty()) {
       std::vector<protocol::Message> messages;
       const protocol::Frame frame = strikes.front().frame;
@@ -42,8 +41,7 @@ Result<ScenePlayer::Sink> open_remote_strikes(const std::string& url, const Rack
             protocol::Strike{{.name = names[event.object]}, event.point_m, event.impulse_ns, event.contact_time_s}));
         strikes = strikes.subspan(1);
       }
-      const double ahead_s = static_cast<double>(frame - driver.now()) / driver.sample_rate_hz();
-      const auto packet = encode_bundle(time_tag(unix_now_s() + ahead_s), messages);
+      const auto packet = encode_bundle(time_tag(clock->time_of(frame) + unix_ahead_s), messages);
       if (!socket->send_to(to, packet)) lost += messages.size();
     }
     return lost;

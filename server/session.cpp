@@ -33,29 +33,42 @@ bool Session::is_event(const protocol::Request& request) {
       request);
 }
 
-Result<void> Session::play(const protocol::Request& request, protocol::Frame frame) {
+Result<std::vector<protocol::Event>> Session::events_of(const protocol::Request& request, protocol::Frame frame) const {
   const auto latest = rack_.mixer().counters().frames.load(std::memory_order_relaxed) +
                       static_cast<protocol::Frame>(kFarthestAhead_s * sample_rate_hz());
   if (frame > latest)
     return fail("its time tag is more than " + std::to_string(static_cast<int>(kFarthestAhead_s)) + " s ahead");
+  std::vector<protocol::Event> events;
   if (std::holds_alternative<protocol::ClearAll>(request)) {
-    for (const RackObject& object : rack_.objects()) {
-      const auto event = event_for(request, object, frame);
-      if (const auto pushed = push(*event); !pushed) return pushed;
-    }
-    return {};
+    for (const RackObject& object : rack_.objects()) events.push_back(*event_for(request, object, frame));
+    return events;
   }
   const auto object = rack_.find(*object_of(request));
   if (!object) return fail(object.error());
   const auto event = event_for(request, *object, frame);
-  return event ? push(*event) : fail(event.error());
+  if (!event) return fail(event.error());
+  events.push_back(*event);
+  return events;
 }
 
-Result<void> Session::push(const protocol::Event& event) {
-  if (rack_.mixer().push(synth::Producer::control, event)) return {};
-  ++dropped_;
-  return fail("dropped, because " + std::to_string(synth::kQueueCapacity) +
-              " events are waiting already; send fewer at once");
+Result<void> Session::check(const protocol::Request& request, protocol::Frame frame) const {
+  const auto events = events_of(request, frame);
+  if (!events) return fail(events.error());
+  return {};
+}
+
+Result<void> Session::play(const protocol::Request& request, protocol::Frame frame) {
+  const auto events = events_of(request, frame);
+  if (!events) return fail(events.error());
+  std::size_t lost = 0;
+  for (const protocol::Event& event : *events) lost += !rack_.mixer().push(synth::Producer::control, event);
+  if (lost == 0) return {};
+  return drop(lost, std::to_string(synth::kQueueCapacity) + " events are waiting already");
+}
+
+tl::unexpected<Error> Session::drop(std::size_t events, const std::string& because) {
+  dropped_ += events;
+  return fail("dropped, because " + because + "; send fewer at once");
 }
 
 Result<std::optional<std::int32_t>> Session::perform(const protocol::Request& request, protocol::Frame frame) {

@@ -12,6 +12,8 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace ringdown::server {
 
@@ -33,6 +35,12 @@ class Session {
   // Sends an event request to the mixer, to happen at `frame`. An error names the argument. [control]
   Result<void> play(const protocol::Request& request, protocol::Frame frame);
 
+  // Whether play() would take it now, queues aside. [any but audio]
+  [[nodiscard]] Result<void> check(const protocol::Request& request, protocol::Frame frame) const;
+
+  // Counts `events` that could not be taken, and says so: "dropped, because ...". [any]
+  [[nodiscard]] tl::unexpected<Error> drop(std::size_t events, const std::string& because);
+
   // Carries out a request that is neither an event nor about the daemon itself (/load, /object/.../material and free,
   // /scene/...). A scene loaded now starts at `frame`. Returns the number for the answer, if there is one. [worker]
   Result<std::optional<std::int32_t>> perform(const protocol::Request& request, protocol::Frame frame);
@@ -41,7 +49,8 @@ class Session {
   [[nodiscard]] std::uint64_t dropped() const { return dropped_ + scene_.dropped(); }
 
  private:
-  Result<void> push(const protocol::Event& event);
+  [[nodiscard]] Result<std::vector<protocol::Event>> events_of(const protocol::Request& request,
+                                                               protocol::Frame frame) const;
   Result<protocol::ObjectNumber> load_object(const protocol::LoadObject& load);
   Result<void> free_object(const protocol::FreeObject& request);
 

@@ -4,3 +4,5 @@ ringdown_test(osc_test
               SOURCES osc_clients_test.cpp osc_codec_test.cpp osc_packet_test.cpp osc_score_test.cpp osc_socket_test.cpp
               LINK ringdown_osc PkgConfig::LIBLO)
 add_dependencies(osc_test ringdown game_engine_strike)
+# The daemon's parts inside the test's own process.
+ringdown_test(osc_server_test SOURCES frame_clock_test.cpp osc_server_test.cpp LINK ringdown_daemon ringdown_test_support)

@@ -1,0 +1,58 @@
+// Which frame is sounding at a given time: the audio driver's clock against the computer's, both read now and then.
+//
+// One reading is a pair (time, frame) that the scheduler may tear apart by milliseconds, and JACK's own estimate of the
+// frame jitters; a bundle's time tag deserves better. So each reading keeps the tightest of a few pairs, and the
+// difference of the clocks is averaged over half a second. What jumps for three readings on end is believed: an xrun,
+// or a new server.
+//
+//   FrameClock clock(driver_clock(*driver), steady_now_s);
+//   clock.measure();                                   // at least every 0.1 s or so
+//   const Frame frame = clock.frame_at(steady_now_s() + 0.25);
+//
+// [one thread]
+#pragma once
+
+#include "protocol/event.h"
+#include "server/driver.h"
+
+#include <functional>
+
+namespace ringdown::server {
+
+double steady_now_s();  // a clock that is never set
+double unix_now_s();    // seconds since 1970
+
+class FrameClock {
+ public:
+  struct Source {
+    std::function<protocol::Frame()> now;  // the frame that is being computed at this instant
+    std::function<double()> rate_hz;
+  };
+  FrameClock(Source source, std::function<double()> seconds);
+
+  static constexpr double kMeasureEvery_s = 0.02;
+
+  // Reads both clocks, unless that was done less than kMeasureEvery_s ago.
+  void measure();
+
+  [[nodiscard]] protocol::Frame frame_at(double time_s) const;
+  [[nodiscard]] double time_of(protocol::Frame frame) const;
+
+ private:
+  struct Reading {
+    double time_s, first_s;  // of the frame count; when frame 0 was
+  };
+  [[nodiscard]] Reading read() const;
+
+  Source source_;
+  std::function<double()> seconds_;
+  double rate_hz_ = 0;
+  double first_s_ = 0;  // when frame 0 was
+  double measured_s_ = 0;
+  int readings_ = 0, jumps_ = 0;
+};
+
+// The driver must outlive what is returned.
+FrameClock::Source driver_clock(const Driver& driver);
+
+}  // namespace ringdown::server

@@ -1,0 +1,14 @@
+// Where packets come from and answers go to. [any thread but audio]
+#pragma once
+
+#include "server/osc_socket.h"
+
+namespace ringdown::server {
+
+// Who sent a packet, and gets its answers.
+struct Peer {
+  Endpoint endpoint;
+  friend bool operator==(const Peer&, const Peer&) = default;
+};
+
+}  // namespace ringdown::server
