@@ -67,6 +67,7 @@ inline Value to_value(std::uint32_t member) { return static_cast<std::int32_t>(m
 inline Value to_value(bool member) { return std::int32_t{member}; }
 inline Value to_value(const std::string& member) { return member; }
 inline Value to_value(const ObjectRef& member) { return member; }
+inline Value to_value(const Blob& member) { return member; }
 template <class T>
 Value to_value(const std::optional<T>& member) {
   return member ? to_value(*member) : Value();
@@ -80,6 +81,7 @@ inline void assign(std::uint32_t& member, const Value& value) {
 inline void assign(bool& member, const Value& value) { member = std::get<std::int32_t>(value) != 0; }
 inline void assign(std::string& member, const Value& value) { member = std::get<std::string>(value); }
 inline void assign(ObjectRef& member, const Value& value) { member = std::get<ObjectRef>(value); }
+inline void assign(Blob& member, const Value& value) { member = std::get<Blob>(value); }
 template <class T>
 void assign(std::optional<T>& member, const Value& value) {
   if (std::holds_alternative<std::monostate>(value)) return member.reset();
@@ -122,6 +124,13 @@ auto integer(std::string_view name, Quantity quantity, std::string_view sentence
 template <ValueType type, auto... path>
 auto other(std::string_view name, std::string_view sentence) {
   return detail::bind<path...>({name, type, "", 0, 1, sentence});
+}
+
+// `most` records of `bytes` each, and at least one.
+template <auto... path>
+auto records(std::string_view name, std::size_t bytes, std::size_t most, std::string_view sentence) {
+  return detail::bind<path...>(
+      {name, ValueType::blob, "", static_cast<double>(bytes), static_cast<double>(most), sentence});
 }
 
 // May be left out; it is then what the struct's own initialiser says.

@@ -19,6 +19,7 @@ std::string shown(double value) {
   if (std::isinf(value)) return value > 0 ? "infinite" : "minus infinite";
   return number_text(value);
 }
+std::string shown(const Blob& blob) { return "a blob of " + std::to_string(blob.size()) + " bytes"; }
 std::string shown(const Argument& argument) {
   return std::visit([](const auto& value) { return shown(value); }, argument);
 }
@@ -51,7 +52,9 @@ Result<Value> convert_object(const ArgumentSpec& spec, const Argument& argument)
     if (!fits) return refuse(spec, shown(argument));
     return Value(ObjectRef{"", static_cast<std::uint32_t>(*number)});
   }
-  const auto& text = std::get<std::string>(argument);
+  const auto* named = std::get_if<std::string>(&argument);
+  if (!named) return refuse(spec, shown(argument));
+  const std::string& text = *named;
   if (spec.type == ValueType::object_or_none && text == kNoObject) return Value();
   Result<ObjectRef> object = parse_object(text);
   if (!object) return refuse(spec, shown(argument));
@@ -60,7 +63,7 @@ Result<Value> convert_object(const ArgumentSpec& spec, const Argument& argument)
 
 Result<Value> convert_text(const ArgumentSpec& spec, const Argument& argument) {
   const auto* text = std::get_if<std::string>(&argument);
-  if (!text) return refuse(spec, "the number " + shown(argument));
+  if (!text) return refuse(spec, (as_number(argument) ? "the number " : "") + shown(argument));
   if (spec.type == ValueType::any_text) return Value(*text);
   const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 127; };
   const bool good = spec.type == ValueType::name
@@ -68,6 +71,14 @@ Result<Value> convert_text(const ArgumentSpec& spec, const Argument& argument) {
                         : !text->empty() && text->size() <= kLongestText && std::ranges::none_of(*text, is_control);
   if (!good) return refuse(spec, shown(argument));
   return Value(*text);
+}
+
+Result<Value> convert_blob(const ArgumentSpec& spec, const Argument& argument) {
+  const auto* blob = std::get_if<Blob>(&argument);
+  const auto bytes = static_cast<std::size_t>(spec.least), most = static_cast<std::size_t>(spec.most);
+  const bool good = blob && !blob->empty() && blob->size() % bytes == 0 && blob->size() / bytes <= most;
+  if (!good) return refuse(spec, shown(argument));
+  return Value(*blob);
 }
 
 }  // namespace
@@ -82,6 +93,8 @@ Result<Value> convert(const ArgumentSpec& spec, const Argument& argument) {
     case ValueType::any_text:
     case ValueType::name:
       return convert_text(spec, argument);
+    case ValueType::blob:
+      return convert_blob(spec, argument);
     case ValueType::object:
     case ValueType::object_or_none:
       break;
@@ -107,6 +120,8 @@ std::string expectation(const ArgumentSpec& spec) {
       return "a name of 1 to 64 of A-Z a-z 0-9 _ . - that is not all digits";
     case ValueType::object:
       return "an object's name or number";
+    case ValueType::blob:
+      return "a blob of 1 to " + number_text(spec.most) + " records of " + number_text(spec.least) + " bytes";
     case ValueType::object_or_none:
       break;
   }
@@ -124,6 +139,7 @@ std::string value_text(const Value& value) {
   if (const auto* integer = std::get_if<std::int32_t>(&value)) return std::to_string(*integer);
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
   if (const auto* object = std::get_if<ObjectRef>(&value)) return to_text(*object);
+  if (const auto* blob = std::get_if<Blob>(&value)) return std::to_string(blob->size()) + " bytes";
   return std::string(kNoObject);
 }
 

@@ -16,7 +16,7 @@ Ringdown is played over OSC 1.0 by UDP, on port {port} of this computer unless t
 
 - **Units** are SI: m, kg, s, N s. Points and impulses are in the object's own frame, the one of its mesh.
 - **Numbers** may be sent as any of the OSC types `i` `h` `f` `d`. They must be finite and in range, and whole where a
-  whole number is wanted: Pure Data's 3.0 is 3. Text is type `s`. Arguments in [brackets] may be left out, from the
+  whole number is wanted: Pure Data's 3.0 is 3. Text is type `s`, records are a blob, type `b`. Arguments in [brackets] may be left out, from the
   right.
 - **Objects** have a name (1 to 64 of `A-Z a-z 0-9 _ . -`, not digits only) and a number; both serve in an address:
   `/object/bell/strike`, `/object/0/strike`.
@@ -67,9 +67,14 @@ std::string answer_text(const AddressSpec& spec) {
   return text + ".";
 }
 
+std::string example_text(const AddressSpec& spec) {
+  if (const std::string command = oscsend_command(spec); !command.empty()) return "```\n" + command + "\n```";
+  return "`oscsend` sends no blobs; [clients/python/strike.py](../clients/python/strike.py) does.";
+}
+
 std::string request_section(const AddressSpec& spec) {
   return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + "\n" + argument_table(spec) + "\n" +
-         answer_text(spec) + "\n\n```\n" + oscsend_command(spec) + "\n```\n\n";
+         answer_text(spec) + "\n\n" + example_text(spec) + "\n\n";
 }
 
 std::string reply_section(const AddressSpec& spec) {
@@ -119,6 +124,7 @@ std::string markdown() {
 std::string oscsend_command(const AddressSpec& spec) {
   std::string types, words;
   for (const Argument& argument : spec.example.arguments) {
+    if (std::holds_alternative<Blob>(argument)) return "";
     const auto [type, word] = as_word(argument);
     types += type;
     words += " " + word;

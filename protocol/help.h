@@ -19,7 +19,8 @@ std::string overview();
 // docs/protocol.md, complete.
 std::string markdown();
 
-// The row's example as a shell command: "oscsend osc.udp://127.0.0.1:7770 /object/bell/gain ff 0.5 0.1".
+// The row's example as a shell command: "oscsend osc.udp://127.0.0.1:7770 /object/bell/gain ff 0.5 0.1". Empty for one
+// that takes a blob, which oscsend cannot send.
 std::string oscsend_command(const AddressSpec& spec);
 
 }  // namespace ringdown::protocol

@@ -1,6 +1,7 @@
 // An OSC message as plain data: no wire format, no library. [any thread]
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <variant>
@@ -8,8 +9,10 @@
 
 namespace ringdown::protocol {
 
-// OSC types i, h, f, d, s. Others are refused where packets are decoded (server/osc_codec.h).
-using Argument = std::variant<std::int32_t, std::int64_t, float, double, std::string>;
+using Blob = std::vector<std::byte>;
+
+// OSC types i, h, f, d, s, b. Others are refused where packets are decoded (server/osc_codec.h).
+using Argument = std::variant<std::int32_t, std::int64_t, float, double, std::string, Blob>;
 
 struct Message {
   std::string address;

@@ -3,6 +3,8 @@
 // On the wire replies use the OSC types i, f and s only: Pure Data's parser knows no others. [any thread]
 #pragma once
 
+#include "engine/base/vec3.h"
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -30,6 +32,7 @@ struct StatusReply {  // /status.reply
   std::int32_t xruns = 0;
   std::int32_t dropped_events = 0;
   std::int32_t late_events = 0;
+  std::int32_t merged_events = 0;
 };
 struct VersionReply {  // /version.reply
   std::string program;
@@ -40,6 +43,32 @@ struct Synced {  // /synced
   std::int32_t id = 0;
 };
 
-using Reply = std::variant<Done, Fail, StatusReply, VersionReply, Synced>;
+// To subscribers, in bundles.
+struct NotifyObject {  // /notify.object
+  std::int32_t number = 0;
+  std::string name;
+  bool loaded = true;
+};
+struct NotifyContact {  // /notify.contact
+  std::string object;
+  Vec3 point_m, impulse_ns;  // object frame
+  double contact_time_s = 0;
+};
+struct NotifyPeak {  // /notify.peak
+  double peak = 0;
+};
+struct NotifyLoad {  // /notify.load
+  double mean = 0, peak = 0;
+  std::int32_t xruns = 0, sounding_objects = 0, sounding_modes = 0;
+};
+struct NotifyBody {  // /notify.body
+  std::int32_t id = 0;
+  std::string name, object;  // "-": silent
+  Vec3 position_m;
+  double x = 0, y = 0, z = 0, w = 1;  // unit quaternion: object frame -> scene frame
+};
+
+using Reply = std::variant<Done, Fail, StatusReply, VersionReply, Synced, NotifyObject, NotifyContact, NotifyPeak,
+                           NotifyLoad, NotifyBody>;
 
 }  // namespace ringdown::protocol

@@ -7,6 +7,7 @@
 #include "engine/base/vec3.h"
 #include "engine/modal/material_scale.h"
 #include "protocol/defaults.h"
+#include "protocol/message.h"
 
 #include <cstdint>
 #include <optional>
@@ -32,6 +33,10 @@ struct StrikeVertex {  // /object/{object}/strike_vertex
   std::uint32_t vertex = 0;
   Vec3 impulse_ns;
   double contact_time_s = kDefaultContactTimeS;
+};
+// Many strikes in one message, for simulators: records as in bulk.h.
+struct StrikeMany {  // /strikes
+  Blob records;
 };
 struct SetGain {  // /object/{object}/gain
   ObjectRef object;
@@ -80,6 +85,15 @@ struct SpawnSphere {  // /scene/spawn/sphere
 };
 struct SceneClear {};  // /scene/clear
 
+struct Notify {  // /notify
+  bool on = true;
+  double rate_hz = 20;
+};
+struct RecordStart {  // /record/start
+  std::string path;
+};
+struct RecordStop {};  // /record/stop
+
 struct Status {};   // /status
 struct Version {};  // /version
 struct Sync {       // /sync
@@ -87,8 +101,8 @@ struct Sync {       // /sync
 };
 struct Quit {};  // /quit
 
-using Request =
-    std::variant<Strike, StrikeVertex, SetGain, SetPan, SetMaterial, ClearObject, FreeObject, LoadObject, ClearAll,
-                 SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, Status, Version, Sync, Quit>;
+using Request = std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, ClearObject, FreeObject,
+                             LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, Notify,
+                             RecordStart, RecordStop, Status, Version, Sync, Quit>;
 
 }  // namespace ringdown::protocol

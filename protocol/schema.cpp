@@ -142,6 +142,7 @@ template <class Any>
 Argument to_argument(const Any& any, const Value& value) {
   if (const auto* number = std::get_if<double>(&value)) return number_argument(any, *number);
   if (const auto* integer = std::get_if<std::int32_t>(&value)) return *integer;
+  if (const auto* blob = std::get_if<Blob>(&value)) return *blob;
   if (const auto* object = std::get_if<ObjectRef>(&value); object && object->number) {
     return static_cast<std::int32_t>(*object->number);
   }

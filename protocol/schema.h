@@ -36,10 +36,11 @@ enum class ValueType {
   name,            // the name of an object, new or old (names.h)
   object,          // an object by name or number
   object_or_none,  // the same, or "-" for none
+  blob,            // bytes, a whole number of records of `least` of them, at most `most` records
 };
 
 // An argument's value after all checks; monostate where an optional object or number is absent.
-using Value = std::variant<std::monostate, double, std::int32_t, std::string, ObjectRef>;
+using Value = std::variant<std::monostate, double, std::int32_t, std::string, ObjectRef, Blob>;
 
 struct ArgumentSpec {
   std::string_view name = "";  // "contact_time"

@@ -1,6 +1,7 @@
 // The table. A new address is a struct in request.h, a row here, and its cases in
 // tests/protocol/schema_test.cpp.
 #include "protocol/binding.h"
+#include "protocol/bulk.h"
 
 #include <limits>
 
@@ -23,6 +24,11 @@ constexpr Quantity kCount{"", 0, std::numeric_limits<std::int32_t>::max()};
 constexpr Quantity kId{"", std::numeric_limits<std::int32_t>::min(), kCount.most};
 constexpr Quantity kLoad{"", 0, 1e6};
 constexpr Quantity kRate{"Hz", 0, 1e7};
+constexpr Quantity kNoticeRate{"Hz", 0.1, 200};
+constexpr Quantity kUnit{"", -1.001, 1.001};  // rounding to float may pass 1
+constexpr Quantity kAnyPosition{"m", -1e30, 1e30};
+constexpr Quantity kAnyImpulse{"N s", -1e30, 1e30};
+constexpr Quantity kPeak{"", 0, 1e30};
 
 template <auto... path>
 auto object() {
@@ -63,6 +69,7 @@ auto density() {
 }
 
 const ObjectRef kBell{"bell", std::nullopt};
+const BulkStrike kBlow{0, std::nullopt, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005, 0};
 
 using Arguments = std::initializer_list<Columns<Request>>;
 
@@ -95,6 +102,13 @@ std::vector<Row<Request>> make_request_rows() {
              {object<&StrikeVertex::object>(),
               integer<&StrikeVertex::vertex>("vertex", kIndex, "The sample point's number, from 0."),
               impulse<&StrikeVertex::impulse_ns>(), contact_time<&StrikeVertex::contact_time_s>()}),
+      silent(
+          "/strikes", StrikeMany{encode_strikes(std::array{kBlow})},
+          "Many strikes in one message, for simulators. Each record is 40 bytes, its numbers big-endian: int32 object "
+          "(the number that /load answered), int32 vertex (or -1: the point x y z counts), float32 x y z [m], float32 "
+          "jx jy jz [N s], float32 contact_time [s], float32 delay [s], 0 to 60, after the message's own time. Ranges "
+          "are those of /object/{object}/strike. One wrong record refuses them all.",
+          {records<&StrikeMany::records>("records", kBytesPerStrike, kMostBulkStrikes, "The records.")}),
       silent("/object/{object}/gain", SetGain{kBell, 0.5, 0.1}, "Sets the object's loudness.",
              {object<&SetGain::object>(),
               number<&SetGain::gain>("gain", kGain, "The factor on its signal; 1 is as computed, 0.5 is 6 dB less."),
@@ -148,6 +162,19 @@ std::vector<Row<Request>> make_request_rows() {
                 velocity<&SpawnSphere::velocity_m_s>(), density<&SpawnSphere::density_kg_m3>()},
                "/done", "the body's number"),
       answered("/scene/clear", SceneClear{}, "Removes all bodies from the scene.", {}),
+      answered("/notify", Notify{true, 20},
+               "Subscribes the sender, or ends that: /notify.object, /notify.contact, /notify.peak, /notify.load and "
+               "/notify.body come as bundles at the rate, first about every object there is. A subscriber that sends "
+               "nothing for 60 s is forgotten; anything it sends keeps it, /notify itself too.",
+               {optional(other<ValueType::flag, &Notify::on>("on", "1 subscribes, 0 ends it.")),
+                optional(number<&Notify::rate_hz>("rate", kNoticeRate, "How often to tell."))}),
+      answered(
+          "/record/start", RecordStart{"session.osc"},
+          "Records everything that is played as an OSC score, which `ringdown render --events` plays again, bit for "
+          "bit at the same sample rate and block size. What rang before is not in it.",
+          {other<ValueType::text, &RecordStart::path>(
+              "path", "The score to write; a relative path starts where the daemon was started.")}),
+      answered("/record/stop", RecordStop{}, "Writes the score.", {}, "/done", "the count of its messages"),
       answered("/status", Status{}, "Asks how the daemon is doing.", {}, "/status.reply"),
       answered("/version", Version{}, "Asks which program this is.", {}, "/version.reply"),
       answered("/sync", Sync{7}, "Answers when all that was sent before it has been taken up.",
@@ -171,7 +198,8 @@ std::vector<Row<Reply>> make_reply_rows() {
             "The request was refused, and nothing was changed.",
             {other<ValueType::any_text, &Fail::address>("address", "The address that was asked."),
              other<ValueType::any_text, &Fail::sentence>("sentence", "What is wrong, and with which argument.")}),
-      reply("/status.reply", StatusReply{4, 1, 220, 6, 48000, 256, 0.031, 0.058, 0, 0, 0}, "How the daemon is doing.",
+      reply("/status.reply", StatusReply{4, 1, 220, 6, 48000, 256, 0.031, 0.058, 0, 0, 0, 0},
+            "How the daemon is doing.",
             {integer<&StatusReply::objects>("objects", kCount, "How many objects are loaded."),
              integer<&StatusReply::sounding_objects>("sounding_objects", kCount, "How many of them ring."),
              integer<&StatusReply::sounding_modes>("sounding_modes", kCount, "How many modes ring in these."),
@@ -183,7 +211,8 @@ std::vector<Row<Reply>> make_reply_rows() {
              number<&StatusReply::load_peak>("load_peak", kLoad, "The same for the slowest block so far."),
              integer<&StatusReply::xruns>("xruns", kCount, "Blocks that came too late."),
              integer<&StatusReply::dropped_events>("dropped", kCount, "Events lost because a queue was full."),
-             integer<&StatusReply::late_events>("late", kCount, "Events whose time was past when they arrived.")}),
+             integer<&StatusReply::late_events>("late", kCount, "Events whose time was past when they arrived."),
+             integer<&StatusReply::merged_events>("merged", kCount, "Strikes that a flood added to others.")}),
       reply("/version.reply", VersionReply{"ringdownd", RINGDOWN_VERSION, kProtocolVersion}, "Which program this is.",
             {other<ValueType::any_text, &VersionReply::program>("program", "The program's name."),
              other<ValueType::any_text, &VersionReply::version>("version", "Its version."),
@@ -191,6 +220,39 @@ std::vector<Row<Reply>> make_reply_rows() {
                                               "Of this protocol; grows when an address changes its meaning.")}),
       reply("/synced", Synced{7}, "All that was sent before /sync has been taken up.",
             {integer<&Synced::id>("id", kId, "The number that /sync gave.")}),
+      reply("/notify.object", NotifyObject{3, "bell", true}, "To subscribers: an object came, or went.",
+            {integer<&NotifyObject::number>("number", kIndex, "Its number."),
+             other<ValueType::any_text, &NotifyObject::name>("name", "Its name."),
+             other<ValueType::flag, &NotifyObject::loaded>("loaded",
+                                                           "1: it is there, perhaps with a new bank; 0: freed.")}),
+      reply("/notify.contact", NotifyContact{"bell", {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005},
+            "To subscribers: an object was struck, by a message or in the scene. At most the last 256 since the notice "
+            "before are told.",
+            {other<ValueType::any_text, &NotifyContact::object>("object", "Its name."),
+             vector<&NotifyContact::point_m>({"x", "y", "z"}, kAnyPosition, "Where, in its own frame."),
+             vector<&NotifyContact::impulse_ns>({"jx", "jy", "jz"}, kAnyImpulse, "The impulse it received."),
+             number<&NotifyContact::contact_time_s>("contact_time", kContactTime, "How long the blow lasted.")}),
+      reply("/notify.peak", NotifyPeak{0.25}, "To subscribers: how loud the mix was.",
+            {number<&NotifyPeak::peak>("peak", kPeak, "The largest sample since the notice before; 1 is full scale.")}),
+      reply("/notify.load", NotifyLoad{0.031, 0.058, 0, 1, 220}, "To subscribers: as in /status.reply.",
+            {number<&NotifyLoad::mean>("load_mean", kLoad, "Time spent per block over the block's duration."),
+             number<&NotifyLoad::peak>("load_peak", kLoad, "The same for the slowest block so far."),
+             integer<&NotifyLoad::xruns>("xruns", kCount, "Blocks that came too late."),
+             integer<&NotifyLoad::sounding_objects>("sounding_objects", kCount, "How many objects ring."),
+             integer<&NotifyLoad::sounding_modes>("sounding_modes", kCount, "How many modes ring in these.")}),
+      reply(
+          "/notify.body", NotifyBody{2, "bell", "bell", {0, 0, 1}, 0, 0, 0, 1},
+          "To subscribers: where a body of the scene is. The pose is that of its object's frame: the bank's mesh drawn "
+          "with it is in place. One that is told no more has left the scene.",
+          {integer<&NotifyBody::id>("body", kCount, "Its number."),
+           other<ValueType::any_text, &NotifyBody::name>("name", "Its name in the scene file."),
+           other<ValueType::any_text, &NotifyBody::object>("object",
+                                                           "The object that rings when it is hit; - for none."),
+           vector<&NotifyBody::position_m>({"x", "y", "z"}, kAnyPosition, "Where it is, in the scene's frame."),
+           number<&NotifyBody::x>("qx", kUnit, "How it is turned: a unit quaternion."),
+           number<&NotifyBody::y>("qy", kUnit, "Its y component."),
+           number<&NotifyBody::z>("qz", kUnit, "Its z component."),
+           number<&NotifyBody::w>("qw", kUnit, "Its real part.")}),
   };
 }
 

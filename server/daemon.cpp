@@ -1,9 +1,12 @@
 #include "server/daemon.h"
 
+#include "engine/base/preset_folder.h"
 #include "server/driver.h"
+#include "server/file_roots.h"
 #include "server/latency.h"
 #include "server/offline.h"
 #include "server/osc_server.h"
+#include "server/recorder.h"
 #include "server/remote_strikes.h"
 #include "server/session.h"
 #include "server/worker.h"
@@ -56,6 +59,22 @@ std::jthread start_scene(Session& session, const Driver& driver) {
   });
 }
 
+// The folders that the user named, or else the current one; the presets; those of the files on the command line.
+Result<FileRoots> file_roots_of(const DaemonOptions& options) {
+  std::vector<std::filesystem::path> folders = options.roots;
+  std::error_code error;
+  const auto here = std::filesystem::current_path(error);
+  const bool is_everything = error || here == here.root_path();  // where services start
+  if (folders.empty() && !is_everything) folders.push_back(here);
+  if (const auto presets = preset_folder()) folders.push_back(*presets);
+  const auto add_folder_of = [&folders](const std::filesystem::path& file) {
+    folders.push_back(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
+  };
+  for (const auto& [name, bank] : options.objects) add_folder_of(bank);
+  if (options.scene) add_folder_of(*options.scene);
+  return FileRoots::only(folders);
+}
+
 Result<void> load_what_was_asked_for(Session& session, const DaemonOptions& options, protocol::Frame start) {
   for (const auto& [name, bank] : options.objects) {
     if (const auto loaded = session.rack().load(name, bank); !loaded) return fail(loaded.error());
@@ -85,12 +104,44 @@ ExitCode render_to_file(const DaemonOptions& options) {
   return ExitCode::ok;
 }
 
-ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<Driver> opened) {
-  Session session(opened->sample_rate_hz());
+Result<std::shared_ptr<OscStream>> open_stream(const DaemonOptions& options) {
+  if (!options.tcp_port) return nullptr;
+  const auto endpoint = resolve(options.address, *options.tcp_port);
+  if (!endpoint) return fail(endpoint.error());
+  auto stream = OscStream::listen(*endpoint);
+  if (!stream) return fail(stream.error());
+  spdlog::info("OSC by TCP on {}:{}", options.address, (*stream)->port());
+  return std::shared_ptr<OscStream>(std::move(*stream));
+}
+
+// What shall be written when the session is over.
+Result<void> write_results(const DaemonOptions& options, Recorder& recorder, protocol::Frame end, Captured captured) {
+  if (options.record && recorder.records()) {
+    if (const auto count = recorder.stop(end); !count) return fail(count.error());
+  }
+  if (!options.capture) return {};
+  return write_audio(
+      {.sample_rate_hz = options.sample_rate_hz, .left = std::move(captured.left), .right = std::move(captured.right)},
+      *options.capture);
+}
+
+ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<Driver> opened, Captured& captured) {
+  auto roots = file_roots_of(options);
+  if (!roots) return report(roots.error(), ExitCode::bad_input);
+  Session session(opened->sample_rate_hz(), std::move(*roots));
   session.rack().mixer().set_floor(options.floor_db);
   session.rack().mixer().limit(options.limiter_db);
+  session.merge_within(options.merge_s);
   session.rack().mixer().set_threads(options.threads);
-  const std::unique_ptr<Driver> driver = std::move(opened);  // after the session, so that it stops before that goes
+  Recorder recorder(session.rack());
+  if (options.record) {
+    if (const auto started = recorder.start(*options.record, 0); !started) {
+      return report(started.error(), ExitCode::usage);
+    }
+  }
+  auto stream = open_stream(options);
+  if (!stream) return report(stream.error(), ExitCode::port_busy);
+  std::unique_ptr<Driver> driver = std::move(opened);  // after the session, so that it stops before that goes
   if (options.scene_to) {
     auto remote = open_remote_strikes(*options.scene_to, session.rack(), *driver);
     if (!remote) return report(remote.error(), ExitCode::usage);
@@ -105,10 +156,13 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   if (const auto started = driver->start(session.rack().mixer(), [&lost] { lost = true; }); !started) {
     return report(started.error(), ExitCode::no_jack);
   }
-  Worker worker([&session] { session.rack().collect(); }, 50ms);
-  const OscServer server(std::move(socket), {session, worker, *driver, [&quit] { quit = true; }, options.latency});
-  const std::jthread scene = start_scene(session, *driver);
-  spdlog::info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options.address, server.port(),
+  std::optional<Worker> worker(
+      std::in_place, [&session] { session.rack().collect(); }, 50ms);
+  std::optional<OscServer> server(
+      std::in_place, std::move(socket),
+      OscServer::Parts{session, *worker, *driver, [&quit] { quit = true; }, options.latency, &recorder, *stream});
+  std::jthread scene = start_scene(session, *driver);
+  spdlog::info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options.address, server->port(),
                session.rack().objects().size(), driver->sample_rate_hz(), driver->block_frames(),
                synth::kernel_target());
 
@@ -118,6 +172,12 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   }
   if (lost) return report({"the JACK server went away; start it and ringdownd again"}, ExitCode::no_jack);
   spdlog::info("stopping");
+  scene = {};
+  server.reset();
+  worker.reset();
+  driver.reset();
+  const auto written = write_results(options, recorder, session.rack().mixer().counters().frames, std::move(captured));
+  if (!written) return report(written.error(), ExitCode::failure);
   return ExitCode::ok;
 }
 
@@ -136,11 +196,12 @@ ExitCode run_daemon(const DaemonOptions& options) {
     spdlog::warn("listening on {}: anyone who can reach this address can play, load files and stop the daemon",
                  options.address);
   }
+  Captured captured;
   auto driver = options.driver == DaemonOptions::DriverKind::jack
                     ? open_jack({.client_name = options.jack_name, .connect = options.connect})
-                    : open_null(options.sample_rate_hz, options.block_frames);
+                    : open_null(options.sample_rate_hz, options.block_frames, options.capture ? &captured : nullptr);
   if (!driver) return report(driver.error(), ExitCode::no_jack);
-  return serve(options, std::move(*socket), std::move(*driver));
+  return serve(options, std::move(*socket), std::move(*driver), captured);
 }
 
 }  // namespace ringdown::server

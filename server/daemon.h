@@ -23,8 +23,13 @@ struct DaemonOptions {
   std::optional<std::filesystem::path> scene;
   std::optional<std::string> scene_to;  // osc.udp://host:port that gets the scene's strikes instead of our own mixer
   std::string address = "127.0.0.1";    // where OSC is received
-  std::uint16_t port = protocol::kDefaultPort;  // 0: any free one
-  Latency latency;                              // of untimed messages
+  std::uint16_t port = protocol::kDefaultPort;   // 0: any free one
+  std::optional<std::uint16_t> tcp_port;         // OSC by TCP as well; 0: any free one
+  std::optional<std::filesystem::path> record;   // the whole session, as an OSC score
+  std::optional<std::filesystem::path> capture;  // what the null driver renders, as a sound file
+  double merge_s = 0.001;                        // strikes so close on one point are one, in a flood (strike_merger.h)
+  std::vector<std::filesystem::path> roots;      // where messages may open files; empty: the current folder
+  Latency latency;                               // of untimed messages
   std::string jack_name = "ringdown";
   bool connect = false;                           // to the speakers
   double sample_rate_hz = 48000;                  // wav and null; JACK has its own

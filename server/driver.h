@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace ringdown::server {
 
@@ -42,7 +43,14 @@ struct JackOptions {
 // Fails with one sentence when no JACK server answers.
 Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options);
 
-// Renders in real time and throws the sound away.
-Result<std::unique_ptr<Driver>> open_null(double sample_rate_hz, std::size_t block_frames);
+// What the null driver heard, when somebody wants to know. It stops listening after kMost frames.
+struct Captured {
+  static constexpr std::size_t kMost = std::size_t{1} << 28;  // an hour and a half, 2 GiB
+  std::vector<float> left, right;
+};
+
+// Renders in real time and throws the sound away, or appends it to `captured`, which must outlive the driver.
+Result<std::unique_ptr<Driver>> open_null(double sample_rate_hz, std::size_t block_frames,
+                                          Captured* captured = nullptr);
 
 }  // namespace ringdown::server

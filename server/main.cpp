@@ -52,9 +52,25 @@ int main(int argc, char** argv) {
   app.add_option("--address", options.address, "Address to listen on; others than this machine's own let strangers in")
       ->capture_default_str();
   app.add_option(
+         "--root", options.roots,
+         "Folder that messages may open files in, may be given more than once; default: the current one. The presets "
+         "and the folders of --object and --scene are always among them")
+      ->type_name("DIR");
+  app.add_option(
          "--latency", latency,
          "From an untimed message to its sound, always the same: frames, or with ms; default one block and a 16th")
       ->type_name("FRAMES|MSms");
+  app.add_option_function<double>(
+         "--merge", [&options](double merge_ms) { options.merge_s = 1e-3 * merge_ms; },
+         "In a flood, strikes on one point so many ms apart become one; 0 merges none, and loses some; default 1")
+      ->check(CLI::Range(0.0, 100.0))
+      ->type_name("MS");
+  app.add_option("--tcp", options.tcp_port,
+                 "Receive OSC by TCP too, framed by SLIP, on this port; 0 takes any free one")
+      ->type_name("PORT");
+  app.add_option("--record", options.record, "Write all that is played as an OSC score, for `ringdown render --events`")
+      ->type_name("FILE");
+  app.add_option("--capture", options.capture, "Write what is rendered (null): .wav or .flac")->type_name("FILE");
   app.add_option("--scene-to", options.scene_to, "Send the scene's strikes to another daemon instead of playing them")
       ->type_name("osc.udp://HOST:PORT");
   app.add_option("--name", options.jack_name, "Name of the JACK client")->capture_default_str();

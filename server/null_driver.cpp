@@ -9,7 +9,8 @@ namespace {
 
 class NullDriver final : public Driver {
  public:
-  NullDriver(double sample_rate_hz, std::size_t block_frames) : sample_rate_hz_(sample_rate_hz), block_(block_frames) {}
+  NullDriver(double sample_rate_hz, std::size_t block_frames, Captured* captured)
+      : sample_rate_hz_(sample_rate_hz), block_(block_frames), captured_(captured) {}
 
   [[nodiscard]] double sample_rate_hz() const override { return sample_rate_hz_; }
   [[nodiscard]] std::size_t block_frames() const override { return block_; }
@@ -38,11 +39,16 @@ class NullDriver final : public Driver {
       const auto begin = LoadMeter::Clock::now();
       mixer.render(left, right);
       meter_.note(begin, block_, sample_rate_hz_);
+      if (captured_ && captured_->left.size() < Captured::kMost) {
+        captured_->left.insert(captured_->left.end(), left.begin(), left.end());
+        captured_->right.insert(captured_->right.end(), right.begin(), right.end());
+      }
     }
   }
 
   double sample_rate_hz_;
   std::size_t block_;
+  Captured* captured_;
   LoadMeter meter_;
   LoadMeter::Clock::time_point origin_;
   std::jthread thread_;  // last: it stops before what it uses goes away
@@ -50,8 +56,8 @@ class NullDriver final : public Driver {
 
 }  // namespace
 
-Result<std::unique_ptr<Driver>> open_null(double sample_rate_hz, std::size_t block_frames) {
-  return std::make_unique<NullDriver>(sample_rate_hz, block_frames);
+Result<std::unique_ptr<Driver>> open_null(double sample_rate_hz, std::size_t block_frames, Captured* captured) {
+  return std::make_unique<NullDriver>(sample_rate_hz, block_frames, captured);
 }
 
 }  // namespace ringdown::server

@@ -46,6 +46,11 @@ Argument to_argument(char type, const lo_arg* argument) {
       return value_at<float>(argument);
     case LO_DOUBLE:
       return value_at<double>(argument);
+    case LO_BLOB: {
+      auto* const blob = reinterpret_cast<lo_blob>(const_cast<lo_arg*>(argument));
+      const auto* const first = static_cast<const std::byte*>(lo_blob_dataptr(blob));
+      return protocol::Blob(first, first + lo_blob_datasize(blob));
+    }
     default:
       break;
   }
@@ -70,6 +75,11 @@ void add(lo_message message, std::int64_t value) { lo_message_add_int64(message,
 void add(lo_message message, float value) { lo_message_add_float(message, value); }
 void add(lo_message message, double value) { lo_message_add_double(message, value); }
 void add(lo_message message, const std::string& value) { lo_message_add_string(message, value.c_str()); }
+void add(lo_message message, const protocol::Blob& value) {
+  const lo_blob blob = lo_blob_new(static_cast<std::int32_t>(value.size()), value.data());
+  lo_message_add_blob(message, blob);
+  lo_blob_free(blob);
+}
 
 MessageHandle to_liblo(const Message& message) {
   MessageHandle handle(lo_message_new());

@@ -37,6 +37,20 @@ std::optional<std::string_view> take_string(std::span<const std::byte>& rest) {
   return text.substr(0, length);
 }
 
+// Takes an OSC blob off the front: its size, its bytes, and zeros up to a multiple of 4.
+bool take_blob(std::span<const std::byte>& rest) {
+  if (rest.size() < 4) return false;
+  const std::size_t size = big_endian<std::uint32_t>(rest);
+  rest = rest.subspan(4);
+  if (size > rest.size()) return false;
+  const std::size_t padded = (size + 3) / 4 * 4;
+  if (padded > rest.size()) return false;
+  if (std::ranges::any_of(rest.subspan(size, padded - size), [](std::byte b) { return b != std::byte{}; }))
+    return false;
+  rest = rest.subspan(padded);
+  return true;
+}
+
 bool is_address(std::string_view text) {
   const auto printable = [](char c) { return c > ' ' && c <= '~'; };
   return text.size() <= kLongestAddress && text.starts_with('/') && std::ranges::all_of(text, printable);
@@ -48,11 +62,15 @@ Result<void> take_argument(char type, const std::string& where, std::span<const 
     if (!take_string(rest)) return refuse(where + " is text that does not end or is not padded with zeros");
     return {};
   }
+  if (type == 'b') {
+    if (!take_blob(rest)) return refuse(where + " is a blob that is cut off or is not padded with zeros");
+    return {};
+  }
   const bool wide = type == 'h' || type == 'd';
   if (!wide && type != 'i' && type != 'f') {
     const bool printable = type > ' ' && type <= '~';
     return refuse(where + " has the type " + (printable ? std::string{'\'', type, '\''} : "of an unprintable letter") +
-                  (type == 'b' ? ", a blob" : "") + "; send i, h, f, d or s");
+                  "; send i, h, f, d, s or b");
   }
   const std::size_t size = wide ? 8 : 4;
   if (rest.size() < size) return refuse(where + " is cut off");

@@ -31,7 +31,7 @@ struct RawMessage {
 // bundle inside a bundle it has the later of the two times, as OSC 1.0 asks of senders. A packet with any fault is
 // refused whole; the sentence names the address, if it got that far, and what is wrong. Checked: the length, a multiple
 // of 4; that every string ends inside the packet and is padded with zeros; addresses of printable characters; argument
-// types i h f d s only; the limits above; that nothing is left over.
+// types i h f d s b only; the limits above; that nothing is left over.
 Result<std::vector<RawMessage>> split_packet(std::span<const std::byte> packet);
 
 }  // namespace ringdown::server

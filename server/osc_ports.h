@@ -3,11 +3,14 @@
 
 #include "server/osc_socket.h"
 
+#include <cstdint>
+
 namespace ringdown::server {
 
 // Who sent a packet, and gets its answers.
 struct Peer {
   Endpoint endpoint;
+  std::uint32_t connection = 0;  // of OscStream; 0: UDP
   friend bool operator==(const Peer&, const Peer&) = default;
 };
 

@@ -16,23 +16,61 @@ using namespace std::chrono_literals;
 using protocol::Fail;
 using protocol::Request;
 
-void answer(OscSocket& socket, Peer to, const protocol::Reply& reply) {
+void answer(AnswerPorts& ports, Peer to, const protocol::Reply& reply) {
   if (const auto* refusal = std::get_if<Fail>(&reply)) spdlog::warn("{}: {}", to_text(to.endpoint), refusal->sentence);
   // A sender that does not listen is its own affair.
-  static_cast<void>(socket.send_to(to.endpoint, encode(protocol::format(reply))));
+  ports.send(to, encode(protocol::format(reply)));
+}
+
+bool is_about_recording(const Request& request) {
+  return std::holds_alternative<protocol::RecordStart>(request) ||
+         std::holds_alternative<protocol::RecordStop>(request);
+}
+
+Result<std::optional<std::int32_t>> record(const Request& request, const Session& session, Recorder* recorder) {
+  if (!recorder) return fail("this daemon does not record");
+  const protocol::Frame now = session.rack().mixer().counters().frames;
+  if (const auto* start = std::get_if<protocol::RecordStart>(&request)) {
+    const auto path = session.rack().roots().writable(start->path);
+    if (!path) return fail(path.error());
+    if (const auto started = recorder->start(*path, now); !started) return fail(started.error());
+    return std::nullopt;
+  }
+  const auto count = recorder->stop(now);
+  if (!count) return fail(count.error());
+  return static_cast<std::int32_t>(*count);
 }
 
 }  // namespace
 
 OscServer::OscServer(OscSocket socket, Parts parts)
-    : socket_(std::make_shared<OscSocket>(std::move(socket))),
+    : ports_(std::make_shared<AnswerPorts>(AnswerPorts{std::move(socket), parts.stream})),
       parts_(std::move(parts)),
+      notifier_(parts_.session, parts_.driver,
+                [ports = ports_](Peer to, std::span<const std::byte> packet) { ports->send(to, packet); }),
       clock_(driver_clock(parts_.driver), steady_now_s),
-      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+      thread_([this](const std::stop_token& stop) { run(stop); }) {
+  if (!parts_.stream) return;
+  parts_.stream->start([this](std::span<const std::byte> packet, Peer from) { take_from_stream(packet, from); });
+}
+
+void AnswerPorts::send(Peer to, std::span<const std::byte> packet) {
+  if (to.connection == 0) {
+    static_cast<void>(socket.send_to(to.endpoint, packet));
+  } else if (stream) {
+    stream->send(to, packet);
+  }
+}
 
 OscServer::~OscServer() {
+  {
+    const std::scoped_lock lock(inbox_.mutex);
+    inbox_.closed = true;
+  }
+  inbox_.room.notify_all();
+  if (parts_.stream) parts_.stream->stop();
   thread_.request_stop();
-  socket_->wake();
+  ports_->socket.wake();
 }
 
 void OscServer::run(const std::stop_token& stop) {
@@ -40,14 +78,41 @@ void OscServer::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     clock_.measure();
     play_what_is_near();
-    if (socket_->receive(datagram, schedule_.size() > 0 ? 20ms : 100ms)) handle(datagram);
+    const bool holds = parts_.session.holds();
+    if (ports_->socket.receive(datagram, holds ? 0ms : schedule_.size() > 0 ? 20ms : 100ms)) {
+      handle(datagram.bytes, {datagram.from}, datagram.age_s);
+    } else if (holds) {
+      parts_.session.flush();
+    }
+    if (parts_.stream) handle_inbox();
   }
 }
 
-void OscServer::handle(const Datagram& datagram) {
-  const Arrival arrival{{datagram.from}, steady_now_s(), unix_now_s(), datagram.age_s};
-  const auto messages = decode_packet(datagram.bytes);
-  if (!messages) return answer(*socket_, arrival.from, Fail{"", messages.error().message});
+void OscServer::take_from_stream(std::span<const std::byte> packet, Peer from) {
+  {
+    std::unique_lock lock(inbox_.mutex);
+    inbox_.room.wait(lock, [this] { return inbox_.closed || inbox_.packets.size() < Inbox::kMost; });
+    if (inbox_.closed) return;
+    inbox_.packets.push_back({{packet.begin(), packet.end()}, from, steady_now_s()});
+  }
+  ports_->socket.wake();
+}
+
+void OscServer::handle_inbox() {
+  std::vector<Inbox::Packet> packets;
+  {
+    const std::scoped_lock lock(inbox_.mutex);
+    packets.swap(inbox_.packets);
+  }
+  inbox_.room.notify_all();
+  for (const Inbox::Packet& packet : packets) handle(packet.bytes, packet.from, steady_now_s() - packet.steady_s);
+}
+
+void OscServer::handle(std::span<const std::byte> packet, Peer from, double age_s) {
+  const Arrival arrival{from, steady_now_s(), unix_now_s(), age_s};
+  notifier_.heard_from(from);
+  const auto messages = decode_packet(packet);
+  if (!messages) return answer(*ports_, arrival.from, Fail{"", messages.error().message});
   for (const TimedMessage& timed : *messages) {
     const protocol::Frame frame = frame_of(timed.time, arrival);
     if (protocol::is_pattern(timed.message.address)) {
@@ -71,26 +136,37 @@ protocol::Frame OscServer::horizon() const { return clock_.frame_at(steady_now_s
 
 void OscServer::expand(const protocol::Message& message, protocol::Frame frame, Peer from) {
   const auto addresses = protocol::expand(message.address, parts_.session.rack().names());
-  if (!addresses) return answer(*socket_, from, Fail{message.address, addresses.error().message});
+  if (!addresses) return answer(*ports_, from, Fail{message.address, addresses.error().message});
   for (const std::string& address : *addresses) handle({address, message.arguments}, frame, from);
 }
 
 void OscServer::handle(const protocol::Message& message, protocol::Frame frame, Peer from) {
   const std::string& address = message.address;
   const auto request = protocol::parse(message);
-  if (!request) return answer(*socket_, from, Fail{address, request.error().message});
+  if (!request) return answer(*ports_, from, Fail{address, request.error().message});
   if (Session::is_event(*request)) {
     play(*request, frame, address, from);
   } else if (std::holds_alternative<protocol::Status>(*request)) {
-    answer(*socket_, from, status());
+    answer(*ports_, from, status());
   } else if (std::holds_alternative<protocol::Version>(*request)) {
-    answer(*socket_, from, protocol::VersionReply{"ringdownd", RINGDOWN_VERSION, protocol::kProtocolVersion});
+    answer(*ports_, from, protocol::VersionReply{"ringdownd", RINGDOWN_VERSION, protocol::kProtocolVersion});
+  } else if (const auto* notify = std::get_if<protocol::Notify>(&*request)) {
+    const auto subscribed = set_notices(*notify, from);
+    answer(*ports_, from,
+           subscribed ? protocol::Reply(protocol::Done{address, std::nullopt})
+                      : Fail{address, address + ": " + subscribed.error().message});
   } else if (std::holds_alternative<protocol::Quit>(*request)) {
-    answer(*socket_, from, protocol::Done{address, std::nullopt});
+    answer(*ports_, from, protocol::Done{address, std::nullopt});
     parts_.quit();
   } else {
     post(*request, address, from);
   }
+}
+
+Result<void> OscServer::set_notices(const protocol::Notify& request, Peer from) {
+  if (request.on) return notifier_.subscribe(from, request.rate_hz);
+  notifier_.unsubscribe(from);
+  return {};
 }
 
 void OscServer::play(const Request& request, protocol::Frame frame, const std::string& address, Peer from) {
@@ -99,29 +175,31 @@ void OscServer::play(const Request& request, protocol::Frame frame, const std::s
   if (played && !near && !schedule_.add({frame, request, address, from})) {
     played = parts_.session.drop(1, std::to_string(kMostScheduled) + " timed requests are waiting already");
   }
-  if (!played) answer(*socket_, from, Fail{address, address + ": " + played.error().message});
+  if (!played) answer(*ports_, from, Fail{address, address + ": " + played.error().message});
 }
 
 void OscServer::play_what_is_near() {
   for (const protocol::Frame end = horizon(); schedule_.is_due(end);) {
     const Schedule::Entry entry = schedule_.take();
     const auto played = parts_.session.play(entry.request, entry.frame);
-    if (!played) answer(*socket_, entry.from, Fail{entry.address, entry.address + ": " + played.error().message});
+    if (!played) answer(*ports_, entry.from, Fail{entry.address, entry.address + ": " + played.error().message});
   }
 }
 
 // /sync goes the same way as what it waits for.
 void OscServer::post(const Request& request, const std::string& address, Peer from) {
-  const auto task = [socket = socket_, &session = parts_.session, &driver = parts_.driver, latency = parts_.latency,
-                     request, address, from] {
+  const auto task = [ports = ports_, &session = parts_.session, &driver = parts_.driver, latency = parts_.latency,
+                     recorder = parts_.recorder, request, address, from] {
     if (const auto* sync = std::get_if<protocol::Sync>(&request))
-      return answer(*socket, from, protocol::Synced{sync->id});
-    const auto number = session.perform(request, driver.now() + latency_frames(driver, latency));
-    if (number) return answer(*socket, from, protocol::Done{address, *number});
-    answer(*socket, from, Fail{address, address + ": " + number.error().message});
+      return answer(*ports, from, protocol::Synced{sync->id});
+    const auto number = is_about_recording(request)
+                            ? record(request, session, recorder)
+                            : session.perform(request, driver.now() + latency_frames(driver, latency));
+    if (number) return answer(*ports, from, protocol::Done{address, *number});
+    answer(*ports, from, Fail{address, address + ": " + number.error().message});
   };
   const bool posted = parts_.worker.post(task);
-  if (!posted) answer(*socket_, from, Fail{address, address + ": too many requests are waiting; send fewer at once"});
+  if (!posted) answer(*ports_, from, Fail{address, address + ": too many requests are waiting; send fewer at once"});
 }
 
 protocol::StatusReply OscServer::status() const {
@@ -138,7 +216,8 @@ protocol::StatusReply OscServer::status() const {
           .load_peak = load.peak,
           .xruns = parts_.driver.xruns(),
           .dropped_events = whole(parts_.session.dropped()),
-          .late_events = whole(mixer.late.load())};
+          .late_events = whole(mixer.late.load()),
+          .merged_events = whole(parts_.session.merged())};
 }
 
 }  // namespace ringdown::server

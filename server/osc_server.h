@@ -10,17 +10,32 @@
 #include "server/driver.h"
 #include "server/frame_clock.h"
 #include "server/latency.h"
+#include "server/notifier.h"
 #include "server/osc_codec.h"
 #include "server/osc_socket.h"
+#include "server/osc_stream.h"
+#include "server/recorder.h"
 #include "server/schedule.h"
 #include "server/session.h"
 #include "server/worker.h"
 
+#include <condition_variable>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <span>
 #include <thread>
+#include <vector>
 
 namespace ringdown::server {
+
+// Where answers leave: by the way the request came.
+struct AnswerPorts {
+  OscSocket socket;
+  std::shared_ptr<OscStream> stream;  // null: UDP only
+
+  void send(Peer to, std::span<const std::byte> packet);
+};
 
 class OscServer {
  public:
@@ -30,6 +45,8 @@ class OscServer {
     const Driver& driver;
     std::function<void()> quit;  // called on the server's thread
     Latency latency = {};
+    Recorder* recorder = nullptr;            // null: /record is refused
+    std::shared_ptr<OscStream> stream = {};  // TCP as well
   };
 
   static constexpr double kHorizon_s = 0.2;
@@ -38,7 +55,7 @@ class OscServer {
   OscServer(OscSocket socket, Parts parts);
   ~OscServer();
 
-  [[nodiscard]] std::uint16_t port() const { return socket_->port(); }
+  [[nodiscard]] std::uint16_t port() const { return ports_->socket.port(); }
 
  private:
   // When a packet came: by the clock that frames are measured with, and by the one that time tags are written with.
@@ -49,18 +66,37 @@ class OscServer {
   };
 
   void run(const std::stop_token& stop);
-  void handle(const Datagram& datagram);
+  void handle(std::span<const std::byte> packet, Peer from, double age_s);
+  void take_from_stream(std::span<const std::byte> packet, Peer from);
+  void handle_inbox();
   void handle(const protocol::Message& message, protocol::Frame frame, Peer from);
   void expand(const protocol::Message& message, protocol::Frame frame, Peer from);
   void play(const protocol::Request& request, protocol::Frame frame, const std::string& address, Peer from);
   void play_what_is_near();
   [[nodiscard]] protocol::Frame frame_of(TimeTag time, const Arrival& arrival) const;
   [[nodiscard]] protocol::Frame horizon() const;
+  Result<void> set_notices(const protocol::Notify& request, Peer from);
   void post(const protocol::Request& request, const std::string& address, Peer from);
   [[nodiscard]] protocol::StatusReply status() const;
 
-  std::shared_ptr<OscSocket> socket_;  // shared with answers that the worker still owes
+  // What the stream's thread hands to ours. It waits while kMost packets are here.
+  struct Inbox {
+    static constexpr std::size_t kMost = 64;
+    struct Packet {
+      std::vector<std::byte> bytes;
+      Peer from;
+      double steady_s;
+    };
+    std::mutex mutex;
+    std::condition_variable room;
+    std::vector<Packet> packets;
+    bool closed = false;
+  };
+
+  std::shared_ptr<AnswerPorts> ports_;  // shared with answers that the worker still owes
   Parts parts_;
+  Notifier notifier_;
+  Inbox inbox_;
   FrameClock clock_;  // the server thread's own, like the next
   Schedule schedule_;
   std::jthread thread_;  // last: it stops before what it uses goes away

@@ -4,6 +4,7 @@
 #include "protocol/names.h"
 
 #include <algorithm>
+#include <span>
 
 namespace ringdown::server {
 namespace {
@@ -64,10 +65,16 @@ void Rack::keep(RackObject object) {
   objects_[object.number] = std::move(object);
 }
 
+bool Rack::push(synth::Producer producer, const Event& event) {
+  if (!mixer_.push(producer, event)) return false;
+  for (Observer* observer : observers_) observer->played(event);
+  return true;
+}
+
 Result<protocol::ObjectNumber> Rack::load(const std::string& name, const std::filesystem::path& bank) {
   auto map = read(bank);
   if (!map) return fail(map.error());
-  RackObject object{.name = name, .map = std::move(*map)};
+  RackObject object{.name = name, .bank = bank, .map = std::move(*map)};
   if (const auto old = find({.name = name}); old) {
     object.number = old->number;
   } else {
@@ -78,6 +85,7 @@ Result<protocol::ObjectNumber> Rack::load(const std::string& name, const std::fi
   if (const auto installed = install(object, synth::Mixer::Install::replace); !installed)
     return fail(installed.error());
   keep(object);
+  for (Observer* observer : observers_) observer->loaded(object);
   return object.number;
 }
 
@@ -87,6 +95,7 @@ Result<void> Rack::set_material(const ObjectRef& ref, const modal::MaterialScale
   object->material = scale;
   if (const auto installed = install(*object, synth::Mixer::Install::retune); !installed) return installed;
   keep(*object);
+  for (Observer* observer : observers_) observer->retuned(*object);
   return {};
 }
 
@@ -94,9 +103,12 @@ Result<void> Rack::free(const ObjectRef& ref) {
   const auto object = find(ref);
   if (!object) return fail(object.error());
   if (!mixer_.remove(object->number)) return fail("object: too many changes at once; try again");
-  const std::scoped_lock lock(mutex_);
-  numbers_.erase(object->name);
-  objects_[object->number].reset();
+  {
+    const std::scoped_lock lock(mutex_);
+    numbers_.erase(object->name);
+    objects_[object->number].reset();
+  }
+  for (Observer* observer : observers_) observer->freed(*object);
   return {};
 }
 
@@ -106,7 +118,9 @@ Result<std::shared_ptr<const modal::StrikeMap>> Rack::read(const std::filesystem
   if (const auto known = maps_.find(key); known != maps_.end()) {
     if (auto map = known->second.lock()) return map;
   }
-  auto bank = modal::read_bank(path);
+  const auto bytes = roots_.read(path, modal::kLargestBankFile);
+  if (!bytes) return fail(bytes.error());
+  auto bank = modal::parse_bank(std::as_bytes(std::span(*bytes)), path.string());
   if (!bank) return fail(bank.error());
   auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(*bank)));
   maps_[key] = map;

@@ -9,6 +9,8 @@
 #include "engine/synth/mixer.h"
 #include "protocol/event.h"
 #include "protocol/request.h"
+#include "server/file_roots.h"
+#include "server/observer.h"
 
 #include <filesystem>
 #include <map>
@@ -25,16 +27,28 @@ namespace ringdown::server {
 struct RackObject {
   std::string name;
   protocol::ObjectNumber number = 0;
+  std::filesystem::path bank;  // where the map was read from
   std::shared_ptr<const modal::StrikeMap> map;
   modal::MaterialScale material;
 };
 
 class Rack {
  public:
-  explicit Rack(double sample_rate_hz) : mixer_(sample_rate_hz) {}
+  // Banks are read below `roots` only.
+  explicit Rack(double sample_rate_hz, FileRoots roots = {}) : mixer_(sample_rate_hz), roots_(std::move(roots)) {}
+
+  [[nodiscard]] const FileRoots& roots() const { return roots_; }
 
   [[nodiscard]] synth::Mixer& mixer() { return mixer_; }
   [[nodiscard]] const synth::Mixer& mixer() const { return mixer_; }
+
+  // Tells `observer` from now on; until observe_no_more(), which must come while nothing happens. [main, before other
+  // threads use the rack]
+  void observe(Observer& observer) { observers_.push_back(&observer); }
+  void observe_no_more(Observer& observer) { std::erase(observers_, &observer); }
+
+  // Hands an event to the mixer and, if it has room, tells the observers. [the producer's thread]
+  [[nodiscard]] bool push(synth::Producer producer, const protocol::Event& event);
 
   // Takes as long with one object as with kMostObjects. [any but audio]
   [[nodiscard]] Result<RackObject> find(const protocol::ObjectRef& object) const;
@@ -64,6 +78,8 @@ class Rack {
   [[nodiscard]] Result<void> install(const RackObject& object, synth::Mixer::Install how);
 
   synth::Mixer mixer_;
+  FileRoots roots_;
+  std::vector<Observer*> observers_;
   // Puts an object in the table, or its successor in its place. [worker]
   void keep(RackObject object);
 

@@ -1,6 +1,7 @@
 #include "server/scene_player.h"
 
 #include "engine/base/preset_folder.h"
+#include "engine/base/toml_table.h"
 #include "engine/scene/scene_file.h"
 
 #include <spdlog/spdlog.h>
@@ -25,13 +26,15 @@ tl::unexpected<Error> no_scene() { return fail("there is no scene; load one with
 ScenePlayer::ScenePlayer(Rack& rack) : rack_(rack) {
   sink_ = [&rack](std::span<const Event> strikes) {
     std::size_t lost = 0;
-    for (const Event& strike : strikes) lost += !rack.mixer().push(synth::Producer::scene, strike);
+    for (const Event& strike : strikes) lost += !rack.push(synth::Producer::scene, strike);
     return lost;
   };
 }
 
 Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
-  const auto description = scene::read_scene(path, preset_folder().value_or(std::filesystem::path()));
+  const auto text = rack_.roots().read(path, kLargestTomlFile);
+  if (!text) return fail(text.error());
+  const auto description = scene::parse_scene(*text, path, preset_folder().value_or(std::filesystem::path()));
   if (!description) return fail(description.error());
   std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // all read before anything changes
   for (const auto& object : description->objects) {
@@ -46,9 +49,9 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
     if (object.material != modal::MaterialScale{}) {
       if (const auto set = rack_.set_material({.name = object.name}, object.material); !set) return fail(set.error());
     }
-    const bool sent = mixer.push(synth::Producer::worker,
+    const bool sent = rack_.push(synth::Producer::worker,
                                  {.frame = frame, .object = *number, .type = EventType::gain, .value = object.gain}) &&
-                      mixer.push(synth::Producer::worker,
+                      rack_.push(synth::Producer::worker,
                                  {.frame = frame, .object = *number, .type = EventType::pan, .value = object.pan});
     if (!sent) return fail(path.string() + ": too many objects at once; wait for those before to be taken up");
   }
@@ -95,6 +98,11 @@ Result<void> ScenePlayer::clear() {
   world_->clear();
   body_count_ = 0;
   return {};
+}
+
+std::vector<scene::BodyState> ScenePlayer::bodies() {
+  const std::scoped_lock lock(mutex_);
+  return world_ ? world_->bodies() : std::vector<scene::BodyState>();
 }
 
 Result<void> ScenePlayer::object_changed(const RackObject& object) {

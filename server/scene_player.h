@@ -18,6 +18,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace ringdown::server {
 
@@ -49,6 +50,7 @@ class ScenePlayer {
   // difference instead of bunching strikes: the scene then runs slowly. A paused or empty scene is not stepped. [scene]
   void advance_to(protocol::Frame frame, protocol::Frame slack);
 
+  [[nodiscard]] std::vector<scene::BodyState> bodies();  // where they are now [any but audio]
   [[nodiscard]] std::size_t body_count() const { return body_count_; }
   [[nodiscard]] double duration_s() const {
     return duration_s_;

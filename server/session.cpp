@@ -1,5 +1,7 @@
 #include "server/session.h"
 
+#include "protocol/bulk.h"
+
 #include <concepts>
 
 namespace ringdown::server {
@@ -27,9 +29,9 @@ const protocol::ObjectRef* object_of(const protocol::Request& request) {
 bool Session::is_event(const protocol::Request& request) {
   return std::visit(
       Match{[](const protocol::Strike&) { return true; }, [](const protocol::StrikeVertex&) { return true; },
-            [](const protocol::SetGain&) { return true; }, [](const protocol::SetPan&) { return true; },
-            [](const protocol::ClearObject&) { return true; }, [](const protocol::ClearAll&) { return true; },
-            [](const auto&) { return false; }},
+            [](const protocol::StrikeMany&) { return true; }, [](const protocol::SetGain&) { return true; },
+            [](const protocol::SetPan&) { return true; }, [](const protocol::ClearObject&) { return true; },
+            [](const protocol::ClearAll&) { return true; }, [](const auto&) { return false; }},
       request);
 }
 
@@ -43,11 +45,31 @@ Result<std::vector<protocol::Event>> Session::events_of(const protocol::Request&
     for (const RackObject& object : rack_.objects()) events.push_back(*event_for(request, object, frame));
     return events;
   }
+  if (const auto* bulk = std::get_if<protocol::StrikeMany>(&request)) return events_of(*bulk, frame);
   const auto object = rack_.find(*object_of(request));
   if (!object) return fail(object.error());
   const auto event = event_for(request, *object, frame);
   if (!event) return fail(event.error());
   events.push_back(*event);
+  return events;
+}
+
+Result<std::vector<protocol::Event>> Session::events_of(const protocol::StrikeMany& bulk, protocol::Frame frame) const {
+  const auto strikes = protocol::decode_strikes(bulk.records);
+  if (!strikes) return fail(strikes.error());
+  std::vector<protocol::Event> events;
+  for (const protocol::BulkStrike& strike : *strikes) {
+    const protocol::ObjectRef ref{.number = strike.object};
+    const protocol::Request one =
+        strike.vertex
+            ? protocol::Request(protocol::StrikeVertex{ref, *strike.vertex, strike.impulse_ns, strike.contact_time_s})
+            : protocol::Request(protocol::Strike{ref, strike.point_m, strike.impulse_ns, strike.contact_time_s});
+    const auto later = static_cast<protocol::Frame>(std::llround(strike.delay_s * sample_rate_hz()));
+    const auto object = rack_.find(ref);
+    const auto event = object ? event_for(one, *object, frame + later) : fail(object.error());
+    if (!event) return fail("record " + std::to_string(events.size() + 1) + " " + event.error().message);
+    events.push_back(*event);
+  }
   return events;
 }
 
@@ -61,9 +83,30 @@ Result<void> Session::play(const protocol::Request& request, protocol::Frame fra
   const auto events = events_of(request, frame);
   if (!events) return fail(events.error());
   std::size_t lost = 0;
-  for (const protocol::Event& event : *events) lost += !rack_.mixer().push(synth::Producer::control, event);
+  for (const protocol::Event& event : *events) {
+    switch (merger_.add(event)) {
+      case StrikeMerger::Verdict::merged:
+        ++merged_;
+        break;
+      case StrikeMerger::Verdict::held:
+        break;
+      case StrikeMerger::Verdict::full:
+        flush();
+        [[fallthrough]];
+      case StrikeMerger::Verdict::pass:
+        lost += push(event);
+    }
+  }
   if (lost == 0) return {};
   return drop(lost, std::to_string(synth::kQueueCapacity) + " events are waiting already");
+}
+
+// How many events were lost: 0 or 1.
+std::size_t Session::push(const protocol::Event& event) { return rack_.push(synth::Producer::control, event) ? 0 : 1; }
+
+void Session::flush() {
+  for (const protocol::Event& event : merger_.held()) dropped_ += push(event);
+  merger_.clear();
 }
 
 tl::unexpected<Error> Session::drop(std::size_t events, const std::string& because) {

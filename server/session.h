@@ -8,8 +8,10 @@
 #include "protocol/request.h"
 #include "server/rack.h"
 #include "server/scene_player.h"
+#include "server/strike_merger.h"
 
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -22,14 +24,16 @@ inline constexpr double kFarthestAhead_s = 3600;
 
 class Session {
  public:
-  explicit Session(double sample_rate_hz) : rack_(sample_rate_hz), scene_(rack_) {}
+  // Files are read below `roots` only.
+  explicit Session(double sample_rate_hz, FileRoots roots = {})
+      : rack_(sample_rate_hz, std::move(roots)), scene_(rack_) {}
 
   [[nodiscard]] Rack& rack() { return rack_; }
   [[nodiscard]] const Rack& rack() const { return rack_; }
   [[nodiscard]] ScenePlayer& scene() { return scene_; }
   [[nodiscard]] double sample_rate_hz() const { return rack_.mixer().sample_rate_hz(); }
 
-  // Whether play() takes it: strikes, gain, pan and clear.
+  // Whether play() takes it: strikes, one or many, gain, pan and clear.
   [[nodiscard]] static bool is_event(const protocol::Request& request);
 
   // Sends an event request to the mixer, to happen at `frame`. An error names the argument. [control]
@@ -45,18 +49,33 @@ class Session {
   // /scene/...). A scene loaded now starts at `frame`. Returns the number for the answer, if there is one. [worker]
   Result<std::optional<std::int32_t>> perform(const protocol::Request& request, protocol::Frame frame);
 
+  // In a flood, strikes within `seconds` of each other on the same point of an object become one (strike_merger.h).
+  // 0, as in the beginning, merges none. [before anything is played]
+  void merge_within(double seconds) { merger_ = StrikeMerger(std::llround(seconds * sample_rate_hz())); }
+
+  // Whether strikes are held back, and handing them over: soon after the last play(). [control]
+  [[nodiscard]] bool holds() const { return !merger_.held().empty(); }
+  void flush();
+
   // Events that were refused because a queue was full. [any]
   [[nodiscard]] std::uint64_t dropped() const { return dropped_ + scene_.dropped(); }
+
+  // Strikes that were added to another. [any]
+  [[nodiscard]] std::uint64_t merged() const { return merged_; }
 
  private:
   [[nodiscard]] Result<std::vector<protocol::Event>> events_of(const protocol::Request& request,
                                                                protocol::Frame frame) const;
+  [[nodiscard]] Result<std::vector<protocol::Event>> events_of(const protocol::StrikeMany& bulk,
+                                                               protocol::Frame frame) const;
+  [[nodiscard]] std::size_t push(const protocol::Event& event);
   Result<protocol::ObjectNumber> load_object(const protocol::LoadObject& load);
   Result<void> free_object(const protocol::FreeObject& request);
 
   Rack rack_;
   ScenePlayer scene_;
-  std::atomic<std::uint64_t> dropped_ = 0;
+  StrikeMerger merger_{0};
+  std::atomic<std::uint64_t> dropped_ = 0, merged_ = 0;
 };
 
 }  // namespace ringdown::server

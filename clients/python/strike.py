@@ -3,6 +3,7 @@
 
     python3 strike.py bell                    one blow
     python3 strike.py bell --roll 8           eight more, 120 ms apart to the sample: timed bundles
+    python3 strike.py bell --rain 1000        a thousand within a second, in one message
 
 As a module:
 
@@ -11,6 +12,7 @@ As a module:
     daemon.strike("bell", point=(0.05, 0, 0.02), impulse=(-0.02, 0, 0))
     daemon.send("/object/bell/gain", 0.5)
     print(daemon.ask("/version"))
+    daemon.strikes([(0, point, impulse, 0.0005, 0.01 * i) for i in range(500)])    many, in one message
 
 Units are SI; points and impulses are in the object's own frame. docs/protocol.md lists every address.
 """
@@ -30,11 +32,13 @@ def pad(data):
 
 
 def message(address, *arguments):
-    """One OSC message as bytes; arguments are int, float or str."""
+    """One OSC message as bytes; arguments are int, float, str or bytes."""
     tags, body = ",", b""
     for argument in arguments:
         if isinstance(argument, str):
             tags, body = tags + "s", body + pad(argument.encode())
+        elif isinstance(argument, bytes):
+            tags, body = tags + "b", body + struct.pack(">i", len(argument)) + argument + b"\0" * (-len(argument) % 4)
         elif isinstance(argument, int):
             tags, body = tags + "i", body + struct.pack(">i", argument)
         else:
@@ -81,6 +85,12 @@ class Ringdown:
     def strike(self, name, point, impulse, contact_time=0.0002):
         self.send(f"/object/{name}/strike", *map(float, point), *map(float, impulse), contact_time)
 
+    def strikes(self, blows):
+        """Many blows in few messages, for simulators: (object's number, point, impulse, contact time, delay) each."""
+        records = [struct.pack(">2i8f", number, -1, *p, *j, contact, delay) for number, p, j, contact, delay in blows]
+        for first in range(0, len(records), 1600):
+            self.send("/strikes", b"".join(records[first : first + 1600]))
+
     def send_at(self, when, *messages):
         self.socket.send(bundle(when, *messages))
 
@@ -96,6 +106,7 @@ def main():
     parser.add_argument("object", nargs="?", default="bell")
     parser.add_argument("--port", type=int, default=7770)
     parser.add_argument("--roll", type=int, default=0, metavar="N", help="then N more blows, 120 ms apart")
+    parser.add_argument("--rain", type=int, default=0, metavar="N", help="then N on object 0 within a second, as one blob")
     options = parser.parse_args()
 
     daemon = Ringdown(port=options.port)
@@ -107,6 +118,9 @@ def main():
             softer = [j * 0.85**i for j in impulse]
             blow = message(f"/object/{options.object}/strike", *point, *softer)
             daemon.send_at(start + 0.12 * i, blow)
+        if options.rain:
+            soft = [0.05 * j for j in impulse]
+            daemon.strikes([(0, point, soft, 0.0005, i / options.rain) for i in range(options.rain)])
         answer = daemon.ask("/sync", 1)
     except OSError as error:
         sys.exit(f"no daemon answers on port {options.port} ({error}): start ringdownd first")

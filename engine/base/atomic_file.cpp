@@ -47,14 +47,18 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::strin
 Result<std::string> read_whole_file(const std::filesystem::path& path, std::size_t limit_bytes) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return fail("cannot open " + path.string() + ": " + system_message());
+  return read_open_file(descriptor, path.string(), limit_bytes);
+}
+
+Result<std::string> read_open_file(int descriptor, const std::string& name, std::size_t limit_bytes) {
   struct stat status {};
   std::string text;
   Result<void> outcome;
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    outcome = fail("cannot read " + path.string() + ": it is not a regular file");
+    outcome = fail("cannot read " + name + ": it is not a regular file");
   } else if (static_cast<std::size_t>(status.st_size) > limit_bytes) {
-    outcome = fail("cannot read " + path.string() + ": " + std::to_string(status.st_size) +
-                   " bytes is more than the limit of " + std::to_string(limit_bytes));
+    outcome = fail("cannot read " + name + ": " + std::to_string(status.st_size) + " bytes is more than the limit of " +
+                   std::to_string(limit_bytes));
   } else {
     text.resize(static_cast<std::size_t>(status.st_size));
     std::size_t filled = 0;
@@ -62,7 +66,7 @@ Result<std::string> read_whole_file(const std::filesystem::path& path, std::size
       const ssize_t got = ::read(descriptor, text.data() + filled, text.size() - filled);
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) {
-        outcome = fail("cannot read " + path.string() + ": " + (got < 0 ? system_message() : "it shrank while read"));
+        outcome = fail("cannot read " + name + ": " + (got < 0 ? system_message() : "it shrank while read"));
         break;
       }
       filled += static_cast<std::size_t>(got);

@@ -18,4 +18,7 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::strin
 // The whole file, refused when it is not a regular file or is larger than `limit_bytes`.
 Result<std::string> read_whole_file(const std::filesystem::path& path, std::size_t limit_bytes);
 
+// The same of a file that is open, and is closed then. `name` stands in error messages where the path would.
+Result<std::string> read_open_file(int descriptor, const std::string& name, std::size_t limit_bytes);
+
 }  // namespace ringdown

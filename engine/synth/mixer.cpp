@@ -113,6 +113,9 @@ void Mixer::render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME
   counters_.ringing_voices.store(place.ringing_voices, std::memory_order_relaxed);
   counters_.ringing_modes.store(place.ringing_modes, std::memory_order_relaxed);
   counters_.peak.store(peak, std::memory_order_relaxed);
+  if (peak > counters_.peak_since.load(std::memory_order_relaxed)) {
+    counters_.peak_since.store(peak, std::memory_order_relaxed);
+  }
   counters_.frames.store(now_, std::memory_order_release);
 }
 

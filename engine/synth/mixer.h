@@ -68,6 +68,7 @@ struct MixerCounters {
   std::atomic<std::uint32_t> ringing_voices{0};  // in the last block
   std::atomic<std::uint32_t> ringing_modes{0};   // in the last block
   std::atomic<float> peak{0};                    // largest |sample| of the last block
+  std::atomic<float> peak_since{0};              // the same since take_peak()
 };
 
 class Mixer {
@@ -126,6 +127,9 @@ class Mixer {
   void render(std::span<float> left, std::span<float> right) RINGDOWN_REALTIME;  // the mix only
 
   [[nodiscard]] const MixerCounters& counters() const { return counters_; }
+
+  // The largest |sample| since the last call. [one thread that is not audio]
+  [[nodiscard]] float take_peak() { return counters_.peak_since.exchange(0, std::memory_order_relaxed); }
 
  private:
   struct DueEvent {

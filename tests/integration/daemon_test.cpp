@@ -1,9 +1,11 @@
 // ringdownd as a program: what it answers, refuses, and how it ends. No JACK needed.
 #include "engine/modal/bank_file.h"
 #include "tests/integration/daemon_fixture.h"
+#include "tests/support/signal.h"
 #include "tests/support/synthetic_bank.h"
 
 #include <gtest/gtest.h>
+#include <sndfile.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +23,17 @@ using protocol::Message;
 
 // A JACK server that certainly is not there.
 const Process::Environment kNoJack = {{"JACK_DEFAULT_SERVER", "ringdown-test-nobody"}, {"JACK_NO_START_SERVER", "1"}};
+
+// The samples of all channels, frame by frame.
+Samples read_frames(const std::filesystem::path& path) {
+  SF_INFO info{};
+  SNDFILE* file = sf_open(path.c_str(), SFM_READ, &info);
+  if (!file) return {};
+  Samples frames(static_cast<std::size_t>(info.frames * info.channels));
+  sf_readf_double(file, frames.data(), info.frames);
+  sf_close(file);
+  return frames;
+}
 
 class DaemonTest : public testing::Test {
  protected:
@@ -190,6 +203,56 @@ TEST_F(DaemonTest, TheWavDriverWritesTheSceneToAFile) {
   const Outcome missing = run({program("ringdownd"), "--driver", "wav", "--scene", bank("missing.toml")});
   EXPECT_EQ(missing.exit_code, 3);
   EXPECT_NE(missing.output.find("missing.toml"), std::string::npos) << missing.output;
+}
+
+TEST_F(DaemonTest, ARecordedSessionRendersToTheSameSamples) {
+  const auto score = folder_ / "session.osc", live = folder_ / "live.wav", replay = folder_ / "replay.wav";
+  {
+    Daemon daemon({"--driver", "null", "--block", "128", "--latency", "250ms", "--object", "low=" + bank("low.glb"),
+                   "--object", "high=" + bank("high.glb"), "--record", score.string(), "--capture", live.string()});
+    ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+    const double start =
+        std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count() + 0.5;
+    for (int i = 0; i < 40; ++i) {
+      const std::string name = i % 3 ? "low" : "high";
+      daemon.send(
+          protocol::format(protocol::Strike{{.name = name}, {1, 0, 0.1 * i}, {0, 0, 0.01 * i}, 1e-4 * (i % 7)}));
+      daemon.send_bundle(start + 0.0137 * i,
+                         {protocol::format(protocol::StrikeVertex{{.name = name}, 1, {0, 0, 0.1}, 0})});
+      if (i % 5 == 0) daemon.send({"/object/*/gain", {0.2f + 0.01f * i, 0.03f}});
+      if (i % 7 == 0) daemon.send({"/object/" + name + "/pan", {0.02f * i}});
+      if (i == 20) daemon.send({"/object/low/clear", {}});
+      std::this_thread::sleep_for(7ms);
+    }
+    std::this_thread::sleep_for(1200ms);
+    EXPECT_EQ(expect<protocol::StatusReply>(daemon, {"/status", {}}).late_events, 0);
+    daemon.send({"/quit", {}});
+    EXPECT_EQ(daemon.process().wait(20s), 0) << daemon.process().output();
+  }
+  const auto render = [&](const std::filesystem::path& to) {
+    const Outcome rendered =
+        run({program("ringdown"), "render", "--events", score.string(), "--block", "128", "-o", to.string()});
+    EXPECT_EQ(rendered.exit_code, 0) << rendered.output;
+    return read_frames(to);
+  };
+  const auto heard = read_frames(live), again = render(replay), third = render(folder_ / "third.wav");
+  EXPECT_EQ(again, third);
+  ASSERT_GT(heard.size(), 2 * 48000u);
+  ASSERT_EQ(heard.size(), again.size());
+  EXPECT_TRUE(heard == again) << relative_error_db(heard, again) << " dB";
+  EXPECT_GT(peak(heard), 0.001);
+}
+
+TEST_F(DaemonTest, ItListensOnLoopbackAndFilesOutsideItsFoldersStayClosed) {
+  std::filesystem::create_directory(folder_ / "open");
+  Daemon daemon({"--driver", "null", "--root", (folder_ / "open").string()});
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  const auto refused = expect<Fail>(daemon, {"/load", {"x", bank("low.glb")}});
+  EXPECT_NE(refused.sentence.find("--root"), std::string::npos) << refused.sentence;
+  std::filesystem::copy_file(folder_ / "low.glb", folder_ / "open/low.glb");
+  expect<Done>(daemon, {"/load", {"x", (folder_ / "open/low.glb").string()}});
+  const auto record = expect<Fail>(daemon, {"/record/start", {bank("stolen.osc")}});
+  EXPECT_NE(record.sentence.find("--root"), std::string::npos) << record.sentence;
 }
 
 }  // namespace

@@ -66,6 +66,7 @@ Cases strike_cases() {
            {"/object/" + std::string(65, 'a') + "/strike", {0, 0, 0, 0, 0, 0}, "object"},
            {a, {}, "x"},
            {a, {kNan, 0, 0, 0, 0, 0}, "x"},
+           {a, {Blob(40), 0, 0, 0, 0, 0}, "x"},
            {a, {"1", 0, 0, 0, 0, 0}, "x"},
            {a, {0, kInfinity, 0, 0, 0, 0}, "y"},
            {a, {0, 0, 10001, 0, 0, 0}, "z"},
@@ -96,6 +97,34 @@ Cases strike_vertex_cases() {
            {a, {1, 0, -1e9, 0}, "jy"},
            {a, {1, 0, 0, kNan}, "jz"},
            {a, {1, 0, 0, 0, "soft"}, "contact_time"}}};
+}
+
+Cases strikes_cases() {
+  const std::string a = "/strikes";
+  return {{{a, {Blob(40)}, claim<StrikeMany>([](const StrikeMany& s) { return s.records.size() == 40; })},
+           {a, {Blob(64000)}, is_a<StrikeMany>()}},
+          {{a, {}, "records"},
+           {a, {Blob()}, "records"},
+           {a, {Blob(41)}, "records"},
+           {a, {Blob(64040)}, "records"},
+           {a, {1.f}, "records"},
+           {a, {"text"}, "records"}}};
+}
+
+Cases notify_cases() {
+  return {{{"/notify", {}, claim<Notify>([](const Notify& n) { return n.on && n.rate_hz == 20; })},
+           {"/notify", {0}, claim<Notify>([](const Notify& n) { return !n.on; })},
+           {"/notify", {1, 200.f}, claim<Notify>([](const Notify& n) { return n.on && n.rate_hz == 200; })}},
+          {{"/notify", {2}, "on"},
+           {"/notify", {1, 0}, "rate"},
+           {"/notify", {1, 200.1}, "rate"},
+           {"/notify", {1, kNan}, "rate"}}};
+}
+
+Cases record_start_cases() {
+  const std::string a = "/record/start";
+  return {{{a, {"a b.osc"}, claim<RecordStart>([](const RecordStart& s) { return s.path == "a b.osc"; })}},
+          {{a, {}, "path"}, {a, {""}, "path"}, {a, {7}, "path"}, {a, {"a\nb"}, "path"}}};
 }
 
 Cases gain_cases() {
@@ -220,6 +249,10 @@ const std::map<std::string, Cases>& all_cases() {
   static const std::map<std::string, Cases> cases = {
       {"/object/{object}/strike", strike_cases()},
       {"/object/{object}/strike_vertex", strike_vertex_cases()},
+      {"/strikes", strikes_cases()},
+      {"/notify", notify_cases()},
+      {"/record/start", record_start_cases()},
+      {"/record/stop", {{{"/record/stop", {}, is_a<RecordStop>()}}, {}}},
       {"/object/{object}/gain", gain_cases()},
       {"/object/{object}/pan", pan_cases()},
       {"/object/{object}/material", material_cases()},
@@ -337,12 +370,15 @@ TEST(Schema, AnUnknownAddressSuggestsTheNearestOne) {
 }
 
 TEST(Schema, RepliesRoundTripInTypesPureDataKnows) {
-  const StatusReply status{4, 1, 220, 6, 48000, 256, 0.25, 0.5, 7, 8, 9};
+  const StatusReply status{4, 1, 220, 6, 48000, 256, 0.25, 0.5, 7, 8, 9, 10};
   const Message message = format(Reply(status));
-  EXPECT_EQ(message, (Message{"/status.reply", {4, 1, 220, 6, 48000.f, 256, 0.25f, 0.5f, 7, 8, 9}}));
+  EXPECT_EQ(message, (Message{"/status.reply", {4, 1, 220, 6, 48000.f, 256, 0.25f, 0.5f, 7, 8, 9, 10}}));
   for (const Reply& reply :
        {Reply(Done{"/load", 3}), Reply(Done{"/quit", std::nullopt}), Reply(Fail{"/load", "why"}), Reply(status),
-        Reply(VersionReply{"ringdownd", "0.1.0", 1}), Reply(Synced{-5}), Reply(Fail{"", "two\nlines"})}) {
+        Reply(VersionReply{"ringdownd", "0.1.0", 1}), Reply(Synced{-5}), Reply(Fail{"", "two\nlines"}),
+        Reply(NotifyObject{3, "bell", false}), Reply(NotifyContact{"bell", {1, 2, 3}, {4, 5, 6}, 0.001}),
+        Reply(NotifyPeak{2}), Reply(NotifyLoad{0.5, 0.75, 1, 2, 3}),
+        Reply(NotifyBody{7, "ball", "-", {1, 2, 3}, 0, 0.6, 0, 0.8})}) {
     const Result<Reply> again = parse_reply(format(reply));
     ASSERT_TRUE(again) << again.error().message;
     EXPECT_EQ(format(*again), format(reply));

@@ -1,133 +1,8 @@
-// The OSC server inside this process: a driver whose clock runs but which renders only when told, so that what was sent
-// can be looked for in the samples to the frame.
-#include "engine/modal/bank_file.h"
-#include "protocol/schema.h"
-#include "server/osc_server.h"
-#include "tests/support/synthetic_bank.h"
-
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <filesystem>
-#include <thread>
-#include <unistd.h>
+// What the OSC server does with time, patterns and subscribers.
+#include "tests/server/osc_server_fixture.h"
 
 namespace ringdown::server {
 namespace {
-
-using namespace std::chrono_literals;
-using protocol::Frame;
-using protocol::Message;
-
-constexpr double kRate = 48000;
-constexpr std::size_t kBlock = 256;
-
-class StillDriver final : public Driver {
- public:
-  [[nodiscard]] double sample_rate_hz() const override { return kRate; }
-  [[nodiscard]] std::size_t block_frames() const override { return kBlock; }
-  Result<void> start(synth::Mixer&, std::function<void()>) override { return {}; }
-  [[nodiscard]] Frame now() const override { return static_cast<Frame>((steady_now_s() - origin_s_) * kRate); }
-  [[nodiscard]] Load load() const override { return {}; }
-  [[nodiscard]] std::int32_t xruns() const override { return 0; }
-
-  // The frame that a time of the system's clock means.
-  [[nodiscard]] double frame_of(double unix_s) const {
-    return (unix_s - (unix_now_s() - steady_now_s()) - origin_s_) * kRate;
-  }
-
- private:
-  double origin_s_ = steady_now_s();
-};
-
-class OscServerTest : public testing::Test {
- protected:
-  OscServerTest() {
-    std::filesystem::create_directory(folder_);
-    EXPECT_TRUE(modal::write_bank(test::single_mode_bank(6000, 800), folder_ / "tick.glb"));  // silent after 20 ms
-  }
-  ~OscServerTest() override {
-    server_.reset();
-    std::filesystem::remove_all(folder_);
-  }
-
-  void serve(Latency latency = {}) {
-    auto socket = OscSocket::bind();
-    ASSERT_TRUE(socket) << socket.error().message;
-    server_.emplace(std::move(*socket), OscServer::Parts{session_, worker_, driver_, [] {}, latency});
-    to_ = {.port = server_->port()};
-  }
-
-  void load(const std::string& name) { ASSERT_TRUE(session_.rack().load(name, folder_ / "tick.glb")); }
-
-  void send(const Message& message) { ASSERT_TRUE(client_.send_to(to_, encode(message))); }
-  void send_at(double unix_s, const Message& message) {
-    ASSERT_TRUE(client_.send_to(to_, encode_bundle(time_tag(unix_s), std::span(&message, 1))));
-  }
-
-  std::optional<protocol::Reply> reply() {
-    Datagram datagram;
-    if (!client_.receive(datagram, 20s)) return std::nullopt;
-    const auto messages = decode_packet(datagram.bytes);
-    const auto parsed = messages ? protocol::parse_reply(messages->front().message) : fail(messages.error());
-    return parsed ? std::optional(*parsed) : std::nullopt;
-  }
-  // Sends, and returns the sentence of the /fail that must come.
-  std::string refusal(const Message& message) {
-    send(message);
-    const auto answer = reply();
-    const auto* refused = answer ? std::get_if<protocol::Fail>(&*answer) : nullptr;
-    return refused ? refused->sentence : "";
-  }
-  // Returns when all that was sent has been taken up.
-  void sync() {
-    send({"/sync", {++syncs_}});
-    for (;;) {
-      const auto answer = reply();
-      ASSERT_TRUE(answer);
-      const auto* synced = std::get_if<protocol::Synced>(&*answer);
-      if (synced && synced->id == syncs_) return;
-    }
-  }
-
-  // Returns when the schedule has given to the mixer what shall sound at `unix_s`.
-  void leave_schedule(double unix_s) {
-    sync();
-    while (unix_now_s() < unix_s - OscServer::kHorizon_s / 2) std::this_thread::sleep_for(10ms);
-    sync();
-  }
-
-  // Renders to `end`, in blocks, and notes where sound rises out of silence.
-  std::vector<Frame> onsets_until(Frame end) {
-    std::vector<Frame> found;
-    for (Frame at = session_.rack().mixer().counters().frames; at < end; at += static_cast<Frame>(kBlock)) {
-      std::vector<float> left(kBlock), right(kBlock);
-      session_.rack().mixer().render(left, right);
-      for (std::size_t n = 0; n < kBlock; ++n) {
-        if (std::abs(left[n]) < 1e-5) continue;
-        const Frame frame = at + static_cast<Frame>(n);
-        if (found.empty() || frame - last_loud_ > 480) found.push_back(frame);
-        last_loud_ = frame;
-      }
-    }
-    return found;
-  }
-
-  static Message strike(const std::string& object) {
-    return protocol::format(protocol::Strike{{.name = object}, {1, 0, 0}, {0, 0, 1}, 0});
-  }
-
-  std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("ringdown-osc-server-" + std::to_string(::getpid()));
-  StillDriver driver_;
-  Session session_{kRate};
-  Worker worker_{[] {}, 10ms};
-  OscSocket client_ = std::move(*OscSocket::bind());
-  Endpoint to_;
-  std::optional<OscServer> server_;
-  std::int32_t syncs_ = 0;
-  Frame last_loud_ = -100000;
-};
 
 TEST_F(OscServerTest, BundlesLandWithinAMillisecondOfTheirTimeTag) {
   load("tick");
@@ -220,6 +95,101 @@ TEST_F(OscServerTest, APatternReachesEveryObjectItMatches) {
   EXPECT_EQ(session_.rack().mixer().counters().strikes, 2u);
   EXPECT_NE(refusal(strike("wood*")).find("wood*"), std::string::npos);
   EXPECT_NE(refusal({"/object/gl*/gain", {-1.f}}).find("/object/glass1/gain"), std::string::npos);
+}
+
+// The messages of one bundle that comes to `socket`.
+std::vector<protocol::Reply> notice(OscSocket& socket) {
+  Datagram datagram;
+  std::vector<protocol::Reply> replies;
+  if (!socket.receive(datagram, 20s)) return replies;
+  const auto messages = decode_packet(datagram.bytes);
+  EXPECT_TRUE(messages);
+  for (const TimedMessage& timed : *messages) {
+    const auto reply = protocol::parse_reply(timed.message);
+    EXPECT_TRUE(reply) << reply.error().message;
+    if (reply) replies.push_back(*reply);
+  }
+  return replies;
+}
+
+// Reads notices until one holds a message that `wanted` likes.
+template <class Struct>
+std::optional<Struct> wait_for(OscSocket& socket, const std::function<bool(const Struct&)>& wanted) {
+  for (int i = 0; i < 1000; ++i) {
+    const auto replies = notice(socket);
+    if (replies.empty()) return std::nullopt;
+    for (const protocol::Reply& reply : replies) {
+      const auto* found = std::get_if<Struct>(&reply);
+      if (found && wanted(*found)) return *found;
+    }
+  }
+  return std::nullopt;
+}
+
+TEST_F(OscServerTest, SubscribersHearOfObjectsContactsPeaksAndLoad) {
+  load("bell");
+  serve();
+  send({"/notify", {1, 100.f}});
+  const auto there = wait_for<protocol::NotifyObject>(client_, [](const auto& n) { return n.name == "bell"; });
+  ASSERT_TRUE(there);
+  EXPECT_TRUE(there->loaded);
+  send(protocol::format(protocol::Strike{{.name = "bell"}, {1, 2, 3}, {0, 0, 0.5}, 0.001}));
+  const auto contact = wait_for<protocol::NotifyContact>(client_, [](const auto&) { return true; });
+  ASSERT_TRUE(contact);
+  EXPECT_EQ(contact->object, "bell");
+  EXPECT_EQ(contact->point_m, (Vec3{1, 2, 3}));
+  EXPECT_EQ(contact->impulse_ns, (Vec3{0, 0, 0.5}));
+  onsets_until(static_cast<Frame>(driver_.frame_of(unix_now_s())) + 4800);
+  EXPECT_TRUE(wait_for<protocol::NotifyPeak>(client_, [](const auto& n) { return n.peak > 1e-4; }));
+  EXPECT_TRUE(wait_for<protocol::NotifyPeak>(client_, [](const auto& n) { return n.peak == 0; })) << "since the last";
+  EXPECT_TRUE(wait_for<protocol::NotifyLoad>(client_, [](const auto&) { return true; }));
+  send({"/object/bell/free", {}});
+  EXPECT_TRUE(wait_for<protocol::NotifyObject>(client_, [](const auto& n) { return n.name == "bell" && !n.loaded; }));
+  send({"/notify", {0}});
+  sync();
+  int still = 0;
+  for (Datagram datagram; still < 5 && client_.receive(datagram, 100ms);) ++still;
+  EXPECT_LE(still, 1) << "one may have been on its way";
+}
+
+TEST_F(OscServerTest, SoManySubscribersAndNotOneMore) {
+  serve();
+  std::vector<OscSocket> clients;
+  for (std::size_t i = 0; i < kMostSubscribers; ++i) {
+    clients.push_back(std::move(*OscSocket::bind()));
+    ASSERT_TRUE(clients.back().send_to(to_, encode({"/notify", {1, 0.1f}})));
+  }
+  for (OscSocket& client : clients) EXPECT_FALSE(notice(client).empty());
+  EXPECT_NE(refusal({"/notify", {}}).find(std::to_string(kMostSubscribers)), std::string::npos);
+  ASSERT_TRUE(clients.back().send_to(to_, encode({"/notify", {0}})));
+  send({"/notify", {}});
+  EXPECT_TRUE(wait_for<protocol::Done>(client_, [](const auto& done) { return done.address == "/notify"; }));
+}
+
+TEST_F(OscServerTest, ARecordedSessionNamesWhatWasThereAndWhatWasPlayed) {
+  load("bell");
+  serve();
+  send({"/object/bell/gain", {0.5f}});
+  sync();
+  const auto score = folder_ / "session.osc";
+  send({"/record/start", {score.string()}});
+  ASSERT_TRUE(std::holds_alternative<protocol::Done>(*reply()));
+  EXPECT_NE(refusal({"/record/start", {score.string()}}).find("already"), std::string::npos);
+  send(strike("bell"));
+  send({"/object/bell/material", {1, 1, 1, 4}});
+  ASSERT_TRUE(reply());
+  onsets_until(static_cast<Frame>(driver_.frame_of(unix_now_s())) + 4800);
+  send({"/record/stop", {}});
+  const auto stopped = reply();
+  ASSERT_TRUE(stopped && std::holds_alternative<protocol::Done>(*stopped));
+  EXPECT_EQ(std::get<protocol::Done>(*stopped).number, 4);
+  const auto events = read_score(score);
+  ASSERT_TRUE(events) << events.error().message;
+  std::vector<std::string> addresses;
+  for (const ScoreEvent& event : *events) addresses.push_back(event.message.address);
+  EXPECT_EQ(addresses, (std::vector<std::string>{"/load", "/object/bell/gain", "/object/bell/material",
+                                                 "/object/bell/strike", "/c_set"}));
+  EXPECT_NE(refusal({"/record/stop", {}}).find("nothing"), std::string::npos);
 }
 
 TEST(Latency, IsFramesOrMillisecondsAndNeverLessThanABlock) {

@@ -1,5 +1,6 @@
 // Objects by name and number, and what requests do to them.
 #include "engine/modal/bank_file.h"
+#include "protocol/bulk.h"
 #include "server/session.h"
 #include "tests/support/signal.h"
 #include "tests/support/synthetic_bank.h"
@@ -102,6 +103,103 @@ TEST_F(SessionTest, TwoObjectsOfOneFileShareItsMemory) {
   ASSERT_TRUE(session_.perform(protocol::LoadObject{"one", bank("a.glb")}, 0));
   ASSERT_TRUE(session_.perform(protocol::LoadObject{"two", bank("a.glb")}, 0));
   EXPECT_EQ(session_.rack().find({.name = "one"})->map, session_.rack().find({.name = "two"})->map);
+}
+
+// 1600 is one message's limit; 1601 and a broken record are refused whole.
+TEST_F(SessionTest, ABulkOfStrikesRingsAsTheSameStrikesDoOneByOne) {
+  ASSERT_TRUE(session_.perform(protocol::LoadObject{"a", bank("a.glb")}, 0));
+  ASSERT_TRUE(session_.perform(protocol::LoadObject{"b", bank("a.glb")}, 0));
+  std::vector<protocol::BulkStrike> blows;
+  for (std::size_t i = 0; i < 100; ++i) {
+    blows.push_back({static_cast<std::uint32_t>(i % 2),
+                     i % 3 ? std::nullopt : std::optional(1u),
+                     {1, 0, 0},
+                     {0, 0, 0.5},
+                     0.0005,
+                     static_cast<double>(i) / 1000});
+  }
+  ASSERT_TRUE(session_.play(protocol::StrikeMany{protocol::encode_strikes(blows)}, 0));
+  const auto bulk = render(9600);
+  EXPECT_EQ(session_.rack().mixer().counters().strikes, 100u);
+
+  Session other{48000};
+  for (const char* name : {"a", "b"}) ASSERT_TRUE(other.perform(protocol::LoadObject{name, bank("a.glb")}, 0));
+  for (const protocol::BulkStrike& blow : blows) {
+    const auto frame = static_cast<protocol::Frame>(std::llround(blow.delay_s * 48000));
+    const ObjectRef object{.name = blow.object == 0 ? "a" : "b"};
+    const double contact_time_s = static_cast<float>(blow.contact_time_s);
+    if (blow.vertex) {
+      ASSERT_TRUE(other.play(protocol::StrikeVertex{object, 1, {0, 0, 0.5}, contact_time_s}, frame));
+    } else {
+      ASSERT_TRUE(other.play(protocol::Strike{object, {1, 0, 0}, {0, 0, 0.5}, contact_time_s}, frame));
+    }
+  }
+  std::vector<float> left(9600), right(9600);
+  other.rack().mixer().render(left, right);
+  EXPECT_EQ(bulk, test::to_doubles(left));
+}
+
+TEST_F(SessionTest, OneWrongRecordRefusesTheWholeBulkByItsNumber) {
+  ASSERT_TRUE(session_.perform(protocol::LoadObject{"a", bank("a.glb")}, 0));
+  const protocol::BulkStrike good{0, std::nullopt, {1, 0, 0}, {0, 0, 1}, 0, 0};
+  const auto refusal = [&](auto spoil) {
+    std::vector<protocol::BulkStrike> blows(3, good);
+    spoil(blows[1]);
+    const auto played = session_.play(protocol::StrikeMany{protocol::encode_strikes(blows)}, 0);
+    return played ? "" : played.error().message;
+  };
+  const double nan = std::nan("");
+  EXPECT_NE(refusal([](auto& b) { b.object = 7; }).find("record 2"), std::string::npos);
+  EXPECT_NE(refusal([](auto& b) { b.vertex = 4; }).find("record 2 vertex"), std::string::npos);
+  EXPECT_NE(refusal([](auto& b) { b.vertex = 1u << 31; }).find("record 2 (vertex)"), std::string::npos);
+  EXPECT_NE(refusal([&](auto& b) { b.point_m.y = nan; }).find("record 2 (y)"), std::string::npos);
+  EXPECT_NE(refusal([&](auto& b) { b.impulse_ns.z = HUGE_VAL; }).find("record 2 (jz)"), std::string::npos);
+  EXPECT_NE(refusal([&](auto& b) { b.contact_time_s = nan; }).find("record 2 (contact_time)"), std::string::npos);
+  EXPECT_NE(refusal([](auto& b) { b.delay_s = 61; }).find("record 2 (delay)"), std::string::npos);
+  render(256);
+  EXPECT_EQ(session_.rack().mixer().counters().strikes, 0u);
+}
+
+TEST_F(SessionTest, AFloodIsMergedWithoutLosingImpulse) {
+  ASSERT_TRUE(session_.perform(protocol::LoadObject{"a", bank("a.glb")}, 0));
+  session_.merge_within(0.001);
+  constexpr std::size_t kFlood = 2 * synth::kQueueCapacity;
+  for (std::size_t i = 0; i < kFlood; ++i) ASSERT_TRUE(strike({.name = "a"}));
+  EXPECT_TRUE(session_.holds());
+  session_.flush();
+  EXPECT_EQ(session_.dropped(), 0u);
+  EXPECT_EQ(session_.merged(), kFlood - StrikeMerger::kMostUnmerged - 1);
+  const auto flood = render(4800);
+  Session other{48000};
+  ASSERT_TRUE(other.perform(protocol::LoadObject{"a", bank("a.glb")}, 0));
+  ASSERT_TRUE(other.play(protocol::Strike{{.name = "a"}, {1, 0, 0}, {0, 0, kFlood}, 0}, 0));
+  std::vector<float> left(4800), right(4800);
+  other.rack().mixer().render(left, right);
+  EXPECT_LT(test::relative_error_db(flood, test::to_doubles(left)), -120);
+}
+
+TEST_F(SessionTest, FilesOutsideTheRootsAreRefused) {
+  std::filesystem::create_directory(folder_ / "open");
+  std::filesystem::copy_file(folder_ / "a.glb", folder_ / "open/a.glb");
+  Session guarded(48000, *FileRoots::only({folder_ / "open"}));
+  EXPECT_TRUE(guarded.perform(protocol::LoadObject{"in", (folder_ / "open/a.glb").string()}, 0));
+  const auto refused = guarded.perform(protocol::LoadObject{"out", bank("a.glb")}, 0);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("--root"), std::string::npos);
+  const auto scene = guarded.perform(protocol::SceneLoad{"/etc/passwd"}, 0);
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().message.find("--root"), std::string::npos);
+}
+
+TEST_F(SessionTest, AsManyObjectsAsThereAreNumbersAndNotOneMore) {
+  for (std::size_t i = 0; i < synth::kMostObjects; ++i) {
+    ASSERT_TRUE(session_.perform(protocol::LoadObject{"o" + std::to_string(i), bank("a.glb")}, 0)) << i;
+    if (i % 256 == 0) render(64);
+  }
+  const auto refused = session_.perform(protocol::LoadObject{"more", bank("a.glb")}, 0);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("1024"), std::string::npos) << refused.error().message;
+  EXPECT_TRUE(strike({.name = "o1023"}));
 }
 
 TEST_F(SessionTest, AFullQueueIsAnErrorAndIsCounted) {

@@ -1,0 +1,97 @@
+#include "protocol/bulk.h"
+
+#include "protocol/convert.h"
+#include "protocol/names.h"
+#include "protocol/schema.h"
+
+#include <bit>
+
+namespace ringdown::protocol {
+namespace {
+
+constexpr std::int32_t kNoVertex = -1;
+
+// Takes 32-bit words off a record, checks each, and keeps the first complaint.
+class RecordReader {
+ public:
+  explicit RecordReader(std::span<const std::byte> bytes) : rest_(bytes) {}
+
+  std::int32_t integer() {
+    std::uint32_t word = 0;
+    for (const std::byte byte : rest_.first(4)) word = word << 8 | std::to_integer<std::uint32_t>(byte);
+    rest_ = rest_.subspan(4);
+    return static_cast<std::int32_t>(word);
+  }
+  double number(const ArgumentSpec& spec) {
+    const auto value = std::bit_cast<float>(integer());
+    check(spec, value);
+    return value;
+  }
+  void check(const ArgumentSpec& spec, const Argument& value) {
+    if (const auto good = convert(spec, value); !good && complaint_.empty()) {
+      complaint_ = "(" + std::string(spec.name) + ") " + good.error().message;
+    }
+  }
+  [[nodiscard]] const std::string& complaint() const { return complaint_; }
+
+ private:
+  std::span<const std::byte> rest_;
+  std::string complaint_;
+};
+
+const std::vector<ArgumentSpec>& arguments_of(std::string_view address) { return (*find_address(address))->arguments; }
+
+BulkStrike read(RecordReader& record) {
+  static const std::vector<ArgumentSpec> strike = arguments_of("/object/0/strike");
+  static const ArgumentSpec vertex = arguments_of("/object/0/strike_vertex")[1];
+  static const ArgumentSpec delay{"delay", ValueType::number, "s", 0, kLongestDelay_s};
+  BulkStrike read;
+  const std::int32_t object = record.integer(), at = record.integer();
+  record.check(strike[0], object);
+  read.object = static_cast<std::uint32_t>(object);
+  if (at != kNoVertex) {
+    record.check(vertex, at);
+    read.vertex = static_cast<std::uint32_t>(at);
+  }
+  double* const numbers[] = {&read.point_m.x,    &read.point_m.y,    &read.point_m.z,     &read.impulse_ns.x,
+                             &read.impulse_ns.y, &read.impulse_ns.z, &read.contact_time_s};
+  for (std::size_t i = 0; i < std::size(numbers); ++i) *numbers[i] = record.number(strike[i + 1]);
+  read.delay_s = record.number(delay);
+  return read;
+}
+
+void append(Blob& bytes, std::int32_t value) {
+  for (int shift = 24; shift >= 0; shift -= 8) {
+    bytes.push_back(static_cast<std::byte>(static_cast<std::uint32_t>(value) >> shift));
+  }
+}
+
+}  // namespace
+
+Result<std::vector<BulkStrike>> decode_strikes(const Blob& records) {
+  std::vector<BulkStrike> strikes;
+  strikes.reserve(records.size() / kBytesPerStrike);
+  for (std::size_t at = 0; at + kBytesPerStrike <= records.size(); at += kBytesPerStrike) {
+    RecordReader record(std::span<const std::byte>(records).subspan(at, kBytesPerStrike));
+    strikes.push_back(read(record));
+    if (!record.complaint().empty()) {
+      return fail("record " + std::to_string(strikes.size()) + " " + record.complaint());
+    }
+  }
+  return strikes;
+}
+
+Blob encode_strikes(std::span<const BulkStrike> strikes) {
+  Blob bytes;
+  for (const BulkStrike& strike : strikes) {
+    append(bytes, static_cast<std::int32_t>(strike.object));
+    append(bytes, strike.vertex ? static_cast<std::int32_t>(*strike.vertex) : kNoVertex);
+    for (const double number : {strike.point_m.x, strike.point_m.y, strike.point_m.z, strike.impulse_ns.x,
+                                strike.impulse_ns.y, strike.impulse_ns.z, strike.contact_time_s, strike.delay_s}) {
+      append(bytes, std::bit_cast<std::int32_t>(static_cast<float>(number)));
+    }
+  }
+  return bytes;
+}
+
+}  // namespace ringdown::protocol

@@ -1,0 +1,38 @@
+// Many strikes in one OSC blob: /strikes, for simulators that find thousands of contacts a second. [any thread but
+// audio]
+//
+// A record is kBytesPerStrike bytes, its numbers big-endian as everything in OSC: int32 object, int32 vertex (-1: the
+// point counts), float32 x y z, jx jy jz, contact_time, delay.
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/base/vec3.h"
+#include "protocol/message.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace ringdown::protocol {
+
+inline constexpr std::size_t kBytesPerStrike = 40;
+inline constexpr std::size_t kMostBulkStrikes = 1600;  // 64,000 bytes: what a datagram carries
+inline constexpr double kLongestDelay_s = 60;
+
+struct BulkStrike {
+  std::uint32_t object = 0;             // its number
+  std::optional<std::uint32_t> vertex;  // or the point
+  Vec3 point_m, impulse_ns;
+  double contact_time_s = 0;
+  double delay_s = 0;  // after the message's time
+};
+
+// Every number is checked against the ranges of /object/{object}/strike and strike_vertex. An error names the record,
+// from 1, and the argument.
+Result<std::vector<BulkStrike>> decode_strikes(const Blob& records);
+
+Blob encode_strikes(std::span<const BulkStrike> strikes);
+
+}  // namespace ringdown::protocol

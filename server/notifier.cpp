@@ -1,0 +1,151 @@
+#include "server/notifier.h"
+
+#include "protocol/schema.h"
+#include "server/osc_codec.h"
+
+#include <algorithm>
+
+namespace ringdown::server {
+namespace {
+
+using protocol::Event;
+using protocol::EventType;
+
+constexpr std::size_t kMessagesPerBundle = 16;  // some 1,400 bytes: one Ethernet frame
+
+Vec3 point_of(const Event& event, const modal::Bank& bank) {
+  if (event.type == EventType::strike) return event.point_m;
+  const modal::Vec3f& point = bank.positions[event.vertex < bank.point_count() ? event.vertex : 0];
+  return {point[0], point[1], point[2]};
+}
+
+bool is_strike(const Event& event) { return event.type == EventType::strike || event.type == EventType::strike_vertex; }
+
+}  // namespace
+
+Notifier::Notifier(Session& session, const Driver& driver, Send send)
+    : session_(session), driver_(driver), send_(std::move(send)) {
+  session_.rack().observe(*this);
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+Notifier::~Notifier() {
+  thread_.request_stop();
+  thread_.join();
+  session_.rack().observe_no_more(*this);
+}
+
+Result<void> Notifier::subscribe(Peer peer, double rate_hz) {
+  const std::scoped_lock lock(mutex_);
+  const auto now = Clock::now();
+  auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
+  if (subscriber == subscribers_.end()) {
+    if (subscribers_.size() == kMostSubscribers) {
+      return fail("there are " + std::to_string(kMostSubscribers) + " subscribers already");
+    }
+    subscriber = subscribers_.insert(subscriber, {.peer = peer});
+    for (const RackObject& object : session_.rack().objects()) {
+      subscriber->objects.push_back({static_cast<std::int32_t>(object.number), object.name, true});
+    }
+  }
+  subscriber->period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate_hz));
+  subscriber->next = subscriber->last_heard = now;
+  count_ = subscribers_.size();
+  wake_.notify_all();
+  return {};
+}
+
+void Notifier::unsubscribe(Peer peer) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(subscribers_, [&](const Subscriber& subscriber) { return subscriber.peer == peer; });
+  count_ = subscribers_.size();
+}
+
+void Notifier::heard_from(Peer peer) {
+  if (count_ == 0) return;
+  const std::scoped_lock lock(mutex_);
+  const auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
+  if (subscriber != subscribers_.end()) subscriber->last_heard = Clock::now();
+}
+
+void Notifier::played(const Event& event) {
+  if (count_ == 0 || !is_strike(event)) return;
+  const std::scoped_lock lock(mutex_);
+  for (Subscriber& subscriber : subscribers_) {
+    if (subscriber.contacts.size() == 2 * kMostContactsPerNotice) {
+      subscriber.contacts.erase(subscriber.contacts.begin(), subscriber.contacts.begin() + kMostContactsPerNotice);
+    }
+    subscriber.contacts.push_back(event);
+  }
+}
+
+void Notifier::loaded(const RackObject& object) { tell(object, true); }
+void Notifier::freed(const RackObject& object) { tell(object, false); }
+
+void Notifier::tell(const RackObject& object, bool loaded) {
+  const std::scoped_lock lock(mutex_);
+  for (Subscriber& subscriber : subscribers_) {
+    subscriber.objects.push_back({static_cast<std::int32_t>(object.number), object.name, loaded});
+  }
+}
+
+void Notifier::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    std::vector<Subscriber> due;
+    {
+      std::unique_lock lock(mutex_);
+      if (!wake_.wait(lock, stop, [this] { return !subscribers_.empty(); })) return;
+      const auto next = std::ranges::min(subscribers_, {}, &Subscriber::next).next;
+      wake_.wait_until(lock, stop, next, [&] { return Clock::now() >= next; });
+      const auto now = Clock::now();
+      std::erase_if(subscribers_, [now](const Subscriber& subscriber) {
+        return now - subscriber.last_heard > std::chrono::duration<double>(kSilence_s);
+      });
+      count_ = subscribers_.size();
+      const float peak = session_.rack().mixer().take_peak();
+      for (Subscriber& subscriber : subscribers_) {
+        subscriber.peak = std::max(subscriber.peak, peak);
+        if (subscriber.next > now) continue;
+        due.push_back(subscriber);
+        subscriber.peak = 0;
+        subscriber.contacts.clear();
+        subscriber.objects.clear();
+        subscriber.next = std::max(subscriber.next + subscriber.period, now);
+      }
+    }
+    for (const Subscriber& subscriber : due) send_notice(subscriber);
+  }
+}
+
+void Notifier::send_notice(const Subscriber& subscriber) {
+  std::vector<protocol::Message> messages;
+  const auto add = [&](const protocol::Reply& reply) { messages.push_back(protocol::format(reply)); };
+  for (const protocol::NotifyObject& object : subscriber.objects) add(object);
+  const std::size_t left_out =
+      subscriber.contacts.size() - std::min(subscriber.contacts.size(), kMostContactsPerNotice);
+  for (const Event& event : std::span(subscriber.contacts).subspan(left_out)) {
+    const auto object = session_.rack().find({.number = event.object});
+    if (!object) continue;
+    add(protocol::NotifyContact{object->name, point_of(event, object->map->bank()), event.impulse_ns,
+                                event.contact_time_s});
+  }
+  add(protocol::NotifyPeak{subscriber.peak});
+  const Driver::Load load = driver_.load();
+  const synth::MixerCounters& mixer = session_.rack().mixer().counters();
+  add(protocol::NotifyLoad{load.mean, load.peak, driver_.xruns(),
+                           static_cast<std::int32_t>(mixer.ringing_voices.load()),
+                           static_cast<std::int32_t>(mixer.ringing_modes.load())});
+  for (const scene::BodyState& body : session_.scene().bodies()) {
+    if (body.waiting) continue;
+    add(protocol::NotifyBody{static_cast<std::int32_t>(body.id), body.name,
+                             body.object.empty() ? std::string("-") : body.object, body.position_m, body.rotation.x,
+                             body.rotation.y, body.rotation.z, body.rotation.w});
+  }
+  for (std::span<const protocol::Message> rest = messages; !rest.empty();) {
+    const std::size_t count = std::min(rest.size(), kMessagesPerBundle);
+    send_(subscriber.peer, encode_bundle(kImmediately, rest.first(count)));
+    rest = rest.subspan(count);
+  }
+}
+
+}  // namespace ringdown::server

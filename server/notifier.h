@@ -1,0 +1,75 @@
+// Tells subscribers what goes on, at the rate each has asked for (/notify): objects that come and go, contacts (every
+// strike that was taken, from OSC or from the scene), the peak of the mix, the load, and the poses of the scene's
+// bodies.
+//
+// A subscriber that sends nothing for kSilence_s is forgotten: programs that end do not say so over UDP. Its thread
+// sleeps while nobody has subscribed, and what is played costs nothing then.
+#pragma once
+
+#include "engine/base/result.h"
+#include "protocol/reply.h"
+#include "server/driver.h"
+#include "server/observer.h"
+#include "server/osc_ports.h"
+#include "server/session.h"
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <vector>
+
+namespace ringdown::server {
+
+inline constexpr std::size_t kMostSubscribers = 32;
+inline constexpr std::size_t kMostContactsPerNotice = 256;  // the last ones; the others are not told
+inline constexpr double kSilence_s = 60;
+
+class Notifier final : public Observer {
+ public:
+  using Send = std::function<void(Peer, std::span<const std::byte>)>;
+
+  // Observes the session's rack, before anything is loaded into it. All must outlive it. [main]
+  Notifier(Session& session, const Driver& driver, Send send);
+  ~Notifier() override;
+
+  // A new subscriber, or a new rate for one. Refused when kMostSubscribers are there. [osc]
+  Result<void> subscribe(Peer peer, double rate_hz);
+  void unsubscribe(Peer peer);
+
+  // It lives. [osc]
+  void heard_from(Peer peer);
+
+  void played(const protocol::Event& event) override;
+  void loaded(const RackObject& object) override;
+  void retuned(const RackObject&) override {}
+  void freed(const RackObject& object) override;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Subscriber {
+    Peer peer;
+    Clock::duration period;
+    Clock::time_point next, last_heard;
+    float peak = 0;  // since its last notice
+    std::vector<protocol::Event> contacts;
+    std::vector<protocol::NotifyObject> objects;
+  };
+  void run(const std::stop_token& stop);
+  void tell(const RackObject& object, bool loaded);
+  void send_notice(const Subscriber& subscriber);
+
+  Session& session_;
+  const Driver& driver_;
+  Send send_;
+  std::atomic<std::size_t> count_ = 0;
+  std::mutex mutex_;  // guards subscribers_
+  std::condition_variable_any wake_;
+  std::vector<Subscriber> subscribers_;
+  std::jthread thread_;  // last: it stops before what it uses goes away
+};
+
+}  // namespace ringdown::server

@@ -1,0 +1,23 @@
+// What happens in a rack, for those who tell others of it: subscribers (notifier.h) and recordings (recorder.h).
+#pragma once
+
+#include "protocol/event.h"
+
+namespace ringdown::server {
+
+struct RackObject;
+
+class Observer {
+ public:
+  virtual ~Observer() = default;
+
+  // The mixer's queue has taken the event. By whoever pushed it, several threads at once. [any but audio]
+  virtual void played(const protocol::Event& event) = 0;
+
+  // A new object, or a new bank for one that was there; a new material; an end. [worker]
+  virtual void loaded(const RackObject& object) = 0;
+  virtual void retuned(const RackObject& object) = 0;
+  virtual void freed(const RackObject& object) = 0;
+};
+
+}  // namespace ringdown::server

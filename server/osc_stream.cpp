@@ -1,0 +1,206 @@
+#include "server/osc_stream.h"
+
+#include "server/osc_packet.h"
+#include "server/osc_slip.h"
+
+#include <array>
+#include <arpa/inet.h>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <thread>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+namespace ringdown::server {
+namespace {
+
+class Descriptor {
+ public:
+  explicit Descriptor(int open = -1) : open_(open) {}
+  Descriptor(Descriptor&& other) noexcept : open_(std::exchange(other.open_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(open_, other.open_);
+    return *this;
+  }
+  ~Descriptor() {
+    if (open_ >= 0) ::close(open_);
+  }
+  [[nodiscard]] int get() const { return open_; }
+
+ private:
+  int open_;
+};
+
+struct Connection {
+  Descriptor socket;
+  Endpoint endpoint;
+  SlipDecoder decoder{kLargestPacket};
+  std::vector<std::byte> unread;  // answers that the client's window has no room for
+  bool broken = false;
+};
+
+// Sends what can be sent now.
+void flush(Connection& connection) {
+  while (!connection.unread.empty()) {
+    const ssize_t sent = ::send(connection.socket.get(), connection.unread.data(), connection.unread.size(),
+                                MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (sent < 0) {
+      if (errno == EINTR) continue;
+      if (errno != EAGAIN && errno != EWOULDBLOCK) connection.broken = true;
+      return;
+    }
+    connection.unread.erase(connection.unread.begin(), connection.unread.begin() + sent);
+  }
+}
+
+Error listen_error(Endpoint endpoint) {
+  return {"cannot listen for OSC by TCP on " + to_text(endpoint) + ": " + std::strerror(errno)};
+}
+
+}  // namespace
+
+struct OscStream::Impl {
+  Descriptor listener, waker;
+  Endpoint endpoint;
+  Take take;
+  std::mutex mutex;  // guards connections, but only this thread adds and removes them
+  std::map<std::uint32_t, Connection> connections;
+  std::uint32_t next_id = 1;
+  std::jthread thread;  // last: it stops before what it uses goes away
+
+  void run(const std::stop_token& stop);
+  void accept_one();
+  void read(std::uint32_t id);
+  void drop_broken();
+};
+
+OscStream::OscStream(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+OscStream::~OscStream() { stop(); }
+
+void OscStream::stop() {
+  impl_->thread.request_stop();
+  ::eventfd_write(impl_->waker.get(), 1);
+  if (impl_->thread.joinable()) impl_->thread.join();
+}
+
+Result<std::unique_ptr<OscStream>> OscStream::listen(Endpoint endpoint) {
+  auto impl = std::make_unique<Impl>();
+  impl->listener = Descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  impl->waker = Descriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(endpoint.address);
+  address.sin_port = htons(endpoint.port);
+  auto* const generic = reinterpret_cast<sockaddr*>(&address);
+  socklen_t size = sizeof address;
+  const int on = 1, socket = impl->listener.get();
+  ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);  // a port in TIME_WAIT is no hindrance
+  if (socket < 0 || impl->waker.get() < 0 || ::bind(socket, generic, size) != 0 || ::listen(socket, 8) != 0 ||
+      ::getsockname(socket, generic, &size) != 0) {
+    return fail(listen_error(endpoint));
+  }
+  impl->endpoint = {endpoint.address, ntohs(address.sin_port)};
+  return std::unique_ptr<OscStream>(new OscStream(std::move(impl)));
+}
+
+std::uint16_t OscStream::port() const { return impl_->endpoint.port; }
+
+void OscStream::start(Take take) {
+  impl_->take = std::move(take);
+  impl_->thread = std::jthread([impl = impl_.get()](const std::stop_token& stop) { impl->run(stop); });
+}
+
+void OscStream::send(Peer to, std::span<const std::byte> packet) {
+  const std::vector<std::byte> framed = slip_encode(packet);
+  {
+    const std::scoped_lock lock(impl_->mutex);
+    const auto found = impl_->connections.find(to.connection);
+    if (found == impl_->connections.end()) return;
+    Connection& connection = found->second;
+    if (connection.unread.size() + framed.size() > kMostUnread) {
+      connection.broken = true;
+    } else {
+      connection.unread.insert(connection.unread.end(), framed.begin(), framed.end());
+      flush(connection);
+    }
+    if (connection.unread.empty() && !connection.broken) return;
+  }
+  ::eventfd_write(impl_->waker.get(), 1);  // the rest when there is room, or the end
+}
+
+void OscStream::Impl::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    std::vector<pollfd> watched = {{waker.get(), POLLIN, 0}, {listener.get(), POLLIN, 0}};
+    std::vector<std::uint32_t> ids;
+    {
+      const std::scoped_lock lock(mutex);
+      for (const auto& [id, connection] : connections) {
+        const short events = connection.unread.empty() ? POLLIN : POLLIN | POLLOUT;
+        watched.push_back({connection.socket.get(), events, 0});
+        ids.push_back(id);
+      }
+    }
+    if (::poll(watched.data(), watched.size(), -1) < 0) continue;
+    if (watched[0].revents != 0) {
+      eventfd_t count = 0;
+      ::eventfd_read(waker.get(), &count);
+    }
+    if (watched[1].revents != 0) accept_one();
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      const short events = watched[i + 2].revents;
+      if (events & POLLOUT) {
+        const std::scoped_lock lock(mutex);
+        flush(connections.at(ids[i]));
+      }
+      if (events & (POLLIN | POLLERR | POLLHUP)) read(ids[i]);
+    }
+    drop_broken();
+  }
+}
+
+void OscStream::Impl::accept_one() {
+  sockaddr_in from{};
+  socklen_t size = sizeof from;
+  Descriptor socket(::accept4(listener.get(), reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  if (socket.get() < 0) return;
+  const std::scoped_lock lock(mutex);
+  if (connections.size() == kMostConnections) return;  // closed at once
+  const std::uint32_t id = next_id++;
+  connections[id] = {std::move(socket), {ntohl(from.sin_addr.s_addr), ntohs(from.sin_port)}};
+}
+
+void OscStream::Impl::read(std::uint32_t id) {
+  Connection& connection = connections.at(id);
+  std::array<std::byte, 16384> bytes;
+  const ssize_t got = ::recv(connection.socket.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+  bool broken = got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR);
+  for (ssize_t i = 0; i < got && !broken; ++i) {
+    switch (connection.decoder.push(bytes[static_cast<std::size_t>(i)])) {
+      case SlipDecoder::Outcome::more:
+        break;
+      case SlipDecoder::Outcome::fault:
+        broken = true;
+        break;
+      case SlipDecoder::Outcome::packet:
+        take(connection.decoder.take(), {connection.endpoint, id});
+        break;
+    }
+  }
+  const std::scoped_lock lock(mutex);
+  connection.broken = connection.broken || broken;
+}
+
+void OscStream::Impl::drop_broken() {
+  const std::scoped_lock lock(mutex);
+  std::erase_if(connections, [](const auto& entry) { return entry.second.broken; });
+}
+
+}  // namespace ringdown::server

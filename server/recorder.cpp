@@ -1,0 +1,130 @@
+#include "server/recorder.h"
+
+#include "protocol/schema.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+namespace ringdown::server {
+namespace {
+
+using protocol::Event;
+using protocol::EventType;
+using protocol::Frame;
+using protocol::Message;
+
+protocol::Request request_of(const Event& event, const protocol::ObjectRef& object) {
+  switch (event.type) {
+    case EventType::strike:
+      return protocol::Strike{object, event.point_m, event.impulse_ns, event.contact_time_s};
+    case EventType::strike_vertex:
+      return protocol::StrikeVertex{object, event.vertex, event.impulse_ns, event.contact_time_s};
+    case EventType::gain:
+      return protocol::SetGain{object, event.value, event.ramp_s};
+    case EventType::pan:
+      return protocol::SetPan{object, event.value};
+    case EventType::clear:
+      break;
+  }
+  return protocol::ClearObject{object};
+}
+
+}  // namespace
+
+Recorder::Recorder(Rack& rack) : rack_(rack) { rack.observe(*this); }
+
+Result<void> Recorder::start(const std::filesystem::path& path, Frame frame) {
+  const std::scoped_lock lock(mutex_);
+  if (records_) return fail("path: " + path_.string() + " is being recorded already; end it with /record/stop");
+  path_ = path;
+  first_ = frame;
+  left_out_ = 0;
+  entries_.clear();
+  records_ = true;
+  add_present_state();
+  return {};
+}
+
+void Recorder::add_present_state() {
+  for (const RackObject& object : rack_.objects()) {
+    const protocol::ObjectRef ref{.name = object.name};
+    const Level& level = levels_[object.number];
+    add(first_, protocol::format(protocol::LoadObject{object.name, object.bank.string()}));
+    if (object.material != modal::MaterialScale{}) {
+      add(first_, protocol::format(protocol::SetMaterial{ref, object.material}));
+    }
+    if (level.gain != 1) add(first_, protocol::format(protocol::SetGain{ref, level.gain, 0}));
+    if (level.pan != 0) add(first_, protocol::format(protocol::SetPan{ref, level.pan}));
+  }
+}
+
+Result<std::size_t> Recorder::stop(Frame frame) {
+  std::vector<ScoreEvent> score;
+  std::size_t left_out = 0;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!records_) return fail("nothing is being recorded; begin with /record/start");
+    records_ = false;
+    left_out = left_out_;
+    std::ranges::stable_sort(entries_, {}, &Entry::frame);
+    const double rate = rack_.mixer().sample_rate_hz();
+    for (const Entry& entry : entries_) {
+      if (entry.frame >= frame) break;  // it has not sounded yet
+      score.push_back({static_cast<double>(entry.frame - first_) / rate, message_of(entry)});
+    }
+    entries_ = {};
+    score.push_back({static_cast<double>(std::max(frame, first_) - first_) / rate, {"/c_set", {0, 0.f}}});
+  }
+  if (left_out > 0) spdlog::warn("{}: {} events beyond {} are not in it", path_.string(), left_out, kMostRecorded);
+  if (const auto written = write_score(score, path_); !written) return fail(written.error());
+  return score.size() - 1;
+}
+
+void Recorder::add(Frame frame, std::variant<Played, Message> what) {
+  if (entries_.size() == kMostRecorded) {
+    ++left_out_;
+  } else {
+    entries_.push_back({std::max(frame, first_), std::move(what)});
+  }
+}
+
+Message Recorder::message_of(const Entry& entry) const {
+  if (const auto* message = std::get_if<Message>(&entry.what)) return *message;
+  const auto& [event, name] = std::get<Played>(entry.what);
+  return protocol::format(request_of(event, {.name = *name}));
+}
+
+void Recorder::played(const Event& event) {
+  const bool is_level = event.type == EventType::gain || event.type == EventType::pan;
+  if (!records_ && !is_level) return;
+  const std::scoped_lock lock(mutex_);
+  Level& level = levels_[event.object];
+  if (event.type == EventType::gain) level.gain = event.value;
+  if (event.type == EventType::pan) level.pan = event.value;
+  if (records_ && level.name) add(event.frame, Played{event, level.name});
+}
+
+void Recorder::loaded(const RackObject& object) {
+  const std::scoped_lock lock(mutex_);
+  Level& level = levels_[object.number];
+  if (!level.name || *level.name != object.name) level = {.name = std::make_shared<const std::string>(object.name)};
+  add_change(protocol::LoadObject{object.name, object.bank.string()});
+}
+
+void Recorder::retuned(const RackObject& object) {
+  const std::scoped_lock lock(mutex_);
+  add_change(protocol::SetMaterial{{.name = object.name}, object.material});
+}
+
+void Recorder::freed(const RackObject& object) {
+  const std::scoped_lock lock(mutex_);
+  add_change(protocol::FreeObject{{.name = object.name}});
+  levels_[object.number] = {};
+}
+
+void Recorder::add_change(const protocol::Request& request) {
+  if (records_) add(rack_.mixer().counters().frames.load(), protocol::format(request));
+}
+
+}  // namespace ringdown::server

@@ -1,0 +1,76 @@
+// Records what is played as an OSC score (osc_score.h), which `ringdown render --events` plays again.
+//
+// Objects, their materials, gains and pans as they are at the start become the score's first messages; then every
+// event that was taken, from OSC and from the scene, at its own frame, and every change of objects at the block after
+// which it happened. So the replay of strikes, gains, pans and clears is bit-identical at the same sample rate and
+// block size, from silence on; what rang before the start is not in it, and an event that came late is replayed at the
+// time it was meant for.
+#pragma once
+
+#include "engine/base/result.h"
+#include "server/observer.h"
+#include "server/osc_score.h"
+#include "server/rack.h"
+
+#include <array>
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace ringdown::server {
+
+inline constexpr std::size_t kMostRecorded = std::size_t{1} << 20;  // events; what comes after is not in the score
+
+class Recorder final : public Observer {
+ public:
+  // Observes `rack`, which must be empty and outlive it.
+  explicit Recorder(Rack& rack);
+
+  // Refused when it records already. [worker]
+  Result<void> start(const std::filesystem::path& path, protocol::Frame frame);
+
+  // Writes the score, which ends at `frame`; returns the number of its messages. Refused when nothing is recorded.
+  // [worker]
+  Result<std::size_t> stop(protocol::Frame frame);
+
+  [[nodiscard]] bool records() const { return records_; }
+
+  void played(const protocol::Event& event) override;
+  void loaded(const RackObject& object) override;
+  void retuned(const RackObject& object) override;
+  void freed(const RackObject& object) override;
+
+ private:
+  struct Played {
+    protocol::Event event;
+    std::shared_ptr<const std::string> name;
+  };
+  struct Entry {
+    protocol::Frame frame;
+    std::variant<Played, protocol::Message> what;
+  };
+  // What is not in the rack: the last gain and pan of an object.
+  struct Level {
+    std::shared_ptr<const std::string> name;
+    double gain = 1, pan = 0;
+  };
+  void add(protocol::Frame frame, std::variant<Played, protocol::Message> what);
+  void add_change(const protocol::Request& request);
+  void add_present_state();
+  [[nodiscard]] protocol::Message message_of(const Entry& entry) const;
+
+  Rack& rack_;
+  std::atomic<bool> records_ = false;
+  std::mutex mutex_;  // guards all that follows
+  std::filesystem::path path_;
+  protocol::Frame first_ = 0;
+  std::size_t left_out_ = 0;
+  std::vector<Entry> entries_;
+  std::array<Level, synth::kMostObjects> levels_{};
+};
+
+}  // namespace ringdown::server

@@ -1,0 +1,91 @@
+// A flood of strikes over UDP at a running daemon, and how it is afterwards:
+//
+//   ringdown_osc_bench PORT OBJECT [MESSAGES_PER_S] [SECONDS]
+//
+// prints one line of CSV: what was sent, the xruns, drops, merges and late events it caused, how busy the callback was,
+// and how long the daemon then took to answer /status.
+#include "protocol/schema.h"
+#include "server/osc_codec.h"
+#include "server/osc_socket.h"
+
+#include <algorithm>
+#include <arpa/inet.h>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <thread>
+
+namespace {
+
+using namespace ringdown;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+std::optional<protocol::StatusReply> ask_status(server::OscSocket& socket, server::Endpoint daemon) {
+  server::Datagram datagram;
+  if (!socket.send_to(daemon, server::encode({"/status", {}}))) return std::nullopt;
+  while (socket.receive(datagram, std::chrono::seconds(10))) {
+    const auto messages = server::decode_packet(datagram.bytes);
+    const auto reply = messages ? protocol::parse_reply(messages->front().message) : fail(messages.error());
+    if (const auto* status = reply ? std::get_if<protocol::StatusReply>(&*reply) : nullptr) return *status;
+  }
+  return std::nullopt;
+}
+
+// Sends in batches of 64, each when its time has come. Returns how many.
+std::size_t flood(server::Endpoint daemon, const std::vector<std::byte>& packet, double rate_hz, double seconds) {
+  constexpr std::size_t kBatch = 64;
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(daemon.address);
+  address.sin_port = htons(daemon.port);
+  iovec bytes{const_cast<std::byte*>(packet.data()), packet.size()};
+  std::vector<mmsghdr> batch(kBatch);
+  for (mmsghdr& message : batch) {
+    message.msg_hdr = {};
+    message.msg_hdr.msg_name = &address;
+    message.msg_hdr.msg_namelen = sizeof address;
+    message.msg_hdr.msg_iov = &bytes;
+    message.msg_hdr.msg_iovlen = 1;
+  }
+  std::size_t sent = 0;
+  for (const auto begin = Clock::now(); seconds_since(begin) < seconds;) {
+    if (static_cast<double>(sent) > rate_hz * seconds_since(begin)) continue;
+    sent += static_cast<std::size_t>(std::max(0, ::sendmmsg(socket, batch.data(), kBatch, 0)));
+  }
+  return sent;
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  if (count < 3) {
+    std::fprintf(stderr, "ringdown_osc_bench PORT OBJECT [MESSAGES_PER_S] [SECONDS]\n");
+    return 2;
+  }
+  const server::Endpoint daemon{.port = static_cast<std::uint16_t>(std::atoi(words[1]))};
+  const double rate_hz = count > 3 ? std::atof(words[3]) : 200000, seconds = count > 4 ? std::atof(words[4]) : 10;
+  auto socket = server::OscSocket::bind();
+  const auto before = socket ? ask_status(*socket, daemon) : std::nullopt;
+  if (!before) {
+    std::fprintf(stderr, "no daemon answers on port %s\n", words[1]);
+    return 6;
+  }
+  const auto strike = protocol::format(protocol::Strike{{.name = words[2]}, {0.05, 0, 0.02}, {-1e-6, 0, 0}, 0.0005});
+  const std::size_t sent = flood(daemon, server::encode(strike), rate_hz, seconds);
+  const auto begin = Clock::now();
+  const auto after = ask_status(*socket, daemon);
+  const double answer_ms = 1000 * seconds_since(begin);
+  if (!after) {
+    std::fprintf(stderr, "the daemon does not answer any more\n");
+    return 1;
+  }
+  std::printf("sent_per_s,xruns,dropped,merged,late,load_mean,load_peak,status_ms\n%.0f,%d,%d,%d,%d,%.3f,%.3f,%.1f\n",
+              static_cast<double>(sent) / seconds, after->xruns - before->xruns,
+              after->dropped_events - before->dropped_events, after->merged_events - before->merged_events,
+              after->late_events - before->late_events, after->load_mean, after->load_peak, answer_ms);
+}

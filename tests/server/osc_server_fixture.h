@@ -1,0 +1,136 @@
+// The OSC server inside the test's process: a driver whose clock runs but which renders only when told, so that what
+// was sent can be looked for in the samples to the frame.
+#pragma once
+
+#include "engine/modal/bank_file.h"
+#include "protocol/schema.h"
+#include "server/osc_server.h"
+#include "tests/support/synthetic_bank.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <thread>
+#include <unistd.h>
+
+namespace ringdown::server {
+
+using namespace std::chrono_literals;
+using protocol::Frame;
+using protocol::Message;
+
+inline constexpr double kRate = 48000;
+inline constexpr std::size_t kBlock = 256;
+
+class StillDriver final : public Driver {
+ public:
+  [[nodiscard]] double sample_rate_hz() const override { return kRate; }
+  [[nodiscard]] std::size_t block_frames() const override { return kBlock; }
+  Result<void> start(synth::Mixer&, std::function<void()>) override { return {}; }
+  [[nodiscard]] Frame now() const override { return static_cast<Frame>((steady_now_s() - origin_s_) * kRate); }
+  [[nodiscard]] Load load() const override { return {}; }
+  [[nodiscard]] std::int32_t xruns() const override { return 0; }
+
+  // The frame that a time of the system's clock means.
+  [[nodiscard]] double frame_of(double unix_s) const {
+    return (unix_s - (unix_now_s() - steady_now_s()) - origin_s_) * kRate;
+  }
+
+ private:
+  double origin_s_ = steady_now_s();
+};
+
+class OscServerTest : public testing::Test {
+ protected:
+  OscServerTest() {
+    std::filesystem::create_directory(folder_);
+    EXPECT_TRUE(modal::write_bank(test::single_mode_bank(6000, 800), folder_ / "tick.glb"));  // silent after 20 ms
+  }
+  ~OscServerTest() override {
+    server_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  void serve(Latency latency = {}, std::shared_ptr<OscStream> stream = {}) {
+    auto socket = OscSocket::bind();
+    ASSERT_TRUE(socket) << socket.error().message;
+    server_.emplace(std::move(*socket),
+                    OscServer::Parts{session_, worker_, driver_, [] {}, latency, &recorder_, std::move(stream)});
+    to_ = {.port = server_->port()};
+  }
+
+  void load(const std::string& name) { ASSERT_TRUE(session_.rack().load(name, folder_ / "tick.glb")); }
+
+  void send(const Message& message) { ASSERT_TRUE(client_.send_to(to_, encode(message))); }
+  void send_at(double unix_s, const Message& message) {
+    ASSERT_TRUE(client_.send_to(to_, encode_bundle(time_tag(unix_s), std::span(&message, 1))));
+  }
+
+  std::optional<protocol::Reply> reply() {
+    Datagram datagram;
+    if (!client_.receive(datagram, 20s)) return std::nullopt;
+    const auto messages = decode_packet(datagram.bytes);
+    const auto parsed = messages ? protocol::parse_reply(messages->front().message) : fail(messages.error());
+    return parsed ? std::optional(*parsed) : std::nullopt;
+  }
+  // Sends, and returns the sentence of the /fail that must come.
+  std::string refusal(const Message& message) {
+    send(message);
+    const auto answer = reply();
+    const auto* refused = answer ? std::get_if<protocol::Fail>(&*answer) : nullptr;
+    return refused ? refused->sentence : "";
+  }
+  // Returns when all that was sent has been taken up.
+  void sync() {
+    send({"/sync", {++syncs_}});
+    for (;;) {
+      const auto answer = reply();
+      ASSERT_TRUE(answer);
+      const auto* synced = std::get_if<protocol::Synced>(&*answer);
+      if (synced && synced->id == syncs_) return;
+    }
+  }
+
+  // Returns when the schedule has given to the mixer what shall sound at `unix_s`.
+  void leave_schedule(double unix_s) {
+    sync();
+    while (unix_now_s() < unix_s - OscServer::kHorizon_s / 2) std::this_thread::sleep_for(10ms);
+    sync();
+  }
+
+  // Renders to `end`, in blocks, and notes where sound rises out of silence.
+  std::vector<Frame> onsets_until(Frame end) {
+    std::vector<Frame> found;
+    for (Frame at = session_.rack().mixer().counters().frames; at < end; at += static_cast<Frame>(kBlock)) {
+      std::vector<float> left(kBlock), right(kBlock);
+      session_.rack().mixer().render(left, right);
+      for (std::size_t n = 0; n < kBlock; ++n) {
+        if (std::abs(left[n]) < 1e-5) continue;
+        const Frame frame = at + static_cast<Frame>(n);
+        if (found.empty() || frame - last_loud_ > 480) found.push_back(frame);
+        last_loud_ = frame;
+      }
+    }
+    return found;
+  }
+
+  static Message strike(const std::string& object) {
+    return protocol::format(protocol::Strike{{.name = object}, {1, 0, 0}, {0, 0, 1}, 0});
+  }
+
+  std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("ringdown-osc-server-" + std::to_string(::getpid()));
+  StillDriver driver_;
+  Session session_{kRate};
+  Recorder recorder_{session_.rack()};
+  Worker worker_{[] {}, 10ms};
+  OscSocket client_ = std::move(*OscSocket::bind());
+  Endpoint to_;
+  std::optional<OscServer> server_;
+  std::int32_t syncs_ = 0;
+  Frame last_loud_ = -100000;
+};
+
+}  // namespace ringdown::server

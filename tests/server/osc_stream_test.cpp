@@ -1,0 +1,151 @@
+// OSC over TCP, spoken to by liblo's own client and by plain sockets.
+#include "server/osc_slip.h"
+#include "tests/server/osc_server_fixture.h"
+
+#include <arpa/inet.h>
+#include <lo/lo.h>
+#include <sys/socket.h>
+
+namespace ringdown::server {
+namespace {
+
+class TcpClient {
+ public:
+  explicit TcpClient(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(port);
+    const timeval limit{.tv_sec = 20, .tv_usec = 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  }
+  ~TcpClient() { ::close(socket_); }
+  TcpClient(const TcpClient&) = delete;
+  TcpClient& operator=(const TcpClient&) = delete;
+
+  void send_raw(const std::vector<std::byte>& bytes) const {
+    ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  }
+  void send(const Message& message) const { send_raw(slip_encode(encode(message))); }
+
+  // The next answer; nothing when the server has cut us off.
+  std::optional<protocol::Reply> reply() {
+    for (std::byte byte{}; ::recv(socket_, &byte, 1, 0) == 1;) {
+      if (decoder_.push(byte) != SlipDecoder::Outcome::packet) continue;
+      const auto messages = decode_packet(decoder_.take());
+      EXPECT_TRUE(messages);
+      return *protocol::parse_reply(messages->front().message);
+    }
+    return std::nullopt;
+  }
+
+ private:
+  int socket_;
+  SlipDecoder decoder_{kLargestPacket};
+};
+
+class OscStreamTest : public OscServerTest {
+ protected:
+  void SetUp() override {
+    auto stream = OscStream::listen({});
+    ASSERT_TRUE(stream) << stream.error().message;
+    tcp_port_ = (*stream)->port();
+    serve({}, std::move(*stream));
+  }
+  std::uint16_t tcp_port_ = 0;
+};
+
+TEST_F(OscStreamTest, AnswersComeBackOverTheConnection) {
+  load("bell");
+  TcpClient client(tcp_port_);
+  client.send(strike("bell"));
+  client.send({"/sync", {7}});
+  const auto synced = client.reply();
+  ASSERT_TRUE(synced && std::holds_alternative<protocol::Synced>(*synced));
+  EXPECT_EQ(std::get<protocol::Synced>(*synced).id, 7);
+  onsets_until(static_cast<Frame>(driver_.frame_of(unix_now_s())) + 4800);
+  EXPECT_EQ(session_.rack().mixer().counters().strikes, 1u);
+  client.send({"/no/such/address", {}});
+  const auto refused = client.reply();
+  EXPECT_TRUE(refused && std::holds_alternative<protocol::Fail>(*refused));
+}
+
+TEST_F(OscStreamTest, LibloIsUnderstood) {
+  load("bell");
+  lo_address target = lo_address_new_with_proto(LO_TCP, "127.0.0.1", std::to_string(tcp_port_).c_str());
+  lo_address_set_stream_slip(target, 1);
+  ASSERT_GT(lo_send(target, "/object/bell/strike", "ffffff", 1., 0., 0., 0., 0., 1.), 0);
+  ASSERT_GT(lo_send(target, "/object/bell/gain", "f", 0.5), 0);
+  for (int i = 0; i < 2000 && session_.rack().mixer().counters().strikes == 0; ++i) {
+    onsets_until(session_.rack().mixer().counters().frames + 256);
+    std::this_thread::sleep_for(5ms);
+  }
+  EXPECT_EQ(session_.rack().mixer().counters().strikes, 1u);
+  lo_address_free(target);
+}
+
+TEST_F(OscStreamTest, ManyMessagesAtOnceArriveAllAndInOrder) {
+  TcpClient client(tcp_port_);
+  std::vector<std::byte> stream;
+  for (int i = 0; i < 5000; ++i) {
+    const auto framed = slip_encode(encode({"/version", {}}));
+    stream.insert(stream.end(), framed.begin(), framed.end());
+  }
+  std::thread sender([&] { client.send_raw(stream); });
+  for (int i = 0; i < 5000; ++i) {
+    const auto answer = client.reply();
+    ASSERT_TRUE(answer && std::holds_alternative<protocol::VersionReply>(*answer)) << i;
+  }
+  sender.join();
+}
+
+TEST_F(OscStreamTest, WhoSpeaksNoSlipIsCutOffAndOthersAreNot) {
+  TcpClient good(tcp_port_), bad(tcp_port_), endless(tcp_port_);
+  bad.send_raw({std::byte{0xDB}, std::byte{'a'}});
+  EXPECT_FALSE(bad.reply());
+  endless.send_raw(std::vector<std::byte>(kLargestPacket + 1, std::byte{'x'}));
+  EXPECT_FALSE(endless.reply());
+  good.send({"/version", {}});
+  EXPECT_TRUE(good.reply());
+}
+
+TEST_F(OscStreamTest, SoManyConnectionsAndNotOneMore) {
+  std::vector<std::unique_ptr<TcpClient>> clients;
+  for (std::size_t i = 0; i < kMostConnections; ++i) {
+    clients.push_back(std::make_unique<TcpClient>(tcp_port_));
+    clients.back()->send({"/version", {}});
+    ASSERT_TRUE(clients.back()->reply());
+  }
+  TcpClient one_more(tcp_port_);
+  EXPECT_FALSE(one_more.reply());
+  clients.pop_back();
+  for (int i = 0; i < 1000; ++i) {
+    TcpClient again(tcp_port_);
+    again.send({"/version", {}});
+    if (again.reply()) return;
+    std::this_thread::sleep_for(10ms);
+  }
+  FAIL() << "a place that became free was not given again";
+}
+
+// It never reads, while its answers pile up: it is cut off instead of growing our memory.
+TEST_F(OscStreamTest, WhoDoesNotReadItsAnswersIsCutOff) {
+  TcpClient deaf(tcp_port_);
+  const auto request = slip_encode(encode({"/version", {}}));
+  std::vector<std::byte> many;
+  for (int i = 0; i < 1000; ++i) many.insert(many.end(), request.begin(), request.end());
+  std::thread sender([&] {
+    for (int i = 0; i < 300; ++i) deaf.send_raw(many);  // ends when we are cut off, or is 300,000 answers: 15 MB
+  });
+  sender.join();
+  TcpClient good(tcp_port_);
+  good.send({"/version", {}});
+  EXPECT_TRUE(good.reply());
+  int answers = 0;
+  while (deaf.reply()) ++answers;
+  EXPECT_LT(answers, 300000);
+}
+
+}  // namespace
+}  // namespace ringdown::server

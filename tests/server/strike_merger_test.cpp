@@ -1,0 +1,60 @@
+#include "server/strike_merger.h"
+
+#include <gtest/gtest.h>
+
+namespace ringdown::server {
+namespace {
+
+using protocol::Event;
+using protocol::EventType;
+using protocol::Frame;
+using Verdict = StrikeMerger::Verdict;
+
+Event blow(Frame frame, double x = 0, protocol::ObjectNumber object = 0) {
+  return {.frame = frame, .object = object, .point_m = {x, 0, 0}, .impulse_ns = {0, 0, 1}};
+}
+
+// A merger that has just been flooded up to its threshold.
+StrikeMerger flooded() {
+  StrikeMerger merger(48);
+  for (std::size_t i = 0; i < StrikeMerger::kMostUnmerged; ++i) EXPECT_EQ(merger.add(blow(1000)), Verdict::pass);
+  return merger;
+}
+
+TEST(StrikeMerger, WhatIsNoFloodPassesUntouched) {
+  StrikeMerger merger(48);
+  for (Frame frame = 0; frame < 100000; ++frame) ASSERT_EQ(merger.add(blow(frame)), Verdict::pass);
+  StrikeMerger off(0);
+  for (int i = 0; i < 100000; ++i) ASSERT_EQ(off.add(blow(0)), Verdict::pass);
+}
+
+TEST(StrikeMerger, AFloodOnOnePointKeepsItsImpulse) {
+  StrikeMerger merger = flooded();
+  EXPECT_EQ(merger.add(blow(1001)), Verdict::held);
+  for (Frame i = 0; i < 1000; ++i) EXPECT_EQ(merger.add(blow(1002 + i % 40)), Verdict::merged);
+  ASSERT_EQ(merger.held().size(), 1u);
+  EXPECT_EQ(merger.held()[0].impulse_ns, (Vec3{0, 0, 1001}));
+  EXPECT_EQ(merger.held()[0].frame, 1041);
+}
+
+TEST(StrikeMerger, OtherPointsAndObjectsStayApartAndAreBounded) {
+  StrikeMerger merger = flooded();
+  for (std::size_t i = 0; i < StrikeMerger::kMostHeld; ++i) {
+    EXPECT_EQ(merger.add(blow(1001, static_cast<double>(i / 2), i % 2)), Verdict::held);
+  }
+  EXPECT_EQ(merger.held().size(), StrikeMerger::kMostHeld);
+  EXPECT_EQ(merger.add(blow(1001, -1)), Verdict::pass) << "one past the limit";
+  EXPECT_EQ(merger.add(blow(1001, 0)), Verdict::merged);
+}
+
+TEST(StrikeMerger, ANewWindowOrAnotherEventHandsOnWhatIsHeld) {
+  StrikeMerger merger = flooded();
+  EXPECT_EQ(merger.add(blow(1001)), Verdict::held);
+  EXPECT_EQ(merger.add({.frame = 1001, .type = EventType::clear}), Verdict::full);
+  EXPECT_EQ(merger.add(blow(1049)), Verdict::full);
+  merger.clear();
+  EXPECT_EQ(merger.add(blow(1050)), Verdict::pass);
+}
+
+}  // namespace
+}  // namespace ringdown::server
