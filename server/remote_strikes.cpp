@@ -25,11 +25,12 @@ Result<ScenePlayer::Sink> open_remote_strikes(const std::string& url, const Rack
   if (!bound) return fail(bound.error());
   auto socket = std::make_shared<OscSocket>(std::move(*bound));
 
-  auto clock = std::make_shared<FrameClock>(driver_clock(driver), steady_now_s);
-  return [socket, clock, to = *to, &rack](std::span<const protocol::Event> strikes) {
+  std::shared_ptr<FrameClock> clock;  // made with the first strikes: the driver tells no time before it runs
+  return [socket, clock, to = *to, &rack, &driver](std::span<const protocol::Event> strikes) mutable {
     std::map<protocol::ObjectNumber, std::string> names;
     for (const RackObject& object : rack.objects()) names[object.number] = object.name;
     std::size_t lost = 0;
+    if (!clock) clock = std::make_shared<FrameClock>(driver_clock(driver), steady_now_s);
     clock->measure();
     const double unix_ahead_s = unix_now_s() - steady_now_s();
     while (!strikes.empty()) {
