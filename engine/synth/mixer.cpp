@@ -20,11 +20,6 @@ constexpr double kShortestRamp_s = 0.005;  // a step in gain or pan would click
 constexpr double kLongestRamp_s = 3600;
 constexpr double kLargestValue = 1e6;  // of a gain or pan: what is beyond, or no number, would spoil the whole mix
 
-template <class T>
-void count(std::atomic<T>& counter, std::size_t times = 1) RINGDOWN_REALTIME {
-  if (times > 0) counter.fetch_add(times, std::memory_order_relaxed);
-}
-
 bool is_strike(EventType type) RINGDOWN_REALTIME {
   return type == EventType::strike || type == EventType::strike_vertex;
 }
@@ -59,6 +54,7 @@ bool Mixer::install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice,
   assert(object < kMostObjects && voice);
   if (voices_alive_ == kMostVoices) return false;
   const auto kind = how == Install::replace ? Order::Kind::replace : Order::Kind::retune;
+  found_family(object, voice->shared_table());
   if (!orders_.push({.kind = kind, .object = object, .voice = voice.get()})) return false;
   static_cast<void>(voice.release());
   ++voices_alive_;
@@ -99,7 +95,7 @@ void Mixer::render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME
   for (std::size_t done = 0; done < frames;) {
     std::size_t chunk = frames - done;
     const Frame rest = static_cast<Frame>(chunk);
-    if (active_count_ == 0 && !agenda_.next_before(now_ + rest)) {
+    if (active_count_ + active_family_count_ == 0 && !agenda_.next_before(now_ + rest)) {
       place.desk.open(chunk);
     } else {
       chunk = std::min(kChunkFrames, chunk);
@@ -142,7 +138,12 @@ void Mixer::accept_orders() RINGDOWN_REALTIME {
 }
 
 void Mixer::carry_out(const Order& order) RINGDOWN_REALTIME {
+  if (order.kind == Order::Kind::found_family) {
+    order.family->table.family = order.family;
+    return;
+  }
   Object& object = objects_.data()[order.object];
+  part(object);
   if (order.kind == Order::Kind::assign) {
     object.bus = order.channel;
     return;
@@ -162,15 +163,37 @@ void Mixer::carry_out(const Order& order) RINGDOWN_REALTIME {
 void Mixer::take_due_events(std::size_t frames) RINGDOWN_REALTIME {
   DueEvent* due = due_.data();
   const Frame end = now_ + static_cast<Frame>(frames);
-  for (std::int32_t place = 0; place < static_cast<std::int32_t>(kMostEventsPerChunk); ++place, agenda_.pop()) {
+  std::int32_t count = 0;
+  for (; count < static_cast<std::int32_t>(kMostEventsPerChunk); ++count, agenda_.pop()) {
     const Event* event = agenda_.next_before(end);
-    if (!event) return;
-    Object& object = objects_.data()[event->object];
-    due[place] = {*event, static_cast<std::size_t>(std::max<Frame>(event->frame - now_, 0)), -1};
-    due[place].event.frame = std::max(event->frame, now_);  // it may have been left over from the chunk before
-    (object.first_due < 0 ? object.first_due : due[object.last_due].next) = place;
-    object.last_due = place;
-    activate(object);
+    if (!event) break;
+    due[count] = {*event, static_cast<std::size_t>(std::max<Frame>(event->frame - now_, 0)), -1};
+    due[count].event.frame = std::max(event->frame, now_);  // it may have been left over from the chunk before
+    if (!is_strike(event->type)) part(objects_.data()[event->object]);
+  }
+  link_due_events(count);
+}
+
+// Strikes on objects whose states are shared go to their family.
+void Mixer::link_due_events(std::int32_t count) RINGDOWN_REALTIME {
+  DueEvent* const due = due_.data();
+  const auto append = [due](std::int32_t place, std::int32_t& first, std::int32_t& last) RINGDOWN_REALTIME {
+    (first < 0 ? first : due[last].next) = place;
+    last = place;
+  };
+  for (std::int32_t place = 0; place < count; ++place) {
+    Object& object = objects_.data()[due[place].event.object];
+    if (object.first_due < 0 && !object.shared && is_strike(due[place].event.type) && can_share(object, now_)) {
+      share(object, now_);
+    }
+    if (object.shared) {
+      Family& family = *object.current->table().family;
+      append(place, family.first_due, family.last_due);
+      activate(family);
+    } else {
+      append(place, object.first_due, object.last_due);
+      activate(object);
+    }
   }
 }
 
@@ -185,10 +208,11 @@ void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
   }
   prepare_tables(frames);
   if (crew_ && much) {
-    crew_->run(active_count_);
+    crew_->run(active_family_count_ + active_count_);
   } else {
-    for (std::size_t i = 0; i < active_count_; ++i) render_item(i, places[0]);
+    for (std::size_t i = 0; i < active_family_count_ + active_count_; ++i) render_item(i, places[0]);
   }
+  keep_active_families();
   keep_active();
   slow_modes_ = 0;
   for (std::size_t who = 0; who < places_.size(); ++who) slow_modes_ += places[who].slow_modes;
@@ -203,6 +227,7 @@ void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
 // Before several threads read them.
 void Mixer::prepare_tables(std::size_t frames) RINGDOWN_REALTIME {
   if (frames == kChunkFrames) return;
+  for (std::size_t i = 0; i < active_family_count_; ++i) active_families_.data()[i]->table.prepare(frames);
   for (std::size_t i = 0; i < active_count_; ++i) {
     Object& object = objects_.data()[active_.data()[i]];
     if (object.current) object.current->table().prepare(frames);
@@ -219,8 +244,10 @@ bool Mixer::choose_path(std::size_t frames) RINGDOWN_REALTIME {
   return slow_modes_ > kMuch;
 }
 
-// Object number `item` of the active ones, and what remains to be done about it.
+// Number `item` of the active families, then objects, and what remains to be done about it.
 void Mixer::render_item(std::size_t item, Place& place) RINGDOWN_REALTIME {
+  if (item < active_family_count_) return render_family(*active_families_.data()[item], place);
+  item -= active_family_count_;
   Object& object = objects_.data()[active_.data()[item]];
   render_object(object, place);
   const bool rings = object.current && object.current->ringing();
@@ -237,6 +264,11 @@ void Mixer::keep_active() RINGDOWN_REALTIME {
     if (after_.data()[i] == After::look_at_tails) {
       retire_silent_tails(object);
       keep = object.tails || (object.current && object.current->ringing());
+    }
+    const Frame end = now_ + static_cast<Frame>(frames_);
+    if (keep && !object.shared && can_share(object, end)) {
+      share(object, end);
+      keep = false;
     }
     if (keep) {
       active[kept++] = active[i];
@@ -269,7 +301,11 @@ bool Mixer::plain_in_chunk(const Object& object) const RINGDOWN_REALTIME {
   for (std::int32_t i = object.first_due; i >= 0; i = due_.data()[i].next) {
     if (!is_strike(due_.data()[i].event.type)) return false;
   }
-  return object.gain.still_at(now_) && object.left.still_at(now_) && object.right.still_at(now_);
+  return still(object, now_);
+}
+
+bool Mixer::still(const Object& object, Frame at) RINGDOWN_REALTIME {
+  return object.gain.still_at(at) && object.left.still_at(at) && object.right.still_at(at);
 }
 
 // What quieter modes may rest at, in units of their states.

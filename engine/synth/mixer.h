@@ -8,7 +8,8 @@
 // frame has passed happens at once and is counted as late.
 //
 // Banks. install() gives an object a new voice at the start of the next block, while the voice it had rings out beside
-// it. Voices that have died away come back through collect(), which frees them on the worker.
+// it. Voices that have died away come back through collect(), which frees them on the worker. Objects whose voices
+// share a table share their states too (family.h).
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -16,6 +17,7 @@
 #include "engine/synth/agenda.h"
 #include "engine/synth/crew.h"
 #include "engine/synth/desk.h"
+#include "engine/synth/family.h"
 #include "engine/synth/limiter.h"
 #include "engine/synth/ramp.h"
 #include "engine/synth/voice.h"
@@ -132,6 +134,10 @@ class Mixer {
   [[nodiscard]] float take_peak() { return counters_.peak_since.exchange(0, std::memory_order_relaxed); }
 
  private:
+  template <class T>
+  static void count(std::atomic<T>& counter, std::size_t times = 1) RINGDOWN_REALTIME {
+    if (times > 0) counter.fetch_add(times, std::memory_order_relaxed);
+  }
   struct DueEvent {
     protocol::Event event;
     std::size_t offset;  // frames into the chunk
@@ -146,6 +152,10 @@ class Mixer {
     Voice* tails = nullptr;    // ring out
     Ramp gain{1, 1}, left{kCentre, kCentre}, right{kCentre, kCentre};
     bool active = false;  // listed in active_
+    bool shared = false;  // its states stand in its family's, and the rest is about that:
+    Family::Shares shares{};
+    protocol::Frame anchor = 0;         // the frame that the states it keeps for itself have reached
+    std::uint32_t round = 0, lost = 0;  // its family's, when it was last struck, or lost its states
     std::int32_t first_due = -1, last_due = -1;
   };
   // What one thread renders with.
@@ -157,10 +167,15 @@ class Mixer {
   };
   enum class After : std::uint8_t { keep, drop, look_at_tails };  // of an active object when the chunk is done
   struct Order {
-    enum class Kind { replace, retune, remove, assign } kind;
+    enum class Kind { replace, retune, remove, assign, found_family } kind;
     protocol::ObjectNumber object;
     Voice* voice = nullptr;
     std::size_t channel = kNoBus;
+    Family* family = nullptr;
+  };
+  struct Kin {
+    std::weak_ptr<ModeTable> table;
+    std::unique_ptr<Family> family;  // null while the table has one voice
   };
   struct Retired {
     protocol::ObjectNumber object;
@@ -173,10 +188,12 @@ class Mixer {
   void render_chunk(std::size_t frames) RINGDOWN_REALTIME;
   void prepare_tables(std::size_t frames) RINGDOWN_REALTIME;
   [[nodiscard]] bool choose_path(std::size_t frames) RINGDOWN_REALTIME;
+  void link_due_events(std::int32_t count) RINGDOWN_REALTIME;
   void render_item(std::size_t item, Place& place) RINGDOWN_REALTIME;
   void keep_active() RINGDOWN_REALTIME;
   void render_object(Object& object, Place& place) RINGDOWN_REALTIME;
   [[nodiscard]] bool plain_in_chunk(const Object& object) const RINGDOWN_REALTIME;
+  [[nodiscard]] static bool still(const Object& object, protocol::Frame at) RINGDOWN_REALTIME;
   void render_in_segments(Object& object, Place& place) RINGDOWN_REALTIME;
   void render_together(Object& object, Place& place) RINGDOWN_REALTIME;
   [[nodiscard]] bool add_strikes(Object& object, std::int32_t due, Place& place) RINGDOWN_REALTIME;
@@ -194,11 +211,29 @@ class Mixer {
   [[nodiscard]] bool heard(const Object& object) const RINGDOWN_REALTIME;
   [[nodiscard]] protocol::ObjectNumber number_of(const Object& object) const RINGDOWN_REALTIME;
 
+  // mixer_families.cpp
+  void found_family(protocol::ObjectNumber object, const std::shared_ptr<ModeTable>& table);
+  [[nodiscard]] static bool can_share(const Object& object, protocol::Frame now) RINGDOWN_REALTIME;
+  void share(Object& object, protocol::Frame now) RINGDOWN_REALTIME;
+  void part(Object& object) RINGDOWN_REALTIME;
+  static void catch_up(Object& object, protocol::Frame now) RINGDOWN_REALTIME;
+  static void note_struck(Object& object, Family& family) RINGDOWN_REALTIME;
+  void activate(Family& family) RINGDOWN_REALTIME;
+  void keep_active_families() RINGDOWN_REALTIME;
+  template <class Each>
+  static void for_outputs(Family& family, const Each& each) RINGDOWN_REALTIME;
+  [[nodiscard]] bool strike(Family& family, const protocol::Event& event, bool aside) RINGDOWN_REALTIME;
+  void render_family(Family& family, Place& place) RINGDOWN_REALTIME;
+  void render_together(Family& family, Place& place) RINGDOWN_REALTIME;
+  void render_segment(Family& family, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
+  void render_aside(Family& family, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
+  void keep_if(bool sane, Family& family) RINGDOWN_REALTIME;
+
   const double sample_rate_hz_;
   std::atomic<double> floor_{1e-6};
   MixerCounters counters_;
   Agenda agenda_;
-  SpscRing<Order> orders_{kMostVoices + kMostObjects};
+  SpscRing<Order> orders_{2 * kMostVoices + kMostObjects};
   SpscRing<Retired> retired_{kMostVoices};
 
   std::optional<Limiter> limiter_;
@@ -207,6 +242,8 @@ class Mixer {
   std::vector<Object> objects_{kMostObjects};
   std::vector<protocol::ObjectNumber> active_ = std::vector<protocol::ObjectNumber>(kMostObjects);
   std::size_t active_count_ = 0;
+  std::vector<Family*> active_families_ = std::vector<Family*>(kMostVoices);
+  std::size_t active_family_count_ = 0;
   std::vector<After> after_ = std::vector<After>(kMostObjects);
   std::size_t slow_modes_ = 0;  // that took moments, or could have, in the last chunk
   std::vector<DueEvent> due_ = std::vector<DueEvent>(kMostEventsPerChunk);
@@ -218,6 +255,7 @@ class Mixer {
 
   // The worker's own.
   std::unique_ptr<Crew> crew_;  // null: the audio thread is alone
+  std::vector<Kin> families_;
   std::array<std::uint32_t, kMostObjects> voices_of_{};
   std::size_t voices_alive_ = 0;
 };

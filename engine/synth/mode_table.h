@@ -57,6 +57,8 @@ class ModeTable {
   [[nodiscard]] ModeArrays modes(double* z_re, double* z_im, std::size_t frames) const RINGDOWN_REALTIME;
   [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME { return {band_.data(), moment_weights_.get()}; }
 
+  class Family* family = nullptr;  // of the objects that share it, for the mixer (family.h) [audio]
+
  private:
   enum Row { pole_re, pole_im, full_re, full_im, rest_re, rest_im, kRows };
 

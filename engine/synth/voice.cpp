@@ -4,6 +4,14 @@
 #include <utility>
 
 namespace ringdown::synth {
+namespace {
+
+// Modes that die within the chunk would take the trace of an absurd strike with them: this one stays.
+double gain_for(double energy) RINGDOWN_REALTIME {
+  return energy <= Ringing::kAbsurdEnergy ? 1.0 : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
 
 Voice::Voice(std::shared_ptr<ModeTable> table)
     : Ringing(*table),
@@ -15,22 +23,15 @@ Voice::Voice(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialS
     : Voice(std::make_shared<ModeTable>(std::move(map), material, sample_rate_hz)) {}
 
 bool Voice::strike(const protocol::Event& event) RINGDOWN_REALTIME {
-  const std::optional<double> gain = find_amplitudes(event);
-  if (gain) add(amplitudes_.get(), *gain);
-  return gain.has_value();
+  const std::optional<double> energy = find_amplitudes(event);
+  if (energy) add(amplitudes(), gain_for(*energy));
+  return energy.has_value();
 }
 
 bool Voice::strike_aside(const protocol::Event& event) RINGDOWN_REALTIME {
-  const std::optional<double> gain = find_amplitudes(event);
-  if (gain) add_aside(amplitudes_.get(), *gain);
-  return gain.has_value();
-}
-
-std::optional<double> Voice::find_amplitudes(const protocol::Event& event) RINGDOWN_REALTIME {
-  const std::optional<double> energy = table_->strike(event, {scratch_.data(), scratch_.size()}, amplitudes_.get());
-  if (!energy) return std::nullopt;
-  // Modes that die within the chunk would take the trace of an absurd strike with them: this one stays.
-  return *energy <= kAbsurdEnergy ? 1.0 : std::numeric_limits<double>::quiet_NaN();
+  const std::optional<double> energy = find_amplitudes(event);
+  if (energy) add_aside(amplitudes(), gain_for(*energy));
+  return energy.has_value();
 }
 
 }  // namespace ringdown::synth

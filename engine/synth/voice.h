@@ -26,14 +26,19 @@ class Voice : public Ringing {
   bool strike(const protocol::Event& event) RINGDOWN_REALTIME;
   bool strike_aside(const protocol::Event& event) RINGDOWN_REALTIME;
 
+  // Puts what a strike gives the modes into amplitudes(), and returns the sum of their squares; nullopt when the vertex
+  // does not exist. [audio]
+  [[nodiscard]] std::optional<double> find_amplitudes(const protocol::Event& event) RINGDOWN_REALTIME {
+    return table_->strike(event, {scratch_.data(), scratch_.size()}, amplitudes_.get());
+  }
+  [[nodiscard]] const double* amplitudes() const RINGDOWN_REALTIME { return amplitudes_.get(); }
+
   [[nodiscard]] ModeTable& table() const RINGDOWN_REALTIME { return *table_; }
+  [[nodiscard]] const std::shared_ptr<ModeTable>& shared_table() const { return table_; }
 
   Voice* next = nullptr;  // for the mixer's lists, which must not allocate
 
  private:
-  // What to multiply amplitudes_ with: 1, no number after an absurd strike; nullopt when the vertex does not exist.
-  [[nodiscard]] std::optional<double> find_amplitudes(const protocol::Event& event) RINGDOWN_REALTIME;
-
   std::shared_ptr<ModeTable> table_;
   std::vector<double> scratch_;      // one per mode of the bank
   AlignedArray<double> amplitudes_;  // one per column
