@@ -10,12 +10,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <deque>
 #include <set>
 #include <unordered_map>
 #include <utility>
 
 namespace ringdown {
+
+namespace {
+
+// A value that is no table, list or time, as a word.
+std::optional<std::string> word_of(const toml::node& node) {
+  if (node.is_string()) return node.as_string()->get();
+  if (node.is_boolean()) return node.as_boolean()->get() ? "true" : "false";
+  if (node.is_integer()) return std::to_string(node.as_integer()->get());
+  if (!node.is_floating_point()) return std::nullopt;
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", node.as_floating_point()->get());
+  return text;
+}
+
+}  // namespace
 
 // A table that somebody reads.
 struct TomlTable::Place {
@@ -195,6 +211,19 @@ void TomlTable::named_numbers(std::string_view key, std::map<std::string, double
     names->number(name.str(), value);
     target[std::string(name.str())] = value;
   }
+}
+
+void TomlTable::words(std::string_view key, std::vector<std::string>& target, bool list) {
+  const toml::node* node = place_->take(key);
+  if (!node) return;
+  std::vector<std::string> words;
+  const toml::array* const array = list ? node->as_array() : nullptr;
+  for (std::size_t k = 0; k < (array ? array->size() : 1); ++k) {
+    const std::optional<std::string> word = word_of(array ? *array->get(k) : *node);
+    if (!word) return expected(key, list ? "a text, or a list of them" : "a text, a number, true or false");
+    words.push_back(*word);
+  }
+  target = std::move(words);
 }
 
 int TomlTable::choice(std::string_view key, std::initializer_list<std::string_view> choices) {

@@ -59,6 +59,9 @@ class TomlTable {
   void numbers(std::string_view key, std::vector<double>& target);                  // a list of finite ones
   void named_numbers(std::string_view key, std::map<std::string, double>& target);  // a table of any names
 
+  // A text, a number or true and false as the word that a command line would have for it; where `list`, several too.
+  void words(std::string_view key, std::vector<std::string>& target, bool list);
+
   // The key's place in `choices`, or -1 when it is missing or wrong.
   int choice(std::string_view key, std::initializer_list<std::string_view> choices);
 
