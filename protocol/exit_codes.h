@@ -1,6 +1,7 @@
 // Exit codes of all programs of Ringdown: one list, so that a script may rely on them.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 namespace ringdown::protocol {
@@ -16,9 +17,30 @@ enum class ExitCode : int {
   cancelled = 130,  // SIGINT, as shells count it: 128 + 2
 };
 
-// What a script's author wants to know, one line per code; printed by the programs' --help.
-inline constexpr std::string_view kExitCodeHelp =
-    "Exit codes: 0 ok, 1 failure, 2 usage, 3 bad input file, 4 no JACK server, 5 port busy, "
-    "6 no answer from the daemon, 130 cancelled.";
+// What a script's author wants to know of each.
+struct ExitMeaning {
+  ExitCode code;
+  std::string_view meaning;
+};
+inline constexpr ExitMeaning kExitMeanings[] = {
+    {ExitCode::ok, "ok"},
+    {ExitCode::failure, "failure"},
+    {ExitCode::usage, "usage"},
+    {ExitCode::bad_input, "bad input file"},
+    {ExitCode::no_jack, "no JACK server"},
+    {ExitCode::port_busy, "port busy"},
+    {ExitCode::no_answer, "no answer from the daemon"},
+    {ExitCode::cancelled, "cancelled"},
+};
+
+// "Exit codes: 0 ok, 1 failure, ...": printed by the programs' --help.
+inline std::string exit_code_help() {
+  std::string text;
+  for (const auto& [code, meaning] : kExitMeanings) {
+    text += (text.empty() ? "Exit codes: " : ", ") + std::to_string(static_cast<int>(code)) + " ";
+    text += meaning;
+  }
+  return text + ".";
+}
 
 }  // namespace ringdown::protocol

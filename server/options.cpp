@@ -60,7 +60,9 @@ void add_driver(CLI::App& app, DaemonOptions& options) {
   app.add_option("--capture", options.capture, "Write what is rendered (null): .wav or .flac")->type_name("FILE");
   app.add_option("--seconds", options.seconds, "Stop after this time; wav: the length of the file")
       ->check(CLI::Range(0.0, 86400.0));
-  app.add_option("-o,--output", options.output, "File to write (wav): .wav or .flac")->capture_default_str();
+  app.add_option("-o,--output", options.output, "File to write (wav): .wav or .flac")
+      ->type_name("FILE")
+      ->capture_default_str();
 }
 
 void add_osc(CLI::App& app, DaemonOptions& options) {

@@ -82,7 +82,7 @@ ExitCode info(const std::string& path) {
 void add_info_verb(CLI::App& app, ExitCode& outcome) {
   auto path = std::make_shared<std::string>();
   CLI::App* verb = app.add_subcommand("info", "Prints the modes of a bank as a table, in the bank's order.");
-  verb->add_option("bank", *path, "The bank, a .glb file.")->required();
+  verb->add_option("bank", *path, "The bank, a .glb file.")->type_name("FILE")->required();
   verb->callback([path, &outcome] { outcome = info(*path); });
 }
 

@@ -1,5 +1,6 @@
 // The `ringdown` program: one command with verbs.
 #include "clients/cli/verb.h"
+#include "manual/option.h"
 
 #include <CLI/CLI.hpp>
 
@@ -15,12 +16,27 @@ ExitCode complain(std::string_view sentence, ExitCode code) {
 
 }  // namespace ringdown::cli
 
+namespace {
+
+// What the man page says beside the options.
+const std::vector<ringdown::manual::Section> kSections = {
+    {"ENVIRONMENT",
+     {{"RINGDOWN_PRESETS", "Folder of the presets, where it is not share/ringdown/presets beside bin."}}},
+    {"EXAMPLES",
+     {{"ringdown info bell.glb", "The modes of a bank."},
+      {"ringdown strike bell --at 0.1,0,0.05 --impulse -0.2,0,0", "A blow of 0.2 N s, played by the daemon."},
+      {"ringdown render --scene demo.toml -o demo.wav", "A scene as a sound file; no daemon is needed."}}},
+    {"SEE ALSO", {{"ringdownd(1), ringdown-bake(1)", "The daemon, and what `ringdown bake` runs."}}},
+};
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace ringdown::cli;
   CLI::App app("Solid objects as playable, physically exact sound.", "ringdown");
   app.set_version_flag("--version", std::string("ringdown ") + RINGDOWN_VERSION);
   app.require_subcommand(1);
-  app.footer(std::string(ringdown::protocol::kExitCodeHelp));
+  app.footer(ringdown::protocol::exit_code_help());
 
   ExitCode outcome = ExitCode::ok;
   add_bake_verb(app, outcome);
@@ -29,6 +45,7 @@ int main(int argc, char** argv) {
   add_strike_verb(app, outcome);
   add_send_verb(app, outcome);
   add_protocol_verb(app, outcome);
+  ringdown::manual::add_manual_option(app, kSections);
 
   try {
     app.parse(argc, argv);

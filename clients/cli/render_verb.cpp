@@ -65,6 +65,7 @@ void add_render_verb(CLI::App& app, ExitCode& outcome) {
   verb->add_option("--object", arguments->objects, "Object to load first; may be given more than once.")
       ->type_name("NAME=BANK");
   verb->add_option("-o,--output", arguments->output, "File to write: .wav (32-bit float) or .flac (24 bit).")
+      ->type_name("FILE")
       ->required();
   verb->add_option("--seconds", options.seconds, "Length; default: the scene's own, or the score's and 5 s more.")
       ->check(CLI::Range(0.0, server::kLongestRender_s));

@@ -35,12 +35,15 @@ const std::vector<FolderRule> kFolderRules = {
     {"engine/scene/", {"engine/base/", "engine/modal/", "engine/scene/", "protocol/"}},
     // the programs
     {"protocol/", {"engine/base/", "engine/modal/material_scale.h", "protocol/"}},
-    {"server/", {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "server/"}},
+    {"manual/", {"protocol/exit_codes.h", "manual/"}},
+    {"server/", {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "manual/", "server/"}},
     {"clients/cli/slepc/", {"engine/base/", "engine/solve/distributed_files.h", "clients/cli/slepc/"}},
     {"clients/cli/bake/",
-     {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/bake/", "protocol/", "clients/cli/"}},
+     {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/bake/", "protocol/", "manual/",
+      "clients/cli/"}},
     {"clients/",
-     {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "server/", "clients/"}},
+     {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "manual/", "server/",
+      "clients/"}},
 };
 
 // A third-party header whose name begins with `header` may be included by files whose path begins with one of
@@ -74,7 +77,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"tl/", {"engine/base/"}, 1, {"engine/base/"}},
     {"toml++/", {"engine/base/"}, 1},
     {"xxhash.h", {"engine/base/"}, 1},
-    {"CLI/", {"server/", "clients/"}},
+    {"CLI/", {"manual/", "server/", "clients/"}},
     {"sndfile", {"server/", "clients/"}},
     {"spdlog/", {"server/", "clients/"}},
 };
@@ -110,7 +113,7 @@ std::vector<Include> includes_of(const fs::path& path, const std::string& relati
 std::vector<Include> all_includes() {
   const fs::path root = RINGDOWN_SOURCE_DIR;
   std::vector<Include> all;
-  for (const char* folder : {"engine", "protocol", "server", "clients"}) {
+  for (const char* folder : {"engine", "protocol", "manual", "server", "clients"}) {
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       const std::string extension = entry.path().extension().string();
       if (extension != ".h" && extension != ".cpp") continue;
@@ -132,7 +135,7 @@ bool is_allowed(const Include& include) {
 }
 
 bool is_of_project(const Include& include) {
-  return begins_with_any(include.header, {"engine/", "protocol/", "server/", "clients/", "tests/"});
+  return begins_with_any(include.header, {"engine/", "protocol/", "manual/", "server/", "clients/", "tests/"});
 }
 
 TEST(Structure, EveryFolderIncludesOnlyWhatItMay) {

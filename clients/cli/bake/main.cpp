@@ -10,6 +10,7 @@
 #include "engine/base/fraction.h"
 #include "engine/base/preset_folder.h"
 #include "engine/modal/bank_file.h"
+#include "manual/option.h"
 #include "protocol/exit_codes.h"
 
 #include <CLI/CLI.hpp>
@@ -40,18 +41,22 @@ struct Arguments {
 
 void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& settings) {
   app.add_option("input", arguments.input,
-                 "an object (.toml), a geometry (.geo .step .brep) or a mesh (.msh .vtk .inp ...)");
-  app.add_option("-o,--output", arguments.output, "the bank to write (.glb); with --all, the folder");
-  app.add_option("--all", arguments.all, "bake every .toml of this folder instead of one input");
+                 "an object (.toml), a geometry (.geo .step .brep) or a mesh (.msh .vtk .inp ...)")
+      ->type_name("FILE");
+  app.add_option("-o,--output", arguments.output, "the bank to write (.glb); with --all, the folder")
+      ->type_name("FILE");
+  app.add_option("--all", arguments.all, "bake every .toml of this folder instead of one input")->type_name("FOLDER");
   app.add_option("-m,--material", arguments.material, "name of a material; an object file has one already");
-  app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')");
+  app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')")
+      ->type_name("FOLDER");
   app.add_option("--name", arguments.name, "name kept in the bank (default: the input's)");
   app.add_option("-e,--element", arguments.element,
-                 "tet20 (default), tet10, tet35, tet4, or tet4-lumped: the 2011 report's, far too stiff in bending");
+                 "tet20 (default), tet10, tet35, tet4, or tet4-lumped: the 2011 report's, far too stiff in bending")
+      ->type_name("tet20|tet10|tet35|tet4|tet4-lumped");
   app.add_option("--mesh-size", arguments.mesh_size_m,
                  "longest edge in metres, when a geometry is meshed (default: by the band)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--set", settings, "NAME=NUMBER, a parameter of a .geo file, in its unit");
+  app.add_option("--set", settings, "a parameter of a .geo file, in its unit")->type_name("NAME=NUMBER");
   app.add_option("--unit", arguments.unit_m, "metres per unit of the file, e.g. 0.001 for millimetres")
       ->check(CLI::PositiveNumber);
   app.add_option("--points", arguments.points, "surface points in the bank (default 200)")
@@ -75,13 +80,14 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_flag("--no-cache", arguments.no_cache,
                "neither use nor keep earlier results (in $RINGDOWN_CACHE, or ringdown in the user's cache folder)");
   app.add_option("--solver", arguments.solver,
-                 "auto (default), block, spectra, dense, or slepc: over MPI, for meshes that outgrow one machine");
+                 "auto (default), block, spectra, dense, or slepc: over MPI, for meshes that outgrow one machine")
+      ->type_name("auto|block|spectra|dense|slepc");
   app.add_option("--processes", arguments.processes, "of --solver slepc (default 2)")->check(CLI::Range(1, 4096));
   app.add_flag("--list-materials", arguments.list_materials,
                "print the materials with their sources as Markdown, and bake nothing");
   app.add_flag("--progress", arguments.progress, "show progress even when stderr is not a terminal");
   app.add_flag("-q,--quiet", arguments.quiet, "print nothing but errors");
-  app.footer(std::string(protocol::kExitCodeHelp));
+  app.footer(protocol::exit_code_help());
 }
 
 Result<void> read_settings(const std::vector<std::string>& settings, std::map<std::string, double>& parameters) {
@@ -250,12 +256,25 @@ ExitCode usage_error(const std::string& message) {
   return complain(message + "; ringdown-bake --help lists the options", ExitCode::usage);
 }
 
+// What the man page says beside the options.
+const std::vector<manual::Section> kSections = {
+    {"FILES", {{"$XDG_CACHE_HOME/ringdown", "What earlier bakes found, so that no mesh is solved twice."}}},
+    {"ENVIRONMENT",
+     {{"RINGDOWN_CACHE", "Another folder for that."},
+      {"RINGDOWN_PRESETS", "Folder of the presets, where it is not share/ringdown/presets beside bin."}}},
+    {"EXAMPLES",
+     {{"ringdown-bake bell.toml -o bell.glb", "An object file names its shape and its material."},
+      {"ringdown-bake mesh.msh --material steel -o mesh.glb", "A tetrahedral mesh of your own, in metres."}}},
+    {"SEE ALSO", {{"ringdown(1), ringdownd(1)", "The other programs."}}},
+};
+
 ExitCode run(int argc, char** argv) {
   CLI::App app("Bakes an object's shape and material into a bank of its modes.", "ringdown-bake");
   app.set_version_flag("--version", "ringdown-bake " RINGDOWN_VERSION);
   Arguments arguments;
   std::vector<std::string> settings;
   add_options(app, arguments, settings);
+  manual::add_manual_option(app, kSections);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
