@@ -8,6 +8,7 @@
 #include "server/osc_server.h"
 #include "server/recorder.h"
 #include "server/remote_strikes.h"
+#include "server/service_notice.h"
 #include "server/session.h"
 #include "server/worker.h"
 
@@ -156,8 +157,9 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   if (const auto started = driver->start(session.rack().mixer(), [&lost] { lost = true; }); !started) {
     return report(started.error(), ExitCode::no_jack);
   }
+  std::atomic<std::uint64_t> rounds = 0;  // of the worker
   std::optional<Worker> worker(
-      std::in_place, [&session] { session.rack().collect(); }, 50ms);
+      std::in_place, [&session, &rounds] { session.rack().collect(), ++rounds; }, 50ms);
   std::optional<OscServer> server(
       std::in_place, std::move(socket),
       OscServer::Parts{session, *worker, *driver, [&quit] { quit = true; }, options.latency, &recorder, *stream});
@@ -167,9 +169,12 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
                synth::kernel_target());
 
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds.value_or(1e9));
+  ServiceNotice service;
   while (!quit && !lost && std::chrono::steady_clock::now() < end) {
+    service.turn(session.rack().mixer().counters().frames, rounds);
     if (signal_came(50ms)) break;
   }
+  service.stopping();
   if (lost) return report({"the JACK server went away; start it and ringdownd again"}, ExitCode::no_jack);
   spdlog::info("stopping");
   scene = {};

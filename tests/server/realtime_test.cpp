@@ -1,0 +1,102 @@
+// A million blocks on the audio thread while others strike, load, retune and free: nothing in them allocates, locks or
+// asks the system for anything.
+#include "engine/modal/bank_file.h"
+#include "server/session.h"
+#include "tests/support/realtime_guard.h"
+#include "tests/support/synthetic_bank.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <filesystem>
+#include <random>
+#include <thread>
+#include <unistd.h>
+
+namespace ringdown::server {
+namespace {
+
+constexpr std::uint64_t kBlocks = 1'000'000, kStrikes = 20'000, kLoads = 1000, kFrees = 200;
+constexpr std::size_t kFrames = 16, kObjects = 12, kBanks = 4;
+
+class Crowd {
+ public:
+  explicit Crowd(Session& session) : session_(session) {
+    std::filesystem::create_directory(folder_);
+    for (std::size_t n = 0; n < kBanks; ++n) {
+      EXPECT_TRUE(modal::write_bank(test::random_bank(static_cast<std::uint32_t>(n), 4 << n, 12), bank(n)));
+    }
+    loader_ = std::jthread([this](const std::stop_token& stop) { load_and_free(stop); });
+    player_ = std::jthread([this](const std::stop_token& stop) { strike(stop); });
+  }
+  ~Crowd() {
+    loader_ = {};
+    player_ = {};
+    std::filesystem::remove_all(folder_);
+  }
+  Crowd(const Crowd&) = delete;
+  Crowd& operator=(const Crowd&) = delete;
+
+  std::atomic<std::uint64_t> loads = 0, frees = 0, strikes = 0;
+
+  [[nodiscard]] bool done() const { return loads >= kLoads && frees >= kFrees && strikes >= kStrikes; }
+
+ private:
+  [[nodiscard]] std::filesystem::path bank(std::size_t n) const { return folder_ / (std::to_string(n) + ".glb"); }
+  static std::string name(std::size_t n) { return "o" + std::to_string(n); }
+
+  void load_and_free(const std::stop_token& stop) {
+    std::minstd_rand random(1);
+    while (!stop.stop_requested()) {
+      const protocol::ObjectRef object{.name = name(random() % kObjects)};
+      const auto choice = random() % 4;
+      if (choice < 2) {
+        loads += session_.perform(protocol::LoadObject{object.name, bank(random() % kBanks)}, 0).has_value();
+      } else if (choice == 2) {
+        frees += session_.perform(protocol::FreeObject{object}, 0).has_value();
+      } else {
+        static_cast<void>(
+            session_.rack().set_material(object, {.stiffness = 1 + 0.1 * static_cast<double>(random() % 10)}));
+      }
+      session_.rack().collect();
+    }
+  }
+
+  void strike(const std::stop_token& stop) {
+    std::minstd_rand random(2);
+    while (!stop.stop_requested()) {
+      const auto now = session_.rack().mixer().counters().frames.load();
+      const protocol::Strike blow{{.name = name(random() % kObjects)}, {0.1, 0, 0}, {0, 0.01, 0.02}, 0};
+      strikes += session_.play(blow, now + static_cast<protocol::Frame>(random() % 100)).has_value();
+      std::this_thread::yield();
+    }
+  }
+
+  Session& session_;
+  std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("ringdown-realtime-" + std::to_string(::getpid()));
+  std::jthread loader_, player_;
+};
+
+TEST(Realtime, AMillionBlocksAllocateNothingLockNothingAndCallNoSystem) {
+  if (!test::kRealtimeGuardWorks) GTEST_SKIP() << "sanitizers and clang replace the watched functions";
+  Session session(48000);
+  Crowd crowd(session);
+  std::array<float, kFrames> left{}, right{};
+  test::RealtimeViolations seen;
+  std::uint64_t broken = 0;
+  {
+    const test::RealtimeScope scope;
+    for (std::uint64_t block = 0; block < kBlocks || !crowd.done(); ++block) {
+      session.rack().mixer().render(left, right);
+      for (std::size_t n = 0; n < kFrames; ++n) broken += !(std::abs(left[n]) < 1e6f && std::abs(right[n]) < 1e6f);
+    }
+    seen = scope.seen();
+  }
+  EXPECT_EQ(seen.total(), 0u) << seen.first;
+  EXPECT_EQ(broken, 0u);
+  EXPECT_GT(session.rack().mixer().counters().strikes, kStrikes / 4);
+}
+
+}  // namespace
+}  // namespace ringdown::server
