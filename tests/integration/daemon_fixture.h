@@ -21,6 +21,7 @@ class JackServer {
   JackServer();
   [[nodiscard]] Process::Environment environment() const;  // makes clients use it, and never start another
   [[nodiscard]] bool runs();
+  [[nodiscard]] const std::string& name() const { return name_; }
 
  private:
   std::string name_;

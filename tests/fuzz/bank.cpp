@@ -1,0 +1,69 @@
+#include "engine/modal/bank_file.h"
+#include "engine/synth/mixer.h"
+#include "tests/fuzz/targets.h"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+namespace ringdown::fuzz {
+namespace {
+
+void append(std::vector<std::byte>& to, std::uint32_t number) {
+  const auto bytes = std::bit_cast<std::array<std::byte, 4>>(number);
+  to.insert(to.end(), bytes.begin(), bytes.end());
+}
+
+void append_chunk(std::vector<std::byte>& to, std::uint32_t kind, Bytes content, std::byte filler) {
+  append(to, static_cast<std::uint32_t>((content.size() + 3) / 4 * 4));
+  append(to, kind);
+  to.insert(to.end(), content.begin(), content.end());
+  while (to.size() % 4 != 0) to.push_back(filler);
+}
+
+// Most mutations break the lengths of a container, and go no further. So an input that begins with '{' is taken as the
+// JSON up to the first zero byte and the binary chunk after it, and gets a container that fits.
+std::vector<std::byte> as_glb(Bytes file) {
+  if (file.empty() || file.front() != std::byte{'{'}) return {file.begin(), file.end()};
+  std::size_t json = 0;
+  while (json < file.size() && file[json] != std::byte{0}) ++json;
+  std::vector<std::byte> chunks;
+  append_chunk(chunks, 0x4E4F534A, file.first(json), std::byte{' '});
+  append_chunk(chunks, 0x004E4942, file.subspan(std::min(json + 1, file.size())), std::byte{0});
+  std::vector<std::byte> glb;
+  append(glb, 0x46546C67);
+  append(glb, 2);
+  append(glb, static_cast<std::uint32_t>(12 + chunks.size()));
+  glb.insert(glb.end(), chunks.begin(), chunks.end());
+  return glb;
+}
+
+bool ring(const modal::Bank& bank) {
+  const auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(bank));
+  synth::Mixer mixer(48000);
+  expect(mixer.install(0, std::make_unique<synth::Voice>(map, modal::MaterialScale{}, 48000),
+                       synth::Mixer::Install::replace),
+         "a voice is installed");
+  const protocol::Event strike{.object = 0, .type = protocol::EventType::strike, .impulse_ns = {0.1, 0.2, 0.3}};
+  expect(mixer.push(synth::Producer::control, strike), "a strike is taken");
+  std::array<float, 256> left{}, right{};
+  mixer.render(left, right);
+  for (std::size_t n = 0; n < left.size(); ++n) {
+    if (!std::isfinite(left[n]) || !std::isfinite(right[n])) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void bank(Bytes file) {
+  const auto bank = modal::parse_bank(as_glb(file), "bank");
+  if (!bank) return expect(!bank.error().message.empty(), "a refusal has a sentence");
+  expect(bank->mode_count() <= modal::kMostModes && bank->point_count() <= modal::kMostPoints, "a bank within limits");
+  if (bank->mode_count() * bank->point_count() < 100'000)
+    expect(ring(*bank), "a bank that was accepted rings in numbers");
+}
+
+}  // namespace ringdown::fuzz
