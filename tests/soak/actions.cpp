@@ -55,6 +55,13 @@ void Actions::act(Daemon& daemon) {
   nonsense(daemon);
 }
 
+void Actions::free_everything(Daemon& daemon) {
+  daemon.send({"/clear", {}});
+  daemon.send({"/scene/clear", {}});
+  for (std::size_t n = 0; n < kObjects; ++n) daemon.send({"/object/o" + std::to_string(n) + "/free", {}});
+  daemon.send({"/object/ball/free", {}});
+}
+
 void Actions::strike(Daemon& daemon) {
   const double size = std::pow(10.0, uniform(-6, -2));
   daemon.send({"/object/" + object() + "/strike",

@@ -19,6 +19,9 @@ class Actions {
   // Sends one action: mostly strikes, some gains, pans, materials, loads, frees, scene changes, and nonsense.
   void act(Daemon& daemon);
 
+  // Ends all that act() began.
+  static void free_everything(Daemon& daemon);
+
   [[nodiscard]] std::uint64_t count() const { return count_; }
 
  private:
