@@ -71,7 +71,9 @@ int soak(const Options& options) {
   HeapMeter heap(folder / "heap", RINGDOWN_HEAP_METER_LIBRARY);
   Process::Environment environment = server ? server->environment() : Process::Environment{};
   if (!options.any_growth) environment.merge(heap.environment());
-  Daemon daemon(server ? std::vector<std::string>{} : std::vector<std::string>{"--driver", "null"}, environment);
+  std::vector<std::string> arguments = {"--root", folder.path().string()};
+  if (!server) arguments.insert(arguments.end(), {"--driver", "null"});
+  Daemon daemon(arguments, environment);
   Heard heard;
   std::optional<Ear> ear;
   if (server) ear.emplace(server->name(), heard);
