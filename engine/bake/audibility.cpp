@@ -14,8 +14,8 @@
 namespace ringdown::bake {
 namespace {
 
-constexpr double kLoudest_db = 60;      // SPL, for the level-dependent slope
-constexpr double kMinute_s = 60;        // what outlasts it is not waited for
+constexpr double kLoudest_db = 60;  // SPL, for the level-dependent slope
+constexpr double kMinute_s = 60;    // what outlasts it is not waited for
 constexpr Eigen::Index kRowsAtOnce = 256;
 
 double db(double power) { return 10 * std::log10(power); }

@@ -4,10 +4,11 @@
 //
 //   L - max(25, 14.5 + z_j) - slope * distance   [dB],   z_j and the distance in Bark
 //
-// [Zwicker & Terhardt, J. Acoust. Soc. Am. 68, 1980]. Slopes are Terhardt's [Hearing Research 1, 1979], as van den Doel,
-// Knott & Pai use them to cull modes [Presence 13(1), 2004]: 27 dB/Bark towards lower pitch, 24 + 230 Hz/f_j - 0.2 L
-// towards higher, L in dB SPL. The offset 14.5 + z is Schroeder, Atal & Hall's for a tone that masks [J. Acoust. Soc. Am.
-// 66, 1979]; at 25 dB the beats of two close tones change the level by less than 1 dB, about what one can hear.
+// [Zwicker & Terhardt, J. Acoust. Soc. Am. 68, 1980]. Slopes are Terhardt's [Hearing Research 1, 1979], as van den
+// Doel, Knott & Pai use them to cull modes [Presence 13(1), 2004]: 27 dB/Bark towards lower pitch, 24 + 230 Hz/f_j -
+// 0.2 L towards higher, L in dB SPL. The offset 14.5 + z is Schroeder, Atal & Hall's for a tone that masks [J. Acoust.
+// Soc. Am. 66, 1979]; at 25 dB the beats of two close tones change the level by less than 1 dB, about what one can
+// hear.
 #pragma once
 
 #include "engine/base/realtime.h"

@@ -43,12 +43,12 @@ class Family {
   // The mixer's own, on the audio thread.
   ModeTable& table;
   std::array<Ringing, kOutputs> sums;
-  std::size_t bus = 0;              // channel of the third output; 0: none
-  std::size_t members = 0;          // objects whose states it holds
-  std::size_t struck = 0;           // of these, since it was last silent
-  std::uint32_t round = 1;          // grows whenever it falls silent
-  std::uint32_t lost = 0;           // grows when its states had to be thrown away
-  bool active = false;              // on the mixer's list
+  std::size_t bus = 0;      // channel of the third output; 0: none
+  std::size_t members = 0;  // objects whose states it holds
+  std::size_t struck = 0;   // of these, since it was last silent
+  std::uint32_t round = 1;  // grows whenever it falls silent
+  std::uint32_t lost = 0;   // grows when its states had to be thrown away
+  bool active = false;      // on the mixer's list
   std::int32_t first_due = -1, last_due = -1;
 };
 

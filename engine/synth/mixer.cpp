@@ -84,7 +84,7 @@ void Mixer::render(std::span<float> left, std::span<float> right) RINGDOWN_REALT
   render(Outputs(left.data(), right.data()), left.size());
 }
 
-void Mixer::render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME {
+void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t frames) RINGDOWN_REALTIME {
   const DenormalGuard guard;
   accept_orders();
   count(counters_.late, agenda_.accept(now_));
@@ -93,7 +93,8 @@ void Mixer::render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME
   Place& place = places_.data()[0];
   place.ringing_voices = place.ringing_modes = 0;
   for (std::size_t done = 0; done < frames;) {
-    std::size_t chunk = frames - done;
+    for (std::size_t i = 0; i < kMostInputs; ++i) inputs_[i] = inputs[i] ? inputs[i] + done : nullptr;
+    std::size_t chunk = wake_inputs(frames - done);
     const Frame rest = static_cast<Frame>(chunk);
     if (active_count_ + active_family_count_ == 0 && !agenda_.next_before(now_ + rest)) {
       place.desk.open(chunk);
@@ -142,14 +143,17 @@ void Mixer::carry_out(const Order& order) RINGDOWN_REALTIME {
     order.family->table.family = order.family;
     return;
   }
+  if (order.kind == Order::Kind::disconnect) return disconnect(order.input);
   Object& object = objects_.data()[order.object];
   part(object);
+  if (order.kind == Order::Kind::connect) return connect(order);
   if (order.kind == Order::Kind::assign) {
     object.bus = order.channel;
     return;
   }
   if (order.kind == Order::Kind::remove) fade_out(object);
   Voice* old = std::exchange(object.current, order.voice);
+  place_drives_again(object);
   activate(object);  // the next chunk finds out what rings, and retires what does not
   if (!old) return;
   if (order.kind == Order::Kind::retune) {
@@ -169,7 +173,13 @@ void Mixer::take_due_events(std::size_t frames) RINGDOWN_REALTIME {
     if (!event) break;
     due[count] = {*event, static_cast<std::size_t>(std::max<Frame>(event->frame - now_, 0)), -1};
     due[count].event.frame = std::max(event->frame, now_);  // it may have been left over from the chunk before
-    if (!is_strike(event->type)) part(objects_.data()[event->object]);
+    if (is_strike(event->type)) {
+      if (start_pulse(due[count].event)) --count;
+      continue;
+    }
+    Object& object = objects_.data()[event->object];
+    part(object);
+    if (event->type == EventType::clear) stop_pulses(object, due[count].event.frame);
   }
   link_due_events(count);
 }
@@ -250,7 +260,7 @@ void Mixer::render_item(std::size_t item, Place& place) RINGDOWN_REALTIME {
   item -= active_family_count_;
   Object& object = objects_.data()[active_.data()[item]];
   render_object(object, place);
-  const bool rings = object.current && object.current->ringing();
+  const bool rings = object.current && (object.current->ringing() || has_pulse(object));
   after_.data()[item] = object.tails ? After::look_at_tails : rings ? After::keep : After::drop;
 }
 
@@ -266,6 +276,7 @@ void Mixer::keep_active() RINGDOWN_REALTIME {
       keep = object.tails || (object.current && object.current->ringing());
     }
     const Frame end = now_ + static_cast<Frame>(frames_);
+    keep_drives(object, end);
     if (keep && !object.shared && can_share(object, end)) {
       share(object, end);
       keep = false;
@@ -349,17 +360,21 @@ void Mixer::render_together(Object& object, Place& place) RINGDOWN_REALTIME {
   };
   if (object.current) add(*object.current);
   for (Voice* voice = object.tails; voice; voice = voice->next) add(*voice);
-  if (next >= 0) sounds = add_strikes(object, next, place) || sounds;
+  if (next >= 0 || driven(object)) sounds = add_strikes(object, next, place) || sounds;
   if (sounds) mix_segment(object, 0, frames_, place);
 }
 
-// The strikes of a chunk from number `due` on. False when none of them could be played.
+// The strikes of a chunk from number `due` on, and what drives the object. False when nothing comes of them.
 bool Mixer::add_strikes(Object& object, std::int32_t due, Place& place) RINGDOWN_REALTIME {
   Voice* const voice = object.current;
-  bool struck = false;
+  const bool driven = this->driven(object);
+  bool struck = driven;
   std::size_t at = 0;
   const auto render_to = [&](std::size_t end) RINGDOWN_REALTIME {
-    if (struck && end > at && !voice->render_aside(place.mono.data() + at, end - at)) count(counters_.not_finite);
+    if (driven) {
+      drive(object, at, end, place);
+    } else if (struck && end > at && !voice->render_aside(place.mono.data() + at, end - at))
+      count(counters_.not_finite);
     at = end;
   };
   for (; due >= 0; due = due_.data()[due].next) {
@@ -384,6 +399,11 @@ void Mixer::render_segment(Object& object, std::size_t begin, std::size_t end, P
   };
   add(object.current);
   for (Voice* voice = object.tails; voice; voice = voice->next) add(voice);
+  if (driven(object)) {
+    drive(object, begin, end, place);
+    object.current->join();
+    sounds = true;
+  }
   if (sounds) mix_segment(object, begin, end, place);
 }
 

@@ -17,6 +17,7 @@
 #include "engine/synth/agenda.h"
 #include "engine/synth/crew.h"
 #include "engine/synth/desk.h"
+#include "engine/synth/drives.h"
 #include "engine/synth/family.h"
 #include "engine/synth/limiter.h"
 #include "engine/synth/ramp.h"
@@ -124,8 +125,21 @@ class Mixer {
   // unless set. [any thread]
   void set_floor(double decibels) { floor_.store(std::pow(10.0, -decibels / 20), std::memory_order_relaxed); }
 
+  // Whether a strike's contact pulse drives the modes sample by sample, from the strike's frame on; otherwise, as in
+  // the beginning, each mode gets at that frame what the spectrum of the pulse holds for it. They differ while the
+  // contact lasts; after it only in the phase. Driving costs more while the contact lasts, and serves kMostDrives
+  // strikes at a time. [any thread]
+  void set_exact_contacts(bool on) { exact_contacts_.store(on, std::memory_order_relaxed); }
+
+  // From the next block on, input `input` < kMostInputs excites an object: a sample of 1 is the impulse of `place`, a
+  // strike without contact time, in one frame. An input excites one object, an object takes kMostForces inputs and
+  // pulses at a time; nothing happens when it does not exist. False when the worker's ring is full. [worker]
+  [[nodiscard]] bool connect_input(std::size_t input, const protocol::Event& place);
+  [[nodiscard]] bool disconnect_input(std::size_t input);
+
   // Writes the next frames; any number of frames. [audio]
-  void render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME;
+  void render(const Outputs& outputs, const Inputs& inputs, std::size_t frames) RINGDOWN_REALTIME;
+  void render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME { render(outputs, {}, frames); }
   void render(std::span<float> left, std::span<float> right) RINGDOWN_REALTIME;  // the mix only
 
   [[nodiscard]] const MixerCounters& counters() const { return counters_; }
@@ -156,22 +170,27 @@ class Mixer {
     Family::Shares shares{};
     protocol::Frame anchor = 0;         // the frame that the states it keeps for itself have reached
     std::uint32_t round = 0, lost = 0;  // its family's, when it was last struck, or lost its states
+    std::array<std::uint8_t, kMostForces> drives{};
+    std::size_t drive_count = 0;
     std::int32_t first_due = -1, last_due = -1;
   };
   // What one thread renders with.
   struct Place {
     Desk desk;
     std::array<double, kChunkFrames> mono{};
+    std::array<std::array<double, kChunkFrames>, kMostForces> impulses{};
     std::uint32_t ringing_voices = 0, ringing_modes = 0;  // of the chunk being rendered
     std::size_t slow_modes = 0;                           // of these, that take moments
   };
   enum class After : std::uint8_t { keep, drop, look_at_tails };  // of an active object when the chunk is done
   struct Order {
-    enum class Kind { replace, retune, remove, assign, found_family } kind;
+    enum class Kind { replace, retune, remove, assign, found_family, connect, disconnect } kind;
     protocol::ObjectNumber object;
     Voice* voice = nullptr;
     std::size_t channel = kNoBus;
     Family* family = nullptr;
+    std::size_t input = 0;
+    protocol::Event place{};
   };
   struct Kin {
     std::weak_ptr<ModeTable> table;
@@ -211,6 +230,20 @@ class Mixer {
   [[nodiscard]] bool heard(const Object& object) const RINGDOWN_REALTIME;
   [[nodiscard]] protocol::ObjectNumber number_of(const Object& object) const RINGDOWN_REALTIME;
 
+  // mixer_drives.cpp
+  [[nodiscard]] bool start_pulse(const protocol::Event& event) RINGDOWN_REALTIME;
+  void stop_pulses(const Object& object, protocol::Frame end) RINGDOWN_REALTIME;
+  void connect(const Order& order) RINGDOWN_REALTIME;
+  void disconnect(std::size_t input) RINGDOWN_REALTIME;
+  [[nodiscard]] bool place_drive(Object& object, std::uint8_t drive) RINGDOWN_REALTIME;
+  void place_drives_again(Object& object) RINGDOWN_REALTIME;
+  void drop_drive(Object& object, std::size_t which) RINGDOWN_REALTIME;
+  void keep_drives(Object& object, protocol::Frame end) RINGDOWN_REALTIME;
+  [[nodiscard]] bool has_pulse(const Object& object) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool driven(const Object& object) const RINGDOWN_REALTIME;
+  [[nodiscard]] std::size_t wake_inputs(std::size_t frames) RINGDOWN_REALTIME;
+  void drive(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
+
   // mixer_families.cpp
   void found_family(protocol::ObjectNumber object, const std::shared_ptr<ModeTable>& table);
   [[nodiscard]] static bool can_share(const Object& object, protocol::Frame now) RINGDOWN_REALTIME;
@@ -231,6 +264,7 @@ class Mixer {
 
   const double sample_rate_hz_;
   std::atomic<double> floor_{1e-6};
+  std::atomic<bool> exact_contacts_{false};
   MixerCounters counters_;
   Agenda agenda_;
   SpscRing<Order> orders_{2 * kMostVoices + kMostObjects};
@@ -249,8 +283,12 @@ class Mixer {
   std::vector<DueEvent> due_ = std::vector<DueEvent>(kMostEventsPerChunk);
   std::vector<Place> places_ = std::vector<Place>(1);  // the audio thread's, then its helpers'
   ChannelSet wanted_ = 0;                              // channels that are listened to in this block
-  std::size_t frames_ = 0;                             // of the chunk being rendered
-  bool together_ = false;                              // whether this chunk's slow modes are summed as moments
+  DrivePool drives_;
+  Inputs inputs_{};  // at the chunk being rendered
+  std::array<bool, kMostInputs> input_sounds_{};
+  std::array<std::optional<protocol::ObjectNumber>, kMostInputs> excites_;
+  std::size_t frames_ = 0;  // of the chunk being rendered
+  bool together_ = false;   // whether this chunk's slow modes are summed as moments
   protocol::Frame now_ = 0;
 
   // The worker's own.

@@ -23,7 +23,7 @@ void Mixer::found_family(protocol::ObjectNumber object, const std::shared_ptr<Mo
 }
 
 bool Mixer::can_share(const Object& object, Frame now) RINGDOWN_REALTIME {
-  if (!object.current || object.tails || object.current->fading()) return false;
+  if (!object.current || object.tails || object.drive_count > 0 || object.current->fading()) return false;
   const Family* family = object.current->table().family;
   return family && (family->members == 0 || family->bus == object.bus) && still(object, now);
 }
@@ -155,7 +155,9 @@ void Mixer::render_together(Family& family, Place& place) RINGDOWN_REALTIME {
     const bool wanted = contains(wanted_, channel);
     const MomentTarget target{wanted ? place.desk.moments(channel) : nullptr, 1.0f};
     double* const rest = wanted && sum.has_rest() ? place.desk.samples(channel) : place.mono.data();
-    keep_if(sum.render_together({&target, wanted ? std::size_t{1} : 0}, rest, frames_, floor_.load(std::memory_order_relaxed)), family);
+    keep_if(sum.render_together({&target, wanted ? std::size_t{1} : 0}, rest, frames_,
+                                floor_.load(std::memory_order_relaxed)),
+            family);
   });
 }
 

@@ -100,6 +100,10 @@ bool Ringing::render_aside(double* out, std::size_t frames) RINGDOWN_REALTIME {
   return keep_if_sane(render_modes(modes(aside_re, aside_im, frames), all, kKeepAll, out, frames));
 }
 
+bool Ringing::drive_aside(std::span<const Force> forces, double* out, std::size_t frames) RINGDOWN_REALTIME {
+  return keep_if_sane(drive_modes(modes(aside_re, aside_im, 0), table_.columns(), forces, out, frames));
+}
+
 bool Ringing::keep_if_sane(double energy) RINGDOWN_REALTIME {
   if (energy <= kAbsurdEnergy) return true;
   silence();

@@ -7,6 +7,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/aligned_array.h"
+#include "engine/synth/drive_kernel.h"
 #include "engine/synth/mode_table.h"
 
 #include <cstdint>
@@ -54,6 +55,8 @@ class Ringing {
   void add_aside(const double* amplitudes, double gain) RINGDOWN_REALTIME;
   bool render_aside(double* out, std::size_t frames) RINGDOWN_REALTIME;
   void join() RINGDOWN_REALTIME;
+  // The same under forces: what is aside moves on sample by sample. [audio]
+  bool drive_aside(std::span<const Force> forces, double* out, std::size_t frames) RINGDOWN_REALTIME;
 
   // Moves the states on without a sound, however far; not what fades. [audio]
   void skip(protocol::Frame frames) RINGDOWN_REALTIME;

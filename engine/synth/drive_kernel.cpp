@@ -1,0 +1,96 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/synth/drive_kernel.cpp"
+#include <hwy/foreach_target.h>  // compiles the rest of this file once per instruction set
+
+#include <hwy/highway.h>
+
+#include "engine/synth/drive_kernel.h"
+
+#include "engine/synth/mode_vectors-inl.h"
+
+#include <algorithm>
+
+HWY_BEFORE_NAMESPACE();
+namespace ringdown::synth::HWY_NAMESPACE {
+
+// One vector of modes for each sample: their lanes are added up at the end.
+struct Sums {
+  alignas(64) double lanes[kChunkFrames * kModePadding];
+};
+
+// A few vectors of modes at once, whose chains of products run side by side.
+template <std::size_t kVectors>
+HWY_INLINE Vec drive_vectors(const ModeArrays& modes, std::size_t first, std::span<const Force> forces,
+                             std::size_t frames, Sums& sums) {
+  const Tag tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  Complex z[kVectors], p[kVectors];
+  Vec amplitude[kMostForces][kVectors];
+  RINGDOWN_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    z[v] = load_states(modes, first + v * lanes);
+    p[v] = load_poles(modes, first + v * lanes);
+    for (std::size_t f = 0; f < forces.size(); ++f) {
+      amplitude[f][v] = hn::Load(tag, forces[f].amplitudes + first + v * lanes);
+    }
+  }
+  for (std::size_t n = 0; n < frames; ++n) {
+    double* const to = sums.lanes + n * lanes;
+    Vec sum = hn::Load(tag, to);
+    RINGDOWN_UNROLL
+    for (std::size_t v = 0; v < kVectors; ++v) sum = hn::Add(sum, z[v].re);
+    hn::Store(sum, tag, to);
+    for (std::size_t f = 0; f < forces.size(); ++f) {
+      const Vec impulse = hn::Set(tag, forces[f].samples[n]);
+      RINGDOWN_UNROLL
+      for (std::size_t v = 0; v < kVectors; ++v) z[v].im = hn::NegMulAdd(impulse, amplitude[f][v], z[v].im);
+    }
+    RINGDOWN_UNROLL
+    for (std::size_t v = 0; v < kVectors; ++v) z[v] = multiply(z[v], p[v]);
+  }
+  Vec energy = hn::Zero(tag);
+  RINGDOWN_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    store_states(z[v], modes, first + v * lanes);
+    energy = hn::Add(energy, norm(z[v]));
+  }
+  return energy;
+}
+
+double drive_modes_here(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces, double* out,
+                        std::size_t frames) {
+  constexpr std::size_t kTogether = 4;
+  const Tag tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  Sums sums;
+  std::fill_n(sums.lanes, frames * lanes, 0.0);
+  Vec energy = hn::Zero(tag);
+  std::size_t at = 0;
+  for (; at + kTogether * lanes <= columns; at += kTogether * lanes) {
+    energy = hn::Add(energy, drive_vectors<kTogether>(modes, at, forces, frames, sums));
+  }
+  for (; at < columns; at += lanes) energy = hn::Add(energy, drive_vectors<1>(modes, at, forces, frames, sums));
+  for (std::size_t n = 0; n < frames; ++n) {
+    out[n] += hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums.lanes + n * lanes)));
+  }
+  return hn::GetLane(hn::SumOfLanes(tag, energy));
+}
+
+}  // namespace ringdown::synth::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ringdown::synth {
+
+HWY_EXPORT(drive_modes_here);
+
+// Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
+RINGDOWN_TRUST_REALTIME_BEGIN
+double drive_modes(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces, double* out,
+                   std::size_t frames) RINGDOWN_REALTIME {
+  return HWY_DYNAMIC_DISPATCH(drive_modes_here)(modes, columns, forces, out, frames);
+}
+RINGDOWN_TRUST_REALTIME_END
+
+}  // namespace ringdown::synth
+#endif

@@ -1,0 +1,35 @@
+#include "engine/synth/drives.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace ringdown::synth {
+
+// The sum of sin(pi n / frames) over 0 <= n <= frames, by adding up exponentials.
+HalfSine::HalfSine(double frames) RINGDOWN_REALTIME : frames_(frames) {
+  const double half_step = 0.5 * std::numbers::pi / frames, last = std::floor(frames);
+  scale_ = std::sin(half_step) / (std::sin(half_step * last) * std::sin(half_step * (last + 1)));
+}
+
+void HalfSine::fill(protocol::Frame first, std::size_t count, double* impulses) const RINGDOWN_REALTIME {
+  for (std::size_t i = 0; i < count; ++i) {
+    const double n = static_cast<double>(first) + static_cast<double>(i);
+    impulses[i] = n >= 0 && n < frames_ ? scale_ * std::sin(std::numbers::pi * n / frames_) : 0.0;
+  }
+}
+
+void Drive::fill(protocol::Frame first, std::size_t count, const float* samples,
+                 double* impulses) const RINGDOWN_REALTIME {
+  if (!input) {
+    const auto left = std::clamp<protocol::Frame>(end - first, 0, static_cast<protocol::Frame>(count));
+    pulse.fill(first - place.frame, static_cast<std::size_t>(left), impulses);
+    std::fill(impulses + left, impulses + count, 0.0);
+  } else if (samples) {
+    std::copy_n(samples, count, impulses);
+  } else {
+    std::fill_n(impulses, count, 0.0);
+  }
+}
+
+}  // namespace ringdown::synth

@@ -1,0 +1,163 @@
+// The mixer's half of drives.h: pulses and inputs that act on objects.
+#include "engine/synth/mixer.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <utility>
+
+namespace ringdown::synth {
+
+using protocol::Event;
+using protocol::Frame;
+
+bool Mixer::connect_input(std::size_t input, const Event& place) {
+  assert(input < kMostInputs && place.object < kMostObjects);
+  return orders_.push({.kind = Order::Kind::connect, .object = place.object, .input = input, .place = place});
+}
+
+bool Mixer::disconnect_input(std::size_t input) {
+  assert(input < kMostInputs);
+  return orders_.push({.kind = Order::Kind::disconnect, .object = 0, .input = input});
+}
+
+// False when the strike is better shaped by its spectrum.
+bool Mixer::start_pulse(const Event& event) RINGDOWN_REALTIME {
+  if (!exact_contacts_.load(std::memory_order_relaxed)) return false;
+  Object& object = objects_.data()[event.object];
+  const double frames = event.contact_time_s * sample_rate_hz_;
+  if (!object.current || !(frames >= kShortestPulse_frames) || object.drive_count == kMostForces) return false;
+  const std::optional<std::uint8_t> taken = drives_.take();
+  if (!taken) return false;
+  Drive& drive = drives_[*taken];
+  drive.place = event;
+  drive.place.contact_time_s = 0;
+  drive.input.reset();
+  drive.pulse = HalfSine(frames);
+  drive.end = std::numeric_limits<Frame>::max();
+  if (!place_drive(object, *taken)) {
+    drives_.give_back(*taken);
+    return false;
+  }
+  part(object);
+  activate(object);
+  count(counters_.strikes);
+  return true;
+}
+
+void Mixer::stop_pulses(const Object& object, Frame end) RINGDOWN_REALTIME {
+  for (std::size_t i = 0; i < object.drive_count; ++i) {
+    Drive& drive = drives_[object.drives[i]];
+    drive.end = std::min(drive.end, end);
+  }
+}
+
+void Mixer::connect(const Order& order) RINGDOWN_REALTIME {
+  disconnect(order.input);
+  Object& object = objects_.data()[order.object];
+  if (!object.current || object.drive_count == kMostForces) return;
+  const std::optional<std::uint8_t> taken = drives_.take();
+  if (!taken) return;
+  drives_[*taken].place = order.place;
+  drives_[*taken].place.contact_time_s = 0;
+  drives_[*taken].input = order.input;
+  if (place_drive(object, *taken)) {
+    excites_[order.input] = order.object;
+  } else {
+    drives_.give_back(*taken);
+  }
+}
+
+void Mixer::disconnect(std::size_t input) RINGDOWN_REALTIME {
+  if (!excites_[input]) return;
+  Object& object = objects_.data()[*excites_[input]];
+  for (std::size_t i = 0; i < object.drive_count; ++i) {
+    if (drives_[object.drives[i]].input != input) continue;
+    drop_drive(object, i);
+    return;
+  }
+}
+
+// Finds what the drive does to the object's modes, and adds it to the object. False when it cannot be.
+bool Mixer::place_drive(Object& object, std::uint8_t which) RINGDOWN_REALTIME {
+  Drive& drive = drives_[which];
+  Voice* const voice = object.current;
+  if (!voice || voice->table().columns() > kMostDrivenColumns) return false;
+  const std::optional<double> energy = voice->find_amplitudes(drive.place);
+  if (!energy || !(*energy <= Ringing::kAbsurdEnergy)) return false;
+  std::copy_n(voice->amplitudes(), voice->table().columns(), drive.amplitudes.get());
+  object.drives[object.drive_count++] = which;
+  return true;
+}
+
+// After the object's voice has changed.
+void Mixer::place_drives_again(Object& object) RINGDOWN_REALTIME {
+  const auto before = object.drives;
+  const std::size_t count = std::exchange(object.drive_count, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (place_drive(object, before[i])) continue;
+    object.drives[object.drive_count++] = before[i];
+    drop_drive(object, object.drive_count - 1);
+  }
+}
+
+void Mixer::drop_drive(Object& object, std::size_t which) RINGDOWN_REALTIME {
+  const std::uint8_t drive = object.drives[which];
+  if (drives_[drive].input) excites_[*drives_[drive].input].reset();
+  object.drives[which] = object.drives[--object.drive_count];
+  drives_.give_back(drive);
+}
+
+// Gives back the pulses that are over.
+void Mixer::keep_drives(Object& object, Frame end) RINGDOWN_REALTIME {
+  for (std::size_t i = 0; i < object.drive_count;) {
+    if (drives_[object.drives[i]].over_at(end)) {
+      drop_drive(object, i);
+    } else {
+      ++i;
+    }
+  }
+}
+
+bool Mixer::has_pulse(const Object& object) const RINGDOWN_REALTIME {
+  return std::any_of(object.drives.begin(), object.drives.begin() + object.drive_count,
+                     [this](std::uint8_t drive) RINGDOWN_REALTIME { return !drives_[drive].input; });
+}
+
+// Whether a force acts on it in this chunk.
+bool Mixer::driven(const Object& object) const RINGDOWN_REALTIME {
+  return std::any_of(object.drives.begin(), object.drives.begin() + object.drive_count,
+                     [this](std::uint8_t drive) RINGDOWN_REALTIME {
+                       const std::optional<std::size_t>& input = drives_[drive].input;
+                       return !input || input_sounds_[*input];
+                     });
+}
+
+// Objects whose input is not silent take part in a chunk of `frames`, or less when there is input at all.
+std::size_t Mixer::wake_inputs(std::size_t frames) RINGDOWN_REALTIME {
+  for (std::size_t input = 0; input < kMostInputs; ++input) {
+    const float* const samples = inputs_[input];
+    input_sounds_[input] = false;
+    if (!samples || !excites_[input]) continue;
+    frames = std::min(frames, kChunkFrames);
+    input_sounds_[input] = std::any_of(samples, samples + frames, [](float x) RINGDOWN_REALTIME { return x != 0; });
+    if (input_sounds_[input]) activate(objects_.data()[*excites_[input]]);
+  }
+  return frames;
+}
+
+void Mixer::drive(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME {
+  if (begin == end) return;
+  std::array<Force, kMostForces> forces;
+  for (std::size_t i = 0; i < object.drive_count; ++i) {
+    const Drive& drive = drives_[object.drives[i]];
+    const float* const samples = drive.input ? inputs_[*drive.input] : nullptr;
+    double* const impulses = place.impulses[i].data();
+    drive.fill(now_ + static_cast<Frame>(begin), end - begin, samples ? samples + begin : nullptr, impulses);
+    forces[i] = {drive.amplitudes.get(), impulses};
+  }
+  const std::span<const Force> all(forces.data(), object.drive_count);
+  if (!object.current->drive_aside(all, place.mono.data() + begin, end - begin)) count(counters_.not_finite);
+}
+
+}  // namespace ringdown::synth
