@@ -19,7 +19,7 @@ enum class EventType : std::uint8_t {
   strike_vertex,  // vertex, impulse_ns, contact_time_s: rings it at one sample point
   gain,           // value: linear gain, reached over `ramp_s`
   pan,            // value: -1 left ... +1 right, equal power
-  clear,          // fades what rings to silence within a few milliseconds
+  clear,          // fades what rings to silence within `ramp_s`, or a few milliseconds if that is longer
 };
 
 struct Event {

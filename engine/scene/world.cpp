@@ -234,6 +234,8 @@ Result<World> World::create(const SceneDescription& scene, std::span<const Sound
 
 void World::set_start_frame(protocol::Frame frame) { impl_->start_frame = frame; }
 
+void World::set_sample_rate(double sample_rate_hz) { impl_->sample_rate_hz = sample_rate_hz; }
+
 StepReport World::step() {
   Impl& w = *impl_;
   w.strikes.clear();

@@ -77,6 +77,9 @@ class World {
   // The frame at which scene time 0 lies, so that an owner who pauses can shift what follows. Initially 0.
   void set_start_frame(protocol::Frame frame);
 
+  // What frames are counted by from the next step on. The owner sets the start frame anew.
+  void set_sample_rate(double sample_rate_hz);
+
   // Advances by one step and reports what sounded. An event's frame is start + round(time * sample rate), with the
   // time at which the contact was found: the beginning of the step. Never fails: a body that has become unreal (not a
   // number, too fast) goes back to its start at rest, one that has left the scene is removed, and a notice says so.

@@ -1,25 +1,49 @@
 #include "engine/synth/agenda.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ringdown::synth {
 
 std::size_t Agenda::accept(protocol::Frame now) RINGDOWN_REALTIME {
-  Pending* const heap = heap_.data();
   std::size_t late = 0;
   for (Ring& ring : rings_) {
     for (; count_ < kMostPendingEvents; ring.pop()) {
       const protocol::Event* event = ring.front();
       if (!event) break;
-      heap[count_] = {*event, next_order_++};
-      if (event->frame < now) {
-        heap[count_].event.frame = now;
-        ++late;
-      }
-      ++count_;
-      std::push_heap(heap, heap + count_, Later{});
+      late += take(*event, now);
     }
   }
+  return late;
+}
+
+// True when it was late.
+bool Agenda::take(const protocol::Event& event, protocol::Frame now) RINGDOWN_REALTIME {
+  Pending* const heap = heap_.data();
+  heap[count_] = {event, next_order_++};
+  heap[count_].event.frame = std::max(event.frame, now);
+  ++count_;
+  std::push_heap(heap, heap + count_, Later{});
+  return event.frame < now;
+}
+
+// All come out of the rings, even past what usually waits: those, too, count the old frames.
+std::size_t Agenda::rescale(protocol::Frame now, double ratio) {
+  std::size_t late = 0;
+  for (Ring& ring : rings_) {
+    for (; const protocol::Event* event = ring.front(); ring.pop()) {
+      heap_.resize(std::max(heap_.size(), count_ + 1));
+      late += take(*event, now);
+    }
+  }
+  const auto begin = heap_.begin(), end = begin + static_cast<std::ptrdiff_t>(count_);
+  std::sort(begin, end, [](const Pending& a, const Pending& b) { return Later{}(b, a); });
+  next_order_ = 0;  // two frames may become one: the order of their events stays
+  std::for_each(begin, end, [&](Pending& pending) {
+    const double ahead = static_cast<double>(pending.event.frame - now) * ratio;
+    pending.event.frame = now + static_cast<protocol::Frame>(std::llround(ahead));
+    pending.order = next_order_++;
+  });
   return late;
 }
 

@@ -16,7 +16,7 @@ namespace ringdown::synth {
 inline constexpr std::size_t kQueueCapacity = 4096;      // events one producer may have in its ring
 inline constexpr std::size_t kMostPendingEvents = 8192;  // events waiting for their frame
 
-enum class Producer : std::size_t { control, worker, scene, kCount };
+enum class Producer : std::size_t { control, worker, scene, midi, kCount };
 
 class Agenda {
  public:
@@ -35,6 +35,10 @@ class Agenda {
   }
   void pop() RINGDOWN_REALTIME;  // [audio]
 
+  // Frames are of another length from here on: what is pending, in the rings too, comes `ratio` times as many frames
+  // after `now` as it was to. Returns how many events were late. [while no other thread than producers uses it]
+  std::size_t rescale(protocol::Frame now, double ratio);
+
  private:
   struct Pending {
     protocol::Event event;
@@ -45,10 +49,12 @@ class Agenda {
       return a.event.frame != b.event.frame ? a.event.frame > b.event.frame : a.order > b.order;
     }
   };
+  bool take(const protocol::Event& event, protocol::Frame now) RINGDOWN_REALTIME;
+
   using Ring = SpscRing<protocol::Event>;
 
   std::array<Ring, static_cast<std::size_t>(Producer::kCount)> rings_{Ring(kQueueCapacity), Ring(kQueueCapacity),
-                                                                      Ring(kQueueCapacity)};
+                                                                      Ring(kQueueCapacity), Ring(kQueueCapacity)};
   std::vector<Pending> heap_ = std::vector<Pending>(kMostPendingEvents);  // earliest first
   std::size_t count_ = 0;
   std::uint64_t next_order_ = 0;

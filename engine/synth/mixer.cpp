@@ -38,6 +38,7 @@ Mixer::~Mixer() {
 }
 
 void Mixer::limit(std::optional<double> ceiling_db) {
+  ceiling_db_ = ceiling_db;
   limiter_.reset();
   if (ceiling_db) limiter_.emplace(sample_rate_hz_, *ceiling_db);
 }
@@ -151,7 +152,7 @@ void Mixer::carry_out(const Order& order) RINGDOWN_REALTIME {
     object.bus = order.channel;
     return;
   }
-  if (order.kind == Order::Kind::remove) fade_out(object);
+  if (order.kind == Order::Kind::remove) fade_out(object, Voice::kFadeFrames);
   Voice* old = std::exchange(object.current, order.voice);
   place_drives_again(object);
   activate(object);  // the next chunk finds out what rings, and retires what does not
@@ -437,7 +438,7 @@ void Mixer::apply(Object& object, const Event& event) RINGDOWN_REALTIME {
   }
   // Written so that a ramp that is no number becomes the shortest.
   const double ramp_s = std::min(event.ramp_s > kShortestRamp_s ? event.ramp_s : kShortestRamp_s, kLongestRamp_s);
-  const auto ramp = static_cast<Frame>(ramp_s * sample_rate_hz_);
+  const auto ramp = static_cast<Frame>(ramp_s * sample_rate_hz());
   if (is_strike(event.type)) {
     const bool struck = object.current && object.current->strike(event);
     count(struck ? counters_.strikes : counters_.refused);
@@ -448,14 +449,14 @@ void Mixer::apply(Object& object, const Event& event) RINGDOWN_REALTIME {
     object.left.aim(std::cos(angle), event.frame, ramp);
     object.right.aim(std::sin(angle), event.frame, ramp);
   } else if (event.type == EventType::clear) {
-    fade_out(object);
+    fade_out(object, static_cast<std::size_t>(ramp));
   }
 }
 
 // The current voice and the tails of earlier banks alike.
-void Mixer::fade_out(Object& object) RINGDOWN_REALTIME {
-  if (object.current) object.current->fade_out();
-  for (Voice* voice = object.tails; voice; voice = voice->next) voice->fade_out();
+void Mixer::fade_out(Object& object, std::size_t frames) RINGDOWN_REALTIME {
+  if (object.current) object.current->fade_out(frames);
+  for (Voice* voice = object.tails; voice; voice = voice->next) voice->fade_out(frames);
 }
 
 void Mixer::activate(Object& object) RINGDOWN_REALTIME {

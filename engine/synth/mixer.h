@@ -46,6 +46,7 @@ class Outputs {
  public:
   Outputs() = default;
   Outputs(float* left, float* right) RINGDOWN_REALTIME { listen(0, left), listen(1, right); }
+  void listen_to_mix(std::size_t side, float* samples) RINGDOWN_REALTIME { listen(side, samples); }  // 0 left, 1 right
   void listen_to_bus(std::size_t bus, float* samples) RINGDOWN_REALTIME { listen(2 + bus, samples); }
 
   [[nodiscard]] ChannelSet wanted() const RINGDOWN_REALTIME { return wanted_; }
@@ -81,7 +82,12 @@ class Mixer {
   Mixer(const Mixer&) = delete;
   Mixer& operator=(const Mixer&) = delete;
 
-  [[nodiscard]] double sample_rate_hz() const { return sample_rate_hz_; }
+  [[nodiscard]] double sample_rate_hz() const { return sample_rate_hz_.load(std::memory_order_relaxed); }
+
+  // Goes on at another sample rate: what rings keeps pitch, decay, phase and loudness; events, gains and pans on their
+  // way come as many seconds from now as before. The frames go on counting. Takes about as long as installing every
+  // voice anew. [worker, while nothing is rendered]
+  void change_sample_rate(double sample_rate_hz);
 
   // Spreads big scenes over so many threads, the audio thread among them; 1 unless set. With more than one, rounding
   // depends on who does what. [worker, while nothing is rendered]
@@ -222,7 +228,7 @@ class Mixer {
   void write(const Outputs& outputs, std::size_t at, std::size_t frames, float& peak) RINGDOWN_REALTIME;
   [[nodiscard]] float limit_mix(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME;
   void apply(Object& object, const protocol::Event& event) RINGDOWN_REALTIME;
-  void fade_out(Object& object) RINGDOWN_REALTIME;
+  void fade_out(Object& object, std::size_t frames) RINGDOWN_REALTIME;
   void activate(Object& object) RINGDOWN_REALTIME;
   void keep_as_tail(Object& object, Voice* voice) RINGDOWN_REALTIME;
   void retire_silent_tails(Object& object) RINGDOWN_REALTIME;
@@ -262,7 +268,7 @@ class Mixer {
   void render_aside(Family& family, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
   void keep_if(bool sane, Family& family) RINGDOWN_REALTIME;
 
-  const double sample_rate_hz_;
+  std::atomic<double> sample_rate_hz_;
   std::atomic<double> floor_{1e-6};
   std::atomic<bool> exact_contacts_{false};
   MixerCounters counters_;
@@ -270,6 +276,7 @@ class Mixer {
   SpscRing<Order> orders_{2 * kMostVoices + kMostObjects};
   SpscRing<Retired> retired_{kMostVoices};
 
+  std::optional<double> ceiling_db_;
   std::optional<Limiter> limiter_;
 
   // The audio thread's own.

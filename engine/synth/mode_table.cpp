@@ -40,7 +40,7 @@ std::vector<PlayableMode> playable_modes_of(const modal::Bank& bank, const modal
 
 ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material,
                      double sample_rate_hz)
-    : map_(std::move(map)), column_of_(bank().mode_count(), -1) {
+    : map_(std::move(map)), material_(material), sample_rate_hz_(sample_rate_hz), column_of_(bank().mode_count(), -1) {
   const std::vector<PlayableMode> playable = playable_modes_of(bank(), material, sample_rate_hz);
   slow_modes_ = static_cast<std::size_t>(
       std::count_if(playable.begin(), playable.end(), [](const PlayableMode& m) { return takes_moments(m.s); }));

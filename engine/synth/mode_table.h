@@ -31,6 +31,12 @@ class ModeTable {
   // [worker]
   ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz);
 
+  // The same modes in the same material at another sample rate. [worker]
+  [[nodiscard]] std::shared_ptr<ModeTable> at_rate(double sample_rate_hz) const {
+    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz);
+  }
+  [[nodiscard]] double sample_rate_hz() const RINGDOWN_REALTIME { return sample_rate_hz_; }
+
   [[nodiscard]] const modal::Bank& bank() const RINGDOWN_REALTIME { return map_->bank(); }
   [[nodiscard]] std::size_t playable_modes() const RINGDOWN_REALTIME { return mode_of_.size(); }
   [[nodiscard]] std::size_t slow_modes() const RINGDOWN_REALTIME { return slow_modes_; }  // that take moments
@@ -66,6 +72,8 @@ class ModeTable {
   [[nodiscard]] double* row(Row which) const RINGDOWN_REALTIME { return rows_.get() + which * columns_; }
 
   std::shared_ptr<const modal::StrikeMap> map_;
+  modal::MaterialScale material_;
+  double sample_rate_hz_;
   std::vector<std::uint32_t> mode_of_, column_;  // of playable mode i
   std::vector<std::int32_t> column_of_;          // of a mode of the bank; -1 where it is not playable
   std::vector<double> weight_;                   // output per modal velocity: G_n, the bank's gain, the density scale

@@ -59,20 +59,25 @@ void Ringing::take_over(const Ringing& other) RINGDOWN_REALTIME {
       mine[table_.column(i)] = from ? theirs[*from] : 0.0;
     }
   }
-  fade_left_ = other.fade_left_;
+  const double ratio = table_.sample_rate_hz() / other.table_.sample_rate_hz();
+  const auto scaled = [ratio](std::size_t frames) RINGDOWN_REALTIME {
+    return static_cast<std::size_t>(std::ceil(static_cast<double>(frames) * ratio));
+  };
+  fade_frames_ = std::max(kFadeFrames, scaled(other.fade_frames_));
+  fade_left_ = std::min(scaled(other.fade_left_), fade_frames_);
   if (other.slow_.count + other.fast_.count > 0) wake();
 }
 
-void Ringing::fade_out() RINGDOWN_REALTIME {
+void Ringing::fade_out(std::size_t frames) RINGDOWN_REALTIME {
   // A fade may still be running: what is left of it joins the new one at its present level.
-  const double level = static_cast<double>(fade_left_) / kFadeFrames;
+  const double level = static_cast<double>(fade_left_) / static_cast<double>(fade_frames_);
   for (const auto& [from, to] : {std::pair{z_re, fade_re}, std::pair{z_im, fade_im}}) {
     for (std::size_t i = 0; i < table_.columns(); ++i) {
       row(to)[i] = level * row(to)[i] + row(from)[i];
       row(from)[i] = 0;
     }
   }
-  fade_left_ = kFadeFrames;
+  fade_left_ = fade_frames_ = std::max(frames, kFadeFrames);
   rest();
 }
 
@@ -130,7 +135,7 @@ double Ringing::render_fade(double* out, std::size_t frames) RINGDOWN_REALTIME {
   ActiveGroups all{fade_groups_.data(), fade_groups_.size()};
   const double energy = render_modes(modes(fade_re, fade_im, frames), all, kKeepAll, sum, frames);
   for (std::size_t n = 0; n < frames && fade_left_ > 0; ++n, --fade_left_) {
-    out[n] += sum[n] * static_cast<double>(fade_left_) / kFadeFrames;
+    out[n] += sum[n] * static_cast<double>(fade_left_) / static_cast<double>(fade_frames_);
   }
   if (fade_left_ == 0) clear_row(fade_re), clear_row(fade_im);
   return energy;

@@ -30,12 +30,13 @@ class Ringing {
   // Adds what rings in `other`, of the same table, times `gain`. [audio]
   void add(const Ringing& other, double gain) RINGDOWN_REALTIME;
 
-  // Takes over what rings in `other`, of the same bank: phase and amplitude continue, pitch and decay are those of this
-  // table from here on. [audio]
+  // Takes over what rings in `other`, of the same bank: phase and amplitude continue, pitch, decay and sample rate are
+  // those of this table from here on. [audio]
   void take_over(const Ringing& other) RINGDOWN_REALTIME;
 
-  // Lets what rings now fade out linearly within kFadeFrames; later strikes ring in full. [audio]
-  void fade_out() RINGDOWN_REALTIME;
+  // Lets what rings now fade out linearly within so many frames, at least kFadeFrames; later strikes ring in full.
+  // [audio]
+  void fade_out(std::size_t frames = kFadeFrames) RINGDOWN_REALTIME;
 
   // Ends everything at once, with the click that this makes if it rings. [audio]
   void silence() RINGDOWN_REALTIME;
@@ -90,7 +91,7 @@ class Ringing {
   AlignedArray<double> states_;                                     // kRows x columns
   std::vector<std::uint32_t> groups_, aside_groups_, fade_groups_;  // the lists
   ActiveGroups slow_, fast_;                                        // in groups_
-  std::size_t fade_left_ = 0;
+  std::size_t fade_left_ = 0, fade_frames_ = kFadeFrames;
 };
 
 }  // namespace ringdown::synth

@@ -1,0 +1,126 @@
+// A mixer whose sample rate changes while things ring: in seconds and hertz nothing may change.
+#include "tests/synth/player.h"
+
+namespace ringdown::synth::test {
+namespace {
+
+constexpr double kPitch_hz = 987.5, kDecay_per_s = 3;
+
+// One channel of a struck mode, from `time_s` after the strike on.
+Samples expected(double time_s, double rate, std::size_t count) {
+  const long double omega = 2 * std::numbers::pi_v<long double> * kPitch_hz;
+  Samples samples(count);
+  for (std::size_t n = 0; n < count; ++n) {
+    const long double t = time_s + static_cast<long double>(n) / rate;
+    samples[n] =
+        static_cast<double>(std::sqrt(0.5L) * kOutputScale * omega * std::exp(-kDecay_per_s * t) * std::sin(omega * t));
+  }
+  return samples;
+}
+
+double relative_error(std::span<const double> heard, const Samples& wanted) {
+  double error = 0, largest = 0;
+  for (std::size_t n = 0; n < wanted.size(); ++n) {
+    error = std::max(error, std::abs(heard[n] - wanted[n]));
+    largest = std::max(largest, std::abs(wanted[n]));
+  }
+  return error / largest;
+}
+
+class MixerRates : public testing::TestWithParam<double> {};
+
+TEST_P(MixerRates, AToneGoesOnWherePhaseAndLoudnessWere) {
+  Player player;
+  player.install(0, map_of(single_mode_bank(kPitch_hz, kDecay_per_s)));
+  player.push(strike_at(0, 0, {0, 0, 1}));
+  player.render(24000);
+  player.mixer.change_sample_rate(GetParam());
+  EXPECT_EQ(player.mixer.sample_rate_hz(), GetParam());
+  player.render(20000, 100);
+  EXPECT_LT(relative_error(player.left_from(24000), expected(0.5, GetParam(), 20000)), 1e-5);
+}
+
+TEST_P(MixerRates, EventsOnTheirWayComeAsManySecondsLater) {
+  Player player;
+  player.install(0, map_of(single_mode_bank(kPitch_hz, kDecay_per_s)));
+  player.render(1000);
+  player.push(strike_at(1000 + 4800, 0, {0, 0, 1}));  // one in the mixer,
+  player.mixer.render({}, {});
+  player.push(strike_at(1000 + 9600, 0, {0, 0, 1}));  // one in the ring: after 0.1 s and 0.2 s
+  player.mixer.change_sample_rate(GetParam());
+  player.render(static_cast<std::size_t>(0.15 * GetParam()));
+  EXPECT_EQ(player.mixer.counters().strikes, 1u);
+  const auto first = 1000 + static_cast<std::size_t>(std::llround(0.1 * GetParam()));
+  EXPECT_EQ(peak(std::span(player.left).first(first + 1)), 0);
+  EXPECT_NE(player.left[first + 1], 0);
+  player.render(static_cast<std::size_t>(0.1 * GetParam()));
+  EXPECT_EQ(player.mixer.counters().strikes, 2u);
+  EXPECT_EQ(player.mixer.counters().late, 0u);
+}
+
+TEST_P(MixerRates, ARampTakesAsLongAsItWasToTake) {
+  Player player;
+  player.install(0, map_of(single_mode_bank(kPitch_hz, 0.01)));
+  player.push(strike_at(0, 0, {0, 0, 1}));
+  player.push(gain_at(0, 0, 0, 1));
+  player.render(24000);
+  player.mixer.change_sample_rate(GetParam());
+  const auto quarter = static_cast<std::size_t>(0.25 * GetParam());
+  player.render(quarter);
+  const std::span<const double> last = player.left_from(24000 + quarter - 200);
+  const double full = peak(std::span(player.left).first(200)), now = peak(last);
+  EXPECT_NEAR(now / full, 0.25, 0.03);
+  player.render(quarter + 2000);
+  EXPECT_EQ(peak(player.left_from(24000 + 2 * quarter + 100)), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Hz, MixerRates, testing::Values(44100, 96000, 48000, 22050));
+
+TEST(MixerRate, TailsOfFormerBanksAndFadesGoOn) {
+  Player player;
+  player.install(0, map_of(single_mode_bank(kPitch_hz, kDecay_per_s)));
+  player.push(strike_at(0, 0, {0, 0, 1}));
+  player.render(24000);
+  player.install(0, map_of(single_mode_bank(300, 1)));  // the first rings out as a tail
+  player.render(256);
+  player.mixer.change_sample_rate(44100);
+  player.render(20000);
+  EXPECT_LT(relative_error(player.left_from(24256), expected(24256 / kRate, 44100, 20000)), 1e-5);
+  player.push(clear_at(player.mixer.counters().frames, 0));
+  player.render(256);
+  player.mixer.change_sample_rate(48000);
+  player.render(2000);
+  EXPECT_EQ(peak(player.left_from(player.left.size() - 1000)), 0);
+  player.mixer.collect();
+  EXPECT_TRUE(player.mixer.in_use(0));
+}
+
+TEST(MixerRate, EventsOfOneFrameKeepTheirOrderEvenWhenTwoFramesBecomeOne) {
+  Player player;
+  player.install(0, map_of(single_mode_bank(kPitch_hz, 0.01)));
+  player.push(strike_at(0, 0, {0, 0, 1}));
+  player.push(gain_at(1001, 0, 0));  // at a quarter of the rate both come at frame 250: the later one counts
+  player.push(gain_at(1000, 0, 1));
+  player.mixer.change_sample_rate(kRate / 4);
+  player.render(2000);
+  EXPECT_EQ(peak(player.left_from(1500)), 0);
+}
+
+TEST(MixerRate, MoreEventsThanUsuallyWaitSurviveTheChange) {
+  Player player;
+  player.install(0, map_of(single_mode_bank(kPitch_hz, kDecay_per_s)));
+  for (std::size_t i = 0; i < kMostPendingEvents; ++i) {
+    player.push(strike_at(48000, 0, {0, 0, 1e-3}));
+    if (i % 1000 == 0) player.mixer.render({}, {});
+  }
+  player.mixer.render({}, {});
+  for (std::size_t i = 0; i < kQueueCapacity; ++i) player.push(strike_at(48000, 0, {0, 0, 1e-3}));
+  player.mixer.change_sample_rate(96000);
+  player.render(95999);
+  EXPECT_EQ(player.mixer.counters().strikes, 0u);
+  player.render(128 * (kMostPendingEvents + kQueueCapacity) / kMostEventsPerChunk + 256);
+  EXPECT_EQ(player.mixer.counters().strikes, kMostPendingEvents + kQueueCapacity);
+}
+
+}  // namespace
+}  // namespace ringdown::synth::test
