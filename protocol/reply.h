@@ -33,6 +33,9 @@ struct StatusReply {  // /status.reply
   std::int32_t dropped_events = 0;
   std::int32_t late_events = 0;
   std::int32_t merged_events = 0;
+  double load_p99 = 0;
+  std::int32_t misses = 0;
+  std::int32_t own_xruns = 0;
 };
 struct VersionReply {  // /version.reply
   std::string program;

@@ -51,6 +51,10 @@ struct SetMaterial {  // /object/{object}/material
   ObjectRef object;
   modal::MaterialScale scale;
 };
+struct SetGroup {  // /object/{object}/group
+  ObjectRef object;
+  std::optional<std::string> group;  // nothing: in none
+};
 struct ClearObject {  // /object/{object}/clear
   ObjectRef object;
 };
@@ -101,8 +105,8 @@ struct Sync {       // /sync
 };
 struct Quit {};  // /quit
 
-using Request = std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, ClearObject, FreeObject,
-                             LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, Notify,
-                             RecordStart, RecordStop, Status, Version, Sync, Quit>;
+using Request = std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, SetGroup, ClearObject,
+                             FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear,
+                             Notify, RecordStart, RecordStop, Status, Version, Sync, Quit>;
 
 }  // namespace ringdown::protocol

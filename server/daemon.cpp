@@ -4,6 +4,7 @@
 #include "server/driver.h"
 #include "server/file_roots.h"
 #include "server/latency.h"
+#include "server/note_map.h"
 #include "server/offline.h"
 #include "server/osc_server.h"
 #include "server/recorder.h"
@@ -50,11 +51,12 @@ ExitCode report(const Error& error, ExitCode code) {
 // Keeps the scene a little ahead of the sound, so that its strikes always have a frame to come.
 std::jthread start_scene(Session& session, const Driver& driver) {
   return std::jthread([&session, &driver](const std::stop_token& stop) {
-    const auto rate = driver.sample_rate_hz();
-    const auto slack = static_cast<protocol::Frame>(0.25 * rate);
     while (!stop.stop_requested()) {
+      const double rate = driver.sample_rate_hz();
       const auto ahead = 2 * latency_frames(driver) + static_cast<protocol::Frame>(0.01 * rate);
-      session.scene().advance_to(driver.now() + ahead, slack);
+      const auto target = driver.now() + ahead;
+      // In freewheel the driver advances the scene; asked after now(), which then jumps.
+      if (!driver.freewheels()) session.scene().advance_to(target, static_cast<protocol::Frame>(0.25 * rate));
       std::this_thread::sleep_for(2ms);
     }
   });
@@ -127,6 +129,12 @@ Result<void> write_results(const DaemonOptions& options, Recorder& recorder, pro
 }
 
 ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<Driver> opened, Captured& captured) {
+  std::optional<NoteMap> note_map;
+  if (options.notes) {
+    auto map = read_note_map(*options.notes);
+    if (!map) return report(map.error(), ExitCode::bad_input);
+    note_map = std::move(*map);
+  }
   auto roots = file_roots_of(options);
   if (!roots) return report(roots.error(), ExitCode::bad_input);
   Session session(opened->sample_rate_hz(), std::move(*roots));
@@ -134,6 +142,8 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   session.rack().mixer().limit(options.limiter_db);
   session.merge_within(options.merge_s);
   session.rack().mixer().set_threads(options.threads);
+  session.rack().buses().set_mode(options.ports);
+  Notes notes(session.rack(), std::move(note_map));
   Recorder recorder(session.rack());
   if (options.record) {
     if (const auto started = recorder.start(*options.record, 0); !started) {
@@ -143,6 +153,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   auto stream = open_stream(options);
   if (!stream) return report(stream.error(), ExitCode::port_busy);
   std::unique_ptr<Driver> driver = std::move(opened);  // after the session, so that it stops before that goes
+  session.rack().set_on_change([&driver] { driver->program_changed(); });
   if (options.scene_to) {
     auto remote = open_remote_strikes(*options.scene_to, session.rack(), *driver);
     if (!remote) return report(remote.error(), ExitCode::usage);
@@ -153,8 +164,14 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   if (const auto loaded = load_what_was_asked_for(session, options, start); !loaded) {
     return report(loaded.error(), ExitCode::bad_input);
   }
-  std::atomic<bool> quit = false, lost = false;
-  if (const auto started = driver->start(session.rack().mixer(), [&lost] { lost = true; }); !started) {
+  std::atomic<bool> quit = false;
+  const auto started =
+      driver->start({.mixer = session.rack().mixer(),
+                     .change_sample_rate = [&session](double rate) { session.change_sample_rate(rate); },
+                     .prepare_offline = [&session](protocol::Frame frame) { session.scene().advance_to(frame, frame); },
+                     .buses = [&session] { return session.rack().buses().names(); },
+                     .notes = [&notes] { return notes.table(); }});
+  if (!started) {
     return report(started.error(), ExitCode::no_jack);
   }
   std::atomic<std::uint64_t> rounds = 0;  // of the worker
@@ -170,12 +187,11 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
 
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds.value_or(1e9));
   ServiceNotice service;
-  while (!quit && !lost && std::chrono::steady_clock::now() < end) {
+  while (!quit && std::chrono::steady_clock::now() < end) {
     service.turn(session.rack().mixer().counters().frames, rounds);
     if (signal_came(50ms)) break;
   }
   service.stopping();
-  if (lost) return report({"the JACK server went away; start it and ringdownd again"}, ExitCode::no_jack);
   spdlog::info("stopping");
   scene = {};
   server.reset();
@@ -191,6 +207,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
 ExitCode run_daemon(const DaemonOptions& options) {
   const sigset_t signals = ending_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);  // libjack writes to servers that are gone
   if (options.driver == DaemonOptions::DriverKind::wav) return render_to_file(options);
 
   const auto endpoint = resolve(options.address, options.port);
@@ -203,7 +220,11 @@ ExitCode run_daemon(const DaemonOptions& options) {
   }
   Captured captured;
   auto driver = options.driver == DaemonOptions::DriverKind::jack
-                    ? open_jack({.client_name = options.jack_name, .connect = options.connect})
+                    ? open_jack({.client_name = options.jack_name,
+                                 .connect = options.connect,
+                                 .wait = options.wait,
+                                 .sample_rate_hz = options.sample_rate_hz,
+                                 .block_frames = options.block_frames})
                     : open_null(options.sample_rate_hz, options.block_frames, options.capture ? &captured : nullptr);
   if (!driver) return report(driver.error(), ExitCode::no_jack);
   return serve(options, std::move(*socket), std::move(*driver), captured);

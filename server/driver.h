@@ -6,41 +6,72 @@
 #include "protocol/event.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace ringdown::server {
 
+struct NoteTable;
+
 class Driver {
  public:
   struct Load {
-    double mean = 0;  // share of its time that the callback used, averaged over about a second
-    double peak = 0;  // the largest so far
+    double mean = 0;             // share of its time that the callback used, averaged over about a second
+    double p99 = 0;              // what 99 of 100 callbacks of the last seconds stayed below
+    double peak = 0;             // the largest so far
+    std::int32_t misses = 0;     // callbacks that took longer than their period
+    std::int32_t xruns = 0;      // cycles that the audio server found late,
+    std::int32_t own_xruns = 0;  // and those of them in which our callback was
+  };
+
+  // What a driver plays.
+  struct Program {
+    synth::Mixer& mixer;
+    // Retunes the mixer, and all that counts its frames. The driver's own thread calls it while nothing is rendered.
+    std::function<void(double sample_rate_hz)> change_sample_rate;
+    // Brings the scene up to this frame; may block. Called before each block while freewheels(): nothing else then
+    // advances the scene.
+    std::function<void(protocol::Frame)> prepare_offline;
+    // The mixer's buses that are to be heard, and what they are called. [any but audio]
+    std::function<std::map<std::size_t, std::string>()> buses;
+    // What MIDI notes strike. [the driver's own thread]
+    std::function<std::shared_ptr<const NoteTable>()> notes;
   };
 
   virtual ~Driver() = default;  // stops
 
-  [[nodiscard]] virtual double sample_rate_hz() const = 0;
-  [[nodiscard]] virtual std::size_t block_frames() const = 0;
+  [[nodiscard]] virtual double sample_rate_hz() const = 0;     // now; it may change [any but audio]
+  [[nodiscard]] virtual std::size_t block_frames() const = 0;  // likewise
 
-  // Renders `mixer`, made for this driver's sample rate, until destruction. Once. `on_lost` is called, on any thread,
-  // if the driver can go on no longer; it must only note that. [main]
-  virtual Result<void> start(synth::Mixer& mixer, std::function<void()> on_lost) = 0;
+  // Renders the program, whose mixer is of this driver's sample rate, until destruction. Once. [main]
+  virtual Result<void> start(Program program) = 0;
+
+  // Says that the program's buses() or notes() have changed. [any but audio]
+  virtual void program_changed() {}
 
   // The mixer's frame that is being computed at this instant. [any but audio]
   [[nodiscard]] virtual protocol::Frame now() const = 0;
 
-  [[nodiscard]] virtual Load load() const = 0;           // [any but audio]
-  [[nodiscard]] virtual std::int32_t xruns() const = 0;  // [any]
+  // True while blocks come as fast as they are rendered: now() then runs ahead of the clock. [any]
+  [[nodiscard]] virtual bool freewheels() const { return false; }
+
+  [[nodiscard]] virtual Load load() const = 0;  // [any but audio]
 };
 
 struct JackOptions {
   std::string client_name = "ringdown";
-  bool connect = false;  // to the first two physical playback ports
+  bool connect = false;            // to the first two physical playback ports
+  bool wait = false;               // for a server, where there is none yet
+  double sample_rate_hz = 48000;   // until then
+  std::size_t block_frames = 256;  // likewise
 };
-// Fails with one sentence when no JACK server answers.
+// A JACK client that outlives its server. When the server goes, the mixer rings on in silence by a clock of our own;
+// when one answers again, at whatever rate and period, our ports and their connections come back (jack_driver.cpp).
+// Fails with one sentence when no JACK server answers and none is waited for.
 Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options);
 
 // What the null driver heard, when somebody wants to know. It stops listening after kMost frames.

@@ -1,122 +1,241 @@
-// The only file that knows JACK.
+// The JACK driver: a thread that looks after a JackClient, and goes on without one while there is no server.
 //
-// jackd2 and PipeWire differ in when they announce a block size, so the callback takes whatever count it is given.
+// While the server is away the null driver renders, so that time passes: tails die away, the scene plays, timed events
+// come when they should, queues are emptied. When a server answers, the mixer is retuned to its rate between two
+// blocks.
 #include "server/driver.h"
+#include "server/jack_client.h"
 #include "server/load_meter.h"
 
-#include <jack/jack.h>
+#include <spdlog/spdlog.h>
 
-#include <array>
+#include <mutex>
+#include <semaphore>
+#include <thread>
+#include <utility>
 
 namespace ringdown::server {
 namespace {
 
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+// What wakes the driver's thread; JACK's threads share it, and may do so longer than the driver lives.
+using Bell = std::counting_semaphore<>;
+
 class JackDriver final : public Driver {
  public:
-  JackDriver(jack_client_t* client, std::array<jack_port_t*, 2> ports, bool connect)
-      : client_(client), ports_(ports), connect_(connect), sample_rate_hz_(jack_get_sample_rate(client)) {}
+  JackDriver(JackOptions options, std::shared_ptr<Bell> bell, std::shared_ptr<LoadMeter> meter,
+             std::shared_ptr<MidiPlayer> midi, std::unique_ptr<JackClient> client)
+      : options_(std::move(options)),
+        bell_(std::move(bell)),
+        meter_(std::move(meter)),
+        midi_(std::move(midi)),
+        client_(std::move(client)),
+        connect_(options_.connect) {
+    note_format();
+  }
 
   ~JackDriver() override {
-    if (lost_) return;  // closing a client whose server died can hang; it calls us no more
-    jack_deactivate(client_);
-    jack_client_close(client_);
+    thread_.request_stop();
+    bell_->release();
+    if (thread_.joinable()) thread_.join();
+    if (client_) close(std::move(client_));
+    wait_until_closed(2s);
   }
 
   [[nodiscard]] double sample_rate_hz() const override { return sample_rate_hz_; }
-  [[nodiscard]] std::size_t block_frames() const override { return jack_get_buffer_size(client_); }
+  [[nodiscard]] std::size_t block_frames() const override {
+    const std::scoped_lock lock(mutex_);
+    return client_ ? client_->block_frames() : block_frames_;
+  }
+  [[nodiscard]] Load load() const override { return meter_->read(); }
 
-  Result<void> start(synth::Mixer& mixer, std::function<void()> on_lost) override {
-    mixer_ = &mixer;
-    on_lost_ = std::move(on_lost);
-    jack_set_process_callback(
-        client_,
-        [](jack_nframes_t frames, void* self) {
-          static_cast<JackDriver*>(self)->process(frames);
-          return 0;
-        },
-        this);
-    jack_set_xrun_callback(
-        client_,
-        [](void* self) {
-          ++static_cast<JackDriver*>(self)->xruns_;
-          return 0;
-        },
-        this);
-    jack_on_shutdown(
-        client_,
-        [](void* self) {
-          static_cast<JackDriver*>(self)->lost_ = true;
-          static_cast<JackDriver*>(self)->on_lost_();
-        },
-        this);
-    if (jack_activate(client_) != 0) return fail("the JACK server refused to start the client; see its own messages");
-    if (connect_) connect_to_speakers();
+  Result<void> start(Program program) override {
+    program_ = std::make_unique<Program>(std::move(program));
+    if (!client_) {
+      go_on_alone();
+    } else if (const auto started = client_->start(*program_); !started) {
+      return started;
+    }
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
     return {};
   }
 
-  // JACK counts 32 bits of frames since its server started; the mixer counts 64 since it was made. `offset_` is their
-  // difference modulo 2^32, renewed in every callback because an xrun moves JACK's count but not ours.
   [[nodiscard]] protocol::Frame now() const override {
-    const protocol::Frame rendered = mixer_->counters().frames.load(std::memory_order_acquire);
-    const auto low = static_cast<std::uint32_t>(jack_frame_time(client_)) - offset_.load(std::memory_order_relaxed);
-    return rendered + static_cast<std::int32_t>(low - static_cast<std::uint32_t>(rendered));
+    const std::scoped_lock lock(mutex_);
+    if (client_) return client_->now();
+    return stand_in_ ? stand_in_->now() : program_->mixer.counters().frames.load();
   }
 
-  [[nodiscard]] Load load() const override { return meter_.read(); }
-  [[nodiscard]] std::int32_t xruns() const override { return xruns_; }
+  void program_changed() override { bell_->release(); }
+
+  [[nodiscard]] bool freewheels() const override {
+    const std::scoped_lock lock(mutex_);
+    return client_ && client_->freewheels();
+  }
 
  private:
-  void process(jack_nframes_t frames) {
-    const auto begin = LoadMeter::Clock::now();
-    const auto rendered = static_cast<std::uint32_t>(mixer_->counters().frames.load(std::memory_order_relaxed));
-    offset_.store(static_cast<std::uint32_t>(jack_last_frame_time(client_)) - rendered, std::memory_order_relaxed);
-    auto* left = static_cast<float*>(jack_port_get_buffer(ports_[0], frames));
-    auto* right = static_cast<float*>(jack_port_get_buffer(ports_[1], frames));
-    mixer_->render({left, frames}, {right, frames});
-    meter_.note(begin, frames, sample_rate_hz_);
-  }
-
-  void connect_to_speakers() {
-    const char** speakers =
-        jack_get_ports(client_, nullptr, JACK_DEFAULT_AUDIO_TYPE, JackPortIsInput | JackPortIsPhysical);
-    for (std::size_t i = 0; speakers && speakers[i] && i < ports_.size(); ++i) {
-      jack_connect(client_, jack_port_name(ports_[i]), speakers[i]);
+  void run(const std::stop_token& stop) {
+    if (client_) look_after_client();
+    while (!stop.stop_requested()) {
+      static_cast<void>(bell_->try_acquire_for(client_ ? 100ms : 150ms));
+      while (bell_->try_acquire()) continue;
+      if (!client_) {
+        meet_server();
+      } else if (client_->lost()) {
+        leave_server();
+      }
+      if (client_) look_after_client();
     }
-    jack_free(speakers);
   }
 
-  jack_client_t* client_;
-  std::array<jack_port_t*, 2> ports_;
+  void note_format() {
+    sample_rate_hz_ = client_ ? client_->sample_rate_hz() : options_.sample_rate_hz;
+    block_frames_ = client_ ? client_->block_frames() : options_.block_frames;
+  }
+
+  void go_on_alone() {
+    auto stand_in = open_null(sample_rate_hz_, block_frames_);
+    static_cast<void>((*stand_in)->start(*program_));
+    const std::scoped_lock lock(mutex_);
+    stand_in_ = std::move(*stand_in);
+  }
+
+  void leave_server() {
+    spdlog::warn("the JACK server went away; what rings goes on in silence until it is back");
+    client_->stop();
+    missing_.insert(connections_.begin(), connections_.end());
+    connections_.clear();
+    std::unique_ptr<JackClient> old;
+    {
+      const std::scoped_lock lock(mutex_);
+      old = std::move(client_);
+    }
+    close(std::move(old));
+    go_on_alone();
+  }
+
+  // libjack holds a lock of its own while it closes a client: none can be opened before.
+  void meet_server() {
+    if (!*closed_) return;
+    auto client = JackClient::open(options_.client_name, meter_, midi_, [bell = bell_] { bell->release(); });
+    if (!client) return;
+    std::unique_ptr<Driver> stand_in;
+    {
+      const std::scoped_lock lock(mutex_);
+      stand_in = std::move(stand_in_);
+    }
+    stand_in.reset();
+    if (client->sample_rate_hz() != sample_rate_hz_) program_->change_sample_rate(client->sample_rate_hz());
+    const auto started = client->start(*program_);
+    {
+      const std::scoped_lock lock(mutex_);
+      client_ = std::move(client);
+      note_format();
+    }
+    if (!started) return leave_server();
+    spdlog::info("a JACK server is there: {:.0f} Hz, blocks of {}", sample_rate_hz_.load(), block_frames_);
+  }
+
+  void look_after_client() {
+    if (const double rate = client_->sample_rate_hz(); rate != sample_rate_hz_) change_rate(rate);
+    client_->show_buses(program_->buses());
+    client_->set_notes(program_->notes());
+    if (std::exchange(connect_, false)) client_->connect_to_speakers();
+    std::erase_if(missing_, [this](const JackConnection& missing) { return client_->connect(missing); });
+    client_->note_listeners();
+    remember_connections();
+    report_losses();
+  }
+
+  // PipeWire may change its rate under a client.
+  void change_rate(double rate) {
+    client_->stop();
+    program_->change_sample_rate(rate);
+    sample_rate_hz_ = rate;
+    client_->go_on();
+    spdlog::info("JACK's sample rate is now {:.0f} Hz", rate);
+  }
+
+  // A server that ends disconnects its ports first; so what is no longer connected is forgotten only when the server
+  // is still there a moment later.
+  void remember_connections() {
+    const auto present = client_->connections();
+    if (client_->lost()) return;
+    const bool settled = Clock::now() - changed_ > 300ms;
+    if (present != last_seen_) changed_ = Clock::now();
+    if (settled && present == last_seen_) connections_.clear();
+    connections_.insert(present.begin(), present.end());
+    last_seen_ = present;
+  }
+
+  void report_losses() {
+    if (const std::uint64_t dropped = midi_->dropped(); dropped != dropped_notes_) {
+      spdlog::warn("{} notes lost: more events at once than the mixer takes", dropped - dropped_notes_);
+      dropped_notes_ = dropped;
+    }
+    const Load load = meter_->read();
+    if (load.xruns == reported_.xruns || Clock::now() - reported_at_ < 10s) return;
+    spdlog::warn(
+        "{} xruns, {} of them ours; the callback's load is {:.2f}, its 99th percentile {:.2f}, its peak {:.2f}",
+        load.xruns - reported_.xruns, load.own_xruns - reported_.own_xruns, load.mean, load.p99, load.peak);
+    reported_ = load;
+    reported_at_ = Clock::now();
+  }
+
+  // On a thread that may hang without harm.
+  void close(std::unique_ptr<JackClient> client) {
+    closed_ = std::make_shared<std::atomic<bool>>(false);
+    std::thread([client = client.release(), closed = closed_, bell = bell_] {
+      delete client;
+      *closed = true;
+      bell->release();
+    }).detach();
+    wait_until_closed(100ms);
+  }
+
+  void wait_until_closed(Clock::duration limit) const {
+    const auto end = Clock::now() + limit;
+    while (!*closed_ && Clock::now() < end) std::this_thread::sleep_for(1ms);
+  }
+
+  const JackOptions options_;
+  const std::shared_ptr<Bell> bell_;
+  const std::shared_ptr<LoadMeter> meter_;
+  const std::shared_ptr<MidiPlayer> midi_;
+  std::unique_ptr<Program> program_;
+  std::atomic<double> sample_rate_hz_ = 0;
+
+  // The driver's thread changes these, with the mutex where other threads read them.
+  mutable std::mutex mutex_;  // guards client_ and stand_in_: at most one of them renders
+  std::unique_ptr<JackClient> client_;
+  std::unique_ptr<Driver> stand_in_;
+  std::size_t block_frames_ = 0;
+  std::set<JackConnection> connections_, last_seen_;  // what is to come back; what was there a moment ago
+  std::set<JackConnection> missing_;                  // of the former server, not back yet
+  Clock::time_point changed_{}, reported_at_{};
+  Load reported_;
+  std::uint64_t dropped_notes_ = 0;
   bool connect_;
-  double sample_rate_hz_;
-  synth::Mixer* mixer_ = nullptr;
-  std::function<void()> on_lost_;
-  LoadMeter meter_;
-  std::atomic<std::uint32_t> offset_ = 0;
-  std::atomic<std::int32_t> xruns_ = 0;
-  std::atomic<bool> lost_ = false;
+  std::shared_ptr<std::atomic<bool>> closed_ = std::make_shared<std::atomic<bool>>(true);
+  std::jthread thread_;
 };
 
 }  // namespace
 
 Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options) {
-  const auto quiet = [](const char*) {};  // libjack's own reports; ours is the sentence below
-  jack_set_error_function(quiet);
-  jack_set_info_function(quiet);
-  jack_client_t* client = jack_client_open(options.client_name.c_str(), JackNoStartServer, nullptr);
-  if (!client) {
-    return fail("no JACK server answers; start one (jackd or PipeWire), or run with --driver null or --driver wav");
+  const auto bell = std::make_shared<Bell>(0);
+  const auto meter = std::make_shared<LoadMeter>();
+  const auto midi = std::make_shared<MidiPlayer>();
+  auto client = JackClient::open(options.client_name, meter, midi, [bell] { bell->release(); });
+  if (!client && !options.wait) {
+    return fail(
+        "no JACK server answers, or it has no port left for us; start one (jackd or PipeWire), wait for one with "
+        "--wait, or run with --driver null or --driver wav");
   }
-  std::array<jack_port_t*, 2> ports{};
-  const std::array names = {"out_left", "out_right"};
-  for (std::size_t i = 0; i < ports.size(); ++i) {
-    ports[i] = jack_port_register(client, names[i], JACK_DEFAULT_AUDIO_TYPE, JackPortIsOutput | JackPortIsTerminal, 0);
-    if (!ports[i]) {
-      jack_client_close(client);
-      return fail("the JACK server has no port left for us; restart it with a larger --port-max");
-    }
-  }
-  return std::make_unique<JackDriver>(client, ports, options.connect);
+  if (!client) spdlog::info("no JACK server answers yet; waiting for one");
+  return std::make_unique<JackDriver>(options, bell, meter, midi, std::move(client));
 }
 
 }  // namespace ringdown::server

@@ -1,9 +1,13 @@
 // How much of its time an audio callback uses: measured there, read anywhere.
+//
+// A callback's load is the time it took over the time its frames last: 1 is all of it. The 99th percentile is of the
+// last five to ten seconds, from a histogram whose steps are 4 %.
 #pragma once
 
+#include "engine/base/realtime.h"
 #include "server/driver.h"
 
-#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 
@@ -13,21 +17,30 @@ class LoadMeter {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // After a callback of `frames` that began at `begin`. [audio]
-  void note(Clock::time_point begin, std::size_t frames, double sample_rate_hz) {
-    const double available_s = static_cast<double>(frames) / sample_rate_hz;
-    const double load = std::chrono::duration<double>(Clock::now() - begin).count() / available_s;
-    const double weight = std::min(available_s, 1.0);  // an exponential mean over one second
-    mean_.store(mean_.load(std::memory_order_relaxed) * (1 - weight) + load * weight, std::memory_order_relaxed);
-    if (load > peak_.load(std::memory_order_relaxed)) peak_.store(load, std::memory_order_relaxed);
-  }
+  // Around a callback of `frames`. With `deadline` false it is measured, but can be late for nothing: in freewheel.
+  // [audio]
+  void begin(std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
+  void end(bool deadline = true) RINGDOWN_REALTIME;
 
-  [[nodiscard]] Driver::Load read() const {
-    return {mean_.load(std::memory_order_relaxed), peak_.load(std::memory_order_relaxed)};
-  }
+  // Says that the server found a cycle late; counts it as ours when a callback took longer than its period since the
+  // last time, or is doing so now. [any]
+  void note_xrun();
+
+  [[nodiscard]] Driver::Load read() const;  // [any]
 
  private:
+  static constexpr std::size_t kBins = 256;
+  static constexpr double kLowest = 1e-3, kStep = 1.04;  // the last bin begins at 22
+  using Histogram = std::array<std::atomic<std::uint32_t>, kBins>;
+
   std::atomic<double> mean_ = 0, peak_ = 0;
+  std::array<Histogram, 2> histograms_{};
+  std::atomic<std::size_t> filling_ = 0;  // which of them
+  double filled_s_ = 0;                   // audio thread's own
+  double period_s_ = 0;
+  std::atomic<Clock::rep> due_ = Clock::duration::max().count();  // when the callback that runs should end
+  Clock::time_point begin_;
+  std::atomic<std::int32_t> misses_ = 0, xruns_ = 0, own_xruns_ = 0, misses_at_xrun_ = 0;
 };
 
 }  // namespace ringdown::server

@@ -132,8 +132,7 @@ void Notifier::send_notice(const Subscriber& subscriber) {
   add(protocol::NotifyPeak{subscriber.peak});
   const Driver::Load load = driver_.load();
   const synth::MixerCounters& mixer = session_.rack().mixer().counters();
-  add(protocol::NotifyLoad{load.mean, load.peak, driver_.xruns(),
-                           static_cast<std::int32_t>(mixer.ringing_voices.load()),
+  add(protocol::NotifyLoad{load.mean, load.peak, load.xruns, static_cast<std::int32_t>(mixer.ringing_voices.load()),
                            static_cast<std::int32_t>(mixer.ringing_modes.load())});
   for (const scene::BodyState& body : session_.scene().bodies()) {
     if (body.waiting) continue;

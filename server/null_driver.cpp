@@ -15,19 +15,19 @@ class NullDriver final : public Driver {
   [[nodiscard]] double sample_rate_hz() const override { return sample_rate_hz_; }
   [[nodiscard]] std::size_t block_frames() const override { return block_; }
 
-  Result<void> start(synth::Mixer& mixer, std::function<void()>) override {
+  Result<void> start(Program program) override {
+    first_frame_ = program.mixer.counters().frames;
     origin_ = LoadMeter::Clock::now();
-    thread_ = std::jthread([this, &mixer](const std::stop_token& stop) { run(mixer, stop); });
+    thread_ = std::jthread([this, &mixer = program.mixer](const std::stop_token& stop) { run(mixer, stop); });
     return {};
   }
 
   [[nodiscard]] protocol::Frame now() const override {
     const std::chrono::duration<double> elapsed = LoadMeter::Clock::now() - origin_;
-    return static_cast<protocol::Frame>(elapsed.count() * sample_rate_hz_);
+    return first_frame_ + static_cast<protocol::Frame>(elapsed.count() * sample_rate_hz_);
   }
 
   [[nodiscard]] Load load() const override { return meter_.read(); }
-  [[nodiscard]] std::int32_t xruns() const override { return 0; }
 
  private:
   void run(synth::Mixer& mixer, const std::stop_token& stop) {
@@ -36,9 +36,9 @@ class NullDriver final : public Driver {
       const double due_s = static_cast<double>(block * static_cast<std::int64_t>(block_)) / sample_rate_hz_;
       std::this_thread::sleep_until(
           origin_ + std::chrono::duration_cast<LoadMeter::Clock::duration>(std::chrono::duration<double>(due_s)));
-      const auto begin = LoadMeter::Clock::now();
+      meter_.begin(block_, sample_rate_hz_);
       mixer.render(left, right);
-      meter_.note(begin, block_, sample_rate_hz_);
+      meter_.end();
       if (captured_ && captured_->left.size() < Captured::kMost) {
         captured_->left.insert(captured_->left.end(), left.begin(), left.end());
         captured_->right.insert(captured_->right.end(), right.begin(), right.end());
@@ -50,6 +50,7 @@ class NullDriver final : public Driver {
   std::size_t block_;
   Captured* captured_;
   LoadMeter meter_;
+  protocol::Frame first_frame_ = 0;
   LoadMeter::Clock::time_point origin_;
   std::jthread thread_;  // last: it stops before what it uses goes away
 };

@@ -46,11 +46,19 @@ void add_driver(CLI::App& app, DaemonOptions& options) {
   const std::map<std::string, DaemonOptions::DriverKind> drivers = {{"jack", DaemonOptions::DriverKind::jack},
                                                                     {"wav", DaemonOptions::DriverKind::wav},
                                                                     {"null", DaemonOptions::DriverKind::null}};
+  const std::map<std::string, PortMode> ports = {
+      {"mix", PortMode::mix}, {"objects", PortMode::objects}, {"groups", PortMode::groups}};
   app.add_option("--driver", options.driver, "jack; wav: render the scene to a file at full speed; null: no sound")
       ->transform(CLI::CheckedTransformer(drivers).description(""))
       ->type_name("jack|wav|null");
   app.add_option("--name", options.jack_name, "Name of the JACK client")->capture_default_str();
   app.add_flag("--connect", options.connect, "Connect to the speakers (JACK)");
+  app.add_flag("--wait", options.wait, "Start without a JACK server, and wait for one");
+  app.add_option("--ports", options.ports, "JACK outputs beside the stereo mix: none, one per object, one per group")
+      ->transform(CLI::CheckedTransformer(ports).description(""))
+      ->type_name("mix|objects|groups");
+  app.add_option("--notes", options.notes, "What MIDI notes strike; default: objects in order, from note 60")
+      ->type_name("FILE");
   app.add_option("--rate", options.sample_rate_hz, "Sample rate in Hz (wav, null)")
       ->check(CLI::Range(8000.0, 768000.0))
       ->capture_default_str();

@@ -214,10 +214,13 @@ protocol::StatusReply OscServer::status() const {
           .block_frames = whole(parts_.driver.block_frames()),
           .load_mean = load.mean,
           .load_peak = load.peak,
-          .xruns = parts_.driver.xruns(),
+          .xruns = load.xruns,
           .dropped_events = whole(parts_.session.dropped()),
           .late_events = whole(mixer.late.load()),
-          .merged_events = whole(parts_.session.merged())};
+          .merged_events = whole(parts_.session.merged()),
+          .load_p99 = load.p99,
+          .misses = load.misses,
+          .own_xruns = load.own_xruns};
 }
 
 }  // namespace ringdown::server

@@ -3,6 +3,8 @@
 #include "engine/modal/bank_file.h"
 #include "protocol/names.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <span>
 
@@ -60,9 +62,12 @@ std::vector<std::string> Rack::names() const {
 }
 
 void Rack::keep(RackObject object) {
-  const std::scoped_lock lock(mutex_);
-  numbers_[object.name] = object.number;
-  objects_[object.number] = std::move(object);
+  {
+    const std::scoped_lock lock(mutex_);
+    numbers_[object.name] = object.number;
+    objects_[object.number] = std::move(object);
+  }
+  note_change();
 }
 
 bool Rack::push(synth::Producer producer, const Event& event) {
@@ -77,6 +82,7 @@ Result<protocol::ObjectNumber> Rack::load(const std::string& name, const std::fi
   RackObject object{.name = name, .bank = bank, .map = std::move(*map)};
   if (const auto old = find({.name = name}); old) {
     object.number = old->number;
+    object.group = old->group;
   } else {
     const auto number = free_number();
     if (!number) return fail(number.error());
@@ -84,6 +90,7 @@ Result<protocol::ObjectNumber> Rack::load(const std::string& name, const std::fi
   }
   if (const auto installed = install(object, synth::Mixer::Install::replace); !installed)
     return fail(installed.error());
+  if (const auto assigned = assign(object); !assigned) return fail(assigned.error());
   keep(object);
   for (Observer* observer : observers_) observer->loaded(object);
   return object.number;
@@ -99,16 +106,53 @@ Result<void> Rack::set_material(const ObjectRef& ref, const modal::MaterialScale
   return {};
 }
 
+Result<void> Rack::set_group(const ObjectRef& ref, const std::string& group) {
+  auto object = find(ref);
+  if (!object) return fail(object.error());
+  object->group = group;
+  if (const auto assigned = assign(*object); !assigned) return assigned;
+  keep(*object);
+  return {};
+}
+
+Result<void> Rack::assign(const RackObject& object) {
+  fading_.erase(object.number);
+  const std::size_t before = buses_.overflow();
+  const auto bus = buses_.join(object.number, object.name, object.group);
+  if (buses_.overflow() > before) {
+    spdlog::warn("{} is heard in the mix only: all {} ports are taken", object.name, synth::kMostBuses);
+  }
+  if (mixer_.assign(object.number, bus)) return {};
+  return fail("object: too many changes at once; try again");
+}
+
+void Rack::collect() {
+  mixer_.collect();
+  const std::size_t faded = std::erase_if(fading_, [this](protocol::ObjectNumber number) {
+    if (mixer_.in_use(number)) return false;
+    buses_.leave(number);
+    return true;
+  });
+  if (faded > 0) note_change();
+}
+
+void Rack::note_change() {
+  ++version_;
+  if (on_change_) on_change_();
+}
+
 Result<void> Rack::free(const ObjectRef& ref) {
   const auto object = find(ref);
   if (!object) return fail(object.error());
   if (!mixer_.remove(object->number)) return fail("object: too many changes at once; try again");
+  fading_.insert(object->number);
   {
     const std::scoped_lock lock(mutex_);
     numbers_.erase(object->name);
     objects_[object->number].reset();
   }
   for (Observer* observer : observers_) observer->freed(*object);
+  note_change();
   return {};
 }
 
@@ -136,7 +180,13 @@ Result<protocol::ObjectNumber> Rack::free_number() const {
               " objects are in use; free one with /object/.../free");
 }
 
+void Rack::change_sample_rate(double sample_rate_hz) {
+  const std::scoped_lock lock(rate_mutex_);
+  mixer_.change_sample_rate(sample_rate_hz);
+}
+
 Result<void> Rack::install(const RackObject& object, synth::Mixer::Install how) {
+  const std::scoped_lock lock(rate_mutex_);
   auto voice = std::make_unique<synth::Voice>(object.map, object.material, mixer_.sample_rate_hz());
   if (!mixer_.install(object.number, std::move(voice), how)) {
     return fail("object: " + std::to_string(synth::kMostVoices) + " voices are still ringing out; try again later");

@@ -9,14 +9,18 @@
 #include "engine/synth/mixer.h"
 #include "protocol/event.h"
 #include "protocol/request.h"
+#include "server/buses.h"
 #include "server/file_roots.h"
 #include "server/observer.h"
 
+#include <atomic>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -30,6 +34,7 @@ struct RackObject {
   std::filesystem::path bank;  // where the map was read from
   std::shared_ptr<const modal::StrikeMap> map;
   modal::MaterialScale material;
+  std::string group;  // empty: in none
 };
 
 class Rack {
@@ -41,6 +46,12 @@ class Rack {
 
   [[nodiscard]] synth::Mixer& mixer() { return mixer_; }
   [[nodiscard]] const synth::Mixer& mixer() const { return mixer_; }
+
+  // Called whenever an object has come, gone or changed, and when a bus has. [main, before anything is loaded]
+  void set_on_change(std::function<void()> on_change) { on_change_ = std::move(on_change); }
+
+  // Grows with every change. [any]
+  [[nodiscard]] std::uint64_t version() const { return version_; }
 
   // Tells `observer` from now on; until observe_no_more(), which must come while nothing happens. [main, before other
   // threads use the rack]
@@ -67,25 +78,40 @@ class Rack {
   // Retunes what rings, and what will. [worker]
   Result<void> set_material(const protocol::ObjectRef& object, const modal::MaterialScale& scale);
 
+  // Puts the object into a group, or, when it is empty, into none. [worker]
+  Result<void> set_group(const protocol::ObjectRef& object, const std::string& group);
+
+  // Where the objects are heard beside the mix.
+  [[nodiscard]] Buses& buses() { return buses_; }
+
   // Fades the object out and gives its name and number free. [worker]
   Result<void> free(const protocol::ObjectRef& object);
 
+  // Retunes everything to another sample rate. [any thread, while nothing is rendered]
+  void change_sample_rate(double sample_rate_hz);
+
   // Frees memory the mixer is done with, and numbers that have fallen silent. Several times a second. [worker]
-  void collect() { mixer_.collect(); }
+  void collect();
 
  private:
   [[nodiscard]] Result<protocol::ObjectNumber> free_number() const;
+  // Puts an object in the table, or its successor in its place. [worker]
+  void keep(RackObject object);
+  void note_change();
+  [[nodiscard]] Result<void> assign(const RackObject& object);
   [[nodiscard]] Result<void> install(const RackObject& object, synth::Mixer::Install how);
 
   synth::Mixer mixer_;
   FileRoots roots_;
   std::vector<Observer*> observers_;
-  // Puts an object in the table, or its successor in its place. [worker]
-  void keep(RackObject object);
-
   mutable std::mutex mutex_;  // guards the next two, which the worker alone changes
   std::vector<std::optional<RackObject>> objects_ = std::vector<std::optional<RackObject>>(synth::kMostObjects);
-  std::unordered_map<std::string, protocol::ObjectNumber> numbers_;    // by name
+  std::unordered_map<std::string, protocol::ObjectNumber> numbers_;  // by name
+  std::function<void()> on_change_;
+  std::atomic<std::uint64_t> version_ = 0;
+  Buses buses_;
+  std::set<protocol::ObjectNumber> fading_;  // worker: freed objects that still sound at their bus
+  std::mutex rate_mutex_;                    // held while a voice is made and installed: all are of one sample rate
   std::map<std::string, std::weak_ptr<const modal::StrikeMap>> maps_;  // worker: banks in use, by file and its time
 };
 

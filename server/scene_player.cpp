@@ -46,6 +46,9 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   for (const auto& object : description->objects) {
     const auto number = rack_.load(object.name, object.bank);
     if (!number) return fail(number.error());
+    if (!object.group.empty()) {
+      if (const auto set = rack_.set_group({.name = object.name}, object.group); !set) return fail(set.error());
+    }
     if (object.material != modal::MaterialScale{}) {
       if (const auto set = rack_.set_material({.name = object.name}, object.material); !set) return fail(set.error());
     }
@@ -62,6 +65,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
 
   const std::scoped_lock lock(mutex_);
   world_ = std::move(*world);
+  world_->set_sample_rate(mixer.sample_rate_hz());  // it may have changed since
   world_->set_start_frame(start_ = frame);
   paused_ = false;
   duration_s_ = description->duration_s;
@@ -121,6 +125,17 @@ void ScenePlayer::advance_to(Frame frame, Frame slack) {
   if (paused_ || body_count_ == 0) return move_start(frame - position());
   move_start(frame - position() - slack);
   while (position() < frame && body_count_ > 0) take(world_->step());
+}
+
+void ScenePlayer::change_sample_rate(double sample_rate_hz) {
+  const std::scoped_lock lock(mutex_);
+  const double ratio = sample_rate_hz / rack_.mixer().sample_rate_hz();
+  const Frame now = rack_.mixer().counters().frames.load(std::memory_order_acquire);
+  const Frame ahead = world_ ? std::llround(static_cast<double>(position() - now) * ratio) : 0;
+  rack_.change_sample_rate(sample_rate_hz);
+  if (!world_) return;
+  world_->set_sample_rate(sample_rate_hz);
+  world_->set_start_frame(start_ = now + ahead - std::llround(world_->time_s() * sample_rate_hz));
 }
 
 // The frame of the world's present time.

@@ -50,6 +50,10 @@ class ScenePlayer {
   // difference instead of bunching strikes: the scene then runs slowly. A paused or empty scene is not stepped. [scene]
   void advance_to(protocol::Frame frame, protocol::Frame slack);
 
+  // Goes on at another sample rate, and the rack with it: what is to come stays as many seconds ahead as it was.
+  // [any thread, while nothing is rendered]
+  void change_sample_rate(double sample_rate_hz);
+
   [[nodiscard]] std::vector<scene::BodyState> bodies();  // where they are now [any but audio]
   [[nodiscard]] std::size_t body_count() const { return body_count_; }
   [[nodiscard]] double duration_s() const {

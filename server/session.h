@@ -45,8 +45,9 @@ class Session {
   // Counts `events` that could not be taken, and says so: "dropped, because ...". [any]
   [[nodiscard]] tl::unexpected<Error> drop(std::size_t events, const std::string& because);
 
-  // Carries out a request that is neither an event nor about the daemon itself (/load, /object/.../material and free,
-  // /scene/...). A scene loaded now starts at `frame`. Returns the number for the answer, if there is one. [worker]
+  // Carries out a request that is neither an event nor about the daemon itself (/load, /object/.../material, group and
+  // free, /scene/...). A scene loaded now starts at `frame`. Returns the number for the answer, if there is one.
+  // [worker]
   Result<std::optional<std::int32_t>> perform(const protocol::Request& request, protocol::Frame frame);
 
   // In a flood, strikes within `seconds` of each other on the same point of an object become one (strike_merger.h).
@@ -56,6 +57,9 @@ class Session {
   // Whether strikes are held back, and handing them over: soon after the last play(). [control]
   [[nodiscard]] bool holds() const { return !merger_.held().empty(); }
   void flush();
+
+  // Retunes what rings and what is to come. [any thread, while nothing is rendered]
+  void change_sample_rate(double sample_rate_hz) { scene_.change_sample_rate(sample_rate_hz); }
 
   // Events that were refused because a queue was full. [any]
   [[nodiscard]] std::uint64_t dropped() const { return dropped_ + scene_.dropped(); }

@@ -80,6 +80,8 @@ Result<void> check(const ObjectDescription& object) {
   const modal::MaterialScale& material = object.material;
   return Fields("object " + protocol::quoted(object.name))
       .require(protocol::is_object_name(object.name), "a name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only")
+      .require(object.group.empty() || protocol::is_object_name(object.group),
+               "a group is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only")
       .number("gain", object.gain, range::kGain)
       .number("pan", object.pan, range::kPan)
       .number("material.alpha", material.alpha, range::kDampingScale)

@@ -77,6 +77,7 @@ struct Shape {
 struct ObjectDescription {
   std::string name;  // protocol/names.h says what a name is
   std::filesystem::path bank;
+  std::string group;              // empty: in none
   double gain = 1;                // linear
   double pan = 0;                 // -1 left ... +1 right
   modal::MaterialScale material;  // the mixer rescales the modes; a World scales the mass by `density`

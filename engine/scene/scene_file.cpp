@@ -81,11 +81,15 @@ class SceneReader {
     table.require({"name", "bank"});
     table.text("name", object.name);
     table.text("bank", bank);
+    table.text("group", object.group);
     table.number("gain", object.gain, range::kGain);
     table.number("pan", object.pan, range::kPan);
     if (auto material = table.table("material")) read_material(*material, object);
     if (!object.name.empty() && !protocol::is_object_name(object.name)) {
       table.complain("name", "a name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
+    }
+    if (!object.group.empty() && !protocol::is_object_name(object.group)) {
+      table.complain("group", "a group is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
     }
     if (!bank.empty()) object.bank = find_bank(bank, table);
     scene_.objects.push_back(std::move(object));

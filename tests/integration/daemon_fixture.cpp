@@ -1,5 +1,6 @@
 #include "tests/integration/daemon_fixture.h"
 
+#include <sstream>
 #include <unistd.h>
 
 namespace ringdown::test {
@@ -14,18 +15,42 @@ std::vector<std::string> daemon_command(std::vector<std::string> arguments) {
 
 }  // namespace
 
+JackServer::JackServer(int sample_rate_hz, int period_frames) : name_("ringdown-test-" + std::to_string(::getpid())) {
+  start(sample_rate_hz, period_frames);
+}
+
 // Port limit: jackd's default wants 107 MB of shared memory, more than many containers have.
-JackServer::JackServer()
-    : name_("ringdown-test-" + std::to_string(::getpid())),
-      server_(
-          {"jackd", "--no-realtime", "--name", name_, "--port-max", "128", "-d", "dummy", "-r", "48000", "-p", "256"},
-          {{"JACK_NO_AUDIO_RESERVATION", "1"}}) {}
+void JackServer::start(int sample_rate_hz, int period_frames) {
+  server_ = std::make_unique<Process>(
+      std::vector<std::string>{"jackd", "--no-realtime", "--name", name_, "--port-max", "128", "-d", "dummy", "-r",
+                               std::to_string(sample_rate_hz), "-p", std::to_string(period_frames)},
+      Process::Environment{{"JACK_NO_AUDIO_RESERVATION", "1"}});
+}
+
+void JackServer::stop(int signal) {
+  server_->send_signal(signal);
+  server_->wait(20s);
+}
 
 Process::Environment JackServer::environment() const {
   return {{"JACK_DEFAULT_SERVER", name_}, {"JACK_NO_START_SERVER", "1"}};
 }
 
-bool JackServer::runs() { return run({"jack_wait", "--server", name_, "--wait", "--timeout", "10"}).exit_code == 0; }
+bool JackServer::runs() { return run({"jack_wait", "--server", name_, "--wait", "--timeout", "20"}).exit_code == 0; }
+
+std::map<std::string, std::set<std::string>> JackServer::connections() const {
+  std::map<std::string, std::set<std::string>> found;
+  std::istringstream lines(run({"jack_lsp", "-c"}, environment()).output);
+  std::string line, port;
+  while (std::getline(lines, line)) {
+    if (line.starts_with("   ")) {
+      found[port].insert(line.substr(3));
+    } else {
+      found[port = line];
+    }
+  }
+  return found;
+}
 
 Daemon::Daemon(std::vector<std::string> arguments, const Process::Environment& environment)
     : process_(daemon_command(std::move(arguments)), environment), socket_(*server::OscSocket::bind()) {

@@ -8,9 +8,14 @@
 #include "tests/integration/process.h"
 
 #include <chrono>
+#include <csignal>
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace ringdown::test {
@@ -18,14 +23,21 @@ namespace ringdown::test {
 // A JACK server of the test's own, named after this process.
 class JackServer {
  public:
-  JackServer();
+  explicit JackServer(int sample_rate_hz = 48000, int period_frames = 256);
+  void stop(int signal = SIGTERM);  // and waits for its end
+  void start(int sample_rate_hz, int period_frames);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] Process::Environment environment() const;  // makes clients use it, and never start another
   [[nodiscard]] bool runs();
   [[nodiscard]] const std::string& name() const { return name_; }
 
+  // Ports and what they are connected to, as jack_lsp -c says.
+  [[nodiscard]] std::map<std::string, std::set<std::string>> connections() const;
+
  private:
   std::string name_;
-  Process server_;
+  std::unique_ptr<Process> server_;
 };
 
 class Daemon {
@@ -50,6 +62,17 @@ class Daemon {
   std::uint16_t port_ = 0;
   server::OscSocket socket_;
 };
+
+// Asks again until `holds()`, at most this long.
+template <class Condition>
+bool becomes_true(Condition holds, std::chrono::milliseconds limit = std::chrono::seconds(20)) {
+  const auto end = std::chrono::steady_clock::now() + limit;
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
 
 inline std::string program(const std::string& name) { return std::string(RINGDOWN_BIN_DIR) + "/" + name; }
 

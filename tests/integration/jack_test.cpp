@@ -1,12 +1,8 @@
 // The whole way with real parts: jackd, ringdownd, oscsend, and a JACK client that records.
-#include "engine/modal/bank_file.h"
-#include "tests/integration/daemon_fixture.h"
+#include "tests/integration/jack_fixture.h"
 #include "tests/support/keep_signals.h"
-#include "tests/support/signal.h"
-#include "tests/support/synthetic_bank.h"
 
 #include <gtest/gtest.h>
-#include <sndfile.h>
 
 #include <cmath>
 #include <csignal>
@@ -17,20 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kRate = 48000, kPitch_hz = 987.5, kDecay_per_s = 8;
-
-// The left channel.
-Samples read_left(const std::filesystem::path& path) {
-  SF_INFO info{};
-  SNDFILE* file = sf_open(path.c_str(), SFM_READ, &info);
-  if (!file) return {};
-  Samples frames(static_cast<std::size_t>(info.frames * info.channels));
-  sf_readf_double(file, frames.data(), info.frames);
-  sf_close(file);
-  Samples left;
-  for (std::size_t i = 0; i < frames.size(); i += static_cast<std::size_t>(info.channels)) left.push_back(frames[i]);
-  return left;
-}
+constexpr double kRate = 48000, kPitch_hz = JackTest::kPitch_hz, kDecay_per_s = JackTest::kDecay_per_s;
 
 // Frames at which the signal exceeds `threshold` after staying below it for more than `quiet` frames.
 std::vector<std::size_t> onsets(const Samples& samples, double threshold, std::size_t quiet) {
@@ -44,33 +27,7 @@ std::vector<std::size_t> onsets(const Samples& samples, double threshold, std::s
   return found;
 }
 
-class Jack : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!installed("jackd") || !installed("jack_rec") || !installed("oscsend")) {
-      GTEST_SKIP() << "needs jackd2, jack-tools and liblo-tools (./run packages)";
-    }
-    ASSERT_TRUE(modal::write_bank(single_mode_bank(kPitch_hz, kDecay_per_s), bank_));
-    ASSERT_TRUE(server_.runs());
-  }
-
-  // Records `seconds` of the daemon's output while `play` runs.
-  template <class Play>
-  Samples record(double seconds, Play play) {
-    const auto file = folder_ / "recording.wav";
-    Process recorder({"jack_rec", "-f", file.string(), "-d", std::to_string(seconds), "-b", "32", "ringdown:out_left",
-                      "ringdown:out_right"},
-                     server_.environment());
-    std::this_thread::sleep_for(500ms);
-    play();
-    EXPECT_EQ(recorder.wait(30s).value_or(-1), 0) << recorder.output();
-    return read_left(file);
-  }
-
-  ScratchFolder folder_;
-  std::filesystem::path bank_ = folder_ / "tone.glb";
-  JackServer server_;
-};
+using Jack = JackTest;
 
 TEST_F(Jack, AStrikeFromOscsendIsRecordedAtItsPitchAndDecay) {
   Daemon daemon({"--object", "tone=" + bank_.string()}, server_.environment());
@@ -114,8 +71,7 @@ TEST_F(Jack, TimedBundlesKeepTheirDistanceToAMillisecond) {
 
 // Bundles anywhere in a block, and messages sent at any time: both keep their distances.
 TEST_F(Jack, TwentyStrikesKeepTheirTimes) {
-  const auto tick = folder_ / "tick.glb";
-  ASSERT_TRUE(modal::write_bank(single_mode_bank(6000, 800), tick));  // silent after 20 ms
+  const auto tick = bank("tick.glb", 6000, 800);  // silent after 20 ms
   Daemon daemon({"--object", "tick=" + tick.string(), "--latency", "200ms"}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   const protocol::Message strike = protocol::format(protocol::Strike{{.name = "tick"}, {1, 0, 0}, {0, 0, 1}, 0});

@@ -158,6 +158,13 @@ Cases material_cases() {
            {a, {1, 1, 1}, "stiffness"}}};
 }
 
+Cases group_cases() {
+  const std::string a = "/object/bell/group";
+  return {{{a, {"metal"}, claim<SetGroup>([](const SetGroup& s) { return s.group == "metal"; })},
+           {a, {}, claim<SetGroup>([](const SetGroup& s) { return !s.group; })}},
+          {{"/object/b%/group", {"metal"}, "object"}, {a, {"two words"}, "group"}, {a, {7}, "group"}}};
+}
+
 template <class Struct>
 Cases object_only_cases(const std::string& verb) {
   return {
@@ -255,6 +262,7 @@ const std::map<std::string, Cases>& all_cases() {
       {"/record/stop", {{{"/record/stop", {}, is_a<RecordStop>()}}, {}}},
       {"/object/{object}/gain", gain_cases()},
       {"/object/{object}/pan", pan_cases()},
+      {"/object/{object}/group", group_cases()},
       {"/object/{object}/material", material_cases()},
       {"/object/{object}/clear", object_only_cases<ClearObject>("clear")},
       {"/object/{object}/free", object_only_cases<FreeObject>("free")},
@@ -370,9 +378,10 @@ TEST(Schema, AnUnknownAddressSuggestsTheNearestOne) {
 }
 
 TEST(Schema, RepliesRoundTripInTypesPureDataKnows) {
-  const StatusReply status{4, 1, 220, 6, 48000, 256, 0.25, 0.5, 7, 8, 9, 10};
+  const StatusReply status{4, 1, 220, 6, 48000, 256, 0.25, 0.5, 7, 8, 9, 10, 0.375, 11, 12};
   const Message message = format(Reply(status));
-  EXPECT_EQ(message, (Message{"/status.reply", {4, 1, 220, 6, 48000.f, 256, 0.25f, 0.5f, 7, 8, 9, 10}}));
+  EXPECT_EQ(message,
+            (Message{"/status.reply", {4, 1, 220, 6, 48000.f, 256, 0.25f, 0.5f, 7, 8, 9, 10, 0.375f, 11, 12}}));
   for (const Reply& reply :
        {Reply(Done{"/load", 3}), Reply(Done{"/quit", std::nullopt}), Reply(Fail{"/load", "why"}), Reply(status),
         Reply(VersionReply{"ringdownd", "0.1.0", 1}), Reply(Synced{-5}), Reply(Fail{"", "two\nlines"}),

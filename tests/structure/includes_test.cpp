@@ -56,7 +56,7 @@ struct LibraryRule {
 };
 
 const std::vector<LibraryRule> kLibraryRules = {
-    {"jack/", {"server/"}, 1},
+    {"jack/", {"server/jack_"}, 4},
     {"lo/", {"server/"}, 1},
     {"ode/", {"engine/scene/"}, 2},
     {"Spectra/", {"engine/solve/"}, 1},

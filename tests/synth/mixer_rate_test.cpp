@@ -95,6 +95,28 @@ TEST(MixerRate, TailsOfFormerBanksAndFadesGoOn) {
   EXPECT_TRUE(player.mixer.in_use(0));
 }
 
+TEST(MixerRate, ObjectsThatShareTheirStatesGoOnSharing) {
+  Player player;
+  const auto table =
+      std::make_shared<ModeTable>(map_of(single_mode_bank(kPitch_hz, kDecay_per_s)), modal::MaterialScale{}, kRate);
+  for (ObjectNumber object = 0; object < 3; ++object) {
+    ASSERT_TRUE(player.mixer.install(object, std::make_unique<Voice>(table), Mixer::Install::replace));
+  }
+  for (ObjectNumber object = 0; object < 2; ++object) player.push(strike_at(0, object, {0, 0, 0.5}));
+  player.render(24000);
+  player.mixer.change_sample_rate(44100);
+  player.render(20000);
+  EXPECT_LT(relative_error(player.left_from(24000), expected(0.5, 44100, 20000)), 1e-5);
+
+  player.push(clear_at(player.mixer.counters().frames, 0));
+  player.push(clear_at(player.mixer.counters().frames, 1));
+  player.render(1000);
+  const Frame begin = player.mixer.counters().frames;
+  for (ObjectNumber object = 0; object < 2; ++object) player.push(strike_at(begin, object, {0, 0, 0.5}));
+  player.render(20000);
+  EXPECT_LT(relative_error(player.left_from(static_cast<std::size_t>(begin)), expected(0, 44100, 20000)), 1e-5);
+}
+
 TEST(MixerRate, EventsOfOneFrameKeepTheirOrderEvenWhenTwoFramesBecomeOne) {
   Player player;
   player.install(0, map_of(single_mode_bank(kPitch_hz, 0.01)));

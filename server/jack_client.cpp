@@ -1,0 +1,244 @@
+#include "server/jack_client.h"
+
+#include "server/jack_metadata.h"
+
+#include <jack/jack.h>
+#include <jack/midiport.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <bit>
+
+namespace ringdown::server {
+namespace {
+
+constexpr std::size_t kLeft = 0, kRight = 1, kFirstBus = 2;
+
+// Libjack's own reports would stand beside ours; what matters we say in our own words.
+void quiet(const char*) {}
+
+JackClient* self(void* client) { return static_cast<JackClient*>(client); }
+
+}  // namespace
+
+std::unique_ptr<JackClient> JackClient::open(const std::string& name, std::shared_ptr<LoadMeter> meter,
+                                             std::shared_ptr<MidiPlayer> midi, std::function<void()> on_change) {
+  jack_set_error_function(quiet);
+  jack_set_info_function(quiet);
+  jack_client_t* handle = jack_client_open(name.c_str(), JackNoStartServer, nullptr);
+  if (!handle) return nullptr;
+  std::unique_ptr<JackClient> client(new JackClient(handle, std::move(meter), std::move(midi), std::move(on_change)));
+  client->set_callbacks();
+  if (!client->add_port(kLeft, "out_left") || !client->add_port(kRight, "out_right")) return nullptr;
+  client->midi_port_ = jack_port_register(handle, "midi_in", JACK_DEFAULT_MIDI_TYPE, JackPortIsInput, 0);
+  return client;
+}
+
+JackClient::JackClient(jack_client_t* client, std::shared_ptr<LoadMeter> meter, std::shared_ptr<MidiPlayer> midi,
+                       std::function<void()> on_change)
+    : client_(client), meter_(std::move(meter)), midi_(std::move(midi)), on_change_(std::move(on_change)) {}
+
+JackClient::~JackClient() {
+  stop();
+  for (jack_port_t* port : ports_) {
+    if (port && !lost_) jack_metadata_forget(client_, port);
+  }
+  jack_client_close(client_);
+}
+
+void JackClient::set_callbacks() {
+  jack_set_process_callback(
+      client_, [](jack_nframes_t frames, void* us) { return self(us)->process(frames), 0; }, this);
+  jack_set_xrun_callback(
+      client_, [](void* us) { return self(us)->meter_->note_xrun(), 0; }, this);
+  jack_set_freewheel_callback(
+      client_, [](int starting, void* us) { self(us)->freewheels_ = starting != 0; }, this);
+  jack_set_port_connect_callback(
+      client_, [](jack_port_id_t, jack_port_id_t, int, void* us) { self(us)->on_change_(); }, this);
+  jack_set_port_registration_callback(
+      client_, [](jack_port_id_t, int, void* us) { self(us)->on_change_(); }, this);
+  jack_set_latency_callback(
+      client_,
+      [](jack_latency_callback_mode_t mode, void* us) {
+        if (mode == JackCaptureLatency) self(us)->tell_latency();
+      },
+      this);
+  jack_on_shutdown(
+      client_,
+      [](void* us) {
+        self(us)->lost_ = true;
+        self(us)->on_change_();
+      },
+      this);
+}
+
+bool JackClient::add_port(std::size_t channel, const std::string& name) {
+  constexpr auto kFlags = JackPortIsOutput | JackPortIsTerminal;
+  jack_port_t* const port = jack_port_register(client_, name.c_str(), JACK_DEFAULT_AUDIO_TYPE, kFlags, 0);
+  if (!port) return false;
+  jack_metadata_describe(client_, port,
+                         {.pretty_name = channel == kLeft    ? "Mix left"
+                                         : channel == kRight ? "Mix right"
+                                                             : name,
+                          .group = channel < kFirstBus ? "Mix" : "Objects",
+                          .order = static_cast<int>(channel)});
+  ports_[channel] = port;
+  return true;
+}
+
+// The limiter makes the mix late, but not the buses.
+void JackClient::tell_latency() {
+  const auto late = static_cast<jack_nframes_t>(program_ ? program_->mixer.latency_frames() : 0);
+  for (std::size_t channel = 0; channel < ports_.size(); ++channel) {
+    jack_latency_range_t range{.min = channel < kFirstBus ? late : 0, .max = channel < kFirstBus ? late : 0};
+    if (jack_port_t* const port = ports_[channel]) jack_port_set_latency_range(port, JackCaptureLatency, &range);
+  }
+}
+
+void JackClient::remove_port(std::size_t channel) {
+  jack_port_t* const port = ports_[channel].exchange(nullptr);
+  if (!port) return;
+  gate_.wait();
+  jack_metadata_forget(client_, port);
+  jack_port_unregister(client_, port);
+}
+
+void JackClient::show_buses(const std::map<std::size_t, std::string>& names) {
+  for (const auto& [bus, name] : buses_) {
+    const auto now = names.find(bus);
+    if (now == names.end() || now->second != name) remove_port(kFirstBus + bus);
+  }
+  for (const auto& [bus, name] : names) {
+    const auto before = buses_.find(bus);
+    if (before != buses_.end() && before->second == name) continue;
+    if (!add_port(kFirstBus + bus, name)) spdlog::warn("JACK has no port for {}: it is heard in the mix only", name);
+  }
+  buses_ = names;
+}
+
+std::string JackClient::name() const { return jack_get_client_name(client_); }
+double JackClient::sample_rate_hz() const { return jack_get_sample_rate(client_); }
+std::size_t JackClient::block_frames() const { return jack_get_buffer_size(client_); }
+
+Result<void> JackClient::start(const Driver::Program& program) {
+  program_ = &program;
+  gate_.open();
+  if (jack_activate(client_) == 0) return {};
+  gate_.shut();
+  return fail("the JACK server refused to start the client; see its own messages");
+}
+
+// JACK counts 32 bits of frames since its server started; the mixer counts 64 since it was made. `offset_` is their
+// difference modulo 2^32, renewed in every callback because an xrun moves JACK's count but not ours.
+protocol::Frame JackClient::now() const {
+  const protocol::Frame rendered = program_->mixer.counters().frames.load(std::memory_order_acquire);
+  const std::int64_t offset = offset_.load(std::memory_order_relaxed);
+  if (offset == kUnknown || freewheels_) return rendered;
+  const auto low = static_cast<std::uint32_t>(jack_frame_time(client_)) - static_cast<std::uint32_t>(offset);
+  return rendered + static_cast<std::int32_t>(low - static_cast<std::uint32_t>(rendered));
+}
+
+void JackClient::process(std::uint32_t frames) {
+  if (gate_.enter()) {
+    render(frames);
+  } else {
+    write_silence(frames);
+  }
+  gate_.leave();
+}
+
+void JackClient::render(std::uint32_t frames) {
+  const bool freewheels = freewheels_.load(std::memory_order_relaxed);
+  synth::Mixer& mixer = program_->mixer;
+  const protocol::Frame rendered = mixer.counters().frames.load(std::memory_order_relaxed);
+  if (freewheels) {
+    program_->prepare_offline(rendered + frames);
+    note_listeners();  // the driver's thread would learn of a new connection after many blocks
+  }
+  meter_->begin(frames, mixer.sample_rate_hz());
+  offset_.store(static_cast<std::uint32_t>(jack_last_frame_time(client_)) - static_cast<std::uint32_t>(rendered),
+                std::memory_order_relaxed);
+  play_notes(frames, rendered);
+  synth::Outputs outputs;
+  for (synth::ChannelSet rest = listened_.load(); rest != 0; rest &= rest - 1) {
+    const auto channel = static_cast<std::size_t>(std::countr_zero(rest));
+    jack_port_t* const port = ports_[channel];
+    if (!port) continue;
+    auto* const samples = static_cast<float*>(jack_port_get_buffer(port, frames));
+    if (channel < kFirstBus) {
+      outputs.listen_to_mix(channel, samples);
+    } else {
+      outputs.listen_to_bus(channel - kFirstBus, samples);
+    }
+  }
+  mixer.render(outputs, frames);
+  meter_->end(!freewheels);
+}
+
+void JackClient::play_notes(std::uint32_t frames, protocol::Frame first) {
+  const NoteTable* const notes = notes_;
+  if (!midi_port_ || !notes) return;
+  void* const buffer = jack_port_get_buffer(midi_port_, frames);
+  const std::uint32_t count = jack_midi_get_event_count(buffer);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    jack_midi_event_t event;
+    if (jack_midi_event_get(&event, buffer, i) != 0) continue;
+    midi_->play({event.buffer, event.size}, first + event.time, *notes, program_->mixer);
+  }
+}
+
+void JackClient::set_notes(std::shared_ptr<const NoteTable> notes) {
+  if (notes == table_) return;
+  notes_ = notes.get();
+  gate_.wait();
+  table_ = std::move(notes);
+}
+
+void JackClient::write_silence(std::uint32_t frames) {
+  for (synth::ChannelSet rest = listened_.load(); rest != 0; rest &= rest - 1) {
+    jack_port_t* const port = ports_[static_cast<std::size_t>(std::countr_zero(rest))];
+    if (port) std::fill_n(static_cast<float*>(jack_port_get_buffer(port, frames)), frames, 0.0f);
+  }
+}
+
+std::set<JackConnection> JackClient::connections() const {
+  std::set<JackConnection> found;
+  const auto look_at = [&found](const jack_port_t* port) {
+    const char** others = port ? jack_port_get_connections(port) : nullptr;
+    for (std::size_t i = 0; others && others[i]; ++i) found.insert({jack_port_short_name(port), others[i]});
+    jack_free(others);
+  };
+  for (const auto& port : ports_) look_at(port);
+  look_at(midi_port_);
+  return found;
+}
+
+bool JackClient::connect(const JackConnection& connection) {
+  const std::string ours = name() + ":" + connection.ours;
+  const jack_port_t* port = jack_port_by_name(client_, ours.c_str());
+  if (!port || !jack_port_by_name(client_, connection.theirs.c_str())) return false;
+  const bool out = (jack_port_flags(port) & JackPortIsOutput) != 0;
+  const int error = out ? jack_connect(client_, ours.c_str(), connection.theirs.c_str())
+                        : jack_connect(client_, connection.theirs.c_str(), ours.c_str());
+  return error == 0 || error == EEXIST;
+}
+
+void JackClient::connect_to_speakers() {
+  const char** speakers =
+      jack_get_ports(client_, nullptr, JACK_DEFAULT_AUDIO_TYPE, JackPortIsInput | JackPortIsPhysical);
+  for (std::size_t i = 0; speakers && speakers[i] && i < kFirstBus; ++i) {
+    jack_connect(client_, jack_port_name(ports_[i]), speakers[i]);
+  }
+  jack_free(speakers);
+}
+
+void JackClient::note_listeners() {
+  synth::ChannelSet listened = 0;
+  for (std::size_t channel = 0; channel < ports_.size(); ++channel) {
+    const jack_port_t* port = ports_[channel];
+    if (port && jack_port_connected(port) > 0) listened |= synth::only(channel);
+  }
+  listened_ = listened;
+}
+
+}  // namespace ringdown::server

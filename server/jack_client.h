@@ -1,0 +1,110 @@
+// Our client at one JACK server, from the server's coming to its going. JackDriver makes one for each server it meets.
+//
+// jackd2 and PipeWire differ in when they announce a block size, so the callback takes whatever count it is given.
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/synth/mixer.h"
+#include "protocol/event.h"
+#include "server/driver.h"
+#include "server/gate.h"
+#include "server/load_meter.h"
+#include "server/midi_player.h"
+
+#include <array>
+#include <atomic>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+struct _jack_client;
+struct _jack_port;
+
+namespace ringdown::server {
+
+// A port of ours by its short name, and what it is connected to by its full name.
+struct JackConnection {
+  std::string ours, theirs;
+  friend auto operator<=>(const JackConnection&, const JackConnection&) = default;
+};
+
+class JackClient {
+ public:
+  // `on_change` is called, on JACK's threads, when the server has gone, somebody connected something, or a port came;
+  // it only notes that. Null when no server answers, or it has no place for us. [one thread: it, and all below but what
+  // says otherwise]
+  static std::unique_ptr<JackClient> open(const std::string& name, std::shared_ptr<LoadMeter> meter,
+                                          std::shared_ptr<MidiPlayer> midi, std::function<void()> on_change);
+
+  // Closes the client at JACK, which may hang when the server died. [any]
+  ~JackClient();
+  JackClient(const JackClient&) = delete;
+  JackClient& operator=(const JackClient&) = delete;
+
+  [[nodiscard]] std::string name() const;                        // as the server gave it
+  [[nodiscard]] bool lost() const { return lost_; }              // the server has gone [any]
+  [[nodiscard]] bool freewheels() const { return freewheels_; }  // [any]
+  [[nodiscard]] double sample_rate_hz() const;                   // the server's [any but audio]
+  [[nodiscard]] std::size_t block_frames() const;                // likewise
+
+  // Starts to render `program`, which must outlive the client or a stop().
+  Result<void> start(const Driver::Program& program);
+
+  // Stops and continues rendering; the ports are silent between. No callback is in the mixer when stop() returns.
+  void stop() { gate_.shut(); }
+  void go_on() { gate_.open(); }
+
+  // The mixer's frame that is being computed. [any but audio]
+  [[nodiscard]] protocol::Frame now() const;
+
+  // Makes the bus ports those that are named here; a port whose bus goes by the same name stays untouched.
+  void show_buses(const std::map<std::size_t, std::string>& names);
+
+  // What notes strike from the next block on.
+  void set_notes(std::shared_ptr<const NoteTable> notes);
+
+  // What our ports are connected to.
+  [[nodiscard]] std::set<JackConnection> connections() const;
+  // False when that cannot be, as long as the other port does not exist.
+  bool connect(const JackConnection& connection);
+  void connect_to_speakers();
+
+  // Finds out which ports are connected; others are not rendered. After on_change(), and in freewheel.
+  void note_listeners();
+
+ private:
+  JackClient(_jack_client* client, std::shared_ptr<LoadMeter> meter, std::shared_ptr<MidiPlayer> midi,
+             std::function<void()> on_change);
+  void set_callbacks();
+  [[nodiscard]] bool add_port(std::size_t channel, const std::string& name);
+  void remove_port(std::size_t channel);
+  void tell_latency();
+  void process(std::uint32_t frames);
+  void render(std::uint32_t frames);
+  void play_notes(std::uint32_t frames, protocol::Frame first);
+  void write_silence(std::uint32_t frames);
+
+  static constexpr std::int64_t kUnknown = -1;
+
+  _jack_client* client_;
+  std::shared_ptr<LoadMeter> meter_;
+  std::shared_ptr<MidiPlayer> midi_;
+  std::function<void()> on_change_;
+  const Driver::Program* program_ = nullptr;
+  Gate gate_;
+  _jack_port* midi_port_ = nullptr;
+  std::shared_ptr<const NoteTable> table_;                              // keeps what the next one
+  std::atomic<const NoteTable*> notes_ = nullptr;                       // points to
+  std::array<std::atomic<_jack_port*>, synth::kMostChannels> ports_{};  // by the mixer's channel
+  std::map<std::size_t, std::string> buses_;                            // as show_buses() was told
+  std::atomic<synth::ChannelSet> listened_ = 0;                         // those of them that are connected
+  std::atomic<std::int64_t> offset_ = kUnknown;                         // 32 bits once it is known
+  std::atomic<bool> lost_ = false, freewheels_ = false;
+};
+
+}  // namespace ringdown::server

@@ -1,0 +1,43 @@
+// A private JACK server, a bank of one mode, and a recorder: what the JACK tests begin with.
+#pragma once
+
+#include "tests/integration/daemon_fixture.h"
+#include "tests/support/signal.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace ringdown::test {
+
+class JackTest : public testing::Test {
+ public:
+  static constexpr double kPitch_hz = 987.5, kDecay_per_s = 8;
+
+ protected:
+  void SetUp() override;
+
+  // A bank of one mode, in the scratch folder.
+  std::filesystem::path bank(const std::string& name, double frequency_hz, double decay_per_s);
+
+  // Records `seconds` of the daemon's left output with jack_rec while `play` runs.
+  Samples record(double seconds, const std::function<void()>& play);
+
+  // What /status says.
+  static std::optional<protocol::StatusReply> status(Daemon& daemon);
+
+  // The message that strikes an object of one mode.
+  static protocol::Message strike(const std::string& object, double impulse_ns = 0.5);
+
+  ScratchFolder folder_;
+  std::filesystem::path bank_ = folder_ / "tone.glb";
+  JackServer server_;
+};
+
+// The left channel of a sound file.
+Samples read_left(const std::filesystem::path& path);
+
+}  // namespace ringdown::test

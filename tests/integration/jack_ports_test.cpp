@@ -1,0 +1,121 @@
+// Ports of objects and groups, their metadata, and notes from another client.
+#include "tests/integration/jack_fixture.h"
+#include "tests/integration/jack_recorder.h"
+#include "tests/support/keep_signals.h"
+
+#include <cmath>
+#include <fstream>
+
+namespace ringdown::test {
+namespace {
+
+constexpr double kRate = 48000;
+
+class JackPorts : public JackTest {
+ protected:
+  void SetUp() override {
+    JackTest::SetUp();
+    low_ = "low=" + bank("low.glb", 300, 2).string();
+    high_ = "high=" + bank("high.glb", 1200, 2).string();
+  }
+
+  [[nodiscard]] bool exists(const std::string& port) const { return server_.connections().contains(port); }
+
+  std::string low_, high_;
+};
+
+TEST_F(JackPorts, EachObjectHasItsOwnAndOthersComingAndGoingDoNotTouchIt) {
+  Daemon daemon({"--ports", "objects", "--object", low_, "--object", high_}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  ASSERT_TRUE(becomes_true([&] { return exists("ringdown:low") && exists("ringdown:high"); }));
+  JackRecorder recorder(server_.name(), "recorder", static_cast<std::size_t>(2 * kRate));
+  ASSERT_TRUE(recorder.connect("ringdown:low", "recorder:in_1"));
+  ASSERT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_2"));
+
+  ASSERT_TRUE(daemon.ask({"/object/high/free", {}}));
+  ASSERT_TRUE(daemon.ask({"/load", {"third", (folder_ / "high.glb").string()}}));
+  EXPECT_TRUE(becomes_true([&] { return exists("ringdown:third") && !exists("ringdown:high"); }));
+  EXPECT_TRUE(server_.connections()["ringdown:low"].contains("recorder:in_1"));
+
+  daemon.send(strike("third"));
+  recorder.freewheel(true);
+  ASSERT_TRUE(recorder.wait_for(static_cast<std::size_t>(2 * kRate)));
+  recorder.freewheel(false);
+  EXPECT_EQ(peak(recorder.samples(0)), 0) << "only its own object is heard at a port";
+  EXPECT_GT(peak(recorder.samples(1)), 0.01) << "all are heard in the mix";
+}
+
+TEST_F(JackPorts, AGroupSharesOneInWhichItsObjectsAreHeard) {
+  Daemon daemon({"--ports", "groups", "--object", low_, "--object", high_}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  EXPECT_TRUE(std::holds_alternative<protocol::Done>(*daemon.ask({"/object/low/group", {"bells"}})));
+  EXPECT_TRUE(std::holds_alternative<protocol::Done>(*daemon.ask({"/object/high/group", {"bells"}})));
+  ASSERT_TRUE(becomes_true([&] { return exists("ringdown:bells"); }));
+  JackRecorder recorder(server_.name(), "recorder", static_cast<std::size_t>(kRate));
+  ASSERT_TRUE(recorder.connect("ringdown:bells", "recorder:in_1"));
+  daemon.send(strike("low"));
+  daemon.send(strike("high"));
+  ASSERT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 2; }));
+  recorder.freewheel(true);
+  ASSERT_TRUE(recorder.wait_for(static_cast<std::size_t>(kRate)));
+  recorder.freewheel(false);
+  const Samples heard = recorder.samples(0);
+  KeepSignals keep(kRate);
+  keep.add("bells", heard);
+  const Spectrum bells = spectrum(std::span(heard).last(16384), kRate);
+  for (const double pitch_hz : {300., 1200.}) {
+    EXPECT_GT(bells.magnitude[static_cast<std::size_t>(std::lround(pitch_hz / bells.bin_hz))], 1e-3) << pitch_hz;
+  }
+  EXPECT_TRUE(std::holds_alternative<protocol::Done>(*daemon.ask({"/object/low/group", {}})));
+  EXPECT_TRUE(std::holds_alternative<protocol::Done>(*daemon.ask({"/object/high/group", {}})));
+  EXPECT_TRUE(becomes_true([&] { return !exists("ringdown:bells"); }));
+}
+
+TEST_F(JackPorts, PatchbaysLearnTheirNamesOrderAndGroup) {
+  if (!installed("jack_property")) GTEST_SKIP() << "needs jack_property (jack-tools)";
+  Daemon daemon({"--ports", "objects", "--object", low_}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  ASSERT_TRUE(becomes_true([&] { return exists("ringdown:low"); }));
+  const auto properties = [&] { return run({"jack_property", "-l"}, server_.environment()).output; };
+  EXPECT_TRUE(becomes_true([&] { return properties().find("value: low") != std::string::npos; })) << properties();
+  for (const char* wanted : {"pretty-name value: Mix left", "pretty-name value: Mix right", "port-group value: Mix",
+                             "port-group value: Objects", "order value: 0", "order value: 2"}) {
+    EXPECT_NE(properties().find(wanted), std::string::npos) << wanted << "\n" << properties();
+  }
+}
+
+TEST_F(JackPorts, ANoteFromAnotherClientLandsOnItsSample) {
+  std::ofstream(folder_ / "notes.toml") << "[[note]]\nnote = 48\nobject = 'low'\nimpulse_ns = [0, 0, 0.5]\n"
+                                           "contact_time_s = 0\n";
+  Daemon daemon({"--notes", (folder_ / "notes.toml").string(), "--object", low_}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  ASSERT_TRUE(exists("ringdown:midi_in"));
+  const auto frames = static_cast<std::size_t>(kRate);
+  JackRecorder keyboard(server_.name(), "keyboard", 1), recorder(server_.name(), "recorder", frames);
+  ASSERT_TRUE(keyboard.connect("keyboard:midi_out", "ringdown:midi_in"));
+  ASSERT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_1"));
+  recorder.freewheel(true);
+  ASSERT_TRUE(recorder.wait_for(4800));
+  keyboard.send({0x90, 48, 127});
+  ASSERT_TRUE(recorder.wait_for(frames));
+  recorder.freewheel(false);
+  const Samples heard = recorder.samples(0);
+  KeepSignals keep(kRate);
+  keep.add("heard", heard);
+  std::size_t first = 0;
+  while (first < heard.size() && heard[first] == 0) ++first;
+  ASSERT_LT(first, heard.size()) << "nothing was heard";
+  ASSERT_TRUE(keyboard.sent());
+  EXPECT_EQ(recorder.first_frame() + first, *keyboard.sent() + 1) << "a sine begins at zero";
+}
+
+TEST_F(JackPorts, AWrongNoteMapIsRefusedWithItsLine) {
+  std::ofstream(folder_ / "notes.toml") << "[[note]]\nnote = 200\nobject = 'low'\n";
+  const Outcome outcome =
+      run({program("ringdownd"), "--port", "0", "--notes", (folder_ / "notes.toml").string()}, server_.environment());
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.output.find("notes.toml:2"), std::string::npos) << outcome.output;
+}
+
+}  // namespace
+}  // namespace ringdown::test

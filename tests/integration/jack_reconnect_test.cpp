@@ -1,0 +1,149 @@
+// The JACK server goes and comes: the daemon stays, and so does what rings.
+#include "tests/integration/jack_fixture.h"
+#include "tests/integration/jack_recorder.h"
+#include "tests/support/keep_signals.h"
+
+#include <array>
+#include <cmath>
+#include <iostream>
+
+namespace ringdown::test {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+struct Format {
+  int rate, period, signal;
+};
+constexpr std::array<Format, 8> kLives = {{{44100, 128, SIGTERM},
+                                           {96000, 512, SIGKILL},
+                                           {48000, 64, SIGTERM},
+                                           {22050, 1024, SIGKILL},
+                                           {48000, 256, SIGKILL},
+                                           {192000, 2048, SIGTERM},
+                                           {44100, 256, SIGKILL},
+                                           {48000, 128, SIGTERM}}};
+
+class JackReconnect : public JackTest {
+ protected:
+  // What the tone sounds like now: a tenth of a second of our own recorder.
+  DampedSinusoid listen(int rate) {
+    const auto frames = static_cast<std::size_t>(rate / 5);
+    JackRecorder recorder(server_.name(), "listener", frames);
+    EXPECT_TRUE(recorder.works());
+    EXPECT_TRUE(recorder.connect("ringdown:out_left", "listener:in_1"));
+    recorder.freewheel(true);  // loses no block, however busy the machine
+    EXPECT_TRUE(recorder.wait_for(frames));
+    recorder.freewheel(false);
+    const Samples heard = recorder.samples(0);
+    KeepSignals keep(rate);
+    keep.add("listened-at-" + std::to_string(rate), heard);
+    return fit_damped_sinusoid(std::span(heard).subspan(frames / 2), rate);
+  }
+
+  // A connection to a port that jack_lsp lists.
+  [[nodiscard]] bool connected(const std::string& ours, const std::string& theirs) const {
+    const auto all = server_.connections();
+    const auto found = all.find(ours);
+    return found != all.end() && found->second.contains(theirs);
+  }
+};
+
+TEST_F(JackReconnect, EightServersOneAfterTheOtherAtOtherRatesAndPeriods) {
+  const auto slow = bank("slow.glb", kPitch_hz, 0.02);
+  Daemon daemon({"--object", "tone=" + slow.string(), "--connect"}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  ASSERT_TRUE(becomes_true([&] { return connected("ringdown:out_right", "system:playback_2"); }));
+  EXPECT_EQ(run({"jack_connect", "ringdown:out_left", "system:playback_2"}, server_.environment()).exit_code, 0);
+  daemon.send({"/object/tone/gain", {0.5f}});
+  daemon.send(strike("tone"));
+  ASSERT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 1; }));
+  const double loudness = listen(48000).amplitude();
+  ASSERT_GT(loudness, 0.01);
+
+  std::size_t survived = 0;
+  double slowest_s = 0;
+  for (const auto& [rate, period, signal] : kLives) {
+    SCOPED_TRACE(rate);
+    server_.stop(signal);
+    ASSERT_TRUE(becomes_true([&] { return daemon.process().output().find("went away") != std::string::npos; }));
+    server_.start(rate, period);
+    ASSERT_TRUE(server_.runs());
+    const auto back = Clock::now();
+    ASSERT_TRUE(becomes_true([&] {
+      return connected("ringdown:out_left", "system:playback_1") &&
+             connected("ringdown:out_left", "system:playback_2") &&
+             connected("ringdown:out_right", "system:playback_2");
+    })) << daemon.process().output();
+    slowest_s = std::max(slowest_s, std::chrono::duration<double>(Clock::now() - back).count());
+    const auto now = status(daemon);
+    ASSERT_TRUE(now);
+    EXPECT_EQ(now->sample_rate_hz, rate);
+    EXPECT_EQ(now->block_frames, period);
+    EXPECT_EQ(now->sounding_objects, 1);
+    const DampedSinusoid tone = listen(rate);
+    EXPECT_NEAR(tone.frequency_hz, kPitch_hz, 1e-3 * kPitch_hz) << "retuned to the server's rate";
+    EXPECT_LT(tone.amplitude(), 1.01 * loudness);
+    EXPECT_GT(tone.amplitude(), 0.05 * loudness) << "what was struck once still rings";
+    survived += !HasFailure();
+  }
+  EXPECT_EQ(survived, kLives.size());
+  EXPECT_EQ(status(daemon)->objects, 1);
+  std::cout << survived << " of " << kLives.size() << " servers met again, the slowest "
+            << static_cast<int>(1000 * slowest_s) << " ms after it answered\n";
+  daemon.process().send_signal(SIGTERM);
+  EXPECT_EQ(daemon.process().wait(20s), 0) << daemon.process().output();
+}
+
+TEST_F(JackReconnect, AConnectionComesBackWhenTheOtherClientDoes) {
+  Daemon daemon({"--object", "tone=" + bank_.string()}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  {
+    JackRecorder mixing_desk(server_.name(), "desk", 1);
+    ASSERT_TRUE(mixing_desk.connect("ringdown:out_left", "desk:in_2"));
+    ASSERT_TRUE(becomes_true([&] { return connected("ringdown:out_left", "desk:in_2"); }));
+    std::this_thread::sleep_for(300ms);  // the daemon looks ten times a second
+    server_.stop(SIGKILL);
+  }
+  server_.start(48000, 256);
+  ASSERT_TRUE(server_.runs());
+  ASSERT_TRUE(becomes_true([&] { return server_.connections().contains("ringdown:out_left"); }));
+  JackRecorder mixing_desk(server_.name(), "desk", 1);
+  EXPECT_TRUE(becomes_true([&] { return connected("ringdown:out_left", "desk:in_2"); })) << daemon.process().output();
+}
+
+TEST_F(JackReconnect, WithoutAServerTimePassesAndMessagesAreServed) {
+  Daemon daemon({"--object", "tone=" + bank_.string()}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  server_.stop(SIGKILL);
+  ASSERT_TRUE(becomes_true([&] { return daemon.process().output().find("went away") != std::string::npos; }));
+  daemon.send(strike("tone"));
+  EXPECT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 1; }));
+  EXPECT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 0; })) << "it dies away in silence";
+  EXPECT_TRUE(std::holds_alternative<protocol::Done>(*daemon.ask({"/object/tone/free", {}})));
+  daemon.process().send_signal(SIGTERM);
+  EXPECT_EQ(daemon.process().wait(20s), 0) << daemon.process().output();
+}
+
+TEST_F(JackReconnect, ItWaitsForAServerIfAsked) {
+  server_.stop();
+  Daemon daemon({"--wait", "--object", "tone=" + bank_.string(), "--connect"}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  EXPECT_EQ(status(daemon)->sample_rate_hz, 48000);
+  server_.start(44100, 512);
+  ASSERT_TRUE(server_.runs());
+  EXPECT_TRUE(becomes_true([&] { return connected("ringdown:out_left", "system:playback_1"); }));
+  EXPECT_EQ(status(daemon)->sample_rate_hz, 44100);
+  EXPECT_EQ(status(daemon)->block_frames, 512);
+}
+
+TEST_F(JackReconnect, WithoutAServerItDoesNotStart) {
+  server_.stop();
+  const Outcome outcome = run({program("ringdownd"), "--port", "0"}, server_.environment());
+  EXPECT_EQ(outcome.exit_code, 4);
+  EXPECT_NE(outcome.output.find("--wait"), std::string::npos) << outcome.output;
+}
+
+}  // namespace
+}  // namespace ringdown::test

@@ -1,0 +1,75 @@
+#include "tests/integration/jack_recorder.h"
+
+#include <jack/jack.h>
+#include <jack/midiport.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <thread>
+
+namespace ringdown::test {
+
+JackRecorder::JackRecorder(const std::string& server, const std::string& name, std::size_t frames) {
+  for (auto& track : tracks_) track.resize(frames);
+  const auto options = static_cast<jack_options_t>(JackNoStartServer | JackServerName);
+  client_ = jack_client_open(name.c_str(), options, nullptr, server.c_str());
+  if (!client_) return;
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    ports_[i] = jack_port_register(client_, i == 0 ? "in_1" : "in_2", JACK_DEFAULT_AUDIO_TYPE, JackPortIsInput, 0);
+  }
+  midi_out_ = jack_port_register(client_, "midi_out", JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput, 0);
+  jack_set_process_callback(
+      client_, [](jack_nframes_t count, void* self) { return static_cast<JackRecorder*>(self)->process(count); }, this);
+  jack_activate(client_);
+}
+
+JackRecorder::~JackRecorder() {
+  if (client_) jack_client_close(client_);
+}
+
+bool JackRecorder::connect(const std::string& from, const std::string& to) {
+  const int error = jack_connect(client_, from.c_str(), to.c_str());
+  return error == 0 || error == EEXIST;
+}
+
+void JackRecorder::freewheel(bool on) { jack_set_freewheel(client_, on ? 1 : 0); }
+
+int JackRecorder::process(std::uint32_t frames) {
+  const std::uint32_t now = jack_last_frame_time(client_);
+  void* const midi = jack_port_get_buffer(midi_out_, frames);
+  jack_midi_clear_buffer(midi);
+  if (to_send_.exchange(false)) {
+    jack_midi_event_write(midi, frames / 2, message_.data(), message_.size());
+    sent_ = now + frames / 2;
+  }
+  const std::size_t at = recorded_;
+  if (at == 0 && jack_port_connected(ports_[0]) == 0) return 0;
+  if (at == 0) first_frame_ = now;
+  const std::size_t count = std::min<std::size_t>(frames, tracks_[0].size() - at);
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    std::copy_n(static_cast<float*>(jack_port_get_buffer(ports_[i], frames)), count, tracks_[i].data() + at);
+  }
+  recorded_ = at + count;
+  return 0;
+}
+
+void JackRecorder::send(const std::array<std::uint8_t, 3>& message) {
+  message_ = message;
+  to_send_ = true;
+}
+
+std::optional<std::uint32_t> JackRecorder::sent() const {
+  return sent_ < 0 ? std::nullopt : std::optional(static_cast<std::uint32_t>(sent_));
+}
+
+bool JackRecorder::wait_for(std::size_t frames, std::chrono::seconds limit) const {
+  const auto end = std::chrono::steady_clock::now() + limit;
+  while (recorded_ < frames && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return recorded_ >= frames;
+}
+
+Samples JackRecorder::samples(std::size_t port) const { return to_doubles(std::span(tracks_[port]).first(recorded_)); }
+
+}  // namespace ringdown::test

@@ -1,0 +1,59 @@
+// A JACK client that keeps every sample it gets: also in freewheel, where a program that writes to disk loses some.
+#pragma once
+
+#include "tests/support/signal.h"
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+struct _jack_client;
+struct _jack_port;
+
+namespace ringdown::test {
+
+class JackRecorder {
+ public:
+  // Client `name` with ports in_1 and in_2, at the server of that name; records up to `frames` from the first on in
+  // which something is connected.
+  JackRecorder(const std::string& server, const std::string& name, std::size_t frames);
+  ~JackRecorder();
+  JackRecorder(const JackRecorder&) = delete;
+  JackRecorder& operator=(const JackRecorder&) = delete;
+
+  [[nodiscard]] bool works() const { return client_ != nullptr; }
+  bool connect(const std::string& from, const std::string& to);
+  void freewheel(bool on);
+
+  // Sends a MIDI message from midi_out, in the middle of a block; sent() is then the server's frame at which it is.
+  void send(const std::array<std::uint8_t, 3>& message);
+  [[nodiscard]] std::optional<std::uint32_t> sent() const;
+
+  // The server's frame of the first one recorded.
+  [[nodiscard]] std::uint32_t first_frame() const { return first_frame_; }
+
+  [[nodiscard]] std::size_t recorded() const { return recorded_; }
+  bool wait_for(std::size_t frames, std::chrono::seconds limit = std::chrono::seconds(60)) const;
+  // What was recorded so far, of in_1 (0) or in_2 (1).
+  [[nodiscard]] Samples samples(std::size_t port) const;
+
+ private:
+  int process(std::uint32_t frames);
+
+  _jack_client* client_;
+  std::array<_jack_port*, 2> ports_{};
+  std::array<std::vector<float>, 2> tracks_;
+  std::atomic<std::size_t> recorded_ = 0;
+  std::atomic<std::uint32_t> first_frame_ = 0;
+  _jack_port* midi_out_ = nullptr;
+  std::array<std::uint8_t, 3> message_{};
+  std::atomic<bool> to_send_ = false;
+  std::atomic<std::int64_t> sent_ = -1;
+};
+
+}  // namespace ringdown::test

@@ -1,0 +1,57 @@
+// Which bus an object gets, and that nobody else's moves.
+#include "server/buses.h"
+
+#include <gtest/gtest.h>
+
+namespace ringdown::server {
+namespace {
+
+TEST(Buses, NobodyMovesWhenAnotherComesOrGoes) {
+  Buses buses;
+  buses.set_mode(PortMode::objects);
+  const auto a = buses.join(0, "a", ""), b = buses.join(1, "b", ""), c = buses.join(2, "c", "");
+  ASSERT_TRUE(a && b && c);
+  buses.leave(1);
+  EXPECT_EQ(buses.names(), (std::map<std::size_t, std::string>{{*a, "a"}, {*c, "c"}}));
+  EXPECT_EQ(buses.join(2, "c", ""), c) << "a new bank of the same object";
+  EXPECT_EQ(buses.join(3, "d", ""), b) << "the place that is free";
+  EXPECT_EQ(buses.names(), (std::map<std::size_t, std::string>{{*a, "a"}, {*b, "d"}, {*c, "c"}}));
+}
+
+TEST(Buses, AGroupIsThereAsLongAsItHasAnObject) {
+  Buses buses;
+  buses.set_mode(PortMode::groups);
+  EXPECT_FALSE(buses.join(0, "a", ""));
+  const auto metal = buses.join(0, "a", "metal");
+  ASSERT_TRUE(metal);
+  EXPECT_EQ(buses.join(1, "b", "metal"), metal);
+  buses.leave(0);
+  EXPECT_EQ(buses.names().size(), 1u);
+  const auto wood = buses.join(1, "b", "wood");
+  EXPECT_EQ(buses.names(), (std::map<std::size_t, std::string>{{*wood, "wood"}}));
+  EXPECT_FALSE(buses.join(1, "b", ""));
+  EXPECT_TRUE(buses.names().empty());
+}
+
+TEST(Buses, TheMixAloneNeedsNone) {
+  Buses buses;
+  EXPECT_FALSE(buses.join(0, "a", "metal"));
+  EXPECT_TRUE(buses.names().empty());
+  EXPECT_EQ(buses.overflow(), 0u);
+}
+
+TEST(Buses, OneMoreThanThereAreIsHeardInTheMixOnly) {
+  Buses buses;
+  buses.set_mode(PortMode::objects);
+  for (std::size_t i = 0; i < synth::kMostBuses; ++i) {
+    EXPECT_TRUE(buses.join(static_cast<protocol::ObjectNumber>(i), "o" + std::to_string(i), ""));
+  }
+  EXPECT_EQ(buses.overflow(), 0u);
+  EXPECT_FALSE(buses.join(1000, "one more", ""));
+  EXPECT_EQ(buses.overflow(), 1u);
+  buses.leave(5);
+  EXPECT_EQ(buses.join(1000, "one more", ""), 5u);
+}
+
+}  // namespace
+}  // namespace ringdown::server

@@ -1,0 +1,160 @@
+// Notes as a listener hears them: the player and a mixer, no JACK.
+#include "server/midi_player.h"
+#include "tests/support/signal.h"
+#include "tests/support/synthetic_bank.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace ringdown::server {
+namespace {
+
+using test::Samples;
+
+constexpr double kRate = 48000;
+constexpr std::uint8_t kOn = 0x90, kOff = 0x80, kControl = 0xb0, kSustain = 64, kDamp = 67;
+
+class MidiPlayerTest : public testing::Test {
+ protected:
+  MidiPlayerTest() {
+    for (protocol::ObjectNumber object = 0; object < 2; ++object) {
+      const auto map = std::make_shared<const modal::StrikeMap>(test::shared(test::single_mode_bank(1000, 0.1)));
+      auto voice = std::make_unique<synth::Voice>(map, modal::MaterialScale{}, kRate);
+      EXPECT_TRUE(mixer_.install(object, std::move(voice), synth::Mixer::Install::replace));
+    }
+    table_.notes[60] = NoteTable::Strike{.object = 0, .point_m = {1, 0, 0}, .impulse_ns = {0, 0, 1}};
+    table_.notes[61] = NoteTable::Strike{.object = 1, .point_m = {1, 0, 0}, .impulse_ns = {0, 0, 1}};
+    table_.notes[62] = table_.notes[60];  // the same object again
+  }
+
+  void play(std::uint8_t status, std::uint8_t first, std::uint8_t second, protocol::Frame after = 0) {
+    const std::array<std::uint8_t, 3> message{status, first, second};
+    player_.play(message, mixer_.counters().frames + after, table_, mixer_);
+  }
+
+  // The loudest sample of the next frames.
+  double hear(std::size_t frames) {
+    std::vector<float> left(frames), right(frames);
+    mixer_.render(left, right);
+    last_ = test::to_doubles(left);
+    return test::peak(last_);
+  }
+
+  synth::Mixer mixer_{kRate};
+  NoteTable table_;
+  MidiPlayer player_;
+  Samples last_;
+};
+
+TEST_F(MidiPlayerTest, ANoteLandsOnItsSample) {
+  play(kOn, 60, 127, 137);
+  hear(1000);
+  EXPECT_EQ(test::peak(std::span(last_).first(138)), 0) << "a sine begins at zero";
+  EXPECT_NE(last_[138], 0);
+}
+
+TEST_F(MidiPlayerTest, HalfTheVelocityIsAQuarterOfTheImpulse) {
+  play(kOn, 60, 127);
+  const double loud = hear(480);
+  play(kControl, 120, 0);
+  hear(2000);
+  play(kOn, 60, 64);
+  EXPECT_NEAR(hear(480) / loud, std::pow(64.0 / 127, 2), 1e-3);
+}
+
+TEST_F(MidiPlayerTest, ASoftBlowIsDuller) {
+  table_.notes[60]->contact_time_s = 3e-4;
+  play(kOn, 60, 127);
+  const double loud = hear(480);
+  play(kControl, 120, 0);
+  hear(2000);
+  play(kOn, 60, 20);
+  const double quiet = hear(480), share = std::pow(20.0 / 127, 2);
+  // The half sine's spectrum at 1 kHz, for a contact (1 / share)^(1/5) times as long.
+  const auto spectrum = [](double tau) { return std::cos(M_PI * 1000 * tau) / (1 - std::pow(2 * 1000 * tau, 2)); };
+  EXPECT_NEAR(quiet / loud, share * spectrum(3e-4 * std::pow(share, -0.2)) / spectrum(3e-4), 1e-3 * share);
+}
+
+TEST_F(MidiPlayerTest, NotesRingOnWhenReleasedUnlessTheMapSaysOtherwise) {
+  play(kOn, 60, 127);
+  const double loud = hear(480);
+  play(kOff, 60, 0);
+  hear(48000);
+  EXPECT_GT(hear(480), 0.8 * loud);
+  table_.release_s = 0.1;
+  play(kOn, 60, 1);
+  play(kOff, 60, 0);
+  hear(2400);
+  EXPECT_NEAR(hear(48) / loud, 0.5, 0.06) << "half way through the damping";
+  hear(2400);
+  EXPECT_EQ(hear(480), 0);
+}
+
+TEST_F(MidiPlayerTest, TheSustainPedalKeepsReleasedNotesUntilItIsLifted) {
+  table_.release_s = 0.01;
+  play(kControl, kSustain, 127);
+  play(kOn, 60, 127);
+  play(kOn, 61, 127);
+  play(kOff, 60, 0);
+  hear(9600);
+  EXPECT_GT(hear(480), 0);
+  EXPECT_EQ(mixer_.counters().ringing_voices, 2u);
+  play(kControl, kSustain, 0);
+  hear(960);
+  hear(128);
+  EXPECT_EQ(mixer_.counters().ringing_voices, 1u) << "the key that is still down";
+}
+
+TEST_F(MidiPlayerTest, TheDampPedalIsAHandOnEverything) {
+  table_.damp_s = 0.05;
+  play(kOn, 60, 127);
+  play(kOff, 60, 0);
+  play(kOn, 61, 127);
+  hear(480);
+  play(kControl, kDamp, 127);
+  hear(2600);
+  EXPECT_EQ(hear(480), 0);
+  play(kOn, 60, 127);
+  EXPECT_GT(hear(480), 0) << "struck under the hand it sounds as long as the key is down";
+  play(kOn, 60, 0);  // a note on of velocity 0 is a note off
+  hear(2600);
+  EXPECT_EQ(hear(480), 0);
+}
+
+TEST_F(MidiPlayerTest, AnObjectThatAnotherKeyHoldsIsNotDamped) {
+  table_.release_s = 0.01;
+  play(kOn, 60, 127);
+  play(kOn, 62, 127);
+  play(kOff, 60, 0);
+  hear(4800);
+  EXPECT_GT(hear(480), 0);
+  play(kOff, 62, 0);
+  hear(4800);
+  EXPECT_EQ(hear(480), 0);
+}
+
+TEST_F(MidiPlayerTest, DampingDoesNotClick) {
+  play(kOn, 60, 127);
+  hear(4800);
+  const double step = test::largest_step(last_, 1, last_.size());
+  play(kControl, kDamp, 127);
+  hear(9600);
+  EXPECT_LE(test::largest_step(last_, 1, last_.size()), 1.01 * step);
+}
+
+TEST_F(MidiPlayerTest, WhatIsNoNoteIsPassedOver) {
+  const std::vector<std::vector<std::uint8_t>> odd = {
+      {}, {kOn}, {kOn, 60}, {0xf8}, {0xf0, 1, 2, 3, 0xf7}, {0xe0, 0, 64}, {kOn, 10, 100}, {0xff, 0xff, 0xff}};
+  for (const auto& message : odd) player_.play(message, 0, table_, mixer_);
+  EXPECT_EQ(hear(480), 0);
+  EXPECT_EQ(player_.dropped(), 0u);
+}
+
+TEST_F(MidiPlayerTest, NotesThatTheMixerCannotTakeAreCounted) {
+  for (std::size_t i = 0; i < synth::kQueueCapacity + 1; ++i) play(kOn, 60, 127);
+  EXPECT_EQ(player_.dropped(), 1u);
+}
+
+}  // namespace
+}  // namespace ringdown::server

@@ -1,0 +1,96 @@
+// Files that say what notes strike, and what is chosen where they say nothing.
+#include "server/note_map.h"
+#include "tests/support/synthetic_bank.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <unistd.h>
+
+namespace ringdown::server {
+namespace {
+
+class NoteMapTest : public testing::Test {
+ protected:
+  ~NoteMapTest() override { std::filesystem::remove(path_); }
+
+  Result<NoteMap> read(const std::string& text) {
+    std::ofstream(path_) << text;
+    return read_note_map(path_);
+  }
+  std::string refusal(const std::string& text) {
+    const auto map = read(text);
+    return map ? "accepted" : map.error().message;
+  }
+
+  std::filesystem::path path_ =
+      std::filesystem::temp_directory_path() / ("notes-" + std::to_string(::getpid()) + ".toml");
+};
+
+RackObject object(const std::string& name, protocol::ObjectNumber number, modal::Bank bank) {
+  return {
+      .name = name, .number = number, .map = std::make_shared<const modal::StrikeMap>(test::shared(std::move(bank)))};
+}
+
+TEST_F(NoteMapTest, WhatTheFileSaysIsWhatIsStruck) {
+  const auto map = read(
+      "release_s = 0.3\ndamp_s = 0.2\n[[note]]\nnote = 40\nobject = 'bar'\npoint_m = [0.1, 0, 0]\n"
+      "impulse_ns = [0, 0, -0.5]\ncontact_time_s = 0.001\n[[note]]\nnote = 41\nobject = 'not loaded yet'\n");
+  ASSERT_FALSE(map) << "a name has no blanks";
+  const auto good = read(
+      "release_s = 0.3\ndamp_s = 0.2\n[[note]]\nnote = 40\nobject = 'bar'\npoint_m = [0.1, 0, 0]\n"
+      "impulse_ns = [0, 0, -0.5]\ncontact_time_s = 0.001\n[[note]]\nnote = 41\nobject = 'later'\n");
+  ASSERT_TRUE(good) << good.error().message;
+  const NoteTable table = resolve(*good, {object("bar", 7, test::bar_bank(5))});
+  ASSERT_TRUE(table.notes[40]);
+  EXPECT_EQ(table.notes[40]->object, 7u);
+  EXPECT_EQ(table.notes[40]->point_m.x, 0.1);
+  EXPECT_EQ(table.notes[40]->impulse_ns.z, -0.5);
+  EXPECT_EQ(table.notes[40]->contact_time_s, 0.001);
+  EXPECT_EQ(table.release_s, 0.3);
+  EXPECT_EQ(table.damp_s, 0.2);
+  EXPECT_FALSE(table.notes[41]);
+  EXPECT_FALSE(table.notes[60]) << "with a map, only the map";
+}
+
+TEST_F(NoteMapTest, EveryFaultIsASentenceWithItsLine) {
+  const auto begins = [&](const std::string& text, const std::string& line, const std::string& word) {
+    const std::string sentence = refusal(text);
+    EXPECT_NE(sentence.find(path_.string() + ":" + line), std::string::npos) << sentence;
+    EXPECT_NE(sentence.find(word), std::string::npos) << sentence;
+  };
+  begins("[[note]]\nnote = 128\nobject = 'a'\n", "2", "note");
+  begins("[[note]]\nnote = -1\nobject = 'a'\n", "2", "note");
+  begins("[[note]]\nnote = 1\n", "1", "object");
+  begins("[[note]]\nnote = 1\nobject = '12'\n", "3", "object");
+  begins("[[note]]\nnote = 1\nobject = 'a'\n[[note]]\nnote = 1\nobject = 'b'\n", "5", "note");
+  begins("[[note]]\nnote = 1\nobject = 'a'\ncontact_time_s = 0.2\n", "4", "contact_time_s");
+  begins("[[note]]\nnote = 1\nobject = 'a'\nimpulse_ns = [0, 1]\n", "4", "impulse_ns");
+  begins("relaese_s = 1\n", "1", "relaese_s");
+  begins("release_s = 0\n", "1", "release_s");
+}
+
+TEST_F(NoteMapTest, WithoutAMapTheObjectsLieInARowFromMiddleC) {
+  const NoteTable table =
+      resolve(std::nullopt, {object("second", 3, test::bar_bank(5)), object("first", 1, test::bar_bank(5))});
+  ASSERT_TRUE(table.notes[60] && table.notes[61]);
+  EXPECT_EQ(table.notes[60]->object, 1u);
+  EXPECT_EQ(table.notes[61]->object, 3u);
+  EXPECT_FALSE(table.notes[59] || table.notes[62]);
+  EXPECT_FALSE(table.release_s);
+}
+
+TEST_F(NoteMapTest, ABarIsStruckAtAnEndWhereAllItsModesMove) {
+  const RackObject bar = object("bar", 0, test::bar_bank(5));
+  const NoteTable table = resolve(std::nullopt, {bar});
+  ASSERT_TRUE(table.notes[60]);
+  const auto& strike = *table.notes[60];
+  const auto& positions = bar.map->bank().positions;
+  EXPECT_TRUE(strike.point_m.x == positions.front()[0] || strike.point_m.x == positions.back()[0]);
+  EXPECT_NEAR(std::abs(strike.impulse_ns.z), kDefaultVelocity_m_s * bar.map->bank().mass->mass_kg, 1e-6);
+  EXPECT_EQ(strike.impulse_ns.x, 0);
+}
+
+}  // namespace
+}  // namespace ringdown::server
