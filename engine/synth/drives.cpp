@@ -1,5 +1,6 @@
 #include "engine/synth/drives.h"
 
+#include <limits>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -30,6 +31,16 @@ void Drive::fill(protocol::Frame first, std::size_t count, const float* samples,
   } else {
     std::fill_n(impulses, count, 0.0);
   }
+}
+
+void Drive::rescale(protocol::Frame now, double ratio) {
+  const auto moved = [now, ratio](protocol::Frame frame) {
+    return now + static_cast<protocol::Frame>(std::llround(static_cast<double>(frame - now) * ratio));
+  };
+  if (input) return;
+  place.frame = moved(place.frame);
+  if (end != std::numeric_limits<protocol::Frame>::max()) end = moved(end);
+  pulse = pulse.stretched(ratio);
 }
 
 }  // namespace ringdown::synth

@@ -30,6 +30,11 @@ class HalfSine {
   HalfSine() = default;
   explicit HalfSine(double frames) RINGDOWN_REALTIME;  // >= kShortestPulse_frames
 
+  // The same contact in frames of another length. [worker]
+  [[nodiscard]] HalfSine stretched(double ratio) const {
+    return HalfSine(frames_ * ratio > kShortestPulse_frames ? frames_ * ratio : kShortestPulse_frames);
+  }
+
   // The impulse in frames first ... first + count - 1; the sum over all is 1.
   void fill(protocol::Frame first, std::size_t count, double* impulses) const RINGDOWN_REALTIME;
   [[nodiscard]] bool over_at(protocol::Frame frame) const RINGDOWN_REALTIME {
@@ -47,6 +52,9 @@ struct Drive {
   std::optional<std::size_t> input;                                             // whose samples are the force; else:
   HalfSine pulse;
   protocol::Frame end = 0;  // it is cut off there
+
+  // Frames are of another length from `now` on. [worker]
+  void rescale(protocol::Frame now, double ratio);
 
   // The impulse in frames first ... first + count - 1 of the mixer; `input` are that input's samples, or null.
   void fill(protocol::Frame first, std::size_t count, const float* samples, double* impulses) const RINGDOWN_REALTIME;

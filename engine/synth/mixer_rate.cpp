@@ -36,6 +36,8 @@ void Mixer::change_sample_rate(double sample_rate_hz) {
       ramp->end = moved(ramp->end);
     }
     if (object.current) retune(object.current);
+    for (std::size_t i = 0; i < object.drive_count; ++i) drives_[object.drives[i]].rescale(now_, ratio);
+    place_drives_again(object);
     for (Voice** link = &object.tails; *link; link = &(*link)->next) retune(*link);
   }
   for (Kin& kin : families_) {

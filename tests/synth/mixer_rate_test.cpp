@@ -117,6 +117,24 @@ TEST(MixerRate, ObjectsThatShareTheirStatesGoOnSharing) {
   EXPECT_LT(relative_error(player.left_from(static_cast<std::size_t>(begin)), expected(0, 44100, 20000)), 1e-5);
 }
 
+TEST(MixerRate, AContactThatLastsGoesOn) {
+  const auto play = [](bool change) {
+    auto player = std::make_unique<Player>();
+    player->mixer.set_exact_contacts(true);
+    player->install(0, map_of(single_mode_bank(100, 1)));
+    player->push(strike_at(0, 0, {0, 0, 1}, 0.01));
+    player->render(240);  // half of the contact
+    if (change) player->mixer.change_sample_rate(2 * kRate);
+    player->render(change ? 9600 : 4800);
+    return player;
+  };
+  const auto changed = play(true), plain = play(false);
+  const std::span<const double> twice = changed->left_from(240), once = plain->left_from(240);
+  Samples every_other;
+  for (std::size_t n = 0; n < twice.size(); n += 2) every_other.push_back(twice[n]);
+  EXPECT_LT(relative_error(every_other, Samples(once.begin(), once.end())), 1e-2);
+}
+
 TEST(MixerRate, EventsOfOneFrameKeepTheirOrderEvenWhenTwoFramesBecomeOne) {
   Player player;
   player.install(0, map_of(single_mode_bank(kPitch_hz, 0.01)));
