@@ -174,5 +174,17 @@ TEST(TomlTable, AMissingOrEndlessFileIsRefused) {
   EXPECT_FALSE(TomlTable::read("/dev/zero"));
 }
 
+TEST(TomlTable, RefusesWhatItsParserTakesForImpossible) {
+  for (const char* text : {"[*scene]", "[ *a]", "[[*a]]", "[.a]", "[\"", "x = 1 \u0391", "\u0391 = 1", "x = \u0391"}) {
+    EXPECT_NE(complaint(text, [](TomlTable&) {}), "") << text;
+  }
+  EXPECT_EQ(complaint("x = \"\u0391\"  # \u0391",
+                      [](TomlTable& file) {
+                        std::string text;
+                        file.text("x", text);
+                      }),
+            "");
+}
+
 }  // namespace
 }  // namespace ringdown
