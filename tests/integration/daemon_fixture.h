@@ -30,7 +30,6 @@ class JackServer {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] Process::Environment environment() const;  // makes clients use it, and never start another
   [[nodiscard]] bool runs();
-  [[nodiscard]] const std::string& name() const { return name_; }
 
   // Ports and what they are connected to, as jack_lsp -c says.
   [[nodiscard]] std::map<std::string, std::set<std::string>> connections() const;
