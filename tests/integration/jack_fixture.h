@@ -17,6 +17,12 @@ class JackTest : public testing::Test {
  public:
   static constexpr double kPitch_hz = 987.5, kDecay_per_s = 8;
 
+  // What /status says.
+  static std::optional<protocol::StatusReply> status(Daemon& daemon);
+
+  // The message that strikes an object of one mode.
+  static protocol::Message strike(const std::string& object, double impulse_ns = 0.5);
+
  protected:
   void SetUp() override;
 
@@ -25,12 +31,6 @@ class JackTest : public testing::Test {
 
   // Records `seconds` of the daemon's left output with jack_rec while `play` runs.
   Samples record(double seconds, const std::function<void()>& play);
-
-  // What /status says.
-  static std::optional<protocol::StatusReply> status(Daemon& daemon);
-
-  // The message that strikes an object of one mode.
-  static protocol::Message strike(const std::string& object, double impulse_ns = 0.5);
 
   ScratchFolder folder_;
   std::filesystem::path bank_ = folder_ / "tone.glb";
