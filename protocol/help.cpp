@@ -12,12 +12,14 @@ constexpr std::string_view kHead = R"(# The protocol
 
 <!-- Written by `ringdown protocol --markdown` from the table in protocol/table.cpp. Change it there. -->
 
-Ringdown is played over OSC 1.0 by UDP, on port {port} of this computer unless the daemon was started with others.
+Ringdown is played over OSC 1.0 by UDP, on port {port} of this computer unless the daemon was started with others. With
+`--tcp PORT` it is as well over TCP, in SLIP frames as OSC 1.1 has it; with `--query PORT` the table below is served as
+JSON over HTTP, as OSCQuery has it, for hosts that list what there is to control.
 
 - **Units** are SI: m, kg, s, N s. Points and impulses are in the object's own frame, the one of its mesh.
 - **Numbers** may be sent as any of the OSC types `i` `h` `f` `d`. They must be finite and in range, and whole where a
-  whole number is wanted: Pure Data's 3.0 is 3. Text is type `s`, records are a blob, type `b`. Arguments in [brackets] may be left out, from the
-  right.
+  whole number is wanted: Pure Data's 3.0 is 3. Text is type `s`, records are a blob, type `b`. Arguments in [brackets]
+  may be left out, from the right.
 - **Objects** have a name (1 to 64 of `A-Z a-z 0-9 _ . -`, not digits only) and a number; both serve in an address:
   `/object/bell/strike`, `/object/0/strike`.
 - **Contact time**: a strike that names none lasts 0.2 ms. An ideal impulse (0 s) excites every mode up to 20 kHz alike,
@@ -33,7 +35,9 @@ Ringdown is played over OSC 1.0 by UDP, on port {port} of this computer unless t
 - **Patterns** of OSC 1.0 stand for objects, and for what follows them: `/object/glass*/gain`,
   `/object/{bell,bowl}/[!f]*`. `?` is one character, `*` any number, `[a-z]` and `[!a-z]` a set, `{low,high}` words. They
   are matched with names, not numbers; one that matches nothing is a `/fail`.
-- **Limits**: 64 arguments, an address of 256 characters. A datagram with any fault in it is refused whole.
+- **Limits**: 64 arguments, an address of 256 characters; [limits.md](limits.md) has them all. A datagram with any fault in
+  it is refused whole. In a flood, strikes on one point of an object less than `--merge` apart (1 ms unless set) become
+  one of their summed impulse, so that none is lost; below 64 strikes in that time all pass as they are.
 
 )";
 

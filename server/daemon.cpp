@@ -7,6 +7,7 @@
 #include "server/note_map.h"
 #include "server/offline.h"
 #include "server/osc_server.h"
+#include "server/query_server.h"
 #include "server/recorder.h"
 #include "server/remote_strikes.h"
 #include "server/service_notice.h"
@@ -117,6 +118,15 @@ Result<std::shared_ptr<OscStream>> open_stream(const DaemonOptions& options) {
   return std::shared_ptr<OscStream>(std::move(*stream));
 }
 
+Result<std::unique_ptr<QueryServer>> open_query(const DaemonOptions& options, std::uint16_t osc_port,
+                                                const Rack& rack) {
+  if (!options.query_port) return nullptr;
+  auto query = QueryServer::listen(*options.query_port,
+                                   {options.jack_name, options.address, osc_port, [&rack] { return rack.names(); }});
+  if (query) spdlog::info("OSCQuery on http://{}:{}", options.address, (*query)->port());
+  return query;
+}
+
 // What shall be written when the session is over.
 Result<void> write_results(const DaemonOptions& options, Recorder& recorder, protocol::Frame end, Captured captured) {
   if (options.record && recorder.records()) {
@@ -152,6 +162,8 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   }
   auto stream = open_stream(options);
   if (!stream) return report(stream.error(), ExitCode::port_busy);
+  const auto query = open_query(options, socket.port(), session.rack());
+  if (!query) return report(query.error(), ExitCode::port_busy);
   std::unique_ptr<Driver> driver = std::move(opened);  // after the session, so that it stops before that goes
   session.rack().set_on_change([&driver] { driver->program_changed(); });
   if (options.scene_to) {

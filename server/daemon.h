@@ -26,6 +26,7 @@ struct DaemonOptions {
   std::string address = "127.0.0.1";    // where OSC is received
   std::uint16_t port = protocol::kDefaultPort;   // 0: any free one
   std::optional<std::uint16_t> tcp_port;         // OSC by TCP as well; 0: any free one
+  std::optional<std::uint16_t> query_port;       // OSCQuery over HTTP; 0: any free one
   std::optional<std::filesystem::path> record;   // the whole session, as an OSC score
   std::optional<std::filesystem::path> capture;  // what the null driver renders, as a sound file
   double merge_s = 0.001;                        // strikes so close on one point are one, in a flood (strike_merger.h)

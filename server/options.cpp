@@ -80,6 +80,9 @@ void add_osc(CLI::App& app, DaemonOptions& options) {
   app.add_option("--tcp", options.tcp_port,
                  "Receive OSC by TCP too, framed by SLIP, on this port; 0 takes any free one")
       ->type_name("PORT");
+  app.add_option("--query", options.query_port,
+                 "Describe the namespace by OSCQuery: JSON over HTTP, read-only, on this port; 0 takes any free one")
+      ->type_name("PORT");
   app.add_option_function<std::string>(
          "--latency", [&options](const std::string& text) { options.latency = parse_latency_option(text); },
          "From an untimed message to its sound, always the same: frames, or with ms; default one block and a 16th")

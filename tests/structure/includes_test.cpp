@@ -58,6 +58,7 @@ struct LibraryRule {
 const std::vector<LibraryRule> kLibraryRules = {
     {"jack/", {"server/jack_"}, 4},
     {"lo/", {"server/"}, 1},
+    {"httplib.h", {"server/"}, 1},
     {"ode/", {"engine/scene/"}, 2},
     {"Spectra/", {"engine/solve/"}, 1},
     {"cholmod.h", {"engine/solve/"}},
@@ -73,7 +74,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"petsc", {"clients/cli/slepc/"}, 2, {"clients/cli/slepc/"}},
     {"metis.h", {"engine/solve/"}, 1},
     {"hwy/", {"engine/synth/"}, 1000, {"engine/synth/mode_vectors-inl.h"}},
-    {"nlohmann/", {"engine/modal/", "clients/cli/"}, 1000, {"engine/modal/glb.h"}},
+    {"nlohmann/", {"engine/modal/", "server/", "clients/cli/"}, 1000, {"engine/modal/glb.h"}},
     {"tl/", {"engine/base/"}, 1, {"engine/base/"}},
     {"toml++/", {"engine/base/"}, 1},
     {"xxhash.h", {"engine/base/"}, 1},
