@@ -1,5 +1,6 @@
 #include "server/osc_socket.h"
 
+#include <algorithm>
 #include <arpa/inet.h>
 #include <array>
 #include <cerrno>
@@ -15,7 +16,6 @@
 namespace ringdown::server {
 namespace {
 
-constexpr std::size_t kLargestDatagram = 65536;
 constexpr int kReceiveBuffer = 4 << 20;
 
 sockaddr_in to_sockaddr(Endpoint endpoint) {
@@ -100,12 +100,16 @@ Result<OscSocket> OscSocket::bind(Endpoint endpoint) {
 }
 
 OscSocket::OscSocket(OscSocket&& other) noexcept
-    : socket_(std::exchange(other.socket_, -1)), waker_(std::exchange(other.waker_, -1)), endpoint_(other.endpoint_) {}
+    : socket_(std::exchange(other.socket_, -1)),
+      waker_(std::exchange(other.waker_, -1)),
+      endpoint_(other.endpoint_),
+      room_(std::move(other.room_)) {}
 
 OscSocket& OscSocket::operator=(OscSocket&& other) noexcept {
   std::swap(socket_, other.socket_);
   std::swap(waker_, other.waker_);
   std::swap(endpoint_, other.endpoint_);
+  std::swap(room_, other.room_);
   return *this;
 }
 
@@ -130,8 +134,7 @@ bool OscSocket::receive(Datagram& datagram, std::chrono::milliseconds timeout) {
     return false;
   }
   sockaddr_in from{};
-  datagram.bytes.resize(kLargestDatagram);
-  iovec room{datagram.bytes.data(), datagram.bytes.size()};
+  iovec room{room_.data(), room_.size()};
   alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(timespec))> control{};
   msghdr header{};
   header.msg_name = &from;
@@ -141,7 +144,7 @@ bool OscSocket::receive(Datagram& datagram, std::chrono::milliseconds timeout) {
   header.msg_control = control.data();
   header.msg_controllen = control.size();
   const ssize_t received = ::recvmsg(socket_, &header, MSG_DONTWAIT);
-  datagram.bytes.resize(received > 0 ? static_cast<std::size_t>(received) : 0);
+  datagram.bytes.assign(room_.begin(), room_.begin() + std::max<ssize_t>(received, 0));
   datagram.from = from_sockaddr(from);
   datagram.age_s = received > 0 ? age_s(header) : 0;
   return received >= 0;

@@ -64,11 +64,15 @@ class OscSocket {
   Result<void> send_to(Endpoint to, std::span<const std::byte> bytes);
 
  private:
+  static constexpr std::size_t kLargestDatagram = 65536;
+
   OscSocket(int socket, int waker, Endpoint endpoint) : socket_(socket), waker_(waker), endpoint_(endpoint) {}
 
   int socket_ = -1;
   int waker_ = -1;  // an eventfd
   Endpoint endpoint_;
+  // Where the kernel writes: the caller's vector would be filled with zeros each time.
+  std::vector<std::byte> room_ = std::vector<std::byte>(kLargestDatagram);
 };
 
 }  // namespace ringdown::server

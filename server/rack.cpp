@@ -79,7 +79,7 @@ bool Rack::push(synth::Producer producer, const Event& event) {
 Result<protocol::ObjectNumber> Rack::load(const std::string& name, const std::filesystem::path& bank) {
   auto map = read(bank);
   if (!map) return fail(map.error());
-  RackObject object{.name = name, .bank = bank, .map = std::move(*map)};
+  RackObject object{.name = name, .bank = std::make_shared<const std::filesystem::path>(bank), .map = std::move(*map)};
   if (const auto old = find({.name = name}); old) {
     object.number = old->number;
     object.group = old->group;

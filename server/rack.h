@@ -31,7 +31,7 @@ namespace ringdown::server {
 struct RackObject {
   std::string name;
   protocol::ObjectNumber number = 0;
-  std::filesystem::path bank;  // where the map was read from
+  std::shared_ptr<const std::filesystem::path> bank;  // where the map was read from
   std::shared_ptr<const modal::StrikeMap> map;
   modal::MaterialScale material;
   std::string group;  // empty: in none

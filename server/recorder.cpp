@@ -50,7 +50,7 @@ void Recorder::add_present_state() {
   for (const RackObject& object : rack_.objects()) {
     const protocol::ObjectRef ref{.name = object.name};
     const Level& level = levels_[object.number];
-    add(first_, protocol::format(protocol::LoadObject{object.name, object.bank.string()}));
+    add(first_, protocol::format(protocol::LoadObject{object.name, object.bank->string()}));
     if (object.material != modal::MaterialScale{}) {
       add(first_, protocol::format(protocol::SetMaterial{ref, object.material}));
     }
@@ -109,7 +109,7 @@ void Recorder::loaded(const RackObject& object) {
   const std::scoped_lock lock(mutex_);
   Level& level = levels_[object.number];
   if (!level.name || *level.name != object.name) level = {.name = std::make_shared<const std::string>(object.name)};
-  add_change(protocol::LoadObject{object.name, object.bank.string()});
+  add_change(protocol::LoadObject{object.name, object.bank->string()});
 }
 
 void Recorder::retuned(const RackObject& object) {

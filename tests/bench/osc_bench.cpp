@@ -24,10 +24,12 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
+// Asks again every 10 ms, for up to 10 s: the flood may still fill the kernel's queue, which then drops what comes.
 std::optional<protocol::StatusReply> ask_status(server::OscSocket& socket, server::Endpoint daemon) {
   server::Datagram datagram;
-  if (!socket.send_to(daemon, server::encode({"/status", {}}))) return std::nullopt;
-  while (socket.receive(datagram, std::chrono::seconds(10))) {
+  for (int tries = 0; tries < 1000; ++tries) {
+    static_cast<void>(socket.send_to(daemon, server::encode({"/status", {}})));
+    if (!socket.receive(datagram, std::chrono::milliseconds(10))) continue;
     const auto messages = server::decode_packet(datagram.bytes);
     const auto reply = messages ? protocol::parse_reply(messages->front().message) : fail(messages.error());
     if (const auto* status = reply ? std::get_if<protocol::StatusReply>(&*reply) : nullptr) return *status;
