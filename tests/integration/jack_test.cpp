@@ -69,40 +69,37 @@ TEST_F(Jack, TimedBundlesKeepTheirDistanceToAMillisecond) {
   EXPECT_NEAR(static_cast<double>(found[1] - found[0]) / kRate, kApart_s, 1e-3);
 }
 
-// Bundles anywhere in a block, and messages sent at any time: both keep their distances.
+// Bundles anywhere in a block, and messages sent at any time: both keep their distances. A recording in which the
+// server had an xrun says nothing, because frames are missing in it; it is made again.
 TEST_F(Jack, TwentyStrikesKeepTheirTimes) {
-  const auto tick = bank("tick.glb", 6000, 800);  // silent after 20 ms
+  const auto tick = folder_ / "tick.glb";
+  ASSERT_TRUE(modal::write_bank(single_mode_bank(6000, 800), tick));  // silent after 20 ms
   Daemon daemon({"--object", "tick=" + tick.string(), "--latency", "200ms"}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
-  const protocol::Message strike = protocol::format(protocol::Strike{{.name = "tick"}, {1, 0, 0}, {0, 0, 1}, 0});
-  const auto now = [] {
-    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  const auto disturbances = [&daemon] {
+    const auto reply = daemon.ask({"/status", {}});
+    const auto* status = reply ? std::get_if<protocol::StatusReply>(&*reply) : nullptr;
+    return status ? status->xruns + status->late_events : -1;
   };
-  std::vector<double> meant;
-  const Samples heard = record(4, [&] {
-    const double start = now() + 0.2;
-    for (int i = 0; i < 10; ++i) {
-      meant.push_back(start + 0.0801 * i + 1e-5 * i * i);
-      daemon.send_bundle(meant.back(), {strike});
+  for (int attempt = 0; attempt < 5; ++attempt) {
+    const auto before = disturbances();
+    std::vector<double> meant;
+    const Samples heard = record(4, [&] { meant = play_twenty(daemon, "tick"); });
+    if (disturbances() != before) continue;
+    KeepSignals keep(kRate);
+    keep.add("heard", heard);
+    const auto found = onsets(heard, 1e-4, 960);
+    ASSERT_EQ(found.size(), meant.size());
+    double worst_s = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const double error_s = static_cast<double>(found[i] - found[0]) / kRate - (meant[i] - meant[0]);
+      worst_s = std::max(worst_s, std::abs(error_s));
     }
-    std::this_thread::sleep_for(900ms);
-    for (int i = 0; i < 10; ++i) {
-      meant.push_back(now() + 0.2);  // the latency
-      daemon.send(strike);
-      std::this_thread::sleep_for(61ms);
-    }
-  });
-  KeepSignals keep(kRate);
-  keep.add("heard", heard);
-  const auto found = onsets(heard, 1e-4, 960);
-  ASSERT_EQ(found.size(), meant.size());
-  double worst_s = 0;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const double error_s = static_cast<double>(found[i] - found[0]) / kRate - (meant[i] - meant[0]);
-    worst_s = std::max(worst_s, std::abs(error_s));
+    std::printf("worst error of 10 bundles and 10 messages: %.3f ms\n", 1000 * worst_s);
+    EXPECT_LE(worst_s, 1e-3);
+    return;
   }
-  std::printf("worst error of 10 bundles and 10 messages: %.3f ms\n", 1000 * worst_s);
-  EXPECT_LE(worst_s, 1e-3);
+  GTEST_SKIP() << "the machine is too busy: xruns in five recordings out of five";
 }
 
 TEST_F(Jack, ItsPortsAreNamedAndItStopsCleanlyOnASignal) {

@@ -28,10 +28,9 @@ class StillDriver final : public Driver {
  public:
   [[nodiscard]] double sample_rate_hz() const override { return kRate; }
   [[nodiscard]] std::size_t block_frames() const override { return kBlock; }
-  Result<void> start(synth::Mixer&, std::function<void()>) override { return {}; }
+  Result<void> start(Program) override { return {}; }
   [[nodiscard]] Frame now() const override { return static_cast<Frame>((steady_now_s() - origin_s_) * kRate); }
   [[nodiscard]] Load load() const override { return {}; }
-  [[nodiscard]] std::int32_t xruns() const override { return 0; }
 
   // The frame that a time of the system's clock means.
   [[nodiscard]] double frame_of(double unix_s) const {

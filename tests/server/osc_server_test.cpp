@@ -193,7 +193,7 @@ TEST_F(OscServerTest, ARecordedSessionNamesWhatWasThereAndWhatWasPlayed) {
 }
 
 TEST(Latency, IsFramesOrMillisecondsAndNeverLessThanABlock) {
-  const StillDriver driver;
+  const StillDriver driver{};
   EXPECT_EQ(latency_frames(driver), 272);
   EXPECT_EQ(latency_frames(driver, *parse_latency("1000")), 1000);
   EXPECT_EQ(latency_frames(driver, *parse_latency("10ms")), 480);
