@@ -1,6 +1,8 @@
 // The whole way with real parts: jackd, ringdownd, oscsend, and a JACK client that records.
+#include "engine/modal/bank_file.h"
 #include "tests/integration/jack_fixture.h"
 #include "tests/support/keep_signals.h"
+#include "tests/support/synthetic_bank.h"
 
 #include <gtest/gtest.h>
 
@@ -25,6 +27,28 @@ std::vector<std::size_t> onsets(const Samples& samples, double threshold, std::s
     last_loud = n;
   }
   return found;
+}
+
+double unix_now_s() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+// Ten bundles ahead of their time, then ten messages; when each should sound with a latency of 0.2 s.
+std::vector<double> play_twenty(Daemon& daemon, const std::string& object) {
+  const protocol::Message strike = protocol::format(protocol::Strike{{.name = object}, {1, 0, 0}, {0, 0, 1}, 0});
+  std::vector<double> meant;
+  const double start = unix_now_s() + 0.2;
+  for (int i = 0; i < 10; ++i) {
+    meant.push_back(start + 0.0801 * i + 1e-5 * i * i);
+    daemon.send_bundle(meant.back(), {strike});
+  }
+  std::this_thread::sleep_for(900ms);
+  for (int i = 0; i < 10; ++i) {
+    meant.push_back(unix_now_s() + 0.2);
+    daemon.send(strike);
+    std::this_thread::sleep_for(61ms);
+  }
+  return meant;
 }
 
 using Jack = JackTest;
