@@ -25,6 +25,7 @@ class Run {
 
   Result<void> prepare() {
     session_.rack().mixer().set_floor(options_.floor_db);
+    session_.rack().mixer().set_masking(options_.masking);
     session_.rack().mixer().limit(options_.limiter_db);
     for (const auto& [name, bank] : options_.objects) {
       if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());

@@ -25,6 +25,7 @@ struct OfflineOptions {
   double sample_rate_hz = 48000;
   std::size_t block_frames = 256;
   double floor_db = 120;             // below full scale, where modes rest (Mixer::set_floor)
+  bool masking = false;              // Mixer::set_masking
   std::optional<double> limiter_db;  // ceiling of the mix (Mixer::limit); its delay is taken off again
 };
 

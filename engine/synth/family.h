@@ -26,7 +26,7 @@ class Family {
   explicit Family(ModeTable& of) : table(of), sums{Ringing(of), Ringing(of), Ringing(of)} {}
 
   // Adds or, with negative shares, subtracts what rings in an object. [audio]
-  void add(const Ringing& states, const Shares& shares) RINGDOWN_REALTIME {
+  void add(Ringing& states, const Shares& shares) RINGDOWN_REALTIME {
     for (std::size_t i = 0; i < kOutputs; ++i) {
       if (shares[i] != 0) sums[i].add(states, shares[i]);
     }

@@ -92,7 +92,7 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   wanted_ = outputs.wanted();
   float peak = 0;
   Place& place = places_.data()[0];
-  place.ringing_voices = place.ringing_modes = 0;
+  place.ringing_voices = place.ringing_modes = place.hidden_modes = 0;
   for (std::size_t done = 0; done < frames;) {
     for (std::size_t i = 0; i < kMostInputs; ++i) inputs_[i] = inputs[i] ? inputs[i] + done : nullptr;
     std::size_t chunk = wake_inputs(frames - done);
@@ -110,6 +110,7 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   if (limiter_) peak = std::max(peak, limit_mix(outputs, frames));
   counters_.ringing_voices.store(place.ringing_voices, std::memory_order_relaxed);
   counters_.ringing_modes.store(place.ringing_modes, std::memory_order_relaxed);
+  counters_.hidden_modes.store(place.hidden_modes, std::memory_order_relaxed);
   counters_.peak.store(peak, std::memory_order_relaxed);
   if (peak > counters_.peak_since.load(std::memory_order_relaxed)) {
     counters_.peak_since.store(peak, std::memory_order_relaxed);
@@ -215,9 +216,11 @@ void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
   Place* const places = places_.data();
   for (std::size_t who = 0; who < places_.size(); ++who) {
     places[who].desk.open(frames);
-    places[who].ringing_voices = places[who].ringing_modes = places[who].slow_modes = 0;
+    places[who].ringing_voices = places[who].ringing_modes = places[who].hidden_modes = 0;
+    places[who].slow_modes = 0;
   }
   prepare_tables(frames);
+  survey(frames);
   if (crew_ && much) {
     crew_->run(active_family_count_ + active_count_);
   } else {
@@ -231,6 +234,7 @@ void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
     places[0].desk.take(places[who].desk);
     places[0].ringing_voices += places[who].ringing_voices;
     places[0].ringing_modes += places[who].ringing_modes;
+    places[0].hidden_modes += places[who].hidden_modes;
   }
   places[0].desk.close();
 }
@@ -293,6 +297,7 @@ void Mixer::keep_active() RINGDOWN_REALTIME {
 
 // Renders one object's share of the chunk.
 void Mixer::render_object(Object& object, Place& place) RINGDOWN_REALTIME {
+  listen(object);
   if ((together_ || !heard(object)) && plain_in_chunk(object)) {
     render_together(object, place);
   } else {
@@ -300,6 +305,7 @@ void Mixer::render_object(Object& object, Place& place) RINGDOWN_REALTIME {
   }
   const auto note = [&place](const Voice& voice) RINGDOWN_REALTIME {
     if (!voice.ringing()) return;
+    place.hidden_modes += static_cast<std::uint32_t>(voice.hidden_modes());
     ++place.ringing_voices;
     place.ringing_modes += static_cast<std::uint32_t>(voice.sounding_modes());
     place.slow_modes += voice.sounding_slow_modes();
@@ -380,7 +386,7 @@ bool Mixer::add_strikes(Object& object, std::int32_t due, Place& place) RINGDOWN
   };
   for (; due >= 0; due = due_.data()[due].next) {
     render_to(due_.data()[due].offset);
-    const bool played = voice && voice->strike_aside(due_.data()[due].event);
+    const bool played = voice && voice->strike_aside(due_.data()[due].event, frames_ - at);
     count(played ? counters_.strikes : counters_.refused);
     struck = struck || played;
   }

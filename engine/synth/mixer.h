@@ -19,6 +19,7 @@
 #include "engine/synth/desk.h"
 #include "engine/synth/drives.h"
 #include "engine/synth/family.h"
+#include "engine/synth/hearing.h"
 #include "engine/synth/limiter.h"
 #include "engine/synth/ramp.h"
 #include "engine/synth/voice.h"
@@ -71,6 +72,7 @@ struct MixerCounters {
   std::atomic<std::uint64_t> not_finite{0};      // voices silenced because a state was no longer a sensible number
   std::atomic<std::uint32_t> ringing_voices{0};  // in the last block
   std::atomic<std::uint32_t> ringing_modes{0};   // in the last block
+  std::atomic<std::uint32_t> hidden_modes{0};    // left out in the last block because louder ones hide them
   std::atomic<float> peak{0};                    // largest |sample| of the last block
   std::atomic<float> peak_since{0};              // the same since take_peak()
 };
@@ -143,6 +145,9 @@ class Mixer {
   [[nodiscard]] bool connect_input(std::size_t input, const protocol::Event& place);
   [[nodiscard]] bool disconnect_input(std::size_t input);
 
+  // Leaves out what louder modes hide (hearing.h); off unless set. [any thread]
+  void set_masking(bool on) { masking_.store(on, std::memory_order_relaxed); }
+
   // Writes the next frames; any number of frames. [audio]
   void render(const Outputs& outputs, const Inputs& inputs, std::size_t frames) RINGDOWN_REALTIME;
   void render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME { render(outputs, {}, frames); }
@@ -185,8 +190,8 @@ class Mixer {
     Desk desk;
     std::array<double, kChunkFrames> mono{};
     std::array<std::array<double, kChunkFrames>, kMostForces> impulses{};
-    std::uint32_t ringing_voices = 0, ringing_modes = 0;  // of the chunk being rendered
-    std::size_t slow_modes = 0;                           // of these, that take moments
+    std::uint32_t ringing_voices = 0, ringing_modes = 0, hidden_modes = 0;  // of the chunk being rendered
+    std::size_t slow_modes = 0;                                             // of these, that take moments
   };
   enum class After : std::uint8_t { keep, drop, look_at_tails };  // of an active object when the chunk is done
   struct Order {
@@ -214,6 +219,12 @@ class Mixer {
   void prepare_tables(std::size_t frames) RINGDOWN_REALTIME;
   [[nodiscard]] bool choose_path(std::size_t frames) RINGDOWN_REALTIME;
   void link_due_events(std::int32_t count) RINGDOWN_REALTIME;
+  // mixer_masking.cpp
+  void survey(std::size_t frames) RINGDOWN_REALTIME;
+  void listen(Object& object) RINGDOWN_REALTIME;
+  void listen(Family& family) RINGDOWN_REALTIME;
+  [[nodiscard]] static Level loudness_of(const Object& object) RINGDOWN_REALTIME;
+
   void render_item(std::size_t item, Place& place) RINGDOWN_REALTIME;
   void keep_active() RINGDOWN_REALTIME;
   void render_object(Object& object, Place& place) RINGDOWN_REALTIME;
@@ -259,9 +270,14 @@ class Mixer {
   static void note_struck(Object& object, Family& family) RINGDOWN_REALTIME;
   void activate(Family& family) RINGDOWN_REALTIME;
   void keep_active_families() RINGDOWN_REALTIME;
+  // Calls `each(sum, channel)` for the outputs that the family has.
   template <class Each>
-  static void for_outputs(Family& family, const Each& each) RINGDOWN_REALTIME;
-  [[nodiscard]] bool strike(Family& family, const protocol::Event& event, bool aside) RINGDOWN_REALTIME;
+  static void for_outputs(Family& family, const Each& each) RINGDOWN_REALTIME {
+    each(family.sums[0], kLeft);
+    each(family.sums[1], kRight);
+    if (family.bus != kNoBus) each(family.sums[2], family.bus);
+  }
+  [[nodiscard]] bool strike(Family& family, const protocol::Event& event, std::size_t left) RINGDOWN_REALTIME;
   void render_family(Family& family, Place& place) RINGDOWN_REALTIME;
   void render_together(Family& family, Place& place) RINGDOWN_REALTIME;
   void render_segment(Family& family, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
@@ -271,6 +287,7 @@ class Mixer {
   std::atomic<double> sample_rate_hz_;
   std::atomic<double> floor_{1e-6};
   std::atomic<bool> exact_contacts_{false};
+  std::atomic<bool> masking_{false};
   MixerCounters counters_;
   Agenda agenda_;
   SpscRing<Order> orders_{2 * kMostVoices + kMostObjects};
@@ -297,6 +314,10 @@ class Mixer {
   std::size_t frames_ = 0;  // of the chunk being rendered
   bool together_ = false;   // whether this chunk's slow modes are summed as moments
   protocol::Frame now_ = 0;
+  Hearing hearing_;
+  Cut cut_;                       // what passes since the last survey
+  std::size_t since_survey_ = 0;  // frames
+  bool surveyed_ = false;         // in this chunk
 
   // The worker's own.
   std::unique_ptr<Crew> crew_;  // null: the audio thread is alone

@@ -91,41 +91,36 @@ void Mixer::keep_active_families() RINGDOWN_REALTIME {
   active_family_count_ = kept;
 }
 
-// Calls `each(sum, channel)` for the outputs that the family has.
-template <class Each>
-void Mixer::for_outputs(Family& family, const Each& each) RINGDOWN_REALTIME {
-  each(family.sums[0], kLeft);
-  each(family.sums[1], kRight);
-  if (family.bus != kNoBus) each(family.sums[2], family.bus);
-}
-
 void Mixer::render_family(Family& family, Place& place) RINGDOWN_REALTIME {
   const DueEvent* const due = due_.data();
+  listen(family);
   std::int32_t next = std::exchange(family.first_due, -1);
   std::size_t at = 0;
   bool struck_aside = false;
   for (; next >= 0 && due[next].offset == 0; next = due[next].next) {
-    static_cast<void>(strike(family, due[next].event, false));
+    static_cast<void>(strike(family, due[next].event, 0));
   }
   if (together_) render_together(family, place);
   for (; next >= 0; next = due[next].next) {
     if (!together_) render_segment(family, at, due[next].offset, place);
     if (struck_aside) render_aside(family, at, due[next].offset, place);
     at = due[next].offset;
-    struck_aside = (strike(family, due[next].event, together_) && together_) || struck_aside;
+    const std::size_t left = together_ ? frames_ - at : 0;
+    struck_aside = (strike(family, due[next].event, left) && together_) || struck_aside;
   }
   if (!together_) render_segment(family, at, frames_, place);
   if (struck_aside) render_aside(family, at, frames_, place);
   for_outputs(family, [&](Ringing& sum, std::size_t) RINGDOWN_REALTIME {
     if (struck_aside) sum.join();
+    place.hidden_modes += static_cast<std::uint32_t>(sum.hidden_modes());
     place.ringing_modes += static_cast<std::uint32_t>(sum.sounding_modes());
     place.slow_modes += sum.sounding_slow_modes();
   });
   place.ringing_voices += static_cast<std::uint32_t>(family.struck);
 }
 
-// Strikes one of its objects.
-bool Mixer::strike(Family& family, const Event& event, bool aside) RINGDOWN_REALTIME {
+// Strikes one of its objects: aside, so many frames before the end of the chunk, or with 0 at once.
+bool Mixer::strike(Family& family, const Event& event, std::size_t left) RINGDOWN_REALTIME {
   Object& object = objects_.data()[event.object];
   Voice& voice = *object.current;
   const std::optional<double> energy = voice.find_amplitudes(event);
@@ -138,8 +133,8 @@ bool Mixer::strike(Family& family, const Event& event, bool aside) RINGDOWN_REAL
   voice.rest();
   for (std::size_t i = 0; i < Family::kOutputs; ++i) {
     if (object.shares[i] == 0) continue;
-    if (aside) {
-      family.sums[i].add_aside(voice.amplitudes(), object.shares[i]);
+    if (left > 0) {
+      family.sums[i].add_aside(voice.amplitudes(), object.shares[i], left);
     } else {
       family.sums[i].add(voice.amplitudes(), object.shares[i]);
     }

@@ -9,6 +9,7 @@
 #include "engine/modal/material_scale.h"
 #include "engine/modal/strike_map.h"
 #include "engine/synth/aligned_array.h"
+#include "engine/synth/hearing.h"
 #include "engine/synth/mode_kernel.h"
 #include "engine/synth/moments.h"
 #include "protocol/event.h"
@@ -50,6 +51,12 @@ class ModeTable {
   [[nodiscard]] std::size_t mode_of(std::size_t i) const RINGDOWN_REALTIME { return mode_of_.data()[i]; }
   [[nodiscard]] std::size_t column(std::size_t i) const RINGDOWN_REALTIME { return column_.data()[i]; }
 
+  // Where each column is heard; whether all of a group are as good as in one place; the steps of Level by which a
+  // group's modes fall in a frame, at least.
+  [[nodiscard]] const EarBand* ear_bands() const RINGDOWN_REALTIME { return ear_band_.data(); }
+  [[nodiscard]] bool narrow(std::size_t group) const RINGDOWN_REALTIME { return narrow_.data()[group] != 0; }
+  [[nodiscard]] float fall(std::size_t group) const RINGDOWN_REALTIME { return fall_.data()[group]; }
+
   // The output amplitude that a strike (EventType::strike or strike_vertex) gives the mode of each column, and the sum
   // of their squares; nullopt when the vertex does not exist. `scratch` has one element per mode of the bank,
   // `amplitudes` one per column; its padding stays as it was. [audio]
@@ -85,6 +92,9 @@ class ModeTable {
   AlignedArray<float> runs_;            // columns x 2 kRun
   AlignedArray<float> moment_weights_;  // columns x 2 kMoments
   std::vector<std::uint16_t> band_;
+  std::vector<EarBand> ear_band_;
+  std::vector<std::uint8_t> narrow_;  // of each group
+  std::vector<float> fall_;
 };
 
 }  // namespace ringdown::synth

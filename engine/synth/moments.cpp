@@ -80,6 +80,13 @@ class BandMoments {
     re_im_ = multiply_add(x, w_im, re_im_);
     im_re_ = multiply_add(y, w_re, im_re_);
   }
+  // Times level + slope t: as exp(delta t) is a sum of x^p q_p(t), t exp(delta t) is one of p x^(p-1) q_p(t).
+  HWY_INLINE void fade(float level, float slope) {
+    const Eight re = re_re_ - im_im_, im = re_im_ + im_re_;
+    const Eight a = Eight::all(level);
+    re_re_ = multiply_add(a, re, derivative(re, slope)), re_im_ = multiply_add(a, im, derivative(im, slope));
+    im_im_ = im_re_ = Eight::all(0);
+  }
   HWY_INLINE void give(std::span<const MomentTarget> targets, std::size_t band) const {
     const Eight re = re_re_ - im_im_, im = re_im_ + im_re_;
     for (const MomentTarget& target : targets) {
@@ -91,6 +98,13 @@ class BandMoments {
   }
 
  private:
+  HWY_INLINE static Eight derivative(Eight moments, float slope) {
+    alignas(64) float from[kMoments], to[kMoments];
+    moments.store(from);
+    to[0] = 0;
+    for (std::size_t p = 1; p < kMoments; ++p) to[p] = slope * static_cast<float>(p) * from[p - 1];
+    return Eight::load(to);
+  }
   Eight re_re_, im_im_, re_im_, im_re_;
 };
 
@@ -112,7 +126,8 @@ HWY_INLINE double take_states(const ModeArrays& modes, std::size_t first, std::s
 }
 
 double add_moments_here(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
-                        const EnergyLimits& limits, const MomentTarget* targets, std::size_t target_count) {
+                        const EnergyLimits& limits, const MomentTarget* targets, std::size_t target_count,
+                        const float* level_and_slope) {
   alignas(64) float re[kModePadding], im[kModePadding];
   const std::span<const MomentTarget> all(targets, target_count);
   double total = 0;
@@ -136,6 +151,7 @@ double add_moments_here(const ModeArrays& modes, const MomentArrays& moments, Ac
         sum.add(re[m], im[m], weights);
       }
       weights += 2 * kMoments;
+      if (level_and_slope) sum.fade(level_and_slope[0], level_and_slope[1]);
       sum.give(all, here);
     }
   }
@@ -279,8 +295,13 @@ std::array<float, 2 * kMoments> moment_weights(std::complex<double> s) {
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
 RINGDOWN_TRUST_REALTIME_BEGIN
 double add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
-                   const EnergyLimits& limits, std::span<const MomentTarget> targets) RINGDOWN_REALTIME {
-  return HWY_DYNAMIC_DISPATCH(add_moments_here)(modes, moments, active, frames, limits, targets.data(), targets.size());
+                   const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade) RINGDOWN_REALTIME {
+  // Frame j is at t = (j - kMiddle) / kHalf.
+  const double per_frame = static_cast<double>(fade.to - fade.from) / static_cast<double>(frames);
+  const float level_and_slope[2] = {static_cast<float>(static_cast<double>(fade.from) + per_frame * kMiddle),
+                                    static_cast<float>(per_frame * kHalf)};
+  return HWY_DYNAMIC_DISPATCH(add_moments_here)(modes, moments, active, frames, limits, targets.data(), targets.size(),
+                                                fade.none() ? nullptr : level_and_slope);
 }
 
 MomentSynthesis::MomentSynthesis() : re_{}, im_{} {

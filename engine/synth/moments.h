@@ -49,11 +49,18 @@ struct MomentTarget {
   float gain = 0;
 };
 
+// A gain that moves in a straight line from the first frame of a chunk to the one after its last.
+struct Fade {
+  float from = 1, to = 1;
+  [[nodiscard]] bool none() const RINGDOWN_REALTIME { return from == 1 && to == 1; }
+};
+
 // Adds the moments of the active groups to each target and moves their states on by `frames` <= kChunkFrames; groups
 // that fall below the floor leave the list. Returns the sum of |z|^2 before: when it is above `limits.most`, or no
-// number, the rest was left undone, and nothing of what was wrong was added. [audio]
+// number, the rest was left undone, and nothing of what was wrong was added. With a fade, the sound of these modes (not
+// their states) is multiplied with it; what is cut off is then 20 dB larger. [audio]
 double add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
-                   const EnergyLimits& limits, std::span<const MomentTarget> targets) RINGDOWN_REALTIME;
+                   const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade = {}) RINGDOWN_REALTIME;
 
 // Turns moments into samples. [audio, after construction]
 class MomentSynthesis {

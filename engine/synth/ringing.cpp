@@ -13,7 +13,14 @@ constexpr EnergyLimits kKeepAll{-1, Ringing::kAbsurdEnergy};
 
 }  // namespace
 
-Ringing::Ringing(const ModeTable& table) : table_(table), states_(aligned_zeros<double>(kRows * table.columns())) {
+Ringing::Ringing(const ModeTable& table)
+    : table_(table),
+      states_(aligned_zeros<double>(kRows * table.columns())),
+      hidden_(table.slow_groups()),
+      leaving_(table.slow_groups()),
+      coming_(table.slow_groups()),
+      hidden_since_(table.slow_groups()),
+      state_(table.groups()) {
   for (std::vector<std::uint32_t>* list : {&groups_, &aside_groups_, &fade_groups_}) {
     list->resize(table.groups());
     std::iota(list->begin(), list->end(), 0);
@@ -24,18 +31,16 @@ Ringing::Ringing(const ModeTable& table) : table_(table), states_(aligned_zeros<
 
 // a sin(omega t) = Re(-i a exp(i omega t)): a strike lowers the imaginary part of z.
 void Ringing::add(const double* amplitudes, double gain) RINGDOWN_REALTIME {
+  if (selective()) return add_listening(amplitudes, gain);
   double* const im = row(z_im);
   for (std::size_t i = 0; i < table_.columns(); ++i) im[i] -= gain * amplitudes[i];
   wake();
 }
 
-void Ringing::add_aside(const double* amplitudes, double gain) RINGDOWN_REALTIME {
-  double* const im = row(aside_im);
-  for (std::size_t i = 0; i < table_.columns(); ++i) im[i] -= gain * amplitudes[i];
-}
-
-void Ringing::add(const Ringing& other, double gain) RINGDOWN_REALTIME {
+void Ringing::add(Ringing& other, double gain) RINGDOWN_REALTIME {
   assert(&table_ == &other.table_);
+  reveal();
+  other.reveal();
   for (const Row which : {z_re, z_im}) {
     double* const mine = row(which);
     const double* const theirs = other.row(which);
@@ -45,12 +50,21 @@ void Ringing::add(const Ringing& other, double gain) RINGDOWN_REALTIME {
 }
 
 void Ringing::wake() RINGDOWN_REALTIME {
+  reveal();
   slow_.count = table_.slow_groups();
   fast_.count = table_.groups() - slow_.count;
   std::iota(slow_.list, slow_.list + table_.groups(), 0);
 }
 
-void Ringing::take_over(const Ringing& other) RINGDOWN_REALTIME {
+void Ringing::rest() RINGDOWN_REALTIME {
+  reveal();
+  cut_ = nullptr;
+  slow_.count = fast_.count = 0;
+}
+
+void Ringing::take_over(Ringing& other) RINGDOWN_REALTIME {
+  reveal();
+  other.reveal();
   for (const Row which : {z_re, z_im, fade_re, fade_im}) {
     double* const mine = row(which);
     const double* const theirs = other.row(which);
@@ -70,6 +84,7 @@ void Ringing::take_over(const Ringing& other) RINGDOWN_REALTIME {
 
 void Ringing::fade_out(std::size_t frames) RINGDOWN_REALTIME {
   // A fade may still be running: what is left of it joins the new one at its present level.
+  reveal();
   const double level = static_cast<double>(fade_left_) / static_cast<double>(fade_frames_);
   for (const auto& [from, to] : {std::pair{z_re, fade_re}, std::pair{z_im, fade_im}}) {
     for (std::size_t i = 0; i < table_.columns(); ++i) {
@@ -87,6 +102,8 @@ bool Ringing::render(double* out, std::size_t frames, double floor) RINGDOWN_REA
   for (ActiveGroups* groups : {&slow_, &fast_}) {
     if (groups->count > 0) energy += render_modes(modes(z_re, z_im, frames), *groups, limits, out, frames);
   }
+  if (leaving_.size() + coming_.size() > 0) energy += render_changes(out, frames);
+  clock_ += static_cast<protocol::Frame>(frames);
   return keep_if_sane(energy);
 }
 
@@ -97,16 +114,9 @@ bool Ringing::render_together(std::span<const MomentTarget> targets, double* out
   double energy = fade_left_ > 0 ? render_fade(out, frames) : 0.0;
   if (fast_.count > 0) energy += render_modes(all, fast_, limits, out, frames);
   if (slow_.count > 0) energy += add_moments(all, table_.moments(), slow_, frames, limits, targets);
+  if (leaving_.size() + coming_.size() > 0) energy += add_changes(frames, targets);
+  clock_ += static_cast<protocol::Frame>(frames);
   return keep_if_sane(energy);
-}
-
-bool Ringing::render_aside(double* out, std::size_t frames) RINGDOWN_REALTIME {
-  ActiveGroups all{aside_groups_.data(), aside_groups_.size()};
-  return keep_if_sane(render_modes(modes(aside_re, aside_im, frames), all, kKeepAll, out, frames));
-}
-
-bool Ringing::drive_aside(std::span<const Force> forces, double* out, std::size_t frames) RINGDOWN_REALTIME {
-  return keep_if_sane(drive_modes(modes(aside_re, aside_im, 0), table_.columns(), forces, out, frames));
 }
 
 bool Ringing::keep_if_sane(double energy) RINGDOWN_REALTIME {
@@ -115,17 +125,8 @@ bool Ringing::keep_if_sane(double energy) RINGDOWN_REALTIME {
   return false;
 }
 
-void Ringing::join() RINGDOWN_REALTIME {
-  for (const auto& [from, to] : {std::pair{aside_re, z_re}, std::pair{aside_im, z_im}}) {
-    for (std::size_t i = 0; i < table_.columns(); ++i) {
-      row(to)[i] += row(from)[i];
-      row(from)[i] = 0;
-    }
-  }
-  wake();
-}
-
 void Ringing::skip(protocol::Frame frames) RINGDOWN_REALTIME {
+  reveal();
   if (frames > 0) skip_modes(modes(z_re, z_im, 0), table_.columns(), static_cast<std::uint64_t>(frames));
 }
 
@@ -148,7 +149,8 @@ std::size_t Ringing::sounding_modes() const RINGDOWN_REALTIME {
 
 void Ringing::silence() RINGDOWN_REALTIME {
   for (const Row which : {z_re, z_im, aside_re, aside_im, fade_re, fade_im}) clear_row(which);
-  rest();
+  for (Groups* groups : {&hidden_, &leaving_, &coming_}) groups->clear();
+  slow_.count = fast_.count = aside_count_ = 0;
   fade_left_ = 0;
 }
 

@@ -34,9 +34,9 @@ bool Voice::strike(const protocol::Event& event) RINGDOWN_REALTIME {
   return energy.has_value();
 }
 
-bool Voice::strike_aside(const protocol::Event& event) RINGDOWN_REALTIME {
+bool Voice::strike_aside(const protocol::Event& event, std::size_t left) RINGDOWN_REALTIME {
   const std::optional<double> energy = find_amplitudes(event);
-  if (energy) add_aside(amplitudes(), gain_for(*energy));
+  if (energy) add_aside(amplitudes(), gain_for(*energy), left);
   return energy.has_value();
 }
 

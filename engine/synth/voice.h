@@ -21,10 +21,11 @@ class Voice : public Ringing {
   explicit Voice(std::shared_ptr<ModeTable> table);
   Voice(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz);
 
-  // Adds a strike (EventType::strike or strike_vertex) at the current frame, or aside. False when the vertex does not
+  // Adds a strike (EventType::strike or strike_vertex) at the current frame, or aside, `left` frames before the end
+  // of the chunk. False when the vertex does not
   // exist. [audio]
   bool strike(const protocol::Event& event) RINGDOWN_REALTIME;
-  bool strike_aside(const protocol::Event& event) RINGDOWN_REALTIME;
+  bool strike_aside(const protocol::Event& event, std::size_t left) RINGDOWN_REALTIME;
 
   // Puts what a strike gives the modes into amplitudes(), and returns the sum of their squares; nullopt when the vertex
   // does not exist. [audio]

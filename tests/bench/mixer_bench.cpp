@@ -30,7 +30,8 @@ constexpr std::array kParts = {Part{"throughput", bench::measure_throughput},
                                Part{"strike", bench::measure_strikes},
                                Part{"storm", bench::measure_storm},
                                Part{"decay", bench::measure_decay},
-                               Part{"tail", bench::measure_tail}};
+                               Part{"tail", bench::measure_tail},
+                               Part{"masking", bench::measure_masking}};
 
 }  // namespace
 
@@ -43,7 +44,7 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output, "the CSV to write; what peers read and write lies beside it");
   app.add_flag("--gate", gate, "exit with 1 when a promise is missed");
   app.add_flag("--quick", settings.quick, "under a minute: fewer and shorter repeats, the same promises");
-  app.add_option("--only", only, "parts: throughput accuracy silence strike storm decay tail");
+  app.add_option("--only", only, "parts: throughput accuracy silence strike storm decay tail masking");
   CLI11_PARSE(app, argc, argv);
 
   const std::string machine = bench::this_machine(synth::kernel_target());
