@@ -22,7 +22,7 @@ Voice::Voice(std::shared_ptr<ModeTable> table)
 Voice::Voice(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz)
     : Voice(std::make_shared<ModeTable>(std::move(map), material, sample_rate_hz)) {}
 
-std::unique_ptr<Voice> Voice::with_table(std::shared_ptr<ModeTable> table) const {
+std::unique_ptr<Voice> Voice::with_table(std::shared_ptr<ModeTable> table) {
   auto voice = std::make_unique<Voice>(std::move(table));
   voice->take_over(*this);
   return voice;

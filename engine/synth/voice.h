@@ -35,7 +35,7 @@ class Voice : public Ringing {
   [[nodiscard]] const double* amplitudes() const RINGDOWN_REALTIME { return amplitudes_.get(); }
 
   // What rings, in a voice of another table of the same bank. [worker, while nothing renders either]
-  [[nodiscard]] std::unique_ptr<Voice> with_table(std::shared_ptr<ModeTable> table) const;
+  [[nodiscard]] std::unique_ptr<Voice> with_table(std::shared_ptr<ModeTable> table);
 
   [[nodiscard]] ModeTable& table() const RINGDOWN_REALTIME { return *table_; }
   [[nodiscard]] const std::shared_ptr<ModeTable>& shared_table() const { return table_; }
