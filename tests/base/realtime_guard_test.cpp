@@ -2,11 +2,14 @@
 #include "tests/support/realtime_guard.h"
 
 #include <gtest/gtest.h>
+#include <linux/futex.h>
+#include <pthread.h>
 #include <sys/mman.h>
 #include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <mutex>
 #include <shared_mutex>
@@ -86,6 +89,20 @@ TEST_F(RealtimeGuard, CountsOnlyItsOwnThreadAndOnlyInsideItsScope) {
   std::vector<int>(100).push_back(1);
   const RealtimeScope scope;
   EXPECT_EQ(scope.seen().total(), 0u) << scope.seen().first;
+}
+
+// As libjack does to its threads, which wait in syscall() for their next block.
+TEST_F(RealtimeGuard, AThreadCanBeCancelledInsideAWatchedCall) {
+  std::atomic<int> word = 0;
+  std::atomic<bool> began = false;
+  std::thread waiting([&] {
+    pthread_setcanceltype(PTHREAD_CANCEL_ASYNCHRONOUS, nullptr);
+    began = true;
+    for (;;) ::syscall(SYS_futex, &word, FUTEX_WAIT_PRIVATE, 0, nullptr, nullptr, 0);
+  });
+  while (!began) std::this_thread::yield();
+  EXPECT_EQ(pthread_cancel(waiting.native_handle()), 0);
+  waiting.join();
 }
 
 }  // namespace

@@ -76,49 +76,47 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t size) noexce
 }
 }
 
-// WATCH(counter, result, name, (parameters), (arguments)): defines `name`, which counts and calls the next `name`.
-// WATCH_NOEXCEPT: the same for what the C library declares as never throwing.
-#define RINGDOWN_WATCH_AS(counter, result, name, parameters, arguments, specifier)  \
-  extern "C" result name parameters specifier {                                     \
+// WATCH(counter, result, name, (parameters), (arguments)): stands before `name`, counts, and calls the next `name`. In
+// C++ it is called watched_name and nowhere noexcept, whatever the C library declares: libjack cancels its threads
+// inside such calls, and a cancelled thread unwinds through here, which noexcept would turn into std::terminate().
+#define WATCH(counter, result, name, parameters, arguments)                         \
+  extern "C" result watched_##name parameters __asm__(#name);                       \
+  extern "C" result watched_##name parameters {                                     \
     note(&Seen::counter, #name);                                                    \
     using Function = result(*) parameters;                                          \
     static const auto next = reinterpret_cast<Function>(::dlsym(RTLD_NEXT, #name)); \
     return next arguments;                                                          \
   }
-#define WATCH(counter, result, name, parameters, arguments) \
-  RINGDOWN_WATCH_AS(counter, result, name, parameters, arguments, )
-#define WATCH_NOEXCEPT(counter, result, name, parameters, arguments) \
-  RINGDOWN_WATCH_AS(counter, result, name, parameters, arguments, noexcept)
 
-WATCH_NOEXCEPT(locks, int, pthread_mutex_lock, (pthread_mutex_t * m), (m))
-WATCH_NOEXCEPT(locks, int, pthread_mutex_trylock, (pthread_mutex_t * m), (m))
-WATCH_NOEXCEPT(locks, int, pthread_mutex_unlock, (pthread_mutex_t * m), (m))
-WATCH_NOEXCEPT(locks, int, pthread_rwlock_rdlock, (pthread_rwlock_t * l), (l))
-WATCH_NOEXCEPT(locks, int, pthread_rwlock_wrlock, (pthread_rwlock_t * l), (l))
-WATCH_NOEXCEPT(locks, int, pthread_rwlock_unlock, (pthread_rwlock_t * l), (l))
-WATCH_NOEXCEPT(locks, int, pthread_cond_signal, (pthread_cond_t * c), (c))
-WATCH_NOEXCEPT(locks, int, pthread_cond_broadcast, (pthread_cond_t * c), (c))
+WATCH(locks, int, pthread_mutex_lock, (pthread_mutex_t * m), (m))
+WATCH(locks, int, pthread_mutex_trylock, (pthread_mutex_t * m), (m))
+WATCH(locks, int, pthread_mutex_unlock, (pthread_mutex_t * m), (m))
+WATCH(locks, int, pthread_rwlock_rdlock, (pthread_rwlock_t * l), (l))
+WATCH(locks, int, pthread_rwlock_wrlock, (pthread_rwlock_t * l), (l))
+WATCH(locks, int, pthread_rwlock_unlock, (pthread_rwlock_t * l), (l))
+WATCH(locks, int, pthread_cond_signal, (pthread_cond_t * c), (c))
+WATCH(locks, int, pthread_cond_broadcast, (pthread_cond_t * c), (c))
 WATCH(locks, int, pthread_cond_wait, (pthread_cond_t * c, pthread_mutex_t* m), (c, m))
 WATCH(locks, int, pthread_cond_timedwait, (pthread_cond_t * c, pthread_mutex_t* m, const timespec* t), (c, m, t))
 WATCH(locks, int, sem_wait, (sem_t * s), (s))
 WATCH(locks, int, sem_timedwait, (sem_t * s, const timespec* t), (s, t))
-WATCH_NOEXCEPT(locks, int, sem_post, (sem_t * s), (s))
-WATCH_NOEXCEPT(locks, int, pthread_create,
-               (pthread_t * thread, const pthread_attr_t* attributes, void* (*run)(void*), void* argument),
-               (thread, attributes, run, argument))
+WATCH(locks, int, sem_post, (sem_t * s), (s))
+WATCH(locks, int, pthread_create,
+      (pthread_t * thread, const pthread_attr_t* attributes, void* (*run)(void*), void* argument),
+      (thread, attributes, run, argument))
 
 WATCH(system_calls, ssize_t, read, (int fd, void* to, std::size_t size), (fd, to, size))
 WATCH(system_calls, ssize_t, write, (int fd, const void* from, std::size_t size), (fd, from, size))
 WATCH(system_calls, int, close, (int fd), (fd))
 WATCH(system_calls, int, fsync, (int fd), (fd))
-WATCH_NOEXCEPT(system_calls, void*, mmap, (void* at, std::size_t size, int protection, int flags, int fd, off_t offset),
-               (at, size, protection, flags, fd, offset))
-WATCH_NOEXCEPT(system_calls, int, munmap, (void* at, std::size_t size), (at, size))
+WATCH(system_calls, void*, mmap, (void* at, std::size_t size, int protection, int flags, int fd, off_t offset),
+      (at, size, protection, flags, fd, offset))
+WATCH(system_calls, int, munmap, (void* at, std::size_t size), (at, size))
 WATCH(system_calls, int, nanosleep, (const timespec* time, timespec* left), (time, left))
 WATCH(system_calls, int, clock_nanosleep, (clockid_t clock, int flags, const timespec* time, timespec* left),
       (clock, flags, time, left))
 WATCH(system_calls, int, usleep, (useconds_t time), (time))
-WATCH_NOEXCEPT(system_calls, int, sched_yield, (), ())
+WATCH(system_calls, int, sched_yield, (), ())
 WATCH(system_calls, int, poll, (pollfd * fds, nfds_t count, int timeout), (fds, count, timeout))
 WATCH(system_calls, int, select, (int count, fd_set* in, fd_set* out, fd_set* error, timeval* timeout),
       (count, in, out, error, timeout))
@@ -132,7 +130,8 @@ WATCH(system_calls, ssize_t, recvfrom,
       (fd, to, size, flags, from, length))
 
 // The variadic ones pass on as many arguments as any of their callers can have given.
-extern "C" int open(const char* path, int flags, ...) {
+extern "C" int watched_open(const char* path, int flags, ...) __asm__("open");
+extern "C" int watched_open(const char* path, int flags, ...) {
   note(&Seen::system_calls, "open");
   va_list rest;
   va_start(rest, flags);
@@ -142,7 +141,8 @@ extern "C" int open(const char* path, int flags, ...) {
   return next(path, flags, mode);
 }
 
-extern "C" long syscall(long number, ...) noexcept {
+extern "C" long watched_syscall(long number, ...) __asm__("syscall");
+extern "C" long watched_syscall(long number, ...) {
   note(&Seen::system_calls, "syscall");
   va_list rest;
   va_start(rest, number);
