@@ -127,7 +127,11 @@ Result<void> Rack::assign(const RackObject& object) {
 }
 
 void Rack::collect() {
-  mixer_.collect();
+  {
+    const std::scoped_lock lock(rate_mutex_);
+    mixer_.collect();
+  }
+  std::erase_if(maps_, [](const auto& entry) { return entry.second.expired(); });
   const std::size_t faded = std::erase_if(fading_, [this](protocol::ObjectNumber number) {
     if (mixer_.in_use(number)) return false;
     buses_.leave(number);
@@ -157,7 +161,6 @@ Result<void> Rack::free(const ObjectRef& ref) {
 }
 
 Result<std::shared_ptr<const modal::StrikeMap>> Rack::read(const std::filesystem::path& path) {
-  std::erase_if(maps_, [](const auto& entry) { return entry.second.expired(); });
   const std::string key = file_key(path);
   if (const auto known = maps_.find(key); known != maps_.end()) {
     if (auto map = known->second.lock()) return map;

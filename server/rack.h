@@ -111,7 +111,7 @@ class Rack {
   std::atomic<std::uint64_t> version_ = 0;
   Buses buses_;
   std::set<protocol::ObjectNumber> fading_;  // worker: freed objects that still sound at their bus
-  std::mutex rate_mutex_;                    // held while a voice is made and installed: all are of one sample rate
+  std::mutex rate_mutex_;  // held while voices are made and installed, or collected: all are of one sample rate
   std::map<std::string, std::weak_ptr<const modal::StrikeMap>> maps_;  // worker: banks in use, by file and its time
 };
 

@@ -79,6 +79,7 @@ void Mixer::collect() {
     --voices_alive_;
     --voices_of_[retired->object];
   }
+  std::erase_if(families_, [](const Kin& kin) { return kin.table.expired(); });
 }
 
 void Mixer::render(std::span<float> left, std::span<float> right) RINGDOWN_REALTIME {

@@ -11,7 +11,6 @@ using protocol::Frame;
 
 // With the second voice of a table; it lives as long as the table.
 void Mixer::found_family(protocol::ObjectNumber object, const std::shared_ptr<ModeTable>& table) {
-  std::erase_if(families_, [](const Kin& kin) { return kin.table.expired(); });
   const auto known = std::ranges::find_if(families_, [&](const Kin& kin) { return kin.table.lock() == table; });
   if (known == families_.end()) {
     families_.push_back({table, nullptr});
