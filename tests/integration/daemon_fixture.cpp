@@ -15,15 +15,17 @@ std::vector<std::string> daemon_command(std::vector<std::string> arguments) {
 
 }  // namespace
 
-JackServer::JackServer(int sample_rate_hz, int period_frames) : name_("ringdown-test-" + std::to_string(::getpid())) {
+JackServer::JackServer(int sample_rate_hz, int period_frames, Scheduling scheduling)
+    : name_("ringdown-test-" + std::to_string(::getpid())), scheduling_(scheduling) {
   start(sample_rate_hz, period_frames);
 }
 
 // Port limit: jackd's default wants 107 MB of shared memory, more than many containers have.
 void JackServer::start(int sample_rate_hz, int period_frames) {
   server_ = std::make_unique<Process>(
-      std::vector<std::string>{"jackd", "--no-realtime", "--name", name_, "--port-max", "128", "-d", "dummy", "-r",
-                               std::to_string(sample_rate_hz), "-p", std::to_string(period_frames)},
+      std::vector<std::string>{"jackd", scheduling_ == Scheduling::realtime ? "--realtime" : "--no-realtime", "--name",
+                               name_, "--port-max", "128", "-d", "dummy", "-r", std::to_string(sample_rate_hz), "-p",
+                               std::to_string(period_frames)},
       Process::Environment{{"JACK_NO_AUDIO_RESERVATION", "1"}});
 }
 

@@ -23,7 +23,10 @@ namespace ringdown::test {
 // A JACK server of the test's own, named after this process.
 class JackServer {
  public:
-  explicit JackServer(int sample_rate_hz = 48000, int period_frames = 256);
+  enum class Scheduling { ordinary, realtime };
+
+  explicit JackServer(int sample_rate_hz = 48000, int period_frames = 256,
+                      Scheduling scheduling = Scheduling::ordinary);
   void stop(int signal = SIGTERM);  // and waits for its end
   void start(int sample_rate_hz, int period_frames);
 
@@ -36,6 +39,7 @@ class JackServer {
 
  private:
   std::string name_;
+  Scheduling scheduling_;
   std::unique_ptr<Process> server_;
 };
 

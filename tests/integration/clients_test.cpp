@@ -1,0 +1,109 @@
+// The senders in clients/ and common OSC programs, run for real against a daemon under JACK: the blow of each is found
+// in what the daemon plays.
+#include "engine/modal/bank_file.h"
+#include "tests/integration/jack_fixture.h"
+#include "tests/integration/jack_recorder.h"
+#include "tests/support/synthetic_bank.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+namespace ringdown::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::string kClients = RINGDOWN_SOURCE_DIR "/clients/";
+constexpr double kRate = 48000;
+constexpr std::size_t kHeard = 4000;  // frames: what is looked at of a blow, less than lies between two of any client
+
+class Clients : public JackTest {
+ protected:
+  void SetUp() override {
+    JackTest::SetUp();
+    if (!installed("jackd")) GTEST_SKIP() << "jackd is not installed";
+    ASSERT_TRUE(server_.runs());
+    const auto bell = folder_ / "bell.glb";  // that rings from whichever side it is struck
+    ASSERT_TRUE(modal::write_bank(single_mode_bank(kPitch_hz, kDecay_per_s, {1, 1, 1}), bell));
+    daemon_.emplace(std::vector<std::string>{"--object", "bell=" + bell.string()}, server_.environment());
+    ASSERT_TRUE(daemon_->ready()) << daemon_->process().output();
+    recorder_.emplace(server_.name(), "ear", static_cast<std::size_t>(120 * kRate));
+    ASSERT_TRUE(recorder_->works() && recorder_->connect("ringdown:out_left", "ear:in_1"));
+  }
+
+  [[nodiscard]] std::string port() const { return std::to_string(daemon_->port()); }
+
+  // Runs a client to its end; its first blow must ring in the recording, at the bank's pitch, out of silence.
+  void expect_blow(const std::vector<std::string>& command, const Process::Environment& environment = {}) {
+    Process client(command, environment);
+    const auto limit = std::chrono::steady_clock::now() + 100s;
+    Samples heard;
+    std::size_t begin = 0;
+    do {
+      std::this_thread::sleep_for(50ms);
+      heard = recorder_->samples(0);
+      begin = first_sound(heard);
+    } while (begin + kHeard > heard.size() && std::chrono::steady_clock::now() < limit);
+    ASSERT_LE(begin + kHeard, heard.size()) << "nothing was heard of " << command.front() << "\n" << client.output();
+    const auto tone = fit_damped_sinusoid(std::span(heard).subspan(begin, kHeard), kRate);
+    EXPECT_NEAR(tone.frequency_hz, kPitch_hz, 1e-3 * kPitch_hz);
+    EXPECT_NEAR(tone.decay_per_s, kDecay_per_s, 0.1 * kDecay_per_s);
+  }
+
+  static std::size_t first_sound(const Samples& samples) {
+    const auto loud = std::find_if(samples.begin(), samples.end(), [](double s) { return std::abs(s) > 1e-7; });
+    return static_cast<std::size_t>(loud - samples.begin());
+  }
+
+  std::optional<Daemon> daemon_;
+  std::optional<JackRecorder> recorder_;
+};
+
+TEST_F(Clients, OscsendIsHeard) {
+  if (!installed("oscsend")) GTEST_SKIP() << "oscsend (liblo-tools) is not installed";
+  expect_blow({"oscsend", "osc.udp://127.0.0.1:" + port(), "/object/bell/strike", "ffffff", "0.05", "0", "0.02", "0",
+               "0", "-0.02"});
+}
+
+TEST_F(Clients, PythonIsHeard) {
+  if (!installed("python3")) GTEST_SKIP() << "python3 is not installed";
+  expect_blow({"python3", kClients + "python/strike.py", "bell", "--port", port()});
+}
+
+TEST_F(Clients, PureDataIsHeard) {
+  if (!installed("pd")) GTEST_SKIP() << "pd (puredata-core) is not installed";
+  expect_blow({"pd", "-nogui", "-noaudio", "-nomidi", "-stderr", "-open", kClients + "puredata/strike.pd", "-send",
+               "ringdown-port " + port() + "; strike bang; pd quit"});
+}
+
+TEST_F(Clients, SuperColliderIsHeard) {
+  if (!installed("sclang")) GTEST_SKIP() << "sclang (supercollider-language) is not installed";
+  expect_blow({"sclang", kClients + "supercollider/strike.scd"}, {{"QTWEBENGINE_DISABLE_SANDBOX", "1"},
+                                                                  {"QT_QPA_PLATFORM", "offscreen"},
+                                                                  {"XDG_RUNTIME_DIR", folder_.path().string()},
+                                                                  {"RINGDOWN_PORT", port()}});
+}
+
+// The package osc is fetched once, into the build folder.
+TEST_F(Clients, NodeIsHeard) {
+  if (!installed("node") || !installed("npm")) GTEST_SKIP() << "node and npm are not installed";
+  const std::filesystem::path modules = RINGDOWN_BIN_DIR "/../node/node_modules";
+  if (!std::filesystem::exists(modules / "osc")) {
+    const Outcome fetched = run({"npm", "install", "osc@2.4.5", "--omit=optional", "--ignore-scripts", "--prefix",
+                                 modules.parent_path().string()});
+    if (fetched.exit_code != 0) GTEST_SKIP() << "npm cannot fetch the package osc\n" << fetched.output;
+  }
+  expect_blow({"node", kClients + "node/strike.js", "bell"},
+              {{"NODE_PATH", modules.string()}, {"RINGDOWN_PORT", port()}});
+}
+
+TEST_F(Clients, TheGameEngineExampleIsHeard) { expect_blow({program("game_engine_strike"), "bell", port()}); }
+
+TEST_F(Clients, TheRingdownCommandIsHeard) {
+  expect_blow({program("ringdown"), "strike", "bell", "--at", "0.05,0,0.02", "--impulse", "0,0,-0.02", "--to",
+               "osc.udp://127.0.0.1:" + port()});
+}
+
+}  // namespace
+}  // namespace ringdown::test
