@@ -56,10 +56,11 @@ std::map<std::string, std::set<std::string>> JackServer::connections() const {
 
 Daemon::Daemon(std::vector<std::string> arguments, const Process::Environment& environment)
     : process_(daemon_command(std::move(arguments)), environment), socket_(*server::OscSocket::bind()) {
-  const std::string announcement = "OSC on 127.0.0.1:";
+  const std::string announcement = "ready: OSC on ";
   if (!process_.wait_for_output(announcement, 20s)) return;
   const std::string output = process_.output();
-  port_ = static_cast<std::uint16_t>(std::stoi(output.substr(output.find(announcement) + announcement.size())));
+  port_ = static_cast<std::uint16_t>(
+      std::stoi(output.substr(output.find(':', output.find(announcement) + announcement.size()) + 1)));
 }
 
 void Daemon::send(const protocol::Message& message) {
