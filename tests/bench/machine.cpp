@@ -26,9 +26,13 @@ std::string this_machine(const std::string& library) {
 }
 
 void hold_to_cores(int count) {
-  cpu_set_t allowed, kept;
+  static const cpu_set_t allowed = [] {
+    cpu_set_t at_start;
+    ::sched_getaffinity(0, sizeof at_start, &at_start);
+    return at_start;
+  }();
+  cpu_set_t kept;
   CPU_ZERO(&kept);
-  ::sched_getaffinity(0, sizeof allowed, &allowed);
   for (int cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&kept) < count; ++cpu) {
     if (CPU_ISSET(cpu, &allowed)) CPU_SET(cpu, &kept);
   }

@@ -50,8 +50,8 @@ TEST(ContactPulse, PlayedSampleBySampleIsTheConvolutionWithTheMode) {
         const long double t = static_cast<long double>(n - 700) / kRate;
         expected[n] = scale * static_cast<double>(under_half_sine(f, 30, tau, t));
       }
-      // The pulse is sampled, so the convolution is its trapezoidal sum: Euler and Maclaurin's first term, at the corners
-      // of the pulse and where the mode's response begins.
+      // The pulse is sampled, so the convolution is its trapezoidal sum: Euler and Maclaurin's first term, at the
+      // corners of the pulse and where the mode's response begins.
       const double pulse = 0.5 * std::numbers::pi / tau;
       const double first_term = pulse * (2 * std::numbers::pi / tau + 2 * std::numbers::pi * f) / (12 * kRate * kRate);
       EXPECT_LE(largest_difference(player.left, expected), (first_term + 1e-6) * scale) << f << " Hz, " << tau << " s";
@@ -231,7 +231,8 @@ TEST_F(Input, NoiseRingsTheModeAsARecurrenceInLongDoubleDoes) {
   Exact state = 0;
   Samples expected;
   for (const float s : signal) {
-    expected.push_back(static_cast<double>(std::numbers::sqrt2_v<long double> / 2 * kOutputScale * omega * state.imag()));
+    expected.push_back(
+        static_cast<double>(std::numbers::sqrt2_v<long double> / 2 * kOutputScale * omega * state.imag()));
     state = (state + static_cast<long double>(s)) * pole;
   }
   EXPECT_LE(largest_difference(out, expected), 1e-6 * largest(expected));

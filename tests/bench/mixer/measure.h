@@ -32,4 +32,10 @@ void measure_tail(const Settings& settings, const Sink& sink);
 // ratio.
 void measure_masking(const Settings& settings, const Sink& sink);
 
+// 1,000 objects of one bank that share their states, the same each for itself, and two of them.
+void measure_instances(const Settings& settings, const Sink& sink);
+
+// One thread and two, at 30,000 modes.
+void measure_threads(const Settings& settings, const Sink& sink);
+
 }  // namespace ringdown::bench

@@ -63,6 +63,10 @@ Promise most(const std::string& what, const Row* row, double Row::*value, double
   return row != nullptr && row->ok() ? at_most(what, row->*value, limit, unit) : without_value(what, row);
 }
 
+Promise least(const std::string& what, const Row* row, double limit) {
+  return row != nullptr && row->ok() ? at_least(what, row->ratio, limit) : without_value(what, row);
+}
+
 Promise error(const Rows& rows, const std::string& who, double time_s, const char* time) {
   const Row* row = find(rows, "accuracy", [&](const Row& r) { return r.who == who && r.time_s == time_s; });
   return most(who + ": error of the sum of 2000 modes after " + time, row, &Row::error_db, -110, " dB");
@@ -88,6 +92,11 @@ std::vector<Promise> promises(const Rows& rows) {
     list.push_back(most("1000 modes, " + std::string(range) + ": block time over loud", find(rows, "tail", is(range)),
                         &Row::ratio, 1.1, ""));
   }
+  list.push_back(least("two banks: block time over that of 1000 instances that share their states",
+                       find(rows, "instances", is("two banks")), 0.9));
+  const auto two_threads = [](const Row& row) { return row.who == "2 threads" && row.objects == 100; };
+  list.push_back(least("30000 modes in 100 objects: block time of 1 thread over that of 2",
+                       find(rows, "threads", two_threads), 1.7));
   return list;
 }
 

@@ -50,7 +50,11 @@ std::vector<Sinusoid> sinusoids_of(const modal::Bank& bank) {
 }
 
 void Stage::install(protocol::ObjectNumber object, const Map& map) {
-  auto voice = std::make_unique<synth::Voice>(map, modal::MaterialScale{}, kRate);
+  install(object, std::make_shared<synth::ModeTable>(map, modal::MaterialScale{}, kRate));
+}
+
+void Stage::install(protocol::ObjectNumber object, const std::shared_ptr<synth::ModeTable>& table) {
+  auto voice = std::make_unique<synth::Voice>(table);
   if (mixer_.install(object, std::move(voice), synth::Mixer::Install::replace)) return;
   std::fprintf(stderr, "the mixer has no room for object %u\n", object);
   std::exit(1);
@@ -63,10 +67,11 @@ void Stage::push(const protocol::Event& event) {
 void Stage::render() { mixer_.render(left_, right_); }
 
 std::unique_ptr<Stage> ringing_stage(const Spread& spread, std::size_t objects, std::size_t block,
-                                     double* bytes_per_mode) {
+                                     double* bytes_per_mode, std::size_t threads) {
   std::vector<Map> maps;
   for (std::size_t object = 0; object < objects; ++object) maps.push_back(bank_of(spread, object, objects));
   auto stage = std::make_unique<Stage>(block);
+  if (threads > 1) stage->set_threads(threads);
   const double before = heap_bytes();
   for (std::size_t object = 0; object < objects; ++object) {
     stage->install(static_cast<protocol::ObjectNumber>(object), maps[object]);

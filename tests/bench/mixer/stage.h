@@ -36,7 +36,9 @@ class Stage {
   static constexpr double kPan = 0.70710678118654752;  // gain of either channel: objects stand in the middle
 
   explicit Stage(std::size_t block) : left_(block), right_(block) {}
-  void install(protocol::ObjectNumber object, const Map& map);
+  void install(protocol::ObjectNumber object, const Map& map);  // with a table of its own
+  void install(protocol::ObjectNumber object, const std::shared_ptr<synth::ModeTable>& table);
+  void set_threads(std::size_t threads) { mixer_.set_threads(threads); }
   void push(const protocol::Event& event);  // at its frame
   void render();                            // one block
 
@@ -55,6 +57,6 @@ class Stage {
 // The modes of `spread` in so many objects, struck and ringing. `bytes_per_mode`, when given: what they take, without
 // the banks, which objects share.
 std::unique_ptr<Stage> ringing_stage(const Spread& spread, std::size_t objects, std::size_t block,
-                                     double* bytes_per_mode = nullptr);
+                                     double* bytes_per_mode = nullptr, std::size_t threads = 1);
 
 }  // namespace ringdown::bench
