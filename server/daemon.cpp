@@ -96,9 +96,7 @@ ExitCode render_to_file(const DaemonOptions& options) {
                                          .seconds = options.seconds,
                                          .sample_rate_hz = options.sample_rate_hz,
                                          .block_frames = options.block_frames,
-                                         .floor_db = options.floor_db,
-                                         .masking = options.masking,
-                                         .limiter_db = options.limiter_db},
+                                         .sound = options.sound},
                                         [&cancelled](double) { return !(cancelled = signal_came(0ms)); });
   if (!recording) return report(recording.error(), cancelled ? ExitCode::cancelled : ExitCode::bad_input);
   if (const auto written = write_audio(*recording, options.output); !written) {
@@ -149,9 +147,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   auto roots = file_roots_of(options);
   if (!roots) return report(roots.error(), ExitCode::bad_input);
   Session session(opened->sample_rate_hz(), std::move(*roots));
-  session.rack().mixer().set_floor(options.floor_db);
-  session.rack().mixer().set_masking(options.masking);
-  session.rack().mixer().limit(options.limiter_db);
+  apply(options.sound, session.rack().mixer());
   session.merge_within(options.merge_s);
   session.rack().mixer().set_threads(options.threads);
   session.rack().buses().set_mode(options.ports);

@@ -6,6 +6,7 @@
 #include "protocol/exit_codes.h"
 #include "server/buses.h"
 #include "server/latency.h"
+#include "server/sound.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -33,16 +34,14 @@ struct DaemonOptions {
   std::vector<std::filesystem::path> roots;      // where messages may open files; empty: the current folder
   Latency latency;                               // of untimed messages
   std::string jack_name = "ringdown";
-  std::optional<std::filesystem::path> notes;     // what MIDI notes strike (note_map.h)
-  PortMode ports = PortMode::mix;                 // JACK ports beside the stereo mix
-  bool connect = false;                           // to the speakers
-  bool wait = false;                              // for a JACK server, where there is none yet
-  double sample_rate_hz = 48000;                  // wav, null, and until there is a JACK server
-  std::size_t block_frames = 256;                 // likewise
-  std::size_t threads = 1;                        // that mix (Mixer::set_threads)
-  double floor_db = 120;                          // below full scale, where modes rest (Mixer::set_floor)
-  bool masking = false;                           // Mixer::set_masking
-  std::optional<double> limiter_db;               // ceiling of the mix (Mixer::limit)
+  std::optional<std::filesystem::path> notes;  // what MIDI notes strike (note_map.h)
+  PortMode ports = PortMode::mix;              // JACK ports beside the stereo mix
+  bool connect = false;                        // to the speakers
+  bool wait = false;                           // for a JACK server, where there is none yet
+  double sample_rate_hz = 48000;               // wav, null, and until there is a JACK server
+  std::size_t block_frames = 256;              // likewise
+  std::size_t threads = 1;                     // that mix (Mixer::set_threads)
+  SoundOptions sound;
   std::optional<double> seconds;                  // null, jack: stop after this time; wav: length of the file
   std::filesystem::path output = "ringdown.wav";  // wav
 };

@@ -24,9 +24,7 @@ class Run {
       : options_(options), recording_(recording), session_(options.sample_rate_hz) {}
 
   Result<void> prepare() {
-    session_.rack().mixer().set_floor(options_.floor_db);
-    session_.rack().mixer().set_masking(options_.masking);
-    session_.rack().mixer().limit(options_.limiter_db);
+    apply(options_.sound, session_.rack().mixer());
     for (const auto& [name, bank] : options_.objects) {
       if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());
     }

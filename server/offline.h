@@ -5,6 +5,7 @@
 #pragma once
 
 #include "engine/base/result.h"
+#include "server/sound.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -24,9 +25,7 @@ struct OfflineOptions {
                                   // last event and kTail_s
   double sample_rate_hz = 48000;
   std::size_t block_frames = 256;
-  double floor_db = 120;             // below full scale, where modes rest (Mixer::set_floor)
-  bool masking = false;              // Mixer::set_masking
-  std::optional<double> limiter_db;  // ceiling of the mix (Mixer::limit); its delay is taken off again
+  SoundOptions sound;  // the limiter's delay is taken off again
 };
 
 inline constexpr double kTail_s = 5;

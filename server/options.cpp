@@ -98,16 +98,7 @@ void add_mixer(CLI::App& app, DaemonOptions& options) {
   app.add_option("--threads", options.threads, "Threads that mix big scenes, JACK's among them; the others spin")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  app.add_option("--floor", options.floor_db, "Modes this many dB below full scale rest until they are struck")
-      ->check(CLI::Range(20.0, 300.0))
-      ->capture_default_str();
-  app.add_flag("--masking", options.masking, "Leave out modes that louder ones hide");
-  app.add_option("--limiter", options.limiter_db,
-                 "Keep the mix below a ceiling in dB, -1 unless given; it comes 2 ms later")
-      ->expected(0, 1)
-      ->default_str("-1")
-      ->check(CLI::Range(-60.0, 0.0))
-      ->type_name("DB");
+  add_sound_options(app, options.sound);
 }
 
 }  // namespace

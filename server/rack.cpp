@@ -190,7 +190,7 @@ void Rack::change_sample_rate(double sample_rate_hz) {
 
 Result<void> Rack::install(const RackObject& object, synth::Mixer::Install how) {
   const std::scoped_lock lock(rate_mutex_);
-  auto voice = std::make_unique<synth::Voice>(object.map, object.material, mixer_.sample_rate_hz());
+  auto voice = std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material));
   if (!mixer_.install(object.number, std::move(voice), how)) {
     return fail("object: " + std::to_string(synth::kMostVoices) + " voices are still ringing out; try again later");
   }

@@ -75,15 +75,7 @@ void add_render_verb(CLI::App& app, ExitCode& outcome) {
   verb->add_option("--block", options.block_frames, "Frames per block; changes nothing but rounding.")
       ->check(CLI::Range(1, 8192))
       ->capture_default_str();
-  verb->add_option("--floor", options.floor_db, "Modes this many dB below full scale rest until they are struck.")
-      ->check(CLI::Range(20.0, 300.0))
-      ->capture_default_str();
-  verb->add_flag("--masking", options.masking, "Leave out modes that louder ones hide.");
-  verb->add_option("--limiter", options.limiter_db, "Keep the mix below a ceiling in dB, -1 unless given.")
-      ->expected(0, 1)
-      ->default_str("-1")
-      ->check(CLI::Range(-60.0, 0.0))
-      ->type_name("DB");
+  server::add_sound_options(*verb, options.sound);
   verb->callback([arguments, &outcome] { outcome = render(*arguments); });
 }
 

@@ -108,6 +108,10 @@ class Mixer {
     return agenda_.push(producer, event);
   }
 
+  // The table that voices of this bank and material share; a new one if there is none. [worker]
+  [[nodiscard]] std::shared_ptr<ModeTable> table_for(const std::shared_ptr<const modal::StrikeMap>& map,
+                                                     const modal::MaterialScale& material) const;
+
   enum class Install {
     replace,  // the old voice rings out, the new one takes the strikes to come
     retune,   // the new voice, of the same bank, takes over what rings: for a change of material

@@ -21,6 +21,14 @@ void Mixer::found_family(protocol::ObjectNumber object, const std::shared_ptr<Mo
   }
 }
 
+std::shared_ptr<ModeTable> Mixer::table_for(const std::shared_ptr<const modal::StrikeMap>& map,
+                                            const modal::MaterialScale& material) const {
+  for (const Kin& kin : families_) {
+    if (auto table = kin.table.lock(); table && table->is_of(map, material)) return table;
+  }
+  return std::make_shared<ModeTable>(map, material, sample_rate_hz());
+}
+
 bool Mixer::can_share(const Object& object, Frame now) RINGDOWN_REALTIME {
   if (!object.current || object.tails || object.drive_count > 0 || object.current->fading()) return false;
   const Family* family = object.current->table().family;

@@ -38,6 +38,11 @@ class ModeTable {
   }
   [[nodiscard]] double sample_rate_hz() const RINGDOWN_REALTIME { return sample_rate_hz_; }
 
+  [[nodiscard]] bool is_of(const std::shared_ptr<const modal::StrikeMap>& map,
+                           const modal::MaterialScale& material) const {
+    return map == map_ && material == material_;
+  }
+
   [[nodiscard]] const modal::Bank& bank() const RINGDOWN_REALTIME { return map_->bank(); }
   [[nodiscard]] std::size_t playable_modes() const RINGDOWN_REALTIME { return mode_of_.size(); }
   [[nodiscard]] std::size_t slow_modes() const RINGDOWN_REALTIME { return slow_modes_; }  // that take moments

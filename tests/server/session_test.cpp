@@ -106,6 +106,17 @@ TEST_F(SessionTest, TwoObjectsOfOneFileShareItsMemory) {
 }
 
 // 1600 is one message's limit; 1601 and a broken record are refused whole.
+TEST_F(SessionTest, AThousandObjectsOfOneFileRingForThePriceOfTwo) {
+  for (int i = 0; i < 1000; ++i) {
+    const std::string name = "coin" + std::to_string(i);
+    ASSERT_TRUE(session_.perform(protocol::LoadObject{name, bank("a.glb")}, 0));
+    ASSERT_TRUE(strike({.name = name}));
+  }
+  render(1024);
+  EXPECT_EQ(session_.rack().mixer().counters().ringing_voices, 1000u);
+  EXPECT_EQ(session_.rack().mixer().counters().ringing_modes, 2u);
+}
+
 TEST_F(SessionTest, ABulkOfStrikesRingsAsTheSameStrikesDoOneByOne) {
   ASSERT_TRUE(session_.perform(protocol::LoadObject{"a", bank("a.glb")}, 0));
   ASSERT_TRUE(session_.perform(protocol::LoadObject{"b", bank("a.glb")}, 0));

@@ -137,6 +137,16 @@ TEST(Family, AnObjectIsTakenOutExactlyAfterTenMinutes) {
   EXPECT_LE(static_cast<double>(mixer.counters().peak.load()), 1e-7 * static_cast<double>(loudest));
 }
 
+TEST(Family, IsOfOneBankInOneMaterial) {
+  Mixer mixer(kRate);
+  const Map map = coin(), other = coin();
+  const auto table = mixer.table_for(map, {});
+  ASSERT_TRUE(mixer.install(0, std::make_unique<Voice>(table), Mixer::Install::replace));
+  EXPECT_EQ(mixer.table_for(map, {}), table);
+  EXPECT_NE(mixer.table_for(other, {}), table);
+  EXPECT_NE(mixer.table_for(map, {.alpha = 2}), table);
+}
+
 TEST(Family, AnAbsurdStrikeIsNotHeard) {
   Pair pair(4);
   for (ObjectNumber object = 0; object < 4; ++object) pair.shared.push(strike_at(64, object, {1, 0.2, 0.1}));

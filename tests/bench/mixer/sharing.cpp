@@ -72,7 +72,10 @@ void measure_threads(const Settings& settings, const Sink& sink) {
       for (std::size_t i = 0; i < kThreads; ++i) time_blocks([&] { stages[i]->render(); }, 100, times[i]);
     }
     for (std::size_t i = 0; i < kThreads; ++i) {
-      Row row{.part = "threads", .who = i == 0 ? "1 thread" : "2 threads", .modes = spread.modes, .objects = objects,
+      Row row{.part = "threads",
+              .who = i == 0 ? "1 thread" : "2 threads",
+              .modes = spread.modes,
+              .objects = objects,
               .block = kBlock};
       fill_in(row, times[i]);
       row.ratio = median(times[0].blocks_s) / median(times[i].blocks_s);
