@@ -196,7 +196,8 @@ void Mixer::link_due_events(std::int32_t count) RINGDOWN_REALTIME {
   };
   for (std::int32_t place = 0; place < count; ++place) {
     Object& object = objects_.data()[due[place].event.object];
-    if (object.first_due < 0 && !object.shared && is_strike(due[place].event.type) && can_share(object, now_)) {
+    if (object.first_due < 0 && !object.shared && is_strike(due[place].event.type) && object.parted != now_ &&
+        can_share(object, now_)) {
       share(object, now_);
     }
     if (object.shared) {

@@ -183,6 +183,7 @@ class Mixer {
     bool active = false;  // listed in active_
     bool shared = false;  // its states stand in its family's, and the rest is about that:
     Family::Shares shares{};
+    protocol::Frame parted = -1;        // the chunk in which something else than strikes happens to it
     protocol::Frame anchor = 0;         // the frame that the states it keeps for itself have reached
     std::uint32_t round = 0, lost = 0;  // its family's, when it was last struck, or lost its states
     std::array<std::uint8_t, kMostForces> drives{};

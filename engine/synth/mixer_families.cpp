@@ -9,6 +9,12 @@ namespace ringdown::synth {
 using protocol::Event;
 using protocol::Frame;
 
+namespace {
+
+constexpr double kMostSharedGain = 100;
+
+}  // namespace
+
 // With the second voice of a table; it lives as long as the table.
 void Mixer::found_family(protocol::ObjectNumber object, const std::shared_ptr<ModeTable>& table) {
   const auto known = std::ranges::find_if(families_, [&](const Kin& kin) { return kin.table.lock() == table; });
@@ -32,6 +38,8 @@ std::shared_ptr<ModeTable> Mixer::table_for(const std::shared_ptr<const modal::S
 bool Mixer::can_share(const Object& object, Frame now) RINGDOWN_REALTIME {
   if (!object.current || object.tails || object.drive_count > 0 || object.current->fading()) return false;
   const Family* family = object.current->table().family;
+  // Gains are part of the sums, and what is absurdly loud (Ringing::kAbsurdEnergy) should not depend on sharing.
+  if (std::abs(object.gain.to) > kMostSharedGain) return false;
   return family && (family->members == 0 || family->bus == object.bus) && still(object, now);
 }
 
@@ -65,6 +73,7 @@ void Mixer::catch_up(Object& object, Frame now) RINGDOWN_REALTIME {
 
 // Rings alone from the present frame on.
 void Mixer::part(Object& object) RINGDOWN_REALTIME {
+  object.parted = now_;
   if (!std::exchange(object.shared, false)) return;
   Family& family = *object.current->table().family;
   catch_up(object, now_);

@@ -126,8 +126,12 @@ TEST(Manual, GroffFindsNoFaultInThePages) {
 TEST(Manual, TheShellsFindNoFaultInTheScripts) {
   for (const std::string& name : kPrograms) {
     EXPECT_EQ(run({"bash", "-n", bash(name)}).output, "");
-    if (installed("zsh")) EXPECT_EQ(run({"zsh", "-n", zsh(name)}).output, "");
-    if (installed("fish")) EXPECT_EQ(run({"fish", "--no-execute", fish(name)}).output, "");
+    if (installed("zsh")) {
+      EXPECT_EQ(run({"zsh", "-n", zsh(name)}).output, "");
+    }
+    if (installed("fish")) {
+      EXPECT_EQ(run({"fish", "--no-execute", fish(name)}).output, "");
+    }
   }
 }
 

@@ -137,6 +137,20 @@ TEST(Family, AnObjectIsTakenOutExactlyAfterTenMinutes) {
   EXPECT_LE(static_cast<double>(mixer.counters().peak.load()), 1e-7 * static_cast<double>(loudest));
 }
 
+TEST(Family, AStrikeAndAClearInOneChunkHappenInTheirOrder) {
+  Pair pair(3);
+  for (ObjectNumber object = 0; object < 3; ++object) {
+    pair.push(strike_at(70, object, {1, 0.2, 0.1}));
+    pair.push(clear_at(90, object));
+    pair.push(strike_at(100, object, {0.1, 0.2, 0.1}));
+    pair.push(gain_at(110, object, 0.5));
+  }
+  pair.render(4000);
+  EXPECT_LE(pair.difference(), kSame);
+  EXPECT_EQ(pair.shared.mixer.counters().strikes, 6u);
+  EXPECT_EQ(pair.shared.mixer.counters().refused, 0u);
+}
+
 TEST(Family, IsOfOneBankInOneMaterial) {
   Mixer mixer(kRate);
   const Map map = coin(), other = coin();
