@@ -32,7 +32,7 @@ class JackInput : public JackTest {
     while (first < heard.size() && heard[first] == 0) ++first;
     EXPECT_LT(first + frames / 5, heard.size()) << "nothing was heard";
     if (first + frames / 5 >= heard.size()) return 0;
-    return fit_damped_sinusoid(std::span(heard).subspan(first, frames / 5), rate).amplitude();
+    return fit_damped_sinusoid(std::span(heard).subspan(first - 1, frames / 5), rate).amplitude();
   }
 
   // What one mode of unit mass gives after an impulse, in the middle of the stereo mix.
