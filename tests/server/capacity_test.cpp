@@ -94,7 +94,8 @@ TEST_F(CapacityTest, ANoticeTellsTheLastContacts) {
     for (bool ended = false; !ended;) {
       Datagram datagram;
       if (!client_.receive(datagram, 20s)) break;
-      for (const TimedMessage& timed : decode_packet(datagram.bytes).value()) {
+      const auto messages = decode_packet(datagram.bytes);
+      for (const TimedMessage& timed : messages.value()) {
         const auto reply = protocol::parse_reply(timed.message).value();
         if (const auto* contact = std::get_if<protocol::NotifyContact>(&reply)) found.push_back(*contact);
         ended |= std::holds_alternative<protocol::NotifyPeak>(reply);

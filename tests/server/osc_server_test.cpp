@@ -198,8 +198,10 @@ TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {
   send({"/notify", {1, 100.f}});
   const auto score = folder_ / "notes.osc";
   send({"/record/start", {score.string()}});
+  sync();
   send({"/object/bell/group", {"metal"}});
   send({"/object/bell/clear", {0.5f}});
+  sync();
   const auto now = static_cast<Frame>(driver_.frame_of(unix_now_s()));
   const std::uint32_t number = session_.rack().find({.name = "bell"})->number;
   // What the audio thread does with a note.
