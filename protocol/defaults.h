@@ -18,4 +18,7 @@ inline constexpr double kDefaultContactTimeS = 0.0002;
 // Grows when an address changes its meaning; new addresses and new optional arguments do not count.
 inline constexpr std::int32_t kProtocolVersion = 1;
 
+// Audio inputs that may excite objects.
+inline constexpr std::uint32_t kMostInputs = 4;
+
 }  // namespace ringdown::protocol

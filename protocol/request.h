@@ -57,6 +57,13 @@ struct SetGroup {  // /object/{object}/group
 };
 struct ClearObject {  // /object/{object}/clear
   ObjectRef object;
+  double ramp_s = 0;
+};
+// An audio input that excites the object: a sample of 1 is this force.
+struct Excite {  // /object/{object}/excite
+  ObjectRef object;
+  std::uint32_t input = 1;  // to kMostInputs
+  Vec3 point_m, force_n;    // no force: the input excites the object no more
 };
 struct FreeObject {  // /object/{object}/free
   ObjectRef object;
@@ -93,6 +100,9 @@ struct Notify {  // /notify
   bool on = true;
   double rate_hz = 20;
 };
+struct SaveState {  // /state/save
+  std::string path;
+};
 struct RecordStart {  // /record/start
   std::string path;
 };
@@ -105,8 +115,9 @@ struct Sync {       // /sync
 };
 struct Quit {};  // /quit
 
-using Request = std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, SetGroup, ClearObject,
-                             FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear,
-                             Notify, RecordStart, RecordStop, Status, Version, Sync, Quit>;
+using Request =
+    std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, SetGroup, Excite, ClearObject,
+                 FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, Notify,
+                 SaveState, RecordStart, RecordStop, Status, Version, Sync, Quit>;
 
 }  // namespace ringdown::protocol

@@ -13,6 +13,8 @@ constexpr Quantity kVelocity{"m/s", -1e3, 1e3};
 constexpr Quantity kSize{"m", 0, 1e3};
 constexpr Quantity kDensity{"kg/m3", 0, 1e5};
 constexpr Quantity kImpulse{"N s", -1e4, 1e4};
+constexpr Quantity kForce{"N", -1e6, 1e6};
+constexpr Quantity kInput{"", 1, kMostInputs};
 constexpr Quantity kContactTime{"s", 0, 0.1};
 constexpr Quantity kGain{"", 0, 100};
 constexpr Quantity kRamp{"s", 0, 60};
@@ -131,8 +133,16 @@ std::vector<Row<Request>> make_request_rows() {
                "Puts the object into a group. With --ports groups, each group is heard at an output port of its own.",
                {object<&SetGroup::object>(),
                 optional(other<ValueType::name, &SetGroup::group>("group", "The group's name; left out: in none."))}),
-      silent("/object/{object}/clear", ClearObject{kBell}, "Fades what rings in the object within a few milliseconds.",
-             {object<&ClearObject::object>()}),
+      answered("/object/{object}/excite", Excite{kBell, 1, {0.05, 0, 0.02}, {0, 0, -1}},
+               "Lets an audio input excite the object: what sounds in it is a force at x y z. The input is a port in_1 "
+               "to in_4 of the JACK client, which is there from then on. It excites one object at a time; a force of "
+               "0 0 0 ends it.",
+               {object<&Excite::object>(), integer<&Excite::input>("input", kInput, "The input's number."),
+                vector<&Excite::point_m>({"x", "y", "z"}, kPosition, "Where it acts, in the object's own frame."),
+                vector<&Excite::force_n>({"fx", "fy", "fz"}, kForce, "The force that a sample of 1 is.")}),
+      silent("/object/{object}/clear", ClearObject{kBell}, "Fades what rings in the object: a hand laid on it.",
+             {object<&ClearObject::object>(),
+              optional(number<&ClearObject::ramp_s>("ramp", kRamp, "How long that takes; some 10 ms at least."))}),
       answered("/object/{object}/free", FreeObject{kBell},
                "Removes the object. What rings is faded, its name and number become free.",
                {object<&FreeObject::object>()}),
@@ -172,6 +182,12 @@ std::vector<Row<Request>> make_request_rows() {
                "nothing for 60 s is forgotten; anything it sends keeps it, /notify itself too.",
                {optional(other<ValueType::flag, &Notify::on>("on", "1 subscribes, 0 ends it.")),
                 optional(number<&Notify::rate_hz>("rate", kNoticeRate, "How often to tell."))}),
+      answered(
+          "/state/save", SaveState{"state.toml"},
+          "Writes what there is as a readable file, which `ringdownd --state` loads: objects with their banks, gains, "
+          "pans, groups and materials, and what inputs excite.",
+          {other<ValueType::text, &SaveState::path>(
+              "path", "The file to write, .toml; a relative path starts where the daemon was started.")}),
       answered(
           "/record/start", RecordStart{"session.osc"},
           "Records everything that is played as an OSC score, which `ringdown render --events` plays again, bit for "

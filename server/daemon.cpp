@@ -5,6 +5,7 @@
 #include "server/file_roots.h"
 #include "server/latency.h"
 #include "server/note_map.h"
+#include "server/nsm_client.h"
 #include "server/offline.h"
 #include "server/osc_server.h"
 #include "server/query_server.h"
@@ -12,7 +13,9 @@
 #include "server/remote_strikes.h"
 #include "server/service_notice.h"
 #include "server/session.h"
+#include "server/state.h"
 #include "server/worker.h"
+#include "server/zeroconf.h"
 
 #include <spdlog/spdlog.h>
 
@@ -64,7 +67,7 @@ std::jthread start_scene(Session& session, const Driver& driver) {
 }
 
 // The folders that the user named, or else the current one; the presets; those of the files on the command line.
-Result<FileRoots> file_roots_of(const DaemonOptions& options) {
+Result<FileRoots> file_roots_of(const DaemonOptions& options, const State& state) {
   std::vector<std::filesystem::path> folders = options.roots;
   std::error_code error;
   const auto here = std::filesystem::current_path(error);
@@ -75,17 +78,39 @@ Result<FileRoots> file_roots_of(const DaemonOptions& options) {
     folders.push_back(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
   };
   for (const auto& [name, bank] : options.objects) add_folder_of(bank);
+  for (const State::Object& object : state.objects) add_folder_of(object.bank);
   if (options.scene) add_folder_of(*options.scene);
+  if (options.state) add_folder_of(*options.state);
   return FileRoots::only(folders);
 }
 
-Result<void> load_what_was_asked_for(Session& session, const DaemonOptions& options, protocol::Frame start) {
+// A sample of 1, where no force is named: the object's own weight, in round numbers.
+constexpr double kDefaultAcceleration_m_s2 = 10;
+
+Result<void> connect_inputs(Rack& rack, const std::vector<DaemonOptions::Input>& inputs) {
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const auto object = rack.find({.name = inputs[i].object});
+    if (!object) return fail("--input: " + object.error().message);
+    const NoteTable::Strike chosen = best_strike(*object);
+    const Vec3 force_n = (kDefaultAcceleration_m_s2 / kDefaultVelocity_m_s) * chosen.impulse_ns;
+    const auto connected = rack.excite(i, {.name = object->name}, inputs[i].point_m.value_or(chosen.point_m),
+                                       inputs[i].force_n.value_or(force_n));
+    if (!connected) return fail("--input: " + connected.error().message);
+  }
+  return {};
+}
+
+Result<void> load_what_was_asked_for(Session& session, const DaemonOptions& options, const State& state,
+                                     protocol::Frame start) {
   for (const auto& [name, bank] : options.objects) {
     if (const auto loaded = session.rack().load(name, bank); !loaded) return fail(loaded.error());
   }
   if (options.scene) {
     if (const auto loaded = session.scene().load(*options.scene, start); !loaded) return fail(loaded.error());
   }
+  if (const auto connected = connect_inputs(session.rack(), options.inputs); !connected) return connected;
+  const auto restored = restore(state, session.rack());
+  if (!restored) return fail(options.state->string() + ": " + restored.error().message);
   return {};
 }
 
@@ -137,14 +162,29 @@ Result<void> write_results(const DaemonOptions& options, Recorder& recorder, pro
       *options.capture);
 }
 
-ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<Driver> opened, Captured& captured) {
+// The session manager wants what we are to be kept.
+void save_session(Worker& worker, const Session& session, const Recorder& recorder, const std::filesystem::path& file,
+                  const NsmClient::Done& done) {
+  const bool posted =
+      worker.post([&session, &recorder, file, done] { done(write_state(state_of(session.rack(), recorder), file)); });
+  if (!posted) done(fail("too many requests are waiting; save again later"));
+}
+
+ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<Driver> opened, Captured& captured,
+               NsmClient* manager) {
+  State state;
+  if (options.state) {
+    auto read = read_state(*options.state);
+    if (!read) return report(read.error(), ExitCode::bad_input);
+    state = std::move(*read);
+  }
   std::optional<NoteMap> note_map;
   if (options.notes) {
     auto map = read_note_map(*options.notes);
     if (!map) return report(map.error(), ExitCode::bad_input);
     note_map = std::move(*map);
   }
-  auto roots = file_roots_of(options);
+  auto roots = file_roots_of(options, state);
   if (!roots) return report(roots.error(), ExitCode::bad_input);
   Session session(opened->sample_rate_hz(), std::move(*roots));
   apply(options.sound, session.rack().mixer());
@@ -171,7 +211,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   }
   // A second of silence before the scene starts: the driver may take that long.
   const auto start = static_cast<protocol::Frame>(driver->sample_rate_hz());
-  if (const auto loaded = load_what_was_asked_for(session, options, start); !loaded) {
+  if (const auto loaded = load_what_was_asked_for(session, options, state, start); !loaded) {
     return report(loaded.error(), ExitCode::bad_input);
   }
   std::atomic<bool> quit = false;
@@ -180,7 +220,9 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
                      .change_sample_rate = [&session](double rate) { session.change_sample_rate(rate); },
                      .prepare_offline = [&session](protocol::Frame frame) { session.scene().advance_to(frame, frame); },
                      .buses = [&session] { return session.rack().buses().names(); },
-                     .notes = [&notes] { return notes.table(); }});
+                     .inputs = [&session] { return session.rack().inputs(); },
+                     .notes = [&notes] { return notes.table(); },
+                     .notes_played = session.rack().notes_played()});
   if (!started) {
     return report(started.error(), ExitCode::no_jack);
   }
@@ -195,6 +237,14 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
                session.rack().objects().size(), driver->sample_rate_hz(), driver->block_frames(),
                synth::kernel_target());
 
+  std::optional<Zeroconf> zeroconf;
+  if (options.zeroconf) {
+    zeroconf.emplace(options.jack_name, server->port(), *stream ? std::optional((*stream)->port()) : std::nullopt);
+  }
+  if (manager) {
+    manager->start(
+        [&](const NsmClient::Done& done) { save_session(*worker, session, recorder, manager->state_file(), done); });
+  }
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds.value_or(1e9));
   ServiceNotice service;
   while (!quit && std::chrono::steady_clock::now() < end) {
@@ -202,7 +252,9 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
     if (signal_came(50ms)) break;
   }
   service.stopping();
+  zeroconf.reset();
   spdlog::info("stopping");
+  if (manager) manager->stop();
   scene = {};
   server.reset();
   worker.reset();
@@ -214,7 +266,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
 
 }  // namespace
 
-ExitCode run_daemon(const DaemonOptions& options) {
+ExitCode run_daemon(DaemonOptions options) {
   const sigset_t signals = ending_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);  // libjack writes to servers that are gone
@@ -228,6 +280,15 @@ ExitCode run_daemon(const DaemonOptions& options) {
     spdlog::warn("listening on {}: anyone who can reach this address can play, load files and stop the daemon",
                  options.address);
   }
+  std::unique_ptr<NsmClient> manager;
+  if (const auto url = NsmClient::url()) {
+    auto announced = NsmClient::announce(*url);
+    if (!announced) return report(announced.error(), ExitCode::failure);
+    manager = std::move(*announced);
+    options.jack_name = manager->session().client_id;
+    std::error_code ignored;
+    if (std::filesystem::exists(manager->state_file(), ignored)) options.state = manager->state_file();
+  }
   Captured captured;
   auto driver = options.driver == DaemonOptions::DriverKind::jack
                     ? open_jack({.client_name = options.jack_name,
@@ -237,7 +298,7 @@ ExitCode run_daemon(const DaemonOptions& options) {
                                  .block_frames = options.block_frames})
                     : open_null(options.sample_rate_hz, options.block_frames, options.capture ? &captured : nullptr);
   if (!driver) return report(driver.error(), ExitCode::no_jack);
-  return serve(options, std::move(*socket), std::move(*driver), captured);
+  return serve(options, std::move(*socket), std::move(*driver), captured, manager.get());
 }
 
 }  // namespace ringdown::server

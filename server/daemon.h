@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/base/result.h"
+#include "engine/base/vec3.h"
 #include "protocol/defaults.h"
 #include "protocol/exit_codes.h"
 #include "server/buses.h"
@@ -22,12 +23,19 @@ struct DaemonOptions {
   enum class DriverKind { jack, wav, null };
   DriverKind driver = DriverKind::jack;
   std::vector<std::pair<std::string, std::filesystem::path>> objects;  // name, bank
+  struct Input {
+    std::string object;
+    std::optional<Vec3> point_m, force_n;  // in the object's frame; absent: chosen from its bank
+  };
+  std::vector<Input> inputs;                   // JACK ports in_1 and so on, and what they excite
+  std::optional<std::filesystem::path> state;  // objects and inputs, loaded after the others (state.h)
   std::optional<std::filesystem::path> scene;
   std::optional<std::string> scene_to;  // osc.udp://host:port that gets the scene's strikes instead of our own mixer
   std::string address = "127.0.0.1";    // where OSC is received
   std::uint16_t port = protocol::kDefaultPort;   // 0: any free one
   std::optional<std::uint16_t> tcp_port;         // OSC by TCP as well; 0: any free one
   std::optional<std::uint16_t> query_port;       // OSCQuery over HTTP; 0: any free one
+  bool zeroconf = false;                         // announce both OSC ports
   std::optional<std::filesystem::path> record;   // the whole session, as an OSC score
   std::optional<std::filesystem::path> capture;  // what the null driver renders, as a sound file
   double merge_s = 0.001;                        // strikes so close on one point are one, in a flood (strike_merger.h)
@@ -48,6 +56,6 @@ struct DaemonOptions {
 
 // Runs until SIGINT, SIGTERM, /quit or the end of `seconds`. Failures are written to standard error, one sentence each.
 // Blocks both signals for the whole process. [main]
-protocol::ExitCode run_daemon(const DaemonOptions& options);
+protocol::ExitCode run_daemon(DaemonOptions options);
 
 }  // namespace ringdown::server

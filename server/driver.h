@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/base/result.h"
+#include "engine/base/spsc_ring.h"
 #include "engine/synth/mixer.h"
 #include "protocol/event.h"
 
@@ -38,8 +39,12 @@ class Driver {
     std::function<void(protocol::Frame)> prepare_offline;
     // The mixer's buses that are to be heard, and what they are called. [any but audio]
     std::function<std::map<std::size_t, std::string>()> buses;
+    // The mixer's inputs that are to be there, bit 0 the first. [any but audio]
+    std::function<std::uint32_t()> inputs;
     // What MIDI notes strike. [the driver's own thread]
     std::function<std::shared_ptr<const NoteTable>()> notes;
+    // Takes the events that notes become, beside the mixer.
+    SpscRing<protocol::Event>& notes_played;
   };
 
   virtual ~Driver() = default;  // stops
@@ -50,7 +55,7 @@ class Driver {
   // Renders the program, whose mixer is of this driver's sample rate, until destruction. Once. [main]
   virtual Result<void> start(Program program) = 0;
 
-  // Says that the program's buses() or notes() have changed. [any but audio]
+  // Says that the program's buses(), inputs() or notes() have changed. [any but audio]
   virtual void program_changed() {}
 
   // The mixer's frame that is being computed at this instant. [any but audio]
@@ -58,6 +63,10 @@ class Driver {
 
   // True while blocks come as fast as they are rendered: now() then runs ahead of the clock. [any]
   [[nodiscard]] virtual bool freewheels() const { return false; }
+
+  // What a thread that must not be late for the sound, but never stand in its way, should run with: a real-time
+  // priority below the audio thread's; 0 where that has none. It may change. [any but audio]
+  [[nodiscard]] virtual int control_priority() const { return 0; }
 
   [[nodiscard]] virtual Load load() const = 0;  // [any but audio]
 };

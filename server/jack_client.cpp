@@ -4,10 +4,12 @@
 
 #include <jack/jack.h>
 #include <jack/midiport.h>
+#include <jack/thread.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 namespace ringdown::server {
 namespace {
@@ -40,9 +42,11 @@ JackClient::JackClient(jack_client_t* client, std::shared_ptr<LoadMeter> meter, 
 
 JackClient::~JackClient() {
   stop();
-  for (jack_port_t* port : ports_) {
+  const auto forget = [this](jack_port_t* port) {
     if (port && !lost_) jack_metadata_forget(client_, port);
-  }
+  };
+  for (jack_port_t* port : ports_) forget(port);
+  for (jack_port_t* port : inputs_) forget(port);
   jack_client_close(client_);
 }
 
@@ -116,9 +120,33 @@ void JackClient::show_buses(const std::map<std::size_t, std::string>& names) {
   buses_ = names;
 }
 
+bool JackClient::add_input(std::size_t input) {
+  const std::string number = std::to_string(input + 1);
+  jack_port_t* const port =
+      jack_port_register(client_, ("in_" + number).c_str(), JACK_DEFAULT_AUDIO_TYPE, JackPortIsInput, 0);
+  if (!port) return false;
+  jack_metadata_describe(
+      client_, port,
+      {.pretty_name = "Excite " + number, .group = "Inputs", .order = static_cast<int>(synth::kMostChannels + input)});
+  inputs_[input] = port;
+  return true;
+}
+
+void JackClient::show_inputs(std::uint32_t inputs) {
+  if (std::exchange(shown_inputs_, inputs) == inputs) return;
+  for (std::size_t input = 0; input < inputs_.size(); ++input) {
+    if ((inputs >> input & 1) == 0 || inputs_[input] || add_input(input)) continue;
+    spdlog::warn("JACK has no port for input {}", input + 1);
+  }
+}
+
 std::string JackClient::name() const { return jack_get_client_name(client_); }
 double JackClient::sample_rate_hz() const { return jack_get_sample_rate(client_); }
 std::size_t JackClient::block_frames() const { return jack_get_buffer_size(client_); }
+
+int JackClient::priority() const {
+  return jack_is_realtime(client_) != 0 ? std::max(jack_client_real_time_priority(client_), 0) : 0;
+}
 
 Result<void> JackClient::start(const Driver::Program& program) {
   program_ = &program;
@@ -171,8 +199,18 @@ void JackClient::render(std::uint32_t frames) {
       outputs.listen_to_bus(channel - kFirstBus, samples);
     }
   }
-  mixer.render(outputs, frames);
+  mixer.render(outputs, read_inputs(frames), frames);
   meter_->end(!freewheels);
+}
+
+synth::Inputs JackClient::read_inputs(std::uint32_t frames) {
+  synth::Inputs inputs{};
+  const std::uint32_t fed = fed_;
+  for (std::size_t input = 0; input < inputs.size(); ++input) {
+    jack_port_t* const port = fed >> input & 1 ? inputs_[input].load() : nullptr;
+    if (port) inputs[input] = static_cast<const float*>(jack_port_get_buffer(port, frames));
+  }
+  return inputs;
 }
 
 void JackClient::play_notes(std::uint32_t frames, protocol::Frame first) {
@@ -183,7 +221,7 @@ void JackClient::play_notes(std::uint32_t frames, protocol::Frame first) {
   for (std::uint32_t i = 0; i < count; ++i) {
     jack_midi_event_t event;
     if (jack_midi_event_get(&event, buffer, i) != 0) continue;
-    midi_->play({event.buffer, event.size}, first + event.time, *notes, program_->mixer);
+    midi_->play({event.buffer, event.size}, first + event.time, *notes, program_->mixer, program_->notes_played);
   }
 }
 
@@ -209,6 +247,7 @@ std::set<JackConnection> JackClient::connections() const {
     jack_free(others);
   };
   for (const auto& port : ports_) look_at(port);
+  for (const auto& port : inputs_) look_at(port);
   look_at(midi_port_);
   return found;
 }
@@ -239,6 +278,12 @@ void JackClient::note_listeners() {
     if (port && jack_port_connected(port) > 0) listened |= synth::only(channel);
   }
   listened_ = listened;
+  std::uint32_t fed = 0;
+  for (std::size_t input = 0; input < inputs_.size(); ++input) {
+    const jack_port_t* port = inputs_[input];
+    if (port && jack_port_connected(port) > 0) fed |= 1u << input;
+  }
+  fed_ = fed;
 }
 
 }  // namespace ringdown::server

@@ -62,8 +62,14 @@ class JackClient {
   // The mixer's frame that is being computed. [any but audio]
   [[nodiscard]] protocol::Frame now() const;
 
+  // The real-time priority of its audio thread; 0 for none. [any but audio]
+  [[nodiscard]] int priority() const;
+
   // Makes the bus ports those that are named here; a port whose bus goes by the same name stays untouched.
   void show_buses(const std::map<std::size_t, std::string>& names);
+
+  // Makes the input ports those whose bit is set, bit 0 being in_1. One that is there stays.
+  void show_inputs(std::uint32_t inputs);
 
   // What notes strike from the next block on.
   void set_notes(std::shared_ptr<const NoteTable> notes);
@@ -82,10 +88,12 @@ class JackClient {
              std::function<void()> on_change);
   void set_callbacks();
   [[nodiscard]] bool add_port(std::size_t channel, const std::string& name);
+  [[nodiscard]] bool add_input(std::size_t input);
   void remove_port(std::size_t channel);
   void tell_latency();
   void process(std::uint32_t frames);
   void render(std::uint32_t frames);
+  [[nodiscard]] synth::Inputs read_inputs(std::uint32_t frames);
   void play_notes(std::uint32_t frames, protocol::Frame first);
   void write_silence(std::uint32_t frames);
 
@@ -102,6 +110,9 @@ class JackClient {
   std::atomic<const NoteTable*> notes_ = nullptr;                       // points to
   std::array<std::atomic<_jack_port*>, synth::kMostChannels> ports_{};  // by the mixer's channel
   std::map<std::size_t, std::string> buses_;                            // as show_buses() was told
+  std::array<std::atomic<_jack_port*>, synth::kMostInputs> inputs_{};   // in_1 first; null: none
+  std::uint32_t shown_inputs_ = 0;                                      // as show_inputs() was told
+  std::atomic<std::uint32_t> fed_ = 0;                                  // those of them that are connected
   std::atomic<synth::ChannelSet> listened_ = 0;                         // those of them that are connected
   std::atomic<std::int64_t> offset_ = kUnknown;                         // 32 bits once it is known
   std::atomic<bool> lost_ = false, freewheels_ = false;

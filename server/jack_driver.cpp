@@ -9,6 +9,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <mutex>
 #include <semaphore>
 #include <thread>
@@ -73,6 +74,11 @@ class JackDriver final : public Driver {
   [[nodiscard]] bool freewheels() const override {
     const std::scoped_lock lock(mutex_);
     return client_ && client_->freewheels();
+  }
+
+  [[nodiscard]] int control_priority() const override {
+    const std::scoped_lock lock(mutex_);
+    return client_ ? std::max(client_->priority() - 1, 0) : 0;
   }
 
  private:
@@ -141,6 +147,7 @@ class JackDriver final : public Driver {
   void look_after_client() {
     if (const double rate = client_->sample_rate_hz(); rate != sample_rate_hz_) change_rate(rate);
     client_->show_buses(program_->buses());
+    client_->show_inputs(program_->inputs());
     client_->set_notes(program_->notes());
     if (std::exchange(connect_, false)) client_->connect_to_speakers();
     std::erase_if(missing_, [this](const JackConnection& missing) { return client_->connect(missing); });

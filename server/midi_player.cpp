@@ -16,9 +16,9 @@ constexpr double kLongestContact_s = 0.1;
 }  // namespace
 
 void MidiPlayer::play(std::span<const std::uint8_t> message, protocol::Frame frame, const NoteTable& table,
-                      synth::Mixer& mixer) RINGDOWN_REALTIME {
+                      synth::Mixer& mixer, SpscRing<Event>& played) RINGDOWN_REALTIME {
   if (message.size() < 3) return;
-  const Stage stage{frame, table, mixer};
+  const Stage stage{frame, table, mixer, played};
   const std::uint8_t* const bytes = message.data();
   const auto kind = static_cast<std::uint8_t>(bytes[0] & 0xf0);
   const auto first = static_cast<std::uint8_t>(bytes[1] & 0x7f), second = static_cast<std::uint8_t>(bytes[2] & 0x7f);
@@ -102,7 +102,11 @@ void MidiPlayer::damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME
 void MidiPlayer::push(const Event& event, const Stage& stage) RINGDOWN_REALTIME {
   Event timed = event;
   timed.frame = stage.frame;
-  if (!stage.mixer.push(synth::Producer::midi, timed)) dropped_.fetch_add(1, std::memory_order_relaxed);
+  if (stage.mixer.push(synth::Producer::midi, timed)) {
+    static_cast<void>(stage.played.push(timed));
+  } else {
+    dropped_.fetch_add(1, std::memory_order_relaxed);
+  }
 }
 
 }  // namespace ringdown::server

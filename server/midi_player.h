@@ -6,6 +6,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
+#include "engine/base/spsc_ring.h"
 #include "engine/synth/mixer.h"
 #include "protocol/event.h"
 #include "server/note_map.h"
@@ -19,9 +20,10 @@ namespace ringdown::server {
 
 class MidiPlayer {
  public:
-  // One message that happens at `frame`. What is no note, no pedal and no "all off" is passed over.
-  void play(std::span<const std::uint8_t> message, protocol::Frame frame, const NoteTable& table,
-            synth::Mixer& mixer) RINGDOWN_REALTIME;
+  // One message that happens at `frame`. What is no note, no pedal and no "all off" is passed over. What the mixer took
+  // goes to `played`, too, as long as there is room.
+  void play(std::span<const std::uint8_t> message, protocol::Frame frame, const NoteTable& table, synth::Mixer& mixer,
+            SpscRing<protocol::Event>& played) RINGDOWN_REALTIME;
 
   // Events lost because the mixer's queue was full. [any]
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
@@ -32,6 +34,7 @@ class MidiPlayer {
     protocol::Frame frame;
     const NoteTable& table;
     synth::Mixer& mixer;
+    SpscRing<protocol::Event>& played;
   };
   void press(std::size_t note, std::uint8_t velocity, const Stage& stage) RINGDOWN_REALTIME;
   void release(std::size_t note, const Stage& stage) RINGDOWN_REALTIME;

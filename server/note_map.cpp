@@ -48,6 +48,8 @@ double motion_at(const modal::Bank& bank, std::size_t point) {
   return sum;
 }
 
+}  // namespace
+
 NoteTable::Strike best_strike(const RackObject& object) {
   const modal::Bank& bank = object.map->bank();
   NoteTable::Strike strike{.object = object.number, .contact_time_s = protocol::kDefaultContactTimeS};
@@ -63,8 +65,6 @@ NoteTable::Strike best_strike(const RackObject& object) {
   strike.impulse_ns = size > 0 ? (kDefaultVelocity_m_s * mass_kg / size) * direction : Vec3{};
   return strike;
 }
-
-}  // namespace
 
 Result<NoteMap> read_note_map(const std::filesystem::path& path) {
   auto file = TomlTable::read(path);

@@ -49,11 +49,14 @@ struct NoteTable {
   double damp_s = 0.15;
 };
 
-// Without a map, note kFirstDefaultNote strikes the object of the lowest number, the next note the next one. A point
-// that is not named is the one where the eight most important modes move most, struck in the direction in which the
-// first of them moves there; an impulse that is not named is kDefaultVelocity_m_s times the object's mass.
-NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<RackObject>& objects);
+// How an object is struck where nothing else is said: at the point where the eight most important modes move most, in
+// the direction in which the first of them moves there, with kDefaultVelocity_m_s times its mass.
+NoteTable::Strike best_strike(const RackObject& object);
 inline constexpr double kDefaultVelocity_m_s = 0.1;
+
+// Without a map, note kFirstDefaultNote strikes the object of the lowest number, the next note the next one. What is
+// not named is as in best_strike().
+NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<RackObject>& objects);
 
 // The table for the objects that a rack holds now, made anew only when these have changed.
 class Notes {

@@ -11,12 +11,14 @@ class Observer {
  public:
   virtual ~Observer() = default;
 
-  // The mixer's queue has taken the event. By whoever pushed it, several threads at once. [any but audio]
+  // The mixer's queue has taken the event. By whoever pushed it, several threads at once; what notes do comes a moment
+  // later, by tell_of_notes(). [any but audio]
   virtual void played(const protocol::Event& event) = 0;
 
-  // A new object, or a new bank for one that was there; a new material; an end. [worker]
+  // A new object, or a new bank for one that was there; a new material; a new group, or none; an end. [worker]
   virtual void loaded(const RackObject& object) = 0;
   virtual void retuned(const RackObject& object) = 0;
+  virtual void regrouped(const RackObject& object) = 0;
   virtual void freed(const RackObject& object) = 0;
 };
 

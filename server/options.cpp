@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cmath>
+#include <cstdio>
 #include <map>
 
 namespace ringdown::server {
@@ -16,6 +18,35 @@ std::pair<std::string, std::filesystem::path> parse_object(const std::string& te
     throw CLI::ValidationError("--object", "'" + text + "' is not NAME=BANK, where NAME is of A-Z a-z 0-9 _ . -");
   }
   return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+Vec3 parse_vector(const std::string& text, const std::string& whole, double most) {
+  Vec3 v;
+  int used = 0;
+  const bool good = std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &v.x, &v.y, &v.z, &used) == 3 &&
+                    static_cast<std::size_t>(used) == text.size() && std::abs(v.x) <= most && std::abs(v.y) <= most &&
+                    std::abs(v.z) <= most;
+  if (good) return v;
+  throw CLI::ValidationError("--input", "'" + whole + "': '" + text + "' is not X,Y,Z, each number at most " +
+                                            std::to_string(static_cast<int>(most)));
+}
+
+DaemonOptions::Input parse_input(const std::string& text) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == ':') {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  if (parts.size() > 3 || !protocol::is_object_name(parts[0])) {
+    throw CLI::ValidationError("--input", "'" + text + "' is not OBJECT, OBJECT:X,Y,Z or OBJECT:X,Y,Z:FX,FY,FZ");
+  }
+  DaemonOptions::Input input{.object = parts[0]};
+  if (parts.size() > 1) input.point_m = parse_vector(parts[1], text, 1e4);
+  if (parts.size() > 2) input.force_n = parse_vector(parts[2], text, 1e6);
+  return input;
 }
 
 Latency parse_latency_option(const std::string& text) {
@@ -32,9 +63,10 @@ void add_what_to_play(CLI::App& app, DaemonOptions& options) {
   app.add_option_function<std::vector<std::string>>("--object", take_objects,
                                                     "Object to load; may be given more than once")
       ->type_name("NAME=BANK");
+  app.add_option("--state", options.state, "Objects and inputs as /state/save wrote them")->type_name("FILE");
   app.add_option("--root", options.roots,
                  "Folder that messages may open files in, may be given more than once; default: the current one. The "
-                 "presets and the folders of --object and --scene are always among them")
+                 "presets and the folders of --object, --scene and --state are always among them")
       ->type_name("FOLDER");
   app.add_option("--scene-to", options.scene_to, "Send the scene's strikes to another daemon instead of playing them")
       ->type_name("osc.udp://HOST:PORT");
@@ -59,6 +91,17 @@ void add_driver(CLI::App& app, DaemonOptions& options) {
       ->type_name("mix|objects|groups");
   app.add_option("--notes", options.notes, "What MIDI notes strike; default: objects in order, from note 60")
       ->type_name("FILE");
+  const auto take_inputs = [&options](const std::vector<std::string>& texts) {
+    if (texts.size() > protocol::kMostInputs) {
+      throw CLI::ValidationError("--input", "there are " + std::to_string(protocol::kMostInputs) + " inputs at most");
+    }
+    for (const std::string& text : texts) options.inputs.push_back(parse_input(text));
+  };
+  app.add_option_function<std::vector<std::string>>("--input", take_inputs,
+                                                    "Object that a JACK input (in_1, in_2 ...) excites, where [m], and "
+                                                    "the force that a sample of 1 is [N]; may be "
+                                                    "given up to four times")
+      ->type_name("OBJECT[:X,Y,Z[:FX,FY,FZ]]");
   app.add_option("--rate", options.sample_rate_hz, "Sample rate in Hz (wav, null)")
       ->check(CLI::Range(8000.0, 768000.0))
       ->capture_default_str();
@@ -83,6 +126,7 @@ void add_osc(CLI::App& app, DaemonOptions& options) {
   app.add_option("--query", options.query_port,
                  "Describe the namespace by OSCQuery: JSON over HTTP, read-only, on this port; 0 takes any free one")
       ->type_name("PORT");
+  app.add_flag("--zeroconf", options.zeroconf, "Announce the OSC ports on the network by Zeroconf (Avahi)");
   app.add_option_function<std::string>(
          "--latency", [&options](const std::string& text) { options.latency = parse_latency_option(text); },
          "From an untimed message to its sound, always the same: frames, or with ms; default one block and a 16th")

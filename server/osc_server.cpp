@@ -3,11 +3,15 @@
 #include "protocol/defaults.h"
 #include "protocol/pattern.h"
 #include "protocol/schema.h"
+#include "server/state.h"
 
 #include <spdlog/spdlog.h>
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <chrono>
+#include <system_error>
 
 namespace ringdown::server {
 namespace {
@@ -22,14 +26,20 @@ void answer(AnswerPorts& ports, Peer to, const protocol::Reply& reply) {
   ports.send(to, encode(protocol::format(reply)));
 }
 
-bool is_about_recording(const Request& request) {
+bool is_for_recorder(const Request& request) {
   return std::holds_alternative<protocol::RecordStart>(request) ||
-         std::holds_alternative<protocol::RecordStop>(request);
+         std::holds_alternative<protocol::RecordStop>(request) || std::holds_alternative<protocol::SaveState>(request);
 }
 
 Result<std::optional<std::int32_t>> record(const Request& request, const Session& session, Recorder* recorder) {
   if (!recorder) return fail("this daemon does not record");
   const protocol::Frame now = session.rack().mixer().counters().frames;
+  if (const auto* save = std::get_if<protocol::SaveState>(&request)) {
+    const auto path = session.rack().roots().writable(save->path);
+    if (!path) return fail(path.error());
+    if (const auto saved = write_state(state_of(session.rack(), *recorder), *path); !saved) return fail(saved.error());
+    return std::nullopt;
+  }
   if (const auto* start = std::get_if<protocol::RecordStart>(&request)) {
     const auto path = session.rack().roots().writable(start->path);
     if (!path) return fail(path.error());
@@ -76,8 +86,10 @@ OscServer::~OscServer() {
 void OscServer::run(const std::stop_token& stop) {
   Datagram datagram;
   while (!stop.stop_requested()) {
+    adopt_priority();
     clock_.measure();
     play_what_is_near();
+    parts_.session.rack().tell_of_notes();
     const bool holds = parts_.session.holds();
     if (ports_->socket.receive(datagram, holds ? 0ms : schedule_.size() > 0 ? 20ms : 100ms)) {
       handle(datagram.bytes, {datagram.from}, datagram.age_s);
@@ -85,6 +97,22 @@ void OscServer::run(const std::stop_token& stop) {
       parts_.session.flush();
     }
     if (parts_.stream) handle_inbox();
+  }
+}
+
+// JACK servers come and go, and with them the priority.
+void OscServer::adopt_priority() {
+  const double now_s = steady_now_s();
+  if (now_s - looked_at_s_ < 1) return;
+  looked_at_s_ = now_s;
+  const int priority = parts_.driver.control_priority();
+  if (priority == priority_) return;
+  priority_ = priority;
+  const sched_param parameters{.sched_priority = priority};
+  const int policy = priority > 0 ? SCHED_FIFO : SCHED_OTHER;
+  if (const int error = pthread_setschedparam(pthread_self(), policy, &parameters); error != 0) {
+    spdlog::info("OSC has no real-time priority ({}): messages may come late when the machine is busy",
+                 std::generic_category().message(error));
   }
 }
 
@@ -192,7 +220,7 @@ void OscServer::post(const Request& request, const std::string& address, Peer fr
                      recorder = parts_.recorder, request, address, from] {
     if (const auto* sync = std::get_if<protocol::Sync>(&request))
       return answer(*ports, from, protocol::Synced{sync->id});
-    const auto number = is_about_recording(request)
+    const auto number = is_for_recorder(request)
                             ? record(request, session, recorder)
                             : session.perform(request, driver.now() + latency_frames(driver, latency));
     if (number) return answer(*ports, from, protocol::Done{address, *number});

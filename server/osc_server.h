@@ -3,7 +3,8 @@
 // Its thread plays events itself and leaves everything slow to the worker, in order. An untimed event happens `latency`
 // after the kernel received its packet, so that two strikes 3 ms apart stay 3 ms apart whatever the block size and
 // however late this thread wakes; a bundle's events happen at the bundle's time. Events further than kHorizon_s ahead
-// wait in a Schedule of the server's own. Loads and scene changes happen when the worker gets to them.
+// wait in a Schedule of the server's own. Where the audio thread has real-time priority, ours has the next lower one.
+// Loads and scene changes happen when the worker gets to them.
 #pragma once
 
 #include "protocol/reply.h"
@@ -45,7 +46,7 @@ class OscServer {
     const Driver& driver;
     std::function<void()> quit;  // called on the server's thread
     Latency latency = {};
-    Recorder* recorder = nullptr;            // null: /record is refused
+    Recorder* recorder = nullptr;            // null: /record and /state are refused
     std::shared_ptr<OscStream> stream = {};  // TCP as well
   };
 
@@ -66,6 +67,7 @@ class OscServer {
   };
 
   void run(const std::stop_token& stop);
+  void adopt_priority();
   void handle(std::span<const std::byte> packet, Peer from, double age_s);
   void take_from_stream(std::span<const std::byte> packet, Peer from);
   void handle_inbox();
@@ -99,7 +101,9 @@ class OscServer {
   Inbox inbox_;
   FrameClock clock_;  // the server thread's own, like the next
   Schedule schedule_;
-  std::jthread thread_;  // last: it stops before what it uses goes away
+  int priority_ = 0;           // as the driver last told
+  double looked_at_s_ = -1e9;  // when it did
+  std::jthread thread_;        // last: it stops before what it uses goes away
 };
 
 }  // namespace ringdown::server

@@ -76,6 +76,14 @@ bool Rack::push(synth::Producer producer, const Event& event) {
   return true;
 }
 
+void Rack::tell_of_notes() {
+  const std::scoped_lock lock(notes_mutex_);
+  while (const Event* event = notes_played_.front()) {
+    for (Observer* observer : observers_) observer->played(*event);
+    notes_played_.pop();
+  }
+}
+
 Result<protocol::ObjectNumber> Rack::load(const std::string& name, const std::filesystem::path& bank) {
   auto map = read(bank);
   if (!map) return fail(map.error());
@@ -112,6 +120,33 @@ Result<void> Rack::set_group(const ObjectRef& ref, const std::string& group) {
   object->group = group;
   if (const auto assigned = assign(*object); !assigned) return assigned;
   keep(*object);
+  for (Observer* observer : observers_) observer->regrouped(*object);
+  return {};
+}
+
+static_assert(protocol::kMostInputs == synth::kMostInputs);
+
+Result<void> Rack::excite(std::size_t input, const ObjectRef& ref, const Vec3& point_m, const Vec3& force_n) {
+  const auto object = find(ref);
+  if (!object) return fail(object.error());
+  std::optional<Excitation>& excitation = excitations_[input];
+  const bool ends = force_n == Vec3{};
+  if (ends && (!excitation || excitation->object != object->number)) {
+    return fail("input: " + std::to_string(input + 1) + " does not excite \"" + object->name + "\"");
+  }
+  if (object->map->bank().mode_count() > synth::kMostDrivenColumns) {
+    return fail("object: \"" + object->name + "\" has more than the " + std::to_string(synth::kMostDrivenColumns) +
+                " modes that an input can excite; bake it with --keep");
+  }
+  const std::scoped_lock lock(rate_mutex_);
+  const Vec3 impulse_ns = (1 / mixer_.sample_rate_hz()) * force_n;
+  const bool taken =
+      ends ? mixer_.disconnect_input(input)
+           : mixer_.connect_input(input, {.object = object->number, .point_m = point_m, .impulse_ns = impulse_ns});
+  if (!taken) return fail("input: too many changes at once; try again");
+  excitation = ends ? std::nullopt : std::optional(Excitation{object->number, point_m, force_n});
+  inputs_ |= 1u << input;
+  note_change();
   return {};
 }
 
@@ -150,6 +185,9 @@ Result<void> Rack::free(const ObjectRef& ref) {
   if (!object) return fail(object.error());
   if (!mixer_.remove(object->number)) return fail("object: too many changes at once; try again");
   fading_.insert(object->number);
+  for (auto& excitation : excitations_) {
+    if (excitation && excitation->object == object->number) excitation.reset();
+  }
   {
     const std::scoped_lock lock(mutex_);
     numbers_.erase(object->name);
@@ -221,7 +259,9 @@ Result<Event> event_for(const protocol::Request& request, const RackObject& obje
     event.type = EventType::pan;
     event.value = pan->pan;
   } else {
+    const auto* clear = std::get_if<protocol::ClearObject>(&request);
     event.type = EventType::clear;
+    event.ramp_s = clear ? clear->ramp_s : 0;
   }
   return event;
 }

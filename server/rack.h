@@ -13,6 +13,7 @@
 #include "server/file_roots.h"
 #include "server/observer.h"
 
+#include <array>
 #include <atomic>
 #include <filesystem>
 #include <functional>
@@ -61,6 +62,13 @@ class Rack {
   // Hands an event to the mixer and, if it has room, tells the observers. [the producer's thread]
   [[nodiscard]] bool push(synth::Producer producer, const protocol::Event& event);
 
+  // Where the audio thread puts the events that it has pushed itself, for the observers. Those that find it full are
+  // heard but not told.
+  [[nodiscard]] SpscRing<protocol::Event>& notes_played() { return notes_played_; }
+
+  // Tells the observers of these; several times a second. [any but audio]
+  void tell_of_notes();
+
   // Takes as long with one object as with kMostObjects. [any but audio]
   [[nodiscard]] Result<RackObject> find(const protocol::ObjectRef& object) const;
 
@@ -80,6 +88,21 @@ class Rack {
 
   // Puts the object into a group, or, when it is empty, into none. [worker]
   Result<void> set_group(const protocol::ObjectRef& object, const std::string& group);
+
+  // Lets an input, from 0, excite the object: a sample of 1 is `force_n` at `point_m`, in the object's frame. No force
+  // ends it. An input excites one object at a time, until that is freed. [worker]
+  Result<void> excite(std::size_t input, const protocol::ObjectRef& object, const Vec3& point_m, const Vec3& force_n);
+
+  // The inputs that have excited something, and are now to stay; bit 0 is the first. [any]
+  [[nodiscard]] std::uint32_t inputs() const { return inputs_; }
+
+  // What the inputs excite. [worker]
+  struct Excitation {
+    protocol::ObjectNumber object;
+    Vec3 point_m, force_n;
+  };
+  using Excitations = std::array<std::optional<Excitation>, synth::kMostInputs>;
+  [[nodiscard]] const Excitations& excitations() const { return excitations_; }
 
   // Where the objects are heard beside the mix.
   [[nodiscard]] Buses& buses() { return buses_; }
@@ -104,12 +127,16 @@ class Rack {
   synth::Mixer mixer_;
   FileRoots roots_;
   std::vector<Observer*> observers_;
+  SpscRing<protocol::Event> notes_played_{synth::kQueueCapacity};
+  std::mutex notes_mutex_;    // held by the one who empties it
   mutable std::mutex mutex_;  // guards the next two, which the worker alone changes
   std::vector<std::optional<RackObject>> objects_ = std::vector<std::optional<RackObject>>(synth::kMostObjects);
   std::unordered_map<std::string, protocol::ObjectNumber> numbers_;  // by name
   std::function<void()> on_change_;
   std::atomic<std::uint64_t> version_ = 0;
   Buses buses_;
+  Excitations excitations_;  // worker
+  std::atomic<std::uint32_t> inputs_ = 0;
   std::set<protocol::ObjectNumber> fading_;  // worker: freed objects that still sound at their bus
   std::mutex rate_mutex_;  // held while voices are made and installed, or collected: all are of one sample rate
   std::map<std::string, std::weak_ptr<const modal::StrikeMap>> maps_;  // worker: banks in use, by file and its time

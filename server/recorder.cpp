@@ -27,7 +27,11 @@ protocol::Request request_of(const Event& event, const protocol::ObjectRef& obje
     case EventType::clear:
       break;
   }
-  return protocol::ClearObject{object};
+  return protocol::ClearObject{object, event.ramp_s};
+}
+
+protocol::SetGroup group_of(const RackObject& object) {
+  return {{.name = object.name}, object.group.empty() ? std::nullopt : std::optional(object.group)};
 }
 
 }  // namespace
@@ -49,17 +53,19 @@ Result<void> Recorder::start(const std::filesystem::path& path, Frame frame) {
 void Recorder::add_present_state() {
   for (const RackObject& object : rack_.objects()) {
     const protocol::ObjectRef ref{.name = object.name};
-    const Level& level = levels_[object.number];
+    const GainAndPan& level = levels_[object.number].now;
     add(first_, protocol::format(protocol::LoadObject{object.name, object.bank->string()}));
     if (object.material != modal::MaterialScale{}) {
       add(first_, protocol::format(protocol::SetMaterial{ref, object.material}));
     }
+    if (!object.group.empty()) add(first_, protocol::format(group_of(object)));
     if (level.gain != 1) add(first_, protocol::format(protocol::SetGain{ref, level.gain, 0}));
     if (level.pan != 0) add(first_, protocol::format(protocol::SetPan{ref, level.pan}));
   }
 }
 
 Result<std::size_t> Recorder::stop(Frame frame) {
+  rack_.tell_of_notes();
   std::vector<ScoreEvent> score;
   std::size_t left_out = 0;
   {
@@ -89,6 +95,16 @@ void Recorder::add(Frame frame, std::variant<Played, Message> what) {
   }
 }
 
+std::size_t Recorder::left_out() const {
+  const std::scoped_lock lock(mutex_);
+  return left_out_;
+}
+
+Recorder::GainAndPan Recorder::level(protocol::ObjectNumber object) const {
+  const std::scoped_lock lock(mutex_);
+  return levels_[object].now;
+}
+
 Message Recorder::message_of(const Entry& entry) const {
   if (const auto* message = std::get_if<Message>(&entry.what)) return *message;
   const auto& [event, name] = std::get<Played>(entry.what);
@@ -100,8 +116,8 @@ void Recorder::played(const Event& event) {
   if (!records_ && !is_level) return;
   const std::scoped_lock lock(mutex_);
   Level& level = levels_[event.object];
-  if (event.type == EventType::gain) level.gain = event.value;
-  if (event.type == EventType::pan) level.pan = event.value;
+  if (event.type == EventType::gain) level.now.gain = event.value;
+  if (event.type == EventType::pan) level.now.pan = event.value;
   if (records_ && level.name) add(event.frame, Played{event, level.name});
 }
 
@@ -115,6 +131,11 @@ void Recorder::loaded(const RackObject& object) {
 void Recorder::retuned(const RackObject& object) {
   const std::scoped_lock lock(mutex_);
   add_change(protocol::SetMaterial{{.name = object.name}, object.material});
+}
+
+void Recorder::regrouped(const RackObject& object) {
+  const std::scoped_lock lock(mutex_);
+  add_change(group_of(object));
 }
 
 void Recorder::freed(const RackObject& object) {

@@ -1,10 +1,10 @@
 // Records what is played as an OSC score (osc_score.h), which `ringdown render --events` plays again.
 //
 // Objects, their materials, gains and pans as they are at the start become the score's first messages; then every
-// event that was taken, from OSC and from the scene, at its own frame, and every change of objects at the block after
-// which it happened. So the replay of strikes, gains, pans and clears is bit-identical at the same sample rate and
-// block size, from silence on; what rang before the start is not in it, and an event that came late is replayed at the
-// time it was meant for.
+// event that was taken, from OSC, from the scene and from notes, at its own frame, and every change of objects at the
+// block after which it happened. So the replay of strikes, gains, pans and clears is bit-identical at the same sample
+// rate and block size, from silence on; what rang before the start is not in it, and an event that came late is
+// replayed at the time it was meant for.
 #pragma once
 
 #include "engine/base/result.h"
@@ -39,9 +39,19 @@ class Recorder final : public Observer {
 
   [[nodiscard]] bool records() const { return records_; }
 
+  // Events beyond kMostRecorded since it started. [any but audio]
+  [[nodiscard]] std::size_t left_out() const;
+
+  // The last gain and pan that an object was given. [any but audio]
+  struct GainAndPan {
+    double gain = 1, pan = 0;
+  };
+  [[nodiscard]] GainAndPan level(protocol::ObjectNumber object) const;
+
   void played(const protocol::Event& event) override;
   void loaded(const RackObject& object) override;
   void retuned(const RackObject& object) override;
+  void regrouped(const RackObject& object) override;
   void freed(const RackObject& object) override;
 
  private:
@@ -56,7 +66,7 @@ class Recorder final : public Observer {
   // What is not in the rack: the last gain and pan of an object.
   struct Level {
     std::shared_ptr<const std::string> name;
-    double gain = 1, pan = 0;
+    GainAndPan now;
   };
   void add(protocol::Frame frame, std::variant<Played, protocol::Message> what);
   void add_change(const protocol::Request& request);
@@ -65,7 +75,7 @@ class Recorder final : public Observer {
 
   Rack& rack_;
   std::atomic<bool> records_ = false;
-  std::mutex mutex_;  // guards all that follows
+  mutable std::mutex mutex_;  // guards all that follows
   std::filesystem::path path_;
   protocol::Frame first_ = 0;
   std::size_t left_out_ = 0;

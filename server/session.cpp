@@ -126,6 +126,7 @@ Result<std::optional<std::int32_t>> Session::perform(const protocol::Request& re
       Match{[&](const LoadObject& load) -> Answer { return load_object(load).map(number); },
             [&](const SetMaterial& material) { return none(rack_.set_material(material.object, material.scale)); },
             [&](const SetGroup& set) { return none(rack_.set_group(set.object, set.group.value_or(""))); },
+            [&](const Excite& e) { return none(rack_.excite(e.input - 1, e.object, e.point_m, e.force_n)); },
             [&](const FreeObject& object) { return none(free_object(object)); },
             [&](const SceneLoad& scene) -> Answer { return scene_.load(scene.path, frame).map(number); },
             [&](const ScenePause& pause) { return none(scene_.pause(pause.paused)); },

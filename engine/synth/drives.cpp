@@ -37,7 +37,10 @@ void Drive::rescale(protocol::Frame now, double ratio) {
   const auto moved = [now, ratio](protocol::Frame frame) {
     return now + static_cast<protocol::Frame>(std::llround(static_cast<double>(frame - now) * ratio));
   };
-  if (input) return;
+  if (input) {
+    place.impulse_ns = (1 / ratio) * place.impulse_ns;
+    return;
+  }
   place.frame = moved(place.frame);
   if (end != std::numeric_limits<protocol::Frame>::max()) end = moved(end);
   pulse = pulse.stretched(ratio);

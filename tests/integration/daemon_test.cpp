@@ -255,5 +255,16 @@ TEST_F(DaemonTest, FilesOutsideItsFoldersStayClosed) {
   EXPECT_NE(record.sentence.find("--root"), std::string::npos) << record.sentence;
 }
 
+TEST_F(DaemonTest, WithoutAnAvahiDaemonItIsNotAnnouncedAndSaysSoOnce) {
+  Daemon daemon({"--driver", "null", "--zeroconf"}, {{"DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nowhere/bus"}});
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  ASSERT_TRUE(daemon.process().wait_for_output("not announced by Zeroconf", 20s)) << daemon.process().output();
+  EXPECT_TRUE(std::holds_alternative<protocol::StatusReply>(*daemon.ask({"/status", {}})));
+  daemon.process().send_signal(SIGTERM);
+  EXPECT_EQ(daemon.process().wait(20s), 0) << daemon.process().output();
+  const std::string output = daemon.process().output();
+  EXPECT_EQ(output.find("Zeroconf"), output.rfind("Zeroconf")) << output;
+}
+
 }  // namespace
 }  // namespace ringdown::test

@@ -18,6 +18,7 @@ JackRecorder::JackRecorder(const std::string& server, const std::string& name, s
     ports_[i] = jack_port_register(client_, i == 0 ? "in_1" : "in_2", JACK_DEFAULT_AUDIO_TYPE, JackPortIsInput, 0);
   }
   midi_out_ = jack_port_register(client_, "midi_out", JACK_DEFAULT_MIDI_TYPE, JackPortIsOutput, 0);
+  audio_out_ = jack_port_register(client_, "audio_out", JACK_DEFAULT_AUDIO_TYPE, JackPortIsOutput, 0);
   jack_set_process_callback(
       client_, [](jack_nframes_t count, void* self) { return static_cast<JackRecorder*>(self)->process(count); }, this);
   jack_activate(client_);
@@ -42,6 +43,12 @@ int JackRecorder::process(std::uint32_t frames) {
     jack_midi_event_write(midi, frames / 2, message_.data(), message_.size());
     sent_ = now + frames / 2;
   }
+  auto* const audio = static_cast<float*>(jack_port_get_buffer(audio_out_, frames));
+  std::fill_n(audio, frames, 0.0f);
+  if (kick_ != 0 && recorded_ >= kick_after_) {
+    audio[frames / 2] = kick_.exchange(0);
+    kicked_ = true;
+  }
   const std::size_t at = recorded_;
   if (at == 0 && jack_port_connected(ports_[0]) == 0) return 0;
   if (at == 0) first_frame_ = now;
@@ -56,6 +63,12 @@ int JackRecorder::process(std::uint32_t frames) {
 void JackRecorder::send(const std::array<std::uint8_t, 3>& message) {
   message_ = message;
   to_send_ = true;
+}
+
+void JackRecorder::kick(float value, std::size_t after) {
+  kicked_ = false;
+  kick_after_ = after;
+  kick_ = value;
 }
 
 std::optional<std::uint32_t> JackRecorder::sent() const {

@@ -34,6 +34,11 @@ class JackRecorder {
   void send(const std::array<std::uint8_t, 3>& message);
   [[nodiscard]] std::optional<std::uint32_t> sent() const;
 
+  // Sends one sample of this value from audio_out, in the middle of the first block before which so many frames have
+  // been recorded; kicked() is then true.
+  void kick(float value, std::size_t after = 0);
+  [[nodiscard]] bool kicked() const { return kicked_; }
+
   // The server's frame of the first one recorded.
   [[nodiscard]] std::uint32_t first_frame() const { return first_frame_; }
 
@@ -51,6 +56,10 @@ class JackRecorder {
   std::atomic<std::size_t> recorded_ = 0;
   std::atomic<std::uint32_t> first_frame_ = 0;
   _jack_port* midi_out_ = nullptr;
+  _jack_port* audio_out_ = nullptr;
+  std::atomic<float> kick_ = 0;
+  std::atomic<std::size_t> kick_after_ = 0;
+  std::atomic<bool> kicked_ = false;
   std::array<std::uint8_t, 3> message_{};
   std::atomic<bool> to_send_ = false;
   std::atomic<std::int64_t> sent_ = -1;

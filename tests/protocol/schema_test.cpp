@@ -165,6 +165,24 @@ Cases group_cases() {
           {{"/object/b%/group", {"metal"}, "object"}, {a, {"two words"}, "group"}, {a, {7}, "group"}}};
 }
 
+Cases excite_cases() {
+  const std::string a = "/object/bell/excite";
+  return {{{a, {4, 1, 2, 3, 0, 0, -0.5f}, claim<Excite>([](const Excite& e) {
+              return e.object == named("bell") && e.input == 4 && e.point_m == Vec3{1, 2, 3} &&
+                     e.force_n == Vec3{0, 0, -0.5};
+            })}},
+          {{"/object/b%/excite", {1, 0, 0, 0, 0, 0, 0}, "object"},
+           {a, {0, 0, 0, 0, 0, 0, 0}, "input"},
+           {a, {5, 0, 0, 0, 0, 0, 0}, "input"},
+           {a, {1.5, 0, 0, 0, 0, 0, 0}, "input"},
+           {a, {1, kNan, 0, 0, 0, 0, 0}, "x"},
+           {a, {1, 0, 1e5, 0, 0, 0, 0}, "y"},
+           {a, {1, 0, 0, "up", 0, 0, 0}, "z"},
+           {a, {1, 0, 0, 0, kInfinity, 0, 0}, "fx"},
+           {a, {1, 0, 0, 0, 0, 1e7, 0}, "fy"},
+           {a, {1, 0, 0, 0, 0, 0}, "fz"}}};
+}
+
 template <class Struct>
 Cases object_only_cases(const std::string& verb) {
   return {
@@ -247,6 +265,15 @@ Cases sync_cases() {
           {{"/sync", {2147483648.0}, "id"}, {"/sync", {1e20f}, "id"}, {"/sync", {}, "id"}, {"/sync", {"1"}, "id"}}};
 }
 
+Cases clear_cases() {
+  Cases cases = object_only_cases<ClearObject>("clear");
+  const std::string a = "/object/bell/clear";
+  cases.good.push_back({a, {0.5f}, claim<ClearObject>([](const ClearObject& c) { return c.ramp_s == 0.5; })});
+  cases.bad.push_back({a, {-1}, "ramp"});
+  cases.bad.push_back({a, {61}, "ramp"});
+  return cases;
+}
+
 template <class Struct>
 Cases bare_cases(const std::string& address) {
   return {{{address, {}, is_a<Struct>()}}, {{address, {1}, "argument 1"}}};
@@ -258,13 +285,17 @@ const std::map<std::string, Cases>& all_cases() {
       {"/object/{object}/strike_vertex", strike_vertex_cases()},
       {"/strikes", strikes_cases()},
       {"/notify", notify_cases()},
+      {"/state/save",
+       {{{"/state/save", {"a.toml"}, claim<SaveState>([](const SaveState& s) { return s.path == "a.toml"; })}},
+        {{"/state/save", {1}, "path"}}}},
       {"/record/start", record_start_cases()},
       {"/record/stop", {{{"/record/stop", {}, is_a<RecordStop>()}}, {}}},
       {"/object/{object}/gain", gain_cases()},
       {"/object/{object}/pan", pan_cases()},
       {"/object/{object}/group", group_cases()},
+      {"/object/{object}/excite", excite_cases()},
       {"/object/{object}/material", material_cases()},
-      {"/object/{object}/clear", object_only_cases<ClearObject>("clear")},
+      {"/object/{object}/clear", clear_cases()},
       {"/object/{object}/free", object_only_cases<FreeObject>("free")},
       {"/load", load_cases()},
       {"/clear", bare_cases<ClearAll>("/clear")},

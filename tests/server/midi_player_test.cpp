@@ -30,7 +30,7 @@ class MidiPlayerTest : public testing::Test {
 
   void play(std::uint8_t status, std::uint8_t first, std::uint8_t second, protocol::Frame after = 0) {
     const std::array<std::uint8_t, 3> message{status, first, second};
-    player_.play(message, mixer_.counters().frames + after, table_, mixer_);
+    player_.play(message, mixer_.counters().frames + after, table_, mixer_, played_);
   }
 
   // The loudest sample of the next frames.
@@ -43,6 +43,7 @@ class MidiPlayerTest : public testing::Test {
 
   synth::Mixer mixer_{kRate};
   NoteTable table_;
+  SpscRing<protocol::Event> played_{64};
   MidiPlayer player_;
   Samples last_;
 };
@@ -146,9 +147,26 @@ TEST_F(MidiPlayerTest, DampingDoesNotClick) {
 TEST_F(MidiPlayerTest, WhatIsNoNoteIsPassedOver) {
   const std::vector<std::vector<std::uint8_t>> odd = {
       {}, {kOn}, {kOn, 60}, {0xf8}, {0xf0, 1, 2, 3, 0xf7}, {0xe0, 0, 64}, {kOn, 10, 100}, {0xff, 0xff, 0xff}};
-  for (const auto& message : odd) player_.play(message, 0, table_, mixer_);
+  for (const auto& message : odd) player_.play(message, 0, table_, mixer_, played_);
   EXPECT_EQ(hear(480), 0);
   EXPECT_EQ(player_.dropped(), 0u);
+}
+
+TEST_F(MidiPlayerTest, WhatNotesDoIsTold) {
+  table_.release_s = 0.3;
+  play(kOn, 60, 127, 17);
+  play(kOff, 60, 0, 40);
+  const protocol::Event* told = played_.front();
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->type, protocol::EventType::strike);
+  EXPECT_EQ(told->frame, 17);
+  EXPECT_EQ(told->impulse_ns, (Vec3{0, 0, 1}));
+  played_.pop();
+  told = played_.front();
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->type, protocol::EventType::clear);
+  EXPECT_EQ(told->frame, 40);
+  EXPECT_EQ(told->ramp_s, 0.3);
 }
 
 TEST_F(MidiPlayerTest, NotesThatTheMixerCannotTakeAreCounted) {

@@ -192,6 +192,44 @@ TEST_F(OscServerTest, ARecordedSessionNamesWhatWasThereAndWhatWasPlayed) {
   EXPECT_NE(refusal({"/record/stop", {}}).find("nothing"), std::string::npos);
 }
 
+TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {
+  load("bell");
+  serve();
+  send({"/notify", {1, 100.f}});
+  const auto score = folder_ / "notes.osc";
+  send({"/record/start", {score.string()}});
+  sync();
+  send({"/object/bell/group", {"metal"}});
+  send({"/object/bell/clear", {0.5f}});
+  sync();
+  const auto now = static_cast<Frame>(driver_.frame_of(unix_now_s()));
+  const std::uint32_t number = session_.rack().find({.name = "bell"})->number;
+  // What the audio thread does with a note.
+  ASSERT_TRUE(session_.rack().notes_played().push(
+      {.frame = now, .object = number, .point_m = {3, 2, 1}, .impulse_ns = {0, 0, 0.25}, .contact_time_s = 0.001}));
+  const auto contact = wait_for<protocol::NotifyContact>(client_, [](const auto&) { return true; });
+  ASSERT_TRUE(contact);
+  EXPECT_EQ(contact->point_m, (Vec3{3, 2, 1}));
+  EXPECT_EQ(contact->impulse_ns, (Vec3{0, 0, 0.25}));
+  send({"/notify", {0}});
+  wait_for<protocol::Done>(client_, [](const auto& done) { return done.address == "/notify"; });
+  onsets_until(static_cast<Frame>(driver_.frame_of(unix_now_s())) + 4800);
+  ASSERT_TRUE(session_.rack().notes_played().push(
+      {.frame = now, .object = number, .type = protocol::EventType::clear, .ramp_s = 0.25}));
+  send({"/record/stop", {}});
+  ASSERT_TRUE(wait_for<protocol::Done>(client_, [](const auto& done) { return done.address == "/record/stop"; }));
+  const auto events = read_score(score);
+  ASSERT_TRUE(events) << events.error().message;
+  const auto recorded = [&](const Message& message) {
+    return std::ranges::any_of(*events, [&](const ScoreEvent& event) { return event.message == message; });
+  };
+  const protocol::ObjectRef bell{.name = "bell"};
+  EXPECT_TRUE(recorded(protocol::format(protocol::SetGroup{bell, "metal"})));
+  EXPECT_TRUE(recorded(protocol::format(protocol::ClearObject{bell, 0.5})));
+  EXPECT_TRUE(recorded(protocol::format(protocol::ClearObject{bell, 0.25}))) << "and the note just before the end";
+  EXPECT_TRUE(recorded(protocol::format(protocol::Strike{bell, {3, 2, 1}, {0, 0, 0.25}, 0.001})));
+}
+
 TEST(Latency, IsFramesOrMillisecondsAndNeverLessThanABlock) {
   const StillDriver driver{};
   EXPECT_EQ(latency_frames(driver), 272);

@@ -1,0 +1,113 @@
+#include "server/nsm_client.h"
+
+#include "server/osc_codec.h"
+
+#include <spdlog/spdlog.h>
+
+#include <cstdlib>
+#include <unistd.h>
+
+namespace ringdown::server {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+using protocol::Message;
+
+constexpr std::int32_t kVersionMajor = 1, kVersionMinor = 0;
+constexpr std::int32_t kGeneralError = -1, kSaveFailed = -9;
+
+std::string text_at(const Message& message, std::size_t at) {
+  const auto* text = at < message.arguments.size() ? std::get_if<std::string>(&message.arguments[at]) : nullptr;
+  return text ? *text : "";
+}
+
+bool is_loopback(const Endpoint& endpoint) { return endpoint.address >> 24 == 127; }
+
+}  // namespace
+
+std::optional<std::string> NsmClient::url() {
+  const char* url = std::getenv("NSM_URL");
+  return url && *url ? std::optional<std::string>(url) : std::nullopt;
+}
+
+Result<std::unique_ptr<NsmClient>> NsmClient::announce(const std::string& url, std::chrono::milliseconds patience) {
+  const auto parsed = parse_url(url);
+  if (!parsed) return fail("NSM_URL: " + parsed.error().message);
+  const auto manager = resolve(parsed->host, parsed->port);
+  if (!manager) return fail("NSM_URL: " + manager.error().message);
+  // A manager may name this computer by an address that the loopback does not reach.
+  auto socket = OscSocket::bind(is_loopback(*manager) ? Endpoint{} : Endpoint{.address = manager->address});
+  if (!socket) return fail("NSM_URL: the session manager must run on this computer: " + socket.error().message);
+  std::unique_ptr<NsmClient> client(new NsmClient(std::move(*socket), *manager));
+  client->send({"/nsm/server/announce", {"Ringdown", "", "ringdownd", kVersionMajor, kVersionMinor, ::getpid()}});
+  if (const auto opened = client->wait_for_session(patience); !opened) return fail(opened.error());
+  return client;
+}
+
+NsmClient::NsmClient(OscSocket socket, Endpoint manager) : socket_(std::move(socket)), manager_(manager) {}
+
+NsmClient::~NsmClient() {
+  if (!save_ && !session_.client_id.empty()) {
+    answer("/nsm/client/open", fail("ringdownd could not start; its own messages say why"));
+  }
+  stop();
+}
+
+void NsmClient::stop() {
+  thread_.request_stop();
+  socket_.wake();
+  if (thread_.joinable()) thread_.join();
+}
+
+Result<void> NsmClient::wait_for_session(std::chrono::milliseconds patience) {
+  const auto end = Clock::now() + patience;
+  while (Clock::now() < end) {
+    const auto message = receive(100ms);
+    if (!message) continue;
+    if (message->address == "/error" && text_at(*message, 0) == "/nsm/server/announce") {
+      return fail("the session manager refused us: " + text_at(*message, 2));
+    }
+    if (message->address != "/nsm/client/open") continue;
+    session_ = {text_at(*message, 0), text_at(*message, 2)};
+    if (session_.path.is_absolute() && !session_.client_id.empty()) return {};
+    return fail("the session manager's /nsm/client/open has no path or no client id");
+  }
+  return fail("the session manager at " + to_text(manager_) + " (NSM_URL) opened no session");
+}
+
+std::optional<Message> NsmClient::receive(std::chrono::milliseconds patience) {
+  Datagram datagram;
+  if (!socket_.receive(datagram, patience) || datagram.from.port != manager_.port) return std::nullopt;
+  const auto messages = decode_packet(datagram.bytes);
+  if (!messages || messages->empty()) return std::nullopt;
+  return messages->front().message;
+}
+
+void NsmClient::start(std::function<void(const Done&)> save) {
+  save_ = std::move(save);
+  answer("/nsm/client/open", {});
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+void NsmClient::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    const auto message = receive(1s);
+    if (!message) continue;
+    if (message->address == "/nsm/client/save") {
+      save_([this](const Result<void>& outcome) { answer("/nsm/client/save", outcome); });
+    } else if (message->address == "/nsm/client/open") {
+      answer(message->address, fail("ringdownd changes no session while it runs; start another one"));
+    }
+  }
+}
+
+void NsmClient::answer(const std::string& address, const Result<void>& outcome) {
+  if (outcome) return send({"/reply", {address, "OK"}});
+  spdlog::warn("{}: {}", address, outcome.error().message);
+  send({"/error", {address, address == "/nsm/client/save" ? kSaveFailed : kGeneralError, outcome.error().message}});
+}
+
+void NsmClient::send(const Message& message) { static_cast<void>(socket_.send_to(manager_, encode(message))); }
+
+}  // namespace ringdown::server

@@ -1,0 +1,74 @@
+// A client of a session manager that speaks NSM (New Session Manager's protocol, version 1): it announces itself, is
+// told where its part of the session is kept, saves when asked, and is ended by SIGTERM.
+//
+//   if (const auto url = NsmClient::url()) {        // the session manager started us
+//     auto client = NsmClient::announce(*url);      // waits until it opens the session
+//     load(state_file(**client));                   // JACK is to know us as client->session().client_id
+//     (*client)->start(save);                       // answers, then serves on its own thread
+//   }
+#pragma once
+
+#include "engine/base/result.h"
+#include "server/osc_socket.h"
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+namespace ringdown::protocol {
+struct Message;
+}
+
+namespace ringdown::server {
+
+struct NsmSession {
+  std::filesystem::path path;  // ours: what we write is this name and an ending
+  std::string client_id;       // what JACK is to know us as
+};
+
+class NsmClient {
+ public:
+  // NSM_URL of the environment. [main]
+  static std::optional<std::string> url();
+
+  // Tells the manager that we are there, and waits until it opens a session. An error says who did not answer, or what
+  // was refused. [main]
+  static Result<std::unique_ptr<NsmClient>> announce(const std::string& url,
+                                                     std::chrono::milliseconds patience = std::chrono::seconds(10));
+  NsmClient(const NsmClient&) = delete;
+  NsmClient& operator=(const NsmClient&) = delete;
+  ~NsmClient();  // without start(): tells the manager that the session could not be opened
+
+  [[nodiscard]] const NsmSession& session() const { return session_; }
+
+  // The state file of the session.
+  [[nodiscard]] std::filesystem::path state_file() const { return session_.path.string() + ".toml"; }
+
+  // Answers that the session is open. From now on `save` is called, on a thread of ours, whenever the manager wants
+  // that; it calls `done` once, from any thread, while this client lives. [main]
+  using Done = std::function<void(const Result<void>&)>;
+  void start(std::function<void(const Done& done)> save);
+
+  // No save() is called any more. [main]
+  void stop();
+
+ private:
+  NsmClient(OscSocket socket, Endpoint manager);
+  [[nodiscard]] std::optional<protocol::Message> receive(std::chrono::milliseconds patience);
+  [[nodiscard]] Result<void> wait_for_session(std::chrono::milliseconds patience);
+  void run(const std::stop_token& stop);
+  void send(const protocol::Message& message);
+  void answer(const std::string& address, const Result<void>& outcome);
+
+  OscSocket socket_;
+  Endpoint manager_;
+  NsmSession session_;
+  std::function<void(const Done&)> save_;
+  std::jthread thread_;  // last: it stops before what it uses goes away
+};
+
+}  // namespace ringdown::server

@@ -1,0 +1,162 @@
+#include "server/state.h"
+
+#include "engine/base/atomic_file.h"
+#include "engine/base/toml_table.h"
+#include "protocol/names.h"
+#include "server/recorder.h"
+
+#include <array>
+#include <charconv>
+#include <cstdio>
+
+namespace ringdown::server {
+namespace {
+
+constexpr Range kGain{0, 100}, kPan{-1, 1}, kDamping{0, 1e3}, kScale{1e-3, 1e3};
+constexpr Range kPosition_m{-1e4, 1e4}, kForce_n{-1e6, 1e6};
+
+void read_name(TomlTable& table, std::string_view key, std::string& name) {
+  table.text(key, name);
+  if (!name.empty() && !protocol::is_object_name(name)) {
+    table.complain(key, "a name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
+  }
+}
+
+State::Object read_object(TomlTable& table) {
+  State::Object object;
+  std::string bank;
+  table.require({"name", "bank"});
+  read_name(table, "name", object.name);
+  table.text("bank", bank);
+  object.bank = bank;
+  table.number("gain", object.gain, kGain);
+  table.number("pan", object.pan, kPan);
+  if (table.has("group")) read_name(table, "group", object.group);
+  if (auto material = table.table("material")) {
+    material->number("alpha", object.material.alpha, kDamping);
+    material->number("beta", object.material.beta, kDamping);
+    material->number("density", object.material.density, kScale);
+    material->number("stiffness", object.material.stiffness, kScale);
+  }
+  return object;
+}
+
+State::Input read_input(TomlTable& table) {
+  State::Input input;
+  std::uint64_t number = 1;
+  table.require({"input", "object", "point_m", "force_n"});
+  table.whole("input", number, 1, protocol::kMostInputs);
+  input.input = number;
+  read_name(table, "object", input.object);
+  table.vector("point_m", input.point_m, kPosition_m);
+  table.vector("force_n", input.force_n, kForce_n);
+  return input;
+}
+
+// The shortest that reads back as the same number.
+std::string shown(double number) {
+  std::array<char, 32> digits{};
+  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr};
+}
+
+std::string shown(const Vec3& v) { return "[" + shown(v.x) + ", " + shown(v.y) + ", " + shown(v.z) + "]"; }
+
+// A TOML basic string.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      out += {'\\', c};
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      std::array<char, 8> escape{};
+      std::snprintf(escape.data(), escape.size(), "\\u%04x", static_cast<unsigned>(c));
+      out += escape.data();
+    } else {
+      out += c;
+    }
+  }
+  return out + "\"";
+}
+
+}  // namespace
+
+Result<State> read_state(const std::filesystem::path& path) {
+  const auto text = read_whole_file(path, kLargestTomlFile);
+  if (!text) return fail(text.error());
+  return parse_state(*text, path);
+}
+
+Result<State> parse_state(std::string_view text, const std::filesystem::path& path) {
+  auto file = TomlTable::parse(text, path);
+  if (!file) return fail(file.error());
+  State state;
+  for (TomlTable& table : file->tables("object")) state.objects.push_back(read_object(table));
+  for (TomlTable& table : file->tables("input")) state.inputs.push_back(read_input(table));
+  if (const auto good = file->finish(); !good) return fail(good.error());
+  return state;
+}
+
+std::string to_toml(const State& state) {
+  std::string text = "# What ringdownd holds; ringdownd --state reads it.\n";
+  for (const State::Object& object : state.objects) {
+    text += "\n[[object]]\nname = " + quoted(object.name) + "\nbank = " + quoted(object.bank.string()) + "\n";
+    text += "gain = " + shown(object.gain) + "\npan = " + shown(object.pan) + "\n";
+    if (!object.group.empty()) text += "group = " + quoted(object.group) + "\n";
+    const modal::MaterialScale& m = object.material;
+    if (m == modal::MaterialScale{}) continue;
+    text += "material = { alpha = " + shown(m.alpha) + ", beta = " + shown(m.beta) + ", density = " + shown(m.density) +
+            ", stiffness = " + shown(m.stiffness) + " }\n";
+  }
+  for (const State::Input& input : state.inputs) {
+    text += "\n[[input]]\ninput = " + std::to_string(input.input) + "\nobject = " + quoted(input.object) +
+            "\npoint_m = " + shown(input.point_m) + "\nforce_n = " + shown(input.force_n) + "\n";
+  }
+  return text;
+}
+
+Result<void> write_state(const State& state, const std::filesystem::path& path) {
+  return write_file_atomically(path, to_toml(state));
+}
+
+State state_of(const Rack& rack, const Recorder& recorder) {
+  State state;
+  std::error_code ignored;
+  for (const RackObject& object : rack.objects()) {
+    const auto [gain, pan] = recorder.level(object.number);
+    state.objects.push_back(
+        {object.name, std::filesystem::absolute(*object.bank, ignored), gain, pan, object.group, object.material});
+  }
+  for (std::size_t input = 0; input < rack.excitations().size(); ++input) {
+    const auto& excitation = rack.excitations()[input];
+    const auto object = excitation ? rack.find({.number = excitation->object}) : fail("");
+    if (object) state.inputs.push_back({input + 1, object->name, excitation->point_m, excitation->force_n});
+  }
+  return state;
+}
+
+Result<void> restore(const State& state, Rack& rack) {
+  using protocol::EventType;
+  for (const State::Object& object : state.objects) {
+    const protocol::ObjectRef ref{.name = object.name};
+    const auto number = rack.load(object.name, object.bank);
+    if (!number) return fail(number.error());
+    if (const auto set = rack.set_group(ref, object.group); !set) return set;
+    if (object.material != modal::MaterialScale{}) {
+      if (const auto set = rack.set_material(ref, object.material); !set) return set;
+    }
+    const protocol::Frame now = rack.mixer().counters().frames;
+    for (const auto& [type, value] : {std::pair(EventType::gain, object.gain), std::pair(EventType::pan, object.pan)}) {
+      if (!rack.push(synth::Producer::worker, {.frame = now, .object = *number, .type = type, .value = value})) {
+        return fail("too many objects at once; wait for those before to be taken up");
+      }
+    }
+  }
+  for (const State::Input& input : state.inputs) {
+    if (const auto set = rack.excite(input.input - 1, {.name = input.object}, input.point_m, input.force_n); !set) {
+      return set;
+    }
+  }
+  return {};
+}
+
+}  // namespace ringdown::server

@@ -1,0 +1,28 @@
+// Tells programs on the network where OSC is received, by DNS-SD (Zeroconf, Bonjour): service _osc._udp, and _osc._tcp.
+//
+// It goes through Avahi's daemon. Where there is none, one line in the log says so, and the services are announced when
+// it comes. A name that is taken gets a number. The services are gone when the object is. [main; it works on a thread
+// of its own]
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace ringdown::server {
+
+class Zeroconf {
+ public:
+  // `name` is what people see.
+  Zeroconf(std::string name, std::uint16_t udp_port, std::optional<std::uint16_t> tcp_port);
+  ~Zeroconf();
+  Zeroconf(const Zeroconf&) = delete;
+  Zeroconf& operator=(const Zeroconf&) = delete;
+
+ private:
+  struct Avahi;
+  std::unique_ptr<Avahi> avahi_;
+};
+
+}  // namespace ringdown::server

@@ -1,0 +1,120 @@
+// Capacities of docs/limits.md that no other test fills: at the limit all is well, one past it is refused or counted.
+#include "engine/base/toml_table.h"
+#include "engine/modal/bank_file.h"
+#include "server/osc_score.h"
+#include "tests/server/osc_server_fixture.h"
+
+#include <fstream>
+#include <semaphore>
+
+namespace ringdown::server {
+namespace {
+
+TEST(Capacity, AWorkerHoldsSoManyTasksAndRefusesTheNext) {
+  std::binary_semaphore started{0}, go{0};
+  std::atomic<std::size_t> done = 0;
+  Worker worker([] {}, 10ms);
+  ASSERT_TRUE(worker.post([&] {
+    started.release();
+    go.acquire();
+  }));
+  started.acquire();  // it is at work; from now on tasks wait
+  for (std::size_t i = 0; i < Worker::kMostTasks; ++i) ASSERT_TRUE(worker.post([&done] { ++done; })) << i;
+  EXPECT_FALSE(worker.post([&done] { ++done; }));
+  go.release();
+  while (done < Worker::kMostTasks) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(worker.post([] {})) << "there is room again";
+  EXPECT_EQ(done, Worker::kMostTasks);
+}
+
+TEST(Capacity, LatencyEndsAtASecond) {
+  EXPECT_TRUE(parse_latency("1000ms"));
+  EXPECT_FALSE(parse_latency("1000.1ms"));
+  EXPECT_TRUE(parse_latency("192000"));
+  EXPECT_FALSE(parse_latency("192001"));
+}
+
+// A score of one empty-handed message at `seconds`.
+std::vector<std::byte> score_at(std::uint64_t seconds) {
+  std::vector<std::byte> bytes = encode_score(std::vector<ScoreEvent>{{0, {"/a", {}}}});
+  for (std::size_t i = 0; i < 4; ++i) bytes[12 + i] = static_cast<std::byte>(seconds >> (24 - 8 * i));
+  return bytes;
+}
+
+TEST(Capacity, AScoreLastsADay) {
+  const auto day = static_cast<std::uint64_t>(kLongestScore);
+  EXPECT_TRUE(parse_score(score_at(day), "s"));
+  EXPECT_FALSE(parse_score(score_at(day + 1), "s"));
+}
+
+class CapacityTest : public OscServerTest {
+ protected:
+  // The sentence that `read` refuses a file of zeros with.
+  template <class Read>
+  std::string refusal_of(std::size_t bytes, const Read& read) {
+    const auto file = folder_ / "large";
+    std::ofstream(file).close();
+    std::filesystem::resize_file(file, bytes);  // a hole: it takes no room on the disk
+    const auto outcome = read(file);
+    return outcome ? "" : outcome.error().message;
+  }
+};
+
+TEST_F(CapacityTest, FilesAreReadToTheirLimitAndRefusedPastIt) {
+  const auto too_large = [](const std::string& sentence) { return sentence.find("more than the limit") != std::string::npos; };
+  const auto toml = [](const auto& path) { return TomlTable::read(path); };
+  EXPECT_FALSE(too_large(refusal_of(kLargestTomlFile, toml)));
+  EXPECT_TRUE(too_large(refusal_of(kLargestTomlFile + 1, toml)));
+  EXPECT_TRUE(too_large(refusal_of(kLargestScore + 1, [](const auto& path) { return read_score(path); })));
+  EXPECT_TRUE(too_large(
+      refusal_of(modal::kLargestBankFile + 1, [this](const auto& path) { return session_.rack().read(path); })));
+}
+
+TEST_F(CapacityTest, ARecordingKeepsSoManyEventsAndSaysWhatItLeftOut) {
+  load("bell");
+  for (const std::size_t more : {0u, 1u}) {
+    const auto score = folder_ / "full.osc";
+    ASSERT_TRUE(recorder_.start(score, 0));  // which names the object: one event
+    const protocol::Event strike{.frame = 5, .object = session_.rack().find({.name = "bell"})->number};
+    for (std::size_t i = 1; i < kMostRecorded + more; ++i) recorder_.played(strike);
+    EXPECT_EQ(recorder_.left_out(), more);
+    const auto written = recorder_.stop(10);
+    ASSERT_TRUE(written) << written.error().message;
+    EXPECT_EQ(*written, kMostRecorded);
+  }
+}
+
+TEST_F(CapacityTest, ANoticeTellsTheLastContacts) {
+  load("bell");
+  serve();
+  send({"/notify", {1, 0.5f}});
+  // The contacts until the notice ends, with the peak of the mix.
+  const auto contacts = [this] {
+    std::vector<protocol::NotifyContact> found;
+    for (bool ended = false; !ended;) {
+      Datagram datagram;
+      if (!client_.receive(datagram, 20s)) break;
+      const auto messages = decode_packet(datagram.bytes);
+      for (const TimedMessage& timed : messages.value()) {
+        const auto reply = protocol::parse_reply(timed.message).value();
+        if (const auto* contact = std::get_if<protocol::NotifyContact>(&reply)) found.push_back(*contact);
+        ended |= std::holds_alternative<protocol::NotifyPeak>(reply);
+      }
+    }
+    return found;
+  };
+  contacts();  // the first notice comes at once, the next after two seconds
+  const auto number = session_.rack().find({.name = "bell"})->number;
+  for (std::size_t i = 0; i <= kMostContactsPerNotice; ++i) {
+    ASSERT_TRUE(
+        session_.rack().push(synth::Producer::worker,
+                             {.object = number, .impulse_ns = {0, 0, static_cast<double>(i)}, .contact_time_s = 0}));
+  }
+  const auto told = contacts();
+  ASSERT_EQ(told.size(), kMostContactsPerNotice);
+  EXPECT_EQ(told.front().impulse_ns.z, 1) << "the very first is left out";
+  EXPECT_EQ(told.back().impulse_ns.z, static_cast<double>(kMostContactsPerNotice));
+}
+
+}  // namespace
+}  // namespace ringdown::server

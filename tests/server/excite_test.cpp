@@ -1,0 +1,121 @@
+// Inputs that excite objects, by requests: a sample is a force that acts for one frame.
+#include "engine/modal/bank_file.h"
+#include "server/session.h"
+#include "tests/support/signal.h"
+#include "tests/support/synthetic_bank.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <unistd.h>
+
+namespace ringdown::server {
+namespace {
+
+constexpr double kForce_n = 4800;
+
+class Excite : public testing::Test {
+ protected:
+  Excite() : folder_(std::filesystem::temp_directory_path() / ("ringdown-excite-" + std::to_string(::getpid()))) {
+    std::filesystem::create_directory(folder_);
+    EXPECT_TRUE(modal::write_bank(test::single_mode_bank(440, 20), folder_ / "a.glb"));
+    load("a");
+  }
+  ~Excite() override { std::filesystem::remove_all(folder_); }
+
+  void load(const std::string& name) {
+    ASSERT_TRUE(session_.perform(protocol::LoadObject{name, (folder_ / "a.glb").string()}, 0));
+  }
+  auto excite(const std::string& object, std::uint32_t input, double force_n) {
+    return session_.perform(protocol::Excite{{.name = object}, input, {1, 0, 0}, {0, 0, force_n}}, 0);
+  }
+  // The sound when input 2 has a sample of 1 in the first frame.
+  test::Samples kick(std::size_t frames = 4800) {
+    std::vector<float> left(frames), right(frames), input(frames);
+    input[0] = 1;
+    session_.rack().mixer().render(synth::Outputs(left.data(), right.data()), {nullptr, input.data()}, frames);
+    return test::to_doubles(left);
+  }
+  test::Samples strike(double impulse_ns, std::size_t frames = 4800) {
+    const auto now = session_.rack().mixer().counters().frames.load();
+    EXPECT_TRUE(session_.play(protocol::Strike{{.name = "a"}, {1, 0, 0}, {0, 0, impulse_ns}, 0}, now));
+    std::vector<float> left(frames), right(frames);
+    session_.rack().mixer().render(left, right);
+    return test::to_doubles(left);
+  }
+  void fall_silent() {
+    std::vector<float> left(96000), right(96000);
+    for (int i = 0; i < 8; ++i) session_.rack().mixer().render(left, right);
+    ASSERT_EQ(session_.rack().mixer().counters().ringing_voices, 0u);
+  }
+
+  std::filesystem::path folder_;
+  Session session_{48000};
+};
+
+TEST_F(Excite, ASampleIsThatForceForAFrame) {
+  ASSERT_TRUE(excite("a", 2, kForce_n));
+  const auto kicked = kick();
+  fall_silent();
+  const auto struck = strike(kForce_n / 48000);
+  EXPECT_GT(test::peak(struck), 1e-4);
+  EXPECT_LE(test::relative_error_db(kicked, struck), -100);
+}
+
+TEST_F(Excite, ItIsTheSameForceAtAnotherRate) {
+  ASSERT_TRUE(excite("a", 2, kForce_n));
+  session_.change_sample_rate(96000);
+  const auto kicked = kick();
+  fall_silent();
+  EXPECT_LE(test::relative_error_db(kicked, strike(kForce_n / 96000)), -100);
+  ASSERT_TRUE(excite("a", 2, kForce_n)) << "and when it is said again there";
+  fall_silent();
+  const auto again = kick();
+  EXPECT_LE(test::relative_error_db(again, kicked), -100);
+}
+
+TEST_F(Excite, ANewBankAndMaterialKeepIt) {
+  ASSERT_TRUE(excite("a", 2, kForce_n));
+  load("a");
+  ASSERT_TRUE(session_.perform(protocol::SetMaterial{{.name = "a"}, {1, 1, 1, 4}}, 0));
+  EXPECT_GT(test::peak(kick()), 1e-4);
+}
+
+TEST_F(Excite, NoForceAndNoObjectEndIt) {
+  ASSERT_TRUE(excite("a", 2, kForce_n));
+  ASSERT_TRUE(excite("a", 2, 0));
+  EXPECT_EQ(test::peak(kick()), 0);
+  EXPECT_FALSE(excite("a", 2, 0)) << "there is nothing to end";
+  ASSERT_TRUE(excite("a", 2, kForce_n));
+  ASSERT_TRUE(session_.perform(protocol::FreeObject{{.name = "a"}}, 0));
+  kick();
+  EXPECT_FALSE(session_.rack().excitations()[1]);
+  fall_silent();
+  session_.rack().collect();
+  load("b");
+  EXPECT_EQ(test::peak(kick()), 0) << "whoever gets the number next is left in peace";
+}
+
+TEST_F(Excite, AnInputExcitesOneObjectAndEachOfFourServes) {
+  load("b");
+  for (const char* object : {"a", "b"}) ASSERT_TRUE(excite(object, 2, kForce_n));
+  for (std::uint32_t input = 1; input <= protocol::kMostInputs; ++input) EXPECT_TRUE(excite("b", input, kForce_n));
+  EXPECT_EQ(session_.rack().inputs(), 0b1111u);
+  kick();
+  EXPECT_EQ(session_.rack().mixer().counters().ringing_voices, 1u);
+}
+
+TEST_F(Excite, ABankOfMoreModesThanAnInputTakesIsRefused) {
+  for (const std::size_t modes : {synth::kMostDrivenColumns, synth::kMostDrivenColumns + 1}) {
+    const auto path = folder_ / "many.glb";
+    ASSERT_TRUE(modal::write_bank(test::random_bank(1, modes, 20), path));
+    ASSERT_TRUE(session_.perform(protocol::LoadObject{"many", path.string()}, 0));
+    const auto excited = excite("many", 1, kForce_n);
+    EXPECT_EQ(excited.has_value(), modes == synth::kMostDrivenColumns);
+    const std::string sentence = excited ? "4096" : excited.error().message;
+    EXPECT_NE(sentence.find("4096"), std::string::npos) << sentence;
+  }
+}
+
+}  // namespace
+}  // namespace ringdown::server
