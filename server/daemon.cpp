@@ -151,6 +151,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   Session session(opened->sample_rate_hz(), std::move(*roots));
   session.rack().mixer().set_floor(options.floor_db);
   session.rack().mixer().set_masking(options.masking);
+  if (options.driver == DaemonOptions::DriverKind::jack) session.rack().mixer().set_budget(options.budget);
   session.rack().mixer().limit(options.limiter_db);
   session.merge_within(options.merge_s);
   session.rack().mixer().set_threads(options.threads);

@@ -42,6 +42,7 @@ struct DaemonOptions {
   std::size_t threads = 1;                        // that mix (Mixer::set_threads)
   double floor_db = 120;                          // below full scale, where modes rest (Mixer::set_floor)
   bool masking = false;                           // Mixer::set_masking
+  double budget = 0.8;                            // jack: Mixer::set_budget
   std::optional<double> limiter_db;               // ceiling of the mix (Mixer::limit)
   std::optional<double> seconds;                  // null, jack: stop after this time; wav: length of the file
   std::filesystem::path output = "ringdown.wav";  // wav

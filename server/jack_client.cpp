@@ -171,6 +171,7 @@ void JackClient::render(std::uint32_t frames) {
       outputs.listen_to_bus(channel - kFirstBus, samples);
     }
   }
+  mixer.keep_deadlines(!freewheels);
   mixer.render(outputs, frames);
   meter_->end(!freewheels);
 }

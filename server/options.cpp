@@ -102,6 +102,11 @@ void add_mixer(CLI::App& app, DaemonOptions& options) {
       ->check(CLI::Range(20.0, 300.0))
       ->capture_default_str();
   app.add_flag("--masking", options.masking, "Leave out modes that louder ones hide");
+  app.add_option_function<double>(
+         "--budget", [&options](double percent) { options.budget = 0.01 * percent; },
+         "Of a block's time, what may be used before what is heard least is left out; 0: all, and more; default 80")
+      ->check(CLI::Range(0.0, 100.0))
+      ->type_name("PERCENT");
   app.add_option("--limiter", options.limiter_db,
                  "Keep the mix below a ceiling in dB, -1 unless given; it comes 2 ms later")
       ->expected(0, 1)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <utility>
 
 namespace ringdown::synth {
 namespace {
@@ -43,6 +44,7 @@ void Budget::open_chunk(std::size_t frames) RINGDOWN_REALTIME {
 void Budget::close_chunk(double units) RINGDOWN_REALTIME {
   if (!limited_ || units < kLeastUnits) return;
   const double took_ns = static_cast<double>(clock_.now_ns() - chunk_begin_ns_) / units;
+  if (!std::exchange(has_learnt_, true)) unit_ns_ = took_ns;
   const double change = std::min(took_ns, kMostSurprise * unit_ns_) - unit_ns_;
   unit_ns_ = std::max(unit_ns_ + (change > 0 ? kLearnUp : kLearnDown) * change, 0.01);
 }

@@ -47,7 +47,7 @@ class Budget {
  private:
   std::atomic<double> share_{0};
   Clock clock_{now_ns};
-  bool limited_ = false;
+  bool limited_ = false, has_learnt_ = false;
   double unit_ns_ = 2;
   double affordable_ = 0;
   std::int64_t deadline_ns_ = 0, chunk_begin_ns_ = 0, chunk_end_ns_ = 0;

@@ -10,10 +10,11 @@ using protocol::Event;
 
 namespace {
 
-constexpr double kPlanned = 0.85;     // of a chunk's time: what modes and events may take
-constexpr double kTight = 0.75;       // of a chunk's time: from here on the mixer looks at what is loud
-constexpr double kEventsShare = 0.3;  // of a chunk's time: more events wait
-constexpr double kComingShare = 0.2;  // of a chunk's time, for what comes back
+constexpr double kPlanned = 0.78;      // of a chunk's time: what modes and events may take
+constexpr double kTight = 0.72;        // of a chunk's time: from here on the mixer looks at what is loud
+constexpr double kVeryTight = 0.97;    // the same, when something is shed already
+constexpr double kEventsShare = 0.3;   // of a chunk's time: more events wait
+constexpr double kComingShare = 0.12;  // of a chunk's time, for what comes back
 constexpr double kForgetEvents = 0.98;
 
 bool is_strike(const Event& event) RINGDOWN_REALTIME {
@@ -124,7 +125,8 @@ void Mixer::close_budget() RINGDOWN_REALTIME {
   if (!budget_.limited()) return;
   const double units = place.units + (together_ ? static_cast<double>(kMomentsFixed) : 0.0);
   event_reserve_ = std::max(event_units_, kForgetEvents * event_reserve_);
-  tight_ = place.missed || put_off_ || units > kTight * budget_.affordable();
+  const double tight = least_ > Cut::kNothing ? kVeryTight : kTight;
+  tight_ = place.missed || units > tight * budget_.affordable();
   if (place.missed || put_off_ || least_ > Cut::kNothing) count(counters_.shed);
   budget_.close_chunk(units);
 }

@@ -14,8 +14,10 @@ namespace {
 
 constexpr std::size_t kSurveyFrames = 2048;  // 43 ms at 48 kHz; what follows a louder sound is hidden for longer
 constexpr std::size_t kRoundFrames = 4096;   // of a survey in parts
-constexpr std::size_t kQuickRound = 4;       // chunks, when time is short
-constexpr std::size_t kLowerFrames = 4096;   // what was shed comes back by kStep_db in this time
+constexpr double kQuickRound = 4;            // chunks, when time is short; or more, so that each takes no more than
+constexpr double kSurveyShare = 0.08;        // of its time
+constexpr std::size_t kLowerFrames = 4096;   // in this time the level falls by kLowerBy
+constexpr Level kLowerBy = 2;                // 3 dB: 35 dB in a second
 
 }  // namespace
 
@@ -34,7 +36,8 @@ void Mixer::survey(std::size_t frames) RINGDOWN_REALTIME {
   double modes = std::numeric_limits<double>::max();
   if (limited) {
     const auto part = static_cast<double>(frames) / static_cast<double>(kRoundFrames);
-    modes = all * (tight_ ? 1.0 / kQuickRound : part);
+    const double most = kSurveyShare * budget_.affordable() / kSurveyPerMode;
+    modes = tight_ ? std::clamp(most, all * part, all / kQuickRound) : all * part;
   } else if (since_survey_ < kSurveyFrames && masking) {
     return;
   }
@@ -85,7 +88,9 @@ void Mixer::decide(bool masking) RINGDOWN_REALTIME {
   if (!limited || needed > least_) {
     least_ = needed;
   } else if (least_ > needed && since_lowered_ >= kLowerFrames) {
-    least_ = least_ > Hearing::kLowest ? std::max(least_ - 1, needed) : Cut::kNothing;
+    const double floor_amplitude = floor_.load(std::memory_order_relaxed);
+    const Level floor = level_of(floor_amplitude * floor_amplitude);
+    least_ = least_ > floor ? std::max(least_ - kLowerBy, needed) : needed;
     since_lowered_ = 0;
   }
   const std::uint32_t number = cut_.number + (least_ > before ? 1 : 0);
