@@ -43,6 +43,8 @@ inline constexpr std::size_t kMostVoices = 4096;              // playing, ringin
 inline constexpr std::size_t kMostEventsPerChunk = 512;       // more in one chunk happen up to kChunkFrames later
 inline constexpr std::size_t kMostBuses = kMostChannels - 2;  // outputs beside the stereo mix
 
+inline constexpr std::size_t kFewestToMask = 2048;  // modes that ring; with fewer none is hidden by set_masking()
+
 // Where a block is written. What nobody listens to is not rendered.
 class Outputs {
  public:
@@ -147,8 +149,11 @@ class Mixer {
   [[nodiscard]] bool connect_input(std::size_t input, const protocol::Event& place);
   [[nodiscard]] bool disconnect_input(std::size_t input);
 
-  // Leaves out what louder modes hide (hearing.h); off unless set. [any thread]
-  void set_masking(bool on) { masking_.store(on, std::memory_order_relaxed); }
+  // Leaves out what louder modes hide (hearing.h); off unless set. With fewer modes than that, looking for what is
+  // hidden would cost more than it saves. [any thread]
+  void set_masking(bool on, std::size_t fewest_modes = kFewestToMask) {
+    masking_from_.store(on ? fewest_modes : kNever, std::memory_order_relaxed);
+  }
 
   // What render() may use of the time that a block lasts, 0 ... 1; 0, as in the beginning: as long as it takes. When
   // time is short, masked modes and then the quietest ones are not computed, strikes wait for the next chunks, and if
@@ -184,7 +189,7 @@ class Mixer {
   // mode and kFramesPerMode frames. Measured by `./run bench mixer`, with AVX-512.
   static constexpr std::size_t kMomentsFixed = 800, kFramesPerMode = 50;
   static constexpr double kStrikePerMode = 8, kPartPerMode = 6, kComingPerMode = 3, kSurveyPerMode = 0.25;
-  static constexpr std::size_t kFewestToMask = 0;                     // modes
+  static constexpr std::size_t kNever = ~std::size_t{0};
   static constexpr double kCentre = 0.70710678118654752;              // equal power: cos 45 degrees
   static constexpr std::size_t kLeft = 0, kRight = 1, kFirstBus = 2;  // channels
   static constexpr std::size_t kNoBus = 0;
@@ -328,7 +333,7 @@ class Mixer {
   std::atomic<double> sample_rate_hz_;
   std::atomic<double> floor_{1e-6};
   std::atomic<bool> exact_contacts_{false};
-  std::atomic<bool> masking_{false};
+  std::atomic<std::size_t> masking_from_{kNever};  // so many modes
   MixerCounters counters_;
   Agenda agenda_;
   SpscRing<Order> orders_{2 * kMostVoices + kMostObjects};

@@ -24,7 +24,7 @@ constexpr Level kLowerBy = 2;                // 3 dB: 35 dB in a second
 // Decides, now and then, what is not computed.
 void Mixer::survey(std::size_t frames) RINGDOWN_REALTIME {
   const bool limited = budget_.limited();
-  const bool masking = masking_.load(std::memory_order_relaxed) && sounding_modes_ + hidden_modes_ >= kFewestToMask;
+  const bool masking = sounding_modes_ + hidden_modes_ >= masking_from_.load(std::memory_order_relaxed);
   survey_begin_ = survey_end_ = 0;
   since_survey_ += frames;
   since_lowered_ += frames;
@@ -129,6 +129,8 @@ void Mixer::listen(Family& family, bool in_turn, Place& place) RINGDOWN_REALTIME
 // In its turn, or at once when the cut has risen or it was missed.
 void Mixer::listen(Ringing& states, Level loudness, bool in_turn, Place& place) RINGDOWN_REALTIME {
   if (!in_turn && !(budget_.limited() && states.ignores(cut_))) return;
+  const double units_to_come = (kComingPerMode + 1) * static_cast<double>(place.most_coming);
+  if (budget_.over(units_to_come)) place.most_coming = 0;
   if (place.most_coming < kModePadding && states.sounding_slow_modes() == 0) return;
   const std::size_t before = place.most_coming;
   states.listen(cut_, loudness, place.most_coming);
