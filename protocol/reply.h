@@ -36,6 +36,8 @@ struct StatusReply {  // /status.reply
   double load_p99 = 0;
   std::int32_t misses = 0;
   std::int32_t own_xruns = 0;
+  std::int32_t hidden_modes = 0;
+  std::int32_t shed = 0;
 };
 struct VersionReply {  // /version.reply
   std::string program;

@@ -219,7 +219,7 @@ std::vector<Row<Reply>> make_reply_rows() {
             {other<ValueType::any_text, &Fail::address>("address", "The address that was asked."),
              other<ValueType::any_text, &Fail::sentence>("sentence", "What is wrong, and with which argument.")}),
       reply(
-          "/status.reply", StatusReply{4, 1, 220, 6, 48000, 256, 0.031, 0.058, 0, 0, 0, 0, 0.042, 0, 0},
+          "/status.reply", StatusReply{4, 1, 220, 6, 48000, 256, 0.031, 0.058, 0, 0, 0, 0, 0.042, 0, 0, 0, 0},
           "How the daemon is doing.",
           {integer<&StatusReply::objects>("objects", kCount, "How many objects are loaded."),
            integer<&StatusReply::sounding_objects>("sounding_objects", kCount, "How many of them ring."),
@@ -237,7 +237,11 @@ std::vector<Row<Reply>> make_reply_rows() {
            number<&StatusReply::load_p99>("load_p99", kLoad,
                                           "What 99 of 100 blocks of the last five to ten seconds stayed below."),
            integer<&StatusReply::misses>("misses", kCount, "Blocks that took us longer than they last."),
-           integer<&StatusReply::own_xruns>("own_xruns", kCount, "Of the xruns, those in which our block was late.")}),
+           integer<&StatusReply::own_xruns>("own_xruns", kCount, "Of the xruns, those in which our block was late."),
+           integer<&StatusReply::hidden_modes>("hidden_modes", kCount,
+                                               "How many modes that ring are left out: masked, or for want of time."),
+           integer<&StatusReply::shed>(
+               "shed", kCount, "Times (128 frames or less each) something was left out or late for want of time.")}),
       reply("/version.reply", VersionReply{"ringdownd", RINGDOWN_VERSION, kProtocolVersion}, "Which program this is.",
             {other<ValueType::any_text, &VersionReply::program>("program", "The program's name."),
              other<ValueType::any_text, &VersionReply::version>("version", "Its version."),

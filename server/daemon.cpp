@@ -188,6 +188,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   if (!roots) return report(roots.error(), ExitCode::bad_input);
   Session session(opened->sample_rate_hz(), std::move(*roots));
   apply(options.sound, session.rack().mixer());
+  if (options.driver == DaemonOptions::DriverKind::jack) session.rack().mixer().set_budget(options.budget);
   session.merge_within(options.merge_s);
   session.rack().mixer().set_threads(options.threads);
   session.rack().buses().set_mode(options.ports);

@@ -199,6 +199,7 @@ void JackClient::render(std::uint32_t frames) {
       outputs.listen_to_bus(channel - kFirstBus, samples);
     }
   }
+  mixer.keep_deadlines(!freewheels);
   mixer.render(outputs, read_inputs(frames), frames);
   meter_->end(!freewheels);
 }

@@ -142,6 +142,11 @@ void add_mixer(CLI::App& app, DaemonOptions& options) {
   app.add_option("--threads", options.threads, "Threads that mix big scenes, JACK's among them; the others spin")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
+  app.add_option_function<double>(
+         "--budget", [&options](double percent) { options.budget = 0.01 * percent; },
+         "Of a block's time, what may be used before what is heard least is left out; 0: all, and more; default 80")
+      ->check(CLI::Range(0.0, 100.0))
+      ->type_name("PERCENT");
   add_sound_options(app, options.sound);
 }
 

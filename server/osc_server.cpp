@@ -248,7 +248,9 @@ protocol::StatusReply OscServer::status() const {
           .merged_events = whole(parts_.session.merged()),
           .load_p99 = load.p99,
           .misses = load.misses,
-          .own_xruns = load.own_xruns};
+          .own_xruns = load.own_xruns,
+          .hidden_modes = whole(mixer.hidden_modes.load()),
+          .shed = whole(mixer.shed.load())};
 }
 
 }  // namespace ringdown::server

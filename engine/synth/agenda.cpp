@@ -1,6 +1,7 @@
 #include "engine/synth/agenda.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace ringdown::synth {
@@ -50,6 +51,12 @@ std::size_t Agenda::rescale(protocol::Frame now, double ratio) {
 void Agenda::pop() RINGDOWN_REALTIME {
   std::pop_heap(heap_.data(), heap_.data() + count_, Later{});
   --count_;
+}
+
+void Agenda::put_back(const protocol::Event& event) RINGDOWN_REALTIME {
+  assert(count_ < heap_.size());
+  heap_.data()[count_++] = {event, next_order_++};
+  std::push_heap(heap_.data(), heap_.data() + count_, Later{});
 }
 
 }  // namespace ringdown::synth

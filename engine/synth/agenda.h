@@ -34,6 +34,8 @@ class Agenda {
     return count_ > 0 && heap_.data()[0].event.frame < end ? &heap_.data()[0].event : nullptr;
   }
   void pop() RINGDOWN_REALTIME;  // [audio]
+  // Takes back an event that was popped since the last accept(). [audio]
+  void put_back(const protocol::Event& event) RINGDOWN_REALTIME;
 
   // Frames are of another length from here on: what is pending, in the rings too, comes `ratio` times as many frames
   // after `now` as it was to. Returns how many events were late. [while no other thread than producers uses it]

@@ -40,10 +40,12 @@ Hearing::Hearing() {
 
 void Hearing::forget() RINGDOWN_REALTIME {
   for (auto& levels : count_) levels.fill(0);
+  modes_ = 0;
 }
 
 void Hearing::note(EarBand band, Level level, std::uint32_t modes) RINGDOWN_REALTIME {
   count_[band][static_cast<std::size_t>(std::clamp<Level>(level - kLowest, 0, kLevels - 1))] += modes;
+  modes_ += modes;
 }
 
 Hearing::Thresholds Hearing::hidden_below() const RINGDOWN_REALTIME {
@@ -63,13 +65,15 @@ Hearing::Thresholds Hearing::hidden_below() const RINGDOWN_REALTIME {
   return below;
 }
 
-Cut Hearing::decide(bool masking) const RINGDOWN_REALTIME {
+Cut Hearing::decide(bool masking, Level least) const RINGDOWN_REALTIME {
   Cut cut;
-  cut.hides = masking;
+  cut.hides = masking || least > Cut::kNothing;
+  cut.at.fill(least);
   if (!masking) return cut;
   const Thresholds hidden = hidden_below();
   for (std::size_t b = 0; b < kEarBands; ++b) {
-    const double most = std::pow(10.0, 0.1 * kStep_db * hidden[b]);
+    if (hidden[b] <= kLowest) continue;
+    const double most = energy_[static_cast<std::size_t>(std::min(hidden[b] - kLowest, kLevels) - 1)];
     double left_out = 0;
     Level level = kLowest;
     for (; level < kLowest + kLevels && level < hidden[b]; ++level) {
@@ -77,9 +81,27 @@ Cut Hearing::decide(bool masking) const RINGDOWN_REALTIME {
       left_out += count_[b][i] * energy_[i];
       if (left_out > most) break;
     }
-    cut.at[b] = level;
+    cut.at[b] = std::max(least, level);
   }
   return cut;
+}
+
+Level Hearing::least_for(double modes) const RINGDOWN_REALTIME {
+  if (static_cast<double>(modes_) <= modes) return Cut::kNothing;
+  const Cut cut = decide(true);
+  std::array<std::uint64_t, kLevels> passing{};
+  for (std::size_t b = 0; b < kEarBands; ++b) {
+    for (Level level = std::max(cut.at[b], kLowest); level < kLowest + kLevels; ++level) {
+      const auto i = static_cast<std::size_t>(level - kLowest);
+      passing[i] += count_[b][i];
+    }
+  }
+  Level least = kLowest + kLevels;
+  for (double left = modes; least > kLowest; --least) {
+    left -= static_cast<double>(passing[static_cast<std::size_t>(least - 1 - kLowest)]);
+    if (left < 0) break;
+  }
+  return least;
 }
 
 }  // namespace ringdown::synth

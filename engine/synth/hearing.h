@@ -4,6 +4,8 @@
 // Bark must be (Cut); a group goes when all its modes may. Masking is engine/modal/masking.h's, over all objects
 // together: what is left out of half a Bark lies, all of it added up, below what the loudest modes hide there. Full
 // scale is taken as kFullScale_db_spl; played louder, sounds hide more.
+//
+// When time is short (budget.h) everything below one level goes too, whatever its pitch.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -33,7 +35,8 @@ EarBand ear_band_of(double frequency_hz);  // [any]
 struct Cut {
   static constexpr Level kNothing = -1000;
   std::array<Level, kEarBands> at;
-  bool hides = false;  // some do not pass
+  bool hides = false;        // some do not pass
+  std::uint32_t number = 0;  // another one when all must hear of it at once
 
   Cut() { at.fill(kNothing); }
   [[nodiscard]] bool passes(EarBand band, Level level) const RINGDOWN_REALTIME { return level >= at[band]; }
@@ -47,16 +50,22 @@ class Hearing {
   void forget() RINGDOWN_REALTIME;
   void note(EarBand band, Level level, std::uint32_t modes = 1) RINGDOWN_REALTIME;
 
-  // Without `masking` everything passes.
-  [[nodiscard]] Cut decide(bool masking) const RINGDOWN_REALTIME;
+  // Without `masking` everything from `least` on passes.
+  [[nodiscard]] Cut decide(bool masking, Level least = Cut::kNothing) const RINGDOWN_REALTIME;
+
+  // The level below which modes go so that at most so many are left after masking; kLowest when masking is enough,
+  // kNothing when all fit as they are.
+  [[nodiscard]] Level least_for(double modes) const RINGDOWN_REALTIME;
+
+  static constexpr Level kLowest = -110, kLevels = 140;  // -165 ... +45 dB
 
  private:
-  static constexpr Level kLowest = -110, kLevels = 140;  // -165 ... +45 dB
   using Thresholds = std::array<Level, kEarBands>;
 
   [[nodiscard]] Thresholds hidden_below() const RINGDOWN_REALTIME;
 
   std::array<std::array<std::uint32_t, kLevels>, kEarBands> count_;
+  std::uint64_t modes_ = 0;
   std::array<double, kLevels> energy_;  // of a level, at most
   std::array<double, kEarBands> centre_hz_, centre_bark_;
 };

@@ -91,6 +91,7 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   accept_orders();
   count(counters_.late, agenda_.accept(now_));
   wanted_ = outputs.wanted();
+  budget_.open_block(frames, sample_rate_hz(), deadlines_);
   float peak = 0;
   Place& place = places_.data()[0];
   place.ringing_voices = place.ringing_modes = place.hidden_modes = 0;
@@ -99,9 +100,11 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
     std::size_t chunk = wake_inputs(frames - done);
     const Frame rest = static_cast<Frame>(chunk);
     if (active_count_ + active_family_count_ == 0 && !agenda_.next_before(now_ + rest)) {
+      budget_.open_chunk(chunk);
       place.desk.open(chunk);
     } else {
       chunk = std::min(kChunkFrames, chunk);
+      budget_.open_chunk(chunk);
       render_chunk(chunk);
     }
     write(outputs, done, chunk, peak);
@@ -169,11 +172,13 @@ void Mixer::carry_out(const Order& order) RINGDOWN_REALTIME {
 // Sorts the events of the coming chunk to their objects.
 void Mixer::take_due_events(std::size_t frames) RINGDOWN_REALTIME {
   DueEvent* due = due_.data();
+  put_off_ = false;
+  event_units_ = 0;
   const Frame end = now_ + static_cast<Frame>(frames);
   std::int32_t count = 0;
   for (; count < static_cast<std::int32_t>(kMostEventsPerChunk); ++count, agenda_.pop()) {
     const Event* event = agenda_.next_before(end);
-    if (!event) break;
+    if (!event || !can_afford(*event)) break;
     due[count] = {*event, static_cast<std::size_t>(std::max<Frame>(event->frame - now_, 0)), -1};
     due[count].event.frame = std::max(event->frame, now_);  // it may have been left over from the chunk before
     if (is_strike(event->type)) {
@@ -215,30 +220,46 @@ void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
   frames_ = frames;
   take_due_events(frames);
   const bool much = choose_path(frames);
-  Place* const places = places_.data();
-  for (std::size_t who = 0; who < places_.size(); ++who) {
-    places[who].desk.open(frames);
-    places[who].ringing_voices = places[who].ringing_modes = places[who].hidden_modes = 0;
-    places[who].slow_modes = 0;
-  }
+  open_places(frames);
   prepare_tables(frames);
   survey(frames);
   if (crew_ && much) {
     crew_->run(active_family_count_ + active_count_);
   } else {
-    for (std::size_t i = 0; i < active_family_count_ + active_count_; ++i) render_item(i, places[0]);
+    for (std::size_t i = 0; i < active_family_count_ + active_count_; ++i) render_item(i, places_.data()[0]);
   }
   keep_active_families();
   keep_active();
-  slow_modes_ = 0;
-  for (std::size_t who = 0; who < places_.size(); ++who) slow_modes_ += places[who].slow_modes;
+  gather_places();
+  places_.data()[0].desk.close();
+  close_budget();
+}
+
+void Mixer::open_places(std::size_t frames) RINGDOWN_REALTIME {
+  for (std::size_t who = 0; who < places_.size(); ++who) {
+    Place& place = places_.data()[who];
+    place.desk.open(frames);
+    place.ringing_voices = place.ringing_modes = place.hidden_modes = 0;
+    place.slow_modes = 0;
+    place.units = 0;
+    place.missed = false;
+    place.most_coming = most_coming() / places_.size();
+  }
+}
+
+// Into the audio thread's own.
+void Mixer::gather_places() RINGDOWN_REALTIME {
+  Place* const places = places_.data();
+  slow_modes_ = places[0].slow_modes;
   for (std::size_t who = 1; who < places_.size(); ++who) {
+    slow_modes_ += places[who].slow_modes;
     places[0].desk.take(places[who].desk);
     places[0].ringing_voices += places[who].ringing_voices;
     places[0].ringing_modes += places[who].ringing_modes;
     places[0].hidden_modes += places[who].hidden_modes;
+    places[0].units += places[who].units;
+    places[0].missed = places[0].missed || places[who].missed;
   }
-  places[0].desk.close();
 }
 
 // Before several threads read them.
@@ -252,21 +273,21 @@ void Mixer::prepare_tables(std::size_t frames) RINGDOWN_REALTIME {
   }
 }
 
-// What rang in the last chunk decides. In units of what moments cost for a mode, 2 ns: moments cost kMomentsFixed more,
-// tables 1 for a mode and kFramesPerMode frames. Measured by `./run bench mixer`, with AVX-512; both ways sound the
-// same, so a wrong choice costs time only. True when there is enough to do for several threads.
+// What rang in the last chunk decides. True when there is enough to do for several threads.
 bool Mixer::choose_path(std::size_t frames) RINGDOWN_REALTIME {
-  constexpr std::size_t kMomentsFixed = 800, kFramesPerMode = 50, kMuch = 3000;
+  constexpr std::size_t kMuch = 3000;
   together_ = slow_modes_ * frames > kFramesPerMode * (kMomentsFixed + slow_modes_);
   return slow_modes_ > kMuch;
 }
 
 // Number `item` of the active families, then objects, and what remains to be done about it.
 void Mixer::render_item(std::size_t item, Place& place) RINGDOWN_REALTIME {
-  if (item < active_family_count_) return render_family(*active_families_.data()[item], place);
+  if (must_miss(item)) return miss(item, place);
+  const bool in_turn = item >= survey_begin_ && item < survey_end_;
+  if (item < active_family_count_) return render_family(*active_families_.data()[item], in_turn, place);
   item -= active_family_count_;
   Object& object = objects_.data()[active_.data()[item]];
-  render_object(object, place);
+  render_object(object, in_turn, place);
   const bool rings = object.current && (object.current->ringing() || has_pulse(object));
   after_.data()[item] = object.tails ? After::look_at_tails : rings ? After::keep : After::drop;
 }
@@ -278,13 +299,17 @@ void Mixer::keep_active() RINGDOWN_REALTIME {
   for (std::size_t i = 0; i < active_count_; ++i) {
     bool keep = after_.data()[i] == After::keep;
     Object& object = objects_.data()[active[i]];
+    put_back(object.first_due);
     if (after_.data()[i] == After::look_at_tails) {
       retire_silent_tails(object);
       keep = object.tails || (object.current && object.current->ringing());
     }
     const Frame end = now_ + static_cast<Frame>(frames_);
     keep_drives(object, end);
-    if (keep && !object.shared && can_share(object, end)) {
+    const auto units_to_share = [&]() RINGDOWN_REALTIME {
+      return kPartPerMode * static_cast<double>(object.current->table().columns());
+    };
+    if (keep && !object.shared && can_share(object, end) && !budget_.over(units_to_share())) {
       share(object, end);
       keep = false;
     }
@@ -298,15 +323,15 @@ void Mixer::keep_active() RINGDOWN_REALTIME {
 }
 
 // Renders one object's share of the chunk.
-void Mixer::render_object(Object& object, Place& place) RINGDOWN_REALTIME {
-  listen(object);
+void Mixer::render_object(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME {
   if ((together_ || !heard(object)) && plain_in_chunk(object)) {
-    render_together(object, place);
+    render_together(object, in_turn, place);
   } else {
-    render_in_segments(object, place);
+    render_in_segments(object, in_turn, place);
   }
-  const auto note = [&place](const Voice& voice) RINGDOWN_REALTIME {
+  const auto note = [this, &place](const Voice& voice) RINGDOWN_REALTIME {
     if (!voice.ringing()) return;
+    count_work(units_of(voice.sounding_modes()), place);
     place.hidden_modes += static_cast<std::uint32_t>(voice.hidden_modes());
     ++place.ringing_voices;
     place.ringing_modes += static_cast<std::uint32_t>(voice.sounding_modes());
@@ -334,23 +359,33 @@ double Mixer::floor_of(const Object& object) const RINGDOWN_REALTIME {
   return floor_.load(std::memory_order_relaxed) / std::max(1.0, gain);
 }
 
-void Mixer::render_in_segments(Object& object, Place& place) RINGDOWN_REALTIME {
+void Mixer::render_in_segments(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME {
   std::size_t at = 0;
-  for (std::int32_t i = std::exchange(object.first_due, -1); i >= 0;) {
-    const DueEvent& due = due_.data()[i];
-    render_segment(object, at, due.offset, place);
-    at = due.offset;
-    apply(object, due.event);
-    i = due.next;
+  bool has_listened = false;
+  const auto render_to = [&](std::size_t end) RINGDOWN_REALTIME {
+    if (end > at && !std::exchange(has_listened, true)) listen(object, in_turn, place);
+    render_segment(object, at, end, place);
+    at = end;
+  };
+  std::int32_t i = std::exchange(object.first_due, -1);
+  if (i >= 0) attend(object);
+  for (; i >= 0 && !must_wait(due_.data()[i].event, place); i = due_.data()[i].next) {
+    render_to(due_.data()[i].offset);
+    apply(object, due_.data()[i].event);
   }
-  render_segment(object, at, frames_, place);
+  object.first_due = i;
+  render_to(frames_);
 }
 
 // What rings already, as moments; strikes within the chunk beside it, sample by sample.
-void Mixer::render_together(Object& object, Place& place) RINGDOWN_REALTIME {
-  std::int32_t next = std::exchange(object.first_due, -1);
-  for (; next >= 0 && due_.data()[next].offset == 0; next = due_.data()[next].next)
+void Mixer::render_together(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME {
+  if (object.first_due >= 0) attend(object);
+  std::int32_t& next = object.first_due;
+  for (; next >= 0 && due_.data()[next].offset == 0; next = due_.data()[next].next) {
+    if (must_wait(due_.data()[next].event, place)) break;
     apply(object, due_.data()[next].event);
+  }
+  listen(object, in_turn, place);
   std::array<MomentTarget, 3> all;
   std::size_t count_of_targets = 0;
   const auto aim = [&](std::size_t channel, double gain) RINGDOWN_REALTIME {
@@ -369,12 +404,13 @@ void Mixer::render_together(Object& object, Place& place) RINGDOWN_REALTIME {
   };
   if (object.current) add(*object.current);
   for (Voice* voice = object.tails; voice; voice = voice->next) add(*voice);
-  if (next >= 0 || driven(object)) sounds = add_strikes(object, next, place) || sounds;
+  if (next >= 0 || driven(object)) sounds = add_strikes(object, place) || sounds;
   if (sounds) mix_segment(object, 0, frames_, place);
 }
 
-// The strikes of a chunk from number `due` on, and what drives the object. False when nothing comes of them.
-bool Mixer::add_strikes(Object& object, std::int32_t due, Place& place) RINGDOWN_REALTIME {
+// The rest of a chunk's strikes, and what drives the object. False when nothing comes of them.
+bool Mixer::add_strikes(Object& object, Place& place) RINGDOWN_REALTIME {
+  std::int32_t& due = object.first_due;
   Voice* const voice = object.current;
   const bool driven = this->driven(object);
   bool struck = driven;
@@ -386,7 +422,7 @@ bool Mixer::add_strikes(Object& object, std::int32_t due, Place& place) RINGDOWN
       count(counters_.not_finite);
     at = end;
   };
-  for (; due >= 0; due = due_.data()[due].next) {
+  for (; due >= 0 && !must_wait(due_.data()[due].event, place); due = due_.data()[due].next) {
     render_to(due_.data()[due].offset);
     const bool played = voice && voice->strike_aside(due_.data()[due].event, frames_ - at);
     count(played ? counters_.strikes : counters_.refused);

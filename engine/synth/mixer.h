@@ -15,6 +15,7 @@
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
 #include "engine/synth/agenda.h"
+#include "engine/synth/budget.h"
 #include "engine/synth/crew.h"
 #include "engine/synth/desk.h"
 #include "engine/synth/drives.h"
@@ -41,6 +42,8 @@ inline constexpr std::size_t kMostObjects = 1024;
 inline constexpr std::size_t kMostVoices = 4096;              // playing, ringing out or waiting for collect()
 inline constexpr std::size_t kMostEventsPerChunk = 512;       // more in one chunk happen up to kChunkFrames later
 inline constexpr std::size_t kMostBuses = kMostChannels - 2;  // outputs beside the stereo mix
+
+inline constexpr std::size_t kFewestToMask = 2048;  // modes that ring; with fewer none is hidden by set_masking()
 
 // Where a block is written. What nobody listens to is not rendered.
 class Outputs {
@@ -72,7 +75,8 @@ struct MixerCounters {
   std::atomic<std::uint64_t> not_finite{0};      // voices silenced because a state was no longer a sensible number
   std::atomic<std::uint32_t> ringing_voices{0};  // in the last block
   std::atomic<std::uint32_t> ringing_modes{0};   // in the last block
-  std::atomic<std::uint32_t> hidden_modes{0};    // left out in the last block because louder ones hide them
+  std::atomic<std::uint32_t> hidden_modes{0};    // left out in the last block: masked, or shed
+  std::atomic<std::uint64_t> shed{0};            // chunks in which something was left out or put off for want of time
   std::atomic<float> peak{0};                    // largest |sample| of the last block
   std::atomic<float> peak_since{0};              // the same since take_peak()
 };
@@ -149,8 +153,21 @@ class Mixer {
   [[nodiscard]] bool connect_input(std::size_t input, const protocol::Event& place);
   [[nodiscard]] bool disconnect_input(std::size_t input);
 
-  // Leaves out what louder modes hide (hearing.h); off unless set. [any thread]
-  void set_masking(bool on) { masking_.store(on, std::memory_order_relaxed); }
+  // Leaves out what louder modes hide (hearing.h); off unless set. With fewer modes than that, looking for what is
+  // hidden would cost more than it saves. [any thread]
+  void set_masking(bool on, std::size_t fewest_modes = kFewestToMask) {
+    masking_from_.store(on ? fewest_modes : kNever, std::memory_order_relaxed);
+  }
+
+  // What render() may use of the time that a block lasts, 0 ... 1; 0, as in the beginning: as long as it takes. When
+  // time is short, masked modes and then the quietest ones are not computed, strikes wait for the next chunks, and if
+  // that was not enough objects fall silent for a chunk. Nothing is lost: states move on, and what was left out comes
+  // back when there is time. [any thread]
+  void set_budget(double share) { budget_.set_share(share); }
+  void set_clock(Budget::Clock clock) { budget_.set_clock(clock); }  // for tests [worker, while nothing is rendered]
+
+  // Whether blocks are due at a certain time, as they are unless set; without, the budget does not count. [audio]
+  void keep_deadlines(bool on) RINGDOWN_REALTIME { deadlines_ = on; }
 
   // Writes the next frames; any number of frames. [audio]
   void render(const Outputs& outputs, const Inputs& inputs, std::size_t frames) RINGDOWN_REALTIME;
@@ -172,6 +189,11 @@ class Mixer {
     std::size_t offset;  // frames into the chunk
     std::int32_t next;   // the object's next event in this chunk, -1 for none
   };
+  // What work costs, in units of what moments cost for a mode, 2 ns: moments cost kMomentsFixed more, tables 1 for a
+  // mode and kFramesPerMode frames. Measured by `./run bench mixer`, with AVX-512.
+  static constexpr std::size_t kMomentsFixed = 800, kFramesPerMode = 50;
+  static constexpr double kStrikePerMode = 8, kPartPerMode = 6, kComingPerMode = 3, kSurveyPerMode = 0.25;
+  static constexpr std::size_t kNever = ~std::size_t{0};
   static constexpr double kCentre = 0.70710678118654752;              // equal power: cos 45 degrees
   static constexpr std::size_t kLeft = 0, kRight = 1, kFirstBus = 2;  // channels
   static constexpr std::size_t kNoBus = 0;
@@ -197,6 +219,9 @@ class Mixer {
     std::array<std::array<double, kChunkFrames>, kMostForces> impulses{};
     std::uint32_t ringing_voices = 0, ringing_modes = 0, hidden_modes = 0;  // of the chunk being rendered
     std::size_t slow_modes = 0;                                             // of these, that take moments
+    double units = 0;                                                       // of work (budget.h)
+    bool missed = false;                                                    // there was no time for all
+    std::size_t most_coming = 0;                                            // hidden modes that may come back
   };
   enum class After : std::uint8_t { keep, drop, look_at_tails };  // of an active object when the chunk is done
   struct Order {
@@ -226,18 +251,39 @@ class Mixer {
   void link_due_events(std::int32_t count) RINGDOWN_REALTIME;
   // mixer_masking.cpp
   void survey(std::size_t frames) RINGDOWN_REALTIME;
-  void listen(Object& object) RINGDOWN_REALTIME;
-  void listen(Family& family) RINGDOWN_REALTIME;
+  void attend(Object& object) RINGDOWN_REALTIME;
+  void attend(Family& family) RINGDOWN_REALTIME;
+  [[nodiscard]] double survey_item(std::size_t item) RINGDOWN_REALTIME;
+  void decide(bool masking) RINGDOWN_REALTIME;
+  void listen(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME;
+  void listen(Family& family, bool in_turn, Place& place) RINGDOWN_REALTIME;
+  void listen(Ringing& states, Level loudness, bool in_turn, Place& place) RINGDOWN_REALTIME;
   [[nodiscard]] static Level loudness_of(const Object& object) RINGDOWN_REALTIME;
 
+  // mixer_budget.cpp
+  [[nodiscard]] double units_of(std::size_t modes) const RINGDOWN_REALTIME;
+  [[nodiscard]] double units_of(const protocol::Event& event) const RINGDOWN_REALTIME;
+  [[nodiscard]] double units_of_item(std::size_t item) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool can_afford(const protocol::Event& event) RINGDOWN_REALTIME;
+  [[nodiscard]] bool must_wait(const protocol::Event& event, Place& place) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool must_miss(std::size_t item) const RINGDOWN_REALTIME;
+  void miss(std::size_t item, Place& place) RINGDOWN_REALTIME;
+  void put_back(std::int32_t& first_due) RINGDOWN_REALTIME;
+  [[nodiscard]] std::size_t most_coming() const RINGDOWN_REALTIME;
+  [[nodiscard]] double most_modes() const RINGDOWN_REALTIME;
+  void count_work(double units, Place& place) const RINGDOWN_REALTIME;
+  void close_budget() RINGDOWN_REALTIME;
+
+  void open_places(std::size_t frames) RINGDOWN_REALTIME;
+  void gather_places() RINGDOWN_REALTIME;
   void render_item(std::size_t item, Place& place) RINGDOWN_REALTIME;
   void keep_active() RINGDOWN_REALTIME;
-  void render_object(Object& object, Place& place) RINGDOWN_REALTIME;
+  void render_object(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME;
   [[nodiscard]] bool plain_in_chunk(const Object& object) const RINGDOWN_REALTIME;
   [[nodiscard]] static bool still(const Object& object, protocol::Frame at) RINGDOWN_REALTIME;
-  void render_in_segments(Object& object, Place& place) RINGDOWN_REALTIME;
-  void render_together(Object& object, Place& place) RINGDOWN_REALTIME;
-  [[nodiscard]] bool add_strikes(Object& object, std::int32_t due, Place& place) RINGDOWN_REALTIME;
+  void render_in_segments(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME;
+  void render_together(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME;
+  [[nodiscard]] bool add_strikes(Object& object, Place& place) RINGDOWN_REALTIME;
   [[nodiscard]] double floor_of(const Object& object) const RINGDOWN_REALTIME;
   void render_segment(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
   void mix_segment(const Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
@@ -283,7 +329,7 @@ class Mixer {
     if (family.bus != kNoBus) each(family.sums[2], family.bus);
   }
   [[nodiscard]] bool strike(Family& family, const protocol::Event& event, std::size_t left) RINGDOWN_REALTIME;
-  void render_family(Family& family, Place& place) RINGDOWN_REALTIME;
+  void render_family(Family& family, bool in_turn, Place& place) RINGDOWN_REALTIME;
   void render_together(Family& family, Place& place) RINGDOWN_REALTIME;
   void render_segment(Family& family, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
   void render_aside(Family& family, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
@@ -292,7 +338,7 @@ class Mixer {
   std::atomic<double> sample_rate_hz_;
   std::atomic<double> floor_{1e-6};
   std::atomic<bool> exact_contacts_{false};
-  std::atomic<bool> masking_{false};
+  std::atomic<std::size_t> masking_from_{kNever};  // so many modes
   MixerCounters counters_;
   Agenda agenda_;
   SpscRing<Order> orders_{2 * kMostVoices + kMostObjects};
@@ -320,9 +366,19 @@ class Mixer {
   bool together_ = false;   // whether this chunk's slow modes are summed as moments
   protocol::Frame now_ = 0;
   Hearing hearing_;
-  Cut cut_;                       // what passes since the last survey
-  std::size_t since_survey_ = 0;  // frames
-  bool surveyed_ = false;         // in this chunk
+  Cut cut_;                                            // what passes since the last survey
+  std::size_t since_survey_ = 0;                       // frames
+  std::size_t survey_at_ = 0;                          // the next item
+  std::size_t survey_begin_ = 0, survey_end_ = 0;      // items that are surveyed in this chunk
+  std::size_t hidden_modes_ = 0, sounding_modes_ = 0;  // in the last chunk
+  Level least_ = Cut::kNothing;                        // quieter modes are shed
+  std::size_t since_lowered_ = 0;                      // frames
+  Budget budget_;
+  bool deadlines_ = true;
+  bool tight_ = false;        // in the last chunk time was short, or nearly so
+  bool put_off_ = false;      // some events of this chunk are
+  double event_units_ = 0;    // of work, in this chunk
+  double event_reserve_ = 0;  // the same, lately
 
   // The worker's own.
   std::unique_ptr<Crew> crew_;  // null: the audio thread is alone

@@ -21,9 +21,9 @@ bool Mixer::disconnect_input(std::size_t input) {
   return orders_.push({.kind = Order::Kind::disconnect, .object = 0, .input = input});
 }
 
-// False when the strike is better shaped by its spectrum.
+// False when the strike is better shaped by its spectrum, or there is no time for more.
 bool Mixer::start_pulse(const Event& event) RINGDOWN_REALTIME {
-  if (!exact_contacts_.load(std::memory_order_relaxed)) return false;
+  if (!exact_contacts_.load(std::memory_order_relaxed) || tight_) return false;
   Object& object = objects_.data()[event.object];
   const double frames = event.contact_time_s * sample_rate_hz_;
   if (!object.current || !(frames >= kShortestPulse_frames) || object.drive_count == kMostForces) return false;

@@ -96,6 +96,7 @@ void Mixer::keep_active_families() RINGDOWN_REALTIME {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < active_family_count_; ++i) {
     Family& family = *active[i];
+    put_back(family.first_due);
     if (family.ringing()) {
       active[kept++] = &family;
     } else {
@@ -107,17 +108,19 @@ void Mixer::keep_active_families() RINGDOWN_REALTIME {
   active_family_count_ = kept;
 }
 
-void Mixer::render_family(Family& family, Place& place) RINGDOWN_REALTIME {
+void Mixer::render_family(Family& family, bool in_turn, Place& place) RINGDOWN_REALTIME {
   const DueEvent* const due = due_.data();
-  listen(family);
-  std::int32_t next = std::exchange(family.first_due, -1);
+  std::int32_t& next = family.first_due;
   std::size_t at = 0;
   bool struck_aside = false;
-  for (; next >= 0 && due[next].offset == 0; next = due[next].next) {
+  const auto strikes_wait = [&]() RINGDOWN_REALTIME { return must_wait(due[next].event, place); };
+  if (next >= 0) attend(family);
+  for (; next >= 0 && due[next].offset == 0 && !strikes_wait(); next = due[next].next) {
     static_cast<void>(strike(family, due[next].event, 0));
   }
+  listen(family, in_turn, place);
   if (together_) render_together(family, place);
-  for (; next >= 0; next = due[next].next) {
+  for (; next >= 0 && !strikes_wait(); next = due[next].next) {
     if (!together_) render_segment(family, at, due[next].offset, place);
     if (struck_aside) render_aside(family, at, due[next].offset, place);
     at = due[next].offset;
@@ -128,6 +131,7 @@ void Mixer::render_family(Family& family, Place& place) RINGDOWN_REALTIME {
   if (struck_aside) render_aside(family, at, frames_, place);
   for_outputs(family, [&](Ringing& sum, std::size_t) RINGDOWN_REALTIME {
     if (struck_aside) sum.join();
+    count_work(units_of(sum.sounding_modes()), place);
     place.hidden_modes += static_cast<std::uint32_t>(sum.hidden_modes());
     place.ringing_modes += static_cast<std::uint32_t>(sum.sounding_modes());
     place.slow_modes += sum.sounding_slow_modes();

@@ -1,56 +1,142 @@
 // The mixer's half of hearing.h: who is surveyed, and when.
+//
+// Without a budget all is surveyed at once, now and then; with one, some items in each chunk, so that no chunk takes
+// much longer than the others, and more of them when time is short. What has been surveyed decides once all was.
 #include "engine/synth/mixer.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace ringdown::synth {
 namespace {
 
 constexpr std::size_t kSurveyFrames = 2048;  // 43 ms at 48 kHz; what follows a louder sound is hidden for longer
+constexpr std::size_t kRoundFrames = 4096;   // of a survey in parts
+constexpr double kQuickRound = 4;            // chunks, when time is short; or more, so that each takes no more than
+constexpr double kSurveyShare = 0.08;        // of its time
+constexpr std::size_t kLowerFrames = 4096;   // in this time the level falls by kLowerBy
+constexpr Level kLowerBy = 2;                // 3 dB: 35 dB in a second
 
 }  // namespace
 
 // Decides, now and then, what is not computed.
 void Mixer::survey(std::size_t frames) RINGDOWN_REALTIME {
-  const bool masking = masking_.load(std::memory_order_relaxed);
+  const bool limited = budget_.limited();
+  const bool masking = sounding_modes_ + hidden_modes_ >= masking_from_.load(std::memory_order_relaxed);
+  survey_begin_ = survey_end_ = 0;
   since_survey_ += frames;
-  surveyed_ = since_survey_ >= kSurveyFrames && (masking || cut_.hides);
-  if (!surveyed_) return;
-  since_survey_ = 0;
-  hearing_.forget();
-  const double floor = floor_.load(std::memory_order_relaxed);
-  for (std::size_t i = 0; i < active_family_count_; ++i) {
-    for_outputs(*active_families_.data()[i], [&](Ringing& sum, std::size_t channel) RINGDOWN_REALTIME {
-      if (!contains(wanted_, channel)) return sum.reveal();  // only its states move on
-      sum.survey(hearing_, 0, floor);
+  since_lowered_ += frames;
+  if (!masking && !cut_.hides && !(limited && tight_) && hidden_modes_ == 0) {
+    survey_at_ = 0;
+    return;
+  }
+  const auto all = static_cast<double>(sounding_modes_ + hidden_modes_);
+  double modes = std::numeric_limits<double>::max();
+  if (limited) {
+    const auto part = static_cast<double>(frames) / static_cast<double>(kRoundFrames);
+    const double most = kSurveyShare * budget_.affordable() / kSurveyPerMode;
+    modes = tight_ ? std::clamp(most, all * part, all / kQuickRound) : all * part;
+  } else if (since_survey_ < kSurveyFrames && masking) {
+    return;
+  }
+  if (survey_at_ == 0) hearing_.forget();
+  const std::size_t items = active_family_count_ + active_count_;
+  survey_begin_ = std::min(survey_at_, items);
+  for (survey_end_ = survey_begin_; survey_end_ < items && modes > 0; ++survey_end_) modes -= survey_item(survey_end_);
+  survey_at_ = survey_end_;
+  if (survey_at_ < items) return;
+  survey_at_ = since_survey_ = 0;
+  decide(masking);
+}
+
+// Returns how many modes it has.
+double Mixer::survey_item(std::size_t item) RINGDOWN_REALTIME {
+  const auto look_at = [&](Ringing& states, bool heard, Level loudness, double floor) RINGDOWN_REALTIME {
+    const std::size_t modes = states.sounding_modes() + states.hidden_modes();
+    if (heard) {
+      states.survey(hearing_, loudness, floor);
+    } else {
+      states.reveal();  // only its states move on
+    }
+    return static_cast<double>(modes);
+  };
+  double modes = 0;
+  if (item < active_family_count_) {
+    const double floor = floor_.load(std::memory_order_relaxed);
+    for_outputs(*active_families_.data()[item], [&](Ringing& sum, std::size_t channel) RINGDOWN_REALTIME {
+      modes += look_at(sum, contains(wanted_, channel), 0, floor);
     });
-  }
-  for (std::size_t i = 0; i < active_count_; ++i) {
-    Object& object = objects_.data()[active_.data()[i]];
-    const auto look_at = [&](Voice& voice) RINGDOWN_REALTIME {
-      if (!heard(object)) return voice.reveal();
-      voice.survey(hearing_, loudness_of(object), floor_of(object));
+  } else {
+    const Object& object = objects_.data()[active_.data()[item - active_family_count_]];
+    const auto look = [&](Voice& voice) RINGDOWN_REALTIME {
+      modes += look_at(voice, heard(object), loudness_of(object), floor_of(object));
     };
-    if (object.current) look_at(*object.current);
-    for (Voice* voice = object.tails; voice; voice = voice->next) look_at(*voice);
+    if (object.current) look(*object.current);
+    for (Voice* voice = object.tails; voice; voice = voice->next) look(*voice);
   }
-  cut_ = hearing_.decide(masking);
+  count_work(kSurveyPerMode * modes, places_.data()[0]);
+  return modes;
 }
 
-// What is struck in this chunk waits for the next survey: it would come or go before the strike, at once.
-void Mixer::listen(Object& object) RINGDOWN_REALTIME {
-  if (!surveyed_ || !heard(object) || (object.first_due >= 0 && cut_.hides)) return;
-  const Level loudness = loudness_of(object);
-  if (object.current) object.current->listen(cut_, loudness);
-  for (Voice* voice = object.tails; voice; voice = voice->next) voice->listen(cut_, loudness);
+// The level below which modes are shed rises at once and falls slowly.
+void Mixer::decide(bool masking) RINGDOWN_REALTIME {
+  const bool limited = budget_.limited();
+  const Level needed = limited ? hearing_.least_for(most_modes()) : Cut::kNothing;
+  const Level before = least_;
+  if (!limited || needed > least_) {
+    least_ = needed;
+  } else if (least_ > needed && since_lowered_ >= kLowerFrames) {
+    const double floor_amplitude = floor_.load(std::memory_order_relaxed);
+    const Level floor = level_of(floor_amplitude * floor_amplitude);
+    least_ = least_ > floor ? std::max(least_ - kLowerBy, needed) : needed;
+    since_lowered_ = 0;
+  }
+  const std::uint32_t number = cut_.number + (least_ > before ? 1 : 0);
+  cut_ = hearing_.decide(masking || least_ > Cut::kNothing, least_);
+  cut_.number = number;
 }
 
-void Mixer::listen(Family& family) RINGDOWN_REALTIME {
-  if (!surveyed_ || (family.first_due >= 0 && cut_.hides)) return;
+// Has strikes that come before listen() judged by the cut, when time is short.
+void Mixer::attend(Object& object) RINGDOWN_REALTIME {
+  if (least_ > Cut::kNothing && object.current && heard(object)) object.current->attend(cut_, loudness_of(object));
+}
+
+void Mixer::attend(Family& family) RINGDOWN_REALTIME {
+  if (least_ == Cut::kNothing) return;
   for_outputs(family, [&](Ringing& sum, std::size_t channel) RINGDOWN_REALTIME {
-    if (contains(wanted_, channel)) sum.listen(cut_, 0);
+    if (contains(wanted_, channel)) sum.attend(cut_, 0);
   });
+}
+
+// What is struck in this chunk waits, if there is time, for the next survey: it would come or go before the strike, at
+// once.
+void Mixer::listen(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME {
+  if (!heard(object) || (object.first_due >= 0 && cut_.hides && least_ == Cut::kNothing)) return;
+  const Level loudness = loudness_of(object);
+  if (object.current) listen(*object.current, loudness, in_turn, place);
+  for (Voice* voice = object.tails; voice; voice = voice->next) listen(*voice, loudness, in_turn, place);
+}
+
+void Mixer::listen(Family& family, bool in_turn, Place& place) RINGDOWN_REALTIME {
+  if (family.first_due >= 0 && cut_.hides && least_ == Cut::kNothing) return;
+  for_outputs(family, [&](Ringing& sum, std::size_t channel) RINGDOWN_REALTIME {
+    if (contains(wanted_, channel)) listen(sum, 0, in_turn, place);
+  });
+}
+
+// In its turn, or at once when the cut has risen or it was missed.
+void Mixer::listen(Ringing& states, Level loudness, bool in_turn, Place& place) RINGDOWN_REALTIME {
+  if (!in_turn && !(budget_.limited() && states.ignores(cut_))) return;
+  const double units_to_come = (kComingPerMode + 1) * static_cast<double>(place.most_coming);
+  if (budget_.over(units_to_come)) place.most_coming = 0;
+  if (place.most_coming < kModePadding && states.sounding_slow_modes() == 0) return;
+  const std::size_t before = place.most_coming;
+  states.listen(cut_, loudness, place.most_coming);
+  count_work(kComingPerMode * static_cast<double>(before - place.most_coming) +
+                 kSurveyPerMode * static_cast<double>(states.sounding_modes() + states.hidden_modes()),
+             place);
 }
 
 Level Mixer::loudness_of(const Object& object) RINGDOWN_REALTIME {

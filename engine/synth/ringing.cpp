@@ -39,8 +39,8 @@ void Ringing::add(const double* amplitudes, double gain) RINGDOWN_REALTIME {
 
 void Ringing::add(Ringing& other, double gain) RINGDOWN_REALTIME {
   assert(&table_ == &other.table_);
-  reveal();
   other.reveal();
+  if (selective()) return add_selectively(other, gain);
   for (const Row which : {z_re, z_im}) {
     double* const mine = row(which);
     const double* const theirs = other.row(which);

@@ -68,8 +68,16 @@ class Ringing {
   // Notes all groups that sound or are hidden; levels are those of the states plus `shift`. What is hidden and has
   // fallen below `floor` rests from now on. [audio]
   void survey(Hearing& hearing, Level shift, double floor) RINGDOWN_REALTIME;
-  // Hides and brings back by what the survey just before has found. The cut lives until the next call. [audio]
-  void listen(const Cut& cut, Level shift) RINGDOWN_REALTIME;
+  // Hides and brings back by what a survey has found; at most so many modes come back, and `most_coming` is lessened by
+  // them; when more would have, it ignores() the cut still. The cut lives until the next call. [audio]
+  void listen(const Cut& cut, Level shift, std::size_t& most_coming) RINGDOWN_REALTIME;
+  // Has only strikes judged by the cut. [audio]
+  void attend(const Cut& cut, Level shift) RINGDOWN_REALTIME;
+  // Whether it has yet to listen to this one.
+  [[nodiscard]] bool ignores(const Cut& cut) const RINGDOWN_REALTIME { return cut_number_ != cut.number; }
+  // In place of rendering `frames`, when there is no time: hides all, at once; what fades goes on fading, unheard.
+  // [audio]
+  void miss(std::size_t frames) RINGDOWN_REALTIME;
   // Lets all that is hidden sound. [audio]
   void reveal() RINGDOWN_REALTIME;
 
@@ -133,6 +141,8 @@ class Ringing {
   [[nodiscard]] Level fallen(std::uint32_t group) const RINGDOWN_REALTIME;
   void sound(std::uint32_t group) RINGDOWN_REALTIME { slow_.list[slow_.count++] = group; }
   void hide(std::uint32_t group) RINGDOWN_REALTIME;
+  void skip_group(Row re, Row im, std::uint32_t group, std::uint64_t frames) RINGDOWN_REALTIME;
+  void add_selectively(const Ringing& other, double gain) RINGDOWN_REALTIME;
   void catch_up(std::uint32_t group) RINGDOWN_REALTIME;
   void settle() RINGDOWN_REALTIME;
   void mark() RINGDOWN_REALTIME;
@@ -154,6 +164,8 @@ class Ringing {
 
   const Cut* cut_ = nullptr;  // null: everything sounds
   Level shift_ = 0;
+  std::uint32_t cut_number_ = 0;
+  static constexpr std::uint32_t kNoCut = ~0u;
   Groups hidden_, leaving_, coming_;           // the latter two for the next rendered frames
   std::size_t aside_count_ = 0;                // in aside_groups_
   std::vector<protocol::Frame> hidden_since_;  // of each hidden or coming group, by clock_

@@ -61,8 +61,17 @@ void Ringing::survey(Hearing& hearing, Level shift, double floor) RINGDOWN_REALT
   });
 }
 
-void Ringing::listen(const Cut& cut, Level shift) RINGDOWN_REALTIME {
-  cut_ = &cut, shift_ = shift;
+void Ringing::attend(const Cut& cut, Level shift) RINGDOWN_REALTIME {
+  cut_ = cut.hides ? &cut : nullptr;
+  shift_ = shift;
+}
+
+void Ringing::listen(const Cut& cut, Level shift, std::size_t& most_coming) RINGDOWN_REALTIME {
+  attend(cut, shift);
+  cut_number_ = cut.number;
+  if (!selective()) return;
+  cut_ = &cut;
+  bool all = true;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < slow_.count; ++i) {
     const std::uint32_t group = slow_.list[i];
@@ -75,11 +84,28 @@ void Ringing::listen(const Cut& cut, Level shift) RINGDOWN_REALTIME {
   slow_.count = kept;
   hidden_.keep([&](std::uint32_t group) RINGDOWN_REALTIME {
     if (!passes(energies_of(group), group, shift - fallen(group) - kHysteresis)) return true;
+    if (most_coming < kModePadding) return all = false, true;
+    most_coming -= kModePadding;
     catch_up(group);
     coming_.put(group);
     return false;
   });
   if (!cut.hides) cut_ = nullptr;
+  if (!all) cut_number_ = kNoCut;
+}
+
+void Ringing::miss(std::size_t frames) RINGDOWN_REALTIME {
+  settle();
+  cut_number_ = kNoCut;
+  for (std::size_t i = 0; i < slow_.count; ++i) hide(slow_.list[i]);
+  slow_.count = 0;
+  for (std::size_t i = 0; i < fast_.count; ++i) skip_group(z_re, z_im, fast_.list[i], frames);
+  if (fade_left_ > 0) {
+    skip_modes(modes(fade_re, fade_im, 0), table_.columns(), frames);
+    fade_left_ -= std::min(frames, fade_left_);
+    if (fade_left_ == 0) clear_row(fade_re), clear_row(fade_im);
+  }
+  clock_ += static_cast<protocol::Frame>(frames);
 }
 
 void Ringing::hide(std::uint32_t group) RINGDOWN_REALTIME {
@@ -89,10 +115,39 @@ void Ringing::hide(std::uint32_t group) RINGDOWN_REALTIME {
 
 // Moves a hidden group's states to clock_.
 void Ringing::catch_up(std::uint32_t group) RINGDOWN_REALTIME {
+  skip_group(z_re, z_im, group, static_cast<std::uint64_t>(clock_ - hidden_since_.data()[group]));
+}
+
+void Ringing::skip_group(Row re, Row im, std::uint32_t group, std::uint64_t frames) RINGDOWN_REALTIME {
   const std::size_t first = std::size_t{group} * kModePadding;
-  ModeArrays here = modes(z_re, z_im, 0);
+  ModeArrays here = modes(re, im, 0);
   here.z_re += first, here.z_im += first, here.pole_re += first, here.pole_im += first;
-  skip_modes(here, kModePadding, static_cast<std::uint64_t>(clock_ - hidden_since_.data()[group]));
+  skip_modes(here, kModePadding, frames);
+}
+
+// What `other` brings to hidden groups stays hidden when it is too quiet.
+void Ringing::add_selectively(const Ringing& other, double gain) RINGDOWN_REALTIME {
+  settle();
+  mark();
+  hidden_.clear();
+  slow_.count = fast_.count = 0;
+  for (std::uint32_t group = 0; group < table_.groups(); ++group) {
+    const State state = state_.data()[group];
+    if (state == State::hidden) catch_up(group);
+    const std::size_t first = std::size_t{group} * kModePadding;
+    for (const Row which : {z_re, z_im}) {
+      double* const mine = row(which) + first;
+      const double* const theirs = other.row(which) + first;
+      for (std::size_t i = 0; i < kModePadding; ++i) mine[i] += gain * theirs[i];
+    }
+    if (group >= table_.slow_groups()) {
+      fast_.list[fast_.count++] = group;
+    } else if (state == State::sounding || !cut_ || passes(energies_of(group), group, shift_)) {
+      sound(group);
+    } else {
+      hide(group);
+    }
+  }
 }
 
 // Lets what was about to come or go sound from now on.

@@ -45,7 +45,7 @@ class JackServer {
 
 class Daemon {
  public:
-  // `arguments` after `ringdownd --port 0`.
+  // `arguments` after `ringdownd --port 0 --budget 0`.
   explicit Daemon(std::vector<std::string> arguments, const Process::Environment& environment = {});
 
   [[nodiscard]] bool ready() const { return port_ != 0; }

@@ -61,7 +61,9 @@ class CapacityTest : public OscServerTest {
 };
 
 TEST_F(CapacityTest, FilesAreReadToTheirLimitAndRefusedPastIt) {
-  const auto too_large = [](const std::string& sentence) { return sentence.find("more than the limit") != std::string::npos; };
+  const auto too_large = [](const std::string& sentence) {
+    return sentence.find("more than the limit") != std::string::npos;
+  };
   const auto toml = [](const auto& path) { return TomlTable::read(path); };
   EXPECT_FALSE(too_large(refusal_of(kLargestTomlFile, toml)));
   EXPECT_TRUE(too_large(refusal_of(kLargestTomlFile + 1, toml)));
