@@ -53,8 +53,8 @@ double Mixer::units_of_item(std::size_t item) const RINGDOWN_REALTIME {
 bool Mixer::can_afford(const Event& event) RINGDOWN_REALTIME {
   if (!budget_.limited()) return true;
   const double units = units_of(event);
-  const double most = event_units_ == 0 ? budget_.affordable() : kEventsShare * budget_.affordable();
-  put_off_ = units > 0 && event_units_ + units > most;
+  const bool first = event_units_ == 0;  // it is taken whatever it costs, or nothing would ever be
+  put_off_ = !first && units > 0 && event_units_ + units > kEventsShare * budget_.affordable();
   if (!put_off_) event_units_ += units;
   return !put_off_;
 }
