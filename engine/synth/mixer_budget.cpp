@@ -49,11 +49,11 @@ double Mixer::units_of_item(std::size_t item) const RINGDOWN_REALTIME {
   return units_of(modes);
 }
 
-// Whether the event may happen in this chunk; one at least may, if there is any time.
+// Whether the event may happen in this chunk; the first one always may.
 bool Mixer::can_afford(const Event& event) RINGDOWN_REALTIME {
   if (!budget_.limited()) return true;
   const double units = units_of(event);
-  const bool first = event_units_ == 0;  // it is taken whatever it costs, or nothing would ever be
+  const bool first = event_units_ == 0;  // whatever it costs, or nothing would ever happen
   put_off_ = !first && units > 0 && event_units_ + units > kEventsShare * budget_.affordable();
   if (!put_off_) event_units_ += units;
   return !put_off_;
