@@ -395,21 +395,23 @@ void Mixer::render_together(Object& object, bool in_turn, Place& place) RINGDOWN
   aim(kRight, object.gain.to * object.right.to);
   if (object.bus != kNoBus) aim(object.bus, object.gain.to);
   const std::span<const MomentTarget> targets(all.data(), count_of_targets);
-  bool sounds = false;
-  place.mono.fill(0);
-  const auto add = [&](Voice& voice) RINGDOWN_REALTIME {
-    if (!voice.ringing()) return;
-    sounds = sounds || voice.has_rest();
-    if (!voice.render_together(targets, place.mono.data(), frames_, floor_of(object))) count(counters_.not_finite);
+  bool sounds = next >= 0 || driven(object);
+  const auto each_voice = [&object](const auto& act) RINGDOWN_REALTIME {
+    if (object.current) act(*object.current);
+    for (Voice* voice = object.tails; voice; voice = voice->next) act(*voice);
   };
-  if (object.current) add(*object.current);
-  for (Voice* voice = object.tails; voice; voice = voice->next) add(*voice);
-  if (next >= 0 || driven(object)) sounds = add_strikes(object, place) || sounds;
+  each_voice([&](const Voice& voice) RINGDOWN_REALTIME { sounds = sounds || voice.has_rest(); });
+  if (sounds) std::fill_n(place.mono.data(), frames_, 0.0);
+  each_voice([&](Voice& voice) RINGDOWN_REALTIME {
+    if (!voice.ringing()) return;
+    if (!voice.render_together(targets, place.mono.data(), frames_, floor_of(object))) count(counters_.not_finite);
+  });
+  if (next >= 0 || driven(object)) add_strikes(object, place);
   if (sounds) mix_segment(object, 0, frames_, place);
 }
 
-// The rest of a chunk's strikes, and what drives the object. False when nothing comes of them.
-bool Mixer::add_strikes(Object& object, Place& place) RINGDOWN_REALTIME {
+// The rest of a chunk's strikes, and what drives the object.
+void Mixer::add_strikes(Object& object, Place& place) RINGDOWN_REALTIME {
   std::int32_t& due = object.first_due;
   Voice* const voice = object.current;
   const bool driven = this->driven(object);
@@ -430,7 +432,6 @@ bool Mixer::add_strikes(Object& object, Place& place) RINGDOWN_REALTIME {
   }
   render_to(frames_);
   if (struck) voice->join();
-  return struck;
 }
 
 void Mixer::render_segment(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME {

@@ -189,9 +189,9 @@ class Mixer {
     std::size_t offset;  // frames into the chunk
     std::int32_t next;   // the object's next event in this chunk, -1 for none
   };
-  // What work costs, in units of what moments cost for a mode, 2 ns: moments cost kMomentsFixed more, tables 1 for a
+  // What work costs, in units of what moments cost for a mode, 1.4 ns: moments cost kMomentsFixed more, tables 1 for a
   // mode and kFramesPerMode frames. Measured by `./run bench mixer`, with AVX-512.
-  static constexpr std::size_t kMomentsFixed = 800, kFramesPerMode = 50;
+  static constexpr std::size_t kMomentsFixed = 1100, kFramesPerMode = 28;
   static constexpr double kStrikePerMode = 8, kPartPerMode = 6, kComingPerMode = 3, kSurveyPerMode = 0.25;
   static constexpr std::size_t kNever = ~std::size_t{0};
   static constexpr double kCentre = 0.70710678118654752;              // equal power: cos 45 degrees
@@ -283,7 +283,7 @@ class Mixer {
   [[nodiscard]] static bool still(const Object& object, protocol::Frame at) RINGDOWN_REALTIME;
   void render_in_segments(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME;
   void render_together(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME;
-  [[nodiscard]] bool add_strikes(Object& object, Place& place) RINGDOWN_REALTIME;
+  void add_strikes(Object& object, Place& place) RINGDOWN_REALTIME;
   [[nodiscard]] double floor_of(const Object& object) const RINGDOWN_REALTIME;
   void render_segment(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
   void mix_segment(const Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;

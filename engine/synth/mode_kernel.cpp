@@ -20,19 +20,18 @@ struct Anchors {
   alignas(64) float re[kMostRuns][kModePadding], im[kMostRuns][kModePadding];
 };
 
-// Fills in `runs` anchors of a group and moves its states on; returns the energy it leaves.
-HWY_INLINE double advance_group(const ModeArrays& modes, std::size_t first, std::size_t frames, std::size_t runs,
-                                Anchors& anchors) {
+// Fills in `runs` anchors of a group and moves its states on; looks at what it leaves.
+HWY_INLINE void advance_group(const ModeArrays& modes, std::size_t first, std::size_t frames, std::size_t runs,
+                              Anchors& anchors, EnergyCheck& check) {
   const Tag tag;
   const hn::CappedTag<float, hn::MaxLanes(Tag())> narrow;
   const std::size_t lanes = hn::Lanes(tag);
-  Vec energy = hn::Zero(tag);
   RINGDOWN_UNROLL
   for (std::size_t i = 0; i < kModePadding; i += lanes) {
     const Complex z = load_states(modes, first + i);
     const Complex next = multiply(z, advance_of(modes, first + i, frames));
     store_states(next, modes, first + i);
-    energy = hn::Add(energy, norm(next));
+    check.look_at(next);
     auto re = hn::DemoteTo(narrow, z.re), im = hn::DemoteTo(narrow, z.im);
     const auto stride_re = hn::Load(narrow, modes.stride_re + first + i),
                stride_im = hn::Load(narrow, modes.stride_im + first + i);
@@ -44,7 +43,6 @@ HWY_INLINE double advance_group(const ModeArrays& modes, std::size_t first, std:
       re = turned;
     }
   }
-  return hn::GetLane(hn::SumOfLanes(tag, energy));
 }
 
 // A few groups that are summed together.
@@ -55,14 +53,19 @@ struct Batch {
   const float* runs[kMost];  // of each group's modes
 };
 
-// Adds kRuns runs of a batch, from run `first_run` on, to `sums`; the sums stay in registers.
+// Adds kRuns runs of a batch, from run `first_run` on, to `sums`; the sums stay in registers. Few of them would wait
+// for themselves, so these come twice: for the products of real parts, and of imaginary ones.
 template <std::size_t kRuns>
 HWY_INLINE void add_runs(const Batch& batch, std::size_t first_run, float* HWY_RESTRICT sums) {
   const hn::CappedTag<float, kRun> tag;
   constexpr std::size_t kLanes = hn::MaxLanes(hn::CappedTag<float, kRun>()), kParts = kRun / kLanes;
-  hn::Vec<decltype(tag)> sum[kRuns * kParts];
+  constexpr std::size_t kSums = kRuns * kParts, kSets = kSums <= 4 ? 2 : 1;
+  hn::Vec<decltype(tag)> sum[kSets][kSums];
   RINGDOWN_UNROLL
-  for (std::size_t i = 0; i < kRuns * kParts; ++i) sum[i] = hn::Load(tag, sums + i * kLanes);
+  for (std::size_t i = 0; i < kSums; ++i) {
+    sum[kSets - 1][i] = hn::Zero(tag);
+    sum[0][i] = hn::Load(tag, sums + i * kLanes);
+  }
   for (std::size_t g = 0; g < batch.count; ++g) {
     const Anchors& anchors = batch.anchors[g];
     const float* runs = batch.runs[g];
@@ -72,15 +75,18 @@ HWY_INLINE void add_runs(const Batch& batch, std::size_t first_run, float* HWY_R
         const auto re = hn::Load(tag, runs + part * kLanes), im = hn::Load(tag, runs + kRun + part * kLanes);
         RINGDOWN_UNROLL
         for (std::size_t r = 0; r < kRuns; ++r) {
-          auto& to = sum[r * kParts + part];
-          to = hn::MulAdd(hn::Set(tag, anchors.re[first_run + r][m]), re, to);
-          to = hn::MulAdd(hn::Set(tag, anchors.im[first_run + r][m]), im, to);
+          auto& by_re = sum[0][r * kParts + part];
+          by_re = hn::MulAdd(hn::Set(tag, anchors.re[first_run + r][m]), re, by_re);
+          auto& by_im = sum[kSets - 1][r * kParts + part];
+          by_im = hn::MulAdd(hn::Set(tag, anchors.im[first_run + r][m]), im, by_im);
         }
       }
     }
   }
   RINGDOWN_UNROLL
-  for (std::size_t i = 0; i < kRuns * kParts; ++i) hn::Store(sum[i], tag, sums + i * kLanes);
+  for (std::size_t i = 0; i < kSums; ++i) {
+    hn::Store(kSets == 1 ? sum[0][i] : hn::Add(sum[0][i], sum[kSets - 1][i]), tag, sums + i * kLanes);
+  }
 }
 
 // All of a batch's runs from `run` on, at most kRuns at once.
@@ -90,33 +96,34 @@ HWY_INLINE void add_batch(const Batch& batch, std::size_t run, std::size_t runs,
   if constexpr (kRuns > 1) add_batch<kRuns / 2>(batch, run, runs, sums);
 }
 
-double render_modes_here(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
-                         std::size_t frames) {
+bool render_modes_here(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
+                       std::size_t frames) {
   // As many runs at once as eight registers hold.
   constexpr std::size_t kTogether =
       std::clamp<std::size_t>(8 * hn::MaxLanes(hn::CappedTag<float, kRun>()) / kRun, 1, kMostRuns);
   alignas(64) float sums[kChunkFrames] = {};
   Batch batch;
   const std::size_t runs = (frames + kRun - 1) / kRun;
-  double total = 0;
+  bool sane = true;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < active.count;) {
     for (batch.count = 0; batch.count < Batch::kMost && i < active.count; ++batch.count, ++i) {
       const std::uint32_t group = active.list[i];
       const std::size_t first = std::size_t{group} * kModePadding;
-      const double energy = advance_group(modes, first, frames, runs, batch.anchors[batch.count]);
+      EnergyCheck check(limits);
+      advance_group(modes, first, frames, runs, batch.anchors[batch.count], check);
       batch.runs[batch.count] = modes.runs + first * 2 * kRun;
-      total += energy;
+      sane = sane && check.sane();
       active.list[kept] = group;
-      kept += energy <= limits.floor ? 0 : 1;
-      if (energy <= limits.floor) forget_states(modes, first);
+      kept += check.silent() ? 0 : 1;
+      if (check.silent()) forget_states(modes, first);
     }
     add_batch<kTogether>(batch, 0, runs, sums);
   }
-  if (!(total <= limits.most)) return total;
+  if (!sane) return false;
   active.count = kept;
   for (std::size_t n = 0; n < frames; ++n) out[n] += static_cast<double>(sums[n]);
-  return total;
+  return true;
 }
 
 void fill_advances_here(const ModeArrays& modes, std::size_t count, std::size_t frames, double* to_re, double* to_im) {
@@ -158,8 +165,8 @@ std::array<float, 2 * kRun> run_of(std::complex<double> s) {
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
 RINGDOWN_TRUST_REALTIME_BEGIN
-double render_modes(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
-                    std::size_t frames) RINGDOWN_REALTIME {
+bool render_modes(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
+                  std::size_t frames) RINGDOWN_REALTIME {
   return HWY_DYNAMIC_DISPATCH(render_modes_here)(modes, active, limits, out, frames);
 }
 

@@ -49,18 +49,16 @@ struct ActiveGroups {
   std::size_t count = 0;
 };
 
-// Sums of |z|^2.
+// Of |z|^2.
 struct EnergyLimits {
-  double floor = 0;  // a group that is not above leaves the list, and its states become zero
-  double most = 0;   // of all together; more, or no number at all, means that something is wrong, and is not added
+  double floor = 0;  // a group of which no mode is above leaves the list, and its states become zero
+  double most = 0;   // more in any mode, or no number at all, means that something is wrong
 };
 
-// Adds the modes' sum to out[0, frames) and moves their states on by `frames` <= kChunkFrames. Returns the sum of
-// |z|^2 over the states it left behind; when that is above `most`, or no number, nothing was added. A sum, because it
-// stays not finite when any state is not; the largest would not: a vector maximum forgets a NaN that meets a number.
-// [audio]
-double render_modes(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
-                    std::size_t frames) RINGDOWN_REALTIME;
+// Adds the modes' sum to out[0, frames) and moves their states on by `frames` <= kChunkFrames. False when a state that
+// it leaves behind is more than `most`, or no number: then nothing was added. [audio]
+bool render_modes(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
+                  std::size_t frames) RINGDOWN_REALTIME;
 
 // to = p^frames for the first `count` modes, a multiple of kModePadding. [audio]
 void fill_advances(const ModeArrays& modes, std::size_t count, std::size_t frames, double* to_re,

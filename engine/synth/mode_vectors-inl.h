@@ -57,6 +57,24 @@ HWY_INLINE void store_states(Complex z, const ModeArrays& modes, std::size_t at)
   hn::Store(z.im, Tag(), modes.z_im + at);
 }
 
+// What the |z|^2 of a group's modes say. Compared one by one, because a largest would forget a NaN that meets a number.
+class EnergyCheck {
+ public:
+  HWY_INLINE explicit EnergyCheck(const EnergyLimits& limits)
+      : floor_(hn::Set(Tag(), limits.floor)), most_(hn::Set(Tag(), limits.most)) {}
+  HWY_INLINE void look_at(Complex z) {
+    const Vec energy = norm(z);
+    silent_ = silent_ && hn::AllTrue(Tag(), hn::Le(energy, floor_));
+    sane_ = sane_ && hn::AllTrue(Tag(), hn::Le(energy, most_));
+  }
+  [[nodiscard]] HWY_INLINE bool silent() const { return silent_; }
+  [[nodiscard]] HWY_INLINE bool sane() const { return sane_; }
+
+ private:
+  Vec floor_, most_;
+  bool silent_ = true, sane_ = true;
+};
+
 // What rests must not come back as it was, long after, with the next strike.
 HWY_INLINE void forget_states(const ModeArrays& modes, std::size_t first) {
   const Complex none{hn::Zero(Tag()), hn::Zero(Tag())};

@@ -17,23 +17,24 @@ namespace ringdown::synth::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// kMoments numbers, in as few vectors as the instruction set allows.
-struct Eight {
-  using Tag = hn::CappedTag<float, kMoments>;
-  static constexpr std::size_t kLanes = hn::MaxLanes(Tag()), kVectors = kMoments / kLanes;
+// kCount numbers, in as few vectors as the instruction set allows.
+template <std::size_t kCount>
+struct Numbers {
+  using Tag = hn::CappedTag<float, kCount>;
+  static constexpr std::size_t kLanes = hn::MaxLanes(Tag()), kVectors = kCount / kLanes;
   hn::Vec<Tag> part[kVectors];
 
   template <class Do>
-  HWY_INLINE static Eight make(Do&& act) {
-    Eight result;
+  HWY_INLINE static Numbers make(Do&& act) {
+    Numbers result;
     RINGDOWN_UNROLL
     for (std::size_t v = 0; v < kVectors; ++v) result.part[v] = act(v);
     return result;
   }
-  HWY_INLINE static Eight load(const float* from) {
+  HWY_INLINE static Numbers load(const float* from) {
     return make([from](std::size_t v) HWY_ATTR { return hn::Load(Tag(), from + v * kLanes); });
   }
-  HWY_INLINE static Eight all(float value) {
+  HWY_INLINE static Numbers all(float value) {
     return make([value](std::size_t) HWY_ATTR { return hn::Set(Tag(), value); });
   }
   HWY_INLINE void store(float* to) const {
@@ -46,124 +47,153 @@ struct Eight {
     for (std::size_t v = 1; v < kVectors; ++v) total = hn::Add(total, part[v]);
     return hn::GetLane(hn::SumOfLanes(Tag(), total));
   }
-  friend HWY_INLINE Eight operator+(Eight a, Eight b) {
+  // The second half first.
+  [[nodiscard]] HWY_INLINE Numbers turned() const {
+#if HWY_TARGET != HWY_SCALAR  // which has no vectors to turn
+    if constexpr (kVectors == 1) {
+      return make([this](std::size_t) HWY_ATTR { return hn::ConcatLowerUpper(Tag(), part[0], part[0]); });
+    }
+#endif
+    return make([this](std::size_t v) HWY_ATTR { return part[(v + kVectors / 2) % kVectors]; });
+  }
+  friend HWY_INLINE Numbers operator+(Numbers a, Numbers b) {
     return make([&](std::size_t v) HWY_ATTR { return hn::Add(a.part[v], b.part[v]); });
   }
-  friend HWY_INLINE Eight operator-(Eight a, Eight b) {
+  friend HWY_INLINE Numbers operator-(Numbers a, Numbers b) {
     return make([&](std::size_t v) HWY_ATTR { return hn::Sub(a.part[v], b.part[v]); });
   }
-  friend HWY_INLINE Eight operator*(Eight a, Eight b) {
+  friend HWY_INLINE Numbers operator*(Numbers a, Numbers b) {
     return make([&](std::size_t v) HWY_ATTR { return hn::Mul(a.part[v], b.part[v]); });
   }
-  friend HWY_INLINE Eight multiply_add(Eight a, Eight b, Eight c) {  // a b + c
+  friend HWY_INLINE Numbers multiply_add(Numbers a, Numbers b, Numbers c) {  // a b + c
     return make([&](std::size_t v) HWY_ATTR { return hn::MulAdd(a.part[v], b.part[v], c.part[v]); });
   }
-  friend HWY_INLINE Eight subtract_product(Eight a, Eight b, Eight c) {  // c - a b
+  friend HWY_INLINE Numbers subtract_product(Numbers a, Numbers b, Numbers c) {  // c - a b
     return make([&](std::size_t v) HWY_ATTR { return hn::NegMulAdd(a.part[v], b.part[v], c.part[v]); });
   }
 };
+using Eight = Numbers<kMoments>;
+using Pair = Numbers<2 * kMoments>;  // real parts, then imaginary ones
 
-// The moments of some modes of one band. The four products of complex numbers are summed apart: a sum waits for itself
-// only once per mode.
+// The moments of some modes of one band: what the real parts of their states give, and the imaginary ones.
 class BandMoments {
  public:
-  HWY_INLINE BandMoments(float z_re, float z_im, const float* weights) {
-    const Eight x = Eight::all(z_re), y = Eight::all(z_im);
-    const Eight w_re = Eight::load(weights), w_im = Eight::load(weights + kMoments);
-    re_re_ = x * w_re, im_im_ = y * w_im, re_im_ = x * w_im, im_re_ = y * w_re;
-  }
+  HWY_INLINE BandMoments() : by_re_(Pair::all(0)), by_im_(Pair::all(0)) {}
   HWY_INLINE void add(float z_re, float z_im, const float* weights) {
-    const Eight x = Eight::all(z_re), y = Eight::all(z_im);
-    const Eight w_re = Eight::load(weights), w_im = Eight::load(weights + kMoments);
-    re_re_ = multiply_add(x, w_re, re_re_);
-    im_im_ = multiply_add(y, w_im, im_im_);
-    re_im_ = multiply_add(x, w_im, re_im_);
-    im_re_ = multiply_add(y, w_re, im_re_);
+    const Pair weight = Pair::load(weights);
+    by_re_ = multiply_add(Pair::all(z_re), weight, by_re_);
+    by_im_ = multiply_add(Pair::all(z_im), weight, by_im_);
   }
-  // Times level + slope t: as exp(delta t) is a sum of x^p q_p(t), t exp(delta t) is one of p x^(p-1) q_p(t).
-  HWY_INLINE void fade(float level, float slope) {
-    const Eight re = re_re_ - im_im_, im = re_im_ + im_re_;
-    const Eight a = Eight::all(level);
-    re_re_ = multiply_add(a, re, derivative(re, slope)), re_im_ = multiply_add(a, im, derivative(im, slope));
-    im_im_ = im_re_ = Eight::all(0);
+  HWY_INLINE BandMoments& operator+=(const BandMoments& other) {
+    by_re_ = by_re_ + other.by_re_, by_im_ = by_im_ + other.by_im_;
+    return *this;
   }
-  HWY_INLINE void give(std::span<const MomentTarget> targets, std::size_t band) const {
-    const Eight re = re_re_ - im_im_, im = re_im_ + im_re_;
+  HWY_INLINE void give(std::span<const MomentTarget> targets, std::size_t band, const float* level_and_slope) const {
+    alignas(64) static constexpr float kTurn[2 * kMoments] = {-1, -1, -1, -1, -1, -1, -1, -1, 1, 1, 1, 1, 1, 1, 1, 1};
+    Pair moments = multiply_add(Pair::load(kTurn), by_im_.turned(), by_re_);
+    if (level_and_slope) moments = faded(moments, level_and_slope[0], level_and_slope[1]);
     for (const MomentTarget& target : targets) {
       float* const sums = target.sums->of.data() + band * 2 * kMoments;
-      const Eight gain = Eight::all(target.gain);
-      multiply_add(gain, re, Eight::load(sums)).store(sums);
-      multiply_add(gain, im, Eight::load(sums + kMoments)).store(sums + kMoments);
+      multiply_add(Pair::all(target.gain), moments, Pair::load(sums)).store(sums);
     }
   }
 
  private:
-  HWY_INLINE static Eight derivative(Eight moments, float slope) {
-    alignas(64) float from[kMoments], to[kMoments];
+  // Times level + slope t: as exp(delta t) is a sum of x^p q_p(t), t exp(delta t) is one of p x^(p-1) q_p(t).
+  static Pair faded(Pair moments, float level, float slope) {
+    alignas(64) float from[2 * kMoments], to[2 * kMoments];
     moments.store(from);
-    to[0] = 0;
-    for (std::size_t p = 1; p < kMoments; ++p) to[p] = slope * static_cast<float>(p) * from[p - 1];
-    return Eight::load(to);
+    for (std::size_t i = 0; i < 2 * kMoments; ++i) {
+      const std::size_t p = i % kMoments;
+      to[i] = level * from[i] + (p > 0 ? slope * static_cast<float>(p) * from[i - 1] : 0.0f);
+    }
+    return Pair::load(to);
   }
-  Eight re_re_, im_im_, re_im_, im_re_;
+  Pair by_re_, by_im_;
 };
 
-// The states of a group as floats; moves them on; returns their energy before.
-HWY_INLINE double take_states(const ModeArrays& modes, std::size_t first, std::size_t frames, float* re, float* im) {
+// The states of a group as floats; looks at them and moves them on.
+HWY_INLINE void take_states(const ModeArrays& modes, std::size_t first, std::size_t frames, float* re, float* im,
+                            EnergyCheck& check) {
   const Tag tag;
   const hn::CappedTag<float, hn::MaxLanes(tag)> narrow;
   const std::size_t lanes = hn::Lanes(tag);
-  Vec energy = hn::Zero(tag);
   RINGDOWN_UNROLL
   for (std::size_t i = 0; i < kModePadding; i += lanes) {
     const Complex z = load_states(modes, first + i);
-    energy = hn::Add(energy, norm(z));
+    check.look_at(z);
     hn::Store(hn::DemoteTo(narrow, z.re), narrow, re + i);
     hn::Store(hn::DemoteTo(narrow, z.im), narrow, im + i);
     store_states(multiply(z, advance_of(modes, first + i, frames)), modes, first + i);
   }
-  return hn::GetLane(hn::SumOfLanes(tag, energy));
 }
 
-double add_moments_here(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
-                        const EnergyLimits& limits, const MomentTarget* targets, std::size_t target_count,
-                        const float* level_and_slope) {
+bool add_moments_here(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
+                      const EnergyLimits& limits, const MomentTarget* targets, std::size_t target_count,
+                      const float* level_and_slope) {
   alignas(64) float re[kModePadding], im[kModePadding];
   const std::span<const MomentTarget> all(targets, target_count);
-  double total = 0;
   std::size_t kept = 0;
+  BandMoments sum;
+  std::uint16_t here = active.count > 0 ? moments.band[std::size_t{active.list[0]} * kModePadding] : std::uint16_t{0};
   for (std::size_t i = 0; i < active.count; ++i) {
     const std::uint32_t group = active.list[i];
     const std::size_t first = std::size_t{group} * kModePadding;
-    const double energy = take_states(modes, first, frames, re, im);
-    total += energy;
-    if (!(total <= limits.most)) return total;
+    EnergyCheck check(limits);
+    take_states(modes, first, frames, re, im, check);
+    if (!check.sane()) return false;
     active.list[kept] = group;
-    kept += energy <= limits.floor ? 0 : 1;
-    if (energy <= limits.floor) forget_states(modes, first);
+    kept += check.silent() ? 0 : 1;
+    if (check.silent()) forget_states(modes, first);
     const std::uint16_t* const band = moments.band + first;
-    const float* weights = moments.weights + first * 2 * kMoments;
-    for (std::size_t m = 0; m < kModePadding;) {
-      const std::uint16_t here = band[m];
-      BandMoments sum(re[m], im[m], weights);
-      while (++m < kModePadding && band[m] == here) {
-        weights += 2 * kMoments;
-        sum.add(re[m], im[m], weights);
+    const float* const weights = moments.weights + first * 2 * kMoments;
+    const auto change_to = [&](std::uint16_t next) HWY_ATTR {
+      if (next == here) return;
+      sum.give(all, here, level_and_slope);
+      sum = BandMoments();
+      here = next;
+    };
+    if (band[0] == band[kModePadding - 1]) {
+      change_to(band[0]);
+      BandMoments odd;  // lest each sum wait for the one before
+      for (std::size_t m = 0; m < kModePadding; m += 2) {
+        sum.add(re[m], im[m], weights + m * 2 * kMoments);
+        odd.add(re[m + 1], im[m + 1], weights + (m + 1) * 2 * kMoments);
       }
-      weights += 2 * kMoments;
-      if (level_and_slope) sum.fade(level_and_slope[0], level_and_slope[1]);
-      sum.give(all, here);
+      sum += odd;
+    } else {
+      for (std::size_t m = 0; m < kModePadding; ++m) {
+        change_to(band[m]);
+        sum.add(re[m], im[m], weights + m * 2 * kMoments);
+      }
     }
   }
+  if (active.count > 0) sum.give(all, here, level_and_slope);
   active.count = kept;
-  return total;
+  return true;
 }
 
+// Four neighbours of a butterfly's legs, complex.
+struct Legs {
+  Eight ar, br, cr, dr, ai, bi, ci, di;
+  HWY_INLINE Legs(const float* re, const float* im, std::size_t next)
+      : ar(Eight::load(re)),
+        br(Eight::load(re + next)),
+        cr(Eight::load(re + 2 * next)),
+        dr(Eight::load(re + 3 * next)),
+        ai(Eight::load(im)),
+        bi(Eight::load(im + next)),
+        ci(Eight::load(im + 2 * next)),
+        di(Eight::load(im + 3 * next)) {}
+};
+
 // kWindow-point transform of kMoments sequences at once, in place, exp(+2 pi i j k / kWindow); frame j ends at the
-// place of j with its base-4 digits turned round. Source: the radix-4 decimation in frequency of every textbook.
-void transform_here(float* re, float* im, const float* cosine, const float* sine, std::size_t window) {
-  for (std::size_t size = window; size > 1; size /= 4) {
-    const std::size_t quarter = size / 4, step = window / size;
+// place of j with its base-4 digits turned round. Only frames below `frames`, at most half of the window, are found.
+// Source: the radix-4 decimation in frequency of every textbook.
+void transform_here(float* re, float* im, const float* cosine, const float* sine, std::size_t window,
+                    std::size_t frames) {
+  for (std::size_t size = window; size > 4; size /= 4) {
+    const std::size_t quarter = size / 4, step = window / size, next = quarter * kMoments;
     for (std::size_t j = 0; j < quarter; ++j) {
       const Eight c1 = Eight::all(cosine[j * step]), s1 = Eight::all(sine[j * step]);
       const Eight c2 = Eight::all(cosine[2 * j * step]), s2 = Eight::all(sine[2 * j * step]);
@@ -171,13 +201,11 @@ void transform_here(float* re, float* im, const float* cosine, const float* sine
       for (std::size_t start = j; start < window; start += size) {
         float* const r = re + start * kMoments;
         float* const i = im + start * kMoments;
-        const std::size_t next = quarter * kMoments;
-        const Eight ar = Eight::load(r), br = Eight::load(r + next), cr = Eight::load(r + 2 * next),
-                    dr = Eight::load(r + 3 * next);
-        const Eight ai = Eight::load(i), bi = Eight::load(i + next), ci = Eight::load(i + 2 * next),
-                    di = Eight::load(i + 3 * next);
-        const Eight even_r = ar + cr, even_i = ai + ci, odd_r = br + dr, odd_i = bi + di;
-        const Eight half_r = ar - cr, half_i = ai - ci, turn_r = di - bi, turn_i = br - dr;  // i (b - d)
+        const Legs leg(r, i, next);
+        const Eight even_r = leg.ar + leg.cr, even_i = leg.ai + leg.ci, odd_r = leg.br + leg.dr,
+                    odd_i = leg.bi + leg.di;
+        const Eight half_r = leg.ar - leg.cr, half_i = leg.ai - leg.ci;
+        const Eight turn_r = leg.di - leg.bi, turn_i = leg.br - leg.dr;  // i (b - d)
         (even_r + odd_r).store(r);
         (even_i + odd_i).store(i);
         const auto turned = [&](Eight x, Eight y, Eight c, Eight s, std::size_t at) HWY_ATTR {
@@ -189,6 +217,18 @@ void transform_here(float* re, float* im, const float* cosine, const float* sine
         turned(half_r - turn_r, half_i - turn_i, c3, s3, 3 * next);
       }
     }
+  }
+  // The last butterflies need no turning, and their second legs begin a quarter of the window, the others half of it.
+  const bool all = frames > window / 4;
+  for (std::size_t start = 0; start < window * kMoments; start += 4 * kMoments) {
+    float* const r = re + start;
+    float* const i = im + start;
+    const Legs leg(r, i, kMoments);
+    ((leg.ar + leg.cr) + (leg.br + leg.dr)).store(r);
+    ((leg.ai + leg.ci) + (leg.bi + leg.di)).store(i);
+    if (!all) continue;
+    ((leg.ar - leg.cr) + (leg.di - leg.bi)).store(r + kMoments);
+    ((leg.ai - leg.ci) + (leg.br - leg.dr)).store(i + kMoments);
   }
 }
 
@@ -294,8 +334,8 @@ std::array<float, 2 * kMoments> moment_weights(std::complex<double> s) {
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
 RINGDOWN_TRUST_REALTIME_BEGIN
-double add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
-                   const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade) RINGDOWN_REALTIME {
+bool add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
+                 const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade) RINGDOWN_REALTIME {
   // Frame j is at t = (j - kMiddle) / kHalf.
   const double per_frame = static_cast<double>(fade.to - fade.from) / static_cast<double>(frames);
   const float level_and_slope[2] = {static_cast<float>(static_cast<double>(fade.from) + per_frame * kMiddle),
@@ -322,7 +362,7 @@ MomentSynthesis::MomentSynthesis() : re_{}, im_{} {
 void MomentSynthesis::add(const MomentSums& left, const MomentSums& right, double* out_left, double* out_right,
                           std::size_t frames) RINGDOWN_REALTIME {
   HWY_DYNAMIC_DISPATCH(fill_spectrum_here)(left.of.data(), right.of.data(), re_.data(), im_.data());
-  HWY_DYNAMIC_DISPATCH(transform_here)(re_.data(), im_.data(), cosine_.data(), sine_.data(), kWindow);
+  HWY_DYNAMIC_DISPATCH(transform_here)(re_.data(), im_.data(), cosine_.data(), sine_.data(), kWindow, frames);
   HWY_DYNAMIC_DISPATCH(shape_here)(re_.data(), place_.data(), shape_.data(), out_left, frames);
   HWY_DYNAMIC_DISPATCH(shape_here)(im_.data(), place_.data(), shape_.data(), out_right, frames);
 }

@@ -98,31 +98,30 @@ void Ringing::fade_out(std::size_t frames) RINGDOWN_REALTIME {
 
 bool Ringing::render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME {
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
-  double energy = fade_left_ > 0 ? render_fade(out, frames) : 0.0;
+  bool sane = fade_left_ == 0 || render_fade(out, frames);
   for (ActiveGroups* groups : {&slow_, &fast_}) {
-    if (groups->count > 0) energy += render_modes(modes(z_re, z_im, frames), *groups, limits, out, frames);
+    if (groups->count > 0) sane = render_modes(modes(z_re, z_im, frames), *groups, limits, out, frames) && sane;
   }
-  if (leaving_.size() + coming_.size() > 0) energy += render_changes(out, frames);
+  if (leaving_.size() + coming_.size() > 0) sane = render_changes(out, frames) && sane;
   clock_ += static_cast<protocol::Frame>(frames);
-  return keep_if_sane(energy);
+  return keep_if(sane);
 }
 
 bool Ringing::render_together(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                               double floor) RINGDOWN_REALTIME {
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
   const ModeArrays all = modes(z_re, z_im, frames);
-  double energy = fade_left_ > 0 ? render_fade(out, frames) : 0.0;
-  if (fast_.count > 0) energy += render_modes(all, fast_, limits, out, frames);
-  if (slow_.count > 0) energy += add_moments(all, table_.moments(), slow_, frames, limits, targets);
-  if (leaving_.size() + coming_.size() > 0) energy += add_changes(frames, targets);
+  bool sane = fade_left_ == 0 || render_fade(out, frames);
+  if (fast_.count > 0) sane = render_modes(all, fast_, limits, out, frames) && sane;
+  if (slow_.count > 0) sane = add_moments(all, table_.moments(), slow_, frames, limits, targets) && sane;
+  if (leaving_.size() + coming_.size() > 0) sane = add_changes(frames, targets) && sane;
   clock_ += static_cast<protocol::Frame>(frames);
-  return keep_if_sane(energy);
+  return keep_if(sane);
 }
 
-bool Ringing::keep_if_sane(double energy) RINGDOWN_REALTIME {
-  if (energy <= kAbsurdEnergy) return true;
-  silence();
-  return false;
+bool Ringing::keep_if(bool sane) RINGDOWN_REALTIME {
+  if (!sane) silence();
+  return sane;
 }
 
 void Ringing::skip(protocol::Frame frames) RINGDOWN_REALTIME {
@@ -130,16 +129,15 @@ void Ringing::skip(protocol::Frame frames) RINGDOWN_REALTIME {
   if (frames > 0) skip_modes(modes(z_re, z_im, 0), table_.columns(), static_cast<std::uint64_t>(frames));
 }
 
-// Returns the energy of what fades, as render_modes() does.
-double Ringing::render_fade(double* out, std::size_t frames) RINGDOWN_REALTIME {
+bool Ringing::render_fade(double* out, std::size_t frames) RINGDOWN_REALTIME {
   double sum[kChunkFrames] = {};
   ActiveGroups all{fade_groups_.data(), fade_groups_.size()};
-  const double energy = render_modes(modes(fade_re, fade_im, frames), all, kKeepAll, sum, frames);
+  const bool sane = render_modes(modes(fade_re, fade_im, frames), all, kKeepAll, sum, frames);
   for (std::size_t n = 0; n < frames && fade_left_ > 0; ++n, --fade_left_) {
     out[n] += sum[n] * static_cast<double>(fade_left_) / static_cast<double>(fade_frames_);
   }
   if (fade_left_ == 0) clear_row(fade_re), clear_row(fade_im);
-  return energy;
+  return sane;
 }
 
 std::size_t Ringing::sounding_modes() const RINGDOWN_REALTIME {

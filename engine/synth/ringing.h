@@ -100,7 +100,7 @@ class Ringing {
   }
   [[nodiscard]] std::size_t sounding_slow_modes() const RINGDOWN_REALTIME { return kModePadding * slow_.count; }
 
-  // The sum of |z|^2 above which something is wrong: 240 dB over full scale. Also catches what is not a number.
+  // |z|^2 of a mode above which something is wrong: 240 dB over full scale. Also catches what is not a number.
   static constexpr double kAbsurdEnergy = 1e24;
 
  private:
@@ -148,12 +148,12 @@ class Ringing {
   void mark() RINGDOWN_REALTIME;
   void add_listening(const double* amplitudes, double gain) RINGDOWN_REALTIME;
   void add_quietly(std::uint32_t group, const double* amplitudes, double gain, std::size_t left) RINGDOWN_REALTIME;
-  double render_changes(double* out, std::size_t frames) RINGDOWN_REALTIME;
-  double add_changes(std::size_t frames, std::span<const MomentTarget> targets) RINGDOWN_REALTIME;
+  bool render_changes(double* out, std::size_t frames) RINGDOWN_REALTIME;
+  bool add_changes(std::size_t frames, std::span<const MomentTarget> targets) RINGDOWN_REALTIME;
   void finish_changes(std::size_t frames) RINGDOWN_REALTIME;
   [[nodiscard]] bool selective() const RINGDOWN_REALTIME { return cut_ || hidden_modes() > 0; }
-  double render_fade(double* out, std::size_t frames) RINGDOWN_REALTIME;
-  bool keep_if_sane(double energy) RINGDOWN_REALTIME;
+  bool render_fade(double* out, std::size_t frames) RINGDOWN_REALTIME;
+  bool keep_if(bool sane) RINGDOWN_REALTIME;
   void clear_row(Row which) RINGDOWN_REALTIME;
 
   const ModeTable& table_;

@@ -167,26 +167,26 @@ void Ringing::reveal() RINGDOWN_REALTIME {
   hidden_.clear();
 }
 
-double Ringing::add_changes(std::size_t frames, std::span<const MomentTarget> targets) RINGDOWN_REALTIME {
+bool Ringing::add_changes(std::size_t frames, std::span<const MomentTarget> targets) RINGDOWN_REALTIME {
   const ModeArrays all = modes(z_re, z_im, frames);
   ActiveGroups leaving = leaving_.active(), coming = coming_.active();
-  double energy = add_moments(all, table_.moments(), leaving, frames, kKeepAll, targets, {1, 0});
-  energy += add_moments(all, table_.moments(), coming, frames, kKeepAll, targets, {0, 1});
+  bool sane = add_moments(all, table_.moments(), leaving, frames, kKeepAll, targets, {1, 0});
+  sane = add_moments(all, table_.moments(), coming, frames, kKeepAll, targets, {0, 1}) && sane;
   finish_changes(frames);
-  return energy;
+  return sane;
 }
 
-double Ringing::render_changes(double* out, std::size_t frames) RINGDOWN_REALTIME {
+bool Ringing::render_changes(double* out, std::size_t frames) RINGDOWN_REALTIME {
   double down[kChunkFrames] = {}, up[kChunkFrames] = {};
   ActiveGroups leaving = leaving_.active(), coming = coming_.active();
-  double energy = render_modes(modes(z_re, z_im, frames), leaving, kKeepAll, down, frames);
-  energy += render_modes(modes(z_re, z_im, frames), coming, kKeepAll, up, frames);
+  bool sane = render_modes(modes(z_re, z_im, frames), leaving, kKeepAll, down, frames);
+  sane = render_modes(modes(z_re, z_im, frames), coming, kKeepAll, up, frames) && sane;
   for (std::size_t n = 0; n < frames; ++n) {
     const double level = static_cast<double>(n) / static_cast<double>(frames);
     out[n] += (1 - level) * down[n] + level * up[n];
   }
   finish_changes(frames);
-  return energy;
+  return sane;
 }
 
 // The states have moved on by `frames`, and clock_ not yet.

@@ -99,13 +99,13 @@ void Ringing::add_quietly(std::uint32_t group, const double* amplitudes, double 
 
 bool Ringing::render_aside(double* out, std::size_t frames) RINGDOWN_REALTIME {
   ActiveGroups all{aside_groups_.data(), aside_count_};
-  return keep_if_sane(render_modes(modes(aside_re, aside_im, frames), all, kKeepAll, out, frames));
+  return keep_if(render_modes(modes(aside_re, aside_im, frames), all, kKeepAll, out, frames));
 }
 
 bool Ringing::drive_aside(std::span<const Force> forces, double* out, std::size_t frames) RINGDOWN_REALTIME {
   aside_count_ = aside_groups_.size();
   std::iota(aside_groups_.data(), aside_groups_.data() + aside_count_, 0);
-  return keep_if_sane(drive_modes(modes(aside_re, aside_im, 0), table_.columns(), forces, out, frames));
+  return keep_if(drive_modes(modes(aside_re, aside_im, 0), table_.columns(), forces, out, frames) <= kAbsurdEnergy);
 }
 
 void Ringing::join() RINGDOWN_REALTIME {

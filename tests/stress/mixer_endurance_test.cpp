@@ -118,8 +118,8 @@ TEST(StressEndurance, EnergyNeverRisesInADay) {
     double before = 1e300;
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
       advance();
-      rises += bundle.energy < before ? 0 : 1;
-      before = bundle.energy;
+      rises += bundle.energy() < before ? 0 : 1;
+      before = bundle.energy();
     }
     double worst = -400;
     const std::vector<Mode> modes = long_modes();
@@ -147,9 +147,9 @@ TEST(StressEndurance, UndampedModesRingForADay) {
   Bundle bundle(std::move(modes), kRate, Kernel::direct);
   std::vector<double> out(kChunkFrames);
   bundle.add(out.data(), kChunkFrames);
-  const double start = bundle.energy;
+  const double start = bundle.energy();
   for (std::size_t chunk = 1; chunk < chunks; ++chunk) bundle.add(out.data(), kChunkFrames);
-  const double drift = std::abs(bundle.energy / start - 1);
+  const double drift = std::abs(bundle.energy() / start - 1);
   const double allowed = 4 * std::numeric_limits<double>::epsilon() * static_cast<double>(chunks);
   EXPECT_LT(drift, allowed);
   enter({span_of(seconds) + " undamped", "10 modes that never decay", text("energy within %.1e", drift),

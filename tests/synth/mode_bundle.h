@@ -75,7 +75,7 @@ class Bundle {
       strides_[padded_ + i] = static_cast<float>(stride.imag());
       std::ranges::copy(run_of(s), &runs_[i * 2 * kRun]);
       if (kernel == Kernel::direct) continue;
-      band_[i] = band_of(s);
+      std::fill(band_.begin() + static_cast<std::ptrdiff_t>(i), band_.end(), band_of(s));  // the padding's: the last
       std::ranges::copy(moment_weights(s), &weights_[i * 2 * kMoments]);
     }
     active_ = {groups_.data(), groups_.size()};
@@ -93,7 +93,7 @@ class Bundle {
   }
   void add(double* out, std::size_t frames) {
     if (kernel_ == Kernel::direct) {
-      energy = render_modes(arrays(frames), active_, limits, out, frames);
+      sane = render_modes(arrays(frames), active_, limits, out, frames);
       return;
     }
     gather(frames);
@@ -105,7 +105,7 @@ class Bundle {
     left_->of.fill(0);
     right_->of.fill(0);
     const MomentTarget targets[] = {{left_.get(), 1.0f}, {right_.get(), -0.5f}};
-    energy = add_moments(arrays(frames), {band_.data(), weights_.get()}, active_, frames, limits, targets);
+    sane = add_moments(arrays(frames), {band_.data(), weights_.get()}, active_, frames, limits, targets);
     return *left_;
   }
   void skip(std::size_t frames, std::size_t chunk) {
@@ -113,10 +113,15 @@ class Bundle {
     for (std::size_t done = 0; done < frames; done += chunk) add(ignored, std::min(chunk, frames - done));
   }
   [[nodiscard]] std::complex<double> state(std::size_t i) const { return {rows_[i], rows_[padded_ + i]}; }
+  [[nodiscard]] double energy() const {  // the sum of |z|^2
+    double sum = 0;
+    for (std::size_t i = 0; i < padded_; ++i) sum += std::norm(state(i));
+    return sum;
+  }
   [[nodiscard]] std::size_t active_groups() const { return active_.count; }
 
   EnergyLimits limits{-1, 1e24};
-  double energy = 0;               // what the last call returned
+  bool sane = true;                // what the last call returned
   std::vector<double> last_other;  // the second output of the last call, -0.5 times the first
 
  private:
