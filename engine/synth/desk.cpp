@@ -2,6 +2,7 @@
 
 #include "engine/synth/mix_kernel.h"
 
+#include <algorithm>
 #include <bit>
 
 namespace ringdown::synth {
@@ -13,7 +14,7 @@ void Desk::open(std::size_t frames) RINGDOWN_REALTIME {
 
 double* Desk::samples(std::size_t channel) RINGDOWN_REALTIME {
   Channel& c = channels_.data()[channel];
-  if (!contains(has_samples_, channel)) c.samples.fill(0);
+  if (!contains(has_samples_, channel)) std::fill_n(c.samples.data(), frames_, 0.0);
   has_samples_ |= only(channel);
   return c.samples.data();
 }

@@ -96,21 +96,35 @@ HWY_INLINE void add_batch(const Batch& batch, std::size_t run, std::size_t runs,
   if constexpr (kRuns > 1) add_batch<kRuns / 2>(batch, run, runs, sums);
 }
 
+HWY_INLINE void add_samples(const float* from, double* out, std::size_t frames) {
+  const Tag tag;
+  const hn::CappedTag<float, hn::MaxLanes(Tag())> narrow;
+  std::size_t n = 0;
+  for (; n + hn::Lanes(tag) <= frames; n += hn::Lanes(tag)) {
+    hn::StoreU(hn::Add(hn::LoadU(tag, out + n), hn::PromoteTo(tag, hn::Load(narrow, from + n))), tag, out + n);
+  }
+  for (; n < frames; ++n) out[n] += static_cast<double>(from[n]);
+}
+
 bool render_modes_here(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
                        std::size_t frames) {
   // As many runs at once as eight registers hold.
   constexpr std::size_t kTogether =
       std::clamp<std::size_t>(8 * hn::MaxLanes(hn::CappedTag<float, kRun>()) / kRun, 1, kMostRuns);
-  alignas(64) float sums[kChunkFrames] = {};
+  alignas(64) float sums[kChunkFrames];
   Batch batch;
+  EnergyCheck check(limits);
   const std::size_t runs = (frames + kRun - 1) / kRun;
+  for (std::size_t n = 0; n < runs * kRun; n += hn::MaxLanes(hn::CappedTag<float, kRun>())) {
+    hn::Store(hn::Zero(hn::CappedTag<float, kRun>()), hn::CappedTag<float, kRun>(), sums + n);
+  }
   bool sane = true;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < active.count;) {
     for (batch.count = 0; batch.count < Batch::kMost && i < active.count; ++batch.count, ++i) {
       const std::uint32_t group = active.list[i];
       const std::size_t first = std::size_t{group} * kModePadding;
-      EnergyCheck check(limits);
+      check.begin_group();
       advance_group(modes, first, frames, runs, batch.anchors[batch.count], check);
       batch.runs[batch.count] = modes.runs + first * 2 * kRun;
       sane = sane && check.sane();
@@ -122,7 +136,7 @@ bool render_modes_here(const ModeArrays& modes, ActiveGroups& active, const Ener
   }
   if (!sane) return false;
   active.count = kept;
-  for (std::size_t n = 0; n < frames; ++n) out[n] += static_cast<double>(sums[n]);
+  add_samples(sums, out, frames);
   return true;
 }
 

@@ -62,6 +62,7 @@ class EnergyCheck {
  public:
   HWY_INLINE explicit EnergyCheck(const EnergyLimits& limits)
       : floor_(hn::Set(Tag(), limits.floor)), most_(hn::Set(Tag(), limits.most)) {}
+  HWY_INLINE void begin_group() { silent_ = sane_ = true; }
   HWY_INLINE void look_at(Complex z) {
     const Vec energy = norm(z);
     silent_ = silent_ && hn::AllTrue(Tag(), hn::Le(energy, floor_));

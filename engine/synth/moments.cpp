@@ -134,12 +134,13 @@ bool add_moments_here(const ModeArrays& modes, const MomentArrays& moments, Acti
   alignas(64) float re[kModePadding], im[kModePadding];
   const std::span<const MomentTarget> all(targets, target_count);
   std::size_t kept = 0;
+  EnergyCheck check(limits);
   BandMoments sum;
   std::uint16_t here = active.count > 0 ? moments.band[std::size_t{active.list[0]} * kModePadding] : std::uint16_t{0};
   for (std::size_t i = 0; i < active.count; ++i) {
     const std::uint32_t group = active.list[i];
     const std::size_t first = std::size_t{group} * kModePadding;
-    EnergyCheck check(limits);
+    check.begin_group();
     take_states(modes, first, frames, re, im, check);
     if (!check.sane()) return false;
     active.list[kept] = group;
