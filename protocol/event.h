@@ -20,6 +20,25 @@ enum class EventType : std::uint8_t {
   gain,           // value: linear gain, reached over `ramp_s`
   pan,            // value: -1 left ... +1 right, equal power
   clear,          // fades what rings to silence within `ramp_s`, or a few milliseconds if that is longer
+  contact,        // point_m, contact: something slides or rolls on the object, or has stopped to
+};
+
+// A surface as what slides on it feels it: a random profile, of two surfaces the sum.
+struct Texture {
+  double roughness_m = 2e-6;     // root mean square of its heights
+  double correlation_m = 5e-5;   // longest wavelength of its roughness
+  double spectral_slope = -2.4;  // power over spatial frequency falls as f^slope, <= 0
+  friend bool operator==(const Texture&, const Texture&) = default;
+};
+
+// A contact that lasts, as it is at one moment. It goes on as it was told last, and changes evenly from one telling to
+// the next; it ends when the force is 0, or when nothing was told of it for a while.
+struct Contact {
+  std::uint32_t number = 0;  // which of the object's contacts
+  Vec3 force_n;              // on the object, its frame: normal and friction together
+  double slip_m_s = 0;       // speed at which the two surfaces slide past each other
+  double roll_m_s = 0;       // speed at which the point of contact travels over the object as they roll
+  Texture texture;
 };
 
 struct Event {
@@ -32,6 +51,7 @@ struct Event {
   double contact_time_s = 0;  // duration of the half-sine force pulse; 0 is an ideal impulse
   double value = 0;
   double ramp_s = 0;
+  Contact contact;
 };
 static_assert(std::is_trivially_copyable_v<Event>);
 
