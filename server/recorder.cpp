@@ -25,6 +25,7 @@ protocol::Request request_of(const Event& event, const protocol::ObjectRef& obje
     case EventType::pan:
       return protocol::SetPan{object, event.value};
     case EventType::clear:
+    case EventType::contact:
       break;
   }
   return protocol::ClearObject{object, event.ramp_s};

@@ -20,11 +20,14 @@ void HalfSine::fill(protocol::Frame first, std::size_t count, double* impulses) 
   }
 }
 
-void Drive::fill(protocol::Frame first, std::size_t count, const float* samples,
-                 double* impulses) const RINGDOWN_REALTIME {
+void Drive::fill(protocol::Frame first, std::size_t count, const float* samples, double* impulses) RINGDOWN_REALTIME {
   if (!input) {
     const auto left = std::clamp<protocol::Frame>(end - first, 0, static_cast<protocol::Frame>(count));
-    pulse.fill(first - place.frame, static_cast<std::size_t>(left), impulses);
+    if (contact) {
+      rubbing.fill(first, static_cast<std::size_t>(left), impulses);
+    } else {
+      pulse.fill(first - place.frame, static_cast<std::size_t>(left), impulses);
+    }
     std::fill(impulses + left, impulses + count, 0.0);
   } else if (samples) {
     std::copy_n(samples, count, impulses);
@@ -43,7 +46,11 @@ void Drive::rescale(protocol::Frame now, double ratio) {
   }
   place.frame = moved(place.frame);
   if (end != std::numeric_limits<protocol::Frame>::max()) end = moved(end);
-  pulse = pulse.stretched(ratio);
+  if (contact) {
+    rubbing.rescale(now, ratio);
+  } else {
+    pulse = pulse.stretched(ratio);
+  }
 }
 
 }  // namespace ringdown::synth

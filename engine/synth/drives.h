@@ -1,4 +1,5 @@
-// Forces that last for a while: contact pulses played sample by sample, and inputs that excite an object.
+// Forces that last for a while: contact pulses played sample by sample, inputs that excite an object, and surfaces that
+// slide or roll.
 //
 // A drive is a force in time at one place of one object. There is a fixed number of them; the audio thread takes one
 // for a strike and gives it back when the pulse is over.
@@ -6,6 +7,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/aligned_array.h"
+#include "engine/synth/rubbing.h"
 #include "engine/synth/voice.h"
 #include "protocol/event.h"
 
@@ -49,7 +51,9 @@ class HalfSine {
 struct Drive {
   AlignedArray<double> amplitudes = aligned_zeros<double>(kMostDrivenColumns);  // of its object's modes
   protocol::Event place;                                                        // where, and what an impulse of 1 is
-  std::optional<std::size_t> input;                                             // whose samples are the force; else:
+  std::optional<std::size_t> input;                                             // whose samples are the force; else
+  std::optional<std::uint32_t> contact;                                         // the number of what rubs; else a pulse
+  Rubbing rubbing;
   HalfSine pulse;
   protocol::Frame end = 0;  // it is cut off there
 
@@ -57,9 +61,10 @@ struct Drive {
   void rescale(protocol::Frame now, double ratio);
 
   // The impulse in frames first ... first + count - 1 of the mixer; `input` are that input's samples, or null.
-  void fill(protocol::Frame first, std::size_t count, const float* samples, double* impulses) const RINGDOWN_REALTIME;
+  void fill(protocol::Frame first, std::size_t count, const float* samples, double* impulses) RINGDOWN_REALTIME;
   [[nodiscard]] bool over_at(protocol::Frame frame) const RINGDOWN_REALTIME {
-    return !input && (frame >= end || pulse.over_at(frame - place.frame));
+    if (input) return false;
+    return frame >= end || (contact ? rubbing.over_at(frame) : pulse.over_at(frame - place.frame));
   }
 };
 

@@ -24,6 +24,15 @@ bool is_strike(EventType type) RINGDOWN_REALTIME {
   return type == EventType::strike || type == EventType::strike_vertex;
 }
 
+bool is_sane(const protocol::Contact& contact) RINGDOWN_REALTIME {
+  const protocol::Texture& t = contact.texture;
+  const auto within = [](double value, double least, double most)
+                          RINGDOWN_REALTIME { return value >= least && value <= most; };  // no number is in no range
+  return within(dot(contact.force_n, contact.force_n), 0, kLargestValue * kLargestValue) &&
+         within(contact.slip_m_s, 0, kLargestValue) && within(contact.roll_m_s, 0, kLargestValue) &&
+         within(t.roughness_m, 0, 1) && within(t.correlation_m, 1e-9, 1e3) && within(t.spectral_slope, -10, 0);
+}
+
 }  // namespace
 
 Mixer::Mixer(double sample_rate_hz) : sample_rate_hz_(sample_rate_hz) {}
@@ -186,6 +195,11 @@ void Mixer::take_due_events(std::size_t frames) RINGDOWN_REALTIME {
       continue;
     }
     Object& object = objects_.data()[event->object];
+    if (event->type == EventType::contact && !(is_sane(event->contact) && open_contact(*event))) {
+      if (!is_sane(event->contact)) this->count(counters_.refused);
+      --count;
+      continue;
+    }
     part(object);
     if (event->type == EventType::clear) stop_pulses(object, due[count].event.frame);
   }
@@ -477,6 +491,7 @@ bool Mixer::heard(const Object& object) const RINGDOWN_REALTIME {
 }
 
 void Mixer::apply(Object& object, const Event& event) RINGDOWN_REALTIME {
+  if (event.type == EventType::contact) return tell(object, event);
   if (!is_strike(event.type) && !(std::abs(event.value) <= kLargestValue)) {
     count(counters_.refused);
     return;

@@ -300,6 +300,10 @@ class Mixer {
 
   // mixer_drives.cpp
   [[nodiscard]] bool start_pulse(const protocol::Event& event) RINGDOWN_REALTIME;
+  [[nodiscard]] Drive* find_contact(const Object& object, std::uint32_t number) RINGDOWN_REALTIME;
+  [[nodiscard]] bool open_contact(const protocol::Event& event) RINGDOWN_REALTIME;
+  [[nodiscard]] static protocol::Event place_of(const protocol::Event& event) RINGDOWN_REALTIME;
+  void tell(Object& object, const protocol::Event& event) RINGDOWN_REALTIME;
   void stop_pulses(const Object& object, protocol::Frame end) RINGDOWN_REALTIME;
   void connect(const Order& order) RINGDOWN_REALTIME;
   void disconnect(std::size_t input) RINGDOWN_REALTIME;

@@ -7,6 +7,11 @@
 #include <utility>
 
 namespace ringdown::synth {
+namespace {
+
+constexpr double kShortestRamp_s = 0.002;  // from one telling of a contact to the next
+
+}  // namespace
 
 using protocol::Event;
 using protocol::Frame;
@@ -33,6 +38,7 @@ bool Mixer::start_pulse(const Event& event) RINGDOWN_REALTIME {
   drive.place = event;
   drive.place.contact_time_s = 0;
   drive.input.reset();
+  drive.contact.reset();
   drive.pulse = HalfSine(frames);
   drive.end = std::numeric_limits<Frame>::max();
   if (!place_drive(object, *taken)) {
@@ -43,6 +49,59 @@ bool Mixer::start_pulse(const Event& event) RINGDOWN_REALTIME {
   activate(object);
   count(counters_.strikes);
   return true;
+}
+
+Drive* Mixer::find_contact(const Object& object, std::uint32_t number) RINGDOWN_REALTIME {
+  for (std::size_t i = 0; i < object.drive_count; ++i) {
+    Drive& drive = drives_[object.drives[i]];
+    if (drive.contact == number && !drive.input) return &drive;
+  }
+  return nullptr;
+}
+
+// Makes room for a contact that is new. False when there is nothing to tell of it, or no room.
+bool Mixer::open_contact(const Event& event) RINGDOWN_REALTIME {
+  const protocol::Contact& contact = event.contact;
+  Object& object = objects_.data()[event.object];
+  if (find_contact(object, contact.number)) return true;
+  const double force = length(contact.force_n);
+  if (force == 0) return false;
+  const std::optional<std::uint8_t> taken =
+      object.current && object.drive_count < kMostForces ? drives_.take() : std::nullopt;
+  if (!taken) {
+    count(counters_.refused);
+    return false;
+  }
+  Drive& drive = drives_[*taken];
+  drive.place = place_of(event);
+  drive.input.reset();
+  drive.contact = contact.number;
+  drive.rubbing = Rubbing(contact.number, sample_rate_hz_);
+  drive.end = std::numeric_limits<Frame>::max();
+  if (place_drive(object, *taken)) return true;
+  drives_.give_back(*taken);
+  count(counters_.refused);
+  return false;
+}
+
+// An impulse of 1 along the force.
+Event Mixer::place_of(const Event& event) RINGDOWN_REALTIME {
+  Event place{.frame = event.frame, .object = event.object, .point_m = event.point_m};
+  place.impulse_ns = (1 / length(event.contact.force_n)) * event.contact.force_n;
+  return place;
+}
+
+// The contact is as the event says from its frame on.
+void Mixer::tell(Object& object, const Event& event) RINGDOWN_REALTIME {
+  Drive* const drive = find_contact(object, event.contact.number);
+  if (!drive) return;
+  const double ramp_s = std::clamp(event.ramp_s, kShortestRamp_s, kContactTimeOut_s);
+  drive->rubbing.tell(event.frame, event.contact, static_cast<Frame>(ramp_s * sample_rate_hz_));
+  if (length(event.contact.force_n) == 0 || !object.current) return;
+  drive->place = place_of(event);
+  const std::optional<double> energy = object.current->find_amplitudes(drive->place);
+  if (!energy || !(*energy <= Ringing::kAbsurdEnergy)) return;
+  std::copy_n(object.current->amplitudes(), object.current->table().columns(), drive->amplitudes.get());
 }
 
 void Mixer::stop_pulses(const Object& object, Frame end) RINGDOWN_REALTIME {
@@ -61,6 +120,7 @@ void Mixer::connect(const Order& order) RINGDOWN_REALTIME {
   drives_[*taken].place = order.place;
   drives_[*taken].place.contact_time_s = 0;
   drives_[*taken].input = order.input;
+  drives_[*taken].contact.reset();
   if (place_drive(object, *taken)) {
     excites_[order.input] = order.object;
   } else {
@@ -150,7 +210,7 @@ void Mixer::drive(Object& object, std::size_t begin, std::size_t end, Place& pla
   if (begin == end) return;
   std::array<Force, kMostForces> forces;
   for (std::size_t i = 0; i < object.drive_count; ++i) {
-    const Drive& drive = drives_[object.drives[i]];
+    Drive& drive = drives_[object.drives[i]];
     const float* const samples = drive.input ? inputs_[*drive.input] : nullptr;
     double* const impulses = place.impulses[i].data();
     drive.fill(now_ + static_cast<Frame>(begin), end - begin, samples ? samples + begin : nullptr, impulses);

@@ -1,0 +1,76 @@
+// The force of two surfaces that slide or roll on each other: a random profile, felt at the speed at which it passes.
+//
+// A surface's heights are random: their power falls with spatial frequency f as f^slope from the correlation length
+// down to a sixteenth of it, as KHR_audio_rigid_bodies describes acoustic surfaces. What slides climbs and descends
+// that profile, and the force on it varies by the contact's force times the profile's slope under it; so the pitch of
+// the sound follows the speed, and its level the load. What rolls touches a larger patch and feels only the waves
+// kRollingRatio times as long. A contact that stands still makes no force.
+//
+// The profile is a sum of octaves of cubic B-splines over random numbers, which a hash finds anew wherever they are
+// needed, so nothing is stored and the same contact sounds the same each time. Octaves beyond hearing are left out.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/ramp.h"
+#include "protocol/event.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace ringdown::synth {
+
+inline constexpr double kContactTimeOut_s = 0.1;  // a contact of which nothing is told for so long ends
+inline constexpr double kRollingRatio = 40;  // as the draft's defaults of waviness and roughness stand to each other
+
+class Rubbing {
+ public:
+  Rubbing() = default;
+  // At rest, without force. Contacts with the same seed have the same profile. [audio]
+  Rubbing(std::uint32_t seed, double sample_rate_hz) RINGDOWN_REALTIME;
+
+  // How the contact is from frame `at` on, which it reaches evenly within `ramp` frames. [audio]
+  void tell(protocol::Frame at, const protocol::Contact& contact, protocol::Frame ramp) RINGDOWN_REALTIME;
+
+  // The impulse [N s] in frames first ... first + count - 1, along the contact's force. Frames are asked for once, in
+  // order. [audio]
+  void fill(protocol::Frame first, std::size_t count, double* impulses) RINGDOWN_REALTIME;
+
+  // Whether it has ended and no force is left. [audio]
+  [[nodiscard]] bool over_at(protocol::Frame frame) const RINGDOWN_REALTIME {
+    return force_n_.to == 0 && force_n_.still_at(frame);
+  }
+
+  // Frames are of another length from `now` on. [worker]
+  void rescale(protocol::Frame now, double ratio);
+
+ private:
+  static constexpr std::size_t kOctaves = 5;
+  using Heights = std::array<double, kOctaves>;
+  // The random numbers around a place, and a cubic B-spline over them.
+  struct Spline {
+    std::uint64_t seed = 0;
+    std::int64_t place = -1;
+    std::array<double, 4> around{};  // of places place - 1 ... place + 2; none known yet where `fresh`
+    bool fresh = true;
+    [[nodiscard]] double slope_at(double u) RINGDOWN_REALTIME;
+  };
+  struct Track {
+    double at_m = 0;
+    double longest_m = 1;
+    std::array<Spline, kOctaves> octaves;
+    // The profile's slope under the contact, which moves on at `speed_m_s` for a frame.
+    [[nodiscard]] double pass(const Heights& heights_m, double speed_m_s, double sample_rate_hz) RINGDOWN_REALTIME;
+  };
+
+  double rate_hz_ = 1;
+  Ramp force_n_, slip_m_s_, roll_m_s_;
+  protocol::Texture texture_;
+  Heights heights_m_{};  // of each octave
+  Track sliding_, rolling_;
+  bool begun_ = false;
+  double mean_slope_ = 0;  // lately: only what differs from it is felt
+  protocol::Frame time_out_ = 0;
+};
+
+}  // namespace ringdown::synth
