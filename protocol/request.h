@@ -7,6 +7,7 @@
 #include "engine/base/vec3.h"
 #include "engine/modal/material_scale.h"
 #include "protocol/defaults.h"
+#include "protocol/event.h"
 #include "protocol/message.h"
 
 #include <cstdint>
@@ -65,6 +66,12 @@ struct Excite {  // /object/{object}/excite
   std::uint32_t input = 1;  // to kMostInputs
   Vec3 point_m, force_n;    // no force: the input excites the object no more
 };
+// Something slides or rolls on the object.
+struct KeepContact {  // /object/{object}/contact
+  ObjectRef object;
+  Vec3 point_m;
+  Contact contact;
+};
 struct FreeObject {  // /object/{object}/free
   ObjectRef object;
 };
@@ -117,7 +124,7 @@ struct Quit {};  // /quit
 
 using Request =
     std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, SetGroup, Excite, ClearObject,
-                 FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, Notify,
-                 SaveState, RecordStart, RecordStop, Status, Version, Sync, Quit>;
+                 KeepContact, FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere,
+                 SceneClear, Notify, SaveState, RecordStart, RecordStop, Status, Version, Sync, Quit>;
 
 }  // namespace ringdown::protocol

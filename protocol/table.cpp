@@ -14,6 +14,10 @@ constexpr Quantity kSize{"m", 0, 1e3};
 constexpr Quantity kDensity{"kg/m3", 0, 1e5};
 constexpr Quantity kImpulse{"N s", -1e4, 1e4};
 constexpr Quantity kForce{"N", -1e6, 1e6};
+constexpr Quantity kSpeed{"m/s", 0, 1e3};
+constexpr Quantity kRoughness{"m", 0, 0.1};
+constexpr Quantity kCorrelation{"m", 1e-7, 10};
+constexpr Quantity kSpectralSlope{"", -10, 0};
 constexpr Quantity kInput{"", 1, kMostInputs};
 constexpr Quantity kContactTime{"s", 0, 0.1};
 constexpr Quantity kGain{"", 0, 100};
@@ -143,6 +147,28 @@ std::vector<Row<Request>> make_request_rows() {
       silent("/object/{object}/clear", ClearObject{kBell}, "Fades what rings in the object: a hand laid on it.",
              {object<&ClearObject::object>(),
               optional(number<&ClearObject::ramp_s>("ramp", kRamp, "How long that takes; some 10 ms at least."))}),
+      silent(
+          "/object/{object}/contact", KeepContact{kBell, {0.05, 0, 0.02}, {0, {0, 0, -2}, 0.3, 0, {}}},
+          "Something slides or rolls on the object. The contact goes on as it was told last and changes evenly from "
+          "one "
+          "telling to the next; a force of 0 0 0 ends it, and so does a tenth of a second in which nothing is told of "
+          "it. Tell it 50 to 250 times a second.",
+          {object<&KeepContact::object>(),
+           vector<&KeepContact::point_m>({"x", "y", "z"}, kPosition, "Where it touches, in the object's own frame."),
+           vector<&KeepContact::contact, &Contact::force_n>(
+               {"fx", "fy", "fz"}, kForce, "The force on the object, in its own frame: normal and friction together."),
+           number<&KeepContact::contact, &Contact::slip_m_s>(
+               "slip", kSpeed, "The speed at which the two surfaces slide past each other."),
+           optional(number<&KeepContact::contact, &Contact::roll_m_s>(
+               "roll", kSpeed, "The speed at which the point of contact travels as they roll.")),
+           optional(integer<&KeepContact::contact, &Contact::number>(
+               "number", kIndex, "Which of the object's contacts; it can have four at a time.")),
+           optional(number<&KeepContact::contact, &Contact::texture, &Texture::roughness_m>(
+               "roughness", kRoughness, "How high the asperities of both surfaces are, root mean square.")),
+           optional(number<&KeepContact::contact, &Contact::texture, &Texture::correlation_m>(
+               "correlation", kCorrelation, "The longest wavelength of the roughness.")),
+           optional(number<&KeepContact::contact, &Contact::texture, &Texture::spectral_slope>(
+               "slope", kSpectralSlope, "The power of the heights falls with spatial frequency f as f^slope."))}),
       answered("/object/{object}/free", FreeObject{kBell},
                "Removes the object. What rings is faded, its name and number become free.",
                {object<&FreeObject::object>()}),

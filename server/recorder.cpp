@@ -14,23 +14,6 @@ using protocol::EventType;
 using protocol::Frame;
 using protocol::Message;
 
-protocol::Request request_of(const Event& event, const protocol::ObjectRef& object) {
-  switch (event.type) {
-    case EventType::strike:
-      return protocol::Strike{object, event.point_m, event.impulse_ns, event.contact_time_s};
-    case EventType::strike_vertex:
-      return protocol::StrikeVertex{object, event.vertex, event.impulse_ns, event.contact_time_s};
-    case EventType::gain:
-      return protocol::SetGain{object, event.value, event.ramp_s};
-    case EventType::pan:
-      return protocol::SetPan{object, event.value};
-    case EventType::clear:
-    case EventType::contact:
-      break;
-  }
-  return protocol::ClearObject{object, event.ramp_s};
-}
-
 protocol::SetGroup group_of(const RackObject& object) {
   return {{.name = object.name}, object.group.empty() ? std::nullopt : std::optional(object.group)};
 }
@@ -109,7 +92,7 @@ Recorder::GainAndPan Recorder::level(protocol::ObjectNumber object) const {
 Message Recorder::message_of(const Entry& entry) const {
   if (const auto* message = std::get_if<Message>(&entry.what)) return *message;
   const auto& [event, name] = std::get<Played>(entry.what);
-  return protocol::format(request_of(event, {.name = *name}));
+  return protocol::format(request_for(event, {.name = *name}));
 }
 
 void Recorder::played(const Event& event) {

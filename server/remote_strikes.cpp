@@ -38,8 +38,7 @@ Result<ScenePlayer::Sink> open_remote_strikes(const std::string& url, const Rack
       const protocol::Frame frame = strikes.front().frame;
       while (!strikes.empty() && strikes.front().frame == frame && messages.size() < kStrikesPerPacket) {
         const protocol::Event& event = strikes.front();
-        messages.push_back(protocol::format(
-            protocol::Strike{{.name = names[event.object]}, event.point_m, event.impulse_ns, event.contact_time_s}));
+        messages.push_back(protocol::format(request_for(event, {.name = names[event.object]})));
         strikes = strikes.subspan(1);
       }
       const auto packet = encode_bundle(time_tag(clock->time_of(frame) + unix_ahead_s), messages);

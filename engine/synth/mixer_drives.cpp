@@ -7,11 +7,6 @@
 #include <utility>
 
 namespace ringdown::synth {
-namespace {
-
-constexpr double kShortestRamp_s = 0.002;  // from one telling of a contact to the next
-
-}  // namespace
 
 using protocol::Event;
 using protocol::Frame;
@@ -95,8 +90,7 @@ Event Mixer::place_of(const Event& event) RINGDOWN_REALTIME {
 void Mixer::tell(Object& object, const Event& event) RINGDOWN_REALTIME {
   Drive* const drive = find_contact(object, event.contact.number);
   if (!drive) return;
-  const double ramp_s = std::clamp(event.ramp_s, kShortestRamp_s, kContactTimeOut_s);
-  drive->rubbing.tell(event.frame, event.contact, static_cast<Frame>(ramp_s * sample_rate_hz_));
+  drive->rubbing.tell(event.frame, event.contact);
   if (length(event.contact.force_n) == 0 || !object.current) return;
   drive->place = place_of(event);
   const std::optional<double> energy = object.current->find_amplitudes(drive->place);

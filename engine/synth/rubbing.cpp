@@ -9,7 +9,8 @@ namespace {
 
 using protocol::Frame;
 
-constexpr double kFade_s = 0.005;             // of a contact that has timed out
+constexpr double kShortestRamp_s = 0.002, kLongestRamp_s = 0.05;
+constexpr double kFade_s = 0.005;             // of a contact that begins or ends
 constexpr double kSlowest_hz = 20;            // slower changes of the force are not heard
 constexpr double kFull = 0.25, kNone = 0.45;  // of the sample rate: an octave fades out between them
 // Of a cubic B-spline over random numbers in [-1, 1): variance 1/3 times the mean of the sum of B(u - i)^2.
@@ -33,8 +34,12 @@ Rubbing::Rubbing(std::uint32_t seed, double sample_rate_hz) RINGDOWN_REALTIME : 
   }
 }
 
-void Rubbing::tell(Frame at, const protocol::Contact& contact, Frame ramp) RINGDOWN_REALTIME {
+void Rubbing::tell(Frame at, const protocol::Contact& contact) RINGDOWN_REALTIME {
   const double force = length(contact.force_n);
+  const bool changes = force > 0 && heights_m_[0] > 0;
+  const double since_s = changes ? static_cast<double>(at - told_) / rate_hz_ : kFade_s;
+  const auto ramp = static_cast<Frame>(std::clamp(since_s, kShortestRamp_s, kLongestRamp_s) * rate_hz_);
+  told_ = at;
   force_n_.aim(force, at, ramp);
   time_out_ = at + static_cast<Frame>(kContactTimeOut_s * rate_hz_);
   if (force == 0) return;  // it ends as it moves
@@ -98,7 +103,7 @@ void Rubbing::rescale(Frame now, double ratio) {
     return now + static_cast<Frame>(std::llround(static_cast<double>(frame - now) * ratio));
   };
   for (Ramp* ramp : {&force_n_, &slip_m_s_, &roll_m_s_}) ramp->begin = moved(ramp->begin), ramp->end = moved(ramp->end);
-  time_out_ = moved(time_out_);
+  told_ = moved(told_), time_out_ = moved(time_out_);
   rate_hz_ *= ratio;
 }
 

@@ -29,8 +29,9 @@ class Rubbing {
   // At rest, without force. Contacts with the same seed have the same profile. [audio]
   Rubbing(std::uint32_t seed, double sample_rate_hz) RINGDOWN_REALTIME;
 
-  // How the contact is from frame `at` on, which it reaches evenly within `ramp` frames. [audio]
-  void tell(protocol::Frame at, const protocol::Contact& contact, protocol::Frame ramp) RINGDOWN_REALTIME;
+  // How the contact is from frame `at` on. It gets there evenly, in as long as it was since the telling before, but in
+  // no less than 2 and no more than 50 ms; the first time, and when it ends, in 5 ms. [audio]
+  void tell(protocol::Frame at, const protocol::Contact& contact) RINGDOWN_REALTIME;
 
   // The impulse [N s] in frames first ... first + count - 1, along the contact's force. Frames are asked for once, in
   // order. [audio]
@@ -70,7 +71,7 @@ class Rubbing {
   Track sliding_, rolling_;
   bool begun_ = false;
   double mean_slope_ = 0;  // lately: only what differs from it is felt
-  protocol::Frame time_out_ = 0;
+  protocol::Frame told_ = 0, time_out_ = 0;
 };
 
 }  // namespace ringdown::synth

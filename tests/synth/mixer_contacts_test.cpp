@@ -24,7 +24,7 @@ Samples force_of(const Contact& contact, std::size_t frames, double rate = kRate
   Rubbing rubbing(contact.number, rate);
   Samples impulses(frames);
   for (std::size_t done = 0; done < frames; done += 64) {
-    rubbing.tell(static_cast<Frame>(done), contact, 1);
+    rubbing.tell(static_cast<Frame>(done), contact);
     rubbing.fill(static_cast<Frame>(done), std::min<std::size_t>(64, frames - done), impulses.data() + done);
   }
   return impulses;
@@ -109,10 +109,10 @@ TEST(Rubbing, WhatPassesFasterThanNyquistIsLeftOut) {
 TEST(Rubbing, StandingStillMakesNoForce) {
   Rubbing rubbing(1, kRate);
   Samples impulses(48000);
-  rubbing.tell(0, sliding(1, 0.02), 100);
+  rubbing.tell(0, sliding(1, 0.02));
   rubbing.fill(0, 2400, impulses.data());
   for (std::size_t at = 2400; at < impulses.size(); at += 1200) {
-    rubbing.tell(static_cast<Frame>(at), sliding(1, 0), 100);
+    rubbing.tell(static_cast<Frame>(at), sliding(1, 0));
     rubbing.fill(static_cast<Frame>(at), 1200, impulses.data() + at);
   }
   EXPECT_GT(largest(std::span(impulses).first(2400)), 0);
@@ -123,11 +123,11 @@ TEST(Rubbing, EndsWhenItIsToldToAndWhenNothingIsTold) {
   for (const bool told : {true, false}) {
     Rubbing rubbing(1, kRate);
     Samples impulses(9600);
-    rubbing.tell(0, sliding(1, 0.02), 480);
+    rubbing.tell(0, sliding(1, 0.02));
     rubbing.fill(0, 480, impulses.data());
-    if (told) rubbing.tell(480, sliding(0, 0), 480);
+    if (told) rubbing.tell(480, sliding(0, 0));
     rubbing.fill(480, impulses.size() - 480, impulses.data() + 480);
-    const std::size_t last = told ? 960 : 4800 + 240 + 1;
+    const std::size_t last = told ? 480 + 240 : 4800 + 240 + 1;
     EXPECT_FALSE(rubbing.over_at(static_cast<Frame>(last) - 2));
     EXPECT_TRUE(rubbing.over_at(static_cast<Frame>(last)));
     EXPECT_GT(largest(std::span(impulses).subspan(last - 100, 100)), 0);
@@ -182,7 +182,7 @@ TEST(Contacts, SoundTheSameInAnyBlocksAndOnAnyThreads) {
     player.render(12000, block);
     if (reference.empty()) reference = player.left;
     for (std::size_t n = 0; n < reference.size(); ++n) {
-      ASSERT_NEAR(player.left[n], reference[n], 3e-6 * largest(reference)) << "blocks of " << block << ", frame " << n;
+      ASSERT_NEAR(player.left[n], reference[n], 1e-5 * largest(reference)) << "blocks of " << block << ", frame " << n;
     }
   }
 }
