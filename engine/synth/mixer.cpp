@@ -367,8 +367,9 @@ bool Mixer::still(const Object& object, Frame at) RINGDOWN_REALTIME {
   return object.gain.still_at(at) && object.left.still_at(at) && object.right.still_at(at);
 }
 
-// What quieter modes may rest at, in units of their states.
+// What quieter modes may rest at, in units of their states. A force that acts may yet make them loud, little by little.
 double Mixer::floor_of(const Object& object) const RINGDOWN_REALTIME {
+  if (object.drive_count > 0) return 0;
   const double gain = std::max(std::abs(object.gain.from), std::abs(object.gain.to));
   return floor_.load(std::memory_order_relaxed) / std::max(1.0, gain);
 }
