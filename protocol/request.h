@@ -5,6 +5,7 @@
 #pragma once
 
 #include "engine/base/vec3.h"
+#include "engine/modal/contact_damping.h"
 #include "engine/modal/material_scale.h"
 #include "protocol/defaults.h"
 #include "protocol/event.h"
@@ -51,6 +52,11 @@ struct SetPan {  // /object/{object}/pan
 struct SetMaterial {  // /object/{object}/material
   ObjectRef object;
   modal::MaterialScale scale;
+};
+// Lays something on the object that damps it where it touches, or takes it away.
+struct Hold {  // /object/{object}/hold
+  ObjectRef object;
+  modal::ContactDamping touch;
 };
 struct SetGroup {  // /object/{object}/group
   ObjectRef object;
@@ -123,7 +129,7 @@ struct Sync {       // /sync
 struct Quit {};  // /quit
 
 using Request =
-    std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, SetGroup, Excite, ClearObject,
+    std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, Hold, SetGroup, Excite, ClearObject,
                  KeepContact, FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere,
                  SceneClear, Notify, SaveState, RecordStart, RecordStop, Status, Version, Sync, Quit>;
 

@@ -14,6 +14,8 @@ constexpr Quantity kSize{"m", 0, 1e3};
 constexpr Quantity kDensity{"kg/m3", 0, 1e5};
 constexpr Quantity kImpulse{"N s", -1e4, 1e4};
 constexpr Quantity kForce{"N", -1e6, 1e6};
+constexpr Quantity kTouch{"N s/m", 0, 1e6};
+constexpr Quantity kDirection{"", -1e3, 1e3};
 constexpr Quantity kSpeed{"m/s", 0, 1e3};
 constexpr Quantity kRoughness{"m", 0, 0.1};
 constexpr Quantity kCorrelation{"m", 1e-7, 10};
@@ -133,6 +135,19 @@ std::vector<Row<Request>> make_request_rows() {
            number<&SetMaterial::scale, &modal::MaterialScale::density>("density", kScale, "The factor on the density."),
            number<&SetMaterial::scale, &modal::MaterialScale::stiffness>(
                "stiffness", kScale, "The factor on Young's modulus; 4 is an octave up.")}),
+      answered(
+          "/object/{object}/hold", Hold{kBell, {{0.05, 0, 0.02}, {}, 20}},
+          "Lays a hand on the object, or puts it down on something: its modes die sooner, each by how much it moves "
+          "there. What rings goes on from where it is. A damping of 0 takes the hand away; an object has one at a "
+          "time.",
+          {object<&Hold::object>(),
+           vector<&Hold::touch, &modal::ContactDamping::point_m>({"x", "y", "z"}, kPosition,
+                                                                 "Where it touches, in the object's own frame."),
+           number<&Hold::touch, &modal::ContactDamping::damping_ns_m>(
+               "damping", kTouch, "The force that resists the surface, per its speed there: a fingertip has some 5."),
+           optional(vector<&Hold::touch, &modal::ContactDamping::direction>(
+               {"nx", "ny", "nz"}, kDirection,
+               "The direction of the motion that is resisted; 0 0 0 for any. Its length does not count."))}),
       answered("/object/{object}/group", SetGroup{kBell, "metal"},
                "Puts the object into a group. With --ports groups, each group is heard at an output port of its own.",
                {object<&SetGroup::object>(),

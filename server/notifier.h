@@ -46,6 +46,7 @@ class Notifier final : public Observer {
   void played(const protocol::Event& event) override;
   void loaded(const RackObject& object) override;
   void retuned(const RackObject&) override {}
+  void held(const RackObject&) override {}
   void regrouped(const RackObject&) override {}
   void freed(const RackObject& object) override;
 

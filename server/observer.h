@@ -15,9 +15,11 @@ class Observer {
   // later, by tell_of_notes(). [any but audio]
   virtual void played(const protocol::Event& event) = 0;
 
-  // A new object, or a new bank for one that was there; a new material; a new group, or none; an end. [worker]
+  // A new object, or a new bank for one that was there; a new material; a new touch; a new group, or none; an end.
+  // [worker]
   virtual void loaded(const RackObject& object) = 0;
   virtual void retuned(const RackObject& object) = 0;
+  virtual void held(const RackObject& object) = 0;
   virtual void regrouped(const RackObject& object) = 0;
   virtual void freed(const RackObject& object) = 0;
 };

@@ -114,6 +114,16 @@ Result<void> Rack::set_material(const ObjectRef& ref, const modal::MaterialScale
   return {};
 }
 
+Result<void> Rack::hold(const ObjectRef& ref, const modal::ContactDamping& touch) {
+  auto object = find(ref);
+  if (!object) return fail(object.error());
+  object->touch = touch;
+  if (const auto installed = install(*object, synth::Mixer::Install::retune); !installed) return installed;
+  keep(*object);
+  for (Observer* observer : observers_) observer->held(*object);
+  return {};
+}
+
 Result<void> Rack::set_group(const ObjectRef& ref, const std::string& group) {
   auto object = find(ref);
   if (!object) return fail(object.error());
@@ -228,7 +238,7 @@ void Rack::change_sample_rate(double sample_rate_hz) {
 
 Result<void> Rack::install(const RackObject& object, synth::Mixer::Install how) {
   const std::scoped_lock lock(rate_mutex_);
-  auto voice = std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material));
+  auto voice = std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material, object.touch));
   if (!mixer_.install(object.number, std::move(voice), how)) {
     return fail("object: " + std::to_string(synth::kMostVoices) + " voices are still ringing out; try again later");
   }

@@ -35,7 +35,8 @@ struct RackObject {
   std::shared_ptr<const std::filesystem::path> bank;  // where the map was read from
   std::shared_ptr<const modal::StrikeMap> map;
   modal::MaterialScale material;
-  std::string group;  // empty: in none
+  modal::ContactDamping touch;  // what lies on it
+  std::string group;            // empty: in none
 };
 
 class Rack {
@@ -85,6 +86,7 @@ class Rack {
 
   // Retunes what rings, and what will. [worker]
   Result<void> set_material(const protocol::ObjectRef& object, const modal::MaterialScale& scale);
+  Result<void> hold(const protocol::ObjectRef& object, const modal::ContactDamping& touch);
 
   // Puts the object into a group, or, when it is empty, into none. [worker]
   Result<void> set_group(const protocol::ObjectRef& object, const std::string& group);

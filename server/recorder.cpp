@@ -42,6 +42,7 @@ void Recorder::add_present_state() {
     if (object.material != modal::MaterialScale{}) {
       add(first_, protocol::format(protocol::SetMaterial{ref, object.material}));
     }
+    if (object.touch.damping_ns_m > 0) add(first_, protocol::format(protocol::Hold{ref, object.touch}));
     if (!object.group.empty()) add(first_, protocol::format(group_of(object)));
     if (level.gain != 1) add(first_, protocol::format(protocol::SetGain{ref, level.gain, 0}));
     if (level.pan != 0) add(first_, protocol::format(protocol::SetPan{ref, level.pan}));
@@ -115,6 +116,11 @@ void Recorder::loaded(const RackObject& object) {
 void Recorder::retuned(const RackObject& object) {
   const std::scoped_lock lock(mutex_);
   add_change(protocol::SetMaterial{{.name = object.name}, object.material});
+}
+
+void Recorder::held(const RackObject& object) {
+  const std::scoped_lock lock(mutex_);
+  add_change(protocol::Hold{{.name = object.name}, object.touch});
 }
 
 void Recorder::regrouped(const RackObject& object) {

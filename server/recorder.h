@@ -51,6 +51,7 @@ class Recorder final : public Observer {
   void played(const protocol::Event& event) override;
   void loaded(const RackObject& object) override;
   void retuned(const RackObject& object) override;
+  void held(const RackObject& object) override;
   void regrouped(const RackObject& object) override;
   void freed(const RackObject& object) override;
 

@@ -369,7 +369,7 @@ bool Mixer::still(const Object& object, Frame at) RINGDOWN_REALTIME {
 
 // What quieter modes may rest at, in units of their states. A force that acts may yet make them loud, little by little.
 double Mixer::floor_of(const Object& object) const RINGDOWN_REALTIME {
-  if (object.drive_count > 0) return 0;
+  if (driven(object)) return 0;
   const double gain = std::max(std::abs(object.gain.from), std::abs(object.gain.to));
   return floor_.load(std::memory_order_relaxed) / std::max(1.0, gain);
 }

@@ -112,9 +112,10 @@ class Mixer {
     return agenda_.push(producer, event);
   }
 
-  // The table that voices of this bank and material share; a new one if there is none. [worker]
+  // The table that voices of this bank, material and touch share; a new one if there is none. [worker]
   [[nodiscard]] std::shared_ptr<ModeTable> table_for(const std::shared_ptr<const modal::StrikeMap>& map,
-                                                     const modal::MaterialScale& material) const;
+                                                     const modal::MaterialScale& material,
+                                                     const modal::ContactDamping& touch = {}) const;
 
   enum class Install {
     replace,  // the old voice rings out, the new one takes the strikes to come

@@ -28,11 +28,12 @@ void Mixer::found_family(protocol::ObjectNumber object, const std::shared_ptr<Mo
 }
 
 std::shared_ptr<ModeTable> Mixer::table_for(const std::shared_ptr<const modal::StrikeMap>& map,
-                                            const modal::MaterialScale& material) const {
+                                            const modal::MaterialScale& material,
+                                            const modal::ContactDamping& touch) const {
   for (const Kin& kin : families_) {
-    if (auto table = kin.table.lock(); table && table->is_of(map, material)) return table;
+    if (auto table = kin.table.lock(); table && table->is_of(map, material, touch)) return table;
   }
-  return std::make_shared<ModeTable>(map, material, sample_rate_hz());
+  return std::make_shared<ModeTable>(map, material, sample_rate_hz(), touch);
 }
 
 bool Mixer::can_share(const Object& object, Frame now) RINGDOWN_REALTIME {

@@ -19,12 +19,24 @@ struct PlayableMode {
   std::complex<double> s;  // exponent per frame
 };
 
+// A mode that a touch would over-damp keeps as much of its pitch as lets it die without a click, within a cycle.
+modal::DampedMode touched(const modal::DampedMode& mode, double added_decay_per_s) {
+  constexpr double kMostOfOmega = 0.9;
+  if (added_decay_per_s == 0 || mode.frequency_hz <= 0) return mode;
+  const double lambda = modal::undamped_lambda(mode), most = kMostOfOmega * std::sqrt(lambda);
+  const double decay = std::max(mode.decay_per_s, std::min(mode.decay_per_s + added_decay_per_s, most));
+  return {modal::rad_per_s_to_hz(std::sqrt(lambda - decay * decay)), decay};
+}
+
 // Those that take moments first, each kind by frequency.
-std::vector<PlayableMode> playable_modes_of(const modal::Bank& bank, const modal::MaterialScale& material,
-                                            double sample_rate_hz) {
+std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const modal::MaterialScale& material,
+                                            const modal::ContactDamping& touch, double sample_rate_hz) {
+  const modal::Bank& bank = map.bank();
+  const std::vector<double> added = modal::added_decay(map, touch);
+  const double shape = modal::shape_factor(material);
   std::vector<PlayableMode> playable;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
-    const modal::DampedMode mode = modal::rescale(bank, m, material);
+    const modal::DampedMode mode = touched(modal::rescale(bank, m, material), shape * shape * added[m]);
     if (mode.frequency_hz <= 0 || mode.frequency_hz >= 0.5 * sample_rate_hz) continue;
     const double omega = modal::hz_to_rad_per_s(mode.frequency_hz);
     playable.push_back(
@@ -41,9 +53,13 @@ std::vector<PlayableMode> playable_modes_of(const modal::Bank& bank, const modal
 }  // namespace
 
 ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material,
-                     double sample_rate_hz)
-    : map_(std::move(map)), material_(material), sample_rate_hz_(sample_rate_hz), column_of_(bank().mode_count(), -1) {
-  const std::vector<PlayableMode> playable = playable_modes_of(bank(), material, sample_rate_hz);
+                     double sample_rate_hz, const modal::ContactDamping& touch)
+    : map_(std::move(map)),
+      material_(material),
+      touch_(touch),
+      sample_rate_hz_(sample_rate_hz),
+      column_of_(bank().mode_count(), -1) {
+  const std::vector<PlayableMode> playable = playable_modes_of(*map_, material, touch, sample_rate_hz);
   slow_modes_ = static_cast<std::size_t>(
       std::count_if(playable.begin(), playable.end(), [](const PlayableMode& m) { return takes_moments(m.s); }));
   slow_groups_ = groups_for(slow_modes_);

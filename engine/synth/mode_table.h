@@ -6,6 +6,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
+#include "engine/modal/contact_damping.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/strike_map.h"
 #include "engine/synth/aligned_array.h"
@@ -29,18 +30,19 @@ inline constexpr double kOutputScale = 1e-4;
 
 class ModeTable {
  public:
-  // [worker]
-  ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz);
+  // `touch` is what lies on the object. [worker]
+  ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz,
+            const modal::ContactDamping& touch = {});
 
-  // The same modes in the same material at another sample rate. [worker]
+  // The same modes, in the same material and under the same touch, at another sample rate. [worker]
   [[nodiscard]] std::shared_ptr<ModeTable> at_rate(double sample_rate_hz) const {
-    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz);
+    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz, touch_);
   }
   [[nodiscard]] double sample_rate_hz() const RINGDOWN_REALTIME { return sample_rate_hz_; }
 
-  [[nodiscard]] bool is_of(const std::shared_ptr<const modal::StrikeMap>& map,
-                           const modal::MaterialScale& material) const {
-    return map == map_ && material == material_;
+  [[nodiscard]] bool is_of(const std::shared_ptr<const modal::StrikeMap>& map, const modal::MaterialScale& material,
+                           const modal::ContactDamping& touch = {}) const {
+    return map == map_ && material == material_ && touch == touch_;
   }
 
   [[nodiscard]] const modal::Bank& bank() const RINGDOWN_REALTIME { return map_->bank(); }
@@ -85,6 +87,7 @@ class ModeTable {
 
   std::shared_ptr<const modal::StrikeMap> map_;
   modal::MaterialScale material_;
+  modal::ContactDamping touch_;
   double sample_rate_hz_;
   std::vector<std::uint32_t> mode_of_, column_;  // of playable mode i
   std::vector<std::int32_t> column_of_;          // of a mode of the bank; -1 where it is not playable

@@ -183,6 +183,25 @@ Cases excite_cases() {
            {a, {1, 0, 0, 0, 0, 0}, "fz"}}};
 }
 
+Cases hold_cases() {
+  const std::string a = "/object/bell/hold";
+  return {{{a, {1, 2, 3, 5}, claim<Hold>([](const Hold& h) {
+              return h.object == named("bell") && h.touch == modal::ContactDamping{{1, 2, 3}, {0, 0, 0}, 5};
+            })},
+           {a, {1, 2, 3, 0, 0, 0, -1}, claim<Hold>([](const Hold& h) {
+              return h.touch == modal::ContactDamping{{1, 2, 3}, {0, 0, -1}, 0};
+            })}},
+          {{"/object/b%/hold", {0, 0, 0, 0}, "object"},
+           {a, {kNan, 0, 0, 0}, "x"},
+           {a, {0, 1e5, 0, 0}, "y"},
+           {a, {0, 0, "up", 0}, "z"},
+           {a, {0, 0, 0}, "damping"},
+           {a, {0, 0, 0, -1}, "damping"},
+           {a, {0, 0, 0, 1, kInfinity, 0, 0}, "nx"},
+           {a, {0, 0, 0, 1, 0, 1e4, 0}, "ny"},
+           {a, {0, 0, 0, 1, 0, 0, -1e4}, "nz"}}};
+}
+
 Cases contact_cases() {
   const std::string a = "/object/bell/contact";
   return {{{a, {1, 2, 3, 0, 0, -0.5f, 0.25f}, claim<KeepContact>([](const KeepContact& k) {
@@ -323,6 +342,7 @@ const std::map<std::string, Cases>& all_cases() {
       {"/object/{object}/material", material_cases()},
       {"/object/{object}/clear", clear_cases()},
       {"/object/{object}/contact", contact_cases()},
+      {"/object/{object}/hold", hold_cases()},
       {"/object/{object}/free", object_only_cases<FreeObject>("free")},
       {"/load", load_cases()},
       {"/clear", bare_cases<ClearAll>("/clear")},
