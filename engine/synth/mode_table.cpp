@@ -1,5 +1,6 @@
 #include "engine/synth/mode_table.h"
 
+#include "engine/modal/added_decay.h"
 #include "engine/modal/contact_pulse.h"
 
 #include <algorithm>

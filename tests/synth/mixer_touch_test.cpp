@@ -1,4 +1,6 @@
 // A hand on an object: modes die by how much they move there, without a click, and go on when it is taken away.
+#include "engine/modal/added_decay.h"
+
 #include "tests/synth/player.h"
 
 namespace ringdown::synth::test {

@@ -1,4 +1,4 @@
-#include "engine/modal/contact_damping.h"
+#include "engine/modal/added_decay.h"
 
 namespace ringdown::modal {
 
