@@ -27,7 +27,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<double, kModePadding>;
 using Vec = hn::Vec<Tag>;
 
+// Its constructors are written out: those that g++ makes itself are not compiled for the instruction set.
 struct Complex {
+  HWY_INLINE Complex() {}
+  HWY_INLINE Complex(Vec real, Vec imaginary) : re(real), im(imaginary) {}
   Vec re, im;
 };
 

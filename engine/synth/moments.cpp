@@ -24,6 +24,7 @@ struct Numbers {
   static constexpr std::size_t kLanes = hn::MaxLanes(Tag()), kVectors = kCount / kLanes;
   hn::Vec<Tag> part[kVectors];
 
+  HWY_INLINE Numbers() {}
   template <class Do>
   HWY_INLINE static Numbers make(Do&& act) {
     Numbers result;
