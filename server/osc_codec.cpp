@@ -2,6 +2,7 @@
 
 #include <lo/lo.h>
 
+#include <algorithm>
 #include <cassert>
 #include <charconv>
 #include <cmath>
@@ -32,7 +33,7 @@ constexpr double kTwo32 = 4294967296;
 template <class T>
 T value_at(const lo_arg* argument) {
   T value;
-  std::memcpy(&value, argument, sizeof value);
+  std::memcpy(&value, reinterpret_cast<const char*>(argument), sizeof value);
   return value;
 }
 
@@ -76,9 +77,11 @@ void add(lo_message message, float value) { lo_message_add_float(message, value)
 void add(lo_message message, double value) { lo_message_add_double(message, value); }
 void add(lo_message message, const std::string& value) { lo_message_add_string(message, value.c_str()); }
 void add(lo_message message, const protocol::Blob& value) {
-  const lo_blob blob = lo_blob_new(static_cast<std::int32_t>(value.size()), value.data());
-  lo_message_add_blob(message, blob);
-  lo_blob_free(blob);
+  // lo_blob_new() makes none without bytes. As in an argument, a blob is its size, then its bytes.
+  std::vector<std::uint32_t> blob(1 + (value.size() + 3) / 4);
+  blob[0] = static_cast<std::uint32_t>(value.size());
+  std::ranges::copy(value, reinterpret_cast<std::byte*>(blob.data() + 1));
+  lo_message_add_blob(message, blob.data());
 }
 
 MessageHandle to_liblo(const Message& message) {

@@ -45,6 +45,19 @@ TEST(OscCodec, EncodingWritesTheSpecificationsBytes) {
   EXPECT_EQ(encode({"/status", {}}), to_bytes(osc_string("/status") + osc_string(",")));
 }
 
+TEST(OscCodec, BlobsOfAnySizeAreWrittenAndRead) {
+  for (const std::size_t size : {0, 1, 3, 4, 5, 64}) {
+    const std::string content(size, '\x7f'), padding((4 - size % 4) % 4, '\0');
+    const Bytes expected =
+        to_bytes(osc_string("/x") + osc_string(",b") + osc_int(static_cast<std::int32_t>(size)) + content + padding);
+    const Message message{"/x", {protocol::Blob(size, std::byte{0x7f})}};
+    EXPECT_EQ(encode(message), expected) << size;
+    const auto messages = decode_packet(expected);
+    ASSERT_TRUE(messages) << messages.error().message;
+    EXPECT_EQ(messages->front().message, message) << size;
+  }
+}
+
 TEST(OscCodec, ABundleRoundTripsWithItsTime) {
   const std::vector<Message> sent = {kAllTypes, {"/clear", {}}, {"/sync", {3}}};
   const TimeTag time = 0x123456789abcdef0;
