@@ -213,13 +213,17 @@ std::vector<Row<Request>> make_request_rows() {
           "Writes what there is as a readable file, which `ringdownd --state` loads: objects with their banks, gains, "
           "pans, groups and materials, and what inputs excite.",
           {other<ValueType::text, &SaveState::path>(
-              "path", "The file to write, .toml; a relative path starts where the daemon was started.")}),
+              "path",
+              "The file to write, .toml; it replaces none but a state. A relative path starts where the daemon was "
+              "started.")}),
       answered(
           "/record/start", RecordStart{"session.osc"},
           "Records everything that is played as an OSC score, which `ringdown render --events` plays again, bit for "
           "bit at the same sample rate and block size. What rang before is not in it.",
           {other<ValueType::text, &RecordStart::path>(
-              "path", "The score to write; a relative path starts where the daemon was started.")}),
+              "path",
+              "The score to write, .osc; it replaces none but a score. A relative path starts where the daemon "
+              "was started.")}),
       answered("/record/stop", RecordStop{}, "Writes the score.", {}, "/done", "the count of its messages"),
       answered("/status", Status{}, "Asks how the daemon is doing.", {}, "/status.reply"),
       answered("/version", Version{}, "Asks which program this is.", {}, "/version.reply"),

@@ -2,9 +2,11 @@
 
 #include "engine/base/atomic_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <fstream>
 #include <linux/openat2.h>
 #include <optional>
 #include <sys/syscall.h>
@@ -39,6 +41,18 @@ int open_beneath(int folder, const fs::path& path) {
   how.flags = static_cast<std::uint64_t>(kReadOnly);
   how.resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS;
   return static_cast<int>(::syscall(SYS_openat2, folder, path.c_str(), &how, sizeof how));
+}
+
+tl::unexpected<Error> cannot_write(const fs::path& path, const std::string& reason) {
+  return fail("cannot write " + path.string() + ": " + reason);
+}
+
+// Whether the regular file at `path` is empty or has the kind's mark.
+bool is_of_kind(const fs::path& path, const WrittenKind& kind) {
+  std::ifstream file(path, std::ios::binary);
+  std::string begin(kind.mark_at + kind.mark.size(), '\0');
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return file.gcount() == 0 ? file.eof() : std::string_view(begin).substr(kind.mark_at) == kind.mark;
 }
 
 tl::unexpected<Error> cannot_open(const fs::path& path, int reason) {
@@ -101,21 +115,27 @@ Result<int> FileRoots::open_in(const Root& root, const fs::path& rest) const {
   return descriptor;
 }
 
-Result<fs::path> FileRoots::writable(const fs::path& path) const {
+Result<fs::path> FileRoots::writable(const fs::path& path, const WrittenKind& kind) const {
   std::error_code error;
   const fs::path plain = absolute_without_dots(path);
   const fs::path folder = fs::canonical(plain.parent_path(), error);
-  if (error) return fail("cannot write " + path.string() + ": " + error.message());
+  if (error) return cannot_write(path, error.message());
   const fs::path target = folder / plain.filename();
   const fs::file_status there = fs::symlink_status(target, error);
   if (!plain.has_filename() || (fs::exists(there) && !fs::is_regular_file(there))) {
-    return fail("cannot write " + path.string() + ": it is not a regular file");
+    return cannot_write(path, "it is not a regular file");
   }
-  if (open_everywhere_) return target;
-  for (const Root& root : roots_) {
-    if (below(target, root.real)) return target;
+  const bool inside = open_everywhere_ || std::ranges::any_of(roots_, [&](const Root& root) {
+                        return below(target, root.real).has_value();
+                      });
+  if (!inside) return outside(path);
+  if (target.extension() != kind.ending) {
+    return cannot_write(path, "the name must end in " + std::string(kind.ending));
   }
-  return outside(path);
+  if (fs::exists(there) && !is_of_kind(target, kind)) {
+    return cannot_write(path, "another kind of file stands there; remove it, or choose another name");
+  }
+  return target;
 }
 
 tl::unexpected<Error> FileRoots::outside(const fs::path& path) const {

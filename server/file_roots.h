@@ -11,9 +11,18 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace ringdown::server {
+
+// What a message may have written: the file's name ends in `ending`, and its content has `mark` at byte `mark_at`.
+struct WrittenKind {
+  std::string_view ending, mark;
+  std::size_t mark_at = 0;
+};
+inline constexpr WrittenKind kScoreKind{".osc", "#bundle", 4};
+inline constexpr WrittenKind kStateKind{".toml", "# What ringdownd holds"};
 
 class FileRoots {
  public:
@@ -32,8 +41,9 @@ class FileRoots {
   [[nodiscard]] Result<std::string> read(const std::filesystem::path& path, std::size_t limit_bytes) const;
 
   // Where a file may be written: the path, without links, of a name in a folder that is inside. What stands there
-  // already must be a regular file.
-  [[nodiscard]] Result<std::filesystem::path> writable(const std::filesystem::path& path) const;
+  // already must be a regular file of the same kind, or empty: a stranger's message replaces nothing else.
+  [[nodiscard]] Result<std::filesystem::path> writable(const std::filesystem::path& path,
+                                                       const WrittenKind& kind) const;
 
  private:
   struct Root {

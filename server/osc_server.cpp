@@ -35,13 +35,13 @@ Result<std::optional<std::int32_t>> record(const Request& request, const Session
   if (!recorder) return fail("this daemon does not record");
   const protocol::Frame now = session.rack().mixer().counters().frames;
   if (const auto* save = std::get_if<protocol::SaveState>(&request)) {
-    const auto path = session.rack().roots().writable(save->path);
+    const auto path = session.rack().roots().writable(save->path, kStateKind);
     if (!path) return fail(path.error());
     if (const auto saved = write_state(state_of(session.rack(), *recorder), *path); !saved) return fail(saved.error());
     return std::nullopt;
   }
   if (const auto* start = std::get_if<protocol::RecordStart>(&request)) {
-    const auto path = session.rack().roots().writable(start->path);
+    const auto path = session.rack().roots().writable(start->path, kScoreKind);
     if (!path) return fail(path.error());
     if (const auto started = recorder->start(*path, now); !started) return fail(started.error());
     return std::nullopt;

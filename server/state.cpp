@@ -3,6 +3,7 @@
 #include "engine/base/atomic_file.h"
 #include "engine/base/toml_table.h"
 #include "protocol/names.h"
+#include "server/file_roots.h"
 #include "server/recorder.h"
 
 #include <array>
@@ -97,7 +98,7 @@ Result<State> parse_state(std::string_view text, const std::filesystem::path& pa
 }
 
 std::string to_toml(const State& state) {
-  std::string text = "# What ringdownd holds; ringdownd --state reads it.\n";
+  std::string text = std::string(kStateKind.mark) + "; ringdownd --state reads it.\n";
   for (const State::Object& object : state.objects) {
     text += "\n[[object]]\nname = " + quoted(object.name) + "\nbank = " + quoted(object.bank.string()) + "\n";
     text += "gain = " + shown(object.gain) + "\npan = " + shown(object.pan) + "\n";

@@ -91,11 +91,29 @@ TEST_P(FileRootsTest, OnlyRegularFilesOfBoundedSizeAreRead) {
 TEST_P(FileRootsTest, OnlyFilesInsideAreWritten) {
   fs::create_symlink(folder_ / "secret.glb", folder_ / "inside/link.osc");
   fs::create_symlink("..", folder_ / "inside/up");
-  EXPECT_EQ(*roots_.writable(folder_ / "inside/new.osc"), fs::canonical(folder_ / "inside") / "new.osc");
-  EXPECT_TRUE(roots_.writable(folder_ / "inside/a.glb"));
+  EXPECT_EQ(*roots_.writable(folder_ / "inside/new.osc", kScoreKind), fs::canonical(folder_ / "inside") / "new.osc");
   for (const char* name : {"new.osc", "inside/../new.osc", "inside/up/new.osc", "inside/link.osc", "inside/deep",
                            "inside/missing/new.osc", "inside/"}) {
-    EXPECT_FALSE(roots_.writable(folder_ / name)) << name;
+    EXPECT_FALSE(roots_.writable(folder_ / name, kScoreKind)) << name;
+  }
+}
+
+TEST_P(FileRootsTest, NothingIsReplacedButAFileOfTheSameKind) {
+  const auto write = [this](const char* name, std::string_view content) {
+    const fs::path path = folder_ / "inside" / name;
+    std::ofstream(path) << content;
+    return path;
+  };
+  const std::string score("\0\0\0\x14#bundle\0", 12), state = "# What ringdownd holds; and so on\n";
+  EXPECT_TRUE(roots_.writable(write("score.osc", score), kScoreKind));
+  EXPECT_TRUE(roots_.writable(write("empty.osc", ""), kScoreKind));
+  EXPECT_TRUE(roots_.writable(write("state.toml", state), kStateKind));
+  EXPECT_FALSE(roots_.writable(write("poem.osc", "no score, but longer than one"), kScoreKind));
+  EXPECT_FALSE(roots_.writable(write("short.osc", "#"), kScoreKind));
+  EXPECT_FALSE(roots_.writable(write("Cargo.toml", "[package]"), kStateKind));
+  EXPECT_FALSE(roots_.writable(folder_ / "inside/state.toml", kScoreKind));
+  for (const char* name : {".bashrc", ".osc", "new", "new.osc.sh", "a.glb"}) {
+    EXPECT_FALSE(roots_.writable(folder_ / "inside" / name, kScoreKind)) << name;
   }
 }
 

@@ -190,6 +190,8 @@ TEST_F(OscServerTest, ARecordedSessionNamesWhatWasThereAndWhatWasPlayed) {
   EXPECT_EQ(addresses, (std::vector<std::string>{"/load", "/object/bell/gain", "/object/bell/material",
                                                  "/object/bell/strike", "/c_set"}));
   EXPECT_NE(refusal({"/record/stop", {}}).find("nothing"), std::string::npos);
+  send({"/record/start", {score.string()}});
+  EXPECT_TRUE(std::holds_alternative<protocol::Done>(*reply())) << "a score may replace a score";
 }
 
 TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {

@@ -2,6 +2,7 @@
 #include "server/state.h"
 
 #include "engine/modal/bank_file.h"
+#include "server/file_roots.h"
 #include "server/recorder.h"
 #include "server/session.h"
 #include "tests/support/synthetic_bank.h"
@@ -49,6 +50,7 @@ TEST_F(StateTest, WhatWasSavedComesBackInAnotherDaemon) {
 
   const auto file = folder_ / "state.toml";
   ASSERT_TRUE(write_state(state_of(one.session.rack(), one.recorder), file));
+  EXPECT_TRUE(FileRoots().writable(file, kStateKind)) << "a state may replace a state";
   const auto state = read_state(file);
   ASSERT_TRUE(state) << state.error().message;
   const auto restored = restore(*state, other.session.rack());
