@@ -39,6 +39,10 @@ Result<std::unique_ptr<NsmClient>> NsmClient::announce(const std::string& url, s
   // A manager may name this computer by an address that the loopback does not reach.
   auto socket = OscSocket::bind(is_loopback(*manager) ? Endpoint{} : Endpoint{.address = manager->address});
   if (!socket) return fail("NSM_URL: the session manager must run on this computer: " + socket.error().message);
+  if (!is_loopback(*manager)) {
+    spdlog::warn("listening on {} for the session manager: anyone who can reach this address can speak for it",
+                 to_text(socket->endpoint()));
+  }
   std::unique_ptr<NsmClient> client(new NsmClient(std::move(*socket), *manager));
   client->send({"/nsm/server/announce", {"Ringdown", "", "ringdownd", kVersionMajor, kVersionMinor, ::getpid()}});
   if (const auto opened = client->wait_for_session(patience); !opened) return fail(opened.error());

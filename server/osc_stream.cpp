@@ -46,6 +46,12 @@ struct Connection {
   bool broken = false;
 };
 
+// A web page may make a browser write what it likes, packets too, to a port of this computer; but the browser's request
+// comes first, and does not begin as OSC does.
+bool begins_as_osc(std::span<const std::byte> packet) {
+  return packet.front() == std::byte{'/'} || packet.front() == std::byte{'#'};
+}
+
 // Sends what can be sent now.
 void flush(Connection& connection) {
   while (!connection.unread.empty()) {
@@ -189,9 +195,12 @@ void OscStream::Impl::read(std::uint32_t id) {
       case SlipDecoder::Outcome::fault:
         broken = true;
         break;
-      case SlipDecoder::Outcome::packet:
-        take(connection.decoder.take(), {connection.endpoint, id});
+      case SlipDecoder::Outcome::packet: {
+        const std::vector<std::byte> packet = connection.decoder.take();
+        broken = !begins_as_osc(packet);
+        if (!broken) take(packet, {connection.endpoint, id});
         break;
+      }
     }
   }
   const std::scoped_lock lock(mutex);

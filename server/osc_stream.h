@@ -1,8 +1,9 @@
 // OSC over TCP, framed by SLIP as OSC 1.1 has it: for clients that must lose nothing, or sit behind something that
 // passes no UDP. By option; on this computer only unless the user says otherwise.
 //
-// Its own thread accepts, reads and writes. A client that sends no SLIP, more than kLargestPacket in a packet, or does
-// not read its answers, is cut off; so is the one after kMostConnections.
+// Its own thread accepts, reads and writes. A client that sends no SLIP, a packet that begins with neither / nor # (a
+// browser, whose page wants to play), more than kLargestPacket in a packet, or does not read its answers, is cut off;
+// so is the one after kMostConnections.
 #pragma once
 
 #include "engine/base/result.h"

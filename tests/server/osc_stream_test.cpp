@@ -110,6 +110,19 @@ TEST_F(OscStreamTest, WhoSpeaksNoSlipIsCutOffAndOthersAreNot) {
   EXPECT_TRUE(good.reply());
 }
 
+TEST_F(OscStreamTest, AWebPageCannotPlayThroughABrowser) {
+  const std::string request = "POST / HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 20\r\n\r\n";
+  std::vector<std::byte> stream;
+  for (const char c : request) stream.push_back(static_cast<std::byte>(c));
+  const std::vector<std::byte> body = slip_encode(encode({"/version", {}}));
+  stream.insert(stream.end(), body.begin(), body.end());
+  TcpClient browser(tcp_port_), good(tcp_port_);
+  browser.send_raw(stream);
+  EXPECT_FALSE(browser.reply());
+  good.send_raw(body);
+  EXPECT_TRUE(good.reply()) << "the same body alone is understood";
+}
+
 TEST_F(OscStreamTest, SoManyConnectionsAndNotOneMore) {
   std::vector<std::unique_ptr<TcpClient>> clients;
   for (std::size_t i = 0; i < kMostConnections; ++i) {
