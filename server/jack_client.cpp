@@ -21,6 +21,21 @@ void quiet(const char*) {}
 
 JackClient* self(void* client) { return static_cast<JackClient*>(client); }
 
+// JACK made these for the process callback: they read memory that is shared with the server.
+RINGDOWN_TRUST_REALTIME_BEGIN
+void* buffer_of(jack_port_t* port, std::uint32_t frames) RINGDOWN_REALTIME {
+  return jack_port_get_buffer(port, frames);
+}
+
+std::uint32_t block_start(const jack_client_t* client) RINGDOWN_REALTIME { return jack_last_frame_time(client); }
+
+std::uint32_t count_notes(void* buffer) RINGDOWN_REALTIME { return jack_midi_get_event_count(buffer); }
+
+bool take_note(jack_midi_event_t& event, void* buffer, std::uint32_t number) RINGDOWN_REALTIME {
+  return jack_midi_event_get(&event, buffer, number) == 0;
+}
+RINGDOWN_TRUST_REALTIME_END
+
 }  // namespace
 
 std::unique_ptr<JackClient> JackClient::open(const std::string& name, std::shared_ptr<LoadMeter> meter,
@@ -52,7 +67,13 @@ JackClient::~JackClient() {
 
 void JackClient::set_callbacks() {
   jack_set_process_callback(
-      client_, [](jack_nframes_t frames, void* us) { return self(us)->process(frames), 0; }, this);
+      client_,
+      [](jack_nframes_t frames, void* us) {
+        JackClient& client = *self(us);
+        client.freewheels_ ? client.process_offline(frames) : client.process(frames);
+        return 0;
+      },
+      this);
   jack_set_xrun_callback(
       client_, [](void* us) { return self(us)->meter_->note_xrun(), 0; }, this);
   jack_set_freewheel_callback(
@@ -166,62 +187,67 @@ protocol::Frame JackClient::now() const {
   return rendered + static_cast<std::int32_t>(low - static_cast<std::uint32_t>(rendered));
 }
 
-void JackClient::process(std::uint32_t frames) {
+void JackClient::process(std::uint32_t frames) RINGDOWN_REALTIME {
   if (gate_.enter()) {
-    render(frames);
+    render(frames, true);
   } else {
     write_silence(frames);
   }
   gate_.leave();
 }
 
-void JackClient::render(std::uint32_t frames) {
-  const bool freewheels = freewheels_.load(std::memory_order_relaxed);
+void JackClient::process_offline(std::uint32_t frames) {
+  if (gate_.enter()) {
+    program_->prepare_offline(program_->mixer.counters().frames.load(std::memory_order_relaxed) + frames);
+    note_listeners();  // the driver's thread would learn of a new connection after many blocks
+    render(frames, false);
+  } else {
+    write_silence(frames);
+  }
+  gate_.leave();
+}
+
+void JackClient::render(std::uint32_t frames, bool deadline) RINGDOWN_REALTIME {
   synth::Mixer& mixer = program_->mixer;
   const protocol::Frame rendered = mixer.counters().frames.load(std::memory_order_relaxed);
-  if (freewheels) {
-    program_->prepare_offline(rendered + frames);
-    note_listeners();  // the driver's thread would learn of a new connection after many blocks
-  }
   meter_->begin(frames, mixer.sample_rate_hz());
-  offset_.store(static_cast<std::uint32_t>(jack_last_frame_time(client_)) - static_cast<std::uint32_t>(rendered),
-                std::memory_order_relaxed);
+  offset_.store(block_start(client_) - static_cast<std::uint32_t>(rendered), std::memory_order_relaxed);
   play_notes(frames, rendered);
   synth::Outputs outputs;
   for (synth::ChannelSet rest = listened_.load(); rest != 0; rest &= rest - 1) {
     const auto channel = static_cast<std::size_t>(std::countr_zero(rest));
     jack_port_t* const port = ports_[channel];
     if (!port) continue;
-    auto* const samples = static_cast<float*>(jack_port_get_buffer(port, frames));
+    auto* const samples = static_cast<float*>(buffer_of(port, frames));
     if (channel < kFirstBus) {
       outputs.listen_to_mix(channel, samples);
     } else {
       outputs.listen_to_bus(channel - kFirstBus, samples);
     }
   }
-  mixer.keep_deadlines(!freewheels);
+  mixer.keep_deadlines(deadline);
   mixer.render(outputs, read_inputs(frames), frames);
-  meter_->end(!freewheels);
+  meter_->end(deadline);
 }
 
-synth::Inputs JackClient::read_inputs(std::uint32_t frames) {
+synth::Inputs JackClient::read_inputs(std::uint32_t frames) RINGDOWN_REALTIME {
   synth::Inputs inputs{};
   const std::uint32_t fed = fed_;
   for (std::size_t input = 0; input < inputs.size(); ++input) {
     jack_port_t* const port = fed >> input & 1 ? inputs_[input].load() : nullptr;
-    if (port) inputs[input] = static_cast<const float*>(jack_port_get_buffer(port, frames));
+    if (port) inputs[input] = static_cast<const float*>(buffer_of(port, frames));
   }
   return inputs;
 }
 
-void JackClient::play_notes(std::uint32_t frames, protocol::Frame first) {
+void JackClient::play_notes(std::uint32_t frames, protocol::Frame first) RINGDOWN_REALTIME {
   const NoteTable* const notes = notes_;
   if (!midi_port_ || !notes) return;
-  void* const buffer = jack_port_get_buffer(midi_port_, frames);
-  const std::uint32_t count = jack_midi_get_event_count(buffer);
+  void* const buffer = buffer_of(midi_port_, frames);
+  const std::uint32_t count = count_notes(buffer);
   for (std::uint32_t i = 0; i < count; ++i) {
     jack_midi_event_t event;
-    if (jack_midi_event_get(&event, buffer, i) != 0) continue;
+    if (!take_note(event, buffer, i)) continue;
     midi_->play({event.buffer, event.size}, first + event.time, *notes, program_->mixer, program_->notes_played);
   }
 }
@@ -233,10 +259,10 @@ void JackClient::set_notes(std::shared_ptr<const NoteTable> notes) {
   table_ = std::move(notes);
 }
 
-void JackClient::write_silence(std::uint32_t frames) {
+void JackClient::write_silence(std::uint32_t frames) RINGDOWN_REALTIME {
   for (synth::ChannelSet rest = listened_.load(); rest != 0; rest &= rest - 1) {
     jack_port_t* const port = ports_[static_cast<std::size_t>(std::countr_zero(rest))];
-    if (port) std::fill_n(static_cast<float*>(jack_port_get_buffer(port, frames)), frames, 0.0f);
+    if (port) std::fill_n(static_cast<float*>(buffer_of(port, frames)), frames, 0.0f);
   }
 }
 

@@ -3,6 +3,7 @@
 // jackd2 and PipeWire differ in when they announce a block size, so the callback takes whatever count it is given.
 #pragma once
 
+#include "engine/base/realtime.h"
 #include "engine/base/result.h"
 #include "engine/synth/mixer.h"
 #include "protocol/event.h"
@@ -91,11 +92,12 @@ class JackClient {
   [[nodiscard]] bool add_input(std::size_t input);
   void remove_port(std::size_t channel);
   void tell_latency();
-  void process(std::uint32_t frames);
-  void render(std::uint32_t frames);
-  [[nodiscard]] synth::Inputs read_inputs(std::uint32_t frames);
-  void play_notes(std::uint32_t frames, protocol::Frame first);
-  void write_silence(std::uint32_t frames);
+  void process(std::uint32_t frames) RINGDOWN_REALTIME;
+  void process_offline(std::uint32_t frames);  // in freewheel, where the scene is stepped in the callback
+  void render(std::uint32_t frames, bool deadline) RINGDOWN_REALTIME;
+  [[nodiscard]] synth::Inputs read_inputs(std::uint32_t frames) RINGDOWN_REALTIME;
+  void play_notes(std::uint32_t frames, protocol::Frame first) RINGDOWN_REALTIME;
+  void write_silence(std::uint32_t frames) RINGDOWN_REALTIME;
 
   static constexpr std::int64_t kUnknown = -1;
 

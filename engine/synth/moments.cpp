@@ -344,6 +344,7 @@ bool add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGro
   return HWY_DYNAMIC_DISPATCH(add_moments_here)(modes, moments, active, frames, limits, targets.data(), targets.size(),
                                                 fade.none() ? nullptr : level_and_slope);
 }
+RINGDOWN_TRUST_REALTIME_END
 
 MomentSynthesis::MomentSynthesis() : re_{}, im_{} {
   for (std::size_t k = 0; k < kWindow; ++k) {
@@ -360,6 +361,7 @@ MomentSynthesis::MomentSynthesis() : re_{}, im_{} {
   }
 }
 
+RINGDOWN_TRUST_REALTIME_BEGIN
 void MomentSynthesis::add(const MomentSums& left, const MomentSums& right, double* out_left, double* out_right,
                           std::size_t frames) RINGDOWN_REALTIME {
   HWY_DYNAMIC_DISPATCH(fill_spectrum_here)(left.of.data(), right.of.data(), re_.data(), im_.data());

@@ -1,0 +1,55 @@
+// Where the compiler is told to believe that a call is fit for the audio thread (engine/base/realtime.h). A new place
+// belongs into this list, with its reason above it in the source.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::map<std::string, int> kTrusted = {
+    {"engine/synth/budget.cpp", 1},        // reads the clock: the kernel's page, no system call
+    {"engine/synth/crew.cpp", 1},          // runs what its constructor was given and promised
+    {"engine/synth/drive_kernel.cpp", 1},  // Highway's choice of an instruction set, a table of functions; so the next
+    {"engine/synth/mix_kernel.cpp", 1},   {"engine/synth/mode_kernel.cpp", 1},
+    {"engine/synth/moments.cpp", 2},      {"server/jack_client.cpp", 1},  // JACK's functions for the process callback
+    {"server/load_meter.cpp", 1},                                         // reads the clock
+};
+
+// How often each source file has one of these words outside comments.
+std::map<std::string, int> uses_of(const std::vector<std::string>& words) {
+  const fs::path root = RINGDOWN_SOURCE_DIR;
+  std::map<std::string, int> uses;
+  for (const char* folder : {"engine", "protocol", "server"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+      std::ifstream file(entry.path());
+      for (std::string line; std::getline(file, line);) {
+        const std::string code = line.substr(0, line.find("//"));
+        for (const std::string& word : words) {
+          if (code.find(word) != code.npos) ++uses[fs::relative(entry.path(), root).generic_string()];
+        }
+      }
+    }
+  }
+  return uses;
+}
+
+TEST(RealTime, WhatIsTakenOnTrustIsListed) {
+  std::map<std::string, int> uses = uses_of({"RINGDOWN_TRUST_REALTIME_BEGIN"});
+  EXPECT_EQ(uses.erase("engine/base/realtime.h"), 1u) << "where it is defined";
+  EXPECT_EQ(uses, kTrusted);
+}
+
+TEST(RealTime, NothingElseSilencesTheChecks) {
+  std::map<std::string, int> uses =
+      uses_of({"diagnostic ignored", "no_sanitize", "rtsan", "__tsan", "disable_sanitizer_instrumentation"});
+  EXPECT_EQ(uses.erase("engine/base/realtime.h"), 1u) << "where trust is defined";
+  EXPECT_EQ(uses, (std::map<std::string, int>{}));
+}
+
+}  // namespace
