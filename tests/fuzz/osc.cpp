@@ -1,8 +1,11 @@
 #include "protocol/schema.h"
 #include "server/osc_codec.h"
+#include "server/osc_packet.h"
 #include "server/osc_score.h"
+#include "server/osc_slip.h"
 #include "tests/fuzz/targets.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace ringdown::fuzz {
@@ -37,6 +40,22 @@ void osc(Bytes datagram) {
     expect(again && again->size() == 1 && same(again->front().message, timed.message),
            "a message survives being encoded and decoded");
   }
+}
+
+void slip(Bytes stream) {
+  server::SlipDecoder decoder(server::kLargestPacket);
+  for (const std::byte byte : stream) {
+    const auto outcome = decoder.push(byte);
+    if (outcome == server::SlipDecoder::Outcome::fault) break;
+    if (outcome == server::SlipDecoder::Outcome::packet) osc(decoder.take());
+  }
+  if (stream.empty() || stream.size() > server::kLargestPacket) return;
+  server::SlipDecoder again(server::kLargestPacket);
+  for (const std::byte byte : server::slip_encode(stream)) {
+    if (again.push(byte) != server::SlipDecoder::Outcome::packet) continue;
+    return expect(std::ranges::equal(again.take(), stream), "a packet survives being framed");
+  }
+  expect(false, "a framed packet ends");
 }
 
 void score(Bytes file) {

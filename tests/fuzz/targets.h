@@ -13,9 +13,10 @@ namespace ringdown::fuzz {
 using Bytes = std::span<const std::byte>;
 
 void osc(Bytes datagram);  // checks, codec, schema
+void slip(Bytes stream);   // OSC over TCP
 void score(Bytes file);    // OSC scores
 void bank(Bytes file);     // .glb, and ringing what was read
-void text(Bytes file);     // the first byte chooses: scene, material, object, settings
+void text(Bytes file);     // the first byte chooses: scene, material, object, notes, state, settings
 
 void expect(bool holds, const char* what);
 
@@ -23,6 +24,6 @@ struct Target {
   const char* name;
   void (*feed)(Bytes);
 };
-inline constexpr Target kTargets[] = {{"osc", osc}, {"score", score}, {"bank", bank}, {"text", text}};
+inline constexpr Target kTargets[] = {{"osc", osc}, {"slip", slip}, {"score", score}, {"bank", bank}, {"text", text}};
 
 }  // namespace ringdown::fuzz

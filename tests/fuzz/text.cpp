@@ -3,8 +3,10 @@
 #include "engine/scene/scene_file.h"
 #include "engine/scene/world.h"
 #include "server/daemon.h"
+#include "server/note_map.h"
 #include "server/options.h"
 #include "server/settings.h"
+#include "server/state.h"
 #include "tests/fuzz/targets.h"
 
 #include <CLI/CLI.hpp>
@@ -70,6 +72,12 @@ void text(Bytes file) {
     static_cast<void>(bake::read_material(MemoryFile(text).path()));
   } else if (kind == 'o') {
     static_cast<void>(bake::read_object(MemoryFile(text).path()));
+  } else if (kind == 'n') {
+    static_cast<void>(server::read_note_map(MemoryFile(text).path()));
+  } else if (kind == 't') {
+    const auto state = server::parse_state(text, "state.toml");
+    if (state)
+      expect(server::parse_state(server::to_toml(*state), "again").has_value(), "a state survives being written");
   } else {
     read_settings_text(text);
   }
