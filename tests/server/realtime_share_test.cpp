@@ -58,14 +58,14 @@ Used take_turns(std::chrono::milliseconds time, const Work& work) {
   if ((used).wall_s == 0) GTEST_SKIP() << "needs the right to real-time priority"
 
 TEST(RealtimeShare, OfABusyThreadIsHalf) {
-  const Used used = take_turns(500ms, [] {
+  const Used used = take_turns(1000ms, [] {
     for (const auto end = Clock::now() + 100us; Clock::now() < end;) {
     }
   });
   SKIP_WHERE_NOT_ALLOWED(used);
   const double periods = used.wall_s / RealtimeShare::kPeriod_s + 1;
   EXPECT_LT(used.realtime_s, periods * (RealtimeShare::kMost_s + 0.002));
-  EXPECT_GT(used.realtime_s, 0.1 * used.wall_s) << "and it comes back";
+  EXPECT_GT(used.realtime_s, 1.5 * RealtimeShare::kMost_s) << "and it comes back";
 }
 
 TEST(RealtimeShare, OfAThreadThatRestsIsAll) {
