@@ -54,12 +54,21 @@ struct NotifyObject {  // /notify.object
   std::string name;
   bool loaded = true;
 };
+struct NotifyGroup {  // /notify.group
+  std::int32_t number = 0;
+  std::string name;
+  std::optional<std::string> group;
+};
 struct NotifyContact {  // /notify.contact
   std::string object;
   Vec3 point_m, impulse_ns;  // object frame
   double contact_time_s = 0;
 };
 struct NotifyPeak {  // /notify.peak
+  double peak = 0;
+};
+struct NotifyObjectPeak {  // /notify.object_peak
+  std::string object;
   double peak = 0;
 };
 struct NotifyLoad {  // /notify.load
@@ -73,7 +82,7 @@ struct NotifyBody {  // /notify.body
   double x = 0, y = 0, z = 0, w = 1;  // unit quaternion: object frame -> scene frame
 };
 
-using Reply = std::variant<Done, Fail, StatusReply, VersionReply, Synced, NotifyObject, NotifyContact, NotifyPeak,
-                           NotifyLoad, NotifyBody>;
+using Reply = std::variant<Done, Fail, StatusReply, VersionReply, Synced, NotifyObject, NotifyGroup, NotifyContact,
+                           NotifyPeak, NotifyObjectPeak, NotifyLoad, NotifyBody>;
 
 }  // namespace ringdown::protocol

@@ -218,15 +218,16 @@ std::vector<Row<Request>> make_request_rows() {
                "/done", "the body's number"),
       answered("/scene/clear", SceneClear{}, "Removes all bodies from the scene.", {}),
       answered("/notify", Notify{true, 20},
-               "Subscribes the sender, or ends that: /notify.object, /notify.contact, /notify.peak, /notify.load and "
-               "/notify.body come as bundles at the rate, first about every object there is. A subscriber that sends "
-               "nothing for 60 s is forgotten; anything it sends keeps it, /notify itself too.",
+               "Subscribes the sender, or ends that: /notify.object, /notify.group, /notify.contact, /notify.peak, "
+               "/notify.object_peak, /notify.load and /notify.body come as bundles at the rate, first about every "
+               "object there is. A subscriber that sends nothing for 60 s is forgotten; anything it sends keeps it, "
+               "/notify itself too.",
                {optional(other<ValueType::flag, &Notify::on>("on", "1 subscribes, 0 ends it.")),
                 optional(number<&Notify::rate_hz>("rate", kNoticeRate, "How often to tell."))}),
       answered(
           "/state/save", SaveState{"state.toml"},
           "Writes what there is as a readable file, which `ringdownd --state` loads: objects with their banks, gains, "
-          "pans, groups and materials, and what inputs excite.",
+          "pans, groups and materials, what inputs excite, and the scene, which starts from its beginning.",
           {other<ValueType::text, &SaveState::path>(
               "path",
               "The file to write, .toml; it replaces none but a state. A relative path starts where the daemon was "
@@ -299,6 +300,11 @@ std::vector<Row<Reply>> make_reply_rows() {
              other<ValueType::any_text, &NotifyObject::name>("name", "Its name."),
              other<ValueType::flag, &NotifyObject::loaded>("loaded",
                                                            "1: it is there, perhaps with a new bank; 0: freed.")}),
+      reply("/notify.group", NotifyGroup{3, "bell", "metal"},
+            "To subscribers: an object came into a group, or is in none any more.",
+            {integer<&NotifyGroup::number>("number", kIndex, "The object's number."),
+             other<ValueType::any_text, &NotifyGroup::name>("name", "Its name."),
+             optional(other<ValueType::any_text, &NotifyGroup::group>("group", "The group's name; absent: none."))}),
       reply("/notify.contact", NotifyContact{"bell", {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005},
             "To subscribers: an object was struck, by a message or in the scene. At most the last 256 since the notice "
             "before are told.",
@@ -308,6 +314,14 @@ std::vector<Row<Reply>> make_reply_rows() {
              number<&NotifyContact::contact_time_s>("contact_time", kContactTime, "How long the blow lasted.")}),
       reply("/notify.peak", NotifyPeak{0.25}, "To subscribers: how loud the mix was.",
             {number<&NotifyPeak::peak>("peak", kPeak, "The largest sample since the notice before; 1 is full scale.")}),
+      reply("/notify.object_peak", NotifyObjectPeak{"bell", 0.25},
+            "To subscribers: how loud an object was, of each that rings, and a last time when it is silent.",
+            {other<ValueType::any_text, &NotifyObjectPeak::object>("object", "Its name."),
+             number<&NotifyObjectPeak::peak>(
+                 "peak", kPeak,
+                 "What none of its samples since the notice before exceeded, at its gain: the sum of the amplitudes of "
+                 "its modes, masked ones among them. Of one mode it is the peak; many do not peak together. Up to 64 "
+                 "objects (2,048 modes) are looked at every 128 frames, more in turn.")}),
       reply("/notify.load", NotifyLoad{0.031, 0.058, 0, 1, 220}, "To subscribers: as in /status.reply.",
             {number<&NotifyLoad::mean>("load_mean", kLoad, "Time spent per block over the block's duration."),
              number<&NotifyLoad::peak>("load_peak", kLoad, "The same for the slowest block so far."),

@@ -80,6 +80,7 @@ Result<FileRoots> file_roots_of(const DaemonOptions& options, const State& state
   for (const auto& [name, bank] : options.objects) add_folder_of(bank);
   for (const State::Object& object : state.objects) add_folder_of(object.bank);
   if (options.scene) add_folder_of(*options.scene);
+  if (state.scene) add_folder_of(state.scene->file);
   if (options.state) add_folder_of(*options.state);
   return FileRoots::only(folders);
 }
@@ -109,7 +110,7 @@ Result<void> load_what_was_asked_for(Session& session, const DaemonOptions& opti
     if (const auto loaded = session.scene().load(*options.scene, start); !loaded) return fail(loaded.error());
   }
   if (const auto connected = connect_inputs(session.rack(), options.inputs); !connected) return connected;
-  const auto restored = restore(state, session.rack());
+  const auto restored = restore(state, session, start);
   if (!restored) return fail(options.state->string() + ": " + restored.error().message);
   return {};
 }
@@ -146,7 +147,7 @@ Result<std::unique_ptr<QueryServer>> open_query(const DaemonOptions& options, st
                                                 const Rack& rack) {
   if (!options.query_port) return nullptr;
   auto query = QueryServer::listen(*options.query_port,
-                                   {options.jack_name, options.address, osc_port, [&rack] { return rack.names(); }});
+                                   {options.jack_name, options.address, osc_port, [&rack] { return *rack.names(); }});
   if (query) spdlog::info("OSCQuery on http://{}:{}", options.address, (*query)->port());
   return query;
 }
@@ -157,6 +158,10 @@ Result<void> write_results(const DaemonOptions& options, Recorder& recorder, pro
     if (const auto count = recorder.stop(end); !count) return fail(count.error());
   }
   if (!options.capture) return {};
+  if (captured.left_out > 0) {
+    spdlog::warn("{} lacks the last {} frames: a capture holds {}", options.capture->string(), captured.left_out,
+                 captured.most);
+  }
   return write_audio(
       {.sample_rate_hz = options.sample_rate_hz, .left = std::move(captured.left), .right = std::move(captured.right)},
       *options.capture);
@@ -166,7 +171,7 @@ Result<void> write_results(const DaemonOptions& options, Recorder& recorder, pro
 void save_session(Worker& worker, const Session& session, const Recorder& recorder, const std::filesystem::path& file,
                   const NsmClient::Done& done) {
   const bool posted =
-      worker.post([&session, &recorder, file, done] { done(write_state(state_of(session.rack(), recorder), file)); });
+      worker.post([&session, &recorder, file, done] { done(write_state(state_of(session, recorder), file)); });
   if (!posted) done(fail("too many requests are waiting; save again later"));
 }
 

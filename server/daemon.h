@@ -28,7 +28,7 @@ struct DaemonOptions {
     std::optional<Vec3> point_m, force_n;  // in the object's frame; absent: chosen from its bank
   };
   std::vector<Input> inputs;                   // JACK ports in_1 and so on, and what they excite
-  std::optional<std::filesystem::path> state;  // objects and inputs, loaded after the others (state.h)
+  std::optional<std::filesystem::path> state;  // loaded after what stands above and the scene (state.h)
   std::optional<std::filesystem::path> scene;
   std::optional<std::string> scene_to;  // osc.udp://host:port that gets the scene's strikes instead of our own mixer
   std::string address = "127.0.0.1";    // where OSC is received

@@ -11,6 +11,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -83,10 +84,15 @@ struct JackOptions {
 // Fails with one sentence when no JACK server answers and none is waited for.
 Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options);
 
-// What the null driver heard, when somebody wants to know. It stops listening after kMost frames.
+// What the null driver heard, when somebody wants to know.
 struct Captured {
-  static constexpr std::size_t kMost = std::size_t{1} << 28;  // an hour and a half, 2 GiB
+  static constexpr std::size_t kMost = std::size_t{1} << 28;  // frames: an hour and a half, 2 GiB
+
   std::vector<float> left, right;
+  std::size_t most = kMost;
+  std::size_t left_out = 0;  // frames after the first `most`
+
+  void add(std::span<const float> more_left, std::span<const float> more_right);
 };
 
 // Renders in real time and throws the sound away, or appends it to `captured`, which must outlive the driver.

@@ -4,6 +4,7 @@
 #include "server/osc_codec.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace ringdown::server {
 namespace {
@@ -21,10 +22,21 @@ Vec3 point_of(const Event& event, const modal::Bank& bank) {
 
 bool is_strike(const Event& event) { return event.type == EventType::strike || event.type == EventType::strike_vertex; }
 
+constexpr float kAudible = 1e-6f;  // -120 dB: quieter objects do not ring
+
+protocol::NotifyObject object_news(const RackObject& object, bool loaded) {
+  return {static_cast<std::int32_t>(object.number), object.name, loaded};
+}
+
+protocol::NotifyGroup group_news(const RackObject& object) {
+  return {static_cast<std::int32_t>(object.number), object.name,
+          object.group.empty() ? std::nullopt : std::optional(object.group)};
+}
+
 }  // namespace
 
-Notifier::Notifier(Session& session, const Driver& driver, Send send)
-    : session_(session), driver_(driver), send_(std::move(send)) {
+Notifier::Notifier(Session& session, const Driver& driver, Send send, Now now)
+    : session_(session), driver_(driver), send_(std::move(send)), now_(std::move(now)) {
   session_.rack().observe(*this);
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
@@ -32,12 +44,12 @@ Notifier::Notifier(Session& session, const Driver& driver, Send send)
 Notifier::~Notifier() {
   thread_.request_stop();
   thread_.join();
+  session_.rack().mixer().watch_objects(false);
   session_.rack().observe_no_more(*this);
 }
 
 Result<void> Notifier::subscribe(Peer peer, double rate_hz) {
   const std::scoped_lock lock(mutex_);
-  const auto now = Clock::now();
   auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
   if (subscriber == subscribers_.end()) {
     if (subscribers_.size() == kMostSubscribers) {
@@ -45,12 +57,14 @@ Result<void> Notifier::subscribe(Peer peer, double rate_hz) {
     }
     subscriber = subscribers_.insert(subscriber, {.peer = peer});
     for (const RackObject& object : session_.rack().objects()) {
-      subscriber->objects.push_back({static_cast<std::int32_t>(object.number), object.name, true});
+      subscriber->changes.emplace_back(object_news(object, true));
+      if (!object.group.empty()) subscriber->changes.emplace_back(group_news(object));
     }
   }
   subscriber->period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate_hz));
-  subscriber->next = subscriber->last_heard = now;
-  count_ = subscribers_.size();
+  subscriber->next = Clock::now();
+  subscriber->last_heard = now_();
+  count_subscribers();
   wake_.notify_all();
   return {};
 }
@@ -58,14 +72,19 @@ Result<void> Notifier::subscribe(Peer peer, double rate_hz) {
 void Notifier::unsubscribe(Peer peer) {
   const std::scoped_lock lock(mutex_);
   std::erase_if(subscribers_, [&](const Subscriber& subscriber) { return subscriber.peer == peer; });
+  count_subscribers();
+}
+
+void Notifier::count_subscribers() {
   count_ = subscribers_.size();
+  session_.rack().mixer().watch_objects(!subscribers_.empty());
 }
 
 void Notifier::heard_from(Peer peer) {
   if (count_ == 0) return;
   const std::scoped_lock lock(mutex_);
   const auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
-  if (subscriber != subscribers_.end()) subscriber->last_heard = Clock::now();
+  if (subscriber != subscribers_.end()) subscriber->last_heard = now_();
 }
 
 void Notifier::played(const Event& event) {
@@ -79,14 +98,13 @@ void Notifier::played(const Event& event) {
   }
 }
 
-void Notifier::loaded(const RackObject& object) { tell(object, true); }
-void Notifier::freed(const RackObject& object) { tell(object, false); }
+void Notifier::loaded(const RackObject& object) { tell(object_news(object, true)); }
+void Notifier::freed(const RackObject& object) { tell(object_news(object, false)); }
+void Notifier::regrouped(const RackObject& object) { tell(group_news(object)); }
 
-void Notifier::tell(const RackObject& object, bool loaded) {
+void Notifier::tell(const protocol::Reply& change) {
   const std::scoped_lock lock(mutex_);
-  for (Subscriber& subscriber : subscribers_) {
-    subscriber.objects.push_back({static_cast<std::int32_t>(object.number), object.name, loaded});
-  }
+  for (Subscriber& subscriber : subscribers_) subscriber.changes.push_back(change);
 }
 
 void Notifier::run(const std::stop_token& stop) {
@@ -97,30 +115,56 @@ void Notifier::run(const std::stop_token& stop) {
       if (!wake_.wait(lock, stop, [this] { return !subscribers_.empty(); })) return;
       const auto next = std::ranges::min(subscribers_, {}, &Subscriber::next).next;
       wake_.wait_until(lock, stop, next, [&] { return Clock::now() >= next; });
-      const auto now = Clock::now();
-      std::erase_if(subscribers_, [now](const Subscriber& subscriber) {
-        return now - subscriber.last_heard > std::chrono::duration<double>(kSilence_s);
-      });
-      count_ = subscribers_.size();
-      const float peak = session_.rack().mixer().take_peak();
-      for (Subscriber& subscriber : subscribers_) {
-        subscriber.peak = std::max(subscriber.peak, peak);
-        if (subscriber.next > now) continue;
-        due.push_back(subscriber);
-        subscriber.peak = 0;
-        subscriber.contacts.clear();
-        subscriber.objects.clear();
-        subscriber.next = std::max(subscriber.next + subscriber.period, now);
-      }
+      forget_silent();
+      take_peaks();
+      due = take_due(Clock::now());
     }
     for (const Subscriber& subscriber : due) send_notice(subscriber);
   }
 }
 
-void Notifier::send_notice(const Subscriber& subscriber) {
+void Notifier::forget_silent() {
+  const auto now = now_();
+  std::erase_if(subscribers_, [now](const Subscriber& subscriber) {
+    return now - subscriber.last_heard > std::chrono::duration<double>(kSilence_s);
+  });
+  count_subscribers();
+}
+
+void Notifier::take_peaks() {
+  synth::Mixer& mixer = session_.rack().mixer();
+  const float peak = mixer.take_peak();
+  for (Subscriber& subscriber : subscribers_) subscriber.peak = std::max(subscriber.peak, peak);
+  for (protocol::ObjectNumber object = 0; object < synth::kMostObjects; ++object) {
+    const float reach = mixer.take_reach(object);
+    if (reach < kAudible) continue;
+    for (Subscriber& subscriber : subscribers_) {
+      subscriber.object_peaks[object] = std::max(subscriber.object_peaks[object], reach);
+    }
+  }
+}
+
+// Those whose notice is due, with what it shall say; they begin anew.
+std::vector<Notifier::Subscriber> Notifier::take_due(Clock::time_point now) {
+  std::vector<Subscriber> due;
+  for (Subscriber& subscriber : subscribers_) {
+    if (subscriber.next > now) continue;
+    due.push_back(subscriber);
+    subscriber.peak = 0;
+    for (std::size_t object = 0; object < synth::kMostObjects; ++object) {
+      subscriber.rang[object] = std::exchange(subscriber.object_peaks[object], 0.0f) > 0;
+    }
+    subscriber.contacts.clear();
+    subscriber.changes.clear();
+    subscriber.next = std::max(subscriber.next + subscriber.period, now);
+  }
+  return due;
+}
+
+std::vector<protocol::Message> Notifier::messages_for(const Subscriber& subscriber) {
   std::vector<protocol::Message> messages;
   const auto add = [&](const protocol::Reply& reply) { messages.push_back(protocol::format(reply)); };
-  for (const protocol::NotifyObject& object : subscriber.objects) add(object);
+  for (const protocol::Reply& change : subscriber.changes) add(change);
   const std::size_t left_out =
       subscriber.contacts.size() - std::min(subscriber.contacts.size(), kMostContactsPerNotice);
   for (const Event& event : std::span(subscriber.contacts).subspan(left_out)) {
@@ -130,6 +174,12 @@ void Notifier::send_notice(const Subscriber& subscriber) {
                                 event.contact_time_s});
   }
   add(protocol::NotifyPeak{subscriber.peak});
+  for (std::size_t number = 0; number < synth::kMostObjects; ++number) {
+    const float peak = subscriber.object_peaks[number];
+    if (peak == 0 && !subscriber.rang[number]) continue;
+    const auto object = session_.rack().find({.number = static_cast<protocol::ObjectNumber>(number)});
+    if (object) add(protocol::NotifyObjectPeak{object->name, peak});
+  }
   const Driver::Load load = driver_.load();
   const synth::MixerCounters& mixer = session_.rack().mixer().counters();
   add(protocol::NotifyLoad{load.mean, load.peak, load.xruns, static_cast<std::int32_t>(mixer.ringing_voices.load()),
@@ -140,6 +190,11 @@ void Notifier::send_notice(const Subscriber& subscriber) {
                              body.object.empty() ? std::string("-") : body.object, body.position_m, body.rotation.x,
                              body.rotation.y, body.rotation.z, body.rotation.w});
   }
+  return messages;
+}
+
+void Notifier::send_notice(const Subscriber& subscriber) {
+  const std::vector<protocol::Message> messages = messages_for(subscriber);
   for (std::span<const protocol::Message> rest = messages; !rest.empty();) {
     const std::size_t count = std::min(rest.size(), kMessagesPerBundle);
     send_(subscriber.peer, encode_bundle(kImmediately, rest.first(count)));

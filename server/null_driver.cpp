@@ -1,6 +1,7 @@
 #include "server/driver.h"
 #include "server/load_meter.h"
 
+#include <algorithm>
 #include <thread>
 #include <vector>
 
@@ -39,10 +40,7 @@ class NullDriver final : public Driver {
       meter_.begin(block_, sample_rate_hz_);
       mixer.render(left, right);
       meter_.end();
-      if (captured_ && captured_->left.size() < Captured::kMost) {
-        captured_->left.insert(captured_->left.end(), left.begin(), left.end());
-        captured_->right.insert(captured_->right.end(), right.begin(), right.end());
-      }
+      if (captured_) captured_->add(left, right);
     }
   }
 
@@ -56,6 +54,16 @@ class NullDriver final : public Driver {
 };
 
 }  // namespace
+
+void Captured::add(std::span<const float> more_left, std::span<const float> more_right) {
+  const std::size_t taken = std::min(more_left.size(), most - left.size());
+  left_out += more_left.size() - taken;
+  const auto append = [taken](std::vector<float>& to, std::span<const float> from) {
+    to.insert(to.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(taken));
+  };
+  append(left, more_left);
+  append(right, more_right);
+}
 
 Result<std::unique_ptr<Driver>> open_null(double sample_rate_hz, std::size_t block_frames, Captured* captured) {
   return std::make_unique<NullDriver>(sample_rate_hz, block_frames, captured);

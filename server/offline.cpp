@@ -78,7 +78,7 @@ class Run {
         carry_out(event);
         continue;
       }
-      const auto addresses = protocol::expand(event.message.address, session_.rack().names());
+      const auto addresses = protocol::expand(event.message.address, *session_.rack().names());
       if (!addresses) warn(event, addresses.error().message);
       for (const std::string& address : addresses.value_or(std::vector<std::string>())) {
         carry_out({event.time_s, {address, event.message.arguments}});

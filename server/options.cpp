@@ -63,7 +63,7 @@ void add_what_to_play(CLI::App& app, DaemonOptions& options) {
   app.add_option_function<std::vector<std::string>>("--object", take_objects,
                                                     "Object to load; may be given more than once")
       ->type_name("NAME=BANK");
-  app.add_option("--state", options.state, "Objects and inputs as /state/save wrote them")->type_name("FILE");
+  app.add_option("--state", options.state, "Objects, inputs and scene as /state/save wrote them")->type_name("FILE");
   app.add_option("--root", options.roots,
                  "Folder that messages may open files in, may be given more than once; default: the current one. The "
                  "presets and the folders of --object, --scene and --state are always among them")

@@ -7,11 +7,8 @@
 
 #include <spdlog/spdlog.h>
 
-#include <pthread.h>
-
 #include <algorithm>
 #include <chrono>
-#include <system_error>
 
 namespace ringdown::server {
 namespace {
@@ -37,7 +34,7 @@ Result<std::optional<std::int32_t>> record(const Request& request, const Session
   if (const auto* save = std::get_if<protocol::SaveState>(&request)) {
     const auto path = session.rack().roots().writable(save->path, kStateKind);
     if (!path) return fail(path.error());
-    if (const auto saved = write_state(state_of(session.rack(), *recorder), *path); !saved) return fail(saved.error());
+    if (const auto saved = write_state(state_of(session, *recorder), *path); !saved) return fail(saved.error());
     return std::nullopt;
   }
   if (const auto* start = std::get_if<protocol::RecordStart>(&request)) {
@@ -87,6 +84,7 @@ void OscServer::run(const std::stop_token& stop) {
   Datagram datagram;
   while (!stop.stop_requested()) {
     adopt_priority();
+    share_.turn();
     clock_.measure();
     play_what_is_near();
     parts_.session.rack().tell_of_notes();
@@ -108,11 +106,9 @@ void OscServer::adopt_priority() {
   const int priority = parts_.driver.control_priority();
   if (priority == priority_) return;
   priority_ = priority;
-  const sched_param parameters{.sched_priority = priority};
-  const int policy = priority > 0 ? SCHED_FIFO : SCHED_OTHER;
-  if (const int error = pthread_setschedparam(pthread_self(), policy, &parameters); error != 0) {
+  if (const auto set = share_.set_priority(priority); !set) {
     spdlog::info("OSC has no real-time priority ({}): messages may come late when the machine is busy",
-                 std::generic_category().message(error));
+                 set.error().message);
   }
 }
 
@@ -163,7 +159,8 @@ protocol::Frame OscServer::frame_of(TimeTag time, const Arrival& arrival) const 
 protocol::Frame OscServer::horizon() const { return clock_.frame_at(steady_now_s() + kHorizon_s); }
 
 void OscServer::expand(const protocol::Message& message, protocol::Frame frame, Peer from) {
-  const auto addresses = protocol::expand(message.address, parts_.session.rack().names());
+  const auto names = parts_.session.rack().names();
+  const auto addresses = protocol::expand(message.address, *names);
   if (!addresses) return answer(*ports_, from, Fail{message.address, addresses.error().message});
   for (const std::string& address : *addresses) handle({address, message.arguments}, frame, from);
 }

@@ -3,8 +3,8 @@
 // Its thread plays events itself and leaves everything slow to the worker, in order. An untimed event happens `latency`
 // after the kernel received its packet, so that two strikes 3 ms apart stay 3 ms apart whatever the block size and
 // however late this thread wakes; a bundle's events happen at the bundle's time. Events further than kHorizon_s ahead
-// wait in a Schedule of the server's own. Where the audio thread has real-time priority, ours has the next lower one.
-// Loads and scene changes happen when the worker gets to them.
+// wait in a Schedule of the server's own. Where the audio thread has real-time priority, ours has the next lower one,
+// in a flood half the time (realtime_share.h). Loads and scene changes happen when the worker gets to them.
 #pragma once
 
 #include "protocol/reply.h"
@@ -15,6 +15,7 @@
 #include "server/osc_codec.h"
 #include "server/osc_socket.h"
 #include "server/osc_stream.h"
+#include "server/realtime_share.h"
 #include "server/recorder.h"
 #include "server/schedule.h"
 #include "server/session.h"
@@ -101,6 +102,7 @@ class OscServer {
   Inbox inbox_;
   FrameClock clock_;  // the server thread's own, like the next
   Schedule schedule_;
+  RealtimeShare share_;
   int priority_ = 0;           // as the driver last told
   double looked_at_s_ = -1e9;  // when it did
   std::jthread thread_;        // last: it stops before what it uses goes away

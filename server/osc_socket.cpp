@@ -43,7 +43,7 @@ void raise_receive_buffer(int socket) {
 }
 
 // Since the kernel received what `header` describes; 0 where it does not say, or the clock was set meanwhile.
-double age_s(msghdr& header) {
+double age_s(const msghdr& header) {
   const cmsghdr* const control = CMSG_FIRSTHDR(&header);
   if (!control || control->cmsg_level != SOL_SOCKET || control->cmsg_type != SCM_TIMESTAMPNS) return 0;
   timespec then{}, now{};
@@ -60,6 +60,50 @@ void close_if_open(int& descriptor) {
 }
 
 }  // namespace
+
+// What the kernel has given us at once. It touches no more of the memory than datagrams fill.
+struct OscSocket::Batch {
+  static constexpr std::size_t kMost = 32, kLargestDatagram = 65536;
+
+  struct Slot {
+    sockaddr_in from;
+    iovec room;
+    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(timespec))> control;
+  };
+  std::unique_ptr<std::byte[]> bytes{new std::byte[kMost * kLargestDatagram]};
+  std::array<Slot, kMost> slots{};
+  std::array<mmsghdr, kMost> headers{};
+  std::size_t next = 0, count = 0;
+
+  // False when there is nothing.
+  bool fetch(int socket) {
+    for (std::size_t i = 0; i < kMost; ++i) {
+      Slot& slot = slots[i];
+      slot.room = {bytes.get() + i * kLargestDatagram, kLargestDatagram};
+      headers[i].msg_hdr = {.msg_name = &slot.from,
+                            .msg_namelen = sizeof slot.from,
+                            .msg_iov = &slot.room,
+                            .msg_iovlen = 1,
+                            .msg_control = slot.control.data(),
+                            .msg_controllen = slot.control.size(),
+                            .msg_flags = 0};
+    }
+    next = 0;
+    count = static_cast<std::size_t>(std::max(0, ::recvmmsg(socket, headers.data(), kMost, MSG_DONTWAIT, nullptr)));
+    return count > 0;
+  }
+
+  void give(Datagram& datagram) {
+    const Slot& slot = slots[next];
+    const mmsghdr& header = headers[next++];
+    const auto* const first = static_cast<const std::byte*>(slot.room.iov_base);
+    datagram.bytes.assign(first, first + header.msg_len);
+    datagram.from = from_sockaddr(slot.from);
+    datagram.age_s = age_s(header.msg_hdr);
+  }
+};
+
+OscSocket::OscSocket(int socket, int waker, Endpoint endpoint) : socket_(socket), waker_(waker), endpoint_(endpoint) {}
 
 Result<Endpoint> resolve(const std::string& host, std::uint16_t port) {
   addrinfo hints{};
@@ -103,13 +147,13 @@ OscSocket::OscSocket(OscSocket&& other) noexcept
     : socket_(std::exchange(other.socket_, -1)),
       waker_(std::exchange(other.waker_, -1)),
       endpoint_(other.endpoint_),
-      room_(std::move(other.room_)) {}
+      batch_(std::move(other.batch_)) {}
 
 OscSocket& OscSocket::operator=(OscSocket&& other) noexcept {
   std::swap(socket_, other.socket_);
   std::swap(waker_, other.waker_);
   std::swap(endpoint_, other.endpoint_);
-  std::swap(room_, other.room_);
+  std::swap(batch_, other.batch_);
   return *this;
 }
 
@@ -126,28 +170,19 @@ std::size_t OscSocket::receive_buffer_bytes() const {
 }
 
 bool OscSocket::receive(Datagram& datagram, std::chrono::milliseconds timeout) {
-  pollfd watched[] = {{socket_, POLLIN, 0}, {waker_, POLLIN, 0}};
-  if (::poll(watched, 2, static_cast<int>(timeout.count())) <= 0) return false;
-  if (watched[1].revents != 0) {
-    eventfd_t count = 0;
-    ::eventfd_read(waker_, &count);
-    return false;
+  if (!batch_) batch_ = std::make_unique<Batch>();
+  if (batch_->next == batch_->count) {
+    pollfd watched[] = {{socket_, POLLIN, 0}, {waker_, POLLIN, 0}};
+    if (::poll(watched, 2, static_cast<int>(timeout.count())) <= 0) return false;
+    if (watched[1].revents != 0) {
+      eventfd_t count = 0;
+      ::eventfd_read(waker_, &count);
+      return false;
+    }
+    if (!batch_->fetch(socket_)) return false;
   }
-  sockaddr_in from{};
-  iovec room{room_.data(), room_.size()};
-  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(timespec))> control{};
-  msghdr header{};
-  header.msg_name = &from;
-  header.msg_namelen = sizeof from;
-  header.msg_iov = &room;
-  header.msg_iovlen = 1;
-  header.msg_control = control.data();
-  header.msg_controllen = control.size();
-  const ssize_t received = ::recvmsg(socket_, &header, MSG_DONTWAIT);
-  datagram.bytes.assign(room_.begin(), room_.begin() + std::max<ssize_t>(received, 0));
-  datagram.from = from_sockaddr(from);
-  datagram.age_s = received > 0 ? age_s(header) : 0;
-  return received >= 0;
+  batch_->give(datagram);
+  return true;
 }
 
 void OscSocket::wake() noexcept { ::eventfd_write(waker_, 1); }

@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -55,24 +56,24 @@ class OscSocket {
   // What the kernel queues for us while we are busy. We ask for 4 MiB; a plain user gets at most net.core.rmem_max.
   [[nodiscard]] std::size_t receive_buffer_bytes() const;
 
-  // True when a datagram came; false after the timeout or a wake().
+  // True when a datagram came; false after the timeout or a wake(). In a flood many are fetched from the kernel at
+  // once, and then given out one by one.
   bool receive(Datagram& datagram, std::chrono::milliseconds timeout);
 
-  // Makes a receive() that waits, or the next one, return false. Also from a signal handler.
+  // Makes a receive() that waits, or the next one that asks the kernel, return false. Also from a signal handler.
   void wake() noexcept;
 
   Result<void> send_to(Endpoint to, std::span<const std::byte> bytes);
 
  private:
-  static constexpr std::size_t kLargestDatagram = 65536;
+  struct Batch;
 
-  OscSocket(int socket, int waker, Endpoint endpoint) : socket_(socket), waker_(waker), endpoint_(endpoint) {}
+  OscSocket(int socket, int waker, Endpoint endpoint);
 
   int socket_ = -1;
   int waker_ = -1;  // an eventfd
   Endpoint endpoint_;
-  // Where the kernel writes: the caller's vector would be filled with zeros each time.
-  std::vector<std::byte> room_ = std::vector<std::byte>(kLargestDatagram);
+  std::unique_ptr<Batch> batch_;  // made when first something is received
 };
 
 }  // namespace ringdown::server

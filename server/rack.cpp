@@ -51,20 +51,24 @@ std::vector<RackObject> Rack::objects() const {
   return objects;
 }
 
-std::vector<std::string> Rack::names() const {
-  std::vector<std::string> names;
-  {
-    const std::scoped_lock lock(mutex_);
-    for (const auto& [name, number] : numbers_) names.push_back(name);
-  }
-  std::ranges::sort(names);
-  return names;
+std::shared_ptr<const Rack::Names> Rack::names() const {
+  const std::scoped_lock lock(mutex_);
+  return names_;
+}
+
+// After a name has come or gone.
+void Rack::list_names() {
+  auto names = std::make_shared<Names>();
+  for (const auto& [name, number] : numbers_) names->push_back(name);
+  std::ranges::sort(*names);
+  names_ = std::move(names);
 }
 
 void Rack::keep(RackObject object) {
   {
     const std::scoped_lock lock(mutex_);
-    numbers_[object.name] = object.number;
+    const bool is_new = numbers_.insert_or_assign(object.name, object.number).second;
+    if (is_new) list_names();
     objects_[object.number] = std::move(object);
   }
   note_change();
@@ -201,6 +205,7 @@ Result<void> Rack::free(const ObjectRef& ref) {
   {
     const std::scoped_lock lock(mutex_);
     numbers_.erase(object->name);
+    list_names();
     objects_[object->number].reset();
   }
   for (Observer* observer : observers_) observer->freed(*object);

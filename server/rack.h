@@ -73,9 +73,10 @@ class Rack {
   // Takes as long with one object as with kMostObjects. [any but audio]
   [[nodiscard]] Result<RackObject> find(const protocol::ObjectRef& object) const;
 
-  // By name. [any but audio]
+  // By name; the names as they are now, however many there are, without copying them. [any but audio]
+  using Names = std::vector<std::string>;
   [[nodiscard]] std::vector<RackObject> objects() const;
-  [[nodiscard]] std::vector<std::string> names() const;
+  [[nodiscard]] std::shared_ptr<const Names> names() const;
 
   // A bank, ready to be struck; shared with every object that plays the same unchanged file. [worker]
   Result<std::shared_ptr<const modal::StrikeMap>> read(const std::filesystem::path& bank);
@@ -122,6 +123,7 @@ class Rack {
   [[nodiscard]] Result<protocol::ObjectNumber> free_number() const;
   // Puts an object in the table, or its successor in its place. [worker]
   void keep(RackObject object);
+  void list_names();
   void note_change();
   [[nodiscard]] Result<void> assign(const RackObject& object);
   [[nodiscard]] Result<void> install(const RackObject& object, synth::Mixer::Install how);
@@ -131,9 +133,10 @@ class Rack {
   std::vector<Observer*> observers_;
   SpscRing<protocol::Event> notes_played_{synth::kQueueCapacity};
   std::mutex notes_mutex_;    // held by the one who empties it
-  mutable std::mutex mutex_;  // guards the next two, which the worker alone changes
+  mutable std::mutex mutex_;  // guards the next three, which the worker alone changes
   std::vector<std::optional<RackObject>> objects_ = std::vector<std::optional<RackObject>>(synth::kMostObjects);
   std::unordered_map<std::string, protocol::ObjectNumber> numbers_;  // by name
+  std::shared_ptr<const Names> names_ = std::make_shared<const Names>();
   std::function<void()> on_change_;
   std::atomic<std::uint64_t> version_ = 0;
   Buses buses_;

@@ -67,7 +67,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   world_ = std::move(*world);
   world_->set_sample_rate(mixer.sample_rate_hz());  // it may have changed since
   world_->set_start_frame(start_ = frame);
-  paused_ = false;
+  playing_ = {.file = path};
   duration_s_ = description->duration_s;
   return body_count_ = world_->bodies().size();
 }
@@ -75,7 +75,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
 Result<void> ScenePlayer::pause(bool paused) {
   const std::scoped_lock lock(mutex_);
   if (!world_) return no_scene();
-  paused_ = paused;
+  playing_.paused = paused;
   return {};
 }
 
@@ -100,6 +100,7 @@ Result<void> ScenePlayer::clear() {
   const std::scoped_lock lock(mutex_);
   if (!world_) return no_scene();
   world_->clear();
+  playing_.cleared = true;
   body_count_ = 0;
   return {};
 }
@@ -107,6 +108,11 @@ Result<void> ScenePlayer::clear() {
 std::vector<scene::BodyState> ScenePlayer::bodies() {
   const std::scoped_lock lock(mutex_);
   return world_ ? world_->bodies() : std::vector<scene::BodyState>();
+}
+
+std::optional<ScenePlayer::Playing> ScenePlayer::playing() const {
+  const std::scoped_lock lock(mutex_);
+  return world_ ? std::optional(playing_) : std::nullopt;
 }
 
 Result<void> ScenePlayer::object_changed(const RackObject& object) {
@@ -122,7 +128,7 @@ void ScenePlayer::object_freed(protocol::ObjectNumber number) {
 void ScenePlayer::advance_to(Frame frame, Frame slack) {
   const std::scoped_lock lock(mutex_);
   if (!world_) return;
-  if (paused_ || body_count_ == 0) return move_start(frame - position());
+  if (playing_.paused || body_count_ == 0) return move_start(frame - position());
   move_start(frame - position() - slack);
   while (position() < frame && body_count_ > 0) take(world_->step());
 }

@@ -55,6 +55,13 @@ class ScenePlayer {
   void change_sample_rate(double sample_rate_hz);
 
   [[nodiscard]] std::vector<scene::BodyState> bodies();  // where they are now [any but audio]
+
+  // What is played: the file, and what was done to it. Nothing when there is no scene. [any but audio]
+  struct Playing {
+    std::filesystem::path file;
+    bool paused = false, cleared = false;
+  };
+  [[nodiscard]] std::optional<Playing> playing() const;
   [[nodiscard]] std::size_t body_count() const { return body_count_; }
   [[nodiscard]] double duration_s() const {
     return duration_s_;
@@ -70,10 +77,10 @@ class ScenePlayer {
 
   Rack& rack_;
   Sink sink_;
-  std::mutex mutex_;  // guards all that follows but the atomics
+  mutable std::mutex mutex_;  // guards all that follows but the atomics
   std::optional<scene::World> world_;
   protocol::Frame start_ = 0;  // where scene time 0 lies
-  bool paused_ = false;
+  Playing playing_;
   std::atomic<std::size_t> body_count_ = 0;
   std::atomic<double> duration_s_ = 0;
   std::atomic<std::uint64_t> dropped_ = 0;

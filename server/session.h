@@ -31,6 +31,7 @@ class Session {
   [[nodiscard]] Rack& rack() { return rack_; }
   [[nodiscard]] const Rack& rack() const { return rack_; }
   [[nodiscard]] ScenePlayer& scene() { return scene_; }
+  [[nodiscard]] const ScenePlayer& scene() const { return scene_; }
   [[nodiscard]] double sample_rate_hz() const { return rack_.mixer().sample_rate_hz(); }
 
   // Whether play() takes it: strikes, one or many, gain, pan and clear.

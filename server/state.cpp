@@ -5,6 +5,7 @@
 #include "protocol/names.h"
 #include "server/file_roots.h"
 #include "server/recorder.h"
+#include "server/session.h"
 
 #include <array>
 #include <charconv>
@@ -54,6 +55,17 @@ State::Input read_input(TomlTable& table) {
   return input;
 }
 
+State::Scene read_scene(TomlTable& table) {
+  State::Scene scene;
+  std::string file;
+  table.require({"file"});
+  table.text("file", file);
+  scene.file = file;
+  table.boolean("paused", scene.paused);
+  table.boolean("cleared", scene.cleared);
+  return scene;
+}
+
 // The shortest that reads back as the same number.
 std::string shown(double number) {
   std::array<char, 32> digits{};
@@ -93,6 +105,7 @@ Result<State> parse_state(std::string_view text, const std::filesystem::path& pa
   State state;
   for (TomlTable& table : file->tables("object")) state.objects.push_back(read_object(table));
   for (TomlTable& table : file->tables("input")) state.inputs.push_back(read_input(table));
+  if (auto table = file->table("scene")) state.scene = read_scene(*table);
   if (const auto good = file->finish(); !good) return fail(good.error());
   return state;
 }
@@ -112,14 +125,18 @@ std::string to_toml(const State& state) {
     text += "\n[[input]]\ninput = " + std::to_string(input.input) + "\nobject = " + quoted(input.object) +
             "\npoint_m = " + shown(input.point_m) + "\nforce_n = " + shown(input.force_n) + "\n";
   }
-  return text;
+  if (!state.scene) return text;
+  const auto flag = [](bool on) { return on ? "true\n" : "false\n"; };
+  return text + "\n[scene]\nfile = " + quoted(state.scene->file.string()) + "\npaused = " + flag(state.scene->paused) +
+         "cleared = " + flag(state.scene->cleared);
 }
 
 Result<void> write_state(const State& state, const std::filesystem::path& path) {
   return write_file_atomically(path, to_toml(state));
 }
 
-State state_of(const Rack& rack, const Recorder& recorder) {
+State state_of(const Session& session, const Recorder& recorder) {
+  const Rack& rack = session.rack();
   State state;
   std::error_code ignored;
   for (const RackObject& object : rack.objects()) {
@@ -132,30 +149,59 @@ State state_of(const Rack& rack, const Recorder& recorder) {
     const auto object = excitation ? rack.find({.number = excitation->object}) : fail("");
     if (object) state.inputs.push_back({input + 1, object->name, excitation->point_m, excitation->force_n});
   }
+  if (const auto playing = session.scene().playing()) {
+    state.scene = {std::filesystem::absolute(playing->file, ignored), playing->paused, playing->cleared};
+  }
   return state;
 }
 
-Result<void> restore(const State& state, Rack& rack) {
+namespace {
+
+Result<void> restore_scene(const State::Scene& scene, Session& session, protocol::Frame frame) {
+  if (const auto loaded = session.scene().load(scene.file, frame); !loaded) return fail(loaded.error());
+  if (scene.paused) {
+    if (const auto paused = session.scene().pause(true); !paused) return paused;
+  }
+  return scene.cleared ? session.scene().clear() : Result<void>{};
+}
+
+// `from`: when a scene's own gains and pans, which ours shall follow, come.
+Result<void> restore_object(const State::Object& object, Session& session, protocol::Frame from) {
   using protocol::EventType;
-  for (const State::Object& object : state.objects) {
-    const protocol::ObjectRef ref{.name = object.name};
-    const auto number = rack.load(object.name, object.bank);
-    if (!number) return fail(number.error());
-    if (const auto set = rack.set_group(ref, object.group); !set) return set;
-    if (object.material != modal::MaterialScale{}) {
-      if (const auto set = rack.set_material(ref, object.material); !set) return set;
-    }
-    const protocol::Frame now = rack.mixer().counters().frames;
-    for (const auto& [type, value] : {std::pair(EventType::gain, object.gain), std::pair(EventType::pan, object.pan)}) {
-      if (!rack.push(synth::Producer::worker, {.frame = now, .object = *number, .type = type, .value = value})) {
+  Rack& rack = session.rack();
+  const protocol::ObjectRef ref{.name = object.name};
+  const bool was_there = rack.find(ref).has_value();
+  const auto number = session.perform(protocol::LoadObject{object.name, object.bank.string()}, from);
+  if (!number) return fail(number.error());
+  if (const auto set = rack.set_group(ref, object.group); !set) return set;
+  if (object.material != rack.find(ref)->material) {
+    if (const auto set = rack.set_material(ref, object.material); !set) return set;
+  }
+  const protocol::Frame now = rack.mixer().counters().frames;
+  for (const auto& [type, value] : {std::pair(EventType::gain, object.gain), std::pair(EventType::pan, object.pan)}) {
+    for (const protocol::Frame frame : {now, from}) {
+      if (frame == from && (!was_there || from == now)) continue;
+      const auto which = static_cast<protocol::ObjectNumber>(**number);
+      if (!rack.push(synth::Producer::worker, {.frame = frame, .object = which, .type = type, .value = value})) {
         return fail("too many objects at once; wait for those before to be taken up");
       }
     }
   }
+  return {};
+}
+
+}  // namespace
+
+Result<void> restore(const State& state, Session& session, protocol::Frame frame) {
+  if (state.scene) {
+    if (const auto restored = restore_scene(*state.scene, session, frame); !restored) return restored;
+  }
+  for (const State::Object& object : state.objects) {
+    if (const auto restored = restore_object(object, session, frame); !restored) return restored;
+  }
   for (const State::Input& input : state.inputs) {
-    if (const auto set = rack.excite(input.input - 1, {.name = input.object}, input.point_m, input.force_n); !set) {
-      return set;
-    }
+    const auto set = session.rack().excite(input.input - 1, {.name = input.object}, input.point_m, input.force_n);
+    if (!set) return set;
   }
   return {};
 }

@@ -1,5 +1,5 @@
-// What a daemon holds, as a readable TOML file: its objects with bank, gain, pan, material and group, and what its
-// inputs excite. `--state` and session managers load it; `/state/save` and session managers write it.
+// What a daemon holds, as a readable TOML file: its objects with bank, gain, pan, material and group, what its inputs
+// excite, and its scene. `--state` and session managers load it; `/state/save` and session managers write it.
 //
 //   [[object]]
 //   name = "bell"
@@ -15,24 +15,31 @@
 //   point_m = [0.05, 0, 0.02]
 //   force_n = [0, 0, -1]
 //
-// Not in it: what rings, the scene's bodies, ports' connections (a session manager keeps those itself). [worker, or
-// before it runs]
+//   [scene]
+//   file = "/home/me/scenes/drop.toml"        # starts from its beginning
+//   paused = false
+//   cleared = false                           # whether its bodies were removed
+//
+// Not in it: what rings, where the scene's bodies are, bodies that were spawned, ports' connections (a session manager
+// keeps those itself). [worker, or before it runs]
 #pragma once
 
 #include "engine/base/result.h"
 #include "engine/base/vec3.h"
 #include "engine/modal/material_scale.h"
+#include "protocol/event.h"
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace ringdown::server {
 
-class Rack;
 class Recorder;
+class Session;
 
 struct State {
   struct Object {
@@ -47,8 +54,13 @@ struct State {
     std::string object;
     Vec3 point_m, force_n;
   };
+  struct Scene {
+    std::filesystem::path file;
+    bool paused = false, cleared = false;
+  };
   std::vector<Object> objects;
   std::vector<Input> inputs;
+  std::optional<Scene> scene;
 };
 
 // Refuses with one sentence, that begins with path:line, what is missing, wrong or unknown.
@@ -59,9 +71,10 @@ std::string to_toml(const State& state);
 Result<void> write_state(const State& state, const std::filesystem::path& path);
 
 // As they are now; `recorder` knows gains and pans. Banks get absolute paths.
-State state_of(const Rack& rack, const Recorder& recorder);
+State state_of(const Session& session, const Recorder& recorder);
 
-// Loads all that the state names; other objects stay. Stops at the first thing that cannot be.
-Result<void> restore(const State& state, Rack& rack);
+// Loads all that the state names; other objects stay, another scene does not. The scene starts at `frame`. Stops at the
+// first thing that cannot be.
+Result<void> restore(const State& state, Session& session, protocol::Frame frame);
 
 }  // namespace ringdown::server

@@ -2,6 +2,7 @@
 
 #include "engine/solve/distributed_files.h"
 #include "engine/solve/methods.h"
+#include "engine/base/private_folder.h"
 
 #include <cerrno>
 #include <cstdlib>
@@ -15,26 +16,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "ringdown-modes-slepc";
 constexpr int kRigidRoom = 600;  // the program cannot tell rigid motions; solve_modes() counts again without them
-
-// A folder that only we can read, gone afterwards.
-class PrivateFolder {
- public:
-  PrivateFolder() {
-    std::error_code error;
-    std::string name = (fs::temp_directory_path(error) / "ringdown-modes-XXXXXX").string();
-    if (::mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~PrivateFolder() {
-    std::error_code error;
-    if (!path_.empty()) fs::remove_all(path_, error);
-  }
-  PrivateFolder(const PrivateFolder&) = delete;
-  PrivateFolder& operator=(const PrivateFolder&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 // A symmetric matrix is the same column by column and row by row.
 SparseView view_of(const fem::SparseMatrix& matrix) {
@@ -102,7 +83,7 @@ Result<DistributedModes> run_distributed(const fem::System& system, const EigenR
                                          const DistributedRun& run, const Progress& progress) {
   const Result<fs::path> program = find_beside(kProgram);
   if (!program) return fail(program.error().message + "; it is built where SLEPc is installed (libslepc-real-dev)");
-  const PrivateFolder folder;
+  const PrivateFolder folder("ringdown-modes");
   if (folder.path().empty()) return fail(std::string("cannot make a temporary folder: ") + std::strerror(errno));
   const fs::path problem = folder.path() / "problem", answer = folder.path() / "modes";
   Watcher watcher{progress};

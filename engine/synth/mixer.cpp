@@ -119,6 +119,7 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
     write(outputs, done, chunk, peak);
     done += chunk;
     now_ += static_cast<Frame>(chunk);
+    if (watch_objects_.load(std::memory_order_relaxed)) measure_objects();
   }
   if (limiter_) peak = std::max(peak, limit_mix(outputs, frames));
   counters_.ringing_voices.store(place.ringing_voices, std::memory_order_relaxed);
@@ -159,6 +160,7 @@ void Mixer::carry_out(const Order& order) RINGDOWN_REALTIME {
     return;
   }
   if (order.kind == Order::Kind::disconnect) return disconnect(order.input);
+  numbers_ = std::max<std::size_t>(numbers_, order.object + 1);
   Object& object = objects_.data()[order.object];
   part(object);
   if (order.kind == Order::Kind::connect) return connect(order);

@@ -175,6 +175,14 @@ class Mixer {
   void render(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME { render(outputs, {}, frames); }
   void render(std::span<float> left, std::span<float> right) RINGDOWN_REALTIME;  // the mix only
 
+  // Whether the objects' own levels are kept; costs nothing unless set, and 2048 modes at most in a chunk then, so that
+  // many objects are looked at in turn: 64 in each chunk, or fewer. What sounds does not depend on it. [any thread]
+  void watch_objects(bool on) { watch_objects_.store(on, std::memory_order_relaxed); }
+
+  // What no sample of the object, at its gain, has exceeded since the last call, as far as it was looked at: the sum of
+  // its modes' amplitudes. Of one mode it is the peak; many do not peak together. [one thread that is not audio]
+  [[nodiscard]] float take_reach(protocol::ObjectNumber object);
+
   [[nodiscard]] const MixerCounters& counters() const { return counters_; }
 
   // The largest |sample| since the last call. [one thread that is not audio]
@@ -317,6 +325,10 @@ class Mixer {
   [[nodiscard]] std::size_t wake_inputs(std::size_t frames) RINGDOWN_REALTIME;
   void drive(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
 
+  // mixer_reach.cpp
+  void measure_objects() RINGDOWN_REALTIME;
+  [[nodiscard]] double reach_of(const Object& object, std::size_t& modes) const RINGDOWN_REALTIME;
+
   // mixer_families.cpp
   void found_family(protocol::ObjectNumber object, const std::shared_ptr<ModeTable>& table);
   [[nodiscard]] static bool can_share(const Object& object, protocol::Frame now) RINGDOWN_REALTIME;
@@ -344,7 +356,12 @@ class Mixer {
   std::atomic<double> floor_{1e-6};
   std::atomic<bool> exact_contacts_{false};
   std::atomic<std::size_t> masking_from_{kNever};  // so many modes
+  std::atomic<bool> watch_objects_{false};
   MixerCounters counters_;
+  struct Reach {
+    std::atomic<float> now{0}, since{0};
+  };
+  std::vector<Reach> reaches_ = std::vector<Reach>(kMostObjects);
   Agenda agenda_;
   SpscRing<Order> orders_{2 * kMostVoices + kMostObjects};
   SpscRing<Retired> retired_{kMostVoices};
@@ -367,6 +384,8 @@ class Mixer {
   Inputs inputs_{};  // at the chunk being rendered
   std::array<bool, kMostInputs> input_sounds_{};
   std::array<std::optional<protocol::ObjectNumber>, kMostInputs> excites_;
+  std::size_t numbers_ = 0;  // that objects have had: all lower than this
+  std::size_t next_measured_ = 0;
   std::size_t frames_ = 0;  // of the chunk being rendered
   bool together_ = false;   // whether this chunk's slow modes are summed as moments
   protocol::Frame now_ = 0;

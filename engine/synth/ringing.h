@@ -93,6 +93,12 @@ class Ringing {
   }
   [[nodiscard]] bool fading() const RINGDOWN_REALTIME { return fade_left_ > 0; }
 
+  // What no sample of what rings exceeds: the sum of its modes' amplitudes, hidden ones and what fades among them. The
+  // second of states that have rested for so many frames, the modes of a group taken to decay as the slowest of them.
+  // Nothing moves on. [audio]
+  [[nodiscard]] double reach() const RINGDOWN_REALTIME;
+  [[nodiscard]] double reach_at_rest(protocol::Frame frames) const RINGDOWN_REALTIME;
+
   // How many modes sound; how many of these take moments.
   [[nodiscard]] std::size_t sounding_modes() const RINGDOWN_REALTIME;
   [[nodiscard]] std::size_t hidden_modes() const RINGDOWN_REALTIME {
@@ -134,7 +140,8 @@ class Ringing {
   [[nodiscard]] ModeArrays modes(Row re, Row im, std::size_t frames) const RINGDOWN_REALTIME {
     return table_.modes(row(re), row(im), frames);
   }
-  using Energies = std::array<double, kModePadding>;  // |z|^2 of a group's modes
+  [[nodiscard]] double amplitudes_of(std::uint32_t group) const RINGDOWN_REALTIME;  // their sum
+  using Energies = std::array<double, kModePadding>;                                // |z|^2 of a group's modes
   [[nodiscard]] Energies energies_of(std::uint32_t group) const RINGDOWN_REALTIME;
   [[nodiscard]] bool passes(const Energies& energies, std::uint32_t group, Level shift) const RINGDOWN_REALTIME;
   [[nodiscard]] bool wakes(const double* amplitudes, double gain, std::uint32_t group) const RINGDOWN_REALTIME;

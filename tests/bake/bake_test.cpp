@@ -2,7 +2,7 @@
 
 #include "engine/bake/importance.h"
 #include "engine/modal/bank_file.h"
-#include "tests/bake/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/fem/sample_meshes.h"
 
 #include <Eigen/Geometry>

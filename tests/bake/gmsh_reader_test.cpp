@@ -1,6 +1,6 @@
 #include "engine/mesh/gmsh_reader.h"
 
-#include "tests/bake/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/fem/sample_meshes.h"
 
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 
 #include "engine/bake/bake.h"
 #include "engine/modal/bank_file.h"
-#include "tests/bake/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/fem/sample_meshes.h"
 
 #include <gtest/gtest.h>

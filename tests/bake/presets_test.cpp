@@ -2,7 +2,7 @@
 #include "engine/bake/material_page.h"
 #include "engine/bake/object_file.h"
 #include "engine/modal/bank_file.h"
-#include "tests/bake/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // ringdown-bake as its user meets it: exit codes, what it prints, what it leaves behind.
 #include "engine/modal/bank_file.h"
-#include "tests/bake/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include "engine/mesh/gmsh_reader.h"
 #include "engine/modal/bank_file.h"
-#include "tests/bake/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/fem/reference_frequencies.h"
 #include "tests/fem/sample_meshes.h"
 

@@ -1,4 +1,5 @@
 #include "engine/base/atomic_file.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -15,21 +16,15 @@ namespace fs = std::filesystem;
 
 class AtomicFile : public testing::Test {
  protected:
-  AtomicFile() {
-    std::string pattern = (fs::temp_directory_path() / "ringdown-test-XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
-  }
-  ~AtomicFile() override { fs::remove_all(folder_); }
-
   static std::string content(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
   }
   [[nodiscard]] std::size_t files() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), {}));
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_.path()), {}));
   }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(AtomicFile, HoldsTheNewTextAndLeavesNothingBeside) {
@@ -82,7 +77,7 @@ TEST_F(AtomicFile, ReadsUpToTheLimitAndNotOneByteMore) {
 }
 
 TEST_F(AtomicFile, RefusesToReadWhatIsNoFile) {
-  EXPECT_FALSE(read_whole_file(folder_, 100));
+  EXPECT_FALSE(read_whole_file(folder_.path(), 100));
   EXPECT_FALSE(read_whole_file(folder_ / "absent", 100));
   const fs::path pipe = folder_ / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);

@@ -1,6 +1,6 @@
 #include "engine/base/content_cache.h"
 
-#include "tests/bake/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 

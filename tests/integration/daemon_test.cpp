@@ -1,11 +1,11 @@
 // ringdownd as a program: what it answers, refuses, and how it ends. No JACK needed.
 #include "engine/modal/bank_file.h"
 #include "tests/integration/daemon_fixture.h"
-#include "tests/support/signal.h"
+#include "tests/integration/sound_file.h"
 #include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
-#include <sndfile.h>
 
 #include <algorithm>
 #include <cmath>
@@ -23,17 +23,6 @@ using protocol::Message;
 
 // A JACK server that certainly is not there.
 const Process::Environment kNoJack = {{"JACK_DEFAULT_SERVER", "ringdown-test-nobody"}, {"JACK_NO_START_SERVER", "1"}};
-
-// The samples of all channels, frame by frame.
-Samples read_frames(const std::filesystem::path& path) {
-  SF_INFO info{};
-  SNDFILE* file = sf_open(path.c_str(), SFM_READ, &info);
-  if (!file) return {};
-  Samples frames(static_cast<std::size_t>(info.frames * info.channels));
-  sf_readf_double(file, frames.data(), info.frames);
-  sf_close(file);
-  return frames;
-}
 
 class DaemonTest : public testing::Test {
  protected:
@@ -57,7 +46,7 @@ class DaemonTest : public testing::Test {
     return {};
   }
 
-  ScratchFolder folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(DaemonTest, LoadsStrikesRetunesAndFreesObjectsByNameAndNumber) {

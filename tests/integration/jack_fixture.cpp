@@ -1,9 +1,8 @@
 #include "tests/integration/jack_fixture.h"
 
 #include "engine/modal/bank_file.h"
+#include "tests/integration/sound_file.h"
 #include "tests/support/synthetic_bank.h"
-
-#include <sndfile.h>
 
 #include <thread>
 
@@ -43,18 +42,6 @@ std::optional<protocol::StatusReply> JackTest::status(Daemon& daemon) {
 
 protocol::Message JackTest::strike(const std::string& object, double impulse_ns) {
   return protocol::format(protocol::Strike{{.name = object}, {1, 0, 0}, {0, 0, impulse_ns}, 0});
-}
-
-Samples read_left(const std::filesystem::path& path) {
-  SF_INFO info{};
-  SNDFILE* file = sf_open(path.c_str(), SFM_READ, &info);
-  if (!file) return {};
-  Samples frames(static_cast<std::size_t>(info.frames * info.channels));
-  sf_readf_double(file, frames.data(), info.frames);
-  sf_close(file);
-  Samples left;
-  for (std::size_t i = 0; i < frames.size(); i += static_cast<std::size_t>(info.channels)) left.push_back(frames[i]);
-  return left;
 }
 
 }  // namespace ringdown::test

@@ -3,6 +3,7 @@
 
 #include "tests/integration/daemon_fixture.h"
 #include "tests/support/signal.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -32,12 +33,9 @@ class JackTest : public testing::Test {
   // Records `seconds` of the daemon's left output with jack_rec while `play` runs.
   Samples record(double seconds, const std::function<void()>& play);
 
-  ScratchFolder folder_;
+  TemporaryFolder folder_;
   std::filesystem::path bank_ = folder_ / "tone.glb";
   JackServer server_;
 };
-
-// The left channel of a sound file.
-Samples read_left(const std::filesystem::path& path);
 
 }  // namespace ringdown::test

@@ -2,6 +2,7 @@
 #include "engine/modal/bank_file.h"
 #include "tests/integration/jack_fixture.h"
 #include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
 
 #include <filesystem>
 #include <sstream>
@@ -39,7 +40,7 @@ class PipeWire : public testing::Test {
            ports.find("ringdown:midi_in") != std::string::npos;
   }
 
-  ScratchFolder folder_;
+  TemporaryFolder folder_;
   Process::Environment environment_;
   std::unique_ptr<Process> server_;
 };

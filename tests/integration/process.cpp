@@ -1,7 +1,5 @@
 #include "tests/integration/process.h"
 
-#include <gtest/gtest.h>
-
 #include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
@@ -16,27 +14,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-std::filesystem::path fresh(const std::string& pattern, bool folder) {
-  std::string name = (std::filesystem::temp_directory_path() / pattern).string();
-  if (folder) return ::mkdtemp(name.data());
+std::filesystem::path fresh_file() {
+  std::string name = (std::filesystem::temp_directory_path() / "ringdown-output-XXXXXX").string();
   ::close(::mkstemp(name.data()));
   return name;
 }
 
 }  // namespace
 
-ScratchFolder::ScratchFolder() : path_(fresh("ringdown-test-XXXXXX", true)) {}
-
-ScratchFolder::~ScratchFolder() {
-  if (testing::Test::HasFailure()) {
-    std::fprintf(stderr, "kept for a look: %s\n", path_.c_str());
-  } else {
-    std::filesystem::remove_all(path_);
-  }
-}
-
-Process::Process(const std::vector<std::string>& command, const Environment& environment)
-    : output_(fresh("ringdown-output-XXXXXX", false)) {
+Process::Process(const std::vector<std::string>& command, const Environment& environment) : output_(fresh_file()) {
   std::vector<char*> arguments;
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);

@@ -1,6 +1,7 @@
 // Banks written and read again, and the glTF structure that other programs will see.
 #include "tests/modal/glb_editor.h"
 #include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -93,7 +94,7 @@ TEST(BankFile, KeepsNamesInAnyScript) {
 }
 
 TEST(BankFile, LeavesTheOldFileWhenTheNewCannotBeWritten) {
-  const Folder folder;
+  const ringdown::test::TemporaryFolder folder;
   std::filesystem::create_directories(folder / "bank.glb" / "not-empty");
   const auto outcome = write_bank(bar_bank(2), folder / "bank.glb");
   ASSERT_FALSE(outcome);
@@ -105,6 +106,28 @@ TEST(BankFile, RefusesAFileThatIsNotThere) {
   const auto bank = read_bank("/nonexistent/x.glb");
   ASSERT_FALSE(bank);
   EXPECT_NE(bank.error().message.find("/nonexistent/x.glb"), std::string::npos);
+}
+
+// A bank of one mode at four points, made to have so many of both.
+Bank large_bank(std::size_t modes, std::size_t points) {
+  Bank bank = single_mode_bank(440, 2);
+  bank.frequency_hz.assign(modes, 440);
+  bank.decay_per_s.assign(modes, 2);
+  bank.frequency_error.clear();
+  bank.positions.resize(points);
+  bank.shapes.assign(modes * points, Vec3f{0, 0, 1});
+  return bank;
+}
+
+TEST(BankFile, HoldsSoManyModesAndPointsAndNotOneMore) {
+  const auto refusal = [](std::size_t modes, std::size_t points) {
+    const auto bank = parse(written(large_bank(modes, points)));
+    return bank ? "" : bank.error().message;
+  };
+  EXPECT_EQ(refusal(kMostModes, 4), "");
+  EXPECT_NE(refusal(kMostModes + 1, 4).find(std::to_string(kMostModes)), std::string::npos);
+  EXPECT_EQ(refusal(1, kMostPoints), "");
+  EXPECT_NE(refusal(1, kMostPoints + 1).find(std::to_string(kMostPoints)), std::string::npos);
 }
 
 TEST(BankFile, IsAWellFormedGlbContainer) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "engine/modal/bank_file.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -27,24 +28,8 @@ inline std::string file_content(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// A folder that is gone when the test ends.
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "ringdown-test-XXXXXX").string();
-    path_ = ::mkdtemp(pattern.data());
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
-
 inline std::string written(const Bank& bank) {
-  const Folder folder;
+  const ringdown::test::TemporaryFolder folder;
   const auto outcome = write_bank(bank, folder / "bank.glb");
   EXPECT_TRUE(outcome) << outcome.error().message;
   return file_content(folder / "bank.glb");

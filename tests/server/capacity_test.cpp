@@ -67,9 +67,12 @@ TEST_F(CapacityTest, FilesAreReadToTheirLimitAndRefusedPastIt) {
   const auto toml = [](const auto& path) { return TomlTable::read(path); };
   EXPECT_FALSE(too_large(refusal_of(kLargestTomlFile, toml)));
   EXPECT_TRUE(too_large(refusal_of(kLargestTomlFile + 1, toml)));
-  EXPECT_TRUE(too_large(refusal_of(kLargestScore + 1, [](const auto& path) { return read_score(path); })));
-  EXPECT_TRUE(too_large(
-      refusal_of(modal::kLargestBankFile + 1, [this](const auto& path) { return session_.rack().read(path); })));
+  const auto score = [](const auto& path) { return read_score(path); };
+  EXPECT_FALSE(too_large(refusal_of(kLargestScore, score)));
+  EXPECT_TRUE(too_large(refusal_of(kLargestScore + 1, score)));
+  const auto bank = [this](const auto& path) { return session_.rack().read(path); };
+  EXPECT_FALSE(too_large(refusal_of(modal::kLargestBankFile, bank)));
+  EXPECT_TRUE(too_large(refusal_of(modal::kLargestBankFile + 1, bank)));
 }
 
 TEST_F(CapacityTest, ARecordingKeepsSoManyEventsAndSaysWhatItLeftOut) {
@@ -84,6 +87,49 @@ TEST_F(CapacityTest, ARecordingKeepsSoManyEventsAndSaysWhatItLeftOut) {
     ASSERT_TRUE(written) << written.error().message;
     EXPECT_EQ(*written, kMostRecorded);
   }
+}
+
+TEST(Capacity, ACaptureKeepsSoManyFramesAndCountsTheRest) {
+  Captured captured{.most = 100};
+  EXPECT_EQ(Captured{}.most, Captured::kMost);
+  const std::vector<float> block(64, 0.5f);
+  captured.add(block, block);
+  captured.add(std::span(block).first(36), std::span(block).first(36));
+  EXPECT_EQ(captured.left.size(), 100u);
+  EXPECT_EQ(captured.left_out, 0u);
+  captured.add(std::span(block).first(1), std::span(block).first(1));
+  EXPECT_EQ(captured.left.size(), 100u);
+  EXPECT_EQ(captured.right.size(), 100u);
+  EXPECT_EQ(captured.left_out, 1u);
+}
+
+// Its silence is measured by a clock of the test's own.
+TEST_F(CapacityTest, ASubscriberIsSilentForSoLongAndNotLonger) {
+  using Seconds = std::chrono::duration<double>;
+  std::atomic<double> now_s = 0;
+  std::atomic<int> notices = 0;
+  const auto now = [&] {
+    return Notifier::Clock::time_point(std::chrono::duration_cast<Notifier::Clock::duration>(Seconds(now_s.load())));
+  };
+  Notifier notifier(
+      session_, driver_, [&](Peer, std::span<const std::byte>) { ++notices; }, now);
+  const Peer peer{.endpoint = {.port = 1}};
+  const auto is_told = [&] {
+    for (const int before = notices; notices < before + 3;) {
+      if (notifier.subscribers() == 0) return false;
+      std::this_thread::sleep_for(1ms);
+    }
+    return true;
+  };
+  ASSERT_TRUE(notifier.subscribe(peer, 200));
+  EXPECT_TRUE(is_told());
+  now_s = kSilence_s;
+  EXPECT_TRUE(is_told()) << "at the limit";
+  notifier.heard_from(peer);
+  now_s = 2 * kSilence_s;
+  EXPECT_TRUE(is_told()) << "anything it sends keeps it";
+  now_s = 2 * kSilence_s + 0.001;
+  while (notifier.subscribers() > 0) std::this_thread::sleep_for(1ms);
 }
 
 TEST_F(CapacityTest, ANoticeTellsTheLastContacts) {

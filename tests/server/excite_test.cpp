@@ -3,6 +3,7 @@
 #include "server/session.h"
 #include "tests/support/signal.h"
 #include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -16,12 +17,10 @@ constexpr double kForce_n = 4800;
 
 class Excite : public testing::Test {
  protected:
-  Excite() : folder_(std::filesystem::temp_directory_path() / ("ringdown-excite-" + std::to_string(::getpid()))) {
-    std::filesystem::create_directory(folder_);
+  Excite() {
     EXPECT_TRUE(modal::write_bank(test::single_mode_bank(440, 20), folder_ / "a.glb"));
     load("a");
   }
-  ~Excite() override { std::filesystem::remove_all(folder_); }
 
   void load(const std::string& name) {
     ASSERT_TRUE(session_.perform(protocol::LoadObject{name, (folder_ / "a.glb").string()}, 0));
@@ -49,7 +48,7 @@ class Excite : public testing::Test {
     ASSERT_EQ(session_.rack().mixer().counters().ringing_voices, 0u);
   }
 
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
   Session session_{48000};
 };
 

@@ -1,5 +1,6 @@
 // Which files a message may name. Every trick is tried against both ways of guarding.
 #include "server/file_roots.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -25,18 +26,13 @@ class FileRootsTest : public testing::TestWithParam<FileRoots::Guard> {
     std::ofstream(folder_ / "inside-too/c.glb") << "neighbour";
     roots_ = *FileRoots::only({folder_ / "inside"}, GetParam());
   }
-  ~FileRootsTest() override { fs::remove_all(folder_); }
 
   [[nodiscard]] std::string refusal(const fs::path& path) const {
     const auto read = roots_.read(path, 100);
     return read ? "it was read: " + *read : read.error().message;
   }
 
-  static fs::path make_folder() {
-    std::string name = (fs::temp_directory_path() / "ringdown-roots-XXXXXX").string();
-    return ::mkdtemp(name.data());
-  }
-  fs::path folder_ = make_folder();
+  test::TemporaryFolder folder_;
   FileRoots roots_;
 };
 

@@ -1,11 +1,13 @@
 // docs/limits.md against the constants it lists.
 #include "engine/base/toml_table.h"
 #include "engine/modal/bank_file.h"
+#include "engine/scene/simulation.h"
 #include "engine/scene/world.h"
 #include "protocol/bulk.h"
 #include "protocol/names.h"
 #include "server/latency.h"
 #include "server/notifier.h"
+#include "server/offline.h"
 #include "server/osc_packet.h"
 #include "server/osc_stream.h"
 #include "server/recorder.h"
@@ -33,11 +35,15 @@ const std::map<std::string, double> kConstants = {
     ROW(synth::kQueueCapacity),
     ROW(synth::kMostPendingEvents),
     ROW(synth::kMostEventsPerChunk),
+    ROW(synth::kMostDrives),
+    ROW(synth::kMostForces),
     ROW(modal::kMostModes),
     ROW(modal::kMostPoints),
     ROW(modal::kLargestBankFile),
     ROW(scene::kMostBodies),
     ROW(scene::kMostStatics),
+    ROW(scene::kMostObjects),
+    ROW(scene::kMostContactsPerStep),
     ROW(scene::kMostStrikesPerStep),
     ROW(kLargestTomlFile),
     ROW(server::kLargestPacket),
@@ -45,6 +51,7 @@ const std::map<std::string, double> kConstants = {
     ROW(server::kMostArguments),
     ROW(server::kDeepestBundle),
     ROW(protocol::kMostBulkStrikes),
+    ROW(protocol::kLongestDelay_s),
     ROW(protocol::kLongestName),
     ROW(server::kMostScheduled),
     ROW(server::kFarthestAhead_s),
@@ -58,6 +65,8 @@ const std::map<std::string, double> kConstants = {
     ROW(server::kMostConnections),
     ROW(server::kMostUnread),
     ROW(server::kMostRecorded),
+    ROW(Captured::kMost),
+    ROW(server::kLongestRender_s),
     ROW(server::kLargestScore),
     ROW(server::kLongestScore),
 };

@@ -1,6 +1,7 @@
 // Files that say what notes strike, and what is chosen where they say nothing.
 #include "server/note_map.h"
 #include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +14,6 @@ namespace {
 
 class NoteMapTest : public testing::Test {
  protected:
-  ~NoteMapTest() override { std::filesystem::remove(path_); }
-
   Result<NoteMap> read(const std::string& text) {
     std::ofstream(path_) << text;
     return read_note_map(path_);
@@ -24,8 +23,8 @@ class NoteMapTest : public testing::Test {
     return map ? "accepted" : map.error().message;
   }
 
-  std::filesystem::path path_ =
-      std::filesystem::temp_directory_path() / ("notes-" + std::to_string(::getpid()) + ".toml");
+  test::TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_ / "notes.toml";
 };
 
 RackObject object(const std::string& name, protocol::ObjectNumber number, modal::Bank bank) {

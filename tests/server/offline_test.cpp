@@ -7,6 +7,7 @@
 #include "tests/support/keep_signals.h"
 #include "tests/support/signal.h"
 #include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 #include <sndfile.h>
@@ -22,8 +23,7 @@ using protocol::Request;
 
 class OfflineTest : public testing::Test {
  protected:
-  OfflineTest() : folder_(std::filesystem::temp_directory_path() / ("ringdown-offline-" + std::to_string(::getpid()))) {
-    std::filesystem::create_directory(folder_);
+  OfflineTest() {
     EXPECT_TRUE(modal::write_bank(test::random_bank(1, 60, 40), folder_ / "a.glb"));
     EXPECT_TRUE(modal::write_bank(test::random_bank(2, 35, 40), folder_ / "b.glb"));
     std::ofstream(folder_ / "scene.toml") << R"(
@@ -54,7 +54,6 @@ density_kg_m3 = 2000
 position_m = [0.02, 0, 0.7]
 )";
   }
-  ~OfflineTest() override { std::filesystem::remove_all(folder_); }
 
   // Everything a score can ask of a session, at awkward times.
   void write_full_score() {
@@ -106,7 +105,7 @@ position_m = [0.02, 0, 0.7]
     }
   }
 
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(OfflineTest, AScoreSoundsTheSameAtEveryBlockSize) {
@@ -198,7 +197,7 @@ TEST_F(OfflineTest, TheWrittenFileHoldsTheSamples) {
 
 TEST_F(OfflineTest, WhatCannotBeWrittenLeavesNothingBehind) {
   Recording recording{.sample_rate_hz = 768000, .left = {0.f}, .right = {0.f}};  // more than FLAC has room for
-  const auto files = [this] { return std::distance(std::filesystem::directory_iterator(folder_), {}); };
+  const auto files = [this] { return std::distance(std::filesystem::directory_iterator(folder_.path()), {}); };
   const auto before = files();
   EXPECT_FALSE(write_audio(recording, folder_ / "fast.flac"));
   EXPECT_FALSE(write_audio(recording, folder_ / "sound.ogg"));

@@ -1,6 +1,7 @@
 #include "server/osc_score.h"
 
 #include "tests/server/osc_bytes.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -45,11 +46,10 @@ TEST(OscScore, ImmediatelyIsTheStart) {
 TEST(OscScore, WhatIsWrittenIsReadBack) {
   const std::vector<ScoreEvent> events = {
       {0, {"/a", {1}}}, {0, {"/b", {0.5f, "x"}}}, {1.25, {"/c", {}}}, {86400, {"/d", {}}}};
-  const auto folder = std::filesystem::temp_directory_path();
-  const auto path = folder / ("ringdown-score-" + std::to_string(::getpid()) + ".osc");
+  const test::TemporaryFolder folder;
+  const auto path = folder / "a.osc";
   ASSERT_TRUE(write_score(events, path));
   const auto again = read_score(path);
-  std::filesystem::remove(path);
   ASSERT_TRUE(again) << again.error().message;
   ASSERT_EQ(again->size(), events.size());
   for (std::size_t i = 0; i < events.size(); ++i) {

@@ -6,6 +6,7 @@
 #include "protocol/schema.h"
 #include "server/osc_server.h"
 #include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -44,13 +45,9 @@ class StillDriver final : public Driver {
 class OscServerTest : public testing::Test {
  protected:
   OscServerTest() {
-    std::filesystem::create_directory(folder_);
     EXPECT_TRUE(modal::write_bank(test::single_mode_bank(6000, 800), folder_ / "tick.glb"));  // silent after 20 ms
   }
-  ~OscServerTest() override {
-    server_.reset();
-    std::filesystem::remove_all(folder_);
-  }
+  ~OscServerTest() override { server_.reset(); }
 
   void serve(Latency latency = {}, std::shared_ptr<OscStream> stream = {}) {
     auto socket = OscSocket::bind();
@@ -119,8 +116,7 @@ class OscServerTest : public testing::Test {
     return protocol::format(protocol::Strike{{.name = object}, {1, 0, 0}, {0, 0, 1}, 0});
   }
 
-  std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("ringdown-osc-server-" + std::to_string(::getpid()));
+  test::TemporaryFolder folder_;
   StillDriver driver_;
   Session session_{kRate};
   Recorder recorder_{session_.rack()};

@@ -152,6 +152,50 @@ TEST_F(OscServerTest, SubscribersHearOfObjectsContactsPeaksAndLoad) {
   EXPECT_LE(still, 1) << "one may have been on its way";
 }
 
+TEST_F(OscServerTest, SubscribersHearOfGroups) {
+  load("bell");
+  load("bowl");
+  serve();
+  send({"/object/bell/group", {"metal"}});
+  sync();
+  send({"/notify", {1, 100.f}});
+  const auto heard = [this](const std::string& name, const std::optional<std::string>& group) {
+    return wait_for<protocol::NotifyGroup>(client_, [&](const auto& n) { return n.name == name && n.group == group; })
+        .has_value();
+  };
+  EXPECT_TRUE(heard("bell", "metal")) << "what was so before";
+  send({"/object/bowl/group", {"metal"}});
+  EXPECT_TRUE(heard("bowl", "metal"));
+  send({"/object/bell/group", {}});
+  EXPECT_TRUE(heard("bell", std::nullopt));
+}
+
+// Two objects of one bank share their states; only one is struck.
+TEST_F(OscServerTest, SubscribersHearHowLoudEachObjectIs) {
+  for (const char* name : {"bell", "bowl"}) load(name);
+  serve();
+  send({"/notify", {1, 100.f}});
+  ASSERT_TRUE(wait_for<protocol::NotifyLoad>(client_, [](const auto&) { return true; }));
+  send(strike("bowl"));
+  sync();
+  onsets_until(static_cast<Frame>(driver_.frame_of(unix_now_s())) + 4800);  // 6000 Hz, 800/s: gone after 20 ms
+  const auto told = [this](const auto& wanted) {
+    return wait_for<protocol::NotifyObjectPeak>(client_, [&](const auto& n) {
+      EXPECT_EQ(n.object, "bowl");
+      return wanted(n.peak);
+    });
+  };
+  const double sine = synth::kOutputScale * 2 * 3.14159265 * 6000, within_a_chunk = std::exp(-800 * 128 / kRate);
+  EXPECT_TRUE(told([&](double peak) { return peak > within_a_chunk * sine * 0.999 && peak < sine * 1.001; }));
+  EXPECT_TRUE(told([](double peak) { return peak == 0; })) << "when it has fallen silent";
+  EXPECT_TRUE(wait_for<protocol::NotifyLoad>(client_, [](const auto&) { return true; }));
+  for (int i = 0; i < 5; ++i) {
+    for (const protocol::Reply& reply : notice(client_)) {
+      EXPECT_FALSE(std::holds_alternative<protocol::NotifyObjectPeak>(reply)) << "once is enough";
+    }
+  }
+}
+
 TEST_F(OscServerTest, SoManySubscribersAndNotOneMore) {
   serve();
   std::vector<OscSocket> clients;

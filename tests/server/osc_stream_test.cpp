@@ -4,6 +4,8 @@
 
 #include <arpa/inet.h>
 #include <lo/lo.h>
+
+#include <future>
 #include <sys/socket.h>
 
 namespace ringdown::server {
@@ -28,6 +30,16 @@ class TcpClient {
     ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
   }
   void send(const Message& message) const { send_raw(slip_encode(encode(message))); }
+
+  // How many bytes come, up to `most` or until the server cuts us off.
+  [[nodiscard]] std::size_t bytes_until_silence(std::size_t most) const {
+    std::vector<std::byte> bytes(65536);
+    std::size_t count = 0;
+    for (ssize_t got = 0; count < most && (got = ::recv(socket_, bytes.data(), bytes.size(), 0)) > 0;) {
+      count += static_cast<std::size_t>(got);
+    }
+    return count;
+  }
 
   // The next answer; nothing when the server has cut us off.
   std::optional<protocol::Reply> reply() {
@@ -158,6 +170,24 @@ TEST_F(OscStreamTest, WhoDoesNotReadItsAnswersIsCutOff) {
   int answers = 0;
   while (deaf.reply()) ++answers;
   EXPECT_LT(answers, 300000);
+}
+
+// The whole answer waits for the client, in one piece.
+TEST(OscStream, SoMuchWaitsForAClientAndNotAByteMore) {
+  for (const std::size_t more : {0u, 1u}) {
+    auto stream = OscStream::listen({});
+    ASSERT_TRUE(stream) << stream.error().message;
+    std::promise<Peer> met;
+    (*stream)->start([&](std::span<const std::byte>, Peer from) { met.set_value(from); });
+    const TcpClient client((*stream)->port());
+    client.send({"/version", {}});
+    const std::size_t frame = slip_encode(std::vector<std::byte>(1)).size() - 1;  // what SLIP adds to zeros
+    const std::vector<std::byte> packet(kMostUnread - frame + more);
+    ASSERT_EQ(slip_encode(packet).size(), kMostUnread + more);
+    (*stream)->send(met.get_future().get(), packet);
+    EXPECT_EQ(client.bytes_until_silence(kMostUnread), more == 0 ? kMostUnread : 0);
+    (*stream)->stop();
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "server/session.h"
 #include "tests/support/realtime_guard.h"
 #include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +23,6 @@ constexpr std::size_t kFrames = 16, kObjects = 12, kBanks = 4;
 class Crowd {
  public:
   explicit Crowd(Session& session) : session_(session) {
-    std::filesystem::create_directory(folder_);
     for (std::size_t n = 0; n < kBanks; ++n) {
       EXPECT_TRUE(modal::write_bank(test::random_bank(static_cast<std::uint32_t>(n), 4 << n, 12), bank(n)));
     }
@@ -32,7 +32,6 @@ class Crowd {
   ~Crowd() {
     loader_ = {};
     player_ = {};
-    std::filesystem::remove_all(folder_);
   }
   Crowd(const Crowd&) = delete;
   Crowd& operator=(const Crowd&) = delete;
@@ -73,8 +72,7 @@ class Crowd {
   }
 
   Session& session_;
-  std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("ringdown-realtime-" + std::to_string(::getpid()));
+  test::TemporaryFolder folder_;
   std::jthread loader_, player_;
 };
 
@@ -82,6 +80,7 @@ TEST(Realtime, AMillionBlocksAllocateNothingLockNothingAndCallNoSystem) {
   if (!test::kRealtimeGuardWorks) GTEST_SKIP() << "sanitizers and clang replace the watched functions";
   Session session(48000);
   session.merge_within(0);
+  session.rack().mixer().watch_objects(true);
   Crowd crowd(session);
   std::array<float, kFrames> left{}, right{};
   test::RealtimeViolations seen;

@@ -2,6 +2,7 @@
 #include "server/service_notice.h"
 
 #include "tests/integration/daemon_fixture.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -60,7 +61,7 @@ class Environment {
 };
 
 TEST(ServiceNotice, IsReadyOnceAndOnlyWhenSoundRuns) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const NotifySocket socket((folder / "notify").string());
   const Environment environment({{"NOTIFY_SOCKET", (folder / "notify").string()}});
   server::ServiceNotice notice;
@@ -75,7 +76,7 @@ TEST(ServiceNotice, IsReadyOnceAndOnlyWhenSoundRuns) {
 }
 
 TEST(ServiceNotice, TheWatchdogHearsOnlyAWorkerThatWorks) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const NotifySocket socket((folder / "notify").string());
   const Environment environment({{"NOTIFY_SOCKET", (folder / "notify").string()}, {"WATCHDOG_USEC", "2"}});
   server::ServiceNotice notice;  // one microsecond between two messages: every turn may say one
@@ -88,7 +89,7 @@ TEST(ServiceNotice, TheWatchdogHearsOnlyAWorkerThatWorks) {
 }
 
 TEST(ServiceNotice, AWatchdogForAnotherProcessIsNotOurs) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const NotifySocket socket((folder / "notify").string());
   const Environment environment(
       {{"NOTIFY_SOCKET", (folder / "notify").string()}, {"WATCHDOG_USEC", "2"}, {"WATCHDOG_PID", "1"}});
@@ -112,7 +113,7 @@ TEST(ServiceNotice, AbstractSocketsAreHeardAndNoneAtAllIsFine) {
 }
 
 TEST(ServiceNotice, TheDaemonSaysWhenSoundRunsThatItLivesAndWhenItStops) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const std::string path = (folder / "notify").string();
   const NotifySocket socket(path);
   Daemon daemon({"--driver", "null"}, {{"NOTIFY_SOCKET", path}, {"WATCHDOG_USEC", "200000"}});
@@ -138,7 +139,7 @@ TEST(ServiceNotice, TheDaemonSaysWhenSoundRunsThatItLivesAndWhenItStops) {
 }
 
 TEST(ServiceNotice, WithoutAudioTheDaemonNeverSaysReady) {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const std::string path = (folder / "notify").string();
   const NotifySocket socket(path);
   const Outcome outcome =

@@ -4,6 +4,7 @@
 #include "server/session.h"
 #include "tests/support/signal.h"
 #include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -17,12 +18,10 @@ using protocol::ObjectRef;
 
 class SessionTest : public testing::Test {
  protected:
-  SessionTest() : folder_(std::filesystem::temp_directory_path() / ("ringdown-session-" + std::to_string(::getpid()))) {
-    std::filesystem::create_directory(folder_);
+  SessionTest() {
     EXPECT_TRUE(modal::write_bank(test::single_mode_bank(440, 2), folder_ / "a.glb"));
     EXPECT_TRUE(modal::write_bank(test::single_mode_bank(660, 2), folder_ / "b.glb"));
   }
-  ~SessionTest() override { std::filesystem::remove_all(folder_); }
 
   [[nodiscard]] std::string bank(const std::string& name) const { return (folder_ / name).string(); }
 
@@ -38,7 +37,7 @@ class SessionTest : public testing::Test {
     return session_.play(protocol::Strike{object, {1, 0, 0}, {0, 0, 1}, 0}, now);
   }
 
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
   Session session_{48000};
 };
 
@@ -166,9 +165,13 @@ TEST_F(SessionTest, OneWrongRecordRefusesTheWholeBulkByItsNumber) {
   EXPECT_NE(refusal([&](auto& b) { b.point_m.y = nan; }).find("record 2 (y)"), std::string::npos);
   EXPECT_NE(refusal([&](auto& b) { b.impulse_ns.z = HUGE_VAL; }).find("record 2 (jz)"), std::string::npos);
   EXPECT_NE(refusal([&](auto& b) { b.contact_time_s = nan; }).find("record 2 (contact_time)"), std::string::npos);
-  EXPECT_NE(refusal([](auto& b) { b.delay_s = 61; }).find("record 2 (delay)"), std::string::npos);
+  EXPECT_NE(refusal([](auto& b) {
+              b.delay_s = std::nextafter(float(protocol::kLongestDelay_s), 100.f);
+            }).find("record 2 (delay)"),
+            std::string::npos);
   render(256);
   EXPECT_EQ(session_.rack().mixer().counters().strikes, 0u);
+  EXPECT_EQ(refusal([](auto& b) { b.delay_s = protocol::kLongestDelay_s; }), "") << "at the limit";
 }
 
 TEST_F(SessionTest, AFloodIsMergedWithoutLosingImpulse) {

@@ -3,6 +3,7 @@
 
 #include "server/daemon.h"
 #include "server/options.h"
+#include "tests/support/temporary_folder.h"
 
 #include <CLI/CLI.hpp>
 #include <gtest/gtest.h>
@@ -19,9 +20,6 @@ namespace fs = std::filesystem;
 
 class Settings : public testing::Test {
  protected:
-  Settings() { fs::create_directories(folder_); }
-  ~Settings() override { fs::remove_all(folder_); }
-
   // The options of a command line and of a file together.
   Result<DaemonOptions> read(const std::string& text, const std::string& command_line = "") {
     std::ofstream(file_) << text;
@@ -38,7 +36,7 @@ class Settings : public testing::Test {
     return options ? "nothing" : options.error().message;
   }
 
-  fs::path folder_ = fs::temp_directory_path() / ("ringdown-settings-" + std::to_string(::getpid()));
+  test::TemporaryFolder folder_;
   fs::path file_ = folder_ / "ringdownd.toml";
 };
 
@@ -92,7 +90,7 @@ TEST_F(Settings, WhatIsWrongIsNamedWithFileLineAndKey) {
 
 TEST_F(Settings, TheUsualFileIsInTheUsersConfigurationFolder) {
   const fs::path usual = folder_ / "ringdown" / "ringdownd.toml";
-  ::setenv("XDG_CONFIG_HOME", folder_.c_str(), 1);
+  ::setenv("XDG_CONFIG_HOME", folder_.path().c_str(), 1);
   EXPECT_FALSE(settings_file({})) << "there is none yet";
   fs::create_directories(usual.parent_path());
   std::ofstream(usual) << "rate = 44100\n";

@@ -5,7 +5,9 @@
 #include "server/file_roots.h"
 #include "server/recorder.h"
 #include "server/session.h"
+#include "tests/support/signal.h"
 #include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -18,18 +20,19 @@ namespace {
 
 class StateTest : public testing::Test {
  protected:
-  StateTest() : folder_(std::filesystem::temp_directory_path() / ("ringdown-state-" + std::to_string(::getpid()))) {
-    std::filesystem::create_directory(folder_);
-    EXPECT_TRUE(modal::write_bank(test::single_mode_bank(440, 2), bank_));
+  StateTest() {
+    for (const auto& path : {bank_, folder_ / "b.glb"}) {
+      EXPECT_TRUE(modal::write_bank(test::single_mode_bank(440, 2), path));
+    }
   }
-  ~StateTest() override { std::filesystem::remove_all(folder_); }
 
   std::string refusal(const std::string& text) const {
     const auto state = parse_state(text, folder_ / "s.toml");
     return state ? "nothing" : state.error().message;
   }
 
-  std::filesystem::path folder_, bank_ = folder_ / "a \"b\" \\ \t.glb";
+  test::TemporaryFolder folder_;
+  std::filesystem::path bank_ = folder_ / "a \"b\" \\ \t.glb";
 };
 
 struct Daemon {
@@ -38,9 +41,27 @@ struct Daemon {
 };
 
 TEST_F(StateTest, WhatWasSavedComesBackInAnotherDaemon) {
+  std::ofstream(folder_ / "fall.toml") << R"(
+[[object]]
+name = "bell"
+bank = "b.glb"
+gain = 0.1
+group = "glass"
+[[static]]
+name = "floor"
+shape = "plane"
+[[body]]
+name = "ball"
+object = "bell"
+shape = "sphere"
+radius_m = 0.05
+density_kg_m3 = 1000
+position_m = [0, 0, 1]
+)";
   Daemon one, other;
   const auto perform = [&](const protocol::Request& request) { ASSERT_TRUE(one.session.perform(request, 0)); };
-  perform(protocol::LoadObject{"bell", bank_.string()});
+  perform(protocol::SceneLoad{(folder_ / "fall.toml").string()});
+  perform(protocol::ScenePause{true});
   perform(protocol::LoadObject{"plain", bank_.string()});
   perform(protocol::SetMaterial{{.name = "bell"}, {1, 0.1, 2, 1.0 / 3}});
   perform(protocol::SetGroup{{.name = "bell"}, "metal"});
@@ -49,16 +70,16 @@ TEST_F(StateTest, WhatWasSavedComesBackInAnotherDaemon) {
   ASSERT_TRUE(one.session.play(protocol::SetPan{{.name = "bell"}, -0.3}, 0));
 
   const auto file = folder_ / "state.toml";
-  ASSERT_TRUE(write_state(state_of(one.session.rack(), one.recorder), file));
+  ASSERT_TRUE(write_state(state_of(one.session, one.recorder), file));
   EXPECT_TRUE(FileRoots().writable(file, kStateKind)) << "a state may replace a state";
   const auto state = read_state(file);
   ASSERT_TRUE(state) << state.error().message;
-  const auto restored = restore(*state, other.session.rack());
+  const auto restored = restore(*state, other.session, 48000);
   ASSERT_TRUE(restored) << restored.error().message;
 
   const auto bell = other.session.rack().find({.name = "bell"});
   ASSERT_TRUE(bell);
-  EXPECT_EQ(*bell->bank, bank_);
+  EXPECT_EQ(*bell->bank, folder_ / "b.glb");
   EXPECT_EQ(bell->group, "metal");
   EXPECT_EQ(bell->material, (modal::MaterialScale{1, 0.1, 2, 1.0 / 3}));
   EXPECT_EQ(other.recorder.level(bell->number).gain, 0.7);
@@ -68,11 +89,52 @@ TEST_F(StateTest, WhatWasSavedComesBackInAnotherDaemon) {
   EXPECT_EQ(input->object, bell->number);
   EXPECT_EQ(input->point_m, (Vec3{0.1, 0.2, 0.3}));
   EXPECT_EQ(input->force_n, (Vec3{0, 0, -1e-7}));
+  const auto scene = other.session.scene().playing();
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(scene->file, folder_ / "fall.toml");
+  EXPECT_TRUE(scene->paused);
+  EXPECT_EQ(other.session.scene().body_count(), 1u);
   const auto plain = other.session.rack().find({.name = "plain"});
   ASSERT_TRUE(plain);
+  EXPECT_EQ(*plain->bank, bank_);
   EXPECT_EQ(plain->material, modal::MaterialScale{});
   EXPECT_EQ(plain->group, "");
-  EXPECT_EQ(to_toml(state_of(other.session.rack(), other.recorder)), to_toml(*state)) << "saved again, it is the same";
+  EXPECT_EQ(to_toml(state_of(other.session, other.recorder)), to_toml(*state)) << "saved again, it is the same";
+}
+
+// The scene file says 0.1, from where the scene starts; the state says 0.7.
+TEST_F(StateTest, WhatWasSavedOutlastsWhatTheSceneSays) {
+  std::ofstream(folder_ / "still.toml") << "[[object]]\nname = 'bell'\nbank = 'b.glb'\ngain = 0.1\npan = 1\n";
+  const State state{.objects = {{.name = "bell", .bank = folder_ / "b.glb", .gain = 0.7, .pan = -1}},
+                    .scene = State::Scene{folder_ / "still.toml"}};
+  for (const protocol::Frame strike : {100, 72000}) {
+    Daemon daemon;
+    ASSERT_TRUE(restore(state, daemon.session, 48000));
+    std::vector<float> left(96000), right(96000);
+    ASSERT_TRUE(daemon.session.play(protocol::Strike{{.name = "bell"}, {1, 0, 0}, {0, 0, 1}, 0}, strike));
+    daemon.session.rack().mixer().render(left, right);
+    const auto heard = test::to_doubles(std::span(left).subspan(static_cast<std::size_t>(strike)));
+    Session plain{48000};
+    ASSERT_TRUE(plain.rack().load("bell", folder_ / "b.glb"));
+    ASSERT_TRUE(plain.play(protocol::SetPan{{.name = "bell"}, -1}, 0));
+    ASSERT_TRUE(plain.play(protocol::Strike{{.name = "bell"}, {1, 0, 0}, {0, 0, 0.7}, 0}, strike));
+    plain.rack().mixer().render(left, right);
+    const auto expected = test::to_doubles(std::span(left).subspan(static_cast<std::size_t>(strike)));
+    // 0.01 s of the ramp from gain 1 at the very start
+    EXPECT_LT(test::relative_error_db(std::span(heard).subspan(2000), std::span(expected).subspan(2000)), -100);
+  }
+}
+
+TEST_F(StateTest, AClearedSceneStaysCleared) {
+  std::ofstream(folder_ / "ball.toml") << "[[body]]\nname = 'ball'\nshape = 'sphere'\nradius_m = 0.1\n"
+                                          "density_kg_m3 = 1000\nposition_m = [0, 0, 1]\n";
+  Daemon one, other;
+  ASSERT_TRUE(one.session.perform(protocol::SceneLoad{(folder_ / "ball.toml").string()}, 0));
+  ASSERT_EQ(one.session.scene().body_count(), 1u);
+  ASSERT_TRUE(one.session.perform(protocol::SceneClear{}, 0));
+  ASSERT_TRUE(restore(state_of(one.session, one.recorder), other.session, 0));
+  EXPECT_TRUE(other.session.scene().playing());
+  EXPECT_EQ(other.session.scene().body_count(), 0u);
 }
 
 TEST_F(StateTest, AWrongFileIsRefusedWithItsLine) {
@@ -84,13 +146,15 @@ TEST_F(StateTest, AWrongFileIsRefusedWithItsLine) {
   EXPECT_NE(refusal("[[object]]\nname = 'a'\nbank = 'b'\ncolour = 'red'\n").find("colour"), std::string::npos);
   const std::string place = "object = 'a'\npoint_m = [0, 0, 0]\nforce_n = [0, 0, 1]\n";
   EXPECT_EQ(refusal("[[input]]\ninput = 4\n" + place), "nothing");
+  EXPECT_NE(refusal("[scene]\npaused = true\n").find("file"), std::string::npos);
+  EXPECT_NE(refusal("[scene]\nfile = 's'\npaused = 1\n").find("s.toml:3"), std::string::npos);
   EXPECT_NE(refusal("[[input]]\ninput = 5\n" + place).find("s.toml:2"), std::string::npos);
 }
 
 TEST_F(StateTest, AnInputOfAnObjectThatIsNotThereIsRefused) {
   Daemon daemon;
   const State state{.inputs = {{1, "drum", {}, {0, 0, 1}}}};
-  const auto restored = restore(state, daemon.session.rack());
+  const auto restored = restore(state, daemon.session, 0);
   ASSERT_FALSE(restored);
   EXPECT_NE(restored.error().message.find("drum"), std::string::npos);
 }

@@ -6,6 +6,7 @@
 #include "tests/soak/ear.h"
 #include "tests/soak/health.h"
 #include "tests/soak/pauses.h"
+#include "tests/support/temporary_folder.h"
 
 #include <CLI/CLI.hpp>
 
@@ -62,7 +63,7 @@ class Soak {
   [[nodiscard]] double passed_s() const { return seconds_since(start_); }
 
   Options options_;
-  ScratchFolder folder_;
+  TemporaryFolder folder_;
   std::optional<JackServer> server_;
   HeapMeter heap_{folder_ / "heap", RINGDOWN_HEAP_METER_LIBRARY};
   std::optional<Daemon> daemon_;

@@ -4,6 +4,7 @@
 #include "engine/base/child_process.h"
 #include "engine/solve/distributed_files.h"
 #include "tests/fem/sample_meshes.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -92,12 +93,7 @@ TEST(Distributed, MoreModesThanAllowedIsASentence) {
 // The files between the two programs: what is not whole is refused, whatever is missing of it.
 class Files : public testing::Test {
  protected:
-  Files() {
-    std::string name = (std::filesystem::temp_directory_path() / "ringdown-files-XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  ~Files() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(Files, AProblemThatIsCutShortIsRefused) {

@@ -4,6 +4,7 @@
 #include "engine/mesh/gmsh_reader.h"
 #include "tests/fem/reference_frequencies.h"
 #include "tests/fem/sample_meshes.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -121,11 +122,11 @@ TEST(ExactFrequencies, OfAThinPlateByQuarticElements) {
 
 // A ball of curved elements from gmsh, whose node order differs from ours: were it taken wrongly, nothing would fit.
 mesh::TetMesh ball(double mesh_size_m, int order) {
-  const auto path = std::filesystem::temp_directory_path() / ("ringdown-ball-" + std::to_string(order) + ".geo");
+  const test::TemporaryFolder folder;
+  const auto path = folder / "ball.geo";
   std::ofstream(path) << "SetFactory(\"OpenCASCADE\"); DefineConstant[ mesh_size = 0.05 ];\n"
                          "Sphere(1) = {0, 0, 0, 0.1}; MeshSize{ PointsOf{ Volume{1}; } } = mesh_size;\n";
   const auto mesh = mesh::read_with_gmsh(path, {.mesh_size_m = mesh_size_m, .order = order, .parameters = {}});
-  std::filesystem::remove(path);
   EXPECT_TRUE(mesh) << mesh.error().message;
   EXPECT_EQ(mesh->straightened, 0);
   EXPECT_EQ(mesh->mesh.order(), order);

@@ -5,6 +5,7 @@
 #include "engine/mesh/gmsh_reader.h"
 #include "tests/fem/reference_frequencies.h"
 #include "tests/fem/sample_meshes.h"
+#include "tests/support/temporary_folder.h"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -101,11 +102,11 @@ double subspace_mac(const fem::System& system, const Eigen::MatrixXd& shapes, Ei
 }
 
 TEST(ExactShapes, OfASphereSpanTheClosedForm) {
-  const auto path = std::filesystem::temp_directory_path() / "ringdown-exact-shapes.geo";
+  const test::TemporaryFolder folder;
+  const auto path = folder / "ball.geo";
   std::ofstream(path) << "SetFactory(\"OpenCASCADE\"); DefineConstant[ mesh_size = 0.05 ];\n"
                          "Sphere(1) = {0, 0, 0, 0.1}; MeshSize{ PointsOf{ Volume{1}; } } = mesh_size;\n";
   const auto ball = mesh::read_with_gmsh(path, {.mesh_size_m = 0.05, .order = 3, .parameters = {}});
-  std::filesystem::remove(path);
   ASSERT_TRUE(ball) << ball.error().message;
   const mesh::TetMesh& mesh = ball->mesh;
   const fem::System system = fem::assemble(mesh, kSteel, fem::Element::kTet20).value();

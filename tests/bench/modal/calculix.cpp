@@ -3,6 +3,7 @@
 #include "engine/base/child_process.h"
 #include "engine/mesh/tet_basis.h"
 #include "engine/mesh/tet_shape.h"
+#include "engine/base/private_folder.h"
 
 #include <Eigen/LU>
 
@@ -19,20 +20,6 @@ namespace ringdown::bench {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "ringdown-ccx-XXXXXX").string();
-    if (::mkdtemp(name.data()) != nullptr) path = name;
-  }
-  ~Folder() {
-    std::error_code error;
-    if (!path.empty()) fs::remove_all(path, error);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-};
 
 // Fields of a deck are read from at most 20 characters. Node order of C3D10 is ours.
 bool write_deck(const fs::path& path, const mesh::TetMesh& mesh, const fem::Elastic& elastic, int modes) {
@@ -94,19 +81,19 @@ fem::SparseMatrix calculix_mass(const mesh::TetMesh& mesh, double density_kg_m3)
 }
 
 Result<CalculixRun> run_calculix(const mesh::TetMesh& mesh, const fem::Elastic& elastic, int modes, double limit_s) {
-  const Folder folder;
-  if (folder.path.empty() || !write_deck(folder.path / "body.inp", mesh, elastic, modes)) {
+  const PrivateFolder folder("ringdown-ccx");
+  if (folder.path().empty() || !write_deck(folder.path() / "body.inp", mesh, elastic, modes)) {
     return fail("cannot write CalculiX's input below " + fs::temp_directory_path().string());
   }
   std::string said;
   const auto run = run_child({.command = {"ccx", "body"},
                               .environment = {{"OMP_NUM_THREADS", "1"}, {"OPENBLAS_NUM_THREADS", "1"}},
-                              .folder = folder.path,
+                              .folder = folder.path(),
                               .limit_s = limit_s,
                               .on_line = [&](std::string_view line) { said.append(line).append("\n"); }});
   if (!run) return fail(run.error());
   if (run->out_of_time) return fail("CalculiX took longer than its limit");
-  CalculixRun done{read_table(folder.path / "body.dat"), run->seconds, run->processor_s, run->peak_mib};
+  CalculixRun done{read_table(folder.path() / "body.dat"), run->seconds, run->processor_s, run->peak_mib};
   std::sort(done.frequencies_hz.begin(), done.frequencies_hz.end());
   if (run->exit_code != 0 || done.frequencies_hz.size() < static_cast<std::size_t>(modes)) {
     return fail("CalculiX found " + std::to_string(done.frequencies_hz.size()) + " modes and ended with exit code " +

@@ -1,0 +1,51 @@
+#include "server/realtime_share.h"
+
+#include <pthread.h>
+#include <time.h>
+
+#include <system_error>
+
+namespace ringdown::server {
+namespace {
+
+constexpr double kLookEvery_s = 0.0005;
+
+double seconds_of(clockid_t clock) {
+  timespec time{};
+  ::clock_gettime(clock, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+// An error number; 0 is none.
+int schedule(int priority) {
+  const sched_param parameters{.sched_priority = priority};
+  return pthread_setschedparam(pthread_self(), priority > 0 ? SCHED_FIFO : SCHED_OTHER, &parameters);
+}
+
+}  // namespace
+
+Result<void> RealtimeShare::set_priority(int priority) {
+  const int error = schedule(priority);
+  priority_ = error == 0 ? priority : 0;
+  raised_ = priority_ > 0;
+  begin_s_ = -1;
+  if (error == 0) return {};
+  return fail(std::generic_category().message(error));
+}
+
+void RealtimeShare::turn() {
+  if (priority_ == 0) return;
+  const double now_s = seconds_of(CLOCK_MONOTONIC);
+  if (now_s - looked_at_s_ < kLookEvery_s) return;
+  looked_at_s_ = now_s;
+  const double used_s = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+  if (now_s - begin_s_ >= kPeriod_s) {
+    begin_s_ = now_s;
+    used_s_ = used_s;
+    if (!raised_) raised_ = schedule(priority_) == 0;
+  } else if (raised_ && used_s - used_s_ >= kMost_s) {
+    raised_ = schedule(0) != 0;
+  }
+}
+
+}  // namespace ringdown::server

@@ -1,0 +1,87 @@
+// `ringdown render` of a score whose bundles carry time tags: where each is heard in the file it writes.
+#include "engine/modal/bank_file.h"
+#include "protocol/bulk.h"
+#include "protocol/schema.h"
+#include "server/osc_score.h"
+#include "tests/integration/daemon_fixture.h"
+#include "tests/integration/sound_file.h"
+#include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace ringdown::test {
+namespace {
+
+// A strike without contact time is a sine that begins at zero: its frame is the last silent one.
+std::vector<double> onsets(const Samples& samples) {
+  std::vector<double> found;
+  std::size_t last_heard = 0;
+  for (std::size_t n = 1; n < samples.size(); ++n) {
+    if (std::abs(samples[n]) < 1e-5) continue;
+    if (found.empty() || n - last_heard > 200) found.push_back(static_cast<double>(n - 1));
+    last_heard = n;
+  }
+  return found;
+}
+
+class RenderTest : public testing::Test {
+ protected:
+  RenderTest() { EXPECT_TRUE(modal::write_bank(single_mode_bank(3000, 1500), folder_ / "tick.glb")); }
+
+  // Times that lie between frames, at the edges of blocks, and nowhere in particular.
+  static std::vector<double> times(double rate_hz) {
+    std::vector<double> at = {255.5 / rate_hz, 1.0 / 3, 0.5};
+    for (int i = 1; i < 30; ++i) at.push_back(0.6 + 0.0371 * i + 0.1 * i / rate_hz);
+    return at;
+  }
+
+  Samples render(const std::vector<server::ScoreEvent>& events, double rate_hz, int block) {
+    const auto score = folder_ / "score.osc", sound = folder_ / "sound.wav";
+    EXPECT_TRUE(server::write_score(events, score));
+    const Outcome outcome = run({program("ringdown"), "render", "--events", score.string(), "--object",
+                                 "tick=" + (folder_ / "tick.glb").string(), "--rate", std::to_string(rate_hz),
+                                 "--block", std::to_string(block), "--seconds", "2", "-o", sound.string()});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    return read_left(sound);
+  }
+
+  static void expect_at(const std::vector<double>& times_s, const Samples& samples, double rate_hz) {
+    const std::vector<double> heard = onsets(samples);
+    ASSERT_EQ(heard.size(), times_s.size());
+    for (std::size_t i = 0; i < heard.size(); ++i) EXPECT_NEAR(heard[i], times_s[i] * rate_hz, 1) << times_s[i] << " s";
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(RenderTest, EveryBundleIsHeardWithinASampleOfItsTime) {
+  for (const double rate_hz : {44100.0, 48000.0, 96000.0}) {
+    for (const int block : {1, 64, 100, 1024}) {
+      std::vector<server::ScoreEvent> events;
+      for (const double time_s : times(rate_hz)) {
+        events.push_back({time_s, protocol::format(protocol::Request(
+                                      protocol::Strike{{.name = "tick"}, {1, 0, 0}, {0, 0, 0.5}, 0}))});
+      }
+      SCOPED_TRACE(std::to_string(rate_hz) + " Hz, blocks of " + std::to_string(block));
+      expect_at(times(rate_hz), render(events, rate_hz, block), rate_hz);
+    }
+  }
+}
+
+TEST_F(RenderTest, EveryRecordOfABulkIsHeardWithinASampleOfItsDelay) {
+  constexpr double kRate_hz = 48000, kBundle_s = 0.05;
+  std::vector<protocol::BulkStrike> strikes;
+  std::vector<double> heard_s = times(kRate_hz);
+  for (double& time_s : heard_s) {
+    strikes.push_back({0, 0, {}, {0, 0, 0.5}, 0, time_s});
+    time_s += kBundle_s;
+  }
+  const auto message = protocol::format(protocol::Request(protocol::StrikeMany{protocol::encode_strikes(strikes)}));
+  expect_at(heard_s, render({{kBundle_s, message}}, kRate_hz, 256), kRate_hz);
+}
+
+}  // namespace
+}  // namespace ringdown::test

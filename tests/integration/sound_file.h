@@ -1,0 +1,14 @@
+// Sound files that a program wrote, as samples.
+#pragma once
+
+#include "tests/support/signal.h"
+
+#include <filesystem>
+
+namespace ringdown::test {
+
+// The samples of all channels, frame by frame, or of the left one; none where there is no such file.
+Samples read_frames(const std::filesystem::path& path);
+Samples read_left(const std::filesystem::path& path);
+
+}  // namespace ringdown::test

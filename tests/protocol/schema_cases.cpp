@@ -1,0 +1,365 @@
+#include "tests/protocol/schema_cases.h"
+
+#include <limits>
+
+namespace ringdown::protocol {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+template <class Struct>
+Claim claim(std::function<bool(const Struct&)> predicate) {
+  return [predicate](const Request& request) {
+    const auto* parsed = std::get_if<Struct>(&request);
+    return parsed && predicate(*parsed);
+  };
+}
+template <class Struct>
+Claim is_a() {
+  return [](const Request& request) { return std::holds_alternative<Struct>(request); };
+}
+
+Cases strike_cases() {
+  const std::string a = "/object/bell/strike";
+  return {{{a, {1.f, 2.f, 3.f, -4.f, 5.f, -6.f}, claim<Strike>([](const Strike& s) {
+              return s.object == named("bell") && s.point_m == Vec3{1, 2, 3} && s.impulse_ns == Vec3{-4, 5, -6} &&
+                     s.contact_time_s == 0.0002;
+            })},
+           {"/object/7/strike", {1, std::int64_t{-2}, 0.5, 0.25f, 0, 0, 0.1}, claim<Strike>([](const Strike& s) {
+              return s.object == numbered(7) && s.point_m == Vec3{1, -2, 0.5} && s.impulse_ns == Vec3{0.25, 0, 0} &&
+                     s.contact_time_s == 0.1;
+            })}},
+          {{"/object//strike", {0, 0, 0, 0, 0, 0}, "object"},
+           {"/object/a bell/strike", {0, 0, 0, 0, 0, 0}, "object"},
+           {"/object/*/strike", {0, 0, 0, 0, 0, 0}, "object"},
+           {"/object/-/strike", {0, 0, 0, 0, 0, 0}, "object"},
+           {"/object/99999999999/strike", {0, 0, 0, 0, 0, 0}, "object"},
+           {"/object/" + std::string(65, 'a') + "/strike", {0, 0, 0, 0, 0, 0}, "object"},
+           {a, {}, "x"},
+           {a, {kNan, 0, 0, 0, 0, 0}, "x"},
+           {a, {Blob(40), 0, 0, 0, 0, 0}, "x"},
+           {a, {"1", 0, 0, 0, 0, 0}, "x"},
+           {a, {0, kInfinity, 0, 0, 0, 0}, "y"},
+           {a, {0, 0, 10001, 0, 0, 0}, "z"},
+           {a, {0, 0, 0, 1e5, 0, 0}, "jx"},
+           {a, {0, 0, 0, 0}, "jy"},
+           {a, {0, 0, 0, 0, 0}, "jz"},
+           {a, {0, 0, 0, 0, 0, 0, 0.11}, "contact_time"},
+           {a, {0, 0, 0, 0, 0, 0, -0.001}, "contact_time"}}};
+}
+
+Cases strike_vertex_cases() {
+  const std::string a = "/object/bell/strike_vertex";
+  return {{{a, {12.f, 0, 0, 1}, claim<StrikeVertex>([](const StrikeVertex& s) {
+              return s.object == named("bell") && s.vertex == 12 && s.impulse_ns == Vec3{0, 0, 1} &&
+                     s.contact_time_s == 0.0002;
+            })},
+           {a, {16777215, 0, 0, 1, 0}, claim<StrikeVertex>([](const StrikeVertex& s) {
+              return s.vertex == 16777215 && s.contact_time_s == 0;
+            })}},
+          {{"/object/b+ll/strike_vertex", {1, 0, 0, 0}, "object"},
+           {a, {0.5f, 0, 0, 0}, "vertex"},
+           {a, {-1, 0, 0, 0}, "vertex"},
+           {a, {1e20, 0, 0, 0}, "vertex"},
+           {a, {kNan, 0, 0, 0}, "vertex"},
+           {a, {16777216, 0, 0, 0}, "vertex"},
+           {a, {std::numeric_limits<std::int64_t>::max(), 0, 0, 0}, "vertex"},
+           {a, {1, "a", 0, 0}, "jx"},
+           {a, {1, 0, -1e9, 0}, "jy"},
+           {a, {1, 0, 0, kNan}, "jz"},
+           {a, {1, 0, 0, 0, "soft"}, "contact_time"}}};
+}
+
+Cases strikes_cases() {
+  const std::string a = "/strikes";
+  return {{{a, {Blob(40)}, claim<StrikeMany>([](const StrikeMany& s) { return s.records.size() == 40; })},
+           {a, {Blob(64000)}, is_a<StrikeMany>()}},
+          {{a, {}, "records"},
+           {a, {Blob()}, "records"},
+           {a, {Blob(41)}, "records"},
+           {a, {Blob(64040)}, "records"},
+           {a, {1.f}, "records"},
+           {a, {"text"}, "records"}}};
+}
+
+Cases notify_cases() {
+  return {{{"/notify", {}, claim<Notify>([](const Notify& n) { return n.on && n.rate_hz == 20; })},
+           {"/notify", {0}, claim<Notify>([](const Notify& n) { return !n.on; })},
+           {"/notify", {1, 200.f}, claim<Notify>([](const Notify& n) { return n.on && n.rate_hz == 200; })}},
+          {{"/notify", {2}, "on"},
+           {"/notify", {1, 0}, "rate"},
+           {"/notify", {1, 200.1}, "rate"},
+           {"/notify", {1, kNan}, "rate"}}};
+}
+
+Cases record_start_cases() {
+  const std::string a = "/record/start";
+  return {{{a, {"a b.osc"}, claim<RecordStart>([](const RecordStart& s) { return s.path == "a b.osc"; })}},
+          {{a, {}, "path"}, {a, {""}, "path"}, {a, {7}, "path"}, {a, {"a\nb"}, "path"}}};
+}
+
+Cases gain_cases() {
+  const std::string a = "/object/bell/gain";
+  return {{{a, {0.5f}, claim<SetGain>([](const SetGain& s) { return s.gain == 0.5 && s.ramp_s == 0; })},
+           {a, {100, 60}, claim<SetGain>([](const SetGain& s) { return s.gain == 100 && s.ramp_s == 60; })}},
+          {{"/object/b%/gain", {1}, "object"},
+           {a, {-0.1}, "gain"},
+           {a, {100.1}, "gain"},
+           {a, {1, 61}, "ramp"},
+           {a, {1, -1}, "ramp"}}};
+}
+
+Cases pan_cases() {
+  const std::string a = "/object/bell/pan";
+  return {{{a, {-1}, claim<SetPan>([](const SetPan& s) { return s.pan == -1 && s.object == named("bell"); })}},
+          {{"/object/b%/pan", {1}, "object"}, {a, {1.01}, "pan"}, {a, {-1.01f}, "pan"}}};
+}
+
+Cases material_cases() {
+  const std::string a = "/object/bell/material";
+  return {{{a, {1, 2, 3, 4}, claim<SetMaterial>([](const SetMaterial& s) {
+              return s.scale == modal::MaterialScale{1, 2, 3, 4};
+            })},
+           {a, {0, 0, 0.001, 1000}, is_a<SetMaterial>()}},
+          {{"/object/b%/material", {1, 1, 1, 1}, "object"},
+           {a, {-1, 1, 1, 1}, "alpha"},
+           {a, {1, 1001, 1, 1}, "beta"},
+           {a, {1, 1, 0, 1}, "density"},
+           {a, {1, 1, 1, 0}, "stiffness"},
+           {a, {1, 1, 1}, "stiffness"}}};
+}
+
+Cases group_cases() {
+  const std::string a = "/object/bell/group";
+  return {{{a, {"metal"}, claim<SetGroup>([](const SetGroup& s) { return s.group == "metal"; })},
+           {a, {}, claim<SetGroup>([](const SetGroup& s) { return !s.group; })}},
+          {{"/object/b%/group", {"metal"}, "object"}, {a, {"two words"}, "group"}, {a, {7}, "group"}}};
+}
+
+Cases excite_cases() {
+  const std::string a = "/object/bell/excite";
+  return {{{a, {4, 1, 2, 3, 0, 0, -0.5f}, claim<Excite>([](const Excite& e) {
+              return e.object == named("bell") && e.input == 4 && e.point_m == Vec3{1, 2, 3} &&
+                     e.force_n == Vec3{0, 0, -0.5};
+            })}},
+          {{"/object/b%/excite", {1, 0, 0, 0, 0, 0, 0}, "object"},
+           {a, {0, 0, 0, 0, 0, 0, 0}, "input"},
+           {a, {5, 0, 0, 0, 0, 0, 0}, "input"},
+           {a, {1.5, 0, 0, 0, 0, 0, 0}, "input"},
+           {a, {1, kNan, 0, 0, 0, 0, 0}, "x"},
+           {a, {1, 0, 1e5, 0, 0, 0, 0}, "y"},
+           {a, {1, 0, 0, "up", 0, 0, 0}, "z"},
+           {a, {1, 0, 0, 0, kInfinity, 0, 0}, "fx"},
+           {a, {1, 0, 0, 0, 0, 1e7, 0}, "fy"},
+           {a, {1, 0, 0, 0, 0, 0}, "fz"}}};
+}
+
+Cases contact_cases() {
+  const std::string a = "/object/bell/contact";
+  return {{{a, {1, 2, 3, 0, 0, -0.5f, 0.25f}, claim<KeepContact>([](const KeepContact& k) {
+              return k.object == named("bell") && k.point_m == Vec3{1, 2, 3} && k.contact.force_n == Vec3{0, 0, -0.5} &&
+                     k.contact.slip_m_s == 0.25 && k.contact.roll_m_s == 0 && k.contact.number == 0 &&
+                     k.contact.texture == Texture{};
+            })},
+           {a, {0, 0, 0, 0, 0, 0, 0, 2, 7, 0.0625f, 0.25f, -2}, claim<KeepContact>([](const KeepContact& k) {
+              return k.contact.roll_m_s == 2 && k.contact.number == 7 && k.contact.texture == Texture{0.0625, 0.25, -2};
+            })}},
+          {{"/object/b%/contact", {0, 0, 0, 0, 0, 0, 0}, "object"},
+           {a, {kNan, 0, 0, 0, 0, 0, 0}, "x"},
+           {a, {0, 1e5, 0, 0, 0, 0, 0}, "y"},
+           {a, {0, 0, "up", 0, 0, 0, 0}, "z"},
+           {a, {0, 0, 0, kInfinity, 0, 0, 0}, "fx"},
+           {a, {0, 0, 0, 0, 1e7, 0, 0}, "fy"},
+           {a, {0, 0, 0, 0, 0, -1e7, 0}, "fz"},
+           {a, {0, 0, 0, 0, 0, 0}, "slip"},
+           {a, {0, 0, 0, 0, 0, 0, -1}, "slip"},
+           {a, {0, 0, 0, 0, 0, 0, 0, -1}, "roll"},
+           {a, {0, 0, 0, 0, 0, 0, 0, 0, -1}, "number"},
+           {a, {0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, "roughness"},
+           {a, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, "correlation"},
+           {a, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1}, "slope"}}};
+}
+
+Cases hold_cases() {
+  const std::string a = "/object/bell/hold";
+  return {{{a, {1, 2, 3, 5}, claim<Hold>([](const Hold& h) {
+              return h.object == named("bell") && h.touch == modal::ContactDamping{{1, 2, 3}, {0, 0, 0}, 5};
+            })},
+           {a, {1, 2, 3, 0, 0, 0, -1}, claim<Hold>([](const Hold& h) {
+              return h.touch == modal::ContactDamping{{1, 2, 3}, {0, 0, -1}, 0};
+            })}},
+          {{"/object/b%/hold", {0, 0, 0, 0}, "object"},
+           {a, {kNan, 0, 0, 0}, "x"},
+           {a, {0, 1e5, 0, 0}, "y"},
+           {a, {0, 0, "up", 0}, "z"},
+           {a, {0, 0, 0}, "damping"},
+           {a, {0, 0, 0, -1}, "damping"},
+           {a, {0, 0, 0, 1, kInfinity, 0, 0}, "nx"},
+           {a, {0, 0, 0, 1, 0, 1e4, 0}, "ny"},
+           {a, {0, 0, 0, 1, 0, 0, -1e4}, "nz"}}};
+}
+
+Cases contact_cases() {
+  const std::string a = "/object/bell/contact";
+  return {{{a, {1, 2, 3, 0, 0, -0.5f, 0.25f}, claim<KeepContact>([](const KeepContact& k) {
+              return k.object == named("bell") && k.point_m == Vec3{1, 2, 3} && k.contact.force_n == Vec3{0, 0, -0.5} &&
+                     k.contact.slip_m_s == 0.25 && k.contact.roll_m_s == 0 && k.contact.number == 0 &&
+                     k.contact.texture == Texture{};
+            })},
+           {a, {0, 0, 0, 0, 0, 0, 0, 2, 7, 0.0625f, 0.25f, -2}, claim<KeepContact>([](const KeepContact& k) {
+              return k.contact.roll_m_s == 2 && k.contact.number == 7 && k.contact.texture == Texture{0.0625, 0.25, -2};
+            })}},
+          {{"/object/b%/contact", {0, 0, 0, 0, 0, 0, 0}, "object"},
+           {a, {kNan, 0, 0, 0, 0, 0, 0}, "x"},
+           {a, {0, 1e5, 0, 0, 0, 0, 0}, "y"},
+           {a, {0, 0, "up", 0, 0, 0, 0}, "z"},
+           {a, {0, 0, 0, kInfinity, 0, 0, 0}, "fx"},
+           {a, {0, 0, 0, 0, 1e7, 0, 0}, "fy"},
+           {a, {0, 0, 0, 0, 0, -1e7, 0}, "fz"},
+           {a, {0, 0, 0, 0, 0, 0}, "slip"},
+           {a, {0, 0, 0, 0, 0, 0, -1}, "slip"},
+           {a, {0, 0, 0, 0, 0, 0, 0, -1}, "roll"},
+           {a, {0, 0, 0, 0, 0, 0, 0, 0, -1}, "number"},
+           {a, {0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, "roughness"},
+           {a, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, "correlation"},
+           {a, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1}, "slope"}}};
+}
+
+template <class Struct>
+Cases object_only_cases(const std::string& verb) {
+  return {
+      {{"/object/b.e-l_L9/" + verb, {}, claim<Struct>([](const Struct& s) { return s.object == named("b.e-l_L9"); })},
+       {"/object/0/" + verb, {}, claim<Struct>([](const Struct& s) { return s.object == numbered(0); })}},
+      {{"/object/b ll/" + verb, {}, "object"}}};
+}
+
+Cases load_cases() {
+  return {{{"/load", {"bell", "a/b c.glb"}, claim<LoadObject>([](const LoadObject& s) {
+              return s.name == "bell" && s.bank_path == "a/b c.glb";
+            })}},
+          {{"/load", {"12", "a.glb"}, "name"},
+           {"/load", {12, "a.glb"}, "name"},
+           {"/load", {"-", "a.glb"}, "name"},
+           {"/load", {"bell"}, "path"},
+           {"/load", {"bell", ""}, "path"},
+           {"/load", {"bell", "a\nb"}, "path"},
+           {"/load", {"bell", 3.f}, "path"},
+           {"/load", {"bell", std::string(4097, 'a')}, "path"}}};
+}
+
+Cases pause_cases() {
+  const auto paused = [](bool value) {
+    return claim<ScenePause>([value](const ScenePause& s) { return s.paused == value; });
+  };
+  return {
+      {{"/scene/pause", {}, paused(true)}, {"/scene/pause", {1.f}, paused(true)}, {"/scene/pause", {0}, paused(false)}},
+      {{"/scene/pause", {2}, "paused"}, {"/scene/pause", {"yes"}, "paused"}, {"/scene/pause", {0.5}, "paused"}}};
+}
+
+Cases box_cases() {
+  const std::string a = "/scene/spawn/box";
+  return {{{a, {"bell", 1, 2, 3}, claim<SpawnBox>([](const SpawnBox& s) {
+              return s.object == named("bell") && s.position_m == Vec3{1, 2, 3} && s.size_m == Vec3{} &&
+                     s.velocity_m_s == Vec3{} && s.density_kg_m3 == 0;
+            })},
+           {a, {"-", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10}, claim<SpawnBox>([](const SpawnBox& s) {
+              return !s.object && s.size_m == Vec3{4, 5, 6} && s.velocity_m_s == Vec3{7, 8, 9} && s.density_kg_m3 == 10;
+            })},
+           {a, {3.f, 0, 0, 0}, claim<SpawnBox>([](const SpawnBox& s) { return s.object == numbered(3); })},
+           {a, {"3", 0, 0, 0}, claim<SpawnBox>([](const SpawnBox& s) { return s.object == numbered(3); })}},
+          {{a, {"", 0, 0, 0}, "object"},
+           {a, {0.5, 0, 0, 0}, "object"},
+           {a, {kNan, 0, 0, 0}, "object"},
+           {a, {-1, 0, 0, 0}, "object"},
+           {a, {"-", "-", 0, 0}, "x"},
+           {a, {"-", 0, kNan, 0}, "y"},
+           {a, {"-", 0, 0}, "z"},
+           {a, {"-", 0, 0, 0, -1}, "sx"},
+           {a, {"-", 0, 0, 0, 1, kInfinity}, "sy"},
+           {a, {"-", 0, 0, 0, 1, 1, 1001}, "sz"},
+           {a, {"-", 0, 0, 0, 1, 1, 1, 1001}, "vx"},
+           {a, {"-", 0, 0, 0, 1, 1, 1, 0, -1001}, "vy"},
+           {a, {"-", 0, 0, 0, 1, 1, 1, 0, 0, "x"}, "vz"},
+           {a, {"-", 0, 0, 0, 1, 1, 1, 0, 0, 0, -1}, "density"}}};
+}
+
+Cases sphere_cases() {
+  const std::string a = "/scene/spawn/sphere";
+  return {{{a, {"bell", 0, 0, 1}, claim<SpawnSphere>([](const SpawnSphere& s) { return s.radius_m == 0; })},
+           {a, {"-", 1, 2, 3, 4, 5, 6, 7, 8}, claim<SpawnSphere>([](const SpawnSphere& s) {
+              return !s.object && s.position_m == Vec3{1, 2, 3} && s.radius_m == 4 && s.velocity_m_s == Vec3{5, 6, 7} &&
+                     s.density_kg_m3 == 8;
+            })}},
+          {{a, {}, "object"},
+           {a, {"-", kNan, 0, 0}, "x"},
+           {a, {"-", 0, 2e4, 0}, "y"},
+           {a, {"-", 0, 0, "up"}, "z"},
+           {a, {"-", 0, 0, 0, -1}, "radius"},
+           {a, {"-", 0, 0, 0, 1, kNan}, "vx"},
+           {a, {"-", 0, 0, 0, 1, 0, kNan}, "vy"},
+           {a, {"-", 0, 0, 0, 1, 0, 0, kNan}, "vz"},
+           {a, {"-", 0, 0, 0, 1, 0, 0, 0, 1e6}, "density"}}};
+}
+
+Cases sync_cases() {
+  const auto id = [](std::int32_t value) { return claim<Sync>([value](const Sync& s) { return s.id == value; }); };
+  return {{{"/sync", {-2147483647 - 1}, id(-2147483647 - 1)}, {"/sync", {2147483647.0}, id(2147483647)}},
+          {{"/sync", {2147483648.0}, "id"}, {"/sync", {1e20f}, "id"}, {"/sync", {}, "id"}, {"/sync", {"1"}, "id"}}};
+}
+
+Cases clear_cases() {
+  Cases cases = object_only_cases<ClearObject>("clear");
+  const std::string a = "/object/bell/clear";
+  cases.good.push_back({a, {0.5f}, claim<ClearObject>([](const ClearObject& c) { return c.ramp_s == 0.5; })});
+  cases.bad.push_back({a, {-1}, "ramp"});
+  cases.bad.push_back({a, {61}, "ramp"});
+  return cases;
+}
+
+template <class Struct>
+Cases bare_cases(const std::string& address) {
+  return {{{address, {}, is_a<Struct>()}}, {{address, {1}, "argument 1"}}};
+}
+
+}  // namespace
+
+const std::map<std::string, Cases>& all_cases() {
+  static const std::map<std::string, Cases> cases = {
+      {"/object/{object}/strike", strike_cases()},
+      {"/object/{object}/strike_vertex", strike_vertex_cases()},
+      {"/strikes", strikes_cases()},
+      {"/notify", notify_cases()},
+      {"/state/save",
+       {{{"/state/save", {"a.toml"}, claim<SaveState>([](const SaveState& s) { return s.path == "a.toml"; })}},
+        {{"/state/save", {1}, "path"}}}},
+      {"/record/start", record_start_cases()},
+      {"/record/stop", {{{"/record/stop", {}, is_a<RecordStop>()}}, {}}},
+      {"/object/{object}/gain", gain_cases()},
+      {"/object/{object}/pan", pan_cases()},
+      {"/object/{object}/group", group_cases()},
+      {"/object/{object}/excite", excite_cases()},
+      {"/object/{object}/material", material_cases()},
+      {"/object/{object}/clear", clear_cases()},
+      {"/object/{object}/contact", contact_cases()},
+      {"/object/{object}/hold", hold_cases()},
+      {"/object/{object}/contact", contact_cases()},
+      {"/object/{object}/free", object_only_cases<FreeObject>("free")},
+      {"/load", load_cases()},
+      {"/clear", bare_cases<ClearAll>("/clear")},
+      {"/scene/load",
+       {{{"/scene/load", {"a.toml"}, claim<SceneLoad>([](const SceneLoad& s) { return s.path == "a.toml"; })}},
+        {{"/scene/load", {1}, "path"}}}},
+      {"/scene/pause", pause_cases()},
+      {"/scene/spawn/box", box_cases()},
+      {"/scene/spawn/sphere", sphere_cases()},
+      {"/scene/clear", bare_cases<SceneClear>("/scene/clear")},
+      {"/status", bare_cases<Status>("/status")},
+      {"/version", bare_cases<Version>("/version")},
+      {"/sync", sync_cases()},
+      {"/quit", bare_cases<Quit>("/quit")},
+  };
+  return cases;
+}
+
+}  // namespace ringdown::protocol

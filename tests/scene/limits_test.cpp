@@ -1,0 +1,116 @@
+// A scene's capacities: at the limit all is well, one past it is refused or counted.
+#include "tests/scene/box_bank.h"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <string>
+
+namespace ringdown::scene {
+namespace {
+
+using test::box_bank;
+using test::scene_of;
+using test::sounding;
+using test::world_of;
+
+constexpr Vec3 kSize{0.1, 0.1, 0.1};
+
+World weightless_world() {
+  SceneDescription scene = scene_of({});
+  scene.gravity_m_s2 = {};
+  scene.step_s = 1.0 / 500;
+  return world_of(scene, {sounding("bell", 4, box_bank(kSize, 1))});
+}
+
+// Two balls that meet in the third step, and ring both.
+void spawn_pair(World& world, Vec3 place, Vec3 first_velocity, Vec3 second_velocity) {
+  protocol::SpawnSphere ball;
+  ball.object = protocol::ObjectRef{"bell", {}};
+  ball.radius_m = 0.02;
+  ball.density_kg_m3 = 2500;
+  ball.position_m = place;
+  ball.velocity_m_s = first_velocity;
+  ASSERT_TRUE(world.spawn(ball));
+  ball.position_m = place + Vec3{0.05, 0, 0};
+  ball.velocity_m_s = second_velocity;
+  ASSERT_TRUE(world.spawn(ball));
+}
+
+// The step in which something is heard; the last of ten when nothing is.
+StepReport first_heard(World& world) {
+  StepReport report;
+  for (int step = 0; step < 10 && report.strikes.empty(); ++step) report = world.step();
+  return report;
+}
+
+TEST(Limits, AStepHearsSoManyStrikesAndCountsTheNext) {
+  constexpr std::size_t kPairs = kMostStrikesPerStep / 2;
+  static_assert(2 * kPairs <= kMostBodies);
+  for (const bool one_more : {false, true}) {
+    World world = weightless_world();
+    for (std::size_t k = 1; k < kPairs; ++k) {
+      spawn_pair(world, {0.2 * static_cast<double>(k % 16), 0.1 * static_cast<double>(k / 16), 1}, {1, 0, 0},
+                 {-1, 0, 0});
+    }
+    // The second of the last two meets the floor besides.
+    const Vec3 second = one_more ? Vec3{-1, 0, -1} : Vec3{-1, 0, 0};
+    spawn_pair(world, {-1, 0, 0.025}, {1, 0, 0}, second);
+    const StepReport report = first_heard(world);
+    EXPECT_EQ(report.strikes.size(), kMostStrikesPerStep);
+    EXPECT_EQ(report.dropped_strikes, one_more ? 1u : 0u);
+  }
+}
+
+// Each box lies on four corners.
+TEST(Limits, AStepHoldsSoManyContactsAndCountsThoseBeyond) {
+  constexpr std::size_t kBoxes = kMostContactsPerStep / 4;
+  for (const std::size_t more : {0u, 1u}) {
+    World world = world_of(scene_of({}), {sounding("bell", 4, box_bank(kSize, 1))});
+    protocol::SpawnBox box;
+    box.object = protocol::ObjectRef{"bell", {}};
+    box.size_m = kSize;
+    box.velocity_m_s = {0, 0, -1};
+    for (std::size_t k = 0; k < kBoxes + more; ++k) {
+      box.position_m = {0.2 * static_cast<double>(k % 20), 0.2 * static_cast<double>(k / 20), 0.055};
+      ASSERT_TRUE(world.spawn(box));
+    }
+    const StepReport report = first_heard(world);
+    EXPECT_EQ(report.strikes.size() + report.dropped_strikes, kMostContactsPerStep) << "what is left out is silent";
+    EXPECT_EQ(report.dropped_contacts, 4 * more);
+  }
+}
+
+TEST(Limits, ASceneNamesSoManyObjectsAndNotOneMore) {
+  SceneDescription scene = scene_of({});
+  std::vector<SoundingObject> known;
+  for (std::size_t k = 0; k < kMostObjects; ++k) {
+    ObjectDescription object;
+    object.name = "o" + std::to_string(k);
+    scene.objects.push_back(object);
+    known.push_back(sounding(object.name, static_cast<protocol::ObjectNumber>(k), box_bank(kSize, 1)));
+  }
+  const auto full = World::create(scene, known, 48000);
+  EXPECT_TRUE(full) << full.error().message;
+  scene.objects.push_back(scene.objects.back());
+  scene.objects.back().name = "one-more";
+  const auto refused = World::create(scene, known, 48000);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find(std::to_string(kMostObjects)), std::string::npos) << refused.error().message;
+}
+
+TEST(Limits, SoManyStaticsAndNotOneMore) {
+  SceneDescription scene = scene_of({});
+  while (scene.statics.size() < kMostStatics) {
+    scene.statics.push_back(scene.statics.front());
+    scene.statics.back().name = "floor" + std::to_string(scene.statics.size());
+  }
+  const auto full = World::create(scene, {}, 48000);
+  EXPECT_TRUE(full) << full.error().message;
+  scene.statics.push_back(scene.statics.front());
+  scene.statics.back().name = "one-more";
+  EXPECT_FALSE(World::create(scene, {}, 48000));
+}
+
+}  // namespace
+}  // namespace ringdown::scene
