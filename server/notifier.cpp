@@ -19,8 +19,6 @@ Vec3 point_of(const Event& event, const modal::Bank& bank) {
   return {point[0], point[1], point[2]};
 }
 
-bool is_strike(const Event& event) { return event.type == EventType::strike || event.type == EventType::strike_vertex; }
-
 }  // namespace
 
 Notifier::Notifier(Session& session, const Driver& driver, Send send)

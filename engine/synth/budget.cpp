@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <ctime>
-#include <utility>
 
 namespace ringdown::synth {
 namespace {
 
 constexpr double kLearnUp = 0.3, kLearnDown = 0.03;
-constexpr double kMostSurprise = 2;  // a chunk in which the thread did not run says little of what work costs
-constexpr double kLeastUnits = 500;  // less work tells nothing
+constexpr int kFirstLessons = 40;  // which are averaged
+// A chunk in which the thread did not run says little of what work costs: beyond kUnconfirmed only two on end are
+// believed, and no more than kMostSurprise.
+constexpr double kUnconfirmed = 1.2, kMostSurprise = 2;
+constexpr double kLeastUnits = 500;  // less work tells only that units do not cost as much as was thought
 
 }  // namespace
 
@@ -42,11 +44,22 @@ void Budget::open_chunk(std::size_t frames) RINGDOWN_REALTIME {
 }
 
 void Budget::close_chunk(double units) RINGDOWN_REALTIME {
-  if (!limited_ || units < kLeastUnits) return;
-  const double took_ns = static_cast<double>(clock_.now_ns() - chunk_begin_ns_) / units;
-  if (!std::exchange(has_learnt_, true)) unit_ns_ = took_ns;
-  const double change = std::min(took_ns, kMostSurprise * unit_ns_) - unit_ns_;
-  unit_ns_ = std::max(unit_ns_ + (change > 0 ? kLearnUp : kLearnDown) * change, 0.01);
+  if (!limited_) return;
+  const double took_ns = static_cast<double>(clock_.now_ns() - chunk_begin_ns_) / std::max(units, kLeastUnits);
+  if (units < kLeastUnits) {
+    unit_ns_ -= kLearnDown * std::max(unit_ns_ - std::max(took_ns, kTypical_ns), 0.0);
+    return;
+  }
+  const double confirmed_ns = std::min(took_ns, std::max(took_before_ns_, kUnconfirmed * unit_ns_));
+  took_before_ns_ = took_ns;
+  if (learnt_ == 0) {
+    unit_ns_ = took_ns;
+  } else {
+    const double change = std::min(confirmed_ns, kMostSurprise * unit_ns_) - unit_ns_;
+    unit_ns_ += std::max(change > 0 ? kLearnUp : kLearnDown, 1 / static_cast<double>(learnt_ + 1)) * change;
+  }
+  unit_ns_ = std::max(unit_ns_, 0.01);
+  learnt_ = std::min(learnt_ + 1, kFirstLessons);
 }
 
 }  // namespace ringdown::synth

@@ -47,8 +47,10 @@ class Budget {
  private:
   std::atomic<double> share_{0};
   Clock clock_{now_ns};
-  bool limited_ = false, has_learnt_ = false;
-  double unit_ns_ = 2;
+  bool limited_ = false;
+  static constexpr double kTypical_ns = 2;
+  double unit_ns_ = kTypical_ns, took_before_ns_ = 0;
+  int learnt_ = 0;
   double affordable_ = 0;
   std::int64_t deadline_ns_ = 0, chunk_begin_ns_ = 0, chunk_end_ns_ = 0;
   std::size_t frames_left_ = 0;  // of the block

@@ -15,11 +15,8 @@ constexpr double kTight = 0.72;        // of a chunk's time: from here on the mi
 constexpr double kVeryTight = 0.97;    // the same, when something is shed already
 constexpr double kEventsShare = 0.3;   // of a chunk's time: more events wait
 constexpr double kComingShare = 0.12;  // of a chunk's time, for what comes back
+constexpr double kLongestEvent = 0.7;  // of a chunk's time: more than that is not waited for
 constexpr double kForgetEvents = 0.98;
-
-bool is_strike(const Event& event) RINGDOWN_REALTIME {
-  return event.type == protocol::EventType::strike || event.type == protocol::EventType::strike_vertex;
-}
 
 }  // namespace
 
@@ -35,6 +32,10 @@ double Mixer::units_of(const Event& event) const RINGDOWN_REALTIME {
   const auto modes = static_cast<double>(object.current->table().columns());
   if (is_strike(event)) return kStrikePerMode * modes;
   return object.shared ? kPartPerMode * modes : 0.0;
+}
+
+double Mixer::units_to_share(const Object& object) RINGDOWN_REALTIME {
+  return kPartPerMode * static_cast<double>(object.current->table().columns());
 }
 
 double Mixer::units_of_item(std::size_t item) const RINGDOWN_REALTIME {
@@ -59,11 +60,11 @@ bool Mixer::can_afford(const Event& event) RINGDOWN_REALTIME {
   return !put_off_;
 }
 
-// The same when its turn has come.
+// The same when its turn has come. What takes longer than a chunk happens at last, and late.
 bool Mixer::must_wait(const Event& event, Place& place) const RINGDOWN_REALTIME {
   if (!budget_.limited()) return false;
   const double units = units_of(event);
-  if (units > 0 && budget_.over(units)) return true;
+  if (units > 0 && budget_.over(std::min(units, kLongestEvent * budget_.affordable()))) return true;
   count_work(units, place);
   return false;
 }
@@ -90,14 +91,6 @@ void Mixer::miss(std::size_t item, Place& place) RINGDOWN_REALTIME {
   if (object.current) skip(*object.current);
   for (Voice* voice = object.tails; voice; voice = voice->next) skip(*voice);
   after_.data()[item] = object.tails ? After::look_at_tails : After::keep;
-}
-
-// Events for which there was no time happen in the next chunk.
-void Mixer::put_back(std::int32_t& first_due) RINGDOWN_REALTIME {
-  for (; first_due >= 0; first_due = due_.data()[first_due].next) {
-    agenda_.put_back(due_.data()[first_due].event);
-    put_off_ = true;
-  }
 }
 
 // Hidden modes that may come back in this chunk.

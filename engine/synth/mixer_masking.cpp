@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t kSurveyFrames = 2048;  // 43 ms at 48 kHz; what follows a louder sound is hidden for longer
 constexpr std::size_t kRoundFrames = 4096;   // of a survey in parts
 constexpr double kQuickRound = 4;            // chunks, when time is short; or more, so that each takes no more than
-constexpr double kSurveyShare = 0.08;        // of its time
+constexpr double kSurveyShare = 0.08;        // of its time,
+constexpr double kLeftAfterSurvey = 0.6;     // and never so much that less is left
 constexpr std::size_t kLowerFrames = 4096;   // in this time the level falls by kLowerBy
 constexpr Level kLowerBy = 2;                // 3 dB: 35 dB in a second
 
@@ -44,7 +45,10 @@ void Mixer::survey(std::size_t frames) RINGDOWN_REALTIME {
   if (survey_at_ == 0) hearing_.forget();
   const std::size_t items = active_family_count_ + active_count_;
   survey_begin_ = std::min(survey_at_, items);
-  for (survey_end_ = survey_begin_; survey_end_ < items && modes > 0; ++survey_end_) modes -= survey_item(survey_end_);
+  for (survey_end_ = survey_begin_; survey_end_ < items && modes > 0; ++survey_end_) {
+    if (budget_.over(kLeftAfterSurvey * budget_.affordable())) break;
+    modes -= survey_item(survey_end_);
+  }
   survey_at_ = survey_end_;
   if (survey_at_ < items) return;
   survey_at_ = since_survey_ = 0;
