@@ -195,7 +195,7 @@ class Mixer {
   // What work costs, in units of what moments cost for a mode, 1.4 ns: moments cost kMomentsFixed more, tables 1 for a
   // mode and kFramesPerMode frames. Measured by `./run bench mixer`, with AVX-512.
   static constexpr std::size_t kMomentsFixed = 1100, kFramesPerMode = 28;
-  static constexpr double kStrikePerMode = 8, kPartPerMode = 6, kComingPerMode = 3, kSurveyPerMode = 0.25;
+  static constexpr double kComingPerMode = 1.5, kSurveyPerMode = 0.3;
   static constexpr std::size_t kNever = ~std::size_t{0};
   static constexpr double kCentre = 0.70710678118654752;              // equal power: cos 45 degrees
   static constexpr std::size_t kLeft = 0, kRight = 1, kFirstBus = 2;  // channels
@@ -272,6 +272,7 @@ class Mixer {
   [[nodiscard]] double units_of(std::size_t modes) const RINGDOWN_REALTIME;
   [[nodiscard]] double units_of(const protocol::Event& event) const RINGDOWN_REALTIME;
   [[nodiscard]] static double units_to_share(const Object& object) RINGDOWN_REALTIME;
+  [[nodiscard]] double units_to_drive(const Object& object, std::size_t frames) const RINGDOWN_REALTIME;
   [[nodiscard]] double units_of_item(std::size_t item) const RINGDOWN_REALTIME;
   [[nodiscard]] bool can_afford(const protocol::Event& event) RINGDOWN_REALTIME;
   [[nodiscard]] bool must_wait(const protocol::Event& event, Place& place) const RINGDOWN_REALTIME;
@@ -386,6 +387,7 @@ class Mixer {
   Budget budget_;
   bool deadlines_ = true;
   bool tight_ = false;        // in the last chunk time was short, or nearly so
+  bool light_ = false;        // in the last chunk there was little to do
   bool put_off_ = false;      // some events of this chunk are
   double event_units_ = 0;    // of work, in this chunk
   double event_reserve_ = 0;  // the same, lately
