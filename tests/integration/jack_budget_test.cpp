@@ -17,8 +17,9 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int kRate = 96000, kPeriod = 128;
-constexpr std::size_t kModes = 2000, kObjectsToMeasure = 20, kMostObjects = 400;
-constexpr double kLoad = 4;
+constexpr std::size_t kModes = 2000, kObjectsToMeasure = 20, kMostObjects = 900;
+constexpr double kLoad = 2.5;  // in proportion to that of a few objects, which caches hold; in truth about four
+constexpr int kFewMisses = 5;  // of 2250 callbacks
 
 class JackBudget : public testing::Test {
  protected:
@@ -52,12 +53,12 @@ class JackBudget : public testing::Test {
   }
 
   struct Figures {
-    double load = 0, p99 = 0, missed = 0;  // of the callbacks
+    double load = 0, p99 = 0;
     int misses = 0, xruns = 0, own_xruns = 0, sounding = 0, hidden = 0, shed = 0;
   };
 
   // Strikes all objects, and measures for some seconds from when they sound while some are struck again.
-  std::optional<Figures> play(std::size_t objects, int budget, std::chrono::milliseconds time) {
+  std::optional<Figures> play(std::size_t objects, int budget) {
     Daemon daemon(arguments(objects, budget), server_.environment());
     EXPECT_TRUE(daemon.ready()) << daemon.process().output();
     for (std::size_t i = 0; i < objects; ++i) {
@@ -77,27 +78,24 @@ class JackBudget : public testing::Test {
     std::this_thread::sleep_for(1500ms);  // the mean load is of about a second
     before = JackTest::status(daemon);
     const auto begin = std::chrono::steady_clock::now();
-    for (std::size_t i = 0; std::chrono::steady_clock::now() - begin < time; ++i) {
+    for (std::size_t i = 0; std::chrono::steady_clock::now() - begin < 3s; ++i) {
       daemon.send(JackTest::strike(name(i % objects), 0.01));
       std::this_thread::sleep_for(20ms);
     }
     now = JackTest::status(daemon);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (!before || !now) return std::nullopt;
-    const double callbacks = seconds * kRate / kPeriod / std::max(1.0, now->load_mean);
     Figures figures{.load = now->load_mean, .p99 = now->load_p99};
     figures.misses = now->misses - before->misses;
-    figures.missed = figures.misses / callbacks;
     figures.xruns = now->xruns - before->xruns;
     figures.own_xruns = now->own_xruns - before->own_xruns;
     figures.sounding = now->sounding_modes;
     figures.hidden = now->hidden_modes;
     figures.shed = now->shed - before->shed;
     std::printf(
-        "%zu objects, budget %d %%: load %.2f mean %.2f p99, %d callbacks late (%.1f %%), %d xruns, %d of them ours, "
+        "%zu objects, budget %d %%: load %.2f mean %.2f p99, %d callbacks late, %d xruns, %d of them ours, "
         "%d modes sound, %d are left out, shed %d\n",
-        objects, budget, figures.load, figures.p99, figures.misses, 100 * figures.missed, figures.xruns,
-        figures.own_xruns, figures.sounding, figures.hidden, figures.shed);
+        objects, budget, figures.load, figures.p99, figures.misses, figures.xruns, figures.own_xruns, figures.sounding,
+        figures.hidden, figures.shed);
     return figures;
   }
 
@@ -107,13 +105,21 @@ class JackBudget : public testing::Test {
   std::vector<std::shared_ptr<const modal::Bank>> banks_;
 };
 
+// A scene that leaves most of the time unused says how much the machine disturbs an audio thread meanwhile.
 TEST_F(JackBudget, KeepsTheTimeWhereAnUnboundedMixerMissesMost) {
-  const auto few = play(kObjectsToMeasure, 0, 2s);
+  const auto few = play(kObjectsToMeasure, 0);
   ASSERT_TRUE(few);
-  const auto objects =
-      std::min(kMostObjects, static_cast<std::size_t>(std::ceil(kLoad / few->load * kObjectsToMeasure)));
-  const auto without = play(objects, 0, 3s), with = play(objects, 70, 6s);
+  const auto objects = static_cast<std::size_t>(std::ceil(kLoad / few->load * kObjectsToMeasure));
+  if (objects > kMostObjects) GTEST_SKIP() << "this machine is so fast that it would take " << objects << " objects";
+  const auto without = play(objects, 0), with = play(objects, 70);
   ASSERT_TRUE(without && with);
+  if (few->misses > kFewMisses) GTEST_SKIP() << "the machine stands still: a small scene was late, too";
+  EXPECT_GT(without->p99, 1.5);
+  EXPECT_GT(without->misses, 100);
+  EXPECT_LE(with->misses, kFewMisses + without->misses / 50);
+  EXPECT_LE(with->own_xruns, kFewMisses + without->own_xruns / 50);
+  EXPECT_GT(with->sounding, 0);
+  EXPECT_GT(with->hidden, 0);
 }
 
 }  // namespace
