@@ -61,7 +61,7 @@ double Mixer::survey_item(std::size_t item) RINGDOWN_REALTIME {
     const std::size_t modes = states.sounding_modes() + states.hidden_modes();
     if (heard) {
       states.survey(hearing_, loudness, floor);
-    } else {
+    } else if (!tight_ && least_ == Cut::kNothing) {
       states.reveal();  // only its states move on
     }
     return static_cast<double>(modes);

@@ -41,7 +41,7 @@ class JackBudget : public testing::Test {
 
   // A file of its own for each, so that they do not share their states.
   std::vector<std::string> arguments(std::size_t objects, int budget) {
-    std::vector<std::string> all{"--budget", std::to_string(budget)};
+    std::vector<std::string> all{"--connect", "--budget", std::to_string(budget)};
     for (std::size_t i = 0; i < objects; ++i) {
       const auto file = folder_ / (name(i) + ".glb");
       if (!exists(file)) {

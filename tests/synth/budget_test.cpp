@@ -244,6 +244,23 @@ TEST(Shedding, WhatHasNoDeadlineIsNeverShed) {
   EXPECT_EQ(with.shed(), 0u);
 }
 
+TEST(Shedding, WhatNobodyListensToKeepsToTheTimeToo) {
+  Scene scene(0.8);
+  scene.set_load(4);
+  scene.render();
+  int missed = 0;
+  for (int block = 0; block < 300; ++block) {
+    const std::int64_t begin = fake_now_ns;
+    scene.mixer().render(Outputs(), kFrames);
+    missed += static_cast<double>(fake_now_ns - begin) > kPeriod_ns ? 1 : 0;
+  }
+  EXPECT_EQ(missed, 0);
+  EXPECT_GT(scene.hidden(), kObjects * kModes / 2);
+  scene.set_load(0.3);
+  scene.render_blocks(3000);
+  EXPECT_EQ(scene.hidden(), 0u);
+}
+
 TEST(Shedding, EndsWithTheBudget) {
   Scene scene(0.8);
   scene.set_load(4);
