@@ -55,4 +55,8 @@ struct Event {
 };
 static_assert(std::is_trivially_copyable_v<Event>);
 
+constexpr bool is_strike(const Event& event) {
+  return event.type == EventType::strike || event.type == EventType::strike_vertex;
+}
+
 }  // namespace ringdown::protocol

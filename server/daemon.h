@@ -50,7 +50,7 @@ struct DaemonOptions {
   std::size_t block_frames = 256;              // likewise
   std::size_t threads = 1;                     // that mix (Mixer::set_threads)
   SoundOptions sound;
-  double budget = 0;                              // jack: Mixer::set_budget
+  double budget = 0.8;                            // jack: Mixer::set_budget
   std::optional<double> seconds;                  // null, jack: stop after this time; wav: length of the file
   std::filesystem::path output = "ringdown.wav";  // wav
 };

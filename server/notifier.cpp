@@ -20,8 +20,6 @@ Vec3 point_of(const Event& event, const modal::Bank& bank) {
   return {point[0], point[1], point[2]};
 }
 
-bool is_strike(const Event& event) { return event.type == EventType::strike || event.type == EventType::strike_vertex; }
-
 constexpr float kAudible = 1e-6f;  // -120 dB: quieter objects do not ring
 
 protocol::NotifyObject object_news(const RackObject& object, bool loaded) {

@@ -144,7 +144,7 @@ void add_mixer(CLI::App& app, DaemonOptions& options) {
       ->capture_default_str();
   app.add_option_function<double>(
          "--budget", [&options](double percent) { options.budget = 0.01 * percent; },
-         "Of a block's time, what may be used before what is heard least is left out (on trial); 0, the default: all")
+         "jack: of a block's time, what may be used before what is heard least is left out; 0: all; 80 unless given")
       ->check(CLI::Range(0.0, 100.0))
       ->type_name("PERCENT");
   add_sound_options(app, options.sound);

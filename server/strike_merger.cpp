@@ -6,9 +6,6 @@ namespace ringdown::server {
 namespace {
 
 using protocol::Event;
-using protocol::EventType;
-
-bool is_strike(const Event& event) { return event.type == EventType::strike || event.type == EventType::strike_vertex; }
 
 bool same_blow(const Event& a, const Event& b) {
   return a.object == b.object && a.type == b.type && a.vertex == b.vertex && a.point_m == b.point_m &&

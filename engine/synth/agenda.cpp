@@ -53,9 +53,9 @@ void Agenda::pop() RINGDOWN_REALTIME {
   --count_;
 }
 
-void Agenda::put_back(const protocol::Event& event) RINGDOWN_REALTIME {
+void Agenda::put_back(const Pending& pending) RINGDOWN_REALTIME {
   assert(count_ < heap_.size());
-  heap_.data()[count_++] = {event, next_order_++};
+  heap_.data()[count_++] = pending;
   std::push_heap(heap_.data(), heap_.data() + count_, Later{});
 }
 

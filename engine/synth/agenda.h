@@ -20,6 +20,11 @@ enum class Producer : std::size_t { control, worker, scene, midi, kCount };
 
 class Agenda {
  public:
+  struct Pending {
+    protocol::Event event;
+    std::uint64_t order;  // among the events of one frame
+  };
+
   // Hands an event over. False when the producer's ring is full: the event was not taken. [the producer's thread]
   [[nodiscard]] bool push(Producer producer, const protocol::Event& event) RINGDOWN_REALTIME {
     return rings_[static_cast<std::size_t>(producer)].push(event);
@@ -30,22 +35,18 @@ class Agenda {
   std::size_t accept(protocol::Frame now) RINGDOWN_REALTIME;
 
   // The earliest event, if it happens before frame `end`; of events at one frame the one pushed first. [audio]
-  [[nodiscard]] const protocol::Event* next_before(protocol::Frame end) const RINGDOWN_REALTIME {
-    return count_ > 0 && heap_.data()[0].event.frame < end ? &heap_.data()[0].event : nullptr;
+  [[nodiscard]] const Pending* next_before(protocol::Frame end) const RINGDOWN_REALTIME {
+    return count_ > 0 && heap_.data()[0].event.frame < end ? heap_.data() : nullptr;
   }
   void pop() RINGDOWN_REALTIME;  // [audio]
-  // Takes back an event that was popped since the last accept(). [audio]
-  void put_back(const protocol::Event& event) RINGDOWN_REALTIME;
+  // Takes back, to its place among the others, an event that was popped since the last accept(). [audio]
+  void put_back(const Pending& pending) RINGDOWN_REALTIME;
 
   // Frames are of another length from here on: what is pending, in the rings too, comes `ratio` times as many frames
   // after `now` as it was to. Returns how many events were late. [while no other thread than producers uses it]
   std::size_t rescale(protocol::Frame now, double ratio);
 
  private:
-  struct Pending {
-    protocol::Event event;
-    std::uint64_t order;
-  };
   struct Later {
     bool operator()(const Pending& a, const Pending& b) const RINGDOWN_REALTIME {
       return a.event.frame != b.event.frame ? a.event.frame > b.event.frame : a.order > b.order;

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <ctime>
-#include <utility>
 
 namespace ringdown::synth {
 namespace {
 
 constexpr double kLearnUp = 0.3, kLearnDown = 0.03;
-constexpr double kMostSurprise = 2;  // a chunk in which the thread did not run says little of what work costs
-constexpr double kLeastUnits = 500;  // less work tells nothing
+constexpr int kFirstLessons = 40;  // which are averaged
+// A chunk in which the thread did not run says little of what work costs: beyond kUnconfirmed only two on end are
+// believed, and no more than kMostSurprise.
+constexpr double kUnconfirmed = 1.2, kMostSurprise = 2;
+constexpr double kLeast_ns = 0.01;
+constexpr double kLeastUnits = 500;  // less work tells only that units do not cost as much as was thought
 
 }  // namespace
 
@@ -27,8 +30,8 @@ void Budget::open_block(std::size_t frames, double sample_rate_hz, bool deadline
   limited_ = share > 0 && deadline;
   if (!limited_) return;
   frames_left_ = frames;
-  deadline_ns_ =
-      clock_.now_ns() + static_cast<std::int64_t>(share * 1e9 * static_cast<double>(frames) / sample_rate_hz);
+  frame_ns_ = share * 1e9 / sample_rate_hz;
+  deadline_ns_ = clock_.now_ns() + static_cast<std::int64_t>(frame_ns_ * static_cast<double>(frames));
 }
 
 void Budget::open_chunk(std::size_t frames) RINGDOWN_REALTIME {
@@ -38,15 +41,25 @@ void Budget::open_chunk(std::size_t frames) RINGDOWN_REALTIME {
   const double ours_ns = left_ns * static_cast<double>(frames) / static_cast<double>(std::max(frames_left_, frames));
   chunk_end_ns_ = chunk_begin_ns_ + static_cast<std::int64_t>(ours_ns);
   affordable_ = ours_ns / unit_ns_;
+  usual_ = frame_ns_ * static_cast<double>(frames) / unit_ns_;
   frames_left_ -= std::min(frames, frames_left_);
 }
 
 void Budget::close_chunk(double units) RINGDOWN_REALTIME {
-  if (!limited_ || units < kLeastUnits) return;
-  const double took_ns = static_cast<double>(clock_.now_ns() - chunk_begin_ns_) / units;
-  if (!std::exchange(has_learnt_, true)) unit_ns_ = took_ns;
-  const double change = std::min(took_ns, kMostSurprise * unit_ns_) - unit_ns_;
-  unit_ns_ = std::max(unit_ns_ + (change > 0 ? kLearnUp : kLearnDown) * change, 0.01);
+  if (!limited_) return;
+  const double took_ns = static_cast<double>(clock_.now_ns() - chunk_begin_ns_) / std::max(units, kLeastUnits);
+  const double before_ns = unit_ns_;
+  if (units < kLeastUnits) {
+    unit_ns_ -= kLearnDown * std::max(unit_ns_ - std::max(took_ns, kTypical_ns), 0.0);
+  } else {
+    const double confirmed_ns = std::min(took_ns, std::max(took_before_ns_, kUnconfirmed * unit_ns_));
+    const double change = std::min(confirmed_ns, kMostSurprise * unit_ns_) - unit_ns_;
+    const double weight = std::max(change > 0 ? kLearnUp : kLearnDown, 1 / static_cast<double>(learnt_ + 1));
+    unit_ns_ = std::max(learnt_ == 0 ? took_ns : unit_ns_ + weight * change, kLeast_ns);
+    took_before_ns_ = took_ns;
+    learnt_ = std::min(learnt_ + 1, kFirstLessons);
+  }
+  usual_ *= before_ns / unit_ns_;
 }
 
 }  // namespace ringdown::synth

@@ -34,8 +34,9 @@ class Budget {
   void close_chunk(double units) RINGDOWN_REALTIME;  // that were worked
 
   [[nodiscard]] bool limited() const RINGDOWN_REALTIME { return limited_; }
-  // Units that there is time for in this chunk.
+  // Units that there is time for in this chunk; and in one that nothing has disturbed.
   [[nodiscard]] double affordable() const RINGDOWN_REALTIME { return affordable_; }
+  [[nodiscard]] double usual() const RINGDOWN_REALTIME { return usual_; }
   // Whether there is no time left in this chunk for so many units. [also the mixer's helpers]
   [[nodiscard]] bool over(double units) const RINGDOWN_REALTIME {
     return limited_ && clock_.now_ns() + static_cast<std::int64_t>(units * unit_ns_) > chunk_end_ns_;
@@ -47,9 +48,12 @@ class Budget {
  private:
   std::atomic<double> share_{0};
   Clock clock_{now_ns};
-  bool limited_ = false, has_learnt_ = false;
-  double unit_ns_ = 2;
-  double affordable_ = 0;
+  bool limited_ = false;
+  static constexpr double kTypical_ns = 2;
+  double unit_ns_ = kTypical_ns, took_before_ns_ = 0;
+  int learnt_ = 0;
+  double frame_ns_ = 0;  // of a block's time, for each of its frames
+  double affordable_ = 0, usual_ = 0;
   std::int64_t deadline_ns_ = 0, chunk_begin_ns_ = 0, chunk_end_ns_ = 0;
   std::size_t frames_left_ = 0;  // of the block
 };

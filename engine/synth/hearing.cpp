@@ -10,6 +10,10 @@ namespace {
 
 constexpr double kBandsPerBark = 2;
 
+std::size_t index_of(Level level) RINGDOWN_REALTIME {
+  return static_cast<std::size_t>(std::clamp<Level>(level - Hearing::kLowest, 0, Hearing::kLevels - 1));
+}
+
 // Bark to Hz by halving: called once per band, on the worker.
 double frequency_at(double bark) {
   double low = 1, high = 400000;
@@ -40,11 +44,16 @@ Hearing::Hearing() {
 
 void Hearing::forget() RINGDOWN_REALTIME {
   for (auto& levels : count_) levels.fill(0);
+  for (auto& levels : in_groups_) levels.fill(0);
   modes_ = 0;
 }
 
 void Hearing::note(EarBand band, Level level, std::uint32_t modes) RINGDOWN_REALTIME {
-  count_[band][static_cast<std::size_t>(std::clamp<Level>(level - kLowest, 0, kLevels - 1))] += modes;
+  count_[band][index_of(level)] += modes;
+}
+
+void Hearing::note_group(EarBand band, Level level, std::uint32_t modes) RINGDOWN_REALTIME {
+  in_groups_[band][index_of(level)] += modes;
   modes_ += modes;
 }
 
@@ -93,7 +102,7 @@ Level Hearing::least_for(double modes) const RINGDOWN_REALTIME {
   for (std::size_t b = 0; b < kEarBands; ++b) {
     for (Level level = std::max(cut.at[b], kLowest); level < kLowest + kLevels; ++level) {
       const auto i = static_cast<std::size_t>(level - kLowest);
-      passing[i] += count_[b][i];
+      passing[i] += in_groups_[b][i];
     }
   }
   Level least = kLowest + kLevels;

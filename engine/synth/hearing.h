@@ -49,12 +49,14 @@ class Hearing {
   // From here on: one audio thread.
   void forget() RINGDOWN_REALTIME;
   void note(EarBand band, Level level, std::uint32_t modes = 1) RINGDOWN_REALTIME;
+  // And once for each group, which comes and goes as a whole: its loudest mode.
+  void note_group(EarBand band, Level level, std::uint32_t modes) RINGDOWN_REALTIME;
 
   // Without `masking` everything from `least` on passes.
   [[nodiscard]] Cut decide(bool masking, Level least = Cut::kNothing) const RINGDOWN_REALTIME;
 
-  // The level below which modes go so that at most so many are left after masking; kLowest when masking is enough,
-  // kNothing when all fit as they are.
+  // The level below which groups go so that at most so many modes are left after masking; kLowest when masking is
+  // enough, kNothing when all fit as they are.
   [[nodiscard]] Level least_for(double modes) const RINGDOWN_REALTIME;
 
   static constexpr Level kLowest = -110, kLevels = 140;  // -165 ... +45 dB
@@ -65,8 +67,9 @@ class Hearing {
   [[nodiscard]] Thresholds hidden_below() const RINGDOWN_REALTIME;
 
   std::array<std::array<std::uint32_t, kLevels>, kEarBands> count_;
-  std::uint64_t modes_ = 0;
-  std::array<double, kLevels> energy_;  // of a level, at most
+  std::array<std::array<std::uint32_t, kLevels>, kEarBands> in_groups_;  // modes, by the loudest of their group
+  std::uint64_t modes_ = 0;                                              // in groups
+  std::array<double, kLevels> energy_;                                   // of a level, at most
   std::array<double, kEarBands> centre_hz_, centre_bark_;
 };
 

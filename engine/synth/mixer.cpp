@@ -6,35 +6,12 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace ringdown::synth {
-namespace {
 
 using protocol::Event;
-using protocol::EventType;
 using protocol::Frame;
-
-constexpr double kShortestRamp_s = 0.005;  // a step in gain or pan would click
-constexpr double kLongestRamp_s = 3600;
-constexpr double kLargestValue = 1e6;  // of a gain or pan: what is beyond, or no number, would spoil the whole mix
-
-bool is_strike(EventType type) RINGDOWN_REALTIME {
-  return type == EventType::strike || type == EventType::strike_vertex;
-}
-
-bool is_sane(const protocol::Contact& contact) RINGDOWN_REALTIME {
-  const protocol::Texture& t = contact.texture;
-  const auto within = [](double value, double least, double most)
-                          RINGDOWN_REALTIME { return value >= least && value <= most; };  // no number is in no range
-  return within(dot(contact.force_n, contact.force_n), 0, kLargestValue * kLargestValue) &&
-         within(contact.slip_m_s, 0, kLargestValue) && within(contact.roll_m_s, 0, kLargestValue) &&
-         within(t.roughness_m, 0, 1) && within(t.correlation_m, 1e-9, 1e3) && within(t.spectral_slope, -10, 0);
-}
-
-}  // namespace
-
 Mixer::Mixer(double sample_rate_hz) : sample_rate_hz_(sample_rate_hz) {}
 
 Mixer::~Mixer() {
@@ -97,10 +74,10 @@ void Mixer::render(std::span<float> left, std::span<float> right) RINGDOWN_REALT
 
 void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t frames) RINGDOWN_REALTIME {
   const DenormalGuard guard;
+  budget_.open_block(frames, sample_rate_hz(), deadlines_);
   accept_orders();
   count(counters_.late, agenda_.accept(now_));
   wanted_ = outputs.wanted();
-  budget_.open_block(frames, sample_rate_hz(), deadlines_);
   float peak = 0;
   Place& place = places_.data()[0];
   place.ringing_voices = place.ringing_modes = place.hidden_modes = 0;
@@ -180,63 +157,11 @@ void Mixer::carry_out(const Order& order) RINGDOWN_REALTIME {
   keep_as_tail(object, old);
 }
 
-// Sorts the events of the coming chunk to their objects.
-void Mixer::take_due_events(std::size_t frames) RINGDOWN_REALTIME {
-  DueEvent* due = due_.data();
-  put_off_ = false;
-  event_units_ = 0;
-  const Frame end = now_ + static_cast<Frame>(frames);
-  std::int32_t count = 0;
-  for (; count < static_cast<std::int32_t>(kMostEventsPerChunk); ++count, agenda_.pop()) {
-    const Event* event = agenda_.next_before(end);
-    if (!event || !can_afford(*event)) break;
-    due[count] = {*event, static_cast<std::size_t>(std::max<Frame>(event->frame - now_, 0)), -1};
-    due[count].event.frame = std::max(event->frame, now_);  // it may have been left over from the chunk before
-    if (is_strike(event->type)) {
-      if (start_pulse(due[count].event)) --count;
-      continue;
-    }
-    Object& object = objects_.data()[event->object];
-    if (event->type == EventType::contact && !(is_sane(event->contact) && open_contact(*event))) {
-      if (!is_sane(event->contact)) this->count(counters_.refused);
-      --count;
-      continue;
-    }
-    part(object);
-    if (event->type == EventType::clear) stop_pulses(object, due[count].event.frame);
-  }
-  link_due_events(count);
-}
-
-// Strikes on objects whose states are shared go to their family.
-void Mixer::link_due_events(std::int32_t count) RINGDOWN_REALTIME {
-  DueEvent* const due = due_.data();
-  const auto append = [due](std::int32_t place, std::int32_t& first, std::int32_t& last) RINGDOWN_REALTIME {
-    (first < 0 ? first : due[last].next) = place;
-    last = place;
-  };
-  for (std::int32_t place = 0; place < count; ++place) {
-    Object& object = objects_.data()[due[place].event.object];
-    if (object.first_due < 0 && !object.shared && is_strike(due[place].event.type) && object.parted != now_ &&
-        can_share(object, now_)) {
-      share(object, now_);
-    }
-    if (object.shared) {
-      Family& family = *object.current->table().family;
-      append(place, family.first_due, family.last_due);
-      activate(family);
-    } else {
-      append(place, object.first_due, object.last_due);
-      activate(object);
-    }
-  }
-}
-
 void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
   frames_ = frames;
+  open_places(frames);
   take_due_events(frames);
   const bool much = choose_path(frames);
-  open_places(frames);
   prepare_tables(frames);
   survey(frames);
   if (crew_ && much) {
@@ -315,6 +240,7 @@ void Mixer::keep_active() RINGDOWN_REALTIME {
   for (std::size_t i = 0; i < active_count_; ++i) {
     bool keep = after_.data()[i] == After::keep;
     Object& object = objects_.data()[active[i]];
+    const bool waits = object.first_due >= 0;  // and would leave its family again
     put_back(object.first_due);
     if (after_.data()[i] == After::look_at_tails) {
       retire_silent_tails(object);
@@ -322,10 +248,7 @@ void Mixer::keep_active() RINGDOWN_REALTIME {
     }
     const Frame end = now_ + static_cast<Frame>(frames_);
     keep_drives(object, end);
-    const auto units_to_share = [&]() RINGDOWN_REALTIME {
-      return kPartPerMode * static_cast<double>(object.current->table().columns());
-    };
-    if (keep && !object.shared && can_share(object, end) && !budget_.over(units_to_share())) {
+    if (keep && !waits && !object.shared && can_share(object, end) && !budget_.over(units_to_share(object))) {
       share(object, end);
       keep = false;
     }
@@ -360,7 +283,7 @@ void Mixer::render_object(Object& object, bool in_turn, Place& place) RINGDOWN_R
 // Nothing but strikes happens to it, and no gain or pan is moving.
 bool Mixer::plain_in_chunk(const Object& object) const RINGDOWN_REALTIME {
   for (std::int32_t i = object.first_due; i >= 0; i = due_.data()[i].next) {
-    if (!is_strike(due_.data()[i].event.type)) return false;
+    if (!is_strike(due_.data()[i].event)) return false;
   }
   return still(object, now_);
 }
@@ -491,35 +414,6 @@ void Mixer::mix_segment(const Object& object, std::size_t begin, std::size_t end
 
 bool Mixer::heard(const Object& object) const RINGDOWN_REALTIME {
   return (wanted_ & (only(kLeft) | only(kRight) | (object.bus == kNoBus ? 0 : only(object.bus)))) != 0;
-}
-
-void Mixer::apply(Object& object, const Event& event) RINGDOWN_REALTIME {
-  if (event.type == EventType::contact) return tell(object, event);
-  if (!is_strike(event.type) && !(std::abs(event.value) <= kLargestValue)) {
-    count(counters_.refused);
-    return;
-  }
-  // Written so that a ramp that is no number becomes the shortest.
-  const double ramp_s = std::min(event.ramp_s > kShortestRamp_s ? event.ramp_s : kShortestRamp_s, kLongestRamp_s);
-  const auto ramp = static_cast<Frame>(ramp_s * sample_rate_hz());
-  if (is_strike(event.type)) {
-    const bool struck = object.current && object.current->strike(event);
-    count(struck ? counters_.strikes : counters_.refused);
-  } else if (event.type == EventType::gain) {
-    object.gain.aim(event.value, event.frame, ramp);
-  } else if (event.type == EventType::pan) {
-    const double angle = 0.25 * std::numbers::pi * (1 + event.value);
-    object.left.aim(std::cos(angle), event.frame, ramp);
-    object.right.aim(std::sin(angle), event.frame, ramp);
-  } else if (event.type == EventType::clear) {
-    fade_out(object, static_cast<std::size_t>(ramp));
-  }
-}
-
-// The current voice and the tails of earlier banks alike.
-void Mixer::fade_out(Object& object, std::size_t frames) RINGDOWN_REALTIME {
-  if (object.current) object.current->fade_out(frames);
-  for (Voice* voice = object.tails; voice; voice = voice->next) voice->fade_out(frames);
 }
 
 void Mixer::activate(Object& object) RINGDOWN_REALTIME {

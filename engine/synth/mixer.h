@@ -195,13 +195,15 @@ class Mixer {
   }
   struct DueEvent {
     protocol::Event event;
-    std::size_t offset;  // frames into the chunk
-    std::int32_t next;   // the object's next event in this chunk, -1 for none
+    std::size_t offset;     // frames into the chunk
+    std::int32_t next;      // the object's next event in this chunk, -1 for none
+    protocol::Frame frame;  // as the agenda had it
+    std::uint64_t order;
   };
   // What work costs, in units of what moments cost for a mode, 1.4 ns: moments cost kMomentsFixed more, tables 1 for a
   // mode and kFramesPerMode frames. Measured by `./run bench mixer`, with AVX-512.
   static constexpr std::size_t kMomentsFixed = 1100, kFramesPerMode = 28;
-  static constexpr double kStrikePerMode = 8, kPartPerMode = 6, kComingPerMode = 3, kSurveyPerMode = 0.25;
+  static constexpr double kComingPerMode = 1.5, kSurveyPerMode = 0.3;
   static constexpr std::size_t kNever = ~std::size_t{0};
   static constexpr double kCentre = 0.70710678118654752;              // equal power: cos 45 degrees
   static constexpr std::size_t kLeft = 0, kRight = 1, kFirstBus = 2;  // channels
@@ -253,11 +255,16 @@ class Mixer {
 
   void accept_orders() RINGDOWN_REALTIME;
   void carry_out(const Order& order) RINGDOWN_REALTIME;
-  void take_due_events(std::size_t frames) RINGDOWN_REALTIME;
   void render_chunk(std::size_t frames) RINGDOWN_REALTIME;
   void prepare_tables(std::size_t frames) RINGDOWN_REALTIME;
   [[nodiscard]] bool choose_path(std::size_t frames) RINGDOWN_REALTIME;
+  // mixer_events.cpp
+  void take_due_events(std::size_t frames) RINGDOWN_REALTIME;
   void link_due_events(std::int32_t count) RINGDOWN_REALTIME;
+  void put_back(std::int32_t& first_due) RINGDOWN_REALTIME;
+  void apply(Object& object, const protocol::Event& event) RINGDOWN_REALTIME;
+  static void fade_out(Object& object, std::size_t frames) RINGDOWN_REALTIME;
+
   // mixer_masking.cpp
   void survey(std::size_t frames) RINGDOWN_REALTIME;
   void attend(Object& object) RINGDOWN_REALTIME;
@@ -272,12 +279,13 @@ class Mixer {
   // mixer_budget.cpp
   [[nodiscard]] double units_of(std::size_t modes) const RINGDOWN_REALTIME;
   [[nodiscard]] double units_of(const protocol::Event& event) const RINGDOWN_REALTIME;
+  [[nodiscard]] static double units_to_share(const Object& object) RINGDOWN_REALTIME;
+  [[nodiscard]] double units_to_drive(const Object& object, std::size_t frames) const RINGDOWN_REALTIME;
   [[nodiscard]] double units_of_item(std::size_t item) const RINGDOWN_REALTIME;
   [[nodiscard]] bool can_afford(const protocol::Event& event) RINGDOWN_REALTIME;
   [[nodiscard]] bool must_wait(const protocol::Event& event, Place& place) const RINGDOWN_REALTIME;
   [[nodiscard]] bool must_miss(std::size_t item) const RINGDOWN_REALTIME;
   void miss(std::size_t item, Place& place) RINGDOWN_REALTIME;
-  void put_back(std::int32_t& first_due) RINGDOWN_REALTIME;
   [[nodiscard]] std::size_t most_coming() const RINGDOWN_REALTIME;
   [[nodiscard]] double most_modes() const RINGDOWN_REALTIME;
   void count_work(double units, Place& place) const RINGDOWN_REALTIME;
@@ -298,8 +306,6 @@ class Mixer {
   void mix_segment(const Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
   void write(const Outputs& outputs, std::size_t at, std::size_t frames, float& peak) RINGDOWN_REALTIME;
   [[nodiscard]] float limit_mix(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME;
-  void apply(Object& object, const protocol::Event& event) RINGDOWN_REALTIME;
-  void fade_out(Object& object, std::size_t frames) RINGDOWN_REALTIME;
   void activate(Object& object) RINGDOWN_REALTIME;
   void keep_as_tail(Object& object, Voice* voice) RINGDOWN_REALTIME;
   void retire_silent_tails(Object& object) RINGDOWN_REALTIME;
@@ -400,6 +406,7 @@ class Mixer {
   Budget budget_;
   bool deadlines_ = true;
   bool tight_ = false;        // in the last chunk time was short, or nearly so
+  bool light_ = false;        // in the last chunk there was little to do
   bool put_off_ = false;      // some events of this chunk are
   double event_units_ = 0;    // of work, in this chunk
   double event_reserve_ = 0;  // the same, lately

@@ -211,6 +211,7 @@ void Mixer::drive(Object& object, std::size_t begin, std::size_t end, Place& pla
     forces[i] = {drive.amplitudes.get(), impulses};
   }
   const std::span<const Force> all(forces.data(), object.drive_count);
+  count_work(units_to_drive(object, end - begin), place);
   if (!object.current->drive_aside(all, place.mono.data() + begin, end - begin)) count(counters_.not_finite);
 }
 

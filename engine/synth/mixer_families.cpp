@@ -56,6 +56,7 @@ void Mixer::share(Object& object, Frame now) RINGDOWN_REALTIME {
   ++family.members;
   if (!object.current->ringing()) return;
   family.add(*object.current, object.shares);
+  count_work(units_to_share(object), places_.data()[0]);
   object.current->rest();
   note_struck(object, family);
   activate(family);
@@ -80,6 +81,7 @@ void Mixer::part(Object& object) RINGDOWN_REALTIME {
   catch_up(object, now_);
   const auto& [left, right, bus] = object.shares;
   if (family.active) family.add(*object.current, {-left, -right, -bus});
+  count_work(units_to_share(object), places_.data()[0]);
   if (std::exchange(object.round, 0) == family.round) --family.struck;
   if (--family.members == 0) family.silence();
   object.current->wake();

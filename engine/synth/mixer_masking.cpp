@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t kSurveyFrames = 2048;  // 43 ms at 48 kHz; what follows a louder sound is hidden for longer
 constexpr std::size_t kRoundFrames = 4096;   // of a survey in parts
 constexpr double kQuickRound = 4;            // chunks, when time is short; or more, so that each takes no more than
-constexpr double kSurveyShare = 0.08;        // of its time
+constexpr double kSurveyShare = 0.08;        // of its time,
+constexpr double kLeftAfterSurvey = 0.6;     // and never so much that less is left
 constexpr std::size_t kLowerFrames = 4096;   // in this time the level falls by kLowerBy
 constexpr Level kLowerBy = 2;                // 3 dB: 35 dB in a second
 
@@ -36,7 +37,7 @@ void Mixer::survey(std::size_t frames) RINGDOWN_REALTIME {
   double modes = std::numeric_limits<double>::max();
   if (limited) {
     const auto part = static_cast<double>(frames) / static_cast<double>(kRoundFrames);
-    const double most = kSurveyShare * budget_.affordable() / kSurveyPerMode;
+    const double most = kSurveyShare * budget_.usual() / kSurveyPerMode;
     modes = tight_ ? std::clamp(most, all * part, all / kQuickRound) : all * part;
   } else if (since_survey_ < kSurveyFrames && masking) {
     return;
@@ -44,7 +45,10 @@ void Mixer::survey(std::size_t frames) RINGDOWN_REALTIME {
   if (survey_at_ == 0) hearing_.forget();
   const std::size_t items = active_family_count_ + active_count_;
   survey_begin_ = std::min(survey_at_, items);
-  for (survey_end_ = survey_begin_; survey_end_ < items && modes > 0; ++survey_end_) modes -= survey_item(survey_end_);
+  for (survey_end_ = survey_begin_; survey_end_ < items && modes > 0; ++survey_end_) {
+    if (budget_.over(kLeftAfterSurvey * budget_.usual())) break;
+    modes -= survey_item(survey_end_);
+  }
   survey_at_ = survey_end_;
   if (survey_at_ < items) return;
   survey_at_ = since_survey_ = 0;
@@ -57,7 +61,7 @@ double Mixer::survey_item(std::size_t item) RINGDOWN_REALTIME {
     const std::size_t modes = states.sounding_modes() + states.hidden_modes();
     if (heard) {
       states.survey(hearing_, loudness, floor);
-    } else {
+    } else if (!tight_ && least_ == Cut::kNothing) {
       states.reveal();  // only its states move on
     }
     return static_cast<double>(modes);
@@ -126,16 +130,20 @@ void Mixer::listen(Family& family, bool in_turn, Place& place) RINGDOWN_REALTIME
   });
 }
 
-// In its turn, or at once when the cut has risen or it was missed.
+// In its turn; at once when the cut has risen, but then nothing comes back, or when it was missed.
 void Mixer::listen(Ringing& states, Level loudness, bool in_turn, Place& place) RINGDOWN_REALTIME {
   if (!in_turn && !(budget_.limited() && states.ignores(cut_))) return;
   const double units_to_come = (kComingPerMode + 1) * static_cast<double>(place.most_coming);
   if (budget_.over(units_to_come)) place.most_coming = 0;
-  if (place.most_coming < kModePadding && states.sounding_slow_modes() == 0) return;
-  const std::size_t before = place.most_coming;
-  states.listen(cut_, loudness, place.most_coming);
-  count_work(kComingPerMode * static_cast<double>(before - place.most_coming) +
-                 kSurveyPerMode * static_cast<double>(states.sounding_modes() + states.hidden_modes()),
+  std::size_t none = 0;
+  std::size_t& most_coming = in_turn || states.missed() ? place.most_coming : none;
+  const bool comes = most_coming >= kModePadding;
+  if (!comes && states.sounding_slow_modes() == 0) return;
+  const std::size_t before = most_coming, sounding = states.sounding_slow_modes();
+  states.listen(cut_, loudness, most_coming);
+  const std::size_t going = sounding - states.sounding_slow_modes();
+  count_work((kComingPerMode + 1) * static_cast<double>(before - most_coming + going) +
+                 kSurveyPerMode * static_cast<double>(sounding + (comes ? states.hidden_modes() : 0)),
              place);
 }
 

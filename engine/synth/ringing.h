@@ -69,12 +69,13 @@ class Ringing {
   // fallen below `floor` rests from now on. [audio]
   void survey(Hearing& hearing, Level shift, double floor) RINGDOWN_REALTIME;
   // Hides and brings back by what a survey has found; at most so many modes come back, and `most_coming` is lessened by
-  // them; when more would have, it ignores() the cut still. The cut lives until the next call. [audio]
+  // them. The cut lives until the next call. [audio]
   void listen(const Cut& cut, Level shift, std::size_t& most_coming) RINGDOWN_REALTIME;
   // Has only strikes judged by the cut. [audio]
   void attend(const Cut& cut, Level shift) RINGDOWN_REALTIME;
-  // Whether it has yet to listen to this one.
+  // Whether it has yet to listen to this one; whether some is hidden only because it was missed.
   [[nodiscard]] bool ignores(const Cut& cut) const RINGDOWN_REALTIME { return cut_number_ != cut.number; }
+  [[nodiscard]] bool missed() const RINGDOWN_REALTIME { return cut_number_ == kNoCut; }
   // In place of rendering `frames`, when there is no time: hides all, at once; what fades goes on fading, unheard.
   // [audio]
   void miss(std::size_t frames) RINGDOWN_REALTIME;

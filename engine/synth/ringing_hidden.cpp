@@ -43,7 +43,10 @@ void Ringing::survey(Hearing& hearing, Level shift, double floor) RINGDOWN_REALT
   settle();
   const auto note = [&](const Energies& energies, std::uint32_t group, Level by) RINGDOWN_REALTIME {
     const EarBand* const band = table_.ear_bands() + std::size_t{group} * kModePadding;
-    if (table_.narrow(group)) return hearing.note(band[0], level_of(loudest(energies)) + by, kModePadding);
+    const auto most = std::max_element(energies.begin(), energies.end());
+    const Level level = level_of(*most) + by;
+    hearing.note_group(band[most - energies.begin()], level, kModePadding);
+    if (table_.narrow(group)) return hearing.note(band[0], level, kModePadding);
     for (std::size_t i = 0; i < kModePadding; ++i) hearing.note(band[i], level_of(energies[i]) + by);
   };
   for (const ActiveGroups* groups : {&slow_, &fast_}) {
@@ -68,10 +71,10 @@ void Ringing::attend(const Cut& cut, Level shift) RINGDOWN_REALTIME {
 
 void Ringing::listen(const Cut& cut, Level shift, std::size_t& most_coming) RINGDOWN_REALTIME {
   attend(cut, shift);
+  const bool was_missed = missed();
   cut_number_ = cut.number;
   if (!selective()) return;
   cut_ = &cut;
-  bool all = true;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < slow_.count; ++i) {
     const std::uint32_t group = slow_.list[i];
@@ -83,15 +86,15 @@ void Ringing::listen(const Cut& cut, Level shift, std::size_t& most_coming) RING
   }
   slow_.count = kept;
   hidden_.keep([&](std::uint32_t group) RINGDOWN_REALTIME {
+    if (most_coming < kModePadding) return true;
     if (!passes(energies_of(group), group, shift - fallen(group) - kHysteresis)) return true;
-    if (most_coming < kModePadding) return all = false, true;
     most_coming -= kModePadding;
     catch_up(group);
     coming_.put(group);
     return false;
   });
   if (!cut.hides) cut_ = nullptr;
-  if (!all) cut_number_ = kNoCut;
+  if (was_missed && most_coming < kModePadding) cut_number_ = kNoCut;
 }
 
 void Ringing::miss(std::size_t frames) RINGDOWN_REALTIME {

@@ -33,7 +33,8 @@ constexpr std::array kParts = {Part{"throughput", bench::measure_throughput},
                                Part{"tail", bench::measure_tail},
                                Part{"masking", bench::measure_masking},
                                Part{"instances", bench::measure_instances},
-                               Part{"threads", bench::measure_threads}};
+                               Part{"threads", bench::measure_threads},
+                               Part{"budget", bench::measure_budget}};
 
 }  // namespace
 
@@ -47,7 +48,7 @@ int main(int argc, char** argv) {
   app.add_flag("--gate", gate, "exit with 1 when a promise is missed");
   app.add_flag("--quick", settings.quick, "under a minute: fewer and shorter repeats, the same promises");
   app.add_option("--only", only,
-                 "parts: throughput accuracy silence strike storm decay tail masking instances threads");
+                 "parts: throughput accuracy silence strike storm decay tail masking instances threads budget");
   CLI11_PARSE(app, argc, argv);
 
   const std::string machine = bench::this_machine(synth::kernel_target());

@@ -45,7 +45,7 @@ class JackServer {
 
 class Daemon {
  public:
-  // `arguments` after `ringdownd --port 0 --budget 0`.
+  // `arguments` after `ringdownd --port 0`; with --budget 0 unless they say otherwise.
   explicit Daemon(std::vector<std::string> arguments, const Process::Environment& environment = {});
 
   [[nodiscard]] bool ready() const { return port_ != 0; }

@@ -38,4 +38,7 @@ void measure_instances(const Settings& settings, const Sink& sink);
 // One thread and two, at 30,000 modes.
 void measure_threads(const Settings& settings, const Sink& sink);
 
+// What the kinds of work that a time budget counts cost for each mode, over what moments cost; mean_us is of an object.
+void measure_budget(const Settings& settings, const Sink& sink);
+
 }  // namespace ringdown::bench

@@ -1,0 +1,126 @@
+// The time budget under a real deadline: jackd with real-time scheduling, and a scene that takes four times the time
+// there is.
+#include "engine/modal/bank_file.h"
+#include "tests/integration/jack_fixture.h"
+#include "tests/support/synthetic_bank.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <thread>
+
+namespace ringdown::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kRate = 96000, kPeriod = 128;
+constexpr std::size_t kModes = 2000, kObjectsToMeasure = 20, kMostObjects = 900;
+constexpr double kLoad = 2.5;  // in proportion to that of a few objects, which caches hold; in truth about four
+constexpr int kFewMisses = 5;  // of 2250 callbacks
+
+class JackBudget : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!installed("jackd")) GTEST_SKIP() << "needs jackd2 (./run packages)";
+    for (int tries = 0; !server_.runs(); ++tries) {
+      if (tries == 2) GTEST_SKIP() << "needs a jackd with real-time scheduling, which does not start here";
+      server_.stop();
+      server_.start(kRate, kPeriod);
+    }
+    for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
+      modal::Bank bank = random_bank(seed, kModes, 8);
+      for (double& decay_per_s : bank.decay_per_s) decay_per_s = 0.01;
+      banks_.push_back(std::make_shared<const modal::Bank>(std::move(bank)));
+    }
+  }
+
+  static std::string name(std::size_t object) { return "object" + std::to_string(object); }
+
+  // A file of its own for each, so that they do not share their states.
+  std::vector<std::string> arguments(std::size_t objects, int budget) {
+    std::vector<std::string> all{"--connect", "--budget", std::to_string(budget)};
+    for (std::size_t i = 0; i < objects; ++i) {
+      const auto file = folder_ / (name(i) + ".glb");
+      if (!exists(file)) {
+        EXPECT_TRUE(modal::write_bank(*banks_[i % kSeeds], file));
+      }
+      all.insert(all.end(), {"--object", name(i) + "=" + file.string()});
+    }
+    return all;
+  }
+
+  struct Figures {
+    double load = 0, p99 = 0;
+    int misses = 0, xruns = 0, own_xruns = 0, sounding = 0, hidden = 0, shed = 0;
+  };
+
+  // Strikes all objects, and measures for some seconds from when they sound while some are struck again.
+  std::optional<Figures> play(std::size_t objects, int budget) {
+    Daemon daemon(arguments(objects, budget), server_.environment());
+    EXPECT_TRUE(daemon.ready()) << daemon.process().output();
+    for (std::size_t i = 0; i < objects; ++i) {
+      daemon.send(JackTest::strike(name(i), 0.1 * std::pow(10.0, -static_cast<double>(i % 30) / 20)));
+      if (i % 10 == 9) std::this_thread::sleep_for(5ms);
+    }
+    std::optional<protocol::StatusReply> before, now;
+    const bool all = becomes_true([&] {
+      now = JackTest::status(daemon);
+      return now && now->sounding_modes + now->hidden_modes >= static_cast<int>(objects * kModes * 9 / 10);
+    });
+    if (!all) {
+      ADD_FAILURE() << "not all sounds: " << (now ? now->sounding_modes : -1) << " and hidden "
+                    << (now ? now->hidden_modes : -1);
+      return std::nullopt;
+    }
+    std::this_thread::sleep_for(1500ms);  // the mean load is of about a second
+    before = JackTest::status(daemon);
+    const auto begin = std::chrono::steady_clock::now();
+    for (std::size_t i = 0; std::chrono::steady_clock::now() - begin < 3s; ++i) {
+      daemon.send(JackTest::strike(name(i % objects), 0.01));
+      std::this_thread::sleep_for(20ms);
+    }
+    now = JackTest::status(daemon);
+    if (!before || !now) return std::nullopt;
+    Figures figures{.load = now->load_mean, .p99 = now->load_p99};
+    figures.misses = now->misses - before->misses;
+    figures.xruns = now->xruns - before->xruns;
+    figures.own_xruns = now->own_xruns - before->own_xruns;
+    figures.sounding = now->sounding_modes;
+    figures.hidden = now->hidden_modes;
+    figures.shed = now->shed - before->shed;
+    std::printf(
+        "%zu objects, budget %d %%: load %.2f mean %.2f p99, %d callbacks late, %d xruns, %d of them ours, "
+        "%d modes sound, %d are left out, shed %d\n",
+        objects, budget, figures.load, figures.p99, figures.misses, figures.xruns, figures.own_xruns, figures.sounding,
+        figures.hidden, figures.shed);
+    return figures;
+  }
+
+  static constexpr std::uint32_t kSeeds = 8;
+  ScratchFolder folder_;
+  JackServer server_{kRate, kPeriod, JackServer::Scheduling::realtime};
+  std::vector<std::shared_ptr<const modal::Bank>> banks_;
+};
+
+// A scene that leaves most of the time unused says how much the machine disturbs an audio thread meanwhile.
+TEST_F(JackBudget, KeepsTheTimeWhereAnUnboundedMixerMissesMost) {
+  const auto few = play(kObjectsToMeasure, 0);
+  ASSERT_TRUE(few);
+  const auto objects = static_cast<std::size_t>(std::ceil(kLoad / few->load * kObjectsToMeasure));
+  if (objects > kMostObjects) GTEST_SKIP() << "this machine is so fast that it would take " << objects << " objects";
+  const auto without = play(objects, 0), with = play(objects, 70);
+  ASSERT_TRUE(without && with);
+  if (few->misses > kFewMisses) GTEST_SKIP() << "the machine stands still: a small scene was late, too";
+  EXPECT_GT(without->p99, 1.5);
+  EXPECT_GT(without->misses, 100);
+  EXPECT_LE(with->misses, kFewMisses + without->misses / 50);
+  EXPECT_LE(with->own_xruns, kFewMisses + without->own_xruns / 50);
+  EXPECT_GT(with->sounding, 0);
+  EXPECT_GT(with->hidden, 0);
+}
+
+}  // namespace
+}  // namespace ringdown::test
