@@ -43,6 +43,8 @@ const std::map<std::string, double> kConstants = {
     ROW(scene::kMostBodies),
     ROW(scene::kMostStatics),
     ROW(scene::kMostObjects),
+    ROW(scene::kMostJoints),
+    ROW(scene::kMostEmitters),
     ROW(scene::kMostContactsPerStep),
     ROW(scene::kMostStrikesPerStep),
     ROW(kLargestTomlFile),
