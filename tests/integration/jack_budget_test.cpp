@@ -3,6 +3,7 @@
 #include "engine/modal/bank_file.h"
 #include "tests/integration/jack_fixture.h"
 #include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -100,7 +101,7 @@ class JackBudget : public testing::Test {
   }
 
   static constexpr std::uint32_t kSeeds = 8;
-  ScratchFolder folder_;
+  TemporaryFolder folder_;
   JackServer server_{kRate, kPeriod, JackServer::Scheduling::realtime};
   std::vector<std::shared_ptr<const modal::Bank>> banks_;
 };

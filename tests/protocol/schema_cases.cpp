@@ -200,32 +200,6 @@ Cases hold_cases() {
            {a, {0, 0, 0, 1, 0, 0, -1e4}, "nz"}}};
 }
 
-Cases contact_cases() {
-  const std::string a = "/object/bell/contact";
-  return {{{a, {1, 2, 3, 0, 0, -0.5f, 0.25f}, claim<KeepContact>([](const KeepContact& k) {
-              return k.object == named("bell") && k.point_m == Vec3{1, 2, 3} && k.contact.force_n == Vec3{0, 0, -0.5} &&
-                     k.contact.slip_m_s == 0.25 && k.contact.roll_m_s == 0 && k.contact.number == 0 &&
-                     k.contact.texture == Texture{};
-            })},
-           {a, {0, 0, 0, 0, 0, 0, 0, 2, 7, 0.0625f, 0.25f, -2}, claim<KeepContact>([](const KeepContact& k) {
-              return k.contact.roll_m_s == 2 && k.contact.number == 7 && k.contact.texture == Texture{0.0625, 0.25, -2};
-            })}},
-          {{"/object/b%/contact", {0, 0, 0, 0, 0, 0, 0}, "object"},
-           {a, {kNan, 0, 0, 0, 0, 0, 0}, "x"},
-           {a, {0, 1e5, 0, 0, 0, 0, 0}, "y"},
-           {a, {0, 0, "up", 0, 0, 0, 0}, "z"},
-           {a, {0, 0, 0, kInfinity, 0, 0, 0}, "fx"},
-           {a, {0, 0, 0, 0, 1e7, 0, 0}, "fy"},
-           {a, {0, 0, 0, 0, 0, -1e7, 0}, "fz"},
-           {a, {0, 0, 0, 0, 0, 0}, "slip"},
-           {a, {0, 0, 0, 0, 0, 0, -1}, "slip"},
-           {a, {0, 0, 0, 0, 0, 0, 0, -1}, "roll"},
-           {a, {0, 0, 0, 0, 0, 0, 0, 0, -1}, "number"},
-           {a, {0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, "roughness"},
-           {a, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, "correlation"},
-           {a, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1}, "slope"}}};
-}
-
 template <class Struct>
 Cases object_only_cases(const std::string& verb) {
   return {
@@ -341,7 +315,6 @@ const std::map<std::string, Cases>& all_cases() {
       {"/object/{object}/excite", excite_cases()},
       {"/object/{object}/material", material_cases()},
       {"/object/{object}/clear", clear_cases()},
-      {"/object/{object}/contact", contact_cases()},
       {"/object/{object}/hold", hold_cases()},
       {"/object/{object}/contact", contact_cases()},
       {"/object/{object}/free", object_only_cases<FreeObject>("free")},
