@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <set>
+#include <span>
 #include <string_view>
 
 namespace ringdown::scene {
@@ -29,7 +30,14 @@ class Fields {
   Fields& surface(const Surface& s) {
     return number("restitution", s.restitution, range::kRestitution)
         .number("friction", s.friction, range::kFriction)
-        .number("contact_time_s", s.contact_time_s, range::kContactTime_s);
+        .number("rolling_m", s.rolling_m, range::kRolling_m)
+        .number("contact_time_s", s.contact_time_s.value_or(0), range::kContactTime_s)
+        .number("edge_radius_m", s.edge_radius_m, range::kEdgeRadius_m)
+        .number("young_pa", s.young_pa.value_or(kDefaultYoung_pa), range::kYoung_pa)
+        .number("poisson", s.poisson.value_or(kDefaultPoisson), range::kPoisson)
+        .number("roughness_m", s.texture.roughness_m, range::kRoughness_m)
+        .number("correlation_m", s.texture.correlation_m, range::kCorrelation_m)
+        .number("spectral_slope", s.texture.spectral_slope, range::kSpectralSlope);
   }
   Fields& require(bool holds, const std::string& otherwise) {
     if (!holds) refuse(otherwise);
@@ -60,6 +68,11 @@ Result<void> check_all(const Things& things, std::string_view kind, std::size_t 
     }
   }
   return {};
+}
+
+Result<void> check_object(const BodyDescription& body, const SceneDescription& scene) {
+  if (body.object.empty() || std::ranges::count(scene.objects, body.object, &ObjectDescription::name)) return {};
+  return fail("body " + protocol::quoted(body.name) + ": the scene has no object " + protocol::quoted(body.object));
 }
 
 Result<void> check_world(const SceneDescription& scene) {
@@ -117,15 +130,64 @@ Result<void> check(const StaticDescription& description) {
   return fields.surface(description.surface).result();
 }
 
+Result<void> check(const EmitterDescription& emitter) {
+  if (auto ok = check(emitter.body); !ok) return ok;
+  return Fields("emitter " + protocol::quoted(emitter.name))
+      .number("every_s", emitter.every_s, range::kEvery_s)
+      .require(emitter.count >= 1 && emitter.count <= kMostBodies,
+               "its count is outside 1 ... " + std::to_string(kMostBodies))
+      .require(!emitter.body.fixed, "what it lets in must be free to move")
+      .result();
+}
+
+Result<void> check(const JointDescription& joint, std::span<const BodyDescription> bodies) {
+  const auto moves = [&](const std::string& name) {
+    return std::ranges::any_of(bodies, [&](const BodyDescription& body) { return body.name == name && !body.fixed; });
+  };
+  Fields fields("joint " + protocol::quoted(joint.name));
+  const auto known = [&](const std::string& name) {
+    return std::ranges::count(bodies, name, &BodyDescription::name) > 0;
+  };
+  fields.require(known(joint.body), "the scene has no body " + protocol::quoted(joint.body))
+      .require(joint.other.empty() || known(joint.other), "the scene has no body " + protocol::quoted(joint.other));
+  fields.require(joint.body != joint.other, "it joins a body to itself")
+      .require(moves(joint.body) || moves(joint.other), "one of its bodies must be free to move")
+      .vector("anchor_m", joint.anchor_m, range::kPosition_m)
+      .number("friction_nm", joint.friction_nm, range::kJointFriction_nm);
+  if (joint.type == JointType::hinge) {
+    const double size = length(joint.axis);
+    fields.require(size > 1e-6 && size < 1e7, "its axis has no direction")
+        .number("low_degrees", joint.low_degrees, range::kLimit_degrees)
+        .number("high_degrees", joint.high_degrees, range::kLimit_degrees)
+        .require(joint.low_degrees <= 0 && joint.high_degrees >= 0,
+                 "its limits must hold the pose described, 0 degrees");
+  }
+  return fields.result();
+}
+
 Result<void> check(const SceneDescription& scene) {
   if (auto ok = check_world(scene); !ok) return ok;
   if (auto ok = check_all(scene.objects, "objects", kMostObjects); !ok) return ok;
   if (auto ok = check_all(scene.bodies, "bodies", kMostBodies); !ok) return ok;
   if (auto ok = check_all(scene.statics, "statics", kMostStatics); !ok) return ok;
+  if (auto ok = check_all(scene.emitters, "emitters", kMostEmitters); !ok) return ok;
+  if (scene.joints.size() > kMostJoints) {
+    return fail("the scene has more than the " + std::to_string(kMostJoints) + " joints it may have");
+  }
+  for (const JointDescription& joint : scene.joints) {
+    if (auto ok = check(joint, scene.bodies); !ok) return ok;
+  }
+  std::uint64_t count = scene.bodies.size();
   for (const BodyDescription& body : scene.bodies) {
-    if (!body.object.empty() && !std::ranges::count(scene.objects, body.object, &ObjectDescription::name)) {
-      return fail("body " + protocol::quoted(body.name) + ": the scene has no object " + protocol::quoted(body.object));
-    }
+    if (auto ok = check_object(body, scene); !ok) return ok;
+  }
+  for (const EmitterDescription& emitter : scene.emitters) {
+    if (auto ok = check_object(emitter.body, scene); !ok) return ok;
+    count += emitter.count;
+  }
+  if (count > kMostBodies) {
+    return fail("the scene's bodies and emitters make " + std::to_string(count) + " bodies, more than the " +
+                std::to_string(kMostBodies) + " it may have");
   }
   return {};
 }

@@ -6,8 +6,17 @@
 namespace ringdown::scene {
 namespace {
 
-// Step times are sums of steps: without this, a repeat time of exactly n steps would sometimes wait for n + 1.
-constexpr double kRounding_s = 1e-9;
+std::optional<double> longer(std::optional<double> a, std::optional<double> b) {
+  return a && b ? std::max(a, b) : a ? a : b;
+}
+
+protocol::Texture combine(const protocol::Texture& a, const protocol::Texture& b) {
+  const double variance_a = a.roughness_m * a.roughness_m, variance_b = b.roughness_m * b.roughness_m;
+  const double sum = variance_a + variance_b;
+  const double share = sum > 0 ? variance_a / sum : 0.5;
+  const auto mean = [share](double of_a, double of_b) { return share * of_a + (1 - share) * of_b; };
+  return {std::sqrt(sum), mean(a.correlation_m, b.correlation_m), mean(a.spectral_slope, b.spectral_slope)};
+}
 
 }  // namespace
 
@@ -16,21 +25,10 @@ SoftConstraint soft_constraint(double spring_n_m, double damper_ns_m, double ste
   return {step_s * spring_n_m / both, 1 / both};
 }
 
-Surface combine(const Surface& a, const Surface& b) {
+SurfacePair combine(const Surface& a, const Surface& b) {
   return {std::sqrt(a.restitution * b.restitution), std::sqrt(a.friction * b.friction),
-          std::max(a.contact_time_s, b.contact_time_s)};
-}
-
-bool RepeatFilter::admit(std::uint32_t a, std::uint32_t b, double time_s) {
-  const auto [entry, is_new] = last_s_.try_emplace(std::minmax(a, b), time_s);
-  if (is_new || entry->second == time_s) return true;
-  if (time_s - entry->second < minimum_repeat_s_ - kRounding_s) return false;
-  entry->second = time_s;
-  return true;
-}
-
-void RepeatFilter::forget_old(double time_s) {
-  std::erase_if(last_s_, [&](const auto& entry) { return time_s - entry.second > minimum_repeat_s_; });
+          std::sqrt(a.rolling_m * b.rolling_m), longer(a.contact_time_s, b.contact_time_s),
+          combine(a.texture, b.texture)};
 }
 
 }  // namespace ringdown::scene

@@ -8,7 +8,7 @@
 #include "engine/base/range.h"
 #include "engine/base/vec3.h"
 #include "engine/modal/material_scale.h"
-#include "protocol/defaults.h"
+#include "protocol/event.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -19,8 +19,10 @@
 namespace ringdown::scene {
 
 // What a scene may ask for. Readers and World refuse more with a sentence.
-inline constexpr std::size_t kMostBodies = 512;  // described and spawned together
+inline constexpr std::size_t kMostBodies = 1024;  // described, emitted and spawned together
 inline constexpr std::size_t kMostStatics = 64;
+inline constexpr std::size_t kMostJoints = 256;
+inline constexpr std::size_t kMostEmitters = 64;
 inline constexpr std::size_t kMostObjects = 256;
 
 // Closed ranges of a scene's numbers.
@@ -48,6 +50,17 @@ inline constexpr Range kStart_s{0, 86400};
 inline constexpr Range kRestitution{0, 1};
 inline constexpr Range kFriction{0, 10};
 inline constexpr Range kContactTime_s{0, 0.1};
+inline constexpr Range kRolling_m{0, 0.1};
+inline constexpr Range kEdgeRadius_m{1e-6, 10};
+inline constexpr Range kYoung_pa{1e3, 1e13};
+inline constexpr Range kPoisson{-0.9, 0.499};
+inline constexpr Range kRoughness_m{0, 0.01};
+inline constexpr Range kCorrelation_m{1e-7, 1};
+inline constexpr Range kSpectralSlope{-10, 0};
+inline constexpr Range kLimit_degrees{-179, 179};
+inline constexpr Range kJointFriction_nm{0, 1e6};
+inline constexpr Range kEvery_s{0.001, 3600};
+inline constexpr Range kFieldOfView_degrees{1, 170};
 }  // namespace range
 
 // Unit quaternion x y z w, as in glTF.
@@ -56,13 +69,21 @@ struct Rotation {
   friend bool operator==(const Rotation&, const Rotation&) = default;
 };
 
-// What a body brings to its contacts. A pair takes the geometric mean of both restitutions and both frictions, and
-// the longer of both contact times: the softer of the two decides how long they touch.
+// What a body brings to its contacts.
 struct Surface {
-  double restitution = 0.4;                                // speed after : speed before
-  double friction = 0.5;                                   // Coulomb's coefficient
-  double contact_time_s = protocol::kDefaultContactTimeS;  // half-sine force pulse; 0 is an ideal impulse
+  double restitution = 0.4;  // speed after : speed before
+  double friction = 0.5;     // Coulomb's coefficient
+  double rolling_m = 1e-4;   // rolling resistance: a ball of radius r rolls down a slope steeper than this / r
+  std::optional<double> contact_time_s;  // half-sine force pulse; 0 is an ideal impulse; unset: from Hertz's law
+  double edge_radius_m = 1e-3;           // of corners and edges, which touch first unless the body is a sphere
+  std::optional<double> young_pa;        // unset: of the bank's material, else kDefaultYoung_pa
+  std::optional<double> poisson;         // unset: of the bank's material, else kDefaultPoisson
+  protocol::Texture texture;             // what sliding and rolling on it excite
 };
+
+// Hard stone or glass: what is not said to be of another material.
+inline constexpr double kDefaultYoung_pa = 7e10;
+inline constexpr double kDefaultPoisson = 0.25;
 
 enum class ShapeType { box, sphere, convex, trimesh };
 
@@ -111,13 +132,48 @@ struct StaticDescription {
   Surface surface;
 };
 
+// Two bodies, or one and the place where it hangs, held together at a point.
+enum class JointType {
+  hinge,  // turns about one axis
+  ball    // turns about every axis
+};
+
+struct JointDescription {
+  std::string name;
+  JointType type = JointType::hinge;
+  std::string body, other;  // an empty `other` is the world; a pair that is joined still collides
+  Vec3 anchor_m;            // world, with both bodies as the scene describes them
+  Vec3 axis = {0, 0, 1};    // hinge: world, of any length but zero; `body` turns about it by the right hand
+  double low_degrees = -179, high_degrees = 179;  // hinge: from the pose described; the widest are no limits
+  double friction_nm = 0;                         // torque that resists turning
+};
+
+// Lets bodies in, one after the other: the first at the template's start_s, scattered as it says.
+struct EmitterDescription {
+  std::string name;  // of its bodies too, with "-1", "-2" ... added
+  BodyDescription body;
+  double every_s = 0.1;
+  std::uint64_t count = 1;
+};
+
+// Where a picture of the scene is taken from.
+struct CameraDescription {
+  Vec3 position_m = {0, -2, 1}, target_m;
+  double field_of_view_degrees = 50;  // vertical
+};
+
+// Where the scene is heard from.
+struct ListenerDescription {
+  Vec3 position_m = {0, -2, 1}, target_m;  // faces the target
+};
+
 // Contacts as springs with dampers. A body of mass m loses the share m CFM/h of its impulse to their softness: with the
 // defaults 1 % at 20 kg and 1/4000 s, a tenth of that at 1/500 s.
 struct ContactSettings {
   double spring_n_m = 1e9;
   double damper_ns_m = 8e6;
-  double bounce_threshold_m_s = 0.05;  // a contact that approaches faster is a strike, a slower one is silent
-  double minimum_repeat_s = 0.02;      // a pair of bodies sounds at most this often
+  double bounce_threshold_m_s = 0.05;  // a contact that approaches faster is a strike
+  double minimum_repeat_s = 0.02;      // a pair that touches again sooner goes on with the same contact
 };
 
 struct SceneDescription {
@@ -129,6 +185,10 @@ struct SceneDescription {
   std::vector<ObjectDescription> objects;
   std::vector<BodyDescription> bodies;
   std::vector<StaticDescription> statics;
+  std::vector<JointDescription> joints;
+  std::vector<EmitterDescription> emitters;
+  std::optional<CameraDescription> camera;
+  std::optional<ListenerDescription> listener;
 };
 
 }  // namespace ringdown::scene

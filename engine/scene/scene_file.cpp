@@ -1,6 +1,7 @@
 #include "engine/scene/scene_file.h"
 
 #include "engine/base/toml_table.h"
+#include "engine/scene/check.h"
 #include "engine/scene/rotation.h"
 #include "protocol/names.h"
 
@@ -38,6 +39,10 @@ class SceneReader {
     for_each(file, "object", kMostObjects, [this](TomlTable& table) { read_object(table); });
     for_each(file, "static", kMostStatics, [this](TomlTable& table) { read_static(table); });
     for_each(file, "body", kMostBodies, [this](TomlTable& table) { read_body(table); });
+    for_each(file, "emitter", kMostEmitters, [this](TomlTable& table) { read_emitter(table); });
+    for_each(file, "joint", kMostJoints, [this](TomlTable& table) { read_joint(table); });
+    if (auto table = file.table("camera")) read_camera(*table);
+    if (auto table = file.table("listener")) read_listener(*table);
     if (auto good = file.finish(); !good) return fail(good.error());
     return std::move(scene_);
   }
@@ -115,7 +120,20 @@ class SceneReader {
   void read_surface(TomlTable& table, Surface& surface) {
     table.number("restitution", surface.restitution, range::kRestitution);
     table.number("friction", surface.friction, range::kFriction);
-    table.number("contact_time_s", surface.contact_time_s, range::kContactTime_s);
+    table.number("rolling_m", surface.rolling_m, range::kRolling_m);
+    read_optional(table, "contact_time_s", surface.contact_time_s, range::kContactTime_s);
+    table.number("edge_radius_m", surface.edge_radius_m, range::kEdgeRadius_m);
+    read_optional(table, "young_pa", surface.young_pa, range::kYoung_pa);
+    read_optional(table, "poisson", surface.poisson, range::kPoisson);
+    table.number("roughness_m", surface.texture.roughness_m, range::kRoughness_m);
+    table.number("correlation_m", surface.texture.correlation_m, range::kCorrelation_m);
+    table.number("spectral_slope", surface.texture.spectral_slope, range::kSpectralSlope);
+  }
+
+  static void read_optional(TomlTable& table, std::string_view key, std::optional<double>& target, const Range& range) {
+    double value = range.low;
+    table.number(key, value, range);
+    if (table.has(key)) target = value;
   }
 
   void read_static(TomlTable& table) {
@@ -139,6 +157,13 @@ class SceneReader {
   }
 
   void read_body(TomlTable& table) {
+    BodyDescription body = read_motion(table);
+    table.boolean("fixed", body.fixed);
+    scene_.bodies.push_back(std::move(body));
+  }
+
+  // All keys of a body that may move.
+  BodyDescription read_motion(TomlTable& table) {
     BodyDescription body;
     table.require({"name"});
     table.text("name", body.name);
@@ -148,7 +173,6 @@ class SceneReader {
     read_rotation(table, body.rotation);
     table.vector("velocity_m_s", body.velocity_m_s, range::kVelocity_m_s);
     table.vector("spin_rad_s", body.spin_rad_s, range::kSpin_rad_s);
-    table.boolean("fixed", body.fixed);
     table.number("start_s", body.start_s, range::kStart_s);
     table.number("scatter_m", body.scatter_m, range::kScatter_m);
     read_surface(table, body.surface);
@@ -156,7 +180,58 @@ class SceneReader {
     if (!body.object.empty() && !known) {
       table.complain("object", "the scene has no object " + protocol::quoted(body.object));
     }
-    scene_.bodies.push_back(std::move(body));
+    return body;
+  }
+
+  void read_emitter(TomlTable& table) {
+    EmitterDescription emitter;
+    emitter.body = read_motion(table);
+    emitter.name = emitter.body.name;
+    table.require({"every_s", "count"});
+    table.number("every_s", emitter.every_s, range::kEvery_s);
+    table.whole("count", emitter.count, 1, kMostBodies);
+    scene_.emitters.push_back(std::move(emitter));
+  }
+
+  void read_joint(TomlTable& table) {
+    JointDescription joint;
+    std::vector<std::string> bodies;
+    table.require({"name", "type", "bodies", "anchor_m"});
+    table.text("name", joint.name);
+    joint.type = table.choice("type", {"hinge", "ball"}) == 1 ? JointType::ball : JointType::hinge;
+    table.words("bodies", bodies, true);
+    table.vector("anchor_m", joint.anchor_m, range::kPosition_m);
+    table.number("friction_nm", joint.friction_nm, range::kJointFriction_nm);
+    if (joint.type == JointType::hinge) {
+      table.require({"axis"});
+      table.vector("axis", joint.axis, {-1e6, 1e6});
+      table.number("low_degrees", joint.low_degrees, range::kLimit_degrees);
+      table.number("high_degrees", joint.high_degrees, range::kLimit_degrees);
+    }
+    if (bodies.empty() || bodies.size() > 2) table.complain("bodies", "bodies must name one body or two");
+    if (!bodies.empty()) joint.body = bodies[0];
+    if (bodies.size() > 1) joint.other = bodies[1];
+    if (const auto ok = check(joint, scene_.bodies); !ok && !joint.body.empty()) {
+      table.complain("bodies", ok.error().message);
+    }
+    scene_.joints.push_back(std::move(joint));
+  }
+
+  void read_camera(TomlTable& table) {
+    CameraDescription camera;
+    table.vector("position_m", camera.position_m, range::kPosition_m);
+    table.vector("target_m", camera.target_m, range::kPosition_m);
+    table.number("field_of_view_degrees", camera.field_of_view_degrees, range::kFieldOfView_degrees);
+    if (camera.position_m == camera.target_m) table.complain("target_m", "target_m must not be position_m");
+    scene_.camera = camera;
+  }
+
+  void read_listener(TomlTable& table) {
+    ListenerDescription listener;
+    table.vector("position_m", listener.position_m, range::kPosition_m);
+    table.vector("target_m", listener.target_m, range::kPosition_m);
+    if (listener.position_m == listener.target_m) table.complain("target_m", "target_m must not be position_m");
+    scene_.listener = listener;
   }
 
   void read_shape(TomlTable& table, BodyDescription& body) {

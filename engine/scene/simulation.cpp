@@ -1,5 +1,6 @@
 #include "engine/scene/simulation.h"
 
+#include "engine/scene/ode_joint.h"
 #include "engine/scene/ode_shape.h"
 
 #include <ode/ode.h>
@@ -7,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <map>
 #include <mutex>
 #include <vector>
@@ -48,6 +50,9 @@ struct JointsDeleter {
 // A mesh touching a plane gives a contact per vertex: enough of them to choose a good few.
 constexpr int kMostContactsFound = 256;
 
+// Below this the direction of sliding is noise.
+constexpr double kLeastSlip_m_s = 1e-6;
+
 // A body that has hardly moved for this long sleeps until something touches it.
 constexpr double kSleepAfter_s = 0.5, kSleepSpeed_m_s = 0.005, kSleepSpin_rad_s = 0.01;
 
@@ -56,22 +61,50 @@ constexpr double kFastestCorrection_m_s = 0.02;
 
 Vec3 to_vec3(const dReal* v) { return {v[0], v[1], v[2]}; }
 
+Motion motion_of(dxBody* body) {
+  if (!body) return {};
+  const dReal* q = dBodyGetQuaternion(body);
+  return {to_vec3(dBodyGetPosition(body)),
+          {q[1], q[2], q[3], q[0]},
+          to_vec3(dBodyGetLinearVel(body)),
+          to_vec3(dBodyGetAngularVel(body))};
+}
+
 // What collides: a body, or a static without one. A geometry's user data points here.
 struct Item {
   BodyId id = 0;
   Surface surface;
+  double inner_radius_m = 0;                  // of a ball inside it; a plane has none
+  bool round = false;                         // a sphere
+  bool was_awake = false;                     // before the step
   std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must go first
   OdeShape shape;
 
   [[nodiscard]] bool movable() const { return body && !dBodyIsKinematic(body.get()); }
   [[nodiscard]] bool awake() const { return movable() && dBodyIsEnabled(body.get()); }
-  [[nodiscard]] Vec3 velocity_at(const dReal* point) const {
-    if (!body) return {};
-    dVector3 velocity;
-    dBodyGetPointVel(body.get(), point[0], point[1], point[2], velocity);
-    return to_vec3(velocity);
-  }
 };
+
+struct KeptJoint {
+  BodyId body = 0;
+  std::optional<BodyId> other;
+  JointDescription description;
+};
+
+struct Joint {
+  KeptJoint kept;
+  OdeJoint joint;
+};
+
+double inner_radius(const CollisionShape& shape) {
+  if (shape.type == ShapeType::sphere) return shape.radius_m;
+  if (shape.type == ShapeType::box) return 0.5 * std::min({shape.size_m.x, shape.size_m.y, shape.size_m.z});
+  double radius = dInfinity;  // from the centre of mass to the nearest face's plane
+  for (const auto& [a, b, c] : shape.triangles) {
+    const Vec3 area = cross(shape.points[b] - shape.points[a], shape.points[c] - shape.points[a]);
+    if (length(area) > 0) radius = std::min(radius, std::abs(dot(area, shape.points[a])) / length(area));
+  }
+  return std::isfinite(radius) ? radius : 0;
+}
 
 // Moves the deepest contact to the front, then each time the one farthest from those already chosen.
 std::size_t choose_contacts(std::span<dContactGeom> found) {
@@ -114,29 +147,38 @@ void move(dxBody* body, const Motion& motion) {
 struct Simulation::Ode {
   explicit Ode(const SceneDescription& scene);
   void collide(dxGeom* first, dxGeom* second);
-  void add_contact(const Item& body, const Item& other, dContactGeom geom);
-  void wake_all();
+  void add_contact(const Item& body, const Item& other, dContactGeom geom, bool single);
+  void part(double part_s);
+  [[nodiscard]] double next_part(double rest_s);
+  [[nodiscard]] double free_flight(const Item& item, double rest_s);
+  void remove(BodyId gone);
+  void note_moved();
+  void join(const KeptJoint& joint);
+  [[nodiscard]] std::vector<KeptJoint> joints_of(BodyId id) const;
 
-  double step_s, bounce_threshold_m_s;
-  unsigned long seed, steps = 0;
+  double step_s, spring_n_m, damper_ns_m, bounce_threshold_m_s;
+  double found_s = 0;  // from the beginning of the step to the part that is being done
+  unsigned long seed, parts = 0;
   std::unique_ptr<dxWorld, WorldDeleter> world{dWorldCreate()};
   std::unique_ptr<dxSpace, SpaceDeleter> space{dHashSpaceCreate(nullptr)};
-  std::unique_ptr<dxJointGroup, JointsDeleter> joints{dJointGroupCreate(0)};
+  std::unique_ptr<dxJointGroup, JointsDeleter> contacts{dJointGroupCreate(0)};
   std::map<BodyId, Item> items;  // ordered, so that the same scene is solved in the same order
+  std::vector<Joint> joints;     // declared after the bodies, which must go last
+  OdeShape ray;
   std::array<dContactGeom, kMostContactsFound> found{};
   std::vector<Touch> touches;
-  std::array<dJointFeedback, kMostContactsPerStep> feedback{};  // of the touch of the same number
+  std::vector<dJointFeedback> feedback{kMostContactsPerStep};  // of the touch of the same number
+  std::vector<Moved> moved;
   std::size_t dropped = 0;
 };
 
 Simulation::Ode::Ode(const SceneDescription& scene)
     : step_s(scene.step_s),
+      spring_n_m(scene.contact.spring_n_m),
+      damper_ns_m(scene.contact.damper_ns_m),
       bounce_threshold_m_s(scene.contact.bounce_threshold_m_s),
       seed(static_cast<unsigned long>(scene.seed)) {
-  const SoftConstraint soft = soft_constraint(scene.contact.spring_n_m, scene.contact.damper_ns_m, step_s);
   dWorldSetGravity(world.get(), scene.gravity_m_s2.x, scene.gravity_m_s2.y, scene.gravity_m_s2.z);
-  dWorldSetERP(world.get(), soft.erp);
-  dWorldSetCFM(world.get(), soft.cfm);
   dWorldSetContactMaxCorrectingVel(world.get(), kFastestCorrection_m_s);
   dWorldSetMaxAngularSpeed(world.get(), 2 * range::kSpin_rad_s.high);
   dWorldSetAutoDisableFlag(world.get(), 1);
@@ -145,6 +187,7 @@ Simulation::Ode::Ode(const SceneDescription& scene)
   dWorldSetAutoDisableLinearThreshold(world.get(), kSleepSpeed_m_s);
   dWorldSetAutoDisableAngularThreshold(world.get(), kSleepSpin_rad_s);
   dSpaceSetCleanup(space.get(), 0);
+  ray.geom.reset(dCreateRay(nullptr, 1));
   touches.reserve(kMostContactsPerStep);
 }
 
@@ -161,33 +204,128 @@ void Simulation::Ode::collide(dxGeom* first, dxGeom* second) {
       for (int k = 0; k < 3; ++k) geom.normal[k] = -geom.normal[k];
       std::swap(geom.g1, geom.g2);
     }
-    add_contact(swap ? *b : *a, swap ? *a : *b, geom);
+    add_contact(swap ? *b : *a, swap ? *a : *b, geom, kept == 1);
   }
 }
 
-// The normal points into `body`.
-void Simulation::Ode::add_contact(const Item& body, const Item& other, dContactGeom geom) {
+// The normal points into `body`. Friction acts along two directions, each up to its limit: with the first along the
+// sliding (or the rolling) they obey Coulomb's cone. Several points resist turning by themselves.
+void Simulation::Ode::add_contact(const Item& body, const Item& other, dContactGeom geom, bool single) {
   if (touches.size() == kMostContactsPerStep) {
     ++dropped;
     return;
   }
-  const Vec3 approach = other.velocity_at(geom.pos) - body.velocity_at(geom.pos);
-  const Surface surface = combine(body.surface, other.surface);
+  const Motion of_body = motion_of(body.body.get()), of_other = motion_of(other.body.get());
+  const Vec3 point = to_vec3(geom.pos), normal = to_vec3(geom.normal);
+  const Vec3 approach = of_other.velocity_at(point) - of_body.velocity_at(point);
+  const SurfacePair surface = combine(body.surface, other.surface);
   dContact contact{};
   contact.geom = geom;
   contact.surface.mode = dContactBounce | dContactApprox1;
   contact.surface.mu = surface.friction;
   contact.surface.bounce = surface.restitution;
   contact.surface.bounce_vel = bounce_threshold_m_s;
-  dxJoint* joint = dJointCreateContact(world.get(), joints.get(), &contact);
+  const bool rolls = surface.rolling_m > 0 && (single || body.round || other.round);
+  if (rolls) {
+    contact.surface.mode |= dContactRolling;
+    contact.surface.rho = contact.surface.rho2 = contact.surface.rhoN = surface.rolling_m;
+  }
+  Vec3 along = approach - dot(approach, normal) * normal;
+  if (length(along) < kLeastSlip_m_s) along = cross(of_body.spin_rad_s - of_other.spin_rad_s, normal);
+  if (const double speed = length(along); speed >= kLeastSlip_m_s) {
+    contact.surface.mode |= dContactFDir1;
+    for (int k = 0; const double part : {along.x, along.y, along.z}) contact.fdir1[k++] = part / speed;
+  }
+  dxJoint* joint = dJointCreateContact(world.get(), contacts.get(), &contact);
   dJointAttach(joint, body.body.get(), other.body.get());
   dJointSetFeedback(joint, &feedback[touches.size()]);
   touches.push_back(
-      {body.id, other.id, to_vec3(geom.pos), {}, dot(approach, to_vec3(geom.normal)), surface.contact_time_s});
+      {body.id, other.id, point, normal, geom.depth, {}, dot(approach, normal), found_s, of_body, of_other});
 }
 
-// What slept on a body that has gone must fall.
-void Simulation::Ode::wake_all() {
+// One part of a step, from contacts to motion.
+void Simulation::Ode::part(double part_s) {
+  const std::size_t first = touches.size();
+  const SoftConstraint soft = soft_constraint(spring_n_m, damper_ns_m, part_s);
+  dWorldSetERP(world.get(), soft.erp);
+  dWorldSetCFM(world.get(), soft.cfm);
+  dSpaceCollide(space.get(), this,
+                [](void* data, dxGeom* one, dxGeom* two) { static_cast<Ode*>(data)->collide(one, two); });
+  if (touches.size() - first <= kMostExactContacts) {
+    dWorldStep(world.get(), part_s);
+  } else {
+    dRandSetSeed(seed + parts);  // it visits contacts in random order, from one generator for the process
+    dWorldQuickStep(world.get(), part_s);
+  }
+  ++parts;
+  for (std::size_t k = first; k < touches.size(); ++k) touches[k].impulse_ns = part_s * to_vec3(feedback[k].f1);
+  dJointGroupEmpty(contacts.get());
+}
+
+// How long until the first of the bodies must be looked at again.
+double Simulation::Ode::next_part(double rest_s) {
+  double part_s = rest_s;
+  for (auto& [id, item] : items) {
+    if (item.awake()) part_s = std::min(part_s, free_flight(item, rest_s));
+  }
+  return part_s;
+}
+
+// A body that moves by less than its own thickness cannot get lost in a plane, nor pass anything. For a faster one a
+// ray from its centre finds what lies ahead: it may fly until it is in there by half its inner radius. What touches
+// already may turn it back, so it is looked at again soon.
+double Simulation::Ode::free_flight(const Item& item, double rest_s) {
+  const Vec3 velocity = to_vec3(dBodyGetLinearVel(item.body.get()));
+  const double speed = length(velocity), radius = std::max(item.inner_radius_m, 0.5 * range::kSize_m.low);
+  if (!(speed * rest_s > radius) || !std::isfinite(speed)) return rest_s;
+  struct Hit {
+    Ode* ode;
+    const Item* self;
+    double reach_m, radius_m, nearest_m;
+  } hit{this, &item, speed * rest_s, radius, dInfinity};
+  dxGeom* geom = ray.geom.get();
+  const dReal* from = dBodyGetPosition(item.body.get());
+  dGeomRaySetLength(geom, hit.reach_m + radius);
+  dGeomRaySet(geom, from[0], from[1], from[2], velocity.x, velocity.y, velocity.z);
+  dSpaceCollide2(geom, reinterpret_cast<dxGeom*>(space.get()), &hit, [](void* data, dxGeom* one, dxGeom* two) {
+    Hit& h = *static_cast<Hit*>(data);
+    const bool ray_first = one == h.ode->ray.geom.get();
+    const Item* met = static_cast<const Item*>(dGeomGetData(ray_first ? two : one));
+    if (met == h.self || h.reach_m < h.radius_m + std::min(met->inner_radius_m, h.radius_m)) return;
+    dContactGeom contact;
+    if (dCollide(one, two, 1, &contact, sizeof contact) == 0) return;
+    h.nearest_m = std::min(h.nearest_m, contact.depth);
+  });
+  if (hit.nearest_m <= radius) return radius / speed;
+  return std::min(rest_s, (hit.nearest_m - 0.5 * radius) / speed);
+}
+
+void Simulation::Ode::join(const KeptJoint& joint) {
+  dxBody* other = joint.other ? items.at(*joint.other).body.get() : nullptr;
+  joints.push_back({joint, OdeJoint(world.get(), items.at(joint.body).body.get(), other, joint.description)});
+}
+
+// As they are now, to be made again.
+std::vector<KeptJoint> Simulation::Ode::joints_of(BodyId id) const {
+  std::vector<KeptJoint> found_joints;
+  for (const Joint& joint : joints) {
+    if (joint.kept.body != id && joint.kept.other != id) continue;
+    found_joints.push_back({joint.kept.body, joint.kept.other, joint.joint.now()});
+  }
+  return found_joints;
+}
+
+void Simulation::Ode::note_moved() {
+  moved.clear();
+  for (auto& [id, item] : items) {
+    if (item.was_awake) moved.push_back({id, motion_of(item.body.get())});
+  }
+}
+
+// What slept on it must fall.
+void Simulation::Ode::remove(BodyId gone) {
+  std::erase_if(joints, [gone](const Joint& joint) { return joint.kept.body == gone || joint.kept.other == gone; });
+  items.erase(gone);
   for (auto& [id, item] : items) {
     if (item.movable()) dBodyEnable(item.body.get());
   }
@@ -208,16 +346,22 @@ void Simulation::add_static(BodyId id, const StaticDescription& description) {
   Item& item = ode_->items[id];
   item.id = id;
   item.surface = description.surface;
+  const bool plane = description.type == StaticType::plane;
+  const Vec3 size = description.size_m;
+  item.inner_radius_m = plane ? dInfinity : 0.5 * std::min({size.x, size.y, size.z});
   item.shape = make_static(ode_->space.get(), description);
   dGeomSetData(item.shape.geom.get(), &item);
 }
 
 void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, const Surface& surface, bool fixed) {
-  remove_body(id);
   const OdeLock lock;
+  const std::vector<KeptJoint> kept = ode_->joints_of(id);
+  ode_->remove(id);
   Item& item = ode_->items[id];
   item.id = id;
   item.surface = surface;
+  item.inner_radius_m = inner_radius(solid.shape);
+  item.round = solid.shape.type == ShapeType::sphere;
   item.body.reset(dBodyCreate(ode_->world.get()));
   item.shape = make_shape(ode_->space.get(), solid.shape);
   set_mass(item.body.get(), solid.mass);
@@ -228,22 +372,17 @@ void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, c
   dGeomSetOffsetPosition(item.shape.geom.get(), center.x, center.y, center.z);
   dBodySetFiniteRotationMode(item.body.get(), 1);  // exact for a constant spin, however fast
   move(item.body.get(), motion);
+  for (const KeptJoint& joint : kept) ode_->join(joint);
 }
 
 void Simulation::remove_body(BodyId id) {
   const OdeLock lock;
-  ode_->items.erase(id);
-  ode_->wake_all();
+  ode_->remove(id);
 }
 
-Motion Simulation::motion(BodyId id) const {
+void Simulation::add_joint(BodyId body, std::optional<BodyId> other, const JointDescription& description) {
   const OdeLock lock;
-  dxBody* body = ode_->items.at(id).body.get();
-  const dReal* q = dBodyGetQuaternion(body);
-  return {to_vec3(dBodyGetPosition(body)),
-          {q[1], q[2], q[3], q[0]},
-          to_vec3(dBodyGetLinearVel(body)),
-          to_vec3(dBodyGetAngularVel(body))};
+  ode_->join({body, other, description});
 }
 
 void Simulation::set_motion(BodyId id, const Motion& motion) {
@@ -256,20 +395,23 @@ std::span<const Touch> Simulation::step() {
   Ode& ode = *ode_;
   ode.touches.clear();
   ode.dropped = 0;
-  dSpaceCollide(ode.space.get(), &ode,
-                [](void* data, dxGeom* first, dxGeom* second) { static_cast<Ode*>(data)->collide(first, second); });
-  if (ode.touches.size() <= kMostExactContacts) {
-    dWorldStep(ode.world.get(), ode.step_s);
-  } else {
-    dRandSetSeed(ode.seed + ode.steps);  // it visits contacts in random order, from one generator for the process
-    dWorldQuickStep(ode.world.get(), ode.step_s);
+  ode.found_s = 0;
+  for (auto& [id, item] : ode.items) item.was_awake = item.awake();
+  for (int k = 1; ode.found_s < ode.step_s; ++k) {
+    const double rest_s = ode.step_s - ode.found_s;
+    const double part_s = k < kMostParts ? ode.next_part(rest_s) : rest_s;
+    ode.part(part_s);
+    ode.found_s = part_s == rest_s ? ode.step_s : ode.found_s + part_s;
   }
-  ++ode.steps;
-  for (std::size_t k = 0; k < ode.touches.size(); ++k) {
-    ode.touches[k].impulse_ns = ode.step_s * to_vec3(ode.feedback[k].f1);
-  }
-  dJointGroupEmpty(ode.joints.get());
+  ode.note_moved();
   return ode.touches;
+}
+
+std::span<const Moved> Simulation::moved() const { return ode_->moved; }
+
+bool Simulation::asleep() const {
+  const OdeLock lock;
+  return std::ranges::none_of(ode_->items, [](const auto& entry) { return entry.second.awake(); });
 }
 
 std::size_t Simulation::dropped_contacts() const { return ode_->dropped; }

@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 namespace ringdown::scene {
@@ -21,8 +22,11 @@ using BodyId = std::uint32_t;
 inline constexpr BodyId kFirstStatic = 1u << 31;
 
 inline constexpr std::size_t kMostContactsPerPair = 4;  // the deepest, and those farthest from each other
-inline constexpr std::size_t kMostContactsPerStep = 1024;
+inline constexpr std::size_t kMostContactsPerStep = 4096;
 inline constexpr std::size_t kMostExactContacts = 48;  // above this many, an iterative solver takes over
+
+// A step is cut into at most this many parts, so that nothing flies through what it should hit.
+inline constexpr int kMostParts = 16;
 
 // Where a body is and how it moves. World axes; the position is that of the centre of mass.
 struct Motion {
@@ -30,15 +34,25 @@ struct Motion {
   Rotation rotation;  // object frame -> world
   Vec3 velocity_m_s;
   Vec3 spin_rad_s;
+
+  [[nodiscard]] Vec3 velocity_at(Vec3 world_m) const { return velocity_m_s + cross(spin_rad_s, world_m - position_m); }
 };
 
 // One contact point of one step.
 struct Touch {
   BodyId body = 0, other = 0;  // `body` can move; `other` may be a static
   Vec3 point_m;                // world
+  Vec3 normal;                 // unit, into `body`
+  double depth_m = 0;          // how far the two had come into each other
   Vec3 impulse_ns;             // what `body` received in this step, world axes; `other` received the opposite
-  double approach_m_s = 0;     // speed at which the two came together just before the step, along the normal
-  double contact_time_s = 0;   // of the pair
+  double approach_m_s = 0;     // speed at which the two came together just before, along the normal
+  double found_s = 0;          // when, from the beginning of the step
+  Motion of_body, of_other;    // at that time; a static stays at the origin
+};
+
+struct Moved {
+  BodyId id = 0;
+  Motion motion;
 };
 
 class Simulation {
@@ -51,15 +65,24 @@ class Simulation {
 
   void add_static(BodyId id, const StaticDescription& description);
 
-  // Adds the body, or replaces it. A fixed body ignores velocity, gravity and contacts.
+  // Adds the body, or replaces it; its joints then stay. A fixed body ignores velocity, gravity and contacts.
   void put_body(BodyId id, const Solid& solid, const Motion& motion, const Surface& surface, bool fixed);
-  void remove_body(BodyId id);
+  void remove_body(BodyId id);  // its joints go too
 
-  [[nodiscard]] Motion motion(BodyId id) const;
+  // Joins two bodies, or one and the world, as they are now. Its names are not looked at.
+  void add_joint(BodyId body, std::optional<BodyId> other, const JointDescription& description);
+
   void set_motion(BodyId id, const Motion& motion);  // wakes the body
 
   // Advances by one step of the description's length. The contacts stay valid until the next call of anything here.
+  // A body about to fly through another, or deep into it, is stopped where they meet: the step is then done in parts.
   std::span<const Touch> step();
+
+  // Where the bodies are that the last step moved. Those that sleep are not among them.
+  [[nodiscard]] std::span<const Moved> moved() const;
+
+  // Nothing moves, and nothing will by itself: a step would change nothing.
+  [[nodiscard]] bool asleep() const;
 
   // Contact points beyond kMostContactsPerStep, left out of the last step: their bodies sink in until others part.
   [[nodiscard]] std::size_t dropped_contacts() const;

@@ -1,21 +1,18 @@
 #include "engine/scene/world.h"
 
 #include "engine/scene/check.h"
-#include "engine/scene/contact_rules.h"
 #include "engine/scene/rotation.h"
 #include "engine/scene/solid.h"
 #include "protocol/names.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
 namespace ringdown::scene {
 namespace {
-
-// A strike weaker than this (a grain of sand from 1 mm) is not worth an event.
-constexpr double kSmallestImpulse_ns = 1e-9;
 
 // Numbers from a seed, the same on every machine (Steele, Lea, Flood 2014: SplitMix64).
 class Random {
@@ -43,7 +40,7 @@ struct Body {
   RigidMass mass;
   bool spawned = false;
   std::optional<Solid> waiting;  // until start_s, when the simulation gets it
-  Motion motion;  // the step to come: where contacts are found, and where the body is for everyone outside
+  Motion motion;                 // at the end of the last step
   int resets = 0;
 
   // Between the object's frame and the centre of mass, about which physics turns a body.
@@ -51,10 +48,28 @@ struct Body {
     const Vec3 center = description.position_m + to_matrix(normalized(description.rotation)) * mass.center_m;
     return {center, description.rotation, description.velocity_m_s, description.spin_rad_s};
   }
-  [[nodiscard]] Vec3 to_object(Vec3 world_point) const {
-    return transpose(to_matrix(motion.rotation)) * (world_point - motion.position_m) + mass.center_m;
-  }
 };
+
+// What sounds at a body: its own word, its bank's material, or hard stone.
+Elastic elastic_of(const Surface& surface, const modal::Bank* bank, const modal::MaterialScale& scale) {
+  Elastic elastic;
+  if (bank && bank->material && bank->material->youngs_modulus_pa > 0) {
+    elastic = {bank->material->youngs_modulus_pa * scale.stiffness, bank->material->poisson_ratio};
+  }
+  return {surface.young_pa.value_or(elastic.young_pa), surface.poisson.value_or(elastic.poisson)};
+}
+
+Curvature curvature_of(const CollisionShape& shape, const Surface& surface) {
+  if (shape.type == ShapeType::sphere) return {Curvature::sphere, shape.radius_m};
+  return {Curvature::edged, surface.edge_radius_m};
+}
+
+Side side_of(const StaticDescription& description) {
+  const bool plane = description.type == StaticType::plane;
+  return {.surface = description.surface,
+          .elastic = elastic_of(description.surface, nullptr, {}),
+          .curvature = {plane ? Curvature::flat : Curvature::edged, description.surface.edge_radius_m}};
+}
 
 bool within(Vec3 v, const Range& range) { return range.holds(v.x) && range.holds(v.y) && range.holds(v.z); }
 
@@ -64,44 +79,52 @@ bool is_real(const Motion& m) {
          within(m.spin_rad_s, range::kSpin_rad_s);
 }
 
+struct WaitingJoint {
+  BodyId body = 0;
+  std::optional<BodyId> other;
+  JointDescription description;
+};
+
 }  // namespace
 
 struct World::Impl {
   Impl(const SceneDescription& scene, double rate)
       : simulation(scene),
-        repeat(scene.contact.minimum_repeat_s),
+        sounding(scene.contact, scene.step_s),
         step_s(scene.step_s),
-        bounce_threshold_m_s(scene.contact.bounce_threshold_m_s),
-        sample_rate_hz(rate),
+        timeline{.sample_rate_hz = rate},
+        gravity_m_s2(scene.gravity_m_s2),
         random(scene.seed) {
-    for (const ObjectDescription& object : scene.objects) density_scale[object.name] = object.material.density;
-    strikes.reserve(kMostStrikesPerStep);
+    for (const ObjectDescription& object : scene.objects) material_scale[object.name] = object.material;
   }
 
   [[nodiscard]] const SoundingObject* find(const protocol::ObjectRef& ref) const;
-  [[nodiscard]] double scale_of(const std::string& object) const;
+  [[nodiscard]] modal::MaterialScale scale_of(const std::string& object) const;
   Result<BodyId> add(BodyDescription description, bool spawned);
   Result<BodyId> spawn(const std::optional<protocol::ObjectRef>& object, BodyDescription description);
-  void sound(const Touch& touch, protocol::Frame frame);
-  void strike(BodyId id, Vec3 world_point, Vec3 world_impulse, double contact_time_s, protocol::Frame frame);
   void let_in(double now_s);
+  void put(BodyId id, const Body& body, const Solid& solid);
+  void note_joints(const SceneDescription& scene);
+  Result<void> add_all(const EmitterDescription& emitter);
+  void join_those_in();
   void check_bodies();
   void remove(BodyId id);
   [[nodiscard]] double time_s() const { return static_cast<double>(steps) * step_s; }
 
   Simulation simulation;
-  RepeatFilter repeat;
-  double step_s, bounce_threshold_m_s, sample_rate_hz;
+  Sounding sounding;
+  double step_s;
+  Timeline timeline;
+  Vec3 gravity_m_s2;
   Random random;
-  protocol::Frame start_frame = 0;
   std::int64_t steps = 0;
   BodyId next_id = 0;
   std::map<BodyId, Body> bodies;
+  double next_start_s = 0;  // no waiting body enters before
+  std::vector<WaitingJoint> joints;
   std::vector<SoundingObject> objects;
-  std::map<std::string, double> density_scale;
-  std::vector<protocol::Event> strikes;
+  std::map<std::string, modal::MaterialScale> material_scale;
   std::vector<std::string> notices;
-  std::size_t dropped_strikes = 0;
 };
 
 const SoundingObject* World::Impl::find(const protocol::ObjectRef& ref) const {
@@ -111,9 +134,9 @@ const SoundingObject* World::Impl::find(const protocol::ObjectRef& ref) const {
   return found == objects.end() ? nullptr : &*found;
 }
 
-double World::Impl::scale_of(const std::string& object) const {
-  const auto found = density_scale.find(object);
-  return found == density_scale.end() ? 1 : found->second;
+modal::MaterialScale World::Impl::scale_of(const std::string& object) const {
+  const auto found = material_scale.find(object);
+  return found == material_scale.end() ? modal::MaterialScale{} : found->second;
 }
 
 Result<BodyId> World::Impl::add(BodyDescription description, bool spawned) {
@@ -126,7 +149,8 @@ Result<BodyId> World::Impl::add(BodyDescription description, bool spawned) {
   if (!description.object.empty() && !object) {
     return fail(who + "no object " + protocol::quoted(description.object) + " is loaded");
   }
-  Result<Solid> solid = make_solid(description, object ? object->bank.get() : nullptr, scale_of(description.object));
+  Result<Solid> solid =
+      make_solid(description, object ? object->bank.get() : nullptr, scale_of(description.object).density);
   if (!solid) return fail(who + solid.error().message);
   description.position_m = description.position_m + description.scatter_m * random.next_vec3();
   const BodyId id = next_id++;
@@ -134,16 +158,71 @@ Result<BodyId> World::Impl::add(BodyDescription description, bool spawned) {
   body.motion = body.start();
   if (object) body.object = object->number;
   bodies.emplace(id, std::move(body));
+  next_start_s = 0;
   let_in(time_s());
   return id;
 }
 
 void World::Impl::let_in(double now_s) {
+  if (now_s < next_start_s) return;
+  next_start_s = std::numeric_limits<double>::infinity();
   for (auto& [id, body] : bodies) {
-    if (!body.waiting || body.description.start_s > now_s) continue;
-    simulation.put_body(id, *body.waiting, body.motion, body.description.surface, body.description.fixed);
+    if (!body.waiting) continue;
+    if (body.description.start_s > now_s) {
+      next_start_s = std::min(next_start_s, body.description.start_s);
+      continue;
+    }
+    // A step moves by the velocity at its end. Begun half a step early, a fall lies on the true parabola.
+    if (!body.description.fixed) body.motion.velocity_m_s = body.motion.velocity_m_s - (0.5 * step_s) * gravity_m_s2;
+    put(id, body, *body.waiting);
     body.waiting.reset();
   }
+  join_those_in();
+}
+
+void World::Impl::put(BodyId id, const Body& body, const Solid& solid) {
+  const BodyDescription& description = body.description;
+  const SoundingObject* object = body.object ? find({.number = body.object}) : nullptr;
+  simulation.put_body(id, solid, body.motion, description.surface, description.fixed);
+  Side side{
+      .surface = description.surface,
+      .elastic = elastic_of(description.surface, object ? object->bank.get() : nullptr, scale_of(description.object)),
+      .curvature = curvature_of(solid.shape, description.surface),
+      .object = body.object,
+      .center_m = solid.mass.center_m};
+  if (!description.fixed) side.mass = solid.mass;
+  sounding.set_side(id, std::move(side));
+}
+
+// The scene's bodies are numbered in their order.
+void World::Impl::note_joints(const SceneDescription& scene) {
+  const auto number = [&](const std::string& name) {
+    return static_cast<BodyId>(std::ranges::find(scene.bodies, name, &BodyDescription::name) - scene.bodies.begin());
+  };
+  for (const JointDescription& joint : scene.joints) {
+    joints.push_back({number(joint.body), {}, joint});
+    if (!joint.other.empty()) joints.back().other = number(joint.other);
+  }
+}
+
+Result<void> World::Impl::add_all(const EmitterDescription& emitter) {
+  BodyDescription body = emitter.body;
+  for (std::uint64_t k = 1; k <= emitter.count; ++k) {
+    body.name = emitter.name + "-" + std::to_string(k);
+    if (const auto added = add(body, false); !added) return fail(added.error());
+    body.start_s += emitter.every_s;
+  }
+  return {};
+}
+
+// A joint waits for its bodies.
+void World::Impl::join_those_in() {
+  std::erase_if(joints, [this](const WaitingJoint& joint) {
+    const auto is_in = [this](BodyId id) { return bodies.contains(id) && !bodies.at(id).waiting; };
+    if (!is_in(joint.body) || (joint.other && !is_in(*joint.other))) return false;
+    simulation.add_joint(joint.body, joint.other, joint.description);
+    return true;
+  });
 }
 
 Result<BodyId> World::Impl::spawn(const std::optional<protocol::ObjectRef>& object, BodyDescription description) {
@@ -156,37 +235,11 @@ Result<BodyId> World::Impl::spawn(const std::optional<protocol::ObjectRef>& obje
   return add(std::move(description), true);
 }
 
-void World::Impl::sound(const Touch& touch, protocol::Frame frame) {
-  if (!(touch.approach_m_s > bounce_threshold_m_s) || !is_finite(touch.impulse_ns)) return;
-  if (length(touch.impulse_ns) < kSmallestImpulse_ns) return;
-  if (!repeat.admit(touch.body, touch.other, time_s())) return;
-  strike(touch.body, touch.point_m, touch.impulse_ns, touch.contact_time_s, frame);
-  strike(touch.other, touch.point_m, -1 * touch.impulse_ns, touch.contact_time_s, frame);
-}
-
-void World::Impl::strike(BodyId id, Vec3 world_point, Vec3 world_impulse, double contact_time_s,
-                         protocol::Frame frame) {
-  const auto found = bodies.find(id);
-  if (found == bodies.end() || !found->second.object) return;
-  if (strikes.size() == kMostStrikesPerStep) {
-    ++dropped_strikes;
-    return;
-  }
-  const Body& body = found->second;
-  protocol::Event event;
-  event.frame = frame;
-  event.object = *body.object;
-  event.point_m = body.to_object(world_point);
-  event.impulse_ns = transpose(to_matrix(body.motion.rotation)) * world_impulse;
-  event.contact_time_s = contact_time_s;
-  strikes.push_back(event);
-}
-
 void World::Impl::check_bodies() {
   std::vector<BodyId> gone;
-  for (auto& [id, body] : bodies) {
-    if (body.description.fixed || body.waiting) continue;
-    body.motion = simulation.motion(id);
+  for (const auto& [id, motion] : simulation.moved()) {
+    Body& body = bodies.at(id);
+    body.motion = motion;
     if (is_real(body.motion) && within(body.motion.position_m, range::kPosition_m)) continue;
     const std::string who = "body " + protocol::quoted(body.description.name);
     if (is_real(body.motion)) {
@@ -207,6 +260,8 @@ void World::Impl::check_bodies() {
 
 void World::Impl::remove(BodyId id) {
   simulation.remove_body(id);
+  sounding.remove_side(id);
+  std::erase_if(joints, [id](const WaitingJoint& joint) { return joint.body == id || joint.other == id; });
   bodies.erase(id);
 }
 
@@ -225,30 +280,40 @@ Result<World> World::create(const SceneDescription& scene, std::span<const Sound
     impl->objects.push_back(object);
   }
   BodyId next_static = kFirstStatic;
-  for (const StaticDescription& description : scene.statics) impl->simulation.add_static(next_static++, description);
+  for (const StaticDescription& description : scene.statics) {
+    impl->simulation.add_static(next_static, description);
+    impl->sounding.set_side(next_static++, side_of(description));
+  }
+  impl->note_joints(scene);
   for (const BodyDescription& body : scene.bodies) {
     if (const auto added = impl->add(body, false); !added) return fail(added.error());
+  }
+  for (const EmitterDescription& emitter : scene.emitters) {
+    if (const auto added = impl->add_all(emitter); !added) return fail(added.error());
   }
   return World(std::move(impl));
 }
 
-void World::set_start_frame(protocol::Frame frame) { impl_->start_frame = frame; }
+void World::set_start_frame(protocol::Frame frame) { impl_->timeline.start = frame; }
 
-void World::set_sample_rate(double sample_rate_hz) { impl_->sample_rate_hz = sample_rate_hz; }
+void World::set_sample_rate(double sample_rate_hz) { impl_->timeline.sample_rate_hz = sample_rate_hz; }
 
 StepReport World::step() {
   Impl& w = *impl_;
-  w.strikes.clear();
   w.notices.clear();
-  w.dropped_strikes = 0;
-  const auto frame = w.start_frame + static_cast<protocol::Frame>(std::llround(w.time_s() * w.sample_rate_hz));
   w.let_in(w.time_s());
-  for (const Touch& touch : w.simulation.step()) w.sound(touch, frame);
-  const std::size_t dropped_contacts = w.simulation.dropped_contacts();
-  w.repeat.forget_old(w.time_s());
+  const bool asleep = w.simulation.asleep();
+  if (asleep && w.sounding.quiet()) {
+    ++w.steps;
+    return {};
+  }
+  const std::span<const Touch> touches = asleep ? std::span<const Touch>() : w.simulation.step();
+  const std::span<const protocol::Event> events = w.sounding.hear(touches, w.time_s(), w.timeline);
   ++w.steps;
+  if (asleep) return {events, {}, w.sounding.dropped(), 0};
+  const std::size_t dropped_contacts = w.simulation.dropped_contacts();
   w.check_bodies();
-  return {w.strikes, w.notices, w.dropped_strikes, dropped_contacts};
+  return {events, w.notices, w.sounding.dropped(), dropped_contacts};
 }
 
 double World::time_s() const { return impl_->time_s(); }
@@ -275,15 +340,15 @@ Result<BodyId> World::spawn(const protocol::SpawnSphere& sphere) {
 }
 
 void World::clear_spawned() {
-  std::erase_if(impl_->bodies, [this](const auto& entry) {
-    if (entry.second.spawned) impl_->simulation.remove_body(entry.first);
-    return entry.second.spawned;
-  });
+  std::vector<BodyId> spawned;
+  for (const auto& [id, body] : impl_->bodies) {
+    if (body.spawned) spawned.push_back(id);
+  }
+  for (const BodyId id : spawned) impl_->remove(id);
 }
 
 void World::clear() {
-  for (const auto& [id, body] : impl_->bodies) impl_->simulation.remove_body(id);
-  impl_->bodies.clear();
+  while (!impl_->bodies.empty()) impl_->remove(impl_->bodies.begin()->first);
 }
 
 Result<void> World::set_object(const SoundingObject& object) {
@@ -292,7 +357,7 @@ Result<void> World::set_object(const SoundingObject& object) {
   std::map<BodyId, Solid> rebuilt;
   for (const auto& [id, body] : w.bodies) {
     if (body.description.object != object.name) continue;
-    Result<Solid> solid = make_solid(body.description, object.bank.get(), w.scale_of(object.name));
+    Result<Solid> solid = make_solid(body.description, object.bank.get(), w.scale_of(object.name).density);
     if (!solid) return fail("body " + protocol::quoted(body.description.name) + ": " + solid.error().message);
     rebuilt.emplace(id, std::move(*solid));
   }
@@ -308,7 +373,7 @@ Result<void> World::set_object(const SoundingObject& object) {
     if (body.waiting) {
       body.waiting = solid;
     } else {
-      w.simulation.put_body(id, solid, body.motion, body.description.surface, body.description.fixed);
+      w.put(id, body, solid);
     }
   }
   return {};
@@ -316,6 +381,7 @@ Result<void> World::set_object(const SoundingObject& object) {
 
 void World::remove_object(protocol::ObjectNumber number) {
   std::erase_if(impl_->objects, [&](const SoundingObject& known) { return known.number == number; });
+  impl_->sounding.silence(number);
   for (auto& [id, body] : impl_->bodies) {
     if (body.object == number) body.object.reset();
   }

@@ -10,17 +10,18 @@
 //     for (const protocol::Event& strike : report.strikes) ...  // to a mixer, or as OSC to another program
 //   }
 //
-// What sounds: a contact is a strike when its two bodies approached faster than the bounce threshold just before the
-// step; slower ones rest or slide and are silent. A pair of bodies sounds again only after the minimum repeat time;
-// all contact points of a pair in one step sound together. Both bodies ring, with opposite impulses, each at the
-// contact's point in its own object's frame. The impulse is the contact joint's force times the step: normal and
-// friction together. [one thread at a time per World; several Worlds may run on several threads]
+// What sounds: contacts, by the rules of contact_life.h. One whose two bodies approached faster than the bounce
+// threshold strikes; one that lasts is told of while it slides or rolls, and is silent while it rests. Both bodies
+// ring, with opposite forces, each at the contact's point in its own object's frame. A strike's impulse is the contact
+// joint's force times the step: normal and friction together; its contact time is the surface's, or follows from
+// Hertz's law. [one thread at a time per World; several Worlds may run on several threads]
 #pragma once
 
 #include "engine/base/result.h"
 #include "engine/modal/bank.h"
 #include "engine/scene/description.h"
 #include "engine/scene/simulation.h"
+#include "engine/scene/sounding.h"
 #include "protocol/event.h"
 #include "protocol/request.h"
 
@@ -32,7 +33,6 @@
 
 namespace ringdown::scene {
 
-inline constexpr std::size_t kMostStrikesPerStep = 512;
 inline constexpr int kMostResets = 3;  // a body that has to be reset more often is removed
 
 // An object as the mixer knows it: what a body named after it rings.
@@ -44,7 +44,7 @@ struct SoundingObject {
 
 // Views into the World, valid until its next step().
 struct StepReport {
-  std::span<const protocol::Event> strikes;  // frames never fall, within a step and from step to step
+  std::span<const protocol::Event> strikes;  // and contacts that last; frames never fall, within and between steps
   std::span<const std::string> notices;      // sentences for the user: a body was reset, removed, ...
   std::size_t dropped_strikes = 0;           // beyond kMostStrikesPerStep
   std::size_t dropped_contacts = 0;          // beyond kMostContactsPerStep
@@ -80,9 +80,10 @@ class World {
   // What frames are counted by from the next step on. The owner sets the start frame anew.
   void set_sample_rate(double sample_rate_hz);
 
-  // Advances by one step and reports what sounded. An event's frame is start + round(time * sample rate), with the
-  // time at which the contact was found: the beginning of the step. Never fails: a body that has become unreal (not a
-  // number, too fast) goes back to its start at rest, one that has left the scene is removed, and a notice says so.
+  // Advances by one step and reports what sounded: strikes at the frame of their time of touch, which lies in the time
+  // of this step or of the one before; contacts that last at the frame of the step's beginning. Never fails: a body
+  // that has become unreal (not a number, too fast) goes back to its start at rest, one that has left the scene is
+  // removed, and a notice says so. While all bodies sleep a step costs nothing.
   StepReport step();
 
   [[nodiscard]] double time_s() const;  // step_s() times the steps so far

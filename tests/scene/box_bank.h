@@ -73,8 +73,8 @@ inline scene::World world_of(const scene::SceneDescription& scene, std::vector<s
   return std::move(*world);
 }
 
-// Every strike of the next `seconds`.
-inline std::vector<protocol::Event> run(scene::World& world, double seconds) {
+// Every event of the next `seconds`.
+inline std::vector<protocol::Event> run_all(scene::World& world, double seconds) {
   std::vector<protocol::Event> all;
   const double end = world.time_s() + seconds;
   while (world.time_s() < end) {
@@ -82,6 +82,21 @@ inline std::vector<protocol::Event> run(scene::World& world, double seconds) {
     all.insert(all.end(), report.strikes.begin(), report.strikes.end());
   }
   return all;
+}
+
+inline std::vector<protocol::Event> only(protocol::EventType type, std::vector<protocol::Event> events) {
+  std::erase_if(events, [type](const protocol::Event& event) { return event.type != type; });
+  return events;
+}
+
+// Every strike of the next `seconds`.
+inline std::vector<protocol::Event> run(scene::World& world, double seconds) {
+  return only(protocol::EventType::strike, run_all(world, seconds));
+}
+
+// Every telling of a contact that lasts.
+inline std::vector<protocol::Event> contacts(scene::World& world, double seconds) {
+  return only(protocol::EventType::contact, run_all(world, seconds));
 }
 
 inline Vec3 total_impulse(const std::vector<protocol::Event>& strikes, protocol::ObjectNumber object) {

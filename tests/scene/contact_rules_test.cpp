@@ -27,30 +27,38 @@ TEST(SoftConstraint, ASpringAloneCorrectsEverythingAndADamperAloneNothing) {
   EXPECT_DOUBLE_EQ(soft_constraint(0, 50, 0.01).erp, 0);
 }
 
+Surface surface(double restitution, double friction, std::optional<double> contact_time_s) {
+  Surface made;
+  made.restitution = restitution;
+  made.friction = friction;
+  made.contact_time_s = contact_time_s;
+  return made;
+}
+
 TEST(Surface, APairTakesGeometricMeansAndTheLongerContact) {
-  const Surface pair = combine({0.9, 0.2, 0.001}, {0.4, 0.8, 0.003});
+  const SurfacePair pair = combine(surface(0.9, 0.2, 0.001), surface(0.4, 0.8, 0.003));
   EXPECT_DOUBLE_EQ(pair.restitution, 0.6);
   EXPECT_DOUBLE_EQ(pair.friction, 0.4);
-  EXPECT_DOUBLE_EQ(pair.contact_time_s, 0.003);
+  EXPECT_EQ(pair.contact_time_s, 0.003);
 }
 
-TEST(RepeatFilter, APairWaitsForTheMinimumRepeatTime) {
-  RepeatFilter filter(0.01);
-  EXPECT_TRUE(filter.admit(1, 2, 0));
-  EXPECT_TRUE(filter.admit(1, 2, 0)) << "another point of the same blow";
-  EXPECT_TRUE(filter.admit(1, 3, 0.004)) << "another pair";
-  EXPECT_FALSE(filter.admit(2, 1, 0.008)) << "the same pair the other way round";
-  EXPECT_TRUE(filter.admit(1, 2, 5 * 0.002)) << "exactly the repeat time later";
-  EXPECT_FALSE(filter.admit(1, 2, 0.018));
+TEST(Surface, OneContactTimeIsEnoughAndNoneIsNone) {
+  EXPECT_EQ(combine(surface(1, 1, {}), surface(1, 1, 0.0004)).contact_time_s, 0.0004);
+  EXPECT_EQ(combine(surface(1, 1, 0.0), surface(1, 1, {})).contact_time_s, 0.0)
+      << "an ideal impulse, as it was asked for";
+  EXPECT_FALSE(combine(surface(1, 1, {}), surface(1, 1, {})).contact_time_s);
 }
 
-TEST(RepeatFilter, ForgetsPairsThatAreFreeAgain) {
-  RepeatFilter filter(0.01);
-  for (std::uint32_t k = 0; k < 1000; ++k) {
-    filter.admit(0, k + 1, 0.001 * k);
-    filter.forget_old(0.001 * k);
-    EXPECT_LE(filter.remembered(), 12u);
-  }
+TEST(Surface, VariancesOfTexturesAdd) {
+  Surface rough, fine;
+  rough.texture = {4e-6, 1e-4, -2};
+  fine.texture = {3e-6, 2e-5, -3};
+  const protocol::Texture sum = combine(rough, fine).texture;
+  EXPECT_NEAR(sum.roughness_m, 5e-6, 1e-18);
+  EXPECT_NEAR(sum.correlation_m, (16 * 1e-4 + 9 * 2e-5) / 25, 1e-15);
+  EXPECT_NEAR(sum.spectral_slope, -(16 * 2.0 + 9 * 3) / 25, 1e-12);
+  rough.texture.roughness_m = fine.texture.roughness_m = 0;
+  EXPECT_EQ(combine(rough, fine).texture.roughness_m, 0);
 }
 
 }  // namespace

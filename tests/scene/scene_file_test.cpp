@@ -203,7 +203,7 @@ TEST_F(SceneFile, TooManyBodies) {
   for (int k = 0; k < static_cast<int>(kMostBodies) + 1; ++k) {
     text += "[[body]]\nname = \"b" + std::to_string(k) + "\"\nsize_m = [1, 1, 1]\ndensity_kg_m3 = 1\n";
   }
-  expect_error(text, static_cast<int>(kMostBodies) * 4 + 1, "at most 512");
+  expect_error(text, static_cast<int>(kMostBodies) * 4 + 1, "at most 1024");
 }
 
 }  // namespace

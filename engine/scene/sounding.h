@@ -1,0 +1,86 @@
+// What contacts sound like: from the touches of a step to events for the mixer. Free of any physics engine.
+//
+// It knows what every body and static brings to a contact, decides by ContactLives which touches strike and which last,
+// and gives each event to the objects of both sides, each in its own frame. [one thread at a time]
+#pragma once
+
+#include "engine/scene/contact_life.h"
+#include "engine/scene/hertz.h"
+#include "protocol/event.h"
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace ringdown::scene {
+
+inline constexpr std::size_t kMostStrikesPerStep = 512;  // and tellings of lasting contacts, together
+
+// What a body or a static brings to the sound of its contacts.
+struct Side {
+  Surface surface;
+  Elastic elastic;
+  Curvature curvature;
+  std::optional<RigidMass> mass;                 // none: it does not give way
+  std::optional<protocol::ObjectNumber> object;  // none: it is silent
+  Vec3 center_m;                                 // centre of mass in the object's frame
+};
+
+// Where scene time lies in frames.
+struct Timeline {
+  protocol::Frame start = 0;
+  double sample_rate_hz = 48000;
+  [[nodiscard]] protocol::Frame frame(double time_s) const;
+};
+
+class Sounding {
+ public:
+  Sounding(const ContactSettings& contact, double step_s);
+
+  void set_side(BodyId id, Side side);
+  void remove_side(BodyId id);
+  void silence(protocol::ObjectNumber object);  // its bodies stay, and sound no more
+
+  // The events of the step that began at `now_s`, in order of their frames, valid until the next call. A strike lies at
+  // its time of touch, depth over speed of approach before it was found, and never before an event of an earlier step.
+  std::span<const protocol::Event> hear(std::span<const Touch> touches, double now_s, const Timeline& timeline);
+
+  [[nodiscard]] std::size_t dropped() const { return dropped_; }  // of that step, beyond kMostStrikesPerStep
+
+  // No contact goes on: without touches there would be no events.
+  [[nodiscard]] bool quiet() const { return lives_.size() == 0; }
+
+ private:
+  // An object's number for a contact of its that is being told of.
+  struct Line {
+    protocol::ObjectNumber object = 0;
+    std::uint32_t number = 0;
+  };
+  struct Lines {
+    std::optional<Line> first, second;
+  };
+
+  void hear_pair(BodyPair pair, std::span<const Touch* const> touches, double now_s, const Timeline& timeline);
+  [[nodiscard]] bool is_blow(const Touch& touch) const;
+  void strike(const Touch& touch, double now_s, const Timeline& timeline);
+  [[nodiscard]] double contact_time_s(const Side& body, const Side& other, const Touch& touch) const;
+  void tell(const Telling& telling, protocol::Frame frame);
+  void tell_side(const Telling& telling, const Side* side, std::optional<Line>& line, const Motion& motion,
+                 Vec3 force_n, const protocol::Texture& texture, protocol::Frame frame);
+  [[nodiscard]] std::uint32_t free_number(protocol::ObjectNumber object) const;
+  [[nodiscard]] const Side* find(BodyId id) const;
+  void push(const protocol::Event& event);
+
+  ContactLives lives_;
+  double step_s_, bounce_threshold_m_s_;
+  double latest_s_ = 0;  // of all strikes so far
+  std::map<BodyId, Side> sides_;
+  std::map<BodyPair, Lines> lines_;
+  std::vector<const Touch*> by_pair_;
+  std::vector<protocol::Event> events_;
+  std::size_t dropped_ = 0;
+};
+
+}  // namespace ringdown::scene
