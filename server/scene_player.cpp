@@ -122,9 +122,9 @@ void ScenePlayer::object_freed(protocol::ObjectNumber number) {
 void ScenePlayer::advance_to(Frame frame, Frame slack) {
   const std::scoped_lock lock(mutex_);
   if (!world_) return;
-  if (paused_ || body_count_ == 0) return move_start(frame - position());
-  move_start(frame - position() - slack);
-  while (position() < frame && body_count_ > 0) take(world_->step());
+  if (paused_ || body_count_ == 0) return move_start(frame - told_until());
+  move_start(frame - told_until() - slack);
+  while (told_until() < frame && body_count_ > 0) take(world_->step());
 }
 
 void ScenePlayer::change_sample_rate(double sample_rate_hz) {
@@ -140,6 +140,11 @@ void ScenePlayer::change_sample_rate(double sample_rate_hz) {
 
 // The frame of the world's present time.
 Frame ScenePlayer::position() const { return start_ + std::llround(world_->time_s() * rack_.mixer().sample_rate_hz()); }
+
+// A strike is found in the step after the one in which it happens.
+Frame ScenePlayer::told_until() const {
+  return position() - std::llround(world_->step_s() * rack_.mixer().sample_rate_hz());
+}
 
 void ScenePlayer::move_start(Frame later) {
   if (later > 0) world_->set_start_frame(start_ += later);

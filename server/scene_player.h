@@ -65,6 +65,7 @@ class ScenePlayer {
   template <class Body>
   Result<scene::BodyId> spawn_body(Body body);
   [[nodiscard]] protocol::Frame position() const;
+  [[nodiscard]] protocol::Frame told_until() const;  // no event to come lies before it
   void move_start(protocol::Frame later);
   void take(const scene::StepReport& report);
 

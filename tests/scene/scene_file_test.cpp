@@ -84,7 +84,14 @@ fixed = true
 scatter_m = 0.1
 restitution = 0.3
 friction = 0.7
+rolling_m = 0.003
 contact_time_s = 0.002
+edge_radius_m = 0.004
+young_pa = 5e9
+poisson = 0.4
+roughness_m = 1e-5
+correlation_m = 2e-3
+spectral_slope = -1.5
 [[body]]
 name = "ball"
 shape = "sphere"
@@ -124,9 +131,113 @@ density_kg_m3 = 7800
   EXPECT_EQ(first.scatter_m, 0.1);
   EXPECT_EQ(first.surface.friction, 0.7);
   EXPECT_EQ(first.surface.contact_time_s, 0.002);
+  EXPECT_EQ(first.surface.rolling_m, 0.003);
+  EXPECT_EQ(first.surface.contact_time_s, 0.002);
+  EXPECT_EQ(first.surface.edge_radius_m, 0.004);
+  EXPECT_EQ(first.surface.young_pa, 5e9);
+  EXPECT_EQ(first.surface.poisson, 0.4);
+  EXPECT_EQ(first.surface.texture, (protocol::Texture{1e-5, 2e-3, -1.5}));
+  EXPECT_FALSE(scene->bodies[1].surface.contact_time_s);
+  EXPECT_FALSE(scene->bodies[1].surface.young_pa);
   EXPECT_EQ(scene->bodies[1].object, "");
   EXPECT_EQ(scene->bodies[1].shape.radius_m, 0.05);
   EXPECT_EQ(scene->bodies[1].density_kg_m3, 7800);
+}
+
+TEST_F(SceneFile, JointsEmittersCameraAndListenerArrive) {
+  const auto scene = parse(R"(
+[[body]]
+name = "first"
+size_m = [1, 1, 1]
+density_kg_m3 = 1
+[[body]]
+name = "ball"
+shape = "sphere"
+radius_m = 0.05
+density_kg_m3 = 7800
+[[emitter]]
+name = "rain"
+shape = "sphere"
+radius_m = 0.01
+density_kg_m3 = 2500
+scatter_m = 0.2
+every_s = 0.3
+count = 12
+[[joint]]
+name = "hook"
+type = "hinge"
+bodies = ["ball"]
+anchor_m = [0, 0, 2]
+axis = [0, 1, 0]
+low_degrees = -30
+high_degrees = 45
+friction_nm = 0.1
+[[joint]]
+name = "chain"
+type = "ball"
+bodies = ["first", "ball"]
+anchor_m = [0, 0, 1]
+[camera]
+position_m = [1, -2, 3]
+target_m = [0, 0, 1]
+field_of_view_degrees = 40
+[listener]
+position_m = [0, -1, 1.7]
+)");
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_EQ(scene->emitters.size(), 1u);
+  const EmitterDescription& rain = scene->emitters[0];
+  EXPECT_EQ(rain.name, "rain");
+  EXPECT_EQ(rain.every_s, 0.3);
+  EXPECT_EQ(rain.count, 12u);
+  EXPECT_EQ(rain.body.shape.radius_m, 0.01);
+  EXPECT_EQ(rain.body.scatter_m, 0.2);
+  ASSERT_EQ(scene->joints.size(), 2u);
+  const JointDescription &hook = scene->joints[0], &chain = scene->joints[1];
+  EXPECT_EQ(hook.type, JointType::hinge);
+  EXPECT_EQ(hook.body, "ball");
+  EXPECT_EQ(hook.other, "");
+  EXPECT_EQ(hook.anchor_m, (Vec3{0, 0, 2}));
+  EXPECT_EQ(hook.axis, (Vec3{0, 1, 0}));
+  EXPECT_EQ(hook.low_degrees, -30);
+  EXPECT_EQ(hook.high_degrees, 45);
+  EXPECT_EQ(hook.friction_nm, 0.1);
+  EXPECT_EQ(chain.type, JointType::ball);
+  EXPECT_EQ(chain.body, "first");
+  EXPECT_EQ(chain.other, "ball");
+  ASSERT_TRUE(scene->camera);
+  EXPECT_EQ(scene->camera->position_m, (Vec3{1, -2, 3}));
+  EXPECT_EQ(scene->camera->target_m, (Vec3{0, 0, 1}));
+  EXPECT_EQ(scene->camera->field_of_view_degrees, 40);
+  ASSERT_TRUE(scene->listener);
+  EXPECT_EQ(scene->listener->position_m, (Vec3{0, -1, 1.7}));
+}
+
+TEST_F(SceneFile, JointsEmittersCameraAndListenerThatCannotBe) {
+  const std::string ball = "[[body]]\nname = \"b\"\nshape = \"sphere\"\nradius_m = 1\ndensity_kg_m3 = 1\n";
+  const std::string joint = ball + "[[joint]]\nname = \"j\"\nanchor_m = [0, 0, 0]\ntype = \"ball\"\n";
+  expect_error(joint + "bodies = [\"gong\"]\n", 10, "no body 'gong'");
+  expect_error(joint + "bodies = [\"b\", \"b\"]\n", 10, "to itself");
+  expect_error(joint + "bodies = [\"b\", \"b\", \"b\"]\n", 10, "one body or two");
+  expect_error(joint, 6, "bodies is missing");
+  expect_error(joint + "bodies = [\"b\"]\naxis = [1, 0, 0]\n", 11, "unknown key 'axis'");
+  expect_error(joint + "bodies = [\"b\"]\nfriction_nm = -1\n", 11, "friction_nm");
+  expect_error("[[emitter]]\nname = \"e\"\nshape = \"sphere\"\nradius_m = 1\ndensity_kg_m3 = 1\nevery_s = 1\n", 1,
+               "count is missing");
+  expect_error("[[emitter]]\nname = \"e\"\nfixed = true\n", 1, "missing");
+  expect_error("[camera]\nfield_of_view_degrees = 200\n", 2, "outside 1 ... 170");
+  expect_error("[listener]\nposition_m = [0, 0, 0]\ntarget_m = [0, 0, 0]\n", 3, "must not be position_m");
+}
+
+TEST_F(SceneFile, SurfacesOutOfRange) {
+  const std::string floor = "[[static]]\nname = \"f\"\nshape = \"plane\"\n";
+  expect_error(floor + "young_pa = 0\n", 4, "young_pa");
+  expect_error(floor + "poisson = 0.5\n", 4, "poisson");
+  expect_error(floor + "edge_radius_m = 0\n", 4, "edge_radius_m");
+  expect_error(floor + "rolling_m = -1\n", 4, "rolling_m");
+  expect_error(floor + "roughness_m = 1\n", 4, "roughness_m");
+  expect_error(floor + "correlation_m = 0\n", 4, "correlation_m");
+  expect_error(floor + "spectral_slope = 1\n", 4, "spectral_slope");
 }
 
 TEST_F(SceneFile, AnEmptyFileIsAnEmptyScene) {
