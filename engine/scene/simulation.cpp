@@ -54,7 +54,16 @@ constexpr int kMostContactsFound = 256;
 constexpr double kLeastSlip_m_s = 1e-6;
 
 // A body that has hardly moved for this long sleeps until something touches it.
-constexpr double kSleepAfter_s = 0.5, kSleepSpeed_m_s = 0.005, kSleepSpin_rad_s = 0.01;
+// Means of a few steps tell a body that rests from one that moves: the iterative solver leaves it trembling.
+constexpr double kSleepAfter_s = 0.5, kSleepSpeed_m_s = 0.01, kSleepSpin_rad_s = 0.1;
+constexpr int kSleepSamples = 10;
+
+// The exact solver's time grows with the cube of the contacts, and a long step leaves more of it. The iterative one's
+// grows with their product with the iterations: many for a tower, which needs them, fewer for a heap.
+std::size_t most_exact_contacts(double step_s) {
+  return static_cast<std::size_t>(kMostExactContacts * std::cbrt(step_s / 0.002));
+}
+int iterations(std::size_t contacts) { return std::clamp(static_cast<int>(6000 / contacts), 20, 60); }
 
 // Pushing overlapping bodies apart faster than this would make a bounce, and energy, out of nothing.
 constexpr double kFastestCorrection_m_s = 0.02;
@@ -124,6 +133,46 @@ std::size_t choose_contacts(std::span<dContactGeom> found) {
   return kMostContactsPerPair;
 }
 
+// Every corner of the box below the plane, with the normal out of the plane. ODE finds at most four, and of a thin
+// plate that has sunk in those at one edge, about which it then rocks.
+int box_on_plane(dxGeom* box, dxGeom* plane, std::span<dContactGeom> found) {
+  dVector3 size;
+  dVector4 half_space;
+  dGeomBoxGetLengths(box, size);
+  dGeomPlaneGetParams(plane, half_space);
+  const Vec3 normal = to_vec3(half_space);
+  int count = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto side = [&](int axis) { return (corner >> axis & 1 ? 0.5 : -0.5) * size[axis]; };
+    dVector3 point;
+    dGeomGetRelPointPos(box, side(0), side(1), side(2), point);
+    const double depth = half_space[3] - dot(normal, to_vec3(point));
+    if (depth < 0) continue;
+    dContactGeom& contact = found[count++];
+    contact = {};
+    std::copy_n(point, 3, contact.pos);
+    std::copy_n(half_space, 3, contact.normal);
+    contact.depth = depth;
+    contact.g1 = box;
+    contact.g2 = plane;
+  }
+  return count;
+}
+
+int find_contacts(dxGeom* first, dxGeom* second, std::span<dContactGeom> found) {
+  const int one = dGeomGetClass(first), two = dGeomGetClass(second);
+  if (one == dBoxClass && two == dPlaneClass) return box_on_plane(first, second, found);
+  if (one != dPlaneClass || two != dBoxClass) {
+    return dCollide(first, second, kMostContactsFound, found.data(), sizeof(dContactGeom));
+  }
+  const int count = box_on_plane(second, first, found);
+  for (dContactGeom& contact : found.first(static_cast<std::size_t>(count))) {
+    for (int k = 0; k < 3; ++k) contact.normal[k] = -contact.normal[k];
+    std::swap(contact.g1, contact.g2);
+  }
+  return count;
+}
+
 void set_mass(dxBody* body, const RigidMass& rigid) {
   const Matrix3& i = rigid.inertia_kg_m2;
   dMass mass;
@@ -169,21 +218,23 @@ struct Simulation::Ode {
   std::vector<Touch> touches;
   std::vector<dJointFeedback> feedback{kMostContactsPerStep};  // of the touch of the same number
   std::vector<Moved> moved;
-  std::size_t dropped = 0;
+  std::size_t dropped = 0, most_exact;
 };
 
 Simulation::Ode::Ode(const SceneDescription& scene)
     : step_s(scene.step_s),
       spring_n_m(scene.contact.spring_n_m),
       damper_ns_m(scene.contact.damper_ns_m),
-      bounce_threshold_m_s(scene.contact.bounce_threshold_m_s),
-      seed(static_cast<unsigned long>(scene.seed)) {
+      bounce_threshold_m_s(bounce_threshold(scene)),
+      seed(static_cast<unsigned long>(scene.seed)),
+      most_exact(most_exact_contacts(scene.step_s)) {
   dWorldSetGravity(world.get(), scene.gravity_m_s2.x, scene.gravity_m_s2.y, scene.gravity_m_s2.z);
   dWorldSetContactMaxCorrectingVel(world.get(), kFastestCorrection_m_s);
   dWorldSetMaxAngularSpeed(world.get(), 2 * range::kSpin_rad_s.high);
   dWorldSetAutoDisableFlag(world.get(), 1);
   dWorldSetAutoDisableTime(world.get(), kSleepAfter_s);
   dWorldSetAutoDisableSteps(world.get(), 0);
+  dWorldSetAutoDisableAverageSamplesCount(world.get(), kSleepSamples);
   dWorldSetAutoDisableLinearThreshold(world.get(), kSleepSpeed_m_s);
   dWorldSetAutoDisableAngularThreshold(world.get(), kSleepSpin_rad_s);
   dSpaceSetCleanup(space.get(), 0);
@@ -195,7 +246,7 @@ void Simulation::Ode::collide(dxGeom* first, dxGeom* second) {
   const Item* a = static_cast<const Item*>(dGeomGetData(first));
   const Item* b = static_cast<const Item*>(dGeomGetData(second));
   if (!a->awake() && !b->awake()) return;
-  const int count = dCollide(first, second, kMostContactsFound, found.data(), sizeof(dContactGeom));
+  const int count = find_contacts(first, second, found);
   const std::span points(found.data(), static_cast<std::size_t>(count));
   const std::size_t kept = choose_contacts(points);
   const bool swap = !a->movable();  // a joint's first body must be one that moves
@@ -251,10 +302,12 @@ void Simulation::Ode::part(double part_s) {
   dWorldSetCFM(world.get(), soft.cfm);
   dSpaceCollide(space.get(), this,
                 [](void* data, dxGeom* one, dxGeom* two) { static_cast<Ode*>(data)->collide(one, two); });
-  if (touches.size() - first <= kMostExactContacts) {
+  const std::size_t count = touches.size() - first;
+  if (count <= most_exact) {
     dWorldStep(world.get(), part_s);
   } else {
     dRandSetSeed(seed + parts);  // it visits contacts in random order, from one generator for the process
+    dWorldSetQuickStepNumIterations(world.get(), iterations(count));
     dWorldQuickStep(world.get(), part_s);
   }
   ++parts;
