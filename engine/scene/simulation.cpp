@@ -50,6 +50,9 @@ struct JointsDeleter {
 // A mesh touching a plane gives a contact per vertex: enough of them to choose a good few.
 constexpr int kMostContactsFound = 256;
 
+// Fewer than one body in so many: each looks for what it touches by itself.
+constexpr std::size_t kFewAwake = 16;
+
 // Below this the direction of sliding is noise.
 constexpr double kLeastSlip_m_s = 1e-6;
 
@@ -197,6 +200,7 @@ struct Simulation::Ode {
   explicit Ode(const SceneDescription& scene);
   void collide(dxGeom* first, dxGeom* second);
   void add_contact(const Item& body, const Item& other, dContactGeom geom, bool single);
+  void find_touches();
   void part(double part_s);
   [[nodiscard]] double next_part(double rest_s);
   [[nodiscard]] double free_flight(const Item& item, double rest_s);
@@ -219,6 +223,7 @@ struct Simulation::Ode {
   std::vector<dJointFeedback> feedback{kMostContactsPerStep};  // of the touch of the same number
   std::vector<Moved> moved;
   std::size_t dropped = 0, most_exact;
+  bool asleep = false;
 };
 
 Simulation::Ode::Ode(const SceneDescription& scene)
@@ -294,14 +299,38 @@ void Simulation::Ode::add_contact(const Item& body, const Item& other, dContactG
       {body.id, other.id, point, normal, geom.depth, {}, dot(approach, normal), found_s, of_body, of_other});
 }
 
+// The space looks at all its bodies; where few are awake, it is cheaper to look from each of those.
+void Simulation::Ode::find_touches() {
+  const auto awake = std::ranges::count_if(items, [](const auto& entry) { return entry.second.awake(); });
+  if (static_cast<std::size_t>(awake) * kFewAwake >= items.size()) {
+    return dSpaceCollide(space.get(), this,
+                         [](void* data, dxGeom* one, dxGeom* two) { static_cast<Ode*>(data)->collide(one, two); });
+  }
+  struct Look {
+    Ode* ode;
+    Item* from;
+  };
+  for (auto& [id, item] : items) {
+    if (!item.awake()) continue;
+    Look look{this, &item};
+    dSpaceCollide2(item.shape.geom.get(), reinterpret_cast<dxGeom*>(space.get()), &look,
+                   [](void* data, dxGeom* one, dxGeom* two) {
+                     const Look& l = *static_cast<Look*>(data);
+                     const Item* a = static_cast<const Item*>(dGeomGetData(one));
+                     const Item* met = a == l.from ? static_cast<const Item*>(dGeomGetData(two)) : a;
+                     const bool twice = met->awake() && met->id < l.from->id;  // it has looked here already
+                     if (!twice) l.ode->collide(one, two);
+                   });
+  }
+}
+
 // One part of a step, from contacts to motion.
 void Simulation::Ode::part(double part_s) {
   const std::size_t first = touches.size();
   const SoftConstraint soft = soft_constraint(spring_n_m, damper_ns_m, part_s);
   dWorldSetERP(world.get(), soft.erp);
   dWorldSetCFM(world.get(), soft.cfm);
-  dSpaceCollide(space.get(), this,
-                [](void* data, dxGeom* one, dxGeom* two) { static_cast<Ode*>(data)->collide(one, two); });
+  find_touches();
   const std::size_t count = touches.size() - first;
   if (count <= most_exact) {
     dWorldStep(world.get(), part_s);
@@ -370,15 +399,19 @@ std::vector<KeptJoint> Simulation::Ode::joints_of(BodyId id) const {
 
 void Simulation::Ode::note_moved() {
   moved.clear();
+  asleep = true;
   for (auto& [id, item] : items) {
     if (item.was_awake) moved.push_back({id, motion_of(item.body.get())});
+    if (item.awake()) asleep = false;
   }
 }
 
 // What slept on it must fall.
 void Simulation::Ode::remove(BodyId gone) {
+  if (!items.contains(gone)) return;
   std::erase_if(joints, [gone](const Joint& joint) { return joint.kept.body == gone || joint.kept.other == gone; });
   items.erase(gone);
+  asleep = false;
   for (auto& [id, item] : items) {
     if (item.movable()) dBodyEnable(item.body.get());
   }
@@ -426,6 +459,7 @@ void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, c
   dBodySetFiniteRotationMode(item.body.get(), 1);  // exact for a constant spin, however fast
   move(item.body.get(), motion);
   for (const KeptJoint& joint : kept) ode_->join(joint);
+  ode_->asleep = false;
 }
 
 void Simulation::remove_body(BodyId id) {
@@ -441,6 +475,7 @@ void Simulation::add_joint(BodyId body, std::optional<BodyId> other, const Joint
 void Simulation::set_motion(BodyId id, const Motion& motion) {
   const OdeLock lock;
   move(ode_->items.at(id).body.get(), motion);
+  ode_->asleep = false;
 }
 
 std::span<const Touch> Simulation::step() {
@@ -462,10 +497,7 @@ std::span<const Touch> Simulation::step() {
 
 std::span<const Moved> Simulation::moved() const { return ode_->moved; }
 
-bool Simulation::asleep() const {
-  const OdeLock lock;
-  return std::ranges::none_of(ode_->items, [](const auto& entry) { return entry.second.awake(); });
-}
+bool Simulation::asleep() const { return ode_->asleep; }
 
 std::size_t Simulation::dropped_contacts() const { return ode_->dropped; }
 
