@@ -25,6 +25,10 @@ SoftConstraint soft_constraint(double spring_n_m, double damper_ns_m, double ste
   return {step_s * spring_n_m / both, 1 / both};
 }
 
+double bounce_threshold(const SceneDescription& scene) {
+  return std::max(scene.contact.bounce_threshold_m_s, 1.5 * length(scene.gravity_m_s2) * scene.step_s);
+}
+
 SurfacePair combine(const Surface& a, const Surface& b) {
   return {std::sqrt(a.restitution * b.restitution), std::sqrt(a.friction * b.friction),
           std::sqrt(a.rolling_m * b.rolling_m), longer(a.contact_time_s, b.contact_time_s),

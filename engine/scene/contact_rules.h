@@ -17,6 +17,10 @@ struct SoftConstraint {
 //   ERP = h k_p / (h k_p + k_d),   CFM = 1 / (h k_p + k_d).
 SoftConstraint soft_constraint(double spring_n_m, double damper_ns_m, double step_s);
 
+// Faster contacts bounce and strike, slower ones do not: the description's threshold, or one and a half times the speed
+// that a fall of one step gives, if that is more. What rests may lose touch for a step. [m/s]
+double bounce_threshold(const SceneDescription& scene);
+
 // What a contact between two surfaces is made of.
 struct SurfacePair {
   double restitution = 0, friction = 0, rolling_m = 0;  // geometric means

@@ -50,11 +50,23 @@ struct JointsDeleter {
 // A mesh touching a plane gives a contact per vertex: enough of them to choose a good few.
 constexpr int kMostContactsFound = 256;
 
+// Fewer than one body in so many: each looks for what it touches by itself.
+constexpr std::size_t kFewAwake = 16;
+
 // Below this the direction of sliding is noise.
 constexpr double kLeastSlip_m_s = 1e-6;
 
 // A body that has hardly moved for this long sleeps until something touches it.
-constexpr double kSleepAfter_s = 0.5, kSleepSpeed_m_s = 0.005, kSleepSpin_rad_s = 0.01;
+// Means of a few steps tell a body that rests from one that moves: the iterative solver leaves it trembling.
+constexpr double kSleepAfter_s = 0.5, kSleepSpeed_m_s = 0.01, kSleepSpin_rad_s = 0.1;
+constexpr int kSleepSamples = 10;
+
+// The exact solver's time grows with the cube of the contacts, and a long step leaves more of it. The iterative one's
+// grows with their product with the iterations: many for a tower, which needs them, fewer for a heap.
+std::size_t most_exact_contacts(double step_s) {
+  return static_cast<std::size_t>(kMostExactContacts * std::cbrt(step_s / 0.002));
+}
+int iterations(std::size_t contacts) { return std::clamp(static_cast<int>(6000 / contacts), 20, 60); }
 
 // Pushing overlapping bodies apart faster than this would make a bounce, and energy, out of nothing.
 constexpr double kFastestCorrection_m_s = 0.02;
@@ -124,6 +136,46 @@ std::size_t choose_contacts(std::span<dContactGeom> found) {
   return kMostContactsPerPair;
 }
 
+// Every corner of the box below the plane, with the normal out of the plane. ODE finds at most four, and of a thin
+// plate that has sunk in those at one edge, about which it then rocks.
+int box_on_plane(dxGeom* box, dxGeom* plane, std::span<dContactGeom> found) {
+  dVector3 size;
+  dVector4 half_space;
+  dGeomBoxGetLengths(box, size);
+  dGeomPlaneGetParams(plane, half_space);
+  const Vec3 normal = to_vec3(half_space);
+  int count = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto side = [&](int axis) { return (corner >> axis & 1 ? 0.5 : -0.5) * size[axis]; };
+    dVector3 point;
+    dGeomGetRelPointPos(box, side(0), side(1), side(2), point);
+    const double depth = half_space[3] - dot(normal, to_vec3(point));
+    if (depth < 0) continue;
+    dContactGeom& contact = found[count++];
+    contact = {};
+    std::copy_n(point, 3, contact.pos);
+    std::copy_n(half_space, 3, contact.normal);
+    contact.depth = depth;
+    contact.g1 = box;
+    contact.g2 = plane;
+  }
+  return count;
+}
+
+int find_contacts(dxGeom* first, dxGeom* second, std::span<dContactGeom> found) {
+  const int one = dGeomGetClass(first), two = dGeomGetClass(second);
+  if (one == dBoxClass && two == dPlaneClass) return box_on_plane(first, second, found);
+  if (one != dPlaneClass || two != dBoxClass) {
+    return dCollide(first, second, kMostContactsFound, found.data(), sizeof(dContactGeom));
+  }
+  const int count = box_on_plane(second, first, found);
+  for (dContactGeom& contact : found.first(static_cast<std::size_t>(count))) {
+    for (int k = 0; k < 3; ++k) contact.normal[k] = -contact.normal[k];
+    std::swap(contact.g1, contact.g2);
+  }
+  return count;
+}
+
 void set_mass(dxBody* body, const RigidMass& rigid) {
   const Matrix3& i = rigid.inertia_kg_m2;
   dMass mass;
@@ -148,6 +200,7 @@ struct Simulation::Ode {
   explicit Ode(const SceneDescription& scene);
   void collide(dxGeom* first, dxGeom* second);
   void add_contact(const Item& body, const Item& other, dContactGeom geom, bool single);
+  void find_touches();
   void part(double part_s);
   [[nodiscard]] double next_part(double rest_s);
   [[nodiscard]] double free_flight(const Item& item, double rest_s);
@@ -169,21 +222,24 @@ struct Simulation::Ode {
   std::vector<Touch> touches;
   std::vector<dJointFeedback> feedback{kMostContactsPerStep};  // of the touch of the same number
   std::vector<Moved> moved;
-  std::size_t dropped = 0;
+  std::size_t dropped = 0, most_exact;
+  bool asleep = false;
 };
 
 Simulation::Ode::Ode(const SceneDescription& scene)
     : step_s(scene.step_s),
       spring_n_m(scene.contact.spring_n_m),
       damper_ns_m(scene.contact.damper_ns_m),
-      bounce_threshold_m_s(scene.contact.bounce_threshold_m_s),
-      seed(static_cast<unsigned long>(scene.seed)) {
+      bounce_threshold_m_s(bounce_threshold(scene)),
+      seed(static_cast<unsigned long>(scene.seed)),
+      most_exact(most_exact_contacts(scene.step_s)) {
   dWorldSetGravity(world.get(), scene.gravity_m_s2.x, scene.gravity_m_s2.y, scene.gravity_m_s2.z);
   dWorldSetContactMaxCorrectingVel(world.get(), kFastestCorrection_m_s);
   dWorldSetMaxAngularSpeed(world.get(), 2 * range::kSpin_rad_s.high);
   dWorldSetAutoDisableFlag(world.get(), 1);
   dWorldSetAutoDisableTime(world.get(), kSleepAfter_s);
   dWorldSetAutoDisableSteps(world.get(), 0);
+  dWorldSetAutoDisableAverageSamplesCount(world.get(), kSleepSamples);
   dWorldSetAutoDisableLinearThreshold(world.get(), kSleepSpeed_m_s);
   dWorldSetAutoDisableAngularThreshold(world.get(), kSleepSpin_rad_s);
   dSpaceSetCleanup(space.get(), 0);
@@ -195,7 +251,7 @@ void Simulation::Ode::collide(dxGeom* first, dxGeom* second) {
   const Item* a = static_cast<const Item*>(dGeomGetData(first));
   const Item* b = static_cast<const Item*>(dGeomGetData(second));
   if (!a->awake() && !b->awake()) return;
-  const int count = dCollide(first, second, kMostContactsFound, found.data(), sizeof(dContactGeom));
+  const int count = find_contacts(first, second, found);
   const std::span points(found.data(), static_cast<std::size_t>(count));
   const std::size_t kept = choose_contacts(points);
   const bool swap = !a->movable();  // a joint's first body must be one that moves
@@ -243,18 +299,44 @@ void Simulation::Ode::add_contact(const Item& body, const Item& other, dContactG
       {body.id, other.id, point, normal, geom.depth, {}, dot(approach, normal), found_s, of_body, of_other});
 }
 
+// The space looks at all its bodies; where few are awake, it is cheaper to look from each of those.
+void Simulation::Ode::find_touches() {
+  const auto awake = std::ranges::count_if(items, [](const auto& entry) { return entry.second.awake(); });
+  if (static_cast<std::size_t>(awake) * kFewAwake >= items.size()) {
+    return dSpaceCollide(space.get(), this,
+                         [](void* data, dxGeom* one, dxGeom* two) { static_cast<Ode*>(data)->collide(one, two); });
+  }
+  struct Look {
+    Ode* ode;
+    Item* from;
+  };
+  for (auto& [id, item] : items) {
+    if (!item.awake()) continue;
+    Look look{this, &item};
+    dSpaceCollide2(item.shape.geom.get(), reinterpret_cast<dxGeom*>(space.get()), &look,
+                   [](void* data, dxGeom* one, dxGeom* two) {
+                     const Look& l = *static_cast<Look*>(data);
+                     const Item* a = static_cast<const Item*>(dGeomGetData(one));
+                     const Item* met = a == l.from ? static_cast<const Item*>(dGeomGetData(two)) : a;
+                     const bool twice = met->awake() && met->id < l.from->id;  // it has looked here already
+                     if (!twice) l.ode->collide(one, two);
+                   });
+  }
+}
+
 // One part of a step, from contacts to motion.
 void Simulation::Ode::part(double part_s) {
   const std::size_t first = touches.size();
   const SoftConstraint soft = soft_constraint(spring_n_m, damper_ns_m, part_s);
   dWorldSetERP(world.get(), soft.erp);
   dWorldSetCFM(world.get(), soft.cfm);
-  dSpaceCollide(space.get(), this,
-                [](void* data, dxGeom* one, dxGeom* two) { static_cast<Ode*>(data)->collide(one, two); });
-  if (touches.size() - first <= kMostExactContacts) {
+  find_touches();
+  const std::size_t count = touches.size() - first;
+  if (count <= most_exact) {
     dWorldStep(world.get(), part_s);
   } else {
     dRandSetSeed(seed + parts);  // it visits contacts in random order, from one generator for the process
+    dWorldSetQuickStepNumIterations(world.get(), iterations(count));
     dWorldQuickStep(world.get(), part_s);
   }
   ++parts;
@@ -317,15 +399,19 @@ std::vector<KeptJoint> Simulation::Ode::joints_of(BodyId id) const {
 
 void Simulation::Ode::note_moved() {
   moved.clear();
+  asleep = true;
   for (auto& [id, item] : items) {
     if (item.was_awake) moved.push_back({id, motion_of(item.body.get())});
+    if (item.awake()) asleep = false;
   }
 }
 
 // What slept on it must fall.
 void Simulation::Ode::remove(BodyId gone) {
+  if (!items.contains(gone)) return;
   std::erase_if(joints, [gone](const Joint& joint) { return joint.kept.body == gone || joint.kept.other == gone; });
   items.erase(gone);
+  asleep = false;
   for (auto& [id, item] : items) {
     if (item.movable()) dBodyEnable(item.body.get());
   }
@@ -373,6 +459,7 @@ void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, c
   dBodySetFiniteRotationMode(item.body.get(), 1);  // exact for a constant spin, however fast
   move(item.body.get(), motion);
   for (const KeptJoint& joint : kept) ode_->join(joint);
+  ode_->asleep = false;
 }
 
 void Simulation::remove_body(BodyId id) {
@@ -388,6 +475,7 @@ void Simulation::add_joint(BodyId body, std::optional<BodyId> other, const Joint
 void Simulation::set_motion(BodyId id, const Motion& motion) {
   const OdeLock lock;
   move(ode_->items.at(id).body.get(), motion);
+  ode_->asleep = false;
 }
 
 std::span<const Touch> Simulation::step() {
@@ -409,10 +497,7 @@ std::span<const Touch> Simulation::step() {
 
 std::span<const Moved> Simulation::moved() const { return ode_->moved; }
 
-bool Simulation::asleep() const {
-  const OdeLock lock;
-  return std::ranges::none_of(ode_->items, [](const auto& entry) { return entry.second.awake(); });
-}
+bool Simulation::asleep() const { return ode_->asleep; }
 
 std::size_t Simulation::dropped_contacts() const { return ode_->dropped; }
 

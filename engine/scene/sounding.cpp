@@ -53,8 +53,10 @@ protocol::Frame Timeline::frame(double time_s) const {
   return start + static_cast<protocol::Frame>(std::llround(time_s * sample_rate_hz));
 }
 
-Sounding::Sounding(const ContactSettings& contact, double step_s)
-    : lives_(contact.minimum_repeat_s, step_s), step_s_(step_s), bounce_threshold_m_s_(contact.bounce_threshold_m_s) {
+Sounding::Sounding(const SceneDescription& scene)
+    : lives_(scene.contact.minimum_repeat_s, scene.step_s),
+      step_s_(scene.step_s),
+      bounce_threshold_m_s_(bounce_threshold(scene)) {
   events_.reserve(kMostStrikesPerStep);
 }
 

@@ -37,7 +37,7 @@ struct Timeline {
 
 class Sounding {
  public:
-  Sounding(const ContactSettings& contact, double step_s);
+  explicit Sounding(const SceneDescription& scene);
 
   void set_side(BodyId id, Side side);
   void remove_side(BodyId id);

@@ -90,7 +90,7 @@ struct WaitingJoint {
 struct World::Impl {
   Impl(const SceneDescription& scene, double rate)
       : simulation(scene),
-        sounding(scene.contact, scene.step_s),
+        sounding(scene),
         step_s(scene.step_s),
         timeline{.sample_rate_hz = rate},
         gravity_m_s2(scene.gravity_m_s2),

@@ -62,6 +62,46 @@ INSTANTIATE_TEST_SUITE_P(Heights, DropTest,
                                          Drop{ShapeType::box, 5, 0.05, 0.2}, Drop{ShapeType::convex, 1, 0.5, 0.5},
                                          Drop{ShapeType::trimesh, 1, 0.5, 0.5}));
 
+// Whole steps of a fall until one has strikes; the change of momentum in it that gravity did not make.
+double momentum_given(World& world, std::size_t body, double mass, std::vector<Event>& strikes) {
+  for (;;) {
+    const double before = world.bodies()[body].velocity_m_s.z;
+    const auto report = world.step();
+    if (report.strikes.empty()) continue;
+    strikes.assign(report.strikes.begin(), report.strikes.end());
+    return mass * (world.bodies()[body].velocity_m_s.z - before + 9.81 * world.step_s());
+  }
+}
+
+TEST(Strike, ImpulseIsTheChangeOfMomentum) {
+  for (const ShapeType shape : {ShapeType::box, ShapeType::sphere, ShapeType::convex, ShapeType::trimesh}) {
+    for (const double turn : {0.0, 0.6}) {
+      BodyDescription body = body_of("a", shape, {0, 0, 0.4});
+      body.rotation = about({1, 2, 0}, turn);
+      World world = world_of(scene_of({body}), {sounding("a", 0, box_bank(kSize, 3))});
+      std::vector<Event> strikes;
+      const double given = momentum_given(world, 0, 3, strikes);
+      const double impulse = (to_matrix(body.rotation) * test::total_impulse(strikes, 0)).z;
+      EXPECT_NEAR(impulse / given, 1, 0.02) << static_cast<int>(shape) << " turned by " << turn;
+    }
+  }
+}
+
+TEST(Strike, ImpulseIsTheChangeOfMomentumByTheIterativeSolverToo) {
+  std::vector<BodyDescription> bodies;
+  std::vector<SoundingObject> objects;
+  for (int k = 0; k < 30; ++k) {
+    const std::string name = "b" + std::to_string(k);
+    bodies.push_back(body_of(name, ShapeType::box, {0.2 * k, 0, 0.3}));
+    objects.push_back(sounding(name, static_cast<std::uint32_t>(k), box_bank(kSize, 1 + k)));
+  }
+  World world = world_of(scene_of(bodies), objects);
+  std::vector<Event> strikes;
+  const double given = momentum_given(world, 17, 18, strikes);
+  ASSERT_EQ(strikes.size(), 4u * 30) << "all land at once, on four corners each";
+  EXPECT_NEAR(test::total_impulse(strikes, 17).z / given, 1, 0.02);
+}
+
 TEST(Strike, ASettledBodyIsSilent) {
   for (const ShapeType shape : {ShapeType::box, ShapeType::sphere, ShapeType::convex, ShapeType::trimesh}) {
     BodyDescription body = body_of("a", shape, {0, 0, 0.3});
