@@ -29,6 +29,16 @@ TEST(Pattern, EachSignMeansWhatOsc10Says) {
   EXPECT_TRUE(matches("x{,y}", "x"));
 }
 
+TEST(Pattern, BeginningsAndEndsMayOverlapInTheTextOnlyOnce) {
+  EXPECT_TRUE(matches("ab*ab", "abab"));
+  EXPECT_FALSE(matches("ab*ab", "ab"));
+  EXPECT_FALSE(matches("ab*ba", "aba"));
+  EXPECT_TRUE(matches("[a-z]bc", "abc"));
+  EXPECT_FALSE(matches("[a-z]bc", "bc"));
+  EXPECT_FALSE(matches("{a,b}c", "c"));
+  EXPECT_FALSE(matches("bell", "ll"));
+}
+
 TEST(Pattern, WhatIsNotClosedMatchesNothing) {
   for (const char* pattern : {"[a", "{a", "[", "{", "[]", "{}", "a]["}) {
     EXPECT_FALSE(matches(pattern, "a")) << pattern;

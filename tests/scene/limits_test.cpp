@@ -62,22 +62,26 @@ TEST(Limits, AStepHearsSoManyStrikesAndCountsTheNext) {
   }
 }
 
-// Each box lies on four corners.
+// Each box meets the floor with four corners, and the first one, perhaps, a wall with four more.
 TEST(Limits, AStepHoldsSoManyContactsAndCountsThoseBeyond) {
   constexpr std::size_t kBoxes = kMostContactsPerStep / 4;
-  for (const std::size_t more : {0u, 1u}) {
-    World world = world_of(scene_of({}), {sounding("bell", 4, box_bank(kSize, 1))});
+  static_assert(kBoxes <= kMostBodies);
+  for (const bool more : {false, true}) {
+    SceneDescription scene = scene_of({});
+    StaticDescription wall = scene.statics.front();
+    wall.name = "wall";
+    wall.normal = {1, 0, 0};
+    if (more) scene.statics.push_back(wall);
+    World world = world_of(scene, {sounding("bell", 4, box_bank(kSize, 1))});
     protocol::SpawnBox box;
     box.object = protocol::ObjectRef{"bell", {}};
     box.size_m = kSize;
-    box.velocity_m_s = {0, 0, -1};
-    for (std::size_t k = 0; k < kBoxes + more; ++k) {
-      box.position_m = {0.2 * static_cast<double>(k % 20), 0.2 * static_cast<double>(k / 20), 0.055};
+    for (std::size_t k = 0; k < kBoxes; ++k) {
+      box.position_m = {0.055 + 0.2 * static_cast<double>(k % 32), 0.2 * static_cast<double>(k / 32), 0.055};
+      box.velocity_m_s = {k == 0 ? -1.0 : 0.0, 0, -1};
       ASSERT_TRUE(world.spawn(box));
     }
-    const StepReport report = first_heard(world);
-    EXPECT_EQ(report.strikes.size() + report.dropped_strikes, kMostContactsPerStep) << "what is left out is silent";
-    EXPECT_EQ(report.dropped_contacts, 4 * more);
+    EXPECT_EQ(first_heard(world).dropped_contacts, more ? 4u : 0u);
   }
 }
 
