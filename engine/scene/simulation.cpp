@@ -1,7 +1,8 @@
 #include "engine/scene/simulation.h"
 
+#include "engine/scene/ode_contacts.h"
+#include "engine/scene/ode_item.h"
 #include "engine/scene/ode_joint.h"
-#include "engine/scene/ode_shape.h"
 
 #include <ode/ode.h>
 
@@ -40,15 +41,9 @@ struct WorldDeleter {
 struct SpaceDeleter {
   void operator()(dxSpace* space) const { dSpaceDestroy(space); }
 };
-struct BodyDeleter {
-  void operator()(dxBody* body) const { dBodyDestroy(body); }
-};
 struct JointsDeleter {
   void operator()(dxJointGroup* joints) const { dJointGroupDestroy(joints); }
 };
-
-// A mesh touching a plane gives a contact per vertex: enough of them to choose a good few.
-constexpr int kMostContactsFound = 256;
 
 // Fewer than one body in so many: each looks for what it touches by itself.
 constexpr std::size_t kFewAwake = 16;
@@ -73,29 +68,6 @@ constexpr double kFastestCorrection_m_s = 0.02;
 
 Vec3 to_vec3(const dReal* v) { return {v[0], v[1], v[2]}; }
 
-Motion motion_of(dxBody* body) {
-  if (!body) return {};
-  const dReal* q = dBodyGetQuaternion(body);
-  return {to_vec3(dBodyGetPosition(body)),
-          {q[1], q[2], q[3], q[0]},
-          to_vec3(dBodyGetLinearVel(body)),
-          to_vec3(dBodyGetAngularVel(body))};
-}
-
-// What collides: a body, or a static without one. A geometry's user data points here.
-struct Item {
-  BodyId id = 0;
-  Surface surface;
-  double inner_radius_m = 0;                  // of a ball inside it; a plane has none
-  bool round = false;                         // a sphere
-  bool was_awake = false;                     // before the step
-  std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must go first
-  OdeShape shape;
-
-  [[nodiscard]] bool movable() const { return body && !dBodyIsKinematic(body.get()); }
-  [[nodiscard]] bool awake() const { return movable() && dBodyIsEnabled(body.get()); }
-};
-
 struct KeptJoint {
   BodyId body = 0;
   std::optional<BodyId> other;
@@ -107,93 +79,6 @@ struct Joint {
   OdeJoint joint;
 };
 
-double inner_radius(const CollisionShape& shape) {
-  if (shape.type == ShapeType::sphere) return shape.radius_m;
-  if (shape.type == ShapeType::box) return 0.5 * std::min({shape.size_m.x, shape.size_m.y, shape.size_m.z});
-  double radius = dInfinity;  // from the centre of mass to the nearest face's plane
-  for (const auto& [a, b, c] : shape.triangles) {
-    const Vec3 area = cross(shape.points[b] - shape.points[a], shape.points[c] - shape.points[a]);
-    if (length(area) > 0) radius = std::min(radius, std::abs(dot(area, shape.points[a])) / length(area));
-  }
-  return std::isfinite(radius) ? radius : 0;
-}
-
-// Moves the deepest contact to the front, then each time the one farthest from those already chosen.
-std::size_t choose_contacts(std::span<dContactGeom> found) {
-  if (found.size() <= kMostContactsPerPair) return found.size();
-  std::ranges::iter_swap(found.begin(), std::ranges::max_element(found, {}, &dContactGeom::depth));
-  for (std::size_t chosen = 1; chosen < kMostContactsPerPair; ++chosen) {
-    const auto distance = [&](const dContactGeom& candidate) {
-      double nearest = dInfinity;
-      for (const dContactGeom& taken : found.first(chosen)) {
-        nearest = std::min(nearest, length(to_vec3(candidate.pos) - to_vec3(taken.pos)));
-      }
-      return nearest;
-    };
-    std::ranges::iter_swap(found.begin() + static_cast<std::ptrdiff_t>(chosen),
-                           std::ranges::max_element(found.subspan(chosen), {}, distance));
-  }
-  return kMostContactsPerPair;
-}
-
-// Every corner of the box below the plane, with the normal out of the plane. ODE finds at most four, and of a thin
-// plate that has sunk in those at one edge, about which it then rocks.
-int box_on_plane(dxGeom* box, dxGeom* plane, std::span<dContactGeom> found) {
-  dVector3 size;
-  dVector4 half_space;
-  dGeomBoxGetLengths(box, size);
-  dGeomPlaneGetParams(plane, half_space);
-  const Vec3 normal = to_vec3(half_space);
-  int count = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto side = [&](int axis) { return (corner >> axis & 1 ? 0.5 : -0.5) * size[axis]; };
-    dVector3 point;
-    dGeomGetRelPointPos(box, side(0), side(1), side(2), point);
-    const double depth = half_space[3] - dot(normal, to_vec3(point));
-    if (depth < 0) continue;
-    dContactGeom& contact = found[count++];
-    contact = {};
-    std::copy_n(point, 3, contact.pos);
-    std::copy_n(half_space, 3, contact.normal);
-    contact.depth = depth;
-    contact.g1 = box;
-    contact.g2 = plane;
-  }
-  return count;
-}
-
-int find_contacts(dxGeom* first, dxGeom* second, std::span<dContactGeom> found) {
-  const int one = dGeomGetClass(first), two = dGeomGetClass(second);
-  if (one == dBoxClass && two == dPlaneClass) return box_on_plane(first, second, found);
-  if (one != dPlaneClass || two != dBoxClass) {
-    return dCollide(first, second, kMostContactsFound, found.data(), sizeof(dContactGeom));
-  }
-  const int count = box_on_plane(second, first, found);
-  for (dContactGeom& contact : found.first(static_cast<std::size_t>(count))) {
-    for (int k = 0; k < 3; ++k) contact.normal[k] = -contact.normal[k];
-    std::swap(contact.g1, contact.g2);
-  }
-  return count;
-}
-
-void set_mass(dxBody* body, const RigidMass& rigid) {
-  const Matrix3& i = rigid.inertia_kg_m2;
-  dMass mass;
-  dMassSetParameters(&mass, rigid.mass_kg, 0, 0, 0, i[0][0], i[1][1], i[2][2], i[0][1], i[0][2], i[1][2]);
-  dBodySetMass(body, &mass);
-}
-
-void move(dxBody* body, const Motion& motion) {
-  const Rotation r = normalized(motion.rotation);
-  const dQuaternion q = {r.w, r.x, r.y, r.z};
-  dBodySetPosition(body, motion.position_m.x, motion.position_m.y, motion.position_m.z);
-  dBodySetQuaternion(body, q);
-  if (dBodyIsKinematic(body)) return;
-  dBodySetLinearVel(body, motion.velocity_m_s.x, motion.velocity_m_s.y, motion.velocity_m_s.z);
-  dBodySetAngularVel(body, motion.spin_rad_s.x, motion.spin_rad_s.y, motion.spin_rad_s.z);
-  dBodyEnable(body);
-}
-
 }  // namespace
 
 struct Simulation::Ode {
@@ -203,7 +88,6 @@ struct Simulation::Ode {
   void find_touches();
   void part(double part_s);
   [[nodiscard]] double next_part(double rest_s);
-  [[nodiscard]] double free_flight(const Item& item, double rest_s);
   void remove(BodyId gone);
   void note_moved();
   void join(const KeptJoint& joint);
@@ -251,16 +135,14 @@ void Simulation::Ode::collide(dxGeom* first, dxGeom* second) {
   const Item* a = static_cast<const Item*>(dGeomGetData(first));
   const Item* b = static_cast<const Item*>(dGeomGetData(second));
   if (!a->awake() && !b->awake()) return;
-  const int count = find_contacts(first, second, found);
-  const std::span points(found.data(), static_cast<std::size_t>(count));
-  const std::size_t kept = choose_contacts(points);
+  const std::span<dContactGeom> points = find_contacts(first, second, found);
   const bool swap = !a->movable();  // a joint's first body must be one that moves
-  for (dContactGeom geom : points.first(kept)) {
+  for (dContactGeom geom : points) {
     if (swap) {
       for (int k = 0; k < 3; ++k) geom.normal[k] = -geom.normal[k];
       std::swap(geom.g1, geom.g2);
     }
-    add_contact(swap ? *b : *a, swap ? *a : *b, geom, kept == 1);
+    add_contact(swap ? *b : *a, swap ? *a : *b, geom, points.size() == 1);
   }
 }
 
@@ -271,7 +153,7 @@ void Simulation::Ode::add_contact(const Item& body, const Item& other, dContactG
     ++dropped;
     return;
   }
-  const Motion of_body = motion_of(body.body.get()), of_other = motion_of(other.body.get());
+  const Motion of_body = body.motion(), of_other = other.motion();
   const Vec3 point = to_vec3(geom.pos), normal = to_vec3(geom.normal);
   const Vec3 approach = of_other.velocity_at(point) - of_body.velocity_at(point);
   const SurfacePair surface = combine(body.surface, other.surface);
@@ -348,38 +230,9 @@ void Simulation::Ode::part(double part_s) {
 double Simulation::Ode::next_part(double rest_s) {
   double part_s = rest_s;
   for (auto& [id, item] : items) {
-    if (item.awake()) part_s = std::min(part_s, free_flight(item, rest_s));
+    if (item.awake()) part_s = std::min(part_s, free_flight(item, rest_s, space.get(), ray.geom.get()));
   }
   return part_s;
-}
-
-// A body that moves by less than its own thickness cannot get lost in a plane, nor pass anything. For a faster one a
-// ray from its centre finds what lies ahead: it may fly until it is in there by half its inner radius. What touches
-// already may turn it back, so it is looked at again soon.
-double Simulation::Ode::free_flight(const Item& item, double rest_s) {
-  const Vec3 velocity = to_vec3(dBodyGetLinearVel(item.body.get()));
-  const double speed = length(velocity), radius = std::max(item.inner_radius_m, 0.5 * range::kSize_m.low);
-  if (!(speed * rest_s > radius) || !std::isfinite(speed)) return rest_s;
-  struct Hit {
-    Ode* ode;
-    const Item* self;
-    double reach_m, radius_m, nearest_m;
-  } hit{this, &item, speed * rest_s, radius, dInfinity};
-  dxGeom* geom = ray.geom.get();
-  const dReal* from = dBodyGetPosition(item.body.get());
-  dGeomRaySetLength(geom, hit.reach_m + radius);
-  dGeomRaySet(geom, from[0], from[1], from[2], velocity.x, velocity.y, velocity.z);
-  dSpaceCollide2(geom, reinterpret_cast<dxGeom*>(space.get()), &hit, [](void* data, dxGeom* one, dxGeom* two) {
-    Hit& h = *static_cast<Hit*>(data);
-    const bool ray_first = one == h.ode->ray.geom.get();
-    const Item* met = static_cast<const Item*>(dGeomGetData(ray_first ? two : one));
-    if (met == h.self || h.reach_m < h.radius_m + std::min(met->inner_radius_m, h.radius_m)) return;
-    dContactGeom contact;
-    if (dCollide(one, two, 1, &contact, sizeof contact) == 0) return;
-    h.nearest_m = std::min(h.nearest_m, contact.depth);
-  });
-  if (hit.nearest_m <= radius) return radius / speed;
-  return std::min(rest_s, (hit.nearest_m - 0.5 * radius) / speed);
 }
 
 void Simulation::Ode::join(const KeptJoint& joint) {
@@ -401,7 +254,7 @@ void Simulation::Ode::note_moved() {
   moved.clear();
   asleep = true;
   for (auto& [id, item] : items) {
-    if (item.was_awake) moved.push_back({id, motion_of(item.body.get())});
+    if (item.was_awake) moved.push_back({id, item.motion()});
     if (item.awake()) asleep = false;
   }
 }
@@ -432,9 +285,7 @@ void Simulation::add_static(BodyId id, const StaticDescription& description) {
   Item& item = ode_->items[id];
   item.id = id;
   item.surface = description.surface;
-  const bool plane = description.type == StaticType::plane;
-  const Vec3 size = description.size_m;
-  item.inner_radius_m = plane ? dInfinity : 0.5 * std::min({size.x, size.y, size.z});
+  item.inner_radius_m = inner_radius(description);
   item.shape = make_static(ode_->space.get(), description);
   dGeomSetData(item.shape.geom.get(), &item);
 }
@@ -450,14 +301,14 @@ void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, c
   item.round = solid.shape.type == ShapeType::sphere;
   item.body.reset(dBodyCreate(ode_->world.get()));
   item.shape = make_shape(ode_->space.get(), solid.shape);
-  set_mass(item.body.get(), solid.mass);
+  item.set_mass(solid.mass);
   if (fixed) dBodySetKinematic(item.body.get());
   dGeomSetData(item.shape.geom.get(), &item);
   dGeomSetBody(item.shape.geom.get(), item.body.get());
   const Vec3 center = solid.shape.center_m;
   dGeomSetOffsetPosition(item.shape.geom.get(), center.x, center.y, center.z);
   dBodySetFiniteRotationMode(item.body.get(), 1);  // exact for a constant spin, however fast
-  move(item.body.get(), motion);
+  item.move(motion);
   for (const KeptJoint& joint : kept) ode_->join(joint);
   ode_->asleep = false;
 }
@@ -474,7 +325,7 @@ void Simulation::add_joint(BodyId body, std::optional<BodyId> other, const Joint
 
 void Simulation::set_motion(BodyId id, const Motion& motion) {
   const OdeLock lock;
-  move(ode_->items.at(id).body.get(), motion);
+  ode_->items.at(id).move(motion);
   ode_->asleep = false;
 }
 

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "engine/scene/contact_life.h"
-#include "engine/scene/hertz.h"
+#include "engine/scene/side.h"
 #include "protocol/event.h"
 
 #include <cstddef>
@@ -17,16 +17,6 @@
 namespace ringdown::scene {
 
 inline constexpr std::size_t kMostStrikesPerStep = 512;  // and tellings of lasting contacts, together
-
-// What a body or a static brings to the sound of its contacts.
-struct Side {
-  Surface surface;
-  Elastic elastic;
-  Curvature curvature;
-  std::optional<RigidMass> mass;                 // none: it does not give way
-  std::optional<protocol::ObjectNumber> object;  // none: it is silent
-  Vec3 center_m;                                 // centre of mass in the object's frame
-};
 
 // Where scene time lies in frames.
 struct Timeline {

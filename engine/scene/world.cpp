@@ -50,27 +50,6 @@ struct Body {
   }
 };
 
-// What sounds at a body: its own word, its bank's material, or hard stone.
-Elastic elastic_of(const Surface& surface, const modal::Bank* bank, const modal::MaterialScale& scale) {
-  Elastic elastic;
-  if (bank && bank->material && bank->material->youngs_modulus_pa > 0) {
-    elastic = {bank->material->youngs_modulus_pa * scale.stiffness, bank->material->poisson_ratio};
-  }
-  return {surface.young_pa.value_or(elastic.young_pa), surface.poisson.value_or(elastic.poisson)};
-}
-
-Curvature curvature_of(const CollisionShape& shape, const Surface& surface) {
-  if (shape.type == ShapeType::sphere) return {Curvature::sphere, shape.radius_m};
-  return {Curvature::edged, surface.edge_radius_m};
-}
-
-Side side_of(const StaticDescription& description) {
-  const bool plane = description.type == StaticType::plane;
-  return {.surface = description.surface,
-          .elastic = elastic_of(description.surface, nullptr, {}),
-          .curvature = {plane ? Curvature::flat : Curvature::edged, description.surface.edge_radius_m}};
-}
-
 bool within(Vec3 v, const Range& range) { return range.holds(v.x) && range.holds(v.y) && range.holds(v.z); }
 
 bool is_real(const Motion& m) {
@@ -184,13 +163,8 @@ void World::Impl::put(BodyId id, const Body& body, const Solid& solid) {
   const BodyDescription& description = body.description;
   const SoundingObject* object = body.object ? find({.number = body.object}) : nullptr;
   simulation.put_body(id, solid, body.motion, description.surface, description.fixed);
-  Side side{
-      .surface = description.surface,
-      .elastic = elastic_of(description.surface, object ? object->bank.get() : nullptr, scale_of(description.object)),
-      .curvature = curvature_of(solid.shape, description.surface),
-      .object = body.object,
-      .center_m = solid.mass.center_m};
-  if (!description.fixed) side.mass = solid.mass;
+  Side side = side_of(description, solid, object ? object->bank.get() : nullptr, scale_of(description.object));
+  side.object = body.object;
   sounding.set_side(id, std::move(side));
 }
 

@@ -1,0 +1,18 @@
+// Where two ODE geometries touch. Callers hold OdeLock. ODE's types are only named here.
+#pragma once
+
+#include <span>
+
+struct dContactGeom;
+struct dxGeom;
+
+namespace ringdown::scene {
+
+// A mesh touching a plane gives a contact per vertex: enough of them to choose a good few.
+inline constexpr int kMostContactsFound = 256;
+
+// The contacts of the two, at most kMostContactsPerPair: the deepest, and those farthest from each other. The normal
+// points into the first. `room` holds kMostContactsFound.
+std::span<dContactGeom> find_contacts(dxGeom* first, dxGeom* second, std::span<dContactGeom> room);
+
+}  // namespace ringdown::scene

@@ -1,0 +1,96 @@
+#include "engine/scene/ode_item.h"
+
+#include "engine/scene/rotation.h"
+
+#include <ode/ode.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ringdown::scene {
+namespace {
+
+Vec3 to_vec3(const dReal* v) { return {v[0], v[1], v[2]}; }
+
+// What a ray from a body meets.
+struct Ahead {
+  const Item* from;
+  dxGeom* ray;
+  double way_m, radius_m;
+  double nearest_m = dInfinity;
+};
+
+void look(void* data, dxGeom* one, dxGeom* two) {
+  Ahead& ahead = *static_cast<Ahead*>(data);
+  const Item* met = static_cast<const Item*>(dGeomGetData(one == ahead.ray ? two : one));
+  const bool passes = ahead.way_m >= ahead.radius_m + std::min(met->inner_radius_m, ahead.radius_m);
+  dContactGeom contact;
+  if (met == ahead.from || !passes || dCollide(one, two, 1, &contact, sizeof contact) == 0) return;
+  ahead.nearest_m = std::min(ahead.nearest_m, contact.depth);
+}
+
+}  // namespace
+
+void BodyDeleter::operator()(dxBody* body) const { dBodyDestroy(body); }
+
+bool Item::movable() const { return body && !dBodyIsKinematic(body.get()); }
+
+bool Item::awake() const { return movable() && dBodyIsEnabled(body.get()); }
+
+Motion Item::motion() const {
+  if (!body) return {};
+  const dReal* q = dBodyGetQuaternion(body.get());
+  return {to_vec3(dBodyGetPosition(body.get())),
+          {q[1], q[2], q[3], q[0]},
+          to_vec3(dBodyGetLinearVel(body.get())),
+          to_vec3(dBodyGetAngularVel(body.get()))};
+}
+
+void Item::move(const Motion& motion) {
+  const Rotation r = normalized(motion.rotation);
+  const dQuaternion q = {r.w, r.x, r.y, r.z};
+  dBodySetPosition(body.get(), motion.position_m.x, motion.position_m.y, motion.position_m.z);
+  dBodySetQuaternion(body.get(), q);
+  if (!movable()) return;
+  dBodySetLinearVel(body.get(), motion.velocity_m_s.x, motion.velocity_m_s.y, motion.velocity_m_s.z);
+  dBodySetAngularVel(body.get(), motion.spin_rad_s.x, motion.spin_rad_s.y, motion.spin_rad_s.z);
+  dBodyEnable(body.get());
+}
+
+void Item::set_mass(const RigidMass& rigid) {
+  const Matrix3& i = rigid.inertia_kg_m2;
+  dMass mass;
+  dMassSetParameters(&mass, rigid.mass_kg, 0, 0, 0, i[0][0], i[1][1], i[2][2], i[0][1], i[0][2], i[1][2]);
+  dBodySetMass(body.get(), &mass);
+}
+
+double inner_radius(const CollisionShape& shape) {
+  if (shape.type == ShapeType::sphere) return shape.radius_m;
+  if (shape.type == ShapeType::box) return 0.5 * std::min({shape.size_m.x, shape.size_m.y, shape.size_m.z});
+  double radius = dInfinity;
+  for (const auto& [a, b, c] : shape.triangles) {
+    const Vec3 area = cross(shape.points[b] - shape.points[a], shape.points[c] - shape.points[a]);
+    if (length(area) > 0) radius = std::min(radius, std::abs(dot(area, shape.points[a])) / length(area));
+  }
+  return std::isfinite(radius) ? radius : 0;
+}
+
+double inner_radius(const StaticDescription& description) {
+  const Vec3 size = description.size_m;
+  return description.type == StaticType::plane ? dInfinity : 0.5 * std::min({size.x, size.y, size.z});
+}
+
+double free_flight(const Item& item, double rest_s, dxSpace* space, dxGeom* ray) {
+  const Motion motion = item.motion();
+  const Vec3 from = motion.position_m, velocity = motion.velocity_m_s;
+  const double speed = length(velocity), radius = std::max(item.inner_radius_m, 0.5 * range::kSize_m.low);
+  if (!(speed * rest_s > radius) || !std::isfinite(speed)) return rest_s;
+  Ahead ahead{&item, ray, speed * rest_s, radius};
+  dGeomRaySetLength(ray, ahead.way_m + radius);
+  dGeomRaySet(ray, from.x, from.y, from.z, velocity.x, velocity.y, velocity.z);
+  dSpaceCollide2(ray, reinterpret_cast<dxGeom*>(space), &ahead, look);
+  if (ahead.nearest_m <= radius) return radius / speed;
+  return std::min(rest_s, (ahead.nearest_m - 0.5 * radius) / speed);
+}
+
+}  // namespace ringdown::scene

@@ -1,0 +1,44 @@
+// What collides in ODE, and the questions asked of it. Callers hold OdeLock. ODE's types are only named here.
+#pragma once
+
+#include "engine/scene/ode_shape.h"
+#include "engine/scene/simulation.h"
+
+#include <memory>
+
+struct dxBody;
+struct dxSpace;
+
+namespace ringdown::scene {
+
+struct BodyDeleter {
+  void operator()(dxBody* body) const;
+};
+
+// A body, or a static without one. A geometry's user data points here.
+struct Item {
+  BodyId id = 0;
+  Surface surface;
+  double inner_radius_m = 0;                  // of a ball inside it; infinite for a plane
+  bool round = false;                         // a sphere
+  bool was_awake = false;                     // before the step
+  std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must go first
+  OdeShape shape;
+
+  [[nodiscard]] bool movable() const;
+  [[nodiscard]] bool awake() const;
+  [[nodiscard]] Motion motion() const;  // a static stays at the origin
+  void move(const Motion& motion);      // wakes it
+  void set_mass(const RigidMass& mass);
+};
+
+// Of a ball about the centre of mass that the shape encloses; of a trimesh or a hull to the plane of its nearest face.
+double inner_radius(const CollisionShape& shape);
+double inner_radius(const StaticDescription& description);
+
+// How far ahead a body may be moved at once, at most `rest_s`. One that moves by less than its own thickness cannot get
+// lost in a plane, nor pass anything. For a faster one `ray` looks ahead from its centre: it may fly until it is in
+// there by half its inner radius. What touches already may turn it back, so it is to be looked at again soon.
+double free_flight(const Item& item, double rest_s, dxSpace* space, dxGeom* ray);
+
+}  // namespace ringdown::scene
