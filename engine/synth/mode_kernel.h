@@ -51,7 +51,7 @@ struct ActiveGroups {
 
 // Of |z|^2.
 struct EnergyLimits {
-  double floor = 0;  // a group of which no mode is above leaves the list, and its states become zero
+  double floor = 0;  // a group of which no mode is above its share leaves the list, and its states become zero
   double most = 0;   // more in any mode, or no number at all, means that something is wrong
 };
 

@@ -64,7 +64,7 @@ HWY_INLINE void store_states(Complex z, const ModeArrays& modes, std::size_t at)
 class EnergyCheck {
  public:
   HWY_INLINE explicit EnergyCheck(const EnergyLimits& limits)
-      : floor_(hn::Set(Tag(), limits.floor)), most_(hn::Set(Tag(), limits.most)) {}
+      : floor_(hn::Set(Tag(), limits.floor / kModePadding)), most_(hn::Set(Tag(), limits.most)) {}
   HWY_INLINE void begin_group() { silent_ = sane_ = true; }
   HWY_INLINE void look_at(Complex z) {
     const Vec energy = norm(z);
