@@ -91,7 +91,7 @@ TEST(Stability, APileOfTwoHundredBodiesSettles) {
   scene.statics[0].surface.rolling_m = 0.002;
   scene.step_s = 1.0 / 250;
   World world = world_of(scene, {});
-  settle(world, 12);
+  settle(world, is_long() ? 40 : 12);
   int moving = 0;
   for (const BodyState& body : world.bodies()) {
     moving += length(body.velocity_m_s) > 0.05;
