@@ -52,7 +52,7 @@ void Ringing::survey(Hearing& hearing, Level shift, double floor) RINGDOWN_REALT
   for (const ActiveGroups* groups : {&slow_, &fast_}) {
     for (std::size_t i = 0; i < groups->count; ++i) note(energies_of(groups->list[i]), groups->list[i], shift);
   }
-  const Level lowest = level_of(floor * floor);
+  const Level lowest = level_of(floor * floor / kModePadding);  // as EnergyCheck has it
   hidden_.keep([&](std::uint32_t group) RINGDOWN_REALTIME {
     const Energies energies = energies_of(group);
     const Level lower = fallen(group);
