@@ -99,6 +99,13 @@ inline std::vector<protocol::Event> contacts(scene::World& world, double seconds
   return only(protocol::EventType::contact, run_all(world, seconds));
 }
 
+inline bool same_bits(const protocol::Event& a, const protocol::Event& b) {
+  return a.frame == b.frame && a.object == b.object && a.type == b.type && a.point_m == b.point_m &&
+         a.impulse_ns == b.impulse_ns && a.contact_time_s == b.contact_time_s && a.contact.number == b.contact.number &&
+         a.contact.force_n == b.contact.force_n && a.contact.slip_m_s == b.contact.slip_m_s &&
+         a.contact.roll_m_s == b.contact.roll_m_s;
+}
+
 inline Vec3 total_impulse(const std::vector<protocol::Event>& strikes, protocol::ObjectNumber object) {
   Vec3 sum;
   for (const auto& strike : strikes) {

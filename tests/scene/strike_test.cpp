@@ -275,19 +275,12 @@ std::vector<Event> crowd(std::uint64_t seed) {
   return test::run_all(world, 3);
 }
 
-bool same_bits(const Event& a, const Event& b) {
-  return a.frame == b.frame && a.object == b.object && a.type == b.type && a.point_m == b.point_m &&
-         a.impulse_ns == b.impulse_ns && a.contact_time_s == b.contact_time_s && a.contact.number == b.contact.number &&
-         a.contact.force_n == b.contact.force_n && a.contact.slip_m_s == b.contact.slip_m_s &&
-         a.contact.roll_m_s == b.contact.roll_m_s;
-}
-
 TEST(Strike, SameSeedSameEventsBitForBit) {
   const auto first = crowd(3), second = crowd(3), other = crowd(4);
   ASSERT_GT(first.size(), 50u);
   ASSERT_EQ(first.size(), second.size());
-  for (std::size_t k = 0; k < first.size(); ++k) EXPECT_TRUE(same_bits(first[k], second[k])) << k;
-  EXPECT_FALSE(other.size() == first.size() && same_bits(other.front(), first.front()));
+  for (std::size_t k = 0; k < first.size(); ++k) EXPECT_TRUE(test::same_bits(first[k], second[k])) << k;
+  EXPECT_FALSE(other.size() == first.size() && test::same_bits(other.front(), first.front()));
 }
 
 }  // namespace
