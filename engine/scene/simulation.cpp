@@ -10,6 +10,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <cstdarg>
 #include <map>
 #include <mutex>
 #include <vector>
@@ -17,11 +18,17 @@
 namespace ringdown::scene {
 namespace {
 
+// What ODE would print: so far only that its exact solver could not meet all constraints at once. Counted under the
+// lock.
+std::size_t complaints_of_ode = 0;
+void count_complaint(int, const char*, va_list) { ++complaints_of_ode; }
+
 // Held during every call into ODE. The first one on a thread gives ODE its data for that thread.
 class OdeLock {
  public:
   OdeLock() : lock_(mutex()) {
     static const int ready = dInitODE2(0);
+    dSetMessageHandler(count_complaint);
     thread_local const int allocated = dAllocateODEDataForThread(dAllocateMaskAll);
     assert(ready && allocated);
     static_cast<void>(ready), static_cast<void>(allocated);
@@ -107,7 +114,7 @@ struct Simulation::Ode {
   std::vector<dJointFeedback> feedback{kMostContactsPerStep};  // of the touch of the same number
   std::vector<Moved> moved;
   std::size_t dropped = 0, most_exact;
-  bool asleep = false;
+  bool asleep = false, gave_up = false;
 };
 
 Simulation::Ode::Ode(const SceneDescription& scene)
@@ -335,6 +342,7 @@ std::span<const Touch> Simulation::step() {
   ode.touches.clear();
   ode.dropped = 0;
   ode.found_s = 0;
+  complaints_of_ode = 0;
   for (auto& [id, item] : ode.items) item.was_awake = item.awake();
   for (int k = 1; ode.found_s < ode.step_s; ++k) {
     const double rest_s = ode.step_s - ode.found_s;
@@ -343,6 +351,7 @@ std::span<const Touch> Simulation::step() {
     ode.found_s = part_s == rest_s ? ode.step_s : ode.found_s + part_s;
   }
   ode.note_moved();
+  ode.gave_up = complaints_of_ode > 0;
   return ode.touches;
 }
 
@@ -351,5 +360,6 @@ std::span<const Moved> Simulation::moved() const { return ode_->moved; }
 bool Simulation::asleep() const { return ode_->asleep; }
 
 std::size_t Simulation::dropped_contacts() const { return ode_->dropped; }
+bool Simulation::gave_up() const { return ode_->gave_up; }
 
 }  // namespace ringdown::scene

@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <utility>
 
 namespace ringdown::scene {
 namespace {
@@ -103,6 +104,7 @@ struct World::Impl {
   std::vector<WaitingJoint> joints;
   std::vector<SoundingObject> objects;
   std::map<std::string, modal::MaterialScale> material_scale;
+  bool has_told_of_trouble = false;
   std::vector<std::string> notices;
 };
 
@@ -285,6 +287,11 @@ StepReport World::step() {
   const std::span<const protocol::Event> events = w.sounding.hear(touches, w.time_s(), w.timeline);
   ++w.steps;
   if (asleep) return {events, {}, w.sounding.dropped(), 0};
+  if (w.simulation.gave_up() && !std::exchange(w.has_told_of_trouble, true)) {
+    w.notices.emplace_back(
+        "contacts and joints hold each other in ways that cannot all be met, so some are only roughly "
+        "obeyed; simpler shapes or a smaller step_s help");
+  }
   const std::size_t dropped_contacts = w.simulation.dropped_contacts();
   w.check_bodies();
   return {events, w.notices, w.sounding.dropped(), dropped_contacts};
