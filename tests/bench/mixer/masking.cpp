@@ -90,7 +90,7 @@ void measure_masking(const Settings& settings, const Sink& sink) {
     std::size_t each;
     double spread_db;
   };
-  for (const Scene& scene : {Scene{"one of each", 1, 0}, Scene{"crowd", 20, 0}, Scene{"crowd, 60 dB", 20, 60}}) {
+  for (const Scene& scene : {Scene{"one of each", 1, 0}, Scene{"crowd", 20, 0}, Scene{"crowd of 60 dB", 20, 60}}) {
     Played plain, masked;
     for (int repeat = 0; repeat < (settings.quick ? 1 : 5); ++repeat) {
       Played p = play(maps, scene.each, scene.spread_db, false), m = play(maps, scene.each, scene.spread_db, true);
@@ -101,7 +101,7 @@ void measure_masking(const Settings& settings, const Sink& sink) {
     }
     const std::size_t blocks = masked.left.size() / kBlock;
     for (const Played* played : {&plain, &masked}) {
-      Row row{.part = "masking", .who = std::string(scene.name) + (played == &plain ? "" : ", masked")};
+      Row row{.part = "masking", .who = std::string(scene.name) + (played == &plain ? "" : "; masked")};
       row.modes = played->modes / blocks, row.objects = scene.each * maps.size(), row.block = kBlock;
       fill_in(row, played->times);
       row.modes_per_core = kNone;
