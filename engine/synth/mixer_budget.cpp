@@ -13,7 +13,8 @@ namespace {
 // Of a strike, on an object that shares states too; of joining or leaving a family; of a pulse for a whole chunk.
 constexpr double kStrikePerMode = 9, kSharedStrikePerMode = 12, kSharePerMode = 1.5, kDrivePerMode = 6;
 
-constexpr double kPlanned = 0.78;      // of a chunk's time: what modes and events may take
+constexpr double kPlanned = 0.78;      // of a chunk's time: what modes may take
+constexpr double kPlannedAll = 0.88;   // of a chunk's time: what modes and events may take together
 constexpr double kTight = 0.72;        // of a chunk's time: from here on the mixer looks at what is loud
 constexpr double kVeryTight = 0.97;    // the same, when something is shed already
 constexpr double kEventsShare = 0.3;   // of a chunk's time: more events wait
@@ -112,7 +113,8 @@ std::size_t Mixer::most_coming() const RINGDOWN_REALTIME {
 // That may sound, beside the events.
 double Mixer::most_modes() const RINGDOWN_REALTIME {
   const double fixed = together_ ? static_cast<double>(kMomentsFixed) : 0.0;
-  return std::max(kPlanned * budget_.usual() - event_reserve_ - fixed, 0.0) / units_of(1);
+  const double planned = std::min(kPlanned * budget_.usual(), kPlannedAll * budget_.usual() - event_reserve_);
+  return std::max(planned - fixed, 0.0) / units_of(1);
 }
 
 void Mixer::count_work(double units, Place& place) const RINGDOWN_REALTIME {

@@ -114,16 +114,14 @@ class Scene {
 TEST(Shedding, ABudgetThatIsNotUsedUpChangesNothing) {
   Scene with(0.8), without(0);
   for (Scene* scene : {&with, &without}) {
-    scene->set_load(0.5);
+    scene->set_load(0.6);
     scene->render_blocks(20);
     for (ObjectNumber object = 0; object < 8; ++object) {
       scene->player.push(strike_at(21 * 128 + 3000 * object, object, Scene::impulse(object)));
     }
     scene->render_blocks(300);
   }
-  for (std::size_t n = 0; n < with.player.left.size(); ++n) {
-    ASSERT_EQ(with.player.left[n], without.player.left[n]) << "frame " << n << ", shed " << with.shed();
-  }
+  EXPECT_EQ(with.player.left, without.player.left);
 }
 
 TEST(Shedding, FourTimesTooMuchIsDoneInTime) {
@@ -163,11 +161,11 @@ TEST(Shedding, FourTimesTooMuchIsDoneInTime) {
 TEST(Shedding, AMachineThatBecomesSlowCostsNoDeadline) {
   Scene scene(0.8), whole(0);
   for (Scene* each : {&scene, &whole}) {
-    each->set_load(0.5);
+    each->set_load(0.6);
     each->render_blocks(100);
   }
   ASSERT_EQ(scene.shed(), 0u);
-  scene.set_load(2);
+  scene.set_load(2.4);
   double worst = 0;
   int missed = 0;
   for (int block = 0; block < 300; ++block) {
@@ -188,10 +186,10 @@ TEST(Shedding, AllComesBackWhenThereIsTimeAndAsItWouldHaveBeen) {
   Scene scene(0.8), whole(0);
   for (Scene* each : {&scene, &whole}) {
     each->mixer().set_floor(160);
-    each->set_load(0.5);
+    each->set_load(0.6);
     each->render_blocks(50);
   }
-  scene.set_load(2);
+  scene.set_load(2.4);
   scene.render_blocks(100);
   EXPECT_GT(scene.hidden(), 1000u);
   scene.set_load(0.3);
@@ -215,9 +213,9 @@ TEST(Shedding, AllComesBackWhenThereIsTimeAndAsItWouldHaveBeen) {
 // What was shed comes back by 3 dB in 4096 frames; an object is 1 dB quieter than the one before.
 TEST(Shedding, DoesNotPump) {
   Scene scene(0.8);
-  scene.set_load(0.5);
+  scene.set_load(0.6);
   scene.render_blocks(50);
-  scene.set_load(2);
+  scene.set_load(2.4);
   scene.render_blocks(200);
   std::uint32_t before = scene.hidden();
   double moved = 0;
