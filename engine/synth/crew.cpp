@@ -26,7 +26,8 @@ void ask_for_realtime() {
 
 }  // namespace
 
-Crew::Crew(std::size_t helpers, std::function<void(std::size_t, std::size_t)> work) : work_(std::move(work)) {
+Crew::Crew(std::size_t helpers, std::function<void(std::size_t, std::size_t)> work)
+    : work_(std::move(work)), shares_(helpers + 1) {
   for (std::size_t who = 1; who <= helpers; ++who) {
     helpers_.emplace_back([this, who](const std::stop_token& stop) { help(who, stop); });
   }
@@ -49,16 +50,24 @@ void Crew::help(std::size_t who, const std::stop_token& stop) {
   }
 }
 
+bool Crew::take_some(std::size_t who) RINGDOWN_REALTIME {
+  for (std::size_t i = 0; i < shares_.size(); ++i) {
+    if (take_some_of(shares_.data()[(who + i) % shares_.size()], who)) return true;
+  }
+  return false;
+}
+
 // work_ is what the constructor was given, and promised to be fit for the audio thread.
 RINGDOWN_TRUST_REALTIME_BEGIN
-bool Crew::take_some(std::size_t who) RINGDOWN_REALTIME {
-  const auto count_of = [](std::uint64_t word) { return static_cast<std::size_t>(word >> kItemBits & kItemMask); };
+bool Crew::take_some_of(Share& share, std::size_t who) RINGDOWN_REALTIME {
+  constexpr std::size_t kHelpings = 8;  // of what is left of a share
+  const auto end_of = [](std::uint64_t word) { return static_cast<std::size_t>(word >> kItemBits & kItemMask); };
   const auto item_of = [](std::uint64_t word) { return static_cast<std::size_t>(word & kItemMask); };
-  const std::uint64_t seen = next_.load(std::memory_order_acquire);
-  if (item_of(seen) >= count_of(seen)) return false;
-  const std::size_t few = std::max<std::size_t>(1, count_of(seen) / (8 * (helpers_.size() + 1)));
-  const std::uint64_t mine = next_.fetch_add(few, std::memory_order_acq_rel);
-  const std::size_t begin = item_of(mine), end = std::min(begin + few, count_of(mine));
+  const std::uint64_t seen = share.next.load(std::memory_order_acquire);
+  if (item_of(seen) >= end_of(seen)) return false;
+  const std::size_t few = 1 + (end_of(seen) - item_of(seen)) / kHelpings;
+  const std::uint64_t mine = share.next.fetch_add(few, std::memory_order_acq_rel);
+  const std::size_t begin = item_of(mine), end = std::min(begin + few, end_of(mine));
   if (begin >= end) return false;
   for (std::size_t item = begin; item < end; ++item) work_(item, who);
   done_.fetch_add(end - begin, std::memory_order_release);
@@ -67,9 +76,12 @@ bool Crew::take_some(std::size_t who) RINGDOWN_REALTIME {
 RINGDOWN_TRUST_REALTIME_END
 
 void Crew::run(std::size_t count) RINGDOWN_REALTIME {
-  const std::uint64_t round = (next_.load(std::memory_order_relaxed) >> 2 * kItemBits) + 1;
   done_.store(0, std::memory_order_relaxed);
-  next_.store(round << 2 * kItemBits | std::uint64_t{count} << kItemBits, std::memory_order_release);
+  ++round_;
+  for (std::size_t i = 0; i < shares_.size(); ++i) {
+    const std::uint64_t begin = count * i / shares_.size(), end = count * (i + 1) / shares_.size();
+    shares_.data()[i].next.store(round_ << 2 * kItemBits | end << kItemBits | begin, std::memory_order_release);
+  }
   while (take_some(0)) {
   }
   while (done_.load(std::memory_order_acquire) < count) pause();

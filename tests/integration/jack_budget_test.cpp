@@ -25,6 +25,9 @@ constexpr int kFewMisses = 5;  // of 4500 callbacks
 class JackBudget : public testing::Test {
  protected:
   void SetUp() override {
+#ifdef RINGDOWN_SANITIZE
+    GTEST_SKIP() << "a load is what it is only without a sanitizer";
+#endif
     if (!installed("jackd")) GTEST_SKIP() << "needs jackd2 (./run packages)";
     for (int tries = 0; !server_.runs(); ++tries) {
       if (tries == 2) GTEST_SKIP() << "needs a jackd with real-time scheduling, which does not start here";
