@@ -21,6 +21,7 @@ enum class EventType : std::uint8_t {
   pan,            // value: -1 left ... +1 right, equal power
   clear,          // fades what rings to silence within `ramp_s`, or a few milliseconds if that is longer
   contact,        // point_m, contact: something slides or rolls on the object, or has stopped to
+  click,          // impulse_ns, contact_time_s: sets the object in motion as a whole, which is heard too
 };
 
 // A surface as what slides on it feels it: a random profile, of two surfaces the sum.

@@ -121,7 +121,13 @@ struct RecordStart {  // /record/start
 };
 struct RecordStop {};  // /record/stop
 
-struct Status {};   // /status
+struct Status {};  // /status
+// A blow sets the object in motion as a whole. Its strikes are told of besides.
+struct Click {  // /object/{object}/click
+  ObjectRef object;
+  Vec3 impulse_ns;
+  double contact_time_s = kDefaultContactTimeS;
+};
 struct Version {};  // /version
 struct Sync {       // /sync
   std::int32_t id = 0;
@@ -130,7 +136,7 @@ struct Quit {};  // /quit
 
 using Request =
     std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, Hold, SetGroup, Excite, ClearObject,
-                 KeepContact, FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere,
+                 KeepContact, Click, FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere,
                  SceneClear, Notify, SaveState, RecordStart, RecordStop, Status, Version, Sync, Quit>;
 
 }  // namespace ringdown::protocol

@@ -184,6 +184,12 @@ std::vector<Row<Request>> make_request_rows() {
                "correlation", kCorrelation, "The longest wavelength of the roughness.")),
            optional(number<&KeepContact::contact, &Contact::texture, &Texture::spectral_slope>(
                "slope", kSpectralSlope, "The power of the heights falls with spatial frequency f as f^slope."))}),
+      silent(
+          "/object/{object}/click", Click{kBell, {-0.02, 0, 0}, 0.0005},
+          "A blow sets the object in motion as a whole: the click of that, which is heard beside its modes and where "
+          "it has none. For objects that are free to move; strikes do not make it by themselves. Send it once for all "
+          "points that are struck at a time.",
+          {object<&Click::object>(), impulse<&Click::impulse_ns>(), contact_time<&Click::contact_time_s>()}),
       answered("/object/{object}/free", FreeObject{kBell},
                "Removes the object. What rings is faded, its name and number become free.",
                {object<&FreeObject::object>()}),

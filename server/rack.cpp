@@ -277,6 +277,10 @@ Result<Event> event_for(const protocol::Request& request, const RackObject& obje
     event.type = EventType::contact;
     event.point_m = contact->point_m;
     event.contact = contact->contact;
+  } else if (const auto* click = std::get_if<protocol::Click>(&request)) {
+    event.type = EventType::click;
+    event.impulse_ns = click->impulse_ns;
+    event.contact_time_s = click->contact_time_s;
   } else {
     const auto* clear = std::get_if<protocol::ClearObject>(&request);
     event.type = EventType::clear;
@@ -297,6 +301,8 @@ protocol::Request request_for(const Event& event, const protocol::ObjectRef& obj
       return protocol::SetPan{object, event.value};
     case EventType::contact:
       return protocol::KeepContact{object, event.point_m, event.contact};
+    case EventType::click:
+      return protocol::Click{object, event.impulse_ns, event.contact_time_s};
     case EventType::clear:
       break;
   }

@@ -31,8 +31,8 @@ bool Session::is_event(const protocol::Request& request) {
       Match{[](const protocol::Strike&) { return true; }, [](const protocol::StrikeVertex&) { return true; },
             [](const protocol::StrikeMany&) { return true; }, [](const protocol::SetGain&) { return true; },
             [](const protocol::SetPan&) { return true; }, [](const protocol::ClearObject&) { return true; },
-            [](const protocol::KeepContact&) { return true; }, [](const protocol::ClearAll&) { return true; },
-            [](const auto&) { return false; }},
+            [](const protocol::KeepContact&) { return true; }, [](const protocol::Click&) { return true; },
+            [](const protocol::ClearAll&) { return true; }, [](const auto&) { return false; }},
       request);
 }
 

@@ -174,6 +174,7 @@ struct ContactSettings {
   double damper_ns_m = 8e6;
   double bounce_threshold_m_s = 0.05;  // a contact that approaches faster is a strike
   double minimum_repeat_s = 0.02;      // a pair that touches again sooner goes on with the same contact
+  bool clicks = true;                  // a body that is struck is heard as a whole too (engine/synth/click.h)
 };
 
 struct SceneDescription {

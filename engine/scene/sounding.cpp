@@ -56,7 +56,8 @@ protocol::Frame Timeline::frame(double time_s) const {
 Sounding::Sounding(const SceneDescription& scene)
     : lives_(scene.contact.minimum_repeat_s, scene.step_s),
       step_s_(scene.step_s),
-      bounce_threshold_m_s_(bounce_threshold(scene)) {
+      bounce_threshold_m_s_(bounce_threshold(scene)),
+      clicks_(scene.contact.clicks) {
   events_.reserve(kMostStrikesPerStep);
 }
 
@@ -107,6 +108,7 @@ void Sounding::hear_pair(BodyPair pair, std::span<const Touch* const> touches, d
     for (const Touch* touch : touches) {
       if (is_blow(*touch)) strike(*touch, now_s, timeline);
     }
+    if (clicks_) click(pair, touches, timeline);
     return;
   }
   const Side *first = find(pair.first), *second = find(pair.second);
@@ -144,6 +146,32 @@ void Sounding::strike(const Touch& touch, double now_s, const Timeline& timeline
   };
   strike_side(*body, touch.of_body, touch.impulse_ns);
   strike_side(*other, touch.of_other, -1 * touch.impulse_ns);
+}
+
+// All points of a blow move a body at once; the hardest says for how long.
+void Sounding::click(BodyPair pair, std::span<const Touch* const> touches, const Timeline& timeline) {
+  const Touch* hardest = nullptr;
+  Vec3 on_first_ns;
+  for (const Touch* touch : touches) {
+    if (!is_blow(*touch)) continue;
+    on_first_ns = on_first_ns + (touch->body == pair.first ? 1 : -1) * touch->impulse_ns;
+    if (!hardest || length(touch->impulse_ns) > length(hardest->impulse_ns)) hardest = touch;
+  }
+  const Side *body = find(hardest->body), *other = find(hardest->other);
+  if (!body || !other) return;
+  protocol::Event event;
+  event.frame = timeline.frame(latest_s_);
+  event.type = protocol::EventType::click;
+  event.contact_time_s = contact_time_s(*body, *other, *hardest);
+  const auto click_side = [&](const Side& side, const Motion& motion, double sign) {
+    if (!side.object || !side.mass) return;
+    event.object = *side.object;
+    event.impulse_ns = sign * (transpose(to_matrix(motion.rotation)) * on_first_ns);
+    push(event);
+  };
+  const double sign = hardest->body == pair.first ? 1 : -1;
+  click_side(*body, hardest->of_body, sign);
+  click_side(*other, hardest->of_other, -sign);
 }
 
 void Sounding::tell(const Telling& telling, protocol::Frame frame) {

@@ -55,6 +55,7 @@ class Sounding {
   void hear_pair(BodyPair pair, std::span<const Touch* const> touches, double now_s, const Timeline& timeline);
   [[nodiscard]] bool is_blow(const Touch& touch) const;
   void strike(const Touch& touch, double now_s, const Timeline& timeline);
+  void click(BodyPair pair, std::span<const Touch* const> touches, const Timeline& timeline);
   [[nodiscard]] double contact_time_s(const Side& body, const Side& other, const Touch& touch) const;
   void tell(const Telling& telling, protocol::Frame frame);
   void tell_side(const Telling& telling, const Side* side, std::optional<Line>& line, const Motion& motion,
@@ -65,6 +66,7 @@ class Sounding {
 
   ContactLives lives_;
   double step_s_, bounce_threshold_m_s_;
+  bool clicks_;
   double latest_s_ = 0;  // of all strikes so far
   std::map<BodyId, Side> sides_;
   std::map<BodyPair, Lines> lines_;

@@ -85,7 +85,7 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
     for (std::size_t i = 0; i < kMostInputs; ++i) inputs_[i] = inputs[i] ? inputs[i] + done : nullptr;
     std::size_t chunk = wake_inputs(frames - done);
     const Frame rest = static_cast<Frame>(chunk);
-    if (active_count_ + active_family_count_ == 0 && !agenda_.next_before(now_ + rest)) {
+    if (active_count_ + active_family_count_ + clicks_.size() == 0 && !agenda_.next_before(now_ + rest)) {
       budget_.open_chunk(chunk);
       place.desk.open(chunk);
     } else {
@@ -172,6 +172,7 @@ void Mixer::render_chunk(std::size_t frames) RINGDOWN_REALTIME {
   keep_active_families();
   keep_active();
   gather_places();
+  render_clicks();
   places_.data()[0].desk.close();
   close_budget();
 }

@@ -329,6 +329,8 @@ class Mixer {
   [[nodiscard]] bool has_pulse(const Object& object) const RINGDOWN_REALTIME;
   [[nodiscard]] bool driven(const Object& object) const RINGDOWN_REALTIME;
   [[nodiscard]] std::size_t wake_inputs(std::size_t frames) RINGDOWN_REALTIME;
+  void start_click(const protocol::Event& event) RINGDOWN_REALTIME;
+  void render_clicks() RINGDOWN_REALTIME;
   void drive(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
 
   // mixer_reach.cpp
@@ -387,6 +389,7 @@ class Mixer {
   std::vector<Place> places_ = std::vector<Place>(1);  // the audio thread's, then its helpers'
   ChannelSet wanted_ = 0;                              // channels that are listened to in this block
   DrivePool drives_;
+  Clicks clicks_;
   Inputs inputs_{};  // at the chunk being rendered
   std::array<bool, kMostInputs> input_sounds_{};
   std::array<std::optional<protocol::ObjectNumber>, kMostInputs> excites_;

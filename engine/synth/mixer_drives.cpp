@@ -11,6 +11,12 @@ namespace ringdown::synth {
 using protocol::Event;
 using protocol::Frame;
 
+namespace {
+
+constexpr double kLargestClick_ns = 1e9, kLongestClick_s = 1;
+
+}  // namespace
+
 bool Mixer::connect_input(std::size_t input, const Event& place) {
   assert(input < kMostInputs && place.object < kMostObjects);
   return orders_.push({.kind = Order::Kind::connect, .object = place.object, .input = input, .place = place});
@@ -198,6 +204,31 @@ std::size_t Mixer::wake_inputs(std::size_t frames) RINGDOWN_REALTIME {
     if (input_sounds_[input]) activate(objects_.data()[*excites_[input]]);
   }
   return frames;
+}
+
+void Mixer::start_click(const Event& event) RINGDOWN_REALTIME {
+  const Object& object = objects_.data()[event.object];
+  const double impulse_ns = length(event.impulse_ns);
+  const std::optional<ClickShape> shape = object.current ? object.current->table().click() : std::nullopt;
+  const bool sane =
+      impulse_ns <= kLargestClick_ns && event.contact_time_s >= 0 && event.contact_time_s <= kLongestClick_s;
+  if (tight_ && sane) return;
+  if (!shape || !sane ||
+      !clicks_.add({{*shape, impulse_ns, event.contact_time_s, sample_rate_hz_}, event.object, event.frame})) {
+    count(counters_.refused);
+  }
+}
+
+// Few at a time and soon over: the audio thread does them by itself.
+void Mixer::render_clicks() RINGDOWN_REALTIME {
+  Place& place = places_.data()[0];
+  for (std::size_t i = 0; i < clicks_.size(); ++i) {
+    Clicks::One& one = clicks_[i];
+    const auto begin = static_cast<std::size_t>(std::max<Frame>(one.begin - now_, 0));
+    one.click.fill(frames_ - begin, place.mono.data() + begin);
+    mix_segment(objects_.data()[one.object], begin, frames_, place);
+  }
+  clicks_.drop_if([](const Clicks::One& one) RINGDOWN_REALTIME { return one.click.over(); });
 }
 
 void Mixer::drive(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME {

@@ -46,6 +46,10 @@ void Mixer::take_due_events(std::size_t frames) RINGDOWN_REALTIME {
       if (start_pulse(due[count].event)) --count;
       continue;
     }
+    if (event->type == EventType::click) {
+      start_click(due[count--].event);
+      continue;
+    }
     Object& object = objects_.data()[event->object];
     if (event->type == EventType::contact && !(is_sane(event->contact) && open_contact(*event))) {
       if (!is_sane(event->contact)) this->count(counters_.refused);

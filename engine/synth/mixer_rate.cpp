@@ -29,6 +29,7 @@ void Mixer::change_sample_rate(double sample_rate_hz) {
     return now_ + static_cast<Frame>(std::llround(static_cast<double>(frame - now_) * ratio));
   };
   for (Object& object : objects_) part(object);
+  clicks_.clear();
   keep_active_families();
   for (Object& object : objects_) {
     for (Ramp* ramp : {&object.gain, &object.left, &object.right}) {

@@ -29,6 +29,14 @@ modal::DampedMode touched(const modal::DampedMode& mode, double added_decay_per_
   return {modal::rad_per_s_to_hz(std::sqrt(lambda - decay * decay)), decay};
 }
 
+std::optional<ClickShape> click_of(const modal::Bank& bank, const modal::MaterialScale& material) {
+  if (!bank.mass || !(bank.mass->mass_kg > 0)) return {};
+  const double radius_m = radius_of(*bank.mass);
+  if (!(radius_m > 0 && radius_m <= kLargestClick_m)) return {};
+  return ClickShape{kSpeedOfSound_m_s / radius_m,
+                    kOutputScale * bank.gain * modal::shape_factor(material) / std::sqrt(bank.mass->mass_kg)};
+}
+
 // Those that take moments first, each kind by frequency.
 std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const modal::MaterialScale& material,
                                             const modal::ContactDamping& touch, double sample_rate_hz) {
@@ -59,6 +67,7 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
       material_(material),
       touch_(touch),
       sample_rate_hz_(sample_rate_hz),
+      click_(click_of(bank(), material)),
       column_of_(bank().mode_count(), -1) {
   const std::vector<PlayableMode> playable = playable_modes_of(*map_, material, touch, sample_rate_hz);
   slow_modes_ = static_cast<std::size_t>(

@@ -10,6 +10,7 @@
 #include "engine/modal/material_scale.h"
 #include "engine/modal/strike_map.h"
 #include "engine/synth/aligned_array.h"
+#include "engine/synth/click.h"
 #include "engine/synth/hearing.h"
 #include "engine/synth/mode_kernel.h"
 #include "engine/synth/moments.h"
@@ -77,6 +78,9 @@ class ModeTable {
   [[nodiscard]] ModeArrays modes(double* z_re, double* z_im, std::size_t frames) const RINGDOWN_REALTIME;
   [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME { return {band_.data(), moment_weights_.get()}; }
 
+  // Of the object as a whole; nothing when the bank does not say its mass, or it is too large to click.
+  [[nodiscard]] const std::optional<ClickShape>& click() const RINGDOWN_REALTIME { return click_; }
+
   class Family* family = nullptr;  // of the objects that share it, for the mixer (family.h) [audio]
 
  private:
@@ -89,6 +93,7 @@ class ModeTable {
   modal::MaterialScale material_;
   modal::ContactDamping touch_;
   double sample_rate_hz_;
+  std::optional<ClickShape> click_;
   std::vector<std::uint32_t> mode_of_, column_;  // of playable mode i
   std::vector<std::int32_t> column_of_;          // of a mode of the bank; -1 where it is not playable
   std::vector<double> weight_;                   // output per modal velocity: G_n, the bank's gain, the density scale

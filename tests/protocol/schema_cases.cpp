@@ -155,6 +155,18 @@ Cases excite_cases() {
            {a, {1, 0, 0, 0, 0, 0}, "fz"}}};
 }
 
+Cases click_cases() {
+  const std::string a = "/object/bell/click";
+  return {{{a, {1, 2, -3, 0.0625f}, claim<Click>([](const Click& c) {
+              return c.object == named("bell") && c.impulse_ns == Vec3{1, 2, -3} && c.contact_time_s == 0.0625;
+            })}},
+          {{"/object/b%/click", {0, 0, 0}, "object"},
+           {a, {kNan, 0, 0}, "jx"},
+           {a, {0, 1e7, 0}, "jy"},
+           {a, {0, 0}, "jz"},
+           {a, {0, 0, 0, -1}, "contact_time"}}};
+}
+
 Cases contact_cases() {
   const std::string a = "/object/bell/contact";
   return {{{a, {1, 2, 3, 0, 0, -0.5f, 0.25f}, claim<KeepContact>([](const KeepContact& k) {
@@ -317,6 +329,7 @@ const std::map<std::string, Cases>& all_cases() {
       {"/object/{object}/clear", clear_cases()},
       {"/object/{object}/hold", hold_cases()},
       {"/object/{object}/contact", contact_cases()},
+      {"/object/{object}/click", click_cases()},
       {"/object/{object}/free", object_only_cases<FreeObject>("free")},
       {"/load", load_cases()},
       {"/clear", bare_cases<ClearAll>("/clear")},

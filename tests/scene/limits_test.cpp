@@ -20,6 +20,7 @@ World weightless_world() {
   SceneDescription scene = scene_of({});
   scene.gravity_m_s2 = {};
   scene.step_s = 1.0 / 500;
+  scene.contact.clicks = false;
   return world_of(scene, {sounding("bell", 4, box_bank(kSize, 1))});
 }
 

@@ -68,7 +68,7 @@ double momentum_given(World& world, std::size_t body, double mass, std::vector<E
     const double before = world.bodies()[body].velocity_m_s.z;
     const auto report = world.step();
     if (report.strikes.empty()) continue;
-    strikes.assign(report.strikes.begin(), report.strikes.end());
+    strikes = test::only(protocol::EventType::strike, {report.strikes.begin(), report.strikes.end()});
     return mass * (world.bodies()[body].velocity_m_s.z - before + 9.81 * world.step_s());
   }
 }
@@ -100,6 +100,37 @@ TEST(Strike, ImpulseIsTheChangeOfMomentumByTheIterativeSolverToo) {
   const double given = momentum_given(world, 17, 18, strikes);
   ASSERT_EQ(strikes.size(), 4u * 30) << "all land at once, on four corners each";
   EXPECT_NEAR(test::total_impulse(strikes, 17).z / given, 1, 0.02);
+}
+
+// A box that lands on four corners clicks once, by all it receives.
+TEST(Strike, ABlowClicksOnceWithAllItsImpulse) {
+  for (const bool clicks : {true, false}) {
+    SceneDescription scene = scene_of({body_of("a", ShapeType::box, {0, 0, 0.4})}, 0.5);
+    scene.contact.clicks = clicks;
+    World world = world_of(scene, {sounding("a", 0, box_bank(kSize, 3))});
+    const auto events = test::run_all(world, 0.35);
+    const auto heard = test::only(protocol::EventType::click, events);
+    const auto strikes = test::only(protocol::EventType::strike, events);
+    ASSERT_EQ(strikes.size(), 4u);
+    ASSERT_EQ(heard.size(), clicks ? 1u : 0u);
+    if (!clicks) continue;
+    EXPECT_EQ(heard[0].frame, strikes[0].frame);
+    EXPECT_EQ(heard[0].contact_time_s, strikes[0].contact_time_s);
+    EXPECT_NEAR(heard[0].impulse_ns.z / test::total_impulse(strikes, 0).z, 1, 1e-9);
+  }
+}
+
+TEST(Strike, WhatDoesNotGiveWayDoesNotClick) {
+  BodyDescription hanging = body_of("b", ShapeType::box, {0, 0, 0.3});
+  hanging.fixed = true;
+  World world = world_of(scene_of({body_of("a", ShapeType::sphere, {0, 0, 0.6}), hanging}),
+                         {sounding("a", 0, box_bank(kSize, 1)), sounding("b", 1, box_bank(kSize, 1))});
+  const auto events = test::run_all(world, 0.4);
+  const auto strikes = test::only(protocol::EventType::strike, events);
+  const auto heard = test::only(protocol::EventType::click, events);
+  ASSERT_GT(strikes.size(), 0u);
+  EXPECT_EQ(strikes.size(), 2 * heard.size()) << "both ring";
+  for (const Event& click : heard) EXPECT_EQ(click.object, 0u);
 }
 
 TEST(Strike, ASettledBodyIsSilent) {

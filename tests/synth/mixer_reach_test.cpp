@@ -108,11 +108,15 @@ TEST_P(ManyModes, NeverExceedTheirLevel) {
       static_cast<void>(mixer_.take_reach(object));
       levels[object] = mixer_.take_reach(object);  // as it is now
     }
-    if (chunk == 200) ASSERT_TRUE(mixer_.push(Producer::control, clear_at(0, 0)));
+    if (chunk == 200) {
+      ASSERT_TRUE(mixer_.push(Producer::control, clear_at(0, 0)));
+    }
     const auto peaks = render(128);
     for (std::size_t object = 0; object < kObjects; ++object) {
       ASSERT_LE(peaks[object], levels[object] * (1 + 1e-5) + 1e-6) << "object " << object << ", chunk " << chunk;
-      if (chunk < 10) ASSERT_GT(peaks[object], 0.02 * levels[object]) << "and it is not far above";
+      if (chunk < 10) {
+        ASSERT_GT(peaks[object], 0.02 * levels[object]) << "and it is not far above";
+      }
     }
   }
 }

@@ -1,0 +1,90 @@
+// The click of an object that a blow sets in motion as a whole: its acceleration noise, heard also where no mode rings.
+//
+// The sound of a rigid sphere of radius R that a force accelerates in air (speed of sound c), far away, is that force
+// through a filter of two poles, (c/R)(-1 +- i): a dipole that falls by 6 dB an octave below the corner c / (2 pi R). Other
+// shapes count as the sphere of the same mass and radius of gyration. Its level is that of modes: the body's motion as
+// a whole is a mode of shape 1/sqrt(mass), heard as modes are, by its acceleration. Chadwick, Zheng & James,
+// "Precomputed acceleration noise for improved rigid-body sound", 2012, compute the field of any shape; Koss &
+// Alfredson, "Transient sound radiated by spheres undergoing an elastic collision", 1973, that of the sphere.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/modal/bank.h"
+#include "protocol/event.h"
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace ringdown::synth {
+
+inline constexpr std::size_t kMostClicks = 64;  // at a time; more are not heard
+inline constexpr double kSpeedOfSound_m_s = 343;
+inline constexpr double kLargestClick_m = 3;  // a larger body's click lies below what is heard
+
+// What an object's click is like.
+struct ClickShape {
+  double corner_per_s = 0;  // c / R
+  double gain = 0;          // output per newton far above the corner's roll-off: 1/sqrt(mass), scaled
+};
+
+// The radius of the solid sphere of the same mass and radius of gyration [m].
+double radius_of(const modal::MassProperties& mass);
+
+class Click {
+ public:
+  Click() = default;
+
+  // Of a half-sine of `impulse_ns` that begins at frame 0 and lasts `contact_time_s`, but 4 frames at least. [audio]
+  Click(const ClickShape& shape, double impulse_ns, double contact_time_s, double sample_rate_hz) RINGDOWN_REALTIME;
+
+  // Its next `count` samples, into `out`. [audio]
+  void fill(std::size_t count, double* out) RINGDOWN_REALTIME;
+
+  [[nodiscard]] bool over() const RINGDOWN_REALTIME { return at_ >= end_; }
+
+ private:
+  std::complex<double> push_, push_pole_;  // what follows the force, and turns with it
+  std::complex<double> ring_, ring_pole_;  // what the air does by itself
+  std::complex<double> released_;          // what the end of the force adds to that
+  std::int64_t at_ = 0, release_ = 0, end_ = 0;
+};
+
+// Those that sound, each with its object. [audio, after construction]
+class Clicks {
+ public:
+  struct One {
+    Click click;
+    protocol::ObjectNumber object = 0;
+    protocol::Frame begin = 0;
+  };
+
+  [[nodiscard]] bool empty() const RINGDOWN_REALTIME { return count_ == 0; }
+  [[nodiscard]] std::size_t size() const RINGDOWN_REALTIME { return count_; }
+  [[nodiscard]] One& operator[](std::size_t i) RINGDOWN_REALTIME { return all_.data()[i]; }
+  [[nodiscard]] bool add(const One& one) RINGDOWN_REALTIME {
+    if (count_ == kMostClicks) return false;
+    all_.data()[count_++] = one;
+    return true;
+  }
+  // Takes out those that `is_over` names.
+  template <class Over>
+  void drop_if(const Over& is_over) RINGDOWN_REALTIME {
+    for (std::size_t i = 0; i < count_;) {
+      if (is_over(all_.data()[i])) {
+        all_.data()[i] = all_.data()[--count_];
+      } else {
+        ++i;
+      }
+    }
+  }
+  void clear() { count_ = 0; }
+
+ private:
+  std::array<One, kMostClicks> all_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace ringdown::synth
