@@ -19,6 +19,8 @@ inline constexpr double kDefaultContactTimeS = 0.0002;
 inline constexpr std::int32_t kProtocolVersion = 1;
 
 // Audio inputs that may excite objects.
+// Touches of an object; those from kFirstSceneTouch on are an embedded scene's.
+inline constexpr std::uint32_t kMostTouches = 16, kFirstSceneTouch = 8;
 inline constexpr std::uint32_t kMostInputs = 4;
 
 }  // namespace ringdown::protocol

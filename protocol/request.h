@@ -57,6 +57,7 @@ struct SetMaterial {  // /object/{object}/material
 struct Hold {  // /object/{object}/hold
   ObjectRef object;
   modal::ContactDamping touch;
+  std::uint32_t number = 0;  // which of the object's touches, below kMostTouches
 };
 struct SetGroup {  // /object/{object}/group
   ObjectRef object;

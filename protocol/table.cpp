@@ -20,6 +20,7 @@ constexpr Quantity kSpeed{"m/s", 0, 1e3};
 constexpr Quantity kRoughness{"m", 0, 0.1};
 constexpr Quantity kCorrelation{"m", 1e-7, 10};
 constexpr Quantity kSpectralSlope{"", -10, 0};
+constexpr Quantity kTouchNumber{"", 0, kMostTouches - 1};
 constexpr Quantity kInput{"", 1, kMostInputs};
 constexpr Quantity kContactTime{"s", 0, 0.1};
 constexpr Quantity kGain{"", 0, 100};
@@ -138,8 +139,9 @@ std::vector<Row<Request>> make_request_rows() {
       answered(
           "/object/{object}/hold", Hold{kBell, {{0.05, 0, 0.02}, {}, 20}},
           "Lays a hand on the object, or puts it down on something: its modes die sooner, each by how much it moves "
-          "there. What rings goes on from where it is. A damping of 0 takes the hand away; an object has one at a "
-          "time.",
+          "there. What rings goes on from where it is. A damping of 0 takes the hand away. An object can have 16 "
+          "touches "
+          "at a time; an embedded scene uses those from 8 on.",
           {object<&Hold::object>(),
            vector<&Hold::touch, &modal::ContactDamping::point_m>({"x", "y", "z"}, kPosition,
                                                                  "Where it touches, in the object's own frame."),
@@ -147,7 +149,8 @@ std::vector<Row<Request>> make_request_rows() {
                "damping", kTouch, "The force that resists the surface, per its speed there: a fingertip has some 5."),
            optional(vector<&Hold::touch, &modal::ContactDamping::direction>(
                {"nx", "ny", "nz"}, kDirection,
-               "The direction of the motion that is resisted; 0 0 0 for any. Its length does not count."))}),
+               "The direction of the motion that is resisted; 0 0 0 for any. Its length does not count.")),
+           optional(integer<&Hold::number>("number", kTouchNumber, "Which of the object's touches."))}),
       answered("/object/{object}/group", SetGroup{kBell, "metal"},
                "Puts the object into a group. With --ports groups, each group is heard at an output port of its own.",
                {object<&SetGroup::object>(),

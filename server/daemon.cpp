@@ -24,7 +24,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <future>
 #include <memory>
+#include <mutex>
 
 namespace ringdown::server {
 namespace {
@@ -167,6 +169,34 @@ Result<void> write_results(const DaemonOptions& options, Recorder& recorder, pro
       *options.capture);
 }
 
+// The worker, for those that start before it or end after it.
+class WorkerLine {
+ public:
+  void connect(Worker* worker) {
+    const std::scoped_lock lock(mutex_);
+    worker_ = worker;
+  }
+  bool post(Worker::Task task) {
+    const std::scoped_lock lock(mutex_);
+    return worker_ && worker_->post(std::move(task));
+  }
+  // In freewheel, where sound does not wait for it, until it is done.
+  bool post_and_wait(Worker::Task task) {
+    const auto done = std::make_shared<std::promise<void>>();
+    auto future = done->get_future();
+    const bool posted = post([task = std::move(task), done] {
+      task();
+      done->set_value();
+    });
+    if (posted) future.wait_for(1s);
+    return posted;
+  }
+
+ private:
+  std::mutex mutex_;
+  Worker* worker_ = nullptr;
+};
+
 // The session manager wants what we are to be kept.
 void save_session(Worker& worker, const Session& session, const Recorder& recorder, const std::filesystem::path& file,
                   const NsmClient::Done& done) {
@@ -208,6 +238,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   if (!stream) return report(stream.error(), ExitCode::port_busy);
   const auto query = open_query(options, socket.port(), session.rack());
   if (!query) return report(query.error(), ExitCode::port_busy);
+  WorkerLine line;
   std::unique_ptr<Driver> driver = std::move(opened);  // after the session, so that it stops before that goes
   session.rack().set_on_change([&driver] { driver->program_changed(); });
   if (options.scene_to) {
@@ -215,6 +246,9 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
     if (!remote) return report(remote.error(), ExitCode::usage);
     session.scene().send_to(std::move(*remote));
   }
+  session.scene().retune_by([&line, &driver](Worker::Task task) {
+    return driver->freewheels() ? line.post_and_wait(std::move(task)) : line.post(std::move(task));
+  });
   // A second of silence before the scene starts: the driver may take that long.
   const auto start = static_cast<protocol::Frame>(driver->sample_rate_hz());
   if (const auto loaded = load_what_was_asked_for(session, options, state, start); !loaded) {
@@ -235,6 +269,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   std::atomic<std::uint64_t> rounds = 0;  // of the worker
   std::optional<Worker> worker(
       std::in_place, [&session, &rounds] { session.rack().collect(), ++rounds; }, 50ms);
+  line.connect(&*worker);
   std::optional<OscServer> server(
       std::in_place, std::move(socket),
       OscServer::Parts{session, *worker, *driver, [&quit] { quit = true; }, options.latency, &recorder, *stream});
@@ -263,6 +298,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   if (manager) manager->stop();
   scene = {};
   server.reset();
+  line.connect(nullptr);
   worker.reset();
   driver.reset();
   const auto written = write_results(options, recorder, session.rack().mixer().counters().frames, std::move(captured));

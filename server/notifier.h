@@ -51,7 +51,7 @@ class Notifier final : public Observer {
   void played(const protocol::Event& event) override;
   void loaded(const RackObject& object) override;
   void retuned(const RackObject&) override {}
-  void held(const RackObject&) override {}
+  void held(const RackObject&, const modal::Touches&, protocol::Frame) override {}
   void regrouped(const RackObject& object) override;
   void freed(const RackObject& object) override;
 

@@ -1,6 +1,7 @@
 // What happens in a rack, for those who tell others of it: subscribers (notifier.h) and recordings (recorder.h).
 #pragma once
 
+#include "engine/modal/contact_damping.h"
 #include "protocol/event.h"
 
 namespace ringdown::server {
@@ -15,11 +16,11 @@ class Observer {
   // later, by tell_of_notes(). [any but audio]
   virtual void played(const protocol::Event& event) = 0;
 
-  // A new object, or a new bank for one that was there; a new material; a new touch; a new group, or none; an end.
-  // [worker]
+  // A new object, or a new bank for one that was there; a new material; new touches, or none; a new group, or none; an
+  // end. [worker]
   virtual void loaded(const RackObject& object) = 0;
   virtual void retuned(const RackObject& object) = 0;
-  virtual void held(const RackObject& object) = 0;
+  virtual void held(const RackObject& object, const modal::Touches& changed, protocol::Frame at) = 0;
   virtual void regrouped(const RackObject& object) = 0;
   virtual void freed(const RackObject& object) = 0;
 };

@@ -118,13 +118,25 @@ Result<void> Rack::set_material(const ObjectRef& ref, const modal::MaterialScale
   return {};
 }
 
-Result<void> Rack::hold(const ObjectRef& ref, const modal::ContactDamping& touch) {
+Result<void> Rack::hold(const ObjectRef& ref, const modal::Touches& touches, protocol::Frame at) {
   auto object = find(ref);
   if (!object) return fail(object.error());
-  object->touch = touch;
-  if (const auto installed = install(*object, synth::Mixer::Install::retune); !installed) return installed;
+  modal::Touches changed;
+  for (const auto& [number, touch] : touches) {
+    const auto present = object->touches.find(number);
+    const bool same = present == object->touches.end() ? touch.damping_ns_m == 0 : touch == present->second;
+    if (same) continue;
+    changed.emplace(number, touch);
+    if (touch.damping_ns_m > 0) {
+      object->touches.insert_or_assign(number, touch);
+    } else {
+      object->touches.erase(number);
+    }
+  }
+  if (changed.empty()) return {};
+  if (const auto installed = install(*object, synth::Mixer::Install::retune, at); !installed) return installed;
   keep(*object);
-  for (Observer* observer : observers_) observer->held(*object);
+  for (Observer* observer : observers_) observer->held(*object, changed, at);
   return {};
 }
 
@@ -241,10 +253,10 @@ void Rack::change_sample_rate(double sample_rate_hz) {
   mixer_.change_sample_rate(sample_rate_hz);
 }
 
-Result<void> Rack::install(const RackObject& object, synth::Mixer::Install how) {
+Result<void> Rack::install(const RackObject& object, synth::Mixer::Install how, protocol::Frame at) {
   const std::scoped_lock lock(rate_mutex_);
-  auto voice = std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material, object.touch));
-  if (!mixer_.install(object.number, std::move(voice), how)) {
+  auto voice = std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material, object.touches));
+  if (!mixer_.install(object.number, std::move(voice), how, at)) {
     return fail("object: " + std::to_string(synth::kMostVoices) + " voices are still ringing out; try again later");
   }
   return {};

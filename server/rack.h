@@ -35,8 +35,8 @@ struct RackObject {
   std::shared_ptr<const std::filesystem::path> bank;  // where the map was read from
   std::shared_ptr<const modal::StrikeMap> map;
   modal::MaterialScale material;
-  modal::ContactDamping touch;  // what lies on it
-  std::string group;            // empty: in none
+  modal::Touches touches;  // what lies on it
+  std::string group;       // empty: in none
 };
 
 class Rack {
@@ -85,9 +85,10 @@ class Rack {
   // Returns its number. On failure nothing changed. [worker]
   Result<protocol::ObjectNumber> load(const std::string& name, const std::filesystem::path& bank);
 
-  // Retunes what rings, and what will. [worker]
+  // Retunes what rings, and what will. Of `touches` one without damping is taken away, and one that the object does not
+  // have laid on; the others stay. Not before frame `at`. [worker]
   Result<void> set_material(const protocol::ObjectRef& object, const modal::MaterialScale& scale);
-  Result<void> hold(const protocol::ObjectRef& object, const modal::ContactDamping& touch);
+  Result<void> hold(const protocol::ObjectRef& object, const modal::Touches& touches, protocol::Frame at = 0);
 
   // Puts the object into a group, or, when it is empty, into none. [worker]
   Result<void> set_group(const protocol::ObjectRef& object, const std::string& group);
@@ -126,7 +127,7 @@ class Rack {
   void list_names();
   void note_change();
   [[nodiscard]] Result<void> assign(const RackObject& object);
-  [[nodiscard]] Result<void> install(const RackObject& object, synth::Mixer::Install how);
+  [[nodiscard]] Result<void> install(const RackObject& object, synth::Mixer::Install how, protocol::Frame at = 0);
 
   synth::Mixer mixer_;
   FileRoots roots_;

@@ -42,7 +42,9 @@ void Recorder::add_present_state() {
     if (object.material != modal::MaterialScale{}) {
       add(first_, protocol::format(protocol::SetMaterial{ref, object.material}));
     }
-    if (object.touch.damping_ns_m > 0) add(first_, protocol::format(protocol::Hold{ref, object.touch}));
+    for (const auto& [number, touch] : object.touches) {
+      add(first_, protocol::format(protocol::Hold{ref, touch, number}));
+    }
     if (!object.group.empty()) add(first_, protocol::format(group_of(object)));
     if (level.gain != 1) add(first_, protocol::format(protocol::SetGain{ref, level.gain, 0}));
     if (level.pan != 0) add(first_, protocol::format(protocol::SetPan{ref, level.pan}));
@@ -118,9 +120,9 @@ void Recorder::retuned(const RackObject& object) {
   add_change(protocol::SetMaterial{{.name = object.name}, object.material});
 }
 
-void Recorder::held(const RackObject& object) {
+void Recorder::held(const RackObject& object, const modal::Touches& changed, Frame at) {
   const std::scoped_lock lock(mutex_);
-  add_change(protocol::Hold{{.name = object.name}, object.touch});
+  for (const auto& [number, touch] : changed) add_change(protocol::Hold{{.name = object.name}, touch, number}, at);
 }
 
 void Recorder::regrouped(const RackObject& object) {
@@ -134,8 +136,8 @@ void Recorder::freed(const RackObject& object) {
   levels_[object.number] = {};
 }
 
-void Recorder::add_change(const protocol::Request& request) {
-  if (records_) add(rack_.mixer().counters().frames.load(), protocol::format(request));
+void Recorder::add_change(const protocol::Request& request, Frame at) {
+  if (records_) add(std::max(at, rack_.mixer().counters().frames.load()), protocol::format(request));
 }
 
 }  // namespace ringdown::server

@@ -51,7 +51,7 @@ class Recorder final : public Observer {
   void played(const protocol::Event& event) override;
   void loaded(const RackObject& object) override;
   void retuned(const RackObject& object) override;
-  void held(const RackObject& object) override;
+  void held(const RackObject& object, const modal::Touches& changed, protocol::Frame at) override;
   void regrouped(const RackObject& object) override;
   void freed(const RackObject& object) override;
 
@@ -70,7 +70,7 @@ class Recorder final : public Observer {
     GainAndPan now;
   };
   void add(protocol::Frame frame, std::variant<Played, protocol::Message> what);
-  void add_change(const protocol::Request& request);
+  void add_change(const protocol::Request& request, protocol::Frame at = 0);
   void add_present_state();
   [[nodiscard]] protocol::Message message_of(const Entry& entry) const;
 

@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
+#include <utility>
 
 namespace ringdown::server {
 namespace {
@@ -63,13 +64,19 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   auto world = scene::World::create(*description, objects, mixer.sample_rate_hz());
   if (!world) return fail(path.string() + ": " + world.error().message);
 
-  const std::scoped_lock lock(mutex_);
-  world_ = std::move(*world);
-  world_->set_sample_rate(mixer.sample_rate_hz());  // it may have changed since
-  world_->set_start_frame(start_ = frame);
-  playing_ = {.file = path};
-  duration_s_ = description->duration_s;
-  return body_count_ = world_->bodies().size();
+  std::vector<scene::Leaning> lifted;
+  {
+    const std::scoped_lock lock(mutex_);
+    lifted = lift_all();
+    world_ = std::move(*world);
+    world_->set_sample_rate(mixer.sample_rate_hz());  // it may have changed since
+    world_->set_start_frame(start_ = frame);
+    playing_ = {.file = path};
+    duration_s_ = description->duration_s;
+    body_count_ = world_->bodies().size();
+  }
+  lean(lifted);
+  return body_count_.load();
 }
 
 Result<void> ScenePlayer::pause(bool paused) {
@@ -97,11 +104,16 @@ Result<scene::BodyId> ScenePlayer::spawn(protocol::SpawnBox box) { return spawn_
 Result<scene::BodyId> ScenePlayer::spawn(protocol::SpawnSphere sphere) { return spawn_body(std::move(sphere)); }
 
 Result<void> ScenePlayer::clear() {
-  const std::scoped_lock lock(mutex_);
-  if (!world_) return no_scene();
-  world_->clear();
-  playing_.cleared = true;
-  body_count_ = 0;
+  std::vector<scene::Leaning> lifted;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!world_) return no_scene();
+    world_->clear();
+    lifted = lift_all();
+    playing_.cleared = true;
+    body_count_ = 0;
+  }
+  lean(lifted);
   return {};
 }
 
@@ -126,11 +138,15 @@ void ScenePlayer::object_freed(protocol::ObjectNumber number) {
 }
 
 void ScenePlayer::advance_to(Frame frame, Frame slack) {
-  const std::scoped_lock lock(mutex_);
-  if (!world_) return;
-  if (playing_.paused || body_count_ == 0) return move_start(frame - told_until());
-  move_start(frame - told_until() - slack);
-  while (told_until() < frame && body_count_ > 0) take(world_->step());
+  std::vector<scene::Leaning> leanings;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!world_) return;
+    if (playing_.paused || body_count_ == 0) return move_start(frame - told_until());
+    move_start(frame - told_until() - slack);
+    while (told_until() < frame && body_count_ > 0) take(world_->step(), leanings);
+  }
+  lean(leanings);
 }
 
 void ScenePlayer::change_sample_rate(double sample_rate_hz) {
@@ -156,9 +172,40 @@ void ScenePlayer::move_start(Frame later) {
   if (later > 0) world_->set_start_frame(start_ += later);
 }
 
-void ScenePlayer::take(const scene::StepReport& report) {
+// What the scene lays on objects, or takes away. Without the lock: a worker that waits for it could not do this either.
+void ScenePlayer::lean(const std::vector<scene::Leaning>& leanings) {
+  for (const scene::Leaning& leaning : leanings) {
+    const auto hold = [this, leaning] {
+      if (const auto held = rack_.hold({.number = leaning.object}, leaning.touches, leaning.frame); !held) ++dropped_;
+    };
+    if (!post_) {
+      hold();
+    } else if (!post_(hold)) {
+      ++dropped_;
+    }
+  }
+}
+
+std::vector<scene::Leaning> ScenePlayer::lift_all() {
+  scene::Leaning nothing;
+  for (std::uint32_t number = protocol::kFirstSceneTouch; number < protocol::kMostTouches; ++number) {
+    nothing.touches[number] = {};
+  }
+  std::vector<scene::Leaning> all;
+  for (const protocol::ObjectNumber object : std::exchange(leaned_on_, {})) {
+    nothing.object = object;
+    all.push_back(nothing);
+  }
+  return all;
+}
+
+void ScenePlayer::take(const scene::StepReport& report, std::vector<scene::Leaning>& leanings) {
   dropped_ += report.dropped_strikes;
   if (!report.strikes.empty()) dropped_ += sink_(report.strikes);
+  for (const scene::Leaning& leaning : report.leanings) {
+    leaned_on_.insert(leaning.object);
+    leanings.push_back(leaning);
+  }
   for (const std::string& notice : report.notices) spdlog::warn("scene: {}", notice);
   if (!report.notices.empty()) body_count_ = world_->bodies().size();
 }

@@ -17,6 +17,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -32,6 +33,11 @@ class ScenePlayer {
 
   // Sends strikes elsewhere. Before anything is loaded. [main]
   void send_to(Sink sink) { sink_ = std::move(sink); }
+
+  // What rests on objects damps them: that retunes them, which is the worker's to do. It goes to `post`, which says
+  // whether it took it; without one it is done at once. While the scene thread does not run. [main]
+  using Post = std::function<bool(std::function<void()>)>;
+  void retune_by(Post post) { post_ = std::move(post); }
 
   // Loads a scene file and the objects it names, and starts it at `frame`. The former scene ends; its objects stay.
   // Returns the number of bodies. [worker]
@@ -74,14 +80,18 @@ class ScenePlayer {
   [[nodiscard]] protocol::Frame position() const;
   [[nodiscard]] protocol::Frame told_until() const;  // no event to come lies before it
   void move_start(protocol::Frame later);
-  void take(const scene::StepReport& report);
+  void take(const scene::StepReport& report, std::vector<scene::Leaning>& leanings);
+  [[nodiscard]] std::vector<scene::Leaning> lift_all();
+  void lean(const std::vector<scene::Leaning>& leanings);
 
   Rack& rack_;
   Sink sink_;
+  Post post_;
   mutable std::mutex mutex_;  // guards all that follows but the atomics
   std::optional<scene::World> world_;
   protocol::Frame start_ = 0;  // where scene time 0 lies
   Playing playing_;
+  std::set<protocol::ObjectNumber> leaned_on_;  // what the scene's bodies rest on or against
   std::atomic<std::size_t> body_count_ = 0;
   std::atomic<double> duration_s_ = 0;
   std::atomic<std::uint64_t> dropped_ = 0;

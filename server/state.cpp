@@ -15,13 +15,24 @@ namespace ringdown::server {
 namespace {
 
 constexpr Range kGain{0, 100}, kPan{-1, 1}, kDamping{0, 1e3}, kScale{1e-3, 1e3};
-constexpr Range kPosition_m{-1e4, 1e4}, kForce_n{-1e6, 1e6};
+constexpr Range kPosition_m{-1e4, 1e4}, kForce_n{-1e6, 1e6}, kDirection{-1e3, 1e3}, kTouch_ns_m{0, 1e6};
 
 void read_name(TomlTable& table, std::string_view key, std::string& name) {
   table.text(key, name);
   if (!name.empty() && !protocol::is_object_name(name)) {
     table.complain(key, "a name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
   }
+}
+
+void read_touch(TomlTable& table, modal::Touches& touches) {
+  std::uint64_t number = 0;
+  modal::ContactDamping touch;
+  table.require({"point_m", "damping_ns_m"});
+  table.whole("number", number, 0, protocol::kFirstSceneTouch - 1);
+  table.vector("point_m", touch.point_m, kPosition_m);
+  table.vector("direction", touch.direction, kDirection);
+  table.number("damping_ns_m", touch.damping_ns_m, kTouch_ns_m);
+  touches[static_cast<std::uint32_t>(number)] = touch;
 }
 
 State::Object read_object(TomlTable& table) {
@@ -40,6 +51,7 @@ State::Object read_object(TomlTable& table) {
     material->number("density", object.material.density, kScale);
     material->number("stiffness", object.material.stiffness, kScale);
   }
+  for (TomlTable& touch : table.tables("touch")) read_touch(touch, object.touches);
   return object;
 }
 
@@ -117,9 +129,14 @@ std::string to_toml(const State& state) {
     text += "gain = " + shown(object.gain) + "\npan = " + shown(object.pan) + "\n";
     if (!object.group.empty()) text += "group = " + quoted(object.group) + "\n";
     const modal::MaterialScale& m = object.material;
-    if (m == modal::MaterialScale{}) continue;
-    text += "material = { alpha = " + shown(m.alpha) + ", beta = " + shown(m.beta) + ", density = " + shown(m.density) +
-            ", stiffness = " + shown(m.stiffness) + " }\n";
+    if (m != modal::MaterialScale{}) {
+      text += "material = { alpha = " + shown(m.alpha) + ", beta = " + shown(m.beta) +
+              ", density = " + shown(m.density) + ", stiffness = " + shown(m.stiffness) + " }\n";
+    }
+    for (const auto& [number, touch] : object.touches) {
+      text += "[[object.touch]]\nnumber = " + std::to_string(number) + "\npoint_m = " + shown(touch.point_m) +
+              "\ndirection = " + shown(touch.direction) + "\ndamping_ns_m = " + shown(touch.damping_ns_m) + "\n";
+    }
   }
   for (const State::Input& input : state.inputs) {
     text += "\n[[input]]\ninput = " + std::to_string(input.input) + "\nobject = " + quoted(input.object) +
@@ -141,8 +158,14 @@ State state_of(const Session& session, const Recorder& recorder) {
   std::error_code ignored;
   for (const RackObject& object : rack.objects()) {
     const auto [gain, pan] = recorder.level(object.number);
-    state.objects.push_back(
-        {object.name, std::filesystem::absolute(*object.bank, ignored), gain, pan, object.group, object.material});
+    const auto scenes = object.touches.lower_bound(protocol::kFirstSceneTouch);
+    state.objects.push_back({object.name,
+                             std::filesystem::absolute(*object.bank, ignored),
+                             gain,
+                             pan,
+                             object.group,
+                             object.material,
+                             {object.touches.begin(), scenes}});
   }
   for (std::size_t input = 0; input < rack.excitations().size(); ++input) {
     const auto& excitation = rack.excitations()[input];
@@ -165,6 +188,15 @@ Result<void> restore_scene(const State::Scene& scene, Session& session, protocol
   return scene.cleared ? session.scene().clear() : Result<void>{};
 }
 
+// What takes an object from one set of touches to another; a scene's own stay.
+modal::Touches touches_for(const modal::Touches& wanted, const modal::Touches& present) {
+  modal::Touches changes = wanted;
+  for (const auto& [number, touch] : present) {
+    if (number < protocol::kFirstSceneTouch) changes.try_emplace(number);  // without damping: taken away
+  }
+  return changes;
+}
+
 // `from`: when a scene's own gains and pans, which ours shall follow, come.
 Result<void> restore_object(const State::Object& object, Session& session, protocol::Frame from) {
   using protocol::EventType;
@@ -177,6 +209,7 @@ Result<void> restore_object(const State::Object& object, Session& session, proto
   if (object.material != rack.find(ref)->material) {
     if (const auto set = rack.set_material(ref, object.material); !set) return set;
   }
+  if (const auto held = rack.hold(ref, touches_for(object.touches, rack.find(ref)->touches)); !held) return held;
   const protocol::Frame now = rack.mixer().counters().frames;
   for (const auto& [type, value] : {std::pair(EventType::gain, object.gain), std::pair(EventType::pan, object.pan)}) {
     for (const protocol::Frame frame : {now, from}) {

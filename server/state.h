@@ -8,6 +8,11 @@
 //   pan = -0.3
 //   group = "metal"
 //   material = { alpha = 1, beta = 1, density = 1, stiffness = 4 }   # factors, as in /object/.../material
+//   [[object.touch]]                          # as in /object/.../hold
+//   number = 0
+//   point_m = [0.05, 0, 0.02]
+//   direction = [0, 0, 0]
+//   damping_ns_m = 5
 //
 //   [[input]]
 //   input = 1
@@ -26,6 +31,7 @@
 
 #include "engine/base/result.h"
 #include "engine/base/vec3.h"
+#include "engine/modal/contact_damping.h"
 #include "engine/modal/material_scale.h"
 #include "protocol/event.h"
 
@@ -48,6 +54,7 @@ struct State {
     double gain = 1, pan = 0;
     std::string group;  // empty: in none
     modal::MaterialScale material;
+    modal::Touches touches;  // but those of the scene
   };
   struct Input {
     std::size_t input = 1;  // in_1 is 1

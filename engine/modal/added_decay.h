@@ -12,8 +12,8 @@
 
 namespace ringdown::modal {
 
-// What the contact adds to the decay rate [1/s] of each mode of the bank as baked; with another density, divided by its
-// factor. [worker]
-std::vector<double> added_decay(const StrikeMap& map, const ContactDamping& contact);
+// What all touches together add to the decay rate [1/s] of each mode of the bank as baked; with another density,
+// divided by its factor. [worker]
+std::vector<double> added_decay(const StrikeMap& map, const Touches& touches);
 
 }  // namespace ringdown::modal

@@ -3,6 +3,9 @@
 
 #include "engine/base/vec3.h"
 
+#include <cstdint>
+#include <map>
+
 namespace ringdown::modal {
 
 struct ContactDamping {
@@ -11,5 +14,8 @@ struct ContactDamping {
   double damping_ns_m = 0;  // force per speed; 0: nothing touches
   friend bool operator==(const ContactDamping&, const ContactDamping&) = default;
 };
+
+// All that touches an object, each by its number.
+using Touches = std::map<std::uint32_t, ContactDamping>;
 
 }  // namespace ringdown::modal

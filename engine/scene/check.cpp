@@ -84,6 +84,7 @@ Result<void> check_world(const SceneDescription& scene) {
       .number("damper_ns_m", scene.contact.damper_ns_m, range::kDamper_ns_m)
       .number("bounce_threshold_m_s", scene.contact.bounce_threshold_m_s, range::kBounceThreshold_m_s)
       .number("minimum_repeat_s", scene.contact.minimum_repeat_s, range::kMinimumRepeat_s)
+      .number("rest_damping_s_m", scene.contact.rest_damping_s_m, range::kRestDamping_s_m)
       .result();
 }
 

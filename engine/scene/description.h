@@ -34,6 +34,7 @@ inline constexpr Range kSpring_n_m{1, 1e12};
 inline constexpr Range kDamper_ns_m{1, 1e12};
 inline constexpr Range kBounceThreshold_m_s{0, 100};
 inline constexpr Range kMinimumRepeat_s{0, 10};
+inline constexpr Range kRestDamping_s_m{0, 1000};
 inline constexpr Range kGain{0, 1000};
 inline constexpr Range kPan{-1, 1};
 inline constexpr Range kMaterialScale{1e-3, 1e3};  // density, stiffness
@@ -174,7 +175,10 @@ struct ContactSettings {
   double damper_ns_m = 8e6;
   double bounce_threshold_m_s = 0.05;  // a contact that approaches faster is a strike
   double minimum_repeat_s = 0.02;      // a pair that touches again sooner goes on with the same contact
-  bool clicks = true;                  // a body that is struck is heard as a whole too (engine/synth/click.h)
+  // Force per speed and per newton that presses two bodies together at rest, times one minus their restitution: how
+  // they damp each other. Hunt and Crossley's damping (1975) about a static load, for a restitution known at 1 m/s.
+  double rest_damping_s_m = 1.5;
+  bool clicks = true;  // a body that is struck is heard as a whole too (engine/synth/click.h)
 };
 
 struct SceneDescription {

@@ -78,6 +78,7 @@ class SceneReader {
     table.number("damper_ns_m", contact.damper_ns_m, range::kDamper_ns_m);
     table.number("bounce_threshold_m_s", contact.bounce_threshold_m_s, range::kBounceThreshold_m_s);
     table.number("minimum_repeat_s", contact.minimum_repeat_s, range::kMinimumRepeat_s);
+    table.number("rest_damping_s_m", contact.rest_damping_s_m, range::kRestDamping_s_m);
     table.boolean("clicks", contact.clicks);
   }
 

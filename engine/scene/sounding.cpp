@@ -1,9 +1,11 @@
 #include "engine/scene/sounding.h"
 
 #include "engine/scene/rotation.h"
+#include "protocol/defaults.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace ringdown::scene {
 namespace {
@@ -55,15 +57,20 @@ protocol::Frame Timeline::frame(double time_s) const {
 
 Sounding::Sounding(const SceneDescription& scene)
     : lives_(scene.contact.minimum_repeat_s, scene.step_s),
+      rests_(scene.step_s),
       step_s_(scene.step_s),
       bounce_threshold_m_s_(bounce_threshold(scene)),
-      clicks_(scene.contact.clicks) {
+      clicks_(scene.contact.clicks),
+      rest_damping_s_m_(scene.contact.rest_damping_s_m) {
   events_.reserve(kMostStrikesPerStep);
 }
 
 void Sounding::set_side(BodyId id, Side side) { sides_.insert_or_assign(id, std::move(side)); }
 
-void Sounding::remove_side(BodyId id) { sides_.erase(id); }
+void Sounding::remove_side(BodyId id) {
+  sides_.erase(id);
+  rests_.remove(id);
+}
 
 void Sounding::silence(protocol::ObjectNumber object) {
   for (auto& [id, side] : sides_) {
@@ -76,9 +83,10 @@ const Side* Sounding::find(BodyId id) const {
   return found == sides_.end() ? nullptr : &found->second;
 }
 
-std::span<const protocol::Event> Sounding::hear(std::span<const Touch> touches, double now_s,
-                                                const Timeline& timeline) {
+std::span<const protocol::Event> Sounding::hear(std::span<const Touch> touches, std::span<const Moved> moved,
+                                                double now_s, const Timeline& timeline) {
   events_.clear();
+  leanings_.clear();
   dropped_ = 0;
   by_pair_.clear();
   for (const Touch& touch : touches) by_pair_.push_back(&touch);
@@ -89,6 +97,7 @@ std::span<const protocol::Event> Sounding::hear(std::span<const Touch> touches, 
     hear_pair(pair, std::span(begin, end), now_s, timeline);
     begin = end;
   }
+  for (const BodyId id : rests_.advance(moved)) lean(id, timeline.frame(std::max(now_s, latest_s_)));
   for (const Telling& telling : lives_.advance(now_s)) tell(telling, timeline.frame(std::max(now_s, latest_s_)));
   std::ranges::stable_sort(events_, {}, &protocol::Event::frame);
   return events_;
@@ -113,7 +122,10 @@ void Sounding::hear_pair(BodyPair pair, std::span<const Touch* const> touches, d
   }
   const Side *first = find(pair.first), *second = find(pair.second);
   if (!first || !second || (!first->object && !second->object)) return;
-  if (const auto all = gather(pair, touches, *first, *second)) lives_.touch(*all, now_s);
+  const auto all = gather(pair, touches, *first, *second);
+  if (!all) return;
+  lives_.touch(*all, now_s);
+  if (rest_damping_s_m_ > 0) rests_.touch(*all, touches);
 }
 
 double Sounding::contact_time_s(const Side& body, const Side& other, const Touch& touch) const {
@@ -146,6 +158,33 @@ void Sounding::strike(const Touch& touch, double now_s, const Timeline& timeline
   };
   strike_side(*body, touch.of_body, touch.impulse_ns);
   strike_side(*other, touch.of_other, -1 * touch.impulse_ns);
+}
+
+// Several bodies of one object share its modes: nothing can damp one of them alone.
+void Sounding::lean(BodyId id, protocol::Frame frame) {
+  const Side* const side = find(id);
+  if (!side || !side->object) return;
+  const auto plays = [&](const auto& entry) { return entry.second.object == side->object; };
+  if (std::ranges::count_if(sides_, plays) > 1) return;
+  std::vector<modal::ContactDamping> all;
+  rests_.each_of(id, [&](const Rest& rest) {
+    const bool is_first = rest.pair.first == id;
+    const Side* const other = find(is_first ? rest.pair.second : rest.pair.first);
+    if (!other) return;
+    const Motion& motion = is_first ? rest.first : rest.second;
+    const double lost = 1 - combine(side->surface, other->surface).restitution;
+    const double each_n = rest.force_n / static_cast<double>(rest.points.size());
+    for (const Rest::Point& point : rest.points) {
+      all.push_back({to_object(motion, *side, point.point_m), transpose(to_matrix(motion.rotation)) * point.normal,
+                     rest_damping_s_m_ * lost * each_n});
+    }
+  });
+  std::ranges::stable_sort(all, std::greater{}, &modal::ContactDamping::damping_ns_m);
+  Leaning leaning{.frame = frame, .object = *side->object, .touches = {}};
+  for (std::uint32_t i = 0; i < protocol::kMostTouches - protocol::kFirstSceneTouch; ++i) {
+    leaning.touches[protocol::kFirstSceneTouch + i] = i < all.size() ? all[i] : modal::ContactDamping{};
+  }
+  leanings_.push_back(std::move(leaning));
 }
 
 // All points of a blow move a body at once; the hardest says for how long.

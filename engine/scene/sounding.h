@@ -1,11 +1,14 @@
 // What contacts sound like: from the touches of a step to events for the mixer. Free of any physics engine.
 //
 // It knows what every body and static brings to a contact, decides by ContactLives which touches strike and which last,
-// and gives each event to the objects of both sides, each in its own frame. [one thread at a time]
+// and gives each event to the objects of both sides, each in its own frame. It knows too what rests on
+// what, and how much that damps. [one thread at a time]
 #pragma once
 
 #include "engine/scene/contact_life.h"
+#include "engine/scene/rests.h"
 #include "engine/scene/side.h"
+#include "engine/modal/contact_damping.h"
 #include "protocol/event.h"
 
 #include <cstddef>
@@ -25,6 +28,14 @@ struct Timeline {
   [[nodiscard]] protocol::Frame frame(double time_s) const;
 };
 
+// All that touches an object at rest in its scene and damps it, by numbers from protocol::kFirstSceneTouch on; one that
+// has ended is told of without damping.
+struct Leaning {
+  protocol::Frame frame = 0;
+  protocol::ObjectNumber object = 0;
+  modal::Touches touches;
+};
+
 class Sounding {
  public:
   explicit Sounding(const SceneDescription& scene);
@@ -35,7 +46,12 @@ class Sounding {
 
   // The events of the step that began at `now_s`, in order of their frames, valid until the next call. A strike lies at
   // its time of touch, depth over speed of approach before it was found, and never before an event of an earlier step.
-  std::span<const protocol::Event> hear(std::span<const Touch> touches, double now_s, const Timeline& timeline);
+  // `moved` are the bodies that moved in it.
+  std::span<const protocol::Event> hear(std::span<const Touch> touches, std::span<const Moved> moved, double now_s,
+                                        const Timeline& timeline);
+
+  // The objects on which something else lies since that step than before.
+  [[nodiscard]] std::span<const Leaning> leanings() const { return leanings_; }
 
   [[nodiscard]] std::size_t dropped() const { return dropped_; }  // of that step, beyond kMostStrikesPerStep
 
@@ -55,6 +71,7 @@ class Sounding {
   void hear_pair(BodyPair pair, std::span<const Touch* const> touches, double now_s, const Timeline& timeline);
   [[nodiscard]] bool is_blow(const Touch& touch) const;
   void strike(const Touch& touch, double now_s, const Timeline& timeline);
+  void lean(BodyId id, protocol::Frame frame);
   void click(BodyPair pair, std::span<const Touch* const> touches, const Timeline& timeline);
   [[nodiscard]] double contact_time_s(const Side& body, const Side& other, const Touch& touch) const;
   void tell(const Telling& telling, protocol::Frame frame);
@@ -65,13 +82,16 @@ class Sounding {
   void push(const protocol::Event& event);
 
   ContactLives lives_;
+  Rests rests_;
   double step_s_, bounce_threshold_m_s_;
   bool clicks_;
+  double rest_damping_s_m_;
   double latest_s_ = 0;  // of all strikes so far
   std::map<BodyId, Side> sides_;
   std::map<BodyPair, Lines> lines_;
   std::vector<const Touch*> by_pair_;
   std::vector<protocol::Event> events_;
+  std::vector<Leaning> leanings_;
   std::size_t dropped_ = 0;
 };
 

@@ -284,9 +284,10 @@ StepReport World::step() {
     return {};
   }
   const std::span<const Touch> touches = asleep ? std::span<const Touch>() : w.simulation.step();
-  const std::span<const protocol::Event> events = w.sounding.hear(touches, w.time_s(), w.timeline);
+  const std::span<const Moved> moved = asleep ? std::span<const Moved>() : w.simulation.moved();
+  const std::span<const protocol::Event> events = w.sounding.hear(touches, moved, w.time_s(), w.timeline);
   ++w.steps;
-  if (asleep) return {events, {}, w.sounding.dropped(), 0};
+  if (asleep) return {events, w.sounding.leanings(), {}, w.sounding.dropped(), 0};
   if (w.simulation.gave_up() && !std::exchange(w.has_told_of_trouble, true)) {
     w.notices.emplace_back(
         "contacts and joints hold each other in ways that cannot all be met, so some are only roughly "
@@ -294,7 +295,7 @@ StepReport World::step() {
   }
   const std::size_t dropped_contacts = w.simulation.dropped_contacts();
   w.check_bodies();
-  return {events, w.notices, w.sounding.dropped(), dropped_contacts};
+  return {events, w.sounding.leanings(), w.notices, w.sounding.dropped(), dropped_contacts};
 }
 
 double World::time_s() const { return impl_->time_s(); }

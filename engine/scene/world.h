@@ -45,6 +45,7 @@ struct SoundingObject {
 // Views into the World, valid until its next step().
 struct StepReport {
   std::span<const protocol::Event> strikes;  // and contacts that last; frames never fall, within and between steps
+  std::span<const Leaning> leanings;         // objects on which something else lies than before
   std::span<const std::string> notices;      // sentences for the user: a body was reset, removed, ...
   std::size_t dropped_strikes = 0;           // beyond kMostStrikesPerStep
   std::size_t dropped_contacts = 0;          // beyond kMostContactsPerStep

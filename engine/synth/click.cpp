@@ -27,8 +27,8 @@ double radius_of(const modal::MassProperties& mass) {
 // With a = c/R the filter is H(s) = 2as / ((s + a)^2 + a^2). To a force sin(wt) from t = 0 it answers with
 // Im(H(iw) exp(iwt)) + Re(B exp((-a + ia) t)), where B lets answer and derivative be 0 at t = 0. A half-sine is that
 // force and the same again half a period later.
-Click::Click(const ClickShape& shape, double impulse_ns, double contact_time_s, double sample_rate_hz)
-    RINGDOWN_REALTIME {
+Click::Click(const ClickShape& shape, double impulse_ns, double contact_time_s,
+             double sample_rate_hz) RINGDOWN_REALTIME {
   const double frames = std::max(contact_time_s * sample_rate_hz, kShortest_frames);
   const double a = shape.corner_per_s / sample_rate_hz, w = std::numbers::pi / frames;
   const double peak = shape.gain * impulse_ns * 0.5 * w * sample_rate_hz;

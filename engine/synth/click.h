@@ -1,9 +1,9 @@
 // The click of an object that a blow sets in motion as a whole: its acceleration noise, heard also where no mode rings.
 //
 // The sound of a rigid sphere of radius R that a force accelerates in air (speed of sound c), far away, is that force
-// through a filter of two poles, (c/R)(-1 +- i): a dipole that falls by 6 dB an octave below the corner c / (2 pi R). Other
-// shapes count as the sphere of the same mass and radius of gyration. Its level is that of modes: the body's motion as
-// a whole is a mode of shape 1/sqrt(mass), heard as modes are, by its acceleration. Chadwick, Zheng & James,
+// through a filter of two poles, (c/R)(-1 +- i): a dipole that falls by 6 dB an octave below the corner c / (2 pi R).
+// Other shapes count as the sphere of the same mass and radius of gyration. Its level is that of modes: the body's
+// motion as a whole is a mode of shape 1/sqrt(mass), heard as modes are, by its acceleration. Chadwick, Zheng & James,
 // "Precomputed acceleration noise for improved rigid-body sound", 2012, compute the field of any shape; Koss &
 // Alfredson, "Transient sound radiated by spheres undergoing an elastic collision", 1973, that of the sphere.
 #pragma once

@@ -37,12 +37,12 @@ void Mixer::set_threads(std::size_t threads) {
                                                   RINGDOWN_REALTIME { render_item(item, places_.data()[who]); });
 }
 
-bool Mixer::install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice, Install how) {
+bool Mixer::install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice, Install how, Frame at) {
   assert(object < kMostObjects && voice);
   if (voices_alive_ == kMostVoices) return false;
   const auto kind = how == Install::replace ? Order::Kind::replace : Order::Kind::retune;
   found_family(object, voice->shared_table());
-  if (!orders_.push({.kind = kind, .object = object, .voice = voice.get()})) return false;
+  if (!orders_.push({.kind = kind, .object = object, .at = at, .voice = voice.get()})) return false;
   static_cast<void>(voice.release());
   ++voices_alive_;
   ++voices_of_[object];
@@ -75,7 +75,6 @@ void Mixer::render(std::span<float> left, std::span<float> right) RINGDOWN_REALT
 void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t frames) RINGDOWN_REALTIME {
   const DenormalGuard guard;
   budget_.open_block(frames, sample_rate_hz(), deadlines_);
-  accept_orders();
   count(counters_.late, agenda_.accept(now_));
   wanted_ = outputs.wanted();
   float peak = 0;
@@ -83,7 +82,9 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   place.ringing_voices = place.ringing_modes = place.hidden_modes = 0;
   for (std::size_t done = 0; done < frames;) {
     for (std::size_t i = 0; i < kMostInputs; ++i) inputs_[i] = inputs[i] ? inputs[i] + done : nullptr;
+    accept_orders(now_);
     std::size_t chunk = wake_inputs(frames - done);
+    if (const Order* const next = orders_.front()) chunk = std::min(chunk, static_cast<std::size_t>(next->at - now_));
     const Frame rest = static_cast<Frame>(chunk);
     if (active_count_ + active_family_count_ + clicks_.size() == 0 && !agenda_.next_before(now_ + rest)) {
       budget_.open_chunk(chunk);
@@ -127,8 +128,11 @@ float Mixer::limit_mix(const Outputs& outputs, std::size_t frames) RINGDOWN_REAL
   return limiter_->process(wanted(kLeft), wanted(kRight), frames);
 }
 
-void Mixer::accept_orders() RINGDOWN_REALTIME {
-  for (; const Order* order = orders_.front(); orders_.pop()) carry_out(*order);
+void Mixer::accept_orders(Frame until) RINGDOWN_REALTIME {
+  for (const Order* order = orders_.front(); order && order->at <= until; order = orders_.front()) {
+    carry_out(*order);
+    orders_.pop();
+  }
 }
 
 void Mixer::carry_out(const Order& order) RINGDOWN_REALTIME {

@@ -112,17 +112,19 @@ class Mixer {
     return agenda_.push(producer, event);
   }
 
-  // The table that voices of this bank, material and touch share; a new one if there is none. [worker]
+  // The table that voices of this bank, material and touches share; a new one if there is none. [worker]
   [[nodiscard]] std::shared_ptr<ModeTable> table_for(const std::shared_ptr<const modal::StrikeMap>& map,
                                                      const modal::MaterialScale& material,
-                                                     const modal::ContactDamping& touch = {}) const;
+                                                     const modal::Touches& touches = {}) const;
 
   enum class Install {
     replace,  // the old voice rings out, the new one takes the strikes to come
     retune,   // the new voice, of the same bank, takes over what rings: for a change of material
   };
-  // Gives `object` a new voice from the next block on. False when kMostVoices are alive. [worker]
-  [[nodiscard]] bool install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice, Install how);
+  // Gives `object` a new voice from frame `at` on, or as soon as that is past; what is ordered later waits for it.
+  // False when kMostVoices are alive. [worker]
+  [[nodiscard]] bool install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice, Install how,
+                             protocol::Frame at = 0);
 
   // Takes the object away: what rings fades out within Voice::kFadeFrames. False when the worker's ring is full.
   // [worker]
@@ -238,6 +240,7 @@ class Mixer {
   struct Order {
     enum class Kind { replace, retune, remove, assign, found_family, connect, disconnect } kind;
     protocol::ObjectNumber object;
+    protocol::Frame at = 0;  // not before; nor is what was ordered after it
     Voice* voice = nullptr;
     std::size_t channel = kNoBus;
     Family* family = nullptr;
@@ -253,7 +256,7 @@ class Mixer {
     Voice* voice;
   };
 
-  void accept_orders() RINGDOWN_REALTIME;
+  void accept_orders(protocol::Frame until) RINGDOWN_REALTIME;
   void carry_out(const Order& order) RINGDOWN_REALTIME;
   void render_chunk(std::size_t frames) RINGDOWN_REALTIME;
   void prepare_tables(std::size_t frames) RINGDOWN_REALTIME;

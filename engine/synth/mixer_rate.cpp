@@ -2,6 +2,7 @@
 #include "engine/synth/mixer.h"
 
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 
@@ -11,7 +12,7 @@ using protocol::Frame;
 
 void Mixer::change_sample_rate(double sample_rate_hz) {
   const double ratio = sample_rate_hz / this->sample_rate_hz();
-  accept_orders();
+  accept_orders(std::numeric_limits<Frame>::max());
   counters_.late.fetch_add(agenda_.rescale(now_, ratio), std::memory_order_relaxed);
 
   struct Tables {

@@ -39,9 +39,9 @@ std::optional<ClickShape> click_of(const modal::Bank& bank, const modal::Materia
 
 // Those that take moments first, each kind by frequency.
 std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const modal::MaterialScale& material,
-                                            const modal::ContactDamping& touch, double sample_rate_hz) {
+                                            const modal::Touches& touches, double sample_rate_hz) {
   const modal::Bank& bank = map.bank();
-  const std::vector<double> added = modal::added_decay(map, touch);
+  const std::vector<double> added = modal::added_decay(map, touches);
   const double shape = modal::shape_factor(material);
   std::vector<PlayableMode> playable;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
@@ -62,14 +62,14 @@ std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const m
 }  // namespace
 
 ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material,
-                     double sample_rate_hz, const modal::ContactDamping& touch)
+                     double sample_rate_hz, modal::Touches touches)
     : map_(std::move(map)),
       material_(material),
-      touch_(touch),
+      touches_(std::move(touches)),
       sample_rate_hz_(sample_rate_hz),
       click_(click_of(bank(), material)),
       column_of_(bank().mode_count(), -1) {
-  const std::vector<PlayableMode> playable = playable_modes_of(*map_, material, touch, sample_rate_hz);
+  const std::vector<PlayableMode> playable = playable_modes_of(*map_, material, touches_, sample_rate_hz);
   slow_modes_ = static_cast<std::size_t>(
       std::count_if(playable.begin(), playable.end(), [](const PlayableMode& m) { return takes_moments(m.s); }));
   slow_groups_ = groups_for(slow_modes_);

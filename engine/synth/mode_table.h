@@ -31,19 +31,19 @@ inline constexpr double kOutputScale = 1e-4;
 
 class ModeTable {
  public:
-  // `touch` is what lies on the object. [worker]
+  // `touches` are what lies on the object. [worker]
   ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz,
-            const modal::ContactDamping& touch = {});
+            modal::Touches touches = {});
 
-  // The same modes, in the same material and under the same touch, at another sample rate. [worker]
+  // The same modes, in the same material and under the same touches, at another sample rate. [worker]
   [[nodiscard]] std::shared_ptr<ModeTable> at_rate(double sample_rate_hz) const {
-    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz, touch_);
+    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz, touches_);
   }
   [[nodiscard]] double sample_rate_hz() const RINGDOWN_REALTIME { return sample_rate_hz_; }
 
   [[nodiscard]] bool is_of(const std::shared_ptr<const modal::StrikeMap>& map, const modal::MaterialScale& material,
-                           const modal::ContactDamping& touch = {}) const {
-    return map == map_ && material == material_ && touch == touch_;
+                           const modal::Touches& touches = {}) const {
+    return map == map_ && material == material_ && touches == touches_;
   }
 
   [[nodiscard]] const modal::Bank& bank() const RINGDOWN_REALTIME { return map_->bank(); }
@@ -91,7 +91,7 @@ class ModeTable {
 
   std::shared_ptr<const modal::StrikeMap> map_;
   modal::MaterialScale material_;
-  modal::ContactDamping touch_;
+  modal::Touches touches_;
   double sample_rate_hz_;
   std::optional<ClickShape> click_;
   std::vector<std::uint32_t> mode_of_, column_;  // of playable mode i

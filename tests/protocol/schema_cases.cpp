@@ -196,10 +196,11 @@ Cases contact_cases() {
 Cases hold_cases() {
   const std::string a = "/object/bell/hold";
   return {{{a, {1, 2, 3, 5}, claim<Hold>([](const Hold& h) {
-              return h.object == named("bell") && h.touch == modal::ContactDamping{{1, 2, 3}, {0, 0, 0}, 5};
+              return h.object == named("bell") && h.touch == modal::ContactDamping{{1, 2, 3}, {0, 0, 0}, 5} &&
+                     h.number == 0;
             })},
-           {a, {1, 2, 3, 0, 0, 0, -1}, claim<Hold>([](const Hold& h) {
-              return h.touch == modal::ContactDamping{{1, 2, 3}, {0, 0, -1}, 0};
+           {a, {1, 2, 3, 0, 0, 0, -1, 15}, claim<Hold>([](const Hold& h) {
+              return h.touch == modal::ContactDamping{{1, 2, 3}, {0, 0, -1}, 0} && h.number == 15;
             })}},
           {{"/object/b%/hold", {0, 0, 0, 0}, "object"},
            {a, {kNan, 0, 0, 0}, "x"},
@@ -209,7 +210,8 @@ Cases hold_cases() {
            {a, {0, 0, 0, -1}, "damping"},
            {a, {0, 0, 0, 1, kInfinity, 0, 0}, "nx"},
            {a, {0, 0, 0, 1, 0, 1e4, 0}, "ny"},
-           {a, {0, 0, 0, 1, 0, 0, -1e4}, "nz"}}};
+           {a, {0, 0, 0, 1, 0, 0, -1e4}, "nz"},
+           {a, {0, 0, 0, 1, 0, 0, 0, 16}, "number"}}};
 }
 
 template <class Struct>

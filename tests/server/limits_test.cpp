@@ -35,6 +35,7 @@ const std::map<std::string, double> kConstants = {
     ROW(synth::kQueueCapacity),
     ROW(synth::kMostPendingEvents),
     ROW(synth::kMostEventsPerChunk),
+    ROW(protocol::kMostTouches),
     ROW(synth::kMostClicks),
     ROW(synth::kMostDrives),
     ROW(synth::kMostForces),

@@ -4,6 +4,7 @@
 #include "protocol/schema.h"
 #include "server/offline.h"
 #include "server/osc_score.h"
+#include "tests/scene/box_bank.h"
 #include "tests/support/keep_signals.h"
 #include "tests/support/signal.h"
 #include "tests/support/synthetic_bank.h"
@@ -115,6 +116,39 @@ TEST_F(OfflineTest, AScoreSoundsTheSameAtEveryBlockSize) {
 
 TEST_F(OfflineTest, ASceneSoundsTheSameAtEveryBlockSize) {
   expect_equal_at_every_block_size({.scene = folder_ / "scene.toml", .seconds = 1});
+}
+
+// A cube of 2 kg whose one mode moves all its corners up and down by 1/sqrt(kg), on a floor that bears it: the floor's
+// damping is 1.5 s/m (1 - e) m g, and half of it adds to the mode's decay.
+TEST_F(OfflineTest, WhatRestsOnAFloorDiesSooner) {
+  ASSERT_TRUE(modal::write_bank(test::box_bank({0.1, 0.1, 0.1}, 2), folder_ / "cube.glb"));
+  const std::string scene = R"(
+[[object]]
+name = "cube"
+bank = "cube.glb"
+[[static]]
+name = "floor"
+shape = "plane"
+restitution = 0.4
+[[body]]
+name = "cube"
+object = "cube"
+shape = "box"
+restitution = 0.4
+position_m = [0, 0, 0.05]
+[contact]
+clicks = false
+)";
+  const std::vector<ScoreEvent> strike{{1.0, format(protocol::StrikeVertex{{.name = "cube"}, 0, {0, 0, 0.01}, 0})}};
+  ASSERT_TRUE(write_score(strike, folder_ / "strike.osc"));
+  for (const bool rests : {true, false}) {
+    std::ofstream(folder_ / "rest.toml") << scene << (rests ? "" : "rest_damping_s_m = 0\n");
+    const Recording recording =
+        render({.scene = folder_ / "rest.toml", .score = folder_ / "strike.osc", .seconds = 1.5});
+    const auto sound = test::to_doubles(recording.left);
+    const double decay = test::fit_damped_sinusoid(std::span(sound).subspan(48960), 48000).decay_per_s;
+    EXPECT_NEAR(decay, 3 + (rests ? 0.5 * 1.5 * 0.6 * 2 * 9.81 : 0), 0.3) << rests;
+  }
 }
 
 TEST_F(OfflineTest, TwoRendersAreTheSameFileBitForBit) {

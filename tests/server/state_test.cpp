@@ -65,6 +65,8 @@ position_m = [0, 0, 1]
   perform(protocol::LoadObject{"plain", bank_.string()});
   perform(protocol::SetMaterial{{.name = "bell"}, {1, 0.1, 2, 1.0 / 3}});
   perform(protocol::SetGroup{{.name = "bell"}, "metal"});
+  perform(protocol::Hold{{.name = "bell"}, {{0.1, 0, 0}, {0, 0, 1}, 5}, 3});
+  perform(protocol::Hold{{.name = "bell"}, {{0.2, 0, 0}, {}, 7}, protocol::kFirstSceneTouch});  // as the scene's own
   perform(protocol::Excite{{.name = "bell"}, 3, {0.1, 0.2, 0.3}, {0, 0, -1e-7}});
   ASSERT_TRUE(one.session.play(protocol::SetGain{{.name = "bell"}, 0.7, 2}, 0));
   ASSERT_TRUE(one.session.play(protocol::SetPan{{.name = "bell"}, -0.3}, 0));
@@ -82,6 +84,7 @@ position_m = [0, 0, 1]
   EXPECT_EQ(*bell->bank, folder_ / "b.glb");
   EXPECT_EQ(bell->group, "metal");
   EXPECT_EQ(bell->material, (modal::MaterialScale{1, 0.1, 2, 1.0 / 3}));
+  EXPECT_EQ(bell->touches, (modal::Touches{{3, {{0.1, 0, 0}, {0, 0, 1}, 5}}}));
   EXPECT_EQ(other.recorder.level(bell->number).gain, 0.7);
   EXPECT_EQ(other.recorder.level(bell->number).pan, -0.3);
   const auto& input = other.session.rack().excitations()[2];
@@ -141,6 +144,13 @@ TEST_F(StateTest, AWrongFileIsRefusedWithItsLine) {
   EXPECT_NE(refusal("[[object]]\nname = 'bell'\n").find("bank"), std::string::npos);
   EXPECT_NE(refusal("[[object]]\nname = 'bell'\nbank = 'b'\ngain = 101\n").find("s.toml:4"), std::string::npos);
   EXPECT_NE(refusal("[[object]]\nname = 'two words'\nbank = 'b'\n").find("s.toml:2"), std::string::npos);
+  EXPECT_NE(refusal("[[object]]\nname = 'a'\nbank = 'b'\n[[object.touch]]\npoint_m = [0, 0, 0]\n").find("damping_ns_m"),
+            std::string::npos);
+  EXPECT_NE(
+      refusal(
+          "[[object]]\nname = 'a'\nbank = 'b'\n[[object.touch]]\npoint_m = [0, 0, 0]\ndamping_ns_m = 1\nnumber = 8\n")
+          .find("number"),
+      std::string::npos);
   EXPECT_NE(refusal("[[object]]\nname = 'a'\nbank = 'b'\nmaterial = { stiffness = 0 }\n").find("stiffness"),
             std::string::npos);
   EXPECT_NE(refusal("[[object]]\nname = 'a'\nbank = 'b'\ncolour = 'red'\n").find("colour"), std::string::npos);

@@ -65,7 +65,8 @@ TEST(Click, IsTheFarFieldOfASphere) {
 TEST(Click, CountsAsTheSphereOfTheSameMassAndGyration) {
   EXPECT_NEAR(radius_of(*sphere_bank(0.07, 3).mass), 0.07, 1e-15);
   // a thin disc: 1/2 m r^2 about its axis, 1/4 about the others
-  EXPECT_NEAR(radius_of({.mass_kg = 2, .inertia_kg_m2 = {0.5 * 0.01, 0.5 * 0.01, 0.01}}), 0.1 * std::sqrt(5.0 / 6), 1e-12);
+  EXPECT_NEAR(radius_of({.mass_kg = 2, .inertia_kg_m2 = {0.5 * 0.01, 0.5 * 0.01, 0.01}}), 0.1 * std::sqrt(5.0 / 6),
+              1e-12);
 }
 
 TEST(MixerClicks, BeginOnTheirFrameAtEveryBlockSize) {
@@ -91,8 +92,8 @@ TEST(MixerClicks, AreAsLoudAsTheBodysMotionAsAMode) {
   player.push(click_at(1000, 0, {0, 0, 2}, 0.001));
   player.render(4000);
   const double hz = 800;
-  const double want = kOutputScale / std::sqrt(4.0) * 2 * static_cast<double>(pulse_factor(hz, 0.001)) *
-                      std::abs(far_field(hz, 0.1));
+  const double want =
+      kOutputScale / std::sqrt(4.0) * 2 * static_cast<double>(pulse_factor(hz, 0.001)) * std::abs(far_field(hz, 0.1));
   EXPECT_NEAR(std::abs(spectrum_at(player.left, hz, kRate)) / want, 1, 0.005);
 }
 

@@ -9,7 +9,8 @@ namespace {
 using modal::ContactDamping;
 
 std::unique_ptr<Voice> touched(const Map& map, const ContactDamping& touch) {
-  return std::make_unique<Voice>(std::make_shared<ModeTable>(map, modal::MaterialScale{}, kRate, touch));
+  return std::make_unique<Voice>(
+      std::make_shared<ModeTable>(map, modal::MaterialScale{}, kRate, modal::Touches{{0, touch}}));
 }
 
 double decay_of(const Map& map, const ContactDamping& touch) {
@@ -33,7 +34,7 @@ TEST(Touch, AddsHalfTheDampingTimesTheShapeSquaredToTheDecay) {
 TEST(Touch, SparesModesThatHaveANodeThere) {
   modal::Bank bank = bar_bank(2);
   const Map map = map_of(bank);
-  const auto at = [&](double x) { return modal::added_decay(*map, {{x * 0.3, 0, 0}, {}, 1}); };
+  const auto at = [&](double x) { return modal::added_decay(*map, {{0, {{x * 0.3, 0, 0}, {}, 1}}}); };
   EXPECT_LT(at(0.5)[1], 1e-3 * at(0)[1]) << "the second mode is antisymmetric";
   EXPECT_GT(at(0.5)[0], 0.1 * at(0)[0]);
 }
@@ -50,6 +51,24 @@ TEST(Touch, IsLaidOnAndTakenAwayWithoutAClick) {
     player.render(4800);
     player.mixer.collect();
     EXPECT_LE(largest_step(player.left, now, now + 480), 1.02 * largest_step(player.left, now - 2400, now)) << damping;
+  }
+}
+
+TEST(Touch, IsLaidOnAtItsFrameAtEveryBlockSize) {
+  const Map map = map_of(random_bank(4, 40, 20));
+  const auto play = [&](Frame at, std::size_t block) {
+    Player player;
+    player.install(0, map);
+    player.push(vertex_strike_at(0, 0, 3, {0.01, 0, 0}));
+    EXPECT_TRUE(player.mixer.install(0, touched(map, {{1, 0, 0}, {}, 50}), Mixer::Install::retune, at));
+    player.render(6000, block);
+    return player.left;
+  };
+  const Samples never = play(1 << 20, 256), first = play(1777, 256);
+  const auto [a, b] = std::ranges::mismatch(never, first);
+  EXPECT_NEAR(static_cast<double>(a - never.begin()), 1778, 1);
+  for (const std::size_t block : {1, 64, 1777, 6000}) {
+    EXPECT_LT(relative_error_db(play(1777, block), first), -110) << block;
   }
 }
 
