@@ -328,6 +328,7 @@ class Mixer {
   [[nodiscard]] bool place_drive(Object& object, std::uint8_t drive) RINGDOWN_REALTIME;
   void place_drives_again(Object& object) RINGDOWN_REALTIME;
   void drop_drive(Object& object, std::size_t which) RINGDOWN_REALTIME;
+  void drop_pulse(Object& object) RINGDOWN_REALTIME;
   void keep_drives(Object& object, protocol::Frame end) RINGDOWN_REALTIME;
   [[nodiscard]] bool has_pulse(const Object& object) const RINGDOWN_REALTIME;
   [[nodiscard]] bool driven(const Object& object) const RINGDOWN_REALTIME;

@@ -114,9 +114,10 @@ void Mixer::stop_pulses(const Object& object, Frame end) RINGDOWN_REALTIME {
 void Mixer::connect(const Order& order) RINGDOWN_REALTIME {
   disconnect(order.input);
   Object& object = objects_.data()[order.object];
-  if (!object.current || object.drive_count == kMostForces) return;
+  if (!object.current) return;
+  if (object.drive_count == kMostForces) drop_pulse(object);
   const std::optional<std::uint8_t> taken = drives_.take();
-  if (!taken) return;
+  if (!taken) return count(counters_.refused);
   drives_[*taken].place = order.place;
   drives_[*taken].place.contact_time_s = 0;
   drives_[*taken].input = order.input;
@@ -125,6 +126,13 @@ void Mixer::connect(const Order& order) RINGDOWN_REALTIME {
     excites_[order.input] = order.object;
   } else {
     drives_.give_back(*taken);
+  }
+}
+
+// An input comes to stay; a pulse or contact would soon have ended.
+void Mixer::drop_pulse(Object& object) RINGDOWN_REALTIME {
+  for (std::size_t i = 0; i < object.drive_count; ++i) {
+    if (!drives_[object.drives[i]].input) return drop_drive(object, i);
   }
 }
 

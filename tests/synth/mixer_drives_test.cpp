@@ -248,6 +248,19 @@ TEST_F(Input, SilenceCostsNothingAndDisconnectedItIsNotHeard) {
   EXPECT_EQ(largest(out), 0);
 }
 
+TEST_F(Input, IsConnectedWhileFourPulsesAct) {
+  ASSERT_TRUE(player.mixer.disconnect_input(1));
+  player.mixer.set_exact_contacts(true);
+  for (int i = 0; i < 4; ++i) player.push(strike_at(i, 0, {0, 0, 1e-9}, 0.1));
+  std::vector<float> signal(512, 0.0f);
+  render(signal, 512);
+  ASSERT_TRUE(player.mixer.connect_input(1, strike_at(0, 0, {0, 0, 1})));
+  signal.assign(4096, 1.0f);
+  const std::size_t before = out.size();
+  render(signal, 512);
+  EXPECT_GT(largest(std::span(out).subspan(before)), 1e-3);
+}
+
 TEST_F(Input, WhatIsNoNumberSilencesItsObjectOnly) {
   player.install(7, map_of(single_mode_bank(1000, 5)));
   player.push(strike_at(0, 7, {0, 0, 1}));
