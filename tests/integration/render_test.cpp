@@ -1,4 +1,5 @@
-// `ringdown render` of a score whose bundles carry time tags: where each is heard in the file it writes.
+// `ringdown render`: of a score whose bundles carry time tags, where each is heard in the file; of preset scenes, that the
+// file is the same each time.
 #include "engine/modal/bank_file.h"
 #include "protocol/bulk.h"
 #include "protocol/schema.h"
@@ -10,7 +11,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
 namespace ringdown::test {
 namespace {
@@ -82,6 +88,39 @@ TEST_F(RenderTest, EveryRecordOfABulkIsHeardWithinASampleOfItsDelay) {
   const auto message = protocol::format(protocol::Request(protocol::StrikeMany{protocol::encode_strikes(strikes)}));
   expect_at(heard_s, render({{kBundle_s, message}}, kRate_hz, 256), kRate_hz);
 }
+
+// Two processes, the same file to the last bit.
+class PresetScene : public testing::TestWithParam<std::filesystem::path> {};
+
+TEST_P(PresetScene, IsRenderedTheSameEachTime) {
+  TemporaryFolder folder;
+  std::array<std::string, 2> bytes;
+  for (std::string& all : bytes) {
+    const auto sound = folder / "sound.wav";
+    const Outcome outcome = run(
+        {program("ringdown"), "render", "--scene", GetParam().string(), "--seconds", "3", "-o", sound.string()});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+    std::ifstream file(sound, std::ios::binary);
+    all.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  EXPECT_GT(bytes[0].size(), 3u * 48000 * 2 * 2);
+  EXPECT_TRUE(bytes[0] == bytes[1]);
+}
+
+std::vector<std::filesystem::path> preset_scenes() {
+  std::vector<std::filesystem::path> scenes;
+  for (const auto& entry : std::filesystem::directory_iterator(RINGDOWN_SOURCE_DIR "/presets/scenes")) {
+    if (entry.path().extension() == ".toml") scenes.push_back(entry.path());
+  }
+  std::ranges::sort(scenes);
+  return scenes;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PresetScene, testing::ValuesIn(preset_scenes()), [](const auto& scene) {
+  std::string name = scene.param.stem().string();
+  std::ranges::replace(name, '-', '_');
+  return name;
+});
 
 }  // namespace
 }  // namespace ringdown::test
