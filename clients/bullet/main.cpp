@@ -75,7 +75,7 @@ ExitCode play(const Options& options, const scene::SceneDescription& scene, bull
   auto link = cli::DaemonLink::open(options.to);
   if (!link) return complain(link.error().message, ExitCode::usage);
   for (const protocol::Message& message : options.no_load ? std::vector<protocol::Message>() : set_up(scene)) {
-    const auto reply = link->ask(message, std::chrono::seconds(10));
+    const auto reply = link->ask(message, std::chrono::seconds(5));
     if (!reply) return complain(reply.error().message, ExitCode::no_answer);
     if (const auto* no = std::get_if<protocol::Fail>(&*reply)) return complain(no->sentence, ExitCode::failure);
   }
