@@ -24,7 +24,7 @@ using scene::StaticDescription;
 using scene::StaticType;
 using scene::Touch;
 
-constexpr int kIterations = 50;         // of the solver: four corners that land at once share the blow
+constexpr int kIterations = 20;         // of the solver: four corners that land at once share the blow
 constexpr int kMultipoints = 8;         // tilts by which Bullet looks for the corners of a flat landing
 constexpr double kHullMargin_m = 1e-4;  // Bullet's default, 4 cm, is as thick as many things that ring
 constexpr double kSleepSpeed_m_s = 0.01, kSleepSpin_rad_s = 0.1;

@@ -91,7 +91,8 @@ ExitCode play(const Options& options, const scene::SceneDescription& scene, bull
         [&](protocol::Frame frame) { return start_s + static_cast<double>(frame) / bullet::kFrameRate_hz; });
     const double ahead_s = start_s + world.time_s() - lead_s - unix_now_s();
     if (ahead_s > 0) std::this_thread::sleep_for(duration<double>(ahead_s));
-    if (ahead_s < -options.lead_s) start_s -= ahead_s;  // too slow a computer slows the scene, and bunches no strikes
+    // Too slow a computer slows the scene, and bunches no strikes.
+    if (ahead_s < -0.5 * options.lead_s) start_s -= ahead_s;
   }
   if (lost > 0) return complain(std::to_string(lost) + " events could not be sent", ExitCode::failure);
   return interrupted ? ExitCode::cancelled : ExitCode::ok;
