@@ -140,4 +140,7 @@ using Request =
                  KeepContact, Click, FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere,
                  SceneClear, Notify, SaveState, RecordStart, RecordStop, Status, Version, Sync, Quit>;
 
+// The request that would make this event of `object`.
+Request request_for(const Event& event, const ObjectRef& object);
+
 }  // namespace ringdown::protocol

@@ -183,8 +183,10 @@ void OscServer::handle(const protocol::Message& message, protocol::Frame frame, 
   } else if (std::holds_alternative<protocol::Quit>(*request)) {
     answer(*ports_, from, protocol::Done{address, std::nullopt});
     parts_.quit();
+  } else if (std::holds_alternative<protocol::Hold>(*request)) {
+    hold(*request, frame, address, from);
   } else {
-    post(*request, address, from);
+    post(*request, 0, address, from);
   }
 }
 
@@ -195,31 +197,45 @@ Result<void> OscServer::set_notices(const protocol::Notify& request, Peer from) 
 }
 
 void OscServer::play(const Request& request, protocol::Frame frame, const std::string& address, Peer from) {
-  const bool near = frame <= horizon();
-  auto played = near ? parts_.session.play(request, frame) : parts_.session.check(request, frame);
-  if (played && !near && !schedule_.add({frame, request, address, from})) {
-    played = parts_.session.drop(1, std::to_string(kMostScheduled) + " timed requests are waiting already");
-  }
+  const auto played = frame <= horizon() ? parts_.session.play(request, frame) : keep(request, frame, address, from);
   if (!played) answer(*ports_, from, Fail{address, address + ": " + played.error().message});
+}
+
+// Until its time is near.
+Result<void> OscServer::keep(const Request& request, protocol::Frame frame, const std::string& address, Peer from) {
+  if (auto good = parts_.session.check(request, frame); !good) return good;
+  if (schedule_.add({frame, request, address, from})) return {};
+  return parts_.session.drop(1, std::to_string(kMostScheduled) + " timed requests are waiting already");
+}
+
+// Played at its time too, but it is the worker who can.
+void OscServer::hold(const Request& request, protocol::Frame frame, const std::string& address, Peer from) {
+  if (frame <= horizon()) return post(request, frame, address, from);
+  const auto kept = keep(request, frame, address, from);
+  if (!kept) answer(*ports_, from, Fail{address, address + ": " + kept.error().message});
 }
 
 void OscServer::play_what_is_near() {
   for (const protocol::Frame end = horizon(); schedule_.is_due(end);) {
     const Schedule::Entry entry = schedule_.take();
+    if (std::holds_alternative<protocol::Hold>(entry.request)) {
+      post(entry.request, entry.frame, entry.address, entry.from);
+      continue;
+    }
     const auto played = parts_.session.play(entry.request, entry.frame);
     if (!played) answer(*ports_, entry.from, Fail{entry.address, entry.address + ": " + played.error().message});
   }
 }
 
 // /sync goes the same way as what it waits for.
-void OscServer::post(const Request& request, const std::string& address, Peer from) {
+void OscServer::post(const Request& request, protocol::Frame frame, const std::string& address, Peer from) {
   const auto task = [ports = ports_, &session = parts_.session, &driver = parts_.driver, latency = parts_.latency,
-                     recorder = parts_.recorder, request, address, from] {
+                     recorder = parts_.recorder, request, frame, address, from] {
     if (const auto* sync = std::get_if<protocol::Sync>(&request))
       return answer(*ports, from, protocol::Synced{sync->id});
     const auto number = is_for_recorder(request)
                             ? record(request, session, recorder)
-                            : session.perform(request, driver.now() + latency_frames(driver, latency));
+                            : session.perform(request, std::max(frame, driver.now() + latency_frames(driver, latency)));
     if (number) return answer(*ports, from, protocol::Done{address, *number});
     answer(*ports, from, Fail{address, address + ": " + number.error().message});
   };

@@ -75,11 +75,13 @@ class OscServer {
   void handle(const protocol::Message& message, protocol::Frame frame, Peer from);
   void expand(const protocol::Message& message, protocol::Frame frame, Peer from);
   void play(const protocol::Request& request, protocol::Frame frame, const std::string& address, Peer from);
+  void hold(const protocol::Request& request, protocol::Frame frame, const std::string& address, Peer from);
+  Result<void> keep(const protocol::Request& request, protocol::Frame frame, const std::string& address, Peer from);
   void play_what_is_near();
   [[nodiscard]] protocol::Frame frame_of(TimeTag time, const Arrival& arrival) const;
   [[nodiscard]] protocol::Frame horizon() const;
   Result<void> set_notices(const protocol::Notify& request, Peer from);
-  void post(const protocol::Request& request, const std::string& address, Peer from);
+  void post(const protocol::Request& request, protocol::Frame frame, const std::string& address, Peer from);
   [[nodiscard]] protocol::StatusReply status() const;
 
   // What the stream's thread hands to ours. It waits while kMost packets are here.

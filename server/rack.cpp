@@ -301,24 +301,4 @@ Result<Event> event_for(const protocol::Request& request, const RackObject& obje
   return event;
 }
 
-protocol::Request request_for(const Event& event, const protocol::ObjectRef& object) {
-  switch (event.type) {
-    case EventType::strike:
-      return protocol::Strike{object, event.point_m, event.impulse_ns, event.contact_time_s};
-    case EventType::strike_vertex:
-      return protocol::StrikeVertex{object, event.vertex, event.impulse_ns, event.contact_time_s};
-    case EventType::gain:
-      return protocol::SetGain{object, event.value, event.ramp_s};
-    case EventType::pan:
-      return protocol::SetPan{object, event.value};
-    case EventType::contact:
-      return protocol::KeepContact{object, event.point_m, event.contact};
-    case EventType::click:
-      return protocol::Click{object, event.impulse_ns, event.contact_time_s};
-    case EventType::clear:
-      break;
-  }
-  return protocol::ClearObject{object, event.ramp_s};
-}
-
 }  // namespace ringdown::server

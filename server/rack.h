@@ -152,7 +152,4 @@ class Rack {
 // Refuses a vertex the object does not have. [any but audio]
 Result<protocol::Event> event_for(const protocol::Request& request, const RackObject& object, protocol::Frame frame);
 
-// The message that would make this event.
-protocol::Request request_for(const protocol::Event& event, const protocol::ObjectRef& object);
-
 }  // namespace ringdown::server

@@ -95,7 +95,7 @@ Recorder::GainAndPan Recorder::level(protocol::ObjectNumber object) const {
 Message Recorder::message_of(const Entry& entry) const {
   if (const auto* message = std::get_if<Message>(&entry.what)) return *message;
   const auto& [event, name] = std::get<Played>(entry.what);
-  return protocol::format(request_for(event, {.name = *name}));
+  return protocol::format(protocol::request_for(event, {.name = *name}));
 }
 
 void Recorder::played(const Event& event) {

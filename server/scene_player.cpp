@@ -24,13 +24,7 @@ tl::unexpected<Error> no_scene() { return fail("there is no scene; load one with
 
 }  // namespace
 
-ScenePlayer::ScenePlayer(Rack& rack) : rack_(rack) {
-  sink_ = [&rack](std::span<const Event> strikes) {
-    std::size_t lost = 0;
-    for (const Event& strike : strikes) lost += !rack.push(synth::Producer::scene, strike);
-    return lost;
-  };
-}
+ScenePlayer::ScenePlayer(Rack& rack) : rack_(rack) {}
 
 Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
   const auto text = rack_.roots().read(path, kLargestTomlFile);
@@ -201,10 +195,14 @@ std::vector<scene::Leaning> ScenePlayer::lift_all() {
 
 void ScenePlayer::take(const scene::StepReport& report, std::vector<scene::Leaning>& leanings) {
   dropped_ += report.dropped_strikes;
-  if (!report.strikes.empty()) dropped_ += sink_(report.strikes);
-  for (const scene::Leaning& leaning : report.leanings) {
-    leaned_on_.insert(leaning.object);
-    leanings.push_back(leaning);
+  if (sink_) {
+    dropped_ += sink_(report);
+  } else {
+    for (const Event& event : report.strikes) dropped_ += !rack_.push(synth::Producer::scene, event);
+    for (const scene::Leaning& leaning : report.leanings) {
+      leaned_on_.insert(leaning.object);
+      leanings.push_back(leaning);
+    }
   }
   for (const std::string& notice : report.notices) spdlog::warn("scene: {}", notice);
   if (!report.notices.empty()) body_count_ = world_->bodies().size();

@@ -25,13 +25,13 @@ namespace ringdown::server {
 
 class ScenePlayer {
  public:
-  // Takes the strikes of one step; returns how many of them were lost.
-  using Sink = std::function<std::size_t(std::span<const protocol::Event>)>;
+  // Takes the events of one step, and what rests on objects since; returns how much of it was lost.
+  using Sink = std::function<std::size_t(const scene::StepReport&)>;
 
-  // Strikes go to the rack's mixer, unless send_to() names another sink.
+  // All goes to the rack, unless send_to() names a sink.
   explicit ScenePlayer(Rack& rack);
 
-  // Sends strikes elsewhere. Before anything is loaded. [main]
+  // Sends it elsewhere. Before anything is loaded. [main]
   void send_to(Sink sink) { sink_ = std::move(sink); }
 
   // What rests on objects damps them: that retunes them, which is the worker's to do. It goes to `post`, which says

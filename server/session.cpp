@@ -127,7 +127,7 @@ Result<std::optional<std::int32_t>> Session::perform(const protocol::Request& re
       Match{[&](const LoadObject& load) -> Answer { return load_object(load).map(number); },
             [&](const SetMaterial& material) { return none(rack_.set_material(material.object, material.scale)); },
             [&](const protocol::Hold& hold) {
-              return none(rack_.hold(hold.object, {{hold.number, hold.touch}}));
+              return none(rack_.hold(hold.object, {{hold.number, hold.touch}}, frame));
             },
             [&](const SetGroup& set) { return none(rack_.set_group(set.object, set.group.value_or(""))); },
             [&](const Excite& e) { return none(rack_.excite(e.input - 1, e.object, e.point_m, e.force_n)); },

@@ -59,7 +59,8 @@ void Rests::note(BodyPair pair) {
 
 void Rests::look(BodyPair pair, Life& life) {
   life.latest.force_n = life.impulse_ns / (life.steps * step_s_);
-  const bool rests = !life.moves && 2 * life.touched >= life.steps && life.latest.force_n > 0 && !life.latest.points.empty();
+  const bool rests =
+      !life.moves && 2 * life.touched >= life.steps && life.latest.force_n > 0 && !life.latest.points.empty();
   if (rests && (!life.told || differs(life.latest, *life.told))) {
     life.told = life.latest;
     note(pair);

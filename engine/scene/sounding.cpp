@@ -55,6 +55,12 @@ protocol::Frame Timeline::frame(double time_s) const {
   return start + static_cast<protocol::Frame>(std::llround(time_s * sample_rate_hz));
 }
 
+std::vector<protocol::Hold> holds_for(const Leaning& leaning, const protocol::ObjectRef& object) {
+  std::vector<protocol::Hold> holds;
+  for (const auto& [number, touch] : leaning.touches) holds.push_back({object, touch, number});
+  return holds;
+}
+
 Sounding::Sounding(const SceneDescription& scene)
     : lives_(scene.contact.minimum_repeat_s, scene.step_s),
       rests_(scene.step_s),

@@ -10,6 +10,7 @@
 #include "engine/scene/side.h"
 #include "engine/modal/contact_damping.h"
 #include "protocol/event.h"
+#include "protocol/request.h"
 
 #include <cstddef>
 #include <map>
@@ -35,6 +36,9 @@ struct Leaning {
   protocol::ObjectNumber object = 0;
   modal::Touches touches;
 };
+
+// What another program is told of it.
+std::vector<protocol::Hold> holds_for(const Leaning& leaning, const protocol::ObjectRef& object);
 
 class Sounding {
  public:

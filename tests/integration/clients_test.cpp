@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <thread>
 
 namespace ringdown::test {
@@ -103,6 +104,31 @@ TEST_F(Clients, NodeIsHeard) {
 }
 
 TEST_F(Clients, TheGameEngineExampleIsHeard) { expect_blow({program("game_engine_strike"), "bell", port()}); }
+
+// A ball that falls on a floor in Bullet and stays there.
+TEST_F(Clients, TheBulletSimulatorIsHeard) {
+  if (!std::filesystem::exists(program("ringdown-bullet"))) GTEST_SKIP() << "libbullet-dev is not installed";
+  const auto scene = folder_ / "drop.toml";
+  std::ofstream(scene) << R"(
+[[object]]
+name = "bell"
+bank = "bell.glb"
+[[static]]
+name = "floor"
+shape = "plane"
+[[body]]
+name = "ball"
+object = "bell"
+shape = "sphere"
+radius_m = 0.05
+density_kg_m3 = 1000
+position_m = [0, 0, 0.3]
+restitution = 0
+[contact]
+rest_damping_s_m = 0
+)";
+  expect_blow({program("ringdown-bullet"), scene.string(), "--seconds", "1", "--to", "osc.udp://127.0.0.1:" + port()});
+}
 
 TEST_F(Clients, TheRingdownCommandIsHeard) {
   expect_blow({program("ringdown"), "strike", "bell", "--at", "0.05,0,0.02", "--impulse", "0,0,-0.02", "--to",

@@ -1,5 +1,5 @@
-// `ringdown render`: of a score whose bundles carry time tags, where each is heard in the file; of preset scenes, that the
-// file is the same each time.
+// `ringdown render`: of a score whose bundles carry time tags, where each is heard in the file; of preset scenes, that
+// the file is the same each time.
 #include "engine/modal/bank_file.h"
 #include "protocol/bulk.h"
 #include "protocol/schema.h"
@@ -97,8 +97,8 @@ TEST_P(PresetScene, IsRenderedTheSameEachTime) {
   std::array<std::string, 2> bytes;
   for (std::string& all : bytes) {
     const auto sound = folder / "sound.wav";
-    const Outcome outcome = run(
-        {program("ringdown"), "render", "--scene", GetParam().string(), "--seconds", "3", "-o", sound.string()});
+    const Outcome outcome =
+        run({program("ringdown"), "render", "--scene", GetParam().string(), "--seconds", "3", "-o", sound.string()});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
     std::ifstream file(sound, std::ios::binary);
     all.assign(std::istreambuf_iterator<char>(file), {});

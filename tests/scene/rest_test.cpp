@@ -73,8 +73,8 @@ TEST(Rest, ABoxIsDampedByTheFloorThatBearsItsWeight) {
 }
 
 TEST(Rest, EndsWhenTheBodyIsThrownUp) {
-  World world = world_of(scene_of({body_of("a", ShapeType::box, {0, 0, 0.0501})}, 0.3),
-                         {sounding("a", 0, box_bank(kSize, 2))});
+  World world =
+      world_of(scene_of({body_of("a", ShapeType::box, {0, 0, 0.0501})}, 0.3), {sounding("a", 0, box_bank(kSize, 2))});
   Heard heard;
   heard.run(world, 3);
   EXPECT_GT(heard.damping(0), 0);
@@ -91,7 +91,8 @@ TEST(Rest, IsNotForWhatRollsOrSlides) {
   BodyDescription box = body_of("b", ShapeType::box, {0, 1, 0.0501});
   box.velocity_m_s = {3, 0, 0};
   box.surface.friction = 0.01;
-  World world = world_of(scene_of({ball, box}, 0.3), {sounding("a", 0, box_bank(kSize, 1)), sounding("b", 1, box_bank(kSize, 1))});
+  World world = world_of(scene_of({ball, box}, 0.3),
+                         {sounding("a", 0, box_bank(kSize, 1)), sounding("b", 1, box_bank(kSize, 1))});
   Heard heard;
   heard.run(world, 1);
   EXPECT_EQ(heard.times, 0);

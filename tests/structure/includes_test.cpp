@@ -59,6 +59,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"jack/", {"server/jack_"}, 4},
     {"lo/", {"server/"}, 1},
     {"httplib.h", {"server/"}, 1},
+    {"btBullet", {"clients/bullet/"}, 1},
     {"ode/", {"engine/scene/ode_", "engine/scene/simulation"}, 5},
     {"Spectra/", {"engine/solve/"}, 1},
     {"cholmod.h", {"engine/solve/"}},

@@ -1,0 +1,292 @@
+#include "clients/bullet/bullet_world.h"
+
+#include "engine/scene/check.h"
+#include "engine/scene/side.h"
+#include "engine/scene/solid.h"
+#include "engine/scene/sounding.h"
+#include "protocol/names.h"
+
+#include <btBulletDynamicsCommon.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace ringdown::bullet {
+namespace {
+
+using scene::BodyDescription;
+using scene::BodyId;
+using scene::Motion;
+using scene::SceneDescription;
+using scene::ShapeType;
+using scene::StaticDescription;
+using scene::StaticType;
+using scene::Touch;
+
+constexpr int kIterations = 20;         // of the solver: four corners that land at once share the blow
+constexpr int kMultipoints = 8;         // tilts by which Bullet looks for the corners of a flat landing
+constexpr double kHullMargin_m = 1e-4;  // Bullet's default, 4 cm, is as thick as many things that ring
+constexpr double kSleepSpeed_m_s = 0.01, kSleepSpin_rad_s = 0.1;
+
+btVector3 to_bullet(Vec3 v) { return {v.x, v.y, v.z}; }
+btQuaternion to_bullet(const scene::Rotation& r) { return btQuaternion(r.x, r.y, r.z, r.w).normalized(); }
+Vec3 to_vec3(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+
+// A body or static in Bullet. Bullet turns a body about its centre of mass, along its principal axes of inertia.
+struct Item {
+  BodyId id = 0;
+  scene::Surface surface;
+  double start_s = 0;
+  btMatrix3x3 principal = btMatrix3x3::getIdentity();  // principal axes -> object frame
+  std::unique_ptr<btCollisionShape> shape;
+  std::unique_ptr<btCompoundShape> placed;  // the shape where it belongs, seen from the centre of mass
+  std::unique_ptr<btRigidBody> body;
+
+  [[nodiscard]] bool movable() const { return !body->isStaticOrKinematicObject(); }
+
+  [[nodiscard]] Motion motion() const {
+    if (id >= scene::kFirstStatic) return {};
+    const btTransform& frame = body->getWorldTransform();
+    btQuaternion q;
+    (frame.getBasis() * principal.transpose()).getRotation(q);
+    return {to_vec3(frame.getOrigin()),
+            {q.x(), q.y(), q.z(), q.w()},
+            to_vec3(body->getLinearVelocity()),
+            to_vec3(body->getAngularVelocity())};
+  }
+};
+
+// Reads the contacts where Bullet has found but not yet solved them, and their impulses right after.
+class ListeningWorld : public btDiscreteDynamicsWorld {
+ public:
+  ListeningWorld(btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver,
+                 btCollisionConfiguration* configuration, double bounce_threshold_m_s)
+      : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration),
+        bounce_threshold_m_s_(bounce_threshold_m_s) {}
+
+  void solveConstraints(btContactSolverInfo& info) override {
+    touches_.clear();
+    points_.clear();
+    for (int m = 0; m < getDispatcher()->getNumManifolds(); ++m) {
+      btPersistentManifold& manifold = *getDispatcher()->getManifoldByIndexInternal(m);
+      const Item& a = *static_cast<const Item*>(manifold.getBody0()->getUserPointer());
+      const Item& b = *static_cast<const Item*>(manifold.getBody1()->getUserPointer());
+      if ((a.movable() && a.body->isActive()) || (b.movable() && b.body->isActive())) note(a, b, manifold);
+    }
+    btDiscreteDynamicsWorld::solveConstraints(info);
+    for (std::size_t k = 0; k < touches_.size(); ++k) touches_[k].impulse_ns = points_[k].impulse();
+  }
+
+  [[nodiscard]] std::span<const Touch> touches() const { return touches_; }
+
+ private:
+  // A point of the manifold; Bullet's normal and impulses are those on its first body.
+  struct Point {
+    const btManifoldPoint* in_manifold;
+    double sign;  // -1 where our `body` is the second
+
+    [[nodiscard]] Vec3 impulse() const {
+      const btManifoldPoint& point = *in_manifold;
+      return sign * to_vec3(point.m_appliedImpulse * point.m_normalWorldOnB +
+                            point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1 +
+                            point.m_appliedImpulseLateral2 * point.m_lateralFrictionDir2);
+    }
+  };
+
+  // Bullet solves contacts before they touch. That keeps still what rests, but takes speed from what comes to bounce.
+  void note(const Item& a, const Item& b, btPersistentManifold& manifold) {
+    const scene::SurfacePair surface = scene::combine(a.surface, b.surface);
+    for (int k = manifold.getNumContacts() - 1; k >= 0; --k) {
+      const btManifoldPoint& point = manifold.getContactPoint(k);
+      const bool bounces = touch_of(a, b, point).approach_m_s > bounce_threshold_m_s_;
+      if (bounces && point.getDistance() > 0) manifold.removeContactPoint(k);
+    }
+    for (int k = 0; k < manifold.getNumContacts(); ++k) {
+      btManifoldPoint& point = manifold.getContactPoint(k);
+      point.m_combinedRestitution = surface.restitution;
+      point.m_combinedFriction = surface.friction;
+      point.m_combinedRollingFriction = point.m_combinedSpinningFriction = surface.rolling_m;
+      touches_.push_back(touch_of(a, b, point));
+      points_.push_back({&point, a.movable() ? 1.0 : -1.0});
+    }
+  }
+
+  static Touch touch_of(const Item& a, const Item& b, const btManifoldPoint& point) {
+    const bool swap = !a.movable();
+    const Item &body = swap ? b : a, &other = swap ? a : b;
+    Touch touch{.body = body.id, .other = other.id, .depth_m = std::max(0.0, -point.getDistance())};
+    touch.point_m = to_vec3(swap ? point.getPositionWorldOnB() : point.getPositionWorldOnA());
+    touch.normal = (swap ? -1 : 1) * to_vec3(point.m_normalWorldOnB);
+    touch.of_body = body.motion();
+    touch.of_other = other.motion();
+    touch.approach_m_s =
+        dot(touch.of_other.velocity_at(touch.point_m) - touch.of_body.velocity_at(touch.point_m), touch.normal);
+    return touch;
+  }
+
+  double bounce_threshold_m_s_;
+  std::vector<Touch> touches_;
+  std::vector<Point> points_;
+};
+
+std::unique_ptr<btCollisionShape> make_shape(const scene::CollisionShape& shape) {
+  if (shape.type == ShapeType::sphere) return std::make_unique<btSphereShape>(shape.radius_m);
+  if (shape.type == ShapeType::box) return std::make_unique<btBoxShape>(to_bullet(0.5 * shape.size_m));
+  auto hull = std::make_unique<btConvexHullShape>();
+  for (const Vec3& point : shape.points) hull->addPoint(to_bullet(point), false);
+  hull->recalcLocalAabb();
+  hull->setMargin(kHullMargin_m);
+  return hull;
+}
+
+std::unique_ptr<btCollisionShape> make_shape(const StaticDescription& still) {
+  if (still.type == StaticType::box) return std::make_unique<btBoxShape>(to_bullet(0.5 * still.size_m));
+  const double length_m = length(still.normal);
+  return std::make_unique<btStaticPlaneShape>(to_bullet((1 / length_m) * still.normal), still.offset_m);
+}
+
+Result<void> check_abilities(const SceneDescription& scene) {
+  const std::string cannot = ", which ringdown-bullet cannot do; play the scene with ringdownd --scene";
+  if (!scene.joints.empty()) return fail("the scene has joint " + protocol::quoted(scene.joints[0].name) + cannot);
+  if (!scene.emitters.empty())
+    return fail("the scene has emitter " + protocol::quoted(scene.emitters[0].name) + cannot);
+  for (const BodyDescription& body : scene.bodies) {
+    if (body.scatter_m != 0) return fail("body " + protocol::quoted(body.name) + " has scatter_m" + cannot);
+    if (body.shape.type == ShapeType::trimesh)
+      return fail("body " + protocol::quoted(body.name) + " is a trimesh" + cannot);
+  }
+  return {};
+}
+
+}  // namespace
+
+struct BulletWorld::Impl {
+  explicit Impl(const SceneDescription& description);
+  void add(const StaticDescription& still);
+  Result<void> add(const BodyDescription& body, std::span<const std::shared_ptr<const modal::Bank>> banks);
+  void place(Item& item, double mass_kg, const btVector3& moments, const btTransform& at);
+  void let_in();
+
+  SceneDescription scene;
+  scene::Sounding sounding{scene};
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  std::vector<std::unique_ptr<Item>> items, waiting;
+  ListeningWorld world{&dispatcher, &broadphase, &solver, &configuration, scene::bounce_threshold(scene)};
+  std::int64_t steps = 0;
+};
+
+BulletWorld::Impl::Impl(const SceneDescription& description) : scene(description) {
+  configuration.setPlaneConvexMultipointIterations(kMultipoints, 4);
+  configuration.setConvexConvexMultipointIterations(kMultipoints, 4);
+  world.setGravity(to_bullet(scene.gravity_m_s2));
+  btContactSolverInfo& info = world.getSolverInfo();
+  info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+  info.m_numIterations = kIterations;
+  info.m_restitutionVelocityThreshold = scene::bounce_threshold(scene);
+  info.m_splitImpulsePenetrationThreshold = 0;  // pushing overlapping bodies apart must not look like a blow
+}
+
+void BulletWorld::Impl::place(Item& item, double mass_kg, const btVector3& moments, const btTransform& at) {
+  btCollisionShape* shape = item.placed ? static_cast<btCollisionShape*>(item.placed.get()) : item.shape.get();
+  btRigidBody::btRigidBodyConstructionInfo info(mass_kg, nullptr, shape, moments);
+  info.m_startWorldTransform = at;
+  info.m_linearSleepingThreshold = kSleepSpeed_m_s;
+  info.m_angularSleepingThreshold = kSleepSpin_rad_s;
+  item.body = std::make_unique<btRigidBody>(info);
+  item.body->setUserPointer(&item);
+}
+
+void BulletWorld::Impl::add(const StaticDescription& still) {
+  Item& item = *waiting.emplace_back(std::make_unique<Item>());
+  item.id = scene::kFirstStatic + static_cast<BodyId>(waiting.size());
+  item.surface = still.surface;
+  item.shape = make_shape(still);
+  btTransform at = btTransform::getIdentity();
+  if (still.type == StaticType::box) at = btTransform(to_bullet(still.rotation), to_bullet(still.position_m));
+  place(item, 0, {0, 0, 0}, at);
+  sounding.set_side(item.id, scene::side_of(still));
+}
+
+Result<void> BulletWorld::Impl::add(const BodyDescription& body,
+                                    std::span<const std::shared_ptr<const modal::Bank>> banks) {
+  const auto object = std::ranges::find(scene.objects, body.object, &scene::ObjectDescription::name);
+  const bool sounds = object != scene.objects.end();
+  const auto number = static_cast<protocol::ObjectNumber>(object - scene.objects.begin());
+  const modal::Bank* bank = sounds ? banks[number].get() : nullptr;
+  const modal::MaterialScale scale = sounds ? object->material : modal::MaterialScale{};
+  const Result<scene::Solid> solid = scene::make_solid(body, bank, scale.density);
+  if (!solid) return fail("body " + protocol::quoted(body.name) + ": " + solid.error().message);
+
+  Item& item = *waiting.emplace_back(std::make_unique<Item>());
+  item.id = static_cast<BodyId>(waiting.size());
+  item.surface = body.surface;
+  item.start_s = body.start_s;
+  const auto& i = solid->mass.inertia_kg_m2;
+  btMatrix3x3 inertia(i[0][0], i[0][1], i[0][2], i[1][0], i[1][1], i[1][2], i[2][0], i[2][1], i[2][2]);
+  inertia.diagonalize(item.principal, 1e-12, 50);
+  item.shape = make_shape(solid->shape);
+  item.placed = std::make_unique<btCompoundShape>();
+  const btTransform to_principal(item.principal.transpose());
+  const bool hull = solid->shape.type == ShapeType::convex;  // its points are where they belong
+  const btVector3 center = to_bullet(hull ? Vec3{} : solid->shape.center_m);
+  item.placed->addChildShape(to_principal * btTransform(btMatrix3x3::getIdentity(), center), item.shape.get());
+
+  const btMatrix3x3 turn(to_bullet(body.rotation));
+  const btTransform at(turn * item.principal, to_bullet(body.position_m) + turn * to_bullet(solid->mass.center_m));
+  place(item, body.fixed ? 0 : solid->mass.mass_kg, {inertia[0][0], inertia[1][1], inertia[2][2]}, at);
+  if (!body.fixed) {
+    // A step moves by the velocity at its end. Begun half a step early, a fall lies on the true parabola.
+    item.body->setLinearVelocity(to_bullet(body.velocity_m_s - (0.5 * scene.step_s) * scene.gravity_m_s2));
+    item.body->setAngularVelocity(to_bullet(body.spin_rad_s));
+  }
+  scene::Side side = scene::side_of(body, *solid, bank, scale);
+  if (sounds) side.object = number;
+  sounding.set_side(item.id, std::move(side));
+  return {};
+}
+
+void BulletWorld::Impl::let_in() {
+  std::erase_if(waiting, [this](std::unique_ptr<Item>& item) {
+    if (item->start_s > static_cast<double>(steps) * scene.step_s) return false;
+    world.addRigidBody(item->body.get());
+    items.push_back(std::move(item));
+    return true;
+  });
+}
+
+BulletWorld::BulletWorld(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+BulletWorld::BulletWorld(BulletWorld&&) noexcept = default;
+BulletWorld::~BulletWorld() = default;
+
+Result<BulletWorld> BulletWorld::create(const SceneDescription& scene,
+                                        std::span<const std::shared_ptr<const modal::Bank>> banks) {
+  if (const auto ok = scene::check(scene); !ok) return fail(ok.error());
+  if (const auto ok = check_abilities(scene); !ok) return fail(ok.error());
+  auto impl = std::make_unique<Impl>(scene);
+  for (const StaticDescription& still : scene.statics) impl->add(still);
+  for (const BodyDescription& body : scene.bodies) {
+    if (const auto added = impl->add(body, banks); !added) return fail(added.error());
+  }
+  return BulletWorld(std::move(impl));
+}
+
+BulletWorld::Heard BulletWorld::step() {
+  impl_->let_in();
+  impl_->world.stepSimulation(impl_->scene.step_s, 0);
+  const double began_s = time_s();
+  ++impl_->steps;
+  std::vector<scene::Moved> moved;
+  for (const auto& item : impl_->items) {
+    if (item->body->isActive()) moved.push_back({.id = item->id, .motion = {}});
+  }
+  const auto events = impl_->sounding.hear(impl_->world.touches(), moved, began_s, {.sample_rate_hz = kFrameRate_hz});
+  return {events, impl_->sounding.leanings()};
+}
+
+double BulletWorld::time_s() const { return static_cast<double>(impl_->steps) * impl_->scene.step_s; }
+
+}  // namespace ringdown::bullet

@@ -1,0 +1,163 @@
+// ringdown-bullet: an outside simulator. It plays a scene file in Bullet and sends a daemon what is to be heard.
+#include "clients/bullet/bullet_world.h"
+#include "clients/cli/daemon_link.h"
+#include "engine/base/preset_folder.h"
+#include "engine/modal/bank_file.h"
+#include "engine/scene/scene_file.h"
+#include "protocol/defaults.h"
+#include "protocol/exit_codes.h"
+#include "protocol/schema.h"
+#include "server/event_sender.h"
+#include "server/osc_score.h"
+
+#include <CLI/CLI.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <optional>
+#include <thread>
+
+namespace {
+
+using namespace ringdown;
+using protocol::ExitCode;
+using std::chrono::duration;
+
+std::atomic<bool> interrupted = false;
+
+struct Options {
+  std::filesystem::path scene;
+  std::string to = "osc.udp://127.0.0.1:" + std::to_string(protocol::kDefaultPort);
+  std::optional<std::filesystem::path> events;
+  std::optional<double> seconds;
+  double lead_s = 0.05;
+  bool no_load = false;
+};
+
+ExitCode complain(const std::string& sentence, ExitCode code) {
+  std::fprintf(stderr, "ringdown-bullet: %s\n", sentence.c_str());
+  return code;
+}
+
+double unix_now_s() { return duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
+
+Result<bullet::BulletWorld> make_world(const scene::SceneDescription& scene) {
+  std::vector<std::shared_ptr<const modal::Bank>> banks;
+  for (const scene::ObjectDescription& object : scene.objects) {
+    Result<modal::Bank> bank = modal::read_bank(object.bank);
+    if (!bank) return fail(bank.error());
+    banks.push_back(std::make_shared<const modal::Bank>(std::move(*bank)));
+  }
+  return bullet::BulletWorld::create(scene, banks);
+}
+
+// What a daemon must know before the first strike.
+std::vector<protocol::Message> set_up(const scene::SceneDescription& scene) {
+  std::vector<protocol::Message> messages;
+  for (const scene::ObjectDescription& object : scene.objects) {
+    const protocol::ObjectRef ref{.name = object.name};
+    messages.push_back(
+        protocol::format(protocol::LoadObject{object.name, std::filesystem::absolute(object.bank).string()}));
+    messages.push_back(protocol::format(protocol::SetMaterial{ref, object.material}));
+    if (!object.group.empty()) messages.push_back(protocol::format(protocol::SetGroup{ref, object.group}));
+    messages.push_back(protocol::format(protocol::SetGain{ref, object.gain, 0}));
+    messages.push_back(protocol::format(protocol::SetPan{ref, object.pan}));
+  }
+  return messages;
+}
+
+// In real time. Each event is sent ahead of its time, which its bundle's time tag says: what the network and this
+// program's own pauses do to a message is not heard.
+ExitCode play(const Options& options, const scene::SceneDescription& scene, bullet::BulletWorld& world,
+              double seconds) {
+  auto link = cli::DaemonLink::open(options.to);
+  if (!link) return complain(link.error().message, ExitCode::usage);
+  for (const protocol::Message& message : options.no_load ? std::vector<protocol::Message>() : set_up(scene)) {
+    const auto reply = link->ask(message, std::chrono::seconds(5));
+    if (!reply) return complain(reply.error().message, ExitCode::no_answer);
+    if (const auto* no = std::get_if<protocol::Fail>(&*reply)) return complain(no->sentence, ExitCode::failure);
+  }
+  auto sender = server::EventSender::open(options.to);
+  if (!sender) return complain(sender.error().message, ExitCode::usage);
+
+  const double lead_s = options.lead_s + 2 * scene.step_s;
+  double start_s = unix_now_s() + lead_s;  // when the scene's time 0 is heard
+  std::size_t lost = 0;
+  while (world.time_s() < seconds && !interrupted) {
+    const bullet::BulletWorld::Heard heard = world.step();
+    const auto name = [&](protocol::ObjectNumber object) { return scene.objects[object].name; };
+    const auto time = [&](protocol::Frame frame) {
+      return start_s + static_cast<double>(frame) / bullet::kFrameRate_hz;
+    };
+    lost += sender->send(heard.events, name, time) + sender->send(heard.leanings, name, time);
+    const double ahead_s = start_s + world.time_s() - lead_s - unix_now_s();
+    if (ahead_s > 0) std::this_thread::sleep_for(duration<double>(ahead_s));
+    // Too slow a computer slows the scene, and bunches no strikes.
+    if (ahead_s < -0.5 * options.lead_s) start_s -= ahead_s;
+  }
+  if (lost > 0) return complain(std::to_string(lost) + " events could not be sent", ExitCode::failure);
+  return interrupted ? ExitCode::cancelled : ExitCode::ok;
+}
+
+// As fast as it can, into a score.
+ExitCode write_events(const std::filesystem::path& path, const scene::SceneDescription& scene,
+                      bullet::BulletWorld& world, double seconds) {
+  std::vector<server::ScoreEvent> score;
+  for (const protocol::Message& message : set_up(scene)) score.push_back({0, message});
+  while (world.time_s() < seconds) {
+    if (interrupted) return complain("cancelled; nothing was written", ExitCode::cancelled);
+    const bullet::BulletWorld::Heard heard = world.step();
+    const auto ref = [&](protocol::ObjectNumber object) {
+      return protocol::ObjectRef{.name = scene.objects[object].name};
+    };
+    const auto add = [&](protocol::Frame frame, const protocol::Request& request) {
+      score.push_back({static_cast<double>(frame) / bullet::kFrameRate_hz, protocol::format(request)});
+    };
+    for (const protocol::Event& event : heard.events) add(event.frame, protocol::request_for(event, ref(event.object)));
+    for (const scene::Leaning& leaning : heard.leanings) {
+      for (const protocol::Hold& hold : scene::holds_for(leaning, ref(leaning.object))) add(leaning.frame, hold);
+    }
+  }
+  score.push_back({world.time_s(), {"/c_set", {0, 0.f}}});  // scores end so
+  const auto written = server::write_score(score, path);
+  return written ? ExitCode::ok : complain(written.error().message, ExitCode::failure);
+}
+
+ExitCode run(const Options& options) {
+  const auto scene = scene::read_scene(options.scene, preset_folder().value_or(std::filesystem::path()));
+  if (!scene) return complain(scene.error().message, ExitCode::bad_input);
+  auto world = make_world(*scene);
+  if (!world) return complain(options.scene.string() + ": " + world.error().message, ExitCode::bad_input);
+  std::signal(SIGINT, [](int) { interrupted = true; });
+  const double seconds = options.seconds.value_or(scene->duration_s);
+  return options.events ? write_events(*options.events, *scene, *world, seconds)
+                        : play(options, *scene, *world, seconds);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app("Plays a scene in the physics engine Bullet, and a daemon with it.", "ringdown-bullet");
+  app.add_option("scene", options.scene, "Scene file (docs/scenes.md)")->type_name("FILE")->required();
+  app.add_option("--to", options.to, "The daemon")->type_name("URL")->capture_default_str();
+  app.add_option("--events", options.events, "Send nothing: write an OSC score, for `ringdown render --events`")
+      ->type_name("FILE");
+  app.add_option("--seconds", options.seconds, "How long; default: what the scene says")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.0, server::kLongestScore / 2));
+  app.add_option("--lead", options.lead_s, "How long before its time an event is sent, at least")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  app.add_flag("--no-load", options.no_load, "The daemon has the scene's objects already");
+  app.footer(protocol::exit_code_help());
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::usage);
+  }
+  return static_cast<int>(run(options));
+}

@@ -1,0 +1,57 @@
+#include "server/event_sender.h"
+
+#include "protocol/request.h"
+#include "protocol/schema.h"
+#include "server/osc_codec.h"
+
+#include <vector>
+
+namespace ringdown::server {
+namespace {
+
+constexpr std::size_t kEventsPerPacket = 16;  // some 1,300 bytes: one Ethernet frame
+
+}  // namespace
+
+Result<EventSender> EventSender::open(const std::string& url) {
+  const auto target = parse_url(url);
+  if (!target) return fail(target.error());
+  const auto to = resolve(target->host, target->port);
+  if (!to) return fail(to.error());
+  // Bound to all interfaces' any port only when the target is outside this machine.
+  auto bound = OscSocket::bind({.address = to->address >> 24 == 127 ? to->address : 0, .port = 0});
+  if (!bound) return fail(bound.error());
+  return EventSender(std::move(*bound), *to);
+}
+
+std::size_t EventSender::send(std::span<const protocol::Event> events, const NameOf& name,
+                              const UnixTimeOf& unix_time) {
+  std::size_t lost = 0;
+  while (!events.empty()) {
+    std::vector<protocol::Message> messages;
+    const protocol::Frame frame = events.front().frame;
+    while (!events.empty() && events.front().frame == frame && messages.size() < kEventsPerPacket) {
+      const protocol::Event& event = events.front();
+      messages.push_back(protocol::format(protocol::request_for(event, {.name = name(event.object)})));
+      events = events.subspan(1);
+    }
+    const auto packet = encode_bundle(time_tag(unix_time(frame)), messages);
+    if (!socket_.send_to(to_, packet)) lost += messages.size();
+  }
+  return lost;
+}
+
+std::size_t EventSender::send(std::span<const scene::Leaning> leanings, const NameOf& name,
+                              const UnixTimeOf& unix_time) {
+  std::size_t lost = 0;
+  for (const scene::Leaning& leaning : leanings) {
+    std::vector<protocol::Message> messages;
+    for (const protocol::Hold& hold : scene::holds_for(leaning, {.name = name(leaning.object)})) {
+      messages.push_back(protocol::format(hold));
+    }
+    lost += !socket_.send_to(to_, encode_bundle(time_tag(unix_time(leaning.frame)), messages));
+  }
+  return lost;
+}
+
+}  // namespace ringdown::server
