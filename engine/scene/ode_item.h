@@ -19,6 +19,8 @@ struct BodyDeleter {
 struct Item {
   BodyId id = 0;
   Surface surface;
+  double mass_kg = 0;  // of a body, as is the next, in its frame [1/(kg m^2)]
+  Matrix3 inverse_inertia{};
   double inner_radius_m = 0;                  // of a ball inside it; infinite for a plane
   bool round = false;                         // a sphere
   bool was_awake = false;                     // before the step
@@ -30,6 +32,15 @@ struct Item {
   [[nodiscard]] Motion motion() const;  // a static stays at the origin
   void move(const Motion& motion);      // wakes it
   void set_mass(const RigidMass& mass);
+
+  // All that a step changes of a body.
+  struct State {
+    Motion motion;
+    Vec3 force_n, torque_nm;
+    bool awake = false;
+  };
+  [[nodiscard]] State state() const;
+  void restore(const State& state);
 };
 
 // Of a ball about the centre of mass that the shape encloses; of a trimesh or a hull to the plane of its nearest face.
