@@ -64,6 +64,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   if (!world) return fail(path.string() + ": " + world.error().message);
 
   const std::scoped_lock lock(mutex_);
+  end_contacts();
   world_ = std::move(*world);
   world_->set_sample_rate(mixer.sample_rate_hz());  // it may have changed since
   world_->set_start_frame(start_ = frame);
@@ -99,7 +100,7 @@ Result<scene::BodyId> ScenePlayer::spawn(protocol::SpawnSphere sphere) { return 
 Result<void> ScenePlayer::clear() {
   const std::scoped_lock lock(mutex_);
   if (!world_) return no_scene();
-  world_->clear();
+  end_contacts();
   playing_.cleared = true;
   body_count_ = 0;
   return {};
@@ -128,9 +129,18 @@ void ScenePlayer::object_freed(protocol::ObjectNumber number) {
 void ScenePlayer::advance_to(Frame frame, Frame slack) {
   const std::scoped_lock lock(mutex_);
   if (!world_) return;
-  if (playing_.paused || body_count_ == 0) return move_start(frame - told_until());
+  if (playing_.paused || !matters()) return move_start(frame - told_until());
   move_start(frame - told_until() - slack);
-  while (told_until() < frame && body_count_ > 0) take(world_->step());
+  while (told_until() < frame && matters()) take(world_->step());
+}
+
+bool ScenePlayer::matters() const { return world_->telling() || (body_count_ > 0 && (watched_ || world_->sounds())); }
+
+// No body, no contact: what is being told of would otherwise sound on until it times out.
+void ScenePlayer::end_contacts() {
+  if (!world_) return;
+  world_->clear();
+  while (world_->telling()) take(world_->step());
 }
 
 void ScenePlayer::change_sample_rate(double sample_rate_hz) {

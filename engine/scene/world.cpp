@@ -314,6 +314,12 @@ StepReport World::step() {
   return {w.events, w.notices, w.dropped_events, w.dropped_contacts};
 }
 
+bool World::sounds() const {
+  return std::ranges::any_of(impl_->bodies, [](const auto& entry) { return entry.second.object.has_value(); });
+}
+
+bool World::telling() const { return impl_->sounding.telling(); }
+
 double World::time_s() const { return impl_->time_s(); }
 double World::step_s() const { return impl_->step_s; }
 

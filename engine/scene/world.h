@@ -90,6 +90,12 @@ class World {
   // removed, and a notice says so. While all bodies sleep a step costs nothing.
   StepReport step();
 
+  // Whether a body is there, or to come, that sounds: without one no step makes an event, but for contacts to be ended.
+  [[nodiscard]] bool sounds() const;
+
+  // Whether a contact that lasts has been told of and not its end. Without bodies the next few steps end all.
+  [[nodiscard]] bool telling() const;
+
   [[nodiscard]] double time_s() const;  // step_s() times the steps so far
   [[nodiscard]] double step_s() const;
 
