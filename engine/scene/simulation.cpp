@@ -175,7 +175,7 @@ void Simulation::Ode::collide(dxGeom* first, dxGeom* second) {
   const Item* a = static_cast<const Item*>(dGeomGetData(first));
   const Item* b = static_cast<const Item*>(dGeomGetData(second));
   if (!a->awake() && !b->awake()) return;
-  const std::span<dContactGeom> points = find_contacts(first, second, found);
+  const std::span<dContactGeom> points = find_contacts(first, second, found, part_s);
   const bool swap = !a->movable();  // a joint's first body must be one that moves
   for (dContactGeom geom : points) {
     if (swap) {
