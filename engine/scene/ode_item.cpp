@@ -63,6 +63,7 @@ void Item::set_mass(const RigidMass& rigid) {
   dMassSetParameters(&mass, rigid.mass_kg, 0, 0, 0, i[0][0], i[1][1], i[2][2], i[0][1], i[0][2], i[1][2]);
   dBodySetMass(body.get(), &mass);
   mass_kg = rigid.mass_kg;
+  inertia = i;
   inverse_inertia = inverse(i);
 }
 

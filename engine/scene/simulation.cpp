@@ -1,6 +1,7 @@
 #include "engine/scene/simulation.h"
 
 #include "engine/scene/ode_contacts.h"
+#include "engine/scene/ode_energy.h"
 #include "engine/scene/ode_item.h"
 #include "engine/scene/ode_joint.h"
 #include "engine/scene/ode_rolling.h"
@@ -76,6 +77,12 @@ int iterations(std::size_t contacts) {
 // Pushing overlapping bodies apart faster than this would make a bounce, and energy, out of nothing.
 constexpr double kFastestCorrection_m_s = 0.02;
 
+// What contacts may make of energy in a step, as a share of what there is: rounding errors, and those of the solvers.
+constexpr double kGain = 1e-3, kGainByIteration = 1e-2;
+
+// What lies on something stays this deep in it: parted by a rounding error it would fall, and come in again.
+constexpr double kLayer_m = 2e-5;
+
 Vec3 to_vec3(const dReal* v) { return {v[0], v[1], v[2]}; }
 
 // What falls is stopped too deep by what it went on to fall after it had touched: faster than it touched, and with a
@@ -115,11 +122,13 @@ struct Joint {
 struct Simulation::Ode {
   explicit Ode(const SceneDescription& scene);
   void collide(dxGeom* first, dxGeom* second);
-  void add_contact(const Item& body, const Item& other, dContactGeom geom);
+  void add_contact(Item& body, Item& other, dContactGeom geom);
   [[nodiscard]] Landing land(const Item& other, double restitution, double approach_m_s,
                              const dContactGeom& geom) const;
   void find_touches();
+  [[nodiscard]] double pushed(double depth_m) const;
   void do_part();
+  void move_all(std::size_t first_touch);
   [[nodiscard]] bool solve_exactly();
   void solve_by_iteration(std::size_t contacts_now);
   [[nodiscard]] double next_part(double rest_s);
@@ -142,11 +151,12 @@ struct Simulation::Ode {
   std::vector<Touch> touches;
   std::vector<dJointFeedback> feedback{kMostContactsPerStep};              // of the touch of the same number, as are
   std::vector<double> shares = std::vector<double>(kMostContactsPerStep);  // of their impulses
-  Loads loads;                                                             // of the part before
+  EnergyLedger ledger;
+  Loads loads;  // of the part before
   std::vector<Moved> moved;
   std::size_t dropped = 0, most_exact;
-  bool asleep = false;
-  std::vector<std::pair<Item*, Item::State>> before;
+  bool asleep = false, exact = false;
+  std::vector<std::pair<Item*, Item::State>> before;  // the part's motion
 };
 
 Simulation::Ode::Ode(const SceneDescription& scene)
@@ -159,6 +169,7 @@ Simulation::Ode::Ode(const SceneDescription& scene)
       most_exact(most_exact_contacts(scene.step_s)) {
   dWorldSetGravity(world.get(), scene.gravity_m_s2.x, scene.gravity_m_s2.y, scene.gravity_m_s2.z);
   dWorldSetContactMaxCorrectingVel(world.get(), kFastestCorrection_m_s);
+  dWorldSetContactSurfaceLayer(world.get(), kLayer_m);
   dWorldSetMaxAngularSpeed(world.get(), 2 * range::kSpin_rad_s.high);
   dWorldSetAutoDisableFlag(world.get(), 1);
   dWorldSetAutoDisableTime(world.get(), kSleepAfter_s);
@@ -172,8 +183,8 @@ Simulation::Ode::Ode(const SceneDescription& scene)
 }
 
 void Simulation::Ode::collide(dxGeom* first, dxGeom* second) {
-  const Item* a = static_cast<const Item*>(dGeomGetData(first));
-  const Item* b = static_cast<const Item*>(dGeomGetData(second));
+  Item* a = static_cast<Item*>(dGeomGetData(first));
+  Item* b = static_cast<Item*>(dGeomGetData(second));
   if (!a->awake() && !b->awake()) return;
   const std::span<dContactGeom> points = find_contacts(first, second, found, part_s);
   const bool swap = !a->movable();  // a joint's first body must be one that moves
@@ -192,19 +203,24 @@ void Simulation::Ode::collide(dxGeom* first, dxGeom* second) {
   resist_rolling(body, other, touch.point_m, touch.normal, most_nm, gravity_m_s2, part_s);
 }
 
+// How fast what is so deep in another is to be moved out.
+double Simulation::Ode::pushed(double depth_m) const {
+  const double out_m_s = dWorldGetERP(world.get()) * std::max(depth_m - kLayer_m, 0.0) / part_s;
+  return std::min(out_m_s, kFastestCorrection_m_s);
+}
+
 // Only what has come in within one part, against what does not fall along.
 Landing Simulation::Ode::land(const Item& other, double restitution, double approach_m_s,
                               const dContactGeom& geom) const {
   const bool lands = approach_m_s > bounce_threshold_m_s && geom.depth <= approach_m_s * part_s;
   if (other.movable() || !lands) return {restitution, approach_m_s};
   const double fall_m_s2 = -dot(gravity_m_s2, to_vec3(geom.normal));
-  const double pushed_m_s = std::min(dWorldGetERP(world.get()) * geom.depth / part_s, kFastestCorrection_m_s);
-  return landing(restitution, approach_m_s, fall_m_s2, geom.depth, part_s, bounce_threshold_m_s, pushed_m_s);
+  return landing(restitution, approach_m_s, fall_m_s2, geom.depth, part_s, bounce_threshold_m_s, pushed(geom.depth));
 }
 
 // The normal points into `body`. Friction acts along two directions, each up to its limit: with the first along the
 // sliding (or the rolling) they obey Coulomb's cone.
-void Simulation::Ode::add_contact(const Item& body, const Item& other, dContactGeom geom) {
+void Simulation::Ode::add_contact(Item& body, Item& other, dContactGeom geom) {
   if (touches.size() == kMostContactsPerStep) {
     ++dropped;
     return;
@@ -212,7 +228,8 @@ void Simulation::Ode::add_contact(const Item& body, const Item& other, dContactG
   const Motion of_body = body.motion(), of_other = other.motion();
   const Vec3 point = to_vec3(geom.pos), normal = to_vec3(geom.normal);
   const Vec3 approach = of_other.velocity_at(point) - of_body.velocity_at(point);
-  const SurfacePair surface = combine(body.surface, other.surface);
+  SurfacePair surface = combine(body.surface, other.surface);
+  if (!body.elastic || !other.elastic) surface.restitution = 0;
   dContact contact{};
   contact.geom = geom;
   contact.surface.mode = dContactBounce | dContactApprox1;
@@ -230,6 +247,9 @@ void Simulation::Ode::add_contact(const Item& body, const Item& other, dContactG
   dJointAttach(joint, body.body.get(), other.body.get());
   dJointSetFeedback(joint, &feedback[touches.size()]);
   shares[touches.size()] = lands.share;
+  const double approach_m_s = dot(approach, normal), pushed_m_s = pushed(geom.depth);
+  const double leaves_m_s = approach_m_s > bounce_threshold_m_s ? lands.bounce * approach_m_s : 0;
+  ledger.unite(body, other, pushed_m_s > leaves_m_s ? pushed_m_s : 0);
   touches.push_back({body.id, other.id, point, normal, geom.depth, {}, lands.approach_m_s, found_s, of_body, of_other});
 }
 
@@ -260,10 +280,6 @@ void Simulation::Ode::find_touches() {
 
 // Or leaves everything as it was.
 bool Simulation::Ode::solve_exactly() {
-  before.clear();
-  for (auto& [id, item] : items) {
-    if (item.movable()) before.emplace_back(&item, item.state());
-  }
   complaints_of_ode = 0;
   dWorldStep(world.get(), part_s);
   if (complaints_of_ode == 0) return true;
@@ -278,20 +294,41 @@ void Simulation::Ode::solve_by_iteration(std::size_t contacts_now) {
   dWorldQuickStep(world.get(), part_s);
 }
 
-// One part of a step, from contacts to motion.
+// From contacts to motion.
+void Simulation::Ode::move_all(std::size_t first_touch) {
+  ledger.open(items);
+  for (const Joint& joint : joints) ledger.exempt(items.at(joint.kept.body));
+  find_touches();
+  before.clear();
+  for (auto& [id, item] : items) {
+    if (item.movable()) before.emplace_back(&item, item.state());
+  }
+  const std::size_t count = touches.size() - first_touch;
+  exact = count <= most_exact && solve_exactly();
+  if (!exact) solve_by_iteration(count);
+  for (std::size_t k = first_touch; k < touches.size(); ++k) touches[k].impulse_ns = part_s * to_vec3(feedback[k].f1);
+}
+
+// One part of a step. What gained energy is done again, without a bounce.
 void Simulation::Ode::do_part() {
-  const std::size_t first = touches.size();
+  const std::size_t first = touches.size(), dropped_before = dropped;
   const SoftConstraint soft = soft_constraint(spring_n_m, damper_ns_m, part_s);
   dWorldSetERP(world.get(), soft.erp);
   dWorldSetCFM(world.get(), soft.cfm);
-  find_touches();
-  const std::size_t count = touches.size() - first;
-  if (count > most_exact || !solve_exactly()) solve_by_iteration(count);
-  ++parts;
-  for (std::size_t k = first; k < touches.size(); ++k) {
-    touches[k].impulse_ns = shares[k] * part_s * to_vec3(feedback[k].f1);
+  for (auto& [id, item] : items) item.elastic = true;
+  move_all(first);
+  const auto now = [&] { return std::span<const Touch>(touches).subspan(first); };
+  if (!now().empty() && ledger.close(items, now(), part_s, gravity_m_s2, exact ? kGain : kGainByIteration)) {
+    for (const auto& [item, state] : before) item->restore(state);
+    for (const auto& [item, state] : before) dBodySetTorque(item->body.get(), 0, 0, 0);  // of rolling
+    dJointGroupEmpty(contacts.get());
+    touches.resize(first);
+    dropped = dropped_before;
+    move_all(first);
   }
-  loads.note(std::span(touches).subspan(first), part_s);
+  ++parts;
+  for (std::size_t k = first; k < touches.size(); ++k) touches[k].impulse_ns = shares[k] * touches[k].impulse_ns;
+  loads.note(now(), part_s);
   dJointGroupEmpty(contacts.get());
 }
 

@@ -259,6 +259,84 @@ TEST(Stability, EnergyNeverGrowsInAClosedSceneWithoutForces) {
   }
 }
 
+// Blocks of 1 kg as boxes, hulls and meshes.
+constexpr Vec3 kBlock{0.16, 0.1, 0.05}, kBlockMoments{0.0125 / 12, 0.0281 / 12, 0.0356 / 12};
+
+double kinetic_energy_of_blocks(const World& world) {
+  double energy = 0;
+  for (const BodyState& block : world.bodies()) {
+    const Vec3 w = transpose(to_matrix(block.rotation)) * block.spin_rad_s;
+    energy += 0.5 * (dot(block.velocity_m_s, block.velocity_m_s) + kBlockMoments.x * w.x * w.x +
+                     kBlockMoments.y * w.y * w.y + kBlockMoments.z * w.z * w.z);
+  }
+  return energy;
+}
+
+SceneDescription flying_blocks(ShapeType one, ShapeType other, double restitution, double friction) {
+  std::vector<BodyDescription> bodies;
+  for (int k = 0; k < 12; ++k) {
+    const Vec3 place{0.25 * (k % 3) - 0.25, 0.25 * (k / 3 % 2), 0.25 * (k / 6)};
+    bodies.push_back(body_of("b" + std::to_string(k), k % 2 ? one : other, place));
+    bodies.back().velocity_m_s = {2 * std::cos(2.0 * k), 2 * std::sin(2.0 * k), 2 * std::cos(5.0 * k)};
+    bodies.back().spin_rad_s = {5 * std::sin(3.0 * k), 0, 7};
+    bodies.back().surface.friction = friction;
+  }
+  SceneDescription scene = test::scene_of(bodies, restitution);
+  scene.gravity_m_s2 = {};
+  StaticDescription wall = scene.statics.front();
+  wall.surface.friction = friction;
+  wall.offset_m = -0.6;
+  scene.statics.clear();
+  for (const Vec3 normal : {Vec3{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
+    wall.name = "wall" + std::to_string(scene.statics.size());
+    wall.normal = normal;
+    scene.statics.push_back(wall);
+  }
+  return scene;
+}
+
+std::vector<SoundingObject> blocks(int count) {
+  std::vector<SoundingObject> objects;
+  for (int k = 0; k < count; ++k) {
+    objects.push_back(sounding("b" + std::to_string(k), static_cast<std::uint32_t>(k), box_bank(kBlock, 1)));
+  }
+  return objects;
+}
+
+TEST(Stability, EnergyNeverGrowsAmongBodiesOfEveryShape) {
+  for (const ShapeType one : {ShapeType::box, ShapeType::convex, ShapeType::trimesh}) {
+    for (const ShapeType other : {ShapeType::convex, ShapeType::trimesh}) {
+      for (const double friction : {0.0, 0.5}) {
+        World world = world_of(flying_blocks(one, other, 1, friction), blocks(12));
+        const double start = kinetic_energy_of_blocks(world);
+        double last = start;
+        while (world.time_s() < (is_long() ? 60 : 5)) {
+          world.step();
+          const double now = kinetic_energy_of_blocks(world);
+          ASSERT_LE(now, 1.005 * last) << "at " << world.time_s() << " s, shapes " << static_cast<int>(one) << " and "
+                                       << static_cast<int>(other) << ", friction " << friction;
+          last = now;
+        }
+      }
+    }
+  }
+}
+
+TEST(Stability, StacksOfHullsAndOfMeshesStandInSilence) {
+  for (const ShapeType shape : {ShapeType::box, ShapeType::convex, ShapeType::trimesh}) {
+    SCOPED_TRACE(static_cast<int>(shape));
+    std::vector<BodyDescription> bodies;
+    for (int k = 0; k < 6; ++k) {
+      bodies.push_back(body_of("b" + std::to_string(k), shape, {0.003 * (k % 3), 0.002 * (k % 2), 0.026 + 0.055 * k}));
+    }
+    World world = world_of(test::scene_of(bodies, 0.4), blocks(6));
+    settle(world, 4);
+    EXPECT_EQ(fastest(world), 0) << "it sleeps";
+    EXPECT_TRUE(test::run_all(world, 3).empty());
+    EXPECT_NEAR(world.bodies().back().position_m.z, 0.025 + 5 * 0.05, 0.002) << "it stands";
+  }
+}
+
 TEST(Stability, AFallNeverGainsEnergy) {
   // With gravity: the height of a bouncing body's peaks never grows.
   BodyDescription body = box("b", {0.1, 0.06, 0.03}, {0, 0, 0.5});
