@@ -76,6 +76,7 @@ void Notifier::unsubscribe(Peer peer) {
 void Notifier::count_subscribers() {
   count_ = subscribers_.size();
   session_.rack().mixer().watch_objects(!subscribers_.empty());
+  session_.scene().set_watched(!subscribers_.empty());
 }
 
 void Notifier::heard_from(Peer peer) {

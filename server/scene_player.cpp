@@ -61,7 +61,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   std::vector<scene::Leaning> lifted;
   {
     const std::scoped_lock lock(mutex_);
-    lifted = lift_all();
+    lifted = end_contacts();
     world_ = std::move(*world);
     world_->set_sample_rate(mixer.sample_rate_hz());  // it may have changed since
     world_->set_start_frame(start_ = frame);
@@ -102,8 +102,7 @@ Result<void> ScenePlayer::clear() {
   {
     const std::scoped_lock lock(mutex_);
     if (!world_) return no_scene();
-    world_->clear();
-    lifted = lift_all();
+    lifted = end_contacts();
     playing_.cleared = true;
     body_count_ = 0;
   }
@@ -136,11 +135,31 @@ void ScenePlayer::advance_to(Frame frame, Frame slack) {
   {
     const std::scoped_lock lock(mutex_);
     if (!world_) return;
-    if (playing_.paused || body_count_ == 0) return move_start(frame - told_until());
+    if (playing_.paused || !matters()) return move_start(frame - told_until());
     move_start(frame - told_until() - slack);
-    while (told_until() < frame && body_count_ > 0) take(world_->step(), leanings);
+    while (told_until() < frame && matters()) take(world_->step(), leanings);
   }
   lean(leanings);
+}
+
+bool ScenePlayer::matters() const { return world_->telling() || (body_count_ > 0 && (watched_ || world_->sounds())); }
+
+// No body, no contact: what is being told of would otherwise sound on until it times out, and what rests would damp on.
+std::vector<scene::Leaning> ScenePlayer::end_contacts() {
+  std::vector<scene::Leaning> leanings;
+  if (!world_) return leanings;
+  world_->clear();
+  while (world_->telling()) take(world_->step(), leanings);
+  leanings.clear();
+  scene::Leaning nothing;
+  for (std::uint32_t number = protocol::kFirstSceneTouch; number < protocol::kMostTouches; ++number) {
+    nothing.touches[number] = {};
+  }
+  for (const protocol::ObjectNumber object : std::exchange(leaned_on_, {})) {
+    nothing.object = object;
+    leanings.push_back(nothing);
+  }
+  return leanings;
 }
 
 void ScenePlayer::change_sample_rate(double sample_rate_hz) {
@@ -178,19 +197,6 @@ void ScenePlayer::lean(const std::vector<scene::Leaning>& leanings) {
       ++dropped_;
     }
   }
-}
-
-std::vector<scene::Leaning> ScenePlayer::lift_all() {
-  scene::Leaning nothing;
-  for (std::uint32_t number = protocol::kFirstSceneTouch; number < protocol::kMostTouches; ++number) {
-    nothing.touches[number] = {};
-  }
-  std::vector<scene::Leaning> all;
-  for (const protocol::ObjectNumber object : std::exchange(leaned_on_, {})) {
-    nothing.object = object;
-    all.push_back(nothing);
-  }
-  return all;
 }
 
 void ScenePlayer::take(const scene::StepReport& report, std::vector<scene::Leaning>& leanings) {

@@ -53,14 +53,16 @@ class ScenePlayer {
   void object_freed(protocol::ObjectNumber number);
 
   // Steps the world until its time has passed `frame`. When it is more than `slack` frames behind, it skips the
-  // difference instead of bunching strikes: the scene then runs slowly. A paused or empty scene is not stepped. [scene]
+  // difference instead of bunching strikes: the scene then runs slowly. A paused scene is not stepped, nor one in which
+  // nothing can sound and that nobody watches: it waits. [scene]
   void advance_to(protocol::Frame frame, protocol::Frame slack);
 
   // Goes on at another sample rate, and the rack with it: what is to come stays as many seconds ahead as it was.
   // [any thread, while nothing is rendered]
   void change_sample_rate(double sample_rate_hz);
 
-  [[nodiscard]] std::vector<scene::BodyState> bodies();  // where they are now [any but audio]
+  [[nodiscard]] std::vector<scene::BodyState> bodies();   // where they are now [any but audio]
+  void set_watched(bool watched) { watched_ = watched; }  // whether somebody follows the bodies [any]
 
   // What is played: the file, and what was done to it. Nothing when there is no scene. [any but audio]
   struct Playing {
@@ -81,7 +83,8 @@ class ScenePlayer {
   [[nodiscard]] protocol::Frame told_until() const;  // no event to come lies before it
   void move_start(protocol::Frame later);
   void take(const scene::StepReport& report, std::vector<scene::Leaning>& leanings);
-  [[nodiscard]] std::vector<scene::Leaning> lift_all();
+  [[nodiscard]] bool matters() const;
+  [[nodiscard]] std::vector<scene::Leaning> end_contacts();
   void lean(const std::vector<scene::Leaning>& leanings);
 
   Rack& rack_;
@@ -92,6 +95,7 @@ class ScenePlayer {
   protocol::Frame start_ = 0;  // where scene time 0 lies
   Playing playing_;
   std::set<protocol::ObjectNumber> leaned_on_;  // what the scene's bodies rest on or against
+  std::atomic<bool> watched_ = false;
   std::atomic<std::size_t> body_count_ = 0;
   std::atomic<double> duration_s_ = 0;
   std::atomic<std::uint64_t> dropped_ = 0;

@@ -8,14 +8,6 @@ namespace {
 
 double compliance(const Elastic& solid) { return (1 - solid.poisson * solid.poisson) / solid.young_pa; }
 
-// v . I^-1 v by the adjugate of a symmetric matrix.
-double inverse_form(const Matrix3& m, Vec3 v) {
-  const Vec3 x{m[0][0], m[0][1], m[0][2]}, y{m[1][0], m[1][1], m[1][2]}, z{m[2][0], m[2][1], m[2][2]};
-  const Vec3 yz = cross(y, z), zx = cross(z, x), xy = cross(x, y);
-  const Vec3 solved = (1 / dot(x, yz)) * (v.x * yz + v.y * zx + v.z * xy);
-  return dot(v, solved);
-}
-
 }  // namespace
 
 double contact_modulus(const Elastic& a, const Elastic& b) { return 1 / (compliance(a) + compliance(b)); }
@@ -28,7 +20,8 @@ double relative_radius(const Curvature& a, const Curvature& b) {
 }
 
 double inverse_effective_mass(const RigidMass& mass, const Matrix3& to_world, Vec3 arm_m, Vec3 normal) {
-  return 1 / mass.mass_kg + inverse_form(mass.inertia_kg_m2, transpose(to_world) * cross(arm_m, normal));
+  const Vec3 turn = transpose(to_world) * cross(arm_m, normal);
+  return 1 / mass.mass_kg + dot(turn, inverse(mass.inertia_kg_m2) * turn);
 }
 
 double hertz_time(double inverse_mass, double radius_m, double modulus_pa, double approach_m_s) {

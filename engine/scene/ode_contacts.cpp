@@ -1,14 +1,17 @@
 #include "engine/scene/ode_contacts.h"
 
-#include "engine/base/vec3.h"
-#include "engine/scene/simulation.h"
+#include "engine/scene/ode_item.h"
 
 #include <ode/ode.h>
 
 #include <algorithm>
+#include <array>
 
 namespace ringdown::scene {
 namespace {
+
+// Meshes: normals that agree; and how far they lie in each other at rest.
+constexpr double kAgree = 0.7, kSunkIn_m = 1e-4;
 
 Vec3 to_vec3(const dReal* v) { return {v[0], v[1], v[2]}; }
 
@@ -56,11 +59,80 @@ int box_on_plane(dxGeom* box, dxGeom* plane, std::span<dContactGeom> found) {
   return count;
 }
 
-int find_all(dxGeom* first, dxGeom* second, std::span<dContactGeom> found) {
+Placed placed(dxGeom* geom) {
+  const dReal* r = dGeomGetRotation(geom);
+  const Matrix3 turn{{{r[0], r[1], r[2]}, {r[4], r[5], r[6]}, {r[8], r[9], r[10]}}};
+  return {static_cast<const Item*>(dGeomGetData(geom))->shape.faces, turn, to_vec3(dGeomGetPosition(geom))};
+}
+
+// ODE's one point of two hulls, or what their faces share there.
+int spread(std::span<dContactGeom> found) {
+  const dContactGeom one = found.front();
+  const FaceContact shared = share_of_faces(placed(one.g1), placed(one.g2), to_vec3(one.normal));
+  const std::size_t count = std::min(shared.points.size(), found.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto& [point, depth] = shared.points[k];
+    found[k] = one;
+    found[k].depth = depth;
+    for (int axis = 0; const double part : {point.x, point.y, point.z}) found[k].pos[axis++] = part;
+    for (int axis = 0; const double part : {shared.normal.x, shared.normal.y, shared.normal.z}) {
+      found[k].normal[axis++] = part;
+    }
+  }
+  return std::max(static_cast<int>(count), 1);
+}
+
+bool are_hulls(int one, int two) {
+  const bool solid = (one == dConvexClass || one == dBoxClass) && (two == dConvexClass || two == dBoxClass);
+  return solid && (one == dConvexClass || two == dConvexClass);  // of two boxes ODE finds all
+}
+
+Vec3 velocity_at(dxGeom* geom, const dReal* point) {
+  dxBody* body = dGeomGetBody(geom);
+  if (!body) return {};
+  dVector3 velocity;
+  dBodyGetPointVel(body, point[0], point[1], point[2], velocity);
+  return to_vec3(velocity);
+}
+
+// Where two meshes touch, ODE answers for every pair of triangles, each pushed out of the other's plane by its own
+// shortest way: of two plates on each other also sideways, by as much as they are wide. What is said to be that deep is
+// not so where close by, within that depth, less than half of it would do; nor where the bodies are hardly in each
+// other elsewhere, and too slow to have come in so far there.
+std::size_t keep_true(std::span<dContactGeom> found, double part_s) {
+  if (found.empty()) return 0;
+  const dContactGeom least = *std::ranges::min_element(found, {}, &dContactGeom::depth);
+  const auto is_false = [&](const dContactGeom& contact) {
+    const bool less_will_do = std::ranges::any_of(found, [&](const dContactGeom& better) {
+      const Vec3 way = to_vec3(better.pos) - to_vec3(contact.pos);
+      return better.depth < 0.5 * contact.depth && dot(way, way) <= contact.depth * contact.depth;
+    });
+    if (less_will_do) return true;
+    const Vec3 normal = to_vec3(contact.normal);
+    if (dot(normal, to_vec3(least.normal)) > kAgree) return false;
+    const Vec3 apart = velocity_at(contact.g1, contact.pos) - velocity_at(contact.g2, contact.pos);
+    const double came_in_m = 2 * part_s * std::max(-dot(apart, normal), 0.0);
+    return contact.depth > 2 * least.depth + kSunkIn_m + came_in_m;
+  };
+  std::array<bool, kMostContactsFound> out{};
+  for (std::size_t k = 0; k < found.size(); ++k) out[k] = is_false(found[k]);
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (!out[k]) found[kept++] = found[k];
+  }
+  return kept;
+}
+
+int find_all(dxGeom* first, dxGeom* second, std::span<dContactGeom> found, double part_s) {
   const int one = dGeomGetClass(first), two = dGeomGetClass(second);
   if (one == dBoxClass && two == dPlaneClass) return box_on_plane(first, second, found);
   if (one != dPlaneClass || two != dBoxClass) {
-    return dCollide(first, second, kMostContactsFound, found.data(), sizeof(dContactGeom));
+    const int count = dCollide(first, second, kMostContactsFound, found.data(), sizeof(dContactGeom));
+    if (count > 0 && are_hulls(one, two)) return spread(found);
+    if (one == dTriMeshClass && two == dTriMeshClass) {
+      return static_cast<int>(keep_true(found.first(static_cast<std::size_t>(count)), part_s));
+    }
+    return count;
   }
   const int count = box_on_plane(second, first, found);
   for (dContactGeom& contact : found.first(static_cast<std::size_t>(count))) {
@@ -72,8 +144,8 @@ int find_all(dxGeom* first, dxGeom* second, std::span<dContactGeom> found) {
 
 }  // namespace
 
-std::span<dContactGeom> find_contacts(dxGeom* first, dxGeom* second, std::span<dContactGeom> room) {
-  const auto found = room.first(static_cast<std::size_t>(find_all(first, second, room)));
+std::span<dContactGeom> find_contacts(dxGeom* first, dxGeom* second, std::span<dContactGeom> room, double part_s) {
+  const auto found = room.first(static_cast<std::size_t>(find_all(first, second, room, part_s)));
   return found.first(choose_contacts(found));
 }
 

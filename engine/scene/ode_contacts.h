@@ -12,7 +12,8 @@ namespace ringdown::scene {
 inline constexpr int kMostContactsFound = 256;
 
 // The contacts of the two, at most kMostContactsPerPair: the deepest, and those farthest from each other. The normal
-// points into the first. `room` holds kMostContactsFound.
-std::span<dContactGeom> find_contacts(dxGeom* first, dxGeom* second, std::span<dContactGeom> room);
+// points into the first. `room` holds kMostContactsFound. `part_s` is how long the two have moved since they
+// were looked at last. Both carry their Item as user data.
+std::span<dContactGeom> find_contacts(dxGeom* first, dxGeom* second, std::span<dContactGeom> room, double part_s);
 
 }  // namespace ringdown::scene

@@ -62,6 +62,20 @@ void Item::set_mass(const RigidMass& rigid) {
   dMass mass;
   dMassSetParameters(&mass, rigid.mass_kg, 0, 0, 0, i[0][0], i[1][1], i[2][2], i[0][1], i[0][2], i[1][2]);
   dBodySetMass(body.get(), &mass);
+  mass_kg = rigid.mass_kg;
+  inertia = i;
+  inverse_inertia = inverse(i);
+}
+
+Item::State Item::state() const {
+  return {motion(), to_vec3(dBodyGetForce(body.get())), to_vec3(dBodyGetTorque(body.get())), awake()};
+}
+
+void Item::restore(const State& state) {
+  move(state.motion);
+  dBodySetForce(body.get(), state.force_n.x, state.force_n.y, state.force_n.z);
+  dBodySetTorque(body.get(), state.torque_nm.x, state.torque_nm.y, state.torque_nm.z);
+  if (!state.awake) dBodyDisable(body.get());
 }
 
 double inner_radius(const CollisionShape& shape) {

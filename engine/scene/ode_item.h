@@ -15,11 +15,26 @@ struct BodyDeleter {
   void operator()(dxBody* body) const;
 };
 
+// What EnergyLedger (ode_energy.h) keeps of a body, and of the group it leads.
+struct Item;
+struct Account {
+  Item* leader = nullptr;
+  double before_j = 0;
+  Vec3 velocity_m_s;
+  bool exempt = false, touches = false;
+  bool group_exempt = false, group_touches = false;
+  double group_before_j = 0, gained_j = 0;
+};
+
 // A body, or a static without one. A geometry's user data points here.
 struct Item {
   BodyId id = 0;
   Surface surface;
-  double inner_radius_m = 0;                  // of a ball inside it; infinite for a plane
+  double mass_kg = 0;  // of a body, as is the next, in its frame [kg m^2]
+  Matrix3 inertia{}, inverse_inertia{};
+  double inner_radius_m = 0;  // of a ball inside it; infinite for a plane
+  bool elastic = true;        // its contacts may bounce
+  Account account;
   bool round = false;                         // a sphere
   bool was_awake = false;                     // before the step
   std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must go first
@@ -30,6 +45,15 @@ struct Item {
   [[nodiscard]] Motion motion() const;  // a static stays at the origin
   void move(const Motion& motion);      // wakes it
   void set_mass(const RigidMass& mass);
+
+  // All that a step changes of a body.
+  struct State {
+    Motion motion;
+    Vec3 force_n, torque_nm;
+    bool awake = false;
+  };
+  [[nodiscard]] State state() const;
+  void restore(const State& state);
 };
 
 // Of a ball about the centre of mass that the shape encloses; of a trimesh or a hull to the plane of its nearest face.

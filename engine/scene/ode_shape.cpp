@@ -22,6 +22,7 @@ void make_convex(dxSpace* space, const CollisionShape& shape, OdeShape& out) {
     out.planes.insert(out.planes.end(), {normal.x, normal.y, normal.z, dot(normal, shape.points[a])});
     out.indices.insert(out.indices.end(), {3, a, b, c});
   }
+  out.faces = flat_faces(shape.points, shape.triangles);
   out.geom.reset(dCreateConvex(space, out.planes.data(), static_cast<unsigned>(shape.triangles.size()),
                                out.points.data(), static_cast<unsigned>(shape.points.size()), out.indices.data()));
 }
@@ -49,6 +50,7 @@ OdeShape make_shape(dxSpace* space, const CollisionShape& shape) {
   switch (shape.type) {
     case ShapeType::box:
       out.geom.reset(dCreateBox(space, shape.size_m.x, shape.size_m.y, shape.size_m.z));
+      out.faces = box_faces(shape.size_m);
       break;
     case ShapeType::sphere:
       out.geom.reset(dCreateSphere(space, shape.radius_m));
@@ -74,6 +76,7 @@ OdeShape make_static(dxSpace* space, const StaticDescription& description) {
   const Vec3 size = description.size_m, position = description.position_m;
   const Rotation rotation = normalized(description.rotation);
   out.geom.reset(dCreateBox(space, size.x, size.y, size.z));
+  out.faces = box_faces(size);
   dGeomSetPosition(out.geom.get(), position.x, position.y, position.z);
   const dQuaternion q = {rotation.w, rotation.x, rotation.y, rotation.z};
   dGeomSetQuaternion(out.geom.get(), q);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/scene/description.h"
+#include "engine/scene/faces.h"
 #include "engine/scene/solid.h"
 
 #include <cstdint>
@@ -25,6 +26,7 @@ struct MeshDeleter {
 struct OdeShape {
   std::vector<double> points, planes;
   std::vector<std::uint32_t> indices;
+  std::vector<Face> faces;  // of a box or a hull, in the geometry's own frame
   std::unique_ptr<dxTriMeshData, MeshDeleter> mesh;
   std::unique_ptr<dxGeom, GeomDeleter> geom;
 };

@@ -29,6 +29,14 @@ inline Matrix3 transpose(const Matrix3& m) {
   return {{{m[0][0], m[1][0], m[2][0]}, {m[0][1], m[1][1], m[2][1]}, {m[0][2], m[1][2], m[2][2]}}};
 }
 
+// Of a symmetric matrix that has one, by its adjugate.
+inline Matrix3 inverse(const Matrix3& m) {
+  const Vec3 x{m[0][0], m[0][1], m[0][2]}, y{m[1][0], m[1][1], m[1][2]}, z{m[2][0], m[2][1], m[2][2]};
+  const Vec3 yz = cross(y, z), zx = cross(z, x), xy = cross(x, y);
+  const double k = 1 / dot(x, yz);
+  return {{{k * yz.x, k * yz.y, k * yz.z}, {k * zx.x, k * zx.y, k * zx.z}, {k * xy.x, k * xy.y, k * xy.z}}};
+}
+
 inline double norm(const Rotation& q) { return std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w); }
 
 // Of a quaternion whose norm is not zero.

@@ -89,9 +89,6 @@ class Simulation {
   // Contact points beyond kMostContactsPerStep, left out of the last step: their bodies sink in until others part.
   [[nodiscard]] std::size_t dropped_contacts() const;
 
-  // Whether the last step's constraints could not all be met: contacts and joints were then only roughly obeyed.
-  [[nodiscard]] bool gave_up() const;
-
  private:
   struct Ode;
   std::unique_ptr<Ode> ode_;

@@ -62,6 +62,9 @@ class Sounding {
   // No contact goes on: without touches there would be no events.
   [[nodiscard]] bool quiet() const { return lives_.size() == 0; }
 
+  // A contact has been told of that has not ended.
+  [[nodiscard]] bool telling() const { return !lines_.empty(); }
+
  private:
   // An object's number for a contact of its that is being told of.
   struct Line {

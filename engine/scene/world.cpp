@@ -59,6 +59,14 @@ bool is_real(const Motion& m) {
          within(m.spin_rad_s, range::kSpin_rad_s);
 }
 
+// As many equal parts as it takes; a rounding error more is no reason for another.
+int parts_of(double step_s) { return std::max(1, static_cast<int>(std::ceil(step_s / kLongestPart_s - 1e-9))); }
+
+SceneDescription with_step(SceneDescription scene, double step_s) {
+  scene.step_s = step_s;
+  return scene;
+}
+
 struct WaitingJoint {
   BodyId body = 0;
   std::optional<BodyId> other;
@@ -69,9 +77,11 @@ struct WaitingJoint {
 
 struct World::Impl {
   Impl(const SceneDescription& scene, double rate)
-      : simulation(scene),
-        sounding(scene),
-        step_s(scene.step_s),
+      : step_s(scene.step_s),
+        parts(parts_of(scene.step_s)),
+        part_s(scene.step_s / parts),
+        simulation(with_step(scene, part_s)),
+        sounding(with_step(scene, part_s)),
         timeline{.sample_rate_hz = rate},
         gravity_m_s2(scene.gravity_m_s2),
         random(scene.seed) {
@@ -89,23 +99,29 @@ struct World::Impl {
   void join_those_in();
   void check_bodies();
   void remove(BodyId id);
-  [[nodiscard]] double time_s() const { return static_cast<double>(steps) * step_s; }
+  void do_part();
+  [[nodiscard]] double time_s() const { return static_cast<double>(steps) * step_s + part * part_s; }
 
+  double step_s;
+  int parts;  // of each step
+  double part_s;
   Simulation simulation;
   Sounding sounding;
-  double step_s;
   Timeline timeline;
   Vec3 gravity_m_s2;
   Random random;
   std::int64_t steps = 0;
+  int part = 0;  // of the step that is being done
   BodyId next_id = 0;
   std::map<BodyId, Body> bodies;
   double next_start_s = 0;  // no waiting body enters before
   std::vector<WaitingJoint> joints;
   std::vector<SoundingObject> objects;
   std::map<std::string, modal::MaterialScale> material_scale;
-  bool has_told_of_trouble = false;
+  std::vector<protocol::Event> events;
+  std::vector<Leaning> leanings;  // of the step, as are the next three
   std::vector<std::string> notices;
+  std::size_t dropped_events = 0, dropped_contacts = 0;
 };
 
 const SoundingObject* World::Impl::find(const protocol::ObjectRef& ref) const {
@@ -153,8 +169,8 @@ void World::Impl::let_in(double now_s) {
       next_start_s = std::min(next_start_s, body.description.start_s);
       continue;
     }
-    // A step moves by the velocity at its end. Begun half a step early, a fall lies on the true parabola.
-    if (!body.description.fixed) body.motion.velocity_m_s = body.motion.velocity_m_s - (0.5 * step_s) * gravity_m_s2;
+    // A part moves by the velocity at its end. Begun half a part early, a fall lies on the true parabola.
+    if (!body.description.fixed) body.motion.velocity_m_s = body.motion.velocity_m_s - (0.5 * part_s) * gravity_m_s2;
     put(id, body, *body.waiting);
     body.waiting.reset();
   }
@@ -274,29 +290,39 @@ void World::set_start_frame(protocol::Frame frame) { impl_->timeline.start = fra
 
 void World::set_sample_rate(double sample_rate_hz) { impl_->timeline.sample_rate_hz = sample_rate_hz; }
 
+// One part of a step: the whole of it, unless the step is long.
+void World::Impl::do_part() {
+  let_in(time_s());
+  const bool asleep = simulation.asleep();
+  if (asleep && sounding.quiet()) return;
+  const std::span<const Touch> touches = asleep ? std::span<const Touch>() : simulation.step();
+  const std::span<const Moved> moved = asleep ? std::span<const Moved>() : simulation.moved();
+  const std::span<const protocol::Event> heard = sounding.hear(touches, moved, time_s(), timeline);
+  events.insert(events.end(), heard.begin(), heard.end());
+  leanings.insert(leanings.end(), sounding.leanings().begin(), sounding.leanings().end());
+  dropped_events += sounding.dropped();
+  if (asleep) return;
+  dropped_contacts += simulation.dropped_contacts();
+  check_bodies();
+}
+
 StepReport World::step() {
   Impl& w = *impl_;
+  w.events.clear();
   w.notices.clear();
-  w.let_in(w.time_s());
-  const bool asleep = w.simulation.asleep();
-  if (asleep && w.sounding.quiet()) {
-    ++w.steps;
-    return {};
-  }
-  const std::span<const Touch> touches = asleep ? std::span<const Touch>() : w.simulation.step();
-  const std::span<const Moved> moved = asleep ? std::span<const Moved>() : w.simulation.moved();
-  const std::span<const protocol::Event> events = w.sounding.hear(touches, moved, w.time_s(), w.timeline);
+  w.leanings.clear();
+  w.dropped_events = w.dropped_contacts = 0;
+  for (w.part = 0; w.part < w.parts; ++w.part) w.do_part();
+  w.part = 0;
   ++w.steps;
-  if (asleep) return {events, w.sounding.leanings(), {}, w.sounding.dropped(), 0};
-  if (w.simulation.gave_up() && !std::exchange(w.has_told_of_trouble, true)) {
-    w.notices.emplace_back(
-        "contacts and joints hold each other in ways that cannot all be met, so some are only roughly "
-        "obeyed; simpler shapes or a smaller step_s help");
-  }
-  const std::size_t dropped_contacts = w.simulation.dropped_contacts();
-  w.check_bodies();
-  return {events, w.sounding.leanings(), w.notices, w.sounding.dropped(), dropped_contacts};
+  return {w.events, w.leanings, w.notices, w.dropped_events, w.dropped_contacts};
 }
+
+bool World::sounds() const {
+  return std::ranges::any_of(impl_->bodies, [](const auto& entry) { return entry.second.object.has_value(); });
+}
+
+bool World::telling() const { return impl_->sounding.telling(); }
 
 double World::time_s() const { return impl_->time_s(); }
 double World::step_s() const { return impl_->step_s; }

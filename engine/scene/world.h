@@ -33,6 +33,10 @@
 
 namespace ringdown::scene {
 
+// A longer step is done in equal parts no longer than this, as if the scene had that step: towers then stand and
+// bounces come out right at every step. A step is only how often a World reports.
+inline constexpr double kLongestPart_s = 1.0 / 480;
+
 inline constexpr int kMostResets = 3;  // a body that has to be reset more often is removed
 
 // An object as the mixer knows it: what a body named after it rings.
@@ -47,8 +51,8 @@ struct StepReport {
   std::span<const protocol::Event> strikes;  // and contacts that last; frames never fall, within and between steps
   std::span<const Leaning> leanings;         // objects on which something else lies than before
   std::span<const std::string> notices;      // sentences for the user: a body was reset, removed, ...
-  std::size_t dropped_strikes = 0;           // beyond kMostStrikesPerStep
-  std::size_t dropped_contacts = 0;          // beyond kMostContactsPerStep
+  std::size_t dropped_strikes = 0;           // beyond kMostStrikesPerStep in one part of the step
+  std::size_t dropped_contacts = 0;          // beyond kMostContactsPerStep in one part of it
 };
 
 // A body for a viewer or a test. The pose is that of the object's frame: a bank's mesh drawn with it is in place.
@@ -86,6 +90,12 @@ class World {
   // that has become unreal (not a number, too fast) goes back to its start at rest, one that has left the scene is
   // removed, and a notice says so. While all bodies sleep a step costs nothing.
   StepReport step();
+
+  // Whether a body is there, or to come, that sounds: without one no step makes an event, but for contacts to be ended.
+  [[nodiscard]] bool sounds() const;
+
+  // Whether a contact that lasts has been told of and not its end. Without bodies the next few steps end all.
+  [[nodiscard]] bool telling() const;
 
   [[nodiscard]] double time_s() const;  // step_s() times the steps so far
   [[nodiscard]] double step_s() const;

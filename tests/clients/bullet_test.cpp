@@ -113,12 +113,14 @@ TEST_P(SameDrop, FirstBouncesAreTheSameInBoth) {
   const double step_of_gravity_ns = drop.mass_kg * kG * drop.step_s;
   const auto ode = drop.in_ode(3), bullet = drop.in_bullet(3);
   const std::size_t bounces = drop.restitution == 0 ? 1 : 3;
+  // A step that finds a touch late by t has let the body in by v t, and it takes t/e to come out again.
+  const double late_s = drop.step_s * (1 + (bounces > 1 ? 1 / drop.restitution : 0));
   ASSERT_GE(ode.size(), bounces);
   ASSERT_GE(bullet.size(), bounces);
   EXPECT_NEAR(static_cast<double>(ode.size()), static_cast<double>(bullet.size()), 1);
   for (std::size_t k = 0; k < bounces; ++k) {
     const double strength = ode[k].impulse_ns.z;
-    EXPECT_NEAR(bullet[k].time_s, ode[k].time_s, 2 * drop.step_s) << k;
+    EXPECT_NEAR(bullet[k].time_s, ode[k].time_s, late_s) << k;
     EXPECT_NEAR(bullet[k].impulse_ns.z, strength, 0.02 * strength + step_of_gravity_ns) << k;
     ASSERT_EQ(bullet[k].points_m.size(), ode[k].points_m.size()) << k;
     for (const Vec3& point : bullet[k].points_m) EXPECT_LT(nearest(ode[k].points_m, point), 5e-4) << k;

@@ -62,6 +62,24 @@ INSTANTIATE_TEST_SUITE_P(Heights, DropTest,
                                          Drop{ShapeType::box, 5, 0.05, 0.2}, Drop{ShapeType::convex, 1, 0.5, 0.5},
                                          Drop{ShapeType::trimesh, 1, 0.5, 0.5}));
 
+TEST(Strike, ImpulseOfALandingIsThatOfTheClosedFormAtEveryStep) {
+  for (const double step_s : {1.0 / 30, 1.0 / 60, 1.0 / 120, 1.0 / 500, 1.0 / 2000}) {
+    for (const double height : {0.02, 0.1, 0.5}) {
+      for (const double e : {0.0, 0.3, 0.8}) {
+        SceneDescription scene = scene_of({body_of("a", ShapeType::box, {0, 0, 0.05 + height})}, e);
+        scene.step_s = step_s;
+        World world = world_of(scene, {sounding("a", 0, box_bank(kSize, 1))});
+        std::vector<Event> blow;
+        while (blow.empty() && world.time_s() < 1) blow = run(world, 0.5 * step_s);
+        std::erase_if(blow, [&](const Event& strike) { return strike.frame > blow.front().frame; });
+        const double expected = (1 + e) * std::sqrt(2 * 9.81 * height);
+        EXPECT_NEAR(test::total_impulse(blow, 0).z, expected, 0.005 * expected)
+            << "step " << step_s << ", from " << height << ", restitution " << e;
+      }
+    }
+  }
+}
+
 // Whole steps of a fall until one has strikes; the change of momentum in it that gravity did not make.
 double momentum_given(World& world, std::size_t body, double mass, std::vector<Event>& strikes) {
   for (;;) {

@@ -60,7 +60,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"lo/", {"server/"}, 1},
     {"httplib.h", {"server/"}, 1},
     {"btBullet", {"clients/bullet/"}, 1},
-    {"ode/", {"engine/scene/ode_", "engine/scene/simulation"}, 5},
+    {"ode/", {"engine/scene/ode_", "engine/scene/simulation"}, 6},
     {"Spectra/", {"engine/solve/"}, 1},
     {"cholmod.h", {"engine/solve/"}},
     {"suitesparse/", {"engine/solve/"}},

@@ -1,0 +1,73 @@
+#include "engine/scene/faces.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ringdown::scene {
+namespace {
+
+constexpr Matrix3 kStraight{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+TEST(Faces, OfABoxAreSixWhetherMadeOfTrianglesOrNot) {
+  std::vector<Vec3> points;
+  for (int k = 0; k < 8; ++k) points.push_back({k & 1 ? 1.0 : -1.0, k & 2 ? 2.0 : -2.0, k & 4 ? 3.0 : -3.0});
+  const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
+                                                               {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
+                                                               {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  for (const auto& faces : {flat_faces(points, triangles), box_faces({2, 4, 6})}) {
+    ASSERT_EQ(faces.size(), 6u);
+    for (const Face& face : faces) {
+      ASSERT_EQ(face.corners.size(), 4u);
+      for (std::size_t k = 0; k < 4; ++k) {
+        const Vec3 a = face.corners[k], b = face.corners[(k + 1) % 4], c = face.corners[(k + 2) % 4];
+        EXPECT_GT(dot(cross(b - a, c - b), face.normal), 0) << "counter-clockwise from outside";
+        EXPECT_GT(dot(face.normal, a), 0) << "outwards";
+      }
+    }
+  }
+}
+
+TEST(Faces, OfTwoBoxesShareTheRectangleWhereOneLiesOnTheOther) {
+  const auto faces = box_faces({2, 2, 2});
+  const Placed lower{faces, kStraight, {0, 0, 0}}, upper{faces, kStraight, {0.5, -0.25, 1.99}};
+  const FaceContact contact = share_of_faces(upper, lower, {0, 0, 1});
+  ASSERT_EQ(contact.points.size(), 4u);
+  double least_x = 9, most_x = -9, least_y = 9, most_y = -9;
+  for (const auto& [point, depth] : contact.points) {
+    EXPECT_NEAR(depth, 0.01, 1e-12);
+    EXPECT_NEAR(point.z, 0.995, 1e-12) << "half way";
+    least_x = std::min(least_x, point.x), most_x = std::max(most_x, point.x);
+    least_y = std::min(least_y, point.y), most_y = std::max(most_y, point.y);
+  }
+  EXPECT_NEAR(least_x, -0.5, 1e-12);
+  EXPECT_NEAR(most_x, 1, 1e-12);
+  EXPECT_NEAR(least_y, -1, 1e-12);
+  EXPECT_NEAR(most_y, 0.75, 1e-12);
+  EXPECT_NEAR(length(contact.normal - Vec3{0, 0, 1}), 0, 1e-12);
+}
+
+TEST(Faces, NormalPointsIntoTheFirstOfTheTwo) {
+  const auto faces = box_faces({2, 2, 2});
+  const Placed lower{faces, kStraight, {0, 0, 0}}, upper{faces, kStraight, {0.5, -0.25, 1.99}};
+  EXPECT_NEAR(share_of_faces(lower, upper, {0, 0, -1}).normal.z, -1, 1e-12);
+}
+
+TEST(Faces, TurnedByAnEighthShareAnOctagon) {
+  const auto faces = box_faces({2, 2, 2});
+  const Placed lower{faces, kStraight, {0, 0, 0}};
+  const Placed upper{faces, to_matrix(about({0, 0, 1}, std::acos(-1.0) / 4)), {0, 0, 1.999}};
+  const FaceContact contact = share_of_faces(upper, lower, {0, 0, 1});
+  EXPECT_EQ(contact.points.size(), 8u);
+}
+
+TEST(Faces, OnACornerOrAnEdgeShareNothing) {
+  const auto faces = box_faces({2, 2, 2});
+  const Placed lower{faces, kStraight, {0, 0, 0}};
+  const Placed upper{faces, to_matrix(about({0, 1, 0}, 0.6)), {1.9, 0, 1.9}};
+  EXPECT_TRUE(share_of_faces(upper, lower, (1 / std::sqrt(2.0)) * Vec3{1, 0, 1}).points.empty());
+}
+
+}  // namespace
+}  // namespace ringdown::scene

@@ -1,0 +1,136 @@
+// The embedded scene as the daemon runs it: what it sends when it ends, and when it need not run.
+#include "engine/modal/bank_file.h"
+#include "server/session.h"
+#include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <string>
+
+namespace ringdown::server {
+namespace {
+
+using protocol::Event;
+using protocol::EventType;
+
+// A box that slides over a floor for seconds.
+const std::string kSlider = R"(
+[[static]]
+name = "floor"
+shape = "plane"
+friction = 0.01
+[[body]]
+name = "box"
+size_m = [0.1, 0.1, 0.1]
+density_kg_m3 = 1000
+friction = 0.01
+restitution = 0
+position_m = [0, 0, 0.05]
+velocity_m_s = [2, 0, 0]
+)";
+const std::string kObject = "object = \"bell\"\n[[object]]\nname = \"bell\"\nbank = \"a.glb\"\n";
+
+class ScenePlayerTest : public testing::Test {
+ protected:
+  ScenePlayerTest() {
+    EXPECT_TRUE(modal::write_bank(test::single_mode_bank(440, 2), folder_ / "a.glb"));
+    session_.scene().send_to([this](const scene::StepReport& report) {
+      for (const Event& event : report.strikes) take(event);
+      return std::size_t{0};
+    });
+  }
+
+  void take(const Event& event) {
+    if (event.type != EventType::contact) return;
+    if (event.contact.force_n == Vec3{}) {
+      going_on_.erase(event.contact.number);
+      ++ends_;
+    } else {
+      going_on_[event.contact.number] = event;
+    }
+  }
+
+  void load(const std::string& scene) {
+    std::ofstream(folder_ / "scene.toml") << scene;
+    const auto loaded = session_.scene().load(folder_ / "scene.toml", now_);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+  }
+
+  void play(double seconds) {
+    now_ += static_cast<protocol::Frame>(48000 * seconds);
+    session_.scene().advance_to(now_, 48000);
+  }
+
+  double place() { return session_.scene().bodies().at(0).position_m.x; }
+
+  test::TemporaryFolder folder_;
+  Session session_{48000};
+  protocol::Frame now_ = 0;
+  std::map<std::uint32_t, Event> going_on_;
+  int ends_ = 0;
+};
+
+TEST_F(ScenePlayerTest, ClearingEndsTheContactsThatGoOn) {
+  load(kSlider + kObject);
+  play(0.2);
+  ASSERT_EQ(going_on_.size(), 1u);
+  ASSERT_TRUE(session_.scene().clear());
+  EXPECT_TRUE(going_on_.empty());
+  EXPECT_EQ(ends_, 1);
+}
+
+TEST_F(ScenePlayerTest, ClearingWhilePausedEndsThemToo) {
+  load(kSlider + kObject);
+  play(0.2);
+  ASSERT_TRUE(session_.scene().pause(true));
+  ASSERT_TRUE(session_.scene().clear());
+  EXPECT_TRUE(going_on_.empty());
+}
+
+TEST_F(ScenePlayerTest, AnotherSceneEndsTheContactsOfTheOneBefore) {
+  load(kSlider + kObject);
+  play(0.2);
+  ASSERT_EQ(going_on_.size(), 1u);
+  load(kSlider);
+  EXPECT_TRUE(going_on_.empty());
+}
+
+TEST_F(ScenePlayerTest, TheLastBodyThatLeavesEndsItsContacts) {
+  std::string scene = kSlider + kObject;
+  scene.replace(scene.find("[0, 0, 0.05]"), 12, "[999.8, 0, 0.05]");
+  load(scene);
+  play(0.05);
+  ASSERT_EQ(going_on_.size(), 1u);
+  play(0.3);
+  EXPECT_EQ(session_.scene().body_count(), 0u);
+  EXPECT_TRUE(going_on_.empty());
+}
+
+TEST_F(ScenePlayerTest, ASceneThatCannotSoundWaitsUntilItCanOrIsWatched) {
+  load(kSlider);
+  play(0.5);
+  EXPECT_EQ(place(), 0);
+  session_.scene().set_watched(true);
+  play(0.5);
+  const double seen = place();
+  EXPECT_NEAR(seen, 1, 0.05);
+  session_.scene().set_watched(false);
+  play(0.5);
+  EXPECT_EQ(place(), seen);
+  ASSERT_TRUE(session_.perform(protocol::LoadObject{"bell", (folder_ / "a.glb").string()}, now_));
+  protocol::SpawnSphere ball;
+  ball.object = protocol::ObjectRef{"bell", {}};
+  ball.radius_m = 0.02;
+  ball.density_kg_m3 = 2500;
+  ball.position_m = {0, 5, 1};
+  const auto spawned = session_.scene().spawn(ball);
+  ASSERT_TRUE(spawned) << spawned.error().message;
+  play(0.5);
+  EXPECT_NEAR(place(), seen + 1, 0.07);
+}
+
+}  // namespace
+}  // namespace ringdown::server
