@@ -60,9 +60,16 @@ struct Item {
 double inner_radius(const CollisionShape& shape);
 double inner_radius(const StaticDescription& description);
 
+// What looks ahead: a ray, and the box about all the rays of one body.
+struct Feelers {
+  Feelers();
+  std::unique_ptr<dxGeom, GeomDeleter> ray, sweep;
+};
+
 // How far ahead a body may be moved at once, at most `rest_s`. One that moves by less than its own thickness cannot get
-// lost in a plane, nor pass anything. For a faster one `ray` looks ahead from its centre: it may fly until it is in
-// there by half its inner radius. What touches already may turn it back, so it is to be looked at again soon.
-double free_flight(const Item& item, double rest_s, dxSpace* space, dxGeom* ray);
+// lost in a plane, nor pass anything. A faster one looks ahead along its way, from its middle and from two rings about
+// it as wide as the ball inside it: it may fly until it is in there by half of what is ahead on that line. What touches
+// already may turn it back, so it is to be looked at again soon.
+double free_flight(const Item& item, double rest_s, dxSpace* space, const Feelers& feelers);
 
 }  // namespace ringdown::scene

@@ -146,7 +146,7 @@ struct Simulation::Ode {
   std::unique_ptr<dxJointGroup, JointsDeleter> contacts{dJointGroupCreate(0)};
   std::map<BodyId, Item> items;  // ordered, so that the same scene is solved in the same order
   std::vector<Joint> joints;     // declared after the bodies, which must go last
-  OdeShape ray;
+  Feelers feelers;
   std::array<dContactGeom, kMostContactsFound> found{};
   std::vector<Touch> touches;
   std::vector<dJointFeedback> feedback{kMostContactsPerStep};              // of the touch of the same number, as are
@@ -178,7 +178,6 @@ Simulation::Ode::Ode(const SceneDescription& scene)
   dWorldSetAutoDisableLinearThreshold(world.get(), kSleepSpeed_m_s);
   dWorldSetAutoDisableAngularThreshold(world.get(), kSleepSpin_rad_s);
   dSpaceSetCleanup(space.get(), 0);
-  ray.geom.reset(dCreateRay(nullptr, 1));
   touches.reserve(kMostContactsPerStep);
 }
 
@@ -336,7 +335,7 @@ void Simulation::Ode::do_part() {
 double Simulation::Ode::next_part(double rest_s) {
   double free_s = rest_s;
   for (auto& [id, item] : items) {
-    if (item.awake()) free_s = std::min(free_s, free_flight(item, rest_s, space.get(), ray.geom.get()));
+    if (item.awake()) free_s = std::min(free_s, free_flight(item, rest_s, space.get(), feelers));
   }
   return free_s;
 }

@@ -259,8 +259,9 @@ std::uint32_t Sounding::free_number(protocol::ObjectNumber object) const {
       if (line && line->object == object) taken.push_back(line->number);
     }
   }
+  std::ranges::sort(taken);
   std::uint32_t number = 0;
-  while (std::ranges::count(taken, number) > 0) ++number;
+  for (const std::uint32_t other : taken) number += other == number;
   return number;
 }
 

@@ -176,6 +176,43 @@ TEST(Stability, BulletsDoNotFlyThroughPlates) {
   }
 }
 
+// A ball flies past the rim of a thin disc-like plate, or a fixed ball: how much of its width meets it?
+bool meets(double overlap, double speed, double step_s, bool plate, double turn) {
+  constexpr double kRadius = 0.004;
+  BodyDescription bullet = ball("bullet", kRadius, {-1.0013, 0, 1}, 7800);
+  bullet.velocity_m_s = {speed, 0, 0};
+  const double half = 0.05, far = half + (1 - 2 * overlap) * kRadius;  // from the target's middle to the bullet's
+  const Vec3 middle{0, far * std::cos(turn), 1 + far * std::sin(turn)};
+  BodyDescription target =
+      plate ? box("target", {0.002, 2 * half, 2 * half}, middle, 7800) : ball("target", half, middle);
+  target.rotation = about({1, 0, 0}, turn);
+  target.fixed = true;
+  SceneDescription scene = test::scene_of({bullet, target}, 0.5);
+  scene.gravity_m_s2 = {};
+  scene.step_s = step_s;
+  World world = world_of(scene, {});
+  while (world.time_s() < 2 / speed + 3 * step_s) world.step();
+  const Vec3 after = world.bodies()[0].velocity_m_s;
+  return after.x < 0.999 * speed;
+}
+
+TEST(Stability, BulletsMeetWhatIsOffTheirMiddle) {
+  for (const double step_s : kSteps) {
+    for (const double speed : {20.0, 100.0, 400.0}) {
+      for (const bool plate : {true, false}) {
+        for (const double overlap : {0.1, 0.3, 0.45}) {
+          for (const double turn : {0.0, 0.3, 1.1, 2.5, 4.0}) {
+            EXPECT_TRUE(meets(overlap, speed, step_s, plate, turn))
+                << overlap << " of its width, " << speed << " m/s, step " << step_s << ", turned by " << turn
+                << (plate ? ", plate" : ", ball");
+          }
+        }
+        EXPECT_FALSE(meets(-0.05, speed, step_s, plate, 0.3)) << "a miss is a miss";
+      }
+    }
+  }
+}
+
 TEST(Stability, ABulletsStrikeHasItsImpulseAndTimeAtEveryStep) {
   for (const double step_s : kSteps) {
     BodyDescription bullet = ball("bullet", 0.003, {-1, 0, 1}, 7800);
