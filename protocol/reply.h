@@ -38,6 +38,7 @@ struct StatusReply {  // /status.reply
   std::int32_t own_xruns = 0;
   std::int32_t hidden_modes = 0;
   std::int32_t shed = 0;
+  double slowed_s = 0;
 };
 struct VersionReply {  // /version.reply
   std::string program;

@@ -24,6 +24,7 @@ constexpr Quantity kTouchNumber{"", 0, kMostTouches - 1};
 constexpr Quantity kInput{"", 1, kMostInputs};
 constexpr Quantity kContactTime{"s", 0, 0.1};
 constexpr Quantity kGain{"", 0, 100};
+constexpr Quantity kLost{"s", 0, 1e9};
 constexpr Quantity kRamp{"s", 0, 60};
 constexpr Quantity kPan{"", -1, 1};
 constexpr Quantity kScale{"", 1e-3, 1e3};
@@ -296,7 +297,8 @@ std::vector<Row<Reply>> make_reply_rows() {
            integer<&StatusReply::hidden_modes>("hidden_modes", kCount,
                                                "How many modes that ring are left out: masked, or for want of time."),
            integer<&StatusReply::shed>(
-               "shed", kCount, "Times (128 frames or less each) something was left out or late for want of time.")}),
+               "shed", kCount, "Times (128 frames or less each) something was left out or late for want of time."),
+           number<&StatusReply::slowed_s>("slowed", kLost, "What the scene has lost because it could not keep up.")}),
       reply("/version.reply", VersionReply{"ringdownd", RINGDOWN_VERSION, kProtocolVersion}, "Which program this is.",
             {other<ValueType::any_text, &VersionReply::program>("program", "The program's name."),
              other<ValueType::any_text, &VersionReply::version>("version", "Its version."),

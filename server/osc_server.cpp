@@ -263,7 +263,8 @@ protocol::StatusReply OscServer::status() const {
           .misses = load.misses,
           .own_xruns = load.own_xruns,
           .hidden_modes = whole(mixer.hidden_modes.load()),
-          .shed = whole(mixer.shed.load())};
+          .shed = whole(mixer.shed.load()),
+          .slowed_s = parts_.session.scene().slowed_s()};
 }
 
 }  // namespace ringdown::server

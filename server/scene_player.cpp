@@ -20,6 +20,8 @@ scene::SoundingObject as_sounding(const RackObject& object) {
   return {object.name, object.number, {object.map, &object.map->bank()}};
 }
 
+constexpr double kComplainEvery_s = 0.5;  // that is lost
+
 tl::unexpected<Error> no_scene() { return fail("there is no scene; load one with /scene/load"); }
 
 }  // namespace
@@ -136,7 +138,7 @@ void ScenePlayer::advance_to(Frame frame, Frame slack) {
     const std::scoped_lock lock(mutex_);
     if (!world_) return;
     if (playing_.paused || !matters()) return move_start(frame - told_until());
-    move_start(frame - told_until() - slack);
+    slow_down(frame - told_until() - slack);
     while (told_until() < frame && matters()) take(world_->step(), leanings);
   }
   lean(leanings);
@@ -179,6 +181,19 @@ Frame ScenePlayer::position() const { return start_ + std::llround(world_->time_
 // A strike is found in the step after the one in which it happens.
 Frame ScenePlayer::told_until() const {
   return position() - std::llround(world_->step_s() * rack_.mixer().sample_rate_hz());
+}
+
+// It could not keep up: what it missed it does not make up for.
+void ScenePlayer::slow_down(Frame by) {
+  if (by <= 0) return;
+  const double rate = rack_.mixer().sample_rate_hz();
+  move_start(by);
+  slowed_s_ = slowed_s_ + static_cast<double>(by) / rate;
+  if (slowed_s_ < complained_s_ + kComplainEvery_s) return;
+  complained_s_ = slowed_s_;
+  spdlog::warn(
+      "scene: this computer cannot keep up with it, and it has lost {:.1f} s; fewer bodies or a longer step_s help",
+      slowed_s_.load());
 }
 
 void ScenePlayer::move_start(Frame later) {

@@ -75,6 +75,7 @@ class ScenePlayer {
     return duration_s_;
   }  // what the scene file is worth hearing; 0 without one
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+  [[nodiscard]] double slowed_s() const { return slowed_s_; }  // lost because it could not keep up
 
  private:
   template <class Body>
@@ -82,6 +83,7 @@ class ScenePlayer {
   [[nodiscard]] protocol::Frame position() const;
   [[nodiscard]] protocol::Frame told_until() const;  // no event to come lies before it
   void move_start(protocol::Frame later);
+  void slow_down(protocol::Frame by);
   void take(const scene::StepReport& report, std::vector<scene::Leaning>& leanings);
   [[nodiscard]] bool matters() const;
   [[nodiscard]] std::vector<scene::Leaning> end_contacts();
@@ -99,6 +101,8 @@ class ScenePlayer {
   std::atomic<std::size_t> body_count_ = 0;
   std::atomic<double> duration_s_ = 0;
   std::atomic<std::uint64_t> dropped_ = 0;
+  std::atomic<double> slowed_s_ = 0;
+  double complained_s_ = 0;
 };
 
 }  // namespace ringdown::server

@@ -73,6 +73,16 @@ class ScenePlayerTest : public testing::Test {
   int ends_ = 0;
 };
 
+TEST_F(ScenePlayerTest, ASceneThatCannotKeepUpLosesTimeAndSaysHowMuch) {
+  load(kSlider + kObject);
+  play(0.5);
+  EXPECT_EQ(session_.scene().slowed_s(), 0);
+  const double before = place();
+  play(5);  // at once: all but the second of slack is lost
+  EXPECT_NEAR(session_.scene().slowed_s(), 4, 0.05);
+  EXPECT_NEAR(place(), before + 2 * 1, 0.1);
+}
+
 TEST_F(ScenePlayerTest, ClearingEndsTheContactsThatGoOn) {
   load(kSlider + kObject);
   play(0.2);
