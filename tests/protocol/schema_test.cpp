@@ -108,8 +108,8 @@ TEST(Schema, AnUnknownAddressSuggestsTheNearestOne) {
 TEST(Schema, RepliesRoundTripInTypesPureDataKnows) {
   const StatusReply status{4, 1, 220, 6, 48000, 256, 0.25, 0.5, 7, 8, 9, 10, 0.375, 11, 12, 13, 14, 0.5};
   const Message message = format(Reply(status));
-  EXPECT_EQ(message,
-            (Message{"/status.reply", {4, 1, 220, 6, 48000.f, 256, 0.25f, 0.5f, 7, 8, 9, 10, 0.375f, 11, 12, 13, 14, 0.5f}}));
+  EXPECT_EQ(message, (Message{"/status.reply",
+                              {4, 1, 220, 6, 48000.f, 256, 0.25f, 0.5f, 7, 8, 9, 10, 0.375f, 11, 12, 13, 14, 0.5f}}));
   for (const Reply& reply :
        {Reply(Done{"/load", 3}), Reply(Done{"/quit", std::nullopt}), Reply(Fail{"/load", "why"}), Reply(status),
         Reply(VersionReply{"ringdownd", "0.1.0", 1}), Reply(Synced{-5}), Reply(Fail{"", "two\nlines"}),
