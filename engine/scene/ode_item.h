@@ -15,14 +15,15 @@ struct BodyDeleter {
   void operator()(dxBody* body) const;
 };
 
-// What EnergyLedger (ode_energy.h) keeps of a body, and of the group it leads.
+// What Groups (ode_groups.h) notes of a body, and of the group it leads.
 struct Item;
 struct Account {
-  Item* leader = nullptr;
+  Item* leader = nullptr;  // none: it is in no group
   double before_j = 0;
   Vec3 velocity_m_s;
-  bool exempt = false, touches = false;
-  bool group_exempt = false, group_touches = false;
+  bool exempt = false;
+  bool group_exempt = false;
+  std::size_t group_contacts = 0;
   double group_before_j = 0, gained_j = 0;
 };
 

@@ -1,7 +1,7 @@
 #include "engine/scene/simulation.h"
 
 #include "engine/scene/ode_contacts.h"
-#include "engine/scene/ode_energy.h"
+#include "engine/scene/ode_groups.h"
 #include "engine/scene/ode_item.h"
 #include "engine/scene/ode_joint.h"
 #include "engine/scene/ode_rolling.h"
@@ -65,8 +65,8 @@ constexpr double kLeastSlip_m_s = 1e-6;
 constexpr double kSleepAfter_s = 0.5, kSleepSpeed_m_s = 0.01, kSleepSpin_rad_s = 0.1;
 constexpr int kSleepSamples = 10;
 
-// The exact solver's time grows with the cube of the contacts, and a long step leaves more of it. The iterative one's
-// grows with their product with the iterations: many for a tower, which needs them, fewer for a heap.
+// The exact solver's time grows with the cube of the contacts of a group, and a long step leaves more of it. The
+// iterative one's grows with their product with the iterations: many for a tower, which needs them, fewer for a heap.
 std::size_t most_exact_contacts(double step_s) {
   return static_cast<std::size_t>(kMostExactContacts * std::cbrt(step_s / 0.002));
 }
@@ -151,7 +151,7 @@ struct Simulation::Ode {
   std::vector<Touch> touches;
   std::vector<dJointFeedback> feedback{kMostContactsPerStep};              // of the touch of the same number, as are
   std::vector<double> shares = std::vector<double>(kMostContactsPerStep);  // of their impulses
-  EnergyLedger ledger;
+  Groups groups;
   Loads loads;  // of the part before
   std::vector<Moved> moved;
   std::size_t dropped = 0, most_exact;
@@ -248,7 +248,7 @@ void Simulation::Ode::add_contact(Item& body, Item& other, dContactGeom geom) {
   shares[touches.size()] = lands.share;
   const double approach_m_s = dot(approach, normal), pushed_m_s = pushed(geom.depth);
   const double leaves_m_s = approach_m_s > bounce_threshold_m_s ? lands.bounce * approach_m_s : 0;
-  ledger.unite(body, other, pushed_m_s > leaves_m_s ? pushed_m_s : 0);
+  groups.unite(body, other, pushed_m_s > leaves_m_s ? pushed_m_s : 0);
   touches.push_back({body.id, other.id, point, normal, geom.depth, {}, lands.approach_m_s, found_s, of_body, of_other});
 }
 
@@ -295,16 +295,15 @@ void Simulation::Ode::solve_by_iteration(std::size_t contacts_now) {
 
 // From contacts to motion.
 void Simulation::Ode::move_all(std::size_t first_touch) {
-  ledger.open(items);
-  for (const Joint& joint : joints) ledger.exempt(items.at(joint.kept.body));
+  groups.open(items);
   find_touches();
-  before.clear();
-  for (auto& [id, item] : items) {
-    if (item.movable()) before.emplace_back(&item, item.state());
+  for (const Joint& joint : joints) {
+    groups.join(items.at(joint.kept.body), joint.kept.other ? &items.at(*joint.kept.other) : nullptr);
   }
-  const std::size_t count = touches.size() - first_touch;
-  exact = count <= most_exact && solve_exactly();
-  if (!exact) solve_by_iteration(count);
+  before.clear();
+  for (Item* item : groups.members()) before.emplace_back(item, item->state());
+  exact = groups.most_contacts() <= most_exact && solve_exactly();
+  if (!exact) solve_by_iteration(touches.size() - first_touch);
   for (std::size_t k = first_touch; k < touches.size(); ++k) touches[k].impulse_ns = part_s * to_vec3(feedback[k].f1);
 }
 
@@ -314,16 +313,18 @@ void Simulation::Ode::do_part() {
   const SoftConstraint soft = soft_constraint(spring_n_m, damper_ns_m, part_s);
   dWorldSetERP(world.get(), soft.erp);
   dWorldSetCFM(world.get(), soft.cfm);
-  for (auto& [id, item] : items) item.elastic = true;
   move_all(first);
   const auto now = [&] { return std::span<const Touch>(touches).subspan(first); };
-  if (!now().empty() && ledger.close(items, now(), part_s, gravity_m_s2, exact ? kGain : kGainByIteration)) {
-    for (const auto& [item, state] : before) item->restore(state);
-    for (const auto& [item, state] : before) dBodySetTorque(item->body.get(), 0, 0, 0);  // of rolling
+  if (!now().empty() && groups.gain(now(), part_s, gravity_m_s2, exact ? kGain : kGainByIteration)) {
+    for (const auto& [item, state] : before) {
+      item->restore(state);
+      dBodySetTorque(item->body.get(), 0, 0, 0);  // of rolling
+    }
     dJointGroupEmpty(contacts.get());
     touches.resize(first);
     dropped = dropped_before;
     move_all(first);
+    for (Item* item : groups.members()) item->elastic = true;
   }
   ++parts;
   for (std::size_t k = first; k < touches.size(); ++k) touches[k].impulse_ns = shares[k] * touches[k].impulse_ns;

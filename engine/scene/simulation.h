@@ -24,7 +24,8 @@ inline constexpr BodyId kFirstStatic = 1u << 31;
 inline constexpr std::size_t kMostContactsPerPair = 4;  // the deepest, and those farthest from each other
 inline constexpr std::size_t kMostContactsPerStep = 4096;
 
-// With more contact points an iterative solver takes over. At a step of 2 ms; grows with the cube root of the step.
+// With more contact points among bodies that touch each other an iterative solver takes over, for all. At a step of 2
+// ms; grows with the cube root of the step.
 inline constexpr double kMostExactContacts = 52;
 
 // A step is cut into at most this many parts, so that nothing flies through what it should hit.
