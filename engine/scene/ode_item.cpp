@@ -100,6 +100,8 @@ void Item::set_mass(const RigidMass& rigid) {
   inverse_inertia = inverse(i);
 }
 
+void Item::add_torque(Vec3 torque_nm) { dBodyAddTorque(body.get(), torque_nm.x, torque_nm.y, torque_nm.z); }
+
 Item::State Item::state() const {
   return {motion(), to_vec3(dBodyGetForce(body.get())), to_vec3(dBodyGetTorque(body.get())), awake()};
 }

@@ -46,6 +46,7 @@ struct Item {
   [[nodiscard]] Motion motion() const;  // a static stays at the origin
   void move(const Motion& motion);      // wakes it
   void set_mass(const RigidMass& mass);
+  void add_torque(Vec3 torque_nm);  // for the next part of a step; world axes
 
   // All that a step changes of a body.
   struct State {

@@ -2,8 +2,6 @@
 
 #include "engine/scene/rotation.h"
 
-#include <ode/ode.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -40,7 +38,7 @@ double Loads::of_n(BodyId one, BodyId two) const {
   return load == loads_.end() || load->pair != key_of(one, two) ? 0 : load->force_n;
 }
 
-void resist_rolling(const Item& body, const Item& other, Vec3 point_m, Vec3 normal, double most_nm, Vec3 gravity_m_s2,
+void resist_rolling(Item& body, Item& other, Vec3 point_m, Vec3 normal, double most_nm, Vec3 gravity_m_s2,
                     double part_s) {
   const Motion of_body = body.motion(), of_other = other.motion();
   const Vec3 turning = of_body.spin_rad_s - of_other.spin_rad_s;
@@ -57,8 +55,8 @@ void resist_rolling(const Item& body, const Item& other, Vec3 point_m, Vec3 norm
   const double size_nm = length(wanted_nm);
   if (!(size_nm > 0) || !std::isfinite(size_nm)) return;
   const Vec3 torque_nm = std::min(1.0, most_nm / size_nm) * wanted_nm;
-  dBodyAddTorque(body.body.get(), torque_nm.x, torque_nm.y, torque_nm.z);
-  if (other.movable()) dBodyAddTorque(other.body.get(), -torque_nm.x, -torque_nm.y, -torque_nm.z);
+  body.add_torque(torque_nm);
+  if (other.movable()) other.add_torque(-1 * torque_nm);
 }
 
 }  // namespace ringdown::scene

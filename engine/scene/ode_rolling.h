@@ -27,7 +27,7 @@ class Loads {
 
 // Adds the torque for the next `part_s`: `most_nm`, or less if that stops the turning or holds `body` on its slope.
 // It never turns what turns one way the other way. `point_m` and `normal` are of the contact, world axes.
-void resist_rolling(const Item& body, const Item& other, Vec3 point_m, Vec3 normal, double most_nm, Vec3 gravity_m_s2,
+void resist_rolling(Item& body, Item& other, Vec3 point_m, Vec3 normal, double most_nm, Vec3 gravity_m_s2,
                     double part_s);
 
 }  // namespace ringdown::scene

@@ -195,7 +195,7 @@ void Simulation::Ode::collide(dxGeom* first, dxGeom* second) {
     add_contact(swap ? *b : *a, swap ? *a : *b, geom);
   }
   if (points.empty() || (points.size() > 1 && !a->round && !b->round)) return;  // several points resist by themselves
-  const Item &body = swap ? *b : *a, &other = swap ? *a : *b;
+  Item &body = swap ? *b : *a, &other = swap ? *a : *b;
   const double most_nm = combine(body.surface, other.surface).rolling_m * loads.of_n(body.id, other.id);
   if (most_nm == 0 || touches.empty()) return;
   const Touch& touch = touches.back();
