@@ -38,8 +38,9 @@ double unix_now_s() {
 
 Actions::Actions(const std::filesystem::path& folder, std::uint32_t seed) : folder_(folder), random_(seed) {
   for (std::size_t n = 0; n < kBanks; ++n) {
-    const auto written = modal::write_bank(random_bank(seed + static_cast<std::uint32_t>(n), 20 << n, 40),
-                                           folder_ / ("bank" + std::to_string(n) + ".glb"));
+    modal::Bank bank = random_bank(seed + static_cast<std::uint32_t>(n), 20 << n, 40);
+    bank.mass = modal::MassProperties{.mass_kg = 1, .inertia_kg_m2 = {1e-3, 1e-3, 1e-3}};
+    const auto written = modal::write_bank(bank, folder_ / ("bank" + std::to_string(n) + ".glb"));
     if (!written) std::fprintf(stderr, "%s\n", written.error().message.c_str());
   }
   std::ofstream(folder_ / "scene.toml") << kScene;
@@ -48,7 +49,8 @@ Actions::Actions(const std::filesystem::path& folder, std::uint32_t seed) : fold
 void Actions::act(Daemon& daemon) {
   ++count_;
   const double chance = uniform(0, 1);
-  if (chance < 0.75) return strike(daemon);
+  if (chance < 0.65) return strike(daemon);
+  if (chance < 0.75) return touch(daemon);
   if (chance < 0.80) return bundle(daemon);
   if (chance < 0.96) return change(daemon);
   if (chance < 0.98) return scene(daemon);
@@ -75,7 +77,28 @@ void Actions::bundle(Daemon& daemon) {
     messages.push_back({"/object/" + object() + "/strike_vertex",
                         {static_cast<std::int32_t>(below(50)), 0.0, 0.0, uniform(-1e-3, 1e-3)}});
   }
+  messages.push_back(hold());
   daemon.send_bundle(unix_now_s() + uniform(-0.1, 1), messages);
+}
+
+Message Actions::hold() {
+  const double damping = below(3) == 0 ? 0 : std::pow(10.0, uniform(-2, 4));
+  return {"/object/" + object() + "/hold",
+          {uniform(-0.1, 0.1), uniform(-0.1, 0.1), uniform(-0.1, 0.1), damping, 0.0, 0.0, uniform(-1, 1),
+           static_cast<std::int32_t>(below(16))}};
+}
+
+void Actions::touch(Daemon& daemon) {
+  switch (below(3)) {
+    case 0:
+      return daemon.send(hold());
+    case 1:
+      return daemon.send({"/object/" + object() + "/click", {0.0, 0.0, uniform(-1e-3, 1e-3), uniform(0, 0.002)}});
+    default:
+      return daemon.send({"/object/" + object() + "/contact",
+                          {uniform(-0.1, 0.1), uniform(-0.1, 0.1), uniform(-0.1, 0.1), 0.0, 0.0, uniform(-0.1, 0.1),
+                           uniform(0, 1), uniform(0, 1), static_cast<std::int32_t>(below(6))}});
+  }
 }
 
 void Actions::change(Daemon& daemon) {

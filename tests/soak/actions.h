@@ -30,6 +30,8 @@ class Actions {
   std::string object() { return "o" + std::to_string(below(kObjects)); }
   void strike(Daemon& daemon);
   void bundle(Daemon& daemon);
+  void touch(Daemon& daemon);
+  protocol::Message hold();
   void change(Daemon& daemon);
   void scene(Daemon& daemon);
   void nonsense(Daemon& daemon);
