@@ -258,7 +258,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   const auto started =
       driver->start({.mixer = session.rack().mixer(),
                      .change_sample_rate = [&session](double rate) { session.change_sample_rate(rate); },
-                     .prepare_offline = [&session](protocol::Frame frame) { session.scene().advance_to(frame, frame); },
+                     .prepare_offline = [&session](protocol::Frame frame) { session.scene().advance_to(frame, std::nullopt); },
                      .buses = [&session] { return session.rack().buses().names(); },
                      .inputs = [&session] { return session.rack().inputs(); },
                      .notes = [&notes] { return notes.table(); },

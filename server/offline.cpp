@@ -101,7 +101,7 @@ class Run {
   }
 
   void render_frames(Frame end) {
-    session_.scene().advance_to(end, end);
+    session_.scene().advance_to(end, std::nullopt);
     const auto begin = static_cast<std::size_t>(now_), count = static_cast<std::size_t>(end - now_);
     session_.rack().mixer().render({recording_.left.data() + begin, count}, {recording_.right.data() + begin, count});
     session_.rack().collect();

@@ -132,13 +132,13 @@ void ScenePlayer::object_freed(protocol::ObjectNumber number) {
   if (world_) world_->remove_object(number);
 }
 
-void ScenePlayer::advance_to(Frame frame, Frame slack) {
+void ScenePlayer::advance_to(Frame frame, std::optional<Frame> slack) {
   std::vector<scene::Leaning> leanings;
   {
     const std::scoped_lock lock(mutex_);
     if (!world_) return;
     if (playing_.paused || !matters()) return move_start(frame - told_until());
-    slow_down(frame - told_until() - slack);
+    if (slack) slow_down(frame - told_until() - *slack);
     while (told_until() < frame && matters()) take(world_->step(), leanings);
   }
   lean(leanings);

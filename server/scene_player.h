@@ -53,9 +53,9 @@ class ScenePlayer {
   void object_freed(protocol::ObjectNumber number);
 
   // Steps the world until its time has passed `frame`. When it is more than `slack` frames behind, it skips the
-  // difference instead of bunching strikes: the scene then runs slowly. A paused scene is not stepped, nor one in which
-  // nothing can sound and that nobody watches: it waits. [scene]
-  void advance_to(protocol::Frame frame, protocol::Frame slack);
+  // difference instead of bunching strikes: the scene then runs slowly. Without a slack it never does. A paused scene
+  // is not stepped, nor one in which nothing can sound and that nobody watches: it waits. [scene]
+  void advance_to(protocol::Frame frame, std::optional<protocol::Frame> slack);
 
   // Goes on at another sample rate, and the rack with it: what is to come stays as many seconds ahead as it was.
   // [any thread, while nothing is rendered]

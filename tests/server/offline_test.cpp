@@ -118,6 +118,30 @@ TEST_F(OfflineTest, ASceneSoundsTheSameAtEveryBlockSize) {
   expect_equal_at_every_block_size({.scene = folder_ / "scene.toml", .seconds = 1});
 }
 
+TEST_F(OfflineTest, ASceneIsHeardAtItsTime) {
+  ASSERT_TRUE(modal::write_bank(test::box_bank({0.1, 0.1, 0.1}, 2), folder_ / "cube.glb"));
+  std::ofstream(folder_ / "fall.toml") << R"(
+[[object]]
+name = "a"
+bank = "cube.glb"
+[[static]]
+name = "floor"
+shape = "plane"
+[[body]]
+name = "ball"
+object = "a"
+shape = "sphere"
+radius_m = 0.05
+position_m = [0, 0, 0.25]
+)";
+  for (const std::size_t block : {64, 1024}) {
+    const Recording recording = render({.scene = folder_ / "fall.toml", .seconds = 1, .block_frames = block});
+    const auto first = std::ranges::find_if(recording.left, [](float x) { return x != 0; });
+    const auto frame = static_cast<double>(first - recording.left.begin());
+    EXPECT_NEAR(frame / 48000, std::sqrt(2 * 0.2 / 9.81), 1e-4) << block;
+  }
+}
+
 // A cube of 2 kg whose one mode moves all its corners up and down by 1/sqrt(kg), on a floor that bears it: the floor's
 // damping is 1.5 s/m (1 - e) m g, and half of it adds to the mode's decay.
 TEST_F(OfflineTest, WhatRestsOnAFloorDiesSooner) {
