@@ -255,14 +255,14 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
     return report(loaded.error(), ExitCode::bad_input);
   }
   std::atomic<bool> quit = false;
-  const auto started =
-      driver->start({.mixer = session.rack().mixer(),
-                     .change_sample_rate = [&session](double rate) { session.change_sample_rate(rate); },
-                     .prepare_offline = [&session](protocol::Frame frame) { session.scene().advance_to(frame, std::nullopt); },
-                     .buses = [&session] { return session.rack().buses().names(); },
-                     .inputs = [&session] { return session.rack().inputs(); },
-                     .notes = [&notes] { return notes.table(); },
-                     .notes_played = session.rack().notes_played()});
+  const auto started = driver->start(
+      {.mixer = session.rack().mixer(),
+       .change_sample_rate = [&session](double rate) { session.change_sample_rate(rate); },
+       .prepare_offline = [&session](protocol::Frame frame) { session.scene().advance_to(frame, std::nullopt); },
+       .buses = [&session] { return session.rack().buses().names(); },
+       .inputs = [&session] { return session.rack().inputs(); },
+       .notes = [&notes] { return notes.table(); },
+       .notes_played = session.rack().notes_played()});
   if (!started) {
     return report(started.error(), ExitCode::no_jack);
   }

@@ -14,7 +14,7 @@ Result<ScenePlayer::Sink> open_remote_strikes(const std::string& url, const Rack
   auto sender = std::make_shared<EventSender>(std::move(*opened));
   std::shared_ptr<FrameClock> clock;  // made with the first strikes: the driver tells no time before it runs
   return [sender, clock, &rack, &driver](const scene::StepReport& report) mutable -> std::size_t {
-    if (report.strikes.empty() && report.leanings.empty()) return 0;
+    if (report.events.empty() && report.leanings.empty()) return 0;
     std::map<protocol::ObjectNumber, std::string> names;
     for (const RackObject& object : rack.objects()) names[object.number] = object.name;
     if (!clock) clock = std::make_shared<FrameClock>(driver_clock(driver), steady_now_s);
@@ -22,7 +22,7 @@ Result<ScenePlayer::Sink> open_remote_strikes(const std::string& url, const Rack
     const double unix_ahead_s = unix_now_s() - steady_now_s();
     const auto name = [&names](protocol::ObjectNumber object) { return names[object]; };
     const auto time = [&](protocol::Frame frame) { return clock->time_of(frame) + unix_ahead_s; };
-    return sender->send(report.strikes, name, time) + sender->send(report.leanings, name, time);
+    return sender->send(report.events, name, time) + sender->send(report.leanings, name, time);
   };
 }
 

@@ -215,11 +215,11 @@ void ScenePlayer::lean(const std::vector<scene::Leaning>& leanings) {
 }
 
 void ScenePlayer::take(const scene::StepReport& report, std::vector<scene::Leaning>& leanings) {
-  dropped_ += report.dropped_strikes;
+  dropped_ += report.dropped_events;
   if (sink_) {
     dropped_ += sink_(report);
   } else {
-    for (const Event& event : report.strikes) dropped_ += !rack_.push(synth::Producer::scene, event);
+    for (const Event& event : report.events) dropped_ += !rack_.push(synth::Producer::scene, event);
     for (const scene::Leaning& leaning : report.leanings) {
       leaned_on_.insert(leaning.object);
       leanings.push_back(leaning);

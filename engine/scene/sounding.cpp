@@ -68,7 +68,7 @@ Sounding::Sounding(const SceneDescription& scene)
       bounce_threshold_m_s_(bounce_threshold(scene)),
       clicks_(scene.contact.clicks),
       rest_damping_s_m_(scene.contact.rest_damping_s_m) {
-  events_.reserve(kMostStrikesPerStep);
+  events_.reserve(kMostEventsPerStep);
 }
 
 void Sounding::set_side(BodyId id, Side side) { sides_.insert_or_assign(id, std::move(side)); }
@@ -266,7 +266,7 @@ std::uint32_t Sounding::free_number(protocol::ObjectNumber object) const {
 }
 
 void Sounding::push(const protocol::Event& event) {
-  if (events_.size() == kMostStrikesPerStep) {
+  if (events_.size() == kMostEventsPerStep) {
     ++dropped_;
     return;
   }

@@ -20,7 +20,7 @@
 
 namespace ringdown::scene {
 
-inline constexpr std::size_t kMostStrikesPerStep = 512;  // and tellings of lasting contacts, together
+inline constexpr std::size_t kMostEventsPerStep = 512;  // and tellings of lasting contacts, together
 
 // Where scene time lies in frames.
 struct Timeline {
@@ -57,7 +57,7 @@ class Sounding {
   // The objects on which something else lies since that step than before.
   [[nodiscard]] std::span<const Leaning> leanings() const { return leanings_; }
 
-  [[nodiscard]] std::size_t dropped() const { return dropped_; }  // of that step, beyond kMostStrikesPerStep
+  [[nodiscard]] std::size_t dropped() const { return dropped_; }  // of that step, beyond kMostEventsPerStep
 
   // No contact goes on: without touches there would be no events.
   [[nodiscard]] bool quiet() const { return lives_.size() == 0; }

@@ -7,7 +7,7 @@
 //   world->set_start_frame(now);                       // where scene time 0 lies
 //   for (;;) {
 //     const StepReport report = world->step();         // advances by step_s()
-//     for (const protocol::Event& strike : report.strikes) ...  // to a mixer, or as OSC to another program
+//     for (const protocol::Event& event : report.events) ...  // to a mixer, or as OSC to another program
 //   }
 //
 // What sounds: contacts, by the rules of contact_life.h. One whose two bodies approached faster than the bounce
@@ -48,11 +48,11 @@ struct SoundingObject {
 
 // Views into the World, valid until its next step().
 struct StepReport {
-  std::span<const protocol::Event> strikes;  // and contacts that last; frames never fall, within and between steps
-  std::span<const Leaning> leanings;         // objects on which something else lies than before
-  std::span<const std::string> notices;      // sentences for the user: a body was reset, removed, ...
-  std::size_t dropped_strikes = 0;           // beyond kMostStrikesPerStep in one part of the step
-  std::size_t dropped_contacts = 0;          // beyond kMostContactsPerStep in one part of it
+  std::span<const protocol::Event> events;  // strikes, clicks, contacts that last; frames never fall, between steps too
+  std::span<const Leaning> leanings;        // objects on which something else lies than before
+  std::span<const std::string> notices;     // sentences for the user: a body was reset, removed, ...
+  std::size_t dropped_events = 0;           // beyond kMostEventsPerStep in one part of the step
+  std::size_t dropped_contacts = 0;         // beyond kMostContactsPerStep in one part of it
 };
 
 // A body for a viewer or a test. The pose is that of the object's frame: a bank's mesh drawn with it is in place.

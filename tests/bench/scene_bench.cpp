@@ -73,7 +73,7 @@ std::vector<BodyDescription> boxes(int count, double velocity_m_s) {
 void step(benchmark::State& state, World world, double contacts, int warm_up = kWarmUp) {
   for (int k = 0; k < warm_up; ++k) world.step();
   std::size_t events = 0;
-  for (auto _ : state) events += world.step().strikes.size();
+  for (auto _ : state) events += world.step().events.size();
   state.counters["contacts"] = contacts;
   state.counters["events_per_step"] =
       benchmark::Counter(static_cast<double>(events), benchmark::Counter::kAvgIterations);

@@ -44,7 +44,7 @@ void play(const scene::SceneDescription& description) {
   auto world = scene::World::create(description, {}, 48000);
   if (!world) return expect(!world.error().message.empty(), "a refusal has a sentence");
   for (int step = 0; step < 20; ++step) {
-    for (const protocol::Event& strike : world->step().strikes) {
+    for (const protocol::Event& strike : world->step().events) {
       expect(is_finite(strike.impulse_ns) && is_finite(strike.point_m), "a strike of a scene is finite");
     }
   }

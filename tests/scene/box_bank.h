@@ -79,7 +79,7 @@ inline std::vector<protocol::Event> run_all(scene::World& world, double seconds)
   const double end = world.time_s() + seconds;
   while (world.time_s() < end) {
     const auto report = world.step();
-    all.insert(all.end(), report.strikes.begin(), report.strikes.end());
+    all.insert(all.end(), report.events.begin(), report.events.end());
   }
   return all;
 }

@@ -41,12 +41,12 @@ void spawn_pair(World& world, Vec3 place, Vec3 first_velocity, Vec3 second_veloc
 // The step in which something is heard; the last of ten when nothing is.
 StepReport first_heard(World& world) {
   StepReport report;
-  for (int step = 0; step < 10 && report.strikes.empty(); ++step) report = world.step();
+  for (int step = 0; step < 10 && report.events.empty(); ++step) report = world.step();
   return report;
 }
 
 TEST(Limits, AStepHearsSoManyStrikesAndCountsTheNext) {
-  constexpr std::size_t kPairs = kMostStrikesPerStep / 2;
+  constexpr std::size_t kPairs = kMostEventsPerStep / 2;
   static_assert(2 * kPairs <= kMostBodies);
   for (const bool one_more : {false, true}) {
     World world = weightless_world();
@@ -58,8 +58,8 @@ TEST(Limits, AStepHearsSoManyStrikesAndCountsTheNext) {
     const Vec3 second = one_more ? Vec3{-1, 0, -1} : Vec3{-1, 0, 0};
     spawn_pair(world, {-1, 0, 0.025}, {1, 0, 0}, second);
     const StepReport report = first_heard(world);
-    EXPECT_EQ(report.strikes.size(), kMostStrikesPerStep);
-    EXPECT_EQ(report.dropped_strikes, one_more ? 1u : 0u);
+    EXPECT_EQ(report.events.size(), kMostEventsPerStep);
+    EXPECT_EQ(report.dropped_events, one_more ? 1u : 0u);
   }
 }
 

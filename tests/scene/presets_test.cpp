@@ -56,9 +56,9 @@ TEST_P(PresetScene, EveryObjectIsHeardAndNothingIsLost) {
   std::map<protocol::ObjectNumber, double> first_s;
   while (world->time_s() < scene_.duration_s) {
     const StepReport report = world->step();
-    EXPECT_EQ(report.dropped_strikes + report.dropped_contacts, 0u);
+    EXPECT_EQ(report.dropped_events + report.dropped_contacts, 0u);
     for (const std::string& notice : report.notices) ADD_FAILURE() << notice;
-    for (const protocol::Event& strike : report.strikes) {
+    for (const protocol::Event& strike : report.events) {
       if (strike.type != protocol::EventType::strike) continue;
       first_s.try_emplace(strike.object, static_cast<double>(strike.frame) / 48000);
       ++heard[strike.object];
@@ -82,7 +82,7 @@ TEST_P(PresetScene, TwoWorldsOfItAgreeBitForBit) {
   constexpr double kLongest_s = 4;  // the first strikes of each are over by then
   while (one->time_s() < std::min(scene_.duration_s, kLongest_s)) {
     const StepReport first = one->step(), second = other->step();
-    ASSERT_TRUE(std::ranges::equal(first.strikes, second.strikes, test::same_bits)) << "at " << one->time_s() << " s";
+    ASSERT_TRUE(std::ranges::equal(first.events, second.events, test::same_bits)) << "at " << one->time_s() << " s";
   }
   const std::vector<BodyState> ended = one->bodies(), also = other->bodies();
   ASSERT_EQ(ended.size(), also.size());

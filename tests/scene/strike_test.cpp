@@ -85,8 +85,8 @@ double momentum_given(World& world, std::size_t body, double mass, std::vector<E
   for (;;) {
     const double before = world.bodies()[body].velocity_m_s.z;
     const auto report = world.step();
-    if (report.strikes.empty()) continue;
-    strikes = test::only(protocol::EventType::strike, {report.strikes.begin(), report.strikes.end()});
+    if (report.events.empty()) continue;
+    strikes = test::only(protocol::EventType::strike, {report.events.begin(), report.events.end()});
     return mass * (world.bodies()[body].velocity_m_s.z - before + 9.81 * world.step_s());
   }
 }

@@ -48,7 +48,7 @@ const std::map<std::string, double> kConstants = {
     ROW(scene::kMostJoints),
     ROW(scene::kMostEmitters),
     ROW(scene::kMostContactsPerStep),
-    ROW(scene::kMostStrikesPerStep),
+    ROW(scene::kMostEventsPerStep),
     ROW(kLargestTomlFile),
     ROW(server::kLargestPacket),
     ROW(server::kLongestAddress),

@@ -38,7 +38,7 @@ class ScenePlayerTest : public testing::Test {
   ScenePlayerTest() {
     EXPECT_TRUE(modal::write_bank(test::single_mode_bank(440, 2), folder_ / "a.glb"));
     session_.scene().send_to([this](const scene::StepReport& report) {
-      for (const Event& event : report.strikes) take(event);
+      for (const Event& event : report.events) take(event);
       return std::size_t{0};
     });
   }
