@@ -117,7 +117,19 @@ Result<void> load_what_was_asked_for(Session& session, const DaemonOptions& opti
   return {};
 }
 
+// What a file that is rendered has no use for.
+Result<void> check_render(const DaemonOptions& options) {
+  for (const auto& [given, name] :
+       {std::pair(options.record.has_value(), "--record"), std::pair(options.capture.has_value(), "--capture"),
+        std::pair(options.state.has_value(), "--state"), std::pair(options.notes.has_value(), "--notes"),
+        std::pair(options.scene_to.has_value(), "--scene-to")}) {
+    if (given) return fail(std::string(name) + ": the wav driver only renders; use --driver jack or null");
+  }
+  return {};
+}
+
 ExitCode render_to_file(const DaemonOptions& options) {
+  if (const auto good = check_render(options); !good) return report(good.error(), ExitCode::usage);
   bool cancelled = false;
   const auto recording = render_offline({.scene = options.scene,
                                          .objects = options.objects,

@@ -20,7 +20,7 @@
 
 namespace ringdown::scene {
 
-inline constexpr std::size_t kMostEventsPerStep = 512;  // and tellings of lasting contacts, together
+inline constexpr std::size_t kMostEventsPerStep = 512;  // strikes, clicks and tellings of lasting contacts
 
 // Where scene time lies in frames.
 struct Timeline {

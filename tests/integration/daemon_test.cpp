@@ -189,6 +189,10 @@ TEST_F(DaemonTest, TheWavDriverWritesTheSceneToAFile) {
                                "--seconds", "0.5", "-o", file.string()});
   EXPECT_EQ(written.exit_code, 0) << written.output;
   EXPECT_GT(std::filesystem::file_size(file), 24000u * 8);
+  const Outcome recorded = run({program("ringdownd"), "--driver", "wav", "--scene", (folder_ / "still.toml").string(),
+                                "--record", (folder_ / "score.osc").string(), "-o", file.string()});
+  EXPECT_EQ(recorded.exit_code, 2);
+  EXPECT_NE(recorded.output.find("--record"), std::string::npos) << recorded.output;
   const Outcome missing = run({program("ringdownd"), "--driver", "wav", "--scene", bank("missing.toml")});
   EXPECT_EQ(missing.exit_code, 3);
   EXPECT_NE(missing.output.find("missing.toml"), std::string::npos) << missing.output;
