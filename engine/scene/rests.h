@@ -44,6 +44,9 @@ class Rests {
   // A body has gone, and its rests with it; the next advance() names those it rested on.
   void remove(BodyId id);
 
+  // Whether the next advance() names a body even if nothing moves.
+  [[nodiscard]] bool pending() const { return !changed_.empty(); }
+
   template <class Each>
   void each_of(BodyId id, const Each& each) const {
     for (const auto& [pair, life] : lives_) {

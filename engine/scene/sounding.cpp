@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 namespace ringdown::scene {
 namespace {
@@ -71,9 +72,19 @@ Sounding::Sounding(const SceneDescription& scene)
   events_.reserve(kMostEventsPerStep);
 }
 
-void Sounding::set_side(BodyId id, Side side) { sides_.insert_or_assign(id, std::move(side)); }
+void Sounding::set_side(BodyId id, Side side) {
+  if (const Side* before = find(id)) look_again(*before);
+  look_again(side);
+  sides_.insert_or_assign(id, std::move(side));
+}
+
+// Who plays its object has changed.
+void Sounding::look_again(const Side& side) {
+  if (side.object) look_again_.insert(*side.object);
+}
 
 void Sounding::remove_side(BodyId id) {
+  if (const Side* side = find(id)) look_again(*side);
   sides_.erase(id);
   rests_.remove(id);
 }
@@ -82,6 +93,7 @@ void Sounding::silence(protocol::ObjectNumber object) {
   for (auto& [id, side] : sides_) {
     if (side.object == object) side.object.reset();
   }
+  leaned_on_.erase(object);
 }
 
 const Side* Sounding::find(BodyId id) const {
@@ -103,7 +115,12 @@ std::span<const protocol::Event> Sounding::hear(std::span<const Touch> touches, 
     hear_pair(pair, std::span(begin, end), now_s, timeline);
     begin = end;
   }
-  for (const BodyId id : rests_.advance(moved)) lean(id, timeline.frame(std::max(now_s, latest_s_)));
+  for (const BodyId id : rests_.advance(moved)) {
+    if (const Side* side = find(id)) look_again(*side);
+  }
+  for (const protocol::ObjectNumber object : std::exchange(look_again_, {})) {
+    lean(object, timeline.frame(std::max(now_s, latest_s_)));
+  }
   for (const Telling& telling : lives_.advance(now_s)) tell(telling, timeline.frame(std::max(now_s, latest_s_)));
   std::ranges::stable_sort(events_, {}, &protocol::Event::frame);
   return events_;
@@ -167,26 +184,33 @@ void Sounding::strike(const Touch& touch, double now_s, const Timeline& timeline
 }
 
 // Several bodies of one object share its modes: nothing can damp one of them alone.
-void Sounding::lean(BodyId id, protocol::Frame frame) {
-  const Side* const side = find(id);
-  if (!side || !side->object) return;
-  const auto plays = [&](const auto& entry) { return entry.second.object == side->object; };
-  if (std::ranges::count_if(sides_, plays) > 1) return;
+void Sounding::lean(protocol::ObjectNumber object, protocol::Frame frame) {
+  const auto plays = [object](const auto& entry) { return entry.second.object == object; };
+  const bool alone = std::ranges::count_if(sides_, plays) == 1;
   std::vector<modal::ContactDamping> all;
-  rests_.each_of(id, [&](const Rest& rest) {
-    const bool is_first = rest.pair.first == id;
-    const Side* const other = find(is_first ? rest.pair.second : rest.pair.first);
-    if (!other) return;
-    const Motion& motion = is_first ? rest.first : rest.second;
-    const double lost = 1 - combine(side->surface, other->surface).restitution;
-    const double each_n = rest.force_n / static_cast<double>(rest.points.size());
-    for (const Rest::Point& point : rest.points) {
-      all.push_back({to_object(motion, *side, point.point_m), transpose(to_matrix(motion.rotation)) * point.normal,
-                     rest_damping_s_m_ * lost * each_n});
-    }
-  });
+  if (alone) {
+    const auto& [id, side] = *std::ranges::find_if(sides_, plays);
+    rests_.each_of(id, [&, id = id, &side = side](const Rest& rest) {
+      const bool is_first = rest.pair.first == id;
+      const Side* const other = find(is_first ? rest.pair.second : rest.pair.first);
+      if (!other) return;
+      const Motion& motion = is_first ? rest.first : rest.second;
+      const double lost = 1 - combine(side.surface, other->surface).restitution;
+      const double each_n = rest.force_n / static_cast<double>(rest.points.size());
+      for (const Rest::Point& point : rest.points) {
+        all.push_back({to_object(motion, side, point.point_m), transpose(to_matrix(motion.rotation)) * point.normal,
+                       rest_damping_s_m_ * lost * each_n});
+      }
+    });
+  }
+  if (all.empty() && !leaned_on_.contains(object)) return;
+  if (all.empty()) {
+    leaned_on_.erase(object);
+  } else {
+    leaned_on_.insert(object);
+  }
   std::ranges::stable_sort(all, std::greater{}, &modal::ContactDamping::damping_ns_m);
-  Leaning leaning{.frame = frame, .object = *side->object, .touches = {}};
+  Leaning leaning{.frame = frame, .object = object, .touches = {}};
   for (std::uint32_t i = 0; i < protocol::kMostTouches - protocol::kFirstSceneTouch; ++i) {
     leaning.touches[protocol::kFirstSceneTouch + i] = i < all.size() ? all[i] : modal::ContactDamping{};
   }

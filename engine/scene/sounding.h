@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -59,11 +60,11 @@ class Sounding {
 
   [[nodiscard]] std::size_t dropped() const { return dropped_; }  // of that step, beyond kMostEventsPerStep
 
-  // No contact goes on: without touches there would be no events.
-  [[nodiscard]] bool quiet() const { return lives_.size() == 0; }
+  // No contact goes on: without touches there would be nothing to tell.
+  [[nodiscard]] bool quiet() const { return lives_.size() == 0 && look_again_.empty() && !rests_.pending(); }
 
-  // A contact has been told of that has not ended.
-  [[nodiscard]] bool telling() const { return !lines_.empty(); }
+  // A contact has been told of that has not ended, or there is something to tell of what rests.
+  [[nodiscard]] bool telling() const { return !lines_.empty() || !look_again_.empty(); }
 
  private:
   // An object's number for a contact of its that is being told of.
@@ -78,7 +79,8 @@ class Sounding {
   void hear_pair(BodyPair pair, std::span<const Touch* const> touches, double now_s, const Timeline& timeline);
   [[nodiscard]] bool is_blow(const Touch& touch) const;
   void strike(const Touch& touch, double now_s, const Timeline& timeline);
-  void lean(BodyId id, protocol::Frame frame);
+  void look_again(const Side& side);
+  void lean(protocol::ObjectNumber object, protocol::Frame frame);
   void click(BodyPair pair, std::span<const Touch* const> touches, const Timeline& timeline);
   [[nodiscard]] double contact_time_s(const Side& body, const Side& other, const Touch& touch) const;
   void tell(const Telling& telling, protocol::Frame frame);
@@ -99,6 +101,7 @@ class Sounding {
   std::vector<const Touch*> by_pair_;
   std::vector<protocol::Event> events_;
   std::vector<Leaning> leanings_;
+  std::set<protocol::ObjectNumber> leaned_on_, look_again_;  // as told of; to be told of, perhaps
   std::size_t dropped_ = 0;
 };
 

@@ -74,6 +74,23 @@ class BulletClient : public testing::Test {
     return score.value_or(std::vector<server::ScoreEvent>());
   }
 
+  // What a daemon records that the client plays, ended once `done` says so of its status.
+  template <class Done>
+  void record_client(const std::filesystem::path& score, Done done) {
+    Daemon daemon({"--driver", "null", "--root", folder_.path().string(), "--record", score.string()});
+    ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+    const Outcome outcome = run({program("ringdown-bullet"), scene_.string(), "--lead", "1", "--to",
+                                 "osc.udp://127.0.0.1:" + std::to_string(daemon.port())});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+    ASSERT_TRUE(becomes_true([&] {
+      const auto status = daemon.ask({"/status", {}});
+      const auto* reply = status ? std::get_if<protocol::StatusReply>(&*status) : nullptr;
+      return reply && done(*reply);
+    }));
+    daemon.send({"/quit", {}});
+    ASSERT_EQ(daemon.process().wait(20s), 0) << daemon.process().output();
+  }
+
   void write_events(const std::filesystem::path& score) {
     const Outcome outcome = run({program("ringdown-bullet"), scene_.string(), "--events", score.string()});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
@@ -85,20 +102,8 @@ class BulletClient : public testing::Test {
 
 TEST_F(BulletClient, ADaemonReceivesWhatTheScoreSays) {
   const auto recorded = folder_ / "daemon.osc";
-  {
-    Daemon daemon({"--driver", "null", "--root", folder_.path().string(), "--record", recorded.string()});
-    ASSERT_TRUE(daemon.ready()) << daemon.process().output();
-    const Outcome outcome = run({program("ringdown-bullet"), scene_.string(), "--lead", "1", "--to",
-                                 "osc.udp://127.0.0.1:" + std::to_string(daemon.port())});
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-    ASSERT_TRUE(becomes_true([&] {
-      const auto status = daemon.ask({"/status", {}});
-      const auto* reply = status ? std::get_if<protocol::StatusReply>(&*status) : nullptr;
-      return reply && reply->sounding_objects == 2;
-    }));
-    daemon.send({"/quit", {}});
-    ASSERT_EQ(daemon.process().wait(20s), 0) << daemon.process().output();
-  }
+  ASSERT_NO_FATAL_FAILURE(
+      record_client(recorded, [](const protocol::StatusReply& reply) { return reply.sounding_objects == 2; }));
   write_events(score_);
   const auto sent = read(score_), received = read(recorded);
   for (const char* address : {"/object/ball/strike", "/object/box/contact"}) {
@@ -119,22 +124,11 @@ TEST_F(BulletClient, ADaemonReceivesWhatTheScoreSays) {
 TEST_F(BulletClient, WhatRestsIsHeldInTheDaemonAtItsTime) {
   std::ofstream(scene_) << kScene;
   const auto recorded = folder_ / "daemon.osc";
-  {
-    Daemon daemon({"--driver", "null", "--root", folder_.path().string(), "--record", recorded.string()});
-    ASSERT_TRUE(daemon.ready()) << daemon.process().output();
-    const Outcome outcome = run({program("ringdown-bullet"), scene_.string(), "--lead", "1", "--to",
-                                 "osc.udp://127.0.0.1:" + std::to_string(daemon.port())});
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-    int most = 0;
-    ASSERT_TRUE(becomes_true([&] {
-      const auto status = daemon.ask({"/status", {}});
-      const auto* reply = status ? std::get_if<protocol::StatusReply>(&*status) : nullptr;
-      most = std::max(most, reply ? reply->sounding_objects : 0);
-      return reply && most > 0 && reply->sounding_objects == 0;
-    }));
-    daemon.send({"/quit", {}});
-    ASSERT_EQ(daemon.process().wait(20s), 0) << daemon.process().output();
-  }
+  int most = 0;
+  ASSERT_NO_FATAL_FAILURE(record_client(recorded, [&most](const protocol::StatusReply& reply) {
+    most = std::max(most, reply.sounding_objects);
+    return most > 0 && reply.sounding_objects == 0;
+  }));
   write_events(score_);
   const auto sent = read(score_), received = read(recorded);
   const auto expected = of(sent, "/object/box/hold"), found = of(received, "/object/box/hold");

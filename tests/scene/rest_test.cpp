@@ -116,6 +116,48 @@ TEST(Rest, InATowerBothFacesOfABoxAreTouched) {
   EXPECT_EQ(heard.touches[1].size(), 8u);
 }
 
+TEST(Rest, EndsWhenAnotherBodyComesToPlayTheObjectAndBeginsAgainWhenItGoes) {
+  World world =
+      world_of(scene_of({body_of("a", ShapeType::box, {0, 0, 0.05})}, 0.3), {sounding("a", 0, box_bank(kSize, 2))});
+  Heard heard;
+  heard.run(world, 3);
+  const double alone = heard.damping(0);
+  EXPECT_GT(alone, 0);
+  protocol::SpawnBox box;
+  box.object = protocol::ObjectRef{"a", {}};
+  box.position_m = {2, 0, 1};
+  ASSERT_TRUE(world.spawn(box));
+  heard.run(world, 0.1);
+  EXPECT_EQ(heard.damping(0), 0);
+  world.clear_spawned();
+  heard.run(world, 0.1);
+  EXPECT_EQ(heard.damping(0), alone);
+}
+
+TEST(Rest, EndsWithItsBodyOrWhatItLiesOn) {
+  for (const bool lower : {true, false}) {
+    std::vector<BodyDescription> bodies{body_of("a", ShapeType::box, {0, 0, 0.05})};
+    World world =
+        world_of(scene_of(bodies, 0), {sounding("a", 0, box_bank(kSize, 1)), sounding("b", 1, box_bank(kSize, 1))});
+    protocol::SpawnBox box;
+    box.object = protocol::ObjectRef{"b", {}};
+    box.position_m = lower ? Vec3{0, 0, 0.151} : Vec3{2, 0, 0.05};
+    ASSERT_TRUE(world.spawn(box));
+    Heard heard;
+    heard.run(world, 4);
+    EXPECT_GT(heard.damping(1), 0);
+    const double before = heard.damping(0);
+    world.clear_spawned();
+    heard.run(world, 0.5);
+    EXPECT_EQ(heard.damping(1), 0);
+    if (lower) {
+      EXPECT_LT(heard.damping(0), 0.6 * before) << "it bears itself alone";
+    } else {
+      EXPECT_EQ(heard.damping(0), before);
+    }
+  }
+}
+
 TEST(Rest, DampsNothingWhereSeveralBodiesShareAnObjectOrTheSceneSaysSo) {
   const std::vector<SoundingObject> one{sounding("a", 0, box_bank(kSize, 1))};
   for (const bool shared : {true, false}) {
