@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
   app.footer(ringdown::protocol::exit_code_help());
 
   ExitCode outcome = ExitCode::ok;
-  add_bake_verb(app, outcome);
+  add_program_verb(app, outcome, "bake", "Turns a mesh and a material into a bank.");
   add_info_verb(app, outcome);
   add_render_verb(app, outcome);
   add_strike_verb(app, outcome);

@@ -6,6 +6,7 @@
 
 #include "protocol/exit_codes.h"
 
+#include <string>
 #include <string_view>
 
 namespace CLI {
@@ -21,7 +22,9 @@ void add_send_verb(CLI::App& app, ExitCode& outcome);      // any other message 
 void add_info_verb(CLI::App& app, ExitCode& outcome);      // the modes of a bank as a table
 void add_protocol_verb(CLI::App& app, ExitCode& outcome);  // every address
 void add_render_verb(CLI::App& app, ExitCode& outcome);    // a scene or a score to a sound file
-void add_bake_verb(CLI::App& app, ExitCode& outcome);      // hands over to the program ringdown-bake
+
+// A verb that is a program of its own, ringdown-NAME, because it links what this one shall not.
+void add_program_verb(CLI::App& app, ExitCode& outcome, const std::string& name, const std::string& sentence);
 
 // "ringdown: SENTENCE" on stderr; returns `code`, so that a verb can write `outcome = complain(...)`.
 ExitCode complain(std::string_view sentence, ExitCode code);
