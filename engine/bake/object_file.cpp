@@ -50,7 +50,9 @@ Result<ObjectRecipe> read_object(const std::filesystem::path& path) {
   file->text("material", recipe.material);
   file->text("geometry", geometry);
   recipe.geometry = path.parent_path() / geometry;
-  file->number("unit_m", recipe.meshing.unit_m, kLength_m);
+  double unit_m = 0;
+  file->number("unit_m", unit_m, kLength_m);
+  if (unit_m > 0) recipe.meshing.unit_m = unit_m;
   file->number("mesh_size_m", recipe.meshing.mesh_size_m, kLength_m);
   file->named_numbers("parameters", recipe.meshing.parameters);
   read_options(*file, recipe.options);
