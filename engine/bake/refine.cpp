@@ -97,6 +97,7 @@ class Baker {
       set_order(2);
       recipe_.options.most_points = std::min(recipe_.options.most_points, kPreviewPoints);
     }
+    if (auto stuffed = plan_stuffing(); !stuffed) return stuffed;
     const bool named = recipe_.meshing.mesh_size_m > 0 || mesh::names_mesh_size(recipe_.geometry);
     if (!reader_.meshes() || (named && !recipe_.preview)) return {};
     if (!go_on("mesh", 0)) return fail(std::string(kCancelled));
@@ -112,6 +113,16 @@ class Baker {
     recipe_.meshing.mesh_size_m = choice.size_m;
     recipe_.meshing.edge_size_m = choice.edge_size_m;
     object_.choice = choice;
+    return {};
+  }
+
+  // Stuffing follows walls with many small straight elements: too many for a high order.
+  Result<void> plan_stuffing() {
+    if (!reader_.is_surface()) return {};
+    if (!go_on("mesh", 0)) return fail(std::string(kCancelled));
+    const Result<const mesh::PreparedSurface*> surface = reader_.surface(recipe_.meshing);
+    if (!surface) return fail(surface.error());
+    if (!(*surface)->left.sound() && fem::order_of(recipe_.options.element) > 2) set_order(2);
     return {};
   }
 

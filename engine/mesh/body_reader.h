@@ -12,6 +12,7 @@
 
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
+#include "engine/mesh/fill.h"
 #include "engine/mesh/gmsh_reader.h"
 #include "engine/mesh/surface_repair.h"
 #include "engine/mesh/tet_mesh.h"
@@ -27,6 +28,10 @@ enum class Making : std::int32_t { kRead, kMeshed, kFilled, kStuffed };
 
 // "tetrahedra from a file", "geometry meshed by gmsh", "surface filled by gmsh", "surface stuffed".
 std::string text_of(Making making);
+
+// The sentences for surfaces that no body can be made of.
+std::string sheet_sentence(const std::string& name);
+std::string flat_sentence(const std::string& name);
 
 struct Body {
   CheckedMesh mesh;
@@ -56,7 +61,9 @@ class BodyReader {
 
  private:
   Result<Body> make(const GmshOptions& options, const Progress& progress);
+  [[nodiscard]] Result<Body> make_of_tetrahedra(const GmshOptions& options) const;
   Result<Body> make_of_surface(const GmshOptions& options, const Progress& progress);
+  Result<Body> stuffed(Body body, const TriangleMesh& mesh, const FillOptions& options, const Progress& progress) const;
 
   std::filesystem::path path_, cache_;
   std::optional<PreparedSurface> surface_;

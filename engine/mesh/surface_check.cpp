@@ -226,10 +226,12 @@ const Finding* SurfaceReport::find(Fault fault) const {
 bool SurfaceReport::closed() const { return !find(Fault::kHole) && !find(Fault::kCrowdedEdge); }
 
 bool SurfaceReport::sound() const {
-  constexpr std::array kHarmless = {Fault::kUnusedPoints, Fault::kSliver, Fault::kSeveralShells, Fault::kCavity};
-  return std::all_of(findings.begin(), findings.end(), [&](const Finding& f) {
-    return std::find(kHarmless.begin(), kHarmless.end(), f.fault) != kHarmless.end();
-  });
+  return std::all_of(findings.begin(), findings.end(), [](const Finding& f) { return is_harmless(f.fault); });
+}
+
+bool is_harmless(Fault fault) {
+  return fault == Fault::kUnusedPoints || fault == Fault::kSliver || fault == Fault::kSeveralShells ||
+         fault == Fault::kCavity;
 }
 
 SurfaceReport diagnose(const TriangleMesh& mesh) { return Diagnosis(mesh).run(); }

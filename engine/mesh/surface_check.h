@@ -29,6 +29,9 @@ enum class Fault {
   kNoVolume,          // closed, but flat
 };
 
+// Told, but no obstacle to filling.
+bool is_harmless(Fault fault);
+
 struct Finding {
   Fault fault;
   std::size_t count = 0;
