@@ -3,14 +3,16 @@
 //   name = "tumbler"                 # default: the file's name
 //   description = "A thin drinking glass"
 //   material = "glass"               # a file of presets/materials
-//   geometry = "tumbler.geo"         # or a mesh; relative to this file
-//   unit_m = 0.001                   # length of one unit of the geometry; default 1
-//   mesh_size_m = 0.006              # longest edge, for a geometry; default: chosen by the band (mesh_choice.h)
-//   error = "0.1%"                   # or 0.001: refine until every frequency is that good (refine.h); default: no
-//   matter element = "tet20"                # default; tet10, tet35, tet4, tet4-lumped surface_points = 160 # default
-//   200 band_hz = [20, 20000]            # default keep_modes = 120                 # the most important ones; default:
-//   all in the band floor_db = 60                    # drop what is inaudible this far below the loudest mode; default:
-//   nothing gain_db = -3                     # the bank's gain, -60 ... 60: how loud beside other objects; default 0
+//   geometry = "tumbler.geo"         # or a surface or a mesh (mesh/body_reader.h); relative to this file
+//   unit_m = 0.001                   # length of one unit of the geometry; default: what the file says, else 1
+//   mesh_size_m = 0.006              # longest edge, where it is meshed; default: chosen by the band (mesh_choice.h)
+//   error = "0.1%"                   # or 0.001: refine until every frequency is that good (refine.h)
+//   element = "tet20"                # default; tet10, tet35, tet4, tet4-lumped
+//   surface_points = 160             # default 200
+//   band_hz = [20, 20000]            # default
+//   keep_modes = 120                 # the most important ones; default: all in the band
+//   floor_db = 60                    # drop what is inaudible this far below the loudest mode; default: nothing
+//   gain_db = -3                     # the bank's gain, -60 ... 60: how loud beside other objects; default 0
 //   [parameters]                     # DefineConstant names of a .geo, in its unit
 //   height = 110
 #pragma once

@@ -137,7 +137,9 @@ Result<Body> BodyReader::make_of_surface(const GmshOptions& options, const Progr
   const Result<const PreparedSurface*> prepared = surface(options);
   if (!prepared) return fail(prepared.error());
   const auto& [mesh, found, left, actions] = **prepared;
-  Body body{.mesh = {}, .making = Making::kFilled, .notes = notes_of(**prepared)};
+  Body body;
+  body.making = Making::kFilled;
+  body.notes = notes_of(**prepared);
   if (left.find(Fault::kSheet)) return fail(sheet_sentence(path_.string()));
   if (left.find(Fault::kNoVolume)) return fail(flat_sentence(path_.string()));
   const double wall_m = wall_thickness(mesh);

@@ -30,7 +30,7 @@ struct Case {
   }
   [[nodiscard]] fs::path entry() const { return fs::directory_iterator(cache_folder)->path(); }
   [[nodiscard]] mesh::CheckedMesh read(const mesh::GmshOptions& how = options()) const {
-    return mesh::read_through_cache(geometry, how, cache).value();
+    return mesh::BodyReader(geometry, cache_folder).read(how).value().mesh;
   }
 };
 
@@ -73,7 +73,7 @@ TEST(MeshCache, KeepsNothingThatDependsOnOtherFiles) {
   const Case box;
   const fs::path part = box.folder.write("part.geo", kBox);
   const fs::path whole = box.folder.write("whole.geo", "Include \"part.geo\";\n");
-  const auto pieces = [&] { return mesh::read_through_cache(whole, options(), box.cache).value().pieces; };
+  const auto pieces = [&] { return mesh::BodyReader(whole, box.cache_folder).read(options()).value().mesh.pieces; };
   EXPECT_EQ(pieces(), 1);
   std::ofstream(part, std::ios::app) << "Box(2) = {20, 0, 0, 5, 5, 5};\n";
   EXPECT_EQ(pieces(), 2);
@@ -86,9 +86,9 @@ TEST(MeshCache, DamagedEntriesAreMadeAgainAndFailuresAreNotKept) {
   fs::resize_file(box.entry(), fs::file_size(box.entry()) - 8);
   EXPECT_TRUE(same(fresh, box.read()));
   std::ofstream(box.geometry) << "Box(1) = {;\n";
-  EXPECT_FALSE(mesh::read_through_cache(box.geometry, options(), box.cache));
+  EXPECT_FALSE(mesh::BodyReader(box.geometry, box.cache_folder).read(options()));
   EXPECT_EQ(box.entries(), 1u);
-  const auto missing = mesh::read_through_cache("/nowhere.geo", options(), box.cache);
+  const auto missing = mesh::BodyReader("/nowhere.geo", box.cache_folder).read(options());
   ASSERT_FALSE(missing);
   EXPECT_NE(missing.error().message.find("there is no such file"), std::string::npos);
 }
