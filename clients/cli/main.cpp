@@ -41,6 +41,8 @@ int main(int argc, char** argv) {
   ExitCode outcome = ExitCode::ok;
   add_program_verb(app, outcome, "bake", "Turns a mesh and a material into a bank.");
   add_info_verb(app, outcome);
+  add_materials_verb(app, outcome);
+  add_scale_verb(app, outcome);
   add_render_verb(app, outcome);
   add_strike_verb(app, outcome);
   add_send_verb(app, outcome);

@@ -51,6 +51,7 @@ Result<ObjectRecipe> read_object(const std::filesystem::path& path) {
   file->text("geometry", geometry);
   recipe.geometry = path.parent_path() / geometry;
   file->number("unit_m", recipe.meshing.unit_m, kLength_m);
+  file->number("scale", recipe.scale, kScale);
   file->number("mesh_size_m", recipe.meshing.mesh_size_m, kLength_m);
   file->named_numbers("parameters", recipe.meshing.parameters);
   read_options(*file, recipe.options);
@@ -63,8 +64,11 @@ Result<ObjectRecipe> read_object(const std::filesystem::path& path) {
 
 Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesystem::path& materials,
                                 const Progress& progress) {
-  const Result<MaterialEntry> material = find_material(materials, recipe.material);
+  Result<MaterialEntry> material = find_material(materials, recipe.material);
   if (!material) return fail(material.error());
+  for (const auto& [key, value] : recipe.figures) {
+    if (auto set = set_figure(material->material, key, value); !set) return fail(set.error());
+  }
   Result<BakedObject> object = bake_recipe(recipe, material->material, progress);
   if (object) object->baked.bank.gain = std::pow(10.0, recipe.gain_db / 20);
   return object;

@@ -72,7 +72,7 @@ class Baker {
         if (auto meshed = mesh(); !meshed) return fail(meshed.error());
       }
       if (auto baked = bake_once(); !baked) return fail(baked.error());
-      if (recipe_.error <= 0 || error() <= recipe_.error) return std::move(object_);
+      if (recipe_.error <= 0 || error() <= recipe_.error) return finished();
       const Result<bool> refined = refine();
       if (!refined) return fail(refined.error());
       same_mesh = *refined;
@@ -80,6 +80,16 @@ class Baker {
   }
 
  private:
+  // With the lengths that the object has.
+  BakedObject finished() {
+    object_.mesh.mesh.nodes *= recipe_.scale;
+    if (object_.choice) {
+      for (double* length : {&object_.choice->size_m, &object_.choice->edge_size_m, &object_.choice->shortest_wave_m})
+        *length *= recipe_.scale;
+    }
+    return std::move(object_);
+  }
+
   [[nodiscard]] bool is_geometry() const { return mesh::is_geometry_file(recipe_.geometry); }
   [[nodiscard]] double error() const { return object_.rounds.back().error; }
 
@@ -112,7 +122,9 @@ class Baker {
     if (!sketch) return fail(sketch.error());
     const BodyShape shape = measure_shape(sketch->mesh);
     const int order = fem::order_of(recipe_.options.element);
-    MeshChoice choice = choose_mesh(shape, material_, recipe_.options.band_high_hz, order, kMostChosenUnknowns);
+    // What a larger object sounds up to, its geometry would sound up to that much higher. A smaller one keeps the mesh.
+    const double band_high_hz = std::max(recipe_.scale, 1.0) * recipe_.options.band_high_hz;
+    MeshChoice choice = choose_mesh(shape, material_, band_high_hz, order, kMostChosenUnknowns);
     if (recipe_.preview) {
       const MeshChoice quick = choose_coarse_mesh(shape, order, kPreviewUnknowns);
       if (quick.size_m > choice.size_m) choice = quick;
@@ -136,7 +148,9 @@ class Baker {
   }
 
   Result<void> bake_once() {
-    Result<Baked> baked = bake(object_.mesh, material_, recipe_.options, recipe_.name,
+    mesh::CheckedMesh scaled = object_.mesh;
+    scaled.mesh.nodes *= recipe_.scale;
+    Result<Baked> baked = bake(scaled, material_, recipe_.options, recipe_.name,
                                [this](std::string_view stage, double fraction) { return go_on(stage, fraction); });
     if (!baked) return fail(baked.error());
     object_.baked = std::move(*baked);

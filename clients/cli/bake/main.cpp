@@ -4,7 +4,6 @@
 // be written; cancelled. One sentence on stderr says why. With --all the others are baked all the same.
 #include "clients/cli/bake/cancellable.h"
 #include "clients/cli/bake/progress_line.h"
-#include "engine/bake/material_page.h"
 #include "engine/bake/object_file.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/fraction.h"
@@ -29,17 +28,22 @@ using protocol::ExitCode;
 struct Arguments {
   fs::path input, output, all, materials;
   std::optional<std::string> material, name, element, error, solver;
-  std::optional<double> mesh_size_m, unit_m;
+  std::optional<double> mesh_size_m, unit_m, scale;
   std::optional<std::size_t> points;
   std::optional<int> keep;
   std::optional<double> floor_db;
   std::optional<int> processes;
   std::vector<double> band_hz;
-  std::map<std::string, double> parameters;
-  bool list_materials = false, progress = false, quiet = false, no_cache = false, preview = false;
+  std::map<std::string, double> parameters, figures;
+  bool progress = false, quiet = false, no_cache = false, preview = false;
 };
 
-void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& settings) {
+// NAME=NUMBER as given.
+struct Settings {
+  std::vector<std::string> parameters, figures;
+};
+
+void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("input", arguments.input,
                  "an object (.toml), a geometry (.geo .step .brep) or a mesh (.msh .vtk .inp ...)")
       ->type_name("FILE");
@@ -56,9 +60,13 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_option("--mesh-size", arguments.mesh_size_m,
                  "longest edge in metres, when a geometry is meshed (default: by the band)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--set", settings, "a parameter of a .geo file, in its unit")->type_name("NAME=NUMBER");
+  app.add_option("--set", settings.parameters, "a parameter of a .geo file, in its unit")->type_name("NAME=NUMBER");
   app.add_option("--unit", arguments.unit_m, "metres per unit of the file, e.g. 0.001 for millimetres")
       ->check(CLI::PositiveNumber);
+  app.add_option("--scale", arguments.scale, "how many times as large as its geometry; the mesh stays the same")
+      ->check(CLI::Range(bake::kScale.low, bake::kScale.high));
+  app.add_option("--set-material", settings.figures, "a figure of the material, e.g. poisson_ratio=0.31")
+      ->type_name("NAME=NUMBER");
   app.add_option("--points", arguments.points, "surface points in the bank (default 200)")
       ->check(CLI::Range(4, 1 << 20));
   app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")->expected(2);
@@ -83,20 +91,19 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
                  "auto (default), block, spectra, dense, or slepc: over MPI, for meshes that outgrow one machine")
       ->type_name("auto|block|spectra|dense|slepc");
   app.add_option("--processes", arguments.processes, "of --solver slepc (default 2)")->check(CLI::Range(1, 4096));
-  app.add_flag("--list-materials", arguments.list_materials,
-               "print the materials with their sources as Markdown, and bake nothing");
   app.add_flag("--progress", arguments.progress, "show progress even when stderr is not a terminal");
   app.add_flag("-q,--quiet", arguments.quiet, "print nothing but errors");
   app.footer(protocol::exit_code_help());
 }
 
-Result<void> read_settings(const std::vector<std::string>& settings, std::map<std::string, double>& parameters) {
+Result<void> read_settings(const char* option, const std::vector<std::string>& settings,
+                           std::map<std::string, double>& parameters) {
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
     const std::string text = equals == std::string::npos ? "" : setting.substr(equals + 1);
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
-    if (equals == 0 || text.empty() || *end != '\0') return fail("--set wants NAME=NUMBER, not '" + setting + "'");
+    if (equals == 0 || text.empty() || *end != '\0') return fail(std::string(option) + " wants NAME=NUMBER, not '" + setting + "'");
     parameters[setting.substr(0, equals)] = value;
   }
   return {};
@@ -129,6 +136,8 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   if (arguments.processes) recipe.options.processes = *arguments.processes;
   if (arguments.mesh_size_m) recipe.meshing.mesh_size_m = *arguments.mesh_size_m;
   if (arguments.unit_m) recipe.meshing.unit_m = *arguments.unit_m;
+  if (arguments.scale) recipe.scale = *arguments.scale;
+  recipe.figures = arguments.figures;
   if (arguments.points) recipe.options.most_points = *arguments.points;
   if (arguments.keep) recipe.options.keep_modes = *arguments.keep;
   if (arguments.floor_db) recipe.options.floor_db = *arguments.floor_db;
@@ -245,13 +254,6 @@ ExitCode bake_folder(const Arguments& arguments, const std::stop_token& stop) {
   return worst;
 }
 
-ExitCode list_materials(const fs::path& folder) {
-  const Result<std::string> page = bake::materials_as_markdown(folder);
-  if (!page) return complain(page.error().message, ExitCode::bad_input);
-  const bool written = std::fputs(page->c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
-  return written ? ExitCode::ok : complain("cannot write to the standard output", ExitCode::failure);
-}
-
 ExitCode usage_error(const std::string& message) {
   return complain(message + "; ringdown-bake --help lists the options", ExitCode::usage);
 }
@@ -272,7 +274,7 @@ ExitCode run(int argc, char** argv) {
   CLI::App app("Bakes an object's shape and material into a bank of its modes.", "ringdown-bake");
   app.set_version_flag("--version", "ringdown-bake " RINGDOWN_VERSION);
   Arguments arguments;
-  std::vector<std::string> settings;
+  Settings settings;
   add_options(app, arguments, settings);
   manual::add_manual_option(app, kSections);
   try {
@@ -282,17 +284,16 @@ ExitCode run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return usage_error(error.what());
   }
-  if (!arguments.list_materials) {
-    if (arguments.input.empty() == arguments.all.empty()) return usage_error("give one input, or --all and a folder");
-    if (arguments.output.empty()) return usage_error("say with --output where to write");
-  }
-  if (auto read = read_settings(settings, arguments.parameters); !read) return usage_error(read.error().message);
+  if (arguments.input.empty() == arguments.all.empty()) return usage_error("give one input, or --all and a folder");
+  if (arguments.output.empty()) return usage_error("say with --output where to write");
+  auto read = read_settings("--set", settings.parameters, arguments.parameters);
+  if (read) read = read_settings("--set-material", settings.figures, arguments.figures);
+  if (!read) return usage_error(read.error().message);
   if (arguments.materials.empty()) {
     const Result<fs::path> presets = ringdown::preset_folder();
     if (!presets) return complain(presets.error().message, ExitCode::failure);
     arguments.materials = *presets / "materials";
   }
-  if (arguments.list_materials) return list_materials(arguments.materials);
   return cli::run_cancellable([&](const std::stop_token& stop) {
     return arguments.all.empty() ? bake_one(arguments.input, arguments.output, arguments, stop)
                                  : bake_folder(arguments, stop);
