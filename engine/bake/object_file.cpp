@@ -36,10 +36,7 @@ void read_options(TomlTable& file, BakeOptions& options) {
   options.band_high_hz = band[1];
 }
 
-}  // namespace
-
-Result<ObjectRecipe> read_object(const std::filesystem::path& path) {
-  Result<TomlTable> file = TomlTable::read(path);
+Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::path& path) {
   if (!file) return fail(file.error());
   ObjectRecipe recipe;
   recipe.name = path.stem().string();
@@ -60,6 +57,14 @@ Result<ObjectRecipe> read_object(const std::filesystem::path& path) {
   file->number("gain_db", recipe.gain_db, kGain_db);
   if (auto good = file->finish(); !good) return fail(good.error());
   return recipe;
+}
+
+}  // namespace
+
+Result<ObjectRecipe> read_object(const std::filesystem::path& path) { return recipe_in(TomlTable::read(path), path); }
+
+Result<ObjectRecipe> parse_object(std::string_view text, const std::filesystem::path& path) {
+  return recipe_in(TomlTable::parse(text, path), path);
 }
 
 Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesystem::path& materials,

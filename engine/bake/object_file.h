@@ -51,6 +51,9 @@ inline constexpr Range kError{1e-7, 0.5};  // that may be asked for
 
 Result<ObjectRecipe> read_object(const std::filesystem::path& path);
 
+// The same from memory; `path` is where the text would stand.
+Result<ObjectRecipe> parse_object(std::string_view text, const std::filesystem::path& path);
+
 // One bake of several that refine each other.
 struct Round {
   fem::Element element = fem::Element::kTet20;
