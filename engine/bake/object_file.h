@@ -6,11 +6,14 @@
 //   geometry = "tumbler.geo"         # or a mesh; relative to this file
 //   unit_m = 0.001                   # length of one unit of the geometry; default 1
 //   mesh_size_m = 0.006              # longest edge, for a geometry; default: chosen by the band (mesh_choice.h)
-//   error = "0.1%"                   # or 0.001: refine until every frequency is that good (refine.h); default: no
-//   matter element = "tet20"                # default; tet10, tet35, tet4, tet4-lumped surface_points = 160 # default
-//   200 band_hz = [20, 20000]            # default keep_modes = 120                 # the most important ones; default:
-//   all in the band floor_db = 60                    # drop what is inaudible this far below the loudest mode; default:
-//   nothing gain_db = -3                     # the bank's gain, -60 ... 60: how loud beside other objects; default 0
+//   error = "0.1%"                   # or 0.001: refine until every frequency is that good (refine.h)
+//   element = "tet20"                # default; tet10, tet35, tet4, tet4-lumped
+//   surface_points = 160             # default 200
+//   band_hz = [20, 20000]            # default
+//   keep_modes = 120                 # the most important ones; default: all in the band
+//   floor_db = 60                    # drop what is inaudible this far below the loudest mode; default: nothing
+//   gain_db = -3                     # the bank's gain, -60 ... 60: how loud beside other objects; default 0
+//   budget_s = 20                    # processor seconds that a bake of it should not exceed; default: none
 //   [parameters]                     # DefineConstant names of a .geo, in its unit
 //   height = 110
 #pragma once
@@ -39,6 +42,7 @@ struct ObjectRecipe {
   double error = 0;  // relative, that the estimate for every frequency in the band must reach; 0: whatever it is
   double most_unknowns = 400'000;  // that `error` may lead to
   bool preview = false;            // coarse and quick; `error` does not count
+  double budget_s = 0;             // of processor time, which `ringdown bake FOLDER` compares with; 0: none
 };
 
 inline constexpr Range kError{1e-7, 0.5};  // that may be asked for
