@@ -11,6 +11,7 @@ namespace {
 constexpr Range kLength_m{1e-9, 1e6};
 constexpr Range kGain_db{-60, 60};
 constexpr Range kFloor_db{1, 200};
+constexpr Range kBudget_s{0.001, 1e6};
 
 void read_options(TomlTable& file, BakeOptions& options) {
   std::string name(fem::element_name(options.element));
@@ -55,6 +56,7 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   recipe.meshing.order = fem::order_of(recipe.options.element);
   file->fraction("error", recipe.error, kError);
   file->number("gain_db", recipe.gain_db, kGain_db);
+  file->number("budget_s", recipe.budget_s, kBudget_s);
   if (auto good = file->finish(); !good) return fail(good.error());
   return recipe;
 }

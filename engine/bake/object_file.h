@@ -14,6 +14,7 @@
 //   keep_modes = 120                 # the most important ones; default: all in the band
 //   floor_db = 60                    # drop what is inaudible this far below the loudest mode; default: nothing
 //   gain_db = -3                     # the bank's gain, -60 ... 60: how loud beside other objects; default 0
+//   budget_s = 20                    # processor seconds that a bake of it should not exceed; default: none
 //   [parameters]                     # DefineConstant names of a .geo, in its unit
 //   height = 110
 #pragma once
@@ -44,6 +45,7 @@ struct ObjectRecipe {
   double error = 0;  // relative, that the estimate for every frequency in the band must reach; 0: whatever it is
   double most_unknowns = 400'000;  // that `error` may lead to
   bool preview = false;            // coarse and quick; `error` does not count
+  double budget_s = 0;             // of processor time, which `ringdown bake FOLDER` compares with; 0: none
 };
 
 inline constexpr Range kScale{1e-3, 1e3};

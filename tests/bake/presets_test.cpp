@@ -159,6 +159,7 @@ TEST(ObjectFile, RefusesMistakesByLine) {
       {"error = true", ":3: error must be a number or a percentage"},
       {"error = \"60%\"", ":3: error = 0.6 is outside"},
       {"error = 0", ":3: error = 0 is outside"},
+      {"budget_s = 0", ":3: budget_s = 0 is outside 0.001 ... 1e+06"},
       {"gain_db = 60.1", ":3: gain_db = 60.1 is outside -60 ... 60"},
       {"gain_db = -61", ":3: gain_db = -61 is outside -60 ... 60"},
       {"gain_db = nan", ":3: gain_db = nan is outside -60 ... 60"},

@@ -1,9 +1,11 @@
 // ringdown-bake: shapes and materials to banks. `ringdown bake ...` runs this program.
 //
 // Exit codes (protocol/exit_codes.h): ok; usage; bad_input when an object cannot be baked; failure when a bank cannot
-// be written; cancelled. One sentence on stderr says why. With --all the others are baked all the same.
+// be written; cancelled. One sentence on stderr says why. Of a folder the others are baked all the same.
 #include "clients/cli/bake/cancellable.h"
+#include "clients/cli/bake/folder_command.h"
 #include "clients/cli/bake/progress_line.h"
+#include "engine/bake/input_hash.h"
 #include "engine/bake/object_file.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/fraction.h"
@@ -15,6 +17,7 @@
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
+#include <new>
 #include <unistd.h>
 
 namespace {
@@ -26,7 +29,7 @@ using protocol::ExitCode;
 
 // What the command line says; an option that is not given leaves the object file's or the default value.
 struct Arguments {
-  fs::path input, output, all, materials;
+  fs::path input, output, materials;
   std::optional<std::string> material, name, element, error, solver;
   std::optional<double> mesh_size_m, unit_m, scale;
   std::optional<std::size_t> points;
@@ -35,6 +38,9 @@ struct Arguments {
   std::optional<int> processes;
   std::vector<double> band_hz;
   std::map<std::string, double> parameters, figures;
+  std::vector<std::string> shaping;  // the options among these that can change a bank, as they were given
+  cli::FolderBake folder;
+  bool update = false, progress_lines = false;
   bool progress = false, quiet = false, no_cache = false, preview = false;
 };
 
@@ -45,12 +51,12 @@ struct Settings {
 
 void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("input", arguments.input,
-                 "an object (.toml), a geometry (.geo .step .brep) or a mesh (.msh .vtk .inp ...)")
+                 "an object (.toml), a geometry (.geo .step .brep), a mesh (.msh .vtk .inp ...), or a folder of them")
       ->type_name("FILE");
-  app.add_option("-o,--output", arguments.output, "the bank to write (.glb); with --all, the folder")
+  app.add_option("-o,--output", arguments.output, "the bank to write (.glb); of a folder, where to (default: beside)")
       ->type_name("FILE");
-  app.add_option("--all", arguments.all, "bake every .toml of this folder instead of one input")->type_name("FOLDER");
-  app.add_option("-m,--material", arguments.material, "name of a material; an object file has one already");
+  app.add_option("-m,--material", arguments.material,
+                 "name of a material; an object file has one already, and keeps it when a folder is baked");
   app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')")
       ->type_name("FOLDER");
   app.add_option("--name", arguments.name, "name kept in the bank (default: the input's)");
@@ -91,6 +97,7 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
                  "auto (default), block, spectra, dense, or slepc: over MPI, for meshes that outgrow one machine")
       ->type_name("auto|block|spectra|dense|slepc");
   app.add_option("--processes", arguments.processes, "of --solver slepc (default 2)")->check(CLI::Range(1, 4096));
+  cli::add_folder_options(app, arguments.folder, arguments.update, arguments.progress_lines);
   app.add_flag("--progress", arguments.progress, "show progress even when stderr is not a terminal");
   app.add_flag("-q,--quiet", arguments.quiet, "print nothing but errors");
   app.footer(protocol::exit_code_help());
@@ -219,11 +226,26 @@ ExitCode complain(const std::string& message, ExitCode code) {
   return code;
 }
 
+cli::ProgressLine::Style progress_style(const Arguments& arguments) {
+  using Style = cli::ProgressLine::Style;
+  if (arguments.progress_lines) return Style::lines;
+  return !arguments.quiet && (arguments.progress || ::isatty(STDERR_FILENO)) ? Style::bar : Style::none;
+}
+
 ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments& arguments,
                   const std::stop_token& stop) {
   const Result<bake::ObjectRecipe> recipe = recipe_for(input, arguments);
   if (!recipe) return complain(recipe.error().message, ExitCode::bad_input);
-  cli::ProgressLine line(recipe->name, !arguments.quiet && (arguments.progress || ::isatty(STDERR_FILENO)));
+  const std::string hash = bake::input_hash({.object = input,
+                                             .geometry = recipe->geometry,
+                                             .material = arguments.materials / (recipe->material + ".toml"),
+                                             .options = arguments.shaping})
+                               .value_or("");
+  if (arguments.update && !hash.empty() && modal::sealed_input_hash(output) == hash) {
+    if (!arguments.quiet) std::printf("%s: unchanged\n", recipe->name.c_str());
+    return ExitCode::ok;
+  }
+  cli::ProgressLine line(recipe->name, progress_style(arguments));
   const Result<bake::BakedObject> object =
       bake::bake_object(*recipe, arguments.materials, [&](std::string_view stage, double fraction) {
         line.show(stage, fraction);
@@ -232,26 +254,21 @@ ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments
   line.clear();
   if (stop.stop_requested()) return complain("cancelled; " + output.string() + " was not written", ExitCode::cancelled);
   if (!object) return complain(object.error().message, ExitCode::bad_input);
-  if (auto written = modal::write_bank(object->baked.bank, output); !written) {
+  if (auto written = modal::write_bank(object->baked.bank, output, hash); !written) {
     return complain(written.error().message, ExitCode::failure);
   }
   if (!arguments.quiet) print_summary(*recipe, *object, output);
   return ExitCode::ok;
 }
 
-ExitCode bake_folder(const Arguments& arguments, const std::stop_token& stop) {
-  const std::vector<std::string> names = bake::names_in(arguments.all);
-  if (names.empty()) return complain("there are no objects in " + arguments.all.string(), ExitCode::bad_input);
-  std::error_code error;
-  fs::create_directories(arguments.output, error);
-  ExitCode worst = ExitCode::ok;
-  for (const std::string& name : names) {
-    const fs::path input = arguments.all / (name + ".toml"), output = arguments.output / (name + ".glb");
-    const ExitCode code = bake_one(input, output, arguments, stop);
-    if (code == ExitCode::cancelled) return code;
-    if (code != ExitCode::ok) worst = code;
-  }
-  return worst;
+ExitCode bake_folder(const CLI::App& app, const Arguments& arguments) {
+  cli::FolderBake request = arguments.folder;
+  request.output = arguments.output;
+  request.materials = arguments.materials;
+  request.material = arguments.material;
+  request.quiet = arguments.quiet;
+  request.progress = arguments.progress;
+  return cli::run_folder_bake(app, std::move(request));
 }
 
 ExitCode usage_error(const std::string& message) {
@@ -263,9 +280,11 @@ const std::vector<manual::Section> kSections = {
     {"FILES", {{"$XDG_CACHE_HOME/ringdown", "What earlier bakes found, so that no mesh is solved twice."}}},
     {"ENVIRONMENT",
      {{"RINGDOWN_CACHE", "Another folder for that."},
+      {"RINGDOWN_THREADS", "How many threads it may use (default: as many as there are processors)."},
       {"RINGDOWN_PRESETS", "Folder of the presets, where it is not share/ringdown/presets beside bin."}}},
     {"EXAMPLES",
      {{"ringdown-bake bell.toml -o bell.glb", "An object file names its shape and its material."},
+      {"ringdown-bake objects -o banks --jobs 4", "What has changed of a folder, four at a time."},
       {"ringdown-bake mesh.msh --material steel -o mesh.glb", "A tetrahedral mesh of your own, in metres."}}},
     {"SEE ALSO", {{"ringdown(1), ringdownd(1)", "The other programs."}}},
 };
@@ -284,8 +303,13 @@ ExitCode run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return usage_error(error.what());
   }
-  if (arguments.input.empty() == arguments.all.empty()) return usage_error("give one input, or --all and a folder");
-  if (arguments.output.empty()) return usage_error("say with --output where to write");
+  if (arguments.input.empty()) return usage_error("give an input, or a folder of them");
+  if (auto chosen = cli::choose_folder(app, arguments.input, arguments.folder); !chosen) {
+    return usage_error(chosen.error().message);
+  }
+  if (arguments.output.empty() && arguments.folder.folder.empty()) {
+    return usage_error("say with --output where to write");
+  }
   auto read = read_settings("--set", settings.parameters, arguments.parameters);
   if (read) read = read_settings("--set-material", settings.figures, arguments.figures);
   if (!read) return usage_error(read.error().message);
@@ -294,9 +318,16 @@ ExitCode run(int argc, char** argv) {
     if (!presets) return complain(presets.error().message, ExitCode::failure);
     arguments.materials = *presets / "materials";
   }
+  if (!arguments.folder.folder.empty()) return bake_folder(app, arguments);
+  arguments.shaping = cli::shaping_options(app);
   return cli::run_cancellable([&](const std::stop_token& stop) {
-    return arguments.all.empty() ? bake_one(arguments.input, arguments.output, arguments, stop)
-                                 : bake_folder(arguments, stop);
+    try {
+      return bake_one(arguments.input, arguments.output, arguments, stop);
+    } catch (const std::bad_alloc&) {
+      return complain("there is not enough memory to bake " + arguments.input.string() +
+                          "; a larger --mesh-size or a lower --element needs less",
+                      ExitCode::failure);
+    }
   });
 }
 
