@@ -1,0 +1,346 @@
+#include "engine/mesh/stuffing.h"
+
+#include "engine/base/in_parallel.h"
+#include "engine/mesh/mesh_parts.h"
+#include "engine/mesh/stencil.h"
+#include "engine/mesh/winding_number.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <vector>
+
+namespace ringdown::mesh {
+namespace {
+
+using Eigen::Vector3d;
+using Place = BccLattice::Place;
+
+constexpr double kNearLong = 0.24999, kNearShort = 0.41189;  // Labelle & Shewchuk 2007, table 1
+constexpr int kMargin = 2;                                   // cubes around the body's box
+constexpr int kBrick = 4;                                    // cubes along the edge of what one thread takes at a time
+constexpr int kBisections = 24;
+
+double length_of(int way) { return way < BccLattice::kLongWays ? 1 : std::sqrt(0.75); }
+double near_of(int way) { return way < BccLattice::kLongWays ? kNearLong : kNearShort; }
+
+class TriangleSolid final : public Solid {
+ public:
+  TriangleSolid(const TriangleMesh& surface, const WindingNumber& winding) : winding_(winding) {
+    low.setConstant(std::numeric_limits<double>::infinity());
+    high = -low;
+    for (const std::int32_t node : surface.triangles.reshaped()) {
+      low = low.cwiseMin(surface.nodes.row(node).transpose());
+      high = high.cwiseMax(surface.nodes.row(node).transpose());
+    }
+  }
+
+  [[nodiscard]] bool inside(const Vector3d& point) const override { return winding_.inside(point); }
+
+  // Between crossings the number changes smoothly, at a crossing by a jump: the latter is found exactly.
+  [[nodiscard]] double leaves(const Vector3d& a, const Vector3d& b) const override {
+    constexpr double kStep = 1e-7;
+    double from = 0;
+    for (const double crossing : winding_.crossings(a, b)) {
+      if (crossing - kStep > from && !inside(a + (crossing - kStep) * (b - a))) {
+        return bisect(a, b, from, crossing - kStep);
+      }
+      if (crossing + kStep >= 1 || !inside(a + (crossing + kStep) * (b - a))) return crossing;
+      from = crossing + kStep;
+    }
+    return bisect(a, b, from, 1);
+  }
+
+  // No triangle is near, and the number is far from one half at nine places: a harmonic function stays so between.
+  [[nodiscard]] bool uniform(const Vector3d& from, const Vector3d& to) const override {
+    const Vector3d margin = (to - from) / 2;
+    if (winding_.near(from - margin, to + margin)) return false;
+    int inside = 0;
+    for (int k = 0; k < 9; ++k) {
+      Vector3d point = (from + to) / 2;
+      for (int axis = 0; k < 8 && axis < 3; ++axis) point[axis] = k >> axis & 1 ? to[axis] : from[axis];
+      const double number = winding_.at(point, 0.05);
+      if (std::abs(number - 0.5) < 0.25) return false;
+      inside += number > 0.5;
+    }
+    return inside == 0 || inside == 9;
+  }
+
+ private:
+  [[nodiscard]] double bisect(const Vector3d& a, const Vector3d& b, double in, double out) const {
+    for (int step = 0; step < kBisections && out - in > 1e-7; ++step) {
+      const double middle = (in + out) / 2;
+      (inside(a + middle * (b - a)) ? in : out) = middle;
+    }
+    return (in + out) / 2;
+  }
+
+  const WindingNumber& winding_;
+};
+
+class Stuffing {
+ public:
+  Stuffing(const Solid& solid, const BccLattice& lattice, int threads, const Progress& progress)
+      : solid_(solid), lattice_(lattice), threads_(thread_count(threads)), progress_(progress) {}
+
+  // False when cancelled.
+  bool run() {
+    if (!find_sides()) return false;
+    find_leavers();
+    if (!find_cuts()) return false;
+    warp();
+    fill();
+    return true;
+  }
+
+  TetMesh take() { return std::move(mesh_); }
+
+ private:
+  // work(i) for all i < count, each once, by all threads; progress from `from` to `to`.
+  template <class Work>
+  bool share(std::int64_t count, double from, double to, const Work& work) {
+    std::atomic<std::int64_t> next = 0;
+    std::atomic<bool> stopped = false;
+    constexpr std::int64_t kBatch = 16;
+    in_parallel(threads_, [&](int thread) {
+      for (std::int64_t first; !stopped && (first = next.fetch_add(kBatch)) < count;) {
+        for (std::int64_t i = first; i < std::min(first + kBatch, count); ++i) work(i);
+        const double done = static_cast<double>(first) / static_cast<double>(count);
+        if (thread == 0 && progress_ && !progress_("stuffing", from + (to - from) * done)) stopped = true;
+      }
+    });
+    return !stopped;
+  }
+
+  // The covered part of the lattice ends half a cube within its box; out there nothing may be inside.
+  [[nodiscard]] bool at_rim(const Place& place) const {
+    return (place.array() <= 1).any() || (place.array() >= 2 * lattice_.cubes().array() - 1).any();
+  }
+
+  bool find_sides() {
+    sides_.assign(lattice_.point_count(), Side::outside);
+    const Eigen::Vector3i bricks = (lattice_.cubes().array() + kBrick) / kBrick;
+    return share(bricks.cast<std::int64_t>().prod(), 0, 0.5, [&](std::int64_t brick) {
+      const auto b = static_cast<int>(brick);
+      const Place first =
+          2 * kBrick * Place(b % bricks[0], b / bricks[0] % bricks[1], b / bricks[0] / bricks[1]);
+      const Place last = (first.array() + 2 * kBrick - 1).min(2 * lattice_.cubes().array());
+      const Vector3d low = lattice_.point(first), high = lattice_.point(last);
+      const bool uniform = solid_.uniform(low, high);
+      const bool inside = uniform && solid_.inside((low + high) / 2);
+      if (uniform && !inside) return;
+      Place at;
+      for (at[2] = first[2]; at[2] <= last[2]; ++at[2]) {
+        for (at[1] = first[1] + (at[2] & 1); at[1] <= last[1]; at[1] += 2) {
+          for (at[0] = first[0] + (at[2] & 1); at[0] <= last[0]; at[0] += 2) {
+            if (at_rim(at)) continue;
+            if (inside || solid_.inside(lattice_.point(at))) sides_[lattice_.number(at)] = Side::inside;
+          }
+        }
+      }
+    });
+  }
+
+  void find_leavers() {
+    leaver_of_.assign(sides_.size(), -1);
+    for (std::int32_t point = 0; point < lattice_.point_count(); ++point) {
+      if (sides_[point] != Side::inside) continue;
+      const Place place = lattice_.place(point);
+      for (int way = 0; way < BccLattice::kWays; ++way) {
+        if (side(place + BccLattice::way(way)) != Side::outside) continue;
+        leaver_of_[point] = static_cast<std::int32_t>(leavers_.size());
+        leavers_.push_back(point);
+        break;
+      }
+    }
+  }
+
+  bool find_cuts() {
+    cuts_.assign(leavers_.size(), {});
+    return share(static_cast<std::int64_t>(leavers_.size()), 0.5, 1, [&](std::int64_t leaver) {
+      const Place place = lattice_.place(leavers_[leaver]);
+      for (int way = 0; way < BccLattice::kWays; ++way) {
+        const Place other = place + BccLattice::way(way);
+        if (side(other) == Side::outside) {
+          cuts_[leaver][way] = solid_.leaves(lattice_.point(place), lattice_.point(other));
+        }
+      }
+    });
+  }
+
+  [[nodiscard]] Side side(const Place& place) const { return sides_[lattice_.number(place)]; }
+
+  [[nodiscard]] Vector3d cut_point(std::int32_t leaver, int way) const {
+    const Place place = lattice_.place(leavers_[leaver]);
+    const Vector3d from = lattice_.point(place), to = lattice_.point(place + BccLattice::way(way));
+    return from + cuts_[leaver][way] * (to - from);
+  }
+
+  // All points with cut points on their edges, ascending.
+  [[nodiscard]] std::vector<std::int32_t> ends_of_cuts() const {
+    std::vector<std::int32_t> ends = leavers_;
+    for (const std::int32_t leaver : leavers_) {
+      const Place place = lattice_.place(leaver);
+      for (int way = 0; way < BccLattice::kWays; ++way) {
+        const std::int32_t other = lattice_.number(place + BccLattice::way(way));
+        if (sides_[other] == Side::outside) ends.push_back(other);
+      }
+    }
+    std::sort(ends.begin(), ends.end());
+    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    return ends;
+  }
+
+  // Moves a point onto the nearest of the cut points that are too near to it. The edges of a point that has moved have
+  // no cut points any more.
+  void warp() {
+    node_of_.assign(sides_.size(), -1);
+    for (const std::int32_t point : ends_of_cuts()) {
+      const Place place = lattice_.place(point);
+      double nearest = std::numeric_limits<double>::infinity();
+      Vector3d target;
+      for (int way = 0; way < BccLattice::kWays; ++way) {
+        const std::int32_t other = lattice_.number(place + BccLattice::way(way));
+        if (static_cast<int>(sides_[point]) * static_cast<int>(sides_[other]) >= 0) continue;
+        const bool leaves = sides_[point] == Side::inside;
+        const std::int32_t leaver = leaver_of_[leaves ? point : other];
+        const double cut = cuts_[leaver][leaves ? way : way ^ 1], share = leaves ? cut : 1 - cut;
+        if (share >= near_of(way) || share * length_of(way) >= nearest) continue;
+        nearest = share * length_of(way);
+        target = cut_point(leaver, leaves ? way : way ^ 1);
+      }
+      if (!std::isfinite(nearest)) continue;
+      sides_[point] = Side::surface;
+      node_of_[point] = add_node(target);
+    }
+  }
+
+  std::int32_t add_node(const Vector3d& at) {
+    nodes_.push_back(at);
+    return static_cast<std::int32_t>(nodes_.size() - 1);
+  }
+
+  std::int32_t node(const std::array<Place, 4>& places, StencilPoint which) {
+    const Place& place = places[which.a];
+    const std::int32_t point = lattice_.number(place);
+    if (which.a == which.b) {
+      if (node_of_[point] < 0) node_of_[point] = add_node(lattice_.point(place));
+      return node_of_[point];
+    }
+    const std::int32_t leaver = leaver_of_[point];
+    int way = 0;
+    while (BccLattice::way(way) != places[which.b] - place) ++way;
+    std::int32_t& known = cut_node_[leaver][way];
+    if (known < 0) known = add_node(cut_point(leaver, way));
+    return known;
+  }
+
+  void fill() {
+    std::array<std::int32_t, BccLattice::kWays> none;
+    none.fill(-1);
+    cut_node_.assign(leavers_.size(), none);
+    for (std::int32_t point = lattice_.corner_count(); point < lattice_.point_count(); ++point) {
+      const Place centre = lattice_.place(point);
+      if ((centre.array() >= 2 * lattice_.cubes().array() - 1).any()) continue;
+      for (int number = 0; number < 12; ++number) {
+        const std::array<Place, 4> places = BccLattice::tetrahedron(centre, number);
+        std::array<Side, 4> sides;
+        for (int c = 0; c < 4; ++c) sides[c] = side(places[c]);
+        if (std::find(sides.begin(), sides.end(), Side::inside) == sides.end()) continue;
+        const Stencil parts = stencil(places, sides);
+        for (int e = 0; e < parts.count; ++e) add_element(places, parts.elements[e]);
+      }
+    }
+    finish();
+  }
+
+  void add_element(const std::array<Place, 4>& places, const std::array<StencilPoint, 4>& points) {
+    std::array<std::int32_t, 4> element;
+    for (int c = 0; c < 4; ++c) element[c] = node(places, points[c]);
+    Eigen::Matrix3d edges;
+    for (int c = 0; c < 3; ++c) edges.row(c) = nodes_[element[c + 1]] - nodes_[element[0]];
+    if (edges.determinant() < 0) std::swap(element[2], element[3]);
+    elements_.push_back(element);
+  }
+
+  void finish() {
+    mesh_.nodes.resize(static_cast<Eigen::Index>(nodes_.size()), 3);
+    for (std::size_t n = 0; n < nodes_.size(); ++n) mesh_.nodes.row(n) = nodes_[n];
+    mesh_.elements.resize(static_cast<Eigen::Index>(elements_.size()), 4);
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+      for (int c = 0; c < 4; ++c) mesh_.elements(e, c) = elements_[e][c];
+    }
+  }
+
+  const Solid& solid_;
+  BccLattice lattice_;
+  int threads_;
+  const Progress& progress_;
+  std::vector<Side> sides_;
+  std::vector<std::int32_t> leavers_;                                 // points inside with neighbours outside
+  std::vector<std::int32_t> leaver_of_, node_of_;                     // of points; -1: none
+  std::vector<std::array<double, BccLattice::kWays>> cuts_;           // of leavers: fraction of the way to the surface
+  std::vector<std::array<std::int32_t, BccLattice::kWays>> cut_node_;
+  std::vector<Vector3d> nodes_;
+  std::vector<std::array<std::int32_t, 4>> elements_;
+  TetMesh mesh_;
+};
+
+std::string text(const char* format, double a, double b) {
+  char buffer[200];
+  std::snprintf(buffer, sizeof buffer, format, a, b);
+  return buffer;
+}
+
+}  // namespace
+
+double Solid::leaves(const Vector3d& a, const Vector3d& b) const {
+  double in = 0, out = 1;
+  for (int step = 0; step < kBisections; ++step) {
+    const double middle = (in + out) / 2;
+    (inside(a + middle * (b - a)) ? in : out) = middle;
+  }
+  return (in + out) / 2;
+}
+
+Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Progress& progress) {
+  const double size = options.size_m;
+  if (!(size > 0) || !std::isfinite(size)) return fail("stuffing needs a mesh size above zero");
+  const Vector3d extent = solid.high - solid.low;
+  if (!extent.allFinite() || extent.minCoeff() < 0) return fail("the surface has no triangles, so nothing is inside");
+  const Vector3d cubes = (extent / size).array().ceil() + 2 * kMargin;
+  const double points = 2 * cubes.prod();
+  if (!(points < kMostLatticePoints)) {
+    return fail(text("a mesh size of %.3g mm would need a lattice of %.2g million points, above 30 million", size * 1e3,
+                     points / 1e6) +
+                text("; %.3g mm is the finest that fits", 1.05 * size * std::cbrt(points / kMostLatticePoints) * 1e3, 0));
+  }
+  const Vector3d origin = (solid.low + solid.high - size * cubes) / 2;
+  Stuffing stuffing(solid, BccLattice(origin, size, cubes.cast<int>()), options.threads, progress);
+  if (!stuffing.run()) return fail(std::string(kCancelled));
+  Stuffed stuffed;
+  stuffed.mesh = stuffing.take();
+  const Trimmed trimmed = keep_sound_parts(stuffed.mesh, kCrumb);
+  stuffed.crumbs = trimmed.crumbs;
+  stuffed.hinges = trimmed.hinges;
+  if (stuffed.mesh.elements.rows() == 0) {
+    return fail(text("nothing lies inside the surface that a mesh size of %.3g mm would see: it is open, or its walls are "
+                     "thinner; close it, or choose a smaller mesh size", size * 1e3, 0));
+  }
+  return stuffed;
+}
+
+Result<Stuffed> stuff(const TriangleMesh& surface, const StuffOptions& options, const Progress& progress) {
+  if (!surface.nodes.allFinite()) return fail("the surface has coordinates that are not numbers");
+  const WindingNumber winding(surface);
+  auto stuffed = stuff(TriangleSolid(surface, winding), options, progress);
+  if (stuffed) stuffed->turned = winding.turned();
+  return stuffed;
+}
+
+}  // namespace ringdown::mesh

@@ -1,0 +1,38 @@
+// Tetrahedra from files that gmsh does not read. [any thread]
+//
+//   TetGen   x.node and x.ele; naming either finds the other. Numbered from 0 or 1, 4 or 10 nodes to an element;
+//            attributes, boundary markers and comments (#) are passed over.
+//   Vega     x.veg with *VERTICES and *ELEMENTS of type TET, numbered from 0 or 1; *MATERIAL and the like are passed
+//            over. *INCLUDE is refused: name the file that holds the mesh.
+//   IsoStuffer's binary .tet (Zheng & James's ModalSound): little-endian
+//            int32 free nodes, int32 all nodes, 3 doubles for each node, int32 elements, 4 int32 for each element.
+//
+// Lengths are taken as they stand; scale them afterwards. Nothing is checked beyond the file itself: elements may be
+// inside out, overlap or be flat (mesh::check_mesh).
+//
+// What a file says of its own size is compared with its size before memory is taken. Errors are one sentence with the
+// line, or the byte, and what is wrong there.
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/mesh/tet_mesh.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace ringdown::mesh {
+
+// True for .node, .ele, .veg and .tet, in any case.
+bool is_tet_file(const std::filesystem::path& path);
+
+Result<TetMesh> read_tet_file(const std::filesystem::path& path);
+
+// The same from what the files hold. `name` stands in the sentences.
+Result<TetMesh> read_tetgen(std::string_view node_text, std::string_view ele_text, const std::string& name);
+Result<TetMesh> read_vega(std::string_view text, const std::string& name);
+Result<TetMesh> read_isostuffer(std::span<const std::byte> file, const std::string& name);
+
+}  // namespace ringdown::mesh
