@@ -97,7 +97,8 @@ double t60_at(const modal::RayleighDamping& damping, double frequency_hz) {
 std::string pitch_of(const modal::Bank& bar) {
   if (bar.mode_count() == 0) return "none";
   char text[48];
-  std::snprintf(text, sizeof text, "%7.1f Hz  %s", bar.frequency_hz.front(), note_name(bar.frequency_hz.front()).c_str());
+  std::snprintf(text, sizeof text, "%7.1f Hz  %s", bar.frequency_hz.front(),
+                note_name(bar.frequency_hz.front()).c_str());
   return text;
 }
 
@@ -175,7 +176,8 @@ ExitCode list(const MaterialsArguments& arguments) {
     if (!entry) return complain(entry.error().message, ExitCode::bad_input);
     print_row(*entry);
   }
-  std::printf("\nringdown materials NAME says where each figure is from, and with --sound FILE.wav lets it be heard.\n");
+  std::printf(
+      "\nringdown materials NAME says where each figure is from, and with --sound FILE.wav lets it be heard.\n");
   return ExitCode::ok;
 }
 
@@ -211,8 +213,8 @@ ExitCode materials(MaterialsArguments arguments) {
 
 void add_materials_verb(CLI::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<MaterialsArguments>();
-  CLI::App* verb =
-      app.add_subcommand("materials", "Lists the materials, with what a bar of each sounds like, or shows one of them.");
+  CLI::App* verb = app.add_subcommand(
+      "materials", "Lists the materials, with what a bar of each sounds like, or shows one of them.");
   CLI::Option* name = verb->add_option("name", arguments->name, "The material to show, with the source of each figure.")
                           ->type_name("NAME");
   verb->add_option("--materials", arguments->folder, "Folder of materials (default: the presets').")

@@ -22,9 +22,9 @@ constexpr std::array<std::pair<std::string_view, ModeFamily>, 6> kNames = {{{"ve
                                                                             {"other", ModeFamily::kOther},
                                                                             {"any", ModeFamily::kAny}}};
 
-constexpr Index kMostDegrees = 12;    // of the polynomials along the body
-constexpr double kEqual = 1.0017;     // 3 cents
-constexpr double kLeastShare = 0.5;   // of the motion, that a family explains
+constexpr Index kMostDegrees = 12;   // of the polynomials along the body
+constexpr double kEqual = 1.0017;    // 3 cents
+constexpr double kLeastShare = 0.5;  // of the motion, that a family explains
 
 Vector3d eigen(const Vec3& v) { return {v.x, v.y, v.z}; }
 Vec3 plain(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -83,8 +83,8 @@ class Sections {
 
  private:
   Eigen::Matrix3d axes_;
-  Eigen::MatrixXd places_;           // P x 3: along, strike, across, from the centre
-  MatrixXd parts_;                   // P x 3 degrees
+  Eigen::MatrixXd places_;  // P x 3: along, strike, across, from the centre
+  MatrixXd parts_;          // P x 3 degrees
   Eigen::ColPivHouseholderQR<MatrixXd> fit_;
   Index degrees_ = 1;
 };

@@ -94,11 +94,10 @@ class ObjectTuner {
       parameters[variables_[i].name] = six_digits(at[static_cast<Eigen::Index>(i)]);
     }
     for (const auto& [name, value] : parameters) recipe_.meshing.parameters[name] = value;
-    const Result<BakedObject> object =
-        bake_recipe(recipe_, material_, [this](std::string_view stage, double fraction) {
-          stopped_ = stopped_ || (request_.progress && !request_.progress(stage, fraction));
-          return !stopped_;
-        });
+    const Result<BakedObject> object = bake_recipe(recipe_, material_, [this](std::string_view stage, double fraction) {
+      stopped_ = stopped_ || (request_.progress && !request_.progress(stage, fraction));
+      return !stopped_;
+    });
     ++bakes_;
     if (!object) return fail(object.error());
     const Result<std::vector<FoundMode>> found = find_targets(object->baked.bank);
@@ -132,11 +131,12 @@ class ObjectTuner {
 
   [[nodiscard]] std::string too_few(const TuneTarget& target, std::size_t there) const {
     char text[200];
-    std::snprintf(text, sizeof text,
-                  "%s has %zu modes of the family '%s' between %.0f and %.0f Hz, and mode %d is asked for; begin nearer to "
-                  "the targets",
-                  recipe_.name.c_str(), there, std::string(family_name(target.family)).c_str(),
-                  recipe_.options.band_low_hz, recipe_.options.band_high_hz, target.mode);
+    std::snprintf(
+        text, sizeof text,
+        "%s has %zu modes of the family '%s' between %.0f and %.0f Hz, and mode %d is asked for; begin nearer to "
+        "the targets",
+        recipe_.name.c_str(), there, std::string(family_name(target.family)).c_str(), recipe_.options.band_low_hz,
+        recipe_.options.band_high_hz, target.mode);
     return text;
   }
 

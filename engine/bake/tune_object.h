@@ -43,9 +43,9 @@ struct TuneRequest {
   ObjectRecipe recipe;                  // with a mesh size
   std::vector<TuneVariable> variables;  // a start outside its bounds is brought inside
   std::vector<TuneTarget> targets;
-  std::optional<Vec3> strike;            // see body_axes()
+  std::optional<Vec3> strike;  // see body_axes()
   double tolerance_cents = 0.3;
-  std::function<void(const TuneStep&)> told;                      // after each evaluation
+  std::function<void(const TuneStep&)> told;                    // after each evaluation
   std::function<bool(std::string_view, double)> progress = {};  // inside one; false stops
 };
 

@@ -16,15 +16,15 @@
 namespace ringdown::fit {
 namespace {
 
-constexpr double kSamplesOfBand = 400;    // what a pass has of each band, more or less
-constexpr double kPassRatio = 4;          // of one pass's length to the next one's
+constexpr double kSamplesOfBand = 400;  // what a pass has of each band, more or less
+constexpr double kPassRatio = 4;        // of one pass's length to the next one's
 constexpr double kShortestPass_s = 0.02;
-constexpr double kFastestOfPass = 12;     // decay times length: above, the mode waits for a shorter pass
-constexpr Eigen::Index kMostPoles = 44;   // of a band
-constexpr double kOverlap = 0.04;         // of the core, on either side
-constexpr double kLeastCycles = 1.5;      // frequency over decay: below, it is a thud and no tone
-constexpr double kLeastDecay = 3;         // decay over its standard error: below, it may be hum
-constexpr double kUnresolved = 0.02;      // modes nearer than that over the length are the same one, found twice
+constexpr double kFastestOfPass = 12;    // decay times length: above, the mode waits for a shorter pass
+constexpr Eigen::Index kMostPoles = 44;  // of a band
+constexpr double kOverlap = 0.04;        // of the core, on either side
+constexpr double kLeastCycles = 1.5;     // frequency over decay: below, it is a thud and no tone
+constexpr double kLeastDecay = 3;        // decay over its standard error: below, it may be hum
+constexpr double kUnresolved = 0.02;     // modes nearer than that over the length are the same one, found twice
 
 struct Candidate {
   Mode mode;
@@ -38,7 +38,10 @@ struct Pass {
 
   Pass(double rate, double length, double low, double high)
       : filter(static_cast<std::size_t>(std::max(1.0, std::round(rate * length / kSamplesOfBand)))),
-        rate_hz(rate), length_s(length), low_hz(low), high_hz(high) {}
+        rate_hz(rate),
+        length_s(length),
+        low_hz(low),
+        high_hz(high) {}
   [[nodiscard]] double band_rate_hz() const { return rate_hz / static_cast<double>(filter.step()); }
   [[nodiscard]] double width_hz() const { return SubbandFilter::kCore * band_rate_hz(); }
   [[nodiscard]] std::size_t bands() const {

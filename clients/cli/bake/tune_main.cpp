@@ -44,7 +44,8 @@ std::string parameters_text(const std::map<std::string, double>& parameters) {
 void print_step(const bake::TuneStep& step) {
   std::fprintf(stderr, "%4d %-7s%s:", step.number, std::string(step.stage).c_str(),
                parameters_text(step.parameters).c_str());
-  for (const bake::FoundMode& mode : step.found) std::fprintf(stderr, "  %.2f Hz %+.2f ct", mode.frequency_hz, mode.cents);
+  for (const bake::FoundMode& mode : step.found)
+    std::fprintf(stderr, "  %.2f Hz %+.2f ct", mode.frequency_hz, mode.cents);
   std::fprintf(stderr, "\n");
 }
 
@@ -70,10 +71,11 @@ std::string missed(const std::string& name, const bake::TunedObject& tuned) {
     error = std::max(error, mode.error_cents);
   }
   char text[240];
-  std::snprintf(text, sizeof text,
-                "%s: the targets are out of reach: the best misses by %.2f cents, with an estimated error of %.2f; widen "
-                "the bounds, vary more parameters, or ask for less. Nothing was written",
-                name.c_str(), worst, error);
+  std::snprintf(
+      text, sizeof text,
+      "%s: the targets are out of reach: the best misses by %.2f cents, with an estimated error of %.2f; widen "
+      "the bounds, vary more parameters, or ask for less. Nothing was written",
+      name.c_str(), worst, error);
   return text;
 }
 

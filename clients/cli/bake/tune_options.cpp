@@ -35,9 +35,10 @@ Result<bake::TuneVariable> variable_in(const std::string& text) {
 }
 
 Result<AskedTarget> target_in(const std::string& text) {
-  const std::string wanted = "--target wants [FAMILY:]MODE=VALUE, a value in Hz, a note such as A4, or a multiple of the "
-                             "first such as 4x, not '" +
-                             text + "'";
+  const std::string wanted =
+      "--target wants [FAMILY:]MODE=VALUE, a value in Hz, a note such as A4, or a multiple of the "
+      "first such as 4x, not '" +
+      text + "'";
   AskedTarget target;
   const std::size_t colon = text.find(':'), equals = text.find('=');
   if (equals == std::string::npos) return fail(wanted);
@@ -73,8 +74,10 @@ Result<AskedTarget> target_in(const std::string& text) {
 
 Result<void> read_scale(const std::string& text, TuneArguments& arguments) {
   const auto ends = range_in(text);
-  const auto low = ends ? note_number(ends->first) : std::nullopt, high = ends ? note_number(ends->second) : std::nullopt;
-  if (!low || !high || *low > *high) return fail("--scale wants two notes, the lower first, such as F3..F6, not '" + text + "'");
+  const auto low = ends ? note_number(ends->first) : std::nullopt,
+             high = ends ? note_number(ends->second) : std::nullopt;
+  if (!low || !high || *low > *high)
+    return fail("--scale wants two notes, the lower first, such as F3..F6, not '" + text + "'");
   arguments.is_scale = true;
   arguments.lowest_note = *low;
   arguments.highest_note = *high;
@@ -93,10 +96,11 @@ void add_tune_options(CLI::App& app, TuneArguments& arguments, TuneWords& words)
   app.add_option("--vary", words.vary, "a parameter that may change, in the geometry's unit; repeat it for others")
       ->type_name("NAME:LOW..HIGH")
       ->required();
-  app.add_option("--target", words.targets,
-                 "where a mode shall lie: Hz, a note (A4, F#3), or a multiple of the first target (4x). MODE counts from "
-                 "1 in its family: vertical (default: bending in the strike direction), lateral, torsion, longitudinal, "
-                 "any")
+  app.add_option(
+         "--target", words.targets,
+         "where a mode shall lie: Hz, a note (A4, F#3), or a multiple of the first target (4x). MODE counts from "
+         "1 in its family: vertical (default: bending in the strike direction), lateral, torsion, longitudinal, "
+         "any")
       ->type_name("[FAMILY:]MODE=VALUE")
       ->required();
   app.add_option("--scale", words.scale, "one object for each note, at which a target has the value 'note'")
@@ -108,7 +112,8 @@ void add_tune_options(CLI::App& app, TuneArguments& arguments, TuneWords& words)
       ->check(CLI::Range(0.001, 100.0));
   app.add_option("--mesh-size", arguments.mesh_size_m, "longest edge in metres, instead of the object's")
       ->check(CLI::PositiveNumber);
-  app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')")->type_name("FOLDER");
+  app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')")
+      ->type_name("FOLDER");
   app.add_flag("--no-cache", arguments.no_cache, "neither use nor keep earlier results");
   app.add_flag("-q,--quiet", arguments.quiet, "print nothing but errors");
   app.footer(protocol::exit_code_help());
