@@ -36,6 +36,7 @@ void print_head(const modal::Bank& bank) {
   }
   const modal::Provenance& made = bank.provenance;
   if (!made.generator.empty()) std::printf("made by    %s\n", made.generator.c_str());
+  if (!made.body.empty()) std::printf("body       %s\n", made.body.c_str());
   if (made.unknowns > 0) {
     std::printf("analysis   %s, %lld unknowns, %.4g to %.4g Hz, %lld rigid modes left out, largest residual %.2g\n",
                 made.element.c_str(), static_cast<long long>(made.unknowns), made.band_low_hz, made.band_high_hz,

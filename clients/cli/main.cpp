@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
 
   ExitCode outcome = ExitCode::ok;
   add_program_verb(app, outcome, "bake", "Turns a mesh and a material into a bank.");
+  add_program_verb(app, outcome, "check", "Says what is wrong with a mesh, and how it would be meshed.");
   add_program_verb(app, outcome, "tune", "Finds parameters of a geometry at which modes hit their notes.");
   add_info_verb(app, outcome);
   add_materials_verb(app, outcome);

@@ -5,6 +5,7 @@
 #include "engine/bake/importance.h"
 #include "engine/bake/mass_properties.h"
 #include "engine/bake/mode_cache.h"
+#include "engine/bake/size_question.h"
 #include "engine/fem/error_estimate.h"
 #include "engine/mesh/surface.h"
 #include "engine/solve/eigensolver.h"
@@ -145,17 +146,6 @@ Result<void> check_rigid(const Eigenmodes& modes, int pieces, double highest_lam
   return fail(
       "its lowest vibration cannot be told from rigid motions for rounding; its elements are too flat or too "
       "distorted: mesh the object again");
-}
-
-// About how many modes a solid has below a frequency: Debye's count V omega^3/(6 pi^2) (1/c_l^3 + 2/c_t^3) of waves
-// with the two speeds of sound (Landau & Lifshitz, Statistical Physics, section 64; Theory of Elasticity, section 22).
-// Plates and shells have more.
-double debye_count(double volume_m3, const modal::Material& material, double lambda) {
-  const double e = material.youngs_modulus_pa, nu = material.poisson_ratio, rho = material.density_kg_m3;
-  const double transverse = std::sqrt(e / (2 * (1 + nu) * rho));
-  const double longitudinal = transverse * std::sqrt((2 - 2 * nu) / (1 - 2 * nu));
-  const double slowness = std::pow(longitudinal, -3) + 2 * std::pow(transverse, -3);
-  return volume_m3 * std::pow(lambda, 1.5) / (6 * std::numbers::pi * std::numbers::pi) * slowness;
 }
 
 // A bank keeps positions as 32-bit floats, which have 24 bits: at ten thousand times its length from the origin a body

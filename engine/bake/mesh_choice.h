@@ -4,13 +4,15 @@
 // body is thin, a bending wave of a plate of its thickness, 2 pi (D / (rho h))^(1/4) / sqrt(omega) with
 // D = E h^3 / (12 (1 - nu^2)) (Landau & Lifshitz, Theory of Elasticity, sections 22 and 25). Elements per wave, by
 // order: 20, 8, 4, 2.5. Beside waves, elements must follow what happens within a thickness of sharp edges, where twist
-// lets go, and how a slender body's section warps; and flat ones, longer than p + 1 thicknesses, bend too stiffly. With
+// lets go, and how a slender body's section warps; and flat ones, longer than p + 1 thicknesses, bend too stiffly. Where the thinnest wall is known and less than 2 V / A, it is
+// the thickness. With
 // order 3 that leaves less than 0.1 % in the first fifty frequencies and 0.02 % in the first ten of the bodies in
 // docs/accuracy.md; linear elements do not reach that at any sane size.
 #pragma once
 
 #include "engine/fem/assembly.h"
 #include "engine/mesh/tet_mesh.h"
+#include "engine/mesh/triangle_mesh.h"
 #include "engine/modal/bank.h"
 
 namespace ringdown::bake {
@@ -18,15 +20,21 @@ namespace ringdown::bake {
 struct BodyShape {
   double volume_m3 = 0;
   double thickness_m = 0;  // 2 V / A: a plate's and a shell's own thickness, less than a compact body's
+  double wall_m = 0;       // the thinnest wall (mesh/wall_thickness.h); 0: not known
   double width_m = 0;      // the second of its three principal extents, as if it were a box of its inertia
+  double length_m = 0;     // the diagonal of its box
 };
 
 // From any mesh of the body; the coarsest will do.
 BodyShape measure_shape(const mesh::TetMesh& mesh);
 
+// The same from the skin, which should be closed.
+BodyShape measure_shape(const mesh::TriangleMesh& skin, double wall_m);
+
 struct MeshChoice {
   double size_m = 0, edge_size_m = 0;  // as in mesh::GmshOptions
   double shortest_wave_m = 0;
+  double wall_m = 0;     // the thinnest wall, which counted as the thickness; 0: not known
   bool bounded = false;  // made coarser than the wave asks, to keep within most_unknowns
 };
 

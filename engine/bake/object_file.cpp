@@ -48,7 +48,9 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   file->text("material", recipe.material);
   file->text("geometry", geometry);
   recipe.geometry = path.parent_path() / geometry;
-  file->number("unit_m", recipe.meshing.unit_m, kLength_m);
+  double unit_m = 0;
+  file->number("unit_m", unit_m, kLength_m);
+  if (unit_m > 0) recipe.meshing.unit_m = unit_m;
   file->number("scale", recipe.scale, kScale);
   file->number("mesh_size_m", recipe.meshing.mesh_size_m, kLength_m);
   file->named_numbers("parameters", recipe.meshing.parameters);

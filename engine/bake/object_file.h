@@ -23,7 +23,7 @@
 #include "engine/bake/material_library.h"
 #include "engine/bake/mesh_choice.h"
 #include "engine/base/range.h"
-#include "engine/mesh/gmsh_reader.h"
+#include "engine/mesh/body_reader.h"
 
 #include <filesystem>
 #include <optional>
@@ -66,6 +66,9 @@ struct Round {
 struct BakedObject {
   Baked baked;
   mesh::CheckedMesh mesh;
+  mesh::Making making = mesh::Making::kRead;
+  std::vector<std::string> notes;    // what was found in a surface, and what was done about it
+  std::string question;              // whether the size can be meant; or empty
   std::optional<MeshChoice> choice;  // of the mesh size, where none was named
   std::vector<Round> rounds;         // one, or more with recipe.error; the last one made the bank
   double mesh_seconds = 0;

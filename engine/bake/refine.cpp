@@ -1,9 +1,10 @@
 #include "engine/bake/refine.h"
 
+#include "engine/bake/size_question.h"
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/fraction.h"
-#include "engine/mesh/mesh_cache.h"
+#include "engine/mesh/wall_thickness.h"
 
 #include <algorithm>
 #include <chrono>
@@ -27,11 +28,6 @@ std::string family_of(const ObjectRecipe& recipe) {
   hasher.text(*geometry);
   for (const auto& [name, value] : recipe.meshing.parameters) hasher.text(name).value(value);
   return hasher.hash().text();
-}
-
-Result<mesh::CheckedMesh> find_mesh(const ObjectRecipe& recipe, const mesh::GmshOptions& meshing) {
-  if (recipe.options.cache.empty()) return mesh::read_with_gmsh(recipe.geometry, meshing);
-  return mesh::read_through_cache(recipe.geometry, meshing, ContentCache(recipe.options.cache));
 }
 
 double mean_longest_edge(const mesh::TetMesh& mesh) {
@@ -60,7 +56,7 @@ double growth(int order) {
 class Baker {
  public:
   Baker(const ObjectRecipe& recipe, const modal::Material& material, const Progress& progress)
-      : recipe_(recipe), material_(material), progress_(progress) {
+      : recipe_(recipe), material_(material), progress_(progress), reader_(recipe.geometry, recipe.options.cache) {
     if (!recipe.options.cache.empty()) recipe_.options.family = family_of(recipe);
   }
 
@@ -84,13 +80,14 @@ class Baker {
   BakedObject finished() {
     object_.mesh.mesh.nodes *= recipe_.scale;
     if (object_.choice) {
-      for (double* length : {&object_.choice->size_m, &object_.choice->edge_size_m, &object_.choice->shortest_wave_m})
+      for (double* length : {&object_.choice->size_m, &object_.choice->edge_size_m, &object_.choice->shortest_wave_m,
+                             &object_.choice->wall_m}) {
         *length *= recipe_.scale;
+      }
     }
     return std::move(object_);
   }
 
-  [[nodiscard]] bool is_geometry() const { return mesh::is_geometry_file(recipe_.geometry); }
   [[nodiscard]] double error() const { return object_.rounds.back().error; }
 
   bool go_on(std::string_view stage, double fraction) const {
@@ -112,15 +109,13 @@ class Baker {
       set_order(2);
       recipe_.options.most_points = std::min(recipe_.options.most_points, kPreviewPoints);
     }
+    if (auto stuffed = plan_stuffing(); !stuffed) return stuffed;
     const bool named = recipe_.meshing.mesh_size_m > 0 || mesh::names_mesh_size(recipe_.geometry);
-    if (!is_geometry() || (named && !recipe_.preview)) return {};
+    if (!reader_.meshes() || (named && !recipe_.preview)) return {};
     if (!go_on("mesh", 0)) return fail(std::string(kCancelled));
-    mesh::GmshOptions coarse = recipe_.meshing;
-    coarse.mesh_size_m = 0;
-    coarse.order = 1;
-    const Result<mesh::CheckedMesh> sketch = find_mesh(recipe_, coarse);
+    const Result<mesh::TriangleMesh> sketch = reader_.sketch(recipe_.meshing);
     if (!sketch) return fail(sketch.error());
-    const BodyShape shape = measure_shape(sketch->mesh);
+    const BodyShape shape = measure_shape(*sketch, mesh::wall_thickness(*sketch));
     const int order = fem::order_of(recipe_.options.element);
     // What a larger object sounds up to, its geometry would sound up to that much higher. A smaller one keeps the mesh.
     const double band_high_hz = std::max(recipe_.scale, 1.0) * recipe_.options.band_high_hz;
@@ -135,15 +130,32 @@ class Baker {
     return {};
   }
 
+  // Stuffing follows walls with many small straight elements: too many for a high order.
+  Result<void> plan_stuffing() {
+    if (!reader_.is_surface()) return {};
+    if (!go_on("mesh", 0)) return fail(std::string(kCancelled));
+    const Result<const mesh::PreparedSurface*> surface = reader_.surface(recipe_.meshing);
+    if (!surface) return fail(surface.error());
+    if (!(*surface)->left.sound() && fem::order_of(recipe_.options.element) > 2) set_order(2);
+    return {};
+  }
+
   Result<void> mesh() {
     if (!go_on("mesh", 0)) return fail(std::string(kCancelled));
     const auto start = std::chrono::steady_clock::now();
-    Result<mesh::CheckedMesh> mesh = find_mesh(recipe_, recipe_.meshing);
-    if (!mesh) return fail(mesh.error());
-    object_.mesh = std::move(*mesh);
+    Result<mesh::Body> body = reader_.read(recipe_.meshing, [this](std::string_view stage, double fraction) {
+      return go_on(stage, fraction);
+    });
+    if (!body) return fail(body.error());
+    object_.mesh = std::move(body->mesh);
+    const mesh::TetMesh sized{object_.mesh.mesh.nodes * recipe_.scale, object_.mesh.mesh.elements};
+    object_.question = question_size(measure_shape(sized), material_, recipe_.options, recipe_.geometry,
+                                     recipe_.meshing.unit_m.value_or(mesh::unit_in_file(recipe_.geometry)));
+    object_.making = body->making;
+    object_.notes = std::move(body->notes);
     object_.mesh_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const bool large = object_.mesh.mesh.elements.rows() > kPreviewElements;
-    if (recipe_.preview && !is_geometry() && large) set_order(1);
+    if (recipe_.preview && !reader_.meshes() && large) set_order(1);
     return {};
   }
 
@@ -152,8 +164,9 @@ class Baker {
     scaled.mesh.nodes *= recipe_.scale;
     Result<Baked> baked = bake(scaled, material_, recipe_.options, recipe_.name,
                                [this](std::string_view stage, double fraction) { return go_on(stage, fraction); });
-    if (!baked) return fail(baked.error());
+    if (!baked) return fail(with_question(baked.error().message));
     object_.baked = std::move(*baked);
+    object_.baked.bank.provenance.body = mesh::text_of(object_.making);
     object_.rounds.push_back({.element = recipe_.options.element,
                               .elements = object_.baked.report.elements,
                               .unknowns = object_.baked.report.unknowns,
@@ -164,7 +177,7 @@ class Baker {
   // Prepares the next round; true when it takes object_.mesh as it is.
   Result<bool> refine() {
     if (object_.rounds.size() >= kMostRounds) return fail(out_of_reach("that was the last of its rounds"));
-    return is_geometry() ? refine_geometry() : refine_mesh();
+    return reader_.meshes() ? refine_geometry() : refine_mesh();
   }
 
   Result<bool> refine_geometry() {
@@ -203,6 +216,10 @@ class Baker {
     return true;
   }
 
+  [[nodiscard]] std::string with_question(const std::string& message) const {
+    return object_.question.empty() || message == kCancelled ? message : message + "; " + object_.question;
+  }
+
   [[nodiscard]] double unknowns() const { return static_cast<double>(object_.rounds.back().unknowns); }
 
   [[nodiscard]] std::string more_than_most(double wanted) const {
@@ -224,6 +241,7 @@ class Baker {
   ObjectRecipe recipe_;
   const modal::Material& material_;
   const Progress& progress_;
+  mesh::BodyReader reader_;
   BakedObject object_;
 };
 

@@ -1,6 +1,7 @@
 #include "engine/mesh/gmsh_reader.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/mesh/gmsh_session.h"
 
 #include <gmsh.h>
 
@@ -8,7 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <mutex>
+#include <fstream>
 #include <optional>
 #include <regex>
 #include <unistd.h>
@@ -27,38 +28,6 @@ std::string plain_number(double value) {
   std::snprintf(text, sizeof text, "%.17g", value);
   return text;
 }
-
-// gmsh between initialize() and finalize().
-class Session {
- public:
-  Session() : lock_(mutex_) {
-    gmsh::initialize(0, nullptr, false);
-    gmsh::option::setNumber("General.Terminal", 0);
-    gmsh::option::setNumber("General.NumThreads", 1);    // the same mesh on every machine
-    gmsh::option::setNumber("General.AbortOnError", 0);  // an exception through its parser spoils the next file
-    gmsh::logger::start();
-  }
-  ~Session() {
-    gmsh::logger::stop();  // or the next session finds this one's errors
-    gmsh::finalize();
-  }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-
-  // The first error logged so far, without its label.
-  [[nodiscard]] std::optional<std::string> first_error() const {
-    std::vector<std::string> log;
-    gmsh::logger::get(log);
-    for (const std::string& line : log) {
-      if (line.starts_with("Error")) return line.substr(std::min(line.find(": ") + 2, line.size()));
-    }
-    return std::nullopt;
-  }
-
- private:
-  static inline std::mutex mutex_;
-  std::lock_guard<std::mutex> lock_;
-};
 
 // A .geo that sets the parameters and includes the real one. gmsh's own way, -setnumber, cannot be taken back, and its
 // parser's variables outlive finalize(), so this also forgets those of the file before.
@@ -108,13 +77,13 @@ Result<void> check_parameters(const std::filesystem::path& path, const std::map<
 }
 
 // gmsh would work on a mesh of billions of elements until the memory is full, and cannot be interrupted.
-Result<void> check_mesh_size(const std::filesystem::path& path, const GmshOptions& options) {
+Result<void> check_mesh_size(const std::filesystem::path& path, const GmshOptions& options, double unit_m) {
   double x0, y0, z0, x1, y1, z1;
   gmsh::model::getBoundingBox(-1, -1, x0, y0, z0, x1, y1, z1);
-  const double size = options.mesh_size_m / options.unit_m;
+  const double size = options.mesh_size_m / unit_m;
   if ((x1 - x0) / size * ((y1 - y0) / size) * ((z1 - z0) / size) <= kMostCells) return {};
   return fail(path.string() + ": a mesh size of " + std::to_string(options.mesh_size_m) +
-              " m is far too small for a body " + std::to_string(options.unit_m * (x1 - x0)) +
+              " m is far too small for a body " + std::to_string(unit_m * (x1 - x0)) +
               " m long; choose a larger one, or check the unit of its lengths");
 }
 
@@ -175,13 +144,13 @@ void refine_at_edges(double edge_size, double mesh_size) {
   gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 0);
 }
 
-Result<void> generate(const std::filesystem::path& path, const GmshOptions& options) {
+Result<void> generate(const std::filesystem::path& path, const GmshOptions& options, double unit_m) {
   if (options.mesh_size_m > 0) {
-    if (auto good = check_mesh_size(path, options); !good) return good;
-    gmsh::option::setNumber("Mesh.MeshSizeMax", options.mesh_size_m / options.unit_m);
+    if (auto good = check_mesh_size(path, options, unit_m); !good) return good;
+    gmsh::option::setNumber("Mesh.MeshSizeMax", options.mesh_size_m / unit_m);
     const bool finer_at_edges = options.edge_size_m > 0 && options.edge_size_m < options.mesh_size_m;
     if (finer_at_edges && !geo_says(path, "\\bBackground\\s+Field\\b")) {
-      refine_at_edges(options.edge_size_m / options.unit_m, options.mesh_size_m / options.unit_m);
+      refine_at_edges(options.edge_size_m / unit_m, options.mesh_size_m / unit_m);
     }
   }
   gmsh::model::mesh::generate(3);
@@ -251,13 +220,13 @@ tl::unexpected<Error> gmsh_failed(const std::filesystem::path& path, const std::
   return fail("gmsh cannot make a mesh of " + path.string() + ": " + one_line(message));
 }
 
-Result<void> open_file(const std::filesystem::path& path, const GmshOptions& options) {
+Result<void> open_file(const std::filesystem::path& path, const GmshOptions& options, double unit_m) {
   if (path.extension() != ".geo") {
     gmsh::open(path.string());
     return {};
   }
   std::map<std::string, double> numbers = options.parameters;
-  if (options.mesh_size_m > 0) numbers["mesh_size"] = options.mesh_size_m / options.unit_m;
+  if (options.mesh_size_m > 0) numbers["mesh_size"] = options.mesh_size_m / unit_m;
   const ParameterFile wrapper(path, numbers);
   if (!wrapper.written()) return fail("cannot write " + wrapper.path() + "; the temporary folder must be writable");
   gmsh::open(wrapper.path());
@@ -279,14 +248,16 @@ void unfold() {
 }
 
 Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptions& options) {
-  const Session session;
+  const double unit_m = options.unit_m ? *options.unit_m : unit_in_file(path);
+  const GmshSession session;
+  gmsh::option::setString("Geometry.OCCTargetUnit", "MM");
   bool meshed_here = false;
   try {
-    if (auto opened = open_file(path, options); !opened) return fail(opened.error());
+    if (auto opened = open_file(path, options, unit_m); !opened) return fail(opened.error());
     if (const auto error = session.first_error()) return gmsh_failed(path, *error);
     meshed_here = is_geometry();
     if (meshed_here) {
-      if (auto meshed = generate(path, options); !meshed) return fail(meshed.error());
+      if (auto meshed = generate(path, options, unit_m); !meshed) return fail(meshed.error());
     }
   } catch (...) {  // of several types; what it says is in the log, too
     return gmsh_failed(path, session.first_error().value_or(""));
@@ -295,11 +266,24 @@ Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptio
   const Result<ElementType> type = only_type(path);
   if (!type) return fail(type.error());
   if (type->order == 0) return check_mesh({Points(0, 3), Indices(0, 4)}, path.string());
-  Result<CheckedMesh> mesh = check_mesh(take_mesh(*type, options.unit_m), path.string());
+  Result<CheckedMesh> mesh = check_mesh(take_mesh(*type, unit_m), path.string());
   if (!meshed_here || !mesh || mesh->straightened == 0 || type->order > kHighestUnfolded) return mesh;
   unfold();
-  Result<CheckedMesh> unfolded = check_mesh(take_mesh(*type, options.unit_m), path.string());
+  Result<CheckedMesh> unfolded = check_mesh(take_mesh(*type, unit_m), path.string());
   return unfolded && unfolded->straightened < mesh->straightened ? std::move(unfolded) : std::move(mesh);
+}
+
+// Dataset 164 gives the factor by which a length in metres becomes one of the file's.
+double unit_of_unv(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string before, line, next;
+  for (; std::getline(file, line); before = line) {
+    if (std::atoi(before.c_str()) == -1 && line.size() < 12 && std::atoi(line.c_str()) == 164) break;
+  }
+  if (!file || !std::getline(file, line) || !std::getline(file, next)) return 1;
+  std::replace(next.begin(), next.end(), 'D', 'E');
+  const double factor = std::strtod(next.substr(0, 25).c_str(), nullptr);
+  return factor > 0 && std::isfinite(factor) ? 1 / factor : 1;
 }
 
 }  // namespace
@@ -311,12 +295,19 @@ bool is_geometry_file(const std::filesystem::path& path) {
 
 bool names_mesh_size(const std::filesystem::path& path) { return geo_says(path, "\\bmesh_size\\s*="); }
 
+double unit_in_file(const std::filesystem::path& path) {
+  constexpr std::array kInMillimetres = {".step", ".stp", ".iges", ".igs"};
+  const bool known = std::find(kInMillimetres.begin(), kInMillimetres.end(), path.extension()) != kInMillimetres.end();
+  if (known) return 0.001;
+  return path.extension() == ".unv" ? unit_of_unv(path) : 1;
+}
+
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     return fail("cannot open " + path.string() + ": there is no such file");
   }
-  if (!(options.unit_m > 0) || !std::isfinite(options.unit_m)) {
+  if (options.unit_m && (!(*options.unit_m > 0) || !std::isfinite(*options.unit_m))) {
     return fail("the unit of " + path.string() + " must be a positive length in metres");
   }
   if (auto known = check_parameters(path, options.parameters); !known) return fail(known.error());

@@ -15,12 +15,13 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 
 namespace ringdown::mesh {
 
 struct GmshOptions {
-  double unit_m = 1;                         // length of one unit of the file, e.g. 0.001 for millimetres
+  std::optional<double> unit_m;              // length of one unit, e.g. 0.001 for millimetres; none: unit_in_file()
   double mesh_size_m = 0;                    // longest edge, for a geometry; never above a tenth of its diagonal
   double edge_size_m = 0;                    // the same along sharp edges, growing to mesh_size_m inside; 0: no less
   int order = 3;                             // 1: straight elements, 2 to 4: curved ones. For a geometry only
@@ -35,6 +36,9 @@ struct GmshOptions {
 // Displacement changes within a thickness or so of a sharp edge, however long the waves: edge_size_m is for that. It is
 // not used where a .geo file has size fields of its own.
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options);
+
+// What the file says its unit is, else 1: .step and .iges say it, and gmsh hands them over in millimetres; a .unv may.
+double unit_in_file(const std::filesystem::path& path);
 
 // True for the files that are meshed here, by their names' endings; a .geo file may still hold a mesh.
 bool is_geometry_file(const std::filesystem::path& path);

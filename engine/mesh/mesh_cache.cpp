@@ -15,7 +15,7 @@ namespace ringdown::mesh {
 namespace {
 
 constexpr std::string_view kKind = "mesh";
-constexpr int kFormat = 2;                                    // of an entry, and of how gmsh_reader asks gmsh
+constexpr int kFormat = 3;                                    // of an entry, and of how bodies are made
 constexpr std::size_t kLargestFile = std::size_t{256} << 20;  // bytes; a larger file is read each time
 
 // Words of gmsh's language and of mesh formats by which a result depends on more than the file and its parameters. One
@@ -36,19 +36,28 @@ bool is_program(const std::filesystem::path& path) {
   return extension.starts_with(".geo") || extension == ".inp" || extension == ".bdf" || extension == ".nas";
 }
 
+// The body is in several files.
+bool has_companions(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  return extension == ".gltf" || extension == ".node" || extension == ".ele";
+}
+
 // Every option by name: a new one that is not in the key does not compile.
 ContentHash key_of(const std::filesystem::path& path, const std::string& text, const GmshOptions& options) {
   const auto& [unit_m, mesh_size_m, edge_size_m, order, parameters] = options;
   ContentHasher hasher;
   hasher.value(kFormat).text(GMSH_API_VERSION).text(path.extension().string()).text(text);
-  hasher.value(unit_m).value(mesh_size_m).value(edge_size_m).value(order);
+  hasher.value(unit_m.value_or(0)).value(mesh_size_m).value(edge_size_m).value(order);
   for (const auto& [name, value] : parameters) hasher.text(name).value(value);
   return hasher.hash();
 }
 
-std::string packed(const CheckedMesh& checked) {
+std::string packed(const Body& body) {
+  const CheckedMesh& checked = body.mesh;
   const auto& [nodes, elements] = checked.mesh;
   ByteWriter out;
+  out.put(body.making).put(body.notes.size());
+  for (const std::string& note : body.notes) out.put_list(std::span(note.data(), note.size()));
   out.put(std::array{checked.pieces, checked.flipped, checked.straightened, checked.unused_nodes, checked.duplicates});
   out.put(elements.cols());
   out.put_list(std::span(nodes.data(), static_cast<std::size_t>(nodes.size())));
@@ -57,8 +66,16 @@ std::string packed(const CheckedMesh& checked) {
 }
 
 // Checked again, as if it came from anywhere.
-std::optional<CheckedMesh> unpacked(std::string_view bytes) {
+std::optional<Body> unpacked(std::string_view bytes) {
   ByteReader in(bytes);
+  Body body;
+  std::size_t notes = 0;
+  if (!in.get(body.making) || text_of(body.making).empty() || !in.get(notes)) return std::nullopt;
+  std::vector<char> note;
+  for (; notes > 0; --notes) {
+    if (!in.get_list(note)) return std::nullopt;
+    body.notes.emplace_back(note.begin(), note.end());
+  }
   std::array<int, 5> counts{};
   Eigen::Index per_element = 0;
   std::vector<double> nodes;
@@ -80,22 +97,23 @@ std::optional<CheckedMesh> unpacked(std::string_view bytes) {
   checked->straightened = counts[2];
   checked->unused_nodes = counts[3];
   checked->duplicates = counts[4];
-  return std::move(*checked);
+  body.mesh = std::move(*checked);
+  return body;
 }
 
 }  // namespace
 
-Result<CheckedMesh> read_through_cache(const std::filesystem::path& path, const GmshOptions& options,
-                                       const ContentCache& cache) {
+Result<Body> make_through_cache(const std::filesystem::path& path, const GmshOptions& options, const ContentCache& cache,
+                                const std::function<Result<Body>()>& make) {
   const Result<std::string> text = read_whole_file(path, kLargestFile);
-  if (!text || (is_program(path) && looks_elsewhere(*text))) return read_with_gmsh(path, options);
+  if (!text || has_companions(path) || (is_program(path) && looks_elsewhere(*text))) return make();
   const ContentHash key = key_of(path, *text, options);
   if (const auto kept = cache.find(kKind, key)) {
-    if (auto mesh = unpacked(*kept)) return std::move(*mesh);
+    if (auto body = unpacked(*kept)) return std::move(*body);
   }
-  Result<CheckedMesh> mesh = read_with_gmsh(path, options);
-  if (mesh) (void)cache.store(kKind, key, packed(*mesh));  // a cache that cannot be written costs time only
-  return mesh;
+  Result<Body> body = make();
+  if (body) (void)cache.store(kKind, key, packed(*body));  // a cache that cannot be written costs time only
+  return body;
 }
 
 }  // namespace ringdown::mesh

@@ -1,15 +1,18 @@
-// Meshing the same thing only once. [worker, like gmsh_reader.h]
+// Making the same body only once. [worker]
 #pragma once
 
 #include "engine/base/content_cache.h"
-#include "engine/mesh/gmsh_reader.h"
+#include "engine/mesh/body_reader.h"
+
+#include <functional>
 
 namespace ringdown::mesh {
 
-// What read_with_gmsh() gives, bit for bit; from the cache when it was made before from a file of the same content with
-// the same options by the same version of gmsh. Not kept are meshes of files that may read others or ask their
-// surroundings (`Include`, `Merge`, `SystemCall` and the like in a .geo, `*INCLUDE` in an .inp), and failures.
-Result<CheckedMesh> read_through_cache(const std::filesystem::path& path, const GmshOptions& options,
-                                       const ContentCache& cache);
+// What make() gives, bit for bit; from the cache when it was made before from a file of the same content with the same
+// options by the same versions of this program's meshing and of gmsh. Not kept are bodies of files that may read others or
+// ask their surroundings (`Include`, `Merge`, `SystemCall` and the like in a .geo, `*INCLUDE` in an .inp, a .gltf, TetGen's
+// two), and failures.
+Result<Body> make_through_cache(const std::filesystem::path& path, const GmshOptions& options, const ContentCache& cache,
+                                const std::function<Result<Body>()>& make);
 
 }  // namespace ringdown::mesh

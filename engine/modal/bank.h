@@ -47,6 +47,7 @@ struct MassProperties {
 // How the bank was made; all of it optional, none of it needed to play. Kept in extras.ringdown of the file.
 struct Provenance {
   std::string generator;      // program and version
+  std::string body;           // where its elements come from: "surface filled by gmsh", ...
   std::string element;        // "tet20 consistent", ...
   std::int64_t unknowns = 0;  // degrees of freedom of the eigenproblem
   std::int64_t rigid_modes = 0;

@@ -91,6 +91,7 @@ Provenance read_provenance(const Field& extras, std::string generator) {
   const auto count = [&extras](const char* key) { return static_cast<std::int64_t>(extras[key].index().value_or(0)); };
   const Field dropped = extras["dropped"];
   return {.generator = std::move(generator),
+          .body = extras["body"].text_or(""),
           .element = extras["element"].text_or(""),
           .unknowns = count("unknowns"),
           .rigid_modes = count("rigidModes"),
@@ -239,6 +240,7 @@ Json provenance_json(const Provenance& provenance) {
   Json json = {{"element", provenance.element},        {"unknowns", provenance.unknowns},
                {"rigidModes", provenance.rigid_modes}, {"bandLow", provenance.band_low_hz},
                {"bandHigh", provenance.band_high_hz},  {"largestResidual", provenance.largest_residual}};
+  if (!provenance.body.empty()) json["body"] = provenance.body;
   if (provenance.counted_modes > 0) json["modesCounted"] = provenance.counted_modes;
   if (provenance.dropped_modes > 0) {
     json["dropped"] = {{"count", provenance.dropped_modes}, {"loss", provenance.loss_db}};

@@ -2,8 +2,10 @@
 //
 // Exit codes (protocol/exit_codes.h): ok; usage; bad_input when an object cannot be baked; failure when a bank cannot
 // be written; cancelled. One sentence on stderr says why. Of a folder the others are baked all the same.
+#include "clients/cli/bake/body_lines.h"
 #include "clients/cli/bake/cancellable.h"
 #include "clients/cli/bake/folder_command.h"
+#include "clients/cli/bake/length_unit.h"
 #include "clients/cli/bake/progress_line.h"
 #include "engine/bake/input_hash.h"
 #include "engine/bake/object_file.h"
@@ -30,8 +32,8 @@ using protocol::ExitCode;
 // What the command line says; an option that is not given leaves the object file's or the default value.
 struct Arguments {
   fs::path input, output, materials;
-  std::optional<std::string> material, name, element, error, solver;
-  std::optional<double> mesh_size_m, unit_m, scale;
+  std::optional<std::string> material, name, element, error, solver, unit;
+  std::optional<double> mesh_size_m, scale;
   std::optional<std::size_t> points;
   std::optional<int> keep;
   std::optional<double> floor_db;
@@ -51,7 +53,8 @@ struct Settings {
 
 void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("input", arguments.input,
-                 "an object (.toml), a geometry (.geo .step .brep), a mesh (.msh .vtk .inp ...), or a folder of them")
+                 "an object (.toml), a surface (.stl .obj .ply .glb), a geometry (.geo .step .brep), a mesh (.msh .vtk "
+                 "...), or a folder of them")
       ->type_name("FILE");
   app.add_option("-o,--output", arguments.output, "the bank to write (.glb); of a folder, where to (default: beside)")
       ->type_name("FILE");
@@ -64,11 +67,10 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
                  "tet20 (default), tet10, tet35, tet4, or tet4-lumped: the 2011 report's, far too stiff in bending")
       ->type_name("tet20|tet10|tet35|tet4|tet4-lumped");
   app.add_option("--mesh-size", arguments.mesh_size_m,
-                 "longest edge in metres, when a geometry is meshed (default: by the band)")
+                 "longest edge in metres, when a surface or a geometry is meshed (default: by the band)")
       ->check(CLI::PositiveNumber);
   app.add_option("--set", settings.parameters, "a parameter of a .geo file, in its unit")->type_name("NAME=NUMBER");
-  app.add_option("--unit", arguments.unit_m, "metres per unit of the file, e.g. 0.001 for millimetres")
-      ->check(CLI::PositiveNumber);
+  app.add_option("--unit", arguments.unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
   app.add_option("--scale", arguments.scale, "how many times as large as its geometry; the mesh stays the same")
       ->check(CLI::Range(bake::kScale.low, bake::kScale.high));
   app.add_option("--set-material", settings.figures, "a figure of the material, e.g. poisson_ratio=0.31")
@@ -143,7 +145,7 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   }
   if (arguments.processes) recipe.options.processes = *arguments.processes;
   if (arguments.mesh_size_m) recipe.meshing.mesh_size_m = *arguments.mesh_size_m;
-  if (arguments.unit_m) recipe.meshing.unit_m = *arguments.unit_m;
+  if (arguments.unit) recipe.meshing.unit_m = cli::parse_unit(*arguments.unit);
   if (arguments.scale) recipe.scale = *arguments.scale;
   recipe.figures = arguments.figures;
   if (arguments.points) recipe.options.most_points = *arguments.points;
@@ -168,6 +170,7 @@ void print_errors(const bake::BakedObject& object) {
       std::printf(", %.3g mm at sharp edges", 1000 * choice->edge_size_m);
     }
     if (choice->shortest_wave_m > 0) std::printf(", for waves of %.3g mm", 1000 * choice->shortest_wave_m);
+    if (choice->wall_m > 0) std::printf(", thinnest wall %.3g mm", 1000 * choice->wall_m);
     std::printf("%s\n", choice->bounded ? "; finer would be right, but too much to solve unasked (--mesh-size)" : "");
   }
   if (object.rounds.size() > 1) {
@@ -209,16 +212,7 @@ void print_summary(const bake::ObjectRecipe& recipe, const bake::BakedObject& ob
       object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
       report.estimate_seconds, report.finish_seconds, bank.provenance.largest_residual);
   print_errors(object);
-  const mesh::CheckedMesh& checked = object.mesh;
-  if (checked.pieces > 1) std::printf("  %d pieces that share no node\n", checked.pieces);
-  if (checked.flipped + checked.duplicates + checked.unused_nodes > 0) {
-    std::printf("  repaired: %d elements were inside out, %d were there twice; %d nodes belonged to none\n",
-                checked.flipped, checked.duplicates, checked.unused_nodes);
-  }
-  if (checked.straightened > 0) {
-    std::printf("  %d curved elements folded and were straightened; a smaller mesh size avoids that\n",
-                checked.straightened);
-  }
+  cli::print_body(object);
   std::fflush(stdout);
 }
 
@@ -286,7 +280,7 @@ const std::vector<manual::Section> kSections = {
     {"EXAMPLES",
      {{"ringdown-bake bell.toml -o bell.glb", "An object file names its shape and its material."},
       {"ringdown-bake objects -o banks --jobs 4", "What has changed of a folder, four at a time."},
-      {"ringdown-bake mesh.msh --material steel -o mesh.glb", "A tetrahedral mesh of your own, in metres."}}},
+      {"ringdown-bake cup.stl --unit mm --material steel -o cup.glb", "A surface of your own, in millimetres."}}},
     {"SEE ALSO", {{"ringdown(1), ringdownd(1)", "The other programs."}}},
 };
 

@@ -1,0 +1,112 @@
+#include "clients/cli/bake/check_mesh.h"
+
+#include "engine/bake/material_library.h"
+#include "engine/bake/mesh_choice.h"
+#include "engine/bake/refine.h"
+#include "engine/bake/size_question.h"
+#include "engine/mesh/body_reader.h"
+#include "engine/mesh/surface_writer.h"
+#include "engine/mesh/tet_quality.h"
+#include "engine/mesh/wall_thickness.h"
+
+#include <cstdio>
+
+namespace ringdown::cli {
+namespace {
+
+using protocol::ExitCode;
+
+void print_findings(const mesh::SurfaceReport& report) {
+  std::printf("  %-34s %8s  %s\n", "found", "count", "first places (m), triangles");
+  if (report.findings.empty()) std::printf("  %-34s %8d\n", "nothing", 0);
+  for (const mesh::Finding& finding : report.findings) {
+    std::printf("  %-34s %8zu ", mesh::name_of(finding.fault).c_str(), finding.count);
+    for (std::size_t i = 0; i < finding.places.size(); ++i) {
+      const auto& at = finding.places[i];
+      std::printf(" (%.4g %.4g %.4g)", at[0], at[1], at[2]);
+      if (i < finding.triangles.size()) std::printf(" #%d", finding.triangles[i]);
+    }
+    if (finding.length_m > 0) std::printf("; the longest %.3g m around", finding.length_m);
+    std::printf("\n");
+  }
+}
+
+void print_surface(const mesh::PreparedSurface& surface) {
+  std::printf("  surface: %.4g m long, %.4g m2, %.4g m3, %d shell%s\n", surface.found.diagonal_m, surface.found.area_m2,
+              surface.found.volume_m3, surface.found.shells, surface.found.shells == 1 ? "" : "s");
+  print_findings(surface.found);
+  for (const std::string& action : surface.actions) std::printf("  repaired: %s\n", action.c_str());
+  for (const mesh::Finding& finding : surface.left.findings) {
+    if (!surface.actions.empty()) std::printf("  left: %s\n", mesh::describe(finding).c_str());
+  }
+  const bool none = surface.left.find(mesh::Fault::kSheet) || surface.left.find(mesh::Fault::kNoVolume);
+  if (none) return;
+  std::printf("  meshed: %s\n", surface.left.sound() ? "filled by gmsh" : "stuffed, because it is not sound after repair");
+}
+
+void print_choice(const bake::BodyShape& shape, const modal::Material& material) {
+  const bake::BakeOptions options;
+  const int order = fem::order_of(options.element);
+  const bake::MeshChoice choice =
+      bake::choose_mesh(shape, material, options.band_high_hz, order, bake::kMostChosenUnknowns);
+  std::printf("  resolution: %.3g mm with order %d, for waves of %.3g mm at %.0f Hz in %s and walls of %.3g mm%s\n",
+              1000 * choice.size_m, order, 1000 * choice.shortest_wave_m, options.band_high_hz, material.name.c_str(),
+              1000 * shape.wall_m, choice.bounded ? "; finer would be right, but too much to solve unasked" : "");
+  std::printf("  estimated: %.2g unknowns, %.3g kg, lowest note near %.2g Hz\n",
+              bake::estimated_unknowns(shape, choice.size_m, order), shape.volume_m3 * material.density_kg_m3,
+              bake::guessed_lowest_hz(shape, material));
+}
+
+void print_tetrahedra(const mesh::Body& body) {
+  const mesh::CheckedMesh& checked = body.mesh;
+  const mesh::TetQuality quality = mesh::quality_of(checked.mesh);
+  std::printf("  %s: %td elements of order %d, %td nodes, %d piece%s\n", mesh::text_of(body.making).c_str(),
+              checked.mesh.elements.rows(), checked.mesh.order(), checked.mesh.nodes.rows(), checked.pieces,
+              checked.pieces == 1 ? "" : "s");
+  std::printf("  repaired: %d inside out, %d duplicated, %d folded elements; %d unused nodes\n", checked.flipped,
+              checked.duplicates, checked.straightened, checked.unused_nodes);
+  std::printf("  dihedral angles %.3g to %.3g degrees, edges %.3g to %.3g mm\n", quality.smallest_angle_deg,
+              quality.largest_angle_deg, 1000 * quality.shortest_edge_m, 1000 * quality.longest_edge_m);
+}
+
+CheckOutcome refused(const std::string& sentence, ExitCode code = ExitCode::bad_input) { return {code, sentence}; }
+
+}  // namespace
+
+CheckOutcome check_mesh(const CheckRequest& request) {
+  const Result<bake::MaterialEntry> material = bake::find_material(request.materials, request.material);
+  if (!material) return refused(material.error().message);
+  mesh::BodyReader reader(request.file);
+  const mesh::GmshOptions options{.unit_m = request.unit_m, .order = 1, .parameters = {}};
+  std::printf("%s\n", request.file.c_str());
+  if (reader.is_surface()) {
+    const Result<const mesh::PreparedSurface*> surface = reader.surface(options);
+    if (!surface) return refused(surface.error().message);
+    print_surface(**surface);
+    const std::string name = request.file.string();
+    if ((*surface)->left.find(mesh::Fault::kSheet)) return refused(mesh::sheet_sentence(name));
+    if ((*surface)->left.find(mesh::Fault::kNoVolume)) return refused(mesh::flat_sentence(name));
+    if (!request.output.empty()) {
+      const Result<void> written = mesh::write_ply((*surface)->mesh, request.output);
+      if (!written) return refused(written.error().message, ExitCode::failure);
+      std::printf("  repaired surface -> %s\n", request.output.c_str());
+    }
+  } else if (!request.output.empty()) {
+    return refused(request.file.string() + " is no surface; --output is for repaired surfaces", ExitCode::usage);
+  } else {
+    const Result<mesh::Body> body = reader.read(options);
+    if (!body) return refused(body.error().message);
+    print_tetrahedra(*body);
+  }
+  const Result<mesh::TriangleMesh> sketch = reader.sketch(options);
+  if (!sketch) return refused(sketch.error().message);
+  const bake::BodyShape shape = bake::measure_shape(*sketch, mesh::wall_thickness(*sketch));
+  print_choice(shape, material->material);
+  const double unit_m = request.unit_m.value_or(mesh::unit_in_file(request.file));
+  const std::string question = bake::question_size(shape, material->material, {}, request.file, unit_m);
+  if (!question.empty()) std::printf("  is this size meant? %s\n", question.c_str());
+  std::fflush(stdout);
+  return {};
+}
+
+}  // namespace ringdown::cli

@@ -1,0 +1,206 @@
+#include "engine/mesh/fill.h"
+
+#include "engine/mesh/gmsh_session.h"
+#include "engine/mesh/remesh.h"
+#include "engine/mesh/surface.h"
+#include "engine/mesh/surface_check.h"
+#include "engine/mesh/surface_cuts.h"
+#include "engine/mesh/surface_rays.h"
+
+#include <Eigen/Geometry>
+#include <gmsh.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <unordered_map>
+
+namespace ringdown::mesh {
+namespace {
+
+constexpr double kEdgePerSize = 0.85;      // CGAL's edges scatter about the length asked for
+constexpr double kMostDeviation = 1 / 7.0;  // of the thinnest wall
+constexpr double kFiner = 0.6;
+constexpr int kMostTries = 4;
+constexpr double kVolumeSlip = 0.05;
+
+// The body of one outer shell and its cavities: shells as gmsh's surfaces, in units of `unit_m`.
+class GmshBody {
+ public:
+  GmshBody(const TriangleMesh& surface, const Shells& shells, double unit_m)
+      : surface_(surface), shells_(shells), unit_m_(unit_m) {}
+
+  Result<TetMesh> mesh(int outer, double size_m) {
+    const GmshSession session;
+    try {
+      gmsh::model::add("body");
+      std::vector<int> loops;
+      for (int s = 0; s < shells_.count; ++s) {
+        const bool cavity = shells_.parent[static_cast<std::size_t>(s)] == outer;
+        if (s != outer && !cavity) continue;
+        add_shell(s);
+        loops.push_back(gmsh::model::geo::addSurfaceLoop({s + 1}));
+        if (s == outer) std::swap(loops.front(), loops.back());
+      }
+      gmsh::model::geo::addVolume(loops);
+      gmsh::model::geo::synchronize();
+      if (size_m > 0) gmsh::option::setNumber("Mesh.MeshSizeMax", size_m / unit_m_);
+      gmsh::model::mesh::generate(3);
+    } catch (...) {
+      return fail(session.first_error().value_or("gmsh gave no reason"));
+    }
+    if (const auto error = session.first_error()) return fail(*error);
+    return take();
+  }
+
+ private:
+  void add_shell(int shell) {
+    std::unordered_map<std::int32_t, std::size_t> tags;
+    std::vector<std::size_t> node_tags, corners;
+    std::vector<double> coordinates;
+    for (Eigen::Index t = 0; t < surface_.triangles.rows(); ++t) {
+      if (shells_.shell[static_cast<std::size_t>(t)] != shell) continue;
+      for (int i = 0; i < 3; ++i) {
+        const std::int32_t node = surface_.triangles(t, i);
+        const auto [known, fresh] = tags.try_emplace(node, static_cast<std::size_t>(node) + 1);
+        corners.push_back(known->second);
+        if (!fresh) continue;
+        node_tags.push_back(known->second);
+        for (int axis = 0; axis < 3; ++axis) coordinates.push_back(surface_.nodes(node, axis) / unit_m_);
+      }
+    }
+    constexpr int kTriangle = 2;
+    gmsh::model::addDiscreteEntity(2, shell + 1);
+    gmsh::model::mesh::addNodes(2, shell + 1, node_tags, coordinates);
+    gmsh::model::mesh::addElementsByType(shell + 1, kTriangle, {}, corners);
+  }
+
+  [[nodiscard]] Result<TetMesh> take() const {
+    constexpr int kTetrahedron = 4;
+    std::vector<std::size_t> node_tags, element_tags, corners;
+    std::vector<double> coordinates, parametric;
+    gmsh::model::mesh::getNodes(node_tags, coordinates, parametric);
+    gmsh::model::mesh::getElementsByType(kTetrahedron, element_tags, corners);
+    if (element_tags.empty()) return fail("gmsh made no tetrahedra");
+    TetMesh mesh;
+    mesh.nodes = unit_m_ * Eigen::Map<const Points>(coordinates.data(), static_cast<Eigen::Index>(node_tags.size()), 3);
+    std::unordered_map<std::size_t, std::int32_t> number;
+    for (std::size_t i = 0; i < node_tags.size(); ++i) number.emplace(node_tags[i], static_cast<std::int32_t>(i));
+    mesh.elements.resize(static_cast<Eigen::Index>(element_tags.size()), 4);
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      mesh.elements(static_cast<Eigen::Index>(k / 4), static_cast<Eigen::Index>(k % 4)) = number.at(corners[k]);
+    }
+    return mesh;
+  }
+
+  const TriangleMesh& surface_;
+  const Shells& shells_;
+  double unit_m_;
+};
+
+double diagonal(const TriangleMesh& surface) {
+  return (surface.nodes.colwise().maxCoeff() - surface.nodes.colwise().minCoeff()).norm();
+}
+
+double volume_of(const TetMesh& mesh) {
+  double volume = 0;
+  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) volume += jacobian(corners_of(mesh, e)).determinant() / 6;
+  return volume;
+}
+
+double volume_of(const Shells& shells) {
+  return std::accumulate(shells.volume_m3.begin(), shells.volume_m3.end(), 0.0);
+}
+
+void append(TetMesh& mesh, const TetMesh& part) {
+  const auto nodes = mesh.nodes.rows(), elements = mesh.elements.rows();
+  mesh.nodes.conservativeResize(nodes + part.nodes.rows(), 3);
+  mesh.nodes.bottomRows(part.nodes.rows()) = part.nodes;
+  mesh.elements.conservativeResize(elements + part.elements.rows(), 4);
+  mesh.elements.bottomRows(part.elements.rows()) = part.elements.array() + static_cast<std::int32_t>(nodes);
+}
+
+Result<CheckedMesh> fill_as_it_is(const TriangleMesh& surface, double size_m, const std::string& name) {
+  const Shells shells = shells_of(surface);
+  GmshBody body(surface, shells, diagonal(surface));
+  TetMesh whole{Points(0, 3), Indices(0, 4)};
+  for (int s = 0; s < shells.count; ++s) {
+    if (shells.depth[static_cast<std::size_t>(s)] % 2 == 1) continue;
+    const Result<TetMesh> part = body.mesh(s, size_m);
+    if (!part) return fail(part.error());
+    append(whole, *part);
+  }
+  Result<CheckedMesh> checked = check_mesh(std::move(whole), name);
+  if (!checked) return checked;
+  const double volume = volume_of(shells);
+  if (std::abs(volume_of(checked->mesh) - volume) > 1e-3 * volume) return fail("gmsh filled another volume");
+  return checked;
+}
+
+// Nodes of a higher order between the corners of outer faces are put on the surface.
+Result<CheckedMesh> curved(const CheckedMesh& straight, const TriangleMesh& onto, const FillOptions& options,
+                           const std::string& name) {
+  TetMesh mesh = to_order(straight.mesh, options.order);
+  const SurfaceRays surface(onto);
+  const double farthest = options.wall_m > 0 ? 2 * kMostDeviation * options.wall_m : 0.25 * options.size_m;
+  std::vector<bool> corner(static_cast<std::size_t>(mesh.nodes.rows()), false);
+  for (const std::int32_t n : mesh.elements.leftCols(4).reshaped()) corner[static_cast<std::size_t>(n)] = true;
+  for (const std::int32_t n : boundary_surface(mesh).nodes) {
+    if (corner[static_cast<std::size_t>(n)]) continue;
+    const Eigen::RowVector3d at = mesh.nodes.row(n), to = surface.nearest(at);
+    if ((to - at).norm() <= farthest) mesh.nodes.row(n) = to;
+  }
+  return check_mesh(std::move(mesh), name);
+}
+
+struct Sized {
+  TriangleMesh surface;
+  double size_m;
+};
+
+// In triangles of the size asked for, or smaller ones that keep to the surface.
+Result<Sized> sized(const TriangleMesh& surface, const FillOptions& options) {
+  double size = options.size_m;
+  const double most = options.wall_m > 0 ? kMostDeviation * options.wall_m : 0.1 * diagonal(surface);
+  std::string why;
+  for (int attempt = 0; attempt < kMostTries; ++attempt, size *= kFiner) {
+    Result<Remeshed> remeshed = remesh(surface, kEdgePerSize * size);
+    if (!remeshed) return fail(remeshed.error());
+    if (remeshed->deviation_m > most) {
+      why = "triangles of the chosen size leave it";
+    } else if (!self_intersections(remeshed->mesh, 1).empty()) {
+      why = "triangles of the chosen size cut each other";
+    } else {
+      return Sized{std::move(remeshed->mesh), size};
+    }
+  }
+  return fail(why);
+}
+
+Result<Filled> fill_sized(const TriangleMesh& surface, const FillOptions& options, const std::string& name) {
+  const Result<Sized> triangles = sized(surface, options);
+  if (!triangles) return fail(triangles.error());
+  Result<CheckedMesh> mesh = fill_as_it_is(triangles->surface, triangles->size_m, name);
+  if (!mesh) return fail(mesh.error());
+  const double volume = volume_of(shells_of(surface));
+  if (std::abs(volume_of(mesh->mesh) - volume) > kVolumeSlip * volume) return fail("its volume comes out wrong");
+  if (options.order > 1) mesh = curved(*mesh, surface, options, name);
+  if (!mesh) return fail(mesh.error());
+  return Filled{std::move(*mesh), ""};
+}
+
+}  // namespace
+
+Result<Filled> fill(const TriangleMesh& surface, const FillOptions& options, const std::string& name) {
+  std::string why;
+  if (options.size_m > 0) {
+    Result<Filled> filled = fill_sized(surface, options, name);
+    if (filled) return filled;
+    why = filled.error().message;
+  }
+  Result<CheckedMesh> mesh = fill_as_it_is(surface, options.size_m, name);
+  if (!mesh) return fail(mesh.error());
+  return Filled{std::move(*mesh), why.empty() ? "" : "filled with the triangles it has, because " + why};
+}
+
+}  // namespace ringdown::mesh

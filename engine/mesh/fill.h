@@ -1,0 +1,29 @@
+// The inside of a sound surface as tetrahedra, by gmsh. [worker]
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/mesh/tet_mesh.h"
+#include "engine/mesh/triangle_mesh.h"
+
+#include <string>
+
+namespace ringdown::mesh {
+
+struct FillOptions {
+  double size_m = 0;  // longest edge; 0: the surface's own triangles, and as few inside as it takes
+  int order = 3;      // 1: straight elements; 2 to 4: their outer faces follow the surface
+  double wall_m = 0;  // the thinnest wall; 0: not known
+};
+
+struct Filled {
+  CheckedMesh mesh;
+  std::string note;  // why it is not meshed as asked; or empty
+};
+
+// `surface` is sound() (surface_check.h); cavities stay empty, and each further shell is a piece of its own. It is first
+// cut into triangles of the size asked for, keeping sharp edges, and finer where that would leave the surface by more than a
+// seventh of the thinnest wall; where this fails, its own triangles serve. `name` stands in the sentence. Fails when gmsh
+// does, when what comes out is no mesh (check_mesh) or has another volume.
+Result<Filled> fill(const TriangleMesh& surface, const FillOptions& options, const std::string& name);
+
+}  // namespace ringdown::mesh

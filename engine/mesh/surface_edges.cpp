@@ -1,0 +1,63 @@
+#include "engine/mesh/surface_edges.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <tuple>
+
+namespace ringdown::mesh {
+
+std::vector<EdgeUse> edges_of(const TriangleMesh& mesh, const std::vector<bool>& usable) {
+  std::vector<EdgeUse> edges;
+  edges.reserve(3 * usable.size());
+  for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+    if (!usable[static_cast<std::size_t>(t)]) continue;
+    for (int i = 0; i < 3; ++i) {
+      const std::int32_t from = mesh.triangles(t, i), to = mesh.triangles(t, (i + 1) % 3);
+      edges.push_back({std::min(from, to), std::max(from, to), static_cast<std::int32_t>(t), from < to});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const EdgeUse& a, const EdgeUse& b) {
+    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+  });
+  return edges;
+}
+
+bool is_degenerate(const TriangleMesh& mesh, Eigen::Index triangle) {
+  constexpr double kFlat = 1e-12;
+  const auto corners = mesh.triangles.row(triangle);
+  if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) return true;
+  const Eigen::RowVector3d a = mesh.nodes.row(corners[0]), b = mesh.nodes.row(corners[1]), c = mesh.nodes.row(corners[2]);
+  const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  return (b - a).cross(c - a).norm() <= kFlat * longest;
+}
+
+std::vector<bool> duplicates_in(const TriangleMesh& mesh) {
+  const auto count = static_cast<std::size_t>(mesh.triangles.rows());
+  std::vector<std::array<std::int32_t, 4>> keys(count);
+  for (std::size_t t = 0; t < count; ++t) {
+    const auto row = mesh.triangles.row(static_cast<Eigen::Index>(t));
+    keys[t] = {row[0], row[1], row[2], static_cast<std::int32_t>(t)};
+    std::sort(keys[t].begin(), keys[t].begin() + 3);
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<bool> copies(count, false);
+  for (std::size_t k = 1; k < count; ++k) {
+    const bool same = std::equal(keys[k].begin(), keys[k].begin() + 3, keys[k - 1].begin());
+    if (same && !is_degenerate(mesh, keys[k][3])) copies[static_cast<std::size_t>(keys[k][3])] = true;
+  }
+  return copies;
+}
+
+std::vector<bool> usable_triangles(const TriangleMesh& mesh) {
+  std::vector<bool> usable = duplicates_in(mesh);
+  usable.flip();
+  for (std::size_t t = 0; t < usable.size(); ++t) {
+    if (is_degenerate(mesh, static_cast<Eigen::Index>(t))) usable[t] = false;
+  }
+  return usable;
+}
+
+}  // namespace ringdown::mesh

@@ -1,0 +1,64 @@
+#include "engine/mesh/surface_rays.h"
+
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Simple_cartesian.h>
+
+#include <Eigen/Geometry>
+
+#include <limits>
+#include <vector>
+
+namespace ringdown::mesh {
+namespace {
+
+using Kernel = CGAL::Simple_cartesian<double>;
+using Point = Kernel::Point_3;
+using Triangle = Kernel::Triangle_3;
+using Primitive = CGAL::AABB_triangle_primitive<Kernel, std::vector<Triangle>::const_iterator>;
+using Boxes = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+
+}  // namespace
+
+struct SurfaceRays::Tree {
+  std::vector<Triangle> triangles;
+  Boxes boxes;
+};
+
+SurfaceRays::SurfaceRays(const TriangleMesh& surface) : tree_(std::make_unique<Tree>()) {
+  const auto point = [&surface](std::int32_t n) {
+    return Point(surface.nodes(n, 0), surface.nodes(n, 1), surface.nodes(n, 2));
+  };
+  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+    const auto row = surface.triangles.row(t);
+    tree_->triangles.emplace_back(point(row[0]), point(row[1]), point(row[2]));
+  }
+  tree_->boxes.insert(tree_->triangles.cbegin(), tree_->triangles.cend());
+  tree_->boxes.build();
+  tree_->boxes.accelerate_distance_queries();
+}
+
+SurfaceRays::~SurfaceRays() = default;
+SurfaceRays::SurfaceRays(SurfaceRays&&) noexcept = default;
+
+Eigen::RowVector3d SurfaceRays::nearest(const Eigen::RowVector3d& point) const {
+  const Point found = tree_->boxes.closest_point({point[0], point[1], point[2]});
+  return {found.x(), found.y(), found.z()};
+}
+
+double SurfaceRays::inward(Eigen::Index triangle) const {
+  const Triangle& from = tree_->triangles[static_cast<std::size_t>(triangle)];
+  const auto normal = CGAL::cross_product(from[1] - from[0], from[2] - from[0]);
+  const double none = std::numeric_limits<double>::max();
+  if (!(normal.squared_length() > 0)) return none;
+  const Point middle = CGAL::centroid(from);
+  const auto self = tree_->triangles.cbegin() + triangle;
+  const auto hit = tree_->boxes.first_intersection(Kernel::Ray_3(middle, -normal),
+                                                   [self](const auto& primitive) { return primitive == self; });
+  if (!hit) return none;
+  const Point* at = boost::get<Point>(&hit->first);
+  return at ? std::sqrt(CGAL::squared_distance(middle, *at)) : none;
+}
+
+}  // namespace ringdown::mesh

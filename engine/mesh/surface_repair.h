@@ -1,0 +1,38 @@
+// Mending of surfaces, where there is one likely way to. [worker]
+//
+// In this order: triangles without area and copies of others go; fins (triangles that hang on a crowded edge by one side
+// and are free at another) go; triangles turned against their neighbours are turned; surfaces that run together at a point
+// or an edge are taken apart; borders that lie on each other are sewn; holes are closed: flat ones of any size, others of at
+// most kLargestHole of the body's diagonal around; open scraps beside a closed body go; each shell is turned outward, those
+// that lie in another inward, so that they become cavities.
+//
+// What cuts itself, and larger holes, stay: stuffing.h makes a body of such a surface.
+#pragma once
+
+#include "engine/mesh/surface_check.h"
+#include "engine/mesh/triangle_mesh.h"
+
+#include <string>
+#include <vector>
+
+namespace ringdown::mesh {
+
+inline constexpr double kLargestHole = 1.0;
+
+struct RepairedSurface {
+  TriangleMesh mesh;
+  std::vector<std::string> actions;  // "closed 2 holes"; empty: nothing was to be done
+};
+
+// Node numbers must be in range and coordinates finite. Never fails: what it cannot mend stays as it is. O(T log T).
+RepairedSurface repair(const TriangleMesh& mesh);
+
+// A surface as it came, what was done to it, and what is left.
+struct PreparedSurface {
+  TriangleMesh mesh;  // repaired
+  SurfaceReport found, left;
+  std::vector<std::string> actions;
+};
+PreparedSurface prepare(const TriangleMesh& mesh);
+
+}  // namespace ringdown::mesh
