@@ -50,6 +50,7 @@ struct Place {
 };
 
 const std::vector<Place> kPlaces = {{"ringdownd", ""},        {"ringdown", ""},       {"ringdown", "info"},
+                                    {"ringdown", "materials"}, {"ringdown", "scale"},
                                     {"ringdown", "render"},   {"ringdown", "strike"}, {"ringdown", "send"},
                                     {"ringdown", "protocol"}, {"ringdown-bake", ""}};
 
