@@ -128,7 +128,8 @@ std::vector<Row<Request>> make_request_rows() {
              {object<&SetPan::object>(), number<&SetPan::pan>("pan", kPan, "-1 is left, 0 the middle, 1 right.")}),
       answered(
           "/object/{object}/material", SetMaterial{kBell, {1, 1, 1, 4, 0.5}},
-          "Scales the material and the size the object was baked with: its modes, mass and click follow exactly, without "
+          "Scales the material and the size the object was baked with: its modes, mass and click follow exactly, "
+          "without "
           "a new analysis. The factors count from the bank, not from the last scale; 1 1 1 1 1 is the bank as baked. "
           "Points that later messages name lie on the object in its new size. Bodies of a running scene keep theirs.",
           {object<&SetMaterial::object>(),

@@ -170,8 +170,7 @@ std::vector<protocol::Message> Notifier::messages_for(const Subscriber& subscrib
   for (const Event& event : std::span(subscriber.contacts).subspan(left_out)) {
     const auto object = session_.rack().find({.number = event.object});
     if (!object) continue;
-    add(protocol::NotifyContact{object->name, point_of(event, *object), event.impulse_ns,
-                                event.contact_time_s});
+    add(protocol::NotifyContact{object->name, point_of(event, *object), event.impulse_ns, event.contact_time_s});
   }
   add(protocol::NotifyPeak{subscriber.peak});
   for (std::size_t number = 0; number < synth::kMostObjects; ++number) {

@@ -132,7 +132,8 @@ std::string to_toml(const State& state) {
     const modal::MaterialScale& m = object.material;
     if (m != modal::MaterialScale{}) {
       text += "material = { alpha = " + shown(m.alpha) + ", beta = " + shown(m.beta) +
-              ", density = " + shown(m.density) + ", stiffness = " + shown(m.stiffness) + ", size = " + shown(m.size) + " }\n";
+              ", density = " + shown(m.density) + ", stiffness = " + shown(m.stiffness) + ", size = " + shown(m.size) +
+              " }\n";
     }
     for (const auto& [number, touch] : object.touches) {
       text += "[[object.touch]]\nnumber = " + std::to_string(number) + "\npoint_m = " + shown(touch.point_m) +

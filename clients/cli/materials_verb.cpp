@@ -97,7 +97,8 @@ double t60_at(const modal::RayleighDamping& damping, double frequency_hz) {
 std::string pitch_of(const modal::Bank& bar) {
   if (bar.mode_count() == 0) return "none";
   char text[48];
-  std::snprintf(text, sizeof text, "%7.1f Hz  %s", bar.frequency_hz.front(), note_name(bar.frequency_hz.front()).c_str());
+  std::snprintf(text, sizeof text, "%7.1f Hz  %s", bar.frequency_hz.front(),
+                note_name(bar.frequency_hz.front()).c_str());
   return text;
 }
 
@@ -127,7 +128,7 @@ void print_curve(const modal::Bank& bar) {
       line += start - level_db(bar, kSeconds * column / kColumns) < kRow_db * (row + 1) ? '#' : ' ';
     }
     line.erase(line.find_last_not_of(' ') + 1);
-    std::printf("%4.0f |%s\n", -kRow_db * row, line.c_str());
+    std::printf("%4.0f |%s\n", 0 - kRow_db * row, line.c_str());
   }
   std::printf("     +%s %.0f s\n", std::string(kColumns, '-').c_str(), kSeconds);
 }
@@ -144,7 +145,8 @@ void print_material(const bake::MaterialEntry& entry) {
   print_figure("nu", m.poisson_ratio, "", from.at("poisson_ratio"));
   print_figure("rho", m.density_kg_m3, "kg/m3", from.at("density_kg_m3"));
   print_figure("alpha", m.damping.alpha_per_s, "1/s", from.at("alpha_per_s"));
-  print_figure("beta", m.damping.beta_s, "s", from.at("beta_s"));
+  const bool same = from.at("beta_s") == from.at("alpha_per_s");
+  print_figure("beta", m.damping.beta_s, "s", same ? "as alpha" : from.at("beta_s"));
   for (const modal::LossFactor& point : entry.loss_factors) {
     std::printf("  loss factor at %7.5g Hz: %.3g, fitted %.3g\n", point.frequency_hz, point.eta,
                 modal::loss_factor(m.damping, point.frequency_hz));
@@ -175,7 +177,8 @@ ExitCode list(const MaterialsArguments& arguments) {
     if (!entry) return complain(entry.error().message, ExitCode::bad_input);
     print_row(*entry);
   }
-  std::printf("\nringdown materials NAME says where each figure is from, and with --sound FILE.wav lets it be heard.\n");
+  std::printf(
+      "\nringdown materials NAME says where each figure is from, and with --sound FILE.wav lets it be heard.\n");
   return ExitCode::ok;
 }
 
@@ -211,8 +214,8 @@ ExitCode materials(MaterialsArguments arguments) {
 
 void add_materials_verb(CLI::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<MaterialsArguments>();
-  CLI::App* verb =
-      app.add_subcommand("materials", "Lists the materials, with what a bar of each sounds like, or shows one of them.");
+  CLI::App* verb = app.add_subcommand(
+      "materials", "Lists the materials, with what a bar of each sounds like, or shows one of them.");
   CLI::Option* name = verb->add_option("name", arguments->name, "The material to show, with the source of each figure.")
                           ->type_name("NAME");
   verb->add_option("--materials", arguments->folder, "Folder of materials (default: the presets').")

@@ -133,8 +133,7 @@ modal::Bank bar_bank(const modal::Material& material, const Bar& bar) {
   bank.material = material;
   const double half_height = bar.thickness_m / 2, step = bar.length_m / (kBarPoints - 1);
   for (int i = 0; i < kBarPoints; ++i) {
-    bank.positions.push_back(
-        {static_cast<float>(i * step - bar.length_m / 2), 0, static_cast<float>(half_height)});
+    bank.positions.push_back({static_cast<float>(i * step - bar.length_m / 2), 0, static_cast<float>(half_height)});
   }
   const std::vector<double> lambdas = bar_lambdas(material, bar, omega * omega);
   for (std::size_t m = 0; m < lambdas.size(); ++m) {
@@ -146,16 +145,16 @@ modal::Bank bar_bank(const modal::Material& material, const Bar& bar) {
     bank.decay_per_s.push_back(mode.decay_per_s);
     for (int i = 0; i < kBarPoints; ++i) {
       const double x = i * step - bar.length_m / 2;
-      bank.shapes.push_back({static_cast<float>(-scale * half_height * shape.angle(x)), 0,
-                             static_cast<float>(scale * shape.across(x))});
+      bank.shapes.push_back(
+          {static_cast<float>(-scale * half_height * shape.angle(x)), 0, static_cast<float>(scale * shape.across(x))});
     }
   }
   const double mass = beam.density_kg_m3 * beam.area_m2 * beam.length_m;
   const auto about = [&](double a, double b) { return mass * (a * a + b * b) / 12; };
-  bank.mass = modal::MassProperties{.mass_kg = mass,
-                                    .inertia_kg_m2 = {about(bar.width_m, bar.thickness_m),
-                                                      about(bar.length_m, bar.thickness_m),
-                                                      about(bar.length_m, bar.width_m)}};
+  bank.mass =
+      modal::MassProperties{.mass_kg = mass,
+                            .inertia_kg_m2 = {about(bar.width_m, bar.thickness_m), about(bar.length_m, bar.thickness_m),
+                                              about(bar.length_m, bar.width_m)}};
   return bank;
 }
 

@@ -20,20 +20,20 @@ struct Scaling {
 Scaling scaling_of(const modal::Material& from, const modal::Material& to, double size) {
   const auto ratio = [](double a, double b) { return b > 0 ? a / b : 1.0; };
   const auto rest = [](double a, double b) { return b > 0 ? 0.0 : a; };
-  return {.scale = {.alpha = ratio(to.damping.alpha_per_s, from.damping.alpha_per_s),
-                    .beta = ratio(to.damping.beta_s, from.damping.beta_s),
-                    .density = to.density_kg_m3 / from.density_kg_m3,
-                    .stiffness = to.youngs_modulus_pa / from.youngs_modulus_pa,
-                    .size = size},
-          .added = {rest(to.damping.alpha_per_s, from.damping.alpha_per_s),
-                    rest(to.damping.beta_s, from.damping.beta_s)}};
+  return {
+      .scale = {.alpha = ratio(to.damping.alpha_per_s, from.damping.alpha_per_s),
+                .beta = ratio(to.damping.beta_s, from.damping.beta_s),
+                .density = to.density_kg_m3 / from.density_kg_m3,
+                .stiffness = to.youngs_modulus_pa / from.youngs_modulus_pa,
+                .size = size},
+      .added = {rest(to.damping.alpha_per_s, from.damping.alpha_per_s), rest(to.damping.beta_s, from.damping.beta_s)}};
 }
 
 modal::DampedMode changed_mode(const modal::Bank& bank, std::size_t m, const Scaling& scaling) {
   modal::DampedMode mode = modal::rescale(bank, m, scaling.scale);
   if (scaling.added == modal::RayleighDamping{}) return mode;
-  const double lambda = modal::lambda_factor(scaling.scale) *
-                        modal::undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
+  const double lambda =
+      modal::lambda_factor(scaling.scale) * modal::undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
   mode.decay_per_s += 0.5 * (scaling.added.alpha_per_s + scaling.added.beta_s * lambda);
   const double omega_squared = lambda - mode.decay_per_s * mode.decay_per_s;
   mode.frequency_hz = omega_squared > 0 ? modal::rad_per_s_to_hz(std::sqrt(omega_squared)) : 0;

@@ -17,8 +17,8 @@
 namespace ringdown::bake {
 
 struct Change {
-  double size = 1;                           // > 0: the new lengths over the old ones
-  std::optional<modal::Material> material;   // instead of the bank's; its Poisson's ratio does not count
+  double size = 1;                          // > 0: the new lengths over the old ones
+  std::optional<modal::Material> material;  // instead of the bank's; its Poisson's ratio does not count
 };
 
 struct Changed {

@@ -7,8 +7,8 @@
 //   source = "where the figure is from, or that it is our choice and why"
 //
 // Every figure has a source. Rayleigh's alpha and beta are seldom published: most are fitted to a loss factor
-// eta at one frequency by beta = eta / omega, which the source then says. Where it is known at several frequencies, they
-// stand in the file instead of alpha and beta, which are fitted to them (modal/loss_factor.h):
+// eta at one frequency by beta = eta / omega, which the source then says. Where it is known at several frequencies,
+// they stand in the file instead of alpha and beta, which are fitted to them (modal/loss_factor.h):
 //
 //   [[loss_factor]]          # two at least, at different frequencies
 //   frequency_hz = 250
@@ -39,7 +39,7 @@ inline constexpr std::size_t kMostLossFactors = 64;  // in a file
 struct MaterialEntry {
   modal::Material material;
   std::string description;
-  std::map<std::string, std::string> sources;  // key of the figure -> where it is from
+  std::map<std::string, std::string> sources;   // key of the figure -> where it is from
   std::vector<modal::LossFactor> loss_factors;  // that alpha and beta were fitted to; empty when the file gives them
 };
 

@@ -12,7 +12,8 @@
 
 namespace ringdown::modal {
 
-// Factors on a bank's own material and on its lengths; all 1 is the bank as baked. Each is > 0, alpha and beta may be 0.
+// Factors on a bank's own material and on its lengths; all 1 is the bank as baked. Each is > 0, alpha and beta may be
+// 0.
 struct MaterialScale {
   double alpha = 1, beta = 1, density = 1, stiffness = 1;
   double size = 1;  // points of the resized object lie `size` times as far from its frame's origin

@@ -34,8 +34,8 @@ struct Solid {
   CollisionShape shape;
 };
 
-// Mass and inertia from the bank's massProperties, its material and size scaled, or from the body's own density and size;
-// sizes left at 0 from the bank's surface, scaled. `bank` is null for a silent body. A fixed body needs no mass.
+// Mass and inertia from the bank's massProperties, its material and size scaled, or from the body's own density and
+// size; sizes left at 0 from the bank's surface, scaled. `bank` is null for a silent body. A fixed body needs no mass.
 // Everything a physics engine could choke on is refused here: a missing or degenerate mass, no surface, no size.
 Result<Solid> make_solid(const BodyDescription& body, const modal::Bank* bank, const modal::MaterialScale& scale = {});
 

@@ -146,8 +146,7 @@ Result<BodyId> World::Impl::add(BodyDescription description, bool spawned) {
   if (!description.object.empty() && !object) {
     return fail(who + "no object " + protocol::quoted(description.object) + " is loaded");
   }
-  Result<Solid> solid =
-      make_solid(description, object ? object->bank.get() : nullptr, scale_of(description.object));
+  Result<Solid> solid = make_solid(description, object ? object->bank.get() : nullptr, scale_of(description.object));
   if (!solid) return fail(who + solid.error().message);
   description.position_m = description.position_m + description.scatter_m * random.next_vec3();
   const BodyId id = next_id++;

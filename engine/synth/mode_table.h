@@ -66,8 +66,8 @@ class ModeTable {
   [[nodiscard]] float fall(std::size_t group) const RINGDOWN_REALTIME { return fall_.data()[group]; }
 
   // The output amplitude that a strike (EventType::strike, its point in the frame of the object in its size, or
-  // strike_vertex) gives the mode of each column, and the sum of their squares; nullopt when the vertex does not exist. `scratch` has one element per mode of the bank,
-  // `amplitudes` one per column; its padding stays as it was. [audio]
+  // strike_vertex) gives the mode of each column, and the sum of their squares; nullopt when the vertex does not exist.
+  // `scratch` has one element per mode of the bank, `amplitudes` one per column; its padding stays as it was. [audio]
   [[nodiscard]] std::optional<double> strike(const protocol::Event& event, std::span<double> scratch,
                                              double* amplitudes) const RINGDOWN_REALTIME;
 

@@ -59,7 +59,9 @@ TEST(MaterialBar, MovesNoMoreThanItsMassAllows) {
   const double mass = 7800 * 0.2 * 0.03 * 0.008;
   EXPECT_NEAR(bar.mass->mass_kg, mass, 1e-12);
   ASSERT_GE(bar.mode_count(), 5u);
-  const auto at = [&](std::size_t m, int p) { return static_cast<double>(bar.shape(m, static_cast<std::size_t>(p))[2]); };
+  const auto at = [&](std::size_t m, int p) {
+    return static_cast<double>(bar.shape(m, static_cast<std::size_t>(p))[2]);
+  };
   for (std::size_t m = 0; m < 5; ++m) {
     EXPECT_NEAR(at(m, bake::kBarPoints - 1), (m % 2 == 0 ? 1 : -1) * at(m, 0), 1e-4) << "even and odd by turns";
     double mean = 0;

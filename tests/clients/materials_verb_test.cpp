@@ -40,7 +40,8 @@ TEST(Materials, AreListedWithTheirPitch) {
   for (const auto& file : fs::directory_iterator(kPresets / "materials")) {
     EXPECT_TRUE(holds(ran.output, "\n" + file.path().stem().string() + " ")) << ran.output;
   }
-  // By Euler and Bernoulli, steel: 22.37 / (2 pi 0.2^2) sqrt(210e9 0.008^2 / 12 / 7800) = 1067 Hz; shear takes some 0.6 %.
+  // By Euler and Bernoulli, steel: 22.37 / (2 pi 0.2^2) sqrt(210e9 0.008^2 / 12 / 7800) = 1067 Hz; shear takes some 0.6
+  // %.
   EXPECT_TRUE(holds(ran.output, " 106")) << ran.output;
 }
 
@@ -74,18 +75,19 @@ TEST(Materials, AreHeardAtThePitchThatIsPrinted) {
 }
 
 TEST(Materials, RefuseWhatIsNotThere) {
-  const std::pair<std::vector<std::string>, int> cases[] = {
-      {{"materials", "kryptonite"}, 3},      {{"materials", "--materials", "/nowhere"}, 3},
-      {{"materials", "--sound", "x.wav"}, 2}, {{"materials", "steel", "--sound", "/nowhere/x.wav"}, 1},
-      {{"materials", "steel", "--markdown"}, 2}};
+  const std::pair<std::vector<std::string>, int> cases[] = {{{"materials", "kryptonite"}, 3},
+                                                            {{"materials", "--materials", "/nowhere"}, 3},
+                                                            {{"materials", "--sound", "x.wav"}, 2},
+                                                            {{"materials", "steel", "--sound", "/nowhere/x.wav"}, 1},
+                                                            {{"materials", "steel", "--markdown"}, 2}};
   for (const auto& [words, code] : cases) EXPECT_EQ(ringdown(words).exit_code, code) << words.back();
 }
 
 TEST(Scale, WritesTheBankOfAnotherSizeAndMaterial) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "large.glb";
-  const auto ran = ringdown({"scale", (kPresets / "banks/bronze-bell.glb").string(), "--size", "2", "-m", "brass", "--name",
-                             "big", "-o", out.string()});
+  const auto ran = ringdown({"scale", (kPresets / "banks/bronze-bell.glb").string(), "--size", "2", "-m", "brass",
+                             "--name", "big", "-o", out.string()});
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_TRUE(holds(ran.output, "Poisson's ratio stays")) << ran.output;
   const auto before = modal::read_bank(kPresets / "banks/bronze-bell.glb"), after = modal::read_bank(out);
@@ -95,7 +97,9 @@ TEST(Scale, WritesTheBankOfAnotherSizeAndMaterial) {
   EXPECT_EQ(after->material->poisson_ratio, before->material->poisson_ratio);
   const double mass = 8 * after->material->density_kg_m3 / before->material->density_kg_m3;
   EXPECT_NEAR(after->mass->mass_kg / before->mass->mass_kg, mass, 1e-6 * mass);
-  const auto speed = [](const modal::Bank& bank) { return std::sqrt(bank.material->youngs_modulus_pa / bank.material->density_kg_m3); };
+  const auto speed = [](const modal::Bank& bank) {
+    return std::sqrt(bank.material->youngs_modulus_pa / bank.material->density_kg_m3);
+  };
   EXPECT_NEAR(std::ranges::min(after->frequency_hz) / std::ranges::min(before->frequency_hz),
               0.5 * speed(*after) / speed(*before), 1e-5);
 }

@@ -60,7 +60,9 @@ TEST(Solid, OfTwiceTheSizeIsTheSolidOfABankOfThatSize) {
     EXPECT_NEAR(scaled->shape.radius_m, baked->shape.radius_m, 1e-6);
     EXPECT_EQ(scaled->shape.points.size(), baked->shape.points.size());
   }
-  const auto tensor = [&](double size) { return make_solid(test::body_of("a", ShapeType::box, {}), &bank, {.size = size})->mass.inertia_kg_m2; };
+  const auto tensor = [&](double size) {
+    return make_solid(test::body_of("a", ShapeType::box, {}), &bank, {.size = size})->mass.inertia_kg_m2;
+  };
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(tensor(2)[i][i], 32 * tensor(1)[i][i], 1e-9);
 }
 

@@ -151,8 +151,7 @@ TEST_F(StateTest, AWrongFileIsRefusedWithItsLine) {
           "[[object]]\nname = 'a'\nbank = 'b'\n[[object.touch]]\npoint_m = [0, 0, 0]\ndamping_ns_m = 1\nnumber = 8\n")
           .find("number"),
       std::string::npos);
-  EXPECT_NE(refusal("[[object]]\nname = 'a'\nbank = 'b'\nmaterial = { size = 101 }\n").find("size"),
-            std::string::npos);
+  EXPECT_NE(refusal("[[object]]\nname = 'a'\nbank = 'b'\nmaterial = { size = 101 }\n").find("size"), std::string::npos);
   EXPECT_NE(refusal("[[object]]\nname = 'a'\nbank = 'b'\nmaterial = { stiffness = 0 }\n").find("stiffness"),
             std::string::npos);
   EXPECT_NE(refusal("[[object]]\nname = 'a'\nbank = 'b'\ncolour = 'red'\n").find("colour"), std::string::npos);

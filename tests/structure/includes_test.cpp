@@ -42,8 +42,8 @@ const std::vector<FolderRule> kFolderRules = {
      {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/bake/", "protocol/", "manual/",
       "clients/cli/"}},
     {"clients/",
-     {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "engine/bake/material_", "protocol/", "manual/",
-      "server/", "clients/"}},
+     {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "engine/bake/material_", "protocol/",
+      "manual/", "server/", "clients/"}},
 };
 
 // A third-party header whose name begins with `header` may be included by files whose path begins with one of

@@ -40,14 +40,18 @@ struct Heard {
 Heard play(const modal::Bank& bank, const modal::MaterialScale& material, const modal::Touches& touches) {
   Player player;
   const Map map = map_of(bank);
-  EXPECT_TRUE(player.mixer.install(0, std::make_unique<Voice>(std::make_shared<ModeTable>(map, material, kRate, touches)),
-                                   Mixer::Install::replace));
+  EXPECT_TRUE(player.mixer.install(
+      0, std::make_unique<Voice>(std::make_shared<ModeTable>(map, material, kRate, touches)), Mixer::Install::replace));
   player.mixer.watch_objects(true);
   const Vec3 at = {0.04 * kSize, 0, 0};
   player.push({.frame = 0, .object = 0, .type = EventType::click, .impulse_ns = {0, 0, 0.1}, .contact_time_s = 2e-4});
   player.push(strike_at(100, 0, {0, 0, 0.1}, 3e-4, at));
   player.push(vertex_strike_at(2000, 0, 3, {0, 0, -0.05}));
-  player.push({.frame = 3000, .object = 0, .type = EventType::contact, .point_m = at, .contact = {.force_n = {0, 0, -5}, .slip_m_s = 0.3}});
+  player.push({.frame = 3000,
+               .object = 0,
+               .type = EventType::contact,
+               .point_m = at,
+               .contact = {.force_n = {0, 0, -5}, .slip_m_s = 0.3}});
   player.render(4800);
   return {player.left, player.mixer.take_reach(0)};
 }

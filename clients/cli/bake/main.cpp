@@ -103,7 +103,8 @@ Result<void> read_settings(const char* option, const std::vector<std::string>& s
     const std::string text = equals == std::string::npos ? "" : setting.substr(equals + 1);
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
-    if (equals == 0 || text.empty() || *end != '\0') return fail(std::string(option) + " wants NAME=NUMBER, not '" + setting + "'");
+    if (equals == 0 || text.empty() || *end != '\0')
+      return fail(std::string(option) + " wants NAME=NUMBER, not '" + setting + "'");
     parameters[setting.substr(0, equals)] = value;
   }
   return {};
