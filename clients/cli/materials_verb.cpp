@@ -128,7 +128,7 @@ void print_curve(const modal::Bank& bar) {
       line += start - level_db(bar, kSeconds * column / kColumns) < kRow_db * (row + 1) ? '#' : ' ';
     }
     line.erase(line.find_last_not_of(' ') + 1);
-    std::printf("%4.0f |%s\n", -kRow_db * row, line.c_str());
+    std::printf("%4.0f |%s\n", 0 - kRow_db * row, line.c_str());
   }
   std::printf("     +%s %.0f s\n", std::string(kColumns, '-').c_str(), kSeconds);
 }
@@ -145,7 +145,8 @@ void print_material(const bake::MaterialEntry& entry) {
   print_figure("nu", m.poisson_ratio, "", from.at("poisson_ratio"));
   print_figure("rho", m.density_kg_m3, "kg/m3", from.at("density_kg_m3"));
   print_figure("alpha", m.damping.alpha_per_s, "1/s", from.at("alpha_per_s"));
-  print_figure("beta", m.damping.beta_s, "s", from.at("beta_s"));
+  const bool same = from.at("beta_s") == from.at("alpha_per_s");
+  print_figure("beta", m.damping.beta_s, "s", same ? "as alpha" : from.at("beta_s"));
   for (const modal::LossFactor& point : entry.loss_factors) {
     std::printf("  loss factor at %7.5g Hz: %.3g, fitted %.3g\n", point.frequency_hz, point.eta,
                 modal::loss_factor(m.damping, point.frequency_hz));

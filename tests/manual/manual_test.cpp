@@ -49,10 +49,10 @@ struct Place {
   }
 };
 
-const std::vector<Place> kPlaces = {{"ringdownd", ""},        {"ringdown", ""},       {"ringdown", "info"},
-                                    {"ringdown", "render"},   {"ringdown", "strike"}, {"ringdown", "send"},
-                                    {"ringdown", "protocol"}, {"ringdown-bake", ""},
-                                    {"ringdown-check", "mesh"}};
+const std::vector<Place> kPlaces = {{"ringdownd", ""},         {"ringdown", ""},        {"ringdown", "info"},
+                                    {"ringdown", "materials"}, {"ringdown", "scale"},   {"ringdown", "render"},
+                                    {"ringdown", "strike"},    {"ringdown", "send"},    {"ringdown", "protocol"},
+                                    {"ringdown-bake", ""},     {"ringdown-check", "mesh"}};
 
 std::string man_text(const std::string& name) { return run({"groff", "-man", "-Tascii", "-P-cbou", man(name)}).output; }
 
