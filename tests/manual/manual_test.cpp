@@ -96,6 +96,7 @@ TEST(Manual, BashOffersValuesVerbsAndFiles) {
   EXPECT_EQ(offers("ringdownd --driver n"), Words{"null"});
   EXPECT_EQ(offers("ringdownd --driver = w"), Words{"wav"});
   EXPECT_EQ(offers("ringdown-bake --solver sp"), Words{"spectra"});
+  EXPECT_EQ(offers("ringdown-bake --jo"), Words{"--jobs"});
   EXPECT_EQ(offers("ringdown re"), Words{"render"});
   EXPECT_EQ(offers("ringdown render --sc"), Words{"--scene"});
   EXPECT_EQ(offers("ringdown render --scene " RINGDOWN_SOURCE_DIR "/READ"), Words{RINGDOWN_SOURCE_DIR "/README.md"});
