@@ -24,11 +24,28 @@ Eigen::MatrixXcd covariance(const Eigen::VectorXcd& signal, Eigen::Index length)
   return sum;
 }
 
-// Of noise alone the largest eigenvalue is some (1 + sqrt(L/K))^2 = 2.9 times the mean one [Marchenko & Pastur 1967].
+// Of noise alone the largest eigenvalue is some (1 + sqrt(L/K))^2 = 2.9 times the mean one [Marchenko & Pastur 1967]; a
+// term that refine() would keep makes one of 13 times the noise's.
+constexpr double kOverNoise = 4.5;
+
+// A few steps of the power method, where most bands of most recordings end.
+bool is_noise(const Eigen::MatrixXcd& sum) {
+  constexpr int kSteps = 12;
+  const double mean = sum.trace().real() / static_cast<double>(sum.rows());
+  Eigen::VectorXcd direction = sum.col(sum.cols() / 2), next;
+  for (int step = 0; step < kSteps; ++step) {
+    direction.normalize();
+    next.noalias() = sum * direction;
+    if (next.norm() > kOverNoise * mean) return false;
+    direction = next;
+  }
+  return true;
+}
+
 Eigen::Index signal_directions(const Eigen::VectorXd& ascending, Eigen::Index most) {
-  constexpr double kOverMedian = 4, kOverRounding = 1e-13;
+  constexpr double kOverRounding = 1e-13;
   const double largest = ascending[ascending.size() - 1];
-  const double threshold = std::max(kOverMedian * ascending[ascending.size() / 2], kOverRounding * largest);
+  const double threshold = std::max(kOverNoise * ascending[ascending.size() / 2], kOverRounding * largest);
   const auto above = std::count_if(ascending.begin(), ascending.end(), [&](double value) { return value > threshold; });
   return std::min<Eigen::Index>(above, most);
 }
@@ -38,7 +55,9 @@ Eigen::Index signal_directions(const Eigen::VectorXd& ascending, Eigen::Index mo
 std::vector<std::complex<double>> find_poles(const Eigen::VectorXcd& signal, Eigen::Index most) {
   if (signal.size() < kFewestSamples) return {};
   const Eigen::Index length = signal.size() / 3;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(covariance(signal, length));
+  const Eigen::MatrixXcd sum = covariance(signal, length);
+  if (is_noise(sum)) return {};
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(sum);
   if (solver.info() != Eigen::Success) return {};
   const Eigen::Index count = signal_directions(solver.eigenvalues(), std::min(most, length / 2));
   if (count == 0) return {};

@@ -61,18 +61,15 @@ std::size_t lost_in_noise(const std::vector<double>& peaks, std::size_t onset, s
   return std::min(end, onset + 2 * (last - onset));
 }
 
-// Runs of samples at the largest magnitude. Returns how many there are; `last` is one past the last.
+// Samples at the largest magnitude, where some follow each other; `last` is one past the last.
 std::size_t clipped_samples(std::span<const double> samples, double peak, std::size_t& last) {
-  std::size_t count = 0, run = 0;
-  for (std::size_t n = 0; n <= samples.size(); ++n) {
-    if (n < samples.size() && std::abs(samples[n]) >= 0.9999 * peak) {
-      ++run;
-      continue;
-    }
-    if (run >= kClippedRun) count += run, last = n;
-    run = 0;
+  std::size_t count = 0, run = 0, longest = 0;
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    run = std::abs(samples[n]) >= 0.9999 * peak ? run + 1 : 0;
+    longest = std::max(longest, run);
+    if (run > 0) ++count, last = n + 1;
   }
-  return count;
+  return longest >= kClippedRun ? count : 0;
 }
 
 }  // namespace

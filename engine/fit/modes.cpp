@@ -19,29 +19,31 @@ namespace {
 constexpr double kSamplesOfBand = 400;  // what a pass has of each band, more or less
 constexpr double kPassRatio = 4;        // of one pass's length to the next one's
 constexpr double kShortestPass_s = 0.02;
-constexpr double kFastestOfPass = 12;    // decay times length: above, the mode waits for a shorter pass
-constexpr Eigen::Index kMostPoles = 44;  // of a band
-constexpr double kOverlap = 0.04;        // of the core, on either side
-constexpr double kLeastCycles = 1.5;     // frequency over decay: below, it is a thud and no tone
-constexpr double kLeastDecay = 3;        // decay over its standard error: below, it may be hum
-constexpr double kUnresolved = 0.02;     // modes nearer than that over the length are the same one, found twice
+constexpr double kFastestOfPass = 12;     // decay times length: above, the mode waits for a shorter pass,
+constexpr double kSlowestOfPass = 5;      // and below, with the length of the pass before, it would have been found there
+constexpr Eigen::Index kMostPoles = 44;   // of a band
+constexpr double kOverlap = 0.04;         // of the core, on either side
+constexpr double kLeastCycles = 1.5;      // frequency over decay: below, it is a thud and no tone
+constexpr double kLeastDecay = 3;         // decay over its standard error: below, it may be hum
+constexpr double kUnresolved = 0.02;      // modes nearer than that over the length are the same one, found twice
+constexpr double kRemains = 0.25;         // the same of a mode that an earlier pass has found, and its remains
 
 struct Candidate {
   Mode mode;
   std::size_t band;
+  bool accepted;  // else it is there, but no mode of this pass
 };
 
 struct Pass {
   SubbandFilter filter;
   double rate_hz, length_s;
   double low_hz, high_hz;
+  double slowest_per_s;
 
-  Pass(double rate, double length, double low, double high)
+  Pass(double rate, double length, double low, double high, bool first)
       : filter(static_cast<std::size_t>(std::max(1.0, std::round(rate * length / kSamplesOfBand)))),
-        rate_hz(rate),
-        length_s(length),
-        low_hz(low),
-        high_hz(high) {}
+        rate_hz(rate), length_s(length), low_hz(low), high_hz(high),
+        slowest_per_s(first ? 0 : kSlowestOfPass / (kPassRatio * length)) {}
   [[nodiscard]] double band_rate_hz() const { return rate_hz / static_cast<double>(filter.step()); }
   [[nodiscard]] double width_hz() const { return SubbandFilter::kCore * band_rate_hz(); }
   [[nodiscard]] std::size_t bands() const {
@@ -52,6 +54,7 @@ struct Pass {
 // Decays, can be told from a steady tone, rings for more than a cycle, and lasts for much of the pass.
 bool is_mode_of(const Pass& pass, const Mode& mode) {
   return mode.decay_per_s > kLeastDecay * mode.decay_error_per_s && mode.decay_per_s * pass.length_s < kFastestOfPass &&
+         mode.decay_per_s > pass.slowest_per_s &&
          mode.frequency_hz > kLeastCycles * mode.decay_per_s && mode.frequency_hz >= pass.low_hz &&
          mode.frequency_hz <= pass.high_hz;
 }
@@ -67,7 +70,7 @@ std::vector<Candidate> search_band(std::span<const double> signal, const Pass& p
                     .frequency_error_hz = term.pole_error * rate / (2 * std::numbers::pi),
                     .decay_error_per_s = term.pole_error * rate,
                     .amplitude_error = 1 / term.significance};
-    if (std::abs(offset) <= (0.5 + kOverlap) * width && is_mode_of(pass, mode)) found.push_back({mode, band});
+    if (std::abs(offset) <= (0.5 + kOverlap) * width) found.push_back({mode, band, is_mode_of(pass, mode)});
   }
   return found;
 }
@@ -84,7 +87,7 @@ std::vector<Candidate> search(std::span<const double> signal, const Pass& pass, 
 }
 
 // Neighbouring bands overlap: what both found is one mode, and the better estimate stays.
-std::vector<Mode> without_doubles(std::vector<Candidate> candidates, double length_s) {
+std::vector<Candidate> without_doubles(std::vector<Candidate> candidates, double length_s) {
   std::ranges::sort(candidates, {}, [](const Candidate& c) { return c.mode.frequency_hz; });
   std::vector<Candidate> kept;
   for (const Candidate& c : candidates) {
@@ -100,9 +103,7 @@ std::vector<Mode> without_doubles(std::vector<Candidate> candidates, double leng
       *twin = c;
     }
   }
-  std::vector<Mode> modes;
-  for (const Candidate& c : kept) modes.push_back(c.mode);
-  return modes;
+  return kept;
 }
 
 double energy(const Mode& mode) { return mode.amplitude * mode.amplitude / mode.decay_per_s; }
@@ -128,17 +129,41 @@ std::vector<double> difference(std::span<const double> a, std::span<const double
 
 double square_sum(std::span<const double> x) { return std::inner_product(x.begin(), x.end(), x.begin(), 0.0); }
 
+// Of all modes so far and whatever else this pass has seen, an offset too: what is not in the sum would bend it.
+void fit_amplitudes_beside(std::span<const double> sound, double rate, std::vector<Mode>& modes,
+                           const std::vector<Candidate>& found) {
+  std::vector<Mode> all = modes;
+  all.push_back({});
+  for (const Candidate& c : found) {
+    if (!c.accepted) all.push_back(c.mode);
+  }
+  fit_amplitudes(sound, rate, all);
+  std::copy_n(all.begin(), modes.size(), modes.begin());
+}
+
+// What an earlier pass took out never goes without a trace.
+bool is_remains(const Mode& mode, std::span<const Mode> known, double length_s) {
+  return std::ranges::any_of(known, [&](const Mode& k) {
+    return std::abs(mode.frequency_hz - k.frequency_hz) < kRemains / length_s &&
+           std::abs(mode.decay_per_s - k.decay_per_s) < 0.5 * k.decay_per_s;
+  });
+}
+
 std::vector<Mode> search_all(std::span<const double> sound, double rate, const Options& options) {
-  const double high = std::min(options.high_hz, 0.49 * rate);
+  const double high = std::min(options.high_hz, 0.49 * rate), whole = static_cast<double>(sound.size()) / rate;
   std::vector<Mode> modes;
   std::vector<double> left(sound.begin(), sound.end());
-  for (double length = static_cast<double>(sound.size()) / rate; length >= kShortestPass_s; length /= kPassRatio) {
-    const Pass pass(rate, length, options.low_hz, high);
+  for (double length = whole; length >= kShortestPass_s; length /= kPassRatio) {
+    const Pass pass(rate, length, options.low_hz, high, length == whole);
     const auto part = std::span(left).first(static_cast<std::size_t>(length * rate));
-    const std::vector<Mode> found = without_doubles(search(part, pass, options.threads), length);
-    if (found.empty()) continue;
-    modes.insert(modes.end(), found.begin(), found.end());
-    fit_amplitudes(sound, rate, modes);
+    const std::vector<Candidate> found = without_doubles(search(part, pass, options.threads), length);
+    std::vector<Mode> fresh;
+    for (const Candidate& c : found) {
+      if (c.accepted && !is_remains(c.mode, modes, length)) fresh.push_back(c.mode);
+    }
+    if (fresh.empty()) continue;
+    modes.insert(modes.end(), fresh.begin(), fresh.end());
+    fit_amplitudes_beside(sound, rate, modes, found);
     prune(modes, {.floor_db = options.floor_db + 20, .most_modes = kMostModes});
     left = difference(sound, synthesise(modes, rate, sound.size()));
   }
@@ -180,7 +205,7 @@ Result<Fit> fit_modes(std::span<const double> samples, double sample_rate_hz, co
   const auto sound = std::span(centred).subspan(extent->start, std::min(most, extent->end - extent->start));
 
   Fit fit{.modes = search_all(sound, sample_rate_hz, options), .clipped = extent->clipped};
-  if (prune(fit.modes, options)) fit_amplitudes(sound, sample_rate_hz, fit.modes);
+  if (prune(fit.modes, options)) fit_amplitudes_beside(sound, sample_rate_hz, fit.modes, {});
   const auto left = difference(sound, synthesise(fit.modes, sample_rate_hz, sound.size()));
   fit.explained = 1 - square_sum(left) / square_sum(sound);
   fit.onset_s = static_cast<double>(extent->onset) / sample_rate_hz;

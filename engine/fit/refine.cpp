@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::VectorXcd;
 
-constexpr int kMostSteps = 12, kMostRounds = 6;
+constexpr int kMostSteps = 12;
 constexpr double kRidge = 1e-13;
 
 // One column for each pole: exp(pole n).
@@ -112,18 +112,20 @@ State descend(const VectorXcd& signal, State state) {
   return state;
 }
 
-std::vector<Term> judged(const VectorXcd& signal, const State& state) {
-  const Normal normal(jacobian(state));
+// `columns` begin with the exponentials, and may go on with what the poles change.
+std::vector<Term> judged(const VectorXcd& signal, const State& state, const MatrixXcd& columns) {
+  const Normal normal(columns);
   if (!normal.good() || !std::isfinite(state.energy)) return {};
   const Index count = state.poles.size();
-  const double freedom = static_cast<double>(std::max<Index>(signal.size() - 2 * count, 1));
+  const double freedom = static_cast<double>(std::max<Index>(signal.size() - columns.cols(), 1));
   const double variance = std::max(state.energy / freedom, 1e-26 * signal.squaredNorm());
   const Eigen::VectorXd variances = variance * normal.variances();
   std::vector<Term> terms;
   for (Index k = 0; k < count; ++k) {
+    const double of_pole = columns.cols() > count ? variances[count + k] : 0;
     terms.push_back({.pole = state.poles[k],
                      .amplitude = state.amplitudes[k],
-                     .pole_error = std::sqrt(variances[count + k] / 2),
+                     .pole_error = std::sqrt(of_pole / 2),
                      .significance = std::abs(state.amplitudes[k]) / std::sqrt(variances[k])});
   }
   return terms;
@@ -135,14 +137,14 @@ VectorXcd poles_of(const std::vector<Term>& terms) {
   return poles;
 }
 
-// Takes out what is not significant, but in one round no more than half: the rest gains by it.
-bool weed(std::vector<Term>& terms, double least) {
+// Takes out the weakest, if it is not significant, or as many as a share of all has. Of two that nearly coincide both
+// look weak, and either of them is strong when the other has gone: so, at the end, one at a time.
+bool weed(std::vector<Term>& terms, double least, double share) {
   std::ranges::sort(terms, std::greater{}, &Term::significance);
-  const auto weak = std::ranges::find_if(terms, [&](const Term& term) { return !(term.significance >= least); });
-  if (weak == terms.end()) return false;
-  const auto keep = std::max<std::ptrdiff_t>(weak - terms.begin(), static_cast<std::ptrdiff_t>(terms.size() / 2));
-  terms.erase(terms.begin() + keep, terms.end());
-  return true;
+  const auto most = std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(share * static_cast<double>(terms.size())));
+  std::ptrdiff_t weak = 0;
+  for (; weak < most && !terms.empty() && !(terms.back().significance >= least); ++weak) terms.pop_back();
+  return weak > 0;
 }
 
 }  // namespace
@@ -154,16 +156,15 @@ std::vector<Term> refine(const VectorXcd& signal, const std::vector<Complex>& po
     if (pole.real() < most_growth) terms.push_back({.pole = pole});
   }
   if (terms.empty()) return {};
-  // Roughly first, with the poles as they are: what is far below the noise would make the equations singular.
-  for (int round = 0; round < kMostRounds; ++round) {
-    terms = judged(signal, fitted(signal, poles_of(terms)));
-    if (!weed(terms, 0.3 * kSignificance)) break;
-    if (terms.empty()) return {};
-  }
-  for (int round = 0; round < 20 && !terms.empty(); ++round) {
-    terms = judged(signal, descend(signal, fitted(signal, poles_of(terms))));
-    if (!weed(terms, kSignificance)) break;
-  }
+  // With the poles as they are first, which is quick.
+  do {
+    const State state = fitted(signal, poles_of(terms));
+    terms = judged(signal, state, state.columns);
+  } while (weed(terms, 0.5 * kSignificance, 0.25) && !terms.empty());
+  do {
+    const State state = descend(signal, fitted(signal, poles_of(terms)));
+    terms = judged(signal, state, jacobian(state));
+  } while (weed(terms, kSignificance, 0) && !terms.empty());
   return terms;
 }
 

@@ -22,6 +22,7 @@ Fit fitted(const std::vector<double>& samples, const Options& options = {}, doub
     ADD_FAILURE() << fit.error().message;
     return {};
   }
+  if (std::getenv("SHOW")) for (const Mode& m : fit->modes) std::printf("  %.4f+-%.2g Hz %.4f+-%.2g 1/s %.3g +-%.2g\n", m.frequency_hz, m.frequency_error_hz, m.decay_per_s, m.decay_error_per_s, m.amplitude, m.amplitude_error);
   return *fit;
 }
 
