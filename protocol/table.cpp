@@ -29,6 +29,7 @@ constexpr Quantity kRamp{"s", 0, 60};
 constexpr Quantity kPan{"", -1, 1};
 constexpr Quantity kScale{"", 1e-3, 1e3};
 constexpr Quantity kDampingScale{"", 0, 1e3};
+constexpr Quantity kSizeScale{"", 1e-2, 1e2};
 constexpr Quantity kIndex{"", 0, kLargestNumber};
 constexpr Quantity kCount{"", 0, std::numeric_limits<std::int32_t>::max()};
 constexpr Quantity kId{"", std::numeric_limits<std::int32_t>::min(), kCount.most};
@@ -126,9 +127,11 @@ std::vector<Row<Request>> make_request_rows() {
       silent("/object/{object}/pan", SetPan{kBell, -0.3}, "Places the object between left and right, at equal power.",
              {object<&SetPan::object>(), number<&SetPan::pan>("pan", kPan, "-1 is left, 0 the middle, 1 right.")}),
       answered(
-          "/object/{object}/material", SetMaterial{kBell, {1, 1, 1, 4}},
-          "Scales the material the object was baked with: its modes follow exactly, without a new analysis. "
-          "The factors count from the bank, not from the last scale; 1 1 1 1 is the bank as baked.",
+          "/object/{object}/material", SetMaterial{kBell, {1, 1, 1, 4, 0.5}},
+          "Scales the material and the size the object was baked with: its modes, mass and click follow exactly, "
+          "without "
+          "a new analysis. The factors count from the bank, not from the last scale; 1 1 1 1 1 is the bank as baked. "
+          "Points that later messages name lie on the object in its new size. Bodies of a running scene keep theirs.",
           {object<&SetMaterial::object>(),
            number<&SetMaterial::scale, &modal::MaterialScale::alpha>(
                "alpha", kDampingScale, "The factor on Rayleigh's alpha, the damping of low modes."),
@@ -136,7 +139,9 @@ std::vector<Row<Request>> make_request_rows() {
                "beta", kDampingScale, "The factor on Rayleigh's beta, the damping of high modes."),
            number<&SetMaterial::scale, &modal::MaterialScale::density>("density", kScale, "The factor on the density."),
            number<&SetMaterial::scale, &modal::MaterialScale::stiffness>(
-               "stiffness", kScale, "The factor on Young's modulus; 4 is an octave up.")}),
+               "stiffness", kScale, "The factor on Young's modulus; 4 is an octave up."),
+           optional(number<&SetMaterial::scale, &modal::MaterialScale::size>(
+               "size", kSizeScale, "The factor on all lengths; 0.5 is an octave up."))}),
       answered(
           "/object/{object}/hold", Hold{kBell, {{0.05, 0, 0.02}, {}, 20}},
           "Lays a hand on the object, or puts it down on something: its modes die sooner, each by how much it moves "

@@ -59,9 +59,9 @@ NoteTable::Strike best_strike(const RackObject& object) {
   for (std::size_t point = 0; point < bank.point_count(); ++point) {
     if (const double motion = motion_at(bank, point); motion > most) best = point, most = motion;
   }
-  strike.point_m = as_vector(bank.positions[best]);
+  strike.point_m = object.material.size * as_vector(bank.positions[best]);
   const Vec3 direction = as_vector(bank.shape(0, best));
-  const double mass_kg = bank.mass ? bank.mass->mass_kg : 1, size = length(direction);
+  const double mass_kg = bank.mass ? modal::rescale(*bank.mass, object.material).mass_kg : 1, size = length(direction);
   strike.impulse_ns = size > 0 ? (kDefaultVelocity_m_s * mass_kg / size) * direction : Vec3{};
   return strike;
 }

@@ -14,10 +14,11 @@ using protocol::EventType;
 
 constexpr std::size_t kMessagesPerBundle = 16;  // some 1,400 bytes: one Ethernet frame
 
-Vec3 point_of(const Event& event, const modal::Bank& bank) {
+Vec3 point_of(const Event& event, const RackObject& object) {
   if (event.type == EventType::strike) return event.point_m;
+  const modal::Bank& bank = object.map->bank();
   const modal::Vec3f& point = bank.positions[event.vertex < bank.point_count() ? event.vertex : 0];
-  return {point[0], point[1], point[2]};
+  return object.material.size * Vec3{point[0], point[1], point[2]};
 }
 
 constexpr float kAudible = 1e-6f;  // -120 dB: quieter objects do not ring
@@ -169,8 +170,7 @@ std::vector<protocol::Message> Notifier::messages_for(const Subscriber& subscrib
   for (const Event& event : std::span(subscriber.contacts).subspan(left_out)) {
     const auto object = session_.rack().find({.number = event.object});
     if (!object) continue;
-    add(protocol::NotifyContact{object->name, point_of(event, object->map->bank()), event.impulse_ns,
-                                event.contact_time_s});
+    add(protocol::NotifyContact{object->name, point_of(event, *object), event.impulse_ns, event.contact_time_s});
   }
   add(protocol::NotifyPeak{subscriber.peak});
   for (std::size_t number = 0; number < synth::kMostObjects; ++number) {

@@ -14,7 +14,7 @@
 namespace ringdown::server {
 namespace {
 
-constexpr Range kGain{0, 100}, kPan{-1, 1}, kDamping{0, 1e3}, kScale{1e-3, 1e3};
+constexpr Range kGain{0, 100}, kPan{-1, 1}, kDamping{0, 1e3}, kScale{1e-3, 1e3}, kSize{1e-2, 1e2};
 constexpr Range kPosition_m{-1e4, 1e4}, kForce_n{-1e6, 1e6}, kDirection{-1e3, 1e3}, kTouch_ns_m{0, 1e6};
 
 void read_name(TomlTable& table, std::string_view key, std::string& name) {
@@ -50,6 +50,7 @@ State::Object read_object(TomlTable& table) {
     material->number("beta", object.material.beta, kDamping);
     material->number("density", object.material.density, kScale);
     material->number("stiffness", object.material.stiffness, kScale);
+    material->number("size", object.material.size, kSize);
   }
   for (TomlTable& touch : table.tables("touch")) read_touch(touch, object.touches);
   return object;
@@ -131,7 +132,8 @@ std::string to_toml(const State& state) {
     const modal::MaterialScale& m = object.material;
     if (m != modal::MaterialScale{}) {
       text += "material = { alpha = " + shown(m.alpha) + ", beta = " + shown(m.beta) +
-              ", density = " + shown(m.density) + ", stiffness = " + shown(m.stiffness) + " }\n";
+              ", density = " + shown(m.density) + ", stiffness = " + shown(m.stiffness) + ", size = " + shown(m.size) +
+              " }\n";
     }
     for (const auto& [number, touch] : object.touches) {
       text += "[[object.touch]]\nnumber = " + std::to_string(number) + "\npoint_m = " + shown(touch.point_m) +

@@ -7,7 +7,7 @@
 //   gain = 0.5                                # what stands below may be left out: 1, 0, the bank's own, none
 //   pan = -0.3
 //   group = "metal"
-//   material = { alpha = 1, beta = 1, density = 1, stiffness = 4 }   # factors, as in /object/.../material
+//   material = { alpha = 1, beta = 1, density = 1, stiffness = 4, size = 1 }   # factors, as in /object/.../material
 //   [[object.touch]]                          # as in /object/.../hold
 //   number = 0
 //   point_m = [0.05, 0, 0.02]

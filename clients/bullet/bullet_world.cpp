@@ -218,7 +218,7 @@ Result<void> BulletWorld::Impl::add(const BodyDescription& body,
   const auto number = static_cast<protocol::ObjectNumber>(object - scene.objects.begin());
   const modal::Bank* bank = sounds ? banks[number].get() : nullptr;
   const modal::MaterialScale scale = sounds ? object->material : modal::MaterialScale{};
-  const Result<scene::Solid> solid = scene::make_solid(body, bank, scale.density);
+  const Result<scene::Solid> solid = scene::make_solid(body, bank, scale);
   if (!solid) return fail("body " + protocol::quoted(body.name) + ": " + solid.error().message);
 
   Item& item = *waiting.emplace_back(std::make_unique<Item>());

@@ -26,7 +26,7 @@ const std::vector<ringdown::manual::Section> kSections = {
      {{"ringdown info bell.glb", "The modes of a bank."},
       {"ringdown strike bell --at 0.1,0,0.05 --impulse -0.2,0,0", "A blow of 0.2 N s, played by the daemon."},
       {"ringdown render --scene demo.toml -o demo.wav", "A scene as a sound file; no daemon is needed."}}},
-    {"SEE ALSO", {{"ringdownd(1), ringdown-bake(1)", "The daemon, and what `ringdown bake` runs."}}},
+    {"SEE ALSO", {{"ringdownd(1), ringdown-bake(1), ringdown-fit(1)", "The daemon, and what `ringdown bake` and `ringdown fit` run."}}},
 };
 
 }  // namespace
@@ -41,7 +41,11 @@ int main(int argc, char** argv) {
   ExitCode outcome = ExitCode::ok;
   add_program_verb(app, outcome, "bake", "Turns a mesh and a material into a bank.");
   add_program_verb(app, outcome, "check", "Says what is wrong with a mesh, and how it would be meshed.");
+  add_program_verb(app, outcome, "fit", "Finds the modes of a struck object in a recording, as a bank.");
+  add_program_verb(app, outcome, "tune", "Finds parameters of a geometry at which modes hit their notes.");
   add_info_verb(app, outcome);
+  add_materials_verb(app, outcome);
+  add_scale_verb(app, outcome);
   add_render_verb(app, outcome);
   add_strike_verb(app, outcome);
   add_send_verb(app, outcome);

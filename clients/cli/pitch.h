@@ -1,9 +1,12 @@
 // Frequencies as musicians name them.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace ringdown::cli {
 
@@ -19,6 +22,33 @@ inline std::string note_name(double frequency_hz) {
   char text[32];
   std::snprintf(text, sizeof text, "%s%d %+.0f ct", kNames[step], octave, 100 * (key - nearest));
   return text;
+}
+
+// MIDI's number of a note: "A4" is 69, "C4" 60, "F#3" and "Fs3" and "Gb3" 54. Nothing when it is none of 0 to 127.
+inline std::optional<int> note_number(std::string_view note) {
+  constexpr std::string_view kLetters = "CDEFGAB";
+  constexpr std::array kSteps = {0, 2, 4, 5, 7, 9, 11};
+  const std::size_t letter = note.empty() ? std::string_view::npos : kLetters.find(note.front());
+  if (letter == std::string_view::npos) return std::nullopt;
+  note.remove_prefix(1);
+  int number = kSteps[letter];
+  if (!note.empty() && (note.front() == '#' || note.front() == 's' || note.front() == 'b')) {
+    number += note.front() == 'b' ? -1 : 1;
+    note.remove_prefix(1);
+  }
+  const bool below = note.starts_with('-');
+  if (below) note.remove_prefix(1);
+  if (note.size() != 1 || note.front() < '0' || note.front() > '9') return std::nullopt;
+  number += 12 * ((below ? -1 : 1) * (note.front() - '0') + 1);
+  return number >= 0 && number <= 127 ? std::optional(number) : std::nullopt;
+}
+
+inline double note_frequency(int number) { return 440 * std::exp2((number - 69) / 12.0); }
+
+// As a part of a file's name: "Fs3" for 54.
+inline std::string note_word(int number) {
+  constexpr std::array kNames = {"C", "Cs", "D", "Ds", "E", "F", "Fs", "G", "Gs", "A", "As", "B"};
+  return kNames[number % 12] + std::to_string(number / 12 - 1);
 }
 
 }  // namespace ringdown::cli

@@ -17,11 +17,13 @@ namespace ringdown::cli {
 
 using protocol::ExitCode;
 
-void add_strike_verb(CLI::App& app, ExitCode& outcome);    // rings an object in a running daemon
-void add_send_verb(CLI::App& app, ExitCode& outcome);      // any other message of the protocol
-void add_info_verb(CLI::App& app, ExitCode& outcome);      // the modes of a bank as a table
-void add_protocol_verb(CLI::App& app, ExitCode& outcome);  // every address
-void add_render_verb(CLI::App& app, ExitCode& outcome);    // a scene or a score to a sound file
+void add_strike_verb(CLI::App& app, ExitCode& outcome);     // rings an object in a running daemon
+void add_send_verb(CLI::App& app, ExitCode& outcome);       // any other message of the protocol
+void add_info_verb(CLI::App& app, ExitCode& outcome);       // the modes of a bank as a table
+void add_materials_verb(CLI::App& app, ExitCode& outcome);  // the materials, and a bar of each
+void add_scale_verb(CLI::App& app, ExitCode& outcome);      // a bank in another size and material
+void add_protocol_verb(CLI::App& app, ExitCode& outcome);   // every address
+void add_render_verb(CLI::App& app, ExitCode& outcome);     // a scene or a score to a sound file
 
 // A verb that is a program of its own, ringdown-NAME, because it links what this one shall not.
 void add_program_verb(CLI::App& app, ExitCode& outcome, const std::string& name, const std::string& sentence);

@@ -271,24 +271,12 @@ modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes)
 
 }  // namespace
 
-double highest_lambda_in_band(double band_high_hz, modal::RayleighDamping damping) {
-  const double omega = modal::hz_to_rad_per_s(band_high_hz);
-  const double alpha = damping.alpha_per_s, beta = damping.beta_s;
-  if (beta <= 0) return omega * omega + alpha * alpha / 4;
-  // (beta^2/4) lambda^2 - (1 - alpha beta/2) lambda + omega^2 + alpha^2/4 = 0; smaller root without
-  // cancellation.
-  const double half = (1 - alpha * beta / 2) / 2, last = omega * omega + alpha * alpha / 4;
-  const double discriminant = half * half - beta * beta / 4 * last;
-  if (half > 0 && discriminant > 0) return last / (half + std::sqrt(discriminant));
-  return std::max(half * 4 / (beta * beta), 0.0);
-}
-
 Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& material, const BakeOptions& options,
                    const std::string& name, const Progress& progress) {
   if (auto good = check_options(options); !good) return fail(good.error());
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
   if (auto good = fem::check_elastic(elastic); !good) return fail(material.name + ": " + good.error().message);
-  const double highest_lambda = highest_lambda_in_band(options.band_high_hz, material.damping);
+  const double highest_lambda = modal::highest_lambda_in_band(options.band_high_hz, material.damping);
   if (!(highest_lambda > 0)) return fail(material.name + " is damped so strongly that nothing of it rings");
   if (progress && !progress("assemble", 0)) return fail(std::string(kCancelled));
   Baked baked;

@@ -66,10 +66,4 @@ struct Baked {
 Result<Baked> bake(const mesh::CheckedMesh& mesh, const modal::Material& material, const BakeOptions& options,
                    const std::string& name, const Progress& progress = {});
 
-// The largest lambda whose mode may still lie below band_high_hz: the smaller root of
-// lambda - ((alpha + beta lambda) / 2)^2 = (2 pi f)^2, or where there is none, that of the highest pitch: decay 1 /
-// beta. Above, stiffness damping makes pitch fall again; such modes lose 55 dB or more in a cycle and are not looked
-// for.
-double highest_lambda_in_band(double band_high_hz, modal::RayleighDamping damping);
-
 }  // namespace ringdown::bake

@@ -5,7 +5,10 @@
 #include "engine/fem/elastic.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <optional>
+#include <set>
 
 namespace ringdown::bake {
 namespace {
@@ -16,14 +19,80 @@ constexpr Range kPoissonRatio{-1, 0.5};
 constexpr Range kDensity_kg_m3{0.1, 1e5};
 constexpr Range kAlpha_per_s{0, 1e6};
 constexpr Range kBeta_s{0, 1};
+constexpr Range kFrequency_hz{1e-3, 1e9};
+constexpr Range kLossFactor{1e-12, 10};
 
-void read_figure(TomlTable& file, const std::string& key, double& target, const Range& range, MaterialEntry& entry) {
+struct Figure {
+  const char* key;
+  double& value;
+  Range range;
+};
+
+std::array<Figure, 5> figures_of(modal::Material& material) {
+  return {{{"youngs_modulus_pa", material.youngs_modulus_pa, kYoungsModulus_pa},
+           {"poisson_ratio", material.poisson_ratio, kPoissonRatio},
+           {"density_kg_m3", material.density_kg_m3, kDensity_kg_m3},
+           {"alpha_per_s", material.damping.alpha_per_s, kAlpha_per_s},
+           {"beta_s", material.damping.beta_s, kBeta_s}}};
+}
+
+Result<void> check_stable(const modal::Material& material) {
+  return fem::check_elastic({material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3});
+}
+
+void read_figure(TomlTable& file, const Figure& wanted, MaterialEntry& entry) {
+  const auto& [key, target, range] = wanted;
   file.require({key});
   std::optional<TomlTable> figure = file.table(key);
   if (!figure) return;
   figure->require({"value", "source"});
   figure->number("value", target, range);
   figure->text("source", entry.sources[key]);
+}
+
+// What the two fitted figures say of themselves.
+std::string source_of_fit(const MaterialEntry& entry, const std::set<std::string>& sources) {
+  std::string text = "fitted to the loss factor";
+  for (const modal::LossFactor& point : entry.loss_factors) {
+    char part[64];
+    std::snprintf(part, sizeof part, "%s %.3g at %.5g Hz", &point == &entry.loss_factors.front() ? "" : ",", point.eta,
+                  point.frequency_hz);
+    text += part;
+  }
+  char off[64];
+  std::snprintf(off, sizeof off, ", which it misses by at most %.0f %%: ",
+                100 * modal::worst_error(entry.material.damping, entry.loss_factors));
+  text += off;
+  for (const std::string& source : sources) text += (source == *sources.begin() ? "" : "; ") + source;
+  return text;
+}
+
+void read_loss_factors(TomlTable& file, MaterialEntry& entry) {
+  std::set<std::string> sources;
+  double lowest_hz = 0, highest_hz = 0;
+  for (TomlTable& table : file.tables("loss_factor")) {
+    table.require({"frequency_hz", "eta", "source"});
+    modal::LossFactor point{1, 1};
+    std::string source;
+    table.number("frequency_hz", point.frequency_hz, kFrequency_hz);
+    table.number("eta", point.eta, kLossFactor);
+    table.text("source", source);
+    sources.insert(source);
+    if (entry.loss_factors.empty()) lowest_hz = highest_hz = point.frequency_hz;
+    lowest_hz = std::min(lowest_hz, point.frequency_hz);
+    highest_hz = std::max(highest_hz, point.frequency_hz);
+    entry.loss_factors.push_back(point);
+  }
+  for (const char* key : {"alpha_per_s", "beta_s"}) {
+    if (file.has(key)) file.complain(key, std::string("give either [[loss_factor]] or ") + key + ", not both");
+  }
+  if (entry.loss_factors.size() > kMostLossFactors)
+    file.complain("loss_factor", "at most " + std::to_string(kMostLossFactors) + " loss factors can be given");
+  if (!(lowest_hz < highest_hz))
+    file.complain("loss_factor", "give the loss factor at two different frequencies at least");
+  if (entry.loss_factors.empty()) return;
+  entry.material.damping = modal::fit_rayleigh(entry.loss_factors);
+  entry.sources["alpha_per_s"] = entry.sources["beta_s"] = source_of_fit(entry, sources);
 }
 
 }  // namespace
@@ -38,15 +107,27 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path) {
   file->text("description", entry.description);
   if (material.name != path.stem())
     file->complain("name", "name must be the file's, " + ringdown::quoted(path.stem().string()));
-  read_figure(*file, "youngs_modulus_pa", material.youngs_modulus_pa, kYoungsModulus_pa, entry);
-  read_figure(*file, "poisson_ratio", material.poisson_ratio, kPoissonRatio, entry);
-  read_figure(*file, "density_kg_m3", material.density_kg_m3, kDensity_kg_m3, entry);
-  read_figure(*file, "alpha_per_s", material.damping.alpha_per_s, kAlpha_per_s, entry);
-  read_figure(*file, "beta_s", material.damping.beta_s, kBeta_s, entry);
+  const bool curve = file->has("loss_factor");
+  for (const Figure& figure : figures_of(material)) {
+    const bool damping = &figure.value == &material.damping.alpha_per_s || &figure.value == &material.damping.beta_s;
+    if (!(curve && damping)) read_figure(*file, figure, entry);
+  }
+  if (curve) read_loss_factors(*file, entry);
   if (auto good = file->finish(); !good) return fail(good.error());
-  const auto stable = fem::check_elastic({material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3});
-  if (!stable) return fail(path.string() + ":1: " + stable.error().message);
+  if (const auto stable = check_stable(material); !stable) return fail(path.string() + ":1: " + stable.error().message);
   return entry;
+}
+
+Result<void> set_figure(modal::Material& material, const std::string& key, double value) {
+  std::string known;
+  for (const Figure& figure : figures_of(material)) {
+    known += (known.empty() ? "" : ", ") + std::string(figure.key);
+    if (key != figure.key) continue;
+    if (auto good = check_range(value, figure.range); !good) return fail(key + ": " + good.error().message);
+    figure.value = value;
+    return check_stable(material);
+  }
+  return fail("a material has no figure '" + key + "'; choose one of: " + known);
 }
 
 Result<MaterialEntry> find_material(const std::filesystem::path& folder, const std::string& name) {

@@ -7,11 +7,20 @@
 //   source = "where the figure is from, or that it is our choice and why"
 //
 // Every figure has a source. Rayleigh's alpha and beta are seldom published: most are fitted to a loss factor
-// eta at one frequency by beta = eta / omega, which the source then says. docs/materials.md lists all of them.
+// eta at one frequency by beta = eta / omega, which the source then says. Where it is known at several frequencies,
+// they stand in the file instead of alpha and beta, which are fitted to them (modal/loss_factor.h):
+//
+//   [[loss_factor]]          # two at least, at different frequencies
+//   frequency_hz = 250
+//   eta = 0.01
+//   source = "where the figure is from"
+//
+// docs/materials.md lists all of them. A library of its own, without finite elements: `ringdown` has it too.
 #pragma once
 
 #include "engine/base/result.h"
 #include "engine/modal/bank.h"
+#include "engine/modal/loss_factor.h"
 
 #include <filesystem>
 #include <map>
@@ -25,10 +34,13 @@ namespace ringdown::bake {
 inline constexpr std::string_view kOurChoice = "our choice";
 inline constexpr std::string_view kToBeChecked = "to be checked against the original";
 
+inline constexpr std::size_t kMostLossFactors = 64;  // in a file
+
 struct MaterialEntry {
   modal::Material material;
   std::string description;
-  std::map<std::string, std::string> sources;  // key of the figure -> where it is from
+  std::map<std::string, std::string> sources;   // key of the figure -> where it is from
+  std::vector<modal::LossFactor> loss_factors;  // that alpha and beta were fitted to; empty when the file gives them
 };
 
 // Checks that the name is the file's, that the constants are a stable solid's, and that every figure has its
@@ -37,6 +49,9 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path);
 
 // `folder`/`name`.toml; when there is none, the error lists those that are there.
 Result<MaterialEntry> find_material(const std::filesystem::path& folder, const std::string& name);
+
+// Another value for the figure of that key in a material's file; refused when it is out of its range there.
+Result<void> set_figure(modal::Material& material, const std::string& key, double value);
 
 // Names of the .toml files in a folder, sorted; empty when there is no such folder.
 std::vector<std::string> names_in(const std::filesystem::path& folder);

@@ -68,7 +68,7 @@ class Baker {
         if (auto meshed = mesh(); !meshed) return fail(meshed.error());
       }
       if (auto baked = bake_once(); !baked) return fail(baked.error());
-      if (recipe_.error <= 0 || error() <= recipe_.error) return std::move(object_);
+      if (recipe_.error <= 0 || error() <= recipe_.error) return finished();
       const Result<bool> refined = refine();
       if (!refined) return fail(refined.error());
       same_mesh = *refined;
@@ -76,6 +76,18 @@ class Baker {
   }
 
  private:
+  // With the lengths that the object has.
+  BakedObject finished() {
+    object_.mesh.mesh.nodes *= recipe_.scale;
+    if (object_.choice) {
+      for (double* length : {&object_.choice->size_m, &object_.choice->edge_size_m, &object_.choice->shortest_wave_m,
+                             &object_.choice->wall_m}) {
+        *length *= recipe_.scale;
+      }
+    }
+    return std::move(object_);
+  }
+
   [[nodiscard]] double error() const { return object_.rounds.back().error; }
 
   bool go_on(std::string_view stage, double fraction) const {
@@ -105,7 +117,9 @@ class Baker {
     if (!sketch) return fail(sketch.error());
     const BodyShape shape = measure_shape(*sketch, mesh::wall_thickness(*sketch));
     const int order = fem::order_of(recipe_.options.element);
-    MeshChoice choice = choose_mesh(shape, material_, recipe_.options.band_high_hz, order, kMostChosenUnknowns);
+    // What a larger object sounds up to, its geometry would sound up to that much higher. A smaller one keeps the mesh.
+    const double band_high_hz = std::max(recipe_.scale, 1.0) * recipe_.options.band_high_hz;
+    MeshChoice choice = choose_mesh(shape, material_, band_high_hz, order, kMostChosenUnknowns);
     if (recipe_.preview) {
       const MeshChoice quick = choose_coarse_mesh(shape, order, kPreviewUnknowns);
       if (quick.size_m > choice.size_m) choice = quick;
@@ -134,7 +148,8 @@ class Baker {
     });
     if (!body) return fail(body.error());
     object_.mesh = std::move(body->mesh);
-    object_.question = question_size(measure_shape(object_.mesh.mesh), material_, recipe_.options, recipe_.geometry,
+    const mesh::TetMesh sized{object_.mesh.mesh.nodes * recipe_.scale, object_.mesh.mesh.elements};
+    object_.question = question_size(measure_shape(sized), material_, recipe_.options, recipe_.geometry,
                                      recipe_.meshing.unit_m.value_or(mesh::unit_in_file(recipe_.geometry)));
     object_.making = body->making;
     object_.notes = std::move(body->notes);
@@ -145,7 +160,9 @@ class Baker {
   }
 
   Result<void> bake_once() {
-    Result<Baked> baked = bake(object_.mesh, material_, recipe_.options, recipe_.name,
+    mesh::CheckedMesh scaled = object_.mesh;
+    scaled.mesh.nodes *= recipe_.scale;
+    Result<Baked> baked = bake(scaled, material_, recipe_.options, recipe_.name,
                                [this](std::string_view stage, double fraction) { return go_on(stage, fraction); });
     if (!baked) return fail(with_question(baked.error().message));
     object_.baked = std::move(*baked);

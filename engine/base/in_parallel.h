@@ -2,15 +2,20 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdlib>
 #include <exception>
 #include <thread>
 #include <vector>
 
 namespace ringdown {
 
-// How many threads a caller means who writes 0 for as many as there are processors.
+// How many threads a caller means who writes 0 for as many as this process may use: $RINGDOWN_THREADS if that is a
+// number from 1 on, else the number of processors.
 inline int thread_count(int wanted) {
-  return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  if (wanted > 0) return wanted;
+  const char* allowed = std::getenv("RINGDOWN_THREADS");
+  const int threads = allowed == nullptr ? 0 : std::atoi(allowed);
+  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 // work(0) ... work(count - 1), each on its own thread, 0 on the caller's; returns when all have. The first exception in

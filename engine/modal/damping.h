@@ -7,6 +7,7 @@
 
 #include "engine/base/realtime.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -39,6 +40,21 @@ inline DampedMode damp(double lambda, RayleighDamping damping) {
 inline double undamped_lambda(DampedMode mode) {
   const double omega = hz_to_rad_per_s(mode.frequency_hz);
   return omega * omega + mode.decay_per_s * mode.decay_per_s;
+}
+
+// The largest lambda whose mode may still lie below band_high_hz: the smaller root of
+// lambda - ((alpha + beta lambda) / 2)^2 = (2 pi f)^2, or where there is none, that of the highest pitch: decay 1 /
+// beta. Above, stiffness damping makes pitch fall again; such modes lose 55 dB or more in a cycle and are not looked
+// for.
+inline double highest_lambda_in_band(double band_high_hz, RayleighDamping damping) {
+  const double omega = hz_to_rad_per_s(band_high_hz), alpha = damping.alpha_per_s, beta = damping.beta_s;
+  if (beta <= 0) return omega * omega + alpha * alpha / 4;
+  // (beta^2/4) lambda^2 - (1 - alpha beta/2) lambda + omega^2 + alpha^2/4 = 0; smaller root without
+  // cancellation.
+  const double half = (1 - alpha * beta / 2) / 2, last = omega * omega + alpha * alpha / 4;
+  const double discriminant = half * half - beta * beta / 4 * last;
+  if (half > 0 && discriminant > 0) return last / (half + std::sqrt(discriminant));
+  return std::max(half * 4 / (beta * beta), 0.0);
 }
 
 // Seconds until the amplitude has fallen by 60 dB: ln(1000) / d.

@@ -1,7 +1,7 @@
-// A different material for the same modes, exactly and without a new analysis.
+// A different material and size for the same modes, exactly and without a new analysis.
 //
-// Scaling stiffness scales every eigenvalue, scaling density scales eigenvalues and mass-normalised shapes, and
-// Rayleigh's two terms scale on their own (docs/physics.md, "Another material"). Only Poisson's ratio needs a new bake.
+// Scaling stiffness scales every eigenvalue; density and size scale eigenvalues and mass-normalised shapes; Rayleigh's
+// two terms scale on their own (docs/physics.md, "Another material"). Only Poisson's ratio needs a new bake.
 #pragma once
 
 #include "engine/modal/bank.h"
@@ -12,11 +12,23 @@
 
 namespace ringdown::modal {
 
-// Factors on a bank's own material; all 1 is the bank as baked. Each is > 0, alpha and beta may be 0.
+// Factors on a bank's own material and on its lengths; all 1 is the bank as baked. Each is > 0, alpha and beta may be
+// 0.
 struct MaterialScale {
   double alpha = 1, beta = 1, density = 1, stiffness = 1;
+  double size = 1;  // points of the resized object lie `size` times as far from its frame's origin
   friend bool operator==(const MaterialScale&, const MaterialScale&) = default;
 };
+
+// What undamped eigenvalues lambda are multiplied by.
+inline double lambda_factor(const MaterialScale& scale) {
+  return scale.stiffness / (scale.density * scale.size * scale.size);
+}
+
+// What mass-normalised shapes are multiplied by.
+inline double shape_factor(const MaterialScale& scale) {
+  return 1 / std::sqrt(scale.density * scale.size * scale.size * scale.size);
+}
 
 // Mode `m` of the bank under a scaled material; frequency_hz is 0 when it has become over-damped. The bank's decay is
 // split into beta lambda / 2 (beta from its material, 0 without one) and the rest, which scales like alpha.
@@ -27,13 +39,26 @@ inline DampedMode rescale(const Bank& bank, std::size_t m, const MaterialScale& 
   const double beta = bank.material ? bank.material->damping.beta_s : 0.0;
   const double stiffness_part = std::min(0.5 * beta * lambda, baked.decay_per_s);
   const double mass_part = baked.decay_per_s - stiffness_part;
-  const double factor = scale.stiffness / scale.density;
+  const double factor = lambda_factor(scale);
   const double decay = scale.alpha * mass_part + scale.beta * factor * stiffness_part;
   const double omega_squared = factor * lambda - decay * decay;
   return {omega_squared > 0 ? rad_per_s_to_hz(std::sqrt(omega_squared)) : 0.0, decay};
 }
 
-// What mass-normalised shapes are multiplied by.
-inline double shape_factor(const MaterialScale& scale) { return 1 / std::sqrt(scale.density); }
+// Mass, centre and inertia of the scaled body.
+inline MassProperties rescale(const MassProperties& mass, const MaterialScale& scale) {
+  const double area = scale.size * scale.size, factor = scale.density * scale.size * area;
+  MassProperties scaled = mass;
+  scaled.mass_kg = factor * mass.mass_kg;
+  scaled.center_of_mass_m = scale.size * mass.center_of_mass_m;
+  scaled.inertia_kg_m2 = (factor * area) * mass.inertia_kg_m2;
+  return scaled;
+}
+
+// A sample point of the scaled body.
+inline Vec3f rescale(const Vec3f& point, const MaterialScale& scale) {
+  const auto times = [&](float x) { return static_cast<float>(scale.size * static_cast<double>(x)); };
+  return {times(point[0]), times(point[1]), times(point[2])};
+}
 
 }  // namespace ringdown::modal

@@ -102,6 +102,7 @@ Result<void> check(const ObjectDescription& object) {
       .number("material.beta", material.beta, range::kDampingScale)
       .number("material.density", material.density, range::kMaterialScale)
       .number("material.stiffness", material.stiffness, range::kMaterialScale)
+      .number("material.size", material.size, range::kSizeScale)
       .result();
 }
 

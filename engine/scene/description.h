@@ -38,7 +38,8 @@ inline constexpr Range kRestDamping_s_m{0, 1000};
 inline constexpr Range kGain{0, 1000};
 inline constexpr Range kPan{-1, 1};
 inline constexpr Range kMaterialScale{1e-3, 1e3};  // density, stiffness
-inline constexpr Range kDampingScale{0, 1e3};      // alpha, beta
+inline constexpr Range kSizeScale{1e-2, 1e2};
+inline constexpr Range kDampingScale{0, 1e3};  // alpha, beta
 inline constexpr Range kDensity_kg_m3{0.1, 1e5};
 inline constexpr Range kSize_m{1e-4, 1000};
 inline constexpr Range kMass_kg{1e-7, 1e7};
@@ -102,7 +103,7 @@ struct ObjectDescription {
   std::string group;              // empty: in none
   double gain = 1;                // linear
   double pan = 0;                 // -1 left ... +1 right
-  modal::MaterialScale material;  // the mixer rescales the modes; a World scales the mass by `density`
+  modal::MaterialScale material;  // the mixer rescales the modes; a World scales mass and geometry
 };
 
 struct BodyDescription {

@@ -107,6 +107,7 @@ class SceneReader {
     table.number("beta", object.material.beta, range::kDampingScale);
     table.number("density", object.material.density, range::kMaterialScale);
     table.number("stiffness", object.material.stiffness, range::kMaterialScale);
+    table.number("size", object.material.size, range::kSizeScale);
   }
 
   std::filesystem::path find_bank(const std::string& bank, TomlTable& table) {

@@ -149,6 +149,25 @@ Result<CollisionShape> shape_of(const Shape& shape, const modal::Bank* bank, con
   return out;
 }
 
+Result<Solid> solid_of(const BodyDescription& body, const modal::Bank* bank, double density_scale) {
+  const Result<Extent> extent = extent_of(body.shape, bank);
+  if (!extent) return fail(extent.error());
+  Result<RigidMass> mass = mass_of(body, bank, density_scale, *extent);
+  if (!mass) return fail(mass.error());
+  Result<CollisionShape> shape = shape_of(body.shape, bank, *extent, mass->center_m);
+  if (!shape) return fail(shape.error());
+  return Solid{*mass, std::move(*shape)};
+}
+
+// What a scaled bank's body needs of it.
+modal::Bank body_of(const modal::Bank& bank, const modal::MaterialScale& scale) {
+  modal::Bank scaled;
+  for (const modal::Vec3f& point : bank.positions) scaled.positions.push_back(modal::rescale(point, scale));
+  scaled.triangles = bank.triangles;
+  if (bank.mass) scaled.mass = modal::rescale(*bank.mass, scale);
+  return scaled;
+}
+
 }  // namespace
 
 Matrix3 inertia_tensor(const modal::MassProperties& mass) {
@@ -164,14 +183,10 @@ Matrix3 inertia_tensor(const modal::MassProperties& mass) {
   return tensor;
 }
 
-Result<Solid> make_solid(const BodyDescription& body, const modal::Bank* bank, double density_scale) {
-  const Result<Extent> extent = extent_of(body.shape, bank);
-  if (!extent) return fail(extent.error());
-  Result<RigidMass> mass = mass_of(body, bank, density_scale, *extent);
-  if (!mass) return fail(mass.error());
-  Result<CollisionShape> shape = shape_of(body.shape, bank, *extent, mass->center_m);
-  if (!shape) return fail(shape.error());
-  return Solid{*mass, std::move(*shape)};
+Result<Solid> make_solid(const BodyDescription& body, const modal::Bank* bank, const modal::MaterialScale& scale) {
+  if (bank == nullptr || scale.size == 1) return solid_of(body, bank, scale.density);
+  const modal::Bank scaled = body_of(*bank, scale);
+  return solid_of(body, &scaled, 1);
 }
 
 }  // namespace ringdown::scene

@@ -3,6 +3,7 @@
 
 #include "engine/base/result.h"
 #include "engine/modal/bank.h"
+#include "engine/modal/material_scale.h"
 #include "engine/scene/description.h"
 #include "engine/scene/rotation.h"
 
@@ -33,10 +34,10 @@ struct Solid {
   CollisionShape shape;
 };
 
-// Mass and inertia from the bank's massProperties times `density_scale`, or from the body's own density and size;
-// sizes left at 0 from the bank's surface. `bank` is null for a silent body. A fixed body needs no mass.
+// Mass and inertia from the bank's massProperties, its material and size scaled, or from the body's own density and
+// size; sizes left at 0 from the bank's surface, scaled. `bank` is null for a silent body. A fixed body needs no mass.
 // Everything a physics engine could choke on is refused here: a missing or degenerate mass, no surface, no size.
-Result<Solid> make_solid(const BodyDescription& body, const modal::Bank* bank, double density_scale);
+Result<Solid> make_solid(const BodyDescription& body, const modal::Bank* bank, const modal::MaterialScale& scale = {});
 
 // I = R diag(principal moments) R^T, R from the orientation quaternion.
 Matrix3 inertia_tensor(const modal::MassProperties& mass);

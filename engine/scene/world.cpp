@@ -146,8 +146,7 @@ Result<BodyId> World::Impl::add(BodyDescription description, bool spawned) {
   if (!description.object.empty() && !object) {
     return fail(who + "no object " + protocol::quoted(description.object) + " is loaded");
   }
-  Result<Solid> solid =
-      make_solid(description, object ? object->bank.get() : nullptr, scale_of(description.object).density);
+  Result<Solid> solid = make_solid(description, object ? object->bank.get() : nullptr, scale_of(description.object));
   if (!solid) return fail(who + solid.error().message);
   description.position_m = description.position_m + description.scatter_m * random.next_vec3();
   const BodyId id = next_id++;
@@ -365,7 +364,7 @@ Result<void> World::set_object(const SoundingObject& object) {
   std::map<BodyId, Solid> rebuilt;
   for (const auto& [id, body] : w.bodies) {
     if (body.description.object != object.name) continue;
-    Result<Solid> solid = make_solid(body.description, object.bank.get(), w.scale_of(object.name).density);
+    Result<Solid> solid = make_solid(body.description, object.bank.get(), w.scale_of(object.name));
     if (!solid) return fail("body " + protocol::quoted(body.description.name) + ": " + solid.error().message);
     rebuilt.emplace(id, std::move(*solid));
   }

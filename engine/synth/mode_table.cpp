@@ -31,17 +31,23 @@ modal::DampedMode touched(const modal::DampedMode& mode, double added_decay_per_
 
 std::optional<ClickShape> click_of(const modal::Bank& bank, const modal::MaterialScale& material) {
   if (!bank.mass || !(bank.mass->mass_kg > 0)) return {};
-  const double radius_m = radius_of(*bank.mass);
+  const double radius_m = material.size * radius_of(*bank.mass);
   if (!(radius_m > 0 && radius_m <= kLargestClick_m)) return {};
   return ClickShape{kSpeedOfSound_m_s / radius_m,
                     kOutputScale * bank.gain * modal::shape_factor(material) / std::sqrt(bank.mass->mass_kg)};
+}
+
+// Touches of an object of another size, where they lie on its bank.
+modal::Touches as_baked(modal::Touches touches, double size) {
+  for (auto& [number, touch] : touches) touch.point_m = (1 / size) * touch.point_m;
+  return touches;
 }
 
 // Those that take moments first, each kind by frequency.
 std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const modal::MaterialScale& material,
                                             const modal::Touches& touches, double sample_rate_hz) {
   const modal::Bank& bank = map.bank();
-  const std::vector<double> added = modal::added_decay(map, touches);
+  const std::vector<double> added = modal::added_decay(map, as_baked(touches, material.size));
   const double shape = modal::shape_factor(material);
   std::vector<PlayableMode> playable;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
@@ -67,6 +73,7 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
       material_(material),
       touches_(std::move(touches)),
       sample_rate_hz_(sample_rate_hz),
+      per_size_(1 / material.size),
       click_(click_of(bank(), material)),
       column_of_(bank().mode_count(), -1) {
   const std::vector<PlayableMode> playable = playable_modes_of(*map_, material, touches_, sample_rate_hz);
@@ -130,7 +137,7 @@ std::optional<double> ModeTable::strike(const protocol::Event& event, std::span<
     if (event.vertex >= bank().point_count()) return std::nullopt;
     map_->excite_vertex(event.vertex, event.impulse_ns, scratch);
   } else {
-    map_->excite(event.point_m, event.impulse_ns, scratch);
+    map_->excite(per_size_ * event.point_m, event.impulse_ns, scratch);
   }
   const std::uint32_t *mode = mode_of_.data(), *column = column_.data();
   const double *weight = weight_.data(), *frequency = frequency_hz_.data();

@@ -65,9 +65,9 @@ class ModeTable {
   [[nodiscard]] bool narrow(std::size_t group) const RINGDOWN_REALTIME { return narrow_.data()[group] != 0; }
   [[nodiscard]] float fall(std::size_t group) const RINGDOWN_REALTIME { return fall_.data()[group]; }
 
-  // The output amplitude that a strike (EventType::strike or strike_vertex) gives the mode of each column, and the sum
-  // of their squares; nullopt when the vertex does not exist. `scratch` has one element per mode of the bank,
-  // `amplitudes` one per column; its padding stays as it was. [audio]
+  // The output amplitude that a strike (EventType::strike, its point in the frame of the object in its size, or
+  // strike_vertex) gives the mode of each column, and the sum of their squares; nullopt when the vertex does not exist.
+  // `scratch` has one element per mode of the bank, `amplitudes` one per column; its padding stays as it was. [audio]
   [[nodiscard]] std::optional<double> strike(const protocol::Event& event, std::span<double> scratch,
                                              double* amplitudes) const RINGDOWN_REALTIME;
 
@@ -93,6 +93,7 @@ class ModeTable {
   modal::MaterialScale material_;
   modal::Touches touches_;
   double sample_rate_hz_;
+  double per_size_;  // from points of the object to those of its bank
   std::optional<ClickShape> click_;
   std::vector<std::uint32_t> mode_of_, column_;  // of playable mode i
   std::vector<std::int32_t> column_of_;          // of a mode of the bank; -1 where it is not playable

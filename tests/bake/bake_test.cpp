@@ -145,11 +145,11 @@ TEST(Bake, DropsWhatLiesBelowTheBandOrIsOverDamped) {
 
 TEST(Bake, BandTopIsWhereTheDampedFrequencyMeetsIt) {
   for (const modal::RayleighDamping damping : {modal::RayleighDamping{0, 0}, {100, 0}, {5, 3e-8}, {60, 2e-6}}) {
-    const double lambda = bake::highest_lambda_in_band(20000, damping);
+    const double lambda = modal::highest_lambda_in_band(20000, damping);
     EXPECT_NEAR(modal::damp(lambda, damping).frequency_hz, 20000, 1e-6);
   }
   const modal::RayleighDamping strong{0, 1e-4};  // no mode reaches 20 kHz; the highest pitch is at lambda = 2 / beta^2
-  EXPECT_NEAR(bake::highest_lambda_in_band(20000, strong), 2e8, 1);
+  EXPECT_NEAR(modal::highest_lambda_in_band(20000, strong), 2e8, 1);
 }
 
 TEST(Bake, IsTheSameFileEveryTime) {

@@ -79,6 +79,53 @@ TEST(MaterialFile, RefusesMistakesByLine) {
   }
 }
 
+const std::string kCurve = R"([[loss_factor]]
+frequency_hz = 100
+eta = 0.02
+source = "a paper"
+[[loss_factor]]
+frequency_hz = 1000
+eta = 0.01
+source = "a paper"
+)";
+
+std::string with_curve(const std::string& curve) { return kGood.substr(0, kGood.find("[alpha_per_s]")) + curve; }
+
+TEST(MaterialFile, FitsItsDampingToALossFactorAtSeveralFrequencies) {
+  const TemporaryFolder folder;
+  const auto entry = bake::read_material(folder.write("clay.toml", with_curve(kCurve)));
+  ASSERT_TRUE(entry) << entry.error().message;
+  ASSERT_EQ(entry->loss_factors.size(), 2u);
+  EXPECT_NEAR(modal::loss_factor(entry->material.damping, 100), 0.02, 1e-12);
+  EXPECT_NEAR(modal::loss_factor(entry->material.damping, 1000), 0.01, 1e-12);
+  EXPECT_EQ(entry->sources.at("beta_s"), entry->sources.at("alpha_per_s"));
+  EXPECT_EQ(entry->sources.at("beta_s"),
+            "fitted to the loss factor 0.02 at 100 Hz, 0.01 at 1000 Hz, which it misses by at most 0 %: a paper");
+}
+
+TEST(MaterialFile, RefusesALossFactorThatFixesNothing) {
+  const TemporaryFolder folder;
+  std::string many;
+  for (std::size_t i = 0; i < bake::kMostLossFactors; ++i) {
+    many += "[[loss_factor]]\nfrequency_hz = " + std::to_string(i + 1) + "\neta = 0.1\nsource = \"a\"\n";
+  }
+  EXPECT_TRUE(bake::read_material(folder.write("clay.toml", with_curve(many))));
+  const std::pair<std::string, const char*> mistakes[] = {
+      {kGood + kCurve, "not both"},
+      {with_curve(kCurve.substr(0, kCurve.find("[[", 2))), "two different frequencies"},
+      {with_curve(with(kCurve, "= 1000", "= 100")), "two different frequencies"},
+      {with_curve(with(kCurve, "eta = 0.02", "eta = 0")), "[[loss_factor]]: eta = 0 is outside"},
+      {with_curve(with(kCurve, "eta = 0.02\n", "")), "the key eta is missing"},
+      {with_curve(with(kCurve, "= 100\n", "= -1\n")), "frequency_hz = -1 is outside"},
+      {with_curve(many + kCurve), "at most 64 loss factors"},
+  };
+  for (const auto& [text, complaint] : mistakes) {
+    const auto entry = bake::read_material(folder.write("clay.toml", text));
+    ASSERT_FALSE(entry) << complaint;
+    EXPECT_NE(entry.error().message.find(complaint), std::string::npos) << entry.error().message;
+  }
+}
+
 TEST(MaterialFile, AnUnknownNameListsTheKnownOnes) {
   const auto entry = bake::find_material(kPresets / "materials", "kryptonite");
   ASSERT_FALSE(entry);
@@ -93,6 +140,7 @@ TEST(ObjectFile, RefusesMistakesByLine) {
   ASSERT_TRUE(bake::read_object(folder.write("a.toml", good)));
   ASSERT_TRUE(bake::read_object(folder.write("a.toml", good + "gain_db = -60\n")));
   ASSERT_TRUE(bake::read_object(folder.write("a.toml", good + "gain_db = 60\n")));
+  EXPECT_EQ(bake::read_object(folder.write("a.toml", good + "scale = 1000\n"))->scale, 1000);
   EXPECT_DOUBLE_EQ(bake::read_object(folder.write("a.toml", good + "error = \"0.1%\"\n"))->error, 1e-3);
   EXPECT_DOUBLE_EQ(bake::read_object(folder.write("a.toml", good + "error = 0.002\n"))->error, 2e-3);
   const std::pair<const char*, const char*> mistakes[] = {
@@ -104,11 +152,14 @@ TEST(ObjectFile, RefusesMistakesByLine) {
       {"band_hz = [20]", ":3: band_hz must be two frequencies"},
       {"band_hz = [\"low\", \"high\"]", ":3: band_hz must be a list of finite numbers"},
       {"unit_m = 0", ":3: unit_m = 0 is outside"},
+      {"scale = 1001", ":3: scale = 1001 is outside 0.001 ... 1000"},
+      {"scale = 0.0009", ":3: scale = 0.0009 is outside 0.001 ... 1000"},
       {"mesh_size_m = -1", ":3: mesh_size_m = -1 is outside"},
       {"error = \"small\"", ":3: error must be a number or a percentage"},
       {"error = true", ":3: error must be a number or a percentage"},
       {"error = \"60%\"", ":3: error = 0.6 is outside"},
       {"error = 0", ":3: error = 0 is outside"},
+      {"budget_s = 0", ":3: budget_s = 0 is outside 0.001 ... 1e+06"},
       {"gain_db = 60.1", ":3: gain_db = 60.1 is outside -60 ... 60"},
       {"gain_db = -61", ":3: gain_db = -61 is outside -60 ... 60"},
       {"gain_db = nan", ":3: gain_db = nan is outside -60 ... 60"},

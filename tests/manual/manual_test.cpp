@@ -49,10 +49,10 @@ struct Place {
   }
 };
 
-const std::vector<Place> kPlaces = {{"ringdownd", ""},        {"ringdown", ""},       {"ringdown", "info"},
-                                    {"ringdown", "render"},   {"ringdown", "strike"}, {"ringdown", "send"},
-                                    {"ringdown", "protocol"}, {"ringdown-bake", ""},
-                                    {"ringdown-check", "mesh"}};
+const std::vector<Place> kPlaces = {{"ringdownd", ""},         {"ringdown", ""},        {"ringdown", "info"},
+                                    {"ringdown", "materials"}, {"ringdown", "scale"},   {"ringdown", "render"},
+                                    {"ringdown", "strike"},    {"ringdown", "send"},    {"ringdown", "protocol"},
+                                    {"ringdown-bake", ""},     {"ringdown-check", "mesh"}};
 
 std::string man_text(const std::string& name) { return run({"groff", "-man", "-Tascii", "-P-cbou", man(name)}).output; }
 
@@ -96,6 +96,7 @@ TEST(Manual, BashOffersValuesVerbsAndFiles) {
   EXPECT_EQ(offers("ringdownd --driver n"), Words{"null"});
   EXPECT_EQ(offers("ringdownd --driver = w"), Words{"wav"});
   EXPECT_EQ(offers("ringdown-bake --solver sp"), Words{"spectra"});
+  EXPECT_EQ(offers("ringdown-bake --jo"), Words{"--jobs"});
   EXPECT_EQ(offers("ringdown re"), Words{"render"});
   EXPECT_EQ(offers("ringdown render --sc"), Words{"--scene"});
   EXPECT_EQ(offers("ringdown render --scene " RINGDOWN_SOURCE_DIR "/READ"), Words{RINGDOWN_SOURCE_DIR "/README.md"});

@@ -175,5 +175,25 @@ TEST(BankFile, WithoutTrianglesShowsPoints) {
   EXPECT_FALSE(parts.model().contains("indices"));
 }
 
+// Whatever single byte is changed, in the JSON text or in the numbers.
+TEST(BankFile, TheSealShowsAnyChange) {
+  const ringdown::test::TemporaryFolder folder;
+  const std::string hash(32, 'a');
+  const Bank bank = bar_bank(3);
+  ASSERT_TRUE(write_bank(bank, folder / "sealed.glb", hash));
+  const std::string whole = file_content(folder / "sealed.glb");
+  EXPECT_EQ(sealed_input_hash(folder / "sealed.glb"), hash);
+  ASSERT_TRUE(parse(whole));
+  expect_same(*parse(whole), *parse(written(bank)));
+  for (std::size_t at = 0; at < whole.size(); at += 7) {
+    std::string changed = whole;
+    changed[at] = static_cast<char>(changed[at] ^ 1);
+    ASSERT_FALSE(sealed_input_hash(folder.write("changed.glb", changed))) << at;
+  }
+  EXPECT_FALSE(sealed_input_hash(folder.write("short.glb", whole.substr(0, whole.size() - 1))));
+  EXPECT_FALSE(sealed_input_hash(folder.write("plain.glb", written(bank)))) << "it has none";
+  EXPECT_FALSE(sealed_input_hash(folder / "none.glb"));
+}
+
 }  // namespace
 }  // namespace ringdown::modal::test

@@ -121,13 +121,18 @@ Cases material_cases() {
   return {{{a, {1, 2, 3, 4}, claim<SetMaterial>([](const SetMaterial& s) {
               return s.scale == modal::MaterialScale{1, 2, 3, 4};
             })},
-           {a, {0, 0, 0.001, 1000}, is_a<SetMaterial>()}},
+           {a, {1, 2, 3, 4, 0.5}, claim<SetMaterial>([](const SetMaterial& s) {
+              return s.scale == modal::MaterialScale{1, 2, 3, 4, 0.5};
+            })},
+           {a, {0, 0, 0.001, 1000, 100}, is_a<SetMaterial>()}},
           {{"/object/b%/material", {1, 1, 1, 1}, "object"},
            {a, {-1, 1, 1, 1}, "alpha"},
            {a, {1, 1001, 1, 1}, "beta"},
            {a, {1, 1, 0, 1}, "density"},
            {a, {1, 1, 1, 0}, "stiffness"},
-           {a, {1, 1, 1}, "stiffness"}}};
+           {a, {1, 1, 1}, "stiffness"},
+           {a, {1, 1, 1, 1, 0.009}, "size"},
+           {a, {1, 1, 1, 1, 101}, "size"}}};
 }
 
 Cases group_cases() {

@@ -56,7 +56,7 @@ name = "bell"
 bank = "bell.glb"
 gain = 0.5
 pan = -0.25
-material = { alpha = 2, beta = 0, density = 1.5, stiffness = 3 }
+material = { alpha = 2, beta = 0, density = 1.5, stiffness = 3, size = 0.5 }
 [[object]]
 name = "bowl"
 bank = "banks/bowl.glb"
@@ -111,7 +111,7 @@ density_kg_m3 = 7800
   EXPECT_EQ(scene->objects[0].bank, folder_ / "bell.glb");
   EXPECT_EQ(scene->objects[0].gain, 0.5);
   EXPECT_EQ(scene->objects[0].pan, -0.25);
-  EXPECT_EQ(scene->objects[0].material, (modal::MaterialScale{2, 0, 1.5, 3}));
+  EXPECT_EQ(scene->objects[0].material, (modal::MaterialScale{2, 0, 1.5, 3, 0.5}));
   EXPECT_EQ(scene->objects[1].bank, folder_ / "presets/banks/bowl.glb");
   ASSERT_EQ(scene->statics.size(), 2u);
   EXPECT_EQ(scene->statics[0].normal, (Vec3{1, 0, 0}));

@@ -34,30 +34,49 @@ TEST(Inertia, AnEighthTurnCouplesTheAxes) {
 
 TEST(Solid, TakesMassAndSizeFromTheBank) {
   const modal::Bank bank = test::box_bank(kSize, 6, kCenter);
-  const auto solid = make_solid(test::body_of("a", ShapeType::box, {}), &bank, 2);
+  const auto solid = make_solid(test::body_of("a", ShapeType::box, {}), &bank, {.density = 2});
   ASSERT_TRUE(solid) << solid.error().message;
   EXPECT_DOUBLE_EQ(solid->mass.mass_kg, 12) << "the density scale";
   EXPECT_NEAR(solid->shape.size_m.y, 0.2, 1e-6);
   EXPECT_NEAR(length(solid->shape.center_m), 0, 1e-6) << "relative to the centre of mass";
-  const auto sphere = make_solid(test::body_of("a", ShapeType::sphere, {}), &bank, 1);
+  const auto sphere = make_solid(test::body_of("a", ShapeType::sphere, {}), &bank);
   ASSERT_TRUE(sphere);
   EXPECT_NEAR(sphere->shape.radius_m, 0.5 * length(kSize), 1e-6);
-  const auto convex = make_solid(test::body_of("a", ShapeType::convex, {}), &bank, 1);
+  const auto convex = make_solid(test::body_of("a", ShapeType::convex, {}), &bank);
   ASSERT_TRUE(convex);
   EXPECT_EQ(convex->shape.points.size(), 8u);
+}
+
+TEST(Solid, OfTwiceTheSizeIsTheSolidOfABankOfThatSize) {
+  const modal::Bank bank = test::box_bank(kSize, 6, kCenter), large = test::box_bank(2 * kSize, 48, 2 * kCenter);
+  for (const ShapeType type : {ShapeType::box, ShapeType::sphere, ShapeType::convex}) {
+    const BodyDescription body = test::body_of("a", type, {});
+    const auto scaled = make_solid(body, &bank, {.density = 3, .size = 2}), baked = make_solid(body, &large);
+    ASSERT_TRUE(scaled && baked);
+    EXPECT_NEAR(scaled->mass.mass_kg, 3 * baked->mass.mass_kg, 1e-9);
+    EXPECT_NEAR(length(scaled->mass.center_m - baked->mass.center_m), 0, 1e-6);
+    EXPECT_NEAR(length(scaled->shape.center_m - baked->shape.center_m), 0, 1e-6);
+    EXPECT_NEAR(length(scaled->shape.size_m - baked->shape.size_m), 0, 1e-6);
+    EXPECT_NEAR(scaled->shape.radius_m, baked->shape.radius_m, 1e-6);
+    EXPECT_EQ(scaled->shape.points.size(), baked->shape.points.size());
+  }
+  const auto tensor = [&](double size) {
+    return make_solid(test::body_of("a", ShapeType::box, {}), &bank, {.size = size})->mass.inertia_kg_m2;
+  };
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(tensor(2)[i][i], 32 * tensor(1)[i][i], 1e-9);
 }
 
 TEST(Solid, OwnDensityBeatsTheBank) {
   BodyDescription body = test::body_of("a", ShapeType::box, {});
   body.density_kg_m3 = 500;
   const modal::Bank bank = test::box_bank(kSize, 6);
-  const auto solid = make_solid(body, &bank, 1);
+  const auto solid = make_solid(body, &bank);
   ASSERT_TRUE(solid);
   EXPECT_NEAR(solid->mass.mass_kg, 500 * 0.006, 1e-6);
 }
 
 void expect_refused(const BodyDescription& body, const modal::Bank* bank, const std::string& word) {
-  const auto solid = make_solid(body, bank, 1);
+  const auto solid = make_solid(body, bank);
   ASSERT_FALSE(solid) << word;
   EXPECT_NE(solid.error().message.find(word), std::string::npos) << solid.error().message;
 }

@@ -74,6 +74,15 @@ TEST_F(SessionTest, AMaterialScaleRetunesWhatRingsByTheRootOfStiffnessOverDensit
   EXPECT_NEAR(test::fit_damped_sinusoid(render(9600), 48000).frequency_hz, 440 * 1.5, 0.1);
 }
 
+TEST_F(SessionTest, TwiceTheSizeIsAnOctaveDown) {
+  ASSERT_TRUE(session_.perform(protocol::LoadObject{"x", bank("a.glb")}, 0));
+  ASSERT_TRUE(strike({.name = "x"}));
+  render(4800);
+  ASSERT_TRUE(session_.perform(protocol::SetMaterial{{.name = "x"}, {1, 1, 1, 1, 2}}, 0));
+  render(64);
+  EXPECT_NEAR(test::fit_damped_sinusoid(render(9600), 48000).frequency_hz, 220, 0.1);
+}
+
 TEST_F(SessionTest, AFreedNumberIsUsedAgainOnlyOnceItIsSilent) {
   const auto first = session_.perform(protocol::LoadObject{"a", bank("a.glb")}, 0);
   ASSERT_TRUE(strike({.name = "a"}));

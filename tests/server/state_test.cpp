@@ -63,7 +63,7 @@ position_m = [0, 0, 1]
   perform(protocol::SceneLoad{(folder_ / "fall.toml").string()});
   perform(protocol::ScenePause{true});
   perform(protocol::LoadObject{"plain", bank_.string()});
-  perform(protocol::SetMaterial{{.name = "bell"}, {1, 0.1, 2, 1.0 / 3}});
+  perform(protocol::SetMaterial{{.name = "bell"}, {1, 0.1, 2, 1.0 / 3, 0.7}});
   perform(protocol::SetGroup{{.name = "bell"}, "metal"});
   perform(protocol::Hold{{.name = "bell"}, {{0.1, 0, 0}, {0, 0, 1}, 5}, 3});
   perform(protocol::Hold{{.name = "bell"}, {{0.2, 0, 0}, {}, 7}, protocol::kFirstSceneTouch});  // as the scene's own
@@ -83,7 +83,7 @@ position_m = [0, 0, 1]
   ASSERT_TRUE(bell);
   EXPECT_EQ(*bell->bank, folder_ / "b.glb");
   EXPECT_EQ(bell->group, "metal");
-  EXPECT_EQ(bell->material, (modal::MaterialScale{1, 0.1, 2, 1.0 / 3}));
+  EXPECT_EQ(bell->material, (modal::MaterialScale{1, 0.1, 2, 1.0 / 3, 0.7}));
   EXPECT_EQ(bell->touches, (modal::Touches{{3, {{0.1, 0, 0}, {0, 0, 1}, 5}}}));
   EXPECT_EQ(other.recorder.level(bell->number).gain, 0.7);
   EXPECT_EQ(other.recorder.level(bell->number).pan, -0.3);
@@ -151,6 +151,7 @@ TEST_F(StateTest, AWrongFileIsRefusedWithItsLine) {
           "[[object]]\nname = 'a'\nbank = 'b'\n[[object.touch]]\npoint_m = [0, 0, 0]\ndamping_ns_m = 1\nnumber = 8\n")
           .find("number"),
       std::string::npos);
+  EXPECT_NE(refusal("[[object]]\nname = 'a'\nbank = 'b'\nmaterial = { size = 101 }\n").find("size"), std::string::npos);
   EXPECT_NE(refusal("[[object]]\nname = 'a'\nbank = 'b'\nmaterial = { stiffness = 0 }\n").find("stiffness"),
             std::string::npos);
   EXPECT_NE(refusal("[[object]]\nname = 'a'\nbank = 'b'\ncolour = 'red'\n").find("colour"), std::string::npos);

@@ -22,7 +22,7 @@ struct Mode {
 
 // q'' + 2 d q' + lambda q = 0 with d = (alpha + beta lambda) / 2 rings at sqrt(lambda - d^2) where that is real. Where
 // stiffness damping is so strong that d > 1 / beta, pitch falls with lambda and a cycle loses 55 dB or more: such modes
-// are not in a bank (bake::highest_lambda_in_band).
+// are not in a bank (modal::highest_lambda_in_band).
 std::vector<Mode> ringing(const std::vector<double>& undamped_hz, modal::RayleighDamping damping) {
   std::vector<Mode> modes;
   for (const double hertz : undamped_hz) {

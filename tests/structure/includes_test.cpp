@@ -42,8 +42,8 @@ const std::vector<FolderRule> kFolderRules = {
      {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/bake/", "protocol/", "manual/",
       "clients/cli/"}},
     {"clients/",
-     {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "manual/", "server/",
-      "clients/"}},
+     {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "engine/bake/material_", "protocol/",
+      "manual/", "server/", "clients/"}},
 };
 
 // A third-party header whose name begins with `header` may be included by files whose path begins with one of
@@ -184,6 +184,7 @@ TEST(Structure, RefusesWhatItShould) {
   EXPECT_FALSE(is_allowed({"engine/synth/voice.h", 1, "protocol/schema.h", true}));
   EXPECT_FALSE(is_allowed({"server/main.cpp", 1, "engine/bake/bake.h", true}));
   EXPECT_FALSE(is_allowed({"engine/modal/bank.h", 1, "tests/support/signal.h", true}));
+  EXPECT_FALSE(is_allowed({"clients/cli/main.cpp", 1, "engine/bake/bake.h", true}));
   EXPECT_TRUE(is_allowed({"engine/synth/mixer.h", 1, "protocol/event.h", true}));
 }
 

@@ -11,14 +11,17 @@ namespace {
 
 using protocol::ExitCode;
 
-constexpr timespec kPoll = {0, 50'000'000};  // 50 ms
-constexpr int kPatience = 20;                // polls after the signal
+constexpr std::chrono::milliseconds kPoll{50};
 
-bool signal_arrived(const sigset_t& signals) { return sigtimedwait(&signals, nullptr, &kPoll) > 0; }
+bool signal_arrived(const sigset_t& signals) {
+  const timespec poll = {0, std::chrono::nanoseconds(kPoll).count()};
+  return sigtimedwait(&signals, nullptr, &poll) > 0;
+}
 
 }  // namespace
 
-protocol::ExitCode run_cancellable(const std::function<protocol::ExitCode(std::stop_token)>& work) {
+protocol::ExitCode run_cancellable(const std::function<protocol::ExitCode(std::stop_token)>& work,
+                                   std::chrono::milliseconds patience) {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
@@ -32,13 +35,13 @@ protocol::ExitCode run_cancellable(const std::function<protocol::ExitCode(std::s
     done = true;
   });
   bool cancelled = false;
-  for (int patience = kPatience; !done;) {
+  for (auto polls = patience / kPoll; !done;) {
     if (signal_arrived(signals)) {
       cancelled = true;
       worker.request_stop();
     }
-    if (cancelled && !done && --patience == 0) {
-      static constexpr char kMessage[] = "\ncancelled; nothing was written\n";
+    if (cancelled && !done && --polls == 0) {
+      static constexpr char kMessage[] = "\ncancelled; no bank was left half-written\n";
       [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
       ::_exit(static_cast<int>(ExitCode::cancelled));
     }

@@ -1,12 +1,13 @@
 // ringdown-bake: shapes and materials to banks. `ringdown bake ...` runs this program.
 //
 // Exit codes (protocol/exit_codes.h): ok; usage; bad_input when an object cannot be baked; failure when a bank cannot
-// be written; cancelled. One sentence on stderr says why. With --all the others are baked all the same.
+// be written; cancelled. One sentence on stderr says why. Of a folder the others are baked all the same.
 #include "clients/cli/bake/body_lines.h"
 #include "clients/cli/bake/cancellable.h"
+#include "clients/cli/bake/folder_command.h"
 #include "clients/cli/bake/length_unit.h"
 #include "clients/cli/bake/progress_line.h"
-#include "engine/bake/material_page.h"
+#include "engine/bake/input_hash.h"
 #include "engine/bake/object_file.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/fraction.h"
@@ -18,6 +19,7 @@
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
+#include <new>
 #include <unistd.h>
 
 namespace {
@@ -29,26 +31,35 @@ using protocol::ExitCode;
 
 // What the command line says; an option that is not given leaves the object file's or the default value.
 struct Arguments {
-  fs::path input, output, all, materials;
+  fs::path input, output, materials;
   std::optional<std::string> material, name, element, error, solver, unit;
-  std::optional<double> mesh_size_m;
+  std::optional<double> mesh_size_m, scale;
   std::optional<std::size_t> points;
   std::optional<int> keep;
   std::optional<double> floor_db;
   std::optional<int> processes;
   std::vector<double> band_hz;
-  std::map<std::string, double> parameters;
-  bool list_materials = false, progress = false, quiet = false, no_cache = false, preview = false;
+  std::map<std::string, double> parameters, figures;
+  std::vector<std::string> shaping;  // the options among these that can change a bank, as they were given
+  cli::FolderBake folder;
+  bool update = false, progress_lines = false;
+  bool progress = false, quiet = false, no_cache = false, preview = false;
 };
 
-void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& settings) {
+// NAME=NUMBER as given.
+struct Settings {
+  std::vector<std::string> parameters, figures;
+};
+
+void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("input", arguments.input,
-                 "an object (.toml), a surface (.stl .obj .ply .glb), a geometry (.geo .step .brep) or a mesh (.msh .vtk ...)")
+                 "an object (.toml), a surface (.stl .obj .ply .glb), a geometry (.geo .step .brep), a mesh (.msh .vtk "
+                 "...), or a folder of them")
       ->type_name("FILE");
-  app.add_option("-o,--output", arguments.output, "the bank to write (.glb); with --all, the folder")
+  app.add_option("-o,--output", arguments.output, "the bank to write (.glb); of a folder, where to (default: beside)")
       ->type_name("FILE");
-  app.add_option("--all", arguments.all, "bake every .toml of this folder instead of one input")->type_name("FOLDER");
-  app.add_option("-m,--material", arguments.material, "name of a material; an object file has one already");
+  app.add_option("-m,--material", arguments.material,
+                 "name of a material; an object file has one already, and keeps it when a folder is baked");
   app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')")
       ->type_name("FOLDER");
   app.add_option("--name", arguments.name, "name kept in the bank (default: the input's)");
@@ -58,8 +69,12 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
   app.add_option("--mesh-size", arguments.mesh_size_m,
                  "longest edge in metres, when a surface or a geometry is meshed (default: by the band)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--set", settings, "a parameter of a .geo file, in its unit")->type_name("NAME=NUMBER");
+  app.add_option("--set", settings.parameters, "a parameter of a .geo file, in its unit")->type_name("NAME=NUMBER");
   app.add_option("--unit", arguments.unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
+  app.add_option("--scale", arguments.scale, "how many times as large as its geometry; the mesh stays the same")
+      ->check(CLI::Range(bake::kScale.low, bake::kScale.high));
+  app.add_option("--set-material", settings.figures, "a figure of the material, e.g. poisson_ratio=0.31")
+      ->type_name("NAME=NUMBER");
   app.add_option("--points", arguments.points, "surface points in the bank (default 200)")
       ->check(CLI::Range(4, 1 << 20));
   app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")->expected(2);
@@ -84,20 +99,21 @@ void add_options(CLI::App& app, Arguments& arguments, std::vector<std::string>& 
                  "auto (default), block, spectra, dense, or slepc: over MPI, for meshes that outgrow one machine")
       ->type_name("auto|block|spectra|dense|slepc");
   app.add_option("--processes", arguments.processes, "of --solver slepc (default 2)")->check(CLI::Range(1, 4096));
-  app.add_flag("--list-materials", arguments.list_materials,
-               "print the materials with their sources as Markdown, and bake nothing");
+  cli::add_folder_options(app, arguments.folder, arguments.update, arguments.progress_lines);
   app.add_flag("--progress", arguments.progress, "show progress even when stderr is not a terminal");
   app.add_flag("-q,--quiet", arguments.quiet, "print nothing but errors");
   app.footer(protocol::exit_code_help());
 }
 
-Result<void> read_settings(const std::vector<std::string>& settings, std::map<std::string, double>& parameters) {
+Result<void> read_settings(const char* option, const std::vector<std::string>& settings,
+                           std::map<std::string, double>& parameters) {
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
     const std::string text = equals == std::string::npos ? "" : setting.substr(equals + 1);
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
-    if (equals == 0 || text.empty() || *end != '\0') return fail("--set wants NAME=NUMBER, not '" + setting + "'");
+    if (equals == 0 || text.empty() || *end != '\0')
+      return fail(std::string(option) + " wants NAME=NUMBER, not '" + setting + "'");
     parameters[setting.substr(0, equals)] = value;
   }
   return {};
@@ -130,6 +146,8 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   if (arguments.processes) recipe.options.processes = *arguments.processes;
   if (arguments.mesh_size_m) recipe.meshing.mesh_size_m = *arguments.mesh_size_m;
   if (arguments.unit) recipe.meshing.unit_m = cli::parse_unit(*arguments.unit);
+  if (arguments.scale) recipe.scale = *arguments.scale;
+  recipe.figures = arguments.figures;
   if (arguments.points) recipe.options.most_points = *arguments.points;
   if (arguments.keep) recipe.options.keep_modes = *arguments.keep;
   if (arguments.floor_db) recipe.options.floor_db = *arguments.floor_db;
@@ -203,11 +221,26 @@ ExitCode complain(const std::string& message, ExitCode code) {
   return code;
 }
 
+cli::ProgressLine::Style progress_style(const Arguments& arguments) {
+  using Style = cli::ProgressLine::Style;
+  if (arguments.progress_lines) return Style::lines;
+  return !arguments.quiet && (arguments.progress || ::isatty(STDERR_FILENO)) ? Style::bar : Style::none;
+}
+
 ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments& arguments,
                   const std::stop_token& stop) {
   const Result<bake::ObjectRecipe> recipe = recipe_for(input, arguments);
   if (!recipe) return complain(recipe.error().message, ExitCode::bad_input);
-  cli::ProgressLine line(recipe->name, !arguments.quiet && (arguments.progress || ::isatty(STDERR_FILENO)));
+  const std::string hash = bake::input_hash({.object = input,
+                                             .geometry = recipe->geometry,
+                                             .material = arguments.materials / (recipe->material + ".toml"),
+                                             .options = arguments.shaping})
+                               .value_or("");
+  if (arguments.update && !hash.empty() && modal::sealed_input_hash(output) == hash) {
+    if (!arguments.quiet) std::printf("%s: unchanged\n", recipe->name.c_str());
+    return ExitCode::ok;
+  }
+  cli::ProgressLine line(recipe->name, progress_style(arguments));
   const Result<bake::BakedObject> object =
       bake::bake_object(*recipe, arguments.materials, [&](std::string_view stage, double fraction) {
         line.show(stage, fraction);
@@ -216,33 +249,21 @@ ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments
   line.clear();
   if (stop.stop_requested()) return complain("cancelled; " + output.string() + " was not written", ExitCode::cancelled);
   if (!object) return complain(object.error().message, ExitCode::bad_input);
-  if (auto written = modal::write_bank(object->baked.bank, output); !written) {
+  if (auto written = modal::write_bank(object->baked.bank, output, hash); !written) {
     return complain(written.error().message, ExitCode::failure);
   }
   if (!arguments.quiet) print_summary(*recipe, *object, output);
   return ExitCode::ok;
 }
 
-ExitCode bake_folder(const Arguments& arguments, const std::stop_token& stop) {
-  const std::vector<std::string> names = bake::names_in(arguments.all);
-  if (names.empty()) return complain("there are no objects in " + arguments.all.string(), ExitCode::bad_input);
-  std::error_code error;
-  fs::create_directories(arguments.output, error);
-  ExitCode worst = ExitCode::ok;
-  for (const std::string& name : names) {
-    const fs::path input = arguments.all / (name + ".toml"), output = arguments.output / (name + ".glb");
-    const ExitCode code = bake_one(input, output, arguments, stop);
-    if (code == ExitCode::cancelled) return code;
-    if (code != ExitCode::ok) worst = code;
-  }
-  return worst;
-}
-
-ExitCode list_materials(const fs::path& folder) {
-  const Result<std::string> page = bake::materials_as_markdown(folder);
-  if (!page) return complain(page.error().message, ExitCode::bad_input);
-  const bool written = std::fputs(page->c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
-  return written ? ExitCode::ok : complain("cannot write to the standard output", ExitCode::failure);
+ExitCode bake_folder(const CLI::App& app, const Arguments& arguments) {
+  cli::FolderBake request = arguments.folder;
+  request.output = arguments.output;
+  request.materials = arguments.materials;
+  request.material = arguments.material;
+  request.quiet = arguments.quiet;
+  request.progress = arguments.progress;
+  return cli::run_folder_bake(app, std::move(request));
 }
 
 ExitCode usage_error(const std::string& message) {
@@ -254,9 +275,11 @@ const std::vector<manual::Section> kSections = {
     {"FILES", {{"$XDG_CACHE_HOME/ringdown", "What earlier bakes found, so that no mesh is solved twice."}}},
     {"ENVIRONMENT",
      {{"RINGDOWN_CACHE", "Another folder for that."},
+      {"RINGDOWN_THREADS", "How many threads it may use (default: as many as there are processors)."},
       {"RINGDOWN_PRESETS", "Folder of the presets, where it is not share/ringdown/presets beside bin."}}},
     {"EXAMPLES",
      {{"ringdown-bake bell.toml -o bell.glb", "An object file names its shape and its material."},
+      {"ringdown-bake objects -o banks --jobs 4", "What has changed of a folder, four at a time."},
       {"ringdown-bake cup.stl --unit mm --material steel -o cup.glb", "A surface of your own, in millimetres."}}},
     {"SEE ALSO", {{"ringdown(1), ringdownd(1)", "The other programs."}}},
 };
@@ -265,7 +288,7 @@ ExitCode run(int argc, char** argv) {
   CLI::App app("Bakes an object's shape and material into a bank of its modes.", "ringdown-bake");
   app.set_version_flag("--version", "ringdown-bake " RINGDOWN_VERSION);
   Arguments arguments;
-  std::vector<std::string> settings;
+  Settings settings;
   add_options(app, arguments, settings);
   manual::add_manual_option(app, kSections);
   try {
@@ -275,20 +298,31 @@ ExitCode run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return usage_error(error.what());
   }
-  if (!arguments.list_materials) {
-    if (arguments.input.empty() == arguments.all.empty()) return usage_error("give one input, or --all and a folder");
-    if (arguments.output.empty()) return usage_error("say with --output where to write");
+  if (arguments.input.empty()) return usage_error("give an input, or a folder of them");
+  if (auto chosen = cli::choose_folder(app, arguments.input, arguments.folder); !chosen) {
+    return usage_error(chosen.error().message);
   }
-  if (auto read = read_settings(settings, arguments.parameters); !read) return usage_error(read.error().message);
+  if (arguments.output.empty() && arguments.folder.folder.empty()) {
+    return usage_error("say with --output where to write");
+  }
+  auto read = read_settings("--set", settings.parameters, arguments.parameters);
+  if (read) read = read_settings("--set-material", settings.figures, arguments.figures);
+  if (!read) return usage_error(read.error().message);
   if (arguments.materials.empty()) {
     const Result<fs::path> presets = ringdown::preset_folder();
     if (!presets) return complain(presets.error().message, ExitCode::failure);
     arguments.materials = *presets / "materials";
   }
-  if (arguments.list_materials) return list_materials(arguments.materials);
+  if (!arguments.folder.folder.empty()) return bake_folder(app, arguments);
+  arguments.shaping = cli::shaping_options(app);
   return cli::run_cancellable([&](const std::stop_token& stop) {
-    return arguments.all.empty() ? bake_one(arguments.input, arguments.output, arguments, stop)
-                                 : bake_folder(arguments, stop);
+    try {
+      return bake_one(arguments.input, arguments.output, arguments, stop);
+    } catch (const std::bad_alloc&) {
+      return complain("there is not enough memory to bake " + arguments.input.string() +
+                          "; a larger --mesh-size or a lower --element needs less",
+                      ExitCode::failure);
+    }
   });
 }
 

@@ -7,9 +7,14 @@ namespace ringdown::cli {
 
 void ProgressLine::show(std::string_view stage, double fraction) {
   const auto now = std::chrono::steady_clock::now();
-  if (!enabled_ || (stage == stage_ && now - shown_ < std::chrono::milliseconds(100))) return;
+  if (style_ == Style::none || (stage == stage_ && now - shown_ < std::chrono::milliseconds(100))) return;
   stage_ = stage;
   shown_ = now;
+  if (style_ == Style::lines) {
+    std::printf("%.3f %s\n", fraction, stage_.c_str());
+    std::fflush(stdout);
+    return;
+  }
   constexpr int kWidth = 30;
   std::string bar;
   if (fraction > 0) {
@@ -21,7 +26,7 @@ void ProgressLine::show(std::string_view stage, double fraction) {
 }
 
 void ProgressLine::clear() {
-  if (!enabled_ || stage_.empty()) return;
+  if (style_ != Style::bar || stage_.empty()) return;
   std::fputs("\r\x1b[K", stderr);
   std::fflush(stderr);
   stage_.clear();

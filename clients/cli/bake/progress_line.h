@@ -1,4 +1,4 @@
-// One line on stderr that says what is being done, rewritten in place. [one thread]
+// What is being done, said on the way. [one thread]
 #pragma once
 
 #include <chrono>
@@ -9,19 +9,24 @@ namespace ringdown::cli {
 
 class ProgressLine {
  public:
-  // Shows nothing unless `enabled`. `title` starts the line.
-  ProgressLine(std::string title, bool enabled) : title_(std::move(title)), enabled_(enabled) {}
+  enum class Style {
+    none,
+    bar,   // one line on stderr that begins with the title, rewritten in place
+    lines  // for programs: lines "0.425 STAGE" on stdout, the fraction as in show()
+  };
+  ProgressLine(std::string title, Style style) : title_(std::move(title)), style_(style) {}
+  ProgressLine(std::string title, bool shown) : ProgressLine(std::move(title), shown ? Style::bar : Style::none) {}
   ~ProgressLine() { clear(); }
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  // At most ten times a second, or when the stage changes. fraction in 0..1; 0 shows no bar.
+  // At most ten times a second, or when the stage changes. fraction in 0..1; 0 where it is not known.
   void show(std::string_view stage, double fraction);
   void clear();
 
  private:
   std::string title_;
-  bool enabled_;
+  Style style_;
   std::string stage_;
   std::chrono::steady_clock::time_point shown_{};
 };

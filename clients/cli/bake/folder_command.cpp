@@ -1,0 +1,52 @@
+#include "clients/cli/bake/folder_command.h"
+
+#include "clients/cli/bake/cancellable.h"
+#include "clients/cli/bake/given_options.h"
+
+namespace ringdown::cli {
+namespace {
+
+constexpr auto kForFolders = {"--jobs", "--recursive", "--force", "--check-budgets"};
+constexpr auto kForOne = {"--name", "--update", "--progress-lines"};
+
+}  // namespace
+
+void add_folder_options(CLI::App& app, FolderBake& request, bool& update, bool& progress_lines) {
+  app.add_option("-j,--jobs", request.jobs, "of a folder: how many at a time (default: as many as processors)")
+      ->check(CLI::Range(1, 4096));
+  app.add_flag("--recursive", request.recursive, "of a folder: of the folders in it, too");
+  app.add_flag("--force", request.force, "of a folder: bake also what has not changed");
+  app.add_flag("--check-budgets", request.check_budgets,
+               "of a folder: exit code 1 when a bake took more processor time than its object's budget_s");
+  app.add_flag("--update", update, "bake nothing when the bank is there already, made from the same");
+  app.add_flag("--progress-lines", progress_lines, "for programs: progress as lines 'FRACTION STAGE' on stdout");
+}
+
+Result<void> choose_folder(const CLI::App& app, const std::filesystem::path& input, FolderBake& request) {
+  std::error_code error;
+  const bool is_folder = std::filesystem::is_directory(input, error);
+  for (const char* name : is_folder ? kForOne : kForFolders) {
+    if (app.count(name) == 0) continue;
+    return fail(std::string(name) + " is for " + (is_folder ? "one input, and " : "a folder, and ") + input.string() +
+                (is_folder ? " is a folder" : " is none"));
+  }
+  if (is_folder) request.folder = input;
+  return {};
+}
+
+std::vector<std::string> shaping_options(const CLI::App& app) {
+  return given_options(
+      app, {"--output", "--material", "--materials", "--jobs", "--recursive", "--force", "--check-budgets", "--update",
+            "--progress", "--progress-lines", "--quiet", "--no-cache", "--processes"});
+}
+
+protocol::ExitCode run_folder_bake(const CLI::App& app, FolderBake request) {
+  constexpr std::chrono::seconds kPatience{10};  // its children end within one
+  if (request.output.empty()) request.output = request.folder;
+  request.hashed = shaping_options(app);
+  request.options = given_options(
+      app, {"--output", "--material", "--jobs", "--recursive", "--force", "--check-budgets", "--progress", "--quiet"});
+  return run_cancellable([&request](const std::stop_token& stop) { return bake_folder(request, stop); }, kPatience);
+}
+
+}  // namespace ringdown::cli

@@ -1,0 +1,101 @@
+#include "clients/cli/bake/folder_jobs.h"
+
+#include "engine/bake/input_hash.h"
+#include "engine/bake/object_file.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace ringdown::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of a TetGen mesh only the .node file, as its .ele is the same mesh.
+const std::set<std::string> kShapeEndings = {".geo", ".step", ".stp", ".brep", ".iges", ".igs", ".xao",
+                                             ".msh", ".vtk",  ".inp", ".unv",  ".mesh", ".bdf", ".node",
+                                             ".veg", ".tet",  ".obj", ".stl",  ".ply",  ".gltf"};
+
+std::string ending_of(const fs::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending;
+}
+
+template <class Iterator>
+Result<std::vector<fs::path>> files_below(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  Iterator entry(folder, error);
+  for (; !error && entry != Iterator(); entry.increment(error)) {
+    const bool hidden = entry->path().filename().string().starts_with('.');
+    if constexpr (std::is_same_v<Iterator, fs::recursive_directory_iterator>) {
+      if (hidden && entry->is_directory()) entry.disable_recursion_pending();
+    }
+    std::error_code gone;
+    if (!hidden && entry->is_regular_file(gone)) files.push_back(entry->path());
+  }
+  if (error) return fail("cannot read the folder " + folder.string() + ": " + error.message());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+fs::path canonical_name(const fs::path& path) {
+  std::error_code error;
+  const fs::path whole = fs::weakly_canonical(path, error);
+  return error ? path : whole;
+}
+
+// What a shape reads, itself left out.
+void note_files(const fs::path& geometry, bool itself, std::set<fs::path>& used) {
+  if (itself) used.insert(canonical_name(geometry));
+  const auto files = bake::files_of_geometry(geometry);
+  for (std::size_t i = 1; files && i < files->size(); ++i) used.insert(canonical_name((*files)[i]));
+}
+
+}  // namespace
+
+Result<FolderContent> content_of(const FolderQuestion& question) {
+  const auto files = question.recursive ? files_below<fs::recursive_directory_iterator>(question.folder)
+                                        : files_below<fs::directory_iterator>(question.folder);
+  if (!files) return fail(files.error());
+
+  std::set<fs::path> used;
+  std::map<std::string, FolderJob> jobs;  // by name
+  const auto job_for = [&](const fs::path& input) {
+    const fs::path below = input.lexically_relative(question.folder).replace_extension();
+    return FolderJob{below.string(), input, question.output / (below.string() + ".glb"), ""};
+  };
+  for (const fs::path& file : *files) {
+    if (file.extension() == ".toml") {
+      FolderJob job = job_for(file);
+      jobs.emplace(job.name, job);
+      if (const auto recipe = bake::read_object(file)) note_files(recipe->geometry, true, used);
+    } else if (kShapeEndings.contains(ending_of(file))) {
+      note_files(file, false, used);
+    }
+  }
+
+  FolderContent content;
+  for (const fs::path& file : *files) {
+    if (!kShapeEndings.contains(ending_of(file)) || used.contains(canonical_name(file))) continue;
+    FolderJob job = job_for(file);
+    const auto other = jobs.find(job.name);
+    if (other != jobs.end() && other->second.input.extension() == ".toml") continue;
+    if (!question.with_shapes) {
+      ++content.shapes_without;
+    } else if (other != jobs.end()) {
+      other->second.refused = other->second.input.filename().string() + " and " + file.filename().string() +
+                              " would both become " + job.output.filename().string() + "; rename one of them";
+    } else {
+      jobs.emplace(job.name, std::move(job));
+    }
+  }
+  for (auto& [name, job] : jobs) content.jobs.push_back(std::move(job));
+  if (!content.jobs.empty()) return content;
+  return fail("there are no objects in " + question.folder.string() +
+              (content.shapes_without > 0 ? "; --material bakes the shapes that lie there without one" : ""));
+}
+
+}  // namespace ringdown::cli

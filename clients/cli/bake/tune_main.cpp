@@ -1,0 +1,197 @@
+// ringdown-tune: parameters of an object so that its modes hit their notes. `ringdown tune ...` runs this program.
+//
+// Exit codes (protocol/exit_codes.h): ok; usage; bad_input when the object cannot be baked; failure when the targets
+// are out of reach or a file cannot be written; cancelled. Nothing is written of an object whose targets were missed.
+#include "clients/cli/bake/cancellable.h"
+#include "clients/cli/bake/progress_line.h"
+#include "clients/cli/bake/tune_options.h"
+#include "clients/cli/pitch.h"
+#include "engine/bake/object_text.h"
+#include "engine/base/atomic_file.h"
+#include "engine/base/content_cache.h"
+#include "engine/base/preset_folder.h"
+#include "engine/base/toml_table.h"
+#include "manual/option.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <unistd.h>
+
+namespace {
+
+using namespace ringdown;
+namespace fs = std::filesystem;
+
+using cli::TuneArguments;
+using protocol::ExitCode;
+
+ExitCode complain(const std::string& message, ExitCode code) {
+  std::fprintf(stderr, "ringdown-tune: %s\n", message.c_str());
+  return code;
+}
+
+std::string parameters_text(const std::map<std::string, double>& parameters) {
+  std::string text;
+  for (const auto& [name, value] : parameters) {
+    char number[64];
+    std::snprintf(number, sizeof number, "%s%s %.6g", text.empty() ? "" : ", ", name.c_str(), value);
+    text += number;
+  }
+  return text;
+}
+
+void print_step(const bake::TuneStep& step) {
+  std::fprintf(stderr, "%4d %-7s%s:", step.number, std::string(step.stage).c_str(),
+               parameters_text(step.parameters).c_str());
+  for (const bake::FoundMode& mode : step.found)
+    std::fprintf(stderr, "  %.2f Hz %+.2f ct", mode.frequency_hz, mode.cents);
+  std::fprintf(stderr, "\n");
+}
+
+void print_table(const std::string& name, const bake::TuneRequest& request, const bake::TunedObject& tuned) {
+  std::printf("%s: %s, mesh size %.4g mm; %d bakes\n", name.c_str(), parameters_text(tuned.parameters).c_str(),
+              1000 * tuned.mesh_size_m, tuned.bakes);
+  std::printf("  mode            target Hz     found Hz    cents   error, cents   of the first  note\n");
+  for (std::size_t i = 0; i < tuned.found.size(); ++i) {
+    const bake::TuneTarget& target = request.targets[i];
+    const bake::FoundMode& mode = tuned.found[i];
+    const std::string label = std::string(bake::family_name(target.family)) + " " + std::to_string(target.mode);
+    std::printf("  %-14s %10.3f   %10.3f   %+6.2f         %6.2f       %8.4f  %s\n", label.c_str(), target.frequency_hz,
+                mode.frequency_hz, mode.cents, mode.error_cents, mode.frequency_hz / tuned.found.front().frequency_hz,
+                cli::note_name(mode.frequency_hz).c_str());
+  }
+  std::fflush(stdout);
+}
+
+std::string missed(const std::string& name, const bake::TunedObject& tuned) {
+  double worst = 0, error = 0;
+  for (const bake::FoundMode& mode : tuned.found) {
+    worst = std::max(worst, std::abs(mode.cents));
+    error = std::max(error, mode.error_cents);
+  }
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "%s: the targets are out of reach: the best misses by %.2f cents, with an estimated error of %.2f; widen "
+      "the bounds, vary more parameters, or ask for less. Nothing was written",
+      name.c_str(), worst, error);
+  return text;
+}
+
+// The geometry's file as an object file in `folder` would name it.
+fs::path geometry_seen_from(const fs::path& geometry, const fs::path& folder) {
+  std::error_code error;
+  const fs::path way = fs::relative(fs::absolute(geometry), fs::absolute(folder), error);
+  return error || way.empty() ? fs::absolute(geometry) : way;
+}
+
+Result<void> write_object(const TuneArguments& arguments, const bake::TuneRequest& request,
+                          const bake::TunedObject& tuned, const fs::path& output) {
+  const Result<std::string> text = read_whole_file(arguments.input, kLargestTomlFile);
+  if (!text) return fail(text.error());
+  bake::ObjectChanges changes{.parameters = tuned.parameters};
+  changes.geometry = geometry_seen_from(request.recipe.geometry, output.parent_path());
+  if (tuned.mesh_size_m != request.recipe.meshing.mesh_size_m) changes.mesh_size_m = tuned.mesh_size_m;
+  const Result<std::string> changed = bake::change_object(*text, changes);
+  if (!changed) return fail(changed.error());
+  return write_file_atomically(output, *changed);
+}
+
+// Tunes one, and leaves the parameters found in the request, where the next of a scale begins.
+ExitCode tune_one(const TuneArguments& arguments, bake::TuneRequest& request, const fs::path& output,
+                  const std::stop_token& stop) {
+  const std::string name = output.stem().string();
+  cli::ProgressLine line(name, !arguments.quiet && ::isatty(STDERR_FILENO));
+  request.progress = [&](std::string_view stage, double fraction) {
+    line.show(stage, fraction);
+    return !stop.stop_requested();
+  };
+  request.told = [&](const bake::TuneStep& step) {
+    line.clear();
+    if (!arguments.quiet) print_step(step);
+  };
+  const Result<bake::TunedObject> tuned = bake::tune_object(request, arguments.materials);
+  line.clear();
+  if (stop.stop_requested()) return complain("cancelled; " + output.string() + " was not written", ExitCode::cancelled);
+  if (!tuned) return complain(tuned.error().message, ExitCode::bad_input);
+  if (!arguments.quiet || !tuned->reached) print_table(name, request, *tuned);
+  if (!tuned->reached) return complain(missed(name, *tuned), ExitCode::failure);
+  if (auto written = write_object(arguments, request, *tuned, output); !written) {
+    return complain(written.error().message, ExitCode::failure);
+  }
+  for (bake::TuneVariable& variable : request.variables) variable.start = tuned->parameters.at(variable.name);
+  return ExitCode::ok;
+}
+
+ExitCode tune_scale(const TuneArguments& arguments, bake::TuneRequest& request, const std::stop_token& stop) {
+  std::error_code error;
+  fs::create_directories(arguments.output, error);
+  ExitCode worst = ExitCode::ok;
+  for (int note = arguments.lowest_note; note <= arguments.highest_note; ++note) {
+    request.targets = cli::targets_at(arguments, cli::note_frequency(note));
+    const fs::path output = arguments.output / (cli::note_word(note) + ".toml");
+    const ExitCode code = tune_one(arguments, request, output, stop);
+    if (code == ExitCode::cancelled) return code;
+    if (code != ExitCode::ok) worst = code;
+  }
+  return worst;
+}
+
+ExitCode tune(TuneArguments& arguments, const std::stop_token& stop) {
+  Result<bake::ObjectRecipe> recipe = bake::read_object(arguments.input);
+  if (!recipe) return complain(recipe.error().message, ExitCode::bad_input);
+  if (!arguments.no_cache) recipe->options.cache = cache_folder().value_or("");
+  if (arguments.mesh_size_m) recipe->meshing.mesh_size_m = *arguments.mesh_size_m;
+  bake::TuneRequest request{.recipe = *recipe, .variables = arguments.variables, .strike = arguments.strike};
+  request.tolerance_cents = arguments.tolerance_cents;
+  for (bake::TuneVariable& variable : request.variables) {
+    const auto given = recipe->meshing.parameters.find(variable.name);
+    variable.start = given == recipe->meshing.parameters.end() ? 0.5 * (variable.low + variable.high) : given->second;
+  }
+  if (arguments.is_scale) return tune_scale(arguments, request, stop);
+  request.targets = cli::targets_at(arguments, 0);
+  return tune_one(arguments, request, arguments.output, stop);
+}
+
+// What the man page says beside the options.
+const std::vector<manual::Section> kSections = {
+    {"EXAMPLES",
+     {{"ringdown-tune bar.toml --vary length:250..400 --vary arch_depth:2..10 --target 1=A4 --target 2=4x -o a4.toml",
+       "A bar whose first two bending modes are A4 and two octaves above it."},
+      {"ringdown-tune bar.toml --vary length:150..450 --vary arch_depth:2..10 --scale F3..F6 --target 1=note --target "
+       "2=4x -o bars",
+       "One such bar for each note, bars/F3.toml to bars/F6.toml."}}},
+    {"SEE ALSO", {{"ringdown(1), ringdown-bake(1)", "The other programs."}}},
+};
+
+ExitCode run(int argc, char** argv) {
+  CLI::App app("Finds the parameters of an object's geometry at which its modes have the frequencies that you name.",
+               "ringdown-tune");
+  app.set_version_flag("--version", "ringdown-tune " RINGDOWN_VERSION);
+  cli::TuneWords words;
+  TuneArguments arguments;
+  cli::add_tune_options(app, arguments, words);
+  manual::add_manual_option(app, kSections);
+  const auto refuse = [](const std::string& why) {
+    return complain(why + "; ringdown-tune --help lists the options", ExitCode::usage);
+  };
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    return static_cast<ExitCode>(app.exit(help_or_version));
+  } catch (const CLI::ParseError& error) {
+    return refuse(error.what());
+  }
+  if (auto read = cli::read_words(words, arguments); !read) return refuse(read.error().message);
+  if (arguments.materials.empty()) {
+    const Result<fs::path> presets = preset_folder();
+    if (!presets) return complain(presets.error().message, ExitCode::failure);
+    arguments.materials = *presets / "materials";
+  }
+  return cli::run_cancellable([&](const std::stop_token& stop) { return tune(arguments, stop); });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return static_cast<int>(run(argc, argv)); }

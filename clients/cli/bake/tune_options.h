@@ -1,0 +1,51 @@
+// The command line of ringdown-tune. [main thread]
+#pragma once
+
+#include "engine/bake/tune_object.h"
+#include "protocol/exit_codes.h"
+
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace ringdown::cli {
+
+// A target as it was asked for: in Hz, a multiple of the first, or the note of a scale.
+struct AskedTarget {
+  bake::ModeFamily family = bake::ModeFamily::kVertical;
+  int mode = 1;
+  enum class Kind { kHertz, kMultiple, kNote } kind = Kind::kHertz;
+  double value = 0;  // Hz, or the multiple
+};
+
+struct TuneArguments {
+  std::filesystem::path input, output, materials;
+  std::vector<bake::TuneVariable> variables;
+  std::vector<AskedTarget> targets;
+  std::optional<Vec3> strike;
+  std::optional<double> mesh_size_m;
+  double tolerance_cents = 0.3;
+  bool is_scale = false;
+  int lowest_note = 0, highest_note = 0;
+  bool quiet = false, no_cache = false;
+};
+
+// Options whose text is yet to be understood.
+struct TuneWords {
+  std::vector<std::string> vary, targets;
+  std::string scale;
+  std::vector<double> strike;
+};
+
+void add_tune_options(CLI::App& app, TuneArguments& arguments, TuneWords& words);
+
+// Fails with what is wrong and how it is written right.
+Result<void> read_words(const TuneWords& words, TuneArguments& arguments);
+
+// In hertz, with this note where the scale's is asked for.
+std::vector<bake::TuneTarget> targets_at(const TuneArguments& arguments, double note_hz);
+
+}  // namespace ringdown::cli

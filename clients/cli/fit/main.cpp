@@ -1,0 +1,170 @@
+// ringdown-fit: the modes of a struck object from a recording, as a bank; or a bank's damping from it.
+#include "clients/cli/fit/report.h"
+#include "clients/cli/fit/sound.h"
+#include "engine/fit/amplitudes.h"
+#include "engine/fit/calibrate.h"
+#include "engine/fit/to_bank.h"
+#include "engine/modal/bank_file.h"
+#include "engine/synth/mode_table.h"
+#include "manual/option.h"
+#include "protocol/exit_codes.h"
+
+#include <CLI/CLI.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+namespace {
+
+using namespace ringdown;  // NOLINT: a program
+using protocol::ExitCode;
+namespace fs = std::filesystem;
+
+struct Arguments {
+  fs::path input, output, damping_of, residual, resynth;
+  std::optional<int> channel;
+  std::array<double, 2> band = {20, 20000};
+  std::vector<double> impulse = {0, 0, 1};
+  double contact_ms = 0;
+  std::string name;
+  fit::Options options;
+  fit::CalibrateOptions match;
+};
+
+ExitCode complain(const std::string& sentence, ExitCode code) {
+  std::fprintf(stderr, "ringdown-fit: %s\n", sentence.c_str());
+  return code;
+}
+
+void add_options(CLI::App& app, Arguments& arguments) {
+  app.add_option("wave", arguments.input, "The recording of one blow: WAV, FLAC, AIFF, ...")
+      ->type_name("FILE")
+      ->required();
+  app.add_option("-o,--output", arguments.output, "The bank to write; without, the modes are only printed.")
+      ->type_name("FILE");
+  app.add_option("--damping-of", arguments.damping_of,
+                 "A baked bank of the same object: --output is that bank with its alpha and beta fitted to the "
+                 "recording.")
+      ->type_name("FILE");
+  app.add_option("--tolerance", arguments.match.tolerance_cents,
+                 "With --damping-of: how far a matching mode's frequency may be off, in cents, after the tuning that all "
+                 "have in common.")
+      ->check(CLI::Range(0.1, 200.0))
+      ->capture_default_str();
+  app.add_option("--channel", arguments.channel, "Which channel, 1 is the first; default: the mean of all.");
+  app.add_option("--from", arguments.options.from_s, "Where the blow is, in seconds; default: where the sound begins.");
+  app.add_option("--band", arguments.band, "Lowest and highest frequency in Hz; default: 20 20000.")
+      ->type_name("LOW HIGH");
+  app.add_option("--floor", arguments.options.floor_db, "Drop modes that begin more dB than this below the loudest.")
+      ->check(CLI::Range(1.0, 200.0))
+      ->capture_default_str();
+  app.add_option("--max-modes", arguments.options.most_modes, "Keep so many, those of most energy.")
+      ->check(CLI::Range(std::size_t{1}, fit::kMostModes))
+      ->capture_default_str();
+  app.add_option("--impulse", arguments.impulse,
+                 "The impulse in N s that shall sound as loud as the recording; default: 0,0,1.")
+      ->type_name("X,Y,Z")
+      ->delimiter(',')
+      ->expected(3);
+  app.add_option("--contact", arguments.contact_ms,
+                 "The contact time in ms that this impulse will have; its spectrum is divided out.")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  app.add_option("--name", arguments.name, "The bank's name; default: the recording's.");
+  app.add_option("--resynth", arguments.resynth, "Write the sum of the modes as a sound.")->type_name("FILE");
+  app.add_option("--residual", arguments.residual, "Write what they leave of the recording as a sound.")
+      ->type_name("FILE");
+}
+
+// The sum of the modes, as long as the recording, silent before the onset.
+std::vector<double> resynthesis(const fit::Fit& found, const cli::Sound& sound) {
+  const auto onset = static_cast<std::size_t>(std::round(found.onset_s * sound.sample_rate_hz));
+  std::vector<double> samples(onset);
+  const auto ringing = fit::synthesise(found.modes, sound.sample_rate_hz, sound.samples.size() - onset);
+  samples.insert(samples.end(), ringing.begin(), ringing.end());
+  return samples;
+}
+
+Result<void> write_sounds(const fit::Fit& found, const cli::Sound& sound, const Arguments& arguments) {
+  if (arguments.resynth.empty() && arguments.residual.empty()) return {};
+  std::vector<double> samples = resynthesis(found, sound);
+  if (!arguments.resynth.empty()) {
+    if (auto written = cli::write_sound(samples, sound.sample_rate_hz, arguments.resynth); !written) return written;
+  }
+  if (arguments.residual.empty()) return {};
+  for (std::size_t n = 0; n < samples.size(); ++n) samples[n] = sound.samples[n] - samples[n];
+  return cli::write_sound(samples, sound.sample_rate_hz, arguments.residual);
+}
+
+// The amplitude of a mode in one channel, its object in the centre, over 2 pi f F(f) (phi . j).
+constexpr double kLoudness = synth::kOutputScale / std::numbers::sqrt2;
+
+Result<modal::Bank> bank_of(const fit::Fit& found, const Arguments& arguments) {
+  if (arguments.damping_of.empty()) {
+    const fit::Blow blow{{arguments.impulse[0], arguments.impulse[1], arguments.impulse[2]}, arguments.contact_ms / 1e3};
+    return fit::to_bank(found.modes, blow, kLoudness, arguments.name);
+  }
+  const Result<modal::Bank> bank = modal::read_bank(arguments.damping_of);
+  if (!bank) return bank;
+  const Result<fit::Calibration> calibration = fit::calibrate(found.modes, *bank, arguments.match);
+  if (!calibration) return fail(arguments.input.string() + ": " + calibration.error().message);
+  cli::print_calibration(found, *bank, *calibration);
+  return fit::with_damping(*bank, calibration->damping);
+}
+
+ExitCode fit_recording(Arguments& arguments) {
+  const Result<cli::Sound> sound = cli::read_sound(arguments.input, arguments.channel);
+  if (!sound) return complain(sound.error().message, ExitCode::bad_input);
+  const Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, arguments.options);
+  if (!found) return complain(arguments.input.string() + ": " + found.error().message, ExitCode::bad_input);
+  if (found->modes.empty()) {
+    return complain(arguments.input.string() + " has no mode that stands out of its noise; --from says where a blow is",
+                    ExitCode::bad_input);
+  }
+  cli::print_fit(arguments.input.string(), *found);
+  const Result<modal::Bank> bank = bank_of(*found, arguments);
+  if (!bank) return complain(bank.error().message, ExitCode::bad_input);
+  if (!arguments.output.empty()) {
+    const auto written = modal::write_bank(*bank, arguments.output);
+    if (!written) return complain(written.error().message, ExitCode::failure);
+  }
+  const auto written = write_sounds(*found, *sound, arguments);
+  return written ? ExitCode::ok : complain(written.error().message, ExitCode::failure);
+}
+
+// What the man page says beside the options.
+const std::vector<manual::Section> kSections = {
+    {"EXAMPLES",
+     {{"ringdown fit cup.wav -o cup.glb", "The modes of a cup that was tapped once, as a bank that plays them."},
+      {"ringdown fit cup.wav --damping-of baked-cup.glb -o cup.glb", "The baked cup, decaying like the real one."}}},
+    {"SEE ALSO", {{"ringdown(1), ringdown-bake(1), ringdownd(1)", "The other programs."}}},
+};
+
+ExitCode run(int argc, char** argv) {
+  CLI::App app("Finds the modes of a struck object in a recording.", "ringdown-fit");
+  app.set_version_flag("--version", "ringdown-fit " RINGDOWN_VERSION);
+  app.footer(protocol::exit_code_help());
+  Arguments arguments;
+  add_options(app, arguments);
+  manual::add_manual_option(app, kSections);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    return static_cast<ExitCode>(app.exit(help_or_version));
+  } catch (const CLI::ParseError& error) {
+    return complain(std::string(error.what()) + "; ringdown-fit --help lists the options", ExitCode::usage);
+  }
+  const auto& j = arguments.impulse;
+  if (!(std::isfinite(j[0] + j[1] + j[2]) && std::hypot(j[0], j[1], j[2]) > 0)) {
+    return complain("--impulse takes three numbers that are not all 0, like 0,0,1", ExitCode::usage);
+  }
+  if (arguments.name.empty()) arguments.name = arguments.input.stem().string();
+  arguments.options.low_hz = arguments.band[0], arguments.options.high_hz = arguments.band[1];
+  return fit_recording(arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return static_cast<int>(run(argc, argv)); }

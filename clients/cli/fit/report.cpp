@@ -1,0 +1,56 @@
+#include "clients/cli/fit/report.h"
+
+#include "clients/cli/pitch.h"
+#include "engine/modal/damping.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace ringdown::cli {
+namespace {
+
+double decibels(double ratio) { return 20 * std::log10(ratio); }
+
+// A standard error small enough that cents are proportional to it.
+double cents_of(double relative) { return 1200 / std::log(2.0) * relative; }
+
+}  // namespace
+
+void print_fit(const std::string& name, const fit::Fit& fit) {
+  std::printf("%s: %zu modes explain %.4g %% of the energy from %.4f s to %.4f s\n", name.c_str(), fit.modes.size(),
+              100 * fit.explained, fit.start_s, fit.end_s);
+  std::printf("onset      %.4f s; amplitudes are meant there\n", fit.onset_s);
+  if (fit.clipped > 0) std::printf("clipped    %zu samples; looked at from the last of them on\n", fit.clipped);
+  std::printf("\n%5s %12s %10s %9s %8s %10s %8s  %s\n", "mode", "frequency Hz", "+- cents", "T60 s", "+- %",
+              "level dBFS", "+- dB", "note");
+  for (std::size_t m = 0; m < fit.modes.size(); ++m) {
+    const fit::Mode& mode = fit.modes[m];
+    std::printf("%5zu %12.3f %10.2g %9.4g %8.2g %10.1f %8.2g  %s\n", m, mode.frequency_hz,
+                cents_of(mode.frequency_error_hz / mode.frequency_hz), modal::t60_s(mode.decay_per_s),
+                100 * mode.decay_error_per_s / mode.decay_per_s, decibels(mode.amplitude),
+                decibels(1 + mode.amplitude_error), note_name(mode.frequency_hz).c_str());
+  }
+}
+
+void print_calibration(const fit::Fit& fit, const modal::Bank& bank, const fit::Calibration& calibration) {
+  std::printf("\n%5s %12s %12s %9s %10s %10s %10s\n", "mode", "recorded Hz", "baked Hz", "off cents", "decay 1/s",
+              "fitted 1/s", "");
+  for (const fit::Match& match : calibration.matches) {
+    const fit::Mode& mode = fit.modes[match.recorded];
+    const double lambda = modal::undamped_lambda({mode.frequency_hz, mode.decay_per_s});
+    std::printf("%5zu %12.3f %12.3f %9.1f %10.4g %10.4g %10s\n", match.baked, mode.frequency_hz,
+                bank.frequency_hz[match.baked], match.off_cents, mode.decay_per_s,
+                modal::damp(lambda, calibration.damping).decay_per_s, match.used ? "" : "left out");
+  }
+  std::printf("\n%zu of the recording's %zu modes match one of the bank's %zu; %zu of them fit the damping\n",
+              calibration.matches.size(), fit.modes.size(), bank.mode_count(), calibration.used());
+  std::printf("tuning     %+.1f cents: the recording over the bank\n", calibration.tuning_cents);
+  if (const auto& material = bank.material) {
+    std::printf("before     alpha = %.4g 1/s, beta = %.4g s\n", material->damping.alpha_per_s,
+                material->damping.beta_s);
+  }
+  std::printf("damping    alpha = %.4g 1/s, beta = %.4g s; decays lie within %.2g %% of it (standard deviation)\n",
+              calibration.damping.alpha_per_s, calibration.damping.beta_s, 100 * calibration.spread);
+}
+
+}  // namespace ringdown::cli

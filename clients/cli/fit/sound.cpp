@@ -1,0 +1,43 @@
+#include "clients/cli/fit/sound.h"
+
+#include "server/offline.h"
+
+#include <sndfile.h>
+
+#include <memory>
+
+namespace ringdown::cli {
+
+Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> channel) {
+  SF_INFO info{};
+  const std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> file(sf_open(path.c_str(), SFM_READ, &info), sf_close);
+  if (!file) return fail("cannot read " + path.string() + " as a sound: " + sf_strerror(nullptr));
+  if (channel && (*channel < 1 || *channel > info.channels)) {
+    return fail(path.string() + " has channels 1 to " + std::to_string(info.channels) + ", and no channel " +
+                std::to_string(*channel));
+  }
+  if (info.frames < 1 || info.frames > kLongestSound_s * info.samplerate) {
+    return fail(path.string() + " is empty or longer than an hour; cut out the one blow that matters");
+  }
+  Sound sound{static_cast<double>(info.samplerate), info.channels, {}};
+  constexpr sf_count_t kBlock = 65536;
+  std::vector<double> frames(static_cast<std::size_t>(kBlock * info.channels));
+  for (sf_count_t count; (count = sf_readf_double(file.get(), frames.data(), kBlock)) > 0;) {
+    for (sf_count_t n = 0; n < count; ++n) {
+      const double* frame = frames.data() + n * info.channels;
+      double sum = 0;
+      for (int c = 0; c < info.channels; ++c) sum += frame[c];
+      sound.samples.push_back(channel ? frame[*channel - 1] : sum / info.channels);
+    }
+  }
+  return sound;
+}
+
+Result<void> write_sound(std::span<const double> samples, double sample_rate_hz, const std::filesystem::path& path) {
+  server::Recording recording{.sample_rate_hz = sample_rate_hz};
+  recording.left.assign(samples.begin(), samples.end());
+  recording.right = recording.left;
+  return server::write_audio(recording, path);
+}
+
+}  // namespace ringdown::cli

@@ -1,0 +1,27 @@
+// Sound files as samples of one channel. [any]
+#pragma once
+
+#include "engine/base/result.h"
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace ringdown::cli {
+
+struct Sound {
+  double sample_rate_hz = 0;
+  int channels = 0;  // of the file
+  std::vector<double> samples;
+};
+
+inline constexpr double kLongestSound_s = 3600;
+
+// WAV, FLAC, and whatever else libsndfile reads; full scale is 1. `channel`: 1 is the first; otherwise the mean of all.
+Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> channel);
+
+// Stereo, both channels alike; .wav (32-bit float) or .flac, which holds nothing above 1.
+Result<void> write_sound(std::span<const double> samples, double sample_rate_hz, const std::filesystem::path& path);
+
+}  // namespace ringdown::cli

@@ -1,0 +1,232 @@
+#include "clients/cli/pitch.h"
+#include "clients/cli/verb.h"
+#include "engine/bake/material_bar.h"
+#include "engine/bake/material_library.h"
+#include "engine/bake/material_page.h"
+#include "engine/base/preset_folder.h"
+#include "engine/synth/mixer.h"
+#include "server/offline.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <set>
+
+namespace ringdown::cli {
+namespace {
+
+struct MaterialsArguments {
+  std::string name, sound;
+  std::filesystem::path folder;
+  bool markdown = false;
+};
+
+constexpr double kSeconds = 2;  // of the preview, seen and heard
+constexpr Vec3 kImpulse_ns = {0, 0, -0.02};
+constexpr double kContactTime_s = 5e-4;
+
+protocol::Event blow(const modal::Bank& bar) {
+  const modal::Vec3f& end = bar.positions.front();
+  return {.object = 0,
+          .type = protocol::EventType::strike,
+          .point_m = {end[0], end[1], end[2]},
+          .impulse_ns = kImpulse_ns,
+          .contact_time_s = kContactTime_s};
+}
+
+// A blow on the end of the bar, through the mixer that plays everything else; loudest sample -3 dB of full scale.
+server::Recording strike(const modal::Bank& bar) {
+  constexpr double kRate_hz = 48000, kPeak = 0.7079;
+  server::Recording recording{.sample_rate_hz = kRate_hz};
+  synth::Mixer mixer(kRate_hz);
+  const auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(bar));
+  static_cast<void>(mixer.install(0, std::make_unique<synth::Voice>(map, modal::MaterialScale{}, kRate_hz),
+                                  synth::Mixer::Install::replace));
+  static_cast<void>(mixer.push(synth::Producer::control, blow(bar)));
+  const auto frames = static_cast<std::size_t>(kSeconds * kRate_hz);
+  recording.left.resize(frames);
+  recording.right.resize(frames);
+  constexpr std::size_t kBlock = 256;
+  for (std::size_t done = 0; done < frames;) {
+    const std::size_t now = std::min(kBlock, frames - done);
+    mixer.render(std::span(recording.left).subspan(done, now), std::span(recording.right).subspan(done, now));
+    done += now;
+  }
+  float peak = 0;
+  for (const float sample : recording.left) peak = std::max(peak, std::abs(sample));
+  if (peak == 0) return recording;
+  for (auto* channel : {&recording.left, &recording.right}) {
+    for (float& sample : *channel) sample *= static_cast<float>(kPeak) / peak;
+  }
+  recording.peak = static_cast<float>(kPeak);
+  return recording;
+}
+
+// The level of the blow's sound at time t, from the bar's modes [dB, any reference].
+double level_db(const modal::Bank& bar, double t_s) {
+  double energy = 0;
+  for (std::size_t m = 0; m < bar.mode_count(); ++m) {
+    const double amplitude = bar.frequency_hz[m] * bar.shape(m, 0)[2] * std::exp(-bar.decay_per_s[m] * t_s);
+    energy += amplitude * amplitude;
+  }
+  return 10 * std::log10(energy + 1e-300);
+}
+
+// One character for each tenth of a second, from '#' as struck to '.' some 50 dB below; then nothing.
+std::string decay_curve(const modal::Bank& bar) {
+  constexpr std::string_view kLevels = "#@%*+=-:.";
+  constexpr double kStep_s = 0.1, kStep_db = 60.0 / kLevels.size();
+  const double start = level_db(bar, 0);
+  std::string curve;
+  for (int i = 0; i < static_cast<int>(std::lround(kSeconds / kStep_s)); ++i) {
+    const auto level = static_cast<std::size_t>(std::max(0.0, (start - level_db(bar, i * kStep_s)) / kStep_db));
+    curve += level < kLevels.size() ? kLevels[level] : ' ';
+  }
+  return curve;
+}
+
+// Seconds to -60 dB of a mode at a frequency, as one bakes with this damping: undamped.
+double t60_at(const modal::RayleighDamping& damping, double frequency_hz) {
+  const double omega = modal::hz_to_rad_per_s(frequency_hz);
+  return modal::t60_s(0.5 * (damping.alpha_per_s + damping.beta_s * omega * omega));
+}
+
+std::string pitch_of(const modal::Bank& bar) {
+  if (bar.mode_count() == 0) return "none";
+  char text[48];
+  std::snprintf(text, sizeof text, "%7.1f Hz  %s", bar.frequency_hz.front(),
+                note_name(bar.frequency_hz.front()).c_str());
+  return text;
+}
+
+void print_heading() {
+  std::printf("%-17s %7s %6s %7s  %-22s %9s %7s %7s  %s\n", "material", "E GPa", "nu", "kg/m3", "bar 200 x 30 x 8 mm",
+              "T60 of it", "1 kHz", "4 kHz", "2 s of it");
+}
+
+void print_row(const bake::MaterialEntry& entry) {
+  const modal::Material& m = entry.material;
+  const modal::Bank bar = bake::bar_bank(m);
+  const double t60 = bar.mode_count() > 0 ? modal::t60_s(bar.decay_per_s.front()) : 0;
+  std::printf("%-17s %7.4g %6.3g %7.5g  %-22s %7.2g s %5.2g s %5.2g s  |%s|\n", m.name.c_str(),
+              m.youngs_modulus_pa / 1e9, m.poisson_ratio, m.density_kg_m3, pitch_of(bar).c_str(), t60,
+              t60_at(m.damping, 1000), t60_at(m.damping, 4000), decay_curve(bar).c_str());
+}
+
+// Twelve lines of the level against time.
+void print_curve(const modal::Bank& bar) {
+  constexpr int kRows = 12, kColumns = 60;
+  constexpr double kRow_db = 5;
+  const double start = level_db(bar, 0);
+  std::printf("\n  dB\n");
+  for (int row = 0; row < kRows; ++row) {
+    std::string line;
+    for (int column = 0; column < kColumns; ++column) {
+      line += start - level_db(bar, kSeconds * column / kColumns) < kRow_db * (row + 1) ? '#' : ' ';
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    std::printf("%4.0f |%s\n", 0 - kRow_db * row, line.c_str());
+  }
+  std::printf("     +%s %.0f s\n", std::string(kColumns, '-').c_str(), kSeconds);
+}
+
+void print_figure(const char* label, double value, const char* unit, const std::string& source) {
+  std::printf("  %-6s %10.5g %-7s %s\n", label, value, unit, source.c_str());
+}
+
+void print_material(const bake::MaterialEntry& entry) {
+  const modal::Material& m = entry.material;
+  const auto& from = entry.sources;
+  std::printf("%s: %s\n", m.name.c_str(), entry.description.c_str());
+  print_figure("E", m.youngs_modulus_pa, "Pa", from.at("youngs_modulus_pa"));
+  print_figure("nu", m.poisson_ratio, "", from.at("poisson_ratio"));
+  print_figure("rho", m.density_kg_m3, "kg/m3", from.at("density_kg_m3"));
+  print_figure("alpha", m.damping.alpha_per_s, "1/s", from.at("alpha_per_s"));
+  const bool same = from.at("beta_s") == from.at("alpha_per_s");
+  print_figure("beta", m.damping.beta_s, "s", same ? "as alpha" : from.at("beta_s"));
+  for (const modal::LossFactor& point : entry.loss_factors) {
+    std::printf("  loss factor at %7.5g Hz: %.3g, fitted %.3g\n", point.frequency_hz, point.eta,
+                modal::loss_factor(m.damping, point.frequency_hz));
+  }
+  const modal::Bank bar = bake::bar_bank(m);
+  std::printf("\nA free bar of 200 x 30 x 8 mm, struck on its end (bending modes of Timoshenko's beam):\n");
+  for (std::size_t i = 0; i < std::min<std::size_t>(bar.mode_count(), 6); ++i) {
+    std::printf("  %9.1f Hz  %-11s T60 %.2g s\n", bar.frequency_hz[i], note_name(bar.frequency_hz[i]).c_str(),
+                modal::t60_s(bar.decay_per_s[i]));
+  }
+  if (bar.mode_count() == 0) return void(std::printf("  no mode of it rings\n"));
+  std::printf("  T60 at 1 kHz %.2g s, at 4 kHz %.2g s\n", t60_at(m.damping, 1000), t60_at(m.damping, 4000));
+  print_curve(bar);
+}
+
+ExitCode list(const MaterialsArguments& arguments) {
+  if (arguments.markdown) {
+    const Result<std::string> page = bake::materials_as_markdown(arguments.folder);
+    if (!page) return complain(page.error().message, ExitCode::bad_input);
+    std::fputs(page->c_str(), stdout);
+    return ExitCode::ok;
+  }
+  const std::vector<std::string> names = bake::names_in(arguments.folder);
+  if (names.empty()) return complain("there are no materials in " + arguments.folder.string(), ExitCode::bad_input);
+  print_heading();
+  for (const std::string& name : names) {
+    const auto entry = bake::read_material(arguments.folder / (name + ".toml"));
+    if (!entry) return complain(entry.error().message, ExitCode::bad_input);
+    print_row(*entry);
+  }
+  std::printf(
+      "\nringdown materials NAME says where each figure is from, and with --sound FILE.wav lets it be heard.\n");
+  return ExitCode::ok;
+}
+
+ExitCode show(const MaterialsArguments& arguments) {
+  const auto entry = bake::find_material(arguments.folder, arguments.name);
+  if (!entry) return complain(entry.error().message, ExitCode::bad_input);
+  if (arguments.sound.empty()) {
+    print_material(*entry);
+    return ExitCode::ok;
+  }
+  const modal::Bank bar = bake::bar_bank(entry->material);
+  if (bar.mode_count() == 0) return complain("no mode of a bar of " + arguments.name + " rings", ExitCode::bad_input);
+  if (const auto written = server::write_audio(strike(bar), arguments.sound); !written)
+    return complain(written.error().message, ExitCode::failure);
+  std::printf("%s: %.0f s of a bar of %s, %s\n", arguments.sound.c_str(), kSeconds, arguments.name.c_str(),
+              pitch_of(bar).c_str());
+  return ExitCode::ok;
+}
+
+ExitCode materials(MaterialsArguments arguments) {
+  if (arguments.folder.empty()) {
+    const auto presets = preset_folder();
+    if (!presets) return complain(presets.error().message, ExitCode::failure);
+    arguments.folder = *presets / "materials";
+  }
+  const ExitCode code = arguments.name.empty() ? list(arguments) : show(arguments);
+  if (code == ExitCode::ok && std::fflush(stdout) != 0)
+    return complain("cannot write to the standard output", ExitCode::failure);
+  return code;
+}
+
+}  // namespace
+
+void add_materials_verb(CLI::App& app, ExitCode& outcome) {
+  auto arguments = std::make_shared<MaterialsArguments>();
+  CLI::App* verb = app.add_subcommand(
+      "materials", "Lists the materials, with what a bar of each sounds like, or shows one of them.");
+  CLI::Option* name = verb->add_option("name", arguments->name, "The material to show, with the source of each figure.")
+                          ->type_name("NAME");
+  verb->add_option("--materials", arguments->folder, "Folder of materials (default: the presets').")
+      ->type_name("FOLDER");
+  verb->add_option("--sound", arguments->sound,
+                   "Write two seconds of a blow on a bar of it to this file: .wav (32-bit float) or .flac (24 bit).")
+      ->type_name("FILE")
+      ->needs(name);
+  verb->add_flag("--markdown", arguments->markdown, "All figures and their sources as Markdown, for docs/materials.md.")
+      ->excludes(name);
+  verb->callback([arguments, &outcome] { outcome = materials(*arguments); });
+}
+
+}  // namespace ringdown::cli

@@ -1,0 +1,92 @@
+#include "clients/cli/verb.h"
+#include "engine/bake/material_change.h"
+#include "engine/bake/material_library.h"
+#include "engine/base/preset_folder.h"
+#include "engine/modal/bank_file.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+namespace ringdown::cli {
+namespace {
+
+constexpr double kSmallest = 1e-3, kLargest = 1e3;  // of --size
+
+struct ScaleArguments {
+  std::string bank, output;
+  std::optional<std::string> material, name;
+  std::filesystem::path folder;
+  double size = 1;
+};
+
+Result<modal::Material> material_of(const ScaleArguments& arguments) {
+  std::filesystem::path folder = arguments.folder;
+  if (folder.empty()) {
+    const auto presets = preset_folder();
+    if (!presets) return fail(presets.error());
+    folder = *presets / "materials";
+  }
+  auto entry = bake::find_material(folder, *arguments.material);
+  if (!entry) return fail(entry.error());
+  return entry->material;
+}
+
+void print_summary(const modal::Bank& before, const bake::Changed& changed, const std::string& output) {
+  const modal::Bank& bank = changed.bank;
+  const auto [low, high] = std::ranges::minmax(bank.frequency_hz);
+  std::printf("%s: %zu modes, %.0f to %.0f Hz, complete from %.4g to %.4g Hz", output.c_str(), bank.mode_count(), low,
+              high, bank.provenance.band_low_hz, bank.provenance.band_high_hz);
+  if (before.mass && bank.mass) std::printf(", %.4g kg instead of %.4g", bank.mass->mass_kg, before.mass->mass_kg);
+  if (changed.over_damped > 0) std::printf("; %zu modes left out that no longer ring", changed.over_damped);
+  std::printf("\n");
+}
+
+ExitCode scale(const ScaleArguments& arguments) {
+  const auto bank = modal::read_bank(arguments.bank);
+  if (!bank) return complain(bank.error().message, ExitCode::bad_input);
+  bake::Change change{.size = arguments.size};
+  if (arguments.material) {
+    auto material = material_of(arguments);
+    if (!material) return complain(material.error().message, ExitCode::bad_input);
+    change.material = std::move(*material);
+  }
+  auto changed = bake::change(*bank, change);
+  if (!changed) return complain(arguments.bank + ": " + changed.error().message, ExitCode::bad_input);
+  if (arguments.name) changed->bank.name = *arguments.name;
+  if (const auto written = modal::write_bank(changed->bank, arguments.output); !written)
+    return complain(written.error().message, ExitCode::failure);
+  print_summary(*bank, *changed, arguments.output);
+  if (change.material && change.material->poisson_ratio != bank->material->poisson_ratio) {
+    char text[160];
+    std::snprintf(text, sizeof text, "its Poisson's ratio stays %.3g; only a new bake gives it %s's %.3g",
+                  bank->material->poisson_ratio, change.material->name.c_str(), change.material->poisson_ratio);
+    complain(text, ExitCode::ok);
+  }
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+void add_scale_verb(CLI::App& app, ExitCode& outcome) {
+  auto arguments = std::make_shared<ScaleArguments>();
+  CLI::App* verb = app.add_subcommand("scale", "Writes a bank in another size or material; exact, without its mesh.");
+  verb->add_option("bank", arguments->bank, "The bank, a .glb file.")->type_name("FILE")->required();
+  verb->add_option("-o,--output", arguments->output, "The bank to write (.glb).")->type_name("FILE")->required();
+  verb->add_option("--size", arguments->size, "How many times as large, in all directions.")
+      ->check(CLI::Range(kSmallest, kLargest))
+      ->capture_default_str();
+  verb->add_option("-m,--material", arguments->material, "The new material; Poisson's ratio stays as it was.")
+      ->type_name("NAME");
+  verb->add_option("--materials", arguments->folder, "Folder of materials (default: the presets').")
+      ->type_name("FOLDER");
+  verb->add_option("--name", arguments->name, "Name kept in the bank (default: as it was).")->type_name("TEXT");
+  verb->callback([arguments, &outcome] { outcome = scale(*arguments); });
+}
+
+}  // namespace ringdown::cli

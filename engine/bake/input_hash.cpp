@@ -1,0 +1,171 @@
+#include "engine/bake/input_hash.h"
+
+#include "engine/base/atomic_file.h"
+#include "engine/base/content_hash.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+
+namespace ringdown::bake {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFormat = 1;                                  // of the hash
+constexpr std::size_t kLargestFile = std::size_t{1} << 30;  // bytes
+constexpr std::size_t kMostFiles = 1000;                    // that one geometry reads
+
+using Files = std::vector<fs::path>;
+
+std::string lower(std::string_view text) {
+  std::string small(text);
+  std::transform(small.begin(), small.end(), small.begin(), [](unsigned char c) { return std::tolower(c); });
+  return small;
+}
+
+// Of gmsh's language, small letters without what is in quotes or comments.
+struct GeoWord {
+  std::string word;
+  std::string quoted;  // the text in quotes that comes next, with nothing but blanks and a bracket between
+};
+
+// Passes over a comment that begins at `at`, if one does.
+std::size_t after_comment(std::string_view text, std::size_t at) {
+  if (text.substr(at, 2) == "//") return std::min(text.find('\n', at), text.size());
+  if (text.substr(at, 2) == "/*") return std::min(text.find("*/", at + 2), text.size() - 2) + 2;
+  return at;
+}
+
+std::vector<GeoWord> words_of_geo(std::string_view text) {
+  std::vector<GeoWord> words;
+  bool joined = false;  // nothing but blanks and a bracket since the last word
+  for (std::size_t at = 0; at < text.size();) {
+    const auto letter = [&](std::size_t i) {
+      return std::isalnum(static_cast<unsigned char>(text[i])) || text[i] == '_';
+    };
+    if (const std::size_t after = after_comment(text, at); after != at) {
+      at = after;
+    } else if (text[at] == '"') {
+      const std::size_t end = std::min(text.find('"', at + 1), text.size());
+      if (joined) words.back().quoted = text.substr(at + 1, end - at - 1);
+      joined = false;
+      at = end + 1;
+    } else if (letter(at)) {
+      const std::size_t start = at;
+      while (at < text.size() && letter(at)) ++at;
+      words.push_back({lower(text.substr(start, at - start)), ""});
+      joined = true;
+    } else {
+      joined = joined && (text[at] == '(' || std::isspace(static_cast<unsigned char>(text[at])));
+      ++at;
+    }
+  }
+  return words;
+}
+
+bool is_one_of(std::string_view word, std::initializer_list<std::string_view> list) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
+
+// What a .geo file reads; nothing when it depends on more than files that it names.
+std::optional<Files> named_by_geo(std::string_view text) {
+  Files files;
+  for (const auto& [word, quoted] : words_of_geo(text)) {
+    if (is_one_of(word, {"systemcall", "nonblockingsystemcall", "onelabrun", "onelabaction", "getenv", "getstring",
+                         "getnumber", "getforced", "getforcedstr", "fileexists", "exists", "rand", "cpu", "memory",
+                         "totalmemory", "currentdir", "currentdirectory", "absolutepath"})) {
+      return std::nullopt;
+    }
+    if (!is_one_of(word, {"include", "merge", "mergewithboundingbox", "shapefromfile"})) continue;
+    if (quoted.empty()) return std::nullopt;
+    files.emplace_back(quoted);
+  }
+  return files;
+}
+
+// Of lines such as *INCLUDE, INPUT=nodes.inp
+std::optional<Files> named_by_inp(std::string_view text) {
+  Files files;
+  for (std::size_t start = 0; start < text.size();) {
+    const std::size_t end = std::min(text.find('\n', start), text.size());
+    const std::string_view line = text.substr(start, end - start);
+    start = end + 1;
+    if (!line.starts_with('*') || !lower(line.substr(0, 200)).starts_with("*include")) continue;
+    const std::size_t equals = line.find('=');
+    if (equals == std::string_view::npos) return std::nullopt;
+    std::string name(line.substr(equals + 1));
+    std::erase_if(name, [](char c) { return c == '"' || c == '\r' || c == ' '; });
+    files.emplace_back(name);
+  }
+  return files;
+}
+
+// The values of every "uri" that are not data themselves.
+std::optional<Files> named_by_gltf(std::string_view text) {
+  Files files;
+  for (std::size_t at = 0; (at = text.find("\"uri\"", at)) != std::string_view::npos;) {
+    const std::size_t start = text.find('"', at + 5), end = text.find('"', start + 1);
+    if (start == std::string_view::npos || end == std::string_view::npos) return std::nullopt;
+    const std::string_view name = text.substr(start + 1, end - start - 1);
+    if (name.find_first_of("\\%") != std::string_view::npos) return std::nullopt;  // escaped
+    if (!name.starts_with("data:")) files.emplace_back(name);
+    at = end;
+  }
+  return files;
+}
+
+std::optional<Files> named_by(const fs::path& path) {
+  const std::string kind = lower(path.extension().string());
+  if (kind == ".node" || kind == ".ele" || kind == ".face") {
+    Files files;
+    for (const char* ending : {".node", ".ele", ".face"}) {
+      std::error_code error;
+      const fs::path sibling = fs::path(path.filename()).replace_extension(ending);
+      if (ending != kind && fs::exists(path.parent_path() / sibling, error)) files.push_back(sibling);
+    }
+    return files;
+  }
+  const bool has_text = is_one_of(kind, {".geo", ".geo_unrolled", ".inp", ".bdf", ".nas", ".gltf"});
+  if (!has_text) return Files{};
+  const Result<std::string> text = read_whole_file(path, kLargestFile);
+  if (!text) return std::nullopt;
+  if (kind.starts_with(".geo")) return named_by_geo(*text);
+  if (kind == ".inp") return named_by_inp(*text);
+  if (kind == ".gltf") return named_by_gltf(*text);
+  return lower(*text).find("include") == std::string::npos ? std::optional(Files{}) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Files> files_of_geometry(const fs::path& geometry) {
+  Files files = {geometry};
+  for (std::size_t next = 0; next < files.size(); ++next) {
+    const std::optional<Files> named = named_by(files[next]);
+    if (!named || files.size() > kMostFiles) return std::nullopt;
+    for (const fs::path& name : *named) {
+      const fs::path file = (files[next].parent_path() / name).lexically_normal();
+      if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+    }
+  }
+  return files;
+}
+
+std::optional<std::string> input_hash(const BankInputs& inputs) {
+  std::optional<Files> files = files_of_geometry(inputs.geometry);
+  if (!files) return std::nullopt;
+  if (inputs.object != inputs.geometry) files->push_back(inputs.object);
+  files->push_back(inputs.material);
+  ContentHasher hasher;
+  hasher.value(kFormat).text(RINGDOWN_VERSION).text(inputs.object.filename().string());
+  for (const fs::path& file : *files) {
+    const Result<std::string> content = read_whole_file(file, kLargestFile);
+    if (!content) return std::nullopt;
+    hasher.text(*content);
+  }
+  for (const std::string& option : inputs.options) hasher.text(option);
+  return hasher.hash().text();
+}
+
+}  // namespace ringdown::bake

@@ -1,0 +1,48 @@
+// A baked bank's damping, from a recording of the thing itself.
+//
+// The recording's modes are matched to the bank's by frequency, up to one factor for all (another size, temperature or
+// modulus), and Rayleigh's alpha and beta are fitted to what decays: d = (alpha + beta lambda)/2, neither below 0, by
+// least squares in which one mode counts as much as another of the same relative error; modes whose decay is far off
+// (clamped, coupled, matched wrongly) are left out, as Tukey's biweight does [Beaton & Tukey, Technometrics 16(2),
+// 1974]. [worker]
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/fit/modes.h"
+#include "engine/modal/bank.h"
+
+#include <span>
+#include <vector>
+
+namespace ringdown::fit {
+
+struct Match {
+  std::size_t recorded, baked;  // numbers of the modes
+  double off_cents = 0;         // what is left of the recorded over the baked frequency after the common factor
+  bool used = false;            // for alpha and beta
+};
+
+struct Calibration {
+  modal::RayleighDamping damping;
+  double tuning_cents = 0;  // the recording over the bank: what the frequencies have in common
+  double spread = 0;        // of recorded over fitted decays: exp of the standard deviation of the logarithm, less 1
+  std::vector<Match> matches;
+  [[nodiscard]] std::size_t used() const;
+};
+
+struct CalibrateOptions {
+  double tolerance_cents = 30;     // a match is no further off, after the common factor
+  double most_tuning_cents = 200;  // the largest common factor that is looked for, up or down
+};
+
+// Fails when fewer than kFewestMatches modes match: then it is another thing, or another kind of blow.
+Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank& bank,
+                              const CalibrateOptions& options = {});
+
+inline constexpr std::size_t kFewestMatches = 3;
+
+// The bank with that damping: decays, damped frequencies, material. A mode that would be over-damped is dropped. A bank
+// without a material stays without.
+modal::Bank with_damping(const modal::Bank& bank, const modal::RayleighDamping& damping);
+
+}  // namespace ringdown::fit

@@ -1,0 +1,106 @@
+#include "engine/fit/extent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace ringdown::fit {
+namespace {
+
+constexpr double kBlock_s = 0.005;
+constexpr double kOverNoise = 4;       // an onset's first sample, over the largest of a quiet block's peaks
+constexpr double kOverSilence = 0.01;  // the same, of the largest peak
+constexpr double kAgain_s = 0.3;       // a new blow is louder than the sound was for so long,
+constexpr double kAgain = 2;           // by such a factor
+
+double peak_of(std::span<const double> samples) {
+  double peak = 0;
+  for (const double sample : samples) peak = std::max(peak, std::abs(sample));
+  return peak;
+}
+
+std::vector<double> peaks_of_blocks(std::span<const double> samples, std::size_t block) {
+  std::vector<double> peaks;
+  for (std::size_t first = 0; first < samples.size(); first += block) {
+    peaks.push_back(peak_of(samples.subspan(first, std::min(block, samples.size() - first))));
+  }
+  return peaks;
+}
+
+// What a quiet block reaches: the tenth lowest of a hundred.
+double noise_peak(std::vector<double> peaks) {
+  const auto place = peaks.begin() + static_cast<std::ptrdiff_t>(peaks.size() / 10);
+  std::nth_element(peaks.begin(), place, peaks.end());
+  return *place;
+}
+
+// The block in which the first blow that comes near the loudest begins.
+std::size_t onset_block(const std::vector<double>& peaks, double threshold) {
+  const double loudest = *std::ranges::max_element(peaks);
+  std::size_t block = 0;
+  while (peaks[block] < 0.5 * loudest) ++block;
+  while (block > 0 && peaks[block - 1] > threshold) --block;
+  return block;
+}
+
+// The block in which another blow begins, or the number of blocks.
+std::size_t next_blow(const std::vector<double>& peaks, std::size_t onset) {
+  const auto memory = static_cast<std::size_t>(kAgain_s / kBlock_s);
+  for (std::size_t block = onset + memory; block < peaks.size(); ++block) {
+    const auto at = peaks.begin() + static_cast<std::ptrdiff_t>(block);
+    const double before = *std::max_element(at - static_cast<std::ptrdiff_t>(memory) + 1, at);
+    if (peaks[block] > kAgain * before && peaks[block] > kAgain * peaks[block - 1]) return block;
+  }
+  return peaks.size();
+}
+
+// Whatever is left after the last block well above the noise is a tail that narrow bands may still hear: as long again.
+std::size_t lost_in_noise(const std::vector<double>& peaks, std::size_t onset, std::size_t end, double noise) {
+  std::size_t last = end;
+  while (last > onset + 1 && peaks[last - 1] < 1.5 * noise) --last;
+  return std::min(end, onset + 2 * (last - onset));
+}
+
+// Samples at the largest magnitude, where some follow each other; `last` is one past the last.
+std::size_t clipped_samples(std::span<const double> samples, double peak, std::size_t& last) {
+  std::size_t count = 0, run = 0, longest = 0;
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    run = std::abs(samples[n]) >= 0.9999 * peak ? run + 1 : 0;
+    longest = std::max(longest, run);
+    if (run > 0) ++count, last = n + 1;
+  }
+  return longest >= kClippedRun ? count : 0;
+}
+
+}  // namespace
+
+std::optional<Extent> find_extent(std::span<const double> samples, double sample_rate_hz,
+                                  std::optional<std::size_t> from) {
+  const double loudest = peak_of(samples);
+  if (!(loudest > 0)) return {};
+  const auto block = std::max<std::size_t>(1, static_cast<std::size_t>(kBlock_s * sample_rate_hz));
+  const std::vector<double> peaks = peaks_of_blocks(samples, block);
+  const double noise = noise_peak(peaks), threshold = std::max(kOverNoise * noise, kOverSilence * loudest);
+  const bool begins_at_once = peaks.front() > 0.5 * loudest;
+  if (!from && !begins_at_once && loudest < threshold) return {};
+  Extent extent;
+  const std::size_t first = from ? *from / block : begins_at_once ? 0 : onset_block(peaks, threshold);
+  if (from) {
+    extent.onset = *from;
+  } else {
+    extent.onset = first * block;
+    const double least = std::min(threshold, 0.5 * loudest);
+    while (!begins_at_once && std::abs(samples[extent.onset]) <= least) ++extent.onset;
+  }
+  const std::size_t end = lost_in_noise(peaks, first, next_blow(peaks, first), noise);
+  extent.end = std::min(samples.size(), end * block);
+  extent.start = extent.onset;
+  std::size_t last_clipped = 0;
+  const auto sound = samples.subspan(extent.onset, extent.end - std::min(extent.onset, extent.end));
+  extent.clipped = clipped_samples(sound, peak_of(sound), last_clipped);
+  if (extent.clipped > 0) extent.start = extent.onset + last_clipped;
+  if (extent.start >= extent.end) return {};
+  return extent;
+}
+
+}  // namespace ringdown::fit

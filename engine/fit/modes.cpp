@@ -1,0 +1,218 @@
+#include "engine/fit/modes.h"
+
+#include "engine/base/in_parallel.h"
+#include "engine/fit/amplitudes.h"
+#include "engine/fit/esprit.h"
+#include "engine/fit/extent.h"
+#include "engine/fit/refine.h"
+#include "engine/fit/subband.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace ringdown::fit {
+namespace {
+
+constexpr double kSamplesOfBand = 400;  // what a pass has of each band, more or less
+constexpr double kPassRatio = 4;        // of one pass's length to the next one's
+constexpr double kShortestPass_s = 0.02;
+constexpr double kFastestOfPass = 12;     // decay times length: above, the mode waits for a shorter pass,
+constexpr double kSlowestOfPass = 5;      // and below, with the length of the pass before, it would have been found there
+constexpr Eigen::Index kMostPoles = 44;   // of a band
+constexpr double kOverlap = 0.04;         // of the core, on either side
+constexpr double kLeastCycles = 1.5;      // frequency over decay: below, it is a thud and no tone
+constexpr double kLeastDecay = 3;         // decay over its standard error: below, it may be hum
+constexpr double kUnresolved = 0.02;      // modes nearer than that over the length are the same one, found twice
+constexpr double kRemains = 0.25;         // the same of a mode that an earlier pass has found, and its remains
+
+struct Candidate {
+  Mode mode;
+  std::size_t band;
+  bool accepted;  // else it is there, but no mode of this pass
+};
+
+struct Pass {
+  SubbandFilter filter;
+  double rate_hz, length_s;
+  double low_hz, high_hz;
+  double slowest_per_s;
+
+  Pass(double rate, double length, double low, double high, bool first)
+      : filter(static_cast<std::size_t>(std::max(1.0, std::round(rate * length / kSamplesOfBand)))),
+        rate_hz(rate), length_s(length), low_hz(low), high_hz(high),
+        slowest_per_s(first ? 0 : kSlowestOfPass / (kPassRatio * length)) {}
+  [[nodiscard]] double band_rate_hz() const { return rate_hz / static_cast<double>(filter.step()); }
+  [[nodiscard]] double width_hz() const { return SubbandFilter::kCore * band_rate_hz(); }
+  [[nodiscard]] std::size_t bands() const {
+    return static_cast<std::size_t>(std::ceil((high_hz - low_hz) / width_hz()));
+  }
+};
+
+// Decays, can be told from a steady tone, rings for more than a cycle, and lasts for much of the pass.
+bool is_mode_of(const Pass& pass, const Mode& mode) {
+  return mode.decay_per_s > kLeastDecay * mode.decay_error_per_s && mode.decay_per_s * pass.length_s < kFastestOfPass &&
+         mode.decay_per_s > pass.slowest_per_s &&
+         mode.frequency_hz > kLeastCycles * mode.decay_per_s && mode.frequency_hz >= pass.low_hz &&
+         mode.frequency_hz <= pass.high_hz;
+}
+
+std::vector<Candidate> search_band(std::span<const double> signal, const Pass& pass, std::size_t band) {
+  const double width = pass.width_hz(), centre = pass.low_hz + (static_cast<double>(band) + 0.5) * width;
+  const Eigen::VectorXcd samples = pass.filter.take(signal, centre / pass.rate_hz);
+  std::vector<Candidate> found;
+  for (const Term& term : refine(samples, find_poles(samples, kMostPoles))) {
+    const double rate = pass.band_rate_hz(), offset = term.pole.imag() * rate / (2 * std::numbers::pi);
+    const Mode mode{.frequency_hz = centre + offset,
+                    .decay_per_s = -term.pole.real() * rate,
+                    .frequency_error_hz = term.pole_error * rate / (2 * std::numbers::pi),
+                    .decay_error_per_s = term.pole_error * rate,
+                    .amplitude_error = 1 / term.significance};
+    if (std::abs(offset) <= (0.5 + kOverlap) * width) found.push_back({mode, band, is_mode_of(pass, mode)});
+  }
+  return found;
+}
+
+std::vector<Candidate> search(std::span<const double> signal, const Pass& pass, int threads) {
+  std::vector<std::vector<Candidate>> found(pass.bands());
+  std::atomic<std::size_t> next = 0;
+  in_parallel(std::min<int>(thread_count(threads), static_cast<int>(found.size())), [&](int) {
+    for (std::size_t band; (band = next++) < found.size();) found[band] = search_band(signal, pass, band);
+  });
+  std::vector<Candidate> all;
+  for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
+  return all;
+}
+
+// Neighbouring bands overlap: what both found is one mode, and the better estimate stays.
+std::vector<Candidate> without_doubles(std::vector<Candidate> candidates, double length_s) {
+  std::ranges::sort(candidates, {}, [](const Candidate& c) { return c.mode.frequency_hz; });
+  std::vector<Candidate> kept;
+  for (const Candidate& c : candidates) {
+    const auto same = [&](const Candidate& k) {
+      const double apart = c.mode.frequency_hz - k.mode.frequency_hz;
+      const double error = c.mode.frequency_error_hz + k.mode.frequency_error_hz;
+      return k.band != c.band && apart < std::max(5 * error, kUnresolved / length_s);
+    };
+    const auto twin = std::find_if(kept.end() - std::min<std::ptrdiff_t>(4, std::ssize(kept)), kept.end(), same);
+    if (twin == kept.end()) {
+      kept.push_back(c);
+    } else if (c.mode.frequency_error_hz < twin->mode.frequency_error_hz) {
+      *twin = c;
+    }
+  }
+  return kept;
+}
+
+double energy(const Mode& mode) { return mode.amplitude * mode.amplitude / mode.decay_per_s; }
+
+// By the options' floor and number. True when one was dropped.
+bool prune(std::vector<Mode>& modes, const Options& options) {
+  const std::size_t before = modes.size();
+  double loudest = 0;
+  for (const Mode& mode : modes) loudest = std::max(loudest, mode.amplitude);
+  const double least = loudest * std::pow(10, -options.floor_db / 20);
+  std::erase_if(modes, [&](const Mode& mode) { return mode.amplitude < least; });
+  std::ranges::sort(modes, std::greater{}, energy);
+  modes.resize(std::min(modes.size(), options.most_modes));
+  std::ranges::sort(modes, {}, &Mode::frequency_hz);
+  return modes.size() < before;
+}
+
+std::vector<double> difference(std::span<const double> a, std::span<const double> b) {
+  std::vector<double> result(a.begin(), a.end());
+  for (std::size_t n = 0; n < result.size(); ++n) result[n] -= b[n];
+  return result;
+}
+
+double square_sum(std::span<const double> x) { return std::inner_product(x.begin(), x.end(), x.begin(), 0.0); }
+
+// Of all modes so far and whatever else this pass has seen, an offset too: what is not in the sum would bend it.
+void fit_amplitudes_beside(std::span<const double> sound, double rate, std::vector<Mode>& modes,
+                           const std::vector<Candidate>& found) {
+  std::vector<Mode> all = modes;
+  all.push_back({});
+  for (const Candidate& c : found) {
+    if (!c.accepted) all.push_back(c.mode);
+  }
+  fit_amplitudes(sound, rate, all);
+  std::copy_n(all.begin(), modes.size(), modes.begin());
+}
+
+// What an earlier pass took out never goes without a trace.
+bool is_remains(const Mode& mode, std::span<const Mode> known, double length_s) {
+  return std::ranges::any_of(known, [&](const Mode& k) {
+    return std::abs(mode.frequency_hz - k.frequency_hz) < kRemains / length_s &&
+           std::abs(mode.decay_per_s - k.decay_per_s) < 0.5 * k.decay_per_s;
+  });
+}
+
+std::vector<Mode> search_all(std::span<const double> sound, double rate, const Options& options) {
+  const double high = std::min(options.high_hz, 0.49 * rate), whole = static_cast<double>(sound.size()) / rate;
+  std::vector<Mode> modes;
+  std::vector<double> left(sound.begin(), sound.end());
+  for (double length = whole; length >= kShortestPass_s; length /= kPassRatio) {
+    const Pass pass(rate, length, options.low_hz, high, length == whole);
+    const auto part = std::span(left).first(static_cast<std::size_t>(length * rate));
+    const std::vector<Candidate> found = without_doubles(search(part, pass, options.threads), length);
+    std::vector<Mode> fresh;
+    for (const Candidate& c : found) {
+      if (c.accepted && !is_remains(c.mode, modes, length)) fresh.push_back(c.mode);
+    }
+    if (fresh.empty()) continue;
+    modes.insert(modes.end(), fresh.begin(), fresh.end());
+    fit_amplitudes_beside(sound, rate, modes, found);
+    prune(modes, {.floor_db = options.floor_db + 20, .most_modes = kMostModes});
+    left = difference(sound, synthesise(modes, rate, sound.size()));
+  }
+  return modes;
+}
+
+Result<void> check(std::span<const double> samples, double rate, const Options& options) {
+  if (!(rate >= kLowestRate_hz && rate <= kHighestRate_hz)) {
+    return fail("a sample rate of " + std::to_string(rate) + " Hz is not between 8 and 768 kHz");
+  }
+  if (static_cast<double>(samples.size()) < kShortest_s * rate) return fail("it is shorter than 50 ms");
+  if (!std::ranges::all_of(samples, [](double x) { return std::isfinite(x); })) {
+    return fail("it has a sample that is no number");
+  }
+  if (!(options.low_hz >= 1 && options.high_hz > options.low_hz && options.low_hz < 0.49 * rate)) {
+    return fail("the band must begin at 1 Hz or above, end above its beginning, and begin below half the sample rate");
+  }
+  if (!(options.floor_db > 0) || options.most_modes == 0 || options.most_modes > kMostModes) {
+    return fail("the floor must be above 0 dB, and the number of modes from 1 to " + std::to_string(kMostModes));
+  }
+  if (options.from_s && !(*options.from_s >= 0 && *options.from_s * rate + kShortest_s * rate <= std::ssize(samples))) {
+    return fail("less than 50 ms follow where it shall begin");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Fit> fit_modes(std::span<const double> samples, double sample_rate_hz, const Options& options) {
+  if (auto good = check(samples, sample_rate_hz, options); !good) return fail(good.error());
+  const double mean = std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(samples.size());
+  std::vector<double> centred(samples.begin(), samples.end());
+  for (double& sample : centred) sample -= mean;
+  std::optional<std::size_t> from;
+  if (options.from_s) from = static_cast<std::size_t>(std::round(*options.from_s * sample_rate_hz));
+  const std::optional<Extent> extent = find_extent(centred, sample_rate_hz, from);
+  if (!extent) return Fit{};
+  const auto most = static_cast<std::size_t>(kLongest_s * sample_rate_hz);
+  const auto sound = std::span(centred).subspan(extent->start, std::min(most, extent->end - extent->start));
+
+  Fit fit{.modes = search_all(sound, sample_rate_hz, options), .clipped = extent->clipped};
+  if (prune(fit.modes, options)) fit_amplitudes_beside(sound, sample_rate_hz, fit.modes, {});
+  const auto left = difference(sound, synthesise(fit.modes, sample_rate_hz, sound.size()));
+  fit.explained = 1 - square_sum(left) / square_sum(sound);
+  fit.onset_s = static_cast<double>(extent->onset) / sample_rate_hz;
+  fit.start_s = static_cast<double>(extent->start) / sample_rate_hz;
+  fit.end_s = fit.start_s + static_cast<double>(sound.size()) / sample_rate_hz;
+  move_time(fit.modes, fit.onset_s - fit.start_s);
+  return fit;
+}
+
+}  // namespace ringdown::fit

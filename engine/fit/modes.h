@@ -1,0 +1,61 @@
+// The modes of a struck object, from a recording of one blow.
+//
+// The sound after the blow is taken for a sum of damped sinusoids in noise,
+//
+//   x(t) = sum over modes of A exp(-d t) sin(2 pi f t + phase),   t from the onset [s],
+//
+// and cut into bands narrow enough that a few hundred samples of each hold all there is to know (subband.h). In each,
+// ESPRIT finds poles (esprit.h), which least squares makes as good as the noise allows; those that the noise of the
+// band could have made are dropped (refine.h). Long modes are found first, over the whole recording; then, in what is
+// left, shorter ones over its first quarter, sixteenth and so on. At last all amplitudes are fitted together
+// (amplitudes.h). [worker]
+#pragma once
+
+#include "engine/base/result.h"
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace ringdown::fit {
+
+struct Mode {
+  double frequency_hz = 0;  // damped
+  double decay_per_s = 0;
+  double amplitude = 0;  // at the onset, in units of the samples
+  double phase_rad = 0;  // of the sine, at the onset, in (-pi, pi]
+  // Standard errors, as the noise of the mode's band gives them.
+  double frequency_error_hz = 0;
+  double decay_error_per_s = 0;
+  double amplitude_error = 0;  // relative
+};
+
+struct Options {
+  double low_hz = 20, high_hz = 20000;  // where modes are looked for; the top is at most 0.98 of half the sample rate
+  double floor_db = 80;                 // modes whose amplitude lies further below the loudest's are dropped
+  std::size_t most_modes = 1000;        // those of most energy stay
+  std::optional<double> from_s;         // where the blow is; otherwise it is found
+  int threads = 0;                      // 0: one for each processor
+};
+
+struct Fit {
+  std::vector<Mode> modes;  // by frequency
+  double onset_s = 0;       // of the recording; where amplitudes and phases are meant
+  double start_s = 0;       // what was looked at: from here, after the onset where the beginning is clipped,
+  double end_s = 0;         // to here, where the sound is lost in noise, the next blow comes, or kLongest_s are over
+  std::size_t clipped = 0;  // samples that stand at full scale
+  double explained = 0;     // 1 - energy of what the modes leave over that of the sound, from start to end
+};
+
+inline constexpr double kLongest_s = 8;         // of the sound that is looked at
+inline constexpr double kShortest_s = 0.05;     // shorter recordings are refused
+inline constexpr double kLowestRate_hz = 8000;  // of samples
+inline constexpr double kHighestRate_hz = 768000;
+inline constexpr std::size_t kMostModes = 4000;  // of Options::most_modes
+
+// `samples`: one channel. No modes at all where there is nothing but noise. Fails when it is too short, a sample is no
+// number, or the options make no sense. About ten seconds for eight of sound, on one processor.
+Result<Fit> fit_modes(std::span<const double> samples, double sample_rate_hz, const Options& options = {});
+
+}  // namespace ringdown::fit

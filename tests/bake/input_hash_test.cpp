@@ -1,0 +1,77 @@
+// What a bank's hash of inputs depends on, and when it cannot be told.
+#include "engine/bake/input_hash.h"
+
+#include "tests/support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace ringdown::bake {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+std::set<std::string> names_of(const std::optional<std::vector<fs::path>>& files) {
+  std::set<std::string> names;
+  if (!files) return {"unknown"};
+  for (const fs::path& file : *files) names.insert(file.filename());
+  return names;
+}
+
+TEST(InputHash, KnowsWhatAGeometryReads) {
+  const TemporaryFolder folder;
+  using Names = std::set<std::string>;
+  folder.write("b.geo", "Include \"c.geo\";");
+  folder.write("c.geo", "Include \"b.geo\"; // each other");
+  folder.write("t.node", ""), folder.write("t.ele", "");
+  const std::tuple<const char*, const char*, Names> cases[] = {
+      {"a.geo", "Box(1) = {0, 0, 0, 1, 1, 1};", {"a.geo"}},
+      {"a.geo", "Include \"b.geo\";", {"a.geo", "b.geo", "c.geo"}},
+      {"a.geo", "merge \"part.step\"; // Include \"no.geo\"", {"a.geo", "part.step"}},
+      {"a.geo", "/* SystemCall \"date\"; */ v() = ShapeFromFile(\"x.brep\");", {"a.geo", "x.brep"}},
+      {"a.geo", "grandness = 3; Printf(\"Rand and Include \");", {"a.geo"}},
+      {"a.geo", "Include Sprintf(\"%g.geo\", 3);", {"unknown"}},
+      {"a.geo", "x = Rand(1);", {"unknown"}},
+      {"a.geo", "SystemCall \"date\";", {"unknown"}},
+      {"a.geo", "s = GetEnv(\"HOME\");", {"unknown"}},
+      {"a.geo", "/* never ended", {"a.geo"}},
+      {"a.geo", "\"never ended", {"a.geo"}},
+      {"a.inp", "*NODE\n*Include, Input=\"nodes.inp\"\n", {"a.inp", "nodes.inp"}},
+      {"a.inp", "*INCLUDE\n", {"unknown"}},
+      {"a.gltf", R"({"buffers":[{"uri":"a.bin"}],"images":[{"uri" : "data:x"}]})", {"a.gltf", "a.bin"}},
+      {"a.gltf", R"({"buffers":[{"uri":"a%20b.bin"}]})", {"unknown"}},
+      {"t.node", "", {"t.node", "t.ele"}},
+      {"a.msh", "Include \"b.geo\"", {"a.msh"}},
+  };
+  for (const auto& [name, text, files] : cases) {
+    folder.write(name, text);
+    EXPECT_EQ(names_of(files_of_geometry(folder / name)), files) << text;
+  }
+}
+
+TEST(InputHash, DependsOnContentAndNotOnPlace) {
+  const TemporaryFolder folder;
+  const auto hash = [&](const std::string& place, const std::string& geometry,
+                        const std::vector<std::string>& options) {
+    fs::create_directories(folder / place);
+    folder.write(place + "/o.toml", "material = \"m\"");
+    folder.write(place + "/g.geo", geometry);
+    folder.write(place + "/m.toml", "");
+    return input_hash(
+        {folder / (place + "/o.toml"), folder / (place + "/g.geo"), folder / (place + "/m.toml"), options});
+  };
+  const auto first = hash("a", "x = 1;", {"--keep", "4"});
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->size(), 32u);
+  EXPECT_EQ(hash("b", "x = 1;", {"--keep", "4"}), first);
+  EXPECT_NE(hash("b", "x = 2;", {"--keep", "4"}), first);
+  EXPECT_NE(hash("b", "x = 1;", {"--keep", "5"}), first);
+  EXPECT_NE(hash("b", "x = 1;", {}), first);
+  EXPECT_FALSE(input_hash({folder / "a/o.toml", folder / "a/none.geo", folder / "a/m.toml", {}}));
+  EXPECT_FALSE(input_hash({folder / "a/o.toml", folder / "a/g.geo", folder / "a/none.toml", {}}));
+}
+
+}  // namespace
+}  // namespace ringdown::bake

@@ -1,0 +1,120 @@
+// A rescaled bank is the bank that would have been baked, from a mesh scaled by hand and in the other material.
+#include "engine/bake/material_change.h"
+
+#include "engine/bake/bake.h"
+#include "tests/fem/sample_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+namespace ringdown {
+namespace {
+
+const modal::Material kSteel = {"steel", 200e9, 0.3, 7850, {5, 3e-8}}, kOther = {"other", 61e9, 0.3, 1930, {0.3, 2e-7}};
+
+// Three unlike edges, off the origin.
+modal::Bank baked(double size, const modal::Material& material, double high_hz) {
+  mesh::TetMesh mesh = test::box_mesh({8, 2, 2}, size * Eigen::Vector3d(0.2, 0.025, 0.011));
+  mesh.nodes.col(1).array() += 0.1 * size;
+  const bake::BakeOptions options{.band_low_hz = 20, .band_high_hz = high_hz};
+  return bake::bake(test::checked(mesh), material, options, "bar").value().bank;
+}
+
+std::vector<std::size_t> by_pitch(const modal::Bank& bank) {
+  std::vector<std::size_t> order(bank.mode_count());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, {}, [&](std::size_t m) { return bank.frequency_hz[m]; });
+  return order;
+}
+
+void expect_same(const modal::Bank& a, const modal::Bank& b, double relative) {
+  ASSERT_EQ(a.mode_count(), b.mode_count());
+  ASSERT_EQ(a.point_count(), b.point_count());
+  const auto order_a = by_pitch(a), order_b = by_pitch(b);
+  for (std::size_t i = 0; i < a.mode_count(); ++i) {
+    const std::size_t m = order_a[i], n = order_b[i];
+    EXPECT_NEAR(a.frequency_hz[m] / b.frequency_hz[n], 1, relative);
+    EXPECT_NEAR(a.decay_per_s[m] / b.decay_per_s[n], 1, relative);
+    float largest = 0, off = 0;
+    for (std::size_t p = 0; p < a.point_count(); ++p) {
+      for (int k = 0; k < 3; ++k) {
+        largest = std::max(largest, std::abs(b.shape(n, p)[k]));
+        off = std::max(off, std::abs(a.shape(m, p)[k] - b.shape(n, p)[k]));
+      }
+    }
+    EXPECT_LT(off, 10 * relative * largest) << a.frequency_hz[m];
+  }
+  for (std::size_t p = 0; p < a.point_count(); ++p) {
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(a.positions[p][k], b.positions[p][k], 1e-6);
+  }
+  EXPECT_NEAR(a.mass->mass_kg / b.mass->mass_kg, 1, relative);
+  EXPECT_NEAR(a.mass->center_of_mass_m.y / b.mass->center_of_mass_m.y, 1, relative);
+  EXPECT_NEAR(a.mass->inertia_kg_m2.x / b.mass->inertia_kg_m2.x, 1, relative);
+  EXPECT_EQ(a.material->damping, b.material->damping);
+  EXPECT_EQ(a.material->youngs_modulus_pa, b.material->youngs_modulus_pa);
+}
+
+TEST(Change, OfSizeIsABakeOfTheMeshScaledByHand) {
+  const modal::Bank one = baked(1, kSteel, 16000);
+  for (const double size : {2.0, 0.61}) {
+    const auto changed = bake::change(one, {.size = size});
+    ASSERT_TRUE(changed) << changed.error().message;
+    const double high_hz = changed->bank.provenance.band_high_hz;
+    EXPECT_NEAR(high_hz, 16000 / size, 100);
+    EXPECT_NEAR(changed->bank.provenance.band_low_hz, 20 / size, 0.1);
+    expect_same(changed->bank, baked(size, kSteel, high_hz), 1e-6);
+  }
+}
+
+TEST(Change, OfMaterialIsABakeInIt) {
+  const modal::Bank one = baked(1, kSteel, 16000);
+  const auto changed = bake::change(one, {.size = 1.3, .material = kOther});
+  ASSERT_TRUE(changed);
+  EXPECT_EQ(changed->bank.material->name, "other");
+  expect_same(changed->bank, baked(1.3, kOther, changed->bank.provenance.band_high_hz), 1e-6);
+}
+
+TEST(Change, OrdersModesByTheirNewImportanceAndBackIsTheOldBank) {
+  const modal::Bank one = baked(1, kSteel, 16000);
+  const auto there = bake::change(one, {.size = 0.1, .material = kOther});
+  ASSERT_TRUE(there);
+  EXPECT_NE(by_pitch(there->bank), by_pitch(one)) << "what was audible is so no more";
+  const auto back = bake::change(there->bank, {.size = 10, .material = kSteel});
+  ASSERT_TRUE(back);
+  expect_same(back->bank, one, 1e-6);
+  EXPECT_NEAR(back->bank.provenance.band_high_hz, 16000, 1e-3);
+}
+
+TEST(Change, FromNoDampingAndToNone) {
+  modal::Material lossless = kSteel;
+  lossless.damping = {};
+  const auto damped = bake::change(baked(1, lossless, 16000), {.material = kSteel});
+  ASSERT_TRUE(damped);
+  expect_same(damped->bank, baked(1, kSteel, damped->bank.provenance.band_high_hz), 1e-6);
+  const auto freed = bake::change(damped->bank, {.material = lossless});
+  ASSERT_TRUE(freed);
+  for (const double decay : freed->bank.decay_per_s) EXPECT_NEAR(decay, 0, 1e-9);
+}
+
+TEST(Change, LeavesOutWhatNoLongerRingsAndRefusesWhatItCannotKnow) {
+  const modal::Bank one = baked(1, kSteel, 16000);
+  modal::Material mud = kSteel;
+  mud.damping.beta_s = 2e-4;
+  const auto changed = bake::change(one, {.material = mud});
+  ASSERT_TRUE(changed);
+  EXPECT_GT(changed->over_damped, 0u);
+  EXPECT_EQ(changed->bank.mode_count() + changed->over_damped, one.mode_count());
+  mud.damping.beta_s = 1;
+  EXPECT_FALSE(bake::change(one, {.material = mud}));
+  modal::Bank nameless = one;
+  nameless.material.reset();
+  EXPECT_FALSE(bake::change(nameless, {.material = kOther}));
+  EXPECT_TRUE(bake::change(nameless, {.size = 2}));
+}
+
+}  // namespace
+}  // namespace ringdown
