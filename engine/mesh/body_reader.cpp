@@ -72,12 +72,9 @@ std::string text_of(Making making) {
   return "";
 }
 
-std::string sheet_sentence(const std::string& name) {
-  return name + " is an open sheet and encloses nothing; give it a thickness in a mesh tool";
-}
-
-std::string flat_sentence(const std::string& name) {
-  return name + " has no volume: it is flat; give it a thickness in a mesh tool";
+std::string hopeless(const SurfaceReport& left, const std::string& name) {
+  if (!left.find(Fault::kSheet) && !left.find(Fault::kNoVolume)) return "";
+  return name + " encloses nothing: it is an open sheet, or flat; give it a thickness in a mesh tool";
 }
 
 BodyReader::BodyReader(std::filesystem::path path, std::filesystem::path cache)
@@ -140,8 +137,7 @@ Result<Body> BodyReader::make_of_surface(const GmshOptions& options, const Progr
   Body body;
   body.making = Making::kFilled;
   body.notes = notes_of(**prepared);
-  if (left.find(Fault::kSheet)) return fail(sheet_sentence(path_.string()));
-  if (left.find(Fault::kNoVolume)) return fail(flat_sentence(path_.string()));
+  if (const std::string why = hopeless(left, path_.string()); !why.empty()) return fail(why);
   const double wall_m = wall_thickness(mesh);
   if (left.sound()) {
     Result<Filled> filled = fill(mesh, {options.mesh_size_m, options.order, wall_m}, path_.string());

@@ -29,9 +29,8 @@ enum class Making : std::int32_t { kRead, kMeshed, kFilled, kStuffed };
 // "tetrahedra from a file", "geometry meshed by gmsh", "surface filled by gmsh", "surface stuffed".
 std::string text_of(Making making);
 
-// The sentences for surfaces that no body can be made of.
-std::string sheet_sentence(const std::string& name);
-std::string flat_sentence(const std::string& name);
+// Why no body can be made of a surface: it is a sheet, or flat. Nothing where one can.
+std::string hopeless(const SurfaceReport& left, const std::string& name);
 
 struct Body {
   CheckedMesh mesh;

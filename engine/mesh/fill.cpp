@@ -22,7 +22,8 @@ constexpr double kEdgePerSize = 0.85;      // CGAL's edges scatter about the len
 constexpr double kMostDeviation = 1 / 7.0;  // of the thinnest wall
 constexpr double kFiner = 0.6;
 constexpr int kMostTries = 4;
-constexpr double kVolumeSlip = 0.05;
+constexpr double kVolumeSlip = 0.03;
+constexpr double kVolumeToCurve = 0.15;  // that flat triangles may lose, and curved ones win back
 
 // The body of one outer shell and its cavities: shells as gmsh's surfaces, in units of `unit_m`.
 class GmshBody {
@@ -104,7 +105,13 @@ double diagonal(const TriangleMesh& surface) {
 
 double volume_of(const TetMesh& mesh) {
   double volume = 0;
-  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) volume += jacobian(corners_of(mesh, e)).determinant() / 6;
+  const int order = mesh.order();
+  for (const QuadraturePoint& point : tet_quadrature(std::max(3 * (order - 1), 1))) {
+    const ReferenceGradient gradient = reference_gradient(order, point.barycentric);
+    for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+      volume += point.weight * jacobian(nodes_of(mesh, e), gradient).determinant() / 6;
+    }
+  }
   return volume;
 }
 
@@ -162,11 +169,14 @@ struct Sized {
 Result<Sized> sized(const TriangleMesh& surface, const FillOptions& options) {
   double size = options.size_m;
   const double most = options.wall_m > 0 ? kMostDeviation * options.wall_m : 0.1 * diagonal(surface);
+  const double volume = volume_of(shells_of(surface));
+  const double slip = options.order > 1 ? kVolumeToCurve : kVolumeSlip;
   std::string why;
   for (int attempt = 0; attempt < kMostTries; ++attempt, size *= kFiner) {
     Result<Remeshed> remeshed = remesh(surface, kEdgePerSize * size);
     if (!remeshed) return fail(remeshed.error());
-    if (remeshed->deviation_m > most) {
+    const double now = volume_of(shells_of(remeshed->mesh));
+    if (remeshed->deviation_m > most || std::abs(now - volume) > slip * volume) {
       why = "triangles of the chosen size leave it";
     } else if (!self_intersections(remeshed->mesh, 1).empty()) {
       why = "triangles of the chosen size cut each other";
@@ -182,10 +192,10 @@ Result<Filled> fill_sized(const TriangleMesh& surface, const FillOptions& option
   if (!triangles) return fail(triangles.error());
   Result<CheckedMesh> mesh = fill_as_it_is(triangles->surface, triangles->size_m, name);
   if (!mesh) return fail(mesh.error());
-  const double volume = volume_of(shells_of(surface));
-  if (std::abs(volume_of(mesh->mesh) - volume) > kVolumeSlip * volume) return fail("its volume comes out wrong");
   if (options.order > 1) mesh = curved(*mesh, surface, options, name);
   if (!mesh) return fail(mesh.error());
+  const double volume = volume_of(shells_of(surface));
+  if (std::abs(volume_of(mesh->mesh) - volume) > kVolumeSlip * volume) return fail("its volume comes out wrong");
   return Filled{std::move(*mesh), ""};
 }
 

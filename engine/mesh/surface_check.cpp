@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <numbers>
 #include <numeric>
 
@@ -108,37 +107,14 @@ class Diagnosis {
     find_holes(open);
   }
 
-  // Edges that hang together by their ends are one hole.
   void find_holes(const std::vector<EdgeUse>& open) {
-    std::map<std::int32_t, std::int32_t> parent;
-    const auto root = [&parent](std::int32_t n) {
-      while (parent.at(n) != n) n = parent[n] = parent.at(parent.at(n));
-      return n;
-    };
-    for (const EdgeUse& edge : open) {
-      parent.emplace(edge.low, edge.low);
-      parent.emplace(edge.high, edge.high);
-    }
-    for (const EdgeUse& edge : open) {
-      const auto [low, high] = std::minmax(root(edge.low), root(edge.high));
-      parent[high] = low;
-    }
-    struct Hole {
+    for (const std::vector<std::int32_t>& loop : loops_of(open)) {
       double perimeter = 0;
-      std::int32_t triangle = 0;
-      Eigen::RowVector3d at;
-    };
-    std::map<std::int32_t, Hole> holes;
-    for (const EdgeUse& edge : open) {
-      const double length = (node(edge.high) - node(edge.low)).norm();
-      Hole& hole = holes.try_emplace(root(edge.low), Hole{0, edge.triangle, node(edge.low)}).first->second;
-      hole.perimeter += length;
-    }
-    for (const auto& [first, hole] : holes) {
-      add(Fault::kHole, hole.triangle, hole.at);
+      for (std::size_t i = 0; i < loop.size(); ++i) perimeter += (node(loop[(i + 1) % loop.size()]) - node(loop[i])).norm();
+      add(Fault::kHole, -1, node(loop.front()));
       Finding& known = finding(Fault::kHole);
-      known.length_m = std::max(known.length_m, hole.perimeter);
-      opening_m2_ += hole.perimeter * hole.perimeter / (4 * std::numbers::pi);
+      known.length_m = std::max(known.length_m, perimeter);
+      opening_m2_ += perimeter * perimeter / (4 * std::numbers::pi);
     }
   }
 

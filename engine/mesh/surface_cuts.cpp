@@ -26,7 +26,8 @@ class Cutter {
     }
     try {
       CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [this](const Box& a, const Box& b) {
-        const auto [first, second] = std::minmax(a.info(), b.info());
+        const std::int32_t first = std::min<std::int32_t>(a.info(), b.info());
+        const std::int32_t second = std::max<std::int32_t>(a.info(), b.info());
         if (!cut(first, second)) return;
         found_.push_back({first, second});
         if (found_.size() >= most_) throw Enough();

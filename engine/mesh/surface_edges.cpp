@@ -6,6 +6,7 @@
 #include <array>
 #include <numeric>
 #include <tuple>
+#include <unordered_map>
 
 namespace ringdown::mesh {
 
@@ -32,6 +33,32 @@ bool is_degenerate(const TriangleMesh& mesh, Eigen::Index triangle) {
   const Eigen::RowVector3d a = mesh.nodes.row(corners[0]), b = mesh.nodes.row(corners[1]), c = mesh.nodes.row(corners[2]);
   const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
   return (b - a).cross(c - a).norm() <= kFlat * longest;
+}
+
+std::vector<std::vector<std::int32_t>> loops_of(const std::vector<EdgeUse>& edges) {
+  std::unordered_map<std::int32_t, std::vector<std::size_t>> at;
+  const auto start = [&edges](std::size_t e) { return edges[e].forward ? edges[e].high : edges[e].low; };
+  for (std::size_t e = 0; e < edges.size(); ++e) at[start(e)].push_back(e);
+  std::vector<bool> used(edges.size(), false);
+  std::vector<std::vector<std::int32_t>> loops;
+  for (std::size_t seed = 0; seed < edges.size(); ++seed) {
+    std::vector<std::int32_t> way = {start(seed)};
+    for (std::size_t e = seed; !used[e];) {
+      used[e] = true;
+      const std::int32_t end = edges[e].low + edges[e].high - start(e);
+      const auto before = std::find(way.begin(), way.end(), end);
+      if (before != way.end()) {
+        if (way.end() - before > 2) loops.emplace_back(before, way.end());
+        way.erase(before + 1, way.end());
+      } else {
+        way.push_back(end);
+      }
+      for (const std::size_t next : at[way.back()]) {
+        if (!used[next]) e = next;
+      }
+    }
+  }
+  return loops;
 }
 
 std::vector<bool> duplicates_in(const TriangleMesh& mesh) {

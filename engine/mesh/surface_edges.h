@@ -24,7 +24,11 @@ inline std::size_t end_of_edge(const std::vector<EdgeUse>& edges, std::size_t fi
   return last;
 }
 
-// Not degenerate (lower than 1e-12 of its longest side, or a corner named twice).
+// The closed ways along such edges, each used once, as their nodes; against the triangles' own direction where they agree
+// on one. Ways that meet at a node are parted there; those that do not close are left out.
+std::vector<std::vector<std::int32_t>> loops_of(const std::vector<EdgeUse>& edges);
+
+// Lower than 1e-12 of its longest side, or a corner named twice.
 bool is_degenerate(const TriangleMesh& mesh, Eigen::Index triangle);
 
 // For each triangle, whether an earlier one that is not degenerate has the same corners.

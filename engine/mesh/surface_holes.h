@@ -1,20 +1,18 @@
-// The part of repair that needs half-edges: taking apart, sewing, closing. By CGAL. [worker]
+// Taking apart and closing of surfaces. By CGAL. [worker]
 #pragma once
 
 #include "engine/mesh/triangle_mesh.h"
 
+#include <vector>
+
 namespace ringdown::mesh {
 
-struct Sewn {
-  TriangleMesh mesh;
-  int parted = 0;      // points doubled because surfaces ran together there
-  int sewn = 0;        // pairs of border edges joined
-  int closed = 0;      // holes
-  int flattened = 0;   // triangles without area, taken out without leaving a hole
-  int left_open = 0;   // holes
-};
+// The same triangles where no edge has more than two of them and those around each point hang together: points are doubled
+// where surfaces ran together, and borders that lie on each other joined again, two and two. No triangle may name a node
+// twice.
+TriangleMesh part(const TriangleMesh& mesh);
 
-// Closes flat holes, and others of at most `longest_hole` [m] around. No triangle may name a node twice or be a copy.
-Sewn sew(const TriangleMesh& mesh, double longest_hole_m);
+// Triangles that span a closed way, as positions in it, turned like the way. Empty when CGAL finds none.
+Triangles span(const std::vector<Eigen::RowVector3d>& way);
 
 }  // namespace ringdown::mesh

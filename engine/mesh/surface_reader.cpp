@@ -1,5 +1,6 @@
 #include "engine/mesh/surface_reader.h"
 
+#include <Eigen/LU>
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -9,6 +10,8 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstring>
+#include <fstream>
 #include <vector>
 
 namespace ringdown::mesh {
@@ -114,8 +117,21 @@ Result<Soup> import(const std::filesystem::path& path) {
   return collect(*scene, name);
 }
 
+// assimp reads what is there of a .glb that was cut off.
+Result<void> check_length(const std::filesystem::path& path) {
+  if (ending_of(path) != ".glb") return {};
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, 12> head{};
+  std::uint32_t length = 0;
+  std::error_code error;
+  if (file.read(head.data(), head.size())) std::memcpy(&length, &head[8], sizeof length);
+  if (length <= std::filesystem::file_size(path, error)) return {};
+  return fail(path.string() + " was cut off: it says to be " + std::to_string(length) + " bytes long");
+}
+
 Result<TriangleMesh> checked(const std::filesystem::path& path) {
   const std::string name = path.string();
+  if (auto whole = check_length(path); !whole) return fail(whole.error());
   const Result<Soup> soup = import(path);
   if (!soup) return fail(soup.error());
   if (soup->triangles.empty()) return fail(name + " has no triangles; a body needs a surface");

@@ -3,7 +3,12 @@
 #include "engine/mesh/surface_edges.h"
 #include "engine/mesh/surface_holes.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
 
 namespace ringdown::mesh {
 namespace {
@@ -16,13 +21,14 @@ class Mender {
 
   RepairedSurface run() {
     drop_repeated();
+    flat_ += split_at_flats();
     drop_fins();
     turn();
-    const double diagonal = diagnose_size();
-    Sewn sewn = sew(mesh_, kLargestHole * diagonal);
-    mesh_ = std::move(sewn.mesh);
-    say(sewn.sewn, "sewed %d border edge%s");
-    say(sewn.closed, "closed %d hole%s");
+    drop_rags();
+    close_holes();
+    flat_ += split_at_flats();
+    say(flat_, "took out %d triangle%s without area");
+    mesh_ = part(mesh_);
     drop_scraps();
     turn_outward();
     return {std::move(mesh_), std::move(actions_)};
@@ -37,7 +43,7 @@ class Mender {
     actions_.emplace_back(text);
   }
 
-  [[nodiscard]] double diagnose_size() const {
+  [[nodiscard]] double diagonal() const {
     Eigen::RowVector3d low = Eigen::RowVector3d::Constant(HUGE_VAL), high = -low;
     for (const std::int32_t n : mesh_.triangles.reshaped()) {
       low = low.cwiseMin(mesh_.nodes.row(n));
@@ -58,9 +64,92 @@ class Mender {
 
   void drop_repeated() {
     say(drop(duplicates_in(mesh_)), "dropped %d duplicated triangle%s");
-    std::vector<bool> degenerate(static_cast<std::size_t>(mesh_.triangles.rows()));
-    for (std::size_t t = 0; t < degenerate.size(); ++t) degenerate[t] = is_degenerate(mesh_, static_cast<Eigen::Index>(t));
-    say(drop(degenerate), "dropped %d triangle%s without area");
+    std::vector<bool> narrow(static_cast<std::size_t>(mesh_.triangles.rows()));
+    for (std::size_t t = 0; t < narrow.size(); ++t) {
+      const auto row = mesh_.triangles.row(static_cast<Eigen::Index>(t));
+      narrow[t] = row[0] == row[1] || row[1] == row[2] || row[2] == row[0];
+    }
+    flat_ += drop(narrow);
+  }
+
+  [[nodiscard]] double side(Eigen::Index t, int i) const {
+    return (mesh_.nodes.row(mesh_.triangles(t, (i + 1) % 3)) - mesh_.nodes.row(mesh_.triangles(t, i))).norm();
+  }
+
+  // A triangle whose corners lie in one line goes, and its neighbour at the longest side is cut in two at the third corner.
+  std::size_t split_at_flats() {
+    std::size_t done = 0;
+    for (Eigen::Index t = 0; t < mesh_.triangles.rows(); ++t) {
+      if (!is_degenerate(mesh_, t)) continue;
+      int longest = 0;
+      for (int i = 1; i < 3; ++i) longest = side(t, i) > side(t, longest) ? i : longest;
+      const std::int32_t a = mesh_.triangles(t, longest), b = mesh_.triangles(t, (longest + 1) % 3),
+                         middle = mesh_.triangles(t, (longest + 2) % 3);
+      split_neighbour(t, a, b, middle);
+      ++done;
+    }
+    if (done > 0) drop(flats());
+    return done;
+  }
+
+  [[nodiscard]] std::vector<bool> flats() const {
+    std::vector<bool> flat(static_cast<std::size_t>(mesh_.triangles.rows()));
+    for (std::size_t t = 0; t < flat.size(); ++t) flat[t] = is_degenerate(mesh_, static_cast<Eigen::Index>(t));
+    return flat;
+  }
+
+  // Its halves: one in its own row, the other in the flat triangle's.
+  void split_neighbour(Eigen::Index flat, std::int32_t a, std::int32_t b, std::int32_t middle) {
+    for (Eigen::Index t = 0; t < mesh_.triangles.rows(); ++t) {
+      if (t == flat || is_degenerate(mesh_, t)) continue;
+      for (int i = 0; i < 3; ++i) {
+        const std::int32_t from = mesh_.triangles(t, i), to = mesh_.triangles(t, (i + 1) % 3),
+                           apex = mesh_.triangles(t, (i + 2) % 3);
+        if (std::minmax(from, to) != std::minmax(a, b)) continue;
+        mesh_.triangles.row(t) << from, middle, apex;
+        mesh_.triangles.row(flat) << middle, to, apex;
+        return;
+      }
+    }
+  }
+
+  // Flat ways are spanned whatever their length.
+  [[nodiscard]] bool may_close(const std::vector<Eigen::RowVector3d>& way, double longest_m) const {
+    constexpr double kFlat = 1e-3;  // of the length
+    const auto count = way.size();
+    Eigen::RowVector3d middle = Eigen::RowVector3d::Zero(), area = middle;
+    for (const Eigen::RowVector3d& at : way) middle += at / static_cast<double>(count);
+    double length = 0, height = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      length += (way[(i + 1) % count] - way[i]).norm();
+      area += (way[i] - middle).cross(way[(i + 1) % count] - middle);
+    }
+    for (const Eigen::RowVector3d& at : way) height = std::max(height, std::abs((at - middle).dot(area.normalized())));
+    return length <= longest_m || height <= kFlat * length;
+  }
+
+  void close_holes() {
+    const double longest_m = kLargestHole * diagonal();
+    std::vector<EdgeUse> open;
+    const std::vector<EdgeUse> edges = edges_of(mesh_, std::vector<bool>(static_cast<std::size_t>(mesh_.triangles.rows()), true));
+    for (std::size_t first = 0, last; first < edges.size(); first = last) {
+      last = end_of_edge(edges, first);
+      if (last - first == 1) open.push_back(edges[first]);
+    }
+    int closed = 0;
+    for (const std::vector<std::int32_t>& loop : loops_of(open)) {
+      std::vector<Eigen::RowVector3d> way;
+      for (const std::int32_t n : loop) way.emplace_back(mesh_.nodes.row(n));
+      if (!may_close(way, longest_m)) continue;
+      const Triangles patch = loop.size() == 3 ? Triangles(Eigen::RowVector3i(0, 1, 2)) : span(way);
+      const Eigen::Index before = mesh_.triangles.rows();
+      mesh_.triangles.conservativeResize(before + patch.rows(), 3);
+      for (Eigen::Index t = 0; t < patch.rows(); ++t) {
+        for (int i = 0; i < 3; ++i) mesh_.triangles(before + t, i) = loop[static_cast<std::size_t>(patch(t, i))];
+      }
+      closed += patch.rows() > 0;
+    }
+    say(closed, "closed %d hole%s");
   }
 
   void drop_fins() {
@@ -120,6 +209,44 @@ class Mender {
     say(scraps, "dropped %d open scrap%s");
   }
 
+  // Open parts that are wider open than a body would be, before their rims are taken for holes.
+  void drop_rags() {
+    constexpr double kOpening = 0.2;
+    const Shells shells = shells_of(mesh_);
+    std::vector<std::vector<EdgeUse>> rims(static_cast<std::size_t>(shells.count));
+    const std::vector<EdgeUse> edges = edges_of(mesh_, usable_triangles(mesh_));
+    for (std::size_t first = 0, last; first < edges.size(); first = last) {
+      last = end_of_edge(edges, first);
+      const int shell = shells.shell[static_cast<std::size_t>(edges[first].triangle)];
+      if (last - first == 1) rims[static_cast<std::size_t>(shell)].push_back(edges[first]);
+    }
+    double all = 0, ragged = 0;
+    std::vector<bool> rag(rims.size());
+    for (std::size_t s = 0; s < rims.size(); ++s) {
+      double opening = 0;
+      for (const auto& loop : loops_of(rims[s])) opening += std::pow(length_of(loop), 2) / (4 * std::numbers::pi);
+      rag[s] = opening > kOpening * shells.area_m2[s];
+      all += shells.area_m2[s];
+      ragged += rag[s] ? shells.area_m2[s] : 0;
+    }
+    const auto count = std::count(rag.begin(), rag.end(), true);
+    if (count == 0 || ragged > kScraps * all) return;
+    std::vector<bool> unwanted(shells.shell.size());
+    for (std::size_t t = 0; t < unwanted.size(); ++t) {
+      unwanted[t] = shells.shell[t] >= 0 && rag[static_cast<std::size_t>(shells.shell[t])];
+    }
+    drop(unwanted);
+    say(count, "dropped %d open scrap%s");
+  }
+
+  [[nodiscard]] double length_of(const std::vector<std::int32_t>& loop) const {
+    double length = 0;
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      length += (mesh_.nodes.row(loop[(i + 1) % loop.size()]) - mesh_.nodes.row(loop[i])).norm();
+    }
+    return length;
+  }
+
   void turn_outward() {
     const Shells shells = shells_of(mesh_);
     std::vector<bool> wrong(shells.closed.size());
@@ -132,6 +259,7 @@ class Mender {
   void say(std::ptrdiff_t count, const char* words) { say(static_cast<int>(count), words); }
 
   TriangleMesh mesh_;
+  std::size_t flat_ = 0;
   std::vector<std::string> actions_;
 };
 

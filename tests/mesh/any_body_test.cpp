@@ -186,13 +186,13 @@ TEST(AnyBodyIsRefused, WhenItEnclosesNothing) {
   const TemporaryFolder folder;
   mesh::TriangleMesh square = test::box({0, 0, 0}, {0.1, 0.1, 0.1});
   square.triangles.conservativeResize(2, 3);
-  EXPECT_NE(refusal(folder.write("square.stl", test::file_of(square, ".stl"))).find("open sheet"), std::string::npos);
+  EXPECT_NE(refusal(folder.write("square.stl", test::file_of(square, ".stl"))).find("encloses nothing"), std::string::npos);
   mesh::TriangleMesh skin = test::sphere(0.05, 24);
   skin.triangles.conservativeResize(skin.triangles.rows() / 2, 3);
-  EXPECT_NE(refusal(folder.write("skin.ply", test::file_of(skin, ".ply"))).find("open sheet"), std::string::npos);
+  EXPECT_NE(refusal(folder.write("skin.ply", test::file_of(skin, ".ply"))).find("encloses nothing"), std::string::npos);
   mesh::TriangleMesh flat = test::box({0, 0, 0}, {0.1, 0.1, 0.1});
   flat.nodes.col(2).setZero();
-  EXPECT_NE(refusal(folder.write("flat.obj", test::file_of(flat, ".obj"))).find("flat"), std::string::npos);
+  EXPECT_NE(refusal(folder.write("flat.obj", test::file_of(flat, ".obj"))).find("encloses nothing"), std::string::npos);
   EXPECT_NE(refusal(folder.write("none.stl", "nothing")).find("none.stl"), std::string::npos);
 }
 

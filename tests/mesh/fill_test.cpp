@@ -6,6 +6,7 @@
 #include "engine/mesh/wall_thickness.h"
 #include "tests/mesh/sample_surfaces.h"
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 namespace ringdown {

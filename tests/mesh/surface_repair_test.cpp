@@ -64,7 +64,7 @@ TEST(Repair, LeavesLargeHolesAndCuts) {
   std::vector<int> cap;
   for (int t = 0; t < 24 * 9; ++t) cap.push_back(t);
   auto bent = test::without(ball(), cap);
-  for (Eigen::Index n = 0; n < bent.nodes.rows(); n += 2) bent.nodes(n, 2) *= 1.02;
+  for (Eigen::Index n = 0; n < bent.nodes.rows(); n += 2) bent.nodes(n, 2) *= 1.1;
   EXPECT_TRUE(mesh::prepare(mesh::weld(bent, 1e-9)).left.find(Fault::kHole));
   const auto crossed = test::united(block(), test::moved(block(), {0.1, 0.07, 0.03}));
   EXPECT_TRUE(mesh::prepare(crossed).left.find(Fault::kOverlap));

@@ -39,8 +39,7 @@ void print_surface(const mesh::PreparedSurface& surface) {
   for (const mesh::Finding& finding : surface.left.findings) {
     if (!surface.actions.empty()) std::printf("  left: %s\n", mesh::describe(finding).c_str());
   }
-  const bool none = surface.left.find(mesh::Fault::kSheet) || surface.left.find(mesh::Fault::kNoVolume);
-  if (none) return;
+  if (!mesh::hopeless(surface.left, "").empty()) return;
   std::printf("  meshed: %s\n", surface.left.sound() ? "filled by gmsh" : "stuffed, because it is not sound after repair");
 }
 
@@ -83,9 +82,8 @@ CheckOutcome check_mesh(const CheckRequest& request) {
     const Result<const mesh::PreparedSurface*> surface = reader.surface(options);
     if (!surface) return refused(surface.error().message);
     print_surface(**surface);
-    const std::string name = request.file.string();
-    if ((*surface)->left.find(mesh::Fault::kSheet)) return refused(mesh::sheet_sentence(name));
-    if ((*surface)->left.find(mesh::Fault::kNoVolume)) return refused(mesh::flat_sentence(name));
+    const std::string why = mesh::hopeless((*surface)->left, request.file.string());
+    if (!why.empty()) return refused(why);
     if (!request.output.empty()) {
       const Result<void> written = mesh::write_ply((*surface)->mesh, request.output);
       if (!written) return refused(written.error().message, ExitCode::failure);
