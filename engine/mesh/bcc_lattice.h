@@ -1,9 +1,9 @@
 // The body-centred cubic lattice: the corners and centres of a block of cubes, and the tetrahedra between them.
 // [any thread]
 //
-// A point has whole coordinates in halves of a cube's edge, all even (a corner) or all odd (a centre). An edge joins two
-// neighbouring corners or two neighbouring centres (long, one edge of a cube) or a corner and a centre (short, sqrt(3)/2
-// of that). All tetrahedra are alike: two opposite long edges, four short ones, angles of 60 and 90 degrees.
+// A point has whole coordinates in halves of a cube's edge, all even (a corner) or all odd (a centre). An edge joins
+// two neighbouring corners or two neighbouring centres (long, one edge of a cube) or a corner and a centre (short,
+// sqrt(3)/2 of that). All tetrahedra are alike: two opposite long edges, four short ones, angles of 60 and 90 degrees.
 #pragma once
 
 #include <Eigen/Core>
@@ -43,16 +43,25 @@ class BccLattice {
     return 2 * half + Place::Constant(centre ? 1 : 0);
   }
 
-  [[nodiscard]] Eigen::Vector3d point(const Place& place) const {
-    return origin_ + size_ / 2 * place.cast<double>();
-  }
+  [[nodiscard]] Eigen::Vector3d point(const Place& place) const { return origin_ + size_ / 2 * place.cast<double>(); }
 
   // The ways to the 14 neighbours; the first six are long. The opposite of way w is w ^ 1.
   static constexpr int kWays = 14, kLongWays = 6;
   static Place way(int number) {
-    static const std::array<Place, kWays> ways = {
-        {{2, 0, 0},  {-2, 0, 0},   {0, 2, 0},  {0, -2, 0},   {0, 0, 2},   {0, 0, -2},  {1, 1, 1},
-         {-1, -1, -1}, {1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {-1, 1, -1}, {-1, 1, 1}, {1, -1, -1}}};
+    static const std::array<Place, kWays> ways = {{{2, 0, 0},
+                                                   {-2, 0, 0},
+                                                   {0, 2, 0},
+                                                   {0, -2, 0},
+                                                   {0, 0, 2},
+                                                   {0, 0, -2},
+                                                   {1, 1, 1},
+                                                   {-1, -1, -1},
+                                                   {1, 1, -1},
+                                                   {-1, -1, 1},
+                                                   {1, -1, 1},
+                                                   {-1, 1, -1},
+                                                   {-1, 1, 1},
+                                                   {1, -1, -1}}};
     return ways[number];
   }
 

@@ -52,7 +52,8 @@ std::vector<Joint> joints_of(const TetMesh& mesh) {
   });
   std::vector<Joint> joints;
   for (std::size_t f = 1; f < faces.size(); ++f) {
-    if (faces[f].nodes == faces[f - 1].nodes) joints.push_back({faces[f].nodes, faces[f - 1].element, faces[f].element});
+    if (faces[f].nodes == faces[f - 1].nodes)
+      joints.push_back({faces[f].nodes, faces[f - 1].element, faces[f].element});
   }
   return joints;
 }

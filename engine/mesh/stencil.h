@@ -3,8 +3,8 @@
 // Corners are inside, outside or on the surface; an edge from inside to outside has a cut point. The part inside is a
 // tetrahedron, a pyramid or a prism with corners at lattice and cut points. Where a face of the lattice holds two
 // corners inside and one outside, a quadrilateral is left of it, and both neighbours must choose the same diagonal
-// (Labelle & Shewchuk 2007, section 3): one that ends at the cut point of the long edge; where both cut edges are short,
-// the one whose lattice point has an even number of coordinates greater than its cut point's.
+// (Labelle & Shewchuk 2007, section 3): one that ends at the cut point of the long edge; where both cut edges are
+// short, the one whose lattice point has an even number of coordinates greater than its cut point's.
 #pragma once
 
 #include "engine/mesh/bcc_lattice.h"

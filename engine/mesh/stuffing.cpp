@@ -127,8 +127,7 @@ class Stuffing {
     const Eigen::Vector3i bricks = (lattice_.cubes().array() + kBrick) / kBrick;
     return share(bricks.cast<std::int64_t>().prod(), 0, 0.5, [&](std::int64_t brick) {
       const auto b = static_cast<int>(brick);
-      const Place first =
-          2 * kBrick * Place(b % bricks[0], b / bricks[0] % bricks[1], b / bricks[0] / bricks[1]);
+      const Place first = 2 * kBrick * Place(b % bricks[0], b / bricks[0] % bricks[1], b / bricks[0] / bricks[1]);
       const Place last = (first.array() + 2 * kBrick - 1).min(2 * lattice_.cubes().array());
       const Vector3d low = lattice_.point(first), high = lattice_.point(last);
       const bool uniform = solid_.uniform(low, high);
@@ -205,6 +204,7 @@ class Stuffing {
       double nearest = std::numeric_limits<double>::infinity();
       Vector3d target;
       for (int way = 0; way < BccLattice::kWays; ++way) {
+        if (!lattice_.has(place + BccLattice::way(way))) continue;
         const std::int32_t other = lattice_.number(place + BccLattice::way(way));
         if (static_cast<int>(sides_[point]) * static_cast<int>(sides_[other]) >= 0) continue;
         const bool leaves = sides_[point] == Side::inside;
@@ -282,9 +282,9 @@ class Stuffing {
   int threads_;
   const Progress& progress_;
   std::vector<Side> sides_;
-  std::vector<std::int32_t> leavers_;                                 // points inside with neighbours outside
-  std::vector<std::int32_t> leaver_of_, node_of_;                     // of points; -1: none
-  std::vector<std::array<double, BccLattice::kWays>> cuts_;           // of leavers: fraction of the way to the surface
+  std::vector<std::int32_t> leavers_;                        // points inside with neighbours outside
+  std::vector<std::int32_t> leaver_of_, node_of_;            // of points; -1: none
+  std::vector<std::array<double, BccLattice::kWays>> cuts_;  // of leavers: fraction of the way to the surface
   std::vector<std::array<std::int32_t, BccLattice::kWays>> cut_node_;
   std::vector<Vector3d> nodes_;
   std::vector<std::array<std::int32_t, 4>> elements_;
@@ -316,9 +316,10 @@ Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Pro
   const Vector3d cubes = (extent / size).array().ceil() + 2 * kMargin;
   const double points = 2 * cubes.prod();
   if (!(points < kMostLatticePoints)) {
-    return fail(text("a mesh size of %.3g mm would need a lattice of %.2g million points, above 30 million", size * 1e3,
-                     points / 1e6) +
-                text("; %.3g mm is the finest that fits", 1.05 * size * std::cbrt(points / kMostLatticePoints) * 1e3, 0));
+    return fail(
+        text("a mesh size of %.3g mm would need a lattice of %.2g million points, above 30 million", size * 1e3,
+             points / 1e6) +
+        text("; %.3g mm is the finest that fits", 1.05 * size * std::cbrt(points / kMostLatticePoints) * 1e3, 0));
   }
   const Vector3d origin = (solid.low + solid.high - size * cubes) / 2;
   Stuffing stuffing(solid, BccLattice(origin, size, cubes.cast<int>()), options.threads, progress);
@@ -329,8 +330,10 @@ Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Pro
   stuffed.crumbs = trimmed.crumbs;
   stuffed.hinges = trimmed.hinges;
   if (stuffed.mesh.elements.rows() == 0) {
-    return fail(text("nothing lies inside the surface that a mesh size of %.3g mm would see: it is open, or its walls are "
-                     "thinner; close it, or choose a smaller mesh size", size * 1e3, 0));
+    return fail(
+        text("nothing lies inside the surface that a mesh size of %.3g mm would see: it is open, or its walls are "
+             "thinner; close it, or choose a smaller mesh size",
+             size * 1e3, 0));
   }
   return stuffed;
 }

@@ -25,7 +25,6 @@ double solid_angle(const std::array<Vector3d, 3>& triangle, const Vector3d& poin
 
 Vector3d area_of(const std::array<Vector3d, 3>& t) { return (t[1] - t[0]).cross(t[2] - t[0]) / 2; }
 
-
 // A box and a line a + t d, 0 <= t <= 1.
 bool meets(const Vector3d& low, const Vector3d& high, const Vector3d& a, const Vector3d& d) {
   double from = 0, to = 1;

@@ -46,12 +46,12 @@ class WindingNumber {
  private:
   using Triangle = std::array<Eigen::Vector3d, 3>;
   struct Node {
-    Eigen::Vector3d low, high;                 // box
-    Eigen::Vector3d centre, dipole, trace;     // expansion about `centre`; see expand()
+    Eigen::Vector3d low, high;              // box
+    Eigen::Vector3d centre, dipole, trace;  // expansion about `centre`; see expand()
     Eigen::Matrix3d gradient;
-    std::array<double, 10> cubic;              // xxx yyy zzz xxy xxz yyx yyz zzx zzy xyz
-    double radius = 0, third = 0;              // of all corners from the centre; integral of that distance cubed, or more
-    int first = 0, count = 0, right = 0;       // triangles; a leaf has right == 0, the left child follows its parent
+    std::array<double, 10> cubic;         // xxx yyy zzz xxy xxz yyx yyz zzx zzy xyz
+    double radius = 0, third = 0;         // of all corners from the centre; integral of that distance cubed, or more
+    int first = 0, count = 0, right = 0;  // triangles; a leaf has right == 0, the left child follows its parent
   };
   struct Bounded {
     double value, error;
