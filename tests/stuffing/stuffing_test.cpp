@@ -5,10 +5,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <map>
 #include <numbers>
+#include <tuple>
 
 namespace ringdown {
 namespace {
@@ -41,9 +45,9 @@ std::vector<Sample> samples() {
           {"open box", with_holes(box, 0.3, 9), 0.06}};
 }
 
-class Stuffing : public testing::TestWithParam<Sample> {};
+class StuffingOf : public testing::TestWithParam<Sample> {};
 
-TEST_P(Stuffing, GivesASoundMeshWithinTheAnglesOfThePaper) {
+TEST_P(StuffingOf, GivesASoundMeshWithinTheAnglesOfThePaper) {
   const auto stuffed = mesh::stuff(GetParam().surface, {.size_m = GetParam().size_m});
   ASSERT_TRUE(stuffed) << stuffed.error().message;
   const Dihedral angles = dihedral(stuffed->mesh);
@@ -64,7 +68,7 @@ TEST_P(Stuffing, GivesASoundMeshWithinTheAnglesOfThePaper) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, Stuffing, testing::ValuesIn(samples()), [](const auto& sample) {
+INSTANTIATE_TEST_SUITE_P(Samples, StuffingOf, testing::ValuesIn(samples()), [](const auto& sample) {
   std::string name = sample.param.name;
   std::replace(name.begin(), name.end(), ' ', '_');
   return name;
@@ -75,24 +79,29 @@ class Chance final : public mesh::Solid {
  public:
   Chance(unsigned seed, double share) : seed_(seed), share_(share) {
     low.setZero();
-    high.setConstant(20);
+    high.setConstant(14);
   }
   [[nodiscard]] bool inside(const Vector3& point) const override { return draw(point) < share_; }
   [[nodiscard]] double leaves(const Vector3& a, const Vector3& b) const override {
-    const double at = draw(a + 1.7 * b);  // and often where it just does not move a point, or just does
-    if (at < 0.2) return draw(b + 1.3 * a) < 0.5 ? 0.25 : 0.75;
-    if (at < 0.4) return draw(b + 1.3 * a) < 0.5 ? 0.4119 : 0.5881;
+    const double kind = draw(a + 1.7 * b), near = (a - b).norm() > 0.9 ? 0.24999 : 0.41189;
+    const bool at_a = draw(b + 1.3 * a) < 0.5;  // often where it just moves a point, or just does not
+    if (kind < 0.35) return at_a ? near - 1e-6 : 1 - near + 1e-6;
+    if (kind < 0.5) return at_a ? near + 1e-6 : 1 - near - 1e-6;
     return draw(b + 2.1 * a);
   }
 
  private:
   [[nodiscard]] double draw(const Vector3& point) const {
-    std::seed_seq seed{seed_, static_cast<unsigned>(std::lround(point[0] * 1000)),
-                       static_cast<unsigned>(std::lround(point[1] * 1000)),
-                       static_cast<unsigned>(std::lround(point[2] * 1000))};
-    std::mt19937 engine(seed);
-    return std::uniform_real_distribution<double>(0, 1)(engine);
+    std::uint64_t bits = seed_;
+    for (int k = 0; k < 3; ++k) {
+      bits += static_cast<std::uint64_t>(std::lround(point[k] * 1000)) + 0x9E3779B97F4A7C15;
+      bits = (bits ^ bits >> 30) * 0xBF58476D1CE4E5B9;
+      bits = (bits ^ bits >> 27) * 0x94D049BB133111EB;
+      bits ^= bits >> 31;
+    }
+    return static_cast<double>(bits >> 11) / 9007199254740992.0;
   }
+
   unsigned seed_;
   double share_;
 };
@@ -104,11 +113,68 @@ TEST(StuffingAnglesHold, WhereverEdgesAreCut) {
     const Dihedral angles = dihedral(stuffed->mesh);
     std::printf("share %.2f: %ld elements, %.3f to %.3f\n", share, stuffed->mesh.elements.rows(), angles.least,
                 angles.most);
-    EXPECT_GE(angles.least, mesh::kLeastDihedral);
+    EXPECT_GE(angles.least, mesh::kLeastDihedralEver);
     EXPECT_LE(angles.most, mesh::kMostDihedral);
     const auto checked = mesh::check_mesh(stuffed->mesh, "chance");
     EXPECT_TRUE(checked) << checked.error().message;
   }
+}
+
+TEST(Stuffing, IsTheSameForAnyNumberOfThreads) {
+  const Soup soup = with_holes(bowl_surface(1, 0.2, 40), 0.05);
+  const auto one = mesh::stuff(soup, {.size_m = 0.1, .threads = 1}),
+             five = mesh::stuff(soup, {.size_m = 0.1, .threads = 5});
+  ASSERT_TRUE(one && five);
+  EXPECT_EQ(one->mesh.nodes, five->mesh.nodes);
+  EXPECT_EQ(one->mesh.elements, five->mesh.elements);
+}
+
+TEST(Stuffing, PutsTheNodesOfItsSkinOnTheSurface) {
+  const auto stuffed = mesh::stuff(sphere_surface(1, 200), {.size_m = 0.25});
+  ASSERT_TRUE(stuffed);
+  std::map<std::array<int, 3>, int> faces;
+  for (Eigen::Index e = 0; e < stuffed->mesh.elements.rows(); ++e) {
+    for (const auto& corners : mesh::kTetFaces) {
+      std::array<int, 3> face;
+      for (int k = 0; k < 3; ++k) face[k] = stuffed->mesh.elements(e, corners[k]);
+      std::sort(face.begin(), face.end());
+      ++faces[face];
+    }
+  }
+  for (const auto& [face, count] : faces) {
+    for (const int node : face) {
+      if (count == 1) {
+        ASSERT_NEAR(stuffed->mesh.nodes.row(node).norm(), 1, 5e-4);
+      }
+    }
+  }
+}
+
+TEST(Stuffing, WhatCannotBeStuffedIsSaid) {
+  const Soup box = box_surface({1, 1, 1});
+  const std::tuple<Soup, double, const char*> cases[] = {
+      {box, 0, "a mesh size above zero"},
+      {box, 0.001, "million points, above 30 million"},
+      {Soup{}, 0.1, "has no triangles"},
+      {patch(1, 1, [](double s, double t) { return Vector3(s, t, 0); }), 0.1, "nothing lies inside the surface"}};
+  for (const auto& [soup, size_m, sentence] : cases) {
+    const auto stuffed = mesh::stuff(soup, {.size_m = size_m});
+    ASSERT_FALSE(stuffed) << sentence;
+    EXPECT_NE(stuffed.error().message.find(sentence), std::string::npos) << stuffed.error().message;
+  }
+  const auto stopped = mesh::stuff(box, {.size_m = 0.05}, [](std::string_view, double) { return false; });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().message, kCancelled);
+}
+
+TEST(Stuffing, NamesTheFinestSizeThatFits) {
+  const Soup box = box_surface({1, 1, 1});
+  const auto refused = mesh::stuff(box, {.size_m = 0.001});
+  ASSERT_FALSE(refused);
+  const std::string sentence = refused.error().message;
+  const double finest_m = std::stod(sentence.substr(sentence.rfind(';') + 1)) / 1000;
+  EXPECT_GT(finest_m, 0.003);
+  EXPECT_LT(finest_m, 0.006);
 }
 
 }  // namespace
