@@ -204,6 +204,7 @@ class Stuffing {
       double nearest = std::numeric_limits<double>::infinity();
       Vector3d target;
       for (int way = 0; way < BccLattice::kWays; ++way) {
+        if (!lattice_.has(place + BccLattice::way(way))) continue;
         const std::int32_t other = lattice_.number(place + BccLattice::way(way));
         if (static_cast<int>(sides_[point]) * static_cast<int>(sides_[other]) >= 0) continue;
         const bool leaves = sides_[point] == Side::inside;

@@ -9,8 +9,9 @@
 // F. Labelle & J. R. Shewchuk, Isosurface Stuffing, ACM Trans. Graph. 26(3), 2007: a body-centred cubic lattice is laid
 // over the body; where an edge of it leaves the body there is a cut point; lattice points that have a cut point within
 // 0.24999 of a long edge or 0.41189 of a short one move onto it; and each tetrahedron of the lattice gives the part of
-// it that is inside (stencil.h). With these two figures every dihedral angle lies between 10.7 and 164.8 degrees
-// whatever the surface is: that is the paper's bound, proven there by computer. All nodes on the skin lie on the
+// it that is inside (stencil.h). The paper proves that with these two figures every dihedral angle lies between 10.7
+// and 164.8 degrees, whatever the surface is. Here bodies and soups stay well within that; where a million elements are
+// cut by chance, as no surface would, the least found is 9.3 and the greatest 161.7. All nodes on the skin lie on the
 // surface. Sharp edges become chamfers up to a cell wide, and what is thinner than a cell may get holes or vanish.
 #pragma once
 
@@ -21,7 +22,8 @@
 
 namespace ringdown::mesh {
 
-inline constexpr double kLeastDihedral = 10.7, kMostDihedral = 164.8;  // [degrees]
+inline constexpr double kLeastDihedral = 10.7, kMostDihedral = 164.8;  // [degrees], of bodies
+inline constexpr double kLeastDihedralEver = 9;                        // wherever edges are cut
 inline constexpr double kMostLatticePoints = 30e6;  // of the lattice over the body's box: 0.3 GB at the most
 inline constexpr int kCrumb = 36;                   // elements, those of three cubes: smaller parts are removed
 

@@ -1,11 +1,13 @@
 // Tetrahedra from files that gmsh does not read. [any thread]
 //
 //   TetGen   x.node and x.ele; naming either finds the other. Numbered from 0 or 1, 4 or 10 nodes to an element;
-//            attributes, boundary markers and comments (#) are passed over.
+//            attributes, boundary markers and comments (#) are passed over. Nodes 5 to 10 may come in any order.
 //   Vega     x.veg with *VERTICES and *ELEMENTS of type TET, numbered from 0 or 1; *MATERIAL and the like are passed
 //            over. *INCLUDE is refused: name the file that holds the mesh.
 //   IsoStuffer's binary .tet (Zheng & James's ModalSound): little-endian
-//            int32 free nodes, int32 all nodes, 3 doubles for each node, int32 elements, 4 int32 for each element.
+//            int32 nodes held fixed (0 from IsoStuffer), int32 free nodes, 3 doubles for each node, the fixed ones
+//            first, int32 elements, 4 int32 for each element, nodes numbered from 0.
+//            The first count may be missing, as in the older form without fixed nodes. What is held is let go.
 //
 // Lengths are taken as they stand; scale them afterwards. Nothing is checked beyond the file itself: elements may be
 // inside out, overlap or be flat (mesh::check_mesh).

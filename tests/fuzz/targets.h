@@ -17,6 +17,7 @@ void slip(Bytes stream);   // OSC over TCP
 void score(Bytes file);    // OSC scores
 void bank(Bytes file);     // .glb, and ringing what was read
 void text(Bytes file);     // the first byte chooses: scene, material, object, notes, state, settings
+void mesh(Bytes file);     // the first byte chooses: TetGen, Vega, IsoStuffer
 
 void expect(bool holds, const char* what);
 
@@ -24,6 +25,7 @@ struct Target {
   const char* name;
   void (*feed)(Bytes);
 };
-inline constexpr Target kTargets[] = {{"osc", osc}, {"slip", slip}, {"score", score}, {"bank", bank}, {"text", text}};
+inline constexpr Target kTargets[] = {{"osc", osc},   {"slip", slip}, {"score", score},
+                                      {"bank", bank}, {"text", text}, {"mesh", mesh}};
 
 }  // namespace ringdown::fuzz
