@@ -60,7 +60,7 @@ double bisect(const Beam& beam, Parity parity, double low, double high) {
 
 // Displacement of the upper face in a mode, not normalised, and the mass that it moves.
 struct Shape {
-  Shape(const Beam& beam, double lambda, Parity parity) : wave(beam, lambda), parity(parity) {
+  Shape(const Beam& beam, double lambda, Parity whose) : wave(beam, lambda), parity(whose) {
     const double half = beam.length_m / 2;
     // No shear force at the ends: A times the hyperbolic part, scaled to 1 at the end, and B times the other.
     hyperbolic_end = parity == Parity::even ? std::cosh(wave.p * half) : std::sinh(wave.p * half);

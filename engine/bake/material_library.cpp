@@ -91,7 +91,9 @@ void read_loss_factors(TomlTable& file, MaterialEntry& entry) {
   if (!(lowest_hz < highest_hz))
     file.complain("loss_factor", "give the loss factor at two different frequencies at least");
   if (entry.loss_factors.empty()) return;
-  entry.material.damping = modal::fit_rayleigh(entry.loss_factors);
+  const modal::RayleighDamping fitted = entry.material.damping = modal::fit_rayleigh(entry.loss_factors);
+  if (!kAlpha_per_s.holds(fitted.alpha_per_s) || !kBeta_s.holds(fitted.beta_s))
+    file.complain("loss_factor", "no alpha up to 1e6 1/s and beta up to 1 s fit these loss factors");
   entry.sources["alpha_per_s"] = entry.sources["beta_s"] = source_of_fit(entry, sources);
 }
 

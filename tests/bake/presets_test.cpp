@@ -118,6 +118,9 @@ TEST(MaterialFile, RefusesALossFactorThatFixesNothing) {
       {with_curve(with(kCurve, "eta = 0.02\n", "")), "the key eta is missing"},
       {with_curve(with(kCurve, "= 100\n", "= -1\n")), "frequency_hz = -1 is outside"},
       {with_curve(many + kCurve), "at most 64 loss factors"},
+      {with_curve("[[loss_factor]]\nfrequency_hz = 0.001\neta = 5\nsource = \"a\"\n"
+                  "[[loss_factor]]\nfrequency_hz = 0.002\neta = 10\nsource = \"a\"\n"),
+       "fit these loss factors"},
   };
   for (const auto& [text, complaint] : mistakes) {
     const auto entry = bake::read_material(folder.write("clay.toml", text));

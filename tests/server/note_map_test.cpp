@@ -70,6 +70,15 @@ TEST_F(NoteMapTest, EveryFaultIsASentenceWithItsLine) {
   begins("release_s = 0\n", "1", "release_s");
 }
 
+TEST_F(NoteMapTest, AnObjectOfAnotherSizeIsStruckWhereThatPointHasCome) {
+  RackObject bar = object("bar", 0, test::bar_bank(5));
+  const NoteTable::Strike one = best_strike(bar);
+  bar.material = {.density = 3, .size = 2};
+  const NoteTable::Strike large = best_strike(bar);
+  EXPECT_NEAR(length(large.point_m - 2 * one.point_m), 0, 1e-12);
+  EXPECT_NEAR(length(large.impulse_ns) / length(one.impulse_ns), 3 * 8, 1e-9) << "as many times its mass";
+}
+
 TEST_F(NoteMapTest, WithoutAMapTheObjectsLieInARowFromMiddleC) {
   const NoteTable table =
       resolve(std::nullopt, {object("second", 3, test::bar_bank(5)), object("first", 1, test::bar_bank(5))});
