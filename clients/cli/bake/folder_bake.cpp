@@ -65,7 +65,7 @@ void look_at(Job& job, const FolderBake& request) {
   const auto hash = bake::input_hash({.object = job.file.input,
                                       .geometry = recipe.geometry,
                                       .material = request.materials / (recipe.material + ".toml"),
-                                      .options = with_material(request.hashed, request, job.file)});
+                                      .options = request.hashed});
   if (hash && modal::sealed_input_hash(job.file.output) == hash) job.state = State::unchanged;
 }
 
