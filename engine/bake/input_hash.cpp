@@ -15,7 +15,6 @@ namespace fs = std::filesystem;
 
 constexpr int kFormat = 1;                                  // of the hash
 constexpr std::size_t kLargestFile = std::size_t{1} << 30;  // bytes
-constexpr std::size_t kMostFiles = 1000;                    // that one geometry reads
 
 using Files = std::vector<fs::path>;
 
@@ -143,10 +142,11 @@ std::optional<Files> files_of_geometry(const fs::path& geometry) {
   Files files = {geometry};
   for (std::size_t next = 0; next < files.size(); ++next) {
     const std::optional<Files> named = named_by(files[next]);
-    if (!named || files.size() > kMostFiles) return std::nullopt;
+    if (!named) return std::nullopt;
     for (const fs::path& name : *named) {
       const fs::path file = (files[next].parent_path() / name).lexically_normal();
       if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+      if (files.size() > kMostGeometryFiles) return std::nullopt;
     }
   }
   return files;

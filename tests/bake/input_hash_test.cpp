@@ -51,6 +51,16 @@ TEST(InputHash, KnowsWhatAGeometryReads) {
   }
 }
 
+TEST(InputHash, FollowsAThousandFilesAndNoMore) {
+  const TemporaryFolder folder;
+  std::string text;
+  for (std::size_t n = 1; n < kMostGeometryFiles; ++n) text += "Merge \"" + std::to_string(n) + ".step\";\n";
+  const auto files = files_of_geometry(folder.write("a.geo", text));
+  ASSERT_TRUE(files);
+  EXPECT_EQ(files->size(), kMostGeometryFiles);
+  EXPECT_FALSE(files_of_geometry(folder.write("a.geo", text + "Merge \"one more.step\";\n")));
+}
+
 TEST(InputHash, DependsOnContentAndNotOnPlace) {
   const TemporaryFolder folder;
   const auto hash = [&](const std::string& place, const std::string& geometry,

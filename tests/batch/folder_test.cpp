@@ -49,8 +49,8 @@ TEST(FolderBake, BakesWhatIsNoLongerMadeFromTheSame) {
   boxes.box("a", 100);
   boxes.box("b", 110);
   boxes.write("objects/own.geo",
-              "SetFactory(\"OpenCASCADE\"); Include \"parts/size.geo\"; Box(1) = {0, 0, 0, size, 40, 20};");
-  boxes.write("objects/parts/size.geo", "size = 90;");
+              "SetFactory(\"OpenCASCADE\"); Include \"parts/size.geo\";\nBox(1) = {0, 0, 0, size, 40, 20};");
+  boxes.write("objects/parts/size.geo", "size = 90;\n");
   boxes.write("materials/other.toml", [&] {
     std::ifstream file(boxes.materials() / "stuff.toml");
     std::string text{std::istreambuf_iterator<char>(file), {}};
@@ -149,7 +149,7 @@ TEST(FolderBake, FoldersInFoldersKeepTheirPlaces) {
   const BoxFolder boxes;
   boxes.box("a", 100);
   fs::create_directories(boxes.objects() / "small");
-  boxes.box("small/a", 70);
+  boxes.box("small/a", 105);
   EXPECT_TRUE(says(boxes.bake(), "1 object: 1 baked"));
   EXPECT_TRUE(says(boxes.bake({"--recursive"}), "2 objects: 1 baked, 1 unchanged"));
   EXPECT_EQ(boxes.whole_banks(), (Words{"a.glb", "small/a.glb"}));

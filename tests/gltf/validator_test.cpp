@@ -76,7 +76,7 @@ TEST_F(GltfValidator, FindsWhatIsBroken) {
       {"UNRESOLVED_REFERENCE", [](GlbParts bank) { return bank.json["nodes"][0]["mesh"] = 5, bank.join(); }},
       {"UNDECLARED_EXTENSION", [](GlbParts bank) { return bank.json.erase("extensionsUsed"), bank.join(); }},
       {"INVALID_JSON", [](GlbParts bank) { return bank.join().replace(20, 1, "?"); }},
-      {"GLB_LENGTH_MISMATCH", [](GlbParts bank) { return bank.join() + "more"; }},
+      {"GLB_EXTRA_DATA", [](GlbParts bank) { return bank.join() + "more"; }},
   };
   for (const auto& [code, broken] : cases) {
     const fs::path bank = folder_.write("broken.glb", broken(GlbParts(whole)));

@@ -65,7 +65,7 @@ void look_at(Job& job, const FolderBake& request) {
   const auto hash = bake::input_hash({.object = job.file.input,
                                       .geometry = recipe.geometry,
                                       .material = request.materials / (recipe.material + ".toml"),
-                                      .options = with_material(request.hashed, request, job.file)});
+                                      .options = request.hashed});
   if (hash && modal::sealed_input_hash(job.file.output) == hash) job.state = State::unchanged;
 }
 
@@ -205,7 +205,9 @@ ExitCode sum_up(const std::vector<Job>& jobs, const FolderContent& content, cons
   }
   std::fflush(stdout);
   for (const Job& job : jobs) {
-    if (job.state == State::failed) complain(job.file.name + ": " + job.why, ExitCode::bad_input);
+    if (job.state != State::failed) continue;
+    const std::string name = job.file.name + ": ";  // which many sentences begin with
+    complain((job.why.starts_with(name) ? "" : name) + job.why, ExitCode::bad_input);
   }
   if (cancelled) return complain("cancelled; the same command goes on from here", ExitCode::cancelled);
   if (count(State::failed) > 0) return ExitCode::bad_input;

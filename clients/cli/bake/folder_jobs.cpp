@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 // Of a TetGen mesh only the .node file, as its .ele is the same mesh.
 const std::set<std::string> kShapeEndings = {".geo", ".step", ".stp", ".brep", ".iges", ".igs", ".xao",
                                              ".msh", ".vtk",  ".inp", ".unv",  ".mesh", ".bdf", ".node",
-                                             ".veg", ".tet",  ".obj", ".stl",  ".ply",  ".gltf"};
+                                             ".veg", ".tet",  ".obj", ".stl",  ".ply",  ".off", ".gltf"};
 
 std::string ending_of(const fs::path& path) {
   std::string ending = path.extension().string();
