@@ -3,9 +3,9 @@
 //   const BodyAxes axes = body_axes(bank, std::nullopt);
 //   modes_of(bank, axes, ModeFamily::kVertical)   // its bending modes in the strike direction, lowest first
 //
-// A bar that is tuned by undercutting changes the order of its modes: twist passes bending. So modes are counted within a
-// family. In the body's axes, `along` its longest extent and `strike` across, the shape at the bank's points is split by
-// least squares into motions of whole cross-sections, each a polynomial along the body:
+// A bar that is tuned by undercutting changes the order of its modes: twist passes bending. So modes are counted within
+// a family. In the body's axes, `along` its longest extent and `strike` across, the shape at the bank's points is split
+// by least squares into motions of whole cross-sections, each a polynomial along the body:
 //
 //   vertical       the section moves along `strike`              bending, as a mallet excites it
 //   lateral        it moves across both axes                     bending in the other plane

@@ -97,8 +97,9 @@ Result<std::string> change_object(std::string_view text, const ObjectChanges& ch
   }
   const Result<ObjectRecipe> after = parse_object(lines.text(), "the object");
   if (!after || after->geometry != wanted.geometry || after->meshing.parameters != wanted.meshing.parameters) {
-    return fail("the object's file is written in a way that cannot be changed line by line; give each key a line of its "
-                "own, and its parameters a table [parameters]");
+    return fail(
+        "the object's file is written in a way that cannot be changed line by line; give each key a line of its "
+        "own, and its parameters a table [parameters]");
   }
   return lines.text();
 }

@@ -16,9 +16,9 @@ struct ObjectChanges {
   std::filesystem::path geometry;            // as the file says it; empty: as it is
 };
 
-// `text`, an object file, with these figures; its name goes, so that it is the new file's. Comments and order stay. Fails
-// when it is not an object, or writes what changes in a way that is not understood (one key to a line, parameters in a
-// table of their own).
+// `text`, an object file, with these figures; its name goes, so that it is the new file's. Comments and order stay.
+// Fails when it is not an object, or writes what changes in a way that is not understood (one key to a line, parameters
+// in a table of their own).
 Result<std::string> change_object(std::string_view text, const ObjectChanges& changes);
 
 }  // namespace ringdown::bake

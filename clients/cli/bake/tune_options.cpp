@@ -35,9 +35,10 @@ Result<bake::TuneVariable> variable_in(const std::string& text) {
 }
 
 Result<AskedTarget> target_in(const std::string& text) {
-  const std::string wanted = "--target wants [FAMILY:]MODE=VALUE, a value in Hz, a note such as A4, or a multiple of the "
-                             "first such as 4x, not '" +
-                             text + "'";
+  const std::string wanted =
+      "--target wants [FAMILY:]MODE=VALUE, a value in Hz, a note such as A4, or a multiple of the "
+      "first such as 4x, not '" +
+      text + "'";
   AskedTarget target;
   const std::size_t colon = text.find(':'), equals = text.find('=');
   if (equals == std::string::npos) return fail(wanted);
@@ -73,8 +74,10 @@ Result<AskedTarget> target_in(const std::string& text) {
 
 Result<void> read_scale(const std::string& text, TuneArguments& arguments) {
   const auto ends = range_in(text);
-  const auto low = ends ? note_number(ends->first) : std::nullopt, high = ends ? note_number(ends->second) : std::nullopt;
-  if (!low || !high || *low > *high) return fail("--scale wants two notes, the lower first, such as F3..F6, not '" + text + "'");
+  const auto low = ends ? note_number(ends->first) : std::nullopt,
+             high = ends ? note_number(ends->second) : std::nullopt;
+  if (!low || !high || *low > *high)
+    return fail("--scale wants two notes, the lower first, such as F3..F6, not '" + text + "'");
   arguments.is_scale = true;
   arguments.lowest_note = *low;
   arguments.highest_note = *high;
@@ -93,12 +96,15 @@ void add_tune_options(CLI::App& app, TuneArguments& arguments, TuneWords& words)
   app.add_option("--vary", words.vary, "a parameter that may change, in the geometry's unit; repeat it for others")
       ->type_name("NAME:LOW..HIGH")
       ->required();
-  app.add_option("--target", words.targets,
-                 "where a mode shall lie: Hz, a note (A4, F#3), or a multiple of the first target (4x). MODE counts from "
-                 "1 in its family: vertical (default: bending in the strike direction), lateral, torsion, longitudinal, "
-                 "any")
+  app.add_option(
+         "--target", words.targets,
+         "where a mode shall lie: Hz, a note (A4, F#3), or a multiple of the first target (4x). MODE counts from "
+         "1 in its family: vertical (default: bending in the strike direction), lateral, torsion, longitudinal, "
+         "any")
       ->type_name("[FAMILY:]MODE=VALUE")
       ->required();
+  app.add_option("--set", words.settings, "a parameter that stays, other than the object's; repeat it for others")
+      ->type_name("NAME=NUMBER");
   app.add_option("--scale", words.scale, "one object for each note, at which a target has the value 'note'")
       ->type_name("LOW..HIGH");
   app.add_option("--strike", words.strike, "direction of the blow that 'vertical' means (default: across a flat body)")
@@ -108,7 +114,8 @@ void add_tune_options(CLI::App& app, TuneArguments& arguments, TuneWords& words)
       ->check(CLI::Range(0.001, 100.0));
   app.add_option("--mesh-size", arguments.mesh_size_m, "longest edge in metres, instead of the object's")
       ->check(CLI::PositiveNumber);
-  app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')")->type_name("FOLDER");
+  app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')")
+      ->type_name("FOLDER");
   app.add_flag("--no-cache", arguments.no_cache, "neither use nor keep earlier results");
   app.add_flag("-q,--quiet", arguments.quiet, "print nothing but errors");
   app.footer(protocol::exit_code_help());
@@ -119,6 +126,12 @@ Result<void> read_words(const TuneWords& words, TuneArguments& arguments) {
     const Result<bake::TuneVariable> variable = variable_in(text);
     if (!variable) return fail(variable.error());
     arguments.variables.push_back(*variable);
+  }
+  for (const std::string& text : words.settings) {
+    const std::size_t equals = text.find('=');
+    const auto value = equals == std::string::npos ? std::nullopt : number_in(text.substr(equals + 1));
+    if (!value || equals == 0) return fail("--set wants NAME=NUMBER, not '" + text + "'");
+    arguments.settings[text.substr(0, equals)] = *value;
   }
   if (!words.scale.empty()) {
     if (auto scale = read_scale(words.scale, arguments); !scale) return scale;
