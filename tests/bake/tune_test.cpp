@@ -111,7 +111,7 @@ TEST(Tune, WalksAroundWhatCannotBeEvaluated) {
 }
 
 TEST(Tune, StopsWhenAskedTo) {
-  int left = 5;
+  int left = 2;
   bake::TuneOptions options;
   options.stopped = [&] { return left-- == 0; };
   const auto cents_of = [](const VectorXd& p) -> Result<VectorXd> {
@@ -227,11 +227,15 @@ TEST(TuneObject, ABarIsInTuneByAnotherFinerBake) {
   request.variables = {{"length", 220, 380, 300}, {"arch_depth", 3, 9, 6}};
   request.targets = {{.mode = 1, .frequency_hz = 440}, {.mode = 2, .frequency_hz = 1760}};
   int told = 0;
-  request.told = [&](const bake::TuneStep& step) { EXPECT_EQ(step.number, ++told); };
+  request.told = [&](const bake::TuneStep& step) {
+    EXPECT_GT(step.number, told);
+    told = step.number;
+  };
   const auto tuned = bake::tune_object(request, kPresets / "materials");
   ASSERT_TRUE(tuned) << tuned.error().message;
   EXPECT_TRUE(tuned->reached);
-  EXPECT_EQ(told, tuned->bakes);
+  EXPECT_GT(told, 3);
+  EXPECT_LE(told, tuned->bakes);
   for (const bake::FoundMode& mode : tuned->found) {
     EXPECT_LE(std::abs(mode.cents), 0.3);
     EXPECT_LT(mode.error_cents, 1);
