@@ -3,8 +3,8 @@
 
 usage: vibraphone_table.py BIN OBJECTS BANKS
 
-BIN is the folder of the programs. Each bar is baked again by elements of another order on a finer mesh, which the tuner
-never saw; and each bank is struck, rendered by `ringdown render`, and its pitch measured from the wave: the peak of the
+BIN is the folder of the programs. Each bar is baked again by elements of another order on another, finer mesh, which the
+tuner never saw; and each bank is struck, rendered by `ringdown render`, and its pitch measured from the wave: the peak of the
 spectrum of a long Gaussian window, between bins by a parabola through its logarithm, which for that window is exact.
 Needs Debian's python3-numpy.
 """
@@ -19,7 +19,7 @@ import numpy as np
 
 NAMES = "C Cs D Ds E F Fs G Gs A As B".split()
 RATE, SECONDS = 48000, 6
-FINER = ["--element", "tet35", "--mesh-size", "0.007"]
+FINER = ["--element", "tet20", "--mesh-size", "0.0078"]
 
 
 def score(path, point, impulse):
@@ -42,13 +42,13 @@ def read_left(path):
     return np.frombuffer(data, "<f4", -1, at + 8)[::channels].astype(float)
 
 
-def peak(wave, near_hz):
-    """Frequency [Hz] of the strongest partial within a whole tone of near_hz."""
+def peak(wave, near_hz, reach):
+    """Frequency [Hz] of the strongest partial no more than this share away from near_hz."""
     count = min(len(wave), RATE * SECONDS)
     window = np.exp(-0.5 * ((np.arange(count) - count / 2) / (count / 8)) ** 2)
     spectrum = np.abs(np.fft.rfft(wave[:count] * window, 4 * count))
     bin_hz = RATE / (4 * count)
-    low, high = int(near_hz * 0.9 / bin_hz), int(near_hz * 1.1 / bin_hz)
+    low, high = int(near_hz * (1 - reach) / bin_hz), int(near_hz * (1 + reach) / bin_hz)
     top = low + int(np.argmax(spectrum[low:high]))
     a, b, c = np.log(spectrum[top - 1 : top + 2])
     return (top + 0.5 * (a - c) / (a - 2 * b + c)) * bin_hz
@@ -69,7 +69,7 @@ def measure(bin_folder, name, objects, banks, folder):
     item, bank = os.path.join(objects, name + ".toml"), os.path.join(banks, name + ".glb")
     with open(item, "rb") as file:
         parameters = tomllib.load(file)["parameters"]
-    fine = finer(os.path.join(bin_folder, "ringdown-bake"), item, folder, 12 * target)
+    fine = finer(os.path.join(bin_folder, "ringdown-bake"), item, folder, 11 * target)
     found = []
     for source in (bank, fine):
         osc, sound = os.path.join(folder, "bar.osc"), os.path.join(folder, "bar.wav")
@@ -84,18 +84,19 @@ def main():
     bin_folder, objects, banks = sys.argv[1:4]
     names = [f"{note}{octave}" for octave in range(0, 9) for note in NAMES
              if os.path.exists(os.path.join(objects, f"{note}{octave}.toml"))]
-    print("| note | target Hz | length mm | arch mm | from the wave, cents | finer bake, cents | f2/f1 | finer f2/f1 | kB |")
-    print("|---|---|---|---|---|---|---|---|---|")
+    print("| note | target Hz | length mm | arch mm | from the wave, cents | finer bake, cents | f2/f1 | finer f2/f1 | f3/f1 | kB |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
     worst = [0.0, 0.0]
     with tempfile.TemporaryDirectory() as folder:
         for name in names:
             parameters, target, waves = measure(bin_folder, name, objects, banks, folder)
-            off = [cents(peak(wave, target), target) for wave in waves]
-            ratio = [peak(wave, 4 * target) / peak(wave, target) for wave in waves]
+            off = [cents(peak(wave, target, 0.1), target) for wave in waves]
+            ratio = [peak(wave, 4 * target, 0.02) / peak(wave, target, 0.1) for wave in waves]
             worst = [max(w, abs(o)) for w, o in zip(worst, off)]
+            third = [peak(wave, 10 * target, 0.02) / peak(wave, target, 0.1) for wave in waves]
             size = os.path.getsize(os.path.join(banks, name + ".glb")) / 1000
             print(f"| {name.replace('s', '#')} | {target:.2f} | {parameters['length']:.2f} | {parameters['arch_depth']:.3f} "
-                  f"| {off[0]:+.2f} | {off[1]:+.2f} | {ratio[0]:.4f} | {ratio[1]:.4f} | {size:.0f} |", flush=True)
+                  f"| {off[0]:+.2f} | {off[1]:+.2f} | {ratio[0]:.4f} | {ratio[1]:.4f} | {third[0]:.3f} | {size:.0f} |", flush=True)
     print(f"\nLargest deviation: {worst[0]:.2f} cents from the wave, {worst[1]:.2f} in the finer bake.")
 
 
