@@ -1,7 +1,7 @@
 #include "engine/bake/mode_family.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <array>
@@ -22,7 +22,8 @@ constexpr std::array<std::pair<std::string_view, ModeFamily>, 6> kNames = {{{"ve
                                                                             {"other", ModeFamily::kOther},
                                                                             {"any", ModeFamily::kAny}}};
 
-constexpr Index kMostDegrees = 12;   // of the polynomials along the body
+constexpr Index kMostDegrees = 10;   // of the polynomials along the body
+constexpr double kRidge = 1e-3;      // keeps the fit tame where points are few or lie on few sections
 constexpr double kEqual = 1.0017;    // 3 cents
 constexpr double kLeastShare = 0.5;  // of the motion, that a family explains
 
@@ -54,13 +55,15 @@ class Sections {
       const modal::Vec3f& at = bank.positions[p];
       places_.row(p) = axes_.transpose() * (Vector3d(at[0], at[1], at[2]) - eigen(axes.centre));
     }
-    const Index degrees = std::clamp<Index>(count / 6, 1, kMostDegrees);
+    const Index degrees = std::clamp<Index>(count / 9, 1, kMostDegrees);
     const MatrixXd basis = polynomials(places_.col(0), degrees);
     // Each component is a motion of the whole section plus one that grows across it: bending tilts the section, twist
     // turns it.
     parts_.resize(count, 3 * degrees);
     parts_ << basis, places_.col(1).asDiagonal() * basis, places_.col(2).asDiagonal() * basis;
-    fit_.compute(parts_);
+    Eigen::MatrixXd normal = parts_.transpose() * parts_;
+    normal.diagonal() *= 1 + kRidge;
+    fit_.compute(normal);
     degrees_ = degrees;
   }
 
@@ -71,7 +74,7 @@ class Sections {
       const modal::Vec3f& u = bank.shape(mode, static_cast<std::size_t>(p));
       shape.row(p) = axes_.transpose() * Vector3d(u[0], u[1], u[2]);
     }
-    const MatrixXd fit = fit_.solve(shape);
+    const MatrixXd fit = fit_.solve(parts_.transpose() * shape);
     const auto energy = [&](int component, int part) {
       return (parts_.middleCols(part * n, n) * fit.col(component).segment(part * n, n)).squaredNorm();
     };
@@ -85,7 +88,7 @@ class Sections {
   Eigen::Matrix3d axes_;
   Eigen::MatrixXd places_;  // P x 3: along, strike, across, from the centre
   MatrixXd parts_;          // P x 3 degrees
-  Eigen::ColPivHouseholderQR<MatrixXd> fit_;
+  Eigen::LDLT<MatrixXd> fit_;
   Index degrees_ = 1;
 };
 

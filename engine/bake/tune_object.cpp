@@ -12,8 +12,9 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr double kBandAbove = 1.8, kBandBelow = 0.3;  // of the highest and the lowest target
-constexpr std::size_t kPoints = 120;                  // enough to tell families apart
+constexpr std::size_t kPoints = 400;                  // enough to tell families apart
 constexpr double kCoarseTolerance_cents = 3;
+constexpr int kMostCoarseBakes = 25, kMostBakes = 60;
 constexpr double kRefinement = 0.7;  // of the mesh size, from round to round
 
 double cents_between(double frequency_hz, double target_hz) { return 1200 * std::log2(frequency_hz / target_hz); }
@@ -37,25 +38,26 @@ class ObjectTuner {
     recipe_.options.floor_db = 0;
     recipe_.options.most_points = kPoints;
     recipe_.error = 0;
+    best_.slopes = request.slopes;
   }
 
   Result<TunedObject> run() {
     const fem::Element own = recipe_.options.element;
-    if (fem::order_of(own) > 2) {
+    if (fem::order_of(own) > 2 && best_.slopes.size() == 0) {
       set_element(fem::Element::kTet10);
-      if (auto done = round("coarse", std::max(kCoarseTolerance_cents, request_.tolerance_cents)); !done) {
-        return fail(done.error());
-      }
+      auto done = round("coarse", std::max(kCoarseTolerance_cents, request_.tolerance_cents), kMostCoarseBakes);
+      if (!done && (stopped_ || bakes_ == 1)) return fail(done.error());
     }
     set_element(own);
-    Result<void> done = round("fine", request_.tolerance_cents);
+    Result<void> done = round("fine", request_.tolerance_cents, kMostBakes);
     for (int finer = 0; done && worst_error() >= kMostErrorCents && finer < kMostRefinements; ++finer) {
       recipe_.meshing.mesh_size_m = six_digits(kRefinement * recipe_.meshing.mesh_size_m);
-      done = round("finer", request_.tolerance_cents);
+      done = round("finer", request_.tolerance_cents, kMostBakes);
     }
     if (!done) return fail(done.error());
     TunedObject tuned{.found = found_, .mesh_size_m = recipe_.meshing.mesh_size_m, .bakes = bakes_};
     for (const TuneVariable& variable : variables_) tuned.parameters[variable.name] = six_digits(variable.start);
+    tuned.slopes = best_.slopes;
     tuned.reached = best_.reached && worst_error() < kMostErrorCents;
     return tuned;
   }
@@ -73,10 +75,10 @@ class ObjectTuner {
   }
 
   // Leaves the best parameters as the variables' start, and what they give in found_.
-  Result<void> round(std::string_view stage, double tolerance_cents) {
+  Result<void> round(std::string_view stage, double tolerance_cents, int most_bakes) {
     stage_ = stage;
     best_cents_ = -1;
-    TuneOptions options{.tolerance_cents = tolerance_cents, .slopes = best_.slopes};
+    TuneOptions options{.tolerance_cents = tolerance_cents, .most_evaluations = most_bakes, .slopes = best_.slopes};
     options.stopped = [this] { return stopped_; };
     const CentsOf cents_of = [this](const VectorXd& at) { return evaluate(at); };
     Result<Tuned> tuned = tune(variables_, cents_of, options);

@@ -45,6 +45,7 @@ struct TuneRequest {
   std::vector<TuneTarget> targets;
   std::optional<Vec3> strike;  // see body_axes()
   double tolerance_cents = 0.3;
+  Eigen::MatrixXd slopes;  // of a relative tuned before, TunedObject::slopes: begins with the object's own elements
   std::function<void(const TuneStep&)> told;                    // after each evaluation
   std::function<bool(std::string_view, double)> progress = {};  // inside one; false stops
 };
@@ -53,6 +54,7 @@ struct TunedObject {
   std::map<std::string, double> parameters;  // the tuned ones, to six digits
   std::vector<FoundMode> found;              // one for each target
   double mesh_size_m = 0;                    // at which that holds
+  Eigen::MatrixXd slopes;                    // targets x variables
   int bakes = 0;
   bool reached = false;  // within tolerance, and every estimated error below kMostErrorCents
 };

@@ -1,6 +1,6 @@
 // A cow bell: a hollow frustum of a rectangle, closed above, open below. Lengths in mm.
 SetFactory("OpenCASCADE");
-DefineConstant[ height = 130, mouth_x = 100, mouth_y = 60, crown_x = 62, crown_y = 34, wall = 1.6, mesh_size = 14 ];
+DefineConstant[ height = 130, mouth_x = 100, mouth_y = 60, crown_x = 62, crown_y = 34, wall = 2.4, mesh_size = 14 ];
 For k In {0:3}
   inside = (k >= 2) ? wall : 0;                 // 0, 1: outside, mouth and crown; 2, 3: inside
   above = (k == 1 || k == 3) ? 1 : 0;

@@ -1,7 +1,8 @@
 // A gong: thin disc, slightly domed, with a turned rim, turned about its axis. Lengths in mm.
 SetFactory("OpenCASCADE");
-DefineConstant[ diameter = 300, thickness = 2, dome = 8, rim = 30, mesh_size = 20 ];
-r = 0.5 * diameter; t = thickness; b = 12; // b: radius of the bend
+DefineConstant[ diameter = 260, thickness = 2.5, dome = 8, rim = 30, mesh_size = 16 ];
+Mesh.MeshSizeFromCurvature = 9;  // the bend at the rim is tighter than mesh_size
+r = 0.5 * diameter; t = thickness; b = 12;  // b: radius of the bend
 Point(1) = {0, 0, 0};
 Point(2) = {0.45 * r, 0, -0.25 * dome};
 Point(3) = {r - b, 0, -dome};

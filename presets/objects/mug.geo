@@ -1,6 +1,7 @@
 // A mug with a handle: turned body, and a bent round rod that the wall cuts off inside. Lengths in mm.
 SetFactory("OpenCASCADE");
 DefineConstant[ radius = 41, height = 92, wall = 4, handle = 9, mesh_size = 11 ];
+Mesh.MeshSizeFromCurvature = 7;  // the handle is thinner than mesh_size
 Cylinder(1) = {0, 0, 0, 0, 0, height, radius};
 Cylinder(2) = {0, 0, 1.4 * wall, 0, 0, height, radius - wall};
 Torus(3) = {0, 0, 0, 0.29 * height, 0.5 * handle};

@@ -16,7 +16,7 @@ namespace ringdown::test {
 namespace {
 
 const std::string kShare = RINGDOWN_BIN_DIR "/../share/";
-const std::vector<std::string> kPrograms = {"ringdownd", "ringdown", "ringdown-bake", "ringdown-check"};
+const std::vector<std::string> kPrograms = {"ringdownd", "ringdown", "ringdown-bake", "ringdown-check", "ringdown-tune"};
 
 std::string text_of(const std::string& path) {
   std::ifstream file(path);
@@ -52,7 +52,8 @@ struct Place {
 const std::vector<Place> kPlaces = {{"ringdownd", ""},         {"ringdown", ""},        {"ringdown", "info"},
                                     {"ringdown", "materials"}, {"ringdown", "scale"},   {"ringdown", "render"},
                                     {"ringdown", "strike"},    {"ringdown", "send"},    {"ringdown", "protocol"},
-                                    {"ringdown-bake", ""},     {"ringdown-check", "mesh"}};
+                                    {"ringdown-bake", ""},     {"ringdown-check", "mesh"},
+                                    {"ringdown-tune", ""}};
 
 std::string man_text(const std::string& name) { return run({"groff", "-man", "-Tascii", "-P-cbou", man(name)}).output; }
 

@@ -45,7 +45,7 @@ void print_step(const bake::TuneStep& step) {
   std::fprintf(stderr, "%4d %-7s%s:", step.number, std::string(step.stage).c_str(),
                parameters_text(step.parameters).c_str());
   for (const bake::FoundMode& mode : step.found)
-    std::fprintf(stderr, "  %.2f Hz %+.2f ct", mode.frequency_hz, mode.cents);
+    std::fprintf(stderr, "  %.2f Hz %+.2f ct (error %.2f)", mode.frequency_hz, mode.cents, mode.error_cents);
   std::fprintf(stderr, "\n");
 }
 
@@ -91,14 +91,15 @@ Result<void> write_object(const TuneArguments& arguments, const bake::TuneReques
   const Result<std::string> text = read_whole_file(arguments.input, kLargestTomlFile);
   if (!text) return fail(text.error());
   bake::ObjectChanges changes{.parameters = tuned.parameters};
+  changes.parameters.insert(arguments.settings.begin(), arguments.settings.end());
   changes.geometry = geometry_seen_from(request.recipe.geometry, output.parent_path());
-  if (tuned.mesh_size_m != request.recipe.meshing.mesh_size_m) changes.mesh_size_m = tuned.mesh_size_m;
+  changes.mesh_size_m = tuned.mesh_size_m;
   const Result<std::string> changed = bake::change_object(*text, changes);
   if (!changed) return fail(changed.error());
   return write_file_atomically(output, *changed);
 }
 
-// Tunes one, and leaves the parameters found in the request, where the next of a scale begins.
+// Tunes one, and leaves what was found in the request, where the next of a scale begins.
 ExitCode tune_one(const TuneArguments& arguments, bake::TuneRequest& request, const fs::path& output,
                   const std::stop_token& stop) {
   const std::string name = output.stem().string();
@@ -121,6 +122,8 @@ ExitCode tune_one(const TuneArguments& arguments, bake::TuneRequest& request, co
     return complain(written.error().message, ExitCode::failure);
   }
   for (bake::TuneVariable& variable : request.variables) variable.start = tuned->parameters.at(variable.name);
+  request.slopes = tuned->slopes;
+  request.recipe.meshing.mesh_size_m = tuned->mesh_size_m;
   return ExitCode::ok;
 }
 
@@ -143,6 +146,7 @@ ExitCode tune(TuneArguments& arguments, const std::stop_token& stop) {
   if (!recipe) return complain(recipe.error().message, ExitCode::bad_input);
   if (!arguments.no_cache) recipe->options.cache = cache_folder().value_or("");
   if (arguments.mesh_size_m) recipe->meshing.mesh_size_m = *arguments.mesh_size_m;
+  for (const auto& [name, value] : arguments.settings) recipe->meshing.parameters[name] = value;
   bake::TuneRequest request{.recipe = *recipe, .variables = arguments.variables, .strike = arguments.strike};
   request.tolerance_cents = arguments.tolerance_cents;
   for (bake::TuneVariable& variable : request.variables) {

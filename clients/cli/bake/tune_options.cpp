@@ -103,6 +103,8 @@ void add_tune_options(CLI::App& app, TuneArguments& arguments, TuneWords& words)
          "any")
       ->type_name("[FAMILY:]MODE=VALUE")
       ->required();
+  app.add_option("--set", words.settings, "a parameter that stays, other than the object's; repeat it for others")
+      ->type_name("NAME=NUMBER");
   app.add_option("--scale", words.scale, "one object for each note, at which a target has the value 'note'")
       ->type_name("LOW..HIGH");
   app.add_option("--strike", words.strike, "direction of the blow that 'vertical' means (default: across a flat body)")
@@ -124,6 +126,12 @@ Result<void> read_words(const TuneWords& words, TuneArguments& arguments) {
     const Result<bake::TuneVariable> variable = variable_in(text);
     if (!variable) return fail(variable.error());
     arguments.variables.push_back(*variable);
+  }
+  for (const std::string& text : words.settings) {
+    const std::size_t equals = text.find('=');
+    const auto value = equals == std::string::npos ? std::nullopt : number_in(text.substr(equals + 1));
+    if (!value || equals == 0) return fail("--set wants NAME=NUMBER, not '" + text + "'");
+    arguments.settings[text.substr(0, equals)] = *value;
   }
   if (!words.scale.empty()) {
     if (auto scale = read_scale(words.scale, arguments); !scale) return scale;

@@ -25,6 +25,7 @@ struct TuneArguments {
   std::filesystem::path input, output, materials;
   std::vector<bake::TuneVariable> variables;
   std::vector<AskedTarget> targets;
+  std::map<std::string, double> settings;  // parameters that stay, other than the object's
   std::optional<Vec3> strike;
   std::optional<double> mesh_size_m;
   double tolerance_cents = 0.3;
@@ -35,7 +36,7 @@ struct TuneArguments {
 
 // Options whose text is yet to be understood.
 struct TuneWords {
-  std::vector<std::string> vary, targets;
+  std::vector<std::string> vary, targets, settings;
   std::string scale;
   std::vector<double> strike;
 };
