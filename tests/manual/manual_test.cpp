@@ -16,7 +16,7 @@ namespace ringdown::test {
 namespace {
 
 const std::string kShare = RINGDOWN_BIN_DIR "/../share/";
-const std::vector<std::string> kPrograms = {"ringdownd", "ringdown", "ringdown-bake"};
+const std::vector<std::string> kPrograms = {"ringdownd", "ringdown", "ringdown-bake", "ringdown-fit"};
 
 std::string text_of(const std::string& path) {
   std::ifstream file(path);
@@ -51,7 +51,8 @@ struct Place {
 
 const std::vector<Place> kPlaces = {{"ringdownd", ""},        {"ringdown", ""},       {"ringdown", "info"},
                                     {"ringdown", "render"},   {"ringdown", "strike"}, {"ringdown", "send"},
-                                    {"ringdown", "protocol"}, {"ringdown-bake", ""}};
+                                    {"ringdown", "protocol"}, {"ringdown-bake", ""},
+                                    {"ringdown-fit", ""}};
 
 std::string man_text(const std::string& name) { return run({"groff", "-man", "-Tascii", "-P-cbou", man(name)}).output; }
 

@@ -34,6 +34,7 @@ struct Arguments {
 };
 
 ExitCode complain(const std::string& sentence, ExitCode code) {
+  std::fflush(stdout);  // first what was printed, then why no more comes
   std::fprintf(stderr, "ringdown-fit: %s\n", sentence.c_str());
   return code;
 }
