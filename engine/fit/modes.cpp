@@ -59,27 +59,46 @@ bool is_mode_of(const Pass& pass, const Mode& mode) {
          mode.frequency_hz <= pass.high_hz;
 }
 
-std::vector<Candidate> search_band(std::span<const double> signal, const Pass& pass, std::size_t band) {
-  const double width = pass.width_hz(), centre = pass.low_hz + (static_cast<double>(band) + 0.5) * width;
-  const Eigen::VectorXcd samples = pass.filter.take(signal, centre / pass.rate_hz);
+double centre_hz(const Pass& pass, std::size_t band) {
+  return pass.low_hz + (static_cast<double>(band) + 0.5) * pass.width_hz();
+}
+
+std::vector<Candidate> search_band(const Eigen::VectorXcd& samples, const Pass& pass, std::size_t band) {
   std::vector<Candidate> found;
   for (const Term& term : refine(samples, find_poles(samples, kMostPoles))) {
     const double rate = pass.band_rate_hz(), offset = term.pole.imag() * rate / (2 * std::numbers::pi);
-    const Mode mode{.frequency_hz = centre + offset,
+    const Mode mode{.frequency_hz = centre_hz(pass, band) + offset,
                     .decay_per_s = -term.pole.real() * rate,
                     .frequency_error_hz = term.pole_error * rate / (2 * std::numbers::pi),
                     .decay_error_per_s = term.pole_error * rate,
                     .amplitude_error = 1 / term.significance};
-    if (std::abs(offset) <= (0.5 + kOverlap) * width) found.push_back({mode, band, is_mode_of(pass, mode)});
+    if (std::abs(offset) <= (0.5 + kOverlap) * pass.width_hz()) found.push_back({mode, band, is_mode_of(pass, mode)});
   }
   return found;
 }
 
-std::vector<Candidate> search(std::span<const double> signal, const Pass& pass, int threads) {
-  std::vector<std::vector<Candidate>> found(pass.bands());
+// work(0) ... work(count - 1), shared out to threads as they come free.
+template <class Work>
+void for_all(std::size_t count, int threads, const Work& work) {
   std::atomic<std::size_t> next = 0;
-  in_parallel(std::min<int>(thread_count(threads), static_cast<int>(found.size())), [&](int) {
-    for (std::size_t band; (band = next++) < found.size();) found[band] = search_band(signal, pass, band);
+  in_parallel(std::min<int>(thread_count(threads), static_cast<int>(count)), [&](int) {
+    for (std::size_t n; (n = next++) < count;) work(n);
+  });
+}
+
+// A band below the floor holds nothing that would be kept, were it all one mode: most often what the filter has left of
+// its neighbours.
+std::vector<Candidate> search(std::span<const double> signal, const Pass& pass, const Options& options) {
+  std::vector<Eigen::VectorXcd> samples(pass.bands());
+  for_all(samples.size(), options.threads, [&](std::size_t band) {
+    samples[band] = pass.filter.take(signal, centre_hz(pass, band) / pass.rate_hz);
+  });
+  std::vector<double> peaks;
+  for (const auto& band : samples) peaks.push_back(band.size() > 0 ? band.cwiseAbs().maxCoeff() : 0);
+  const double least = 0.25 * std::pow(10, -options.floor_db / 20) * *std::ranges::max_element(peaks);
+  std::vector<std::vector<Candidate>> found(samples.size());
+  for_all(samples.size(), options.threads, [&](std::size_t band) {
+    if (peaks[band] > least) found[band] = search_band(samples[band], pass, band);
   });
   std::vector<Candidate> all;
   for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
@@ -156,7 +175,7 @@ std::vector<Mode> search_all(std::span<const double> sound, double rate, const O
   for (double length = whole; length >= kShortestPass_s; length /= kPassRatio) {
     const Pass pass(rate, length, options.low_hz, high, length == whole);
     const auto part = std::span(left).first(static_cast<std::size_t>(length * rate));
-    const std::vector<Candidate> found = without_doubles(search(part, pass, options.threads), length);
+    const std::vector<Candidate> found = without_doubles(search(part, pass, options), length);
     std::vector<Mode> fresh;
     for (const Candidate& c : found) {
       if (c.accepted && !is_remains(c.mode, modes, length)) fresh.push_back(c.mode);

@@ -41,10 +41,13 @@ Dot Chart::at(double horizontal, double vertical) const {
 
 void Chart::draw_frame(Canvas& canvas, double size) const {
   const double bottom = box.y + box.height, right = box.x + box.width;
+  double taken = -1e9;  // up to where the last label goes
   for (const double tick : x.ticks) {
-    const double place = at(tick, y.low).x;
+    const double place = at(tick, y.low).x, half = canvas.text_width(tick_label(tick), size) / 2;
     canvas.line(std::array<Dot, 2>{{{place, box.y}, {place, bottom}}}, kGrid, 1);
+    if (place - half < taken) continue;
     canvas.text({place, bottom + 1.4 * size}, tick_label(tick), size, kFaint, Align::centre);
+    taken = place + half + 0.6 * size;
   }
   for (const double tick : y.ticks) {
     const double place = at(x.low, tick).y;

@@ -63,7 +63,9 @@ std::vector<Level> spectrum_of(const modal::Bank& bank, const Answer& answer, co
 
 Axis frequency_axis(const modal::Bank& bank, const std::string& title) {
   const auto [low, high] = std::ranges::minmax(bank.frequency_hz);
-  return log_axis(std::min(20.0, low / 1.2), std::max(20000.0, high * 1.2), title);
+  double bottom = 1000;
+  for (const double step : {500.0, 200.0, 100.0, 50.0, 20.0}) bottom = bottom > low / 1.4 ? step : bottom;
+  return log_axis(std::min(bottom, low / 1.4), std::max(20000.0, high * 1.2), title);
 }
 
 // The loudest peaks by name, where there is room for it.
@@ -138,6 +140,18 @@ std::string struck_text(const modal::Bank& bank, const Answer& answer) {
   return format("Struck at (%.4g, %.4g, %.4g) m", p[0], p[1], p[2]);
 }
 
+constexpr std::size_t kShown = 4;
+
+// The first of the bank, but of those that have one pitch, as the pairs of round bodies do, only one.
+std::vector<std::size_t> modes_to_show(const modal::Bank& bank) {
+  std::vector<std::size_t> modes;
+  for (std::size_t m = 0; m < bank.mode_count() && modes.size() < kShown; ++m) {
+    const auto alike = [&](std::size_t k) { return std::abs(bank.frequency_hz[k] / bank.frequency_hz[m] - 1) < 0.003; };
+    if (std::ranges::none_of(modes, alike)) modes.push_back(m);
+  }
+  return modes;
+}
+
 void draw_small(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
   draw_shape(canvas, {4, 4, 222, 192}, bank, 0);
   draw_spectrum(canvas, {262, 12, 206, 160}, bank, answer, 9, false);
@@ -149,10 +163,10 @@ void draw_large(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
   canvas.text({kMargin, 44}, fitting(canvas, clean_text(bank.name.empty() ? "bank" : bank.name), 24, width, true), 24, kInk,
               Align::left, true);
   canvas.text({kMargin, 68}, fitting(canvas, subtitle(bank), 14, width), 14, kFaint);
-  const std::size_t shown = std::min<std::size_t>(4, bank.mode_count());
-  const double side = width / 4;
-  for (std::size_t m = 0; m < shown; ++m) {
-    const double left = kMargin + side * static_cast<double>(m);
+  const double side = width / kShown;
+  double left = kMargin - side;
+  for (const std::size_t m : modes_to_show(bank)) {
+    left += side;
     draw_shape(canvas, {left, 84, side, 214}, bank, m, &answer.point);
     canvas.text({left + side / 2, 318}, format("mode %zu  ·  ", m) + frequency_text(bank.frequency_hz[m]), 13, kInk,
                 Align::centre, true);

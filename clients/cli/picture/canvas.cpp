@@ -80,9 +80,7 @@ void Canvas::area(std::span<const Dot> corners, Colour fill) {
   state_->path(corners);
   cairo_close_path(state_->pen);
   state_->colour(fill);
-  cairo_fill_preserve(state_->pen);
-  cairo_set_line_width(state_->pen, fill.alpha < 1 ? 0 : 0.7);
-  cairo_stroke(state_->pen);
+  cairo_fill(state_->pen);
 }
 
 void Canvas::disc(Dot centre, double radius, Colour fill) {

@@ -37,7 +37,7 @@ class Canvas {
   Canvas& operator=(const Canvas&) = delete;
 
   void line(std::span<const Dot> points, Colour colour, double width);
-  void area(std::span<const Dot> corners, Colour fill);                // closed; seams between neighbours are covered
+  void area(std::span<const Dot> corners, Colour fill);  // closed
   void disc(Dot centre, double radius, Colour fill);
   void text(Dot baseline, const std::string& utf8, double size, Colour colour, Align align = Align::left,
             bool bold = false);

@@ -60,6 +60,22 @@ void draw_points(Canvas& canvas, const View& view) {
   }
 }
 
+// Grown by a little, or the paper would shine through between neighbours.
+std::array<Dot, 3> corners_of(const View& view, const std::array<std::uint32_t, 3>& triangle) {
+  constexpr double kGrow = 0.6;  // pixels
+  std::array<Dot, 3> corners;
+  Dot middle{0, 0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    corners[k] = {view.points[triangle[k]].x, view.points[triangle[k]].y};
+    middle = {middle.x + corners[k].x / 3, middle.y + corners[k].y / 3};
+  }
+  for (Dot& corner : corners) {
+    const double x = corner.x - middle.x, y = corner.y - middle.y, size = std::max(std::hypot(x, y), 1e-9);
+    corner = {corner.x + kGrow * x / size, corner.y + kGrow * y / size};
+  }
+  return corners;
+}
+
 // The farthest first. A face that looks away is seen from inside, where the body is open or thin: a little darker.
 void draw_faces(Canvas& canvas, const View& view, const modal::Bank& bank) {
   std::vector<std::size_t> order(bank.triangles.size());
@@ -78,11 +94,7 @@ void draw_faces(Canvas& canvas, const View& view, const modal::Bank& bank) {
     const double light = 0.62 + 0.38 * facing;
     Colour colour = heat((view.move[a] + view.move[b] + view.move[c]) / 3);
     colour = {light * colour.red, light * colour.green, light * colour.blue};
-    std::array<Dot, 3> corners;
-    std::ranges::transform(bank.triangles[t], corners.begin(), [&](std::uint32_t p) {
-      return Dot{view.points[p].x, view.points[p].y};
-    });
-    canvas.area(corners, colour);
+    canvas.area(corners_of(view, bank.triangles[t]), colour);
   }
 }
 
