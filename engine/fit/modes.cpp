@@ -6,6 +6,7 @@
 #include "engine/fit/extent.h"
 #include "engine/fit/refine.h"
 #include "engine/fit/subband.h"
+#include "engine/modal/damping.h"
 
 #include <algorithm>
 #include <atomic>
@@ -27,6 +28,7 @@ constexpr double kLeastCycles = 1.5;      // frequency over decay: below, it is 
 constexpr double kLeastDecay = 3;         // decay over its standard error: below, it may be hum
 constexpr double kUnresolved = 0.02;      // modes nearer than that over the length are the same one, found twice
 constexpr double kRemains = 0.25;         // the same of a mode that an earlier pass has found, and its remains
+constexpr double kTrace = 0.1;            // how loud these may be, of that mode
 
 struct Candidate {
   Mode mode;
@@ -67,8 +69,10 @@ std::vector<Candidate> search_band(const Eigen::VectorXcd& samples, const Pass& 
   std::vector<Candidate> found;
   for (const Term& term : refine(samples, find_poles(samples, kMostPoles))) {
     const double rate = pass.band_rate_hz(), offset = term.pole.imag() * rate / (2 * std::numbers::pi);
+    const double decay = -term.pole.real() * rate, delay = 0.5 * static_cast<double>(pass.filter.taps()) / pass.rate_hz;
     const Mode mode{.frequency_hz = centre_hz(pass, band) + offset,
-                    .decay_per_s = -term.pole.real() * rate,
+                    .decay_per_s = decay,
+                    .amplitude = 2 * std::abs(term.amplitude) * std::exp(decay * delay),
                     .frequency_error_hz = term.pole_error * rate / (2 * std::numbers::pi),
                     .decay_error_per_s = term.pole_error * rate,
                     .amplitude_error = 1 / term.significance};
@@ -160,11 +164,14 @@ void fit_amplitudes_beside(std::span<const double> sound, double rate, std::vect
   std::copy_n(all.begin(), modes.size(), modes.begin());
 }
 
-// What an earlier pass took out never goes without a trace.
+// What an earlier pass took out never goes without a trace: at its pitch, or a weak and broad one beside it, where a real
+// mode would be masked.
 bool is_remains(const Mode& mode, std::span<const Mode> known, double length_s) {
   return std::ranges::any_of(known, [&](const Mode& k) {
-    return std::abs(mode.frequency_hz - k.frequency_hz) < kRemains / length_s &&
-           std::abs(mode.decay_per_s - k.decay_per_s) < 0.5 * k.decay_per_s;
+    const double apart = std::abs(mode.frequency_hz - k.frequency_hz);
+    const bool same = apart < kRemains / length_s && std::abs(mode.decay_per_s - k.decay_per_s) < 0.5 * k.decay_per_s;
+    const bool beside = apart < 1 / length_s + modal::rad_per_s_to_hz(2 * mode.decay_per_s);
+    return same || (beside && mode.amplitude < kTrace * k.amplitude);
   });
 }
 

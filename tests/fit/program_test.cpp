@@ -91,12 +91,12 @@ TEST(FitProgram, RefusalsHaveTheirExitCodesAndOneSentence) {
   const TemporaryFolder folder;
   write(folder / "silence.wav", {std::vector<double>(48000)}, 48000, SF_FORMAT_WAV | SF_FORMAT_PCM_16);
   write(folder / "good.wav", {struck(kTones, 0.5)}, 48000, SF_FORMAT_WAV | SF_FORMAT_FLOAT);
-  folder.write("text.wav", "no sound");
+  const fs::path text = folder.write("text.wav", "no sound");
   const std::string good = folder / "good.wav";
   const std::pair<std::vector<std::string>, int> cases[] = {
       {{}, 2},
       {{"/nowhere.wav"}, 3},
-      {{folder / "text.wav"}, 3},
+      {{text}, 3},
       {{folder / "silence.wav"}, 3},
       {{good, "--from", "0.49"}, 3},
       {{good, "--band", "900", "800"}, 3},
@@ -104,7 +104,7 @@ TEST(FitProgram, RefusalsHaveTheirExitCodesAndOneSentence) {
       {{good, "--impulse", "1,2"}, 2},
       {{good, "--max-modes", "0"}, 2},
       {{good, "--floor", "0"}, 2},
-      {{good, "--band", "300", "900", "--damping-of", folder / "text.wav"}, 3},
+      {{good, "--band", "300", "900", "--damping-of", text}, 3},
       {{good, "--band", "300", "900", "-o", "/nowhere/x.glb"}, 1},
       {{good, "--band", "300", "900", "--residual", folder / "x.mp3"}, 1},
   };

@@ -158,12 +158,17 @@ TEST(Picture, TheSpectrumIsThatOfTheSound) {
   }
 }
 
-TEST(Picture, NodeFindsNoFaultInTheScript) {
+TEST(Picture, TheViewDrawsEveryTriangleAndChoosesModes) {
   if (!installed("node")) GTEST_SKIP() << "node is not installed";
   const TemporaryFolder folder;
-  const auto script = folder.write("view.js", cli::kViewScript);
-  const Outcome ran = run({"node", "--check", script});
+  const auto bank = *modal::read_bank(kBanks / "coin.glb");
+  ASSERT_EQ(info(kBanks / "coin.glb", {"--html", folder / "x.html"}).exit_code, 0);
+  const Outcome ran = run({"node", RINGDOWN_SOURCE_DIR "/tests/picture/run_view.js", folder / "x.html"});
   EXPECT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_NE(ran.output.find("faces " + std::to_string(bank.triangles.size()) + " colours true"), std::string::npos)
+      << ran.output;
+  const std::string last = std::to_string(bank.mode_count() - 2);  // the last one was chosen, then the one before it
+  EXPECT_NE(ran.output.find("title mode " + last + ", " + last + "/1 Hz"), std::string::npos) << ran.output;
 }
 
 TEST(Picture, Base64IsAsPublished) {  // RFC 4648, section 10

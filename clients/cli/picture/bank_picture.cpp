@@ -70,20 +70,22 @@ Axis frequency_axis(const modal::Bank& bank, const std::string& title) {
 
 // The loudest peaks by name, where there is room for it.
 void label_peaks(Canvas& canvas, const Chart& chart, const modal::Bank& bank, const std::vector<Level>& levels,
-                 double top, double size) {
+                 const Answer& answer, double top, double size) {
   std::vector<std::size_t> order(levels.size());
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(order, std::greater{}, [&](std::size_t n) { return levels[n].db; });
   std::vector<double> taken;
   const double room = 1.15 * canvas.text_width("00.00 kHz", size);
   for (const std::size_t n : order) {
+    if (taken.size() >= 7 || levels[n].db < top - 45) return;
     const Dot place = chart.at(levels[n].hz, levels[n].db - top);
-    const bool is_mode = std::ranges::find(bank.frequency_hz, levels[n].hz) != bank.frequency_hz.end();
     const double x = std::clamp(place.x, chart.box.x + room / 2, chart.box.x + chart.box.width - room / 2);
-    if (!is_mode || std::ranges::any_of(taken, [&](double t) { return std::abs(t - x) < room; })) continue;
+    if (std::ranges::any_of(taken, [&](double t) { return std::abs(t - x) < room; })) continue;
+    const auto stands_out = [&](double from) { return level_db(bank, answer, levels[n].hz * from) < levels[n].db - 3; };
+    const bool is_peak = stands_out(0.985) && stands_out(1.015);
+    if (!is_peak) continue;
     canvas.text({x, place.y - 0.5 * size}, frequency_text(levels[n].hz), size, kInk, Align::centre);
     taken.push_back(x);
-    if (taken.size() >= 7 || levels[n].db < top - 45) return;
   }
 }
 
@@ -103,7 +105,7 @@ void draw_spectrum(Canvas& canvas, const Box& box, const modal::Bank& bank, cons
   canvas.area(curve, {kBlue.red, kBlue.green, kBlue.blue, 0.15});
   canvas.line(std::span(curve).subspan(1, curve.size() - 2), kBlue, labels ? 1.2 : 0.9);
   canvas.unclip();
-  if (labels) label_peaks(canvas, chart, bank, levels, top, size);
+  if (labels) label_peaks(canvas, chart, bank, levels, answer, top, size);
 }
 
 void draw_decays(Canvas& canvas, const Box& box, const modal::Bank& bank, const Answer& answer, double size) {
@@ -127,7 +129,7 @@ void draw_decays(Canvas& canvas, const Box& box, const modal::Bank& bank, const 
 void draw_legend(Canvas& canvas, Dot corner, double width, double size) {
   constexpr int kSteps = 48;
   for (int n = 0; n < kSteps; ++n) {
-    const double left = corner.x + width * n / kSteps, right = corner.x + width * (n + 1) / kSteps;
+    const double left = corner.x + width * n / kSteps, right = corner.x + width;
     const std::array<Dot, 4> step = {{{left, corner.y}, {right, corner.y}, {right, corner.y + 8}, {left, corner.y + 8}}};
     canvas.area(step, heat((n + 0.5) / kSteps));
   }
@@ -137,7 +139,8 @@ void draw_legend(Canvas& canvas, Dot corner, double width, double size) {
 
 std::string struck_text(const modal::Bank& bank, const Answer& answer) {
   const auto& p = bank.positions[answer.point];
-  return format("Struck at (%.4g, %.4g, %.4g) m", p[0], p[1], p[2]);
+  const auto to_microns = [](double metres) { return std::round(metres * 1e6) / 1e6 + 0.0; };
+  return format("Struck at (%.4g, %.4g, %.4g) m", to_microns(p[0]), to_microns(p[1]), to_microns(p[2]));
 }
 
 constexpr std::size_t kShown = 4;
