@@ -49,7 +49,7 @@ def pitches(modes):
     text, last = [], 0
     for frequency, _, note in sorted(modes):
         if frequency > 1.003 * last:
-            text.append(f"{frequency:.4g} Hz ({note})")
+            text.append(f"{frequency:.{0 if frequency >= 1000 else 1}f} Hz ({note})")
             last = frequency
     return ", ".join(text[:3])
 
