@@ -90,8 +90,7 @@ ExitCode draw(const modal::Bank& bank, const InfoArguments& arguments) {
   std::optional<Vec3> at;
   if (!arguments.at.empty()) at = Vec3{arguments.at[0], arguments.at[1], arguments.at[2]};
   const Answer answer = answer_of(bank, at);
-  if (!arguments.png.empty() &&
-      !write(arguments.png, draw_bank(Canvas::Kind::png, bank, answer, arguments.small))) {
+  if (!arguments.png.empty() && !write(arguments.png, draw_bank(Canvas::Kind::png, bank, answer, arguments.small))) {
     return ExitCode::failure;
   }
   if (!arguments.html.empty() && !write(arguments.html, bank_page(bank, answer))) return ExitCode::failure;
@@ -111,7 +110,8 @@ ExitCode info(const InfoArguments& arguments) {
 
 void add_info_verb(CLI::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* verb = app.add_subcommand("info", "Prints the modes of a bank as a table, in the bank's order, or draws them.");
+  CLI::App* verb =
+      app.add_subcommand("info", "Prints the modes of a bank as a table, in the bank's order, or draws them.");
   verb->add_option("bank", arguments->bank, "The bank, a .glb file.")->type_name("FILE")->required();
   verb->add_option("--html", arguments->html,
                    "Write a page instead: mode shapes, the spectrum of a blow, decays, a view that turns, the table.")

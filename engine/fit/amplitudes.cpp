@@ -111,8 +111,8 @@ std::vector<double> synthesise(std::span<const Mode> modes, double sample_rate_h
 void move_time(std::span<Mode> modes, double seconds) {
   for (Mode& mode : modes) {
     mode.amplitude *= std::exp(-mode.decay_per_s * seconds);
-    mode.phase_rad = std::remainder(mode.phase_rad + modal::hz_to_rad_per_s(mode.frequency_hz) * seconds,
-                                    2 * std::numbers::pi);
+    mode.phase_rad =
+        std::remainder(mode.phase_rad + modal::hz_to_rad_per_s(mode.frequency_hz) * seconds, 2 * std::numbers::pi);
   }
 }
 

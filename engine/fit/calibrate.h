@@ -1,10 +1,10 @@
 // A baked bank's damping, from a recording of the thing itself.
 //
 // The recording's modes are matched to the bank's by frequency, up to one factor for all (another size, temperature or
-// modulus), and Rayleigh's alpha and beta are fitted to what decays: d = (alpha + beta lambda)/2, neither below 0, by least
-// squares in which one mode counts as much as another of the same relative error; modes whose decay is
-// far off (clamped, coupled, matched wrongly) are left out, as Tukey's biweight does [Beaton & Tukey, Technometrics
-// 16(2), 1974]. [worker]
+// modulus), and Rayleigh's alpha and beta are fitted to what decays: d = (alpha + beta lambda)/2, neither below 0, by
+// least squares in which one mode counts as much as another of the same relative error; modes whose decay is far off
+// (clamped, coupled, matched wrongly) are left out, as Tukey's biweight does [Beaton & Tukey, Technometrics 16(2),
+// 1974]. [worker]
 #pragma once
 
 #include "engine/base/result.h"

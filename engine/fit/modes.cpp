@@ -17,18 +17,18 @@
 namespace ringdown::fit {
 namespace {
 
-constexpr double kSamplesOfBand = 400;    // what a pass has of each band, more or less
-constexpr double kPassRatio = 4;          // of one pass's length to the next one's
+constexpr double kSamplesOfBand = 400;  // what a pass has of each band, more or less
+constexpr double kPassRatio = 4;        // of one pass's length to the next one's
 constexpr double kShortestPass_s = 0.02;
-constexpr double kFastestOfPass = 12;     // decay times length: above, the mode waits for a shorter pass,
-constexpr double kSlowestOfPass = 5;      // and below, with the length of the pass before, it would have been found there
-constexpr Eigen::Index kMostPoles = 44;   // of a band
-constexpr double kOverlap = 0.04;         // of the core, on either side
-constexpr double kLeastCycles = 1.5;      // frequency over decay: below, it is a thud and no tone
-constexpr double kLeastDecay = 3;         // decay over its standard error: below, it may be hum
-constexpr double kUnresolved = 0.02;      // modes nearer than that over the length are the same one, found twice
-constexpr double kRemains = 0.25;         // the same of a mode that an earlier pass has found, and its remains
-constexpr double kTrace = 0.1;            // how loud these may be, of that mode
+constexpr double kFastestOfPass = 12;  // decay times length: above, the mode waits for a shorter pass,
+constexpr double kSlowestOfPass = 5;   // and below, with the length of the pass before, it would have been found there
+constexpr Eigen::Index kMostPoles = 44;  // of a band
+constexpr double kOverlap = 0.04;        // of the core, on either side
+constexpr double kLeastCycles = 1.5;     // frequency over decay: below, it is a thud and no tone
+constexpr double kLeastDecay = 3;        // decay over its standard error: below, it may be hum
+constexpr double kUnresolved = 0.02;     // modes nearer than that over the length are the same one, found twice
+constexpr double kRemains = 0.25;        // the same of a mode that an earlier pass has found, and its remains
+constexpr double kTrace = 0.1;           // how loud these may be, of that mode
 
 struct Candidate {
   Mode mode;
@@ -44,7 +44,10 @@ struct Pass {
 
   Pass(double rate, double length, double low, double high, bool first)
       : filter(static_cast<std::size_t>(std::max(1.0, std::round(rate * length / kSamplesOfBand)))),
-        rate_hz(rate), length_s(length), low_hz(low), high_hz(high),
+        rate_hz(rate),
+        length_s(length),
+        low_hz(low),
+        high_hz(high),
         slowest_per_s(first ? 0 : kSlowestOfPass / (kPassRatio * length)) {}
   [[nodiscard]] double band_rate_hz() const { return rate_hz / static_cast<double>(filter.step()); }
   [[nodiscard]] double width_hz() const { return SubbandFilter::kCore * band_rate_hz(); }
@@ -56,9 +59,8 @@ struct Pass {
 // Decays, can be told from a steady tone, rings for more than a cycle, and lasts for much of the pass.
 bool is_mode_of(const Pass& pass, const Mode& mode) {
   return mode.decay_per_s > kLeastDecay * mode.decay_error_per_s && mode.decay_per_s * pass.length_s < kFastestOfPass &&
-         mode.decay_per_s > pass.slowest_per_s &&
-         mode.frequency_hz > kLeastCycles * mode.decay_per_s && mode.frequency_hz >= pass.low_hz &&
-         mode.frequency_hz <= pass.high_hz;
+         mode.decay_per_s > pass.slowest_per_s && mode.frequency_hz > kLeastCycles * mode.decay_per_s &&
+         mode.frequency_hz >= pass.low_hz && mode.frequency_hz <= pass.high_hz;
 }
 
 double centre_hz(const Pass& pass, std::size_t band) {
@@ -94,9 +96,8 @@ void for_all(std::size_t count, int threads, const Work& work) {
 // its neighbours.
 std::vector<Candidate> search(std::span<const double> signal, const Pass& pass, const Options& options) {
   std::vector<Eigen::VectorXcd> samples(pass.bands());
-  for_all(samples.size(), options.threads, [&](std::size_t band) {
-    samples[band] = pass.filter.take(signal, centre_hz(pass, band) / pass.rate_hz);
-  });
+  for_all(samples.size(), options.threads,
+          [&](std::size_t band) { samples[band] = pass.filter.take(signal, centre_hz(pass, band) / pass.rate_hz); });
   std::vector<double> peaks;
   for (const auto& band : samples) peaks.push_back(band.size() > 0 ? band.cwiseAbs().maxCoeff() : 0);
   const double least = 0.25 * std::pow(10, -options.floor_db / 20) * *std::ranges::max_element(peaks);
@@ -164,8 +165,8 @@ void fit_amplitudes_beside(std::span<const double> sound, double rate, std::vect
   std::copy_n(all.begin(), modes.size(), modes.begin());
 }
 
-// What an earlier pass took out never goes without a trace: at its pitch, or a weak and broad one beside it, where a real
-// mode would be masked.
+// What an earlier pass took out never goes without a trace: at its pitch, or a weak and broad one beside it, where a
+// real mode would be masked.
 bool is_remains(const Mode& mode, std::span<const Mode> known, double length_s) {
   return std::ranges::any_of(known, [&](const Mode& k) {
     const double apart = std::abs(mode.frequency_hz - k.frequency_hz);

@@ -6,8 +6,9 @@
 //
 // and cut into bands narrow enough that a few hundred samples of each hold all there is to know (subband.h). In each,
 // ESPRIT finds poles (esprit.h), which least squares makes as good as the noise allows; those that the noise of the
-// band could have made are dropped (refine.h). Long modes are found first, over the whole recording; then, in what is left, shorter ones
-// over its first quarter, sixteenth and so on. At last all amplitudes are fitted together (amplitudes.h). [worker]
+// band could have made are dropped (refine.h). Long modes are found first, over the whole recording; then, in what is
+// left, shorter ones over its first quarter, sixteenth and so on. At last all amplitudes are fitted together
+// (amplitudes.h). [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -47,9 +48,9 @@ struct Fit {
   double explained = 0;     // 1 - energy of what the modes leave over that of the sound, from start to end
 };
 
-inline constexpr double kLongest_s = 8;          // of the sound that is looked at
-inline constexpr double kShortest_s = 0.05;      // shorter recordings are refused
-inline constexpr double kLowestRate_hz = 8000;   // of samples
+inline constexpr double kLongest_s = 8;         // of the sound that is looked at
+inline constexpr double kShortest_s = 0.05;     // shorter recordings are refused
+inline constexpr double kLowestRate_hz = 8000;  // of samples
 inline constexpr double kHighestRate_hz = 768000;
 inline constexpr std::size_t kMostModes = 4000;  // of Options::most_modes
 

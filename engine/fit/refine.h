@@ -1,8 +1,8 @@
 // Poles made as good as the noise allows, and those dropped that noise could have made.
 //
 // Least squares over poles and amplitudes together (Gauss-Newton), which for white noise is the estimate of maximum
-// likelihood: its errors reach the Cramer-Rao bound. The same equations give every number its standard error. A term whose
-// amplitude is less than kSignificance of its own standard errors is taken out, and the rest fitted again. [any]
+// likelihood: its errors reach the Cramer-Rao bound. The same equations give every number its standard error. A term
+// whose amplitude is less than kSignificance of its own standard errors is taken out, and the rest fitted again. [any]
 #pragma once
 
 #include <Eigen/Core>

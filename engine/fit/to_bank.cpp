@@ -22,8 +22,9 @@ modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudne
     const double pulse = modal::pulse_spectrum(mode.frequency_hz, blow.contact_time_s);
     const double answer = mode.amplitude / (loudness * modal::hz_to_rad_per_s(mode.frequency_hz) *
                                             std::copysign(std::max(std::abs(pulse), kLeastOfPulse), pulse));
-    const Vec3 shape = std::copysign(answer * per_impulse, mode.phase_rad == 0 ? 1 : std::cos(mode.phase_rad) * answer) *
-                       blow.impulse_ns;
+    const Vec3 shape =
+        std::copysign(answer * per_impulse, mode.phase_rad == 0 ? 1 : std::cos(mode.phase_rad) * answer) *
+        blow.impulse_ns;
     bank.shapes.push_back({static_cast<float>(shape.x), static_cast<float>(shape.y), static_cast<float>(shape.z)});
   }
   return bank;

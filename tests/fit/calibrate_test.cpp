@@ -77,7 +77,8 @@ TEST(Calibrate, ModesThatAreClampedAreLeftOut) {
 TEST(Calibrate, NeitherIsBelowZero) {
   const modal::Bank bank = preset("steel-plate");
   auto modes = modes_of(bank, 3, 2e-8);
-  for (Mode& mode : modes) mode.decay_per_s = 2e4 / mode.frequency_hz;  // falls with frequency: no Rayleigh damping does
+  for (Mode& mode : modes)
+    mode.decay_per_s = 2e4 / mode.frequency_hz;  // falls with frequency: no Rayleigh damping does
   const auto found = calibrate(modes, bank);
   ASSERT_TRUE(found);
   EXPECT_GT(found->damping.alpha_per_s, 0);

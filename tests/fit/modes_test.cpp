@@ -26,7 +26,8 @@ Fit fitted(const std::vector<double>& samples, const Options& options = {}, doub
 }
 
 // The Cramer-Rao bound of frequency [Hz] and decay [1/s] of one damped sinusoid in white noise, by the Fisher
-// information of its four numbers, summed sample by sample. Source: Yao & Pandit, IEEE Trans. Signal Process. 43(4), 1995.
+// information of its four numbers, summed sample by sample. Source: Yao & Pandit, IEEE Trans. Signal Process. 43(4),
+// 1995.
 struct Bound {
   double frequency_hz, decay_per_s;
 };
@@ -109,7 +110,8 @@ Rendered render_preset(const std::string& name, std::size_t modes, double second
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const auto& phi = bank.shape(m, point);
     const double answer = phi[0] * impulse.x + phi[1] * impulse.y + phi[2] * impulse.z;
-    const double amplitude = synth::kOutputScale / std::numbers::sqrt2 * 2 * std::numbers::pi * bank.frequency_hz[m] * answer;
+    const double amplitude =
+        synth::kOutputScale / std::numbers::sqrt2 * 2 * std::numbers::pi * bank.frequency_hz[m] * answer;
     tones[m] = {bank.frequency_hz[m], bank.decay_per_s[m], amplitude};
     order.emplace_back(amplitude * amplitude / bank.decay_per_s[m], m);
   }

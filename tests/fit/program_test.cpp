@@ -42,8 +42,8 @@ TEST(FitProgram, ARecordingBecomesABankAndSounds) {
   auto samples = struck(kTones, 1.2, 0.1);
   add_noise(samples, 1e-4);
   write(folder / "cup.flac", {samples}, 48000, SF_FORMAT_FLAC | SF_FORMAT_PCM_24);
-  const Outcome ran = fit({folder / "cup.flac", "-o", folder / "cup.glb", "--residual", folder / "rest.wav", "--resynth",
-                           folder / "modes.wav"});
+  const Outcome ran = fit({folder / "cup.flac", "-o", folder / "cup.glb", "--residual", folder / "rest.wav",
+                           "--resynth", folder / "modes.wav"});
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_NE(ran.output.find("3 modes explain 100.00 % of the energy"), std::string::npos) << ran.output;
   EXPECT_NE(ran.output.find("A4 +0 ct"), std::string::npos) << ran.output;

@@ -51,8 +51,7 @@ struct Place {
 
 const std::vector<Place> kPlaces = {{"ringdownd", ""},        {"ringdown", ""},       {"ringdown", "info"},
                                     {"ringdown", "render"},   {"ringdown", "strike"}, {"ringdown", "send"},
-                                    {"ringdown", "protocol"}, {"ringdown-bake", ""},
-                                    {"ringdown-fit", ""}};
+                                    {"ringdown", "protocol"}, {"ringdown-bake", ""},  {"ringdown-fit", ""}};
 
 std::string man_text(const std::string& name) { return run({"groff", "-man", "-Tascii", "-P-cbou", man(name)}).output; }
 

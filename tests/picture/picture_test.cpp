@@ -43,7 +43,8 @@ std::map<std::string, std::string> read(const fs::path& path) {
   std::istringstream lines(ran.output);
   for (std::string line; std::getline(lines, line);) {
     const auto space = line.find(' ');
-    said[line.substr(0, space)] += line.substr(std::min(space, line.size() - 1) + 1) + (line.starts_with("cell") ? "\n" : "");
+    said[line.substr(0, space)] +=
+        line.substr(std::min(space, line.size() - 1) + 1) + (line.starts_with("cell") ? "\n" : "");
   }
   return said;
 }

@@ -85,6 +85,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"xxhash.h", {"engine/base/"}, 1},
     {"CLI/", {"manual/", "server/", "clients/"}},
     {"sndfile", {"server/", "clients/"}},
+    {"cairo", {"clients/cli/picture/canvas.cpp"}, 1},
     {"spdlog/", {"server/", "clients/"}},
 };
 

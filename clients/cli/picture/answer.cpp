@@ -47,8 +47,8 @@ Answer answer_of(const modal::Bank& bank, std::optional<Vec3> at) {
   Answer answer;
   double best = -1;
   for (std::size_t p = 0; p < bank.point_count(); ++p) {
-    const double score = at ? 1 / (1e-12 + length(wide(bank.positions[p]) - *at))
-                            : energy(bank, p, direction_at(bank, p, normals[p]));
+    const double score =
+        at ? 1 / (1e-12 + length(wide(bank.positions[p]) - *at)) : energy(bank, p, direction_at(bank, p, normals[p]));
     if (score > best) best = score, answer.point = p;
   }
   answer.direction = direction_at(bank, answer.point, normals[answer.point]);

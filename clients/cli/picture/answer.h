@@ -20,7 +20,8 @@ struct Answer {
 // there are no triangles, along whichever axis answers most.
 Answer answer_of(const modal::Bank& bank, std::optional<Vec3> at);
 
-// Level of the sound's spectrum at a frequency [dB re an arbitrary unit]: the modes' resonances, summed with their phases.
+// Level of the sound's spectrum at a frequency [dB re an arbitrary unit]: the modes' resonances, summed with their
+// phases.
 double level_db(const modal::Bank& bank, const Answer& answer, double frequency_hz);
 
 // Unit normals of the sample points; (0, 0, 0) where no triangle is.

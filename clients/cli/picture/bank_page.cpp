@@ -36,14 +36,19 @@ std::string format(const char* pattern, Numbers... numbers) {
 
 // Bytes of the character that begins with `lead`, 0 when none does.
 std::size_t utf8_length(unsigned char lead) {
-  return lead < 0x80 ? 1 : lead >= 0xC2 && lead < 0xE0 ? 2 : lead >= 0xE0 && lead < 0xF0 ? 3 : lead >= 0xF0 && lead < 0xF5 ? 4 : 0;
+  return lead < 0x80                   ? 1
+         : lead >= 0xC2 && lead < 0xE0 ? 2
+         : lead >= 0xE0 && lead < 0xF0 ? 3
+         : lead >= 0xF0 && lead < 0xF5 ? 4
+                                       : 0;
 }
 
 std::string table_of(const modal::Bank& bank, const Answer& answer) {
   double loudest = 1e-300;
   for (const double a : answer.amplitude) loudest = std::max(loudest, std::abs(a));
-  std::string rows = "<table><thead><tr><th>mode</th><th>frequency Hz</th><th>note</th><th>T60 s</th>"
-                     "<th>decay 1/s</th><th>level there dB</th><th>error %</th></tr></thead>\n<tbody>\n";
+  std::string rows =
+      "<table><thead><tr><th>mode</th><th>frequency Hz</th><th>note</th><th>T60 s</th>"
+      "<th>decay 1/s</th><th>level there dB</th><th>error %</th></tr></thead>\n<tbody>\n";
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double decay = bank.decay_per_s[m];
     const std::string error = bank.frequency_error.empty() ? "" : format("%.2g", 100 * bank.frequency_error[m]);
@@ -59,8 +64,8 @@ std::string facts_of(const modal::Bank& bank) {
   std::string text;
   if (const auto& m = bank.material) {
     text += escaped(m->name) + format(": E = %.4g Pa, nu = %.3g, rho = %.5g kg/m³, alpha = %.4g 1/s, beta = %.4g s. ",
-                                      m->youngs_modulus_pa, m->poisson_ratio, m->density_kg_m3,
-                                      m->damping.alpha_per_s, m->damping.beta_s);
+                                      m->youngs_modulus_pa, m->poisson_ratio, m->density_kg_m3, m->damping.alpha_per_s,
+                                      m->damping.beta_s);
   }
   text += format("%zu sample points, %zu triangles. ", bank.point_count(), bank.triangles.size());
   if (!bank.provenance.generator.empty()) text += "Made by " + escaped(bank.provenance.generator) + ".";
@@ -92,12 +97,23 @@ std::string escaped(std::string_view text) {
   std::string safe;
   for (const char c : clean_text(text)) {
     switch (c) {
-      case '&': safe += "&amp;"; break;
-      case '<': safe += "&lt;"; break;
-      case '>': safe += "&gt;"; break;
-      case '"': safe += "&quot;"; break;
-      case '\'': safe += "&#39;"; break;
-      default: safe += c;
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      case '\'':
+        safe += "&#39;";
+        break;
+      default:
+        safe += c;
     }
   }
   return safe;
@@ -110,11 +126,13 @@ std::string bank_page(const modal::Bank& bank, const Answer& answer) {
   return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>" + name + "</title>\n<style>" +
          kStyle + "</style>\n</head>\n<body>\n<figure role=\"img\" aria-label=\"" + name + "\">\n" +
          picture.substr(picture.find("<svg")) + "</figure>\n<h2>Shapes</h2>\n<div id=\"view\">\n" +
-         "<p><span id=\"view-title\"></span> <label><input type=\"checkbox\" id=\"move\" checked> vibrate</label></p>\n" +
-         "<canvas width=\"900\" height=\"600\"></canvas>\n<p class=\"hint\">Drag to turn, wheel to zoom; arrow keys or a row "
-         "of the table choose a mode.</p>\n</div>\n<h2>Modes</h2>\n" + facts_of(bank) + table_of(bank, answer) +
-         "<script type=\"application/json\" id=\"view-data\">" + view_data(bank) + "</script>\n<script>" + kViewScript +
-         "</script>\n</body>\n</html>\n";
+         "<p><span id=\"view-title\"></span> <label><input type=\"checkbox\" id=\"move\" checked> "
+         "vibrate</label></p>\n" +
+         "<canvas width=\"900\" height=\"600\"></canvas>\n<p class=\"hint\">Drag to turn, wheel to zoom; arrow keys or "
+         "a row "
+         "of the table choose a mode.</p>\n</div>\n<h2>Modes</h2>\n" +
+         facts_of(bank) + table_of(bank, answer) + "<script type=\"application/json\" id=\"view-data\">" +
+         view_data(bank) + "</script>\n<script>" + kViewScript + "</script>\n</body>\n</html>\n";
 }
 
 }  // namespace ringdown::cli

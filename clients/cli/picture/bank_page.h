@@ -1,5 +1,5 @@
-// A bank as one HTML file: the picture, a view of the surface that turns and vibrates, and a table of all modes. It needs
-// no network and nothing beside it. [any]
+// A bank as one HTML file: the picture, a view of the surface that turns and vibrates, and a table of all modes. It
+// needs no network and nothing beside it. [any]
 #pragma once
 
 #include "clients/cli/picture/answer.h"

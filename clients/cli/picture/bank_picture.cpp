@@ -32,7 +32,9 @@ std::string fitting(Canvas& canvas, std::string text, double size, double width,
 }
 
 std::string frequency_text(double hz) {
-  return hz >= 10000 ? format("%.2f kHz", hz / 1000) : hz >= 1000 ? format("%.3f kHz", hz / 1000) : format("%.1f Hz", hz);
+  return hz >= 10000  ? format("%.2f kHz", hz / 1000)
+         : hz >= 1000 ? format("%.3f kHz", hz / 1000)
+                      : format("%.1f Hz", hz);
 }
 
 std::string t60_text(double decay) { return decay > 0 ? format("T60 %.3g s", modal::t60_s(decay)) : "no decay"; }
@@ -53,7 +55,8 @@ struct Level {
 std::vector<Level> spectrum_of(const modal::Bank& bank, const Answer& answer, const Axis& axis, double pixels) {
   std::vector<double> places = bank.frequency_hz;
   const int count = static_cast<int>(2 * pixels);
-  for (int n = 0; n <= count; ++n) places.push_back(axis.low * std::pow(axis.high / axis.low, static_cast<double>(n) / count));
+  for (int n = 0; n <= count; ++n)
+    places.push_back(axis.low * std::pow(axis.high / axis.low, static_cast<double>(n) / count));
   std::erase_if(places, [&](double hz) { return hz < axis.low || hz > axis.high; });
   std::ranges::sort(places);
   std::vector<Level> levels;
@@ -130,7 +133,8 @@ void draw_legend(Canvas& canvas, Dot corner, double width, double size) {
   constexpr int kSteps = 48;
   for (int n = 0; n < kSteps; ++n) {
     const double left = corner.x + width * n / kSteps, right = corner.x + width;
-    const std::array<Dot, 4> step = {{{left, corner.y}, {right, corner.y}, {right, corner.y + 8}, {left, corner.y + 8}}};
+    const std::array<Dot, 4> step = {
+        {{left, corner.y}, {right, corner.y}, {right, corner.y + 8}, {left, corner.y + 8}}};
     canvas.area(step, heat((n + 0.5) / kSteps));
   }
   canvas.text({corner.x - 8, corner.y + 8}, "rests", size, kFaint, Align::right);
@@ -163,8 +167,8 @@ void draw_small(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
 void draw_large(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
   constexpr double kMargin = 40, kSize = 12;
   const double width = kPictureWidth - 2 * kMargin;
-  canvas.text({kMargin, 44}, fitting(canvas, clean_text(bank.name.empty() ? "bank" : bank.name), 24, width, true), 24, kInk,
-              Align::left, true);
+  canvas.text({kMargin, 44}, fitting(canvas, clean_text(bank.name.empty() ? "bank" : bank.name), 24, width, true), 24,
+              kInk, Align::left, true);
   canvas.text({kMargin, 68}, fitting(canvas, subtitle(bank), 14, width), 14, kFaint);
   const double side = width / kShown;
   double left = kMargin - side;
@@ -173,12 +177,12 @@ void draw_large(Canvas& canvas, const modal::Bank& bank, const Answer& answer) {
     draw_shape(canvas, {left, 84, side, 214}, bank, m, &answer.point);
     canvas.text({left + side / 2, 318}, format("mode %zu  ·  ", m) + frequency_text(bank.frequency_hz[m]), 13, kInk,
                 Align::centre, true);
-    canvas.text({left + side / 2, 336}, note_name(bank.frequency_hz[m]) + "  ·  " + t60_text(bank.decay_per_s[m]), 12, kFaint,
-                Align::centre);
+    canvas.text({left + side / 2, 336}, note_name(bank.frequency_hz[m]) + "  ·  " + t60_text(bank.decay_per_s[m]), 12,
+                kFaint, Align::centre);
   }
   draw_legend(canvas, {kPictureWidth / 2 - 60, 352}, 120, 11);
-  canvas.text({kMargin, 398}, struck_text(bank, answer) + (bank.triangles.empty() ? "" : ", along the normal"), 14, kInk,
-              Align::left, true);
+  canvas.text({kMargin, 398}, struck_text(bank, answer) + (bank.triangles.empty() ? "" : ", along the normal"), 14,
+              kInk, Align::left, true);
   draw_spectrum(canvas, {kMargin + 36, 428, width - 36, 190}, bank, answer, kSize, true);
   canvas.text({kMargin, 684}, "How long each mode rings; larger dots are louder there", 14, kInk, Align::left, true);
   draw_decays(canvas, {kMargin + 36, 714, width - 36, 130}, bank, answer, kSize);
