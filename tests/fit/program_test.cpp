@@ -22,11 +22,11 @@ void write(const fs::path& path, const std::vector<std::vector<double>>& channel
   SF_INFO info{.samplerate = rate, .channels = static_cast<int>(channels.size()), .format = format};
   SNDFILE* const file = sf_open(path.c_str(), SFM_WRITE, &info);
   ASSERT_TRUE(file);
+  std::vector<double> frames;
   for (std::size_t n = 0; n < channels[0].size(); ++n) {
-    std::vector<double> frame;
-    for (const auto& channel : channels) frame.push_back(channel[n]);
-    sf_writef_double(file, frame.data(), 1);
+    for (const auto& channel : channels) frames.push_back(channel[n]);
   }
+  sf_writef_double(file, frames.data(), static_cast<sf_count_t>(channels[0].size()));
   sf_close(file);
 }
 
@@ -85,6 +85,16 @@ TEST(FitProgram, CalibratesABank) {
   ASSERT_TRUE(real);
   EXPECT_NEAR(real->material->damping.alpha_per_s, 12, 0.2);
   EXPECT_NEAR(real->material->damping.beta_s, 3e-8, 1e-9);
+}
+
+TEST(FitProgram, TenMinutesAreReadAndNoFrameMore) {
+  const TemporaryFolder folder;
+  for (const std::size_t more : {0, 1}) {
+    write(folder / "long.wav", {std::vector<double>(600 * 8000 + more)}, 8000, SF_FORMAT_WAV | SF_FORMAT_PCM_U8);
+    const Outcome ran = fit({folder / "long.wav"});
+    EXPECT_EQ(ran.exit_code, 3);
+    EXPECT_EQ(ran.output.find("ten minutes") != std::string::npos, more > 0) << ran.output;
+  }
 }
 
 TEST(FitProgram, RefusalsHaveTheirExitCodesAndOneSentence) {
