@@ -1,5 +1,8 @@
+#include "clients/cli/picture/bank_page.h"
+#include "clients/cli/picture/bank_picture.h"
 #include "clients/cli/pitch.h"
 #include "clients/cli/verb.h"
+#include "engine/base/atomic_file.h"
 #include "engine/base/fraction.h"
 #include "engine/modal/bank_file.h"
 
@@ -70,9 +73,35 @@ void print_modes(const modal::Bank& bank) {
   }
 }
 
-ExitCode info(const std::string& path) {
-  const auto bank = modal::read_bank(path);
+struct InfoArguments {
+  std::string bank, html, png;
+  std::vector<double> at;
+  bool small = false;
+};
+
+// False when it could not be written, which has been said.
+bool write(const std::string& path, const std::string& bytes) {
+  const Result<void> written = bytes.empty() ? Result<void>(fail("cannot draw " + path + ": there is no memory for it"))
+                                             : write_file_atomically(path, std::string_view(bytes));
+  if (!written) complain(written.error().message, ExitCode::failure);
+  return written.has_value();
+}
+
+ExitCode draw(const modal::Bank& bank, const InfoArguments& arguments) {
+  std::optional<Vec3> at;
+  if (!arguments.at.empty()) at = Vec3{arguments.at[0], arguments.at[1], arguments.at[2]};
+  const Answer answer = answer_of(bank, at);
+  if (!arguments.png.empty() && !write(arguments.png, draw_bank(Canvas::Kind::png, bank, answer, arguments.small))) {
+    return ExitCode::failure;
+  }
+  if (!arguments.html.empty() && !write(arguments.html, bank_page(bank, answer))) return ExitCode::failure;
+  return ExitCode::ok;
+}
+
+ExitCode info(const InfoArguments& arguments) {
+  const auto bank = modal::read_bank(arguments.bank);
   if (!bank) return complain(bank.error().message, ExitCode::bad_input);
+  if (!arguments.html.empty() || !arguments.png.empty()) return draw(*bank, arguments);
   print_head(*bank);
   print_modes(*bank);
   return ExitCode::ok;
@@ -81,10 +110,23 @@ ExitCode info(const std::string& path) {
 }  // namespace
 
 void add_info_verb(CLI::App& app, ExitCode& outcome) {
-  auto path = std::make_shared<std::string>();
-  CLI::App* verb = app.add_subcommand("info", "Prints the modes of a bank as a table, in the bank's order.");
-  verb->add_option("bank", *path, "The bank, a .glb file.")->type_name("FILE")->required();
-  verb->callback([path, &outcome] { outcome = info(*path); });
+  auto arguments = std::make_shared<InfoArguments>();
+  CLI::App* verb =
+      app.add_subcommand("info", "Prints the modes of a bank as a table, in the bank's order, or draws them.");
+  verb->add_option("bank", arguments->bank, "The bank, a .glb file.")->type_name("FILE")->required();
+  verb->add_option("--html", arguments->html,
+                   "Write a page instead: mode shapes, the spectrum of a blow, decays, a view that turns, the table.")
+      ->type_name("FILE");
+  verb->add_option("--png", arguments->png, "Write a picture instead: mode shapes, the spectrum of a blow, decays.")
+      ->type_name("FILE");
+  verb->add_option("--at", arguments->at,
+                   "The point that is struck there, in metres; default: the one that answers most. The nearest sample "
+                   "point is taken.")
+      ->type_name("X,Y,Z")
+      ->delimiter(',')
+      ->expected(3);
+  verb->add_flag("--small", arguments->small, "With --png: one shape and the spectrum, 480 pixels wide.");
+  verb->callback([arguments, &outcome] { outcome = info(*arguments); });
 }
 
 }  // namespace ringdown::cli

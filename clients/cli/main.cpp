@@ -26,7 +26,9 @@ const std::vector<ringdown::manual::Section> kSections = {
      {{"ringdown info bell.glb", "The modes of a bank."},
       {"ringdown strike bell --at 0.1,0,0.05 --impulse -0.2,0,0", "A blow of 0.2 N s, played by the daemon."},
       {"ringdown render --scene demo.toml -o demo.wav", "A scene as a sound file; no daemon is needed."}}},
-    {"SEE ALSO", {{"ringdownd(1), ringdown-bake(1), ringdown-fit(1)", "The daemon, and what `ringdown bake` and `ringdown fit` run."}}},
+    {"SEE ALSO",
+     {{"ringdownd(1), ringdown-bake(1), ringdown-fit(1)",
+       "The daemon, and what `ringdown bake` and `ringdown fit` run."}}},
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "engine/fit/extent.h"
 #include "engine/fit/refine.h"
 #include "engine/fit/subband.h"
+#include "engine/modal/damping.h"
 
 #include <algorithm>
 #include <atomic>
@@ -19,14 +20,15 @@ namespace {
 constexpr double kSamplesOfBand = 400;  // what a pass has of each band, more or less
 constexpr double kPassRatio = 4;        // of one pass's length to the next one's
 constexpr double kShortestPass_s = 0.02;
-constexpr double kFastestOfPass = 12;     // decay times length: above, the mode waits for a shorter pass,
-constexpr double kSlowestOfPass = 5;      // and below, with the length of the pass before, it would have been found there
-constexpr Eigen::Index kMostPoles = 44;   // of a band
-constexpr double kOverlap = 0.04;         // of the core, on either side
-constexpr double kLeastCycles = 1.5;      // frequency over decay: below, it is a thud and no tone
-constexpr double kLeastDecay = 3;         // decay over its standard error: below, it may be hum
-constexpr double kUnresolved = 0.02;      // modes nearer than that over the length are the same one, found twice
-constexpr double kRemains = 0.25;         // the same of a mode that an earlier pass has found, and its remains
+constexpr double kFastestOfPass = 12;  // decay times length: above, the mode waits for a shorter pass,
+constexpr double kSlowestOfPass = 5;   // and below, with the length of the pass before, it would have been found there
+constexpr Eigen::Index kMostPoles = 44;  // of a band
+constexpr double kOverlap = 0.04;        // of the core, on either side
+constexpr double kLeastCycles = 1.5;     // frequency over decay: below, it is a thud and no tone
+constexpr double kLeastDecay = 3;        // decay over its standard error: below, it may be hum
+constexpr double kUnresolved = 0.02;     // modes nearer than that over the length are the same one, found twice
+constexpr double kRemains = 0.25;        // the same of a mode that an earlier pass has found, and its remains
+constexpr double kTrace = 0.1;           // how loud these may be, of that mode
 
 struct Candidate {
   Mode mode;
@@ -42,7 +44,10 @@ struct Pass {
 
   Pass(double rate, double length, double low, double high, bool first)
       : filter(static_cast<std::size_t>(std::max(1.0, std::round(rate * length / kSamplesOfBand)))),
-        rate_hz(rate), length_s(length), low_hz(low), high_hz(high),
+        rate_hz(rate),
+        length_s(length),
+        low_hz(low),
+        high_hz(high),
         slowest_per_s(first ? 0 : kSlowestOfPass / (kPassRatio * length)) {}
   [[nodiscard]] double band_rate_hz() const { return rate_hz / static_cast<double>(filter.step()); }
   [[nodiscard]] double width_hz() const { return SubbandFilter::kCore * band_rate_hz(); }
@@ -54,32 +59,51 @@ struct Pass {
 // Decays, can be told from a steady tone, rings for more than a cycle, and lasts for much of the pass.
 bool is_mode_of(const Pass& pass, const Mode& mode) {
   return mode.decay_per_s > kLeastDecay * mode.decay_error_per_s && mode.decay_per_s * pass.length_s < kFastestOfPass &&
-         mode.decay_per_s > pass.slowest_per_s &&
-         mode.frequency_hz > kLeastCycles * mode.decay_per_s && mode.frequency_hz >= pass.low_hz &&
-         mode.frequency_hz <= pass.high_hz;
+         mode.decay_per_s > pass.slowest_per_s && mode.frequency_hz > kLeastCycles * mode.decay_per_s &&
+         mode.frequency_hz >= pass.low_hz && mode.frequency_hz <= pass.high_hz;
 }
 
-std::vector<Candidate> search_band(std::span<const double> signal, const Pass& pass, std::size_t band) {
-  const double width = pass.width_hz(), centre = pass.low_hz + (static_cast<double>(band) + 0.5) * width;
-  const Eigen::VectorXcd samples = pass.filter.take(signal, centre / pass.rate_hz);
+double centre_hz(const Pass& pass, std::size_t band) {
+  return pass.low_hz + (static_cast<double>(band) + 0.5) * pass.width_hz();
+}
+
+std::vector<Candidate> search_band(const Eigen::VectorXcd& samples, const Pass& pass, std::size_t band) {
   std::vector<Candidate> found;
   for (const Term& term : refine(samples, find_poles(samples, kMostPoles))) {
     const double rate = pass.band_rate_hz(), offset = term.pole.imag() * rate / (2 * std::numbers::pi);
-    const Mode mode{.frequency_hz = centre + offset,
-                    .decay_per_s = -term.pole.real() * rate,
+    const double decay = -term.pole.real() * rate, delay = 0.5 * static_cast<double>(pass.filter.taps()) / pass.rate_hz;
+    const Mode mode{.frequency_hz = centre_hz(pass, band) + offset,
+                    .decay_per_s = decay,
+                    .amplitude = 2 * std::abs(term.amplitude) * std::exp(decay * delay),
                     .frequency_error_hz = term.pole_error * rate / (2 * std::numbers::pi),
                     .decay_error_per_s = term.pole_error * rate,
                     .amplitude_error = 1 / term.significance};
-    if (std::abs(offset) <= (0.5 + kOverlap) * width) found.push_back({mode, band, is_mode_of(pass, mode)});
+    if (std::abs(offset) <= (0.5 + kOverlap) * pass.width_hz()) found.push_back({mode, band, is_mode_of(pass, mode)});
   }
   return found;
 }
 
-std::vector<Candidate> search(std::span<const double> signal, const Pass& pass, int threads) {
-  std::vector<std::vector<Candidate>> found(pass.bands());
+// work(0) ... work(count - 1), shared out to threads as they come free.
+template <class Work>
+void for_all(std::size_t count, int threads, const Work& work) {
   std::atomic<std::size_t> next = 0;
-  in_parallel(std::min<int>(thread_count(threads), static_cast<int>(found.size())), [&](int) {
-    for (std::size_t band; (band = next++) < found.size();) found[band] = search_band(signal, pass, band);
+  in_parallel(std::min<int>(thread_count(threads), static_cast<int>(count)), [&](int) {
+    for (std::size_t n; (n = next++) < count;) work(n);
+  });
+}
+
+// A band below the floor holds nothing that would be kept, were it all one mode: most often what the filter has left of
+// its neighbours.
+std::vector<Candidate> search(std::span<const double> signal, const Pass& pass, const Options& options) {
+  std::vector<Eigen::VectorXcd> samples(pass.bands());
+  for_all(samples.size(), options.threads,
+          [&](std::size_t band) { samples[band] = pass.filter.take(signal, centre_hz(pass, band) / pass.rate_hz); });
+  std::vector<double> peaks;
+  for (const auto& band : samples) peaks.push_back(band.size() > 0 ? band.cwiseAbs().maxCoeff() : 0);
+  const double least = 0.25 * std::pow(10, -options.floor_db / 20) * *std::ranges::max_element(peaks);
+  std::vector<std::vector<Candidate>> found(samples.size());
+  for_all(samples.size(), options.threads, [&](std::size_t band) {
+    if (peaks[band] > least) found[band] = search_band(samples[band], pass, band);
   });
   std::vector<Candidate> all;
   for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
@@ -141,11 +165,14 @@ void fit_amplitudes_beside(std::span<const double> sound, double rate, std::vect
   std::copy_n(all.begin(), modes.size(), modes.begin());
 }
 
-// What an earlier pass took out never goes without a trace.
+// What an earlier pass took out never goes without a trace: at its pitch, or a weak and broad one beside it, where a
+// real mode would be masked.
 bool is_remains(const Mode& mode, std::span<const Mode> known, double length_s) {
   return std::ranges::any_of(known, [&](const Mode& k) {
-    return std::abs(mode.frequency_hz - k.frequency_hz) < kRemains / length_s &&
-           std::abs(mode.decay_per_s - k.decay_per_s) < 0.5 * k.decay_per_s;
+    const double apart = std::abs(mode.frequency_hz - k.frequency_hz);
+    const bool same = apart < kRemains / length_s && std::abs(mode.decay_per_s - k.decay_per_s) < 0.5 * k.decay_per_s;
+    const bool beside = apart < 1 / length_s + modal::rad_per_s_to_hz(2 * mode.decay_per_s);
+    return same || (beside && mode.amplitude < kTrace * k.amplitude);
   });
 }
 
@@ -156,7 +183,7 @@ std::vector<Mode> search_all(std::span<const double> sound, double rate, const O
   for (double length = whole; length >= kShortestPass_s; length /= kPassRatio) {
     const Pass pass(rate, length, options.low_hz, high, length == whole);
     const auto part = std::span(left).first(static_cast<std::size_t>(length * rate));
-    const std::vector<Candidate> found = without_doubles(search(part, pass, options.threads), length);
+    const std::vector<Candidate> found = without_doubles(search(part, pass, options), length);
     std::vector<Mode> fresh;
     for (const Candidate& c : found) {
       if (c.accepted && !is_remains(c.mode, modes, length)) fresh.push_back(c.mode);

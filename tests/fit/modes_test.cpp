@@ -22,14 +22,7 @@ Fit fitted(const std::vector<double>& samples, const Options& options = {}, doub
     ADD_FAILURE() << fit.error().message;
     return {};
   }
-  if (std::getenv("SHOW")) for (const Mode& m : fit->modes) std::printf("  %.4f+-%.2g Hz %.4f+-%.2g 1/s %.3g +-%.2g\n", m.frequency_hz, m.frequency_error_hz, m.decay_per_s, m.decay_error_per_s, m.amplitude, m.amplitude_error);
   return *fit;
-}
-
-const Mode* nearest(const std::vector<Mode>& modes, double frequency) {
-  const auto place =
-      std::ranges::min_element(modes, {}, [&](const Mode& m) { return std::abs(m.frequency_hz - frequency); });
-  return place == modes.end() ? nullptr : &*place;
 }
 
 // The Cramer-Rao bound of frequency [Hz] and decay [1/s] of one damped sinusoid in white noise, by the Fisher
@@ -140,28 +133,46 @@ Rendered render_preset(const std::string& name, std::size_t modes, double second
   return {player.left, kept};
 }
 
+// Tones so close that they do not beat once while they are heard: a round bell's pairs. They count as one.
+std::vector<std::vector<Tone>> told_apart(std::vector<Tone> tones) {
+  std::ranges::sort(tones, {}, &Tone::frequency_hz);
+  std::vector<std::vector<Tone>> groups;
+  for (const Tone& tone : tones) {
+    const bool beats = groups.empty() || tone.frequency_hz - groups.back().back().frequency_hz > tone.decay_per_s / 20;
+    if (beats) groups.emplace_back();
+    groups.back().push_back(tone);
+  }
+  return groups;
+}
+
+// Within a fraction of the tone's resonance.
+bool is_at(const Mode& mode, const Tone& tone) {
+  return std::abs(mode.frequency_hz - tone.frequency_hz) < tone.decay_per_s / 4;
+}
+
 struct Score {
-  double found, cents, decay;  // share of tones; median errors, the decay's relative
-  std::size_t wrong;           // modes that are no tone
+  std::size_t tones;                   // that can be told apart
+  double found, cents = 0, decay = 0;  // share of them; median errors, the decay's relative
+  std::size_t wrong;                   // modes where no tone is
 };
 Score score(const Fit& fit, const std::vector<Tone>& tones) {
+  const auto groups = told_apart(tones);
   std::vector<double> off, slow;
-  for (const Tone& tone : tones) {
-    const Mode* mode = nearest(fit.modes, tone.frequency_hz);
-    if (!mode || std::abs(cents(mode->frequency_hz / tone.frequency_hz)) > 5) continue;
-    off.push_back(std::abs(cents(mode->frequency_hz / tone.frequency_hz)));
-    slow.push_back(std::abs(mode->decay_per_s / tone.decay_per_s - 1));
+  for (const auto& group : groups) {
+    const auto nearest = std::ranges::min_element(
+        fit.modes, {}, [&](const Mode& m) { return std::abs(m.frequency_hz - group[0].frequency_hz); });
+    if (nearest == fit.modes.end() || !is_at(*nearest, group[0])) continue;
+    off.push_back(std::abs(cents(nearest->frequency_hz / group[0].frequency_hz)));
+    slow.push_back(std::abs(nearest->decay_per_s / group[0].decay_per_s - 1));
   }
-  std::size_t wrong = 0;
-  for (const Mode& mode : fit.modes) {
-    wrong += std::ranges::none_of(tones, [&](const Tone& tone) {
-      return std::abs(mode.frequency_hz - tone.frequency_hz) < 0.003 * tone.frequency_hz + tone.decay_per_s / 6;
-    });
-  }
-  const double found = static_cast<double>(off.size()) / static_cast<double>(tones.size());
-  if (off.empty()) return {0, 0, 0, wrong};
+  Score s{groups.size(), static_cast<double>(off.size()) / static_cast<double>(groups.size())};
+  s.wrong = static_cast<std::size_t>(std::ranges::count_if(fit.modes, [&](const Mode& mode) {
+    return std::ranges::none_of(tones, [&](const Tone& tone) { return is_at(mode, tone); });
+  }));
+  if (off.empty()) return s;
   std::ranges::sort(off), std::ranges::sort(slow);
-  return {found, off[off.size() / 2], slow[slow.size() / 2], wrong};
+  s.cents = off[off.size() / 2], s.decay = slow[slow.size() / 2];
+  return s;
 }
 
 TEST(FitModes, FiftyModesOfABellInNoise) {
@@ -175,8 +186,8 @@ TEST(FitModes, FiftyModesOfABellInNoise) {
     add_noise(samples, level * std::pow(10, -claim.snr_db / 20));
     const Fit fit = fitted(samples);
     const Score s = score(fit, bell.tones);
-    std::printf("%2.0f dB: %3.0f %% found, %.4f cents, decay %.2f %%, %zu wrong, %.4f %% of the energy\n", claim.snr_db,
-                100 * s.found, s.cents, 100 * s.decay, s.wrong, 100 * fit.explained);
+    std::printf("%2.0f dB: %3.0f %% of %zu found, %.4f cents, decay %.2f %%, %zu wrong, %.4f %% of the energy\n",
+                claim.snr_db, 100 * s.found, s.tones, s.cents, 100 * s.decay, s.wrong, 100 * fit.explained);
     EXPECT_GE(s.found, claim.found);
     EXPECT_LE(s.cents, claim.cents);
     EXPECT_LE(s.decay, claim.decay);
@@ -185,12 +196,13 @@ TEST(FitModes, FiftyModesOfABellInNoise) {
   }
 }
 
-TEST(FitModes, HundredsOfModesOfAPlate) {
-  const Rendered plate = render_preset("steel-plate", 250, 2);
+TEST(FitModes, EveryModeOfAPlate) {
+  const Rendered plate = render_preset("steel-plate", 120, 2);
   auto samples = plate.samples;
   add_noise(samples, 1e-3 * rms(plate.samples));
   const Score s = score(fitted(samples), plate.tones);
-  std::printf("%3.0f %% found, %.4f cents, decay %.2f %%, %zu wrong\n", 100 * s.found, s.cents, 100 * s.decay, s.wrong);
+  std::printf("%3.0f %% of %zu found, %.4f cents, decay %.2f %%, %zu wrong\n", 100 * s.found, s.tones, s.cents,
+              100 * s.decay, s.wrong);
   EXPECT_GE(s.found, 0.8);
   EXPECT_LE(s.cents, 0.1);
   EXPECT_LE(s.wrong, 5u);
@@ -233,7 +245,7 @@ TEST(FitModes, WhatIsClippedIsSteppedOver) {
   for (double& sample : samples) sample = std::clamp(sample, -0.7, 0.7);
   add_noise(samples, 1e-5);
   for (double& sample : samples) sample = std::clamp(sample, -0.7, 0.7);
-  const Fit fit = fitted(samples);
+  const Fit fit = fitted(samples, {.low_hz = 200, .high_hz = 5000});
   EXPECT_GT(fit.clipped, 100u);
   EXPECT_GT(fit.start_s, fit.onset_s);
   ASSERT_EQ(fit.modes.size(), 2u);

@@ -49,4 +49,21 @@ TEST(Documents, EveryLinkToAFileLeadsSomewhere) {
   EXPECT_GT(count, 10);
 }
 
+// docs/figures/presets_page.py writes both.
+TEST(Documents, EveryPresetHasItsRowAndEveryBankItsPicture) {
+  const std::string page = text_of(kRoot / "docs/presets.md");
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator(kRoot / "presets/objects")) {
+    if (entry.path().extension() != ".toml") continue;
+    const std::string name = entry.path().stem().string();
+    EXPECT_NE(page.find("| `" + name + "`: "), std::string::npos) << name << " has no row: ./run docs";
+    ++count;
+    if (!fs::exists(kRoot / "presets/banks" / (name + ".glb"))) continue;
+    const fs::path picture = kRoot / "docs/figures/presets" / (name + ".png");
+    ASSERT_TRUE(fs::exists(picture)) << picture << " is missing: ./run docs";
+    EXPECT_LE(fs::file_size(picture), 25'000u) << picture;
+  }
+  EXPECT_GT(count, 10);
+}
+
 }  // namespace

@@ -31,6 +31,7 @@ const std::vector<FolderRule> kFolderRules = {
     {"engine/fem/", {"engine/base/", "engine/mesh/", "engine/fem/"}},
     {"engine/solve/", {"engine/base/", "engine/mesh/", "engine/fem/", "engine/solve/"}},
     {"engine/bake/", {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/solve/", "engine/bake/"}},
+    {"engine/fit/", {"engine/base/", "engine/modal/", "engine/fit/"}},
     // rigid bodies
     {"engine/scene/", {"engine/base/", "engine/modal/", "engine/scene/", "protocol/"}},
     // the programs
@@ -38,6 +39,9 @@ const std::vector<FolderRule> kFolderRules = {
     {"manual/", {"protocol/exit_codes.h", "manual/"}},
     {"server/", {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "manual/", "server/"}},
     {"clients/cli/slepc/", {"engine/base/", "engine/solve/distributed_files.h", "clients/cli/slepc/"}},
+    {"clients/cli/fit/",
+     {"engine/base/", "engine/modal/", "engine/fit/", "engine/synth/mode_table.h", "server/offline.h", "protocol/",
+      "manual/", "clients/cli/"}},
     {"clients/cli/bake/",
      {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/bake/", "protocol/", "manual/",
       "clients/cli/"}},
@@ -69,9 +73,9 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"CGAL/", {"engine/mesh/"}, 4},
     {"meshoptimizer.h", {"engine/mesh/", "engine/bake/"}, 1},
     {"Eigen/",
-     {"engine/mesh/", "engine/fem/", "engine/solve/", "engine/bake/"},
+     {"engine/mesh/", "engine/fem/", "engine/solve/", "engine/bake/", "engine/fit/"},
      1000,
-     {"engine/mesh/", "engine/fem/", "engine/solve/", "engine/bake/"}},
+     {"engine/mesh/", "engine/fem/", "engine/solve/", "engine/bake/", "engine/fit/"}},
     {"slepc", {"clients/cli/slepc/"}, 1, {"clients/cli/slepc/"}},
     {"petsc", {"clients/cli/slepc/"}, 2, {"clients/cli/slepc/"}},
     {"metis.h", {"engine/solve/"}, 1},
@@ -82,6 +86,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"xxhash.h", {"engine/base/"}, 1},
     {"CLI/", {"manual/", "server/", "clients/"}},
     {"sndfile", {"server/", "clients/"}},
+    {"cairo", {"clients/cli/picture/canvas.cpp"}, 1},
     {"spdlog/", {"server/", "clients/"}},
 };
 

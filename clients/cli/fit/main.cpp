@@ -34,6 +34,7 @@ struct Arguments {
 };
 
 ExitCode complain(const std::string& sentence, ExitCode code) {
+  std::fflush(stdout);  // first what was printed, then why no more comes
   std::fprintf(stderr, "ringdown-fit: %s\n", sentence.c_str());
   return code;
 }
@@ -48,9 +49,10 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "A baked bank of the same object: --output is that bank with its alpha and beta fitted to the "
                  "recording.")
       ->type_name("FILE");
-  app.add_option("--tolerance", arguments.match.tolerance_cents,
-                 "With --damping-of: how far a matching mode's frequency may be off, in cents, after the tuning that all "
-                 "have in common.")
+  app.add_option(
+         "--tolerance", arguments.match.tolerance_cents,
+         "With --damping-of: how far a matching mode's frequency may be off, in cents, after the tuning that all "
+         "have in common.")
       ->check(CLI::Range(0.1, 200.0))
       ->capture_default_str();
   app.add_option("--channel", arguments.channel, "Which channel, 1 is the first; default: the mean of all.");
@@ -103,7 +105,8 @@ constexpr double kLoudness = synth::kOutputScale / std::numbers::sqrt2;
 
 Result<modal::Bank> bank_of(const fit::Fit& found, const Arguments& arguments) {
   if (arguments.damping_of.empty()) {
-    const fit::Blow blow{{arguments.impulse[0], arguments.impulse[1], arguments.impulse[2]}, arguments.contact_ms / 1e3};
+    const fit::Blow blow{{arguments.impulse[0], arguments.impulse[1], arguments.impulse[2]},
+                         arguments.contact_ms / 1e3};
     return fit::to_bank(found.modes, blow, kLoudness, arguments.name);
   }
   const Result<modal::Bank> bank = modal::read_bank(arguments.damping_of);

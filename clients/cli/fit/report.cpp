@@ -3,6 +3,7 @@
 #include "clients/cli/pitch.h"
 #include "engine/modal/damping.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -17,8 +18,10 @@ double cents_of(double relative) { return 1200 / std::log(2.0) * relative; }
 }  // namespace
 
 void print_fit(const std::string& name, const fit::Fit& fit) {
-  std::printf("%s: %zu modes explain %.4g %% of the energy from %.4f s to %.4f s\n", name.c_str(), fit.modes.size(),
-              100 * fit.explained, fit.start_s, fit.end_s);
+  std::printf(
+      "%s: %zu modes explain %.2f %% of the energy from %.4f s to %.4f s; what they leave is %.1f dB below it\n",
+      name.c_str(), fit.modes.size(), 100 * fit.explained, fit.start_s, fit.end_s,
+      -10 * std::log10(std::max(1 - fit.explained, 1e-30)));
   std::printf("onset      %.4f s; amplitudes are meant there\n", fit.onset_s);
   if (fit.clipped > 0) std::printf("clipped    %zu samples; looked at from the last of them on\n", fit.clipped);
   std::printf("\n%5s %12s %10s %9s %8s %10s %8s  %s\n", "mode", "frequency Hz", "+- cents", "T60 s", "+- %",

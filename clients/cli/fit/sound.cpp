@@ -17,10 +17,10 @@ Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> c
                 std::to_string(*channel));
   }
   if (info.frames < 1 || info.frames > kLongestSound_s * info.samplerate) {
-    return fail(path.string() + " is empty or longer than an hour; cut out the one blow that matters");
+    return fail(path.string() + " is empty or longer than ten minutes; cut out the one blow that matters");
   }
   Sound sound{static_cast<double>(info.samplerate), info.channels, {}};
-  constexpr sf_count_t kBlock = 65536;
+  constexpr sf_count_t kBlock = 4096;
   std::vector<double> frames(static_cast<std::size_t>(kBlock * info.channels));
   for (sf_count_t count; (count = sf_readf_double(file.get(), frames.data(), kBlock)) > 0;) {
     for (sf_count_t n = 0; n < count; ++n) {

@@ -1,0 +1,138 @@
+#include "clients/cli/picture/bank_page.h"
+
+#include "clients/cli/picture/bank_picture.h"
+#include "clients/cli/picture/view_data.h"
+#include "clients/cli/pitch.h"
+#include "engine/modal/damping.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace ringdown::cli {
+namespace {
+
+constexpr const char* kStyle = R"css(
+body { font: 15px/1.45 system-ui, sans-serif; color: #21262f; background: #fff; max-width: 1120px; margin: 1.5em auto;
+  padding: 0 1em; }
+figure { margin: 0; } figure svg { width: 100%; height: auto; }
+h2 { font-size: 1.1em; margin: 1.6em 0 .4em; }
+#view canvas { width: 100%; max-width: 720px; border: 1px solid #e2e5ea; border-radius: 6px; cursor: grab;
+  touch-action: none; display: block; }
+.hint { color: #5c6470; font-size: .9em; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+th, td { text-align: right; padding: .15em .8em; border-bottom: 1px solid #eceef1; }
+th { position: sticky; top: 0; background: #fff; } tbody tr { cursor: pointer; } tbody tr:hover { background: #f2f6fa; }
+tr.chosen { background: #dcebf7; }
+)css";
+
+template <class... Numbers>
+std::string format(const char* pattern, Numbers... numbers) {
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(), pattern, numbers...);
+  return text.data();
+}
+
+// Bytes of the character that begins with `lead`, 0 when none does.
+std::size_t utf8_length(unsigned char lead) {
+  return lead < 0x80                   ? 1
+         : lead >= 0xC2 && lead < 0xE0 ? 2
+         : lead >= 0xE0 && lead < 0xF0 ? 3
+         : lead >= 0xF0 && lead < 0xF5 ? 4
+                                       : 0;
+}
+
+std::string table_of(const modal::Bank& bank, const Answer& answer) {
+  double loudest = 1e-300;
+  for (const double a : answer.amplitude) loudest = std::max(loudest, std::abs(a));
+  std::string rows =
+      "<table><thead><tr><th>mode</th><th>frequency Hz</th><th>note</th><th>T60 s</th>"
+      "<th>decay 1/s</th><th>level there dB</th><th>error %</th></tr></thead>\n<tbody>\n";
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const double decay = bank.decay_per_s[m];
+    const std::string error = bank.frequency_error.empty() ? "" : format("%.2g", 100 * bank.frequency_error[m]);
+    rows += format("<tr><td>%zu</td><td>%.3f</td><td>%s</td><td>%s</td><td>%.4g</td><td>%.1f</td><td>%s</td></tr>\n", m,
+                   bank.frequency_hz[m], note_name(bank.frequency_hz[m]).c_str(),
+                   decay > 0 ? format("%.4g", modal::t60_s(decay)).c_str() : "-", decay,
+                   20 * std::log10(std::abs(answer.amplitude[m]) / loudest + 1e-15), error.c_str());
+  }
+  return rows + "</tbody></table>\n";
+}
+
+std::string facts_of(const modal::Bank& bank) {
+  std::string text;
+  if (const auto& m = bank.material) {
+    text += escaped(m->name) + format(": E = %.4g Pa, nu = %.3g, rho = %.5g kg/m³, alpha = %.4g 1/s, beta = %.4g s. ",
+                                      m->youngs_modulus_pa, m->poisson_ratio, m->density_kg_m3, m->damping.alpha_per_s,
+                                      m->damping.beta_s);
+  }
+  text += format("%zu sample points, %zu triangles. ", bank.point_count(), bank.triangles.size());
+  if (!bank.provenance.generator.empty()) text += "Made by " + escaped(bank.provenance.generator) + ".";
+  return "<p class=\"hint\">" + text + "</p>\n";
+}
+
+}  // namespace
+
+std::string clean_text(std::string_view text) {
+  std::string clean;
+  for (std::size_t n = 0; n < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[n]);
+    std::size_t count = utf8_length(lead);
+    for (std::size_t k = 1; k < count; ++k) {
+      if (n + k >= text.size() || (static_cast<unsigned char>(text[n + k]) & 0xC0) != 0x80) count = 0;
+    }
+    if (count == 0) {
+      clean += "\xEF\xBF\xBD", ++n;
+    } else if (lead < 0x20 || lead == 0x7F) {
+      clean += ' ', ++n;
+    } else {
+      clean += text.substr(n, count), n += count;
+    }
+  }
+  return clean;
+}
+
+std::string escaped(std::string_view text) {
+  std::string safe;
+  for (const char c : clean_text(text)) {
+    switch (c) {
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      case '\'':
+        safe += "&#39;";
+        break;
+      default:
+        safe += c;
+    }
+  }
+  return safe;
+}
+
+std::string bank_page(const modal::Bank& bank, const Answer& answer) {
+  const std::string picture = draw_bank(Canvas::Kind::svg, bank, answer);
+  if (picture.empty()) return "";
+  const std::string name = escaped(bank.name.empty() ? "bank" : bank.name);
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>" + name + "</title>\n<style>" +
+         kStyle + "</style>\n</head>\n<body>\n<figure role=\"img\" aria-label=\"" + name + "\">\n" +
+         picture.substr(picture.find("<svg")) + "</figure>\n<h2>Shapes</h2>\n<div id=\"view\">\n" +
+         "<p><span id=\"view-title\"></span> <label><input type=\"checkbox\" id=\"move\" checked> "
+         "vibrate</label></p>\n" +
+         "<canvas width=\"900\" height=\"600\"></canvas>\n<p class=\"hint\">Drag to turn, wheel to zoom; arrow keys or "
+         "a row "
+         "of the table choose a mode.</p>\n</div>\n<h2>Modes</h2>\n" +
+         facts_of(bank) + table_of(bank, answer) + "<script type=\"application/json\" id=\"view-data\">" +
+         view_data(bank) + "</script>\n<script>" + kViewScript + "</script>\n</body>\n</html>\n";
+}
+
+}  // namespace ringdown::cli

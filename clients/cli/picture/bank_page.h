@@ -1,0 +1,24 @@
+// A bank as one HTML file: the picture, a view of the surface that turns and vibrates, and a table of all modes. It
+// needs no network and nothing beside it. [any]
+#pragma once
+
+#include "clients/cli/picture/answer.h"
+#include "engine/modal/bank.h"
+
+#include <string>
+#include <string_view>
+
+namespace ringdown::cli {
+
+// Empty when the picture could not be drawn.
+std::string bank_page(const modal::Bank& bank, const Answer& answer);
+
+// With & < > " ' as entities, control characters as spaces, and what is no UTF-8 as U+FFFD.
+std::string escaped(std::string_view text);
+
+// As escaped() leaves it but for the entities: what may stand in a picture.
+std::string clean_text(std::string_view text);
+
+extern const char* const kViewScript;  // view_script.cpp
+
+}  // namespace ringdown::cli

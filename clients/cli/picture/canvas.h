@@ -1,0 +1,56 @@
+// A sheet to draw on, which becomes a PNG or an SVG: the same calls give the same picture.
+//
+//   Canvas canvas(Canvas::Kind::svg, 800, 600);
+//   canvas.line({{10, 10}, {90, 90}}, kInk, 2);
+//   const std::string bytes = std::move(canvas).finish();
+//
+// Points are in pixels from the top left corner. Letters are from the system's sans-serif. [one thread]
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+namespace ringdown::cli {
+
+struct Colour {
+  double red, green, blue, alpha = 1;
+};
+inline constexpr Colour kPaper{1, 1, 1}, kInk{0.13, 0.15, 0.19}, kFaint{0.45, 0.48, 0.53}, kGrid{0.89, 0.90, 0.92},
+    kBlue{0, 0.447, 0.698}, kOrange{0.835, 0.369, 0};  // the last two: Okabe & Ito, told apart by the colour-blind
+
+// 0 ... 1 -> dark violet, blue, green, yellow: even in lightness, and told apart by the colour-blind (viridis).
+Colour heat(double value);
+
+struct Dot {
+  double x, y;
+};
+
+enum class Align { left, centre, right };
+
+class Canvas {
+ public:
+  enum class Kind { png, svg };
+  Canvas(Kind kind, double width, double height);  // filled with kPaper
+  ~Canvas();
+  Canvas(const Canvas&) = delete;
+  Canvas& operator=(const Canvas&) = delete;
+
+  void line(std::span<const Dot> points, Colour colour, double width);
+  void area(std::span<const Dot> corners, Colour fill);  // closed
+  void disc(Dot centre, double radius, Colour fill);
+  void text(Dot baseline, const std::string& utf8, double size, Colour colour, Align align = Align::left,
+            bool bold = false);
+  [[nodiscard]] double text_width(const std::string& utf8, double size, bool bold = false);
+  void clip(Dot corner, double width, double height);  // until unclip()
+  void unclip();
+
+  // The file's bytes; nothing can be drawn after. Empty when the drawing failed, for want of memory.
+  [[nodiscard]] std::string finish() &&;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace ringdown::cli

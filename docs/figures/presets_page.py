@@ -1,0 +1,96 @@
+#!/usr/bin/python3
+"""Writes docs/presets.md and a picture for each preset's bank: presets_page.py RINGDOWN
+
+RINGDOWN is the program. What the page says comes from presets/objects/*.toml and from `ringdown info` of presets/banks.
+"""
+import io
+import pathlib
+import subprocess
+import sys
+import tomllib
+
+from PIL import Image
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PICTURES = ROOT / "docs/figures/presets"
+MOST_BYTES = 25_000
+HEAD = """# The presets
+
+Every object in `presets/objects`, with its bank in `presets/banks` where that is in the repository (`./run presets` bakes
+all of them). The picture shows the most important mode, bent and coloured by how far each place moves (dark: rests, yellow:
+moves most), and the spectrum of a blow where the object answers most, in dB over Hz. Play one:
+
+    bin/ringdownd --object it=presets/banks/NAME.glb --connect &
+    bin/ringdown strike it --vertex 0 --impulse 0,0,-0.1
+
+`bin/ringdown info presets/banks/NAME.glb --html NAME.html` shows all of its modes ([previews](previews.md)). `./run docs`
+writes this page.
+
+| | object | material | lowest pitches | T60 | modes | kB |
+|---|---|---|---|---|---|---|
+"""
+
+
+def info(ringdown, bank, *options):
+    return subprocess.run([ringdown, "info", bank, *options], check=True, capture_output=True, text=True).stdout
+
+
+def modes_of(ringdown, bank):
+    """(frequency [Hz], T60 [s], note) of each mode, in the bank's order."""
+    modes = []
+    for line in info(ringdown, bank).split("\n\n")[1].splitlines()[1:]:
+        words = line.split()
+        modes.append((float(words[1]), float(words[2]), " ".join(words[-3:])))
+    return modes
+
+
+def pitches(modes):
+    """The three lowest that are not one pitch."""
+    text, last = [], 0
+    for frequency, _, note in sorted(modes):
+        if frequency > 1.003 * last:
+            text.append(f"{frequency:.{0 if frequency >= 1000 else 1}f} Hz ({note})")
+            last = frequency
+    return ", ".join(text[:3])
+
+
+def small_picture(ringdown, bank, path):
+    drawn = path.with_suffix(".part.png")
+    info(ringdown, bank, "--png", drawn, "--small")
+    image = Image.open(drawn).convert("RGB")
+    drawn.unlink()
+    for colours in (128, 64, 32, 16):
+        bytes_ = io.BytesIO()
+        image.quantize(colours, dither=Image.Dither.NONE).save(bytes_, "PNG", optimize=True)
+        if bytes_.tell() <= MOST_BYTES:
+            break
+    path.write_bytes(bytes_.getvalue())
+
+
+def row(ringdown, path):
+    thing = tomllib.loads(path.read_text())
+    name, bank = path.stem, ROOT / "presets/banks" / f"{path.stem}.glb"
+    label = f"`{name}`: {thing.get('description', '').replace('|', '/')}"
+    if not bank.exists():
+        return f"| | {label} | {thing.get('material', '')} | | | | |\n"
+    picture = PICTURES / f"{name}.png"
+    small_picture(ringdown, bank, picture)
+    modes = modes_of(ringdown, bank)
+    size = round(bank.stat().st_size / 1000)
+    return (f"| ![{name}](figures/presets/{name}.png) | {label} | {thing.get('material', '')} | {pitches(modes)} "
+            f"| {modes[0][1]:.2g} s | {len(modes)} | {size} |\n")
+
+
+def main():
+    ringdown = pathlib.Path(sys.argv[1]).resolve()
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    objects = sorted((ROOT / "presets/objects").glob("*.toml"))
+    names = {path.stem for path in objects}
+    rows = [row(ringdown, path) for path in objects]
+    for picture in PICTURES.glob("*.png"):
+        if picture.stem not in names:
+            picture.unlink()
+    (ROOT / "docs/presets.md").write_text(HEAD + "".join(rows) + "\nT60 is that of the most important mode.\n")
+
+
+main()

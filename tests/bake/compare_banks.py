@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+"""Compares the frequencies of the banks in two folders, those of their folders too.
+
+usage: compare_banks.py KEPT FRESH
+
+Prints each bank whose frequencies differ by more than 1e-6 or that is in one of the folders only. Exit code 1 when there
+is one.
+"""
+import json
+import os
+import struct
+import sys
+
+TOLERANCE = 1e-6
+
+
+def frequencies(path):
+    """Of a bank, sorted [Hz]."""
+    with open(path, "rb") as file:
+        data = file.read()
+    size = struct.unpack_from("<I", data, 12)[0]
+    document, binary = json.loads(data[20 : 20 + size]), data[28 + size :]
+    model = document["extensions"]["KHR_audio_rigid_bodies"]["modalModels"][0]
+    accessor = document["accessors"][model["frequencies"]]
+    view = document["bufferViews"][accessor["bufferView"]]
+    start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+    return sorted(struct.unpack_from(f"<{accessor['count']}f", binary, start))
+
+
+def banks_below(folder):
+    return {
+        os.path.relpath(os.path.join(root, name), folder)
+        for root, _, files in os.walk(folder)
+        for name in files
+        if name.endswith(".glb")
+    }
+
+
+def difference(kept, fresh):
+    """A sentence, or nothing when they agree."""
+    if not (os.path.exists(kept) and os.path.exists(fresh)):
+        return "is in one of the folders only"
+    a, b = frequencies(kept), frequencies(fresh)
+    if len(a) != len(b):
+        return f"has {len(b)} modes instead of {len(a)}"
+    worst = max(abs(x / y - 1) for x, y in zip(a, b))
+    return f"has frequencies that differ by {worst:.1e}" if worst > TOLERANCE else ""
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    kept, fresh = sys.argv[1:]
+    names, faults = sorted(banks_below(kept) | banks_below(fresh)), 0
+    for name in names:
+        sentence = difference(os.path.join(kept, name), os.path.join(fresh, name))
+        if sentence:
+            faults += 1
+            print(f"{name} {sentence}")
+    print(f"{len(names)} banks compared, {faults} differ")
+    sys.exit(faults > 0)
+
+
+if __name__ == "__main__":
+    main()

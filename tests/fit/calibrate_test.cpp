@@ -1,0 +1,138 @@
+// A bank's damping found again from a sound, and a recording's bank that sounds like it.
+#include "engine/fit/calibrate.h"
+#include "engine/fit/to_bank.h"
+#include "engine/modal/bank_file.h"
+#include "tests/fit/recording.h"
+#include "tests/synth/player.h"
+
+#include <gtest/gtest.h>
+
+namespace ringdown::fit {
+namespace {
+
+using namespace ringdown::test;  // NOLINT: recordings
+using test::kRate;
+
+constexpr double kLoudness = synth::kOutputScale / std::numbers::sqrt2;
+
+modal::Bank preset(const std::string& name) {
+  return *modal::read_bank(RINGDOWN_SOURCE_DIR "/presets/banks/" + name + ".glb");
+}
+
+// What the bank would sound like with another damping and tuning, as its 40 first modes; decays and frequencies by the
+// textbook's equations.
+std::vector<double> other_damping(const modal::Bank& bank, double alpha, double beta, double tuning_cents,
+                                  double seconds) {
+  std::vector<Tone> tones;
+  for (std::size_t m = 0; m < std::min<std::size_t>(40, bank.mode_count()); ++m) {
+    const double two_pi = 2 * std::numbers::pi, factor = std::exp2(tuning_cents / 1200);
+    const double w = two_pi * bank.frequency_hz[m], d = bank.decay_per_s[m];
+    const double lambda = (w * w + d * d) * factor * factor, decay = 0.5 * (alpha + beta * lambda);
+    const double amplitude = 0.02 * (1 + static_cast<double>(m % 5));
+    tones.push_back({std::sqrt(lambda - decay * decay) / two_pi, decay, amplitude, 0.3 * static_cast<double>(m)});
+  }
+  auto samples = struck(tones, seconds, 0.05);
+  add_noise(samples, 1e-3 * rms(samples));
+  return samples;
+}
+
+TEST(Calibrate, FindsAlphaAndBetaOfADetunedRecording) {
+  const modal::Bank bank = preset("porcelain-bowl");
+  const double alpha = 9, beta = 6e-8;
+  ASSERT_GT(std::abs(bank.material->damping.alpha_per_s / alpha - 1), 0.2) << "or there is nothing to find";
+  const auto fit = fit_modes(other_damping(bank, alpha, beta, 10, 1.5), kRate);
+  ASSERT_TRUE(fit);
+  const auto found = calibrate(fit->modes, bank);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_NEAR(found->damping.alpha_per_s / alpha, 1, 0.01);
+  EXPECT_NEAR(found->damping.beta_s / beta, 1, 0.01);
+  EXPECT_NEAR(found->tuning_cents, 10, 0.1);
+  EXPECT_GE(found->matches.size(), 20u) << "of 40 modes, most in pairs too close to tell apart";
+  EXPECT_LT(found->spread, 0.02);
+}
+
+std::vector<Mode> modes_of(const modal::Bank& bank, double alpha, double beta) {
+  std::vector<Mode> modes;
+  for (std::size_t m = 0; m < std::min<std::size_t>(30, bank.mode_count()); ++m) {
+    const double omega = 2 * std::numbers::pi * bank.frequency_hz[m], decay = 0.5 * (alpha + beta * omega * omega);
+    modes.push_back({.frequency_hz = bank.frequency_hz[m],
+                     .decay_per_s = decay,
+                     .amplitude = 1,
+                     .decay_error_per_s = 0.01 * decay});
+  }
+  return modes;
+}
+
+TEST(Calibrate, ModesThatAreClampedAreLeftOut) {
+  const modal::Bank bank = preset("steel-plate");
+  auto modes = modes_of(bank, 3, 2e-8);
+  for (std::size_t m = 0; m < modes.size(); m += 5) modes[m].decay_per_s *= 4;
+  const auto found = calibrate(modes, bank);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->damping.alpha_per_s, 3, 0.02);
+  EXPECT_NEAR(found->damping.beta_s, 2e-8, 2e-10);
+  EXPECT_EQ(found->used(), found->matches.size() - modes.size() / 5);
+}
+
+TEST(Calibrate, NeitherIsBelowZero) {
+  const modal::Bank bank = preset("steel-plate");
+  auto modes = modes_of(bank, 3, 2e-8);
+  for (Mode& mode : modes)
+    mode.decay_per_s = 2e4 / mode.frequency_hz;  // falls with frequency: no Rayleigh damping does
+  const auto found = calibrate(modes, bank);
+  ASSERT_TRUE(found);
+  EXPECT_GT(found->damping.alpha_per_s, 0);
+  EXPECT_EQ(found->damping.beta_s, 0);
+}
+
+TEST(Calibrate, AnotherThingIsRefused) {
+  const modal::Bank bank = preset("wooden-bar");
+  const std::vector<Mode> two = {{.frequency_hz = 5000, .decay_per_s = 3, .amplitude = 1},
+                                 {.frequency_hz = 60, .decay_per_s = 3, .amplitude = 1}};
+  const auto found = calibrate(two, bank);
+  ASSERT_FALSE(found);
+  EXPECT_NE(found.error().message.find("match"), std::string::npos);
+  EXPECT_FALSE(calibrate({}, bank));
+}
+
+TEST(Calibrate, TheNewBankKeepsItsUndampedModes) {
+  const modal::Bank bank = preset("bronze-bell");
+  const modal::Bank damped = with_damping(bank, {20, 1e-7});
+  ASSERT_EQ(damped.mode_count(), bank.mode_count());
+  EXPECT_EQ(damped.material->damping.alpha_per_s, 20);
+  EXPECT_EQ(damped.shapes, bank.shapes);
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const double w0 = 2 * std::numbers::pi * bank.frequency_hz[m], d0 = bank.decay_per_s[m];
+    const double w1 = 2 * std::numbers::pi * damped.frequency_hz[m], d1 = damped.decay_per_s[m];
+    EXPECT_NEAR((w1 * w1 + d1 * d1) / (w0 * w0 + d0 * d0), 1, 1e-12);
+    EXPECT_NEAR(d1, 0.5 * (20 + 1e-7 * (w0 * w0 + d0 * d0)), 1e-9 * d1);
+  }
+}
+
+// Written, read again, and struck in the real mixer.
+TEST(ToBank, PlaysWithTheRecordedAmplitudes) {
+  const std::vector<Tone> tones = {{440, 3, 0.3}, {1870, 8, 0.2, std::numbers::pi}, {7000, 30, 0.1}};
+  std::vector<Mode> modes;
+  for (const Tone& t : tones) {
+    modes.push_back({.frequency_hz = t.frequency_hz,
+                     .decay_per_s = t.decay_per_s,
+                     .amplitude = t.amplitude,
+                     .phase_rad = t.phase_rad});
+  }
+  const Vec3 impulse{0.1, -0.2, 0.05};
+  for (const double contact_s : {0.0, 1e-4}) {
+    const modal::Bank bank = to_bank(modes, {impulse, contact_s}, kLoudness, "three");
+    const std::string path = testing::TempDir() + "ringdown_to_bank_test.glb";
+    ASSERT_TRUE(modal::write_bank(bank, path));
+    const auto read = modal::read_bank(path);
+    ASSERT_TRUE(read) << read.error().message;
+    synth::test::Player player(kRate);
+    player.install(0, synth::test::map_of(*read));
+    player.push(synth::test::strike_at(0, 0, impulse, contact_s));
+    player.render(48000);
+    EXPECT_LT(relative_error_db(player.left, struck(tones, 1)), -60) << contact_s;
+  }
+}
+
+}  // namespace
+}  // namespace ringdown::fit

@@ -1,0 +1,132 @@
+// ringdown-fit as its user meets it: exit codes, what it prints, what it leaves behind.
+#include "engine/modal/bank_file.h"
+#include "tests/fit/recording.h"
+#include "tests/integration/process.h"
+#include "tests/integration/sound_file.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+#include <sndfile.h>
+
+#include <algorithm>
+
+namespace ringdown::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kProgram = RINGDOWN_BIN_DIR "/ringdown-fit";
+
+// One vector for each channel.
+void write(const fs::path& path, const std::vector<std::vector<double>>& channels, int rate, int format) {
+  SF_INFO info{.samplerate = rate, .channels = static_cast<int>(channels.size()), .format = format};
+  SNDFILE* const file = sf_open(path.c_str(), SFM_WRITE, &info);
+  ASSERT_TRUE(file);
+  std::vector<double> frames;
+  for (std::size_t n = 0; n < channels[0].size(); ++n) {
+    for (const auto& channel : channels) frames.push_back(channel[n]);
+  }
+  sf_writef_double(file, frames.data(), static_cast<sf_count_t>(channels[0].size()));
+  sf_close(file);
+}
+
+Outcome fit(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), kProgram);
+  return run(arguments);
+}
+
+const std::vector<Tone> kTones = {{440, 3, 0.3}, {1870, 8, 0.2}, {7000, 30, 0.1}};
+
+TEST(FitProgram, ARecordingBecomesABankAndSounds) {
+  const TemporaryFolder folder;
+  auto samples = struck(kTones, 1.2, 0.1);
+  add_noise(samples, 1e-4);
+  write(folder / "cup.flac", {samples}, 48000, SF_FORMAT_FLAC | SF_FORMAT_PCM_24);
+  const Outcome ran = fit({folder / "cup.flac", "-o", folder / "cup.glb", "--residual", folder / "rest.wav",
+                           "--resynth", folder / "modes.wav"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_NE(ran.output.find("3 modes explain 100.00 % of the energy"), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find("A4 +0 ct"), std::string::npos) << ran.output;
+  const auto bank = modal::read_bank(folder / "cup.glb");
+  ASSERT_TRUE(bank) << bank.error().message;
+  EXPECT_EQ(bank->name, "cup");
+  EXPECT_EQ(bank->mode_count(), 3u);
+  EXPECT_LT(relative_error_db(read_left(folder / "modes.wav"), struck(kTones, 1.2, 0.1)), -50);
+  EXPECT_LT(rms(read_left(folder / "rest.wav")), 1.5e-4);
+}
+
+TEST(FitProgram, ChannelsAreMixedOrChosen) {
+  const TemporaryFolder folder;
+  write(folder / "two.wav", {struck({{500, 5, 0.4}}, 1), struck({{900, 5, 0.4}}, 1)}, 44100,
+        SF_FORMAT_WAV | SF_FORMAT_PCM_16);
+  EXPECT_NE(fit({folder / "two.wav"}).output.find(": 2 modes"), std::string::npos);
+  const Outcome second = fit({folder / "two.wav", "--channel", "2"});
+  EXPECT_NE(second.output.find(": 1 modes"), std::string::npos) << second.output;
+  EXPECT_NE(second.output.find("826.87"), std::string::npos) << "900 Hz at 44.1/48 of its speed: " << second.output;
+  EXPECT_EQ(fit({folder / "two.wav", "--channel", "3"}).exit_code, 3);
+}
+
+TEST(FitProgram, CalibratesABank) {
+  const TemporaryFolder folder;
+  const fs::path baked = fs::path(RINGDOWN_SOURCE_DIR) / "presets/banks/wooden-bar.glb";
+  const auto bank = *modal::read_bank(baked);
+  std::vector<Tone> tones;
+  for (std::size_t m = 0; m < std::min<std::size_t>(8, bank.mode_count()); ++m) {
+    const double omega = 2 * std::numbers::pi * bank.frequency_hz[m];
+    tones.push_back({bank.frequency_hz[m], 0.5 * (12 + 3e-8 * omega * omega), 0.1});
+  }
+  auto samples = struck(tones, 1);
+  add_noise(samples, 1e-4);
+  write(folder / "bar.wav", {samples}, 48000, SF_FORMAT_WAV | SF_FORMAT_FLOAT);
+  const Outcome ran = fit({folder / "bar.wav", "--damping-of", baked, "-o", folder / "real.glb"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_NE(ran.output.find("modes match"), std::string::npos) << ran.output;
+  const auto real = modal::read_bank(folder / "real.glb");
+  ASSERT_TRUE(real);
+  EXPECT_NEAR(real->material->damping.alpha_per_s, 12, 0.2);
+  EXPECT_NEAR(real->material->damping.beta_s, 3e-8, 1e-9);
+}
+
+TEST(FitProgram, TenMinutesAreReadAndNoFrameMore) {
+  const TemporaryFolder folder;
+  for (const std::size_t more : {0, 1}) {
+    write(folder / "long.wav", {std::vector<double>(600 * 8000 + more)}, 8000, SF_FORMAT_WAV | SF_FORMAT_PCM_U8);
+    const Outcome ran = fit({folder / "long.wav"});
+    EXPECT_EQ(ran.exit_code, 3);
+    EXPECT_EQ(ran.output.find("ten minutes") != std::string::npos, more > 0) << ran.output;
+  }
+}
+
+TEST(FitProgram, RefusalsHaveTheirExitCodesAndOneSentence) {
+  const TemporaryFolder folder;
+  write(folder / "silence.wav", {std::vector<double>(48000)}, 48000, SF_FORMAT_WAV | SF_FORMAT_PCM_16);
+  write(folder / "good.wav", {struck(kTones, 0.5)}, 48000, SF_FORMAT_WAV | SF_FORMAT_FLOAT);
+  const fs::path text = folder.write("text.wav", "no sound");
+  const std::string good = folder / "good.wav";
+  const std::pair<std::vector<std::string>, int> cases[] = {
+      {{}, 2},
+      {{"/nowhere.wav"}, 3},
+      {{text}, 3},
+      {{folder / "silence.wav"}, 3},
+      {{good, "--from", "0.49"}, 3},
+      {{good, "--band", "900", "800"}, 3},
+      {{good, "--impulse", "0,0,0"}, 2},
+      {{good, "--impulse", "1,2"}, 2},
+      {{good, "--max-modes", "0"}, 2},
+      {{good, "--floor", "0"}, 2},
+      {{good, "--band", "300", "900", "--damping-of", text}, 3},
+      {{good, "--band", "300", "900", "-o", "/nowhere/x.glb"}, 1},
+      {{good, "--band", "300", "900", "--residual", folder / "x.mp3"}, 1},
+  };
+  for (const auto& [arguments, exit_code] : cases) {
+    const Outcome ran = fit(arguments);
+    const std::string said = testing::PrintToString(arguments) + "\n" + ran.output;
+    EXPECT_EQ(ran.exit_code, exit_code) << said;
+    const auto sentence = ran.output.find("ringdown-fit: ");
+    ASSERT_NE(sentence, std::string::npos) << said;
+    EXPECT_EQ(std::count(ran.output.begin() + static_cast<long>(sentence), ran.output.end(), '\n'), 1) << said;
+  }
+}
+
+}  // namespace
+}  // namespace ringdown::test
