@@ -24,7 +24,7 @@ fetch() {
           if (!answer.ok) throw new Error(`the registry answers ${answer.status}`);
           require("fs").writeFileSync(name, Buffer.from(await answer.arrayBuffer()));
         })
-        .catch((error) => { console.error(error.cause ?? error); process.exit(1); });
+        .catch((error) => { console.error((error.cause ?? error).message); process.exit(1); });
     ' "${npm_config_registry:-https://registry.npmjs.org}" "$name"
   fi
 }

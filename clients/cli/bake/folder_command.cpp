@@ -3,6 +3,8 @@
 #include "clients/cli/bake/cancellable.h"
 #include "clients/cli/bake/given_options.h"
 
+#include <CLI/CLI.hpp>
+
 namespace ringdown::cli {
 namespace {
 

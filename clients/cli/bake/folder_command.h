@@ -4,7 +4,12 @@
 #include "clients/cli/bake/folder_bake.h"
 #include "engine/base/result.h"
 
-#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace ringdown::cli {
 

@@ -1,5 +1,7 @@
 #include "clients/cli/bake/given_options.h"
 
+#include <CLI/CLI.hpp>
+
 #include <algorithm>
 
 namespace ringdown::cli {

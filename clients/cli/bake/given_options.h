@@ -1,12 +1,14 @@
 // The options that a command line has, as words for another one. [main]
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace ringdown::cli {
 
