@@ -2,6 +2,8 @@
 
 #include "engine/base/in_parallel.h"
 #include "engine/mesh/mesh_parts.h"
+#include "engine/mesh/overlap.h"
+#include "engine/mesh/sharpen.h"
 #include "engine/mesh/stencil.h"
 #include "engine/mesh/winding_number.h"
 
@@ -342,7 +344,12 @@ Result<Stuffed> stuff(const TriangleMesh& surface, const StuffOptions& options, 
   if (!surface.nodes.allFinite()) return fail("the surface has coordinates that are not numbers");
   const WindingNumber winding(surface);
   auto stuffed = stuff(TriangleSolid(surface, winding), options, progress);
-  if (stuffed) stuffed->turned = winding.turned();
+  if (!stuffed) return stuffed;
+  stuffed->turned = winding.turned();
+  if (!options.sharpen) return stuffed;
+  TetMesh sharp = stuffed->mesh;
+  stuffed->sharpened = sharpen(sharp, winding, options.size_m);
+  if (stuffed->sharpened > 0 && check_overlap(sharp, "")) stuffed->mesh = std::move(sharp);
   return stuffed;
 }
 

@@ -12,7 +12,8 @@
 // it that is inside (stencil.h). The paper proves that with these two figures every dihedral angle lies between 10.7
 // and 164.8 degrees, whatever the surface is. Here bodies and soups stay well within that; where a million elements are
 // cut by chance, as no surface would, the least found is 9.3 and the greatest 161.7. All nodes on the skin lie on the
-// surface. Sharp edges become chamfers up to a cell wide, and what is thinner than a cell may get holes or vanish.
+// surface. Sharp edges would become chamfers up to a cell wide;
+// most are drawn out again within those bounds (sharpen.h). What is thinner than a cell may get holes or vanish.
 #pragma once
 
 #include "engine/base/progress.h"
@@ -28,14 +29,16 @@ inline constexpr double kMostLatticePoints = 30e6;  // of the lattice over the b
 inline constexpr int kCrumb = 36;                   // elements, those of three cubes: smaller parts are removed
 
 struct StuffOptions {
-  double size_m = 0;  // edge of the lattice's cubes, which is the longest edge of its tetrahedra; > 0
-  int threads = 0;    // 0: as many as there are processors
+  double size_m = 0;    // edge of the lattice's cubes, which is the longest edge of its tetrahedra; > 0
+  int threads = 0;      // 0: as many as there are processors
+  bool sharpen = true;  // sharpen.h
 };
 
 struct Stuffed {
   TetMesh mesh;         // of four nodes, positively oriented; passes check_mesh()
   int crumbs = 0;       // parts of fewer than kCrumb elements, removed
   int hinges = 0;       // elements removed so that nothing hangs by an edge or a point
+  int sharpened = 0;    // nodes of the skin moved onto sharp edges
   bool turned = false;  // the surface was inside out as a whole
 };
 

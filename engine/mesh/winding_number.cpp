@@ -253,4 +253,36 @@ bool WindingNumber::near(const Vector3d& low, const Vector3d& high) const {
   return false;
 }
 
+bool WindingNumber::normal_at(const Vector3d& point, double reach, Vector3d& normal) const {
+  double nearest = reach;
+  bool found = false;
+  std::array<int, 64> waiting;
+  int depth = 0;
+  if (!nodes_.empty()) waiting[depth++] = 0;
+  while (depth > 0) {
+    const int number = waiting[--depth];
+    const Node& node = nodes_[number];
+    if (((node.low - point).array() > reach).any() || ((point - node.high).array() > reach).any()) continue;
+    if (node.right != 0) {
+      waiting[depth++] = node.right;
+      waiting[depth++] = number + 1;
+      continue;
+    }
+    for (int t = node.first; t < node.first + node.count; ++t) {
+      const auto& [p, q, r] = triangles_[t];
+      const Vector3d area = area_of(triangles_[t]), unit = area.normalized();
+      const double off = std::abs(unit.dot(point - p)), twice = 2 * area.norm();
+      constexpr double kHair = -1e-3;
+      if (off > nearest || unit.dot((q - p).cross(point - p)) < kHair * twice ||
+          unit.dot((r - q).cross(point - q)) < kHair * twice || unit.dot((p - r).cross(point - r)) < kHair * twice) {
+        continue;
+      }
+      nearest = off;
+      normal = unit;
+      found = true;
+    }
+  }
+  return found;
+}
+
 }  // namespace ringdown::mesh

@@ -40,6 +40,9 @@ class WindingNumber {
   // A triangle lies within the box, or near it: its bounding box does.
   [[nodiscard]] bool near(const Eigen::Vector3d& low, const Eigen::Vector3d& high) const;
 
+  // The unit normal, outward as taken, of the triangle that the point lies on to within `reach`; false when on none.
+  [[nodiscard]] bool normal_at(const Eigen::Vector3d& point, double reach, Eigen::Vector3d& normal) const;
+
   // The surface was inside out as a whole.
   [[nodiscard]] bool turned() const { return turned_; }
 
