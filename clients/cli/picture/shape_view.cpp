@@ -106,6 +106,10 @@ void draw_shape(Canvas& canvas, const Box& box, const modal::Bank& bank, std::si
                 Align::centre);
     return;
   }
+  if (bank.point_count() == 1) {
+    canvas.text({box.x + box.width / 2, box.y + box.height / 2}, "one point, no surface", 12, kFaint, Align::centre);
+    return;
+  }
   const View view = view_of(bank, mode, box);
   bank.triangles.empty() ? draw_points(canvas, view) : draw_faces(canvas, view, bank);
   if (struck) {
