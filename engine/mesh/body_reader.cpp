@@ -72,8 +72,9 @@ std::string text_of(Making making) {
   return "";
 }
 
-std::string hopeless(const SurfaceReport& left, const std::string& name) {
-  if (!left.find(Fault::kSheet) && !left.find(Fault::kNoVolume)) return "";
+std::string hopeless(const PreparedSurface& surface, const std::string& name) {
+  const auto has = [&surface](Fault fault) { return surface.found.find(fault) || surface.left.find(fault); };
+  if (!has(Fault::kSheet) && !has(Fault::kNoVolume)) return "";
   return name + " encloses nothing: it is an open sheet, or flat; give it a thickness in a mesh tool";
 }
 
@@ -137,7 +138,7 @@ Result<Body> BodyReader::make_of_surface(const GmshOptions& options, const Progr
   Body body;
   body.making = Making::kFilled;
   body.notes = notes_of(**prepared);
-  if (const std::string why = hopeless(left, path_.string()); !why.empty()) return fail(why);
+  if (const std::string why = hopeless(**prepared, path_.string()); !why.empty()) return fail(why);
   const double wall_m = wall_thickness(mesh);
   if (left.sound()) {
     Result<Filled> filled = fill(mesh, {options.mesh_size_m, options.order, wall_m}, path_.string());

@@ -30,7 +30,7 @@ enum class Making : std::int32_t { kRead, kMeshed, kFilled, kStuffed };
 std::string text_of(Making making);
 
 // Why no body can be made of a surface: it is a sheet, or flat. Nothing where one can.
-std::string hopeless(const SurfaceReport& left, const std::string& name);
+std::string hopeless(const PreparedSurface& surface, const std::string& name);
 
 struct Body {
   CheckedMesh mesh;

@@ -6,8 +6,10 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <numbers>
 
 namespace ringdown::mesh {
@@ -28,8 +30,10 @@ class Mender {
     close_holes();
     flat_ += split_at_flats();
     say(flat_, "took out %d triangle%s without area");
+    drop_unused_points();
     mesh_ = part(mesh_);
     drop_scraps();
+    drop_unused_points();
     turn_outward();
     return {std::move(mesh_), std::move(actions_)};
   }
@@ -63,6 +67,7 @@ class Mender {
   }
 
   void drop_repeated() {
+    drop_walls();
     say(drop(duplicates_in(mesh_)), "dropped %d duplicated triangle%s");
     std::vector<bool> narrow(static_cast<std::size_t>(mesh_.triangles.rows()));
     for (std::size_t t = 0; t < narrow.size(); ++t) {
@@ -70,6 +75,41 @@ class Mender {
       narrow[t] = row[0] == row[1] || row[1] == row[2] || row[2] == row[0];
     }
     flat_ += drop(narrow);
+  }
+
+  // Two triangles with the same corners that look away from each other part nothing from nothing: a wall inside, where two
+  // bodies were put together. Where most triangles are such, the body was given twice, once inside out.
+  void drop_walls() {
+    constexpr double kMost = 0.4;
+    std::map<std::array<std::int32_t, 3>, std::array<std::vector<std::size_t>, 2>> sides;
+    for (Eigen::Index t = 0; t < mesh_.triangles.rows(); ++t) {
+      std::array<std::int32_t, 3> corners = {mesh_.triangles(t, 0), mesh_.triangles(t, 1), mesh_.triangles(t, 2)};
+      std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+      const bool turned = corners[1] > corners[2];
+      if (turned) std::swap(corners[1], corners[2]);
+      sides[corners][turned ? 1 : 0].push_back(static_cast<std::size_t>(t));
+    }
+    std::vector<bool> wall(static_cast<std::size_t>(mesh_.triangles.rows()), false);
+    for (const auto& [corners, both] : sides) {
+      if (both[0].size() != 1 || both[1].size() != 1) continue;
+      wall[both[0].front()] = wall[both[1].front()] = true;
+    }
+    const auto count = static_cast<double>(std::count(wall.begin(), wall.end(), true));
+    if (count > kMost * static_cast<double>(wall.size())) return;
+    say(drop(wall), "dropped %d triangle%s of walls inside");
+  }
+
+  void drop_unused_points() {
+    std::vector<std::int32_t> number(static_cast<std::size_t>(mesh_.nodes.rows()), -1);
+    std::int32_t kept = 0;
+    for (const std::int32_t n : mesh_.triangles.reshaped()) number[static_cast<std::size_t>(n)] = 0;
+    for (std::size_t n = 0; n < number.size(); ++n) {
+      if (number[n] < 0) continue;
+      mesh_.nodes.row(kept) = mesh_.nodes.row(static_cast<Eigen::Index>(n)).eval();
+      number[n] = kept++;
+    }
+    mesh_.nodes.conservativeResize(kept, 3);
+    for (std::int32_t& n : mesh_.triangles.reshaped()) n = number[static_cast<std::size_t>(n)];
   }
 
   [[nodiscard]] double side(Eigen::Index t, int i) const {
@@ -274,6 +314,8 @@ PreparedSurface prepare(const TriangleMesh& mesh) {
   RepairedSurface repaired = repair(mesh);
   if (repaired.mesh.triangles.rows() == 0) return prepared;
   SurfaceReport left = diagnose(repaired.mesh);
+  const auto lost = [&](Fault fault) { return left.find(fault) && !prepared.found.find(fault); };
+  if (lost(Fault::kSheet) || lost(Fault::kNoVolume)) return prepared;
   prepared.mesh = std::move(repaired.mesh);
   prepared.actions = std::move(repaired.actions);
   prepared.left = std::move(left);

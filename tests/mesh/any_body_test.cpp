@@ -19,8 +19,8 @@ const modal::Material kCeramic{"ceramic", 70e9, 0.22, 2400, {5, 1e-8}};
 
 bake::ObjectRecipe recipe_of(const std::filesystem::path& path, double size_m, double unit_m) {
   bake::ObjectRecipe recipe{.name = path.stem().string(), .geometry = path};
-  recipe.meshing = {.unit_m = unit_m, .mesh_size_m = size_m, .order = 2, .parameters = {}};
-  recipe.options.element = fem::Element::kTet10;
+  recipe.meshing = {.unit_m = unit_m, .mesh_size_m = size_m, .order = 3, .parameters = {}};
+  recipe.options.element = fem::Element::kTet20;
   recipe.options.band_high_hz = 100e3;
   recipe.options.most_points = 40;
   return recipe;
@@ -143,8 +143,8 @@ std::vector<Brought> all_brought() {
        test::united(test::box({0, 0, 0}, {0.12, 0.04, 0.02}), test::box({0, 0.01, 0}, {0.06, 0.08, 0.02})), 0.08,
        Making::kStuffed, "intersections between shells"},
       {"a wall inside", "block", ".stl",
-       test::united(test::box({0, 0, 0}, {0.05, 0.08, 0.06}), test::box({0.05, 0, 0}, {0.1, 0.08, 0.06})), 0.05,
-       Making::kStuffed, "intersections between shells"},
+       test::united(test::box({0, 0, 0}, {0.05, 0.08, 0.06}), test::box({0.05, 0, 0}, {0.1, 0.08, 0.06})), 0.005,
+       Making::kFilled, "walls inside"},
       {"a wide hole in a curve", "ball", ".glb", test::without(of("ball"), patch), 0.05, Making::kFilled, "closed 1 hole"},
   };
 }

@@ -39,7 +39,7 @@ void print_surface(const mesh::PreparedSurface& surface) {
   for (const mesh::Finding& finding : surface.left.findings) {
     if (!surface.actions.empty()) std::printf("  left: %s\n", mesh::describe(finding).c_str());
   }
-  if (!mesh::hopeless(surface.left, "").empty()) return;
+  if (!mesh::hopeless(surface, "").empty()) return;
   std::printf("  meshed: %s\n", surface.left.sound() ? "filled by gmsh" : "stuffed, because it is not sound after repair");
 }
 
@@ -82,7 +82,7 @@ CheckOutcome check_mesh(const CheckRequest& request) {
     const Result<const mesh::PreparedSurface*> surface = reader.surface(options);
     if (!surface) return refused(surface.error().message);
     print_surface(**surface);
-    const std::string why = mesh::hopeless((*surface)->left, request.file.string());
+    const std::string why = mesh::hopeless(**surface, request.file.string());
     if (!why.empty()) return refused(why);
     if (!request.output.empty()) {
       const Result<void> written = mesh::write_ply((*surface)->mesh, request.output);
