@@ -42,7 +42,7 @@ struct StuffSize {
 
 // Cells that resolve the thinnest wall, but no more elements than can be solved with that order.
 StuffSize stuff_size(const TriangleMesh& surface, const FillOptions& options) {
-  constexpr double kCellsPerWall = 1.5;
+  constexpr double kCellsPerWall = 2;
   constexpr double kElementsPerCube = 12;  // of the lattice
   constexpr std::array kMostElements = {200e3, 40e3, 12e3, 5e3};
   const Eigen::RowVector3d box = surface.nodes.colwise().maxCoeff() - surface.nodes.colwise().minCoeff();

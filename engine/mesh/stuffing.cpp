@@ -23,9 +23,8 @@ namespace {
 using Eigen::Vector3d;
 using Place = BccLattice::Place;
 
-constexpr double kNearLong = 0.24999, kNearShort = 0.41189;  // Labelle & Shewchuk 2007, table 1
-constexpr int kMargin = 2;                                   // cubes around the body's box
-constexpr int kBrick = 4;                                    // cubes along the edge of what one thread takes at a time
+constexpr int kMargin = 2;  // cubes around the body's box
+constexpr int kBrick = 4;   // cubes along the edge of what one thread takes at a time
 constexpr int kBisections = 24;
 
 double length_of(int way) { return way < BccLattice::kLongWays ? 1 : std::sqrt(0.75); }

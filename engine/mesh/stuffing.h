@@ -7,13 +7,14 @@
 // number (winding_number.h) is above one half, so a hole is closed by the smoothest skin across it.
 //
 // F. Labelle & J. R. Shewchuk, Isosurface Stuffing, ACM Trans. Graph. 26(3), 2007: a body-centred cubic lattice is laid
-// over the body; where an edge of it leaves the body there is a cut point; lattice points that have a cut point within
-// 0.24999 of a long edge or 0.41189 of a short one move onto it; and each tetrahedron of the lattice gives the part of
-// it that is inside (stencil.h). The paper proves that with these two figures every dihedral angle lies between 10.7
-// and 164.8 degrees, whatever the surface is. Here bodies and soups stay well within that; where a million elements are
-// cut by chance, as no surface would, the least found is 9.3 and the greatest 161.7. All nodes on the skin lie on the
-// surface. Sharp edges would become chamfers up to a cell wide;
-// most are drawn out again within those bounds (sharpen.h). What is thinner than a cell may get holes or vanish.
+// over the body; where an edge of it leaves the body there is a cut point; lattice points that have a cut point nearer
+// than kNearLong of a long edge or kNearShort of a short one move onto the nearest; and each tetrahedron of the lattice
+// gives the part of it that is inside (stencil.h). Whatever the surface is, every dihedral angle then lies between
+// kLeastDihedral and kMostDihedral: no more is possible than what tests/stuffing/stencil_test.cpp goes through. (The
+// two shares were searched for there: they give the angles that the paper proves of its own, 10.78 and 164.74 degrees.)
+//
+// All nodes on the skin lie on the surface. Sharp edges would become chamfers up to a cell wide; most are drawn out
+// again within the same angles (sharpen.h). What is thinner than a cell may get holes or vanish.
 #pragma once
 
 #include "engine/base/progress.h"
@@ -23,8 +24,8 @@
 
 namespace ringdown::mesh {
 
-inline constexpr double kLeastDihedral = 10.7, kMostDihedral = 164.8;  // [degrees], of bodies
-inline constexpr double kLeastDihedralEver = 9;                        // wherever edges are cut
+inline constexpr double kNearLong = 0.285, kNearShort = 0.3978;
+inline constexpr double kLeastDihedral = 10.74, kMostDihedral = 164.71;  // [degrees]
 inline constexpr double kMostLatticePoints = 30e6;  // of the lattice over the body's box: 0.3 GB at the most
 inline constexpr int kCrumb = 36;                   // elements, those of three cubes: smaller parts are removed
 

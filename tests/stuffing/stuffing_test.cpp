@@ -47,7 +47,7 @@ std::vector<Sample> samples() {
 
 class StuffingOf : public testing::TestWithParam<Sample> {};
 
-TEST_P(StuffingOf, GivesASoundMeshWithinTheAnglesOfThePaper) {
+TEST_P(StuffingOf, GivesASoundMeshWithinTheAngles) {
   const auto stuffed = mesh::stuff(GetParam().surface, {.size_m = GetParam().size_m});
   ASSERT_TRUE(stuffed) << stuffed.error().message;
   const Dihedral angles = dihedral(stuffed->mesh);
@@ -83,7 +83,7 @@ class Chance final : public mesh::Solid {
   }
   [[nodiscard]] bool inside(const Vector3& point) const override { return draw(point) < share_; }
   [[nodiscard]] double leaves(const Vector3& a, const Vector3& b) const override {
-    const double kind = draw(a + 1.7 * b), near = (a - b).norm() > 0.9 ? 0.24999 : 0.41189;
+    const double kind = draw(a + 1.7 * b), near = (a - b).norm() > 0.9 ? mesh::kNearLong : mesh::kNearShort;
     const bool at_a = draw(b + 1.3 * a) < 0.5;  // often where it just moves a point, or just does not
     if (kind < 0.35) return at_a ? near - 1e-6 : 1 - near + 1e-6;
     if (kind < 0.5) return at_a ? near + 1e-6 : 1 - near - 1e-6;
@@ -113,7 +113,7 @@ TEST(StuffingAnglesHold, WhereverEdgesAreCut) {
     const Dihedral angles = dihedral(stuffed->mesh);
     std::printf("share %.2f: %ld elements, %.3f to %.3f\n", share, stuffed->mesh.elements.rows(), angles.least,
                 angles.most);
-    EXPECT_GE(angles.least, mesh::kLeastDihedralEver);
+    EXPECT_GE(angles.least, mesh::kLeastDihedral);
     EXPECT_LE(angles.most, mesh::kMostDihedral);
     const auto checked = mesh::check_mesh(stuffed->mesh, "chance");
     EXPECT_TRUE(checked) << checked.error().message;
