@@ -14,7 +14,7 @@ namespace ringdown::mesh {
 namespace {
 
 constexpr double kSliver = 0.01;       // height over longest side
-constexpr double kSheetOpening = 0.2;  // of the area: a bowl without thickness opens half as wide as its area
+constexpr double kSheetOpening = 0.3;  // of the closed whole; half of a sphere without thickness: a third
 constexpr double kFlatVolume = 1e-7;   // over area times diagonal; a plate 1:1000 has 5e-4
 
 class Diagnosis {
@@ -146,7 +146,7 @@ class Diagnosis {
   }
 
   void judge_volume() {
-    const bool sheet = opening_m2_ > kSheetOpening * report_.area_m2;
+    const bool sheet = opening_m2_ > kSheetOpening * (report_.area_m2 + opening_m2_);
     const bool flat = std::abs(report_.volume_m3) < kFlatVolume * report_.area_m2 * report_.diagonal_m;
     if (sheet) {
       add(Fault::kSheet, 0);

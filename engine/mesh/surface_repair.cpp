@@ -252,7 +252,7 @@ class Mender {
 
   // Open parts that are wider open than a body would be, before their rims are taken for holes.
   void drop_rags() {
-    constexpr double kOpening = 0.2;
+    constexpr double kOpening = 0.3;
     const Shells shells = shells_of(mesh_);
     std::vector<std::vector<EdgeUse>> rims(static_cast<std::size_t>(shells.count));
     const std::vector<EdgeUse> edges = edges_of(mesh_, usable_triangles(mesh_));
@@ -266,7 +266,7 @@ class Mender {
     for (std::size_t s = 0; s < rims.size(); ++s) {
       double opening = 0;
       for (const auto& loop : loops_of(rims[s])) opening += spanned_area(mesh_, loop);
-      rag[s] = opening > kOpening * shells.area_m2[s];
+      rag[s] = opening > kOpening * (shells.area_m2[s] + opening);
       all += shells.area_m2[s];
       ragged += rag[s] ? shells.area_m2[s] : 0;
     }

@@ -164,6 +164,7 @@ TEST_P(AnyBody, BakesToTheFrequenciesOfTheSoundBody) {
   ASSERT_TRUE(baked) << baked.error().message;
   std::string notes;
   for (const std::string& note : baked->notes) notes += note + "\n";
+  EXPECT_EQ(baked->question, "");
   EXPECT_EQ(baked->making, brought.making) << notes;
   if (brought.note) EXPECT_NE(notes.find(brought.note), std::string::npos) << notes;
   EXPECT_EQ(baked->baked.bank.provenance.body, mesh::text_of(brought.making));
@@ -209,9 +210,6 @@ TEST(AnyBodyIsQuestioned, WhenItsSizeCannotBeMeant) {
   ASSERT_FALSE(baked);
   EXPECT_NE(baked.error().message.find("cup.stl is 139 m long"), std::string::npos) << baked.error().message;
   EXPECT_NE(baked.error().message.find("millimetre (--unit mm)"), std::string::npos) << baked.error().message;
-  const auto right = bake_file(path, cup, 0.001);
-  ASSERT_TRUE(right) << right.error().message;
-  EXPECT_EQ(right->question, "");
 }
 
 TEST(AnyBody, IsMeshedAsFinelyAsItsWallsAskWhenNoSizeIsNamed) {
