@@ -13,8 +13,8 @@ struct Unit {
   const char *name, *option;
   double length_m;
 };
-constexpr std::array<Unit, 4> kUnits = {{{"millimetre", "mm", 0.001}, {"centimetre", "cm", 0.01}, {"inch", "in", 0.0254},
-                                         {"metre", "m", 1}}};
+constexpr std::array<Unit, 4> kUnits = {
+    {{"millimetre", "mm", 0.001}, {"centimetre", "cm", 0.01}, {"inch", "in", 0.0254}, {"metre", "m", 1}}};
 
 BodyShape scaled(BodyShape shape, double by) {
   shape.volume_m3 *= by * by * by;

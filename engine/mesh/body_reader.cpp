@@ -49,7 +49,8 @@ StuffSize stuff_size(const TriangleMesh& surface, const FillOptions& options) {
   const double volume = std::abs(diagnose(surface).volume_m3), diagonal = box.norm();
   const double asked = options.size_m > 0 ? options.size_m : diagonal / 20;
   const double wanted = options.wall_m > 0 ? std::min(asked, options.wall_m / kCellsPerWall) : asked;
-  const double finest = std::cbrt(kElementsPerCube * volume / kMostElements.at(static_cast<std::size_t>(options.order - 1)));
+  const double finest =
+      std::cbrt(kElementsPerCube * volume / kMostElements.at(static_cast<std::size_t>(options.order - 1)));
   return {std::max(wanted, finest), wanted < finest};
 }
 
@@ -64,10 +65,14 @@ std::vector<std::string> notes_of(const PreparedSurface& surface) {
 
 std::string text_of(Making making) {
   switch (making) {
-    case Making::kRead: return "tetrahedra from a file";
-    case Making::kMeshed: return "geometry meshed by gmsh";
-    case Making::kFilled: return "surface filled by gmsh";
-    case Making::kStuffed: return "surface stuffed";
+    case Making::kRead:
+      return "tetrahedra from a file";
+    case Making::kMeshed:
+      return "geometry meshed by gmsh";
+    case Making::kFilled:
+      return "surface filled by gmsh";
+    case Making::kStuffed:
+      return "surface stuffed";
   }
   return "";
 }
@@ -162,7 +167,8 @@ Result<Body> BodyReader::stuffed(Body body, const TriangleMesh& mesh, const Fill
   Result<Stuffed> stuffed = stuff(mesh, {.size_m = size.size_m}, progress);
   if (!stuffed) {
     const bool cancelled = stuffed.error().message == kCancelled;
-    return fail(cancelled ? stuffed.error().message : path_.string() + " cannot be stuffed: " + stuffed.error().message);
+    return fail(cancelled ? stuffed.error().message
+                          : path_.string() + " cannot be stuffed: " + stuffed.error().message);
   }
   Result<CheckedMesh> checked = check_mesh(std::move(stuffed->mesh), path_.string());
   if (!checked) return fail(checked.error());

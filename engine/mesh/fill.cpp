@@ -18,7 +18,7 @@
 namespace ringdown::mesh {
 namespace {
 
-constexpr double kEdgePerSize = 0.85;      // CGAL's edges scatter about the length asked for
+constexpr double kEdgePerSize = 0.85;       // CGAL's edges scatter about the length asked for
 constexpr double kMostDeviation = 1 / 7.0;  // of the thinnest wall
 constexpr double kFiner = 0.6;
 constexpr int kMostTries = 4;
@@ -203,8 +203,9 @@ Result<Filled> fill_sized(const TriangleMesh& surface, const FillOptions& option
 
 Result<Filled> fill(const TriangleMesh& surface, const FillOptions& options, const std::string& name) {
   std::string why;
-  if (options.size_m > 0) {
-    Result<Filled> filled = fill_sized(surface, options, name);
+  FillOptions finer = options;
+  for (int attempt = 0; options.size_m > 0 && attempt < 2; ++attempt, finer.size_m *= kFiner) {
+    Result<Filled> filled = fill_sized(surface, finer, name);
     if (filled) return filled;
     why = filled.error().message;
   }

@@ -1,5 +1,5 @@
-// gmsh between initialize() and finalize(). [worker; calls of several threads wait for each other, because gmsh keeps its
-// state in globals]
+// gmsh between initialize() and finalize(). [worker; calls of several threads wait for each other, because gmsh keeps
+// its state in globals]
 #pragma once
 
 #include <mutex>

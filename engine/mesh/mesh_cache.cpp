@@ -103,8 +103,8 @@ std::optional<Body> unpacked(std::string_view bytes) {
 
 }  // namespace
 
-Result<Body> make_through_cache(const std::filesystem::path& path, const GmshOptions& options, const ContentCache& cache,
-                                const std::function<Result<Body>()>& make) {
+Result<Body> make_through_cache(const std::filesystem::path& path, const GmshOptions& options,
+                                const ContentCache& cache, const std::function<Result<Body>()>& make) {
   const Result<std::string> text = read_whole_file(path, kLargestFile);
   if (!text || has_companions(path) || (is_program(path) && looks_elsewhere(*text))) return make();
   const ContentHash key = key_of(path, *text, options);

@@ -28,7 +28,8 @@ Mesh half_edges_of(const TriangleMesh& surface) {
   std::vector<std::array<std::size_t, 3>> triangles;
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
     const auto row = surface.triangles.row(t);
-    triangles.push_back({static_cast<std::size_t>(row[0]), static_cast<std::size_t>(row[1]), static_cast<std::size_t>(row[2])});
+    triangles.push_back(
+        {static_cast<std::size_t>(row[0]), static_cast<std::size_t>(row[1]), static_cast<std::size_t>(row[2])});
   }
   Mesh mesh;
   if (pmp::is_polygon_soup_a_polygon_mesh(triangles)) pmp::polygon_soup_to_polygon_mesh(points, triangles, mesh);

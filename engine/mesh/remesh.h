@@ -13,8 +13,9 @@ struct Remeshed {
   double deviation_m = 0;  // farthest middle of a triangle or side from the old surface
 };
 
-// Triangles with edges about `edge_m` long, on the old surface (Botsch & Kobbelt, A remeshing approach to multiresolution
-// modeling, 2004; CGAL's isotropic_remeshing). The surface must be closed and consistent. Fails when CGAL cannot.
+// Triangles with edges about `edge_m` long, on the old surface (Botsch & Kobbelt, A remeshing approach to
+// multiresolution modeling, 2004; CGAL's isotropic_remeshing). The surface must be closed and consistent. Fails when
+// CGAL cannot.
 Result<Remeshed> remesh(const TriangleMesh& surface, double edge_m);
 
 }  // namespace ringdown::mesh

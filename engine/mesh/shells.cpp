@@ -8,7 +8,6 @@
 #include <cmath>
 #include <numbers>
 
-
 namespace ringdown::mesh {
 namespace {
 
@@ -106,7 +105,8 @@ class Grower {
     if (count < 2 || count > kMostShells) return;
     std::vector<std::vector<std::int32_t>> members(count);
     for (std::size_t t = 0; t < shells_.shell.size(); ++t) {
-      if (shells_.shell[t] >= 0) members[static_cast<std::size_t>(shells_.shell[t])].push_back(static_cast<std::int32_t>(t));
+      if (shells_.shell[t] >= 0)
+        members[static_cast<std::size_t>(shells_.shell[t])].push_back(static_cast<std::int32_t>(t));
     }
     std::vector<std::vector<std::size_t>> around(count);
     for (std::size_t inner = 0; inner < count; ++inner) {

@@ -8,19 +8,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <numeric>
 
 namespace ringdown::mesh {
 namespace {
 
-constexpr double kSliver = 0.01;      // height over longest side
-constexpr double kSheetOpening = 0.2;  // of the area: a bowl without thickness opens half as wide as its area
-constexpr double kFlatVolume = 1e-7;  // over area times diagonal; a plate 1:1000 has 5e-4
+constexpr double kSliver = 0.01;       // height over longest side
+constexpr double kSheetOpening = 0.3;  // of the closed whole; half of a sphere without thickness: a third
+constexpr double kFlatVolume = 1e-7;   // over area times diagonal; a plate 1:1000 has 5e-4
 
 class Diagnosis {
  public:
-  explicit Diagnosis(const TriangleMesh& mesh) : mesh_(mesh), usable_(usable_triangles(mesh)), shells_(shells_of(mesh)) {}
+  explicit Diagnosis(const TriangleMesh& mesh)
+      : mesh_(mesh), usable_(usable_triangles(mesh)), shells_(shells_of(mesh)) {}
 
   SurfaceReport run() {
     measure();
@@ -110,16 +110,18 @@ class Diagnosis {
   void find_holes(const std::vector<EdgeUse>& open) {
     for (const std::vector<std::int32_t>& loop : loops_of(open)) {
       double perimeter = 0;
-      for (std::size_t i = 0; i < loop.size(); ++i) perimeter += (node(loop[(i + 1) % loop.size()]) - node(loop[i])).norm();
+      for (std::size_t i = 0; i < loop.size(); ++i)
+        perimeter += (node(loop[(i + 1) % loop.size()]) - node(loop[i])).norm();
       add(Fault::kHole, -1, node(loop.front()));
       Finding& known = finding(Fault::kHole);
       known.length_m = std::max(known.length_m, perimeter);
-      opening_m2_ += perimeter * perimeter / (4 * std::numbers::pi);
+      opening_m2_ += spanned_area(mesh_, loop);
     }
   }
 
   [[nodiscard]] std::int32_t first_of(int shell) const {
-    return static_cast<std::int32_t>(std::find(shells_.shell.begin(), shells_.shell.end(), shell) - shells_.shell.begin());
+    return static_cast<std::int32_t>(std::find(shells_.shell.begin(), shells_.shell.end(), shell) -
+                                     shells_.shell.begin());
   }
 
   void look_at_shells() {
@@ -144,7 +146,7 @@ class Diagnosis {
   }
 
   void judge_volume() {
-    const bool sheet = opening_m2_ > kSheetOpening * report_.area_m2;
+    const bool sheet = opening_m2_ > kSheetOpening * (report_.area_m2 + opening_m2_);
     const bool flat = std::abs(report_.volume_m3) < kFlatVolume * report_.area_m2 * report_.diagonal_m;
     if (sheet) {
       add(Fault::kSheet, 0);
@@ -166,20 +168,34 @@ struct Words {
 
 Words words_of(Fault fault) {
   switch (fault) {
-    case Fault::kUnusedPoints: return {"point of no triangle", "points of no triangle"};
-    case Fault::kDegenerate: return {"triangle without area", "triangles without area"};
-    case Fault::kDuplicate: return {"duplicated triangle", "duplicated triangles"};
-    case Fault::kSliver: return {"sliver", "slivers"};
-    case Fault::kCrowdedEdge: return {"edge with more than two triangles", "edges with more than two triangles"};
-    case Fault::kHole: return {"hole", "holes"};
-    case Fault::kFlipped: return {"flipped triangle", "flipped triangles"};
-    case Fault::kSelfIntersection: return {"self-intersection", "self-intersections"};
-    case Fault::kInsideOut: return {"shell inside out", "shells inside out"};
-    case Fault::kSeveralShells: return {"further separate shell", "further separate shells"};
-    case Fault::kCavity: return {"cavity", "cavities"};
-    case Fault::kOverlap: return {"intersection between shells", "intersections between shells"};
-    case Fault::kSheet: return {"open sheet", "open sheets"};
-    case Fault::kNoVolume: return {"surface without volume", "surfaces without volume"};
+    case Fault::kUnusedPoints:
+      return {"point of no triangle", "points of no triangle"};
+    case Fault::kDegenerate:
+      return {"triangle without area", "triangles without area"};
+    case Fault::kDuplicate:
+      return {"duplicated triangle", "duplicated triangles"};
+    case Fault::kSliver:
+      return {"sliver", "slivers"};
+    case Fault::kCrowdedEdge:
+      return {"edge with more than two triangles", "edges with more than two triangles"};
+    case Fault::kHole:
+      return {"hole", "holes"};
+    case Fault::kFlipped:
+      return {"flipped triangle", "flipped triangles"};
+    case Fault::kSelfIntersection:
+      return {"self-intersection", "self-intersections"};
+    case Fault::kInsideOut:
+      return {"shell inside out", "shells inside out"};
+    case Fault::kSeveralShells:
+      return {"further separate shell", "further separate shells"};
+    case Fault::kCavity:
+      return {"cavity", "cavities"};
+    case Fault::kOverlap:
+      return {"intersection between shells", "intersections between shells"};
+    case Fault::kSheet:
+      return {"open sheet", "open sheets"};
+    case Fault::kNoVolume:
+      return {"surface without volume", "surfaces without volume"};
   }
   return {"fault", "faults"};
 }
@@ -188,14 +204,16 @@ std::string with_place(const Finding& finding) {
   if (finding.places.empty()) return "";
   char text[96];
   const Eigen::RowVector3d& at = finding.places.front();
-  std::snprintf(text, sizeof text, ", %sat (%.4g, %.4g, %.4g) m", finding.count > 1 ? "the first " : "", at[0], at[1], at[2]);
+  std::snprintf(text, sizeof text, ", %sat (%.4g, %.4g, %.4g) m", finding.count > 1 ? "the first " : "", at[0], at[1],
+                at[2]);
   return text;
 }
 
 }  // namespace
 
 const Finding* SurfaceReport::find(Fault fault) const {
-  const auto found = std::find_if(findings.begin(), findings.end(), [fault](const Finding& f) { return f.fault == fault; });
+  const auto found =
+      std::find_if(findings.begin(), findings.end(), [fault](const Finding& f) { return f.fault == fault; });
   return found == findings.end() ? nullptr : &*found;
 }
 
@@ -221,7 +239,8 @@ std::string describe(const Finding& finding) {
   text += std::to_string(finding.count) + " " + (finding.count == 1 ? words.one : words.many);
   if (finding.length_m > 0) {
     char around[64];
-    std::snprintf(around, sizeof around, ", %s%.3g m around", finding.count > 1 ? "the longest " : "", finding.length_m);
+    std::snprintf(around, sizeof around, ", %s%.3g m around", finding.count > 1 ? "the longest " : "",
+                  finding.length_m);
     text += around;
   }
   return text + with_place(finding);

@@ -46,8 +46,8 @@ inline constexpr std::size_t kMostShells = 64;           // compared with each o
 
 struct SurfaceReport {
   std::vector<Finding> findings;
-  int shells = 0;         // parts joined by edges
-  double volume_m3 = 0;   // as far as it is closed
+  int shells = 0;        // parts joined by edges
+  double volume_m3 = 0;  // as far as it is closed
   double area_m2 = 0;
   double diagonal_m = 0;  // of its box
 
@@ -64,17 +64,17 @@ SurfaceReport diagnose(const TriangleMesh& mesh);
 std::string describe(const Finding& finding);
 std::string name_of(Fault fault);  // "holes", "flipped triangles": for tables
 
-// How the triangles of a surface hang together: which are neighbours through an edge that has just the two, which belong
-// to one shell, and which are turned against the others of theirs.
+// How the triangles of a surface hang together: which are neighbours through an edge that has just the two, which
+// belong to one shell, and which are turned against the others of theirs.
 struct Shells {
   std::vector<std::int32_t> shell;  // of each triangle; -1: degenerate or a duplicate
   std::vector<bool> turned;         // of each triangle: against the majority of its shell
   int count = 0;
-  std::vector<bool> closed;         // of each shell
-  std::vector<double> volume_m3;    // of each shell, its majority's sign; meaningful when closed
+  std::vector<bool> closed;       // of each shell
+  std::vector<double> volume_m3;  // of each shell, its majority's sign; meaningful when closed
   std::vector<double> area_m2;
-  std::vector<int> depth;           // in how many other closed shells it lies
-  std::vector<int> parent;          // the innermost of these; -1: none
+  std::vector<int> depth;   // in how many other closed shells it lies
+  std::vector<int> parent;  // the innermost of these; -1: none
 };
 Shells shells_of(const TriangleMesh& mesh);
 

@@ -63,7 +63,8 @@ class Cutter {
 
   // They have one corner in common; they cut when the side opposite to it meets the other triangle.
   [[nodiscard]] bool meet_beyond_corner(std::int32_t a, int at_a, std::int32_t b, int at_b) const {
-    const Kernel::Segment_3 side_a(point(a, at_a + 1), point(a, at_a + 2)), side_b(point(b, at_b + 1), point(b, at_b + 2));
+    const Kernel::Segment_3 side_a(point(a, at_a + 1), point(a, at_a + 2)),
+        side_b(point(b, at_b + 1), point(b, at_b + 2));
     return CGAL::do_intersect(side_a, triangle(b)) || CGAL::do_intersect(side_b, triangle(a));
   }
 

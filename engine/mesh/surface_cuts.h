@@ -8,8 +8,9 @@
 
 namespace ringdown::mesh {
 
-// Pairs of triangles that have more in common than their shared corners, up to `most`, the lower number first. Exact (CGAL's
-// predicates); degenerate triangles and copies of others are passed over. O(T log T) where few boxes of triangles meet.
+// Pairs of triangles that have more in common than their shared corners, up to `most`, the lower number first. Exact
+// (CGAL's predicates); degenerate triangles and copies of others are passed over. O(T log T) where few boxes of
+// triangles meet.
 std::vector<std::array<std::int32_t, 2>> self_intersections(const TriangleMesh& mesh, std::size_t most);
 
 }  // namespace ringdown::mesh

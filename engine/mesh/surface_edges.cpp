@@ -30,7 +30,8 @@ bool is_degenerate(const TriangleMesh& mesh, Eigen::Index triangle) {
   constexpr double kFlat = 1e-12;
   const auto corners = mesh.triangles.row(triangle);
   if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) return true;
-  const Eigen::RowVector3d a = mesh.nodes.row(corners[0]), b = mesh.nodes.row(corners[1]), c = mesh.nodes.row(corners[2]);
+  const Eigen::RowVector3d a = mesh.nodes.row(corners[0]), b = mesh.nodes.row(corners[1]),
+                           c = mesh.nodes.row(corners[2]);
   const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
   return (b - a).cross(c - a).norm() <= kFlat * longest;
 }
@@ -59,6 +60,16 @@ std::vector<std::vector<std::int32_t>> loops_of(const std::vector<EdgeUse>& edge
     }
   }
   return loops;
+}
+
+double spanned_area(const TriangleMesh& mesh, const std::vector<std::int32_t>& loop) {
+  Eigen::RowVector3d area = Eigen::RowVector3d::Zero();
+  const Eigen::RowVector3d first = mesh.nodes.row(loop.front());
+  for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
+    const Eigen::RowVector3d a = mesh.nodes.row(loop[i]), b = mesh.nodes.row(loop[i + 1]);
+    area += 0.5 * (a - first).cross(b - first);
+  }
+  return area.norm();
 }
 
 std::vector<bool> duplicates_in(const TriangleMesh& mesh) {

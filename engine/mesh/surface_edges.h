@@ -24,9 +24,12 @@ inline std::size_t end_of_edge(const std::vector<EdgeUse>& edges, std::size_t fi
   return last;
 }
 
-// The closed ways along such edges, each used once, as their nodes; against the triangles' own direction where they agree
-// on one. Ways that meet at a node are parted there; those that do not close are left out.
+// The closed ways along such edges, each used once, as their nodes; against the triangles' own direction where they
+// agree on one. Ways that meet at a node are parted there; those that do not close are left out.
 std::vector<std::vector<std::int32_t>> loops_of(const std::vector<EdgeUse>& edges);
+
+// How much a closed way of nodes spans: the length of its vector area.
+double spanned_area(const TriangleMesh& mesh, const std::vector<std::int32_t>& loop);
 
 // Lower than 1e-12 of its longest side, or a corner named twice.
 bool is_degenerate(const TriangleMesh& mesh, Eigen::Index triangle);

@@ -27,7 +27,8 @@ Mesh half_edges_of(const TriangleMesh& soup) {
   std::vector<std::array<std::size_t, 3>> triangles;
   for (Eigen::Index t = 0; t < soup.triangles.rows(); ++t) {
     const auto row = soup.triangles.row(t);
-    triangles.push_back({static_cast<std::size_t>(row[0]), static_cast<std::size_t>(row[1]), static_cast<std::size_t>(row[2])});
+    triangles.push_back(
+        {static_cast<std::size_t>(row[0]), static_cast<std::size_t>(row[1]), static_cast<std::size_t>(row[2])});
   }
   pmp::orient_polygon_soup(points, triangles);
   Mesh mesh;

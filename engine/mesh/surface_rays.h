@@ -16,8 +16,8 @@ class SurfaceRays {
   // The nearest point of the surface.
   [[nodiscard]] Eigen::RowVector3d nearest(const Eigen::RowVector3d& point) const;
 
-  // How far one comes from the middle of a triangle straight inward before the surface comes again; a huge number when it
-  // never does.
+  // How far one comes from the middle of a triangle straight inward before the surface comes again; a huge number when
+  // it never does.
   [[nodiscard]] double inward(Eigen::Index triangle) const;
 
  private:

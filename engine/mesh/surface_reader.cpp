@@ -160,7 +160,8 @@ Result<TriangleMesh> read_surface(const std::filesystem::path& path) {
     return fail("cannot open " + path.string() + ": there is no such file");
   }
   if (std::filesystem::file_size(path, error) > kLargestSurfaceFile) {
-    return fail(path.string() + " is larger than " + std::to_string(kLargestSurfaceFile >> 20) + " MiB; thin it out first");
+    return fail(path.string() + " is larger than " + std::to_string(kLargestSurfaceFile >> 20) +
+                " MiB; thin it out first");
   }
   try {
     return checked(path);

@@ -3,8 +3,8 @@
 //   .obj .stl .ply .off   text or binary; their lengths have no unit
 //   .gltf .glb            metres; the nodes' transforms are applied. A bank is one of these
 //
-// Polygons are cut into triangles, all meshes of a file become one, and points that a file repeats, as STL does for every
-// triangle, become one: those within kWeld of the diagonal of the body's box.
+// Polygons are cut into triangles, all meshes of a file become one, and points that a file repeats, as STL does for
+// every triangle, become one: those within kWeld of the diagonal of the body's box.
 #pragma once
 
 #include "engine/base/result.h"

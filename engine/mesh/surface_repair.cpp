@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <numbers>
 
 namespace ringdown::mesh {
 namespace {
@@ -77,8 +76,8 @@ class Mender {
     flat_ += drop(narrow);
   }
 
-  // Two triangles with the same corners that look away from each other part nothing from nothing: a wall inside, where two
-  // bodies were put together. Where most triangles are such, the body was given twice, once inside out.
+  // Two triangles with the same corners that look away from each other part nothing from nothing: a wall inside, where
+  // two bodies were put together. Where most triangles are such, the body was given twice, once inside out.
   void drop_walls() {
     constexpr double kMost = 0.4;
     std::map<std::array<std::int32_t, 3>, std::array<std::vector<std::size_t>, 2>> sides;
@@ -116,7 +115,8 @@ class Mender {
     return (mesh_.nodes.row(mesh_.triangles(t, (i + 1) % 3)) - mesh_.nodes.row(mesh_.triangles(t, i))).norm();
   }
 
-  // A triangle whose corners lie in one line goes, and its neighbour at the longest side is cut in two at the third corner.
+  // A triangle whose corners lie in one line goes, and its neighbour at the longest side is cut in two at the third
+  // corner.
   std::size_t split_at_flats() {
     std::size_t done = 0;
     for (Eigen::Index t = 0; t < mesh_.triangles.rows(); ++t) {
@@ -171,7 +171,8 @@ class Mender {
   void close_holes() {
     const double longest_m = kLargestHole * diagonal();
     std::vector<EdgeUse> open;
-    const std::vector<EdgeUse> edges = edges_of(mesh_, std::vector<bool>(static_cast<std::size_t>(mesh_.triangles.rows()), true));
+    const std::vector<EdgeUse> edges =
+        edges_of(mesh_, std::vector<bool>(static_cast<std::size_t>(mesh_.triangles.rows()), true));
     for (std::size_t first = 0, last; first < edges.size(); first = last) {
       last = end_of_edge(edges, first);
       if (last - first == 1) open.push_back(edges[first]);
@@ -251,7 +252,7 @@ class Mender {
 
   // Open parts that are wider open than a body would be, before their rims are taken for holes.
   void drop_rags() {
-    constexpr double kOpening = 0.2;
+    constexpr double kOpening = 0.3;
     const Shells shells = shells_of(mesh_);
     std::vector<std::vector<EdgeUse>> rims(static_cast<std::size_t>(shells.count));
     const std::vector<EdgeUse> edges = edges_of(mesh_, usable_triangles(mesh_));
@@ -264,8 +265,8 @@ class Mender {
     std::vector<bool> rag(rims.size());
     for (std::size_t s = 0; s < rims.size(); ++s) {
       double opening = 0;
-      for (const auto& loop : loops_of(rims[s])) opening += std::pow(length_of(loop), 2) / (4 * std::numbers::pi);
-      rag[s] = opening > kOpening * shells.area_m2[s];
+      for (const auto& loop : loops_of(rims[s])) opening += spanned_area(mesh_, loop);
+      rag[s] = opening > kOpening * (shells.area_m2[s] + opening);
       all += shells.area_m2[s];
       ragged += rag[s] ? shells.area_m2[s] : 0;
     }
@@ -277,14 +278,6 @@ class Mender {
     }
     drop(unwanted);
     say(count, "dropped %d open scrap%s");
-  }
-
-  [[nodiscard]] double length_of(const std::vector<std::int32_t>& loop) const {
-    double length = 0;
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      length += (mesh_.nodes.row(loop[(i + 1) % loop.size()]) - mesh_.nodes.row(loop[i])).norm();
-    }
-    return length;
   }
 
   void turn_outward() {

@@ -1,10 +1,11 @@
 // Mending of surfaces, where there is one likely way to. [worker]
 //
-// In this order: pairs of triangles back to back go (a wall inside), then copies of triangles; triangles whose corners lie in one line go, and the neighbour at their longest side
-// is cut there (a T-joint); fins (triangles that hang on a crowded edge by one side and are free at another) go; triangles
-// turned against their neighbours are turned; holes are closed: flat ones of any size, others of at most kLargestHole of
-// the body's diagonal around; surfaces that run together at a point or an edge are taken apart; open scraps beside a closed
-// body go; each shell is turned outward, those that lie in another inward, so that they become cavities.
+// In this order: pairs of triangles back to back go (a wall inside), then copies of triangles; triangles whose corners
+// lie in one line go, and the neighbour at their longest side is cut there (a T-joint); fins (triangles that hang on a
+// crowded edge by one side and are free at another) go; triangles turned against their neighbours are turned; holes are
+// closed: flat ones of any size, others of at most kLargestHole of the body's diagonal around; surfaces that run
+// together at a point or an edge are taken apart; open scraps beside a closed body go; each shell is turned outward,
+// those that lie in another inward, so that they become cavities.
 //
 // What cuts itself, and larger holes, stay: stuffing.h makes a body of such a surface.
 #pragma once

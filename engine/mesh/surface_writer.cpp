@@ -8,10 +8,10 @@
 namespace ringdown::mesh {
 
 Result<void> write_ply(const TriangleMesh& surface, const std::filesystem::path& path) {
-  std::string text = "ply\nformat ascii 1.0\ncomment lengths in metres\nelement vertex " +
-                     std::to_string(surface.nodes.rows()) + "\nproperty double x\nproperty double y\nproperty double z\n" +
-                     "element face " + std::to_string(surface.triangles.rows()) +
-                     "\nproperty list uchar int vertex_indices\nend_header\n";
+  std::string text =
+      "ply\nformat ascii 1.0\ncomment lengths in metres\nelement vertex " + std::to_string(surface.nodes.rows()) +
+      "\nproperty double x\nproperty double y\nproperty double z\n" + "element face " +
+      std::to_string(surface.triangles.rows()) + "\nproperty list uchar int vertex_indices\nend_header\n";
   char line[120];
   for (Eigen::Index n = 0; n < surface.nodes.rows(); ++n) {
     std::snprintf(line, sizeof line, "%.9g %.9g %.9g\n", surface.nodes(n, 0), surface.nodes(n, 1), surface.nodes(n, 2));

@@ -8,8 +8,8 @@
 
 namespace ringdown::mesh {
 
-// A PLY text file, which every mesh tool reads; coordinates with 9 digits, in metres. Written to another name first, then
-// renamed.
+// A PLY text file, which every mesh tool reads; coordinates with 9 digits, in metres. Written to another name first,
+// then renamed.
 Result<void> write_ply(const TriangleMesh& surface, const std::filesystem::path& path);
 
 }  // namespace ringdown::mesh

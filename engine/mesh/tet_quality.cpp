@@ -16,7 +16,8 @@ TetQuality quality_of(const TetMesh& mesh) {
     const Corners corners = corners_of(mesh, e);
     std::array<Eigen::RowVector3d, 4> outward;
     for (int f = 0; f < 4; ++f) {
-      const Eigen::RowVector3d a = corners.row(kTetFaces[f][0]), b = corners.row(kTetFaces[f][1]), c = corners.row(kTetFaces[f][2]);
+      const Eigen::RowVector3d a = corners.row(kTetFaces[f][0]), b = corners.row(kTetFaces[f][1]),
+                               c = corners.row(kTetFaces[f][2]);
       outward[f] = (b - a).cross(c - a).normalized();
     }
     for (int f = 0; f < 4; ++f) {

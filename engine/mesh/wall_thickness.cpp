@@ -17,7 +17,8 @@ double wall_thickness(const TriangleMesh& surface) {
   double area = 0;
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
     const auto row = surface.triangles.row(t);
-    const Eigen::RowVector3d a = surface.nodes.row(row[0]), b = surface.nodes.row(row[1]), c = surface.nodes.row(row[2]);
+    const Eigen::RowVector3d a = surface.nodes.row(row[0]), b = surface.nodes.row(row[1]),
+                             c = surface.nodes.row(row[2]);
     up_to.push_back(area += 0.5 * (b - a).cross(c - a).norm());
   }
   std::vector<double> lengths;

@@ -24,11 +24,14 @@ double volume(const mesh::TetMesh& mesh) {
 }
 
 TEST(Fill, EveryShapeKeepsItsVolumeAtAnySize) {
-  const std::pair<const char*, mesh::TriangleMesh> bodies[] = {
-      {"box", test::box({0, 0, 0}, {0.1, 0.08, 0.06})}, {"cylinder", test::cylinder(0.03, 0.1, 48)},
-      {"tube", test::tube(0.025, 0.03, 0.1, 48)},       {"cup", test::cup(0.04, 0.09, 0.004, 48)},
-      {"bowl", test::bowl(0.05, 0.005, 48)},            {"sphere", test::sphere(0.05, 32)},
-      {"torus", test::torus(0.05, 0.012, 24)},          {"L", test::l_shape(0.2, 0.05, 0.02)}};
+  const std::pair<const char*, mesh::TriangleMesh> bodies[] = {{"box", test::box({0, 0, 0}, {0.1, 0.08, 0.06})},
+                                                               {"cylinder", test::cylinder(0.03, 0.1, 48)},
+                                                               {"tube", test::tube(0.025, 0.03, 0.1, 48)},
+                                                               {"cup", test::cup(0.04, 0.09, 0.004, 48)},
+                                                               {"bowl", test::bowl(0.05, 0.005, 48)},
+                                                               {"sphere", test::sphere(0.05, 32)},
+                                                               {"torus", test::torus(0.05, 0.012, 24)},
+                                                               {"L", test::l_shape(0.2, 0.05, 0.02)}};
   for (const auto& [name, body] : bodies) {
     const double exact = mesh::diagnose(body).volume_m3, wall = mesh::wall_thickness(body);
     for (const double size : {0.0, 0.02, 0.01}) {

@@ -1,5 +1,5 @@
-// Surfaces made by the tests, and ways to damage them. Shapes as CAD programs triangulate them: no more triangles than it
-// takes to follow them. All are sound and turned outward.
+// Surfaces made by the tests, and ways to damage them. Shapes as CAD programs triangulate them: no more triangles than
+// it takes to follow them. All are sound and turned outward.
 #pragma once
 
 #include "engine/mesh/triangle_mesh.h"
@@ -26,7 +26,8 @@ mesh::TriangleMesh torus(double radius, double section, int segments);
 // A polygon in the plane z = 0, counter-clockwise, as a prism; `fans` are its triangles.
 mesh::TriangleMesh l_shape(double length, double width, double height);
 
-mesh::TriangleMesh united(const mesh::TriangleMesh& a, const mesh::TriangleMesh& b);  // beside each other, nothing joined
+mesh::TriangleMesh united(const mesh::TriangleMesh& a,
+                          const mesh::TriangleMesh& b);  // beside each other, nothing joined
 mesh::TriangleMesh inside_out(mesh::TriangleMesh mesh);
 mesh::TriangleMesh moved(mesh::TriangleMesh mesh, const Vec& by);
 mesh::TriangleMesh subdivided(const mesh::TriangleMesh& mesh);  // each triangle in four
@@ -35,9 +36,9 @@ mesh::TriangleMesh subdivided(const mesh::TriangleMesh& mesh);  // each triangle
 mesh::TriangleMesh without(const mesh::TriangleMesh& mesh, const std::vector<int>& triangles);
 mesh::TriangleMesh with_flipped(mesh::TriangleMesh mesh, int every);
 mesh::TriangleMesh with_copies(const mesh::TriangleMesh& mesh, int every);
-mesh::TriangleMesh with_fin(const mesh::TriangleMesh& mesh, const Vec& tip);           // on the first edge
-mesh::TriangleMesh with_split_side(const mesh::TriangleMesh& mesh, int triangle);       // a triangle without area beside it
-mesh::TriangleMesh exploded(const mesh::TriangleMesh& mesh, double jitter);              // three points to each triangle
+mesh::TriangleMesh with_fin(const mesh::TriangleMesh& mesh, const Vec& tip);       // on the first edge
+mesh::TriangleMesh with_split_side(const mesh::TriangleMesh& mesh, int triangle);  // a triangle without area beside it
+mesh::TriangleMesh exploded(const mesh::TriangleMesh& mesh, double jitter);        // three points to each triangle
 mesh::TriangleMesh with_stray_points(const mesh::TriangleMesh& mesh, int count);
 
 }  // namespace ringdown::test

@@ -21,8 +21,12 @@ const test::Vec kOrigin(0, 0, 0), kSize(0.3, 0.2, 0.1);
 mesh::TriangleMesh block() { return test::box(kOrigin, kSize); }
 
 TEST(Diagnosis, FindsNothingInSoundBodies) {
-  const mesh::TriangleMesh bodies[] = {block(), test::cup(0.04, 0.09, 0.003, 24), test::bowl(0.05, 0.004, 24),
-                                       test::sphere(0.05, 24), test::torus(0.05, 0.01, 12), test::l_shape(0.2, 0.05, 0.02)};
+  const mesh::TriangleMesh bodies[] = {block(),
+                                       test::cup(0.04, 0.09, 0.003, 24),
+                                       test::bowl(0.05, 0.004, 24),
+                                       test::sphere(0.05, 24),
+                                       test::torus(0.05, 0.01, 12),
+                                       test::l_shape(0.2, 0.05, 0.02)};
   for (const auto& body : bodies) {
     const mesh::SurfaceReport report = mesh::diagnose(body);
     for (const auto& finding : report.findings) ADD_FAILURE() << mesh::describe(finding);

@@ -97,7 +97,8 @@ struct Writer {
     for (Eigen::Index t = 0; t < faces(); ++t) {
       for (int i = 0; i < 3; ++i) put(data, static_cast<std::uint32_t>(mesh.triangles(t, i)));
     }
-    const Eigen::RowVector3d low = mesh.nodes.colwise().minCoeff() / scale, high = mesh.nodes.colwise().maxCoeff() / scale;
+    const Eigen::RowVector3d low = mesh.nodes.colwise().minCoeff() / scale,
+                             high = mesh.nodes.colwise().maxCoeff() / scale;
     const auto count = [](auto n) { return std::to_string(n); };
     std::string json =
         R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"scale":)" +

@@ -30,7 +30,8 @@ TEST(SurfaceReader, EveryFormatGivesTheSameBody) {
     double farthest = 0;
     for (Eigen::Index t = 0; t < cup.triangles.rows(); ++t) {
       for (int i = 0; i < 3; ++i) {
-        farthest = std::max(farthest, (read->nodes.row(read->triangles(t, i)) - cup.nodes.row(cup.triangles(t, i))).norm());
+        farthest =
+            std::max(farthest, (read->nodes.row(read->triangles(t, i)) - cup.nodes.row(cup.triangles(t, i))).norm());
       }
     }
     EXPECT_LT(farthest, 1e-7) << ending;
@@ -87,7 +88,9 @@ TEST(SurfaceReader, RefusesWithOneSentence) {
   EXPECT_TRUE(says(refusal(folder.write("empty.ply", "")), "empty.ply"));
   EXPECT_TRUE(says(refusal(folder.write("noise.glb", "glTF nonsense")), "noise.glb"));
   auto box = test::box({0, 0, 0}, {1, 1, 1});
-  EXPECT_TRUE(says(refusal(folder.write("cut.glb", test::file_of(box, ".glb").substr(0, 900))), "cut.glb"));
+  std::string cut = test::file_of(box, ".glb");
+  cut.resize(cut.size() - 60);
+  EXPECT_TRUE(says(refusal(folder.write("cut.glb", cut)), "was cut off"));
   EXPECT_TRUE(says(refusal(folder.write("cut.stl", test::file_of(box, ".stl").substr(0, 300))), "cut.stl"));
   box.nodes(3, 1) = std::nan("");
   EXPECT_TRUE(says(refusal(folder.write("nan.stl", test::file_of(box, ".stl"))), "not a finite number"));

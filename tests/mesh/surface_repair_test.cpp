@@ -29,10 +29,13 @@ TEST(Repair, MakesSoundWhatCanBeMended) {
       {"duplicates", test::with_copies(ball(), 4), ball_m3, 1e-12},
       {"a fin", test::with_fin(block(), {0.1, 0.1, -0.2}), 0.006, 1e-12},
       {"a side split on one side only", test::with_split_side(block(), 3), 0.006, 1e-12},
-      {"all of it", test::with_copies(test::with_flipped(test::without(ball(), {100, 150, 200}), 9), 11), ball_m3, 0.01},
+      {"all of it", test::with_copies(test::with_flipped(test::without(ball(), {100, 150, 200}), 9), 11), ball_m3,
+       0.01},
       {"a cavity turned outward", test::united(block(), test::box({0.1, 0.1, 0.02}, {0.2, 0.15, 0.08})), 0.0057, 1e-9},
-      {"a loose scrap", test::united(block(), test::without(test::box({1, 0, 0}, {1.02, 0.02, 0.02}),
-                                                            {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10})), 0.006, 1e-12},
+      {"a loose scrap",
+       test::united(block(),
+                    test::without(test::box({1, 0, 0}, {1.02, 0.02, 0.02}), {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10})),
+       0.006, 1e-12},
   };
   for (const auto& [what, damaged, volume_m3, tolerance] : cases) {
     const mesh::PreparedSurface prepared = mesh::prepare(mesh::weld(damaged, 1e-7));

@@ -17,7 +17,8 @@ void print_body(const bake::BakedObject& object) {
     std::printf("  %d curved elements folded and were straightened; a smaller mesh size avoids that\n",
                 checked.straightened);
   }
-  if (!object.question.empty()) std::fprintf(stderr, "ringdown-bake: is this size meant? %s\n", object.question.c_str());
+  if (!object.question.empty())
+    std::fprintf(stderr, "ringdown-bake: is this size meant? %s\n", object.question.c_str());
 }
 
 }  // namespace ringdown::cli

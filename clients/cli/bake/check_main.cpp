@@ -1,5 +1,5 @@
-// ringdown-check: what is wrong with a mesh, what would be repaired, and how it would be meshed. `ringdown check ...` runs
-// this program.
+// ringdown-check: what is wrong with a mesh, what would be repaired, and how it would be meshed. `ringdown check ...`
+// runs this program.
 //
 // Exit codes (protocol/exit_codes.h): ok when the file can be baked, repaired or not; bad_input when it cannot; usage;
 // failure when the repaired surface cannot be written; cancelled.
@@ -39,13 +39,15 @@ ExitCode run(int argc, char** argv) {
   app.footer(protocol::exit_code_help());
   cli::CheckRequest request;
   std::optional<std::string> unit;
-  CLI::App* mesh = app.add_subcommand("mesh", "Faults of a surface, of tetrahedra or of a geometry, and what they lead to.");
+  CLI::App* mesh =
+      app.add_subcommand("mesh", "Faults of a surface, of tetrahedra or of a geometry, and what they lead to.");
   mesh->add_option("file", request.file, "a surface (.stl .obj .ply .glb), a geometry or a mesh")
       ->type_name("FILE")
       ->required();
   mesh->add_option("--unit", unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
   mesh->add_option("-m,--material", request.material, "the material that the mesh is chosen for (default steel)");
-  mesh->add_option("--materials", request.materials, "folder of materials (default: the presets')")->type_name("FOLDER");
+  mesh->add_option("--materials", request.materials, "folder of materials (default: the presets')")
+      ->type_name("FOLDER");
   mesh->add_option("-o,--output", request.output, "where to write the repaired surface (.ply), in metres")
       ->type_name("FILE");
   manual::add_manual_option(app, kSections);

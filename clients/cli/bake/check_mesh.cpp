@@ -40,7 +40,8 @@ void print_surface(const mesh::PreparedSurface& surface) {
     if (!surface.actions.empty()) std::printf("  left: %s\n", mesh::describe(finding).c_str());
   }
   if (!mesh::hopeless(surface, "").empty()) return;
-  std::printf("  meshed: %s\n", surface.left.sound() ? "filled by gmsh" : "stuffed, because it is not sound after repair");
+  std::printf("  meshed: %s\n",
+              surface.left.sound() ? "filled by gmsh" : "stuffed, because it is not sound after repair");
 }
 
 void print_choice(const bake::BodyShape& shape, const modal::Material& material) {
