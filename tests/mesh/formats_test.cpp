@@ -23,6 +23,7 @@ constexpr Format kFormats[] = {
     {"msh 2.2", "a22.msh", 2.2},         {"msh 2.2 binary", "b22.msh", 2.2, true}, {"msh 4.1", "a41.msh"},
     {"msh 4.1 binary", "b41.msh", 4.1, true}, {"Medit", "a.mesh"},                  {"VTK", "a.vtk"},
     {"VTK binary", "b.vtk", 4.1, true},  {"I-deas", "a.unv"},
+    {"Abaqus", "a.inp"},
 };
 
 void write(const std::filesystem::path& folder, int order) {
@@ -73,6 +74,48 @@ TEST(Formats, OfOneBodyBakeToTheSameFrequencies) {
       ASSERT_GT(notes.size(), 5u);
       for (std::size_t i = 0; i < notes.size(); ++i) EXPECT_NEAR(notes[i] / right[i], 1, 1e-6) << format.name;
     }
+  }
+}
+
+// The nodes' places of each element, sorted.
+std::vector<std::vector<double>> places_of(const mesh::TetMesh& mesh) {
+  std::vector<std::vector<double>> places;
+  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+    std::vector<double>& element = places.emplace_back();
+    for (const std::int32_t node : mesh.elements.row(e)) {
+      for (int k = 0; k < 3; ++k) element.push_back(mesh.nodes(node, k));
+    }
+  }
+  std::sort(places.begin(), places.end());
+  return places;
+}
+
+// Of a ball, nodes exchanged on edges show.
+TEST(Formats, AnAbaqusDeckOfABallIsTheMeshOfItsMsh) {
+  for (const int order : {1, 2}) {
+    const test::TemporaryFolder folder;
+    {
+      const mesh::GmshSession session;
+      gmsh::model::add("ball");
+      gmsh::model::occ::addSphere(0.01, 0.02, 0.03, 0.05);
+      gmsh::model::occ::synchronize();
+      gmsh::option::setNumber("Mesh.MeshSizeMax", 0.04);
+      gmsh::model::mesh::generate(3);
+      gmsh::model::mesh::setOrder(order);
+      gmsh::write((folder.path() / "ball.msh").string());
+      gmsh::write((folder.path() / "ball.inp").string());
+    }
+    const auto msh = mesh::BodyReader(folder.path() / "ball.msh").read({.parameters = {}});
+    const auto inp = mesh::BodyReader(folder.path() / "ball.inp").read({.parameters = {}});
+    ASSERT_TRUE(msh) << msh.error().message;
+    ASSERT_TRUE(inp) << inp.error().message;
+    EXPECT_EQ(inp->mesh.mesh.order(), order);
+    EXPECT_EQ(inp->mesh.straightened, 0);
+    EXPECT_EQ(places_of(inp->mesh.mesh), places_of(msh->mesh.mesh));
+    const std::vector<double> notes = notes_of(inp->mesh), right = notes_of(msh->mesh);
+    ASSERT_EQ(notes.size(), right.size());
+    ASSERT_GT(notes.size(), 5u);
+    for (std::size_t i = 0; i < notes.size(); ++i) EXPECT_NEAR(notes[i] / right[i], 1, 1e-9) << i;
   }
 }
 
