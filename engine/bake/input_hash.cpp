@@ -84,23 +84,6 @@ std::optional<Files> named_by_geo(std::string_view text) {
   return files;
 }
 
-// Of lines such as *INCLUDE, INPUT=nodes.inp
-std::optional<Files> named_by_inp(std::string_view text) {
-  Files files;
-  for (std::size_t start = 0; start < text.size();) {
-    const std::size_t end = std::min(text.find('\n', start), text.size());
-    const std::string_view line = text.substr(start, end - start);
-    start = end + 1;
-    if (!line.starts_with('*') || !lower(line.substr(0, 200)).starts_with("*include")) continue;
-    const std::size_t equals = line.find('=');
-    if (equals == std::string_view::npos) return std::nullopt;
-    std::string name(line.substr(equals + 1));
-    std::erase_if(name, [](char c) { return c == '"' || c == '\r' || c == ' '; });
-    files.emplace_back(name);
-  }
-  return files;
-}
-
 // The values of every "uri" that are not data themselves.
 std::optional<Files> named_by_gltf(std::string_view text) {
   Files files;
@@ -126,12 +109,11 @@ std::optional<Files> named_by(const fs::path& path) {
     }
     return files;
   }
-  const bool has_text = is_one_of(kind, {".geo", ".geo_unrolled", ".inp", ".bdf", ".nas", ".gltf"});
+  const bool has_text = is_one_of(kind, {".geo", ".geo_unrolled", ".bdf", ".nas", ".gltf"});
   if (!has_text) return Files{};
   const Result<std::string> text = read_whole_file(path, kLargestFile);
   if (!text) return std::nullopt;
   if (kind.starts_with(".geo")) return named_by_geo(*text);
-  if (kind == ".inp") return named_by_inp(*text);
   if (kind == ".gltf") return named_by_gltf(*text);
   return lower(*text).find("include") == std::string::npos ? std::optional(Files{}) : std::nullopt;
 }

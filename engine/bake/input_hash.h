@@ -28,7 +28,7 @@ std::optional<std::string> input_hash(const BankInputs& inputs);
 
 inline constexpr std::size_t kMostGeometryFiles = 1000;  // that one geometry is followed to
 
-// A geometry and all it reads: what a .geo includes or merges, an .inp includes, a .gltf refers to, and TetGen's files
+// A geometry and all it reads: what a .geo includes or merges, a .gltf refers to, and TetGen's files
 // of the same name. Nothing where they cannot be known or are more than kMostGeometryFiles.
 std::optional<std::vector<std::filesystem::path>> files_of_geometry(const std::filesystem::path& geometry);
 

@@ -2,7 +2,7 @@
 // time: gmsh keeps its state in globals, so calls wait for each other]
 //
 // Two kinds of files:
-//   a mesh      .msh .vtk .inp .unv .mesh .bdf ... with tetrahedra of 4, 10, 20 or 35 nodes; read as it is.
+//   a mesh      .msh .vtk .unv .mesh .bdf ... with tetrahedra of 4, 10, 20 or 35 nodes; read as it is.
 //   a geometry  .geo (parametric), .step, .brep: meshed here, elements curved where the geometry is.
 // A .geo file takes numbers from outside through DefineConstant:
 //   DefineConstant[ length = 350, mesh_size = 10 ];   // defaults, in the file's unit

@@ -33,7 +33,7 @@ bool looks_elsewhere(std::string text) {
 // Read as text by gmsh's parser, or as a keyword format with includes; other formats stand alone.
 bool is_program(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
-  return extension.starts_with(".geo") || extension == ".inp" || extension == ".bdf" || extension == ".nas";
+  return extension.starts_with(".geo") || extension == ".bdf" || extension == ".nas";
 }
 
 // The body is in several files.

@@ -1,5 +1,7 @@
 #include "engine/mesh/tet_file.h"
 
+#include "engine/mesh/inp_file.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -233,7 +235,7 @@ std::int64_t nodes_by_length(std::span<const std::byte> file, std::size_t header
 
 bool is_tet_file(const std::filesystem::path& path) {
   const std::string ending = lower(path.extension().string());
-  return ending == ".node" || ending == ".ele" || ending == ".veg" || ending == ".tet";
+  return ending == ".node" || ending == ".ele" || ending == ".veg" || ending == ".inp" || ending == ".tet";
 }
 
 Result<TetMesh> read_tetgen(std::string_view node_text, std::string_view ele_text, const std::string& name) {
@@ -334,6 +336,7 @@ Result<TetMesh> read_tet_file(const std::filesystem::path& path) {
   const auto file = contents(path);
   if (!file) return fail(file.error());
   if (ending == ".veg") return read_vega(*file, path.string());
+  if (ending == ".inp") return read_inp(*file, path.string());
   return read_isostuffer(std::as_bytes(std::span(*file)), path.string());
 }
 

@@ -4,6 +4,7 @@
 //            attributes, boundary markers and comments (#) are passed over. Nodes 5 to 10 may come in any order.
 //   Vega     x.veg with *VERTICES and *ELEMENTS of type TET, numbered from 0 or 1; *MATERIAL and the like are passed
 //            over. *INCLUDE is refused: name the file that holds the mesh.
+//   Abaqus   x.inp, also CalculiX's (inp_file.h).
 //   IsoStuffer's binary .tet (Zheng & James's ModalSound): little-endian
 //            int32 nodes held fixed (0 from IsoStuffer), int32 free nodes, 3 doubles for each node, the fixed ones
 //            first, int32 elements, 4 int32 for each element, nodes numbered from 0.
@@ -27,7 +28,7 @@
 
 namespace ringdown::mesh {
 
-// True for .node, .ele, .veg and .tet, in any case.
+// True for .node, .ele, .veg, .inp and .tet, in any case.
 bool is_tet_file(const std::filesystem::path& path);
 
 Result<TetMesh> read_tet_file(const std::filesystem::path& path);

@@ -1,3 +1,4 @@
+#include "engine/mesh/inp_file.h"
 #include "engine/mesh/tet_file.h"
 #include "tests/fuzz/targets.h"
 
@@ -17,6 +18,8 @@ void mesh(Bytes file) {
     read = ringdown::mesh::read_tetgen(text.substr(0, end), text.substr(std::min(end + 1, text.size())), "x");
   } else if (kind == 'v') {
     read = ringdown::mesh::read_vega(text, "x.veg");
+  } else if (kind == 'a') {
+    read = ringdown::mesh::read_inp(text, "x.inp");
   } else {
     read = ringdown::mesh::read_isostuffer(rest, "x.tet");
   }

@@ -17,7 +17,7 @@ void slip(Bytes stream);   // OSC over TCP
 void score(Bytes file);    // OSC scores
 void bank(Bytes file);     // .glb, and ringing what was read
 void text(Bytes file);     // the first byte chooses: scene, material, object, notes, state, settings
-void mesh(Bytes file);     // the first byte chooses: TetGen, Vega, IsoStuffer
+void mesh(Bytes file);     // the first byte chooses: TetGen, Vega, Abaqus, IsoStuffer
 
 void expect(bool holds, const char* what);
 

@@ -20,14 +20,10 @@ struct Format {
 };
 
 constexpr Format kFormats[] = {
-    {"msh 2.2", "a22.msh", 2.2},
-    {"msh 2.2 binary", "b22.msh", 2.2, true},
-    {"msh 4.1", "a41.msh"},
-    {"msh 4.1 binary", "b41.msh", 4.1, true},
-    {"Medit", "a.mesh"},
-    {"VTK", "a.vtk"},
-    {"VTK binary", "b.vtk", 4.1, true},
-    {"I-deas", "a.unv"},
+    {"msh 2.2", "a22.msh", 2.2},         {"msh 2.2 binary", "b22.msh", 2.2, true}, {"msh 4.1", "a41.msh"},
+    {"msh 4.1 binary", "b41.msh", 4.1, true}, {"Medit", "a.mesh"},                  {"VTK", "a.vtk"},
+    {"VTK binary", "b.vtk", 4.1, true},  {"I-deas", "a.unv"},
+    {"Abaqus", "a.inp"},
 };
 
 void write(const std::filesystem::path& folder, int order) {
@@ -81,6 +77,48 @@ TEST(Formats, OfOneBodyBakeToTheSameFrequencies) {
   }
 }
 
+// The nodes' places of each element, sorted.
+std::vector<std::vector<double>> places_of(const mesh::TetMesh& mesh) {
+  std::vector<std::vector<double>> places;
+  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+    std::vector<double>& element = places.emplace_back();
+    for (const std::int32_t node : mesh.elements.row(e)) {
+      for (int k = 0; k < 3; ++k) element.push_back(mesh.nodes(node, k));
+    }
+  }
+  std::sort(places.begin(), places.end());
+  return places;
+}
+
+// Of a ball, nodes exchanged on edges show.
+TEST(Formats, AnAbaqusDeckOfABallIsTheMeshOfItsMsh) {
+  for (const int order : {1, 2}) {
+    const test::TemporaryFolder folder;
+    {
+      const mesh::GmshSession session;
+      gmsh::model::add("ball");
+      gmsh::model::occ::addSphere(0.01, 0.02, 0.03, 0.05);
+      gmsh::model::occ::synchronize();
+      gmsh::option::setNumber("Mesh.MeshSizeMax", 0.04);
+      gmsh::model::mesh::generate(3);
+      gmsh::model::mesh::setOrder(order);
+      gmsh::write((folder.path() / "ball.msh").string());
+      gmsh::write((folder.path() / "ball.inp").string());
+    }
+    const auto msh = mesh::BodyReader(folder.path() / "ball.msh").read({.parameters = {}});
+    const auto inp = mesh::BodyReader(folder.path() / "ball.inp").read({.parameters = {}});
+    ASSERT_TRUE(msh) << msh.error().message;
+    ASSERT_TRUE(inp) << inp.error().message;
+    EXPECT_EQ(inp->mesh.mesh.order(), order);
+    EXPECT_EQ(inp->mesh.straightened, 0);
+    EXPECT_EQ(places_of(inp->mesh.mesh), places_of(msh->mesh.mesh));
+    const std::vector<double> notes = notes_of(inp->mesh), right = notes_of(msh->mesh);
+    ASSERT_EQ(notes.size(), right.size());
+    ASSERT_GT(notes.size(), 5u);
+    for (std::size_t i = 0; i < notes.size(); ++i) EXPECT_NEAR(notes[i] / right[i], 1, 1e-9) << i;
+  }
+}
+
 TEST(Formats, AUniversalFileSaysItsUnit) {
   const test::TemporaryFolder folder;
   EXPECT_DOUBLE_EQ(mesh::unit_in_file(folder.write("mm.unv", R"(    -1
@@ -89,8 +127,7 @@ TEST(Formats, AUniversalFileSaysItsUnit) {
   1.0000000000000000D+03  1.0000000000000000D+03  1.0000000000000000D+00
   2.7314999999999998D+02
     -1
-)")),
-                   0.001);
+)")), 0.001);
   EXPECT_EQ(mesh::unit_in_file(folder.write("silent.unv", "    -1\n  2411\n    -1\n")), 1);
   EXPECT_EQ(mesh::unit_in_file("part.step"), 0.001);
   EXPECT_EQ(mesh::unit_in_file("part.stl"), 1);
