@@ -166,7 +166,9 @@ TEST_P(AnyBody, BakesToTheFrequenciesOfTheSoundBody) {
   for (const std::string& note : baked->notes) notes += note + "\n";
   EXPECT_EQ(baked->question, "");
   EXPECT_EQ(baked->making, brought.making) << notes;
-  if (brought.note) EXPECT_NE(notes.find(brought.note), std::string::npos) << notes;
+  if (brought.note) {
+    EXPECT_NE(notes.find(brought.note), std::string::npos) << notes;
+  }
   EXPECT_EQ(baked->baked.bank.provenance.body, mesh::text_of(brought.making));
   const Notes found = notes_of(*baked), &right = sound_notes(brought.shape);
   ASSERT_EQ(found.size(), kNotes);
