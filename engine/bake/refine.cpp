@@ -143,9 +143,8 @@ class Baker {
   Result<void> mesh() {
     if (!go_on("mesh", 0)) return fail(std::string(kCancelled));
     const auto start = std::chrono::steady_clock::now();
-    Result<mesh::Body> body = reader_.read(recipe_.meshing, [this](std::string_view stage, double fraction) {
-      return go_on(stage, fraction);
-    });
+    Result<mesh::Body> body = reader_.read(
+        recipe_.meshing, [this](std::string_view stage, double fraction) { return go_on(stage, fraction); });
     if (!body) return fail(body.error());
     object_.mesh = std::move(body->mesh);
     const mesh::TetMesh sized{object_.mesh.mesh.nodes * recipe_.scale, object_.mesh.mesh.elements};

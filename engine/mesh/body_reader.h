@@ -5,7 +5,8 @@
 //
 // By the file's ending:
 //   .node .ele .veg .inp .tet            tetrahedra, read as they are (tet_file.h)
-//   .obj .stl .ply .off .gltf .glb       a surface (surface_reader.h): diagnosed and mended (surface_repair.h), then filled
+//   .obj .stl .ply .off .gltf .glb       a surface (surface_reader.h): diagnosed and mended (surface_repair.h), then
+//   filled
 //                                        by gmsh (fill.h) where it is sound, else stuffed (stuffing.h)
 //   everything else                      gmsh's: a mesh read as it is, or a geometry meshed (gmsh_reader.h)
 #pragma once
@@ -47,15 +48,17 @@ class BodyReader {
   [[nodiscard]] bool meshes() const;
   [[nodiscard]] bool is_surface() const;
 
-  // The file's surface, mended; in metres, by options.unit_m. It is kept for the next call. Fails when the file is none.
+  // The file's surface, mended; in metres, by options.unit_m. It is kept for the next call. Fails when the file is
+  // none.
   Result<const PreparedSurface*> surface(const GmshOptions& options);
 
   // The skin of the body, coarsely; enough to measure it by. Of a mesh of tetrahedra, too.
   Result<TriangleMesh> sketch(const GmshOptions& options);
 
-  // The body. From the cache when it was made before from a file of the same content with the same options (mesh_cache.h).
-  // Options that are for geometries are for surfaces, too, but for edge_size_m. With mesh_size_m = 0 a surface's own
-  // triangles are filled. Fails with one sentence: what gmsh, assimp or check_mesh say, or that it encloses nothing.
+  // The body. From the cache when it was made before from a file of the same content with the same options
+  // (mesh_cache.h). Options that are for geometries are for surfaces, too, but for edge_size_m. With mesh_size_m = 0 a
+  // surface's own triangles are filled. Fails with one sentence: what gmsh, assimp or check_mesh say, or that it
+  // encloses nothing.
   Result<Body> read(const GmshOptions& options, const Progress& progress = {});
 
  private:
@@ -68,6 +71,5 @@ class BodyReader {
   std::optional<PreparedSurface> surface_;
   double surface_unit_m_ = 0;
 };
-
 
 }  // namespace ringdown::mesh

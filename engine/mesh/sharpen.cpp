@@ -132,8 +132,7 @@ class Sharpener {
       outward[f] = u.cross(v).normalized();
     }
     constexpr double kDegree = std::numbers::pi / 180;
-    static const double narrow = std::cos(kLeastDihedral * kDegree),
-                        wide = std::cos(kMostDihedral * kDegree);
+    static const double narrow = std::cos(kLeastDihedral * kDegree), wide = std::cos(kMostDihedral * kDegree);
     for (int f = 0; f < 4; ++f) {
       for (int g = 0; g < f; ++g) {
         const double cosine = -outward[f].dot(outward[g]);

@@ -338,7 +338,8 @@ TEST(Presets, TheRodAndTheSlatRingAsSlenderBeams) {
   EXPECT_NEAR(lowest("glass-slat") / slat, 1, 1e-2);
 }
 
-// A clamped tine has its modes at 1 : 6.27; the yoke gives way a little (Rossing, Russell & Brown, Am. J. Phys. 60, 1992).
+// A clamped tine has its modes at 1 : 6.27; the yoke gives way a little (Rossing, Russell & Brown, Am. J. Phys. 60,
+// 1992).
 TEST(Presets, TheTuningForkSoundsItsNoteAndItsClang) {
   const auto bank = modal::read_bank(kPresets / "banks/tuning-fork.glb").value();
   EXPECT_NEAR(1200 * std::log2(lowest("tuning-fork") / 440), 0, 3);

@@ -20,9 +20,14 @@ struct Format {
 };
 
 constexpr Format kFormats[] = {
-    {"msh 2.2", "a22.msh", 2.2},         {"msh 2.2 binary", "b22.msh", 2.2, true}, {"msh 4.1", "a41.msh"},
-    {"msh 4.1 binary", "b41.msh", 4.1, true}, {"Medit", "a.mesh"},                  {"VTK", "a.vtk"},
-    {"VTK binary", "b.vtk", 4.1, true},  {"I-deas", "a.unv"},
+    {"msh 2.2", "a22.msh", 2.2},
+    {"msh 2.2 binary", "b22.msh", 2.2, true},
+    {"msh 4.1", "a41.msh"},
+    {"msh 4.1 binary", "b41.msh", 4.1, true},
+    {"Medit", "a.mesh"},
+    {"VTK", "a.vtk"},
+    {"VTK binary", "b.vtk", 4.1, true},
+    {"I-deas", "a.unv"},
     {"Abaqus", "a.inp"},
 };
 
@@ -120,7 +125,8 @@ TEST(Formats, AUniversalFileSaysItsUnit) {
   1.0000000000000000D+03  1.0000000000000000D+03  1.0000000000000000D+00
   2.7314999999999998D+02
     -1
-)")), 0.001);
+)")),
+                   0.001);
   EXPECT_EQ(mesh::unit_in_file(folder.write("silent.unv", "    -1\n  2411\n    -1\n")), 1);
   EXPECT_EQ(mesh::unit_in_file("part.step"), 0.001);
   EXPECT_EQ(mesh::unit_in_file("part.stl"), 1);
