@@ -6,8 +6,7 @@
 // By the file's ending:
 //   .node .ele .veg .inp .tet            tetrahedra, read as they are (tet_file.h)
 //   .obj .stl .ply .off .gltf .glb       a surface (surface_reader.h): diagnosed and mended (surface_repair.h), then
-//   filled
-//                                        by gmsh (fill.h) where it is sound, else stuffed (stuffing.h)
+//                                        filled by gmsh (fill.h) where it is sound, else stuffed (stuffing.h)
 //   everything else                      gmsh's: a mesh read as it is, or a geometry meshed (gmsh_reader.h)
 #pragma once
 

@@ -106,7 +106,7 @@ TEST(FolderBake, OneThatFindsNoMemoryIsOneFailure) {
   boxes.box("a", 100);
   boxes.write("objects/large.toml",
               "material = \"stuff\"\nunit_m = 0.001\nmesh_size_m = 0.003\ngeometry = \"box.geo\"\n");
-  std::string command = "ulimit -v 600000; exec";  // kB
+  std::string command = "ulimit -v 1200000; exec";  // kB
   for (const std::string& word : boxes.command({"--jobs", "1"})) command += " '" + word + "'";
   const Outcome ran = run({"bash", "-c", command}, {}, 4min);
   EXPECT_EQ(ran.exit_code, 3);
