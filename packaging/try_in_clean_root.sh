@@ -47,6 +47,8 @@ done
 install_package ringdown-bake
 inside ringdown bake /usr/share/ringdown/presets/objects/steel-plate.toml --preview -o /root/plate.glb
 inside ringdown info /root/plate.glb >/dev/null
-inside apt-get purge -y -qq ringdown ringdown-bake >/dev/null 2>&1
+install_package ringdown-viewer
+inside ringdown-viewer --keys >/dev/null
+inside apt-get purge -y -qq ringdown ringdown-bake ringdown-viewer >/dev/null 2>&1
 [ ! -e "$root/usr/share/ringdown" ] || { echo "purging leaves /usr/share/ringdown behind"; exit 1; }
 echo "installed, ran and removed in a clean Debian 12"

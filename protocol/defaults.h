@@ -18,9 +18,16 @@ inline constexpr double kDefaultContactTimeS = 0.0002;
 // Grows when an address changes its meaning; new addresses and new optional arguments do not count.
 inline constexpr std::int32_t kProtocolVersion = 1;
 
-// Audio inputs that may excite objects.
+// Amplitude, of full scale, at which /object/{object}/ring and /test_tone sound when they name none: -20 dB.
+inline constexpr double kDefaultRingAmplitude = 0.1;
+
+// What one message carries: bytes of a bank file, frames of sound, amplitudes of modes.
+inline constexpr std::uint32_t kMostBankBytes = 8192, kMostSoundFrames = 256, kMostModeAmplitudes = 512;
+
 // Touches of an object; those from kFirstSceneTouch on are an embedded scene's.
 inline constexpr std::uint32_t kMostTouches = 16, kFirstSceneTouch = 8;
+
+// Audio inputs that may excite objects.
 inline constexpr std::uint32_t kMostInputs = 4;
 
 }  // namespace ringdown::protocol

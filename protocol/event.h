@@ -21,6 +21,7 @@ enum class EventType : std::uint8_t {
   pan,            // value: -1 left ... +1 right, equal power
   clear,          // fades what rings to silence within `ramp_s`, or a few milliseconds if that is longer
   contact,        // point_m, contact: something slides or rolls on the object, or has stopped to
+  ring,           // vertex, count, value: sets so many modes going, from mode `vertex` up, each at that amplitude
   click,          // impulse_ns, contact_time_s: sets the object in motion as a whole, which is heard too
 };
 
@@ -47,6 +48,7 @@ struct Event {
   ObjectNumber object = 0;
   EventType type = EventType::strike;
   std::uint32_t vertex = 0;
+  std::uint32_t count = 0;
   Vec3 point_m;               // object frame
   Vec3 impulse_ns;            // object frame [N s]
   double contact_time_s = 0;  // duration of the half-sine force pulse; 0 is an ideal impulse
@@ -59,5 +61,8 @@ static_assert(std::is_trivially_copyable_v<Event>);
 constexpr bool is_strike(const Event& event) {
   return event.type == EventType::strike || event.type == EventType::strike_vertex;
 }
+
+// What it adds to the states of modes is all that it does.
+constexpr bool excites(const Event& event) { return is_strike(event) || event.type == EventType::ring; }
 
 }  // namespace ringdown::protocol

@@ -4,6 +4,8 @@
 #pragma once
 
 #include "engine/base/vec3.h"
+#include "engine/modal/material_scale.h"
+#include "protocol/message.h"
 
 #include <cstdint>
 #include <optional>
@@ -39,6 +41,7 @@ struct StatusReply {  // /status.reply
   std::int32_t hidden_modes = 0;
   std::int32_t shed = 0;
   double slowed_s = 0;
+  bool recording = false;
 };
 struct VersionReply {  // /version.reply
   std::string program;
@@ -47,6 +50,59 @@ struct VersionReply {  // /version.reply
 };
 struct Synced {  // /synced
   std::int32_t id = 0;
+};
+
+struct ObjectReply {  // /object.reply
+  std::int32_t number = 0;
+  std::string name;
+  std::int32_t version = 0;     // of its bank: grows when it gets a new one
+  std::int32_t bank_bytes = 0;  // the size of the bank's file
+  std::string bank;             // its path
+  std::int32_t modes = 0;       // of the bank
+  std::int32_t first_mode = 0, selected_modes = 0;
+  modal::MaterialScale scale;
+  double gain = 1, pan = 0;
+  std::optional<std::string> group;
+};
+struct BankReply {  // /bank.reply
+  std::string name;
+  std::int32_t version = 0;  // as in ObjectReply
+  std::int32_t offset = 0;
+  std::int32_t total = 0;  // bytes of the file
+  Blob bytes;
+};
+struct SceneReply {  // /scene.reply
+  std::int32_t version = 0;
+  std::int32_t bodies = 0, statics = 0;  // so many /scene.body and /scene.static follow
+  double duration_s = 0;
+  Vec3 camera_m, target_m;
+  double field_of_view_degrees = 0;  // vertical; 0: the scene names no camera
+  std::optional<std::string> file;   // absent: there is no scene
+};
+struct SceneBody {  // /scene.body
+  std::int32_t version = 0;
+  std::int32_t id = 0;
+  std::string name, object;  // "-": silent
+  std::string shape;         // "box", "sphere", "convex", "trimesh"
+  Vec3 size_m;               // of the shape's bounding box
+  bool fixed = false;
+};
+struct SceneStatic {  // /scene.static
+  std::int32_t version = 0;
+  std::int32_t number = 0;
+  std::string name;
+  std::string shape;                  // "plane", "box"
+  Vec3 size_m;                        // edges of a box; 0 0 0 for a plane
+  Vec3 position_m;                    // the box's centre; a plane's point nearest to the origin
+  double x = 0, y = 0, z = 0, w = 1;  // a plane's normal is the turned z axis
+};
+struct BrowseReply {       // /browse.reply
+  std::int32_t files = 0;  // so many /browse.file follow
+};
+struct BrowseFile {  // /browse.file
+  std::int32_t number = 0;
+  std::string kind;  // "scene", "bank"
+  std::string path;  // as /scene/load and /load take it
 };
 
 // To subscribers, in bundles.
@@ -83,7 +139,26 @@ struct NotifyBody {  // /notify.body
   double x = 0, y = 0, z = 0, w = 1;  // unit quaternion: object frame -> scene frame
 };
 
-using Reply = std::variant<Done, Fail, StatusReply, VersionReply, Synced, NotifyObject, NotifyGroup, NotifyContact,
-                           NotifyPeak, NotifyObjectPeak, NotifyLoad, NotifyBody>;
+struct NotifyScene {         // /notify.scene
+  std::int32_t version = 0;  // grows when the scene, or a body's shape or object, changes
+  double time_s = 0;         // at which its bodies are told
+  bool paused = false;
+};
+struct NotifySound {       // /notify.sound
+  std::int32_t frame = 0;  // of the first one told, modulo kFrameModulus
+  double sample_rate_hz = 0;
+  Blob samples;  // float32, left right left right ... (floats.h)
+};
+struct NotifyModes {  // /notify.modes
+  std::string object;
+  std::int32_t first = 0;  // the lowest of them; modes count by ascending frequency
+  Blob amplitudes;         // float32
+};
+
+inline constexpr std::int32_t kFrameModulus = 1 << 30;
+
+using Reply = std::variant<Done, Fail, StatusReply, VersionReply, Synced, ObjectReply, BankReply, SceneReply, SceneBody,
+                           SceneStatic, BrowseReply, BrowseFile, NotifyObject, NotifyGroup, NotifyContact, NotifyPeak,
+                           NotifyObjectPeak, NotifyLoad, NotifyBody, NotifyScene, NotifySound, NotifyModes>;
 
 }  // namespace ringdown::protocol

@@ -14,6 +14,8 @@ Request request_for(const Event& event, const ObjectRef& object) {
       return SetPan{object, event.value};
     case EventType::contact:
       return KeepContact{object, event.point_m, event.contact};
+    case EventType::ring:
+      return RingModes{object, event.vertex, event.count, event.value};
     case EventType::click:
       return Click{object, event.impulse_ns, event.contact_time_s};
     case EventType::clear:

@@ -7,6 +7,7 @@
 #include "engine/base/vec3.h"
 #include "engine/modal/contact_damping.h"
 #include "engine/modal/material_scale.h"
+#include "engine/modal/mode_range.h"
 #include "protocol/defaults.h"
 #include "protocol/event.h"
 #include "protocol/message.h"
@@ -67,6 +68,32 @@ struct ClearObject {  // /object/{object}/clear
   ObjectRef object;
   double ramp_s = 0;
 };
+// Sets modes of the object going, each at the same amplitude. Modes count from the lowest frequency, from 0.
+struct RingModes {  // /object/{object}/ring
+  ObjectRef object;
+  std::uint32_t first = 0;
+  std::uint32_t count = 1;
+  double amplitude = kDefaultRingAmplitude;
+};
+// Which of its modes the object has from now on.
+struct SelectModes {  // /object/{object}/modes
+  ObjectRef object;
+  modal::ModeRange range;
+};
+// Whether the subscriber is told the amplitudes of the object's modes.
+struct WatchObject {  // /object/{object}/watch
+  ObjectRef object;
+  bool on = true;
+};
+struct DescribeObject {  // /object/{object}/describe
+  ObjectRef object;
+};
+// A piece of the object's bank file.
+struct ReadBank {  // /object/{object}/bank
+  ObjectRef object;
+  std::uint32_t offset = 0;
+  std::uint32_t bytes = kMostBankBytes;
+};
 // An audio input that excites the object: a sample of 1 is this force.
 struct Excite {  // /object/{object}/excite
   ObjectRef object;
@@ -109,10 +136,26 @@ struct SpawnSphere {  // /scene/spawn/sphere
   double density_kg_m3 = 0;  // 0: mass and inertia from the object's bank
 };
 struct SceneClear {};  // /scene/clear
+// An impulse in the scene's axes at the body's centre of mass.
+struct ScenePush {  // /scene/push
+  std::int32_t body = 0;
+  Vec3 impulse_ns;
+};
+struct SceneDescribe {};  // /scene/describe
 
 struct Notify {  // /notify
   bool on = true;
   double rate_hz = 20;
+};
+// Whether the subscriber is told what the mix sounds like.
+struct WatchSound {  // /watch/sound
+  bool on = true;
+};
+struct Browse {};  // /browse
+// A sine in the mix.
+struct TestTone {                            // /test_tone
+  double amplitude = kDefaultRingAmplitude;  // 0: none
+  double frequency_hz = 440;
 };
 struct SaveState {  // /state/save
   std::string path;
@@ -136,9 +179,10 @@ struct Sync {       // /sync
 struct Quit {};  // /quit
 
 using Request =
-    std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, Hold, SetGroup, Excite, ClearObject,
-                 KeepContact, Click, FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere,
-                 SceneClear, Notify, SaveState, RecordStart, RecordStop, Status, Version, Sync, Quit>;
+    std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, Hold, SetGroup, RingModes, SelectModes,
+                 WatchObject, DescribeObject, ReadBank, Excite, ClearObject, KeepContact, Click, FreeObject, LoadObject,
+                 ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush, SceneDescribe, Notify,
+                 WatchSound, Browse, TestTone, SaveState, RecordStart, RecordStop, Status, Version, Sync, Quit>;
 
 // The request that would make this event of `object`.
 Request request_for(const Event& event, const ObjectRef& object);

@@ -1,45 +1,10 @@
-// The table. A new address is a struct in request.h, a row here, and its cases in
+// The table of what can be asked. A new address is a struct in request.h, a row here, and its cases in
 // tests/protocol/schema_test.cpp.
-#include "protocol/binding.h"
 #include "protocol/bulk.h"
-
-#include <limits>
+#include "protocol/quantities.h"
 
 namespace ringdown::protocol {
 namespace {
-
-constexpr Quantity kPosition{"m", -1e4, 1e4};
-constexpr Quantity kVelocity{"m/s", -1e3, 1e3};
-constexpr Quantity kSize{"m", 0, 1e3};
-constexpr Quantity kDensity{"kg/m3", 0, 1e5};
-constexpr Quantity kImpulse{"N s", -1e4, 1e4};
-constexpr Quantity kForce{"N", -1e6, 1e6};
-constexpr Quantity kTouch{"N s/m", 0, 1e6};
-constexpr Quantity kDirection{"", -1e3, 1e3};
-constexpr Quantity kSpeed{"m/s", 0, 1e3};
-constexpr Quantity kRoughness{"m", 0, 0.1};
-constexpr Quantity kCorrelation{"m", 1e-7, 10};
-constexpr Quantity kSpectralSlope{"", -10, 0};
-constexpr Quantity kTouchNumber{"", 0, kMostTouches - 1};
-constexpr Quantity kInput{"", 1, kMostInputs};
-constexpr Quantity kContactTime{"s", 0, 0.1};
-constexpr Quantity kGain{"", 0, 100};
-constexpr Quantity kLost{"s", 0, 1e9};
-constexpr Quantity kRamp{"s", 0, 60};
-constexpr Quantity kPan{"", -1, 1};
-constexpr Quantity kScale{"", 1e-3, 1e3};
-constexpr Quantity kDampingScale{"", 0, 1e3};
-constexpr Quantity kSizeScale{"", 1e-2, 1e2};
-constexpr Quantity kIndex{"", 0, kLargestNumber};
-constexpr Quantity kCount{"", 0, std::numeric_limits<std::int32_t>::max()};
-constexpr Quantity kId{"", std::numeric_limits<std::int32_t>::min(), kCount.most};
-constexpr Quantity kLoad{"", 0, 1e6};
-constexpr Quantity kRate{"Hz", 0, 1e7};
-constexpr Quantity kNoticeRate{"Hz", 0.1, 200};
-constexpr Quantity kUnit{"", -1.001, 1.001};  // rounding to float may pass 1
-constexpr Quantity kAnyPosition{"m", -1e30, 1e30};
-constexpr Quantity kAnyImpulse{"N s", -1e30, 1e30};
-constexpr Quantity kPeak{"", 0, 1e30};
 
 template <auto... path>
 auto object() {
@@ -161,6 +126,39 @@ std::vector<Row<Request>> make_request_rows() {
                "Puts the object into a group. With --ports groups, each group is heard at an output port of its own.",
                {object<&SetGroup::object>(),
                 optional(other<ValueType::name, &SetGroup::group>("group", "The group's name; left out: in none."))}),
+      silent("/object/{object}/ring", RingModes{kBell, 0, 1, 0.1},
+             "Sets modes going without a strike, to hear them by themselves: adds to each a sine that begins at 0, of "
+             "this "
+             "amplitude at the object's gain of 1 and before its pan.",
+             {object<&RingModes::object>(),
+              integer<&RingModes::first>("first", kIndex, "The lowest of them: 0 has the lowest frequency."),
+              optional(integer<&RingModes::count>("count", kCount, "How many, upwards; the object may have fewer.")),
+              optional(number<&RingModes::amplitude>(
+                  "amplitude", kAmplitude,
+                  "Of each; 1 is full scale. In the centre each side of the mix has 0.71 of it."))}),
+      answered(
+          "/object/{object}/modes", SelectModes{kBell, {0, 20}},
+          "Leaves the object only these of its modes, until it is told another choice; what the others ring ends. 0 "
+          "alone gives it all.",
+          {object<&SelectModes::object>(),
+           integer<&SelectModes::range, &modal::ModeRange::first>("first", kIndex,
+                                                                  "The lowest of them: 0 has the lowest frequency."),
+           optional(integer<&SelectModes::range, &modal::ModeRange::count>(
+               "count", kCount, "How many, upwards; the object may have fewer."))}),
+      answered(
+          "/object/{object}/watch", WatchObject{kBell, true},
+          "Tells the sender, who has subscribed with /notify, the amplitudes of the object's modes: /notify.modes. 16 "
+          "objects can be watched at a time, by all subscribers together.",
+          {object<&WatchObject::object>(),
+           optional(other<ValueType::flag, &WatchObject::on>("on", "1 watches it, 0 does no more."))}),
+      answered("/object/{object}/describe", DescribeObject{kBell}, "Asks what the object is, and how it is set.",
+               {object<&DescribeObject::object>()}, "/object.reply"),
+      answered("/object/{object}/bank", ReadBank{kBell, 0, 4096},
+               "Asks for a piece of the object's bank file, so that a client on another computer can show it.",
+               {object<&ReadBank::object>(),
+                integer<&ReadBank::offset>("offset", kCount, "Where the piece begins, in bytes."),
+                optional(integer<&ReadBank::bytes>("bytes", kBankBytes, "How long it is; the last one is shorter."))},
+               "/bank.reply"),
       answered("/object/{object}/excite", Excite{kBell, 1, {0.05, 0, 0.02}, {0, 0, -1}},
                "Lets an audio input excite the object: what sounds in it is a force at x y z. The input is a port in_1 "
                "to in_4 of the JACK client, which is there from then on. It excites one object at a time; a force of "
@@ -232,13 +230,30 @@ std::vector<Row<Request>> make_request_rows() {
                 velocity<&SpawnSphere::velocity_m_s>(), density<&SpawnSphere::density_kg_m3>()},
                "/done", "the body's number"),
       answered("/scene/clear", SceneClear{}, "Removes all bodies from the scene.", {}),
+      answered("/scene/push", ScenePush{2, {0, 0, 0.5}}, "Gives a body of the scene an impulse at its centre of mass.",
+               {integer<&ScenePush::body>("body", kCount, "Its number."),
+                vector<&ScenePush::impulse_ns>({"jx", "jy", "jz"}, kImpulse, "The impulse, in the scene's frame.")}),
+      answered("/scene/describe", SceneDescribe{},
+               "Asks what the scene looks like. /scene.reply says how many /scene.body and /scene.static follow.", {},
+               "/scene.reply"),
       answered("/notify", Notify{true, 20},
                "Subscribes the sender, or ends that: /notify.object, /notify.group, /notify.contact, /notify.peak, "
-               "/notify.object_peak, /notify.load and /notify.body come as bundles at the rate, first about every "
+               "/notify.object_peak, /notify.load, /notify.scene and /notify.body come as bundles at the rate, first "
+               "about every "
                "object there is. A subscriber that sends nothing for 60 s is forgotten; anything it sends keeps it, "
                "/notify itself too.",
                {optional(other<ValueType::flag, &Notify::on>("on", "1 subscribes, 0 ends it.")),
                 optional(number<&Notify::rate_hz>("rate", kNoticeRate, "How often to tell."))}),
+      answered("/watch/sound", WatchSound{true},
+               "Tells the sender, who has subscribed with /notify, what the mix sounds like: /notify.sound.",
+               {optional(other<ValueType::flag, &WatchSound::on>("on", "1 for the sound, 0 for no more of it."))}),
+      answered("/browse", Browse{},
+               "Asks which scenes and banks there are to load. /browse.reply says how many /browse.file follow.", {},
+               "/browse.reply"),
+      answered("/test_tone", TestTone{0.1, 440},
+               "Adds a sine to both sides of the mix, to check connections and levels by, until it is told otherwise.",
+               {number<&TestTone::amplitude>("amplitude", kAmplitude, "Its peak; 1 is full scale, 0 ends it."),
+                optional(number<&TestTone::frequency_hz>("frequency", kFrequency, "Its frequency."))}),
       answered(
           "/state/save", SaveState{"state.toml"},
           "Writes what there is as a readable file, which `ringdownd --state` loads: objects with their banks, gains, "
@@ -264,111 +279,10 @@ std::vector<Row<Request>> make_request_rows() {
   };
 }
 
-template <class Struct>
-Row<Reply> reply(std::string_view address, const Struct& example, std::string_view sentence,
-                 std::initializer_list<Columns<Reply>> arguments) {
-  return make_row<Reply>(address, sentence, arguments, example);
-}
-
-std::vector<Row<Reply>> make_reply_rows() {
-  return {
-      reply("/done", Done{"/load", 3}, "The request was carried out.",
-            {other<ValueType::any_text, &Done::address>("address", "The address that was asked."),
-             optional(integer<&Done::number>("number", kCount, "What the address says it is; absent for most."))}),
-      reply("/fail", Fail{"/load", "cannot open bell.glb: No such file or directory"},
-            "The request was refused, and nothing was changed.",
-            {other<ValueType::any_text, &Fail::address>("address", "The address that was asked."),
-             other<ValueType::any_text, &Fail::sentence>("sentence", "What is wrong, and with which argument.")}),
-      reply(
-          "/status.reply", StatusReply{4, 1, 220, 6, 48000, 256, 0.031, 0.058, 0, 0, 0, 0, 0.042, 0, 0, 0, 0},
-          "How the daemon is doing.",
-          {integer<&StatusReply::objects>("objects", kCount, "How many objects are loaded."),
-           integer<&StatusReply::sounding_objects>("sounding_objects", kCount, "How many of them ring."),
-           integer<&StatusReply::sounding_modes>("sounding_modes", kCount, "How many modes ring in these."),
-           integer<&StatusReply::bodies>("bodies", kCount, "How many bodies the scene has."),
-           number<&StatusReply::sample_rate_hz>("sample_rate", kRate, "Of the audio driver."),
-           integer<&StatusReply::block_frames>("block", kCount, "Frames per block of the audio driver."),
-           number<&StatusReply::load_mean>("load_mean", kLoad,
-                                           "Time spent per block over the block's duration: 1 is all of it."),
-           number<&StatusReply::load_peak>("load_peak", kLoad, "The same for the slowest block so far."),
-           integer<&StatusReply::xruns>("xruns", kCount, "Blocks that the audio server found late, ours or another's."),
-           integer<&StatusReply::dropped_events>("dropped", kCount, "Events lost because a queue was full."),
-           integer<&StatusReply::late_events>("late", kCount, "Events whose time was past when they arrived."),
-           integer<&StatusReply::merged_events>("merged", kCount, "Strikes that a flood added to others."),
-           number<&StatusReply::load_p99>("load_p99", kLoad,
-                                          "What 99 of 100 blocks of the last five to ten seconds stayed below."),
-           integer<&StatusReply::misses>("misses", kCount, "Blocks that took us longer than they last."),
-           integer<&StatusReply::own_xruns>("own_xruns", kCount, "Of the xruns, those in which our block was late."),
-           integer<&StatusReply::hidden_modes>("hidden_modes", kCount,
-                                               "How many modes that ring are left out: masked, or for want of time."),
-           integer<&StatusReply::shed>(
-               "shed", kCount, "Times (128 frames or less each) something was left out or late for want of time."),
-           number<&StatusReply::slowed_s>("slowed", kLost, "What the scene has lost because it could not keep up.")}),
-      reply("/version.reply", VersionReply{"ringdownd", RINGDOWN_VERSION, kProtocolVersion}, "Which program this is.",
-            {other<ValueType::any_text, &VersionReply::program>("program", "The program's name."),
-             other<ValueType::any_text, &VersionReply::version>("version", "Its version."),
-             integer<&VersionReply::protocol>("protocol", kCount,
-                                              "Of this protocol; grows when an address changes its meaning.")}),
-      reply("/synced", Synced{7}, "All that was sent before /sync has been taken up.",
-            {integer<&Synced::id>("id", kId, "The number that /sync gave.")}),
-      reply("/notify.object", NotifyObject{3, "bell", true}, "To subscribers: an object came, or went.",
-            {integer<&NotifyObject::number>("number", kIndex, "Its number."),
-             other<ValueType::any_text, &NotifyObject::name>("name", "Its name."),
-             other<ValueType::flag, &NotifyObject::loaded>("loaded",
-                                                           "1: it is there, perhaps with a new bank; 0: freed.")}),
-      reply("/notify.group", NotifyGroup{3, "bell", "metal"},
-            "To subscribers: an object came into a group, or is in none any more.",
-            {integer<&NotifyGroup::number>("number", kIndex, "The object's number."),
-             other<ValueType::any_text, &NotifyGroup::name>("name", "Its name."),
-             optional(other<ValueType::any_text, &NotifyGroup::group>("group", "The group's name; absent: none."))}),
-      reply("/notify.contact", NotifyContact{"bell", {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005},
-            "To subscribers: an object was struck, by a message or in the scene. At most the last 256 since the notice "
-            "before are told.",
-            {other<ValueType::any_text, &NotifyContact::object>("object", "Its name."),
-             vector<&NotifyContact::point_m>({"x", "y", "z"}, kAnyPosition, "Where, in its own frame."),
-             vector<&NotifyContact::impulse_ns>({"jx", "jy", "jz"}, kAnyImpulse, "The impulse it received."),
-             number<&NotifyContact::contact_time_s>("contact_time", kContactTime, "How long the blow lasted.")}),
-      reply("/notify.peak", NotifyPeak{0.25}, "To subscribers: how loud the mix was.",
-            {number<&NotifyPeak::peak>("peak", kPeak, "The largest sample since the notice before; 1 is full scale.")}),
-      reply("/notify.object_peak", NotifyObjectPeak{"bell", 0.25},
-            "To subscribers: how loud an object was, of each that rings, and a last time when it is silent.",
-            {other<ValueType::any_text, &NotifyObjectPeak::object>("object", "Its name."),
-             number<&NotifyObjectPeak::peak>(
-                 "peak", kPeak,
-                 "What none of its samples since the notice before exceeded, at its gain: the sum of the amplitudes of "
-                 "its modes, masked ones among them. Of one mode it is the peak; many do not peak together. Up to 64 "
-                 "objects (2,048 modes) are looked at every 128 frames, more in turn.")}),
-      reply("/notify.load", NotifyLoad{0.031, 0.058, 0, 1, 220}, "To subscribers: as in /status.reply.",
-            {number<&NotifyLoad::mean>("load_mean", kLoad, "Time spent per block over the block's duration."),
-             number<&NotifyLoad::peak>("load_peak", kLoad, "The same for the slowest block so far."),
-             integer<&NotifyLoad::xruns>("xruns", kCount, "Blocks that came too late."),
-             integer<&NotifyLoad::sounding_objects>("sounding_objects", kCount, "How many objects ring."),
-             integer<&NotifyLoad::sounding_modes>("sounding_modes", kCount, "How many modes ring in these.")}),
-      reply(
-          "/notify.body", NotifyBody{2, "bell", "bell", {0, 0, 1}, 0, 0, 0, 1},
-          "To subscribers: where a body of the scene is. The pose is that of its object's frame: the bank's mesh drawn "
-          "with it is in place. One that is told no more has left the scene.",
-          {integer<&NotifyBody::id>("body", kCount, "Its number."),
-           other<ValueType::any_text, &NotifyBody::name>("name", "Its name in the scene file."),
-           other<ValueType::any_text, &NotifyBody::object>("object",
-                                                           "The object that rings when it is hit; - for none."),
-           vector<&NotifyBody::position_m>({"x", "y", "z"}, kAnyPosition, "Where it is, in the scene's frame."),
-           number<&NotifyBody::x>("qx", kUnit, "How it is turned: a unit quaternion."),
-           number<&NotifyBody::y>("qy", kUnit, "Its y component."),
-           number<&NotifyBody::z>("qz", kUnit, "Its z component."),
-           number<&NotifyBody::w>("qw", kUnit, "Its real part.")}),
-  };
-}
-
 }  // namespace
 
 const std::vector<Row<Request>>& request_rows() {
   static const std::vector<Row<Request>> rows = make_request_rows();
-  return rows;
-}
-
-const std::vector<Row<Reply>>& reply_rows() {
-  static const std::vector<Row<Reply>> rows = make_reply_rows();
   return rows;
 }
 

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <linux/openat2.h>
 #include <optional>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -89,7 +90,42 @@ Result<std::string> FileRoots::read(const fs::path& path, std::size_t limit_byte
   return read_open_file(*descriptor, path.string(), limit_bytes);
 }
 
+Result<FileRoots::Piece> FileRoots::read_piece(const fs::path& path, std::size_t offset, std::size_t most_bytes) const {
+  const auto opened = open(path);
+  if (!opened) return fail(opened.error());
+  struct Closer {
+    int descriptor;
+    ~Closer() { ::close(descriptor); }
+  } const file{*opened};
+  struct stat status {};
+  if (::fstat(file.descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+    return fail("cannot read " + path.string() + ": it is not a regular file");
+  }
+  Piece piece{.total = static_cast<std::size_t>(status.st_size)};
+  piece.bytes.resize(std::min(most_bytes, piece.total - std::min(offset, piece.total)));
+  for (std::size_t filled = 0; filled < piece.bytes.size();) {
+    const ssize_t got = ::pread(file.descriptor, piece.bytes.data() + filled, piece.bytes.size() - filled,
+                                static_cast<off_t>(offset + filled));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return fail("cannot read " + path.string() + ": " + std::strerror(errno));
+    if (got == 0) return fail("cannot read " + path.string() + ": it shrank while read");
+    filled += static_cast<std::size_t>(got);
+  }
+  return piece;
+}
+
+std::vector<fs::path> FileRoots::folders() const {
+  std::vector<fs::path> folders;
+  for (const Root& root : roots_) folders.push_back(root.given);
+  return folders;
+}
+
 Result<int> FileRoots::open(const fs::path& path) const {
+  if (open_everywhere_) {
+    const int descriptor = ::open(path.c_str(), kReadOnly);
+    if (descriptor < 0) return cannot_open(path, errno);
+    return descriptor;
+  }
   const fs::path plain = absolute_without_dots(path);
   for (const Root& root : roots_) {
     for (const fs::path& start : {root.given, root.real}) {

@@ -40,6 +40,17 @@ class FileRoots {
   // The whole file. A relative path starts in the current folder.
   [[nodiscard]] Result<std::string> read(const std::filesystem::path& path, std::size_t limit_bytes) const;
 
+  // Up to `most_bytes` from `offset` on, and how long the file is.
+  struct Piece {
+    std::vector<std::byte> bytes;
+    std::size_t total = 0;
+  };
+  [[nodiscard]] Result<Piece> read_piece(const std::filesystem::path& path, std::size_t offset,
+                                         std::size_t most_bytes) const;
+
+  // The folders, as they were given; none when every file may be opened.
+  [[nodiscard]] std::vector<std::filesystem::path> folders() const;
+
   // Where a file may be written: the path, without links, of a name in a folder that is inside. What stands there
   // already must be a regular file of the same kind, or empty: a stranger's message replaces nothing else.
   [[nodiscard]] Result<std::filesystem::path> writable(const std::filesystem::path& path,

@@ -1,7 +1,6 @@
 #include "server/notifier.h"
 
-#include "protocol/schema.h"
-#include "server/osc_codec.h"
+#include "server/bundles.h"
 
 #include <algorithm>
 #include <utility>
@@ -11,8 +10,6 @@ namespace {
 
 using protocol::Event;
 using protocol::EventType;
-
-constexpr std::size_t kMessagesPerBundle = 16;  // some 1,400 bytes: one Ethernet frame
 
 Vec3 point_of(const Event& event, const RackObject& object) {
   if (event.type == EventType::strike) return event.point_m;
@@ -43,7 +40,8 @@ Notifier::Notifier(Session& session, const Driver& driver, Send send, Now now)
 Notifier::~Notifier() {
   thread_.request_stop();
   thread_.join();
-  session_.rack().mixer().watch_objects(false);
+  subscribers_.clear();
+  count_subscribers();
   session_.rack().observe_no_more(*this);
 }
 
@@ -64,6 +62,7 @@ Result<void> Notifier::subscribe(Peer peer, double rate_hz) {
   subscriber->next = Clock::now();
   subscriber->last_heard = now_();
   count_subscribers();
+  changed_ = true;
   wake_.notify_all();
   return {};
 }
@@ -78,6 +77,7 @@ void Notifier::count_subscribers() {
   count_ = subscribers_.size();
   session_.rack().mixer().watch_objects(!subscribers_.empty());
   session_.scene().set_watched(!subscribers_.empty());
+  count_watches();
 }
 
 void Notifier::heard_from(Peer peer) {
@@ -99,7 +99,12 @@ void Notifier::played(const Event& event) {
 }
 
 void Notifier::loaded(const RackObject& object) { tell(object_news(object, true)); }
-void Notifier::freed(const RackObject& object) { tell(object_news(object, false)); }
+void Notifier::freed(const RackObject& object) {
+  tell(object_news(object, false));
+  const std::scoped_lock lock(mutex_);
+  for (Subscriber& subscriber : subscribers_) subscriber.watched.erase(object.number);
+  count_watches();
+}
 void Notifier::regrouped(const RackObject& object) { tell(group_news(object)); }
 
 void Notifier::tell(const protocol::Reply& change) {
@@ -110,15 +115,20 @@ void Notifier::tell(const protocol::Reply& change) {
 void Notifier::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     std::vector<Subscriber> due;
+    std::vector<Peer> listeners;
     {
       std::unique_lock lock(mutex_);
       if (!wake_.wait(lock, stop, [this] { return !subscribers_.empty(); })) return;
-      const auto next = std::ranges::min(subscribers_, {}, &Subscriber::next).next;
-      wake_.wait_until(lock, stop, next, [&] { return Clock::now() >= next; });
+      auto next = std::ranges::min(subscribers_, {}, &Subscriber::next).next;
+      if (std::ranges::any_of(subscribers_, &Subscriber::hears)) next = std::min(next, Clock::now() + kSoundEvery);
+      wake_.wait_until(lock, stop, next, [&] { return changed_ || Clock::now() >= next; });
+      changed_ = false;
       forget_silent();
       take_peaks();
       due = take_due(Clock::now());
+      listeners = take_listeners();
     }
+    send_sound(listeners);
     for (const Subscriber& subscriber : due) send_notice(subscriber);
   }
 }
@@ -161,9 +171,9 @@ std::vector<Notifier::Subscriber> Notifier::take_due(Clock::time_point now) {
   return due;
 }
 
-std::vector<protocol::Message> Notifier::messages_for(const Subscriber& subscriber) {
-  std::vector<protocol::Message> messages;
-  const auto add = [&](const protocol::Reply& reply) { messages.push_back(protocol::format(reply)); };
+std::vector<protocol::Reply> Notifier::messages_for(const Subscriber& subscriber) {
+  std::vector<protocol::Reply> messages;
+  const auto add = [&](protocol::Reply reply) { messages.push_back(std::move(reply)); };
   for (const protocol::Reply& change : subscriber.changes) add(change);
   const std::size_t left_out =
       subscriber.contacts.size() - std::min(subscriber.contacts.size(), kMostContactsPerNotice);
@@ -183,7 +193,10 @@ std::vector<protocol::Message> Notifier::messages_for(const Subscriber& subscrib
   const synth::MixerCounters& mixer = session_.rack().mixer().counters();
   add(protocol::NotifyLoad{load.mean, load.peak, load.xruns, static_cast<std::int32_t>(mixer.ringing_voices.load()),
                            static_cast<std::int32_t>(mixer.ringing_modes.load())});
-  for (const scene::BodyState& body : session_.scene().bodies()) {
+  add_modes(subscriber, messages);
+  const ScenePlayer::Poses scene = session_.scene().poses();
+  add(protocol::NotifyScene{scene.version, scene.time_s, scene.paused});
+  for (const scene::BodyState& body : scene.bodies) {
     if (body.waiting) continue;
     add(protocol::NotifyBody{static_cast<std::int32_t>(body.id), body.name,
                              body.object.empty() ? std::string("-") : body.object, body.position_m, body.rotation.x,
@@ -193,12 +206,7 @@ std::vector<protocol::Message> Notifier::messages_for(const Subscriber& subscrib
 }
 
 void Notifier::send_notice(const Subscriber& subscriber) {
-  const std::vector<protocol::Message> messages = messages_for(subscriber);
-  for (std::span<const protocol::Message> rest = messages; !rest.empty();) {
-    const std::size_t count = std::min(rest.size(), kMessagesPerBundle);
-    send_(subscriber.peer, encode_bundle(kImmediately, rest.first(count)));
-    rest = rest.subspan(count);
-  }
+  send_in_bundles(messages_for(subscriber), [&](std::span<const std::byte> packet) { send_(subscriber.peer, packet); });
 }
 
 }  // namespace ringdown::server

@@ -1,6 +1,7 @@
 // Tells subscribers what goes on, at the rate each has asked for (/notify): objects that come, go and change groups,
 // contacts (every strike that was taken, from OSC or from the scene), the peaks of the mix and of objects, the load,
-// and the poses of the scene's bodies.
+// the scene's time, and the poses of its bodies. Those who ask for it are told the amplitudes of objects' modes as
+// well, and, every kSoundEvery, what the mix sounds like.
 //
 // A subscriber that sends nothing for kSilence_s is forgotten: programs that end do not say so over UDP. Its thread
 // sleeps while nobody has subscribed, and neither what is played nor the objects' levels cost anything then.
@@ -18,6 +19,7 @@
 #include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <set>
 #include <span>
 #include <thread>
 #include <vector>
@@ -27,6 +29,7 @@ namespace ringdown::server {
 inline constexpr std::size_t kMostSubscribers = 32;
 inline constexpr std::size_t kMostContactsPerNotice = 256;  // the last ones; the others are not told
 inline constexpr double kSilence_s = 60;
+inline constexpr std::chrono::milliseconds kSoundEvery{20};
 
 class Notifier final : public Observer {
  public:
@@ -45,12 +48,18 @@ class Notifier final : public Observer {
 
   [[nodiscard]] std::size_t subscribers() const { return count_; }  // [any]
 
+  // Whether a subscriber is told the sound, or an object's amplitudes; they end with its subscription. Refused to
+  // others than subscribers, and when synth::kMostWatched objects are watched. [osc]
+  Result<void> watch_sound(Peer peer, bool on);
+  Result<void> watch_object(Peer peer, const protocol::ObjectRef& object, bool on);
+
   // It lives. [osc]
   void heard_from(Peer peer);
 
   void played(const protocol::Event& event) override;
   void loaded(const RackObject& object) override;
   void retuned(const RackObject&) override {}
+  void selected(const RackObject&) override {}
   void held(const RackObject&, const modal::Touches&, protocol::Frame) override {}
   void regrouped(const RackObject& object) override;
   void freed(const RackObject& object) override;
@@ -60,6 +69,8 @@ class Notifier final : public Observer {
     Peer peer;
     Clock::duration period;
     Clock::time_point next, last_heard;
+    bool hears = false;  // the sound
+    std::set<protocol::ObjectNumber> watched;
     float peak = 0;  // since its last notice, like the following
     std::vector<float> object_peaks = std::vector<float>(synth::kMostObjects);
     std::vector<bool> rang = std::vector<bool>(synth::kMostObjects);  // in its last notice
@@ -69,21 +80,28 @@ class Notifier final : public Observer {
   void run(const std::stop_token& stop);
   void tell(const protocol::Reply& change);
   void count_subscribers();
+  void count_watches();
+  [[nodiscard]] std::vector<Peer> take_listeners();
+  void send_sound(const std::vector<Peer>& listeners);
+  void add_modes(const Subscriber& subscriber, std::vector<protocol::Reply>& messages);
   void take_peaks();
   void forget_silent();
   [[nodiscard]] std::vector<Subscriber> take_due(Clock::time_point now);
   void send_notice(const Subscriber& subscriber);
-  [[nodiscard]] std::vector<protocol::Message> messages_for(const Subscriber& subscriber);
+  [[nodiscard]] std::vector<protocol::Reply> messages_for(const Subscriber& subscriber);
 
   Session& session_;
   const Driver& driver_;
   Send send_;
   Now now_;
   std::atomic<std::size_t> count_ = 0;
-  std::mutex mutex_;  // guards subscribers_
+  std::mutex mutex_;  // guards all that follows but the thread
   std::condition_variable_any wake_;
   std::vector<Subscriber> subscribers_;
-  std::jthread thread_;  // last: it stops before what it uses goes away
+  std::set<protocol::ObjectNumber> watched_;  // by one of them
+  bool changed_ = false;                      // since the thread began to wait
+  protocol::Frame sound_from_ = 0;            // what the tap holds from before is from an earlier listener
+  std::jthread thread_;                       // last: it stops before what it uses goes away
 };
 
 }  // namespace ringdown::server

@@ -16,10 +16,11 @@ class Observer {
   // later, by tell_of_notes(). [any but audio]
   virtual void played(const protocol::Event& event) = 0;
 
-  // A new object, or a new bank for one that was there; a new material; new touches, or none; a new group, or none; an
-  // end. [worker]
+  // A new object, or a new bank for one that was there; a new material; another choice of modes; new touches, or none;
+  // a new group, or none; an end. [worker]
   virtual void loaded(const RackObject& object) = 0;
   virtual void retuned(const RackObject& object) = 0;
+  virtual void selected(const RackObject& object) = 0;
   virtual void held(const RackObject& object, const modal::Touches& changed, protocol::Frame at) = 0;
   virtual void regrouped(const RackObject& object) = 0;
   virtual void freed(const RackObject& object) = 0;

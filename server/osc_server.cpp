@@ -3,6 +3,8 @@
 #include "protocol/defaults.h"
 #include "protocol/pattern.h"
 #include "protocol/schema.h"
+#include "server/bundles.h"
+#include "server/describe.h"
 #include "server/state.h"
 
 #include <spdlog/spdlog.h>
@@ -21,6 +23,12 @@ void answer(AnswerPorts& ports, Peer to, const protocol::Reply& reply) {
   if (const auto* refusal = std::get_if<Fail>(&reply)) spdlog::warn("{}: {}", to_text(to.endpoint), refusal->sentence);
   // A sender that does not listen is its own affair.
   ports.send(to, encode(protocol::format(reply)));
+}
+
+void answer(AnswerPorts& ports, Peer to, const Result<std::vector<protocol::Reply>>& replies,
+            const std::string& address) {
+  if (!replies) return answer(ports, to, Fail{address, address + ": " + replies.error().message});
+  send_in_bundles(*replies, [&](std::span<const std::byte> packet) { ports.send(to, packet); });
 }
 
 bool is_for_recorder(const Request& request) {
@@ -176,10 +184,11 @@ void OscServer::handle(const protocol::Message& message, protocol::Frame frame, 
   } else if (std::holds_alternative<protocol::Version>(*request)) {
     answer(*ports_, from, protocol::VersionReply{"ringdownd", RINGDOWN_VERSION, protocol::kProtocolVersion});
   } else if (const auto* notify = std::get_if<protocol::Notify>(&*request)) {
-    const auto subscribed = set_notices(*notify, from);
-    answer(*ports_, from,
-           subscribed ? protocol::Reply(protocol::Done{address, std::nullopt})
-                      : Fail{address, address + ": " + subscribed.error().message});
+    confirm(set_notices(*notify, from), address, from);
+  } else if (const auto* sound = std::get_if<protocol::WatchSound>(&*request)) {
+    confirm(notifier_.watch_sound(from, sound->on), address, from);
+  } else if (const auto* watch = std::get_if<protocol::WatchObject>(&*request)) {
+    confirm(notifier_.watch_object(from, watch->object, watch->on), address, from);
   } else if (std::holds_alternative<protocol::Quit>(*request)) {
     answer(*ports_, from, protocol::Done{address, std::nullopt});
     parts_.quit();
@@ -188,6 +197,11 @@ void OscServer::handle(const protocol::Message& message, protocol::Frame frame, 
   } else {
     post(*request, 0, address, from);
   }
+}
+
+void OscServer::confirm(const Result<void>& outcome, const std::string& address, Peer from) {
+  if (outcome) return answer(*ports_, from, protocol::Done{address, std::nullopt});
+  answer(*ports_, from, Fail{address, address + ": " + outcome.error().message});
 }
 
 Result<void> OscServer::set_notices(const protocol::Notify& request, Peer from) {
@@ -233,6 +247,10 @@ void OscServer::post(const Request& request, protocol::Frame frame, const std::s
                      recorder = parts_.recorder, request, frame, address, from] {
     if (const auto* sync = std::get_if<protocol::Sync>(&request))
       return answer(*ports, from, protocol::Synced{sync->id});
+    if (is_question(request)) {
+      return answer(*ports, from,
+                    recorder ? answer_to(request, session, *recorder) : fail("this daemon keeps no levels"), address);
+    }
     const auto number = is_for_recorder(request)
                             ? record(request, session, recorder)
                             : session.perform(request, std::max(frame, driver.now() + latency_frames(driver, latency)));
@@ -264,7 +282,8 @@ protocol::StatusReply OscServer::status() const {
           .own_xruns = load.own_xruns,
           .hidden_modes = whole(mixer.hidden_modes.load()),
           .shed = whole(mixer.shed.load()),
-          .slowed_s = parts_.session.scene().slowed_s()};
+          .slowed_s = parts_.session.scene().slowed_s(),
+          .recording = parts_.recorder && parts_.recorder->records()};
 }
 
 }  // namespace ringdown::server

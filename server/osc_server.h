@@ -80,6 +80,7 @@ class OscServer {
   void play_what_is_near();
   [[nodiscard]] protocol::Frame frame_of(TimeTag time, const Arrival& arrival) const;
   [[nodiscard]] protocol::Frame horizon() const;
+  void confirm(const Result<void>& outcome, const std::string& address, Peer from);
   Result<void> set_notices(const protocol::Notify& request, Peer from);
   void post(const protocol::Request& request, protocol::Frame frame, const std::string& address, Peer from);
   [[nodiscard]] protocol::StatusReply status() const;

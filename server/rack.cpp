@@ -89,9 +89,13 @@ void Rack::tell_of_notes() {
 }
 
 Result<protocol::ObjectNumber> Rack::load(const std::string& name, const std::filesystem::path& bank) {
-  auto map = read(bank);
-  if (!map) return fail(map.error());
-  RackObject object{.name = name, .bank = std::make_shared<const std::filesystem::path>(bank), .map = std::move(*map)};
+  auto file = read(bank);
+  if (!file) return fail(file.error());
+  RackObject object{.name = name,
+                    .bank = std::make_shared<const std::filesystem::path>(bank),
+                    .bank_bytes = file->bytes,
+                    .bank_version = last_bank_version_ + 1,
+                    .map = std::move(file->map)};
   if (const auto old = find({.name = name}); old) {
     object.number = old->number;
     object.group = old->group;
@@ -103,6 +107,7 @@ Result<protocol::ObjectNumber> Rack::load(const std::string& name, const std::fi
   if (const auto installed = install(object, synth::Mixer::Install::replace); !installed)
     return fail(installed.error());
   if (const auto assigned = assign(object); !assigned) return fail(assigned.error());
+  last_bank_version_ = object.bank_version;
   keep(object);
   for (Observer* observer : observers_) observer->loaded(object);
   return object.number;
@@ -137,6 +142,16 @@ Result<void> Rack::hold(const ObjectRef& ref, const modal::Touches& touches, pro
   if (const auto installed = install(*object, synth::Mixer::Install::retune, at); !installed) return installed;
   keep(*object);
   for (Observer* observer : observers_) observer->held(*object, changed, at);
+  return {};
+}
+
+Result<void> Rack::select_modes(const ObjectRef& ref, modal::ModeRange modes) {
+  auto object = find(ref);
+  if (!object) return fail(object.error());
+  object->modes = modes;
+  if (const auto installed = install(*object, synth::Mixer::Install::retune); !installed) return installed;
+  keep(*object);
+  for (Observer* observer : observers_) observer->selected(*object);
   return {};
 }
 
@@ -192,7 +207,7 @@ void Rack::collect() {
     const std::scoped_lock lock(rate_mutex_);
     mixer_.collect();
   }
-  std::erase_if(maps_, [](const auto& entry) { return entry.second.expired(); });
+  std::erase_if(banks_, [](const auto& entry) { return entry.second.map.expired(); });
   const std::size_t faded = std::erase_if(fading_, [this](protocol::ObjectNumber number) {
     if (mixer_.in_use(number)) return false;
     buses_.leave(number);
@@ -225,18 +240,18 @@ Result<void> Rack::free(const ObjectRef& ref) {
   return {};
 }
 
-Result<std::shared_ptr<const modal::StrikeMap>> Rack::read(const std::filesystem::path& path) {
+Result<Rack::BankFile> Rack::read(const std::filesystem::path& path) {
   const std::string key = file_key(path);
-  if (const auto known = maps_.find(key); known != maps_.end()) {
-    if (auto map = known->second.lock()) return map;
+  if (const auto known = banks_.find(key); known != banks_.end()) {
+    if (auto map = known->second.map.lock()) return BankFile{std::move(map), known->second.bytes};
   }
   const auto bytes = roots_.read(path, modal::kLargestBankFile);
   if (!bytes) return fail(bytes.error());
   auto bank = modal::parse_bank(std::as_bytes(std::span(*bytes)), path.string());
   if (!bank) return fail(bank.error());
   auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(*bank)));
-  maps_[key] = map;
-  return map;
+  banks_[key] = {map, bytes->size()};
+  return BankFile{std::move(map), bytes->size()};
 }
 
 Result<protocol::ObjectNumber> Rack::free_number() const {
@@ -255,7 +270,8 @@ void Rack::change_sample_rate(double sample_rate_hz) {
 
 Result<void> Rack::install(const RackObject& object, synth::Mixer::Install how, protocol::Frame at) {
   const std::scoped_lock lock(rate_mutex_);
-  auto voice = std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material, object.touches));
+  auto voice =
+      std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material, object.touches, object.modes));
   if (!mixer_.install(object.number, std::move(voice), how, at)) {
     return fail("object: " + std::to_string(synth::kMostVoices) + " voices are still ringing out; try again later");
   }
@@ -289,6 +305,16 @@ Result<Event> event_for(const protocol::Request& request, const RackObject& obje
     event.type = EventType::contact;
     event.point_m = contact->point_m;
     event.contact = contact->contact;
+  } else if (const auto* ring = std::get_if<protocol::RingModes>(&request)) {
+    const std::size_t modes = object.map->bank().mode_count();
+    if (ring->first >= modes) {
+      return fail("first: " + std::to_string(ring->first) + " is not one of the " + std::to_string(modes) +
+                  " modes of \"" + object.name + "\", which are numbered from 0");
+    }
+    event.type = EventType::ring;
+    event.vertex = ring->first;
+    event.count = ring->count;
+    event.value = ring->amplitude;
   } else if (const auto* click = std::get_if<protocol::Click>(&request)) {
     event.type = EventType::click;
     event.impulse_ns = click->impulse_ns;

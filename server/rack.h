@@ -33,9 +33,12 @@ struct RackObject {
   std::string name;
   protocol::ObjectNumber number = 0;
   std::shared_ptr<const std::filesystem::path> bank;  // where the map was read from
+  std::size_t bank_bytes = 0;                         // the size of that file
+  std::int32_t bank_version = 0;                      // grows when the object gets a new bank
   std::shared_ptr<const modal::StrikeMap> map;
   modal::MaterialScale material;
   modal::Touches touches;  // what lies on it
+  modal::ModeRange modes;  // those that it has
   std::string group;       // empty: in none
 };
 
@@ -79,7 +82,11 @@ class Rack {
   [[nodiscard]] std::shared_ptr<const Names> names() const;
 
   // A bank, ready to be struck; shared with every object that plays the same unchanged file. [worker]
-  Result<std::shared_ptr<const modal::StrikeMap>> read(const std::filesystem::path& bank);
+  struct BankFile {
+    std::shared_ptr<const modal::StrikeMap> map;
+    std::size_t bytes = 0;
+  };
+  Result<BankFile> read(const std::filesystem::path& bank);
 
   // Reads a bank and gives it to `name`: a new object, or a new bank for that object, whose old one rings out.
   // Returns its number. On failure nothing changed. [worker]
@@ -89,6 +96,9 @@ class Rack {
   // have laid on; the others stay. Not before frame `at`. [worker]
   Result<void> set_material(const protocol::ObjectRef& object, const modal::MaterialScale& scale);
   Result<void> hold(const protocol::ObjectRef& object, const modal::Touches& touches, protocol::Frame at = 0);
+
+  // Leaves the object these of its modes; what others ring fades within some milliseconds. A new bank has all. [worker]
+  Result<void> select_modes(const protocol::ObjectRef& object, modal::ModeRange modes);
 
   // Puts the object into a group, or, when it is empty, into none. [worker]
   Result<void> set_group(const protocol::ObjectRef& object, const std::string& group);
@@ -145,11 +155,16 @@ class Rack {
   std::atomic<std::uint32_t> inputs_ = 0;
   std::set<protocol::ObjectNumber> fading_;  // worker: freed objects that still sound at their bus
   std::mutex rate_mutex_;  // held while voices are made and installed, or collected: all are of one sample rate
-  std::map<std::string, std::weak_ptr<const modal::StrikeMap>> maps_;  // worker: banks in use, by file and its time
+  struct KnownBank {
+    std::weak_ptr<const modal::StrikeMap> map;
+    std::size_t bytes = 0;
+  };
+  std::map<std::string, KnownBank> banks_;  // worker: those in use, by file and its time
+  std::int32_t last_bank_version_ = 0;      // worker
 };
 
 // The event of an immediate request (strike, gain, pan, clear of one object), for an object that find() returned.
-// Refuses a vertex the object does not have. [any but audio]
+// Refuses a vertex or mode that its bank does not have. [any but audio]
 Result<protocol::Event> event_for(const protocol::Request& request, const RackObject& object, protocol::Frame frame);
 
 }  // namespace ringdown::server

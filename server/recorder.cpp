@@ -42,6 +42,9 @@ void Recorder::add_present_state() {
     if (object.material != modal::MaterialScale{}) {
       add(first_, protocol::format(protocol::SetMaterial{ref, object.material}));
     }
+    if (object.modes != modal::ModeRange{}) {
+      add(first_, protocol::format(protocol::SelectModes{ref, object.modes}));
+    }
     for (const auto& [number, touch] : object.touches) {
       add(first_, protocol::format(protocol::Hold{ref, touch, number}));
     }
@@ -118,6 +121,11 @@ void Recorder::loaded(const RackObject& object) {
 void Recorder::retuned(const RackObject& object) {
   const std::scoped_lock lock(mutex_);
   add_change(protocol::SetMaterial{{.name = object.name}, object.material});
+}
+
+void Recorder::selected(const RackObject& object) {
+  const std::scoped_lock lock(mutex_);
+  add_change(protocol::SelectModes{{.name = object.name}, object.modes});
 }
 
 void Recorder::held(const RackObject& object, const modal::Touches& changed, Frame at) {

@@ -1,10 +1,10 @@
 // Records what is played as an OSC score (osc_score.h), which `ringdown render --events` plays again.
 //
-// Objects, their materials, gains and pans as they are at the start become the score's first messages; then every
-// event that was taken, from OSC, from the scene and from notes, at its own frame, and every change of objects at the
-// block after which it happened. So the replay of strikes, gains, pans and clears is bit-identical at the same sample
-// rate and block size, from silence on; what rang before the start is not in it, and an event that came late is
-// replayed at the time it was meant for.
+// Objects, their materials, choices of modes, gains and pans as they are at the start become the score's first
+// messages; then every event that was taken, from OSC, from the scene and from notes, at its own frame, and every
+// change of objects at the block after which it happened. So the replay of strikes, gains, pans and clears is
+// bit-identical at the same sample rate and block size, from silence on; what rang before the start is not in it, and
+// an event that came late is replayed at the time it was meant for.
 #pragma once
 
 #include "engine/base/result.h"
@@ -51,6 +51,7 @@ class Recorder final : public Observer {
   void played(const protocol::Event& event) override;
   void loaded(const RackObject& object) override;
   void retuned(const RackObject& object) override;
+  void selected(const RackObject& object) override;
   void held(const RackObject& object, const modal::Touches& changed, protocol::Frame at) override;
   void regrouped(const RackObject& object) override;
   void freed(const RackObject& object) override;

@@ -37,7 +37,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   for (const auto& object : description->objects) {
     auto bank = rack_.read(object.bank);
     if (!bank) return fail(bank.error());
-    banks.push_back(std::move(*bank));
+    banks.push_back(std::move(bank->map));
   }
   synth::Mixer& mixer = rack_.mixer();
   for (const auto& object : description->objects) {
@@ -68,6 +68,10 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
     world_->set_sample_rate(mixer.sample_rate_hz());  // it may have changed since
     world_->set_start_frame(start_ = frame);
     playing_ = {.file = path};
+    camera_ = description->camera;
+    statics_.clear();
+    for (const scene::StaticDescription& still : description->statics) statics_.push_back(scene::outline_of(still));
+    ++version_;
     duration_s_ = description->duration_s;
     body_count_ = world_->bodies().size();
   }
@@ -92,7 +96,10 @@ Result<scene::BodyId> ScenePlayer::spawn_body(Body body) {
   const std::scoped_lock lock(mutex_);
   if (!world_) return no_scene();
   const auto id = world_->spawn(body);
-  if (id) body_count_ = world_->bodies().size();
+  if (id) {
+    body_count_ = world_->bodies().size();
+    ++version_;
+  }
   return id;
 }
 
@@ -107,14 +114,27 @@ Result<void> ScenePlayer::clear() {
     lifted = end_contacts();
     playing_.cleared = true;
     body_count_ = 0;
+    ++version_;
   }
   lean(lifted);
   return {};
 }
 
-std::vector<scene::BodyState> ScenePlayer::bodies() {
+Result<void> ScenePlayer::push(scene::BodyId body, Vec3 impulse_ns) {
   const std::scoped_lock lock(mutex_);
-  return world_ ? world_->bodies() : std::vector<scene::BodyState>();
+  return world_ ? world_->push(body, impulse_ns) : no_scene();
+}
+
+ScenePlayer::Poses ScenePlayer::poses() const {
+  const std::scoped_lock lock(mutex_);
+  if (!world_) return {.version = version_};
+  return {version_, world_->time_s(), playing_.paused, world_->bodies()};
+}
+
+ScenePlayer::Description ScenePlayer::describe() const {
+  const std::scoped_lock lock(mutex_);
+  if (!world_) return {.version = version_};
+  return {version_, duration_s_, camera_, playing_.file, world_->describe(), statics_};
 }
 
 std::optional<ScenePlayer::Playing> ScenePlayer::playing() const {
@@ -124,12 +144,16 @@ std::optional<ScenePlayer::Playing> ScenePlayer::playing() const {
 
 Result<void> ScenePlayer::object_changed(const RackObject& object) {
   const std::scoped_lock lock(mutex_);
-  return world_ ? world_->set_object(as_sounding(object)) : Result<void>{};
+  if (!world_) return {};
+  ++version_;
+  return world_->set_object(as_sounding(object));
 }
 
 void ScenePlayer::object_freed(protocol::ObjectNumber number) {
   const std::scoped_lock lock(mutex_);
-  if (world_) world_->remove_object(number);
+  if (!world_) return;
+  ++version_;
+  world_->remove_object(number);
 }
 
 void ScenePlayer::advance_to(Frame frame, std::optional<Frame> slack) {
@@ -226,7 +250,9 @@ void ScenePlayer::take(const scene::StepReport& report, std::vector<scene::Leani
     }
   }
   for (const std::string& notice : report.notices) spdlog::warn("scene: {}", notice);
-  if (!report.notices.empty()) body_count_ = world_->bodies().size();
+  if (report.notices.empty()) return;
+  const std::size_t left = world_->bodies().size();
+  if (left != body_count_.exchange(left)) ++version_;
 }
 
 }  // namespace ringdown::server

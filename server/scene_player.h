@@ -47,6 +47,7 @@ class ScenePlayer {
   Result<scene::BodyId> spawn(protocol::SpawnBox box);        // the body's number [worker]
   Result<scene::BodyId> spawn(protocol::SpawnSphere sphere);  // [worker]
   Result<void> clear();                                       // [worker]
+  Result<void> push(scene::BodyId body, Vec3 impulse_ns);     // at its centre of mass, the scene's axes [worker]
 
   // An object of the rack has a new bank, or has gone; bodies that play it follow. [worker]
   Result<void> object_changed(const RackObject& object);
@@ -61,7 +62,26 @@ class ScenePlayer {
   // [any thread, while nothing is rendered]
   void change_sample_rate(double sample_rate_hz);
 
-  [[nodiscard]] std::vector<scene::BodyState> bodies();   // where they are now [any but audio]
+  // Where the bodies are, and when that is.
+  struct Poses {
+    std::int32_t version = 0;
+    double time_s = 0;  // the scene's, which runs a little ahead of the sound
+    bool paused = false;
+    std::vector<scene::BodyState> bodies;
+  };
+  [[nodiscard]] Poses poses() const;  // [any but audio]
+
+  // What the scene looks like. The version grows whenever something of this changes, and never falls.
+  struct Description {
+    std::int32_t version = 0;
+    double duration_s = 0;
+    std::optional<scene::CameraDescription> camera;
+    std::optional<std::filesystem::path> file;  // absent: there is no scene
+    std::vector<scene::BodyOutline> bodies;
+    std::vector<scene::StaticOutline> statics;
+  };
+  [[nodiscard]] Description describe() const;  // [any but audio]
+
   void set_watched(bool watched) { watched_ = watched; }  // whether somebody follows the bodies [any]
 
   // What is played: the file, and what was done to it. Nothing when there is no scene. [any but audio]
@@ -96,6 +116,9 @@ class ScenePlayer {
   std::optional<scene::World> world_;
   protocol::Frame start_ = 0;  // where scene time 0 lies
   Playing playing_;
+  std::optional<scene::CameraDescription> camera_;
+  std::vector<scene::StaticOutline> statics_;
+  std::int32_t version_ = 0;                    // of the description
   std::set<protocol::ObjectNumber> leaned_on_;  // what the scene's bodies rest on or against
   std::atomic<bool> watched_ = false;
   std::atomic<std::size_t> body_count_ = 0;

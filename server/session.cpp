@@ -32,7 +32,8 @@ bool Session::is_event(const protocol::Request& request) {
             [](const protocol::StrikeMany&) { return true; }, [](const protocol::SetGain&) { return true; },
             [](const protocol::SetPan&) { return true; }, [](const protocol::ClearObject&) { return true; },
             [](const protocol::KeepContact&) { return true; }, [](const protocol::Click&) { return true; },
-            [](const protocol::ClearAll&) { return true; }, [](const auto&) { return false; }},
+            [](const protocol::RingModes&) { return true; }, [](const protocol::ClearAll&) { return true; },
+            [](const auto&) { return false; }},
       request);
 }
 
@@ -129,6 +130,7 @@ Result<std::optional<std::int32_t>> Session::perform(const protocol::Request& re
             [&](const protocol::Hold& hold) {
               return none(rack_.hold(hold.object, {{hold.number, hold.touch}}, frame));
             },
+            [&](const SelectModes& select) { return none(rack_.select_modes(select.object, select.range)); },
             [&](const SetGroup& set) { return none(rack_.set_group(set.object, set.group.value_or(""))); },
             [&](const Excite& e) { return none(rack_.excite(e.input - 1, e.object, e.point_m, e.force_n)); },
             [&](const FreeObject& object) { return none(free_object(object)); },
@@ -137,6 +139,13 @@ Result<std::optional<std::int32_t>> Session::perform(const protocol::Request& re
             [&](const SpawnBox& box) -> Answer { return scene_.spawn(box).map(number); },
             [&](const SpawnSphere& sphere) -> Answer { return scene_.spawn(sphere).map(number); },
             [&](const SceneClear&) { return none(scene_.clear()); },
+            [&](const TestTone& tone) -> Answer {
+              rack_.mixer().test_tone().set(tone.amplitude, tone.frequency_hz);
+              return std::nullopt;
+            },
+            [&](const ScenePush& push) {
+              return none(scene_.push(static_cast<scene::BodyId>(push.body), push.impulse_ns));
+            },
             [](const auto&) -> Answer { return fail("this request is not for a session"); }},
       request);
 }

@@ -34,7 +34,7 @@ class Session {
   [[nodiscard]] const ScenePlayer& scene() const { return scene_; }
   [[nodiscard]] double sample_rate_hz() const { return rack_.mixer().sample_rate_hz(); }
 
-  // Whether play() takes it: strikes, one or many, gain, pan and clear.
+  // Whether play() takes it: strikes, one or many, ring, gain, pan and clear.
   [[nodiscard]] static bool is_event(const protocol::Request& request);
 
   // Sends an event request to the mixer, to happen at `frame`. An error names the argument. [control]
@@ -46,9 +46,9 @@ class Session {
   // Counts `events` that could not be taken, and says so: "dropped, because ...". [any]
   [[nodiscard]] tl::unexpected<Error> drop(std::size_t events, const std::string& because);
 
-  // Carries out a request that is neither an event nor about the daemon itself (/load, /object/.../material, group and
-  // free, /scene/...). A scene loaded now starts at `frame`. Returns the number for the answer, if there is one.
-  // [worker]
+  // Carries out a request that is neither an event nor about the daemon itself (/load, /object/.../material, modes,
+  // group and free, /scene/..., /test_tone). A scene loaded now starts at `frame`. Returns the number for the answer,
+  // if there is one. [worker]
   Result<std::optional<std::int32_t>> perform(const protocol::Request& request, protocol::Frame frame);
 
   // In a flood, strikes within `seconds` of each other on the same point of an object become one (strike_merger.h).

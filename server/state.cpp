@@ -1,6 +1,7 @@
 #include "server/state.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/base/toml_string.h"
 #include "engine/base/toml_table.h"
 #include "protocol/names.h"
 #include "server/file_roots.h"
@@ -9,7 +10,6 @@
 
 #include <array>
 #include <charconv>
-#include <cstdio>
 
 namespace ringdown::server {
 namespace {
@@ -35,6 +35,13 @@ void read_touch(TomlTable& table, modal::Touches& touches) {
   touches[static_cast<std::uint32_t>(number)] = touch;
 }
 
+modal::ModeRange read_modes(TomlTable& table) {
+  std::uint64_t first = 0, count = modal::ModeRange::kAll;
+  table.whole("first", first, 0, protocol::kLargestNumber);
+  table.whole("count", count, 0, modal::ModeRange::kAll);
+  return {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
+}
+
 State::Object read_object(TomlTable& table) {
   State::Object object;
   std::string bank;
@@ -52,6 +59,7 @@ State::Object read_object(TomlTable& table) {
     material->number("stiffness", object.material.stiffness, kScale);
     material->number("size", object.material.size, kSize);
   }
+  if (auto modes = table.table("modes")) object.modes = read_modes(*modes);
   for (TomlTable& touch : table.tables("touch")) read_touch(touch, object.touches);
   return object;
 }
@@ -87,23 +95,6 @@ std::string shown(double number) {
 
 std::string shown(const Vec3& v) { return "[" + shown(v.x) + ", " + shown(v.y) + ", " + shown(v.z) + "]"; }
 
-// A TOML basic string.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      out += {'\\', c};
-    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-      std::array<char, 8> escape{};
-      std::snprintf(escape.data(), escape.size(), "\\u%04x", static_cast<unsigned>(c));
-      out += escape.data();
-    } else {
-      out += c;
-    }
-  }
-  return out + "\"";
-}
-
 }  // namespace
 
 Result<State> read_state(const std::filesystem::path& path) {
@@ -126,14 +117,18 @@ Result<State> parse_state(std::string_view text, const std::filesystem::path& pa
 std::string to_toml(const State& state) {
   std::string text = std::string(kStateKind.mark) + "; ringdownd --state reads it.\n";
   for (const State::Object& object : state.objects) {
-    text += "\n[[object]]\nname = " + quoted(object.name) + "\nbank = " + quoted(object.bank.string()) + "\n";
+    text += "\n[[object]]\nname = " + toml_string(object.name) + "\nbank = " + toml_string(object.bank.string()) + "\n";
     text += "gain = " + shown(object.gain) + "\npan = " + shown(object.pan) + "\n";
-    if (!object.group.empty()) text += "group = " + quoted(object.group) + "\n";
+    if (!object.group.empty()) text += "group = " + toml_string(object.group) + "\n";
     const modal::MaterialScale& m = object.material;
     if (m != modal::MaterialScale{}) {
       text += "material = { alpha = " + shown(m.alpha) + ", beta = " + shown(m.beta) +
               ", density = " + shown(m.density) + ", stiffness = " + shown(m.stiffness) + ", size = " + shown(m.size) +
               " }\n";
+    }
+    if (object.modes != modal::ModeRange{}) {
+      text += "modes = { first = " + std::to_string(object.modes.first) +
+              ", count = " + std::to_string(object.modes.count) + " }\n";
     }
     for (const auto& [number, touch] : object.touches) {
       text += "[[object.touch]]\nnumber = " + std::to_string(number) + "\npoint_m = " + shown(touch.point_m) +
@@ -141,13 +136,13 @@ std::string to_toml(const State& state) {
     }
   }
   for (const State::Input& input : state.inputs) {
-    text += "\n[[input]]\ninput = " + std::to_string(input.input) + "\nobject = " + quoted(input.object) +
+    text += "\n[[input]]\ninput = " + std::to_string(input.input) + "\nobject = " + toml_string(input.object) +
             "\npoint_m = " + shown(input.point_m) + "\nforce_n = " + shown(input.force_n) + "\n";
   }
   if (!state.scene) return text;
   const auto flag = [](bool on) { return on ? "true\n" : "false\n"; };
-  return text + "\n[scene]\nfile = " + quoted(state.scene->file.string()) + "\npaused = " + flag(state.scene->paused) +
-         "cleared = " + flag(state.scene->cleared);
+  return text + "\n[scene]\nfile = " + toml_string(state.scene->file.string()) +
+         "\npaused = " + flag(state.scene->paused) + "cleared = " + flag(state.scene->cleared);
 }
 
 Result<void> write_state(const State& state, const std::filesystem::path& path) {
@@ -167,6 +162,7 @@ State state_of(const Session& session, const Recorder& recorder) {
                              pan,
                              object.group,
                              object.material,
+                             object.modes,
                              {object.touches.begin(), scenes}});
   }
   for (std::size_t input = 0; input < rack.excitations().size(); ++input) {
@@ -210,6 +206,9 @@ Result<void> restore_object(const State::Object& object, Session& session, proto
   if (const auto set = rack.set_group(ref, object.group); !set) return set;
   if (object.material != rack.find(ref)->material) {
     if (const auto set = rack.set_material(ref, object.material); !set) return set;
+  }
+  if (object.modes != modal::ModeRange{}) {
+    if (const auto set = rack.select_modes(ref, object.modes); !set) return set;
   }
   if (const auto held = rack.hold(ref, touches_for(object.touches, rack.find(ref)->touches)); !held) return held;
   const protocol::Frame now = rack.mixer().counters().frames;

@@ -8,6 +8,7 @@
 //   pan = -0.3
 //   group = "metal"
 //   material = { alpha = 1, beta = 1, density = 1, stiffness = 4, size = 1 }   # factors, as in /object/.../material
+//   modes = { first = 0, count = 20 }         # which it has, by ascending frequency: as in /object/.../modes
 //   [[object.touch]]                          # as in /object/.../hold
 //   number = 0
 //   point_m = [0.05, 0, 0.02]
@@ -33,6 +34,7 @@
 #include "engine/base/vec3.h"
 #include "engine/modal/contact_damping.h"
 #include "engine/modal/material_scale.h"
+#include "engine/modal/mode_range.h"
 #include "protocol/event.h"
 
 #include <cstddef>
@@ -54,6 +56,7 @@ struct State {
     double gain = 1, pan = 0;
     std::string group;  // empty: in none
     modal::MaterialScale material;
+    modal::ModeRange modes;
     modal::Touches touches;  // but those of the scene
   };
   struct Input {

@@ -1,7 +1,7 @@
 #include "engine/mesh/fill.h"
 
 #include "engine/mesh/gmsh_session.h"
-#include "engine/mesh/remesh.h"
+#include "engine/mesh/half_edges.h"
 #include "engine/mesh/surface.h"
 #include "engine/mesh/surface_check.h"
 #include "engine/mesh/surface_cuts.h"

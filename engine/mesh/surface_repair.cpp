@@ -1,7 +1,7 @@
 #include "engine/mesh/surface_repair.h"
 
 #include "engine/mesh/surface_edges.h"
-#include "engine/mesh/surface_holes.h"
+#include "engine/mesh/half_edges.h"
 
 #include <Eigen/Geometry>
 

@@ -20,6 +20,7 @@
 #include "engine/base/result.h"
 #include "engine/modal/bank.h"
 #include "engine/scene/description.h"
+#include "engine/scene/outline.h"
 #include "engine/scene/simulation.h"
 #include "engine/scene/sounding.h"
 #include "protocol/event.h"
@@ -117,6 +118,10 @@ class World {
   Result<void> push(BodyId body, Vec3 impulse_ns);
 
   [[nodiscard]] std::vector<BodyState> bodies() const;  // by number: the scene's own in its order, then spawned
+
+  // What these look like, in the same order. It changes by spawn(), clear(), set_object() and remove_object(), and when
+  // a step removes a body.
+  [[nodiscard]] std::vector<BodyOutline> describe() const;
 
  private:
   struct Impl;

@@ -3,7 +3,6 @@
 #include "engine/synth/mix_kernel.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
 #include <utility>
@@ -76,7 +75,8 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   const DenormalGuard guard;
   budget_.open_block(frames, sample_rate_hz(), deadlines_);
   count(counters_.late, agenda_.accept(now_));
-  wanted_ = outputs.wanted();
+  const Outputs heard = with_tap(outputs, frames);
+  wanted_ = heard.wanted();
   float peak = 0;
   Place& place = places_.data()[0];
   place.ringing_voices = place.ringing_modes = place.hidden_modes = 0;
@@ -94,12 +94,13 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
       budget_.open_chunk(chunk);
       render_chunk(chunk);
     }
-    write(outputs, done, chunk, peak);
+    write(heard, done, chunk, peak);
     done += chunk;
     now_ += static_cast<Frame>(chunk);
     if (watch_objects_.load(std::memory_order_relaxed)) measure_objects();
+    if (mode_watch_.watches()) measure_modes();
   }
-  if (limiter_) peak = std::max(peak, limit_mix(outputs, frames));
+  peak = finish_mix(heard, frames, peak);
   counters_.ringing_voices.store(place.ringing_voices, std::memory_order_relaxed);
   counters_.ringing_modes.store(place.ringing_modes, std::memory_order_relaxed);
   counters_.hidden_modes.store(place.hidden_modes, std::memory_order_relaxed);
@@ -108,24 +109,6 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
     counters_.peak_since.store(peak, std::memory_order_relaxed);
   }
   counters_.frames.store(now_, std::memory_order_release);
-}
-
-void Mixer::write(const Outputs& outputs, std::size_t at, std::size_t frames, float& peak) RINGDOWN_REALTIME {
-  for (ChannelSet rest = wanted_; rest != 0; rest &= rest - 1) {
-    const auto c = static_cast<std::size_t>(std::countr_zero(rest));
-    if (const double* samples = places_.data()[0].desk.result(c)) {
-      const float highest = write_samples(samples, outputs.at(c) + at, frames);
-      if (!limiter_ || c >= kFirstBus) peak = std::max(peak, highest);
-    } else {
-      std::fill_n(outputs.at(c) + at, frames, 0.0f);
-    }
-  }
-}
-
-float Mixer::limit_mix(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME {
-  const auto wanted = [&](std::size_t channel)
-                          RINGDOWN_REALTIME { return contains(wanted_, channel) ? outputs.at(channel) : nullptr; };
-  return limiter_->process(wanted(kLeft), wanted(kRight), frames);
 }
 
 void Mixer::accept_orders(Frame until) RINGDOWN_REALTIME {
@@ -155,8 +138,11 @@ void Mixer::carry_out(const Order& order) RINGDOWN_REALTIME {
   activate(object);  // the next chunk finds out what rings, and retires what does not
   if (!old) return;
   if (order.kind == Order::Kind::retune) {
-    order.voice->take_over(*old);
-    old->silence();
+    if (order.voice->take_over(*old)) {
+      old->fade_out();
+    } else {
+      old->silence();
+    }
   }
   keep_as_tail(object, old);
 }
@@ -288,7 +274,7 @@ void Mixer::render_object(Object& object, bool in_turn, Place& place) RINGDOWN_R
 // Nothing but strikes happens to it, and no gain or pan is moving.
 bool Mixer::plain_in_chunk(const Object& object) const RINGDOWN_REALTIME {
   for (std::int32_t i = object.first_due; i >= 0; i = due_.data()[i].next) {
-    if (!is_strike(due_.data()[i].event)) return false;
+    if (!excites(due_.data()[i].event)) return false;
   }
   return still(object, now_);
 }

@@ -22,7 +22,12 @@
 #include "engine/synth/family.h"
 #include "engine/synth/hearing.h"
 #include "engine/synth/limiter.h"
+#include "engine/synth/mixer_counters.h"
+#include "engine/synth/mode_watch.h"
+#include "engine/synth/outputs.h"
 #include "engine/synth/ramp.h"
+#include "engine/synth/sound_tap.h"
+#include "engine/synth/test_tone.h"
 #include "engine/synth/voice.h"
 #include "protocol/event.h"
 
@@ -44,42 +49,6 @@ inline constexpr std::size_t kMostEventsPerChunk = 512;       // more in one chu
 inline constexpr std::size_t kMostBuses = kMostChannels - 2;  // outputs beside the stereo mix
 
 inline constexpr std::size_t kFewestToMask = 2048;  // modes that ring; with fewer none is hidden by set_masking()
-
-// Where a block is written. What nobody listens to is not rendered.
-class Outputs {
- public:
-  Outputs() = default;
-  Outputs(float* left, float* right) RINGDOWN_REALTIME { listen(0, left), listen(1, right); }
-  void listen_to_mix(std::size_t side, float* samples) RINGDOWN_REALTIME { listen(side, samples); }  // 0 left, 1 right
-  void listen_to_bus(std::size_t bus, float* samples) RINGDOWN_REALTIME { listen(2 + bus, samples); }
-
-  [[nodiscard]] ChannelSet wanted() const RINGDOWN_REALTIME { return wanted_; }
-  [[nodiscard]] float* at(std::size_t channel) const RINGDOWN_REALTIME { return samples_[channel]; }
-
- private:
-  void listen(std::size_t channel, float* samples) RINGDOWN_REALTIME {
-    samples_[channel] = samples;
-    wanted_ |= only(channel);
-  }
-  std::array<float*, kMostChannels> samples_;  // those that are wanted
-  ChannelSet wanted_ = 0;
-};
-
-// Numbers that any thread may read while the mixer runs.
-struct MixerCounters {
-  std::atomic<std::int64_t> frames{0};    // rendered so far; also the time of the next block's first frame
-  std::atomic<std::uint64_t> strikes{0};  // played
-  std::atomic<std::uint64_t> late{0};     // events that came after their frame
-  std::atomic<std::uint64_t> refused{
-      0};  // strikes on what does not exist (any more), gains and pans that are no numbers
-  std::atomic<std::uint64_t> not_finite{0};      // voices silenced because a state was no longer a sensible number
-  std::atomic<std::uint32_t> ringing_voices{0};  // in the last block
-  std::atomic<std::uint32_t> ringing_modes{0};   // in the last block
-  std::atomic<std::uint32_t> hidden_modes{0};    // left out in the last block: masked, or shed
-  std::atomic<std::uint64_t> shed{0};            // chunks in which something was left out or put off for want of time
-  std::atomic<float> peak{0};                    // largest |sample| of the last block
-  std::atomic<float> peak_since{0};              // the same since take_peak()
-};
 
 class Mixer {
  public:
@@ -112,14 +81,16 @@ class Mixer {
     return agenda_.push(producer, event);
   }
 
-  // The table that voices of this bank, material and touches share; a new one if there is none. [worker]
+  // The table that voices of this bank, material, touches and choice of modes share; a new one if there is none.
+  // [worker]
   [[nodiscard]] std::shared_ptr<ModeTable> table_for(const std::shared_ptr<const modal::StrikeMap>& map,
                                                      const modal::MaterialScale& material,
-                                                     const modal::Touches& touches = {}) const;
+                                                     const modal::Touches& touches = {},
+                                                     modal::ModeRange modes = {}) const;
 
   enum class Install {
     replace,  // the old voice rings out, the new one takes the strikes to come
-    retune,   // the new voice, of the same bank, takes over what rings: for a change of material
+    retune,   // the new voice, of the same bank, takes over what rings of its modes; the others fade out
   };
   // Gives `object` a new voice from frame `at` on, or as soon as that is past; what is ordered later waits for it.
   // False when kMostVoices are alive. [worker]
@@ -184,6 +155,11 @@ class Mixer {
   // What no sample of the object, at its gain, has exceeded since the last call, as far as it was looked at: the sum of
   // its modes' amplitudes. Of one mode it is the peak; many do not peak together. [one thread that is not audio]
   [[nodiscard]] float take_reach(protocol::ObjectNumber object);
+
+  // A sine in the mix; what the mix sounds like; the amplitudes of objects' modes, at their gain and before pan.
+  [[nodiscard]] TestTone& test_tone() { return test_tone_; }
+  [[nodiscard]] SoundTap& sound_tap() { return sound_tap_; }
+  [[nodiscard]] ModeWatch& mode_watch() { return mode_watch_; }
 
   [[nodiscard]] const MixerCounters& counters() const { return counters_; }
 
@@ -307,8 +283,6 @@ class Mixer {
   [[nodiscard]] double floor_of(const Object& object) const RINGDOWN_REALTIME;
   void render_segment(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
   void mix_segment(const Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
-  void write(const Outputs& outputs, std::size_t at, std::size_t frames, float& peak) RINGDOWN_REALTIME;
-  [[nodiscard]] float limit_mix(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME;
   void activate(Object& object) RINGDOWN_REALTIME;
   void keep_as_tail(Object& object, Voice* voice) RINGDOWN_REALTIME;
   void retire_silent_tails(Object& object) RINGDOWN_REALTIME;
@@ -337,8 +311,15 @@ class Mixer {
   void render_clicks() RINGDOWN_REALTIME;
   void drive(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
 
+  // mixer_output.cpp
+  [[nodiscard]] Outputs with_tap(Outputs outputs, std::size_t frames) RINGDOWN_REALTIME;
+  void write(const Outputs& outputs, std::size_t at, std::size_t frames, float& peak) RINGDOWN_REALTIME;
+  [[nodiscard]] float finish_mix(const Outputs& outputs, std::size_t frames, float peak) RINGDOWN_REALTIME;
+
   // mixer_reach.cpp
+  void measure_modes() RINGDOWN_REALTIME;
   void measure_objects() RINGDOWN_REALTIME;
+  std::size_t tell_modes(const Object& object, ModeWatch::Place& place) const RINGDOWN_REALTIME;
   [[nodiscard]] double reach_of(const Object& object, std::size_t& modes) const RINGDOWN_REALTIME;
 
   // mixer_families.cpp
@@ -380,6 +361,9 @@ class Mixer {
 
   std::optional<double> ceiling_db_;
   std::optional<Limiter> limiter_;
+  TestTone test_tone_;
+  SoundTap sound_tap_;
+  ModeWatch mode_watch_;
 
   // The audio thread's own.
   std::vector<Object> objects_{kMostObjects};
@@ -399,6 +383,9 @@ class Mixer {
   std::array<std::optional<protocol::ObjectNumber>, kMostInputs> excites_;
   std::size_t numbers_ = 0;  // that objects have had: all lower than this
   std::size_t next_measured_ = 0;
+  std::size_t next_watched_ = 0;     // place of mode_watch_
+  protocol::Frame watch_round_ = 0;  // when its first was written last
+  std::vector<float> spare_left_ = std::vector<float>(kLongestSpare), spare_right_ = spare_left_;
   std::size_t frames_ = 0;  // of the chunk being rendered
   bool together_ = false;   // whether this chunk's slow modes are summed as moments
   protocol::Frame now_ = 0;

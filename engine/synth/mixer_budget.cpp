@@ -35,7 +35,7 @@ double Mixer::units_of(const Event& event) const RINGDOWN_REALTIME {
   const Object& object = objects_.data()[event.object];
   if (!object.current || event.type == protocol::EventType::click) return 0;
   const auto modes = static_cast<double>(object.current->table().columns());
-  if (is_strike(event)) return (object.shared ? kSharedStrikePerMode : kStrikePerMode) * modes;
+  if (excites(event)) return (object.shared ? kSharedStrikePerMode : kStrikePerMode) * modes;
   return object.shared ? kSharePerMode * modes : 0.0;
 }
 

@@ -50,6 +50,7 @@ void Mixer::take_due_events(std::size_t frames) RINGDOWN_REALTIME {
       start_click(due[count--].event);
       continue;
     }
+    if (event->type == EventType::ring) continue;
     Object& object = objects_.data()[event->object];
     if (event->type == EventType::contact && !(is_sane(event->contact) && open_contact(*event))) {
       if (!is_sane(event->contact)) this->count(counters_.refused);
@@ -71,7 +72,7 @@ void Mixer::link_due_events(std::int32_t count) RINGDOWN_REALTIME {
   };
   for (std::int32_t place = 0; place < count; ++place) {
     Object& object = objects_.data()[due[place].event.object];
-    if (object.first_due < 0 && !object.shared && is_strike(due[place].event) && object.parted != now_ &&
+    if (object.first_due < 0 && !object.shared && excites(due[place].event) && object.parted != now_ &&
         can_share(object, now_) && !budget_.over(units_to_share(object))) {
       share(object, now_);
     }
@@ -106,7 +107,7 @@ void Mixer::apply(Object& object, const Event& event) RINGDOWN_REALTIME {
   // Written so that a ramp that is no number becomes the shortest.
   const double ramp_s = std::min(event.ramp_s > kShortestRamp_s ? event.ramp_s : kShortestRamp_s, kLongestRamp_s);
   const auto ramp = static_cast<Frame>(ramp_s * sample_rate_hz());
-  if (is_strike(event)) {
+  if (excites(event)) {
     const bool struck = object.current && object.current->strike(event);
     count(struck ? counters_.strikes : counters_.refused);
   } else if (event.type == EventType::gain) {

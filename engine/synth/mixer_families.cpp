@@ -28,11 +28,12 @@ void Mixer::found_family(protocol::ObjectNumber object, const std::shared_ptr<Mo
 }
 
 std::shared_ptr<ModeTable> Mixer::table_for(const std::shared_ptr<const modal::StrikeMap>& map,
-                                            const modal::MaterialScale& material, const modal::Touches& touches) const {
+                                            const modal::MaterialScale& material, const modal::Touches& touches,
+                                            modal::ModeRange modes) const {
   for (const Kin& kin : families_) {
-    if (auto table = kin.table.lock(); table && table->is_of(map, material, touches)) return table;
+    if (auto table = kin.table.lock(); table && table->is_of(map, material, touches, modes)) return table;
   }
-  return std::make_shared<ModeTable>(map, material, sample_rate_hz(), touches);
+  return std::make_shared<ModeTable>(map, material, sample_rate_hz(), touches, modes);
 }
 
 bool Mixer::can_share(const Object& object, Frame now) RINGDOWN_REALTIME {

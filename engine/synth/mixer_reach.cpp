@@ -45,6 +45,41 @@ double Mixer::reach_of(const Object& object, std::size_t& modes) const RINGDOWN_
   return gain * sum;
 }
 
+// Some watched objects after the last ones, at the end of a chunk; each at most every ModeWatch::kEvery_s.
+void Mixer::measure_modes() RINGDOWN_REALTIME {
+  if (next_watched_ == 0) {
+    if (now_ - watch_round_ < static_cast<protocol::Frame>(ModeWatch::kEvery_s * sample_rate_hz())) return;
+    watch_round_ = now_;
+  }
+  for (std::size_t modes = 0; next_watched_ < kMostWatched && modes < kMostModesPerLook; ++next_watched_) {
+    ModeWatch::Place& place = mode_watch_.place(next_watched_);
+    const std::int64_t object = place.object.load(std::memory_order_acquire);
+    if (object < 0) continue;
+    place.begin();
+    place.of.store(object, std::memory_order_relaxed);
+    modes += tell_modes(objects_.data()[object], place);
+    place.end();
+  }
+  if (next_watched_ == kMostWatched) next_watched_ = 0;
+}
+
+// How many modes these are.
+std::size_t Mixer::tell_modes(const Object& object, ModeWatch::Place& place) const RINGDOWN_REALTIME {
+  place.bank.store(object.current ? &object.current->table().bank() : nullptr, std::memory_order_relaxed);
+  if (!object.current) return 0;
+  const Voice& voice = *object.current;
+  const std::size_t modes = voice.table().bank().mode_count();
+  for (std::size_t m = 0; m < modes; ++m) place.amplitudes.get()[m].store(0, std::memory_order_relaxed);
+  const double gain = std::abs(object.gain.at(now_));
+  if (!object.shared) {
+    voice.add_amplitudes(gain, place);
+    return modes;
+  }
+  const Family& family = *voice.table().family;
+  if (family.active && object.lost == family.lost) voice.add_amplitudes_at_rest(gain, now_ - object.anchor, place);
+  return modes;
+}
+
 float Mixer::take_reach(protocol::ObjectNumber object) {
   Reach& reach = reaches_[object];
   const float now = reach.now.load(std::memory_order_relaxed);

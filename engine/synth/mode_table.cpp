@@ -45,12 +45,14 @@ modal::Touches as_baked(modal::Touches touches, double size) {
 
 // Those that take moments first, each kind by frequency.
 std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const modal::MaterialScale& material,
-                                            const modal::Touches& touches, double sample_rate_hz) {
+                                            const modal::Touches& touches, modal::ModeRange modes,
+                                            double sample_rate_hz) {
   const modal::Bank& bank = map.bank();
   const std::vector<double> added = modal::added_decay(map, as_baked(touches, material.size));
   const double shape = modal::shape_factor(material);
   std::vector<PlayableMode> playable;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    if (!modes.has(map.rank(m))) continue;
     const modal::DampedMode mode = touched(modal::rescale(bank, m, material), shape * shape * added[m]);
     if (mode.frequency_hz <= 0 || mode.frequency_hz >= 0.5 * sample_rate_hz) continue;
     const double omega = modal::hz_to_rad_per_s(mode.frequency_hz);
@@ -68,15 +70,16 @@ std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const m
 }  // namespace
 
 ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material,
-                     double sample_rate_hz, modal::Touches touches)
+                     double sample_rate_hz, modal::Touches touches, modal::ModeRange modes)
     : map_(std::move(map)),
       material_(material),
       touches_(std::move(touches)),
+      modes_(modes),
       sample_rate_hz_(sample_rate_hz),
       per_size_(1 / material.size),
       click_(click_of(bank(), material)),
       column_of_(bank().mode_count(), -1) {
-  const std::vector<PlayableMode> playable = playable_modes_of(*map_, material, touches_, sample_rate_hz);
+  const std::vector<PlayableMode> playable = playable_modes_of(*map_, material, touches_, modes_, sample_rate_hz);
   slow_modes_ = static_cast<std::size_t>(
       std::count_if(playable.begin(), playable.end(), [](const PlayableMode& m) { return takes_moments(m.s); }));
   slow_groups_ = groups_for(slow_modes_);
@@ -131,8 +134,27 @@ std::optional<std::size_t> ModeTable::column_of(std::size_t mode) const RINGDOWN
   return static_cast<std::size_t>(column);
 }
 
+std::optional<std::size_t> ModeTable::at_column(std::size_t column) const RINGDOWN_REALTIME {
+  if (column < slow_modes_) return column;
+  const std::size_t first_fast = kModePadding * slow_groups_;
+  if (column < first_fast || column - first_fast >= playable_modes() - slow_modes_) return std::nullopt;
+  return slow_modes_ + column - first_fast;
+}
+
+double ModeTable::ring(const protocol::Event& event, double* amplitudes) const RINGDOWN_REALTIME {
+  const modal::ModeRange range{event.vertex, event.count};
+  double energy = 0;
+  for (std::size_t i = 0; i < playable_modes(); ++i) {
+    const double a = range.has(map_->rank(mode_of(i))) ? event.value : 0;
+    amplitudes[column(i)] = a;
+    energy += a * a;
+  }
+  return energy;
+}
+
 std::optional<double> ModeTable::strike(const protocol::Event& event, std::span<double> scratch,
                                         double* amplitudes) const RINGDOWN_REALTIME {
+  if (event.type == protocol::EventType::ring) return ring(event, amplitudes);
   if (event.type == protocol::EventType::strike_vertex) {
     if (event.vertex >= bank().point_count()) return std::nullopt;
     map_->excite_vertex(event.vertex, event.impulse_ns, scratch);

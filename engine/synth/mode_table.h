@@ -1,13 +1,15 @@
 // What the modes of a bank need at one sample rate in one material: poles, tables, moments' weights. Objects that sound
 // alike share one.
 //
-// Modes at or above Nyquist, and over-damped ones, are left out. The others stand in columns: those that take moments
-// first, each kind by frequency and padded with silent ones to whole groups of kModePadding.
+// Modes at or above Nyquist, over-damped ones, and those outside a range that may be given are left out. The others
+// stand in columns: those that take moments first, each kind by frequency and padded with silent ones to whole groups
+// of kModePadding.
 #pragma once
 
 #include "engine/base/realtime.h"
 #include "engine/modal/contact_damping.h"
 #include "engine/modal/material_scale.h"
+#include "engine/modal/mode_range.h"
 #include "engine/modal/strike_map.h"
 #include "engine/synth/aligned_array.h"
 #include "engine/synth/click.h"
@@ -31,19 +33,19 @@ inline constexpr double kOutputScale = 1e-4;
 
 class ModeTable {
  public:
-  // `touches` are what lies on the object. [worker]
+  // `touches` are what lies on the object, `modes` those that it has. [worker]
   ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz,
-            modal::Touches touches = {});
+            modal::Touches touches = {}, modal::ModeRange modes = {});
 
-  // The same modes, in the same material and under the same touches, at another sample rate. [worker]
+  // The same choice of modes, in the same material and under the same touches, at another sample rate. [worker]
   [[nodiscard]] std::shared_ptr<ModeTable> at_rate(double sample_rate_hz) const {
-    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz, touches_);
+    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz, touches_, modes_);
   }
   [[nodiscard]] double sample_rate_hz() const RINGDOWN_REALTIME { return sample_rate_hz_; }
 
   [[nodiscard]] bool is_of(const std::shared_ptr<const modal::StrikeMap>& map, const modal::MaterialScale& material,
-                           const modal::Touches& touches = {}) const {
-    return map == map_ && material == material_ && touches == touches_;
+                           const modal::Touches& touches = {}, modal::ModeRange modes = {}) const {
+    return map == map_ && material == material_ && touches == touches_ && modes == modes_;
   }
 
   [[nodiscard]] const modal::Bank& bank() const RINGDOWN_REALTIME { return map_->bank(); }
@@ -65,8 +67,12 @@ class ModeTable {
   [[nodiscard]] bool narrow(std::size_t group) const RINGDOWN_REALTIME { return narrow_.data()[group] != 0; }
   [[nodiscard]] float fall(std::size_t group) const RINGDOWN_REALTIME { return fall_.data()[group]; }
 
+  // Which playable mode has this column; nullopt for padding.
+  [[nodiscard]] std::optional<std::size_t> at_column(std::size_t column) const RINGDOWN_REALTIME;
+
   // The output amplitude that a strike (EventType::strike, its point in the frame of the object in its size, or
-  // strike_vertex) gives the mode of each column, and the sum of their squares; nullopt when the vertex does not exist.
+  // strike_vertex) or EventType::ring gives the mode of each column, and the sum of their squares; nullopt when the
+  // vertex does not exist.
   // `scratch` has one element per mode of the bank, `amplitudes` one per column; its padding stays as it was. [audio]
   [[nodiscard]] std::optional<double> strike(const protocol::Event& event, std::span<double> scratch,
                                              double* amplitudes) const RINGDOWN_REALTIME;
@@ -86,12 +92,14 @@ class ModeTable {
  private:
   enum Row { pole_re, pole_im, full_re, full_im, rest_re, rest_im, kRows };
 
+  [[nodiscard]] double ring(const protocol::Event& event, double* amplitudes) const RINGDOWN_REALTIME;
   void add_mode(std::uint32_t mode, const modal::DampedMode& damped, std::complex<double> s);
   [[nodiscard]] double* row(Row which) const RINGDOWN_REALTIME { return rows_.get() + which * columns_; }
 
   std::shared_ptr<const modal::StrikeMap> map_;
   modal::MaterialScale material_;
   modal::Touches touches_;
+  modal::ModeRange modes_;
   double sample_rate_hz_;
   double per_size_;  // from points of the object to those of its bank
   std::optional<ClickShape> click_;

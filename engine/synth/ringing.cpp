@@ -62,16 +62,18 @@ void Ringing::rest() RINGDOWN_REALTIME {
   slow_.count = fast_.count = 0;
 }
 
-void Ringing::take_over(Ringing& other) RINGDOWN_REALTIME {
+bool Ringing::take_over(Ringing& other) RINGDOWN_REALTIME {
   reveal();
   other.reveal();
+  bool left = false;
   for (const Row which : {z_re, z_im, fade_re, fade_im}) {
     double* const mine = row(which);
-    const double* const theirs = other.row(which);
+    double* const theirs = other.row(which);
     for (std::size_t i = 0; i < table_.playable_modes(); ++i) {
       const std::optional<std::size_t> from = other.table_.column_of(table_.mode_of(i));
-      mine[table_.column(i)] = from ? theirs[*from] : 0.0;
+      mine[table_.column(i)] = from ? std::exchange(theirs[*from], 0.0) : 0.0;
     }
+    for (std::size_t i = 0; i < other.table_.columns(); ++i) left = left || theirs[i] != 0;
   }
   const double ratio = table_.sample_rate_hz() / other.table_.sample_rate_hz();
   const auto scaled = [ratio](std::size_t frames) RINGDOWN_REALTIME {
@@ -80,6 +82,7 @@ void Ringing::take_over(Ringing& other) RINGDOWN_REALTIME {
   fade_frames_ = std::max(kFadeFrames, scaled(other.fade_frames_));
   fade_left_ = std::min(scaled(other.fade_left_), fade_frames_);
   if (other.slow_.count + other.fast_.count > 0) wake();
+  return left;
 }
 
 void Ringing::fade_out(std::size_t frames) RINGDOWN_REALTIME {

@@ -14,6 +14,7 @@
 #include "engine/synth/aligned_array.h"
 #include "engine/synth/drive_kernel.h"
 #include "engine/synth/mode_table.h"
+#include "engine/synth/mode_watch.h"
 
 #include <array>
 #include <cstdint>
@@ -36,9 +37,10 @@ class Ringing {
   // Adds what rings in `other`, of the same table, times `gain`. [audio]
   void add(Ringing& other, double gain) RINGDOWN_REALTIME;
 
-  // Takes over what rings in `other`, of the same bank: phase and amplitude continue, pitch, decay and sample rate are
-  // those of this table from here on. [audio]
-  void take_over(Ringing& other) RINGDOWN_REALTIME;
+  // Takes from `other`, of the same bank, what rings of its modes that are in this table too: phase and amplitude
+  // continue, pitch, decay and sample rate are those of this table from here on. True when modes that are not in it
+  // still ring in `other`. [audio]
+  bool take_over(Ringing& other) RINGDOWN_REALTIME;
 
   // Lets what rings now fade out linearly within so many frames, at least kFadeFrames; later strikes ring in full.
   // [audio]
@@ -100,6 +102,11 @@ class Ringing {
   [[nodiscard]] double reach() const RINGDOWN_REALTIME;
   [[nodiscard]] double reach_at_rest(protocol::Frame frames) const RINGDOWN_REALTIME;
 
+  // The same of each mode, times `gain`, added to where it stands in the bank's order; each mode decays as it does.
+  // [audio]
+  void add_amplitudes(double gain, ModeWatch::Place& to) const RINGDOWN_REALTIME;
+  void add_amplitudes_at_rest(double gain, protocol::Frame frames, ModeWatch::Place& to) const RINGDOWN_REALTIME;
+
   // How many modes sound; how many of these take moments.
   [[nodiscard]] std::size_t sounding_modes() const RINGDOWN_REALTIME;
   [[nodiscard]] std::size_t hidden_modes() const RINGDOWN_REALTIME {
@@ -141,6 +148,7 @@ class Ringing {
   [[nodiscard]] ModeArrays modes(Row re, Row im, std::size_t frames) const RINGDOWN_REALTIME {
     return table_.modes(row(re), row(im), frames);
   }
+  void add_group(std::uint32_t group, double gain, double frames, ModeWatch::Place& to) const RINGDOWN_REALTIME;
   [[nodiscard]] double amplitudes_of(std::uint32_t group) const RINGDOWN_REALTIME;  // their sum
   using Energies = std::array<double, kModePadding>;                                // |z|^2 of a group's modes
   [[nodiscard]] Energies energies_of(std::uint32_t group) const RINGDOWN_REALTIME;

@@ -46,4 +46,43 @@ double Ringing::reach_at_rest(protocol::Frame frames) const RINGDOWN_REALTIME {
   return sum;
 }
 
+// Of states that have rested for so many frames.
+void Ringing::add_group(std::uint32_t group, double gain, double frames, ModeWatch::Place& to) const RINGDOWN_REALTIME {
+  const ModeArrays all = modes(z_re, z_im, 0);
+  const std::size_t first = std::size_t{group} * kModePadding;
+  for (std::size_t c = first; c < first + kModePadding; ++c) {
+    const std::optional<std::size_t> i = table_.at_column(c);
+    const double energy = all.z_re[c] * all.z_re[c] + all.z_im[c] * all.z_im[c];
+    if (!i || energy == 0) continue;
+    const double pole = all.pole_re[c] * all.pole_re[c] + all.pole_im[c] * all.pole_im[c];
+    const double rest = frames > 0 ? std::pow(pole, 0.5 * frames) : 1;
+    to.add(table_.mode_of(*i), gain * rest * std::sqrt(energy));
+  }
+}
+
+void Ringing::add_amplitudes_at_rest(double gain, protocol::Frame frames,
+                                     ModeWatch::Place& to) const RINGDOWN_REALTIME {
+  for (std::uint32_t group = 0; group < table_.groups(); ++group)
+    add_group(group, gain, static_cast<double>(frames), to);
+}
+
+void Ringing::add_amplitudes(double gain, ModeWatch::Place& to) const RINGDOWN_REALTIME {
+  for (const ActiveGroups* groups : {&slow_, &fast_}) {
+    for (std::size_t i = 0; i < groups->count; ++i) add_group(groups->list[i], gain, 0, to);
+  }
+  for (const Groups* groups : {&leaving_, &coming_}) {
+    for (std::size_t i = 0; i < groups->size(); ++i) add_group((*groups)[i], gain, 0, to);
+  }
+  for (std::size_t i = 0; i < hidden_.size(); ++i) {
+    add_group(hidden_[i], gain, static_cast<double>(clock_ - hidden_since_.data()[hidden_[i]]), to);
+  }
+  if (fade_left_ == 0) return;
+  const double left = static_cast<double>(fade_left_) / static_cast<double>(fade_frames_);
+  const double *re = row(fade_re), *im = row(fade_im);
+  for (std::size_t i = 0; i < table_.playable_modes(); ++i) {
+    const std::size_t c = table_.column(i);
+    to.add(table_.mode_of(i), gain * left * std::sqrt(re[c] * re[c] + im[c] * im[c]));
+  }
+}
+
 }  // namespace ringdown::synth

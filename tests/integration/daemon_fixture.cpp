@@ -77,13 +77,21 @@ void Daemon::send_bundle(double unix_s, const std::vector<protocol::Message>& me
   static_cast<void>(socket_.send_to({.port = port_}, server::encode_bundle(server::time_tag(unix_s), messages)));
 }
 
-std::optional<protocol::Reply> Daemon::reply(std::chrono::milliseconds limit) {
+std::vector<protocol::Reply> Daemon::packet(std::chrono::milliseconds limit) {
   server::Datagram datagram;
-  if (!socket_.receive(datagram, limit)) return std::nullopt;
+  if (!socket_.receive(datagram, limit)) return {};
   const auto messages = server::decode_packet(datagram.bytes);
-  if (!messages || messages->empty()) return std::nullopt;
-  const auto reply = protocol::parse_reply(messages->front().message);
-  return reply ? std::optional(*reply) : std::nullopt;
+  std::vector<protocol::Reply> replies;
+  if (!messages) return replies;
+  for (const auto& timed : *messages) {
+    if (const auto reply = protocol::parse_reply(timed.message)) replies.push_back(*reply);
+  }
+  return replies;
+}
+
+std::optional<protocol::Reply> Daemon::reply(std::chrono::milliseconds limit) {
+  const auto replies = packet(limit);
+  return replies.empty() ? std::nullopt : std::optional(replies.front());
 }
 
 std::optional<protocol::Reply> Daemon::ask(const protocol::Message& message) {

@@ -55,7 +55,9 @@ class Daemon {
   void send(const protocol::Message& message);
   void send_bundle(double unix_s, const std::vector<protocol::Message>& messages);
 
-  // The next reply, or nothing after `limit`.
+  // What the next packet holds: nothing after `limit`.
+  std::vector<protocol::Reply> packet(std::chrono::milliseconds limit = std::chrono::seconds(5));
+  // Its first reply.
   std::optional<protocol::Reply> reply(std::chrono::milliseconds limit = std::chrono::seconds(5));
   // Sends and waits for a reply.
   std::optional<protocol::Reply> ask(const protocol::Message& message);
@@ -65,6 +67,23 @@ class Daemon {
   std::uint16_t port_ = 0;
   server::OscSocket socket_;
 };
+
+// Sends and waits for the first reply of this kind; notices may come before it. A refusal is nothing.
+template <class Struct>
+std::optional<Struct> ask_for(Daemon& daemon, const protocol::Message& message) {
+  daemon.send(message);
+  for (;;) {
+    const auto replies = daemon.packet(std::chrono::seconds(20));
+    if (replies.empty()) return std::nullopt;
+    for (const protocol::Reply& reply : replies) {
+      if (const auto* wanted = std::get_if<Struct>(&reply)) return *wanted;
+      if (std::holds_alternative<protocol::Fail>(reply)) return std::nullopt;
+    }
+  }
+}
+inline bool done(Daemon& daemon, const protocol::Message& message) {
+  return ask_for<protocol::Done>(daemon, message).has_value();
+}
 
 // Asks again until `holds()`, at most this long.
 template <class Condition>

@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kRate = 48000, kPitch_hz = JackTest::kPitch_hz, kDecay_per_s = JackTest::kDecay_per_s;
+constexpr double kRate = 48000;
 
 // Frames at which the signal exceeds `threshold` after staying below it for more than `quiet` frames.
 std::vector<std::size_t> onsets(const Samples& samples, double threshold, std::size_t quiet) {

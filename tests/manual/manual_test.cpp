@@ -16,8 +16,8 @@ namespace ringdown::test {
 namespace {
 
 const std::string kShare = RINGDOWN_BIN_DIR "/../share/";
-const std::vector<std::string> kPrograms = {"ringdownd",      "ringdown",      "ringdown-bake",
-                                            "ringdown-check", "ringdown-tune", "ringdown-fit"};
+const std::vector<std::string> kPrograms = {"ringdownd",     "ringdown",     "ringdown-bake",  "ringdown-check",
+                                            "ringdown-tune", "ringdown-fit", "ringdown-viewer"};
 
 std::string text_of(const std::string& path) {
   std::ifstream file(path);
@@ -54,7 +54,7 @@ const std::vector<Place> kPlaces = {{"ringdownd", ""},         {"ringdown", ""},
                                     {"ringdown", "materials"}, {"ringdown", "scale"},      {"ringdown", "render"},
                                     {"ringdown", "strike"},    {"ringdown", "send"},       {"ringdown", "protocol"},
                                     {"ringdown-bake", ""},     {"ringdown-check", "mesh"}, {"ringdown-tune", ""},
-                                    {"ringdown-fit", ""}};
+                                    {"ringdown-fit", ""},      {"ringdown-viewer", ""}};
 
 std::string man_text(const std::string& name) { return run({"groff", "-man", "-Tascii", "-P-cbou", man(name)}).output; }
 

@@ -1,6 +1,6 @@
 #include "engine/mesh/fill.h"
 
-#include "engine/mesh/remesh.h"
+#include "engine/mesh/half_edges.h"
 #include "engine/mesh/surface_check.h"
 #include "engine/mesh/tet_quality.h"
 #include "engine/mesh/wall_thickness.h"

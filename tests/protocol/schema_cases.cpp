@@ -311,6 +311,89 @@ Cases clear_cases() {
 }
 
 template <class Struct>
+Cases switch_cases(const std::string& address) {
+  const auto on = [](bool value) { return claim<Struct>([value](const Struct& s) { return s.on == value; }); };
+  return {{{address, {}, on(true)}, {address, {1.f}, on(true)}, {address, {0}, on(false)}},
+          {{address, {2}, "on"}, {address, {"yes"}, "on"}}};
+}
+
+Cases watch_cases() {
+  Cases cases = switch_cases<WatchObject>("/object/bell/watch");
+  cases.bad.push_back({"/object/b%/watch", {1}, "object"});
+  return cases;
+}
+
+Cases ring_cases() {
+  const std::string a = "/object/bell/ring";
+  return {{{a, {3}, claim<RingModes>([](const RingModes& r) {
+              return r.object == named("bell") && r.first == 3 && r.count == 1 && r.amplitude == 0.1;
+            })},
+           {a, {0, 2147483647, 1}, claim<RingModes>([](const RingModes& r) {
+              return r.first == 0 && r.count == 2147483647 && r.amplitude == 1;
+            })}},
+          {{"/object/b%/ring", {0}, "object"},
+           {a, {}, "first"},
+           {a, {-1}, "first"},
+           {a, {0.5}, "first"},
+           {a, {0, -1}, "count"},
+           {a, {0, 1, 1.01}, "amplitude"},
+           {a, {0, 1, -0.1}, "amplitude"},
+           {a, {0, 1, kNan}, "amplitude"}}};
+}
+
+Cases modes_cases() {
+  const std::string a = "/object/bell/modes";
+  return {{{a, {2, 20}, claim<SelectModes>([](const SelectModes& s) {
+              return s.object == named("bell") && s.range.first == 2 && s.range.count == 20;
+            })},
+           {a, {0}, claim<SelectModes>([](const SelectModes& s) { return s.range == modal::ModeRange{}; })},
+           {a, {0, 0}, claim<SelectModes>([](const SelectModes& s) { return s.range.count == 0; })}},
+          {{"/object/b%/modes", {0}, "object"},
+           {a, {}, "first"},
+           {a, {-1}, "first"},
+           {a, {16777216}, "first"},
+           {a, {0, -1}, "count"},
+           {a, {0, 0.5}, "count"}}};
+}
+
+Cases bank_cases() {
+  const std::string a = "/object/bell/bank";
+  return {{{a, {8192}, claim<ReadBank>([](const ReadBank& r) {
+              return r.object == named("bell") && r.offset == 8192 && r.bytes == 8192;
+            })},
+           {a, {0, 1}, claim<ReadBank>([](const ReadBank& r) { return r.offset == 0 && r.bytes == 1; })}},
+          {{"/object/b%/bank", {0}, "object"},
+           {a, {}, "offset"},
+           {a, {-1}, "offset"},
+           {a, {0, 0}, "bytes"},
+           {a, {0, 8193}, "bytes"}}};
+}
+
+Cases push_cases() {
+  const std::string a = "/scene/push";
+  return {{{a, {7, 1, 2, -3}, claim<ScenePush>([](const ScenePush& p) {
+              return p.body == 7 && p.impulse_ns == Vec3{1, 2, -3};
+            })}},
+          {{a, {-1, 0, 0, 0}, "body"},
+           {a, {"bell", 0, 0, 0}, "body"},
+           {a, {0, kNan, 0, 0}, "jx"},
+           {a, {0, 0, 1e5, 0}, "jy"},
+           {a, {0, 0, 0}, "jz"}}};
+}
+
+Cases test_tone_cases() {
+  const std::string a = "/test_tone";
+  return {
+      {{a, {0.5f}, claim<TestTone>([](const TestTone& t) { return t.amplitude == 0.5 && t.frequency_hz == 440; })},
+       {a, {0, 1000}, claim<TestTone>([](const TestTone& t) { return t.amplitude == 0 && t.frequency_hz == 1000; })}},
+      {{a, {}, "amplitude"},
+       {a, {1.01}, "amplitude"},
+       {a, {-0.1}, "amplitude"},
+       {a, {0.1, 0}, "frequency"},
+       {a, {0.1, kNan}, "frequency"}}};
+}
+
+template <class Struct>
 Cases bare_cases(const std::string& address) {
   return {{{address, {}, is_a<Struct>()}}, {{address, {1}, "argument 1"}}};
 }
@@ -337,6 +420,16 @@ const std::map<std::string, Cases>& all_cases() {
       {"/object/{object}/hold", hold_cases()},
       {"/object/{object}/contact", contact_cases()},
       {"/object/{object}/click", click_cases()},
+      {"/object/{object}/ring", ring_cases()},
+      {"/object/{object}/modes", modes_cases()},
+      {"/object/{object}/watch", watch_cases()},
+      {"/object/{object}/describe", object_only_cases<DescribeObject>("describe")},
+      {"/object/{object}/bank", bank_cases()},
+      {"/scene/push", push_cases()},
+      {"/scene/describe", bare_cases<SceneDescribe>("/scene/describe")},
+      {"/watch/sound", switch_cases<WatchSound>("/watch/sound")},
+      {"/browse", bare_cases<Browse>("/browse")},
+      {"/test_tone", test_tone_cases()},
       {"/object/{object}/free", object_only_cases<FreeObject>("free")},
       {"/load", load_cases()},
       {"/clear", bare_cases<ClearAll>("/clear")},

@@ -106,16 +106,38 @@ TEST(Schema, AnUnknownAddressSuggestsTheNearestOne) {
 }
 
 TEST(Schema, RepliesRoundTripInTypesPureDataKnows) {
-  const StatusReply status{4, 1, 220, 6, 48000, 256, 0.25, 0.5, 7, 8, 9, 10, 0.375, 11, 12, 13, 14, 0.5};
+  const StatusReply status{4, 1, 220, 6, 48000, 256, 0.25, 0.5, 7, 8, 9, 10, 0.375, 11, 12, 13, 14, 0.5, true};
   const Message message = format(Reply(status));
-  EXPECT_EQ(message, (Message{"/status.reply",
-                              {4, 1, 220, 6, 48000.f, 256, 0.25f, 0.5f, 7, 8, 9, 10, 0.375f, 11, 12, 13, 14, 0.5f}}));
+  EXPECT_EQ(message,
+            (Message{"/status.reply",
+                     {4, 1, 220, 6, 48000.f, 256, 0.25f, 0.5f, 7, 8, 9, 10, 0.375f, 11, 12, 13, 14, 0.5f, 1}}));
   for (const Reply& reply :
-       {Reply(Done{"/load", 3}), Reply(Done{"/quit", std::nullopt}), Reply(Fail{"/load", "why"}), Reply(status),
-        Reply(VersionReply{"ringdownd", "0.1.0", 1}), Reply(Synced{-5}), Reply(Fail{"", "two\nlines"}),
-        Reply(NotifyObject{3, "bell", false}), Reply(NotifyContact{"bell", {1, 2, 3}, {4, 5, 6}, 0.001}),
-        Reply(NotifyGroup{3, "bell", "metal"}), Reply(NotifyGroup{3, "bell", std::nullopt}), Reply(NotifyPeak{2}),
-        Reply(NotifyObjectPeak{"bell", 0.5}), Reply(NotifyLoad{0.5, 0.75, 1, 2, 3}),
+       {Reply(Done{"/load", 3}),
+        Reply(Done{"/quit", std::nullopt}),
+        Reply(Fail{"/load", "why"}),
+        Reply(status),
+        Reply(VersionReply{"ringdownd", "0.1.0", 1}),
+        Reply(Synced{-5}),
+        Reply(Fail{"", "two\nlines"}),
+        Reply(NotifyObject{3, "bell", false}),
+        Reply(NotifyContact{"bell", {1, 2, 3}, {4, 5, 6}, 0.001}),
+        Reply(NotifyGroup{3, "bell", "metal"}),
+        Reply(NotifyGroup{3, "bell", std::nullopt}),
+        Reply(NotifyPeak{2}),
+        Reply(NotifyObjectPeak{"bell", 0.5}),
+        Reply(NotifyLoad{0.5, 0.75, 1, 2, 3}),
+        Reply(ObjectReply{3, "bell", 2, 100, "a.glb", 9, 1, 4, {1, 2, 3, 4, 5}, 0.5, -0.25, "metal"}),
+        Reply(ObjectReply{}),
+        Reply(BankReply{"bell", 1, 2, 3, Blob(5)}),
+        Reply(SceneReply{1, 2, 3, 4, {5, 6, 7}, {8, 9, 10}, 50, "s.toml"}),
+        Reply(SceneReply{}),
+        Reply(SceneBody{1, 2, "a", "-", "box", {1, 2, 3}, true}),
+        Reply(SceneStatic{1, 2, "a", "box", {1, 2, 3}, {4, 5, 6}, 0, 0.6, 0, 0.8}),
+        Reply(BrowseReply{2}),
+        Reply(BrowseFile{1, "bank", "a b.glb"}),
+        Reply(NotifyScene{1, 2.5, true}),
+        Reply(NotifySound{7, 48000, Blob(16)}),
+        Reply(NotifyModes{"bell", 512, Blob(8)}),
         Reply(NotifyBody{7, "ball", "-", {1, 2, 3}, 0, 0.6, 0, 0.8})}) {
     const Result<Reply> again = parse_reply(format(reply));
     ASSERT_TRUE(again) << again.error().message;

@@ -1,10 +1,14 @@
 // docs/limits.md against the constants it lists.
+#include "clients/viewer/history.h"
+#include "clients/viewer/link/daemon_client.h"
+#include "clients/viewer/link/model.h"
 #include "engine/base/toml_table.h"
 #include "engine/modal/bank_file.h"
 #include "engine/scene/simulation.h"
 #include "engine/scene/world.h"
 #include "protocol/bulk.h"
 #include "protocol/names.h"
+#include "server/browse.h"
 #include "server/latency.h"
 #include "server/notifier.h"
 #include "server/offline.h"
@@ -66,6 +70,15 @@ const std::map<std::string, double> kConstants = {
     ROW(server::kMostSubscribers),
     ROW(server::kMostContactsPerNotice),
     ROW(server::kSilence_s),
+    ROW(synth::kMostWatched),
+    ROW(synth::kMostTapped),
+    ROW(synth::kLongestSpare),
+    ROW(protocol::kMostSoundFrames),
+    ROW(protocol::kMostModeAmplitudes),
+    ROW(server::kMostBrowsed),
+    ROW(server::kMostLookedAt),
+    ROW(server::kDeepestBrowsed),
+    ROW(protocol::kMostBankBytes),
     ROW(server::kMostConnections),
     ROW(server::kMostUnread),
     ROW(server::kMostRecorded),
@@ -73,6 +86,20 @@ const std::map<std::string, double> kConstants = {
     ROW(server::kLongestRender_s),
     ROW(server::kLargestScore),
     ROW(server::kLongestScore),
+    ROW(viewer::kMostUndone),
+    ROW(viewer::BankTransfer::kMostBytes),
+    ROW(viewer::Model::kMostBankBytesTotal),
+    ROW(viewer::Model::kMostObjects),
+    ROW(viewer::Model::kMostWatched),
+    ROW(viewer::Model::kMostModes),
+    ROW(viewer::Model::kMostContacts),
+    ROW(viewer::Model::kMostMessages),
+    ROW(viewer::Model::kMostFiles),
+    ROW(viewer::KnownScene::kMostBodies),
+    ROW(viewer::KnownScene::kMostStatics),
+    ROW(viewer::PoseTrack::kMostPoses),
+    ROW(viewer::DaemonClient::kMostReplies),
+    ROW(viewer::DaemonClient::kMostRequests),
 };
 #undef ROW
 

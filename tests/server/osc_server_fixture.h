@@ -12,9 +12,11 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <thread>
 #include <unistd.h>
+#include <vector>
 
 namespace ringdown::server {
 
@@ -41,6 +43,35 @@ class StillDriver final : public Driver {
  private:
   double origin_s_ = steady_now_s();
 };
+
+// The messages of one bundle that comes to `socket`.
+inline std::vector<protocol::Reply> notice(OscSocket& socket) {
+  Datagram datagram;
+  std::vector<protocol::Reply> replies;
+  if (!socket.receive(datagram, 20s)) return replies;
+  const auto messages = decode_packet(datagram.bytes);
+  EXPECT_TRUE(messages);
+  for (const TimedMessage& timed : *messages) {
+    const auto reply = protocol::parse_reply(timed.message);
+    EXPECT_TRUE(reply) << reply.error().message;
+    if (reply) replies.push_back(*reply);
+  }
+  return replies;
+}
+
+// Reads notices until one holds a message that `wanted` likes.
+template <class Struct>
+std::optional<Struct> wait_for(OscSocket& socket, const std::function<bool(const Struct&)>& wanted) {
+  for (int i = 0; i < 1000; ++i) {
+    const auto replies = notice(socket);
+    if (replies.empty()) return std::nullopt;
+    for (const protocol::Reply& reply : replies) {
+      const auto* found = std::get_if<Struct>(&reply);
+      if (found && wanted(*found)) return *found;
+    }
+  }
+  return std::nullopt;
+}
 
 class OscServerTest : public testing::Test {
  protected:

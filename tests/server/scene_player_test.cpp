@@ -64,7 +64,7 @@ class ScenePlayerTest : public testing::Test {
     session_.scene().advance_to(now_, 48000);
   }
 
-  double place() { return session_.scene().bodies().at(0).position_m.x; }
+  double place() { return session_.scene().poses().bodies.at(0).position_m.x; }
 
   test::TemporaryFolder folder_;
   Session session_{48000};

@@ -62,6 +62,13 @@ void ExactVoice::take_over(const ExactVoice& other, Frame now) {
   }
 }
 
+bool ExactVoice::has_more_than(const ExactVoice& other) const {
+  for (std::size_t m = 0; m < modes_.size(); ++m) {
+    if (modes_[m].plays && !other.modes_[m].plays) return true;
+  }
+  return false;
+}
+
 void ExactVoice::silence() {
   for (ExactMode& mode : modes_) mode.z = 0, mode.size = mode.lost = 0;
 }

@@ -27,6 +27,9 @@ class ExactVoice {
   // The states of `other`, at these pitches and decays from `now` on.
   void take_over(const ExactVoice& other, Frame now);
 
+  // Whether a mode plays here that does not in `other`.
+  [[nodiscard]] bool has_more_than(const ExactVoice& other) const;
+
   // All states become zero.
   void silence();
 

@@ -91,6 +91,7 @@ class BoundedObject {
       next.voice.take_over(current_->voice, now);
       next.fading = current_->fading, next.fade_begin = current_->fade_begin;
       next.fade_frames = current_->fade_frames;
+      fade_what_is_left(next.voice, now);
     } else if (current_) {
       tails_.push_back(*current_);
     }
@@ -124,6 +125,14 @@ class BoundedObject {
   [[nodiscard]] const ExactVoice* voice() const { return current_ ? &current_->voice : nullptr; }
 
  private:
+  // Of the modes that a retuned voice does not have: they, and what of them fades already, fade from here on.
+  void fade_what_is_left(const ExactVoice& taken, Frame now) {
+    if (!current_->voice.has_more_than(taken)) return;
+    BoundedVoice left = *current_;
+    left.fade(now, Voice::kFadeFrames);
+    left.fading = current_->voice.loudness(now) - taken.loudness(now) + current_->fade_at(now);
+    tails_.push_back(left);
+  }
   [[nodiscard]] bool plays(const Event& event) const {
     return current_ && (event.type == EventType::strike || event.vertex < current_->voice.map()->bank().point_count());
   }

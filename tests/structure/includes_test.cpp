@@ -35,7 +35,9 @@ const std::vector<FolderRule> kFolderRules = {
     // rigid bodies
     {"engine/scene/", {"engine/base/", "engine/modal/", "engine/scene/", "protocol/"}},
     // the programs
-    {"protocol/", {"engine/base/", "engine/modal/contact_damping.h", "engine/modal/material_scale.h", "protocol/"}},
+    {"protocol/",
+     {"engine/base/", "engine/modal/contact_damping.h", "engine/modal/material_scale.h", "engine/modal/mode_range.h",
+      "protocol/"}},
     {"manual/", {"protocol/exit_codes.h", "manual/"}},
     {"server/", {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "manual/", "server/"}},
     {"clients/cli/slepc/", {"engine/base/", "engine/solve/distributed_files.h", "clients/cli/slepc/"}},
@@ -70,7 +72,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"suitesparse/", {"engine/solve/"}},
     {"gmsh", {"engine/mesh/"}},
     {"assimp/", {"engine/mesh/"}, 1},
-    {"CGAL/", {"engine/mesh/"}, 4},
+    {"CGAL/", {"engine/mesh/"}, 3},
     {"meshoptimizer.h", {"engine/mesh/", "engine/bake/"}, 1},
     {"Eigen/",
      {"engine/mesh/", "engine/fem/", "engine/solve/", "engine/bake/", "engine/fit/"},
@@ -88,6 +90,14 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"sndfile", {"server/", "clients/"}},
     {"cairo", {"clients/cli/picture/canvas.cpp"}, 1},
     {"spdlog/", {"server/", "clients/"}},
+    {"GLFW/", {"clients/viewer/window.cpp"}, 1},
+    {"imgui.h", {"clients/viewer/"}, 1000, {"clients/viewer/panels/"}},
+    {"backends/imgui", {"clients/viewer/window.cpp"}, 1},
+    {"fontconfig/", {"clients/viewer/font.cpp"}, 1},
+    {"kiss_fftr.h", {"clients/viewer/spectrum.cpp"}, 1},
+    {"epoxy/", {"clients/viewer/"}, 2, {"clients/viewer/render/gl_object.h"}},
+    {"glm/", {"clients/viewer/"}, 1000, {"clients/viewer/"}},
+    {"png.h", {"clients/viewer/render/picture_file.cpp"}, 1},
 };
 
 struct Include {

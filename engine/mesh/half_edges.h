@@ -1,10 +1,20 @@
-// The same surface in triangles of another size. By CGAL. [worker]
+// Surfaces taken apart, closed, and in triangles of another size: what CGAL does on half-edges. [worker]
 #pragma once
 
 #include "engine/base/result.h"
 #include "engine/mesh/triangle_mesh.h"
 
+#include <vector>
+
 namespace ringdown::mesh {
+
+// The same triangles where no edge has more than two of them and those around each point hang together: points are
+// doubled where surfaces ran together, and borders that lie on each other joined again, two and two. No triangle may
+// name a node twice.
+TriangleMesh part(const TriangleMesh& mesh);
+
+// Triangles that span a closed way, as positions in it, turned like the way. Empty when CGAL finds none.
+Triangles span(const std::vector<Eigen::RowVector3d>& way);
 
 inline constexpr double kSharpAngle_deg = 40;  // between neighbours' normals: edges that remeshing keeps
 

@@ -1,12 +1,16 @@
-#include "engine/mesh/remesh.h"
+#include "engine/mesh/half_edges.h"
 
 #include "engine/mesh/surface_rays.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/detect_features.h>
+#include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/remesh.h>
+#include <CGAL/Polygon_mesh_processing/stitch_borders.h>
+#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/Surface_mesh.h>
+#include <CGAL/utility.h>
 
 #include <algorithm>
 #include <array>
@@ -20,21 +24,29 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 using Mesh = CGAL::Surface_mesh<Point>;
 
-Mesh half_edges_of(const TriangleMesh& surface) {
+// Points and triangles as CGAL takes them.
+struct Soup {
   std::vector<Point> points;
-  for (Eigen::Index n = 0; n < surface.nodes.rows(); ++n) {
-    points.emplace_back(surface.nodes(n, 0), surface.nodes(n, 1), surface.nodes(n, 2));
-  }
   std::vector<std::array<std::size_t, 3>> triangles;
-  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
-    const auto row = surface.triangles.row(t);
-    triangles.push_back(
-        {static_cast<std::size_t>(row[0]), static_cast<std::size_t>(row[1]), static_cast<std::size_t>(row[2])});
+
+  explicit Soup(const TriangleMesh& surface) {
+    for (Eigen::Index n = 0; n < surface.nodes.rows(); ++n) {
+      points.emplace_back(surface.nodes(n, 0), surface.nodes(n, 1), surface.nodes(n, 2));
+    }
+    for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+      const auto row = surface.triangles.row(t);
+      triangles.push_back(
+          {static_cast<std::size_t>(row[0]), static_cast<std::size_t>(row[1]), static_cast<std::size_t>(row[2])});
+    }
   }
-  Mesh mesh;
-  if (pmp::is_polygon_soup_a_polygon_mesh(triangles)) pmp::polygon_soup_to_polygon_mesh(points, triangles, mesh);
-  return mesh;
-}
+
+  // The triangles must hang together as a surface does.
+  [[nodiscard]] Mesh half_edges() const {
+    Mesh mesh;
+    pmp::polygon_soup_to_polygon_mesh(points, triangles, mesh);
+    return mesh;
+  }
+};
 
 TriangleMesh soup_of(Mesh& mesh) {
   mesh.collect_garbage();
@@ -72,11 +84,33 @@ double deviation(const TriangleMesh& mesh, const SurfaceRays& from) {
 
 }  // namespace
 
+TriangleMesh part(const TriangleMesh& soup) {
+  Soup apart(soup);
+  pmp::orient_polygon_soup(apart.points, apart.triangles);
+  Mesh mesh = apart.half_edges();
+  pmp::stitch_borders(mesh);
+  return soup_of(mesh);
+}
+
+Triangles span(const std::vector<Eigen::RowVector3d>& way) {
+  std::vector<Point> points;
+  for (const Eigen::RowVector3d& at : way) points.emplace_back(at[0], at[1], at[2]);
+  std::vector<CGAL::Triple<int, int, int>> found;
+  pmp::triangulate_hole_polyline(points, std::back_inserter(found));
+  Triangles triangles(static_cast<Eigen::Index>(found.size()), 3);
+  Eigen::Index row = 0;
+  for (const auto& triple : found) triangles.row(row++) << triple.first, triple.second, triple.third;
+  return triangles;
+}
+
 Result<Remeshed> remesh(const TriangleMesh& surface, double edge_m) {
   constexpr unsigned kRounds = 4;
   try {
-    Mesh mesh = half_edges_of(surface);
-    if (mesh.number_of_faces() == 0) return fail("the surface runs together at an edge or a point");
+    const Soup soup(surface);
+    if (!pmp::is_polygon_soup_a_polygon_mesh(soup.triangles)) {
+      return fail("the surface runs together at an edge or a point");
+    }
+    Mesh mesh = soup.half_edges();
     auto sharp = mesh.add_property_map<Mesh::Edge_index, bool>("e:sharp", false).first;
     pmp::detect_sharp_edges(mesh, kSharpAngle_deg, sharp);
     pmp::isotropic_remeshing(mesh.faces(), edge_m, mesh,

@@ -1,0 +1,233 @@
+#include "clients/viewer/app.h"
+
+#include "clients/viewer/panels/help.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+namespace ringdown::viewer {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kFramePeriod = std::chrono::microseconds(16600);
+constexpr double kMinimised_s = 0.2;
+constexpr double kLongestStep_s = 0.1;  // of a held key, after a pause
+
+}  // namespace
+
+App::App(Window window, SceneRenderer renderer, const Settings& settings, Options options)
+    : window_(std::move(window)),
+      settings_(settings),
+      options_(std::move(options)),
+      skin_(make_skin(settings.dark)),
+      client_(options_.daemon, kNotices_hz),
+      model_(kNotices_hz),
+      commands_(model_, [this](protocol::Request request) { client_.send(std::move(request)); }),
+      scene_(std::move(renderer)),
+      side_(options_.daemon) {
+  commands_.choice().impulse_ns = settings.impulse_ns;
+  commands_.choice().contact_time_s = settings.contact_time_s;
+  focused_ = options_.only == Pane::sound ? Pane::sound : Pane::scene;
+  focus_next_ = focused_;
+}
+
+double App::now_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+Settings App::settings() const {
+  Settings settings = settings_;
+  settings.daemon = options_.daemon;
+  settings.impulse_ns = commands_.choice().impulse_ns;
+  settings.contact_time_s = commands_.choice().contact_time_s;
+  if (!window_.full_screen() && !window_.minimised()) {
+    settings.width = static_cast<std::uint64_t>(window_.width());
+    settings.height = static_cast<std::uint64_t>(window_.height());
+  }
+  return settings;
+}
+
+void App::talk() {
+  const double now = now_s();
+  Batch batch = client_.take();
+  if (batch.connection != connection_) {
+    connection_ = batch.connection;
+    model_.restart();
+    commands_.restart();
+    if (const auto scene = std::exchange(options_.scene, std::nullopt)) commands_.load_scene(*scene);
+  }
+  for (const protocol::Reply& reply : batch.replies) model_.apply(reply, now);
+  model_.watch_sound(options_.only != Pane::scene);
+  commands_.update(now);
+  for (protocol::Request& request : model_.wants(now)) client_.send(std::move(request));
+}
+
+void App::perform(Action action) {
+  switch (action) {
+    case Action::quit:
+      if (!std::exchange(help_, false)) runs_ = false;
+      return;
+    case Action::help:
+      help_ = !help_;
+      return;
+    case Action::full_screen:
+      return window_.set_full_screen(!window_.full_screen());
+    case Action::theme:
+      settings_.dark = !settings_.dark;
+      skinned_scale_ = 0;
+      return;
+    case Action::next_pane:
+      if (options_.only != Pane::any) return;
+      focus_next_ = focused_ == Pane::scene ? Pane::sound : focused_ == Pane::sound ? Pane::side : Pane::scene;
+      return;
+    case Action::larger:
+    case Action::smaller:
+      settings_.scale = window_.scale() * (action == Action::larger ? 1.125 : 1 / 1.125);
+      return window_.set_scale(settings_.scale);
+    default:
+      if (!scene_.perform(action, model_, commands_)) commands_.perform(action);
+  }
+}
+
+void App::handle_keys(double seconds) {
+  for (const auto& [key, repeated] : window_.take_keys()) {
+    const auto binding = binding_for(focused_, key);
+    if (!binding || binding->hold == Hold::acts || (repeated && binding->hold == Hold::once)) continue;
+    perform(binding->action);
+  }
+  if (focused_ != Pane::scene) return;
+  for (const Binding& binding : bindings()) {
+    if (binding.hold == Hold::acts && window_.is_down(binding.key))
+      scene_.move(binding.action, std::min(seconds, kLongestStep_s));
+  }
+}
+
+template <class Draw>
+void App::pane(const char* name, Pane which, float x, float width, Draw draw) {
+  ImGui::SetNextWindowPos({x, 0});
+  ImGui::SetNextWindowSize({width, ImGui::GetIO().DisplaySize.y});
+  auto flags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+               ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoFocusOnAppearing;
+  if (which != Pane::side) flags |= ImGuiWindowFlags_NoNavInputs;
+  const bool bare = which == Pane::scene;
+  if (bare) ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+  ImGui::Begin(name, nullptr, which == Pane::side ? flags & ~ImGuiWindowFlags_NoScrollbar : flags);
+  if (bare) ImGui::PopStyleVar();
+  if (focus_next_ == which) {
+    ImGui::SetWindowFocus();
+    focus_next_.reset();
+  }
+  if (ImGui::IsWindowFocused(ImGuiFocusedFlags_ChildWindows)) focused_ = which;
+  draw();
+  if (focused_ == which && options_.only == Pane::any) {
+    ImGui::GetForegroundDrawList()->AddLine({x, 1}, {x + width, 1}, skin_.focus, 2);
+  }
+  ImGui::End();
+}
+
+// Over the scene: what is played and when; and, where no daemon is, what to do about it.
+void App::draw_notes() const {
+  const ImVec2 from = scene_.origin(), size = scene_.size();
+  const float em = ImGui::GetFontSize();
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const KnownScene& scene = model_.scene();
+  std::array<char, 160> text{};
+  if (const auto& file = scene.description().file) {
+    const double time = options_.shown_at_s.value_or(scene.told_time_s());
+    std::snprintf(text.data(), text.size(), "%s   %.1f s of %.0f s%s", std::filesystem::path(*file).stem().c_str(),
+                  time, scene.description().duration_s, scene.paused() ? "   paused (F5)" : "");
+    list->AddText({from.x + em, from.y + 0.7f * em}, skin_.text, text.data());
+  }
+  list->AddText({from.x + em, from.y + size.y - 1.7f * em}, skin_.faint, "F1: keys");
+  const ConnectionState state = client_.state();
+  if (state.kind == ConnectionState::Kind::connected) return;
+  const float wrap = std::min(0.8f * size.x, 30 * em);
+  const ImVec2 extent = ImGui::CalcTextSize(state.sentence.c_str(), nullptr, false, wrap);
+  const ImVec2 at{from.x + (size.x - extent.x) / 2, from.y + (size.y - extent.y) / 2};
+  list->AddRectFilled({at.x - em, at.y - em}, {at.x + extent.x + em, at.y + extent.y + em}, skin_.paper, 6);
+  list->AddRect({at.x - em, at.y - em}, {at.x + extent.x + em, at.y + extent.y + em}, skin_.warning, 6);
+  list->AddText(ImGui::GetFont(), em, at, skin_.text, state.sentence.c_str(), nullptr, wrap);
+}
+
+// A bar between two panes that the mouse moves; `direction` is +1 where the pane at its left is the one that grows.
+void App::draw_splitter(const char* name, float x, double& share, double direction) {
+  const ImVec2 whole = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({x - 3, 0});
+  ImGui::SetNextWindowSize({6, whole.y});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+  ImGui::Begin(name, nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing);
+  ImGui::InvisibleButton(name, {6, whole.y});
+  if (ImGui::IsItemHovered() || ImGui::IsItemActive()) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+  if (ImGui::IsItemActive()) {
+    share = std::clamp(share + direction * static_cast<double>(ImGui::GetIO().MouseDelta.x / whole.x), 0.08, 0.55);
+  }
+  ImGui::End();
+  ImGui::PopStyleVar(2);
+}
+
+void App::draw_panes() {
+  const float width = ImGui::GetIO().DisplaySize.x;
+  const bool all = options_.only == Pane::any;
+  const float left = all ? width * static_cast<float>(settings_.side_share) : 0;
+  const float right = options_.only == Pane::sound ? width
+                      : all                        ? width * static_cast<float>(settings_.sound_share)
+                                                   : 0;
+  const double now = now_s();
+  if (options_.only != Pane::sound) {
+    pane("Scene", Pane::scene, left, width - left - right, [&] {
+      scene_.draw(skin_, model_, commands_, settings_.strength_by_time, now, options_.shown_at_s);
+      draw_notes();
+    });
+  }
+  if (options_.only != Pane::scene) {
+    pane("Sound", Pane::sound, width - right, right, [&] { sound_.draw(skin_, model_, commands_); });
+  }
+  if (!all) return;
+  pane("Side", Pane::side, 0, left, [&] {
+    const std::string url = side_.draw(skin_, client_.state(), model_, commands_, settings_);
+    if (url.empty()) return;
+    options_.daemon = url;
+    client_.connect_to(url);
+  });
+  draw_splitter("left splitter", left, settings_.side_share, 1);
+  draw_splitter("right splitter", width - right, settings_.sound_share, -1);
+}
+
+void App::draw() {
+  const double seconds = std::chrono::duration<double>(Clock::now() - last_frame_).count();
+  last_frame_ = Clock::now();
+  talk();
+  if (skinned_scale_ != window_.scale()) {
+    skin_ = make_skin(settings_.dark);
+    apply(skin_, static_cast<float>(window_.scale()));
+    skinned_scale_ = window_.scale();
+  }
+  window_.begin_frame();
+  auto& flags = ImGui::GetIO().ConfigFlags;
+  flags =
+      focused_ == Pane::side ? flags | ImGuiConfigFlags_NavEnableKeyboard : flags & ~ImGuiConfigFlags_NavEnableKeyboard;
+  handle_keys(seconds);
+  const bool live = !options_.shown_at_s;
+  scene_.set_detail(live ? pace_.detail() : 1);
+  draw_panes();
+  if (help_) help_ = draw_help(skin_);
+  window_.end_frame();
+  if (live) pace_.observe(std::chrono::duration<double>(Clock::now() - last_frame_).count());
+}
+
+void App::frame() {
+  const auto due = last_frame_ + kFramePeriod;
+  window_.wait(window_.minimised() ? kMinimised_s : 0);
+  while (Clock::now() < due) {
+    window_.wait(std::max(1e-4, std::chrono::duration<double>(due - Clock::now()).count()));
+  }
+  if (window_.minimised()) return talk();
+  draw();
+}
+
+}  // namespace ringdown::viewer

@@ -1,0 +1,89 @@
+// The viewer: a daemon's model, three panes, keys and settings, frame by frame. [main]
+//
+//   App app(std::move(window), std::move(renderer), settings, {...});
+//   while (app.runs()) app.frame();
+#pragma once
+
+#include "clients/viewer/commands.h"
+#include "clients/viewer/keys.h"
+#include "clients/viewer/link/daemon_client.h"
+#include "clients/viewer/link/model.h"
+#include "clients/viewer/pace.h"
+#include "clients/viewer/panels/scene_view.h"
+#include "clients/viewer/panels/side_view.h"
+#include "clients/viewer/panels/sound_view.h"
+#include "clients/viewer/settings.h"
+#include "clients/viewer/window.h"
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+namespace ringdown::viewer {
+
+class App {
+ public:
+  static constexpr double kNotices_hz = 60;
+
+  struct Options {
+    std::string daemon;                // its URL
+    std::optional<std::string> scene;  // to be loaded once, when a daemon is there
+    Pane only = Pane::any;             // scene or sound alone; any: all three
+    std::optional<double> shown_at_s;  // the scene time to show; nothing: now
+  };
+  App(Window window, SceneRenderer renderer, const Settings& settings, Options options);
+  App(const App&) = delete;  // its parts know each other by address
+  App& operator=(const App&) = delete;
+
+  // False when the user has left.
+  [[nodiscard]] bool runs() const { return runs_ && !window_.closed(); }
+
+  // Waits until the next frame is due, takes what came, and draws.
+  void frame();
+  // The same without waiting.
+  void draw();
+
+  [[nodiscard]] Model& model() { return model_; }
+  [[nodiscard]] Commands& commands() { return commands_; }
+  [[nodiscard]] DaemonClient& client() { return client_; }
+  [[nodiscard]] const Window& window() const { return window_; }
+  [[nodiscard]] const SceneView& scene_view() const { return scene_; }
+  [[nodiscard]] Pane focused() const { return focused_; }
+  void show_at(std::optional<double> scene_time_s) { options_.shown_at_s = scene_time_s; }
+
+  // As they are to be kept.
+  [[nodiscard]] Settings settings() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void talk();
+  void handle_keys(double seconds);
+  void perform(Action action);
+  void draw_panes();
+  void draw_notes() const;
+  void draw_splitter(const char* name, float x, double& share, double direction);
+  template <class Draw>
+  void pane(const char* name, Pane which, float x, float width, Draw draw);
+  [[nodiscard]] double now_s() const;
+
+  Window window_;
+  Settings settings_;
+  Options options_;
+  Skin skin_;
+  DaemonClient client_;
+  Model model_;
+  Commands commands_;
+  SceneView scene_;
+  Pace pace_;
+  SoundView sound_;
+  SideView side_;
+  Pane focused_ = Pane::scene;
+  std::optional<Pane> focus_next_;
+  std::uint32_t connection_ = 0;
+  bool runs_ = true, help_ = false;
+  Clock::time_point start_ = Clock::now(), last_frame_ = Clock::now();
+  double skinned_scale_ = 0;
+};
+
+}  // namespace ringdown::viewer

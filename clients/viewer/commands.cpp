@@ -1,0 +1,331 @@
+#include "clients/viewer/commands.h"
+
+#include "protocol/names.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+
+namespace ringdown::viewer {
+namespace {
+
+using modal::MaterialScale;
+using modal::ModeRange;
+using protocol::ObjectRef;
+using protocol::Request;
+
+constexpr double kToldWithin_s = 1;  // then the daemon's word counts again
+constexpr std::uint32_t kHighest = 20;
+constexpr double kSemitone = 1.122462048309373;  // of stiffness or density: frequency goes with their square root
+constexpr double kDampingStep = 1.4142135623730951;
+constexpr double kForceStep = 1.4142135623730951;
+
+ObjectRef ref(const std::string& name) { return {name, std::nullopt}; }
+
+double limited(double value, double least, double most) { return std::clamp(value, least, most); }
+
+// "ringdown-20110516-142501.osc", so that no recording replaces another.
+std::string recording_name() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char text[48];
+  std::strftime(text, sizeof text, "ringdown-%Y%m%d-%H%M%S.osc", &local);
+  return text;
+}
+
+std::string stem_of(const std::string& path) {
+  std::string name = std::filesystem::path(path).stem().string();
+  for (char& c : name) {
+    if (c == ' ' || c == '/') c = '-';
+  }
+  return name;
+}
+
+}  // namespace
+
+Vec3 outward_normal(const modal::Bank& bank, std::uint32_t point) {
+  const auto at = [&](std::uint32_t i) {
+    return Vec3{bank.positions[i][0], bank.positions[i][1], bank.positions[i][2]};
+  };
+  Vec3 sum;
+  for (const auto& [a, b, c] : bank.triangles) {
+    if (a == point || b == point || c == point) sum = sum + cross(at(b) - at(a), at(c) - at(a));
+  }
+  const double size = length(sum);
+  return size > 0 ? (1 / size) * sum : Vec3{0, 0, 1};
+}
+
+void Commands::update(double now_s) {
+  now_s_ = now_s;
+  if (!chosen() || !chosen_by_hand_) {
+    const auto& objects = model_.objects();
+    const auto richest = std::ranges::max_element(objects, {}, [](const auto& entry) { return entry.second.modes; });
+    choose_object(richest == objects.end() ? std::string() : richest->first);
+    chosen_by_hand_ = false;
+  }
+  std::erase_if(pending_, [&](const auto& entry) { return now_s - entry.second.at_s > kToldWithin_s; });
+}
+
+void Commands::restart() {
+  history_.clear();
+  pending_.clear();
+  choice_.tone = false;
+}
+
+void Commands::choose_object(const std::string& name) {
+  chosen_by_hand_ = true;
+  if (name == choice_.object) return;
+  choice_.object = name;
+  choice_.mode = choice_.node = 0;
+  model_.choose(name);
+}
+
+Adjustment Commands::adjustment_of(const KnownObject& object) const {
+  const auto pending = pending_.find(object.name);
+  if (pending != pending_.end()) return pending->second.as;
+  const bool all = object.selected.first == 0 && object.selected.count >= static_cast<std::uint32_t>(object.modes);
+  return {object.scale, object.gain, object.pan, all ? ModeRange{} : object.selected};
+}
+
+void Commands::edit(const KnownObject& object, const Request& change, const std::string& what) {
+  const Adjustment before = adjustment_of(object);
+  Request back = change;
+  if (auto* material = std::get_if<protocol::SetMaterial>(&back)) material->scale = before.scale;
+  if (auto* gain = std::get_if<protocol::SetGain>(&back)) gain->gain = before.gain;
+  if (auto* pan = std::get_if<protocol::SetPan>(&back)) pan->pan = before.pan;
+  if (auto* modes = std::get_if<protocol::SelectModes>(&back)) modes->range = before.range;
+  history_.note(object.name + ": " + what, std::move(back), change, now_s_);
+  carry_out(change);
+}
+
+// Sends it, and takes it for done until the daemon says how the object is set.
+void Commands::carry_out(const Request& change) {
+  std::string name;
+  const auto adjust = [&](const ObjectRef& object, auto set) {
+    name = object.name;
+    const KnownObject* known = model_.object(name);
+    if (!known) return;
+    Pending pending{adjustment_of(*known), now_s_};
+    set(pending.as);
+    pending_.insert_or_assign(name, pending);
+  };
+  if (const auto* material = std::get_if<protocol::SetMaterial>(&change)) {
+    adjust(material->object, [&](Adjustment& a) { a.scale = material->scale; });
+  } else if (const auto* gain = std::get_if<protocol::SetGain>(&change)) {
+    adjust(gain->object, [&](Adjustment& a) { a.gain = gain->gain; });
+  } else if (const auto* pan = std::get_if<protocol::SetPan>(&change)) {
+    adjust(pan->object, [&](Adjustment& a) { a.pan = pan->pan; });
+  } else if (const auto* modes = std::get_if<protocol::SelectModes>(&change)) {
+    adjust(modes->object, [&](Adjustment& a) { a.range = modes->range; });
+  }
+  send_(change);
+  if (!name.empty()) send_(protocol::DescribeObject{ref(name)});
+}
+
+void Commands::send_again(const std::optional<Request>& change) {
+  if (change) carry_out(*change);
+}
+
+void Commands::strike(const std::string& object, Vec3 point_m, Vec3 normal, double impulse_ns) {
+  send_(protocol::Strike{ref(object), point_m, -impulse_ns * normal, choice_.contact_time_s});
+}
+
+void Commands::project_test_force() {
+  const KnownObject* object = chosen();
+  if (!object || !object->bank) return;
+  const modal::Bank& bank = object->bank->bank;
+  const auto node = std::min<std::uint32_t>(choice_.node, static_cast<std::uint32_t>(bank.point_count()) - 1);
+  send_(protocol::StrikeVertex{ref(object->name), node, -choice_.impulse_ns * outward_normal(bank, node),
+                               choice_.contact_time_s});
+}
+
+void Commands::play_modes(ModeRange range) {
+  const KnownObject* object = chosen();
+  if (!object) return;
+  if (adjustment_of(*object).range != range) edit(*object, protocol::SelectModes{ref(object->name), range}, "modes");
+  send_(protocol::RingModes{ref(object->name), range.first, range.count,
+                            protocol::kDefaultRingAmplitude / std::sqrt(std::max(1, object->modes))});
+}
+
+void Commands::hear_alone(const KnownObject& object, std::uint32_t rank) {
+  choose_object(object.name);
+  choice_.mode = rank;
+  const ModeRange alone{rank, 1};
+  if (adjustment_of(object).range == alone) {
+    edit(object, protocol::SelectModes{ref(object.name), {}}, "modes");
+    return;
+  }
+  edit(object, protocol::SelectModes{ref(object.name), alone}, "modes");
+  send_(protocol::RingModes{ref(object.name), rank, 1, protocol::kDefaultRingAmplitude});
+}
+
+void Commands::step_mode_count(int by) {
+  const KnownObject* object = chosen();
+  if (!object || object->modes == 0) return;
+  const ModeRange now = adjustment_of(*object).range;
+  const auto most = static_cast<std::uint32_t>(object->modes);
+  const std::uint32_t had = now.first >= most ? 0 : std::min(now.count, most - now.first);
+  const auto step = static_cast<int>(std::max<std::uint32_t>(1, had / 10));
+  const int count = std::clamp(static_cast<int>(had) + by * step, 1, object->modes);
+  const ModeRange range{0, count == object->modes ? ModeRange::kAll : static_cast<std::uint32_t>(count)};
+  if (range != now) edit(*object, protocol::SelectModes{ref(object->name), range}, "modes");
+}
+
+void Commands::scale_material(double MaterialScale::*factor, double by) {
+  const KnownObject* object = chosen();
+  if (!object) return;
+  MaterialScale scale = adjustment_of(*object).scale;
+  scale.*factor = limited(scale.*factor * by, 1e-3, 1e3);
+  edit(*object, protocol::SetMaterial{ref(object->name), scale}, "material");
+}
+
+void Commands::step_object(int by) {
+  const auto& objects = model_.objects();
+  if (objects.empty()) return;
+  auto at = objects.find(choice_.object);
+  if (at == objects.end()) return choose_object(objects.begin()->first);
+  if (by > 0) {
+    if (++at == objects.end()) at = objects.begin();
+  } else {
+    at = std::prev(at == objects.begin() ? objects.end() : at);
+  }
+  choose_object(at->first);
+}
+
+void Commands::step_node(int by) {
+  const KnownObject* object = chosen();
+  if (!object || !object->bank) return;
+  const auto nodes = static_cast<int>(object->bank->bank.point_count());
+  choice_.node = static_cast<std::uint32_t>((static_cast<int>(choice_.node) + by + nodes) % nodes);
+}
+
+void Commands::step_mode(int by) {
+  const KnownObject* object = chosen();
+  if (!object || object->modes == 0) return;
+  choice_.mode = static_cast<std::uint32_t>(std::clamp(static_cast<int>(choice_.mode) + by, 0, object->modes - 1));
+}
+
+void Commands::load_bank(const std::string& path) { send_(protocol::LoadObject{stem_of(path), path}); }
+
+void Commands::toggle_recording() {
+  if (model_.recording()) {
+    send_(protocol::RecordStop{});
+  } else {
+    send_(protocol::RecordStart{recording_name()});
+  }
+}
+
+bool Commands::perform(Action action) {
+  return perform_choice(action) || perform_material(action) || perform_modes(action) || perform_scene(action);
+}
+
+bool Commands::perform_choice(Action action) {
+  switch (action) {
+    case Action::undo:
+      return send_again(history_.undo()), true;
+    case Action::redo:
+      return send_again(history_.redo()), true;
+    case Action::record:
+      return toggle_recording(), true;
+    case Action::next_object:
+      return step_object(1), true;
+    case Action::previous_object:
+      return step_object(-1), true;
+    case Action::next_node:
+      return step_node(1), true;
+    case Action::previous_node:
+      return step_node(-1), true;
+    case Action::next_mode:
+      return step_mode(1), true;
+    case Action::previous_mode:
+      return step_mode(-1), true;
+    case Action::stronger:
+    case Action::weaker: {
+      const double step = action == Action::stronger ? kForceStep : 1 / kForceStep;
+      choice_.impulse_ns = limited(choice_.impulse_ns * step, 1e-5, 100);
+      return true;
+    }
+    case Action::vibrate:
+      choice_.vibrate = !choice_.vibrate;
+      return true;
+    default:
+      return false;
+  }
+}
+
+bool Commands::perform_material(Action action) {
+  struct Step {
+    Action up, down;
+    double MaterialScale::*factor;
+    double by;
+  };
+  static constexpr Step kSteps[] = {
+      {Action::alpha_up, Action::alpha_down, &MaterialScale::alpha, kDampingStep},
+      {Action::beta_up, Action::beta_down, &MaterialScale::beta, kDampingStep},
+      {Action::density_up, Action::density_down, &MaterialScale::density, kSemitone},
+      {Action::stiffness_up, Action::stiffness_down, &MaterialScale::stiffness, kSemitone},
+  };
+  for (const auto& [up, down, factor, by] : kSteps) {
+    if (action != up && action != down) continue;
+    scale_material(factor, action == up ? by : 1 / by);
+    return true;
+  }
+  return false;
+}
+
+bool Commands::perform_modes(Action action) {
+  const KnownObject* object = chosen();
+  switch (action) {
+    case Action::all_modes:
+      return play_modes({}), true;
+    case Action::highest_modes:
+      if (object) {
+        const int first = std::max(object->modes - static_cast<int>(kHighest), 0);
+        play_modes({static_cast<std::uint32_t>(first), kHighest});
+      }
+      return true;
+    case Action::more_modes:
+      return step_mode_count(1), true;
+    case Action::fewer_modes:
+      return step_mode_count(-1), true;
+    case Action::hear_mode:
+      if (object) hear_alone(*object, choice_.mode);
+      return true;
+    case Action::test_tone:
+      choice_.tone = !choice_.tone;
+      return send_(protocol::TestTone{choice_.tone ? protocol::kDefaultRingAmplitude : 0, 440}), true;
+    case Action::project_test_force:
+      return project_test_force(), true;
+    case Action::clear_sound:
+      return send_(protocol::ClearAll{}), true;
+    default:
+      return false;
+  }
+}
+
+// New bodies play the chosen object, as large as it is; without one they are silent.
+bool Commands::perform_scene(Action action) {
+  constexpr double kSilentSize_m = 0.06, kSilentDensity_kg_m3 = 2500;
+  const KnownObject* object = chosen();
+  const std::optional<ObjectRef> plays = object ? std::optional(ref(object->name)) : std::nullopt;
+  const double size = plays ? 0 : kSilentSize_m, density = plays ? 0 : kSilentDensity_kg_m3;
+  switch (action) {
+    case Action::new_box:
+      return send_(protocol::SpawnBox{plays, choice_.drop_m, {}, {size, size, size}, density}), true;
+    case Action::new_sphere:
+      return send_(protocol::SpawnSphere{plays, choice_.drop_m, {}, size / 2, density}), true;
+    case Action::clear_scene:
+      return send_(protocol::SceneClear{}), true;
+    case Action::pause:
+      return send_(protocol::ScenePause{!model_.scene().paused()}), true;
+    case Action::restart:
+      if (const auto& file = model_.scene().description().file) load_scene(*file);
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace ringdown::viewer

@@ -1,0 +1,107 @@
+#include "clients/viewer/keys.h"
+
+#include <algorithm>
+#include <array>
+
+namespace ringdown::viewer {
+namespace {
+
+constexpr std::array kBindings = {
+    Binding{Pane::any, "escape", Action::quit, Hold::once, "Close this help, or leave; the daemon goes on"},
+    Binding{Pane::any, "F1", Action::help, Hold::once, "Show the keys"},
+    Binding{Pane::any, "F2", Action::theme, Hold::once, "Dark or light"},
+    Binding{Pane::any, "F5", Action::pause, Hold::once, "Pause the scene, or let it go on"},
+    Binding{Pane::any, "F6", Action::restart, Hold::once, "Start the scene anew"},
+    Binding{Pane::any, "F11", Action::full_screen, Hold::once, "Full screen"},
+    Binding{Pane::any, "tab", Action::next_pane, Hold::once, "Focus the other pane"},
+    Binding{Pane::any, "ctrl+=", Action::larger, Hold::repeats, "Larger text"},
+    Binding{Pane::any, "ctrl+-", Action::smaller, Hold::repeats, "Smaller text"},
+    Binding{Pane::any, "ctrl+Z", Action::undo, Hold::repeats, "Undo the last change of a parameter"},
+    Binding{Pane::any, "ctrl+Y", Action::redo, Hold::repeats, "Do it again"},
+    Binding{Pane::any, "ctrl+R", Action::record, Hold::once, "Start a recording, or end it"},
+    Binding{Pane::any, "N", Action::next_object, Hold::repeats, "Choose the next object"},
+    Binding{Pane::any, "B", Action::previous_object, Hold::repeats, "Choose the object before"},
+    Binding{Pane::any, "P", Action::project_test_force, Hold::once, "Project the test force: strike the excited node"},
+    Binding{Pane::any, ".", Action::stronger, Hold::repeats, "A stronger test force"},
+    Binding{Pane::any, ",", Action::weaker, Hold::repeats, "A weaker test force"},
+    Binding{Pane::any, "C", Action::clear_sound, Hold::once, "Clear: fade all that rings"},
+
+    Binding{Pane::scene, "W", Action::forward, Hold::acts, "Camera forward"},
+    Binding{Pane::scene, "S", Action::back, Hold::acts, "Camera back"},
+    Binding{Pane::scene, "A", Action::left, Hold::acts, "Camera to the left"},
+    Binding{Pane::scene, "D", Action::right, Hold::acts, "Camera to the right"},
+    Binding{Pane::scene, "E", Action::up, Hold::acts, "Camera up"},
+    Binding{Pane::scene, "X", Action::down, Hold::acts, "Camera down"},
+    Binding{Pane::scene, "left", Action::turn_left, Hold::acts, "Look to the left"},
+    Binding{Pane::scene, "right", Action::turn_right, Hold::acts, "Look to the right"},
+    Binding{Pane::scene, "up", Action::turn_up, Hold::acts, "Look up"},
+    Binding{Pane::scene, "down", Action::turn_down, Hold::acts, "Look down"},
+    Binding{Pane::scene, "=", Action::closer, Hold::acts, "Closer"},
+    Binding{Pane::scene, "-", Action::farther, Hold::acts, "Farther"},
+    Binding{Pane::scene, "home", Action::home, Hold::once, "Back to the scene's own camera"},
+    Binding{Pane::scene, "space", Action::test_force, Hold::once,
+            "Test force: strike what is under the mouse, or in the middle"},
+    Binding{Pane::scene, "H", Action::new_box, Hold::once, "Drop a new box"},
+    Binding{Pane::scene, "J", Action::new_sphere, Hold::once, "Drop a new sphere"},
+    Binding{Pane::scene, "Q", Action::clear_scene, Hold::once, "Clear: remove all bodies"},
+    Binding{Pane::scene, "V", Action::vibrate, Hold::once,
+            "Show the chosen object vibrating in the chosen mode, or at rest"},
+
+    Binding{Pane::sound, "1", Action::all_modes, Hold::once, "Play all modes"},
+    Binding{Pane::sound, "2", Action::highest_modes, Hold::once, "Play the 20 highest modes"},
+    Binding{Pane::sound, "4", Action::test_tone, Hold::once, "Test tone of 440 Hz on or off"},
+    Binding{Pane::sound, "Q", Action::more_modes, Hold::repeats, "More modes"},
+    Binding{Pane::sound, "A", Action::fewer_modes, Hold::repeats, "Fewer modes"},
+    Binding{Pane::sound, "W", Action::alpha_up, Hold::repeats, "alpha1 up: low modes die sooner"},
+    Binding{Pane::sound, "S", Action::alpha_down, Hold::repeats, "alpha1 down"},
+    Binding{Pane::sound, "E", Action::beta_up, Hold::repeats, "alpha2 up: high modes die sooner"},
+    Binding{Pane::sound, "D", Action::beta_down, Hold::repeats, "alpha2 down"},
+    Binding{Pane::sound, "R", Action::density_up, Hold::repeats, "Density up: a semitone down"},
+    Binding{Pane::sound, "F", Action::density_down, Hold::repeats, "Density down: a semitone up"},
+    Binding{Pane::sound, "T", Action::stiffness_up, Hold::repeats, "Lamé constants up: a semitone up"},
+    Binding{Pane::sound, "G", Action::stiffness_down, Hold::repeats, "Lamé constants down: a semitone down"},
+    Binding{Pane::sound, "I", Action::next_node, Hold::repeats, "Excite the next node"},
+    Binding{Pane::sound, "K", Action::previous_node, Hold::repeats, "Excite the node before"},
+    Binding{Pane::sound, "down", Action::next_mode, Hold::repeats, "Choose the next mode"},
+    Binding{Pane::sound, "up", Action::previous_mode, Hold::repeats, "Choose the mode before"},
+    Binding{Pane::sound, "enter", Action::hear_mode, Hold::once, "Hear the chosen mode alone"},
+    Binding{Pane::sound, "V", Action::vibrate, Hold::once,
+            "Show the chosen object vibrating in the chosen mode, or at rest"},
+};
+
+std::string_view heading_of(Pane pane) {
+  return pane == Pane::scene ? "In the scene" : pane == Pane::sound ? "In the sound" : "Everywhere";
+}
+
+}  // namespace
+
+std::span<const Binding> bindings() { return kBindings; }
+
+std::optional<Binding> binding_for(Pane focused, std::string_view key) {
+  for (const Pane pane : {focused, Pane::any}) {
+    const auto* found =
+        std::ranges::find_if(kBindings, [&](const Binding& b) { return b.pane == pane && b.key == key; });
+    if (found != kBindings.end()) return *found;
+  }
+  return std::nullopt;
+}
+
+std::string key_name(std::string_view base, bool control, bool shift) {
+  std::string name = control ? "ctrl+" : "";
+  if (shift && base == "tab") name += "shift+";
+  return name.append(base);
+}
+
+std::string keys_as_markdown() {
+  std::string text;
+  for (const Pane pane : {Pane::any, Pane::scene, Pane::sound}) {
+    text.append("\n### ").append(heading_of(pane)).append("\n\n| key | what it does |\n|---|---|\n");
+    for (const Binding& binding : kBindings) {
+      if (binding.pane != pane) continue;
+      text.append("| `").append(binding.key).append("` | ").append(binding.sentence).append(" |\n");
+    }
+  }
+  return text;
+}
+
+}  // namespace ringdown::viewer

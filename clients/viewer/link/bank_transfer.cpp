@@ -1,0 +1,94 @@
+#include "clients/viewer/link/bank_transfer.h"
+
+#include "engine/modal/bank_file.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <numeric>
+#include <thread>
+#include <utility>
+
+namespace ringdown::viewer {
+namespace {
+
+constexpr std::uint32_t kPiece = protocol::kMostBankBytes;
+
+std::string name_of(const BankTransfer::Subject& subject) { return "the bank of " + subject.object; }
+
+BankTransfer::Outcome read(const std::vector<std::byte>& file, const std::string& name) {
+  Result<modal::Bank> bank = modal::parse_bank(file, name);
+  if (!bank) return fail(bank.error());
+  KnownBank known{std::move(*bank), {}};
+  known.by_frequency.resize(known.bank.mode_count());
+  std::iota(known.by_frequency.begin(), known.by_frequency.end(), 0u);
+  std::ranges::stable_sort(known.by_frequency, {}, [&](std::uint32_t mode) { return known.bank.frequency_hz[mode]; });
+  return std::make_shared<const KnownBank>(std::move(known));
+}
+
+// Not std::async: its future would wait for the end when it is no longer wanted.
+std::future<BankTransfer::Outcome> read_apart(std::vector<std::byte> file, std::string name) {
+  std::packaged_task<BankTransfer::Outcome()> task(
+      [file = std::move(file), name = std::move(name)] { return read(file, name); });
+  auto outcome = task.get_future();
+  std::thread(std::move(task)).detach();
+  return outcome;
+}
+
+}  // namespace
+
+BankTransfer::BankTransfer(Subject subject) : subject_(std::move(subject)) {
+  if (subject_.bytes <= 0) {
+    fault_ = name_of(subject_) + " is empty";
+  } else if (static_cast<std::size_t>(subject_.bytes) > kMostBytes) {
+    fault_ = name_of(subject_) + " has " + std::to_string(subject_.bytes) + " bytes; no more than " +
+             std::to_string(kMostBytes) + " are fetched to be shown";
+  } else {
+    file_.resize(static_cast<std::size_t>(subject_.bytes));
+  }
+}
+
+std::vector<protocol::Request> BankTransfer::wants(double now_s) {
+  std::vector<protocol::Request> requests;
+  const auto ask = [&](std::uint32_t offset) {
+    asked_at_s_[offset] = now_s;
+    requests.emplace_back(protocol::ReadBank{{subject_.object, std::nullopt}, offset, kPiece});
+  };
+  for (const auto& [offset, asked_at_s] : asked_at_s_) {
+    if (now_s - asked_at_s > kPatience_s) ask(offset);
+  }
+  while (asked_at_s_.size() < kMostOutstanding && next_offset_ < file_.size()) {
+    ask(next_offset_);
+    next_offset_ += kPiece;
+  }
+  return requests;
+}
+
+void BankTransfer::take(const protocol::BankReply& piece) {
+  if (Subject{piece.name, piece.version, piece.total} != subject_ || piece.offset < 0) return;
+  const auto offset = static_cast<std::uint32_t>(piece.offset);
+  const auto asked = asked_at_s_.find(offset);
+  if (asked == asked_at_s_.end()) return;
+  if (piece.bytes.size() != std::min<std::size_t>(kPiece, file_.size() - offset)) return;
+  std::ranges::copy(piece.bytes, file_.begin() + offset);
+  asked_at_s_.erase(asked);
+  received_bytes_ += piece.bytes.size();
+  if (received_bytes_ == file_.size()) reading_ = read_apart(std::exchange(file_, {}), name_of(subject_));
+}
+
+void BankTransfer::refuse(std::string sentence) {
+  fault_ = std::move(sentence);
+  refused_ = true;
+}
+
+double BankTransfer::progress() const {
+  return subject_.bytes > 0 ? static_cast<double>(received_bytes_) / subject_.bytes : 0;
+}
+
+std::optional<BankTransfer::Outcome> BankTransfer::outcome() {
+  if (fault_) return fail(*fault_);
+  if (!reading_.valid() || reading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
+  return reading_.get();
+}
+
+}  // namespace ringdown::viewer

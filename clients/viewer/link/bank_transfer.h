@@ -1,0 +1,76 @@
+// Fetches the bank of one object from the daemon, piece by piece, and reads it without making the window wait.
+//
+//   BankTransfer transfer({"bell", 1, 299292});
+//   for (auto& request : transfer.wants(now_s)) send(request);     // at every frame
+//   transfer.take(piece, now_s);                                   // for every /bank.reply of that object
+//   if (auto outcome = transfer.outcome()) ...                     // the bank, or what is wrong with it
+//
+// A few pieces are asked for at a time, and again when they do not come. [one thread]
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/modal/bank.h"
+#include "protocol/reply.h"
+#include "protocol/request.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <future>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ringdown::viewer {
+
+// A bank as the window needs it; never changes, and may be shared.
+struct KnownBank {
+  modal::Bank bank;
+  std::vector<std::uint32_t> by_frequency;  // the bank's mode of each rank; rank 0 has the lowest frequency
+};
+
+class BankTransfer {
+ public:
+  static constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // of a bank's file; larger ones are not fetched
+  static constexpr std::size_t kMostOutstanding = 8;                // pieces asked for at a time
+  static constexpr double kPatience_s = 0.5;                        // after which a piece is asked for again
+
+  struct Subject {
+    std::string object;
+    std::int32_t version = 0;  // of its bank
+    std::int32_t bytes = 0;
+    friend bool operator==(const Subject&, const Subject&) = default;
+  };
+
+  // Nothing is allocated for a subject that is too large, or empty: the outcome says so.
+  explicit BankTransfer(Subject subject);
+
+  [[nodiscard]] const Subject& subject() const { return subject_; }
+  [[nodiscard]] std::vector<protocol::Request> wants(double now_s);
+
+  // A piece of another object, version or size, or that nobody asked for, is ignored.
+  void take(const protocol::BankReply& piece);
+
+  // What the daemon said instead of a piece.
+  void refuse(std::string sentence);
+  [[nodiscard]] bool refused() const { return refused_; }
+
+  [[nodiscard]] double progress() const;  // 0 to 1: of the bytes
+
+  using Outcome = Result<std::shared_ptr<const KnownBank>>;
+  // Nothing yet while pieces are missing or the bank is being read.
+  [[nodiscard]] std::optional<Outcome> outcome();
+
+ private:
+  Subject subject_;
+  std::vector<std::byte> file_;
+  std::map<std::uint32_t, double> asked_at_s_;  // by offset
+  std::uint32_t next_offset_ = 0;               // of the first piece that was never asked for
+  std::size_t received_bytes_ = 0;
+  std::optional<std::string> fault_;
+  bool refused_ = false;
+  std::future<Outcome> reading_;
+};
+
+}  // namespace ringdown::viewer

@@ -1,0 +1,44 @@
+// A queue that never grows past its bound, and counts what that cost. [one thread at a time]
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <utility>
+
+namespace ringdown::viewer {
+
+template <class Item>
+class BoundedQueue {
+ public:
+  explicit BoundedQueue(std::size_t most) : most_(most) {}
+
+  // A full queue takes no more: for what is sent, of which the first matters.
+  void push_or_drop(Item item) {
+    if (items_.size() == most_) {
+      ++lost_;
+    } else {
+      items_.push_back(std::move(item));
+    }
+  }
+
+  // A full queue loses its oldest: for what is told, of which the last matters.
+  void push_over(Item item) {
+    if (items_.size() == most_) {
+      items_.pop_front();
+      ++lost_;
+    }
+    items_.push_back(std::move(item));
+  }
+
+  std::deque<Item> take() { return std::exchange(items_, {}); }
+  void clear() { items_.clear(); }
+  [[nodiscard]] std::uint64_t lost() const { return lost_; }
+
+ private:
+  std::size_t most_;
+  std::deque<Item> items_;
+  std::uint64_t lost_ = 0;
+};
+
+}  // namespace ringdown::viewer

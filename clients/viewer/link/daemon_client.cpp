@@ -1,0 +1,301 @@
+#include "clients/viewer/link/daemon_client.h"
+
+#include "clients/viewer/link/bounded_queue.h"
+#include "protocol/schema.h"
+#include "server/osc_codec.h"
+#include "server/osc_socket.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <future>
+#include <iterator>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+namespace ringdown::viewer {
+namespace {
+
+using namespace std::chrono_literals;
+using protocol::Reply;
+using protocol::Request;
+using Kind = ConnectionState::Kind;
+
+constexpr double kStatusPeriod_s = 0.25;
+constexpr double kSubscribePeriod_s = 0.5;  // until the first notice comes
+constexpr double kResolvePeriod_s = 2;      // until the name is known
+constexpr double kForgotten_s = 1;          // without a notice, or five of their periods
+constexpr auto kTick = 20ms;
+
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+// On a thread of its own: a name server may take half a minute, and nobody shall wait for it, not even at the end.
+std::future<Result<server::Endpoint>> resolve_apart(server::OscUrl url) {
+  std::packaged_task<Result<server::Endpoint>()> task(
+      [url = std::move(url)] { return server::resolve(url.host, url.port); });
+  auto answer = task.get_future();
+  std::thread(std::move(task)).detach();
+  return answer;
+}
+
+bool is_notice(const protocol::Message& message) { return message.address.starts_with("/notify."); }
+
+}  // namespace
+
+struct DaemonClient::Line {
+  Line(std::string url, double rate_hz) : rate_hz_(rate_hz), wanted_url_(std::move(url)) {
+    state_.sentence = "Looking for a daemon at " + *wanted_url_ + ".";
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  }
+
+  ~Line() {
+    thread_.request_stop();
+    wake();
+    thread_.join();
+  }
+
+  // shared
+  void wake() {
+    const std::scoped_lock lock(mutex_);
+    woken_ = true;
+    if (socket_) socket_->wake();
+    changed_.notify_all();
+  }
+
+  // the thread's
+  void run(const std::stop_token& stop);
+  void look_for(const std::string& url);
+  void look_up();
+  void bind(server::Endpoint daemon);
+  void part();
+  void listen();
+  void take(const server::Datagram& datagram);
+  void keep_asking();
+  void judge();
+  void transmit(const Request& request);
+  void send_queued();
+  void say(Kind kind, std::string sentence);
+  void connected_anew();
+
+  const double rate_hz_;
+
+  mutable std::mutex mutex_;  // guards these
+  std::condition_variable changed_;
+  bool woken_ = false;
+  std::optional<std::string> wanted_url_;
+  BoundedQueue<Request> requests_{kMostRequests};
+  BoundedQueue<Reply> replies_{kMostReplies};
+  ConnectionState state_;
+  double state_since_s_ = now_s();
+
+  std::string url_;
+  std::optional<server::OscUrl> parsed_;
+  std::future<Result<server::Endpoint>> resolving_;
+  std::optional<server::OscSocket> socket_;  // made and unmade under the mutex
+  server::Endpoint daemon_;
+  server::Datagram datagram_;
+  bool subscribed_ = false;
+  double looked_up_s_ = 0, began_s_ = 0, status_asked_s_ = 0, subscription_asked_s_ = 0, heard_s_ = 0, noticed_s_ = 0;
+
+  std::jthread thread_;
+};
+
+void DaemonClient::Line::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    std::optional<std::string> url;
+    {
+      std::unique_lock lock(mutex_);
+      if (!socket_) changed_.wait_for(lock, kTick, [this] { return woken_; });
+      woken_ = false;
+      url = std::exchange(wanted_url_, std::nullopt);
+    }
+    if (url) look_for(*url);
+    look_up();
+    send_queued();
+    if (!socket_) continue;
+    keep_asking();
+    listen();
+    judge();
+  }
+  part();
+}
+
+void DaemonClient::Line::look_for(const std::string& url) {
+  part();
+  url_ = url;
+  parsed_.reset();
+  resolving_ = {};
+  looked_up_s_ = 0;
+  say(Kind::connecting, "Looking for a daemon at " + url_ + ".");
+  const auto parsed = server::parse_url(url_);
+  if (parsed) {
+    parsed_ = *parsed;
+  } else {
+    say(Kind::away, "This is no address of a daemon: " + parsed.error().message);
+  }
+}
+
+void DaemonClient::Line::look_up() {
+  if (socket_ || !parsed_) return;
+  if (!resolving_.valid()) {
+    if (now_s() - looked_up_s_ < kResolvePeriod_s) return;
+    looked_up_s_ = now_s();
+    resolving_ = resolve_apart(*parsed_);
+  }
+  if (resolving_.wait_for(0s) != std::future_status::ready) return;
+  const auto daemon = resolving_.get();
+  if (daemon) return bind(*daemon);
+  say(Kind::away, "No daemon is at " + url_ + ": " + daemon.error().message);
+}
+
+void DaemonClient::Line::bind(server::Endpoint daemon) {
+  // A daemon on this computer is asked from loopback; for another one, any of our addresses must do.
+  const bool local = daemon.address >> 24 == 127;
+  auto socket = server::OscSocket::bind({local ? daemon.address : 0, 0});
+  if (!socket) return say(Kind::away, "Cannot talk to a daemon: " + socket.error().message);
+  daemon_ = daemon;
+  began_s_ = heard_s_ = now_s();
+  status_asked_s_ = subscription_asked_s_ = 0;
+  const std::scoped_lock lock(mutex_);
+  socket_ = std::move(*socket);
+}
+
+void DaemonClient::Line::part() {
+  if (!socket_) return;
+  transmit(protocol::Notify{.on = false, .rate_hz = rate_hz_});
+  subscribed_ = false;
+  const std::scoped_lock lock(mutex_);
+  socket_.reset();
+  replies_.clear();
+}
+
+void DaemonClient::Line::transmit(const Request& request) {
+  // What does not arrive shows in the answers that do not come.
+  static_cast<void>(socket_->send_to(daemon_, server::encode(protocol::format(request))));
+}
+
+void DaemonClient::Line::send_queued() {
+  std::deque<Request> requests;
+  {
+    const std::scoped_lock lock(mutex_);
+    requests = requests_.take();
+  }
+  // Without a daemon they are dropped: a strike must not sound minutes later.
+  if (!socket_) return;
+  for (const Request& request : requests) transmit(request);
+}
+
+void DaemonClient::Line::keep_asking() {
+  const double now = now_s();
+  if (now - status_asked_s_ >= kStatusPeriod_s) {
+    status_asked_s_ = now;
+    transmit(protocol::Status{});
+  }
+  if (!subscribed_ && now - subscription_asked_s_ >= kSubscribePeriod_s) {
+    subscription_asked_s_ = now;
+    transmit(protocol::Notify{.on = true, .rate_hz = rate_hz_});
+  }
+}
+
+void DaemonClient::Line::listen() {
+  auto patience = kTick;
+  for (int i = 0; i < 256 && socket_->receive(datagram_, patience); ++i) {
+    take(datagram_);
+    patience = 0ms;
+  }
+}
+
+void DaemonClient::Line::take(const server::Datagram& datagram) {
+  if (datagram.from != daemon_) return;
+  const auto messages = server::decode_packet(datagram.bytes);
+  if (!messages) return;
+  heard_s_ = now_s();
+  for (const auto& [time, message] : *messages) {
+    if (is_notice(message)) {
+      noticed_s_ = heard_s_;
+      if (!subscribed_) connected_anew();
+    }
+    auto reply = protocol::parse_reply(message);
+    if (!reply) continue;
+    const auto* done = std::get_if<protocol::Done>(&*reply);
+    if (done && done->address == "/notify") continue;
+    const auto* refusal = std::get_if<protocol::Fail>(&*reply);
+    if (refusal && refusal->address == "/notify")
+      say(Kind::connecting, "The daemon at " + url_ + " refused: " + refusal->sentence);
+    const std::scoped_lock lock(mutex_);
+    replies_.push_over(std::move(*reply));
+  }
+}
+
+void DaemonClient::Line::connected_anew() {
+  subscribed_ = true;
+  {
+    const std::scoped_lock lock(mutex_);
+    ++state_.connection;
+    replies_.clear();
+  }
+  say(Kind::connected, "Connected to the daemon at " + url_ + ".");
+}
+
+void DaemonClient::Line::judge() {
+  const double now = now_s();
+  if (now - heard_s_ > kAway_s) {
+    subscribed_ = false;
+    say(Kind::away, "No daemon answers at " + url_ + ". Start one: ringdownd --scene demo.toml");
+  } else if (subscribed_ && now - noticed_s_ > std::max(kForgotten_s, 5 / rate_hz_) &&
+             heard_s_ > noticed_s_ + kForgotten_s / 2) {
+    // It answers, but has forgotten that we subscribed: it is another daemon.
+    subscribed_ = false;
+    say(Kind::connecting, "Another daemon is at " + url_ + "; asking it what there is.");
+  }
+}
+
+void DaemonClient::Line::say(Kind kind, std::string sentence) {
+  const std::scoped_lock lock(mutex_);
+  if (state_.kind != kind || state_.sentence != sentence) state_since_s_ = now_s();
+  state_.kind = kind;
+  state_.sentence = std::move(sentence);
+}
+
+DaemonClient::DaemonClient(std::string url, double notice_rate_hz)
+    : line_(std::make_unique<Line>(std::move(url), std::clamp(notice_rate_hz, 0.1, 200.0))) {}
+
+DaemonClient::~DaemonClient() = default;
+
+void DaemonClient::send(protocol::Request request) {
+  {
+    const std::scoped_lock lock(line_->mutex_);
+    line_->requests_.push_or_drop(std::move(request));
+  }
+  line_->wake();
+}
+
+Batch DaemonClient::take() {
+  const std::scoped_lock lock(line_->mutex_);
+  std::deque<Reply> replies = line_->replies_.take();
+  Batch batch{line_->state_.connection, {}};
+  batch.replies.assign(std::make_move_iterator(replies.begin()), std::make_move_iterator(replies.end()));
+  return batch;
+}
+
+ConnectionState DaemonClient::state() const {
+  const std::scoped_lock lock(line_->mutex_);
+  ConnectionState state = line_->state_;
+  state.seconds = now_s() - line_->state_since_s_;
+  state.lost_replies = line_->replies_.lost();
+  state.lost_requests = line_->requests_.lost();
+  return state;
+}
+
+void DaemonClient::connect_to(std::string url) {
+  {
+    const std::scoped_lock lock(line_->mutex_);
+    line_->wanted_url_ = std::move(url);
+  }
+  line_->wake();
+}
+
+}  // namespace ringdown::viewer

@@ -1,0 +1,35 @@
+// The pane at the left: the daemon, what there is to load, the chosen object and its sliders, recording, messages. [UI]
+#pragma once
+
+#include "clients/viewer/commands.h"
+#include "clients/viewer/link/daemon_client.h"
+#include "clients/viewer/panels/skin.h"
+#include "clients/viewer/settings.h"
+
+#include <array>
+#include <string>
+
+namespace ringdown::viewer {
+
+class SideView {
+ public:
+  explicit SideView(const std::string& url) { set_url(url); }
+
+  // Returns the URL of another daemon to go to; empty: stay.
+  std::string draw(const Skin& skin, const ConnectionState& state, Model& model, Commands& commands,
+                   Settings& settings);
+
+ private:
+  void set_url(const std::string& url);
+  std::string draw_daemon(const Skin& skin, const ConnectionState& state);
+  void draw_browser(Model& model, Commands& commands);
+  void draw_objects(const Skin& skin, Model& model, Commands& commands) const;
+  static void draw_sliders(const KnownObject& object, Commands& commands);
+  static void draw_strike(Commands& commands, Settings& settings);
+  static void draw_session(const Skin& skin, const Model& model, Commands& commands);
+  static void draw_messages(const Skin& skin, const Model& model);
+
+  std::array<char, 128> url_{}, filter_{};
+};
+
+}  // namespace ringdown::viewer

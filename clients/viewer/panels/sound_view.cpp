@@ -1,0 +1,166 @@
+#include "clients/viewer/panels/sound_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ringdown::viewer {
+namespace {
+
+constexpr double kRecent_s = 0.5;  // amplitudes that are older are no longer true
+
+// Scrolls the table only as far as it must: a row that was clicked stays under the mouse.
+void keep_in_sight(std::uint32_t row) {
+  const float height = ImGui::GetTextLineHeight() + 2 * ImGui::GetStyle().CellPadding.y;
+  const float top = static_cast<float>(row) * height;
+  const float shown = ImGui::GetWindowHeight() - 2 * height;  // below the headings
+  if (top < ImGui::GetScrollY()) ImGui::SetScrollY(top);
+  if (top > ImGui::GetScrollY() + shown) ImGui::SetScrollY(top - shown);
+}
+
+bool same(const Adjustment& a, const Adjustment& b) {
+  return a.scale == b.scale && a.gain == b.gain && a.range == b.range;
+}
+
+void draw_count(const Skin& skin, const char* label, std::int64_t count) {
+  ImGui::TextDisabled("%s", label);
+  ImGui::SameLine();
+  if (count > 0) {
+    ImGui::PushStyleColor(ImGuiCol_Text, skin.warning);
+    ImGui::Text("%lld", static_cast<long long>(count));
+    ImGui::PopStyleColor();
+  } else {
+    ImGui::TextUnformatted("0");
+  }
+}
+
+}  // namespace
+
+void SoundView::draw_meters(const Skin& skin, const Model& model) const {
+  draw_level(skin, "Level", static_cast<float>(model.peak().now), static_cast<float>(model.peak().held));
+  const auto& status = model.status();
+  const double p99 = status ? status->load_p99 : 0;
+  char text[48];
+  std::snprintf(text, sizeof text, "%4.1f %%", 100 * model.load().mean);
+  draw_share(skin, "DSP load", model.load().mean, p99, text);
+  draw_count(skin, "xruns", model.load().xruns);
+  ImGui::SameLine();
+  draw_count(skin, "  dropped", status ? status->dropped_events : 0);
+  ImGui::SameLine();
+  draw_count(skin, "  late", status ? status->late_events : 0);
+  ImGui::SameLine();
+  ImGui::TextDisabled("  ringing");
+  ImGui::SameLine();
+  ImGui::Text("%d objects, %d modes", model.load().sounding_objects, model.load().sounding_modes);
+}
+
+void SoundView::draw_curves(const Skin& skin, const Model& model, float height) {
+  const SoundHistory& sound = model.sound();
+  const double rate = std::max(sound.sample_rate_hz(), 1.0);
+  sound.last(Spectrum::kFrames, left_, right_);
+  mono_.resize(left_.size());
+  for (std::size_t i = 0; i < left_.size(); ++i) mono_[i] = (left_[i] + right_[i]) / 2;
+  const float width = ImGui::GetContentRegionAvail().x;
+  const auto recent = std::min(left_.size(), static_cast<std::size_t>(0.08 * rate));
+  draw_oscilloscope(skin, {width, height}, std::span(left_).last(recent), std::span(right_).last(recent), rate);
+  draw_spectrum(skin, {width, height}, spectrum_.analyse(mono_), rate / Spectrum::kFrames);
+}
+
+const std::vector<ListedMode>& SoundView::modes_of(const KnownObject& object, const Commands& commands) {
+  const Adjustment adjustment = commands.adjustment_of(object);
+  if (object.bank != listed_ || node_ != commands.choice().node || !same(adjustment, adjustment_)) {
+    listed_ = object.bank;
+    node_ = commands.choice().node;
+    adjustment_ = adjustment;
+    modes_ = list_modes(*object.bank, adjustment, node_);
+  }
+  return modes_;
+}
+
+void SoundView::draw_amplitudes(const Skin& skin, Model& model, Commands& commands, float height) {
+  std::vector<BarGroup> groups;
+  std::vector<const KnownObject*> objects;
+  std::size_t number = 0;
+  for (const auto& [name, object] : model.objects()) {
+    const ImU32 colour = series_colour(number++);
+    if (!object.bank || object.amplitudes.empty()) continue;
+    const bool chosen = name == commands.choice().object;
+    const double frequency_factor = std::sqrt(modal::lambda_factor(object.scale));
+    BarGroup group{name, colour, {}};
+    const std::size_t count = std::min(object.amplitudes.size(), object.bank->by_frequency.size());
+    for (std::size_t rank = 0; rank < count; ++rank) {
+      const double hz = object.bank->bank.frequency_hz[object.bank->by_frequency[rank]];
+      group.bars.push_back({hz * frequency_factor, object.amplitudes[rank], chosen && rank == commands.choice().mode});
+    }
+    groups.push_back(std::move(group));
+    objects.push_back(&object);
+  }
+  const Picked picked = draw_bars(skin, {ImGui::GetContentRegionAvail().x, height}, groups);
+  if (picked.group >= 0) {
+    commands.hear_alone(*objects[static_cast<std::size_t>(picked.group)], static_cast<std::uint32_t>(picked.bar));
+  }
+  for (const BarGroup& group : groups) {
+    ImGui::ColorButton(group.name.c_str(), ImGui::ColorConvertU32ToFloat4(group.colour), ImGuiColorEditFlags_NoTooltip,
+                       {ImGui::GetFontSize() * 0.7f, ImGui::GetFontSize() * 0.7f});
+    ImGui::SameLine();
+    ImGui::TextUnformatted(group.name.c_str());
+    if (&group != &groups.back()) ImGui::SameLine();
+    if (ImGui::GetContentRegionAvail().x < 6 * ImGui::GetFontSize()) ImGui::NewLine();
+  }
+}
+
+void SoundView::draw_table(const Skin& skin, const KnownObject& object, Commands& commands) {
+  const std::vector<ListedMode>& modes = modes_of(object, commands);
+  const modal::ModeRange range = commands.adjustment_of(object).range;
+  const auto has = static_cast<int>(std::ranges::count(modes, true, &ListedMode::selected));
+  ImGui::Text("%s: %d of %zu modes, excited at node %u", object.name.c_str(), has, modes.size(),
+              commands.choice().node);
+  if (range != modal::ModeRange{}) {
+    ImGui::SameLine();
+    if (ImGui::SmallButton("All (1)")) commands.perform(Action::all_modes);
+  }
+  constexpr auto kFlags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerV;
+  if (!ImGui::BeginTable("modes", 4, kFlags, ImGui::GetContentRegionAvail())) return;
+  ImGui::TableSetupScrollFreeze(0, 1);
+  for (const char* heading : {"mode", "frequency", "T60", "gain"}) ImGui::TableSetupColumn(heading);
+  ImGui::TableHeadersRow();
+  const std::uint32_t chosen = commands.choice().mode;
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(modes.size()));
+  while (clipper.Step()) {
+    for (int row = clipper.DisplayStart; row < clipper.DisplayEnd; ++row) {
+      const ListedMode& mode = modes[static_cast<std::size_t>(row)];
+      const auto rank = static_cast<std::uint32_t>(row);
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::PushID(row);
+      ImGui::PushStyleColor(ImGuiCol_Text, mode.selected ? skin.text : skin.faint);
+      char label[16];
+      std::snprintf(label, sizeof label, "%d", row);
+      if (ImGui::Selectable(label, rank == chosen, ImGuiSelectableFlags_SpanAllColumns)) {
+        commands.hear_alone(object, rank);
+      }
+      ImGui::TableNextColumn();
+      mode.frequency_hz > 0 ? ImGui::Text("%.1f Hz", mode.frequency_hz) : ImGui::TextUnformatted("no pitch");
+      ImGui::TableNextColumn();
+      ImGui::Text("%.3g s", mode.t60_s);
+      ImGui::TableNextColumn();
+      ImGui::Text("%.1f dB", mode.gain_db);
+      ImGui::PopStyleColor();
+      ImGui::PopID();
+    }
+  }
+  if (chosen != shown_mode_) keep_in_sight(chosen);
+  shown_mode_ = chosen;
+  ImGui::EndTable();
+}
+
+void SoundView::draw(const Skin& skin, Model& model, Commands& commands) {
+  draw_meters(skin, model);
+  const float height = std::clamp(ImGui::GetContentRegionAvail().y * 0.2f, 70.0f, 260.0f);
+  draw_curves(skin, model, height);
+  draw_amplitudes(skin, model, commands, height);
+  const KnownObject* object = model.object(commands.choice().object);
+  if (object && object->bank) draw_table(skin, *object, commands);
+}
+
+}  // namespace ringdown::viewer

@@ -1,0 +1,44 @@
+// What the mix sounds like, for those who show it: the audio thread puts pieces into a ring while somebody watches, and
+// another thread takes them out. A piece that finds the ring full is dropped; frame numbers then show a gap.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/base/spsc_ring.h"
+#include "protocol/event.h"
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+
+namespace ringdown::synth {
+
+inline constexpr std::size_t kTappedFrames = 256;   // of a piece, at most
+inline constexpr std::size_t kMostTapped = 512;     // pieces that wait: 2.7 s in blocks of 256 frames at 48 kHz
+inline constexpr std::size_t kLongestSpare = 8192;  // frames of a block that are watched though nobody listens to them
+
+class SoundTap {
+ public:
+  struct Piece {
+    protocol::Frame frame = 0;  // of the first
+    double sample_rate_hz = 0;
+    std::size_t frames = 0;
+    std::array<float, 2 * kTappedFrames> samples;  // left right left right ...
+  };
+
+  void watch(bool on) { watched_.store(on, std::memory_order_relaxed); }  // [any]
+  [[nodiscard]] bool watched() const RINGDOWN_REALTIME { return watched_.load(std::memory_order_relaxed); }
+
+  // A block whose first frame is `frame`. [audio]
+  void put(protocol::Frame frame, double sample_rate_hz, const float* left, const float* right,
+           std::size_t frames) RINGDOWN_REALTIME;
+
+  // The oldest piece, valid until pop(); null when there is none. [one thread that is not audio]
+  [[nodiscard]] const Piece* front() const { return ring_.front(); }
+  void pop() { ring_.pop(); }
+
+ private:
+  std::atomic<bool> watched_{false};
+  SpscRing<Piece> ring_{kMostTapped};
+};
+
+}  // namespace ringdown::synth

@@ -1,0 +1,65 @@
+#include "server/browse.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <system_error>
+#include <utility>
+
+namespace ringdown::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kScene = "scene", kBank = "bank";
+
+struct Kinds {
+  std::set<std::string> scenes, banks;
+  std::set<fs::path> seen;  // without links: roots may lie in each other, or be given twice
+};
+
+// As short as can be read from the current folder.
+std::string shown(const fs::path& path, const fs::path& here) {
+  const fs::path near = path.lexically_relative(here);
+  return near.empty() || *near.begin() == ".." ? path.string() : near.string();
+}
+
+void look_at(const fs::directory_entry& entry, const fs::path& here, Kinds& found) {
+  std::error_code error;
+  if (!entry.is_regular_file(error) || entry.is_symlink(error)) return;
+  const bool is_scene = entry.path().extension() == ".toml" && entry.path().parent_path().filename() == "scenes";
+  if (!is_scene && entry.path().extension() != ".glb") return;
+  const fs::path real = fs::canonical(entry.path(), error);
+  if (error || !found.seen.insert(real).second) return;
+  (is_scene ? found.scenes : found.banks).insert(shown(entry.path(), here));
+}
+
+void look_below(const fs::path& root, const fs::path& here, Kinds& found) {
+  std::error_code error;
+  fs::recursive_directory_iterator at(root, fs::directory_options::skip_permission_denied, error);
+  for (std::size_t n = 0; !error && at != fs::recursive_directory_iterator() && n < kMostLookedAt; ++n) {
+    const bool hidden = at->path().filename().string().starts_with('.');
+    if (hidden || at.depth() >= kDeepestBrowsed) at.disable_recursion_pending();
+    if (!hidden) look_at(*at, here, found);
+    at.increment(error);
+  }
+}
+
+}  // namespace
+
+std::vector<protocol::BrowseFile> browse(const FileRoots& roots) {
+  std::error_code ignored;
+  const fs::path here = fs::current_path(ignored);
+  Kinds found;
+  for (const fs::path& folder : roots.folders()) look_below(folder, here, found);
+  std::vector<protocol::BrowseFile> files;
+  for (const auto& [kind, paths] : {std::pair(&kScene, &found.scenes), std::pair(&kBank, &found.banks)}) {
+    for (const std::string& path : *paths) {
+      if (files.size() == kMostBrowsed) return files;
+      files.push_back({static_cast<std::int32_t>(files.size()), *kind, path});
+    }
+  }
+  return files;
+}
+
+}  // namespace ringdown::server

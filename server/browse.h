@@ -1,0 +1,22 @@
+// What there is to load: scenes and banks below the folders that files may be opened in. [worker]
+//
+// Scenes are the .toml files of folders called `scenes`, banks all .glb files. Neither is opened: what cannot be read
+// is refused when it is loaded. Links are not followed, and hidden folders are left out.
+#pragma once
+
+#include "protocol/reply.h"
+#include "server/file_roots.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace ringdown::server {
+
+inline constexpr std::size_t kMostBrowsed = 1024;    // files that are told
+inline constexpr std::size_t kMostLookedAt = 16384;  // files and folders below one root that are looked at
+inline constexpr int kDeepestBrowsed = 4;            // folders below a root
+
+// Scenes first, each kind by path; numbered from 0. A path below the current folder is told from there, others whole.
+std::vector<protocol::BrowseFile> browse(const FileRoots& roots);
+
+}  // namespace ringdown::server

@@ -1,0 +1,107 @@
+#include "server/describe.h"
+
+#include "server/browse.h"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace ringdown::server {
+namespace {
+
+using Answer = Result<std::vector<protocol::Reply>>;
+
+template <class Number>
+std::int32_t whole(Number number) {
+  return static_cast<std::int32_t>(number);
+}
+
+Answer describe(const protocol::DescribeObject& question, const Session& session, const Recorder& recorder) {
+  const auto object = session.rack().find(question.object);
+  if (!object) return fail(object.error());
+  const auto [gain, pan] = recorder.level(object->number);
+  const std::size_t modes = object->map->bank().mode_count();
+  return std::vector<protocol::Reply>{protocol::ObjectReply{
+      .number = whole(object->number),
+      .name = object->name,
+      .version = object->bank_version,
+      .bank_bytes = whole(object->bank_bytes),
+      .bank = object->bank->string(),
+      .modes = whole(modes),
+      .first_mode = whole(object->modes.first),
+      .selected_modes =
+          whole(std::min<std::size_t>(object->modes.count, modes - std::min<std::size_t>(object->modes.first, modes))),
+      .scale = object->material,
+      .gain = gain,
+      .pan = pan,
+      .group = object->group.empty() ? std::nullopt : std::optional(object->group),
+  }};
+}
+
+Answer read(const protocol::ReadBank& question, const Session& session) {
+  const auto object = session.rack().find(question.object);
+  if (!object) return fail(object.error());
+  const std::string file = object->bank->string();
+  if (question.offset >= object->bank_bytes) {
+    return fail("offset: " + std::to_string(question.offset) + " is past the end of " + file + ", which has " +
+                std::to_string(object->bank_bytes) + " bytes");
+  }
+  auto piece = session.rack().roots().read_piece(*object->bank, question.offset, question.bytes);
+  if (!piece) return fail(piece.error());
+  if (piece->total != object->bank_bytes) {
+    return fail(file + " is not the file any more that \"" + object->name + "\" was loaded from; /load it again");
+  }
+  return std::vector<protocol::Reply>{protocol::BankReply{object->name, object->bank_version, whole(question.offset),
+                                                          whole(piece->total), std::move(piece->bytes)}};
+}
+
+Answer describe(const ScenePlayer& player) {
+  const ScenePlayer::Description scene = player.describe();
+  protocol::SceneReply head{.version = scene.version,
+                            .bodies = whole(scene.bodies.size()),
+                            .statics = whole(scene.statics.size()),
+                            .duration_s = scene.duration_s};
+  if (scene.camera) {
+    head.camera_m = scene.camera->position_m;
+    head.target_m = scene.camera->target_m;
+    head.field_of_view_degrees = scene.camera->field_of_view_degrees;
+  }
+  if (scene.file) head.file = scene.file->string();
+  std::vector<protocol::Reply> answer{head};
+  for (const scene::BodyOutline& body : scene.bodies) {
+    answer.emplace_back(protocol::SceneBody{scene.version, whole(body.id), body.name,
+                                            body.object.empty() ? std::string("-") : body.object, to_text(body.shape),
+                                            body.size_m, body.fixed});
+  }
+  for (std::size_t i = 0; i < scene.statics.size(); ++i) {
+    const scene::StaticOutline& still = scene.statics[i];
+    const scene::Rotation& q = still.rotation;
+    answer.emplace_back(protocol::SceneStatic{scene.version, whole(i), still.name, to_text(still.type), still.size_m,
+                                              still.position_m, q.x, q.y, q.z, q.w});
+  }
+  return answer;
+}
+
+Answer browse_all(const FileRoots& roots) {
+  const std::vector<protocol::BrowseFile> files = browse(roots);
+  std::vector<protocol::Reply> answer{protocol::BrowseReply{whole(files.size())}};
+  answer.insert(answer.end(), files.begin(), files.end());
+  return answer;
+}
+
+}  // namespace
+
+bool is_question(const protocol::Request& request) {
+  return std::holds_alternative<protocol::DescribeObject>(request) ||
+         std::holds_alternative<protocol::ReadBank>(request) ||
+         std::holds_alternative<protocol::SceneDescribe>(request) || std::holds_alternative<protocol::Browse>(request);
+}
+
+Answer answer_to(const protocol::Request& question, const Session& session, const Recorder& recorder) {
+  if (const auto* object = std::get_if<protocol::DescribeObject>(&question))
+    return describe(*object, session, recorder);
+  if (const auto* bank = std::get_if<protocol::ReadBank>(&question)) return read(*bank, session);
+  if (std::holds_alternative<protocol::SceneDescribe>(question)) return describe(session.scene());
+  return browse_all(session.rack().roots());
+}
+
+}  // namespace ringdown::server

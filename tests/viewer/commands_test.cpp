@@ -1,0 +1,252 @@
+// What actions send, and what undo takes back. The model is told what a daemon would say.
+#include "clients/viewer/commands.h"
+
+#include "clients/viewer/mode_list.h"
+#include "engine/modal/bank_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace ringdown::viewer {
+namespace {
+
+using protocol::ObjectReply;
+using protocol::Request;
+
+struct Desk {
+  Model model{60};
+  std::vector<Request> sent;
+  Commands commands{model, [this](Request request) { sent.push_back(std::move(request)); }};
+  double now_s = 10;
+
+  explicit Desk(const std::vector<std::string>& names = {"bell"}, std::int32_t modes = 100) {
+    std::int32_t number = 0;
+    for (const std::string& name : names) {
+      model.apply(protocol::NotifyObject{number, name, true}, now_s);
+      ObjectReply reply;
+      reply.number = number++;
+      reply.name = name;
+      reply.modes = reply.selected_modes = modes;
+      model.apply(reply, now_s);
+    }
+    commands.update(now_s);
+  }
+  template <class Kind>
+  [[nodiscard]] std::vector<Kind> of() const {
+    std::vector<Kind> found;
+    for (const Request& request : sent) {
+      if (const auto* kind = std::get_if<Kind>(&request)) found.push_back(*kind);
+    }
+    return found;
+  }
+  void wait(double seconds) { commands.update(now_s += seconds); }
+};
+
+TEST(Commands, TheFirstObjectIsChosenAndKeysStepThroughAll) {
+  Desk desk({"bell", "plate", "glass"});
+  EXPECT_EQ(desk.commands.choice().object, "bell");
+  desk.commands.perform(Action::next_object);
+  EXPECT_EQ(desk.commands.choice().object, "glass");
+  desk.commands.perform(Action::next_object);
+  desk.commands.perform(Action::next_object);
+  EXPECT_EQ(desk.commands.choice().object, "bell");
+  desk.commands.perform(Action::previous_object);
+  EXPECT_EQ(desk.commands.choice().object, "plate");
+}
+
+TEST(Commands, WithoutAChoiceTheObjectWithTheMostModesIsChosen) {
+  Desk desk({"bell", "plate"});
+  ObjectReply richer;
+  richer.number = 1;
+  richer.name = "plate";
+  richer.modes = richer.selected_modes = 101;
+  desk.model.apply(richer, desk.now_s);
+  desk.wait(0.1);
+  EXPECT_EQ(desk.commands.choice().object, "plate");
+  desk.commands.choose_object("bell");
+  desk.wait(0.1);
+  EXPECT_EQ(desk.commands.choice().object, "bell") << "the user's choice stays";
+}
+
+TEST(Commands, EveryMaterialKeyScalesItsFactorAndAPairCancels) {
+  using modal::MaterialScale;
+  const std::vector<std::tuple<Action, Action, double MaterialScale::*>> pairs = {
+      {Action::alpha_up, Action::alpha_down, &MaterialScale::alpha},
+      {Action::beta_up, Action::beta_down, &MaterialScale::beta},
+      {Action::density_up, Action::density_down, &MaterialScale::density},
+      {Action::stiffness_up, Action::stiffness_down, &MaterialScale::stiffness}};
+  for (const auto& [up, down, factor] : pairs) {
+    Desk desk;
+    desk.commands.perform(up);
+    ASSERT_EQ(desk.of<protocol::SetMaterial>().size(), 1u);
+    EXPECT_GT(desk.of<protocol::SetMaterial>()[0].scale.*factor, 1);
+    desk.commands.perform(down);
+    EXPECT_NEAR(desk.of<protocol::SetMaterial>()[1].scale.*factor, 1, 1e-12);
+  }
+}
+
+TEST(Commands, StiffnessGoesBySemitones) {
+  Desk desk;
+  for (int i = 0; i < 12; ++i) desk.commands.perform(Action::stiffness_up);
+  const auto scale = desk.of<protocol::SetMaterial>().back().scale;
+  EXPECT_NEAR(std::sqrt(modal::lambda_factor(scale)), 2, 1e-9) << "twelve semitones are an octave";
+}
+
+TEST(Commands, StepsCountFromWhatWasSentUntilTheDaemonSaysOtherwise) {
+  Desk desk;
+  desk.commands.perform(Action::alpha_up);
+  desk.commands.perform(Action::alpha_up);
+  EXPECT_NEAR(desk.of<protocol::SetMaterial>()[1].scale.alpha, 2, 1e-12);
+  EXPECT_EQ(desk.of<protocol::DescribeObject>().size(), 2u) << "the daemon's word is asked for";
+  desk.wait(5);
+  desk.commands.perform(Action::alpha_up);
+  EXPECT_NEAR(desk.of<protocol::SetMaterial>()[2].scale.alpha, std::sqrt(2), 1e-12) << "it had refused both";
+}
+
+TEST(Commands, UndoAndRedoSendWhatWasBeforeAndAfter) {
+  Desk desk;
+  desk.commands.perform(Action::stiffness_up);
+  desk.wait(0.8);
+  desk.commands.perform(Action::density_up);
+  desk.sent.clear();
+  desk.commands.perform(Action::undo);
+  desk.commands.perform(Action::undo);
+  auto material = desk.of<protocol::SetMaterial>();
+  ASSERT_EQ(material.size(), 2u);
+  EXPECT_GT(material[0].scale.stiffness, 1);
+  EXPECT_EQ(material[1].scale, modal::MaterialScale{});
+  desk.commands.perform(Action::undo);
+  EXPECT_EQ(desk.of<protocol::SetMaterial>().size(), 2u) << "there is nothing left";
+  desk.commands.perform(Action::redo);
+  EXPECT_GT(desk.of<protocol::SetMaterial>().back().scale.stiffness, 1);
+}
+
+TEST(Commands, InAnotherDaemonNothingIsUndoneAndNoToneSounds) {
+  Desk desk;
+  desk.commands.perform(Action::stiffness_up);
+  desk.commands.perform(Action::test_tone);
+  desk.commands.restart();
+  desk.sent.clear();
+  desk.commands.perform(Action::undo);
+  EXPECT_TRUE(desk.sent.empty());
+  desk.commands.perform(Action::test_tone);
+  ASSERT_EQ(desk.of<protocol::TestTone>().size(), 1u);
+  EXPECT_GT(desk.of<protocol::TestTone>()[0].amplitude, 0) << "the first press switches it on";
+}
+
+TEST(Commands, ADraggedSliderIsOneChange) {
+  Desk desk;
+  const KnownObject& bell = *desk.model.object("bell");
+  for (int i = 1; i <= 20; ++i) {
+    desk.commands.edit(bell, protocol::SetGain{{"bell", std::nullopt}, 0.05 * i}, "gain");
+    desk.wait(0.016);
+  }
+  desk.sent.clear();
+  desk.commands.perform(Action::undo);
+  ASSERT_EQ(desk.of<protocol::SetGain>().size(), 1u);
+  EXPECT_EQ(desk.of<protocol::SetGain>()[0].gain, 1);
+}
+
+TEST(Commands, AllModesAndTheTwentyHighestArePlayed) {
+  Desk desk;
+  desk.commands.perform(Action::highest_modes);
+  ASSERT_EQ(desk.of<protocol::SelectModes>().size(), 1u);
+  EXPECT_EQ(desk.of<protocol::SelectModes>()[0].range, (modal::ModeRange{80, 20}));
+  ASSERT_EQ(desk.of<protocol::RingModes>().size(), 1u);
+  EXPECT_EQ(desk.of<protocol::RingModes>()[0].first, 80u);
+  desk.commands.perform(Action::all_modes);
+  EXPECT_EQ(desk.of<protocol::SelectModes>()[1].range, modal::ModeRange{});
+  EXPECT_EQ(desk.of<protocol::RingModes>()[1].first, 0u);
+}
+
+TEST(Commands, WithFewerThanTwentyModesTheHighestAreAll) {
+  Desk desk({"bar"}, 7);
+  desk.commands.perform(Action::highest_modes);
+  EXPECT_EQ(desk.of<protocol::SelectModes>()[0].range, (modal::ModeRange{0, 20}));
+}
+
+TEST(Commands, TheNumberOfModesGoesDownToOneAndBackToAll) {
+  Desk desk;
+  for (int i = 0; i < 100; ++i) desk.commands.perform(Action::fewer_modes);
+  EXPECT_EQ(desk.of<protocol::SelectModes>().back().range, (modal::ModeRange{0, 1}));
+  for (int i = 0; i < 100; ++i) desk.commands.perform(Action::more_modes);
+  EXPECT_EQ(desk.of<protocol::SelectModes>().back().range, modal::ModeRange{});
+}
+
+TEST(Commands, AModeIsHeardAloneAndTheSecondTimeGivesAllBack) {
+  Desk desk;
+  desk.commands.hear_alone(*desk.model.object("bell"), 12);
+  EXPECT_EQ(desk.of<protocol::SelectModes>().back().range, (modal::ModeRange{12, 1}));
+  ASSERT_EQ(desk.of<protocol::RingModes>().size(), 1u);
+  EXPECT_EQ(desk.of<protocol::RingModes>()[0].first, 12u);
+  desk.commands.hear_alone(*desk.model.object("bell"), 12);
+  EXPECT_EQ(desk.of<protocol::SelectModes>().back().range, modal::ModeRange{});
+  EXPECT_EQ(desk.of<protocol::RingModes>().size(), 1u);
+}
+
+TEST(Commands, TheTestToneIsSwitched) {
+  Desk desk;
+  desk.commands.perform(Action::test_tone);
+  desk.commands.perform(Action::test_tone);
+  const auto tones = desk.of<protocol::TestTone>();
+  ASSERT_EQ(tones.size(), 2u);
+  EXPECT_EQ(tones[0].frequency_hz, 440);
+  EXPECT_GT(tones[0].amplitude, 0);
+  EXPECT_EQ(tones[1].amplitude, 0);
+}
+
+TEST(Commands, WithoutAnObjectNewBodiesAreSilentAndHaveASize) {
+  Desk desk(std::vector<std::string>{});
+  desk.commands.perform(Action::new_box);
+  desk.commands.perform(Action::new_sphere);
+  ASSERT_EQ(desk.of<protocol::SpawnBox>().size(), 1u);
+  EXPECT_FALSE(desk.of<protocol::SpawnBox>()[0].object);
+  EXPECT_GT(desk.of<protocol::SpawnBox>()[0].size_m.x, 0);
+  EXPECT_GT(desk.of<protocol::SpawnBox>()[0].density_kg_m3, 0);
+  EXPECT_GT(desk.of<protocol::SpawnSphere>()[0].radius_m, 0);
+}
+
+TEST(Commands, NothingAboutAnObjectIsSentWhereThereIsNone) {
+  Desk desk(std::vector<std::string>{});
+  for (const Action action :
+       {Action::all_modes, Action::highest_modes, Action::alpha_up, Action::more_modes, Action::project_test_force,
+        Action::hear_mode, Action::undo, Action::redo, Action::next_object, Action::next_node, Action::next_mode}) {
+    EXPECT_TRUE(desk.commands.perform(action));
+  }
+  EXPECT_TRUE(desk.sent.empty());
+}
+
+TEST(Commands, ABlowGoesIntoTheSurface) {
+  Desk desk;
+  desk.commands.choice().contact_time_s = 0.001;
+  desk.commands.strike("bell", {0.1, 0, 0}, {1, 0, 0}, 0.2);
+  const auto strikes = desk.of<protocol::Strike>();
+  ASSERT_EQ(strikes.size(), 1u);
+  EXPECT_EQ(strikes[0].impulse_ns, (Vec3{-0.2, 0, 0}));
+  EXPECT_EQ(strikes[0].contact_time_s, 0.001);
+}
+
+TEST(ModeList, SaysWhatScaledModesAre) {
+  auto bank = modal::read_bank(RINGDOWN_SOURCE_DIR "/presets/banks/bronze-bell.glb");
+  ASSERT_TRUE(bank) << bank.error().message;
+  KnownBank known{std::move(*bank), {}};
+  known.by_frequency.resize(known.bank.mode_count());
+  for (std::uint32_t i = 0; i < known.by_frequency.size(); ++i) known.by_frequency[i] = i;
+  std::ranges::sort(known.by_frequency, {}, [&](std::uint32_t m) { return known.bank.frequency_hz[m]; });
+  const auto plain = list_modes(known, {}, 0);
+  Adjustment twice;
+  twice.scale.size = 0.5;
+  twice.range = {2, 3};
+  const auto small = list_modes(known, twice, 0);
+  ASSERT_EQ(plain.size(), known.bank.mode_count());
+  for (std::size_t rank = 0; rank < plain.size(); ++rank) {
+    EXPECT_TRUE(rank == 0 || plain[rank].frequency_hz >= plain[rank - 1].frequency_hz);
+    EXPECT_NEAR(small[rank].frequency_hz / plain[rank].frequency_hz, 2, 0.01) << "half the size is an octave up";
+    EXPECT_EQ(small[rank].selected, rank >= 2 && rank < 5);
+    EXPECT_NEAR(plain[rank].t60_s, std::log(1000) / known.bank.decay_per_s[known.by_frequency[rank]], 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace ringdown::viewer

@@ -1,0 +1,332 @@
+// The window as people use it: on a display, with real keys and a real mouse (xdotool), against a real daemon on a JACK
+// server; what it asks the daemon is overheard on the way, and what comes of it is seen in the daemon's own answers.
+#include "engine/modal/bank_file.h"
+#include "tests/viewer/studio.h"
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ringdown::viewer {
+namespace {
+
+TEST(Window, EveryKeyOfTheSceneDoesWhatItSays) {
+  OPEN_STUDIO(studio);
+  ASSERT_EQ(studio.app().focused(), Pane::scene);
+  const auto camera = [&] { return studio.app().scene_view().camera(); };
+  const std::vector<std::pair<const char*, glm::vec3>> moves = {{"w", camera().forward()}, {"s", -camera().forward()},
+                                                                {"a", -camera().right()},  {"d", camera().right()},
+                                                                {"e", {0, 0, 1}},          {"x", {0, 0, -1}}};
+  for (const auto& [key, way] : moves) {
+    const glm::vec3 before = camera().position_m;
+    studio.act({"keydown", key});
+    EXPECT_TRUE(studio.until([&] { return glm::dot(camera().position_m - before, way) > 0.01F; })) << key;
+    studio.act({"keyup", key});
+  }
+  studio.press("Home");
+  EXPECT_TRUE(studio.until([&] { return glm::length(camera().position_m - glm::vec3(0, -1.5F, 0.6F)) < 1e-4F; }));
+
+  studio.act({"mousemove", "5", "5"});  // the space bar then strikes in the middle of the picture
+  studio.press("space");
+  ASSERT_TRUE(studio.asks<protocol::Strike>());
+  EXPECT_EQ(studio.relay().asked<protocol::Strike>()[0].object.name, "bell");
+  EXPECT_TRUE(studio.until([&] { return studio.status().sounding_objects > 0; }));
+
+  studio.press("h");
+  ASSERT_TRUE(studio.asks<protocol::SpawnBox>());
+  EXPECT_EQ(studio.relay().asked<protocol::SpawnBox>()[0].object->name, "bell");
+  EXPECT_TRUE(studio.until([&] { return studio.status().bodies == 3; }));
+  studio.press("j");
+  ASSERT_TRUE(studio.asks<protocol::SpawnSphere>());
+  EXPECT_TRUE(studio.until([&] { return studio.status().bodies == 4; }));
+  studio.press("q");
+  ASSERT_TRUE(studio.asks<protocol::SceneClear>());
+  EXPECT_TRUE(studio.until([&] { return studio.status().bodies == 0; }));
+  studio.press("F6");
+  ASSERT_TRUE(studio.asks<protocol::SceneLoad>());
+  EXPECT_TRUE(studio.until([&] { return studio.status().bodies == 2; }));
+  studio.press("F5");
+  ASSERT_TRUE(studio.asks<protocol::ScenePause>());
+  EXPECT_TRUE(studio.until([&] { return studio.app().model().scene().paused(); }));
+}
+
+TEST(Window, EveryKeyOfTheSoundDoesWhatItSays) {
+  OPEN_STUDIO(studio);
+  studio.press("Tab");
+  ASSERT_TRUE(studio.until([&] { return studio.app().focused() == Pane::sound; }));
+  using Bell = protocol::ObjectReply;
+  const Bell before = studio.bell();
+  EXPECT_TRUE(studio.changes_bell("a", [&](const Bell& b) { return b.selected_modes < before.modes; }));
+  EXPECT_TRUE(studio.changes_bell("q", [&](const Bell& b) { return b.selected_modes > before.modes * 9 / 10; }));
+  EXPECT_TRUE(studio.changes_bell("w", [](const Bell& b) { return b.scale.alpha > 1.01; }));
+  EXPECT_TRUE(studio.changes_bell("s", [](const Bell& b) { return std::abs(b.scale.alpha - 1) < 1e-3; }));
+  EXPECT_TRUE(studio.changes_bell("e", [](const Bell& b) { return b.scale.beta > 1.01; }));
+  EXPECT_TRUE(studio.changes_bell("d", [](const Bell& b) { return std::abs(b.scale.beta - 1) < 1e-3; }));
+  EXPECT_TRUE(studio.changes_bell("r", [](const Bell& b) { return b.scale.density > 1.01; }));
+  EXPECT_TRUE(studio.changes_bell("f", [](const Bell& b) { return std::abs(b.scale.density - 1) < 1e-3; }));
+  EXPECT_TRUE(studio.changes_bell("t", [](const Bell& b) { return b.scale.stiffness > 1.01; }));
+  EXPECT_TRUE(studio.changes_bell("g", [](const Bell& b) { return std::abs(b.scale.stiffness - 1) < 1e-3; }));
+  EXPECT_TRUE(studio.changes_bell(
+      "2", [&](const Bell& b) { return b.first_mode == before.modes - 20 && b.selected_modes == 20; }));
+  EXPECT_TRUE(studio.changes_bell("1", [&](const Bell& b) { return b.selected_modes == before.modes; }));
+  EXPECT_EQ(studio.relay().asked<protocol::RingModes>().size(), 2u);
+  EXPECT_TRUE(studio.until([&] { return studio.status().sounding_modes > before.modes / 2; }));
+
+  studio.press("c");
+  ASSERT_TRUE(studio.asks<protocol::ClearAll>());
+  EXPECT_TRUE(studio.until([&] { return studio.status().sounding_modes == 0; }));
+  studio.press("i");
+  EXPECT_TRUE(studio.until([&] { return studio.app().commands().choice().node == 1; }));
+  studio.press("p");
+  ASSERT_TRUE(studio.asks<protocol::StrikeVertex>());
+  EXPECT_EQ(studio.relay().asked<protocol::StrikeVertex>()[0].vertex, 1u);
+  EXPECT_TRUE(studio.until([&] { return studio.status().sounding_objects == 1; }));
+  studio.press("k");
+  EXPECT_TRUE(studio.until([&] { return studio.app().commands().choice().node == 0; }));
+
+  studio.press("Down");
+  EXPECT_TRUE(studio.until([&] { return studio.app().commands().choice().mode == 1; }));
+  EXPECT_TRUE(studio.changes_bell("Return", [](const Bell& b) { return b.first_mode == 1 && b.selected_modes == 1; }));
+  const auto bars = [&] { return studio.app().model().object("bell")->amplitudes; };
+  EXPECT_TRUE(studio.until([&] {
+    const std::vector<float> heights = bars();
+    return heights.size() == static_cast<std::size_t>(before.modes) && heights[1] > 0.01F &&
+           std::ranges::count_if(heights, [](float h) { return h > 1e-5F; }) == 1;
+  })) << "its bar stands alone";
+  studio.press("v");
+  EXPECT_TRUE(studio.until([&] {
+    return std::ranges::any_of(studio.app().scene_view().stage().last().frame.bodies,
+                               [](const DrawnBody& b) { return b.displacement && std::abs(b.displacement_m) > 1e-3F; });
+  })) << "it moves in that mode";
+}
+
+TEST(Window, TheTestToneIsHeardAndSeen) {
+  OPEN_STUDIO(studio);
+  studio.press("Tab");
+  ASSERT_TRUE(studio.until([&] { return studio.app().focused() == Pane::sound; }));
+  studio.press("4");
+  ASSERT_TRUE(studio.asks<protocol::TestTone>());
+  const Model& model = studio.app().model();
+  ASSERT_TRUE(studio.until([&] { return model.peak().held > 0.09; }));
+  std::vector<float> left, right;
+  // Zero crossings of a second of it.
+  EXPECT_TRUE(studio.until([&] {
+    const auto second = static_cast<std::size_t>(model.sound().sample_rate_hz());
+    model.sound().last(second, left, right);
+    int rising = 0;
+    for (std::size_t i = 1; i < left.size(); ++i) rising += left[i - 1] < 0 && left[i] >= 0;
+    return std::abs(rising - 440) <= 1;
+  }));
+  studio.press("4");
+  EXPECT_TRUE(studio.until([&] { return model.peak().held == 0; }));
+}
+
+TEST(Window, KeysForBothPanes) {
+  OPEN_STUDIO(studio);
+  App& app = studio.app();
+  const auto blank = app.window().read_pixels();
+  studio.press("F1");
+  EXPECT_TRUE(studio.until([&] { return app.window().read_pixels().rgba != blank.rgba; }));
+  studio.press("Escape");
+  studio.until([&] { return false; }, 1s);
+  EXPECT_TRUE(app.runs()) << "the first Escape closes the help";
+  studio.press("F2");
+  EXPECT_TRUE(studio.until([&] { return !app.settings().dark; }));
+  const double force = app.commands().choice().impulse_ns;
+  studio.press("period");
+  EXPECT_TRUE(studio.until([&] { return app.commands().choice().impulse_ns > 1.3 * force; }));
+  studio.press("comma");
+  EXPECT_TRUE(studio.until([&] { return app.commands().choice().impulse_ns < 1.1 * force; }));
+  studio.press("Tab");
+  ASSERT_TRUE(studio.until([&] { return app.focused() == Pane::sound; }));
+  ASSERT_TRUE(studio.changes_bell("t", [](const auto& b) { return b.scale.stiffness > 1.01; }));
+  ASSERT_TRUE(studio.changes_bell("ctrl+z", [](const auto& b) { return std::abs(b.scale.stiffness - 1) < 1e-3; }));
+  ASSERT_TRUE(studio.changes_bell("ctrl+y", [](const auto& b) { return b.scale.stiffness > 1.01; }));
+  studio.press("ctrl+equal");
+  EXPECT_TRUE(studio.until([&] { return app.window().scale() > 1.1; }));
+  studio.press("F11");
+  EXPECT_TRUE(studio.until([&] { return app.window().full_screen() && app.window().width() == 1280; }));
+  studio.press("F11");
+  EXPECT_TRUE(studio.until([&] { return !app.window().full_screen() && app.window().width() == 900; }));
+  studio.press("Escape");
+  EXPECT_TRUE(studio.until([&] { return !app.runs(); }));
+}
+
+// The table fills the lower right of the window.
+TEST(Window, AClickInTheTableLeavesOneModeAndTheNextGivesAllBack) {
+  OPEN_STUDIO(studio);
+  const auto modes = studio.bell().modes;
+  studio.act({"mousemove", "800", "490"});
+  studio.hold({"click", "1"});
+  ASSERT_TRUE(studio.until([&] { return studio.bell().selected_modes == 1; }));
+  ASSERT_TRUE(studio.asks<protocol::RingModes>());
+  EXPECT_EQ(studio.relay().asked<protocol::RingModes>()[0].first, static_cast<std::uint32_t>(studio.bell().first_mode));
+  EXPECT_TRUE(studio.until([&] { return studio.status().sounding_modes == 1; }));
+  studio.hold({"click", "1"});
+  EXPECT_TRUE(studio.until([&] { return studio.bell().selected_modes == modes; }));
+}
+
+TEST(Window, ASceneIsLoadedByTheKeyboardAlone) {
+  OPEN_STUDIO(studio);
+  ASSERT_TRUE(studio.until([&] { return !studio.app().model().scene_files().empty(); }));
+  studio.press("Tab");
+  ASSERT_TRUE(studio.until([&] { return studio.app().focused() == Pane::sound; }));
+  studio.press("Tab");
+  ASSERT_TRUE(studio.until([&] { return studio.app().focused() == Pane::side; }));
+  const auto loads = [&] { return studio.relay().asked<protocol::SceneLoad>(); };
+  for (int i = 0; i < 12 && loads().empty(); ++i) {
+    studio.hold({"key", "Down"});
+    if (i >= 4) studio.hold({"key", "space"});  // past the address, the buttons, the heading and the search
+  }
+  ASSERT_TRUE(studio.asks<protocol::SceneLoad>());
+  const std::string path = loads()[0].path;
+  EXPECT_TRUE(std::ranges::count(studio.app().model().scene_files(), path)) << path;
+  EXPECT_TRUE(studio.until([&] { return studio.app().model().scene().description().file == path; }));
+}
+
+TEST(Window, ARecordingIsStartedAndEnded) {
+  OPEN_STUDIO(studio);
+  studio.press("ctrl+r");
+  ASSERT_TRUE(studio.asks<protocol::RecordStart>());
+  ASSERT_TRUE(studio.until([&] { return studio.app().model().recording(); }));
+  EXPECT_TRUE(studio.status().recording);
+  studio.press("ctrl+r");
+  ASSERT_TRUE(studio.asks<protocol::RecordStop>());
+  EXPECT_TRUE(studio.until([&] { return !studio.app().model().recording(); }));
+  std::filesystem::remove(studio.relay().asked<protocol::RecordStart>()[0].path);
+}
+
+// The bell's sample point that is nearest to the camera: nothing of the bell hides it. The pixel lies a little towards
+// its middle, because such a point may be at the edge of what is seen.
+struct Target {
+  Vec3 object_m;    // in the bell's frame
+  glm::vec2 pixel;  // in the window
+};
+Target nearest_point(Studio& studio) {
+  const auto bank = modal::read_bank(kPresets + "/banks/bronze-bell.glb");
+  EXPECT_TRUE(bank);
+  const SceneView& view = studio.app().scene_view();
+  const auto& set = view.stage().last();
+  const auto bell =
+      static_cast<std::size_t>(std::ranges::find(set.staged, "bell", &Staged::object) - set.staged.begin());
+  Target target{};
+  float nearest = 1e9F;
+  for (const auto& [x, y, z] : bank->positions) {
+    const glm::vec3 point(set.frame.bodies[bell].pose * glm::vec4(x, y, z, 1));
+    const float away = glm::length(point - view.camera().position_m);
+    const auto pixel = view.camera().project(point, static_cast<int>(view.size().x), static_cast<int>(view.size().y));
+    if (away >= nearest || !pixel) continue;
+    nearest = away;
+    target = {{x, y, z}, glm::vec2(view.origin().x, view.origin().y) + *pixel};
+  }
+  const glm::vec2 middle = glm::vec2(view.origin().x, view.origin().y) +
+                           *view.camera().project(glm::vec3(set.frame.bodies[bell].pose[3]),
+                                                  static_cast<int>(view.size().x), static_cast<int>(view.size().y));
+  target.pixel += 3.0F * glm::normalize(middle - target.pixel);
+  return target;
+}
+
+TEST(Window, AClickOnTheBellStrikesItThere) {
+  OPEN_STUDIO(studio);
+  const Target target = nearest_point(studio);
+  const auto x = std::to_string(std::lround(target.pixel.x)), y = std::to_string(std::lround(target.pixel.y));
+  studio.act({"mousemove", x, y});
+  studio.act({"click", "1"});
+  ASSERT_TRUE(studio.asks<protocol::Strike>());
+  const protocol::Strike strike = studio.relay().asked<protocol::Strike>()[0];
+  EXPECT_EQ(strike.object.name, "bell");
+  // A pixel is some 2 mm there, and the surface bends.
+  EXPECT_LT(length(strike.point_m - target.object_m), 0.02);
+  EXPECT_GT(length(strike.impulse_ns), 0);
+  std::optional<KnownContact> told;
+  bool sounds = false, glows = false;
+  EXPECT_TRUE(studio.until([&] {
+    const Model& model = studio.app().model();
+    if (!model.contacts().empty()) told = model.contacts().back();
+    sounds = sounds || model.load().sounding_objects == 1;
+    glows = glows || std::ranges::any_of(studio.app().scene_view().stage().last().frame.bodies,
+                                         [](const DrawnBody& body) { return body.glow > 0.3F; });
+    return told && sounds && glows;
+  })) << "told "
+      << told.has_value() << ", sounds " << sounds << ", glows " << glows << "; " << studio.condition();
+  ASSERT_TRUE(told);
+  EXPECT_LT(length(told->point_m - target.object_m), 0.02) << "as the daemon tells it";
+}
+
+TEST(Window, AClickThatIsHeldLongerStrikesHarder) {
+  OPEN_STUDIO(studio);
+  const Target target = nearest_point(studio);
+  studio.act({"mousemove", std::to_string(std::lround(target.pixel.x)), std::to_string(std::lround(target.pixel.y))});
+  const auto strikes = [&] { return studio.relay().asked<protocol::Strike>(); };
+  studio.act({"mousedown", "1"});
+  studio.act({"mouseup", "1"});
+  ASSERT_TRUE(studio.until([&] { return strikes().size() == 1; }));
+  studio.act({"mousedown", "1"});
+  studio.until([] { return false; }, 2s);
+  studio.act({"mouseup", "1"});
+  ASSERT_TRUE(studio.until([&] { return strikes().size() == 2; }));
+  EXPECT_GT(length(strikes()[1].impulse_ns), length(strikes()[0].impulse_ns));
+  EXPECT_NEAR(length(strikes()[1].impulse_ns), 8 * studio.app().commands().choice().impulse_ns, 1e-6);
+}
+
+TEST(Window, DraggingLooksTheWheelZoomsAndShiftPushes) {
+  OPEN_STUDIO(studio);
+  App& app = studio.app();
+  const SceneView& view = app.scene_view();
+  const auto in_view = [&](glm::vec3 point) {
+    const auto pixel = view.camera().project(point, static_cast<int>(view.size().x), static_cast<int>(view.size().y));
+    return std::pair(std::to_string(std::lround(view.origin().x + pixel->x)),
+                     std::to_string(std::lround(view.origin().y + pixel->y)));
+  };
+  const auto [bx, by] = in_view({0.4F, -0.05F, 0.05F});
+  studio.act({"keydown", "shift"});
+  studio.act({"mousemove", bx, by});
+  studio.act({"mousedown", "1"});
+  for (int i = 0; i < 4; ++i) studio.act({"mousemove_relative", "--", "-15", "0"});
+  studio.act({"mouseup", "1"});
+  studio.act({"keyup", "shift"});
+  ASSERT_TRUE(studio.asks<protocol::ScenePush>());
+  EXPECT_LT(studio.relay().asked<protocol::ScenePush>()[0].impulse_ns.x, 0);
+  EXPECT_TRUE(studio.until([&] {
+    const auto& set = view.stage().last();
+    return std::ranges::any_of(set.frame.bodies,
+                               [](const DrawnBody& b) { return b.pose[3].x > 0.01F && b.pose[3].x < 0.39F; });
+  })) << "the block does not move";
+
+  const float yaw = view.camera().yaw;
+  studio.act({"mousemove", bx, by});
+  studio.act({"mousedown", "1"});
+  for (int i = 0; i < 4; ++i) studio.act({"mousemove_relative", "--", "-20", "0"});
+  studio.act({"mouseup", "1"});
+  EXPECT_TRUE(studio.until([&] { return std::abs(view.camera().yaw - yaw) > 0.02F; }));
+  const glm::vec3 before = view.camera().position_m;
+  studio.act({"click", "4"});
+  EXPECT_TRUE(
+      studio.until([&] { return glm::dot(view.camera().position_m - before, view.camera().forward()) > 0.01F; }));
+  EXPECT_TRUE(studio.relay().asked<protocol::Strike>().empty()) << "a drag strikes nothing";
+}
+
+TEST(Window, RecoversFromADaemonThatIsKilledAndStartedAgain) {
+  OPEN_STUDIO(studio);
+  const auto state = [&] { return studio.app().client().state(); };
+  ASSERT_EQ(state().kind, ConnectionState::Kind::connected);
+  studio.daemon().process().send_signal(SIGKILL);
+  ASSERT_TRUE(studio.until([&] { return state().kind == ConnectionState::Kind::away; }));
+  EXPECT_NE(state().sentence.find("ringdownd"), std::string::npos) << state().sentence;
+  Process again({program("ringdownd"), "--port", std::to_string(studio.daemon().port()), "--driver", "null", "--object",
+                 "plate=" + kPresets + "/banks/steel-plate.glb"});
+  ASSERT_TRUE(studio.until([&] {
+    const auto* plate = studio.app().model().object("plate");
+    return state().kind == ConnectionState::Kind::connected && plate && plate->bank;
+  }));
+  EXPECT_FALSE(studio.app().model().object("bell"));
+  EXPECT_TRUE(studio.until([&] {
+    const auto& staged = studio.app().scene_view().stage().last().staged;
+    return staged.size() == 1 && staged[0].object == "plate";
+  }));
+}
+
+}  // namespace
+}  // namespace ringdown::viewer
