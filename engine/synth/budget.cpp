@@ -13,6 +13,9 @@ constexpr int kFirstLessons = 40;  // which are averaged
 constexpr double kUnconfirmed = 1.2, kMostSurprise = 2;
 constexpr double kLeast_ns = 0.01;
 constexpr double kLeastUnits = 500;  // less work tells only that units do not cost as much as was thought
+constexpr double kLeastLook = 200;   // modes
+constexpr double kMostLooking = 0.3, kMostVisiting = 0.5;  // of a chunk's time
+constexpr double kLeastWorking = 0.2;                      // of what a chunk took without looking
 
 }  // namespace
 
@@ -34,20 +37,40 @@ void Budget::open_block(std::size_t frames, double sample_rate_hz, bool deadline
   deadline_ns_ = clock_.now_ns() + static_cast<std::int64_t>(frame_ns_ * static_cast<double>(frames));
 }
 
-void Budget::open_chunk(std::size_t frames) RINGDOWN_REALTIME {
+void Budget::open_chunk(std::size_t frames, std::size_t visits) RINGDOWN_REALTIME {
   if (!limited_) return;
   chunk_begin_ns_ = clock_.now_ns();
   const double left_ns = static_cast<double>(std::max<std::int64_t>(deadline_ns_ - chunk_begin_ns_, 0));
   const double ours_ns = left_ns * static_cast<double>(frames) / static_cast<double>(std::max(frames_left_, frames));
   chunk_end_ns_ = chunk_begin_ns_ + static_cast<std::int64_t>(ours_ns);
-  affordable_ = ours_ns / unit_ns_;
-  usual_ = frame_ns_ * static_cast<double>(frames) / unit_ns_;
+  chunk_ns_ = frame_ns_ * static_cast<double>(frames);
+  looked_ns_ = 0;
+  visits_ns_ = std::min(static_cast<double>(visits) * visit_ns_, kMostVisiting * chunk_ns_);
+  usual_ = ((1 - looking_) * chunk_ns_ - visits_ns_) / unit_ns_;
   frames_left_ -= std::min(frames, frames_left_);
+}
+
+void Budget::looked(std::int64_t begin_ns, double modes) RINGDOWN_REALTIME {
+  if (!limited_) return;
+  looked_ns_ = static_cast<double>(clock_.now_ns() - begin_ns);
+  if (modes >= kLeastLook) learn(look_ns_, looked_ns_ / modes, kTypicalLook_ns);
+}
+
+void Budget::visited(std::int64_t begin_ns) RINGDOWN_REALTIME {
+  if (limited_) learn(visit_ns_, static_cast<double>(clock_.now_ns() - begin_ns), kTypicalVisit_ns);
+}
+
+// Of many small times the mean counts, but not one in which the thread did not run.
+void Budget::learn(double& price_ns, double took_ns, double typical_ns) RINGDOWN_REALTIME {
+  const double believed_ns = std::min(took_ns, kMostSurprise * std::max(price_ns, typical_ns));
+  price_ns = std::max(price_ns + kLearnDown * (believed_ns - price_ns), kLeast_ns);
 }
 
 void Budget::close_chunk(double units) RINGDOWN_REALTIME {
   if (!limited_) return;
-  const double took_ns = static_cast<double>(clock_.now_ns() - chunk_begin_ns_) / std::max(units, kLeastUnits);
+  looking_ += kLearnDown * (std::min(looked_ns_ / chunk_ns_, kMostLooking) - looking_);
+  const double all_ns = static_cast<double>(clock_.now_ns() - chunk_begin_ns_) - looked_ns_;
+  const double took_ns = std::max(all_ns - visits_ns_, kLeastWorking * all_ns) / std::max(units, kLeastUnits);
   const double before_ns = unit_ns_;
   if (units < kLeastUnits) {
     unit_ns_ -= kLearnDown * std::max(unit_ns_ - std::max(took_ns, kTypical_ns), 0.0);

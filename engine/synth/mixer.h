@@ -273,7 +273,15 @@ class Mixer {
   void open_places(std::size_t frames) RINGDOWN_REALTIME;
   void gather_places() RINGDOWN_REALTIME;
   void render_item(std::size_t item, Place& place) RINGDOWN_REALTIME;
+  void visit(std::size_t item, Place& place) RINGDOWN_REALTIME;
   void keep_active() RINGDOWN_REALTIME;
+  void activate(Object& object) RINGDOWN_REALTIME;
+  void keep_as_tail(Object& object, Voice* voice) RINGDOWN_REALTIME;
+  void retire_silent_tails(Object& object) RINGDOWN_REALTIME;
+  void reset(Object& object) RINGDOWN_REALTIME;
+  [[nodiscard]] protocol::ObjectNumber number_of(const Object& object) const RINGDOWN_REALTIME;
+
+  // mixer_objects.cpp
   void render_object(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME;
   [[nodiscard]] bool plain_in_chunk(const Object& object) const RINGDOWN_REALTIME;
   [[nodiscard]] static bool still(const Object& object, protocol::Frame at) RINGDOWN_REALTIME;
@@ -283,12 +291,7 @@ class Mixer {
   [[nodiscard]] double floor_of(const Object& object) const RINGDOWN_REALTIME;
   void render_segment(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
   void mix_segment(const Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
-  void activate(Object& object) RINGDOWN_REALTIME;
-  void keep_as_tail(Object& object, Voice* voice) RINGDOWN_REALTIME;
-  void retire_silent_tails(Object& object) RINGDOWN_REALTIME;
-  void reset(Object& object) RINGDOWN_REALTIME;
   [[nodiscard]] bool heard(const Object& object) const RINGDOWN_REALTIME;
-  [[nodiscard]] protocol::ObjectNumber number_of(const Object& object) const RINGDOWN_REALTIME;
 
   // mixer_drives.cpp
   [[nodiscard]] bool start_pulse(const protocol::Event& event) RINGDOWN_REALTIME;
@@ -313,8 +316,11 @@ class Mixer {
 
   // mixer_output.cpp
   [[nodiscard]] Outputs with_tap(Outputs outputs, std::size_t frames) RINGDOWN_REALTIME;
-  void write(const Outputs& outputs, std::size_t at, std::size_t frames, float& peak) RINGDOWN_REALTIME;
-  [[nodiscard]] float finish_mix(const Outputs& outputs, std::size_t frames, float peak) RINGDOWN_REALTIME;
+  struct Peaks {  // the largest |sample|
+    float mix = 0, buses = 0;
+  };
+  void write(const Outputs& outputs, std::size_t at, std::size_t frames, Peaks& peaks) RINGDOWN_REALTIME;
+  [[nodiscard]] float finish_mix(const Outputs& outputs, std::size_t frames, Peaks written) RINGDOWN_REALTIME;
 
   // mixer_reach.cpp
   void measure_modes() RINGDOWN_REALTIME;
@@ -393,6 +399,7 @@ class Mixer {
   Cut cut_;                                            // what passes since the last survey
   std::size_t since_survey_ = 0;                       // frames
   std::size_t survey_at_ = 0;                          // the next item
+  std::size_t sample_ = 0;                             // the item whose visit is timed in this chunk
   std::size_t survey_begin_ = 0, survey_end_ = 0;      // items that are surveyed in this chunk
   std::size_t hidden_modes_ = 0, sounding_modes_ = 0;  // in the last chunk
   Level least_ = Cut::kNothing;                        // quieter modes are shed

@@ -13,7 +13,7 @@ namespace ringdown::synth {
 namespace {
 
 constexpr std::size_t kSurveyFrames = 2048;  // 43 ms at 48 kHz; what follows a louder sound is hidden for longer
-constexpr std::size_t kRoundFrames = 4096;   // of a survey in parts
+constexpr double kRound_s = 0.085;           // of a survey in parts
 constexpr double kQuickRound = 4;            // chunks, when time is short; or more, so that each takes no more than
 constexpr double kSurveyShare = 0.08;        // of its time,
 constexpr double kLeftAfterSurvey = 0.6;     // and never so much that less is left
@@ -36,8 +36,8 @@ void Mixer::survey(std::size_t frames) RINGDOWN_REALTIME {
   const auto all = static_cast<double>(sounding_modes_ + hidden_modes_);
   double modes = std::numeric_limits<double>::max();
   if (limited) {
-    const auto part = static_cast<double>(frames) / static_cast<double>(kRoundFrames);
-    const double most = kSurveyShare * budget_.usual() / kSurveyPerMode;
+    const auto part = static_cast<double>(frames) / (kRound_s * sample_rate_hz());
+    const double most = budget_.looks(kSurveyShare);
     modes = tight_ ? std::clamp(most, all * part, all / kQuickRound) : all * part;
   } else if (since_survey_ < kSurveyFrames && masking) {
     return;
@@ -45,10 +45,13 @@ void Mixer::survey(std::size_t frames) RINGDOWN_REALTIME {
   if (survey_at_ == 0) hearing_.forget();
   const std::size_t items = active_family_count_ + active_count_;
   survey_begin_ = std::min(survey_at_, items);
-  for (survey_end_ = survey_begin_; survey_end_ < items && modes > 0; ++survey_end_) {
+  const std::int64_t begin_ns = budget_.begin();
+  double looked = 0;
+  for (survey_end_ = survey_begin_; survey_end_ < items && looked < modes; ++survey_end_) {
     if (budget_.over(kLeftAfterSurvey * budget_.usual())) break;
-    modes -= survey_item(survey_end_);
+    looked += survey_item(survey_end_);
   }
+  budget_.looked(begin_ns, looked);
   survey_at_ = survey_end_;
   if (survey_at_ < items) return;
   survey_at_ = since_survey_ = 0;
@@ -80,7 +83,7 @@ double Mixer::survey_item(std::size_t item) RINGDOWN_REALTIME {
     if (object.current) look(*object.current);
     for (Voice* voice = object.tails; voice; voice = voice->next) look(*voice);
   }
-  count_work(kSurveyPerMode * modes, places_.data()[0]);
+  budget_.worked(kSurveyPerMode * modes);
   return modes;
 }
 

@@ -16,30 +16,30 @@ Outputs Mixer::with_tap(Outputs outputs, std::size_t frames) RINGDOWN_REALTIME {
   return outputs;
 }
 
-void Mixer::write(const Outputs& outputs, std::size_t at, std::size_t frames, float& peak) RINGDOWN_REALTIME {
+void Mixer::write(const Outputs& outputs, std::size_t at, std::size_t frames, Peaks& peaks) RINGDOWN_REALTIME {
   for (ChannelSet rest = wanted_; rest != 0; rest &= rest - 1) {
     const auto c = static_cast<std::size_t>(std::countr_zero(rest));
     if (const double* samples = places_.data()[0].desk.result(c)) {
-      const float highest = write_samples(samples, outputs.at(c) + at, frames);
-      if (!limiter_ || c >= kFirstBus) peak = std::max(peak, highest);
+      float& peak = c < kFirstBus ? peaks.mix : peaks.buses;
+      peak = std::max(peak, write_samples(samples, outputs.at(c) + at, frames));
     } else {
       std::fill_n(outputs.at(c) + at, frames, 0.0f);
     }
   }
 }
 
-// Returns the largest |sample|, `peak` being that of what was written.
-float Mixer::finish_mix(const Outputs& outputs, std::size_t frames, float peak) RINGDOWN_REALTIME {
+// Returns the largest |sample| of all that is heard, `written` being those of what was written so far.
+float Mixer::finish_mix(const Outputs& outputs, std::size_t frames, Peaks written) RINGDOWN_REALTIME {
   const auto side = [&](std::size_t channel)
                         RINGDOWN_REALTIME { return contains(wanted_, channel) ? outputs.at(channel) : nullptr; };
   float* const left = side(kLeft);
   float* const right = side(kRight);
-  const float with_tone = test_tone_.add(left, right, frames, sample_rate_hz());
-  peak = std::max(peak, limiter_ ? limiter_->process(left, right, frames) : with_tone);
+  float mix = test_tone_.add(left, right, frames, sample_rate_hz()).value_or(written.mix);
+  if (limiter_) mix = limiter_->process(left, right, frames);
   if (left && right && sound_tap_.watched()) {
     sound_tap_.put(now_ - static_cast<protocol::Frame>(frames), sample_rate_hz(), left, right, frames);
   }
-  return peak;
+  return std::max(mix, written.buses);
 }
 
 }  // namespace ringdown::synth

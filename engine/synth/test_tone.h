@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <optional>
 
 namespace ringdown::synth {
 
@@ -19,9 +20,9 @@ class TestTone {
     amplitude_.store(amplitude, std::memory_order_relaxed);
   }
 
-  // Adds its next frames to the sides that are not null. Returns the largest |sample| of these afterwards; 0 where
-  // there is no tone. [audio]
-  float add(float* left, float* right, std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
+  // Adds its next frames to the sides that are not null. Returns the largest |sample| of these afterwards; nothing
+  // where there is no tone. [audio]
+  std::optional<float> add(float* left, float* right, std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
 
  private:
   std::atomic<double> amplitude_{0}, frequency_hz_{440};

@@ -71,6 +71,24 @@ TEST(Tone, IsAddedToWhatRingsAndStaysOutOfBusesAndBelowTheCeiling) {
   EXPECT_GE(peak(limited.left), 0.49);
 }
 
+TEST(Tone, ThePeakIsThatOfWhatIsHeardNotOfWhatTheToneWasAddedTo) {
+  Player alone, both;
+  for (Player* player : {&alone, &both}) {
+    player->install(0, map_of(single_mode_bank(700, 5)));
+    player->push(strike_at(0, 0, {0, 0, 0.5}));
+  }
+  both.mixer.test_tone().set(0.25, 440);
+  constexpr std::size_t kBlock = 16;
+  int quieter = 0;
+  for (std::size_t begin = 0; begin < 4800; begin += kBlock) {
+    alone.render(kBlock), both.render(kBlock);
+    const double heard = std::max(peak(both.left_from(begin)), peak(std::span(both.right).subspan(begin)));
+    EXPECT_EQ(both.mixer.counters().peak, static_cast<float>(heard)) << begin;
+    if (heard < alone.mixer.counters().peak) ++quieter;
+  }
+  EXPECT_GT(quieter, 20) << "or it shows nothing";
+}
+
 struct Heard {
   Samples left, right;
   std::vector<Frame> begins;
