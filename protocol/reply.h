@@ -57,6 +57,7 @@ struct ObjectReply {  // /object.reply
   std::string name;
   std::int32_t version = 0;     // of its bank: grows when it gets a new one
   std::int32_t bank_bytes = 0;  // the size of the bank's file
+  std::string bank_content;     // names what is in it: 32 hexadecimal digits; files that share them are the same
   std::string bank;             // its path
   std::int32_t modes = 0;       // of the bank
   std::int32_t first_mode = 0, selected_modes = 0;

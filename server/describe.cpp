@@ -25,6 +25,7 @@ Answer describe(const protocol::DescribeObject& question, const Session& session
       .name = object->name,
       .version = object->bank_version,
       .bank_bytes = whole(object->bank_bytes),
+      .bank_content = object->bank_content.text(),
       .bank = object->bank->string(),
       .modes = whole(modes),
       .first_mode = whole(object->modes.first),

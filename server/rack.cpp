@@ -94,6 +94,7 @@ Result<protocol::ObjectNumber> Rack::load(const std::string& name, const std::fi
   RackObject object{.name = name,
                     .bank = std::make_shared<const std::filesystem::path>(bank),
                     .bank_bytes = file->bytes,
+                    .bank_content = file->content,
                     .bank_version = last_bank_version_ + 1,
                     .map = std::move(file->map)};
   if (const auto old = find({.name = name}); old) {
@@ -243,15 +244,17 @@ Result<void> Rack::free(const ObjectRef& ref) {
 Result<Rack::BankFile> Rack::read(const std::filesystem::path& path) {
   const std::string key = file_key(path);
   if (const auto known = banks_.find(key); known != banks_.end()) {
-    if (auto map = known->second.map.lock()) return BankFile{std::move(map), known->second.bytes};
+    if (auto map = known->second.map.lock())
+      return BankFile{std::move(map), known->second.bytes, known->second.content};
   }
   const auto bytes = roots_.read(path, modal::kLargestBankFile);
   if (!bytes) return fail(bytes.error());
   auto bank = modal::parse_bank(std::as_bytes(std::span(*bytes)), path.string());
   if (!bank) return fail(bank.error());
   auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(*bank)));
-  banks_[key] = {map, bytes->size()};
-  return BankFile{std::move(map), bytes->size()};
+  const ContentHash content = hash_of(*bytes);
+  banks_[key] = {map, bytes->size(), content};
+  return BankFile{std::move(map), bytes->size(), content};
 }
 
 Result<protocol::ObjectNumber> Rack::free_number() const {

@@ -4,6 +4,7 @@
 // make events; a mutex guards the table, and the audio thread never takes it.
 #pragma once
 
+#include "engine/base/content_hash.h"
 #include "engine/base/result.h"
 #include "engine/modal/strike_map.h"
 #include "engine/synth/mixer.h"
@@ -34,6 +35,7 @@ struct RackObject {
   protocol::ObjectNumber number = 0;
   std::shared_ptr<const std::filesystem::path> bank;  // where the map was read from
   std::size_t bank_bytes = 0;                         // the size of that file
+  ContentHash bank_content;                           // of that file
   std::int32_t bank_version = 0;                      // grows when the object gets a new bank
   std::shared_ptr<const modal::StrikeMap> map;
   modal::MaterialScale material;
@@ -85,6 +87,7 @@ class Rack {
   struct BankFile {
     std::shared_ptr<const modal::StrikeMap> map;
     std::size_t bytes = 0;
+    ContentHash content;
   };
   Result<BankFile> read(const std::filesystem::path& bank);
 
@@ -158,6 +161,7 @@ class Rack {
   struct KnownBank {
     std::weak_ptr<const modal::StrikeMap> map;
     std::size_t bytes = 0;
+    ContentHash content;
   };
   std::map<std::string, KnownBank> banks_;  // worker: those in use, by file and its time
   std::int32_t last_bank_version_ = 0;      // worker

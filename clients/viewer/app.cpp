@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <utility>
@@ -43,8 +44,12 @@ Settings App::settings() const {
   settings.impulse_ns = commands_.choice().impulse_ns;
   settings.contact_time_s = commands_.choice().contact_time_s;
   if (!window_.full_screen() && !window_.minimised()) {
-    settings.width = static_cast<std::uint64_t>(window_.width());
-    settings.height = static_cast<std::uint64_t>(window_.height());
+    const auto natural = [&](int pixels, std::uint64_t least) {
+      const auto size = static_cast<std::uint64_t>(std::lround(pixels / window_.display_scale()));
+      return std::clamp(size, least, Settings::kMostPixels);
+    };
+    settings.width = natural(window_.width(), Settings::kLeastWidth);
+    settings.height = natural(window_.height(), Settings::kLeastHeight);
   }
   return settings;
 }

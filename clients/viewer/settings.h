@@ -11,10 +11,11 @@
 namespace ringdown::viewer {
 
 struct Settings {
+  static constexpr std::uint64_t kLeastWidth = 320, kLeastHeight = 240, kMostPixels = 16384;  // either way
   std::string daemon;  // its URL; empty: the default one
   bool dark = true;
-  double scale = 0;  // of text and controls; 0: the display's own
-  std::uint64_t width = 1440, height = 900;
+  double scale = 0;                            // of text and controls; 0: the display's own
+  std::uint64_t width = 1440, height = 900;    // pixels, of a display of scale 1
   double side_share = 0.2, sound_share = 0.3;  // of the width: the panes left and right of the scene
   double impulse_ns = 0.05;                    // of the test force, and of a click that is not held
   double contact_time_s = 0.0005;

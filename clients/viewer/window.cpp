@@ -117,6 +117,7 @@ Result<Window> Window::open(const Options& options) {
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
   glfwWindowHint(GLFW_VISIBLE, options.visible ? GLFW_TRUE : GLFW_FALSE);
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, options.visible ? GLFW_TRUE : GLFW_FALSE);
   state->window = glfwCreateWindow(options.width, options.height, "Ringdown", nullptr, nullptr);
   if (!state->window) {
     return fail("this display has no OpenGL 3.3 (" + complaint + "): install Mesa's drivers (libgl1-mesa-dri)");
@@ -135,11 +136,10 @@ Result<Window> Window::open(const Options& options) {
   ImGui_ImplGlfw_InitForOpenGL(state->window, true);
   ImGui_ImplOpenGL3_Init("#version 330 core");
   state->has_imgui = true;
-  float display_scale = 1;
-  glfwGetWindowContentScale(state->window, &display_scale, nullptr);
-  state->wanted_scale = std::clamp(options.scale > 0 ? options.scale : display_scale, 0.5, kLargestScale);
-  state->load_font();
-  return Window(std::move(state));
+  Window window(std::move(state));
+  window.set_scale(options.scale > 0 ? options.scale : window.display_scale());
+  window.state_->load_font();
+  return window;
 }
 
 bool Window::closed() const { return glfwWindowShouldClose(state_->window) != 0; }
@@ -157,6 +157,11 @@ int Window::height() const {
 }
 
 double Window::scale() const { return state_->scale; }
+double Window::display_scale() const {
+  float scale = 1;
+  glfwGetWindowContentScale(state_->window, &scale, nullptr);
+  return scale;
+}
 bool Window::minimised() const {
   return glfwGetWindowAttrib(state_->window, GLFW_ICONIFIED) != 0 || width() == 0 || height() == 0;
 }

@@ -14,7 +14,7 @@ namespace ringdown::viewer {
 class Window {
  public:
   struct Options {
-    int width = 1440, height = 900;
+    int width = 1440, height = 900;  // pixels; if visible, as many times more as the display's scale says
     bool visible = true;
     double scale = 0;  // of text; 0: the display's
   };
@@ -27,9 +27,10 @@ class Window {
   [[nodiscard]] bool closed() const;  // by its frame or the window manager
   [[nodiscard]] int width() const;    // of what is drawn, in pixels
   [[nodiscard]] int height() const;
-  [[nodiscard]] double scale() const;    // of text and controls
-  [[nodiscard]] bool minimised() const;  // or of no size
-  void set_scale(double scale);          // from the next frame on
+  [[nodiscard]] double scale() const;          // of text and controls
+  [[nodiscard]] double display_scale() const;  // 1 on a display of 96 dots per inch
+  [[nodiscard]] bool minimised() const;        // or of no size
+  void set_scale(double scale);                // from the next frame on
   void set_full_screen(bool on);
   [[nodiscard]] bool full_screen() const;
 

@@ -44,7 +44,10 @@ constexpr const char* kBanks[] = {"bronze-bell", "steel-plate"};
 class Daemon {
  public:
   explicit Daemon(int bodies) : bodies_(bodies), side_(static_cast<int>(std::ceil(std::sqrt(bodies)))) {
-    for (const char* name : kBanks) files_.push_back(test::bytes_of(test::preset_bank(name)));
+    for (const char* name : kBanks) {
+      files_.push_back(test::bytes_of(test::preset_bank(name)));
+      contents_.push_back(test::content_of(files_.back()));
+    }
   }
 
   // Tells the model everything, banks included.
@@ -58,6 +61,7 @@ class Daemon {
       model.apply(protocol::SceneBody{1, i, name_of(i), name_of(i), "convex", {0.2, 0.2, 0.2}, false}, 0);
       protocol::ObjectReply object{.number = i, .name = name_of(i), .version = 1};
       object.bank_bytes = static_cast<std::int32_t>(file_of(i).size());
+      object.bank_content = contents_[static_cast<std::size_t>(i) % files_.size()];
       object.modes = object.selected_modes = kModes;
       model.apply(object, 0);
     }
@@ -107,6 +111,7 @@ class Daemon {
 
   int bodies_, side_;
   std::vector<protocol::Blob> files_;
+  std::vector<std::string> contents_;  // of the files
   int contacts_ = 0;
   std::int32_t frame_ = 0;
 };

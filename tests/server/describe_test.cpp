@@ -1,4 +1,5 @@
 // What the daemon tells of itself when it is asked: objects, their bank files, the scene, what there is to load.
+#include "engine/base/content_hash.h"
 #include "server/browse.h"
 #include "server/bundles.h"
 #include "tests/server/osc_server_fixture.h"
@@ -107,6 +108,7 @@ TEST_F(DescribeTest, AnObjectIsDescribedAsItWasSet) {
   send({"/load", {"bell", (folder_ / "tick.glb").string()}});
   sync();
   EXPECT_GT(bell()->version, version);
+  EXPECT_EQ(bell()->bank_content, told->bank_content) << "the same file";
   EXPECT_NE(refusal({"/object/bowl/describe", {}}).find("bowl"), std::string::npos);
 }
 
@@ -130,6 +132,7 @@ TEST_F(DescribeTest, ABankComesInPiecesThatMakeItsFile) {
     for (const std::byte byte : piece->bytes) got.push_back(static_cast<char>(byte));
   }
   EXPECT_EQ(got, wanted);
+  EXPECT_EQ(bell()->bank_content, hash_of(got).text());
   const auto end = static_cast<std::int32_t>(wanted.size());
   EXPECT_EQ(ask<protocol::BankReply>({"/object/bell/bank", {end - 1}})->bytes.size(), 1u);
   EXPECT_NE(refusal({"/object/bell/bank", {end}}).find("past the end"), std::string::npos);

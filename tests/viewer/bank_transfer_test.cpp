@@ -33,7 +33,9 @@ BankTransfer::Outcome outcome_of(BankTransfer& transfer) {
 class Transfer : public testing::Test {
  protected:
   Transfer() : file(bytes_of(preset_bank("bronze-bell"))) {}
-  Subject subject(std::int32_t version = 3) const { return {"bell", version, static_cast<std::int32_t>(file.size())}; }
+  Subject subject(std::int32_t version = 3) const {
+    return {"bell", version, static_cast<std::int32_t>(file.size()), content_of(file)};
+  }
   protocol::BankReply answer(const protocol::ReadBank& question, std::int32_t version = 3) const {
     return piece_of(file, "bell", version, question.offset, question.bytes);
   }
@@ -138,16 +140,32 @@ TEST_F(Transfer, WhatIsNoBankEndsInASentence) {
   EXPECT_NE(outcome.error().message.find("bell"), std::string::npos) << outcome.error().message;
 }
 
+TEST_F(Transfer, AFileThatChangedUnderWayIsNotTakenForTheOneThatPlays) {
+  const Subject wanted = subject();
+  BankTransfer transfer(wanted);
+  std::size_t changed = file.size();
+  do {
+    if (changed < file.size()) file[changed] ^= std::byte{1};
+    file[--changed] ^= std::byte{1};
+  } while (!modal::parse_bank(file, "one that still is a bank"));
+  for (double now = 0; transfer.progress() < 1; now += 0.016) {
+    for (const auto& question : asked(transfer, now)) transfer.take(answer(question));
+  }
+  const auto outcome = outcome_of(transfer);
+  ASSERT_FALSE(outcome);
+  EXPECT_NE(outcome.error().message.find("was changed"), std::string::npos) << outcome.error().message;
+}
+
 TEST_F(Transfer, NothingIsFetchedThatIsTooLargeOrEmpty) {
   const auto most = static_cast<std::int32_t>(BankTransfer::kMostBytes);
   for (const std::int32_t bytes : {most + 1, std::numeric_limits<std::int32_t>::max(), 0, -1}) {
-    BankTransfer transfer({"bell", 1, bytes});
+    BankTransfer transfer({"bell", 1, bytes, "00"});
     EXPECT_TRUE(transfer.wants(0).empty());
     const auto outcome = transfer.outcome();
     ASSERT_TRUE(outcome && !*outcome) << bytes;
     EXPECT_NE(outcome->error().message.find("bell"), std::string::npos) << outcome->error().message;
   }
-  BankTransfer largest({"bell", 1, most});
+  BankTransfer largest({"bell", 1, most, "00"});
   EXPECT_FALSE(largest.outcome());
   EXPECT_EQ(largest.wants(0).size(), BankTransfer::kMostOutstanding);
 }

@@ -16,12 +16,14 @@ namespace {
 
 using namespace ringdown::test;
 
+// With a bank of its own.
 protocol::ObjectReply described(const std::string& name, std::int32_t version = 1, std::int32_t bytes = 1000) {
   protocol::ObjectReply reply;
   reply.number = 0;
   reply.name = name;
   reply.version = version;
   reply.bank_bytes = bytes;
+  reply.bank_content = name + std::to_string(version);
   reply.bank = name + ".glb";
   reply.modes = 30;
   reply.selected_modes = 30;
@@ -142,12 +144,17 @@ class ModelWithFile : public ModelTest {
       if (model.object(name)->bank_progress == 1) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
-  static std::int32_t size(const protocol::Blob& file) { return static_cast<std::int32_t>(file.size()); }
+  static protocol::ObjectReply playing(const protocol::Blob& file, const std::string& name, std::int32_t version = 1) {
+    protocol::ObjectReply reply = described(name, version, static_cast<std::int32_t>(file.size()));
+    reply.bank_content = content_of(file);
+    return reply;
+  }
 };
 
 TEST_F(ModelWithFile, BanksComeTheChosenOneFirst) {
   const auto file = bytes_of(preset_bank("wine-glass"));
-  for (const char* name : {"a", "b", "z"}) model.apply(described(name, 1, size(file)), 0);
+  for (const char* name : {"a", "b"}) model.apply(described(name), 0);
+  model.apply(playing(file, "z"), 0);
   model.choose("z");
   for (const auto& question : asked<protocol::ReadBank>(0)) EXPECT_EQ(question.object.name, "z");
   serve("z", 1, file, 0.1);
@@ -158,16 +165,16 @@ TEST_F(ModelWithFile, BanksComeTheChosenOneFirst) {
 
 TEST_F(ModelWithFile, ANewBankReplacesTheOldAndPiecesOfTheOldDoNotMix) {
   const auto glass = bytes_of(preset_bank("wine-glass")), bell = bytes_of(preset_bank("bronze-bell"));
-  model.apply(described("x", 1, size(glass)), 0);
+  model.apply(playing(glass, "x", 1), 0);
   const auto questions = asked<protocol::ReadBank>(0);
-  model.apply(described("x", 2, size(bell)), 0.1);
+  model.apply(playing(bell, "x", 2), 0.1);
   for (const auto& question : questions) model.apply(piece_of(glass, "x", 1, question.offset, question.bytes), 0.2);
   serve("x", 2, bell, 0.3);
   ASSERT_TRUE(model.object("x")->bank);
   EXPECT_NE(model.object("x")->bank->bank.name.find("bell"), std::string::npos) << model.object("x")->bank->bank.name;
-  model.apply(described("x", 2, size(bell)), 2);
+  model.apply(playing(bell, "x", 2), 2);
   EXPECT_TRUE(model.object("x")->bank) << "told again, but not changed";
-  model.apply(described("x", 3, size(glass)), 3);
+  model.apply(playing(glass, "x", 3), 3);
   EXPECT_FALSE(model.object("x")->bank);
 }
 
@@ -181,7 +188,7 @@ TEST_F(ModelWithFile, AHostileSizeEndsInASentence) {
 
 TEST_F(ModelWithFile, ARefusedBankIsAskedForAgainLater) {
   const auto file = bytes_of(preset_bank("wine-glass"));
-  model.apply(described("x", 1, size(file)), 0);
+  model.apply(playing(file, "x", 1), 0);
   EXPECT_FALSE(asked<protocol::ReadBank>(0).empty());
   model.apply(protocol::Fail{"/object/x/bank", "the file has changed"}, 0.1);
   EXPECT_TRUE(asked<protocol::ReadBank>(0.2).empty());
@@ -190,21 +197,42 @@ TEST_F(ModelWithFile, ARefusedBankIsAskedForAgainLater) {
   EXPECT_FALSE(asked<protocol::ReadBank>(6).empty());
 }
 
+TEST_F(ModelWithFile, ObjectsThatPlayTheSameFileShareItsBank) {
+  const auto coin = bytes_of(preset_bank("coin")), glass = bytes_of(preset_bank("wine-glass"));
+  for (const char* name : {"a", "b"}) model.apply(playing(coin, name), 0);
+  model.apply(playing(glass, "c"), 0);
+  serve("a", 1, coin, 0);
+  const auto questions = asked<protocol::ReadBank>(50);
+  ASSERT_TRUE(model.object("a")->bank);
+  EXPECT_EQ(model.object("b")->bank, model.object("a")->bank);
+  EXPECT_FALSE(model.object("c")->bank);
+  ASSERT_FALSE(questions.empty());
+  for (const auto& question : questions) EXPECT_EQ(question.object.name, "c");
+  model.apply(playing(coin, "d"), 51);
+  model.wants(51);
+  EXPECT_EQ(model.object("d")->bank, model.object("a")->bank) << "one that comes later";
+  model.apply(playing(glass, "b", 2), 52);
+  model.wants(52);
+  EXPECT_FALSE(model.object("b")->bank);
+  EXPECT_TRUE(model.object("d")->bank);
+}
+
 TEST_F(ModelWithFile, AllBanksTogetherHaveABound) {
-  const auto file = bytes_of(preset_bank("coin"));
+  const auto coin = bytes_of(preset_bank("coin")), glass = bytes_of(preset_bank("wine-glass"));
+  const std::size_t bytes = coin.size() + glass.size();
   for (const std::size_t short_by : {0, 1}) {
-    model = Model(30, 2 * file.size() - short_by);
-    for (const char* name : {"a", "b"}) {
-      model.apply(described(name, 1, size(file)), 0);
-      serve(name, 1, file, 0);
-    }
-    EXPECT_TRUE(model.object("a")->bank);
-    EXPECT_EQ(model.object("b")->bank != nullptr, short_by == 0);
+    model = Model(30, bytes - short_by);
+    for (const char* name : {"a", "b"}) model.apply(playing(coin, name), 0);
+    serve("a", 1, coin, 0);
+    model.apply(playing(glass, "c"), 1);
+    serve("c", 1, glass, 1);
+    EXPECT_TRUE(model.object("a")->bank && model.object("b")->bank) << "which counts once";
+    EXPECT_EQ(model.object("c")->bank != nullptr, short_by == 0);
   }
-  EXPECT_NE(model.object("b")->bank_fault.find(std::to_string(2 * file.size() - 1)), std::string::npos);
-  model.apply(protocol::NotifyObject{0, "a", false}, 100);
-  serve("b", 1, file, 101);
-  EXPECT_TRUE(model.object("b")->bank) << "there is room now";
+  EXPECT_NE(model.object("c")->bank_fault.find(std::to_string(bytes - 1)), std::string::npos);
+  for (const char* name : {"a", "b"}) model.apply(protocol::NotifyObject{0, name, false}, 100);
+  serve("c", 1, glass, 101);
+  EXPECT_TRUE(model.object("c")->bank) << "there is room now";
 }
 
 TEST_F(ModelTest, ADaemonThatIsAnotherOneIsLearntAnew) {

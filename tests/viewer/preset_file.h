@@ -1,6 +1,7 @@
 // The bytes of a preset bank, as the daemon reads them, and pieces of them.
 #pragma once
 
+#include "engine/base/content_hash.h"
 #include "protocol/reply.h"
 
 #include <algorithm>
@@ -23,6 +24,9 @@ inline protocol::Blob bytes_of(const std::filesystem::path& path) {
   std::ranges::transform(text, bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
   return bytes;
 }
+
+// What /object.reply calls the content of a file with these bytes.
+inline std::string content_of(const protocol::Blob& file) { return ContentHasher().bytes(file).hash().text(); }
 
 inline protocol::BankReply piece_of(const protocol::Blob& file, const std::string& object, std::int32_t version,
                                     std::uint32_t offset, std::uint32_t count) {

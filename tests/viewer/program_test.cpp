@@ -183,6 +183,7 @@ TEST(ViewerProgram, RemembersHowItWas) {
   EXPECT_NE(first.find("dark = false"), std::string::npos) << first;
   EXPECT_NE(first.find("scale = 1.125"), std::string::npos) << first;
   EXPECT_NE(first.find("osc.udp://127.0.0.1:9"), std::string::npos) << first;
+  EXPECT_NE(first.find("width = 1440"), std::string::npos) << first;
   visit(folder, {"F2", "Escape"});
   const std::string second = text_of(file);
   EXPECT_NE(second.find("dark = true"), std::string::npos) << "it began light: " << second;

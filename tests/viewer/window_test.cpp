@@ -308,6 +308,26 @@ TEST(Window, DraggingLooksTheWheelZoomsAndShiftPushes) {
   EXPECT_TRUE(studio.relay().asked<protocol::Strike>().empty()) << "a drag strikes nothing";
 }
 
+// As a desktop tells X11 programs of a display with many pixels per inch.
+TEST(Window, TakesTheScaleOfTheDisplayUnlessOneIsChosen) {
+  const VirtualDisplay display;
+  if (!display.works()) GTEST_SKIP() << "needs Xvfb (./run packages)";
+  Process desktop(
+      {"xprop", "-root", "-format", "RESOURCE_MANAGER", "8s", "-set", "RESOURCE_MANAGER", "Xft.dpi:\t192\n"});
+  ASSERT_EQ(desktop.wait(20s), 0) << desktop.output();
+  for (const auto& [chosen, wanted] : {std::pair{0.0, 2.0}, {1.25, 1.25}}) {
+    const auto window = Window::open({900, 520, false, chosen});
+    ASSERT_TRUE(window) << window.error().message;
+    EXPECT_EQ(window->scale(), wanted);
+    EXPECT_EQ(window->display_scale(), 2);
+    EXPECT_EQ(window->width(), 900) << "nobody sees it";
+  }
+  const auto seen = Window::open({400, 300, true, 0});
+  ASSERT_TRUE(seen) << seen.error().message;
+  EXPECT_EQ(seen->width(), 800);
+  EXPECT_EQ(seen->height(), 600);
+}
+
 TEST(Window, RecoversFromADaemonThatIsKilledAndStartedAgain) {
   OPEN_STUDIO(studio);
   const auto state = [&] { return studio.app().client().state(); };

@@ -1,11 +1,13 @@
 #include "clients/viewer/link/bank_transfer.h"
 
+#include "engine/base/content_hash.h"
 #include "engine/modal/bank_file.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <numeric>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -16,7 +18,11 @@ constexpr std::uint32_t kPiece = protocol::kMostBankBytes;
 
 std::string name_of(const BankTransfer::Subject& subject) { return "the bank of " + subject.object; }
 
-BankTransfer::Outcome read(const std::vector<std::byte>& file, const std::string& name) {
+BankTransfer::Outcome read(std::span<const std::byte> file, const BankTransfer::Subject& subject) {
+  const std::string name = name_of(subject);
+  if (ContentHasher().bytes(file).hash().text() != subject.content) {
+    return fail(name + " is not the one that the daemon plays: its file was changed; load it again");
+  }
   Result<modal::Bank> bank = modal::parse_bank(file, name);
   if (!bank) return fail(bank.error());
   KnownBank known{std::move(*bank), {}};
@@ -27,9 +33,9 @@ BankTransfer::Outcome read(const std::vector<std::byte>& file, const std::string
 }
 
 // Not std::async: its future would wait for the end when it is no longer wanted.
-std::future<BankTransfer::Outcome> read_apart(std::vector<std::byte> file, std::string name) {
+std::future<BankTransfer::Outcome> read_apart(std::vector<std::byte> file, BankTransfer::Subject subject) {
   std::packaged_task<BankTransfer::Outcome()> task(
-      [file = std::move(file), name = std::move(name)] { return read(file, name); });
+      [file = std::move(file), subject = std::move(subject)] { return read(file, subject); });
   auto outcome = task.get_future();
   std::thread(std::move(task)).detach();
   return outcome;
@@ -65,7 +71,8 @@ std::vector<protocol::Request> BankTransfer::wants(double now_s) {
 }
 
 void BankTransfer::take(const protocol::BankReply& piece) {
-  if (Subject{piece.name, piece.version, piece.total} != subject_ || piece.offset < 0) return;
+  if (piece.name != subject_.object || piece.version != subject_.version || piece.total != subject_.bytes) return;
+  if (piece.offset < 0) return;
   const auto offset = static_cast<std::uint32_t>(piece.offset);
   const auto asked = asked_at_s_.find(offset);
   if (asked == asked_at_s_.end()) return;
@@ -73,7 +80,7 @@ void BankTransfer::take(const protocol::BankReply& piece) {
   std::ranges::copy(piece.bytes, file_.begin() + offset);
   asked_at_s_.erase(asked);
   received_bytes_ += piece.bytes.size();
-  if (received_bytes_ == file_.size()) reading_ = read_apart(std::exchange(file_, {}), name_of(subject_));
+  if (received_bytes_ == file_.size()) reading_ = read_apart(std::exchange(file_, {}), subject_);
 }
 
 void BankTransfer::refuse(std::string sentence) {

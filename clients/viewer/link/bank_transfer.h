@@ -1,6 +1,6 @@
 // Fetches the bank of one object from the daemon, piece by piece, and reads it without making the window wait.
 //
-//   BankTransfer transfer({"bell", 1, 299292});
+//   BankTransfer transfer({"bell", 1, 299292, "5417..."});
 //   for (auto& request : transfer.wants(now_s)) send(request);     // at every frame
 //   transfer.take(piece, now_s);                                   // for every /bank.reply of that object
 //   if (auto outcome = transfer.outcome()) ...                     // the bank, or what is wrong with it
@@ -40,6 +40,7 @@ class BankTransfer {
     std::string object;
     std::int32_t version = 0;  // of its bank
     std::int32_t bytes = 0;
+    std::string content;  // names what is in its file (ContentHash)
     friend bool operator==(const Subject&, const Subject&) = default;
   };
 
@@ -49,7 +50,8 @@ class BankTransfer {
   [[nodiscard]] const Subject& subject() const { return subject_; }
   [[nodiscard]] std::vector<protocol::Request> wants(double now_s);
 
-  // A piece of another object, version or size, or that nobody asked for, is ignored.
+  // A piece of another object, version or size, or that nobody asked for, is ignored. Pieces that together are not the
+  // content, since the file was changed meanwhile, make an outcome that says so.
   void take(const protocol::BankReply& piece);
 
   // What the daemon said instead of a piece.

@@ -94,13 +94,14 @@ void Model::on(const protocol::ObjectReply& reply, double) {
   undescribed_.erase(reply.name);
   if (!objects_.contains(reply.name) && objects_.size() == kMostObjects) return;
   KnownObject& object = objects_[reply.name];
-  if (object.version != reply.version || object.bank_bytes != reply.bank_bytes || object.bank_path != reply.bank) {
+  if (object.version != reply.version || object.bank_content != reply.bank_content || object.bank_path != reply.bank) {
     object = {};
   }
   object.name = reply.name;
   object.number = reply.number;
   object.version = reply.version;
   object.bank_bytes = reply.bank_bytes;
+  object.bank_content = reply.bank_content;
   object.bank_path = reply.bank;
   object.modes = reply.modes;
   object.selected = {static_cast<std::uint32_t>(std::max(0, reply.first_mode)),

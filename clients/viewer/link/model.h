@@ -35,6 +35,7 @@ struct KnownObject {
   std::int32_t number = 0;
   std::int32_t version = 0;  // of its bank
   std::int32_t bank_bytes = 0;
+  std::string bank_content;  // names what is in its file; objects with the same share the bank
   std::string bank_path;
   std::int32_t modes = 0;  // of the bank
   modal::ModeRange selected;
@@ -160,6 +161,7 @@ class Model {
   void want_watches(double now_s, Requests& requests);
   void want_sound(double now_s, Requests& requests);
   void finish_transfer(double now_s);
+  void share_banks();
   [[nodiscard]] KnownObject* next_to_fetch(double now_s);
   [[nodiscard]] std::size_t bank_bytes_held() const;
   [[nodiscard]] std::set<std::string> to_watch() const;
@@ -172,6 +174,7 @@ class Model {
   Question turn_, everything_;  // one object every two seconds; all, when some were missed
   std::string turn_of_;
   std::optional<BankTransfer> transfer_;
+  std::map<std::string, std::weak_ptr<const KnownBank>> banks_;  // by content
   Question watching_;
   std::map<std::string, Question> watched_;
   KnownScene scene_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace ringdown::viewer {
@@ -55,6 +56,7 @@ void Model::want_descriptions(double now_s, Requests& requests) {
 
 void Model::want_bank(double now_s, Requests& requests) {
   finish_transfer(now_s);
+  share_banks();
   if (!transfer_) {
     KnownObject* object = next_to_fetch(now_s);
     if (!object) return;
@@ -65,7 +67,7 @@ void Model::want_bank(double now_s, Requests& requests) {
       object->bank_retry_at_s = now_s + kRetry_s;
       return;
     }
-    transfer_.emplace(BankTransfer::Subject{object->name, object->version, object->bank_bytes});
+    transfer_.emplace(BankTransfer::Subject{object->name, object->version, object->bank_bytes, object->bank_content});
   }
   for (auto& request : transfer_->wants(now_s)) requests.push_back(std::move(request));
 }
@@ -84,11 +86,24 @@ void Model::finish_transfer(double now_s) {
   if (*outcome) {
     object.bank = std::move(**outcome);
     object.bank_fault.clear();
+    banks_.insert_or_assign(object.bank_content, object.bank);
   } else {
     object.bank_fault = outcome->error().message;
     if (transfer_->refused()) object.bank_retry_at_s = now_s + kRetry_s;
   }
   transfer_.reset();
+}
+
+// A bank that one object has comes to the others that play the same file without being fetched again.
+void Model::share_banks() {
+  std::erase_if(banks_, [](const auto& bank) { return bank.second.expired(); });
+  for (auto& [name, object] : objects_) {
+    if (object.bank) continue;
+    const auto found = banks_.find(object.bank_content);
+    if (found == banks_.end()) continue;
+    object.bank = found->second.lock();
+    object.bank_fault.clear();
+  }
 }
 
 KnownObject* Model::next_to_fetch(double now_s) {
@@ -102,11 +117,12 @@ KnownObject* Model::next_to_fetch(double now_s) {
 }
 
 std::size_t Model::bank_bytes_held() const {
-  std::size_t sum = 0;
+  std::map<const KnownBank*, std::size_t> bytes;
   for (const auto& [name, object] : objects_) {
-    if (object.bank) sum += static_cast<std::size_t>(object.bank_bytes);
+    if (object.bank) bytes[object.bank.get()] = static_cast<std::size_t>(object.bank_bytes);
   }
-  return sum;
+  return std::accumulate(bytes.begin(), bytes.end(), std::size_t{0},
+                         [](std::size_t sum, const auto& bank) { return sum + bank.second; });
 }
 
 // The chosen one, then the loudest; one that is watched stays as long as nobody needs its place.

@@ -22,7 +22,8 @@ void set_dark(ImGuiStyle& style) {
   c[ImGuiCol_Header] = {0.20f, 0.27f, 0.33f, 1};
   c[ImGuiCol_HeaderHovered] = {0.25f, 0.34f, 0.42f, 1};
   c[ImGuiCol_HeaderActive] = {0.28f, 0.40f, 0.50f, 1};
-  c[ImGuiCol_SliderGrab] = {0.34f, 0.70f, 0.91f, 1};
+  c[ImGuiCol_SliderGrab] = {0.16f, 0.42f, 0.57f, 1};  // the number is written across it
+  c[ImGuiCol_SliderGrabActive] = {0.20f, 0.52f, 0.70f, 1};
   c[ImGuiCol_CheckMark] = {0.34f, 0.70f, 0.91f, 1};
 }
 
@@ -33,7 +34,8 @@ void set_light(ImGuiStyle& style) {
   c[ImGuiCol_ChildBg] = {0.96f, 0.96f, 0.95f, 1};
   c[ImGuiCol_Text] = {0.10f, 0.11f, 0.12f, 1};
   c[ImGuiCol_TextDisabled] = {0.38f, 0.39f, 0.40f, 1};
-  c[ImGuiCol_SliderGrab] = {0.0f, 0.45f, 0.70f, 1};
+  c[ImGuiCol_SliderGrab] = {0.55f, 0.77f, 0.91f, 1};
+  c[ImGuiCol_SliderGrabActive] = {0.42f, 0.70f, 0.88f, 1};
   c[ImGuiCol_CheckMark] = {0.0f, 0.45f, 0.70f, 1};
 }
 
