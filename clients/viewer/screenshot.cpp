@@ -70,7 +70,8 @@ Result<void> take_screenshot(const ScreenshotRequest& request, const Settings& s
   const auto connected = [&] { return app.client().state().kind == ConnectionState::Kind::connected; };
   if (auto good = draw_until(app, request, kPatience_s, "no daemon answers", connected); !good) return good;
   // It waits at its beginning until everything that is to be seen is here.
-  app.commands().load_scene(std::filesystem::absolute(request.scene).string());
+  // A daemon that runs already finds it where it was started, perhaps on another computer.
+  app.commands().load_scene((own ? std::filesystem::absolute(request.scene) : request.scene).string());
   app.client().send(protocol::ScenePause{true});
   const auto paused = [&] { return is_complete(app.model()) && app.model().scene().paused(); };
   if (auto good = draw_until(app, request, kPatience_s, "the scene did not come", paused); !good) return good;

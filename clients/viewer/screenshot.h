@@ -13,8 +13,8 @@
 namespace ringdown::viewer {
 
 struct ScreenshotRequest {
-  std::filesystem::path output;  // .png
-  std::filesystem::path scene;
+  std::filesystem::path output;       // .png
+  std::filesystem::path scene;        // as the daemon finds it
   double at_s = 1;                    // scene time
   std::optional<std::string> daemon;  // its URL; nothing: one of our own, which ends afterwards
   Pane only = Pane::any;

@@ -30,7 +30,7 @@ MOMENTS_S = {  # of the scene
 COLUMNS = 4
 TAKEN, SHOWN = (640, 400), (400, 250)
 NAME_HEIGHT = 18
-WINDOW, WINDOW_AT_S = (1440, 900), 6.8
+WINDOW, WINDOW_SCENE, WINDOW_AT_S = (1440, 900), "glass-tower", 1
 MOST_BYTES = 400_000
 
 
@@ -71,7 +71,7 @@ def main():
         sys.exit(__doc__)
     viewer = sys.argv[1]
     write(sheet(viewer), PICTURES / "viewer-scenes.png")
-    write(take(viewer, "demo", WINDOW_AT_S, WINDOW), PICTURES / "viewer.png")
+    write(take(viewer, WINDOW_SCENE, WINDOW_AT_S, WINDOW), PICTURES / "viewer.png")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 // ringdown-viewer as a program: its pictures, its refusals, what it remembers. Where things must be in a picture
 // follows from a pinhole camera, written down here once more.
-#include "tests/integration/process.h"
+#include "tests/integration/daemon_fixture.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/virtual_display.h"
 
@@ -131,6 +131,24 @@ TEST(ViewerProgram, ItsPictureShowsBodiesWhereTheyAreAtThatMoment) {
   const double radius = pixel_of(0.36, 0, 0.5)[0] - ball_x;
   EXPECT_LT(before.at(ball_x, low + 1.3 * radius).away_from(after.at(ball_x, low + 1.3 * radius)), 30)
       << "it is not lower than that";
+}
+
+// As on another computer: names of files are the daemon's.
+TEST(ViewerProgram, ARunningDaemonFindsTheSceneWhereItWasStarted) {
+  NEED_DISPLAY(display);
+  const TemporaryFolder folder, elsewhere;
+  const auto scene = write_scene(folder);
+  Daemon daemon({"--driver", "null", "--root", folder.path().string()});
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  const auto picture = elsewhere / "picture.png";
+  const auto taken = run({"env", "-C", elsewhere.path().string(), kViewer, "--screenshot", picture.string(), "--scene",
+                          relative(scene).string(), "--at", "0", "--only", "scene", "--size", std::to_string(kWidth),
+                          std::to_string(kHeight), "--to", "osc.udp://127.0.0.1:" + std::to_string(daemon.port())},
+                         {}, 120s);
+  ASSERT_EQ(taken.exit_code, 0) << taken.output;
+  const auto [bell_x, bell_y] = pixel_of(-0.3, 0, 0.58);
+  const Colour bronze = read_png(picture).at(bell_x, bell_y);
+  EXPECT_GT(bronze.r, bronze.b + 40) << "the bell is not there, or not orange";
 }
 
 TEST(ViewerProgram, TheLightThemeIsLight) {

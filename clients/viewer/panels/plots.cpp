@@ -19,7 +19,7 @@ struct Area {
     size = {std::max(size.x, 40.0f), std::max(size.y, 40.0f)};
     ImGui::InvisibleButton(name, size);
     const float em = ImGui::GetFontSize();
-    low = {at.x + 2.4f * em, at.y + 2};
+    low = {at.x + 3.5f * em, at.y + 2};
     high = {at.x + size.x - 2, at.y + size.y - 1.3f * em};
     list->AddRectFilled(low, high, skin.paper);
     list->PushClipRect(low, high, true);

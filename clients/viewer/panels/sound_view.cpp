@@ -47,10 +47,12 @@ void SoundView::draw_meters(const Skin& skin, const Model& model) const {
   draw_count(skin, "  dropped", status ? status->dropped_events : 0);
   ImGui::SameLine();
   draw_count(skin, "  late", status ? status->late_events : 0);
+  ImGui::TextDisabled("ringing");
   ImGui::SameLine();
-  ImGui::TextDisabled("  ringing");
-  ImGui::SameLine();
-  ImGui::Text("%d objects, %d modes", model.load().sounding_objects, model.load().sounding_modes);
+  const auto many = [](int count) { return count == 1 ? "" : "s"; };
+  const protocol::NotifyLoad& load = model.load();
+  ImGui::Text("%d object%s, %d mode%s", load.sounding_objects, many(load.sounding_objects), load.sounding_modes,
+              many(load.sounding_modes));
 }
 
 void SoundView::draw_curves(const Skin& skin, const Model& model, float height) {
@@ -142,7 +144,11 @@ void SoundView::draw_table(const Skin& skin, const KnownObject& object, Commands
       ImGui::TableNextColumn();
       mode.frequency_hz > 0 ? ImGui::Text("%.1f Hz", mode.frequency_hz) : ImGui::TextUnformatted("no pitch");
       ImGui::TableNextColumn();
-      ImGui::Text("%.3g s", mode.t60_s);
+      if (mode.t60_s < 0.1) {
+        ImGui::Text("%.3g ms", 1e3 * mode.t60_s);
+      } else {
+        ImGui::Text("%.3g s", mode.t60_s);
+      }
       ImGui::TableNextColumn();
       ImGui::Text("%.1f dB", mode.gain_db);
       ImGui::PopStyleColor();
