@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <csignal>
+#include <limits>
 #include <thread>
 
 namespace ringdown::test {
@@ -17,6 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr double kRate = 48000;
+constexpr int kMostRecordings = 15;  // a virtual machine spoils up to every second one
 
 // Frames at which the signal exceeds `threshold` after staying below it for more than `quiet` frames.
 std::vector<std::size_t> onsets(const Samples& samples, double threshold, std::size_t quiet) {
@@ -84,7 +85,7 @@ TEST_F(Jack, TimedBundlesKeepTheirDistanceToAMillisecond) {
   const protocol::Message clear = protocol::format(protocol::ClearAll{});
   constexpr double kApart_s = 0.3137;
   double least_error_s = 1;  // jackd's clock is off when it is woken late, and frames are missing after an xrun
-  for (int attempt = 0; attempt < 5 && least_error_s > 1e-3; ++attempt) {
+  for (int attempt = 0; attempt < kMostRecordings && least_error_s > 1e-3; ++attempt) {
     const Samples heard = record(2, [&] {
       const double now = unix_now_s();
       daemon.send_bundle(now + 0.2, {strike});
@@ -116,7 +117,7 @@ TEST_F(Jack, TwentyStrikesKeepTheirTimes) {
     return status ? status->xruns + status->late_events : -1;
   };
   double best_s = std::numeric_limits<double>::infinity();
-  for (int attempt = 0; attempt < 5 && best_s > 1e-3; ++attempt) {
+  for (int attempt = 0; attempt < kMostRecordings && best_s > 1e-3; ++attempt) {
     const auto before = disturbances();
     std::vector<double> meant;
     const Samples heard = record(4, [&] { meant = play_twenty(daemon, "tick"); });
@@ -133,7 +134,8 @@ TEST_F(Jack, TwentyStrikesKeepTheirTimes) {
     std::printf("worst error of 10 bundles and 10 messages: %.3f ms\n", 1000 * worst_s);
     best_s = std::min(best_s, worst_s);
   }
-  if (std::isinf(best_s)) GTEST_SKIP() << "the machine is too busy: xruns in five recordings out of five";
+  if (std::isinf(best_s))
+    GTEST_SKIP() << "the machine is too busy: xruns in all of " << kMostRecordings << " recordings";
   EXPECT_LE(best_s, 1e-3);
 }
 
