@@ -1,11 +1,10 @@
 #include "tests/support/virtual_display.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
 #include <sstream>
+#include <stdexcept>
 
 namespace ringdown::test {
 namespace {
@@ -30,10 +29,7 @@ VirtualDisplay::VirtualDisplay() {
   std::string number;
   for (int tries = 0; number.empty() && tries < 3000 && !server_->wait(std::chrono::milliseconds(10)); ++tries)
     number = display_number(server_->output());
-  if (number.empty()) {
-    ADD_FAILURE() << "Xvfb does not come up: " << server_->output();
-    return;
-  }
+  if (number.empty()) throw std::runtime_error("Xvfb does not come up: " + server_->output());
   name_ = ":" + number;
   setenv("DISPLAY", name_.c_str(), 1);
   setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
