@@ -2,6 +2,7 @@
 // there is.
 #include "engine/modal/bank_file.h"
 #include "tests/integration/jack_fixture.h"
+#include "tests/support/pauses.h"
 #include "tests/support/synthetic_bank.h"
 #include "tests/support/temporary_folder.h"
 
@@ -21,7 +22,7 @@ constexpr int kRate = 192000, kPeriod = 128;
 constexpr std::size_t kModes = 2000, kObjectsToMeasure = 20, kMostObjects = 500;
 constexpr double kLoad = 2.5;  // in proportion to that of a few objects, which caches hold; in truth about four
 constexpr int kFewMisses = 5;  // of 4500 callbacks
-constexpr int kTries = 3;
+constexpr int kTries = 5;
 
 class JackBudget : public testing::Test {
  protected:
@@ -60,6 +61,7 @@ class JackBudget : public testing::Test {
   struct Figures {
     double load = 0, p99 = 0;
     int misses = 0, xruns = 0, own_xruns = 0, sounding = 0, hidden = 0, shed = 0;
+    std::uint64_t pauses = 0;  // of the machine
   };
 
   // Strikes all objects, and measures for some seconds from when they sound while some are struck again. Nothing when
@@ -86,6 +88,7 @@ class JackBudget : public testing::Test {
     }
     std::this_thread::sleep_for(1500ms);  // the mean load is of about a second
     before = JackTest::status(daemon);
+    const std::uint64_t pauses = pauses_.count();
     const auto begin = std::chrono::steady_clock::now();
     for (std::size_t i = 0; std::chrono::steady_clock::now() - begin < 3s; ++i) {
       daemon.send(JackTest::strike(name(i % objects), 0.01));
@@ -100,44 +103,45 @@ class JackBudget : public testing::Test {
     figures.sounding = now->sounding_modes;
     figures.hidden = now->hidden_modes;
     figures.shed = now->shed - before->shed;
+    figures.pauses = pauses_.count() - pauses;
     std::printf(
         "%zu objects, budget %d %%: load %.2f mean %.2f p99, %d callbacks late, %d xruns, %d of them ours, "
-        "%d modes sound, %d are left out, shed %d\n",
+        "%d modes sound, %d are left out, shed %d; the machine paused %d times\n",
         objects, budget, figures.load, figures.p99, figures.misses, figures.xruns, figures.own_xruns, figures.sounding,
-        figures.hidden, figures.shed);
+        figures.hidden, figures.shed, static_cast<int>(figures.pauses));
     return figures;
   }
 
   static constexpr std::uint32_t kSeeds = 8;
+  // Plays until the machine did not pause meanwhile, which makes callbacks late whatever the mixer does; what happened
+  // then counts, good or bad. Nothing when it always paused.
+  std::optional<Figures> play_undisturbed(std::size_t objects, int budget) {
+    for (int tries = 0; tries < kTries; ++tries) {
+      const auto figures = play(objects, budget);
+      if (figures && figures->pauses == 0) return figures;
+    }
+    return std::nullopt;
+  }
+
+  Pauses pauses_;
   TemporaryFolder folder_;
   JackServer server_{kRate, kPeriod, JackServer::Scheduling::realtime};
   std::vector<std::shared_ptr<const modal::Bank>> banks_;
 };
 
-// The machine takes time from an audio thread too, and can only make more callbacks late. A scene that leaves most of
-// the time unused says how much; and of several tries with a budget the best says what the mixer can do, which without
-// a budget misses hundreds every time.
+// A scene that leaves most of the time unused says how much the machine disturbs an audio thread meanwhile.
 TEST_F(JackBudget, KeepsTheTimeWhereAnUnboundedMixerMissesMost) {
   const auto few = play(kObjectsToMeasure, 0);
   if (!few) GTEST_SKIP() << "the machine stands still";
   const auto objects = static_cast<std::size_t>(std::ceil(kLoad / few->load * kObjectsToMeasure));
   if (objects > kMostObjects) GTEST_SKIP() << "this machine is so fast that it would take " << objects << " objects";
-  const auto without = play(objects, 0);
-  if (!without || few->misses > kFewMisses) GTEST_SKIP() << "the machine stands still";
-  const auto keeps_time = [&](const Figures& figures) {
-    return figures.misses <= kFewMisses + without->misses / 50 &&
-           figures.own_xruns <= kFewMisses + without->own_xruns / 50 && figures.sounding > 0;
-  };
-  std::optional<Figures> with;
-  for (int tries = 0; tries < kTries && !(with && keeps_time(*with)); ++tries) with = play(objects, 70);
-  if (!with) GTEST_SKIP() << "the machine stands still";
-  if (!keeps_time(*with)) {
-    const auto few_again = play(kObjectsToMeasure, 0);
-    if (!few_again || few_again->misses > kFewMisses) GTEST_SKIP() << "the machine stands still by now";
-  }
+  const auto without = play(objects, 0), with = play_undisturbed(objects, 70);
+  if (!without || !with || few->misses > kFewMisses) GTEST_SKIP() << "the machine stands still";
   EXPECT_GT(without->p99, 1.5);
   EXPECT_GT(without->misses, 100);
-  EXPECT_TRUE(keeps_time(*with)) << "and something sounds, after " << kTries << " tries";
+  EXPECT_LE(with->misses, kFewMisses + without->misses / 50);
+  EXPECT_LE(with->own_xruns, kFewMisses + without->own_xruns / 50);
+  EXPECT_GT(with->sounding, 0);
   EXPECT_GT(with->hidden, 0);
 }
 

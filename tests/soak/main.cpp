@@ -5,7 +5,7 @@
 #include "tests/soak/actions.h"
 #include "tests/soak/ear.h"
 #include "tests/soak/health.h"
-#include "tests/soak/pauses.h"
+#include "tests/support/pauses.h"
 #include "tests/support/temporary_folder.h"
 
 #include <CLI/CLI.hpp>

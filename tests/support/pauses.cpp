@@ -1,4 +1,4 @@
-#include "tests/soak/pauses.h"
+#include "tests/support/pauses.h"
 
 #include <chrono>
 #include <pthread.h>
