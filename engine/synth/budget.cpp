@@ -6,6 +6,8 @@
 namespace ringdown::synth {
 namespace {
 
+// Upwards from a chunk that took all its time. In one that took little of it small disturbances are large for each
+// unit: prices that rose by them would leave ever less to do, and so ever more to be disturbed.
 constexpr double kLearnUp = 0.3, kLearnDown = 0.03;
 constexpr int kFirstLessons = 40;  // which are averaged
 // A chunk in which the thread did not run says little of what work costs: beyond kUnconfirmed only two on end are
@@ -77,7 +79,9 @@ void Budget::close_chunk(double units) RINGDOWN_REALTIME {
   } else {
     const double confirmed_ns = std::min(took_ns, std::max(took_before_ns_, kUnconfirmed * unit_ns_));
     const double change = std::min(confirmed_ns, kMostSurprise * unit_ns_) - unit_ns_;
-    const double weight = std::max(change > 0 ? kLearnUp : kLearnDown, 1 / static_cast<double>(learnt_ + 1));
+    const double used = std::min(all_ns / chunk_ns_, 1.0);
+    const double learn = change > 0 ? std::max(kLearnUp * used * used, kLearnDown) : kLearnDown;
+    const double weight = std::max(learn, 1 / static_cast<double>(learnt_ + 1));
     unit_ns_ = std::max(learnt_ == 0 ? took_ns : unit_ns_ + weight * change, kLeast_ns);
     took_before_ns_ = took_ns;
     learnt_ = std::min(learnt_ + 1, kFirstLessons);

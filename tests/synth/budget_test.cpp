@@ -50,6 +50,26 @@ TEST(Budget, LearnsWhatWorkCostsAndSharesABlockAmongItsChunks) {
   EXPECT_NEAR(budget.usual(), 0.5 * kBlock_ns / 4 / 10, 50);
 }
 
+// A small scene on a machine that now and then takes some time for itself: it is to cost what it costs on average, not
+// what it does at worst.
+TEST(Budget, DisturbancesOfChunksThatDoLittleAreNoAlarm) {
+  constexpr double kUnit_ns = 10, kUnits = 1000, kDisturbance_ns = 30000, kChunk_ns = 0.5 * kBlock_ns;
+  fake_unit_ns = kUnit_ns;
+  Budget budget;
+  budget.set_clock(kFake);
+  budget.set_share(0.5);
+  for (int block = 0; block < 2000; ++block) {
+    budget.open_block(100, 1e5, true);
+    budget.open_chunk(100, 0);
+    budget.worked(kUnits);
+    if (block % 4 < 2) fake_now_ns += static_cast<std::int64_t>(kDisturbance_ns);  // twice on end, so it is believed
+    budget.close_chunk(kUnits);
+  }
+  const double average_ns = kUnit_ns + 0.5 * kDisturbance_ns / kUnits;
+  EXPECT_GE(budget.usual(), 0.9 * kChunk_ns / average_ns);
+  EXPECT_LE(budget.usual(), kChunk_ns / kUnit_ns);
+}
+
 TEST(Budget, BlocksWithoutALimitOrADeadlineAreNeverOver) {
   for (const double share : {0.0, 0.5}) {
     Budget budget;
