@@ -1,7 +1,11 @@
 #include "tests/integration/daemon_fixture.h"
 
 #include <algorithm>
+#include <fcntl.h>
+#include <filesystem>
 #include <sstream>
+#include <stdexcept>
+#include <sys/file.h>
 #include <unistd.h>
 
 namespace ringdown::test {
@@ -19,11 +23,29 @@ std::vector<std::string> daemon_command(std::vector<std::string> arguments) {
   return arguments;
 }
 
+// A lock on this file, or a negative number if somebody has it. Programs started later hold it too: it is free when
+// the last of them has ended.
+int locked(const std::filesystem::path& file) {
+  const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT, 0600);
+  if (descriptor < 0) throw std::runtime_error("cannot open " + file.string());
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+  ::close(descriptor);
+  return -1;
+}
+
 }  // namespace
 
-JackServer::JackServer(int sample_rate_hz, int period_frames, Scheduling scheduling)
-    : name_("ringdown-test-" + std::to_string(::getpid())), scheduling_(scheduling) {
+JackServer::JackServer(int sample_rate_hz, int period_frames, Scheduling scheduling) : scheduling_(scheduling) {
+  for (int number = 0; lock_ < 0; ++number) {
+    name_ = "ringdown-test-" + std::to_string(number);
+    lock_ = locked(std::filesystem::temp_directory_path() / (name_ + "-of-" + std::to_string(::getuid()) + ".lock"));
+  }
   start(sample_rate_hz, period_frames);
+}
+
+JackServer::~JackServer() {
+  server_.reset();
+  ::close(lock_);
 }
 
 // Port limit: jackd's default wants 107 MB of shared memory, more than many containers have.
@@ -44,7 +66,12 @@ Process::Environment JackServer::environment() const {
   return {{"JACK_DEFAULT_SERVER", name_}, {"JACK_NO_START_SERVER", "1"}};
 }
 
-bool JackServer::runs() { return run({"jack_wait", "--server", name_, "--wait", "--timeout", "20"}).exit_code == 0; }
+testing::AssertionResult JackServer::runs() {
+  if (run({"jack_wait", "--server", name_, "--wait", "--timeout", "20"}).exit_code == 0) {
+    return testing::AssertionSuccess();
+  }
+  return testing::AssertionFailure() << "no JACK server " << name_ << ":\n" << server_->output();
+}
 
 std::map<std::string, std::set<std::string>> JackServer::connections() const {
   std::map<std::string, std::set<std::string>> found;

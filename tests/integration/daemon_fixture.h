@@ -7,6 +7,8 @@
 #include "server/osc_socket.h"
 #include "tests/integration/process.h"
 
+#include <gtest/gtest.h>
+
 #include <chrono>
 #include <csignal>
 #include <cstdint>
@@ -20,24 +22,32 @@
 
 namespace ringdown::test {
 
-// A JACK server of the test's own, named after this process.
+// A JACK server of the test's own.
+//
+// JACK keeps a list of servers for each machine, with eight places, and one that was killed holds its place until a
+// server of the same name starts. So names come from a short list: the first that no other test, nor what it has left
+// running, uses now.
 class JackServer {
  public:
   enum class Scheduling { ordinary, realtime };
 
   explicit JackServer(int sample_rate_hz = 48000, int period_frames = 256,
                       Scheduling scheduling = Scheduling::ordinary);
+  JackServer(const JackServer&) = delete;
+  JackServer& operator=(const JackServer&) = delete;
+  ~JackServer();
   void stop(int signal = SIGTERM);  // and waits for its end
   void start(int sample_rate_hz, int period_frames);
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] Process::Environment environment() const;  // makes clients use it, and never start another
-  [[nodiscard]] bool runs();
+  [[nodiscard]] testing::AssertionResult runs();           // waits for it; a failure says what jackd said
 
   // Ports and what they are connected to, as jack_lsp -c says.
   [[nodiscard]] std::map<std::string, std::set<std::string>> connections() const;
 
  private:
+  int lock_ = -1;  // of the name; the server holds it too
   std::string name_;
   Scheduling scheduling_;
   std::unique_ptr<Process> server_;

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <iostream>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace ringdown::test {
 namespace {
@@ -143,6 +145,27 @@ TEST_F(JackReconnect, WithoutAServerItDoesNotStart) {
   const Outcome outcome = run({program("ringdownd"), "--port", "0"}, server_.environment());
   EXPECT_EQ(outcome.exit_code, 4);
   EXPECT_NE(outcome.output.find("--wait"), std::string::npos) << outcome.output;
+}
+
+// Tests must not use up the machine's eight places for JACK servers, though some kill theirs, and some crash.
+TEST(JackServerOfATest, TenProcessesThatKillTheirsLeaveAPlaceForTheNext) {
+  if (!installed("jackd")) GTEST_SKIP() << "needs jackd2 (./run packages)";
+  for (int life = 0; life < 10; ++life) {
+    const pid_t crashing = ::fork();
+    if (crashing == 0) {
+      JackServer server;
+      const bool up = server.runs();
+      server.stop(SIGKILL);
+      ::_exit(up ? 0 : 1);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(crashing, &status, 0), crashing);
+    ASSERT_EQ(status, 0) << "server " << life;
+  }
+  JackServer one, another;
+  EXPECT_TRUE(one.runs());
+  EXPECT_TRUE(another.runs());
+  EXPECT_NE(one.name(), another.name());
 }
 
 }  // namespace
