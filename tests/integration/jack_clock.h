@@ -2,10 +2,11 @@
 //
 //   JackClock clock(server.name());
 //   ... record ...
-//   if (clock.xruns() > 0 || clock.strayed_s() > 5e-4) ...  // the server was kept from running: that recording says
-//   nothing of others
+//   if (clock.strayed_s() > 5e-4) ...  // the server was kept from running: that recording says nothing of others
+//   if (clock.xruns() > 0) ...         // frames are missing in it, whoever was late
 //
-// What it tells rests on the server and this client alone, never on what is tested.
+// How far it strays rests on the server and this client alone, never on what is tested. An xrun may be the fault of any
+// client.
 #pragma once
 
 #include <atomic>
