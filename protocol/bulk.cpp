@@ -44,7 +44,7 @@ const std::vector<ArgumentSpec>& arguments_of(std::string_view address) { return
 BulkStrike read(RecordReader& record) {
   static const std::vector<ArgumentSpec> strike = arguments_of("/object/0/strike");
   static const ArgumentSpec vertex = arguments_of("/object/0/strike_vertex")[1];
-  static const ArgumentSpec delay{"delay", ValueType::number, "s", 0, kLongestDelay_s};
+  static const ArgumentSpec delay{"delay", ValueType::number, "s", 0, kMaxDelay_s};
   BulkStrike read;
   const std::int32_t object = record.integer(), at = record.integer();
   record.check(strike[0], object);

@@ -18,8 +18,8 @@
 namespace ringdown::protocol {
 
 inline constexpr std::size_t kBytesPerStrike = 40;
-inline constexpr std::size_t kMostBulkStrikes = 1600;  // 64,000 bytes: what a datagram carries
-inline constexpr double kLongestDelay_s = 60;
+inline constexpr std::size_t kMaxBulkStrikes = 1600;  // 64,000 bytes: what a datagram carries
+inline constexpr double kMaxDelay_s = 60;
 
 struct BulkStrike {
   std::uint32_t object = 0;             // its number

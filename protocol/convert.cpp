@@ -9,7 +9,7 @@
 namespace ringdown::protocol {
 namespace {
 
-constexpr std::size_t kLongestText = 4096;
+constexpr std::size_t kMaxText = 4096;
 
 std::string shown(const std::string& text) { return "the text " + quoted(text); }
 std::string shown(std::int32_t value) { return std::to_string(value); }
@@ -48,7 +48,7 @@ Result<Value> convert_number(const ArgumentSpec& spec, const Argument& argument)
 
 Result<Value> convert_object(const ArgumentSpec& spec, const Argument& argument) {
   if (const std::optional<double> number = as_number(argument)) {
-    const bool fits = *number >= 0 && *number <= kLargestNumber && *number == std::floor(*number);
+    const bool fits = *number >= 0 && *number <= kMaxNumber && *number == std::floor(*number);
     if (!fits) return refuse(spec, shown(argument));
     return Value(ObjectRef{"", static_cast<std::uint32_t>(*number)});
   }
@@ -68,7 +68,7 @@ Result<Value> convert_text(const ArgumentSpec& spec, const Argument& argument) {
   const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 127; };
   const bool good = spec.type == ValueType::name
                         ? is_object_name(*text)
-                        : !text->empty() && text->size() <= kLongestText && std::ranges::none_of(*text, is_control);
+                        : !text->empty() && text->size() <= kMaxText && std::ranges::none_of(*text, is_control);
   if (!good) return refuse(spec, shown(argument));
   return Value(*text);
 }

@@ -22,12 +22,12 @@ inline constexpr std::int32_t kProtocolVersion = 1;
 inline constexpr double kDefaultRingAmplitude = 0.1;
 
 // What one message carries: bytes of a bank file, frames of sound, amplitudes of modes.
-inline constexpr std::uint32_t kMostBankBytes = 8192, kMostSoundFrames = 256, kMostModeAmplitudes = 512;
+inline constexpr std::uint32_t kMaxBankBytes = 8192, kMaxSoundFrames = 256, kMaxModeAmplitudes = 512;
 
 // Touches of an object; those from kFirstSceneTouch on are an embedded scene's.
-inline constexpr std::uint32_t kMostTouches = 16, kFirstSceneTouch = 8;
+inline constexpr std::uint32_t kMaxTouches = 16, kFirstSceneTouch = 8;
 
 // Audio inputs that may excite objects.
-inline constexpr std::uint32_t kMostInputs = 4;
+inline constexpr std::uint32_t kMaxInputs = 4;
 
 }  // namespace ringdown::protocol

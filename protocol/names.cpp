@@ -15,7 +15,7 @@ bool is_name_character(char c) {
 }  // namespace
 
 bool is_object_name(std::string_view text) {
-  return !text.empty() && text.size() <= kLongestName && text != kNoObject &&
+  return !text.empty() && text.size() <= kMaxName && text != kNoObject &&
          std::ranges::all_of(text, is_name_character) && !std::ranges::all_of(text, is_digit);
 }
 
@@ -24,10 +24,10 @@ Result<ObjectRef> parse_object(std::string_view text) {
   std::uint32_t number = 0;
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, number);
-  if (!text.empty() && error == std::errc() && stop == end && number <= kLargestNumber) {
+  if (!text.empty() && error == std::errc() && stop == end && number <= kMaxNumber) {
     return ObjectRef{"", number};
   }
-  return fail(quoted(text) + " is no object: give its number, up to " + std::to_string(kLargestNumber) +
+  return fail(quoted(text) + " is no object: give its number, up to " + std::to_string(kMaxNumber) +
               ", or a name of 1 to 64 of A-Z a-z 0-9 _ . - that is not all digits");
 }
 

@@ -14,8 +14,8 @@
 
 namespace ringdown::protocol {
 
-inline constexpr std::size_t kLongestName = 64;
-inline constexpr std::uint32_t kLargestNumber = (1u << 24) - 1;  // exact in a float, the only number Pure Data sends
+inline constexpr std::size_t kMaxName = 64;
+inline constexpr std::uint32_t kMaxNumber = (1u << 24) - 1;  // exact in a float, the only number Pure Data sends
 inline constexpr std::string_view kNoObject = "-";
 
 bool is_object_name(std::string_view text);

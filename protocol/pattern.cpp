@@ -9,11 +9,11 @@
 namespace ringdown::protocol {
 namespace {
 
-constexpr std::size_t kLongestText = 127;
+constexpr std::size_t kMaxText = 127;
 constexpr std::string_view kObjectPrefix = "/object/";
 
 // How far into the text the pattern may have come.
-using Places = std::bitset<kLongestText + 1>;
+using Places = std::bitset<kMaxText + 1>;
 
 template <class Accepts>
 Places step(const Places& places, std::string_view text, Accepts accepts) {
@@ -73,7 +73,7 @@ std::optional<std::string_view> take_enclosed(std::string_view& pattern, char cl
 }  // namespace
 
 bool matches(std::string_view pattern, std::string_view text) {
-  assert(text.size() <= kLongestText);
+  assert(text.size() <= kMaxText);
   // What ends or begins otherwise is told at once: of many names, most.
   const std::string_view end = pattern.substr(pattern.find_last_of("?*[]{}") + 1);
   if (!text.ends_with(end)) return false;

@@ -20,8 +20,8 @@ inline constexpr Quantity kSpeed{"m/s", 0, 1e3};
 inline constexpr Quantity kRoughness{"m", 0, 0.1};
 inline constexpr Quantity kCorrelation{"m", 1e-7, 10};
 inline constexpr Quantity kSpectralSlope{"", -10, 0};
-inline constexpr Quantity kTouchNumber{"", 0, kMostTouches - 1};
-inline constexpr Quantity kInput{"", 1, kMostInputs};
+inline constexpr Quantity kTouchNumber{"", 0, kMaxTouches - 1};
+inline constexpr Quantity kInput{"", 1, kMaxInputs};
 inline constexpr Quantity kContactTime{"s", 0, 0.1};
 inline constexpr Quantity kGain{"", 0, 100};
 inline constexpr Quantity kLost{"s", 0, 1e9};
@@ -30,7 +30,7 @@ inline constexpr Quantity kPan{"", -1, 1};
 inline constexpr Quantity kScale{"", 1e-3, 1e3};
 inline constexpr Quantity kDampingScale{"", 0, 1e3};
 inline constexpr Quantity kSizeScale{"", 1e-2, 1e2};
-inline constexpr Quantity kIndex{"", 0, kLargestNumber};
+inline constexpr Quantity kIndex{"", 0, kMaxNumber};
 inline constexpr Quantity kCount{"", 0, std::numeric_limits<std::int32_t>::max()};
 inline constexpr Quantity kId{"", std::numeric_limits<std::int32_t>::min(), kCount.most};
 inline constexpr Quantity kLoad{"", 0, 1e6};
@@ -43,7 +43,7 @@ inline constexpr Quantity kFrequency{"Hz", 1, 1e5};
 inline constexpr Quantity kAmplitude{"", 0, 1};
 inline constexpr Quantity kDuration{"s", 0, 1e9};
 inline constexpr Quantity kAngle{"degrees", 0, 180};
-inline constexpr Quantity kBankBytes{"", 1, kMostBankBytes};
+inline constexpr Quantity kBankBytes{"", 1, kMaxBankBytes};
 inline constexpr Quantity kPeak{"", 0, 1e30};
 
 }  // namespace ringdown::protocol

@@ -92,7 +92,7 @@ std::vector<Row<Reply>> make_reply_rows() {
                                           "As in /object.reply: pieces of one version belong together."),
              integer<&BankReply::offset>("offset", kCount, "Where the piece begins."),
              integer<&BankReply::total>("total", kCount, "The size of the whole file."),
-             records<&BankReply::bytes>("bytes", 1, kMostBankBytes, "The piece.")}),
+             records<&BankReply::bytes>("bytes", 1, kMaxBankBytes, "The piece.")}),
       reply("/scene.reply", SceneReply{3, 6, 1, 12, {0, -2, 1}, {0, 0, 0.3}, 50, "presets/scenes/demo.toml"},
             "What scene is played.",
             {integer<&SceneReply::version>("version", kCount, "Grows whenever something of the description changes."),
@@ -187,13 +187,13 @@ std::vector<Row<Reply>> make_reply_rows() {
       reply("/notify.sound", NotifySound{48000, 48000, Blob(8)}, "To those who watch the sound: what the mix was.",
             {integer<&NotifySound::frame>("frame", kCount, "The number of the first frame, modulo 2^30."),
              number<&NotifySound::sample_rate_hz>("sample_rate", kRate, "Of the audio driver."),
-             records<&NotifySound::samples>("samples", 8, kMostSoundFrames,
+             records<&NotifySound::samples>("samples", 8, kMaxSoundFrames,
                                             "Frames: float32 left and float32 right, big-endian.")}),
       reply("/notify.modes", NotifyModes{"bell", 0, Blob(4)},
             "To those who watch an object: the amplitudes of its modes, of full scale, at its gain.",
             {other<ValueType::any_text, &NotifyModes::object>("object", "Its name."),
              integer<&NotifyModes::first>("first", kCount, "The lowest of them: 0 has the lowest frequency."),
-             records<&NotifyModes::amplitudes>("amplitudes", 4, kMostModeAmplitudes, "Each a float32, big-endian.")}),
+             records<&NotifyModes::amplitudes>("amplitudes", 4, kMaxModeAmplitudes, "Each a float32, big-endian.")}),
   };
 }
 

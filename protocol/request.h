@@ -58,7 +58,7 @@ struct SetMaterial {  // /object/{object}/material
 struct Hold {  // /object/{object}/hold
   ObjectRef object;
   modal::ContactDamping touch;
-  std::uint32_t number = 0;  // which of the object's touches, below kMostTouches
+  std::uint32_t number = 0;  // which of the object's touches, below kMaxTouches
 };
 struct SetGroup {  // /object/{object}/group
   ObjectRef object;
@@ -92,12 +92,12 @@ struct DescribeObject {  // /object/{object}/describe
 struct ReadBank {  // /object/{object}/bank
   ObjectRef object;
   std::uint32_t offset = 0;
-  std::uint32_t bytes = kMostBankBytes;
+  std::uint32_t bytes = kMaxBankBytes;
 };
 // An audio input that excites the object: a sample of 1 is this force.
 struct Excite {  // /object/{object}/excite
   ObjectRef object;
-  std::uint32_t input = 1;  // to kMostInputs
+  std::uint32_t input = 1;  // to kMaxInputs
   Vec3 point_m, force_n;    // no force: the input excites the object no more
 };
 // Something slides or rolls on the object.

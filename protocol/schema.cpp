@@ -81,8 +81,8 @@ struct Index {
 
 template <class Any>
 Result<const Row<Any>*> find_row(const std::vector<Row<Any>>& rows, std::string_view address) {
-  constexpr std::size_t kLongestAddress = 256;
-  if (address.size() > kLongestAddress) return fail(quoted(address) + " is no address: it is too long");
+  constexpr std::size_t kMaxAddress = 256;
+  if (address.size() > kMaxAddress) return fail(quoted(address) + " is no address: it is too long");
   static const Index<Any> index(rows);
   if (const Row<Any>* row = index.find(address)) return row;
   const std::string skeleton = skeleton_of(address);

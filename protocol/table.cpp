@@ -84,7 +84,7 @@ std::vector<Row<Request>> make_request_rows() {
           "(the number that /load answered), int32 vertex (or -1: the point x y z counts), float32 x y z [m], float32 "
           "jx jy jz [N s], float32 contact_time [s], float32 delay [s], 0 to 60, after the message's own time. Ranges "
           "are those of /object/{object}/strike. One wrong record refuses them all.",
-          {records<&StrikeMany::records>("records", kBytesPerStrike, kMostBulkStrikes, "The records.")}),
+          {records<&StrikeMany::records>("records", kBytesPerStrike, kMaxBulkStrikes, "The records.")}),
       silent("/object/{object}/gain", SetGain{kBell, 0.5, 0.1}, "Sets the object's loudness.",
              {object<&SetGain::object>(),
               number<&SetGain::gain>("gain", kGain, "The factor on its signal; 1 is as computed, 0.5 is 6 dB less."),

@@ -37,9 +37,9 @@ void look_at(const fs::directory_entry& entry, const fs::path& here, Kinds& foun
 void look_below(const fs::path& root, const fs::path& here, Kinds& found) {
   std::error_code error;
   fs::recursive_directory_iterator at(root, fs::directory_options::skip_permission_denied, error);
-  for (std::size_t n = 0; !error && at != fs::recursive_directory_iterator() && n < kMostLookedAt; ++n) {
+  for (std::size_t n = 0; !error && at != fs::recursive_directory_iterator() && n < kMaxLookedAt; ++n) {
     const bool hidden = at->path().filename().string().starts_with('.');
-    if (hidden || at.depth() >= kDeepestBrowsed) at.disable_recursion_pending();
+    if (hidden || at.depth() >= kMaxBrowseDepth) at.disable_recursion_pending();
     if (!hidden) look_at(*at, here, found);
     at.increment(error);
   }
@@ -55,7 +55,7 @@ std::vector<protocol::BrowseFile> browse(const FileRoots& roots) {
   std::vector<protocol::BrowseFile> files;
   for (const auto& [kind, paths] : {std::pair(&kScene, &found.scenes), std::pair(&kBank, &found.banks)}) {
     for (const std::string& path : *paths) {
-      if (files.size() == kMostBrowsed) return files;
+      if (files.size() == kMaxBrowsed) return files;
       files.push_back({static_cast<std::int32_t>(files.size()), *kind, path});
     }
   }

@@ -12,9 +12,9 @@
 
 namespace ringdown::server {
 
-inline constexpr std::size_t kMostBrowsed = 1024;    // files that are told
-inline constexpr std::size_t kMostLookedAt = 16384;  // files and folders below one root that are looked at
-inline constexpr int kDeepestBrowsed = 4;            // folders below a root
+inline constexpr std::size_t kMaxBrowsed = 1024;    // files that are told
+inline constexpr std::size_t kMaxLookedAt = 16384;  // files and folders below one root that are looked at
+inline constexpr int kMaxBrowseDepth = 4;           // folders below a root
 
 // Scenes first, each kind by path; numbered from 0. A path below the current folder is told from there, others whole.
 std::vector<protocol::BrowseFile> browse(const FileRoots& roots);

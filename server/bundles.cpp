@@ -36,7 +36,7 @@ void send_in_bundles(std::span<const protocol::Reply> replies,
   for (const protocol::Reply& reply : replies) {
     protocol::Message message = protocol::format(reply);
     const std::size_t more = bytes_of(message);
-    if (messages.size() == kMostMessagesPerBundle || bytes + more > kMostBundleBytes) send_these();
+    if (messages.size() == kMaxMessagesPerBundle || bytes + more > kMaxBundleBytes) send_these();
     messages.push_back(std::move(message));
     bytes += more;
   }

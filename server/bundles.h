@@ -11,8 +11,8 @@
 
 namespace ringdown::server {
 
-inline constexpr std::size_t kMostMessagesPerBundle = 16;  // of short ones some 1,400 bytes: one Ethernet frame
-inline constexpr std::size_t kMostBundleBytes = 32768;     // a longer message goes alone
+inline constexpr std::size_t kMaxMessagesPerBundle = 16;  // of short ones some 1,400 bytes: one Ethernet frame
+inline constexpr std::size_t kMaxBundleBytes = 32768;     // a longer message goes alone
 
 // One message goes as it is; more go in bundles, in their order.
 void send_in_bundles(std::span<const protocol::Reply> replies,

@@ -32,7 +32,7 @@ std::optional<std::size_t> Buses::bus_for(const std::string& label) {
   for (const auto& [number, bus] : buses_) {
     if (bus.label == label) return number;
   }
-  for (std::size_t number = 0; number < synth::kMostBuses; ++number) {
+  for (std::size_t number = 0; number < synth::kMaxBuses; ++number) {
     if (buses_.contains(number)) continue;
     buses_[number].label = label;
     return number;

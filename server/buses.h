@@ -24,7 +24,7 @@ class Buses {
   void set_mode(PortMode mode) { mode_ = mode; }
 
   // Gives the object its bus, after the one it had; nullopt: it is heard in the mix only, as asked or because all
-  // synth::kMostBuses are taken (overflow() then grows).
+  // synth::kMaxBuses are taken (overflow() then grows).
   std::optional<std::size_t> join(protocol::ObjectNumber object, const std::string& name, const std::string& group);
   void leave(protocol::ObjectNumber object);
 

@@ -148,7 +148,7 @@ bool JackClient::add_input(std::size_t input) {
   if (!port) return false;
   jack_metadata_describe(
       client_, port,
-      {.pretty_name = "Excite " + number, .group = "Inputs", .order = static_cast<int>(synth::kMostChannels + input)});
+      {.pretty_name = "Excite " + number, .group = "Inputs", .order = static_cast<int>(synth::kMaxChannels + input)});
   inputs_[input] = port;
   return true;
 }

@@ -108,15 +108,15 @@ class JackClient {
   const Driver::Program* program_ = nullptr;
   Gate gate_;
   _jack_port* midi_port_ = nullptr;
-  std::shared_ptr<const NoteTable> table_;                              // keeps what the next one
-  std::atomic<const NoteTable*> notes_ = nullptr;                       // points to
-  std::array<std::atomic<_jack_port*>, synth::kMostChannels> ports_{};  // by the mixer's channel
-  std::map<std::size_t, std::string> buses_;                            // as show_buses() was told
-  std::array<std::atomic<_jack_port*>, synth::kMostInputs> inputs_{};   // in_1 first; null: none
-  std::uint32_t shown_inputs_ = 0;                                      // as show_inputs() was told
-  std::atomic<std::uint32_t> fed_ = 0;                                  // those of them that are connected
-  std::atomic<synth::ChannelSet> listened_ = 0;                         // those of them that are connected
-  std::atomic<std::int64_t> offset_ = kUnknown;                         // 32 bits once it is known
+  std::shared_ptr<const NoteTable> table_;                             // keeps what the next one
+  std::atomic<const NoteTable*> notes_ = nullptr;                      // points to
+  std::array<std::atomic<_jack_port*>, synth::kMaxChannels> ports_{};  // by the mixer's channel
+  std::map<std::size_t, std::string> buses_;                           // as show_buses() was told
+  std::array<std::atomic<_jack_port*>, synth::kMaxInputs> inputs_{};   // in_1 first; null: none
+  std::uint32_t shown_inputs_ = 0;                                     // as show_inputs() was told
+  std::atomic<std::uint32_t> fed_ = 0;                                 // those of them that are connected
+  std::atomic<synth::ChannelSet> listened_ = 0;                        // those of them that are connected
+  std::atomic<std::int64_t> offset_ = kUnknown;                        // 32 bits once it is known
   std::atomic<bool> lost_ = false, freewheels_ = false;
 };
 

@@ -8,14 +8,14 @@
 namespace ringdown::server {
 
 Result<Latency> parse_latency(const std::string& text) {
-  constexpr double kMostFrames = 192000;
+  constexpr double kMaxFrames = 192000;
   double value = 0;
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
   const std::string_view unit(stop, static_cast<std::size_t>(end - stop));
   const bool good = error == std::errc() && value >= 0;  // false for NaN
-  if (good && unit == "ms" && value <= 1000 * kLongestLatency_s) return Latency{.seconds = value / 1000};
-  if (good && unit.empty() && value <= kMostFrames && value == std::floor(value)) {
+  if (good && unit == "ms" && value <= 1000 * kMaxLatency_s) return Latency{.seconds = value / 1000};
+  if (good && unit.empty() && value <= kMaxFrames && value == std::floor(value)) {
     return Latency{.frames = static_cast<protocol::Frame>(value)};
   }
   return fail("'" + text + "' is no latency; write frames, like 256, or milliseconds up to 1000, like 5ms");

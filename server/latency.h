@@ -16,7 +16,7 @@ struct Latency {
   std::optional<double> seconds;
 };
 
-inline constexpr double kLongestLatency_s = 1;
+inline constexpr double kMaxLatency_s = 1;
 
 // "256" frames or "5ms".
 Result<Latency> parse_latency(const std::string& text);

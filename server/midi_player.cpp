@@ -11,7 +11,7 @@ using protocol::EventType;
 
 constexpr std::uint8_t kNoteOff = 0x80, kNoteOn = 0x90, kControl = 0xb0;
 constexpr std::uint8_t kSustainPedal = 64, kSoftPedal = 67, kAllSoundOff = 120, kAllNotesOff = 123;
-constexpr double kLongestContact_s = 0.1;
+constexpr double kMaxContact_s = 0.1;
 
 }  // namespace
 
@@ -46,7 +46,7 @@ void MidiPlayer::press(std::size_t note, std::uint8_t velocity, const Stage& sta
         .type = EventType::strike,
         .point_m = strike->point_m,
         .impulse_ns = share * strike->impulse_ns,
-        .contact_time_s = std::min(contact_time_s, kLongestContact_s)},
+        .contact_time_s = std::min(contact_time_s, kMaxContact_s)},
        stage);
 }
 

@@ -49,8 +49,8 @@ Result<void> Notifier::subscribe(Peer peer, double rate_hz) {
   const std::scoped_lock lock(mutex_);
   auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
   if (subscriber == subscribers_.end()) {
-    if (subscribers_.size() == kMostSubscribers) {
-      return fail("there are " + std::to_string(kMostSubscribers) + " subscribers already");
+    if (subscribers_.size() == kMaxSubscribers) {
+      return fail("there are " + std::to_string(kMaxSubscribers) + " subscribers already");
     }
     subscriber = subscribers_.insert(subscriber, {.peer = peer});
     for (const RackObject& object : session_.rack().objects()) {
@@ -91,8 +91,8 @@ void Notifier::played(const Event& event) {
   if (count_ == 0 || !is_strike(event)) return;
   const std::scoped_lock lock(mutex_);
   for (Subscriber& subscriber : subscribers_) {
-    if (subscriber.contacts.size() == 2 * kMostContactsPerNotice) {
-      subscriber.contacts.erase(subscriber.contacts.begin(), subscriber.contacts.begin() + kMostContactsPerNotice);
+    if (subscriber.contacts.size() == 2 * kMaxContactsPerNotice) {
+      subscriber.contacts.erase(subscriber.contacts.begin(), subscriber.contacts.begin() + kMaxContactsPerNotice);
     }
     subscriber.contacts.push_back(event);
   }
@@ -145,7 +145,7 @@ void Notifier::take_peaks() {
   synth::Mixer& mixer = session_.rack().mixer();
   const float peak = mixer.take_peak();
   for (Subscriber& subscriber : subscribers_) subscriber.peak = std::max(subscriber.peak, peak);
-  for (protocol::ObjectNumber object = 0; object < synth::kMostObjects; ++object) {
+  for (protocol::ObjectNumber object = 0; object < synth::kMaxObjects; ++object) {
     const float reach = mixer.take_reach(object);
     if (reach < kAudible) continue;
     for (Subscriber& subscriber : subscribers_) {
@@ -161,7 +161,7 @@ std::vector<Notifier::Subscriber> Notifier::take_due(Clock::time_point now) {
     if (subscriber.next > now) continue;
     due.push_back(subscriber);
     subscriber.peak = 0;
-    for (std::size_t object = 0; object < synth::kMostObjects; ++object) {
+    for (std::size_t object = 0; object < synth::kMaxObjects; ++object) {
       subscriber.rang[object] = std::exchange(subscriber.object_peaks[object], 0.0f) > 0;
     }
     subscriber.contacts.clear();
@@ -175,15 +175,14 @@ std::vector<protocol::Reply> Notifier::messages_for(const Subscriber& subscriber
   std::vector<protocol::Reply> messages;
   const auto add = [&](protocol::Reply reply) { messages.push_back(std::move(reply)); };
   for (const protocol::Reply& change : subscriber.changes) add(change);
-  const std::size_t left_out =
-      subscriber.contacts.size() - std::min(subscriber.contacts.size(), kMostContactsPerNotice);
+  const std::size_t left_out = subscriber.contacts.size() - std::min(subscriber.contacts.size(), kMaxContactsPerNotice);
   for (const Event& event : std::span(subscriber.contacts).subspan(left_out)) {
     const auto object = session_.rack().find({.number = event.object});
     if (!object) continue;
     add(protocol::NotifyContact{object->name, point_of(event, *object), event.impulse_ns, event.contact_time_s});
   }
   add(protocol::NotifyPeak{subscriber.peak});
-  for (std::size_t number = 0; number < synth::kMostObjects; ++number) {
+  for (std::size_t number = 0; number < synth::kMaxObjects; ++number) {
     const float peak = subscriber.object_peaks[number];
     if (peak == 0 && !subscriber.rang[number]) continue;
     const auto object = session_.rack().find({.number = static_cast<protocol::ObjectNumber>(number)});

@@ -26,8 +26,8 @@
 
 namespace ringdown::server {
 
-inline constexpr std::size_t kMostSubscribers = 32;
-inline constexpr std::size_t kMostContactsPerNotice = 256;  // the last ones; the others are not told
+inline constexpr std::size_t kMaxSubscribers = 32;
+inline constexpr std::size_t kMaxContactsPerNotice = 256;  // the last ones; the others are not told
 inline constexpr double kSilence_s = 60;
 inline constexpr std::chrono::milliseconds kSoundEvery{20};
 
@@ -42,14 +42,14 @@ class Notifier final : public Observer {
   Notifier(Session& session, const Driver& driver, Send send, Now now = Clock::now);
   ~Notifier() override;
 
-  // A new subscriber, or a new rate for one. Refused when kMostSubscribers are there. [osc]
+  // A new subscriber, or a new rate for one. Refused when kMaxSubscribers are there. [osc]
   Result<void> subscribe(Peer peer, double rate_hz);
   void unsubscribe(Peer peer);
 
   [[nodiscard]] std::size_t subscribers() const { return count_; }  // [any]
 
   // Whether a subscriber is told the sound, or an object's amplitudes; they end with its subscription. Refused to
-  // others than subscribers, and when synth::kMostWatched objects are watched. [osc]
+  // others than subscribers, and when synth::kMaxWatched objects are watched. [osc]
   Result<void> watch_sound(Peer peer, bool on);
   Result<void> watch_object(Peer peer, const protocol::ObjectRef& object, bool on);
 
@@ -72,8 +72,8 @@ class Notifier final : public Observer {
     bool hears = false;  // the sound
     std::set<protocol::ObjectNumber> watched;
     float peak = 0;  // since its last notice, like the following
-    std::vector<float> object_peaks = std::vector<float>(synth::kMostObjects);
-    std::vector<bool> rang = std::vector<bool>(synth::kMostObjects);  // in its last notice
+    std::vector<float> object_peaks = std::vector<float>(synth::kMaxObjects);
+    std::vector<bool> rang = std::vector<bool>(synth::kMaxObjects);  // in its last notice
     std::vector<protocol::Event> contacts;
     std::vector<protocol::Reply> changes;  // of objects
   };

@@ -12,7 +12,7 @@ namespace {
 
 using protocol::ObjectNumber;
 
-static_assert(synth::kTappedFrames <= protocol::kMostSoundFrames);
+static_assert(synth::kTappedFrames <= protocol::kMaxSoundFrames);
 
 tl::unexpected<Error> not_subscribed() { return fail("only a subscriber can watch; send /notify first"); }
 
@@ -36,7 +36,7 @@ Result<void> Notifier::watch_object(Peer peer, const protocol::ObjectRef& ref, b
   const auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
   if (subscriber == subscribers_.end()) return not_subscribed();
   if (on && !session_.rack().mixer().mode_watch().watch(object->number)) {
-    return fail("object: " + std::to_string(synth::kMostWatched) + " objects are watched already");
+    return fail("object: " + std::to_string(synth::kMaxWatched) + " objects are watched already");
   }
   if (on) {
     subscriber->watched.insert(object->number);
@@ -89,7 +89,7 @@ void Notifier::send_sound(const std::vector<Peer>& listeners) {
     samples.clear();
   };
   for (; const synth::SoundTap::Piece* piece = tap.front(); tap.pop()) {
-    const bool fits = samples.size() + 2 * piece->frames <= 2 * std::size_t{protocol::kMostSoundFrames};
+    const bool fits = samples.size() + 2 * piece->frames <= 2 * std::size_t{protocol::kMaxSoundFrames};
     if (!fits || piece->frame != next || piece->sample_rate_hz != sound.sample_rate_hz) close();
     if (samples.empty()) {
       sound.frame = static_cast<std::int32_t>(piece->frame % protocol::kFrameModulus);
@@ -114,7 +114,7 @@ void Notifier::add_modes(const Subscriber& subscriber, std::vector<protocol::Rep
     ordered.clear();
     for (const std::uint32_t mode : object->map->by_frequency()) ordered.push_back(amplitudes[mode]);
     for (std::span<const float> rest = ordered; !rest.empty();) {
-      const std::size_t count = std::min<std::size_t>(protocol::kMostModeAmplitudes, rest.size());
+      const std::size_t count = std::min<std::size_t>(protocol::kMaxModeAmplitudes, rest.size());
       messages.emplace_back(protocol::NotifyModes{object->name, static_cast<std::int32_t>(ordered.size() - rest.size()),
                                                   protocol::encode_floats(rest.first(count))});
       rest = rest.subspan(count);

@@ -38,7 +38,7 @@ class Run {
     }
     const double score_s = take_score_length();
     const double seconds = options_.seconds.value_or(std::max(score_s, session_.scene().duration_s()));
-    if (!(seconds > 0 && seconds <= kLongestRender_s)) {
+    if (!(seconds > 0 && seconds <= kMaxRender_s)) {
       return fail("nothing to render: name a scene or a score, or a length of 0 to 86400 s with --seconds");
     }
     const auto frames = static_cast<std::size_t>(std::llround(seconds * options_.sample_rate_hz)) + latency();

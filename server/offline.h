@@ -29,7 +29,7 @@ struct OfflineOptions {
 };
 
 inline constexpr double kTail_s = 5;
-inline constexpr double kLongestRender_s = 24 * 3600;
+inline constexpr double kMaxRender_s = 24 * 3600;
 
 struct Recording {
   double sample_rate_hz = 0;

@@ -92,8 +92,8 @@ void add_driver(CLI::App& app, DaemonOptions& options) {
   app.add_option("--notes", options.notes, "What MIDI notes strike; default: objects in order, from note 60")
       ->type_name("FILE");
   const auto take_inputs = [&options](const std::vector<std::string>& texts) {
-    if (texts.size() > protocol::kMostInputs) {
-      throw CLI::ValidationError("--input", "there are " + std::to_string(protocol::kMostInputs) + " inputs at most");
+    if (texts.size() > protocol::kMaxInputs) {
+      throw CLI::ValidationError("--input", "there are " + std::to_string(protocol::kMaxInputs) + " inputs at most");
     }
     for (const std::string& text : texts) options.inputs.push_back(parse_input(text));
   };

@@ -53,7 +53,7 @@ bool take_blob(std::span<const std::byte>& rest) {
 
 bool is_address(std::string_view text) {
   const auto printable = [](char c) { return c > ' ' && c <= '~'; };
-  return text.size() <= kLongestAddress && text.starts_with('/') && std::ranges::all_of(text, printable);
+  return text.size() <= kMaxAddress && text.starts_with('/') && std::ranges::all_of(text, printable);
 }
 
 // Takes one argument of type `type` off the front.
@@ -82,14 +82,14 @@ Result<void> check_message(std::span<const std::byte> rest) {
   const std::optional<std::string_view> address = take_string(rest);
   if (!address) return refuse("the address does not end or is not padded with zeros");
   if (!is_address(*address)) {
-    return refuse("the address must begin with / and be of up to " + std::to_string(kLongestAddress) +
+    return refuse("the address must begin with / and be of up to " + std::to_string(kMaxAddress) +
                   " printable characters");
   }
   const std::string name(*address);
   const std::optional<std::string_view> types = take_string(rest);
   if (!types || !types->starts_with(',')) return refuse(name + " has no type tags");
-  if (types->size() - 1 > kMostArguments) {
-    return refuse(name + " has more than " + std::to_string(kMostArguments) + " arguments");
+  if (types->size() - 1 > kMaxArguments) {
+    return refuse(name + " has more than " + std::to_string(kMaxArguments) + " arguments");
   }
   for (std::size_t i = 1; i < types->size(); ++i) {
     const std::string where = name + " argument " + std::to_string(i);
@@ -103,8 +103,8 @@ Result<void> split(std::span<const std::byte> element, TimeTag time, int depth, 
 
 Result<void> split_bundle(std::span<const std::byte> bundle, TimeTag time, int depth,
                           std::vector<RawMessage>& messages) {
-  if (depth > kDeepestBundle) {
-    return refuse("bundles nest deeper than " + std::to_string(kDeepestBundle));
+  if (depth > kMaxBundle) {
+    return refuse("bundles nest deeper than " + std::to_string(kMaxBundle));
   }
   if (bundle.size() < kBundleHead) return refuse("a bundle is cut off in its timetag");
   time = std::max(time, big_endian<TimeTag>(bundle.subspan(kBundleMark.size())));
@@ -137,8 +137,8 @@ Result<void> split(std::span<const std::byte> element, TimeTag time, int depth, 
 }  // namespace
 
 Result<std::vector<RawMessage>> split_packet(std::span<const std::byte> packet) {
-  if (packet.size() > kLargestPacket) {
-    return refuse("it has more than " + std::to_string(kLargestPacket) + " bytes");
+  if (packet.size() > kMaxPacketBytes) {
+    return refuse("it has more than " + std::to_string(kMaxPacketBytes) + " bytes");
   }
   std::vector<RawMessage> messages;
   if (Result<void> done = split(packet, 0, 0, messages); !done) return fail(done.error());

@@ -16,10 +16,10 @@ namespace ringdown::server {
 using TimeTag = std::uint64_t;
 inline constexpr TimeTag kImmediately = 1;
 
-inline constexpr std::size_t kLargestPacket = 65536;  // bytes; more than UDP can carry
-inline constexpr std::size_t kLongestAddress = 256;
-inline constexpr std::size_t kMostArguments = 64;
-inline constexpr int kDeepestBundle = 4;
+inline constexpr std::size_t kMaxPacketBytes = 65536;  // bytes; more than UDP can carry
+inline constexpr std::size_t kMaxAddress = 256;
+inline constexpr std::size_t kMaxArguments = 64;
+inline constexpr int kMaxBundle = 4;
 
 // One message inside a packet, with the time of the bundle around it.
 struct RawMessage {

@@ -38,7 +38,7 @@ Result<void> read_bundle(std::span<const std::byte> bundle, std::vector<ScoreEve
   if (!messages) return fail(messages.error());
   for (TimedMessage& timed : *messages) {
     const double time_s = to_seconds(timed.time);
-    if (time_s > kLongestScore) return fail("its time is more than a day after the start: is it a date?");
+    if (time_s > kMaxScore) return fail("its time is more than a day after the start: is it a date?");
     events.push_back({time_s, std::move(timed.message)});
   }
   return {};
@@ -67,7 +67,7 @@ Result<std::vector<ScoreEvent>> parse_score(std::span<const std::byte> bytes, co
 }
 
 Result<std::vector<ScoreEvent>> read_score(const std::filesystem::path& path) {
-  const Result<std::string> bytes = read_whole_file(path, kLargestScore);
+  const Result<std::string> bytes = read_whole_file(path, kMaxScoreBytes);
   if (!bytes) return fail(bytes.error());
   return parse_score(std::as_bytes(std::span(*bytes)), path.string());
 }
@@ -77,7 +77,7 @@ std::vector<std::byte> encode_score(std::span<const ScoreEvent> events) {
   std::vector<std::byte> bytes;
   for (std::size_t first = 0, last = 0; first < events.size(); first = last) {
     const double time_s = events[first].time_s;
-    assert(time_s >= 0 && time_s <= kLongestScore);
+    assert(time_s >= 0 && time_s <= kMaxScore);
     std::vector<protocol::Message> messages;
     for (; last < events.size() && events[last].time_s == time_s; ++last) messages.push_back(events[last].message);
     const std::vector<std::byte> bundle = encode_bundle(to_time_tag(time_s), messages);

@@ -20,8 +20,8 @@ struct ScoreEvent {
   protocol::Message message;
 };
 
-inline constexpr std::size_t kLargestScore = std::size_t{256} << 20;  // bytes
-inline constexpr double kLongestScore = 86400;                        // s: a day
+inline constexpr std::size_t kMaxScoreBytes = std::size_t{256} << 20;  // bytes
+inline constexpr double kMaxScore = 86400;                             // s: a day
 
 // The messages by time, those at one time in the file's order. An error names the file, the bundle by number and byte,
 // and what is wrong; a later bundle's fault refuses the whole file.
@@ -30,7 +30,7 @@ Result<std::vector<ScoreEvent>> read_score(const std::filesystem::path& path);
 // The same from memory. `name` stands in error messages where the path would.
 Result<std::vector<ScoreEvent>> parse_score(std::span<const std::byte> bytes, const std::string& name);
 
-// One bundle for each run of events at one time; `events` must stand by time, each from 0 to kLongestScore. Times are
+// One bundle for each run of events at one time; `events` must stand by time, each from 0 to kMaxScore. Times are
 // rounded to 2^-32 s.
 std::vector<std::byte> encode_score(std::span<const ScoreEvent> events);
 Result<void> write_score(std::span<const ScoreEvent> events, const std::filesystem::path& path);

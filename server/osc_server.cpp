@@ -159,7 +159,7 @@ protocol::Frame OscServer::frame_of(TimeTag time, const Arrival& arrival) const 
   if (time == kImmediately) {
     return clock_.frame_at(arrival.steady_s - arrival.age_s) + latency_frames(parts_.driver, parts_.latency);
   }
-  // A tag years away would overflow a frame; kFarthestAhead_s refuses it all the same.
+  // A tag years away would overflow a frame; kMaxAhead_s refuses it all the same.
   constexpr double kFar_s = 1e6;
   return clock_.frame_at(arrival.steady_s + std::clamp(unix_seconds(time) - arrival.unix_s, -kFar_s, kFar_s));
 }
@@ -219,7 +219,7 @@ void OscServer::play(const Request& request, protocol::Frame frame, const std::s
 Result<void> OscServer::keep(const Request& request, protocol::Frame frame, const std::string& address, Peer from) {
   if (auto good = parts_.session.check(request, frame); !good) return good;
   if (schedule_.add({frame, request, address, from})) return {};
-  return parts_.session.drop(1, std::to_string(kMostScheduled) + " timed requests are waiting already");
+  return parts_.session.drop(1, std::to_string(kMaxScheduled) + " timed requests are waiting already");
 }
 
 // Played at its time too, but it is the worker who can.

@@ -63,14 +63,14 @@ void close_if_open(int& descriptor) {
 
 // What the kernel has given us at once. It touches no more of the memory than datagrams fill.
 struct OscSocket::Batch {
-  static constexpr std::size_t kMost = 32, kLargestDatagram = 65536;
+  static constexpr std::size_t kMost = 32, kMaxDatagramBytes = 65536;
 
   struct Slot {
     sockaddr_in from;
     iovec room;
     alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(timespec))> control;
   };
-  std::unique_ptr<std::byte[]> bytes{new std::byte[kMost * kLargestDatagram]};
+  std::unique_ptr<std::byte[]> bytes{new std::byte[kMost * kMaxDatagramBytes]};
   std::array<Slot, kMost> slots{};
   std::array<mmsghdr, kMost> headers{};
   std::size_t next = 0, count = 0;
@@ -79,7 +79,7 @@ struct OscSocket::Batch {
   bool fetch(int socket) {
     for (std::size_t i = 0; i < kMost; ++i) {
       Slot& slot = slots[i];
-      slot.room = {bytes.get() + i * kLargestDatagram, kLargestDatagram};
+      slot.room = {bytes.get() + i * kMaxDatagramBytes, kMaxDatagramBytes};
       headers[i].msg_hdr = {.msg_name = &slot.from,
                             .msg_namelen = sizeof slot.from,
                             .msg_iov = &slot.room,

@@ -41,7 +41,7 @@ class Descriptor {
 struct Connection {
   Descriptor socket;
   Endpoint endpoint;
-  SlipDecoder decoder{kLargestPacket};
+  SlipDecoder decoder{kMaxPacketBytes};
   std::vector<std::byte> unread;  // answers that the client's window has no room for
   bool broken = false;
 };
@@ -131,7 +131,7 @@ void OscStream::send(Peer to, std::span<const std::byte> packet) {
     const auto found = impl_->connections.find(to.connection);
     if (found == impl_->connections.end()) return;
     Connection& connection = found->second;
-    if (connection.unread.size() + framed.size() > kMostUnread) {
+    if (connection.unread.size() + framed.size() > kMaxUnread) {
       connection.broken = true;
     } else {
       connection.unread.insert(connection.unread.end(), framed.begin(), framed.end());
@@ -178,7 +178,7 @@ void OscStream::Impl::accept_one() {
   Descriptor socket(::accept4(listener.get(), reinterpret_cast<sockaddr*>(&from), &size, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (socket.get() < 0) return;
   const std::scoped_lock lock(mutex);
-  if (connections.size() == kMostConnections) return;  // closed at once
+  if (connections.size() == kMaxConnections) return;  // closed at once
   const std::uint32_t id = next_id++;
   connections[id] = {std::move(socket), {ntohl(from.sin_addr.s_addr), ntohs(from.sin_port)}};
 }

@@ -2,8 +2,8 @@
 // passes no UDP. By option; on this computer only unless the user says otherwise.
 //
 // Its own thread accepts, reads and writes. A client that sends no SLIP, a packet that begins with neither / nor # (a
-// browser, whose page wants to play), more than kLargestPacket in a packet, or does not read its answers, is cut off;
-// so is the one after kMostConnections.
+// browser, whose page wants to play), more than kMaxPacketBytes in a packet, or does not read its answers, is cut off;
+// so is the one after kMaxConnections.
 #pragma once
 
 #include "engine/base/result.h"
@@ -17,8 +17,8 @@
 
 namespace ringdown::server {
 
-inline constexpr std::size_t kMostConnections = 16;
-inline constexpr std::size_t kMostUnread = std::size_t{1} << 20;  // bytes of answers that wait for one client
+inline constexpr std::size_t kMaxConnections = 16;
+inline constexpr std::size_t kMaxUnread = std::size_t{1} << 20;  // bytes of answers that wait for one client
 
 class OscStream {
  public:

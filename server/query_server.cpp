@@ -12,9 +12,9 @@ namespace ringdown::server {
 namespace {
 
 constexpr std::size_t kThreads = 2;
-constexpr int kMostWaiting = 32;  // connections that were accepted; others wait in the kernel's queue
-constexpr int kTimeout_s = 2;     // for a client that is silent in the middle of a request
-constexpr std::size_t kLargestRequest = 1024;
+constexpr int kMaxWaiting = 32;  // connections that were accepted; others wait in the kernel's queue
+constexpr int kTimeout_s = 2;    // for a client that is silent in the middle of a request
+constexpr std::size_t kMaxRequestBytes = 1024;
 
 // httplib's own queue has no end.
 class BoundedQueue final : public httplib::TaskQueue {
@@ -29,7 +29,7 @@ class BoundedQueue final : public httplib::TaskQueue {
   void shutdown() override { pool_.shutdown(); }
 
  private:
-  std::counting_semaphore<kMostWaiting> room_{kMostWaiting};
+  std::counting_semaphore<kMaxWaiting> room_{kMaxWaiting};
   httplib::ThreadPool pool_{kThreads};
 };
 
@@ -58,7 +58,7 @@ Result<std::unique_ptr<QueryServer>> QueryServer::listen(std::uint16_t port, Abo
   impl->about = std::move(about);
   httplib::Server& http = impl->http;
   http.new_task_queue = [] { return new BoundedQueue; };
-  http.set_payload_max_length(kLargestRequest);
+  http.set_payload_max_length(kMaxRequestBytes);
   http.set_read_timeout(kTimeout_s);
   http.set_write_timeout(kTimeout_s);
   http.set_keep_alive_max_count(100);

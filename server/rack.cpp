@@ -166,7 +166,7 @@ Result<void> Rack::set_group(const ObjectRef& ref, const std::string& group) {
   return {};
 }
 
-static_assert(protocol::kMostInputs == synth::kMostInputs);
+static_assert(protocol::kMaxInputs == synth::kMaxInputs);
 
 Result<void> Rack::excite(std::size_t input, const ObjectRef& ref, const Vec3& point_m, const Vec3& force_n) {
   const auto object = find(ref);
@@ -176,8 +176,8 @@ Result<void> Rack::excite(std::size_t input, const ObjectRef& ref, const Vec3& p
   if (ends && (!excitation || excitation->object != object->number)) {
     return fail("input: " + std::to_string(input + 1) + " does not excite \"" + object->name + "\"");
   }
-  if (object->map->bank().mode_count() > synth::kMostDrivenColumns) {
-    return fail("object: \"" + object->name + "\" has more than the " + std::to_string(synth::kMostDrivenColumns) +
+  if (object->map->bank().mode_count() > synth::kMaxDrivenColumns) {
+    return fail("object: \"" + object->name + "\" has more than the " + std::to_string(synth::kMaxDrivenColumns) +
                 " modes that an input can excite; bake it with --keep");
   }
   const std::scoped_lock lock(rate_mutex_);
@@ -197,7 +197,7 @@ Result<void> Rack::assign(const RackObject& object) {
   const std::size_t before = buses_.overflow();
   const auto bus = buses_.join(object.number, object.name, object.group);
   if (buses_.overflow() > before) {
-    spdlog::warn("{} is heard in the mix only: all {} ports are taken", object.name, synth::kMostBuses);
+    spdlog::warn("{} is heard in the mix only: all {} ports are taken", object.name, synth::kMaxBuses);
   }
   if (mixer_.assign(object.number, bus)) return {};
   return fail("object: too many changes at once; try again");
@@ -247,7 +247,7 @@ Result<Rack::BankFile> Rack::read(const std::filesystem::path& path) {
     if (auto map = known->second.map.lock())
       return BankFile{std::move(map), known->second.bytes, known->second.content};
   }
-  const auto bytes = roots_.read(path, modal::kLargestBankFile);
+  const auto bytes = roots_.read(path, modal::kMaxBankFileBytes);
   if (!bytes) return fail(bytes.error());
   auto bank = modal::parse_bank(std::as_bytes(std::span(*bytes)), path.string());
   if (!bank) return fail(bank.error());
@@ -259,10 +259,10 @@ Result<Rack::BankFile> Rack::read(const std::filesystem::path& path) {
 
 Result<protocol::ObjectNumber> Rack::free_number() const {
   const std::scoped_lock lock(mutex_);
-  for (protocol::ObjectNumber number = 0; number < synth::kMostObjects; ++number) {
+  for (protocol::ObjectNumber number = 0; number < synth::kMaxObjects; ++number) {
     if (!objects_[number] && !mixer_.in_use(number)) return number;
   }
-  return fail("name: all " + std::to_string(synth::kMostObjects) +
+  return fail("name: all " + std::to_string(synth::kMaxObjects) +
               " objects are in use; free one with /object/.../free");
 }
 
@@ -276,7 +276,7 @@ Result<void> Rack::install(const RackObject& object, synth::Mixer::Install how, 
   auto voice =
       std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material, object.touches, object.modes));
   if (!mixer_.install(object.number, std::move(voice), how, at)) {
-    return fail("object: " + std::to_string(synth::kMostVoices) + " voices are still ringing out; try again later");
+    return fail("object: " + std::to_string(synth::kMaxVoices) + " voices are still ringing out; try again later");
   }
   return {};
 }

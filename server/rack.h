@@ -75,7 +75,7 @@ class Rack {
   // Tells the observers of these; several times a second. [any but audio]
   void tell_of_notes();
 
-  // Takes as long with one object as with kMostObjects. [any but audio]
+  // Takes as long with one object as with kMaxObjects. [any but audio]
   [[nodiscard]] Result<RackObject> find(const protocol::ObjectRef& object) const;
 
   // By name; the names as they are now, however many there are, without copying them. [any but audio]
@@ -118,7 +118,7 @@ class Rack {
     protocol::ObjectNumber object;
     Vec3 point_m, force_n;
   };
-  using Excitations = std::array<std::optional<Excitation>, synth::kMostInputs>;
+  using Excitations = std::array<std::optional<Excitation>, synth::kMaxInputs>;
   [[nodiscard]] const Excitations& excitations() const { return excitations_; }
 
   // Where the objects are heard beside the mix.
@@ -148,7 +148,7 @@ class Rack {
   SpscRing<protocol::Event> notes_played_{synth::kQueueCapacity};
   std::mutex notes_mutex_;    // held by the one who empties it
   mutable std::mutex mutex_;  // guards the next three, which the worker alone changes
-  std::vector<std::optional<RackObject>> objects_ = std::vector<std::optional<RackObject>>(synth::kMostObjects);
+  std::vector<std::optional<RackObject>> objects_ = std::vector<std::optional<RackObject>>(synth::kMaxObjects);
   std::unordered_map<std::string, protocol::ObjectNumber> numbers_;  // by name
   std::shared_ptr<const Names> names_ = std::make_shared<const Names>();
   std::function<void()> on_change_;

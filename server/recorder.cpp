@@ -72,13 +72,13 @@ Result<std::size_t> Recorder::stop(Frame frame) {
     entries_ = {};
     score.push_back({static_cast<double>(std::max(frame, first_) - first_) / rate, {"/c_set", {0, 0.f}}});
   }
-  if (left_out > 0) spdlog::warn("{}: {} events beyond {} are not in it", path_.string(), left_out, kMostRecorded);
+  if (left_out > 0) spdlog::warn("{}: {} events beyond {} are not in it", path_.string(), left_out, kMaxRecorded);
   if (const auto written = write_score(score, path_); !written) return fail(written.error());
   return score.size() - 1;
 }
 
 void Recorder::add(Frame frame, std::variant<Played, Message> what) {
-  if (entries_.size() == kMostRecorded) {
+  if (entries_.size() == kMaxRecorded) {
     ++left_out_;
   } else {
     entries_.push_back({std::max(frame, first_), std::move(what)});

@@ -23,7 +23,7 @@
 
 namespace ringdown::server {
 
-inline constexpr std::size_t kMostRecorded = std::size_t{1} << 20;  // events; what comes after is not in the score
+inline constexpr std::size_t kMaxRecorded = std::size_t{1} << 20;  // events; what comes after is not in the score
 
 class Recorder final : public Observer {
  public:
@@ -39,7 +39,7 @@ class Recorder final : public Observer {
 
   [[nodiscard]] bool records() const { return records_; }
 
-  // Events beyond kMostRecorded since it started. [any but audio]
+  // Events beyond kMaxRecorded since it started. [any but audio]
   [[nodiscard]] std::size_t left_out() const;
 
   // The last gain and pan that an object was given. [any but audio]
@@ -82,7 +82,7 @@ class Recorder final : public Observer {
   protocol::Frame first_ = 0;
   std::size_t left_out_ = 0;
   std::vector<Entry> entries_;
-  std::array<Level, synth::kMostObjects> levels_{};
+  std::array<Level, synth::kMaxObjects> levels_{};
 };
 
 }  // namespace ringdown::server

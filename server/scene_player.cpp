@@ -29,7 +29,7 @@ tl::unexpected<Error> no_scene() { return fail("there is no scene; load one with
 ScenePlayer::ScenePlayer(Rack& rack) : rack_(rack) {}
 
 Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
-  const auto text = rack_.roots().read(path, kLargestTomlFile);
+  const auto text = rack_.roots().read(path, kMaxTomlFileBytes);
   if (!text) return fail(text.error());
   const auto description = scene::parse_scene(*text, path, preset_folder().value_or(std::filesystem::path()));
   if (!description) return fail(description.error());
@@ -178,7 +178,7 @@ std::vector<scene::Leaning> ScenePlayer::end_contacts() {
   while (world_->telling()) take(world_->step(), leanings);
   leanings.clear();
   scene::Leaning nothing;
-  for (std::uint32_t number = protocol::kFirstSceneTouch; number < protocol::kMostTouches; ++number) {
+  for (std::uint32_t number = protocol::kFirstSceneTouch; number < protocol::kMaxTouches; ++number) {
     nothing.touches[number] = {};
   }
   for (const protocol::ObjectNumber object : std::exchange(leaned_on_, {})) {

@@ -14,7 +14,7 @@
 
 namespace ringdown::server {
 
-inline constexpr std::size_t kMostScheduled = 16384;  // requests
+inline constexpr std::size_t kMaxScheduled = 16384;  // requests
 
 class Schedule {
  public:
@@ -26,9 +26,9 @@ class Schedule {
     std::uint64_t order = 0;  // among those of one frame: first come, first played
   };
 
-  // False when kMostScheduled are waiting; nothing changes then.
+  // False when kMaxScheduled are waiting; nothing changes then.
   [[nodiscard]] bool add(Entry entry) {
-    if (entries_.size() == kMostScheduled) return false;
+    if (entries_.size() == kMaxScheduled) return false;
     entry.order = next_order_++;
     entries_.push_back(std::move(entry));
     std::ranges::push_heap(entries_, later);

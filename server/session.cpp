@@ -39,9 +39,9 @@ bool Session::is_event(const protocol::Request& request) {
 
 Result<std::vector<protocol::Event>> Session::events_of(const protocol::Request& request, protocol::Frame frame) const {
   const auto latest = rack_.mixer().counters().frames.load(std::memory_order_relaxed) +
-                      static_cast<protocol::Frame>(kFarthestAhead_s * sample_rate_hz());
+                      static_cast<protocol::Frame>(kMaxAhead_s * sample_rate_hz());
   if (frame > latest)
-    return fail("its time tag is more than " + std::to_string(static_cast<int>(kFarthestAhead_s)) + " s ahead");
+    return fail("its time tag is more than " + std::to_string(static_cast<int>(kMaxAhead_s)) + " s ahead");
   std::vector<protocol::Event> events;
   if (std::holds_alternative<protocol::ClearAll>(request)) {
     for (const RackObject& object : rack_.objects()) events.push_back(*event_for(request, object, frame));

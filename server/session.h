@@ -20,7 +20,7 @@
 namespace ringdown::server {
 
 // Events may lie at most this far ahead.
-inline constexpr double kFarthestAhead_s = 3600;
+inline constexpr double kMaxAhead_s = 3600;
 
 class Session {
  public:

@@ -37,7 +37,7 @@ void read_touch(TomlTable& table, modal::Touches& touches) {
 
 modal::ModeRange read_modes(TomlTable& table) {
   std::uint64_t first = 0, count = modal::ModeRange::kAll;
-  table.whole("first", first, 0, protocol::kLargestNumber);
+  table.whole("first", first, 0, protocol::kMaxNumber);
   table.whole("count", count, 0, modal::ModeRange::kAll);
   return {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
 }
@@ -68,7 +68,7 @@ State::Input read_input(TomlTable& table) {
   State::Input input;
   std::uint64_t number = 1;
   table.require({"input", "object", "point_m", "force_n"});
-  table.whole("input", number, 1, protocol::kMostInputs);
+  table.whole("input", number, 1, protocol::kMaxInputs);
   input.input = number;
   read_name(table, "object", input.object);
   table.vector("point_m", input.point_m, kPosition_m);
@@ -98,7 +98,7 @@ std::string shown(const Vec3& v) { return "[" + shown(v.x) + ", " + shown(v.y) +
 }  // namespace
 
 Result<State> read_state(const std::filesystem::path& path) {
-  const auto text = read_whole_file(path, kLargestTomlFile);
+  const auto text = read_whole_file(path, kMaxTomlFileBytes);
   if (!text) return fail(text.error());
   return parse_state(*text, path);
 }

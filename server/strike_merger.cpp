@@ -21,10 +21,10 @@ StrikeMerger::Verdict StrikeMerger::add(const Event& event) {
     begin_ = event.frame;
     strikes_ = 0;
   }
-  if (++strikes_ <= kMostUnmerged) return held_.empty() ? Verdict::pass : Verdict::full;
+  if (++strikes_ <= kMaxUnmerged) return held_.empty() ? Verdict::pass : Verdict::full;
   const auto known = std::ranges::find_if(held_, [&](const Event& held) { return same_blow(held, event); });
   if (known == held_.end()) {
-    if (held_.size() == kMostHeld) return Verdict::pass;
+    if (held_.size() == kMaxHeld) return Verdict::pass;
     held_.push_back(event);
     return Verdict::held;
   }

@@ -1,6 +1,6 @@
 // A flood of strikes, made fewer by superposition instead of lost.
 //
-// A few strikes pass as they are. When more than kMostUnmerged fall within one window, those that follow are held back,
+// A few strikes pass as they are. When more than kMaxUnmerged fall within one window, those that follow are held back,
 // and each that hits a point that is already held is added to it: the impulses' sum, at the time of the last. The error
 // is a shift in time of less than the window. What is held is handed on when the window is over, or when another kind
 // of event comes, so that the order of things is kept. [one thread]
@@ -15,8 +15,8 @@ namespace ringdown::server {
 
 class StrikeMerger {
  public:
-  static constexpr std::size_t kMostUnmerged = 64;  // strikes within a window
-  static constexpr std::size_t kMostHeld = 64;      // different points at once; more pass as they are
+  static constexpr std::size_t kMaxUnmerged = 64;  // strikes within a window
+  static constexpr std::size_t kMaxHeld = 64;      // different points at once; more pass as they are
 
   // A window of 0 frames merges nothing.
   explicit StrikeMerger(protocol::Frame window) : window_(window) {}

@@ -10,7 +10,7 @@ Worker::Worker(Task chore, std::chrono::milliseconds period)
 bool Worker::post(Task task) {
   {
     const std::scoped_lock lock(mutex_);
-    if (tasks_.size() == kMostTasks) return false;
+    if (tasks_.size() == kMaxTasks) return false;
     tasks_.push_back(std::move(task));
   }
   wake_.notify_one();

@@ -15,13 +15,13 @@ class Worker {
   using Task = std::function<void()>;
 
   // Tasks that may wait. Past it, post() refuses.
-  static constexpr std::size_t kMostTasks = 1024;
+  static constexpr std::size_t kMaxTasks = 1024;
 
   // Runs `chore` between tasks, at least every `period`. Both run on the worker's own thread.
   Worker(Task chore, std::chrono::milliseconds period);
   ~Worker() = default;  // finishes the task at hand, drops the others
 
-  // False when kMostTasks are waiting. [any but audio]
+  // False when kMaxTasks are waiting. [any but audio]
   [[nodiscard]] bool post(Task task);
 
  private:

@@ -147,7 +147,7 @@ int main(int argc, char** argv) {
       ->type_name("FILE");
   app.add_option("--seconds", options.seconds, "How long; default: what the scene says")
       ->type_name("SECONDS")
-      ->check(CLI::Range(0.0, server::kLongestScore / 2));
+      ->check(CLI::Range(0.0, server::kMaxScore / 2));
   app.add_option("--lead", options.lead_s, "How long before its time an event is sent, at least")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.0, 10.0))

@@ -68,7 +68,7 @@ void add_render_verb(CLI::App& app, ExitCode& outcome) {
       ->type_name("FILE")
       ->required();
   verb->add_option("--seconds", options.seconds, "Length; default: the scene's own, or the score's and 5 s more.")
-      ->check(CLI::Range(0.0, server::kLongestRender_s));
+      ->check(CLI::Range(0.0, server::kMaxRender_s));
   verb->add_option("--rate", options.sample_rate_hz, "Sample rate in Hz.")
       ->check(CLI::Range(8000.0, 768000.0))
       ->capture_default_str();

@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kFramePeriod = std::chrono::microseconds(16600);
 constexpr double kMinimised_s = 0.2;
-constexpr double kLongestStep_s = 0.1;  // of a held key, after a pause
+constexpr double kMaxStep_s = 0.1;  // of a held key, after a pause
 
 }  // namespace
 
@@ -46,10 +46,10 @@ Settings App::settings() const {
   if (!window_.full_screen() && !window_.minimised()) {
     const auto natural = [&](int pixels, std::uint64_t least) {
       const auto size = static_cast<std::uint64_t>(std::lround(pixels / window_.display_scale()));
-      return std::clamp(size, least, Settings::kMostPixels);
+      return std::clamp(size, least, Settings::kMaxPixels);
     };
-    settings.width = natural(window_.width(), Settings::kLeastWidth);
-    settings.height = natural(window_.height(), Settings::kLeastHeight);
+    settings.width = natural(window_.width(), Settings::kMinWidth);
+    settings.height = natural(window_.height(), Settings::kMinHeight);
   }
   return settings;
 }
@@ -105,7 +105,7 @@ void App::handle_keys(double seconds) {
   if (focused_ != Pane::scene) return;
   for (const Binding& binding : bindings()) {
     if (binding.hold == Hold::acts && window_.is_down(binding.key))
-      scene_.move(binding.action, std::min(seconds, kLongestStep_s));
+      scene_.move(binding.action, std::min(seconds, kMaxStep_s));
   }
 }
 

@@ -9,7 +9,7 @@ void History::note(const std::string& what, protocol::Request before, protocol::
     entries_.back().when_s = now_s;
     return;
   }
-  if (entries_.size() == kMostUndone) entries_.erase(entries_.begin());
+  if (entries_.size() == kMaxUndone) entries_.erase(entries_.begin());
   entries_.push_back({what, std::move(before), std::move(after), now_s});
   done_ = entries_.size();
 }

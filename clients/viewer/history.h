@@ -9,7 +9,7 @@
 
 namespace ringdown::viewer {
 
-inline constexpr std::size_t kMostUndone = 256;  // older changes are forgotten
+inline constexpr std::size_t kMaxUndone = 256;  // older changes are forgotten
 
 class History {
  public:

@@ -38,8 +38,8 @@ Result<Settings> read_settings(const std::filesystem::path& file) {
   if (table->has("daemon")) table->text("daemon", settings.daemon);
   table->boolean("dark", settings.dark);
   table->number("scale", settings.scale, kScale);
-  table->whole("width", settings.width, Settings::kLeastWidth, Settings::kMostPixels);
-  table->whole("height", settings.height, Settings::kLeastHeight, Settings::kMostPixels);
+  table->whole("width", settings.width, Settings::kMinWidth, Settings::kMaxPixels);
+  table->whole("height", settings.height, Settings::kMinHeight, Settings::kMaxPixels);
   table->number("side_share", settings.side_share, kShare);
   table->number("sound_share", settings.sound_share, kShare);
   table->number("impulse_ns", settings.impulse_ns, kImpulse);

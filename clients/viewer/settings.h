@@ -11,7 +11,7 @@
 namespace ringdown::viewer {
 
 struct Settings {
-  static constexpr std::uint64_t kLeastWidth = 320, kLeastHeight = 240, kMostPixels = 16384;  // either way
+  static constexpr std::uint64_t kMinWidth = 320, kMinHeight = 240, kMaxPixels = 16384;  // either way
   std::string daemon;  // its URL; empty: the default one
   bool dark = true;
   double scale = 0;                            // of text and controls; 0: the display's own

@@ -20,7 +20,7 @@ namespace ringdown::viewer {
 namespace {
 
 constexpr float kTextHeight = 15;  // pixels at a scale of 1
-constexpr double kLargestScale = 8;
+constexpr double kMaxScale = 8;
 
 constexpr std::array<std::pair<int, std::string_view>, 24> kNamedKeys = {
     {{GLFW_KEY_ESCAPE, "escape"},  {GLFW_KEY_TAB, "tab"},   {GLFW_KEY_SPACE, "space"}, {GLFW_KEY_ENTER, "enter"},
@@ -165,7 +165,7 @@ double Window::display_scale() const {
 bool Window::minimised() const {
   return glfwGetWindowAttrib(state_->window, GLFW_ICONIFIED) != 0 || width() == 0 || height() == 0;
 }
-void Window::set_scale(double scale) { state_->wanted_scale = std::clamp(scale, 0.5, kLargestScale); }
+void Window::set_scale(double scale) { state_->wanted_scale = std::clamp(scale, 0.5, kMaxScale); }
 bool Window::full_screen() const { return state_->full_screen; }
 
 void Window::set_full_screen(bool on) {

@@ -86,7 +86,7 @@ bool is_heard(const std::vector<Heard>& modes, std::size_t m, const std::vector<
   // Threshold and level are straight lines in time, so that it is enough to look at both ends.
   const double until_s = std::clamp((floor - mode.start_db) / std::min(mode.fall_db_per_s, -1e-9), 0.0, kMinute_s);
   for (std::size_t j = 0; j < modes.size(); ++j) {
-    if (may_mask[j] && modes[j].start_db > mode.start_db + modal::kLeastMaskingOffset_db && hides(modes[j], mode, 0) &&
+    if (may_mask[j] && modes[j].start_db > mode.start_db + modal::kMinMaskingOffset_db && hides(modes[j], mode, 0) &&
         hides(modes[j], mode, until_s)) {
       return false;
     }

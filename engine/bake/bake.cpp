@@ -139,10 +139,10 @@ double rounding_of(const Eigenmodes& modes) { return modes.lambda.head(modes.rig
 
 // A mesh whose pieces hold together by faces (check_mesh) has six rigid motions for each, and no others.
 Result<void> check_rigid(const Eigenmodes& modes, int pieces, double highest_lambda) {
-  constexpr double kLeastContrast = 10;
+  constexpr double kMinContrast = 10;
   const bool vibrates = modes.lambda.size() > modes.rigid;
   const double lowest = vibrates ? modes.lambda[modes.rigid] : highest_lambda;
-  if (modes.rigid == 6 * pieces && lowest > kLeastContrast * rounding_of(modes)) return {};
+  if (modes.rigid == 6 * pieces && lowest > kMinContrast * rounding_of(modes)) return {};
   return fail(
       "its lowest vibration cannot be told from rigid motions for rounding; its elements are too flat or too "
       "distorted: mesh the object again");

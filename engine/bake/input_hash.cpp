@@ -13,8 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFormat = 1;                                  // of the hash
-constexpr std::size_t kLargestFile = std::size_t{1} << 30;  // bytes
+constexpr int kFormat = 1;                                   // of the hash
+constexpr std::size_t kMaxFileBytes = std::size_t{1} << 30;  // bytes
 
 using Files = std::vector<fs::path>;
 
@@ -111,7 +111,7 @@ std::optional<Files> named_by(const fs::path& path) {
   }
   const bool has_text = is_one_of(kind, {".geo", ".geo_unrolled", ".bdf", ".nas", ".gltf"});
   if (!has_text) return Files{};
-  const Result<std::string> text = read_whole_file(path, kLargestFile);
+  const Result<std::string> text = read_whole_file(path, kMaxFileBytes);
   if (!text) return std::nullopt;
   if (kind.starts_with(".geo")) return named_by_geo(*text);
   if (kind == ".gltf") return named_by_gltf(*text);
@@ -128,7 +128,7 @@ std::optional<Files> files_of_geometry(const fs::path& geometry) {
     for (const fs::path& name : *named) {
       const fs::path file = (files[next].parent_path() / name).lexically_normal();
       if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
-      if (files.size() > kMostGeometryFiles) return std::nullopt;
+      if (files.size() > kMaxGeometryFiles) return std::nullopt;
     }
   }
   return files;
@@ -142,7 +142,7 @@ std::optional<std::string> input_hash(const BankInputs& inputs) {
   ContentHasher hasher;
   hasher.value(kFormat).text(RINGDOWN_VERSION).text(inputs.object.filename().string());
   for (const fs::path& file : *files) {
-    const Result<std::string> content = read_whole_file(file, kLargestFile);
+    const Result<std::string> content = read_whole_file(file, kMaxFileBytes);
     if (!content) return std::nullopt;
     hasher.text(*content);
   }

@@ -86,8 +86,8 @@ void read_loss_factors(TomlTable& file, MaterialEntry& entry) {
   for (const char* key : {"alpha_per_s", "beta_s"}) {
     if (file.has(key)) file.complain(key, std::string("give either [[loss_factor]] or ") + key + ", not both");
   }
-  if (entry.loss_factors.size() > kMostLossFactors)
-    file.complain("loss_factor", "at most " + std::to_string(kMostLossFactors) + " loss factors can be given");
+  if (entry.loss_factors.size() > kMaxLossFactors)
+    file.complain("loss_factor", "at most " + std::to_string(kMaxLossFactors) + " loss factors can be given");
   if (!(lowest_hz < highest_hz))
     file.complain("loss_factor", "give the loss factor at two different frequencies at least");
   if (entry.loss_factors.empty()) return;

@@ -34,7 +34,7 @@ namespace ringdown::bake {
 inline constexpr std::string_view kOurChoice = "our choice";
 inline constexpr std::string_view kToBeChecked = "to be checked against the original";
 
-inline constexpr std::size_t kMostLossFactors = 64;  // in a file
+inline constexpr std::size_t kMaxLossFactors = 64;  // in a file
 
 struct MaterialEntry {
   modal::Material material;

@@ -22,10 +22,10 @@ constexpr std::array<std::pair<std::string_view, ModeFamily>, 6> kNames = {{{"ve
                                                                             {"other", ModeFamily::kOther},
                                                                             {"any", ModeFamily::kAny}}};
 
-constexpr Index kMostDegrees = 10;   // of the polynomials along the body
-constexpr double kRidge = 1e-3;      // keeps the fit tame where points are few or lie on few sections
-constexpr double kEqual = 1.0017;    // 3 cents
-constexpr double kLeastShare = 0.5;  // of the motion, that a family explains
+constexpr Index kMaxDegrees = 10;  // of the polynomials along the body
+constexpr double kRidge = 1e-3;    // keeps the fit tame where points are few or lie on few sections
+constexpr double kEqual = 1.0017;  // 3 cents
+constexpr double kMinShare = 0.5;  // of the motion, that a family explains
 
 Vector3d eigen(const Vec3& v) { return {v.x, v.y, v.z}; }
 Vec3 plain(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -55,7 +55,7 @@ class Sections {
       const modal::Vec3f& at = bank.positions[p];
       places_.row(p) = axes_.transpose() * (Vector3d(at[0], at[1], at[2]) - eigen(axes.centre));
     }
-    const Index degrees = std::clamp<Index>(count / 9, 1, kMostDegrees);
+    const Index degrees = std::clamp<Index>(count / 9, 1, kMaxDegrees);
     const MatrixXd basis = polynomials(places_.col(0), degrees);
     // Each component is a motion of the whole section plus one that grows across it: bending tilts the section, twist
     // turns it.
@@ -80,7 +80,7 @@ class Sections {
     };
     const std::array shares = {energy(1, 0), energy(2, 0), energy(1, 2) + energy(2, 1), energy(0, 0)};
     const auto largest = std::max_element(shares.begin(), shares.end());
-    if (*largest < kLeastShare * shape.squaredNorm()) return ModeFamily::kOther;
+    if (*largest < kMinShare * shape.squaredNorm()) return ModeFamily::kOther;
     return kNames[largest - shares.begin()].second;
   }
 

@@ -14,15 +14,15 @@
 namespace ringdown::bake {
 namespace {
 
-constexpr std::size_t kLargestGeometry = 16 << 20;                         // bytes hashed for a family's name
-constexpr double kSmallestStep = 0.4, kLargestStep = 0.85, kMargin = 0.9;  // of mesh sizes from round to round
+constexpr std::size_t kMaxGeometry = 16 << 20;                            // bytes hashed for a family's name
+constexpr double kMinStepSize = 0.4, kMaxStepSize = 0.85, kMargin = 0.9;  // of mesh sizes from round to round
 constexpr double kPreviewUnknowns = 5000;
 constexpr std::size_t kPreviewPoints = 60;
 constexpr Eigen::Index kPreviewElements = 10'000;  // of a mesh from a file, that order 2 is still quick with
 
 // Meshes of one geometry with the same parameters, however fine and of whatever material.
 std::string family_of(const ObjectRecipe& recipe) {
-  const Result<std::string> geometry = read_whole_file(recipe.geometry, kLargestGeometry);
+  const Result<std::string> geometry = read_whole_file(recipe.geometry, kMaxGeometry);
   if (!geometry) return "";
   ContentHasher hasher;
   hasher.text(*geometry);
@@ -119,7 +119,7 @@ class Baker {
     const int order = fem::order_of(recipe_.options.element);
     // What a larger object sounds up to, its geometry would sound up to that much higher. A smaller one keeps the mesh.
     const double band_high_hz = std::max(recipe_.scale, 1.0) * recipe_.options.band_high_hz;
-    MeshChoice choice = choose_mesh(shape, material_, band_high_hz, order, kMostChosenUnknowns);
+    MeshChoice choice = choose_mesh(shape, material_, band_high_hz, order, kMaxChosenUnknowns);
     if (recipe_.preview) {
       const MeshChoice quick = choose_coarse_mesh(shape, order, kPreviewUnknowns);
       if (quick.size_m > choice.size_m) choice = quick;
@@ -175,7 +175,7 @@ class Baker {
 
   // Prepares the next round; true when it takes object_.mesh as it is.
   Result<bool> refine() {
-    if (object_.rounds.size() >= kMostRounds) return fail(out_of_reach("that was the last of its rounds"));
+    if (object_.rounds.size() >= kMaxRounds) return fail(out_of_reach("that was the last of its rounds"));
     return reader_.meshes() ? refine_geometry() : refine_mesh();
   }
 
@@ -188,9 +188,9 @@ class Baker {
     const auto unknowns_at = [&](double step) {
       return unknowns() * estimated_unknowns(shape, step * now, order) / estimated_unknowns(shape, now, order);
     };
-    const double step = std::clamp(wanted, kSmallestStep, kLargestStep);
-    const bool too_many = unknowns_at(std::min(wanted, kLargestStep)) > recipe_.most_unknowns;
-    if (too_many && order < mesh::kHighestOrder && unknowns() * growth(order) <= recipe_.most_unknowns) {
+    const double step = std::clamp(wanted, kMinStepSize, kMaxStepSize);
+    const bool too_many = unknowns_at(std::min(wanted, kMaxStepSize)) > recipe_.most_unknowns;
+    if (too_many && order < mesh::kMaxOrder && unknowns() * growth(order) <= recipe_.most_unknowns) {
       set_order(order + 1);
       return false;
     }
@@ -202,7 +202,7 @@ class Baker {
 
   Result<bool> refine_mesh() {
     const int order = fem::order_of(recipe_.options.element);
-    const bool raise = order < mesh::kHighestOrder;
+    const bool raise = order < mesh::kMaxOrder;
     const double next = unknowns() * (raise ? growth(order) : 8);
     if (next > recipe_.most_unknowns) return fail(out_of_reach(more_than_most(next)));
     if (raise) {

@@ -16,8 +16,8 @@
 
 namespace ringdown::bake {
 
-inline constexpr double kMostChosenUnknowns = 150'000;  // that a chosen mesh size makes
-inline constexpr int kMostRounds = 6;
+inline constexpr double kMaxChosenUnknowns = 150'000;  // that a chosen mesh size makes
+inline constexpr int kMaxRounds = 6;
 
 // Progress stages: "mesh" and those of bake(), from the second round on with the round and its error before them. Fails
 // as meshing and bake() do, and when the error cannot be reached: the sentence names the one that was.

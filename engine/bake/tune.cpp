@@ -14,9 +14,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kFirstDamping = 1e-4, kLargestDamping = 1e6;  // of the largest squared slope
-constexpr double kLongestStep = 0.3;                           // of a parameter's range
-constexpr double kShortestStep = 1e-7;
+constexpr double kFirstDamping = 1e-4, kMaxDamping = 1e6;  // of the largest squared slope
+constexpr double kMaxStep = 0.3;                           // of a parameter's range
+constexpr double kMinStep = 1e-7;
 
 class Tuner {
  public:
@@ -110,7 +110,7 @@ class Tuner {
       normal.diagonal().array() += damping_ * scale;
       VectorXd step = -normal.ldlt().solve(slopes.transpose() * cents_);
       const double longest = step.cwiseAbs().maxCoeff();
-      if (longest > kLongestStep) step *= kLongestStep / longest;
+      if (longest > kMaxStep) step *= kMaxStep / longest;
       bool inside = true;
       for (Index i = 0; i < at_.size(); ++i) {
         const bool outwards = (at_[i] <= 0 && step[i] < 0) || (at_[i] >= 1 && step[i] > 0);
@@ -126,9 +126,9 @@ class Tuner {
 
   // False when no step from here makes it better.
   Result<bool> step() {
-    for (; damping_ < kLargestDamping && affordable(); damping_ *= 10) {
+    for (; damping_ < kMaxDamping && affordable(); damping_ *= 10) {
       const VectorXd move = propose();
-      if (move.cwiseAbs().maxCoeff() < kShortestStep) return false;
+      if (move.cwiseAbs().maxCoeff() < kMinStep) return false;
       const Result<VectorXd> cents = evaluate(at_ + move);
       if (!cents) {
         if (cancelled()) return fail(cents.error());

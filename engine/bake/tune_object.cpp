@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 constexpr double kBandAbove = 1.8, kBandBelow = 0.3;  // of the highest and the lowest target
 constexpr std::size_t kPoints = 400;                  // enough to tell families apart
 constexpr double kCoarseTolerance_cents = 3;
-constexpr int kMostCoarseBakes = 25, kMostBakes = 60;
+constexpr int kMaxCoarseBakes = 25, kMaxBakes = 60;
 constexpr double kRefinement = 0.7;  // of the mesh size, from round to round
 
 double cents_between(double frequency_hz, double target_hz) { return 1200 * std::log2(frequency_hz / target_hz); }
@@ -45,20 +45,20 @@ class ObjectTuner {
     const fem::Element own = recipe_.options.element;
     if (fem::order_of(own) > 2 && best_.slopes.size() == 0) {
       set_element(fem::Element::kTet10);
-      auto done = round("coarse", std::max(kCoarseTolerance_cents, request_.tolerance_cents), kMostCoarseBakes);
+      auto done = round("coarse", std::max(kCoarseTolerance_cents, request_.tolerance_cents), kMaxCoarseBakes);
       if (!done && (stopped_ || bakes_ == 1)) return fail(done.error());
     }
     set_element(own);
-    Result<void> done = round("fine", request_.tolerance_cents, kMostBakes);
-    for (int finer = 0; done && worst_error() >= kMostErrorCents && finer < kMostRefinements; ++finer) {
+    Result<void> done = round("fine", request_.tolerance_cents, kMaxBakes);
+    for (int finer = 0; done && worst_error() >= kMaxErrorCents && finer < kMaxRefinements; ++finer) {
       recipe_.meshing.mesh_size_m = six_digits(kRefinement * recipe_.meshing.mesh_size_m);
-      done = round("finer", request_.tolerance_cents, kMostBakes);
+      done = round("finer", request_.tolerance_cents, kMaxBakes);
     }
     if (!done) return fail(done.error());
     TunedObject tuned{.found = found_, .mesh_size_m = recipe_.meshing.mesh_size_m, .bakes = bakes_};
     for (const TuneVariable& variable : variables_) tuned.parameters[variable.name] = six_digits(variable.start);
     tuned.slopes = best_.slopes;
-    tuned.reached = best_.reached && worst_error() < kMostErrorCents;
+    tuned.reached = best_.reached && worst_error() < kMaxErrorCents;
     return tuned;
   }
 

@@ -17,8 +17,8 @@
 
 namespace ringdown::bake {
 
-inline constexpr double kMostErrorCents = 1;  // estimated, of a tuned mode's frequency
-inline constexpr int kMostRefinements = 5;
+inline constexpr double kMaxErrorCents = 1;  // estimated, of a tuned mode's frequency
+inline constexpr int kMaxRefinements = 5;
 
 struct TuneTarget {
   ModeFamily family = ModeFamily::kVertical;
@@ -56,7 +56,7 @@ struct TunedObject {
   double mesh_size_m = 0;                    // at which that holds
   Eigen::MatrixXd slopes;                    // targets x variables
   int bakes = 0;
-  bool reached = false;  // within tolerance, and every estimated error below kMostErrorCents
+  bool reached = false;  // within tolerance, and every estimated error below kMaxErrorCents
 };
 
 // Fails when the object has no mesh size or cannot be baked, when a target's mode is not there at the start, or with

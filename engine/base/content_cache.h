@@ -21,12 +21,12 @@
 
 namespace ringdown {
 
-inline constexpr std::uintmax_t kMostCacheBytes = std::uintmax_t{2} << 30;
+inline constexpr std::uintmax_t kMaxCacheBytes = std::uintmax_t{2} << 30;
 
 class ContentCache {
  public:
   // The folder need not exist yet.
-  explicit ContentCache(std::filesystem::path folder, std::uintmax_t most_bytes = kMostCacheBytes)
+  explicit ContentCache(std::filesystem::path folder, std::uintmax_t most_bytes = kMaxCacheBytes)
       : folder_(std::move(folder)), most_bytes_(most_bytes) {}
 
   // What was stored, which now counts as used. `kind` is a word of small letters.

@@ -90,7 +90,7 @@ TomlTable::TomlTable(std::shared_ptr<Document> document, Place& place)
     : document_(std::move(document)), place_(&place) {}
 
 Result<TomlTable> TomlTable::read(const std::filesystem::path& path) {
-  const Result<std::string> text = read_whole_file(path, kLargestTomlFile);
+  const Result<std::string> text = read_whole_file(path, kMaxTomlFileBytes);
   if (!text) return fail(text.error());
   return parse(*text, path);
 }

@@ -32,7 +32,7 @@
 
 namespace ringdown {
 
-inline constexpr std::size_t kLargestTomlFile = std::size_t{4} << 20;  // bytes
+inline constexpr std::size_t kMaxTomlFileBytes = std::size_t{4} << 20;  // bytes
 
 class TomlTable {
  public:

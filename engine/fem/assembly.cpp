@@ -99,7 +99,7 @@ class Scatter {
   int begin_, end_;
   System& system_;
   bool lumped_ = system_.node_mass.nonZeros() == system_.node_mass.cols();
-  std::array<int, mesh::nodes_per_element(mesh::kHighestOrder)> ascending_{};
+  std::array<int, mesh::nodes_per_element(mesh::kMaxOrder)> ascending_{};
 };
 
 // One range of columns for each thread, with about the same number of entries.

@@ -57,8 +57,7 @@ struct Reference {
 };
 
 const Reference& reference(int order) {
-  static const std::array<Reference, mesh::kHighestOrder> all = {Reference(1), Reference(2), Reference(3),
-                                                                 Reference(4)};
+  static const std::array<Reference, mesh::kMaxOrder> all = {Reference(1), Reference(2), Reference(3), Reference(4)};
   return all[order - 1];
 }
 

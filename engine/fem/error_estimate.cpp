@@ -221,8 +221,7 @@ Result<Eigen::VectorXd> frequency_errors(const mesh::TetMesh& mesh, const Elasti
     // To first order half of the fall; the root keeps large errors, of bending in linear elements, in proportion.
     const Eigen::ArrayXd ratio = surplus_factor(mesh.order()) * falls.array() / lambda.array();
     const Eigen::ArrayXd errors = (1 + ratio).sqrt() - 1;
-    return errors
-        .unaryExpr([](double error) { return error < kLargestFrequencyError ? error : kLargestFrequencyError; })
+    return errors.unaryExpr([](double error) { return error < kMaxFrequencyError ? error : kMaxFrequencyError; })
         .matrix();
   } catch (const std::exception&) {
     return fail("not enough memory to estimate the errors of " + std::to_string(lambda.size()) +

@@ -19,9 +19,9 @@
 namespace ringdown::fem {
 
 // An error this large is not told from a larger one.
-inline constexpr double kLargestFrequencyError = 10;
+inline constexpr double kMaxFrequencyError = 10;
 
-// Relative errors of the frequencies, m numbers from 0 to kLargestFrequencyError: 0.001 says that the true frequency is
+// Relative errors of the frequencies, m numbers from 0 to kMaxFrequencyError: 0.001 says that the true frequency is
 // about 0.1 % lower. The m modes are elastic ones (lambda > 0) of `mesh`: lambda and the columns of shapes, 3N x m with
 // unit modal mass, unknown 3 n + i as in assembly.h. threads = 0: as many as there are processors; the result is the
 // same for any number of them. Cost on one core: about 0.1 ms for each element and 2 us for each element and mode

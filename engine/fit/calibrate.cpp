@@ -113,13 +113,13 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
   Calibration result;
   result.tuning_cents = find_tuning(recorded, baked, options);
   result.matches = match(recorded, baked, result.tuning_cents, options.tolerance_cents);
-  if (result.matches.size() < kFewestMatches) {
+  if (result.matches.size() < kMinMatches) {
     return fail("only " + std::to_string(result.matches.size()) + " of the recording's " +
-                std::to_string(recorded.size()) + " modes match one of the bank's, and " +
-                std::to_string(kFewestMatches) + " are needed: is it the same object? --tolerance takes more");
+                std::to_string(recorded.size()) + " modes match one of the bank's, and " + std::to_string(kMinMatches) +
+                " are needed: is it the same object? --tolerance takes more");
   }
   // Relative errors: of the estimate, and of the law, which holds to some 5 % at best.
-  constexpr double kOfTheLaw = 0.05, kLeastSpread = 0.02, kBiweight = 4.685, kFromMad = 1.4826;
+  constexpr double kOfTheLaw = 0.05, kMinSpread = 0.02, kBiweight = 4.685, kFromMad = 1.4826;
   constexpr int kRounds = 30;
   std::vector<double> off(result.matches.size(), 0), tukey(result.matches.size(), 1);
   for (int round = 0; round < kRounds; ++round) {
@@ -138,7 +138,7 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
     }
     std::vector<double> sizes;
     for (const double o : off) sizes.push_back(std::abs(o));
-    const double spread = std::max(kFromMad * median(std::move(sizes)), kLeastSpread);
+    const double spread = std::max(kFromMad * median(std::move(sizes)), kMinSpread);
     for (std::size_t i = 0; i < off.size(); ++i) {
       const double x = off[i] / (kBiweight * spread);
       tukey[i] = std::abs(x) < 1 ? std::pow(1 - x * x, 2) : 0;

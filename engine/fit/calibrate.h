@@ -35,11 +35,11 @@ struct CalibrateOptions {
   double most_tuning_cents = 200;  // the largest common factor that is looked for, up or down
 };
 
-// Fails when fewer than kFewestMatches modes match: then it is another thing, or another kind of blow.
+// Fails when fewer than kMinMatches modes match: then it is another thing, or another kind of blow.
 Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank& bank,
                               const CalibrateOptions& options = {});
 
-inline constexpr std::size_t kFewestMatches = 3;
+inline constexpr std::size_t kMinMatches = 3;
 
 // The bank with that damping: decays, damped frequencies, material. A mode that would be over-damped is dropped. A bank
 // without a material stays without.

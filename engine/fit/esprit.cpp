@@ -53,7 +53,7 @@ Eigen::Index signal_directions(const Eigen::VectorXd& ascending, Eigen::Index mo
 }  // namespace
 
 std::vector<std::complex<double>> find_poles(const Eigen::VectorXcd& signal, Eigen::Index most) {
-  if (signal.size() < kFewestSamples) return {};
+  if (signal.size() < kMinSamples) return {};
   const Eigen::Index length = signal.size() / 3;
   const Eigen::MatrixXcd sum = covariance(signal, length);
   if (is_noise(sum)) return {};

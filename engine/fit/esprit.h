@@ -16,9 +16,9 @@ namespace ringdown::fit {
 
 // Logarithms of poles, per sample; at most `most` of them. Rather too many than too few: directions in which the signal
 // has no more than noise has by chance are left out, and the rest is for refine.h to judge. None when the signal has
-// fewer than kFewestSamples.
+// fewer than kMinSamples.
 std::vector<std::complex<double>> find_poles(const Eigen::VectorXcd& signal, Eigen::Index most);
 
-inline constexpr Eigen::Index kFewestSamples = 24;
+inline constexpr Eigen::Index kMinSamples = 24;
 
 }  // namespace ringdown::fit

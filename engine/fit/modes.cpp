@@ -19,16 +19,16 @@ namespace {
 
 constexpr double kSamplesOfBand = 400;  // what a pass has of each band, more or less
 constexpr double kPassRatio = 4;        // of one pass's length to the next one's
-constexpr double kShortestPass_s = 0.02;
-constexpr double kFastestOfPass = 12;  // decay times length: above, the mode waits for a shorter pass,
-constexpr double kSlowestOfPass = 5;   // and below, with the length of the pass before, it would have been found there
-constexpr Eigen::Index kMostPoles = 44;  // of a band
-constexpr double kOverlap = 0.04;        // of the core, on either side
-constexpr double kLeastCycles = 1.5;     // frequency over decay: below, it is a thud and no tone
-constexpr double kLeastDecay = 3;        // decay over its standard error: below, it may be hum
-constexpr double kUnresolved = 0.02;     // modes nearer than that over the length are the same one, found twice
-constexpr double kRemains = 0.25;        // the same of a mode that an earlier pass has found, and its remains
-constexpr double kTrace = 0.1;           // how loud these may be, of that mode
+constexpr double kMinPass_s = 0.02;
+constexpr double kFastestOfPass = 12;   // decay times length: above, the mode waits for a shorter pass,
+constexpr double kSlowestOfPass = 5;    // and below, with the length of the pass before, it would have been found there
+constexpr Eigen::Index kMaxPoles = 44;  // of a band
+constexpr double kOverlap = 0.04;       // of the core, on either side
+constexpr double kMinCycles = 1.5;      // frequency over decay: below, it is a thud and no tone
+constexpr double kMinDecay = 3;         // decay over its standard error: below, it may be hum
+constexpr double kUnresolved = 0.02;    // modes nearer than that over the length are the same one, found twice
+constexpr double kRemains = 0.25;       // the same of a mode that an earlier pass has found, and its remains
+constexpr double kTrace = 0.1;          // how loud these may be, of that mode
 
 struct Candidate {
   Mode mode;
@@ -58,8 +58,8 @@ struct Pass {
 
 // Decays, can be told from a steady tone, rings for more than a cycle, and lasts for much of the pass.
 bool is_mode_of(const Pass& pass, const Mode& mode) {
-  return mode.decay_per_s > kLeastDecay * mode.decay_error_per_s && mode.decay_per_s * pass.length_s < kFastestOfPass &&
-         mode.decay_per_s > pass.slowest_per_s && mode.frequency_hz > kLeastCycles * mode.decay_per_s &&
+  return mode.decay_per_s > kMinDecay * mode.decay_error_per_s && mode.decay_per_s * pass.length_s < kFastestOfPass &&
+         mode.decay_per_s > pass.slowest_per_s && mode.frequency_hz > kMinCycles * mode.decay_per_s &&
          mode.frequency_hz >= pass.low_hz && mode.frequency_hz <= pass.high_hz;
 }
 
@@ -69,7 +69,7 @@ double centre_hz(const Pass& pass, std::size_t band) {
 
 std::vector<Candidate> search_band(const Eigen::VectorXcd& samples, const Pass& pass, std::size_t band) {
   std::vector<Candidate> found;
-  for (const Term& term : refine(samples, find_poles(samples, kMostPoles))) {
+  for (const Term& term : refine(samples, find_poles(samples, kMaxPoles))) {
     const double rate = pass.band_rate_hz(), offset = term.pole.imag() * rate / (2 * std::numbers::pi);
     const double decay = -term.pole.real() * rate, delay = 0.5 * static_cast<double>(pass.filter.taps()) / pass.rate_hz;
     const Mode mode{.frequency_hz = centre_hz(pass, band) + offset,
@@ -180,7 +180,7 @@ std::vector<Mode> search_all(std::span<const double> sound, double rate, const O
   const double high = std::min(options.high_hz, 0.49 * rate), whole = static_cast<double>(sound.size()) / rate;
   std::vector<Mode> modes;
   std::vector<double> left(sound.begin(), sound.end());
-  for (double length = whole; length >= kShortestPass_s; length /= kPassRatio) {
+  for (double length = whole; length >= kMinPass_s; length /= kPassRatio) {
     const Pass pass(rate, length, options.low_hz, high, length == whole);
     const auto part = std::span(left).first(static_cast<std::size_t>(length * rate));
     const std::vector<Candidate> found = without_doubles(search(part, pass, options), length);
@@ -191,14 +191,14 @@ std::vector<Mode> search_all(std::span<const double> sound, double rate, const O
     if (fresh.empty()) continue;
     modes.insert(modes.end(), fresh.begin(), fresh.end());
     fit_amplitudes_beside(sound, rate, modes, found);
-    prune(modes, {.floor_db = options.floor_db + 20, .most_modes = kMostModes});
+    prune(modes, {.floor_db = options.floor_db + 20, .most_modes = kMaxModes});
     left = difference(sound, synthesise(modes, rate, sound.size()));
   }
   return modes;
 }
 
 Result<void> check(std::span<const double> samples, double rate, const Options& options) {
-  if (!(rate >= kLowestRate_hz && rate <= kHighestRate_hz)) {
+  if (!(rate >= kMinRate_hz && rate <= kMaxRate_hz)) {
     return fail("a sample rate of " + std::to_string(rate) + " Hz is not between 8 and 768 kHz");
   }
   if (static_cast<double>(samples.size()) < kShortest_s * rate) return fail("it is shorter than 50 ms");
@@ -208,8 +208,8 @@ Result<void> check(std::span<const double> samples, double rate, const Options& 
   if (!(options.low_hz >= 1 && options.high_hz > options.low_hz && options.low_hz < 0.49 * rate)) {
     return fail("the band must begin at 1 Hz or above, end above its beginning, and begin below half the sample rate");
   }
-  if (!(options.floor_db > 0) || options.most_modes == 0 || options.most_modes > kMostModes) {
-    return fail("the floor must be above 0 dB, and the number of modes from 1 to " + std::to_string(kMostModes));
+  if (!(options.floor_db > 0) || options.most_modes == 0 || options.most_modes > kMaxModes) {
+    return fail("the floor must be above 0 dB, and the number of modes from 1 to " + std::to_string(kMaxModes));
   }
   if (options.from_s && !(*options.from_s >= 0 && *options.from_s * rate + kShortest_s * rate <= std::ssize(samples))) {
     return fail("less than 50 ms follow where it shall begin");

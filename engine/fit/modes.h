@@ -48,11 +48,11 @@ struct Fit {
   double explained = 0;     // 1 - energy of what the modes leave over that of the sound, from start to end
 };
 
-inline constexpr double kLongest_s = 8;         // of the sound that is looked at
-inline constexpr double kShortest_s = 0.05;     // shorter recordings are refused
-inline constexpr double kLowestRate_hz = 8000;  // of samples
-inline constexpr double kHighestRate_hz = 768000;
-inline constexpr std::size_t kMostModes = 4000;  // of Options::most_modes
+inline constexpr double kLongest_s = 8;      // of the sound that is looked at
+inline constexpr double kShortest_s = 0.05;  // shorter recordings are refused
+inline constexpr double kMinRate_hz = 8000;  // of samples
+inline constexpr double kMaxRate_hz = 768000;
+inline constexpr std::size_t kMaxModes = 4000;  // of Options::most_modes
 
 // `samples`: one channel. No modes at all where there is nothing but noise. Fails when it is too short, a sample is no
 // number, or the options make no sense. About ten seconds for eight of sound, on one processor.

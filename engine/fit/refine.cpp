@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::VectorXcd;
 
-constexpr int kMostSteps = 12;
+constexpr int kMaxSteps = 12;
 constexpr double kRidge = 1e-13;
 
 // One column for each pole: exp(pole n).
@@ -93,7 +93,7 @@ VectorXcd moved(const State& state, const VectorXcd& by, double share) {
 }
 
 State descend(const VectorXcd& signal, State state) {
-  for (int step = 0; step < kMostSteps && std::isfinite(state.energy); ++step) {
+  for (int step = 0; step < kMaxSteps && std::isfinite(state.energy); ++step) {
     const MatrixXcd columns = jacobian(state);
     const Normal normal(columns);
     if (!normal.good()) break;

@@ -44,13 +44,13 @@ struct StuffSize {
 StuffSize stuff_size(const TriangleMesh& surface, const FillOptions& options) {
   constexpr double kCellsPerWall = 2;
   constexpr double kElementsPerCube = 12;  // of the lattice
-  constexpr std::array kMostElements = {200e3, 40e3, 12e3, 5e3};
+  constexpr std::array kMaxElements = {200e3, 40e3, 12e3, 5e3};
   const Eigen::RowVector3d box = surface.nodes.colwise().maxCoeff() - surface.nodes.colwise().minCoeff();
   const double volume = std::abs(diagnose(surface).volume_m3), diagonal = box.norm();
   const double asked = options.size_m > 0 ? options.size_m : diagonal / 20;
   const double wanted = options.wall_m > 0 ? std::min(asked, options.wall_m / kCellsPerWall) : asked;
   const double finest =
-      std::cbrt(kElementsPerCube * volume / kMostElements.at(static_cast<std::size_t>(options.order - 1)));
+      std::cbrt(kElementsPerCube * volume / kMaxElements.at(static_cast<std::size_t>(options.order - 1)));
   return {std::max(wanted, finest), wanted < finest};
 }
 

@@ -18,10 +18,10 @@
 namespace ringdown::mesh {
 namespace {
 
-constexpr double kEdgePerSize = 0.85;       // CGAL's edges scatter about the length asked for
-constexpr double kMostDeviation = 1 / 7.0;  // of the thinnest wall
+constexpr double kEdgePerSize = 0.85;      // CGAL's edges scatter about the length asked for
+constexpr double kMaxDeviation = 1 / 7.0;  // of the thinnest wall
 constexpr double kFiner = 0.6;
-constexpr int kMostTries = 4;
+constexpr int kMaxTries = 4;
 constexpr double kVolumeSlip = 0.03;
 constexpr double kVolumeToCurve = 0.15;  // that flat triangles may lose, and curved ones win back
 
@@ -149,7 +149,7 @@ Result<CheckedMesh> curved(const CheckedMesh& straight, const TriangleMesh& onto
                            const std::string& name) {
   TetMesh mesh = to_order(straight.mesh, options.order);
   const SurfaceRays surface(onto);
-  const double farthest = options.wall_m > 0 ? 2 * kMostDeviation * options.wall_m : 0.25 * options.size_m;
+  const double farthest = options.wall_m > 0 ? 2 * kMaxDeviation * options.wall_m : 0.25 * options.size_m;
   std::vector<bool> corner(static_cast<std::size_t>(mesh.nodes.rows()), false);
   for (const std::int32_t n : mesh.elements.leftCols(4).reshaped()) corner[static_cast<std::size_t>(n)] = true;
   for (const std::int32_t n : boundary_surface(mesh).nodes) {
@@ -168,11 +168,11 @@ struct Sized {
 // In triangles of the size asked for, or smaller ones that keep to the surface.
 Result<Sized> sized(const TriangleMesh& surface, const FillOptions& options) {
   double size = options.size_m;
-  const double most = options.wall_m > 0 ? kMostDeviation * options.wall_m : 0.1 * diagonal(surface);
+  const double most = options.wall_m > 0 ? kMaxDeviation * options.wall_m : 0.1 * diagonal(surface);
   const double volume = volume_of(shells_of(surface));
   const double slip = options.order > 1 ? kVolumeToCurve : kVolumeSlip;
   std::string why;
-  for (int attempt = 0; attempt < kMostTries; ++attempt, size *= kFiner) {
+  for (int attempt = 0; attempt < kMaxTries; ++attempt, size *= kFiner) {
     Result<Remeshed> remeshed = remesh(surface, kEdgePerSize * size);
     if (!remeshed) return fail(remeshed.error());
     const double now = volume_of(shells_of(remeshed->mesh));

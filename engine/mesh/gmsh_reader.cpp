@@ -19,9 +19,9 @@
 namespace ringdown::mesh {
 namespace {
 
-constexpr double kMostCells = 1e9;  // of the mesh size, in the bounding box; thin bodies fill little of theirs
-constexpr std::size_t kLargestGeometry = 16 << 20;  // bytes of a .geo
-constexpr int kHighestUnfolded = 3;                 // order; see unfold()
+constexpr double kMaxCells = 1e9;  // of the mesh size, in the bounding box; thin bodies fill little of theirs
+constexpr std::size_t kMaxGeometry = 16 << 20;  // bytes of a .geo
+constexpr int kMaxUnfolded = 3;                 // order; see unfold()
 
 std::string plain_number(double value) {
   char text[40];
@@ -56,7 +56,7 @@ class ParameterFile {
 
 bool geo_says(const std::filesystem::path& path, const char* expression) {
   if (path.extension() != ".geo") return false;
-  const Result<std::string> text = read_whole_file(path, kLargestGeometry);
+  const Result<std::string> text = read_whole_file(path, kMaxGeometry);
   return text && std::regex_search(*text, std::regex(expression));
 }
 
@@ -65,7 +65,7 @@ Result<void> check_parameters(const std::filesystem::path& path, const std::map<
   if (path.extension() != ".geo") {
     return fail(path.string() + " takes no parameters; only .geo files have them");
   }
-  const Result<std::string> text = read_whole_file(path, kLargestGeometry);
+  const Result<std::string> text = read_whole_file(path, kMaxGeometry);
   if (!text) return fail(text.error());
   for (const auto& [name, value] : parameters) {
     if (!std::regex_match(name, std::regex("[A-Za-z_][A-Za-z0-9_]*")) ||
@@ -81,7 +81,7 @@ Result<void> check_mesh_size(const std::filesystem::path& path, const GmshOption
   double x0, y0, z0, x1, y1, z1;
   gmsh::model::getBoundingBox(-1, -1, x0, y0, z0, x1, y1, z1);
   const double size = options.mesh_size_m / unit_m;
-  if ((x1 - x0) / size * ((y1 - y0) / size) * ((z1 - z0) / size) <= kMostCells) return {};
+  if ((x1 - x0) / size * ((y1 - y0) / size) * ((z1 - z0) / size) <= kMaxCells) return {};
   return fail(path.string() + ": a mesh size of " + std::to_string(options.mesh_size_m) +
               " m is far too small for a body " + std::to_string(unit_m * (x1 - x0)) +
               " m long; choose a larger one, or check the unit of its lengths");
@@ -267,7 +267,7 @@ Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptio
   if (!type) return fail(type.error());
   if (type->order == 0) return check_mesh({Points(0, 3), Indices(0, 4)}, path.string());
   Result<CheckedMesh> mesh = check_mesh(take_mesh(*type, unit_m), path.string());
-  if (!meshed_here || !mesh || mesh->straightened == 0 || type->order > kHighestUnfolded) return mesh;
+  if (!meshed_here || !mesh || mesh->straightened == 0 || type->order > kMaxUnfolded) return mesh;
   unfold();
   Result<CheckedMesh> unfolded = check_mesh(take_mesh(*type, unit_m), path.string());
   return unfolded && unfolded->straightened < mesh->straightened ? std::move(unfolded) : std::move(mesh);

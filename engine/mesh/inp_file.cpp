@@ -13,7 +13,7 @@
 namespace ringdown::mesh {
 namespace {
 
-constexpr std::size_t kLongestType = 20;  // in a sentence
+constexpr std::size_t kMaxType = 20;  // in a sentence
 constexpr std::string_view kBlank = " \t\r\f\v";
 constexpr std::string_view kOnlyTetrahedra = "only tetrahedra are understood (C3D4, C3D10), so mesh it with those";
 
@@ -237,14 +237,14 @@ class Reader {
 
   // Beside three coordinates the line may hold the direction of a shell.
   Result<void> read_node() {
-    constexpr std::size_t kMostNumbers = 7;
+    constexpr std::size_t kMaxNumbers = 7;
     const std::vector<std::string_view> fields = fields_of(deck_.line());
     std::int64_t number = 0;
     if (fields.empty() || !read_number(fields[0], number)) {
       return deck_.wrong(deck_.number(), "a node should begin with its number, which is positive");
     }
     std::array<double, 3> place{};
-    bool good = fields.size() >= 2 && fields.size() <= kMostNumbers;
+    bool good = fields.size() >= 2 && fields.size() <= kMaxNumbers;
     for (std::size_t k = 1; k < std::min<std::size_t>(fields.size(), 4); ++k) {
       good = good && (fields[k].empty() || read_coordinate(fields[k], place[k - 1]));
     }
@@ -261,7 +261,7 @@ class Reader {
   }
 
   Result<void> read_elements(const Keyword& keyword) {
-    const std::string type = keyword.parameter("TYPE").substr(0, kLongestType);
+    const std::string type = keyword.parameter("TYPE").substr(0, kMaxType);
     if (type.empty()) return deck_.wrong(keyword.line, "*ELEMENT should say its TYPE");
     if (is_lower_dimensional(type)) {
       if (passed_over_.empty()) passed_over_ = type;

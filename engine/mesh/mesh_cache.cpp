@@ -15,8 +15,8 @@ namespace ringdown::mesh {
 namespace {
 
 constexpr std::string_view kKind = "mesh";
-constexpr int kFormat = 3;                                    // of an entry, and of how bodies are made
-constexpr std::size_t kLargestFile = std::size_t{256} << 20;  // bytes; a larger file is read each time
+constexpr int kFormat = 3;                                     // of an entry, and of how bodies are made
+constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;  // bytes; a larger file is read each time
 
 // Words of gmsh's language and of mesh formats by which a result depends on more than the file and its parameters. One
 // in a comment costs no more than meshing anew.
@@ -105,7 +105,7 @@ std::optional<Body> unpacked(std::string_view bytes) {
 
 Result<Body> make_through_cache(const std::filesystem::path& path, const GmshOptions& options,
                                 const ContentCache& cache, const std::function<Result<Body>()>& make) {
-  const Result<std::string> text = read_whole_file(path, kLargestFile);
+  const Result<std::string> text = read_whole_file(path, kMaxFileBytes);
   if (!text || has_companions(path) || (is_program(path) && looks_elsewhere(*text))) return make();
   const ContentHash key = key_of(path, *text, options);
   if (const auto kept = cache.find(kKind, key)) {

@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSharpCosine = 0.82, kFit = 0.05, kFarthest = 0.8, kLeastMove = 0.01;  // of the size
+constexpr double kSharpCosine = 0.82, kFit = 0.05, kFarthest = 0.8, kMinMove = 0.01;  // of the size
 constexpr int kRounds = 3;
 
 struct Plane {
@@ -106,7 +106,7 @@ class Sharpener {
       step += direction * direction.dot(right) / solver.eigenvalues()[k];
     }
     target = at(node) + step;
-    if (step.norm() < kLeastMove * size_ || (target - own.point).norm() > kFarthest * size_) return false;
+    if (step.norm() < kMinMove * size_ || (target - own.point).norm() > kFarthest * size_) return false;
     return std::all_of(ring.begin(), ring.end(), [&](int other) {
       const Plane& plane = planes_.at(other);
       return std::abs(plane.normal.dot(target - plane.point)) < kFit * size_;
@@ -132,7 +132,7 @@ class Sharpener {
       outward[f] = u.cross(v).normalized();
     }
     constexpr double kDegree = std::numbers::pi / 180;
-    static const double narrow = std::cos(kLeastDihedral * kDegree), wide = std::cos(kMostDihedral * kDegree);
+    static const double narrow = std::cos(kMinDihedral * kDegree), wide = std::cos(kMaxDihedral * kDegree);
     for (int f = 0; f < 4; ++f) {
       for (int g = 0; g < f; ++g) {
         const double cosine = -outward[f].dot(outward[g]);

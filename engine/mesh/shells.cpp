@@ -102,7 +102,7 @@ class Grower {
     const auto count = static_cast<std::size_t>(shells_.count);
     shells_.depth.assign(count, 0);
     shells_.parent.assign(count, -1);
-    if (count < 2 || count > kMostShells) return;
+    if (count < 2 || count > kMaxShells) return;
     std::vector<std::vector<std::int32_t>> members(count);
     for (std::size_t t = 0; t < shells_.shell.size(); ++t) {
       if (shells_.shell[t] >= 0)

@@ -316,11 +316,11 @@ Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Pro
   if (!extent.allFinite() || extent.minCoeff() < 0) return fail("the surface has no triangles, so nothing is inside");
   const Vector3d cubes = (extent / size).array().ceil() + 2 * kMargin;
   const double points = 2 * cubes.prod();
-  if (!(points < kMostLatticePoints)) {
+  if (!(points < kMaxLatticePoints)) {
     return fail(
         text("a mesh size of %.3g mm would need a lattice of %.2g million points, above 30 million", size * 1e3,
              points / 1e6) +
-        text("; %.3g mm is the finest that fits", 1.05 * size * std::cbrt(points / kMostLatticePoints) * 1e3, 0));
+        text("; %.3g mm is the finest that fits", 1.05 * size * std::cbrt(points / kMaxLatticePoints) * 1e3, 0));
   }
   const Vector3d origin = (solid.low + solid.high - size * cubes) / 2;
   Stuffing stuffing(solid, BccLattice(origin, size, cubes.cast<int>()), options.threads, progress);

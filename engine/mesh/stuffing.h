@@ -10,7 +10,7 @@
 // over the body; where an edge of it leaves the body there is a cut point; lattice points that have a cut point nearer
 // than kNearLong of a long edge or kNearShort of a short one move onto the nearest; and each tetrahedron of the lattice
 // gives the part of it that is inside (stencil.h). Whatever the surface is, every dihedral angle then lies between
-// kLeastDihedral and kMostDihedral: no more is possible than what tests/stuffing/stencil_test.cpp goes through. (The
+// kMinDihedral and kMaxDihedral: no more is possible than what tests/stuffing/stencil_test.cpp goes through. (The
 // two shares were searched for there: they give the angles that the paper proves of its own, 10.78 and 164.74 degrees.)
 //
 // All nodes on the skin lie on the surface. Sharp edges would become chamfers up to a cell wide; most are drawn out
@@ -25,9 +25,9 @@
 namespace ringdown::mesh {
 
 inline constexpr double kNearLong = 0.285, kNearShort = 0.3978;
-inline constexpr double kLeastDihedral = 10.74, kMostDihedral = 164.71;  // [degrees]
-inline constexpr double kMostLatticePoints = 30e6;  // of the lattice over the body's box: 0.3 GB at the most
-inline constexpr int kCrumb = 36;                   // elements, those of three cubes: smaller parts are removed
+inline constexpr double kMinDihedral = 10.74, kMaxDihedral = 164.71;  // [degrees]
+inline constexpr double kMaxLatticePoints = 30e6;  // of the lattice over the body's box: 0.3 GB at the most
+inline constexpr int kCrumb = 36;                  // elements, those of three cubes: smaller parts are removed
 
 struct StuffOptions {
   double size_m = 0;    // edge of the lattice's cubes, which is the longest edge of its tetrahedra; > 0
@@ -62,7 +62,7 @@ class Solid {
 };
 
 // The same bits for any number of threads. Progress stage: "stuffing". Fails with one sentence: no size, nothing is
-// inside, the lattice would be larger than kMostLatticePoints, cancelled. A winding number takes about a microsecond,
+// inside, the lattice would be larger than kMaxLatticePoints, cancelled. A winding number takes about a microsecond,
 // one is needed at each lattice point near the surface and three at each cut point.
 Result<Stuffed> stuff(const TriangleMesh& surface, const StuffOptions& options, const Progress& progress = {});
 Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Progress& progress = {});

@@ -54,7 +54,7 @@ class Diagnosis {
   void add(Fault fault, std::int32_t triangle, const Eigen::RowVector3d& place) {
     Finding& known = finding(fault);
     ++known.count;
-    if (known.places.size() >= kMostPlaces) return;
+    if (known.places.size() >= kMaxPlaces) return;
     known.places.push_back(place);
     if (triangle >= 0) known.triangles.push_back(triangle);
   }
@@ -138,7 +138,7 @@ class Diagnosis {
   }
 
   void look_at_cuts() {
-    for (const auto& [a, b] : self_intersections(mesh_, kMostIntersections)) {
+    for (const auto& [a, b] : self_intersections(mesh_, kMaxIntersections)) {
       if (!usable(a) || !usable(b)) continue;
       const bool same = shells_.shell[static_cast<std::size_t>(a)] == shells_.shell[static_cast<std::size_t>(b)];
       add(same ? Fault::kSelfIntersection : Fault::kOverlap, a);
@@ -235,7 +235,7 @@ std::string name_of(Fault fault) { return words_of(fault).many; }
 std::string describe(const Finding& finding) {
   const Words words = words_of(finding.fault);
   const bool cuts = finding.fault == Fault::kSelfIntersection || finding.fault == Fault::kOverlap;
-  std::string text = cuts && finding.count >= kMostIntersections ? "at least " : "";
+  std::string text = cuts && finding.count >= kMaxIntersections ? "at least " : "";
   text += std::to_string(finding.count) + " " + (finding.count == 1 ? words.one : words.many);
   if (finding.length_m > 0) {
     char around[64];

@@ -35,14 +35,14 @@ bool is_harmless(Fault fault);
 struct Finding {
   Fault fault;
   std::size_t count = 0;
-  std::vector<Eigen::RowVector3d> places;  // [m] of the first kMostPlaces
-  std::vector<std::int32_t> triangles;     // the first kMostPlaces, numbers in the mesh; none for unused points
+  std::vector<Eigen::RowVector3d> places;  // [m] of the first kMaxPlaces
+  std::vector<std::int32_t> triangles;     // the first kMaxPlaces, numbers in the mesh; none for unused points
   double length_m = 0;                     // of holes: the longest perimeter
 };
 
-inline constexpr std::size_t kMostPlaces = 3;
-inline constexpr std::size_t kMostIntersections = 1000;  // counted; more are "at least" that many
-inline constexpr std::size_t kMostShells = 64;           // compared with each other; beyond, nesting is not looked at
+inline constexpr std::size_t kMaxPlaces = 3;
+inline constexpr std::size_t kMaxIntersections = 1000;  // counted; more are "at least" that many
+inline constexpr std::size_t kMaxShells = 64;           // compared with each other; beyond, nesting is not looked at
 
 struct SurfaceReport {
   std::vector<Finding> findings;

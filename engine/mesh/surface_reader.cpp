@@ -74,8 +74,8 @@ Result<Soup> collect(const aiScene& scene, const std::string& name) {
     open.pop_back();
     for (unsigned m = 0; m < node->mNumMeshes; ++m) {
       const aiMesh& mesh = *scene.mMeshes[node->mMeshes[m]];
-      if (soup.triangles.size() + mesh.mNumFaces > kMostTriangles || soup.points.size() > 3 * kMostTriangles) {
-        return fail(name + " has more than " + std::to_string(kMostTriangles) +
+      if (soup.triangles.size() + mesh.mNumFaces > kMaxTriangles || soup.points.size() > 3 * kMaxTriangles) {
+        return fail(name + " has more than " + std::to_string(kMaxTriangles) +
                     " triangles; thin it out in a mesh tool first");
       }
       add(soup, mesh, place);
@@ -159,8 +159,8 @@ Result<TriangleMesh> read_surface(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path, error)) {
     return fail("cannot open " + path.string() + ": there is no such file");
   }
-  if (std::filesystem::file_size(path, error) > kLargestSurfaceFile) {
-    return fail(path.string() + " is larger than " + std::to_string(kLargestSurfaceFile >> 20) +
+  if (std::filesystem::file_size(path, error) > kMaxSurfaceFileBytes) {
+    return fail(path.string() + " is larger than " + std::to_string(kMaxSurfaceFileBytes >> 20) +
                 " MiB; thin it out first");
   }
   try {

@@ -15,13 +15,13 @@
 namespace ringdown::mesh {
 
 inline constexpr double kWeld = 1e-6;
-inline constexpr std::size_t kMostTriangles = 4'000'000;
-inline constexpr std::size_t kLargestSurfaceFile = std::size_t{1} << 30;  // bytes
+inline constexpr std::size_t kMaxTriangles = 4'000'000;
+inline constexpr std::size_t kMaxSurfaceFileBytes = std::size_t{1} << 30;  // bytes
 
 // By the name's ending, in any case.
 bool is_surface_file(const std::filesystem::path& path);
 
-// In the file's unit. Fails with one sentence: it is no such file, has no triangles, more than kMostTriangles, or a
+// In the file's unit. Fails with one sentence: it is no such file, has no triangles, more than kMaxTriangles, or a
 // coordinate that is not finite.
 Result<TriangleMesh> read_surface(const std::filesystem::path& path);
 

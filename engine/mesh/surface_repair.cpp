@@ -169,7 +169,7 @@ class Mender {
   }
 
   void close_holes() {
-    const double longest_m = kLargestHole * diagonal();
+    const double longest_m = kMaxHole * diagonal();
     std::vector<EdgeUse> open;
     const std::vector<EdgeUse> edges =
         edges_of(mesh_, std::vector<bool>(static_cast<std::size_t>(mesh_.triangles.rows()), true));

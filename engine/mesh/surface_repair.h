@@ -3,7 +3,7 @@
 // In this order: pairs of triangles back to back go (a wall inside), then copies of triangles; triangles whose corners
 // lie in one line go, and the neighbour at their longest side is cut there (a T-joint); fins (triangles that hang on a
 // crowded edge by one side and are free at another) go; triangles turned against their neighbours are turned; holes are
-// closed: flat ones of any size, others of at most kLargestHole of the body's diagonal around; surfaces that run
+// closed: flat ones of any size, others of at most kMaxHole of the body's diagonal around; surfaces that run
 // together at a point or an edge are taken apart; open scraps beside a closed body go; each shell is turned outward,
 // those that lie in another inward, so that they become cavities.
 //
@@ -18,7 +18,7 @@
 
 namespace ringdown::mesh {
 
-inline constexpr double kLargestHole = 1.0;
+inline constexpr double kMaxHole = 1.0;
 
 struct RepairedSurface {
   TriangleMesh mesh;

@@ -51,7 +51,7 @@ Slopes inner_factors(int order, const std::array<Slope, 4>& l) {
 }
 
 Slopes all_functions(int order, const Eigen::Vector4d& barycentric) {
-  assert(order >= 1 && order <= kHighestOrder);
+  assert(order >= 1 && order <= kMaxOrder);
   std::array<Slope, 4> l;
   for (int i = 0; i < 4; ++i) l[i] = {barycentric[i], Eigen::Vector4d::Unit(i)};
   Slopes functions;

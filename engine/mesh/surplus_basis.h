@@ -27,7 +27,7 @@ constexpr int surplus_inside(int order) { return (order - 1) * (order - 2) / 2; 
 constexpr int surplus_per_element(int order) { return (order + 2) * (order + 3) / 2; }  // 6, 10, 15, 21
 
 // surplus_per_element values at a point: the six edges', then those of each face, then the inner ones.
-// 1 <= order <= kHighestOrder.
+// 1 <= order <= kMaxOrder.
 Eigen::VectorXd surplus_shape(int order, const Eigen::Vector4d& barycentric);
 
 // Their derivatives by (l1, l2, l3), a row each.

@@ -39,15 +39,15 @@ std::vector<Numerators> find_numerators(int order) {
 }
 
 const std::vector<Numerators>& numerators(int order) {
-  assert(order >= 1 && order <= kHighestOrder);
-  static const std::array<std::vector<Numerators>, kHighestOrder> all = {find_numerators(1), find_numerators(2),
-                                                                         find_numerators(3), find_numerators(4)};
+  assert(order >= 1 && order <= kMaxOrder);
+  static const std::array<std::vector<Numerators>, kMaxOrder> all = {find_numerators(1), find_numerators(2),
+                                                                     find_numerators(3), find_numerators(4)};
   return all[order - 1];
 }
 
 // P_n(l_i) and its derivative, for n = 0 ... order and the four coordinates.
 struct Factors {
-  double value[kHighestOrder + 1][4], slope[kHighestOrder + 1][4];
+  double value[kMaxOrder + 1][4], slope[kMaxOrder + 1][4];
 
   Factors(int order, const Eigen::Vector4d& l) {
     for (int i = 0; i < 4; ++i) {
@@ -65,7 +65,7 @@ struct Factors {
 }  // namespace
 
 int order_of_nodes(Eigen::Index nodes) {
-  for (int order = 1; order <= kHighestOrder; ++order) {
+  for (int order = 1; order <= kMaxOrder; ++order) {
     if (nodes_per_element(order) == nodes) return order;
   }
   return 0;

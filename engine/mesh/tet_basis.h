@@ -21,7 +21,7 @@
 
 namespace ringdown::mesh {
 
-inline constexpr int kHighestOrder = 4;
+inline constexpr int kMaxOrder = 4;
 
 inline constexpr std::array<std::array<int, 2>, 6> kTetEdges = {{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
 
@@ -36,10 +36,10 @@ constexpr int nodes_per_edge(int order) { return order - 1; }
 constexpr int nodes_per_face(int order) { return (order - 1) * (order - 2) / 2; }
 constexpr int nodes_inside(int order) { return (order - 1) * (order - 2) * (order - 3) / 6; }
 
-// The order whose elements have that many nodes; 0 when there is none up to kHighestOrder.
+// The order whose elements have that many nodes; 0 when there is none up to kMaxOrder.
 int order_of_nodes(Eigen::Index nodes);
 
-// In all of these 1 <= order <= kHighestOrder; n = nodes_per_element(order).
+// In all of these 1 <= order <= kMaxOrder; n = nodes_per_element(order).
 using Lattice = Eigen::Matrix<double, Eigen::Dynamic, 4>;
 using ReferenceGradient = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 

@@ -19,7 +19,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr std::uintmax_t kLargestFile = 4'000'000'000;
+constexpr std::uintmax_t kMaxFileBytes = 4'000'000'000;
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -167,7 +167,7 @@ Result<std::string> contents(const std::filesystem::path& path) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) return fail(path.string() + ": cannot be read (" + error.message() + ")");
-  if (size > kLargestFile) return fail(path.string() + ": is larger than 4 GB; mesh the object with fewer elements");
+  if (size > kMaxFileBytes) return fail(path.string() + ": is larger than 4 GB; mesh the object with fewer elements");
   std::ifstream file(path, std::ios::binary);
   std::string text(size, '\0');
   file.read(text.data(), static_cast<std::streamsize>(size));

@@ -56,7 +56,7 @@ Eigen::Matrix3d jacobian(const ElementNodes& nodes, const ReferenceGradient& ref
 }
 
 ElementNodes straight_nodes(int order, const Corners& corners) {
-  static const std::array<Lattice, kHighestOrder> lattices = {lattice(1), lattice(2), lattice(3), lattice(4)};
+  static const std::array<Lattice, kMaxOrder> lattices = {lattice(1), lattice(2), lattice(3), lattice(4)};
   return lattices[order - 1].lazyProduct(corners);
 }
 

@@ -13,7 +13,7 @@ namespace ringdown::mesh {
 
 using Corners = Eigen::Matrix<double, 4, 3>;
 // n x 3 [m], the nodes of one element in the order of tet_basis.h; kept without a heap.
-using ElementNodes = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, nodes_per_element(kHighestOrder), 3>;
+using ElementNodes = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, nodes_per_element(kMaxOrder), 3>;
 
 // d(x, y, z) / d(l1, l2, l3), rows l, columns x. For straight elements it is x_i - x_0 everywhere.
 Eigen::Matrix3d jacobian(const Corners& corners);

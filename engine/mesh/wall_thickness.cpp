@@ -29,7 +29,8 @@ double wall_thickness(const TriangleMesh& surface) {
     if (length < std::numeric_limits<double>::max()) lengths.push_back(length);
   }
   if (lengths.empty()) return 0;
-  const auto low = lengths.begin() + static_cast<std::ptrdiff_t>(kThinnestShare * static_cast<double>(lengths.size()));
+  const auto low =
+      lengths.begin() + static_cast<std::ptrdiff_t>(kMinThicknessShare * static_cast<double>(lengths.size()));
   std::nth_element(lengths.begin(), low, lengths.end());
   return *low;
 }

@@ -5,10 +5,10 @@
 
 namespace ringdown::mesh {
 
-inline constexpr double kThinnestShare = 0.05;  // of the area may be thinner
+inline constexpr double kMinThicknessShare = 0.05;  // of the area may be thinner
 
-// The thickness [m] below which kThinnestShare of the surface lies, measured from up to 2,000 places straight inward.
-// The surface is turned outward; holes matter little. 0 when no ray meets anything.
+// The thickness [m] below which kMinThicknessShare of the surface lies, measured from up to 2,000 places straight
+// inward. The surface is turned outward; holes matter little. 0 when no ray meets anything.
 double wall_thickness(const TriangleMesh& surface);
 
 }  // namespace ringdown::mesh

@@ -13,8 +13,8 @@ namespace ringdown::modal {
 namespace {
 
 constexpr const char* kExtension = "KHR_audio_rigid_bodies";
-constexpr std::size_t kMostTriangleCorners = 6 * kMostPoints;
-constexpr double kLargestNodeScale = 1000;  // and its inverse: a bell of a millimetre up to one of a kilometre
+constexpr std::size_t kMaxTriangleCorners = 6 * kMaxPoints;
+constexpr double kMaxNodeScale = 1000;  // and its inverse: a bell of a millimetre up to one of a kilometre
 
 std::vector<Vec3f> as_vectors(const std::vector<float>& values) {
   std::vector<Vec3f> vectors(values.size() / 3);
@@ -133,8 +133,7 @@ Result<Instance> find_instance(const Glb& glb) {
     if (!model) return fail(model.error());
     std::array<double, 3> scale{1, 1, 1};
     if (const auto read = read_array(nodes[i]["scale"], scale); !read) return fail(read.error());
-    if (scale[0] < 1 / kLargestNodeScale || scale[0] > kLargestNodeScale || scale[1] != scale[0] ||
-        scale[2] != scale[0]) {
+    if (scale[0] < 1 / kMaxNodeScale || scale[0] > kMaxNodeScale || scale[1] != scale[0] || scale[2] != scale[0]) {
       return nodes[i]["scale"].wrong("three equal numbers from 0.001 to 1000: an uneven scale needs a new bake");
     }
     Instance instance{.model = *model, .scale = scale[0], .name = nodes[i]["name"].text_or("")};
@@ -173,18 +172,18 @@ Result<void> scale_size(Bank& bank, double s, const std::string& name) {
 }
 
 Result<void> read_modes(const Glb& glb, const Field& model, Bank& bank) {
-  const auto frequencies = read_floats(glb, model["frequencies"], 1, kMostModes);
+  const auto frequencies = read_floats(glb, model["frequencies"], 1, kMaxModes);
   if (!frequencies) return fail(frequencies.error());
-  const auto decays = read_floats(glb, model["decayRates"], 1, kMostModes);
+  const auto decays = read_floats(glb, model["decayRates"], 1, kMaxModes);
   if (!decays) return fail(decays.error());
-  const auto positions = read_floats(glb, model["positions"], 3, kMostPoints);
+  const auto positions = read_floats(glb, model["positions"], 3, kMaxPoints);
   if (!positions) return fail(positions.error());
   const std::size_t modes = frequencies->size(), points = positions->size() / 3;
   if (decays->size() != modes) {
     return fail(model["decayRates"].path() + " has " + std::to_string(decays->size()) + " elements, expected " +
                 std::to_string(modes) + " as in frequencies");
   }
-  const auto shapes = read_floats(glb, model["shapes"], 3, kMostModes * kMostPoints);
+  const auto shapes = read_floats(glb, model["shapes"], 3, kMaxModes * kMaxPoints);
   if (!shapes) return fail(shapes.error());
   if (shapes->size() != 3 * modes * points) {
     return fail(model["shapes"].path() + " has " + std::to_string(shapes->size() / 3) + " elements, expected " +
@@ -205,7 +204,7 @@ Result<void> read_modes(const Glb& glb, const Field& model, Bank& bank) {
 
 Result<void> read_triangles(const Glb& glb, const Field& reference, Bank& bank) {
   if (!reference.present()) return {};
-  const auto corners = read_indices(glb, reference, kMostTriangleCorners);
+  const auto corners = read_indices(glb, reference, kMaxTriangleCorners);
   if (!corners) return fail(corners.error());
   if (corners->size() % 3 != 0) return reference.wrong("an accessor whose count is a multiple of 3");
   for (std::size_t i = 0; i < corners->size(); ++i) {
@@ -299,7 +298,7 @@ Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& nam
 }
 
 Result<Bank> read_bank(const std::filesystem::path& path) {
-  const auto text = read_whole_file(path, kLargestBankFile);
+  const auto text = read_whole_file(path, kMaxBankFileBytes);
   if (!text) return fail(text.error());
   return parse_bank(std::as_bytes(std::span(*text)), path.string());
 }
@@ -353,7 +352,7 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std
 }
 
 std::optional<std::string> sealed_input_hash(const std::filesystem::path& path) {
-  Result<std::string> text = read_whole_file(path, kLargestBankFile);
+  Result<std::string> text = read_whole_file(path, kMaxBankFileBytes);
   if (!text) return std::nullopt;
   const std::span<char> seal = seal_in(*text);
   if (seal.empty()) return std::nullopt;

@@ -14,9 +14,9 @@
 namespace ringdown::modal {
 
 // What a file may ask of us before anything is allocated.
-inline constexpr std::size_t kLargestBankFile = std::size_t{1} << 30;  // bytes
-inline constexpr std::size_t kMostModes = 16384;
-inline constexpr std::size_t kMostPoints = std::size_t{1} << 20;
+inline constexpr std::size_t kMaxBankFileBytes = std::size_t{1} << 30;  // bytes
+inline constexpr std::size_t kMaxModes = 16384;
+inline constexpr std::size_t kMaxPoints = std::size_t{1} << 20;
 
 // Reads a bank, ours or another tool's. Every size, index and number is checked first; an error names the file and the
 // field, and what was expected of it.

@@ -12,7 +12,7 @@ double bark(double frequency_hz) {
 double masked_below_db(double level_db, double frequency_hz, double bark_masker, double bark_masked) RINGDOWN_REALTIME {
   const double distance = bark_masked - bark_masker;
   const double slope = distance < 0 ? 27 : 24 + 230 / frequency_hz - 0.2 * level_db;
-  return level_db - std::max(kLeastMaskingOffset_db, 14.5 + bark_masker) - slope * std::abs(distance);
+  return level_db - std::max(kMinMaskingOffset_db, 14.5 + bark_masker) - slope * std::abs(distance);
 }
 
 }  // namespace ringdown::modal

@@ -16,7 +16,7 @@
 namespace ringdown::modal {
 
 // Beats below 1 dB.
-inline constexpr double kLeastMaskingOffset_db = 25;
+inline constexpr double kMinMaskingOffset_db = 25;
 
 // Critical-band rate in Bark, 0 ... 25 [Zwicker & Terhardt 1980, eq. 1].
 double bark(double frequency_hz);

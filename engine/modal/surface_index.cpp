@@ -8,7 +8,7 @@ namespace ringdown::modal {
 namespace {
 
 constexpr std::uint32_t kLeafSize = 4;
-constexpr std::size_t kDeepestTree = 48;  // halving 2^20 points or 2 * 2^20 triangles needs 20 levels
+constexpr std::size_t kMaxTree = 48;  // halving 2^20 points or 2 * 2^20 triangles needs 20 levels
 
 Vec3 lowest(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
 Vec3 highest(Vec3 a, Vec3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
@@ -116,7 +116,7 @@ SurfacePoint SurfaceIndex::nearest(Vec3 query) const RINGDOWN_REALTIME {
   const auto pending = [nodes, query](std::uint32_t n) RINGDOWN_REALTIME {
     return Pending{n, squared_distance_to_box(query, nodes[n].low, nodes[n].high)};
   };
-  std::array<Pending, kDeepestTree> stack;
+  std::array<Pending, kMaxTree> stack;
   std::size_t depth = 0;
   stack[depth++] = pending(0);
   SurfacePoint best;

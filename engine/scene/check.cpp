@@ -136,8 +136,8 @@ Result<void> check(const EmitterDescription& emitter) {
   if (auto ok = check(emitter.body); !ok) return ok;
   return Fields("emitter " + protocol::quoted(emitter.name))
       .number("every_s", emitter.every_s, range::kEvery_s)
-      .require(emitter.count >= 1 && emitter.count <= kMostBodies,
-               "its count is outside 1 ... " + std::to_string(kMostBodies))
+      .require(emitter.count >= 1 && emitter.count <= kMaxBodies,
+               "its count is outside 1 ... " + std::to_string(kMaxBodies))
       .require(!emitter.body.fixed, "what it lets in must be free to move")
       .result();
 }
@@ -169,12 +169,12 @@ Result<void> check(const JointDescription& joint, std::span<const BodyDescriptio
 
 Result<void> check(const SceneDescription& scene) {
   if (auto ok = check_world(scene); !ok) return ok;
-  if (auto ok = check_all(scene.objects, "objects", kMostObjects); !ok) return ok;
-  if (auto ok = check_all(scene.bodies, "bodies", kMostBodies); !ok) return ok;
-  if (auto ok = check_all(scene.statics, "statics", kMostStatics); !ok) return ok;
-  if (auto ok = check_all(scene.emitters, "emitters", kMostEmitters); !ok) return ok;
-  if (scene.joints.size() > kMostJoints) {
-    return fail("the scene has more than the " + std::to_string(kMostJoints) + " joints it may have");
+  if (auto ok = check_all(scene.objects, "objects", kMaxObjects); !ok) return ok;
+  if (auto ok = check_all(scene.bodies, "bodies", kMaxBodies); !ok) return ok;
+  if (auto ok = check_all(scene.statics, "statics", kMaxStatics); !ok) return ok;
+  if (auto ok = check_all(scene.emitters, "emitters", kMaxEmitters); !ok) return ok;
+  if (scene.joints.size() > kMaxJoints) {
+    return fail("the scene has more than the " + std::to_string(kMaxJoints) + " joints it may have");
   }
   for (const JointDescription& joint : scene.joints) {
     if (auto ok = check(joint, scene.bodies); !ok) return ok;
@@ -187,9 +187,9 @@ Result<void> check(const SceneDescription& scene) {
     if (auto ok = check_object(emitter.body, scene); !ok) return ok;
     count += emitter.count;
   }
-  if (count > kMostBodies) {
+  if (count > kMaxBodies) {
     return fail("the scene's bodies and emitters make " + std::to_string(count) + " bodies, more than the " +
-                std::to_string(kMostBodies) + " it may have");
+                std::to_string(kMaxBodies) + " it may have");
   }
   return {};
 }

@@ -70,7 +70,7 @@ Telling ContactLives::tell(BodyPair pair, const Life& life) const {
     const double way_m = std::min(length(life.over_first_m), length(life.over_second_m));
     telling.roll_m_s = std::min(way_m / (life.rolled * step_s_), life.most_roll);
   }
-  const double slowest = life.told ? 0.5 * kSlowestContact_m_s : kSlowestContact_m_s;
+  const double slowest = life.told ? 0.5 * kMinContactSpeed_m_s : kMinContactSpeed_m_s;
   telling.ends = !(life.weight > 0) || std::max(telling.slip_m_s, telling.roll_m_s) < slowest;
   return telling;
 }

@@ -25,7 +25,7 @@ inline constexpr double kTellEvery_s = 0.004;
 
 // A contact that slides and rolls more slowly than this rests, and is silent. One that is heard goes on down to half of
 // it, so that it does not flicker.
-inline constexpr double kSlowestContact_m_s = 0.01;
+inline constexpr double kMinContactSpeed_m_s = 0.01;
 
 using BodyPair = std::pair<BodyId, BodyId>;  // the smaller number first
 

@@ -19,11 +19,11 @@
 namespace ringdown::scene {
 
 // What a scene may ask for. Readers and World refuse more with a sentence.
-inline constexpr std::size_t kMostBodies = 1024;  // described, emitted and spawned together
-inline constexpr std::size_t kMostStatics = 64;
-inline constexpr std::size_t kMostJoints = 256;
-inline constexpr std::size_t kMostEmitters = 64;
-inline constexpr std::size_t kMostObjects = 256;
+inline constexpr std::size_t kMaxBodies = 1024;  // described, emitted and spawned together
+inline constexpr std::size_t kMaxStatics = 64;
+inline constexpr std::size_t kMaxJoints = 256;
+inline constexpr std::size_t kMaxEmitters = 64;
+inline constexpr std::size_t kMaxObjects = 256;
 
 // Closed ranges of a scene's numbers.
 namespace range {

@@ -85,8 +85,8 @@ Result<Hull> full_hull(std::span<const Vec3> points) {
 // The farthest points in evenly spread directions (a Fibonacci sphere).
 std::vector<Vec3> extremes(std::span<const Vec3> points) {
   std::vector<Vec3> kept;
-  for (std::size_t k = 0; k < kMostHullPoints; ++k) {
-    const double z = 1 - (2 * static_cast<double>(k) + 1) / kMostHullPoints, radius = std::sqrt(1 - z * z);
+  for (std::size_t k = 0; k < kMaxHullPoints; ++k) {
+    const double z = 1 - (2 * static_cast<double>(k) + 1) / kMaxHullPoints, radius = std::sqrt(1 - z * z);
     const double angle = static_cast<double>(k) * std::numbers::pi * (3 - std::sqrt(5.0));
     const Vec3 direction{radius * std::cos(angle), radius * std::sin(angle), z};
     const Vec3 farthest = *std::ranges::max_element(points, {}, [&](Vec3 p) { return dot(p, direction); });
@@ -99,7 +99,7 @@ std::vector<Vec3> extremes(std::span<const Vec3> points) {
 
 Result<Hull> convex_hull(std::span<const Vec3> points) {
   Result<Hull> hull = full_hull(points);
-  if (!hull || hull->points.size() <= kMostHullPoints) return hull;
+  if (!hull || hull->points.size() <= kMaxHullPoints) return hull;
   return full_hull(extremes(hull->points));
 }
 

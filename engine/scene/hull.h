@@ -17,9 +17,9 @@ struct Hull {
 };
 
 // A hull keeps at most this many corners. Collision cost grows with their number times that of the other body's.
-inline constexpr std::size_t kMostHullPoints = 128;
+inline constexpr std::size_t kMaxHullPoints = 128;
 
-// The hull of `points`; where it has more than kMostHullPoints corners, of the farthest points in that many evenly
+// The hull of `points`; where it has more than kMaxHullPoints corners, of the farthest points in that many evenly
 // spread directions: an inner hull whose corners still lie on the surface. Fails when the points lie in one plane.
 Result<Hull> convex_hull(std::span<const Vec3> points);
 

@@ -17,9 +17,9 @@ Vec3 to_vec3(const dReal* v) { return {v[0], v[1], v[2]}; }
 
 // Moves the deepest contact to the front, then each time the one farthest from those already chosen.
 std::size_t choose_contacts(std::span<dContactGeom> found) {
-  if (found.size() <= kMostContactsPerPair) return found.size();
+  if (found.size() <= kMaxContactsPerPair) return found.size();
   std::ranges::iter_swap(found.begin(), std::ranges::max_element(found, {}, &dContactGeom::depth));
-  for (std::size_t chosen = 1; chosen < kMostContactsPerPair; ++chosen) {
+  for (std::size_t chosen = 1; chosen < kMaxContactsPerPair; ++chosen) {
     const auto distance = [&](const dContactGeom& candidate) {
       double nearest = dInfinity;
       for (const dContactGeom& taken : found.first(chosen)) {
@@ -30,7 +30,7 @@ std::size_t choose_contacts(std::span<dContactGeom> found) {
     std::ranges::iter_swap(found.begin() + static_cast<std::ptrdiff_t>(chosen),
                            std::ranges::max_element(found.subspan(chosen), {}, distance));
   }
-  return kMostContactsPerPair;
+  return kMaxContactsPerPair;
 }
 
 // Every corner of the box below the plane, with the normal out of the plane. ODE finds at most four, and of a thin
@@ -114,7 +114,7 @@ std::size_t keep_true(std::span<dContactGeom> found, double part_s) {
     const double came_in_m = 2 * part_s * std::max(-dot(apart, normal), 0.0);
     return contact.depth > 2 * least.depth + kSunkIn_m + came_in_m;
   };
-  std::array<bool, kMostContactsFound> out{};
+  std::array<bool, kMaxContactsFound> out{};
   for (std::size_t k = 0; k < found.size(); ++k) out[k] = is_false(found[k]);
   std::size_t kept = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
@@ -127,7 +127,7 @@ int find_all(dxGeom* first, dxGeom* second, std::span<dContactGeom> found, doubl
   const int one = dGeomGetClass(first), two = dGeomGetClass(second);
   if (one == dBoxClass && two == dPlaneClass) return box_on_plane(first, second, found);
   if (one != dPlaneClass || two != dBoxClass) {
-    const int count = dCollide(first, second, kMostContactsFound, found.data(), sizeof(dContactGeom));
+    const int count = dCollide(first, second, kMaxContactsFound, found.data(), sizeof(dContactGeom));
     if (count > 0 && are_hulls(one, two)) return spread(found);
     if (one == dTriMeshClass && two == dTriMeshClass) {
       return static_cast<int>(keep_true(found.first(static_cast<std::size_t>(count)), part_s));

@@ -40,7 +40,7 @@ Rests::Rests(double step_s)
 void Rests::touch(const Touching& all, std::span<const Touch* const> touches) {
   Life& life = lives_[all.pair];
   life.touches = true;
-  life.moves = life.moves || all.slip_m_s > kSlowestContact_m_s || all.most_roll_m_s > kSlowestContact_m_s;
+  life.moves = life.moves || all.slip_m_s > kMinContactSpeed_m_s || all.most_roll_m_s > kMinContactSpeed_m_s;
   life.latest.pair = all.pair;
   life.latest.first = all.first, life.latest.second = all.second;
   life.latest.points.clear();

@@ -36,11 +36,11 @@ class SceneReader {
   Result<SceneDescription> read(TomlTable file) {
     if (auto table = file.table("scene")) read_settings(*table);
     if (auto table = file.table("contact")) read_contact(*table);
-    for_each(file, "object", kMostObjects, [this](TomlTable& table) { read_object(table); });
-    for_each(file, "static", kMostStatics, [this](TomlTable& table) { read_static(table); });
-    for_each(file, "body", kMostBodies, [this](TomlTable& table) { read_body(table); });
-    for_each(file, "emitter", kMostEmitters, [this](TomlTable& table) { read_emitter(table); });
-    for_each(file, "joint", kMostJoints, [this](TomlTable& table) { read_joint(table); });
+    for_each(file, "object", kMaxObjects, [this](TomlTable& table) { read_object(table); });
+    for_each(file, "static", kMaxStatics, [this](TomlTable& table) { read_static(table); });
+    for_each(file, "body", kMaxBodies, [this](TomlTable& table) { read_body(table); });
+    for_each(file, "emitter", kMaxEmitters, [this](TomlTable& table) { read_emitter(table); });
+    for_each(file, "joint", kMaxJoints, [this](TomlTable& table) { read_joint(table); });
     if (auto table = file.table("camera")) read_camera(*table);
     if (auto table = file.table("listener")) read_listener(*table);
     if (auto good = file.finish(); !good) return fail(good.error());
@@ -192,7 +192,7 @@ class SceneReader {
     emitter.name = emitter.body.name;
     table.require({"every_s", "count"});
     table.number("every_s", emitter.every_s, range::kEvery_s);
-    table.whole("count", emitter.count, 1, kMostBodies);
+    table.whole("count", emitter.count, 1, kMaxBodies);
     scene_.emitters.push_back(std::move(emitter));
   }
 

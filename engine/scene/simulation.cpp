@@ -58,7 +58,7 @@ struct JointsDeleter {
 constexpr std::size_t kFewAwake = 16;
 
 // Below this the direction of sliding is noise.
-constexpr double kLeastSlip_m_s = 1e-6;
+constexpr double kMinSlip_m_s = 1e-6;
 
 // A body that has hardly moved for this long sleeps until something touches it.
 // Means of a few steps tell a body that rests from one that moves: the iterative solver leaves it trembling.
@@ -68,14 +68,14 @@ constexpr int kSleepSamples = 10;
 // The exact solver's time grows with the cube of the contacts of a group, and a long step leaves more of it. The
 // iterative one's grows with their product with the iterations: many for a tower, which needs them, fewer for a heap.
 std::size_t most_exact_contacts(double step_s) {
-  return static_cast<std::size_t>(kMostExactContacts * std::cbrt(step_s / 0.002));
+  return static_cast<std::size_t>(kMaxExactContacts * std::cbrt(step_s / 0.002));
 }
 int iterations(std::size_t contacts) {
   return std::clamp(static_cast<int>(6000 / std::max<std::size_t>(contacts, 1)), 20, 60);
 }
 
 // Pushing overlapping bodies apart faster than this would make a bounce, and energy, out of nothing.
-constexpr double kFastestCorrection_m_s = 0.02;
+constexpr double kMaxCorrection_m_s = 0.02;
 
 // What contacts may make of energy in a step, as a share of what there is: rounding errors, and those of the solvers.
 constexpr double kGain = 1e-3, kGainByIteration = 1e-2;
@@ -147,10 +147,10 @@ struct Simulation::Ode {
   std::map<BodyId, Item> items;  // ordered, so that the same scene is solved in the same order
   std::vector<Joint> joints;     // declared after the bodies, which must go last
   Feelers feelers;
-  std::array<dContactGeom, kMostContactsFound> found{};
+  std::array<dContactGeom, kMaxContactsFound> found{};
   std::vector<Touch> touches;
-  std::vector<dJointFeedback> feedback{kMostContactsPerStep};              // of the touch of the same number, as are
-  std::vector<double> shares = std::vector<double>(kMostContactsPerStep);  // of their impulses
+  std::vector<dJointFeedback> feedback{kMaxContactsPerStep};              // of the touch of the same number, as are
+  std::vector<double> shares = std::vector<double>(kMaxContactsPerStep);  // of their impulses
   Groups groups;
   Loads loads;  // of the part before
   std::vector<Moved> moved;
@@ -168,7 +168,7 @@ Simulation::Ode::Ode(const SceneDescription& scene)
       seed(static_cast<unsigned long>(scene.seed)),
       most_exact(most_exact_contacts(scene.step_s)) {
   dWorldSetGravity(world.get(), scene.gravity_m_s2.x, scene.gravity_m_s2.y, scene.gravity_m_s2.z);
-  dWorldSetContactMaxCorrectingVel(world.get(), kFastestCorrection_m_s);
+  dWorldSetContactMaxCorrectingVel(world.get(), kMaxCorrection_m_s);
   dWorldSetContactSurfaceLayer(world.get(), kLayer_m);
   dWorldSetMaxAngularSpeed(world.get(), 2 * range::kSpin_rad_s.high);
   dWorldSetAutoDisableFlag(world.get(), 1);
@@ -178,7 +178,7 @@ Simulation::Ode::Ode(const SceneDescription& scene)
   dWorldSetAutoDisableLinearThreshold(world.get(), kSleepSpeed_m_s);
   dWorldSetAutoDisableAngularThreshold(world.get(), kSleepSpin_rad_s);
   dSpaceSetCleanup(space.get(), 0);
-  touches.reserve(kMostContactsPerStep);
+  touches.reserve(kMaxContactsPerStep);
 }
 
 void Simulation::Ode::collide(dxGeom* first, dxGeom* second) {
@@ -205,7 +205,7 @@ void Simulation::Ode::collide(dxGeom* first, dxGeom* second) {
 // How fast what is so deep in another is to be moved out.
 double Simulation::Ode::pushed(double depth_m) const {
   const double out_m_s = dWorldGetERP(world.get()) * std::max(depth_m - kLayer_m, 0.0) / part_s;
-  return std::min(out_m_s, kFastestCorrection_m_s);
+  return std::min(out_m_s, kMaxCorrection_m_s);
 }
 
 // Only what has come in within one part, against what does not fall along.
@@ -220,7 +220,7 @@ Landing Simulation::Ode::land(const Item& other, double restitution, double appr
 // The normal points into `body`. Friction acts along two directions, each up to its limit: with the first along the
 // sliding (or the rolling) they obey Coulomb's cone.
 void Simulation::Ode::add_contact(Item& body, Item& other, dContactGeom geom) {
-  if (touches.size() == kMostContactsPerStep) {
+  if (touches.size() == kMaxContactsPerStep) {
     ++dropped;
     return;
   }
@@ -237,8 +237,8 @@ void Simulation::Ode::add_contact(Item& body, Item& other, dContactGeom geom) {
   contact.surface.bounce = lands.bounce;
   contact.surface.bounce_vel = bounce_threshold_m_s;
   Vec3 along = approach - dot(approach, normal) * normal;
-  if (length(along) < kLeastSlip_m_s) along = cross(of_body.spin_rad_s - of_other.spin_rad_s, normal);
-  if (const double speed = length(along); speed >= kLeastSlip_m_s) {
+  if (length(along) < kMinSlip_m_s) along = cross(of_body.spin_rad_s - of_other.spin_rad_s, normal);
+  if (const double speed = length(along); speed >= kMinSlip_m_s) {
     contact.surface.mode |= dContactFDir1;
     for (int k = 0; const double part : {along.x, along.y, along.z}) contact.fdir1[k++] = part / speed;
   }
@@ -444,7 +444,7 @@ std::span<const Touch> Simulation::step() {
   for (auto& [id, item] : ode.items) item.was_awake = item.awake();
   for (int k = 1; ode.found_s < ode.step_s; ++k) {
     const double rest_s = ode.step_s - ode.found_s;
-    ode.part_s = k < kMostParts ? ode.next_part(rest_s) : rest_s;
+    ode.part_s = k < kMaxParts ? ode.next_part(rest_s) : rest_s;
     ode.do_part();
     ode.found_s = ode.part_s == rest_s ? ode.step_s : ode.found_s + ode.part_s;
   }

@@ -21,15 +21,15 @@ namespace ringdown::scene {
 using BodyId = std::uint32_t;
 inline constexpr BodyId kFirstStatic = 1u << 31;
 
-inline constexpr std::size_t kMostContactsPerPair = 4;  // the deepest, and those farthest from each other
-inline constexpr std::size_t kMostContactsPerStep = 4096;
+inline constexpr std::size_t kMaxContactsPerPair = 4;  // the deepest, and those farthest from each other
+inline constexpr std::size_t kMaxContactsPerStep = 4096;
 
 // With more contact points among bodies that touch each other an iterative solver takes over, for all. At a step of 2
 // ms; grows with the cube root of the step.
-inline constexpr double kMostExactContacts = 52;
+inline constexpr double kMaxExactContacts = 52;
 
 // A step is cut into at most this many parts, so that nothing flies through what it should hit.
-inline constexpr int kMostParts = 16;
+inline constexpr int kMaxParts = 16;
 
 // Where a body is and how it moves. World axes; the position is that of the centre of mass.
 struct Motion {
@@ -87,7 +87,7 @@ class Simulation {
   // Nothing moves, and nothing will by itself: a step would change nothing.
   [[nodiscard]] bool asleep() const;
 
-  // Contact points beyond kMostContactsPerStep, left out of the last step: their bodies sink in until others part.
+  // Contact points beyond kMaxContactsPerStep, left out of the last step: their bodies sink in until others part.
   [[nodiscard]] std::size_t dropped_contacts() const;
 
  private:

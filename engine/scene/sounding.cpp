@@ -12,7 +12,7 @@ namespace ringdown::scene {
 namespace {
 
 // A strike weaker than this (a grain of sand from 1 mm) is not worth an event.
-constexpr double kSmallestImpulse_ns = 1e-9;
+constexpr double kMinImpulse_ns = 1e-9;
 
 BodyPair pair_of(const Touch& touch) { return std::minmax(touch.body, touch.other); }
 
@@ -69,7 +69,7 @@ Sounding::Sounding(const SceneDescription& scene)
       bounce_threshold_m_s_(bounce_threshold(scene)),
       clicks_(scene.contact.clicks),
       rest_damping_s_m_(scene.contact.rest_damping_s_m) {
-  events_.reserve(kMostEventsPerStep);
+  events_.reserve(kMaxEventsPerStep);
 }
 
 void Sounding::set_side(BodyId id, Side side) {
@@ -128,7 +128,7 @@ std::span<const protocol::Event> Sounding::hear(std::span<const Touch> touches, 
 
 bool Sounding::is_blow(const Touch& touch) const {
   return touch.approach_m_s > bounce_threshold_m_s_ && is_finite(touch.impulse_ns) &&
-         length(touch.impulse_ns) >= kSmallestImpulse_ns;
+         length(touch.impulse_ns) >= kMinImpulse_ns;
 }
 
 void Sounding::hear_pair(BodyPair pair, std::span<const Touch* const> touches, double now_s, const Timeline& timeline) {
@@ -211,7 +211,7 @@ void Sounding::lean(protocol::ObjectNumber object, protocol::Frame frame) {
   }
   std::ranges::stable_sort(all, std::greater{}, &modal::ContactDamping::damping_ns_m);
   Leaning leaning{.frame = frame, .object = object, .touches = {}};
-  for (std::uint32_t i = 0; i < protocol::kMostTouches - protocol::kFirstSceneTouch; ++i) {
+  for (std::uint32_t i = 0; i < protocol::kMaxTouches - protocol::kFirstSceneTouch; ++i) {
     leaning.touches[protocol::kFirstSceneTouch + i] = i < all.size() ? all[i] : modal::ContactDamping{};
   }
   leanings_.push_back(std::move(leaning));
@@ -290,7 +290,7 @@ std::uint32_t Sounding::free_number(protocol::ObjectNumber object) const {
 }
 
 void Sounding::push(const protocol::Event& event) {
-  if (events_.size() == kMostEventsPerStep) {
+  if (events_.size() == kMaxEventsPerStep) {
     ++dropped_;
     return;
   }

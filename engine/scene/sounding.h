@@ -21,7 +21,7 @@
 
 namespace ringdown::scene {
 
-inline constexpr std::size_t kMostEventsPerStep = 512;  // strikes, clicks and tellings of lasting contacts
+inline constexpr std::size_t kMaxEventsPerStep = 512;  // strikes, clicks and tellings of lasting contacts
 
 // Where scene time lies in frames.
 struct Timeline {
@@ -58,7 +58,7 @@ class Sounding {
   // The objects on which something else lies since that step than before.
   [[nodiscard]] std::span<const Leaning> leanings() const { return leanings_; }
 
-  [[nodiscard]] std::size_t dropped() const { return dropped_; }  // of that step, beyond kMostEventsPerStep
+  [[nodiscard]] std::size_t dropped() const { return dropped_; }  // of that step, beyond kMaxEventsPerStep
 
   // No contact goes on: without touches there would be nothing to tell.
   [[nodiscard]] bool quiet() const { return lives_.size() == 0 && look_again_.empty() && !rests_.pending(); }

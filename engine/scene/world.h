@@ -36,9 +36,9 @@ namespace ringdown::scene {
 
 // A longer step is done in equal parts no longer than this, as if the scene had that step: towers then stand and
 // bounces come out right at every step. A step is only how often a World reports.
-inline constexpr double kLongestPart_s = 1.0 / 480;
+inline constexpr double kMaxPart_s = 1.0 / 480;
 
-inline constexpr int kMostResets = 3;  // a body that has to be reset more often is removed
+inline constexpr int kMaxResets = 3;  // a body that has to be reset more often is removed
 
 // An object as the mixer knows it: what a body named after it rings.
 struct SoundingObject {
@@ -52,8 +52,8 @@ struct StepReport {
   std::span<const protocol::Event> events;  // strikes, clicks, contacts that last; frames never fall, between steps too
   std::span<const Leaning> leanings;        // objects on which something else lies than before
   std::span<const std::string> notices;     // sentences for the user: a body was reset, removed, ...
-  std::size_t dropped_events = 0;           // beyond kMostEventsPerStep in one part of the step
-  std::size_t dropped_contacts = 0;         // beyond kMostContactsPerStep in one part of it
+  std::size_t dropped_events = 0;           // beyond kMaxEventsPerStep in one part of the step
+  std::size_t dropped_contacts = 0;         // beyond kMaxContactsPerStep in one part of it
 };
 
 // A body for a viewer or a test. The pose is that of the object's frame: a bank's mesh drawn with it is in place.

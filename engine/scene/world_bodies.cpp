@@ -17,7 +17,7 @@ bool is_real(const Motion& m) {
 }
 
 // As many equal parts as it takes; a rounding error more is no reason for another.
-int parts_of(double step_s) { return std::max(1, static_cast<int>(std::ceil(step_s / kLongestPart_s - 1e-9))); }
+int parts_of(double step_s) { return std::max(1, static_cast<int>(std::ceil(step_s / kMaxPart_s - 1e-9))); }
 
 SceneDescription with_step(SceneDescription scene, double step_s) {
   scene.step_s = step_s;
@@ -52,8 +52,8 @@ modal::MaterialScale World::Impl::scale_of(const std::string& object) const {
 
 Result<BodyId> World::Impl::add(BodyDescription description, bool spawned) {
   const std::string who = "body " + protocol::quoted(description.name) + ": ";
-  if (bodies.size() >= kMostBodies) {
-    return fail(who + "the scene is full with " + std::to_string(kMostBodies) + " bodies; clear some first");
+  if (bodies.size() >= kMaxBodies) {
+    return fail(who + "the scene is full with " + std::to_string(kMaxBodies) + " bodies; clear some first");
   }
   if (const auto ok = check(description); !ok) return fail(ok.error());
   const SoundingObject* object = description.object.empty() ? nullptr : find({description.object, {}});
@@ -151,7 +151,7 @@ void World::Impl::check_bodies() {
     if (is_real(body.motion)) {
       notices.push_back(who + " left the scene and was removed");
       gone.push_back(id);
-    } else if (body.resets++ < kMostResets) {
+    } else if (body.resets++ < kMaxResets) {
       notices.push_back(who + " moved beyond what is real and was put back to its start, at rest");
       body.description.velocity_m_s = body.description.spin_rad_s = {};
       body.motion = body.start();

@@ -7,8 +7,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kMostNodes = std::numeric_limits<std::int32_t>::max() / 3;
-constexpr std::int64_t kMostEntries = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kMaxNodes = std::numeric_limits<std::int32_t>::max() / 3;
+constexpr std::int64_t kMaxEntries = std::numeric_limits<std::int32_t>::max();
 
 template <class T>
 void put(std::ofstream& file, std::span<const T> values) {
@@ -54,8 +54,8 @@ Result<void> write_whole(const fs::path& path, const std::function<void(std::ofs
 }
 
 bool sane(const ProblemHeader& h) {
-  return h.nodes > 0 && h.nodes <= kMostNodes && h.stiffness_entries >= 0 && h.stiffness_entries <= kMostEntries &&
-         h.mass_entries >= 0 && h.mass_entries <= kMostEntries && h.highest_lambda > 0 && h.tolerance > 0 &&
+  return h.nodes > 0 && h.nodes <= kMaxNodes && h.stiffness_entries >= 0 && h.stiffness_entries <= kMaxEntries &&
+         h.mass_entries >= 0 && h.mass_entries <= kMaxEntries && h.highest_lambda > 0 && h.tolerance > 0 &&
          h.most_modes > 0;
 }
 

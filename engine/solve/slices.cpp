@@ -23,7 +23,7 @@ constexpr double kBackwardError = 1e-10;  // of a solve; above, the shift moves
 constexpr double kStep = 3e-4;            // relative, by which it moves
 constexpr double kGap = 1e-5;             // relative, between the last eigenvalue of a slice and the next one's first
 constexpr int kDenseAtMost = 4000;        // unknowns; below, dense algebra is quicker when a quarter of all is wanted
-constexpr int kMostRepairs = 12;          // between two counts
+constexpr int kMaxRepairs = 12;           // between two counts
 
 struct Count {
   double lambda;
@@ -178,7 +178,7 @@ Result<void> Slicer::slice() {
 // Looks for what is missing between two counts, with what was found locked out.
 Result<void> Slicer::repair(const Count& low, const Count& high) {
   const int wanted = high.below - low.below;
-  for (int attempt = 0; modes_.count(low.lambda, high.lambda) < wanted && attempt < kMostRepairs; ++attempt) {
+  for (int attempt = 0; modes_.count(low.lambda, high.lambda) < wanted && attempt < kMaxRepairs; ++attempt) {
     const double bottom = std::max(0.0, low.lambda), share = 0.1 + 0.8 * std::fmod(0.5 + 0.382 * attempt, 1.0);
     const Result<Count> shift = factor(bottom + share * (high.lambda - bottom));
     if (!shift) return fail(shift.error());

@@ -11,7 +11,7 @@ namespace ringdown::solve {
 namespace {
 
 constexpr int kFirstRequest = 40;  // modes
-constexpr int kMostRestarts = 200;
+constexpr int kMaxRestarts = 200;
 
 // (K - sigma M)^-1, as Spectra wants it.
 class ShiftedInverse {
@@ -81,9 +81,9 @@ Result<Eigenmodes> iterate(const fem::System& system, const EigenRequest& reques
     inverse.expect(basis + wanted);
     Solver solver(inverse, mass, wanted, basis, sigma);
     solver.init();
-    solver.compute(Spectra::SortRule::LargestMagn, kMostRestarts, request.tolerance, Spectra::SortRule::SmallestAlge);
+    solver.compute(Spectra::SortRule::LargestMagn, kMaxRestarts, request.tolerance, Spectra::SortRule::SmallestAlge);
     if (solver.info() != Spectra::CompInfo::Successful) {
-      return fail("the modes did not converge in " + std::to_string(kMostRestarts) +
+      return fail("the modes did not converge in " + std::to_string(kMaxRestarts) +
                   " restarts; look for needle-like elements in the mesh");
     }
     Eigenmodes modes;

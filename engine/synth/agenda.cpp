@@ -9,7 +9,7 @@ namespace ringdown::synth {
 std::size_t Agenda::accept(protocol::Frame now) RINGDOWN_REALTIME {
   std::size_t late = 0;
   for (Ring& ring : rings_) {
-    for (; count_ < kMostPendingEvents; ring.pop()) {
+    for (; count_ < kMaxPendingEvents; ring.pop()) {
       const protocol::Event* event = ring.front();
       if (!event) break;
       late += take(*event, now);

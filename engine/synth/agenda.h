@@ -13,8 +13,8 @@
 namespace ringdown::synth {
 
 // Capacities. Past the first, push() returns false; past the second, events stay in their rings.
-inline constexpr std::size_t kQueueCapacity = 4096;      // events one producer may have in its ring
-inline constexpr std::size_t kMostPendingEvents = 8192;  // events waiting for their frame
+inline constexpr std::size_t kQueueCapacity = 4096;     // events one producer may have in its ring
+inline constexpr std::size_t kMaxPendingEvents = 8192;  // events waiting for their frame
 
 enum class Producer : std::size_t { control, worker, scene, midi, kCount };
 
@@ -58,7 +58,7 @@ class Agenda {
 
   std::array<Ring, static_cast<std::size_t>(Producer::kCount)> rings_{Ring(kQueueCapacity), Ring(kQueueCapacity),
                                                                       Ring(kQueueCapacity), Ring(kQueueCapacity)};
-  std::vector<Pending> heap_ = std::vector<Pending>(kMostPendingEvents);  // earliest first
+  std::vector<Pending> heap_ = std::vector<Pending>(kMaxPendingEvents);  // earliest first
   std::size_t count_ = 0;
   std::uint64_t next_order_ = 0;
 };

@@ -11,13 +11,13 @@ namespace {
 constexpr double kLearnUp = 0.3, kLearnDown = 0.03;
 constexpr int kFirstLessons = 40;  // which are averaged
 // A chunk in which the thread did not run says little of what work costs: beyond kUnconfirmed only two on end are
-// believed, and no more than kMostSurprise.
-constexpr double kUnconfirmed = 1.2, kMostSurprise = 2;
+// believed, and no more than kMaxSurprise.
+constexpr double kUnconfirmed = 1.2, kMaxSurprise = 2;
 constexpr double kLeast_ns = 0.01;
-constexpr double kLeastUnits = 500;  // less work tells only that units do not cost as much as was thought
-constexpr double kLeastLook = 200;   // modes
-constexpr double kMostLooking = 0.3, kMostVisiting = 0.5;  // of a chunk's time
-constexpr double kLeastWorking = 0.2;                      // of what a chunk took without looking
+constexpr double kMinUnits = 500;  // less work tells only that units do not cost as much as was thought
+constexpr double kMinLook = 200;   // modes
+constexpr double kMaxLooking = 0.3, kMaxVisiting = 0.5;  // of a chunk's time
+constexpr double kMinWorking = 0.2;                      // of what a chunk took without looking
 
 }  // namespace
 
@@ -47,7 +47,7 @@ void Budget::open_chunk(std::size_t frames, std::size_t visits) RINGDOWN_REALTIM
   chunk_end_ns_ = chunk_begin_ns_ + static_cast<std::int64_t>(ours_ns);
   chunk_ns_ = frame_ns_ * static_cast<double>(frames);
   looked_ns_ = 0;
-  visits_ns_ = std::min(static_cast<double>(visits) * visit_ns_, kMostVisiting * chunk_ns_);
+  visits_ns_ = std::min(static_cast<double>(visits) * visit_ns_, kMaxVisiting * chunk_ns_);
   usual_ = ((1 - looking_) * chunk_ns_ - visits_ns_) / unit_ns_;
   frames_left_ -= std::min(frames, frames_left_);
 }
@@ -55,7 +55,7 @@ void Budget::open_chunk(std::size_t frames, std::size_t visits) RINGDOWN_REALTIM
 void Budget::looked(std::int64_t begin_ns, double modes) RINGDOWN_REALTIME {
   if (!limited_) return;
   looked_ns_ = static_cast<double>(clock_.now_ns() - begin_ns);
-  if (modes >= kLeastLook) learn(look_ns_, looked_ns_ / modes, kTypicalLook_ns);
+  if (modes >= kMinLook) learn(look_ns_, looked_ns_ / modes, kTypicalLook_ns);
 }
 
 void Budget::visited(std::int64_t begin_ns) RINGDOWN_REALTIME {
@@ -64,21 +64,21 @@ void Budget::visited(std::int64_t begin_ns) RINGDOWN_REALTIME {
 
 // Of many small times the mean counts, but not one in which the thread did not run.
 void Budget::learn(double& price_ns, double took_ns, double typical_ns) RINGDOWN_REALTIME {
-  const double believed_ns = std::min(took_ns, kMostSurprise * std::max(price_ns, typical_ns));
+  const double believed_ns = std::min(took_ns, kMaxSurprise * std::max(price_ns, typical_ns));
   price_ns = std::max(price_ns + kLearnDown * (believed_ns - price_ns), kLeast_ns);
 }
 
 void Budget::close_chunk(double units) RINGDOWN_REALTIME {
   if (!limited_) return;
-  looking_ += kLearnDown * (std::min(looked_ns_ / chunk_ns_, kMostLooking) - looking_);
+  looking_ += kLearnDown * (std::min(looked_ns_ / chunk_ns_, kMaxLooking) - looking_);
   const double all_ns = static_cast<double>(clock_.now_ns() - chunk_begin_ns_) - looked_ns_;
-  const double took_ns = std::max(all_ns - visits_ns_, kLeastWorking * all_ns) / std::max(units, kLeastUnits);
+  const double took_ns = std::max(all_ns - visits_ns_, kMinWorking * all_ns) / std::max(units, kMinUnits);
   const double before_ns = unit_ns_;
-  if (units < kLeastUnits) {
+  if (units < kMinUnits) {
     unit_ns_ -= kLearnDown * std::max(unit_ns_ - std::max(took_ns, kTypical_ns), 0.0);
   } else {
     const double confirmed_ns = std::min(took_ns, std::max(took_before_ns_, kUnconfirmed * unit_ns_));
-    const double change = std::min(confirmed_ns, kMostSurprise * unit_ns_) - unit_ns_;
+    const double change = std::min(confirmed_ns, kMaxSurprise * unit_ns_) - unit_ns_;
     const double used = std::min(all_ns / chunk_ns_, 1.0);
     const double learn = change > 0 ? std::max(kLearnUp * used * used, kLearnDown) : kLearnDown;
     const double weight = std::max(learn, 1 / static_cast<double>(learnt_ + 1));

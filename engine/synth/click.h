@@ -20,9 +20,9 @@
 
 namespace ringdown::synth {
 
-inline constexpr std::size_t kMostClicks = 64;  // at a time; more are not heard
+inline constexpr std::size_t kMaxClicks = 64;  // at a time; more are not heard
 inline constexpr double kSpeedOfSound_m_s = 343;
-inline constexpr double kLargestClick_m = 3;  // a larger body's click lies below what is heard
+inline constexpr double kMaxClickRadius_m = 3;  // a larger body's click lies below what is heard
 
 // What an object's click is like.
 struct ClickShape {
@@ -65,7 +65,7 @@ class Clicks {
   [[nodiscard]] std::size_t size() const RINGDOWN_REALTIME { return count_; }
   [[nodiscard]] One& operator[](std::size_t i) RINGDOWN_REALTIME { return all_.data()[i]; }
   [[nodiscard]] bool add(const One& one) RINGDOWN_REALTIME {
-    if (count_ == kMostClicks) return false;
+    if (count_ == kMaxClicks) return false;
     all_.data()[count_++] = one;
     return true;
   }
@@ -83,7 +83,7 @@ class Clicks {
   void clear() { count_ = 0; }
 
  private:
-  std::array<One, kMostClicks> all_;
+  std::array<One, kMaxClicks> all_;
   std::size_t count_ = 0;
 };
 

@@ -19,7 +19,7 @@ namespace ringdown::synth {
 
 class Crew {
  public:
-  static constexpr std::size_t kMostItems = 1 << 16;
+  static constexpr std::size_t kMaxItems = 1 << 16;
 
   // `work(item, who)` does an item; who is 0 on the audio thread and 1 ... helpers on the others. It lives as long as
   // the crew, and allocates, locks and throws nothing. [worker]
@@ -28,7 +28,7 @@ class Crew {
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
 
-  // Has items 0 ... count - 1 done, count <= kMostItems, and returns when all are. [audio]
+  // Has items 0 ... count - 1 done, count <= kMaxItems, and returns when all are. [audio]
   void run(std::size_t count) RINGDOWN_REALTIME;
 
  private:

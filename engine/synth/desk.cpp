@@ -27,7 +27,7 @@ MomentSums* Desk::moments(std::size_t channel) RINGDOWN_REALTIME {
 }
 
 void Desk::take(const Desk& other) RINGDOWN_REALTIME {
-  for (std::size_t c = 0; c < kMostChannels; ++c) {
+  for (std::size_t c = 0; c < kMaxChannels; ++c) {
     const Channel& from = other.channels_.data()[c];
     if (contains(other.has_samples_, c)) add_scaled(from.samples.data(), 1, samples(c), frames_);
     if (!contains(other.has_moments_, c)) continue;

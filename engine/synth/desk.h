@@ -15,7 +15,7 @@ namespace ringdown::synth {
 
 // Some of the channels: bit c stands for channel c.
 using ChannelSet = std::uint64_t;
-inline constexpr std::size_t kMostChannels = 64;
+inline constexpr std::size_t kMaxChannels = 64;
 
 constexpr bool contains(ChannelSet set, std::size_t channel) { return (set >> channel & 1) != 0; }
 constexpr ChannelSet only(std::size_t channel) { return ChannelSet{1} << channel; }
@@ -43,7 +43,7 @@ class Desk {
     std::array<double, kChunkFrames> samples{};
     MomentSums moments;
   };
-  std::vector<Channel> channels_ = std::vector<Channel>(kMostChannels);
+  std::vector<Channel> channels_ = std::vector<Channel>(kMaxChannels);
   ChannelSet has_samples_ = 0, has_moments_ = 0;
   std::size_t frames_ = 0;
   MomentSynthesis synthesis_;

@@ -25,7 +25,7 @@ HWY_INLINE Vec drive_vectors(const ModeArrays& modes, std::size_t first, std::sp
   const Tag tag;
   const std::size_t lanes = hn::Lanes(tag);
   Complex z[kVectors], p[kVectors];
-  Vec amplitude[kMostForces][kVectors];
+  Vec amplitude[kMaxForces][kVectors];
   RINGDOWN_UNROLL
   for (std::size_t v = 0; v < kVectors; ++v) {
     z[v] = load_states(modes, first + v * lanes);

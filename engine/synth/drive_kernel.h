@@ -17,7 +17,7 @@ struct Force {
   const double* amplitudes = nullptr;  // what an impulse of 1 gives each mode (ModeTable::strike), 64-byte aligned
   const double* samples = nullptr;     // the impulse in each frame
 };
-inline constexpr std::size_t kMostForces = 4;  // on one object at a time
+inline constexpr std::size_t kMaxForces = 4;  // on one object at a time
 
 // Adds to out[0, frames) the sum of the first `columns` modes, a multiple of kModePadding, and moves them on by
 // `frames`

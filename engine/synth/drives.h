@@ -18,23 +18,23 @@
 
 namespace ringdown::synth {
 
-inline constexpr std::size_t kMostDrives = 32;           // at a time; more strikes are shaped by their spectrum
-inline constexpr std::size_t kMostDrivenColumns = 4096;  // of an object's modes; with more, too
-inline constexpr std::size_t kMostInputs = 4;
-inline constexpr double kShortestPulse_frames = 4;  // what is shorter is no pulse in samples
+inline constexpr std::size_t kMaxDrives = 32;           // at a time; more strikes are shaped by their spectrum
+inline constexpr std::size_t kMaxDrivenColumns = 4096;  // of an object's modes; with more, too
+inline constexpr std::size_t kMaxInputs = 4;
+inline constexpr double kMinPulse_frames = 4;  // what is shorter is no pulse in samples
 
 // Where a block is read: null or a sample for each frame.
-using Inputs = std::array<const float*, kMostInputs>;
+using Inputs = std::array<const float*, kMaxInputs>;
 
 // A contact: a half-sine of unit impulse that begins at frame 0.
 class HalfSine {
  public:
   HalfSine() = default;
-  explicit HalfSine(double frames) RINGDOWN_REALTIME;  // >= kShortestPulse_frames
+  explicit HalfSine(double frames) RINGDOWN_REALTIME;  // >= kMinPulse_frames
 
   // The same contact in frames of another length. [worker]
   [[nodiscard]] HalfSine stretched(double ratio) const {
-    return HalfSine(frames_ * ratio > kShortestPulse_frames ? frames_ * ratio : kShortestPulse_frames);
+    return HalfSine(frames_ * ratio > kMinPulse_frames ? frames_ * ratio : kMinPulse_frames);
   }
 
   // The impulse in frames first ... first + count - 1; the sum over all is 1.
@@ -49,10 +49,10 @@ class HalfSine {
 
 // [audio, after construction]
 struct Drive {
-  AlignedArray<double> amplitudes = aligned_zeros<double>(kMostDrivenColumns);  // of its object's modes
-  protocol::Event place;                                                        // where, and what an impulse of 1 is
-  std::optional<std::size_t> input;                                             // whose samples are the force; else
-  std::optional<std::uint32_t> contact;                                         // the number of what rubs; else a pulse
+  AlignedArray<double> amplitudes = aligned_zeros<double>(kMaxDrivenColumns);  // of its object's modes
+  protocol::Event place;                                                       // where, and what an impulse of 1 is
+  std::optional<std::size_t> input;                                            // whose samples are the force; else
+  std::optional<std::uint32_t> contact;                                        // the number of what rubs; else a pulse
   Rubbing rubbing;
   HalfSine pulse;
   protocol::Frame end = 0;  // it is cut off there
@@ -82,9 +82,9 @@ class DrivePool {
   [[nodiscard]] const Drive& operator[](std::uint8_t drive) const RINGDOWN_REALTIME { return drives_[drive]; }
 
  private:
-  static_assert(kMostDrives == 32);
+  static_assert(kMaxDrives == 32);
   std::uint32_t free_ = ~0u;
-  std::array<Drive, kMostDrives> drives_;
+  std::array<Drive, kMaxDrives> drives_;
 };
 
 }  // namespace ringdown::synth

@@ -34,8 +34,8 @@ void Mixer::set_threads(std::size_t threads) {
 }
 
 bool Mixer::install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice, Install how, Frame at) {
-  assert(object < kMostObjects && voice);
-  if (voices_alive_ == kMostVoices) return false;
+  assert(object < kMaxObjects && voice);
+  if (voices_alive_ == kMaxVoices) return false;
   const auto kind = how == Install::replace ? Order::Kind::replace : Order::Kind::retune;
   found_family(object, voice->shared_table());
   if (!orders_.push({.kind = kind, .object = object, .at = at, .voice = voice.get()})) return false;
@@ -46,12 +46,12 @@ bool Mixer::install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice,
 }
 
 bool Mixer::remove(protocol::ObjectNumber object) {
-  assert(object < kMostObjects);
+  assert(object < kMaxObjects);
   return orders_.push({.kind = Order::Kind::remove, .object = object});
 }
 
 bool Mixer::assign(protocol::ObjectNumber object, std::optional<std::size_t> bus) {
-  assert(object < kMostObjects && (!bus || *bus < kMostBuses));
+  assert(object < kMaxObjects && (!bus || *bus < kMaxBuses));
   return orders_.push({.kind = Order::Kind::assign, .object = object, .channel = bus ? kFirstBus + *bus : kNoBus});
 }
 
@@ -78,7 +78,7 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   Place& place = places_.data()[0];
   place.ringing_voices = place.ringing_modes = place.hidden_modes = 0;
   for (std::size_t done = 0; done < frames;) {
-    for (std::size_t i = 0; i < kMostInputs; ++i) inputs_[i] = inputs[i] ? inputs[i] + done : nullptr;
+    for (std::size_t i = 0; i < kMaxInputs; ++i) inputs_[i] = inputs[i] ? inputs[i] + done : nullptr;
     accept_orders(now_);
     std::size_t chunk = wake_inputs(frames - done);
     if (const Order* const next = orders_.front()) chunk = std::min(chunk, static_cast<std::size_t>(next->at - now_));
@@ -285,7 +285,7 @@ void Mixer::retire_silent_tails(Object& object) RINGDOWN_REALTIME {
     if (last) reset(object);  // before the worker learns that the number is free again
     *link = next;
     [[maybe_unused]] const bool handed_over = retired_.push({number_of(object), voice});
-    assert(handed_over);  // the ring holds kMostVoices, and install() allows no more
+    assert(handed_over);  // the ring holds kMaxVoices, and install() allows no more
   }
 }
 

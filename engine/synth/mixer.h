@@ -43,12 +43,12 @@
 namespace ringdown::synth {
 
 // Capacities. Past one, a push or install returns false and nothing changes.
-inline constexpr std::size_t kMostObjects = 1024;
-inline constexpr std::size_t kMostVoices = 4096;              // playing, ringing out or waiting for collect()
-inline constexpr std::size_t kMostEventsPerChunk = 512;       // more in one chunk happen up to kChunkFrames later
-inline constexpr std::size_t kMostBuses = kMostChannels - 2;  // outputs beside the stereo mix
+inline constexpr std::size_t kMaxObjects = 1024;
+inline constexpr std::size_t kMaxVoices = 4096;             // playing, ringing out or waiting for collect()
+inline constexpr std::size_t kMaxEventsPerChunk = 512;      // more in one chunk happen up to kChunkFrames later
+inline constexpr std::size_t kMaxBuses = kMaxChannels - 2;  // outputs beside the stereo mix
 
-inline constexpr std::size_t kFewestToMask = 2048;  // modes that ring; with fewer none is hidden by set_masking()
+inline constexpr std::size_t kMinModesToMask = 2048;  // modes that ring; with fewer none is hidden by set_masking()
 
 class Mixer {
  public:
@@ -76,7 +76,7 @@ class Mixer {
   [[nodiscard]] std::size_t latency_frames() const { return limiter_ ? limiter_->delay_frames() : 0; }
 
   // Hands an event over. False when the producer's ring is full: the event was not taken. The event's object is
-  // < kMostObjects and its numbers are finite. [the producer's thread]
+  // < kMaxObjects and its numbers are finite. [the producer's thread]
   [[nodiscard]] bool push(Producer producer, const protocol::Event& event) RINGDOWN_REALTIME {
     return agenda_.push(producer, event);
   }
@@ -93,7 +93,7 @@ class Mixer {
     retune,   // the new voice, of the same bank, takes over what rings of its modes; the others fade out
   };
   // Gives `object` a new voice from frame `at` on, or as soon as that is past; what is ordered later waits for it.
-  // False when kMostVoices are alive. [worker]
+  // False when kMaxVoices are alive. [worker]
   [[nodiscard]] bool install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice, Install how,
                              protocol::Frame at = 0);
 
@@ -117,19 +117,19 @@ class Mixer {
 
   // Whether a strike's contact pulse drives the modes sample by sample, from the strike's frame on; otherwise, as in
   // the beginning, each mode gets at that frame what the spectrum of the pulse holds for it. They differ while the
-  // contact lasts; after it only in the phase. Driving costs more while the contact lasts, and serves kMostDrives
+  // contact lasts; after it only in the phase. Driving costs more while the contact lasts, and serves kMaxDrives
   // strikes at a time. [any thread]
   void set_exact_contacts(bool on) { exact_contacts_.store(on, std::memory_order_relaxed); }
 
-  // From the next block on, input `input` < kMostInputs excites an object: a sample of 1 is the impulse of `place`, a
-  // strike without contact time, in one frame. An input excites one object, an object takes kMostForces inputs and
+  // From the next block on, input `input` < kMaxInputs excites an object: a sample of 1 is the impulse of `place`, a
+  // strike without contact time, in one frame. An input excites one object, an object takes kMaxForces inputs and
   // pulses at a time; nothing happens when it does not exist. False when the worker's ring is full. [worker]
   [[nodiscard]] bool connect_input(std::size_t input, const protocol::Event& place);
   [[nodiscard]] bool disconnect_input(std::size_t input);
 
   // Leaves out what louder modes hide (hearing.h); off unless set. With fewer modes than that, looking for what is
   // hidden would cost more than it saves. [any thread]
-  void set_masking(bool on, std::size_t fewest_modes = kFewestToMask) {
+  void set_masking(bool on, std::size_t fewest_modes = kMinModesToMask) {
     masking_from_.store(on ? fewest_modes : kNever, std::memory_order_relaxed);
   }
 
@@ -197,7 +197,7 @@ class Mixer {
     protocol::Frame parted = -1;        // the chunk in which something else than strikes happens to it
     protocol::Frame anchor = 0;         // the frame that the states it keeps for itself have reached
     std::uint32_t round = 0, lost = 0;  // its family's, when it was last struck, or lost its states
-    std::array<std::uint8_t, kMostForces> drives{};
+    std::array<std::uint8_t, kMaxForces> drives{};
     std::size_t drive_count = 0;
     std::int32_t first_due = -1, last_due = -1;
   };
@@ -205,7 +205,7 @@ class Mixer {
   struct Place {
     Desk desk;
     std::array<double, kChunkFrames> mono{};
-    std::array<std::array<double, kChunkFrames>, kMostForces> impulses{};
+    std::array<std::array<double, kChunkFrames>, kMaxForces> impulses{};
     std::uint32_t ringing_voices = 0, ringing_modes = 0, hidden_modes = 0;  // of the chunk being rendered
     std::size_t slow_modes = 0;                                             // of these, that take moments
     double units = 0;                                                       // of work (budget.h)
@@ -360,10 +360,10 @@ class Mixer {
   struct Reach {
     std::atomic<float> now{0}, since{0};
   };
-  std::vector<Reach> reaches_ = std::vector<Reach>(kMostObjects);
+  std::vector<Reach> reaches_ = std::vector<Reach>(kMaxObjects);
   Agenda agenda_;
-  SpscRing<Order> orders_{2 * kMostVoices + kMostObjects};
-  SpscRing<Retired> retired_{kMostVoices};
+  SpscRing<Order> orders_{2 * kMaxVoices + kMaxObjects};
+  SpscRing<Retired> retired_{kMaxVoices};
 
   std::optional<double> ceiling_db_;
   std::optional<Limiter> limiter_;
@@ -372,26 +372,26 @@ class Mixer {
   ModeWatch mode_watch_;
 
   // The audio thread's own.
-  std::vector<Object> objects_{kMostObjects};
-  std::vector<protocol::ObjectNumber> active_ = std::vector<protocol::ObjectNumber>(kMostObjects);
+  std::vector<Object> objects_{kMaxObjects};
+  std::vector<protocol::ObjectNumber> active_ = std::vector<protocol::ObjectNumber>(kMaxObjects);
   std::size_t active_count_ = 0;
-  std::vector<Family*> active_families_ = std::vector<Family*>(kMostVoices);
+  std::vector<Family*> active_families_ = std::vector<Family*>(kMaxVoices);
   std::size_t active_family_count_ = 0;
-  std::vector<After> after_ = std::vector<After>(kMostObjects);
+  std::vector<After> after_ = std::vector<After>(kMaxObjects);
   std::size_t slow_modes_ = 0;  // that took moments, or could have, in the last chunk
-  std::vector<DueEvent> due_ = std::vector<DueEvent>(kMostEventsPerChunk);
+  std::vector<DueEvent> due_ = std::vector<DueEvent>(kMaxEventsPerChunk);
   std::vector<Place> places_ = std::vector<Place>(1);  // the audio thread's, then its helpers'
   ChannelSet wanted_ = 0;                              // channels that are listened to in this block
   DrivePool drives_;
   Clicks clicks_;
   Inputs inputs_{};  // at the chunk being rendered
-  std::array<bool, kMostInputs> input_sounds_{};
-  std::array<std::optional<protocol::ObjectNumber>, kMostInputs> excites_;
+  std::array<bool, kMaxInputs> input_sounds_{};
+  std::array<std::optional<protocol::ObjectNumber>, kMaxInputs> excites_;
   std::size_t numbers_ = 0;  // that objects have had: all lower than this
   std::size_t next_measured_ = 0;
   std::size_t next_watched_ = 0;     // place of mode_watch_
   protocol::Frame watch_round_ = 0;  // when its first was written last
-  std::vector<float> spare_left_ = std::vector<float>(kLongestSpare), spare_right_ = spare_left_;
+  std::vector<float> spare_left_ = std::vector<float>(kMaxSpare), spare_right_ = spare_left_;
   std::size_t frames_ = 0;  // of the chunk being rendered
   bool together_ = false;   // whether this chunk's slow modes are summed as moments
   protocol::Frame now_ = 0;
@@ -415,7 +415,7 @@ class Mixer {
   // The worker's own.
   std::unique_ptr<Crew> crew_;  // null: the audio thread is alone
   std::vector<Kin> families_;
-  std::array<std::uint32_t, kMostObjects> voices_of_{};
+  std::array<std::uint32_t, kMaxObjects> voices_of_{};
   std::size_t voices_alive_ = 0;
 };
 

@@ -13,14 +13,14 @@ namespace {
 // Of a strike, on an object that shares states too; of joining or leaving a family; of a pulse for a whole chunk.
 constexpr double kStrikePerMode = 9, kSharedStrikePerMode = 12, kSharePerMode = 1.5, kDrivePerMode = 6;
 
-constexpr double kPlanned = 0.78;      // of a chunk's time: what modes may take
-constexpr double kPlannedAll = 0.88;   // of a chunk's time: what modes and events may take together
-constexpr double kTight = 0.72;        // of a chunk's time: from here on the mixer looks at what is loud
-constexpr double kVeryTight = 0.97;    // the same, when something is shed already
-constexpr double kEventsShare = 0.3;   // of a chunk's time: more events wait
-constexpr double kComingShare = 0.12;  // of a chunk's time, for what comes back
-constexpr double kLongestEvent = 0.7;  // of a chunk's time: more than that is not waited for
-constexpr double kLight = 0.25;        // of a chunk's time: less is done even when time is over
+constexpr double kPlanned = 0.78;        // of a chunk's time: what modes may take
+constexpr double kPlannedAll = 0.88;     // of a chunk's time: what modes and events may take together
+constexpr double kTight = 0.72;          // of a chunk's time: from here on the mixer looks at what is loud
+constexpr double kVeryTight = 0.97;      // the same, when something is shed already
+constexpr double kEventsShare = 0.3;     // of a chunk's time: more events wait
+constexpr double kComingShare = 0.12;    // of a chunk's time, for what comes back
+constexpr double kMaxEventFrames = 0.7;  // of a chunk's time: more than that is not waited for
+constexpr double kLight = 0.25;          // of a chunk's time: less is done even when time is over
 constexpr double kForgetEvents = 0.98;
 
 }  // namespace
@@ -74,7 +74,7 @@ bool Mixer::can_afford(const Event& event) RINGDOWN_REALTIME {
 bool Mixer::must_wait(const Event& event, Place& place) const RINGDOWN_REALTIME {
   if (!budget_.limited()) return false;
   const double units = units_of(event);
-  if (units > 0 && budget_.over(std::min(units, kLongestEvent * budget_.usual()))) return true;
+  if (units > 0 && budget_.over(std::min(units, kMaxEventFrames * budget_.usual()))) return true;
   count_work(units, place);
   return false;
 }

@@ -13,17 +13,17 @@ using protocol::Frame;
 
 namespace {
 
-constexpr double kLargestClick_ns = 1e9, kLongestClick_s = 1;
+constexpr double kMaxClickImpulse_ns = 1e9, kMaxClick_s = 1;
 
 }  // namespace
 
 bool Mixer::connect_input(std::size_t input, const Event& place) {
-  assert(input < kMostInputs && place.object < kMostObjects);
+  assert(input < kMaxInputs && place.object < kMaxObjects);
   return orders_.push({.kind = Order::Kind::connect, .object = place.object, .input = input, .place = place});
 }
 
 bool Mixer::disconnect_input(std::size_t input) {
-  assert(input < kMostInputs);
+  assert(input < kMaxInputs);
   return orders_.push({.kind = Order::Kind::disconnect, .object = 0, .input = input});
 }
 
@@ -32,7 +32,7 @@ bool Mixer::start_pulse(const Event& event) RINGDOWN_REALTIME {
   if (!exact_contacts_.load(std::memory_order_relaxed) || tight_) return false;
   Object& object = objects_.data()[event.object];
   const double frames = event.contact_time_s * sample_rate_hz_;
-  if (!object.current || !(frames >= kShortestPulse_frames) || object.drive_count == kMostForces) return false;
+  if (!object.current || !(frames >= kMinPulse_frames) || object.drive_count == kMaxForces) return false;
   const std::optional<std::uint8_t> taken = drives_.take();
   if (!taken) return false;
   Drive& drive = drives_[*taken];
@@ -68,7 +68,7 @@ bool Mixer::open_contact(const Event& event) RINGDOWN_REALTIME {
   const double force = length(contact.force_n);
   if (force == 0) return false;
   const std::optional<std::uint8_t> taken =
-      object.current && object.drive_count < kMostForces ? drives_.take() : std::nullopt;
+      object.current && object.drive_count < kMaxForces ? drives_.take() : std::nullopt;
   if (!taken) {
     count(counters_.refused);
     return false;
@@ -115,7 +115,7 @@ void Mixer::connect(const Order& order) RINGDOWN_REALTIME {
   disconnect(order.input);
   Object& object = objects_.data()[order.object];
   if (!object.current) return;
-  if (object.drive_count == kMostForces) drop_pulse(object);
+  if (object.drive_count == kMaxForces) drop_pulse(object);
   const std::optional<std::uint8_t> taken = drives_.take();
   if (!taken) return count(counters_.refused);
   drives_[*taken].place = order.place;
@@ -150,7 +150,7 @@ void Mixer::disconnect(std::size_t input) RINGDOWN_REALTIME {
 bool Mixer::place_drive(Object& object, std::uint8_t which) RINGDOWN_REALTIME {
   Drive& drive = drives_[which];
   Voice* const voice = object.current;
-  if (!voice || voice->table().columns() > kMostDrivenColumns) return false;
+  if (!voice || voice->table().columns() > kMaxDrivenColumns) return false;
   const std::optional<double> energy = voice->find_amplitudes(drive.place);
   if (!energy || !(*energy <= Ringing::kAbsurdEnergy)) return false;
   std::copy_n(voice->amplitudes(), voice->table().columns(), drive.amplitudes.get());
@@ -203,7 +203,7 @@ bool Mixer::driven(const Object& object) const RINGDOWN_REALTIME {
 
 // Objects whose input is not silent take part in a chunk of `frames`, or less when there is input at all.
 std::size_t Mixer::wake_inputs(std::size_t frames) RINGDOWN_REALTIME {
-  for (std::size_t input = 0; input < kMostInputs; ++input) {
+  for (std::size_t input = 0; input < kMaxInputs; ++input) {
     const float* const samples = inputs_[input];
     input_sounds_[input] = false;
     if (!samples || !excites_[input]) continue;
@@ -219,7 +219,7 @@ void Mixer::start_click(const Event& event) RINGDOWN_REALTIME {
   const double impulse_ns = length(event.impulse_ns);
   const std::optional<ClickShape> shape = object.current ? object.current->table().click() : std::nullopt;
   const bool sane =
-      impulse_ns <= kLargestClick_ns && event.contact_time_s >= 0 && event.contact_time_s <= kLongestClick_s;
+      impulse_ns <= kMaxClickImpulse_ns && event.contact_time_s >= 0 && event.contact_time_s <= kMaxClick_s;
   if (tight_ && sane) return;
   if (!shape || !sane ||
       !clicks_.add({{*shape, impulse_ns, event.contact_time_s, sample_rate_hz_}, event.object, event.frame})) {
@@ -241,7 +241,7 @@ void Mixer::render_clicks() RINGDOWN_REALTIME {
 
 void Mixer::drive(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME {
   if (begin == end) return;
-  std::array<Force, kMostForces> forces;
+  std::array<Force, kMaxForces> forces;
   for (std::size_t i = 0; i < object.drive_count; ++i) {
     Drive& drive = drives_[object.drives[i]];
     const float* const samples = drive.input ? inputs_[*drive.input] : nullptr;

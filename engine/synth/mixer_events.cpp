@@ -13,16 +13,16 @@ using protocol::Frame;
 
 namespace {
 
-constexpr double kShortestRamp_s = 0.005;  // a step in gain or pan would click
-constexpr double kLongestRamp_s = 3600;
-constexpr double kLargestValue = 1e6;  // of a gain or pan: what is beyond, or no number, would spoil the whole mix
+constexpr double kMinRamp_s = 0.005;  // a step in gain or pan would click
+constexpr double kMaxRamp_s = 3600;
+constexpr double kMaxValue = 1e6;  // of a gain or pan: what is beyond, or no number, would spoil the whole mix
 
 bool is_sane(const protocol::Contact& contact) RINGDOWN_REALTIME {
   const protocol::Texture& t = contact.texture;
   const auto within = [](double value, double least, double most)
                           RINGDOWN_REALTIME { return value >= least && value <= most; };  // no number is in no range
-  return within(dot(contact.force_n, contact.force_n), 0, kLargestValue * kLargestValue) &&
-         within(contact.slip_m_s, 0, kLargestValue) && within(contact.roll_m_s, 0, kLargestValue) &&
+  return within(dot(contact.force_n, contact.force_n), 0, kMaxValue * kMaxValue) &&
+         within(contact.slip_m_s, 0, kMaxValue) && within(contact.roll_m_s, 0, kMaxValue) &&
          within(t.roughness_m, 0, 1) && within(t.correlation_m, 1e-9, 1e3) && within(t.spectral_slope, -10, 0);
 }
 
@@ -35,7 +35,7 @@ void Mixer::take_due_events(std::size_t frames) RINGDOWN_REALTIME {
   event_units_ = 0;
   const Frame end = now_ + static_cast<Frame>(frames);
   std::int32_t count = 0;
-  for (; count < static_cast<std::int32_t>(kMostEventsPerChunk); ++count, agenda_.pop()) {
+  for (; count < static_cast<std::int32_t>(kMaxEventsPerChunk); ++count, agenda_.pop()) {
     const Agenda::Pending* const next = agenda_.next_before(end);
     if (!next || !can_afford(next->event)) break;
     const Event* const event = &next->event;
@@ -100,12 +100,12 @@ void Mixer::put_back(std::int32_t& first_due) RINGDOWN_REALTIME {
 
 void Mixer::apply(Object& object, const Event& event) RINGDOWN_REALTIME {
   if (event.type == EventType::contact) return tell(object, event);
-  if (!is_strike(event) && !(std::abs(event.value) <= kLargestValue)) {
+  if (!is_strike(event) && !(std::abs(event.value) <= kMaxValue)) {
     count(counters_.refused);
     return;
   }
   // Written so that a ramp that is no number becomes the shortest.
-  const double ramp_s = std::min(event.ramp_s > kShortestRamp_s ? event.ramp_s : kShortestRamp_s, kLongestRamp_s);
+  const double ramp_s = std::min(event.ramp_s > kMinRamp_s ? event.ramp_s : kMinRamp_s, kMaxRamp_s);
   const auto ramp = static_cast<Frame>(ramp_s * sample_rate_hz());
   if (excites(event)) {
     const bool struck = object.current && object.current->strike(event);

@@ -11,7 +11,7 @@ using protocol::Frame;
 
 namespace {
 
-constexpr double kMostSharedGain = 100;
+constexpr double kMaxSharedGain = 100;
 
 }  // namespace
 
@@ -40,7 +40,7 @@ bool Mixer::can_share(const Object& object, Frame now) RINGDOWN_REALTIME {
   if (!object.current || object.tails || object.drive_count > 0 || object.current->fading()) return false;
   const Family* family = object.current->table().family;
   // Gains are part of the sums, and what is absurdly loud (Ringing::kAbsurdEnergy) should not depend on sharing.
-  if (std::abs(object.gain.to) > kMostSharedGain) return false;
+  if (std::abs(object.gain.to) > kMaxSharedGain) return false;
   return family && (family->members == 0 || family->bus == object.bus) && still(object, now);
 }
 

@@ -10,7 +10,7 @@ namespace ringdown::synth {
 
 // What is to be rendered when the mix is watched.
 Outputs Mixer::with_tap(Outputs outputs, std::size_t frames) RINGDOWN_REALTIME {
-  if (!sound_tap_.watched() || frames > kLongestSpare) return outputs;
+  if (!sound_tap_.watched() || frames > kMaxSpare) return outputs;
   if (!contains(outputs.wanted(), kLeft)) outputs.listen_to_mix(0, spare_left_.data());
   if (!contains(outputs.wanted(), kRight)) outputs.listen_to_mix(1, spare_right_.data());
   return outputs;

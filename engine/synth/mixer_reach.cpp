@@ -7,15 +7,15 @@
 namespace ringdown::synth {
 namespace {
 
-constexpr std::size_t kMostObjectsPerLook = 64, kMostModesPerLook = 2048;
+constexpr std::size_t kMaxObjectsPerLook = 64, kMaxModesPerLook = 2048;
 
 }  // namespace
 
 // Some objects after the last ones, at the end of a chunk.
 void Mixer::measure_objects() RINGDOWN_REALTIME {
   std::size_t modes = 0;
-  const std::size_t most = std::min(kMostObjectsPerLook, numbers_);
-  for (std::size_t n = 0; n < most && modes < kMostModesPerLook; ++n) {
+  const std::size_t most = std::min(kMaxObjectsPerLook, numbers_);
+  for (std::size_t n = 0; n < most && modes < kMaxModesPerLook; ++n) {
     if (next_measured_ >= numbers_) next_measured_ = 0;
     Reach& reach = reaches_.data()[next_measured_];
     const Object& object = objects_.data()[next_measured_++];
@@ -51,7 +51,7 @@ void Mixer::measure_modes() RINGDOWN_REALTIME {
     if (now_ - watch_round_ < static_cast<protocol::Frame>(ModeWatch::kEvery_s * sample_rate_hz())) return;
     watch_round_ = now_;
   }
-  for (std::size_t modes = 0; next_watched_ < kMostWatched && modes < kMostModesPerLook; ++next_watched_) {
+  for (std::size_t modes = 0; next_watched_ < kMaxWatched && modes < kMaxModesPerLook; ++next_watched_) {
     ModeWatch::Place& place = mode_watch_.place(next_watched_);
     const std::int64_t object = place.object.load(std::memory_order_acquire);
     if (object < 0) continue;
@@ -60,7 +60,7 @@ void Mixer::measure_modes() RINGDOWN_REALTIME {
     modes += tell_modes(objects_.data()[object], place);
     place.end();
   }
-  if (next_watched_ == kMostWatched) next_watched_ = 0;
+  if (next_watched_ == kMaxWatched) next_watched_ = 0;
 }
 
 // How many modes these are.

@@ -13,11 +13,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
-constexpr std::size_t kMostRuns = kChunkFrames / kRun;
+constexpr std::size_t kMaxRuns = kChunkFrames / kRun;
 
-// z p^(kRun r) of a group's modes for r < kMostRuns, in float.
+// z p^(kRun r) of a group's modes for r < kMaxRuns, in float.
 struct Anchors {
-  alignas(64) float re[kMostRuns][kModePadding], im[kMostRuns][kModePadding];
+  alignas(64) float re[kMaxRuns][kModePadding], im[kMaxRuns][kModePadding];
 };
 
 // Fills in `runs` anchors of a group and moves its states on; looks at what it leaves.
@@ -110,7 +110,7 @@ bool render_modes_here(const ModeArrays& modes, ActiveGroups& active, const Ener
                        std::size_t frames) {
   // As many runs at once as eight registers hold.
   constexpr std::size_t kTogether =
-      std::clamp<std::size_t>(8 * hn::MaxLanes(hn::CappedTag<float, kRun>()) / kRun, 1, kMostRuns);
+      std::clamp<std::size_t>(8 * hn::MaxLanes(hn::CappedTag<float, kRun>()) / kRun, 1, kMaxRuns);
   alignas(64) float sums[kChunkFrames];
   Batch batch;
   EnergyCheck check(limits);

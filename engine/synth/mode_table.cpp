@@ -32,7 +32,7 @@ modal::DampedMode touched(const modal::DampedMode& mode, double added_decay_per_
 std::optional<ClickShape> click_of(const modal::Bank& bank, const modal::MaterialScale& material) {
   if (!bank.mass || !(bank.mass->mass_kg > 0)) return {};
   const double radius_m = material.size * radius_of(*bank.mass);
-  if (!(radius_m > 0 && radius_m <= kLargestClick_m)) return {};
+  if (!(radius_m > 0 && radius_m <= kMaxClickRadius_m)) return {};
   return ClickShape{kSpeedOfSound_m_s / radius_m,
                     kOutputScale * bank.gain * modal::shape_factor(material) / std::sqrt(bank.mass->mass_kg)};
 }

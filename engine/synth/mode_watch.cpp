@@ -10,7 +10,7 @@ bool ModeWatch::watch(protocol::ObjectNumber object) {
   if (find(object)) return true;
   const auto free = std::ranges::find_if(places_, [](const Place& place) { return place.object.load() < 0; });
   if (free == places_.end()) return false;
-  if (!free->amplitudes) free->amplitudes = std::make_unique<std::atomic<float>[]>(modal::kMostModes);
+  if (!free->amplitudes) free->amplitudes = std::make_unique<std::atomic<float>[]>(modal::kMaxModes);
   free->object.store(object, std::memory_order_release);
   ++count_;
   return true;

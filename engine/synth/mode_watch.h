@@ -17,13 +17,13 @@
 
 namespace ringdown::synth {
 
-inline constexpr std::size_t kMostWatched = 16;  // objects
+inline constexpr std::size_t kMaxWatched = 16;  // objects
 
 class ModeWatch {
  public:
   static constexpr double kEvery_s = 0.01;
 
-  // Watches the object from now on. False when kMostWatched others are. Watching it twice is watching it once.
+  // Watches the object from now on. False when kMaxWatched others are. Watching it twice is watching it once.
   // [one thread at a time that is not audio]
   [[nodiscard]] bool watch(protocol::ObjectNumber object);
   void unwatch(protocol::ObjectNumber object);
@@ -53,7 +53,7 @@ class ModeWatch {
  private:
   [[nodiscard]] const Place* find(protocol::ObjectNumber object) const;
 
-  std::array<Place, kMostWatched> places_;
+  std::array<Place, kMaxWatched> places_;
   std::atomic<std::size_t> count_{0};
 };
 

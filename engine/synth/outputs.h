@@ -25,7 +25,7 @@ class Outputs {
     samples_[channel] = samples;
     wanted_ |= only(channel);
   }
-  std::array<float*, kMostChannels> samples_;  // those that are wanted
+  std::array<float*, kMaxChannels> samples_;  // those that are wanted
   ChannelSet wanted_ = 0;
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 using protocol::Frame;
 
-constexpr double kShortestRamp_s = 0.002, kLongestRamp_s = 0.05;
+constexpr double kMinRamp_s = 0.002, kMaxRamp_s = 0.05;
 constexpr double kFade_s = 0.005;             // of a contact that begins or ends
 constexpr double kSlowest_hz = 20;            // slower changes of the force are not heard
 constexpr double kFull = 0.25, kNone = 0.45;  // of the sample rate: an octave fades out between them
@@ -38,7 +38,7 @@ void Rubbing::tell(Frame at, const protocol::Contact& contact) RINGDOWN_REALTIME
   const double force = length(contact.force_n);
   const bool changes = force > 0 && heights_m_[0] > 0;
   const double since_s = changes ? static_cast<double>(at - told_) / rate_hz_ : kFade_s;
-  const auto ramp = static_cast<Frame>(std::clamp(since_s, kShortestRamp_s, kLongestRamp_s) * rate_hz_);
+  const auto ramp = static_cast<Frame>(std::clamp(since_s, kMinRamp_s, kMaxRamp_s) * rate_hz_);
   told_ = at;
   force_n_.aim(force, at, ramp);
   time_out_ = at + static_cast<Frame>(kContactTimeOut_s * rate_hz_);

@@ -12,9 +12,9 @@
 
 namespace ringdown::synth {
 
-inline constexpr std::size_t kTappedFrames = 256;   // of a piece, at most
-inline constexpr std::size_t kMostTapped = 512;     // pieces that wait: 2.7 s in blocks of 256 frames at 48 kHz
-inline constexpr std::size_t kLongestSpare = 8192;  // frames of a block that are watched though nobody listens to them
+inline constexpr std::size_t kTappedFrames = 256;  // of a piece, at most
+inline constexpr std::size_t kMaxTapped = 512;     // pieces that wait: 2.7 s in blocks of 256 frames at 48 kHz
+inline constexpr std::size_t kMaxSpare = 8192;     // frames of a block that are watched though nobody listens to them
 
 class SoundTap {
  public:
@@ -38,7 +38,7 @@ class SoundTap {
 
  private:
   std::atomic<bool> watched_{false};
-  SpscRing<Piece> ring_{kMostTapped};
+  SpscRing<Piece> ring_{kMaxTapped};
 };
 
 }  // namespace ringdown::synth

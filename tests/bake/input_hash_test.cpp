@@ -54,10 +54,10 @@ TEST(InputHash, KnowsWhatAGeometryReads) {
 TEST(InputHash, FollowsAThousandFilesAndNoMore) {
   const TemporaryFolder folder;
   std::string text;
-  for (std::size_t n = 1; n < kMostGeometryFiles; ++n) text += "Merge \"" + std::to_string(n) + ".step\";\n";
+  for (std::size_t n = 1; n < kMaxGeometryFiles; ++n) text += "Merge \"" + std::to_string(n) + ".step\";\n";
   const auto files = files_of_geometry(folder.write("a.geo", text));
   ASSERT_TRUE(files);
-  EXPECT_EQ(files->size(), kMostGeometryFiles);
+  EXPECT_EQ(files->size(), kMaxGeometryFiles);
   EXPECT_FALSE(files_of_geometry(folder.write("a.geo", text + "Merge \"one more.step\";\n")));
 }
 

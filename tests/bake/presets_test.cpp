@@ -108,7 +108,7 @@ TEST(MaterialFile, FitsItsDampingToALossFactorAtSeveralFrequencies) {
 TEST(MaterialFile, RefusesALossFactorThatFixesNothing) {
   const TemporaryFolder folder;
   std::string many;
-  for (std::size_t i = 0; i < bake::kMostLossFactors; ++i) {
+  for (std::size_t i = 0; i < bake::kMaxLossFactors; ++i) {
     many += "[[loss_factor]]\nfrequency_hz = " + std::to_string(i + 1) + "\neta = 0.1\nsource = \"a\"\n";
   }
   EXPECT_TRUE(bake::read_material(folder.write("clay.toml", with_curve(many))));

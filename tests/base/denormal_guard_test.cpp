@@ -14,15 +14,15 @@ double halved(double value) {
 }
 
 TEST(DenormalGuard, FlushesResultsAndOperandsWhileItLives) {
-  constexpr double kSmallestNormal = std::numeric_limits<double>::min();
-  EXPECT_GT(halved(kSmallestNormal), 0);
+  constexpr double kMinNormal = std::numeric_limits<double>::min();
+  EXPECT_GT(halved(kMinNormal), 0);
   {
     const DenormalGuard guard;
-    EXPECT_EQ(halved(kSmallestNormal), 0);
+    EXPECT_EQ(halved(kMinNormal), 0);
     volatile double denormal = std::numeric_limits<double>::denorm_min();
     EXPECT_EQ(denormal * 1e300, 0);
   }
-  EXPECT_GT(halved(kSmallestNormal), 0) << "the mode of the thread was not put back";
+  EXPECT_GT(halved(kMinNormal), 0) << "the mode of the thread was not put back";
 }
 
 }  // namespace

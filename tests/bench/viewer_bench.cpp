@@ -84,7 +84,7 @@ class Daemon {
           protocol::NotifyBody{i, name_of(i), name_of(i), place, 0, 0, std::sin(half_turn), std::cos(half_turn)},
           now_s);
       model.apply(protocol::NotifyObjectPeak{name_of(i), 0.1}, now_s);
-      if (i < static_cast<int>(Model::kMostWatched)) model.apply(protocol::NotifyModes{name_of(i), 0, told}, now_s);
+      if (i < static_cast<int>(Model::kMaxWatched)) model.apply(protocol::NotifyModes{name_of(i), 0, told}, now_s);
     }
     for (int i = 0; i < 2; ++i, ++contacts_) {
       model.apply(protocol::NotifyContact{name_of(contacts_ % bodies_), {0, 0, 0.1}, {0, 0, 0.01}, 0.001}, now_s);

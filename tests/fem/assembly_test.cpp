@@ -48,7 +48,7 @@ mesh::TetMesh uneven_box(int order) {
 }
 
 class AssemblyOf : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Orders, AssemblyOf, testing::Range(1, mesh::kHighestOrder + 1));
+INSTANTIATE_TEST_SUITE_P(Orders, AssemblyOf, testing::Range(1, mesh::kMaxOrder + 1));
 
 TEST_P(AssemblyOf, IsTheSumOfItsElements) {
   const mesh::TetMesh mesh = curved_box(GetParam());

@@ -104,10 +104,10 @@ TEST(LinearElement, MassIsTheVolumesTwentiethAndItsLumpsAQuarter) {
 }
 
 class Elements : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Orders, Elements, testing::Range(1, mesh::kHighestOrder + 1));
+INSTANTIATE_TEST_SUITE_P(Orders, Elements, testing::Range(1, mesh::kMaxOrder + 1));
 
 class CurvedElements : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Orders, CurvedElements, testing::Range(2, mesh::kHighestOrder + 1));
+INSTANTIATE_TEST_SUITE_P(Orders, CurvedElements, testing::Range(2, mesh::kMaxOrder + 1));
 
 TEST_P(Elements, RigidMotionCostsNoEnergy) {
   std::mt19937 random(13);

@@ -52,7 +52,7 @@ Eigen::Index node_at(int order, const Eigen::RowVector4d& place) {
 }
 
 class MeshOfOrder : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Orders, MeshOfOrder, testing::Range(1, mesh::kHighestOrder + 1));
+INSTANTIATE_TEST_SUITE_P(Orders, MeshOfOrder, testing::Range(1, mesh::kMaxOrder + 1));
 
 TEST_P(MeshOfOrder, HasItsElementsTurnedThatAreInsideOut) {
   const mesh::TetMesh box = mesh::to_order(test::box_mesh({2, 2, 2}, kSize), GetParam());
@@ -177,7 +177,7 @@ TEST_P(MeshOfOrder, SharesItsNodes) {
 TEST_P(MeshOfOrder, ComesBackFromEveryHigherOrder) {
   mesh::TetMesh mesh = mesh::to_order(test::box_mesh({2, 1, 2}, kSize), GetParam());
   if (GetParam() > 1) mesh = test::bent(mesh, 8);
-  for (int higher = GetParam(); higher <= mesh::kHighestOrder; ++higher) {
+  for (int higher = GetParam(); higher <= mesh::kMaxOrder; ++higher) {
     const mesh::TetMesh back = mesh::to_order(mesh::to_order(mesh, higher), GetParam());
     EXPECT_EQ(back.elements, mesh.elements);
     EXPECT_LT((back.nodes - mesh.nodes).cwiseAbs().maxCoeff(), 1e-15);
@@ -188,7 +188,7 @@ TEST_P(MeshOfOrder, KeepsItsCurvedFormWhenRaised) {
   const int order = GetParam();
   const mesh::TetMesh mesh = test::bent(mesh::to_order(test::box_mesh({2, 1, 2}, kSize), order), 8);
   const Eigen::Vector4d place(0.1, 0.2, 0.3, 0.4);
-  for (int higher = order; higher <= mesh::kHighestOrder; ++higher) {
+  for (int higher = order; higher <= mesh::kMaxOrder; ++higher) {
     const mesh::TetMesh raised = mesh::to_order(mesh, higher);
     for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
       const Eigen::Vector3d before = mesh::nodes_of(mesh, e).transpose() * mesh::shape(order, place),
@@ -269,7 +269,7 @@ Eigen::Index inner_faces(const mesh::TetMesh& mesh) {
 }
 
 TEST(Split, MakesEightOfEachAndIsTheSameBody) {
-  for (int order = 1; order <= mesh::kHighestOrder; ++order) {
+  for (int order = 1; order <= mesh::kMaxOrder; ++order) {
     const mesh::TetMesh coarse = test::bent(mesh::to_order(test::box_mesh({2, 2, 1}, kSize), order), 8);
     const mesh::TetMesh fine = mesh::split(coarse);
     EXPECT_EQ(fine.order(), order);

@@ -11,7 +11,7 @@ namespace ringdown {
 namespace {
 
 TEST(SurplusBasis, SpansWithTheShapeFunctionsWhatOneDegreeMoreSpans) {
-  for (int order = 1; order <= mesh::kHighestOrder; ++order) {
+  for (int order = 1; order <= mesh::kMaxOrder; ++order) {
     const int all = mesh::nodes_per_element(order) + mesh::surplus_per_element(order);
     EXPECT_EQ(all, (order + 2) * (order + 3) * (order + 4) / 6);
     const auto rule = mesh::tet_quadrature(2 * order + 2);  // exact for products: a Gram matrix
@@ -28,7 +28,7 @@ TEST(SurplusBasis, SpansWithTheShapeFunctionsWhatOneDegreeMoreSpans) {
 
 TEST(SurplusBasis, GradientsAreDifferencesOfValues) {
   const Eigen::Vector4d at(0.1, 0.25, 0.3, 0.35);
-  for (int order = 1; order <= mesh::kHighestOrder; ++order) {
+  for (int order = 1; order <= mesh::kMaxOrder; ++order) {
     const mesh::ReferenceGradient gradient = mesh::surplus_gradient(order, at);
     for (int i = 0; i < 3; ++i) {
       const Eigen::Vector4d step = 1e-6 * (Eigen::Vector4d::Unit(i + 1) - Eigen::Vector4d::Unit(0));
@@ -40,7 +40,7 @@ TEST(SurplusBasis, GradientsAreDifferencesOfValues) {
 }
 
 TEST(SurplusBasis, IsNothingOnEdgesAndFacesOfOthers) {
-  for (int order = 1; order <= mesh::kHighestOrder; ++order) {
+  for (int order = 1; order <= mesh::kMaxOrder; ++order) {
     const Eigen::VectorXd on_edge = mesh::surplus_shape(order, {0.2, 0, 0.8, 0});  // the edge of corners 0 and 2
     const Eigen::VectorXd on_face = mesh::surplus_shape(order, {0, 0.3, 0.2, 0.5});
     for (Eigen::Index k = 0; k < on_edge.size(); ++k) EXPECT_EQ(on_edge[k] != 0, k == 1) << order;
@@ -63,7 +63,7 @@ std::map<int, double> values_at(const mesh::SurplusSpace& space, int order, Eige
 }
 
 TEST(SurplusSpace, NeighboursAgreeOnTheFaceBetweenThem) {
-  for (int order = 1; order <= mesh::kHighestOrder; ++order) {
+  for (int order = 1; order <= mesh::kMaxOrder; ++order) {
     const mesh::TetMesh box = mesh::to_order(test::box_mesh({2, 2, 2}, {1, 1, 1}), order);
     const mesh::SurplusSpace space = mesh::surplus_space(box);
     std::map<std::array<int, 3>, std::map<int, double>> seen;

@@ -22,7 +22,7 @@ double wave(int degree, const Eigen::Vector4d& l) {
 }
 
 class TetBasis : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Orders, TetBasis, testing::Range(1, mesh::kHighestOrder + 1));
+INSTANTIATE_TEST_SUITE_P(Orders, TetBasis, testing::Range(1, mesh::kMaxOrder + 1));
 
 TEST_P(TetBasis, EachShapeFunctionIsOneAtItsNodeAndZeroAtTheOthers) {
   const mesh::Lattice nodes = mesh::lattice(GetParam());

@@ -301,8 +301,8 @@ TEST(FitModes, RefusesWhatItCannotRead) {
   EXPECT_FALSE(fit_modes(long_one, 4000));
   EXPECT_FALSE(fit_modes(long_one, kRate, {.low_hz = 900, .high_hz = 800}));
   EXPECT_FALSE(fit_modes(long_one, kRate, {.floor_db = 0}));
-  EXPECT_FALSE(fit_modes(long_one, kRate, {.most_modes = kMostModes + 1}));
-  EXPECT_TRUE(fit_modes(long_one, kRate, {.most_modes = kMostModes}));
+  EXPECT_FALSE(fit_modes(long_one, kRate, {.most_modes = kMaxModes + 1}));
+  EXPECT_TRUE(fit_modes(long_one, kRate, {.most_modes = kMaxModes}));
   EXPECT_FALSE(fit_modes(long_one, kRate, {.from_s = 0.99}));
 }
 

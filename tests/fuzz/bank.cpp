@@ -61,7 +61,7 @@ bool ring(const modal::Bank& bank) {
 void bank(Bytes file) {
   const auto bank = modal::parse_bank(as_glb(file), "bank");
   if (!bank) return expect(!bank.error().message.empty(), "a refusal has a sentence");
-  expect(bank->mode_count() <= modal::kMostModes && bank->point_count() <= modal::kMostPoints, "a bank within limits");
+  expect(bank->mode_count() <= modal::kMaxModes && bank->point_count() <= modal::kMaxPoints, "a bank within limits");
   if (bank->mode_count() * bank->point_count() < 100'000)
     expect(ring(*bank), "a bank that was accepted rings in numbers");
 }

@@ -43,14 +43,14 @@ void osc(Bytes datagram) {
 }
 
 void slip(Bytes stream) {
-  server::SlipDecoder decoder(server::kLargestPacket);
+  server::SlipDecoder decoder(server::kMaxPacketBytes);
   for (const std::byte byte : stream) {
     const auto outcome = decoder.push(byte);
     if (outcome == server::SlipDecoder::Outcome::fault) break;
     if (outcome == server::SlipDecoder::Outcome::packet) osc(decoder.take());
   }
-  if (stream.empty() || stream.size() > server::kLargestPacket) return;
-  server::SlipDecoder again(server::kLargestPacket);
+  if (stream.empty() || stream.size() > server::kMaxPacketBytes) return;
+  server::SlipDecoder again(server::kMaxPacketBytes);
   for (const std::byte byte : server::slip_encode(stream)) {
     if (again.push(byte) != server::SlipDecoder::Outcome::packet) continue;
     return expect(std::ranges::equal(again.take(), stream), "a packet survives being framed");
@@ -63,7 +63,7 @@ void score(Bytes file) {
   if (!events) return;
   double last_s = 0;
   for (const server::ScoreEvent& event : *events) {
-    expect(event.time_s >= last_s && event.time_s <= server::kLongestScore, "events stand by time, within a day");
+    expect(event.time_s >= last_s && event.time_s <= server::kMaxScore, "events stand by time, within a day");
     last_s = event.time_s;
     check_request(event.message);
   }

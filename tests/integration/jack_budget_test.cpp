@@ -19,7 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr int kRate = 192000, kPeriod = 128;
-constexpr std::size_t kModes = 2000, kObjectsToMeasure = 20, kMostObjects = 500;
+constexpr std::size_t kModes = 2000, kObjectsToMeasure = 20, kMaxObjects = 500;
 constexpr double kLoad = 2.5;    // in proportion to that of a few objects, which caches hold; in truth about four
 constexpr int kFewMisses = 5;    // of 4500 callbacks
 constexpr int kFewModes = 1000;  // of those that there is time for
@@ -145,7 +145,7 @@ TEST_F(JackBudget, KeepsTheTimeWhereAnUnboundedMixerMissesMost) {
   const auto few = play(kObjectsToMeasure, 0);
   if (!few) GTEST_SKIP() << "the machine stands still";
   const auto objects = static_cast<std::size_t>(std::ceil(kLoad / few->load * kObjectsToMeasure));
-  if (objects > kMostObjects) GTEST_SKIP() << "this machine is so fast that it would take " << objects << " objects";
+  if (objects > kMaxObjects) GTEST_SKIP() << "this machine is so fast that it would take " << objects << " objects";
   const auto without = play(objects, 0), with = play_undisturbed(objects, 70);
   if (!without) GTEST_SKIP() << "the machine stands still when it has too much to do";
   if (!with) GTEST_SKIP() << "the machine paused in each of " << kTries << " tries";

@@ -8,11 +8,11 @@
 namespace ringdown::test {
 namespace {
 
-constexpr std::size_t kMostCycles = 200000, kFewCycles = 10;
+constexpr std::size_t kMaxCycles = 200000, kFewCycles = 10;
 
 }  // namespace
 
-JackClock::JackClock(const std::string& server) : cycles_(kMostCycles) {
+JackClock::JackClock(const std::string& server) : cycles_(kMaxCycles) {
   client_ = jack_client_open("clock", static_cast<jack_options_t>(JackNoStartServer | JackServerName), nullptr,
                              server.c_str());
   if (!client_) return;

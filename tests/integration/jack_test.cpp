@@ -17,7 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr double kRate = 48000;
-constexpr int kMostRecordings = 15;  // a virtual machine spoils up to every second one
+constexpr int kMaxRecordings = 15;  // a virtual machine spoils up to every second one
 constexpr double kEven_s = 5e-4;
 
 // Frames at which the signal exceeds `threshold` after staying below it for more than `quiet` frames.
@@ -66,7 +66,7 @@ class Jack : public JackTest {
     JackClock clock(server_.name());
     EXPECT_TRUE(clock.works());
     int disturbed = 0;
-    for (int tries = 0; tries < kMostRecordings; ++tries) {
+    for (int tries = 0; tries < kMaxRecordings; ++tries) {
       bool played = false;
       clock.restart();
       Samples heard = record(seconds, [&] { played = play(); });
@@ -74,15 +74,14 @@ class Jack : public JackTest {
       if (quiet && clock.xruns() == 0) return heard;
       disturbed += quiet ? 0 : 1;
     }
-    EXPECT_GT(2 * disturbed, kMostRecordings) << "xruns, while the server's clock runs evenly: a client is late";
+    EXPECT_GT(2 * disturbed, kMaxRecordings) << "xruns, while the server's clock runs evenly: a client is late";
     return std::nullopt;
   }
 };
 
 #define SKIP_IF_DISTURBED(heard) \
   if (HasFailure()) return;      \
-  if (!(heard))                  \
-  GTEST_SKIP() << "the machine is too busy: jackd was late in most of " << kMostRecordings << " recordings"
+  if (!(heard)) GTEST_SKIP() << "the machine is too busy: jackd was late in most of " << kMaxRecordings << " recordings"
 
 TEST_F(Jack, AStrikeFromOscsendIsRecordedAtItsPitchAndDecay) {
   Daemon daemon({"--object", "tone=" + bank_.string()}, server_.environment());

@@ -124,10 +124,10 @@ TEST(BankFile, HoldsSoManyModesAndPointsAndNotOneMore) {
     const auto bank = parse(written(large_bank(modes, points)));
     return bank ? "" : bank.error().message;
   };
-  EXPECT_EQ(refusal(kMostModes, 4), "");
-  EXPECT_NE(refusal(kMostModes + 1, 4).find(std::to_string(kMostModes)), std::string::npos);
-  EXPECT_EQ(refusal(1, kMostPoints), "");
-  EXPECT_NE(refusal(1, kMostPoints + 1).find(std::to_string(kMostPoints)), std::string::npos);
+  EXPECT_EQ(refusal(kMaxModes, 4), "");
+  EXPECT_NE(refusal(kMaxModes + 1, 4).find(std::to_string(kMaxModes)), std::string::npos);
+  EXPECT_EQ(refusal(1, kMaxPoints), "");
+  EXPECT_NE(refusal(1, kMaxPoints + 1).find(std::to_string(kMaxPoints)), std::string::npos);
 }
 
 TEST(BankFile, IsAWellFormedGlbContainer) {

@@ -126,7 +126,7 @@ TEST(Picture, ForeignBanksAreDrawnToo) {
   modal::Bank single = single_mode_bank(25000, 1);
   single.positions.resize(1), single.shapes.resize(1), single.triangles.clear();
   EXPECT_FALSE(cli::bank_page(single, cli::answer_of(single, Vec3{1, 2, 3})).empty());
-  const modal::Bank large = random_bank(1, 2, cli::kMostDrawn + 1);
+  const modal::Bank large = random_bank(1, 2, cli::kMaxDrawn + 1);
   const std::string page = cli::bank_page(large, cli::answer_of(large, {}));
   EXPECT_NE(page.find("id=\"view-data\">{}</script>"), std::string::npos) << "too large a surface is left out";
 }

@@ -64,13 +64,13 @@ TEST(Lasting, RestIsSilentAndDoesNotFlicker) {
   Telling last;
   double now_s = 0;
   std::size_t told = 0;
-  for (int k = 0; k < 100; ++k) told += step(lives, sliding(0.9 * kSlowestContact_m_s), now_s, last);
+  for (int k = 0; k < 100; ++k) told += step(lives, sliding(0.9 * kMinContactSpeed_m_s), now_s, last);
   EXPECT_EQ(told, 0u) << "too slow to begin";
-  for (int k = 0; k < 8; ++k) told += step(lives, sliding(1.1 * kSlowestContact_m_s), now_s, last);
-  for (int k = 0; k < 8; ++k) told += step(lives, sliding(0.9 * kSlowestContact_m_s), now_s, last);
+  for (int k = 0; k < 8; ++k) told += step(lives, sliding(1.1 * kMinContactSpeed_m_s), now_s, last);
+  for (int k = 0; k < 8; ++k) told += step(lives, sliding(0.9 * kMinContactSpeed_m_s), now_s, last);
   EXPECT_EQ(told, 4u) << "but fast enough to go on";
   EXPECT_FALSE(last.ends);
-  for (int k = 0; k < 40; ++k) told += step(lives, sliding(0.4 * kSlowestContact_m_s), now_s, last);
+  for (int k = 0; k < 40; ++k) told += step(lives, sliding(0.4 * kMinContactSpeed_m_s), now_s, last);
   EXPECT_EQ(told, 5u);
   EXPECT_TRUE(last.ends);
 }

@@ -42,7 +42,7 @@ TEST(Hull, OfManyPointsIsSmallLiesOnThemAndHoldsNearlyAllTheirVolume) {
   const auto points = points_on_sphere(5000, 0.1);
   const auto hull = convex_hull(points);
   ASSERT_TRUE(hull) << hull.error().message;
-  EXPECT_LE(hull->points.size(), kMostHullPoints);
+  EXPECT_LE(hull->points.size(), kMaxHullPoints);
   for (const Vec3& p : hull->points) EXPECT_NE(std::ranges::find(points, p), points.end());
   EXPECT_EQ(hull->triangles.size(), 2 * hull->points.size() - 4) << "Euler's formula for a closed surface";
   EXPECT_GT(volume(*hull), 0.93 * 4 / 3 * M_PI * 1e-3);

@@ -156,7 +156,7 @@ TEST(Joint, OfWhatCannotBeJoinedIsRefused) {
   refused("anchor_m", [](auto& joint, auto&) { joint.anchor_m.x = std::nan(""); });
   refused("friction_nm", [](auto& joint, auto&) { joint.friction_nm = -1; });
   refused("limits", [](auto& joint, auto&) { joint.low_degrees = 5; });
-  refused("joints", [](auto& joint, auto& scene) { scene.joints.resize(kMostJoints + 1, joint); });
+  refused("joints", [](auto& joint, auto& scene) { scene.joints.resize(kMaxJoints + 1, joint); });
 }
 
 SceneDescription rain(std::uint64_t count) {
@@ -199,8 +199,8 @@ TEST(Emitter, LetsItsBodiesInOneByOneScatteredFromTheSeed) {
 }
 
 TEST(Emitter, CountsAmongTheBodiesOfTheScene) {
-  EXPECT_EQ(raining(rain(kMostBodies)).bodies().size(), kMostBodies);
-  SceneDescription scene = rain(kMostBodies);
+  EXPECT_EQ(raining(rain(kMaxBodies)).bodies().size(), kMaxBodies);
+  SceneDescription scene = rain(kMaxBodies);
   scene.emitters.push_back(scene.emitters[0]);
   scene.emitters[1].name = "more";
   const auto world = World::create(scene, std::vector{sounding("drop", 0, box_bank(kRod, kMass))}, 48000);

@@ -46,8 +46,8 @@ StepReport first_heard(World& world) {
 }
 
 TEST(Limits, AStepHearsSoManyStrikesAndCountsTheNext) {
-  constexpr std::size_t kPairs = kMostEventsPerStep / 2;
-  static_assert(2 * kPairs <= kMostBodies);
+  constexpr std::size_t kPairs = kMaxEventsPerStep / 2;
+  static_assert(2 * kPairs <= kMaxBodies);
   for (const bool one_more : {false, true}) {
     World world = weightless_world();
     for (std::size_t k = 1; k < kPairs; ++k) {
@@ -58,15 +58,15 @@ TEST(Limits, AStepHearsSoManyStrikesAndCountsTheNext) {
     const Vec3 second = one_more ? Vec3{-1, 0, -1} : Vec3{-1, 0, 0};
     spawn_pair(world, {-1, 0, 0.025}, {1, 0, 0}, second);
     const StepReport report = first_heard(world);
-    EXPECT_EQ(report.events.size(), kMostEventsPerStep);
+    EXPECT_EQ(report.events.size(), kMaxEventsPerStep);
     EXPECT_EQ(report.dropped_events, one_more ? 1u : 0u);
   }
 }
 
 // Each box meets the floor with four corners, and the first one, perhaps, a wall with four more.
 TEST(Limits, AStepHoldsSoManyContactsAndCountsThoseBeyond) {
-  constexpr std::size_t kBoxes = kMostContactsPerStep / 4;
-  static_assert(kBoxes <= kMostBodies);
+  constexpr std::size_t kBoxes = kMaxContactsPerStep / 4;
+  static_assert(kBoxes <= kMaxBodies);
   for (const bool more : {false, true}) {
     SceneDescription scene = scene_of({});
     StaticDescription wall = scene.statics.front();
@@ -89,7 +89,7 @@ TEST(Limits, AStepHoldsSoManyContactsAndCountsThoseBeyond) {
 TEST(Limits, ASceneNamesSoManyObjectsAndNotOneMore) {
   SceneDescription scene = scene_of({});
   std::vector<SoundingObject> known;
-  for (std::size_t k = 0; k < kMostObjects; ++k) {
+  for (std::size_t k = 0; k < kMaxObjects; ++k) {
     ObjectDescription object;
     object.name = "o" + std::to_string(k);
     scene.objects.push_back(object);
@@ -101,12 +101,12 @@ TEST(Limits, ASceneNamesSoManyObjectsAndNotOneMore) {
   scene.objects.back().name = "one-more";
   const auto refused = World::create(scene, known, 48000);
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find(std::to_string(kMostObjects)), std::string::npos) << refused.error().message;
+  EXPECT_NE(refused.error().message.find(std::to_string(kMaxObjects)), std::string::npos) << refused.error().message;
 }
 
 TEST(Limits, SoManyStaticsAndNotOneMore) {
   SceneDescription scene = scene_of({});
-  while (scene.statics.size() < kMostStatics) {
+  while (scene.statics.size() < kMaxStatics) {
     scene.statics.push_back(scene.statics.front());
     scene.statics.back().name = "floor" + std::to_string(scene.statics.size());
   }

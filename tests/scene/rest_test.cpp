@@ -29,7 +29,7 @@ struct Heard {
         ++times;
         for (const auto& [number, touch] : leaning.touches) {
           EXPECT_GE(number, protocol::kFirstSceneTouch);
-          EXPECT_LT(number, protocol::kMostTouches);
+          EXPECT_LT(number, protocol::kMaxTouches);
           auto& all = touches[leaning.object];
           if (touch.damping_ns_m > 0) {
             all[number] = touch;

@@ -83,7 +83,7 @@ TEST(Spawn, RefusesWhatCannotBe) {
 TEST(Spawn, FillsUpToTheLimitAndNotBeyond) {
   World world = empty_world();
   auto ball = silent_ball();
-  for (std::size_t k = 0; k < kMostBodies; ++k) {
+  for (std::size_t k = 0; k < kMaxBodies; ++k) {
     ball.position_m = {0.1 * static_cast<double>(k % 32), 0.1 * static_cast<double>(k / 32), 1};
     ASSERT_TRUE(world.spawn(ball));
   }
@@ -189,7 +189,7 @@ TEST(Poison, ABodyBeyondWhatIsRealGoesBackAndThenAway) {
   World world =
       world_of(scene_of({body_of("bell", ShapeType::box, {0, 0, 1})}), {sounding("bell", 4, box_bank(kSize, 1))});
   const BodyId id = world.bodies()[0].id;
-  for (int k = 0; k < kMostResets; ++k) {
+  for (int k = 0; k < kMaxResets; ++k) {
     ASSERT_TRUE(world.push(id, {9e5, 0, 0}));
     const auto report = world.step();
     ASSERT_EQ(report.notices.size(), 1u);
@@ -240,7 +240,7 @@ TEST(Poison, ADescriptionFilledWithNonsenseIsRefusedBeforeOdeSeesIt) {
   refused("no object", [](auto& scene) { scene.bodies[0].object = "gong"; });
   refused("named", [](auto& scene) { scene.bodies.push_back(scene.bodies[0]); });
   refused("pan", [](auto& scene) { scene.objects[0].pan = 2; });
-  refused("more than", [](auto& scene) { scene.statics.resize(kMostStatics + 1); });
+  refused("more than", [](auto& scene) { scene.statics.resize(kMaxStatics + 1); });
 }
 
 TEST(Stress, OverlappingBodiesOfEveryShapePartWithoutAFlight) {

@@ -311,10 +311,10 @@ TEST_F(SceneFile, DirectionsOfNoLength) {
 }
 TEST_F(SceneFile, TooManyBodies) {
   std::string text;
-  for (int k = 0; k < static_cast<int>(kMostBodies) + 1; ++k) {
+  for (int k = 0; k < static_cast<int>(kMaxBodies) + 1; ++k) {
     text += "[[body]]\nname = \"b" + std::to_string(k) + "\"\nsize_m = [1, 1, 1]\ndensity_kg_m3 = 1\n";
   }
-  expect_error(text, static_cast<int>(kMostBodies) * 4 + 1, "at most 1024");
+  expect_error(text, static_cast<int>(kMaxBodies) * 4 + 1, "at most 1024");
 }
 
 }  // namespace

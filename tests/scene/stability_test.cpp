@@ -407,7 +407,7 @@ TEST(Stability, AScenePushedBeyondReasonNeitherEndsTheProgramNorPoisonsOthers) {
     for (const BodyState& body : world.bodies())
       ASSERT_TRUE(is_finite(body.position_m) && is_finite(body.velocity_m_s));
   }
-  EXPECT_EQ(notices, static_cast<std::size_t>(kMostResets) + 1);
+  EXPECT_EQ(notices, static_cast<std::size_t>(kMaxResets) + 1);
   ASSERT_EQ(world.bodies().size(), 1u);
   EXPECT_EQ(world.bodies()[0].name, "other");
 }

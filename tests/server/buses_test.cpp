@@ -43,7 +43,7 @@ TEST(Buses, TheMixAloneNeedsNone) {
 TEST(Buses, OneMoreThanThereAreIsHeardInTheMixOnly) {
   Buses buses;
   buses.set_mode(PortMode::objects);
-  for (std::size_t i = 0; i < synth::kMostBuses; ++i) {
+  for (std::size_t i = 0; i < synth::kMaxBuses; ++i) {
     EXPECT_TRUE(buses.join(static_cast<protocol::ObjectNumber>(i), "o" + std::to_string(i), ""));
   }
   EXPECT_EQ(buses.overflow(), 0u);

@@ -19,12 +19,12 @@ TEST(Capacity, AWorkerHoldsSoManyTasksAndRefusesTheNext) {
     go.acquire();
   }));
   started.acquire();  // it is at work; from now on tasks wait
-  for (std::size_t i = 0; i < Worker::kMostTasks; ++i) ASSERT_TRUE(worker.post([&done] { ++done; })) << i;
+  for (std::size_t i = 0; i < Worker::kMaxTasks; ++i) ASSERT_TRUE(worker.post([&done] { ++done; })) << i;
   EXPECT_FALSE(worker.post([&done] { ++done; }));
   go.release();
-  while (done < Worker::kMostTasks) std::this_thread::sleep_for(1ms);
+  while (done < Worker::kMaxTasks) std::this_thread::sleep_for(1ms);
   EXPECT_TRUE(worker.post([] {})) << "there is room again";
-  EXPECT_EQ(done, Worker::kMostTasks);
+  EXPECT_EQ(done, Worker::kMaxTasks);
 }
 
 TEST(Capacity, LatencyEndsAtASecond) {
@@ -42,7 +42,7 @@ std::vector<std::byte> score_at(std::uint64_t seconds) {
 }
 
 TEST(Capacity, AScoreLastsADay) {
-  const auto day = static_cast<std::uint64_t>(kLongestScore);
+  const auto day = static_cast<std::uint64_t>(kMaxScore);
   EXPECT_TRUE(parse_score(score_at(day), "s"));
   EXPECT_FALSE(parse_score(score_at(day + 1), "s"));
 }
@@ -65,14 +65,14 @@ TEST_F(CapacityTest, FilesAreReadToTheirLimitAndRefusedPastIt) {
     return sentence.find("more than the limit") != std::string::npos;
   };
   const auto toml = [](const auto& path) { return TomlTable::read(path); };
-  EXPECT_FALSE(too_large(refusal_of(kLargestTomlFile, toml)));
-  EXPECT_TRUE(too_large(refusal_of(kLargestTomlFile + 1, toml)));
+  EXPECT_FALSE(too_large(refusal_of(kMaxTomlFileBytes, toml)));
+  EXPECT_TRUE(too_large(refusal_of(kMaxTomlFileBytes + 1, toml)));
   const auto score = [](const auto& path) { return read_score(path); };
-  EXPECT_FALSE(too_large(refusal_of(kLargestScore, score)));
-  EXPECT_TRUE(too_large(refusal_of(kLargestScore + 1, score)));
+  EXPECT_FALSE(too_large(refusal_of(kMaxScoreBytes, score)));
+  EXPECT_TRUE(too_large(refusal_of(kMaxScoreBytes + 1, score)));
   const auto bank = [this](const auto& path) { return session_.rack().read(path); };
-  EXPECT_FALSE(too_large(refusal_of(modal::kLargestBankFile, bank)));
-  EXPECT_TRUE(too_large(refusal_of(modal::kLargestBankFile + 1, bank)));
+  EXPECT_FALSE(too_large(refusal_of(modal::kMaxBankFileBytes, bank)));
+  EXPECT_TRUE(too_large(refusal_of(modal::kMaxBankFileBytes + 1, bank)));
 }
 
 TEST_F(CapacityTest, ARecordingKeepsSoManyEventsAndSaysWhatItLeftOut) {
@@ -81,11 +81,11 @@ TEST_F(CapacityTest, ARecordingKeepsSoManyEventsAndSaysWhatItLeftOut) {
     const auto score = folder_ / "full.osc";
     ASSERT_TRUE(recorder_.start(score, 0));  // which names the object: one event
     const protocol::Event strike{.frame = 5, .object = session_.rack().find({.name = "bell"})->number};
-    for (std::size_t i = 1; i < kMostRecorded + more; ++i) recorder_.played(strike);
+    for (std::size_t i = 1; i < kMaxRecorded + more; ++i) recorder_.played(strike);
     EXPECT_EQ(recorder_.left_out(), more);
     const auto written = recorder_.stop(10);
     ASSERT_TRUE(written) << written.error().message;
-    EXPECT_EQ(*written, kMostRecorded);
+    EXPECT_EQ(*written, kMaxRecorded);
   }
 }
 
@@ -153,15 +153,15 @@ TEST_F(CapacityTest, ANoticeTellsTheLastContacts) {
   };
   contacts();  // the first notice comes at once, the next after two seconds
   const auto number = session_.rack().find({.name = "bell"})->number;
-  for (std::size_t i = 0; i <= kMostContactsPerNotice; ++i) {
+  for (std::size_t i = 0; i <= kMaxContactsPerNotice; ++i) {
     ASSERT_TRUE(
         session_.rack().push(synth::Producer::worker,
                              {.object = number, .impulse_ns = {0, 0, static_cast<double>(i)}, .contact_time_s = 0}));
   }
   const auto told = contacts();
-  ASSERT_EQ(told.size(), kMostContactsPerNotice);
+  ASSERT_EQ(told.size(), kMaxContactsPerNotice);
   EXPECT_EQ(told.front().impulse_ns.z, 1) << "the very first is left out";
-  EXPECT_EQ(told.back().impulse_ns.z, static_cast<double>(kMostContactsPerNotice));
+  EXPECT_EQ(told.back().impulse_ns.z, static_cast<double>(kMaxContactsPerNotice));
 }
 
 }  // namespace

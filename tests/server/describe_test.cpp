@@ -119,7 +119,7 @@ TEST_F(DescribeTest, ABankComesInPiecesThatMakeItsFile) {
     std::ifstream file(folder_ / "large.glb", std::ios::binary);
     wanted.assign(std::istreambuf_iterator<char>(file), {});
   }
-  ASSERT_GT(wanted.size(), 2 * protocol::kMostBankBytes);
+  ASSERT_GT(wanted.size(), 2 * protocol::kMaxBankBytes);
   ASSERT_TRUE(session_.rack().load("bell", folder_ / "large.glb"));
   serve();
   std::string got;
@@ -128,7 +128,7 @@ TEST_F(DescribeTest, ABankComesInPiecesThatMakeItsFile) {
     ASSERT_TRUE(piece);
     EXPECT_EQ(static_cast<std::size_t>(piece->total), wanted.size());
     EXPECT_EQ(static_cast<std::size_t>(piece->offset), got.size());
-    EXPECT_EQ(piece->bytes.size(), std::min<std::size_t>(protocol::kMostBankBytes, wanted.size() - got.size()));
+    EXPECT_EQ(piece->bytes.size(), std::min<std::size_t>(protocol::kMaxBankBytes, wanted.size() - got.size()));
     for (const std::byte byte : piece->bytes) got.push_back(static_cast<char>(byte));
   }
   EXPECT_EQ(got, wanted);
@@ -295,10 +295,10 @@ TEST_F(BrowseTest, WhatLiesOutsideIsHiddenOrIsDeepIsNotTold) {
 }
 
 TEST_F(BrowseTest, SoManyFilesAreToldAndNotOneMore) {
-  for (std::size_t i = 0; i < kMostBrowsed; ++i) static_cast<void>(folder_.write(std::to_string(i) + ".glb", ""));
-  EXPECT_EQ(browse(*FileRoots::only({folder_.path()})).size(), kMostBrowsed);
+  for (std::size_t i = 0; i < kMaxBrowsed; ++i) static_cast<void>(folder_.write(std::to_string(i) + ".glb", ""));
+  EXPECT_EQ(browse(*FileRoots::only({folder_.path()})).size(), kMaxBrowsed);
   static_cast<void>(folder_.write("more.glb", ""));
-  EXPECT_EQ(browse(*FileRoots::only({folder_.path()})).size(), kMostBrowsed);
+  EXPECT_EQ(browse(*FileRoots::only({folder_.path()})).size(), kMaxBrowsed);
 }
 
 TEST(Bundles, HoldSixteenMessagesOrSoManyBytesAndKeepTheOrder) {
@@ -308,7 +308,7 @@ TEST(Bundles, HoldSixteenMessagesOrSoManyBytesAndKeepTheOrder) {
   std::vector<std::size_t> sizes;
   std::vector<protocol::Reply> got;
   send_in_bundles(replies, [&](std::span<const std::byte> packet) {
-    EXPECT_LE(packet.size(), kLargestPacket);
+    EXPECT_LE(packet.size(), kMaxPacketBytes);
     const auto messages = decode_packet(packet);
     ASSERT_TRUE(messages);
     sizes.push_back(messages->size());

@@ -98,19 +98,19 @@ TEST_F(Excite, NoForceAndNoObjectEndIt) {
 TEST_F(Excite, AnInputExcitesOneObjectAndEachOfFourServes) {
   load("b");
   for (const char* object : {"a", "b"}) ASSERT_TRUE(excite(object, 2, kForce_n));
-  for (std::uint32_t input = 1; input <= protocol::kMostInputs; ++input) EXPECT_TRUE(excite("b", input, kForce_n));
+  for (std::uint32_t input = 1; input <= protocol::kMaxInputs; ++input) EXPECT_TRUE(excite("b", input, kForce_n));
   EXPECT_EQ(session_.rack().inputs(), 0b1111u);
   kick();
   EXPECT_EQ(session_.rack().mixer().counters().ringing_voices, 1u);
 }
 
 TEST_F(Excite, ABankOfMoreModesThanAnInputTakesIsRefused) {
-  for (const std::size_t modes : {synth::kMostDrivenColumns, synth::kMostDrivenColumns + 1}) {
+  for (const std::size_t modes : {synth::kMaxDrivenColumns, synth::kMaxDrivenColumns + 1}) {
     const auto path = folder_ / "many.glb";
     ASSERT_TRUE(modal::write_bank(test::random_bank(1, modes, 20), path));
     ASSERT_TRUE(session_.perform(protocol::LoadObject{"many", path.string()}, 0));
     const auto excited = excite("many", 1, kForce_n);
-    EXPECT_EQ(excited.has_value(), modes == synth::kMostDrivenColumns);
+    EXPECT_EQ(excited.has_value(), modes == synth::kMaxDrivenColumns);
     const std::string sentence = excited ? "4096" : excited.error().message;
     EXPECT_NE(sentence.find("4096"), std::string::npos) << sentence;
   }

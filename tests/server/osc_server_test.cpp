@@ -66,7 +66,7 @@ TEST_F(OscServerTest, ALateBundleIsPlayedAtOnceAndCounted) {
 TEST_F(OscServerTest, OnlySoMuchMayLieAheadAndOnlySoFar) {
   load("tick");
   serve();
-  const double far = unix_now_s() + kFarthestAhead_s;
+  const double far = unix_now_s() + kMaxAhead_s;
   send_at(far + 60, strike("tick"));
   const auto refused = reply();
   ASSERT_TRUE(refused && std::holds_alternative<protocol::Fail>(*refused));
@@ -75,7 +75,7 @@ TEST_F(OscServerTest, OnlySoMuchMayLieAheadAndOnlySoFar) {
   ASSERT_TRUE(reply());
 
   const std::vector<Message> many(64, strike("tick"));
-  for (std::size_t i = 0; i < kMostScheduled; i += many.size()) {
+  for (std::size_t i = 0; i < kMaxScheduled; i += many.size()) {
     ASSERT_TRUE(client_.send_to(to_, encode_bundle(time_tag(far - 60), many)));
     if (i % 1024 == 0) sync();
   }
@@ -177,12 +177,12 @@ TEST_F(OscServerTest, SubscribersHearHowLoudEachObjectIs) {
 TEST_F(OscServerTest, SoManySubscribersAndNotOneMore) {
   serve();
   std::vector<OscSocket> clients;
-  for (std::size_t i = 0; i < kMostSubscribers; ++i) {
+  for (std::size_t i = 0; i < kMaxSubscribers; ++i) {
     clients.push_back(std::move(*OscSocket::bind()));
     ASSERT_TRUE(clients.back().send_to(to_, encode({"/notify", {1, 0.1f}})));
   }
   for (OscSocket& client : clients) EXPECT_FALSE(notice(client).empty());
-  EXPECT_NE(refusal({"/notify", {}}).find(std::to_string(kMostSubscribers)), std::string::npos);
+  EXPECT_NE(refusal({"/notify", {}}).find(std::to_string(kMaxSubscribers)), std::string::npos);
   ASSERT_TRUE(clients.back().send_to(to_, encode({"/notify", {0}})));
   send({"/notify", {}});
   EXPECT_TRUE(wait_for<protocol::Done>(client_, [](const auto& done) { return done.address == "/notify"; }));

@@ -54,7 +54,7 @@ class TcpClient {
 
  private:
   int socket_;
-  SlipDecoder decoder_{kLargestPacket};
+  SlipDecoder decoder_{kMaxPacketBytes};
 };
 
 class OscStreamTest : public OscServerTest {
@@ -116,7 +116,7 @@ TEST_F(OscStreamTest, WhoSpeaksNoSlipIsCutOffAndOthersAreNot) {
   TcpClient good(tcp_port_), bad(tcp_port_), endless(tcp_port_);
   bad.send_raw({std::byte{0xDB}, std::byte{'a'}});
   EXPECT_FALSE(bad.reply());
-  endless.send_raw(std::vector<std::byte>(kLargestPacket + 1, std::byte{'x'}));
+  endless.send_raw(std::vector<std::byte>(kMaxPacketBytes + 1, std::byte{'x'}));
   EXPECT_FALSE(endless.reply());
   good.send({"/version", {}});
   EXPECT_TRUE(good.reply());
@@ -137,7 +137,7 @@ TEST_F(OscStreamTest, AWebPageCannotPlayThroughABrowser) {
 
 TEST_F(OscStreamTest, SoManyConnectionsAndNotOneMore) {
   std::vector<std::unique_ptr<TcpClient>> clients;
-  for (std::size_t i = 0; i < kMostConnections; ++i) {
+  for (std::size_t i = 0; i < kMaxConnections; ++i) {
     clients.push_back(std::make_unique<TcpClient>(tcp_port_));
     clients.back()->send({"/version", {}});
     ASSERT_TRUE(clients.back()->reply());
@@ -182,10 +182,10 @@ TEST(OscStream, SoMuchWaitsForAClientAndNotAByteMore) {
     const TcpClient client((*stream)->port());
     client.send({"/version", {}});
     const std::size_t frame = slip_encode(std::vector<std::byte>(1)).size() - 1;  // what SLIP adds to zeros
-    const std::vector<std::byte> packet(kMostUnread - frame + more);
-    ASSERT_EQ(slip_encode(packet).size(), kMostUnread + more);
+    const std::vector<std::byte> packet(kMaxUnread - frame + more);
+    ASSERT_EQ(slip_encode(packet).size(), kMaxUnread + more);
     (*stream)->send(met.get_future().get(), packet);
-    EXPECT_EQ(client.bytes_until_silence(kMostUnread), more == 0 ? kMostUnread : 0);
+    EXPECT_EQ(client.bytes_until_silence(kMaxUnread), more == 0 ? kMaxUnread : 0);
     (*stream)->stop();
   }
 }

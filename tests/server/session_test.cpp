@@ -175,12 +175,12 @@ TEST_F(SessionTest, OneWrongRecordRefusesTheWholeBulkByItsNumber) {
   EXPECT_NE(refusal([&](auto& b) { b.impulse_ns.z = HUGE_VAL; }).find("record 2 (jz)"), std::string::npos);
   EXPECT_NE(refusal([&](auto& b) { b.contact_time_s = nan; }).find("record 2 (contact_time)"), std::string::npos);
   EXPECT_NE(refusal([](auto& b) {
-              b.delay_s = std::nextafter(float(protocol::kLongestDelay_s), 100.f);
+              b.delay_s = std::nextafter(float(protocol::kMaxDelay_s), 100.f);
             }).find("record 2 (delay)"),
             std::string::npos);
   render(256);
   EXPECT_EQ(session_.rack().mixer().counters().strikes, 0u);
-  EXPECT_EQ(refusal([](auto& b) { b.delay_s = protocol::kLongestDelay_s; }), "") << "at the limit";
+  EXPECT_EQ(refusal([](auto& b) { b.delay_s = protocol::kMaxDelay_s; }), "") << "at the limit";
 }
 
 TEST_F(SessionTest, AFloodIsMergedWithoutLosingImpulse) {
@@ -191,7 +191,7 @@ TEST_F(SessionTest, AFloodIsMergedWithoutLosingImpulse) {
   EXPECT_TRUE(session_.holds());
   session_.flush();
   EXPECT_EQ(session_.dropped(), 0u);
-  EXPECT_EQ(session_.merged(), kFlood - StrikeMerger::kMostUnmerged - 1);
+  EXPECT_EQ(session_.merged(), kFlood - StrikeMerger::kMaxUnmerged - 1);
   const auto flood = render(4800);
   Session other{48000};
   ASSERT_TRUE(other.perform(protocol::LoadObject{"a", bank("a.glb")}, 0));
@@ -215,7 +215,7 @@ TEST_F(SessionTest, FilesOutsideTheRootsAreRefused) {
 }
 
 TEST_F(SessionTest, AsManyObjectsAsThereAreNumbersAndNotOneMore) {
-  for (std::size_t i = 0; i < synth::kMostObjects; ++i) {
+  for (std::size_t i = 0; i < synth::kMaxObjects; ++i) {
     ASSERT_TRUE(session_.perform(protocol::LoadObject{"o" + std::to_string(i), bank("a.glb")}, 0)) << i;
     if (i % 256 == 0) render(64);
   }

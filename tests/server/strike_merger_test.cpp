@@ -17,7 +17,7 @@ Event blow(Frame frame, double x = 0, protocol::ObjectNumber object = 0) {
 // A merger that has just been flooded up to its threshold.
 StrikeMerger flooded() {
   StrikeMerger merger(48);
-  for (std::size_t i = 0; i < StrikeMerger::kMostUnmerged; ++i) EXPECT_EQ(merger.add(blow(1000)), Verdict::pass);
+  for (std::size_t i = 0; i < StrikeMerger::kMaxUnmerged; ++i) EXPECT_EQ(merger.add(blow(1000)), Verdict::pass);
   return merger;
 }
 
@@ -39,10 +39,10 @@ TEST(StrikeMerger, AFloodOnOnePointKeepsItsImpulse) {
 
 TEST(StrikeMerger, OtherPointsAndObjectsStayApartAndAreBounded) {
   StrikeMerger merger = flooded();
-  for (std::size_t i = 0; i < StrikeMerger::kMostHeld; ++i) {
+  for (std::size_t i = 0; i < StrikeMerger::kMaxHeld; ++i) {
     EXPECT_EQ(merger.add(blow(1001, static_cast<double>(i / 2), i % 2)), Verdict::held);
   }
-  EXPECT_EQ(merger.held().size(), StrikeMerger::kMostHeld);
+  EXPECT_EQ(merger.held().size(), StrikeMerger::kMaxHeld);
   EXPECT_EQ(merger.add(blow(1001, -1)), Verdict::pass) << "one past the limit";
   EXPECT_EQ(merger.add(blow(1001, 0)), Verdict::merged);
 }

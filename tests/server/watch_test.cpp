@@ -135,7 +135,7 @@ TEST_F(WatchTest, TheSoundIsToldFrameByFrameThoughNoticesAreRare) {
       EXPECT_EQ(sound->frame, first + static_cast<std::int32_t>(heard.size()));
       EXPECT_EQ(sound->sample_rate_hz, kRate);
       const std::vector<float> samples = protocol::decode_floats(sound->samples);
-      EXPECT_LE(samples.size(), 2 * protocol::kMostSoundFrames);
+      EXPECT_LE(samples.size(), 2 * protocol::kMaxSoundFrames);
       for (std::size_t n = 0; n < samples.size(); n += 2) heard.push_back(samples[n]);
     }
   }
@@ -173,16 +173,16 @@ TEST_F(WatchTest, WatchedModesAreToldByFrequencyUntilTheSubscriberGoes) {
 }
 
 TEST_F(WatchTest, SixteenObjectsAreWatchedByAllTogether) {
-  for (std::size_t i = 0; i <= synth::kMostWatched; ++i) load("o" + std::to_string(i));
+  for (std::size_t i = 0; i <= synth::kMaxWatched; ++i) load("o" + std::to_string(i));
   serve();
   ASSERT_TRUE(done({"/notify", {1, 0.1f}}));
   const auto watch = [&](std::size_t i, std::int32_t on) {
     return done({"/object/o" + std::to_string(i) + "/watch", {on}});
   };
-  for (std::size_t i = 0; i < synth::kMostWatched; ++i) EXPECT_TRUE(watch(i, 1)) << i;
-  EXPECT_FALSE(watch(synth::kMostWatched, 1));
+  for (std::size_t i = 0; i < synth::kMaxWatched; ++i) EXPECT_TRUE(watch(i, 1)) << i;
+  EXPECT_FALSE(watch(synth::kMaxWatched, 1));
   EXPECT_TRUE(watch(0, 0));
-  EXPECT_TRUE(watch(synth::kMostWatched, 1));
+  EXPECT_TRUE(watch(synth::kMaxWatched, 1));
   send({"/object/o1/free", {}});
   sync();
   EXPECT_TRUE(watch(0, 1)) << "an object that is freed is watched no more";

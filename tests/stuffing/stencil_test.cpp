@@ -88,10 +88,10 @@ TEST(Stencil, HasNoWorseAnglesThanPromised) {
       }
     }
   }
-  EXPECT_GE(all.least, mesh::kLeastDihedral);
-  EXPECT_LE(all.most, mesh::kMostDihedral);
-  EXPECT_NEAR(all.least, mesh::kLeastDihedral, 0.02) << "the promise is not the best that can be given";
-  EXPECT_NEAR(all.most, mesh::kMostDihedral, 0.02);
+  EXPECT_GE(all.least, mesh::kMinDihedral);
+  EXPECT_LE(all.most, mesh::kMaxDihedral);
+  EXPECT_NEAR(all.least, mesh::kMinDihedral, 0.02) << "the promise is not the best that can be given";
+  EXPECT_NEAR(all.most, mesh::kMaxDihedral, 0.02);
 }
 
 }  // namespace

@@ -51,8 +51,8 @@ TEST_P(StuffingOf, GivesASoundMeshWithinTheAngles) {
   const auto stuffed = mesh::stuff(GetParam().surface, {.size_m = GetParam().size_m});
   ASSERT_TRUE(stuffed) << stuffed.error().message;
   const Dihedral angles = dihedral(stuffed->mesh);
-  EXPECT_GE(angles.least, mesh::kLeastDihedral);
-  EXPECT_LE(angles.most, mesh::kMostDihedral);
+  EXPECT_GE(angles.least, mesh::kMinDihedral);
+  EXPECT_LE(angles.most, mesh::kMaxDihedral);
   const auto checked = mesh::check_mesh(stuffed->mesh, GetParam().name);
   ASSERT_TRUE(checked) << checked.error().message;
   EXPECT_EQ(checked->flipped, 0);
@@ -113,8 +113,8 @@ TEST(StuffingAnglesHold, WhereverEdgesAreCut) {
     const Dihedral angles = dihedral(stuffed->mesh);
     std::printf("share %.2f: %ld elements, %.3f to %.3f\n", share, stuffed->mesh.elements.rows(), angles.least,
                 angles.most);
-    EXPECT_GE(angles.least, mesh::kLeastDihedral);
-    EXPECT_LE(angles.most, mesh::kMostDihedral);
+    EXPECT_GE(angles.least, mesh::kMinDihedral);
+    EXPECT_LE(angles.most, mesh::kMaxDihedral);
     const auto checked = mesh::check_mesh(stuffed->mesh, "chance");
     EXPECT_TRUE(checked) << checked.error().message;
   }

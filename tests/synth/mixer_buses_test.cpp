@@ -100,11 +100,11 @@ TEST_P(Buses, AreLeftAgainAndForgottenWithTheObject) {
 TEST(Bus, ThereAreSixtyTwo) {
   Mixer mixer(kRate);
   EXPECT_TRUE(mixer.install(0, voice_of(map_of(random_bank(0, 5, 20))), Mixer::Install::replace));
-  EXPECT_TRUE(mixer.assign(0, kMostBuses - 1));
+  EXPECT_TRUE(mixer.assign(0, kMaxBuses - 1));
   EXPECT_TRUE(mixer.push(Producer::control, vertex_strike_at(0, 0, 1, {100, 200, 300})));
   std::vector<float> last(64);
   Outputs outputs;
-  outputs.listen_to_bus(kMostBuses - 1, last.data());
+  outputs.listen_to_bus(kMaxBuses - 1, last.data());
   mixer.render(outputs, last.size());
   EXPECT_GT(mixer.counters().peak, 0);
 }

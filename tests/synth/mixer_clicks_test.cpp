@@ -132,7 +132,7 @@ TEST(MixerClicks, AreSoManyAtATimeAndNoMore) {
   for (const std::size_t more : {0, 1}) {
     Player player;
     player.install(0, map_of(sphere_bank(0.05, 1)));
-    for (std::size_t i = 0; i < kMostClicks + more; ++i) player.push(click_at(0, 0, {1, 0, 0}));
+    for (std::size_t i = 0; i < kMaxClicks + more; ++i) player.push(click_at(0, 0, {1, 0, 0}));
     player.render(64);
     EXPECT_EQ(player.mixer.counters().refused, more);
     player.render(10000);

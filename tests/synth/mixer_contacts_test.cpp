@@ -177,7 +177,7 @@ TEST(Contacts, SoundTheSameInAnyBlocksAndOnAnyThreads) {
 TEST(Contacts, OfOneObjectAreFourAtATimeAndMoreAreCounted) {
   Player player;
   player.install(0, short_lived());
-  for (std::uint32_t number = 0; number < kMostForces + 1; ++number) {
+  for (std::uint32_t number = 0; number < kMaxForces + 1; ++number) {
     Contact contact = sliding(1, 0.1);
     contact.number = number;
     player.push(contact_at(0, 0, contact));

@@ -152,7 +152,7 @@ TEST(ContactPulse, GoesOnWhenTheMaterialChanges) {
 }
 
 TEST(ContactPulse, BeyondTheMostAtATimeIsShapedByItsSpectrum) {
-  constexpr ObjectNumber kObjects = 2 * kMostDrives;
+  constexpr ObjectNumber kObjects = 2 * kMaxDrives;
   Player player;
   player.mixer.set_exact_contacts(true);
   const Map map = map_of(single_mode_bank(200, 1));  // a whole period in half a pulse: in phase either way
@@ -160,14 +160,14 @@ TEST(ContactPulse, BeyondTheMostAtATimeIsShapedByItsSpectrum) {
     player.install(object, map);
     player.push(strike_at(0, object, {0, 0, 1}, 0.01));
   }
-  for (std::size_t i = 0; i < 2 * kMostForces; ++i) player.push(strike_at(1, 0, {0, 0, 1}, 0.01));
+  for (std::size_t i = 0; i < 2 * kMaxForces; ++i) player.push(strike_at(1, 0, {0, 0, 1}, 0.01));
   player.render(4096);
-  EXPECT_EQ(player.mixer.counters().strikes, kObjects + 2 * kMostForces);
+  EXPECT_EQ(player.mixer.counters().strikes, kObjects + 2 * kMaxForces);
   Player one;
   one.install(0, map);
   one.push(strike_at(0, 0, {0, 0, 1}, 0.01));
   one.render(4096);
-  const double sum = static_cast<double>(kObjects + 2 * kMostForces);
+  const double sum = static_cast<double>(kObjects + 2 * kMaxForces);
   EXPECT_NEAR(largest(player.left_from(1000)), sum * largest(std::span(one.left).subspan(1000)),
               0.03 * sum * largest(one.left));
 }

@@ -222,11 +222,11 @@ TEST_F(Watching, TellsNoughtForModesThatTheObjectDoesNotHaveAndNothingOfAnotherB
 
 TEST_F(Watching, SixteenObjectsAtATimeAndNotOneMore) {
   ModeWatch& watch = player_.mixer.mode_watch();
-  for (ObjectNumber object = 0; object < kMostWatched; ++object) EXPECT_TRUE(watch.watch(object));
-  EXPECT_FALSE(watch.watch(kMostWatched));
+  for (ObjectNumber object = 0; object < kMaxWatched; ++object) EXPECT_TRUE(watch.watch(object));
+  EXPECT_FALSE(watch.watch(kMaxWatched));
   EXPECT_TRUE(watch.watch(3)) << "that one is watched already";
   watch.unwatch(3);
-  EXPECT_TRUE(watch.watch(kMostWatched));
+  EXPECT_TRUE(watch.watch(kMaxWatched));
   EXPECT_FALSE(watch.watch(3));
 }
 

@@ -149,7 +149,7 @@ TEST(MixerRate, EventsOfOneFrameKeepTheirOrderEvenWhenTwoFramesBecomeOne) {
 TEST(MixerRate, MoreEventsThanUsuallyWaitSurviveTheChange) {
   Player player;
   player.install(0, map_of(single_mode_bank(kPitch_hz, kDecay_per_s)));
-  for (std::size_t i = 0; i < kMostPendingEvents; ++i) {
+  for (std::size_t i = 0; i < kMaxPendingEvents; ++i) {
     player.push(strike_at(48000, 0, {0, 0, 1e-3}));
     if (i % 1000 == 0) player.mixer.render({}, {});
   }
@@ -158,8 +158,8 @@ TEST(MixerRate, MoreEventsThanUsuallyWaitSurviveTheChange) {
   player.mixer.change_sample_rate(96000);
   player.render(95999);
   EXPECT_EQ(player.mixer.counters().strikes, 0u);
-  player.render(128 * (kMostPendingEvents + kQueueCapacity) / kMostEventsPerChunk + 256);
-  EXPECT_EQ(player.mixer.counters().strikes, kMostPendingEvents + kQueueCapacity);
+  player.render(128 * (kMaxPendingEvents + kQueueCapacity) / kMaxEventsPerChunk + 256);
+  EXPECT_EQ(player.mixer.counters().strikes, kMaxPendingEvents + kQueueCapacity);
 }
 
 }  // namespace

@@ -137,14 +137,14 @@ TEST_P(ManyModes, SoundTheSameToTheBitWhoeverWatches) {
 TEST(Reach, AllObjectsAreLookedAtInTurn) {
   Player player;
   const Map map = map_of(single_mode_bank(300, 1));
-  for (ObjectNumber object = 0; object < kMostObjects; ++object) {
+  for (ObjectNumber object = 0; object < kMaxObjects; ++object) {
     player.install(object, map);
     player.push(strike_at(0, object, {0, 0, 1e-3}));
   }
   player.mixer.watch_objects(true);
-  player.render(128 * kMostObjects / 64 + 256, 128);  // at most 512 strikes in a chunk
-  player.render(128 * kMostObjects / 64, 128);
-  for (ObjectNumber object = 0; object < kMostObjects; ++object) {
+  player.render(128 * kMaxObjects / 64 + 256, 128);  // at most 512 strikes in a chunk
+  player.render(128 * kMaxObjects / 64, 128);
+  for (ObjectNumber object = 0; object < kMaxObjects; ++object) {
     ASSERT_GT(player.mixer.take_reach(object), 1e-6) << object;
   }
 }

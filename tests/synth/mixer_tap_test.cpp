@@ -154,21 +154,21 @@ TEST(Tap, HearsAMixThatNobodyListensTo) {
 TEST(Tap, ABlockNobodyListensToIsHeardUpToSoManyFrames) {
   Player player;
   player.mixer.sound_tap().watch(true);
-  player.mixer.render(Outputs(), kLongestSpare);
-  EXPECT_EQ(take_all(player.mixer.sound_tap()).left.size(), kLongestSpare);
-  player.mixer.render(Outputs(), kLongestSpare + 1);
+  player.mixer.render(Outputs(), kMaxSpare);
+  EXPECT_EQ(take_all(player.mixer.sound_tap()).left.size(), kMaxSpare);
+  player.mixer.render(Outputs(), kMaxSpare + 1);
   EXPECT_TRUE(take_all(player.mixer.sound_tap()).left.empty());
   player.mixer.render(Outputs(), 64);
-  EXPECT_EQ(take_all(player.mixer.sound_tap()).begins, std::vector<Frame>{2 * kLongestSpare + 1});
+  EXPECT_EQ(take_all(player.mixer.sound_tap()).begins, std::vector<Frame>{2 * kMaxSpare + 1});
 }
 
 TEST(Tap, WhatFindsItFullIsMissingAndTheFramesSaySo) {
   Player player;
   player.mixer.sound_tap().watch(true);
-  player.render(256 * (kMostTapped + 1), 256);
-  EXPECT_EQ(take_all(player.mixer.sound_tap()).begins.size(), kMostTapped);
+  player.render(256 * (kMaxTapped + 1), 256);
+  EXPECT_EQ(take_all(player.mixer.sound_tap()).begins.size(), kMaxTapped);
   player.render(256, 256);
-  EXPECT_EQ(take_all(player.mixer.sound_tap()).begins, std::vector<Frame>{256 * (kMostTapped + 1)});
+  EXPECT_EQ(take_all(player.mixer.sound_tap()).begins, std::vector<Frame>{256 * (kMaxTapped + 1)});
 }
 
 }  // namespace

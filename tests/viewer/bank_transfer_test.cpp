@@ -97,10 +97,10 @@ TEST_F(Transfer, ArrivesThoughPiecesAreLostRepeatedAndReordered) {
 
 TEST_F(Transfer, AsksForAFewPiecesAtATimeAndAgainOnlyAfterAWhile) {
   BankTransfer transfer(subject());
-  EXPECT_EQ(asked(transfer, 0).size(), BankTransfer::kMostOutstanding);
+  EXPECT_EQ(asked(transfer, 0).size(), BankTransfer::kMaxOutstanding);
   EXPECT_TRUE(asked(transfer, 0.4).empty());
-  EXPECT_EQ(asked(transfer, 0.51).size(), BankTransfer::kMostOutstanding);
-  transfer.take(answer({{}, 0, protocol::kMostBankBytes}));
+  EXPECT_EQ(asked(transfer, 0.51).size(), BankTransfer::kMaxOutstanding);
+  transfer.take(answer({{}, 0, protocol::kMaxBankBytes}));
   EXPECT_EQ(asked(transfer, 0.6).size(), 1u);
 }
 
@@ -157,7 +157,7 @@ TEST_F(Transfer, AFileThatChangedUnderWayIsNotTakenForTheOneThatPlays) {
 }
 
 TEST_F(Transfer, NothingIsFetchedThatIsTooLargeOrEmpty) {
-  const auto most = static_cast<std::int32_t>(BankTransfer::kMostBytes);
+  const auto most = static_cast<std::int32_t>(BankTransfer::kMaxBytes);
   for (const std::int32_t bytes : {most + 1, std::numeric_limits<std::int32_t>::max(), 0, -1}) {
     BankTransfer transfer({"bell", 1, bytes, "00"});
     EXPECT_TRUE(transfer.wants(0).empty());
@@ -167,7 +167,7 @@ TEST_F(Transfer, NothingIsFetchedThatIsTooLargeOrEmpty) {
   }
   BankTransfer largest({"bell", 1, most, "00"});
   EXPECT_FALSE(largest.outcome());
-  EXPECT_EQ(largest.wants(0).size(), BankTransfer::kMostOutstanding);
+  EXPECT_EQ(largest.wants(0).size(), BankTransfer::kMaxOutstanding);
 }
 
 }  // namespace

@@ -126,9 +126,9 @@ TEST(Camera, ZoomsTowardsWhatIsAheadAndNeverThroughIt) {
   camera.zoom(-1, 2 * Camera::kZoomStep);
   expect_near(camera.position_m, {0, -2, 0});
   camera.zoom(1000, 2);
-  expect_near(camera.position_m, {0, -Camera::kNearestZoom, 0});
-  camera.zoom(5, Camera::kNearestZoom / 2);
-  expect_near(camera.position_m, {0, -Camera::kNearestZoom, 0});
+  expect_near(camera.position_m, {0, -Camera::kMinZoom, 0});
+  camera.zoom(5, Camera::kMinZoom / 2);
+  expect_near(camera.position_m, {0, -Camera::kMinZoom, 0});
 }
 
 TEST(Camera, MovesAlongItsOwnAxesAndStraightUp) {

@@ -232,7 +232,7 @@ TEST(DaemonClient, GoesToAnotherDaemon) {
 TEST(DaemonClient, NeitherSendingNorTakingWaitsForAnAnswer) {
   const auto silent = *server::OscSocket::bind();
   DaemonClient client(at(silent.port()), 30);
-  for (std::size_t i = 0; i < 4 * DaemonClient::kMostRequests; ++i) {
+  for (std::size_t i = 0; i < 4 * DaemonClient::kMaxRequests; ++i) {
     client.send(protocol::Browse{});
     ASSERT_TRUE(client.take().replies.empty());
   }

@@ -114,9 +114,9 @@ TEST(DrawnMesh, CurvingOpensNothingAndKeepsABankOfFlatFaces) {
 }
 
 TEST(DrawnMesh, AFineSurfaceIsLeftAsItIs) {
-  const modal::Bank bank = drum(kMostPieces / 4);
+  const modal::Bank bank = drum(kMaxPieces / 4);
   EXPECT_EQ(shaded_mesh(bank).triangles.size(), bank.triangles.size());
-  EXPECT_LE(shaded_mesh(drum(300)).triangles.size(), kMostPieces);
+  EXPECT_LE(shaded_mesh(drum(300)).triangles.size(), kMaxPieces);
   EXPECT_EQ(shaded_mesh(drum(16)).triangles.size(), 64u * 16);
 }
 
@@ -137,10 +137,10 @@ TEST(DrawnMesh, ABankWithoutTrianglesIsMarksAtItsPoints) {
   const DrawnMesh mesh = shaded_mesh(bank);
   expect_unit_and_outwards(mesh, 0.577F);  // an octahedron's corners and faces: 1 / sqrt(3)
   EXPECT_EQ(mesh.triangles.size(), 8 * bank.positions.size());
-  bank.positions.resize(kMostMarks, {0, 0, 1});
-  EXPECT_EQ(shaded_mesh(bank).triangles.size(), 8 * kMostMarks);
-  bank.positions.resize(kMostMarks + 1, {0, 0, 1});
-  EXPECT_LE(shaded_mesh(bank).triangles.size(), 8 * kMostMarks);
+  bank.positions.resize(kMaxMarks, {0, 0, 1});
+  EXPECT_EQ(shaded_mesh(bank).triangles.size(), 8 * kMaxMarks);
+  bank.positions.resize(kMaxMarks + 1, {0, 0, 1});
+  EXPECT_LE(shaded_mesh(bank).triangles.size(), 8 * kMaxMarks);
   EXPECT_TRUE(shaded_mesh({}).positions.empty());
 }
 

@@ -123,10 +123,10 @@ TEST_F(ModelTest, AnObjectThatIsFreedOrNotThereIsForgotten) {
 }
 
 TEST_F(ModelTest, KeepsNoMoreObjectsThanItsBound) {
-  for (std::size_t i = 0; i <= Model::kMostObjects; ++i) model.apply(described("o" + std::to_string(i)), 0);
-  EXPECT_EQ(model.objects().size(), Model::kMostObjects);
-  EXPECT_TRUE(model.object("o" + std::to_string(Model::kMostObjects - 1)));
-  EXPECT_FALSE(model.object("o" + std::to_string(Model::kMostObjects)));
+  for (std::size_t i = 0; i <= Model::kMaxObjects; ++i) model.apply(described("o" + std::to_string(i)), 0);
+  EXPECT_EQ(model.objects().size(), Model::kMaxObjects);
+  EXPECT_TRUE(model.object("o" + std::to_string(Model::kMaxObjects - 1)));
+  EXPECT_FALSE(model.object("o" + std::to_string(Model::kMaxObjects)));
 }
 
 class ModelWithFile : public ModelTest {
@@ -258,7 +258,7 @@ TEST_F(ModelTest, WatchesTheChosenOneThenTheLoudest) {
   model.choose("o0");
   std::set<std::string> watched;
   for (const auto& request : asked<protocol::WatchObject>(0)) watched.insert(request.object.name);
-  EXPECT_EQ(watched.size(), Model::kMostWatched);
+  EXPECT_EQ(watched.size(), Model::kMaxWatched);
   EXPECT_TRUE(watched.contains("o0"));
   for (int i = 5; i < 20; ++i) EXPECT_TRUE(watched.contains("o" + std::to_string(i)));
 
@@ -305,17 +305,17 @@ TEST_F(ModelTest, AmplitudesOfModesThatAreNotThereAreIgnored) {
   huge.modes = std::numeric_limits<std::int32_t>::max();
   model.apply(huge, 1);
   model.apply(protocol::NotifyModes{"huge", 0, one}, 1);
-  EXPECT_EQ(model.object("huge")->amplitudes.size(), Model::kMostModes);
+  EXPECT_EQ(model.object("huge")->amplitudes.size(), Model::kMaxModes);
 }
 
 TEST_F(ModelTest, ContactsAreKeptForTwoSecondsAndNoMoreThanTheBound) {
-  for (std::size_t i = 0; i <= Model::kMostContacts; ++i) {
+  for (std::size_t i = 0; i <= Model::kMaxContacts; ++i) {
     model.apply(protocol::NotifyContact{"bell", {1.0 * i, 0, 0}, {0, 0, -1}, 0.001}, 10);
   }
-  ASSERT_EQ(model.contacts().size(), Model::kMostContacts);
+  ASSERT_EQ(model.contacts().size(), Model::kMaxContacts);
   EXPECT_EQ(model.contacts().front().point_m.x, 1);
   model.wants(11.9);
-  EXPECT_EQ(model.contacts().size(), Model::kMostContacts);
+  EXPECT_EQ(model.contacts().size(), Model::kMaxContacts);
   model.wants(12.1);
   EXPECT_TRUE(model.contacts().empty());
 }
@@ -368,20 +368,20 @@ TEST_F(ModelTest, FilesAreBrowsedOncePerDaemonThoughPartsAreLost) {
 
 TEST_F(ModelTest, KeepsNoMoreFilesThanItsBound) {
   model.apply(protocol::BrowseReply{std::numeric_limits<std::int32_t>::max()}, 0);
-  const auto most = static_cast<std::int32_t>(Model::kMostFiles);
+  const auto most = static_cast<std::int32_t>(Model::kMaxFiles);
   for (std::int32_t i = 0; i < most - 1; ++i) model.apply(protocol::BrowseFile{i, "bank", "x.glb"}, 0);
   EXPECT_TRUE(model.bank_files().empty());
   model.apply(protocol::BrowseFile{most - 1, "bank", "x.glb"}, 0);
-  EXPECT_EQ(model.bank_files().size(), Model::kMostFiles);
+  EXPECT_EQ(model.bank_files().size(), Model::kMaxFiles);
   model.apply(protocol::BrowseFile{most, "bank", "x.glb"}, 0);
-  EXPECT_EQ(model.bank_files().size(), Model::kMostFiles);
+  EXPECT_EQ(model.bank_files().size(), Model::kMaxFiles);
 }
 
 TEST_F(ModelTest, MessagesAreKeptUpToTheBound) {
-  for (std::size_t i = 0; i <= Model::kMostMessages; ++i) {
+  for (std::size_t i = 0; i <= Model::kMaxMessages; ++i) {
     model.apply(protocol::Fail{"/load", "sentence " + std::to_string(i)}, 1.0 * i);
   }
-  EXPECT_EQ(model.messages().size(), Model::kMostMessages);
+  EXPECT_EQ(model.messages().size(), Model::kMaxMessages);
   EXPECT_EQ(model.messages().front().sentence, "sentence 1");
   model.apply(protocol::Done{"/load", 4}, 99);
   EXPECT_FALSE(model.messages().back().failed);

@@ -79,7 +79,7 @@ TEST(PoseTrack, APoseToldForTheSameTimeReplacesTheFirst) {
 
 TEST(PoseTrack, KeepsNoMoreThanItsBound) {
   PoseTrack track;
-  for (std::size_t i = 0; i <= PoseTrack::kMostPoses; ++i) track.tell(static_cast<double>(i), flight(1.0 * i));
+  for (std::size_t i = 0; i <= PoseTrack::kMaxPoses; ++i) track.tell(static_cast<double>(i), flight(1.0 * i));
   expect_near(*track.pose_at(0), flight(1), 1e-12);  // the first is gone
   expect_near(*track.pose_at(1), flight(1), 1e-12);
 }

@@ -102,10 +102,10 @@ TEST(SoundHistory, BeginsAnewWhenTheFramesOrTheRateDo) {
 
 TEST(SoundHistory, ARateThatCannotBeIsIgnored) {
   SoundHistory sound;
-  for (const double rate_hz : {0.0, 999.0, SoundHistory::kHighestRate_hz + 1, 1e7}) sound.take(piece(0, 2, rate_hz));
+  for (const double rate_hz : {0.0, 999.0, SoundHistory::kMaxRate_hz + 1, 1e7}) sound.take(piece(0, 2, rate_hz));
   EXPECT_EQ(sound.sample_rate_hz(), 0);
-  sound.take(piece(0, 2, SoundHistory::kHighestRate_hz));
-  EXPECT_EQ(sound.sample_rate_hz(), SoundHistory::kHighestRate_hz);
+  sound.take(piece(0, 2, SoundHistory::kMaxRate_hz));
+  EXPECT_EQ(sound.sample_rate_hz(), SoundHistory::kMaxRate_hz);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ void print_choice(const bake::BodyShape& shape, const modal::Material& material)
   const bake::BakeOptions options;
   const int order = fem::order_of(options.element);
   const bake::MeshChoice choice =
-      bake::choose_mesh(shape, material, options.band_high_hz, order, bake::kMostChosenUnknowns);
+      bake::choose_mesh(shape, material, options.band_high_hz, order, bake::kMaxChosenUnknowns);
   std::printf("  resolution: %.3g mm with order %d, for waves of %.3g mm at %.0f Hz in %s and walls of %.3g mm%s\n",
               1000 * choice.size_m, order, 1000 * choice.shortest_wave_m, options.band_high_hz, material.name.c_str(),
               1000 * shape.wall_m, choice.bounded ? "; finer would be right, but too much to solve unasked" : "");

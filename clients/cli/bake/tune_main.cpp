@@ -88,7 +88,7 @@ fs::path geometry_seen_from(const fs::path& geometry, const fs::path& folder) {
 
 Result<void> write_object(const TuneArguments& arguments, const bake::TuneRequest& request,
                           const bake::TunedObject& tuned, const fs::path& output) {
-  const Result<std::string> text = read_whole_file(arguments.input, kLargestTomlFile);
+  const Result<std::string> text = read_whole_file(arguments.input, kMaxTomlFileBytes);
   if (!text) return fail(text.error());
   bake::ObjectChanges changes{.parameters = tuned.parameters};
   changes.parameters.insert(arguments.settings.begin(), arguments.settings.end());

@@ -63,7 +63,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1.0, 200.0))
       ->capture_default_str();
   app.add_option("--max-modes", arguments.options.most_modes, "Keep so many, those of most energy.")
-      ->check(CLI::Range(std::size_t{1}, fit::kMostModes))
+      ->check(CLI::Range(std::size_t{1}, fit::kMaxModes))
       ->capture_default_str();
   app.add_option("--impulse", arguments.impulse,
                  "The impulse in N s that shall sound as loud as the recording; default: 0,0,1.")

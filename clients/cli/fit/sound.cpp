@@ -16,7 +16,7 @@ Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> c
     return fail(path.string() + " has channels 1 to " + std::to_string(info.channels) + ", and no channel " +
                 std::to_string(*channel));
   }
-  if (info.frames < 1 || info.frames > kLongestSound_s * info.samplerate) {
+  if (info.frames < 1 || info.frames > kMaxSound_s * info.samplerate) {
     return fail(path.string() + " is empty or longer than ten minutes; cut out the one blow that matters");
   }
   Sound sound{static_cast<double>(info.samplerate), info.channels, {}};

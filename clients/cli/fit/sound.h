@@ -16,7 +16,7 @@ struct Sound {
   std::vector<double> samples;
 };
 
-inline constexpr double kLongestSound_s = 600;
+inline constexpr double kMaxSound_s = 600;
 
 // WAV, FLAC, and whatever else libsndfile reads; full scale is 1. `channel`: 1 is the first; otherwise the mean of all.
 Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> channel);

@@ -9,13 +9,13 @@
 namespace ringdown::cli {
 namespace {
 
-constexpr double kLeastDecay = 0.1;  // for what a bank says rings for ever
+constexpr double kMinDecay = 0.1;  // for what a bank says rings for ever
 
 double energy(const modal::Bank& bank, std::size_t point, Vec3 direction) {
   double sum = 0;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double a = modal::hz_to_rad_per_s(bank.frequency_hz[m]) * dot(wide(bank.shape(m, point)), direction);
-    sum += a * a / std::max(bank.decay_per_s[m], kLeastDecay);
+    sum += a * a / std::max(bank.decay_per_s[m], kMinDecay);
   }
   return sum;
 }
@@ -64,7 +64,7 @@ double level_db(const modal::Bank& bank, const Answer& answer, double frequency_
   std::complex<double> sum = 0;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double wm = modal::hz_to_rad_per_s(bank.frequency_hz[m]);
-    const std::complex<double> s(std::max(bank.decay_per_s[m], kLeastDecay), w);
+    const std::complex<double> s(std::max(bank.decay_per_s[m], kMinDecay), w);
     sum += answer.amplitude[m] * wm / (s * s + wm * wm);
   }
   return 20 * std::log10(std::abs(sum) + 1e-300);

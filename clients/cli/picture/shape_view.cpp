@@ -101,7 +101,7 @@ void draw_faces(Canvas& canvas, const View& view, const modal::Bank& bank) {
 }  // namespace
 
 void draw_shape(Canvas& canvas, const Box& box, const modal::Bank& bank, std::size_t mode, const std::size_t* struck) {
-  if (std::max(bank.triangles.size(), bank.point_count()) > kMostDrawn) {
+  if (std::max(bank.triangles.size(), bank.point_count()) > kMaxDrawn) {
     canvas.text({box.x + box.width / 2, box.y + box.height / 2}, "too many triangles to draw", 12, kFaint,
                 Align::centre);
     return;

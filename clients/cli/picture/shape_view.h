@@ -6,7 +6,7 @@
 
 namespace ringdown::cli {
 
-inline constexpr std::size_t kMostDrawn = 20000;  // triangles or points; a surface of more is not drawn
+inline constexpr std::size_t kMaxDrawn = 20000;  // triangles or points; a surface of more is not drawn
 
 // Seen from the front right, above; z is up. The place `struck`, if there is one, gets a mark. Sample points stand for
 // the surface of a bank without triangles.

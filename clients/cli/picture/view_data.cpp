@@ -57,9 +57,9 @@ std::string base64(const std::string& bytes) {
 }
 
 std::string view_data(const modal::Bank& bank) {
-  if (std::max(bank.triangles.size(), bank.point_count()) > kMostDrawn) return "{}";
+  if (std::max(bank.triangles.size(), bank.point_count()) > kMaxDrawn) return "{}";
   const std::size_t shown =
-      std::min(bank.mode_count(), std::max<std::size_t>(1, kMostViewBytes / (3 * bank.point_count())));
+      std::min(bank.mode_count(), std::max<std::size_t>(1, kMaxViewBytes / (3 * bank.point_count())));
   std::string triangles, shapes;
   for (const auto& t : bank.triangles) {
     for (const std::uint32_t corner : t) append<std::int32_t>(triangles, corner);

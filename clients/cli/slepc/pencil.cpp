@@ -48,8 +48,8 @@ SparseRows scatter(std::int64_t nodes, const std::function<Result<SparseRows>(Sh
   for (int to = processes - 1; to >= 0; --to) {
     Result<SparseRows> rows = read(share_of(to, processes, nodes));
     if (!rows) give_up(rows.error().message);
-    constexpr std::size_t kMostEntries = std::size_t{1} << 30;  // of one message
-    if (rows->values.size() >= kMostEntries) give_up("the mesh is too large for so few processes; use more");
+    constexpr std::size_t kMaxEntries = std::size_t{1} << 30;  // of one message
+    if (rows->values.size() >= kMaxEntries) give_up("the mesh is too large for so few processes; use more");
     if (to == 0) return std::move(*rows);
     send(rows->starts, to), send(rows->columns, to), send(rows->values, to);
   }

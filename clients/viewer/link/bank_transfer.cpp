@@ -14,7 +14,7 @@
 namespace ringdown::viewer {
 namespace {
 
-constexpr std::uint32_t kPiece = protocol::kMostBankBytes;
+constexpr std::uint32_t kPiece = protocol::kMaxBankBytes;
 
 std::string name_of(const BankTransfer::Subject& subject) { return "the bank of " + subject.object; }
 
@@ -46,9 +46,9 @@ std::future<BankTransfer::Outcome> read_apart(std::vector<std::byte> file, BankT
 BankTransfer::BankTransfer(Subject subject) : subject_(std::move(subject)) {
   if (subject_.bytes <= 0) {
     fault_ = name_of(subject_) + " is empty";
-  } else if (static_cast<std::size_t>(subject_.bytes) > kMostBytes) {
+  } else if (static_cast<std::size_t>(subject_.bytes) > kMaxBytes) {
     fault_ = name_of(subject_) + " has " + std::to_string(subject_.bytes) + " bytes; no more than " +
-             std::to_string(kMostBytes) + " are fetched to be shown";
+             std::to_string(kMaxBytes) + " are fetched to be shown";
   } else {
     file_.resize(static_cast<std::size_t>(subject_.bytes));
   }
@@ -63,7 +63,7 @@ std::vector<protocol::Request> BankTransfer::wants(double now_s) {
   for (const auto& [offset, asked_at_s] : asked_at_s_) {
     if (now_s - asked_at_s > kPatience_s) ask(offset);
   }
-  while (asked_at_s_.size() < kMostOutstanding && next_offset_ < file_.size()) {
+  while (asked_at_s_.size() < kMaxOutstanding && next_offset_ < file_.size()) {
     ask(next_offset_);
     next_offset_ += kPiece;
   }

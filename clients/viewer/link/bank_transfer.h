@@ -32,9 +32,9 @@ struct KnownBank {
 
 class BankTransfer {
  public:
-  static constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // of a bank's file; larger ones are not fetched
-  static constexpr std::size_t kMostOutstanding = 8;                // pieces asked for at a time
-  static constexpr double kPatience_s = 0.5;                        // after which a piece is asked for again
+  static constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // of a bank's file; larger ones are not fetched
+  static constexpr std::size_t kMaxOutstanding = 8;                // pieces asked for at a time
+  static constexpr double kPatience_s = 0.5;                       // after which a piece is asked for again
 
   struct Subject {
     std::string object;

@@ -86,8 +86,8 @@ struct DaemonClient::Line {
   std::condition_variable changed_;
   bool woken_ = false;
   std::optional<std::string> wanted_url_;
-  BoundedQueue<Request> requests_{kMostRequests};
-  BoundedQueue<Reply> replies_{kMostReplies};
+  BoundedQueue<Request> requests_{kMaxRequests};
+  BoundedQueue<Reply> replies_{kMaxReplies};
   ConnectionState state_;
   double state_since_s_ = now_s();
 

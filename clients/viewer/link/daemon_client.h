@@ -41,9 +41,9 @@ struct Batch {
 
 class DaemonClient {
  public:
-  static constexpr std::size_t kMostReplies = 16384;  // that wait for take(); the oldest go
-  static constexpr std::size_t kMostRequests = 4096;  // that wait to be sent; further ones are dropped
-  static constexpr double kAway_s = 1.5;              // without an answer
+  static constexpr std::size_t kMaxReplies = 16384;  // that wait for take(); the oldest go
+  static constexpr std::size_t kMaxRequests = 4096;  // that wait to be sent; further ones are dropped
+  static constexpr double kAway_s = 1.5;             // without an answer
 
   // `url` as in osc.udp://127.0.0.1:7770; a wrong one is a state with its sentence. `notice_rate_hz` from 0.1 to 200.
   DaemonClient(std::string url, double notice_rate_hz);

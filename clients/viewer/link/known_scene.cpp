@@ -32,27 +32,27 @@ void KnownScene::on(const protocol::SceneReply& reply) {
 
 void KnownScene::on(const protocol::SceneBody& reply) {
   Parts* parts = parts_of(reply.version);
-  if (!parts || parts->bodies.size() == kMostBodies) return;
+  if (!parts || parts->bodies.size() == kMaxBodies) return;
   parts->bodies.insert_or_assign(reply.id, reply);
   finish();
 }
 
 void KnownScene::on(const protocol::SceneStatic& reply) {
   Parts* parts = parts_of(reply.version);
-  if (!parts || parts->statics.size() == kMostStatics) return;
+  if (!parts || parts->statics.size() == kMaxStatics) return;
   parts->statics.insert_or_assign(reply.number, reply);
   finish();
 }
 
 void KnownScene::finish() {
-  if (!parts_.head || parts_.bodies.size() < at_most(parts_.head->bodies, kMostBodies) ||
-      parts_.statics.size() < at_most(parts_.head->statics, kMostStatics)) {
+  if (!parts_.head || parts_.bodies.size() < at_most(parts_.head->bodies, kMaxBodies) ||
+      parts_.statics.size() < at_most(parts_.head->statics, kMaxStatics)) {
     return;
   }
   std::erase_if(bodies_,
                 [&](const auto& known) { return !known.second.shape.empty() && !parts_.bodies.contains(known.first); });
   for (auto& [id, told] : parts_.bodies) {
-    if (!bodies_.contains(id) && bodies_.size() == kMostBodies) continue;
+    if (!bodies_.contains(id) && bodies_.size() == kMaxBodies) continue;
     KnownBody& body = bodies_[id];
     body = {id,          told.name,  sounding(told.object), told.shape,
             told.size_m, told.fixed, std::move(body.track), body.told_in_notice};
@@ -84,7 +84,7 @@ void KnownScene::on(const protocol::NotifyScene& reply, double now_s) {
 
 void KnownScene::on(const protocol::NotifyBody& reply) {
   if (late_ || !told_version_) return;
-  if (!bodies_.contains(reply.id) && bodies_.size() == kMostBodies) return;
+  if (!bodies_.contains(reply.id) && bodies_.size() == kMaxBodies) return;
   KnownBody& body = bodies_[reply.id];
   if (body.shape.empty()) {
     body.id = reply.id;

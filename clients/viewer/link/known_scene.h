@@ -31,7 +31,7 @@ struct KnownBody {
 
 class KnownScene {
  public:
-  static constexpr std::size_t kMostBodies = 1024, kMostStatics = 1024;
+  static constexpr std::size_t kMaxBodies = 1024, kMaxStatics = 1024;
   static constexpr double kPatience_s = 0.5;
 
   explicit KnownScene(double notice_period_s) : clock_(notice_period_s) {}

@@ -85,14 +85,14 @@ void Model::on(const protocol::Fail& reply, double now_s) {
 
 void Model::add_message(KnownMessage message) {
   messages_.push_back(std::move(message));
-  if (messages_.size() > kMostMessages) messages_.pop_front();
+  if (messages_.size() > kMaxMessages) messages_.pop_front();
 }
 
 void Model::on(const protocol::StatusReply& reply, double) { status_ = reply; }
 
 void Model::on(const protocol::ObjectReply& reply, double) {
   undescribed_.erase(reply.name);
-  if (!objects_.contains(reply.name) && objects_.size() == kMostObjects) return;
+  if (!objects_.contains(reply.name) && objects_.size() == kMaxObjects) return;
   KnownObject& object = objects_[reply.name];
   if (object.version != reply.version || object.bank_content != reply.bank_content || object.bank_path != reply.bank) {
     object = {};
@@ -119,7 +119,7 @@ void Model::on(const protocol::BankReply& reply, double) {
 KnownObject* Model::find(const std::string& name) {
   const auto found = objects_.find(name);
   if (found != objects_.end()) return &found->second;
-  if (undescribed_.size() < kMostObjects) undescribed_.try_emplace(name);
+  if (undescribed_.size() < kMaxObjects) undescribed_.try_emplace(name);
   return nullptr;
 }
 
@@ -131,7 +131,7 @@ void Model::forget(const std::string& name) {
 
 void Model::on(const protocol::NotifyObject& reply, double) {
   if (!reply.loaded) return forget(reply.name);
-  if (undescribed_.size() < kMostObjects) undescribed_[reply.name] = {};
+  if (undescribed_.size() < kMaxObjects) undescribed_[reply.name] = {};
 }
 
 void Model::on(const protocol::NotifyGroup& reply, double) {
@@ -141,7 +141,7 @@ void Model::on(const protocol::NotifyGroup& reply, double) {
 void Model::on(const protocol::NotifyContact& reply, double now_s) {
   find(reply.object);
   contacts_.push_back({reply.object, reply.point_m, reply.impulse_ns, reply.contact_time_s, now_s});
-  if (contacts_.size() > kMostContacts) contacts_.pop_front();
+  if (contacts_.size() > kMaxContacts) contacts_.pop_front();
 }
 
 void Model::on(const protocol::NotifyPeak& reply, double now_s) {
@@ -169,7 +169,7 @@ void Model::on(const protocol::NotifySound& reply, double now_s) {
 void Model::on(const protocol::NotifyModes& reply, double now_s) {
   KnownObject* object = find(reply.object);
   if (!object || reply.first < 0) return;
-  const auto modes = std::min(static_cast<std::size_t>(std::max(0, object->modes)), kMostModes);
+  const auto modes = std::min(static_cast<std::size_t>(std::max(0, object->modes)), kMaxModes);
   const std::vector<float> told = protocol::decode_floats(reply.amplitudes);
   if (static_cast<std::size_t>(reply.first) + told.size() > modes) return;
   object->amplitudes.resize(modes);
@@ -185,14 +185,14 @@ void Model::on(const protocol::BrowseReply& reply, double) {
 }
 
 void Model::on(const protocol::BrowseFile& reply, double) {
-  if (browse_.complete || browse_.found.size() == kMostFiles) return;
+  if (browse_.complete || browse_.found.size() == kMaxFiles) return;
   browse_.found.insert_or_assign(reply.number, reply);
   finish_browsing();
 }
 
 void Model::finish_browsing() {
   if (!browse_.files) return;
-  if (browse_.found.size() < std::min(static_cast<std::size_t>(std::max(0, *browse_.files)), kMostFiles)) return;
+  if (browse_.found.size() < std::min(static_cast<std::size_t>(std::max(0, *browse_.files)), kMaxFiles)) return;
   scene_files_.clear();
   bank_files_.clear();
   for (const auto& [number, file] : browse_.found) {

@@ -76,19 +76,19 @@ struct KnownPeak {
 
 class Model {
  public:
-  static constexpr std::size_t kMostObjects = 1024;
-  static constexpr std::size_t kMostContacts = 256;
+  static constexpr std::size_t kMaxObjects = 1024;
+  static constexpr std::size_t kMaxContacts = 256;
   static constexpr double kContactLife_s = 2;
-  static constexpr std::size_t kMostMessages = 64;
-  static constexpr std::size_t kMostFiles = 8192;   // of the browser
-  static constexpr std::size_t kMostModes = 16384;  // of one object
-  static constexpr std::size_t kMostWatched = 16;
-  static constexpr std::size_t kMostBankBytesTotal = std::size_t{1} << 30;  // of all banks together, as files
-  static constexpr double kPatience_s = 0.5;                                // after which something is asked for again
+  static constexpr std::size_t kMaxMessages = 64;
+  static constexpr std::size_t kMaxFiles = 8192;   // of the browser
+  static constexpr std::size_t kMaxModes = 16384;  // of one object
+  static constexpr std::size_t kMaxWatched = 16;
+  static constexpr std::size_t kMaxBankBytesTotal = std::size_t{1} << 30;  // of all banks together, as files
+  static constexpr double kPatience_s = 0.5;                               // after which something is asked for again
   static constexpr double kPeakHold_s = 1;
 
   // `notice_rate_hz` as the client's; `most_bank_bytes` at most of all banks together.
-  explicit Model(double notice_rate_hz, std::size_t most_bank_bytes = kMostBankBytesTotal);
+  explicit Model(double notice_rate_hz, std::size_t most_bank_bytes = kMaxBankBytesTotal);
 
   void apply(const protocol::Reply& reply, double now_s);
   std::vector<protocol::Request> wants(double now_s);

@@ -10,7 +10,7 @@
 namespace ringdown::viewer {
 namespace {
 
-constexpr std::size_t kMostDescriptions = 16;  // asked for at a time
+constexpr std::size_t kMaxDescriptions = 16;  // asked for at a time
 constexpr double kTurn_s = 2;
 constexpr double kRetry_s = 5;  // after the daemon refused a bank
 constexpr double kWatchPatience_s = 2;
@@ -36,7 +36,7 @@ std::vector<protocol::Request> Model::wants(double now_s) {
 }
 
 void Model::want_descriptions(double now_s, Requests& requests) {
-  std::size_t room = kMostDescriptions;
+  std::size_t room = kMaxDescriptions;
   for (auto& [name, question] : undescribed_) {
     if (room == 0) break;
     --room;
@@ -136,7 +136,7 @@ std::set<std::string> Model::to_watch() const {
       ranked.emplace_back(object.peak * (watched ? kStickiness : 1), name);
     }
   }
-  const std::size_t count = std::min(ranked.size(), kMostWatched);
+  const std::size_t count = std::min(ranked.size(), kMaxWatched);
   std::ranges::partial_sort(ranked, ranked.begin() + static_cast<std::ptrdiff_t>(count), std::greater<>());
   std::set<std::string> names;
   for (std::size_t i = 0; i < count; ++i) names.insert(std::move(ranked[i].second));

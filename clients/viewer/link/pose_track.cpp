@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kWindow_s = 1;         // of notices that say how scene time and ours belong together
 constexpr double kForwardJump_s = 0.5;  // more than the time that has passed
-constexpr double kMostPeriodsLate = 4;
+constexpr double kMaxPeriodsLate = 4;
 constexpr double kFarOff_s = 0.5;  // there the clock is set rather than hurried
 constexpr double kNear_s = 0.1;
 
@@ -43,7 +43,7 @@ void PoseTrack::tell(double time_s, Pose pose) {
   pose.rotation = unit(pose.rotation);
   if (!told_.empty() && time_s == told_.back().time_s) told_.pop_back();
   told_.push_back({time_s, pose});
-  if (told_.size() > kMostPoses) told_.pop_front();
+  if (told_.size() > kMaxPoses) told_.pop_front();
 }
 
 std::optional<Pose> PoseTrack::pose_at(double time_s) const {
@@ -73,7 +73,7 @@ DisplayClock::Course DisplayClock::observe(double now_s, double time_s, bool pau
   if (paused || paused_) heard_.clear();
   if (!paused) heard_.push_back({now_s, time_s});
   while (!heard_.empty() && heard_.front().now_s < now_s - kWindow_s) heard_.pop_front();
-  if (heard_.size() > kMostHeard) heard_.pop_front();
+  if (heard_.size() > kMaxHeard) heard_.pop_front();
   told_ = true;
   paused_ = paused;
   last_time_s_ = time_s;
@@ -93,7 +93,7 @@ double DisplayClock::delay_s() const {
   const double largest = offset_s();
   double spread_s = 0;
   for (const Heard& heard : heard_) spread_s = std::max(spread_s, largest - (heard.time_s - heard.now_s));
-  return std::clamp(period_s_ + spread_s, 1.5 * period_s_, kMostPeriodsLate * period_s_);
+  return std::clamp(period_s_ + spread_s, 1.5 * period_s_, kMaxPeriodsLate * period_s_);
 }
 
 std::optional<double> DisplayClock::time_at(double now_s) {

@@ -35,7 +35,7 @@ Pose between(const Pose& from, const Pose& to, double fraction);
 
 class PoseTrack {
  public:
-  static constexpr std::size_t kMostPoses = 64;  // 2 s at 30 notices a second; the oldest goes
+  static constexpr std::size_t kMaxPoses = 64;  // 2 s at 30 notices a second; the oldest goes
 
   // A pose at the time told last replaces it, an earlier one comes too late and is ignored. Numbers that are not
   // finite, and a rotation without a direction, are ignored too.
@@ -87,7 +87,7 @@ class DisplayClock {
   };
   [[nodiscard]] double offset_s() const;
 
-  static constexpr std::size_t kMostHeard = 256;
+  static constexpr std::size_t kMaxHeard = 256;
 
   double period_s_;
   std::deque<Heard> heard_;  // of the last second, since the scene last stood

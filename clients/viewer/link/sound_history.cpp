@@ -8,7 +8,7 @@
 namespace ringdown::viewer {
 namespace {
 
-constexpr double kLowestRate_hz = 1000;
+constexpr double kMinRate_hz = 1000;
 constexpr double kLate_s = 0.5;  // pieces this much older have been overtaken; older ones say that counting began anew
 
 // From `from` to `to`, both modulo kFrameModulus; negative backwards.
@@ -21,7 +21,7 @@ std::int64_t distance(std::int32_t from, std::int32_t to) {
 }  // namespace
 
 void SoundHistory::take(const protocol::NotifySound& piece) {
-  if (!(piece.sample_rate_hz >= kLowestRate_hz && piece.sample_rate_hz <= kHighestRate_hz)) return;
+  if (!(piece.sample_rate_hz >= kMinRate_hz && piece.sample_rate_hz <= kMaxRate_hz)) return;
   if (piece.frame < 0 || piece.frame >= protocol::kFrameModulus) return;
   if (piece.sample_rate_hz != sample_rate_hz_) begin(piece);
   const std::int64_t gap = distance(next_frame_, piece.frame);

@@ -12,7 +12,7 @@ namespace ringdown::viewer {
 class SoundHistory {
  public:
   static constexpr double kLength_s = 2;
-  static constexpr double kHighestRate_hz = 768000;  // a piece at a higher rate is ignored
+  static constexpr double kMaxRate_hz = 768000;  // a piece at a higher rate is ignored
 
   // What lies between this piece and the one before is filled with silence, and counted. A piece from more than
   // half a second ago, and another sample rate, begin anew; a later one that was overtaken, or came twice, is ignored.

@@ -103,13 +103,13 @@ double level_db(double amplitude) { return std::max(kQuietest_db, 20 * std::log1
 void draw_oscilloscope(const Skin& skin, ImVec2 size, std::span<const float> left, std::span<const float> right,
                        double sample_rate_hz) {
   const Area area(skin, "oscilloscope", size);
-  constexpr double kShown_s = 0.02, kLeastPeak = 1e-4;
+  constexpr double kShown_s = 0.02, kMinPeak = 1e-4;
   const auto shown = static_cast<std::size_t>(kShown_s * sample_rate_hz);
   const std::size_t first = trigger(left, shown);
   const auto part = [&](std::span<const float> s) {
     return s.size() <= first ? std::span<const float>() : s.subspan(first, std::min(shown, s.size() - first));
   };
-  double peak = kLeastPeak;
+  double peak = kMinPeak;
   for (const auto& side : {part(left), part(right)}) {
     for (const float sample : side) peak = std::max(peak, std::abs(static_cast<double>(sample)));
   }

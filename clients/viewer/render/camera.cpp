@@ -38,7 +38,7 @@ void Camera::look(float dx, float dy, int height) {
 }
 
 void Camera::zoom(float steps, float distance_m) {
-  const float left = std::max(distance_m * std::pow(kZoomStep, steps), std::min(kNearestZoom, distance_m));
+  const float left = std::max(distance_m * std::pow(kZoomStep, steps), std::min(kMinZoom, distance_m));
   position_m += (distance_m - left) * forward();
 }
 

@@ -29,7 +29,7 @@ struct Sphere {
 
 struct Camera {
   static constexpr float kSteepest = 1.55F;           // |pitch|: never quite straight up or down
-  static constexpr float kNearestZoom = 0.02F;        // metres that zoom() leaves to what is ahead
+  static constexpr float kMinZoom = 0.02F;            // metres that zoom() leaves to what is ahead
   static constexpr float kZoomStep = 0.85F;           // of the distance, that one step of the wheel leaves
   static constexpr float kDefaultFieldOfView = 0.8F;  // about 46 degrees
 
@@ -52,7 +52,7 @@ struct Camera {
   // apart in the middle of a picture `height` pixels high.
   void look(float dx, float dy, int height);
   // Wheel steps; positive goes forward. `distance_m`: how far away that is which is under the middle of the picture;
-  // however many steps, the camera stays kNearestZoom in front of it.
+  // however many steps, the camera stays kMinZoom in front of it.
   void zoom(float steps, float distance_m);
   // Along the camera's own forward and right, and straight up.
   void move(float forward_m, float right_m, float up_m);

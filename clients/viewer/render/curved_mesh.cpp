@@ -114,7 +114,7 @@ class Curver {
 
 DrawnMesh curved(const DrawnMesh& flat) {
   std::uint32_t pieces = 4;
-  while (pieces > 1 && flat.triangles.size() * pieces * pieces > kMostPieces) --pieces;
+  while (pieces > 1 && flat.triangles.size() * pieces * pieces > kMaxPieces) --pieces;
   return pieces == 1 ? flat : Curver(flat, pieces).run();
 }
 

@@ -7,7 +7,7 @@
 namespace ringdown::viewer {
 
 // Corners stay where they are and come first, in their order. Edges between two smooth surfaces curve along both, so
-// that nothing opens there; where their direction is not clear they stay straight. As many pieces as kMostPieces
+// that nothing opens there; where their direction is not clear they stay straight. As many pieces as kMaxPieces
 // allows.
 DrawnMesh curved(const DrawnMesh& flat);
 

@@ -110,7 +110,7 @@ DrawnMesh marks(const std::vector<glm::vec3>& at) {
   glm::vec3 low(at.front()), high(at.front());
   for (const glm::vec3& p : at) low = glm::min(low, p), high = glm::max(high, p);
   const float radius = std::max(0.012F * glm::distance(low, high), 1e-4F);
-  const std::size_t step = (at.size() + kMostMarks - 1) / kMostMarks;
+  const std::size_t step = (at.size() + kMaxMarks - 1) / kMaxMarks;
   DrawnMesh mesh;
   for (std::size_t point = 0; point < at.size(); point += step) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());

@@ -33,11 +33,11 @@ struct DrawnMesh {
 inline constexpr float kCreaseAngle = 0.87F;
 
 // A bank's surface has few triangles; they are drawn as curved ones, each in n^2 pieces with n <= 4, as long as no more
-// than kMostPieces come of it.
-inline constexpr std::size_t kMostPieces = 4096;
+// than kMaxPieces come of it.
+inline constexpr std::size_t kMaxPieces = 4096;
 
-// A bank without triangles is drawn as small marks at its points, at most kMostMarks of them, evenly taken.
-inline constexpr std::size_t kMostMarks = 4096;
+// A bank without triangles is drawn as small marks at its points, at most kMaxMarks of them, evenly taken.
+inline constexpr std::size_t kMaxMarks = 4096;
 DrawnMesh shaded_mesh(const modal::Bank& bank);
 
 DrawnMesh box_mesh(glm::vec3 size_m);   // edges; centred at the origin

@@ -72,7 +72,7 @@ struct SceneRenderer::State {
 };
 
 bool SceneRenderer::State::fit_targets(int width, int height) {
-  GLint most = kLargestSide;
+  GLint most = kMaxSide;
   for (const GLenum limit : {GL_MAX_TEXTURE_SIZE, GL_MAX_RENDERBUFFER_SIZE}) {
     GLint drivers = 0;
     glGetIntegerv(limit, &drivers);

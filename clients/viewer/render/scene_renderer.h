@@ -21,7 +21,7 @@ namespace ringdown::viewer {
 
 class SceneRenderer {
  public:
-  static constexpr int kLargestSide = 8192;  // pixels; what is larger is drawn smaller, as is what the driver cannot do
+  static constexpr int kMaxSide = 8192;  // pixels; what is larger is drawn smaller, as is what the driver cannot do
 
   // Fails when the context is older than OpenGL 3.3, or its compiler refuses the shaders.
   static Result<SceneRenderer> create();

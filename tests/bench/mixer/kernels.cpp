@@ -119,7 +119,7 @@ class InLanes : public Kernel {
     }
   }
   void render(std::span<double> out) override {
-    std::array<Lanes<T>, kMostFrames> sums{};
+    std::array<Lanes<T>, kMaxFrames> sums{};
     for (Group& group : groups_) {
       Recurrence<T> a = group[0], b = group[1], c = group[2], d = group[3];
       for (std::size_t n = 0; n < out.size(); ++n) {

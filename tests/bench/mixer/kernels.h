@@ -16,9 +16,9 @@ namespace ringdown::bench {
 class Kernel {
  public:
   virtual ~Kernel() = default;
-  // Writes the next samples of the sum; at most kMostFrames.
+  // Writes the next samples of the sum; at most kMaxFrames.
   virtual void render(std::span<double> out) = 0;
-  static constexpr std::size_t kMostFrames = 256;
+  static constexpr std::size_t kMaxFrames = 256;
 };
 
 struct KernelMaker {
