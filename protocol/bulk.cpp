@@ -75,7 +75,7 @@ Result<std::vector<BulkStrike>> decode_strikes(const Blob& records) {
     RecordReader record(std::span<const std::byte>(records).subspan(at, kBytesPerStrike));
     strikes.push_back(read(record));
     if (!record.complaint().empty()) {
-      return fail("record " + std::to_string(strikes.size()) + " " + record.complaint());
+      return fail(ErrorKind::bad_input, "record " + std::to_string(strikes.size()) + " " + record.complaint());
     }
   }
   return strikes;

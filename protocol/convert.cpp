@@ -25,7 +25,7 @@ std::string shown(const Argument& argument) {
 }
 
 tl::unexpected<Error> refuse(const ArgumentSpec& spec, const std::string& what) {
-  return fail("is " + what + "; it must be " + expectation(spec));
+  return fail(ErrorKind::bad_input, "is " + what + "; it must be " + expectation(spec));
 }
 
 // An int64 above 2^53 loses digits here, but is outside every range of the table anyway.

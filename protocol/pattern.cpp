@@ -104,7 +104,8 @@ bool matches(std::string_view pattern, std::string_view text) {
 Result<std::vector<std::string>> expand(std::string_view pattern, std::span<const std::string> names) {
   const std::string shown = quoted(pattern);
   if (!pattern.starts_with(kObjectPrefix)) {
-    return fail(shown + ": patterns stand for objects, as in /object/glass*/gain; write other addresses out");
+    return fail(ErrorKind::bad_input,
+                shown + ": patterns stand for objects, as in /object/glass*/gain; write other addresses out");
   }
   const std::string_view rest = pattern.substr(kObjectPrefix.size());
   const std::string_view object = rest.substr(0, rest.find('/'));
@@ -115,13 +116,16 @@ Result<std::vector<std::string>> expand(std::string_view pattern, std::span<cons
     const std::string_view known = spec.address.substr(spec.address.rfind('/') + 1);
     if (matches(action, known)) actions.emplace_back(known);
   }
-  if (actions.empty()) return fail(shown + " matches no address: " + quoted(action) + " is nothing an object can do");
+  if (actions.empty())
+    return fail(ErrorKind::bad_input,
+                shown + " matches no address: " + quoted(action) + " is nothing an object can do");
   for (const std::string& name : names) {
     if (name != object && !matches(object, name)) continue;
     for (const std::string& known : actions) addresses.push_back(std::string(kObjectPrefix) + name + "/" + known);
   }
   if (addresses.empty()) {
-    return fail(shown + " matches none of the " + std::to_string(names.size()) + " objects' names");
+    return fail(ErrorKind::bad_input,
+                shown + " matches none of the " + std::to_string(names.size()) + " objects' names");
   }
   return addresses;
 }

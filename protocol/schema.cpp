@@ -82,13 +82,15 @@ struct Index {
 template <class Any>
 Result<const Row<Any>*> find_row(const std::vector<Row<Any>>& rows, std::string_view address) {
   constexpr std::size_t kMaxAddress = 256;
-  if (address.size() > kMaxAddress) return fail(quoted(address) + " is no address: it is too long");
+  if (address.size() > kMaxAddress)
+    return fail(ErrorKind::bad_input, quoted(address) + " is no address: it is too long");
   static const Index<Any> index(rows);
   if (const Row<Any>* row = index.find(address)) return row;
   const std::string skeleton = skeleton_of(address);
   const auto distance = [&](const Row<Any>& row) { return edit_distance(skeleton, row.spec.address); };
   const Row<Any>& nearest = *std::ranges::min_element(rows, {}, distance);
-  return fail(quoted(address) + " is no address; the nearest is " + std::string(nearest.spec.address));
+  return fail(ErrorKind::bad_input,
+              quoted(address) + " is no address; the nearest is " + std::string(nearest.spec.address));
 }
 
 // "x y z [contact_time]"
@@ -114,8 +116,8 @@ Result<Any> parse_row(const Row<Any>& row, const Message& message) {
   const std::size_t in_address = spec.arguments_in_address();
   const std::size_t most = spec.arguments.size() - in_address;
   if (message.arguments.size() > most) {
-    return fail(message.address + ": argument " + std::to_string(most + 1) + " is one too many; it takes " +
-                argument_names(spec));
+    return fail(ErrorKind::bad_input, message.address + ": argument " + std::to_string(most + 1) +
+                                          " is one too many; it takes " + argument_names(spec));
   }
   Any any = row.blank;
   for (std::size_t i = 0; i < spec.arguments.size(); ++i) {
@@ -123,12 +125,13 @@ Result<Any> parse_row(const Row<Any>& row, const Message& message) {
     const std::size_t position = i < in_address ? 0 : i - in_address + 1;
     if (position > message.arguments.size()) {
       if (argument.optional) break;
-      return fail(about(message, argument, position, "is missing; it takes " + argument_names(spec)));
+      return fail(ErrorKind::bad_input,
+                  about(message, argument, position, "is missing; it takes " + argument_names(spec)));
     }
     const Argument given =
         position == 0 ? Argument(std::string(object_in(message.address))) : message.arguments[position - 1];
     const Result<Value> value = convert(argument, given);
-    if (!value) return fail(about(message, argument, position, value.error().message));
+    if (!value) return fail(value.error().kind, about(message, argument, position, value.error().message));
     row.bindings[i].write(any, *value);
   }
   return any;

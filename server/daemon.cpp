@@ -93,12 +93,12 @@ constexpr double kDefaultAcceleration_m_s2 = 10;
 Result<void> connect_inputs(Rack& rack, const std::vector<DaemonOptions::Input>& inputs) {
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const auto object = rack.find({.name = inputs[i].object});
-    if (!object) return fail("--input: " + object.error().message);
+    if (!object) return fail(object.error().kind, "--input: " + object.error().message);
     const NoteTable::Strike chosen = best_strike(*object);
     const Vec3 force_n = (kDefaultAcceleration_m_s2 / kDefaultVelocity_m_s) * chosen.impulse_ns;
     const auto connected = rack.excite(i, {.name = object->name}, inputs[i].point_m.value_or(chosen.point_m),
                                        inputs[i].force_n.value_or(force_n));
-    if (!connected) return fail("--input: " + connected.error().message);
+    if (!connected) return fail(connected.error().kind, "--input: " + connected.error().message);
   }
   return {};
 }
@@ -113,7 +113,7 @@ Result<void> load_what_was_asked_for(Session& session, const DaemonOptions& opti
   }
   if (const auto connected = connect_inputs(session.rack(), options.inputs); !connected) return connected;
   const auto restored = restore(state, session, start);
-  if (!restored) return fail(options.state->string() + ": " + restored.error().message);
+  if (!restored) return fail(restored.error().kind, options.state->string() + ": " + restored.error().message);
   return {};
 }
 
@@ -123,7 +123,8 @@ Result<void> check_render(const DaemonOptions& options) {
        {std::pair(options.record.has_value(), "--record"), std::pair(options.capture.has_value(), "--capture"),
         std::pair(options.state.has_value(), "--state"), std::pair(options.notes.has_value(), "--notes"),
         std::pair(options.scene_to.has_value(), "--scene-to")}) {
-    if (given) return fail(std::string(name) + ": the wav driver only renders; use --driver jack or null");
+    if (given)
+      return fail(ErrorKind::bad_input, std::string(name) + ": the wav driver only renders; use --driver jack or null");
   }
   return {};
 }
@@ -214,7 +215,7 @@ void save_session(Worker& worker, const Session& session, const Recorder& record
                   const NsmClient::Done& done) {
   const bool posted =
       worker.post([&session, &recorder, file, done] { done(write_state(state_of(session, recorder), file)); });
-  if (!posted) done(fail("too many requests are waiting; save again later"));
+  if (!posted) done(fail(ErrorKind::refused, "too many requests are waiting; save again later"));
 }
 
 ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<Driver> opened, Captured& captured,

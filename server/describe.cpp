@@ -43,13 +43,14 @@ Answer read(const protocol::ReadBank& question, const Session& session) {
   if (!object) return fail(object.error());
   const std::string file = object->bank->string();
   if (question.offset >= object->bank_bytes) {
-    return fail("offset: " + std::to_string(question.offset) + " is past the end of " + file + ", which has " +
-                std::to_string(object->bank_bytes) + " bytes");
+    return fail(ErrorKind::bad_input, "offset: " + std::to_string(question.offset) + " is past the end of " + file +
+                                          ", which has " + std::to_string(object->bank_bytes) + " bytes");
   }
   auto piece = session.rack().roots().read_piece(*object->bank, question.offset, question.bytes);
   if (!piece) return fail(piece.error());
   if (piece->total != object->bank_bytes) {
-    return fail(file + " is not the file any more that \"" + object->name + "\" was loaded from; /load it again");
+    return fail(ErrorKind::refused,
+                file + " is not the file any more that \"" + object->name + "\" was loaded from; /load it again");
   }
   return std::vector<protocol::Reply>{protocol::BankReply{object->name, object->bank_version, whole(question.offset),
                                                           whole(piece->total), std::move(piece->bytes)}};

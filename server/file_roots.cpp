@@ -45,7 +45,7 @@ int open_beneath(int folder, const fs::path& path) {
 }
 
 tl::unexpected<Error> cannot_write(const fs::path& path, const std::string& reason) {
-  return fail("cannot write " + path.string() + ": " + reason);
+  return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + reason);
 }
 
 // Whether the regular file at `path` is empty or has the kind's mark.
@@ -57,7 +57,7 @@ bool is_of_kind(const fs::path& path, const WrittenKind& kind) {
 }
 
 tl::unexpected<Error> cannot_open(const fs::path& path, int reason) {
-  return fail("cannot open " + path.string() + ": " + std::strerror(reason));
+  return fail(ErrorKind::bad_input, "cannot open " + path.string() + ": " + std::strerror(reason));
 }
 
 }  // namespace
@@ -72,8 +72,8 @@ Result<FileRoots> FileRoots::only(const std::vector<fs::path>& folders, Guard gu
     const fs::path real = fs::canonical(folder, error);
     const int descriptor = error ? -1 : ::open(real.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
     if (descriptor < 0) {
-      return fail("cannot allow files below " + folder.string() + ": " +
-                  (error ? error.message() : std::strerror(errno)));
+      return fail(ErrorKind::input_output, "cannot allow files below " + folder.string() + ": " +
+                                               (error ? error.message() : std::strerror(errno)));
     }
     roots.roots_.push_back({given, real, {new int(descriptor), [](const int* open) {
                                             ::close(*open);
@@ -99,7 +99,7 @@ Result<FileRoots::Piece> FileRoots::read_piece(const fs::path& path, std::size_t
   } const file{*opened};
   struct stat status {};
   if (::fstat(file.descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    return fail("cannot read " + path.string() + ": it is not a regular file");
+    return fail(ErrorKind::bad_input, "cannot read " + path.string() + ": it is not a regular file");
   }
   Piece piece{.total = static_cast<std::size_t>(status.st_size)};
   piece.bytes.resize(std::min(most_bytes, piece.total - std::min(offset, piece.total)));
@@ -107,8 +107,8 @@ Result<FileRoots::Piece> FileRoots::read_piece(const fs::path& path, std::size_t
     const ssize_t got = ::pread(file.descriptor, piece.bytes.data() + filled, piece.bytes.size() - filled,
                                 static_cast<off_t>(offset + filled));
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return fail("cannot read " + path.string() + ": " + std::strerror(errno));
-    if (got == 0) return fail("cannot read " + path.string() + ": it shrank while read");
+    if (got < 0) return fail(ErrorKind::input_output, "cannot read " + path.string() + ": " + std::strerror(errno));
+    if (got == 0) return fail(ErrorKind::input_output, "cannot read " + path.string() + ": it shrank while read");
     filled += static_cast<std::size_t>(got);
   }
   return piece;
@@ -177,8 +177,9 @@ Result<fs::path> FileRoots::writable(const fs::path& path, const WrittenKind& ki
 tl::unexpected<Error> FileRoots::outside(const fs::path& path) const {
   std::string folders;
   for (const Root& root : roots_) folders += (folders.empty() ? "" : ", ") + root.given.string();
-  return fail("cannot open " + path.string() + ": it is outside the folders that files may be opened in (" + folders +
-              "); name another with --root when the daemon is started");
+  return fail(ErrorKind::refused, "cannot open " + path.string() +
+                                      ": it is outside the folders that files may be opened in (" + folders +
+                                      "); name another with --root when the daemon is started");
 }
 
 }  // namespace ringdown::server

@@ -18,7 +18,8 @@ Result<Latency> parse_latency(const std::string& text) {
   if (good && unit.empty() && value <= kMaxFrames && value == std::floor(value)) {
     return Latency{.frames = static_cast<protocol::Frame>(value)};
   }
-  return fail("'" + text + "' is no latency; write frames, like 256, or milliseconds up to 1000, like 5ms");
+  return fail(ErrorKind::bad_input,
+              "'" + text + "' is no latency; write frames, like 256, or milliseconds up to 1000, like 5ms");
 }
 
 protocol::Frame latency_frames(const Driver& driver, const Latency& wanted) {

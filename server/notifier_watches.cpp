@@ -14,7 +14,9 @@ using protocol::ObjectNumber;
 
 static_assert(synth::kTappedFrames <= protocol::kMaxSoundFrames);
 
-tl::unexpected<Error> not_subscribed() { return fail("only a subscriber can watch; send /notify first"); }
+tl::unexpected<Error> not_subscribed() {
+  return fail(ErrorKind::refused, "only a subscriber can watch; send /notify first");
+}
 
 }  // namespace
 
@@ -36,7 +38,7 @@ Result<void> Notifier::watch_object(Peer peer, const protocol::ObjectRef& ref, b
   const auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
   if (subscriber == subscribers_.end()) return not_subscribed();
   if (on && !session_.rack().mixer().mode_watch().watch(object->number)) {
-    return fail("object: " + std::to_string(synth::kMaxWatched) + " objects are watched already");
+    return fail(ErrorKind::refused, "object: " + std::to_string(synth::kMaxWatched) + " objects are watched already");
   }
   if (on) {
     subscriber->watched.insert(object->number);

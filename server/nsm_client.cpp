@@ -33,12 +33,14 @@ std::optional<std::string> NsmClient::url() {
 
 Result<std::unique_ptr<NsmClient>> NsmClient::announce(const std::string& url, std::chrono::milliseconds patience) {
   const auto parsed = parse_url(url);
-  if (!parsed) return fail("NSM_URL: " + parsed.error().message);
+  if (!parsed) return fail(parsed.error().kind, "NSM_URL: " + parsed.error().message);
   const auto manager = resolve(parsed->host, parsed->port);
-  if (!manager) return fail("NSM_URL: " + manager.error().message);
+  if (!manager) return fail(manager.error().kind, "NSM_URL: " + manager.error().message);
   // A manager may name this computer by an address that the loopback does not reach.
   auto socket = OscSocket::bind(is_loopback(*manager) ? Endpoint{} : Endpoint{.address = manager->address});
-  if (!socket) return fail("NSM_URL: the session manager must run on this computer: " + socket.error().message);
+  if (!socket)
+    return fail(socket.error().kind,
+                "NSM_URL: the session manager must run on this computer: " + socket.error().message);
   if (!is_loopback(*manager)) {
     spdlog::warn("listening on {} for the session manager: anyone who can reach this address can speak for it",
                  to_text(socket->endpoint()));
@@ -53,7 +55,7 @@ NsmClient::NsmClient(OscSocket socket, Endpoint manager) : socket_(std::move(soc
 
 NsmClient::~NsmClient() {
   if (!save_ && !session_.client_id.empty()) {
-    answer("/nsm/client/open", fail("ringdownd could not start; its own messages say why"));
+    answer("/nsm/client/open", fail(ErrorKind::refused, "ringdownd could not start; its own messages say why"));
   }
   stop();
 }
@@ -70,14 +72,14 @@ Result<void> NsmClient::wait_for_session(std::chrono::milliseconds patience) {
     const auto message = receive(100ms);
     if (!message) continue;
     if (message->address == "/error" && text_at(*message, 0) == "/nsm/server/announce") {
-      return fail("the session manager refused us: " + text_at(*message, 2));
+      return fail(ErrorKind::refused, "the session manager refused us: " + text_at(*message, 2));
     }
     if (message->address != "/nsm/client/open") continue;
     session_ = {text_at(*message, 0), text_at(*message, 2)};
     if (session_.path.is_absolute() && !session_.client_id.empty()) return {};
-    return fail("the session manager's /nsm/client/open has no path or no client id");
+    return fail(ErrorKind::bad_input, "the session manager's /nsm/client/open has no path or no client id");
   }
-  return fail("the session manager at " + to_text(manager_) + " (NSM_URL) opened no session");
+  return fail(ErrorKind::refused, "the session manager at " + to_text(manager_) + " (NSM_URL) opened no session");
 }
 
 std::optional<Message> NsmClient::receive(std::chrono::milliseconds patience) {
@@ -101,7 +103,8 @@ void NsmClient::run(const std::stop_token& stop) {
     if (message->address == "/nsm/client/save") {
       save_([this](const Result<void>& outcome) { answer("/nsm/client/save", outcome); });
     } else if (message->address == "/nsm/client/open") {
-      answer(message->address, fail("ringdownd changes no session while it runs; start another one"));
+      answer(message->address,
+             fail(ErrorKind::refused, "ringdownd changes no session while it runs; start another one"));
     }
   }
 }

@@ -39,7 +39,8 @@ class Run {
     const double score_s = take_score_length();
     const double seconds = options_.seconds.value_or(std::max(score_s, session_.scene().duration_s()));
     if (!(seconds > 0 && seconds <= kMaxRender_s)) {
-      return fail("nothing to render: name a scene or a score, or a length of 0 to 86400 s with --seconds");
+      return fail(ErrorKind::bad_input,
+                  "nothing to render: name a scene or a score, or a length of 0 to 86400 s with --seconds");
     }
     const auto frames = static_cast<std::size_t>(std::llround(seconds * options_.sample_rate_hz)) + latency();
     recording_.left.resize(frames);
@@ -53,7 +54,7 @@ class Run {
     for (Frame begin = 0; begin < total; begin += block) {
       render_until(std::min(begin + block, total));
       if (!progress(static_cast<double>(now_) / static_cast<double>(total)))
-        return fail("cancelled; nothing was written");
+        return fail(ErrorKind::cancelled, "cancelled; nothing was written");
     }
     for (auto* channel : {&recording_.left, &recording_.right}) {
       channel->erase(channel->begin(), channel->begin() + static_cast<std::ptrdiff_t>(latency()));
@@ -149,7 +150,8 @@ Result<void> write_audio(const Recording& recording, const std::filesystem::path
   std::string ending = path.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (ending != ".wav" && ending != ".flac") {
-    return fail("cannot write " + path.string() + ": its name must end in .wav or .flac, which says the format");
+    return fail(ErrorKind::bad_input,
+                "cannot write " + path.string() + ": its name must end in .wav or .flac, which says the format");
   }
   SF_INFO info{.samplerate = static_cast<int>(recording.sample_rate_hz),
                .channels = 2,
@@ -159,7 +161,7 @@ Result<void> write_audio(const Recording& recording, const std::filesystem::path
   SNDFILE* file = sf_open(temporary.c_str(), SFM_WRITE, &info);
   if (!file) {
     std::filesystem::remove(temporary, ignored);
-    return fail("cannot write " + path.string() + ": " + sf_strerror(nullptr));
+    return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + sf_strerror(nullptr));
   }
   sf_command(file, SFC_SET_CLIPPING, nullptr, SF_TRUE);
   sf_command(file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);  // it holds the time of day
@@ -175,7 +177,8 @@ Result<void> write_audio(const Recording& recording, const std::filesystem::path
   if (written && closed) std::filesystem::rename(temporary, path, error);
   if (!written || !closed || error) {
     std::filesystem::remove(temporary, ignored);
-    return fail("cannot write " + path.string() + ": " + (error ? error.message() : "the disk may be full"));
+    return fail(ErrorKind::input_output,
+                "cannot write " + path.string() + ": " + (error ? error.message() : "the disk may be full"));
   }
   return {};
 }

@@ -62,7 +62,7 @@ Argument to_argument(char type, const lo_arg* argument) {
 Result<TimedMessage> decode_message(const RawMessage& raw) {
   std::vector<std::byte> bytes(raw.bytes.begin(), raw.bytes.end());  // liblo wants to write
   const MessageHandle handle(lo_message_deserialise(bytes.data(), bytes.size(), nullptr));
-  if (!handle) return fail("no OSC packet: liblo cannot read it");
+  if (!handle) return fail(ErrorKind::bad_input, "no OSC packet: liblo cannot read it");
   TimedMessage timed{raw.time, {reinterpret_cast<const char*>(raw.bytes.data()), {}}};
   const char* const types = lo_message_get_types(handle.get());
   lo_arg** const arguments = lo_message_get_argv(handle.get());
@@ -145,7 +145,8 @@ double unix_seconds(TimeTag time) {
 Result<OscUrl> parse_url(std::string_view url) {
   constexpr std::string_view kScheme = "osc.udp://";
   const auto refuse = [&] {
-    return fail("'" + std::string(url) + "' is no address of a daemon; write it like osc.udp://127.0.0.1:7770");
+    return fail(ErrorKind::bad_input,
+                "'" + std::string(url) + "' is no address of a daemon; write it like osc.udp://127.0.0.1:7770");
   };
   if (!url.starts_with(kScheme)) return refuse();
   std::string_view rest = url.substr(kScheme.size());

@@ -85,7 +85,7 @@ Result<json> node_at(std::string_view path, std::span<const std::string> objects
     const std::size_t next = path.find('/', 1);
     const std::string name(path.substr(1, next == path.npos ? next : next - 1));
     if (!node.contains("CONTENTS") || !node["CONTENTS"].contains(name)) {
-      return fail("there is no address " + std::string(path));
+      return fail(ErrorKind::bad_input, "there is no address " + std::string(path));
     }
     node = json(node["CONTENTS"][name]);
     path = next == path.npos ? "" : path.substr(next);

@@ -12,7 +12,7 @@ namespace {
 constexpr std::string_view kBundleMark("#bundle", 8);  // with its terminating zero
 constexpr std::size_t kBundleHead = 16;                // the mark and the timetag
 
-tl::unexpected<Error> refuse(const std::string& what) { return fail("no OSC packet: " + what); }
+tl::unexpected<Error> refuse(const std::string& what) { return fail(ErrorKind::bad_input, "no OSC packet: " + what); }
 
 std::string_view as_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

@@ -33,12 +33,13 @@ bool is_bundle(std::span<const std::byte> bytes) {
 
 // What is wrong with the bundle, or its messages appended to `events`.
 Result<void> read_bundle(std::span<const std::byte> bundle, std::vector<ScoreEvent>& events) {
-  if (!is_bundle(bundle)) return fail("it is no bundle, so it has no time");
+  if (!is_bundle(bundle)) return fail(ErrorKind::bad_input, "it is no bundle, so it has no time");
   Result<std::vector<TimedMessage>> messages = decode_packet(bundle);
   if (!messages) return fail(messages.error());
   for (TimedMessage& timed : *messages) {
     const double time_s = to_seconds(timed.time);
-    if (time_s > kMaxScore) return fail("its time is more than a day after the start: is it a date?");
+    if (time_s > kMaxScore)
+      return fail(ErrorKind::bad_input, "its time is more than a day after the start: is it a date?");
     events.push_back({time_s, std::move(timed.message)});
   }
   return {};
@@ -52,14 +53,15 @@ Result<std::vector<ScoreEvent>> parse_score(std::span<const std::byte> bytes, co
   for (std::span<const std::byte> rest = bytes; !rest.empty();) {
     const std::string where =
         name + ": bundle " + std::to_string(++number) + " at byte " + std::to_string(bytes.size() - rest.size()) + ": ";
-    if (rest.size() < 4) return fail(where + "the file ends inside its length");
+    if (rest.size() < 4) return fail(ErrorKind::bad_input, where + "the file ends inside its length");
     const std::size_t size = read_size(rest);
     rest = rest.subspan(4);
     if (size > rest.size()) {
-      return fail(where + "its length is " + std::to_string(size) + " bytes, but the file has only " +
-                  std::to_string(rest.size()) + " more");
+      return fail(ErrorKind::bad_input, where + "its length is " + std::to_string(size) +
+                                            " bytes, but the file has only " + std::to_string(rest.size()) + " more");
     }
-    if (Result<void> good = read_bundle(rest.first(size), events); !good) return fail(where + good.error().message);
+    if (Result<void> good = read_bundle(rest.first(size), events); !good)
+      return fail(good.error().kind, where + good.error().message);
     rest = rest.subspan(size);
   }
   std::ranges::stable_sort(events, {}, &ScoreEvent::time_s);

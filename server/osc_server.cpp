@@ -37,7 +37,7 @@ bool is_for_recorder(const Request& request) {
 }
 
 Result<std::optional<std::int32_t>> record(const Request& request, const Session& session, Recorder* recorder) {
-  if (!recorder) return fail("this daemon does not record");
+  if (!recorder) return fail(ErrorKind::refused, "this daemon does not record");
   const protocol::Frame now = session.rack().mixer().counters().frames;
   if (const auto* save = std::get_if<protocol::SaveState>(&request)) {
     const auto path = session.rack().roots().writable(save->path, kStateKind);
@@ -248,8 +248,10 @@ void OscServer::post(const Request& request, protocol::Frame frame, const std::s
     if (const auto* sync = std::get_if<protocol::Sync>(&request))
       return answer(*ports, from, protocol::Synced{sync->id});
     if (is_question(request)) {
-      return answer(*ports, from,
-                    recorder ? answer_to(request, session, *recorder) : fail("this daemon keeps no levels"), address);
+      return answer(
+          *ports, from,
+          recorder ? answer_to(request, session, *recorder) : fail(ErrorKind::refused, "this daemon keeps no levels"),
+          address);
     }
     const auto number = is_for_recorder(request)
                             ? record(request, session, recorder)

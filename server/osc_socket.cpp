@@ -30,10 +30,11 @@ Endpoint from_sockaddr(const sockaddr_in& address) { return {ntohl(address.sin_a
 
 Error bind_error(Endpoint endpoint, int reason) {
   if (reason == EADDRINUSE) {
-    return {"OSC port " + to_text(endpoint) +
-            " is taken by another program: stop that one, or choose another port (0 takes any free one)"};
+    return {ErrorKind::input_output,
+            "OSC port " + to_text(endpoint) +
+                " is taken by another program: stop that one, or choose another port (0 takes any free one)"};
   }
-  return {"cannot listen for OSC on " + to_text(endpoint) + ": " + std::strerror(reason)};
+  return {ErrorKind::input_output, "cannot listen for OSC on " + to_text(endpoint) + ": " + std::strerror(reason)};
 }
 
 // Only root may exceed net.core.rmem_max; either call may fail without harm.
@@ -112,7 +113,7 @@ Result<Endpoint> resolve(const std::string& host, std::uint16_t port) {
   addrinfo* found = nullptr;
   const int outcome = ::getaddrinfo(host.c_str(), nullptr, &hints, &found);
   if (outcome != 0) {
-    return fail("cannot find the host '" + host + "': " + ::gai_strerror(outcome));
+    return fail(ErrorKind::bad_input, "cannot find the host '" + host + "': " + ::gai_strerror(outcome));
   }
   sockaddr_in address{};
   std::memcpy(&address, found->ai_addr, sizeof address);
@@ -191,7 +192,7 @@ Result<void> OscSocket::send_to(Endpoint to, std::span<const std::byte> bytes) {
   const sockaddr_in address = to_sockaddr(to);
   const ssize_t sent =
       ::sendto(socket_, bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&address), sizeof address);
-  if (sent < 0) return fail("cannot send OSC to " + to_text(to) + ": " + std::strerror(errno));
+  if (sent < 0) return fail(ErrorKind::input_output, "cannot send OSC to " + to_text(to) + ": " + std::strerror(errno));
   return {};
 }
 

@@ -67,7 +67,8 @@ void flush(Connection& connection) {
 }
 
 Error listen_error(Endpoint endpoint) {
-  return {"cannot listen for OSC by TCP on " + to_text(endpoint) + ": " + std::strerror(errno)};
+  return {ErrorKind::input_output,
+          "cannot listen for OSC by TCP on " + to_text(endpoint) + ": " + std::strerror(errno)};
 }
 
 }  // namespace

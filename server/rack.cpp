@@ -38,7 +38,7 @@ Result<RackObject> Rack::find(const ObjectRef& object) const {
     number = found->second;
   }
   if (number < objects_.size() && objects_[number]) return *objects_[number];
-  return fail("object: there is no object " + shown(object) + "; load one with /load");
+  return fail(ErrorKind::bad_input, "object: there is no object " + shown(object) + "; load one with /load");
 }
 
 std::vector<RackObject> Rack::objects() const {
@@ -174,18 +174,20 @@ Result<void> Rack::excite(std::size_t input, const ObjectRef& ref, const Vec3& p
   std::optional<Excitation>& excitation = excitations_[input];
   const bool ends = force_n == Vec3{};
   if (ends && (!excitation || excitation->object != object->number)) {
-    return fail("input: " + std::to_string(input + 1) + " does not excite \"" + object->name + "\"");
+    return fail(ErrorKind::bad_input,
+                "input: " + std::to_string(input + 1) + " does not excite \"" + object->name + "\"");
   }
   if (object->map->bank().mode_count() > synth::kMaxDrivenColumns) {
-    return fail("object: \"" + object->name + "\" has more than the " + std::to_string(synth::kMaxDrivenColumns) +
-                " modes that an input can excite; bake it with --keep");
+    return fail(ErrorKind::too_large, "object: \"" + object->name + "\" has more than the " +
+                                          std::to_string(synth::kMaxDrivenColumns) +
+                                          " modes that an input can excite; bake it with --keep");
   }
   const std::scoped_lock lock(rate_mutex_);
   const Vec3 impulse_ns = (1 / mixer_.sample_rate_hz()) * force_n;
   const bool taken =
       ends ? mixer_.disconnect_input(input)
            : mixer_.connect_input(input, {.object = object->number, .point_m = point_m, .impulse_ns = impulse_ns});
-  if (!taken) return fail("input: too many changes at once; try again");
+  if (!taken) return fail(ErrorKind::refused, "input: too many changes at once; try again");
   excitation = ends ? std::nullopt : std::optional(Excitation{object->number, point_m, force_n});
   inputs_ |= 1u << input;
   note_change();
@@ -200,7 +202,7 @@ Result<void> Rack::assign(const RackObject& object) {
     spdlog::warn("{} is heard in the mix only: all {} ports are taken", object.name, synth::kMaxBuses);
   }
   if (mixer_.assign(object.number, bus)) return {};
-  return fail("object: too many changes at once; try again");
+  return fail(ErrorKind::refused, "object: too many changes at once; try again");
 }
 
 void Rack::collect() {
@@ -225,7 +227,7 @@ void Rack::note_change() {
 Result<void> Rack::free(const ObjectRef& ref) {
   const auto object = find(ref);
   if (!object) return fail(object.error());
-  if (!mixer_.remove(object->number)) return fail("object: too many changes at once; try again");
+  if (!mixer_.remove(object->number)) return fail(ErrorKind::refused, "object: too many changes at once; try again");
   fading_.insert(object->number);
   for (auto& excitation : excitations_) {
     if (excitation && excitation->object == object->number) excitation.reset();
@@ -262,8 +264,8 @@ Result<protocol::ObjectNumber> Rack::free_number() const {
   for (protocol::ObjectNumber number = 0; number < synth::kMaxObjects; ++number) {
     if (!objects_[number] && !mixer_.in_use(number)) return number;
   }
-  return fail("name: all " + std::to_string(synth::kMaxObjects) +
-              " objects are in use; free one with /object/.../free");
+  return fail(ErrorKind::refused, "name: all " + std::to_string(synth::kMaxObjects) +
+                                      " objects are in use; free one with /object/.../free");
 }
 
 void Rack::change_sample_rate(double sample_rate_hz) {
@@ -276,7 +278,8 @@ Result<void> Rack::install(const RackObject& object, synth::Mixer::Install how, 
   auto voice =
       std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material, object.touches, object.modes));
   if (!mixer_.install(object.number, std::move(voice), how, at)) {
-    return fail("object: " + std::to_string(synth::kMaxVoices) + " voices are still ringing out; try again later");
+    return fail(ErrorKind::refused,
+                "object: " + std::to_string(synth::kMaxVoices) + " voices are still ringing out; try again later");
   }
   return {};
 }
@@ -290,8 +293,9 @@ Result<Event> event_for(const protocol::Request& request, const RackObject& obje
   } else if (const auto* at_vertex = std::get_if<protocol::StrikeVertex>(&request)) {
     const std::size_t points = object.map->bank().point_count();
     if (at_vertex->vertex >= points) {
-      return fail("vertex: " + std::to_string(at_vertex->vertex) + " is not one of the " + std::to_string(points) +
-                  " sample points of \"" + object.name + "\", which are numbered from 0");
+      return fail(ErrorKind::bad_input, "vertex: " + std::to_string(at_vertex->vertex) + " is not one of the " +
+                                            std::to_string(points) + " sample points of \"" + object.name +
+                                            "\", which are numbered from 0");
     }
     event.type = EventType::strike_vertex;
     event.vertex = at_vertex->vertex;
@@ -311,8 +315,9 @@ Result<Event> event_for(const protocol::Request& request, const RackObject& obje
   } else if (const auto* ring = std::get_if<protocol::RingModes>(&request)) {
     const std::size_t modes = object.map->bank().mode_count();
     if (ring->first >= modes) {
-      return fail("first: " + std::to_string(ring->first) + " is not one of the " + std::to_string(modes) +
-                  " modes of \"" + object.name + "\", which are numbered from 0");
+      return fail(ErrorKind::bad_input, "first: " + std::to_string(ring->first) + " is not one of the " +
+                                            std::to_string(modes) + " modes of \"" + object.name +
+                                            "\", which are numbered from 0");
     }
     event.type = EventType::ring;
     event.vertex = ring->first;

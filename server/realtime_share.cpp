@@ -30,7 +30,7 @@ Result<void> RealtimeShare::set_priority(int priority) {
   raised_ = priority_ > 0;
   begin_s_ = -1;
   if (error == 0) return {};
-  return fail(std::generic_category().message(error));
+  return fail(ErrorKind::refused, std::generic_category().message(error));
 }
 
 void RealtimeShare::turn() {

@@ -24,7 +24,8 @@ Recorder::Recorder(Rack& rack) : rack_(rack) { rack.observe(*this); }
 
 Result<void> Recorder::start(const std::filesystem::path& path, Frame frame) {
   const std::scoped_lock lock(mutex_);
-  if (records_) return fail("path: " + path_.string() + " is being recorded already; end it with /record/stop");
+  if (records_)
+    return fail(ErrorKind::refused, "path: " + path_.string() + " is being recorded already; end it with /record/stop");
   path_ = path;
   first_ = frame;
   left_out_ = 0;
@@ -60,7 +61,7 @@ Result<std::size_t> Recorder::stop(Frame frame) {
   std::size_t left_out = 0;
   {
     const std::scoped_lock lock(mutex_);
-    if (!records_) return fail("nothing is being recorded; begin with /record/start");
+    if (!records_) return fail(ErrorKind::refused, "nothing is being recorded; begin with /record/start");
     records_ = false;
     left_out = left_out_;
     std::ranges::stable_sort(entries_, {}, &Entry::frame);

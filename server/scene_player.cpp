@@ -22,7 +22,7 @@ scene::SoundingObject as_sounding(const RackObject& object) {
 
 constexpr double kComplainEvery_s = 0.5;  // that is lost
 
-tl::unexpected<Error> no_scene() { return fail("there is no scene; load one with /scene/load"); }
+tl::unexpected<Error> no_scene() { return fail(ErrorKind::refused, "there is no scene; load one with /scene/load"); }
 
 }  // namespace
 
@@ -53,12 +53,14 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
                                  {.frame = frame, .object = *number, .type = EventType::gain, .value = object.gain}) &&
                       rack_.push(synth::Producer::worker,
                                  {.frame = frame, .object = *number, .type = EventType::pan, .value = object.pan});
-    if (!sent) return fail(path.string() + ": too many objects at once; wait for those before to be taken up");
+    if (!sent)
+      return fail(ErrorKind::refused,
+                  path.string() + ": too many objects at once; wait for those before to be taken up");
   }
   std::vector<scene::SoundingObject> objects;
   for (const RackObject& object : rack_.objects()) objects.push_back(as_sounding(object));
   auto world = scene::World::create(*description, objects, mixer.sample_rate_hz());
-  if (!world) return fail(path.string() + ": " + world.error().message);
+  if (!world) return fail(world.error().kind, path.string() + ": " + world.error().message);
 
   std::vector<scene::Leaning> lifted;
   {

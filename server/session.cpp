@@ -41,7 +41,8 @@ Result<std::vector<protocol::Event>> Session::events_of(const protocol::Request&
   const auto latest = rack_.mixer().counters().frames.load(std::memory_order_relaxed) +
                       static_cast<protocol::Frame>(kMaxAhead_s * sample_rate_hz());
   if (frame > latest)
-    return fail("its time tag is more than " + std::to_string(static_cast<int>(kMaxAhead_s)) + " s ahead");
+    return fail(ErrorKind::bad_input,
+                "its time tag is more than " + std::to_string(static_cast<int>(kMaxAhead_s)) + " s ahead");
   std::vector<protocol::Event> events;
   if (std::holds_alternative<protocol::ClearAll>(request)) {
     for (const RackObject& object : rack_.objects()) events.push_back(*event_for(request, object, frame));
@@ -69,7 +70,8 @@ Result<std::vector<protocol::Event>> Session::events_of(const protocol::StrikeMa
     const auto later = static_cast<protocol::Frame>(std::llround(strike.delay_s * sample_rate_hz()));
     const auto object = rack_.find(ref);
     const auto event = object ? event_for(one, *object, frame + later) : fail(object.error());
-    if (!event) return fail("record " + std::to_string(events.size() + 1) + " " + event.error().message);
+    if (!event)
+      return fail(event.error().kind, "record " + std::to_string(events.size() + 1) + " " + event.error().message);
     events.push_back(*event);
   }
   return events;
@@ -113,7 +115,7 @@ void Session::flush() {
 
 tl::unexpected<Error> Session::drop(std::size_t events, const std::string& because) {
   dropped_ += events;
-  return fail("dropped, because " + because + "; send fewer at once");
+  return fail(ErrorKind::refused, "dropped, because " + because + "; send fewer at once");
 }
 
 Result<std::optional<std::int32_t>> Session::perform(const protocol::Request& request, protocol::Frame frame) {
@@ -146,7 +148,7 @@ Result<std::optional<std::int32_t>> Session::perform(const protocol::Request& re
             [&](const ScenePush& push) {
               return none(scene_.push(static_cast<scene::BodyId>(push.body), push.impulse_ns));
             },
-            [](const auto&) -> Answer { return fail("this request is not for a session"); }},
+            [](const auto&) -> Answer { return fail(ErrorKind::refused, "this request is not for a session"); }},
       request);
 }
 
@@ -154,7 +156,8 @@ Result<protocol::ObjectNumber> Session::load_object(const protocol::LoadObject& 
   const auto number = rack_.load(load.name, load.bank_path);
   if (!number) return number;
   if (const auto followed = scene_.object_changed(*rack_.find({.name = load.name})); !followed) {
-    return fail("the object has its new bank, but the scene goes on with the old one: " + followed.error().message);
+    return fail(followed.error().kind,
+                "the object has its new bank, but the scene goes on with the old one: " + followed.error().message);
   }
   return number;
 }

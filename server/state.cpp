@@ -167,7 +167,7 @@ State state_of(const Session& session, const Recorder& recorder) {
   }
   for (std::size_t input = 0; input < rack.excitations().size(); ++input) {
     const auto& excitation = rack.excitations()[input];
-    const auto object = excitation ? rack.find({.number = excitation->object}) : fail("");
+    const auto object = excitation ? rack.find({.number = excitation->object}) : fail(ErrorKind::bad_input, "");
     if (object) state.inputs.push_back({input + 1, object->name, excitation->point_m, excitation->force_n});
   }
   if (const auto playing = session.scene().playing()) {
@@ -217,7 +217,7 @@ Result<void> restore_object(const State::Object& object, Session& session, proto
       if (frame == from && (!was_there || from == now)) continue;
       const auto which = static_cast<protocol::ObjectNumber>(**number);
       if (!rack.push(synth::Producer::worker, {.frame = frame, .object = which, .type = type, .value = value})) {
-        return fail("too many objects at once; wait for those before to be taken up");
+        return fail(ErrorKind::refused, "too many objects at once; wait for those before to be taken up");
       }
     }
   }

@@ -148,13 +148,15 @@ std::unique_ptr<btCollisionShape> make_shape(const StaticDescription& still) {
 
 Result<void> check_abilities(const SceneDescription& scene) {
   const std::string cannot = ", which ringdown-bullet cannot do; play the scene with ringdownd --scene";
-  if (!scene.joints.empty()) return fail("the scene has joint " + protocol::quoted(scene.joints[0].name) + cannot);
+  if (!scene.joints.empty())
+    return fail(ErrorKind::bad_input, "the scene has joint " + protocol::quoted(scene.joints[0].name) + cannot);
   if (!scene.emitters.empty())
-    return fail("the scene has emitter " + protocol::quoted(scene.emitters[0].name) + cannot);
+    return fail(ErrorKind::bad_input, "the scene has emitter " + protocol::quoted(scene.emitters[0].name) + cannot);
   for (const BodyDescription& body : scene.bodies) {
-    if (body.scatter_m != 0) return fail("body " + protocol::quoted(body.name) + " has scatter_m" + cannot);
+    if (body.scatter_m != 0)
+      return fail(ErrorKind::bad_input, "body " + protocol::quoted(body.name) + " has scatter_m" + cannot);
     if (body.shape.type == ShapeType::trimesh)
-      return fail("body " + protocol::quoted(body.name) + " is a trimesh" + cannot);
+      return fail(ErrorKind::bad_input, "body " + protocol::quoted(body.name) + " is a trimesh" + cannot);
   }
   return {};
 }
@@ -219,7 +221,7 @@ Result<void> BulletWorld::Impl::add(const BodyDescription& body,
   const modal::Bank* bank = sounds ? banks[number].get() : nullptr;
   const modal::MaterialScale scale = sounds ? object->material : modal::MaterialScale{};
   const Result<scene::Solid> solid = scene::make_solid(body, bank, scale);
-  if (!solid) return fail("body " + protocol::quoted(body.name) + ": " + solid.error().message);
+  if (!solid) return fail(solid.error().kind, "body " + protocol::quoted(body.name) + ": " + solid.error().message);
 
   Item& item = *waiting.emplace_back(std::make_unique<Item>());
   item.id = static_cast<BodyId>(waiting.size());

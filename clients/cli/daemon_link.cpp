@@ -62,7 +62,8 @@ Result<Reply> DaemonLink::ask(const Message& message, std::chrono::milliseconds 
     if (!socket_.receive(datagram, left)) continue;
     if (std::optional<Reply> reply = find_answer(datagram, message.address, expected)) return std::move(*reply);
   }
-  return fail("no answer from a daemon at " + url_ + ": start ringdownd, or name the right one with --to");
+  return fail(ErrorKind::refused,
+              "no answer from a daemon at " + url_ + ": start ringdownd, or name the right one with --to");
 }
 
 }  // namespace ringdown::cli

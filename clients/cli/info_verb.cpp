@@ -81,8 +81,9 @@ struct InfoArguments {
 
 // False when it could not be written, which has been said.
 bool write(const std::string& path, const std::string& bytes) {
-  const Result<void> written = bytes.empty() ? Result<void>(fail("cannot draw " + path + ": there is no memory for it"))
-                                             : write_file_atomically(path, std::string_view(bytes));
+  const Result<void> written =
+      bytes.empty() ? Result<void>(fail(ErrorKind::no_memory, "cannot draw " + path + ": there is no memory for it"))
+                    : write_file_atomically(path, std::string_view(bytes));
   if (!written) complain(written.error().message, ExitCode::failure);
   return written.has_value();
 }

@@ -44,7 +44,7 @@ struct LocalDaemon::State {
                                              "null", "--port", "0", "--scene", scene.string()},
                                  .on_line = [this](std::string_view line) { take_line(line); },
                                  .keep_going = [this] { return !stop; }});
-    tell(fail(done ? last_line : done.error().message));
+    tell(done ? fail(ErrorKind::refused, last_line) : fail(done.error()));
   }
 };
 

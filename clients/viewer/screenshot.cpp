@@ -38,9 +38,9 @@ Result<void> draw_until(App& app, const ScreenshotRequest& request, double patie
                         const std::function<bool()>& holds) {
   const auto end = Clock::now() + std::chrono::duration<double>(patience_s);
   while (!holds()) {
-    if (!request.keep_going()) return fail("cancelled: no picture was written");
-    if (const auto why = refusal(app.model())) return fail(*why);
-    if (Clock::now() > end) return fail(std::string("no picture was written: ") + what);
+    if (!request.keep_going()) return fail(ErrorKind::cancelled, "cancelled: no picture was written");
+    if (const auto why = refusal(app.model())) return fail(ErrorKind::refused, *why);
+    if (Clock::now() > end) return fail(ErrorKind::refused, std::string("no picture was written: ") + what);
     app.frame();
   }
   return {};
@@ -51,7 +51,7 @@ Result<void> draw_until(App& app, const ScreenshotRequest& request, double patie
 Result<void> take_screenshot(const ScreenshotRequest& request, const Settings& settings) {
   std::error_code error;
   if (!request.daemon && !std::filesystem::is_regular_file(request.scene, error)) {
-    return fail("there is no scene " + request.scene.string());
+    return fail(ErrorKind::bad_input, "there is no scene " + request.scene.string());
   }
   std::optional<LocalDaemon> own;
   if (!request.daemon) {

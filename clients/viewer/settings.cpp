@@ -25,7 +25,8 @@ Result<std::filesystem::path> settings_file() {
   const char* config = std::getenv("XDG_CONFIG_HOME");
   if (config && *config) return std::filesystem::path(config) / "ringdown" / "viewer.toml";
   const char* home = std::getenv("HOME");
-  if (!home || !*home) return fail("there is no home folder to keep settings in: HOME is not set");
+  if (!home || !*home)
+    return fail(ErrorKind::input_output, "there is no home folder to keep settings in: HOME is not set");
   return std::filesystem::path(home) / ".config" / "ringdown" / "viewer.toml";
 }
 
@@ -52,7 +53,7 @@ Result<Settings> read_settings(const std::filesystem::path& file) {
 Result<void> write_settings(const Settings& settings, const std::filesystem::path& file) {
   std::error_code error;
   std::filesystem::create_directories(file.parent_path(), error);
-  if (error) return fail(file.parent_path().string() + ": " + error.message());
+  if (error) return fail(ErrorKind::input_output, file.parent_path().string() + ": " + error.message());
   const auto flag = [](bool on) { return std::string(on ? "true" : "false"); };
   std::string text;
   const auto line = [&text](const std::string& key, const std::string& value) { text += key + " = " + value + "\n"; };

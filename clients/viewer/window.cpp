@@ -108,8 +108,9 @@ Result<Window> Window::open(const Options& options) {
   static std::string complaint;
   glfwSetErrorCallback([](int, const char* what) { complaint = what; });
   if (!glfwInit()) {
-    return fail("there is no display to open a window on (" + complaint +
-                "): start it in a desktop session, or without a screen by `xvfb-run -a ringdown-viewer ...`");
+    return fail(ErrorKind::refused,
+                "there is no display to open a window on (" + complaint +
+                    "): start it in a desktop session, or without a screen by `xvfb-run -a ringdown-viewer ...`");
   }
   auto state = std::make_unique<State>();
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -120,7 +121,8 @@ Result<Window> Window::open(const Options& options) {
   glfwWindowHint(GLFW_SCALE_TO_MONITOR, options.visible ? GLFW_TRUE : GLFW_FALSE);
   state->window = glfwCreateWindow(options.width, options.height, "Ringdown", nullptr, nullptr);
   if (!state->window) {
-    return fail("this display has no OpenGL 3.3 (" + complaint + "): install Mesa's drivers (libgl1-mesa-dri)");
+    return fail(ErrorKind::refused,
+                "this display has no OpenGL 3.3 (" + complaint + "): install Mesa's drivers (libgl1-mesa-dri)");
   }
   glfwMakeContextCurrent(state->window);
   glfwSwapInterval(1);

@@ -126,11 +126,12 @@ std::string element_text(fem::Element element) {
 
 Result<void> check_options(const BakeOptions& options) {
   if (!(options.band_low_hz >= 0 && options.band_high_hz > options.band_low_hz && options.band_high_hz < 1e9)) {
-    return fail("the band must go from a frequency >= 0 Hz to a higher one");
+    return fail(ErrorKind::bad_input, "the band must go from a frequency >= 0 Hz to a higher one");
   }
-  if (options.most_points < 4) return fail("a bank needs at least 4 surface points");
-  if (options.most_modes < 1) return fail("a bank needs at least 1 mode");
-  if (!(options.floor_db >= 0 && options.floor_db <= 1000)) return fail("the floor must be from 0 to 1000 dB");
+  if (options.most_points < 4) return fail(ErrorKind::bad_input, "a bank needs at least 4 surface points");
+  if (options.most_modes < 1) return fail(ErrorKind::bad_input, "a bank needs at least 1 mode");
+  if (!(options.floor_db >= 0 && options.floor_db <= 1000))
+    return fail(ErrorKind::bad_input, "the floor must be from 0 to 1000 dB");
   return {};
 }
 
@@ -143,9 +144,9 @@ Result<void> check_rigid(const Eigenmodes& modes, int pieces, double highest_lam
   const bool vibrates = modes.lambda.size() > modes.rigid;
   const double lowest = vibrates ? modes.lambda[modes.rigid] : highest_lambda;
   if (modes.rigid == 6 * pieces && lowest > kMinContrast * rounding_of(modes)) return {};
-  return fail(
-      "its lowest vibration cannot be told from rigid motions for rounding; its elements are too flat or too "
-      "distorted: mesh the object again");
+  return fail(ErrorKind::bad_input,
+              "its lowest vibration cannot be told from rigid motions for rounding; its elements are too flat or too "
+              "distorted: mesh the object again");
 }
 
 // A bank keeps positions as 32-bit floats, which have 24 bits: at ten thousand times its length from the origin a body
@@ -160,7 +161,7 @@ Result<void> check_place(const mesh::Points& nodes, double length_m) {
       " is %.3g m long and lies %.3g m from the origin, too far for the 32-bit positions of a bank; move it to "
       "the origin",
       length_m, reach);
-  return fail(text);
+  return fail(ErrorKind::bad_input, text);
 }
 
 Result<void> check_count(double volume_m3, const modal::Material& material, const BakeOptions& options,
@@ -169,9 +170,10 @@ Result<void> check_count(double volume_m3, const modal::Material& material, cons
   if (count <= 4.0 * options.most_modes) return {};
   char text[32];
   std::snprintf(text, sizeof text, "%.2g", count);
-  return fail(std::string("about ") + text + " modes lie below " + std::to_string(std::lround(options.band_high_hz)) +
-              " Hz, and a bank holds " + std::to_string(options.most_modes) +
-              ": check the unit of its lengths (--unit 0.001 for millimetres), or narrow the band (--band)");
+  return fail(ErrorKind::too_large,
+              std::string("about ") + text + " modes lie below " + std::to_string(std::lround(options.band_high_hz)) +
+                  " Hz, and a bank holds " + std::to_string(options.most_modes) +
+                  ": check the unit of its lengths (--unit 0.001 for millimetres), or narrow the band (--band)");
 }
 
 BodyModes on_surface(const Eigenmodes& modes, const mesh::Surface& surface) {
@@ -205,7 +207,7 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   Stopwatch watch;
   const fem::Elastic elastic{.youngs_modulus_pa = 1, .poisson_ratio = task.material.poisson_ratio, .density_kg_m3 = 1};
   const Result<fem::System> system = fem::assemble(task.unit_mesh, elastic, task.options.element);
-  if (!system) return fail(task.material.name + ": " + system.error().message);
+  if (!system) return fail(system.error().kind, task.material.name + ": " + system.error().message);
   report.assemble_seconds = watch.lap();
 
   const double volume_m3 = system->node_mass.sum() * std::pow(task.units.length_m, 3);
@@ -219,7 +221,7 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
 
   BodyModes body = on_surface(*modes, task.surface);
   watch.lap();
-  if (progress && !progress("errors", 0)) return fail(std::string(kCancelled));
+  if (progress && !progress("errors", 0)) return cancelled();
   Result<Eigen::VectorXd> errors =
       fem::frequency_errors(task.unit_mesh, elastic, body.lambda, modes->shapes.rightCols(body.lambda.size()));
   if (!errors) return fail(errors.error());
@@ -275,37 +277,39 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
                    const std::string& name, const Progress& progress) {
   if (auto good = check_options(options); !good) return fail(good.error());
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
-  if (auto good = fem::check_elastic(elastic); !good) return fail(material.name + ": " + good.error().message);
+  if (auto good = fem::check_elastic(elastic); !good)
+    return fail(good.error().kind, material.name + ": " + good.error().message);
   const double highest_lambda = modal::highest_lambda_in_band(options.band_high_hz, material.damping);
-  if (!(highest_lambda > 0)) return fail(material.name + " is damped so strongly that nothing of it rings");
-  if (progress && !progress("assemble", 0)) return fail(std::string(kCancelled));
+  if (!(highest_lambda > 0))
+    return fail(ErrorKind::bad_input, material.name + " is damped so strongly that nothing of it rings");
+  if (progress && !progress("assemble", 0)) return cancelled();
   Baked baked;
   auto& [bank, report] = baked;
 
   const mesh::TetMesh mesh = mesh::to_order(checked.mesh, fem::order_of(options.element));
   const double length_m = characteristic_length(mesh.nodes);
-  if (auto near = check_place(mesh.nodes, length_m); !near) return fail(name + near.error().message);
+  if (auto near = check_place(mesh.nodes, length_m); !near) return fail(near.error().kind, name + near.error().message);
   const BodyUnits units{length_m, material.youngs_modulus_pa, material.density_kg_m3};
   const Task task{
       mesh,          {mesh.nodes / length_m, mesh.elements}, mesh::boundary_surface(mesh), units, material, options,
       checked.pieces};
   const Result<BodyModes> modes = find_body_modes(task, highest_lambda / units.lambda(), report, progress);
-  if (!modes)
-    return modes.error().message == kCancelled ? fail(modes.error()) : fail(name + ": " + modes.error().message);
+  if (!modes) return fail(modes.error().kind, name + ": " + modes.error().message);
   report.unknowns = modes->unknowns;
   report.elements = mesh.elements.rows();
   report.rigid = modes->rigid;
 
   Stopwatch watch;
-  if (progress && !progress("finish", 0)) return fail(std::string(kCancelled));
+  if (progress && !progress("finish", 0)) return cancelled();
   const Result<mesh::Surface> points = mesh::decimate(task.surface, mesh.nodes, options.most_points);
-  if (!points) return fail(name + ": " + points.error().message);
+  if (!points) return fail(points.error().kind, name + ": " + points.error().message);
   const std::vector<HeardMode> heard =
       modes_in_band(*modes, units, area_weights(task.surface, mesh.nodes), material.damping, options, report);
   if (heard.empty()) {
-    return fail(name + " has no mode between " + std::to_string(std::lround(options.band_low_hz)) + " and " +
-                std::to_string(std::lround(options.band_high_hz)) +
-                " Hz; it may be too small or too large (check the unit of its mesh)");
+    return fail(ErrorKind::bad_input, name + " has no mode between " +
+                                          std::to_string(std::lround(options.band_low_hz)) + " and " +
+                                          std::to_string(std::lround(options.band_high_hz)) +
+                                          " Hz; it may be too small or too large (check the unit of its mesh)");
   }
 
   bank.name = name;

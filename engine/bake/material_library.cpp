@@ -116,7 +116,8 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path) {
   }
   if (curve) read_loss_factors(*file, entry);
   if (auto good = file->finish(); !good) return fail(good.error());
-  if (const auto stable = check_stable(material); !stable) return fail(path.string() + ":1: " + stable.error().message);
+  if (const auto stable = check_stable(material); !stable)
+    return fail(stable.error().kind, path.string() + ":1: " + stable.error().message);
   return entry;
 }
 
@@ -125,21 +126,24 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
   for (const Figure& figure : figures_of(material)) {
     known += (known.empty() ? "" : ", ") + std::string(figure.key);
     if (key != figure.key) continue;
-    if (auto good = check_range(value, figure.range); !good) return fail(key + ": " + good.error().message);
+    if (auto good = check_range(value, figure.range); !good)
+      return fail(good.error().kind, key + ": " + good.error().message);
     figure.value = value;
     return check_stable(material);
   }
-  return fail("a material has no figure '" + key + "'; choose one of: " + known);
+  return fail(ErrorKind::bad_input, "a material has no figure '" + key + "'; choose one of: " + known);
 }
 
 Result<MaterialEntry> find_material(const std::filesystem::path& folder, const std::string& name) {
   const std::vector<std::string> known = names_in(folder);
   if (std::find(known.begin(), known.end(), name) != known.end()) return read_material(folder / (name + ".toml"));
   if (known.empty())
-    return fail("there are no materials in " + folder.string() + "; name their folder with --materials");
+    return fail(ErrorKind::bad_input,
+                "there are no materials in " + folder.string() + "; name their folder with --materials");
   std::string list;
   for (const std::string& one : known) list += (list.empty() ? "" : ", ") + one;
-  return fail("there is no material '" + name + "' in " + folder.string() + "; choose one of: " + list);
+  return fail(ErrorKind::bad_input,
+              "there is no material '" + name + "' in " + folder.string() + "; choose one of: " + list);
 }
 
 std::vector<std::string> names_in(const std::filesystem::path& folder) {

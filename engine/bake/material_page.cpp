@@ -73,7 +73,7 @@ std::string source_rows(const MaterialEntry& entry) {
 
 Result<std::string> materials_as_markdown(const std::filesystem::path& folder) {
   const std::vector<std::string> names = names_in(folder);
-  if (names.empty()) return fail("there are no materials in " + folder.string());
+  if (names.empty()) return fail(ErrorKind::bad_input, "there are no materials in " + folder.string());
   std::string figures =
       "| material | what it is | E [GPa] | nu | rho [kg/m^3] | alpha [1/s] | beta [s] | T60 at 1 kHz [s] |\n"
       "|---|---|---|---|---|---|---|---|\n";

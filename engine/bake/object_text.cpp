@@ -98,6 +98,7 @@ Result<std::string> change_object(std::string_view text, const ObjectChanges& ch
   const Result<ObjectRecipe> after = parse_object(lines.text(), "the object");
   if (!after || after->geometry != wanted.geometry || after->meshing.parameters != wanted.meshing.parameters) {
     return fail(
+        ErrorKind::bad_input,
         "the object's file is written in a way that cannot be changed line by line; give each key a line of its "
         "own, and its parameters a table [parameters]");
   }

@@ -112,7 +112,7 @@ class Baker {
     if (auto stuffed = plan_stuffing(); !stuffed) return stuffed;
     const bool named = recipe_.meshing.mesh_size_m > 0 || mesh::names_mesh_size(recipe_.geometry);
     if (!reader_.meshes() || (named && !recipe_.preview)) return {};
-    if (!go_on("mesh", 0)) return fail(std::string(kCancelled));
+    if (!go_on("mesh", 0)) return cancelled();
     const Result<mesh::TriangleMesh> sketch = reader_.sketch(recipe_.meshing);
     if (!sketch) return fail(sketch.error());
     const BodyShape shape = measure_shape(*sketch, mesh::wall_thickness(*sketch));
@@ -133,7 +133,7 @@ class Baker {
   // Stuffing follows walls with many small straight elements: too many for a high order.
   Result<void> plan_stuffing() {
     if (!reader_.is_surface()) return {};
-    if (!go_on("mesh", 0)) return fail(std::string(kCancelled));
+    if (!go_on("mesh", 0)) return cancelled();
     const Result<const mesh::PreparedSurface*> surface = reader_.surface(recipe_.meshing);
     if (!surface) return fail(surface.error());
     if (!(*surface)->left.sound() && fem::order_of(recipe_.options.element) > 2) set_order(2);
@@ -141,7 +141,7 @@ class Baker {
   }
 
   Result<void> mesh() {
-    if (!go_on("mesh", 0)) return fail(std::string(kCancelled));
+    if (!go_on("mesh", 0)) return cancelled();
     const auto start = std::chrono::steady_clock::now();
     Result<mesh::Body> body = reader_.read(
         recipe_.meshing, [this](std::string_view stage, double fraction) { return go_on(stage, fraction); });
@@ -163,7 +163,7 @@ class Baker {
     scaled.mesh.nodes *= recipe_.scale;
     Result<Baked> baked = bake(scaled, material_, recipe_.options, recipe_.name,
                                [this](std::string_view stage, double fraction) { return go_on(stage, fraction); });
-    if (!baked) return fail(with_question(baked.error().message));
+    if (!baked) return fail(with_question(baked.error()));
     object_.baked = std::move(*baked);
     object_.baked.bank.provenance.body = mesh::text_of(object_.making);
     object_.rounds.push_back({.element = recipe_.options.element,
@@ -175,7 +175,8 @@ class Baker {
 
   // Prepares the next round; true when it takes object_.mesh as it is.
   Result<bool> refine() {
-    if (object_.rounds.size() >= kMaxRounds) return fail(out_of_reach("that was the last of its rounds"));
+    if (object_.rounds.size() >= kMaxRounds)
+      return fail(ErrorKind::too_large, out_of_reach("that was the last of its rounds"));
     return reader_.meshes() ? refine_geometry() : refine_mesh();
   }
 
@@ -194,7 +195,8 @@ class Baker {
       set_order(order + 1);
       return false;
     }
-    if (unknowns_at(step) > recipe_.most_unknowns) return fail(out_of_reach(more_than_most(unknowns_at(step))));
+    if (unknowns_at(step) > recipe_.most_unknowns)
+      return fail(ErrorKind::too_large, out_of_reach(more_than_most(unknowns_at(step))));
     recipe_.meshing.mesh_size_m = step * now;
     recipe_.meshing.edge_size_m *= step;
     return false;
@@ -204,7 +206,7 @@ class Baker {
     const int order = fem::order_of(recipe_.options.element);
     const bool raise = order < mesh::kMaxOrder;
     const double next = unknowns() * (raise ? growth(order) : 8);
-    if (next > recipe_.most_unknowns) return fail(out_of_reach(more_than_most(next)));
+    if (next > recipe_.most_unknowns) return fail(ErrorKind::too_large, out_of_reach(more_than_most(next)));
     if (raise) {
       set_order(order + 1);
     } else {
@@ -215,8 +217,10 @@ class Baker {
     return true;
   }
 
-  [[nodiscard]] std::string with_question(const std::string& message) const {
-    return object_.question.empty() || message == kCancelled ? message : message + "; " + object_.question;
+  [[nodiscard]] Error with_question(Error error) const {
+    const bool cancelled = error.kind == ErrorKind::cancelled;
+    if (!cancelled && !object_.question.empty()) error.message += "; " + object_.question;
+    return error;
   }
 
   [[nodiscard]] double unknowns() const { return static_cast<double>(object_.rounds.back().unknowns); }

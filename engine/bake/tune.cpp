@@ -65,7 +65,7 @@ class Tuner {
   static double worst(const VectorXd& cents) { return cents.size() == 0 ? 0 : cents.cwiseAbs().maxCoeff(); }
 
   Result<VectorXd> evaluate(const VectorXd& at) {
-    if (options_.stopped && options_.stopped()) return fail(std::string(kCancelled));
+    if (options_.stopped && options_.stopped()) return cancelled();
     ++evaluations_;
     return cents_of_(low_ + range_.cwiseProduct(at));
   }
@@ -90,7 +90,7 @@ class Tuner {
         if (cancelled()) return fail(cents.error());
         why = cents.error().message;
       }
-      if (!column) return fail(why);
+      if (!column) return fail(ErrorKind::bad_input, why);
       slopes.col(i) = *column;
     }
     slopes_ = std::move(slopes);

@@ -46,7 +46,7 @@ struct Tuned {
   bool reached = false;  // all cents within the tolerance
 };
 
-// Fails when the first evaluation does, when none of its neighbours can be evaluated, or with kCancelled.
+// Fails when the first evaluation does, when none of its neighbours can be evaluated, or with ErrorKind::cancelled.
 Result<Tuned> tune(const std::vector<TuneVariable>& variables, const CentsOf& cents_of, const TuneOptions& options);
 
 }  // namespace ringdown::bake

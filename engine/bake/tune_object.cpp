@@ -121,7 +121,8 @@ class ObjectTuner {
     for (const TuneTarget& target : request_.targets) {
       if (!families.contains(target.family)) families[target.family] = modes_of(bank, axes, target.family);
       const std::vector<std::size_t>& modes = families[target.family];
-      if (modes.size() < static_cast<std::size_t>(target.mode)) return fail(too_few(target, modes.size()));
+      if (modes.size() < static_cast<std::size_t>(target.mode))
+        return fail(ErrorKind::bad_input, too_few(target, modes.size()));
       const std::size_t mode = modes[target.mode - 1];
       const double error = bank.frequency_error.empty() ? 0 : bank.frequency_error[mode];
       found.push_back({.frequency_hz = bank.frequency_hz[mode],
@@ -158,7 +159,8 @@ class ObjectTuner {
 
 Result<TunedObject> tune_object(const TuneRequest& request, const std::filesystem::path& materials) {
   if (!(request.recipe.meshing.mesh_size_m > 0)) {
-    return fail(request.recipe.name + " names no mesh size; give it mesh_size_m, so that all bakes have one");
+    return fail(ErrorKind::bad_input,
+                request.recipe.name + " names no mesh size; give it mesh_size_m, so that all bakes have one");
   }
   const Result<MaterialEntry> material = find_material(materials, request.recipe.material);
   if (!material) return fail(material.error());

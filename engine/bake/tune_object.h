@@ -60,7 +60,7 @@ struct TunedObject {
 };
 
 // Fails when the object has no mesh size or cannot be baked, when a target's mode is not there at the start, or with
-// kCancelled.
+// ErrorKind::cancelled.
 Result<TunedObject> tune_object(const TuneRequest& request, const std::filesystem::path& materials);
 
 }  // namespace ringdown::bake

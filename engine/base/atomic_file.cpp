@@ -27,7 +27,8 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::span<
   std::string temporary = path.string() + ".XXXXXX";
   const int descriptor = ::mkstemp(temporary.data());
   if (descriptor < 0) {
-    return fail("cannot write " + path.string() + ": " + system_message() + "; choose a folder you may write to");
+    return fail(ErrorKind::input_output,
+                "cannot write " + path.string() + ": " + system_message() + "; choose a folder you may write to");
   }
   const bool stored = write_all(descriptor, bytes) && ::fchmod(descriptor, 0644) == 0 && ::fsync(descriptor) == 0;
   const std::string reason = stored ? "" : system_message();
@@ -35,7 +36,8 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::span<
   if (!stored || ::rename(temporary.c_str(), path.c_str()) != 0) {
     const std::string why = stored ? system_message() : reason;
     ::unlink(temporary.c_str());
-    return fail("cannot write " + path.string() + ": " + why + "; the old file, if any, is unchanged");
+    return fail(ErrorKind::input_output,
+                "cannot write " + path.string() + ": " + why + "; the old file, if any, is unchanged");
   }
   return {};
 }
@@ -46,7 +48,7 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::strin
 
 Result<std::string> read_whole_file(const std::filesystem::path& path, std::size_t limit_bytes) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0) return fail("cannot open " + path.string() + ": " + system_message());
+  if (descriptor < 0) return fail(ErrorKind::bad_input, "cannot open " + path.string() + ": " + system_message());
   return read_open_file(descriptor, path.string(), limit_bytes);
 }
 
@@ -55,10 +57,10 @@ Result<std::string> read_open_file(int descriptor, const std::string& name, std:
   std::string text;
   Result<void> outcome;
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    outcome = fail("cannot read " + name + ": it is not a regular file");
+    outcome = fail(ErrorKind::bad_input, "cannot read " + name + ": it is not a regular file");
   } else if (static_cast<std::size_t>(status.st_size) > limit_bytes) {
-    outcome = fail("cannot read " + name + ": " + std::to_string(status.st_size) + " bytes is more than the limit of " +
-                   std::to_string(limit_bytes));
+    outcome = fail(ErrorKind::too_large, "cannot read " + name + ": " + std::to_string(status.st_size) +
+                                             " bytes is more than the limit of " + std::to_string(limit_bytes));
   } else {
     text.resize(static_cast<std::size_t>(status.st_size));
     std::size_t filled = 0;
@@ -66,7 +68,8 @@ Result<std::string> read_open_file(int descriptor, const std::string& name, std:
       const ssize_t got = ::read(descriptor, text.data() + filled, text.size() - filled);
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) {
-        outcome = fail("cannot read " + name + ": " + (got < 0 ? system_message() : "it shrank while read"));
+        outcome = fail(ErrorKind::input_output,
+                       "cannot read " + name + ": " + (got < 0 ? system_message() : "it shrank while read"));
         break;
       }
       filled += static_cast<std::size_t>(got);

@@ -144,19 +144,19 @@ Result<ChildOutcome> run_child(const ChildRequest& request) {
   const std::string folder = request.folder.string();
   Pipe output, errors, reason;
   if (!output.good() || !errors.good() || !reason.good()) {
-    return fail("cannot run " + words[0] + ": " + std::strerror(errno));
+    return fail(ErrorKind::input_output, "cannot run " + words[0] + ": " + std::strerror(errno));
   }
   const pid_t parent = ::getpid(), id = ::fork();
   if (id == 0) {
     become(command.data(), environment.data(), folder.c_str(), parent, output.write_end(), errors.write_end(),
            reason.write_end());
   }
-  if (id < 0) return fail("cannot run " + words[0] + ": " + std::strerror(errno));
+  if (id < 0) return fail(ErrorKind::input_output, "cannot run " + words[0] + ": " + std::strerror(errno));
   output.close_write(), errors.close_write(), reason.close_write();
   int number = 0;
   if (::read(reason.read_end(), &number, sizeof number) == sizeof number) {  // 0 bytes: exec closed the pipe
     ::waitpid(id, nullptr, 0);
-    return fail("cannot run " + words[0] + ": " + std::strerror(number));
+    return fail(ErrorKind::input_output, "cannot run " + words[0] + ": " + std::strerror(number));
   }
   return watch(id, request, output, errors);
 }
@@ -177,7 +177,8 @@ Result<std::filesystem::path> find_beside(const std::string& name) {
   for (const std::filesystem::path& place : {folder / name, folder.parent_path() / name}) {
     if (::access(place.c_str(), X_OK) == 0) return place;
   }
-  return fail("the program " + name + " is neither in " + folder.string() + " nor in the folder above");
+  return fail(ErrorKind::refused,
+              "the program " + name + " is neither in " + folder.string() + " nor in the folder above");
 }
 
 }  // namespace ringdown

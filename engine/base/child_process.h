@@ -2,7 +2,7 @@
 //
 //   const Result<ChildOutcome> done = run_child({.command = {"mpirun", "-n", "2", program}, .on_line = show});
 //   if (!done) return fail(done.error());          // it could not be started
-//   if (done->exit_code != 0) return fail(last_line(done->errors));
+//   if (done->exit_code != 0) return fail(ErrorKind::refused, last_line(done->errors));
 //
 // It starts with no signal blocked, gets SIGTERM when the thread that runs it ends, and never outlives run_child().
 #pragma once

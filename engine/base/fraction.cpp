@@ -13,7 +13,7 @@ Result<double> parse_fraction(const std::string& text) {
   std::string_view rest(end);
   while (rest.starts_with(' ')) rest.remove_prefix(1);
   if (end == text.c_str() || !std::isfinite(number) || (!rest.empty() && rest != "%")) {
-    return fail("'" + text + "' is neither a number nor a percentage such as 0.1%");
+    return fail(ErrorKind::bad_input, "'" + text + "' is neither a number nor a percentage such as 0.1%");
   }
   return rest.empty() ? number : number / 100;
 }

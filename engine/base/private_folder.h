@@ -2,7 +2,7 @@
 // when this object is.
 //
 //   const PrivateFolder folder("ringdown-modes");
-//   if (folder.path().empty()) return fail("cannot make a folder for temporary files");
+//   if (folder.path().empty()) return fail(ErrorKind::input_output, "cannot make a folder for temporary files");
 #pragma once
 
 #include <filesystem>

@@ -15,7 +15,7 @@ std::string text(double value) {
 
 Result<void> check_range(double value, const Range& range) {
   if (range.holds(value)) return {};
-  return fail(text(value) + " is outside " + text(range.low) + " ... " + text(range.high));
+  return fail(ErrorKind::bad_input, text(value) + " is outside " + text(range.low) + " ... " + text(range.high));
 }
 
 }  // namespace ringdown

@@ -1,10 +1,16 @@
-// Result<T>: a value, or one sentence that says what failed, where, and what to do.
+// Result<T>: a value, or an error: the kind of failure for the program, and for the person one sentence that says what
+// failed, where, and what to do. [any thread]
 //
 // Used for everything that can fail because of the outside world: files, solvers, OSC input. Programmer mistakes
 // are assertions. No exception leaves a public function of Ringdown.
 //
 //   Result<Bank> bank = read_bank(path);
-//   if (!bank) return fail(bank.error());
+//   if (!bank) return fail(bank.error());                                                // passed on
+//   if (!bank) return fail(bank.error().kind, "object bell: " + bank.error().message);   // with more to say
+//   if (bank->empty()) return fail(ErrorKind::bad_input, path.string() + " has no modes; bake the object again");
+//
+// A caller decides by the kind and prints the sentence; it never reads the sentence to find out what happened.
+// protocol/exit_codes.h has the exit code for each kind.
 #pragma once
 
 #include <tl/expected.hpp>
@@ -14,15 +20,25 @@
 
 namespace ringdown {
 
+enum class ErrorKind {
+  bad_input,     // a file, an option or a message is missing, unreadable, or not what it should be
+  too_large,     // the input is sound but exceeds a limit of ours: bytes, elements, modes, bodies
+  refused,       // the request is sound but impossible here or now: a full queue, a missing program, no convergence
+  cancelled,     // the caller asked to stop
+  no_memory,     // the computer has not enough memory
+  input_output,  // the operating system could not write, read on, send, or start a process
+};
+
 struct Error {
+  ErrorKind kind;
   std::string message;
 };
 
 template <class T>
 using Result = tl::expected<T, Error>;
 
-[[nodiscard]] inline tl::unexpected<Error> fail(std::string message) {
-  return tl::make_unexpected(Error{std::move(message)});
+[[nodiscard]] inline tl::unexpected<Error> fail(ErrorKind kind, std::string sentence) {
+  return tl::make_unexpected(Error{kind, std::move(sentence)});
 }
 [[nodiscard]] inline tl::unexpected<Error> fail(Error error) { return tl::make_unexpected(std::move(error)); }
 

@@ -71,7 +71,8 @@ struct TomlTable::Document {
   }
 
   [[nodiscard]] Error sentence(const Place& place, std::uint32_t line, const std::string& why) const {
-    return {path + ":" + std::to_string(line) + ": " + (place.what.empty() ? "" : place.what + ": ") + why};
+    return {ErrorKind::bad_input,
+            path + ":" + std::to_string(line) + ": " + (place.what.empty() ? "" : place.what + ": ") + why};
   }
 };
 
@@ -99,8 +100,8 @@ Result<TomlTable> TomlTable::parse(std::string_view text, const std::filesystem:
   toml::parse_result file = toml::parse(text);
   if (!file) {
     const toml::parse_error& error = file.error();
-    return fail(path.string() + ":" + std::to_string(error.source().begin.line) +
-                ": not TOML: " + std::string(error.description()));
+    return fail(ErrorKind::bad_input, path.string() + ":" + std::to_string(error.source().begin.line) +
+                                          ": not TOML: " + std::string(error.description()));
   }
   auto document = std::make_shared<Document>(Document{path.string(), std::move(file).table()});
   Place& root = document->place_of(document->root, "");
@@ -166,7 +167,7 @@ void TomlTable::fraction(std::string_view key, double& target, const Range& rang
   if (!node) return;
   const Result<double> value = node->is_string()   ? parse_fraction(node->as_string()->get())
                                : node->is_number() ? Result<double>(*node->value<double>())
-                                                   : fail("");
+                                                   : fail(ErrorKind::bad_input, "");
   if (!value) return expected(key, "a number or a percentage in quotes, such as \"0.1%\"");
   const auto inside = check_range(*value, range);
   if (!inside) return complain(key, std::string(key) + " = " + inside.error().message);

@@ -164,7 +164,8 @@ Result<Element> parse_element(std::string_view name) {
   for (const Kind& kind : kKinds) {
     if (kind.name == name) return kind.element;
   }
-  return fail("unknown element '" + std::string(name) + "'; choose tet10, tet20, tet35, tet4 or tet4-lumped");
+  return fail(ErrorKind::bad_input,
+              "unknown element '" + std::string(name) + "'; choose tet10, tet20, tet35, tet4 or tet4-lumped");
 }
 
 Result<System> assemble(const mesh::TetMesh& mesh, const Elastic& elastic, Element element, int threads) {
@@ -175,8 +176,8 @@ Result<System> assemble(const mesh::TetMesh& mesh, const Elastic& elastic, Eleme
   try {
     return assemble_checked(mesh, elastic, element, std::min(thread_count(threads), useful));
   } catch (const std::exception&) {
-    return fail("not enough memory for the matrices of " + std::to_string(mesh.nodes.rows()) +
-                " nodes; make the mesh coarser");
+    return fail(ErrorKind::no_memory, "not enough memory for the matrices of " + std::to_string(mesh.nodes.rows()) +
+                                          " nodes; make the mesh coarser");
   }
 }
 

@@ -224,8 +224,8 @@ Result<Eigen::VectorXd> frequency_errors(const mesh::TetMesh& mesh, const Elasti
     return errors.unaryExpr([](double error) { return error < kMaxFrequencyError ? error : kMaxFrequencyError; })
         .matrix();
   } catch (const std::exception&) {
-    return fail("not enough memory to estimate the errors of " + std::to_string(lambda.size()) +
-                " modes; make the mesh coarser");
+    return fail(ErrorKind::no_memory, "not enough memory to estimate the errors of " + std::to_string(lambda.size()) +
+                                          " modes; make the mesh coarser");
   }
 }
 

@@ -114,9 +114,10 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
   result.tuning_cents = find_tuning(recorded, baked, options);
   result.matches = match(recorded, baked, result.tuning_cents, options.tolerance_cents);
   if (result.matches.size() < kMinMatches) {
-    return fail("only " + std::to_string(result.matches.size()) + " of the recording's " +
-                std::to_string(recorded.size()) + " modes match one of the bank's, and " + std::to_string(kMinMatches) +
-                " are needed: is it the same object? --tolerance takes more");
+    return fail(ErrorKind::bad_input, "only " + std::to_string(result.matches.size()) + " of the recording's " +
+                                          std::to_string(recorded.size()) + " modes match one of the bank's, and " +
+                                          std::to_string(kMinMatches) +
+                                          " are needed: is it the same object? --tolerance takes more");
   }
   // Relative errors: of the estimate, and of the law, which holds to some 5 % at best.
   constexpr double kOfTheLaw = 0.05, kMinSpread = 0.02, kBiweight = 4.685, kFromMad = 1.4826;

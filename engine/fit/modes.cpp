@@ -199,20 +199,23 @@ std::vector<Mode> search_all(std::span<const double> sound, double rate, const O
 
 Result<void> check(std::span<const double> samples, double rate, const Options& options) {
   if (!(rate >= kMinRate_hz && rate <= kMaxRate_hz)) {
-    return fail("a sample rate of " + std::to_string(rate) + " Hz is not between 8 and 768 kHz");
+    return fail(ErrorKind::bad_input, "a sample rate of " + std::to_string(rate) + " Hz is not between 8 and 768 kHz");
   }
-  if (static_cast<double>(samples.size()) < kShortest_s * rate) return fail("it is shorter than 50 ms");
+  if (static_cast<double>(samples.size()) < kShortest_s * rate)
+    return fail(ErrorKind::bad_input, "it is shorter than 50 ms");
   if (!std::ranges::all_of(samples, [](double x) { return std::isfinite(x); })) {
-    return fail("it has a sample that is no number");
+    return fail(ErrorKind::bad_input, "it has a sample that is no number");
   }
   if (!(options.low_hz >= 1 && options.high_hz > options.low_hz && options.low_hz < 0.49 * rate)) {
-    return fail("the band must begin at 1 Hz or above, end above its beginning, and begin below half the sample rate");
+    return fail(ErrorKind::bad_input,
+                "the band must begin at 1 Hz or above, end above its beginning, and begin below half the sample rate");
   }
   if (!(options.floor_db > 0) || options.most_modes == 0 || options.most_modes > kMaxModes) {
-    return fail("the floor must be above 0 dB, and the number of modes from 1 to " + std::to_string(kMaxModes));
+    return fail(ErrorKind::bad_input,
+                "the floor must be above 0 dB, and the number of modes from 1 to " + std::to_string(kMaxModes));
   }
   if (options.from_s && !(*options.from_s >= 0 && *options.from_s * rate + kShortest_s * rate <= std::ssize(samples))) {
-    return fail("less than 50 ms follow where it shall begin");
+    return fail(ErrorKind::bad_input, "less than 50 ms follow where it shall begin");
   }
   return {};
 }

@@ -32,7 +32,7 @@ TriangleMesh skin_of(const TetMesh& mesh) {
 
 Result<void> check_unit(const std::filesystem::path& path, const std::optional<double>& unit_m) {
   if (!unit_m || (*unit_m > 0 && std::isfinite(*unit_m))) return {};
-  return fail("the unit of " + path.string() + " must be a positive length in metres");
+  return fail(ErrorKind::bad_input, "the unit of " + path.string() + " must be a positive length in metres");
 }
 
 struct StuffSize {
@@ -93,7 +93,8 @@ Result<const PreparedSurface*> BodyReader::surface(const GmshOptions& options) {
   const double unit_m = options.unit_m.value_or(1);
   if (auto good = check_unit(path_, options.unit_m); !good) return fail(good.error());
   if (!surface_ || surface_unit_m_ != unit_m) {
-    if (!options.parameters.empty()) return fail(path_.string() + " takes no parameters; only .geo files have them");
+    if (!options.parameters.empty())
+      return fail(ErrorKind::bad_input, path_.string() + " takes no parameters; only .geo files have them");
     Result<TriangleMesh> read = read_surface(path_);
     if (!read) return fail(read.error());
     read->nodes *= unit_m;
@@ -127,7 +128,8 @@ Result<Body> BodyReader::make(const GmshOptions& options, const Progress& progre
 
 Result<Body> BodyReader::make_of_tetrahedra(const GmshOptions& options) const {
   if (auto good = check_unit(path_, options.unit_m); !good) return fail(good.error());
-  if (!options.parameters.empty()) return fail(path_.string() + " takes no parameters; only .geo files have them");
+  if (!options.parameters.empty())
+    return fail(ErrorKind::bad_input, path_.string() + " takes no parameters; only .geo files have them");
   Result<TetMesh> read = read_tet_file(path_);
   if (!read) return fail(read.error());
   read->nodes *= options.unit_m.value_or(1);
@@ -143,7 +145,8 @@ Result<Body> BodyReader::make_of_surface(const GmshOptions& options, const Progr
   Body body;
   body.making = Making::kFilled;
   body.notes = notes_of(**prepared);
-  if (const std::string why = hopeless(**prepared, path_.string()); !why.empty()) return fail(why);
+  if (const std::string why = hopeless(**prepared, path_.string()); !why.empty())
+    return fail(ErrorKind::bad_input, why);
   const double wall_m = wall_thickness(mesh);
   if (left.sound()) {
     Result<Filled> filled = fill(mesh, {options.mesh_size_m, options.order, wall_m}, path_.string());
@@ -166,9 +169,7 @@ Result<Body> BodyReader::stuffed(Body body, const TriangleMesh& mesh, const Fill
   const StuffSize size = stuff_size(mesh, options);
   Result<Stuffed> stuffed = stuff(mesh, {.size_m = size.size_m}, progress);
   if (!stuffed) {
-    const bool cancelled = stuffed.error().message == kCancelled;
-    return fail(cancelled ? stuffed.error().message
-                          : path_.string() + " cannot be stuffed: " + stuffed.error().message);
+    return fail(stuffed.error().kind, path_.string() + " cannot be stuffed: " + stuffed.error().message);
   }
   Result<CheckedMesh> checked = check_mesh(std::move(stuffed->mesh), path_.string());
   if (!checked) return fail(checked.error());

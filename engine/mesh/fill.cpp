@@ -48,9 +48,9 @@ class GmshBody {
       if (size_m > 0) gmsh::option::setNumber("Mesh.MeshSizeMax", size_m / unit_m_);
       gmsh::model::mesh::generate(3);
     } catch (...) {
-      return fail(session.first_error().value_or("gmsh gave no reason"));
+      return fail(ErrorKind::bad_input, session.first_error().value_or("gmsh gave no reason"));
     }
-    if (const auto error = session.first_error()) return fail(*error);
+    if (const auto error = session.first_error()) return fail(ErrorKind::bad_input, *error);
     return take();
   }
 
@@ -82,7 +82,7 @@ class GmshBody {
     std::vector<double> coordinates, parametric;
     gmsh::model::mesh::getNodes(node_tags, coordinates, parametric);
     gmsh::model::mesh::getElementsByType(kTetrahedron, element_tags, corners);
-    if (element_tags.empty()) return fail("gmsh made no tetrahedra");
+    if (element_tags.empty()) return fail(ErrorKind::bad_input, "gmsh made no tetrahedra");
     TetMesh mesh;
     mesh.nodes = unit_m_ * Eigen::Map<const Points>(coordinates.data(), static_cast<Eigen::Index>(node_tags.size()), 3);
     std::unordered_map<std::size_t, std::int32_t> number;
@@ -140,7 +140,8 @@ Result<CheckedMesh> fill_as_it_is(const TriangleMesh& surface, double size_m, co
   Result<CheckedMesh> checked = check_mesh(std::move(whole), name);
   if (!checked) return checked;
   const double volume = volume_of(shells);
-  if (std::abs(volume_of(checked->mesh) - volume) > 1e-3 * volume) return fail("gmsh filled another volume");
+  if (std::abs(volume_of(checked->mesh) - volume) > 1e-3 * volume)
+    return fail(ErrorKind::bad_input, "gmsh filled another volume");
   return checked;
 }
 
@@ -184,7 +185,7 @@ Result<Sized> sized(const TriangleMesh& surface, const FillOptions& options) {
       return Sized{std::move(remeshed->mesh), size};
     }
   }
-  return fail(why);
+  return fail(ErrorKind::bad_input, why);
 }
 
 Result<Filled> fill_sized(const TriangleMesh& surface, const FillOptions& options, const std::string& name) {
@@ -195,7 +196,8 @@ Result<Filled> fill_sized(const TriangleMesh& surface, const FillOptions& option
   if (options.order > 1) mesh = curved(*mesh, surface, options, name);
   if (!mesh) return fail(mesh.error());
   const double volume = volume_of(shells_of(surface));
-  if (std::abs(volume_of(mesh->mesh) - volume) > kVolumeSlip * volume) return fail("its volume comes out wrong");
+  if (std::abs(volume_of(mesh->mesh) - volume) > kVolumeSlip * volume)
+    return fail(ErrorKind::bad_input, "its volume comes out wrong");
   return Filled{std::move(*mesh), ""};
 }
 

@@ -63,14 +63,15 @@ bool geo_says(const std::filesystem::path& path, const char* expression) {
 Result<void> check_parameters(const std::filesystem::path& path, const std::map<std::string, double>& parameters) {
   if (parameters.empty()) return {};
   if (path.extension() != ".geo") {
-    return fail(path.string() + " takes no parameters; only .geo files have them");
+    return fail(ErrorKind::bad_input, path.string() + " takes no parameters; only .geo files have them");
   }
   const Result<std::string> text = read_whole_file(path, kMaxGeometry);
   if (!text) return fail(text.error());
   for (const auto& [name, value] : parameters) {
     if (!std::regex_match(name, std::regex("[A-Za-z_][A-Za-z0-9_]*")) ||
         !std::regex_search(*text, std::regex("\\b" + name + "\\s*="))) {
-      return fail(path.string() + " has no parameter '" + name + "'; the file's DefineConstant lists what it takes");
+      return fail(ErrorKind::bad_input,
+                  path.string() + " has no parameter '" + name + "'; the file's DefineConstant lists what it takes");
     }
   }
   return {};
@@ -82,9 +83,9 @@ Result<void> check_mesh_size(const std::filesystem::path& path, const GmshOption
   gmsh::model::getBoundingBox(-1, -1, x0, y0, z0, x1, y1, z1);
   const double size = options.mesh_size_m / unit_m;
   if ((x1 - x0) / size * ((y1 - y0) / size) * ((z1 - z0) / size) <= kMaxCells) return {};
-  return fail(path.string() + ": a mesh size of " + std::to_string(options.mesh_size_m) +
-              " m is far too small for a body " + std::to_string(unit_m * (x1 - x0)) +
-              " m long; choose a larger one, or check the unit of its lengths");
+  return fail(ErrorKind::too_large, path.string() + ": a mesh size of " + std::to_string(options.mesh_size_m) +
+                                        " m is far too small for a body " + std::to_string(unit_m * (x1 - x0)) +
+                                        " m long; choose a larger one, or check the unit of its lengths");
 }
 
 // Whether the open file has volumes that are not meshed yet.
@@ -175,12 +176,14 @@ Result<ElementType> only_type(const std::filesystem::path& path) {
     std::vector<double> places;
     gmsh::model::mesh::getElementProperties(type, name, dimension, order, nodes, places, primary_nodes);
     if (primary_nodes != 4 || order_of_nodes(nodes) != order) {
-      return fail(path.string() + " has elements of type " + name + "; only tetrahedra of 4, 10, 20 or 35 nodes are " +
-                  "understood, so mesh it with those");
+      return fail(ErrorKind::bad_input, path.string() + " has elements of type " + name +
+                                            "; only tetrahedra of 4, 10, 20 or 35 nodes are " +
+                                            "understood, so mesh it with those");
     }
     if (found.order > 0) {
-      return fail(path.string() + " mixes tetrahedra of " + std::to_string(nodes_per_element(found.order)) +
-                  " and of " + std::to_string(nodes) + " nodes; give all of them the same order");
+      return fail(ErrorKind::bad_input, path.string() + " mixes tetrahedra of " +
+                                            std::to_string(nodes_per_element(found.order)) + " and of " +
+                                            std::to_string(nodes) + " nodes; give all of them the same order");
     }
     const Eigen::Map<const Points> free_coordinates(places.data(), nodes, 3);
     Lattice points(nodes, 4);
@@ -217,7 +220,7 @@ std::string one_line(std::string text) {
 }
 
 tl::unexpected<Error> gmsh_failed(const std::filesystem::path& path, const std::string& message) {
-  return fail("gmsh cannot make a mesh of " + path.string() + ": " + one_line(message));
+  return fail(ErrorKind::bad_input, "gmsh cannot make a mesh of " + path.string() + ": " + one_line(message));
 }
 
 Result<void> open_file(const std::filesystem::path& path, const GmshOptions& options, double unit_m) {
@@ -228,7 +231,8 @@ Result<void> open_file(const std::filesystem::path& path, const GmshOptions& opt
   std::map<std::string, double> numbers = options.parameters;
   if (options.mesh_size_m > 0) numbers["mesh_size"] = options.mesh_size_m / unit_m;
   const ParameterFile wrapper(path, numbers);
-  if (!wrapper.written()) return fail("cannot write " + wrapper.path() + "; the temporary folder must be writable");
+  if (!wrapper.written())
+    return fail(ErrorKind::input_output, "cannot write " + wrapper.path() + "; the temporary folder must be writable");
   gmsh::open(wrapper.path());
   return {};
 }
@@ -305,10 +309,10 @@ double unit_in_file(const std::filesystem::path& path) {
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    return fail("cannot open " + path.string() + ": there is no such file");
+    return fail(ErrorKind::bad_input, "cannot open " + path.string() + ": there is no such file");
   }
   if (options.unit_m && (!(*options.unit_m > 0) || !std::isfinite(*options.unit_m))) {
-    return fail("the unit of " + path.string() + " must be a positive length in metres");
+    return fail(ErrorKind::bad_input, "the unit of " + path.string() + " must be a positive length in metres");
   }
   if (auto known = check_parameters(path, options.parameters); !known) return fail(known.error());
   try {

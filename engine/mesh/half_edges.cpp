@@ -108,7 +108,7 @@ Result<Remeshed> remesh(const TriangleMesh& surface, double edge_m) {
   try {
     const Soup soup(surface);
     if (!pmp::is_polygon_soup_a_polygon_mesh(soup.triangles)) {
-      return fail("the surface runs together at an edge or a point");
+      return fail(ErrorKind::bad_input, "the surface runs together at an edge or a point");
     }
     Mesh mesh = soup.half_edges();
     auto sharp = mesh.add_property_map<Mesh::Edge_index, bool>("e:sharp", false).first;
@@ -116,11 +116,11 @@ Result<Remeshed> remesh(const TriangleMesh& surface, double edge_m) {
     pmp::isotropic_remeshing(mesh.faces(), edge_m, mesh,
                              CGAL::parameters::number_of_iterations(kRounds).edge_is_constrained_map(sharp));
     Remeshed remeshed{.mesh = soup_of(mesh)};
-    if (remeshed.mesh.triangles.rows() < 4) return fail("nothing is left of it at that size");
+    if (remeshed.mesh.triangles.rows() < 4) return fail(ErrorKind::bad_input, "nothing is left of it at that size");
     remeshed.deviation_m = deviation(remeshed.mesh, SurfaceRays(surface));
     return remeshed;
   } catch (const std::exception& exception) {
-    return fail(std::string("CGAL cannot remesh it: ") + exception.what());
+    return fail(ErrorKind::bad_input, std::string("CGAL cannot remesh it: ") + exception.what());
   }
 }
 

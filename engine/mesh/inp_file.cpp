@@ -120,9 +120,11 @@ class Deck {
   }
 
   [[nodiscard]] tl::unexpected<Error> wrong(int line, const std::string& what) const {
-    return fail(name_ + ", line " + std::to_string(line) + ": " + what);
+    return fail(ErrorKind::bad_input, name_ + ", line " + std::to_string(line) + ": " + what);
   }
-  [[nodiscard]] tl::unexpected<Error> wrong(const std::string& what) const { return fail(name_ + ": " + what); }
+  [[nodiscard]] tl::unexpected<Error> wrong(const std::string& what) const {
+    return fail(ErrorKind::bad_input, name_ + ": " + what);
+  }
 
  private:
   std::string_view text_, line_;

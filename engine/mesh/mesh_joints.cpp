@@ -112,9 +112,10 @@ Result<void> check_edges(const TetMesh& mesh, const std::vector<Face>& outer, co
   std::sort(edges.begin(), edges.end());
   for (std::size_t i = 0; i + 2 < edges.size(); i += 2) {
     if (edges[i] != edges[i + 2]) continue;
-    return fail(name + ": parts of the body touch only along an edge from " + place(mesh.nodes.row(edges[i][0])) +
-                " to " + place(mesh.nodes.row(edges[i][1])) +
-                ", like a hinge; join them by a face, or give each its own nodes");
+    return fail(ErrorKind::bad_input, name + ": parts of the body touch only along an edge from " +
+                                          place(mesh.nodes.row(edges[i][0])) + " to " +
+                                          place(mesh.nodes.row(edges[i][1])) +
+                                          ", like a hinge; join them by a face, or give each its own nodes");
   }
   return {};
 }
@@ -153,18 +154,21 @@ Result<void> check_joints(const TetMesh& mesh, const std::string& name) {
       continue;
     }
     if (next > i + 2 || faces[i].turned == faces[i + 1].turned) {
-      return fail(name + ": elements overlap at their common face at " + place(mesh, faces[i]) +
-                  "; the mesh is tangled: mesh the object again, or repair it in a mesh tool");
+      return fail(ErrorKind::bad_input,
+                  name + ": elements overlap at their common face at " + place(mesh, faces[i]) +
+                      "; the mesh is tangled: mesh the object again, or repair it in a mesh tool");
     }
     if (!fans.join(faces[i], faces[i + 1])) {
-      return fail(name + ": two elements share the corners of their face at " + place(mesh, faces[i]) +
-                  " but not its other nodes; merge the nodes of the mesh, or mesh the object again");
+      return fail(ErrorKind::bad_input,
+                  name + ": two elements share the corners of their face at " + place(mesh, faces[i]) +
+                      " but not its other nodes; merge the nodes of the mesh, or mesh the object again");
     }
   }
   if (auto good = check_edges(mesh, outer, name); !good) return good;
   if (const std::int32_t node = fans.parted_node(); node >= 0) {
-    return fail(name + ": parts of the body touch only in the point " + place(mesh.nodes.row(node)) +
-                ", like a hinge; join them by a face, or give each its own node");
+    return fail(ErrorKind::bad_input, name + ": parts of the body touch only in the point " +
+                                          place(mesh.nodes.row(node)) +
+                                          ", like a hinge; join them by a face, or give each its own node");
   }
   return {};
 }

@@ -104,8 +104,9 @@ Result<void> check_overlap(const TetMesh& mesh, const std::string& name) {
     if (tree.find(middle, element) < 0) continue;
     char place[96];
     std::snprintf(place, sizeof place, "(%.6g, %.6g, %.6g) m", middle[0], middle[1], middle[2]);
-    return fail(name + ": elements overlap at " + place +
-                "; a body given twice, or two that run through each other: delete or unite them, and mesh again");
+    return fail(ErrorKind::bad_input,
+                name + ": elements overlap at " + place +
+                    "; a body given twice, or two that run through each other: delete or unite them, and mesh again");
   }
   return {};
 }

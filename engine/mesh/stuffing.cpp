@@ -311,20 +311,22 @@ double Solid::leaves(const Vector3d& a, const Vector3d& b) const {
 
 Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Progress& progress) {
   const double size = options.size_m;
-  if (!(size > 0) || !std::isfinite(size)) return fail("stuffing needs a mesh size above zero");
+  if (!(size > 0) || !std::isfinite(size)) return fail(ErrorKind::bad_input, "stuffing needs a mesh size above zero");
   const Vector3d extent = solid.high - solid.low;
-  if (!extent.allFinite() || extent.minCoeff() < 0) return fail("the surface has no triangles, so nothing is inside");
+  if (!extent.allFinite() || extent.minCoeff() < 0)
+    return fail(ErrorKind::bad_input, "the surface has no triangles, so nothing is inside");
   const Vector3d cubes = (extent / size).array().ceil() + 2 * kMargin;
   const double points = 2 * cubes.prod();
   if (!(points < kMaxLatticePoints)) {
     return fail(
+        ErrorKind::too_large,
         text("a mesh size of %.3g mm would need a lattice of %.2g million points, above 30 million", size * 1e3,
              points / 1e6) +
-        text("; %.3g mm is the finest that fits", 1.05 * size * std::cbrt(points / kMaxLatticePoints) * 1e3, 0));
+            text("; %.3g mm is the finest that fits", 1.05 * size * std::cbrt(points / kMaxLatticePoints) * 1e3, 0));
   }
   const Vector3d origin = (solid.low + solid.high - size * cubes) / 2;
   Stuffing stuffing(solid, BccLattice(origin, size, cubes.cast<int>()), options.threads, progress);
-  if (!stuffing.run()) return fail(std::string(kCancelled));
+  if (!stuffing.run()) return cancelled();
   Stuffed stuffed;
   stuffed.mesh = stuffing.take();
   const Trimmed trimmed = keep_sound_parts(stuffed.mesh, kCrumb);
@@ -332,6 +334,7 @@ Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Pro
   stuffed.hinges = trimmed.hinges;
   if (stuffed.mesh.elements.rows() == 0) {
     return fail(
+        ErrorKind::bad_input,
         text("nothing lies inside the surface that a mesh size of %.3g mm would see: it is open, or its walls are "
              "thinner; close it, or choose a smaller mesh size",
              size * 1e3, 0));
@@ -340,7 +343,7 @@ Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Pro
 }
 
 Result<Stuffed> stuff(const TriangleMesh& surface, const StuffOptions& options, const Progress& progress) {
-  if (!surface.nodes.allFinite()) return fail("the surface has coordinates that are not numbers");
+  if (!surface.nodes.allFinite()) return fail(ErrorKind::bad_input, "the surface has coordinates that are not numbers");
   const WindingNumber winding(surface);
   auto stuffed = stuff(TriangleSolid(surface, winding), options, progress);
   if (!stuffed) return stuffed;

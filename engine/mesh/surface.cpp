@@ -136,8 +136,9 @@ Result<Surface> decimate(const Surface& surface, const Points& nodes, std::size_
     }
     if (!smaller.triangles.empty() && smaller.nodes.size() <= most_points) return smaller;
   }
-  return fail("the surface of " + std::to_string(surface.nodes.size()) + " points cannot be reduced to " +
-              std::to_string(most_points) + "; allow more points");
+  return fail(ErrorKind::too_large, "the surface of " + std::to_string(surface.nodes.size()) +
+                                        " points cannot be reduced to " + std::to_string(most_points) +
+                                        "; allow more points");
 }
 
 std::vector<double> area_weights(const Surface& surface, const Points& nodes) {

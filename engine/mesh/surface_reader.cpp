@@ -75,8 +75,8 @@ Result<Soup> collect(const aiScene& scene, const std::string& name) {
     for (unsigned m = 0; m < node->mNumMeshes; ++m) {
       const aiMesh& mesh = *scene.mMeshes[node->mMeshes[m]];
       if (soup.triangles.size() + mesh.mNumFaces > kMaxTriangles || soup.points.size() > 3 * kMaxTriangles) {
-        return fail(name + " has more than " + std::to_string(kMaxTriangles) +
-                    " triangles; thin it out in a mesh tool first");
+        return fail(ErrorKind::too_large, name + " has more than " + std::to_string(kMaxTriangles) +
+                                              " triangles; thin it out in a mesh tool first");
       }
       add(soup, mesh, place);
     }
@@ -113,7 +113,8 @@ Result<Soup> import(const std::filesystem::path& path) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate | aiProcess_SortByPType);
-  if (!scene || !scene->mRootNode) return fail("cannot read " + name + ": " + one_line(importer.GetErrorString()));
+  if (!scene || !scene->mRootNode)
+    return fail(ErrorKind::bad_input, "cannot read " + name + ": " + one_line(importer.GetErrorString()));
   return collect(*scene, name);
 }
 
@@ -126,7 +127,8 @@ Result<void> check_length(const std::filesystem::path& path) {
   std::error_code error;
   if (file.read(head.data(), head.size())) std::memcpy(&length, &head[8], sizeof length);
   if (length <= std::filesystem::file_size(path, error)) return {};
-  return fail(path.string() + " was cut off: it says to be " + std::to_string(length) + " bytes long");
+  return fail(ErrorKind::bad_input,
+              path.string() + " was cut off: it says to be " + std::to_string(length) + " bytes long");
 }
 
 Result<TriangleMesh> checked(const std::filesystem::path& path) {
@@ -134,16 +136,17 @@ Result<TriangleMesh> checked(const std::filesystem::path& path) {
   if (auto whole = check_length(path); !whole) return fail(whole.error());
   const Result<Soup> soup = import(path);
   if (!soup) return fail(soup.error());
-  if (soup->triangles.empty()) return fail(name + " has no triangles; a body needs a surface");
+  if (soup->triangles.empty()) return fail(ErrorKind::bad_input, name + " has no triangles; a body needs a surface");
   const TriangleMesh mesh = packed(*soup);
   for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
     for (int i = 0; i < 3; ++i) {
       if (mesh.nodes.row(mesh.triangles(t, i)).allFinite()) continue;
-      return fail(name + ": a corner of triangle " + std::to_string(t) + " is not a finite number");
+      return fail(ErrorKind::bad_input,
+                  name + ": a corner of triangle " + std::to_string(t) + " is not a finite number");
     }
   }
   const double length = diagonal(mesh);
-  if (!(length > 0)) return fail(name + ": all its points are one; a body needs a surface");
+  if (!(length > 0)) return fail(ErrorKind::bad_input, name + ": all its points are one; a body needs a surface");
   return weld(mesh, kWeld * length);
 }
 
@@ -157,16 +160,16 @@ bool is_surface_file(const std::filesystem::path& path) {
 Result<TriangleMesh> read_surface(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    return fail("cannot open " + path.string() + ": there is no such file");
+    return fail(ErrorKind::bad_input, "cannot open " + path.string() + ": there is no such file");
   }
   if (std::filesystem::file_size(path, error) > kMaxSurfaceFileBytes) {
-    return fail(path.string() + " is larger than " + std::to_string(kMaxSurfaceFileBytes >> 20) +
-                " MiB; thin it out first");
+    return fail(ErrorKind::too_large, path.string() + " is larger than " + std::to_string(kMaxSurfaceFileBytes >> 20) +
+                                          " MiB; thin it out first");
   }
   try {
     return checked(path);
   } catch (const std::exception& exception) {
-    return fail("cannot read " + path.string() + ": " + one_line(exception.what()));
+    return fail(ErrorKind::bad_input, "cannot read " + path.string() + ": " + one_line(exception.what()));
   }
 }
 

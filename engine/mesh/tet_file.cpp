@@ -48,7 +48,7 @@ class Lines {
   [[nodiscard]] std::size_t characters_left() const { return at_ < text_.size() ? text_.size() - at_ : 0; }
 
   [[nodiscard]] tl::unexpected<Error> wrong(const std::string& what) const {
-    return fail(name_ + ", line " + std::to_string(number_) + ": " + what);
+    return fail(ErrorKind::bad_input, name_ + ", line " + std::to_string(number_) + ": " + what);
   }
 
   // Word `index` of the line as a whole number or a finite one.
@@ -166,13 +166,14 @@ bool sort_edge_nodes(TetMesh& mesh, Eigen::Index element) {
 Result<std::string> contents(const std::filesystem::path& path) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) return fail(path.string() + ": cannot be read (" + error.message() + ")");
-  if (size > kMaxFileBytes) return fail(path.string() + ": is larger than 4 GB; mesh the object with fewer elements");
+  if (error) return fail(ErrorKind::bad_input, path.string() + ": cannot be read (" + error.message() + ")");
+  if (size > kMaxFileBytes)
+    return fail(ErrorKind::too_large, path.string() + ": is larger than 4 GB; mesh the object with fewer elements");
   std::ifstream file(path, std::ios::binary);
   std::string text(size, '\0');
   file.read(text.data(), static_cast<std::streamsize>(size));
   if (!file || file.gcount() != static_cast<std::streamsize>(size))
-    return fail(path.string() + ": cannot be read to its end");
+    return fail(ErrorKind::input_output, path.string() + ": cannot be read to its end");
   return text;
 }
 
@@ -203,7 +204,7 @@ class Bytes {
 
   [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
   [[nodiscard]] tl::unexpected<Error> wrong(const std::string& what) const {
-    return fail(name_ + ", byte " + std::to_string(at_) + ": " + what);
+    return fail(ErrorKind::bad_input, name_ + ", byte " + std::to_string(at_) + ": " + what);
   }
 
  private:
@@ -256,8 +257,8 @@ Result<TetMesh> read_tetgen(std::string_view node_text, std::string_view ele_tex
   if (counts->second == 10) {
     for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
       if (!sort_edge_nodes(mesh, e)) {
-        return fail(name + ".ele: the nodes 5 to 10 of its element " + std::to_string(e + 1) +
-                    " do not lie in the middles of its six edges");
+        return fail(ErrorKind::bad_input, name + ".ele: the nodes 5 to 10 of its element " + std::to_string(e + 1) +
+                                              " do not lie in the middles of its six edges");
       }
     }
   }
@@ -293,8 +294,8 @@ Result<TetMesh> read_vega(std::string_view text, const std::string& name) {
       if (!read) return fail(read.error());
     }
   }
-  if (mesh.nodes.rows() == 0) return fail(name + ": has no *VERTICES");
-  if (mesh.elements.rows() == 0) return fail(name + ": has no *ELEMENTS");
+  if (mesh.nodes.rows() == 0) return fail(ErrorKind::bad_input, name + ": has no *VERTICES");
+  if (mesh.elements.rows() == 0) return fail(ErrorKind::bad_input, name + ": has no *ELEMENTS");
   return mesh;
 }
 
@@ -303,8 +304,10 @@ Result<TetMesh> read_isostuffer(std::span<const std::byte> file, const std::stri
   const std::size_t header = nodes_by_length(file, 8) >= 0 ? 8 : 4;
   const std::int64_t nodes = nodes_by_length(file, header);
   if (nodes < 0) {
-    return fail(name + ": its length of " + std::to_string(file.size()) +
-                " bytes does not fit the numbers of nodes and elements in it; it is damaged, or no .tet of IsoStuffer");
+    return fail(
+        ErrorKind::bad_input,
+        name + ": its length of " + std::to_string(file.size()) +
+            " bytes does not fit the numbers of nodes and elements in it; it is damaged, or no .tet of IsoStuffer");
   }
   std::int32_t elements = 0;
   for (std::size_t at = 0; at < header; at += 4) bytes.read(elements);

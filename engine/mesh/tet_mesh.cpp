@@ -152,17 +152,19 @@ int count_pieces(const TetMesh& mesh) {
 
 Result<void> check_numbers(const TetMesh& mesh, const std::string& name) {
   if (mesh.elements.rows() == 0) {
-    return fail(name + " has no tetrahedra; a solid is needed, so mesh its volume, not only its surface");
+    return fail(ErrorKind::bad_input,
+                name + " has no tetrahedra; a solid is needed, so mesh its volume, not only its surface");
   }
   if (mesh.order() == 0) {
-    return fail(name + " has elements of " + std::to_string(mesh.elements.cols()) +
-                " nodes; give tetrahedra of 4, 10, 20 or 35 nodes");
+    return fail(ErrorKind::bad_input, name + " has elements of " + std::to_string(mesh.elements.cols()) +
+                                          " nodes; give tetrahedra of 4, 10, 20 or 35 nodes");
   }
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
     for (const std::int32_t node : mesh.elements.row(e)) {
       if (node >= 0 && node < mesh.nodes.rows()) continue;
-      return fail(name + ": element " + std::to_string(e) + " names node " + std::to_string(node) +
-                  ", but there are only " + std::to_string(mesh.nodes.rows()));
+      return fail(ErrorKind::bad_input, name + ": element " + std::to_string(e) + " names node " +
+                                            std::to_string(node) + ", but there are only " +
+                                            std::to_string(mesh.nodes.rows()));
     }
   }
   std::vector<std::int32_t> own(mesh.elements.cols());
@@ -170,13 +172,15 @@ Result<void> check_numbers(const TetMesh& mesh, const std::string& name) {
     std::copy(mesh.elements.row(e).begin(), mesh.elements.row(e).end(), own.begin());
     std::sort(own.begin(), own.end());
     if (const auto twice = std::adjacent_find(own.begin(), own.end()); twice != own.end()) {
-      return fail(name + ": element " + std::to_string(e) + " names node " + std::to_string(*twice) +
-                  " twice; mesh the object again, or repair it in a mesh tool");
+      return fail(ErrorKind::bad_input, name + ": element " + std::to_string(e) + " names node " +
+                                            std::to_string(*twice) +
+                                            " twice; mesh the object again, or repair it in a mesh tool");
     }
   }
   for (Eigen::Index node = 0; node < mesh.nodes.rows(); ++node) {
     if (!mesh.nodes.row(node).allFinite()) {
-      return fail(name + ": a coordinate of node " + std::to_string(node) + " is not a finite number");
+      return fail(ErrorKind::bad_input,
+                  name + ": a coordinate of node " + std::to_string(node) + " is not a finite number");
     }
   }
   return {};
@@ -193,8 +197,9 @@ Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name) {
     const Corners corners = corners_of(checked.mesh, e);
     const double determinant = jacobian(corners).determinant();
     if (is_flat(corners, determinant)) {
-      return fail(name + ": element " + std::to_string(e) + " has no volume (its four corners lie in a plane); " +
-                  "mesh the object again, or repair it in a mesh tool");
+      return fail(ErrorKind::bad_input, name + ": element " + std::to_string(e) +
+                                            " has no volume (its four corners lie in a plane); " +
+                                            "mesh the object again, or repair it in a mesh tool");
     }
     if (determinant > 0) continue;
     checked.mesh.elements.row(e) = checked.mesh.elements(e, flipped).eval();

@@ -149,8 +149,9 @@ Result<void> scale_size(Bank& bank, double s, const std::string& name) {
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const DampedMode mode = rescale(bank, m, {.stiffness = 1 / (s * s)});
     if (!(mode.frequency_hz > 0)) {
-      return fail(name + ": at the node's scale of " + Json(s).dump() + " mode " + std::to_string(m) +
-                  " is over-damped and has no pitch; bake the object at that size");
+      return fail(ErrorKind::bad_input, name + ": at the node's scale of " + Json(s).dump() + " mode " +
+                                            std::to_string(m) +
+                                            " is over-damped and has no pitch; bake the object at that size");
     }
     bank.frequency_hz[m] = mode.frequency_hz;
     bank.decay_per_s[m] = mode.decay_per_s;
@@ -166,7 +167,8 @@ Result<void> scale_size(Bank& bank, double s, const std::string& name) {
   const auto finite = [](const Vec3f& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); };
   if (!std::all_of(bank.positions.begin(), bank.positions.end(), finite) ||
       !std::all_of(bank.shapes.begin(), bank.shapes.end(), finite)) {
-    return fail(name + ": at the node's scale of " + Json(s).dump() + " its positions or shapes overflow");
+    return fail(ErrorKind::bad_input,
+                name + ": at the node's scale of " + Json(s).dump() + " its positions or shapes overflow");
   }
   return {};
 }
@@ -180,20 +182,23 @@ Result<void> read_modes(const Glb& glb, const Field& model, Bank& bank) {
   if (!positions) return fail(positions.error());
   const std::size_t modes = frequencies->size(), points = positions->size() / 3;
   if (decays->size() != modes) {
-    return fail(model["decayRates"].path() + " has " + std::to_string(decays->size()) + " elements, expected " +
-                std::to_string(modes) + " as in frequencies");
+    return fail(ErrorKind::bad_input, model["decayRates"].path() + " has " + std::to_string(decays->size()) +
+                                          " elements, expected " + std::to_string(modes) + " as in frequencies");
   }
   const auto shapes = read_floats(glb, model["shapes"], 3, kMaxModes * kMaxPoints);
   if (!shapes) return fail(shapes.error());
   if (shapes->size() != 3 * modes * points) {
-    return fail(model["shapes"].path() + " has " + std::to_string(shapes->size() / 3) + " elements, expected " +
-                std::to_string(modes * points) + " (modes times points)");
+    return fail(ErrorKind::bad_input, model["shapes"].path() + " has " + std::to_string(shapes->size() / 3) +
+                                          " elements, expected " + std::to_string(modes * points) +
+                                          " (modes times points)");
   }
   for (std::size_t m = 0; m < modes; ++m) {
     if ((*frequencies)[m] <= 0) {
-      return fail(model["frequencies"].path() + ": element " + std::to_string(m) + " is not above 0 Hz");
+      return fail(ErrorKind::bad_input,
+                  model["frequencies"].path() + ": element " + std::to_string(m) + " is not above 0 Hz");
     }
-    if ((*decays)[m] < 0) return fail(model["decayRates"].path() + ": element " + std::to_string(m) + " is below 0");
+    if ((*decays)[m] < 0)
+      return fail(ErrorKind::bad_input, model["decayRates"].path() + ": element " + std::to_string(m) + " is below 0");
   }
   bank.frequency_hz.assign(frequencies->begin(), frequencies->end());
   bank.decay_per_s.assign(decays->begin(), decays->end());
@@ -209,8 +214,9 @@ Result<void> read_triangles(const Glb& glb, const Field& reference, Bank& bank) 
   if (corners->size() % 3 != 0) return reference.wrong("an accessor whose count is a multiple of 3");
   for (std::size_t i = 0; i < corners->size(); ++i) {
     if ((*corners)[i] >= bank.point_count()) {
-      return fail(reference.path() + ": element " + std::to_string(i) + " is " + std::to_string((*corners)[i]) +
-                  ", but there are only " + std::to_string(bank.point_count()) + " positions");
+      return fail(ErrorKind::bad_input, reference.path() + ": element " + std::to_string(i) + " is " +
+                                            std::to_string((*corners)[i]) + ", but there are only " +
+                                            std::to_string(bank.point_count()) + " positions");
     }
   }
   bank.triangles.resize(corners->size() / 3);
@@ -272,14 +278,15 @@ Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& nam
   if (!glb) return fail(glb.error());
   const Field extension = glb->root()["extensions"][kExtension];
   if (extension["modalModels"].size() == 0) {
-    return fail(name + " holds no modal model (extension " + kExtension + "); make one with `ringdown bake`");
+    return fail(ErrorKind::bad_input,
+                name + " holds no modal model (extension " + kExtension + "); make one with `ringdown bake`");
   }
   const auto instance = find_instance(*glb);
   if (!instance) return fail(instance.error());
   const Field model = extension["modalModels"][instance->model];
   if (!model.present())
-    return fail(name + ": a node plays modal model " + std::to_string(instance->model) +
-                ", which the file does not have");
+    return fail(ErrorKind::bad_input, name + ": a node plays modal model " + std::to_string(instance->model) +
+                                          ", which the file does not have");
   Bank bank{.name = model["name"].text_or(instance->name), .gain = instance->gain};
   if (const auto read = read_modes(*glb, model, bank); !read) return fail(read.error());
   if (const auto read = read_triangles(*glb, model["indices"], bank); !read) return fail(read.error());

@@ -109,7 +109,7 @@ tl::unexpected<Error> Field::wrong(const std::string& expectation) const {
     found = "is " + value_->dump(-1, ' ', true, Json::error_handler_t::replace);
     if (found.size() > 60) found = found.substr(0, 57) + "...";
   }
-  return fail(path_ + " " + found + ", expected " + expectation);
+  return fail(ErrorKind::bad_input, path_ + " " + found + ", expected " + expectation);
 }
 
 Result<double> Field::number() const {
@@ -137,27 +137,28 @@ std::string Field::text_or(std::string fallback) const {
 
 Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name) {
   if (bytes.size() < 20 || word_at(bytes, 0) != kMagic) {
-    return fail(name + " is not a binary glTF file (.glb); make one with `ringdown bake`");
+    return fail(ErrorKind::bad_input, name + " is not a binary glTF file (.glb); make one with `ringdown bake`");
   }
   if (word_at(bytes, 4) != 2)
-    return fail(name + ": glTF version " + std::to_string(word_at(bytes, 4)) + ", expected 2");
+    return fail(ErrorKind::bad_input, name + ": glTF version " + std::to_string(word_at(bytes, 4)) + ", expected 2");
   if (word_at(bytes, 8) != bytes.size()) {
-    return fail(name + ": its header says " + std::to_string(word_at(bytes, 8)) + " bytes but the file has " +
-                std::to_string(bytes.size()) + "; it was cut off or altered");
+    return fail(ErrorKind::bad_input, name + ": its header says " + std::to_string(word_at(bytes, 8)) +
+                                          " bytes but the file has " + std::to_string(bytes.size()) +
+                                          "; it was cut off or altered");
   }
   const std::size_t json_size = word_at(bytes, 12);
   if (word_at(bytes, 16) != kJsonChunk || json_size > bytes.size() - 20) {
-    return fail(name + ": the first chunk must be the JSON text and end inside the file");
+    return fail(ErrorKind::bad_input, name + ": the first chunk must be the JSON text and end inside the file");
   }
   Glb glb{.name = name};
   const auto* text = reinterpret_cast<const char*>(bytes.data()) + 20;
   glb.json = Json::parse(text, text + json_size, nullptr, /*allow_exceptions=*/false);
-  if (!glb.json.is_object()) return fail(name + ": its JSON text is malformed");
+  if (!glb.json.is_object()) return fail(ErrorKind::bad_input, name + ": its JSON text is malformed");
 
   const auto rest = bytes.subspan(20 + json_size);
   if (rest.size() >= 8) {
     if (word_at(rest, 4) != kBinaryChunk || word_at(rest, 0) > rest.size() - 8) {
-      return fail(name + ": the second chunk must be binary data and end inside the file");
+      return fail(ErrorKind::bad_input, name + ": the second chunk must be binary data and end inside the file");
     }
     glb.binary = rest.subspan(8, word_at(rest, 0));
   }
@@ -174,7 +175,8 @@ Result<std::vector<float>> read_floats(const Glb& glb, const Field& reference, s
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i])) {
-      return fail(reference.path() + ": element " + std::to_string(i / width) + " is not a finite number");
+      return fail(ErrorKind::bad_input,
+                  reference.path() + ": element " + std::to_string(i / width) + " is not a finite number");
     }
   }
   return values;

@@ -47,7 +47,7 @@ class Fields {
 
  private:
   void refuse(const std::string& why) {
-    if (result_) result_ = fail(owner_ + ": " + why);
+    if (result_) result_ = fail(ErrorKind::bad_input, owner_ + ": " + why);
   }
   std::string owner_;
   Result<void> result_;
@@ -57,14 +57,15 @@ class Fields {
 template <class Things>
 Result<void> check_all(const Things& things, std::string_view kind, std::size_t most) {
   if (things.size() > most) {
-    return fail("the scene has " + std::to_string(things.size()) + " " + std::string(kind) + ", more than the " +
-                std::to_string(most) + " it may have");
+    return fail(ErrorKind::too_large, "the scene has " + std::to_string(things.size()) + " " + std::string(kind) +
+                                          ", more than the " + std::to_string(most) + " it may have");
   }
   std::set<std::string_view> names;
   for (const auto& thing : things) {
     if (const auto ok = check(thing); !ok) return ok;
     if (!thing.name.empty() && !names.insert(thing.name).second) {
-      return fail("two " + std::string(kind) + " are named " + protocol::quoted(thing.name) + "; names are unique");
+      return fail(ErrorKind::bad_input,
+                  "two " + std::string(kind) + " are named " + protocol::quoted(thing.name) + "; names are unique");
     }
   }
   return {};
@@ -72,7 +73,8 @@ Result<void> check_all(const Things& things, std::string_view kind, std::size_t 
 
 Result<void> check_object(const BodyDescription& body, const SceneDescription& scene) {
   if (body.object.empty() || std::ranges::count(scene.objects, body.object, &ObjectDescription::name)) return {};
-  return fail("body " + protocol::quoted(body.name) + ": the scene has no object " + protocol::quoted(body.object));
+  return fail(ErrorKind::bad_input,
+              "body " + protocol::quoted(body.name) + ": the scene has no object " + protocol::quoted(body.object));
 }
 
 Result<void> check_world(const SceneDescription& scene) {
@@ -174,7 +176,8 @@ Result<void> check(const SceneDescription& scene) {
   if (auto ok = check_all(scene.statics, "statics", kMaxStatics); !ok) return ok;
   if (auto ok = check_all(scene.emitters, "emitters", kMaxEmitters); !ok) return ok;
   if (scene.joints.size() > kMaxJoints) {
-    return fail("the scene has more than the " + std::to_string(kMaxJoints) + " joints it may have");
+    return fail(ErrorKind::too_large,
+                "the scene has more than the " + std::to_string(kMaxJoints) + " joints it may have");
   }
   for (const JointDescription& joint : scene.joints) {
     if (auto ok = check(joint, scene.bodies); !ok) return ok;
@@ -188,8 +191,8 @@ Result<void> check(const SceneDescription& scene) {
     count += emitter.count;
   }
   if (count > kMaxBodies) {
-    return fail("the scene's bodies and emitters make " + std::to_string(count) + " bodies, more than the " +
-                std::to_string(kMaxBodies) + " it may have");
+    return fail(ErrorKind::too_large, "the scene's bodies and emitters make " + std::to_string(count) +
+                                          " bodies, more than the " + std::to_string(kMaxBodies) + " it may have");
   }
   return {};
 }

@@ -52,12 +52,13 @@ Result<RigidMass> bank_mass(const modal::MassProperties& mass, double density_sc
   const Vec3 moments = mass.inertia_kg_m2;
   const double largest = std::max({moments.x, moments.y, moments.z});
   if (!range::kMass_kg.holds(mass.mass_kg * density_scale)) {
-    return fail("its bank's mass of " + std::to_string(mass.mass_kg * density_scale) +
-                " kg is outside 1e-7 ... 1e7 kg");
+    return fail(ErrorKind::bad_input, "its bank's mass of " + std::to_string(mass.mass_kg * density_scale) +
+                                          " kg is outside 1e-7 ... 1e7 kg");
   }
   if (!is_finite(mass.center_of_mass_m) || !is_finite(moments) ||
       !(std::min({moments.x, moments.y, moments.z}) > kThinnest * largest) || !(std::abs(norm(axes) - 1) < 1e-3)) {
-    return fail("its bank's massProperties are degenerate: three moments > 0 and a unit quaternion are needed");
+    return fail(ErrorKind::bad_input,
+                "its bank's massProperties are degenerate: three moments > 0 and a unit quaternion are needed");
   }
   RigidMass rigid{mass.mass_kg * density_scale, mass.center_of_mass_m, inertia_tensor(mass)};
   for (auto& row : rigid.inertia_kg_m2) {
@@ -76,8 +77,10 @@ Result<Extent> extent_of(const Shape& shape, const modal::Bank* bank) {
   const bool wants_bank = shape.type == ShapeType::box      ? shape.size_m == Vec3{}
                           : shape.type == ShapeType::sphere ? shape.radius_m == 0
                                                             : true;
-  if (wants_bank && !bank) return fail("it has no object to take its size from; give it a size or a radius");
-  if (wants_bank && bank->positions.empty()) return fail("its bank has no surface; give the body a size or a radius");
+  if (wants_bank && !bank)
+    return fail(ErrorKind::bad_input, "it has no object to take its size from; give it a size or a radius");
+  if (wants_bank && bank->positions.empty())
+    return fail(ErrorKind::bad_input, "its bank has no surface; give the body a size or a radius");
   Extent extent{bank && !bank->positions.empty() ? bounds_of(*bank).center() : Vec3{}, shape.size_m, shape.radius_m};
   if (wants_bank) {
     const Vec3 size = bounds_of(*bank).size();
@@ -88,7 +91,7 @@ Result<Extent> extent_of(const Shape& shape, const modal::Bank* bank) {
   const bool sized = shape.type == ShapeType::sphere && !wants_bank
                          ? range::kSize_m.holds(shape.radius_m)
                          : range::kSize_m.holds(size.x) && range::kSize_m.holds(size.y) && range::kSize_m.holds(size.z);
-  if (!sized) return fail("its size is outside 0.0001 ... 1000 m");
+  if (!sized) return fail(ErrorKind::bad_input, "its size is outside 0.0001 ... 1000 m");
   return extent;
 }
 
@@ -104,12 +107,14 @@ Result<RigidMass> mass_of(const BodyDescription& body, const modal::Bank* bank, 
   if (body.density_kg_m3 == 0 && bank && bank->mass) return bank_mass(*bank->mass, density_scale);
   if (body.density_kg_m3 == 0 && body.fixed) return box_mass({0.1, 0.1, 0.1}, 1000, extent.center_m);
   if (body.density_kg_m3 == 0) {
-    return fail(bank ? "its bank has no massProperties; give the body density_kg_m3"
-                     : "a silent body needs density_kg_m3");
+    return fail(ErrorKind::bad_input, bank ? "its bank has no massProperties; give the body density_kg_m3"
+                                           : "a silent body needs density_kg_m3");
   }
-  if (!range::kDensity_kg_m3.holds(body.density_kg_m3)) return fail("its density is outside 0.1 ... 100000 kg/m^3");
+  if (!range::kDensity_kg_m3.holds(body.density_kg_m3))
+    return fail(ErrorKind::bad_input, "its density is outside 0.1 ... 100000 kg/m^3");
   if (body.shape.type == ShapeType::convex || body.shape.type == ShapeType::trimesh) {
-    return fail("density_kg_m3 goes with shape box or sphere; a convex or trimesh body takes its mass from its bank");
+    return fail(ErrorKind::bad_input,
+                "density_kg_m3 goes with shape box or sphere; a convex or trimesh body takes its mass from its bank");
   }
   RigidMass mass = box_mass(extent.size_m, body.density_kg_m3, extent.center_m);
   if (body.shape.type == ShapeType::sphere) {
@@ -117,7 +122,8 @@ Result<RigidMass> mass_of(const BodyDescription& body, const modal::Bank* bank, 
     mass = sphere_mass(radius, body.density_kg_m3, extent.center_m);
   }
   if (!range::kMass_kg.holds(mass.mass_kg)) {
-    return fail("its size and density make " + std::to_string(mass.mass_kg) + " kg, outside 1e-7 ... 1e7 kg");
+    return fail(ErrorKind::bad_input,
+                "its size and density make " + std::to_string(mass.mass_kg) + " kg, outside 1e-7 ... 1e7 kg");
   }
   return mass;
 }
@@ -138,7 +144,7 @@ Result<CollisionShape> shape_of(const Shape& shape, const modal::Bank* bank, con
     out.triangles = bank->triangles;
   }
   if (shape.type == ShapeType::trimesh && out.triangles.empty()) {
-    return fail("its bank has no triangles; use shape box, sphere or convex");
+    return fail(ErrorKind::bad_input, "its bank has no triangles; use shape box, sphere or convex");
   }
   if (shape.type == ShapeType::convex) {
     Result<Hull> hull = convex_hull(out.points);

@@ -17,10 +17,11 @@ World::~World() = default;
 Result<World> World::create(const SceneDescription& scene, std::span<const SoundingObject> objects,
                             double sample_rate_hz) {
   if (const auto ok = check(scene); !ok) return fail(ok.error());
-  if (!(sample_rate_hz >= 1 && sample_rate_hz <= 1e7)) return fail("a scene needs a sample rate from 1 to 1e7 Hz");
+  if (!(sample_rate_hz >= 1 && sample_rate_hz <= 1e7))
+    return fail(ErrorKind::bad_input, "a scene needs a sample rate from 1 to 1e7 Hz");
   auto impl = std::make_unique<Impl>(scene, sample_rate_hz);
   for (const SoundingObject& object : objects) {
-    if (!object.bank) return fail("object " + protocol::quoted(object.name) + " has no bank");
+    if (!object.bank) return fail(ErrorKind::bad_input, "object " + protocol::quoted(object.name) + " has no bank");
     impl->objects.push_back(object);
   }
   BodyId next_static = kFirstStatic;
@@ -97,12 +98,13 @@ void World::clear() {
 
 Result<void> World::set_object(const SoundingObject& object) {
   Impl& w = *impl_;
-  if (!object.bank) return fail("object " + protocol::quoted(object.name) + " has no bank");
+  if (!object.bank) return fail(ErrorKind::bad_input, "object " + protocol::quoted(object.name) + " has no bank");
   std::map<BodyId, Solid> rebuilt;
   for (const auto& [id, body] : w.bodies) {
     if (body.description.object != object.name) continue;
     Result<Solid> solid = make_solid(body.description, object.bank.get(), w.scale_of(object.name));
-    if (!solid) return fail("body " + protocol::quoted(body.description.name) + ": " + solid.error().message);
+    if (!solid)
+      return fail(solid.error().kind, "body " + protocol::quoted(body.description.name) + ": " + solid.error().message);
     rebuilt.emplace(id, std::move(*solid));
   }
   std::erase_if(w.objects, [&](const SoundingObject& known) { return known.name == object.name; });
@@ -134,12 +136,14 @@ void World::remove_object(protocol::ObjectNumber number) {
 
 Result<void> World::push(BodyId body, Vec3 impulse_ns) {
   const auto found = impl_->bodies.find(body);
-  if (found == impl_->bodies.end()) return fail("cannot push: the scene has no body " + std::to_string(body));
+  if (found == impl_->bodies.end())
+    return fail(ErrorKind::bad_input, "cannot push: the scene has no body " + std::to_string(body));
   const std::string who = "body " + protocol::quoted(found->second.description.name);
   if (!within(impulse_ns, range::kPush_ns))
-    return fail("cannot push " + who + ": the impulse is not a number or too large");
-  if (found->second.description.fixed) return fail("cannot push " + who + ": it is fixed");
-  if (found->second.waiting) return fail("cannot push " + who + ": it has not entered the scene yet");
+    return fail(ErrorKind::bad_input, "cannot push " + who + ": the impulse is not a number or too large");
+  if (found->second.description.fixed) return fail(ErrorKind::refused, "cannot push " + who + ": it is fixed");
+  if (found->second.waiting)
+    return fail(ErrorKind::refused, "cannot push " + who + ": it has not entered the scene yet");
   Motion& motion = found->second.motion;
   motion.velocity_m_s = motion.velocity_m_s + (1 / found->second.mass.mass_kg) * impulse_ns;
   impl_->simulation.set_motion(body, motion);

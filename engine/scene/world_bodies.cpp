@@ -53,15 +53,16 @@ modal::MaterialScale World::Impl::scale_of(const std::string& object) const {
 Result<BodyId> World::Impl::add(BodyDescription description, bool spawned) {
   const std::string who = "body " + protocol::quoted(description.name) + ": ";
   if (bodies.size() >= kMaxBodies) {
-    return fail(who + "the scene is full with " + std::to_string(kMaxBodies) + " bodies; clear some first");
+    return fail(ErrorKind::refused,
+                who + "the scene is full with " + std::to_string(kMaxBodies) + " bodies; clear some first");
   }
   if (const auto ok = check(description); !ok) return fail(ok.error());
   const SoundingObject* object = description.object.empty() ? nullptr : find({description.object, {}});
   if (!description.object.empty() && !object) {
-    return fail(who + "no object " + protocol::quoted(description.object) + " is loaded");
+    return fail(ErrorKind::bad_input, who + "no object " + protocol::quoted(description.object) + " is loaded");
   }
   Result<Solid> solid = make_solid(description, object ? object->bank.get() : nullptr, scale_of(description.object));
-  if (!solid) return fail(who + solid.error().message);
+  if (!solid) return fail(solid.error().kind, who + solid.error().message);
   description.position_m = description.position_m + description.scatter_m * random.next_vec3();
   const BodyId id = next_id++;
   const Vec3 size_m = size_of(solid->shape);
@@ -134,7 +135,9 @@ void World::Impl::join_those_in() {
 Result<BodyId> World::Impl::spawn(const std::optional<protocol::ObjectRef>& object, BodyDescription description) {
   if (object) {
     const SoundingObject* known = find(*object);
-    if (!known) return fail("cannot spawn: no object " + protocol::quoted(protocol::to_text(*object)) + " is loaded");
+    if (!known)
+      return fail(ErrorKind::bad_input,
+                  "cannot spawn: no object " + protocol::quoted(protocol::to_text(*object)) + " is loaded");
     description.object = known->name;
   }
   description.name += "-" + std::to_string(next_id);

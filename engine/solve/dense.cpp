@@ -10,7 +10,7 @@ Result<Eigenmodes> solve_dense(const fem::System& system) {
       fem::mass_times(system.node_mass, Eigen::MatrixXd::Identity(stiffness.rows(), stiffness.rows()));
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solved(stiffness, mass);
   if (solved.info() != Eigen::Success) {
-    return fail("the mass of the mesh is not positive; check the mesh for flat elements");
+    return fail(ErrorKind::bad_input, "the mass of the mesh is not positive; check the mesh for flat elements");
   }
   Eigenmodes modes;
   modes.lambda = solved.eigenvalues();

@@ -82,9 +82,12 @@ std::string reason_of(const ChildOutcome& outcome) {
 Result<DistributedModes> run_distributed(const fem::System& system, const EigenRequest& request,
                                          const DistributedRun& run, const Progress& progress) {
   const Result<fs::path> program = find_beside(kProgram);
-  if (!program) return fail(program.error().message + "; it is built where SLEPc is installed (libslepc-real-dev)");
+  if (!program)
+    return fail(program.error().kind,
+                program.error().message + "; it is built where SLEPc is installed (libslepc-real-dev)");
   const PrivateFolder folder("ringdown-modes");
-  if (folder.path().empty()) return fail(std::string("cannot make a temporary folder: ") + std::strerror(errno));
+  if (folder.path().empty())
+    return fail(ErrorKind::input_output, std::string("cannot make a temporary folder: ") + std::strerror(errno));
   const fs::path problem = folder.path() / "problem", answer = folder.path() / "modes";
   Watcher watcher{progress};
   if (!watcher.go_on()) throw Cancelled{};
@@ -96,10 +99,11 @@ Result<DistributedModes> run_distributed(const fem::System& system, const EigenR
   child.on_line = [&](std::string_view line) { watcher.read(line); };
   child.keep_going = [&] { return watcher.go_on(); };
   const Result<ChildOutcome> outcome = run_child(child);
-  if (!outcome) return fail(outcome.error().message + (run.processes > 1 ? "; install openmpi-bin" : ""));
+  if (!outcome)
+    return fail(outcome.error().kind, outcome.error().message + (run.processes > 1 ? "; install openmpi-bin" : ""));
   if (outcome->stopped) throw Cancelled{};
-  if (outcome->out_of_time) return fail("SLEPc took longer than its limit");
-  if (outcome->exit_code != 0) return fail("SLEPc: " + reason_of(*outcome));
+  if (outcome->out_of_time) return fail(ErrorKind::refused, "SLEPc took longer than its limit");
+  if (outcome->exit_code != 0) return fail(ErrorKind::refused, "SLEPc: " + reason_of(*outcome));
 
   const Result<ModesFile> file = read_modes(answer, system.node_mass.rows());
   if (!file) return fail(file.error());

@@ -50,7 +50,8 @@ Result<void> write_whole(const fs::path& path, const std::function<void(std::ofs
   if (file) fs::rename(part, path, error);
   if (file && !error) return {};
   fs::remove(part, error);
-  return fail("cannot write " + path.string() + "; is the disk full? TMPDIR names another place");
+  return fail(ErrorKind::input_output,
+              "cannot write " + path.string() + "; is the disk full? TMPDIR names another place");
 }
 
 bool sane(const ProblemHeader& h) {
@@ -79,19 +80,19 @@ Result<void> write_problem(const fs::path& path, const ProblemHeader& header, co
 Result<ProblemFile> ProblemFile::open(const fs::path& path) {
   ProblemFile problem;
   problem.file_.open(path, std::ios::binary);
-  if (!problem.file_) return fail("cannot open " + path.string());
+  if (!problem.file_) return fail(ErrorKind::input_output, "cannot open " + path.string());
   ProblemHeader& header = problem.header_;
   const bool good = get_header(problem.file_, header) && sane(header) &&
                     file_bytes(path) == static_cast<std::int64_t>(sizeof header) +
                                             matrix_bytes(3 * header.nodes, header.stiffness_entries) +
                                             matrix_bytes(header.nodes, header.mass_entries);
-  if (!good) return fail(path.string() + " is not a whole problem file of this version");
+  if (!good) return fail(ErrorKind::bad_input, path.string() + " is not a whole problem file of this version");
   return problem;
 }
 
 Result<SparseRows> ProblemFile::rows(std::int64_t offset, std::int64_t all_rows, std::int64_t entries,
                                      std::int64_t first, std::int64_t count) {
-  const auto broken = [] { return fail("the problem file holds impossible numbers"); };
+  const auto broken = [] { return fail(ErrorKind::bad_input, "the problem file holds impossible numbers"); };
   SparseRows rows;
   rows.starts.resize(static_cast<std::size_t>(count) + 1);
   if (!get(file_, offset + 8 * first, std::span(rows.starts))) return broken();
@@ -133,7 +134,7 @@ Result<void> write_modes(const fs::path& path, const ModesHeader& header, std::s
 }
 
 Result<ModesFile> read_modes(const fs::path& path, std::int64_t nodes) {
-  const auto broken = [&] { return fail(path.string() + " is not a whole file of modes"); };
+  const auto broken = [&] { return fail(ErrorKind::bad_input, path.string() + " is not a whole file of modes"); };
   std::ifstream file(path, std::ios::binary);
   ModesFile modes;
   ModesHeader& header = modes.header;

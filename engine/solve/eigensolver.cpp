@@ -54,7 +54,8 @@ Result<Eigenmodes> solve_by(Method method, const fem::System& system, const Eige
   modes->counted = *counted;
   const auto found = (modes->lambda.array() < request.highest_lambda).count();
   if (found == *counted) return modes;
-  return fail(std::to_string(*counted) + " modes were counted and " + std::to_string(found) + " found");
+  return fail(ErrorKind::refused,
+              std::to_string(*counted) + " modes were counted and " + std::to_string(found) + " found");
 }
 
 }  // namespace
@@ -68,13 +69,14 @@ int count_below(const Eigen::VectorXd& lambda, double limit) {
 }
 
 Error too_many_modes(const EigenRequest& request) {
-  return {"more than " + std::to_string(request.most_modes) +
-          " modes lie in the band; narrow the band or allow more modes"};
+  return {ErrorKind::too_large, "more than " + std::to_string(request.most_modes) +
+                                    " modes lie in the band; narrow the band or allow more modes"};
 }
 
 Error not_factored(const fem::System& system) {
-  return {"the stiffness of the mesh could not be factored (" + std::to_string(system.unknowns()) +
-          " unknowns); check the mesh for flat elements, or make it coarser if memory ran out"};
+  return {ErrorKind::bad_input,
+          "the stiffness of the mesh could not be factored (" + std::to_string(system.unknowns()) +
+              " unknowns); check the mesh for flat elements, or make it coarser if memory ran out"};
 }
 
 // K - sigma M in K's pattern (lower triangle), which holds M's.
@@ -114,11 +116,12 @@ Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& re
     modes->residuals.head(modes->rigid).setZero();
     return modes;
   } catch (const Cancelled&) {
-    return fail(std::string(kCancelled));
+    return cancelled();
   } catch (const std::bad_alloc&) {
-    return fail("not enough memory for " + std::to_string(system.unknowns()) + " unknowns; make the mesh coarser");
+    return fail(ErrorKind::no_memory,
+                "not enough memory for " + std::to_string(system.unknowns()) + " unknowns; make the mesh coarser");
   } catch (const std::exception& error) {
-    return fail(std::string("the eigensolver failed: ") + error.what());
+    return fail(ErrorKind::refused, std::string("the eigensolver failed: ") + error.what());
   }
 }
 

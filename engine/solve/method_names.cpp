@@ -28,7 +28,8 @@ Result<Method> parse_method(std::string_view name) {
   for (const Name& entry : kNames) {
     if (entry.name == name) return entry.method;
   }
-  return fail("there is no solver " + ringdown::quoted(name) + "; choose auto, dense, spectra, block or slepc");
+  return fail(ErrorKind::bad_input,
+              "there is no solver " + ringdown::quoted(name) + "; choose auto, dense, spectra, block or slepc");
 }
 
 }  // namespace ringdown::solve

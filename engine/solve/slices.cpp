@@ -192,9 +192,10 @@ Result<void> Slicer::repair(const Count& low, const Count& high) {
   }
   const int found = modes_.count(low.lambda, high.lambda);
   if (found == wanted) return {};
-  return fail(std::to_string(wanted) + " modes were counted and " + std::to_string(found) + " found between " +
-              std::to_string(hertz(low.lambda)) + " and " + std::to_string(hertz(high.lambda)) +
-              " Hz; look for needle-like elements in the mesh");
+  return fail(ErrorKind::refused, std::to_string(wanted) + " modes were counted and " + std::to_string(found) +
+                                      " found between " + std::to_string(hertz(low.lambda)) + " and " +
+                                      std::to_string(hertz(high.lambda)) +
+                                      " Hz; look for needle-like elements in the mesh");
 }
 
 Eigenmodes Slicer::result() {

@@ -83,8 +83,8 @@ Result<Eigenmodes> iterate(const fem::System& system, const EigenRequest& reques
     solver.init();
     solver.compute(Spectra::SortRule::LargestMagn, kMaxRestarts, request.tolerance, Spectra::SortRule::SmallestAlge);
     if (solver.info() != Spectra::CompInfo::Successful) {
-      return fail("the modes did not converge in " + std::to_string(kMaxRestarts) +
-                  " restarts; look for needle-like elements in the mesh");
+      return fail(ErrorKind::refused, "the modes did not converge in " + std::to_string(kMaxRestarts) +
+                                          " restarts; look for needle-like elements in the mesh");
     }
     Eigenmodes modes;
     modes.lambda = solver.eigenvalues();

@@ -204,7 +204,7 @@ TEST(Bake, CanBeCancelledInEveryStage) {
   for (const std::string_view stage : {"assemble", "factors", "modes", "finish"}) {
     const auto result = bake::bake(bar(), steel(), {}, "bar", [&](std::string_view at, double) { return at != stage; });
     ASSERT_FALSE(result) << stage;
-    EXPECT_EQ(result.error().message, kCancelled);
+    EXPECT_EQ(result.error().kind, ErrorKind::cancelled);
   }
 }
 

@@ -98,13 +98,13 @@ TEST(Tune, FollowsACurvedValley) {
 
 TEST(Tune, WalksAroundWhatCannotBeEvaluated) {
   const auto cents_of = [](const VectorXd& p) -> Result<VectorXd> {
-    if (p[0] > 0.55) return fail("no mesh");
+    if (p[0] > 0.55) return fail(ErrorKind::bad_input, "no mesh");
     return VectorXd::Constant(1, 100 * (p[0] * p[0] - 0.25));
   };
   const auto tuned = bake::tune({{"x", 0, 1, 0.05}}, cents_of, {});
   ASSERT_TRUE(tuned) << tuned.error().message;
   EXPECT_TRUE(tuned->reached);
-  const auto nowhere = [](const VectorXd&) -> Result<VectorXd> { return fail("no mesh"); };
+  const auto nowhere = [](const VectorXd&) -> Result<VectorXd> { return fail(ErrorKind::bad_input, "no mesh"); };
   const auto failed = bake::tune({{"x", 0, 1, 0.5}}, nowhere, {});
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().message, "no mesh");
@@ -119,7 +119,7 @@ TEST(Tune, StopsWhenAskedTo) {
   };
   const auto tuned = bake::tune({{"x", 0, 1, 0.5}}, cents_of, options);
   ASSERT_FALSE(tuned);
-  EXPECT_EQ(tuned.error().message, kCancelled);
+  EXPECT_EQ(tuned.error().kind, ErrorKind::cancelled);
 }
 
 TEST(Pitch, NotesHaveNumbersAndFrequencies) {

@@ -12,7 +12,7 @@ void mesh(Bytes file) {
   const auto kind = static_cast<char>(file.front());
   const Bytes rest = file.subspan(1);
   const std::string_view text(reinterpret_cast<const char*>(rest.data()), rest.size());
-  Result<ringdown::mesh::TetMesh> read = fail("");
+  Result<ringdown::mesh::TetMesh> read = fail(ErrorKind::bad_input, "");
   if (kind == 't') {
     const std::size_t end = std::min(text.find('\0'), text.size());
     read = ringdown::mesh::read_tetgen(text.substr(0, end), text.substr(std::min(end + 1, text.size())), "x");

@@ -77,7 +77,7 @@ TEST(Distributed, StopsWhenToldTo) {
       solve::solve_modes(block({4, 4, 3}), {.highest_lambda = lambda_of(60e3), .method = solve::Method::kSlepc},
                          [&](auto, double) { return ++calls < 2; });
   ASSERT_FALSE(modes);
-  EXPECT_EQ(modes.error().message, kCancelled);
+  EXPECT_EQ(modes.error().kind, ErrorKind::cancelled);
 }
 
 TEST(Distributed, MoreModesThanAllowedIsASentence) {

@@ -178,7 +178,7 @@ TEST(Eigensolver, StopsWhenToldTo) {
           return !stopped;
         });
     ASSERT_FALSE(modes);
-    EXPECT_EQ(modes.error().message, kCancelled);
+    EXPECT_EQ(modes.error().kind, ErrorKind::cancelled);
     EXPECT_EQ(calls_after, 0);
   }
 }

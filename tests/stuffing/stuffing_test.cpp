@@ -164,7 +164,7 @@ TEST(Stuffing, WhatCannotBeStuffedIsSaid) {
   }
   const auto stopped = mesh::stuff(box, {.size_m = 0.05}, [](std::string_view, double) { return false; });
   ASSERT_FALSE(stopped);
-  EXPECT_EQ(stopped.error().message, kCancelled);
+  EXPECT_EQ(stopped.error().kind, ErrorKind::cancelled);
 }
 
 TEST(Stuffing, NamesTheFinestSizeThatFits) {

@@ -27,7 +27,7 @@ BankTransfer::Outcome outcome_of(BankTransfer& transfer) {
   for (int i = 0; i < 6000 && !(outcome = transfer.outcome()); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  return outcome.value_or(fail("no outcome"));
+  return outcome.value_or(fail(ErrorKind::bad_input, "no outcome"));
 }
 
 class Transfer : public testing::Test {

@@ -29,8 +29,9 @@ Result<void> choose_folder(const CLI::App& app, const std::filesystem::path& inp
   const bool is_folder = std::filesystem::is_directory(input, error);
   for (const char* name : is_folder ? kForOne : kForFolders) {
     if (app.count(name) == 0) continue;
-    return fail(std::string(name) + " is for " + (is_folder ? "one input, and " : "a folder, and ") + input.string() +
-                (is_folder ? " is a folder" : " is none"));
+    return fail(ErrorKind::bad_input, std::string(name) + " is for " +
+                                          (is_folder ? "one input, and " : "a folder, and ") + input.string() +
+                                          (is_folder ? " is a folder" : " is none"));
   }
   if (is_folder) request.folder = input;
   return {};

@@ -36,7 +36,7 @@ Result<std::vector<fs::path>> files_below(const fs::path& folder) {
     std::error_code gone;
     if (!hidden && entry->is_regular_file(gone)) files.push_back(entry->path());
   }
-  if (error) return fail("cannot read the folder " + folder.string() + ": " + error.message());
+  if (error) return fail(ErrorKind::bad_input, "cannot read the folder " + folder.string() + ": " + error.message());
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -94,8 +94,9 @@ Result<FolderContent> content_of(const FolderQuestion& question) {
   }
   for (auto& [name, job] : jobs) content.jobs.push_back(std::move(job));
   if (!content.jobs.empty()) return content;
-  return fail("there are no objects in " + question.folder.string() +
-              (content.shapes_without > 0 ? "; --material bakes the shapes that lie there without one" : ""));
+  return fail(ErrorKind::bad_input,
+              "there are no objects in " + question.folder.string() +
+                  (content.shapes_without > 0 ? "; --material bakes the shapes that lie there without one" : ""));
 }
 
 }  // namespace ringdown::cli

@@ -113,7 +113,7 @@ Result<void> read_settings(const char* option, const std::vector<std::string>& s
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
     if (equals == 0 || text.empty() || *end != '\0')
-      return fail(std::string(option) + " wants NAME=NUMBER, not '" + setting + "'");
+      return fail(ErrorKind::bad_input, std::string(option) + " wants NAME=NUMBER, not '" + setting + "'");
     parameters[setting.substr(0, equals)] = value;
   }
   return {};
@@ -126,7 +126,8 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
     if (!object) return object;
     recipe = std::move(*object);
   } else {
-    if (!arguments.material) return fail("name a material for " + input.string() + " with --material");
+    if (!arguments.material)
+      return fail(ErrorKind::bad_input, "name a material for " + input.string() + " with --material");
     recipe.name = input.stem().string();
     recipe.geometry = input;
   }

@@ -26,11 +26,11 @@ std::optional<std::pair<std::string, std::string>> range_in(const std::string& t
 Result<bake::TuneVariable> variable_in(const std::string& text) {
   const std::string wanted = "--vary wants NAME:LOW..HIGH with LOW below HIGH, not '" + text + "'";
   const std::size_t colon = text.find(':');
-  if (colon == std::string::npos || colon == 0) return fail(wanted);
+  if (colon == std::string::npos || colon == 0) return fail(ErrorKind::bad_input, wanted);
   const auto ends = range_in(text.substr(colon + 1));
-  if (!ends) return fail(wanted);
+  if (!ends) return fail(ErrorKind::bad_input, wanted);
   const auto low = number_in(ends->first), high = number_in(ends->second);
-  if (!low || !high || !(*low < *high)) return fail(wanted);
+  if (!low || !high || !(*low < *high)) return fail(ErrorKind::bad_input, wanted);
   return bake::TuneVariable{text.substr(0, colon), *low, *high, 0.5 * (*low + *high)};
 }
 
@@ -41,7 +41,7 @@ Result<AskedTarget> target_in(const std::string& text) {
       text + "'";
   AskedTarget target;
   const std::size_t colon = text.find(':'), equals = text.find('=');
-  if (equals == std::string::npos) return fail(wanted);
+  if (equals == std::string::npos) return fail(ErrorKind::bad_input, wanted);
   std::size_t begin = 0;
   if (colon < equals) {
     const Result<bake::ModeFamily> family = bake::parse_family(text.substr(0, colon));
@@ -50,7 +50,7 @@ Result<AskedTarget> target_in(const std::string& text) {
     begin = colon + 1;
   }
   const auto mode = number_in(text.substr(begin, equals - begin));
-  if (!mode || !(*mode >= 1 && *mode <= 1000) || *mode != std::floor(*mode)) return fail(wanted);
+  if (!mode || !(*mode >= 1 && *mode <= 1000) || *mode != std::floor(*mode)) return fail(ErrorKind::bad_input, wanted);
   target.mode = static_cast<int>(*mode);
 
   std::string value = text.substr(equals + 1);
@@ -67,7 +67,7 @@ Result<AskedTarget> target_in(const std::string& text) {
     value.pop_back();
   }
   const auto number = number_in(value);
-  if (!number || !(*number > 0)) return fail(wanted);
+  if (!number || !(*number > 0)) return fail(ErrorKind::bad_input, wanted);
   target.value = *number;
   return target;
 }
@@ -77,7 +77,7 @@ Result<void> read_scale(const std::string& text, TuneArguments& arguments) {
   const auto low = ends ? note_number(ends->first) : std::nullopt,
              high = ends ? note_number(ends->second) : std::nullopt;
   if (!low || !high || *low > *high)
-    return fail("--scale wants two notes, the lower first, such as F3..F6, not '" + text + "'");
+    return fail(ErrorKind::bad_input, "--scale wants two notes, the lower first, such as F3..F6, not '" + text + "'");
   arguments.is_scale = true;
   arguments.lowest_note = *low;
   arguments.highest_note = *high;
@@ -130,7 +130,7 @@ Result<void> read_words(const TuneWords& words, TuneArguments& arguments) {
   for (const std::string& text : words.settings) {
     const std::size_t equals = text.find('=');
     const auto value = equals == std::string::npos ? std::nullopt : number_in(text.substr(equals + 1));
-    if (!value || equals == 0) return fail("--set wants NAME=NUMBER, not '" + text + "'");
+    if (!value || equals == 0) return fail(ErrorKind::bad_input, "--set wants NAME=NUMBER, not '" + text + "'");
     arguments.settings[text.substr(0, equals)] = *value;
   }
   if (!words.scale.empty()) {
@@ -140,10 +140,10 @@ Result<void> read_words(const TuneWords& words, TuneArguments& arguments) {
     const Result<AskedTarget> target = target_in(text);
     if (!target) return fail(target.error());
     if (target->kind == AskedTarget::Kind::kNote && !arguments.is_scale) {
-      return fail("the value 'note' is a scale's; name the scale with --scale");
+      return fail(ErrorKind::bad_input, "the value 'note' is a scale's; name the scale with --scale");
     }
     if (target->kind == AskedTarget::Kind::kMultiple && arguments.targets.empty()) {
-      return fail("the first --target cannot be a multiple of the first");
+      return fail(ErrorKind::bad_input, "the first --target cannot be a multiple of the first");
     }
     arguments.targets.push_back(*target);
   }

@@ -112,7 +112,8 @@ Result<modal::Bank> bank_of(const fit::Fit& found, const Arguments& arguments) {
   const Result<modal::Bank> bank = modal::read_bank(arguments.damping_of);
   if (!bank) return bank;
   const Result<fit::Calibration> calibration = fit::calibrate(found.modes, *bank, arguments.match);
-  if (!calibration) return fail(arguments.input.string() + ": " + calibration.error().message);
+  if (!calibration)
+    return fail(calibration.error().kind, arguments.input.string() + ": " + calibration.error().message);
   cli::print_calibration(found, *bank, *calibration);
   return fit::with_damping(*bank, calibration->damping);
 }

@@ -11,13 +11,14 @@ namespace ringdown::cli {
 Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> channel) {
   SF_INFO info{};
   const std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> file(sf_open(path.c_str(), SFM_READ, &info), sf_close);
-  if (!file) return fail("cannot read " + path.string() + " as a sound: " + sf_strerror(nullptr));
+  if (!file) return fail(ErrorKind::bad_input, "cannot read " + path.string() + " as a sound: " + sf_strerror(nullptr));
   if (channel && (*channel < 1 || *channel > info.channels)) {
-    return fail(path.string() + " has channels 1 to " + std::to_string(info.channels) + ", and no channel " +
-                std::to_string(*channel));
+    return fail(ErrorKind::bad_input, path.string() + " has channels 1 to " + std::to_string(info.channels) +
+                                          ", and no channel " + std::to_string(*channel));
   }
   if (info.frames < 1 || info.frames > kMaxSound_s * info.samplerate) {
-    return fail(path.string() + " is empty or longer than ten minutes; cut out the one blow that matters");
+    return fail(ErrorKind::bad_input,
+                path.string() + " is empty or longer than ten minutes; cut out the one blow that matters");
   }
   Sound sound{static_cast<double>(info.samplerate), info.channels, {}};
   constexpr sf_count_t kBlock = 4096;

@@ -94,7 +94,7 @@ Pencil read_pencil(const char* path) {
   static_assert(sizeof(PetscInt) == 4, "PETSc with 32-bit indices is expected");
   int rank = 0;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  Result<ProblemFile> file = rank == 0 ? ProblemFile::open(path) : fail("not the first process");
+  Result<ProblemFile> file = rank == 0 ? ProblemFile::open(path) : fail(ErrorKind::refused, "not the first process");
   if (rank == 0 && !file) give_up(file.error().message);
 
   Pencil pencil;

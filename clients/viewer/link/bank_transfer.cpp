@@ -21,7 +21,8 @@ std::string name_of(const BankTransfer::Subject& subject) { return "the bank of 
 BankTransfer::Outcome read(std::span<const std::byte> file, const BankTransfer::Subject& subject) {
   const std::string name = name_of(subject);
   if (ContentHasher().bytes(file).hash().text() != subject.content) {
-    return fail(name + " is not the one that the daemon plays: its file was changed; load it again");
+    return fail(ErrorKind::refused,
+                name + " is not the one that the daemon plays: its file was changed; load it again");
   }
   Result<modal::Bank> bank = modal::parse_bank(file, name);
   if (!bank) return fail(bank.error());

@@ -196,8 +196,10 @@ void SceneRenderer::State::draw_last(bool outlined) const {
 Result<SceneRenderer> SceneRenderer::create() {
   if (!epoxy_is_desktop_gl() || epoxy_gl_version() < 33) {
     const auto* version = reinterpret_cast<const char*>(glGetString(GL_VERSION));
-    return fail(std::string("the scene is drawn with OpenGL 3.3 or newer, but this driver offers '") +
-                (version ? version : "nothing") + "'; use a newer driver, or Mesa's own with LIBGL_ALWAYS_SOFTWARE=1");
+    return fail(ErrorKind::refused,
+                std::string("the scene is drawn with OpenGL 3.3 or newer, but this driver offers '") +
+                    (version ? version : "nothing") +
+                    "'; use a newer driver, or Mesa's own with LIBGL_ALWAYS_SOFTWARE=1");
   }
   Result<Programs> programs = link_programs();
   if (!programs) return fail(programs.error());

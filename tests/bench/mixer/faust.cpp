@@ -19,8 +19,8 @@ constexpr double kLimit_s = 300;
 Result<void> run(const std::vector<std::string>& command) {
   const auto done = run_child({.command = command, .limit_s = kLimit_s});
   if (!done) return fail(done.error());
-  if (done->out_of_time) return fail(command[0] + " took too long");
-  if (done->exit_code != 0) return fail(command[0] + ": " + last_line(done->errors));
+  if (done->out_of_time) return fail(ErrorKind::refused, command[0] + " took too long");
+  if (done->exit_code != 0) return fail(ErrorKind::refused, command[0] + ": " + last_line(done->errors));
   return {};
 }
 
@@ -55,7 +55,8 @@ Result<FaustCode> FaustCode::compile(int vector_size, const fs::path& folder) {
   const auto path = compiled(vector_size, folder);
   if (!path) return fail(path.error());
   void* library = ::dlopen(path->c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) return fail("cannot load what g++ made of Faust's code: " + std::string(::dlerror()));
+  if (library == nullptr)
+    return fail(ErrorKind::refused, "cannot load what g++ made of Faust's code: " + std::string(::dlerror()));
   FaustCode code;
   code.name_ = "faust -vec -vs " + std::to_string(vector_size);
   code.library_ = {library, [](void* loaded) { ::dlclose(loaded); }};

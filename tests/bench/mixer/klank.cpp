@@ -42,11 +42,11 @@ Result<KlankRun> run_klank(std::size_t modes, std::size_t block, double seconds,
                              "-i", "0", "-o", "1", "-z", std::to_string(block), "-D", "0"},
                  .limit_s = kLimit_s});
   if (!done) return fail(done.error());
-  if (done->exit_code != 0) return fail("scsynth: " + last_line(done->errors));
+  if (done->exit_code != 0) return fail(ErrorKind::refused, "scsynth: " + last_line(done->errors));
   const bool sounds = rings(sound);
   std::error_code ignored;
   fs::remove(sound, ignored);
-  if (!sounds) return fail("scsynth gave no sound");
+  if (!sounds) return fail(ErrorKind::refused, "scsynth gave no sound");
   return KlankRun{done->processor_s, done->peak_mib * 1024 * 1024};
 }
 

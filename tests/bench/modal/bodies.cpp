@@ -55,7 +55,7 @@ Result<Body> find_body(const std::string& name) {
     if (body.name == name) return std::move(body);
     known += " " + body.name;
   }
-  return fail("there is no body " + name + "; there are" + known);
+  return fail(ErrorKind::bad_input, "there is no body " + name + "; there are" + known);
 }
 
 Result<fem::Elastic> elastic_of(const Body& body) {
@@ -68,11 +68,11 @@ Result<fem::Elastic> elastic_of(const Body& body) {
 Result<mesh::TetMesh> mesh_of(const Body& body, const std::string& mesh, int order) {
   test::Cells cells;
   if (std::sscanf(mesh.c_str(), "%dx%dx%d", &cells.x, &cells.y, &cells.z) == 3) {
-    if (body.box_m.isZero()) return fail(body.name + " is no box, which cells are for");
+    if (body.box_m.isZero()) return fail(ErrorKind::bad_input, body.name + " is no box, which cells are for");
     return mesh::to_order(test::box_mesh(cells, body.box_m), order);
   }
   const double size_mm = std::atof(mesh.c_str());
-  if (!(size_mm > 0)) return fail("a mesh is cells like 4x3x2, or a length in mm, not " + mesh);
+  if (!(size_mm > 0)) return fail(ErrorKind::bad_input, "a mesh is cells like 4x3x2, or a length in mm, not " + mesh);
   const auto read = mesh::read_with_gmsh(
       body.geometry,
       {.unit_m = kMillimetre, .mesh_size_m = size_mm * kMillimetre, .order = order, .parameters = body.parameters});

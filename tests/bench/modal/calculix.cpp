@@ -83,7 +83,7 @@ fem::SparseMatrix calculix_mass(const mesh::TetMesh& mesh, double density_kg_m3)
 Result<CalculixRun> run_calculix(const mesh::TetMesh& mesh, const fem::Elastic& elastic, int modes, double limit_s) {
   const PrivateFolder folder("ringdown-ccx");
   if (folder.path().empty() || !write_deck(folder.path() / "body.inp", mesh, elastic, modes)) {
-    return fail("cannot write CalculiX's input below " + fs::temp_directory_path().string());
+    return fail(ErrorKind::input_output, "cannot write CalculiX's input below " + fs::temp_directory_path().string());
   }
   std::string said;
   const auto run = run_child({.command = {"ccx", "body"},
@@ -92,12 +92,13 @@ Result<CalculixRun> run_calculix(const mesh::TetMesh& mesh, const fem::Elastic& 
                               .limit_s = limit_s,
                               .on_line = [&](std::string_view line) { said.append(line).append("\n"); }});
   if (!run) return fail(run.error());
-  if (run->out_of_time) return fail("CalculiX took longer than its limit");
+  if (run->out_of_time) return fail(ErrorKind::refused, "CalculiX took longer than its limit");
   CalculixRun done{read_table(folder.path() / "body.dat"), run->seconds, run->processor_s, run->peak_mib};
   std::sort(done.frequencies_hz.begin(), done.frequencies_hz.end());
   if (run->exit_code != 0 || done.frequencies_hz.size() < static_cast<std::size_t>(modes)) {
-    return fail("CalculiX found " + std::to_string(done.frequencies_hz.size()) + " modes and ended with exit code " +
-                std::to_string(run->exit_code) + ": " + last_line(said));
+    return fail(ErrorKind::refused, "CalculiX found " + std::to_string(done.frequencies_hz.size()) +
+                                        " modes and ended with exit code " + std::to_string(run->exit_code) + ": " +
+                                        last_line(said));
   }
   return done;
 }

@@ -62,7 +62,8 @@ Result<Measurement> from_lines(const std::string& text, const Spec& spec) {
     const std::size_t blank = line.find(' ');
     if (blank != std::string::npos) values[line.substr(0, blank)] = line.substr(blank + 1);
   }
-  if (!values.contains("status") || !values.contains("ratio")) return fail("said nothing of what it measured");
+  if (!values.contains("status") || !values.contains("ratio"))
+    return fail(ErrorKind::refused, "said nothing of what it measured");
   const auto number_of = [&](const char* name) { return std::atof(values[name].c_str()); };
   Measurement m{.spec = spec};
   m.status = static_cast<Status>(std::clamp(static_cast<int>(number_of("status")), 0, 3));

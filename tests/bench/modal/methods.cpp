@@ -109,7 +109,7 @@ Result<Outcome> solve_assembled(const Spec& spec, const Problem& problem, double
 }
 
 Result<Outcome> solve_by_calculix(const Spec& spec, const Problem& problem, double limit_s) {
-  if (problem.element != fem::Element::kTet10) return fail("CalculiX is asked for C3D10 only");
+  if (problem.element != fem::Element::kTet10) return fail(ErrorKind::bad_input, "CalculiX is asked for C3D10 only");
   const auto run = run_calculix(problem.mesh, problem.elastic, spec.expected, limit_s);
   if (!run) return fail(run.error());
   Outcome outcome;
