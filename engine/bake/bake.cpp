@@ -221,7 +221,7 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
 
   BodyModes body = on_surface(*modes, task.surface);
   watch.lap();
-  if (progress && !progress("errors", 0)) return cancelled();
+  if (progress && !progress("errors", 0)) return fail_cancelled();
   Result<Eigen::VectorXd> errors =
       fem::frequency_errors(task.unit_mesh, elastic, body.lambda, modes->shapes.rightCols(body.lambda.size()));
   if (!errors) return fail(errors.error());
@@ -282,7 +282,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   const double highest_lambda = modal::highest_lambda_in_band(options.band_high_hz, material.damping);
   if (!(highest_lambda > 0))
     return fail(ErrorKind::bad_input, material.name + " is damped so strongly that nothing of it rings");
-  if (progress && !progress("assemble", 0)) return cancelled();
+  if (progress && !progress("assemble", 0)) return fail_cancelled();
   Baked baked;
   auto& [bank, report] = baked;
 
@@ -300,7 +300,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   report.rigid = modes->rigid;
 
   Stopwatch watch;
-  if (progress && !progress("finish", 0)) return cancelled();
+  if (progress && !progress("finish", 0)) return fail_cancelled();
   const Result<mesh::Surface> points = mesh::decimate(task.surface, mesh.nodes, options.most_points);
   if (!points) return fail(points.error().kind, name + ": " + points.error().message);
   const std::vector<HeardMode> heard =

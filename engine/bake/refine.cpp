@@ -112,7 +112,7 @@ class Baker {
     if (auto stuffed = plan_stuffing(); !stuffed) return stuffed;
     const bool named = recipe_.meshing.mesh_size_m > 0 || mesh::names_mesh_size(recipe_.geometry);
     if (!reader_.meshes() || (named && !recipe_.preview)) return {};
-    if (!go_on("mesh", 0)) return cancelled();
+    if (!go_on("mesh", 0)) return fail_cancelled();
     const Result<mesh::TriangleMesh> sketch = reader_.sketch(recipe_.meshing);
     if (!sketch) return fail(sketch.error());
     const BodyShape shape = measure_shape(*sketch, mesh::wall_thickness(*sketch));
@@ -133,7 +133,7 @@ class Baker {
   // Stuffing follows walls with many small straight elements: too many for a high order.
   Result<void> plan_stuffing() {
     if (!reader_.is_surface()) return {};
-    if (!go_on("mesh", 0)) return cancelled();
+    if (!go_on("mesh", 0)) return fail_cancelled();
     const Result<const mesh::PreparedSurface*> surface = reader_.surface(recipe_.meshing);
     if (!surface) return fail(surface.error());
     if (!(*surface)->left.sound() && fem::order_of(recipe_.options.element) > 2) set_order(2);
@@ -141,7 +141,7 @@ class Baker {
   }
 
   Result<void> mesh() {
-    if (!go_on("mesh", 0)) return cancelled();
+    if (!go_on("mesh", 0)) return fail_cancelled();
     const auto start = std::chrono::steady_clock::now();
     Result<mesh::Body> body = reader_.read(
         recipe_.meshing, [this](std::string_view stage, double fraction) { return go_on(stage, fraction); });

@@ -65,19 +65,17 @@ class Tuner {
   static double worst(const VectorXd& cents) { return cents.size() == 0 ? 0 : cents.cwiseAbs().maxCoeff(); }
 
   Result<VectorXd> evaluate(const VectorXd& at) {
-    if (options_.stopped && options_.stopped()) return cancelled();
+    if (options_.stopped && options_.stopped()) return fail_cancelled();
     ++evaluations_;
     return cents_of_(low_ + range_.cwiseProduct(at));
   }
-
-  [[nodiscard]] bool cancelled() const { return options_.stopped && options_.stopped(); }
 
   Result<void> measure_slopes() {
     MatrixXd slopes(cents_.size(), at_.size());
     for (Index i = 0; i < at_.size(); ++i) {
       const double inward = at_[i] > 0.5 ? -options_.probe : options_.probe;
       std::optional<VectorXd> column;
-      std::string why;
+      Error why{ErrorKind::bad_input, ""};
       for (const double probe : {inward, -inward}) {
         VectorXd near = at_;
         near[i] = std::clamp(near[i] + probe, 0.0, 1.0);
@@ -87,10 +85,10 @@ class Tuner {
           column = (*cents - cents_) / (near[i] - at_[i]);
           break;
         }
-        if (cancelled()) return fail(cents.error());
-        why = cents.error().message;
+        if (cents.error().kind == ErrorKind::cancelled) return fail(cents.error());
+        why = cents.error();
       }
-      if (!column) return fail(ErrorKind::bad_input, why);
+      if (!column) return fail(why);
       slopes.col(i) = *column;
     }
     slopes_ = std::move(slopes);
@@ -131,7 +129,7 @@ class Tuner {
       if (move.cwiseAbs().maxCoeff() < kMinStep) return false;
       const Result<VectorXd> cents = evaluate(at_ + move);
       if (!cents) {
-        if (cancelled()) return fail(cents.error());
+        if (cents.error().kind == ErrorKind::cancelled) return fail(cents.error());
         damping_ *= 10;
         continue;
       }

@@ -12,6 +12,6 @@ namespace ringdown {
 // Return false to stop: the work then fails with ErrorKind::cancelled.
 using Progress = std::function<bool(std::string_view stage, double fraction)>;
 
-[[nodiscard]] inline tl::unexpected<Error> cancelled() { return fail(ErrorKind::cancelled, "cancelled"); }
+[[nodiscard]] inline tl::unexpected<Error> fail_cancelled() { return fail(ErrorKind::cancelled, "cancelled"); }
 
 }  // namespace ringdown

@@ -326,7 +326,7 @@ Result<Stuffed> stuff(const Solid& solid, const StuffOptions& options, const Pro
   }
   const Vector3d origin = (solid.low + solid.high - size * cubes) / 2;
   Stuffing stuffing(solid, BccLattice(origin, size, cubes.cast<int>()), options.threads, progress);
-  if (!stuffing.run()) return cancelled();
+  if (!stuffing.run()) return fail_cancelled();
   Stuffed stuffed;
   stuffed.mesh = stuffing.take();
   const Trimmed trimmed = keep_sound_parts(stuffed.mesh, kCrumb);

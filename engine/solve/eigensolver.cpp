@@ -116,7 +116,7 @@ Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& re
     modes->residuals.head(modes->rigid).setZero();
     return modes;
   } catch (const Cancelled&) {
-    return cancelled();
+    return fail_cancelled();
   } catch (const std::bad_alloc&) {
     return fail(ErrorKind::no_memory,
                 "not enough memory for " + std::to_string(system.unknowns()) + " unknowns; make the mesh coarser");

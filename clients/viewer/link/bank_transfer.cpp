@@ -46,10 +46,11 @@ std::future<BankTransfer::Outcome> read_apart(std::vector<std::byte> file, BankT
 
 BankTransfer::BankTransfer(Subject subject) : subject_(std::move(subject)) {
   if (subject_.bytes <= 0) {
-    fault_ = name_of(subject_) + " is empty";
+    fault_ = Error{ErrorKind::bad_input, name_of(subject_) + " is empty"};
   } else if (static_cast<std::size_t>(subject_.bytes) > kMaxBytes) {
-    fault_ = name_of(subject_) + " has " + std::to_string(subject_.bytes) + " bytes; no more than " +
-             std::to_string(kMaxBytes) + " are fetched to be shown";
+    fault_ = Error{ErrorKind::too_large, name_of(subject_) + " has " + std::to_string(subject_.bytes) +
+                                             " bytes; no more than " + std::to_string(kMaxBytes) +
+                                             " are fetched to be shown"};
   } else {
     file_.resize(static_cast<std::size_t>(subject_.bytes));
   }
@@ -85,7 +86,7 @@ void BankTransfer::take(const protocol::BankReply& piece) {
 }
 
 void BankTransfer::refuse(std::string sentence) {
-  fault_ = std::move(sentence);
+  fault_ = Error{ErrorKind::refused, std::move(sentence)};
   refused_ = true;
 }
 

@@ -70,7 +70,7 @@ class BankTransfer {
   std::map<std::uint32_t, double> asked_at_s_;  // by offset
   std::uint32_t next_offset_ = 0;               // of the first piece that was never asked for
   std::size_t received_bytes_ = 0;
-  std::optional<std::string> fault_;
+  std::optional<Error> fault_;
   bool refused_ = false;
   std::future<Outcome> reading_;
 };
