@@ -67,7 +67,7 @@ inline Value to_value(std::uint32_t member) { return static_cast<std::int32_t>(m
 inline Value to_value(bool member) { return std::int32_t{member}; }
 inline Value to_value(const std::string& member) { return member; }
 inline Value to_value(const ObjectRef& member) { return member; }
-inline Value to_value(const Blob& member) { return member; }
+inline Value to_value(const wire::Blob& member) { return member; }
 template <class T>
 Value to_value(const std::optional<T>& member) {
   return member ? to_value(*member) : Value();
@@ -81,7 +81,7 @@ inline void assign(std::uint32_t& member, const Value& value) {
 inline void assign(bool& member, const Value& value) { member = std::get<std::int32_t>(value) != 0; }
 inline void assign(std::string& member, const Value& value) { member = std::get<std::string>(value); }
 inline void assign(ObjectRef& member, const Value& value) { member = std::get<ObjectRef>(value); }
-inline void assign(Blob& member, const Value& value) { member = std::get<Blob>(value); }
+inline void assign(wire::Blob& member, const Value& value) { member = std::get<wire::Blob>(value); }
 template <class T>
 void assign(std::optional<T>& member, const Value& value) {
   if (std::holds_alternative<std::monostate>(value)) return member.reset();
@@ -142,7 +142,7 @@ Columns<Any> optional(Columns<Any> columns) {
 
 // The message that carries `any`, which is the row's struct.
 template <class Any>
-Message format_row(const Row<Any>& row, const Any& any);
+wire::Message format_row(const Row<Any>& row, const Any& any);
 
 template <class Any, class Struct>
 Row<Any> make_row(std::string_view address, std::string_view sentence, std::initializer_list<Columns<Any>> groups,

@@ -27,7 +27,7 @@ class RecordReader {
     check(spec, value);
     return value;
   }
-  void check(const ArgumentSpec& spec, const Argument& value) {
+  void check(const ArgumentSpec& spec, const wire::Argument& value) {
     if (const auto good = convert(spec, value); !good && complaint_.empty()) {
       complaint_ = "(" + std::string(spec.name) + ") " + good.error().message;
     }
@@ -60,7 +60,7 @@ BulkStrike read(RecordReader& record) {
   return read;
 }
 
-void append(Blob& bytes, std::int32_t value) {
+void append(wire::Blob& bytes, std::int32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) {
     bytes.push_back(static_cast<std::byte>(static_cast<std::uint32_t>(value) >> shift));
   }
@@ -68,7 +68,7 @@ void append(Blob& bytes, std::int32_t value) {
 
 }  // namespace
 
-Result<std::vector<BulkStrike>> decode_strikes(const Blob& records) {
+Result<std::vector<BulkStrike>> decode_strikes(const wire::Blob& records) {
   std::vector<BulkStrike> strikes;
   strikes.reserve(records.size() / kBytesPerStrike);
   for (std::size_t at = 0; at + kBytesPerStrike <= records.size(); at += kBytesPerStrike) {
@@ -81,8 +81,8 @@ Result<std::vector<BulkStrike>> decode_strikes(const Blob& records) {
   return strikes;
 }
 
-Blob encode_strikes(std::span<const BulkStrike> strikes) {
-  Blob bytes;
+wire::Blob encode_strikes(std::span<const BulkStrike> strikes) {
+  wire::Blob bytes;
   for (const BulkStrike& strike : strikes) {
     append(bytes, static_cast<std::int32_t>(strike.object));
     append(bytes, strike.vertex ? static_cast<std::int32_t>(*strike.vertex) : kNoVertex);

@@ -7,7 +7,7 @@
 
 #include "engine/base/result.h"
 #include "engine/base/vec3.h"
-#include "protocol/message.h"
+#include "protocol/wire/message.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -31,8 +31,8 @@ struct BulkStrike {
 
 // Every number is checked against the ranges of /object/{object}/strike and strike_vertex. An error names the record,
 // from 1, and the argument.
-Result<std::vector<BulkStrike>> decode_strikes(const Blob& records);
+Result<std::vector<BulkStrike>> decode_strikes(const wire::Blob& records);
 
-Blob encode_strikes(std::span<const BulkStrike> strikes);
+wire::Blob encode_strikes(std::span<const BulkStrike> strikes);
 
 }  // namespace ringdown::protocol

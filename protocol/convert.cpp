@@ -19,8 +19,8 @@ std::string shown(double value) {
   if (std::isinf(value)) return value > 0 ? "infinite" : "minus infinite";
   return number_text(value);
 }
-std::string shown(const Blob& blob) { return "a blob of " + std::to_string(blob.size()) + " bytes"; }
-std::string shown(const Argument& argument) {
+std::string shown(const wire::Blob& blob) { return "a blob of " + std::to_string(blob.size()) + " bytes"; }
+std::string shown(const wire::Argument& argument) {
   return std::visit([](const auto& value) { return shown(value); }, argument);
 }
 
@@ -29,7 +29,7 @@ tl::unexpected<Error> refuse(const ArgumentSpec& spec, const std::string& what) 
 }
 
 // An int64 above 2^53 loses digits here, but is outside every range of the table anyway.
-std::optional<double> as_number(const Argument& argument) {
+std::optional<double> as_number(const wire::Argument& argument) {
   if (const auto* value = std::get_if<std::int32_t>(&argument)) return *value;
   if (const auto* value = std::get_if<std::int64_t>(&argument)) return static_cast<double>(*value);
   if (const auto* value = std::get_if<float>(&argument)) return *value;
@@ -37,7 +37,7 @@ std::optional<double> as_number(const Argument& argument) {
   return std::nullopt;
 }
 
-Result<Value> convert_number(const ArgumentSpec& spec, const Argument& argument) {
+Result<Value> convert_number(const ArgumentSpec& spec, const wire::Argument& argument) {
   const std::optional<double> number = as_number(argument);
   const bool inside = number && *number >= spec.least && *number <= spec.most;  // false for NaN
   if (!inside) return refuse(spec, shown(argument));
@@ -46,7 +46,7 @@ Result<Value> convert_number(const ArgumentSpec& spec, const Argument& argument)
   return Value(static_cast<std::int32_t>(*number));
 }
 
-Result<Value> convert_object(const ArgumentSpec& spec, const Argument& argument) {
+Result<Value> convert_object(const ArgumentSpec& spec, const wire::Argument& argument) {
   if (const std::optional<double> number = as_number(argument)) {
     const bool fits = *number >= 0 && *number <= kMaxNumber && *number == std::floor(*number);
     if (!fits) return refuse(spec, shown(argument));
@@ -61,7 +61,7 @@ Result<Value> convert_object(const ArgumentSpec& spec, const Argument& argument)
   return Value(std::move(*object));
 }
 
-Result<Value> convert_text(const ArgumentSpec& spec, const Argument& argument) {
+Result<Value> convert_text(const ArgumentSpec& spec, const wire::Argument& argument) {
   const auto* text = std::get_if<std::string>(&argument);
   if (!text) return refuse(spec, (as_number(argument) ? "the number " : "") + shown(argument));
   if (spec.type == ValueType::any_text) return Value(*text);
@@ -73,8 +73,8 @@ Result<Value> convert_text(const ArgumentSpec& spec, const Argument& argument) {
   return Value(*text);
 }
 
-Result<Value> convert_blob(const ArgumentSpec& spec, const Argument& argument) {
-  const auto* blob = std::get_if<Blob>(&argument);
+Result<Value> convert_blob(const ArgumentSpec& spec, const wire::Argument& argument) {
+  const auto* blob = std::get_if<wire::Blob>(&argument);
   const auto bytes = static_cast<std::size_t>(spec.least), most = static_cast<std::size_t>(spec.most);
   const bool good = blob && !blob->empty() && blob->size() % bytes == 0 && blob->size() / bytes <= most;
   if (!good) return refuse(spec, shown(argument));
@@ -83,7 +83,7 @@ Result<Value> convert_blob(const ArgumentSpec& spec, const Argument& argument) {
 
 }  // namespace
 
-Result<Value> convert(const ArgumentSpec& spec, const Argument& argument) {
+Result<Value> convert(const ArgumentSpec& spec, const wire::Argument& argument) {
   switch (spec.type) {
     case ValueType::number:
     case ValueType::integer:
@@ -139,7 +139,7 @@ std::string value_text(const Value& value) {
   if (const auto* integer = std::get_if<std::int32_t>(&value)) return std::to_string(*integer);
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
   if (const auto* object = std::get_if<ObjectRef>(&value)) return to_text(*object);
-  if (const auto* blob = std::get_if<Blob>(&value)) return std::to_string(blob->size()) + " bytes";
+  if (const auto* blob = std::get_if<wire::Blob>(&value)) return std::to_string(blob->size()) + " bytes";
   return std::string(kNoObject);
 }
 

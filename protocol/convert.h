@@ -6,7 +6,7 @@
 namespace ringdown::protocol {
 
 // The checked value, or what is wrong: "is 0.5; it must be a whole number from 0 to 16777215".
-Result<Value> convert(const ArgumentSpec& spec, const Argument& argument);
+Result<Value> convert(const ArgumentSpec& spec, const wire::Argument& argument);
 
 // What the spec accepts: "a number from 0 to 0.1 s".
 std::string expectation(const ArgumentSpec& spec);

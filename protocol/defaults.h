@@ -24,9 +24,6 @@ inline constexpr double kDefaultRingAmplitude = 0.1;
 // What one message carries: bytes of a bank file, frames of sound, amplitudes of modes.
 inline constexpr std::uint32_t kMaxBankBytes = 8192, kMaxSoundFrames = 256, kMaxModeAmplitudes = 512;
 
-// Touches of an object; those from kFirstSceneTouch on are an embedded scene's.
-inline constexpr std::uint32_t kMaxTouches = 16, kFirstSceneTouch = 8;
-
 // Audio inputs that may excite objects.
 inline constexpr std::uint32_t kMaxInputs = 4;
 

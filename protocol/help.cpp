@@ -86,7 +86,7 @@ std::string reply_section(const AddressSpec& spec) {
 }
 
 // An argument for oscsend: its type letter and its word. Numbers go as f, as most clients send them.
-std::pair<char, std::string> as_word(const Argument& argument) {
+std::pair<char, std::string> as_word(const wire::Argument& argument) {
   if (const auto* text = std::get_if<std::string>(&argument)) return {'s', *text};
   if (const auto* integer = std::get_if<std::int32_t>(&argument)) return {'i', std::to_string(*integer)};
   return {'f', number_text(std::get<double>(argument))};
@@ -127,8 +127,8 @@ std::string markdown() {
 
 std::string oscsend_command(const AddressSpec& spec) {
   std::string types, words;
-  for (const Argument& argument : spec.example.arguments) {
-    if (std::holds_alternative<Blob>(argument)) return "";
+  for (const wire::Argument& argument : spec.example.arguments) {
+    if (std::holds_alternative<wire::Blob>(argument)) return "";
     const auto [type, word] = as_word(argument);
     types += type;
     words += " " + word;

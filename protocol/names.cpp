@@ -1,23 +1,8 @@
 #include "protocol/names.h"
 
-#include <algorithm>
 #include <charconv>
 
 namespace ringdown::protocol {
-namespace {
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-bool is_name_character(char c) {
-  return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '.' || c == '-';
-}
-
-}  // namespace
-
-bool is_object_name(std::string_view text) {
-  return !text.empty() && text.size() <= kMaxName && text != kNoObject &&
-         std::ranges::all_of(text, is_name_character) && !std::ranges::all_of(text, is_digit);
-}
 
 Result<ObjectRef> parse_object(std::string_view text) {
   if (is_object_name(text)) return ObjectRef{std::string(text), std::nullopt};

@@ -20,7 +20,7 @@ inline constexpr Quantity kSpeed{"m/s", 0, 1e3};
 inline constexpr Quantity kRoughness{"m", 0, 0.1};
 inline constexpr Quantity kCorrelation{"m", 1e-7, 10};
 inline constexpr Quantity kSpectralSlope{"", -10, 0};
-inline constexpr Quantity kTouchNumber{"", 0, kMaxTouches - 1};
+inline constexpr Quantity kTouchNumber{"", 0, modal::kMaxTouches - 1};
 inline constexpr Quantity kInput{"", 1, kMaxInputs};
 inline constexpr Quantity kContactTime{"s", 0, 0.1};
 inline constexpr Quantity kGain{"", 0, 100};

@@ -5,7 +5,7 @@
 
 #include "engine/base/vec3.h"
 #include "engine/modal/material_scale.h"
-#include "protocol/message.h"
+#include "protocol/wire/message.h"
 
 #include <cstdint>
 #include <optional>
@@ -70,7 +70,7 @@ struct BankReply {  // /bank.reply
   std::int32_t version = 0;  // as in ObjectReply
   std::int32_t offset = 0;
   std::int32_t total = 0;  // bytes of the file
-  Blob bytes;
+  wire::Blob bytes;
 };
 struct SceneReply {  // /scene.reply
   std::int32_t version = 0;
@@ -148,12 +148,12 @@ struct NotifyScene {         // /notify.scene
 struct NotifySound {       // /notify.sound
   std::int32_t frame = 0;  // of the first one told, modulo kFrameModulus
   double sample_rate_hz = 0;
-  Blob samples;  // float32, left right left right ... (floats.h)
+  wire::Blob samples;  // float32, left right left right ... (floats.h)
 };
 struct NotifyModes {  // /notify.modes
   std::string object;
   std::int32_t first = 0;  // the lowest of them; modes count by ascending frequency
-  Blob amplitudes;         // float32
+  wire::Blob amplitudes;   // float32
 };
 
 inline constexpr std::int32_t kFrameModulus = 1 << 30;

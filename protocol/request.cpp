@@ -2,26 +2,32 @@
 
 namespace ringdown::protocol {
 
-Request request_for(const Event& event, const ObjectRef& object) {
+Request request_for(const synth::Event& event, const ObjectRef& object) {
   switch (event.type) {
-    case EventType::strike:
+    case synth::EventType::strike:
       return Strike{object, event.point_m, event.impulse_ns, event.contact_time_s};
-    case EventType::strike_vertex:
+    case synth::EventType::strike_vertex:
       return StrikeVertex{object, event.vertex, event.impulse_ns, event.contact_time_s};
-    case EventType::gain:
+    case synth::EventType::gain:
       return SetGain{object, event.value, event.ramp_s};
-    case EventType::pan:
+    case synth::EventType::pan:
       return SetPan{object, event.value};
-    case EventType::contact:
+    case synth::EventType::contact:
       return KeepContact{object, event.point_m, event.contact};
-    case EventType::ring:
+    case synth::EventType::ring:
       return RingModes{object, event.vertex, event.count, event.value};
-    case EventType::click:
+    case synth::EventType::click:
       return Click{object, event.impulse_ns, event.contact_time_s};
-    case EventType::clear:
+    case synth::EventType::clear:
       break;
   }
   return ClearObject{object, event.ramp_s};
+}
+
+std::vector<Hold> holds_for(const modal::Touches& touches, const ObjectRef& object) {
+  std::vector<Hold> holds;
+  for (const auto& [number, touch] : touches) holds.push_back({object, touch, number});
+  return holds;
 }
 
 }  // namespace ringdown::protocol

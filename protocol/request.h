@@ -8,14 +8,15 @@
 #include "engine/modal/contact_damping.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
+#include "engine/synth/event.h"
 #include "protocol/defaults.h"
-#include "protocol/event.h"
-#include "protocol/message.h"
+#include "protocol/wire/message.h"
 
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace ringdown::protocol {
 
@@ -39,7 +40,7 @@ struct StrikeVertex {  // /object/{object}/strike_vertex
 };
 // Many strikes in one message, for simulators: records as in bulk.h.
 struct StrikeMany {  // /strikes
-  Blob records;
+  wire::Blob records;
 };
 struct SetGain {  // /object/{object}/gain
   ObjectRef object;
@@ -58,7 +59,7 @@ struct SetMaterial {  // /object/{object}/material
 struct Hold {  // /object/{object}/hold
   ObjectRef object;
   modal::ContactDamping touch;
-  std::uint32_t number = 0;  // which of the object's touches, below kMaxTouches
+  std::uint32_t number = 0;  // which of the object's touches, below modal::kMaxTouches
 };
 struct SetGroup {  // /object/{object}/group
   ObjectRef object;
@@ -104,7 +105,7 @@ struct Excite {  // /object/{object}/excite
 struct KeepContact {  // /object/{object}/contact
   ObjectRef object;
   Vec3 point_m;
-  Contact contact;
+  synth::Contact contact;
 };
 struct FreeObject {  // /object/{object}/free
   ObjectRef object;
@@ -185,6 +186,9 @@ using Request =
                  WatchSound, Browse, TestTone, SaveState, RecordStart, RecordStop, Status, Version, Sync, Quit>;
 
 // The request that would make this event of `object`.
-Request request_for(const Event& event, const ObjectRef& object);
+Request request_for(const synth::Event& event, const ObjectRef& object);
+
+// The requests that would lay these touches on `object`, by ascending number.
+std::vector<Hold> holds_for(const modal::Touches& touches, const ObjectRef& object);
 
 }  // namespace ringdown::protocol

@@ -104,14 +104,15 @@ std::string argument_names(const AddressSpec& spec) {
 }
 
 // Sentences about one argument: `position` counts from 1 in the message, 0 stands for the one in the address.
-std::string about(const Message& message, const ArgumentSpec& spec, std::size_t position, const std::string& what) {
+std::string about(const wire::Message& message, const ArgumentSpec& spec, std::size_t position,
+                  const std::string& what) {
   const std::string where = position == 0 ? "" : "argument " + std::to_string(position) + " ";
   return message.address + ": " + where + "(" + std::string(spec.name) + ") " + what;
 }
 
 // The row's struct, filled from the address and the arguments.
 template <class Any>
-Result<Any> parse_row(const Row<Any>& row, const Message& message) {
+Result<Any> parse_row(const Row<Any>& row, const wire::Message& message) {
   const AddressSpec& spec = row.spec;
   const std::size_t in_address = spec.arguments_in_address();
   const std::size_t most = spec.arguments.size() - in_address;
@@ -128,8 +129,8 @@ Result<Any> parse_row(const Row<Any>& row, const Message& message) {
       return fail(ErrorKind::bad_input,
                   about(message, argument, position, "is missing; it takes " + argument_names(spec)));
     }
-    const Argument given =
-        position == 0 ? Argument(std::string(object_in(message.address))) : message.arguments[position - 1];
+    const wire::Argument given =
+        position == 0 ? wire::Argument(std::string(object_in(message.address))) : message.arguments[position - 1];
     const Result<Value> value = convert(argument, given);
     if (!value) return fail(value.error().kind, about(message, argument, position, value.error().message));
     row.bindings[i].write(any, *value);
@@ -138,14 +139,14 @@ Result<Any> parse_row(const Row<Any>& row, const Message& message) {
 }
 
 // Requests keep every digit; replies use only what Pure Data can read.
-Argument number_argument(const Request&, double value) { return value; }
-Argument number_argument(const Reply&, double value) { return static_cast<float>(value); }
+wire::Argument number_argument(const Request&, double value) { return value; }
+wire::Argument number_argument(const Reply&, double value) { return static_cast<float>(value); }
 
 template <class Any>
-Argument to_argument(const Any& any, const Value& value) {
+wire::Argument to_argument(const Any& any, const Value& value) {
   if (const auto* number = std::get_if<double>(&value)) return number_argument(any, *number);
   if (const auto* integer = std::get_if<std::int32_t>(&value)) return *integer;
-  if (const auto* blob = std::get_if<Blob>(&value)) return *blob;
+  if (const auto* blob = std::get_if<wire::Blob>(&value)) return *blob;
   if (const auto* object = std::get_if<ObjectRef>(&value); object && object->number) {
     return static_cast<std::int32_t>(*object->number);
   }
@@ -153,7 +154,7 @@ Argument to_argument(const Any& any, const Value& value) {
 }
 
 // A word as the argument wants it; one that does not fit stays text, and the parser says why.
-Argument from_word(const ArgumentSpec& spec, const std::string& word) {
+wire::Argument from_word(const ArgumentSpec& spec, const std::string& word) {
   const bool is_text =
       spec.type != ValueType::number && spec.type != ValueType::integer && spec.type != ValueType::flag;
   double number = 0;
@@ -166,8 +167,8 @@ Argument from_word(const ArgumentSpec& spec, const std::string& word) {
 }  // namespace
 
 template <class Any>
-Message format_row(const Row<Any>& row, const Any& any) {
-  Message message{std::string(row.spec.address), {}};
+wire::Message format_row(const Row<Any>& row, const Any& any) {
+  wire::Message message{std::string(row.spec.address), {}};
   for (std::size_t i = 0; i < row.bindings.size(); ++i) {
     const Value value = row.bindings[i].read(any);
     const ArgumentSpec& spec = row.spec.arguments[i];
@@ -181,8 +182,8 @@ Message format_row(const Row<Any>& row, const Any& any) {
   }
   return message;
 }
-template Message format_row(const Row<Request>&, const Request&);
-template Message format_row(const Row<Reply>&, const Reply&);
+template wire::Message format_row(const Row<Request>&, const Request&);
+template wire::Message format_row(const Row<Reply>&, const Reply&);
 
 std::span<const AddressSpec> addresses() {
   static const std::vector<AddressSpec> specs = specs_of(request_rows());
@@ -203,29 +204,29 @@ Result<const AddressSpec*> find_address(std::string_view address) {
   return &(*row)->spec;
 }
 
-Result<Request> parse(const Message& message) {
+Result<Request> parse(const wire::Message& message) {
   const auto row = find_row(request_rows(), message.address);
   if (!row) return fail(row.error());
   return parse_row(**row, message);
 }
 
-Result<Reply> parse_reply(const Message& message) {
+Result<Reply> parse_reply(const wire::Message& message) {
   const auto row = find_row(reply_rows(), message.address);
   if (!row) return fail(row.error());
   return parse_row(**row, message);
 }
 
-Message format(const Request& request) { return format_row(request_rows()[request.index()], request); }
-Message format(const Reply& reply) { return format_row(reply_rows()[reply.index()], reply); }
+wire::Message format(const Request& request) { return format_row(request_rows()[request.index()], request); }
+wire::Message format(const Reply& reply) { return format_row(reply_rows()[reply.index()], reply); }
 
-Result<Message> compose(std::string_view address, std::span<const std::string> words) {
+Result<wire::Message> compose(std::string_view address, std::span<const std::string> words) {
   const auto row = find_row(request_rows(), address);
   if (!row) return fail(row.error());
   const AddressSpec& spec = (*row)->spec;
   const auto wanted = std::span(spec.arguments).subspan(spec.arguments_in_address());
-  Message message{std::string(address), {}};
+  wire::Message message{std::string(address), {}};
   for (std::size_t i = 0; i < words.size(); ++i) {
-    message.arguments.push_back(i < wanted.size() ? from_word(wanted[i], words[i]) : Argument(words[i]));
+    message.arguments.push_back(i < wanted.size() ? from_word(wanted[i], words[i]) : wire::Argument(words[i]));
   }
   if (const Result<Request> request = parse_row(**row, message); !request) return fail(request.error());
   return message;

@@ -15,9 +15,9 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "protocol/message.h"
 #include "protocol/reply.h"
 #include "protocol/request.h"
+#include "protocol/wire/message.h"
 
 #include <optional>
 #include <span>
@@ -40,7 +40,7 @@ enum class ValueType {
 };
 
 // An argument's value after all checks; monostate where an optional object or number is absent.
-using Value = std::variant<std::monostate, double, std::int32_t, std::string, ObjectRef, Blob>;
+using Value = std::variant<std::monostate, double, std::int32_t, std::string, ObjectRef, wire::Blob>;
 
 struct ArgumentSpec {
   std::string_view name = "";  // "contact_time"
@@ -58,7 +58,7 @@ struct AddressSpec {
   std::vector<ArgumentSpec> arguments;  // those in the address first, then those of the message, in order
   std::string_view reply;               // the address of the answer when it succeeds, "" when silence is success
   std::string_view reply_number;        // what the number in /done is, "" for none
-  Message example;                      // valid, and worth trying
+  wire::Message example;                // valid, and worth trying
 
   [[nodiscard]] std::size_t arguments_in_address() const { return address.find('{') == address.npos ? 0 : 1; }
 };
@@ -75,15 +75,15 @@ const AddressSpec& spec_of(const Reply& reply);
 // known one.
 Result<const AddressSpec*> find_address(std::string_view address);
 
-Result<Request> parse(const Message& message);
-Result<Reply> parse_reply(const Message& message);
+Result<Request> parse(const wire::Message& message);
+Result<Reply> parse_reply(const wire::Message& message);
 
 // The inverse of parse. Requests carry numbers as d, so that nothing is lost; replies as f (reply.h).
-Message format(const Request& request);
-Message format(const Reply& reply);
+wire::Message format(const Request& request);
+wire::Message format(const Reply& reply);
 
 // A message from command-line words: each is converted to the type its argument wants, then everything is
 // checked as parse() does. compose("/object/bell/gain", {"0.5"}).
-Result<Message> compose(std::string_view address, std::span<const std::string> words);
+Result<wire::Message> compose(std::string_view address, std::span<const std::string> words);
 
 }  // namespace ringdown::protocol

@@ -177,19 +177,19 @@ std::vector<Row<Request>> make_request_rows() {
           "it. Tell it 50 to 250 times a second.",
           {object<&KeepContact::object>(),
            vector<&KeepContact::point_m>({"x", "y", "z"}, kPosition, "Where it touches, in the object's own frame."),
-           vector<&KeepContact::contact, &Contact::force_n>(
+           vector<&KeepContact::contact, &synth::Contact::force_n>(
                {"fx", "fy", "fz"}, kForce, "The force on the object, in its own frame: normal and friction together."),
-           number<&KeepContact::contact, &Contact::slip_m_s>(
+           number<&KeepContact::contact, &synth::Contact::slip_m_s>(
                "slip", kSpeed, "The speed at which the two surfaces slide past each other."),
-           optional(number<&KeepContact::contact, &Contact::roll_m_s>(
+           optional(number<&KeepContact::contact, &synth::Contact::roll_m_s>(
                "roll", kSpeed, "The speed at which the point of contact travels as they roll.")),
-           optional(integer<&KeepContact::contact, &Contact::number>(
+           optional(integer<&KeepContact::contact, &synth::Contact::number>(
                "number", kIndex, "Which of the object's contacts; it can have four at a time.")),
-           optional(number<&KeepContact::contact, &Contact::texture, &Texture::roughness_m>(
+           optional(number<&KeepContact::contact, &synth::Contact::texture, &synth::Texture::roughness_m>(
                "roughness", kRoughness, "How high the asperities of both surfaces are, root mean square.")),
-           optional(number<&KeepContact::contact, &Contact::texture, &Texture::correlation_m>(
+           optional(number<&KeepContact::contact, &synth::Contact::texture, &synth::Texture::correlation_m>(
                "correlation", kCorrelation, "The longest wavelength of the roughness.")),
-           optional(number<&KeepContact::contact, &Contact::texture, &Texture::spectral_slope>(
+           optional(number<&KeepContact::contact, &synth::Contact::texture, &synth::Texture::spectral_slope>(
                "slope", kSpectralSlope, "The power of the heights falls with spatial frequency f as f^slope."))}),
       silent(
           "/object/{object}/click", Click{kBell, {-0.02, 0, 0}, 0.0005},

@@ -47,7 +47,7 @@ void look_below(const fs::path& root, const fs::path& here, Kinds& found) {
 
 }  // namespace
 
-std::vector<protocol::BrowseFile> browse(const FileRoots& roots) {
+std::vector<protocol::BrowseFile> browse(const session::FileRoots& roots) {
   std::error_code ignored;
   const fs::path here = fs::current_path(ignored);
   Kinds found;

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "protocol/reply.h"
-#include "server/file_roots.h"
+#include "server/session/file_roots.h"
 
 #include <cstddef>
 #include <vector>
@@ -17,6 +17,6 @@ inline constexpr std::size_t kMaxLookedAt = 16384;  // files and folders below o
 inline constexpr int kMaxBrowseDepth = 4;           // folders below a root
 
 // Scenes first, each kind by path; numbered from 0. A path below the current folder is told from there, others whole.
-std::vector<protocol::BrowseFile> browse(const FileRoots& roots);
+std::vector<protocol::BrowseFile> browse(const session::FileRoots& roots);
 
 }  // namespace ringdown::server

@@ -1,7 +1,7 @@
 #include "server/bundles.h"
 
 #include "protocol/schema.h"
-#include "server/osc_codec.h"
+#include "protocol/wire/codec.h"
 
 #include <string>
 #include <variant>
@@ -10,13 +10,13 @@ namespace ringdown::server {
 namespace {
 
 // At most.
-std::size_t bytes_of(const protocol::Message& message) {
+std::size_t bytes_of(const wire::Message& message) {
   constexpr std::size_t kNumber = 16, kPadding = 8;
   std::size_t bytes = kNumber + message.address.size() + kPadding;
-  for (const protocol::Argument& argument : message.arguments) {
+  for (const wire::Argument& argument : message.arguments) {
     bytes += kNumber;
     if (const auto* text = std::get_if<std::string>(&argument)) bytes += text->size();
-    if (const auto* blob = std::get_if<protocol::Blob>(&argument)) bytes += blob->size();
+    if (const auto* blob = std::get_if<wire::Blob>(&argument)) bytes += blob->size();
   }
   return bytes;
 }
@@ -25,16 +25,16 @@ std::size_t bytes_of(const protocol::Message& message) {
 
 void send_in_bundles(std::span<const protocol::Reply> replies,
                      const std::function<void(std::span<const std::byte>)>& send) {
-  if (replies.size() == 1) return send(encode(protocol::format(replies.front())));
-  std::vector<protocol::Message> messages;
+  if (replies.size() == 1) return send(wire::encode(protocol::format(replies.front())));
+  std::vector<wire::Message> messages;
   std::size_t bytes = 0;
   const auto send_these = [&] {
-    if (!messages.empty()) send(encode_bundle(kImmediately, messages));
+    if (!messages.empty()) send(wire::encode_bundle(wire::kImmediately, messages));
     messages.clear();
     bytes = 0;
   };
   for (const protocol::Reply& reply : replies) {
-    protocol::Message message = protocol::format(reply);
+    wire::Message message = protocol::format(reply);
     const std::size_t more = bytes_of(message);
     if (messages.size() == kMaxMessagesPerBundle || bytes + more > kMaxBundleBytes) send_these();
     messages.push_back(std::move(message));

@@ -1,8 +1,8 @@
 // Many messages to one receiver, in as few packets as is wise. [any thread but audio]
 #pragma once
 
-#include "protocol/message.h"
 #include "protocol/reply.h"
+#include "protocol/wire/message.h"
 
 #include <cstddef>
 #include <functional>

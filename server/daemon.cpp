@@ -1,19 +1,20 @@
 #include "server/daemon.h"
 
 #include "engine/base/preset_folder.h"
+#include "protocol/wire/score.h"
 #include "server/driver.h"
-#include "server/file_roots.h"
 #include "server/latency.h"
-#include "server/note_map.h"
 #include "server/nsm_client.h"
-#include "server/offline.h"
 #include "server/osc_server.h"
 #include "server/query_server.h"
-#include "server/recorder.h"
 #include "server/remote_strikes.h"
 #include "server/service_notice.h"
-#include "server/session.h"
-#include "server/state.h"
+#include "server/session/file_roots.h"
+#include "server/session/note_map.h"
+#include "server/session/offline.h"
+#include "server/session/recorder.h"
+#include "server/session/session.h"
+#include "server/session/state.h"
 #include "server/worker.h"
 #include "server/zeroconf.h"
 
@@ -55,21 +56,21 @@ ExitCode report(const Error& error, ExitCode code) {
 }
 
 // Keeps the scene a little ahead of the sound, so that its strikes always have a frame to come.
-std::jthread start_scene(Session& session, const Driver& driver) {
+std::jthread start_scene(session::Session& session, const Driver& driver) {
   return std::jthread([&session, &driver](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       const double rate = driver.sample_rate_hz();
-      const auto ahead = 2 * latency_frames(driver) + static_cast<protocol::Frame>(0.01 * rate);
+      const auto ahead = 2 * latency_frames(driver) + static_cast<synth::Frame>(0.01 * rate);
       const auto target = driver.now() + ahead;
       // In freewheel the driver advances the scene; asked after now(), which then jumps.
-      if (!driver.freewheels()) session.scene().advance_to(target, static_cast<protocol::Frame>(0.25 * rate));
+      if (!driver.freewheels()) session.scene().advance_to(target, static_cast<synth::Frame>(0.25 * rate));
       std::this_thread::sleep_for(2ms);
     }
   });
 }
 
 // The folders that the user named, or else the current one; the presets; those of the files on the command line.
-Result<FileRoots> file_roots_of(const DaemonOptions& options, const State& state) {
+Result<session::FileRoots> file_roots_of(const DaemonOptions& options, const session::State& state) {
   std::vector<std::filesystem::path> folders = options.roots;
   std::error_code error;
   const auto here = std::filesystem::current_path(error);
@@ -80,22 +81,22 @@ Result<FileRoots> file_roots_of(const DaemonOptions& options, const State& state
     folders.push_back(file.has_parent_path() ? file.parent_path() : std::filesystem::path("."));
   };
   for (const auto& [name, bank] : options.objects) add_folder_of(bank);
-  for (const State::Object& object : state.objects) add_folder_of(object.bank);
+  for (const session::State::Object& object : state.objects) add_folder_of(object.bank);
   if (options.scene) add_folder_of(*options.scene);
   if (state.scene) add_folder_of(state.scene->file);
   if (options.state) add_folder_of(*options.state);
-  return FileRoots::only(folders);
+  return session::FileRoots::only(folders);
 }
 
 // A sample of 1, where no force is named: the object's own weight, in round numbers.
 constexpr double kDefaultAcceleration_m_s2 = 10;
 
-Result<void> connect_inputs(Rack& rack, const std::vector<DaemonOptions::Input>& inputs) {
+Result<void> connect_inputs(session::Rack& rack, const std::vector<DaemonOptions::Input>& inputs) {
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const auto object = rack.find({.name = inputs[i].object});
     if (!object) return fail(object.error().kind, "--input: " + object.error().message);
-    const NoteTable::Strike chosen = best_strike(*object);
-    const Vec3 force_n = (kDefaultAcceleration_m_s2 / kDefaultVelocity_m_s) * chosen.impulse_ns;
+    const session::NoteTable::Strike chosen = session::best_strike(*object);
+    const Vec3 force_n = (kDefaultAcceleration_m_s2 / session::kDefaultVelocity_m_s) * chosen.impulse_ns;
     const auto connected = rack.excite(i, {.name = object->name}, inputs[i].point_m.value_or(chosen.point_m),
                                        inputs[i].force_n.value_or(force_n));
     if (!connected) return fail(connected.error().kind, "--input: " + connected.error().message);
@@ -103,8 +104,8 @@ Result<void> connect_inputs(Rack& rack, const std::vector<DaemonOptions::Input>&
   return {};
 }
 
-Result<void> load_what_was_asked_for(Session& session, const DaemonOptions& options, const State& state,
-                                     protocol::Frame start) {
+Result<void> load_what_was_asked_for(session::Session& session, const DaemonOptions& options,
+                                     const session::State& state, synth::Frame start) {
   for (const auto& [name, bank] : options.objects) {
     if (const auto loaded = session.rack().load(name, bank); !loaded) return fail(loaded.error());
   }
@@ -132,15 +133,15 @@ Result<void> check_render(const DaemonOptions& options) {
 ExitCode render_to_file(const DaemonOptions& options) {
   if (const auto good = check_render(options); !good) return report(good.error(), ExitCode::usage);
   bool cancelled = false;
-  const auto recording = render_offline({.scene = options.scene,
-                                         .objects = options.objects,
-                                         .seconds = options.seconds,
-                                         .sample_rate_hz = options.sample_rate_hz,
-                                         .block_frames = options.block_frames,
-                                         .sound = options.sound},
-                                        [&cancelled](double) { return !(cancelled = signal_came(0ms)); });
+  const auto recording = session::render_offline({.scene = options.scene,
+                                                  .objects = options.objects,
+                                                  .seconds = options.seconds,
+                                                  .sample_rate_hz = options.sample_rate_hz,
+                                                  .block_frames = options.block_frames,
+                                                  .sound = options.sound},
+                                                 [&cancelled](double) { return !(cancelled = signal_came(0ms)); });
   if (!recording) return report(recording.error(), cancelled ? ExitCode::cancelled : ExitCode::bad_input);
-  if (const auto written = write_audio(*recording, options.output); !written) {
+  if (const auto written = session::write_audio(*recording, options.output); !written) {
     return report(written.error(), ExitCode::failure);
   }
   spdlog::info("wrote {}, {:.2f} s", options.output.string(),
@@ -150,7 +151,7 @@ ExitCode render_to_file(const DaemonOptions& options) {
 
 Result<std::shared_ptr<OscStream>> open_stream(const DaemonOptions& options) {
   if (!options.tcp_port) return nullptr;
-  const auto endpoint = resolve(options.address, *options.tcp_port);
+  const auto endpoint = wire::resolve(options.address, *options.tcp_port);
   if (!endpoint) return fail(endpoint.error());
   auto stream = OscStream::listen(*endpoint);
   if (!stream) return fail(stream.error());
@@ -159,7 +160,7 @@ Result<std::shared_ptr<OscStream>> open_stream(const DaemonOptions& options) {
 }
 
 Result<std::unique_ptr<QueryServer>> open_query(const DaemonOptions& options, std::uint16_t osc_port,
-                                                const Rack& rack) {
+                                                const session::Rack& rack) {
   if (!options.query_port) return nullptr;
   auto query = QueryServer::listen(*options.query_port,
                                    {options.jack_name, options.address, osc_port, [&rack] { return *rack.names(); }});
@@ -168,7 +169,8 @@ Result<std::unique_ptr<QueryServer>> open_query(const DaemonOptions& options, st
 }
 
 // What shall be written when the session is over.
-Result<void> write_results(const DaemonOptions& options, Recorder& recorder, protocol::Frame end, Captured captured) {
+Result<void> write_results(const DaemonOptions& options, session::Recorder& recorder, synth::Frame end,
+                           Captured captured) {
   if (options.record && recorder.records()) {
     if (const auto count = recorder.stop(end); !count) return fail(count.error());
   }
@@ -177,7 +179,7 @@ Result<void> write_results(const DaemonOptions& options, Recorder& recorder, pro
     spdlog::warn("{} lacks the last {} frames: a capture holds {}", options.capture->string(), captured.left_out,
                  captured.most);
   }
-  return write_audio(
+  return session::write_audio(
       {.sample_rate_hz = options.sample_rate_hz, .left = std::move(captured.left), .right = std::move(captured.right)},
       *options.capture);
 }
@@ -211,37 +213,38 @@ class WorkerLine {
 };
 
 // The session manager wants what we are to be kept.
-void save_session(Worker& worker, const Session& session, const Recorder& recorder, const std::filesystem::path& file,
-                  const NsmClient::Done& done) {
-  const bool posted =
-      worker.post([&session, &recorder, file, done] { done(write_state(state_of(session, recorder), file)); });
+void save_session(Worker& worker, const session::Session& session, const session::Recorder& recorder,
+                  const std::filesystem::path& file, const NsmClient::Done& done) {
+  const bool posted = worker.post(
+      [&session, &recorder, file, done] { done(session::write_state(session::state_of(session, recorder), file)); });
   if (!posted) done(fail(ErrorKind::refused, "too many requests are waiting; save again later"));
 }
 
-ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<Driver> opened, Captured& captured,
+ExitCode serve(const DaemonOptions& options, wire::OscSocket socket, std::unique_ptr<Driver> opened, Captured& captured,
                NsmClient* manager) {
-  State state;
+  session::State state;
   if (options.state) {
-    auto read = read_state(*options.state);
+    auto read = session::read_state(*options.state);
     if (!read) return report(read.error(), ExitCode::bad_input);
     state = std::move(*read);
   }
-  std::optional<NoteMap> note_map;
+  std::optional<session::NoteMap> note_map;
   if (options.notes) {
-    auto map = read_note_map(*options.notes);
+    auto map = session::read_note_map(*options.notes);
     if (!map) return report(map.error(), ExitCode::bad_input);
     note_map = std::move(*map);
   }
   auto roots = file_roots_of(options, state);
   if (!roots) return report(roots.error(), ExitCode::bad_input);
-  Session session(opened->sample_rate_hz(), std::move(*roots));
+  session::Session session(opened->sample_rate_hz(), std::move(*roots));
+  session.rack().set_on_warning([](const std::string& sentence) { spdlog::warn("{}", sentence); });
   apply(options.sound, session.rack().mixer());
   if (options.driver == DaemonOptions::DriverKind::jack) session.rack().mixer().set_budget(options.budget);
   session.merge_within(options.merge_s);
   session.rack().mixer().set_threads(options.threads);
   session.rack().buses().set_mode(options.ports);
-  Notes notes(session.rack(), std::move(note_map));
-  Recorder recorder(session.rack());
+  session::Notes notes(session.rack(), std::move(note_map));
+  session::Recorder recorder(session.rack(), wire::write_score);
   if (options.record) {
     if (const auto started = recorder.start(*options.record, 0); !started) {
       return report(started.error(), ExitCode::usage);
@@ -263,7 +266,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
     return driver->freewheels() ? line.post_and_wait(std::move(task)) : line.post(std::move(task));
   });
   // A second of silence before the scene starts: the driver may take that long.
-  const auto start = static_cast<protocol::Frame>(driver->sample_rate_hz());
+  const auto start = static_cast<synth::Frame>(driver->sample_rate_hz());
   if (const auto loaded = load_what_was_asked_for(session, options, state, start); !loaded) {
     return report(loaded.error(), ExitCode::bad_input);
   }
@@ -271,7 +274,7 @@ ExitCode serve(const DaemonOptions& options, OscSocket socket, std::unique_ptr<D
   const auto started = driver->start(
       {.mixer = session.rack().mixer(),
        .change_sample_rate = [&session](double rate) { session.change_sample_rate(rate); },
-       .prepare_offline = [&session](protocol::Frame frame) { session.scene().advance_to(frame, std::nullopt); },
+       .prepare_offline = [&session](synth::Frame frame) { session.scene().advance_to(frame, std::nullopt); },
        .buses = [&session] { return session.rack().buses().names(); },
        .inputs = [&session] { return session.rack().inputs(); },
        .notes = [&notes] { return notes.table(); },
@@ -327,9 +330,9 @@ ExitCode run_daemon(DaemonOptions options) {
   std::signal(SIGPIPE, SIG_IGN);  // libjack writes to servers that are gone
   if (options.driver == DaemonOptions::DriverKind::wav) return render_to_file(options);
 
-  const auto endpoint = resolve(options.address, options.port);
+  const auto endpoint = wire::resolve(options.address, options.port);
   if (!endpoint) return report(endpoint.error(), ExitCode::usage);
-  auto socket = OscSocket::bind(*endpoint);
+  auto socket = wire::OscSocket::bind(*endpoint);
   if (!socket) return report(socket.error(), ExitCode::port_busy);
   if (endpoint->address >> 24 != 127) {
     spdlog::warn("listening on {}: anyone who can reach this address can play, load files and stop the daemon",

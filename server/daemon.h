@@ -5,9 +5,9 @@
 #include "engine/base/vec3.h"
 #include "protocol/defaults.h"
 #include "protocol/exit_codes.h"
-#include "server/buses.h"
 #include "server/latency.h"
-#include "server/sound.h"
+#include "server/session/buses.h"
+#include "server/session/sound.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -42,14 +42,14 @@ struct DaemonOptions {
   std::vector<std::filesystem::path> roots;      // where messages may open files; empty: the current folder
   Latency latency;                               // of untimed messages
   std::string jack_name = "ringdown";
-  std::optional<std::filesystem::path> notes;  // what MIDI notes strike (note_map.h)
-  PortMode ports = PortMode::mix;              // JACK ports beside the stereo mix
-  bool connect = false;                        // to the speakers
-  bool wait = false;                           // for a JACK server, where there is none yet
-  double sample_rate_hz = 48000;               // wav, null, and until there is a JACK server
-  std::size_t block_frames = 256;              // likewise
-  std::size_t threads = 1;                     // that mix (Mixer::set_threads)
-  SoundOptions sound;
+  std::optional<std::filesystem::path> notes;        // what MIDI notes strike (note_map.h)
+  session::PortMode ports = session::PortMode::mix;  // JACK ports beside the stereo mix
+  bool connect = false;                              // to the speakers
+  bool wait = false;                                 // for a JACK server, where there is none yet
+  double sample_rate_hz = 48000;                     // wav, null, and until there is a JACK server
+  std::size_t block_frames = 256;                    // likewise
+  std::size_t threads = 1;                           // that mix (Mixer::set_threads)
+  session::SoundOptions sound;
   double budget = 0.8;                            // jack: Mixer::set_budget
   std::optional<double> seconds;                  // null, jack: stop after this time; wav: length of the file
   std::filesystem::path output = "ringdown.wav";  // wav

@@ -15,7 +15,8 @@ std::int32_t whole(Number number) {
   return static_cast<std::int32_t>(number);
 }
 
-Answer describe(const protocol::DescribeObject& question, const Session& session, const Recorder& recorder) {
+Answer describe(const protocol::DescribeObject& question, const session::Session& session,
+                const session::Recorder& recorder) {
   const auto object = session.rack().find(question.object);
   if (!object) return fail(object.error());
   const auto [gain, pan] = recorder.level(object->number);
@@ -38,7 +39,7 @@ Answer describe(const protocol::DescribeObject& question, const Session& session
   }};
 }
 
-Answer read(const protocol::ReadBank& question, const Session& session) {
+Answer read(const protocol::ReadBank& question, const session::Session& session) {
   const auto object = session.rack().find(question.object);
   if (!object) return fail(object.error());
   const std::string file = object->bank->string();
@@ -56,8 +57,8 @@ Answer read(const protocol::ReadBank& question, const Session& session) {
                                                           whole(piece->total), std::move(piece->bytes)}};
 }
 
-Answer describe(const ScenePlayer& player) {
-  const ScenePlayer::Description scene = player.describe();
+Answer describe(const session::ScenePlayer& player) {
+  const session::ScenePlayer::Description scene = player.describe();
   protocol::SceneReply head{.version = scene.version,
                             .bodies = whole(scene.bodies.size()),
                             .statics = whole(scene.statics.size()),
@@ -83,7 +84,7 @@ Answer describe(const ScenePlayer& player) {
   return answer;
 }
 
-Answer browse_all(const FileRoots& roots) {
+Answer browse_all(const session::FileRoots& roots) {
   const std::vector<protocol::BrowseFile> files = browse(roots);
   std::vector<protocol::Reply> answer{protocol::BrowseReply{whole(files.size())}};
   answer.insert(answer.end(), files.begin(), files.end());
@@ -98,7 +99,8 @@ bool is_question(const protocol::Request& request) {
          std::holds_alternative<protocol::SceneDescribe>(request) || std::holds_alternative<protocol::Browse>(request);
 }
 
-Answer answer_to(const protocol::Request& question, const Session& session, const Recorder& recorder) {
+Answer answer_to(const protocol::Request& question, const session::Session& session,
+                 const session::Recorder& recorder) {
   if (const auto* object = std::get_if<protocol::DescribeObject>(&question))
     return describe(*object, session, recorder);
   if (const auto* bank = std::get_if<protocol::ReadBank>(&question)) return read(*bank, session);

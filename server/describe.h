@@ -5,8 +5,8 @@
 #include "engine/base/result.h"
 #include "protocol/reply.h"
 #include "protocol/request.h"
-#include "server/recorder.h"
-#include "server/session.h"
+#include "server/session/recorder.h"
+#include "server/session/session.h"
 
 #include <vector>
 
@@ -15,7 +15,7 @@ namespace ringdown::server {
 [[nodiscard]] bool is_question(const protocol::Request& request);
 
 // The messages of the answer, in their order. `recorder` knows gains and pans. An error names the argument.
-Result<std::vector<protocol::Reply>> answer_to(const protocol::Request& question, const Session& session,
-                                               const Recorder& recorder);
+Result<std::vector<protocol::Reply>> answer_to(const protocol::Request& question, const session::Session& session,
+                                               const session::Recorder& recorder);
 
 }  // namespace ringdown::server

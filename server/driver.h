@@ -3,8 +3,8 @@
 
 #include "engine/base/result.h"
 #include "engine/base/spsc_ring.h"
+#include "engine/synth/event.h"
 #include "engine/synth/mixer.h"
-#include "protocol/event.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -15,9 +15,11 @@
 #include <string>
 #include <vector>
 
-namespace ringdown::server {
-
+namespace ringdown::session {
 struct NoteTable;
+}
+
+namespace ringdown::server {
 
 class Driver {
  public:
@@ -37,15 +39,15 @@ class Driver {
     std::function<void(double sample_rate_hz)> change_sample_rate;
     // Brings the scene up to this frame; may block. Called before each block while freewheels(): nothing else then
     // advances the scene.
-    std::function<void(protocol::Frame)> prepare_offline;
+    std::function<void(synth::Frame)> prepare_offline;
     // The mixer's buses that are to be heard, and what they are called. [any but audio]
     std::function<std::map<std::size_t, std::string>()> buses;
     // The mixer's inputs that are to be there, bit 0 the first. [any but audio]
     std::function<std::uint32_t()> inputs;
     // What MIDI notes strike. [the driver's own thread]
-    std::function<std::shared_ptr<const NoteTable>()> notes;
+    std::function<std::shared_ptr<const session::NoteTable>()> notes;
     // Takes the events that notes become, beside the mixer.
-    SpscRing<protocol::Event>& notes_played;
+    SpscRing<synth::Event>& notes_played;
   };
 
   virtual ~Driver() = default;  // stops
@@ -60,7 +62,7 @@ class Driver {
   virtual void program_changed() {}
 
   // The mixer's frame that is being computed at this instant. [any but audio]
-  [[nodiscard]] virtual protocol::Frame now() const = 0;
+  [[nodiscard]] virtual synth::Frame now() const = 0;
 
   // True while blocks come as fast as they are rendered: now() then runs ahead of the clock. [any]
   [[nodiscard]] virtual bool freewheels() const { return false; }

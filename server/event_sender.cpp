@@ -2,7 +2,7 @@
 
 #include "protocol/request.h"
 #include "protocol/schema.h"
-#include "server/osc_codec.h"
+#include "protocol/wire/codec.h"
 
 #include <vector>
 
@@ -14,28 +14,27 @@ constexpr std::size_t kEventsPerPacket = 16;  // some 1,300 bytes: one Ethernet 
 }  // namespace
 
 Result<EventSender> EventSender::open(const std::string& url) {
-  const auto target = parse_url(url);
+  const auto target = wire::parse_url(url);
   if (!target) return fail(target.error());
-  const auto to = resolve(target->host, target->port);
+  const auto to = wire::resolve(target->host, target->port);
   if (!to) return fail(to.error());
   // Bound to all interfaces' any port only when the target is outside this machine.
-  auto bound = OscSocket::bind({.address = to->address >> 24 == 127 ? to->address : 0, .port = 0});
+  auto bound = wire::OscSocket::bind({.address = to->address >> 24 == 127 ? to->address : 0, .port = 0});
   if (!bound) return fail(bound.error());
   return EventSender(std::move(*bound), *to);
 }
 
-std::size_t EventSender::send(std::span<const protocol::Event> events, const NameOf& name,
-                              const UnixTimeOf& unix_time) {
+std::size_t EventSender::send(std::span<const synth::Event> events, const NameOf& name, const UnixTimeOf& unix_time) {
   std::size_t lost = 0;
   while (!events.empty()) {
-    std::vector<protocol::Message> messages;
-    const protocol::Frame frame = events.front().frame;
+    std::vector<wire::Message> messages;
+    const synth::Frame frame = events.front().frame;
     while (!events.empty() && events.front().frame == frame && messages.size() < kEventsPerPacket) {
-      const protocol::Event& event = events.front();
+      const synth::Event& event = events.front();
       messages.push_back(protocol::format(protocol::request_for(event, {.name = name(event.object)})));
       events = events.subspan(1);
     }
-    const auto packet = encode_bundle(time_tag(unix_time(frame)), messages);
+    const auto packet = wire::encode_bundle(wire::time_tag(unix_time(frame)), messages);
     if (!socket_.send_to(to_, packet)) lost += messages.size();
   }
   return lost;
@@ -45,11 +44,11 @@ std::size_t EventSender::send(std::span<const scene::Leaning> leanings, const Na
                               const UnixTimeOf& unix_time) {
   std::size_t lost = 0;
   for (const scene::Leaning& leaning : leanings) {
-    std::vector<protocol::Message> messages;
-    for (const protocol::Hold& hold : scene::holds_for(leaning, {.name = name(leaning.object)})) {
+    std::vector<wire::Message> messages;
+    for (const protocol::Hold& hold : protocol::holds_for(leaning.touches, {.name = name(leaning.object)})) {
       messages.push_back(protocol::format(hold));
     }
-    lost += !socket_.send_to(to_, encode_bundle(time_tag(unix_time(leaning.frame)), messages));
+    lost += !socket_.send_to(to_, wire::encode_bundle(wire::time_tag(unix_time(leaning.frame)), messages));
   }
   return lost;
 }

@@ -9,8 +9,8 @@
 
 #include "engine/base/result.h"
 #include "engine/scene/sounding.h"
-#include "protocol/event.h"
-#include "server/osc_socket.h"
+#include "engine/synth/event.h"
+#include "protocol/wire/socket.h"
 
 #include <cstddef>
 #include <functional>
@@ -21,24 +21,24 @@ namespace ringdown::server {
 
 class EventSender {
  public:
-  using NameOf = std::function<std::string(protocol::ObjectNumber)>;
-  using UnixTimeOf = std::function<double(protocol::Frame)>;  // [s] since 1970
+  using NameOf = std::function<std::string(synth::ObjectNumber)>;
+  using UnixTimeOf = std::function<double(synth::Frame)>;  // [s] since 1970
 
   // `url` as in osc.udp://127.0.0.1:7770. Succeeds whether or not a daemon is there: UDP cannot tell.
   static Result<EventSender> open(const std::string& url);
 
   // Sends events, which stand by frame, in bundles of one time and one Ethernet frame each. Objects go by name.
   // Returns how many could not be sent.
-  std::size_t send(std::span<const protocol::Event> events, const NameOf& name, const UnixTimeOf& unix_time);
+  std::size_t send(std::span<const synth::Event> events, const NameOf& name, const UnixTimeOf& unix_time);
 
   // Sends what rests on objects, likewise; returns of how many objects it could not.
   std::size_t send(std::span<const scene::Leaning> leanings, const NameOf& name, const UnixTimeOf& unix_time);
 
  private:
-  EventSender(OscSocket socket, Endpoint to) : socket_(std::move(socket)), to_(to) {}
+  EventSender(wire::OscSocket socket, wire::Endpoint to) : socket_(std::move(socket)), to_(to) {}
 
-  OscSocket socket_;
-  Endpoint to_;
+  wire::OscSocket socket_;
+  wire::Endpoint to_;
 };
 
 }  // namespace ringdown::server

@@ -72,8 +72,8 @@ void FrameClock::measure() {
   measured_s_ = now;
 }
 
-protocol::Frame FrameClock::frame_at(double time_s) const { return std::llround((time_s - first_s_) * rate_hz_); }
+synth::Frame FrameClock::frame_at(double time_s) const { return std::llround((time_s - first_s_) * rate_hz_); }
 
-double FrameClock::time_of(protocol::Frame frame) const { return first_s_ + static_cast<double>(frame) / rate_hz_; }
+double FrameClock::time_of(synth::Frame frame) const { return first_s_ + static_cast<double>(frame) / rate_hz_; }
 
 }  // namespace ringdown::server

@@ -12,7 +12,7 @@
 // [one thread]
 #pragma once
 
-#include "protocol/event.h"
+#include "engine/synth/event.h"
 #include "server/driver.h"
 
 #include <functional>
@@ -25,7 +25,7 @@ double unix_now_s();    // seconds since 1970
 class FrameClock {
  public:
   struct Source {
-    std::function<protocol::Frame()> now;  // the frame that is being computed at this instant
+    std::function<synth::Frame()> now;  // the frame that is being computed at this instant
     std::function<double()> rate_hz;
   };
   FrameClock(Source source, std::function<double()> seconds);
@@ -35,8 +35,8 @@ class FrameClock {
   // Reads both clocks, unless that was done less than kMeasureEvery_s ago.
   void measure();
 
-  [[nodiscard]] protocol::Frame frame_at(double time_s) const;
-  [[nodiscard]] double time_of(protocol::Frame frame) const;
+  [[nodiscard]] synth::Frame frame_at(double time_s) const;
+  [[nodiscard]] double time_of(synth::Frame frame) const;
 
  private:
   struct Reading {

@@ -39,7 +39,8 @@ RINGDOWN_TRUST_REALTIME_END
 }  // namespace
 
 std::unique_ptr<JackClient> JackClient::open(const std::string& name, std::shared_ptr<LoadMeter> meter,
-                                             std::shared_ptr<MidiPlayer> midi, std::function<void()> on_change) {
+                                             std::shared_ptr<session::MidiPlayer> midi,
+                                             std::function<void()> on_change) {
   jack_set_error_function(quiet);
   jack_set_info_function(quiet);
   jack_client_t* handle = jack_client_open(name.c_str(), JackNoStartServer, nullptr);
@@ -51,8 +52,8 @@ std::unique_ptr<JackClient> JackClient::open(const std::string& name, std::share
   return client;
 }
 
-JackClient::JackClient(jack_client_t* client, std::shared_ptr<LoadMeter> meter, std::shared_ptr<MidiPlayer> midi,
-                       std::function<void()> on_change)
+JackClient::JackClient(jack_client_t* client, std::shared_ptr<LoadMeter> meter,
+                       std::shared_ptr<session::MidiPlayer> midi, std::function<void()> on_change)
     : client_(client), meter_(std::move(meter)), midi_(std::move(midi)), on_change_(std::move(on_change)) {}
 
 JackClient::~JackClient() {
@@ -179,8 +180,8 @@ Result<void> JackClient::start(const Driver::Program& program) {
 
 // JACK counts 32 bits of frames since its server started; the mixer counts 64 since it was made. `offset_` is their
 // difference modulo 2^32, renewed in every callback because an xrun moves JACK's count but not ours.
-protocol::Frame JackClient::now() const {
-  const protocol::Frame rendered = program_->mixer.counters().frames.load(std::memory_order_acquire);
+synth::Frame JackClient::now() const {
+  const synth::Frame rendered = program_->mixer.counters().frames.load(std::memory_order_acquire);
   const std::int64_t offset = offset_.load(std::memory_order_relaxed);
   if (offset == kUnknown || freewheels_) return rendered;
   const auto low = static_cast<std::uint32_t>(jack_frame_time(client_)) - static_cast<std::uint32_t>(offset);
@@ -209,7 +210,7 @@ void JackClient::process_offline(std::uint32_t frames) {
 
 void JackClient::render(std::uint32_t frames, bool deadline) RINGDOWN_REALTIME {
   synth::Mixer& mixer = program_->mixer;
-  const protocol::Frame rendered = mixer.counters().frames.load(std::memory_order_relaxed);
+  const synth::Frame rendered = mixer.counters().frames.load(std::memory_order_relaxed);
   meter_->begin(frames, mixer.sample_rate_hz());
   offset_.store(block_start(client_) - static_cast<std::uint32_t>(rendered), std::memory_order_relaxed);
   play_notes(frames, rendered);
@@ -240,8 +241,8 @@ synth::Inputs JackClient::read_inputs(std::uint32_t frames) RINGDOWN_REALTIME {
   return inputs;
 }
 
-void JackClient::play_notes(std::uint32_t frames, protocol::Frame first) RINGDOWN_REALTIME {
-  const NoteTable* const notes = notes_;
+void JackClient::play_notes(std::uint32_t frames, synth::Frame first) RINGDOWN_REALTIME {
+  const session::NoteTable* const notes = notes_;
   if (!midi_port_ || !notes) return;
   void* const buffer = buffer_of(midi_port_, frames);
   const std::uint32_t count = count_notes(buffer);
@@ -252,7 +253,7 @@ void JackClient::play_notes(std::uint32_t frames, protocol::Frame first) RINGDOW
   }
 }
 
-void JackClient::set_notes(std::shared_ptr<const NoteTable> notes) {
+void JackClient::set_notes(std::shared_ptr<const session::NoteTable> notes) {
   if (notes == table_) return;
   notes_ = notes.get();
   gate_.wait();

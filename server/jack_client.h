@@ -5,12 +5,12 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/result.h"
+#include "engine/synth/event.h"
 #include "engine/synth/mixer.h"
-#include "protocol/event.h"
 #include "server/driver.h"
 #include "server/gate.h"
 #include "server/load_meter.h"
-#include "server/midi_player.h"
+#include "server/session/midi_player.h"
 
 #include <array>
 #include <atomic>
@@ -40,7 +40,7 @@ class JackClient {
   // it only notes that. Null when no server answers, or it has no place for us. [one thread: it, and all below but what
   // says otherwise]
   static std::unique_ptr<JackClient> open(const std::string& name, std::shared_ptr<LoadMeter> meter,
-                                          std::shared_ptr<MidiPlayer> midi, std::function<void()> on_change);
+                                          std::shared_ptr<session::MidiPlayer> midi, std::function<void()> on_change);
 
   // Closes the client at JACK, which may hang when the server died. [any]
   ~JackClient();
@@ -61,7 +61,7 @@ class JackClient {
   void go_on() { gate_.open(); }
 
   // The mixer's frame that is being computed. [any but audio]
-  [[nodiscard]] protocol::Frame now() const;
+  [[nodiscard]] synth::Frame now() const;
 
   // The real-time priority of its audio thread; 0 for none. [any but audio]
   [[nodiscard]] int priority() const;
@@ -73,7 +73,7 @@ class JackClient {
   void show_inputs(std::uint32_t inputs);
 
   // What notes strike from the next block on.
-  void set_notes(std::shared_ptr<const NoteTable> notes);
+  void set_notes(std::shared_ptr<const session::NoteTable> notes);
 
   // What our ports are connected to.
   [[nodiscard]] std::set<JackConnection> connections() const;
@@ -85,7 +85,7 @@ class JackClient {
   void note_listeners();
 
  private:
-  JackClient(_jack_client* client, std::shared_ptr<LoadMeter> meter, std::shared_ptr<MidiPlayer> midi,
+  JackClient(_jack_client* client, std::shared_ptr<LoadMeter> meter, std::shared_ptr<session::MidiPlayer> midi,
              std::function<void()> on_change);
   void set_callbacks();
   [[nodiscard]] bool add_port(std::size_t channel, const std::string& name);
@@ -96,20 +96,20 @@ class JackClient {
   void process_offline(std::uint32_t frames);  // in freewheel, where the scene is stepped in the callback
   void render(std::uint32_t frames, bool deadline) RINGDOWN_REALTIME;
   [[nodiscard]] synth::Inputs read_inputs(std::uint32_t frames) RINGDOWN_REALTIME;
-  void play_notes(std::uint32_t frames, protocol::Frame first) RINGDOWN_REALTIME;
+  void play_notes(std::uint32_t frames, synth::Frame first) RINGDOWN_REALTIME;
   void write_silence(std::uint32_t frames) RINGDOWN_REALTIME;
 
   static constexpr std::int64_t kUnknown = -1;
 
   _jack_client* client_;
   std::shared_ptr<LoadMeter> meter_;
-  std::shared_ptr<MidiPlayer> midi_;
+  std::shared_ptr<session::MidiPlayer> midi_;
   std::function<void()> on_change_;
   const Driver::Program* program_ = nullptr;
   Gate gate_;
   _jack_port* midi_port_ = nullptr;
-  std::shared_ptr<const NoteTable> table_;                             // keeps what the next one
-  std::atomic<const NoteTable*> notes_ = nullptr;                      // points to
+  std::shared_ptr<const session::NoteTable> table_;                    // keeps what the next one
+  std::atomic<const session::NoteTable*> notes_ = nullptr;             // points to
   std::array<std::atomic<_jack_port*>, synth::kMaxChannels> ports_{};  // by the mixer's channel
   std::map<std::size_t, std::string> buses_;                           // as show_buses() was told
   std::array<std::atomic<_jack_port*>, synth::kMaxInputs> inputs_{};   // in_1 first; null: none

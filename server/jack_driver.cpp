@@ -27,7 +27,7 @@ using Bell = std::counting_semaphore<>;
 class JackDriver final : public Driver {
  public:
   JackDriver(JackOptions options, std::shared_ptr<Bell> bell, std::shared_ptr<LoadMeter> meter,
-             std::shared_ptr<MidiPlayer> midi, std::unique_ptr<JackClient> client)
+             std::shared_ptr<session::MidiPlayer> midi, std::unique_ptr<JackClient> client)
       : options_(std::move(options)),
         bell_(std::move(bell)),
         meter_(std::move(meter)),
@@ -63,7 +63,7 @@ class JackDriver final : public Driver {
     return {};
   }
 
-  [[nodiscard]] protocol::Frame now() const override {
+  [[nodiscard]] synth::Frame now() const override {
     const std::scoped_lock lock(mutex_);
     if (client_) return client_->now();
     return stand_in_ ? stand_in_->now() : program_->mixer.counters().frames.load();
@@ -210,7 +210,7 @@ class JackDriver final : public Driver {
   const JackOptions options_;
   const std::shared_ptr<Bell> bell_;
   const std::shared_ptr<LoadMeter> meter_;
-  const std::shared_ptr<MidiPlayer> midi_;
+  const std::shared_ptr<session::MidiPlayer> midi_;
   std::unique_ptr<Program> program_;
   std::atomic<double> sample_rate_hz_ = 0;
 
@@ -234,7 +234,7 @@ class JackDriver final : public Driver {
 Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options) {
   const auto bell = std::make_shared<Bell>(0);
   const auto meter = std::make_shared<LoadMeter>();
-  const auto midi = std::make_shared<MidiPlayer>();
+  const auto midi = std::make_shared<session::MidiPlayer>();
   auto client = JackClient::open(options.client_name, meter, midi, [bell] { bell->release(); });
   if (!client && !options.wait) {
     return fail(

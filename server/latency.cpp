@@ -16,17 +16,17 @@ Result<Latency> parse_latency(const std::string& text) {
   const bool good = error == std::errc() && value >= 0;  // false for NaN
   if (good && unit == "ms" && value <= 1000 * kMaxLatency_s) return Latency{.seconds = value / 1000};
   if (good && unit.empty() && value <= kMaxFrames && value == std::floor(value)) {
-    return Latency{.frames = static_cast<protocol::Frame>(value)};
+    return Latency{.frames = static_cast<synth::Frame>(value)};
   }
   return fail(ErrorKind::bad_input,
               "'" + text + "' is no latency; write frames, like 256, or milliseconds up to 1000, like 5ms");
 }
 
-protocol::Frame latency_frames(const Driver& driver, const Latency& wanted) {
-  const auto block = static_cast<protocol::Frame>(driver.block_frames());
-  const protocol::Frame least = block + block / 16;
+synth::Frame latency_frames(const Driver& driver, const Latency& wanted) {
+  const auto block = static_cast<synth::Frame>(driver.block_frames());
+  const synth::Frame least = block + block / 16;
   if (wanted.frames) return std::max(least, *wanted.frames);
-  if (wanted.seconds) return std::max<protocol::Frame>(least, std::llround(*wanted.seconds * driver.sample_rate_hz()));
+  if (wanted.seconds) return std::max<synth::Frame>(least, std::llround(*wanted.seconds * driver.sample_rate_hz()));
   return least;
 }
 

@@ -12,7 +12,7 @@ namespace ringdown::server {
 
 // As the user wants it. Both empty: as short as can be.
 struct Latency {
-  std::optional<protocol::Frame> frames;
+  std::optional<synth::Frame> frames;
   std::optional<double> seconds;
 };
 
@@ -23,6 +23,6 @@ Result<Latency> parse_latency(const std::string& text);
 
 // At least one block, so that the frame is still to come, and a sixteenth of one for the clock's jitter: a wish for
 // less gets that much.
-protocol::Frame latency_frames(const Driver& driver, const Latency& wanted = {});
+synth::Frame latency_frames(const Driver& driver, const Latency& wanted = {});
 
 }  // namespace ringdown::server

@@ -8,10 +8,10 @@
 namespace ringdown::server {
 namespace {
 
-using protocol::Event;
-using protocol::EventType;
+using synth::Event;
+using synth::EventType;
 
-Vec3 point_of(const Event& event, const RackObject& object) {
+Vec3 point_of(const Event& event, const session::RackObject& object) {
   if (event.type == EventType::strike) return event.point_m;
   const modal::Bank& bank = object.map->bank();
   const modal::Vec3f& point = bank.positions[event.vertex < bank.point_count() ? event.vertex : 0];
@@ -20,18 +20,18 @@ Vec3 point_of(const Event& event, const RackObject& object) {
 
 constexpr float kAudible = 1e-6f;  // -120 dB: quieter objects do not ring
 
-protocol::NotifyObject object_news(const RackObject& object, bool loaded) {
+protocol::NotifyObject object_news(const session::RackObject& object, bool loaded) {
   return {static_cast<std::int32_t>(object.number), object.name, loaded};
 }
 
-protocol::NotifyGroup group_news(const RackObject& object) {
+protocol::NotifyGroup group_news(const session::RackObject& object) {
   return {static_cast<std::int32_t>(object.number), object.name,
           object.group.empty() ? std::nullopt : std::optional(object.group)};
 }
 
 }  // namespace
 
-Notifier::Notifier(Session& session, const Driver& driver, Send send, Now now)
+Notifier::Notifier(session::Session& session, const Driver& driver, Send send, Now now)
     : session_(session), driver_(driver), send_(std::move(send)), now_(std::move(now)) {
   session_.rack().observe(*this);
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -53,7 +53,7 @@ Result<void> Notifier::subscribe(Peer peer, double rate_hz) {
       return fail(ErrorKind::refused, "there are " + std::to_string(kMaxSubscribers) + " subscribers already");
     }
     subscriber = subscribers_.insert(subscriber, {.peer = peer});
-    for (const RackObject& object : session_.rack().objects()) {
+    for (const session::RackObject& object : session_.rack().objects()) {
       subscriber->changes.emplace_back(object_news(object, true));
       if (!object.group.empty()) subscriber->changes.emplace_back(group_news(object));
     }
@@ -98,14 +98,14 @@ void Notifier::played(const Event& event) {
   }
 }
 
-void Notifier::loaded(const RackObject& object) { tell(object_news(object, true)); }
-void Notifier::freed(const RackObject& object) {
+void Notifier::loaded(const session::RackObject& object) { tell(object_news(object, true)); }
+void Notifier::freed(const session::RackObject& object) {
   tell(object_news(object, false));
   const std::scoped_lock lock(mutex_);
   for (Subscriber& subscriber : subscribers_) subscriber.watched.erase(object.number);
   count_watches();
 }
-void Notifier::regrouped(const RackObject& object) { tell(group_news(object)); }
+void Notifier::regrouped(const session::RackObject& object) { tell(group_news(object)); }
 
 void Notifier::tell(const protocol::Reply& change) {
   const std::scoped_lock lock(mutex_);
@@ -145,7 +145,7 @@ void Notifier::take_peaks() {
   synth::Mixer& mixer = session_.rack().mixer();
   const float peak = mixer.take_peak();
   for (Subscriber& subscriber : subscribers_) subscriber.peak = std::max(subscriber.peak, peak);
-  for (protocol::ObjectNumber object = 0; object < synth::kMaxObjects; ++object) {
+  for (synth::ObjectNumber object = 0; object < synth::kMaxObjects; ++object) {
     const float reach = mixer.take_reach(object);
     if (reach < kAudible) continue;
     for (Subscriber& subscriber : subscribers_) {
@@ -185,7 +185,7 @@ std::vector<protocol::Reply> Notifier::messages_for(const Subscriber& subscriber
   for (std::size_t number = 0; number < synth::kMaxObjects; ++number) {
     const float peak = subscriber.object_peaks[number];
     if (peak == 0 && !subscriber.rang[number]) continue;
-    const auto object = session_.rack().find({.number = static_cast<protocol::ObjectNumber>(number)});
+    const auto object = session_.rack().find({.number = static_cast<synth::ObjectNumber>(number)});
     if (object) add(protocol::NotifyObjectPeak{object->name, peak});
   }
   const Driver::Load load = driver_.load();
@@ -193,7 +193,7 @@ std::vector<protocol::Reply> Notifier::messages_for(const Subscriber& subscriber
   add(protocol::NotifyLoad{load.mean, load.peak, load.xruns, static_cast<std::int32_t>(mixer.ringing_voices.load()),
                            static_cast<std::int32_t>(mixer.ringing_modes.load())});
   add_modes(subscriber, messages);
-  const ScenePlayer::Poses scene = session_.scene().poses();
+  const session::ScenePlayer::Poses scene = session_.scene().poses();
   add(protocol::NotifyScene{scene.version, scene.time_s, scene.paused});
   for (const scene::BodyState& body : scene.bodies) {
     if (body.waiting) continue;

@@ -10,9 +10,9 @@
 #include "engine/base/result.h"
 #include "protocol/reply.h"
 #include "server/driver.h"
-#include "server/observer.h"
 #include "server/osc_ports.h"
-#include "server/session.h"
+#include "server/session/observer.h"
+#include "server/session/session.h"
 
 #include <atomic>
 #include <chrono>
@@ -31,7 +31,7 @@ inline constexpr std::size_t kMaxContactsPerNotice = 256;  // the last ones; the
 inline constexpr double kSilence_s = 60;
 inline constexpr std::chrono::milliseconds kSoundEvery{20};
 
-class Notifier final : public Observer {
+class Notifier final : public session::Observer {
  public:
   using Send = std::function<void(Peer, std::span<const std::byte>)>;
   using Clock = std::chrono::steady_clock;
@@ -39,7 +39,7 @@ class Notifier final : public Observer {
 
   // Observes the session's rack, before anything is loaded into it. All must outlive it. `now` is what silence is
   // measured by, for tests. [main]
-  Notifier(Session& session, const Driver& driver, Send send, Now now = Clock::now);
+  Notifier(session::Session& session, const Driver& driver, Send send, Now now = Clock::now);
   ~Notifier() override;
 
   // A new subscriber, or a new rate for one. Refused when kMaxSubscribers are there. [osc]
@@ -56,13 +56,13 @@ class Notifier final : public Observer {
   // It lives. [osc]
   void heard_from(Peer peer);
 
-  void played(const protocol::Event& event) override;
-  void loaded(const RackObject& object) override;
-  void retuned(const RackObject&) override {}
-  void selected(const RackObject&) override {}
-  void held(const RackObject&, const modal::Touches&, protocol::Frame) override {}
-  void regrouped(const RackObject& object) override;
-  void freed(const RackObject& object) override;
+  void played(const synth::Event& event) override;
+  void loaded(const session::RackObject& object) override;
+  void retuned(const session::RackObject&) override {}
+  void selected(const session::RackObject&) override {}
+  void held(const session::RackObject&, const modal::Touches&, synth::Frame) override {}
+  void regrouped(const session::RackObject& object) override;
+  void freed(const session::RackObject& object) override;
 
  private:
   struct Subscriber {
@@ -70,11 +70,11 @@ class Notifier final : public Observer {
     Clock::duration period;
     Clock::time_point next, last_heard;
     bool hears = false;  // the sound
-    std::set<protocol::ObjectNumber> watched;
+    std::set<synth::ObjectNumber> watched;
     float peak = 0;  // since its last notice, like the following
     std::vector<float> object_peaks = std::vector<float>(synth::kMaxObjects);
     std::vector<bool> rang = std::vector<bool>(synth::kMaxObjects);  // in its last notice
-    std::vector<protocol::Event> contacts;
+    std::vector<synth::Event> contacts;
     std::vector<protocol::Reply> changes;  // of objects
   };
   void run(const std::stop_token& stop);
@@ -90,7 +90,7 @@ class Notifier final : public Observer {
   void send_notice(const Subscriber& subscriber);
   [[nodiscard]] std::vector<protocol::Reply> messages_for(const Subscriber& subscriber);
 
-  Session& session_;
+  session::Session& session_;
   const Driver& driver_;
   Send send_;
   Now now_;
@@ -98,10 +98,10 @@ class Notifier final : public Observer {
   std::mutex mutex_;  // guards all that follows but the thread
   std::condition_variable_any wake_;
   std::vector<Subscriber> subscribers_;
-  std::set<protocol::ObjectNumber> watched_;  // by one of them
-  bool changed_ = false;                      // since the thread began to wait
-  protocol::Frame sound_from_ = 0;            // what the tap holds from before is from an earlier listener
-  std::jthread thread_;                       // last: it stops before what it uses goes away
+  std::set<synth::ObjectNumber> watched_;  // by one of them
+  bool changed_ = false;                   // since the thread began to wait
+  synth::Frame sound_from_ = 0;            // what the tap holds from before is from an earlier listener
+  std::jthread thread_;                    // last: it stops before what it uses goes away
 };
 
 }  // namespace ringdown::server

@@ -2,7 +2,7 @@
 #include "server/notifier.h"
 
 #include "protocol/defaults.h"
-#include "protocol/floats.h"
+#include "protocol/wire/floats.h"
 #include "server/bundles.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace ringdown::server {
 namespace {
 
-using protocol::ObjectNumber;
+using synth::ObjectNumber;
 
 static_assert(synth::kTappedFrames <= protocol::kMaxSoundFrames);
 
@@ -81,12 +81,12 @@ std::vector<Peer> Notifier::take_listeners() {
 void Notifier::send_sound(const std::vector<Peer>& listeners) {
   synth::SoundTap& tap = session_.rack().mixer().sound_tap();
   std::vector<protocol::Reply> pieces;
-  protocol::Frame next = 0;
+  synth::Frame next = 0;
   protocol::NotifySound sound;
   std::vector<float> samples;
   const auto close = [&] {
     if (samples.empty()) return;
-    sound.samples = protocol::encode_floats(samples);
+    sound.samples = wire::encode_floats(samples);
     pieces.emplace_back(sound);
     samples.clear();
   };
@@ -99,7 +99,7 @@ void Notifier::send_sound(const std::vector<Peer>& listeners) {
     }
     samples.insert(samples.end(), piece->samples.begin(),
                    piece->samples.begin() + static_cast<std::ptrdiff_t>(2 * piece->frames));
-    next = piece->frame + static_cast<protocol::Frame>(piece->frames);
+    next = piece->frame + static_cast<synth::Frame>(piece->frames);
   }
   close();
   for (const Peer& peer : listeners) {
@@ -118,7 +118,7 @@ void Notifier::add_modes(const Subscriber& subscriber, std::vector<protocol::Rep
     for (std::span<const float> rest = ordered; !rest.empty();) {
       const std::size_t count = std::min<std::size_t>(protocol::kMaxModeAmplitudes, rest.size());
       messages.emplace_back(protocol::NotifyModes{object->name, static_cast<std::int32_t>(ordered.size() - rest.size()),
-                                                  protocol::encode_floats(rest.first(count))});
+                                                  wire::encode_floats(rest.first(count))});
       rest = rest.subspan(count);
     }
   }

@@ -1,6 +1,6 @@
 #include "server/nsm_client.h"
 
-#include "server/osc_codec.h"
+#include "protocol/wire/codec.h"
 
 #include <spdlog/spdlog.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
-using protocol::Message;
+using wire::Message;
 
 constexpr std::int32_t kVersionMajor = 1, kVersionMinor = 0;
 constexpr std::int32_t kGeneralError = -1, kSaveFailed = -9;
@@ -22,7 +22,7 @@ std::string text_at(const Message& message, std::size_t at) {
   return text ? *text : "";
 }
 
-bool is_loopback(const Endpoint& endpoint) { return endpoint.address >> 24 == 127; }
+bool is_loopback(const wire::Endpoint& endpoint) { return endpoint.address >> 24 == 127; }
 
 }  // namespace
 
@@ -32,12 +32,13 @@ std::optional<std::string> NsmClient::url() {
 }
 
 Result<std::unique_ptr<NsmClient>> NsmClient::announce(const std::string& url, std::chrono::milliseconds patience) {
-  const auto parsed = parse_url(url);
+  const auto parsed = wire::parse_url(url);
   if (!parsed) return fail(parsed.error().kind, "NSM_URL: " + parsed.error().message);
-  const auto manager = resolve(parsed->host, parsed->port);
+  const auto manager = wire::resolve(parsed->host, parsed->port);
   if (!manager) return fail(manager.error().kind, "NSM_URL: " + manager.error().message);
   // A manager may name this computer by an address that the loopback does not reach.
-  auto socket = OscSocket::bind(is_loopback(*manager) ? Endpoint{} : Endpoint{.address = manager->address});
+  auto socket =
+      wire::OscSocket::bind(is_loopback(*manager) ? wire::Endpoint{} : wire::Endpoint{.address = manager->address});
   if (!socket)
     return fail(socket.error().kind,
                 "NSM_URL: the session manager must run on this computer: " + socket.error().message);
@@ -51,7 +52,7 @@ Result<std::unique_ptr<NsmClient>> NsmClient::announce(const std::string& url, s
   return client;
 }
 
-NsmClient::NsmClient(OscSocket socket, Endpoint manager) : socket_(std::move(socket)), manager_(manager) {}
+NsmClient::NsmClient(wire::OscSocket socket, wire::Endpoint manager) : socket_(std::move(socket)), manager_(manager) {}
 
 NsmClient::~NsmClient() {
   if (!save_ && !session_.client_id.empty()) {
@@ -83,9 +84,9 @@ Result<void> NsmClient::wait_for_session(std::chrono::milliseconds patience) {
 }
 
 std::optional<Message> NsmClient::receive(std::chrono::milliseconds patience) {
-  Datagram datagram;
+  wire::Datagram datagram;
   if (!socket_.receive(datagram, patience) || datagram.from.port != manager_.port) return std::nullopt;
-  const auto messages = decode_packet(datagram.bytes);
+  const auto messages = wire::decode_packet(datagram.bytes);
   if (!messages || messages->empty()) return std::nullopt;
   return messages->front().message;
 }
@@ -115,6 +116,6 @@ void NsmClient::answer(const std::string& address, const Result<void>& outcome) 
   send({"/error", {address, address == "/nsm/client/save" ? kSaveFailed : kGeneralError, outcome.error().message}});
 }
 
-void NsmClient::send(const Message& message) { static_cast<void>(socket_.send_to(manager_, encode(message))); }
+void NsmClient::send(const Message& message) { static_cast<void>(socket_.send_to(manager_, wire::encode(message))); }
 
 }  // namespace ringdown::server

@@ -9,7 +9,7 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "server/osc_socket.h"
+#include "protocol/wire/socket.h"
 
 #include <chrono>
 #include <filesystem>
@@ -19,7 +19,7 @@
 #include <string>
 #include <thread>
 
-namespace ringdown::protocol {
+namespace ringdown::wire {
 struct Message;
 }
 
@@ -57,15 +57,15 @@ class NsmClient {
   void stop();
 
  private:
-  NsmClient(OscSocket socket, Endpoint manager);
-  [[nodiscard]] std::optional<protocol::Message> receive(std::chrono::milliseconds patience);
+  NsmClient(wire::OscSocket socket, wire::Endpoint manager);
+  [[nodiscard]] std::optional<wire::Message> receive(std::chrono::milliseconds patience);
   [[nodiscard]] Result<void> wait_for_session(std::chrono::milliseconds patience);
   void run(const std::stop_token& stop);
-  void send(const protocol::Message& message);
+  void send(const wire::Message& message);
   void answer(const std::string& address, const Result<void>& outcome);
 
-  OscSocket socket_;
-  Endpoint manager_;
+  wire::OscSocket socket_;
+  wire::Endpoint manager_;
   NsmSession session_;
   std::function<void(const Done&)> save_;
   std::jthread thread_;  // last: it stops before what it uses goes away

@@ -23,9 +23,9 @@ class NullDriver final : public Driver {
     return {};
   }
 
-  [[nodiscard]] protocol::Frame now() const override {
+  [[nodiscard]] synth::Frame now() const override {
     const std::chrono::duration<double> elapsed = LoadMeter::Clock::now() - origin_;
-    return first_frame_ + static_cast<protocol::Frame>(elapsed.count() * sample_rate_hz_);
+    return first_frame_ + static_cast<synth::Frame>(elapsed.count() * sample_rate_hz_);
   }
 
   [[nodiscard]] Load load() const override { return meter_.read(); }
@@ -48,7 +48,7 @@ class NullDriver final : public Driver {
   std::size_t block_;
   Captured* captured_;
   LoadMeter meter_;
-  protocol::Frame first_frame_ = 0;
+  synth::Frame first_frame_ = 0;
   LoadMeter::Clock::time_point origin_;
   std::jthread thread_;  // last: it stops before what it uses goes away
 };

@@ -1,6 +1,6 @@
 #include "server/options.h"
 
-#include "protocol/names.h"
+#include "engine/base/object_name.h"
 #include "server/daemon.h"
 
 #include <CLI/CLI.hpp>
@@ -14,7 +14,7 @@ namespace {
 
 std::pair<std::string, std::filesystem::path> parse_object(const std::string& text) {
   const auto equals = text.find('=');
-  if (equals == text.npos || !protocol::is_object_name(text.substr(0, equals))) {
+  if (equals == text.npos || !is_object_name(text.substr(0, equals))) {
     throw CLI::ValidationError("--object", "'" + text + "' is not NAME=BANK, where NAME is of A-Z a-z 0-9 _ . -");
   }
   return {text.substr(0, equals), text.substr(equals + 1)};
@@ -40,7 +40,7 @@ DaemonOptions::Input parse_input(const std::string& text) {
       parts.back() += c;
     }
   }
-  if (parts.size() > 3 || !protocol::is_object_name(parts[0])) {
+  if (parts.size() > 3 || !is_object_name(parts[0])) {
     throw CLI::ValidationError("--input", "'" + text + "' is not OBJECT, OBJECT:X,Y,Z or OBJECT:X,Y,Z:FX,FY,FZ");
   }
   DaemonOptions::Input input{.object = parts[0]};
@@ -78,8 +78,8 @@ void add_driver(CLI::App& app, DaemonOptions& options) {
   const std::map<std::string, DaemonOptions::DriverKind> drivers = {{"jack", DaemonOptions::DriverKind::jack},
                                                                     {"wav", DaemonOptions::DriverKind::wav},
                                                                     {"null", DaemonOptions::DriverKind::null}};
-  const std::map<std::string, PortMode> ports = {
-      {"mix", PortMode::mix}, {"objects", PortMode::objects}, {"groups", PortMode::groups}};
+  const std::map<std::string, session::PortMode> ports = {
+      {"mix", session::PortMode::mix}, {"objects", session::PortMode::objects}, {"groups", session::PortMode::groups}};
   app.add_option("--driver", options.driver, "jack; wav: render the scene to a file at full speed; null: no sound")
       ->transform(CLI::CheckedTransformer(drivers).description(""))
       ->type_name("jack|wav|null");
@@ -147,7 +147,7 @@ void add_mixer(CLI::App& app, DaemonOptions& options) {
          "jack: of a block's time, what may be used before what is heard least is left out; 0: all; 80 unless given")
       ->check(CLI::Range(0.0, 100.0))
       ->type_name("PERCENT");
-  add_sound_options(app, options.sound);
+  session::add_sound_options(app, options.sound);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // Where packets come from and answers go to. [any thread but audio]
 #pragma once
 
-#include "server/osc_socket.h"
+#include "protocol/wire/socket.h"
 
 #include <cstdint>
 
@@ -9,7 +9,7 @@ namespace ringdown::server {
 
 // Who sent a packet, and gets its answers.
 struct Peer {
-  Endpoint endpoint;
+  wire::Endpoint endpoint;
   std::uint32_t connection = 0;  // of OscStream; 0: UDP
   friend bool operator==(const Peer&, const Peer&) = default;
 };

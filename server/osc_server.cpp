@@ -5,7 +5,7 @@
 #include "protocol/schema.h"
 #include "server/bundles.h"
 #include "server/describe.h"
-#include "server/state.h"
+#include "server/session/state.h"
 
 #include <spdlog/spdlog.h>
 
@@ -22,7 +22,7 @@ using protocol::Request;
 void answer(AnswerPorts& ports, Peer to, const protocol::Reply& reply) {
   if (const auto* refusal = std::get_if<Fail>(&reply)) spdlog::warn("{}: {}", to_text(to.endpoint), refusal->sentence);
   // A sender that does not listen is its own affair.
-  ports.send(to, encode(protocol::format(reply)));
+  ports.send(to, wire::encode(protocol::format(reply)));
 }
 
 void answer(AnswerPorts& ports, Peer to, const Result<std::vector<protocol::Reply>>& replies,
@@ -36,17 +36,19 @@ bool is_for_recorder(const Request& request) {
          std::holds_alternative<protocol::RecordStop>(request) || std::holds_alternative<protocol::SaveState>(request);
 }
 
-Result<std::optional<std::int32_t>> record(const Request& request, const Session& session, Recorder* recorder) {
+Result<std::optional<std::int32_t>> record(const Request& request, const session::Session& session,
+                                           session::Recorder* recorder) {
   if (!recorder) return fail(ErrorKind::refused, "this daemon does not record");
-  const protocol::Frame now = session.rack().mixer().counters().frames;
+  const synth::Frame now = session.rack().mixer().counters().frames;
   if (const auto* save = std::get_if<protocol::SaveState>(&request)) {
-    const auto path = session.rack().roots().writable(save->path, kStateKind);
+    const auto path = session.rack().roots().writable(save->path, session::kStateKind);
     if (!path) return fail(path.error());
-    if (const auto saved = write_state(state_of(session, *recorder), *path); !saved) return fail(saved.error());
+    if (const auto saved = session::write_state(session::state_of(session, *recorder), *path); !saved)
+      return fail(saved.error());
     return std::nullopt;
   }
   if (const auto* start = std::get_if<protocol::RecordStart>(&request)) {
-    const auto path = session.rack().roots().writable(start->path, kScoreKind);
+    const auto path = session.rack().roots().writable(start->path, session::kScoreKind);
     if (!path) return fail(path.error());
     if (const auto started = recorder->start(*path, now); !started) return fail(started.error());
     return std::nullopt;
@@ -58,7 +60,7 @@ Result<std::optional<std::int32_t>> record(const Request& request, const Session
 
 }  // namespace
 
-OscServer::OscServer(OscSocket socket, Parts parts)
+OscServer::OscServer(wire::OscSocket socket, Parts parts)
     : ports_(std::make_shared<AnswerPorts>(AnswerPorts{std::move(socket), parts.stream})),
       parts_(std::move(parts)),
       notifier_(parts_.session, parts_.driver,
@@ -89,7 +91,7 @@ OscServer::~OscServer() {
 }
 
 void OscServer::run(const std::stop_token& stop) {
-  Datagram datagram;
+  wire::Datagram datagram;
   while (!stop.stop_requested()) {
     adopt_priority();
     share_.turn();
@@ -143,10 +145,10 @@ void OscServer::handle_inbox() {
 void OscServer::handle(std::span<const std::byte> packet, Peer from, double age_s) {
   const Arrival arrival{from, steady_now_s(), unix_now_s(), age_s};
   notifier_.heard_from(from);
-  const auto messages = decode_packet(packet);
+  const auto messages = wire::decode_packet(packet);
   if (!messages) return answer(*ports_, arrival.from, Fail{"", messages.error().message});
-  for (const TimedMessage& timed : *messages) {
-    const protocol::Frame frame = frame_of(timed.time, arrival);
+  for (const wire::TimedMessage& timed : *messages) {
+    const synth::Frame frame = frame_of(timed.time, arrival);
     if (protocol::is_pattern(timed.message.address)) {
       expand(timed.message, frame, arrival.from);
     } else {
@@ -155,29 +157,29 @@ void OscServer::handle(std::span<const std::byte> packet, Peer from, double age_
   }
 }
 
-protocol::Frame OscServer::frame_of(TimeTag time, const Arrival& arrival) const {
-  if (time == kImmediately) {
+synth::Frame OscServer::frame_of(wire::TimeTag time, const Arrival& arrival) const {
+  if (time == wire::kImmediately) {
     return clock_.frame_at(arrival.steady_s - arrival.age_s) + latency_frames(parts_.driver, parts_.latency);
   }
   // A tag years away would overflow a frame; kMaxAhead_s refuses it all the same.
   constexpr double kFar_s = 1e6;
-  return clock_.frame_at(arrival.steady_s + std::clamp(unix_seconds(time) - arrival.unix_s, -kFar_s, kFar_s));
+  return clock_.frame_at(arrival.steady_s + std::clamp(wire::unix_seconds(time) - arrival.unix_s, -kFar_s, kFar_s));
 }
 
-protocol::Frame OscServer::horizon() const { return clock_.frame_at(steady_now_s() + kHorizon_s); }
+synth::Frame OscServer::horizon() const { return clock_.frame_at(steady_now_s() + kHorizon_s); }
 
-void OscServer::expand(const protocol::Message& message, protocol::Frame frame, Peer from) {
+void OscServer::expand(const wire::Message& message, synth::Frame frame, Peer from) {
   const auto names = parts_.session.rack().names();
   const auto addresses = protocol::expand(message.address, *names);
   if (!addresses) return answer(*ports_, from, Fail{message.address, addresses.error().message});
   for (const std::string& address : *addresses) handle({address, message.arguments}, frame, from);
 }
 
-void OscServer::handle(const protocol::Message& message, protocol::Frame frame, Peer from) {
+void OscServer::handle(const wire::Message& message, synth::Frame frame, Peer from) {
   const std::string& address = message.address;
   const auto request = protocol::parse(message);
   if (!request) return answer(*ports_, from, Fail{address, request.error().message});
-  if (Session::is_event(*request)) {
+  if (session::Session::is_event(*request)) {
     play(*request, frame, address, from);
   } else if (std::holds_alternative<protocol::Status>(*request)) {
     answer(*ports_, from, status());
@@ -210,27 +212,27 @@ Result<void> OscServer::set_notices(const protocol::Notify& request, Peer from) 
   return {};
 }
 
-void OscServer::play(const Request& request, protocol::Frame frame, const std::string& address, Peer from) {
+void OscServer::play(const Request& request, synth::Frame frame, const std::string& address, Peer from) {
   const auto played = frame <= horizon() ? parts_.session.play(request, frame) : keep(request, frame, address, from);
   if (!played) answer(*ports_, from, Fail{address, address + ": " + played.error().message});
 }
 
 // Until its time is near.
-Result<void> OscServer::keep(const Request& request, protocol::Frame frame, const std::string& address, Peer from) {
+Result<void> OscServer::keep(const Request& request, synth::Frame frame, const std::string& address, Peer from) {
   if (auto good = parts_.session.check(request, frame); !good) return good;
   if (schedule_.add({frame, request, address, from})) return {};
   return parts_.session.drop(1, std::to_string(kMaxScheduled) + " timed requests are waiting already");
 }
 
 // Played at its time too, but it is the worker who can.
-void OscServer::hold(const Request& request, protocol::Frame frame, const std::string& address, Peer from) {
+void OscServer::hold(const Request& request, synth::Frame frame, const std::string& address, Peer from) {
   if (frame <= horizon()) return post(request, frame, address, from);
   const auto kept = keep(request, frame, address, from);
   if (!kept) answer(*ports_, from, Fail{address, address + ": " + kept.error().message});
 }
 
 void OscServer::play_what_is_near() {
-  for (const protocol::Frame end = horizon(); schedule_.is_due(end);) {
+  for (const synth::Frame end = horizon(); schedule_.is_due(end);) {
     const Schedule::Entry entry = schedule_.take();
     if (std::holds_alternative<protocol::Hold>(entry.request)) {
       post(entry.request, entry.frame, entry.address, entry.from);
@@ -242,7 +244,7 @@ void OscServer::play_what_is_near() {
 }
 
 // /sync goes the same way as what it waits for.
-void OscServer::post(const Request& request, protocol::Frame frame, const std::string& address, Peer from) {
+void OscServer::post(const Request& request, synth::Frame frame, const std::string& address, Peer from) {
   const auto task = [ports = ports_, &session = parts_.session, &driver = parts_.driver, latency = parts_.latency,
                      recorder = parts_.recorder, request, frame, address, from] {
     if (const auto* sync = std::get_if<protocol::Sync>(&request))

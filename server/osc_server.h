@@ -8,17 +8,17 @@
 #pragma once
 
 #include "protocol/reply.h"
+#include "protocol/wire/codec.h"
+#include "protocol/wire/socket.h"
 #include "server/driver.h"
 #include "server/frame_clock.h"
 #include "server/latency.h"
 #include "server/notifier.h"
-#include "server/osc_codec.h"
-#include "server/osc_socket.h"
 #include "server/osc_stream.h"
 #include "server/realtime_share.h"
-#include "server/recorder.h"
 #include "server/schedule.h"
-#include "server/session.h"
+#include "server/session/recorder.h"
+#include "server/session/session.h"
 #include "server/worker.h"
 
 #include <condition_variable>
@@ -33,7 +33,7 @@ namespace ringdown::server {
 
 // Where answers leave: by the way the request came.
 struct AnswerPorts {
-  OscSocket socket;
+  wire::OscSocket socket;
   std::shared_ptr<OscStream> stream;  // null: UDP only
 
   void send(Peer to, std::span<const std::byte> packet);
@@ -42,19 +42,19 @@ struct AnswerPorts {
 class OscServer {
  public:
   struct Parts {
-    Session& session;
+    session::Session& session;
     Worker& worker;
     const Driver& driver;
     std::function<void()> quit;  // called on the server's thread
     Latency latency = {};
-    Recorder* recorder = nullptr;            // null: /record and /state are refused
+    session::Recorder* recorder = nullptr;   // null: /record and /state are refused
     std::shared_ptr<OscStream> stream = {};  // TCP as well
   };
 
   static constexpr double kHorizon_s = 0.2;
 
   // Starts at once.
-  OscServer(OscSocket socket, Parts parts);
+  OscServer(wire::OscSocket socket, Parts parts);
   ~OscServer();
 
   [[nodiscard]] std::uint16_t port() const { return ports_->socket.port(); }
@@ -72,17 +72,17 @@ class OscServer {
   void handle(std::span<const std::byte> packet, Peer from, double age_s);
   void take_from_stream(std::span<const std::byte> packet, Peer from);
   void handle_inbox();
-  void handle(const protocol::Message& message, protocol::Frame frame, Peer from);
-  void expand(const protocol::Message& message, protocol::Frame frame, Peer from);
-  void play(const protocol::Request& request, protocol::Frame frame, const std::string& address, Peer from);
-  void hold(const protocol::Request& request, protocol::Frame frame, const std::string& address, Peer from);
-  Result<void> keep(const protocol::Request& request, protocol::Frame frame, const std::string& address, Peer from);
+  void handle(const wire::Message& message, synth::Frame frame, Peer from);
+  void expand(const wire::Message& message, synth::Frame frame, Peer from);
+  void play(const protocol::Request& request, synth::Frame frame, const std::string& address, Peer from);
+  void hold(const protocol::Request& request, synth::Frame frame, const std::string& address, Peer from);
+  Result<void> keep(const protocol::Request& request, synth::Frame frame, const std::string& address, Peer from);
   void play_what_is_near();
-  [[nodiscard]] protocol::Frame frame_of(TimeTag time, const Arrival& arrival) const;
-  [[nodiscard]] protocol::Frame horizon() const;
+  [[nodiscard]] synth::Frame frame_of(wire::TimeTag time, const Arrival& arrival) const;
+  [[nodiscard]] synth::Frame horizon() const;
   void confirm(const Result<void>& outcome, const std::string& address, Peer from);
   Result<void> set_notices(const protocol::Notify& request, Peer from);
-  void post(const protocol::Request& request, protocol::Frame frame, const std::string& address, Peer from);
+  void post(const protocol::Request& request, synth::Frame frame, const std::string& address, Peer from);
   [[nodiscard]] protocol::StatusReply status() const;
 
   // What the stream's thread hands to ours. It waits while kMost packets are here.

@@ -1,7 +1,7 @@
 #include "server/osc_stream.h"
 
-#include "server/osc_packet.h"
-#include "server/osc_slip.h"
+#include "protocol/wire/packet.h"
+#include "protocol/wire/slip.h"
 
 #include <array>
 #include <arpa/inet.h>
@@ -40,8 +40,8 @@ class Descriptor {
 
 struct Connection {
   Descriptor socket;
-  Endpoint endpoint;
-  SlipDecoder decoder{kMaxPacketBytes};
+  wire::Endpoint endpoint;
+  wire::SlipDecoder decoder{wire::kMaxPacketBytes};
   std::vector<std::byte> unread;  // answers that the client's window has no room for
   bool broken = false;
 };
@@ -66,7 +66,7 @@ void flush(Connection& connection) {
   }
 }
 
-Error listen_error(Endpoint endpoint) {
+Error listen_error(wire::Endpoint endpoint) {
   return {ErrorKind::input_output,
           "cannot listen for OSC by TCP on " + to_text(endpoint) + ": " + std::strerror(errno)};
 }
@@ -75,7 +75,7 @@ Error listen_error(Endpoint endpoint) {
 
 struct OscStream::Impl {
   Descriptor listener, waker;
-  Endpoint endpoint;
+  wire::Endpoint endpoint;
   Take take;
   std::mutex mutex;  // guards connections, but only this thread adds and removes them
   std::map<std::uint32_t, Connection> connections;
@@ -98,7 +98,7 @@ void OscStream::stop() {
   if (impl_->thread.joinable()) impl_->thread.join();
 }
 
-Result<std::unique_ptr<OscStream>> OscStream::listen(Endpoint endpoint) {
+Result<std::unique_ptr<OscStream>> OscStream::listen(wire::Endpoint endpoint) {
   auto impl = std::make_unique<Impl>();
   impl->listener = Descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   impl->waker = Descriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
@@ -126,7 +126,7 @@ void OscStream::start(Take take) {
 }
 
 void OscStream::send(Peer to, std::span<const std::byte> packet) {
-  const std::vector<std::byte> framed = slip_encode(packet);
+  const std::vector<std::byte> framed = wire::slip_encode(packet);
   {
     const std::scoped_lock lock(impl_->mutex);
     const auto found = impl_->connections.find(to.connection);
@@ -191,12 +191,12 @@ void OscStream::Impl::read(std::uint32_t id) {
   bool broken = got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR);
   for (ssize_t i = 0; i < got && !broken; ++i) {
     switch (connection.decoder.push(bytes[static_cast<std::size_t>(i)])) {
-      case SlipDecoder::Outcome::more:
+      case wire::SlipDecoder::Outcome::more:
         break;
-      case SlipDecoder::Outcome::fault:
+      case wire::SlipDecoder::Outcome::fault:
         broken = true;
         break;
-      case SlipDecoder::Outcome::packet: {
+      case wire::SlipDecoder::Outcome::packet: {
         const std::vector<std::byte> packet = connection.decoder.take();
         broken = !begins_as_osc(packet);
         if (!broken) take(packet, {connection.endpoint, id});

@@ -23,7 +23,7 @@ inline constexpr std::size_t kMaxUnread = std::size_t{1} << 20;  // bytes of ans
 class OscStream {
  public:
   // Port 0 takes any free one.
-  static Result<std::unique_ptr<OscStream>> listen(Endpoint endpoint);
+  static Result<std::unique_ptr<OscStream>> listen(wire::Endpoint endpoint);
   ~OscStream();
 
   [[nodiscard]] std::uint16_t port() const;

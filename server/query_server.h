@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "server/osc_socket.h"
+#include "protocol/wire/socket.h"
 
 #include <cstdint>
 #include <functional>

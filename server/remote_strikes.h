@@ -4,8 +4,8 @@
 
 #include "engine/base/result.h"
 #include "server/driver.h"
-#include "server/rack.h"
-#include "server/scene_player.h"
+#include "server/session/rack.h"
+#include "server/session/scene_player.h"
 
 #include <string>
 
@@ -13,6 +13,7 @@ namespace ringdown::server {
 
 // A sink that sends strikes to `url` (osc.udp://host:port) in bundles whose time tag is the moment at which our driver
 // will play their frame. Objects go by name. `rack` and `driver` must outlive it.
-Result<ScenePlayer::Sink> open_remote_strikes(const std::string& url, const Rack& rack, const Driver& driver);
+Result<session::ScenePlayer::Sink> open_remote_strikes(const std::string& url, const session::Rack& rack,
+                                                       const Driver& driver);
 
 }  // namespace ringdown::server

@@ -3,7 +3,7 @@
 // So that a song sent ahead, or a sender with a wrong clock, takes no room from what happens now. [one thread]
 #pragma once
 
-#include "protocol/event.h"
+#include "engine/synth/event.h"
 #include "protocol/request.h"
 #include "server/osc_ports.h"
 
@@ -19,7 +19,7 @@ inline constexpr std::size_t kMaxScheduled = 16384;  // requests
 class Schedule {
  public:
   struct Entry {
-    protocol::Frame frame = 0;
+    synth::Frame frame = 0;
     protocol::Request request;
     std::string address;  // as it was sent, for the answer if it fails
     Peer from;
@@ -36,7 +36,7 @@ class Schedule {
   }
 
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
-  [[nodiscard]] bool is_due(protocol::Frame frame) const { return !entries_.empty() && entries_.front().frame < frame; }
+  [[nodiscard]] bool is_due(synth::Frame frame) const { return !entries_.empty() && entries_.front().frame < frame; }
 
   // The earliest; there must be one.
   Entry take() {

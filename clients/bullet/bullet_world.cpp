@@ -217,7 +217,7 @@ Result<void> BulletWorld::Impl::add(const BodyDescription& body,
                                     std::span<const std::shared_ptr<const modal::Bank>> banks) {
   const auto object = std::ranges::find(scene.objects, body.object, &scene::ObjectDescription::name);
   const bool sounds = object != scene.objects.end();
-  const auto number = static_cast<protocol::ObjectNumber>(object - scene.objects.begin());
+  const auto number = static_cast<synth::ObjectNumber>(object - scene.objects.begin());
   const modal::Bank* bank = sounds ? banks[number].get() : nullptr;
   const modal::MaterialScale scale = sounds ? object->material : modal::MaterialScale{};
   const Result<scene::Solid> solid = scene::make_solid(body, bank, scale);

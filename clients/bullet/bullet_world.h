@@ -11,7 +11,7 @@
 #include "engine/modal/bank.h"
 #include "engine/scene/description.h"
 #include "engine/scene/sounding.h"
-#include "protocol/event.h"
+#include "engine/synth/event.h"
 
 #include <memory>
 #include <span>
@@ -33,7 +33,7 @@ class BulletWorld {
   // What is heard of a step: strikes, tellings of lasting contacts, and what rests on objects. Frames never fall,
   // within and between steps, and lie at most two steps before the step's end. Valid until the next call.
   struct Heard {
-    std::span<const protocol::Event> events;
+    std::span<const synth::Event> events;
     std::span<const scene::Leaning> leanings;
   };
 

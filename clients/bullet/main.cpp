@@ -7,8 +7,8 @@
 #include "protocol/defaults.h"
 #include "protocol/exit_codes.h"
 #include "protocol/schema.h"
+#include "protocol/wire/score.h"
 #include "server/event_sender.h"
-#include "server/osc_score.h"
 
 #include <CLI/CLI.hpp>
 
@@ -54,8 +54,8 @@ Result<bullet::BulletWorld> make_world(const scene::SceneDescription& scene) {
 }
 
 // What a daemon must know before the first strike.
-std::vector<protocol::Message> set_up(const scene::SceneDescription& scene) {
-  std::vector<protocol::Message> messages;
+std::vector<wire::Message> set_up(const scene::SceneDescription& scene) {
+  std::vector<wire::Message> messages;
   for (const scene::ObjectDescription& object : scene.objects) {
     const protocol::ObjectRef ref{.name = object.name};
     messages.push_back(
@@ -74,7 +74,7 @@ ExitCode play(const Options& options, const scene::SceneDescription& scene, bull
               double seconds) {
   auto link = cli::DaemonLink::open(options.to);
   if (!link) return complain(link.error().message, ExitCode::usage);
-  for (const protocol::Message& message : options.no_load ? std::vector<protocol::Message>() : set_up(scene)) {
+  for (const wire::Message& message : options.no_load ? std::vector<wire::Message>() : set_up(scene)) {
     const auto reply = link->ask(message, std::chrono::seconds(5));
     if (!reply) return complain(reply.error().message, ExitCode::no_answer);
     if (const auto* no = std::get_if<protocol::Fail>(&*reply)) return complain(no->sentence, ExitCode::failure);
@@ -87,10 +87,8 @@ ExitCode play(const Options& options, const scene::SceneDescription& scene, bull
   std::size_t lost = 0;
   while (world.time_s() < seconds && !interrupted) {
     const bullet::BulletWorld::Heard heard = world.step();
-    const auto name = [&](protocol::ObjectNumber object) { return scene.objects[object].name; };
-    const auto time = [&](protocol::Frame frame) {
-      return start_s + static_cast<double>(frame) / bullet::kFrameRate_hz;
-    };
+    const auto name = [&](synth::ObjectNumber object) { return scene.objects[object].name; };
+    const auto time = [&](synth::Frame frame) { return start_s + static_cast<double>(frame) / bullet::kFrameRate_hz; };
     lost += sender->send(heard.events, name, time) + sender->send(heard.leanings, name, time);
     const double ahead_s = start_s + world.time_s() - lead_s - unix_now_s();
     if (ahead_s > 0) std::this_thread::sleep_for(duration<double>(ahead_s));
@@ -104,24 +102,25 @@ ExitCode play(const Options& options, const scene::SceneDescription& scene, bull
 // As fast as it can, into a score.
 ExitCode write_events(const std::filesystem::path& path, const scene::SceneDescription& scene,
                       bullet::BulletWorld& world, double seconds) {
-  std::vector<server::ScoreEvent> score;
-  for (const protocol::Message& message : set_up(scene)) score.push_back({0, message});
+  std::vector<wire::ScoreEvent> score;
+  for (const wire::Message& message : set_up(scene)) score.push_back({0, message});
   while (world.time_s() < seconds) {
     if (interrupted) return complain("cancelled; nothing was written", ExitCode::cancelled);
     const bullet::BulletWorld::Heard heard = world.step();
-    const auto ref = [&](protocol::ObjectNumber object) {
+    const auto ref = [&](synth::ObjectNumber object) {
       return protocol::ObjectRef{.name = scene.objects[object].name};
     };
-    const auto add = [&](protocol::Frame frame, const protocol::Request& request) {
+    const auto add = [&](synth::Frame frame, const protocol::Request& request) {
       score.push_back({static_cast<double>(frame) / bullet::kFrameRate_hz, protocol::format(request)});
     };
-    for (const protocol::Event& event : heard.events) add(event.frame, protocol::request_for(event, ref(event.object)));
+    for (const synth::Event& event : heard.events) add(event.frame, protocol::request_for(event, ref(event.object)));
     for (const scene::Leaning& leaning : heard.leanings) {
-      for (const protocol::Hold& hold : scene::holds_for(leaning, ref(leaning.object))) add(leaning.frame, hold);
+      for (const protocol::Hold& hold : protocol::holds_for(leaning.touches, ref(leaning.object)))
+        add(leaning.frame, hold);
     }
   }
   score.push_back({world.time_s(), {"/c_set", {0, 0.f}}});  // scores end so
-  const auto written = server::write_score(score, path);
+  const auto written = wire::write_score(score, path);
   return written ? ExitCode::ok : complain(written.error().message, ExitCode::failure);
 }
 
@@ -147,7 +146,7 @@ int main(int argc, char** argv) {
       ->type_name("FILE");
   app.add_option("--seconds", options.seconds, "How long; default: what the scene says")
       ->type_name("SECONDS")
-      ->check(CLI::Range(0.0, server::kMaxScore / 2));
+      ->check(CLI::Range(0.0, wire::kMaxScore / 2));
   app.add_option("--lead", options.lead_s, "How long before its time an event is sent, at least")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.0, 10.0))

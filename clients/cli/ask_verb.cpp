@@ -10,7 +10,7 @@
 namespace ringdown::cli {
 namespace {
 
-std::string text_of(const protocol::Argument& argument) {
+std::string text_of(const wire::Argument& argument) {
   if (const auto* text = std::get_if<std::string>(&argument)) return *text;
   if (const auto* integer = std::get_if<std::int32_t>(&argument)) return std::to_string(*integer);
   char text[32] = "";
@@ -20,7 +20,7 @@ std::string text_of(const protocol::Argument& argument) {
 
 void print(const protocol::Reply& reply) {
   const protocol::AddressSpec& spec = protocol::spec_of(reply);
-  const protocol::Message message = protocol::format(reply);
+  const wire::Message message = protocol::format(reply);
   for (std::size_t i = 0; i < message.arguments.size(); ++i) {
     const protocol::ArgumentSpec& argument = spec.arguments[i];
     if (argument.name == "address") continue;  // the user has just typed it
@@ -40,7 +40,7 @@ void add_daemon_options(CLI::App& verb, DaemonOptions& options) {
       ->check(CLI::Range(0.001, 3600.0));
 }
 
-ExitCode ask_and_print(const DaemonOptions& options, const protocol::Message& message) {
+ExitCode ask_and_print(const DaemonOptions& options, const wire::Message& message) {
   auto link = DaemonLink::open(options.url);
   if (!link) return complain(link.error().message, ExitCode::usage);
   const auto timeout = std::chrono::ceil<std::chrono::milliseconds>(std::chrono::duration<double>(options.timeout_s));

@@ -3,7 +3,7 @@
 
 #include "clients/cli/verb.h"
 #include "protocol/defaults.h"
-#include "protocol/message.h"
+#include "protocol/wire/message.h"
 
 #include <string>
 
@@ -18,6 +18,6 @@ struct DaemonOptions {
 void add_daemon_options(CLI::App& verb, DaemonOptions& options);
 
 // Sends the message and prints what is answered: nothing for a silent success, else one line per argument.
-ExitCode ask_and_print(const DaemonOptions& options, const protocol::Message& message);
+ExitCode ask_and_print(const DaemonOptions& options, const wire::Message& message);
 
 }  // namespace ringdown::cli

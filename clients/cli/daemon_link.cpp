@@ -1,7 +1,7 @@
 #include "clients/cli/daemon_link.h"
 
 #include "protocol/schema.h"
-#include "server/osc_codec.h"
+#include "protocol/wire/codec.h"
 
 #include <optional>
 #include <variant>
@@ -9,8 +9,8 @@
 namespace ringdown::cli {
 namespace {
 
-using protocol::Message;
 using protocol::Reply;
+using wire::Message;
 using Clock = std::chrono::steady_clock;
 
 // Whether `reply` is about the message sent to `address`, for which `expected` is the address of success.
@@ -20,9 +20,8 @@ bool answers(const Message& message, const Reply& reply, std::string_view addres
   return message.address == expected;
 }
 
-std::optional<Reply> find_answer(const server::Datagram& datagram, std::string_view address,
-                                 std::string_view expected) {
-  const auto messages = server::decode_packet(datagram.bytes);
+std::optional<Reply> find_answer(const wire::Datagram& datagram, std::string_view address, std::string_view expected) {
+  const auto messages = wire::decode_packet(datagram.bytes);
   if (!messages) return std::nullopt;
   for (const auto& [time, message] : *messages) {
     Result<Reply> reply = protocol::parse_reply(message);
@@ -34,13 +33,13 @@ std::optional<Reply> find_answer(const server::Datagram& datagram, std::string_v
 }  // namespace
 
 Result<DaemonLink> DaemonLink::open(const std::string& url) {
-  const auto parsed = server::parse_url(url);
+  const auto parsed = wire::parse_url(url);
   if (!parsed) return fail(parsed.error());
-  const auto daemon = server::resolve(parsed->host, parsed->port);
+  const auto daemon = wire::resolve(parsed->host, parsed->port);
   if (!daemon) return fail(daemon.error());
   // A daemon on this computer is asked from loopback; for another one, any of our addresses must do.
   const bool local = daemon->address >> 24 == 127;
-  auto socket = server::OscSocket::bind({local ? daemon->address : 0, 0});
+  auto socket = wire::OscSocket::bind({local ? daemon->address : 0, 0});
   if (!socket) return fail(socket.error());
   return DaemonLink(std::move(*socket), *daemon, url);
 }
@@ -49,13 +48,13 @@ Result<Reply> DaemonLink::ask(const Message& message, std::chrono::milliseconds 
   const auto spec = protocol::find_address(message.address);
   if (!spec) return fail(spec.error());
   const bool silent = (*spec)->reply.empty();
-  if (Result<void> sent = socket_.send_to(daemon_, server::encode(message)); !sent) return fail(sent.error());
+  if (Result<void> sent = socket_.send_to(daemon_, wire::encode(message)); !sent) return fail(sent.error());
   if (silent) {
     const Message sync = protocol::format(protocol::Request(protocol::Sync{1}));
-    if (Result<void> sent = socket_.send_to(daemon_, server::encode(sync)); !sent) return fail(sent.error());
+    if (Result<void> sent = socket_.send_to(daemon_, wire::encode(sync)); !sent) return fail(sent.error());
   }
   const std::string_view expected = silent ? "/synced" : (*spec)->reply;
-  server::Datagram datagram;
+  wire::Datagram datagram;
   for (const auto deadline = Clock::now() + timeout;;) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
     if (left.count() <= 0) break;

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "protocol/message.h"
 #include "protocol/reply.h"
-#include "server/osc_socket.h"
+#include "protocol/wire/message.h"
+#include "protocol/wire/socket.h"
 
 #include <chrono>
 #include <string>
@@ -18,14 +18,14 @@ class DaemonLink {
 
   // Sends a message of the protocol and waits for its answer. A request that succeeds in silence is followed by /sync,
   // so that Synced means it has arrived. Fail is an answer like any other; an error means that none came in time.
-  Result<protocol::Reply> ask(const protocol::Message& message, std::chrono::milliseconds timeout);
+  Result<protocol::Reply> ask(const wire::Message& message, std::chrono::milliseconds timeout);
 
  private:
-  DaemonLink(server::OscSocket socket, server::Endpoint daemon, std::string url)
+  DaemonLink(wire::OscSocket socket, wire::Endpoint daemon, std::string url)
       : socket_(std::move(socket)), daemon_(daemon), url_(std::move(url)) {}
 
-  server::OscSocket socket_;
-  server::Endpoint daemon_;
+  wire::OscSocket socket_;
+  wire::Endpoint daemon_;
   std::string url_;
 };
 

@@ -5,7 +5,7 @@
 #include "engine/bake/material_page.h"
 #include "engine/base/preset_folder.h"
 #include "engine/synth/mixer.h"
-#include "server/offline.h"
+#include "server/session/offline.h"
 
 #include <CLI/CLI.hpp>
 
@@ -28,19 +28,19 @@ constexpr double kSeconds = 2;  // of the preview, seen and heard
 constexpr Vec3 kImpulse_ns = {0, 0, -0.02};
 constexpr double kContactTime_s = 5e-4;
 
-protocol::Event blow(const modal::Bank& bar) {
+synth::Event blow(const modal::Bank& bar) {
   const modal::Vec3f& end = bar.positions.front();
   return {.object = 0,
-          .type = protocol::EventType::strike,
+          .type = synth::EventType::strike,
           .point_m = {end[0], end[1], end[2]},
           .impulse_ns = kImpulse_ns,
           .contact_time_s = kContactTime_s};
 }
 
 // A blow on the end of the bar, through the mixer that plays everything else; loudest sample -3 dB of full scale.
-server::Recording strike(const modal::Bank& bar) {
+session::Recording strike(const modal::Bank& bar) {
   constexpr double kRate_hz = 48000, kPeak = 0.7079;
-  server::Recording recording{.sample_rate_hz = kRate_hz};
+  session::Recording recording{.sample_rate_hz = kRate_hz};
   synth::Mixer mixer(kRate_hz);
   const auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(bar));
   static_cast<void>(mixer.install(0, std::make_unique<synth::Voice>(map, modal::MaterialScale{}, kRate_hz),
@@ -191,7 +191,7 @@ ExitCode show(const MaterialsArguments& arguments) {
   }
   const modal::Bank bar = bake::bar_bank(entry->material);
   if (bar.mode_count() == 0) return complain("no mode of a bar of " + arguments.name + " rings", ExitCode::bad_input);
-  if (const auto written = server::write_audio(strike(bar), arguments.sound); !written)
+  if (const auto written = session::write_audio(strike(bar), arguments.sound); !written)
     return complain(written.error().message, ExitCode::failure);
   std::printf("%s: %.0f s of a bar of %s, %s\n", arguments.sound.c_str(), kSeconds, arguments.name.c_str(),
               pitch_of(bar).c_str());

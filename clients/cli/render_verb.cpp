@@ -1,5 +1,6 @@
 #include "clients/cli/verb.h"
-#include "server/offline.h"
+#include "protocol/wire/score.h"
+#include "server/session/offline.h"
 
 #include <CLI/CLI.hpp>
 
@@ -7,8 +8,12 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
 #include <unistd.h>
+#include <vector>
 
 namespace ringdown::cli {
 namespace {
@@ -16,8 +21,9 @@ namespace {
 std::atomic<bool> interrupted = false;
 
 struct RenderArguments {
-  server::OfflineOptions options;
+  session::OfflineOptions options;
   std::vector<std::string> objects;
+  std::optional<std::filesystem::path> score;
   std::string output;
 };
 
@@ -38,11 +44,16 @@ ExitCode render(RenderArguments& arguments) {
     if (equals == text.npos) return complain("--object " + text + " is not NAME=BANK", ExitCode::usage);
     arguments.options.objects.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
+  if (arguments.score) {
+    auto score = wire::read_score(*arguments.score);
+    if (!score) return complain(score.error().message, ExitCode::bad_input);
+    arguments.options.score = std::move(*score);
+  }
   std::signal(SIGINT, [](int) { interrupted = true; });
-  const auto recording = server::render_offline(arguments.options, show_progress);
+  const auto recording = session::render_offline(arguments.options, show_progress);
   if (!recording) return complain(recording.error().message, interrupted ? ExitCode::cancelled : ExitCode::bad_input);
   for (const std::string& warning : recording->warnings) complain(warning, ExitCode::ok);
-  if (const auto written = server::write_audio(*recording, arguments.output); !written) {
+  if (const auto written = session::write_audio(*recording, arguments.output); !written) {
     return complain(written.error().message, ExitCode::failure);
   }
   std::printf("%s: %.2f s at %.0f Hz, peak %.1f dB\n", arguments.output.c_str(),
@@ -57,10 +68,10 @@ ExitCode render(RenderArguments& arguments) {
 
 void add_render_verb(CLI::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<RenderArguments>();
-  server::OfflineOptions& options = arguments->options;
+  session::OfflineOptions& options = arguments->options;
   CLI::App* verb = app.add_subcommand("render", "Renders a scene or an OSC score to a sound file, without a clock.");
   verb->add_option("--scene", options.scene, "Scene file (docs/scenes.md).")->type_name("FILE");
-  verb->add_option("--events", options.score, "OSC score, the format of scsynth's non-real-time mode.")
+  verb->add_option("--events", arguments->score, "OSC score, the format of scsynth's non-real-time mode.")
       ->type_name("FILE");
   verb->add_option("--object", arguments->objects, "Object to load first; may be given more than once.")
       ->type_name("NAME=BANK");
@@ -68,14 +79,14 @@ void add_render_verb(CLI::App& app, ExitCode& outcome) {
       ->type_name("FILE")
       ->required();
   verb->add_option("--seconds", options.seconds, "Length; default: the scene's own, or the score's and 5 s more.")
-      ->check(CLI::Range(0.0, server::kMaxRender_s));
+      ->check(CLI::Range(0.0, session::kMaxRender_s));
   verb->add_option("--rate", options.sample_rate_hz, "Sample rate in Hz.")
       ->check(CLI::Range(8000.0, 768000.0))
       ->capture_default_str();
   verb->add_option("--block", options.block_frames, "Frames per block; changes nothing but rounding.")
       ->check(CLI::Range(1, 8192))
       ->capture_default_str();
-  server::add_sound_options(*verb, options.sound);
+  session::add_sound_options(*verb, options.sound);
   verb->callback([arguments, &outcome] { outcome = render(*arguments); });
 }
 

@@ -15,7 +15,10 @@ struct ContactDamping {
   friend bool operator==(const ContactDamping&, const ContactDamping&) = default;
 };
 
-// All that touches an object, each by its number.
+// Touches of an object; those from kFirstSceneTouch on are an embedded scene's.
+inline constexpr std::uint32_t kMaxTouches = 16, kFirstSceneTouch = 8;
+
+// All that touches an object, each by its number, below kMaxTouches.
 using Touches = std::map<std::uint32_t, ContactDamping>;
 
 }  // namespace ringdown::modal

@@ -10,7 +10,7 @@ std::optional<double> longer(std::optional<double> a, std::optional<double> b) {
   return a && b ? std::max(a, b) : a ? a : b;
 }
 
-protocol::Texture combine(const protocol::Texture& a, const protocol::Texture& b) {
+synth::Texture combine(const synth::Texture& a, const synth::Texture& b) {
   const double variance_a = a.roughness_m * a.roughness_m, variance_b = b.roughness_m * b.roughness_m;
   const double sum = variance_a + variance_b;
   const double share = sum > 0 ? variance_a / sum : 0.5;

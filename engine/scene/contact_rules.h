@@ -25,7 +25,7 @@ double bounce_threshold(const SceneDescription& scene);
 struct SurfacePair {
   double restitution = 0, friction = 0, rolling_m = 0;  // geometric means
   std::optional<double> contact_time_s;                 // the longer of those given: the softer of the two decides
-  protocol::Texture texture;                            // variances add; the rest is their mean, weighted by variance
+  synth::Texture texture;                               // variances add; the rest is their mean, weighted by variance
 };
 SurfacePair combine(const Surface& a, const Surface& b);
 

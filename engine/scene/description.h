@@ -8,7 +8,7 @@
 #include "engine/base/range.h"
 #include "engine/base/vec3.h"
 #include "engine/modal/material_scale.h"
-#include "protocol/event.h"
+#include "engine/synth/event.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -80,7 +80,7 @@ struct Surface {
   double edge_radius_m = 1e-3;           // of corners and edges, which touch first unless the body is a sphere
   std::optional<double> young_pa;        // unset: of the bank's material, else kDefaultYoung_pa
   std::optional<double> poisson;         // unset: of the bank's material, else kDefaultPoisson
-  protocol::Texture texture;             // what sliding and rolling on it excite
+  synth::Texture texture;                // what sliding and rolling on it excite
 };
 
 // Hard stone or glass: what is not said to be of another material.
@@ -98,7 +98,7 @@ struct Shape {
 
 // An object that can sound, and what the mixer should set for it.
 struct ObjectDescription {
-  std::string name;  // protocol/names.h says what a name is
+  std::string name;  // engine/base/object_name.h says what a name is
   std::filesystem::path bank;
   std::string group;              // empty: in none
   double gain = 1;                // linear

@@ -1,9 +1,10 @@
 #include "engine/scene/scene_file.h"
 
+#include "engine/base/object_name.h"
+#include "engine/base/quoted.h"
 #include "engine/base/toml_table.h"
 #include "engine/scene/check.h"
 #include "engine/scene/rotation.h"
-#include "protocol/names.h"
 
 #include <algorithm>
 #include <map>
@@ -92,10 +93,10 @@ class SceneReader {
     table.number("gain", object.gain, range::kGain);
     table.number("pan", object.pan, range::kPan);
     if (auto material = table.table("material")) read_material(*material, object);
-    if (!object.name.empty() && !protocol::is_object_name(object.name)) {
+    if (!object.name.empty() && !is_object_name(object.name)) {
       table.complain("name", "a name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
     }
-    if (!object.group.empty() && !protocol::is_object_name(object.group)) {
+    if (!object.group.empty() && !is_object_name(object.group)) {
       table.complain("group", "a group is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
     }
     if (!bank.empty()) object.bank = find_bank(bank, table);
@@ -181,7 +182,7 @@ class SceneReader {
     read_surface(table, body.surface);
     const bool known = std::ranges::count(scene_.objects, body.object, &ObjectDescription::name) > 0;
     if (!body.object.empty() && !known) {
-      table.complain("object", "the scene has no object " + protocol::quoted(body.object));
+      table.complain("object", "the scene has no object " + ringdown::quoted(body.object));
     }
     return body;
   }

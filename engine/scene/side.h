@@ -3,7 +3,7 @@
 
 #include "engine/modal/bank.h"
 #include "engine/scene/hertz.h"
-#include "protocol/event.h"
+#include "engine/synth/event.h"
 
 #include <optional>
 
@@ -13,9 +13,9 @@ struct Side {
   Surface surface;
   Elastic elastic;
   Curvature curvature;
-  std::optional<RigidMass> mass;                 // none: it does not give way
-  std::optional<protocol::ObjectNumber> object;  // none: it is silent
-  Vec3 center_m;                                 // centre of mass in the object's frame
+  std::optional<RigidMass> mass;              // none: it does not give way
+  std::optional<synth::ObjectNumber> object;  // none: it is silent
+  Vec3 center_m;                              // centre of mass in the object's frame
 };
 
 // Without its object. Its elasticity is its own word, or its bank's material as the scene scales it, or hard stone's.

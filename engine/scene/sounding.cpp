@@ -1,7 +1,6 @@
 #include "engine/scene/sounding.h"
 
 #include "engine/scene/rotation.h"
-#include "protocol/defaults.h"
 
 #include <algorithm>
 #include <cmath>
@@ -52,14 +51,8 @@ std::optional<Touching> gather(BodyPair pair, std::span<const Touch* const> touc
 
 }  // namespace
 
-protocol::Frame Timeline::frame(double time_s) const {
-  return start + static_cast<protocol::Frame>(std::llround(time_s * sample_rate_hz));
-}
-
-std::vector<protocol::Hold> holds_for(const Leaning& leaning, const protocol::ObjectRef& object) {
-  std::vector<protocol::Hold> holds;
-  for (const auto& [number, touch] : leaning.touches) holds.push_back({object, touch, number});
-  return holds;
+synth::Frame Timeline::frame(double time_s) const {
+  return start + static_cast<synth::Frame>(std::llround(time_s * sample_rate_hz));
 }
 
 Sounding::Sounding(const SceneDescription& scene)
@@ -89,7 +82,7 @@ void Sounding::remove_side(BodyId id) {
   rests_.remove(id);
 }
 
-void Sounding::silence(protocol::ObjectNumber object) {
+void Sounding::silence(synth::ObjectNumber object) {
   for (auto& [id, side] : sides_) {
     if (side.object == object) side.object.reset();
   }
@@ -101,8 +94,8 @@ const Side* Sounding::find(BodyId id) const {
   return found == sides_.end() ? nullptr : &found->second;
 }
 
-std::span<const protocol::Event> Sounding::hear(std::span<const Touch> touches, std::span<const Moved> moved,
-                                                double now_s, const Timeline& timeline) {
+std::span<const synth::Event> Sounding::hear(std::span<const Touch> touches, std::span<const Moved> moved, double now_s,
+                                             const Timeline& timeline) {
   events_.clear();
   leanings_.clear();
   dropped_ = 0;
@@ -118,11 +111,11 @@ std::span<const protocol::Event> Sounding::hear(std::span<const Touch> touches, 
   for (const BodyId id : rests_.advance(moved)) {
     if (const Side* side = find(id)) look_again(*side);
   }
-  for (const protocol::ObjectNumber object : std::exchange(look_again_, {})) {
+  for (const synth::ObjectNumber object : std::exchange(look_again_, {})) {
     lean(object, timeline.frame(std::max(now_s, latest_s_)));
   }
   for (const Telling& telling : lives_.advance(now_s)) tell(telling, timeline.frame(std::max(now_s, latest_s_)));
-  std::ranges::stable_sort(events_, {}, &protocol::Event::frame);
+  std::ranges::stable_sort(events_, {}, &synth::Event::frame);
   return events_;
 }
 
@@ -169,7 +162,7 @@ void Sounding::strike(const Touch& touch, double now_s, const Timeline& timeline
   if (!body || !other) return;
   const double since_s = std::clamp(touch.depth_m / touch.approach_m_s, 0.0, step_s_);
   latest_s_ = std::max(latest_s_, now_s + touch.found_s - since_s);
-  protocol::Event event;
+  synth::Event event;
   event.frame = timeline.frame(latest_s_);
   event.contact_time_s = contact_time_s(*body, *other, touch);
   const auto strike_side = [&](const Side& side, const Motion& motion, Vec3 impulse_ns) {
@@ -184,7 +177,7 @@ void Sounding::strike(const Touch& touch, double now_s, const Timeline& timeline
 }
 
 // Several bodies of one object share its modes: nothing can damp one of them alone.
-void Sounding::lean(protocol::ObjectNumber object, protocol::Frame frame) {
+void Sounding::lean(synth::ObjectNumber object, synth::Frame frame) {
   const auto plays = [object](const auto& entry) { return entry.second.object == object; };
   const bool alone = std::ranges::count_if(sides_, plays) == 1;
   std::vector<modal::ContactDamping> all;
@@ -211,8 +204,8 @@ void Sounding::lean(protocol::ObjectNumber object, protocol::Frame frame) {
   }
   std::ranges::stable_sort(all, std::greater{}, &modal::ContactDamping::damping_ns_m);
   Leaning leaning{.frame = frame, .object = object, .touches = {}};
-  for (std::uint32_t i = 0; i < protocol::kMaxTouches - protocol::kFirstSceneTouch; ++i) {
-    leaning.touches[protocol::kFirstSceneTouch + i] = i < all.size() ? all[i] : modal::ContactDamping{};
+  for (std::uint32_t i = 0; i < modal::kMaxTouches - modal::kFirstSceneTouch; ++i) {
+    leaning.touches[modal::kFirstSceneTouch + i] = i < all.size() ? all[i] : modal::ContactDamping{};
   }
   leanings_.push_back(std::move(leaning));
 }
@@ -228,9 +221,9 @@ void Sounding::click(BodyPair pair, std::span<const Touch* const> touches, const
   }
   const Side *body = find(hardest->body), *other = find(hardest->other);
   if (!body || !other) return;
-  protocol::Event event;
+  synth::Event event;
   event.frame = timeline.frame(latest_s_);
-  event.type = protocol::EventType::click;
+  event.type = synth::EventType::click;
   event.contact_time_s = contact_time_s(*body, *other, *hardest);
   const auto click_side = [&](const Side& side, const Motion& motion, double sign) {
     if (!side.object || !side.mass) return;
@@ -243,10 +236,9 @@ void Sounding::click(BodyPair pair, std::span<const Touch* const> touches, const
   click_side(*other, hardest->of_other, -sign);
 }
 
-void Sounding::tell(const Telling& telling, protocol::Frame frame) {
+void Sounding::tell(const Telling& telling, synth::Frame frame) {
   const Side *first = find(telling.pair.first), *second = find(telling.pair.second);
-  const protocol::Texture texture =
-      first && second ? combine(first->surface, second->surface).texture : protocol::Texture{};
+  const synth::Texture texture = first && second ? combine(first->surface, second->surface).texture : synth::Texture{};
   const auto entry = lines_.try_emplace(telling.pair).first;
   Lines& lines = entry->second;
   tell_side(telling, first, lines.first, telling.first, telling.force_n, texture, frame);
@@ -255,13 +247,13 @@ void Sounding::tell(const Telling& telling, protocol::Frame frame) {
 }
 
 void Sounding::tell_side(const Telling& telling, const Side* side, std::optional<Line>& line, const Motion& motion,
-                         Vec3 force_n, const protocol::Texture& texture, protocol::Frame frame) {
+                         Vec3 force_n, const synth::Texture& texture, synth::Frame frame) {
   const bool sounds = side && side->object;
   if (!line && (!sounds || telling.ends)) return;
   if (!line) line = Line{*side->object, free_number(*side->object)};
-  protocol::Event event;
+  synth::Event event;
   event.frame = frame;
-  event.type = protocol::EventType::contact;
+  event.type = synth::EventType::contact;
   event.object = line->object;
   event.contact.number = line->number;
   if (!telling.ends && sounds && side->object == line->object) {
@@ -276,7 +268,7 @@ void Sounding::tell_side(const Telling& telling, const Side* side, std::optional
   push(event);
 }
 
-std::uint32_t Sounding::free_number(protocol::ObjectNumber object) const {
+std::uint32_t Sounding::free_number(synth::ObjectNumber object) const {
   std::vector<std::uint32_t> taken;
   for (const auto& [pair, lines] : lines_) {
     for (const auto& line : {lines.first, lines.second}) {
@@ -289,7 +281,7 @@ std::uint32_t Sounding::free_number(protocol::ObjectNumber object) const {
   return number;
 }
 
-void Sounding::push(const protocol::Event& event) {
+void Sounding::push(const synth::Event& event) {
   if (events_.size() == kMaxEventsPerStep) {
     ++dropped_;
     return;

@@ -5,12 +5,11 @@
 // what, and how much that damps. [one thread at a time]
 #pragma once
 
+#include "engine/modal/contact_damping.h"
 #include "engine/scene/contact_life.h"
 #include "engine/scene/rests.h"
 #include "engine/scene/side.h"
-#include "engine/modal/contact_damping.h"
-#include "protocol/event.h"
-#include "protocol/request.h"
+#include "engine/synth/event.h"
 
 #include <cstddef>
 #include <map>
@@ -25,21 +24,18 @@ inline constexpr std::size_t kMaxEventsPerStep = 512;  // strikes, clicks and te
 
 // Where scene time lies in frames.
 struct Timeline {
-  protocol::Frame start = 0;
+  synth::Frame start = 0;
   double sample_rate_hz = 48000;
-  [[nodiscard]] protocol::Frame frame(double time_s) const;
+  [[nodiscard]] synth::Frame frame(double time_s) const;
 };
 
-// All that touches an object at rest in its scene and damps it, by numbers from protocol::kFirstSceneTouch on; one that
+// All that touches an object at rest in its scene and damps it, by numbers from modal::kFirstSceneTouch on; one that
 // has ended is told of without damping.
 struct Leaning {
-  protocol::Frame frame = 0;
-  protocol::ObjectNumber object = 0;
+  synth::Frame frame = 0;
+  synth::ObjectNumber object = 0;
   modal::Touches touches;
 };
-
-// What another program is told of it.
-std::vector<protocol::Hold> holds_for(const Leaning& leaning, const protocol::ObjectRef& object);
 
 class Sounding {
  public:
@@ -47,13 +43,13 @@ class Sounding {
 
   void set_side(BodyId id, Side side);
   void remove_side(BodyId id);
-  void silence(protocol::ObjectNumber object);  // its bodies stay, and sound no more
+  void silence(synth::ObjectNumber object);  // its bodies stay, and sound no more
 
   // The events of the step that began at `now_s`, in order of their frames, valid until the next call. A strike lies at
   // its time of touch, depth over speed of approach before it was found, and never before an event of an earlier step.
   // `moved` are the bodies that moved in it.
-  std::span<const protocol::Event> hear(std::span<const Touch> touches, std::span<const Moved> moved, double now_s,
-                                        const Timeline& timeline);
+  std::span<const synth::Event> hear(std::span<const Touch> touches, std::span<const Moved> moved, double now_s,
+                                     const Timeline& timeline);
 
   // The objects on which something else lies since that step than before.
   [[nodiscard]] std::span<const Leaning> leanings() const { return leanings_; }
@@ -69,7 +65,7 @@ class Sounding {
  private:
   // An object's number for a contact of its that is being told of.
   struct Line {
-    protocol::ObjectNumber object = 0;
+    synth::ObjectNumber object = 0;
     std::uint32_t number = 0;
   };
   struct Lines {
@@ -80,15 +76,15 @@ class Sounding {
   [[nodiscard]] bool is_blow(const Touch& touch) const;
   void strike(const Touch& touch, double now_s, const Timeline& timeline);
   void look_again(const Side& side);
-  void lean(protocol::ObjectNumber object, protocol::Frame frame);
+  void lean(synth::ObjectNumber object, synth::Frame frame);
   void click(BodyPair pair, std::span<const Touch* const> touches, const Timeline& timeline);
   [[nodiscard]] double contact_time_s(const Side& body, const Side& other, const Touch& touch) const;
-  void tell(const Telling& telling, protocol::Frame frame);
+  void tell(const Telling& telling, synth::Frame frame);
   void tell_side(const Telling& telling, const Side* side, std::optional<Line>& line, const Motion& motion,
-                 Vec3 force_n, const protocol::Texture& texture, protocol::Frame frame);
-  [[nodiscard]] std::uint32_t free_number(protocol::ObjectNumber object) const;
+                 Vec3 force_n, const synth::Texture& texture, synth::Frame frame);
+  [[nodiscard]] std::uint32_t free_number(synth::ObjectNumber object) const;
   [[nodiscard]] const Side* find(BodyId id) const;
-  void push(const protocol::Event& event);
+  void push(const synth::Event& event);
 
   ContactLives lives_;
   Rests rests_;
@@ -99,9 +95,9 @@ class Sounding {
   std::map<BodyId, Side> sides_;
   std::map<BodyPair, Lines> lines_;
   std::vector<const Touch*> by_pair_;
-  std::vector<protocol::Event> events_;
+  std::vector<synth::Event> events_;
   std::vector<Leaning> leanings_;
-  std::set<protocol::ObjectNumber> leaned_on_, look_again_;  // as told of; to be told of, perhaps
+  std::set<synth::ObjectNumber> leaned_on_, look_again_;  // as told of; to be told of, perhaps
   std::size_t dropped_ = 0;
 };
 

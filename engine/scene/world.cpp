@@ -1,8 +1,8 @@
 #include "engine/scene/world.h"
 
+#include "engine/base/quoted.h"
 #include "engine/scene/check.h"
 #include "engine/scene/world_impl.h"
-#include "protocol/names.h"
 
 #include <algorithm>
 #include <utility>
@@ -21,7 +21,7 @@ Result<World> World::create(const SceneDescription& scene, std::span<const Sound
     return fail(ErrorKind::bad_input, "a scene needs a sample rate from 1 to 1e7 Hz");
   auto impl = std::make_unique<Impl>(scene, sample_rate_hz);
   for (const SoundingObject& object : objects) {
-    if (!object.bank) return fail(ErrorKind::bad_input, "object " + protocol::quoted(object.name) + " has no bank");
+    if (!object.bank) return fail(ErrorKind::bad_input, "object " + ringdown::quoted(object.name) + " has no bank");
     impl->objects.push_back(object);
   }
   BodyId next_static = kFirstStatic;
@@ -39,7 +39,7 @@ Result<World> World::create(const SceneDescription& scene, std::span<const Sound
   return World(std::move(impl));
 }
 
-void World::set_start_frame(protocol::Frame frame) { impl_->timeline.start = frame; }
+void World::set_start_frame(synth::Frame frame) { impl_->timeline.start = frame; }
 
 void World::set_sample_rate(double sample_rate_hz) { impl_->timeline.sample_rate_hz = sample_rate_hz; }
 
@@ -64,24 +64,12 @@ bool World::telling() const { return impl_->sounding.telling(); }
 double World::time_s() const { return impl_->time_s(); }
 double World::step_s() const { return impl_->step_s; }
 
-Result<BodyId> World::spawn(const protocol::SpawnBox& box) {
-  BodyDescription body;
-  body.name = "box";
-  body.shape = {ShapeType::box, box.size_m, 0};
-  body.density_kg_m3 = box.density_kg_m3;
-  body.position_m = box.position_m;
-  body.velocity_m_s = box.velocity_m_s;
-  return impl_->spawn(box.object, std::move(body));
-}
-
-Result<BodyId> World::spawn(const protocol::SpawnSphere& sphere) {
-  BodyDescription body;
-  body.name = "sphere";
-  body.shape = {ShapeType::sphere, {}, sphere.radius_m};
-  body.density_kg_m3 = sphere.density_kg_m3;
-  body.position_m = sphere.position_m;
-  body.velocity_m_s = sphere.velocity_m_s;
-  return impl_->spawn(sphere.object, std::move(body));
+Result<BodyId> World::spawn(BodyDescription body) {
+  if (!body.object.empty() && !impl_->find(body.object)) {
+    return fail(ErrorKind::bad_input, "cannot spawn: no object " + ringdown::quoted(body.object) + " is loaded");
+  }
+  body.name += "-" + std::to_string(impl_->next_id);
+  return impl_->add(std::move(body), true);
 }
 
 void World::clear_spawned() {
@@ -98,13 +86,13 @@ void World::clear() {
 
 Result<void> World::set_object(const SoundingObject& object) {
   Impl& w = *impl_;
-  if (!object.bank) return fail(ErrorKind::bad_input, "object " + protocol::quoted(object.name) + " has no bank");
+  if (!object.bank) return fail(ErrorKind::bad_input, "object " + ringdown::quoted(object.name) + " has no bank");
   std::map<BodyId, Solid> rebuilt;
   for (const auto& [id, body] : w.bodies) {
     if (body.description.object != object.name) continue;
     Result<Solid> solid = make_solid(body.description, object.bank.get(), w.scale_of(object.name));
     if (!solid)
-      return fail(solid.error().kind, "body " + protocol::quoted(body.description.name) + ": " + solid.error().message);
+      return fail(solid.error().kind, "body " + ringdown::quoted(body.description.name) + ": " + solid.error().message);
     rebuilt.emplace(id, std::move(*solid));
   }
   std::erase_if(w.objects, [&](const SoundingObject& known) { return known.name == object.name; });
@@ -126,7 +114,7 @@ Result<void> World::set_object(const SoundingObject& object) {
   return {};
 }
 
-void World::remove_object(protocol::ObjectNumber number) {
+void World::remove_object(synth::ObjectNumber number) {
   std::erase_if(impl_->objects, [&](const SoundingObject& known) { return known.number == number; });
   impl_->sounding.silence(number);
   for (auto& [id, body] : impl_->bodies) {
@@ -138,7 +126,7 @@ Result<void> World::push(BodyId body, Vec3 impulse_ns) {
   const auto found = impl_->bodies.find(body);
   if (found == impl_->bodies.end())
     return fail(ErrorKind::bad_input, "cannot push: the scene has no body " + std::to_string(body));
-  const std::string who = "body " + protocol::quoted(found->second.description.name);
+  const std::string who = "body " + ringdown::quoted(found->second.description.name);
   if (!within(impulse_ns, range::kPush_ns))
     return fail(ErrorKind::bad_input, "cannot push " + who + ": the impulse is not a number or too large");
   if (found->second.description.fixed) return fail(ErrorKind::refused, "cannot push " + who + ": it is fixed");

@@ -1,4 +1,4 @@
-// A scene in motion: bodies fall, collide, and what their contacts sound like comes out as protocol events.
+// A scene in motion: bodies fall, collide, and what their contacts sound like comes out as events.
 //
 // A World knows nothing of threads, clocks or sockets. Its owner steps it: a daemon paced by its clock, a renderer as
 // fast as it can. The same description, objects and calls give the same events, bit for bit, on one machine.
@@ -7,7 +7,7 @@
 //   world->set_start_frame(now);                       // where scene time 0 lies
 //   for (;;) {
 //     const StepReport report = world->step();         // advances by step_s()
-//     for (const protocol::Event& event : report.events) ...  // to a mixer, or as OSC to another program
+//     for (const synth::Event& event : report.events) ...  // to a mixer, or as OSC to another program
 //   }
 //
 // What sounds: contacts, by the rules of contact_life.h. One whose two bodies approached faster than the bounce
@@ -23,8 +23,7 @@
 #include "engine/scene/outline.h"
 #include "engine/scene/simulation.h"
 #include "engine/scene/sounding.h"
-#include "protocol/event.h"
-#include "protocol/request.h"
+#include "engine/synth/event.h"
 
 #include <cstddef>
 #include <memory>
@@ -43,17 +42,17 @@ inline constexpr int kMaxResets = 3;  // a body that has to be reset more often 
 // An object as the mixer knows it: what a body named after it rings.
 struct SoundingObject {
   std::string name;
-  protocol::ObjectNumber number = 0;
+  synth::ObjectNumber number = 0;
   std::shared_ptr<const modal::Bank> bank;  // as baked: the World applies the description's density scale
 };
 
 // Views into the World, valid until its next step().
 struct StepReport {
-  std::span<const protocol::Event> events;  // strikes, clicks, contacts that last; frames never fall, between steps too
-  std::span<const Leaning> leanings;        // objects on which something else lies than before
-  std::span<const std::string> notices;     // sentences for the user: a body was reset, removed, ...
-  std::size_t dropped_events = 0;           // beyond kMaxEventsPerStep in one part of the step
-  std::size_t dropped_contacts = 0;         // beyond kMaxContactsPerStep in one part of it
+  std::span<const synth::Event> events;  // strikes, clicks, contacts that last; frames never fall, between steps too
+  std::span<const Leaning> leanings;     // objects on which something else lies than before
+  std::span<const std::string> notices;  // sentences for the user: a body was reset, removed, ...
+  std::size_t dropped_events = 0;        // beyond kMaxEventsPerStep in one part of the step
+  std::size_t dropped_contacts = 0;      // beyond kMaxContactsPerStep in one part of it
 };
 
 // A body for a viewer or a test. The pose is that of the object's frame: a bank's mesh drawn with it is in place.
@@ -81,7 +80,7 @@ class World {
   ~World();
 
   // The frame at which scene time 0 lies, so that an owner who pauses can shift what follows. Initially 0.
-  void set_start_frame(protocol::Frame frame);
+  void set_start_frame(synth::Frame frame);
 
   // What frames are counted by from the next step on. The owner sets the start frame anew.
   void set_sample_rate(double sample_rate_hz);
@@ -101,9 +100,9 @@ class World {
   [[nodiscard]] double time_s() const;  // step_s() times the steps so far
   [[nodiscard]] double step_s() const;
 
-  // Drops a new body; its number is never used again. Refused when the scene is full or a value is out of range.
-  Result<BodyId> spawn(const protocol::SpawnBox& box);
-  Result<BodyId> spawn(const protocol::SpawnSphere& sphere);
+  // Drops a new body, whose number is appended to its name and never used again. Refused when the scene is full, a
+  // value is out of range or the World does not know its object.
+  Result<BodyId> spawn(BodyDescription body);
   void clear_spawned();  // only what spawn() added
   void clear();          // every body; statics stay
 
@@ -112,7 +111,7 @@ class World {
   Result<void> set_object(const SoundingObject& object);
 
   // Its bodies stay and become silent.
-  void remove_object(protocol::ObjectNumber number);
+  void remove_object(synth::ObjectNumber number);
 
   // Gives a body an impulse [N s, world axes] at its centre of mass.
   Result<void> push(BodyId body, Vec3 impulse_ns);

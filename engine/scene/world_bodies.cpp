@@ -1,6 +1,6 @@
+#include "engine/base/quoted.h"
 #include "engine/scene/check.h"
 #include "engine/scene/world_impl.h"
-#include "protocol/names.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,10 +38,8 @@ World::Impl::Impl(const SceneDescription& scene, double rate)
   for (const ObjectDescription& object : scene.objects) material_scale[object.name] = object.material;
 }
 
-const SoundingObject* World::Impl::find(const protocol::ObjectRef& ref) const {
-  const auto found = std::ranges::find_if(objects, [&](const SoundingObject& object) {
-    return ref.number ? object.number == *ref.number : object.name == ref.name;
-  });
+const SoundingObject* World::Impl::find(const std::string& name) const {
+  const auto found = std::ranges::find(objects, name, &SoundingObject::name);
   return found == objects.end() ? nullptr : &*found;
 }
 
@@ -51,15 +49,15 @@ modal::MaterialScale World::Impl::scale_of(const std::string& object) const {
 }
 
 Result<BodyId> World::Impl::add(BodyDescription description, bool spawned) {
-  const std::string who = "body " + protocol::quoted(description.name) + ": ";
+  const std::string who = "body " + ringdown::quoted(description.name) + ": ";
   if (bodies.size() >= kMaxBodies) {
     return fail(ErrorKind::refused,
                 who + "the scene is full with " + std::to_string(kMaxBodies) + " bodies; clear some first");
   }
   if (const auto ok = check(description); !ok) return fail(ok.error());
-  const SoundingObject* object = description.object.empty() ? nullptr : find({description.object, {}});
+  const SoundingObject* object = description.object.empty() ? nullptr : find(description.object);
   if (!description.object.empty() && !object) {
-    return fail(ErrorKind::bad_input, who + "no object " + protocol::quoted(description.object) + " is loaded");
+    return fail(ErrorKind::bad_input, who + "no object " + ringdown::quoted(description.object) + " is loaded");
   }
   Result<Solid> solid = make_solid(description, object ? object->bank.get() : nullptr, scale_of(description.object));
   if (!solid) return fail(solid.error().kind, who + solid.error().message);
@@ -94,7 +92,7 @@ void World::Impl::let_in(double now_s) {
 
 void World::Impl::put(BodyId id, const Body& body, const Solid& solid) {
   const BodyDescription& description = body.description;
-  const SoundingObject* object = body.object ? find({.number = body.object}) : nullptr;
+  const SoundingObject* object = body.object ? find(description.object) : nullptr;
   simulation.put_body(id, solid, body.motion, description.surface, description.fixed);
   Side side = side_of(description, solid, object ? object->bank.get() : nullptr, scale_of(description.object));
   side.object = body.object;
@@ -132,25 +130,13 @@ void World::Impl::join_those_in() {
   });
 }
 
-Result<BodyId> World::Impl::spawn(const std::optional<protocol::ObjectRef>& object, BodyDescription description) {
-  if (object) {
-    const SoundingObject* known = find(*object);
-    if (!known)
-      return fail(ErrorKind::bad_input,
-                  "cannot spawn: no object " + protocol::quoted(protocol::to_text(*object)) + " is loaded");
-    description.object = known->name;
-  }
-  description.name += "-" + std::to_string(next_id);
-  return add(std::move(description), true);
-}
-
 void World::Impl::check_bodies() {
   std::vector<BodyId> gone;
   for (const auto& [id, motion] : simulation.moved()) {
     Body& body = bodies.at(id);
     body.motion = motion;
     if (is_real(body.motion) && within(body.motion.position_m, range::kPosition_m)) continue;
-    const std::string who = "body " + protocol::quoted(body.description.name);
+    const std::string who = "body " + ringdown::quoted(body.description.name);
     if (is_real(body.motion)) {
       notices.push_back(who + " left the scene and was removed");
       gone.push_back(id);
@@ -181,7 +167,7 @@ void World::Impl::do_part() {
   if (asleep && sounding.quiet()) return;
   const std::span<const Touch> touches = asleep ? std::span<const Touch>() : simulation.step();
   const std::span<const Moved> moved = asleep ? std::span<const Moved>() : simulation.moved();
-  const std::span<const protocol::Event> heard = sounding.hear(touches, moved, time_s(), timeline);
+  const std::span<const synth::Event> heard = sounding.hear(touches, moved, time_s(), timeline);
   events.insert(events.end(), heard.begin(), heard.end());
   leanings.insert(leanings.end(), sounding.leanings().begin(), sounding.leanings().end());
   dropped_events += sounding.dropped();

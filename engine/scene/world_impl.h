@@ -39,7 +39,7 @@ class Random {
 
 struct Body {
   BodyDescription description;  // with its scatter applied
-  std::optional<protocol::ObjectNumber> object;
+  std::optional<synth::ObjectNumber> object;
   RigidMass mass;
   Vec3 size_m;
   bool spawned = false;
@@ -65,10 +65,9 @@ struct WaitingJoint {
 struct World::Impl {
   Impl(const SceneDescription& scene, double rate);
 
-  [[nodiscard]] const SoundingObject* find(const protocol::ObjectRef& ref) const;
+  [[nodiscard]] const SoundingObject* find(const std::string& name) const;
   [[nodiscard]] modal::MaterialScale scale_of(const std::string& object) const;
   Result<BodyId> add(BodyDescription description, bool spawned);
-  Result<BodyId> spawn(const std::optional<protocol::ObjectRef>& object, BodyDescription description);
   void let_in(double now_s);
   void put(BodyId id, const Body& body, const Solid& solid);
   void note_joints(const SceneDescription& scene);
@@ -95,7 +94,7 @@ struct World::Impl {
   std::vector<WaitingJoint> joints;
   std::vector<SoundingObject> objects;
   std::map<std::string, modal::MaterialScale> material_scale;
-  std::vector<protocol::Event> events;
+  std::vector<synth::Event> events;
   std::vector<Leaning> leanings;  // of the step, as are the next three
   std::vector<std::string> notices;
   std::size_t dropped_events = 0, dropped_contacts = 0;

@@ -6,11 +6,11 @@
 
 namespace ringdown::synth {
 
-std::size_t Agenda::accept(protocol::Frame now) RINGDOWN_REALTIME {
+std::size_t Agenda::accept(Frame now) RINGDOWN_REALTIME {
   std::size_t late = 0;
   for (Ring& ring : rings_) {
     for (; count_ < kMaxPendingEvents; ring.pop()) {
-      const protocol::Event* event = ring.front();
+      const Event* event = ring.front();
       if (!event) break;
       late += take(*event, now);
     }
@@ -19,7 +19,7 @@ std::size_t Agenda::accept(protocol::Frame now) RINGDOWN_REALTIME {
 }
 
 // True when it was late.
-bool Agenda::take(const protocol::Event& event, protocol::Frame now) RINGDOWN_REALTIME {
+bool Agenda::take(const Event& event, Frame now) RINGDOWN_REALTIME {
   Pending* const heap = heap_.data();
   heap[count_] = {event, next_order_++};
   heap[count_].event.frame = std::max(event.frame, now);
@@ -29,10 +29,10 @@ bool Agenda::take(const protocol::Event& event, protocol::Frame now) RINGDOWN_RE
 }
 
 // All come out of the rings, even past what usually waits: those, too, count the old frames.
-std::size_t Agenda::rescale(protocol::Frame now, double ratio) {
+std::size_t Agenda::rescale(Frame now, double ratio) {
   std::size_t late = 0;
   for (Ring& ring : rings_) {
-    for (; const protocol::Event* event = ring.front(); ring.pop()) {
+    for (; const Event* event = ring.front(); ring.pop()) {
       heap_.resize(std::max(heap_.size(), count_ + 1));
       late += take(*event, now);
     }
@@ -42,7 +42,7 @@ std::size_t Agenda::rescale(protocol::Frame now, double ratio) {
   next_order_ = 0;  // two frames may become one: the order of their events stays
   std::for_each(begin, end, [&](Pending& pending) {
     const double ahead = static_cast<double>(pending.event.frame - now) * ratio;
-    pending.event.frame = now + static_cast<protocol::Frame>(std::llround(ahead));
+    pending.event.frame = now + static_cast<Frame>(std::llround(ahead));
     pending.order = next_order_++;
   });
   return late;

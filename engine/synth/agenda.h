@@ -3,7 +3,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
-#include "protocol/event.h"
+#include "engine/synth/event.h"
 
 #include <array>
 #include <cstddef>
@@ -21,21 +21,21 @@ enum class Producer : std::size_t { control, worker, scene, midi, kCount };
 class Agenda {
  public:
   struct Pending {
-    protocol::Event event;
+    Event event;
     std::uint64_t order;  // among the events of one frame
   };
 
   // Hands an event over. False when the producer's ring is full: the event was not taken. [the producer's thread]
-  [[nodiscard]] bool push(Producer producer, const protocol::Event& event) RINGDOWN_REALTIME {
+  [[nodiscard]] bool push(Producer producer, const Event& event) RINGDOWN_REALTIME {
     return rings_[static_cast<std::size_t>(producer)].push(event);
   }
 
   // Takes what the producers pushed; an event whose frame has passed gets frame `now`. Returns how many of these there
   // were. [audio]
-  std::size_t accept(protocol::Frame now) RINGDOWN_REALTIME;
+  std::size_t accept(Frame now) RINGDOWN_REALTIME;
 
   // The earliest event, if it happens before frame `end`; of events at one frame the one pushed first. [audio]
-  [[nodiscard]] const Pending* next_before(protocol::Frame end) const RINGDOWN_REALTIME {
+  [[nodiscard]] const Pending* next_before(Frame end) const RINGDOWN_REALTIME {
     return count_ > 0 && heap_.data()[0].event.frame < end ? heap_.data() : nullptr;
   }
   void pop() RINGDOWN_REALTIME;  // [audio]
@@ -44,7 +44,7 @@ class Agenda {
 
   // Frames are of another length from here on: what is pending, in the rings too, comes `ratio` times as many frames
   // after `now` as it was to. Returns how many events were late. [while no other thread than producers uses it]
-  std::size_t rescale(protocol::Frame now, double ratio);
+  std::size_t rescale(Frame now, double ratio);
 
  private:
   struct Later {
@@ -52,9 +52,9 @@ class Agenda {
       return a.event.frame != b.event.frame ? a.event.frame > b.event.frame : a.order > b.order;
     }
   };
-  bool take(const protocol::Event& event, protocol::Frame now) RINGDOWN_REALTIME;
+  bool take(const Event& event, Frame now) RINGDOWN_REALTIME;
 
-  using Ring = SpscRing<protocol::Event>;
+  using Ring = SpscRing<Event>;
 
   std::array<Ring, static_cast<std::size_t>(Producer::kCount)> rings_{Ring(kQueueCapacity), Ring(kQueueCapacity),
                                                                       Ring(kQueueCapacity), Ring(kQueueCapacity)};

@@ -10,7 +10,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/modal/bank.h"
-#include "protocol/event.h"
+#include "engine/synth/event.h"
 
 #include <array>
 #include <complex>
@@ -57,8 +57,8 @@ class Clicks {
  public:
   struct One {
     Click click;
-    protocol::ObjectNumber object = 0;
-    protocol::Frame begin = 0;
+    ObjectNumber object = 0;
+    Frame begin = 0;
   };
 
   [[nodiscard]] bool empty() const RINGDOWN_REALTIME { return count_ == 0; }

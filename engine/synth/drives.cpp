@@ -13,16 +13,16 @@ HalfSine::HalfSine(double frames) RINGDOWN_REALTIME : frames_(frames) {
   scale_ = std::sin(half_step) / (std::sin(half_step * last) * std::sin(half_step * (last + 1)));
 }
 
-void HalfSine::fill(protocol::Frame first, std::size_t count, double* impulses) const RINGDOWN_REALTIME {
+void HalfSine::fill(Frame first, std::size_t count, double* impulses) const RINGDOWN_REALTIME {
   for (std::size_t i = 0; i < count; ++i) {
     const double n = static_cast<double>(first) + static_cast<double>(i);
     impulses[i] = n >= 0 && n < frames_ ? scale_ * std::sin(std::numbers::pi * n / frames_) : 0.0;
   }
 }
 
-void Drive::fill(protocol::Frame first, std::size_t count, const float* samples, double* impulses) RINGDOWN_REALTIME {
+void Drive::fill(Frame first, std::size_t count, const float* samples, double* impulses) RINGDOWN_REALTIME {
   if (!input) {
-    const auto left = std::clamp<protocol::Frame>(end - first, 0, static_cast<protocol::Frame>(count));
+    const auto left = std::clamp<Frame>(end - first, 0, static_cast<Frame>(count));
     if (contact) {
       rubbing.fill(first, static_cast<std::size_t>(left), impulses);
     } else {
@@ -36,16 +36,16 @@ void Drive::fill(protocol::Frame first, std::size_t count, const float* samples,
   }
 }
 
-void Drive::rescale(protocol::Frame now, double ratio) {
-  const auto moved = [now, ratio](protocol::Frame frame) {
-    return now + static_cast<protocol::Frame>(std::llround(static_cast<double>(frame - now) * ratio));
+void Drive::rescale(Frame now, double ratio) {
+  const auto moved = [now, ratio](Frame frame) {
+    return now + static_cast<Frame>(std::llround(static_cast<double>(frame - now) * ratio));
   };
   if (input) {
     place.impulse_ns = (1 / ratio) * place.impulse_ns;
     return;
   }
   place.frame = moved(place.frame);
-  if (end != std::numeric_limits<protocol::Frame>::max()) end = moved(end);
+  if (end != std::numeric_limits<Frame>::max()) end = moved(end);
   if (contact) {
     rubbing.rescale(now, ratio);
   } else {

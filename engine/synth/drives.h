@@ -7,9 +7,9 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/aligned_array.h"
+#include "engine/synth/event.h"
 #include "engine/synth/rubbing.h"
 #include "engine/synth/voice.h"
-#include "protocol/event.h"
 
 #include <array>
 #include <cstddef>
@@ -38,10 +38,8 @@ class HalfSine {
   }
 
   // The impulse in frames first ... first + count - 1; the sum over all is 1.
-  void fill(protocol::Frame first, std::size_t count, double* impulses) const RINGDOWN_REALTIME;
-  [[nodiscard]] bool over_at(protocol::Frame frame) const RINGDOWN_REALTIME {
-    return static_cast<double>(frame) >= frames_;
-  }
+  void fill(Frame first, std::size_t count, double* impulses) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool over_at(Frame frame) const RINGDOWN_REALTIME { return static_cast<double>(frame) >= frames_; }
 
  private:
   double frames_ = 0, scale_ = 0;
@@ -50,19 +48,19 @@ class HalfSine {
 // [audio, after construction]
 struct Drive {
   AlignedArray<double> amplitudes = aligned_zeros<double>(kMaxDrivenColumns);  // of its object's modes
-  protocol::Event place;                                                       // where, and what an impulse of 1 is
+  Event place;                                                                 // where, and what an impulse of 1 is
   std::optional<std::size_t> input;                                            // whose samples are the force; else
   std::optional<std::uint32_t> contact;                                        // the number of what rubs; else a pulse
   Rubbing rubbing;
   HalfSine pulse;
-  protocol::Frame end = 0;  // it is cut off there
+  Frame end = 0;  // it is cut off there
 
   // Frames are of another length from `now` on. [worker]
-  void rescale(protocol::Frame now, double ratio);
+  void rescale(Frame now, double ratio);
 
   // The impulse in frames first ... first + count - 1 of the mixer; `input` are that input's samples, or null.
-  void fill(protocol::Frame first, std::size_t count, const float* samples, double* impulses) RINGDOWN_REALTIME;
-  [[nodiscard]] bool over_at(protocol::Frame frame) const RINGDOWN_REALTIME {
+  void fill(Frame first, std::size_t count, const float* samples, double* impulses) RINGDOWN_REALTIME;
+  [[nodiscard]] bool over_at(Frame frame) const RINGDOWN_REALTIME {
     if (input) return false;
     return frame >= end || (contact ? rubbing.over_at(frame) : pulse.over_at(frame - place.frame));
   }

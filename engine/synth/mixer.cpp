@@ -6,8 +6,6 @@
 
 namespace ringdown::synth {
 
-using protocol::Frame;
-
 Mixer::Mixer(double sample_rate_hz) : sample_rate_hz_(sample_rate_hz) {}
 
 Mixer::~Mixer() {
@@ -33,7 +31,7 @@ void Mixer::set_threads(std::size_t threads) {
       threads - 1, [this](std::size_t item, std::size_t who) RINGDOWN_REALTIME { visit(item, places_.data()[who]); });
 }
 
-bool Mixer::install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice, Install how, Frame at) {
+bool Mixer::install(ObjectNumber object, std::unique_ptr<Voice> voice, Install how, Frame at) {
   assert(object < kMaxObjects && voice);
   if (voices_alive_ == kMaxVoices) return false;
   const auto kind = how == Install::replace ? Order::Kind::replace : Order::Kind::retune;
@@ -45,12 +43,12 @@ bool Mixer::install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice,
   return true;
 }
 
-bool Mixer::remove(protocol::ObjectNumber object) {
+bool Mixer::remove(ObjectNumber object) {
   assert(object < kMaxObjects);
   return orders_.push({.kind = Order::Kind::remove, .object = object});
 }
 
-bool Mixer::assign(protocol::ObjectNumber object, std::optional<std::size_t> bus) {
+bool Mixer::assign(ObjectNumber object, std::optional<std::size_t> bus) {
   assert(object < kMaxObjects && (!bus || *bus < kMaxBuses));
   return orders_.push({.kind = Order::Kind::assign, .object = object, .channel = bus ? kFirstBus + *bus : kNoBus});
 }
@@ -237,7 +235,7 @@ void Mixer::render_item(std::size_t item, Place& place) RINGDOWN_REALTIME {
 
 // Takes what no longer rings off the list of active objects.
 void Mixer::keep_active() RINGDOWN_REALTIME {
-  protocol::ObjectNumber* const active = active_.data();
+  ObjectNumber* const active = active_.data();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < active_count_; ++i) {
     bool keep = after_.data()[i] == After::keep;
@@ -295,8 +293,8 @@ void Mixer::reset(Object& object) RINGDOWN_REALTIME {
   object.left = object.right = {kCentre, kCentre};
 }
 
-protocol::ObjectNumber Mixer::number_of(const Object& object) const RINGDOWN_REALTIME {
-  return static_cast<protocol::ObjectNumber>(&object - objects_.data());
+ObjectNumber Mixer::number_of(const Object& object) const RINGDOWN_REALTIME {
+  return static_cast<ObjectNumber>(&object - objects_.data());
 }
 
 }  // namespace ringdown::synth

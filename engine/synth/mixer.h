@@ -19,6 +19,7 @@
 #include "engine/synth/crew.h"
 #include "engine/synth/desk.h"
 #include "engine/synth/drives.h"
+#include "engine/synth/event.h"
 #include "engine/synth/family.h"
 #include "engine/synth/hearing.h"
 #include "engine/synth/limiter.h"
@@ -29,7 +30,6 @@
 #include "engine/synth/sound_tap.h"
 #include "engine/synth/test_tone.h"
 #include "engine/synth/voice.h"
-#include "protocol/event.h"
 
 #include <array>
 #include <atomic>
@@ -77,7 +77,7 @@ class Mixer {
 
   // Hands an event over. False when the producer's ring is full: the event was not taken. The event's object is
   // < kMaxObjects and its numbers are finite. [the producer's thread]
-  [[nodiscard]] bool push(Producer producer, const protocol::Event& event) RINGDOWN_REALTIME {
+  [[nodiscard]] bool push(Producer producer, const Event& event) RINGDOWN_REALTIME {
     return agenda_.push(producer, event);
   }
 
@@ -94,22 +94,21 @@ class Mixer {
   };
   // Gives `object` a new voice from frame `at` on, or as soon as that is past; what is ordered later waits for it.
   // False when kMaxVoices are alive. [worker]
-  [[nodiscard]] bool install(protocol::ObjectNumber object, std::unique_ptr<Voice> voice, Install how,
-                             protocol::Frame at = 0);
+  [[nodiscard]] bool install(ObjectNumber object, std::unique_ptr<Voice> voice, Install how, Frame at = 0);
 
   // Takes the object away: what rings fades out within Voice::kFadeFrames. False when the worker's ring is full.
   // [worker]
-  [[nodiscard]] bool remove(protocol::ObjectNumber object);
+  [[nodiscard]] bool remove(ObjectNumber object);
 
   // Sends the object, at its gain, to a bus as well as to the mix, from the next block on; nullopt: to the mix only, as
   // in the beginning. Several objects may share a bus. False when the worker's ring is full. [worker]
-  [[nodiscard]] bool assign(protocol::ObjectNumber object, std::optional<std::size_t> bus);
+  [[nodiscard]] bool assign(ObjectNumber object, std::optional<std::size_t> bus);
 
   // Frees the voices that have died away. [worker]
   void collect();
 
   // True while `object` has a voice that is playing, ringing out or not yet collected. [worker]
-  [[nodiscard]] bool in_use(protocol::ObjectNumber object) const { return voices_of_[object] > 0; }
+  [[nodiscard]] bool in_use(ObjectNumber object) const { return voices_of_[object] > 0; }
 
   // Modes whose amplitude, at the gain of their object, lies so far below full scale rest until the next strike; 120 dB
   // unless set. [any thread]
@@ -124,7 +123,7 @@ class Mixer {
   // From the next block on, input `input` < kMaxInputs excites an object: a sample of 1 is the impulse of `place`, a
   // strike without contact time, in one frame. An input excites one object, an object takes kMaxForces inputs and
   // pulses at a time; nothing happens when it does not exist. False when the worker's ring is full. [worker]
-  [[nodiscard]] bool connect_input(std::size_t input, const protocol::Event& place);
+  [[nodiscard]] bool connect_input(std::size_t input, const Event& place);
   [[nodiscard]] bool disconnect_input(std::size_t input);
 
   // Leaves out what louder modes hide (hearing.h); off unless set. With fewer modes than that, looking for what is
@@ -154,7 +153,7 @@ class Mixer {
 
   // What no sample of the object, at its gain, has exceeded since the last call, as far as it was looked at: the sum of
   // its modes' amplitudes. Of one mode it is the peak; many do not peak together. [one thread that is not audio]
-  [[nodiscard]] float take_reach(protocol::ObjectNumber object);
+  [[nodiscard]] float take_reach(ObjectNumber object);
 
   // A sine in the mix; what the mix sounds like; the amplitudes of objects' modes, at their gain and before pan.
   [[nodiscard]] TestTone& test_tone() { return test_tone_; }
@@ -172,10 +171,10 @@ class Mixer {
     if (times > 0) counter.fetch_add(times, std::memory_order_relaxed);
   }
   struct DueEvent {
-    protocol::Event event;
-    std::size_t offset;     // frames into the chunk
-    std::int32_t next;      // the object's next event in this chunk, -1 for none
-    protocol::Frame frame;  // as the agenda had it
+    Event event;
+    std::size_t offset;  // frames into the chunk
+    std::int32_t next;   // the object's next event in this chunk, -1 for none
+    Frame frame;         // as the agenda had it
     std::uint64_t order;
   };
   // What work costs, in units of what moments cost for a mode, 1.4 ns: moments cost kMomentsFixed more, tables 1 for a
@@ -194,8 +193,8 @@ class Mixer {
     bool active = false;  // listed in active_
     bool shared = false;  // its states stand in its family's, and the rest is about that:
     Family::Shares shares{};
-    protocol::Frame parted = -1;        // the chunk in which something else than strikes happens to it
-    protocol::Frame anchor = 0;         // the frame that the states it keeps for itself have reached
+    Frame parted = -1;                  // the chunk in which something else than strikes happens to it
+    Frame anchor = 0;                   // the frame that the states it keeps for itself have reached
     std::uint32_t round = 0, lost = 0;  // its family's, when it was last struck, or lost its states
     std::array<std::uint8_t, kMaxForces> drives{};
     std::size_t drive_count = 0;
@@ -215,24 +214,24 @@ class Mixer {
   enum class After : std::uint8_t { keep, drop, look_at_tails };  // of an active object when the chunk is done
   struct Order {
     enum class Kind { replace, retune, remove, assign, found_family, connect, disconnect } kind;
-    protocol::ObjectNumber object;
-    protocol::Frame at = 0;  // not before; nor is what was ordered after it
+    ObjectNumber object;
+    Frame at = 0;  // not before; nor is what was ordered after it
     Voice* voice = nullptr;
     std::size_t channel = kNoBus;
     Family* family = nullptr;
     std::size_t input = 0;
-    protocol::Event place{};
+    Event place{};
   };
   struct Kin {
     std::weak_ptr<ModeTable> table;
     std::unique_ptr<Family> family;  // null while the table has one voice
   };
   struct Retired {
-    protocol::ObjectNumber object;
+    ObjectNumber object;
     Voice* voice;
   };
 
-  void accept_orders(protocol::Frame until) RINGDOWN_REALTIME;
+  void accept_orders(Frame until) RINGDOWN_REALTIME;
   void carry_out(const Order& order) RINGDOWN_REALTIME;
   void render_chunk(std::size_t frames) RINGDOWN_REALTIME;
   void prepare_tables(std::size_t frames) RINGDOWN_REALTIME;
@@ -241,7 +240,7 @@ class Mixer {
   void take_due_events(std::size_t frames) RINGDOWN_REALTIME;
   void link_due_events(std::int32_t count) RINGDOWN_REALTIME;
   void put_back(std::int32_t& first_due) RINGDOWN_REALTIME;
-  void apply(Object& object, const protocol::Event& event) RINGDOWN_REALTIME;
+  void apply(Object& object, const Event& event) RINGDOWN_REALTIME;
   static void fade_out(Object& object, std::size_t frames) RINGDOWN_REALTIME;
 
   // mixer_masking.cpp
@@ -257,12 +256,12 @@ class Mixer {
 
   // mixer_budget.cpp
   [[nodiscard]] double units_of(std::size_t modes) const RINGDOWN_REALTIME;
-  [[nodiscard]] double units_of(const protocol::Event& event) const RINGDOWN_REALTIME;
+  [[nodiscard]] double units_of(const Event& event) const RINGDOWN_REALTIME;
   [[nodiscard]] static double units_to_share(const Object& object) RINGDOWN_REALTIME;
   [[nodiscard]] double units_to_drive(const Object& object, std::size_t frames) const RINGDOWN_REALTIME;
   [[nodiscard]] double units_of_item(std::size_t item) const RINGDOWN_REALTIME;
-  [[nodiscard]] bool can_afford(const protocol::Event& event) RINGDOWN_REALTIME;
-  [[nodiscard]] bool must_wait(const protocol::Event& event, Place& place) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool can_afford(const Event& event) RINGDOWN_REALTIME;
+  [[nodiscard]] bool must_wait(const Event& event, Place& place) const RINGDOWN_REALTIME;
   [[nodiscard]] bool must_miss(std::size_t item) const RINGDOWN_REALTIME;
   void miss(std::size_t item, Place& place) RINGDOWN_REALTIME;
   [[nodiscard]] std::size_t most_coming() const RINGDOWN_REALTIME;
@@ -279,12 +278,12 @@ class Mixer {
   void keep_as_tail(Object& object, Voice* voice) RINGDOWN_REALTIME;
   void retire_silent_tails(Object& object) RINGDOWN_REALTIME;
   void reset(Object& object) RINGDOWN_REALTIME;
-  [[nodiscard]] protocol::ObjectNumber number_of(const Object& object) const RINGDOWN_REALTIME;
+  [[nodiscard]] ObjectNumber number_of(const Object& object) const RINGDOWN_REALTIME;
 
   // mixer_objects.cpp
   void render_object(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME;
   [[nodiscard]] bool plain_in_chunk(const Object& object) const RINGDOWN_REALTIME;
-  [[nodiscard]] static bool still(const Object& object, protocol::Frame at) RINGDOWN_REALTIME;
+  [[nodiscard]] static bool still(const Object& object, Frame at) RINGDOWN_REALTIME;
   void render_in_segments(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME;
   void render_together(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME;
   void add_strikes(Object& object, Place& place) RINGDOWN_REALTIME;
@@ -294,23 +293,23 @@ class Mixer {
   [[nodiscard]] bool heard(const Object& object) const RINGDOWN_REALTIME;
 
   // mixer_drives.cpp
-  [[nodiscard]] bool start_pulse(const protocol::Event& event) RINGDOWN_REALTIME;
+  [[nodiscard]] bool start_pulse(const Event& event) RINGDOWN_REALTIME;
   [[nodiscard]] Drive* find_contact(const Object& object, std::uint32_t number) RINGDOWN_REALTIME;
-  [[nodiscard]] bool open_contact(const protocol::Event& event) RINGDOWN_REALTIME;
-  [[nodiscard]] static protocol::Event place_of(const protocol::Event& event) RINGDOWN_REALTIME;
-  void tell(Object& object, const protocol::Event& event) RINGDOWN_REALTIME;
-  void stop_pulses(const Object& object, protocol::Frame end) RINGDOWN_REALTIME;
+  [[nodiscard]] bool open_contact(const Event& event) RINGDOWN_REALTIME;
+  [[nodiscard]] static Event place_of(const Event& event) RINGDOWN_REALTIME;
+  void tell(Object& object, const Event& event) RINGDOWN_REALTIME;
+  void stop_pulses(const Object& object, Frame end) RINGDOWN_REALTIME;
   void connect(const Order& order) RINGDOWN_REALTIME;
   void disconnect(std::size_t input) RINGDOWN_REALTIME;
   [[nodiscard]] bool place_drive(Object& object, std::uint8_t drive) RINGDOWN_REALTIME;
   void place_drives_again(Object& object) RINGDOWN_REALTIME;
   void drop_drive(Object& object, std::size_t which) RINGDOWN_REALTIME;
   void drop_pulse(Object& object) RINGDOWN_REALTIME;
-  void keep_drives(Object& object, protocol::Frame end) RINGDOWN_REALTIME;
+  void keep_drives(Object& object, Frame end) RINGDOWN_REALTIME;
   [[nodiscard]] bool has_pulse(const Object& object) const RINGDOWN_REALTIME;
   [[nodiscard]] bool driven(const Object& object) const RINGDOWN_REALTIME;
   [[nodiscard]] std::size_t wake_inputs(std::size_t frames) RINGDOWN_REALTIME;
-  void start_click(const protocol::Event& event) RINGDOWN_REALTIME;
+  void start_click(const Event& event) RINGDOWN_REALTIME;
   void render_clicks() RINGDOWN_REALTIME;
   void drive(Object& object, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
 
@@ -329,11 +328,11 @@ class Mixer {
   [[nodiscard]] double reach_of(const Object& object, std::size_t& modes) const RINGDOWN_REALTIME;
 
   // mixer_families.cpp
-  void found_family(protocol::ObjectNumber object, const std::shared_ptr<ModeTable>& table);
-  [[nodiscard]] static bool can_share(const Object& object, protocol::Frame now) RINGDOWN_REALTIME;
-  void share(Object& object, protocol::Frame now) RINGDOWN_REALTIME;
+  void found_family(ObjectNumber object, const std::shared_ptr<ModeTable>& table);
+  [[nodiscard]] static bool can_share(const Object& object, Frame now) RINGDOWN_REALTIME;
+  void share(Object& object, Frame now) RINGDOWN_REALTIME;
   void part(Object& object) RINGDOWN_REALTIME;
-  static void catch_up(Object& object, protocol::Frame now) RINGDOWN_REALTIME;
+  static void catch_up(Object& object, Frame now) RINGDOWN_REALTIME;
   static void note_struck(Object& object, Family& family) RINGDOWN_REALTIME;
   void activate(Family& family) RINGDOWN_REALTIME;
   void keep_active_families() RINGDOWN_REALTIME;
@@ -344,7 +343,7 @@ class Mixer {
     each(family.sums[1], kRight);
     if (family.bus != kNoBus) each(family.sums[2], family.bus);
   }
-  [[nodiscard]] bool strike(Family& family, const protocol::Event& event, std::size_t left) RINGDOWN_REALTIME;
+  [[nodiscard]] bool strike(Family& family, const Event& event, std::size_t left) RINGDOWN_REALTIME;
   void render_family(Family& family, bool in_turn, Place& place) RINGDOWN_REALTIME;
   void render_together(Family& family, Place& place) RINGDOWN_REALTIME;
   void render_segment(Family& family, std::size_t begin, std::size_t end, Place& place) RINGDOWN_REALTIME;
@@ -373,7 +372,7 @@ class Mixer {
 
   // The audio thread's own.
   std::vector<Object> objects_{kMaxObjects};
-  std::vector<protocol::ObjectNumber> active_ = std::vector<protocol::ObjectNumber>(kMaxObjects);
+  std::vector<ObjectNumber> active_ = std::vector<ObjectNumber>(kMaxObjects);
   std::size_t active_count_ = 0;
   std::vector<Family*> active_families_ = std::vector<Family*>(kMaxVoices);
   std::size_t active_family_count_ = 0;
@@ -386,15 +385,15 @@ class Mixer {
   Clicks clicks_;
   Inputs inputs_{};  // at the chunk being rendered
   std::array<bool, kMaxInputs> input_sounds_{};
-  std::array<std::optional<protocol::ObjectNumber>, kMaxInputs> excites_;
+  std::array<std::optional<ObjectNumber>, kMaxInputs> excites_;
   std::size_t numbers_ = 0;  // that objects have had: all lower than this
   std::size_t next_measured_ = 0;
-  std::size_t next_watched_ = 0;     // place of mode_watch_
-  protocol::Frame watch_round_ = 0;  // when its first was written last
+  std::size_t next_watched_ = 0;  // place of mode_watch_
+  Frame watch_round_ = 0;         // when its first was written last
   std::vector<float> spare_left_ = std::vector<float>(kMaxSpare), spare_right_ = spare_left_;
   std::size_t frames_ = 0;  // of the chunk being rendered
   bool together_ = false;   // whether this chunk's slow modes are summed as moments
-  protocol::Frame now_ = 0;
+  Frame now_ = 0;
   Hearing hearing_;
   Cut cut_;                                            // what passes since the last survey
   std::size_t since_survey_ = 0;                       // frames

@@ -6,8 +6,6 @@
 
 namespace ringdown::synth {
 
-using protocol::Event;
-
 namespace {
 
 // Of a strike, on an object that shares states too; of joining or leaving a family; of a pulse for a whole chunk.
@@ -33,7 +31,7 @@ double Mixer::units_of(std::size_t modes) const RINGDOWN_REALTIME {
 
 double Mixer::units_of(const Event& event) const RINGDOWN_REALTIME {
   const Object& object = objects_.data()[event.object];
-  if (!object.current || event.type == protocol::EventType::click) return 0;
+  if (!object.current || event.type == EventType::click) return 0;
   const auto modes = static_cast<double>(object.current->table().columns());
   if (excites(event)) return (object.shared ? kSharedStrikePerMode : kStrikePerMode) * modes;
   return object.shared ? kSharePerMode * modes : 0.0;

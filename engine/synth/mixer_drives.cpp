@@ -8,9 +8,6 @@
 
 namespace ringdown::synth {
 
-using protocol::Event;
-using protocol::Frame;
-
 namespace {
 
 constexpr double kMaxClickImpulse_ns = 1e9, kMaxClick_s = 1;
@@ -62,7 +59,7 @@ Drive* Mixer::find_contact(const Object& object, std::uint32_t number) RINGDOWN_
 
 // Makes room for a contact that is new. False when there is nothing to tell of it, or no room.
 bool Mixer::open_contact(const Event& event) RINGDOWN_REALTIME {
-  const protocol::Contact& contact = event.contact;
+  const Contact& contact = event.contact;
   Object& object = objects_.data()[event.object];
   if (find_contact(object, contact.number)) return true;
   const double force = length(contact.force_n);

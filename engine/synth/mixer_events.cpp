@@ -7,18 +7,14 @@
 
 namespace ringdown::synth {
 
-using protocol::Event;
-using protocol::EventType;
-using protocol::Frame;
-
 namespace {
 
 constexpr double kMinRamp_s = 0.005;  // a step in gain or pan would click
 constexpr double kMaxRamp_s = 3600;
 constexpr double kMaxValue = 1e6;  // of a gain or pan: what is beyond, or no number, would spoil the whole mix
 
-bool is_sane(const protocol::Contact& contact) RINGDOWN_REALTIME {
-  const protocol::Texture& t = contact.texture;
+bool is_sane(const Contact& contact) RINGDOWN_REALTIME {
+  const Texture& t = contact.texture;
   const auto within = [](double value, double least, double most)
                           RINGDOWN_REALTIME { return value >= least && value <= most; };  // no number is in no range
   return within(dot(contact.force_n, contact.force_n), 0, kMaxValue * kMaxValue) &&

@@ -6,9 +6,6 @@
 
 namespace ringdown::synth {
 
-using protocol::Event;
-using protocol::Frame;
-
 namespace {
 
 constexpr double kMaxSharedGain = 100;
@@ -16,7 +13,7 @@ constexpr double kMaxSharedGain = 100;
 }  // namespace
 
 // With the second voice of a table; it lives as long as the table.
-void Mixer::found_family(protocol::ObjectNumber object, const std::shared_ptr<ModeTable>& table) {
+void Mixer::found_family(ObjectNumber object, const std::shared_ptr<ModeTable>& table) {
   const auto known = std::ranges::find_if(families_, [&](const Kin& kin) { return kin.table.lock() == table; });
   if (known == families_.end()) {
     families_.push_back({table, nullptr});

@@ -9,8 +9,6 @@
 
 namespace ringdown::synth {
 
-using protocol::Frame;
-
 // Renders one object's share of the chunk.
 void Mixer::render_object(Object& object, bool in_turn, Place& place) RINGDOWN_REALTIME {
   if ((together_ || !heard(object)) && plain_in_chunk(object)) {

@@ -37,7 +37,7 @@ float Mixer::finish_mix(const Outputs& outputs, std::size_t frames, Peaks writte
   float mix = test_tone_.add(left, right, frames, sample_rate_hz()).value_or(written.mix);
   if (limiter_) mix = limiter_->process(left, right, frames);
   if (left && right && sound_tap_.watched()) {
-    sound_tap_.put(now_ - static_cast<protocol::Frame>(frames), sample_rate_hz(), left, right, frames);
+    sound_tap_.put(now_ - static_cast<Frame>(frames), sample_rate_hz(), left, right, frames);
   }
   return std::max(mix, written.buses);
 }

@@ -8,8 +8,6 @@
 
 namespace ringdown::synth {
 
-using protocol::Frame;
-
 void Mixer::change_sample_rate(double sample_rate_hz) {
   const double ratio = sample_rate_hz / this->sample_rate_hz();
   accept_orders(std::numeric_limits<Frame>::max());

@@ -48,7 +48,7 @@ double Mixer::reach_of(const Object& object, std::size_t& modes) const RINGDOWN_
 // Some watched objects after the last ones, at the end of a chunk; each at most every ModeWatch::kEvery_s.
 void Mixer::measure_modes() RINGDOWN_REALTIME {
   if (next_watched_ == 0) {
-    if (now_ - watch_round_ < static_cast<protocol::Frame>(ModeWatch::kEvery_s * sample_rate_hz())) return;
+    if (now_ - watch_round_ < static_cast<Frame>(ModeWatch::kEvery_s * sample_rate_hz())) return;
     watch_round_ = now_;
   }
   for (std::size_t modes = 0; next_watched_ < kMaxWatched && modes < kMaxModesPerLook; ++next_watched_) {
@@ -80,7 +80,7 @@ std::size_t Mixer::tell_modes(const Object& object, ModeWatch::Place& place) con
   return modes;
 }
 
-float Mixer::take_reach(protocol::ObjectNumber object) {
+float Mixer::take_reach(ObjectNumber object) {
   Reach& reach = reaches_[object];
   const float now = reach.now.load(std::memory_order_relaxed);
   return std::max(now, reach.since.exchange(0, std::memory_order_relaxed));

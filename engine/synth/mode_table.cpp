@@ -141,7 +141,7 @@ std::optional<std::size_t> ModeTable::at_column(std::size_t column) const RINGDO
   return slow_modes_ + column - first_fast;
 }
 
-double ModeTable::ring(const protocol::Event& event, double* amplitudes) const RINGDOWN_REALTIME {
+double ModeTable::ring(const Event& event, double* amplitudes) const RINGDOWN_REALTIME {
   const modal::ModeRange range{event.vertex, event.count};
   double energy = 0;
   for (std::size_t i = 0; i < playable_modes(); ++i) {
@@ -152,10 +152,10 @@ double ModeTable::ring(const protocol::Event& event, double* amplitudes) const R
   return energy;
 }
 
-std::optional<double> ModeTable::strike(const protocol::Event& event, std::span<double> scratch,
+std::optional<double> ModeTable::strike(const Event& event, std::span<double> scratch,
                                         double* amplitudes) const RINGDOWN_REALTIME {
-  if (event.type == protocol::EventType::ring) return ring(event, amplitudes);
-  if (event.type == protocol::EventType::strike_vertex) {
+  if (event.type == EventType::ring) return ring(event, amplitudes);
+  if (event.type == EventType::strike_vertex) {
     if (event.vertex >= bank().point_count()) return std::nullopt;
     map_->excite_vertex(event.vertex, event.impulse_ns, scratch);
   } else {

@@ -13,10 +13,10 @@
 #include "engine/modal/strike_map.h"
 #include "engine/synth/aligned_array.h"
 #include "engine/synth/click.h"
+#include "engine/synth/event.h"
 #include "engine/synth/hearing.h"
 #include "engine/synth/mode_kernel.h"
 #include "engine/synth/moments.h"
-#include "protocol/event.h"
 
 #include <complex>
 #include <cstdint>
@@ -74,7 +74,7 @@ class ModeTable {
   // strike_vertex) or EventType::ring gives the mode of each column, and the sum of their squares; nullopt when the
   // vertex does not exist.
   // `scratch` has one element per mode of the bank, `amplitudes` one per column; its padding stays as it was. [audio]
-  [[nodiscard]] std::optional<double> strike(const protocol::Event& event, std::span<double> scratch,
+  [[nodiscard]] std::optional<double> strike(const Event& event, std::span<double> scratch,
                                              double* amplitudes) const RINGDOWN_REALTIME;
 
   // Finds what chunks of `frames` need, so that it is found once. [audio, while no other thread renders]
@@ -92,7 +92,7 @@ class ModeTable {
  private:
   enum Row { pole_re, pole_im, full_re, full_im, rest_re, rest_im, kRows };
 
-  [[nodiscard]] double ring(const protocol::Event& event, double* amplitudes) const RINGDOWN_REALTIME;
+  [[nodiscard]] double ring(const Event& event, double* amplitudes) const RINGDOWN_REALTIME;
   void add_mode(std::uint32_t mode, const modal::DampedMode& damped, std::complex<double> s);
   [[nodiscard]] double* row(Row which) const RINGDOWN_REALTIME { return rows_.get() + which * columns_; }
 

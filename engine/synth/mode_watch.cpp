@@ -6,7 +6,7 @@
 
 namespace ringdown::synth {
 
-bool ModeWatch::watch(protocol::ObjectNumber object) {
+bool ModeWatch::watch(ObjectNumber object) {
   if (find(object)) return true;
   const auto free = std::ranges::find_if(places_, [](const Place& place) { return place.object.load() < 0; });
   if (free == places_.end()) return false;
@@ -16,7 +16,7 @@ bool ModeWatch::watch(protocol::ObjectNumber object) {
   return true;
 }
 
-void ModeWatch::unwatch(protocol::ObjectNumber object) {
+void ModeWatch::unwatch(ObjectNumber object) {
   for (Place& place : places_) {
     if (place.object.load() != object) continue;
     place.object = -1;
@@ -24,12 +24,12 @@ void ModeWatch::unwatch(protocol::ObjectNumber object) {
   }
 }
 
-const ModeWatch::Place* ModeWatch::find(protocol::ObjectNumber object) const {
+const ModeWatch::Place* ModeWatch::find(ObjectNumber object) const {
   const auto found = std::ranges::find_if(places_, [object](const Place& place) { return place.object == object; });
   return found == places_.end() ? nullptr : &*found;
 }
 
-bool ModeWatch::read(protocol::ObjectNumber object, const modal::Bank& bank, std::vector<float>& amplitudes) const {
+bool ModeWatch::read(ObjectNumber object, const modal::Bank& bank, std::vector<float>& amplitudes) const {
   constexpr int kTries = 100;
   const Place* const place = find(object);
   if (!place) return false;

@@ -6,7 +6,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/modal/bank.h"
-#include "protocol/event.h"
+#include "engine/synth/event.h"
 
 #include <array>
 #include <atomic>
@@ -25,12 +25,12 @@ class ModeWatch {
 
   // Watches the object from now on. False when kMaxWatched others are. Watching it twice is watching it once.
   // [one thread at a time that is not audio]
-  [[nodiscard]] bool watch(protocol::ObjectNumber object);
-  void unwatch(protocol::ObjectNumber object);
+  [[nodiscard]] bool watch(ObjectNumber object);
+  void unwatch(ObjectNumber object);
 
   // Of each mode of `bank`, in its order; false when the object is not watched, has another bank, or nothing was
   // written of it yet. [one thread that is not audio]
-  [[nodiscard]] bool read(protocol::ObjectNumber object, const modal::Bank& bank, std::vector<float>& amplitudes) const;
+  [[nodiscard]] bool read(ObjectNumber object, const modal::Bank& bank, std::vector<float>& amplitudes) const;
 
   // For the mixer. A place lies between begin() and end() while it is written.
   struct Place {
@@ -51,7 +51,7 @@ class ModeWatch {
   [[nodiscard]] Place& place(std::size_t which) RINGDOWN_REALTIME { return places_.data()[which]; }
 
  private:
-  [[nodiscard]] const Place* find(protocol::ObjectNumber object) const;
+  [[nodiscard]] const Place* find(ObjectNumber object) const;
 
   std::array<Place, kMaxWatched> places_;
   std::atomic<std::size_t> count_{0};

@@ -2,23 +2,21 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "protocol/event.h"
+#include "engine/synth/event.h"
 
 namespace ringdown::synth {
 
 struct Ramp {
   double from = 0, to = 0;
-  protocol::Frame begin = 0, end = 0;
+  Frame begin = 0, end = 0;
 
-  [[nodiscard]] double at(protocol::Frame frame) const RINGDOWN_REALTIME {
+  [[nodiscard]] double at(Frame frame) const RINGDOWN_REALTIME {
     if (frame >= end) return to;
     if (frame <= begin) return from;
     return from + (to - from) * (static_cast<double>(frame - begin) / static_cast<double>(end - begin));
   }
-  [[nodiscard]] bool still_at(protocol::Frame frame) const RINGDOWN_REALTIME { return frame >= end; }
-  void aim(double target, protocol::Frame now, protocol::Frame length) RINGDOWN_REALTIME {
-    *this = {at(now), target, now, now + length};
-  }
+  [[nodiscard]] bool still_at(Frame frame) const RINGDOWN_REALTIME { return frame >= end; }
+  void aim(double target, Frame now, Frame length) RINGDOWN_REALTIME { *this = {at(now), target, now, now + length}; }
 };
 
 }  // namespace ringdown::synth

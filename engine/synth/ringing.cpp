@@ -106,7 +106,7 @@ bool Ringing::render(double* out, std::size_t frames, double floor) RINGDOWN_REA
     if (groups->count > 0) sane = render_modes(modes(z_re, z_im, frames), *groups, limits, out, frames) && sane;
   }
   if (leaving_.size() + coming_.size() > 0) sane = render_changes(out, frames) && sane;
-  clock_ += static_cast<protocol::Frame>(frames);
+  clock_ += static_cast<Frame>(frames);
   return keep_if(sane);
 }
 
@@ -118,7 +118,7 @@ bool Ringing::render_together(std::span<const MomentTarget> targets, double* out
   if (fast_.count > 0) sane = render_modes(all, fast_, limits, out, frames) && sane;
   if (slow_.count > 0) sane = add_moments(all, table_.moments(), slow_, frames, limits, targets) && sane;
   if (leaving_.size() + coming_.size() > 0) sane = add_changes(frames, targets) && sane;
-  clock_ += static_cast<protocol::Frame>(frames);
+  clock_ += static_cast<Frame>(frames);
   return keep_if(sane);
 }
 
@@ -127,7 +127,7 @@ bool Ringing::keep_if(bool sane) RINGDOWN_REALTIME {
   return sane;
 }
 
-void Ringing::skip(protocol::Frame frames) RINGDOWN_REALTIME {
+void Ringing::skip(Frame frames) RINGDOWN_REALTIME {
   reveal();
   if (frames > 0) skip_modes(modes(z_re, z_im, 0), table_.columns(), static_cast<std::uint64_t>(frames));
 }

@@ -85,7 +85,7 @@ class Ringing {
   void reveal() RINGDOWN_REALTIME;
 
   // Moves the states on without a sound, however far; not what fades. [audio]
-  void skip(protocol::Frame frames) RINGDOWN_REALTIME;
+  void skip(Frame frames) RINGDOWN_REALTIME;
   // Keeps the states as they are, but renders none of them until wake(). [audio]
   void rest() RINGDOWN_REALTIME;
   void wake() RINGDOWN_REALTIME;
@@ -100,12 +100,12 @@ class Ringing {
   // second of states that have rested for so many frames, the modes of a group taken to decay as the slowest of them.
   // Nothing moves on. [audio]
   [[nodiscard]] double reach() const RINGDOWN_REALTIME;
-  [[nodiscard]] double reach_at_rest(protocol::Frame frames) const RINGDOWN_REALTIME;
+  [[nodiscard]] double reach_at_rest(Frame frames) const RINGDOWN_REALTIME;
 
   // The same of each mode, times `gain`, added to where it stands in the bank's order; each mode decays as it does.
   // [audio]
   void add_amplitudes(double gain, ModeWatch::Place& to) const RINGDOWN_REALTIME;
-  void add_amplitudes_at_rest(double gain, protocol::Frame frames, ModeWatch::Place& to) const RINGDOWN_REALTIME;
+  void add_amplitudes_at_rest(double gain, Frame frames, ModeWatch::Place& to) const RINGDOWN_REALTIME;
 
   // How many modes sound; how many of these take moments.
   [[nodiscard]] std::size_t sounding_modes() const RINGDOWN_REALTIME;
@@ -182,12 +182,12 @@ class Ringing {
   Level shift_ = 0;
   std::uint32_t cut_number_ = 0;
   static constexpr std::uint32_t kNoCut = ~0u;
-  Groups hidden_, leaving_, coming_;           // the latter two for the next rendered frames
-  std::size_t aside_count_ = 0;                // in aside_groups_
-  std::vector<protocol::Frame> hidden_since_;  // of each hidden or coming group, by clock_
+  Groups hidden_, leaving_, coming_;  // the latter two for the next rendered frames
+  std::size_t aside_count_ = 0;       // in aside_groups_
+  std::vector<Frame> hidden_since_;   // of each hidden or coming group, by clock_
   enum class State : std::uint8_t { resting, sounding, hidden, aside };
-  std::vector<State> state_;   // scratch of a strike
-  protocol::Frame clock_ = 0;  // frames rendered
+  std::vector<State> state_;  // scratch of a strike
+  Frame clock_ = 0;           // frames rendered
 };
 
 }  // namespace ringdown::synth

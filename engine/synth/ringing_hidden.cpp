@@ -108,7 +108,7 @@ void Ringing::miss(std::size_t frames) RINGDOWN_REALTIME {
     fade_left_ -= std::min(frames, fade_left_);
     if (fade_left_ == 0) clear_row(fade_re), clear_row(fade_im);
   }
-  clock_ += static_cast<protocol::Frame>(frames);
+  clock_ += static_cast<Frame>(frames);
 }
 
 void Ringing::hide(std::uint32_t group) RINGDOWN_REALTIME {
@@ -194,7 +194,7 @@ bool Ringing::render_changes(double* out, std::size_t frames) RINGDOWN_REALTIME 
 
 // The states have moved on by `frames`, and clock_ not yet.
 void Ringing::finish_changes(std::size_t frames) RINGDOWN_REALTIME {
-  const auto end = clock_ + static_cast<protocol::Frame>(frames);
+  const auto end = clock_ + static_cast<Frame>(frames);
   for (std::size_t i = 0; i < leaving_.size(); ++i) {
     hidden_since_.data()[leaving_[i]] = end;
     hidden_.put(leaving_[i]);

@@ -37,7 +37,7 @@ double Ringing::reach() const RINGDOWN_REALTIME {
   return sum + fading * static_cast<double>(fade_left_) / static_cast<double>(fade_frames_);
 }
 
-double Ringing::reach_at_rest(protocol::Frame frames) const RINGDOWN_REALTIME {
+double Ringing::reach_at_rest(Frame frames) const RINGDOWN_REALTIME {
   double sum = 0;
   for (std::uint32_t group = 0; group < table_.groups(); ++group) {
     const double steps = static_cast<double>(frames) * static_cast<double>(table_.fall(group));
@@ -60,8 +60,7 @@ void Ringing::add_group(std::uint32_t group, double gain, double frames, ModeWat
   }
 }
 
-void Ringing::add_amplitudes_at_rest(double gain, protocol::Frame frames,
-                                     ModeWatch::Place& to) const RINGDOWN_REALTIME {
+void Ringing::add_amplitudes_at_rest(double gain, Frame frames, ModeWatch::Place& to) const RINGDOWN_REALTIME {
   for (std::uint32_t group = 0; group < table_.groups(); ++group)
     add_group(group, gain, static_cast<double>(frames), to);
 }

@@ -7,8 +7,6 @@
 namespace ringdown::synth {
 namespace {
 
-using protocol::Frame;
-
 constexpr double kMinRamp_s = 0.002, kMaxRamp_s = 0.05;
 constexpr double kFade_s = 0.005;             // of a contact that begins or ends
 constexpr double kSlowest_hz = 20;            // slower changes of the force are not heard
@@ -34,7 +32,7 @@ Rubbing::Rubbing(std::uint32_t seed, double sample_rate_hz) RINGDOWN_REALTIME : 
   }
 }
 
-void Rubbing::tell(Frame at, const protocol::Contact& contact) RINGDOWN_REALTIME {
+void Rubbing::tell(Frame at, const Contact& contact) RINGDOWN_REALTIME {
   const double force = length(contact.force_n);
   const bool changes = force > 0 && heights_m_[0] > 0;
   const double since_s = changes ? static_cast<double>(at - told_) / rate_hz_ : kFade_s;

@@ -11,8 +11,8 @@
 #pragma once
 
 #include "engine/base/realtime.h"
+#include "engine/synth/event.h"
 #include "engine/synth/ramp.h"
-#include "protocol/event.h"
 
 #include <array>
 #include <cstddef>
@@ -31,19 +31,19 @@ class Rubbing {
 
   // How the contact is from frame `at` on. It gets there evenly, in as long as it was since the telling before, but in
   // no less than 2 and no more than 50 ms; the first time, and when it ends, in 5 ms. [audio]
-  void tell(protocol::Frame at, const protocol::Contact& contact) RINGDOWN_REALTIME;
+  void tell(Frame at, const Contact& contact) RINGDOWN_REALTIME;
 
   // The impulse [N s] in frames first ... first + count - 1, along the contact's force. Frames are asked for once, in
   // order. [audio]
-  void fill(protocol::Frame first, std::size_t count, double* impulses) RINGDOWN_REALTIME;
+  void fill(Frame first, std::size_t count, double* impulses) RINGDOWN_REALTIME;
 
   // Whether it has ended and no force is left. [audio]
-  [[nodiscard]] bool over_at(protocol::Frame frame) const RINGDOWN_REALTIME {
+  [[nodiscard]] bool over_at(Frame frame) const RINGDOWN_REALTIME {
     return force_n_.to == 0 && force_n_.still_at(frame);
   }
 
   // Frames are of another length from `now` on. [worker]
-  void rescale(protocol::Frame now, double ratio);
+  void rescale(Frame now, double ratio);
 
  private:
   static constexpr std::size_t kOctaves = 5;
@@ -66,12 +66,12 @@ class Rubbing {
 
   double rate_hz_ = 1;
   Ramp force_n_, slip_m_s_, roll_m_s_;
-  protocol::Texture texture_;
+  Texture texture_;
   Heights heights_m_{};  // of each octave
   Track sliding_, rolling_;
   bool begun_ = false;
   double mean_slope_ = 0;  // lately: only what differs from it is felt
-  protocol::Frame told_ = 0, time_out_ = 0;
+  Frame told_ = 0, time_out_ = 0;
 };
 
 }  // namespace ringdown::synth

@@ -4,11 +4,11 @@
 
 namespace ringdown::synth {
 
-void SoundTap::put(protocol::Frame frame, double sample_rate_hz, const float* left, const float* right,
+void SoundTap::put(Frame frame, double sample_rate_hz, const float* left, const float* right,
                    std::size_t frames) RINGDOWN_REALTIME {
   for (std::size_t done = 0; done < frames;) {
     Piece piece;
-    piece.frame = frame + static_cast<protocol::Frame>(done);
+    piece.frame = frame + static_cast<Frame>(done);
     piece.sample_rate_hz = sample_rate_hz;
     piece.frames = std::min(kTappedFrames, frames - done);
     float* to = piece.samples.data();

@@ -4,7 +4,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/base/spsc_ring.h"
-#include "protocol/event.h"
+#include "engine/synth/event.h"
 
 #include <array>
 #include <atomic>
@@ -19,7 +19,7 @@ inline constexpr std::size_t kMaxSpare = 8192;     // frames of a block that are
 class SoundTap {
  public:
   struct Piece {
-    protocol::Frame frame = 0;  // of the first
+    Frame frame = 0;  // of the first
     double sample_rate_hz = 0;
     std::size_t frames = 0;
     std::array<float, 2 * kTappedFrames> samples;  // left right left right ...
@@ -29,7 +29,7 @@ class SoundTap {
   [[nodiscard]] bool watched() const RINGDOWN_REALTIME { return watched_.load(std::memory_order_relaxed); }
 
   // A block whose first frame is `frame`. [audio]
-  void put(protocol::Frame frame, double sample_rate_hz, const float* left, const float* right,
+  void put(Frame frame, double sample_rate_hz, const float* left, const float* right,
            std::size_t frames) RINGDOWN_REALTIME;
 
   // The oldest piece, valid until pop(); null when there is none. [one thread that is not audio]

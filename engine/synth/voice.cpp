@@ -28,13 +28,13 @@ std::unique_ptr<Voice> Voice::with_table(std::shared_ptr<ModeTable> table) {
   return voice;
 }
 
-bool Voice::strike(const protocol::Event& event) RINGDOWN_REALTIME {
+bool Voice::strike(const Event& event) RINGDOWN_REALTIME {
   const std::optional<double> energy = find_amplitudes(event);
   if (energy) add(amplitudes(), gain_for(*energy));
   return energy.has_value();
 }
 
-bool Voice::strike_aside(const protocol::Event& event, std::size_t left) RINGDOWN_REALTIME {
+bool Voice::strike_aside(const Event& event, std::size_t left) RINGDOWN_REALTIME {
   const std::optional<double> energy = find_amplitudes(event);
   if (energy) add_aside(amplitudes(), gain_for(*energy), left);
   return energy.has_value();

@@ -5,9 +5,9 @@
 #pragma once
 
 #include "engine/base/realtime.h"
+#include "engine/synth/event.h"
 #include "engine/synth/mode_table.h"
 #include "engine/synth/ringing.h"
-#include "protocol/event.h"
 
 #include <memory>
 #include <optional>
@@ -24,12 +24,12 @@ class Voice : public Ringing {
   // Adds a strike (EventType::strike or strike_vertex) at the current frame, or aside, `left` frames before the end
   // of the chunk. False when the vertex does not
   // exist. [audio]
-  bool strike(const protocol::Event& event) RINGDOWN_REALTIME;
-  bool strike_aside(const protocol::Event& event, std::size_t left) RINGDOWN_REALTIME;
+  bool strike(const Event& event) RINGDOWN_REALTIME;
+  bool strike_aside(const Event& event, std::size_t left) RINGDOWN_REALTIME;
 
   // Puts what a strike gives the modes into amplitudes(), and returns the sum of their squares; nullopt when the vertex
   // does not exist. [audio]
-  [[nodiscard]] std::optional<double> find_amplitudes(const protocol::Event& event) RINGDOWN_REALTIME {
+  [[nodiscard]] std::optional<double> find_amplitudes(const Event& event) RINGDOWN_REALTIME {
     return table_->strike(event, {scratch_.data(), scratch_.size()}, amplitudes_.get());
   }
   [[nodiscard]] const double* amplitudes() const RINGDOWN_REALTIME { return amplitudes_.get(); }

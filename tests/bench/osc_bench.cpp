@@ -6,8 +6,8 @@
 // drops, merges and late events it caused, how busy the callback was, and how long the daemon then took to answer
 // /status. The senders are processes of their own.
 #include "protocol/schema.h"
-#include "server/osc_codec.h"
-#include "server/osc_socket.h"
+#include "protocol/wire/codec.h"
+#include "protocol/wire/socket.h"
 
 #include <algorithm>
 #include <arpa/inet.h>
@@ -31,12 +31,12 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 // Asks again every 10 ms, for up to 10 s: the flood may still fill the kernel's queue, which then drops what comes.
-std::optional<protocol::StatusReply> ask_status(server::OscSocket& socket, server::Endpoint daemon) {
-  server::Datagram datagram;
+std::optional<protocol::StatusReply> ask_status(wire::OscSocket& socket, wire::Endpoint daemon) {
+  wire::Datagram datagram;
   for (int tries = 0; tries < 1000; ++tries) {
-    static_cast<void>(socket.send_to(daemon, server::encode({"/status", {}})));
+    static_cast<void>(socket.send_to(daemon, wire::encode({"/status", {}})));
     if (!socket.receive(datagram, std::chrono::milliseconds(10))) continue;
-    const auto messages = server::decode_packet(datagram.bytes);
+    const auto messages = wire::decode_packet(datagram.bytes);
     const auto reply = messages ? protocol::parse_reply(messages->front().message) : fail(messages.error());
     if (const auto* status = reply ? std::get_if<protocol::StatusReply>(&*reply) : nullptr) return *status;
   }
@@ -44,7 +44,7 @@ std::optional<protocol::StatusReply> ask_status(server::OscSocket& socket, serve
 }
 
 // Sends in batches of 64, each when its time has come. Returns how many.
-std::size_t flood(server::Endpoint daemon, const std::vector<std::byte>& packet, double rate_hz, double seconds) {
+std::size_t flood(wire::Endpoint daemon, const std::vector<std::byte>& packet, double rate_hz, double seconds) {
   constexpr std::size_t kBatch = 64;
   const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
   sockaddr_in address{};
@@ -72,8 +72,8 @@ std::size_t flood(server::Endpoint daemon, const std::vector<std::byte>& packet,
 }
 
 // The same from so many processes, which share the rate.
-std::size_t flood_from(std::size_t senders, server::Endpoint daemon, const std::vector<std::byte>& packet,
-                       double rate_hz, double seconds) {
+std::size_t flood_from(std::size_t senders, wire::Endpoint daemon, const std::vector<std::byte>& packet, double rate_hz,
+                       double seconds) {
   auto* const counts = static_cast<std::size_t*>(
       ::mmap(nullptr, senders * sizeof(std::size_t), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
   for (std::size_t i = 0; i < senders; ++i) {
@@ -112,10 +112,10 @@ int main(int count, char** words) {
     std::fprintf(stderr, "ringdown_osc_bench PORT OBJECT [MESSAGES_PER_S] [SECONDS] [SENDERS]\n");
     return 2;
   }
-  const server::Endpoint daemon{.port = static_cast<std::uint16_t>(std::atoi(words[1]))};
+  const wire::Endpoint daemon{.port = static_cast<std::uint16_t>(std::atoi(words[1]))};
   const double rate_hz = count > 3 ? std::atof(words[3]) : 200000, seconds = count > 4 ? std::atof(words[4]) : 10;
   const std::size_t senders = count > 5 ? static_cast<std::size_t>(std::max(1, std::atoi(words[5]))) : 1;
-  auto socket = server::OscSocket::bind();
+  auto socket = wire::OscSocket::bind();
   const auto before = socket ? ask_status(*socket, daemon) : std::nullopt;
   if (!before) {
     std::fprintf(stderr, "no daemon answers on port %s\n", words[1]);
@@ -123,7 +123,7 @@ int main(int count, char** words) {
   }
   const auto strike = protocol::format(protocol::Strike{{.name = words[2]}, {0.05, 0, 0.02}, {-1e-6, 0, 0}, 0.0005});
   const long lost_before = lost_at(daemon.port);
-  const std::size_t sent = flood_from(senders, daemon, server::encode(strike), rate_hz, seconds);
+  const std::size_t sent = flood_from(senders, daemon, wire::encode(strike), rate_hz, seconds);
   const auto begin = Clock::now();
   const auto after = ask_status(*socket, daemon);
   const double answer_ms = 1000 * seconds_since(begin);

@@ -6,8 +6,8 @@
 #include "engine/modal/bank_file.h"
 #include "protocol/pattern.h"
 #include "protocol/schema.h"
-#include "server/osc_codec.h"
-#include "server/session.h"
+#include "protocol/wire/codec.h"
+#include "server/session/session.h"
 #include "tests/bench/promise.h"
 #include "tests/support/synthetic_bank.h"
 
@@ -43,8 +43,8 @@ class Ours {
   }
 
   void take(const Bytes& packet) {
-    const auto messages = server::decode_packet(packet);
-    for (const server::TimedMessage& timed : *messages) {
+    const auto messages = wire::decode_packet(packet);
+    for (const wire::TimedMessage& timed : *messages) {
       if (!protocol::is_pattern(timed.message.address)) {
         handle(timed.message);
         continue;
@@ -57,12 +57,12 @@ class Ours {
   std::size_t taken = 0;
 
  private:
-  void handle(const protocol::Message& message) {
+  void handle(const wire::Message& message) {
     const auto request = protocol::parse(message);
     taken += request && session_.check(*request, 0);
   }
 
-  server::Session session_{48000};
+  session::Session session_{48000};
 };
 
 class Liblo {
@@ -117,7 +117,7 @@ std::vector<Bytes> packets_to(std::size_t objects, std::size_t count, const char
   for (std::size_t i = 0; i < count; ++i) {
     std::array<char, 64> address{};
     std::snprintf(address.data(), address.size(), object, static_cast<unsigned>(random() % objects));
-    packets.push_back(server::encode({address.data(), {0.5f}}));
+    packets.push_back(wire::encode({address.data(), {0.5f}}));
   }
   return packets;
 }

@@ -13,7 +13,7 @@
 //   side     SideView::draw
 //   pick     a click in the middle of the picture
 #include "clients/viewer/app.h"
-#include "protocol/floats.h"
+#include "protocol/wire/floats.h"
 #include "tests/bench/machine.h"
 #include "tests/support/virtual_display.h"
 #include "tests/viewer/preset_file.h"
@@ -76,7 +76,7 @@ class Daemon {
   void notice(Model& model, double now_s) {
     model.apply(protocol::NotifyScene{1, now_s, false}, now_s);
     const std::vector<float> amplitudes(kModes, 0.01F), samples(1600, 0.1F);
-    const protocol::Blob told = protocol::encode_floats(amplitudes);
+    const wire::Blob told = wire::encode_floats(amplitudes);
     for (int i = 0; i < bodies_; ++i) {
       const Vec3 place{(i % side_) * kPitch_m - width_m() / 2, (i / side_) * kPitch_m - width_m() / 2, 0.2};
       const double half_turn = now_s + i;
@@ -89,13 +89,13 @@ class Daemon {
     for (int i = 0; i < 2; ++i, ++contacts_) {
       model.apply(protocol::NotifyContact{name_of(contacts_ % bodies_), {0, 0, 0.1}, {0, 0, 0.01}, 0.001}, now_s);
     }
-    model.apply(protocol::NotifySound{frame_, 48000, protocol::encode_floats(samples)}, now_s);
+    model.apply(protocol::NotifySound{frame_, 48000, wire::encode_floats(samples)}, now_s);
     frame_ += 800;
   }
 
  private:
   static std::string name_of(int body) { return "object-" + std::to_string(body); }
-  [[nodiscard]] const protocol::Blob& file_of(int body) const {
+  [[nodiscard]] const wire::Blob& file_of(int body) const {
     return files_[static_cast<std::size_t>(body) % files_.size()];
   }
   [[nodiscard]] double width_m() const { return kPitch_m * side_; }
@@ -110,7 +110,7 @@ class Daemon {
   }
 
   int bodies_, side_;
-  std::vector<protocol::Blob> files_;
+  std::vector<wire::Blob> files_;
   std::vector<std::string> contents_;  // of the files
   int contacts_ = 0;
   std::int32_t frame_ = 0;

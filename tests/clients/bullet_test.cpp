@@ -12,8 +12,8 @@
 namespace ringdown::bullet {
 namespace {
 
-using protocol::Event;
-using protocol::EventType;
+using synth::Event;
+using synth::EventType;
 using scene::operator*;
 using scene::BodyDescription;
 using scene::SceneDescription;
@@ -238,7 +238,7 @@ TEST(SameSlide, ToldWithWeightCoulombsFrictionAndSpeedInBoth) {
   ASSERT_GT(bullet.size(), 100u);
   const double start_m_s = std::hypot(1.5, 1);
   for (std::size_t k = 2; k + 3 < bullet.size(); ++k) {
-    const protocol::Contact& contact = bullet[k].contact;
+    const synth::Contact& contact = bullet[k].contact;
     ASSERT_EQ(bullet[k].type, EventType::contact) << k;
     EXPECT_NEAR(contact.force_n.z, kMass * kG, 0.02 * kMass * kG) << k;
     EXPECT_NEAR(std::hypot(contact.force_n.x, contact.force_n.y), kFriction * contact.force_n.z, 0.1) << k;
@@ -296,7 +296,7 @@ TEST(Bullet, BothBodiesRingWithOppositeImpulses) {
     const auto events = world->step().events;
     strikes.insert(strikes.end(), events.begin(), events.end());
   }
-  strikes = test::only(protocol::EventType::strike, strikes);
+  strikes = test::only(synth::EventType::strike, strikes);
   ASSERT_EQ(strikes.size(), 2u);
   const Vec3 on_left = test::total_impulse(strikes, 0);
   const Vec3 on_right = scene::to_matrix(right.rotation) * test::total_impulse(strikes, 1);

@@ -46,7 +46,7 @@ bool ring(const modal::Bank& bank) {
   expect(mixer.install(0, std::make_unique<synth::Voice>(map, modal::MaterialScale{}, 48000),
                        synth::Mixer::Install::replace),
          "a voice is installed");
-  const protocol::Event strike{.object = 0, .type = protocol::EventType::strike, .impulse_ns = {0.1, 0.2, 0.3}};
+  const synth::Event strike{.object = 0, .type = synth::EventType::strike, .impulse_ns = {0.1, 0.2, 0.3}};
   expect(mixer.push(synth::Producer::control, strike), "a strike is taken");
   std::array<float, 256> left{}, right{};
   mixer.render(left, right);

@@ -3,10 +3,10 @@
 #include "engine/scene/scene_file.h"
 #include "engine/scene/world.h"
 #include "server/daemon.h"
-#include "server/note_map.h"
 #include "server/options.h"
+#include "server/session/note_map.h"
+#include "server/session/state.h"
 #include "server/settings.h"
-#include "server/state.h"
 #include "tests/fuzz/targets.h"
 
 #include <CLI/CLI.hpp>
@@ -44,7 +44,7 @@ void play(const scene::SceneDescription& description) {
   auto world = scene::World::create(description, {}, 48000);
   if (!world) return expect(!world.error().message.empty(), "a refusal has a sentence");
   for (int step = 0; step < 20; ++step) {
-    for (const protocol::Event& strike : world->step().events) {
+    for (const synth::Event& strike : world->step().events) {
       expect(is_finite(strike.impulse_ns) && is_finite(strike.point_m), "a strike of a scene is finite");
     }
   }
@@ -73,11 +73,11 @@ void text(Bytes file) {
   } else if (kind == 'o') {
     static_cast<void>(bake::read_object(MemoryFile(text).path()));
   } else if (kind == 'n') {
-    static_cast<void>(server::read_note_map(MemoryFile(text).path()));
+    static_cast<void>(session::read_note_map(MemoryFile(text).path()));
   } else if (kind == 't') {
-    const auto state = server::parse_state(text, "state.toml");
+    const auto state = session::parse_state(text, "state.toml");
     if (state)
-      expect(server::parse_state(server::to_toml(*state), "again").has_value(), "a state survives being written");
+      expect(session::parse_state(session::to_toml(*state), "again").has_value(), "a state survives being written");
   } else {
     read_settings_text(text);
   }

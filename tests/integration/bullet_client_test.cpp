@@ -1,6 +1,6 @@
 // ringdown-bullet as a program: what a daemon receives of it, what its scores sound like, and what it refuses.
 #include "engine/modal/bank_file.h"
-#include "server/osc_score.h"
+#include "protocol/wire/score.h"
 #include "tests/integration/daemon_fixture.h"
 #include "tests/integration/sound_file.h"
 #include "tests/support/synthetic_bank.h"
@@ -59,19 +59,19 @@ class BulletClient : public testing::Test {
     std::ofstream(scene_) << kScene << "[contact]\nrest_damping_s_m = 0\n";
   }
 
-  [[nodiscard]] static std::vector<server::ScoreEvent> of(const std::vector<server::ScoreEvent>& score,
-                                                          const std::string& address) {
-    std::vector<server::ScoreEvent> found;
-    for (const server::ScoreEvent& event : score) {
+  [[nodiscard]] static std::vector<wire::ScoreEvent> of(const std::vector<wire::ScoreEvent>& score,
+                                                        const std::string& address) {
+    std::vector<wire::ScoreEvent> found;
+    for (const wire::ScoreEvent& event : score) {
       if (event.message.address == address) found.push_back(event);
     }
     return found;
   }
 
-  std::vector<server::ScoreEvent> read(const std::filesystem::path& path) {
-    const auto score = server::read_score(path);
+  std::vector<wire::ScoreEvent> read(const std::filesystem::path& path) {
+    const auto score = wire::read_score(path);
     EXPECT_TRUE(score) << score.error().message;
-    return score.value_or(std::vector<server::ScoreEvent>());
+    return score.value_or(std::vector<wire::ScoreEvent>());
   }
 
   // What a daemon records that the client plays, ended once `done` says so of its status.
@@ -186,7 +186,7 @@ TEST_F(BulletClient, RefusesInOneSentence) {
   refuse({scene_.string(), "--seconds", "soon"}, 2, "--seconds");
   std::ofstream(scene_) << kScene;
   refuse({scene_.string(), "--to", "http://here"}, 2, "osc.udp");
-  const auto nobody = server::OscSocket::bind();
+  const auto nobody = wire::OscSocket::bind();
   ASSERT_TRUE(nobody);
   refuse({scene_.string(), "--to", "osc.udp://127.0.0.1:" + std::to_string(nobody->port())}, 6, "no answer");
 }

@@ -88,7 +88,7 @@ std::map<std::string, std::set<std::string>> JackServer::connections() const {
 }
 
 Daemon::Daemon(std::vector<std::string> arguments, const Process::Environment& environment)
-    : process_(daemon_command(std::move(arguments)), environment), socket_(*server::OscSocket::bind()) {
+    : process_(daemon_command(std::move(arguments)), environment), socket_(*wire::OscSocket::bind()) {
   const std::string announcement = "ready: OSC on ";
   if (!process_.wait_for_output(announcement, 20s)) return;
   const std::string output = process_.output();
@@ -96,18 +96,18 @@ Daemon::Daemon(std::vector<std::string> arguments, const Process::Environment& e
       std::stoi(output.substr(output.find(':', output.find(announcement) + announcement.size()) + 1)));
 }
 
-void Daemon::send(const protocol::Message& message) {
-  static_cast<void>(socket_.send_to({.port = port_}, server::encode(message)));
+void Daemon::send(const wire::Message& message) {
+  static_cast<void>(socket_.send_to({.port = port_}, wire::encode(message)));
 }
 
-void Daemon::send_bundle(double unix_s, const std::vector<protocol::Message>& messages) {
-  static_cast<void>(socket_.send_to({.port = port_}, server::encode_bundle(server::time_tag(unix_s), messages)));
+void Daemon::send_bundle(double unix_s, const std::vector<wire::Message>& messages) {
+  static_cast<void>(socket_.send_to({.port = port_}, wire::encode_bundle(wire::time_tag(unix_s), messages)));
 }
 
 std::vector<protocol::Reply> Daemon::packet(std::chrono::milliseconds limit) {
-  server::Datagram datagram;
+  wire::Datagram datagram;
   if (!socket_.receive(datagram, limit)) return {};
-  const auto messages = server::decode_packet(datagram.bytes);
+  const auto messages = wire::decode_packet(datagram.bytes);
   std::vector<protocol::Reply> replies;
   if (!messages) return replies;
   for (const auto& timed : *messages) {
@@ -121,7 +121,7 @@ std::optional<protocol::Reply> Daemon::reply(std::chrono::milliseconds limit) {
   return replies.empty() ? std::nullopt : std::optional(replies.front());
 }
 
-std::optional<protocol::Reply> Daemon::ask(const protocol::Message& message) {
+std::optional<protocol::Reply> Daemon::ask(const wire::Message& message) {
   send(message);
   return reply();
 }

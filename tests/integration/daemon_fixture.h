@@ -3,8 +3,8 @@
 #pragma once
 
 #include "protocol/schema.h"
-#include "server/osc_codec.h"
-#include "server/osc_socket.h"
+#include "protocol/wire/codec.h"
+#include "protocol/wire/socket.h"
 #include "tests/integration/process.h"
 
 #include <gtest/gtest.h>
@@ -62,25 +62,25 @@ class Daemon {
   [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] Process& process() { return process_; }
 
-  void send(const protocol::Message& message);
-  void send_bundle(double unix_s, const std::vector<protocol::Message>& messages);
+  void send(const wire::Message& message);
+  void send_bundle(double unix_s, const std::vector<wire::Message>& messages);
 
   // What the next packet holds: nothing after `limit`.
   std::vector<protocol::Reply> packet(std::chrono::milliseconds limit = std::chrono::seconds(5));
   // Its first reply.
   std::optional<protocol::Reply> reply(std::chrono::milliseconds limit = std::chrono::seconds(5));
   // Sends and waits for a reply.
-  std::optional<protocol::Reply> ask(const protocol::Message& message);
+  std::optional<protocol::Reply> ask(const wire::Message& message);
 
  private:
   Process process_;
   std::uint16_t port_ = 0;
-  server::OscSocket socket_;
+  wire::OscSocket socket_;
 };
 
 // Sends and waits for the first reply of this kind; notices may come before it. A refusal is nothing.
 template <class Struct>
-std::optional<Struct> ask_for(Daemon& daemon, const protocol::Message& message) {
+std::optional<Struct> ask_for(Daemon& daemon, const wire::Message& message) {
   daemon.send(message);
   for (;;) {
     const auto replies = daemon.packet(std::chrono::seconds(20));
@@ -91,7 +91,7 @@ std::optional<Struct> ask_for(Daemon& daemon, const protocol::Message& message) 
     }
   }
 }
-inline bool done(Daemon& daemon, const protocol::Message& message) {
+inline bool done(Daemon& daemon, const wire::Message& message) {
   return ask_for<protocol::Done>(daemon, message).has_value();
 }
 

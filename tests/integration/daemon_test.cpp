@@ -19,7 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::Done;
 using protocol::Fail;
-using protocol::Message;
+using wire::Message;
 
 // A JACK server that certainly is not there.
 const Process::Environment kNoJack = {{"JACK_DEFAULT_SERVER", "ringdown-test-nobody"}, {"JACK_NO_START_SERVER", "1"}};

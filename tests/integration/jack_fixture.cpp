@@ -40,7 +40,7 @@ std::optional<protocol::StatusReply> JackTest::status(Daemon& daemon) {
   return status ? std::optional(*status) : std::nullopt;
 }
 
-protocol::Message JackTest::strike(const std::string& object, double impulse_ns) {
+wire::Message JackTest::strike(const std::string& object, double impulse_ns) {
   return protocol::format(protocol::Strike{{.name = object}, {1, 0, 0}, {0, 0, impulse_ns}, 0});
 }
 

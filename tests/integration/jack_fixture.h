@@ -22,7 +22,7 @@ class JackTest : public testing::Test {
   static std::optional<protocol::StatusReply> status(Daemon& daemon);
 
   // The message that strikes an object of one mode.
-  static protocol::Message strike(const std::string& object, double impulse_ns = 0.5);
+  static wire::Message strike(const std::string& object, double impulse_ns = 0.5);
 
  protected:
   void SetUp() override;

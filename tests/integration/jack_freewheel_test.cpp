@@ -1,5 +1,5 @@
 // Live sound is what `ringdown render` computes: in freewheel, and whatever the period does.
-#include "server/offline.h"
+#include "server/session/offline.h"
 #include "tests/integration/jack_fixture.h"
 #include "tests/integration/jack_recorder.h"
 #include "tests/support/keep_signals.h"
@@ -35,7 +35,7 @@ TEST_F(JackTest, FreewheelRendersWhatRenderDoes) {
   recorder.freewheel(false);
 
   const auto rendered =
-      server::render_offline({.scene = scene, .seconds = 13, .sample_rate_hz = kRate}, [](double) { return true; });
+      session::render_offline({.scene = scene, .seconds = 13, .sample_rate_hz = kRate}, [](double) { return true; });
   ASSERT_TRUE(rendered);
   const Samples live = recorder.samples(0), offline = to_doubles(rendered->left);
   KeepSignals keep(kRate);

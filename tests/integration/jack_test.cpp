@@ -39,7 +39,7 @@ double unix_now_s() {
 // Ten bundles ahead of their time, then ten messages; when each should sound with a latency of 0.2 s.
 // Nothing when this thread was kept from running: it then cannot say when it sent.
 std::vector<double> play_twenty(Daemon& daemon, const std::string& object) {
-  const protocol::Message strike = protocol::format(protocol::Strike{{.name = object}, {1, 0, 0}, {0, 0, 1}, 0});
+  const wire::Message strike = protocol::format(protocol::Strike{{.name = object}, {1, 0, 0}, {0, 0, 1}, 0});
   std::vector<double> meant;
   const double start = unix_now_s() + 0.2;
   for (int i = 0; i < 10; ++i) {
@@ -107,8 +107,8 @@ TEST_F(Jack, AStrikeFromOscsendIsRecordedAtItsPitchAndDecay) {
 TEST_F(Jack, TimedBundlesKeepTheirDistanceToAMillisecond) {
   Daemon daemon({"--object", "tone=" + bank_.string()}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
-  const protocol::Message strike = protocol::format(protocol::Strike{{.name = "tone"}, {1, 0, 0}, {0, 0, 0.5}, 0});
-  const protocol::Message clear = protocol::format(protocol::ClearAll{});
+  const wire::Message strike = protocol::format(protocol::Strike{{.name = "tone"}, {1, 0, 0}, {0, 0, 0.5}, 0});
+  const wire::Message clear = protocol::format(protocol::ClearAll{});
   constexpr double kApart_s = 0.3137;
   const auto heard = record_undisturbed(2, [&] {
     const double now = unix_now_s();

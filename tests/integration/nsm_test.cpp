@@ -9,7 +9,7 @@ namespace ringdown::test {
 namespace {
 
 using namespace std::chrono_literals;
-using protocol::Message;
+using wire::Message;
 
 class Manager {
  public:
@@ -22,16 +22,16 @@ class Manager {
   std::optional<Message> wait_for(const std::string& address) {
     const auto end = std::chrono::steady_clock::now() + 20s;
     while (std::chrono::steady_clock::now() < end) {
-      server::Datagram datagram;
+      wire::Datagram datagram;
       if (!socket_.receive(datagram, 100ms)) continue;
       client_ = datagram.from;
-      const auto messages = server::decode_packet(datagram.bytes);
+      const auto messages = wire::decode_packet(datagram.bytes);
       if (messages && messages->front().message.address == address) return messages->front().message;
     }
     return std::nullopt;
   }
 
-  void send(const Message& message) { ASSERT_TRUE(socket_.send_to(client_, server::encode(message))); }
+  void send(const Message& message) { ASSERT_TRUE(socket_.send_to(client_, wire::encode(message))); }
 
   // Starts the client's part of a session.
   void open(const std::filesystem::path& path, const std::string& client_id) {
@@ -46,9 +46,9 @@ class Manager {
   std::string answer(const std::string& to) {
     const auto end = std::chrono::steady_clock::now() + 20s;
     while (std::chrono::steady_clock::now() < end) {
-      server::Datagram datagram;
+      wire::Datagram datagram;
       if (!socket_.receive(datagram, 100ms)) continue;
-      const auto messages = server::decode_packet(datagram.bytes);
+      const auto messages = wire::decode_packet(datagram.bytes);
       const Message& message = messages->front().message;
       if (std::get<std::string>(message.arguments.at(0)) != to) continue;
       return message.address == "/reply" ? "" : std::get<std::string>(message.arguments.at(2));
@@ -56,12 +56,12 @@ class Manager {
     return "no answer to " + to;
   }
 
-  [[nodiscard]] const std::vector<protocol::Argument>& announced() const { return announced_; }
+  [[nodiscard]] const std::vector<wire::Argument>& announced() const { return announced_; }
 
  private:
-  server::OscSocket socket_ = std::move(*server::OscSocket::bind());
-  server::Endpoint client_;
-  std::vector<protocol::Argument> announced_;
+  wire::OscSocket socket_ = std::move(*wire::OscSocket::bind());
+  wire::Endpoint client_;
+  std::vector<wire::Argument> announced_;
 };
 
 class NsmTest : public JackTest {
@@ -78,10 +78,10 @@ TEST_F(NsmTest, ASessionIsOpenedSavedEndedAndComesBack) {
     Manager manager;
     const auto daemon = start(manager, "Ringdown.nABCD");
     ASSERT_TRUE(daemon->ready()) << daemon->process().output();
-    EXPECT_EQ(manager.announced().at(0), protocol::Argument("Ringdown"));
-    EXPECT_EQ(manager.announced().at(2), protocol::Argument("ringdownd"));
-    EXPECT_EQ(manager.announced().at(3), protocol::Argument(1)) << "version of the protocol";
-    EXPECT_EQ(manager.announced().at(5), protocol::Argument(static_cast<int>(daemon->process().id())));
+    EXPECT_EQ(manager.announced().at(0), wire::Argument("Ringdown"));
+    EXPECT_EQ(manager.announced().at(2), wire::Argument("ringdownd"));
+    EXPECT_EQ(manager.announced().at(3), wire::Argument(1)) << "version of the protocol";
+    EXPECT_EQ(manager.announced().at(5), wire::Argument(static_cast<int>(daemon->process().id())));
     EXPECT_EQ(manager.answer("/nsm/client/open"), "");
     EXPECT_TRUE(server_.connections().contains("Ringdown.nABCD:out_left")) << "JACK knows it by its client id";
 

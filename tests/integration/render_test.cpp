@@ -3,7 +3,7 @@
 #include "engine/modal/bank_file.h"
 #include "protocol/bulk.h"
 #include "protocol/schema.h"
-#include "server/osc_score.h"
+#include "protocol/wire/score.h"
 #include "tests/integration/daemon_fixture.h"
 #include "tests/integration/sound_file.h"
 #include "tests/support/synthetic_bank.h"
@@ -44,9 +44,9 @@ class RenderTest : public testing::Test {
     return at;
   }
 
-  Samples render(const std::vector<server::ScoreEvent>& events, double rate_hz, int block) {
+  Samples render(const std::vector<wire::ScoreEvent>& events, double rate_hz, int block) {
     const auto score = folder_ / "score.osc", sound = folder_ / "sound.wav";
-    EXPECT_TRUE(server::write_score(events, score));
+    EXPECT_TRUE(wire::write_score(events, score));
     const Outcome outcome = run({program("ringdown"), "render", "--events", score.string(), "--object",
                                  "tick=" + (folder_ / "tick.glb").string(), "--rate", std::to_string(rate_hz),
                                  "--block", std::to_string(block), "--seconds", "2", "-o", sound.string()});
@@ -66,7 +66,7 @@ class RenderTest : public testing::Test {
 TEST_F(RenderTest, EveryBundleIsHeardWithinASampleOfItsTime) {
   for (const double rate_hz : {44100.0, 48000.0, 96000.0}) {
     for (const int block : {1, 64, 100, 1024}) {
-      std::vector<server::ScoreEvent> events;
+      std::vector<wire::ScoreEvent> events;
       for (const double time_s : times(rate_hz)) {
         events.push_back({time_s, protocol::format(protocol::Request(
                                       protocol::Strike{{.name = "tick"}, {1, 0, 0}, {0, 0, 0.5}, 0}))});

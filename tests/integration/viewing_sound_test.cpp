@@ -1,7 +1,7 @@
 // What somebody at a window hears and is told of the sound: modes by themselves, a choice of modes, the test tone; with
 // a JACK client that records, in freewheel, which loses no block however busy the machine.
 #include "engine/modal/bank_file.h"
-#include "protocol/floats.h"
+#include "protocol/wire/floats.h"
 #include "tests/integration/jack_fixture.h"
 #include "tests/integration/jack_recorder.h"
 #include "tests/support/keep_signals.h"
@@ -148,7 +148,7 @@ struct Told {
   void add(const protocol::NotifySound& sound) {
     if (!first) first = sound.frame;
     const auto at = static_cast<std::size_t>(sound.frame - *first);
-    const auto samples = protocol::decode_floats(sound.samples);
+    const auto samples = wire::decode_floats(sound.samples);
     const std::size_t frames = samples.size() / 2;
     for (Samples* side : {&left, &right}) {
       side->resize(std::max(side->size(), at + frames), std::numeric_limits<double>::quiet_NaN());

@@ -1,7 +1,7 @@
 // What somebody at a window sees of a real daemon: its objects' banks and modes, and its scene. What they hear is in
 // viewing_sound_test.cpp.
 #include "engine/modal/bank_file.h"
-#include "protocol/floats.h"
+#include "protocol/wire/floats.h"
 #include "tests/integration/jack_fixture.h"
 #include "tests/integration/sound_file.h"
 #include "tests/support/synthetic_bank.h"
@@ -79,7 +79,7 @@ TEST_F(Viewing, ToldAmplitudesFallAsTheBankSays) {
     }
     const auto* modes = std::get_if<protocol::NotifyModes>(&reply);
     if (!modes || time_s == 0) return false;
-    const auto amplitudes = protocol::decode_floats(modes->amplitudes);
+    const auto amplitudes = wire::decode_floats(modes->amplitudes);
     EXPECT_EQ(amplitudes.size(), 3u);
     if (amplitudes.size() != 3 || amplitudes[0] == 0) return false;
     EXPECT_EQ(amplitudes[2], 0);

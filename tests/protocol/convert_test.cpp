@@ -16,7 +16,8 @@ constexpr ArgumentSpec integer(double least, double most) {
 
 TEST(Convert, AllFourNumberTypesMeanTheSame) {
   const ArgumentSpec spec = number(-10, 10);
-  for (const Argument& three : {Argument(3), Argument(std::int64_t{3}), Argument(3.f), Argument(3.0)}) {
+  for (const wire::Argument& three :
+       {wire::Argument(3), wire::Argument(std::int64_t{3}), wire::Argument(3.f), wire::Argument(3.0)}) {
     EXPECT_EQ(convert(spec, three), Value(3.0));
     EXPECT_EQ(convert(integer(0, 5), three), Value(std::int32_t{3}));
   }
@@ -33,16 +34,17 @@ TEST(Convert, LimitsAreInsideAndTheNextNumberIsNot) {
 TEST(Convert, WhatIsNoNumberIsNeverOne) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const ArgumentSpec widest = number(std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max());
-  for (const Argument& bad : {Argument(std::numeric_limits<float>::quiet_NaN()), Argument(kInfinity),
-                              Argument(-kInfinity), Argument("3"), Argument("")}) {
+  for (const wire::Argument& bad : {wire::Argument(std::numeric_limits<float>::quiet_NaN()), wire::Argument(kInfinity),
+                                    wire::Argument(-kInfinity), wire::Argument("3"), wire::Argument("")}) {
     EXPECT_FALSE(convert(widest, bad));
   }
 }
 
 TEST(Convert, OnlyWholeNumbersAreIntegers) {
   const ArgumentSpec spec = integer(-2147483648.0, 2147483647.0);
-  for (const Argument& bad : {Argument(0.5f), Argument(1e-300), Argument(1e20), Argument(2147483648.0),
-                              Argument(std::int64_t{1} << 62), Argument(std::numeric_limits<double>::quiet_NaN())}) {
+  for (const wire::Argument& bad :
+       {wire::Argument(0.5f), wire::Argument(1e-300), wire::Argument(1e20), wire::Argument(2147483648.0),
+        wire::Argument(std::int64_t{1} << 62), wire::Argument(std::numeric_limits<double>::quiet_NaN())}) {
     EXPECT_FALSE(convert(spec, bad));
   }
   EXPECT_EQ(convert(spec, -0.0), Value(std::int32_t{0}));

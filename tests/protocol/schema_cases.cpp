@@ -38,7 +38,7 @@ Cases strike_cases() {
            {"/object/" + std::string(65, 'a') + "/strike", {0, 0, 0, 0, 0, 0}, "object"},
            {a, {}, "x"},
            {a, {kNan, 0, 0, 0, 0, 0}, "x"},
-           {a, {Blob(40), 0, 0, 0, 0, 0}, "x"},
+           {a, {wire::Blob(40), 0, 0, 0, 0, 0}, "x"},
            {a, {"1", 0, 0, 0, 0, 0}, "x"},
            {a, {0, kInfinity, 0, 0, 0, 0}, "y"},
            {a, {0, 0, 10001, 0, 0, 0}, "z"},
@@ -73,12 +73,12 @@ Cases strike_vertex_cases() {
 
 Cases strikes_cases() {
   const std::string a = "/strikes";
-  return {{{a, {Blob(40)}, claim<StrikeMany>([](const StrikeMany& s) { return s.records.size() == 40; })},
-           {a, {Blob(64000)}, is_a<StrikeMany>()}},
+  return {{{a, {wire::Blob(40)}, claim<StrikeMany>([](const StrikeMany& s) { return s.records.size() == 40; })},
+           {a, {wire::Blob(64000)}, is_a<StrikeMany>()}},
           {{a, {}, "records"},
-           {a, {Blob()}, "records"},
-           {a, {Blob(41)}, "records"},
-           {a, {Blob(64040)}, "records"},
+           {a, {wire::Blob()}, "records"},
+           {a, {wire::Blob(41)}, "records"},
+           {a, {wire::Blob(64040)}, "records"},
            {a, {1.f}, "records"},
            {a, {"text"}, "records"}}};
 }
@@ -177,10 +177,11 @@ Cases contact_cases() {
   return {{{a, {1, 2, 3, 0, 0, -0.5f, 0.25f}, claim<KeepContact>([](const KeepContact& k) {
               return k.object == named("bell") && k.point_m == Vec3{1, 2, 3} && k.contact.force_n == Vec3{0, 0, -0.5} &&
                      k.contact.slip_m_s == 0.25 && k.contact.roll_m_s == 0 && k.contact.number == 0 &&
-                     k.contact.texture == Texture{};
+                     k.contact.texture == synth::Texture{};
             })},
            {a, {0, 0, 0, 0, 0, 0, 0, 2, 7, 0.0625f, 0.25f, -2}, claim<KeepContact>([](const KeepContact& k) {
-              return k.contact.roll_m_s == 2 && k.contact.number == 7 && k.contact.texture == Texture{0.0625, 0.25, -2};
+              return k.contact.roll_m_s == 2 && k.contact.number == 7 &&
+                     k.contact.texture == synth::Texture{0.0625, 0.25, -2};
             })}},
           {{"/object/b%/contact", {0, 0, 0, 0, 0, 0, 0}, "object"},
            {a, {kNan, 0, 0, 0, 0, 0, 0}, "x"},

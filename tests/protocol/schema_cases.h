@@ -13,7 +13,7 @@
 
 namespace ringdown::protocol {
 
-using Arguments = std::vector<Argument>;
+using Arguments = std::vector<wire::Argument>;
 using Claim = std::function<bool(const Request&)>;
 
 struct Good {

@@ -60,7 +60,7 @@ TEST(Schema, EveryRefusalNamesTheAddressAndTheArgument) {
 
 TEST(Schema, AnArgumentTooManyIsRefused) {
   for (const AddressSpec& spec : addresses()) {
-    Message message = spec.example;
+    wire::Message message = spec.example;
     message.arguments.resize(spec.arguments.size() - spec.arguments_in_address(), 0);
     message.arguments.emplace_back(0);
     const Result<Request> request = parse(message);
@@ -74,7 +74,7 @@ TEST(Schema, FormatIsTheInverseOfParse) {
     for (const Good& good : cases.good) {
       const Result<Request> request = parse({good.address, good.arguments});
       ASSERT_TRUE(request) << request.error().message;
-      const Message message = format(*request);
+      const wire::Message message = format(*request);
       const Result<Request> again = parse(message);
       ASSERT_TRUE(again) << again.error().message;
       EXPECT_TRUE(good.claim(*again)) << good.address;
@@ -85,10 +85,10 @@ TEST(Schema, FormatIsTheInverseOfParse) {
 
 TEST(Schema, FormatWritesWhatAClientWouldSend) {
   const Strike strike{named("bell"), {1, 2, 3}, {4, 5, 6}, 0.001};
-  EXPECT_EQ(format(Request(strike)), (Message{"/object/bell/strike", {1., 2., 3., 4., 5., 6., 0.001}}));
+  EXPECT_EQ(format(Request(strike)), (wire::Message{"/object/bell/strike", {1., 2., 3., 4., 5., 6., 0.001}}));
   const SpawnSphere ball{std::nullopt, {0, 0, 1}, {0, 0, 0}, 0.5, 7800};
-  EXPECT_EQ(format(Request(ball)), (Message{"/scene/spawn/sphere", {"-", 0., 0., 1., 0.5, 0., 0., 0., 7800.}}));
-  EXPECT_EQ(format(Request(FreeObject{numbered(4)})), (Message{"/object/4/free", {}}));
+  EXPECT_EQ(format(Request(ball)), (wire::Message{"/scene/spawn/sphere", {"-", 0., 0., 1., 0.5, 0., 0., 0., 7800.}}));
+  EXPECT_EQ(format(Request(FreeObject{numbered(4)})), (wire::Message{"/object/4/free", {}}));
 }
 
 TEST(Schema, AnUnknownAddressSuggestsTheNearestOne) {
@@ -107,10 +107,10 @@ TEST(Schema, AnUnknownAddressSuggestsTheNearestOne) {
 
 TEST(Schema, RepliesRoundTripInTypesPureDataKnows) {
   const StatusReply status{4, 1, 220, 6, 48000, 256, 0.25, 0.5, 7, 8, 9, 10, 0.375, 11, 12, 13, 14, 0.5, true};
-  const Message message = format(Reply(status));
+  const wire::Message message = format(Reply(status));
   EXPECT_EQ(message,
-            (Message{"/status.reply",
-                     {4, 1, 220, 6, 48000.f, 256, 0.25f, 0.5f, 7, 8, 9, 10, 0.375f, 11, 12, 13, 14, 0.5f, 1}}));
+            (wire::Message{"/status.reply",
+                           {4, 1, 220, 6, 48000.f, 256, 0.25f, 0.5f, 7, 8, 9, 10, 0.375f, 11, 12, 13, 14, 0.5f, 1}}));
   for (const Reply& reply :
        {Reply(Done{"/load", 3}),
         Reply(Done{"/quit", std::nullopt}),
@@ -128,7 +128,7 @@ TEST(Schema, RepliesRoundTripInTypesPureDataKnows) {
         Reply(NotifyLoad{0.5, 0.75, 1, 2, 3}),
         Reply(ObjectReply{3, "bell", 2, 100, "00ff", "a.glb", 9, 1, 4, {1, 2, 3, 4, 5}, 0.5, -0.25, "metal"}),
         Reply(ObjectReply{}),
-        Reply(BankReply{"bell", 1, 2, 3, Blob(5)}),
+        Reply(BankReply{"bell", 1, 2, 3, wire::Blob(5)}),
         Reply(SceneReply{1, 2, 3, 4, {5, 6, 7}, {8, 9, 10}, 50, "s.toml"}),
         Reply(SceneReply{}),
         Reply(SceneBody{1, 2, "a", "-", "box", {1, 2, 3}, true}),
@@ -136,15 +136,15 @@ TEST(Schema, RepliesRoundTripInTypesPureDataKnows) {
         Reply(BrowseReply{2}),
         Reply(BrowseFile{1, "bank", "a b.glb"}),
         Reply(NotifyScene{1, 2.5, true}),
-        Reply(NotifySound{7, 48000, Blob(16)}),
-        Reply(NotifyModes{"bell", 512, Blob(8)}),
+        Reply(NotifySound{7, 48000, wire::Blob(16)}),
+        Reply(NotifyModes{"bell", 512, wire::Blob(8)}),
         Reply(NotifyBody{7, "ball", "-", {1, 2, 3}, 0, 0.6, 0, 0.8})}) {
     const Result<Reply> again = parse_reply(format(reply));
     ASSERT_TRUE(again) << again.error().message;
     EXPECT_EQ(format(*again), format(reply));
   }
-  EXPECT_EQ(format(Reply(Done{"/load", 3})), (Message{"/done", {"/load", 3}}));
-  EXPECT_EQ(format(Reply(Done{"/quit", std::nullopt})), (Message{"/done", {"/quit"}}));
+  EXPECT_EQ(format(Reply(Done{"/load", 3})), (wire::Message{"/done", {"/load", 3}}));
+  EXPECT_EQ(format(Reply(Done{"/quit", std::nullopt})), (wire::Message{"/done", {"/quit"}}));
 }
 
 TEST(Schema, EveryAnswerNamedByARequestIsAReply) {
@@ -155,14 +155,15 @@ TEST(Schema, EveryAnswerNamedByARequestIsAReply) {
 
 TEST(Schema, WordsOfACommandLineBecomeTypedArguments) {
   const std::vector<std::string> words = {"bell", "1", "-2.5", "3e-1"};
-  const Result<Message> message = compose("/scene/spawn/box", words);
+  const Result<wire::Message> message = compose("/scene/spawn/box", words);
   ASSERT_TRUE(message) << message.error().message;
-  EXPECT_EQ(*message, (Message{"/scene/spawn/box", {"bell", 1., -2.5, 0.3}}));
+  EXPECT_EQ(*message, (wire::Message{"/scene/spawn/box", {"bell", 1., -2.5, 0.3}}));
   const std::vector<std::string> digits = {"bell", "007"};
-  EXPECT_EQ(compose("/load", digits), (Message{"/load", {"bell", "007"}})) << "text that looks like a number is text";
+  EXPECT_EQ(compose("/load", digits), (wire::Message{"/load", {"bell", "007"}}))
+      << "text that looks like a number is text";
   for (const char* word : {"", "1x", "nan", "inf", "0x10", " 1", "1 ", "--1"}) {
     const std::vector<std::string> bad = {word};
-    const Result<Message> refused = compose("/object/bell/gain", bad);
+    const Result<wire::Message> refused = compose("/object/bell/gain", bad);
     ASSERT_FALSE(refused) << word;
     EXPECT_NE(refused.error().message.find("(gain)"), std::string::npos) << refused.error().message;
   }

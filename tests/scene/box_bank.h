@@ -36,7 +36,7 @@ inline modal::Bank box_bank(Vec3 size, double mass_kg, Vec3 center = {}) {
   return bank;
 }
 
-inline scene::SoundingObject sounding(const std::string& name, protocol::ObjectNumber number, modal::Bank bank) {
+inline scene::SoundingObject sounding(const std::string& name, synth::ObjectNumber number, modal::Bank bank) {
   return {name, number, std::make_shared<const modal::Bank>(std::move(bank))};
 }
 
@@ -74,8 +74,8 @@ inline scene::World world_of(const scene::SceneDescription& scene, std::vector<s
 }
 
 // Every event of the next `seconds`.
-inline std::vector<protocol::Event> run_all(scene::World& world, double seconds) {
-  std::vector<protocol::Event> all;
+inline std::vector<synth::Event> run_all(scene::World& world, double seconds) {
+  std::vector<synth::Event> all;
   const double end = world.time_s() + seconds;
   while (world.time_s() < end) {
     const auto report = world.step();
@@ -84,29 +84,29 @@ inline std::vector<protocol::Event> run_all(scene::World& world, double seconds)
   return all;
 }
 
-inline std::vector<protocol::Event> only(protocol::EventType type, std::vector<protocol::Event> events) {
-  std::erase_if(events, [type](const protocol::Event& event) { return event.type != type; });
+inline std::vector<synth::Event> only(synth::EventType type, std::vector<synth::Event> events) {
+  std::erase_if(events, [type](const synth::Event& event) { return event.type != type; });
   return events;
 }
 
 // Every strike of the next `seconds`.
-inline std::vector<protocol::Event> run(scene::World& world, double seconds) {
-  return only(protocol::EventType::strike, run_all(world, seconds));
+inline std::vector<synth::Event> run(scene::World& world, double seconds) {
+  return only(synth::EventType::strike, run_all(world, seconds));
 }
 
 // Every telling of a contact that lasts.
-inline std::vector<protocol::Event> contacts(scene::World& world, double seconds) {
-  return only(protocol::EventType::contact, run_all(world, seconds));
+inline std::vector<synth::Event> contacts(scene::World& world, double seconds) {
+  return only(synth::EventType::contact, run_all(world, seconds));
 }
 
-inline bool same_bits(const protocol::Event& a, const protocol::Event& b) {
+inline bool same_bits(const synth::Event& a, const synth::Event& b) {
   return a.frame == b.frame && a.object == b.object && a.type == b.type && a.point_m == b.point_m &&
          a.impulse_ns == b.impulse_ns && a.contact_time_s == b.contact_time_s && a.contact.number == b.contact.number &&
          a.contact.force_n == b.contact.force_n && a.contact.slip_m_s == b.contact.slip_m_s &&
          a.contact.roll_m_s == b.contact.roll_m_s;
 }
 
-inline Vec3 total_impulse(const std::vector<protocol::Event>& strikes, protocol::ObjectNumber object) {
+inline Vec3 total_impulse(const std::vector<synth::Event>& strikes, synth::ObjectNumber object) {
   Vec3 sum;
   for (const auto& strike : strikes) {
     if (strike.object == object) sum = sum + strike.impulse_ns;

@@ -53,7 +53,7 @@ TEST(Surface, VariancesOfTexturesAdd) {
   Surface rough, fine;
   rough.texture = {4e-6, 1e-4, -2};
   fine.texture = {3e-6, 2e-5, -3};
-  const protocol::Texture sum = combine(rough, fine).texture;
+  const synth::Texture sum = combine(rough, fine).texture;
   EXPECT_NEAR(sum.roughness_m, 5e-6, 1e-18);
   EXPECT_NEAR(sum.correlation_m, (16 * 1e-4 + 9 * 2e-5) / 25, 1e-15);
   EXPECT_NEAR(sum.spectral_slope, -(16 * 2.0 + 9 * 3) / 25, 1e-12);

@@ -11,7 +11,7 @@
 namespace ringdown::scene {
 namespace {
 
-using protocol::Event;
+using synth::Event;
 using test::body_of;
 using test::box_bank;
 using test::contacts;
@@ -164,7 +164,7 @@ TEST(Contact, TellsBothObjectsOppositeForces) {
   SceneDescription scene = scene_of({tray, box}, 0);
   World world = world_of(scene, {sounding("tray", 1, box_bank(kSize, 1)), sounding("box", 2, box_bank(kSize, kMass))});
   const auto told = contacts(world, 0.1);
-  std::map<protocol::Frame, std::map<protocol::ObjectNumber, Event>> by_frame;
+  std::map<synth::Frame, std::map<synth::ObjectNumber, Event>> by_frame;
   for (const Event& event : told) by_frame[event.frame][event.object] = event;
   ASSERT_GT(by_frame.size(), 5u);
   for (const auto& [frame, both] : by_frame) {
@@ -202,8 +202,8 @@ TEST(Contact, ABounceIsAStrikeAndNothingThatLasts) {
   World world =
       world_of(scene_of({body_of("a", ShapeType::sphere, {0, 0, 1})}, 0.8), {sounding("a", 0, box_bank(kSize, 1))});
   const auto events = test::run_all(world, 1.5);
-  EXPECT_GT(test::only(protocol::EventType::strike, events).size(), 1u);
-  EXPECT_EQ(test::only(protocol::EventType::contact, events).size(), 0u);
+  EXPECT_GT(test::only(synth::EventType::strike, events).size(), 1u);
+  EXPECT_EQ(test::only(synth::EventType::contact, events).size(), 0u);
 }
 
 TEST(Contact, AStackSettlesInSilence) {

@@ -26,9 +26,9 @@ World weightless_world() {
 
 // Two balls that meet in the third step, and ring both.
 void spawn_pair(World& world, Vec3 place, Vec3 first_velocity, Vec3 second_velocity) {
-  protocol::SpawnSphere ball;
-  ball.object = protocol::ObjectRef{"bell", {}};
-  ball.radius_m = 0.02;
+  BodyDescription ball{.name = "sphere", .shape = {ShapeType::sphere}};
+  ball.object = "bell";
+  ball.shape.radius_m = 0.02;
   ball.density_kg_m3 = 2500;
   ball.position_m = place;
   ball.velocity_m_s = first_velocity;
@@ -74,9 +74,9 @@ TEST(Limits, AStepHoldsSoManyContactsAndCountsThoseBeyond) {
     wall.normal = {1, 0, 0};
     if (more) scene.statics.push_back(wall);
     World world = world_of(scene, {sounding("bell", 4, box_bank(kSize, 1))});
-    protocol::SpawnBox box;
-    box.object = protocol::ObjectRef{"bell", {}};
-    box.size_m = kSize;
+    BodyDescription box{.name = "box"};
+    box.object = "bell";
+    box.shape.size_m = kSize;
     for (std::size_t k = 0; k < kBoxes; ++k) {
       box.position_m = {0.055 + 0.2 * static_cast<double>(k % 32), 0.2 * static_cast<double>(k / 32), 0.055};
       box.velocity_m_s = {k == 0 ? -1.0 : 0.0, 0, -1};
@@ -93,7 +93,7 @@ TEST(Limits, ASceneNamesSoManyObjectsAndNotOneMore) {
     ObjectDescription object;
     object.name = "o" + std::to_string(k);
     scene.objects.push_back(object);
-    known.push_back(sounding(object.name, static_cast<protocol::ObjectNumber>(k), box_bank(kSize, 1)));
+    known.push_back(sounding(object.name, static_cast<synth::ObjectNumber>(k), box_bank(kSize, 1)));
   }
   const auto full = World::create(scene, known, 48000);
   EXPECT_TRUE(full) << full.error().message;

@@ -51,7 +51,7 @@ TEST(Outline, ShapesHaveTheSizeOfWhatTheyComeFrom) {
                       body_of("c", ShapeType::trimesh, {2, 0, 1}), own_box, own_ball});
   std::vector<SoundingObject> objects;
   for (const char* name : {"a", "b", "c", "d", "e"}) {
-    objects.push_back(test::sounding(name, static_cast<protocol::ObjectNumber>(objects.size()),
+    objects.push_back(test::sounding(name, static_cast<synth::ObjectNumber>(objects.size()),
                                      test::box_bank(edges, 2, {0.01, 0.02, 0.03})));
   }
   World world = test::world_of(scene, objects);

@@ -52,14 +52,14 @@ TEST_P(PresetScene, EveryObjectIsHeardAndNothingIsLost) {
   auto world = build();
   ASSERT_TRUE(world) << world.error().message;
 
-  std::map<protocol::ObjectNumber, int> heard;
-  std::map<protocol::ObjectNumber, double> first_s;
+  std::map<synth::ObjectNumber, int> heard;
+  std::map<synth::ObjectNumber, double> first_s;
   while (world->time_s() < scene_.duration_s) {
     const StepReport report = world->step();
     EXPECT_EQ(report.dropped_events + report.dropped_contacts, 0u);
     for (const std::string& notice : report.notices) ADD_FAILURE() << notice;
-    for (const protocol::Event& strike : report.events) {
-      if (strike.type != protocol::EventType::strike) continue;
+    for (const synth::Event& strike : report.events) {
+      if (strike.type != synth::EventType::strike) continue;
       first_s.try_emplace(strike.object, static_cast<double>(strike.frame) / 48000);
       ++heard[strike.object];
     }

@@ -20,7 +20,7 @@ constexpr double kGravity = 9.81, kDamping_s_m = 1.5;
 
 // What lies on each object, as told up to now, and how often it was told.
 struct Heard {
-  std::map<protocol::ObjectNumber, modal::Touches> touches;
+  std::map<synth::ObjectNumber, modal::Touches> touches;
   int times = 0;
 
   void run(World& world, double seconds) {
@@ -28,8 +28,8 @@ struct Heard {
       for (const Leaning& leaning : world.step().leanings) {
         ++times;
         for (const auto& [number, touch] : leaning.touches) {
-          EXPECT_GE(number, protocol::kFirstSceneTouch);
-          EXPECT_LT(number, protocol::kMaxTouches);
+          EXPECT_GE(number, modal::kFirstSceneTouch);
+          EXPECT_LT(number, modal::kMaxTouches);
           auto& all = touches[leaning.object];
           if (touch.damping_ns_m > 0) {
             all[number] = touch;
@@ -41,7 +41,7 @@ struct Heard {
     }
   }
 
-  [[nodiscard]] double damping(protocol::ObjectNumber object) {
+  [[nodiscard]] double damping(synth::ObjectNumber object) {
     double sum = 0;
     for (const auto& [number, touch] : touches[object]) sum += touch.damping_ns_m;
     return sum;
@@ -123,8 +123,8 @@ TEST(Rest, EndsWhenAnotherBodyComesToPlayTheObjectAndBeginsAgainWhenItGoes) {
   heard.run(world, 3);
   const double alone = heard.damping(0);
   EXPECT_GT(alone, 0);
-  protocol::SpawnBox box;
-  box.object = protocol::ObjectRef{"a", {}};
+  BodyDescription box{.name = "box"};
+  box.object = "a";
   box.position_m = {2, 0, 1};
   ASSERT_TRUE(world.spawn(box));
   heard.run(world, 0.1);
@@ -139,8 +139,8 @@ TEST(Rest, EndsWithItsBodyOrWhatItLiesOn) {
     std::vector<BodyDescription> bodies{body_of("a", ShapeType::box, {0, 0, 0.05})};
     World world =
         world_of(scene_of(bodies, 0), {sounding("a", 0, box_bank(kSize, 1)), sounding("b", 1, box_bank(kSize, 1))});
-    protocol::SpawnBox box;
-    box.object = protocol::ObjectRef{"b", {}};
+    BodyDescription box{.name = "box"};
+    box.object = "b";
     box.position_m = lower ? Vec3{0, 0, 0.151} : Vec3{2, 0, 0.05};
     ASSERT_TRUE(world.spawn(box));
     Heard heard;

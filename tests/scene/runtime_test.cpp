@@ -22,18 +22,18 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 World empty_world() { return world_of(scene_of({}), {sounding("bell", 4, box_bank(kSize, 1))}); }
 
-protocol::SpawnSphere silent_ball() {
-  protocol::SpawnSphere ball;
+BodyDescription silent_ball() {
+  BodyDescription ball{.name = "sphere", .shape = {ShapeType::sphere}};
   ball.position_m = {0, 0, 0.3};
-  ball.radius_m = 0.02;
+  ball.shape.radius_m = 0.02;
   ball.density_kg_m3 = 2500;
   return ball;
 }
 
 TEST(Spawn, ABoxOfAnObjectFallsAndRings) {
   World world = empty_world();
-  protocol::SpawnBox box;
-  box.object = protocol::ObjectRef{"bell", {}};
+  BodyDescription box{.name = "box"};
+  box.object = "bell";
   box.position_m = {0, 0, 0.5};
   const auto id = world.spawn(box);
   ASSERT_TRUE(id) << id.error().message;
@@ -43,10 +43,10 @@ TEST(Spawn, ABoxOfAnObjectFallsAndRings) {
   EXPECT_EQ(world.bodies()[0].object, "bell");
 }
 
-TEST(Spawn, ByNumberAndSilentOnesToo) {
+TEST(Spawn, ASphereOfAnObjectAndSilentOnesToo) {
   World world = empty_world();
-  protocol::SpawnSphere ball;
-  ball.object = protocol::ObjectRef{"", 4};
+  BodyDescription ball{.name = "sphere", .shape = {ShapeType::sphere}};
+  ball.object = "bell";
   ball.position_m = {1, 0, 0.5};
   EXPECT_TRUE(world.spawn(ball));
   ASSERT_TRUE(world.spawn(silent_ball()));
@@ -61,7 +61,7 @@ TEST(Spawn, RefusesWhatCannotBe) {
     EXPECT_NE(id.error().message.find(word), std::string::npos) << id.error().message;
   };
   auto ball = silent_ball();
-  ball.object = protocol::ObjectRef{"gong", {}};
+  ball.object = "gong";
   refused(ball, "'gong'");
   ball = silent_ball();
   ball.position_m.x = kNan;
@@ -70,9 +70,9 @@ TEST(Spawn, RefusesWhatCannotBe) {
   ball.velocity_m_s.y = 1e9;
   refused(ball, "velocity_m_s");
   ball = silent_ball();
-  ball.radius_m = -1;
+  ball.shape.radius_m = -1;
   refused(ball, "size");
-  ball.radius_m = 0;
+  ball.shape.radius_m = 0;
   refused(ball, "size");
   ball = silent_ball();
   ball.density_kg_m3 = 0;
@@ -109,7 +109,7 @@ TEST(Clear, SpawnedBodiesGoAndTheSceneStays) {
 
 TEST(Start, ABodyEntersAtItsTimeAndThenFallsAsAnyOther) {
   const double height = 0.2, fall_s = std::sqrt(2 * height / 9.81);
-  std::vector<protocol::Frame> landed;
+  std::vector<synth::Frame> landed;
   for (const double start_s : {0.0, 1.5}) {
     BodyDescription body = body_of("a", ShapeType::box, {0, 0, 0.05 + height});
     body.start_s = start_s;
@@ -139,8 +139,8 @@ TEST(Start, AWaitingBodyIsInNobodysWay) {
 TEST(Clear, WhatSleptOnABodyFalls) {
   std::vector<BodyDescription> bodies{body_of("bell", ShapeType::box, {0, 0, 0.15})};
   World world = world_of(scene_of(bodies, 0), {sounding("bell", 4, box_bank(kSize, 1))});
-  protocol::SpawnBox table;
-  table.size_m = kSize;
+  BodyDescription table{.name = "box"};
+  table.shape.size_m = kSize;
   table.density_kg_m3 = 1000;
   table.position_m = {0, 0, 0.05};
   ASSERT_TRUE(world.spawn(table));
@@ -260,8 +260,8 @@ TEST(Stress, OverlappingBodiesOfEveryShapePartWithoutAFlight) {
 TEST(Stress, APileUsesTheIterativeSolverAndIsStillTheSameTwice) {
   const auto pile = [] {
     World world = empty_world();
-    protocol::SpawnBox box;
-    box.object = protocol::ObjectRef{"bell", {}};
+    BodyDescription box{.name = "box"};
+    box.object = "bell";
     for (int k = 0; k < 60; ++k) {
       box.position_m = {0.09 * (k % 4), 0.09 * (k / 4 % 4), 0.1 + 0.11 * (k / 16)};
       EXPECT_TRUE(world.spawn(box));

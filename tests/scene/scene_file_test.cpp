@@ -136,7 +136,7 @@ density_kg_m3 = 7800
   EXPECT_EQ(first.surface.edge_radius_m, 0.004);
   EXPECT_EQ(first.surface.young_pa, 5e9);
   EXPECT_EQ(first.surface.poisson, 0.4);
-  EXPECT_EQ(first.surface.texture, (protocol::Texture{1e-5, 2e-3, -1.5}));
+  EXPECT_EQ(first.surface.texture, (synth::Texture{1e-5, 2e-3, -1.5}));
   EXPECT_FALSE(scene->bodies[1].surface.contact_time_s);
   EXPECT_FALSE(scene->bodies[1].surface.young_pa);
   EXPECT_EQ(scene->bodies[1].object, "");

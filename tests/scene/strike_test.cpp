@@ -10,7 +10,7 @@
 namespace ringdown::scene {
 namespace {
 
-using protocol::Event;
+using synth::Event;
 using test::body_of;
 using test::box_bank;
 using test::run;
@@ -86,7 +86,7 @@ double momentum_given(World& world, std::size_t body, double mass, std::vector<E
     const double before = world.bodies()[body].velocity_m_s.z;
     const auto report = world.step();
     if (report.events.empty()) continue;
-    strikes = test::only(protocol::EventType::strike, {report.events.begin(), report.events.end()});
+    strikes = test::only(synth::EventType::strike, {report.events.begin(), report.events.end()});
     return mass * (world.bodies()[body].velocity_m_s.z - before + 9.81 * world.step_s());
   }
 }
@@ -127,8 +127,8 @@ TEST(Strike, ABlowClicksOnceWithAllItsImpulse) {
     scene.contact.clicks = clicks;
     World world = world_of(scene, {sounding("a", 0, box_bank(kSize, 3))});
     const auto events = test::run_all(world, 0.35);
-    const auto heard = test::only(protocol::EventType::click, events);
-    const auto strikes = test::only(protocol::EventType::strike, events);
+    const auto heard = test::only(synth::EventType::click, events);
+    const auto strikes = test::only(synth::EventType::strike, events);
     ASSERT_EQ(strikes.size(), 4u);
     ASSERT_EQ(heard.size(), clicks ? 1u : 0u);
     if (!clicks) continue;
@@ -144,8 +144,8 @@ TEST(Strike, WhatDoesNotGiveWayDoesNotClick) {
   World world = world_of(scene_of({body_of("a", ShapeType::sphere, {0, 0, 0.6}), hanging}),
                          {sounding("a", 0, box_bank(kSize, 1)), sounding("b", 1, box_bank(kSize, 1))});
   const auto events = test::run_all(world, 0.4);
-  const auto strikes = test::only(protocol::EventType::strike, events);
-  const auto heard = test::only(protocol::EventType::click, events);
+  const auto strikes = test::only(synth::EventType::strike, events);
+  const auto heard = test::only(synth::EventType::click, events);
   ASSERT_GT(strikes.size(), 0u);
   EXPECT_EQ(strikes.size(), 2 * heard.size()) << "both ring";
   for (const Event& click : heard) EXPECT_EQ(click.object, 0u);
@@ -301,7 +301,7 @@ TEST(Strike, FramesNeverFallAndStartWhereTheyAreTold) {
   SceneDescription scene = scene_of({body_of("a", ShapeType::box, {0, 0, 0.3})}, 0.8);
   World world = world_of(scene, {sounding("a", 0, box_bank(kSize, 1))});
   world.set_start_frame(1'000'000);
-  protocol::Frame last = 1'000'000;
+  synth::Frame last = 1'000'000;
   for (const Event& event : test::run_all(world, 4)) {
     EXPECT_GE(event.frame, last);
     last = event.frame;

@@ -1,9 +1,9 @@
 // Which bus an object gets, and that nobody else's moves.
-#include "server/buses.h"
+#include "server/session/buses.h"
 
 #include <gtest/gtest.h>
 
-namespace ringdown::server {
+namespace ringdown::session {
 namespace {
 
 TEST(Buses, NobodyMovesWhenAnotherComesOrGoes) {
@@ -44,7 +44,7 @@ TEST(Buses, OneMoreThanThereAreIsHeardInTheMixOnly) {
   Buses buses;
   buses.set_mode(PortMode::objects);
   for (std::size_t i = 0; i < synth::kMaxBuses; ++i) {
-    EXPECT_TRUE(buses.join(static_cast<protocol::ObjectNumber>(i), "o" + std::to_string(i), ""));
+    EXPECT_TRUE(buses.join(static_cast<synth::ObjectNumber>(i), "o" + std::to_string(i), ""));
   }
   EXPECT_EQ(buses.overflow(), 0u);
   EXPECT_FALSE(buses.join(1000, "one more", ""));
@@ -54,4 +54,4 @@ TEST(Buses, OneMoreThanThereAreIsHeardInTheMixOnly) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::session

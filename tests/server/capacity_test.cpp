@@ -1,7 +1,7 @@
 // Capacities of docs/limits.md that no other test fills: at the limit all is well, one past it is refused or counted.
 #include "engine/base/toml_table.h"
 #include "engine/modal/bank_file.h"
-#include "server/osc_score.h"
+#include "protocol/wire/score.h"
 #include "tests/server/osc_server_fixture.h"
 
 #include <fstream>
@@ -36,15 +36,15 @@ TEST(Capacity, LatencyEndsAtASecond) {
 
 // A score of one empty-handed message at `seconds`.
 std::vector<std::byte> score_at(std::uint64_t seconds) {
-  std::vector<std::byte> bytes = encode_score(std::vector<ScoreEvent>{{0, {"/a", {}}}});
+  std::vector<std::byte> bytes = wire::encode_score(std::vector<wire::ScoreEvent>{{0, {"/a", {}}}});
   for (std::size_t i = 0; i < 4; ++i) bytes[12 + i] = static_cast<std::byte>(seconds >> (24 - 8 * i));
   return bytes;
 }
 
 TEST(Capacity, AScoreLastsADay) {
-  const auto day = static_cast<std::uint64_t>(kMaxScore);
-  EXPECT_TRUE(parse_score(score_at(day), "s"));
-  EXPECT_FALSE(parse_score(score_at(day + 1), "s"));
+  const auto day = static_cast<std::uint64_t>(wire::kMaxScore);
+  EXPECT_TRUE(wire::parse_score(score_at(day), "s"));
+  EXPECT_FALSE(wire::parse_score(score_at(day + 1), "s"));
 }
 
 class CapacityTest : public OscServerTest {
@@ -67,9 +67,9 @@ TEST_F(CapacityTest, FilesAreReadToTheirLimitAndRefusedPastIt) {
   const auto toml = [](const auto& path) { return TomlTable::read(path); };
   EXPECT_FALSE(too_large(refusal_of(kMaxTomlFileBytes, toml)));
   EXPECT_TRUE(too_large(refusal_of(kMaxTomlFileBytes + 1, toml)));
-  const auto score = [](const auto& path) { return read_score(path); };
-  EXPECT_FALSE(too_large(refusal_of(kMaxScoreBytes, score)));
-  EXPECT_TRUE(too_large(refusal_of(kMaxScoreBytes + 1, score)));
+  const auto score = [](const auto& path) { return wire::read_score(path); };
+  EXPECT_FALSE(too_large(refusal_of(wire::kMaxScoreBytes, score)));
+  EXPECT_TRUE(too_large(refusal_of(wire::kMaxScoreBytes + 1, score)));
   const auto bank = [this](const auto& path) { return session_.rack().read(path); };
   EXPECT_FALSE(too_large(refusal_of(modal::kMaxBankFileBytes, bank)));
   EXPECT_TRUE(too_large(refusal_of(modal::kMaxBankFileBytes + 1, bank)));
@@ -80,12 +80,12 @@ TEST_F(CapacityTest, ARecordingKeepsSoManyEventsAndSaysWhatItLeftOut) {
   for (const std::size_t more : {0u, 1u}) {
     const auto score = folder_ / "full.osc";
     ASSERT_TRUE(recorder_.start(score, 0));  // which names the object: one event
-    const protocol::Event strike{.frame = 5, .object = session_.rack().find({.name = "bell"})->number};
-    for (std::size_t i = 1; i < kMaxRecorded + more; ++i) recorder_.played(strike);
+    const synth::Event strike{.frame = 5, .object = session_.rack().find({.name = "bell"})->number};
+    for (std::size_t i = 1; i < session::kMaxRecorded + more; ++i) recorder_.played(strike);
     EXPECT_EQ(recorder_.left_out(), more);
     const auto written = recorder_.stop(10);
     ASSERT_TRUE(written) << written.error().message;
-    EXPECT_EQ(*written, kMaxRecorded);
+    EXPECT_EQ(*written, session::kMaxRecorded);
   }
 }
 
@@ -140,10 +140,10 @@ TEST_F(CapacityTest, ANoticeTellsTheLastContacts) {
   const auto contacts = [this] {
     std::vector<protocol::NotifyContact> found;
     for (bool ended = false; !ended;) {
-      Datagram datagram;
+      wire::Datagram datagram;
       if (!client_.receive(datagram, 20s)) break;
-      const auto messages = decode_packet(datagram.bytes);
-      for (const TimedMessage& timed : messages.value()) {
+      const auto messages = wire::decode_packet(datagram.bytes);
+      for (const wire::TimedMessage& timed : messages.value()) {
         const auto reply = protocol::parse_reply(timed.message).value();
         if (const auto* contact = std::get_if<protocol::NotifyContact>(&reply)) found.push_back(*contact);
         ended |= std::holds_alternative<protocol::NotifyPeak>(reply);

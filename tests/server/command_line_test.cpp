@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace ringdown::server {
+namespace ringdown::wire {
 namespace {
 
 const std::string kRingdown = RINGDOWN_BIN_DIR "/ringdown";
@@ -177,4 +177,4 @@ TEST(RingdownInfo, AMissingBankIsABadInput) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::wire

@@ -249,7 +249,7 @@ TEST_F(DescribeTest, TheStatusSaysWhetherARecordingRuns) {
 
 class BrowseTest : public testing::Test {
  protected:
-  [[nodiscard]] std::set<std::string> browsed(const FileRoots& roots) const {
+  [[nodiscard]] std::set<std::string> browsed(const session::FileRoots& roots) const {
     std::set<std::string> found;
     for (const auto& file : browse(roots)) found.insert(file.kind + " " + file.path);
     return found;
@@ -259,7 +259,7 @@ class BrowseTest : public testing::Test {
 
 TEST_F(BrowseTest, EveryPresetIsThereOnceAndNothingElse) {
   const std::filesystem::path presets = RINGDOWN_SOURCE_DIR "/presets";
-  const auto roots = FileRoots::only({presets, presets / "banks"});
+  const auto roots = session::FileRoots::only({presets, presets / "banks"});
   ASSERT_TRUE(roots);
   std::set<std::filesystem::path> wanted, found;
   for (const auto& [folder, ending] : {std::pair("scenes", ".toml"), std::pair("banks", ".glb")}) {
@@ -288,7 +288,7 @@ TEST_F(BrowseTest, WhatLiesOutsideIsHiddenOrIsDeepIsNotTold) {
   std::filesystem::create_symlink(folder_ / "out.glb", folder_ / "in/link.glb");
   std::filesystem::create_directory_symlink(folder_.path(), folder_ / "in/up");
   const std::string in = "bank " + (folder_ / "in").string();
-  EXPECT_EQ(browsed(*FileRoots::only({folder_ / "in"})),
+  EXPECT_EQ(browsed(*session::FileRoots::only({folder_ / "in"})),
             (std::set<std::string>{in + "/a.glb", in + "/a/b/c/d/deep.glb",
                                    "scene " + (folder_ / "in").string() + "/scenes/s.toml"}));
   EXPECT_TRUE(browsed({}).empty()) << "a program that may open all has no folders to look in";
@@ -296,20 +296,20 @@ TEST_F(BrowseTest, WhatLiesOutsideIsHiddenOrIsDeepIsNotTold) {
 
 TEST_F(BrowseTest, SoManyFilesAreToldAndNotOneMore) {
   for (std::size_t i = 0; i < kMaxBrowsed; ++i) static_cast<void>(folder_.write(std::to_string(i) + ".glb", ""));
-  EXPECT_EQ(browse(*FileRoots::only({folder_.path()})).size(), kMaxBrowsed);
+  EXPECT_EQ(browse(*session::FileRoots::only({folder_.path()})).size(), kMaxBrowsed);
   static_cast<void>(folder_.write("more.glb", ""));
-  EXPECT_EQ(browse(*FileRoots::only({folder_.path()})).size(), kMaxBrowsed);
+  EXPECT_EQ(browse(*session::FileRoots::only({folder_.path()})).size(), kMaxBrowsed);
 }
 
 TEST(Bundles, HoldSixteenMessagesOrSoManyBytesAndKeepTheOrder) {
   std::vector<protocol::Reply> replies;
   for (std::int32_t i = 0; i < 40; ++i) replies.emplace_back(protocol::Synced{i});
-  for (std::int32_t i = 40; i < 45; ++i) replies.emplace_back(protocol::BankReply{"a", 1, i, 9, protocol::Blob(8192)});
+  for (std::int32_t i = 40; i < 45; ++i) replies.emplace_back(protocol::BankReply{"a", 1, i, 9, wire::Blob(8192)});
   std::vector<std::size_t> sizes;
   std::vector<protocol::Reply> got;
   send_in_bundles(replies, [&](std::span<const std::byte> packet) {
-    EXPECT_LE(packet.size(), kMaxPacketBytes);
-    const auto messages = decode_packet(packet);
+    EXPECT_LE(packet.size(), wire::kMaxPacketBytes);
+    const auto messages = wire::decode_packet(packet);
     ASSERT_TRUE(messages);
     sizes.push_back(messages->size());
     for (const auto& timed : *messages) got.push_back(*protocol::parse_reply(timed.message));

@@ -1,6 +1,6 @@
 // Inputs that excite objects, by requests: a sample is a force that acts for one frame.
 #include "engine/modal/bank_file.h"
-#include "server/session.h"
+#include "server/session/session.h"
 #include "tests/support/signal.h"
 #include "tests/support/synthetic_bank.h"
 #include "tests/support/temporary_folder.h"
@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <unistd.h>
 
-namespace ringdown::server {
+namespace ringdown::session {
 namespace {
 
 constexpr double kForce_n = 4800;
@@ -117,4 +117,4 @@ TEST_F(Excite, ABankOfMoreModesThanAnInputTakesIsRefused) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::session

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "protocol/schema.h"
-#include "server/osc_codec.h"
-#include "server/osc_socket.h"
+#include "protocol/wire/codec.h"
+#include "protocol/wire/socket.h"
 
 #include <gtest/gtest.h>
 
@@ -18,9 +18,8 @@
 #include <thread>
 #include <vector>
 
-namespace ringdown::server {
+namespace ringdown::wire {
 
-using protocol::Message;
 using protocol::Strike;
 
 struct Outcome {
@@ -119,4 +118,4 @@ inline void expect_example_blow(const TimedMessage& timed) {
   EXPECT_NEAR(length(strike.impulse_ns - Vec3{-0.02, 0, 0}), 0, 1e-8);
 }
 
-}  // namespace ringdown::server
+}  // namespace ringdown::wire

@@ -1,5 +1,5 @@
 // Which files a message may name. Every trick is tried against both ways of guarding.
-#include "server/file_roots.h"
+#include "server/session/file_roots.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-namespace ringdown::server {
+namespace ringdown::session {
 namespace {
 
 namespace fs = std::filesystem;
@@ -123,4 +123,4 @@ TEST(FileRoots, AFolderThatIsNotThereIsNamed) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::session

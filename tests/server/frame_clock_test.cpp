@@ -23,7 +23,7 @@ struct Clocks {
     return {{[this] {
                now_s += torn_s;
                std::normal_distribution<double> noise(0, 1);
-               return static_cast<protocol::Frame>(std::floor(true_frame(now_s) + jitter_frames * noise(random)));
+               return static_cast<synth::Frame>(std::floor(true_frame(now_s) + jitter_frames * noise(random)));
              },
              [] { return kRate; }},
             [this] { return now_s; }};

@@ -7,16 +7,16 @@
 #include "engine/scene/simulation.h"
 #include "engine/scene/world.h"
 #include "protocol/bulk.h"
-#include "protocol/names.h"
+#include "engine/base/object_name.h"
+#include "protocol/wire/packet.h"
 #include "server/browse.h"
 #include "server/latency.h"
 #include "server/notifier.h"
-#include "server/offline.h"
-#include "server/osc_packet.h"
 #include "server/osc_stream.h"
-#include "server/recorder.h"
 #include "server/schedule.h"
-#include "server/session.h"
+#include "server/session/offline.h"
+#include "server/session/recorder.h"
+#include "server/session/session.h"
 #include "server/worker.h"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ const std::map<std::string, double> kConstants = {
     ROW(synth::kQueueCapacity),
     ROW(synth::kMaxPendingEvents),
     ROW(synth::kMaxEventsPerChunk),
-    ROW(protocol::kMaxTouches),
+    ROW(modal::kMaxTouches),
     ROW(synth::kMaxClicks),
     ROW(synth::kMaxDrives),
     ROW(synth::kMaxForces),
@@ -54,19 +54,19 @@ const std::map<std::string, double> kConstants = {
     ROW(scene::kMaxContactsPerStep),
     ROW(scene::kMaxEventsPerStep),
     ROW(kMaxTomlFileBytes),
-    ROW(server::kMaxPacketBytes),
-    ROW(server::kMaxAddress),
-    ROW(server::kMaxArguments),
-    ROW(server::kMaxBundle),
+    ROW(wire::kMaxPacketBytes),
+    ROW(wire::kMaxAddress),
+    ROW(wire::kMaxArguments),
+    ROW(wire::kMaxBundle),
     ROW(protocol::kMaxBulkStrikes),
     ROW(protocol::kMaxDelay_s),
-    ROW(protocol::kMaxName),
+    ROW(kMaxName),
     ROW(server::kMaxScheduled),
-    ROW(server::kMaxAhead_s),
+    ROW(session::kMaxAhead_s),
     ROW(server::kMaxLatency_s),
     ROW(Worker::kMaxTasks),
-    ROW(StrikeMerger::kMaxUnmerged),
-    ROW(StrikeMerger::kMaxHeld),
+    ROW(session::StrikeMerger::kMaxUnmerged),
+    ROW(session::StrikeMerger::kMaxHeld),
     ROW(server::kMaxSubscribers),
     ROW(server::kMaxContactsPerNotice),
     ROW(server::kSilence_s),
@@ -81,11 +81,11 @@ const std::map<std::string, double> kConstants = {
     ROW(protocol::kMaxBankBytes),
     ROW(server::kMaxConnections),
     ROW(server::kMaxUnread),
-    ROW(server::kMaxRecorded),
+    ROW(session::kMaxRecorded),
     ROW(Captured::kMost),
-    ROW(server::kMaxRender_s),
-    ROW(server::kMaxScoreBytes),
-    ROW(server::kMaxScore),
+    ROW(session::kMaxRender_s),
+    ROW(wire::kMaxScoreBytes),
+    ROW(wire::kMaxScore),
     ROW(viewer::kMaxUndone),
     ROW(viewer::BankTransfer::kMaxBytes),
     ROW(viewer::Model::kMaxBankBytesTotal),

@@ -1,5 +1,5 @@
 // Notes as a listener hears them: the player and a mixer, no JACK.
-#include "server/midi_player.h"
+#include "server/session/midi_player.h"
 #include "tests/support/signal.h"
 #include "tests/support/synthetic_bank.h"
 
@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace ringdown::server {
+namespace ringdown::session {
 namespace {
 
 using test::Samples;
@@ -18,7 +18,7 @@ constexpr std::uint8_t kOn = 0x90, kOff = 0x80, kControl = 0xb0, kSustain = 64, 
 class MidiPlayerTest : public testing::Test {
  protected:
   MidiPlayerTest() {
-    for (protocol::ObjectNumber object = 0; object < 2; ++object) {
+    for (synth::ObjectNumber object = 0; object < 2; ++object) {
       const auto map = std::make_shared<const modal::StrikeMap>(test::shared(test::single_mode_bank(1000, 0.1)));
       auto voice = std::make_unique<synth::Voice>(map, modal::MaterialScale{}, kRate);
       EXPECT_TRUE(mixer_.install(object, std::move(voice), synth::Mixer::Install::replace));
@@ -28,7 +28,7 @@ class MidiPlayerTest : public testing::Test {
     table_.notes[62] = table_.notes[60];  // the same object again
   }
 
-  void play(std::uint8_t status, std::uint8_t first, std::uint8_t second, protocol::Frame after = 0) {
+  void play(std::uint8_t status, std::uint8_t first, std::uint8_t second, synth::Frame after = 0) {
     const std::array<std::uint8_t, 3> message{status, first, second};
     player_.play(message, mixer_.counters().frames + after, table_, mixer_, played_);
   }
@@ -43,7 +43,7 @@ class MidiPlayerTest : public testing::Test {
 
   synth::Mixer mixer_{kRate};
   NoteTable table_;
-  SpscRing<protocol::Event> played_{64};
+  SpscRing<synth::Event> played_{64};
   MidiPlayer player_;
   Samples last_;
 };
@@ -156,15 +156,15 @@ TEST_F(MidiPlayerTest, WhatNotesDoIsTold) {
   table_.release_s = 0.3;
   play(kOn, 60, 127, 17);
   play(kOff, 60, 0, 40);
-  const protocol::Event* told = played_.front();
+  const synth::Event* told = played_.front();
   ASSERT_TRUE(told);
-  EXPECT_EQ(told->type, protocol::EventType::strike);
+  EXPECT_EQ(told->type, synth::EventType::strike);
   EXPECT_EQ(told->frame, 17);
   EXPECT_EQ(told->impulse_ns, (Vec3{0, 0, 1}));
   played_.pop();
   told = played_.front();
   ASSERT_TRUE(told);
-  EXPECT_EQ(told->type, protocol::EventType::clear);
+  EXPECT_EQ(told->type, synth::EventType::clear);
   EXPECT_EQ(told->frame, 40);
   EXPECT_EQ(told->ramp_s, 0.3);
 }
@@ -175,4 +175,4 @@ TEST_F(MidiPlayerTest, NotesThatTheMixerCannotTakeAreCounted) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::session

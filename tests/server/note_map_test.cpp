@@ -1,5 +1,5 @@
 // Files that say what notes strike, and what is chosen where they say nothing.
-#include "server/note_map.h"
+#include "server/session/note_map.h"
 #include "tests/support/synthetic_bank.h"
 #include "tests/support/temporary_folder.h"
 
@@ -9,7 +9,7 @@
 #include <fstream>
 #include <unistd.h>
 
-namespace ringdown::server {
+namespace ringdown::session {
 namespace {
 
 class NoteMapTest : public testing::Test {
@@ -27,7 +27,7 @@ class NoteMapTest : public testing::Test {
   std::filesystem::path path_ = folder_ / "notes.toml";
 };
 
-RackObject object(const std::string& name, protocol::ObjectNumber number, modal::Bank bank) {
+RackObject object(const std::string& name, synth::ObjectNumber number, modal::Bank bank) {
   return {
       .name = name, .number = number, .map = std::make_shared<const modal::StrikeMap>(test::shared(std::move(bank)))};
 }
@@ -101,4 +101,4 @@ TEST_F(NoteMapTest, ABarIsStruckAtAnEndWhereAllItsModesMove) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::session

@@ -2,8 +2,8 @@
 #include "engine/modal/bank_file.h"
 #include "engine/synth/mixer.h"
 #include "protocol/schema.h"
-#include "server/offline.h"
-#include "server/osc_score.h"
+#include "protocol/wire/score.h"
+#include "server/session/offline.h"
 #include "tests/scene/box_bank.h"
 #include "tests/support/keep_signals.h"
 #include "tests/support/signal.h"
@@ -16,7 +16,7 @@
 #include <fstream>
 #include <unistd.h>
 
-namespace ringdown::server {
+namespace ringdown::session {
 namespace {
 
 using protocol::format;
@@ -76,9 +76,9 @@ position_m = [0.02, 0, 0.7]
         {0.605, protocol::Strike{y, {0, 0, 1}, {0, 0.5, 0}, 0.0002}},
         {0.8, protocol::FreeObject{x}},
     };
-    std::vector<ScoreEvent> events;
+    std::vector<wire::ScoreEvent> events;
     for (const auto& [time_s, request] : requests) events.push_back({time_s, format(request)});
-    ASSERT_TRUE(write_score(events, folder_ / "full.osc"));
+    ASSERT_TRUE(wire::write_score(events, folder_ / "full.osc"));
   }
 
   Recording render(OfflineOptions options) {
@@ -111,7 +111,7 @@ position_m = [0.02, 0, 0.7]
 
 TEST_F(OfflineTest, AScoreSoundsTheSameAtEveryBlockSize) {
   write_full_score();
-  expect_equal_at_every_block_size({.score = folder_ / "full.osc", .seconds = 1});
+  expect_equal_at_every_block_size({.score = wire::read_score(folder_ / "full.osc").value(), .seconds = 1});
 }
 
 TEST_F(OfflineTest, ASceneSoundsTheSameAtEveryBlockSize) {
@@ -163,12 +163,13 @@ position_m = [0, 0, 0.05]
 [contact]
 clicks = false
 )";
-  const std::vector<ScoreEvent> strike{{1.0, format(protocol::StrikeVertex{{.name = "cube"}, 0, {0, 0, 0.01}, 0})}};
-  ASSERT_TRUE(write_score(strike, folder_ / "strike.osc"));
+  const std::vector<wire::ScoreEvent> strike{
+      {1.0, format(protocol::StrikeVertex{{.name = "cube"}, 0, {0, 0, 0.01}, 0})}};
+  ASSERT_TRUE(wire::write_score(strike, folder_ / "strike.osc"));
   for (const bool rests : {true, false}) {
     std::ofstream(folder_ / "rest.toml") << scene << (rests ? "" : "rest_damping_s_m = 0\n");
-    const Recording recording =
-        render({.scene = folder_ / "rest.toml", .score = folder_ / "strike.osc", .seconds = 1.5});
+    const Recording recording = render(
+        {.scene = folder_ / "rest.toml", .score = wire::read_score(folder_ / "strike.osc").value(), .seconds = 1.5});
     const auto sound = test::to_doubles(recording.left);
     const double decay = test::fit_damped_sinusoid(std::span(sound).subspan(48960), 48000).decay_per_s;
     EXPECT_NEAR(decay, 3 + (rests ? 0.5 * 1.5 * 0.6 * 2 * 9.81 : 0), 0.3) << rests;
@@ -179,7 +180,8 @@ TEST_F(OfflineTest, TwoRendersAreTheSameFileBitForBit) {
   write_full_score();
   std::vector<std::string> files;
   for (const char* name : {"first.wav", "second.wav"}) {
-    const auto recording = render({.scene = folder_ / "scene.toml", .score = folder_ / "full.osc", .seconds = 1});
+    const auto recording = render(
+        {.scene = folder_ / "scene.toml", .score = wire::read_score(folder_ / "full.osc").value(), .seconds = 1});
     ASSERT_TRUE(write_audio(recording, folder_ / name));
     std::ifstream file(folder_ / name, std::ios::binary);
     files.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
@@ -190,11 +192,11 @@ TEST_F(OfflineTest, TwoRendersAreTheSameFileBitForBit) {
 
 TEST_F(OfflineTest, PitchAndDecayDoNotDependOnTheSampleRate) {
   ASSERT_TRUE(modal::write_bank(test::single_mode_bank(1234.5, 6), folder_ / "tone.glb"));
-  const std::vector<ScoreEvent> events = {
+  const std::vector<wire::ScoreEvent> events = {
       {0.0, format(Request(protocol::Strike{{.name = "tone"}, {1, 0, 0}, {0, 0, 1}, 0}))}};
-  ASSERT_TRUE(write_score(events, folder_ / "tone.osc"));
+  ASSERT_TRUE(wire::write_score(events, folder_ / "tone.osc"));
   for (const double rate : {22050.0, 44100.0, 48000.0, 96000.0, 192000.0}) {
-    const auto recording = render({.score = folder_ / "tone.osc",
+    const auto recording = render({.score = wire::read_score(folder_ / "tone.osc").value(),
                                    .objects = {{"tone", folder_ / "tone.glb"}},
                                    .seconds = 0.5,
                                    .sample_rate_hz = rate});
@@ -208,10 +210,12 @@ TEST_F(OfflineTest, MoreStrikesInOneBlockThanAQueueHoldsAreAllPlayed) {
   ASSERT_TRUE(modal::write_bank(test::single_mode_bank(500, 1), folder_ / "tone.glb"));
   const std::size_t count = 3 * synth::kQueueCapacity / 2;
   const auto strike = format(Request(protocol::Strike{{.name = "tone"}, {1, 0, 0}, {0, 0, 1e-3}, 0}));
-  std::vector<ScoreEvent> many;
+  std::vector<wire::ScoreEvent> many;
   for (std::size_t i = 0; i < count; ++i) many.push_back({0.001 + 1e-5 * static_cast<double>(i), strike});
-  ASSERT_TRUE(write_score(many, folder_ / "many.osc"));
-  OfflineOptions options{.score = folder_ / "many.osc", .objects = {{"tone", folder_ / "tone.glb"}}, .seconds = 1};
+  ASSERT_TRUE(wire::write_score(many, folder_ / "many.osc"));
+  OfflineOptions options{.score = wire::read_score(folder_ / "many.osc").value(),
+                         .objects = {{"tone", folder_ / "tone.glb"}},
+                         .seconds = 1};
   const auto paced = render(options);
   options.block_frames = 8192;
   const auto crowded = render(options);
@@ -219,9 +223,10 @@ TEST_F(OfflineTest, MoreStrikesInOneBlockThanAQueueHoldsAreAllPlayed) {
 }
 
 TEST_F(OfflineTest, RefusedRequestsOfAScoreAreReportedWithTheirTime) {
-  const std::vector<ScoreEvent> events = {{0.25, {"/object/nobody/gain", {1.f}}}, {0.5, {"/nonsense", {}}}};
-  ASSERT_TRUE(write_score(events, folder_ / "bad.osc"));
-  const auto recording = render_offline({.score = folder_ / "bad.osc"}, [](double) { return true; });
+  const std::vector<wire::ScoreEvent> events = {{0.25, {"/object/nobody/gain", {1.f}}}, {0.5, {"/nonsense", {}}}};
+  ASSERT_TRUE(wire::write_score(events, folder_ / "bad.osc"));
+  const auto recording =
+      render_offline({.score = wire::read_score(folder_ / "bad.osc").value()}, [](double) { return true; });
   ASSERT_TRUE(recording);
   ASSERT_EQ(recording->warnings.size(), 2u);
   EXPECT_NE(recording->warnings[0].find("0.25"), std::string::npos) << recording->warnings[0];
@@ -229,8 +234,8 @@ TEST_F(OfflineTest, RefusedRequestsOfAScoreAreReportedWithTheirTime) {
 }
 
 TEST_F(OfflineTest, AScoreEndsAtItsEndMark) {
-  ASSERT_TRUE(write_score(std::vector<ScoreEvent>{{0.75, {"/c_set", {0, 0}}}}, folder_ / "end.osc"));
-  EXPECT_EQ(render({.score = folder_ / "end.osc"}).left.size(), 36000u);
+  ASSERT_TRUE(wire::write_score(std::vector<wire::ScoreEvent>{{0.75, {"/c_set", {0, 0}}}}, folder_ / "end.osc"));
+  EXPECT_EQ(render({.score = wire::read_score(folder_ / "end.osc").value()}).left.size(), 36000u);
 }
 
 TEST_F(OfflineTest, NothingToRenderAndCancellationAreErrors) {
@@ -264,4 +269,4 @@ TEST_F(OfflineTest, WhatCannotBeWrittenLeavesNothingBehind) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::session

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace ringdown::server {
+namespace ringdown::wire {
 
 using Bytes = std::vector<std::byte>;
 
@@ -39,4 +39,4 @@ inline Bytes to_bytes(std::string_view text) {
   return Bytes(first, first + text.size());
 }
 
-}  // namespace ringdown::server
+}  // namespace ringdown::wire

@@ -3,7 +3,7 @@
 #include "protocol/help.h"
 #include "tests/server/fake_daemon.h"
 
-namespace ringdown::server {
+namespace ringdown::wire {
 namespace {
 
 TEST(OscClients, EveryExampleOfTheManualWorksWithOscsend) {
@@ -113,4 +113,4 @@ TEST(OscClients, TheGameEngineExampleBounces) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::wire

@@ -1,4 +1,4 @@
-#include "server/osc_codec.h"
+#include "protocol/wire/codec.h"
 
 #include "tests/server/osc_bytes.h"
 
@@ -7,11 +7,8 @@
 
 #include <random>
 
-namespace ringdown::server {
+namespace ringdown::wire {
 namespace {
-
-using protocol::Argument;
-using protocol::Message;
 
 const Message kAllTypes{"/object/bell/strike", {-7, std::int64_t{1} << 40, 0.5f, -0.1, "four", ""}};
 
@@ -50,7 +47,7 @@ TEST(OscCodec, BlobsOfAnySizeAreWrittenAndRead) {
     const std::string content(size, '\x7f'), padding((4 - size % 4) % 4, '\0');
     const Bytes expected =
         to_bytes(osc_string("/x") + osc_string(",b") + osc_int(static_cast<std::int32_t>(size)) + content + padding);
-    const Message message{"/x", {protocol::Blob(size, std::byte{0x7f})}};
+    const Message message{"/x", {Blob(size, std::byte{0x7f})}};
     EXPECT_EQ(encode(message), expected) << size;
     const auto messages = decode_packet(expected);
     ASSERT_TRUE(messages) << messages.error().message;
@@ -153,4 +150,4 @@ TEST(OscCodec, UrlsAreReadStrictly) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::wire

@@ -1,4 +1,4 @@
-#include "server/osc_packet.h"
+#include "protocol/wire/packet.h"
 
 #include "tests/server/osc_bytes.h"
 
@@ -6,7 +6,7 @@
 
 #include <limits>
 
-namespace ringdown::server {
+namespace ringdown::wire {
 namespace {
 
 std::string message(const std::string& address) { return osc_string(address) + osc_string(","); }
@@ -132,4 +132,4 @@ TEST(OscPacket, BrokenPacketsAreRefused) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::wire

@@ -1,4 +1,4 @@
-#include "server/osc_score.h"
+#include "protocol/wire/score.h"
 
 #include "tests/server/osc_bytes.h"
 #include "tests/support/temporary_folder.h"
@@ -8,10 +8,8 @@
 #include <filesystem>
 #include <unistd.h>
 
-namespace ringdown::server {
+namespace ringdown::wire {
 namespace {
-
-using protocol::Message;
 
 constexpr std::uint64_t kSecond = std::uint64_t{1} << 32;
 
@@ -102,4 +100,4 @@ TEST(OscScore, AMissingFileIsOneSentence) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::wire

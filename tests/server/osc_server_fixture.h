@@ -4,6 +4,7 @@
 
 #include "engine/modal/bank_file.h"
 #include "protocol/schema.h"
+#include "protocol/wire/score.h"
 #include "server/osc_server.h"
 #include "tests/support/synthetic_bank.h"
 #include "tests/support/temporary_folder.h"
@@ -21,8 +22,8 @@
 namespace ringdown::server {
 
 using namespace std::chrono_literals;
-using protocol::Frame;
-using protocol::Message;
+using synth::Frame;
+using wire::Message;
 
 inline constexpr double kRate = 48000;
 inline constexpr std::size_t kBlock = 256;
@@ -45,13 +46,13 @@ class StillDriver final : public Driver {
 };
 
 // The messages of one bundle that comes to `socket`.
-inline std::vector<protocol::Reply> notice(OscSocket& socket) {
-  Datagram datagram;
+inline std::vector<protocol::Reply> notice(wire::OscSocket& socket) {
+  wire::Datagram datagram;
   std::vector<protocol::Reply> replies;
   if (!socket.receive(datagram, 20s)) return replies;
-  const auto messages = decode_packet(datagram.bytes);
+  const auto messages = wire::decode_packet(datagram.bytes);
   EXPECT_TRUE(messages);
-  for (const TimedMessage& timed : *messages) {
+  for (const wire::TimedMessage& timed : *messages) {
     const auto reply = protocol::parse_reply(timed.message);
     EXPECT_TRUE(reply) << reply.error().message;
     if (reply) replies.push_back(*reply);
@@ -61,7 +62,7 @@ inline std::vector<protocol::Reply> notice(OscSocket& socket) {
 
 // Reads notices until one holds a message that `wanted` likes.
 template <class Struct>
-std::optional<Struct> wait_for(OscSocket& socket, const std::function<bool(const Struct&)>& wanted) {
+std::optional<Struct> wait_for(wire::OscSocket& socket, const std::function<bool(const Struct&)>& wanted) {
   for (int i = 0; i < 1000; ++i) {
     const auto replies = notice(socket);
     if (replies.empty()) return std::nullopt;
@@ -81,7 +82,7 @@ class OscServerTest : public testing::Test {
   ~OscServerTest() override { server_.reset(); }
 
   void serve(Latency latency = {}, std::shared_ptr<OscStream> stream = {}) {
-    auto socket = OscSocket::bind();
+    auto socket = wire::OscSocket::bind();
     ASSERT_TRUE(socket) << socket.error().message;
     server_.emplace(std::move(*socket),
                     OscServer::Parts{session_, worker_, driver_, [] {}, latency, &recorder_, std::move(stream)});
@@ -90,15 +91,15 @@ class OscServerTest : public testing::Test {
 
   void load(const std::string& name) { ASSERT_TRUE(session_.rack().load(name, folder_ / "tick.glb")); }
 
-  void send(const Message& message) { ASSERT_TRUE(client_.send_to(to_, encode(message))); }
+  void send(const Message& message) { ASSERT_TRUE(client_.send_to(to_, wire::encode(message))); }
   void send_at(double unix_s, const Message& message) {
-    ASSERT_TRUE(client_.send_to(to_, encode_bundle(time_tag(unix_s), std::span(&message, 1))));
+    ASSERT_TRUE(client_.send_to(to_, wire::encode_bundle(wire::time_tag(unix_s), std::span(&message, 1))));
   }
 
   std::optional<protocol::Reply> reply() {
-    Datagram datagram;
+    wire::Datagram datagram;
     if (!client_.receive(datagram, 20s)) return std::nullopt;
-    const auto messages = decode_packet(datagram.bytes);
+    const auto messages = wire::decode_packet(datagram.bytes);
     const auto parsed = messages ? protocol::parse_reply(messages->front().message) : fail(messages.error());
     return parsed ? std::optional(*parsed) : std::nullopt;
   }
@@ -149,11 +150,11 @@ class OscServerTest : public testing::Test {
 
   test::TemporaryFolder folder_;
   StillDriver driver_;
-  Session session_{kRate};
-  Recorder recorder_{session_.rack()};
+  session::Session session_{kRate};
+  session::Recorder recorder_{session_.rack(), wire::write_score};
   Worker worker_{[] {}, 10ms};
-  OscSocket client_ = std::move(*OscSocket::bind());
-  Endpoint to_;
+  wire::OscSocket client_ = std::move(*wire::OscSocket::bind());
+  wire::Endpoint to_;
   std::optional<OscServer> server_;
   std::int32_t syncs_ = 0;
   Frame last_loud_ = -100000;

@@ -66,7 +66,7 @@ TEST_F(OscServerTest, ALateBundleIsPlayedAtOnceAndCounted) {
 TEST_F(OscServerTest, OnlySoMuchMayLieAheadAndOnlySoFar) {
   load("tick");
   serve();
-  const double far = unix_now_s() + kMaxAhead_s;
+  const double far = unix_now_s() + session::kMaxAhead_s;
   send_at(far + 60, strike("tick"));
   const auto refused = reply();
   ASSERT_TRUE(refused && std::holds_alternative<protocol::Fail>(*refused));
@@ -76,7 +76,7 @@ TEST_F(OscServerTest, OnlySoMuchMayLieAheadAndOnlySoFar) {
 
   const std::vector<Message> many(64, strike("tick"));
   for (std::size_t i = 0; i < kMaxScheduled; i += many.size()) {
-    ASSERT_TRUE(client_.send_to(to_, encode_bundle(time_tag(far - 60), many)));
+    ASSERT_TRUE(client_.send_to(to_, wire::encode_bundle(wire::time_tag(far - 60), many)));
     if (i % 1024 == 0) sync();
   }
   sync();
@@ -126,7 +126,7 @@ TEST_F(OscServerTest, SubscribersHearOfObjectsContactsPeaksAndLoad) {
   send({"/notify", {0}});
   sync();
   int still = 0;
-  for (Datagram datagram; still < 5 && client_.receive(datagram, 100ms);) ++still;
+  for (wire::Datagram datagram; still < 5 && client_.receive(datagram, 100ms);) ++still;
   EXPECT_LE(still, 1) << "one may have been on its way";
 }
 
@@ -176,14 +176,14 @@ TEST_F(OscServerTest, SubscribersHearHowLoudEachObjectIs) {
 
 TEST_F(OscServerTest, SoManySubscribersAndNotOneMore) {
   serve();
-  std::vector<OscSocket> clients;
+  std::vector<wire::OscSocket> clients;
   for (std::size_t i = 0; i < kMaxSubscribers; ++i) {
-    clients.push_back(std::move(*OscSocket::bind()));
-    ASSERT_TRUE(clients.back().send_to(to_, encode({"/notify", {1, 0.1f}})));
+    clients.push_back(std::move(*wire::OscSocket::bind()));
+    ASSERT_TRUE(clients.back().send_to(to_, wire::encode({"/notify", {1, 0.1f}})));
   }
-  for (OscSocket& client : clients) EXPECT_FALSE(notice(client).empty());
+  for (wire::OscSocket& client : clients) EXPECT_FALSE(notice(client).empty());
   EXPECT_NE(refusal({"/notify", {}}).find(std::to_string(kMaxSubscribers)), std::string::npos);
-  ASSERT_TRUE(clients.back().send_to(to_, encode({"/notify", {0}})));
+  ASSERT_TRUE(clients.back().send_to(to_, wire::encode({"/notify", {0}})));
   send({"/notify", {}});
   EXPECT_TRUE(wait_for<protocol::Done>(client_, [](const auto& done) { return done.address == "/notify"; }));
 }
@@ -205,10 +205,10 @@ TEST_F(OscServerTest, ARecordedSessionNamesWhatWasThereAndWhatWasPlayed) {
   const auto stopped = reply();
   ASSERT_TRUE(stopped && std::holds_alternative<protocol::Done>(*stopped));
   EXPECT_EQ(std::get<protocol::Done>(*stopped).number, 4);
-  const auto events = read_score(score);
+  const auto events = wire::read_score(score);
   ASSERT_TRUE(events) << events.error().message;
   std::vector<std::string> addresses;
-  for (const ScoreEvent& event : *events) addresses.push_back(event.message.address);
+  for (const wire::ScoreEvent& event : *events) addresses.push_back(event.message.address);
   EXPECT_EQ(addresses, (std::vector<std::string>{"/load", "/object/bell/gain", "/object/bell/material",
                                                  "/object/bell/strike", "/c_set"}));
   EXPECT_NE(refusal({"/record/stop", {}}).find("nothing"), std::string::npos);
@@ -239,13 +239,13 @@ TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {
   wait_for<protocol::Done>(client_, [](const auto& done) { return done.address == "/notify"; });
   onsets_until(static_cast<Frame>(driver_.frame_of(unix_now_s())) + 4800);
   ASSERT_TRUE(session_.rack().notes_played().push(
-      {.frame = now, .object = number, .type = protocol::EventType::clear, .ramp_s = 0.25}));
+      {.frame = now, .object = number, .type = synth::EventType::clear, .ramp_s = 0.25}));
   send({"/record/stop", {}});
   ASSERT_TRUE(wait_for<protocol::Done>(client_, [](const auto& done) { return done.address == "/record/stop"; }));
-  const auto events = read_score(score);
+  const auto events = wire::read_score(score);
   ASSERT_TRUE(events) << events.error().message;
   const auto recorded = [&](const Message& message) {
-    return std::ranges::any_of(*events, [&](const ScoreEvent& event) { return event.message == message; });
+    return std::ranges::any_of(*events, [&](const wire::ScoreEvent& event) { return event.message == message; });
   };
   const protocol::ObjectRef bell{.name = "bell"};
   EXPECT_TRUE(recorded(protocol::format(protocol::SetGroup{bell, "metal"})));

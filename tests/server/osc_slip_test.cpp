@@ -1,5 +1,5 @@
 // SLIP against RFC 1055's own bytes.
-#include "server/osc_slip.h"
+#include "protocol/wire/slip.h"
 
 #include "tests/server/osc_bytes.h"
 
@@ -7,7 +7,7 @@
 
 #include <random>
 
-namespace ringdown::server {
+namespace ringdown::wire {
 namespace {
 
 using Outcome = SlipDecoder::Outcome;
@@ -61,4 +61,4 @@ TEST(Slip, TooLongOrWronglyEscapedIsAFault) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::wire

@@ -1,4 +1,4 @@
-#include "server/osc_socket.h"
+#include "protocol/wire/socket.h"
 
 #include "tests/server/osc_bytes.h"
 
@@ -8,7 +8,7 @@
 #include <sstream>
 #include <thread>
 
-namespace ringdown::server {
+namespace ringdown::wire {
 namespace {
 
 using std::chrono::milliseconds;
@@ -121,4 +121,4 @@ TEST(OscSocket, MovingKeepsThePort) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::wire

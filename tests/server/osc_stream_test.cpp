@@ -1,5 +1,5 @@
 // OSC over TCP, spoken to by liblo's own client and by plain sockets.
-#include "server/osc_slip.h"
+#include "protocol/wire/slip.h"
 #include "tests/server/osc_server_fixture.h"
 
 #include <arpa/inet.h>
@@ -29,7 +29,7 @@ class TcpClient {
   void send_raw(const std::vector<std::byte>& bytes) const {
     ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
   }
-  void send(const Message& message) const { send_raw(slip_encode(encode(message))); }
+  void send(const Message& message) const { send_raw(wire::slip_encode(wire::encode(message))); }
 
   // How many bytes come, up to `most` or until the server cuts us off.
   [[nodiscard]] std::size_t bytes_until_silence(std::size_t most) const {
@@ -44,8 +44,8 @@ class TcpClient {
   // The next answer; nothing when the server has cut us off.
   std::optional<protocol::Reply> reply() {
     for (std::byte byte{}; ::recv(socket_, &byte, 1, 0) == 1;) {
-      if (decoder_.push(byte) != SlipDecoder::Outcome::packet) continue;
-      const auto messages = decode_packet(decoder_.take());
+      if (decoder_.push(byte) != wire::SlipDecoder::Outcome::packet) continue;
+      const auto messages = wire::decode_packet(decoder_.take());
       EXPECT_TRUE(messages);
       return *protocol::parse_reply(messages->front().message);
     }
@@ -54,7 +54,7 @@ class TcpClient {
 
  private:
   int socket_;
-  SlipDecoder decoder_{kMaxPacketBytes};
+  wire::SlipDecoder decoder_{wire::kMaxPacketBytes};
 };
 
 class OscStreamTest : public OscServerTest {
@@ -101,7 +101,7 @@ TEST_F(OscStreamTest, ManyMessagesAtOnceArriveAllAndInOrder) {
   TcpClient client(tcp_port_);
   std::vector<std::byte> stream;
   for (int i = 0; i < 5000; ++i) {
-    const auto framed = slip_encode(encode({"/version", {}}));
+    const auto framed = wire::slip_encode(wire::encode({"/version", {}}));
     stream.insert(stream.end(), framed.begin(), framed.end());
   }
   std::thread sender([&] { client.send_raw(stream); });
@@ -116,7 +116,7 @@ TEST_F(OscStreamTest, WhoSpeaksNoSlipIsCutOffAndOthersAreNot) {
   TcpClient good(tcp_port_), bad(tcp_port_), endless(tcp_port_);
   bad.send_raw({std::byte{0xDB}, std::byte{'a'}});
   EXPECT_FALSE(bad.reply());
-  endless.send_raw(std::vector<std::byte>(kMaxPacketBytes + 1, std::byte{'x'}));
+  endless.send_raw(std::vector<std::byte>(wire::kMaxPacketBytes + 1, std::byte{'x'}));
   EXPECT_FALSE(endless.reply());
   good.send({"/version", {}});
   EXPECT_TRUE(good.reply());
@@ -126,7 +126,7 @@ TEST_F(OscStreamTest, AWebPageCannotPlayThroughABrowser) {
   const std::string request = "POST / HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 20\r\n\r\n";
   std::vector<std::byte> stream;
   for (const char c : request) stream.push_back(static_cast<std::byte>(c));
-  const std::vector<std::byte> body = slip_encode(encode({"/version", {}}));
+  const std::vector<std::byte> body = wire::slip_encode(wire::encode({"/version", {}}));
   stream.insert(stream.end(), body.begin(), body.end());
   TcpClient browser(tcp_port_), good(tcp_port_);
   browser.send_raw(stream);
@@ -157,7 +157,7 @@ TEST_F(OscStreamTest, SoManyConnectionsAndNotOneMore) {
 // It never reads, while its answers pile up: it is cut off instead of growing our memory.
 TEST_F(OscStreamTest, WhoDoesNotReadItsAnswersIsCutOff) {
   TcpClient deaf(tcp_port_);
-  const auto request = slip_encode(encode({"/version", {}}));
+  const auto request = wire::slip_encode(wire::encode({"/version", {}}));
   std::vector<std::byte> many;
   for (int i = 0; i < 1000; ++i) many.insert(many.end(), request.begin(), request.end());
   std::thread sender([&] {
@@ -181,9 +181,9 @@ TEST(OscStream, SoMuchWaitsForAClientAndNotAByteMore) {
     (*stream)->start([&](std::span<const std::byte>, Peer from) { met.set_value(from); });
     const TcpClient client((*stream)->port());
     client.send({"/version", {}});
-    const std::size_t frame = slip_encode(std::vector<std::byte>(1)).size() - 1;  // what SLIP adds to zeros
+    const std::size_t frame = wire::slip_encode(std::vector<std::byte>(1)).size() - 1;  // what SLIP adds to zeros
     const std::vector<std::byte> packet(kMaxUnread - frame + more);
-    ASSERT_EQ(slip_encode(packet).size(), kMaxUnread + more);
+    ASSERT_EQ(wire::slip_encode(packet).size(), kMaxUnread + more);
     (*stream)->send(met.get_future().get(), packet);
     EXPECT_EQ(client.bytes_until_silence(kMaxUnread), more == 0 ? kMaxUnread : 0);
     (*stream)->stop();

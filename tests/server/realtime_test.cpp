@@ -1,7 +1,7 @@
 // A million blocks on the audio thread while others strike, load, retune and free: nothing in them allocates, locks or
 // asks the system for anything.
 #include "engine/modal/bank_file.h"
-#include "server/session.h"
+#include "server/session/session.h"
 #include "tests/support/realtime_guard.h"
 #include "tests/support/synthetic_bank.h"
 #include "tests/support/temporary_folder.h"
@@ -14,7 +14,7 @@
 #include <thread>
 #include <unistd.h>
 
-namespace ringdown::server {
+namespace ringdown::session {
 namespace {
 
 constexpr std::uint64_t kBlocks = 1'000'000, kStrikes = 20'000, kLoads = 1000, kFrees = 200;
@@ -66,7 +66,7 @@ class Crowd {
     while (!stop.stop_requested()) {
       const auto now = session_.rack().mixer().counters().frames.load();
       const protocol::Strike blow{{.name = name(random() % kObjects)}, {0.1, 0, 0}, {0, 0.01, 0.02}, 0};
-      strikes += session_.play(blow, now + static_cast<protocol::Frame>(random() % 100)).has_value();
+      strikes += session_.play(blow, now + static_cast<synth::Frame>(random() % 100)).has_value();
       std::this_thread::yield();
     }
   }
@@ -101,4 +101,4 @@ TEST(Realtime, AMillionBlocksAllocateNothingLockNothingAndCallNoSystem) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::session

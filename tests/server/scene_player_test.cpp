@@ -1,6 +1,6 @@
 // The embedded scene as the daemon runs it: what it sends when it ends, and when it need not run.
 #include "engine/modal/bank_file.h"
-#include "server/session.h"
+#include "server/session/session.h"
 #include "tests/support/synthetic_bank.h"
 #include "tests/support/temporary_folder.h"
 
@@ -10,11 +10,11 @@
 #include <map>
 #include <string>
 
-namespace ringdown::server {
+namespace ringdown::session {
 namespace {
 
-using protocol::Event;
-using protocol::EventType;
+using synth::Event;
+using synth::EventType;
 
 // A box that slides over a floor for seconds.
 const std::string kSlider = R"(
@@ -60,7 +60,7 @@ class ScenePlayerTest : public testing::Test {
   }
 
   void play(double seconds) {
-    now_ += static_cast<protocol::Frame>(48000 * seconds);
+    now_ += static_cast<synth::Frame>(48000 * seconds);
     session_.scene().advance_to(now_, 48000);
   }
 
@@ -68,7 +68,7 @@ class ScenePlayerTest : public testing::Test {
 
   test::TemporaryFolder folder_;
   Session session_{48000};
-  protocol::Frame now_ = 0;
+  synth::Frame now_ = 0;
   std::map<std::uint32_t, Event> going_on_;
   int ends_ = 0;
 };
@@ -143,4 +143,4 @@ TEST_F(ScenePlayerTest, ASceneThatCannotSoundWaitsUntilItCanOrIsWatched) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::session

@@ -1,7 +1,7 @@
 // Objects by name and number, and what requests do to them.
 #include "engine/modal/bank_file.h"
 #include "protocol/bulk.h"
-#include "server/session.h"
+#include "server/session/session.h"
 #include "tests/support/signal.h"
 #include "tests/support/synthetic_bank.h"
 #include "tests/support/temporary_folder.h"
@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <unistd.h>
 
-namespace ringdown::server {
+namespace ringdown::session {
 namespace {
 
 using protocol::ObjectRef;
@@ -103,7 +103,7 @@ TEST_F(SessionTest, WhatCannotBeIsRefusedAndChangesNothing) {
   EXPECT_FALSE(session_.play(protocol::StrikeVertex{{.name = "a"}, 4, {0, 0, 1}, 0}, 0));
   EXPECT_FALSE(session_.perform(protocol::FreeObject{{.name = "b"}}, 0));
   EXPECT_FALSE(session_.perform(protocol::SceneClear{}, 0));
-  const auto day_ahead = static_cast<protocol::Frame>(86400.0 * 48000);
+  const auto day_ahead = static_cast<synth::Frame>(86400.0 * 48000);
   EXPECT_FALSE(session_.play(protocol::SetGain{{.name = "a"}, 1, 0}, day_ahead));
 }
 
@@ -144,7 +144,7 @@ TEST_F(SessionTest, ABulkOfStrikesRingsAsTheSameStrikesDoOneByOne) {
   Session other{48000};
   for (const char* name : {"a", "b"}) ASSERT_TRUE(other.perform(protocol::LoadObject{name, bank("a.glb")}, 0));
   for (const protocol::BulkStrike& blow : blows) {
-    const auto frame = static_cast<protocol::Frame>(std::llround(blow.delay_s * 48000));
+    const auto frame = static_cast<synth::Frame>(std::llround(blow.delay_s * 48000));
     const ObjectRef object{.name = blow.object == 0 ? "a" : "b"};
     const double contact_time_s = static_cast<float>(blow.contact_time_s);
     if (blow.vertex) {
@@ -235,4 +235,4 @@ TEST_F(SessionTest, AFullQueueIsAnErrorAndIsCounted) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::session

@@ -1,10 +1,11 @@
 // The state file: what is written is read back, and a daemon restored from it is the one that was saved.
-#include "server/state.h"
+#include "server/session/state.h"
 
 #include "engine/modal/bank_file.h"
-#include "server/file_roots.h"
-#include "server/recorder.h"
-#include "server/session.h"
+#include "protocol/wire/score.h"
+#include "server/session/file_roots.h"
+#include "server/session/recorder.h"
+#include "server/session/session.h"
 #include "tests/support/signal.h"
 #include "tests/support/synthetic_bank.h"
 #include "tests/support/temporary_folder.h"
@@ -27,7 +28,7 @@ class StateTest : public testing::Test {
   }
 
   std::string refusal(const std::string& text) const {
-    const auto state = parse_state(text, folder_ / "s.toml");
+    const auto state = session::parse_state(text, folder_ / "s.toml");
     return state ? "nothing" : state.error().message;
   }
 
@@ -36,8 +37,8 @@ class StateTest : public testing::Test {
 };
 
 struct Daemon {
-  Session session{48000};
-  Recorder recorder{session.rack()};
+  session::Session session{48000};
+  session::Recorder recorder{session.rack(), wire::write_score};
 };
 
 TEST_F(StateTest, WhatWasSavedComesBackInAnotherDaemon) {
@@ -66,15 +67,15 @@ position_m = [0, 0, 1]
   perform(protocol::SetMaterial{{.name = "bell"}, {1, 0.1, 2, 1.0 / 3, 0.7}});
   perform(protocol::SetGroup{{.name = "bell"}, "metal"});
   perform(protocol::Hold{{.name = "bell"}, {{0.1, 0, 0}, {0, 0, 1}, 5}, 3});
-  perform(protocol::Hold{{.name = "bell"}, {{0.2, 0, 0}, {}, 7}, protocol::kFirstSceneTouch});  // as the scene's own
+  perform(protocol::Hold{{.name = "bell"}, {{0.2, 0, 0}, {}, 7}, modal::kFirstSceneTouch});  // as the scene's own
   perform(protocol::Excite{{.name = "bell"}, 3, {0.1, 0.2, 0.3}, {0, 0, -1e-7}});
   ASSERT_TRUE(one.session.play(protocol::SetGain{{.name = "bell"}, 0.7, 2}, 0));
   ASSERT_TRUE(one.session.play(protocol::SetPan{{.name = "bell"}, -0.3}, 0));
 
   const auto file = folder_ / "state.toml";
-  ASSERT_TRUE(write_state(state_of(one.session, one.recorder), file));
-  EXPECT_TRUE(FileRoots().writable(file, kStateKind)) << "a state may replace a state";
-  const auto state = read_state(file);
+  ASSERT_TRUE(session::write_state(session::state_of(one.session, one.recorder), file));
+  EXPECT_TRUE(session::FileRoots().writable(file, session::kStateKind)) << "a state may replace a state";
+  const auto state = session::read_state(file);
   ASSERT_TRUE(state) << state.error().message;
   const auto restored = restore(*state, other.session, 48000);
   ASSERT_TRUE(restored) << restored.error().message;
@@ -102,22 +103,23 @@ position_m = [0, 0, 1]
   EXPECT_EQ(*plain->bank, bank_);
   EXPECT_EQ(plain->material, modal::MaterialScale{});
   EXPECT_EQ(plain->group, "");
-  EXPECT_EQ(to_toml(state_of(other.session, other.recorder)), to_toml(*state)) << "saved again, it is the same";
+  EXPECT_EQ(session::to_toml(session::state_of(other.session, other.recorder)), session::to_toml(*state))
+      << "saved again, it is the same";
 }
 
 // The scene file says 0.1, from where the scene starts; the state says 0.7.
 TEST_F(StateTest, WhatWasSavedOutlastsWhatTheSceneSays) {
   std::ofstream(folder_ / "still.toml") << "[[object]]\nname = 'bell'\nbank = 'b.glb'\ngain = 0.1\npan = 1\n";
-  const State state{.objects = {{.name = "bell", .bank = folder_ / "b.glb", .gain = 0.7, .pan = -1}},
-                    .scene = State::Scene{folder_ / "still.toml"}};
-  for (const protocol::Frame strike : {100, 72000}) {
+  const session::State state{.objects = {{.name = "bell", .bank = folder_ / "b.glb", .gain = 0.7, .pan = -1}},
+                             .scene = session::State::Scene{folder_ / "still.toml"}};
+  for (const synth::Frame strike : {100, 72000}) {
     Daemon daemon;
     ASSERT_TRUE(restore(state, daemon.session, 48000));
     std::vector<float> left(96000), right(96000);
     ASSERT_TRUE(daemon.session.play(protocol::Strike{{.name = "bell"}, {1, 0, 0}, {0, 0, 1}, 0}, strike));
     daemon.session.rack().mixer().render(left, right);
     const auto heard = test::to_doubles(std::span(left).subspan(static_cast<std::size_t>(strike)));
-    Session plain{48000};
+    session::Session plain{48000};
     ASSERT_TRUE(plain.rack().load("bell", folder_ / "b.glb"));
     ASSERT_TRUE(plain.play(protocol::SetPan{{.name = "bell"}, -1}, 0));
     ASSERT_TRUE(plain.play(protocol::Strike{{.name = "bell"}, {1, 0, 0}, {0, 0, 0.7}, 0}, strike));
@@ -135,7 +137,7 @@ TEST_F(StateTest, AClearedSceneStaysCleared) {
   ASSERT_TRUE(one.session.perform(protocol::SceneLoad{(folder_ / "ball.toml").string()}, 0));
   ASSERT_EQ(one.session.scene().body_count(), 1u);
   ASSERT_TRUE(one.session.perform(protocol::SceneClear{}, 0));
-  ASSERT_TRUE(restore(state_of(one.session, one.recorder), other.session, 0));
+  ASSERT_TRUE(restore(session::state_of(one.session, one.recorder), other.session, 0));
   EXPECT_TRUE(other.session.scene().playing());
   EXPECT_EQ(other.session.scene().body_count(), 0u);
 }
@@ -164,7 +166,7 @@ TEST_F(StateTest, AWrongFileIsRefusedWithItsLine) {
 
 TEST_F(StateTest, AnInputOfAnObjectThatIsNotThereIsRefused) {
   Daemon daemon;
-  const State state{.inputs = {{1, "drum", {}, {0, 0, 1}}}};
+  const session::State state{.inputs = {{1, "drum", {}, {0, 0, 1}}}};
   const auto restored = restore(state, daemon.session, 0);
   ASSERT_FALSE(restored);
   EXPECT_NE(restored.error().message.find("drum"), std::string::npos);

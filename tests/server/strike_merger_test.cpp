@@ -1,16 +1,16 @@
-#include "server/strike_merger.h"
+#include "server/session/strike_merger.h"
 
 #include <gtest/gtest.h>
 
-namespace ringdown::server {
+namespace ringdown::session {
 namespace {
 
-using protocol::Event;
-using protocol::EventType;
-using protocol::Frame;
+using synth::Event;
+using synth::EventType;
+using synth::Frame;
 using Verdict = StrikeMerger::Verdict;
 
-Event blow(Frame frame, double x = 0, protocol::ObjectNumber object = 0) {
+Event blow(Frame frame, double x = 0, synth::ObjectNumber object = 0) {
   return {.frame = frame, .object = object, .point_m = {x, 0, 0}, .impulse_ns = {0, 0, 1}};
 }
 
@@ -57,4 +57,4 @@ TEST(StrikeMerger, ANewWindowOrAnotherEventHandsOnWhatIsHeld) {
 }
 
 }  // namespace
-}  // namespace ringdown::server
+}  // namespace ringdown::session

@@ -1,7 +1,8 @@
 // Modes by themselves, and what subscribers can watch: the sound and the modes' amplitudes.
-#include "protocol/floats.h"
-#include "server/offline.h"
-#include "server/state.h"
+#include "protocol/wire/floats.h"
+#include "protocol/wire/score.h"
+#include "server/session/offline.h"
+#include "server/session/state.h"
 #include "tests/server/osc_server_fixture.h"
 #include "tests/support/signal.h"
 
@@ -94,8 +95,9 @@ TEST_F(WatchTest, ScoresAndStatesKeepTheChoiceAndWhatWasRung) {
   const Frame end = session_.rack().mixer().counters().frames;
   send({"/record/stop", {}});
   ASSERT_TRUE(reply());
-  const auto again = render_offline({.score = folder_ / "a.osc", .sample_rate_hz = kRate, .block_frames = kBlock},
-                                    [](double) { return true; });
+  const auto again = session::render_offline(
+      {.score = wire::read_score(folder_ / "a.osc").value(), .sample_rate_hz = kRate, .block_frames = kBlock},
+      [](double) { return true; });
   ASSERT_TRUE(again) << again.error().message;
   EXPECT_TRUE(again->warnings.empty());
   ASSERT_GE(again->left.size(), static_cast<std::size_t>(end - begin));
@@ -103,11 +105,11 @@ TEST_F(WatchTest, ScoresAndStatesKeepTheChoiceAndWhatWasRung) {
   EXPECT_NEAR(test::fit_damped_sinusoid(tail, kRate).frequency_hz, pitches_[10], 1);
 
   ASSERT_TRUE(done({"/state/save", {(folder_ / "s.toml").string()}}));
-  const auto state = read_state(folder_ / "s.toml");
+  const auto state = session::read_state(folder_ / "s.toml");
   ASSERT_TRUE(state) << state.error().message;
   ASSERT_EQ(state->objects.size(), 1u);
   EXPECT_EQ(state->objects[0].modes, (modal::ModeRange{10, 1}));
-  Session other(kRate);
+  session::Session other(kRate);
   ASSERT_TRUE(restore(*state, other, 0));
   EXPECT_EQ(other.rack().find({.name = "bell"})->modes, (modal::ModeRange{10, 1}));
 }
@@ -134,7 +136,7 @@ TEST_F(WatchTest, TheSoundIsToldFrameByFrameThoughNoticesAreRare) {
       if (!sound) continue;
       EXPECT_EQ(sound->frame, first + static_cast<std::int32_t>(heard.size()));
       EXPECT_EQ(sound->sample_rate_hz, kRate);
-      const std::vector<float> samples = protocol::decode_floats(sound->samples);
+      const std::vector<float> samples = wire::decode_floats(sound->samples);
       EXPECT_LE(samples.size(), 2 * protocol::kMaxSoundFrames);
       for (std::size_t n = 0; n < samples.size(); n += 2) heard.push_back(samples[n]);
     }
@@ -155,12 +157,12 @@ TEST_F(WatchTest, WatchedModesAreToldByFrequencyUntilTheSubscriberGoes) {
   catch_up();
   render(1024);
   const auto told = wait_for<protocol::NotifyModes>(client_, [](const auto& modes) {
-    return std::ranges::any_of(protocol::decode_floats(modes.amplitudes), [](float a) { return a > 0; });
+    return std::ranges::any_of(wire::decode_floats(modes.amplitudes), [](float a) { return a > 0; });
   });
   ASSERT_TRUE(told);
   EXPECT_EQ(told->object, "bell");
   EXPECT_EQ(told->first, 0);
-  const std::vector<float> amplitudes = protocol::decode_floats(told->amplitudes);
+  const std::vector<float> amplitudes = wire::decode_floats(told->amplitudes);
   ASSERT_EQ(amplitudes.size(), 40u);
   for (std::size_t rank = 0; rank < 40; ++rank) {
     EXPECT_EQ(amplitudes[rank] > 0, rank == 7 || rank == 8) << rank;

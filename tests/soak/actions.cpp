@@ -11,7 +11,7 @@
 namespace ringdown::test {
 namespace {
 
-using protocol::Message;
+using wire::Message;
 
 constexpr const char* kScene = R"(
 [[object]]

@@ -31,7 +31,7 @@ class Actions {
   void strike(Daemon& daemon);
   void bundle(Daemon& daemon);
   void touch(Daemon& daemon);
-  protocol::Message hold();
+  wire::Message hold();
   void change(Daemon& daemon);
   void scene(Daemon& daemon);
   void nonsense(Daemon& daemon);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <set>
 #include <string>
 #include <vector>
@@ -14,18 +15,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A file below `folder` may include project headers whose path begins with one of `allowed`. The first row that fits
-// counts.
+// A file below `folder` may include project headers whose path begins with one of `allowed` and with none of `refused`.
+// The first row that fits counts.
 struct FolderRule {
   std::string folder;
   std::vector<std::string> allowed;
+  std::vector<std::string> refused = {};
 };
 
 const std::vector<FolderRule> kFolderRules = {
     {"engine/base/", {"engine/base/"}},
     // the real-time half
     {"engine/modal/", {"engine/base/", "engine/modal/"}},
-    {"engine/synth/", {"engine/base/", "engine/modal/", "engine/synth/", "protocol/event.h"}},
+    {"engine/synth/", {"engine/base/", "engine/modal/", "engine/synth/"}},
     // the offline half
     {"engine/mesh/", {"engine/base/", "engine/mesh/"}},
     {"engine/fem/", {"engine/base/", "engine/mesh/", "engine/fem/"}},
@@ -33,17 +35,21 @@ const std::vector<FolderRule> kFolderRules = {
     {"engine/bake/", {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/solve/", "engine/bake/"}},
     {"engine/fit/", {"engine/base/", "engine/modal/", "engine/fit/"}},
     // rigid bodies
-    {"engine/scene/", {"engine/base/", "engine/modal/", "engine/scene/", "protocol/"}},
+    {"engine/scene/", {"engine/base/", "engine/modal/", "engine/scene/", "engine/synth/event.h"}},
     // the programs
+    {"protocol/wire/", {"engine/base/", "protocol/wire/"}},
     {"protocol/",
      {"engine/base/", "engine/modal/contact_damping.h", "engine/modal/material_scale.h", "engine/modal/mode_range.h",
-      "protocol/"}},
+      "engine/synth/event.h", "protocol/"}},
     {"manual/", {"protocol/exit_codes.h", "manual/"}},
+    {"server/session/",
+     {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "server/session/"},
+     {"protocol/wire/codec.h", "protocol/wire/score.h", "protocol/wire/socket.h"}},
     {"server/", {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "manual/", "server/"}},
     {"clients/cli/slepc/", {"engine/base/", "engine/solve/distributed_files.h", "clients/cli/slepc/"}},
     {"clients/cli/fit/",
-     {"engine/base/", "engine/modal/", "engine/fit/", "engine/synth/mode_table.h", "server/offline.h", "protocol/",
-      "manual/", "clients/cli/"}},
+     {"engine/base/", "engine/modal/", "engine/fit/", "engine/synth/mode_table.h", "server/session/offline.h",
+      "protocol/", "manual/", "clients/cli/"}},
     {"clients/cli/bake/",
      {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/bake/", "protocol/", "manual/",
       "clients/cli/"}},
@@ -63,7 +69,7 @@ struct LibraryRule {
 
 const std::vector<LibraryRule> kLibraryRules = {
     {"jack/", {"server/jack_"}, 4},
-    {"lo/", {"server/"}, 1},
+    {"lo/", {"protocol/wire/codec.cpp"}, 1},
     {"httplib.h", {"server/"}, 1},
     {"btBullet", {"clients/bullet/"}, 1},
     {"ode/", {"engine/scene/ode_", "engine/scene/simulation"}, 6},
@@ -87,7 +93,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"toml++/", {"engine/base/"}, 1},
     {"xxhash.h", {"engine/base/"}, 1},
     {"CLI/", {"manual/", "server/", "clients/"}},
-    {"sndfile", {"server/", "clients/"}},
+    {"sndfile", {"server/session/", "clients/"}},
     {"cairo", {"clients/cli/picture/canvas.cpp"}, 1},
     {"spdlog/", {"server/", "clients/"}},
     {"GLFW/", {"clients/viewer/window.cpp"}, 1},
@@ -149,7 +155,8 @@ std::string place(const Include& include) {
 bool is_allowed(const Include& include) {
   const auto rule = std::find_if(kFolderRules.begin(), kFolderRules.end(),
                                  [&](const FolderRule& r) { return include.file.rfind(r.folder, 0) == 0; });
-  return rule != kFolderRules.end() && begins_with_any(include.header, rule->allowed);
+  return rule != kFolderRules.end() && begins_with_any(include.header, rule->allowed) &&
+         !begins_with_any(include.header, rule->refused);
 }
 
 bool is_of_project(const Include& include) {
@@ -192,15 +199,40 @@ TEST(Structure, ThirdPartyHeadersStayWhereTheyBelong) {
   }
 }
 
+// The session layer is a library for other programs: it opens no socket, starts no log and owns nothing global.
+TEST(Structure, ASessionNeedsNeitherSocketsNorLogsNorGlobals) {
+  for (const Include& include : all_includes()) {
+    if (include.file.rfind("server/session/", 0) != 0) continue;
+    EXPECT_FALSE(begins_with_any(include.header, {"sys/socket.h", "sys/un.h", "netinet/", "arpa/", "netdb.h", "spdlog/",
+                                                  "lo/", "jack/", "httplib.h", "avahi", "csignal", "iostream"}))
+        << place(include) << ", which its folder may not";
+  }
+  const std::regex mutable_static(R"(^\s*(static|inline|thread_local)\s+(?!const|inline|thread_local).*(=|\{).*;\s*$)");
+  const std::regex mutable_global(R"(^(?!using|const|constexpr|inline const|namespace|return|static_assert|template)"
+                                  R"([A-Za-z][\w:<>,* ]*\s[a-z]\w*( = .*|\{.*\})?;$)");
+  const fs::path root = RINGDOWN_SOURCE_DIR;
+  for (const auto& entry : fs::recursive_directory_iterator(root / "server/session")) {
+    std::ifstream file(entry.path());
+    for (std::string line; std::getline(file, line);) {
+      EXPECT_FALSE(std::regex_search(line, mutable_static) || std::regex_search(line, mutable_global))
+          << entry.path() << " has a variable that outlives every session: " << line;
+    }
+  }
+}
+
 // The rules can fail: what they forbid is found.
 TEST(Structure, RefusesWhatItShould) {
   EXPECT_FALSE(is_allowed({"engine/synth/mixer.cpp", 1, "engine/mesh/surface.h", true}));
   EXPECT_FALSE(is_allowed({"engine/base/vec3.h", 1, "engine/modal/bank.h", true}));
   EXPECT_FALSE(is_allowed({"engine/synth/voice.h", 1, "protocol/schema.h", true}));
+  EXPECT_FALSE(is_allowed({"engine/scene/world.h", 1, "protocol/wire/message.h", true}));
+  EXPECT_FALSE(is_allowed({"protocol/wire/codec.h", 1, "protocol/schema.h", true}));
+  EXPECT_FALSE(is_allowed({"server/session/recorder.cpp", 1, "protocol/wire/socket.h", true}));
+  EXPECT_FALSE(is_allowed({"server/session/rack.h", 1, "server/driver.h", true}));
   EXPECT_FALSE(is_allowed({"server/main.cpp", 1, "engine/bake/bake.h", true}));
   EXPECT_FALSE(is_allowed({"engine/modal/bank.h", 1, "tests/support/signal.h", true}));
   EXPECT_FALSE(is_allowed({"clients/cli/main.cpp", 1, "engine/bake/bake.h", true}));
-  EXPECT_TRUE(is_allowed({"engine/synth/mixer.h", 1, "protocol/event.h", true}));
+  EXPECT_TRUE(is_allowed({"protocol/request.h", 1, "engine/synth/event.h", true}));
 }
 
 }  // namespace

@@ -9,8 +9,6 @@
 namespace ringdown::synth::test {
 namespace {
 
-using protocol::Contact;
-
 Contact sliding(double force_n, double speed_m_s) { return {.force_n = {0, 0, force_n}, .slip_m_s = speed_m_s}; }
 Contact rolling(double force_n, double speed_m_s) { return {.force_n = {0, 0, force_n}, .roll_m_s = speed_m_s}; }
 

@@ -17,10 +17,6 @@
 namespace ringdown::synth::test {
 
 using namespace ringdown::test;  // NOLINT: the measuring instruments
-using protocol::Event;
-using protocol::EventType;
-using protocol::Frame;
-using protocol::ObjectNumber;
 
 inline constexpr double kRate = 48000;
 

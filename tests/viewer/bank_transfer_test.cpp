@@ -39,7 +39,7 @@ class Transfer : public testing::Test {
   protocol::BankReply answer(const protocol::ReadBank& question, std::int32_t version = 3) const {
     return piece_of(file, "bell", version, question.offset, question.bytes);
   }
-  protocol::Blob file;
+  wire::Blob file;
 };
 
 TEST_F(Transfer, BringsTheBankThatTheFileHolds) {

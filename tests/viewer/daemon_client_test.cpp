@@ -59,7 +59,7 @@ Process daemon_at(std::uint16_t port, std::vector<std::string> arguments) {
 }
 
 TEST(DaemonClient, SaysWhatToDoWhenNobodyAnswers) {
-  const auto silent = *server::OscSocket::bind();
+  const auto silent = *wire::OscSocket::bind();
   DaemonClient client(at(silent.port()), 30);
   EXPECT_EQ(client.state().kind, Kind::connecting);
   ASSERT_TRUE(becomes_true([&] { return client.state().kind == Kind::away; }));
@@ -230,7 +230,7 @@ TEST(DaemonClient, GoesToAnotherDaemon) {
 }
 
 TEST(DaemonClient, NeitherSendingNorTakingWaitsForAnAnswer) {
-  const auto silent = *server::OscSocket::bind();
+  const auto silent = *wire::OscSocket::bind();
   DaemonClient client(at(silent.port()), 30);
   for (std::size_t i = 0; i < 4 * DaemonClient::kMaxRequests; ++i) {
     client.send(protocol::Browse{});
@@ -239,15 +239,15 @@ TEST(DaemonClient, NeitherSendingNorTakingWaitsForAnAnswer) {
 }
 
 TEST(DaemonClient, UnsubscribesWhenItIsDone) {
-  auto daemon = *server::OscSocket::bind();
-  server::Datagram datagram;
+  auto daemon = *wire::OscSocket::bind();
+  wire::Datagram datagram;
   {
     DaemonClient client(at(daemon.port()), 30);
     ASSERT_TRUE(becomes_true([&] { return daemon.receive(datagram, 10ms); }));
   }
   std::optional<protocol::Notify> last;
   while (daemon.receive(datagram, 0ms)) {
-    const auto messages = server::decode_packet(datagram.bytes);
+    const auto messages = wire::decode_packet(datagram.bytes);
     const auto request = protocol::parse(messages.value().front().message);
     if (const auto* notify = std::get_if<protocol::Notify>(&*request)) last = *notify;
   }
@@ -256,13 +256,13 @@ TEST(DaemonClient, UnsubscribesWhenItIsDone) {
 }
 
 TEST(DaemonClient, TakesNothingFromStrangers) {
-  auto daemon = *server::OscSocket::bind(), stranger = *server::OscSocket::bind();
+  auto daemon = *wire::OscSocket::bind(), stranger = *wire::OscSocket::bind();
   DaemonClient client(at(daemon.port()), 30);
-  server::Datagram datagram;
+  wire::Datagram datagram;
   ASSERT_TRUE(becomes_true([&] { return daemon.receive(datagram, 10ms); }));
-  const auto says = [&](server::OscSocket& from, const char* sentence) {
+  const auto says = [&](wire::OscSocket& from, const char* sentence) {
     const protocol::Reply reply = protocol::Fail{"/load", sentence};
-    ASSERT_TRUE(from.send_to(datagram.from, server::encode(protocol::format(reply))));
+    ASSERT_TRUE(from.send_to(datagram.from, wire::encode(protocol::format(reply))));
   };
   says(stranger, "wrong");
   says(daemon, "right");

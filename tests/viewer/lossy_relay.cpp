@@ -1,7 +1,7 @@
 #include "tests/viewer/lossy_relay.h"
 
 #include "protocol/schema.h"
-#include "server/osc_codec.h"
+#include "protocol/wire/codec.h"
 
 #include <chrono>
 
@@ -10,8 +10,8 @@ namespace ringdown::test {
 using namespace std::chrono_literals;
 
 LossyRelay::LossyRelay(std::uint16_t daemon_port, unsigned drops)
-    : client_side_(*server::OscSocket::bind()),
-      daemon_side_(*server::OscSocket::bind()),
+    : client_side_(*wire::OscSocket::bind()),
+      daemon_side_(*wire::OscSocket::bind()),
       daemon_{.port = daemon_port},
       drops_(drops),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
@@ -27,10 +27,10 @@ bool LossyRelay::lost() {
   return true;
 }
 
-void LossyRelay::remember(const server::Datagram& datagram) {
-  const auto messages = server::decode_packet(datagram.bytes);
+void LossyRelay::remember(const wire::Datagram& datagram) {
+  const auto messages = wire::decode_packet(datagram.bytes);
   if (!messages) return;
-  for (const server::TimedMessage& timed : *messages) {
+  for (const wire::TimedMessage& timed : *messages) {
     auto request = protocol::parse(timed.message);
     const std::scoped_lock lock(mutex_);
     if (request) asked_.push_back(std::move(*request));
@@ -38,7 +38,7 @@ void LossyRelay::remember(const server::Datagram& datagram) {
 }
 
 void LossyRelay::run(const std::stop_token& stop) {
-  server::Datagram datagram;
+  wire::Datagram datagram;
   while (!stop.stop_requested()) {
     for (int i = 0; i < 64 && client_side_.receive(datagram, i == 0 ? 2ms : 0ms); ++i) {
       client_ = datagram.from;

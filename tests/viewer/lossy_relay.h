@@ -3,7 +3,7 @@
 #pragma once
 
 #include "protocol/request.h"
-#include "server/osc_socket.h"
+#include "protocol/wire/socket.h"
 
 #include <atomic>
 #include <cstdint>
@@ -36,10 +36,10 @@ class LossyRelay {
  private:
   void run(const std::stop_token& stop);
   bool lost();
-  void remember(const server::Datagram& datagram);
+  void remember(const wire::Datagram& datagram);
 
-  server::OscSocket client_side_, daemon_side_;
-  server::Endpoint daemon_, client_;
+  wire::OscSocket client_side_, daemon_side_;
+  wire::Endpoint daemon_, client_;
   unsigned drops_;
   std::uint64_t seen_ = 0;
   std::atomic<std::uint64_t> dropped_ = 0;

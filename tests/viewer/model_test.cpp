@@ -1,7 +1,7 @@
 // What the model makes of what it is told, and what it asks for.
 #include "clients/viewer/link/model.h"
-#include "protocol/floats.h"
 #include "protocol/schema.h"
+#include "protocol/wire/floats.h"
 #include "tests/viewer/preset_file.h"
 
 #include <gtest/gtest.h>
@@ -132,7 +132,7 @@ TEST_F(ModelTest, KeepsNoMoreObjectsThanItsBound) {
 class ModelWithFile : public ModelTest {
  protected:
   // Answers as a daemon with this file would, until the bank of the object is there or faulty.
-  void serve(const std::string& name, std::int32_t version, const protocol::Blob& file, double from_s) {
+  void serve(const std::string& name, std::int32_t version, const wire::Blob& file, double from_s) {
     double now = from_s;
     const std::string fault = model.object(name)->bank_fault;
     const auto settled = [&] { return model.object(name)->bank || model.object(name)->bank_fault != fault; };
@@ -144,7 +144,7 @@ class ModelWithFile : public ModelTest {
       if (model.object(name)->bank_progress == 1) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
-  static protocol::ObjectReply playing(const protocol::Blob& file, const std::string& name, std::int32_t version = 1) {
+  static protocol::ObjectReply playing(const wire::Blob& file, const std::string& name, std::int32_t version = 1) {
     protocol::ObjectReply reply = described(name, version, static_cast<std::int32_t>(file.size()));
     reply.bank_content = content_of(file);
     return reply;
@@ -284,7 +284,7 @@ TEST_F(ModelTest, AnObjectAlreadyWatchedIsNotDroppedForOneALittleLouder) {
 
 TEST_F(ModelTest, AmplitudesStandByRank) {
   model.apply(described("bell"), 0);
-  model.apply(protocol::NotifyModes{"bell", 28, protocol::encode_floats(std::vector<float>{0.5f, 0.25f})}, 1);
+  model.apply(protocol::NotifyModes{"bell", 28, wire::encode_floats(std::vector<float>{0.5f, 0.25f})}, 1);
   const auto& amplitudes = model.object("bell")->amplitudes;
   ASSERT_EQ(amplitudes.size(), 30u);
   EXPECT_EQ(amplitudes[28], 0.5f);
@@ -294,7 +294,7 @@ TEST_F(ModelTest, AmplitudesStandByRank) {
 
 TEST_F(ModelTest, AmplitudesOfModesThatAreNotThereAreIgnored) {
   model.apply(described("bell"), 0);
-  const auto one = protocol::encode_floats(std::vector<float>{0.5f});
+  const auto one = wire::encode_floats(std::vector<float>{0.5f});
   for (const std::int32_t first : {30, -1, std::numeric_limits<std::int32_t>::max()}) {
     model.apply(protocol::NotifyModes{"bell", first, one}, 1);
   }
@@ -331,7 +331,7 @@ TEST_F(ModelTest, ThePeakIsHeldForASecond) {
 }
 
 TEST_F(ModelTest, SoundIsAskedForUntilItComesAndEndedUntilItEnds) {
-  const protocol::NotifySound piece{0, 48000, protocol::Blob(8)};
+  const protocol::NotifySound piece{0, 48000, wire::Blob(8)};
   model.apply(protocol::NotifyPeak{}, 0);
   EXPECT_TRUE(asked<protocol::WatchSound>(0).empty());
   model.watch_sound(true);

@@ -1,7 +1,7 @@
 // The sound as it comes in pieces: every sample in its place, and every gap counted.
 #include "clients/viewer/link/sound_history.h"
 
-#include "protocol/floats.h"
+#include "protocol/wire/floats.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ protocol::NotifySound piece(std::int32_t first, std::size_t frames = kPiece, dou
     const float n = static_cast<float>((first + i) % protocol::kFrameModulus);
     samples.insert(samples.end(), {n, -n});
   }
-  return {first, rate_hz, protocol::encode_floats(samples)};
+  return {first, rate_hz, wire::encode_floats(samples)};
 }
 
 struct Heard {

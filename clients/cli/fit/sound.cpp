@@ -1,6 +1,6 @@
 #include "clients/cli/fit/sound.h"
 
-#include "server/offline.h"
+#include "server/session/offline.h"
 
 #include <sndfile.h>
 
@@ -35,10 +35,10 @@ Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> c
 }
 
 Result<void> write_sound(std::span<const double> samples, double sample_rate_hz, const std::filesystem::path& path) {
-  server::Recording recording{.sample_rate_hz = sample_rate_hz};
+  session::Recording recording{.sample_rate_hz = sample_rate_hz};
   recording.left.assign(samples.begin(), samples.end());
   recording.right = recording.left;
-  return server::write_audio(recording, path);
+  return session::write_audio(recording, path);
 }
 
 }  // namespace ringdown::cli

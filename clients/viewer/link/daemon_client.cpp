@@ -2,8 +2,8 @@
 
 #include "clients/viewer/link/bounded_queue.h"
 #include "protocol/schema.h"
-#include "server/osc_codec.h"
-#include "server/osc_socket.h"
+#include "protocol/wire/codec.h"
+#include "protocol/wire/socket.h"
 
 #include <algorithm>
 #include <chrono>
@@ -33,15 +33,15 @@ constexpr auto kTick = 20ms;
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 // On a thread of its own: a name server may take half a minute, and nobody shall wait for it, not even at the end.
-std::future<Result<server::Endpoint>> resolve_apart(server::OscUrl url) {
-  std::packaged_task<Result<server::Endpoint>()> task(
-      [url = std::move(url)] { return server::resolve(url.host, url.port); });
+std::future<Result<wire::Endpoint>> resolve_apart(wire::OscUrl url) {
+  std::packaged_task<Result<wire::Endpoint>()> task(
+      [url = std::move(url)] { return wire::resolve(url.host, url.port); });
   auto answer = task.get_future();
   std::thread(std::move(task)).detach();
   return answer;
 }
 
-bool is_notice(const protocol::Message& message) { return message.address.starts_with("/notify."); }
+bool is_notice(const wire::Message& message) { return message.address.starts_with("/notify."); }
 
 }  // namespace
 
@@ -69,10 +69,10 @@ struct DaemonClient::Line {
   void run(const std::stop_token& stop);
   void look_for(const std::string& url);
   void look_up();
-  void bind(server::Endpoint daemon);
+  void bind(wire::Endpoint daemon);
   void part();
   void listen();
-  void take(const server::Datagram& datagram);
+  void take(const wire::Datagram& datagram);
   void keep_asking();
   void judge();
   void transmit(const Request& request);
@@ -92,11 +92,11 @@ struct DaemonClient::Line {
   double state_since_s_ = now_s();
 
   std::string url_;
-  std::optional<server::OscUrl> parsed_;
-  std::future<Result<server::Endpoint>> resolving_;
-  std::optional<server::OscSocket> socket_;  // made and unmade under the mutex
-  server::Endpoint daemon_;
-  server::Datagram datagram_;
+  std::optional<wire::OscUrl> parsed_;
+  std::future<Result<wire::Endpoint>> resolving_;
+  std::optional<wire::OscSocket> socket_;  // made and unmade under the mutex
+  wire::Endpoint daemon_;
+  wire::Datagram datagram_;
   bool subscribed_ = false;
   double looked_up_s_ = 0, began_s_ = 0, status_asked_s_ = 0, subscription_asked_s_ = 0, heard_s_ = 0, noticed_s_ = 0;
 
@@ -130,7 +130,7 @@ void DaemonClient::Line::look_for(const std::string& url) {
   resolving_ = {};
   looked_up_s_ = 0;
   say(Kind::connecting, "Looking for a daemon at " + url_ + ".");
-  const auto parsed = server::parse_url(url_);
+  const auto parsed = wire::parse_url(url_);
   if (parsed) {
     parsed_ = *parsed;
   } else {
@@ -151,10 +151,10 @@ void DaemonClient::Line::look_up() {
   say(Kind::away, "No daemon is at " + url_ + ": " + daemon.error().message);
 }
 
-void DaemonClient::Line::bind(server::Endpoint daemon) {
+void DaemonClient::Line::bind(wire::Endpoint daemon) {
   // A daemon on this computer is asked from loopback; for another one, any of our addresses must do.
   const bool local = daemon.address >> 24 == 127;
-  auto socket = server::OscSocket::bind({local ? daemon.address : 0, 0});
+  auto socket = wire::OscSocket::bind({local ? daemon.address : 0, 0});
   if (!socket) return say(Kind::away, "Cannot talk to a daemon: " + socket.error().message);
   daemon_ = daemon;
   began_s_ = heard_s_ = now_s();
@@ -174,7 +174,7 @@ void DaemonClient::Line::part() {
 
 void DaemonClient::Line::transmit(const Request& request) {
   // What does not arrive shows in the answers that do not come.
-  static_cast<void>(socket_->send_to(daemon_, server::encode(protocol::format(request))));
+  static_cast<void>(socket_->send_to(daemon_, wire::encode(protocol::format(request))));
 }
 
 void DaemonClient::Line::send_queued() {
@@ -208,9 +208,9 @@ void DaemonClient::Line::listen() {
   }
 }
 
-void DaemonClient::Line::take(const server::Datagram& datagram) {
+void DaemonClient::Line::take(const wire::Datagram& datagram) {
   if (datagram.from != daemon_) return;
-  const auto messages = server::decode_packet(datagram.bytes);
+  const auto messages = wire::decode_packet(datagram.bytes);
   if (!messages) return;
   heard_s_ = now_s();
   for (const auto& [time, message] : *messages) {

@@ -1,6 +1,6 @@
 #include "clients/viewer/link/model.h"
 
-#include "protocol/floats.h"
+#include "protocol/wire/floats.h"
 
 #include <algorithm>
 #include <string_view>
@@ -170,7 +170,7 @@ void Model::on(const protocol::NotifyModes& reply, double now_s) {
   KnownObject* object = find(reply.object);
   if (!object || reply.first < 0) return;
   const auto modes = std::min(static_cast<std::size_t>(std::max(0, object->modes)), kMaxModes);
-  const std::vector<float> told = protocol::decode_floats(reply.amplitudes);
+  const std::vector<float> told = wire::decode_floats(reply.amplitudes);
   if (static_cast<std::size_t>(reply.first) + told.size() > modes) return;
   object->amplitudes.resize(modes);
   std::ranges::copy(told, object->amplitudes.begin() + reply.first);

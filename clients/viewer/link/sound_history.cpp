@@ -1,6 +1,6 @@
 #include "clients/viewer/link/sound_history.h"
 
-#include "protocol/floats.h"
+#include "protocol/wire/floats.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +32,7 @@ void SoundHistory::take(const protocol::NotifySound& piece) {
     missing_frames_ += static_cast<std::uint64_t>(gap);
     append_silence(static_cast<std::uint64_t>(gap));
   }
-  const std::vector<float> samples = protocol::decode_floats(piece.samples);
+  const std::vector<float> samples = wire::decode_floats(piece.samples);
   for (std::size_t i = 0; i + 1 < samples.size(); i += 2) append(samples[i], samples[i + 1]);
   next_frame_ = static_cast<std::int32_t>((piece.frame + samples.size() / 2) % protocol::kFrameModulus);
 }

@@ -112,7 +112,7 @@ class Workshop {
   synth::Cut plain, strict, none;  // all pass and nobody is asked, all pass, none does
 
  private:
-  static protocol::Event blow() {
+  static synth::Event blow() {
     return {.point_m = {0.05, 0.02, 0.03}, .impulse_ns = {1, 2, 3}, .contact_time_s = 1e-4};
   }
 

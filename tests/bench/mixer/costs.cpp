@@ -21,16 +21,14 @@ Map random_object(std::uint32_t seed, std::size_t modes) {
 // Strikes objects somewhere, at some time within a block.
 class Player {
  public:
-  protocol::Event strike(protocol::ObjectNumber object, protocol::Frame block_start) {
-    return {.frame = block_start + static_cast<protocol::Frame>(random_() % kBlock),
+  synth::Event strike(synth::ObjectNumber object, synth::Frame block_start) {
+    return {.frame = block_start + static_cast<synth::Frame>(random_() % kBlock),
             .object = object,
             .point_m = {coordinate(), coordinate(), coordinate()},
             .impulse_ns = {1e-3, 2e-3, 3e-3},
             .contact_time_s = 1e-4};
   }
-  protocol::ObjectNumber any_of(std::size_t objects) {
-    return static_cast<protocol::ObjectNumber>(random_() % objects);
-  }
+  synth::ObjectNumber any_of(std::size_t objects) { return static_cast<synth::ObjectNumber>(random_() % objects); }
 
  private:
   double coordinate() { return std::uniform_real_distribution<double>(-0.1, 0.1)(random_); }
@@ -46,12 +44,11 @@ Row strike_cost(std::size_t modes, bool quick) {
   Player player;
   const auto strike_all = [&] {
     for (std::size_t object = 0; object < kObjects; ++object) {
-      stage.push(player.strike(static_cast<protocol::ObjectNumber>(object), stage.frame()));
+      stage.push(player.strike(static_cast<synth::ObjectNumber>(object), stage.frame()));
     }
   };
   for (std::size_t object = 0; object < kObjects; ++object) {
-    stage.install(static_cast<protocol::ObjectNumber>(object),
-                  random_object(static_cast<std::uint32_t>(object), modes));
+    stage.install(static_cast<synth::ObjectNumber>(object), random_object(static_cast<std::uint32_t>(object), modes));
   }
   strike_all();
   for (std::size_t r = 0; r < repeats; ++r) {
@@ -70,7 +67,7 @@ void measure_silence(const Settings& settings, const Sink& sink) {
   const Map map = random_object(1, kModes);
   Stage stage(kBlock);
   for (std::size_t object = 0; object < kObjects; ++object) {
-    stage.install(static_cast<protocol::ObjectNumber>(object), map);
+    stage.install(static_cast<synth::ObjectNumber>(object), map);
   }
   BlockTimes times;
   for (int r = 0; r < 15; ++r) time_repeat([&] { stage.render(); }, settings.quick ? 0.005 : 0.05, times);
@@ -91,7 +88,7 @@ void measure_storm(const Settings& settings, const Sink& sink) {
   for (std::uint32_t seed = 0; seed < kBanks; ++seed) maps.push_back(random_object(seed, kModes));
   Stage stage(kBlock);
   for (std::size_t object = 0; object < kObjects; ++object) {
-    stage.install(static_cast<protocol::ObjectNumber>(object), maps[object % kBanks]);
+    stage.install(static_cast<synth::ObjectNumber>(object), maps[object % kBanks]);
   }
   Player player;
   double due = 0;
@@ -123,8 +120,8 @@ void measure_decay(const Settings& settings, const Sink& sink) {
     Stage stage(kBlock);
     Player player;
     for (std::size_t object = 0; object < kObjects; ++object) {
-      stage.install(static_cast<protocol::ObjectNumber>(object), maps[object]);
-      stage.push(player.strike(static_cast<protocol::ObjectNumber>(object), 0));
+      stage.install(static_cast<synth::ObjectNumber>(object), maps[object]);
+      stage.push(player.strike(static_cast<synth::ObjectNumber>(object), 0));
     }
     stage.render();
     for (std::size_t i = 0; i < kRows; ++i) {

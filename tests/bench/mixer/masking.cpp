@@ -52,19 +52,19 @@ Played play(const std::vector<Map>& maps, std::size_t each, double spread_db, bo
   mixer.set_masking(masking);
   for (std::size_t i = 0; i < each * maps.size(); ++i) {
     const Map& map = maps[i % maps.size()];
-    const auto object = static_cast<protocol::ObjectNumber>(i);
+    const auto object = static_cast<synth::ObjectNumber>(i);
     if (!mixer.install(object, std::make_unique<synth::Voice>(map, modal::MaterialScale{}, kRate),
                        synth::Mixer::Install::replace)) {
       continue;
     }
     for (int strike = 0; strike < 5; ++strike) {
       const double impulse = 0.05 * std::pow(10.0, -spread_db * uniform() / 20);
-      const protocol::Event event{.frame = static_cast<protocol::Frame>(2 * kRate * uniform()),
-                                  .object = object,
-                                  .type = protocol::EventType::strike_vertex,
-                                  .vertex = static_cast<std::uint32_t>(random() % map->bank().point_count()),
-                                  .impulse_ns = {impulse * uniform(), impulse * uniform(), impulse * uniform()},
-                                  .contact_time_s = 0.0003};
+      const synth::Event event{.frame = static_cast<synth::Frame>(2 * kRate * uniform()),
+                               .object = object,
+                               .type = synth::EventType::strike_vertex,
+                               .vertex = static_cast<std::uint32_t>(random() % map->bank().point_count()),
+                               .impulse_ns = {impulse * uniform(), impulse * uniform(), impulse * uniform()},
+                               .contact_time_s = 0.0003};
       static_cast<void>(mixer.push(synth::Producer::control, event));
     }
   }

@@ -18,7 +18,7 @@ std::unique_ptr<Stage> instances_of(const Map& map, std::size_t instances, bool 
   auto stage = std::make_unique<Stage>(kBlock);
   const auto table = std::make_shared<synth::ModeTable>(map, modal::MaterialScale{}, kRate);
   for (std::size_t i = 0; i < instances; ++i) {
-    const auto object = static_cast<protocol::ObjectNumber>(i);
+    const auto object = static_cast<synth::ObjectNumber>(i);
     if (of_one_table) {
       stage->install(object, table);
     } else {

@@ -35,8 +35,8 @@ Map bank_of(const Spread& spread, std::size_t first, std::size_t step) {
   return std::make_shared<const modal::StrikeMap>(test::shared(std::move(bank)));
 }
 
-protocol::Event strike_of(protocol::ObjectNumber object) {
-  return {.object = object, .type = protocol::EventType::strike_vertex, .vertex = 0, .impulse_ns = {0, 0, 1}};
+synth::Event strike_of(synth::ObjectNumber object) {
+  return {.object = object, .type = synth::EventType::strike_vertex, .vertex = 0, .impulse_ns = {0, 0, 1}};
 }
 
 std::vector<Sinusoid> sinusoids_of(const modal::Bank& bank) {
@@ -49,18 +49,18 @@ std::vector<Sinusoid> sinusoids_of(const modal::Bank& bank) {
   return list;
 }
 
-void Stage::install(protocol::ObjectNumber object, const Map& map) {
+void Stage::install(synth::ObjectNumber object, const Map& map) {
   install(object, std::make_shared<synth::ModeTable>(map, modal::MaterialScale{}, kRate));
 }
 
-void Stage::install(protocol::ObjectNumber object, const std::shared_ptr<synth::ModeTable>& table) {
+void Stage::install(synth::ObjectNumber object, const std::shared_ptr<synth::ModeTable>& table) {
   auto voice = std::make_unique<synth::Voice>(table);
   if (mixer_.install(object, std::move(voice), synth::Mixer::Install::replace)) return;
   std::fprintf(stderr, "the mixer has no room for object %u\n", object);
   std::exit(1);
 }
 
-void Stage::push(const protocol::Event& event) {
+void Stage::push(const synth::Event& event) {
   if (!mixer_.push(synth::Producer::control, event)) ++lost_;
 }
 
@@ -74,12 +74,12 @@ std::unique_ptr<Stage> ringing_stage(const Spread& spread, std::size_t objects, 
   if (threads > 1) stage->set_threads(threads);
   const double before = heap_bytes();
   for (std::size_t object = 0; object < objects; ++object) {
-    stage->install(static_cast<protocol::ObjectNumber>(object), maps[object]);
+    stage->install(static_cast<synth::ObjectNumber>(object), maps[object]);
   }
   stage->render();
   if (bytes_per_mode) *bytes_per_mode = (heap_bytes() - before) / static_cast<double>(spread.modes);
   for (std::size_t object = 0; object < objects; ++object) {
-    stage->push(strike_of(static_cast<protocol::ObjectNumber>(object)));
+    stage->push(strike_of(static_cast<synth::ObjectNumber>(object)));
   }
   stage->render();
   return stage;

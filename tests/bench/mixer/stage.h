@@ -22,7 +22,7 @@ struct Spread {
 // Every `step`-th mode of the spread from number `first`, so that several objects together hold all of it. Struck by
 // strike_of(), each mode sounds with `amplitude`.
 Map bank_of(const Spread& spread, std::size_t first = 0, std::size_t step = 1);
-protocol::Event strike_of(protocol::ObjectNumber object);
+synth::Event strike_of(synth::ObjectNumber object);
 
 // amplitude exp(-decay t) sin(2 pi frequency t)
 struct Sinusoid {
@@ -36,14 +36,14 @@ class Stage {
   static constexpr double kPan = 0.70710678118654752;  // gain of either channel: objects stand in the middle
 
   explicit Stage(std::size_t block) : left_(block), right_(block) {}
-  void install(protocol::ObjectNumber object, const Map& map);  // with a table of its own
-  void install(protocol::ObjectNumber object, const std::shared_ptr<synth::ModeTable>& table);
+  void install(synth::ObjectNumber object, const Map& map);  // with a table of its own
+  void install(synth::ObjectNumber object, const std::shared_ptr<synth::ModeTable>& table);
   void set_threads(std::size_t threads) { mixer_.set_threads(threads); }
-  void push(const protocol::Event& event);  // at its frame
-  void render();                            // one block
+  void push(const synth::Event& event);  // at its frame
+  void render();                         // one block
 
   [[nodiscard]] const std::vector<float>& left() const { return left_; }
-  [[nodiscard]] protocol::Frame frame() const { return mixer_.counters().frames.load(); }  // the next block's first
+  [[nodiscard]] synth::Frame frame() const { return mixer_.counters().frames.load(); }  // the next block's first
   [[nodiscard]] std::size_t ringing_modes() const { return mixer_.counters().ringing_modes.load(); }
   [[nodiscard]] std::size_t strikes() const { return mixer_.counters().strikes.load(); }
   [[nodiscard]] std::size_t lost() const { return lost_; }  // events for which there was no room

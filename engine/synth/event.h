@@ -1,0 +1,68 @@
+// What the mixer understands: something that happens to one object at one sample frame.
+//
+// A strike from a game over OSC, from the embedded scene or from a score is the same Event. Small and trivially
+// copyable, because it crosses threads through SpscRing by value. [any thread]
+#pragma once
+
+#include "engine/base/vec3.h"
+
+#include <cstdint>
+#include <type_traits>
+
+namespace ringdown::synth {
+
+using Frame = std::int64_t;          // sample frames since the mixer started
+using ObjectNumber = std::uint32_t;  // the object's place in the mixer, as the daemon assigned it
+
+enum class EventType : std::uint8_t {
+  strike,         // point_m, impulse_ns, contact_time_s: rings the object at the nearest point of its surface
+  strike_vertex,  // vertex, impulse_ns, contact_time_s: rings it at one sample point
+  gain,           // value: linear gain, reached over `ramp_s`
+  pan,            // value: -1 left ... +1 right, equal power
+  clear,          // fades what rings to silence within `ramp_s`, or a few milliseconds if that is longer
+  contact,        // point_m, contact: something slides or rolls on the object, or has stopped to
+  ring,           // vertex, count, value: sets so many modes going, from mode `vertex` up, each at that amplitude
+  click,          // impulse_ns, contact_time_s: sets the object in motion as a whole, which is heard too
+};
+
+// A surface as what slides on it feels it: a random profile, of two surfaces the sum.
+struct Texture {
+  double roughness_m = 2e-6;     // root mean square of its heights
+  double correlation_m = 5e-5;   // longest wavelength of its roughness
+  double spectral_slope = -2.4;  // power over spatial frequency falls as f^slope, <= 0
+  friend bool operator==(const Texture&, const Texture&) = default;
+};
+
+// A contact that lasts, as it is at one moment. It goes on as it was told last, and changes evenly from one telling to
+// the next; it ends when the force is 0, or when nothing was told of it for a while.
+struct Contact {
+  std::uint32_t number = 0;  // which of the object's contacts
+  Vec3 force_n;              // on the object, its frame: normal and friction together
+  double slip_m_s = 0;       // speed at which the two surfaces slide past each other
+  double roll_m_s = 0;       // speed at which the point of contact travels over the object as they roll
+  Texture texture;
+};
+
+struct Event {
+  Frame frame = 0;
+  ObjectNumber object = 0;
+  EventType type = EventType::strike;
+  std::uint32_t vertex = 0;
+  std::uint32_t count = 0;
+  Vec3 point_m;               // object frame
+  Vec3 impulse_ns;            // object frame [N s]
+  double contact_time_s = 0;  // duration of the half-sine force pulse; 0 is an ideal impulse
+  double value = 0;
+  double ramp_s = 0;
+  Contact contact;
+};
+static_assert(std::is_trivially_copyable_v<Event>);
+
+constexpr bool is_strike(const Event& event) {
+  return event.type == EventType::strike || event.type == EventType::strike_vertex;
+}
+
+// What it adds to the states of modes is all that it does.
+constexpr bool excites(const Event& event) { return is_strike(event) || event.type == EventType::ring; }
+
+}  // namespace ringdown::synth

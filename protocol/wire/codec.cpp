@@ -1,0 +1,160 @@
+#include "protocol/wire/codec.h"
+
+#include <lo/lo.h>
+
+#include <algorithm>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+namespace ringdown::wire {
+namespace {
+
+struct FreeMessage {
+  void operator()(void* message) const { lo_message_free(static_cast<lo_message>(message)); }
+};
+struct FreeBundle {
+  void operator()(void* bundle) const { lo_bundle_free_recursive(static_cast<lo_bundle>(bundle)); }
+};
+using MessageHandle = std::unique_ptr<void, FreeMessage>;  // lo_message and lo_bundle are both void*
+using BundleHandle = std::unique_ptr<void, FreeBundle>;
+static_assert(std::is_same_v<lo_message, void*> && std::is_same_v<lo_bundle, void*>);
+
+constexpr double kUnixEpochNtp = 2208988800;  // seconds from 1900 to 1970, RFC 868
+constexpr double kTwo32 = 4294967296;
+
+// liblo points into its buffer, where 8-byte values stand at multiples of 4.
+template <class T>
+T value_at(const lo_arg* argument) {
+  T value;
+  std::memcpy(&value, reinterpret_cast<const char*>(argument), sizeof value);
+  return value;
+}
+
+Argument to_argument(char type, const lo_arg* argument) {
+  switch (type) {
+    case LO_INT32:
+      return value_at<std::int32_t>(argument);
+    case LO_INT64:
+      return value_at<std::int64_t>(argument);
+    case LO_FLOAT:
+      return value_at<float>(argument);
+    case LO_DOUBLE:
+      return value_at<double>(argument);
+    case LO_BLOB: {
+      auto* const blob = reinterpret_cast<lo_blob>(const_cast<lo_arg*>(argument));
+      const auto* const first = static_cast<const std::byte*>(lo_blob_dataptr(blob));
+      return Blob(first, first + lo_blob_datasize(blob));
+    }
+    default:
+      break;
+  }
+  assert(type == LO_STRING);
+  return std::string(reinterpret_cast<const char*>(argument));
+}
+
+Result<TimedMessage> decode_message(const RawMessage& raw) {
+  std::vector<std::byte> bytes(raw.bytes.begin(), raw.bytes.end());  // liblo wants to write
+  const MessageHandle handle(lo_message_deserialise(bytes.data(), bytes.size(), nullptr));
+  if (!handle) return fail(ErrorKind::bad_input, "no OSC packet: liblo cannot read it");
+  TimedMessage timed{raw.time, {reinterpret_cast<const char*>(raw.bytes.data()), {}}};
+  const char* const types = lo_message_get_types(handle.get());
+  lo_arg** const arguments = lo_message_get_argv(handle.get());
+  const int count = lo_message_get_argc(handle.get());
+  for (int i = 0; i < count; ++i) timed.message.arguments.push_back(to_argument(types[i], arguments[i]));
+  return timed;
+}
+
+void add(lo_message message, std::int32_t value) { lo_message_add_int32(message, value); }
+void add(lo_message message, std::int64_t value) { lo_message_add_int64(message, value); }
+void add(lo_message message, float value) { lo_message_add_float(message, value); }
+void add(lo_message message, double value) { lo_message_add_double(message, value); }
+void add(lo_message message, const std::string& value) { lo_message_add_string(message, value.c_str()); }
+void add(lo_message message, const Blob& value) {
+  // lo_blob_new() makes none without bytes. As in an argument, a blob is its size, then its bytes.
+  std::vector<std::uint32_t> blob(1 + (value.size() + 3) / 4);
+  blob[0] = static_cast<std::uint32_t>(value.size());
+  std::ranges::copy(value, reinterpret_cast<std::byte*>(blob.data() + 1));
+  lo_message_add_blob(message, blob.data());
+}
+
+MessageHandle to_liblo(const Message& message) {
+  MessageHandle handle(lo_message_new());
+  for (const Argument& argument : message.arguments) {
+    std::visit([&](const auto& value) { add(handle.get(), value); }, argument);
+  }
+  return handle;
+}
+
+// Takes over what liblo serialised with malloc.
+std::vector<std::byte> take(void* serialised, std::size_t size) {
+  const auto* const first = static_cast<const std::byte*>(serialised);
+  std::vector<std::byte> bytes(first, first + size);
+  std::free(serialised);
+  return bytes;
+}
+
+}  // namespace
+
+Result<std::vector<TimedMessage>> decode_packet(std::span<const std::byte> packet) {
+  const Result<std::vector<RawMessage>> raw = split_packet(packet);
+  if (!raw) return fail(raw.error());
+  std::vector<TimedMessage> messages;
+  for (const RawMessage& element : *raw) {
+    Result<TimedMessage> message = decode_message(element);
+    if (!message) return fail(message.error());
+    messages.push_back(std::move(*message));
+  }
+  return messages;
+}
+
+std::vector<std::byte> encode(const Message& message) {
+  std::size_t size = 0;
+  void* const serialised = lo_message_serialise(to_liblo(message).get(), message.address.c_str(), nullptr, &size);
+  return take(serialised, size);
+}
+
+std::vector<std::byte> encode_bundle(TimeTag time, std::span<const Message> messages) {
+  const lo_timetag tag{static_cast<std::uint32_t>(time >> 32), static_cast<std::uint32_t>(time)};
+  const BundleHandle bundle(lo_bundle_new(tag));
+  for (const Message& message : messages) {
+    lo_bundle_add_message(bundle.get(), message.address.c_str(), to_liblo(message).release());
+  }
+  std::size_t size = 0;
+  void* const serialised = lo_bundle_serialise(bundle.get(), nullptr, &size);
+  return take(serialised, size);
+}
+
+TimeTag time_tag(double unix_s) {
+  const double ntp_s = unix_s + kUnixEpochNtp;
+  const double whole = std::floor(ntp_s);
+  const auto fraction = static_cast<TimeTag>((ntp_s - whole) * kTwo32);
+  return static_cast<TimeTag>(whole) << 32 | fraction;
+}
+
+double unix_seconds(TimeTag time) {
+  return static_cast<double>(time >> 32) - kUnixEpochNtp + static_cast<double>(time & 0xffffffff) / kTwo32;
+}
+
+Result<OscUrl> parse_url(std::string_view url) {
+  constexpr std::string_view kScheme = "osc.udp://";
+  const auto refuse = [&] {
+    return fail(ErrorKind::bad_input,
+                "'" + std::string(url) + "' is no address of a daemon; write it like osc.udp://127.0.0.1:7770");
+  };
+  if (!url.starts_with(kScheme)) return refuse();
+  std::string_view rest = url.substr(kScheme.size());
+  if (rest.ends_with('/')) rest.remove_suffix(1);
+  const std::size_t colon = rest.rfind(':');
+  if (colon == rest.npos || colon == 0) return refuse();
+  const std::string_view digits = rest.substr(colon + 1);
+  std::uint16_t port = 0;
+  const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+  if (error != std::errc() || stop != digits.data() + digits.size() || port == 0) return refuse();
+  return OscUrl{std::string(rest.substr(0, colon)), port};
+}
+
+}  // namespace ringdown::wire

@@ -1,0 +1,79 @@
+// A UDP socket for OSC. Ours instead of liblo's, which always listens on all interfaces.
+//
+//   auto socket = OscSocket::bind(*resolve("127.0.0.1", 7770));
+//   Datagram datagram;                        // kept by the caller, so that its memory is used again
+//   while (!stopping) {
+//     if (socket->receive(datagram, 100ms)) handle(datagram.bytes, datagram.from);
+//   }
+//
+// One thread receives; any thread may send and wake. [any thread but audio]
+#pragma once
+
+#include "engine/base/result.h"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace ringdown::wire {
+
+// An IPv4 address and port.
+struct Endpoint {
+  std::uint32_t address = 0x7f000001;  // 127.0.0.1, in this computer's byte order
+  std::uint16_t port = 0;
+  friend bool operator==(const Endpoint&, const Endpoint&) = default;
+};
+
+// Looks a host name up, or reads a dotted address. May ask a name server.
+Result<Endpoint> resolve(const std::string& host, std::uint16_t port);
+
+// "127.0.0.1:7770"
+std::string to_text(Endpoint endpoint);
+
+struct Datagram {
+  std::vector<std::byte> bytes;
+  Endpoint from;
+  double age_s = 0;  // how long the kernel kept it until receive() took it, by the realtime clock; never negative
+};
+
+class OscSocket {
+ public:
+  // Port 0 takes any free one. The address must be this computer's; 127.0.0.1, which nobody outside can reach, unless
+  // the user asked for another. A taken port is an error whose sentence says so. Nothing shares the port.
+  static Result<OscSocket> bind(Endpoint endpoint = {});
+
+  OscSocket(OscSocket&& other) noexcept;
+  OscSocket& operator=(OscSocket&& other) noexcept;
+  ~OscSocket();
+
+  [[nodiscard]] Endpoint endpoint() const { return endpoint_; }
+  [[nodiscard]] std::uint16_t port() const { return endpoint_.port; }
+
+  // What the kernel queues for us while we are busy. We ask for 4 MiB; a plain user gets at most net.core.rmem_max.
+  [[nodiscard]] std::size_t receive_buffer_bytes() const;
+
+  // True when a datagram came; false after the timeout or a wake(). In a flood many are fetched from the kernel at
+  // once, and then given out one by one.
+  bool receive(Datagram& datagram, std::chrono::milliseconds timeout);
+
+  // Makes a receive() that waits, or the next one that asks the kernel, return false. Also from a signal handler.
+  void wake() noexcept;
+
+  Result<void> send_to(Endpoint to, std::span<const std::byte> bytes);
+
+ private:
+  struct Batch;
+
+  OscSocket(int socket, int waker, Endpoint endpoint);
+
+  int socket_ = -1;
+  int waker_ = -1;  // an eventfd
+  Endpoint endpoint_;
+  std::unique_ptr<Batch> batch_;  // made when first something is received
+};
+
+}  // namespace ringdown::wire

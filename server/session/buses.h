@@ -1,0 +1,51 @@
+// Which object is heard at which of the mixer's buses, and what the buses are called. A bus becomes an output port.
+//
+// By its label an object gets a bus: its own name, its group's, or none. Objects of one label share a bus; the bus is
+// there as long as one of them is. No other bus is moved when one comes or goes. [any thread but audio]
+#pragma once
+
+#include "engine/synth/event.h"
+#include "engine/synth/mixer.h"
+
+#include <cstddef>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+
+namespace ringdown::session {
+
+enum class PortMode { mix, objects, groups };
+
+class Buses {
+ public:
+  // Before any object.
+  void set_mode(PortMode mode) { mode_ = mode; }
+
+  // Gives the object its bus, after the one it had; nullopt: it is heard in the mix only, as asked or because all
+  // synth::kMaxBuses are taken (overflow() then grows).
+  std::optional<std::size_t> join(synth::ObjectNumber object, const std::string& name, const std::string& group);
+  void leave(synth::ObjectNumber object);
+
+  // Of the buses that are in use.
+  [[nodiscard]] std::map<std::size_t, std::string> names() const;
+
+  // How often an object found no free bus.
+  [[nodiscard]] std::size_t overflow() const;
+
+ private:
+  struct Bus {
+    std::string label;
+    std::set<synth::ObjectNumber> objects;
+  };
+  [[nodiscard]] std::optional<std::size_t> bus_for(const std::string& label);  // with the mutex
+  void drop(synth::ObjectNumber object, const std::string& but_not_label);     // with the mutex
+
+  PortMode mode_ = PortMode::mix;
+  mutable std::mutex mutex_;  // guards what follows
+  std::map<std::size_t, Bus> buses_;
+  std::size_t overflow_ = 0;
+};
+
+}  // namespace ringdown::session

@@ -1,0 +1,73 @@
+// The folders that files may be opened in. What a message names, a stranger may have named.
+//
+// A path is taken only if it leads, by its words and through every link, to a regular file of bounded size below one of
+// the folders. `..` that leaves a folder, links that lead out of it, fifos, devices, sockets and folders are refused
+// before anything is read. [any thread but audio]
+#pragma once
+
+#include "engine/base/result.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ringdown::session {
+
+// What a message may have written: the file's name ends in `ending`, and its content has `mark` at byte `mark_at`.
+struct WrittenKind {
+  std::string_view ending, mark;
+  std::size_t mark_at = 0;
+};
+inline constexpr WrittenKind kScoreKind{".osc", "#bundle", 4};
+inline constexpr WrittenKind kStateKind{".toml", "# What ringdownd holds"};
+
+class FileRoots {
+ public:
+  // Every file may be opened: for programs whose user names each one himself.
+  FileRoots() = default;
+
+  enum class Guard {
+    kernel,  // openat2 with RESOLVE_BENEATH, which nobody can race; `path` where the kernel has none
+    path,    // the canonical path is checked, then opened without following a last link
+  };
+
+  // Only files below `folders`, which must exist.
+  static Result<FileRoots> only(const std::vector<std::filesystem::path>& folders, Guard guard = Guard::kernel);
+
+  // The whole file. A relative path starts in the current folder.
+  [[nodiscard]] Result<std::string> read(const std::filesystem::path& path, std::size_t limit_bytes) const;
+
+  // Up to `most_bytes` from `offset` on, and how long the file is.
+  struct Piece {
+    std::vector<std::byte> bytes;
+    std::size_t total = 0;
+  };
+  [[nodiscard]] Result<Piece> read_piece(const std::filesystem::path& path, std::size_t offset,
+                                         std::size_t most_bytes) const;
+
+  // The folders, as they were given; none when every file may be opened.
+  [[nodiscard]] std::vector<std::filesystem::path> folders() const;
+
+  // Where a file may be written: the path, without links, of a name in a folder that is inside. What stands there
+  // already must be a regular file of the same kind, or empty: a stranger's message replaces nothing else.
+  [[nodiscard]] Result<std::filesystem::path> writable(const std::filesystem::path& path,
+                                                       const WrittenKind& kind) const;
+
+ private:
+  struct Root {
+    std::filesystem::path given, real;  // absolute; without links
+    std::shared_ptr<const int> folder;  // an open descriptor
+  };
+  [[nodiscard]] Result<int> open(const std::filesystem::path& path) const;
+  [[nodiscard]] Result<int> open_in(const Root& root, const std::filesystem::path& below) const;
+  [[nodiscard]] tl::unexpected<Error> outside(const std::filesystem::path& path) const;
+
+  bool open_everywhere_ = true;
+  Guard guard_ = Guard::kernel;
+  std::vector<Root> roots_;
+};
+
+}  // namespace ringdown::session

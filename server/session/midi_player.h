@@ -1,0 +1,52 @@
+// MIDI to events: notes strike, released notes and the damp pedal put a hand on what rings. [audio]
+//
+// The keyboard's state: which notes are down, which are kept by the sustain pedal. A note's velocity v, 1 to 127, gives
+// the share (v / 127)^2 of its full impulse J, so that the lowest is 84 dB below the highest; the blow lasts
+// (J_full / J)^(1/5) times as long as at full velocity, by Hertz's law of contact: soft blows are duller.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/base/spsc_ring.h"
+#include "engine/synth/event.h"
+#include "engine/synth/mixer.h"
+#include "server/session/note_map.h"
+
+#include <atomic>
+#include <bitset>
+#include <cstdint>
+#include <span>
+
+namespace ringdown::session {
+
+class MidiPlayer {
+ public:
+  // One message that happens at `frame`. What is no note, no pedal and no "all off" is passed over. What the mixer took
+  // goes to `played`, too, as long as there is room.
+  void play(std::span<const std::uint8_t> message, synth::Frame frame, const NoteTable& table, synth::Mixer& mixer,
+            SpscRing<synth::Event>& played) RINGDOWN_REALTIME;
+
+  // Events lost because the mixer's queue was full. [any]
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+
+ private:
+  using NoteSet = std::bitset<kNotes>;
+  struct Stage {
+    synth::Frame frame;
+    const NoteTable& table;
+    synth::Mixer& mixer;
+    SpscRing<synth::Event>& played;
+  };
+  void press(std::size_t note, std::uint8_t velocity, const Stage& stage) RINGDOWN_REALTIME;
+  void release(std::size_t note, const Stage& stage) RINGDOWN_REALTIME;
+  void move_pedal(std::uint8_t pedal, bool down, const Stage& stage) RINGDOWN_REALTIME;
+  void damp(std::size_t note, double within_s, const Stage& stage) RINGDOWN_REALTIME;
+  void damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME;
+  [[nodiscard]] bool kept(synth::ObjectNumber object, const NoteTable& table) const RINGDOWN_REALTIME;
+  void push(const synth::Event& event, const Stage& stage) RINGDOWN_REALTIME;
+
+  NoteSet down_, sustained_;  // keys that are down; released ones that the pedal keeps
+  bool sustain_ = false, damping_ = false;
+  std::atomic<std::uint64_t> dropped_ = 0;
+};
+
+}  // namespace ringdown::session

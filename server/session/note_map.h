@@ -1,0 +1,74 @@
+// Which note of a MIDI keyboard strikes which object, where, and how hard (docs/midi.md).
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/base/vec3.h"
+#include "engine/synth/event.h"
+#include "server/session/rack.h"
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ringdown::session {
+
+inline constexpr std::size_t kNotes = 128;
+inline constexpr std::size_t kFirstDefaultNote = 60;  // middle C strikes the first object when nothing else is said
+
+// A map as its file says it. What is left out is chosen from the object's bank.
+struct NoteMap {
+  struct Entry {
+    std::size_t note = 0;
+    std::string object;
+    std::optional<Vec3> point_m;     // object frame
+    std::optional<Vec3> impulse_ns;  // at full velocity
+    std::optional<double> contact_time_s;
+  };
+  std::vector<Entry> notes;
+  std::optional<double> release_s;  // a released note is damped within this time; nothing: it rings on
+  double damp_s = 0.15;             // what the damp pedal takes
+};
+
+// Refuses with one sentence what is out of range and two entries for one note. [worker]
+Result<NoteMap> read_note_map(const std::filesystem::path& path);
+
+// The map with everything chosen: what the audio thread reads.
+struct NoteTable {
+  struct Strike {
+    synth::ObjectNumber object = 0;
+    Vec3 point_m;
+    Vec3 impulse_ns;            // at full velocity
+    double contact_time_s = 0;  // likewise
+  };
+  std::array<std::optional<Strike>, kNotes> notes;
+  std::optional<double> release_s;
+  double damp_s = 0.15;
+};
+
+// How an object is struck where nothing else is said: at the point where the eight most important modes move most, in
+// the direction in which the first of them moves there, with kDefaultVelocity_m_s times its mass.
+NoteTable::Strike best_strike(const RackObject& object);
+inline constexpr double kDefaultVelocity_m_s = 0.1;
+
+// Without a map, note kFirstDefaultNote strikes the object of the lowest number, the next note the next one. What is
+// not named is as in best_strike().
+NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<RackObject>& objects);
+
+// The table for the objects that a rack holds now, made anew only when these have changed.
+class Notes {
+ public:
+  Notes(const Rack& rack, std::optional<NoteMap> map) : rack_(rack), map_(std::move(map)) {}
+  std::shared_ptr<const NoteTable> table();  // [one thread, not audio]
+
+ private:
+  const Rack& rack_;
+  std::optional<NoteMap> map_;
+  std::optional<std::uint64_t> version_;
+  std::shared_ptr<const NoteTable> table_;
+};
+
+}  // namespace ringdown::session

@@ -1,0 +1,182 @@
+#include "server/session/offline.h"
+
+#include "protocol/pattern.h"
+#include "protocol/schema.h"
+#include "server/session/session.h"
+
+#include <sndfile.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+namespace ringdown::session {
+namespace {
+
+using synth::Frame;
+
+// One render: a session, the score that plays it, and the samples so far.
+class Run {
+ public:
+  Run(const OfflineOptions& options, Recording& recording)
+      : options_(options), recording_(recording), session_(options.sample_rate_hz), score_(options.score) {
+    session_.rack().set_on_warning([this](const std::string& sentence) { recording_.warnings.push_back(sentence); });
+  }
+
+  Result<void> prepare() {
+    apply(options_.sound, session_.rack().mixer());
+    for (const auto& [name, bank] : options_.objects) {
+      if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());
+    }
+    if (options_.scene) {
+      if (const auto loaded = session_.scene().load(*options_.scene, 0); !loaded) return fail(loaded.error());
+    }
+    const double score_s = take_score_length();
+    const double seconds = options_.seconds.value_or(std::max(score_s, session_.scene().duration_s()));
+    if (!(seconds > 0 && seconds <= kMaxRender_s)) {
+      return fail(ErrorKind::bad_input,
+                  "nothing to render: name a scene or a score, or a length of 0 to 86400 s with --seconds");
+    }
+    const auto frames = static_cast<std::size_t>(std::llround(seconds * options_.sample_rate_hz)) + latency();
+    recording_.left.resize(frames);
+    recording_.right.resize(frames);
+    return {};
+  }
+
+  Result<void> render(const Progress& progress) {
+    const auto total = static_cast<Frame>(recording_.left.size());
+    const auto block = static_cast<Frame>(options_.block_frames);
+    for (Frame begin = 0; begin < total; begin += block) {
+      render_until(std::min(begin + block, total));
+      if (!progress(static_cast<double>(now_) / static_cast<double>(total)))
+        return fail(ErrorKind::cancelled, "cancelled; nothing was written");
+    }
+    for (auto* channel : {&recording_.left, &recording_.right}) {
+      channel->erase(channel->begin(), channel->begin() + static_cast<std::ptrdiff_t>(latency()));
+    }
+    return {};
+  }
+
+ private:
+  // The score's last event and a tail, or just its end mark: scores for scsynth close with a /c_set that does nothing.
+  double take_score_length() {
+    if (score_.empty()) return 0;
+    const double last_s = score_.back().time_s;
+    if (score_.back().message.address != "/c_set") return last_s + kTail_s;
+    score_.pop_back();
+    return last_s;
+  }
+
+  void render_until(Frame end) {
+    while (next_ < score_.size() && frame_of(score_[next_]) < end) {
+      const wire::ScoreEvent& event = score_[next_++];
+      if (!protocol::is_pattern(event.message.address)) {
+        carry_out(event);
+        continue;
+      }
+      const auto addresses = protocol::expand(event.message.address, *session_.rack().names());
+      if (!addresses) warn(event, addresses.error().message);
+      for (const std::string& address : addresses.value_or(std::vector<std::string>())) {
+        carry_out({event.time_s, {address, event.message.arguments}});
+      }
+    }
+    render_frames(end);
+  }
+
+  // Events go ahead with their frame; a request that changes more than that splits the block at its own frame.
+  void carry_out(const wire::ScoreEvent& event) {
+    const auto request = protocol::parse(event.message);
+    if (!request) return warn(event, request.error().message);
+    if (Session::is_event(*request)) {
+      flush_now_and_then();
+      if (const auto played = session_.play(*request, frame_of(event)); !played) warn(event, played.error().message);
+    } else {
+      render_frames(frame_of(event));
+      if (const auto done = session_.perform(*request, now_); !done) warn(event, done.error().message);
+    }
+  }
+
+  void render_frames(Frame end) {
+    session_.scene().advance_to(end, std::nullopt);
+    const auto begin = static_cast<std::size_t>(now_), count = static_cast<std::size_t>(end - now_);
+    session_.rack().mixer().render({recording_.left.data() + begin, count}, {recording_.right.data() + begin, count});
+    session_.rack().collect();
+    now_ = end;
+  }
+
+  // Rendering no frames moves events from the mixer's ring, which is short, to its queue.
+  void flush_now_and_then() {
+    if (++pushed_ % (synth::kQueueCapacity / 2) == 0) session_.rack().mixer().render({}, {});
+  }
+
+  [[nodiscard]] std::size_t latency() { return session_.rack().mixer().latency_frames(); }
+
+  [[nodiscard]] Frame frame_of(const wire::ScoreEvent& event) const {
+    return std::max(now_, static_cast<Frame>(std::llround(event.time_s * options_.sample_rate_hz)));
+  }
+
+  void warn(const wire::ScoreEvent& event, const std::string& sentence) {
+    recording_.warnings.push_back("at " + std::to_string(event.time_s) + " s: " + event.message.address + ": " +
+                                  sentence);
+  }
+
+  const OfflineOptions& options_;
+  Recording& recording_;
+  Session session_;
+  std::vector<wire::ScoreEvent> score_;
+  std::size_t next_ = 0, pushed_ = 0;
+  Frame now_ = 0;
+};
+
+}  // namespace
+
+Result<Recording> render_offline(const OfflineOptions& options, const Progress& progress) {
+  Recording recording{.sample_rate_hz = options.sample_rate_hz};
+  Run run(options, recording);
+  if (const auto ready = run.prepare(); !ready) return fail(ready.error());
+  if (const auto rendered = run.render(progress); !rendered) return fail(rendered.error());
+  for (const auto* channel : {&recording.left, &recording.right}) {
+    for (const float sample : *channel) recording.peak = std::max(recording.peak, std::abs(sample));
+  }
+  return recording;
+}
+
+Result<void> write_audio(const Recording& recording, const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending != ".wav" && ending != ".flac") {
+    return fail(ErrorKind::bad_input,
+                "cannot write " + path.string() + ": its name must end in .wav or .flac, which says the format");
+  }
+  SF_INFO info{.samplerate = static_cast<int>(recording.sample_rate_hz),
+               .channels = 2,
+               .format = ending == ".flac" ? SF_FORMAT_FLAC | SF_FORMAT_PCM_24 : SF_FORMAT_WAV | SF_FORMAT_FLOAT};
+  const std::filesystem::path temporary = path.string() + "." + std::to_string(::getpid()) + ".part";
+  std::error_code ignored;
+  SNDFILE* file = sf_open(temporary.c_str(), SFM_WRITE, &info);
+  if (!file) {
+    std::filesystem::remove(temporary, ignored);
+    return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + sf_strerror(nullptr));
+  }
+  sf_command(file, SFC_SET_CLIPPING, nullptr, SF_TRUE);
+  sf_command(file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);  // it holds the time of day
+  std::vector<float> frames(2 * recording.left.size());
+  for (std::size_t n = 0; n < recording.left.size(); ++n) {
+    frames[2 * n] = recording.left[n];
+    frames[2 * n + 1] = recording.right[n];
+  }
+  const auto count = static_cast<sf_count_t>(recording.left.size());
+  const bool written = sf_writef_float(file, frames.data(), count) == count;
+  const bool closed = sf_close(file) == 0;
+  std::error_code error;
+  if (written && closed) std::filesystem::rename(temporary, path, error);
+  if (!written || !closed || error) {
+    std::filesystem::remove(temporary, ignored);
+    return fail(ErrorKind::input_output,
+                "cannot write " + path.string() + ": " + (error ? error.message() : "the disk may be full"));
+  }
+  return {};
+}
+
+}  // namespace ringdown::session

@@ -1,0 +1,50 @@
+// Rendering without a clock: the same session, mixer and scene as the daemon's, driven as fast as the machine can.
+//
+// What `ringdown render` and `ringdownd --driver wav` do, and the oracle that live sound is compared with.
+// Bit-identical from run to run; at another block size the samples differ only by rounding.
+#pragma once
+
+#include "engine/base/result.h"
+#include "protocol/wire/message.h"
+#include "server/session/sound.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace ringdown::session {
+
+struct OfflineOptions {
+  std::optional<std::filesystem::path> scene;
+  std::vector<wire::ScoreEvent> score;                                 // by time, as read_score() returns it
+  std::vector<std::pair<std::string, std::filesystem::path>> objects;  // name, bank
+  std::optional<double> seconds;  // default: the scene's own duration, or up to the score's end mark /c_set, or its
+                                  // last event and kTail_s
+  double sample_rate_hz = 48000;
+  std::size_t block_frames = 256;
+  SoundOptions sound;  // the limiter's delay is taken off again
+};
+
+inline constexpr double kTail_s = 5;
+inline constexpr double kMaxRender_s = 24 * 3600;
+
+struct Recording {
+  double sample_rate_hz = 0;
+  std::vector<float> left, right;
+  float peak = 0;                     // largest |sample|
+  std::vector<std::string> warnings;  // of the scene, and requests that were refused and when
+};
+
+// Called now and then with the share that is done, 0 ... 1; false cancels.
+using Progress = std::function<bool(double done)>;
+
+Result<Recording> render_offline(const OfflineOptions& options, const Progress& progress);
+
+// Stereo 32-bit float WAV, or 24-bit FLAC when the name ends in .flac. The file appears when it is complete.
+Result<void> write_audio(const Recording& recording, const std::filesystem::path& path);
+
+}  // namespace ringdown::session

@@ -1,0 +1,243 @@
+#include "server/session/state.h"
+
+#include "engine/base/atomic_file.h"
+#include "engine/base/toml_string.h"
+#include "engine/base/toml_table.h"
+#include "protocol/names.h"
+#include "server/session/file_roots.h"
+#include "server/session/recorder.h"
+#include "server/session/session.h"
+
+#include <array>
+#include <charconv>
+
+namespace ringdown::session {
+namespace {
+
+constexpr Range kGain{0, 100}, kPan{-1, 1}, kDamping{0, 1e3}, kScale{1e-3, 1e3}, kSize{1e-2, 1e2};
+constexpr Range kPosition_m{-1e4, 1e4}, kForce_n{-1e6, 1e6}, kDirection{-1e3, 1e3}, kTouch_ns_m{0, 1e6};
+
+void read_name(TomlTable& table, std::string_view key, std::string& name) {
+  table.text(key, name);
+  if (!name.empty() && !is_object_name(name)) {
+    table.complain(key, "a name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
+  }
+}
+
+void read_touch(TomlTable& table, modal::Touches& touches) {
+  std::uint64_t number = 0;
+  modal::ContactDamping touch;
+  table.require({"point_m", "damping_ns_m"});
+  table.whole("number", number, 0, modal::kFirstSceneTouch - 1);
+  table.vector("point_m", touch.point_m, kPosition_m);
+  table.vector("direction", touch.direction, kDirection);
+  table.number("damping_ns_m", touch.damping_ns_m, kTouch_ns_m);
+  touches[static_cast<std::uint32_t>(number)] = touch;
+}
+
+modal::ModeRange read_modes(TomlTable& table) {
+  std::uint64_t first = 0, count = modal::ModeRange::kAll;
+  table.whole("first", first, 0, protocol::kMaxNumber);
+  table.whole("count", count, 0, modal::ModeRange::kAll);
+  return {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
+}
+
+State::Object read_object(TomlTable& table) {
+  State::Object object;
+  std::string bank;
+  table.require({"name", "bank"});
+  read_name(table, "name", object.name);
+  table.text("bank", bank);
+  object.bank = bank;
+  table.number("gain", object.gain, kGain);
+  table.number("pan", object.pan, kPan);
+  if (table.has("group")) read_name(table, "group", object.group);
+  if (auto material = table.table("material")) {
+    material->number("alpha", object.material.alpha, kDamping);
+    material->number("beta", object.material.beta, kDamping);
+    material->number("density", object.material.density, kScale);
+    material->number("stiffness", object.material.stiffness, kScale);
+    material->number("size", object.material.size, kSize);
+  }
+  if (auto modes = table.table("modes")) object.modes = read_modes(*modes);
+  for (TomlTable& touch : table.tables("touch")) read_touch(touch, object.touches);
+  return object;
+}
+
+State::Input read_input(TomlTable& table) {
+  State::Input input;
+  std::uint64_t number = 1;
+  table.require({"input", "object", "point_m", "force_n"});
+  table.whole("input", number, 1, protocol::kMaxInputs);
+  input.input = number;
+  read_name(table, "object", input.object);
+  table.vector("point_m", input.point_m, kPosition_m);
+  table.vector("force_n", input.force_n, kForce_n);
+  return input;
+}
+
+State::Scene read_scene(TomlTable& table) {
+  State::Scene scene;
+  std::string file;
+  table.require({"file"});
+  table.text("file", file);
+  scene.file = file;
+  table.boolean("paused", scene.paused);
+  table.boolean("cleared", scene.cleared);
+  return scene;
+}
+
+// The shortest that reads back as the same number.
+std::string shown(double number) {
+  std::array<char, 32> digits{};
+  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr};
+}
+
+std::string shown(const Vec3& v) { return "[" + shown(v.x) + ", " + shown(v.y) + ", " + shown(v.z) + "]"; }
+
+}  // namespace
+
+Result<State> read_state(const std::filesystem::path& path) {
+  const auto text = read_whole_file(path, kMaxTomlFileBytes);
+  if (!text) return fail(text.error());
+  return parse_state(*text, path);
+}
+
+Result<State> parse_state(std::string_view text, const std::filesystem::path& path) {
+  auto file = TomlTable::parse(text, path);
+  if (!file) return fail(file.error());
+  State state;
+  for (TomlTable& table : file->tables("object")) state.objects.push_back(read_object(table));
+  for (TomlTable& table : file->tables("input")) state.inputs.push_back(read_input(table));
+  if (auto table = file->table("scene")) state.scene = read_scene(*table);
+  if (const auto good = file->finish(); !good) return fail(good.error());
+  return state;
+}
+
+std::string to_toml(const State& state) {
+  std::string text = std::string(kStateKind.mark) + "; ringdownd --state reads it.\n";
+  for (const State::Object& object : state.objects) {
+    text += "\n[[object]]\nname = " + toml_string(object.name) + "\nbank = " + toml_string(object.bank.string()) + "\n";
+    text += "gain = " + shown(object.gain) + "\npan = " + shown(object.pan) + "\n";
+    if (!object.group.empty()) text += "group = " + toml_string(object.group) + "\n";
+    const modal::MaterialScale& m = object.material;
+    if (m != modal::MaterialScale{}) {
+      text += "material = { alpha = " + shown(m.alpha) + ", beta = " + shown(m.beta) +
+              ", density = " + shown(m.density) + ", stiffness = " + shown(m.stiffness) + ", size = " + shown(m.size) +
+              " }\n";
+    }
+    if (object.modes != modal::ModeRange{}) {
+      text += "modes = { first = " + std::to_string(object.modes.first) +
+              ", count = " + std::to_string(object.modes.count) + " }\n";
+    }
+    for (const auto& [number, touch] : object.touches) {
+      text += "[[object.touch]]\nnumber = " + std::to_string(number) + "\npoint_m = " + shown(touch.point_m) +
+              "\ndirection = " + shown(touch.direction) + "\ndamping_ns_m = " + shown(touch.damping_ns_m) + "\n";
+    }
+  }
+  for (const State::Input& input : state.inputs) {
+    text += "\n[[input]]\ninput = " + std::to_string(input.input) + "\nobject = " + toml_string(input.object) +
+            "\npoint_m = " + shown(input.point_m) + "\nforce_n = " + shown(input.force_n) + "\n";
+  }
+  if (!state.scene) return text;
+  const auto flag = [](bool on) { return on ? "true\n" : "false\n"; };
+  return text + "\n[scene]\nfile = " + toml_string(state.scene->file.string()) +
+         "\npaused = " + flag(state.scene->paused) + "cleared = " + flag(state.scene->cleared);
+}
+
+Result<void> write_state(const State& state, const std::filesystem::path& path) {
+  return write_file_atomically(path, to_toml(state));
+}
+
+State state_of(const Session& session, const Recorder& recorder) {
+  const Rack& rack = session.rack();
+  State state;
+  std::error_code ignored;
+  for (const RackObject& object : rack.objects()) {
+    const auto [gain, pan] = recorder.level(object.number);
+    const auto scenes = object.touches.lower_bound(modal::kFirstSceneTouch);
+    state.objects.push_back({object.name,
+                             std::filesystem::absolute(*object.bank, ignored),
+                             gain,
+                             pan,
+                             object.group,
+                             object.material,
+                             object.modes,
+                             {object.touches.begin(), scenes}});
+  }
+  for (std::size_t input = 0; input < rack.excitations().size(); ++input) {
+    const auto& excitation = rack.excitations()[input];
+    const auto object = excitation ? rack.find({.number = excitation->object}) : fail(ErrorKind::bad_input, "");
+    if (object) state.inputs.push_back({input + 1, object->name, excitation->point_m, excitation->force_n});
+  }
+  if (const auto playing = session.scene().playing()) {
+    state.scene = {std::filesystem::absolute(playing->file, ignored), playing->paused, playing->cleared};
+  }
+  return state;
+}
+
+namespace {
+
+Result<void> restore_scene(const State::Scene& scene, Session& session, synth::Frame frame) {
+  if (const auto loaded = session.scene().load(scene.file, frame); !loaded) return fail(loaded.error());
+  if (scene.paused) {
+    if (const auto paused = session.scene().pause(true); !paused) return paused;
+  }
+  return scene.cleared ? session.scene().clear() : Result<void>{};
+}
+
+// What takes an object from one set of touches to another; a scene's own stay.
+modal::Touches touches_for(const modal::Touches& wanted, const modal::Touches& present) {
+  modal::Touches changes = wanted;
+  for (const auto& [number, touch] : present) {
+    if (number < modal::kFirstSceneTouch) changes.try_emplace(number);  // without damping: taken away
+  }
+  return changes;
+}
+
+// `from`: when a scene's own gains and pans, which ours shall follow, come.
+Result<void> restore_object(const State::Object& object, Session& session, synth::Frame from) {
+  using synth::EventType;
+  Rack& rack = session.rack();
+  const protocol::ObjectRef ref{.name = object.name};
+  const bool was_there = rack.find(ref).has_value();
+  const auto number = session.perform(protocol::LoadObject{object.name, object.bank.string()}, from);
+  if (!number) return fail(number.error());
+  if (const auto set = rack.set_group(ref, object.group); !set) return set;
+  if (object.material != rack.find(ref)->material) {
+    if (const auto set = rack.set_material(ref, object.material); !set) return set;
+  }
+  if (object.modes != modal::ModeRange{}) {
+    if (const auto set = rack.select_modes(ref, object.modes); !set) return set;
+  }
+  if (const auto held = rack.hold(ref, touches_for(object.touches, rack.find(ref)->touches)); !held) return held;
+  const synth::Frame now = rack.mixer().counters().frames;
+  for (const auto& [type, value] : {std::pair(EventType::gain, object.gain), std::pair(EventType::pan, object.pan)}) {
+    for (const synth::Frame frame : {now, from}) {
+      if (frame == from && (!was_there || from == now)) continue;
+      const auto which = static_cast<synth::ObjectNumber>(**number);
+      if (!rack.push(synth::Producer::worker, {.frame = frame, .object = which, .type = type, .value = value})) {
+        return fail(ErrorKind::refused, "too many objects at once; wait for those before to be taken up");
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> restore(const State& state, Session& session, synth::Frame frame) {
+  if (state.scene) {
+    if (const auto restored = restore_scene(*state.scene, session, frame); !restored) return restored;
+  }
+  for (const State::Object& object : state.objects) {
+    if (const auto restored = restore_object(object, session, frame); !restored) return restored;
+  }
+  for (const State::Input& input : state.inputs) {
+    const auto set = session.rack().excite(input.input - 1, {.name = input.object}, input.point_m, input.force_n);
+    if (!set) return set;
+  }
+  return {};
+}
+
+}  // namespace ringdown::session

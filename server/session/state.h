@@ -1,0 +1,90 @@
+// What a daemon holds, as a readable TOML file: its objects with bank, gain, pan, material and group, what its inputs
+// excite, and its scene. `--state` and session managers load it; `/state/save` and session managers write it.
+//
+//   [[object]]
+//   name = "bell"
+//   bank = "/home/me/banks/bell.glb"
+//   gain = 0.5                                # what stands below may be left out: 1, 0, the bank's own, none
+//   pan = -0.3
+//   group = "metal"
+//   material = { alpha = 1, beta = 1, density = 1, stiffness = 4, size = 1 }   # factors, as in /object/.../material
+//   modes = { first = 0, count = 20 }         # which it has, by ascending frequency: as in /object/.../modes
+//   [[object.touch]]                          # as in /object/.../hold
+//   number = 0
+//   point_m = [0.05, 0, 0.02]
+//   direction = [0, 0, 0]
+//   damping_ns_m = 5
+//
+//   [[input]]
+//   input = 1
+//   object = "bell"
+//   point_m = [0.05, 0, 0.02]
+//   force_n = [0, 0, -1]
+//
+//   [scene]
+//   file = "/home/me/scenes/drop.toml"        # starts from its beginning
+//   paused = false
+//   cleared = false                           # whether its bodies were removed
+//
+// Not in it: what rings, where the scene's bodies are, bodies that were spawned, ports' connections (a session manager
+// keeps those itself). [worker, or before it runs]
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/base/vec3.h"
+#include "engine/modal/contact_damping.h"
+#include "engine/modal/material_scale.h"
+#include "engine/modal/mode_range.h"
+#include "engine/synth/event.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ringdown::session {
+
+class Recorder;
+class Session;
+
+struct State {
+  struct Object {
+    std::string name;
+    std::filesystem::path bank;
+    double gain = 1, pan = 0;
+    std::string group;  // empty: in none
+    modal::MaterialScale material;
+    modal::ModeRange modes;
+    modal::Touches touches;  // but those of the scene
+  };
+  struct Input {
+    std::size_t input = 1;  // in_1 is 1
+    std::string object;
+    Vec3 point_m, force_n;
+  };
+  struct Scene {
+    std::filesystem::path file;
+    bool paused = false, cleared = false;
+  };
+  std::vector<Object> objects;
+  std::vector<Input> inputs;
+  std::optional<Scene> scene;
+};
+
+// Refuses with one sentence, that begins with path:line, what is missing, wrong or unknown.
+Result<State> read_state(const std::filesystem::path& path);
+Result<State> parse_state(std::string_view text, const std::filesystem::path& path);
+
+std::string to_toml(const State& state);
+Result<void> write_state(const State& state, const std::filesystem::path& path);
+
+// As they are now; `recorder` knows gains and pans. Banks get absolute paths.
+State state_of(const Session& session, const Recorder& recorder);
+
+// Loads all that the state names; other objects stay, another scene does not. The scene starts at `frame`. Stops at the
+// first thing that cannot be.
+Result<void> restore(const State& state, Session& session, synth::Frame frame);
+
+}  // namespace ringdown::session
