@@ -1,5 +1,8 @@
-// Exit codes of all programs of Ringdown: one list, so that a script may rely on them.
+// Exit codes of all programs of Ringdown: one list, so that a script may rely on them, and the one place where the kind
+// of an error becomes an exit code. [main]
 #pragma once
+
+#include "engine/base/result.h"
 
 #include <string>
 #include <string_view>
@@ -17,7 +20,7 @@ enum class ExitCode : int {
   cancelled = 130,  // SIGINT, as shells count it: 128 + 2
 };
 
-// What a script's author wants to know of each.
+// The words for each code in --help and in the man pages.
 struct ExitMeaning {
   ExitCode code;
   std::string_view meaning;
@@ -34,13 +37,17 @@ inline constexpr ExitMeaning kExitMeanings[] = {
 };
 
 // "Exit codes: 0 ok, 1 failure, ...": printed by the programs' --help.
-inline std::string exit_code_help() {
-  std::string text;
-  for (const auto& [code, meaning] : kExitMeanings) {
-    text += (text.empty() ? "Exit codes: " : ", ") + std::to_string(static_cast<int>(code)) + " ";
-    text += meaning;
-  }
-  return text + ".";
-}
+std::string exit_code_help();
+
+// bad_input and too_large become bad_input; cancelled stays cancelled; refused, no_memory and input_output are
+// failures.
+ExitCode exit_code_of(ErrorKind kind);
+
+// Prints "PROGRAM: SENTENCE" to the standard error, after everything that was printed to the standard output, and
+// returns `code`. PROGRAM is the name by which the program was called, without folders.
+ExitCode complain(std::string_view sentence, ExitCode code);
+
+// Prints the error's sentence and returns the exit code for its kind.
+ExitCode complain(const Error& error);
 
 }  // namespace ringdown::protocol

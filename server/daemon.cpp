@@ -1,6 +1,6 @@
 #include "server/daemon.h"
 
-#include "engine/base/preset_folder.h"
+#include "engine/base/folders.h"
 #include "protocol/wire/score.h"
 #include "server/driver.h"
 #include "server/latency.h"
@@ -132,15 +132,14 @@ Result<void> check_render(const DaemonOptions& options) {
 
 ExitCode render_to_file(const DaemonOptions& options) {
   if (const auto good = check_render(options); !good) return report(good.error(), ExitCode::usage);
-  bool cancelled = false;
   const auto recording = session::render_offline({.scene = options.scene,
                                                   .objects = options.objects,
                                                   .seconds = options.seconds,
                                                   .sample_rate_hz = options.sample_rate_hz,
                                                   .block_frames = options.block_frames,
                                                   .sound = options.sound},
-                                                 [&cancelled](double) { return !(cancelled = signal_came(0ms)); });
-  if (!recording) return report(recording.error(), cancelled ? ExitCode::cancelled : ExitCode::bad_input);
+                                                 [](double) { return !signal_came(0ms); });
+  if (!recording) return protocol::complain(recording.error());
   if (const auto written = session::write_audio(*recording, options.output); !written) {
     return report(written.error(), ExitCode::failure);
   }

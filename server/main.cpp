@@ -1,14 +1,11 @@
 // ringdownd: command line and settings file to DaemonOptions.
-#include "manual/option.h"
+#include "packaging/manual/command_line.h"
 #include "server/daemon.h"
 #include "server/options.h"
 #include "server/settings.h"
 
-#include <CLI/CLI.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
-
-#include <cstdio>
 
 namespace {
 
@@ -33,7 +30,7 @@ const std::vector<ringdown::manual::Section> kSections = {
 }  // namespace
 
 int main(int argc, char** argv) {
-  using ringdown::protocol::ExitCode;
+  using namespace ringdown;
   using namespace ringdown::server;
   spdlog::set_default_logger(spdlog::stderr_color_mt("ringdownd"));
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
@@ -41,26 +38,16 @@ int main(int argc, char** argv) {
   DaemonOptions options;
   std::optional<std::string> settings;
   CLI::App app("Rings solid objects: a JACK client, struck by OSC messages.", "ringdownd");
-  app.set_version_flag("--version", "ringdownd " RINGDOWN_VERSION);
-  app.footer(ringdown::protocol::exit_code_help());
+  manual::add_common_options(app);
   add_options(app, options);
   app.add_option("--settings", settings,
                  "TOML file of options by their long names; none reads none (ringdown/ringdownd.toml in "
                  "$XDG_CONFIG_HOME, if there is one)")
       ->type_name("FILE")
       ->configurable(false);
-  ringdown::manual::add_manual_option(app, kSections);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const bool asked_for = error.get_exit_code() == 0;  // --help, --version, --manual
-    return app.exit(error) == 0 && asked_for ? 0 : static_cast<int>(ExitCode::usage);
-  }
+  if (const auto ended = manual::parse(app, argc, argv, kSections)) return static_cast<int>(*ended);
   if (const auto file = settings_file(settings)) {
-    if (const auto read = read_settings(app, *file); !read) {
-      std::fprintf(stderr, "ringdownd: %s\n", read.error().message.c_str());
-      return static_cast<int>(ExitCode::bad_input);
-    }
+    if (const auto read = read_settings(app, *file); !read) return static_cast<int>(protocol::complain(read.error()));
   }
   return static_cast<int>(run_daemon(options));
 }

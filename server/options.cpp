@@ -1,9 +1,8 @@
 #include "server/options.h"
 
 #include "engine/base/object_name.h"
+#include "packaging/manual/command_line.h"
 #include "server/daemon.h"
-
-#include <CLI/CLI.hpp>
 
 #include <cmath>
 #include <cstdio>
@@ -103,14 +102,14 @@ void add_driver(CLI::App& app, DaemonOptions& options) {
                                                     "given up to four times")
       ->type_name("OBJECT[:X,Y,Z[:FX,FY,FZ]]");
   app.add_option("--rate", options.sample_rate_hz, "Sample rate in Hz (wav, null)")
-      ->check(CLI::Range(8000.0, 768000.0))
+      ->check(manual::between(8000.0, 768000.0))
       ->capture_default_str();
   app.add_option("--block", options.block_frames, "Frames per block (wav, null)")
-      ->check(CLI::Range(1, 8192))
+      ->check(manual::between(1, 8192))
       ->capture_default_str();
   app.add_option("--capture", options.capture, "Write what is rendered (null): .wav or .flac")->type_name("FILE");
   app.add_option("--seconds", options.seconds, "Stop after this time; wav: the length of the file")
-      ->check(CLI::Range(0.0, 86400.0));
+      ->check(manual::between(0.0, 86400.0));
   app.add_option("-o,--output", options.output, "File to write (wav): .wav or .flac")
       ->type_name("FILE")
       ->capture_default_str();
@@ -134,18 +133,18 @@ void add_osc(CLI::App& app, DaemonOptions& options) {
   app.add_option_function<double>(
          "--merge", [&options](double merge_ms) { options.merge_s = 1e-3 * merge_ms; },
          "In a flood, strikes on one point so many ms apart become one; 0 merges none, and loses some; default 1")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(manual::between(0.0, 100.0))
       ->type_name("MS");
 }
 
 void add_mixer(CLI::App& app, DaemonOptions& options) {
   app.add_option("--threads", options.threads, "Threads that mix big scenes, JACK's among them; the others spin")
-      ->check(CLI::Range(1, 64))
+      ->check(manual::between(1, 64))
       ->capture_default_str();
   app.add_option_function<double>(
          "--budget", [&options](double percent) { options.budget = 0.01 * percent; },
          "jack: of a block's time, what may be used before what is heard least is left out; 0: all; 80 unless given")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(manual::between(0.0, 100.0))
       ->type_name("PERCENT");
   session::add_sound_options(app, options.sound);
 }

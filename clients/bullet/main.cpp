@@ -1,16 +1,14 @@
 // ringdown-bullet: an outside simulator. It plays a scene file in Bullet and sends a daemon what is to be heard.
 #include "clients/bullet/bullet_world.h"
 #include "clients/cli/daemon_link.h"
-#include "engine/base/preset_folder.h"
+#include "engine/base/folders.h"
 #include "engine/modal/bank_file.h"
 #include "engine/scene/scene_file.h"
+#include "packaging/manual/command_line.h"
 #include "protocol/defaults.h"
-#include "protocol/exit_codes.h"
 #include "protocol/schema.h"
 #include "protocol/wire/score.h"
 #include "server/event_sender.h"
-
-#include <CLI/CLI.hpp>
 
 #include <atomic>
 #include <chrono>
@@ -22,6 +20,7 @@
 namespace {
 
 using namespace ringdown;
+using protocol::complain;
 using protocol::ExitCode;
 using std::chrono::duration;
 
@@ -35,11 +34,6 @@ struct Options {
   double lead_s = 0.05;
   bool no_load = false;
 };
-
-ExitCode complain(const std::string& sentence, ExitCode code) {
-  std::fprintf(stderr, "ringdown-bullet: %s\n", sentence.c_str());
-  return code;
-}
 
 double unix_now_s() { return duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
 
@@ -95,7 +89,7 @@ ExitCode play(const Options& options, const scene::SceneDescription& scene, bull
     // Too slow a computer slows the scene, and bunches no strikes.
     if (ahead_s < -0.5 * options.lead_s) start_s -= ahead_s;
   }
-  if (lost > 0) return complain(std::to_string(lost) + " events could not be sent", ExitCode::failure);
+  if (lost > 0) return complain({ErrorKind::input_output, std::to_string(lost) + " events could not be sent"});
   return interrupted ? ExitCode::cancelled : ExitCode::ok;
 }
 
@@ -105,7 +99,7 @@ ExitCode write_events(const std::filesystem::path& path, const scene::SceneDescr
   std::vector<wire::ScoreEvent> score;
   for (const wire::Message& message : set_up(scene)) score.push_back({0, message});
   while (world.time_s() < seconds) {
-    if (interrupted) return complain("cancelled; nothing was written", ExitCode::cancelled);
+    if (interrupted) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
     const bullet::BulletWorld::Heard heard = world.step();
     const auto ref = [&](synth::ObjectNumber object) {
       return protocol::ObjectRef{.name = scene.objects[object].name};
@@ -121,14 +115,14 @@ ExitCode write_events(const std::filesystem::path& path, const scene::SceneDescr
   }
   score.push_back({world.time_s(), {"/c_set", {0, 0.f}}});  // scores end so
   const auto written = wire::write_score(score, path);
-  return written ? ExitCode::ok : complain(written.error().message, ExitCode::failure);
+  return written ? ExitCode::ok : complain(written.error());
 }
 
 ExitCode run(const Options& options) {
   const auto scene = scene::read_scene(options.scene, preset_folder().value_or(std::filesystem::path()));
-  if (!scene) return complain(scene.error().message, ExitCode::bad_input);
+  if (!scene) return complain(scene.error());
   auto world = make_world(*scene);
-  if (!world) return complain(options.scene.string() + ": " + world.error().message, ExitCode::bad_input);
+  if (!world) return complain({world.error().kind, options.scene.string() + ": " + world.error().message});
   std::signal(SIGINT, [](int) { interrupted = true; });
   const double seconds = options.seconds.value_or(scene->duration_s);
   return options.events ? write_events(*options.events, *scene, *world, seconds)
@@ -140,23 +134,19 @@ ExitCode run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app("Plays a scene in the physics engine Bullet, and a daemon with it.", "ringdown-bullet");
+  manual::add_common_options(app);
   app.add_option("scene", options.scene, "Scene file (docs/scenes.md)")->type_name("FILE")->required();
   app.add_option("--to", options.to, "The daemon")->type_name("URL")->capture_default_str();
   app.add_option("--events", options.events, "Send nothing: write an OSC score, for `ringdown render --events`")
       ->type_name("FILE");
   app.add_option("--seconds", options.seconds, "How long; default: what the scene says")
       ->type_name("SECONDS")
-      ->check(CLI::Range(0.0, wire::kMaxScore / 2));
+      ->check(manual::between(0.0, wire::kMaxScore / 2));
   app.add_option("--lead", options.lead_s, "How long before its time an event is sent, at least")
       ->type_name("SECONDS")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(manual::between(0.0, 10.0))
       ->capture_default_str();
   app.add_flag("--no-load", options.no_load, "The daemon has the scene's objects already");
-  app.footer(protocol::exit_code_help());
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::usage);
-  }
+  if (const auto ended = manual::parse(app, argc, argv)) return static_cast<int>(*ended);
   return static_cast<int>(run(options));
 }

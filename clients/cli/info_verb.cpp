@@ -3,7 +3,7 @@
 #include "clients/cli/pitch.h"
 #include "clients/cli/verb.h"
 #include "engine/base/atomic_file.h"
-#include "engine/base/fraction.h"
+#include "engine/base/range.h"
 #include "engine/modal/bank_file.h"
 
 #include <CLI/CLI.hpp>
@@ -79,30 +79,30 @@ struct InfoArguments {
   bool small = false;
 };
 
-// False when it could not be written, which has been said.
-bool write(const std::string& path, const std::string& bytes) {
-  const Result<void> written =
-      bytes.empty() ? Result<void>(fail(ErrorKind::no_memory, "cannot draw " + path + ": there is no memory for it"))
-                    : write_file_atomically(path, std::string_view(bytes));
-  if (!written) complain(written.error().message, ExitCode::failure);
-  return written.has_value();
+Result<void> write(const std::string& path, const std::string& bytes) {
+  if (bytes.empty()) return fail(ErrorKind::no_memory, "cannot draw " + path + ": there is no memory for it");
+  return write_file_atomically(path, std::string_view(bytes));
 }
 
-ExitCode draw(const modal::Bank& bank, const InfoArguments& arguments) {
+Result<void> draw(const modal::Bank& bank, const InfoArguments& arguments) {
   std::optional<Vec3> at;
   if (!arguments.at.empty()) at = Vec3{arguments.at[0], arguments.at[1], arguments.at[2]};
   const Answer answer = answer_of(bank, at);
-  if (!arguments.png.empty() && !write(arguments.png, draw_bank(Canvas::Kind::png, bank, answer, arguments.small))) {
-    return ExitCode::failure;
+  Result<void> written;
+  if (!arguments.png.empty()) {
+    written = write(arguments.png, draw_bank(Canvas::Kind::png, bank, answer, arguments.small));
   }
-  if (!arguments.html.empty() && !write(arguments.html, bank_page(bank, answer))) return ExitCode::failure;
-  return ExitCode::ok;
+  if (written && !arguments.html.empty()) written = write(arguments.html, bank_page(bank, answer));
+  return written;
 }
 
 ExitCode info(const InfoArguments& arguments) {
   const auto bank = modal::read_bank(arguments.bank);
-  if (!bank) return complain(bank.error().message, ExitCode::bad_input);
-  if (!arguments.html.empty() || !arguments.png.empty()) return draw(*bank, arguments);
+  if (!bank) return complain(bank.error());
+  if (!arguments.html.empty() || !arguments.png.empty()) {
+    const Result<void> drawn = draw(*bank, arguments);
+    return drawn ? ExitCode::ok : complain(drawn.error());
+  }
   print_head(*bank);
   print_modes(*bank);
   return ExitCode::ok;

@@ -1,25 +1,55 @@
 // The `ringdown` program: one command with verbs.
 #include "clients/cli/verb.h"
-#include "manual/option.h"
+#include "packaging/manual/command_line.h"
+#include "protocol/help.h"
 
-#include <CLI/CLI.hpp>
-
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
 #include <string>
-
-namespace ringdown::cli {
-
-ExitCode complain(std::string_view sentence, ExitCode code) {
-  std::fprintf(stderr, "ringdown: %.*s\n", static_cast<int>(sentence.size()), sentence.data());
-  return code;
-}
-
-}  // namespace ringdown::cli
+#include <unistd.h>
 
 namespace {
 
+using namespace ringdown;
+using namespace ringdown::cli;
+
+// Becomes the program of that name that lies beside this one. Returns only when that fails.
+ExitCode become(const std::string& name, std::vector<std::string> arguments) {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::string program = (self.parent_path() / name).string();
+  std::vector<char*> words = {const_cast<char*>(program.c_str())};
+  for (std::string& argument : arguments) words.push_back(argument.data());
+  words.push_back(nullptr);
+  ::execv(program.c_str(), words.data());
+  return complain({ErrorKind::refused, "cannot run " + program + ": " + std::strerror(errno) +
+                                           "; it is a program of its own, build or install it beside ringdown"});
+}
+
+// A verb that is a program of its own, ringdown-NAME, because it links what this program should not.
+void add_program_verb(CLI::App& app, ExitCode& outcome, const std::string& name, const std::string& sentence) {
+  CLI::App* verb = app.add_subcommand(name, sentence + " See ringdown " + name + " --help.");
+  verb->set_help_flag();  // --help, too, is for the other program
+  verb->prefix_command();
+  verb->callback([verb, name, &outcome] { outcome = become("ringdown-" + name, verb->remaining()); });
+}
+
+void add_protocol_verb(CLI::App& app, ExitCode& outcome) {
+  auto as_markdown = std::make_shared<bool>(false);
+  CLI::App* verb = app.add_subcommand("protocol", "Lists every OSC address with its arguments.");
+  verb->add_flag("--markdown", *as_markdown, "The whole manual, as in docs/protocol.md.");
+  verb->callback([as_markdown, &outcome] {
+    const std::string text = *as_markdown ? protocol::markdown() : protocol::overview();
+    const bool written = std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
+    if (!written) outcome = complain({ErrorKind::input_output, "cannot write to the standard output"});
+  });
+}
+
 // What the man page says beside the options.
-const std::vector<ringdown::manual::Section> kSections = {
+const std::vector<manual::Section> kSections = {
     {"ENVIRONMENT",
      {{"RINGDOWN_PRESETS", "Folder of the presets, where it is not share/ringdown/presets beside bin."}}},
     {"EXAMPLES",
@@ -34,12 +64,9 @@ const std::vector<ringdown::manual::Section> kSections = {
 }  // namespace
 
 int main(int argc, char** argv) {
-  using namespace ringdown::cli;
   CLI::App app("Solid objects as playable, physically exact sound.", "ringdown");
-  app.set_version_flag("--version", std::string("ringdown ") + RINGDOWN_VERSION);
+  manual::add_common_options(app);
   app.require_subcommand(1);
-  app.footer(ringdown::protocol::exit_code_help());
-
   ExitCode outcome = ExitCode::ok;
   add_program_verb(app, outcome, "bake", "Turns a mesh and a material into a bank.");
   add_program_verb(app, outcome, "check", "Says what is wrong with a mesh, and how it would be meshed.");
@@ -52,12 +79,5 @@ int main(int argc, char** argv) {
   add_strike_verb(app, outcome);
   add_send_verb(app, outcome);
   add_protocol_verb(app, outcome);
-  ringdown::manual::add_manual_option(app, kSections);
-
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::usage);
-  }
-  return static_cast<int>(outcome);
+  return static_cast<int>(manual::parse(app, argc, argv, kSections).value_or(outcome));
 }

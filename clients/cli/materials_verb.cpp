@@ -3,7 +3,7 @@
 #include "engine/bake/material_bar.h"
 #include "engine/bake/material_library.h"
 #include "engine/bake/material_page.h"
-#include "engine/base/preset_folder.h"
+#include "engine/base/folders.h"
 #include "engine/synth/mixer.h"
 #include "server/session/offline.h"
 
@@ -165,16 +165,16 @@ void print_material(const bake::MaterialEntry& entry) {
 ExitCode list(const MaterialsArguments& arguments) {
   if (arguments.markdown) {
     const Result<std::string> page = bake::materials_as_markdown(arguments.folder);
-    if (!page) return complain(page.error().message, ExitCode::bad_input);
+    if (!page) return complain(page.error());
     std::fputs(page->c_str(), stdout);
     return ExitCode::ok;
   }
   const std::vector<std::string> names = bake::names_in(arguments.folder);
-  if (names.empty()) return complain("there are no materials in " + arguments.folder.string(), ExitCode::bad_input);
+  if (names.empty()) return complain({ErrorKind::bad_input, "there are no materials in " + arguments.folder.string()});
   print_heading();
   for (const std::string& name : names) {
     const auto entry = bake::read_material(arguments.folder / (name + ".toml"));
-    if (!entry) return complain(entry.error().message, ExitCode::bad_input);
+    if (!entry) return complain(entry.error());
     print_row(*entry);
   }
   std::printf(
@@ -184,29 +184,28 @@ ExitCode list(const MaterialsArguments& arguments) {
 
 ExitCode show(const MaterialsArguments& arguments) {
   const auto entry = bake::find_material(arguments.folder, arguments.name);
-  if (!entry) return complain(entry.error().message, ExitCode::bad_input);
+  if (!entry) return complain(entry.error());
   if (arguments.sound.empty()) {
     print_material(*entry);
     return ExitCode::ok;
   }
   const modal::Bank bar = bake::bar_bank(entry->material);
-  if (bar.mode_count() == 0) return complain("no mode of a bar of " + arguments.name + " rings", ExitCode::bad_input);
+  if (bar.mode_count() == 0)
+    return complain({ErrorKind::bad_input, "no mode of a bar of " + arguments.name + " rings"});
   if (const auto written = session::write_audio(strike(bar), arguments.sound); !written)
-    return complain(written.error().message, ExitCode::failure);
+    return complain(written.error());
   std::printf("%s: %.0f s of a bar of %s, %s\n", arguments.sound.c_str(), kSeconds, arguments.name.c_str(),
               pitch_of(bar).c_str());
   return ExitCode::ok;
 }
 
 ExitCode materials(MaterialsArguments arguments) {
-  if (arguments.folder.empty()) {
-    const auto presets = preset_folder();
-    if (!presets) return complain(presets.error().message, ExitCode::failure);
-    arguments.folder = *presets / "materials";
-  }
+  const auto folder = material_folder(arguments.folder);
+  if (!folder) return complain(folder.error());
+  arguments.folder = *folder;
   const ExitCode code = arguments.name.empty() ? list(arguments) : show(arguments);
   if (code == ExitCode::ok && std::fflush(stdout) != 0)
-    return complain("cannot write to the standard output", ExitCode::failure);
+    return complain({ErrorKind::input_output, "cannot write to the standard output"});
   return code;
 }
 

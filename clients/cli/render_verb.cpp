@@ -1,8 +1,7 @@
 #include "clients/cli/verb.h"
+#include "packaging/manual/command_line.h"
 #include "protocol/wire/score.h"
 #include "server/session/offline.h"
-
-#include <CLI/CLI.hpp>
 
 #include <atomic>
 #include <cmath>
@@ -51,10 +50,10 @@ ExitCode render(RenderArguments& arguments) {
   }
   std::signal(SIGINT, [](int) { interrupted = true; });
   const auto recording = session::render_offline(arguments.options, show_progress);
-  if (!recording) return complain(recording.error().message, interrupted ? ExitCode::cancelled : ExitCode::bad_input);
+  if (!recording) return complain(recording.error());
   for (const std::string& warning : recording->warnings) complain(warning, ExitCode::ok);
   if (const auto written = session::write_audio(*recording, arguments.output); !written) {
-    return complain(written.error().message, ExitCode::failure);
+    return complain(written.error());
   }
   std::printf("%s: %.2f s at %.0f Hz, peak %.1f dB\n", arguments.output.c_str(),
               static_cast<double>(recording->left.size()) / recording->sample_rate_hz, recording->sample_rate_hz,
@@ -79,12 +78,12 @@ void add_render_verb(CLI::App& app, ExitCode& outcome) {
       ->type_name("FILE")
       ->required();
   verb->add_option("--seconds", options.seconds, "Length; default: the scene's own, or the score's and 5 s more.")
-      ->check(CLI::Range(0.0, session::kMaxRender_s));
+      ->check(manual::between(0.0, session::kMaxRender_s));
   verb->add_option("--rate", options.sample_rate_hz, "Sample rate in Hz.")
-      ->check(CLI::Range(8000.0, 768000.0))
+      ->check(manual::between(8000.0, 768000.0))
       ->capture_default_str();
   verb->add_option("--block", options.block_frames, "Frames per block; changes nothing but rounding.")
-      ->check(CLI::Range(1, 8192))
+      ->check(manual::between(1, 8192))
       ->capture_default_str();
   session::add_sound_options(*verb, options.sound);
   verb->callback([arguments, &outcome] { outcome = render(*arguments); });

@@ -1,10 +1,9 @@
 #include "clients/cli/verb.h"
 #include "engine/bake/material_change.h"
 #include "engine/bake/material_library.h"
-#include "engine/base/preset_folder.h"
+#include "engine/base/folders.h"
 #include "engine/modal/bank_file.h"
-
-#include <CLI/CLI.hpp>
+#include "packaging/manual/command_line.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,13 +25,9 @@ struct ScaleArguments {
 };
 
 Result<modal::Material> material_of(const ScaleArguments& arguments) {
-  std::filesystem::path folder = arguments.folder;
-  if (folder.empty()) {
-    const auto presets = preset_folder();
-    if (!presets) return fail(presets.error());
-    folder = *presets / "materials";
-  }
-  auto entry = bake::find_material(folder, *arguments.material);
+  const auto folder = material_folder(arguments.folder);
+  if (!folder) return fail(folder.error());
+  auto entry = bake::find_material(*folder, *arguments.material);
   if (!entry) return fail(entry.error());
   return entry->material;
 }
@@ -49,18 +44,18 @@ void print_summary(const modal::Bank& before, const bake::Changed& changed, cons
 
 ExitCode scale(const ScaleArguments& arguments) {
   const auto bank = modal::read_bank(arguments.bank);
-  if (!bank) return complain(bank.error().message, ExitCode::bad_input);
+  if (!bank) return complain(bank.error());
   bake::Change change{.size = arguments.size};
   if (arguments.material) {
     auto material = material_of(arguments);
-    if (!material) return complain(material.error().message, ExitCode::bad_input);
+    if (!material) return complain(material.error());
     change.material = std::move(*material);
   }
   auto changed = bake::change(*bank, change);
-  if (!changed) return complain(arguments.bank + ": " + changed.error().message, ExitCode::bad_input);
+  if (!changed) return complain({changed.error().kind, arguments.bank + ": " + changed.error().message});
   if (arguments.name) changed->bank.name = *arguments.name;
   if (const auto written = modal::write_bank(changed->bank, arguments.output); !written)
-    return complain(written.error().message, ExitCode::failure);
+    return complain(written.error());
   print_summary(*bank, *changed, arguments.output);
   if (change.material && change.material->poisson_ratio != bank->material->poisson_ratio) {
     char text[160];
@@ -79,7 +74,7 @@ void add_scale_verb(CLI::App& app, ExitCode& outcome) {
   verb->add_option("bank", arguments->bank, "The bank, a .glb file.")->type_name("FILE")->required();
   verb->add_option("-o,--output", arguments->output, "The bank to write (.glb).")->type_name("FILE")->required();
   verb->add_option("--size", arguments->size, "How many times as large, in all directions.")
-      ->check(CLI::Range(kSmallest, kLargest))
+      ->check(manual::between(kSmallest, kLargest))
       ->capture_default_str();
   verb->add_option("-m,--material", arguments->material, "The new material; Poisson's ratio stays as it was.")
       ->type_name("NAME");

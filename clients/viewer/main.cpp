@@ -1,11 +1,8 @@
 // ringdown-viewer: a window onto a daemon, here or on another computer.
 #include "clients/viewer/app.h"
 #include "clients/viewer/screenshot.h"
-#include "manual/option.h"
+#include "packaging/manual/command_line.h"
 #include "protocol/defaults.h"
-#include "protocol/exit_codes.h"
-
-#include <CLI/CLI.hpp>
 
 #include <atomic>
 #include <csignal>
@@ -16,6 +13,7 @@
 namespace {
 
 using namespace ringdown;  // NOLINT: a program
+using protocol::complain;
 using protocol::ExitCode;
 using viewer::Pane;
 
@@ -39,32 +37,32 @@ const std::vector<manual::Section> kSections = {
     {"SEE ALSO", {{"ringdownd(1), ringdown(1)", "The daemon, and the command that sends to it."}}},
 };
 
-ExitCode complain(const std::string& sentence, ExitCode code) {
-  std::fprintf(stderr, "ringdown-viewer: %s\n", sentence.c_str());
-  return code;
-}
-
 void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--to", arguments.to,
                  "The daemon, as osc.udp://HOST:PORT; default: the last one, first this computer's.")
       ->type_name("URL");
-  app.add_option("--scene", arguments.scene, "A scene that the daemon is to load, where the daemon finds it.")
-      ->type_name("FILE");
-  app.add_option("--only", arguments.only, "Shows one pane alone.")->check(CLI::IsMember({"scene", "sound"}));
+  auto* scene =
+      app.add_option("--scene", arguments.scene, "A scene that the daemon is to load, where the daemon finds it.")
+          ->type_name("FILE");
+  app.add_option("--only", arguments.only, "Shows one pane alone.")
+      ->check(CLI::IsMember({"scene", "sound"}).description(""))
+      ->type_name("scene|sound");
   app.add_option("--theme", arguments.theme, "Dark or light; default: as last time.")
-      ->check(CLI::IsMember({"dark", "light"}));
+      ->check(CLI::IsMember({"dark", "light"}).description(""))
+      ->type_name("dark|light");
   app.add_option("--scale", arguments.scale, "Of text and controls; default: as last time, first the display's.")
-      ->check(CLI::Range(0.5, 8.0));
+      ->check(manual::between(0.5, 8.0));
   app.add_option("--size", arguments.size, "Of the window in pixels; default: as last time.")
       ->type_name("WIDTH HEIGHT")
       ->expected(2)
-      ->check(CLI::Range(240, 8192));
+      ->check(manual::between(240, 8192));
   auto* screenshot = app.add_option("--screenshot", arguments.screenshot,
                                     "Plays --scene until --at, writes a picture and ends. Without --to by a daemon of "
                                     "its own, which makes no sound.")
-                         ->type_name("FILE.png");
+                         ->type_name("FILE.png")
+                         ->needs(scene);
   app.add_option("--at", arguments.at_s, "When the picture is taken, in seconds of the scene.")
-      ->check(CLI::Range(0.0, 3600.0))
+      ->check(manual::between(0.0, 3600.0))
       ->capture_default_str();
   app.add_flag("--keys", arguments.keys, "Prints the keys as Markdown.")->excludes(screenshot);
 }
@@ -80,7 +78,6 @@ void take_over(const Arguments& arguments, viewer::Settings& settings) {
 }
 
 ExitCode screenshot(const Arguments& arguments, Pane only) {
-  if (arguments.scene.empty()) return complain("--screenshot needs --scene FILE", ExitCode::usage);
   viewer::Settings settings;  // not the user's: the same picture everywhere
   take_over(arguments, settings);
   const auto taken =
@@ -92,7 +89,7 @@ ExitCode screenshot(const Arguments& arguments, Pane only) {
                                .keep_going = [] { return !interrupted; }},
                               settings);
   if (taken) return ExitCode::ok;
-  return complain(taken.error().message, interrupted ? ExitCode::cancelled : ExitCode::failure);
+  return complain(taken.error());
 }
 
 ExitCode show(const Arguments& arguments, Pane only) {
@@ -105,32 +102,26 @@ ExitCode show(const Arguments& arguments, Pane only) {
   if (settings.daemon.empty()) settings.daemon = "osc.udp://127.0.0.1:" + std::to_string(protocol::kDefaultPort);
   auto window =
       viewer::Window::open({static_cast<int>(settings.width), static_cast<int>(settings.height), true, settings.scale});
-  if (!window) return complain(window.error().message, ExitCode::failure);
+  if (!window) return complain(window.error());
   auto renderer = viewer::SceneRenderer::create();
-  if (!renderer) return complain(renderer.error().message, ExitCode::failure);
+  if (!renderer) return complain(renderer.error());
   std::optional<std::string> scene;
   if (!arguments.scene.empty()) scene = arguments.scene;
   viewer::App app(std::move(*window), std::move(*renderer), settings, {settings.daemon, scene, only, std::nullopt});
   while (app.runs() && !interrupted) app.frame();
   if (!keep) return ExitCode::ok;
   const auto written = viewer::write_settings(app.settings(), *file);
-  return written ? ExitCode::ok : complain(written.error().message, ExitCode::failure);
+  return written ? ExitCode::ok : complain(written.error());
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app("A window onto Ringdown: see a scene, strike it, tune it.", "ringdown-viewer");
-  app.set_version_flag("--version", std::string("ringdown-viewer ") + RINGDOWN_VERSION);
-  app.footer(protocol::exit_code_help());
+  manual::add_common_options(app);
   Arguments arguments;
   add_options(app, arguments);
-  manual::add_manual_option(app, kSections);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::usage);
-  }
+  if (const auto ended = manual::parse(app, argc, argv, kSections)) return static_cast<int>(*ended);
   if (arguments.keys) {
     std::fputs(viewer::keys_as_markdown().c_str(), stdout);
     return 0;

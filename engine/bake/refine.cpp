@@ -3,7 +3,7 @@
 #include "engine/bake/size_question.h"
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_cache.h"
-#include "engine/base/fraction.h"
+#include "engine/base/range.h"
 #include "engine/mesh/wall_thickness.h"
 
 #include <algorithm>

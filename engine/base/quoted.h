@@ -1,7 +1,6 @@
-// A stranger's text inside our sentences. [any thread]
+// Texts in quotes: somebody else's text inside our sentences, and strings in TOML files. [any thread]
 #pragma once
 
-#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -9,12 +8,9 @@ namespace ringdown {
 
 // `text` in single quotes for an error message: unprintable characters become '?', long text is cut.
 // Call it qualified: <iomanip> brings std::quoted, which argument-dependent lookup finds too.
-inline std::string quoted(std::string_view text) {
-  constexpr std::size_t kShown = 48;
-  std::string shown(text.substr(0, kShown));
-  std::ranges::replace_if(
-      shown, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return "'" + shown + (text.size() > kShown ? "...'" : "'");
-}
+std::string quoted(std::string_view text);
+
+// `text` as a TOML file has it: in double quotes, with escapes where TOML needs them.
+std::string toml_string(std::string_view text);
 
 }  // namespace ringdown

@@ -1,11 +1,14 @@
 #include "engine/base/range.h"
 
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <string_view>
 
 namespace ringdown {
 namespace {
 
-std::string text(double value) {
+std::string short_text(double value) {
   char buffer[32];
   std::snprintf(buffer, sizeof buffer, "%g", value);
   return buffer;
@@ -15,7 +18,25 @@ std::string text(double value) {
 
 Result<void> check_range(double value, const Range& range) {
   if (range.holds(value)) return {};
-  return fail(ErrorKind::bad_input, text(value) + " is outside " + text(range.low) + " ... " + text(range.high));
+  return fail(ErrorKind::bad_input,
+              short_text(value) + " is outside " + short_text(range.low) + " ... " + short_text(range.high));
+}
+
+Result<double> parse_fraction(const std::string& text) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  std::string_view rest(end);
+  while (rest.starts_with(' ')) rest.remove_prefix(1);
+  if (end == text.c_str() || !std::isfinite(number) || (!rest.empty() && rest != "%")) {
+    return fail(ErrorKind::bad_input, "'" + text + "' is neither a number nor a percentage such as 0.1%");
+  }
+  return rest.empty() ? number : number / 100;
+}
+
+std::string as_percent(double fraction) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.2g %%", 100 * fraction);
+  return buffer;
 }
 
 }  // namespace ringdown

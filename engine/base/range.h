@@ -1,7 +1,9 @@
-// Closed ranges of numbers, and the words for a number outside. [any thread]
+// Numbers that people write: closed ranges of them, and fractions such as "0.1%". [any thread]
 #pragma once
 
 #include "engine/base/result.h"
+
+#include <string>
 
 namespace ringdown {
 
@@ -10,7 +12,13 @@ struct Range {
   [[nodiscard]] bool holds(double value) const { return value >= low && value <= high; }  // false for NaN
 };
 
-// "9 is outside -1 ... 1", or nothing when it is inside.
+// Fails with "9 is outside -1 ... 1" when the value is outside.
 Result<void> check_range(double value, const Range& range);
+
+// Reads "0.1%", "0.1 %" or "0.001". Fails when the text is not a number, or the number is not finite.
+Result<double> parse_fraction(const std::string& text);
+
+// Writes a fraction as a percentage with two significant digits: "0.12 %".
+std::string as_percent(double fraction);
 
 }  // namespace ringdown

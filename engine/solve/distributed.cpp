@@ -1,8 +1,8 @@
 #include "engine/solve/distributed.h"
 
+#include "engine/base/folders.h"
 #include "engine/solve/distributed_files.h"
 #include "engine/solve/methods.h"
-#include "engine/base/private_folder.h"
 
 #include <cerrno>
 #include <cstdlib>

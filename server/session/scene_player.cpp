@@ -1,6 +1,6 @@
 #include "server/session/scene_player.h"
 
-#include "engine/base/preset_folder.h"
+#include "engine/base/folders.h"
 #include "engine/base/toml_table.h"
 #include "engine/scene/scene_file.h"
 

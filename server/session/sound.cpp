@@ -1,8 +1,7 @@
 #include "server/session/sound.h"
 
 #include "engine/synth/mixer.h"
-
-#include <CLI/CLI.hpp>
+#include "packaging/manual/command_line.h"
 
 #include <map>
 #include <string>
@@ -12,7 +11,7 @@ namespace ringdown::session {
 void add_sound_options(CLI::App& app, SoundOptions& options) {
   const std::map<std::string, bool> contacts = {{"spectrum", false}, {"exact", true}};
   app.add_option("--floor", options.floor_db, "Modes this many dB below full scale rest until they are struck")
-      ->check(CLI::Range(20.0, 300.0))
+      ->check(manual::between(20.0, 300.0))
       ->capture_default_str();
   app.add_flag("--masking", options.masking, "Leave out modes that louder ones hide");
   app.add_option("--contacts", options.exact_contacts,
@@ -24,7 +23,7 @@ void add_sound_options(CLI::App& app, SoundOptions& options) {
                  "Keep the mix below a ceiling in dB, -1 unless given; it comes 2 ms later")
       ->expected(0, 1)
       ->default_str("-1")
-      ->check(CLI::Range(-60.0, 0.0))
+      ->check(manual::between(-60.0, 0.0))
       ->type_name("DB");
 }
 

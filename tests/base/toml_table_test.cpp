@@ -178,12 +178,18 @@ TEST(TomlTable, RefusesWhatItsParserTakesForImpossible) {
   for (const char* text : {"[*scene]", "[ *a]", "[[*a]]", "[.a]", "[\"", "x = 1 \u0391", "\u0391 = 1", "x = \u0391"}) {
     EXPECT_NE(complaint(text, [](TomlTable&) {}), "") << text;
   }
-  EXPECT_EQ(complaint("x = \"\u0391\"  # \u0391",
-                      [](TomlTable& file) {
-                        std::string text;
-                        file.text("x", text);
-                      }),
-            "");
+  EXPECT_EQ(complaint("\n\nx = \"\"\"a\\\n \u0391\"\"\"", [](TomlTable&) {}).substr(0, 17), "a.toml:3: not TOM");
+}
+
+TEST(TomlTable, LettersBeyondAsciiMayStandInStringsAndComments) {
+  for (const char* text :
+       {"x = \"\u0391\"  # \u0391", "\uFEFFx = '\\'#'\u0391\n", "x = '\u0391'", "x = \"\\\"\u0391\\\\\" # \"\u0391",
+        "x = '''\n\u0391'\u0391''\u0391'''''#\u0391", "x = \"\"\"\u0391\\\"\"\"\u0391\\\n a\u0391\"\"\"\"\" # \u0391",
+        "# '\u0391\nx = \"\"\"\"\u0391\"\"\""}) {
+    std::string read;
+    EXPECT_EQ(complaint(text, [&](TomlTable& file) { file.text("x", read); }), "") << text;
+    EXPECT_NE(read, "") << text;
+  }
 }
 
 }  // namespace

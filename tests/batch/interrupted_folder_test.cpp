@@ -106,15 +106,23 @@ TEST(FolderBake, OneThatFindsNoMemoryIsOneFailure) {
   boxes.box("a", 100);
   boxes.write("objects/large.toml",
               "material = \"stuff\"\nunit_m = 0.001\nmesh_size_m = 0.003\ngeometry = \"box.geo\"\n");
-  std::string command = "ulimit -v 1200000; exec";  // kB
-  for (const std::string& word : boxes.command({"--jobs", "1"})) command += " '" + word + "'";
-  const Outcome ran = run({"bash", "-c", command}, {}, 4min);
+  const auto run_with_little_memory = [](const Words& words) {
+    std::string command = "ulimit -v 1200000; exec";  // kB
+    for (const std::string& word : words) command += " '" + word + "'";
+    return run({"bash", "-c", command}, {}, 4min);
+  };
+  const Outcome ran = run_with_little_memory(boxes.command({"--jobs", "1"}));
   EXPECT_EQ(ran.exit_code, 3);
   EXPECT_NE(ran.output.find("1 baked, 0 unchanged, 1 failed; "), std::string::npos) << ran.output;
   const std::size_t line = ran.output.find("\nringdown-bake: large: ");
   ASSERT_NE(line, std::string::npos) << ran.output;
   EXPECT_NE(ran.output.find("not enough memory", line), std::string::npos) << ran.output;
   EXPECT_EQ(boxes.files_in_banks(), Words{"a.glb"});
+
+  const Outcome alone = run_with_little_memory({RINGDOWN_BIN_DIR "/ringdown-bake", boxes.objects() / "large.toml", "-o",
+                                                boxes.bank("large"), "--materials", boxes.materials(), "--no-cache"});
+  EXPECT_EQ(alone.exit_code, 1) << "a failure, not bad input: " << alone.output;
+  EXPECT_NE(alone.output.find("not enough memory"), std::string::npos) << alone.output;
 }
 
 TEST(FolderBake, ChildrenShareTheProcessors) {

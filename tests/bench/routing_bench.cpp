@@ -2,7 +2,7 @@
 // object. Ours against a liblo server that has a method for each object, in turns, in processor time.
 //
 //   ringdown_routing_bench [--gate] [--quick] [-o FILE]
-#include "engine/base/private_folder.h"
+#include "engine/base/folders.h"
 #include "engine/modal/bank_file.h"
 #include "protocol/pattern.h"
 #include "protocol/schema.h"

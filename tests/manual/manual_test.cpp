@@ -1,7 +1,7 @@
 // The man pages and completion scripts that the programs write: nothing that --help has is missing there, and the tools
 // that read them, groff and the shells themselves, find no fault.
-#include "manual/command.h"
-#include "manual/man_page.h"
+#include "packaging/manual/command.h"
+#include "packaging/manual/man_page.h"
 #include "tests/integration/process.h"
 
 #include <CLI/CLI.hpp>

@@ -41,21 +41,23 @@ const std::vector<FolderRule> kFolderRules = {
     {"protocol/",
      {"engine/base/", "engine/modal/contact_damping.h", "engine/modal/material_scale.h", "engine/modal/mode_range.h",
       "engine/synth/event.h", "protocol/"}},
-    {"manual/", {"protocol/exit_codes.h", "manual/"}},
+    {"packaging/manual/", {"protocol/exit_codes.h", "packaging/manual/"}},
     {"server/session/",
-     {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "server/session/"},
+     {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "packaging/manual/command_line.h",
+      "server/session/"},
      {"protocol/wire/codec.h", "protocol/wire/score.h", "protocol/wire/socket.h"}},
-    {"server/", {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "manual/", "server/"}},
+    {"server/",
+     {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "packaging/manual/", "server/"}},
     {"clients/cli/slepc/", {"engine/base/", "engine/solve/distributed_files.h", "clients/cli/slepc/"}},
     {"clients/cli/fit/",
      {"engine/base/", "engine/modal/", "engine/fit/", "engine/synth/mode_table.h", "server/session/offline.h",
-      "protocol/", "manual/", "clients/cli/"}},
+      "protocol/", "packaging/manual/", "clients/cli/"}},
     {"clients/cli/bake/",
-     {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/bake/", "protocol/", "manual/",
+     {"engine/base/", "engine/modal/", "engine/mesh/", "engine/fem/", "engine/bake/", "protocol/", "packaging/manual/",
       "clients/cli/"}},
     {"clients/",
      {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "engine/bake/material_", "protocol/",
-      "manual/", "server/", "clients/"}},
+      "packaging/manual/", "server/", "clients/"}},
 };
 
 // A third-party header whose name begins with `header` may be included by files whose path begins with one of
@@ -92,7 +94,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"tl/", {"engine/base/"}, 1, {"engine/base/"}},
     {"toml++/", {"engine/base/"}, 1},
     {"xxhash.h", {"engine/base/"}, 1},
-    {"CLI/", {"manual/", "server/", "clients/"}},
+    {"CLI/", {"packaging/manual/", "server/", "clients/"}, 1000, {"packaging/manual/command_line.h"}},
     {"sndfile", {"server/session/", "clients/"}},
     {"cairo", {"clients/cli/picture/canvas.cpp"}, 1},
     {"spdlog/", {"server/", "clients/"}},
@@ -137,7 +139,7 @@ std::vector<Include> includes_of(const fs::path& path, const std::string& relati
 std::vector<Include> all_includes() {
   const fs::path root = RINGDOWN_SOURCE_DIR;
   std::vector<Include> all;
-  for (const char* folder : {"engine", "protocol", "manual", "server", "clients"}) {
+  for (const char* folder : {"engine", "protocol", "packaging", "server", "clients"}) {
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       const std::string extension = entry.path().extension().string();
       if (extension != ".h" && extension != ".cpp") continue;
@@ -160,7 +162,7 @@ bool is_allowed(const Include& include) {
 }
 
 bool is_of_project(const Include& include) {
-  return begins_with_any(include.header, {"engine/", "protocol/", "manual/", "server/", "clients/", "tests/"});
+  return begins_with_any(include.header, {"engine/", "protocol/", "packaging/", "server/", "clients/", "tests/"});
 }
 
 TEST(Structure, EveryFolderIncludesOnlyWhatItMay) {

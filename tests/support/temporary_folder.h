@@ -1,7 +1,7 @@
 // A folder of a test's own, gone afterwards; when the test has failed it stays, and where it is is said.
 #pragma once
 
-#include "engine/base/private_folder.h"
+#include "engine/base/folders.h"
 
 #include <gtest/gtest.h>
 

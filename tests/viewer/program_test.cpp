@@ -167,7 +167,7 @@ TEST(ViewerProgram, RefusesInOneSentence) {
   EXPECT_EQ(without.exit_code, 2);
   EXPECT_NE(without.output.find("--scene"), std::string::npos);
   const auto missing = take("/nonexistent/scene.toml", folder / "a.png");
-  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_EQ(missing.exit_code, 3);
   EXPECT_NE(missing.output.find("/nonexistent/scene.toml"), std::string::npos) << missing.output;
   EXPECT_FALSE(std::filesystem::exists(folder / "a.png"));
   const auto blind = run({"env", "-u", "DISPLAY", kViewer, "--to", "osc.udp://127.0.0.1:9"});

@@ -3,11 +3,19 @@
 //
 // Exit codes (protocol/exit_codes.h): ok when the file can be baked, repaired or not; bad_input when it cannot; usage;
 // failure when the repaired surface cannot be written; cancelled.
-#include "clients/cli/bake/cancellable.h"
-#include "clients/cli/bake/check_mesh.h"
-#include "clients/cli/bake/length_unit.h"
-#include "engine/base/preset_folder.h"
-#include "manual/option.h"
+#include "clients/cli/bake/long_work.h"
+#include "clients/cli/bake/options.h"
+#include "engine/bake/material_library.h"
+#include "engine/bake/mesh_choice.h"
+#include "engine/bake/refine.h"
+#include "engine/bake/size_question.h"
+#include "engine/base/folders.h"
+#include "engine/mesh/body_reader.h"
+#include "engine/mesh/surface_reader.h"
+#include "engine/mesh/surface_writer.h"
+#include "engine/mesh/tet_quality.h"
+#include "engine/mesh/wall_thickness.h"
+#include "packaging/manual/command_line.h"
 
 #include <CLI/CLI.hpp>
 
@@ -16,6 +24,7 @@
 namespace {
 
 using namespace ringdown;
+using protocol::complain;
 using protocol::ExitCode;
 
 const std::vector<manual::Section> kSections = {
@@ -27,46 +36,127 @@ const std::vector<manual::Section> kSections = {
     {"SEE ALSO", {{"ringdown(1), ringdown-bake(1)", "The other programs."}}},
 };
 
-ExitCode complain(const std::string& message, ExitCode code) {
-  std::fprintf(stderr, "ringdown-check: %s\n", message.c_str());
-  return code;
+struct CheckRequest {
+  std::filesystem::path file, output, materials;  // no output: nothing is written
+  std::string material = "steel";
+  std::optional<double> unit_m;
+};
+
+void print_findings(const mesh::SurfaceReport& report) {
+  std::printf("  %-34s %8s  %s\n", "found", "count", "first places (m), triangles");
+  if (report.findings.empty()) std::printf("  %-34s %8d\n", "nothing", 0);
+  for (const mesh::Finding& finding : report.findings) {
+    std::printf("  %-34s %8zu ", mesh::name_of(finding.fault).c_str(), finding.count);
+    for (std::size_t i = 0; i < finding.places.size(); ++i) {
+      const auto& at = finding.places[i];
+      std::printf(" (%.4g %.4g %.4g)", at[0], at[1], at[2]);
+      if (i < finding.triangles.size()) std::printf(" #%d", finding.triangles[i]);
+    }
+    if (finding.length_m > 0) std::printf("; the longest %.3g m around", finding.length_m);
+    std::printf("\n");
+  }
+}
+
+void print_surface(const mesh::PreparedSurface& surface) {
+  std::printf("  surface: %.4g m long, %.4g m2, %.4g m3, %d shell%s\n", surface.found.diagonal_m, surface.found.area_m2,
+              surface.found.volume_m3, surface.found.shells, surface.found.shells == 1 ? "" : "s");
+  print_findings(surface.found);
+  for (const std::string& action : surface.actions) std::printf("  repaired: %s\n", action.c_str());
+  for (const mesh::Finding& finding : surface.left.findings) {
+    if (!surface.actions.empty()) std::printf("  left: %s\n", mesh::describe(finding).c_str());
+  }
+  if (!mesh::hopeless(surface, "").empty()) return;
+  std::printf("  meshed: %s\n",
+              surface.left.sound() ? "filled by gmsh" : "stuffed, because it is not sound after repair");
+}
+
+void print_choice(const bake::BodyShape& shape, const modal::Material& material) {
+  const bake::BakeOptions options;
+  const int order = fem::order_of(options.element);
+  const bake::MeshChoice choice =
+      bake::choose_mesh(shape, material, options.band_high_hz, order, bake::kMaxChosenUnknowns);
+  std::printf("  resolution: %.3g mm with order %d, for waves of %.3g mm at %.0f Hz in %s and walls of %.3g mm%s\n",
+              1000 * choice.size_m, order, 1000 * choice.shortest_wave_m, options.band_high_hz, material.name.c_str(),
+              1000 * shape.wall_m, choice.bounded ? "; finer would be right, but too much to solve unasked" : "");
+  std::printf("  estimated: %.2g unknowns, %.3g kg, lowest note near %.2g Hz\n",
+              bake::estimated_unknowns(shape, choice.size_m, order), shape.volume_m3 * material.density_kg_m3,
+              bake::guessed_lowest_hz(shape, material));
+}
+
+void print_tetrahedra(const mesh::Body& body) {
+  const mesh::CheckedMesh& checked = body.mesh;
+  const mesh::TetQuality quality = mesh::quality_of(checked.mesh);
+  std::printf("  %s: %td elements of order %d, %td nodes, %d piece%s\n", mesh::text_of(body.making).c_str(),
+              checked.mesh.elements.rows(), checked.mesh.order(), checked.mesh.nodes.rows(), checked.pieces,
+              checked.pieces == 1 ? "" : "s");
+  std::printf("  repaired: %d inside out, %d duplicated, %d folded elements; %d unused nodes\n", checked.flipped,
+              checked.duplicates, checked.straightened, checked.unused_nodes);
+  std::printf("  dihedral angles %.3g to %.3g degrees, edges %.3g to %.3g mm\n", quality.smallest_angle_deg,
+              quality.largest_angle_deg, 1000 * quality.shortest_edge_m, 1000 * quality.longest_edge_m);
+}
+
+// Prints findings, repairs, how the body would be meshed and why so fine, on stdout. Nothing is solved.
+Result<void> check_mesh(const CheckRequest& request) {
+  const Result<bake::MaterialEntry> material = bake::find_material(request.materials, request.material);
+  if (!material) return fail(material.error());
+  mesh::BodyReader reader(request.file);
+  const mesh::GmshOptions options{.unit_m = request.unit_m, .order = 1, .parameters = {}};
+  std::printf("%s\n", request.file.c_str());
+  if (reader.is_surface()) {
+    const Result<const mesh::PreparedSurface*> surface = reader.surface(options);
+    if (!surface) return fail(surface.error());
+    print_surface(**surface);
+    const std::string why = mesh::hopeless(**surface, request.file.string());
+    if (!why.empty()) return fail(ErrorKind::bad_input, why);
+    if (!request.output.empty()) {
+      const Result<void> written = mesh::write_ply((*surface)->mesh, request.output);
+      if (!written) return written;
+      std::printf("  repaired surface -> %s\n", request.output.c_str());
+    }
+  } else {
+    const Result<mesh::Body> body = reader.read(options);
+    if (!body) return fail(body.error());
+    print_tetrahedra(*body);
+  }
+  const Result<mesh::TriangleMesh> sketch = reader.sketch(options);
+  if (!sketch) return fail(sketch.error());
+  const bake::BodyShape shape = bake::measure_shape(*sketch, mesh::wall_thickness(*sketch));
+  print_choice(shape, material->material);
+  const double unit_m = request.unit_m.value_or(mesh::unit_in_file(request.file));
+  const std::string question = bake::question_size(shape, material->material, {}, request.file, unit_m);
+  if (!question.empty()) std::printf("  is this size meant? %s\n", question.c_str());
+  std::fflush(stdout);
+  return {};
 }
 
 ExitCode run(int argc, char** argv) {
   CLI::App app("Looks at a file before it is baked.", "ringdown-check");
-  app.set_version_flag("--version", "ringdown-check " RINGDOWN_VERSION);
+  manual::add_common_options(app);
   app.require_subcommand(1);
-  app.footer(protocol::exit_code_help());
-  cli::CheckRequest request;
+  CheckRequest request;
   std::optional<std::string> unit;
-  CLI::App* mesh =
+  CLI::App* verb =
       app.add_subcommand("mesh", "Faults of a surface, of tetrahedra or of a geometry, and what they lead to.");
-  mesh->add_option("file", request.file, "a surface (.stl .obj .ply .glb), a geometry or a mesh")
+  verb->add_option("file", request.file, "a surface (.stl .obj .ply .glb), a geometry or a mesh")
       ->type_name("FILE")
       ->required();
-  mesh->add_option("--unit", unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
-  mesh->add_option("-m,--material", request.material, "the material that the mesh is chosen for (default steel)");
-  mesh->add_option("--materials", request.materials, "folder of materials (default: the presets')")
+  verb->add_option("--unit", unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
+  verb->add_option("-m,--material", request.material, "the material that the mesh is chosen for (default steel)");
+  verb->add_option("--materials", request.materials, "folder of materials (default: the presets')")
       ->type_name("FOLDER");
-  mesh->add_option("-o,--output", request.output, "where to write the repaired surface (.ply), in metres")
+  verb->add_option("-o,--output", request.output, "where to write the repaired surface (.ply), in metres")
       ->type_name("FILE");
-  manual::add_manual_option(app, kSections);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help_or_version) {
-    return static_cast<ExitCode>(app.exit(help_or_version));
-  } catch (const CLI::ParseError& error) {
-    return complain(std::string(error.what()) + "; ringdown-check mesh --help lists the options", ExitCode::usage);
+  if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;
+  if (!request.output.empty() && !mesh::is_surface_file(request.file)) {
+    return manual::complain_of_usage(app, request.file.string() + " is no surface; --output is for repaired surfaces");
   }
   if (unit) request.unit_m = cli::parse_unit(*unit);
-  if (request.materials.empty()) {
-    const Result<std::filesystem::path> presets = preset_folder();
-    if (!presets) return complain(presets.error().message, ExitCode::failure);
-    request.materials = *presets / "materials";
-  }
+  const Result<std::filesystem::path> materials = material_folder(request.materials);
+  if (!materials) return complain(materials.error());
+  request.materials = *materials;
   return cli::run_cancellable([&](const std::stop_token&) {
-    const cli::CheckOutcome outcome = cli::check_mesh(request);
-    return outcome.error.empty() ? outcome.exit_code : complain(outcome.error, outcome.exit_code);
+    const Result<void> checked = check_mesh(request);
+    return checked ? ExitCode::ok : complain(checked.error());
   });
 }
 

@@ -21,6 +21,7 @@ namespace ringdown::cli {
 namespace {
 
 namespace fs = std::filesystem;
+using protocol::complain;
 using protocol::ExitCode;
 
 constexpr auto kLeftover = std::chrono::minutes(1);  // a bank is written in milliseconds
@@ -112,9 +113,9 @@ std::string line_of(const Job& job) {
   return line + number(", %.0f MiB", job.peak_mib);
 }
 
-class Crew {
+class BakePool {
  public:
-  Crew(const FolderBake& request, std::vector<Job*> waiting, JobBoard& board, const std::stop_token& stop)
+  BakePool(const FolderBake& request, std::vector<Job*> waiting, JobBoard& board, const std::stop_token& stop)
       : request_(request), waiting_(std::move(waiting)), board_(board), stop_(stop) {
     const int processors = thread_count(0), jobs = request.jobs > 0 ? request.jobs : processors;
     workers_ = std::min(jobs, static_cast<int>(waiting_.size()));
@@ -180,11 +181,6 @@ JobBoard::Style style_of(const FolderBake& request) {
   return request.progress ? JobBoard::Style::lines : JobBoard::Style::done;
 }
 
-ExitCode complain(const std::string& message, ExitCode code) {
-  std::fprintf(stderr, "ringdown-bake: %s\n", message.c_str());
-  return code;
-}
-
 ExitCode sum_up(const std::vector<Job>& jobs, const FolderContent& content, const FolderBake& request, bool cancelled,
                 double seconds) {
   const auto count = [&jobs](State state) {
@@ -222,11 +218,13 @@ ExitCode bake_folder(const FolderBake& request, const std::stop_token& stop) {
                                                     .output = request.output,
                                                     .recursive = request.recursive,
                                                     .with_shapes = request.material.has_value()});
-  if (!content) return complain(content.error().message, ExitCode::bad_input);
+  if (!content) return complain(content.error());
   std::error_code error;
   fs::create_directories(request.output, error);
-  if (error)
-    return complain("cannot make the folder " + request.output.string() + ": " + error.message(), ExitCode::failure);
+  if (error) {
+    return complain(
+        {ErrorKind::input_output, "cannot make the folder " + request.output.string() + ": " + error.message()});
+  }
 
   std::vector<Job> jobs;
   for (const FolderJob& file : content->jobs) jobs.push_back({.file = file});
@@ -238,7 +236,7 @@ ExitCode bake_folder(const FolderBake& request, const std::stop_token& stop) {
     if (job.state == State::waiting) waiting.push_back(&job);
   }
   JobBoard board(style_of(request), waiting.size());
-  Crew(request, std::move(waiting), board, stop).work();
+  BakePool(request, std::move(waiting), board, stop).work();
   board.clear();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const bool cancelled = stop.stop_requested() && std::any_of(jobs.begin(), jobs.end(), [](const Job& job) {

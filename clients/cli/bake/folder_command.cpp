@@ -1,9 +1,8 @@
 #include "clients/cli/bake/folder_command.h"
 
-#include "clients/cli/bake/cancellable.h"
-#include "clients/cli/bake/given_options.h"
-
-#include <CLI/CLI.hpp>
+#include "clients/cli/bake/long_work.h"
+#include "clients/cli/bake/options.h"
+#include "packaging/manual/command_line.h"
 
 namespace ringdown::cli {
 namespace {
@@ -15,7 +14,7 @@ constexpr auto kForOne = {"--name", "--update", "--progress-lines"};
 
 void add_folder_options(CLI::App& app, FolderBake& request, bool& update, bool& progress_lines) {
   app.add_option("-j,--jobs", request.jobs, "of a folder: how many at a time (default: as many as processors)")
-      ->check(CLI::Range(1, 4096));
+      ->check(manual::between(1, 4096));
   app.add_flag("--recursive", request.recursive, "of a folder: of the folders in it, too");
   app.add_flag("--force", request.force, "of a folder: bake also what has not changed");
   app.add_flag("--check-budgets", request.check_budgets,

@@ -2,19 +2,17 @@
 //
 // Exit codes (protocol/exit_codes.h): ok; usage; bad_input when an object cannot be baked; failure when a bank cannot
 // be written; cancelled. One sentence on stderr says why. Of a folder the others are baked all the same.
-#include "clients/cli/bake/body_lines.h"
-#include "clients/cli/bake/cancellable.h"
+#include "clients/cli/bake/bake_report.h"
 #include "clients/cli/bake/folder_command.h"
-#include "clients/cli/bake/length_unit.h"
-#include "clients/cli/bake/progress_line.h"
+#include "clients/cli/bake/long_work.h"
+#include "clients/cli/bake/options.h"
 #include "engine/bake/input_hash.h"
 #include "engine/bake/object_file.h"
 #include "engine/base/content_cache.h"
-#include "engine/base/fraction.h"
-#include "engine/base/preset_folder.h"
+#include "engine/base/folders.h"
+#include "engine/base/range.h"
 #include "engine/modal/bank_file.h"
-#include "manual/option.h"
-#include "protocol/exit_codes.h"
+#include "packaging/manual/command_line.h"
 
 #include <CLI/CLI.hpp>
 
@@ -27,6 +25,8 @@ namespace {
 using namespace ringdown;
 namespace fs = std::filesystem;
 
+using manual::complain_of_usage;
+using protocol::complain;
 using protocol::ExitCode;
 
 // What the command line says; an option that is not given leaves the object file's or the default value.
@@ -68,21 +68,21 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
       ->type_name("tet20|tet10|tet35|tet4|tet4-lumped");
   app.add_option("--mesh-size", arguments.mesh_size_m,
                  "longest edge in metres, when a surface or a geometry is meshed (default: by the band)")
-      ->check(CLI::PositiveNumber);
+      ->check(manual::above_zero());
   app.add_option("--set", settings.parameters, "a parameter of a .geo file, in its unit")->type_name("NAME=NUMBER");
   app.add_option("--unit", arguments.unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
   app.add_option("--scale", arguments.scale, "how many times as large as its geometry; the mesh stays the same")
-      ->check(CLI::Range(bake::kScale.low, bake::kScale.high));
+      ->check(manual::between(bake::kScale.low, bake::kScale.high));
   app.add_option("--set-material", settings.figures, "a figure of the material, e.g. poisson_ratio=0.31")
       ->type_name("NAME=NUMBER");
   app.add_option("--points", arguments.points, "surface points in the bank (default 200)")
-      ->check(CLI::Range(4, 1 << 20));
+      ->check(manual::between(4, 1 << 20));
   app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")->expected(2);
   app.add_option("--keep", arguments.keep, "how many modes, the most important ones (default: all in the band)")
-      ->check(CLI::Range(1, 16384));
+      ->check(manual::between(1, 16384));
   app.add_option("--floor", arguments.floor_db,
                  "drop modes that no blow makes audible, this many dB below the loudest or masked (default: none)")
-      ->check(CLI::Range(1.0, 200.0));
+      ->check(manual::between(1.0, 200.0));
   const auto check_error = [](const std::string& text) {
     const Result<void> good = parse_fraction(text).and_then([](double e) { return check_range(e, bake::kError); });
     return good ? std::string() : good.error().message;
@@ -98,25 +98,10 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("--solver", arguments.solver,
                  "auto (default), block, spectra, dense, or slepc: over MPI, for meshes that outgrow one machine")
       ->type_name("auto|block|spectra|dense|slepc");
-  app.add_option("--processes", arguments.processes, "of --solver slepc (default 2)")->check(CLI::Range(1, 4096));
+  app.add_option("--processes", arguments.processes, "of --solver slepc (default 2)")->check(manual::between(1, 4096));
   cli::add_folder_options(app, arguments.folder, arguments.update, arguments.progress_lines);
   app.add_flag("--progress", arguments.progress, "show progress even when stderr is not a terminal");
   app.add_flag("-q,--quiet", arguments.quiet, "print nothing but errors");
-  app.footer(protocol::exit_code_help());
-}
-
-Result<void> read_settings(const char* option, const std::vector<std::string>& settings,
-                           std::map<std::string, double>& parameters) {
-  for (const std::string& setting : settings) {
-    const std::size_t equals = setting.find('=');
-    const std::string text = equals == std::string::npos ? "" : setting.substr(equals + 1);
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    if (equals == 0 || text.empty() || *end != '\0')
-      return fail(ErrorKind::bad_input, std::string(option) + " wants NAME=NUMBER, not '" + setting + "'");
-    parameters[setting.substr(0, equals)] = value;
-  }
-  return {};
 }
 
 Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& arguments) {
@@ -164,64 +149,6 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   return recipe;
 }
 
-void print_errors(const bake::BakedObject& object) {
-  if (const auto& choice = object.choice) {
-    std::printf("  mesh size %.3g mm", 1000 * choice->size_m);
-    if (choice->edge_size_m > 0 && choice->edge_size_m < choice->size_m) {
-      std::printf(", %.3g mm at sharp edges", 1000 * choice->edge_size_m);
-    }
-    if (choice->shortest_wave_m > 0) std::printf(", for waves of %.3g mm", 1000 * choice->shortest_wave_m);
-    if (choice->wall_m > 0) std::printf(", thinnest wall %.3g mm", 1000 * choice->wall_m);
-    std::printf("%s\n", choice->bounded ? "; finer would be right, but too much to solve unasked (--mesh-size)" : "");
-  }
-  if (object.rounds.size() > 1) {
-    std::printf("  refined:");
-    for (const bake::Round& round : object.rounds) {
-      std::printf(" %s %td unknowns %s;", std::string(fem::element_name(round.element)).c_str(), round.unknowns,
-                  as_percent(round.error).c_str());
-    }
-    std::printf("\n");
-  }
-  const auto spread = modal::error_spread(object.baked.bank);
-  if (spread) {
-    std::printf("  estimated errors of the frequencies: median %s, largest %s\n", as_percent(spread->median).c_str(),
-                as_percent(spread->largest).c_str());
-  }
-}
-
-void print_summary(const bake::ObjectRecipe& recipe, const bake::BakedObject& object, const fs::path& output) {
-  const auto& [bank, report] = object.baked;
-  const auto [low, high] = std::minmax_element(bank.frequency_hz.begin(), bank.frequency_hz.end());
-  std::error_code error;
-  std::printf("%s: %zu modes, %.0f to %.0f Hz, at %zu points -> %s (%.0f kB)\n", recipe.name.c_str(), bank.mode_count(),
-              *low, *high, bank.point_count(), output.c_str(),
-              static_cast<double>(fs::file_size(output, error)) / 1000);
-  std::printf(
-      "  %s, %.3f kg; %td elements, %td unknowns; dropped %d rigid, %d below the band, %d over-damped, "
-      "%d inaudible, %d unimportant\n",
-      bank.material->name.c_str(), bank.mass->mass_kg, report.elements, report.unknowns, report.rigid,
-      report.below_band, report.over_damped, report.inaudible, report.unimportant);
-  if (bank.provenance.dropped_modes > 0) {
-    std::printf("  left out of the band: %lld modes, at most %.1f dB of the energy of a blow\n",
-                static_cast<long long>(bank.provenance.dropped_modes), bank.provenance.loss_db);
-  }
-  if (report.from_cache) std::printf("  from the cache: nothing was solved\n");
-  if (!report.cache_trouble.empty()) std::printf("  not kept in the cache: %s\n", report.cache_trouble.c_str());
-  std::printf(
-      "  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, errors %.1f, finish %.1f; largest residual "
-      "%.1e\n",
-      object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
-      report.estimate_seconds, report.finish_seconds, bank.provenance.largest_residual);
-  print_errors(object);
-  cli::print_body(object);
-  std::fflush(stdout);
-}
-
-ExitCode complain(const std::string& message, ExitCode code) {
-  std::fprintf(stderr, "ringdown-bake: %s\n", message.c_str());
-  return code;
-}
-
 cli::ProgressLine::Style progress_style(const Arguments& arguments) {
   using Style = cli::ProgressLine::Style;
   if (arguments.progress_lines) return Style::lines;
@@ -231,7 +158,7 @@ cli::ProgressLine::Style progress_style(const Arguments& arguments) {
 ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments& arguments,
                   const std::stop_token& stop) {
   const Result<bake::ObjectRecipe> recipe = recipe_for(input, arguments);
-  if (!recipe) return complain(recipe.error().message, ExitCode::bad_input);
+  if (!recipe) return complain(recipe.error());
   const std::string hash = bake::input_hash({.object = input,
                                              .geometry = recipe->geometry,
                                              .material = arguments.materials / (recipe->material + ".toml"),
@@ -248,12 +175,9 @@ ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments
         return !stop.stop_requested();
       });
   line.clear();
-  if (stop.stop_requested()) return complain("cancelled; " + output.string() + " was not written", ExitCode::cancelled);
-  if (!object) return complain(object.error().message, ExitCode::bad_input);
-  if (auto written = modal::write_bank(object->baked.bank, output, hash); !written) {
-    return complain(written.error().message, ExitCode::failure);
-  }
-  if (!arguments.quiet) print_summary(*recipe, *object, output);
+  if (!object) return cli::complain_unwritten(object.error(), output);
+  if (auto written = modal::write_bank(object->baked.bank, output, hash); !written) return complain(written.error());
+  if (!arguments.quiet) cli::print_report(*recipe, *object, output);
   return ExitCode::ok;
 }
 
@@ -265,10 +189,6 @@ ExitCode bake_folder(const CLI::App& app, const Arguments& arguments) {
   request.quiet = arguments.quiet;
   request.progress = arguments.progress;
   return cli::run_folder_bake(app, std::move(request));
-}
-
-ExitCode usage_error(const std::string& message) {
-  return complain(message + "; ringdown-bake --help lists the options", ExitCode::usage);
 }
 
 // What the man page says beside the options.
@@ -287,42 +207,32 @@ const std::vector<manual::Section> kSections = {
 
 ExitCode run(int argc, char** argv) {
   CLI::App app("Bakes an object's shape and material into a bank of its modes.", "ringdown-bake");
-  app.set_version_flag("--version", "ringdown-bake " RINGDOWN_VERSION);
+  manual::add_common_options(app);
   Arguments arguments;
   Settings settings;
   add_options(app, arguments, settings);
-  manual::add_manual_option(app, kSections);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help_or_version) {
-    return static_cast<ExitCode>(app.exit(help_or_version));
-  } catch (const CLI::ParseError& error) {
-    return usage_error(error.what());
-  }
-  if (arguments.input.empty()) return usage_error("give an input, or a folder of them");
+  if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;
+  if (arguments.input.empty()) return complain_of_usage(app, "give an input, or a folder of them");
   if (auto chosen = cli::choose_folder(app, arguments.input, arguments.folder); !chosen) {
-    return usage_error(chosen.error().message);
+    return complain_of_usage(app, chosen.error().message);
   }
   if (arguments.output.empty() && arguments.folder.folder.empty()) {
-    return usage_error("say with --output where to write");
+    return complain_of_usage(app, "say with --output where to write");
   }
-  auto read = read_settings("--set", settings.parameters, arguments.parameters);
-  if (read) read = read_settings("--set-material", settings.figures, arguments.figures);
-  if (!read) return usage_error(read.error().message);
-  if (arguments.materials.empty()) {
-    const Result<fs::path> presets = ringdown::preset_folder();
-    if (!presets) return complain(presets.error().message, ExitCode::failure);
-    arguments.materials = *presets / "materials";
-  }
+  auto read = cli::read_settings("--set", settings.parameters, arguments.parameters);
+  if (read) read = cli::read_settings("--set-material", settings.figures, arguments.figures);
+  if (!read) return complain_of_usage(app, read.error().message);
+  const Result<fs::path> materials = material_folder(arguments.materials);
+  if (!materials) return complain(materials.error());
+  arguments.materials = *materials;
   if (!arguments.folder.folder.empty()) return bake_folder(app, arguments);
   arguments.shaping = cli::shaping_options(app);
   return cli::run_cancellable([&](const std::stop_token& stop) {
     try {
       return bake_one(arguments.input, arguments.output, arguments, stop);
     } catch (const std::bad_alloc&) {
-      return complain("there is not enough memory to bake " + arguments.input.string() +
-                          "; a larger --mesh-size or a lower --element needs less",
-                      ExitCode::failure);
+      return complain({ErrorKind::no_memory, "there is not enough memory to bake " + arguments.input.string() +
+                                                 "; a larger --mesh-size or a lower --element needs less"});
     }
   });
 }

@@ -2,16 +2,15 @@
 //
 // Exit codes (protocol/exit_codes.h): ok; usage; bad_input when the object cannot be baked; failure when the targets
 // are out of reach or a file cannot be written; cancelled. Nothing is written of an object whose targets were missed.
-#include "clients/cli/bake/cancellable.h"
-#include "clients/cli/bake/progress_line.h"
+#include "clients/cli/bake/long_work.h"
 #include "clients/cli/bake/tune_options.h"
 #include "clients/cli/pitch.h"
 #include "engine/bake/object_text.h"
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_cache.h"
-#include "engine/base/preset_folder.h"
+#include "engine/base/folders.h"
 #include "engine/base/toml_table.h"
-#include "manual/option.h"
+#include "packaging/manual/command_line.h"
 
 #include <CLI/CLI.hpp>
 
@@ -24,12 +23,9 @@ using namespace ringdown;
 namespace fs = std::filesystem;
 
 using cli::TuneArguments;
+using manual::complain_of_usage;
+using protocol::complain;
 using protocol::ExitCode;
-
-ExitCode complain(const std::string& message, ExitCode code) {
-  std::fprintf(stderr, "ringdown-tune: %s\n", message.c_str());
-  return code;
-}
 
 std::string parameters_text(const std::map<std::string, double>& parameters) {
   std::string text;
@@ -103,7 +99,8 @@ Result<void> write_object(const TuneArguments& arguments, const bake::TuneReques
 ExitCode tune_one(const TuneArguments& arguments, bake::TuneRequest& request, const fs::path& output,
                   const std::stop_token& stop) {
   const std::string name = output.stem().string();
-  cli::ProgressLine line(name, !arguments.quiet && ::isatty(STDERR_FILENO));
+  using Style = cli::ProgressLine::Style;
+  cli::ProgressLine line(name, !arguments.quiet && ::isatty(STDERR_FILENO) ? Style::bar : Style::none);
   request.progress = [&](std::string_view stage, double fraction) {
     line.show(stage, fraction);
     return !stop.stop_requested();
@@ -114,13 +111,10 @@ ExitCode tune_one(const TuneArguments& arguments, bake::TuneRequest& request, co
   };
   const Result<bake::TunedObject> tuned = bake::tune_object(request, arguments.materials);
   line.clear();
-  if (stop.stop_requested()) return complain("cancelled; " + output.string() + " was not written", ExitCode::cancelled);
-  if (!tuned) return complain(tuned.error().message, ExitCode::bad_input);
+  if (!tuned) return cli::complain_unwritten(tuned.error(), output);
   if (!arguments.quiet || !tuned->reached) print_table(name, request, *tuned);
-  if (!tuned->reached) return complain(missed(name, *tuned), ExitCode::failure);
-  if (auto written = write_object(arguments, request, *tuned, output); !written) {
-    return complain(written.error().message, ExitCode::failure);
-  }
+  if (!tuned->reached) return complain({ErrorKind::refused, missed(name, *tuned)});
+  if (auto written = write_object(arguments, request, *tuned, output); !written) return complain(written.error());
   for (bake::TuneVariable& variable : request.variables) variable.start = tuned->parameters.at(variable.name);
   request.slopes = tuned->slopes;
   request.recipe.meshing.mesh_size_m = tuned->mesh_size_m;
@@ -143,7 +137,7 @@ ExitCode tune_scale(const TuneArguments& arguments, bake::TuneRequest& request, 
 
 ExitCode tune(TuneArguments& arguments, const std::stop_token& stop) {
   Result<bake::ObjectRecipe> recipe = bake::read_object(arguments.input);
-  if (!recipe) return complain(recipe.error().message, ExitCode::bad_input);
+  if (!recipe) return complain(recipe.error());
   if (!arguments.no_cache) recipe->options.cache = cache_folder().value_or("");
   if (arguments.mesh_size_m) recipe->meshing.mesh_size_m = *arguments.mesh_size_m;
   for (const auto& [name, value] : arguments.settings) recipe->meshing.parameters[name] = value;
@@ -172,27 +166,15 @@ const std::vector<manual::Section> kSections = {
 ExitCode run(int argc, char** argv) {
   CLI::App app("Finds the parameters of an object's geometry at which its modes have the frequencies that you name.",
                "ringdown-tune");
-  app.set_version_flag("--version", "ringdown-tune " RINGDOWN_VERSION);
+  manual::add_common_options(app);
   cli::TuneWords words;
   TuneArguments arguments;
   cli::add_tune_options(app, arguments, words);
-  manual::add_manual_option(app, kSections);
-  const auto refuse = [](const std::string& why) {
-    return complain(why + "; ringdown-tune --help lists the options", ExitCode::usage);
-  };
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help_or_version) {
-    return static_cast<ExitCode>(app.exit(help_or_version));
-  } catch (const CLI::ParseError& error) {
-    return refuse(error.what());
-  }
-  if (auto read = cli::read_words(words, arguments); !read) return refuse(read.error().message);
-  if (arguments.materials.empty()) {
-    const Result<fs::path> presets = preset_folder();
-    if (!presets) return complain(presets.error().message, ExitCode::failure);
-    arguments.materials = *presets / "materials";
-  }
+  if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;
+  if (auto read = cli::read_words(words, arguments); !read) return complain_of_usage(app, read.error().message);
+  const Result<fs::path> materials = material_folder(arguments.materials);
+  if (!materials) return complain(materials.error());
+  arguments.materials = *materials;
   return cli::run_cancellable([&](const std::stop_token& stop) { return tune(arguments, stop); });
 }
 

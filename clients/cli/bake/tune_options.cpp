@@ -1,20 +1,13 @@
 #include "clients/cli/bake/tune_options.h"
 
+#include "clients/cli/bake/options.h"
 #include "clients/cli/pitch.h"
+#include "packaging/manual/command_line.h"
 
-#include <CLI/CLI.hpp>
-
-#include <cstdlib>
+#include <cmath>
 
 namespace ringdown::cli {
 namespace {
-
-std::optional<double> number_in(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
 
 // "LOW..HIGH" as its two halves.
 std::optional<std::pair<std::string, std::string>> range_in(const std::string& text) {
@@ -29,7 +22,7 @@ Result<bake::TuneVariable> variable_in(const std::string& text) {
   if (colon == std::string::npos || colon == 0) return fail(ErrorKind::bad_input, wanted);
   const auto ends = range_in(text.substr(colon + 1));
   if (!ends) return fail(ErrorKind::bad_input, wanted);
-  const auto low = number_in(ends->first), high = number_in(ends->second);
+  const auto low = parse_number(ends->first), high = parse_number(ends->second);
   if (!low || !high || !(*low < *high)) return fail(ErrorKind::bad_input, wanted);
   return bake::TuneVariable{text.substr(0, colon), *low, *high, 0.5 * (*low + *high)};
 }
@@ -49,7 +42,7 @@ Result<AskedTarget> target_in(const std::string& text) {
     target.family = *family;
     begin = colon + 1;
   }
-  const auto mode = number_in(text.substr(begin, equals - begin));
+  const auto mode = parse_number(text.substr(begin, equals - begin));
   if (!mode || !(*mode >= 1 && *mode <= 1000) || *mode != std::floor(*mode)) return fail(ErrorKind::bad_input, wanted);
   target.mode = static_cast<int>(*mode);
 
@@ -66,7 +59,7 @@ Result<AskedTarget> target_in(const std::string& text) {
     target.kind = AskedTarget::Kind::kMultiple;
     value.pop_back();
   }
-  const auto number = number_in(value);
+  const auto number = parse_number(value);
   if (!number || !(*number > 0)) return fail(ErrorKind::bad_input, wanted);
   target.value = *number;
   return target;
@@ -111,14 +104,13 @@ void add_tune_options(CLI::App& app, TuneArguments& arguments, TuneWords& words)
       ->expected(3)
       ->type_name("X Y Z");
   app.add_option("--tolerance", arguments.tolerance_cents, "cents that a target may be missed by (default 0.3)")
-      ->check(CLI::Range(0.001, 100.0));
+      ->check(manual::between(0.001, 100.0));
   app.add_option("--mesh-size", arguments.mesh_size_m, "longest edge in metres, instead of the object's")
-      ->check(CLI::PositiveNumber);
+      ->check(manual::above_zero());
   app.add_option("--materials", arguments.materials, "folder of materials (default: the presets')")
       ->type_name("FOLDER");
   app.add_flag("--no-cache", arguments.no_cache, "neither use nor keep earlier results");
   app.add_flag("-q,--quiet", arguments.quiet, "print nothing but errors");
-  app.footer(protocol::exit_code_help());
 }
 
 Result<void> read_words(const TuneWords& words, TuneArguments& arguments) {
@@ -127,12 +119,7 @@ Result<void> read_words(const TuneWords& words, TuneArguments& arguments) {
     if (!variable) return fail(variable.error());
     arguments.variables.push_back(*variable);
   }
-  for (const std::string& text : words.settings) {
-    const std::size_t equals = text.find('=');
-    const auto value = equals == std::string::npos ? std::nullopt : number_in(text.substr(equals + 1));
-    if (!value || equals == 0) return fail(ErrorKind::bad_input, "--set wants NAME=NUMBER, not '" + text + "'");
-    arguments.settings[text.substr(0, equals)] = *value;
-  }
+  if (auto read = read_settings("--set", words.settings, arguments.settings); !read) return read;
   if (!words.scale.empty()) {
     if (auto scale = read_scale(words.scale, arguments); !scale) return scale;
   }

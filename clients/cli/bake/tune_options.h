@@ -2,7 +2,6 @@
 #pragma once
 
 #include "engine/bake/tune_object.h"
-#include "protocol/exit_codes.h"
 
 #include <string>
 #include <vector>

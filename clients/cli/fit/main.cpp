@@ -6,8 +6,7 @@
 #include "engine/fit/to_bank.h"
 #include "engine/modal/bank_file.h"
 #include "engine/synth/mode_table.h"
-#include "manual/option.h"
-#include "protocol/exit_codes.h"
+#include "packaging/manual/command_line.h"
 
 #include <CLI/CLI.hpp>
 
@@ -19,6 +18,8 @@
 namespace {
 
 using namespace ringdown;  // NOLINT: a program
+using manual::complain_of_usage;
+using protocol::complain;
 using protocol::ExitCode;
 namespace fs = std::filesystem;
 
@@ -32,12 +33,6 @@ struct Arguments {
   fit::Options options;
   fit::CalibrateOptions match;
 };
-
-ExitCode complain(const std::string& sentence, ExitCode code) {
-  std::fflush(stdout);  // first what was printed, then why no more comes
-  std::fprintf(stderr, "ringdown-fit: %s\n", sentence.c_str());
-  return code;
-}
 
 void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("wave", arguments.input, "The recording of one blow: WAV, FLAC, AIFF, ...")
@@ -53,17 +48,17 @@ void add_options(CLI::App& app, Arguments& arguments) {
          "--tolerance", arguments.match.tolerance_cents,
          "With --damping-of: how far a matching mode's frequency may be off, in cents, after the tuning that all "
          "have in common.")
-      ->check(CLI::Range(0.1, 200.0))
+      ->check(manual::between(0.1, 200.0))
       ->capture_default_str();
   app.add_option("--channel", arguments.channel, "Which channel, 1 is the first; default: the mean of all.");
   app.add_option("--from", arguments.options.from_s, "Where the blow is, in seconds; default: where the sound begins.");
   app.add_option("--band", arguments.band, "Lowest and highest frequency in Hz; default: 20 20000.")
       ->type_name("LOW HIGH");
   app.add_option("--floor", arguments.options.floor_db, "Drop modes that begin more dB than this below the loudest.")
-      ->check(CLI::Range(1.0, 200.0))
+      ->check(manual::between(1.0, 200.0))
       ->capture_default_str();
   app.add_option("--max-modes", arguments.options.most_modes, "Keep so many, those of most energy.")
-      ->check(CLI::Range(std::size_t{1}, fit::kMaxModes))
+      ->check(manual::between(std::size_t{1}, fit::kMaxModes))
       ->capture_default_str();
   app.add_option("--impulse", arguments.impulse,
                  "The impulse in N s that shall sound as loud as the recording; default: 0,0,1.")
@@ -72,7 +67,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->expected(3);
   app.add_option("--contact", arguments.contact_ms,
                  "The contact time in ms that this impulse will have; its spectrum is divided out.")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(manual::between(0.0, 100.0))
       ->capture_default_str();
   app.add_option("--name", arguments.name, "The bank's name; default: the recording's.");
   app.add_option("--resynth", arguments.resynth, "Write the sum of the modes as a sound.")->type_name("FILE");
@@ -120,22 +115,23 @@ Result<modal::Bank> bank_of(const fit::Fit& found, const Arguments& arguments) {
 
 ExitCode fit_recording(Arguments& arguments) {
   const Result<cli::Sound> sound = cli::read_sound(arguments.input, arguments.channel);
-  if (!sound) return complain(sound.error().message, ExitCode::bad_input);
+  if (!sound) return complain(sound.error());
   const Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, arguments.options);
-  if (!found) return complain(arguments.input.string() + ": " + found.error().message, ExitCode::bad_input);
+  if (!found) return complain({found.error().kind, arguments.input.string() + ": " + found.error().message});
   if (found->modes.empty()) {
-    return complain(arguments.input.string() + " has no mode that stands out of its noise; --from says where a blow is",
-                    ExitCode::bad_input);
+    return complain(
+        {ErrorKind::bad_input,
+         arguments.input.string() + " has no mode that stands out of its noise; --from says where a blow is"});
   }
   cli::print_fit(arguments.input.string(), *found);
   const Result<modal::Bank> bank = bank_of(*found, arguments);
-  if (!bank) return complain(bank.error().message, ExitCode::bad_input);
+  if (!bank) return complain(bank.error());
   if (!arguments.output.empty()) {
     const auto written = modal::write_bank(*bank, arguments.output);
-    if (!written) return complain(written.error().message, ExitCode::failure);
+    if (!written) return complain(written.error());
   }
   const auto written = write_sounds(*found, *sound, arguments);
-  return written ? ExitCode::ok : complain(written.error().message, ExitCode::failure);
+  return written ? ExitCode::ok : complain(written.error());
 }
 
 // What the man page says beside the options.
@@ -148,21 +144,13 @@ const std::vector<manual::Section> kSections = {
 
 ExitCode run(int argc, char** argv) {
   CLI::App app("Finds the modes of a struck object in a recording.", "ringdown-fit");
-  app.set_version_flag("--version", "ringdown-fit " RINGDOWN_VERSION);
-  app.footer(protocol::exit_code_help());
+  manual::add_common_options(app);
   Arguments arguments;
   add_options(app, arguments);
-  manual::add_manual_option(app, kSections);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& help_or_version) {
-    return static_cast<ExitCode>(app.exit(help_or_version));
-  } catch (const CLI::ParseError& error) {
-    return complain(std::string(error.what()) + "; ringdown-fit --help lists the options", ExitCode::usage);
-  }
+  if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;
   const auto& j = arguments.impulse;
   if (!(std::isfinite(j[0] + j[1] + j[2]) && std::hypot(j[0], j[1], j[2]) > 0)) {
-    return complain("--impulse takes three numbers that are not all 0, like 0,0,1", ExitCode::usage);
+    return complain_of_usage(app, "--impulse takes three numbers that are not all 0, like 0,0,1");
   }
   if (arguments.name.empty()) arguments.name = arguments.input.stem().string();
   arguments.options.low_hz = arguments.band[0], arguments.options.high_hz = arguments.band[1];

@@ -1,9 +1,9 @@
 #include "tests/bench/modal/calculix.h"
 
 #include "engine/base/child_process.h"
+#include "engine/base/folders.h"
 #include "engine/mesh/tet_basis.h"
 #include "engine/mesh/tet_shape.h"
-#include "engine/base/private_folder.h"
 
 #include <Eigen/LU>
 

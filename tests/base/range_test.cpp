@@ -1,4 +1,4 @@
-#include "engine/base/fraction.h"
+#include "engine/base/range.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,7 @@
-#include "manual/command.h"
+#include "packaging/manual/command.h"
 
 #include <CLI/CLI.hpp>
 
-#include <regex>
 #include <sstream>
 
 namespace ringdown::manual {
@@ -13,27 +12,23 @@ std::string without_full_stop(std::string text) {
   return text;
 }
 
-// CLI11 writes "FLOAT:FLOAT in [8000 - 768000]" and "FLOAT:POSITIVE".
-void read_value(const std::string& type, Option& row) {
-  static const std::regex kRange(R"((.*):\w+ in \[(.*) - (.*)\])");
-  static const std::regex kPositive("(.*):POSITIVE");
-  std::smatch part;
-  row.value = type;
-  if (std::regex_match(type, part, kRange)) {
-    row.value = part[1];
-    row.accepted = "from " + part[2].str() + " to " + part[3].str();
-  } else if (std::regex_match(type, part, kPositive)) {
-    row.value = part[1];
-    row.accepted = "greater than 0";
+// CLI11 appends what the option's check demands to the name of the value's type, after a colon.
+void read_value(CLI::Option& option, Option& row) {
+  row.value = option.get_type_name();
+  try {
+    row.accepted = option.get_validator(0)->get_description();
+  } catch (const CLI::OptionNotFound&) {
+    return;  // nothing is checked
   }
+  if (!row.accepted.empty()) row.value.resize(row.value.size() - row.accepted.size() - 1);
 }
 
-Option row_of(const CLI::Option& option) {
+Option row_of(CLI::Option& option) {
   Option row;
   for (const std::string& name : option.get_snames()) row.names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) row.names.push_back("--" + name);
   if (row.names.empty()) row.names.push_back(option.get_name());
-  if (option.get_expected_max() > 0) read_value(option.get_type_name(), row);
+  if (option.get_expected_max() > 0) read_value(option, row);
   row.fallback = option.get_default_str();
   row.sentence = without_full_stop(option.get_description());
   row.required = option.get_required();
@@ -53,13 +48,13 @@ std::vector<std::string> Option::choices() const {
 
 bool Option::wants_file() const { return value == "FILE" || value == "FOLDER"; }
 
-Command command_of(const CLI::App& app) {
+Command command_of(CLI::App& app) {
   Command command{.name = app.get_name(), .sentence = without_full_stop(app.get_description())};
   command.passes_on = app.get_prefix_command();
-  for (const CLI::Option* option : app.get_options()) {
+  for (CLI::Option* option : app.get_options()) {
     if (!option->get_group().empty()) command.options.push_back(row_of(*option));
   }
-  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+  for (CLI::App* verb : app.get_subcommands([](CLI::App*) { return true; })) {
     Command inner = command_of(*verb);
     if (!inner.name.empty()) {
       command.commands.push_back(std::move(inner));

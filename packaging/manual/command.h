@@ -30,7 +30,7 @@ struct Command {
   bool passes_on = false;         // everything after its name goes to another program
 };
 
-// The rows of `app`, hidden options left out. [any]
-Command command_of(const CLI::App& app);
+// The rows of `app`, hidden options left out. CLI11 gives out the checks of an option only where it may be changed.
+Command command_of(CLI::App& app);
 
 }  // namespace ringdown::manual

@@ -2,7 +2,7 @@
 // choices, and files elsewhere.
 #pragma once
 
-#include "manual/command.h"
+#include "packaging/manual/command.h"
 
 #include <string>
 

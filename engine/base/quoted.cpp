@@ -1,9 +1,18 @@
-#include "engine/base/toml_string.h"
+#include "engine/base/quoted.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
 namespace ringdown {
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kShown = 48;
+  std::string shown(text.substr(0, kShown));
+  std::ranges::replace_if(
+      shown, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return "'" + shown + (text.size() > kShown ? "...'" : "'");
+}
 
 std::string toml_string(std::string_view text) {
   std::string out = "\"";

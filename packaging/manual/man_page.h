@@ -1,7 +1,7 @@
 // Man pages, in roff's man macros.
 #pragma once
 
-#include "manual/command.h"
+#include "packaging/manual/command.h"
 
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "manual/man_page.h"
+#include "packaging/manual/man_page.h"
 
 #include "protocol/exit_codes.h"
 

@@ -1,0 +1,84 @@
+#include "clients/cli/bake/bake_report.h"
+
+#include "engine/base/range.h"
+#include "protocol/exit_codes.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace ringdown::cli {
+namespace {
+
+void print_errors(const bake::BakedObject& object) {
+  if (const auto& choice = object.choice) {
+    std::printf("  mesh size %.3g mm", 1000 * choice->size_m);
+    if (choice->edge_size_m > 0 && choice->edge_size_m < choice->size_m) {
+      std::printf(", %.3g mm at sharp edges", 1000 * choice->edge_size_m);
+    }
+    if (choice->shortest_wave_m > 0) std::printf(", for waves of %.3g mm", 1000 * choice->shortest_wave_m);
+    if (choice->wall_m > 0) std::printf(", thinnest wall %.3g mm", 1000 * choice->wall_m);
+    std::printf("%s\n", choice->bounded ? "; finer would be right, but too much to solve unasked (--mesh-size)" : "");
+  }
+  if (object.rounds.size() > 1) {
+    std::printf("  refined:");
+    for (const bake::Round& round : object.rounds) {
+      std::printf(" %s %td unknowns %s;", std::string(fem::element_name(round.element)).c_str(), round.unknowns,
+                  as_percent(round.error).c_str());
+    }
+    std::printf("\n");
+  }
+  const auto spread = modal::error_spread(object.baked.bank);
+  if (spread) {
+    std::printf("  estimated errors of the frequencies: median %s, largest %s\n", as_percent(spread->median).c_str(),
+                as_percent(spread->largest).c_str());
+  }
+}
+
+void print_body(const bake::BakedObject& object) {
+  std::printf("  %s\n", mesh::text_of(object.making).c_str());
+  for (const std::string& note : object.notes) std::printf("    %s\n", note.c_str());
+  const mesh::CheckedMesh& checked = object.mesh;
+  if (checked.pieces > 1) std::printf("  %d pieces that share no node\n", checked.pieces);
+  if (checked.flipped + checked.duplicates + checked.unused_nodes > 0) {
+    std::printf("  repaired: %d elements were inside out, %d were there twice; %d nodes belonged to none\n",
+                checked.flipped, checked.duplicates, checked.unused_nodes);
+  }
+  if (checked.straightened > 0) {
+    std::printf("  %d curved elements folded and were straightened; a smaller mesh size avoids that\n",
+                checked.straightened);
+  }
+}
+
+}  // namespace
+
+void print_report(const bake::ObjectRecipe& recipe, const bake::BakedObject& object,
+                  const std::filesystem::path& output) {
+  const auto& [bank, report] = object.baked;
+  const auto [low, high] = std::minmax_element(bank.frequency_hz.begin(), bank.frequency_hz.end());
+  std::error_code error;
+  std::printf("%s: %zu modes, %.0f to %.0f Hz, at %zu points -> %s (%.0f kB)\n", recipe.name.c_str(), bank.mode_count(),
+              *low, *high, bank.point_count(), output.c_str(),
+              static_cast<double>(std::filesystem::file_size(output, error)) / 1000);
+  std::printf(
+      "  %s, %.3f kg; %td elements, %td unknowns; dropped %d rigid, %d below the band, %d over-damped, "
+      "%d inaudible, %d unimportant\n",
+      bank.material->name.c_str(), bank.mass->mass_kg, report.elements, report.unknowns, report.rigid,
+      report.below_band, report.over_damped, report.inaudible, report.unimportant);
+  if (bank.provenance.dropped_modes > 0) {
+    std::printf("  left out of the band: %lld modes, at most %.1f dB of the energy of a blow\n",
+                static_cast<long long>(bank.provenance.dropped_modes), bank.provenance.loss_db);
+  }
+  if (report.from_cache) std::printf("  from the cache: nothing was solved\n");
+  if (!report.cache_trouble.empty()) std::printf("  not kept in the cache: %s\n", report.cache_trouble.c_str());
+  std::printf(
+      "  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, errors %.1f, finish %.1f; largest residual "
+      "%.1e\n",
+      object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
+      report.estimate_seconds, report.finish_seconds, bank.provenance.largest_residual);
+  print_errors(object);
+  print_body(object);
+  std::fflush(stdout);
+  if (!object.question.empty()) protocol::complain("is this size meant? " + object.question, protocol::ExitCode::ok);
+}
+
+}  // namespace ringdown::cli

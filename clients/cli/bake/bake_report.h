@@ -1,0 +1,16 @@
+// What ringdown-bake prints about a bake. [main thread]
+#pragma once
+
+#include "engine/bake/object_file.h"
+#include "engine/bake/refine.h"
+
+#include <filesystem>
+
+namespace ringdown::cli {
+
+// Prints to stdout: the bank, what was left out, seconds, errors, and how the body was made and repaired. A size that
+// is probably not meant is questioned on stderr.
+void print_report(const bake::ObjectRecipe& recipe, const bake::BakedObject& object,
+                  const std::filesystem::path& output);
+
+}  // namespace ringdown::cli

@@ -1,0 +1,59 @@
+#include "clients/cli/bake/options.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace ringdown::cli {
+
+std::optional<double> parse_unit(const std::string& text) {
+  if (text == "mm") return 0.001;
+  if (text == "cm") return 0.01;
+  if (text == "m") return 1;
+  if (text == "in") return 0.0254;
+  const std::optional<double> metres = parse_number(text);
+  return metres && *metres > 0 ? metres : std::nullopt;
+}
+
+std::string check_unit(const std::string& text) {
+  return parse_unit(text) ? "" : "a unit is mm, cm, m, in or a positive number of metres, not '" + text + "'";
+}
+
+std::optional<double> parse_number(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+Result<void> read_settings(const std::string& option, const std::vector<std::string>& settings,
+                           std::map<std::string, double>& values) {
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    const auto value = equals == std::string::npos ? std::nullopt : parse_number(setting.substr(equals + 1));
+    if (!value || equals == 0) {
+      return fail(ErrorKind::bad_input, option + " wants NAME=NUMBER, not '" + setting + "'");
+    }
+    values[setting.substr(0, equals)] = *value;
+  }
+  return {};
+}
+
+std::vector<std::string> given_options(const CLI::App& app, std::initializer_list<std::string_view> except) {
+  std::vector<std::string> words;
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || !name.starts_with('-') ||
+        std::find(except.begin(), except.end(), name) != except.end()) {
+      continue;
+    }
+    words.push_back(name);
+    const bool is_flag = option->get_items_expected_max() == 0;
+    if (!is_flag) words.insert(words.end(), option->results().begin(), option->results().end());
+  }
+  return words;
+}
+
+}  // namespace ringdown::cli

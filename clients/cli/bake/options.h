@@ -1,0 +1,40 @@
+// What the command lines of ringdown-bake, ringdown-check and ringdown-tune have in common. [main]
+#pragma once
+
+#include "engine/base/result.h"
+
+#include <initializer_list>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace ringdown::cli {
+
+inline constexpr const char* kUnitHelp =
+    "one unit of the file: mm, cm, m, in, or metres such as 0.001 (default: what the file says, else metres)";
+
+// Metres of "mm", "cm", "m", "in" or a positive number.
+std::optional<double> parse_unit(const std::string& text);
+
+// For CLI11: empty, or what is wrong.
+std::string check_unit(const std::string& text);
+
+// A finite number, with nothing before or after it.
+std::optional<double> parse_number(const std::string& text);
+
+// Adds settings such as "length=300" to `values`. Fails when a setting is not NAME=NUMBER; `option` stands in the
+// sentence.
+Result<void> read_settings(const std::string& option, const std::vector<std::string>& settings,
+                           std::map<std::string, double>& values);
+
+// The options that the command line has, as words for another one: {"--keep", "100", "--preview"}, in the order of
+// --help. Leaves out `except` (with dashes) and arguments that stand by their place.
+std::vector<std::string> given_options(const CLI::App& app, std::initializer_list<std::string_view> except);
+
+}  // namespace ringdown::cli

@@ -1,0 +1,41 @@
+// Folders that programs of Ringdown use: the presets, and a temporary folder that nobody else can read. [any thread]
+#pragma once
+
+#include "engine/base/result.h"
+
+#include <filesystem>
+#include <string>
+
+namespace ringdown {
+
+// The environment's RINGDOWN_PRESETS if set; else share/ringdown/presets beside the bin/ that the program runs from;
+// else presets/ of the source tree that the program was built from. Fails when none of these is a folder.
+Result<std::filesystem::path> preset_folder();
+
+// `given`, or the presets' folder of materials when `given` is empty.
+Result<std::filesystem::path> material_folder(const std::filesystem::path& given);
+
+// A new folder below the system's temporary one (TMPDIR) that only this user can read. The destructor removes the
+// folder with everything in it.
+//
+//   const PrivateFolder folder("ringdown-modes");
+//   if (folder.path().empty()) return fail(ErrorKind::input_output, "cannot make a folder for temporary files");
+class PrivateFolder {
+ public:
+  // The folder's name begins with `name`. Where no folder can be made, path() is empty.
+  explicit PrivateFolder(const std::string& name);
+  ~PrivateFolder();
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+  // Leaves the folder on the disk.
+  void keep() { kept_ = true; }
+
+ private:
+  std::filesystem::path path_;
+  bool kept_ = false;
+};
+
+}  // namespace ringdown

@@ -1,0 +1,40 @@
+#include "protocol/exit_codes.h"
+
+#include <cerrno>
+#include <cstdio>
+
+namespace ringdown::protocol {
+
+std::string exit_code_help() {
+  std::string text;
+  for (const auto& [code, meaning] : kExitMeanings) {
+    text += (text.empty() ? "Exit codes: " : ", ") + std::to_string(static_cast<int>(code)) + " ";
+    text += meaning;
+  }
+  return text + ".";
+}
+
+ExitCode exit_code_of(ErrorKind kind) {
+  switch (kind) {
+    case ErrorKind::bad_input:
+    case ErrorKind::too_large:
+      return ExitCode::bad_input;
+    case ErrorKind::cancelled:
+      return ExitCode::cancelled;
+    case ErrorKind::refused:
+    case ErrorKind::no_memory:
+    case ErrorKind::input_output:
+      return ExitCode::failure;
+  }
+  return ExitCode::failure;
+}
+
+ExitCode complain(std::string_view sentence, ExitCode code) {
+  std::fflush(stdout);
+  std::fprintf(stderr, "%s: %.*s\n", program_invocation_short_name, static_cast<int>(sentence.size()), sentence.data());
+  return code;
+}
+
+ExitCode complain(const Error& error) { return complain(error.message, exit_code_of(error.kind)); }
+
+}  // namespace ringdown::protocol
