@@ -37,7 +37,7 @@ Result<DaemonLink> DaemonLink::open(const std::string& url) {
   if (!parsed) return fail(parsed.error());
   const auto daemon = wire::resolve(parsed->host, parsed->port);
   if (!daemon) return fail(daemon.error());
-  // A daemon on this computer is asked from loopback; for another one, any of our addresses must do.
+  // The socket for a daemon on this computer is bound to loopback; for another computer it is bound to any address.
   const bool local = daemon->address >> 24 == 127;
   auto socket = wire::OscSocket::bind({local ? daemon->address : 0, 0});
   if (!socket) return fail(socket.error());

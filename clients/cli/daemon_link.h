@@ -1,4 +1,4 @@
-// Asking a running daemon something, and waiting for what it says.
+// Asks a running daemon and waits for its answer. [one thread]
 #pragma once
 
 #include "engine/base/result.h"
@@ -13,11 +13,12 @@ namespace ringdown::cli {
 
 class DaemonLink {
  public:
-  // `url` as in osc.udp://127.0.0.1:7770. Succeeds whether or not a daemon is there: UDP cannot tell.
+  // `url` is like osc.udp://127.0.0.1:7770. Succeeds whether or not a daemon is there: UDP cannot tell.
   static Result<DaemonLink> open(const std::string& url);
 
-  // Sends a message of the protocol and waits for its answer. A request that succeeds in silence is followed by /sync,
-  // so that Synced means it has arrived. Fail is an answer like any other; an error means that none came in time.
+  // Sends a message of the protocol and waits for its answer. After a request that succeeds in silence, /sync is sent:
+  // the answer Synced then means that the request has arrived. The daemon's refusal is an answer (protocol::Fail); an
+  // error means that no answer came in time.
   Result<protocol::Reply> ask(const wire::Message& message, std::chrono::milliseconds timeout);
 
  private:

@@ -47,7 +47,7 @@ void add_daemon_options(CLI::App& verb, DaemonOptions& options) {
       ->check(manual::between(0.001, 3600.0));
 }
 
-// Sends the message and prints what is answered: nothing for a silent success, else one line per argument.
+// Sends the message and prints the answer: nothing for a silent success, else one line per argument.
 ExitCode ask_and_print(const DaemonOptions& options, const wire::Message& message) {
   auto link = DaemonLink::open(options.url);
   if (!link) return complain(link.error().message, ExitCode::usage);
@@ -68,7 +68,7 @@ const protocol::AddressSpec& spec_of(std::string_view verb) {
   return **protocol::find_address("/object/0/" + std::string(verb));
 }
 
-// The table's description of one argument, for the option that fills it.
+// The protocol table's description of one argument, for the option that sets it.
 std::string help_for(std::string_view verb, std::string_view name) {
   const protocol::AddressSpec& spec = spec_of(verb);
   const auto argument = std::ranges::find(spec.arguments, name, &protocol::ArgumentSpec::name);
@@ -76,7 +76,7 @@ std::string help_for(std::string_view verb, std::string_view name) {
   return protocol::describe(*argument);
 }
 
-// "1,2,3" -> three words, which the table's parser checks.
+// Appends "1,2,3" as three words, which the protocol's parser checks. Returns false when there are not three.
 bool append_three(std::vector<std::string>& words, const std::string& list) {
   const std::vector<std::string> parts = CLI::detail::split(list, ',');
   words.insert(words.end(), parts.begin(), parts.end());

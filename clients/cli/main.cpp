@@ -16,7 +16,7 @@ namespace {
 using namespace ringdown;
 using namespace ringdown::cli;
 
-// Becomes the program of that name that lies beside this one. Returns only when that fails.
+// Replaces this process by the program `name`, which lies beside this one. Returns only when that fails.
 ExitCode become(const std::string& name, std::vector<std::string> arguments) {
   std::error_code error;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -32,7 +32,7 @@ ExitCode become(const std::string& name, std::vector<std::string> arguments) {
 // A verb that is a program of its own, ringdown-NAME, because it links what this program should not.
 void add_program_verb(CLI::App& app, ExitCode& outcome, const std::string& name, const std::string& sentence) {
   CLI::App* verb = app.add_subcommand(name, sentence + " See ringdown " + name + " --help.");
-  verb->set_help_flag();  // --help, too, is for the other program
+  verb->set_help_flag();  // --help goes to the other program
   verb->prefix_command();
   verb->callback([verb, name, &outcome] { outcome = become("ringdown-" + name, verb->remaining()); });
 }

@@ -24,7 +24,7 @@ struct MaterialsArguments {
   bool markdown = false;
 };
 
-constexpr double kSeconds = 2;  // of the preview, seen and heard
+constexpr double kSeconds = 2;  // length of the preview, printed and rendered
 constexpr Vec3 kImpulse_ns = {0, 0, -0.02};
 constexpr double kContactTime_s = 5e-4;
 
@@ -37,7 +37,7 @@ synth::Event blow(const modal::Bank& bar) {
           .contact_time_s = kContactTime_s};
 }
 
-// A blow on the end of the bar, through the mixer that plays everything else; loudest sample -3 dB of full scale.
+// Renders a blow on the end of the bar by the daemon's mixer, with the loudest sample at -3 dB of full scale.
 session::Recording strike(const modal::Bank& bar) {
   constexpr double kRate_hz = 48000, kPeak = 0.7079;
   session::Recording recording{.sample_rate_hz = kRate_hz};
@@ -75,7 +75,7 @@ double level_db(const modal::Bank& bar, double t_s) {
   return 10 * std::log10(energy + 1e-300);
 }
 
-// One character for each tenth of a second, from '#' as struck to '.' some 50 dB below; then nothing.
+// One character for each tenth of a second, from '#' at the level of the blow to '.' about 50 dB below; then nothing.
 std::string decay_curve(const modal::Bank& bar) {
   constexpr std::string_view kLevels = "#@%*+=-:.";
   constexpr double kStep_s = 0.1, kStep_db = 60.0 / kLevels.size();
@@ -88,7 +88,7 @@ std::string decay_curve(const modal::Bank& bar) {
   return curve;
 }
 
-// Seconds to -60 dB of a mode at a frequency, as one bakes with this damping: undamped.
+// Seconds to -60 dB of a mode whose undamped frequency is given, with this damping.
 double t60_at(const modal::RayleighDamping& damping, double frequency_hz) {
   const double omega = modal::hz_to_rad_per_s(frequency_hz);
   return modal::t60_s(0.5 * (damping.alpha_per_s + damping.beta_s * omega * omega));

@@ -10,8 +10,8 @@
 
 namespace ringdown::cli {
 
-// The nearest note of equal temperament at A4 = 440 Hz and how far off it is: "A4 +0 ct". C4 is middle C.
-// "" when the frequency is no pitch: not above 0, or not finite.
+// The nearest note of equal temperament at A4 = 440 Hz and the distance from it: "A4 +0 ct". C4 is middle C.
+// "" when the frequency is not above 0 or not finite.
 inline std::string note_name(double frequency_hz) {
   if (!(frequency_hz > 0) || !std::isfinite(frequency_hz)) return "";
   constexpr const char* kNames[] = {"C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B"};
@@ -24,7 +24,7 @@ inline std::string note_name(double frequency_hz) {
   return text;
 }
 
-// MIDI's number of a note: "A4" is 69, "C4" 60, "F#3" and "Fs3" and "Gb3" 54. Nothing when it is none of 0 to 127.
+// The MIDI number of a note: "A4" is 69, "C4" 60, "F#3" and "Fs3" and "Gb3" 54. Nothing when it is not in 0 to 127.
 inline std::optional<int> note_number(std::string_view note) {
   constexpr std::string_view kLetters = "CDEFGAB";
   constexpr std::array kSteps = {0, 2, 4, 5, 7, 9, 11};
@@ -45,7 +45,7 @@ inline std::optional<int> note_number(std::string_view note) {
 
 inline double note_frequency(int number) { return 440 * std::exp2((number - 69) / 12.0); }
 
-// As a part of a file's name: "Fs3" for 54.
+// The note's name as part of a file name: "Fs3" for 54.
 inline std::string note_word(int number) {
   constexpr std::array kNames = {"C", "Cs", "D", "Ds", "E", "F", "Fs", "G", "Gs", "A", "As", "B"};
   return kNames[number % 12] + std::to_string(number / 12 - 1);

@@ -26,7 +26,7 @@ struct RenderArguments {
   std::string output;
 };
 
-// A bar on a terminal, nothing elsewhere.
+// Shows the percentage on a terminal, and nothing elsewhere. Returns false when the render should stop.
 bool show_progress(double done) {
   static int shown = -1;
   const int percent = static_cast<int>(100 * done);

@@ -15,7 +15,7 @@
 namespace ringdown::cli {
 namespace {
 
-constexpr double kSmallest = 1e-3, kLargest = 1e3;  // of --size
+constexpr double kMinSize = 1e-3, kMaxSize = 1e3;
 
 struct ScaleArguments {
   std::string bank, output;
@@ -74,7 +74,7 @@ void add_scale_verb(CLI::App& app, ExitCode& outcome) {
   verb->add_option("bank", arguments->bank, "The bank, a .glb file.")->type_name("FILE")->required();
   verb->add_option("-o,--output", arguments->output, "The bank to write (.glb).")->type_name("FILE")->required();
   verb->add_option("--size", arguments->size, "How many times as large, in all directions.")
-      ->check(manual::between(kSmallest, kLargest))
+      ->check(manual::between(kMinSize, kMaxSize))
       ->capture_default_str();
   verb->add_option("-m,--material", arguments->material, "The new material; Poisson's ratio stays as it was.")
       ->type_name("NAME");

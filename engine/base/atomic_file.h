@@ -15,10 +15,10 @@ namespace ringdown {
 Result<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text);
 
-// The whole file, refused when it is not a regular file or is larger than `limit_bytes`.
+// Reads the whole file. Fails when the file is not a regular one or is larger than `limit_bytes`.
 Result<std::string> read_whole_file(const std::filesystem::path& path, std::size_t limit_bytes);
 
-// The same of a file that is open, and is closed then. `name` stands in error messages where the path would.
+// Reads the whole open file and closes it. `name` stands in error messages for the path.
 Result<std::string> read_open_file(int descriptor, const std::string& name, std::size_t limit_bytes);
 
 }  // namespace ringdown

@@ -1,9 +1,9 @@
-// Numbers and lists of numbers as bytes, and back without trust. [any thread]
+// Numbers and lists of numbers written as bytes, and read back from bytes that may be damaged. [any thread]
 //
 //   ByteWriter out;  out.put(3.5).put_list(std::span(numbers));
 //   ByteReader in(bytes);  if (!in.get(x) || !in.get_list(list, 1000) || !in.finished()) ...damaged...
 //
-// Bytes lie as in this machine's memory: for files that stay on one machine, such as a cache's.
+// The bytes have this machine's byte order, so they suit files that stay on one machine, such as those of a cache.
 #pragma once
 
 #include <cstdint>
@@ -39,7 +39,7 @@ class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : rest_(bytes) {}
 
-  // False, with nothing read, when the bytes end too soon.
+  // Returns false, with nothing read, when the bytes end too soon.
   template <class T>
   requires std::is_trivially_copyable_v<T>
   bool get(T& value) {
@@ -48,7 +48,8 @@ class ByteReader {
     rest_.remove_prefix(sizeof value);
     return true;
   }
-  // False also when the list says to be longer than what is left; nothing is allocated before that is known.
+  // Returns false, too, when the list claims to be longer than the rest of the bytes; this is checked before memory is
+  // allocated.
   template <class T>
   requires std::is_trivially_copyable_v<T>
   bool get_list(std::vector<T>& list) {

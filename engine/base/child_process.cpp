@@ -39,7 +39,7 @@ class Pipe {
   void close_read() { close(ends_[0]); }
   void close_write() { close(ends_[1]); }
 
-  // What is there now is added to `text`; closes itself at the end of the stream.
+  // Appends what can be read now to `text`. Closes the stream at its end.
   void drain(std::string& text) {
     std::array<char, 4096> bytes;
     const ssize_t got = ::read(ends_[0], bytes.data(), bytes.size());
@@ -56,7 +56,7 @@ class Pipe {
   bool good_ = false;
 };
 
-// "NAME=value" of ours, with `added` in the place of those of the same name.
+// This process's environment as "NAME=value", with the variables in `added` added or replaced.
 std::vector<std::string> environment_with(const std::map<std::string, std::string>& added) {
   std::vector<std::string> all;
   for (char** entry = environ; *entry != nullptr; ++entry) {
@@ -74,7 +74,8 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
-// In the child, between fork and exec: only what is safe there. The reason goes to the parent as a number.
+// Runs in the child between fork and exec, where only async-signal-safe calls are allowed. When exec fails, the child
+// sends errno to the parent through the pipe.
 [[noreturn]] void become(char* const* command, char* const* environment, const char* folder, pid_t parent, int output,
                          int errors, int reason) {
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -92,7 +93,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   ::_exit(127);
 }
 
-// Whole lines of `text` go to `on_line`; a last one without its end stays.
+// Passes the whole lines of `text` to `on_line`; an unfinished last line stays in `text`.
 void hand_over(std::string& text, const std::function<void(std::string_view)>& on_line) {
   std::size_t start = 0;
   for (std::size_t end; (end = text.find('\n', start)) != std::string::npos; start = end + 1) {
@@ -110,7 +111,7 @@ ChildOutcome watch(pid_t id, const ChildRequest& request, Pipe& output, Pipe& er
   std::string text;
   for (int status = 0;;) {
     std::array<pollfd, 2> streams = {{{output.read_end(), POLLIN, 0}, {errors.read_end(), POLLIN, 0}}};
-    ::poll(streams.data(), streams.size(), kPoll_ms);  // a closed one is -1, which poll passes over
+    ::poll(streams.data(), streams.size(), kPoll_ms);  // poll ignores closed streams, which are -1
     if (streams[0].revents != 0) output.drain(text);
     if (streams[1].revents != 0) errors.drain(outcome.errors);
     if (outcome.errors.size() > kKeptErrors) outcome.errors.erase(0, outcome.errors.size() - kKeptErrors);
@@ -125,7 +126,7 @@ ChildOutcome watch(pid_t id, const ChildRequest& request, Pipe& output, Pipe& er
       ::kill(id, SIGKILL), killed = true;
     }
     rusage used{};
-    const bool quiet = streams[0].revents == 0 && streams[1].revents == 0;  // a grandchild may hold them open
+    const bool quiet = streams[0].revents == 0 && streams[1].revents == 0;  // a grandchild may hold the streams open
     if ((quiet || ended_by_us > 0) && ::wait4(id, &status, WNOHANG, &used) == id) {
       outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
       outcome.seconds = now_s() - start;

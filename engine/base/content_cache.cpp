@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Before the content. The magic number reads otherwise on a machine of the other byte order.
+// The header of an entry. On a machine of the other byte order the magic number does not match.
 struct Header {
   std::uint64_t magic = 0x3165686361634452;  // "RDcache1"
   ContentHash kind, key;
@@ -35,7 +35,7 @@ struct Kept {
   fs::file_time_type used;
 };
 
-// KIND-KEY, or that and the six letters of a file being written. Whatever else is in the folder is left alone.
+// Whether a file is the cache's own: its name is KIND-KEY, or KIND-KEY and the six letters of a file being written.
 bool is_ours(std::string name) {
   const std::size_t dot = name.rfind('.');
   if (dot != std::string::npos && name.size() - dot == 7) name.resize(dot);
@@ -50,7 +50,7 @@ std::vector<Kept> files_in(const fs::path& folder) {
   std::vector<Kept> files;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    std::error_code gone;  // another process may delete while this one lists
+    std::error_code gone;  // another process may delete files meanwhile
     if (!is_ours(entry->path().filename().string()) || !entry->is_regular_file(gone)) continue;
     const Kept kept{entry->path(), entry->file_size(gone), entry->last_write_time(gone)};
     if (!gone) files.push_back(kept);

@@ -1,13 +1,14 @@
-// A folder of results, each found again by the hash of what it was made from. [worker; any number of processes]
+// A folder of results, each found again by the hash of its inputs. [worker; any number of processes]
 //
 //   const ContentCache cache(*cache_folder());
 //   if (auto kept = cache.find("modes", key)) ...use *kept...
 //   else cache.store("modes", key, bytes);
 //
-// An entry is one file, KIND-KEY. It is written under another name and renamed, so that processes may share the folder;
-// it carries its kind, key and a checksum of its content, and what does not match them is deleted and not returned.
-// When the folder outgrows its size the entries that were not used for longest are deleted, and with them what a killed
-// process left half-written; files of other names are never touched. Deleting the whole folder at any time is safe.
+// An entry is one file, KIND-KEY. An entry is written under another name and then renamed, so that processes may share
+// the folder. Each file carries its kind, its key and a checksum of its content; a file that does not match them is
+// deleted and not returned. When the folder outgrows its size, the entries unused for longest are deleted, and with
+// them the half-written files of killed processes. Files of other names are never touched. Deleting the whole folder is
+// safe at any time.
 #pragma once
 
 #include "engine/base/content_hash.h"
@@ -29,10 +30,11 @@ class ContentCache {
   explicit ContentCache(std::filesystem::path folder, std::uintmax_t most_bytes = kMaxCacheBytes)
       : folder_(std::move(folder)), most_bytes_(most_bytes) {}
 
-  // What was stored, which now counts as used. `kind` is a word of small letters.
+  // The stored content, which counts as used from now on. `kind` is a word of lower-case letters.
   [[nodiscard]] std::optional<std::string> find(std::string_view kind, const ContentHash& key) const;
 
-  // Replaces an older entry of that kind and key. Content larger than a quarter of the folder's size is not kept.
+  // Stores content, replacing an older entry of this kind and key. Content larger than a quarter of the folder's size
+  // is not kept.
   Result<void> store(std::string_view kind, const ContentHash& key, std::string_view content) const;
 
  private:

@@ -22,8 +22,8 @@ struct ContentHash {
   friend bool operator==(const ContentHash&, const ContentHash&) = default;
 };
 
-// Takes content piece by piece. Lengths are hashed too, so that ("ab", "c") and ("a", "bc") differ. Numbers are taken
-// bit by bit as they lie in memory: the hash of the same content on a machine of the other byte order is another one.
+// Hashes content piece by piece. Lengths are hashed too, so that ("ab", "c") and ("a", "bc") differ. Numbers are hashed
+// as they lie in memory, so a machine of the other byte order gives the same content another hash.
 class ContentHasher {
  public:
   ContentHasher();

@@ -1,4 +1,4 @@
-// What long work says of itself, and how it is stopped. [the thread that works]
+// How long work reports its progress and is asked to stop. [the thread that works]
 #pragma once
 
 #include "engine/base/result.h"
@@ -8,8 +8,8 @@
 
 namespace ringdown {
 
-// Called now and then with what is being done and how far that is, 0..1 of that stage; 0 where it cannot be told.
-// Return false to stop: the work then fails with ErrorKind::cancelled.
+// The work calls it now and then with the name of the current stage and the fraction of that stage that is done, 0..1;
+// 0 where the fraction is not known. When it returns false the work fails with ErrorKind::cancelled.
 using Progress = std::function<bool(std::string_view stage, double fraction)>;
 
 [[nodiscard]] inline tl::unexpected<Error> fail_cancelled() { return fail(ErrorKind::cancelled, "cancelled"); }

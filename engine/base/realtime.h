@@ -12,8 +12,8 @@
 #define RINGDOWN_REALTIME
 #endif
 
-// Between these two the compile-time check rests, for a call into a library that does not say what it is. Each use says
-// why the call is safe; RealtimeSanitizer still watches it.
+// Between these two macros the compile-time check is off, for a call into a library whose functions are not marked.
+// Each use says why the call is safe; RealtimeSanitizer still checks it at run time.
 #if defined(__clang__) && __clang_major__ >= 20
 #define RINGDOWN_TRUST_REALTIME_BEGIN \
   _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Wfunction-effects\"")
@@ -29,8 +29,8 @@
 
 namespace ringdown {
 
-// Flushes denormal numbers to zero on this thread while it lives. JACK's threads start with denormals on, and a
-// decaying tail in denormals was measured at 90 times the cost of a loud one. [any thread]
+// Flushes denormal numbers to zero on this thread for as long as the guard lives. JACK's threads start with denormals
+// on, and a decaying tail in denormals was measured at 90 times the cost of a loud one. [any thread]
 class DenormalGuard {
  public:
 #if defined(__SSE2__)

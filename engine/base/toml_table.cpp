@@ -24,7 +24,7 @@ namespace ringdown {
 
 namespace {
 
-// A value that is no table, list or time, as a word.
+// A text, number, true or false as a word.
 std::optional<std::string> word_of(const toml::node& node) {
   if (node.is_string()) return node.as_string()->get();
   if (node.is_boolean()) return node.as_boolean()->get() ? "true" : "false";
@@ -75,8 +75,8 @@ std::uint32_t line_of_stray_character(std::string_view text) {
 
 }  // namespace
 
-// A table that somebody reads.
-struct TomlTable::Place {
+// A table of the file that is being read, and the keys that were asked for.
+struct TomlTable::OpenTable {
   const toml::table* table;
   std::string what;
   std::set<std::string, std::less<>> taken = {};
@@ -90,20 +90,20 @@ struct TomlTable::Place {
 struct TomlTable::Document {
   std::string path;
   toml::table root;
-  std::deque<Place> places = {};  // in the order of reading; they stay where they are
-  std::unordered_map<const toml::table*, Place*> known = {};
+  std::deque<OpenTable> open_tables = {};  // in the order of reading; a deque does not move them
+  std::unordered_map<const toml::table*, OpenTable*> known = {};
   std::optional<Error> error = {};
 
-  // A table asked for twice is one place: what either reader takes is taken.
-  Place& place_of(const toml::table& table, std::string what) {
-    Place*& place = known[&table];
-    if (!place) place = &places.emplace_back(Place{&table, std::move(what)});
-    return *place;
+  // A table that is asked for twice is opened once, so that keys read through either handle count as known.
+  OpenTable& open(const toml::table& table, std::string what) {
+    OpenTable*& opened = known[&table];
+    if (!opened) opened = &open_tables.emplace_back(OpenTable{&table, std::move(what)});
+    return *opened;
   }
 
-  [[nodiscard]] Error sentence(const Place& place, std::uint32_t line, const std::string& why) const {
+  [[nodiscard]] Error sentence(const OpenTable& table, std::uint32_t line, const std::string& why) const {
     return {ErrorKind::bad_input,
-            path + ":" + std::to_string(line) + ": " + (place.what.empty() ? "" : place.what + ": ") + why};
+            path + ":" + std::to_string(line) + ": " + (table.what.empty() ? "" : table.what + ": ") + why};
   }
 };
 
@@ -118,8 +118,8 @@ std::string name_of(const toml::table& table, std::string_view kind) {
 
 }  // namespace
 
-TomlTable::TomlTable(std::shared_ptr<Document> document, Place& place)
-    : document_(std::move(document)), place_(&place) {}
+TomlTable::TomlTable(std::shared_ptr<Document> document, OpenTable& open)
+    : document_(std::move(document)), open_(&open) {}
 
 Result<TomlTable> TomlTable::read(const std::filesystem::path& path) {
   const Result<std::string> text = read_whole_file(path, kMaxTomlFileBytes);
@@ -140,21 +140,21 @@ Result<TomlTable> TomlTable::parse(std::string_view text, const std::filesystem:
                                           ": not TOML: " + std::string(error.description()));
   }
   auto document = std::make_shared<Document>(Document{path.string(), std::move(file).table()});
-  Place& root = document->place_of(document->root, "");
+  OpenTable& root = document->open(document->root, "");
   return TomlTable(std::move(document), root);
 }
 
-bool TomlTable::has(std::string_view key) const { return place_->table->contains(key); }
+bool TomlTable::has(std::string_view key) const { return open_->table->contains(key); }
 
 std::uint32_t TomlTable::line_of(std::string_view key) const {
-  const toml::node* node = place_->table->get(key);
-  return node && node->source().begin.line ? node->source().begin.line : line_of_table(*place_->table);
+  const toml::node* node = open_->table->get(key);
+  return node && node->source().begin.line ? node->source().begin.line : line_of_table(*open_->table);
 }
 
-const std::string& TomlTable::what() const { return place_->what; }
+const std::string& TomlTable::what() const { return open_->what; }
 
 void TomlTable::complain(std::string_view key, const std::string& why) {
-  if (!document_->error) document_->error = document_->sentence(*place_, line_of(key), why);
+  if (!document_->error) document_->error = document_->sentence(*open_, line_of(key), why);
 }
 
 void TomlTable::expected(std::string_view key, const std::string& what) {
@@ -168,21 +168,21 @@ void TomlTable::require(std::initializer_list<std::string_view> keys) {
 }
 
 void TomlTable::text(std::string_view key, std::string& target) {
-  const toml::node* node = place_->take(key);
+  const toml::node* node = open_->take(key);
   if (!node) return;
   if (!node->is_string() || node->as_string()->get().empty()) return expected(key, "a text in quotes, not empty");
   target = node->as_string()->get();
 }
 
 void TomlTable::boolean(std::string_view key, bool& target) {
-  const toml::node* node = place_->take(key);
+  const toml::node* node = open_->take(key);
   if (!node) return;
   if (!node->is_boolean()) return expected(key, "true or false");
   target = node->as_boolean()->get();
 }
 
 void TomlTable::number(std::string_view key, double& target, const Range& range) {
-  const toml::node* node = place_->take(key);
+  const toml::node* node = open_->take(key);
   if (!node) return;
   if (!node->is_number()) return expected(key, "a number");
   const double value = *node->value<double>();
@@ -192,14 +192,14 @@ void TomlTable::number(std::string_view key, double& target, const Range& range)
 }
 
 void TomlTable::number(std::string_view key, double& target) {
-  const toml::node* node = place_->take(key);
+  const toml::node* node = open_->take(key);
   if (!node) return;
   if (!node->is_number() || !std::isfinite(*node->value<double>())) return expected(key, "a finite number");
   target = *node->value<double>();
 }
 
 void TomlTable::fraction(std::string_view key, double& target, const Range& range) {
-  const toml::node* node = place_->take(key);
+  const toml::node* node = open_->take(key);
   if (!node) return;
   const Result<double> value = node->is_string()   ? parse_fraction(node->as_string()->get())
                                : node->is_number() ? Result<double>(*node->value<double>())
@@ -211,7 +211,7 @@ void TomlTable::fraction(std::string_view key, double& target, const Range& rang
 }
 
 void TomlTable::whole(std::string_view key, std::uint64_t& target, std::uint64_t low, std::uint64_t high) {
-  const toml::node* node = place_->take(key);
+  const toml::node* node = open_->take(key);
   if (!node) return;
   const auto* integer = node->as_integer();
   const std::uint64_t value = integer && integer->get() >= 0 ? static_cast<std::uint64_t>(integer->get()) : 0;
@@ -223,7 +223,7 @@ void TomlTable::whole(std::string_view key, std::uint64_t& target, std::uint64_t
 }
 
 void TomlTable::vector(std::string_view key, Vec3& target, const Range& range) {
-  const toml::node* node = place_->take(key);
+  const toml::node* node = open_->take(key);
   if (!node) return;
   const toml::array* array = node->as_array();
   if (!array || array->size() != 3) return expected(key, "three numbers [x, y, z]");
@@ -238,7 +238,7 @@ void TomlTable::vector(std::string_view key, Vec3& target, const Range& range) {
 }
 
 void TomlTable::numbers(std::string_view key, std::vector<double>& target) {
-  const toml::node* node = place_->take(key);
+  const toml::node* node = open_->take(key);
   if (!node) return;
   std::vector<double> values;
   bool good = node->is_array();
@@ -254,7 +254,7 @@ void TomlTable::numbers(std::string_view key, std::vector<double>& target) {
 void TomlTable::named_numbers(std::string_view key, std::map<std::string, double>& target) {
   std::optional<TomlTable> names = table(key);
   if (!names) return;
-  for (const auto& [name, node] : *names->place_->table) {
+  for (const auto& [name, node] : *names->open_->table) {
     double value = 0;
     names->number(name.str(), value);
     target[std::string(name.str())] = value;
@@ -262,7 +262,7 @@ void TomlTable::named_numbers(std::string_view key, std::map<std::string, double
 }
 
 void TomlTable::words(std::string_view key, std::vector<std::string>& target, bool list) {
-  const toml::node* node = place_->take(key);
+  const toml::node* node = open_->take(key);
   if (!node) return;
   std::vector<std::string> words;
   const toml::array* const array = list ? node->as_array() : nullptr;
@@ -275,7 +275,7 @@ void TomlTable::words(std::string_view key, std::vector<std::string>& target, bo
 }
 
 int TomlTable::choice(std::string_view key, std::initializer_list<std::string_view> choices) {
-  const toml::node* node = place_->take(key);
+  const toml::node* node = open_->take(key);
   if (!node) return -1;
   std::string allowed;
   int place = 0;
@@ -289,42 +289,42 @@ int TomlTable::choice(std::string_view key, std::initializer_list<std::string_vi
 }
 
 std::optional<TomlTable> TomlTable::table(std::string_view key) {
-  const toml::node* node = place_->take(key);
+  const toml::node* node = open_->take(key);
   if (!node) return {};
   if (!node->is_table()) {
     expected(key, "a table");
     return {};
   }
   const std::string name(key);
-  const std::string what = place_->what.empty() ? "[" + name + "]" : place_->what + ": " + name;
-  return TomlTable(document_, document_->place_of(*node->as_table(), what));
+  const std::string what = open_->what.empty() ? "[" + name + "]" : open_->what + ": " + name;
+  return TomlTable(document_, document_->open(*node->as_table(), what));
 }
 
 std::vector<TomlTable> TomlTable::tables(std::string_view key) {
-  const toml::node* node = place_->take(key);
+  const toml::node* node = open_->take(key);
   if (!node) return {};
   const toml::array* array = node->as_array();
   if (!array || !array->is_homogeneous(toml::node_type::table)) {
     expected(key, "written as [[" + std::string(key) + "]]");
     return {};
   }
-  const std::string outer = place_->what.empty() ? "" : place_->what + ": ";
+  const std::string outer = open_->what.empty() ? "" : open_->what + ": ";
   std::vector<TomlTable> all;
   for (const toml::node& element : *array) {
     const toml::table& table = *element.as_table();
-    all.push_back(TomlTable(document_, document_->place_of(table, outer + name_of(table, key))));
+    all.push_back(TomlTable(document_, document_->open(table, outer + name_of(table, key))));
   }
   return all;
 }
 
 Result<void> TomlTable::finish() const {
   if (document_->error) return fail(*document_->error);
-  for (const Place& place : document_->places) {
-    for (const auto& [key, node] : *place.table) {
-      if (place.taken.contains(key.str())) continue;
-      const std::uint32_t line = key.source().begin.line ? key.source().begin.line : line_of_table(*place.table);
-      return fail(
-          document_->sentence(place, line, "unknown key " + ringdown::quoted(key.str()) + "; remove it or correct it"));
+  for (const OpenTable& opened : document_->open_tables) {
+    for (const auto& [key, node] : *opened.table) {
+      if (opened.taken.contains(key.str())) continue;
+      const std::uint32_t line = key.source().begin.line ? key.source().begin.line : line_of_table(*opened.table);
+      return fail(document_->sentence(opened, line,
+                                      "unknown key " + ringdown::quoted(key.str()) + "; remove it or correct it"));
     }
   }
   return {};

@@ -1,5 +1,5 @@
-// A TOML file read strictly: a wrong type, a number out of range, a missing key and a key nobody asked for are all
-// errors, each one sentence that begins with path:line. [worker]
+// A TOML file read strictly: a wrong type, a number out of range, a missing key and an unknown key are all errors, each
+// one sentence that begins with path:line. [worker]
 //
 //   Result<TomlTable> file = TomlTable::read(path);
 //   if (!file) return fail(file.error());
@@ -10,9 +10,9 @@
 //   for (TomlTable& part : file->tables("part")) read_part(part);
 //   if (auto good = file->finish(); !good) return fail(good.error());
 //
-// Every reader takes the key's value if it is there and leaves its target as it was if not, or if it is wrong. The
-// first thing that is wrong is kept, reading goes on without harm, and finish() of the file's table gives it back: so
-// reading code is one straight line. Tables are handles on one shared file; copies are cheap. One thread per file.
+// Every reading function stores the key's value in its target; it leaves the target unchanged when the key is absent or
+// the value is wrong. The first error is remembered, reading goes on, and finish() returns the error: so reading code
+// is one straight line. Tables are handles on one shared file; copies are cheap. One thread per file.
 #pragma once
 
 #include "engine/base/range.h"
@@ -38,7 +38,7 @@ class TomlTable {
  public:
   static Result<TomlTable> read(const std::filesystem::path& path);
 
-  // The same from memory; `path` stands in the sentences.
+  // Reads a text in memory; `path` stands in the sentences.
   static Result<TomlTable> parse(std::string_view text, const std::filesystem::path& path);
 
   [[nodiscard]] bool has(std::string_view key) const;
@@ -52,37 +52,38 @@ class TomlTable {
   void text(std::string_view key, std::string& target);  // never empty
   void boolean(std::string_view key, bool& target);
   void number(std::string_view key, double& target, const Range& range);
-  void number(std::string_view key, double& target);                        // any finite one
+  void number(std::string_view key, double& target);                        // any finite number
   void fraction(std::string_view key, double& target, const Range& range);  // a number, or a text such as "0.1%"
   void whole(std::string_view key, std::uint64_t& target, std::uint64_t low = 0, std::uint64_t high = kAnyWhole);
   void vector(std::string_view key, Vec3& target, const Range& range);              // [x, y, z], each in the range
-  void numbers(std::string_view key, std::vector<double>& target);                  // a list of finite ones
+  void numbers(std::string_view key, std::vector<double>& target);                  // a list of finite numbers
   void named_numbers(std::string_view key, std::map<std::string, double>& target);  // a table of any names
 
-  // A text, a number or true and false as the word that a command line would have for it; where `list`, several too.
+  // A text, a number, true or false, as the word that a command line would have for it. Where `list` is true, the value
+  // may also be a list of them.
   void words(std::string_view key, std::vector<std::string>& target, bool list);
 
-  // The key's place in `choices`, or -1 when it is missing or wrong.
+  // The key's position in `choices`, or -1 when it is missing or wrong.
   int choice(std::string_view key, std::initializer_list<std::string_view> choices);
 
-  std::optional<TomlTable> table(std::string_view key);  // of [key]; nothing when there is none
-  std::vector<TomlTable> tables(std::string_view key);   // of each [[key]]
+  std::optional<TomlTable> table(std::string_view key);  // [key]; nothing when there is none
+  std::vector<TomlTable> tables(std::string_view key);   // every [[key]]
 
-  // Notes an error of the caller's own at the key's line, or at the table's when there is no such key.
+  // Notes an error that the caller found, at the key's line, or at the table's line when there is no such key.
   void complain(std::string_view key, const std::string& why);
 
-  // The first error; else one for the first key in the tables read that nobody asked for; else fine.
+  // Fails with the first error, or with the first key that no reading function asked for, in any table that was read.
   [[nodiscard]] Result<void> finish() const;
 
  private:
   static constexpr std::uint64_t kAnyWhole = INT64_MAX;  // TOML has no larger ones
   struct Document;
-  struct Place;
-  TomlTable(std::shared_ptr<Document> document, Place& place);
+  struct OpenTable;
+  TomlTable(std::shared_ptr<Document> document, OpenTable& open);
   void expected(std::string_view key, const std::string& what);
 
   std::shared_ptr<Document> document_;
-  Place* place_;  // this table in the document
+  OpenTable* open_;
 };
 
 }  // namespace ringdown

@@ -11,7 +11,7 @@ class App;
 namespace ringdown::manual {
 
 struct Option {
-  std::vector<std::string> names;  // "-o", "--output"; one without dashes is an argument that stands by its place
+  std::vector<std::string> names;  // "-o", "--output"; an argument without dashes is given by its position
   std::string value;               // what follows it: "FILE", "jack|wav|null"; empty for a switch
   std::string accepted;            // "from 8000 to 768000", or empty
   std::string fallback;            // what holds when it is left out, or empty

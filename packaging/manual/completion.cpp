@@ -47,7 +47,7 @@ _ringdown_files() { compopt -o filenames 2>/dev/null; mapfile -t COMPREPLY < <(c
 
 )";
 
-// Bash makes a word of its own of the = in --option=value.
+// In --option=value, bash makes the = a word of its own.
 constexpr const char* kBashWords = R"(() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb= i
   COMPREPLY=()
@@ -58,7 +58,7 @@ constexpr const char* kBashWords = R"(() {
   fi
 )";
 
-// Inside single quotes and the brackets of _arguments.
+// Escapes a text that stands inside single quotes and the brackets of _arguments.
 std::string zsh_quoted(const std::string& text) {
   std::string out;
   for (const char c : text) {

@@ -8,7 +8,7 @@
 namespace ringdown::manual {
 namespace {
 
-// Text that roff shows as it is: minus signs that can be copied, no line that looks like a request.
+// Escapes a text so that roff shows it unchanged: minus signs that can be copied, no line that looks like a request.
 std::string plain(const std::string& text) {
   std::string out;
   for (const char c : text) {

@@ -8,7 +8,7 @@
 
 namespace ringdown::manual {
 
-// A section that no table has: FILES, ENVIRONMENT, EXAMPLES. Each entry is a term and what is to say of it.
+// A section that CLI11 knows nothing of: FILES, ENVIRONMENT, EXAMPLES. Each entry is a term and its explanation.
 struct Section {
   std::string heading;
   struct Entry {
@@ -17,7 +17,7 @@ struct Section {
   std::vector<Entry> entries;
 };
 
-// The page of section 1: name, synopsis, options, verbs, `sections`, exit codes.
+// The page in section 1: name, synopsis, options, verbs, `sections`, exit codes.
 std::string man_page(const Command& command, const std::vector<Section>& sections);
 
 }  // namespace ringdown::manual

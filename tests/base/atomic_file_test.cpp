@@ -27,7 +27,7 @@ class AtomicFile : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(AtomicFile, HoldsTheNewTextAndLeavesNothingBeside) {
+TEST_F(AtomicFile, AWrittenFileHoldsTheNewTextAndNoTemporaryFileRemains) {
   const fs::path path = folder_ / "a.txt";
   ASSERT_TRUE(write_file_atomically(path, std::string_view("one")));
   ASSERT_TRUE(write_file_atomically(path, std::string_view("two, longer")));
@@ -35,14 +35,14 @@ TEST_F(AtomicFile, HoldsTheNewTextAndLeavesNothingBeside) {
   EXPECT_EQ(files(), 1u);
 }
 
-TEST_F(AtomicFile, IsReadableByOthers) {
+TEST_F(AtomicFile, AWrittenFileIsReadableByOtherUsers) {
   const fs::path path = folder_ / "a.txt";
   ASSERT_TRUE(write_file_atomically(path, std::string_view("one")));
   EXPECT_EQ(fs::status(path).permissions(), static_cast<fs::perms>(0644));
 }
 
 // A reader that opened the old file goes on reading the old file.
-TEST_F(AtomicFile, NeverChangesTheFileThatAReaderHasOpen) {
+TEST_F(AtomicFile, WritingDoesNotChangeTheFileThatAReaderHasOpen) {
   const fs::path path = folder_ / "a.txt";
   ASSERT_TRUE(write_file_atomically(path, std::string_view("old")));
   std::ifstream reader(path);
@@ -52,14 +52,14 @@ TEST_F(AtomicFile, NeverChangesTheFileThatAReaderHasOpen) {
   EXPECT_EQ(word, "old");
 }
 
-TEST_F(AtomicFile, RefusesAFolderThatIsNotThereAndNamesThePath) {
+TEST_F(AtomicFile, WritingIntoAMissingFolderFailsAndNamesThePath) {
   const auto outcome = write_file_atomically(folder_ / "nowhere" / "a.txt", std::string_view("x"));
   ASSERT_FALSE(outcome);
   EXPECT_NE(outcome.error().message.find("nowhere/a.txt"), std::string::npos) << outcome.error().message;
 }
 
 // rename() over a folder fails after the temporary file was written: it must be cleaned up.
-TEST_F(AtomicFile, CleansUpWhenTheLastStepFails) {
+TEST_F(AtomicFile, TheTemporaryFileIsRemovedWhenRenamingFails) {
   const fs::path path = folder_ / "a";
   fs::create_directories(path / "full");
   ASSERT_FALSE(write_file_atomically(path, std::string_view("x")));
@@ -67,7 +67,7 @@ TEST_F(AtomicFile, CleansUpWhenTheLastStepFails) {
   EXPECT_EQ(files(), 1u);
 }
 
-TEST_F(AtomicFile, ReadsUpToTheLimitAndNotOneByteMore) {
+TEST_F(AtomicFile, AFileIsReadUpToTheLimitAndRefusedOneByteAbove) {
   const fs::path path = folder_ / "a.txt";
   ASSERT_TRUE(write_file_atomically(path, std::string_view("12345")));
   EXPECT_EQ(read_whole_file(path, 5).value(), "12345");
@@ -76,7 +76,7 @@ TEST_F(AtomicFile, ReadsUpToTheLimitAndNotOneByteMore) {
   EXPECT_NE(refused.error().message.find("5 bytes"), std::string::npos) << refused.error().message;
 }
 
-TEST_F(AtomicFile, RefusesToReadWhatIsNoFile) {
+TEST_F(AtomicFile, ReadingWhatIsNotARegularFileFails) {
   EXPECT_FALSE(read_whole_file(folder_.path(), 100));
   EXPECT_FALSE(read_whole_file(folder_ / "absent", 100));
   const fs::path pipe = folder_ / "pipe";

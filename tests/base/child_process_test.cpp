@@ -9,7 +9,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-TEST(ChildProcess, LinesComeOneByOneAndErrorsAreKept) {
+TEST(ChildProcess, LinesOfAChildArriveOneByOneAndItsErrorsAreKept) {
   Words lines;
   const auto done = run_child({.command = {"sh", "-c", "printf 'one\\ntwo\\npart'; echo wrong >&2; exit 3"},
                                .on_line = [&](std::string_view line) { lines.emplace_back(line); }});
@@ -20,7 +20,7 @@ TEST(ChildProcess, LinesComeOneByOneAndErrorsAreKept) {
   EXPECT_GT(done->peak_mib, 0);
 }
 
-TEST(ChildProcess, HasTheEnvironmentAndFolderItWasGiven) {
+TEST(ChildProcess, AChildRunsInTheEnvironmentAndFolderItWasGiven) {
   std::string said;
   const auto done = run_child({.command = {"sh", "-c", "echo $PWD $RINGDOWN_TEST $HOME"},
                                .environment = {{"RINGDOWN_TEST", "7"}, {"HOME", "/nowhere"}},
@@ -30,13 +30,13 @@ TEST(ChildProcess, HasTheEnvironmentAndFolderItWasGiven) {
   EXPECT_EQ(said, "/ 7 /nowhere");
 }
 
-TEST(ChildProcess, AMissingProgramIsASentence) {
+TEST(ChildProcess, RunningAMissingProgramFailsWithASentence) {
   const auto done = run_child({.command = {"ringdown-no-such-program"}});
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().message.find("cannot run ringdown-no-such-program: No such file"), std::string::npos);
 }
 
-TEST(ChildProcess, EndsWhenToldToOrOutOfTimeEvenIfItDoesNotListen) {
+TEST(ChildProcess, AChildEndsWhenStoppedOrOutOfTimeEvenIfItIgnoresSignals) {
   int asked = 0;
   const auto told = run_child({.command = {"sleep", "30"}, .keep_going = [&] { return ++asked < 3; }});
   ASSERT_TRUE(told);
@@ -49,7 +49,7 @@ TEST(ChildProcess, EndsWhenToldToOrOutOfTimeEvenIfItDoesNotListen) {
   EXPECT_EQ(late->exit_code, 128 + SIGKILL);
 }
 
-TEST(ChildProcess, ItsSignalsAreNotBlockedWhereOursAre) {
+TEST(ChildProcess, AChildDoesNotInheritBlockedSignals) {
   sigset_t term, before;
   sigemptyset(&term);
   sigaddset(&term, SIGTERM);
@@ -60,7 +60,7 @@ TEST(ChildProcess, ItsSignalsAreNotBlockedWhereOursAre) {
   EXPECT_EQ(late->exit_code, 128 + SIGTERM);
 }
 
-TEST(ChildProcess, LastLineIsTheLastWithWords) {
+TEST(ChildProcess, LastLineOfATextIsTheLastOneThatIsNotBlank) {
   EXPECT_EQ(last_line("one\n  two \n\n"), "two");
   EXPECT_EQ(last_line(" \n"), "");
   EXPECT_EQ(last_line("one"), "one");

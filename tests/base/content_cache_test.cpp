@@ -34,7 +34,7 @@ void make_older(const fs::path& path, int hours) {
   fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::hours(hours));
 }
 
-TEST(ContentHash, DiffersWhereTheContentDoes) {
+TEST(ContentHash, HashesDifferWhereContentsDo) {
   const auto joined = [](std::string_view a, std::string_view b) { return ContentHasher().text(a).text(b).hash(); };
   EXPECT_EQ(joined("ab", "c"), joined("ab", "c"));
   EXPECT_FALSE(joined("ab", "c") == joined("a", "bc"));
@@ -51,7 +51,7 @@ TEST(ContentHash, DiffersWhereTheContentDoes) {
   EXPECT_EQ(hash_of("").text().size(), 32u);
 }
 
-TEST(ContentCache, GivesBackWhatWasStoredUnderItsKindAndKey) {
+TEST(ContentCache, TheCacheReturnsWhatWasStoredUnderAKindAndKey) {
   const TemporaryFolder folder;
   const ContentCache cache(folder.path() / "not" / "yet");
   const std::string content("\0any\n\xff bytes", 12);
@@ -66,7 +66,7 @@ TEST(ContentCache, GivesBackWhatWasStoredUnderItsKindAndKey) {
   EXPECT_EQ(cache.find("modes", key(1)), "newer");
 }
 
-TEST(ContentCache, TrustsNoDamagedEntryAndReplacesIt) {
+TEST(ContentCache, ADamagedCacheEntryIsNotReturnedAndIsReplaced) {
   const TemporaryFolder folder;
   const ContentCache cache(folder.path());
   ASSERT_TRUE(cache.store("modes", key(1), std::string(1000, 'a')));
@@ -87,7 +87,7 @@ TEST(ContentCache, TrustsNoDamagedEntryAndReplacesIt) {
   EXPECT_EQ(cache.find("modes", key(1)), std::string(1000, 'a'));
 }
 
-TEST(ContentCache, TrustsNoEntryUnderAnothersName) {
+TEST(ContentCache, ACacheEntryUnderAnotherEntrysNameIsNotReturned) {
   const TemporaryFolder folder;
   const ContentCache cache(folder.path());
   ASSERT_TRUE(cache.store("modes", key(1), "one"));
@@ -98,7 +98,7 @@ TEST(ContentCache, TrustsNoEntryUnderAnothersName) {
   EXPECT_FALSE(cache.find("modes", key(3)));
 }
 
-TEST(ContentCache, ForgetsWhatWasNotUsedForLongest) {
+TEST(ContentCache, AFullCacheDropsTheEntriesUnusedForLongest) {
   const TemporaryFolder folder;
   const ContentCache cache(folder.path(), 5000);
   const auto file = [&](int i) { return folder.path() / ("modes-" + key(i).text()); };
@@ -116,7 +116,7 @@ TEST(ContentCache, ForgetsWhatWasNotUsedForLongest) {
 }
 
 // A user may point RINGDOWN_CACHE at a folder with other things in it.
-TEST(ContentCache, NeverTouchesFilesOfOtherNames) {
+TEST(ContentCache, TheCacheLeavesFilesOfOtherNamesAlone) {
   const TemporaryFolder folder;
   const std::vector<std::string> others = {"thesis.tex", "modes-1234", "Modes-" + key(1).text(), "-" + key(1).text(),
                                            "modes-" + key(1).text() + ".tar"};
@@ -129,7 +129,7 @@ TEST(ContentCache, NeverTouchesFilesOfOtherNames) {
   EXPECT_FALSE(fs::exists(folder.path() / left_by_a_killed_process));
 }
 
-TEST(ContentCache, SaysWhyItCannotStore) {
+TEST(ContentCache, StoringInAnUnwritableCacheFailsWithAReason) {
   const TemporaryFolder folder;
   const ContentCache cache(folder.write("file", "") / "below");
   const auto stored = cache.store("modes", key(1), "content");
@@ -139,7 +139,7 @@ TEST(ContentCache, SaysWhyItCannotStore) {
 }
 
 // Every thread stores and finds under the same few keys: what is found is always one whole content.
-TEST(ContentCache, IsSharedByManyWritersAndReaders) {
+TEST(ContentCache, ManyWritersAndReadersShareOneCache) {
   const TemporaryFolder folder;
   constexpr int kThreads = 4, kRounds = 40;
   std::array<int, kThreads> wrong{};
@@ -163,7 +163,7 @@ TEST(ContentCache, IsSharedByManyWritersAndReaders) {
   }
 }
 
-TEST(CacheFolder, IsTheFirstOfThreePlacesThatIsSet) {
+TEST(CacheFolder, TheCacheFolderIsTheFirstOfThreePlacesThatIsSet) {
   const auto set = [](const char* name, const char* value) { value ? ::setenv(name, value, 1) : ::unsetenv(name); };
   std::vector<std::pair<std::string, std::optional<std::string>>> before;
   for (const char* name : {"RINGDOWN_CACHE", "XDG_CACHE_HOME", "HOME"}) {

@@ -13,7 +13,7 @@ double halved(double value) {
   return x;
 }
 
-TEST(DenormalGuard, FlushesResultsAndOperandsWhileItLives) {
+TEST(DenormalGuard, DenormalResultsAndOperandsAreFlushedWhileTheGuardLives) {
   constexpr double kMinNormal = std::numeric_limits<double>::min();
   EXPECT_GT(halved(kMinNormal), 0);
   {

@@ -34,7 +34,7 @@ class RealtimeGuard : public testing::Test {
   }
 };
 
-TEST_F(RealtimeGuard, SeesNothingInArithmetic) {
+TEST_F(RealtimeGuard, ArithmeticViolatesNothing) {
   std::vector<double> values(1000, 1.0);
   const auto seen = watch([&] {
     for (double& value : values) value *= 1.5;
@@ -42,7 +42,7 @@ TEST_F(RealtimeGuard, SeesNothingInArithmetic) {
   EXPECT_EQ(seen.total(), 0u) << seen.first;
 }
 
-TEST_F(RealtimeGuard, SeesEveryKindOfAllocation) {
+TEST_F(RealtimeGuard, EveryKindOfAllocationIsCounted) {
   void* volatile block = nullptr;  // volatile, or the compiler removes what is never used
   std::string* volatile text = nullptr;
   EXPECT_EQ(watch([&] { text = new std::string("short"); }).allocations, 1u);
@@ -56,7 +56,7 @@ TEST_F(RealtimeGuard, SeesEveryKindOfAllocation) {
   EXPECT_STREQ(watch([&] { free(block); }).first, "free");
 }
 
-TEST_F(RealtimeGuard, SeesEveryKindOfLock) {
+TEST_F(RealtimeGuard, EveryKindOfLockIsCounted) {
   std::mutex mutex;
   EXPECT_EQ(watch([&] { const std::lock_guard lock(mutex); }).locks, 2u) << "lock and unlock";
   std::shared_mutex shared_mutex;
@@ -65,7 +65,7 @@ TEST_F(RealtimeGuard, SeesEveryKindOfLock) {
   EXPECT_EQ(watch([&] { pthread_cond_signal(&condition); }).locks, 1u);
 }
 
-TEST_F(RealtimeGuard, SeesSystemCalls) {
+TEST_F(RealtimeGuard, SystemCallsAreCounted) {
   char byte = 0;
   EXPECT_EQ(watch([&] { EXPECT_EQ(::write(-1, &byte, 1), -1); }).system_calls, 1u);
   const timespec no_time{};
@@ -78,7 +78,7 @@ TEST_F(RealtimeGuard, SeesSystemCalls) {
             2u);
 }
 
-TEST_F(RealtimeGuard, CountsOnlyItsOwnThreadAndOnlyInsideItsScope) {
+TEST_F(RealtimeGuard, OnlyTheGuardsOwnThreadIsWatchedAndOnlyInItsScope) {
   std::thread other;
   {
     const RealtimeScope scope;

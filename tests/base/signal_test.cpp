@@ -23,7 +23,7 @@ Samples damped_sine(double frequency_hz, double decay_per_s, double amplitude, d
   return samples;
 }
 
-TEST(Signal, FitFindsADampedSinusoidFromDoubleSamples) {
+TEST(Signal, ADampedSinusoidIsFittedFromDoubleSamples) {
   for (const double frequency : {50.0, 440.0, 3000.0, 12345.6, 23000.0}) {
     for (const double decay : {0.1, 3.0, 60.0}) {
       const auto mode = fit_damped_sinusoid(damped_sine(frequency, decay, 0.3, 0.7, 48000, 24000), 48000);
@@ -35,19 +35,19 @@ TEST(Signal, FitFindsADampedSinusoidFromDoubleSamples) {
   }
 }
 
-TEST(Signal, RelativeErrorIsInDecibels) {
+TEST(Signal, TheRelativeErrorOfSignalsIsInDecibels) {
   const Samples one = {1, 0, -1, 0}, off = {1.1, 0, -1.1, 0};
   EXPECT_NEAR(relative_error_db(off, one), -20, 1e-9);
   EXPECT_EQ(relative_error_db(one, one), -INFINITY);
 }
 
-TEST(Signal, SpectrumShowsASineAtItsFrequencyAndLevel) {
+TEST(Signal, TheSpectrumOfASineHasItsFrequencyAndLevel) {
   const Spectrum levels = spectrum(damped_sine(1500, 0, 0.5, 0, 48000, 8192), 48000);
   EXPECT_NEAR(levels.magnitude[256], 0.5, 1e-3);  // 1500 Hz is bin 256 of 8192
   EXPECT_LT(levels.magnitude[1024], 1e-6);
 }
 
-TEST(Signal, KeptWaveAndSpectrumCanBeRead) {
+TEST(Signal, WaveAndSpectrumOfAFailedTestAreReadable) {
   const std::string base = (std::filesystem::temp_directory_path() / "ringdown-kept").string();
   const Samples tone = damped_sine(1000, 5, 0.5, 0, 48000, 1000);
   write_wave(base + ".wav", tone, 48000);

@@ -8,7 +8,7 @@
 namespace ringdown {
 namespace {
 
-TEST(SpscRing, GivesBackWhatWentInInOrder) {
+TEST(SpscRing, ARingReturnsElementsInOrder) {
   SpscRing<int> ring(4);
   for (const int value : {7, 8, 9}) ASSERT_TRUE(ring.push(value));
   for (const int value : {7, 8, 9}) {
@@ -19,7 +19,7 @@ TEST(SpscRing, GivesBackWhatWentInInOrder) {
   EXPECT_EQ(ring.front(), nullptr);
 }
 
-TEST(SpscRing, TakesItsCapacityAndNotOneMore) {
+TEST(SpscRing, ARingHoldsItsCapacityAndRefusesOneMore) {
   SpscRing<int> ring(5);
   EXPECT_EQ(ring.capacity(), 8u);
   for (int i = 0; i < 8; ++i) EXPECT_TRUE(ring.push(i)) << i;
@@ -30,7 +30,7 @@ TEST(SpscRing, TakesItsCapacityAndNotOneMore) {
   EXPECT_FALSE(ring.push(9));
 }
 
-TEST(SpscRing, OfCapacityOneAlternates) {
+TEST(SpscRing, ARingOfCapacityOneAlternatesBetweenFullAndEmpty) {
   SpscRing<int> ring(1);
   for (int i = 0; i < 10; ++i) {
     ASSERT_TRUE(ring.push(i));
@@ -41,7 +41,7 @@ TEST(SpscRing, OfCapacityOneAlternates) {
 }
 
 // Each element holds its number twice: a torn or reordered one would show.
-TEST(SpscRing, PassesAMillionElementsBetweenTwoThreads) {
+TEST(SpscRing, ARingPassesAMillionElementsBetweenTwoThreads) {
   struct Pair {
     std::uint64_t number, complement;
   };

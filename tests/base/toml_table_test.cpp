@@ -20,7 +20,7 @@ std::string complaint(const std::string& text, const Reader& read) {
   return done ? "" : done.error().message;
 }
 
-TEST(TomlTable, TakesEveryKind) {
+TEST(TomlTable, ValuesOfEveryKindAreRead) {
   std::string text = "none";
   bool boolean = false;
   double number = 0, integer = 0;
@@ -55,7 +55,7 @@ TEST(TomlTable, TakesEveryKind) {
   EXPECT_EQ(choice, 1);
 }
 
-TEST(TomlTable, WhatIsAbsentOrWrongLeavesItsTarget) {
+TEST(TomlTable, AKeyThatIsAbsentOrWrongLeavesItsTargetUnchanged) {
   double absent = 7, wrong = 8;
   EXPECT_NE(complaint("wrong = 100\n",
                       [&](TomlTable& file) {
@@ -70,7 +70,7 @@ TEST(TomlTable, WhatIsAbsentOrWrongLeavesItsTarget) {
   EXPECT_EQ(wrong, 8);
 }
 
-TEST(TomlTable, EverySentenceBeginsWithFileAndLine) {
+TEST(TomlTable, EveryErrorBeginsWithFileAndLine) {
   double number = 0;
   std::uint64_t whole = 0;
   Vec3 vector;
@@ -131,7 +131,7 @@ TEST(TomlTable, EverySentenceBeginsWithFileAndLine) {
   }
 }
 
-TEST(TomlTable, InnerTablesSayWhoTheyAre) {
+TEST(TomlTable, ErrorsInInnerTablesNameTheTable) {
   double number = 0;
   EXPECT_EQ(complaint("[[body]]\nname = 'bell'\n[[body]]\nname = 'bowl'\nturn = { by = 'much' }\n",
                       [&](TomlTable& file) {
@@ -147,7 +147,7 @@ TEST(TomlTable, InnerTablesSayWhoTheyAre) {
 }
 
 // What somebody forgot to read is an error in every table that was opened, whatever came before it.
-TEST(TomlTable, KeysNobodyAskedForAreFoundInInnerTables) {
+TEST(TomlTable, UnknownKeysOfInnerTablesAreErrors) {
   double number = 0;
   EXPECT_EQ(complaint("a = 1\n[inner]\nb = 2\nc = 3\n",
                       [&](TomlTable& file) {
@@ -159,7 +159,7 @@ TEST(TomlTable, KeysNobodyAskedForAreFoundInInnerTables) {
             "a.toml:4: [inner]: unknown key 'c';");
 }
 
-TEST(TomlTable, TheFirstMistakeIsTheOneToMend) {
+TEST(TomlTable, TheFirstMistakeIsTheOneReported) {
   double number = 0;
   EXPECT_EQ(complaint("unknown = 1\na = 'x'\nb = 'y'\n",
                       [&](TomlTable& file) {
@@ -169,12 +169,12 @@ TEST(TomlTable, TheFirstMistakeIsTheOneToMend) {
             "a.toml:3: b must be a finite number");
 }
 
-TEST(TomlTable, AMissingOrEndlessFileIsRefused) {
+TEST(TomlTable, AMissingOrEndlessTomlFileIsRefused) {
   EXPECT_NE(TomlTable::read("/nowhere/a.toml").error().message.find("/nowhere/a.toml"), std::string::npos);
   EXPECT_FALSE(TomlTable::read("/dev/zero"));
 }
 
-TEST(TomlTable, RefusesWhatItsParserTakesForImpossible) {
+TEST(TomlTable, TextsThatTheParserAssumesImpossibleAreRefused) {
   for (const char* text : {"[*scene]", "[ *a]", "[[*a]]", "[.a]", "[\"", "x = 1 \u0391", "\u0391 = 1", "x = \u0391"}) {
     EXPECT_NE(complaint(text, [](TomlTable&) {}), "") << text;
   }

@@ -16,7 +16,7 @@ using Words = std::vector<std::string>;
 
 bool says(const Outcome& ran, const std::string& text) { return ran.output.find(text) != std::string::npos; }
 
-TEST(FolderBake, BakesEveryObjectAndASecondTimeNone) {
+TEST(FolderBake, EveryObjectOfAFolderIsBakedAndASecondTimeNone) {
   const BoxFolder boxes;
   for (int n = 1; n <= 3; ++n) boxes.box("b" + std::to_string(n), 80 + 10 * n);
   const Outcome first = boxes.bake({"--jobs", "2"});
@@ -44,7 +44,7 @@ TEST(FolderBake, BakesEveryObjectAndASecondTimeNone) {
 }
 
 // What changed the one object, and not the other.
-TEST(FolderBake, BakesWhatIsNoLongerMadeFromTheSame) {
+TEST(FolderBake, AnObjectIsBakedAgainWhenItsInputsChange) {
   const BoxFolder boxes;
   boxes.box("a", 100);
   boxes.box("b", 110);
@@ -87,7 +87,7 @@ TEST(FolderBake, BakesWhatIsNoLongerMadeFromTheSame) {
   EXPECT_TRUE(says(boxes.bake({"--points", "50"}), "0 baked, 2 unchanged"));
 }
 
-TEST(FolderBake, OneBakedAloneIsKnownToTheFolderAndTheOtherWayRound) {
+TEST(FolderBake, ABankBakedAloneIsUnchangedForTheFolderAndViceVersa) {
   const BoxFolder boxes;
   boxes.box("a", 100);
   const auto alone = [&](const std::string& option) {
@@ -102,7 +102,7 @@ TEST(FolderBake, OneBakedAloneIsKnownToTheFolderAndTheOtherWayRound) {
   EXPECT_TRUE(says(boxes.bake(), "1 baked, 0 unchanged"));
 }
 
-TEST(FolderBake, ABadObjectCostsItsOwnBankOnly) {
+TEST(FolderBake, ABadObjectDoesNotStopTheOthersOfItsFolder) {
   const BoxFolder boxes;
   boxes.box("good", 100);
   boxes.box("goodtoo", 90);
@@ -122,7 +122,7 @@ TEST(FolderBake, ABadObjectCostsItsOwnBankOnly) {
   EXPECT_TRUE(says(boxes.bake(), "0 baked, 2 unchanged, 3 failed")) << "failures are tried again";
 }
 
-TEST(FolderBake, ShapesWithoutAnObjectNeedAMaterialAndAreBakedOnce) {
+TEST(FolderBake, ShapesWithoutAnObjectFileNeedAMaterialAndAreBakedOnce) {
   const BoxFolder boxes;
   boxes.box("a", 100);
   const std::string box = "SetFactory(\"OpenCASCADE\"); Box(1) = {0, 0, 0, 0.1, 0.04, 0.02};\n";
@@ -145,7 +145,7 @@ TEST(FolderBake, ShapesWithoutAnObjectNeedAMaterialAndAreBakedOnce) {
   EXPECT_TRUE(says(boxes.bake(options), "0 baked, 2 unchanged, 1 failed"));
 }
 
-TEST(FolderBake, FoldersInFoldersKeepTheirPlaces) {
+TEST(FolderBake, BanksOfNestedFoldersKeepTheirRelativePaths) {
   const BoxFolder boxes;
   boxes.box("a", 100);
   fs::create_directories(boxes.objects() / "small");
@@ -155,7 +155,7 @@ TEST(FolderBake, FoldersInFoldersKeepTheirPlaces) {
   EXPECT_EQ(boxes.whole_banks(), (Words{"a.glb", "small/a.glb"}));
 }
 
-TEST(FolderBake, WritesBesideTheObjectsWhenNotToldWhere) {
+TEST(FolderBake, BanksAreWrittenBesideTheObjectsByDefault) {
   const BoxFolder boxes;
   boxes.box("a", 100);
   const Words command = {
@@ -166,7 +166,7 @@ TEST(FolderBake, WritesBesideTheObjectsWhenNotToldWhere) {
   EXPECT_TRUE(modal::read_bank(boxes.objects() / "a.glb"));
 }
 
-TEST(FolderBake, ComparesProcessorTimeWithBudgets) {
+TEST(FolderBake, ABakeBeyondItsBudgetOfProcessorTimeIsMarked) {
   const BoxFolder boxes;
   boxes.box("dear", 100, "budget_s = 0.001");
   boxes.box("fair", 100, "budget_s = 1000");
@@ -181,7 +181,7 @@ TEST(FolderBake, ComparesProcessorTimeWithBudgets) {
   EXPECT_EQ(boxes.bake({"--force", "--check-budgets"}).exit_code, 0);
 }
 
-TEST(FolderBake, ShowsALineForEachThatRunsOnATerminal) {
+TEST(FolderBake, ATerminalShowsALineForEachRunningBake) {
   if (!installed("script")) GTEST_SKIP() << "script is not installed, which lends a terminal";
   const BoxFolder boxes;
   boxes.box("a", 100);
@@ -199,7 +199,7 @@ TEST(FolderBake, ShowsALineForEachThatRunsOnATerminal) {
   EXPECT_TRUE(says(on_terminal({"--jobs", "2", "--force"}), "\x1b[3A\r\x1b[J")) << "three lines when two run";
 }
 
-TEST(FolderBake, SaysStagesInPlainLinesWhenAskedTo) {
+TEST(FolderBake, StagesArePrintedAsPlainLinesOnRequest) {
   const BoxFolder boxes;
   boxes.box("a", 100);
   const Outcome ran = boxes.bake({"--progress"});
@@ -207,7 +207,7 @@ TEST(FolderBake, SaysStagesInPlainLinesWhenAskedTo) {
   EXPECT_EQ(ran.output.find('\r'), std::string::npos);
 }
 
-TEST(FolderBake, RefusesWhatIsForTheOtherUse) {
+TEST(FolderBake, OptionsForAFolderAreRefusedForOneInputAndViceVersa) {
   const BoxFolder boxes;
   boxes.box("a", 100);
   fs::create_directories(boxes.banks());

@@ -66,7 +66,7 @@ class Interrupted : public testing::Test {
   pid_t slow_ = 0;
 };
 
-TEST_F(Interrupted, ControlCEndsTheChildrenToo) {
+TEST_F(Interrupted, ControlCEndsABatchAndItsChildren) {
   parent_->send_signal(SIGINT);
   EXPECT_EQ(parent_->wait(4min), 130) << parent_->output();
   EXPECT_TRUE(comes_true([&] { return !is_running(slow_); }));
@@ -76,14 +76,14 @@ TEST_F(Interrupted, ControlCEndsTheChildrenToo) {
   expect_to_go_on();
 }
 
-TEST_F(Interrupted, ChildrenDoNotOutliveAKilledParent) {
+TEST_F(Interrupted, ChildrenOfABatchDoNotOutliveAKilledParent) {
   parent_->send_signal(SIGKILL);
   EXPECT_EQ(parent_->wait(4min), 128 + SIGKILL);
   EXPECT_TRUE(comes_true([&] { return !is_running(slow_); }));
   expect_to_go_on();
 }
 
-TEST_F(Interrupted, AChildThatCrashesIsOneFailure) {
+TEST_F(Interrupted, ABakeThatCrashesIsOneFailureOfTheBatch) {
   ::kill(slow_, SIGSEGV);
   EXPECT_EQ(parent_->wait(4min), 3);
   const std::string said = parent_->output();
@@ -94,14 +94,14 @@ TEST_F(Interrupted, AChildThatCrashesIsOneFailure) {
   expect_to_go_on();
 }
 
-TEST_F(Interrupted, AChildThatTheKernelKillsIsSaidToLackMemory) {
+TEST_F(Interrupted, ABakeThatTheKernelKillsIsReportedAsALackOfMemory) {
   ::kill(slow_, SIGKILL);
   EXPECT_EQ(parent_->wait(4min), 3);
   EXPECT_NE(parent_->output().find("ended by signal 9 (Killed) at "), std::string::npos);
   EXPECT_NE(parent_->output().find("as the kernel does when memory runs out"), std::string::npos);
 }
 
-TEST(FolderBake, OneThatFindsNoMemoryIsOneFailure) {
+TEST(FolderBake, ABakeWithoutEnoughMemoryIsOneFailureOfTheBatch) {
   const BoxFolder boxes;
   boxes.box("a", 100);
   boxes.write("objects/large.toml",
@@ -125,7 +125,7 @@ TEST(FolderBake, OneThatFindsNoMemoryIsOneFailure) {
   EXPECT_NE(alone.output.find("not enough memory"), std::string::npos) << alone.output;
 }
 
-TEST(FolderBake, ChildrenShareTheProcessors) {
+TEST(FolderBake, BakesOfABatchShareTheProcessors) {
   const BoxFolder boxes;
   for (const char* name : {"one", "two", "three"}) boxes.slow(name);
   Process parent(boxes.command({"--jobs", "2"}));
@@ -142,7 +142,7 @@ TEST(FolderBake, ChildrenShareTheProcessors) {
   EXPECT_EQ(children_of(parent.id()).size(), 2u) << "never more than were asked for";
 }
 
-TEST(FolderBake, RemovesWhatAKilledProcessLeftHalfWritten) {
+TEST(FolderBake, HalfWrittenBanksOfAKilledProcessAreRemoved) {
   const BoxFolder boxes;
   boxes.box("a", 100);
   const fs::path old = boxes.write("banks/a.glb.x7Qp2Z", "half"), young = boxes.write("banks/a.glb.AbCdEf", "half"),

@@ -29,7 +29,7 @@ class Make : public testing::Test {
   BoxFolder boxes_;
 };
 
-TEST_F(Make, BakesEveryObjectThatIsNewerThanItsBank) {
+TEST_F(Make, MakeBakesEveryObjectThatIsNewerThanItsBank) {
   for (int n = 1; n <= 3; ++n) boxes_.box("b" + std::to_string(n), 80 + 10 * n);
   const Outcome first = make();
   EXPECT_EQ(first.exit_code, 0) << first.output;
@@ -41,7 +41,7 @@ TEST_F(Make, BakesEveryObjectThatIsNewerThanItsBank) {
   EXPECT_EQ(second.find("objects/b1.toml"), std::string::npos) << second;
 }
 
-TEST_F(Make, GoesOnAfterABadOne) {
+TEST_F(Make, MakeGoesOnAfterABadObject) {
   boxes_.box("good", 100);
   boxes_.write("objects/bad.toml", "material = 7\n");
   const Outcome ran = make();

@@ -91,7 +91,7 @@ double nearest(const std::vector<Vec3>& points, Vec3 to) {
 
 class SameDrop : public testing::TestWithParam<Drop> {};
 
-TEST_P(SameDrop, FirstBlowIsThatOfTheClosedFormInBoth) {
+TEST_P(SameDrop, TheFirstBlowOfADropIsTheClosedFormsInBothEngines) {
   const Drop& drop = GetParam();
   const double fall_s = std::sqrt(2 * drop.height_m / kG), expected = drop.impulse_ns();
   const auto ode = drop.in_ode(fall_s + 2 * drop.step_s), bullet = drop.in_bullet(fall_s + 2 * drop.step_s);
@@ -107,7 +107,7 @@ TEST_P(SameDrop, FirstBlowIsThatOfTheClosedFormInBoth) {
 }
 
 // At the usual step. At a finer one ODE's soft contacts take more of a heavy body's bounce (description.h).
-TEST_P(SameDrop, FirstBouncesAreTheSameInBoth) {
+TEST_P(SameDrop, TheFirstBouncesAreTheSameInBothEngines) {
   Drop drop = GetParam();
   drop.step_s = 1.0 / 500;
   const double step_of_gravity_ns = drop.mass_kg * kG * drop.step_s;
@@ -129,7 +129,7 @@ TEST_P(SameDrop, FirstBouncesAreTheSameInBoth) {
 }
 
 // Between two blows the body flies up and down: its speeds before and after follow from the times alone.
-TEST_P(SameDrop, ImpulseIsTheChangeOfMomentumThatTheFlightsShow) {
+TEST_P(SameDrop, AnImpulseIsTheChangeOfMomentumBetweenTwoFlights) {
   const Drop& drop = GetParam();
   const auto heard = drop.in_bullet(3);
   if (drop.restitution == 0) {
@@ -210,7 +210,7 @@ void expect_sticking(const Corner& corner, const std::vector<Event>& events, dou
   EXPECT_LT(length(corner.gain(impulse, arm) - Vec3{0, 0, change}), 0.01 * change);
 }
 
-TEST(SameCorner, SlidesOrSticksAsMechanicsSaysInBoth) {
+TEST(SameCorner, ABodySlidesOrSticksAsMechanicsSaysInBothEngines) {
   for (const ShapeType shape : {ShapeType::box, ShapeType::convex}) {
     SCOPED_TRACE(static_cast<int>(shape));
     const Corner smooth(shape, 0), rough(shape, 5);
@@ -225,7 +225,7 @@ TEST(SameCorner, SlidesOrSticksAsMechanicsSaysInBoth) {
   }
 }
 
-TEST(SameSlide, ToldWithWeightCoulombsFrictionAndSpeedInBoth) {
+TEST(SameSlide, SlidingIsReportedWithWeightFrictionAndSpeedInBothEngines) {
   constexpr double kMass = 2, kFriction = 0.3;
   BodyDescription body = body_of("a", ShapeType::box, {0, 0, 0.05});
   body.velocity_m_s = {1.5, 1, 0};
@@ -248,7 +248,7 @@ TEST(SameSlide, ToldWithWeightCoulombsFrictionAndSpeedInBoth) {
   EXPECT_EQ(bullet.back().contact.force_n, (Vec3{})) << "it rests";
 }
 
-TEST(SameRoll, ToldWithItsSpeedInBoth) {
+TEST(SameRoll, RollingIsReportedWithItsSpeedInBothEngines) {
   BodyDescription body = body_of("a", ShapeType::sphere, {0, 0, 0.05});
   body.shape.radius_m = 0.05;
   body.density_kg_m3 = 2500;
@@ -265,7 +265,7 @@ TEST(SameRoll, ToldWithItsSpeedInBoth) {
   }
 }
 
-TEST(Bullet, WhatHasSettledIsSilent) {
+TEST(Bullet, BodiesThatHaveSettledSendNoEvents) {
   for (const ShapeType shape : {ShapeType::box, ShapeType::convex, ShapeType::sphere}) {
     for (const double step_s : {1.0 / 1000, 1.0 / 500, 1.0 / 250}) {
       BodyDescription body = body_of("a", shape, {0, 0, 0.3});
@@ -280,7 +280,7 @@ TEST(Bullet, WhatHasSettledIsSilent) {
   }
 }
 
-TEST(Bullet, BothBodiesRingWithOppositeImpulses) {
+TEST(Bullet, BothBodiesOfAContactRingWithOppositeImpulses) {
   BodyDescription left = body_of("a", ShapeType::sphere, {-0.5, 0, 1});
   left.velocity_m_s = {2, 0, 0};
   BodyDescription right = body_of("b", ShapeType::sphere, {0.5, 0, 1});
@@ -314,7 +314,7 @@ TEST(Bullet, BodiesEnterAtTheirTime) {
   EXPECT_NEAR(late.front().time_s - early.front().time_s, 0.25, 1e-5);
 }
 
-TEST(Bullet, SameSceneSameEventsBitForBit) {
+TEST(Bullet, TheSameSceneGivesTheSameEventsBitForBit) {
   const Corner corner(ShapeType::convex, 0.5);
   const auto first = by_bullet(corner.scene, corner.bank, 2), second = by_bullet(corner.scene, corner.bank, 2);
   ASSERT_GT(first.size(), 3u);
@@ -327,7 +327,7 @@ std::string refusal(const SceneDescription& scene) {
   return world ? "" : world.error().message;
 }
 
-TEST(Bullet, NamesWhatItCannotDo) {
+TEST(Bullet, SceneFeaturesThatBulletLacksAreNamed) {
   const SceneDescription plain = scene_of({body_of("a", ShapeType::box, {0, 0, 1})});
   EXPECT_EQ(refusal(plain), "");
   SceneDescription scene = plain;

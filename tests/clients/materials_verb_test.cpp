@@ -34,7 +34,7 @@ std::string text_of(const fs::path& path) {
 
 bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-TEST(Materials, AreListedWithTheirPitch) {
+TEST(Materials, EveryMaterialIsListedWithThePitchOfABar) {
   const auto ran = ringdown({"materials"});
   EXPECT_EQ(ran.exit_code, 0) << ran.output;
   for (const auto& file : fs::directory_iterator(kPresets / "materials")) {
@@ -45,7 +45,7 @@ TEST(Materials, AreListedWithTheirPitch) {
   EXPECT_TRUE(holds(ran.output, " 106")) << ran.output;
 }
 
-TEST(Materials, OfOneNameComeWithTheirSources) {
+TEST(Materials, OneMaterialIsShownWithTheSourcesOfItsFigures) {
   const auto ran = ringdown({"materials", "bamboo"});
   EXPECT_EQ(ran.exit_code, 0);
   EXPECT_TRUE(holds(ran.output, "Amada & Lakes")) << ran.output;
@@ -53,13 +53,13 @@ TEST(Materials, OfOneNameComeWithTheirSources) {
   EXPECT_TRUE(holds(ran.output, "T60 at 1 kHz")) << ran.output;
 }
 
-TEST(Materials, AsMarkdownAreThePageOfTheDocumentation) {
+TEST(Materials, MaterialsAsMarkdownAreTheDocumentationsPage) {
   const auto ran = ringdown({"materials", "--markdown"});
   EXPECT_EQ(ran.exit_code, 0);
   EXPECT_TRUE(holds(text_of(fs::path(RINGDOWN_SOURCE_DIR) / "docs/materials.md"), ran.output)) << "run ./run docs";
 }
 
-TEST(Materials, AreHeardAtThePitchThatIsPrinted) {
+TEST(Materials, ABarSoundsAtThePitchThatIsPrinted) {
   const TemporaryFolder folder;
   const fs::path wav = folder.path() / "bar.wav";
   const auto ran = ringdown({"materials", "glass", "--sound", wav.string()});
@@ -74,7 +74,7 @@ TEST(Materials, AreHeardAtThePitchThatIsPrinted) {
   EXPECT_NEAR(heard.frequency_hz, printed, 0.1);
 }
 
-TEST(Materials, RefuseWhatIsNotThere) {
+TEST(Materials, AnUnknownMaterialIsRefused) {
   const std::pair<std::vector<std::string>, int> cases[] = {{{"materials", "kryptonite"}, 3},
                                                             {{"materials", "--materials", "/nowhere"}, 3},
                                                             {{"materials", "--sound", "x.wav"}, 2},
@@ -83,7 +83,7 @@ TEST(Materials, RefuseWhatIsNotThere) {
   for (const auto& [words, code] : cases) EXPECT_EQ(ringdown(words).exit_code, code) << words.back();
 }
 
-TEST(Scale, WritesTheBankOfAnotherSizeAndMaterial) {
+TEST(Scale, ScalingWritesTheBankOfAnotherSizeAndMaterial) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "large.glb";
   const auto ran = ringdown({"scale", (kPresets / "banks/bronze-bell.glb").string(), "--size", "2", "-m", "brass",
@@ -104,7 +104,7 @@ TEST(Scale, WritesTheBankOfAnotherSizeAndMaterial) {
               0.5 * speed(*after) / speed(*before), 1e-5);
 }
 
-TEST(Scale, RefusesWhatCannotBe) {
+TEST(Scale, ImpossibleScalingsAreRefused) {
   const TemporaryFolder folder;
   const std::string bell = (kPresets / "banks/bronze-bell.glb").string(), out = (folder.path() / "x.glb").string();
   const std::pair<std::vector<std::string>, int> cases[] = {{{"scale", bell}, 2},

@@ -92,7 +92,7 @@ TEST(Manual, EveryOptionOfHelpIsOfferedByBash) {
   }
 }
 
-TEST(Manual, BashOffersValuesVerbsAndFiles) {
+TEST(Manual, BashCompletesValuesVerbsAndFiles) {
   const auto offers = [](const std::string& line) { return bash_offers(line.substr(0, line.find(' ')), line); };
   using Words = std::vector<std::string>;
   EXPECT_EQ(offers("ringdownd --driver n"), Words{"null"});
@@ -117,7 +117,7 @@ TEST(Manual, EveryOptionOfHelpIsKnownToZshAndFish) {
   }
 }
 
-TEST(Manual, GroffFindsNoFaultInThePages) {
+TEST(Manual, GroffFindsNoFaultInTheManPages) {
   if (!installed("groff")) GTEST_SKIP() << "groff is not installed";
   for (const std::string& name : kPrograms) {
     const Outcome checked = run({"groff", "-man", "-ww", "-z", "-Tutf8", man(name)});
@@ -127,7 +127,7 @@ TEST(Manual, GroffFindsNoFaultInThePages) {
   }
 }
 
-TEST(Manual, TheShellsFindNoFaultInTheScripts) {
+TEST(Manual, ShellsFindNoFaultInTheCompletionScripts) {
   for (const std::string& name : kPrograms) {
     EXPECT_EQ(run({"bash", "-n", bash(name)}).output, "");
     if (installed("zsh")) {
@@ -139,7 +139,7 @@ TEST(Manual, TheShellsFindNoFaultInTheScripts) {
   }
 }
 
-TEST(Manual, FishOffersOptionsAndVerbs) {
+TEST(Manual, FishCompletesOptionsAndVerbs) {
   if (!installed("fish")) GTEST_SKIP() << "fish is not installed";
   const auto offers = [](const std::string& line) {
     const std::string name = line.substr(0, line.find(' '));
@@ -152,7 +152,7 @@ TEST(Manual, FishOffersOptionsAndVerbs) {
 }
 
 // What the text of an option must not do to the page around it.
-TEST(Manual, RoffShowsEverySignAsItIs) {
+TEST(Manual, TheManPageShowsEveryCharacterOfAnOptionsText) {
   CLI::App app("Does - what's said.", "thing");
   std::string value;
   app.add_option("--dash-ed", value, ".starts with a dot, a \\ and 'quotes'");

@@ -8,8 +8,8 @@
 
 namespace ringdown::cli {
 
-// Prints to stdout: the bank, what was left out, seconds, errors, and how the body was made and repaired. A size that
-// is probably not meant is questioned on stderr.
+// Prints to stdout: the bank, the modes left out, the time taken, the errors, and how the body was made and repaired. A
+// size that is probably a mistake is questioned on stderr.
 void print_report(const bake::ObjectRecipe& recipe, const bake::BakedObject& object,
                   const std::filesystem::path& output);
 

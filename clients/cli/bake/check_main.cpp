@@ -95,7 +95,7 @@ void print_tetrahedra(const mesh::Body& body) {
               quality.largest_angle_deg, 1000 * quality.shortest_edge_m, 1000 * quality.longest_edge_m);
 }
 
-// Prints findings, repairs, how the body would be meshed and why so fine, on stdout. Nothing is solved.
+// Prints to stdout: faults, repairs, how the body would be meshed and how finely. Nothing is solved.
 Result<void> check_mesh(const CheckRequest& request) {
   const Result<bake::MaterialEntry> material = bake::find_material(request.materials, request.material);
   if (!material) return fail(material.error());

@@ -1,9 +1,9 @@
-// Every object of a folder to its bank: what changed only, each in a process of its own. [worker]
+// Bakes the objects of a folder whose banks are out of date, each in a process of its own. [worker]
 //
-// The parent starts `ringdown-bake INPUT -o OUTPUT ...`, some at a time, and reads their progress from a pipe; it bakes
-// nothing itself, so that a mesh that crashes gmsh, or needs all the memory, costs its own bank only. A bank that
-// carries the hash of these very inputs (engine/bake/input_hash.h) and is whole is left alone. Children end when the
-// parent does, however that ends; banks that are done stay, so that the same command goes on where it was.
+// The parent starts several processes `ringdown-bake INPUT -o OUTPUT ...` at a time and reads their progress from
+// pipes. The parent bakes nothing itself, so a mesh that crashes gmsh or needs all the memory does not affect the other
+// banks. A bank that is whole and carries the hash of its present inputs (engine/bake/input_hash.h) is left alone. The
+// children end when the parent ends, for whatever reason; finished banks remain, so the same command resumes the work.
 #pragma once
 
 #include "protocol/exit_codes.h"
@@ -18,10 +18,10 @@ namespace ringdown::cli {
 
 struct FolderBake {
   std::filesystem::path folder, output, materials;
-  std::optional<std::string> material;  // of shapes without an object file; objects have their own
-  std::vector<std::string> options;     // for each child, --material left out
-  std::vector<std::string> hashed;      // those of them that can change a bank
-  int jobs = 0;                         // at a time; 0: as many as there are processors, which they share
+  std::optional<std::string> material;  // for shapes without an object file; objects name their own
+  std::vector<std::string> options;     // for each child, without --material
+  std::vector<std::string> hashed;      // the options that can change a bank
+  int jobs = 0;                         // number of processes at a time; 0: one for each processor
   bool recursive = false, force = false, check_budgets = false, quiet = false, progress = false;
 };
 

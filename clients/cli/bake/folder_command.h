@@ -1,4 +1,4 @@
-// The command line's part of baking folders. [main]
+// The command line of a folder bake. [main]
 #pragma once
 
 #include "clients/cli/bake/folder_bake.h"
@@ -16,13 +16,14 @@ namespace ringdown::cli {
 // Adds --jobs and the like, which fill `request`, and --update and --progress-lines, which are for one input.
 void add_folder_options(CLI::App& app, FolderBake& request, bool& update, bool& progress_lines);
 
-// Whether the options given are for what `input` is; `request.folder` stays empty unless that is a folder.
+// Sets `request.folder` when `input` is a folder. Fails when an option was given that does not apply to the input: to a
+// folder, or to a single file.
 Result<void> choose_folder(const CLI::App& app, const std::filesystem::path& input, FolderBake& request);
 
-// The given options that can change a bank and are not a name of a file (the file is hashed), for input_hash().
+// The given options that can change a bank, for input_hash(). Names of files are left out: the files are hashed.
 std::vector<std::string> shaping_options(const CLI::App& app);
 
-// Bakes with the options that `app` was given, until a signal comes.
+// Bakes with the options that `app` was given. SIGINT or SIGTERM ends the bake.
 protocol::ExitCode run_folder_bake(const CLI::App& app, FolderBake request);
 
 }  // namespace ringdown::cli

@@ -1,8 +1,8 @@
-// Several jobs at a time, shown to someone who waits. [any thread]
+// Shows the progress of several jobs that run at the same time. [any thread]
 //
-// On a terminal: one line for each that runs, with its stage, per cent and seconds, rewritten in place below the lines
-// of those that are done. Elsewhere: a line for each that is done, and with Style::lines one for each stage that
-// begins.
+// On a terminal, each running job has one line with its stage, percentage and seconds, rewritten in place below the
+// lines of the finished jobs. Elsewhere there is a line for each finished job and, with Style::lines, one for each
+// stage that begins.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,7 @@ class JobBoard {
  public:
   enum class Style { none, done, lines, live };
 
-  // `total` jobs are to come.
+  // `total` is the number of jobs.
   JobBoard(Style style, std::size_t total) : style_(style), total_(total) {}
   ~JobBoard() { clear(); }
   JobBoard(const JobBoard&) = delete;
@@ -25,8 +25,8 @@ class JobBoard {
 
   void begin(const std::string& name);
   void stage(const std::string& name, const std::string& stage, double fraction);  // in 0..1, 0 where it is not known
-  void tick();                                                                     // now and then: seconds go on
-  void clear();                                                // the terminal, for what is printed by others
+  void tick();                                                 // call it now and then: updates the seconds
+  void clear();                                                // erases the lines from the terminal, for other output
   void end(const std::string& name, const std::string& line);  // to stdout
 
  private:

@@ -1,7 +1,8 @@
-// ringdown-bake: shapes and materials to banks. `ringdown bake ...` runs this program.
+// ringdown-bake: turns shapes and materials into banks. `ringdown bake ...` runs this program.
 //
 // Exit codes (protocol/exit_codes.h): ok; usage; bad_input when an object cannot be baked; failure when a bank cannot
-// be written; cancelled. One sentence on stderr says why. Of a folder the others are baked all the same.
+// be written; cancelled. One sentence on stderr says why. In a folder, an object that
+// fails does not stop the others.
 #include "clients/cli/bake/bake_report.h"
 #include "clients/cli/bake/folder_command.h"
 #include "clients/cli/bake/long_work.h"
@@ -40,7 +41,7 @@ struct Arguments {
   std::optional<int> processes;
   std::vector<double> band_hz;
   std::map<std::string, double> parameters, figures;
-  std::vector<std::string> shaping;  // the options among these that can change a bank, as they were given
+  std::vector<std::string> shaping;  // the given options that can change a bank
   cli::FolderBake folder;
   bool update = false, progress_lines = false;
   bool progress = false, quiet = false, no_cache = false, preview = false;

@@ -22,7 +22,7 @@ inline constexpr const char* kUnitHelp =
 // Metres of "mm", "cm", "m", "in" or a positive number.
 std::optional<double> parse_unit(const std::string& text);
 
-// For CLI11: empty, or what is wrong.
+// A check for CLI11: returns an empty text, or what is wrong.
 std::string check_unit(const std::string& text);
 
 // A finite number, with nothing before or after it.

@@ -1,4 +1,5 @@
-// ringdown-tune: parameters of an object so that its modes hit their notes. `ringdown tune ...` runs this program.
+// ringdown-tune: finds the parameters of an object at which its modes hit chosen notes. `ringdown tune ...` runs this
+// program.
 //
 // Exit codes (protocol/exit_codes.h): ok; usage; bad_input when the object cannot be baked; failure when the targets
 // are out of reach or a file cannot be written; cancelled. Nothing is written of an object whose targets were missed.
@@ -75,7 +76,7 @@ std::string missed(const std::string& name, const bake::TunedObject& tuned) {
   return text;
 }
 
-// The geometry's file as an object file in `folder` would name it.
+// The path of the geometry file, relative to `folder`, for an object file there.
 fs::path geometry_seen_from(const fs::path& geometry, const fs::path& folder) {
   std::error_code error;
   const fs::path way = fs::relative(fs::absolute(geometry), fs::absolute(folder), error);
@@ -95,7 +96,7 @@ Result<void> write_object(const TuneArguments& arguments, const bake::TuneReques
   return write_file_atomically(output, *changed);
 }
 
-// Tunes one, and leaves what was found in the request, where the next of a scale begins.
+// Tunes one object. The parameters found stay in the request, as the start for the next note of a scale.
 ExitCode tune_one(const TuneArguments& arguments, bake::TuneRequest& request, const fs::path& output,
                   const std::stop_token& stop) {
   const std::string name = output.stem().string();

@@ -12,7 +12,7 @@ class App;
 
 namespace ringdown::cli {
 
-// A target as it was asked for: in Hz, a multiple of the first, or the note of a scale.
+// A target as the command line gives it: in Hz, as a multiple of the first target, or as the note of a scale.
 struct AskedTarget {
   bake::ModeFamily family = bake::ModeFamily::kVertical;
   int mode = 1;
@@ -24,7 +24,7 @@ struct TuneArguments {
   std::filesystem::path input, output, materials;
   std::vector<bake::TuneVariable> variables;
   std::vector<AskedTarget> targets;
-  std::map<std::string, double> settings;  // parameters that stay, other than the object's
+  std::map<std::string, double> settings;  // parameters that are fixed, with other values than the object's
   std::optional<Vec3> strike;
   std::optional<double> mesh_size_m;
   double tolerance_cents = 0.3;
@@ -33,7 +33,7 @@ struct TuneArguments {
   bool quiet = false, no_cache = false;
 };
 
-// Options whose text is yet to be understood.
+// Options whose text is not parsed yet.
 struct TuneWords {
   std::vector<std::string> vary, targets, settings;
   std::string scale;
@@ -42,10 +42,10 @@ struct TuneWords {
 
 void add_tune_options(CLI::App& app, TuneArguments& arguments, TuneWords& words);
 
-// Fails with what is wrong and how it is written right.
+// Parses the words. Fails with what is wrong and the right way to write it.
 Result<void> read_words(const TuneWords& words, TuneArguments& arguments);
 
-// In hertz, with this note where the scale's is asked for.
+// The targets in hertz. `note_hz` replaces the note of a scale.
 std::vector<bake::TuneTarget> targets_at(const TuneArguments& arguments, double note_hz);
 
 }  // namespace ringdown::cli

@@ -1,4 +1,5 @@
-// ringdown-fit: the modes of a struck object from a recording, as a bank; or a bank's damping from it.
+// ringdown-fit: finds the modes of a struck object in a recording and writes them as a bank, or fits a bank's damping
+// to the recording.
 #include "clients/cli/fit/report.h"
 #include "clients/cli/fit/sound.h"
 #include "engine/fit/amplitudes.h"
@@ -95,7 +96,7 @@ Result<void> write_sounds(const fit::Fit& found, const cli::Sound& sound, const 
   return cli::write_sound(samples, sound.sample_rate_hz, arguments.residual);
 }
 
-// The amplitude of a mode in one channel, its object in the centre, over 2 pi f F(f) (phi . j).
+// The amplitude of a mode in one channel, with its object in the centre, divided by 2 pi f F(f) (phi . j).
 constexpr double kLoudness = synth::kOutputScale / std::numbers::sqrt2;
 
 Result<modal::Bank> bank_of(const fit::Fit& found, const Arguments& arguments) {

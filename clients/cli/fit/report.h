@@ -9,10 +9,10 @@
 
 namespace ringdown::cli {
 
-// One paragraph about the recording, and a row for each mode.
+// Prints one paragraph about the recording and a row for each mode.
 void print_fit(const std::string& name, const fit::Fit& fit);
 
-// One row for each matched mode, and what came of them.
+// Prints a row for each matched mode and the fitted damping.
 void print_calibration(const fit::Fit& fit, const modal::Bank& bank, const fit::Calibration& calibration);
 
 }  // namespace ringdown::cli

@@ -18,10 +18,11 @@ struct Sound {
 
 inline constexpr double kMaxSound_s = 600;
 
-// WAV, FLAC, and whatever else libsndfile reads; full scale is 1. `channel`: 1 is the first; otherwise the mean of all.
+// Reads WAV, FLAC, and every other format of libsndfile; full scale is 1. `channel` counts from 1; without it the mean
+// of all channels is taken.
 Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> channel);
 
-// Stereo, both channels alike; .wav (32-bit float) or .flac, which holds nothing above 1.
+// Writes both channels of a stereo file alike: .wav (32-bit float) or .flac, which holds nothing above 1.
 Result<void> write_sound(std::span<const double> samples, double sample_rate_hz, const std::filesystem::path& path);
 
 }  // namespace ringdown::cli

@@ -1,4 +1,4 @@
-// How any of the processes gives up. [any of them]
+// How a process of ringdown-modes-slepc gives up. [every process]
 #pragma once
 
 #include <petscsys.h>
@@ -7,14 +7,15 @@
 
 namespace ringdown::cli {
 
-// Says one sentence and ends all processes.
+// Prints one sentence and ends all processes.
 [[noreturn]] inline void give_up(const std::string& sentence) {
   PetscFPrintf(PETSC_COMM_SELF, stderr, "ringdown-modes-slepc: %s\n", sentence.c_str());
   MPI_Abort(PETSC_COMM_WORLD, 1);
   std::abort();
 }
 
-// Around every call of PETSc and SLEPc: their error handler, main.cpp's, has given up before one returns an error.
+// Stands around every call of PETSc and SLEPc. Their error handler, in main.cpp, gives up before a call returns an
+// error.
 inline void check(PetscErrorCode code) {
   if (code != 0) give_up("PETSc's error " + std::to_string(static_cast<int>(code)));
 }
