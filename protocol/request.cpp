@@ -13,7 +13,7 @@ Request request_for(const synth::Event& event, const ObjectRef& object) {
     case synth::EventType::pan:
       return SetPan{object, event.value};
     case synth::EventType::contact:
-      return KeepContact{object, event.point_m, event.contact};
+      return SetContact{object, event.point_m, event.contact};
     case synth::EventType::ring:
       return RingModes{object, event.vertex, event.count, event.value};
     case synth::EventType::click:
@@ -24,9 +24,9 @@ Request request_for(const synth::Event& event, const ObjectRef& object) {
   return ClearObject{object, event.ramp_s};
 }
 
-std::vector<Hold> holds_for(const modal::Touches& touches, const ObjectRef& object) {
-  std::vector<Hold> holds;
-  for (const auto& [number, touch] : touches) holds.push_back({object, touch, number});
+std::vector<SetDamper> dampers_for(const modal::Dampers& dampers, const ObjectRef& object) {
+  std::vector<SetDamper> holds;
+  for (const auto& [number, damper] : dampers) holds.push_back({object, damper, number});
   return holds;
 }
 

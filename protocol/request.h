@@ -5,7 +5,7 @@
 #pragma once
 
 #include "engine/base/vec3.h"
-#include "engine/modal/contact_damping.h"
+#include "engine/modal/damper.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
 #include "engine/synth/event.h"
@@ -55,11 +55,11 @@ struct SetMaterial {  // /object/{object}/material
   ObjectRef object;
   modal::MaterialScale scale;
 };
-// Lays something on the object that damps it where it touches, or takes it away.
-struct Hold {  // /object/{object}/hold
+// Lays a damper on the object, or takes it away.
+struct SetDamper {  // /object/{object}/hold
   ObjectRef object;
-  modal::ContactDamping touch;
-  std::uint32_t number = 0;  // which of the object's touches, below modal::kMaxTouches
+  modal::Damper damper;
+  std::uint32_t number = 0;  // which of the object's dampers, below modal::kMaxDampers
 };
 struct SetGroup {  // /object/{object}/group
   ObjectRef object;
@@ -102,7 +102,7 @@ struct Excite {  // /object/{object}/excite
   Vec3 point_m, force_n;    // no force: the input excites the object no more
 };
 // Something slides or rolls on the object.
-struct KeepContact {  // /object/{object}/contact
+struct SetContact {  // /object/{object}/contact
   ObjectRef object;
   Vec3 point_m;
   synth::Contact contact;
@@ -179,16 +179,16 @@ struct Sync {       // /sync
 };
 struct Quit {};  // /quit
 
-using Request =
-    std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, Hold, SetGroup, RingModes, SelectModes,
-                 WatchObject, DescribeObject, ReadBank, Excite, ClearObject, KeepContact, Click, FreeObject, LoadObject,
-                 ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush, SceneDescribe, Notify,
-                 WatchSound, Browse, TestTone, SaveState, RecordStart, RecordStop, Status, Version, Sync, Quit>;
+using Request = std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, SetDamper, SetGroup,
+                             RingModes, SelectModes, WatchObject, DescribeObject, ReadBank, Excite, ClearObject,
+                             SetContact, Click, FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox,
+                             SpawnSphere, SceneClear, ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone,
+                             SaveState, RecordStart, RecordStop, Status, Version, Sync, Quit>;
 
 // The request that would make this event of `object`.
 Request request_for(const synth::Event& event, const ObjectRef& object);
 
-// The requests that would lay these touches on `object`, by ascending number.
-std::vector<Hold> holds_for(const modal::Touches& touches, const ObjectRef& object);
+// The requests that would lay these dampers on `object`, by ascending number.
+std::vector<SetDamper> dampers_for(const modal::Dampers& dampers, const ObjectRef& object);
 
 }  // namespace ringdown::protocol

@@ -108,20 +108,19 @@ std::vector<Row<Request>> make_request_rows() {
            optional(number<&SetMaterial::scale, &modal::MaterialScale::size>(
                "size", kSizeScale, "The factor on all lengths; 0.5 is an octave up."))}),
       answered(
-          "/object/{object}/hold", Hold{kBell, {{0.05, 0, 0.02}, {}, 20}},
+          "/object/{object}/hold", SetDamper{kBell, {{0.05, 0, 0.02}, {}, 20}},
           "Lays a hand on the object, or puts it down on something: its modes die sooner, each by how much it moves "
           "there. What rings goes on from where it is. A damping of 0 takes the hand away. An object can have 16 "
-          "touches "
-          "at a time; an embedded scene uses those from 8 on.",
-          {object<&Hold::object>(),
-           vector<&Hold::touch, &modal::ContactDamping::point_m>({"x", "y", "z"}, kPosition,
-                                                                 "Where it touches, in the object's own frame."),
-           number<&Hold::touch, &modal::ContactDamping::damping_ns_m>(
-               "damping", kTouch, "The force that resists the surface, per its speed there: a fingertip has some 5."),
-           optional(vector<&Hold::touch, &modal::ContactDamping::direction>(
+          "dampers at a time; an embedded scene uses those from 8 on.",
+          {object<&SetDamper::object>(),
+           vector<&SetDamper::damper, &modal::Damper::point_m>({"x", "y", "z"}, kPosition,
+                                                               "Where it touches, in the object's own frame."),
+           number<&SetDamper::damper, &modal::Damper::damping_ns_m>(
+               "damping", kDamping, "The force that resists the surface, per its speed there: a fingertip has some 5."),
+           optional(vector<&SetDamper::damper, &modal::Damper::direction>(
                {"nx", "ny", "nz"}, kDirection,
                "The direction of the motion that is resisted; 0 0 0 for any. Its length does not count.")),
-           optional(integer<&Hold::number>("number", kTouchNumber, "Which of the object's touches."))}),
+           optional(integer<&SetDamper::number>("number", kDamperNumber, "Which of the object's dampers."))}),
       answered("/object/{object}/group", SetGroup{kBell, "metal"},
                "Puts the object into a group. With --ports groups, each group is heard at an output port of its own.",
                {object<&SetGroup::object>(),
@@ -170,26 +169,26 @@ std::vector<Row<Request>> make_request_rows() {
              {object<&ClearObject::object>(),
               optional(number<&ClearObject::ramp_s>("ramp", kRamp, "How long that takes; some 10 ms at least."))}),
       silent(
-          "/object/{object}/contact", KeepContact{kBell, {0.05, 0, 0.02}, {0, {0, 0, -2}, 0.3, 0, {}}},
+          "/object/{object}/contact", SetContact{kBell, {0.05, 0, 0.02}, {0, {0, 0, -2}, 0.3, 0, {}}},
           "Something slides or rolls on the object. The contact goes on as it was told last and changes evenly from "
           "one "
           "telling to the next; a force of 0 0 0 ends it, and so does a tenth of a second in which nothing is told of "
           "it. Tell it 50 to 250 times a second.",
-          {object<&KeepContact::object>(),
-           vector<&KeepContact::point_m>({"x", "y", "z"}, kPosition, "Where it touches, in the object's own frame."),
-           vector<&KeepContact::contact, &synth::Contact::force_n>(
+          {object<&SetContact::object>(),
+           vector<&SetContact::point_m>({"x", "y", "z"}, kPosition, "Where it touches, in the object's own frame."),
+           vector<&SetContact::contact, &synth::Contact::force_n>(
                {"fx", "fy", "fz"}, kForce, "The force on the object, in its own frame: normal and friction together."),
-           number<&KeepContact::contact, &synth::Contact::slip_m_s>(
+           number<&SetContact::contact, &synth::Contact::slip_m_s>(
                "slip", kSpeed, "The speed at which the two surfaces slide past each other."),
-           optional(number<&KeepContact::contact, &synth::Contact::roll_m_s>(
+           optional(number<&SetContact::contact, &synth::Contact::roll_m_s>(
                "roll", kSpeed, "The speed at which the point of contact travels as they roll.")),
-           optional(integer<&KeepContact::contact, &synth::Contact::number>(
+           optional(integer<&SetContact::contact, &synth::Contact::number>(
                "number", kIndex, "Which of the object's contacts; it can have four at a time.")),
-           optional(number<&KeepContact::contact, &synth::Contact::texture, &synth::Texture::roughness_m>(
+           optional(number<&SetContact::contact, &synth::Contact::texture, &synth::Texture::roughness_m>(
                "roughness", kRoughness, "How high the asperities of both surfaces are, root mean square.")),
-           optional(number<&KeepContact::contact, &synth::Contact::texture, &synth::Texture::correlation_m>(
+           optional(number<&SetContact::contact, &synth::Contact::texture, &synth::Texture::correlation_m>(
                "correlation", kCorrelation, "The longest wavelength of the roughness.")),
-           optional(number<&KeepContact::contact, &synth::Contact::texture, &synth::Texture::spectral_slope>(
+           optional(number<&SetContact::contact, &synth::Contact::texture, &synth::Texture::spectral_slope>(
                "slope", kSpectralSlope, "The power of the heights falls with spatial frequency f as f^slope."))}),
       silent(
           "/object/{object}/click", Click{kBell, {-0.02, 0, 0}, 0.0005},

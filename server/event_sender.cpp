@@ -45,8 +45,8 @@ std::size_t EventSender::send(std::span<const scene::Leaning> leanings, const Na
   std::size_t lost = 0;
   for (const scene::Leaning& leaning : leanings) {
     std::vector<wire::Message> messages;
-    for (const protocol::Hold& hold : protocol::holds_for(leaning.touches, {.name = name(leaning.object)})) {
-      messages.push_back(protocol::format(hold));
+    for (const protocol::SetDamper& damper : protocol::dampers_for(leaning.dampers, {.name = name(leaning.object)})) {
+      messages.push_back(protocol::format(damper));
     }
     lost += !socket_.send_to(to_, wire::encode_bundle(wire::time_tag(unix_time(leaning.frame)), messages));
   }

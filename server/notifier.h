@@ -60,7 +60,7 @@ class Notifier final : public session::Observer {
   void loaded(const session::RackObject& object) override;
   void retuned(const session::RackObject&) override {}
   void selected(const session::RackObject&) override {}
-  void held(const session::RackObject&, const modal::Touches&, synth::Frame) override {}
+  void held(const session::RackObject&, const modal::Dampers&, synth::Frame) override {}
   void regrouped(const session::RackObject& object) override;
   void freed(const session::RackObject& object) override;
 

@@ -194,7 +194,7 @@ void OscServer::handle(const wire::Message& message, synth::Frame frame, Peer fr
   } else if (std::holds_alternative<protocol::Quit>(*request)) {
     answer(*ports_, from, protocol::Done{address, std::nullopt});
     parts_.quit();
-  } else if (std::holds_alternative<protocol::Hold>(*request)) {
+  } else if (std::holds_alternative<protocol::SetDamper>(*request)) {
     hold(*request, frame, address, from);
   } else {
     post(*request, 0, address, from);
@@ -234,7 +234,7 @@ void OscServer::hold(const Request& request, synth::Frame frame, const std::stri
 void OscServer::play_what_is_near() {
   for (const synth::Frame end = horizon(); schedule_.is_due(end);) {
     const Schedule::Entry entry = schedule_.take();
-    if (std::holds_alternative<protocol::Hold>(entry.request)) {
+    if (std::holds_alternative<protocol::SetDamper>(entry.request)) {
       post(entry.request, entry.frame, entry.address, entry.from);
       continue;
     }

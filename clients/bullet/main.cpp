@@ -109,8 +109,8 @@ ExitCode write_events(const std::filesystem::path& path, const scene::SceneDescr
     };
     for (const synth::Event& event : heard.events) add(event.frame, protocol::request_for(event, ref(event.object)));
     for (const scene::Leaning& leaning : heard.leanings) {
-      for (const protocol::Hold& hold : protocol::holds_for(leaning.touches, ref(leaning.object)))
-        add(leaning.frame, hold);
+      for (const protocol::SetDamper& damper : protocol::dampers_for(leaning.dampers, ref(leaning.object)))
+        add(leaning.frame, damper);
     }
   }
   score.push_back({world.time_s(), {"/c_set", {0, 0.f}}});  // scores end so

@@ -1,19 +1,19 @@
-// How much sooner modes die where something touches.
+// How much sooner modes die where a damper lies.
 //
 // A contact that resists the surface's speed v with a force c v adds c |phi_m(p) . n|^2 / 2 to the decay rate of mode
 // m: a mode with a node there rings on, one with its largest motion there dies first. What it couples between modes is
 // left out, as in Zheng & James, ACM Trans. Graph. 30(4), 2011.
 #pragma once
 
-#include "engine/modal/contact_damping.h"
+#include "engine/modal/damper.h"
 #include "engine/modal/strike_map.h"
 
 #include <vector>
 
 namespace ringdown::modal {
 
-// What all touches together add to the decay rate [1/s] of each mode of the bank as baked; with another density,
+// What all dampers together add to the decay rate [1/s] of each mode of the bank as baked; with another density,
 // divided by its factor. [worker]
-std::vector<double> added_decay(const StrikeMap& map, const Touches& touches);
+std::vector<double> added_decay(const StrikeMap& map, const Dampers& dampers);
 
 }  // namespace ringdown::modal

@@ -180,7 +180,7 @@ void Sounding::strike(const Touch& touch, double now_s, const Timeline& timeline
 void Sounding::lean(synth::ObjectNumber object, synth::Frame frame) {
   const auto plays = [object](const auto& entry) { return entry.second.object == object; };
   const bool alone = std::ranges::count_if(sides_, plays) == 1;
-  std::vector<modal::ContactDamping> all;
+  std::vector<modal::Damper> all;
   if (alone) {
     const auto& [id, side] = *std::ranges::find_if(sides_, plays);
     rests_.each_of(id, [&, id = id, &side = side](const Rest& rest) {
@@ -202,10 +202,10 @@ void Sounding::lean(synth::ObjectNumber object, synth::Frame frame) {
   } else {
     leaned_on_.insert(object);
   }
-  std::ranges::stable_sort(all, std::greater{}, &modal::ContactDamping::damping_ns_m);
-  Leaning leaning{.frame = frame, .object = object, .touches = {}};
-  for (std::uint32_t i = 0; i < modal::kMaxTouches - modal::kFirstSceneTouch; ++i) {
-    leaning.touches[modal::kFirstSceneTouch + i] = i < all.size() ? all[i] : modal::ContactDamping{};
+  std::ranges::stable_sort(all, std::greater{}, &modal::Damper::damping_ns_m);
+  Leaning leaning{.frame = frame, .object = object, .dampers = {}};
+  for (std::uint32_t i = 0; i < modal::kMaxDampers - modal::kFirstSceneDamper; ++i) {
+    leaning.dampers[modal::kFirstSceneDamper + i] = i < all.size() ? all[i] : modal::Damper{};
   }
   leanings_.push_back(std::move(leaning));
 }

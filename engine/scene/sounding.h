@@ -5,7 +5,7 @@
 // what, and how much that damps. [one thread at a time]
 #pragma once
 
-#include "engine/modal/contact_damping.h"
+#include "engine/modal/damper.h"
 #include "engine/scene/contact_life.h"
 #include "engine/scene/rests.h"
 #include "engine/scene/side.h"
@@ -29,12 +29,12 @@ struct Timeline {
   [[nodiscard]] synth::Frame frame(double time_s) const;
 };
 
-// All that touches an object at rest in its scene and damps it, by numbers from modal::kFirstSceneTouch on; one that
+// All that touches an object at rest in its scene and damps it, by numbers from modal::kFirstSceneDamper on; one that
 // has ended is told of without damping.
 struct Leaning {
   synth::Frame frame = 0;
   synth::ObjectNumber object = 0;
-  modal::Touches touches;
+  modal::Dampers dampers;
 };
 
 class Sounding {

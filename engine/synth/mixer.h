@@ -81,11 +81,11 @@ class Mixer {
     return agenda_.push(producer, event);
   }
 
-  // The table that voices of this bank, material, touches and choice of modes share; a new one if there is none.
+  // The table that voices of this bank, material, dampers and choice of modes share; a new one if there is none.
   // [worker]
   [[nodiscard]] std::shared_ptr<ModeTable> table_for(const std::shared_ptr<const modal::StrikeMap>& map,
                                                      const modal::MaterialScale& material,
-                                                     const modal::Touches& touches = {},
+                                                     const modal::Dampers& dampers = {},
                                                      modal::ModeRange modes = {}) const;
 
   enum class Install {

@@ -25,12 +25,12 @@ void Mixer::found_family(ObjectNumber object, const std::shared_ptr<ModeTable>& 
 }
 
 std::shared_ptr<ModeTable> Mixer::table_for(const std::shared_ptr<const modal::StrikeMap>& map,
-                                            const modal::MaterialScale& material, const modal::Touches& touches,
+                                            const modal::MaterialScale& material, const modal::Dampers& dampers,
                                             modal::ModeRange modes) const {
   for (const Kin& kin : families_) {
-    if (auto table = kin.table.lock(); table && table->is_of(map, material, touches, modes)) return table;
+    if (auto table = kin.table.lock(); table && table->is_of(map, material, dampers, modes)) return table;
   }
-  return std::make_shared<ModeTable>(map, material, sample_rate_hz(), touches, modes);
+  return std::make_shared<ModeTable>(map, material, sample_rate_hz(), dampers, modes);
 }
 
 bool Mixer::can_share(const Object& object, Frame now) RINGDOWN_REALTIME {

@@ -20,8 +20,8 @@ struct PlayableMode {
   std::complex<double> s;  // exponent per frame
 };
 
-// A mode that a touch would over-damp keeps as much of its pitch as lets it die without a click, within a cycle.
-modal::DampedMode touched(const modal::DampedMode& mode, double added_decay_per_s) {
+// A mode that a damper would over-damp keeps as much of its pitch as lets it die without a click, within a cycle.
+modal::DampedMode damped(const modal::DampedMode& mode, double added_decay_per_s) {
   constexpr double kMostOfOmega = 0.9;
   if (added_decay_per_s == 0 || mode.frequency_hz <= 0) return mode;
   const double lambda = modal::undamped_lambda(mode), most = kMostOfOmega * std::sqrt(lambda);
@@ -37,23 +37,23 @@ std::optional<ClickShape> click_of(const modal::Bank& bank, const modal::Materia
                     kOutputScale * bank.gain * modal::shape_factor(material) / std::sqrt(bank.mass->mass_kg)};
 }
 
-// Touches of an object of another size, where they lie on its bank.
-modal::Touches as_baked(modal::Touches touches, double size) {
-  for (auto& [number, touch] : touches) touch.point_m = (1 / size) * touch.point_m;
-  return touches;
+// Dampers of an object of another size, where they lie on its bank.
+modal::Dampers as_baked(modal::Dampers dampers, double size) {
+  for (auto& [number, damper] : dampers) damper.point_m = (1 / size) * damper.point_m;
+  return dampers;
 }
 
 // Those that take moments first, each kind by frequency.
 std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const modal::MaterialScale& material,
-                                            const modal::Touches& touches, modal::ModeRange modes,
+                                            const modal::Dampers& dampers, modal::ModeRange modes,
                                             double sample_rate_hz) {
   const modal::Bank& bank = map.bank();
-  const std::vector<double> added = modal::added_decay(map, as_baked(touches, material.size));
+  const std::vector<double> added = modal::added_decay(map, as_baked(dampers, material.size));
   const double shape = modal::shape_factor(material);
   std::vector<PlayableMode> playable;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     if (!modes.has(map.rank(m))) continue;
-    const modal::DampedMode mode = touched(modal::rescale(bank, m, material), shape * shape * added[m]);
+    const modal::DampedMode mode = damped(modal::rescale(bank, m, material), shape * shape * added[m]);
     if (mode.frequency_hz <= 0 || mode.frequency_hz >= 0.5 * sample_rate_hz) continue;
     const double omega = modal::hz_to_rad_per_s(mode.frequency_hz);
     playable.push_back(
@@ -70,16 +70,16 @@ std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const m
 }  // namespace
 
 ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material,
-                     double sample_rate_hz, modal::Touches touches, modal::ModeRange modes)
+                     double sample_rate_hz, modal::Dampers dampers, modal::ModeRange modes)
     : map_(std::move(map)),
       material_(material),
-      touches_(std::move(touches)),
+      dampers_(std::move(dampers)),
       modes_(modes),
       sample_rate_hz_(sample_rate_hz),
       per_size_(1 / material.size),
       click_(click_of(bank(), material)),
       column_of_(bank().mode_count(), -1) {
-  const std::vector<PlayableMode> playable = playable_modes_of(*map_, material, touches_, modes_, sample_rate_hz);
+  const std::vector<PlayableMode> playable = playable_modes_of(*map_, material, dampers_, modes_, sample_rate_hz);
   slow_modes_ = static_cast<std::size_t>(
       std::count_if(playable.begin(), playable.end(), [](const PlayableMode& m) { return takes_moments(m.s); }));
   slow_groups_ = groups_for(slow_modes_);

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/modal/contact_damping.h"
+#include "engine/modal/damper.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
 #include "engine/modal/strike_map.h"
@@ -33,19 +33,19 @@ inline constexpr double kOutputScale = 1e-4;
 
 class ModeTable {
  public:
-  // `touches` are what lies on the object, `modes` those that it has. [worker]
+  // `dampers` are what lies on the object, `modes` those that it has. [worker]
   ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz,
-            modal::Touches touches = {}, modal::ModeRange modes = {});
+            modal::Dampers dampers = {}, modal::ModeRange modes = {});
 
-  // The same choice of modes, in the same material and under the same touches, at another sample rate. [worker]
+  // The same choice of modes, in the same material and under the same dampers, at another sample rate. [worker]
   [[nodiscard]] std::shared_ptr<ModeTable> at_rate(double sample_rate_hz) const {
-    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz, touches_, modes_);
+    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz, dampers_, modes_);
   }
   [[nodiscard]] double sample_rate_hz() const RINGDOWN_REALTIME { return sample_rate_hz_; }
 
   [[nodiscard]] bool is_of(const std::shared_ptr<const modal::StrikeMap>& map, const modal::MaterialScale& material,
-                           const modal::Touches& touches = {}, modal::ModeRange modes = {}) const {
-    return map == map_ && material == material_ && touches == touches_ && modes == modes_;
+                           const modal::Dampers& dampers = {}, modal::ModeRange modes = {}) const {
+    return map == map_ && material == material_ && dampers == dampers_ && modes == modes_;
   }
 
   [[nodiscard]] const modal::Bank& bank() const RINGDOWN_REALTIME { return map_->bank(); }
@@ -98,7 +98,7 @@ class ModeTable {
 
   std::shared_ptr<const modal::StrikeMap> map_;
   modal::MaterialScale material_;
-  modal::Touches touches_;
+  modal::Dampers dampers_;
   modal::ModeRange modes_;
   double sample_rate_hz_;
   double per_size_;  // from points of the object to those of its bank

@@ -122,19 +122,19 @@ Result<void> Rack::set_material(const ObjectRef& ref, const modal::MaterialScale
   return {};
 }
 
-Result<void> Rack::hold(const ObjectRef& ref, const modal::Touches& touches, synth::Frame at) {
+Result<void> Rack::set_dampers(const ObjectRef& ref, const modal::Dampers& dampers, synth::Frame at) {
   auto object = find(ref);
   if (!object) return fail(object.error());
-  modal::Touches changed;
-  for (const auto& [number, touch] : touches) {
-    const auto present = object->touches.find(number);
-    const bool same = present == object->touches.end() ? touch.damping_ns_m == 0 : touch == present->second;
+  modal::Dampers changed;
+  for (const auto& [number, damper] : dampers) {
+    const auto present = object->dampers.find(number);
+    const bool same = present == object->dampers.end() ? damper.damping_ns_m == 0 : damper == present->second;
     if (same) continue;
-    changed.emplace(number, touch);
-    if (touch.damping_ns_m > 0) {
-      object->touches.insert_or_assign(number, touch);
+    changed.emplace(number, damper);
+    if (damper.damping_ns_m > 0) {
+      object->dampers.insert_or_assign(number, damper);
     } else {
-      object->touches.erase(number);
+      object->dampers.erase(number);
     }
   }
   if (changed.empty()) return {};
@@ -274,7 +274,7 @@ void Rack::change_sample_rate(double sample_rate_hz) {
 Result<void> Rack::install(const RackObject& object, synth::Mixer::Install how, synth::Frame at) {
   const std::scoped_lock lock(rate_mutex_);
   auto voice =
-      std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material, object.touches, object.modes));
+      std::make_unique<synth::Voice>(mixer_.table_for(object.map, object.material, object.dampers, object.modes));
   if (!mixer_.install(object.number, std::move(voice), how, at)) {
     return fail(ErrorKind::refused,
                 "object: " + std::to_string(synth::kMaxVoices) + " voices are still ringing out; try again later");
@@ -306,7 +306,7 @@ Result<Event> event_for(const protocol::Request& request, const RackObject& obje
   } else if (const auto* pan = std::get_if<protocol::SetPan>(&request)) {
     event.type = EventType::pan;
     event.value = pan->pan;
-  } else if (const auto* contact = std::get_if<protocol::KeepContact>(&request)) {
+  } else if (const auto* contact = std::get_if<protocol::SetContact>(&request)) {
     event.type = EventType::contact;
     event.point_m = contact->point_m;
     event.contact = contact->contact;

@@ -39,7 +39,7 @@ struct RackObject {
   std::int32_t bank_version = 0;                      // grows when the object gets a new bank
   std::shared_ptr<const modal::StrikeMap> map;
   modal::MaterialScale material;
-  modal::Touches touches;  // what lies on it
+  modal::Dampers dampers;  // what lies on it
   modal::ModeRange modes;  // those that it has
   std::string group;       // empty: in none
 };
@@ -104,10 +104,10 @@ class Rack {
   // Returns its number. On failure nothing changed. [worker]
   Result<synth::ObjectNumber> load(const std::string& name, const std::filesystem::path& bank);
 
-  // Retunes what rings, and what will. Of `touches` one without damping is taken away, and one that the object does not
+  // Retunes what rings, and what will. Of `dampers` one without damping is taken away, and one that the object does not
   // have laid on; the others stay. Not before frame `at`. [worker]
   Result<void> set_material(const protocol::ObjectRef& object, const modal::MaterialScale& scale);
-  Result<void> hold(const protocol::ObjectRef& object, const modal::Touches& touches, synth::Frame at = 0);
+  Result<void> set_dampers(const protocol::ObjectRef& object, const modal::Dampers& dampers, synth::Frame at = 0);
 
   // Leaves the object these of its modes; what others ring fades within some milliseconds. A new bank has all. [worker]
   Result<void> select_modes(const protocol::ObjectRef& object, modal::ModeRange modes);

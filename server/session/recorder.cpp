@@ -44,8 +44,8 @@ void Recorder::add_present_state() {
     if (object.modes != modal::ModeRange{}) {
       add(first_, protocol::format(protocol::SelectModes{ref, object.modes}));
     }
-    for (const auto& [number, touch] : object.touches) {
-      add(first_, protocol::format(protocol::Hold{ref, touch, number}));
+    for (const auto& [number, damper] : object.dampers) {
+      add(first_, protocol::format(protocol::SetDamper{ref, damper, number}));
     }
     if (!object.group.empty()) add(first_, protocol::format(group_of(object)));
     if (level.gain != 1) add(first_, protocol::format(protocol::SetGain{ref, level.gain, 0}));
@@ -130,9 +130,10 @@ void Recorder::selected(const RackObject& object) {
   add_change(protocol::SelectModes{{.name = object.name}, object.modes});
 }
 
-void Recorder::held(const RackObject& object, const modal::Touches& changed, Frame at) {
+void Recorder::held(const RackObject& object, const modal::Dampers& changed, Frame at) {
   const std::scoped_lock lock(mutex_);
-  for (const auto& [number, touch] : changed) add_change(protocol::Hold{{.name = object.name}, touch, number}, at);
+  for (const auto& [number, damper] : changed)
+    add_change(protocol::SetDamper{{.name = object.name}, damper, number}, at);
 }
 
 void Recorder::regrouped(const RackObject& object) {

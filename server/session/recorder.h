@@ -57,7 +57,7 @@ class Recorder final : public Observer {
   void loaded(const RackObject& object) override;
   void retuned(const RackObject& object) override;
   void selected(const RackObject& object) override;
-  void held(const RackObject& object, const modal::Touches& changed, synth::Frame at) override;
+  void held(const RackObject& object, const modal::Dampers& changed, synth::Frame at) override;
   void regrouped(const RackObject& object) override;
   void freed(const RackObject& object) override;
 

@@ -192,8 +192,8 @@ std::vector<scene::Leaning> ScenePlayer::end_contacts() {
   while (world_->telling()) take(world_->step(), leanings);
   leanings.clear();
   scene::Leaning nothing;
-  for (std::uint32_t number = modal::kFirstSceneTouch; number < modal::kMaxTouches; ++number) {
-    nothing.touches[number] = {};
+  for (std::uint32_t number = modal::kFirstSceneDamper; number < modal::kMaxDampers; ++number) {
+    nothing.dampers[number] = {};
   }
   for (const synth::ObjectNumber object : std::exchange(leaned_on_, {})) {
     nothing.object = object;
@@ -243,7 +243,8 @@ void ScenePlayer::move_start(Frame later) {
 void ScenePlayer::lean(const std::vector<scene::Leaning>& leanings) {
   for (const scene::Leaning& leaning : leanings) {
     const auto hold = [this, leaning] {
-      if (const auto held = rack_.hold({.number = leaning.object}, leaning.touches, leaning.frame); !held) ++dropped_;
+      if (const auto held = rack_.set_dampers({.number = leaning.object}, leaning.dampers, leaning.frame); !held)
+        ++dropped_;
     };
     if (!post_) {
       hold();

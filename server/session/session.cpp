@@ -31,7 +31,7 @@ bool Session::is_event(const protocol::Request& request) {
       Match{[](const protocol::Strike&) { return true; }, [](const protocol::StrikeVertex&) { return true; },
             [](const protocol::StrikeMany&) { return true; }, [](const protocol::SetGain&) { return true; },
             [](const protocol::SetPan&) { return true; }, [](const protocol::ClearObject&) { return true; },
-            [](const protocol::KeepContact&) { return true; }, [](const protocol::Click&) { return true; },
+            [](const protocol::SetContact&) { return true; }, [](const protocol::Click&) { return true; },
             [](const protocol::RingModes&) { return true; }, [](const protocol::ClearAll&) { return true; },
             [](const auto&) { return false; }},
       request);
@@ -129,8 +129,8 @@ Result<std::optional<std::int32_t>> Session::perform(const protocol::Request& re
   return std::visit(
       Match{[&](const LoadObject& load) -> Answer { return load_object(load).map(number); },
             [&](const SetMaterial& material) { return none(rack_.set_material(material.object, material.scale)); },
-            [&](const protocol::Hold& hold) {
-              return none(rack_.hold(hold.object, {{hold.number, hold.touch}}, frame));
+            [&](const protocol::SetDamper& hold) {
+              return none(rack_.set_dampers(hold.object, {{hold.number, hold.damper}}, frame));
             },
             [&](const SelectModes& select) { return none(rack_.select_modes(select.object, select.range)); },
             [&](const SetGroup& set) { return none(rack_.set_group(set.object, set.group.value_or(""))); },

@@ -15,7 +15,7 @@ namespace ringdown::session {
 namespace {
 
 constexpr Range kGain{0, 100}, kPan{-1, 1}, kDamping{0, 1e3}, kScale{1e-3, 1e3}, kSize{1e-2, 1e2};
-constexpr Range kPosition_m{-1e4, 1e4}, kForce_n{-1e6, 1e6}, kDirection{-1e3, 1e3}, kTouch_ns_m{0, 1e6};
+constexpr Range kPosition_m{-1e4, 1e4}, kForce_n{-1e6, 1e6}, kDirection{-1e3, 1e3}, kDamping_ns_m{0, 1e6};
 
 void read_name(TomlTable& table, std::string_view key, std::string& name) {
   table.text(key, name);
@@ -24,15 +24,15 @@ void read_name(TomlTable& table, std::string_view key, std::string& name) {
   }
 }
 
-void read_touch(TomlTable& table, modal::Touches& touches) {
+void read_damper(TomlTable& table, modal::Dampers& dampers) {
   std::uint64_t number = 0;
-  modal::ContactDamping touch;
+  modal::Damper damper;
   table.require({"point_m", "damping_ns_m"});
-  table.whole("number", number, 0, modal::kFirstSceneTouch - 1);
-  table.vector("point_m", touch.point_m, kPosition_m);
-  table.vector("direction", touch.direction, kDirection);
-  table.number("damping_ns_m", touch.damping_ns_m, kTouch_ns_m);
-  touches[static_cast<std::uint32_t>(number)] = touch;
+  table.whole("number", number, 0, modal::kFirstSceneDamper - 1);
+  table.vector("point_m", damper.point_m, kPosition_m);
+  table.vector("direction", damper.direction, kDirection);
+  table.number("damping_ns_m", damper.damping_ns_m, kDamping_ns_m);
+  dampers[static_cast<std::uint32_t>(number)] = damper;
 }
 
 modal::ModeRange read_modes(TomlTable& table) {
@@ -60,7 +60,7 @@ State::Object read_object(TomlTable& table) {
     material->number("size", object.material.size, kSize);
   }
   if (auto modes = table.table("modes")) object.modes = read_modes(*modes);
-  for (TomlTable& touch : table.tables("touch")) read_touch(touch, object.touches);
+  for (TomlTable& damper : table.tables("touch")) read_damper(damper, object.dampers);
   return object;
 }
 
@@ -130,9 +130,9 @@ std::string to_toml(const State& state) {
       text += "modes = { first = " + std::to_string(object.modes.first) +
               ", count = " + std::to_string(object.modes.count) + " }\n";
     }
-    for (const auto& [number, touch] : object.touches) {
-      text += "[[object.touch]]\nnumber = " + std::to_string(number) + "\npoint_m = " + shown(touch.point_m) +
-              "\ndirection = " + shown(touch.direction) + "\ndamping_ns_m = " + shown(touch.damping_ns_m) + "\n";
+    for (const auto& [number, damper] : object.dampers) {
+      text += "[[object.touch]]\nnumber = " + std::to_string(number) + "\npoint_m = " + shown(damper.point_m) +
+              "\ndirection = " + shown(damper.direction) + "\ndamping_ns_m = " + shown(damper.damping_ns_m) + "\n";
     }
   }
   for (const State::Input& input : state.inputs) {
@@ -155,7 +155,7 @@ State state_of(const Session& session, const Recorder& recorder) {
   std::error_code ignored;
   for (const RackObject& object : rack.objects()) {
     const auto [gain, pan] = recorder.level(object.number);
-    const auto scenes = object.touches.lower_bound(modal::kFirstSceneTouch);
+    const auto scenes = object.dampers.lower_bound(modal::kFirstSceneDamper);
     state.objects.push_back({object.name,
                              std::filesystem::absolute(*object.bank, ignored),
                              gain,
@@ -163,7 +163,7 @@ State state_of(const Session& session, const Recorder& recorder) {
                              object.group,
                              object.material,
                              object.modes,
-                             {object.touches.begin(), scenes}});
+                             {object.dampers.begin(), scenes}});
   }
   for (std::size_t input = 0; input < rack.excitations().size(); ++input) {
     const auto& excitation = rack.excitations()[input];
@@ -186,11 +186,11 @@ Result<void> restore_scene(const State::Scene& scene, Session& session, synth::F
   return scene.cleared ? session.scene().clear() : Result<void>{};
 }
 
-// What takes an object from one set of touches to another; a scene's own stay.
-modal::Touches touches_for(const modal::Touches& wanted, const modal::Touches& present) {
-  modal::Touches changes = wanted;
-  for (const auto& [number, touch] : present) {
-    if (number < modal::kFirstSceneTouch) changes.try_emplace(number);  // without damping: taken away
+// What takes an object from one set of dampers to another; a scene's own stay.
+modal::Dampers damper_changes(const modal::Dampers& wanted, const modal::Dampers& present) {
+  modal::Dampers changes = wanted;
+  for (const auto& [number, damper] : present) {
+    if (number < modal::kFirstSceneDamper) changes.try_emplace(number);  // without damping: taken away
   }
   return changes;
 }
@@ -210,7 +210,8 @@ Result<void> restore_object(const State::Object& object, Session& session, synth
   if (object.modes != modal::ModeRange{}) {
     if (const auto set = rack.select_modes(ref, object.modes); !set) return set;
   }
-  if (const auto held = rack.hold(ref, touches_for(object.touches, rack.find(ref)->touches)); !held) return held;
+  if (const auto held = rack.set_dampers(ref, damper_changes(object.dampers, rack.find(ref)->dampers)); !held)
+    return held;
   const synth::Frame now = rack.mixer().counters().frames;
   for (const auto& [type, value] : {std::pair(EventType::gain, object.gain), std::pair(EventType::pan, object.pan)}) {
     for (const synth::Frame frame : {now, from}) {

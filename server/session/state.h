@@ -32,7 +32,7 @@
 
 #include "engine/base/result.h"
 #include "engine/base/vec3.h"
-#include "engine/modal/contact_damping.h"
+#include "engine/modal/damper.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
 #include "engine/synth/event.h"
@@ -57,7 +57,7 @@ struct State {
     std::string group;  // empty: in none
     modal::MaterialScale material;
     modal::ModeRange modes;
-    modal::Touches touches;  // but those of the scene
+    modal::Dampers dampers;  // but those of the scene
   };
   struct Input {
     std::size_t input = 1;  // in_1 is 1

@@ -174,12 +174,12 @@ Cases click_cases() {
 
 Cases contact_cases() {
   const std::string a = "/object/bell/contact";
-  return {{{a, {1, 2, 3, 0, 0, -0.5f, 0.25f}, claim<KeepContact>([](const KeepContact& k) {
+  return {{{a, {1, 2, 3, 0, 0, -0.5f, 0.25f}, claim<SetContact>([](const SetContact& k) {
               return k.object == named("bell") && k.point_m == Vec3{1, 2, 3} && k.contact.force_n == Vec3{0, 0, -0.5} &&
                      k.contact.slip_m_s == 0.25 && k.contact.roll_m_s == 0 && k.contact.number == 0 &&
                      k.contact.texture == synth::Texture{};
             })},
-           {a, {0, 0, 0, 0, 0, 0, 0, 2, 7, 0.0625f, 0.25f, -2}, claim<KeepContact>([](const KeepContact& k) {
+           {a, {0, 0, 0, 0, 0, 0, 0, 2, 7, 0.0625f, 0.25f, -2}, claim<SetContact>([](const SetContact& k) {
               return k.contact.roll_m_s == 2 && k.contact.number == 7 &&
                      k.contact.texture == synth::Texture{0.0625, 0.25, -2};
             })}},
@@ -201,12 +201,11 @@ Cases contact_cases() {
 
 Cases hold_cases() {
   const std::string a = "/object/bell/hold";
-  return {{{a, {1, 2, 3, 5}, claim<Hold>([](const Hold& h) {
-              return h.object == named("bell") && h.touch == modal::ContactDamping{{1, 2, 3}, {0, 0, 0}, 5} &&
-                     h.number == 0;
+  return {{{a, {1, 2, 3, 5}, claim<SetDamper>([](const SetDamper& h) {
+              return h.object == named("bell") && h.damper == modal::Damper{{1, 2, 3}, {0, 0, 0}, 5} && h.number == 0;
             })},
-           {a, {1, 2, 3, 0, 0, 0, -1, 15}, claim<Hold>([](const Hold& h) {
-              return h.touch == modal::ContactDamping{{1, 2, 3}, {0, 0, -1}, 0} && h.number == 15;
+           {a, {1, 2, 3, 0, 0, 0, -1, 15}, claim<SetDamper>([](const SetDamper& h) {
+              return h.damper == modal::Damper{{1, 2, 3}, {0, 0, -1}, 0} && h.number == 15;
             })}},
           {{"/object/b%/hold", {0, 0, 0, 0}, "object"},
            {a, {kNan, 0, 0, 0}, "x"},

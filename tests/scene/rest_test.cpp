@@ -20,19 +20,19 @@ constexpr double kGravity = 9.81, kDamping_s_m = 1.5;
 
 // What lies on each object, as told up to now, and how often it was told.
 struct Heard {
-  std::map<synth::ObjectNumber, modal::Touches> touches;
+  std::map<synth::ObjectNumber, modal::Dampers> dampers;
   int times = 0;
 
   void run(World& world, double seconds) {
     for (const double end = world.time_s() + seconds; world.time_s() < end;) {
       for (const Leaning& leaning : world.step().leanings) {
         ++times;
-        for (const auto& [number, touch] : leaning.touches) {
-          EXPECT_GE(number, modal::kFirstSceneTouch);
-          EXPECT_LT(number, modal::kMaxTouches);
-          auto& all = touches[leaning.object];
-          if (touch.damping_ns_m > 0) {
-            all[number] = touch;
+        for (const auto& [number, damper] : leaning.dampers) {
+          EXPECT_GE(number, modal::kFirstSceneDamper);
+          EXPECT_LT(number, modal::kMaxDampers);
+          auto& all = dampers[leaning.object];
+          if (damper.damping_ns_m > 0) {
+            all[number] = damper;
           } else {
             all.erase(number);
           }
@@ -43,7 +43,7 @@ struct Heard {
 
   [[nodiscard]] double damping(synth::ObjectNumber object) {
     double sum = 0;
-    for (const auto& [number, touch] : touches[object]) sum += touch.damping_ns_m;
+    for (const auto& [number, damper] : dampers[object]) sum += damper.damping_ns_m;
     return sum;
   }
 };
@@ -59,12 +59,12 @@ TEST(Rest, ABoxIsDampedByTheFloorThatBearsItsWeight) {
       world_of(scene_of({body_of("a", ShapeType::box, {0, 0, 0.05})}, 0.3), {sounding("a", 3, box_bank(kSize, 2))});
   Heard heard;
   heard.run(world, 2);
-  EXPECT_EQ(heard.touches[3].size(), 4u) << "its four corners";
+  EXPECT_EQ(heard.dampers[3].size(), 4u) << "its four corners";
   EXPECT_NEAR(heard.damping(3) / (kDamping_s_m * 0.7 * 2 * kGravity), 1, 0.03);
-  for (const auto& [number, touch] : heard.touches[3]) {
-    EXPECT_NEAR(touch.point_m.z, -0.05, 0.001);
-    EXPECT_NEAR(std::abs(touch.point_m.x), 0.05, 0.001);
-    EXPECT_NEAR(std::abs(touch.direction.z), 1, 1e-6);
+  for (const auto& [number, damper] : heard.dampers[3]) {
+    EXPECT_NEAR(damper.point_m.z, -0.05, 0.001);
+    EXPECT_NEAR(std::abs(damper.point_m.x), 0.05, 0.001);
+    EXPECT_NEAR(std::abs(damper.direction.z), 1, 1e-6);
   }
   const int told = heard.times;
   EXPECT_LE(told, 2);
@@ -113,7 +113,7 @@ TEST(Rest, InATowerBothFacesOfABoxAreTouched) {
   EXPECT_NEAR(heard.damping(0), (3 + 2) * weight, 0.1 * 5 * weight);
   EXPECT_NEAR(heard.damping(1), (2 + 1) * weight, 0.1 * 3 * weight);
   EXPECT_NEAR(heard.damping(2), 1 * weight, 0.1 * weight);
-  EXPECT_EQ(heard.touches[1].size(), 8u);
+  EXPECT_EQ(heard.dampers[1].size(), 8u);
 }
 
 TEST(Rest, EndsWhenAnotherBodyComesToPlayTheObjectAndBeginsAgainWhenItGoes) {

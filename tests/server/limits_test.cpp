@@ -39,7 +39,7 @@ const std::map<std::string, double> kConstants = {
     ROW(synth::kQueueCapacity),
     ROW(synth::kMaxPendingEvents),
     ROW(synth::kMaxEventsPerChunk),
-    ROW(modal::kMaxTouches),
+    ROW(modal::kMaxDampers),
     ROW(synth::kMaxClicks),
     ROW(synth::kMaxDrives),
     ROW(synth::kMaxForces),

@@ -66,8 +66,8 @@ position_m = [0, 0, 1]
   perform(protocol::LoadObject{"plain", bank_.string()});
   perform(protocol::SetMaterial{{.name = "bell"}, {1, 0.1, 2, 1.0 / 3, 0.7}});
   perform(protocol::SetGroup{{.name = "bell"}, "metal"});
-  perform(protocol::Hold{{.name = "bell"}, {{0.1, 0, 0}, {0, 0, 1}, 5}, 3});
-  perform(protocol::Hold{{.name = "bell"}, {{0.2, 0, 0}, {}, 7}, modal::kFirstSceneTouch});  // as the scene's own
+  perform(protocol::SetDamper{{.name = "bell"}, {{0.1, 0, 0}, {0, 0, 1}, 5}, 3});
+  perform(protocol::SetDamper{{.name = "bell"}, {{0.2, 0, 0}, {}, 7}, modal::kFirstSceneDamper});  // as the scene's own
   perform(protocol::Excite{{.name = "bell"}, 3, {0.1, 0.2, 0.3}, {0, 0, -1e-7}});
   ASSERT_TRUE(one.session.play(protocol::SetGain{{.name = "bell"}, 0.7, 2}, 0));
   ASSERT_TRUE(one.session.play(protocol::SetPan{{.name = "bell"}, -0.3}, 0));
@@ -85,7 +85,7 @@ position_m = [0, 0, 1]
   EXPECT_EQ(*bell->bank, folder_ / "b.glb");
   EXPECT_EQ(bell->group, "metal");
   EXPECT_EQ(bell->material, (modal::MaterialScale{1, 0.1, 2, 1.0 / 3, 0.7}));
-  EXPECT_EQ(bell->touches, (modal::Touches{{3, {{0.1, 0, 0}, {0, 0, 1}, 5}}}));
+  EXPECT_EQ(bell->dampers, (modal::Dampers{{3, {{0.1, 0, 0}, {0, 0, 1}, 5}}}));
   EXPECT_EQ(other.recorder.level(bell->number).gain, 0.7);
   EXPECT_EQ(other.recorder.level(bell->number).pan, -0.3);
   const auto& input = other.session.rack().excitations()[2];

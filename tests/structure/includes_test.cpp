@@ -39,7 +39,7 @@ const std::vector<FolderRule> kFolderRules = {
     // the programs
     {"protocol/wire/", {"engine/base/", "protocol/wire/"}},
     {"protocol/",
-     {"engine/base/", "engine/modal/contact_damping.h", "engine/modal/material_scale.h", "engine/modal/mode_range.h",
+     {"engine/base/", "engine/modal/damper.h", "engine/modal/material_scale.h", "engine/modal/mode_range.h",
       "engine/synth/event.h", "protocol/"}},
     {"packaging/manual/", {"protocol/exit_codes.h", "packaging/manual/"}},
     {"server/session/",

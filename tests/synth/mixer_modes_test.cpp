@@ -38,7 +38,7 @@ Samples sines(std::size_t first, std::size_t end, double amplitude, std::size_t 
 }
 
 std::unique_ptr<Voice> voice_with(const Map& map, modal::ModeRange modes, const modal::MaterialScale& material = {}) {
-  return std::make_unique<Voice>(std::make_shared<ModeTable>(map, material, kRate, modal::Touches{}, modes));
+  return std::make_unique<Voice>(std::make_shared<ModeTable>(map, material, kRate, modal::Dampers{}, modes));
 }
 
 TEST(RingModes, OneModeSoundsAtItsPitchDecayAndTheAmplitudeThatWasAskedFor) {

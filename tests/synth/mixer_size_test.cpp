@@ -37,11 +37,11 @@ struct Heard {
 };
 
 // A blow that clicks too, one at a sample point, and a push that lasts.
-Heard play(const modal::Bank& bank, const modal::MaterialScale& material, const modal::Touches& touches) {
+Heard play(const modal::Bank& bank, const modal::MaterialScale& material, const modal::Dampers& dampers) {
   Player player;
   const Map map = map_of(bank);
   EXPECT_TRUE(player.mixer.install(
-      0, std::make_unique<Voice>(std::make_shared<ModeTable>(map, material, kRate, touches)), Mixer::Install::replace));
+      0, std::make_unique<Voice>(std::make_shared<ModeTable>(map, material, kRate, dampers)), Mixer::Install::replace));
   player.mixer.watch_objects(true);
   const Vec3 at = {0.04 * kSize, 0, 0};
   player.push({.frame = 0, .object = 0, .type = EventType::click, .impulse_ns = {0, 0, 0.1}, .contact_time_s = 2e-4});
@@ -58,12 +58,12 @@ Heard play(const modal::Bank& bank, const modal::MaterialScale& material, const 
 
 TEST(Size, SoundsLikeABankOfThatSize) {
   modal::Bank bank = bar_bank(12);
-  const modal::Touches touches = {{0, {{0.1 * kSize, 0, 0}, {}, 0.5}}};
-  const Heard scaled = play(bank, {.size = kSize}, touches), baked = play(of_size(bank, kSize), {}, touches);
+  const modal::Dampers dampers = {{0, {{0.1 * kSize, 0, 0}, {}, 0.5}}};
+  const Heard scaled = play(bank, {.size = kSize}, dampers), baked = play(of_size(bank, kSize), {}, dampers);
   EXPECT_GT(peak(scaled.sound), 1e-4);
   EXPECT_LT(relative_error_db(scaled.sound, baked.sound), -110);
   EXPECT_NEAR(scaled.reach / baked.reach, 1, 1e-3);
-  EXPECT_GT(relative_error_db(play(bank, {}, touches).sound, baked.sound), -20) << "the size is heard";
+  EXPECT_GT(relative_error_db(play(bank, {}, dampers).sound, baked.sound), -20) << "the size is heard";
 }
 
 TEST(Size, TakesThePlaceThatIsHitOnTheLargerBody) {

@@ -6,16 +6,16 @@
 namespace ringdown::synth::test {
 namespace {
 
-using modal::ContactDamping;
+using modal::Damper;
 
-std::unique_ptr<Voice> touched(const Map& map, const ContactDamping& touch) {
+std::unique_ptr<Voice> damped_voice(const Map& map, const Damper& damper) {
   return std::make_unique<Voice>(
-      std::make_shared<ModeTable>(map, modal::MaterialScale{}, kRate, modal::Touches{{0, touch}}));
+      std::make_shared<ModeTable>(map, modal::MaterialScale{}, kRate, modal::Dampers{{0, damper}}));
 }
 
-double decay_of(const Map& map, const ContactDamping& touch) {
+double decay_of(const Map& map, const Damper& damper) {
   Player player;
-  EXPECT_TRUE(player.mixer.install(0, touched(map, touch), Mixer::Install::replace));
+  EXPECT_TRUE(player.mixer.install(0, damped_voice(map, damper), Mixer::Install::replace));
   player.push(vertex_strike_at(0, 0, 0, {0.01, 0.01, 0.01}));
   player.render(24000);
   return fit_damped_sinusoid(player.left_from(2400), kRate).decay_per_s;
@@ -47,7 +47,7 @@ TEST(Touch, IsLaidOnAndTakenAwayWithoutAClick) {
   player.render(4800);
   for (const double damping : {50.0, 0.0, 1e6, 0.0}) {
     const std::size_t now = player.left.size();
-    ASSERT_TRUE(player.mixer.install(0, touched(map, {{1, 0, 0}, {}, damping}), Mixer::Install::retune));
+    ASSERT_TRUE(player.mixer.install(0, damped_voice(map, {{1, 0, 0}, {}, damping}), Mixer::Install::retune));
     player.render(4800);
     player.mixer.collect();
     EXPECT_LE(largest_step(player.left, now, now + 480), 1.02 * largest_step(player.left, now - 2400, now)) << damping;
@@ -60,7 +60,7 @@ TEST(Touch, IsLaidOnAtItsFrameAtEveryBlockSize) {
     Player player;
     player.install(0, map);
     player.push(vertex_strike_at(0, 0, 3, {0.01, 0, 0}));
-    EXPECT_TRUE(player.mixer.install(0, touched(map, {{1, 0, 0}, {}, 50}), Mixer::Install::retune, at));
+    EXPECT_TRUE(player.mixer.install(0, damped_voice(map, {{1, 0, 0}, {}, 50}), Mixer::Install::retune, at));
     player.render(6000, block);
     return player.left;
   };
@@ -82,7 +82,7 @@ TEST(Touch, NeverMakesItLouder) {
   double before = 1e9;
   for (int i = 0; i < 40; ++i) {
     const double damping = i % 2 == 0 ? 3.0 * i : 0.0;
-    ASSERT_TRUE(player.mixer.install(0, touched(map, {{1, 1, 1}, {}, damping}), Mixer::Install::retune));
+    ASSERT_TRUE(player.mixer.install(0, damped_voice(map, {{1, 1, 1}, {}, damping}), Mixer::Install::retune));
     const std::size_t now = player.left.size();
     player.render(2400);
     player.mixer.collect();
