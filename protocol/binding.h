@@ -144,10 +144,16 @@ Columns<Any> optional(Columns<Any> columns) {
 template <class Any>
 wire::Message format_row(const Row<Any>& row, const Any& any);
 
+// A row that knows whose it is.
 template <class Any, class Struct>
-Row<Any> make_row(std::string_view address, std::string_view sentence, std::initializer_list<Columns<Any>> groups,
-                  const Struct& example) {
-  Row<Any> row{{address, sentence, {}, "", "", {}}, {}, Any(Struct{})};
+struct RowOf {
+  Row<Any> row;
+};
+
+template <class Any, class Struct>
+RowOf<Any, Struct> make_row(std::string_view address, std::string_view sentence,
+                            std::initializer_list<Columns<Any>> groups, const Struct& example) {
+  Row<Any> row{{.address = address, .sentence = sentence}, {}, Any(Struct{})};
   for (const Columns<Any>& group : groups) {
     for (const Column<Any>& column : group) {
       row.spec.arguments.push_back(column.spec);
@@ -156,7 +162,18 @@ Row<Any> make_row(std::string_view address, std::string_view sentence, std::init
     }
   }
   row.spec.example = format_row(row, Any(example));
-  return row;
+  return {std::move(row)};
+}
+
+// The whole table.
+template <class Any, class... Structs>
+std::vector<Row<Any>> make_table(RowOf<Any, Structs>... rows) {
+  static_assert(std::is_same_v<Any, std::variant<Structs...>>,
+                "the table needs one row for each alternative of the variant, in their order");
+  std::vector<Row<Any>> table;
+  table.reserve(sizeof...(rows));
+  (table.push_back(std::move(rows.row)), ...);
+  return table;
 }
 
 }  // namespace ringdown::protocol

@@ -71,6 +71,23 @@ std::string answer_text(const AddressSpec& spec) {
   return text + ".";
 }
 
+// When a request happens, if a bundle's time tag says when it should.
+std::string_view time_text(Lane lane) {
+  switch (lane) {
+    case Lane::mixer:
+    case Lane::timed_worker:
+      return "Happens at its time tag.";
+    case Lane::worker:
+    case Lane::file:
+    case Lane::question:
+      return "Happens after all that was sent before; a time tag does not delay it.";
+    case Lane::subscription:
+    case Lane::daemon:
+      return "Happens on arrival; a time tag does not delay it.";
+  }
+  return "";
+}
+
 std::string example_text(const AddressSpec& spec) {
   if (const std::string command = oscsend_command(spec); !command.empty()) return "```\n" + command + "\n```";
   return "`oscsend` sends no blobs; [clients/python/strike.py](../clients/python/strike.py) does.";
@@ -78,7 +95,7 @@ std::string example_text(const AddressSpec& spec) {
 
 std::string request_section(const AddressSpec& spec) {
   return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + "\n" + argument_table(spec) + "\n" +
-         answer_text(spec) + "\n\n" + example_text(spec) + "\n\n";
+         answer_text(spec) + " " + std::string(time_text(*spec.lane)) + "\n\n" + example_text(spec) + "\n\n";
 }
 
 std::string reply_section(const AddressSpec& spec) {

@@ -74,7 +74,7 @@ std::optional<std::string_view> take_enclosed(std::string_view& pattern, char cl
 
 bool matches(std::string_view pattern, std::string_view text) {
   assert(text.size() <= kMaxText);
-  // What ends or begins otherwise is told at once: of many names, most.
+  // Most names begin or end otherwise, and are ruled out here.
   const std::string_view end = pattern.substr(pattern.find_last_of("?*[]{}") + 1);
   if (!text.ends_with(end)) return false;
   for (; !pattern.empty() && !is_pattern(pattern.substr(0, 1)); pattern.remove_prefix(1), text.remove_prefix(1)) {

@@ -142,11 +142,11 @@ struct NotifyBody {  // /notify.body
 
 struct NotifyScene {         // /notify.scene
   std::int32_t version = 0;  // grows when the scene, or a body's shape or object, changes
-  double time_s = 0;         // at which its bodies are told
+  double time_s = 0;         // at which its bodies are where they are said to be
   bool paused = false;
 };
 struct NotifySound {       // /notify.sound
-  std::int32_t frame = 0;  // of the first one told, modulo kFrameModulus
+  std::int32_t frame = 0;  // of the first sample, modulo kFrameModulus
   double sample_rate_hz = 0;
   wire::Blob samples;  // float32, left right left right ... (floats.h)
 };

@@ -5,13 +5,13 @@ namespace ringdown::protocol {
 namespace {
 
 template <class Struct>
-Row<Reply> reply(std::string_view address, const Struct& example, std::string_view sentence,
-                 std::initializer_list<Columns<Reply>> arguments) {
+RowOf<Reply, Struct> reply(std::string_view address, const Struct& example, std::string_view sentence,
+                           std::initializer_list<Columns<Reply>> arguments) {
   return make_row<Reply>(address, sentence, arguments, example);
 }
 
 std::vector<Row<Reply>> make_reply_rows() {
-  return {
+  return make_table<Reply>(
       reply("/done", Done{"/load", 3}, "The request was carried out.",
             {other<ValueType::any_text, &Done::address>("address", "The address that was asked."),
              optional(integer<&Done::number>("number", kCount, "What the address says it is; absent for most."))}),
@@ -76,15 +76,15 @@ std::vector<Row<Reply>> make_reply_rows() {
                  "Names what is in that file, by 32 hexadecimal digits: objects with the same have the same bank."),
              other<ValueType::any_text, &ObjectReply::bank>("bank", "The bank's path."),
              integer<&ObjectReply::modes>("modes", kCount, "How many modes the bank has."),
-             integer<&ObjectReply::first_mode>("first", kCount, "The lowest that the object has, as /modes told it."),
+             integer<&ObjectReply::first_mode>("first", kCount, "The lowest that the object has, as /modes set it."),
              integer<&ObjectReply::selected_modes>("selected", kCount, "How many it has."),
-             number<&ObjectReply::scale, &modal::MaterialScale::alpha>("alpha", kDampingScale, "As /material told."),
+             number<&ObjectReply::scale, &modal::MaterialScale::alpha>("alpha", kDampingScale, "As /material set it."),
              number<&ObjectReply::scale, &modal::MaterialScale::beta>("beta", kDampingScale, "The same."),
              number<&ObjectReply::scale, &modal::MaterialScale::density>("density", kScale, "The same."),
              number<&ObjectReply::scale, &modal::MaterialScale::stiffness>("stiffness", kScale, "The same."),
              number<&ObjectReply::scale, &modal::MaterialScale::size>("size", kSizeScale, "The same."),
-             number<&ObjectReply::gain>("gain", kGain, "As /gain told it last."),
-             number<&ObjectReply::pan>("pan", kPan, "As /pan told it last."),
+             number<&ObjectReply::gain>("gain", kGain, "As /gain set it last."),
+             number<&ObjectReply::pan>("pan", kPan, "As /pan set it last."),
              optional(other<ValueType::any_text, &ObjectReply::group>("group", "Its group; absent: none."))}),
       reply("/bank.reply", BankReply{"bell", 1, 0, 299292, wire::Blob(4)}, "A piece of a bank file.",
             {other<ValueType::any_text, &BankReply::name>("name", "The object's name."),
@@ -145,7 +145,7 @@ std::vector<Row<Reply>> make_reply_rows() {
              optional(other<ValueType::any_text, &NotifyGroup::group>("group", "The group's name; absent: none."))}),
       reply("/notify.contact", NotifyContact{"bell", {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005},
             "To subscribers: an object was struck, by a message or in the scene. At most the last 256 since the notice "
-            "before are told.",
+            "before.",
             {other<ValueType::any_text, &NotifyContact::object>("object", "Its name."),
              vector<&NotifyContact::point_m>({"x", "y", "z"}, kAnyPosition, "Where, in its own frame."),
              vector<&NotifyContact::impulse_ns>({"jx", "jy", "jz"}, kAnyImpulse, "The impulse it received."),
@@ -169,7 +169,7 @@ std::vector<Row<Reply>> make_reply_rows() {
       reply(
           "/notify.body", NotifyBody{2, "bell", "bell", {0, 0, 1}, 0, 0, 0, 1},
           "To subscribers: where a body of the scene is. The pose is that of its object's frame: the bank's mesh drawn "
-          "with it is in place. One that is told no more has left the scene.",
+          "with it is in place. A body that no longer comes has left the scene.",
           {integer<&NotifyBody::id>("body", kCount, "Its number."),
            other<ValueType::any_text, &NotifyBody::name>("name", "Its name in the scene file."),
            other<ValueType::any_text, &NotifyBody::object>("object",
@@ -194,8 +194,7 @@ std::vector<Row<Reply>> make_reply_rows() {
             "To those who watch an object: the amplitudes of its modes, of full scale, at its gain.",
             {other<ValueType::any_text, &NotifyModes::object>("object", "Its name."),
              integer<&NotifyModes::first>("first", kCount, "The lowest of them: 0 has the lowest frequency."),
-             records<&NotifyModes::amplitudes>("amplitudes", 4, kMaxModeAmplitudes, "Each a float32, big-endian.")}),
-  };
+             records<&NotifyModes::amplitudes>("amplitudes", 4, kMaxModeAmplitudes, "Each a float32, big-endian.")}));
 }
 
 }  // namespace

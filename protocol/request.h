@@ -81,7 +81,7 @@ struct SelectModes {  // /object/{object}/modes
   ObjectRef object;
   modal::ModeRange range;
 };
-// Whether the subscriber is told the amplitudes of the object's modes.
+// Whether the subscriber is sent the amplitudes of the object's modes.
 struct WatchObject {  // /object/{object}/watch
   ObjectRef object;
   bool on = true;
@@ -148,7 +148,7 @@ struct Notify {  // /notify
   bool on = true;
   double rate_hz = 20;
 };
-// Whether the subscriber is told what the mix sounds like.
+// Whether the subscriber is sent the samples of the mix.
 struct WatchSound {  // /watch/sound
   bool on = true;
 };
@@ -167,7 +167,7 @@ struct RecordStart {  // /record/start
 struct RecordStop {};  // /record/stop
 
 struct Status {};  // /status
-// A blow sets the object in motion as a whole. Its strikes are told of besides.
+// A blow sets the object in motion as a whole. Its strikes are requests of their own.
 struct Click {  // /object/{object}/click
   ObjectRef object;
   Vec3 impulse_ns;

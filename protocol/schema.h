@@ -15,6 +15,7 @@
 #pragma once
 
 #include "engine/base/result.h"
+#include "protocol/lanes.h"
 #include "protocol/reply.h"
 #include "protocol/request.h"
 #include "protocol/wire/message.h"
@@ -59,6 +60,7 @@ struct AddressSpec {
   std::string_view reply;               // the address of the answer when it succeeds, "" when silence is success
   std::string_view reply_number;        // what the number in /done is, "" for none
   wire::Message example;                // valid, and worth trying
+  std::optional<Lane> lane;             // who handles a request, and when; none for a reply
 
   [[nodiscard]] std::size_t arguments_in_address() const { return address.find('{') == address.npos ? 0 : 1; }
 };

@@ -1,5 +1,13 @@
-// The table of what can be asked. A new address is a struct in request.h, a row here, and its cases in
-// tests/protocol/schema_test.cpp.
+// The table of what can be asked. A new address is
+//
+//   - a struct in request.h, and its place among the alternatives of Request;
+//   - its place in a lane (lanes.h), which says who handles it, when and on which thread;
+//   - a row here, in the order of Request's alternatives, which names the lane;
+//   - an overload in the visitor of that lane;
+//   - its cases in tests/protocol/schema_cases.cpp.
+//
+// Whichever of the first four is forgotten, the compiler says so; of the last, Schema's first test does. Then
+// `ringdown protocol --markdown > docs/protocol.md` writes the page, which a test compares.
 #include "protocol/bulk.h"
 #include "protocol/quantities.h"
 
@@ -49,49 +57,56 @@ const BulkStrike kBlow{0, std::nullopt, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005, 
 
 using Arguments = std::initializer_list<Columns<Request>>;
 
-// An address that succeeds in silence. `example` is what docs/protocol.md shows; a test sends it through the
-// parser.
-template <class Struct>
-Row<Request> silent(std::string_view address, const Struct& example, std::string_view sentence, Arguments arguments) {
-  return make_row<Request>(address, sentence, arguments, example);
+// An address that succeeds in silence, and the lane that handles it. `example` is what docs/protocol.md shows; a test
+// sends it through the parser.
+template <Lane lane, class Struct>
+RowOf<Request, Struct> silent(std::string_view address, const Struct& example, std::string_view sentence,
+                              Arguments arguments) {
+  static_assert(lane == kLaneOf<Struct>, "protocol/lanes.h puts this request into another lane");
+  RowOf<Request, Struct> row = make_row<Request>(address, sentence, arguments, example);
+  row.row.spec.lane = lane;
+  return row;
 }
 
 // One that is answered; `number` says what the number in /done is, if there is one.
-template <class Struct>
-Row<Request> answered(std::string_view address, const Struct& example, std::string_view sentence, Arguments arguments,
-                      std::string_view reply = "/done", std::string_view number = "") {
-  Row<Request> row = silent(address, example, sentence, arguments);
-  row.spec.reply = reply;
-  row.spec.reply_number = number;
+template <Lane lane, class Struct>
+RowOf<Request, Struct> answered(std::string_view address, const Struct& example, std::string_view sentence,
+                                Arguments arguments, std::string_view reply = "/done", std::string_view number = "") {
+  RowOf<Request, Struct> row = silent<lane>(address, example, sentence, arguments);
+  row.row.spec.reply = reply;
+  row.row.spec.reply_number = number;
   return row;
 }
 
 std::vector<Row<Request>> make_request_rows() {
-  return {
-      silent("/object/{object}/strike", Strike{kBell, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005},
-             "Rings the object at the point of its surface that is nearest to x y z.",
-             {object<&Strike::object>(),
-              vector<&Strike::point_m>({"x", "y", "z"}, kPosition, "Where it is struck, in the object's own frame."),
-              impulse<&Strike::impulse_ns>(), contact_time<&Strike::contact_time_s>()}),
-      silent("/object/{object}/strike_vertex", StrikeVertex{kBell, 12, {-0.02, 0, 0}, 0.0005},
-             "Rings the object at one sample point of its bank.",
-             {object<&StrikeVertex::object>(),
-              integer<&StrikeVertex::vertex>("vertex", kIndex, "The sample point's number, from 0."),
-              impulse<&StrikeVertex::impulse_ns>(), contact_time<&StrikeVertex::contact_time_s>()}),
-      silent(
+  return make_table<Request>(
+      silent<Lane::mixer>(
+          "/object/{object}/strike", Strike{kBell, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005},
+          "Rings the object at the point of its surface that is nearest to x y z.",
+          {object<&Strike::object>(),
+           vector<&Strike::point_m>({"x", "y", "z"}, kPosition, "Where it is struck, in the object's own frame."),
+           impulse<&Strike::impulse_ns>(), contact_time<&Strike::contact_time_s>()}),
+      silent<Lane::mixer>("/object/{object}/strike_vertex", StrikeVertex{kBell, 12, {-0.02, 0, 0}, 0.0005},
+                          "Rings the object at one sample point of its bank.",
+                          {object<&StrikeVertex::object>(),
+                           integer<&StrikeVertex::vertex>("vertex", kIndex, "The sample point's number, from 0."),
+                           impulse<&StrikeVertex::impulse_ns>(), contact_time<&StrikeVertex::contact_time_s>()}),
+      silent<Lane::mixer>(
           "/strikes", StrikeMany{encode_strikes(std::array{kBlow})},
           "Many strikes in one message, for simulators. Each record is 40 bytes, its numbers big-endian: int32 object "
           "(the number that /load answered), int32 vertex (or -1: the point x y z counts), float32 x y z [m], float32 "
           "jx jy jz [N s], float32 contact_time [s], float32 delay [s], 0 to 60, after the message's own time. Ranges "
           "are those of /object/{object}/strike. One wrong record refuses them all.",
           {records<&StrikeMany::records>("records", kBytesPerStrike, kMaxBulkStrikes, "The records.")}),
-      silent("/object/{object}/gain", SetGain{kBell, 0.5, 0.1}, "Sets the object's loudness.",
-             {object<&SetGain::object>(),
-              number<&SetGain::gain>("gain", kGain, "The factor on its signal; 1 is as computed, 0.5 is 6 dB less."),
-              optional(number<&SetGain::ramp_s>("ramp", kRamp, "How long the change takes."))}),
-      silent("/object/{object}/pan", SetPan{kBell, -0.3}, "Places the object between left and right, at equal power.",
-             {object<&SetPan::object>(), number<&SetPan::pan>("pan", kPan, "-1 is left, 0 the middle, 1 right.")}),
-      answered(
+      silent<Lane::mixer>(
+          "/object/{object}/gain", SetGain{kBell, 0.5, 0.1}, "Sets the object's loudness.",
+          {object<&SetGain::object>(),
+           number<&SetGain::gain>("gain", kGain, "The factor on its signal; 1 is as computed, 0.5 is 6 dB less."),
+           optional(number<&SetGain::ramp_s>("ramp", kRamp, "How long the change takes."))}),
+      silent<Lane::mixer>(
+          "/object/{object}/pan", SetPan{kBell, -0.3}, "Places the object between left and right, at equal power.",
+          {object<&SetPan::object>(), number<&SetPan::pan>("pan", kPan, "-1 is left, 0 the middle, 1 right.")}),
+      answered<Lane::worker>(
           "/object/{object}/material", SetMaterial{kBell, {1, 1, 1, 4, 0.5}},
           "Scales the material and the size the object was baked with: its modes, mass and click follow exactly, "
           "without "
@@ -107,8 +122,9 @@ std::vector<Row<Request>> make_request_rows() {
                "stiffness", kScale, "The factor on Young's modulus; 4 is an octave up."),
            optional(number<&SetMaterial::scale, &modal::MaterialScale::size>(
                "size", kSizeScale, "The factor on all lengths; 0.5 is an octave up."))}),
-      answered(
-          "/object/{object}/hold", SetDamper{kBell, {{0.05, 0, 0.02}, {}, 20}},
+      answered<Lane::timed_worker>(
+          "/object/{object}/hold",
+          SetDamper{kBell, {{0.05, 0, 0.02}, {}, 20}},
           "Lays a hand on the object, or puts it down on something: its modes die sooner, each by how much it moves "
           "there. What rings goes on from where it is. A damping of 0 takes the hand away. An object can have 16 "
           "dampers at a time; an embedded scene uses those from 8 on.",
@@ -121,59 +137,64 @@ std::vector<Row<Request>> make_request_rows() {
                {"nx", "ny", "nz"}, kDirection,
                "The direction of the motion that is resisted; 0 0 0 for any. Its length does not count.")),
            optional(integer<&SetDamper::number>("number", kDamperNumber, "Which of the object's dampers."))}),
-      answered("/object/{object}/group", SetGroup{kBell, "metal"},
-               "Puts the object into a group. With --ports groups, each group is heard at an output port of its own.",
-               {object<&SetGroup::object>(),
-                optional(other<ValueType::name, &SetGroup::group>("group", "The group's name; left out: in none."))}),
-      silent("/object/{object}/ring", RingModes{kBell, 0, 1, 0.1},
-             "Sets modes going without a strike, to hear them by themselves: adds to each a sine that begins at 0, of "
-             "this "
-             "amplitude at the object's gain of 1 and before its pan.",
-             {object<&RingModes::object>(),
-              integer<&RingModes::first>("first", kIndex, "The lowest of them: 0 has the lowest frequency."),
-              optional(integer<&RingModes::count>("count", kCount, "How many, upwards; the object may have fewer.")),
-              optional(number<&RingModes::amplitude>(
-                  "amplitude", kAmplitude,
-                  "Of each; 1 is full scale. In the centre each side of the mix has 0.71 of it."))}),
-      answered(
-          "/object/{object}/modes", SelectModes{kBell, {0, 20}},
-          "Leaves the object only these of its modes, until it is told another choice; what the others ring ends. 0 "
-          "alone gives it all.",
-          {object<&SelectModes::object>(),
-           integer<&SelectModes::range, &modal::ModeRange::first>("first", kIndex,
-                                                                  "The lowest of them: 0 has the lowest frequency."),
-           optional(integer<&SelectModes::range, &modal::ModeRange::count>(
-               "count", kCount, "How many, upwards; the object may have fewer."))}),
-      answered(
+      answered<Lane::worker>(
+          "/object/{object}/group", SetGroup{kBell, "metal"},
+          "Puts the object into a group. With --ports groups, each group is heard at an output port of its own.",
+          {object<&SetGroup::object>(),
+           optional(other<ValueType::name, &SetGroup::group>("group", "The group's name; left out: in none."))}),
+      silent<Lane::mixer>(
+          "/object/{object}/ring", RingModes{kBell, 0, 1, 0.1},
+          "Sets modes going without a strike, to hear them by themselves: adds to each a sine that begins at 0, of "
+          "this "
+          "amplitude at the object's gain of 1 and before its pan.",
+          {object<&RingModes::object>(),
+           integer<&RingModes::first>("first", kIndex, "The lowest of them: 0 has the lowest frequency."),
+           optional(integer<&RingModes::count>("count", kCount, "How many, upwards; the object may have fewer.")),
+           optional(number<&RingModes::amplitude>(
+               "amplitude", kAmplitude,
+               "Of each; 1 is full scale. In the centre each side of the mix has 0.71 of it."))}),
+      answered<Lane::worker>("/object/{object}/modes", SelectModes{kBell, {0, 20}},
+                             "Leaves the object only these of its modes, until the next choice; what the others ring "
+                             "ends. 0 alone gives it "
+                             "all.",
+                             {object<&SelectModes::object>(),
+                              integer<&SelectModes::range, &modal::ModeRange::first>(
+                                  "first", kIndex, "The lowest of them: 0 has the lowest frequency."),
+                              optional(integer<&SelectModes::range, &modal::ModeRange::count>(
+                                  "count", kCount, "How many, upwards; the object may have fewer."))}),
+      answered<Lane::subscription>(
           "/object/{object}/watch", WatchObject{kBell, true},
-          "Tells the sender, who has subscribed with /notify, the amplitudes of the object's modes: /notify.modes. 16 "
+          "Sends the sender, who has subscribed with /notify, the amplitudes of the object's modes: /notify.modes. 16 "
           "objects can be watched at a time, by all subscribers together.",
           {object<&WatchObject::object>(),
            optional(other<ValueType::flag, &WatchObject::on>("on", "1 watches it, 0 does no more."))}),
-      answered("/object/{object}/describe", DescribeObject{kBell}, "Asks what the object is, and how it is set.",
-               {object<&DescribeObject::object>()}, "/object.reply"),
-      answered("/object/{object}/bank", ReadBank{kBell, 0, 4096},
-               "Asks for a piece of the object's bank file, so that a client on another computer can show it.",
-               {object<&ReadBank::object>(),
-                integer<&ReadBank::offset>("offset", kCount, "Where the piece begins, in bytes."),
-                optional(integer<&ReadBank::bytes>("bytes", kBankBytes, "How long it is; the last one is shorter."))},
-               "/bank.reply"),
-      answered("/object/{object}/excite", Excite{kBell, 1, {0.05, 0, 0.02}, {0, 0, -1}},
-               "Lets an audio input excite the object: what sounds in it is a force at x y z. The input is a port in_1 "
-               "to in_4 of the JACK client, which is there from then on. It excites one object at a time; a force of "
-               "0 0 0 ends it.",
-               {object<&Excite::object>(), integer<&Excite::input>("input", kInput, "The input's number."),
-                vector<&Excite::point_m>({"x", "y", "z"}, kPosition, "Where it acts, in the object's own frame."),
-                vector<&Excite::force_n>({"fx", "fy", "fz"}, kForce, "The force that a sample of 1 is.")}),
-      silent("/object/{object}/clear", ClearObject{kBell}, "Fades what rings in the object: a hand laid on it.",
-             {object<&ClearObject::object>(),
-              optional(number<&ClearObject::ramp_s>("ramp", kRamp, "How long that takes; some 10 ms at least."))}),
-      silent(
+      answered<Lane::question>("/object/{object}/describe", DescribeObject{kBell},
+                               "Asks what the object is, and how it is set.", {object<&DescribeObject::object>()},
+                               "/object.reply"),
+      answered<Lane::question>(
+          "/object/{object}/bank", ReadBank{kBell, 0, 4096},
+          "Asks for a piece of the object's bank file, so that a client on another computer can show it.",
+          {object<&ReadBank::object>(),
+           integer<&ReadBank::offset>("offset", kCount, "Where the piece begins, in bytes."),
+           optional(integer<&ReadBank::bytes>("bytes", kBankBytes, "How long it is; the last one is shorter."))},
+          "/bank.reply"),
+      answered<Lane::worker>(
+          "/object/{object}/excite", Excite{kBell, 1, {0.05, 0, 0.02}, {0, 0, -1}},
+          "Lets an audio input excite the object: what sounds in it is a force at x y z. The input is a port in_1 "
+          "to in_4 of the JACK client, which is there from then on. It excites one object at a time; a force of "
+          "0 0 0 ends it.",
+          {object<&Excite::object>(), integer<&Excite::input>("input", kInput, "The input's number."),
+           vector<&Excite::point_m>({"x", "y", "z"}, kPosition, "Where it acts, in the object's own frame."),
+           vector<&Excite::force_n>({"fx", "fy", "fz"}, kForce, "The force that a sample of 1 is.")}),
+      silent<Lane::mixer>(
+          "/object/{object}/clear", ClearObject{kBell}, "Fades what rings in the object: a hand laid on it.",
+          {object<&ClearObject::object>(),
+           optional(number<&ClearObject::ramp_s>("ramp", kRamp, "How long that takes; some 10 ms at least."))}),
+      silent<Lane::mixer>(
           "/object/{object}/contact", SetContact{kBell, {0.05, 0, 0.02}, {0, {0, 0, -2}, 0.3, 0, {}}},
-          "Something slides or rolls on the object. The contact goes on as it was told last and changes evenly from "
-          "one "
-          "telling to the next; a force of 0 0 0 ends it, and so does a tenth of a second in which nothing is told of "
-          "it. Tell it 50 to 250 times a second.",
+          "Something slides or rolls on the object. The contact goes on as the last message says, and changes evenly "
+          "from one message to the next. A force of 0 0 0 ends it, and so does a tenth of a second without a message "
+          "about it. Send 50 to 250 a second.",
           {object<&SetContact::object>(),
            vector<&SetContact::point_m>({"x", "y", "z"}, kPosition, "Where it touches, in the object's own frame."),
            vector<&SetContact::contact, &synth::Contact::force_n>(
@@ -190,70 +211,81 @@ std::vector<Row<Request>> make_request_rows() {
                "correlation", kCorrelation, "The longest wavelength of the roughness.")),
            optional(number<&SetContact::contact, &synth::Contact::texture, &synth::Texture::spectral_slope>(
                "slope", kSpectralSlope, "The power of the heights falls with spatial frequency f as f^slope."))}),
-      silent(
+      silent<Lane::mixer>(
           "/object/{object}/click", Click{kBell, {-0.02, 0, 0}, 0.0005},
           "A blow sets the object in motion as a whole: the click of that, which is heard beside its modes and where "
           "it has none. For objects that are free to move; strikes do not make it by themselves. Send it once for all "
           "points that are struck at a time.",
           {object<&Click::object>(), impulse<&Click::impulse_ns>(), contact_time<&Click::contact_time_s>()}),
-      answered("/object/{object}/free", FreeObject{kBell},
-               "Removes the object. What rings is faded, its name and number become free.",
-               {object<&FreeObject::object>()}),
-      answered("/load", LoadObject{"bell", "presets/banks/bell.glb"},
-               "Reads a bank and gives it a name. A name that exists gets the new bank, while the old one "
-               "rings out.",
-               {other<ValueType::name, &LoadObject::name>("name", "The object's name."),
-                other<ValueType::text, &LoadObject::bank_path>(
-                    "path", "The bank, a .glb file; a relative path starts where the daemon was started.")},
-               "/done", "the object's number"),
-      silent("/clear", ClearAll{}, "Fades all that rings within a few milliseconds.", {}),
-      answered("/scene/load", SceneLoad{"presets/scenes/demo.toml"},
-               "Replaces the embedded scene, and loads the objects it names.",
-               {other<ValueType::text, &SceneLoad::path>(
-                   "path", "The scene, a .toml file; a relative path starts where the daemon was started.")},
-               "/done", "the count of its bodies"),
-      answered("/scene/pause", ScenePause{true}, "Stops or continues the scene. What rings goes on ringing.",
-               {optional(other<ValueType::flag, &ScenePause::paused>("paused", "1 stops it, 0 lets it run."))}),
-      answered("/scene/spawn/box", SpawnBox{kBell, {0, 0, 1}, {0, 0, -2}, {0.1, 0.1, 0.1}, 0},
-               "Drops a new box into the scene.",
-               {body_object<&SpawnBox::object>(), position<&SpawnBox::position_m>(),
-                optional(vector<&SpawnBox::size_m>({"sx", "sy", "sz"}, kSize,
-                                                   "Its edges; 0 0 0 takes the bounding box of the object's bank.")),
-                velocity<&SpawnBox::velocity_m_s>(), density<&SpawnBox::density_kg_m3>()},
-               "/done", "the body's number"),
-      answered("/scene/spawn/sphere", SpawnSphere{std::nullopt, {0, 0, 1}, {0, 0, 0}, 0.01, 7850},
-               "Drops a new ball into the scene.",
-               {body_object<&SpawnSphere::object>(), position<&SpawnSphere::position_m>(),
-                optional(number<&SpawnSphere::radius_m>(
-                    "radius", kSize, "Its radius; 0 takes the one that encloses the object's bank.")),
-                velocity<&SpawnSphere::velocity_m_s>(), density<&SpawnSphere::density_kg_m3>()},
-               "/done", "the body's number"),
-      answered("/scene/clear", SceneClear{}, "Removes all bodies from the scene.", {}),
-      answered("/scene/push", ScenePush{2, {0, 0, 0.5}}, "Gives a body of the scene an impulse at its centre of mass.",
-               {integer<&ScenePush::body>("body", kCount, "Its number."),
-                vector<&ScenePush::impulse_ns>({"jx", "jy", "jz"}, kImpulse, "The impulse, in the scene's frame.")}),
-      answered("/scene/describe", SceneDescribe{},
-               "Asks what the scene looks like. /scene.reply says how many /scene.body and /scene.static follow.", {},
-               "/scene.reply"),
-      answered("/notify", Notify{true, 20},
-               "Subscribes the sender, or ends that: /notify.object, /notify.group, /notify.contact, /notify.peak, "
-               "/notify.object_peak, /notify.load, /notify.scene and /notify.body come as bundles at the rate, first "
-               "about every "
-               "object there is. A subscriber that sends nothing for 60 s is forgotten; anything it sends keeps it, "
-               "/notify itself too.",
-               {optional(other<ValueType::flag, &Notify::on>("on", "1 subscribes, 0 ends it.")),
-                optional(number<&Notify::rate_hz>("rate", kNoticeRate, "How often to tell."))}),
-      answered("/watch/sound", WatchSound{true},
-               "Tells the sender, who has subscribed with /notify, what the mix sounds like: /notify.sound.",
-               {optional(other<ValueType::flag, &WatchSound::on>("on", "1 for the sound, 0 for no more of it."))}),
-      answered("/browse", Browse{},
-               "Asks which scenes and banks there are to load. /browse.reply says how many /browse.file follow.", {},
-               "/browse.reply"),
-      answered("/test_tone", TestTone{0.1, 440},
-               "Adds a sine to both sides of the mix, to check connections and levels by, until it is told otherwise.",
-               {number<&TestTone::amplitude>("amplitude", kAmplitude, "Its peak; 1 is full scale, 0 ends it."),
-                optional(number<&TestTone::frequency_hz>("frequency", kFrequency, "Its frequency."))}),
-      answered(
+      answered<Lane::worker>("/object/{object}/free", FreeObject{kBell},
+                             "Removes the object. What rings is faded, its name and number become free.",
+                             {object<&FreeObject::object>()}),
+      answered<Lane::worker>(
+          "/load", LoadObject{"bell", "presets/banks/bell.glb"},
+          "Reads a bank and gives it a name. A name that exists gets the new bank, while the old one "
+          "rings out.",
+          {other<ValueType::name, &LoadObject::name>("name", "The object's name."),
+           other<ValueType::text, &LoadObject::bank_path>(
+               "path", "The bank, a .glb file; a relative path starts where the daemon was started.")},
+          "/done", "the object's number"),
+      silent<Lane::mixer>("/clear", ClearAll{}, "Fades all that rings within a few milliseconds.", {}),
+      answered<Lane::worker>(
+          "/scene/load", SceneLoad{"presets/scenes/demo.toml"},
+          "Replaces the embedded scene, and loads the objects it names.",
+          {other<ValueType::text, &SceneLoad::path>(
+              "path", "The scene, a .toml file; a relative path starts where the daemon was started.")},
+          "/done", "the count of its bodies"),
+      answered<Lane::worker>(
+          "/scene/pause", ScenePause{true}, "Stops or continues the scene. What rings goes on ringing.",
+          {optional(other<ValueType::flag, &ScenePause::paused>("paused", "1 stops it, 0 lets it run."))}),
+      answered<Lane::worker>(
+          "/scene/spawn/box", SpawnBox{kBell, {0, 0, 1}, {0, 0, -2}, {0.1, 0.1, 0.1}, 0},
+          "Drops a new box into the scene.",
+          {body_object<&SpawnBox::object>(), position<&SpawnBox::position_m>(),
+           optional(vector<&SpawnBox::size_m>({"sx", "sy", "sz"}, kSize,
+                                              "Its edges; 0 0 0 takes the bounding box of the object's bank.")),
+           velocity<&SpawnBox::velocity_m_s>(), density<&SpawnBox::density_kg_m3>()},
+          "/done", "the body's number"),
+      answered<Lane::worker>("/scene/spawn/sphere", SpawnSphere{std::nullopt, {0, 0, 1}, {0, 0, 0}, 0.01, 7850},
+                             "Drops a new ball into the scene.",
+                             {body_object<&SpawnSphere::object>(), position<&SpawnSphere::position_m>(),
+                              optional(number<&SpawnSphere::radius_m>(
+                                  "radius", kSize, "Its radius; 0 takes the one that encloses the object's bank.")),
+                              velocity<&SpawnSphere::velocity_m_s>(), density<&SpawnSphere::density_kg_m3>()},
+                             "/done", "the body's number"),
+      answered<Lane::worker>("/scene/clear", SceneClear{}, "Removes all bodies from the scene.", {}),
+      answered<Lane::worker>(
+          "/scene/push", ScenePush{2, {0, 0, 0.5}}, "Gives a body of the scene an impulse at its centre of mass.",
+          {integer<&ScenePush::body>("body", kCount, "Its number."),
+           vector<&ScenePush::impulse_ns>({"jx", "jy", "jz"}, kImpulse, "The impulse, in the scene's frame.")}),
+      answered<Lane::question>(
+          "/scene/describe", SceneDescribe{},
+          "Asks what the scene looks like. /scene.reply says how many /scene.body and /scene.static follow.", {},
+          "/scene.reply"),
+      answered<Lane::subscription>(
+          "/notify", Notify{true, 20},
+          "Subscribes the sender, or ends that: /notify.object, /notify.group, /notify.contact, /notify.peak, "
+          "/notify.object_peak, /notify.load, /notify.scene and /notify.body come as bundles at the rate, first "
+          "about every object there is. A subscriber that sends nothing for 60 s is forgotten; anything it sends keeps "
+          "it, "
+          "/notify itself too.",
+          {optional(other<ValueType::flag, &Notify::on>("on", "1 subscribes, 0 ends it.")),
+           optional(number<&Notify::rate_hz>("rate", kNoticeRate, "How many notices a second."))}),
+      answered<Lane::subscription>(
+          "/watch/sound", WatchSound{true},
+          "Sends the sender, who has subscribed with /notify, the samples of the mix: /notify.sound.",
+          {optional(other<ValueType::flag, &WatchSound::on>("on", "1 for the sound, 0 for no more of it."))}),
+      answered<Lane::question>(
+          "/browse", Browse{},
+          "Asks which scenes and banks there are to load. /browse.reply says how many /browse.file follow.", {},
+          "/browse.reply"),
+      answered<Lane::worker>(
+          "/test_tone", TestTone{0.1, 440},
+          "Adds a sine to both sides of the mix, to check connections and levels by, until it is set to another or to "
+          "0.",
+          {number<&TestTone::amplitude>("amplitude", kAmplitude, "Its peak; 1 is full scale, 0 ends it."),
+           optional(number<&TestTone::frequency_hz>("frequency", kFrequency, "Its frequency."))}),
+      answered<Lane::file>(
           "/state/save", SaveState{"state.toml"},
           "Writes what there is as a readable file, which `ringdownd --state` loads: objects with their banks, gains, "
           "pans, groups and materials, what inputs excite, and the scene, which starts from its beginning.",
@@ -261,21 +293,21 @@ std::vector<Row<Request>> make_request_rows() {
               "path",
               "The file to write, .toml; it replaces none but a state. A relative path starts where the daemon was "
               "started.")}),
-      answered(
-          "/record/start", RecordStart{"session.osc"},
+      answered<Lane::file>(
+          "/record/start",
+          RecordStart{"session.osc"},
           "Records everything that is played as an OSC score, which `ringdown render --events` plays again, bit for "
           "bit at the same sample rate and block size. What rang before is not in it.",
           {other<ValueType::text, &RecordStart::path>(
               "path",
               "The score to write, .osc; it replaces none but a score. A relative path starts where the daemon "
               "was started.")}),
-      answered("/record/stop", RecordStop{}, "Writes the score.", {}, "/done", "the count of its messages"),
-      answered("/status", Status{}, "Asks how the daemon is doing.", {}, "/status.reply"),
-      answered("/version", Version{}, "Asks which program this is.", {}, "/version.reply"),
-      answered("/sync", Sync{7}, "Answers when all that was sent before it has been taken up.",
-               {integer<&Sync::id>("id", kId, "Any number; the answer repeats it.")}, "/synced"),
-      answered("/quit", Quit{}, "Stops the daemon.", {}),
-  };
+      answered<Lane::file>("/record/stop", RecordStop{}, "Writes the score.", {}, "/done", "the count of its messages"),
+      answered<Lane::daemon>("/status", Status{}, "Asks how the daemon is doing.", {}, "/status.reply"),
+      answered<Lane::daemon>("/version", Version{}, "Asks which program this is.", {}, "/version.reply"),
+      answered<Lane::question>("/sync", Sync{7}, "Answers when all that was sent before it has been taken up.",
+                               {integer<&Sync::id>("id", kId, "Any number; the answer repeats it.")}, "/synced"),
+      answered<Lane::daemon>("/quit", Quit{}, "Stops the daemon.", {}));
 }
 
 }  // namespace

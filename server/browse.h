@@ -12,11 +12,12 @@
 
 namespace ringdown::server {
 
-inline constexpr std::size_t kMaxBrowsed = 1024;    // files that are told
+inline constexpr std::size_t kMaxBrowsed = 1024;    // files in one answer
 inline constexpr std::size_t kMaxLookedAt = 16384;  // files and folders below one root that are looked at
 inline constexpr int kMaxBrowseDepth = 4;           // folders below a root
 
-// Scenes first, each kind by path; numbered from 0. A path below the current folder is told from there, others whole.
+// Scenes first, each kind by path; numbered from 0. A path below the current folder is relative to that, others are
+// absolute.
 std::vector<protocol::BrowseFile> browse(const session::FileRoots& roots);
 
 }  // namespace ringdown::server

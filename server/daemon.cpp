@@ -95,9 +95,9 @@ Result<void> connect_inputs(session::Rack& rack, const std::vector<DaemonOptions
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const auto object = rack.find({.name = inputs[i].object});
     if (!object) return fail(object.error().kind, "--input: " + object.error().message);
-    const session::NoteTable::Strike chosen = session::best_strike(*object);
+    const session::NoteTable::Strike chosen = session::best_strike(**object);
     const Vec3 force_n = (kDefaultAcceleration_m_s2 / session::kDefaultVelocity_m_s) * chosen.impulse_ns;
-    const auto connected = rack.excite(i, {.name = object->name}, inputs[i].point_m.value_or(chosen.point_m),
+    const auto connected = rack.excite(i, {.name = inputs[i].object}, inputs[i].point_m.value_or(chosen.point_m),
                                        inputs[i].force_n.value_or(force_n));
     if (!connected) return fail(connected.error().kind, "--input: " + connected.error().message);
   }
@@ -212,10 +212,10 @@ class WorkerLine {
 };
 
 // The session manager wants what we are to be kept.
-void save_session(Worker& worker, const session::Session& session, const session::Recorder& recorder,
-                  const std::filesystem::path& file, const NsmClient::Done& done) {
-  const bool posted = worker.post(
-      [&session, &recorder, file, done] { done(session::write_state(session::state_of(session, recorder), file)); });
+void save_session(Worker& worker, const session::Session& session, const std::filesystem::path& file,
+                  const NsmClient::Done& done) {
+  const bool posted =
+      worker.post([&session, file, done] { done(session::write_state(session::state_of(session), file)); });
   if (!posted) done(fail(ErrorKind::refused, "too many requests are waiting; save again later"));
 }
 
@@ -290,7 +290,7 @@ ExitCode serve(const DaemonOptions& options, wire::OscSocket socket, std::unique
       OscServer::Parts{session, *worker, *driver, [&quit] { quit = true; }, options.latency, &recorder, *stream});
   std::jthread scene = start_scene(session, *driver);
   spdlog::info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options.address, server->port(),
-               session.rack().objects().size(), driver->sample_rate_hz(), driver->block_frames(),
+               session.rack().names()->size(), driver->sample_rate_hz(), driver->block_frames(),
                synth::kernel_target());
 
   std::optional<Zeroconf> zeroconf;
@@ -298,8 +298,7 @@ ExitCode serve(const DaemonOptions& options, wire::OscSocket socket, std::unique
     zeroconf.emplace(options.jack_name, server->port(), *stream ? std::optional((*stream)->port()) : std::nullopt);
   }
   if (manager) {
-    manager->start(
-        [&](const NsmClient::Done& done) { save_session(*worker, session, recorder, manager->state_file(), done); });
+    manager->start([&](const NsmClient::Done& done) { save_session(*worker, session, manager->state_file(), done); });
   }
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds.value_or(1e9));
   ServiceNotice service;

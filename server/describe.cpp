@@ -15,45 +15,45 @@ std::int32_t whole(Number number) {
   return static_cast<std::int32_t>(number);
 }
 
-Answer describe(const protocol::DescribeObject& question, const session::Session& session,
-                const session::Recorder& recorder) {
-  const auto object = session.rack().find(question.object);
-  if (!object) return fail(object.error());
-  const auto [gain, pan] = recorder.level(object->number);
-  const std::size_t modes = object->map->bank().mode_count();
+Answer describe(const protocol::DescribeObject& question, const session::Session& session) {
+  const auto found = session.rack().find(question.object);
+  if (!found) return fail(found.error());
+  const session::ObjectState& object = **found;
+  const std::size_t modes = object.map->bank().mode_count();
   return std::vector<protocol::Reply>{protocol::ObjectReply{
-      .number = whole(object->number),
-      .name = object->name,
-      .version = object->bank_version,
-      .bank_bytes = whole(object->bank_bytes),
-      .bank_content = object->bank_content.text(),
-      .bank = object->bank->string(),
+      .number = whole(object.number),
+      .name = object.name,
+      .version = object.bank_version,
+      .bank_bytes = whole(object.bank_bytes),
+      .bank_content = object.bank_content.text(),
+      .bank = object.bank.string(),
       .modes = whole(modes),
-      .first_mode = whole(object->modes.first),
+      .first_mode = whole(object.modes.first),
       .selected_modes =
-          whole(std::min<std::size_t>(object->modes.count, modes - std::min<std::size_t>(object->modes.first, modes))),
-      .scale = object->material,
-      .gain = gain,
-      .pan = pan,
-      .group = object->group.empty() ? std::nullopt : std::optional(object->group),
+          whole(std::min<std::size_t>(object.modes.count, modes - std::min<std::size_t>(object.modes.first, modes))),
+      .scale = object.material,
+      .gain = object.gain,
+      .pan = object.pan,
+      .group = object.group.empty() ? std::nullopt : std::optional(object.group),
   }};
 }
 
 Answer read(const protocol::ReadBank& question, const session::Session& session) {
-  const auto object = session.rack().find(question.object);
-  if (!object) return fail(object.error());
-  const std::string file = object->bank->string();
-  if (question.offset >= object->bank_bytes) {
+  const auto found = session.rack().find(question.object);
+  if (!found) return fail(found.error());
+  const session::ObjectState& object = **found;
+  const std::string file = object.bank.string();
+  if (question.offset >= object.bank_bytes) {
     return fail(ErrorKind::bad_input, "offset: " + std::to_string(question.offset) + " is past the end of " + file +
-                                          ", which has " + std::to_string(object->bank_bytes) + " bytes");
+                                          ", which has " + std::to_string(object.bank_bytes) + " bytes");
   }
-  auto piece = session.rack().roots().read_piece(*object->bank, question.offset, question.bytes);
+  auto piece = session.rack().roots().read_piece(object.bank, question.offset, question.bytes);
   if (!piece) return fail(piece.error());
-  if (piece->total != object->bank_bytes) {
+  if (piece->total != object.bank_bytes) {
     return fail(ErrorKind::refused,
-                file + " is not the file any more that \"" + object->name + "\" was loaded from; /load it again");
+                file + " is not the file any more that \"" + object.name + "\" was loaded from; /load it again");
   }
-  return std::vector<protocol::Reply>{protocol::BankReply{object->name, object->bank_version, whole(question.offset),
+  return std::vector<protocol::Reply>{protocol::BankReply{object.name, object.bank_version, whole(question.offset),
                                                           whole(piece->total), std::move(piece->bytes)}};
 }
 
@@ -93,19 +93,15 @@ Answer browse_all(const session::FileRoots& roots) {
 
 }  // namespace
 
-bool is_question(const protocol::Request& request) {
-  return std::holds_alternative<protocol::DescribeObject>(request) ||
-         std::holds_alternative<protocol::ReadBank>(request) ||
-         std::holds_alternative<protocol::SceneDescribe>(request) || std::holds_alternative<protocol::Browse>(request);
-}
-
-Answer answer_to(const protocol::Request& question, const session::Session& session,
-                 const session::Recorder& recorder) {
-  if (const auto* object = std::get_if<protocol::DescribeObject>(&question))
-    return describe(*object, session, recorder);
-  if (const auto* bank = std::get_if<protocol::ReadBank>(&question)) return read(*bank, session);
-  if (std::holds_alternative<protocol::SceneDescribe>(question)) return describe(session.scene());
-  return browse_all(session.rack().roots());
+Answer answer_to(const protocol::Question& question, const session::Session& session) {
+  return std::visit(protocol::Overloaded{
+                        [&](const protocol::DescribeObject& object) { return describe(object, session); },
+                        [&](const protocol::ReadBank& bank) { return read(bank, session); },
+                        [&](const protocol::SceneDescribe&) { return describe(session.scene()); },
+                        [&](const protocol::Browse&) { return browse_all(session.rack().roots()); },
+                        [&](const protocol::Sync& sync) { return Answer({protocol::Synced{sync.id}}); },
+                    },
+                    question);
 }
 
 }  // namespace ringdown::server

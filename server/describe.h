@@ -1,21 +1,18 @@
-// Answers to what asks how things are and changes nothing: /object/.../describe and bank, /scene/describe, /browse.
+// Answers to what asks how things are and changes nothing: /object/.../describe and bank, /scene/describe, /browse,
+// /sync.
 // [worker]
 #pragma once
 
 #include "engine/base/result.h"
+#include "protocol/lanes.h"
 #include "protocol/reply.h"
-#include "protocol/request.h"
-#include "server/session/recorder.h"
 #include "server/session/session.h"
 
 #include <vector>
 
 namespace ringdown::server {
 
-[[nodiscard]] bool is_question(const protocol::Request& request);
-
-// The messages of the answer, in their order. `recorder` knows gains and pans. An error names the argument.
-Result<std::vector<protocol::Reply>> answer_to(const protocol::Request& question, const session::Session& session,
-                                               const session::Recorder& recorder);
+// The messages of the answer, in their order. An error names the argument.
+Result<std::vector<protocol::Reply>> answer_to(const protocol::Question& question, const session::Session& session);
 
 }  // namespace ringdown::server

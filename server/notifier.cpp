@@ -11,7 +11,7 @@ namespace {
 using synth::Event;
 using synth::EventType;
 
-Vec3 point_of(const Event& event, const session::RackObject& object) {
+Vec3 point_of(const Event& event, const session::ObjectState& object) {
   if (event.type == EventType::strike) return event.point_m;
   const modal::Bank& bank = object.map->bank();
   const modal::Vec3f& point = bank.positions[event.vertex < bank.point_count() ? event.vertex : 0];
@@ -20,11 +20,11 @@ Vec3 point_of(const Event& event, const session::RackObject& object) {
 
 constexpr float kAudible = 1e-6f;  // -120 dB: quieter objects do not ring
 
-protocol::NotifyObject object_news(const session::RackObject& object, bool loaded) {
+protocol::NotifyObject object_news(const session::ObjectState& object, bool loaded) {
   return {static_cast<std::int32_t>(object.number), object.name, loaded};
 }
 
-protocol::NotifyGroup group_news(const session::RackObject& object) {
+protocol::NotifyGroup group_news(const session::ObjectState& object) {
   return {static_cast<std::int32_t>(object.number), object.name,
           object.group.empty() ? std::nullopt : std::optional(object.group)};
 }
@@ -42,10 +42,11 @@ Notifier::~Notifier() {
   thread_.join();
   subscribers_.clear();
   count_subscribers();
-  session_.rack().observe_no_more(*this);
+  session_.rack().stop_observing(*this);
 }
 
 Result<void> Notifier::subscribe(Peer peer, double rate_hz) {
+  session_.rack().report_events();  // those happened before
   const std::scoped_lock lock(mutex_);
   auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
   if (subscriber == subscribers_.end()) {
@@ -53,9 +54,9 @@ Result<void> Notifier::subscribe(Peer peer, double rate_hz) {
       return fail(ErrorKind::refused, "there are " + std::to_string(kMaxSubscribers) + " subscribers already");
     }
     subscriber = subscribers_.insert(subscriber, {.peer = peer});
-    for (const session::RackObject& object : session_.rack().objects()) {
-      subscriber->changes.emplace_back(object_news(object, true));
-      if (!object.group.empty()) subscriber->changes.emplace_back(group_news(object));
+    for (const session::ObjectSnapshot& object : session_.rack().objects()) {
+      subscriber->changes.emplace_back(object_news(*object, true));
+      if (!object->group.empty()) subscriber->changes.emplace_back(group_news(*object));
     }
   }
   subscriber->period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / rate_hz));
@@ -98,16 +99,22 @@ void Notifier::played(const Event& event) {
   }
 }
 
-void Notifier::loaded(const session::RackObject& object) { tell(object_news(object, true)); }
-void Notifier::freed(const session::RackObject& object) {
-  tell(object_news(object, false));
+void Notifier::changed(const session::ObjectState* before, const session::ObjectState* after, synth::Frame) {
+  if (!after) {
+    add_news(object_news(*before, false));
+    return end_watches_of(before->number);
+  }
+  if (!before || before->bank_version != after->bank_version) add_news(object_news(*after, true));
+  if (after->group != (before ? before->group : std::string())) add_news(group_news(*after));
+}
+
+void Notifier::end_watches_of(synth::ObjectNumber object) {
   const std::scoped_lock lock(mutex_);
-  for (Subscriber& subscriber : subscribers_) subscriber.watched.erase(object.number);
+  for (Subscriber& subscriber : subscribers_) subscriber.watched.erase(object);
   count_watches();
 }
-void Notifier::regrouped(const session::RackObject& object) { tell(group_news(object)); }
 
-void Notifier::tell(const protocol::Reply& change) {
+void Notifier::add_news(const protocol::Reply& change) {
   const std::scoped_lock lock(mutex_);
   for (Subscriber& subscriber : subscribers_) subscriber.changes.push_back(change);
 }
@@ -123,6 +130,9 @@ void Notifier::run(const std::stop_token& stop) {
       if (std::ranges::any_of(subscribers_, &Subscriber::hears)) next = std::min(next, Clock::now() + kSoundEvery);
       wake_.wait_until(lock, stop, next, [&] { return changed_ || Clock::now() >= next; });
       changed_ = false;
+      lock.unlock();
+      session_.rack().report_events();
+      lock.lock();
       forget_silent();
       take_peaks();
       due = take_due(Clock::now());
@@ -179,14 +189,14 @@ std::vector<protocol::Reply> Notifier::messages_for(const Subscriber& subscriber
   for (const Event& event : std::span(subscriber.contacts).subspan(left_out)) {
     const auto object = session_.rack().find({.number = event.object});
     if (!object) continue;
-    add(protocol::NotifyContact{object->name, point_of(event, *object), event.impulse_ns, event.contact_time_s});
+    add(protocol::NotifyContact{(*object)->name, point_of(event, **object), event.impulse_ns, event.contact_time_s});
   }
   add(protocol::NotifyPeak{subscriber.peak});
   for (std::size_t number = 0; number < synth::kMaxObjects; ++number) {
     const float peak = subscriber.object_peaks[number];
     if (peak == 0 && !subscriber.rang[number]) continue;
     const auto object = session_.rack().find({.number = static_cast<synth::ObjectNumber>(number)});
-    if (object) add(protocol::NotifyObjectPeak{object->name, peak});
+    if (object) add(protocol::NotifyObjectPeak{(*object)->name, peak});
   }
   const Driver::Load load = driver_.load();
   const synth::MixerCounters& mixer = session_.rack().mixer().counters();

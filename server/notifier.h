@@ -1,7 +1,7 @@
-// Tells subscribers what goes on, at the rate each has asked for (/notify): objects that come, go and change groups,
+// Sends subscribers what goes on, at the rate each has asked for (/notify): objects that come, go and change groups,
 // contacts (every strike that was taken, from OSC or from the scene), the peaks of the mix and of objects, the load,
-// the scene's time, and the poses of its bodies. Those who ask for it are told the amplitudes of objects' modes as
-// well, and, every kSoundEvery, what the mix sounds like.
+// the scene's time, and the poses of its bodies. Those who ask for it get the amplitudes of objects' modes as
+// well, and, every kSoundEvery, the samples of the mix.
 //
 // A subscriber that sends nothing for kSilence_s is forgotten: programs that end do not say so over UDP. Its thread
 // sleeps while nobody has subscribed, and neither what is played nor the objects' levels cost anything then.
@@ -27,7 +27,7 @@
 namespace ringdown::server {
 
 inline constexpr std::size_t kMaxSubscribers = 32;
-inline constexpr std::size_t kMaxContactsPerNotice = 256;  // the last ones; the others are not told
+inline constexpr std::size_t kMaxContactsPerNotice = 256;  // the last ones; the others are left out
 inline constexpr double kSilence_s = 60;
 inline constexpr std::chrono::milliseconds kSoundEvery{20};
 
@@ -48,21 +48,16 @@ class Notifier final : public session::Observer {
 
   [[nodiscard]] std::size_t subscribers() const { return count_; }  // [any]
 
-  // Whether a subscriber is told the sound, or an object's amplitudes; they end with its subscription. Refused to
+  // Whether a subscriber is sent the sound, or an object's amplitudes; they end with its subscription. Refused to
   // others than subscribers, and when synth::kMaxWatched objects are watched. [osc]
   Result<void> watch_sound(Peer peer, bool on);
   Result<void> watch_object(Peer peer, const protocol::ObjectRef& object, bool on);
 
-  // It lives. [osc]
+  // Resets the subscriber's silence timer. [osc]
   void heard_from(Peer peer);
 
   void played(const synth::Event& event) override;
-  void loaded(const session::RackObject& object) override;
-  void retuned(const session::RackObject&) override {}
-  void selected(const session::RackObject&) override {}
-  void held(const session::RackObject&, const modal::Dampers&, synth::Frame) override {}
-  void regrouped(const session::RackObject& object) override;
-  void freed(const session::RackObject& object) override;
+  void changed(const session::ObjectState* before, const session::ObjectState* after, synth::Frame at) override;
 
  private:
   struct Subscriber {
@@ -78,7 +73,8 @@ class Notifier final : public session::Observer {
     std::vector<protocol::Reply> changes;  // of objects
   };
   void run(const std::stop_token& stop);
-  void tell(const protocol::Reply& change);
+  void add_news(const protocol::Reply& change);
+  void end_watches_of(synth::ObjectNumber object);
   void count_subscribers();
   void count_watches();
   [[nodiscard]] std::vector<Peer> take_listeners();

@@ -37,14 +37,14 @@ Result<void> Notifier::watch_object(Peer peer, const protocol::ObjectRef& ref, b
   const std::scoped_lock lock(mutex_);
   const auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
   if (subscriber == subscribers_.end()) return not_subscribed();
-  if (on && !session_.rack().mixer().mode_watch().watch(object->number)) {
+  if (on && !session_.rack().mixer().mode_watch().watch((*object)->number)) {
     return fail(ErrorKind::refused, "object: " + std::to_string(synth::kMaxWatched) + " objects are watched already");
   }
   if (on) {
-    subscriber->watched.insert(object->number);
-    watched_.insert(object->number);
+    subscriber->watched.insert((*object)->number);
+    watched_.insert((*object)->number);
   } else {
-    subscriber->watched.erase(object->number);
+    subscriber->watched.erase((*object)->number);
   }
   count_subscribers();
   return {};
@@ -112,12 +112,13 @@ void Notifier::add_modes(const Subscriber& subscriber, std::vector<protocol::Rep
   std::vector<float> amplitudes, ordered;
   for (const ObjectNumber number : subscriber.watched) {
     const auto object = session_.rack().find({.number = number});
-    if (!object || !session_.rack().mixer().mode_watch().read(number, object->map->bank(), amplitudes)) continue;
+    if (!object || !session_.rack().mixer().mode_watch().read(number, (*object)->map->bank(), amplitudes)) continue;
     ordered.clear();
-    for (const std::uint32_t mode : object->map->by_frequency()) ordered.push_back(amplitudes[mode]);
+    for (const std::uint32_t mode : (*object)->map->by_frequency()) ordered.push_back(amplitudes[mode]);
     for (std::span<const float> rest = ordered; !rest.empty();) {
       const std::size_t count = std::min<std::size_t>(protocol::kMaxModeAmplitudes, rest.size());
-      messages.emplace_back(protocol::NotifyModes{object->name, static_cast<std::int32_t>(ordered.size() - rest.size()),
+      messages.emplace_back(protocol::NotifyModes{(*object)->name,
+                                                  static_cast<std::int32_t>(ordered.size() - rest.size()),
                                                   wire::encode_floats(rest.first(count))});
       rest = rest.subspan(count);
     }

@@ -26,9 +26,14 @@ char type_of(const ArgumentSpec& argument) {
       return 'i';
     case ValueType::blob:
       return 'b';
-    default:
-      return 's';
+    case ValueType::text:
+    case ValueType::any_text:
+    case ValueType::name:
+    case ValueType::object:
+    case ValueType::object_or_none:
+      break;
   }
+  return 's';
 }
 
 bool has_range(const ArgumentSpec& argument) {

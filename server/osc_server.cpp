@@ -17,7 +17,10 @@ namespace {
 
 using namespace std::chrono_literals;
 using protocol::Fail;
-using protocol::Request;
+using protocol::Overloaded;
+
+// What a request leads to that is answered by /done, with a number for some.
+using Outcome = Result<std::optional<std::int32_t>>;
 
 void answer(AnswerPorts& ports, Peer to, const protocol::Reply& reply) {
   if (const auto* refusal = std::get_if<Fail>(&reply)) spdlog::warn("{}: {}", to_text(to.endpoint), refusal->sentence);
@@ -31,32 +34,42 @@ void answer(AnswerPorts& ports, Peer to, const Result<std::vector<protocol::Repl
   send_in_bundles(*replies, [&](std::span<const std::byte> packet) { ports.send(to, packet); });
 }
 
-bool is_for_recorder(const Request& request) {
-  return std::holds_alternative<protocol::RecordStart>(request) ||
-         std::holds_alternative<protocol::RecordStop>(request) || std::holds_alternative<protocol::SaveState>(request);
+void answer(AnswerPorts& ports, Peer to, const Outcome& outcome, const std::string& address) {
+  if (outcome) return answer(ports, to, protocol::Done{address, *outcome});
+  answer(ports, to, Fail{address, address + ": " + outcome.error().message});
 }
 
-Result<std::optional<std::int32_t>> record(const Request& request, const session::Session& session,
-                                           session::Recorder* recorder) {
-  if (!recorder) return fail(ErrorKind::refused, "this daemon does not record");
-  const synth::Frame now = session.rack().mixer().counters().frames;
-  if (const auto* save = std::get_if<protocol::SaveState>(&request)) {
-    const auto path = session.rack().roots().writable(save->path, session::kStateKind);
+// Carries out requests of the file lane. [worker]
+struct WriteFile {
+  const session::Session& session;
+  session::Recorder* recorder;  // null: nothing can be recorded
+
+  Outcome operator()(const protocol::SaveState& save) const {
+    const auto path = session.rack().roots().writable(save.path, session::kStateKind);
     if (!path) return fail(path.error());
-    if (const auto saved = session::write_state(session::state_of(session, *recorder), *path); !saved)
-      return fail(saved.error());
+    if (const auto saved = session::write_state(session::state_of(session), *path); !saved) return fail(saved.error());
     return std::nullopt;
   }
-  if (const auto* start = std::get_if<protocol::RecordStart>(&request)) {
-    const auto path = session.rack().roots().writable(start->path, session::kScoreKind);
+
+  Outcome operator()(const protocol::RecordStart& start) const {
+    if (!recorder) return no_recorder();
+    const auto path = session.rack().roots().writable(start.path, session::kScoreKind);
     if (!path) return fail(path.error());
-    if (const auto started = recorder->start(*path, now); !started) return fail(started.error());
+    if (const auto started = recorder->start(*path, now()); !started) return fail(started.error());
     return std::nullopt;
   }
-  const auto count = recorder->stop(now);
-  if (!count) return fail(count.error());
-  return static_cast<std::int32_t>(*count);
-}
+
+  Outcome operator()(const protocol::RecordStop&) const {
+    if (!recorder) return no_recorder();
+    const auto count = recorder->stop(now());
+    if (!count) return fail(count.error());
+    return static_cast<std::int32_t>(*count);
+  }
+
+ private:
+  static tl::unexpected<Error> no_recorder() { return fail(ErrorKind::refused, "this daemon does not record"); }
+  [[nodiscard]] synth::Frame now() const { return session.rack().mixer().counters().frames; }
+};
 
 }  // namespace
 
@@ -96,12 +109,11 @@ void OscServer::run(const std::stop_token& stop) {
     adopt_priority();
     share_.turn();
     clock_.measure();
-    play_what_is_near();
-    parts_.session.rack().tell_of_notes();
-    const bool holds = parts_.session.holds();
-    if (ports_->socket.receive(datagram, holds ? 0ms : schedule_.size() > 0 ? 20ms : 100ms)) {
+    carry_out_what_is_near();
+    const bool holds_strikes = parts_.session.holds_strikes();
+    if (ports_->socket.receive(datagram, holds_strikes ? 0ms : schedule_.size() > 0 ? 20ms : 100ms)) {
       handle(datagram.bytes, {datagram.from}, datagram.age_s);
-    } else if (holds) {
+    } else if (holds_strikes) {
       parts_.session.flush();
     }
     if (parts_.stream) handle_inbox();
@@ -175,101 +187,122 @@ void OscServer::expand(const wire::Message& message, synth::Frame frame, Peer fr
   for (const std::string& address : *addresses) handle({address, message.arguments}, frame, from);
 }
 
+// Each lane has its own way (protocol/lanes.h).
 void OscServer::handle(const wire::Message& message, synth::Frame frame, Peer from) {
   const std::string& address = message.address;
-  const auto request = protocol::parse(message);
+  auto request = protocol::parse(message);
   if (!request) return answer(*ports_, from, Fail{address, request.error().message});
-  if (session::Session::is_event(*request)) {
-    play(*request, frame, address, from);
-  } else if (std::holds_alternative<protocol::Status>(*request)) {
-    answer(*ports_, from, status());
-  } else if (std::holds_alternative<protocol::Version>(*request)) {
-    answer(*ports_, from, protocol::VersionReply{"ringdownd", RINGDOWN_VERSION, protocol::kProtocolVersion});
-  } else if (const auto* notify = std::get_if<protocol::Notify>(&*request)) {
-    confirm(set_notices(*notify, from), address, from);
-  } else if (const auto* sound = std::get_if<protocol::WatchSound>(&*request)) {
-    confirm(notifier_.watch_sound(from, sound->on), address, from);
-  } else if (const auto* watch = std::get_if<protocol::WatchObject>(&*request)) {
-    confirm(notifier_.watch_object(from, watch->object, watch->on), address, from);
-  } else if (std::holds_alternative<protocol::Quit>(*request)) {
-    answer(*ports_, from, protocol::Done{address, std::nullopt});
-    parts_.quit();
-  } else if (std::holds_alternative<protocol::SetDamper>(*request)) {
-    hold(*request, frame, address, from);
-  } else {
-    post(*request, 0, address, from);
-  }
+  std::visit(Overloaded{
+                 [&](protocol::MixerRequest&& r) { take(std::move(r), frame, address, from); },
+                 [&](protocol::TimedWorkerRequest&& r) { take(std::move(r), frame, address, from); },
+                 [&](const protocol::WorkerRequest& r) { perform(r, 0, address, from); },
+                 [&](const protocol::FileRequest& r) { write(r, address, from); },
+                 [&](const protocol::Question& r) { ask(r, address, from); },
+                 [&](const protocol::SubscriptionRequest& r) { subscribe(r, address, from); },
+                 [&](const protocol::DaemonRequest& r) { answer_at_once(r, address, from); },
+             },
+             protocol::in_its_lane(*std::move(request)));
 }
 
-void OscServer::confirm(const Result<void>& outcome, const std::string& address, Peer from) {
-  if (outcome) return answer(*ports_, from, protocol::Done{address, std::nullopt});
-  answer(*ports_, from, Fail{address, address + ": " + outcome.error().message});
+// Carries a request out if its time is near, and lets it wait if not.
+void OscServer::take(Schedule::Request request, synth::Frame frame, const std::string& address, Peer from) {
+  if (frame <= horizon()) return carry_out(request, frame, address, from);
+  const auto waits = schedule(std::move(request), frame, address, from);
+  if (!waits) answer(*ports_, from, Fail{address, address + ": " + waits.error().message});
 }
 
-Result<void> OscServer::set_notices(const protocol::Notify& request, Peer from) {
-  if (request.on) return notifier_.subscribe(from, request.rate_hz);
-  notifier_.unsubscribe(from);
-  return {};
-}
-
-void OscServer::play(const Request& request, synth::Frame frame, const std::string& address, Peer from) {
-  const auto played = frame <= horizon() ? parts_.session.play(request, frame) : keep(request, frame, address, from);
-  if (!played) answer(*ports_, from, Fail{address, address + ": " + played.error().message});
-}
-
-// Until its time is near.
-Result<void> OscServer::keep(const Request& request, synth::Frame frame, const std::string& address, Peer from) {
-  if (auto good = parts_.session.check(request, frame); !good) return good;
-  if (schedule_.add({frame, request, address, from})) return {};
+Result<void> OscServer::schedule(Schedule::Request request, synth::Frame frame, const std::string& address, Peer from) {
+  auto good = std::visit([&](const auto& r) { return parts_.session.check(r, frame); }, request);
+  if (!good) return good;
+  if (schedule_.add({frame, std::move(request), address, from})) return {};
   return parts_.session.drop(1, std::to_string(kMaxScheduled) + " timed requests are waiting already");
 }
 
-// Played at its time too, but it is the worker who can.
-void OscServer::hold(const Request& request, synth::Frame frame, const std::string& address, Peer from) {
-  if (frame <= horizon()) return post(request, frame, address, from);
-  const auto kept = keep(request, frame, address, from);
-  if (!kept) answer(*ports_, from, Fail{address, address + ": " + kept.error().message});
+void OscServer::carry_out(const Schedule::Request& request, synth::Frame frame, const std::string& address, Peer from) {
+  std::visit(Overloaded{
+                 [&](const protocol::MixerRequest& r) {
+                   const auto played = parts_.session.play(r, frame);
+                   if (!played) answer(*ports_, from, Fail{address, address + ": " + played.error().message});
+                 },
+                 [&](const protocol::TimedWorkerRequest& r) { perform(r, frame, address, from); },
+             },
+             request);
 }
 
-void OscServer::play_what_is_near() {
+void OscServer::carry_out_what_is_near() {
   for (const synth::Frame end = horizon(); schedule_.is_due(end);) {
     const Schedule::Entry entry = schedule_.take();
-    if (std::holds_alternative<protocol::SetDamper>(entry.request)) {
-      post(entry.request, entry.frame, entry.address, entry.from);
-      continue;
-    }
-    const auto played = parts_.session.play(entry.request, entry.frame);
-    if (!played) answer(*ports_, entry.from, Fail{entry.address, entry.address + ": " + played.error().message});
+    carry_out(entry.request, entry.frame, entry.address, entry.from);
   }
 }
 
-// /sync goes the same way as what it waits for.
-void OscServer::post(const Request& request, synth::Frame frame, const std::string& address, Peer from) {
-  const auto task = [ports = ports_, &session = parts_.session, &driver = parts_.driver, latency = parts_.latency,
-                     recorder = parts_.recorder, request, frame, address, from] {
-    if (const auto* sync = std::get_if<protocol::Sync>(&request))
-      return answer(*ports, from, protocol::Synced{sync->id});
-    if (is_question(request)) {
-      return answer(
-          *ports, from,
-          recorder ? answer_to(request, session, *recorder) : fail(ErrorKind::refused, "this daemon keeps no levels"),
-          address);
-    }
-    const auto number = is_for_recorder(request)
-                            ? record(request, session, recorder)
-                            : session.perform(request, std::max(frame, driver.now() + latency_frames(driver, latency)));
-    if (number) return answer(*ports, from, protocol::Done{address, *number});
-    answer(*ports, from, Fail{address, address + ": " + number.error().message});
-  };
-  const bool posted = parts_.worker.post(task);
-  if (!posted) answer(*ports_, from, Fail{address, address + ": too many requests are waiting; send fewer at once"});
+// Hands to the worker what changes objects or the scene, for `frame` or as soon as something can be heard.
+template <class Lane>
+void OscServer::perform(const Lane& request, synth::Frame frame, const std::string& address, Peer from) {
+  post(
+      [ports = ports_, &session = parts_.session, &driver = parts_.driver, latency = parts_.latency, request, frame,
+       address, from] {
+        const synth::Frame soon = driver.now() + latency_frames(driver, latency);
+        answer(*ports, from, session.perform(request, std::max(frame, soon)), address);
+      },
+      address, from);
+}
+
+void OscServer::write(const protocol::FileRequest& request, const std::string& address, Peer from) {
+  post(
+      [ports = ports_, &session = parts_.session, recorder = parts_.recorder, request, address, from] {
+        answer(*ports, from, std::visit(WriteFile{session, recorder}, request), address);
+      },
+      address, from);
+}
+
+void OscServer::ask(const protocol::Question& question, const std::string& address, Peer from) {
+  post([ports = ports_, &session = parts_.session, question, address,
+        from] { answer(*ports, from, answer_to(question, session), address); },
+       address, from);
+}
+
+void OscServer::subscribe(const protocol::SubscriptionRequest& request, const std::string& address, Peer from) {
+  const Result<void> done = std::visit(
+      Overloaded{
+          [&](const protocol::Notify& notify) -> Result<void> {
+            if (notify.on) return notifier_.subscribe(from, notify.rate_hz);
+            notifier_.unsubscribe(from);
+            return {};
+          },
+          [&](const protocol::WatchSound& sound) { return notifier_.watch_sound(from, sound.on); },
+          [&](const protocol::WatchObject& watch) { return notifier_.watch_object(from, watch.object, watch.on); },
+      },
+      request);
+  answer(*ports_, from, done ? Outcome(std::nullopt) : Outcome(fail(done.error())), address);
+}
+
+void OscServer::answer_at_once(const protocol::DaemonRequest& request, const std::string& address, Peer from) {
+  std::visit(
+      Overloaded{
+          [&](const protocol::Status&) { answer(*ports_, from, status()); },
+          [&](const protocol::Version&) {
+            answer(*ports_, from, protocol::VersionReply{"ringdownd", RINGDOWN_VERSION, protocol::kProtocolVersion});
+          },
+          [&](const protocol::Quit&) {
+            answer(*ports_, from, protocol::Done{address, std::nullopt});
+            parts_.quit();
+          },
+      },
+      request);
+}
+
+// For the worker. A task answers by itself, unless there is no room for it.
+void OscServer::post(Worker::Task task, const std::string& address, Peer from) {
+  if (parts_.worker.post(std::move(task))) return;
+  answer(*ports_, from, Fail{address, address + ": too many requests are waiting; send fewer at once"});
 }
 
 protocol::StatusReply OscServer::status() const {
   const synth::MixerCounters& mixer = parts_.session.rack().mixer().counters();
   const Driver::Load load = parts_.driver.load();
   const auto whole = [](auto number) { return static_cast<std::int32_t>(number); };
-  return {.objects = whole(parts_.session.rack().objects().size()),
+  return {.objects = whole(parts_.session.rack().names()->size()),
           .sounding_objects = whole(mixer.ringing_voices.load()),
           .sounding_modes = whole(mixer.ringing_modes.load()),
           .bodies = whole(parts_.session.scene().body_count()),

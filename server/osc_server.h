@@ -47,7 +47,7 @@ class OscServer {
     const Driver& driver;
     std::function<void()> quit;  // called on the server's thread
     Latency latency = {};
-    session::Recorder* recorder = nullptr;   // null: /record and /state are refused
+    session::Recorder* recorder = nullptr;   // null: /record is refused
     std::shared_ptr<OscStream> stream = {};  // TCP as well
   };
 
@@ -74,15 +74,19 @@ class OscServer {
   void handle_inbox();
   void handle(const wire::Message& message, synth::Frame frame, Peer from);
   void expand(const wire::Message& message, synth::Frame frame, Peer from);
-  void play(const protocol::Request& request, synth::Frame frame, const std::string& address, Peer from);
-  void hold(const protocol::Request& request, synth::Frame frame, const std::string& address, Peer from);
-  Result<void> keep(const protocol::Request& request, synth::Frame frame, const std::string& address, Peer from);
-  void play_what_is_near();
+  void take(Schedule::Request request, synth::Frame frame, const std::string& address, Peer from);
+  Result<void> schedule(Schedule::Request request, synth::Frame frame, const std::string& address, Peer from);
+  void carry_out(const Schedule::Request& request, synth::Frame frame, const std::string& address, Peer from);
+  void carry_out_what_is_near();
+  template <class Lane>
+  void perform(const Lane& request, synth::Frame frame, const std::string& address, Peer from);
+  void write(const protocol::FileRequest& request, const std::string& address, Peer from);
+  void ask(const protocol::Question& question, const std::string& address, Peer from);
+  void subscribe(const protocol::SubscriptionRequest& request, const std::string& address, Peer from);
+  void answer_at_once(const protocol::DaemonRequest& request, const std::string& address, Peer from);
+  void post(Worker::Task task, const std::string& address, Peer from);
   [[nodiscard]] synth::Frame frame_of(wire::TimeTag time, const Arrival& arrival) const;
   [[nodiscard]] synth::Frame horizon() const;
-  void confirm(const Result<void>& outcome, const std::string& address, Peer from);
-  Result<void> set_notices(const protocol::Notify& request, Peer from);
-  void post(const protocol::Request& request, synth::Frame frame, const std::string& address, Peer from);
   [[nodiscard]] protocol::StatusReply status() const;
 
   // What the stream's thread hands to ours. It waits while kMost packets are here.
@@ -106,7 +110,7 @@ class OscServer {
   FrameClock clock_;  // the server thread's own, like the next
   Schedule schedule_;
   RealtimeShare share_;
-  int priority_ = 0;           // as the driver last told
+  int priority_ = 0;           // as the driver reported it last
   double looked_at_s_ = -1e9;  // when it did
   std::jthread thread_;        // last: it stops before what it uses goes away
 };

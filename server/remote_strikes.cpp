@@ -17,7 +17,7 @@ Result<session::ScenePlayer::Sink> open_remote_strikes(const std::string& url, c
   return [sender, clock, &rack, &driver](const scene::StepReport& report) mutable -> std::size_t {
     if (report.events.empty() && report.leanings.empty()) return 0;
     std::map<synth::ObjectNumber, std::string> names;
-    for (const session::RackObject& object : rack.objects()) names[object.number] = object.name;
+    for (const session::ObjectSnapshot& object : rack.objects()) names[object->number] = object->name;
     if (!clock) clock = std::make_shared<FrameClock>(driver_clock(driver), steady_now_s);
     clock->measure();
     const double unix_ahead_s = unix_now_s() - steady_now_s();

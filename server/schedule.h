@@ -4,12 +4,13 @@
 #pragma once
 
 #include "engine/synth/event.h"
-#include "protocol/request.h"
+#include "protocol/lanes.h"
 #include "server/osc_ports.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace ringdown::server {
@@ -18,9 +19,12 @@ inline constexpr std::size_t kMaxScheduled = 16384;  // requests
 
 class Schedule {
  public:
+  // Those that happen at a frame of their own (protocol/lanes.h).
+  using Request = std::variant<protocol::MixerRequest, protocol::TimedWorkerRequest>;
+
   struct Entry {
     synth::Frame frame = 0;
-    protocol::Request request;
+    Request request;
     std::string address;  // as it was sent, for the answer if it fails
     Peer from;
     std::uint64_t order = 0;  // among those of one frame: first come, first played

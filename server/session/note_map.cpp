@@ -50,7 +50,7 @@ double motion_at(const modal::Bank& bank, std::size_t point) {
 
 }  // namespace
 
-NoteTable::Strike best_strike(const RackObject& object) {
+NoteTable::Strike best_strike(const ObjectState& object) {
   const modal::Bank& bank = object.map->bank();
   NoteTable::Strike strike{.object = object.number, .contact_time_s = protocol::kDefaultContactTimeS};
   if (bank.point_count() == 0 || bank.mode_count() == 0) return strike;
@@ -81,22 +81,23 @@ Result<NoteMap> read_note_map(const std::filesystem::path& path) {
   return map;
 }
 
-NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<RackObject>& objects) {
+NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSnapshot>& objects) {
   NoteTable table;
   if (!map) {
-    std::vector<RackObject> ordered = objects;
-    std::ranges::sort(ordered, {}, &RackObject::number);
+    std::vector<ObjectSnapshot> ordered = objects;
+    std::ranges::sort(ordered, {}, [](const ObjectSnapshot& object) { return object->number; });
     for (std::size_t i = 0; i < ordered.size() && kFirstDefaultNote + i < kNotes; ++i) {
-      table.notes[kFirstDefaultNote + i] = best_strike(ordered[i]);
+      table.notes[kFirstDefaultNote + i] = best_strike(*ordered[i]);
     }
     return table;
   }
   table.release_s = map->release_s;
   table.damp_s = map->damp_s;
   for (const NoteMap::Entry& entry : map->notes) {
-    const auto object = std::ranges::find(objects, entry.object, &RackObject::name);
+    const auto object =
+        std::ranges::find(objects, entry.object, [](const ObjectSnapshot& o) -> const std::string& { return o->name; });
     if (object == objects.end()) continue;  // it may be loaded later
-    NoteTable::Strike strike = best_strike(*object);
+    NoteTable::Strike strike = best_strike(**object);
     strike.point_m = entry.point_m.value_or(strike.point_m);
     strike.impulse_ns = entry.impulse_ns.value_or(strike.impulse_ns);
     strike.contact_time_s = entry.contact_time_s.value_or(strike.contact_time_s);

@@ -51,12 +51,12 @@ struct NoteTable {
 
 // How an object is struck where nothing else is said: at the point where the eight most important modes move most, in
 // the direction in which the first of them moves there, with kDefaultVelocity_m_s times its mass.
-NoteTable::Strike best_strike(const RackObject& object);
+NoteTable::Strike best_strike(const ObjectState& object);
 inline constexpr double kDefaultVelocity_m_s = 0.1;
 
 // Without a map, note kFirstDefaultNote strikes the object of the lowest number, the next note the next one. What is
 // not named is as in best_strike().
-NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<RackObject>& objects);
+NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSnapshot>& objects);
 
 // The table for the objects that a rack holds now, made anew only when these have changed.
 class Notes {

@@ -86,15 +86,32 @@ class Run {
 
   // Events go ahead with their frame; a request that changes more than that splits the block at its own frame.
   void carry_out(const wire::ScoreEvent& event) {
-    const auto request = protocol::parse(event.message);
+    auto request = protocol::parse(event.message);
     if (!request) return warn(event, request.error().message);
-    if (Session::is_event(*request)) {
-      flush_now_and_then();
-      if (const auto played = session_.play(*request, frame_of(event)); !played) warn(event, played.error().message);
-    } else {
-      render_frames(frame_of(event));
-      if (const auto done = session_.perform(*request, now_); !done) warn(event, done.error().message);
-    }
+    const Frame frame = frame_of(event);
+    const auto perform = [&](const auto& changes) -> Result<void> {
+      render_frames(frame);
+      return session_.perform(changes, now_).map([](auto) {});
+    };
+    const auto refuse = [&](const char* what) -> Result<void> {
+      render_frames(frame);
+      return fail(ErrorKind::refused, std::string(what) + " in a score");
+    };
+    const auto done =
+        std::visit(protocol::Overloaded{
+                       [&](const protocol::MixerRequest& r) {
+                         flush_now_and_then();
+                         return session_.play(r, frame);
+                       },
+                       [&](const protocol::TimedWorkerRequest& r) { return perform(r); },
+                       [&](const protocol::WorkerRequest& r) { return perform(r); },
+                       [&](const protocol::FileRequest&) { return refuse("no file is written"); },
+                       [&](const protocol::Question&) { return refuse("nothing is answered"); },
+                       [&](const protocol::SubscriptionRequest&) { return refuse("nobody can subscribe"); },
+                       [&](const protocol::DaemonRequest&) { return refuse("there is no daemon to ask"); },
+                   },
+                   protocol::in_its_lane(*std::move(request)));
+    if (!done) warn(event, done.error().message);
   }
 
   void render_frames(Frame end) {

@@ -1,7 +1,7 @@
 // The objects that can be struck: their names and numbers, their banks, and the mixer they ring in.
 //
 // Threads. One worker thread loads, retunes, frees and collects. Any other thread but audio may look objects up and
-// make events; a mutex guards the table, and the audio thread never takes it.
+// push events; neither waits for the worker, except that gains and pans are written down (object_table.h).
 #pragma once
 
 #include "engine/base/content_hash.h"
@@ -12,6 +12,7 @@
 #include "protocol/request.h"
 #include "server/session/buses.h"
 #include "server/session/file_roots.h"
+#include "server/session/object_table.h"
 #include "server/session/observer.h"
 
 #include <array>
@@ -24,25 +25,9 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 namespace ringdown::session {
-
-// An object as it is now. The bank stays valid for whoever holds the pointer, whatever is loaded later.
-struct RackObject {
-  std::string name;
-  synth::ObjectNumber number = 0;
-  std::shared_ptr<const std::filesystem::path> bank;  // where the map was read from
-  std::size_t bank_bytes = 0;                         // the size of that file
-  ContentHash bank_content;                           // of that file
-  std::int32_t bank_version = 0;                      // grows when the object gets a new bank
-  std::shared_ptr<const modal::StrikeMap> map;
-  modal::MaterialScale material;
-  modal::Dampers dampers;  // what lies on it
-  modal::ModeRange modes;  // those that it has
-  std::string group;       // empty: in none
-};
 
 class Rack {
  public:
@@ -69,28 +54,29 @@ class Rack {
   // Grows with every change. [any]
   [[nodiscard]] std::uint64_t version() const { return version_; }
 
-  // Tells `observer` from now on; until observe_no_more(), which must come while nothing happens. [main, before other
-  // threads use the rack]
+  // Reports to `observer` from now on, until stop_observing(), which must be called while nothing happens. [main,
+  // before other threads use the rack]
   void observe(Observer& observer) { observers_.push_back(&observer); }
-  void observe_no_more(Observer& observer) { std::erase(observers_, &observer); }
+  void stop_observing(Observer& observer) { std::erase(observers_, &observer); }
 
-  // Hands an event to the mixer and, if it has room, tells the observers. [the producer's thread]
+  // Hands an event to the mixer. If the mixer's queue has room, a gain or pan becomes the object's, and the event waits
+  // for report_events(). For other events than those two nothing is locked, unless kQueueCapacity wait. [the producer's
+  // thread]
   [[nodiscard]] bool push(synth::Producer producer, const synth::Event& event);
 
-  // Where the audio thread puts the events that it has pushed itself, for the observers. Those that find it full are
-  // heard but not told.
-  [[nodiscard]] SpscRing<synth::Event>& notes_played() { return notes_played_; }
+  // Where the audio thread puts the events that it has pushed to the mixer itself, for the observers. Events that find
+  // this ring full are heard but not reported.
+  [[nodiscard]] SpscRing<synth::Event>& notes_played() { return played_by(synth::Producer::midi); }
 
-  // Tells the observers of these; several times a second. [any but audio]
-  void tell_of_notes();
+  // Reports to the observers what was pushed since the last call; several times a second. [any but audio]
+  void report_events();
 
-  // Takes as long with one object as with kMaxObjects. [any but audio]
-  [[nodiscard]] Result<RackObject> find(const protocol::ObjectRef& object) const;
+  // The object as it is now. Neither locks nor allocates, unless there is none. [any but audio]
+  [[nodiscard]] Result<ObjectSnapshot> find(const protocol::ObjectRef& object) const;
 
-  // By name; the names as they are now, however many there are, without copying them. [any but audio]
-  using Names = std::vector<std::string>;
-  [[nodiscard]] std::vector<RackObject> objects() const;
-  [[nodiscard]] std::shared_ptr<const Names> names() const;
+  // All objects, and all names, in the order of the names. [any but audio]
+  [[nodiscard]] std::vector<ObjectSnapshot> objects() const { return objects_.all(); }
+  [[nodiscard]] std::shared_ptr<const ObjectTable::Names> names() const { return objects_.names(); }
 
   // A bank, ready to be struck; shared with every object that plays the same unchanged file. [worker]
   struct BankFile {
@@ -143,23 +129,27 @@ class Rack {
   void collect();
 
  private:
+  [[nodiscard]] SpscRing<synth::Event>& played_by(synth::Producer p) { return played_[static_cast<std::size_t>(p)]; }
   [[nodiscard]] Result<synth::ObjectNumber> free_number() const;
-  // Puts an object in the table, or its successor in its place. [worker]
-  void keep(RackObject object);
-  void list_names();
+  using Edit = std::function<void(ObjectState&)>;
+  // Replaces an object's snapshot and reports that to the observers; retune() gives it a voice of the same bank first.
+  // [worker]
+  void change(const ObjectState& object, const Edit& edit, synth::Frame at = 0);
+  [[nodiscard]] Result<void> retune(const ObjectState& object, const Edit& edit, synth::Frame at = 0);
+  void report(const ObjectState* before, const ObjectState* after, synth::Frame at);
   void note_change();
-  [[nodiscard]] Result<void> assign(const RackObject& object);
-  [[nodiscard]] Result<void> install(const RackObject& object, synth::Mixer::Install how, synth::Frame at = 0);
+  [[nodiscard]] Result<void> assign(const ObjectState& object);
+  [[nodiscard]] Result<void> install(const ObjectState& object, synth::Mixer::Install how, synth::Frame at = 0);
 
   synth::Mixer mixer_;
   FileRoots roots_;
   std::vector<Observer*> observers_;
-  SpscRing<synth::Event> notes_played_{synth::kQueueCapacity};
-  std::mutex notes_mutex_;    // held by the one who empties it
-  mutable std::mutex mutex_;  // guards the next three, which the worker alone changes
-  std::vector<std::optional<RackObject>> objects_ = std::vector<std::optional<RackObject>>(synth::kMaxObjects);
-  std::unordered_map<std::string, synth::ObjectNumber> numbers_;  // by name
-  std::shared_ptr<const Names> names_ = std::make_shared<const Names>();
+  // What each producer has pushed and the observers do not know of yet.
+  std::array<SpscRing<synth::Event>, static_cast<std::size_t>(synth::Producer::kCount)> played_{
+      SpscRing<synth::Event>(synth::kQueueCapacity), SpscRing<synth::Event>(synth::kQueueCapacity),
+      SpscRing<synth::Event>(synth::kQueueCapacity), SpscRing<synth::Event>(synth::kQueueCapacity)};
+  std::mutex reporting_;  // held by the one who empties them
+  ObjectTable objects_;
   std::function<void()> on_change_;
   std::function<void(const std::string&)> on_warning_;
   std::atomic<std::uint64_t> version_ = 0;
@@ -176,9 +166,5 @@ class Rack {
   std::map<std::string, KnownBank> banks_;  // worker: those in use, by file and its time
   std::int32_t last_bank_version_ = 0;      // worker
 };
-
-// The event of an immediate request (strike, gain, pan, clear of one object), for an object that find() returned.
-// Refuses a vertex or mode that its bank does not have. [any but audio]
-Result<synth::Event> event_for(const protocol::Request& request, const RackObject& object, synth::Frame frame);
 
 }  // namespace ringdown::session

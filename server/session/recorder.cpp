@@ -12,8 +12,31 @@ using synth::EventType;
 using synth::Frame;
 using wire::Message;
 
-protocol::SetGroup group_of(const RackObject& object) {
-  return {{.name = object.name}, object.group.empty() ? std::nullopt : std::optional(object.group)};
+// The requests that take an object from one state to another. One that was not there is loaded first, and so is one
+// that has another bank, which leaves it nothing but its group, gain and pan.
+std::vector<protocol::Request> requests_between(const ObjectState* before, const ObjectState& after) {
+  std::vector<protocol::Request> requests;
+  const protocol::ObjectRef ref{.name = after.name};
+  ObjectState from = before ? *before : ObjectState{};
+  if (!before || before->bank_version != after.bank_version) {
+    requests.emplace_back(protocol::LoadObject{after.name, after.bank.string()});
+    from = {.group = from.group, .gain = from.gain, .pan = from.pan};
+  }
+  if (after.material != from.material) requests.emplace_back(protocol::SetMaterial{ref, after.material});
+  if (after.modes != from.modes) requests.emplace_back(protocol::SelectModes{ref, after.modes});
+  modal::Dampers dampers = after.dampers;
+  for (const auto& [number, damper] : from.dampers) dampers.try_emplace(number);  // without damping: taken away
+  for (const auto& [number, damper] : dampers) {
+    const auto present = from.dampers.find(number);
+    if (present != from.dampers.end() && present->second == damper) continue;
+    requests.emplace_back(protocol::SetDamper{ref, damper, number});
+  }
+  if (after.group != from.group) {
+    requests.emplace_back(protocol::SetGroup{ref, after.group.empty() ? std::nullopt : std::optional(after.group)});
+  }
+  if (after.gain != from.gain) requests.emplace_back(protocol::SetGain{ref, after.gain, 0});
+  if (after.pan != from.pan) requests.emplace_back(protocol::SetPan{ref, after.pan});
+  return requests;
 }
 
 }  // namespace
@@ -21,6 +44,7 @@ protocol::SetGroup group_of(const RackObject& object) {
 Recorder::Recorder(Rack& rack, Write write) : rack_(rack), write_(std::move(write)) { rack.observe(*this); }
 
 Result<void> Recorder::start(const std::filesystem::path& path, Frame frame) {
+  rack_.report_events();  // those do not belong to the recording
   const std::scoped_lock lock(mutex_);
   if (records_)
     return fail(ErrorKind::refused, "path: " + path_.string() + " is being recorded already; end it with /record/stop");
@@ -29,32 +53,14 @@ Result<void> Recorder::start(const std::filesystem::path& path, Frame frame) {
   left_out_ = 0;
   entries_.clear();
   records_ = true;
-  add_present_state();
+  for (const ObjectSnapshot& object : rack_.objects()) {
+    for (const auto& request : requests_between(nullptr, *object)) add(first_, protocol::format(request));
+  }
   return {};
 }
 
-void Recorder::add_present_state() {
-  for (const RackObject& object : rack_.objects()) {
-    const protocol::ObjectRef ref{.name = object.name};
-    const GainAndPan& level = levels_[object.number].now;
-    add(first_, protocol::format(protocol::LoadObject{object.name, object.bank->string()}));
-    if (object.material != modal::MaterialScale{}) {
-      add(first_, protocol::format(protocol::SetMaterial{ref, object.material}));
-    }
-    if (object.modes != modal::ModeRange{}) {
-      add(first_, protocol::format(protocol::SelectModes{ref, object.modes}));
-    }
-    for (const auto& [number, damper] : object.dampers) {
-      add(first_, protocol::format(protocol::SetDamper{ref, damper, number}));
-    }
-    if (!object.group.empty()) add(first_, protocol::format(group_of(object)));
-    if (level.gain != 1) add(first_, protocol::format(protocol::SetGain{ref, level.gain, 0}));
-    if (level.pan != 0) add(first_, protocol::format(protocol::SetPan{ref, level.pan}));
-  }
-}
-
 Result<std::size_t> Recorder::stop(Frame frame) {
-  rack_.tell_of_notes();
+  rack_.report_events();
   std::vector<wire::ScoreEvent> score;
   std::size_t left_out = 0;
   {
@@ -92,63 +98,27 @@ std::size_t Recorder::left_out() const {
   return left_out_;
 }
 
-Recorder::GainAndPan Recorder::level(synth::ObjectNumber object) const {
-  const std::scoped_lock lock(mutex_);
-  return levels_[object].now;
-}
-
 Message Recorder::message_of(const Entry& entry) const {
   if (const auto* message = std::get_if<Message>(&entry.what)) return *message;
   const auto& [event, name] = std::get<Played>(entry.what);
-  return protocol::format(protocol::request_for(event, {.name = *name}));
+  return protocol::format(protocol::request_for(event, {.name = name}));
 }
 
 void Recorder::played(const Event& event) {
-  const bool is_level = event.type == EventType::gain || event.type == EventType::pan;
-  if (!records_ && !is_level) return;
+  if (!records_) return;
+  const auto object = rack_.find({.number = event.object});
+  if (!object) return;  // it was freed in this moment
   const std::scoped_lock lock(mutex_);
-  Level& level = levels_[event.object];
-  if (event.type == EventType::gain) level.now.gain = event.value;
-  if (event.type == EventType::pan) level.now.pan = event.value;
-  if (records_ && level.name) add(event.frame, Played{event, level.name});
+  if (records_) add(event.frame, Played{event, (*object)->name});
 }
 
-void Recorder::loaded(const RackObject& object) {
+void Recorder::changed(const ObjectState* before, const ObjectState* after, Frame at) {
+  rack_.report_events();  // those came before
   const std::scoped_lock lock(mutex_);
-  Level& level = levels_[object.number];
-  if (!level.name || *level.name != object.name) level = {.name = std::make_shared<const std::string>(object.name)};
-  add_change(protocol::LoadObject{object.name, object.bank->string()});
-}
-
-void Recorder::retuned(const RackObject& object) {
-  const std::scoped_lock lock(mutex_);
-  add_change(protocol::SetMaterial{{.name = object.name}, object.material});
-}
-
-void Recorder::selected(const RackObject& object) {
-  const std::scoped_lock lock(mutex_);
-  add_change(protocol::SelectModes{{.name = object.name}, object.modes});
-}
-
-void Recorder::held(const RackObject& object, const modal::Dampers& changed, Frame at) {
-  const std::scoped_lock lock(mutex_);
-  for (const auto& [number, damper] : changed)
-    add_change(protocol::SetDamper{{.name = object.name}, damper, number}, at);
-}
-
-void Recorder::regrouped(const RackObject& object) {
-  const std::scoped_lock lock(mutex_);
-  add_change(group_of(object));
-}
-
-void Recorder::freed(const RackObject& object) {
-  const std::scoped_lock lock(mutex_);
-  add_change(protocol::FreeObject{{.name = object.name}});
-  levels_[object.number] = {};
-}
-
-void Recorder::add_change(const protocol::Request& request, Frame at) {
-  if (records_) add(std::max(at, rack_.mixer().counters().frames.load()), protocol::format(request));
+  if (!records_) return;
+  const Frame frame = std::max(at, rack_.mixer().counters().frames.load());
+  if (!after) return add(frame, protocol::format(protocol::FreeObject{{.name = before->name}}));
+  for (const auto& request : requests_between(before, *after)) add(frame, protocol::format(request));
 }
 
 }  // namespace ringdown::session

@@ -12,11 +12,9 @@
 #include "server/session/observer.h"
 #include "server/session/rack.h"
 
-#include <array>
 #include <atomic>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -47,37 +45,19 @@ class Recorder final : public Observer {
   // Events beyond kMaxRecorded since it started. [any but audio]
   [[nodiscard]] std::size_t left_out() const;
 
-  // The last gain and pan that an object was given. [any but audio]
-  struct GainAndPan {
-    double gain = 1, pan = 0;
-  };
-  [[nodiscard]] GainAndPan level(synth::ObjectNumber object) const;
-
   void played(const synth::Event& event) override;
-  void loaded(const RackObject& object) override;
-  void retuned(const RackObject& object) override;
-  void selected(const RackObject& object) override;
-  void held(const RackObject& object, const modal::Dampers& changed, synth::Frame at) override;
-  void regrouped(const RackObject& object) override;
-  void freed(const RackObject& object) override;
+  void changed(const ObjectState* before, const ObjectState* after, synth::Frame at) override;
 
  private:
   struct Played {
     synth::Event event;
-    std::shared_ptr<const std::string> name;
+    std::string name;  // of its object
   };
   struct Entry {
     synth::Frame frame;
     std::variant<Played, wire::Message> what;
   };
-  // What is not in the rack: the last gain and pan of an object.
-  struct Level {
-    std::shared_ptr<const std::string> name;
-    GainAndPan now;
-  };
   void add(synth::Frame frame, std::variant<Played, wire::Message> what);
-  void add_change(const protocol::Request& request, synth::Frame at = 0);
-  void add_present_state();
   [[nodiscard]] wire::Message message_of(const Entry& entry) const;
 
   Rack& rack_;
@@ -88,7 +68,6 @@ class Recorder final : public Observer {
   synth::Frame first_ = 0;
   std::size_t left_out_ = 0;
   std::vector<Entry> entries_;
-  std::array<Level, synth::kMaxObjects> levels_{};
 };
 
 }  // namespace ringdown::session

@@ -15,7 +15,7 @@ using synth::Event;
 using synth::EventType;
 using synth::Frame;
 
-scene::SoundingObject as_sounding(const RackObject& object) {
+scene::SoundingObject as_sounding(const ObjectState& object) {
   return {object.name, object.number, {object.map, &object.map->bank()}};
 }
 
@@ -57,7 +57,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
                   path.string() + ": too many objects at once; wait for those before to be taken up");
   }
   std::vector<scene::SoundingObject> objects;
-  for (const RackObject& object : rack_.objects()) objects.push_back(as_sounding(object));
+  for (const ObjectSnapshot& object : rack_.objects()) objects.push_back(as_sounding(*object));
   auto world = scene::World::create(*description, objects, mixer.sample_rate_hz());
   if (!world) return fail(world.error().kind, path.string() + ": " + world.error().message);
 
@@ -92,7 +92,7 @@ Result<scene::BodyId> ScenePlayer::spawn(const std::optional<protocol::ObjectRef
   if (object) {
     const auto known = rack_.find(*object);
     if (!known) return fail(known.error());
-    body.object = known->name;
+    body.object = (*known)->name;
   }
   const std::scoped_lock lock(mutex_);
   if (!world_) return no_scene();
@@ -156,7 +156,7 @@ std::optional<ScenePlayer::Playing> ScenePlayer::playing() const {
   return world_ ? std::optional(playing_) : std::nullopt;
 }
 
-Result<void> ScenePlayer::object_changed(const RackObject& object) {
+Result<void> ScenePlayer::object_changed(const ObjectState& object) {
   const std::scoped_lock lock(mutex_);
   if (!world_) return {};
   ++version_;

@@ -50,7 +50,7 @@ class ScenePlayer {
   Result<void> push(scene::BodyId body, Vec3 impulse_ns);            // at its centre of mass, the scene's axes [worker]
 
   // An object of the rack has a new bank, or has gone; bodies that play it follow. [worker]
-  Result<void> object_changed(const RackObject& object);
+  Result<void> object_changed(const ObjectState& object);
   void object_freed(synth::ObjectNumber number);
 
   // Steps the world until its time has passed `frame`. When it is more than `slack` frames behind, it skips the

@@ -1,11 +1,11 @@
 // What requests do, without sockets, threads or clocks: the part that the daemon and `ringdown render` share.
 //
-// play() answers requests that only make events, perform() those that load, free or change the scene. In the daemon the
-// two run on different threads; offline, one thread calls both between blocks.
+// play() takes the mixer's lane (protocol/lanes.h), perform() the worker's lanes. In the daemon the two run on
+// different threads; offline, one thread calls both between blocks.
 #pragma once
 
 #include "engine/base/result.h"
-#include "protocol/request.h"
+#include "protocol/lanes.h"
 #include "server/session/rack.h"
 #include "server/session/scene_player.h"
 #include "server/session/strike_merger.h"
@@ -34,29 +34,27 @@ class Session {
   [[nodiscard]] const ScenePlayer& scene() const { return scene_; }
   [[nodiscard]] double sample_rate_hz() const { return rack_.mixer().sample_rate_hz(); }
 
-  // Whether play() takes it: strikes, one or many, ring, gain, pan and clear.
-  [[nodiscard]] static bool is_event(const protocol::Request& request);
+  // Sends a request to the mixer as events, to happen at `frame`. An error names the argument. [control]
+  Result<void> play(const protocol::MixerRequest& request, synth::Frame frame);
 
-  // Sends an event request to the mixer, to happen at `frame`. An error names the argument. [control]
-  Result<void> play(const protocol::Request& request, synth::Frame frame);
-
-  // Whether play() would take it now, queues aside. [any but audio]
-  [[nodiscard]] Result<void> check(const protocol::Request& request, synth::Frame frame) const;
+  // Whether play() or perform() would take it now, queues aside. [control]
+  [[nodiscard]] Result<void> check(const protocol::MixerRequest& request, synth::Frame frame);
+  [[nodiscard]] Result<void> check(const protocol::TimedWorkerRequest& request, synth::Frame frame);
 
   // Counts `events` that could not be taken, and says so: "dropped, because ...". [any]
   [[nodiscard]] tl::unexpected<Error> drop(std::size_t events, const std::string& because);
 
-  // Carries out a request that is neither an event nor about the daemon itself (/load, /object/.../material, modes,
-  // group and free, /scene/..., /test_tone). A scene loaded now starts at `frame`. Returns the number for the answer,
-  // if there is one. [worker]
-  Result<std::optional<std::int32_t>> perform(const protocol::Request& request, synth::Frame frame);
+  // Carries out what changes objects or the scene. A scene loaded now starts at `frame`, and what happens at a time of
+  // its own happens then. Returns the number for the answer, if there is one. [worker]
+  Result<std::optional<std::int32_t>> perform(const protocol::WorkerRequest& request, synth::Frame frame);
+  Result<std::optional<std::int32_t>> perform(const protocol::TimedWorkerRequest& request, synth::Frame frame);
 
   // In a flood, strikes within `seconds` of each other on the same point of an object become one (strike_merger.h).
   // 0, as in the beginning, merges none. [before anything is played]
   void merge_within(double seconds) { merger_ = StrikeMerger(std::llround(seconds * sample_rate_hz())); }
 
-  // Whether strikes are held back, and handing them over: soon after the last play(). [control]
-  [[nodiscard]] bool holds() const { return !merger_.held().empty(); }
+  // Whether the merger holds strikes back, and handing those to the mixer, soon after the last play(). [control]
+  [[nodiscard]] bool holds_strikes() const { return !merger_.held().empty(); }
   void flush();
 
   // Retunes what rings and what is to come. [any thread, while nothing is rendered]
@@ -69,8 +67,7 @@ class Session {
   [[nodiscard]] std::uint64_t merged() const { return merged_; }
 
  private:
-  [[nodiscard]] Result<std::vector<synth::Event>> events_of(const protocol::Request& request, synth::Frame frame) const;
-  [[nodiscard]] Result<std::vector<synth::Event>> events_of(const protocol::StrikeMany& bulk, synth::Frame frame) const;
+  [[nodiscard]] Result<void> check_frame(synth::Frame frame) const;
   [[nodiscard]] std::size_t push(const synth::Event& event);
   Result<synth::ObjectNumber> load_object(const protocol::LoadObject& load);
   Result<void> free_object(const protocol::FreeObject& request);
@@ -78,6 +75,7 @@ class Session {
   Rack rack_;
   ScenePlayer scene_;
   StrikeMerger merger_{0};
+  std::vector<synth::Event> events_;  // control: of the request at hand
   std::atomic<std::uint64_t> dropped_ = 0, merged_ = 0;
 };
 

@@ -5,7 +5,6 @@
 #include "engine/base/toml_table.h"
 #include "protocol/names.h"
 #include "server/session/file_roots.h"
-#include "server/session/recorder.h"
 #include "server/session/session.h"
 
 #include <array>
@@ -149,26 +148,25 @@ Result<void> write_state(const State& state, const std::filesystem::path& path) 
   return write_file_atomically(path, to_toml(state));
 }
 
-State state_of(const Session& session, const Recorder& recorder) {
+State state_of(const Session& session) {
   const Rack& rack = session.rack();
   State state;
   std::error_code ignored;
-  for (const RackObject& object : rack.objects()) {
-    const auto [gain, pan] = recorder.level(object.number);
-    const auto scenes = object.dampers.lower_bound(modal::kFirstSceneDamper);
-    state.objects.push_back({object.name,
-                             std::filesystem::absolute(*object.bank, ignored),
-                             gain,
-                             pan,
-                             object.group,
-                             object.material,
-                             object.modes,
-                             {object.dampers.begin(), scenes}});
+  for (const ObjectSnapshot& object : rack.objects()) {
+    const auto scenes = object->dampers.lower_bound(modal::kFirstSceneDamper);
+    state.objects.push_back({object->name,
+                             std::filesystem::absolute(object->bank, ignored),
+                             object->gain,
+                             object->pan,
+                             object->group,
+                             object->material,
+                             object->modes,
+                             {object->dampers.begin(), scenes}});
   }
   for (std::size_t input = 0; input < rack.excitations().size(); ++input) {
     const auto& excitation = rack.excitations()[input];
     const auto object = excitation ? rack.find({.number = excitation->object}) : fail(ErrorKind::bad_input, "");
-    if (object) state.inputs.push_back({input + 1, object->name, excitation->point_m, excitation->force_n});
+    if (object) state.inputs.push_back({input + 1, (*object)->name, excitation->point_m, excitation->force_n});
   }
   if (const auto playing = session.scene().playing()) {
     state.scene = {std::filesystem::absolute(playing->file, ignored), playing->paused, playing->cleared};
@@ -204,13 +202,13 @@ Result<void> restore_object(const State::Object& object, Session& session, synth
   const auto number = session.perform(protocol::LoadObject{object.name, object.bank.string()}, from);
   if (!number) return fail(number.error());
   if (const auto set = rack.set_group(ref, object.group); !set) return set;
-  if (object.material != rack.find(ref)->material) {
+  if (object.material != (*rack.find(ref))->material) {
     if (const auto set = rack.set_material(ref, object.material); !set) return set;
   }
   if (object.modes != modal::ModeRange{}) {
     if (const auto set = rack.select_modes(ref, object.modes); !set) return set;
   }
-  if (const auto held = rack.set_dampers(ref, damper_changes(object.dampers, rack.find(ref)->dampers)); !held)
+  if (const auto held = rack.set_dampers(ref, damper_changes(object.dampers, (*rack.find(ref))->dampers)); !held)
     return held;
   const synth::Frame now = rack.mixer().counters().frames;
   for (const auto& [type, value] : {std::pair(EventType::gain, object.gain), std::pair(EventType::pan, object.pan)}) {

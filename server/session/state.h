@@ -46,7 +46,6 @@
 
 namespace ringdown::session {
 
-class Recorder;
 class Session;
 
 struct State {
@@ -80,8 +79,8 @@ Result<State> parse_state(std::string_view text, const std::filesystem::path& pa
 std::string to_toml(const State& state);
 Result<void> write_state(const State& state, const std::filesystem::path& path);
 
-// As they are now; `recorder` knows gains and pans. Banks get absolute paths.
-State state_of(const Session& session, const Recorder& recorder);
+// As it is now. Banks get absolute paths.
+State state_of(const Session& session);
 
 // Loads all that the state names; other objects stay, another scene does not. The scene starts at `frame`. Stops at the
 // first thing that cannot be.

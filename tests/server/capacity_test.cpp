@@ -80,7 +80,7 @@ TEST_F(CapacityTest, ARecordingKeepsSoManyEventsAndSaysWhatItLeftOut) {
   for (const std::size_t more : {0u, 1u}) {
     const auto score = folder_ / "full.osc";
     ASSERT_TRUE(recorder_.start(score, 0));  // which names the object: one event
-    const synth::Event strike{.frame = 5, .object = session_.rack().find({.name = "bell"})->number};
+    const synth::Event strike{.frame = 5, .object = (*session_.rack().find({.name = "bell"}))->number};
     for (std::size_t i = 1; i < session::kMaxRecorded + more; ++i) recorder_.played(strike);
     EXPECT_EQ(recorder_.left_out(), more);
     const auto written = recorder_.stop(10);
@@ -152,7 +152,7 @@ TEST_F(CapacityTest, ANoticeTellsTheLastContacts) {
     return found;
   };
   contacts();  // the first notice comes at once, the next after two seconds
-  const auto number = session_.rack().find({.name = "bell"})->number;
+  const auto number = (*session_.rack().find({.name = "bell"}))->number;
   for (std::size_t i = 0; i <= kMaxContactsPerNotice; ++i) {
     ASSERT_TRUE(
         session_.rack().push(synth::Producer::worker,

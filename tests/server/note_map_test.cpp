@@ -27,9 +27,13 @@ class NoteMapTest : public testing::Test {
   std::filesystem::path path_ = folder_ / "notes.toml";
 };
 
-RackObject object(const std::string& name, synth::ObjectNumber number, modal::Bank bank) {
+ObjectState object(const std::string& name, synth::ObjectNumber number, modal::Bank bank) {
   return {
       .name = name, .number = number, .map = std::make_shared<const modal::StrikeMap>(test::shared(std::move(bank)))};
+}
+
+ObjectSnapshot snapshot(const std::string& name, synth::ObjectNumber number) {
+  return std::make_shared<const ObjectState>(object(name, number, test::bar_bank(5)));
 }
 
 TEST_F(NoteMapTest, WhatTheFileSaysIsWhatIsStruck) {
@@ -41,7 +45,7 @@ TEST_F(NoteMapTest, WhatTheFileSaysIsWhatIsStruck) {
       "release_s = 0.3\ndamp_s = 0.2\n[[note]]\nnote = 40\nobject = 'bar'\npoint_m = [0.1, 0, 0]\n"
       "impulse_ns = [0, 0, -0.5]\ncontact_time_s = 0.001\n[[note]]\nnote = 41\nobject = 'later'\n");
   ASSERT_TRUE(good) << good.error().message;
-  const NoteTable table = resolve(*good, {object("bar", 7, test::bar_bank(5))});
+  const NoteTable table = resolve(*good, {snapshot("bar", 7)});
   ASSERT_TRUE(table.notes[40]);
   EXPECT_EQ(table.notes[40]->object, 7u);
   EXPECT_EQ(table.notes[40]->point_m.x, 0.1);
@@ -71,7 +75,7 @@ TEST_F(NoteMapTest, EveryFaultIsASentenceWithItsLine) {
 }
 
 TEST_F(NoteMapTest, AnObjectOfAnotherSizeIsStruckWhereThatPointHasCome) {
-  RackObject bar = object("bar", 0, test::bar_bank(5));
+  ObjectState bar = object("bar", 0, test::bar_bank(5));
   const NoteTable::Strike one = best_strike(bar);
   bar.material = {.density = 3, .size = 2};
   const NoteTable::Strike large = best_strike(bar);
@@ -80,8 +84,7 @@ TEST_F(NoteMapTest, AnObjectOfAnotherSizeIsStruckWhereThatPointHasCome) {
 }
 
 TEST_F(NoteMapTest, WithoutAMapTheObjectsLieInARowFromMiddleC) {
-  const NoteTable table =
-      resolve(std::nullopt, {object("second", 3, test::bar_bank(5)), object("first", 1, test::bar_bank(5))});
+  const NoteTable table = resolve(std::nullopt, {snapshot("second", 3), snapshot("first", 1)});
   ASSERT_TRUE(table.notes[60] && table.notes[61]);
   EXPECT_EQ(table.notes[60]->object, 1u);
   EXPECT_EQ(table.notes[61]->object, 3u);
@@ -90,8 +93,8 @@ TEST_F(NoteMapTest, WithoutAMapTheObjectsLieInARowFromMiddleC) {
 }
 
 TEST_F(NoteMapTest, ABarIsStruckAtAnEndWhereAllItsModesMove) {
-  const RackObject bar = object("bar", 0, test::bar_bank(5));
-  const NoteTable table = resolve(std::nullopt, {bar});
+  const ObjectState bar = object("bar", 0, test::bar_bank(5));
+  const NoteTable table = resolve(std::nullopt, {std::make_shared<const ObjectState>(bar)});
   ASSERT_TRUE(table.notes[60]);
   const auto& strike = *table.notes[60];
   const auto& positions = bar.map->bank().positions;

@@ -227,7 +227,7 @@ TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {
   send({"/object/bell/clear", {0.5f}});
   sync();
   const auto now = static_cast<Frame>(driver_.frame_of(unix_now_s()));
-  const std::uint32_t number = session_.rack().find({.name = "bell"})->number;
+  const std::uint32_t number = (*session_.rack().find({.name = "bell"}))->number;
   // What the audio thread does with a note.
   ASSERT_TRUE(session_.rack().notes_played().push(
       {.frame = now, .object = number, .point_m = {3, 2, 1}, .impulse_ns = {0, 0, 0.25}, .contact_time_s = 0.001}));

@@ -2,9 +2,7 @@
 #include "server/session/state.h"
 
 #include "engine/modal/bank_file.h"
-#include "protocol/wire/score.h"
 #include "server/session/file_roots.h"
-#include "server/session/recorder.h"
 #include "server/session/session.h"
 #include "tests/support/signal.h"
 #include "tests/support/synthetic_bank.h"
@@ -38,7 +36,6 @@ class StateTest : public testing::Test {
 
 struct Daemon {
   session::Session session{48000};
-  session::Recorder recorder{session.rack(), wire::write_score};
 };
 
 TEST_F(StateTest, WhatWasSavedComesBackInAnotherDaemon) {
@@ -60,7 +57,7 @@ density_kg_m3 = 1000
 position_m = [0, 0, 1]
 )";
   Daemon one, other;
-  const auto perform = [&](const protocol::Request& request) { ASSERT_TRUE(one.session.perform(request, 0)); };
+  const auto perform = [&](const auto& request) { ASSERT_TRUE(one.session.perform(request, 0)); };
   perform(protocol::SceneLoad{(folder_ / "fall.toml").string()});
   perform(protocol::ScenePause{true});
   perform(protocol::LoadObject{"plain", bank_.string()});
@@ -73,21 +70,22 @@ position_m = [0, 0, 1]
   ASSERT_TRUE(one.session.play(protocol::SetPan{{.name = "bell"}, -0.3}, 0));
 
   const auto file = folder_ / "state.toml";
-  ASSERT_TRUE(session::write_state(session::state_of(one.session, one.recorder), file));
+  ASSERT_TRUE(session::write_state(session::state_of(one.session), file));
   EXPECT_TRUE(session::FileRoots().writable(file, session::kStateKind)) << "a state may replace a state";
   const auto state = session::read_state(file);
   ASSERT_TRUE(state) << state.error().message;
   const auto restored = restore(*state, other.session, 48000);
   ASSERT_TRUE(restored) << restored.error().message;
 
-  const auto bell = other.session.rack().find({.name = "bell"});
-  ASSERT_TRUE(bell);
-  EXPECT_EQ(*bell->bank, folder_ / "b.glb");
+  const auto found = other.session.rack().find({.name = "bell"});
+  ASSERT_TRUE(found);
+  const session::ObjectState* const bell = found->get();
+  EXPECT_EQ(bell->bank, folder_ / "b.glb");
   EXPECT_EQ(bell->group, "metal");
   EXPECT_EQ(bell->material, (modal::MaterialScale{1, 0.1, 2, 1.0 / 3, 0.7}));
   EXPECT_EQ(bell->dampers, (modal::Dampers{{3, {{0.1, 0, 0}, {0, 0, 1}, 5}}}));
-  EXPECT_EQ(other.recorder.level(bell->number).gain, 0.7);
-  EXPECT_EQ(other.recorder.level(bell->number).pan, -0.3);
+  EXPECT_EQ(bell->gain, 0.7);
+  EXPECT_EQ(bell->pan, -0.3);
   const auto& input = other.session.rack().excitations()[2];
   ASSERT_TRUE(input);
   EXPECT_EQ(input->object, bell->number);
@@ -100,10 +98,10 @@ position_m = [0, 0, 1]
   EXPECT_EQ(other.session.scene().body_count(), 1u);
   const auto plain = other.session.rack().find({.name = "plain"});
   ASSERT_TRUE(plain);
-  EXPECT_EQ(*plain->bank, bank_);
-  EXPECT_EQ(plain->material, modal::MaterialScale{});
-  EXPECT_EQ(plain->group, "");
-  EXPECT_EQ(session::to_toml(session::state_of(other.session, other.recorder)), session::to_toml(*state))
+  EXPECT_EQ((*plain)->bank, bank_);
+  EXPECT_EQ((*plain)->material, modal::MaterialScale{});
+  EXPECT_EQ((*plain)->group, "");
+  EXPECT_EQ(session::to_toml(session::state_of(other.session)), session::to_toml(*state))
       << "saved again, it is the same";
 }
 
@@ -137,7 +135,7 @@ TEST_F(StateTest, AClearedSceneStaysCleared) {
   ASSERT_TRUE(one.session.perform(protocol::SceneLoad{(folder_ / "ball.toml").string()}, 0));
   ASSERT_EQ(one.session.scene().body_count(), 1u);
   ASSERT_TRUE(one.session.perform(protocol::SceneClear{}, 0));
-  ASSERT_TRUE(restore(session::state_of(one.session, one.recorder), other.session, 0));
+  ASSERT_TRUE(restore(session::state_of(one.session), other.session, 0));
   EXPECT_TRUE(other.session.scene().playing());
   EXPECT_EQ(other.session.scene().body_count(), 0u);
 }

@@ -111,7 +111,7 @@ TEST_F(WatchTest, ScoresAndStatesKeepTheChoiceAndWhatWasRung) {
   EXPECT_EQ(state->objects[0].modes, (modal::ModeRange{10, 1}));
   session::Session other(kRate);
   ASSERT_TRUE(restore(*state, other, 0));
-  EXPECT_EQ(other.rack().find({.name = "bell"})->modes, (modal::ModeRange{10, 1}));
+  EXPECT_EQ((*other.rack().find({.name = "bell"}))->modes, (modal::ModeRange{10, 1}));
 }
 
 TEST_F(WatchTest, OnlySubscribersWatch) {

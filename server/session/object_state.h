@@ -1,0 +1,39 @@
+// What a rack knows of one object. [any thread]
+#pragma once
+
+#include "engine/base/content_hash.h"
+#include "engine/modal/damper.h"
+#include "engine/modal/material_scale.h"
+#include "engine/modal/mode_range.h"
+#include "engine/modal/strike_map.h"
+#include "engine/synth/event.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace ringdown::session {
+
+// Immutable once published (object_table.h): a change replaces it whole.
+struct ObjectState {
+  std::string name;
+  synth::ObjectNumber number = 0;
+  std::filesystem::path bank;     // the file that the map was read from
+  std::size_t bank_bytes = 0;     // the size of that file
+  ContentHash bank_content;       // of that file
+  std::int32_t bank_version = 0;  // grows when the object gets a new bank
+  std::shared_ptr<const modal::StrikeMap> map;
+  modal::MaterialScale material;
+  modal::Dampers dampers;  // what lies on it
+  modal::ModeRange modes;  // those that it has
+  std::string group;       // empty: in none
+  double gain = 1;         // as set last, even if its frame is still to come
+  double pan = 0;          // likewise: -1 left ... +1 right
+};
+
+// An object at one moment. It stays valid for whoever holds it, and so does its bank, whatever is loaded later.
+using ObjectSnapshot = std::shared_ptr<const ObjectState>;
+
+}  // namespace ringdown::session

@@ -1,0 +1,117 @@
+#include "server/session/request_events.h"
+
+#include "protocol/bulk.h"
+
+#include <cmath>
+#include <string>
+
+namespace ringdown::session {
+namespace {
+
+using synth::Event;
+using synth::EventType;
+
+tl::unexpected<Error> not_one_of(const char* argument, std::size_t number, std::size_t count, const char* what,
+                                 const ObjectState& object) {
+  return fail(ErrorKind::bad_input, std::string(argument) + ": " + std::to_string(number) + " is not one of the " +
+                                        std::to_string(count) + " " + what + " of \"" + object.name +
+                                        "\", which are numbered from 0");
+}
+
+struct AppendEvents {
+  const Rack& rack;
+  synth::Frame frame;
+  std::vector<Event>& events;
+
+  Result<void> operator()(const protocol::Strike& strike) const {
+    return append(strike.object, {.type = EventType::strike,
+                                  .point_m = strike.point_m,
+                                  .impulse_ns = strike.impulse_ns,
+                                  .contact_time_s = strike.contact_time_s});
+  }
+
+  Result<void> operator()(const protocol::StrikeVertex& strike) const {
+    const auto object = rack.find(strike.object);
+    if (!object) return fail(object.error());
+    const std::size_t points = (*object)->map->bank().point_count();
+    if (strike.vertex >= points) return not_one_of("vertex", strike.vertex, points, "sample points", **object);
+    return append(**object, {.type = EventType::strike_vertex,
+                             .vertex = strike.vertex,
+                             .impulse_ns = strike.impulse_ns,
+                             .contact_time_s = strike.contact_time_s});
+  }
+
+  Result<void> operator()(const protocol::StrikeMany& bulk) const {
+    const auto strikes = protocol::decode_strikes(bulk.records);
+    if (!strikes) return fail(strikes.error());
+    for (std::size_t i = 0; i < strikes->size(); ++i) {
+      const protocol::BulkStrike& one = (*strikes)[i];
+      const protocol::ObjectRef object{.number = one.object};
+      const auto delay = static_cast<synth::Frame>(std::llround(one.delay_s * rack.mixer().sample_rate_hz()));
+      const AppendEvents later{rack, frame + delay, events};
+      const auto done = one.vertex
+                            ? later(protocol::StrikeVertex{object, *one.vertex, one.impulse_ns, one.contact_time_s})
+                            : later(protocol::Strike{object, one.point_m, one.impulse_ns, one.contact_time_s});
+      if (!done) return fail(done.error().kind, "record " + std::to_string(i + 1) + " " + done.error().message);
+    }
+    return {};
+  }
+
+  Result<void> operator()(const protocol::SetGain& set) const {
+    return append(set.object, {.type = EventType::gain, .value = set.gain, .ramp_s = set.ramp_s});
+  }
+
+  Result<void> operator()(const protocol::SetPan& set) const {
+    return append(set.object, {.type = EventType::pan, .value = set.pan});
+  }
+
+  Result<void> operator()(const protocol::RingModes& ring) const {
+    const auto object = rack.find(ring.object);
+    if (!object) return fail(object.error());
+    const std::size_t modes = (*object)->map->bank().mode_count();
+    if (ring.first >= modes) return not_one_of("first", ring.first, modes, "modes", **object);
+    return append(**object,
+                  {.type = EventType::ring, .vertex = ring.first, .count = ring.count, .value = ring.amplitude});
+  }
+
+  Result<void> operator()(const protocol::ClearObject& clear) const {
+    return append(clear.object, {.type = EventType::clear, .ramp_s = clear.ramp_s});
+  }
+
+  Result<void> operator()(const protocol::SetContact& set) const {
+    return append(set.object, {.type = EventType::contact, .point_m = set.point_m, .contact = set.contact});
+  }
+
+  Result<void> operator()(const protocol::Click& click) const {
+    return append(click.object,
+                  {.type = EventType::click, .impulse_ns = click.impulse_ns, .contact_time_s = click.contact_time_s});
+  }
+
+  Result<void> operator()(const protocol::ClearAll&) const {
+    for (const ObjectSnapshot& object : rack.objects()) static_cast<void>(append(*object, {.type = EventType::clear}));
+    return {};
+  }
+
+ private:
+  Result<void> append(const protocol::ObjectRef& ref, const Event& event) const {
+    const auto object = rack.find(ref);
+    if (!object) return fail(object.error());
+    return append(**object, event);
+  }
+
+  Result<void> append(const ObjectState& object, Event event) const {
+    event.frame = frame;
+    event.object = object.number;
+    events.push_back(event);
+    return {};
+  }
+};
+
+}  // namespace
+
+Result<void> append_events(const protocol::MixerRequest& request, const Rack& rack, synth::Frame frame,
+                           std::vector<Event>& events) {
+  return std::visit(AppendEvents{rack, frame, events}, request);
+}
+
+}  // namespace ringdown::session

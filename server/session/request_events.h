@@ -1,0 +1,19 @@
+// Requests of the mixer's lane as the mixer's events.
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/synth/event.h"
+#include "protocol/lanes.h"
+#include "server/session/rack.h"
+
+#include <vector>
+
+namespace ringdown::session {
+
+// Appends the events of `request` at `frame` to `events`: one, or for requests that concern many strikes or all objects
+// as many. Refuses objects that are not there and vertices and modes that a bank does not have; `events` may then have
+// some of them. [any but audio]
+Result<void> append_events(const protocol::MixerRequest& request, const Rack& rack, synth::Frame frame,
+                           std::vector<synth::Event>& events);
+
+}  // namespace ringdown::session
