@@ -13,7 +13,7 @@ namespace {
 
 class FuzzCorpus : public testing::TestWithParam<Target> {};
 
-TEST_P(FuzzCorpus, IsReadWithoutHarm) {
+TEST_P(FuzzCorpus, TheFuzzCorpusIsReadWithoutHarm) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(
            std::filesystem::path(RINGDOWN_SOURCE_DIR "/tests/fuzz/corpus") / GetParam().name)) {

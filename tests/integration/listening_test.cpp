@@ -48,13 +48,13 @@ std::multiset<std::string> addresses(const std::vector<std::string>& options) {
   return addresses_of(daemon.process().id());
 }
 
-TEST(Listening, ByDefaultOnlyOnLoopback) { EXPECT_EQ(addresses({}), std::multiset<std::string>{kLoopback}); }
+TEST(Listening, TheDaemonListensOnLoopbackOnly) { EXPECT_EQ(addresses({}), std::multiset<std::string>{kLoopback}); }
 
-TEST(Listening, WithEveryDoorOpenStillOnlyOnLoopback) {
+TEST(Listening, TheDaemonWithEveryDoorOpenListensOnLoopbackOnly) {
   EXPECT_EQ(addresses({"--tcp", "0", "--query", "0"}), (std::multiset<std::string>{kLoopback, kLoopback, kLoopback}));
 }
 
-TEST(Listening, ElsewhereWhenAsked) {
+TEST(Listening, TheDaemonListensElsewhereWhenAsked) {
   EXPECT_TRUE(addresses({"--address", "0.0.0.0"}).contains("00000000")) << "or the tests above could not fail";
 }
 

@@ -92,7 +92,7 @@ TEST_F(RenderTest, EveryRecordOfABulkIsHeardWithinASampleOfItsDelay) {
 // Two processes, the same file to the last bit.
 class PresetScene : public testing::TestWithParam<std::filesystem::path> {};
 
-TEST_P(PresetScene, IsRenderedTheSameEachTime) {
+TEST_P(PresetScene, APresetSceneIsRenderedTheSameEachTime) {
   TemporaryFolder folder;
   std::array<std::string, 2> bytes;
   for (std::string& all : bytes) {

@@ -25,7 +25,7 @@ std::size_t step(ContactLives& lives, const std::optional<Touching>& touching, d
   return tellings.size();
 }
 
-TEST(Blows, OneAtTheBeginningAndNoneWhileItChatters) {
+TEST(Blows, AContactIsOneBlowAtItsBeginningAndNoneWhileItChatters) {
   ContactLives lives(kRepeat_s, kStep_s);
   EXPECT_TRUE(lives.strikes(kPair, 1, 0));
   EXPECT_TRUE(lives.strikes({1, 3}, 1, 0.004)) << "another pair";
@@ -33,7 +33,7 @@ TEST(Blows, OneAtTheBeginningAndNoneWhileItChatters) {
   EXPECT_TRUE(lives.strikes(kPair, 1, 0.008 * 99 + kRepeat_s)) << "exactly the repeat time later";
 }
 
-TEST(Blows, AMuchFasterOneIsHeardAtOnce) {
+TEST(Blows, AMuchFasterBlowIsHeardAtOnce) {
   ContactLives lives(kRepeat_s, kStep_s);
   EXPECT_TRUE(lives.strikes(kPair, 0.1, 0));
   EXPECT_FALSE(lives.strikes(kPair, 0.2, 0.002));
@@ -41,7 +41,7 @@ TEST(Blows, AMuchFasterOneIsHeardAtOnce) {
   EXPECT_FALSE(lives.strikes(kPair, 0.4, 0.006));
 }
 
-TEST(Lasting, IsToldEveryFourMillisecondsWithItsMeanForceAndEndsOnce) {
+TEST(Lasting, ALastingContactIsToldEveryFourMillisecondsWithItsMeanForceAndEndsOnce) {
   ContactLives lives(kRepeat_s, kStep_s);
   Telling last;
   double now_s = 0;
@@ -75,7 +75,7 @@ TEST(Lasting, RestIsSilentAndDoesNotFlicker) {
   EXPECT_TRUE(last.ends);
 }
 
-TEST(Lasting, ChatterIsOneContactOfTheMeanForce) {
+TEST(Lasting, ChatterIsOneLastingContactOfTheMeanForce) {
   ContactLives lives(kRepeat_s, kStep_s);
   Telling last;
   double now_s = 0;

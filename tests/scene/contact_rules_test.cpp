@@ -5,14 +5,14 @@
 namespace ringdown::scene {
 namespace {
 
-TEST(SoftConstraint, FollowsFromSpringDamperAndStep) {
+TEST(SoftConstraint, ASoftConstraintFollowsFromSpringDamperAndStep) {
   // By hand: h kp = 0.002 * 1e5 = 200, kd = 300.
   const SoftConstraint soft = soft_constraint(1e5, 300, 0.002);
   EXPECT_DOUBLE_EQ(soft.erp, 0.4);
   EXPECT_DOUBLE_EQ(soft.cfm, 0.002);
 }
 
-TEST(SoftConstraint, IsTheImplicitEulerStepOfASpringWithADamper) {
+TEST(SoftConstraint, ASoftConstraintIsTheImplicitEulerStepOfASpringWithADamper) {
   // One body of mass m on the spring: v' = v - h/m (kp (x + h v') + kd v'), against the constraint's
   // v' = v + h/m f with v' + cfm f = -(erp / h) x.
   const double m = 2, kp = 4000, kd = 30, h = 0.005, x = 0.01, v = -0.7;
@@ -35,14 +35,14 @@ Surface surface(double restitution, double friction, std::optional<double> conta
   return made;
 }
 
-TEST(Surface, APairTakesGeometricMeansAndTheLongerContact) {
+TEST(Surface, APairOfSurfacesTakesGeometricMeansAndTheLongerContact) {
   const SurfacePair pair = combine(surface(0.9, 0.2, 0.001), surface(0.4, 0.8, 0.003));
   EXPECT_DOUBLE_EQ(pair.restitution, 0.6);
   EXPECT_DOUBLE_EQ(pair.friction, 0.4);
   EXPECT_EQ(pair.contact_time_s, 0.003);
 }
 
-TEST(Surface, OneContactTimeIsEnoughAndNoneIsNone) {
+TEST(Surface, TheContactTimeOfOneSurfaceIsEnoughAndNoneIsNone) {
   EXPECT_EQ(combine(surface(1, 1, {}), surface(1, 1, 0.0004)).contact_time_s, 0.0004);
   EXPECT_EQ(combine(surface(1, 1, 0.0), surface(1, 1, {})).contact_time_s, 0.0)
       << "an ideal impulse, as it was asked for";

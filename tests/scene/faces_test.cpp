@@ -10,7 +10,7 @@ namespace {
 
 constexpr Matrix3 kStraight{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
-TEST(Faces, OfABoxAreSixWhetherMadeOfTrianglesOrNot) {
+TEST(Faces, FacesOfABoxAreSixWhetherMadeOfTrianglesOrNot) {
   std::vector<Vec3> points;
   for (int k = 0; k < 8; ++k) points.push_back({k & 1 ? 1.0 : -1.0, k & 2 ? 2.0 : -2.0, k & 4 ? 3.0 : -3.0});
   const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
@@ -29,7 +29,7 @@ TEST(Faces, OfABoxAreSixWhetherMadeOfTrianglesOrNot) {
   }
 }
 
-TEST(Faces, OfTwoBoxesShareTheRectangleWhereOneLiesOnTheOther) {
+TEST(Faces, FacesOfTwoBoxesShareTheRectangleWhereOneLiesOnTheOther) {
   const auto faces = box_faces({2, 2, 2});
   const Placed lower{faces, kStraight, {0, 0, 0}}, upper{faces, kStraight, {0.5, -0.25, 1.99}};
   const FaceContact contact = share_of_faces(upper, lower, {0, 0, 1});
@@ -48,13 +48,13 @@ TEST(Faces, OfTwoBoxesShareTheRectangleWhereOneLiesOnTheOther) {
   EXPECT_NEAR(length(contact.normal - Vec3{0, 0, 1}), 0, 1e-12);
 }
 
-TEST(Faces, NormalPointsIntoTheFirstOfTheTwo) {
+TEST(Faces, TheNormalOfSharedFacesPointsIntoTheFirstOfTheTwo) {
   const auto faces = box_faces({2, 2, 2});
   const Placed lower{faces, kStraight, {0, 0, 0}}, upper{faces, kStraight, {0.5, -0.25, 1.99}};
   EXPECT_NEAR(share_of_faces(lower, upper, {0, 0, -1}).normal.z, -1, 1e-12);
 }
 
-TEST(Faces, TurnedByAnEighthShareAnOctagon) {
+TEST(Faces, FacesTurnedByAnEighthShareAnOctagon) {
   const auto faces = box_faces({2, 2, 2});
   const Placed lower{faces, kStraight, {0, 0, 0}};
   const Placed upper{faces, to_matrix(about({0, 0, 1}, std::acos(-1.0) / 4)), {0, 0, 1.999}};
@@ -62,7 +62,7 @@ TEST(Faces, TurnedByAnEighthShareAnOctagon) {
   EXPECT_EQ(contact.points.size(), 8u);
 }
 
-TEST(Faces, OnACornerOrAnEdgeShareNothing) {
+TEST(Faces, FacesOnACornerOrAnEdgeShareNothing) {
   const auto faces = box_faces({2, 2, 2});
   const Placed lower{faces, kStraight, {0, 0, 0}};
   const Placed upper{faces, to_matrix(about({0, 1, 0}, 0.6)), {1.9, 0, 1.9}};

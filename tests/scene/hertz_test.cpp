@@ -26,7 +26,7 @@ double integrated_time(double mass, double radius, double modulus, double speed)
   return time;
 }
 
-TEST(Hertz, TheTimeIsThatOfItsForce) {
+TEST(Hertz, HertzsTimeIsThatOfHisForce) {
   for (const double mass : {0.001, 0.3}) {
     for (const double speed : {0.1, 3.0}) {
       const double modulus = contact_modulus(kSteel, kSteel);
@@ -40,7 +40,7 @@ TEST(Hertz, ModulusOfTwoSteelsIsHalfAPlaneStrainModulus) {
   EXPECT_NEAR(contact_modulus(kSteel, kRubber) / (1e8 / (1 - 0.49 * 0.49)), 1, 0.001) << "the soft one decides";
 }
 
-TEST(Hertz, RadiiOfSpheresFacesAndEdges) {
+TEST(Hertz, RadiiOfSpheresFacesAndEdgesAreThoseOfTheirCurvature) {
   const Curvature ball{Curvature::sphere, 0.02}, small{Curvature::sphere, 0.005}, plane{Curvature::flat, 0};
   const Curvature sharp{Curvature::edged, 0.001}, blunt{Curvature::edged, 0.003};
   EXPECT_DOUBLE_EQ(relative_radius(ball, small), 0.004);
@@ -83,7 +83,7 @@ Surface of(const Elastic& material) {
   return surface;
 }
 
-TEST(ContactTime, OfASteelBallOnSteelIsHertzs) {
+TEST(ContactTime, TheContactTimeOfASteelBallOnSteelIsHertzs) {
   for (const double radius : {0.005, 0.02}) {
     for (const double height : {0.05, 0.8}) {
       const double mass = 7800 * 4.0 / 3 * std::numbers::pi * std::pow(radius, 3), speed = std::sqrt(2 * 9.81 * height);
@@ -102,13 +102,13 @@ TEST(ContactTime, SoftHeavyAndSlowContactsAreLonger) {
   EXPECT_NEAR(landing_time(0.01, 0.2 / 1024, of(kSteel)) / steel, 2, 0.05) << "a 32nd of the speed";
 }
 
-TEST(ContactTime, GivenOnASurfaceItStandsAgainstHertz) {
+TEST(ContactTime, AContactTimeGivenOnASurfaceStandsAgainstHertz) {
   Surface surface = of(kRubber);
   surface.contact_time_s = 0.0001;
   EXPECT_EQ(landing_time(0.01, 0.2, surface), 0.0001);
 }
 
-TEST(ContactTime, ABanksMaterialCounts) {
+TEST(ContactTime, ABanksMaterialCountsForTheContactTime) {
   const auto time_of = [](double young_pa, double stiffness) {
     modal::Bank bank = test::box_bank({0.1, 0.1, 0.1}, 1);
     bank.material = modal::Material{"any", young_pa, 0.3, 1000, {}};

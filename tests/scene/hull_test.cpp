@@ -27,7 +27,7 @@ double volume(const Hull& hull) {
   return six / 6;
 }
 
-TEST(Hull, OfACubeWithPointsInsideIsTheCube) {
+TEST(Hull, TheHullOfACubeWithPointsInsideIsTheCube) {
   std::vector<Vec3> points;
   for (int k = 0; k < 8; ++k) points.push_back({k & 1 ? 1.0 : 0.0, k & 2 ? 1.0 : 0.0, k & 4 ? 1.0 : 0.0});
   for (int k = 1; k < 10; ++k) points.push_back({0.1 * k, 0.5, 0.3});
@@ -38,7 +38,7 @@ TEST(Hull, OfACubeWithPointsInsideIsTheCube) {
   EXPECT_NEAR(volume(*hull), 1, 1e-12);
 }
 
-TEST(Hull, OfManyPointsIsSmallLiesOnThemAndHoldsNearlyAllTheirVolume) {
+TEST(Hull, TheHullOfManyPointsIsSmallLiesOnThemAndHoldsNearlyAllTheirVolume) {
   const auto points = points_on_sphere(5000, 0.1);
   const auto hull = convex_hull(points);
   ASSERT_TRUE(hull) << hull.error().message;
@@ -48,7 +48,7 @@ TEST(Hull, OfManyPointsIsSmallLiesOnThemAndHoldsNearlyAllTheirVolume) {
   EXPECT_GT(volume(*hull), 0.93 * 4 / 3 * M_PI * 1e-3);
 }
 
-TEST(Hull, OfFlatOrTooFewPointsIsRefused) {
+TEST(Hull, AHullOfFlatOrTooFewPointsIsRefused) {
   std::vector<Vec3> flat;
   for (int k = 0; k < 50; ++k) flat.push_back({std::cos(k), std::sin(k), 0});
   const auto hull = convex_hull(flat);

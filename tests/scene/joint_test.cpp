@@ -76,7 +76,7 @@ TEST(Joint, AHingeTurnsAboutItsAxisOnlyAndABallAboutAll) {
   }
 }
 
-TEST(Joint, LimitsHoldByTheRightHand) {
+TEST(Joint, LimitsOfJointsHoldByTheRightHand) {
   SceneDescription scene = pendulum(JointType::hinge, 0.0);
   scene.joints[0].low_degrees = -10;
   scene.joints[0].high_degrees = 20;
@@ -92,7 +92,7 @@ TEST(Joint, LimitsHoldByTheRightHand) {
   }
 }
 
-TEST(Joint, FrictionBringsItToRest) {
+TEST(Joint, FrictionBringsAJointToRest) {
   SceneDescription scene = pendulum(JointType::hinge, 0.3);
   scene.joints[0].friction_nm = 0.02;
   World world = world_with(scene);
@@ -102,7 +102,7 @@ TEST(Joint, FrictionBringsItToRest) {
   EXPECT_LT(std::abs(std::sin(angle(world))), 0.02 / (kMass * kG * 0.2) + 0.01);
 }
 
-TEST(Joint, HoldsTwoBodiesAndWaitsForTheLaterOne) {
+TEST(Joint, AJointHoldsTwoBodiesAndWaitsForTheLaterOne) {
   SceneDescription scene = pendulum(JointType::hinge, 0.2);
   BodyDescription lower = scene.bodies[0];
   lower.name = "lower";
@@ -126,7 +126,7 @@ TEST(Joint, HoldsTwoBodiesAndWaitsForTheLaterOne) {
   EXPECT_GT(late.bodies()[1].center_m.z, 0) << "it does not fall";
 }
 
-TEST(Joint, StaysThroughANewBankAndGoesWithItsBody) {
+TEST(Joint, AJointStaysThroughANewBankAndGoesWithItsBody) {
   SceneDescription scene = pendulum(JointType::hinge, 0.2);
   scene.joints[0].high_degrees = 20;
   World world = world_with(scene);
@@ -140,7 +140,7 @@ TEST(Joint, StaysThroughANewBankAndGoesWithItsBody) {
   EXPECT_TRUE(test::run_all(world, 0.1).empty());
 }
 
-TEST(Joint, OfWhatCannotBeJoinedIsRefused) {
+TEST(Joint, AJointOfWhatCannotBeJoinedIsRefused) {
   const auto refused = [](const std::string& word, auto spoil) {
     SceneDescription scene = pendulum(JointType::hinge, 0);
     spoil(scene.joints[0], scene);
@@ -178,7 +178,7 @@ SceneDescription rain(std::uint64_t count) {
 
 World raining(const SceneDescription& scene) { return world_of(scene, {sounding("drop", 0, box_bank(kRod, kMass))}); }
 
-TEST(Emitter, LetsItsBodiesInOneByOneScatteredFromTheSeed) {
+TEST(Emitter, AnEmitterLetsItsBodiesInOneByOneScatteredFromTheSeed) {
   SceneDescription scene = rain(8);
   World world = raining(scene);
   const auto present = [&] { return std::ranges::count(world.bodies(), false, &BodyState::waiting); };
@@ -198,7 +198,7 @@ TEST(Emitter, LetsItsBodiesInOneByOneScatteredFromTheSeed) {
   EXPECT_NE(raining(scene).bodies()[0].position_m, raining(rain(8)).bodies()[0].position_m);
 }
 
-TEST(Emitter, CountsAmongTheBodiesOfTheScene) {
+TEST(Emitter, AnEmittersBodiesCountAmongThoseOfTheScene) {
   EXPECT_EQ(raining(rain(kMaxBodies)).bodies().size(), kMaxBodies);
   SceneDescription scene = rain(kMaxBodies);
   scene.emitters.push_back(scene.emitters[0]);

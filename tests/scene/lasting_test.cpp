@@ -35,7 +35,7 @@ World slider(Vec3 velocity, double friction, double step_s = 0.001) {
   return world_of(scene, {sounding("box", 3, box_bank(kSize, kMass))});
 }
 
-TEST(Sliding, ToldOfWithWeightFrictionAndSpeed) {
+TEST(Sliding, SlidingIsToldWithWeightFrictionAndSpeed) {
   World world = slider({1.5, 1, 0}, 0.3);
   const auto told = contacts(world, 0.3);
   ASSERT_NEAR(static_cast<double>(told.size()), 0.3 / 0.004, 2);
@@ -56,7 +56,7 @@ TEST(Sliding, ToldOfWithWeightFrictionAndSpeed) {
   }
 }
 
-TEST(Sliding, EndsWithForceZeroAndThenSilence) {
+TEST(Sliding, SlidingEndsWithForceZeroAndThenSilence) {
   World world = slider({0.5, 0, 0}, 0.3);
   const auto told = contacts(world, 2);
   ASSERT_GT(told.size(), 10u);
@@ -65,7 +65,7 @@ TEST(Sliding, EndsWithForceZeroAndThenSilence) {
   EXPECT_NEAR(static_cast<double>(told.back().frame) / 48000, 0.5 / (0.3 * kG), 0.015) << "when it has come to rest";
 }
 
-TEST(Sliding, StopsAfterCoulombsDistanceInEveryDirection) {
+TEST(Sliding, SlidingStopsAfterCoulombsDistanceInEveryDirection) {
   for (const double angle : {0.0, 0.4, 0.785, 1.3}) {
     World world = slider({std::cos(angle), std::sin(angle), 0}, 0.3);
     test::run_all(world, 1);
@@ -74,7 +74,7 @@ TEST(Sliding, StopsAfterCoulombsDistanceInEveryDirection) {
   }
 }
 
-TEST(Sliding, LongStepsAreToldOfAsOftenAsShortOnes) {
+TEST(Sliding, SlidingInLongStepsIsToldAsOftenAsInShortOnes) {
   World world = slider({3, 0, 0}, 0.3, 1.0 / 100);
   const auto told = contacts(world, 0.5);
   EXPECT_NEAR(static_cast<double>(told.size()), 0.5 / kTellEvery_s, 2);
@@ -98,7 +98,7 @@ World ball_world(Vec3 velocity, Vec3 spin, double rolling_m) {
   return world_of(scene, {sounding("ball", 0, box_bank(kSize, 1))});
 }
 
-TEST(Rolling, IsToldAsRollAndNotAsSlip) {
+TEST(Rolling, RollingIsToldAsRollAndNotAsSlip) {
   World world = ball_world({0.6, 0.8, 0}, {-0.8 / kRadius, 0.6 / kRadius, 0}, 0);
   const auto told = contacts(world, 1);
   ASSERT_GT(told.size(), 200u);
@@ -119,7 +119,7 @@ TEST(Rolling, AThrownBallSkidsUntilFiveSeventhsOfItsSpeedAreLeft) {
   EXPECT_NEAR(world.bodies()[0].velocity_m_s.x, 1, 0.01);
 }
 
-TEST(Rolling, ResistanceStopsABallAfterItsDistanceAndItSleeps) {
+TEST(Rolling, RollingResistanceStopsABallAfterItsDistanceAndItSleeps) {
   // Rolling about the contact point: 7/5 m r^2 a / r = b m g, so that a = 5/7 g b / r.
   const double b = 0.001, speed = 0.5, slowing = 5.0 / 7 * kG * b / kRadius;
   World world = ball_world({speed, 0, 0}, {0, speed / kRadius, 0}, b);
@@ -154,7 +154,7 @@ TEST(Rolling, ASpinningBallComesToRestToo) {
   EXPECT_EQ(world.bodies()[0].spin_rad_s, (Vec3{}));
 }
 
-TEST(Contact, TellsBothObjectsOppositeForces) {
+TEST(Contact, AContactTellsBothObjectsOppositeForces) {
   BodyDescription tray = body_of("tray", ShapeType::box, {0, 0, 0});
   tray.shape.size_m = {2, 2, 0.1};
   tray.fixed = true;
@@ -177,7 +177,7 @@ TEST(Contact, TellsBothObjectsOppositeForces) {
   }
 }
 
-TEST(Contact, OfOneObjectHaveNumbersOfTheirOwnWhichAreUsedAgain) {
+TEST(Contact, ContactsOfOneObjectHaveNumbersOfTheirOwnWhichAreUsedAgain) {
   std::vector<BodyDescription> bodies;
   for (int k = 0; k < 3; ++k) {
     bodies.push_back(body_of("box", ShapeType::box, {0, 0.5 * k, 0.05}));
@@ -206,7 +206,7 @@ TEST(Contact, ABounceIsAStrikeAndNothingThatLasts) {
   EXPECT_EQ(test::only(synth::EventType::contact, events).size(), 0u);
 }
 
-TEST(Contact, AStackSettlesInSilence) {
+TEST(Contact, AStackThatSettlesHasNoContactThatLasts) {
   std::vector<BodyDescription> bodies;
   std::vector<SoundingObject> objects;
   for (int k = 0; k < 5; ++k) {

@@ -25,7 +25,7 @@ TEST(Outline, APlaneStandsAtItsPointNearestToTheOriginAndItsZIsTheNormal) {
   }
 }
 
-TEST(Outline, AStaticBoxIsAsDescribed) {
+TEST(Outline, AStaticBoxesOutlineIsAsDescribed) {
   StaticDescription box;
   box.type = StaticType::box;
   box.size_m = {1, 2, 3};
@@ -38,7 +38,7 @@ TEST(Outline, AStaticBoxIsAsDescribed) {
 }
 
 // A bank of 0.2 x 0.1 x 0.06 m, about a point that is not its origin.
-TEST(Outline, ShapesHaveTheSizeOfWhatTheyComeFrom) {
+TEST(Outline, OutlinesHaveTheSizeOfWhatTheyComeFrom) {
   using test::body_of;
   const Vec3 edges{0.2, 0.1, 0.06};
   auto own_box = body_of("d", ShapeType::box, {3, 0, 1}), own_ball = body_of("e", ShapeType::sphere, {4, 0, 1});

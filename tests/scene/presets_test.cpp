@@ -48,7 +48,7 @@ class PresetScene : public testing::TestWithParam<std::string> {
   std::vector<SoundingObject> objects_;
 };
 
-TEST_P(PresetScene, EveryObjectIsHeardAndNothingIsLost) {
+TEST_P(PresetScene, EveryObjectOfAPresetSceneIsHeardAndNothingIsLost) {
   auto world = build();
   ASSERT_TRUE(world) << world.error().message;
 
@@ -76,7 +76,7 @@ TEST_P(PresetScene, EveryObjectIsHeardAndNothingIsLost) {
 }
 
 // Two worlds step by turns, so that what one leaves behind in the process reaches the other at another time.
-TEST_P(PresetScene, TwoWorldsOfItAgreeBitForBit) {
+TEST_P(PresetScene, TwoWorldsOfAPresetSceneAgreeBitForBit) {
   auto one = build(), other = build();
   ASSERT_TRUE(one && other);
   constexpr double kLongest_s = 4;  // the first strikes of each are over by then
@@ -91,7 +91,7 @@ TEST_P(PresetScene, TwoWorldsOfItAgreeBitForBit) {
   }
 }
 
-TEST(PresetScenes, LastFromSixToTwelveSeconds) {
+TEST(PresetScenes, PresetScenesLastFromSixToTwelveSeconds) {
   EXPECT_GE(scene_names().size(), 8u);
   for (const std::string& name : scene_names()) {
     const auto scene = read_scene(kPresets / "scenes" / (name + ".toml"), kPresets);

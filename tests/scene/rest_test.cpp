@@ -72,7 +72,7 @@ TEST(Rest, ABoxIsDampedByTheFloorThatBearsItsWeight) {
   EXPECT_EQ(heard.times, told) << "it sleeps, and goes on resting";
 }
 
-TEST(Rest, EndsWhenTheBodyIsThrownUp) {
+TEST(Rest, DampingByTheFloorEndsWhenTheBodyIsThrownUp) {
   World world =
       world_of(scene_of({body_of("a", ShapeType::box, {0, 0, 0.0501})}, 0.3), {sounding("a", 0, box_bank(kSize, 2))});
   Heard heard;
@@ -85,7 +85,7 @@ TEST(Rest, EndsWhenTheBodyIsThrownUp) {
   EXPECT_GT(heard.damping(0), 0) << "it has come down again";
 }
 
-TEST(Rest, IsNotForWhatRollsOrSlides) {
+TEST(Rest, TheFloorDampsNothingThatRollsOrSlides) {
   BodyDescription ball = body_of("a", ShapeType::sphere, {0, 0, 0.0866});
   ball.velocity_m_s = {1, 0, 0};
   BodyDescription box = body_of("b", ShapeType::box, {0, 1, 0.0501});
@@ -116,7 +116,7 @@ TEST(Rest, InATowerBothFacesOfABoxAreTouched) {
   EXPECT_EQ(heard.dampers[1].size(), 8u);
 }
 
-TEST(Rest, EndsWhenAnotherBodyComesToPlayTheObjectAndBeginsAgainWhenItGoes) {
+TEST(Rest, DampingByTheFloorPausesWhileAnotherBodyPlaysTheObject) {
   World world =
       world_of(scene_of({body_of("a", ShapeType::box, {0, 0, 0.05})}, 0.3), {sounding("a", 0, box_bank(kSize, 2))});
   Heard heard;
@@ -134,7 +134,7 @@ TEST(Rest, EndsWhenAnotherBodyComesToPlayTheObjectAndBeginsAgainWhenItGoes) {
   EXPECT_EQ(heard.damping(0), alone);
 }
 
-TEST(Rest, EndsWithItsBodyOrWhatItLiesOn) {
+TEST(Rest, DampingByTheFloorEndsWithTheBodyOrWhatItLiesOn) {
   for (const bool lower : {true, false}) {
     std::vector<BodyDescription> bodies{body_of("a", ShapeType::box, {0, 0, 0.05})};
     World world =
@@ -158,7 +158,7 @@ TEST(Rest, EndsWithItsBodyOrWhatItLiesOn) {
   }
 }
 
-TEST(Rest, DampsNothingWhereSeveralBodiesShareAnObjectOrTheSceneSaysSo) {
+TEST(Rest, TheFloorDampsNothingWhereSeveralBodiesShareAnObjectOrTheSceneSaysSo) {
   const std::vector<SoundingObject> one{sounding("a", 0, box_bank(kSize, 1))};
   for (const bool shared : {true, false}) {
     SceneDescription scene = scene_of({body_of("a", ShapeType::box, {0, 0, 0.0501})}, 0);

@@ -30,7 +30,7 @@ BodyDescription silent_ball() {
   return ball;
 }
 
-TEST(Spawn, ABoxOfAnObjectFallsAndRings) {
+TEST(Spawn, ASpawnedBoxOfAnObjectFallsAndRings) {
   World world = empty_world();
   BodyDescription box{.name = "box"};
   box.object = "bell";
@@ -53,7 +53,7 @@ TEST(Spawn, ASphereOfAnObjectAndSilentOnesToo) {
   EXPECT_EQ(world.bodies()[1].object, "");
 }
 
-TEST(Spawn, RefusesWhatCannotBe) {
+TEST(Spawn, ABodyThatCannotBeIsNotSpawned) {
   World world = empty_world();
   const auto refused = [&](auto body, const std::string& word) {
     const auto id = world.spawn(body);
@@ -80,7 +80,7 @@ TEST(Spawn, RefusesWhatCannotBe) {
   EXPECT_TRUE(world.bodies().empty());
 }
 
-TEST(Spawn, FillsUpToTheLimitAndNotBeyond) {
+TEST(Spawn, BodiesAreSpawnedUpToTheLimitAndNotBeyond) {
   World world = empty_world();
   auto ball = silent_ball();
   for (std::size_t k = 0; k < kMaxBodies; ++k) {
@@ -95,7 +95,7 @@ TEST(Spawn, FillsUpToTheLimitAndNotBeyond) {
   EXPECT_TRUE(world.spawn(ball));
 }
 
-TEST(Clear, SpawnedBodiesGoAndTheSceneStays) {
+TEST(Clear, ClearingRemovesSpawnedBodiesAndTheSceneStays) {
   World world =
       world_of(scene_of({body_of("bell", ShapeType::box, {0, 0, 1})}), {sounding("bell", 4, box_bank(kSize, 1))});
   ASSERT_TRUE(world.spawn(silent_ball()));
@@ -136,7 +136,7 @@ TEST(Start, AWaitingBodyIsInNobodysWay) {
   EXPECT_FALSE(world.push(world.bodies()[1].id, {1, 0, 0}));
 }
 
-TEST(Clear, WhatSleptOnABodyFalls) {
+TEST(Clear, WhatSleptOnAClearedBodyFalls) {
   std::vector<BodyDescription> bodies{body_of("bell", ShapeType::box, {0, 0, 0.15})};
   World world = world_of(scene_of(bodies, 0), {sounding("bell", 4, box_bank(kSize, 1))});
   BodyDescription table{.name = "box"};
@@ -173,7 +173,7 @@ TEST(Objects, ABankThatCannotBeABodyChangesNothing) {
   EXPECT_DOUBLE_EQ(world.bodies()[0].velocity_m_s.x, 6);
 }
 
-TEST(Objects, OneThatHasGoneIsSilentUntilItIsBack) {
+TEST(Objects, AnObjectThatHasGoneIsSilentUntilItIsBack) {
   World world = world_of(scene_of({body_of("bell", ShapeType::sphere, {0, 0, 0.3})}, 0.95),
                          {sounding("bell", 4, box_bank(kSize, 1))});
   EXPECT_FALSE(run(world, 1).empty());
@@ -212,7 +212,7 @@ TEST(Poison, ABodyThatFallsOffTheWorldIsRemovedAndReported) {
   EXPECT_TRUE(world.bodies().empty());
 }
 
-TEST(Poison, APushThatIsNoNumberIsRefused) {
+TEST(Poison, APushThatIsNotANumberIsRefused) {
   World world =
       world_of(scene_of({body_of("bell", ShapeType::box, {0, 0, 1})}), {sounding("bell", 4, box_bank(kSize, 1))});
   EXPECT_FALSE(world.push(0, {kNan, 0, 0}));

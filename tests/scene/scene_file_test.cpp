@@ -39,7 +39,7 @@ class SceneFile : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(SceneFile, EveryKeyArrives) {
+TEST_F(SceneFile, EveryKeyOfASceneFileArrives) {
   const auto scene = parse(R"(
 [scene]
 gravity_m_s2 = [0, -1.5, 0]
@@ -144,7 +144,7 @@ density_kg_m3 = 7800
   EXPECT_EQ(scene->bodies[1].density_kg_m3, 7800);
 }
 
-TEST_F(SceneFile, JointsEmittersCameraAndListenerArrive) {
+TEST_F(SceneFile, JointsEmittersCameraAndListenerOfASceneFileArrive) {
   const auto scene = parse(R"(
 [[body]]
 name = "first"
@@ -213,7 +213,7 @@ position_m = [0, -1, 1.7]
   EXPECT_EQ(scene->listener->position_m, (Vec3{0, -1, 1.7}));
 }
 
-TEST_F(SceneFile, JointsEmittersCameraAndListenerThatCannotBe) {
+TEST_F(SceneFile, JointsEmittersCameraAndListenerThatCannotBeAreRefused) {
   const std::string ball = "[[body]]\nname = \"b\"\nshape = \"sphere\"\nradius_m = 1\ndensity_kg_m3 = 1\n";
   const std::string joint = ball + "[[joint]]\nname = \"j\"\nanchor_m = [0, 0, 0]\ntype = \"ball\"\n";
   expect_error(joint + "bodies = [\"gong\"]\n", 10, "no body 'gong'");
@@ -229,7 +229,7 @@ TEST_F(SceneFile, JointsEmittersCameraAndListenerThatCannotBe) {
   expect_error("[listener]\nposition_m = [0, 0, 0]\ntarget_m = [0, 0, 0]\n", 3, "must not be position_m");
 }
 
-TEST_F(SceneFile, SurfacesOutOfRange) {
+TEST_F(SceneFile, SurfacesOutOfRangeAreRefused) {
   const std::string floor = "[[static]]\nname = \"f\"\nshape = \"plane\"\n";
   expect_error(floor + "young_pa = 0\n", 4, "young_pa");
   expect_error(floor + "poisson = 0.5\n", 4, "poisson");
@@ -240,15 +240,15 @@ TEST_F(SceneFile, SurfacesOutOfRange) {
   expect_error(floor + "spectral_slope = 1\n", 4, "spectral_slope");
 }
 
-TEST_F(SceneFile, AnEmptyFileIsAnEmptyScene) {
+TEST_F(SceneFile, AnEmptySceneFileIsAnEmptyScene) {
   const auto scene = parse("");
   ASSERT_TRUE(scene);
   EXPECT_EQ(scene->step_s, 1.0 / 500);
   EXPECT_EQ(scene->gravity_m_s2, (Vec3{0, 0, -9.81}));
 }
 
-TEST_F(SceneFile, BrokenTomlIsNamedWithItsLine) { expect_error("[scene]\nseed = = 3\n", 2, "not TOML"); }
-TEST_F(SceneFile, UnknownKeys) {
+TEST_F(SceneFile, ABrokenSceneFileIsNamedWithItsLine) { expect_error("[scene]\nseed = = 3\n", 2, "not TOML"); }
+TEST_F(SceneFile, UnknownKeysOfASceneFileAreRefused) {
   expect_error("[scene]\nseed = 1\ngravty = 3\n", 3, "unknown key 'gravty'");
   expect_error("[sceen]\n", 1, "unknown key 'sceen'");
   expect_error("[[object]]\nname = \"a\"\nbank = \"bell.glb\"\nmaterial = { alfa = 1 }\n", 4, "'alfa'");
@@ -256,7 +256,7 @@ TEST_F(SceneFile, UnknownKeys) {
   expect_error("[[body]]\nname = \"a\"\nshape = \"sphere\"\nradius_m = 1\ndensity_kg_m3 = 9\nsize_m = [1, 1, 1]\n", 6,
                "'size_m'");
 }
-TEST_F(SceneFile, WrongTypes) {
+TEST_F(SceneFile, WrongTypesInASceneFileAreRefused) {
   expect_error("[scene]\nstep_s = \"fast\"\n", 2, "step_s must be a number");
   expect_error("[scene]\nseed = 1.5\n", 2, "seed must be a whole number");
   expect_error("[scene]\ngravity_m_s2 = -9.81\n", 2, "three numbers");
@@ -267,7 +267,7 @@ TEST_F(SceneFile, WrongTypes) {
   expect_error("scene = 3\n", 1, "scene must be a table");
   expect_error("object = [1, 2]\n", 1, "[[object]]");
 }
-TEST_F(SceneFile, NumbersOutOfRange) {
+TEST_F(SceneFile, NumbersOutOfRangeInASceneFileAreRefused) {
   expect_error("[scene]\n\nstep_s = 0\n", 3, "0 is outside 1e-05 ... 0.05");
   expect_error("[contact]\nspring_n_m = -1\n", 2, "-1 is outside");
   expect_error("[scene]\nstep_s = nan\n", 2, "nan is outside");
@@ -277,12 +277,12 @@ TEST_F(SceneFile, NumbersOutOfRange) {
   expect_error("[scene]\ngravity_m_s2 = [0, 0, -inf]\n", 2, "gravity_m_s2");
   expect_error("[scene]\nseed = -1\n", 2, ">= 0");
 }
-TEST_F(SceneFile, WrongChoices) {
+TEST_F(SceneFile, WrongChoicesInASceneFileAreRefused) {
   expect_error("[[static]]\nname = \"f\"\nshape = \"cone\"\n", 3, "\"plane\", \"box\"");
   expect_error("[[body]]\nname = \"b\"\nshape = \"cone\"\n", 3, "\"trimesh\"");
   expect_error("[[body]]\nname = \"b\"\nshape = \"convex\"\n", 3, "a box or a sphere");
 }
-TEST_F(SceneFile, MissingKeys) {
+TEST_F(SceneFile, MissingKeysOfASceneFileAreRefused) {
   expect_error("[scene]\n[[object]]\nbank = \"bell.glb\"\n", 2, "name is missing");
   expect_error("[[object]]\nname = \"a\"\n", 1, "bank is missing");
   expect_error("[[static]]\nname = \"a\"\nshape = \"box\"\n", 1, "size_m is missing");
@@ -290,26 +290,26 @@ TEST_F(SceneFile, MissingKeys) {
   expect_error("[[body]]\nname = \"a\"\nsize_m = [1, 1, 1]\ndensity_kg_m3 = 1\nrotation = { axis = [0, 0, 1] }\n", 5,
                "degrees is missing");
 }
-TEST_F(SceneFile, MissingThings) {
+TEST_F(SceneFile, ThingsThatASceneFileDoesNotDefineAreRefused) {
   expect_error("[[object]]\nname = \"a\"\nbank = \"gong.glb\"\n", 3, "no bank");
   expect_error("\n[[body]]\nname = \"a\"\nobject = \"gong\"\n", 4, "no object 'gong'");
   const auto scene = read_scene(folder_ / "none.toml", {});
   ASSERT_FALSE(scene);
   EXPECT_NE(scene.error().message.find("none.toml"), std::string::npos);
 }
-TEST_F(SceneFile, NamesThatCannotBe) {
+TEST_F(SceneFile, NamesThatCannotBeAreRefusedInASceneFile) {
   expect_error("[[object]]\nname = \"a b\"\nbank = \"bell.glb\"\n", 2, "A-Z");
   expect_error("[[object]]\nname = \"a\"\nbank = \"bell.glb\"\n[[object]]\nname = \"a\"\nbank = \"bell.glb\"\n", 5,
                "taken by line 2");
 }
-TEST_F(SceneFile, DirectionsOfNoLength) {
+TEST_F(SceneFile, DirectionsOfNoLengthAreRefusedInASceneFile) {
   expect_error("[[static]]\nname = \"f\"\nshape = \"plane\"\nnormal = [0, 0, 0]\n", 4, "normal must not be");
   expect_error(
       "[[static]]\nname = \"f\"\nshape = \"box\"\nsize_m = [1, 1, 1]\n"
       "rotation = { axis = [0, 0, 0], degrees = 3 }\n",
       5, "axis must not be");
 }
-TEST_F(SceneFile, TooManyBodies) {
+TEST_F(SceneFile, TooManyBodiesInASceneFileAreRefused) {
   std::string text;
   for (int k = 0; k < static_cast<int>(kMaxBodies) + 1; ++k) {
     text += "[[body]]\nname = \"b" + std::to_string(k) + "\"\nsize_m = [1, 1, 1]\ndensity_kg_m3 = 1\n";

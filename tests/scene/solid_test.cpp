@@ -10,7 +10,7 @@ namespace {
 
 constexpr Vec3 kSize{0.1, 0.2, 0.3}, kCenter{1, 2, 3};
 
-TEST(Inertia, AQuarterTurnExchangesTheMoments) {
+TEST(Inertia, AQuarterTurnExchangesTheMomentsOfInertia) {
   modal::MassProperties mass;
   mass.inertia_kg_m2 = {1, 2, 3};
   mass.orientation = {0, 0, std::sqrt(0.5), std::sqrt(0.5)};  // 90 degrees about z: the first axis lies along y
@@ -21,7 +21,7 @@ TEST(Inertia, AQuarterTurnExchangesTheMoments) {
   EXPECT_NEAR(tensor[0][1], 0, 1e-12);
 }
 
-TEST(Inertia, AnEighthTurnCouplesTheAxes) {
+TEST(Inertia, AnEighthTurnCouplesTheAxesOfInertia) {
   // By hand: R diag(1, 3, 5) R^T for 45 degrees about z is {{2, -1, 0}, {-1, 2, 0}, {0, 0, 5}}.
   modal::MassProperties mass;
   mass.inertia_kg_m2 = {1, 3, 5};
@@ -32,7 +32,7 @@ TEST(Inertia, AnEighthTurnCouplesTheAxes) {
   EXPECT_NEAR(tensor[1][0], -1, 1e-12);
 }
 
-TEST(Solid, TakesMassAndSizeFromTheBank) {
+TEST(Solid, ASolidTakesMassAndSizeFromTheBank) {
   const modal::Bank bank = test::box_bank(kSize, 6, kCenter);
   const auto solid = make_solid(test::body_of("a", ShapeType::box, {}), &bank, {.density = 2});
   ASSERT_TRUE(solid) << solid.error().message;
@@ -47,7 +47,7 @@ TEST(Solid, TakesMassAndSizeFromTheBank) {
   EXPECT_EQ(convex->shape.points.size(), 8u);
 }
 
-TEST(Solid, OfTwiceTheSizeIsTheSolidOfABankOfThatSize) {
+TEST(Solid, ASolidOfTwiceTheSizeIsTheSolidOfABankOfThatSize) {
   const modal::Bank bank = test::box_bank(kSize, 6, kCenter), large = test::box_bank(2 * kSize, 48, 2 * kCenter);
   for (const ShapeType type : {ShapeType::box, ShapeType::sphere, ShapeType::convex}) {
     const BodyDescription body = test::body_of("a", type, {});
@@ -66,7 +66,7 @@ TEST(Solid, OfTwiceTheSizeIsTheSolidOfABankOfThatSize) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(tensor(2)[i][i], 32 * tensor(1)[i][i], 1e-9);
 }
 
-TEST(Solid, OwnDensityBeatsTheBank) {
+TEST(Solid, ASolidsOwnDensityBeatsTheBank) {
   BodyDescription body = test::body_of("a", ShapeType::box, {});
   body.density_kg_m3 = 500;
   const modal::Bank bank = test::box_bank(kSize, 6);
@@ -81,7 +81,7 @@ void expect_refused(const BodyDescription& body, const modal::Bank* bank, const 
   EXPECT_NE(solid.error().message.find(word), std::string::npos) << solid.error().message;
 }
 
-TEST(Solid, RefusesWhatWouldEndTheProcessInOde) {
+TEST(Solid, ASolidThatWouldEndTheProcessInOdeIsRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const BodyDescription body = test::body_of("a", ShapeType::box, {});
   const modal::Bank good = test::box_bank(kSize, 6);

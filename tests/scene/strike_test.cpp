@@ -62,7 +62,7 @@ INSTANTIATE_TEST_SUITE_P(Heights, DropTest,
                                          Drop{ShapeType::box, 5, 0.05, 0.2}, Drop{ShapeType::convex, 1, 0.5, 0.5},
                                          Drop{ShapeType::trimesh, 1, 0.5, 0.5}));
 
-TEST(Strike, ImpulseOfALandingIsThatOfTheClosedFormAtEveryStep) {
+TEST(Strike, TheImpulseOfALandingIsThatOfTheClosedFormAtEveryStep) {
   for (const double step_s : {1.0 / 30, 1.0 / 60, 1.0 / 120, 1.0 / 500, 1.0 / 2000}) {
     for (const double height : {0.02, 0.1, 0.5}) {
       for (const double e : {0.0, 0.3, 0.8}) {
@@ -188,7 +188,7 @@ TEST(Strike, ChatterWithinTheMinimumRepeatTimeIsOneStrike) {
   EXPECT_EQ(strikes_with_repeat(0.2), 1u);
 }
 
-TEST(Strike, LiesAtItsTimeOfTouchNotOnTheStepsGrid) {
+TEST(Strike, AStrikeLiesAtItsTimeOfTouchNotOnTheStepsGrid) {
   for (const double step_s : {1.0 / 30, 1.0 / 60, 1.0 / 500, 1.0 / 2000}) {
     for (int k = 0; k < 10; ++k) {
       const double height = 0.2 + 0.0371 * k;
@@ -233,7 +233,7 @@ TEST(Strike, BothBodiesRingWithOppositeImpulses) {
   EXPECT_NEAR(length(3.0 * states[1].velocity_m_s - on_right), 0, 1e-9);
 }
 
-TEST(Strike, PointLiesOnTheSurfaceWhateverTheBodysTurn) {
+TEST(Strike, AStrikesPointLiesOnTheSurfaceWhateverTheBodysTurn) {
   const Vec3 center{0.3, -0.2, 0.1};  // of the box in its object frame
   for (int turn = 0; turn < 24; ++turn) {
     BodyDescription body = body_of("a", ShapeType::box, {0, 0, 1});
@@ -297,7 +297,7 @@ TEST(Strike, AFixedBodyNeedsNoMass) {
   EXPECT_TRUE(World::create(scene_of({bell}), std::vector{sounding("bell", 0, bank)}, 48000));
 }
 
-TEST(Strike, FramesNeverFallAndStartWhereTheyAreTold) {
+TEST(Strike, FramesOfStrikesNeverFallAndStartWhereTheyAreTold) {
   SceneDescription scene = scene_of({body_of("a", ShapeType::box, {0, 0, 0.3})}, 0.8);
   World world = world_of(scene, {sounding("a", 0, box_bank(kSize, 1))});
   world.set_start_frame(1'000'000);

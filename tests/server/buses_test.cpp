@@ -6,7 +6,7 @@
 namespace ringdown::session {
 namespace {
 
-TEST(Buses, NobodyMovesWhenAnotherComesOrGoes) {
+TEST(Buses, NoBusMovesWhenAnotherComesOrGoes) {
   Buses buses;
   buses.set_mode(PortMode::objects);
   const auto a = buses.join(0, "a", ""), b = buses.join(1, "b", ""), c = buses.join(2, "c", "");
@@ -18,7 +18,7 @@ TEST(Buses, NobodyMovesWhenAnotherComesOrGoes) {
   EXPECT_EQ(buses.names(), (std::map<std::size_t, std::string>{{*a, "a"}, {*b, "d"}, {*c, "c"}}));
 }
 
-TEST(Buses, AGroupIsThereAsLongAsItHasAnObject) {
+TEST(Buses, AGroupHasABusAsLongAsItHasAnObject) {
   Buses buses;
   buses.set_mode(PortMode::groups);
   EXPECT_FALSE(buses.join(0, "a", ""));
@@ -33,14 +33,14 @@ TEST(Buses, AGroupIsThereAsLongAsItHasAnObject) {
   EXPECT_TRUE(buses.names().empty());
 }
 
-TEST(Buses, TheMixAloneNeedsNone) {
+TEST(Buses, TheMixAloneNeedsNoBus) {
   Buses buses;
   EXPECT_FALSE(buses.join(0, "a", "metal"));
   EXPECT_TRUE(buses.names().empty());
   EXPECT_EQ(buses.overflow(), 0u);
 }
 
-TEST(Buses, OneMoreThanThereAreIsHeardInTheMixOnly) {
+TEST(Buses, AnObjectBeyondTheLastBusIsHeardInTheMixOnly) {
   Buses buses;
   buses.set_mode(PortMode::objects);
   for (std::size_t i = 0; i < synth::kMaxBuses; ++i) {

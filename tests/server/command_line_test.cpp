@@ -13,7 +13,7 @@ namespace {
 
 const std::string kRingdown = RINGDOWN_BIN_DIR "/ringdown";
 
-TEST(RingdownStrike, SendsAPointOrAVertex) {
+TEST(RingdownStrike, TheStrikeCommandSendsAPointOrAVertex) {
   FakeDaemon daemon;
   const std::string strike = kRingdown + " strike bell --to " + daemon.url();
   const Outcome at = run(strike + " --at 0.05,0,0.02 --impulse -0.02,0,0");
@@ -27,14 +27,14 @@ TEST(RingdownStrike, SendsAPointOrAVertex) {
   EXPECT_EQ(received[1].message, (Message{"/object/bell/strike_vertex", {7., 0., 0., -0.01, 0.}}));
 }
 
-TEST(RingdownStrike, ARefusalByTheDaemonIsPrinted) {
+TEST(RingdownStrike, TheStrikeCommandPrintsARefusalByTheDaemon) {
   FakeDaemon daemon([](const Message& message) { return protocol::Fail{message.address, "there is no bell"}; });
   const Outcome outcome = run(kRingdown + " strike bell --vertex 0 --impulse 1,0,0 --to " + daemon.url());
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_EQ(outcome.output, "ringdown: there is no bell\n");
 }
 
-TEST(RingdownStrike, WithoutADaemonItSaysSo) {
+TEST(RingdownStrike, TheStrikeCommandSaysThatThereIsNoDaemon) {
   const OscSocket deaf = std::move(*OscSocket::bind());  // a port that nobody answers
   const std::string url = "osc.udp://127.0.0.1:" + std::to_string(deaf.port());
   const Outcome outcome = run(kRingdown + " strike bell --vertex 0 --impulse 1,0,0 --timeout 0.2 --to " + url);
@@ -42,7 +42,7 @@ TEST(RingdownStrike, WithoutADaemonItSaysSo) {
   EXPECT_NE(outcome.output.find("no answer from a daemon at " + url), std::string::npos) << outcome.output;
 }
 
-TEST(RingdownStrike, WrongUseIsRefusedBeforeAnythingIsSent) {
+TEST(RingdownStrike, WrongUseOfACommandIsRefusedBeforeAnythingIsSent) {
   const std::pair<const char*, const char*> wrong[] = {
       {"strike", "object"},
       {"strike bell --impulse 1,0,0", "--at"},
@@ -80,14 +80,14 @@ TEST(RingdownStrike, HelpDescribesTheArgumentsAsTheTableDoes) {
   }
 }
 
-TEST(RingdownSend, PrintsTheAnswer) {
+TEST(RingdownSend, TheSendCommandPrintsTheAnswer) {
   FakeDaemon daemon([](const Message&) { return protocol::VersionReply{"ringdownd", "9.8", 1}; });
   const Outcome outcome = run(kRingdown + " send /version --to " + daemon.url());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_NE(outcome.output.find("9.8"), std::string::npos) << outcome.output;
 }
 
-TEST(RingdownSend, PrintsTheNumberButNotTheAddressThatWasAsked) {
+TEST(RingdownSend, TheSendCommandPrintsTheNumberButNotTheAddressThatWasAsked) {
   FakeDaemon daemon([](const Message& message) { return protocol::Done{message.address, 42}; });
   const Outcome outcome = run(kRingdown + " send /load bell a.glb --to " + daemon.url());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
@@ -95,13 +95,13 @@ TEST(RingdownSend, PrintsTheNumberButNotTheAddressThatWasAsked) {
   EXPECT_EQ(outcome.output.find("/load"), std::string::npos) << outcome.output;
 }
 
-TEST(RingdownSend, WaitsForItsOwnAnswerAndNotForAnothers) {
+TEST(RingdownSend, TheSendCommandWaitsForItsOwnAnswerAndNotForAnothers) {
   FakeDaemon daemon([](const Message&) { return protocol::Done{"/scene/clear", 1}; });
   const Outcome outcome = run(kRingdown + " send /load bell a.glb --timeout 0.2 --to " + daemon.url());
   EXPECT_EQ(outcome.exit_code, 6) << outcome.output;
 }
 
-TEST(RingdownProtocol, MarkdownIsTheCommittedManual) {
+TEST(RingdownProtocol, TheProtocolInMarkdownIsTheCommittedManual) {
   std::ifstream file(RINGDOWN_SOURCE_DIR "/docs/protocol.md");
   std::ostringstream text;
   text << file.rdbuf();
@@ -120,7 +120,7 @@ class BakeFolder : public ::testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(BakeFolder, EveryArgumentReachesTheSiblingUnchanged) {
+TEST_F(BakeFolder, EveryArgumentOfBakeReachesTheSiblingUnchanged) {
   const std::filesystem::path sibling = folder_ / "ringdown-bake";
   std::ofstream(sibling) << "#!/bin/sh\nprintf '<%s>' \"$@\"\nexit 7\n";
   std::filesystem::permissions(sibling, std::filesystem::perms::owner_all);
@@ -130,13 +130,13 @@ TEST_F(BakeFolder, EveryArgumentReachesTheSiblingUnchanged) {
   EXPECT_EQ(bake("--help").output, "<--help>");
 }
 
-TEST_F(BakeFolder, WithoutTheSiblingOneSentenceSaysSo) {
+TEST_F(BakeFolder, OneSentenceSaysThatTheBakingSiblingIsMissing) {
   const Outcome outcome = bake("a.toml");
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.output.find((folder_ / "ringdown-bake").string()), std::string::npos) << outcome.output;
 }
 
-TEST(NoteName, FollowsEqualTemperament) {
+TEST(NoteName, NoteNamesFollowEqualTemperament) {
   EXPECT_EQ(cli::note_name(440), "A4 +0 ct");
   EXPECT_EQ(cli::note_name(261.6256), "C4 +0 ct");  // middle C
   EXPECT_EQ(cli::note_name(246.9417), "B3 +0 ct");  // the octave's number changes at C
@@ -146,7 +146,7 @@ TEST(NoteName, FollowsEqualTemperament) {
   EXPECT_EQ(cli::note_name(0), "");
 }
 
-TEST(RingdownInfo, ListsEveryModeOfABank) {
+TEST(RingdownInfo, TheInfoCommandListsEveryModeOfABank) {
   const std::string bank = RINGDOWN_SOURCE_DIR "/presets/banks/bronze-bell.glb";
   const Outcome outcome = run(kRingdown + " info " + bank);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;

@@ -257,7 +257,7 @@ class BrowseTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(BrowseTest, EveryPresetIsThereOnceAndNothingElse) {
+TEST_F(BrowseTest, EveryPresetCanBeBrowsedOnceAndNothingElse) {
   const std::filesystem::path presets = RINGDOWN_SOURCE_DIR "/presets";
   const auto roots = session::FileRoots::only({presets, presets / "banks"});
   ASSERT_TRUE(roots);
@@ -277,7 +277,7 @@ TEST_F(BrowseTest, EveryPresetIsThereOnceAndNothingElse) {
   EXPECT_EQ(found, wanted);
 }
 
-TEST_F(BrowseTest, WhatLiesOutsideIsHiddenOrIsDeepIsNotTold) {
+TEST_F(BrowseTest, FilesOutsideHiddenOrDeepCannotBeBrowsed) {
   std::filesystem::create_directories(folder_ / "in/a/b/c/d/e");
   std::filesystem::create_directories(folder_ / "in/.hidden");
   std::filesystem::create_directories(folder_ / "in/scenes");
@@ -294,14 +294,14 @@ TEST_F(BrowseTest, WhatLiesOutsideIsHiddenOrIsDeepIsNotTold) {
   EXPECT_TRUE(browsed({}).empty()) << "a program that may open all has no folders to look in";
 }
 
-TEST_F(BrowseTest, SoManyFilesAreToldAndNotOneMore) {
+TEST_F(BrowseTest, SoManyFilesAreBrowsedAndNotOneMore) {
   for (std::size_t i = 0; i < kMaxBrowsed; ++i) static_cast<void>(folder_.write(std::to_string(i) + ".glb", ""));
   EXPECT_EQ(browse(*session::FileRoots::only({folder_.path()})).size(), kMaxBrowsed);
   static_cast<void>(folder_.write("more.glb", ""));
   EXPECT_EQ(browse(*session::FileRoots::only({folder_.path()})).size(), kMaxBrowsed);
 }
 
-TEST(Bundles, HoldSixteenMessagesOrSoManyBytesAndKeepTheOrder) {
+TEST(Bundles, BundlesHoldSixteenMessagesOrSoManyBytesAndKeepTheOrder) {
   std::vector<protocol::Reply> replies;
   for (std::int32_t i = 0; i < 40; ++i) replies.emplace_back(protocol::Synced{i});
   for (std::int32_t i = 40; i < 45; ++i) replies.emplace_back(protocol::BankReply{"a", 1, i, 9, wire::Blob(8192)});

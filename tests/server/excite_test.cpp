@@ -52,7 +52,7 @@ class Excite : public testing::Test {
   Session session_{48000};
 };
 
-TEST_F(Excite, ASampleIsThatForceForAFrame) {
+TEST_F(Excite, ASampleOfAnInputIsThatForceForAFrame) {
   ASSERT_TRUE(excite("a", 2, kForce_n));
   const auto kicked = kick();
   fall_silent();
@@ -61,7 +61,7 @@ TEST_F(Excite, ASampleIsThatForceForAFrame) {
   EXPECT_LE(test::relative_error_db(kicked, struck), -100);
 }
 
-TEST_F(Excite, ItIsTheSameForceAtAnotherRate) {
+TEST_F(Excite, AnInputsForceIsTheSameAtAnotherRate) {
   ASSERT_TRUE(excite("a", 2, kForce_n));
   session_.change_sample_rate(96000);
   const auto kicked = kick();
@@ -73,14 +73,14 @@ TEST_F(Excite, ItIsTheSameForceAtAnotherRate) {
   EXPECT_LE(test::relative_error_db(again, kicked), -100);
 }
 
-TEST_F(Excite, ANewBankAndMaterialKeepIt) {
+TEST_F(Excite, ANewBankAndMaterialKeepTheInput) {
   ASSERT_TRUE(excite("a", 2, kForce_n));
   load("a");
   ASSERT_TRUE(session_.perform(protocol::SetMaterial{{.name = "a"}, {1, 1, 1, 4}}, 0));
   EXPECT_GT(test::peak(kick()), 1e-4);
 }
 
-TEST_F(Excite, NoForceAndNoObjectEndIt) {
+TEST_F(Excite, NoForceAndNoObjectEndAnInput) {
   ASSERT_TRUE(excite("a", 2, kForce_n));
   ASSERT_TRUE(excite("a", 2, 0));
   EXPECT_EQ(test::peak(kick()), 0);

@@ -36,7 +36,7 @@ class FileRootsTest : public testing::TestWithParam<FileRoots::Guard> {
   FileRoots roots_;
 };
 
-TEST_P(FileRootsTest, AFileBelowTheFolderIsRead) {
+TEST_P(FileRootsTest, AFileBelowTheRootIsRead) {
   EXPECT_EQ(*roots_.read(folder_ / "inside/a.glb", 100), "good");
   EXPECT_EQ(*roots_.read(folder_ / "inside/deep/b.glb", 100), "deep");
   EXPECT_EQ(*roots_.read(folder_ / "inside/deep/../a.glb", 100), "good");
@@ -47,7 +47,7 @@ TEST_P(FileRootsTest, AFileBelowTheFolderIsRead) {
   EXPECT_EQ(*FileRoots::only({folder_ / "alias/"}, GetParam())->read(folder_ / "alias/a.glb", 100), "good");
 }
 
-TEST_P(FileRootsTest, WhatLiesOutsideIsRefusedWhateverThePath) {
+TEST_P(FileRootsTest, AFileOutsideTheRootIsRefusedWhateverThePath) {
   fs::create_symlink(folder_ / "secret.glb", folder_ / "inside/link.glb");
   fs::create_symlink("../secret.glb", folder_ / "inside/relative.glb");
   fs::create_symlink("..", folder_ / "inside/up");
@@ -84,7 +84,7 @@ TEST_P(FileRootsTest, OnlyRegularFilesOfBoundedSizeAreRead) {
   EXPECT_NE(devices->read("/dev/zero", 100).error().message.find("not a regular file"), std::string::npos);
 }
 
-TEST_P(FileRootsTest, OnlyFilesInsideAreWritten) {
+TEST_P(FileRootsTest, OnlyFilesInsideTheRootAreWritten) {
   fs::create_symlink(folder_ / "secret.glb", folder_ / "inside/link.osc");
   fs::create_symlink("..", folder_ / "inside/up");
   EXPECT_EQ(*roots_.writable(folder_ / "inside/new.osc", kScoreKind), fs::canonical(folder_ / "inside") / "new.osc");
@@ -116,7 +116,7 @@ TEST_P(FileRootsTest, NothingIsReplacedButAFileOfTheSameKind) {
 INSTANTIATE_TEST_SUITE_P(Both, FileRootsTest, testing::Values(FileRoots::Guard::kernel, FileRoots::Guard::path),
                          [](const auto& guard) { return guard.param == FileRoots::Guard::kernel ? "Kernel" : "Path"; });
 
-TEST(FileRoots, AFolderThatIsNotThereIsNamed) {
+TEST(FileRoots, ARootThatIsNotThereIsNamed) {
   const auto roots = FileRoots::only({"/no/such/folder"});
   ASSERT_FALSE(roots);
   EXPECT_NE(roots.error().message.find("/no/such/folder"), std::string::npos);

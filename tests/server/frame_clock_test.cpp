@@ -34,7 +34,7 @@ void run(FrameClock& clock, Clocks& clocks, double seconds) {
   for (const double end = clocks.now_s + seconds; clocks.now_s < end; clocks.now_s += 0.05) clock.measure();
 }
 
-TEST(FrameClock, FindsTheFrameOfAnyTimeToHalfASample) {
+TEST(FrameClock, TheFrameOfAnyTimeIsFoundToHalfASample) {
   Clocks clocks;
   FrameClock clock = clocks.clock();
   run(clock, clocks, 2);
@@ -46,7 +46,7 @@ TEST(FrameClock, FindsTheFrameOfAnyTimeToHalfASample) {
 }
 
 // 200 ppm is more than two crystals differ by. The average lags by 0.5 s: 5 samples.
-TEST(FrameClock, FollowsADriftingClockAndAveragesItsJitter) {
+TEST(FrameClock, TheFrameClockFollowsADriftingClockAndAveragesItsJitter) {
   Clocks clocks;
   clocks.drift = 200e-6;
   clocks.jitter_frames = 20;
@@ -58,7 +58,7 @@ TEST(FrameClock, FollowsADriftingClockAndAveragesItsJitter) {
   }
 }
 
-TEST(FrameClock, AReadingTornByTheSchedulerIsNotBelieved) {
+TEST(FrameClock, AReadingOfClocksTornByTheSchedulerIsNotBelieved) {
   Clocks clocks;
   FrameClock clock = clocks.clock();
   run(clock, clocks, 2);
@@ -69,7 +69,7 @@ TEST(FrameClock, AReadingTornByTheSchedulerIsNotBelieved) {
   EXPECT_NEAR(static_cast<double>(clock.frame_at(clocks.now_s)), clocks.true_frame(clocks.now_s), 1.01);
 }
 
-TEST(FrameClock, AJumpThatStaysIsBelieved) {
+TEST(FrameClock, AJumpOfTheAudioClockThatStaysIsBelieved) {
   Clocks clocks;
   FrameClock clock = clocks.clock();
   run(clock, clocks, 2);

@@ -103,7 +103,7 @@ const std::map<std::string, double> kConstants = {
 };
 #undef ROW
 
-TEST(Limits, ThePageListsEveryConstantWithItsValue) {
+TEST(Limits, TheLimitsPageListsEveryConstantWithItsValue) {
   std::ifstream page(RINGDOWN_SOURCE_DIR "/docs/limits.md");
   const std::regex row(R"(\| `([^`]+)` \| ([0-9]+) \|.*)");
   std::map<std::string, double> listed;

@@ -36,7 +36,7 @@ ObjectSnapshot snapshot(const std::string& name, synth::ObjectNumber number) {
   return std::make_shared<const ObjectState>(object(name, number, test::bar_bank(5)));
 }
 
-TEST_F(NoteMapTest, WhatTheFileSaysIsWhatIsStruck) {
+TEST_F(NoteMapTest, ANoteStrikesWhatTheMapSays) {
   const auto map = read(
       "release_s = 0.3\ndamp_s = 0.2\n[[note]]\nnote = 40\nobject = 'bar'\npoint_m = [0.1, 0, 0]\n"
       "impulse_ns = [0, 0, -0.5]\ncontact_time_s = 0.001\n[[note]]\nnote = 41\nobject = 'not loaded yet'\n");
@@ -57,7 +57,7 @@ TEST_F(NoteMapTest, WhatTheFileSaysIsWhatIsStruck) {
   EXPECT_FALSE(table.notes[60]) << "with a map, only the map";
 }
 
-TEST_F(NoteMapTest, EveryFaultIsASentenceWithItsLine) {
+TEST_F(NoteMapTest, EveryFaultOfANoteMapIsASentenceWithItsLine) {
   const auto begins = [&](const std::string& text, const std::string& line, const std::string& word) {
     const std::string sentence = refusal(text);
     EXPECT_NE(sentence.find(path_.string() + ":" + line), std::string::npos) << sentence;

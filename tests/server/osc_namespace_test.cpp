@@ -52,7 +52,7 @@ class QueryTest : public testing::Test {
   std::unique_ptr<QueryServer> server_;
 };
 
-TEST_F(QueryTest, EveryAddressOfTheTableIsThereWithItsArguments) {
+TEST_F(QueryTest, EveryAddressOfTheTableCanBeQueriedWithItsArguments) {
   const Page page = get("/");
   ASSERT_EQ(page.status, 200);
   for (const protocol::AddressSpec& spec : protocol::addresses()) {
@@ -71,7 +71,7 @@ TEST_F(QueryTest, EveryAddressOfTheTableIsThereWithItsArguments) {
   }
 }
 
-TEST_F(QueryTest, ANodeAnAttributeAndTheHostCanBeAskedFor) {
+TEST_F(QueryTest, ANodeAnAttributeAndTheHostCanBeQueried) {
   const Page gain = get("/object/bell/gain");
   ASSERT_EQ(gain.status, 200);
   EXPECT_EQ(gain.body["TYPE"], "ff");
@@ -84,7 +84,7 @@ TEST_F(QueryTest, ANodeAnAttributeAndTheHostCanBeAskedFor) {
   EXPECT_EQ(get("/../etc/passwd").status, 404);
 }
 
-TEST_F(QueryTest, ATakenPortIsAnErrorThatSaysSo) {
+TEST_F(QueryTest, ATakenQueryPortIsAnErrorThatSaysSo) {
   const auto second =
       QueryServer::listen(server_->port(), {"x", "127.0.0.1", 1, [] { return std::vector<std::string>(); }});
   ASSERT_FALSE(second);

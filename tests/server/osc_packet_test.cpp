@@ -48,7 +48,7 @@ TEST(OscPacket, AnEmptyBundleIsNoMessages) {
   EXPECT_TRUE(split_packet(packet)->empty());
 }
 
-TEST(OscPacket, EveryLimitHoldsAtTheLimitAndRefusesPastIt) {
+TEST(OscPacket, EveryLimitOfAPacketHoldsAtTheLimitAndRefusesPastIt) {
   const auto nested = [](int depth) {
     std::string packet = message("/a");
     for (int i = 0; i < depth; ++i) packet = osc_bundle(1, {packet});
@@ -75,7 +75,7 @@ TEST(OscPacket, EveryLimitHoldsAtTheLimitAndRefusesPastIt) {
   EXPECT_NE(refusal(sized(65540)).find("65536"), std::string::npos);
 }
 
-TEST(OscPacket, ForeignTypesAreRefusedByName) {
+TEST(OscPacket, ForeignOscTypesAreRefusedByName) {
   for (const char type : std::string("TFNItcrmSI[]")) {
     const std::string sentence =
         refusal(osc_string("/a") + osc_string(std::string(",i") + type) + osc_int(1) + osc_int(0));
@@ -98,7 +98,7 @@ TEST(OscPacket, ABlobMustFitAndBePaddedWithZeros) {
   EXPECT_FALSE(split_packet(packet(std::numeric_limits<std::int32_t>::max(), "abcd")));
 }
 
-TEST(OscPacket, LengthsAreMultiplesOfFour) {
+TEST(OscPacket, LengthsOfPacketsAreMultiplesOfFour) {
   for (const std::size_t length : {1, 2, 3, 6, 9, 11}) {
     EXPECT_NE(refusal(message("/abc").substr(0, length)).find("multiple of 4"), std::string::npos) << length;
   }

@@ -25,7 +25,7 @@ std::string order(const std::string& score) {
   return text;
 }
 
-TEST(OscScore, AFileByHandIsReadInTheOrderOfItsTimes) {
+TEST(OscScore, AScoreMadeByHandIsReadInTheOrderOfItsTimes) {
   const std::string score = framed(osc_bundle(kSecond * 2, {message("/c"), message("/d")})) +
                             framed(osc_bundle(0, {message("/a")})) + framed(osc_bundle(kSecond / 2, {message("/b")})) +
                             framed(osc_bundle(kSecond * 2, {message("/e")}));
@@ -36,12 +36,12 @@ TEST(OscScore, AFileByHandIsReadInTheOrderOfItsTimes) {
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(events->at(i).time_s, times[i]);
 }
 
-TEST(OscScore, ImmediatelyIsTheStart) {
+TEST(OscScore, ImmediatelyIsTheStartOfAScore) {
   const auto events = parse_score(to_bytes(framed(osc_bundle(1, {message("/a")}))), "a.osc");
   EXPECT_EQ(events->at(0).time_s, 0);
 }
 
-TEST(OscScore, WhatIsWrittenIsReadBack) {
+TEST(OscScore, AScoreThatWasWrittenIsReadBack) {
   const std::vector<ScoreEvent> events = {
       {0, {"/a", {1}}}, {0, {"/b", {0.5f, "x"}}}, {1.25, {"/c", {}}}, {86400, {"/d", {}}}};
   const test::TemporaryFolder folder;
@@ -56,7 +56,7 @@ TEST(OscScore, WhatIsWrittenIsReadBack) {
   }
 }
 
-TEST(OscScore, WritingMakesTheBytesScsynthReads) {
+TEST(OscScore, AWrittenScoreHasTheBytesThatScsynthReads) {
   const std::vector<ScoreEvent> events = {{0.5, {"/a", {}}}, {0.5, {"/b", {}}}, {3, {"/c", {}}}};
   EXPECT_EQ(encode_score(events), to_bytes(framed(osc_bundle(kSecond / 2, {message("/a"), message("/b")})) +
                                            framed(osc_bundle(3 * kSecond, {message("/c")}))));
@@ -93,7 +93,7 @@ TEST(OscScore, EveryCutOfAScoreIsRefusedExceptBetweenBundles) {
   }
 }
 
-TEST(OscScore, AMissingFileIsOneSentence) {
+TEST(OscScore, AMissingScoreIsOneSentence) {
   const auto events = read_score("/nonexistent/a.osc");
   ASSERT_FALSE(events);
   EXPECT_NE(events.error().message.find("/nonexistent/a.osc"), std::string::npos);

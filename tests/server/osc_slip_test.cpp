@@ -23,7 +23,7 @@ std::vector<Bytes> packets_in(const std::string& stream, std::size_t limit = 64)
   return packets;
 }
 
-TEST(Slip, EscapesAsRfc1055Says) {
+TEST(Slip, SlipEscapesAsRfc1055Says) {
   EXPECT_EQ(slip_encode(to_bytes("a\xC0"
                                  "b\xDB"
                                  "c")),
@@ -33,7 +33,7 @@ TEST(Slip, EscapesAsRfc1055Says) {
                      "c\xC0"));
 }
 
-TEST(Slip, EveryPacketComesBackWhole) {
+TEST(Slip, EveryPacketComesBackWholeFromSlip) {
   std::mt19937 random(1);
   std::string stream;
   std::vector<Bytes> sent;
@@ -47,9 +47,9 @@ TEST(Slip, EveryPacketComesBackWhole) {
   EXPECT_EQ(packets_in(stream), sent);
 }
 
-TEST(Slip, EmptyPacketsAreNothing) { EXPECT_TRUE(packets_in("\xC0\xC0\xC0").empty()); }
+TEST(Slip, EmptySlipPacketsAreNothing) { EXPECT_TRUE(packets_in("\xC0\xC0\xC0").empty()); }
 
-TEST(Slip, TooLongOrWronglyEscapedIsAFault) {
+TEST(Slip, ASlipPacketTooLongOrWronglyEscapedIsAFault) {
   const std::vector<Bytes> fault = {to_bytes("fault")};
   EXPECT_EQ(packets_in(std::string(64, 'x') + "\xC0").size(), 1u);
   EXPECT_EQ(packets_in(std::string(65, 'x')), fault);

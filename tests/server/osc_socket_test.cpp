@@ -28,14 +28,14 @@ std::string kernels_address_of(std::uint16_t port) {
   return "none";
 }
 
-TEST(OscSocket, ListensOnLoopbackOnly) {
+TEST(OscSocket, ASocketListensOnLoopbackOnly) {
   const auto socket = OscSocket::bind();
   ASSERT_TRUE(socket) << socket.error().message;
   ASSERT_NE(socket->port(), 0);
   EXPECT_EQ(kernels_address_of(socket->port()), "0100007F");
 }
 
-TEST(OscSocket, ListensElsewhereWhenAsked) {
+TEST(OscSocket, ASocketListensElsewhereWhenAsked) {
   const auto socket = OscSocket::bind(*resolve("0.0.0.0", 0));
   ASSERT_TRUE(socket) << socket.error().message;
   EXPECT_EQ(kernels_address_of(socket->port()), "00000000");
@@ -81,7 +81,7 @@ TEST(OscSocket, AnAnswerFindsItsWayBack) {
   EXPECT_EQ(datagram.bytes.size(), 8u);
 }
 
-TEST(OscSocket, NothingArrivingEndsWithTheTimeout) {
+TEST(OscSocket, AReceiveEndsWithItsTimeout) {
   auto socket = OscSocket::bind();
   Datagram datagram;
   EXPECT_FALSE(socket->receive(datagram, milliseconds(1)));
@@ -110,7 +110,7 @@ TEST(OscSocket, AFloodWithinTheBufferIsNotLost) {
   EXPECT_EQ(arrived, count);
 }
 
-TEST(OscSocket, MovingKeepsThePort) {
+TEST(OscSocket, AMovedSocketKeepsItsPort) {
   auto socket = OscSocket::bind();
   const Endpoint endpoint = socket->endpoint();
   OscSocket moved = std::move(*socket);

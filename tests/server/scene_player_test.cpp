@@ -83,7 +83,7 @@ TEST_F(ScenePlayerTest, ASceneThatCannotKeepUpLosesTimeAndSaysHowMuch) {
   EXPECT_NEAR(place(), before + 2 * 1, 0.1);
 }
 
-TEST_F(ScenePlayerTest, ClearingEndsTheContactsThatGoOn) {
+TEST_F(ScenePlayerTest, ClearingASceneEndsTheContactsThatGoOn) {
   load(kSlider + kObject);
   play(0.2);
   ASSERT_EQ(going_on_.size(), 1u);
@@ -92,7 +92,7 @@ TEST_F(ScenePlayerTest, ClearingEndsTheContactsThatGoOn) {
   EXPECT_EQ(ends_, 1);
 }
 
-TEST_F(ScenePlayerTest, ClearingWhilePausedEndsThemToo) {
+TEST_F(ScenePlayerTest, ClearingAPausedSceneEndsItsContactsToo) {
   load(kSlider + kObject);
   play(0.2);
   ASSERT_TRUE(session_.scene().pause(true));

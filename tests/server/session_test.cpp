@@ -95,7 +95,7 @@ TEST_F(SessionTest, AFreedNumberIsUsedAgainOnlyOnceItIsSilent) {
   EXPECT_EQ(**first, **third);
 }
 
-TEST_F(SessionTest, WhatCannotBeIsRefusedAndChangesNothing) {
+TEST_F(SessionTest, ARequestThatCannotBeIsRefusedAndChangesNothing) {
   ASSERT_TRUE(session_.perform(protocol::LoadObject{"a", bank("a.glb")}, 0));
   EXPECT_FALSE(session_.perform(protocol::LoadObject{"a", bank("missing.glb")}, 0));
   EXPECT_TRUE(strike({.name = "a"}));

@@ -40,7 +40,7 @@ class Settings : public testing::Test {
   fs::path file_ = folder_ / "ringdownd.toml";
 };
 
-TEST_F(Settings, EveryKindOfValueIsTaken) {
+TEST_F(Settings, EveryKindOfValueIsTakenFromTheSettingsFile) {
   const auto options = read(R"(
     driver = "null"   # with a remark
     rate = 44100
@@ -61,7 +61,7 @@ TEST_F(Settings, EveryKindOfValueIsTaken) {
   EXPECT_EQ(options->port, DaemonOptions().port) << "what the file leaves out stays";
 }
 
-TEST_F(Settings, TheCommandLineWins) {
+TEST_F(Settings, TheCommandLineWinsOverTheSettingsFile) {
   const auto options = read("rate = 44100\nblock = 64\nconnect = false\nobject = [\"a=a.glb\"]",
                             "--rate 96000 --connect --object b=b.glb");
   ASSERT_TRUE(options) << options.error().message;
@@ -72,7 +72,7 @@ TEST_F(Settings, TheCommandLineWins) {
   EXPECT_EQ(options->objects[0].first, "b");
 }
 
-TEST_F(Settings, WhatIsWrongIsNamedWithFileLineAndKey) {
+TEST_F(Settings, AWrongSettingIsNamedWithFileLineAndKey) {
   const std::string place = file_.string() + ":2: ";
   const std::pair<std::string, std::string> wrong[] = {
       {"\nrte = 44100", "rte"},          {"\nrate = 1", "rate"},      {"\nrate = \"fast\"", "rate"},
@@ -88,7 +88,7 @@ TEST_F(Settings, WhatIsWrongIsNamedWithFileLineAndKey) {
   EXPECT_TRUE(refusal("") == "nothing");
 }
 
-TEST_F(Settings, TheUsualFileIsInTheUsersConfigurationFolder) {
+TEST_F(Settings, TheUsualSettingsFileIsInTheUsersConfigurationFolder) {
   const fs::path usual = folder_ / "ringdown" / "ringdownd.toml";
   ::setenv("XDG_CONFIG_HOME", folder_.path().c_str(), 1);
   EXPECT_FALSE(settings_file({})) << "there is none yet";

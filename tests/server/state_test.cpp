@@ -38,7 +38,7 @@ struct Daemon {
   session::Session session{48000};
 };
 
-TEST_F(StateTest, WhatWasSavedComesBackInAnotherDaemon) {
+TEST_F(StateTest, ASavedStateComesBackInAnotherDaemon) {
   std::ofstream(folder_ / "fall.toml") << R"(
 [[object]]
 name = "bell"
@@ -106,7 +106,7 @@ position_m = [0, 0, 1]
 }
 
 // The scene file says 0.1, from where the scene starts; the state says 0.7.
-TEST_F(StateTest, WhatWasSavedOutlastsWhatTheSceneSays) {
+TEST_F(StateTest, ASavedStateOutlastsWhatTheSceneSays) {
   std::ofstream(folder_ / "still.toml") << "[[object]]\nname = 'bell'\nbank = 'b.glb'\ngain = 0.1\npan = 1\n";
   const session::State state{.objects = {{.name = "bell", .bank = folder_ / "b.glb", .gain = 0.7, .pan = -1}},
                              .scene = session::State::Scene{folder_ / "still.toml"}};
@@ -140,7 +140,7 @@ TEST_F(StateTest, AClearedSceneStaysCleared) {
   EXPECT_EQ(other.session.scene().body_count(), 0u);
 }
 
-TEST_F(StateTest, AWrongFileIsRefusedWithItsLine) {
+TEST_F(StateTest, AWrongStateFileIsRefusedWithItsLine) {
   EXPECT_NE(refusal("[[object]]\nname = 'bell'\n").find("bank"), std::string::npos);
   EXPECT_NE(refusal("[[object]]\nname = 'bell'\nbank = 'b'\ngain = 101\n").find("s.toml:4"), std::string::npos);
   EXPECT_NE(refusal("[[object]]\nname = 'two words'\nbank = 'b'\n").find("s.toml:2"), std::string::npos);

@@ -21,14 +21,14 @@ StrikeMerger flooded() {
   return merger;
 }
 
-TEST(StrikeMerger, WhatIsNoFloodPassesUntouched) {
+TEST(StrikeMerger, StrikesThatAreNoFloodPassUntouched) {
   StrikeMerger merger(48);
   for (Frame frame = 0; frame < 100000; ++frame) ASSERT_EQ(merger.add(blow(frame)), Verdict::pass);
   StrikeMerger off(0);
   for (int i = 0; i < 100000; ++i) ASSERT_EQ(off.add(blow(0)), Verdict::pass);
 }
 
-TEST(StrikeMerger, AFloodOnOnePointKeepsItsImpulse) {
+TEST(StrikeMerger, AFloodOfStrikesOnOnePointKeepsItsImpulse) {
   StrikeMerger merger = flooded();
   EXPECT_EQ(merger.add(blow(1001)), Verdict::held);
   for (Frame i = 0; i < 1000; ++i) EXPECT_EQ(merger.add(blow(1002 + i % 40)), Verdict::merged);
@@ -37,7 +37,7 @@ TEST(StrikeMerger, AFloodOnOnePointKeepsItsImpulse) {
   EXPECT_EQ(merger.held()[0].frame, 1041);
 }
 
-TEST(StrikeMerger, OtherPointsAndObjectsStayApartAndAreBounded) {
+TEST(StrikeMerger, StrikesOnOtherPointsAndObjectsStayApartAndAreBounded) {
   StrikeMerger merger = flooded();
   for (std::size_t i = 0; i < StrikeMerger::kMaxHeld; ++i) {
     EXPECT_EQ(merger.add(blow(1001, static_cast<double>(i / 2), i % 2)), Verdict::held);
@@ -47,7 +47,7 @@ TEST(StrikeMerger, OtherPointsAndObjectsStayApartAndAreBounded) {
   EXPECT_EQ(merger.add(blow(1001, 0)), Verdict::merged);
 }
 
-TEST(StrikeMerger, ANewWindowOrAnotherEventHandsOnWhatIsHeld) {
+TEST(StrikeMerger, ANewWindowOrAnotherEventHandsOnTheStrikesHeldBack) {
   StrikeMerger merger = flooded();
   EXPECT_EQ(merger.add(blow(1001)), Verdict::held);
   EXPECT_EQ(merger.add({.frame = 1001, .type = EventType::clear}), Verdict::full);

@@ -232,7 +232,7 @@ std::vector<Case> cases() {
 class HardBody : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(Stress, HardBody, testing::ValuesIn(cases()));
 
-TEST_P(HardBody, BakesWholeAndWithinItsStatedError) { test::expect_baked(GetParam().body()); }
+TEST_P(HardBody, AHardBodyBakesWholeAndWithinItsStatedError) { test::expect_baked(GetParam().body()); }
 
 // Laws of scale -------------------------------------------------------------------------------------------------------
 
@@ -256,7 +256,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Scale{.name = "22,600 kg/m^3", .hard = "f ~ 1 / sqrt(rho)", .density = 22600 / 7850.0},
                     Scale{.name = "1 km from the origin", .hard = "a block 0.14 m long", .away_m = 1000}));
 
-TEST_P(ScaledBody, RingsAtExactlyScaledFrequencies) {
+TEST_P(ScaledBody, AScaledBodyRingsAtExactlyScaledFrequencies) {
   const auto& [name, hard, size, stiffness, density, away_m] = GetParam();
   const mesh::TetMesh block = test::box_mesh({3, 2, 2}, kBlock);
   Body scaled{.name = name, .hard = hard, .mesh = block, .limit = 1e-9, .oracle = "the steel block, scaled"};

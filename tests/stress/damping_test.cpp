@@ -78,14 +78,14 @@ std::vector<double> undamped() {
 }
 
 // alpha = 2 omega makes a mode critical, to a billionth, and those below it over-damped.
-TEST(StressDamping, ByMassDropsTheCriticalModeAndThoseBelow) {
+TEST(StressDamping, DampingByMassDropsTheCriticalModeAndThoseBelow) {
   const std::vector<double> hertz = undamped();
   ASSERT_GT(hertz.size(), 20u);
   expect_ringing("alpha = 2 omega_5", hertz, {4 * std::numbers::pi * hertz[4] * (1 + 1e-9), 0}, 5);
 }
 
 // beta = 1 / omega stops the pitch from rising at lambda = 2 omega^2, and alpha holds the lowest modes.
-TEST(StressDamping, ByMassAndStiffnessLeavesOnlyWhatRings) {
+TEST(StressDamping, DampingByMassAndStiffnessLeavesOnlyWhatRings) {
   const std::vector<double> hertz = undamped();
   ASSERT_GT(hertz.size(), 20u);
   const double omega = 2 * std::numbers::pi * hertz[0];

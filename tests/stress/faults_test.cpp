@@ -58,7 +58,7 @@ const std::vector<Repair> kRepairs = {
 class FaultyMesh : public testing::TestWithParam<Repair> {};
 INSTANTIATE_TEST_SUITE_P(Stress, FaultyMesh, testing::ValuesIn(kRepairs));
 
-TEST_P(FaultyMesh, IsRepairedCountedAndSoundsLikeTheSoundOne) {
+TEST_P(FaultyMesh, AFaultyMeshIsRepairedCountedAndSoundsLikeTheSoundOne) {
   mesh::TetMesh spoiled = block();
   GetParam().spoil(spoiled);
   const auto checked = mesh::check_mesh(spoiled, "spoiled");
@@ -223,7 +223,7 @@ const std::vector<Fault> kFaults = {
 class WrongMesh : public testing::TestWithParam<Fault> {};
 INSTANTIATE_TEST_SUITE_P(Stress, WrongMesh, testing::ValuesIn(kFaults));
 
-TEST_P(WrongMesh, IsRefusedWithASentenceThatSaysWhatAndWhere) {
+TEST_P(WrongMesh, AWrongMeshIsRefusedWithASentenceThatSaysWhatAndWhere) {
   test::expect_refused(GetParam().name, GetParam().hard, GetParam().mesh(), test::kSteel, GetParam().words);
 }
 

@@ -182,7 +182,7 @@ Denormals denormals_of_a_dying_tail(Kernel kernel) {
   return seen;
 }
 
-TEST(StressDenormals, NoStateMomentOrMixIsEverOne) {
+TEST(StressDenormals, NoStateMomentOrMixIsEverDenormal) {
   std::size_t without = 0;
   for (const Kernel kernel : {Kernel::direct, Kernel::moments}) {
     const Denormals unguarded = denormals_of_a_dying_tail(kernel);
@@ -200,7 +200,7 @@ TEST(StressDenormals, NoStateMomentOrMixIsEverOne) {
 }
 
 // Voices that never rest, from every level down to nothing, while they fade, and at gains that make floats denormal.
-TEST(StressDenormals, NoneReachesTheSoundCard) {
+TEST(StressDenormals, NoDenormalReachesTheSoundCard) {
   std::size_t near = 0;
   for (const bool moments : {false, true}) {
     for (const double gain : {1e-38, 1e-30, 1.0, 1e6}) {
@@ -292,7 +292,7 @@ class PoisonedScene {
   bool moments_;
 };
 
-TEST(StressPoison, IsContainedAndHealedByTheNextStrike) {
+TEST(StressPoison, PoisonIsContainedAndHealedByTheNextStrike) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   int cases = 0;
   for (const bool moments : {false, true}) {

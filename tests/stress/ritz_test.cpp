@@ -15,19 +15,19 @@ void expect_all_near(const std::vector<double>& found, const std::array<double, 
   }
 }
 
-TEST(Ritz, HasTheStoredFrequenciesOfBlocks) {
+TEST(Ritz, RitzsMethodHasTheStoredFrequenciesOfBlocks) {
   const Eigen::Vector3d block(0.1, 0.08, 0.06);
   expect_all_near(test::box_frequencies(block, {200e9, 0.3, 7850}, 50), reference::kBlock, 3e-5);
   expect_all_near(test::box_frequencies(block, {200e9, 0.49, 7850}, 50), reference::kSoftBlock, 3e-5);
 }
 
-TEST(Ritz, HasTheStoredFrequenciesOfAThinPlate) {
+TEST(Ritz, RitzsMethodHasTheStoredFrequenciesOfAThinPlate) {
   const Eigen::Vector3d plate(0.2, 0.2, 0.004);
   expect_all_near(test::box_frequencies(plate, {200e9, 0.3, 7850}, {18, 18, 3}, 39, 20), reference::kPlate, 4e-4);
 }
 
 // Polynomials of degree p are a subspace of those of degree p + 1, and a scaled body rings at scaled frequencies.
-TEST(Ritz, OfATetrahedronFallsWithTheDegree) {
+TEST(Ritz, RitzsFrequenciesOfATetrahedronFallWithTheDegree) {
   Eigen::Matrix<double, 4, 3> corners;
   corners << 0, 0, 0, 0.1, 0, 0, 0.02, 0.09, 0, 0.03, 0.02, 0.08;
   std::vector<double> coarser = test::tetrahedron_frequencies(corners, {200e9, 0.3, 7850}, 1, 6);

@@ -223,7 +223,7 @@ TEST(Structure, ASessionNeedsNeitherSocketsNorLogsNorGlobals) {
 }
 
 // The rules can fail: what they forbid is found.
-TEST(Structure, RefusesWhatItShould) {
+TEST(Structure, TheIncludeRulesRefuseWhatTheyShould) {
   EXPECT_FALSE(is_allowed({"engine/synth/mixer.cpp", 1, "engine/mesh/surface.h", true}));
   EXPECT_FALSE(is_allowed({"engine/base/vec3.h", 1, "engine/modal/bank.h", true}));
   EXPECT_FALSE(is_allowed({"engine/synth/voice.h", 1, "protocol/schema.h", true}));

@@ -39,13 +39,13 @@ std::map<std::string, int> uses_of(const std::vector<std::string>& words) {
   return uses;
 }
 
-TEST(RealTime, WhatIsTakenOnTrustIsListed) {
+TEST(RealTime, WhatTheRealTimeChecksTrustIsListed) {
   std::map<std::string, int> uses = uses_of({"RINGDOWN_TRUST_REALTIME_BEGIN"});
   EXPECT_EQ(uses.erase("engine/base/realtime.h"), 1u) << "where it is defined";
   EXPECT_EQ(uses, kTrusted);
 }
 
-TEST(RealTime, NothingElseSilencesTheChecks) {
+TEST(RealTime, NothingElseSilencesTheRealTimeChecks) {
   std::map<std::string, int> uses =
       uses_of({"diagnostic ignored", "no_sanitize", "rtsan", "__tsan", "disable_sanitizer_instrumentation"});
   EXPECT_EQ(uses.erase("engine/base/realtime.h"), 1u) << "where trust is defined";
