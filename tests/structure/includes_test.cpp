@@ -209,9 +209,11 @@ TEST(Structure, ASessionNeedsNeitherSocketsNorLogsNorGlobals) {
                                                   "lo/", "jack/", "httplib.h", "avahi", "csignal", "iostream"}))
         << place(include) << ", which its folder may not";
   }
-  const std::regex mutable_static(R"(^\s*(static|inline|thread_local)\s+(?!const|inline|thread_local).*(=|\{).*;\s*$)");
-  const std::regex mutable_global(R"(^(?!using|const|constexpr|inline const|namespace|return|static_assert|template)"
-                                  R"([A-Za-z][\w:<>,* ]*\s[a-z]\w*( = .*|\{.*\})?;$)");
+  const std::regex mutable_static(
+      R"(^\s*(static|inline|thread_local)\s+(?!const|inline|thread_local)[^(]*(=|\{).*;\s*$)");
+  const std::regex mutable_global(
+      R"re(^(?!using|const|constexpr|inline const|namespace|return|static_assert|template))re"
+      R"([A-Za-z][\w:<>,* ]*\s[a-z]\w*( = .*|\{.*\})?;$)");
   const fs::path root = RINGDOWN_SOURCE_DIR;
   for (const auto& entry : fs::recursive_directory_iterator(root / "server/session")) {
     std::ifstream file(entry.path());
