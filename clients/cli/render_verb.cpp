@@ -45,7 +45,7 @@ ExitCode render(RenderArguments& arguments) {
   }
   if (arguments.score) {
     auto score = wire::read_score(*arguments.score);
-    if (!score) return complain(score.error().message, ExitCode::bad_input);
+    if (!score) return complain(score.error());
     arguments.options.score = std::move(*score);
   }
   std::signal(SIGINT, [](int) { interrupted = true; });
