@@ -2,7 +2,6 @@
 #include "clients/cli/verb.h"
 #include "engine/bake/material_bar.h"
 #include "engine/bake/material_library.h"
-#include "engine/bake/material_page.h"
 #include "engine/base/folders.h"
 #include "engine/synth/mixer.h"
 #include "server/session/offline.h"

@@ -11,6 +11,12 @@
 #include <numbers>
 #include <numeric>
 
+// Two rounds of listening
+//
+// Every sample point is struck along its normal, and all modes are followed in time as straight lines in dB. In the
+// first round every mode may mask: a mode survives if at one point it is above the floor and no louder mode hides it.
+// In the second round only survivors may mask, which brings back what only a dropped mode hid. What the dropped modes
+// would have added is then computed exactly, as the energy of their sum (energies()), and written into the bank.
 namespace ringdown::bake {
 namespace {
 

@@ -2,12 +2,10 @@
 
 #include "engine/bake/audibility.h"
 #include "engine/bake/body_modes.h"
+#include "engine/bake/body_shape.h"
 #include "engine/bake/importance.h"
-#include "engine/bake/mass_properties.h"
-#include "engine/bake/mode_cache.h"
-#include "engine/bake/size_question.h"
 #include "engine/fem/error_estimate.h"
-#include "engine/mesh/surface.h"
+#include "engine/mesh/boundary.h"
 #include "engine/solve/eigensolver.h"
 
 #include <algorithm>
@@ -102,7 +100,7 @@ void add_mode(modal::Bank& bank, const HeardMode& heard, const Eigen::Ref<const 
   }
 }
 
-void add_points(modal::Bank& bank, const mesh::Surface& points, const mesh::Points& nodes) {
+void add_points(modal::Bank& bank, const mesh::Boundary& points, const mesh::Points& nodes) {
   for (const std::int32_t node : points.nodes) {
     const Eigen::Vector3f at = nodes.row(node).transpose().cast<float>();
     bank.positions.push_back({at[0], at[1], at[2]});
@@ -111,7 +109,7 @@ void add_points(modal::Bank& bank, const mesh::Surface& points, const mesh::Poin
 }
 
 // Where the unknowns of `points`, some of the surface's nodes, stand in BodyModes::shapes.
-std::vector<Eigen::Index> rows_of(const mesh::Surface& points, const mesh::Surface& surface) {
+std::vector<Eigen::Index> rows_of(const mesh::Boundary& points, const mesh::Boundary& surface) {
   std::vector<Eigen::Index> rows;
   for (const std::int32_t node : points.nodes) {
     rows.push_back(3 * (std::lower_bound(surface.nodes.begin(), surface.nodes.end(), node) - surface.nodes.begin()));
@@ -176,7 +174,7 @@ Result<void> check_count(double volume_m3, const modal::Material& material, cons
                   ": check the unit of its lengths (--unit 0.001 for millimetres), or narrow the band (--band)");
 }
 
-BodyModes on_surface(const Eigenmodes& modes, const mesh::Surface& surface) {
+BodyModes on_surface(const Eigenmodes& modes, const mesh::Boundary& surface) {
   const Eigen::Index elastic = modes.lambda.size() - modes.rigid;
   BodyModes body{.lambda = modes.lambda.tail(elastic),
                  .shapes = Eigen::MatrixXd(3 * static_cast<Eigen::Index>(surface.nodes.size()), elastic),
@@ -195,7 +193,7 @@ BodyModes on_surface(const Eigenmodes& modes, const mesh::Surface& surface) {
 struct Task {
   const mesh::TetMesh& mesh;
   const mesh::TetMesh unit_mesh;  // in units of units.length_m
-  const mesh::Surface surface;
+  const mesh::Boundary surface;
   const BodyUnits units;
   const modal::Material& material;
   const BakeOptions& options;
@@ -291,8 +289,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   if (auto near = check_place(mesh.nodes, length_m); !near) return fail(near.error().kind, name + near.error().message);
   const BodyUnits units{length_m, material.youngs_modulus_pa, material.density_kg_m3};
   const Task task{
-      mesh,          {mesh.nodes / length_m, mesh.elements}, mesh::boundary_surface(mesh), units, material, options,
-      checked.pieces};
+      mesh, {mesh.nodes / length_m, mesh.elements}, mesh::boundary_of(mesh), units, material, options, checked.pieces};
   const Result<BodyModes> modes = find_body_modes(task, highest_lambda / units.lambda(), report, progress);
   if (!modes) return fail(modes.error().kind, name + ": " + modes.error().message);
   report.unknowns = modes->unknowns;
@@ -301,7 +298,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
 
   Stopwatch watch;
   if (progress && !progress("finish", 0)) return fail_cancelled();
-  const Result<mesh::Surface> points = mesh::decimate(task.surface, mesh.nodes, options.most_points);
+  const Result<mesh::Boundary> points = mesh::decimate(task.surface, mesh.nodes, options.most_points);
   if (!points) return fail(points.error().kind, name + ": " + points.error().message);
   const std::vector<HeardMode> heard =
       modes_in_band(*modes, units, area_weights(task.surface, mesh.nodes), material.damping, options, report);

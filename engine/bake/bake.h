@@ -7,7 +7,7 @@
 
 #include "engine/base/progress.h"
 #include "engine/fem/assembly.h"
-#include "engine/mesh/tet_mesh.h"
+#include "engine/mesh/mesh_check.h"
 #include "engine/modal/bank.h"
 #include "engine/solve/eigensolver.h"
 
@@ -23,7 +23,7 @@ struct BakeOptions {
   int most_modes = 4096;          // in the band; a fuller band fails (see solve::EigenRequest)
   int keep_modes = 0;             // the most important ones go into the bank; 0: all
   double floor_db = 0;            // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
-  std::filesystem::path cache;    // folder of results that bake() may use and add to (mode_cache.h); empty: none
+  std::filesystem::path cache;    // folder of results that bake() may use and add to (ModeCache); empty: none
   std::string family;             // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
   solve::Method solver = solve::Method::kAutomatic;
   int processes = 2;  // of solve::Method::kSlepc

@@ -5,17 +5,20 @@
 //
 //   lambda = E / (rho L^2) lambda',      phi = rho^-1/2 L^-3/2 phi'
 //
-// are exact. So one solution serves every E, rho, damping and size of a body; the cache keeps it (mode_cache.h), and a
+// are exact. So one solution serves every E, rho, damping and size of a body; the cache keeps it (ModeCache), and a
 // bake always goes through it, so that a cached bank and a fresh one are the same. L is the diagonal of the mesh's
 // bounding box.
 #pragma once
 
+#include "engine/base/content_cache.h"
+#include "engine/fem/assembly.h"
 #include "engine/mesh/tet_mesh.h"
 #include "engine/modal/bank.h"
 
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <optional>
 
 namespace ringdown::bake {
 
@@ -29,7 +32,7 @@ struct BodyUnits {
 
 struct BodyModes {
   Eigen::VectorXd lambda;     // m, ascending; the rigid motions are left out
-  Eigen::MatrixXd shapes;     // 3S x m, at the S nodes of mesh::boundary_surface(), in its order
+  Eigen::MatrixXd shapes;     // 3S x m, at the S nodes of mesh::boundary_of(), in its order
   Eigen::VectorXd residuals;  // m, as in solve::Eigenmodes
   Eigen::VectorXd errors;     // m, estimated relative errors of the frequencies; or empty: none was made
   double complete_to = 0;     // every mode with lambda up to here is in the set: inertia counted `rigid` + m of them
@@ -43,5 +46,53 @@ BodyModes up_to(BodyModes modes, double top);
 
 // The diagonal of the bounding box [m]; > 0 for a checked mesh.
 double characteristic_length(const mesh::Points& nodes);
+
+// Modes found before, by the content of what they were found for. Any number of processes may use one folder. [worker]
+//
+//   const ModeCache cache{ContentCache(folder)};
+//   const BodyQuestion question{unit_mesh, surface.nodes.size(), element, nu, tolerance};
+//   if (auto modes = cache.find(question, top, most_modes)) ...no need to solve...
+//
+// The key is the hash of all that the unit-free eigenproblem depends on: the elements' node numbers, the nodes in units
+// of the body's length, the kind of element, Poisson's ratio, the solver's tolerance, and a format version. A file
+// name, E, rho, damping, size, band or surface points are not in it.
+//
+// Nodes enter the key rounded to 2^-24 of the length, because the same mesh in another unit differs in its last bits;
+// an entry therefore holds its nodes and is used only when they agree to 1e-13. Shapes are kept in double: the same
+// request again gives the same bank, byte for byte. An entry takes 24 S m bytes and some.
+
+struct BodyQuestion {
+  const mesh::TetMesh& unit_mesh;  // of the element's order, in units of its characteristic length
+  std::size_t surface_nodes = 0;   // S
+  fem::Element element = fem::Element::kTet20;
+  double poisson_ratio = 0;
+  double tolerance = 0;  // of the solver
+};
+
+class ModeCache {
+ public:
+  explicit ModeCache(ContentCache cache) : cache_(std::move(cache)) {}
+
+  // All modes up to `top` (free of units), when an entry has them and they are no more than `most_modes`.
+  [[nodiscard]] std::optional<BodyModes> find(const BodyQuestion& question, double top, int most_modes) const;
+
+  // Replaces the entry of the same key: call it when find() had none.
+  Result<void> store(const BodyQuestion& question, const BodyModes& modes) const;
+
+  // Where the modes of a near relative were: lambdas free of units, ascending, rigid motions left out; empty when there
+  // is none. For planning only: a relative has another Poisson's ratio, element or mesh size. Relatives share a
+  // `family`, a name for the shape; when that is empty, the mesh's node numbers are the family.
+  [[nodiscard]] Eigen::VectorXd expected(const BodyQuestion& question, const std::string& family) const;
+  Result<void> expect(const BodyQuestion& question, const std::string& family, const Eigen::VectorXd& lambda) const;
+
+ private:
+  ContentCache cache_;
+};
+
+// Mass, centre and inertia of a meshed solid, from the mesh and its node mass matrix M. Position is interpolated by the
+// same shape functions as displacement, so with X the nodes (N x 3) the integrals of rho, rho x and rho x x^T are
+// exactly 1^T M 1, 1^T M X and X^T M X, curved elements included (exact for consistent mass). Principal moments ascend;
+// the frame is right-handed, and its signs are fixed, so equal meshes give equal frames.
+modal::MassProperties mass_properties(const mesh::TetMesh& mesh, const fem::SparseMatrix& node_mass);
 
 }  // namespace ringdown::bake

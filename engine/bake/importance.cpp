@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+// A mode counts by the energy that the ear collects of it: the amplitude it starts with after a hard blow, weighted by
+// the ear's sensitivity at its frequency, squared, times the time over which loudness builds up as far as the mode
+// lasts.
 namespace ringdown::bake {
 
 double a_weighting(double frequency_hz) {

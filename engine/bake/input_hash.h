@@ -1,7 +1,7 @@
 // What a bank is made from, as one hash: when it is the same, so is the bank. [any thread]
 //
 //   const std::optional<std::string> hash = input_hash({.object = "bell.toml", .geometry = "bell.geo", ...});
-//   if (hash && modal::sealed_input_hash("bell.glb") == hash) ...nothing to do...
+//   if (hash && modal::read_input_hash("bell.glb") == hash) ...nothing to do...
 //
 // In it are the content of every file, what the object is called, the options of the command line, and the program's
 // version; not where the files lie, nor when they were written.

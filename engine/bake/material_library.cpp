@@ -6,9 +6,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <set>
+#include <utility>
+#include <vector>
 
 namespace ringdown::bake {
 namespace {
@@ -22,18 +25,21 @@ constexpr Range kBeta_s{0, 1};
 constexpr Range kFrequency_hz{1e-3, 1e9};
 constexpr Range kLossFactor{1e-12, 10};
 
+// One figure of a material: its key in a file, and how a table writes it.
 struct Figure {
   const char* key;
   double& value;
   Range range;
+  const char* symbol;
+  double table_unit = 1;
 };
 
 std::array<Figure, 5> figures_of(modal::Material& material) {
-  return {{{"youngs_modulus_pa", material.youngs_modulus_pa, kYoungsModulus_pa},
-           {"poisson_ratio", material.poisson_ratio, kPoissonRatio},
-           {"density_kg_m3", material.density_kg_m3, kDensity_kg_m3},
-           {"alpha_per_s", material.damping.alpha_per_s, kAlpha_per_s},
-           {"beta_s", material.damping.beta_s, kBeta_s}}};
+  return {{{"youngs_modulus_pa", material.youngs_modulus_pa, kYoungsModulus_pa, "E", 1e9},
+           {"poisson_ratio", material.poisson_ratio, kPoissonRatio, "nu"},
+           {"density_kg_m3", material.density_kg_m3, kDensity_kg_m3, "rho"},
+           {"alpha_per_s", material.damping.alpha_per_s, kAlpha_per_s, "alpha"},
+           {"beta_s", material.damping.beta_s, kBeta_s, "beta"}}};
 }
 
 Result<void> check_stable(const modal::Material& material) {
@@ -41,7 +47,7 @@ Result<void> check_stable(const modal::Material& material) {
 }
 
 void read_figure(TomlTable& file, const Figure& wanted, MaterialEntry& entry) {
-  const auto& [key, target, range] = wanted;
+  const auto& [key, target, range, symbol, unit] = wanted;
   file.require({key});
   std::optional<TomlTable> figure = file.table(key);
   if (!figure) return;
@@ -154,6 +160,72 @@ std::vector<std::string> names_in(const std::filesystem::path& folder) {
   }
   std::sort(names.begin(), names.end());
   return names;
+}
+
+// The page of materials
+namespace {
+
+std::string text(double value, const char* format = "%.5g") {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, format, value);
+  return buffer;
+}
+
+bool holds(const std::string& source, std::string_view words) { return source.find(words) != std::string::npos; }
+
+std::string marked(const std::string& figure, const std::string& source) {
+  const std::string shown = holds(source, kOurChoice) ? "*" + figure + "*" : figure;
+  return holds(source, kToBeChecked) ? shown + " ?" : shown;
+}
+
+// Seconds in which a mode of an undamped 1 kHz falls by 60 dB: ln(1000) / d with d = (alpha + beta lambda) / 2.
+double t60_at_1_khz(modal::RayleighDamping damping) {
+  const double omega = 2 * M_PI * 1000;
+  return std::log(1000.0) / ((damping.alpha_per_s + damping.beta_s * omega * omega) / 2);
+}
+
+std::string figure_row(MaterialEntry entry) {
+  std::string row = "| `" + entry.material.name + "` | " + entry.description + " |";
+  for (const Figure& figure : figures_of(entry.material)) {
+    row += " " + marked(text(figure.value / figure.table_unit), entry.sources.at(figure.key)) + " |";
+  }
+  return row + " " + text(t60_at_1_khz(entry.material.damping), "%.2g") + " |\n";
+}
+
+// One row for each source of the material, with all figures that share it.
+std::string source_rows(MaterialEntry entry) {
+  std::vector<std::pair<std::string, std::string>> groups;  // source, symbols
+  for (const Figure& figure : figures_of(entry.material)) {
+    const std::string& source = entry.sources.at(figure.key);
+    if (!groups.empty() && groups.back().first == source) {
+      groups.back().second += std::string(", ") + figure.symbol;
+    } else {
+      groups.emplace_back(source, figure.symbol);
+    }
+  }
+  std::string rows;
+  for (const auto& [source, symbols] : groups) {
+    rows += "| `" + entry.material.name + "` | " + symbols + " | " + source + " |\n";
+  }
+  return rows;
+}
+
+}  // namespace
+
+Result<std::string> materials_as_markdown(const std::filesystem::path& folder) {
+  const std::vector<std::string> names = names_in(folder);
+  if (names.empty()) return fail(ErrorKind::bad_input, "there are no materials in " + folder.string());
+  std::string figures =
+      "| material | what it is | E [GPa] | nu | rho [kg/m^3] | alpha [1/s] | beta [s] | T60 at 1 kHz [s] |\n"
+      "|---|---|---|---|---|---|---|---|\n";
+  std::string sources = "| material | figures | source |\n|---|---|---|\n";
+  for (const std::string& name : names) {
+    const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
+    if (!entry) return fail(entry.error());
+    figures += figure_row(*entry);
+    sources += source_rows(*entry);
+  }
+  return figures + "\n" + sources;
 }
 
 }  // namespace ringdown::bake

@@ -8,7 +8,7 @@
 //
 // Every figure has a source. Rayleigh's alpha and beta are seldom published: most are fitted to a loss factor
 // eta at one frequency by beta = eta / omega, which the source then says. Where it is known at several frequencies,
-// they stand in the file instead of alpha and beta, which are fitted to them (modal/loss_factor.h):
+// they stand in the file instead of alpha and beta, which are fitted to them (modal/damping.h):
 //
 //   [[loss_factor]]          # two at least, at different frequencies
 //   frequency_hz = 250
@@ -20,7 +20,7 @@
 
 #include "engine/base/result.h"
 #include "engine/modal/bank.h"
-#include "engine/modal/loss_factor.h"
+#include "engine/modal/damping.h"
 
 #include <filesystem>
 #include <map>
@@ -55,5 +55,10 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
 
 // Names of the .toml files in a folder, sorted; empty when there is no such folder.
 std::vector<std::string> names_in(const std::filesystem::path& folder);
+
+// The tables of docs/materials.md: two Markdown tables of every material in `folder`: its figures, and their sources.
+// Figures that are our own choice are in italics, figures that are yet to be checked carry a question mark (kOurChoice
+// and kToBeChecked). Fails with the first file that cannot be read, or when there is none.
+Result<std::string> materials_as_markdown(const std::filesystem::path& folder);
 
 }  // namespace ringdown::bake

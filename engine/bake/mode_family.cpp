@@ -7,6 +7,13 @@
 #include <array>
 #include <numeric>
 
+// Telling families apart
+//
+// In the axes of the body, the displacement of every point is fitted by motions of whole cross-sections: each of its
+// three components is a polynomial along the body, plus one that grows with the distance across it (bending tilts a
+// section, twist turns it). The least-squares fit has the same matrix for all modes, so it is factored once (Sections).
+// The energy of each part of the fit over that of the motion is the part's share; the family with the largest share has
+// the mode, if it explains at least half of the motion.
 namespace ringdown::bake {
 namespace {
 

@@ -1,4 +1,4 @@
-// Objects as text: presets/objects/NAME.toml, and the way from one to its bank. [worker]
+// Objects as text: presets/objects/NAME.toml, read and changed. bake_object.h makes a bank of one. [worker]
 //
 //   name = "tumbler"                 # default: the file's name
 //   description = "A thin drinking glass"
@@ -6,8 +6,8 @@
 //   geometry = "tumbler.geo"         # or a surface or a mesh (mesh/body_reader.h); relative to this file
 //   unit_m = 0.001                   # length of one unit of the geometry; default: what the file says, else 1
 //   scale = 1.5                      # all lengths times this, once it is meshed; default 1
-//   mesh_size_m = 0.006              # longest edge, where it is meshed; default: chosen by the band (mesh_choice.h)
-//   error = "0.1%"                   # or 0.001: refine until every frequency is that good (refine.h)
+//   mesh_size_m = 0.006              # longest edge, where it is meshed; default: chosen by the band (body_shape.h)
+//   error = "0.1%"                   # or 0.001: refine until every frequency is that good (bake_object.h)
 //   element = "tet20"                # default; tet10, tet35, tet4, tet4-lumped
 //   surface_points = 160             # default 200
 //   band_hz = [20, 20000]            # default
@@ -20,15 +20,14 @@
 #pragma once
 
 #include "engine/bake/bake.h"
-#include "engine/bake/material_library.h"
-#include "engine/bake/mesh_choice.h"
 #include "engine/base/range.h"
+#include "engine/base/result.h"
 #include "engine/mesh/body_reader.h"
 
 #include <filesystem>
-#include <optional>
+#include <map>
 #include <string>
-#include <vector>
+#include <string_view>
 
 namespace ringdown::bake {
 
@@ -56,28 +55,16 @@ Result<ObjectRecipe> read_object(const std::filesystem::path& path);
 // The same from memory; `path` is where the text would stand.
 Result<ObjectRecipe> parse_object(std::string_view text, const std::filesystem::path& path);
 
-// One bake of several that refine each other.
-struct Round {
-  fem::Element element = fem::Element::kTet20;
-  Eigen::Index elements = 0, unknowns = 0;
-  double error = 0;  // the largest estimate of any frequency in the band
+// Other figures for an object file, whose text otherwise stays as it is.
+struct ObjectChanges {
+  std::map<std::string, double> parameters;  // of [parameters]; new ones are added
+  double mesh_size_m = 0;                    // 0: as it is
+  std::filesystem::path geometry;            // as the file says it; empty: as it is
 };
 
-struct BakedObject {
-  Baked baked;
-  mesh::CheckedMesh mesh;
-  mesh::Making making = mesh::Making::kRead;
-  std::vector<std::string> notes;    // what was found in a surface, and what was done about it
-  std::string question;              // whether the size can be meant; or empty
-  std::optional<MeshChoice> choice;  // of the mesh size, where none was named
-  std::vector<Round> rounds;         // one, or more with recipe.error; the last one made the bank
-  double mesh_seconds = 0;
-};
-
-// Bakes with the material of that name in `materials`, by bake_recipe() (refine.h). A first progress stage, "mesh",
-// comes before those of bake(); meshing cannot be cancelled while gmsh is at work. With a cache (recipe.options.cache),
-// neither is done a second time for the same object.
-Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesystem::path& materials,
-                                const Progress& progress = {});
+// `text`, an object file, with these figures; its name goes, so that it is the new file's. Comments and order stay.
+// Fails when it is not an object, or writes what changes in a way that is not understood (one key to a line, parameters
+// in a table of their own).
+Result<std::string> change_object(std::string_view text, const ObjectChanges& changes);
 
 }  // namespace ringdown::bake

@@ -7,6 +7,12 @@
 #include <algorithm>
 #include <optional>
 
+// Levenberg-Marquardt with Broyden's slopes
+//
+// One step minimises |cents + slopes step|^2 + damping |step|^2 over the parameters that are not held at a bound
+// (propose()). A step that makes the cents smaller is taken, and the damping falls; otherwise the damping rises and a
+// shorter step is tried. Either way the evaluation improves the slopes by a rank-one update. When no step helps, slopes
+// are measured again by differences; when not even a step on fresh slopes helps, the search is over.
 namespace ringdown::bake {
 namespace {
 

@@ -1,6 +1,7 @@
 #include "engine/bake/tune_object.h"
 
-#include "engine/bake/refine.h"
+#include "engine/bake/bake_object.h"
+#include "engine/bake/material_library.h"
 
 #include <algorithm>
 #include <cmath>

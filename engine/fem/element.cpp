@@ -23,8 +23,8 @@ struct Samples {
     gradients.resize(3 * count, shapes.rows());
     for (Eigen::Index q = 0; q < count; ++q) {
       weights[q] = rule[q].weight;
-      shapes.col(q) = mesh::shape(order, rule[q].barycentric);
-      gradients.middleRows<3>(3 * q) = mesh::reference_gradient(order, rule[q].barycentric).transpose();
+      shapes.col(q) = mesh::interpolation(order, rule[q].barycentric);
+      gradients.middleRows<3>(3 * q) = mesh::interpolation_gradient(order, rule[q].barycentric).transpose();
     }
   }
   [[nodiscard]] Eigen::Index count() const { return weights.size(); }

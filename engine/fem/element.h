@@ -16,7 +16,7 @@
 #pragma once
 
 #include "engine/fem/elastic.h"
-#include "engine/mesh/tet_shape.h"
+#include "engine/mesh/tet_element.h"
 
 #include <Eigen/Core>
 

@@ -2,8 +2,7 @@
 
 #include "engine/base/in_parallel.h"
 #include "engine/fem/blas_threads.h"
-#include "engine/fem/surplus_element.h"
-#include "engine/mesh/surplus_space.h"
+#include "engine/fem/surplus.h"
 
 #include <Eigen/LU>
 
@@ -13,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+// The estimate
+//
 // With V the functions of the mesh and W those of degree p + 1, a mode's residual r(w) = K(phi, w) - lambda M(phi, w)
 // is zero on V. In V + W lambda falls by r A^-1 r, with A the energy of W after V has relaxed, a Schur complement. A
 // would need solves with the whole of V. Two energies that do not enclose it:
@@ -25,6 +26,10 @@
 // within narrow bounds (docs/accuracy.md has the measurements that chose the weight). For the same reason lambda counts
 // in it as mu^(1/4) lambda^(3/4) where it is more than mu, and beyond 60 mu no more: a body that keeps its volume in V
 // + W moves as one with nu = 1/2 does. The residual is the true one.
+//
+// For each group of kModesAtOnce modes: residuals() finds r on all functions of W; falls() runs a few steps of
+// conjugate gradients on A e = r, preconditioned by the blocks of A that belong to one edge, face or element; the
+// energy of e after the last step is the fall of lambda.
 namespace ringdown::fem {
 namespace {
 
@@ -42,7 +47,7 @@ using PerMode = Eigen::Array<double, 1, kModesAtOnce>;
 class SurplusProblem {
  public:
   SurplusProblem(const mesh::TetMesh& mesh, const Elastic& elastic)
-      : mesh_(mesh), space_(mesh::surplus_space(mesh)), element_(mesh.order(), elastic) {}
+      : mesh_(mesh), space_(surplus_space(mesh)), element_(mesh.order(), elastic) {}
 
   // Residuals of all modes, kModesAtOnce to an entry, the last one filled up with zeros; keeps every element's energy.
   std::vector<Rows> residuals(const Eigen::Ref<const Eigen::VectorXd>& lambda,
@@ -59,7 +64,7 @@ class SurplusProblem {
   [[nodiscard]] Rows preconditioned(const Rows& x) const;
 
   const mesh::TetMesh& mesh_;
-  mesh::SurplusSpace space_;
+  SurplusSpace space_;
   SurplusElement element_;
   std::vector<Eigen::MatrixXf> energies_;  // one for each element
   std::vector<Eigen::MatrixXf> inverses_;  // of the energy of each edge, face and element's own functions

@@ -1,10 +1,9 @@
 #include "engine/fit/modes.h"
 
 #include "engine/base/in_parallel.h"
-#include "engine/fit/amplitudes.h"
-#include "engine/fit/esprit.h"
+#include "engine/fit/sinusoids.h"
 #include "engine/fit/extent.h"
-#include "engine/fit/refine.h"
+#include "engine/fit/poles.h"
 #include "engine/fit/subband.h"
 #include "engine/modal/damping.h"
 
@@ -14,6 +13,13 @@
 #include <numbers>
 #include <numeric>
 
+// The search, from long modes to short ones
+//
+// A pass looks at the beginning of what is left of the sound, first at all of it, then at a quarter, a sixteenth and so
+// on. It cuts the band of frequencies into narrow bands of a few hundred samples each (subband.h), finds and refines
+// the poles in every one (poles.h), and keeps those that decay in about the length of the pass: slower ones were found
+// before, faster ones wait for a shorter pass. Neighbouring bands overlap, so what two of them found is made one. Then
+// the amplitudes of all modes so far are fitted together, and their sum is subtracted for the next pass.
 namespace ringdown::fit {
 namespace {
 

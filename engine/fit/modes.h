@@ -5,13 +5,13 @@
 //   x(t) = sum over modes of A exp(-d t) sin(2 pi f t + phase),   t from the onset [s],
 //
 // and cut into bands narrow enough that a few hundred samples of each hold all there is to know (subband.h). In each,
-// ESPRIT finds poles (esprit.h), which least squares makes as good as the noise allows; those that the noise of the
-// band could have made are dropped (refine.h). Long modes are found first, over the whole recording; then, in what is
-// left, shorter ones over its first quarter, sixteenth and so on. At last all amplitudes are fitted together
-// (amplitudes.h). [worker]
+// ESPRIT finds poles, which least squares makes as good as the noise allows; those that the noise of the band could
+// have made are dropped (poles.h). Long modes are found first, over the whole recording; then, in what is left, shorter
+// ones over its first quarter, sixteenth and so on. At last all amplitudes are fitted together (sinusoids.h). [worker]
 #pragma once
 
 #include "engine/base/result.h"
+#include "engine/fit/sinusoids.h"
 
 #include <cstddef>
 #include <optional>
@@ -19,17 +19,6 @@
 #include <vector>
 
 namespace ringdown::fit {
-
-struct Mode {
-  double frequency_hz = 0;  // damped
-  double decay_per_s = 0;
-  double amplitude = 0;  // at the onset, in units of the samples
-  double phase_rad = 0;  // of the sine, at the onset, in (-pi, pi]
-  // Standard errors, as the noise of the mode's band gives them.
-  double frequency_error_hz = 0;
-  double decay_error_per_s = 0;
-  double amplitude_error = 0;  // relative
-};
 
 struct Options {
   double low_hz = 20, high_hz = 20000;  // where modes are looked for; the top is at most 0.98 of half the sample rate

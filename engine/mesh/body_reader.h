@@ -5,19 +5,21 @@
 //
 // By the file's ending:
 //   .node .ele .veg .inp .tet            tetrahedra, read as they are (tet_file.h)
-//   .obj .stl .ply .off .gltf .glb       a surface (surface_reader.h): diagnosed and mended (surface_repair.h), then
+//   .obj .stl .ply .off .gltf .glb       a surface (surface_file.h): diagnosed and mended (surface_repair.h), then
 //                                        filled by gmsh (fill.h) where it is sound, else stuffed (stuffing.h)
 //   everything else                      gmsh's: a mesh read as it is, or a geometry meshed (gmsh_reader.h)
 #pragma once
 
+#include "engine/base/content_cache.h"
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
 #include "engine/mesh/fill.h"
 #include "engine/mesh/gmsh_reader.h"
+#include "engine/mesh/mesh_check.h"
 #include "engine/mesh/surface_repair.h"
-#include "engine/mesh/tet_mesh.h"
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,8 +57,8 @@ class BodyReader {
   Result<TriangleMesh> sketch(const GmshOptions& options);
 
   // The body. From the cache when it was made before from a file of the same content with the same options
-  // (mesh_cache.h). Options that are for geometries are for surfaces, too, but for edge_size_m. With mesh_size_m = 0 a
-  // surface's own triangles are filled. Fails with one sentence: what gmsh, assimp or check_mesh say, or that it
+  // (make_through_cache). Options that are for geometries are for surfaces, too, but for edge_size_m. With mesh_size_m
+  // = 0 a surface's own triangles are filled. Fails with one sentence: what gmsh, assimp or check_mesh say, or that it
   // encloses nothing.
   Result<Body> read(const GmshOptions& options, const Progress& progress = {});
 
@@ -70,5 +72,12 @@ class BodyReader {
   std::optional<PreparedSurface> surface_;
   double surface_unit_m_ = 0;
 };
+
+// What make() gives, bit for bit; from the cache when it was made before from a file of the same content with the same
+// options by the same versions of this program's meshing and of gmsh. Not kept are bodies of files that may read others
+// or ask their surroundings (`Include`, `Merge`, `SystemCall` and the like in a .geo or .bdf, a .gltf, TetGen's two),
+// and failures.
+Result<Body> make_through_cache(const std::filesystem::path& path, const GmshOptions& options,
+                                const ContentCache& cache, const std::function<Result<Body>()>& make);
 
 }  // namespace ringdown::mesh

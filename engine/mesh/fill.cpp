@@ -1,11 +1,11 @@
 #include "engine/mesh/fill.h"
 
-#include "engine/mesh/gmsh_session.h"
-#include "engine/mesh/half_edges.h"
-#include "engine/mesh/surface.h"
+#include "engine/mesh/boundary.h"
+#include "engine/mesh/gmsh_reader.h"
+#include "engine/mesh/remesh.h"
+#include "engine/mesh/shells.h"
 #include "engine/mesh/surface_check.h"
-#include "engine/mesh/surface_cuts.h"
-#include "engine/mesh/surface_rays.h"
+#include "engine/mesh/surface_distance.h"
 
 #include <Eigen/Geometry>
 #include <gmsh.h>
@@ -15,6 +15,13 @@
 #include <numeric>
 #include <unordered_map>
 
+// Filling, with two ways back
+//
+// The surface is cut into triangles of the wanted size (sized()); where those would leave the surface, enclose another
+// volume or cut each other, smaller ones are tried. gmsh fills them with straight tetrahedra (fill_as_it_is()), whose
+// outer nodes of higher order are then put onto the original surface (curved()). The volume is compared with the
+// surface's at the end. If any of this fails, all of it is tried once more at a smaller size, and at last the triangles
+// that the surface came with are filled as they are.
 namespace ringdown::mesh {
 namespace {
 
@@ -107,7 +114,7 @@ double volume_of(const TetMesh& mesh) {
   double volume = 0;
   const int order = mesh.order();
   for (const QuadraturePoint& point : tet_quadrature(std::max(3 * (order - 1), 1))) {
-    const ReferenceGradient gradient = reference_gradient(order, point.barycentric);
+    const ReferenceGradient gradient = interpolation_gradient(order, point.barycentric);
     for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
       volume += point.weight * jacobian(nodes_of(mesh, e), gradient).determinant() / 6;
     }
@@ -153,7 +160,7 @@ Result<CheckedMesh> curved(const CheckedMesh& straight, const TriangleMesh& onto
   const double farthest = options.wall_m > 0 ? 2 * kMaxDeviation * options.wall_m : 0.25 * options.size_m;
   std::vector<bool> corner(static_cast<std::size_t>(mesh.nodes.rows()), false);
   for (const std::int32_t n : mesh.elements.leftCols(4).reshaped()) corner[static_cast<std::size_t>(n)] = true;
-  for (const std::int32_t n : boundary_surface(mesh).nodes) {
+  for (const std::int32_t n : boundary_of(mesh).nodes) {
     if (corner[static_cast<std::size_t>(n)]) continue;
     const Eigen::RowVector3d at = mesh.nodes.row(n), to = surface.nearest(at);
     if ((to - at).norm() <= farthest) mesh.nodes.row(n) = to;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/mesh/tet_mesh.h"
+#include "engine/mesh/mesh_check.h"
 #include "engine/mesh/triangle_mesh.h"
 
 #include <string>

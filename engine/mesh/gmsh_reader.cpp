@@ -1,7 +1,6 @@
 #include "engine/mesh/gmsh_reader.h"
 
 #include "engine/base/atomic_file.h"
-#include "engine/mesh/gmsh_session.h"
 
 #include <gmsh.h>
 
@@ -162,7 +161,7 @@ Result<void> generate(const std::filesystem::path& path, const GmshOptions& opti
 // One of gmsh's element types: tetrahedra of one order.
 struct ElementType {
   int type = 0, order = 0;
-  std::vector<int> ours;  // ours[k]: which node of tet_basis.h gmsh's node k is
+  std::vector<int> ours;  // ours[k]: which node of tet_element.h gmsh's node k is
 };
 
 // The type of the tetrahedra in a mesh that has no other solid elements.
@@ -186,7 +185,7 @@ Result<ElementType> only_type(const std::filesystem::path& path) {
                                             std::to_string(nodes) + " nodes; give all of them the same order");
     }
     const Eigen::Map<const Points> free_coordinates(places.data(), nodes, 3);
-    Lattice points(nodes, 4);
+    Barycentric points(nodes, 4);
     points << (1 - free_coordinates.rowwise().sum().array()).matrix(), free_coordinates;
     found = {type, order, nodes_at(order, points)};
   }
@@ -320,6 +319,37 @@ Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const Gmsh
   } catch (const std::exception& exception) {
     return gmsh_failed(path, exception.what());
   }
+}
+
+namespace {
+
+std::mutex& only_one() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+}  // namespace
+
+GmshSession::GmshSession() : lock_(only_one()) {
+  gmsh::initialize(0, nullptr, false);
+  gmsh::option::setNumber("General.Terminal", 0);
+  gmsh::option::setNumber("General.NumThreads", 1);
+  gmsh::option::setNumber("General.AbortOnError", 0);  // an exception through its parser spoils the next file
+  gmsh::logger::start();
+}
+
+GmshSession::~GmshSession() {
+  gmsh::logger::stop();  // or the next session finds this one's errors
+  gmsh::finalize();
+}
+
+std::optional<std::string> GmshSession::first_error() const {
+  std::vector<std::string> log;
+  gmsh::logger::get(log);
+  for (const std::string& line : log) {
+    if (line.starts_with("Error")) return line.substr(std::min(line.find(": ") + 2, line.size()));
+  }
+  return std::nullopt;
 }
 
 }  // namespace ringdown::mesh

@@ -11,10 +11,11 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/mesh/tet_mesh.h"
+#include "engine/mesh/mesh_check.h"
 
 #include <filesystem>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -45,5 +46,23 @@ bool is_geometry_file(const std::filesystem::path& path);
 
 // True for a .geo file that gives mesh_size a value, so that it need not be chosen for it.
 bool names_mesh_size(const std::filesystem::path& path);
+
+// gmsh between initialize() and finalize(). [worker; calls of several threads wait for each other, because gmsh keeps
+// its state in globals]
+
+// Silent, on one thread, so that the same input gives the same mesh on every machine.
+class GmshSession {
+ public:
+  GmshSession();
+  ~GmshSession();
+  GmshSession(const GmshSession&) = delete;
+  GmshSession& operator=(const GmshSession&) = delete;
+
+  // The first error logged so far, without its label.
+  [[nodiscard]] std::optional<std::string> first_error() const;
+
+ private:
+  std::lock_guard<std::mutex> lock_;
+};
 
 }  // namespace ringdown::mesh

@@ -313,7 +313,7 @@ class Reader {
     return {};
   }
 
-  // Abaqus's order of nodes is that of tet_basis.h up to order 2.
+  // Abaqus's order of nodes is that of tet_element.h up to order 2.
   Result<TetMesh> assemble() const {
     if (part_line_ > 0 && !has_instance_) return deck_.wrong(part_line_, "this *PART has no *INSTANCE");
     if (places_.empty()) return deck_.wrong("has no *NODE; of .inp only decks of Abaqus and CalculiX are read");

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <numeric>
+#include <tuple>
 #include <vector>
 
 namespace ringdown::mesh {
@@ -26,98 +27,46 @@ Face face_of(const TetMesh& mesh, Eigen::Index element, int number) {
   return {corners, turned, static_cast<std::int8_t>(number), static_cast<std::int32_t>(element)};
 }
 
-// Equal faces side by side.
+// All faces of all elements; equal ones stand side by side, the lower element first.
 std::vector<Face> sorted_faces(const TetMesh& mesh) {
   std::vector<Face> faces;
   faces.reserve(4 * static_cast<std::size_t>(mesh.elements.rows()));
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
     for (int f = 0; f < 4; ++f) faces.push_back(face_of(mesh, e, f));
   }
-  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.corners < b.corners; });
+  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
+    return a.corners != b.corners ? a.corners < b.corners : a.element < b.element;
+  });
   return faces;
 }
 
-std::string place(const Eigen::RowVector3d& at) {
-  char text[96];
-  std::snprintf(text, sizeof text, "(%.6g, %.6g, %.6g) m", at[0], at[1], at[2]);
-  return text;
-}
-
-std::string place(const TetMesh& mesh, const Face& face) {
-  const auto& [a, b, c] = face.corners;
-  return place((mesh.nodes.row(a) + mesh.nodes.row(b) + mesh.nodes.row(c)) / 3);
-}
-
-// The corners of elements, joined where one comes from one to the other through faces around the same node.
-class Fans {
+// Items 0 ... count - 1 in disjoint groups (union-find). A group's root is its lowest item.
+template <class Index>
+class Groups {
  public:
-  explicit Fans(const TetMesh& mesh) : mesh_(mesh), parent_(mesh.elements.size()) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-    const Lattice points = lattice(mesh.order());
-    for (int f = 0; f < 4; ++f) {
-      for (int a = 0; a < points.rows(); ++a) {
-        if (points(a, f) == 0) on_face_[f].push_back(a);
-      }
-    }
+  explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), Index{0}); }
+  Index root(Index item) {
+    while (parent_[item] != item) item = parent_[item] = parent_[parent_[item]];
+    return item;
   }
-
-  // False when the two do not have all nodes of the face in common.
-  bool join(const Face& a, const Face& b) {
-    const std::vector<Eigen::Index> first = slots(a), second = slots(b);
-    for (std::size_t k = 0; k < first.size(); ++k) {
-      if (node(first[k]) != node(second[k])) return false;
-      parent_[root(first[k])] = root(second[k]);
-    }
-    return true;
-  }
-
-  // A node whose elements are not all joined; -1 when there is none.
-  std::int32_t parted_node() {
-    std::vector<Eigen::Index> fan(mesh_.nodes.rows(), -1);
-    for (Eigen::Index slot = 0; slot < mesh_.elements.size(); ++slot) {
-      Eigen::Index& known = fan[node(slot)];
-      if (known < 0) known = root(slot);
-      if (known != root(slot)) return node(slot);
-    }
-    return -1;
+  void join(Index a, Index b) {
+    a = root(a), b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
   }
 
  private:
-  [[nodiscard]] std::int32_t node(Eigen::Index slot) const { return mesh_.elements.data()[slot]; }
-
-  // Of the face's nodes, ascending by their numbers.
-  [[nodiscard]] std::vector<Eigen::Index> slots(const Face& face) const {
-    std::vector<Eigen::Index> slots;
-    for (const int a : on_face_[face.number]) slots.push_back(face.element * mesh_.elements.cols() + a);
-    std::sort(slots.begin(), slots.end(), [this](Eigen::Index a, Eigen::Index b) { return node(a) < node(b); });
-    return slots;
-  }
-
-  Eigen::Index root(Eigen::Index slot) {
-    while (parent_[slot] != slot) slot = parent_[slot] = parent_[parent_[slot]];
-    return slot;
-  }
-
-  const TetMesh& mesh_;
-  std::vector<Eigen::Index> parent_;
-  std::array<std::vector<int>, 4> on_face_;
+  std::vector<Index> parent_;
 };
 
-// Around an edge of the boundary run as many fans of elements as it has pairs of outer faces.
-Result<void> check_edges(const TetMesh& mesh, const std::vector<Face>& outer, const std::string& name) {
-  std::vector<std::array<std::int32_t, 2>> edges;
-  for (const auto& [corners, turned, number, element] : outer) {
-    edges.insert(edges.end(), {{corners[0], corners[1]}, {corners[0], corners[2]}, {corners[1], corners[2]}});
+// Removes the marked elements; returns how many.
+int remove(TetMesh& mesh, const std::vector<bool>& marked) {
+  Eigen::Index kept = 0;
+  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+    if (!marked[e]) mesh.elements.row(kept++) = mesh.elements.row(e).eval();
   }
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t i = 0; i + 2 < edges.size(); i += 2) {
-    if (edges[i] != edges[i + 2]) continue;
-    return fail(ErrorKind::bad_input, name + ": parts of the body touch only along an edge from " +
-                                          place(mesh.nodes.row(edges[i][0])) + " to " +
-                                          place(mesh.nodes.row(edges[i][1])) +
-                                          ", like a hinge; join them by a face, or give each its own nodes");
-  }
-  return {};
+  const auto removed = static_cast<int>(mesh.elements.rows() - kept);
+  mesh.elements.conservativeResize(kept, Eigen::NoChange);
+  return removed;
 }
 
 }  // namespace
@@ -134,14 +83,108 @@ int drop_duplicates(TetMesh& mesh) {
   std::stable_sort(order.begin(), order.end(), before);
   std::vector<bool> copy(nodes.rows(), false);
   for (std::size_t k = 1; k < order.size(); ++k) copy[order[k]] = nodes.row(order[k - 1]) == nodes.row(order[k]);
-  Eigen::Index kept = 0;
-  for (Eigen::Index e = 0; e < nodes.rows(); ++e) {
-    if (!copy[e]) mesh.elements.row(kept++) = mesh.elements.row(e).eval();
-  }
-  const auto dropped = static_cast<int>(nodes.rows() - kept);
-  mesh.elements.conservativeResize(kept, Eigen::NoChange);
-  return dropped;
+  return remove(mesh, copy);
 }
+
+int count_pieces(const TetMesh& mesh) {
+  Groups<std::int32_t> groups(static_cast<std::size_t>(mesh.nodes.rows()));
+  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+    for (Eigen::Index a = 1; a < mesh.elements.cols(); ++a) groups.join(mesh.elements(e, a), mesh.elements(e, 0));
+  }
+  int pieces = 0;
+  for (std::int32_t node = 0; node < mesh.nodes.rows(); ++node) pieces += groups.root(node) == node;
+  return pieces;
+}
+
+// Checking how elements meet
+//
+// All faces are sorted by their corners, so that the faces of neighbours stand side by side. A face may stand there
+// once (it is part of the boundary) or twice with opposite turns (it is inside); anything else overlaps. Each inner
+// face joins its two elements around every one of its nodes. When all faces are done, the elements around a node form
+// one fan if every one can be reached from every other by stepping through faces at that node; two fans at one node are
+// parts that touch in a point only. An edge of the boundary borders two outer faces; four mean parts that touch along
+// that edge.
+namespace {
+
+std::string position_text(const Eigen::RowVector3d& at) {
+  char text[96];
+  std::snprintf(text, sizeof text, "(%.6g, %.6g, %.6g) m", at[0], at[1], at[2]);
+  return text;
+}
+
+std::string position_text(const TetMesh& mesh, const Face& face) {
+  const auto& [a, b, c] = face.corners;
+  return position_text((mesh.nodes.row(a) + mesh.nodes.row(b) + mesh.nodes.row(c)) / 3);
+}
+
+// The nodes of all elements, a slot for each node of each element. Slots of one node belong to one fan when a way
+// through faces around that node leads from one element to the other.
+class Fans {
+ public:
+  explicit Fans(const TetMesh& mesh) : mesh_(mesh), groups_(static_cast<std::size_t>(mesh.elements.size())) {
+    const Barycentric points = reference_nodes(mesh.order());
+    for (int f = 0; f < 4; ++f) {
+      for (int a = 0; a < points.rows(); ++a) {
+        if (points(a, f) == 0) on_face_[f].push_back(a);
+      }
+    }
+  }
+
+  // Joins the fans around all nodes of a common face. False when the elements do not share all nodes of the face.
+  bool join(const Face& a, const Face& b) {
+    const std::vector<Eigen::Index> first = slots(a), second = slots(b);
+    for (std::size_t k = 0; k < first.size(); ++k) {
+      if (node(first[k]) != node(second[k])) return false;
+      groups_.join(first[k], second[k]);
+    }
+    return true;
+  }
+
+  // A node around which there is more than one fan; -1 when there is none.
+  std::int32_t parted_node() {
+    std::vector<Eigen::Index> fan(mesh_.nodes.rows(), -1);
+    for (Eigen::Index slot = 0; slot < mesh_.elements.size(); ++slot) {
+      Eigen::Index& known = fan[node(slot)];
+      if (known < 0) known = groups_.root(slot);
+      if (known != groups_.root(slot)) return node(slot);
+    }
+    return -1;
+  }
+
+ private:
+  [[nodiscard]] std::int32_t node(Eigen::Index slot) const { return mesh_.elements.data()[slot]; }
+
+  // The slots of the face's nodes, by ascending numbers of the nodes.
+  [[nodiscard]] std::vector<Eigen::Index> slots(const Face& face) const {
+    std::vector<Eigen::Index> slots;
+    for (const int a : on_face_[face.number]) slots.push_back(face.element * mesh_.elements.cols() + a);
+    std::sort(slots.begin(), slots.end(), [this](Eigen::Index a, Eigen::Index b) { return node(a) < node(b); });
+    return slots;
+  }
+
+  const TetMesh& mesh_;
+  Groups<Eigen::Index> groups_;
+  std::array<std::vector<int>, 4> on_face_;
+};
+
+// Around an edge of the boundary run as many fans of elements as it has pairs of outer faces.
+Result<void> check_edges(const TetMesh& mesh, const std::vector<Face>& outer, const std::string& name) {
+  std::vector<std::array<std::int32_t, 2>> edges;
+  for (const auto& [corners, turned, number, element] : outer) {
+    edges.insert(edges.end(), {{corners[0], corners[1]}, {corners[0], corners[2]}, {corners[1], corners[2]}});
+  }
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t i = 0; i + 2 < edges.size(); i += 2) {
+    if (edges[i] != edges[i + 2]) continue;
+    return fail(ErrorKind::bad_input, name + ": parts of the body touch only along an edge from " +
+                                          position_text(mesh.nodes.row(edges[i][0])) + " to " +
+                                          position_text(mesh.nodes.row(edges[i][1])) +
+                                          ", like a hinge; join them by a face, or give each its own nodes");
+  }
+  return {};
+}
+
+}  // namespace
 
 Result<void> check_joints(const TetMesh& mesh, const std::string& name) {
   const std::vector<Face> faces = sorted_faces(mesh);
@@ -155,22 +198,133 @@ Result<void> check_joints(const TetMesh& mesh, const std::string& name) {
     }
     if (next > i + 2 || faces[i].turned == faces[i + 1].turned) {
       return fail(ErrorKind::bad_input,
-                  name + ": elements overlap at their common face at " + place(mesh, faces[i]) +
+                  name + ": elements overlap at their common face at " + position_text(mesh, faces[i]) +
                       "; the mesh is tangled: mesh the object again, or repair it in a mesh tool");
     }
     if (!fans.join(faces[i], faces[i + 1])) {
       return fail(ErrorKind::bad_input,
-                  name + ": two elements share the corners of their face at " + place(mesh, faces[i]) +
+                  name + ": two elements share the corners of their face at " + position_text(mesh, faces[i]) +
                       " but not its other nodes; merge the nodes of the mesh, or mesh the object again");
     }
   }
   if (auto good = check_edges(mesh, outer, name); !good) return good;
   if (const std::int32_t node = fans.parted_node(); node >= 0) {
     return fail(ErrorKind::bad_input, name + ": parts of the body touch only in the point " +
-                                          place(mesh.nodes.row(node)) +
+                                          position_text(mesh.nodes.row(node)) +
                                           ", like a hinge; join them by a face, or give each its own node");
   }
   return {};
+}
+
+// Keeping the sound parts
+//
+// Elements are joined by the faces that they share. Parts of too few elements go first. Where nothing small is left,
+// the groups of elements around every corner and every edge are found in the same way as above; where there is more
+// than one group, all but the largest go. Removing elements may free new small parts or hinges, so the two steps
+// alternate until nothing is removed.
+namespace {
+
+// Two elements with a face in common.
+struct Joint {
+  std::array<std::int32_t, 3> corners;  // ascending
+  int a, b;
+};
+
+std::vector<Joint> joints_of(const TetMesh& mesh) {
+  const std::vector<Face> faces = sorted_faces(mesh);
+  std::vector<Joint> joints;
+  for (std::size_t f = 1; f < faces.size(); ++f) {
+    if (faces[f].corners != faces[f - 1].corners) continue;
+    joints.push_back({faces[f].corners, faces[f - 1].element, faces[f].element});
+  }
+  return joints;
+}
+
+// One corner or edge of one element. Slots of the same corner or edge are joined where a face leads from one element
+// to the other.
+struct Slot {
+  std::array<std::int32_t, 2> what;  // a node twice, or the two of an edge, ascending
+  int element;
+  auto key() const { return std::tie(what, element); }
+};
+
+// Marks, around every corner and every edge, the elements of all groups but the largest. Returns how many were marked.
+int mark_hinges(const TetMesh& mesh, const std::vector<Joint>& joints, std::vector<bool>& gone) {
+  std::vector<Slot> slots;
+  slots.reserve(10 * mesh.elements.rows());
+  for (int e = 0; e < mesh.elements.rows(); ++e) {
+    for (int a = 0; a < 4; ++a) {
+      for (int b = a; b < 4; ++b) {
+        const auto [low, high] = std::minmax({mesh.elements(e, a), mesh.elements(e, b)});
+        slots.push_back({{low, high}, e});
+      }
+    }
+  }
+  const auto before = [](const Slot& x, const Slot& y) { return x.key() < y.key(); };
+  std::sort(slots.begin(), slots.end(), before);
+  Groups<int> groups(slots.size());
+  const auto slot_of = [&](std::int32_t a, std::int32_t b, int element) {
+    return static_cast<int>(std::lower_bound(slots.begin(), slots.end(), Slot{{a, b}, element}, before) -
+                            slots.begin());
+  };
+  for (const Joint& joint : joints) {
+    for (int a = 0; a < 3; ++a) {
+      for (int b = a; b < 3; ++b) {
+        groups.join(slot_of(joint.corners[a], joint.corners[b], joint.a),
+                    slot_of(joint.corners[a], joint.corners[b], joint.b));
+      }
+    }
+  }
+  int marked = 0;
+  for (std::size_t first = 0, next; first < slots.size(); first = next) {
+    for (next = first; next < slots.size() && slots[next].what == slots[first].what;) ++next;
+    std::vector<int> size(next - first, 0);
+    for (std::size_t s = first; s < next; ++s) ++size[groups.root(static_cast<int>(s)) - first];
+    const auto most = std::max_element(size.begin(), size.end());
+    if (*most == static_cast<int>(next - first)) continue;
+    for (std::size_t s = first; s < next; ++s) {
+      if (groups.root(static_cast<int>(s)) == static_cast<int>(first + (most - size.begin()))) continue;
+      if (gone[slots[s].element]) continue;
+      gone[slots[s].element] = true;
+      ++marked;
+    }
+  }
+  return marked;
+}
+
+// Marks parts of fewer than `least` elements, never the largest.
+int mark_crumbs(const TetMesh& mesh, const std::vector<Joint>& joints, int least, std::vector<bool>& gone) {
+  Groups<int> parts(mesh.elements.rows());
+  for (const Joint& joint : joints) parts.join(joint.a, joint.b);
+  std::vector<int> size(mesh.elements.rows(), 0);
+  for (int e = 0; e < mesh.elements.rows(); ++e) ++size[parts.root(e)];
+  const auto largest = static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin());
+  int crumbs = 0;
+  for (int e = 0; e < mesh.elements.rows(); ++e) {
+    const int part = parts.root(e);
+    if (part == largest || size[part] >= least) continue;
+    crumbs += part == e;
+    gone[e] = true;
+  }
+  return crumbs;
+}
+
+}  // namespace
+
+Trimmed keep_sound_parts(TetMesh& mesh, int least) {
+  Trimmed trimmed;
+  while (mesh.elements.rows() > 0) {
+    const std::vector<Joint> joints = joints_of(mesh);
+    std::vector<bool> gone(mesh.elements.rows(), false);
+    const int crumbs = mark_crumbs(mesh, joints, least, gone);
+    const int hinges = crumbs > 0 ? 0 : mark_hinges(mesh, joints, gone);
+    if (crumbs + hinges == 0) break;
+    trimmed.crumbs += crumbs;
+    trimmed.hinges += hinges;
+    remove(mesh, gone);
+  }
+  drop_unused_nodes(mesh.nodes, mesh.elements);
+  return trimmed;
 }
 
 }  // namespace ringdown::mesh

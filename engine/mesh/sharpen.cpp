@@ -1,6 +1,6 @@
 #include "engine/mesh/sharpen.h"
 
-#include "engine/mesh/stuffing.h"
+#include "engine/mesh/bcc_lattice.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -13,6 +13,13 @@
 #include <set>
 #include <vector>
 
+// Sharpening, round by round
+//
+// Each node of the boundary gets the plane of the triangle it lies on. Where the planes of a node's neighbours differ
+// by more than a sharp angle, the point nearest to all of them (least squares) is on the edge or the corner that the
+// lattice cut off: the node's target. Nodes move to their targets, the nearest first; a node whose elements would get
+// too flat angles goes half of the way or stays. Moving one node changes what its neighbours may do, so there are a few
+// rounds.
 namespace ringdown::mesh {
 namespace {
 

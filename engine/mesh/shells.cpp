@@ -1,5 +1,4 @@
-#include "engine/mesh/surface_check.h"
-#include "engine/mesh/surface_edges.h"
+#include "engine/mesh/shells.h"
 
 #include <Eigen/Geometry>
 
@@ -8,6 +7,14 @@
 #include <cmath>
 #include <numbers>
 
+// Finding shells
+//
+// Triangles are linked through the edges that exactly two of them have. From each triangle that belongs to no shell
+// yet, a breadth-first search collects everything it is linked to: that is one shell. Each step knows whether the next
+// triangle runs the same way round as its neighbour, so every triangle is marked as turned or not relative to the
+// first; if the turned ones have more than half of the area, the marks are exchanged. Volume follows from the
+// tetrahedra between the triangles and one point. A shell lies inside another when that one's winding number around its
+// first node is not 0.
 namespace ringdown::mesh {
 namespace {
 

@@ -1,10 +1,10 @@
 #include "engine/mesh/stuffing.h"
 
 #include "engine/base/in_parallel.h"
-#include "engine/mesh/mesh_parts.h"
-#include "engine/mesh/overlap.h"
+#include "engine/mesh/bcc_lattice.h"
+#include "engine/mesh/mesh_check.h"
+#include "engine/mesh/mesh_joints.h"
 #include "engine/mesh/sharpen.h"
-#include "engine/mesh/stencil.h"
 #include "engine/mesh/winding_number.h"
 
 #include <Eigen/LU>
@@ -17,18 +17,33 @@
 #include <limits>
 #include <vector>
 
+// Isosurface stuffing, step by step
+//
+// 1. find_sides(): every point of the lattice is inside or outside. The lattice is taken brick by brick; a brick that
+// no
+//    triangle comes near is decided as a whole, so the cost follows the surface, not the volume.
+// 2. find_rim(): the points inside that have a neighbour outside.
+// 3. find_cuts(): each edge from a rim point to a neighbour outside is cut where it leaves the body.
+// 4. warp(): a lattice point with a cut point too near to it moves onto the nearest such cut point. From then on the
+// point
+//    is on the surface, and its edges have no cut points any more. This is what bounds the angles.
+// 5. fill(): each tetrahedron of the lattice gives the part of it that is inside (bcc_lattice.h). Points and cut points
+//    become nodes when an element first needs them.
+//
+// Steps 1 and 3 ask for winding numbers and take nearly all of the time; threads share them. The others run on one
+// thread in a fixed order, so the mesh does not depend on the number of threads.
 namespace ringdown::mesh {
 namespace {
 
 using Eigen::Vector3d;
-using Place = BccLattice::Place;
+using Site = BccLattice::Site;
 
 constexpr int kMargin = 2;  // cubes around the body's box
 constexpr int kBrick = 4;   // cubes along the edge of what one thread takes at a time
 constexpr int kBisections = 24;
 
-double length_of(int way) { return way < BccLattice::kLongWays ? 1 : std::sqrt(0.75); }
-double near_of(int way) { return way < BccLattice::kLongWays ? kNearLong : kNearShort; }
+double length_of(int direction) { return direction < BccLattice::kLongDirections ? 1 : std::sqrt(0.75); }
+double near_of(int direction) { return direction < BccLattice::kLongDirections ? kNearLong : kNearShort; }
 
 class TriangleSolid final : public Solid {
  public:
@@ -43,8 +58,9 @@ class TriangleSolid final : public Solid {
 
   [[nodiscard]] bool inside(const Vector3d& point) const override { return winding_.inside(point); }
 
-  // Between crossings the number changes smoothly, at a crossing by a jump: the latter is found exactly.
-  [[nodiscard]] double leaves(const Vector3d& a, const Vector3d& b) const override {
+  // Between two crossings of triangles the winding number changes smoothly, and at a crossing it jumps. A jump from
+  // inside to outside is found exactly; a smooth way out, through a hole, by bisection between the crossings.
+  [[nodiscard]] double exit_fraction(const Vector3d& a, const Vector3d& b) const override {
     constexpr double kStep = 1e-7;
     double from = 0;
     for (const double crossing : winding_.crossings(a, b)) {
@@ -57,7 +73,8 @@ class TriangleSolid final : public Solid {
     return bisect(a, b, from, 1);
   }
 
-  // No triangle is near, and the number is far from one half at nine places: a harmonic function stays so between.
+  // True when no triangle is near and the winding number is far from one half, on the same side of it, at the corners
+  // and in the middle: it is harmonic in between, so it does not come back to one half there.
   [[nodiscard]] bool uniform(const Vector3d& from, const Vector3d& to) const override {
     const Vector3d margin = (to - from) / 2;
     if (winding_.near(from - margin, to + margin)) return false;
@@ -92,7 +109,7 @@ class Stuffing {
   // False when cancelled.
   bool run() {
     if (!find_sides()) return false;
-    find_leavers();
+    find_rim();
     if (!find_cuts()) return false;
     warp();
     fill();
@@ -118,9 +135,9 @@ class Stuffing {
     return !stopped;
   }
 
-  // The covered part of the lattice ends half a cube within its box; out there nothing may be inside.
-  [[nodiscard]] bool at_rim(const Place& place) const {
-    return (place.array() <= 1).any() || (place.array() >= 2 * lattice_.cubes().array() - 1).any();
+  // The outermost half cube of the lattice's box, whose tetrahedra are not complete. Nothing there may be inside.
+  [[nodiscard]] bool at_rim(const Site& site) const {
+    return (site.array() <= 1).any() || (site.array() >= 2 * lattice_.cubes().array() - 1).any();
   }
 
   bool find_sides() {
@@ -128,13 +145,13 @@ class Stuffing {
     const Eigen::Vector3i bricks = (lattice_.cubes().array() + kBrick) / kBrick;
     return share(bricks.cast<std::int64_t>().prod(), 0, 0.5, [&](std::int64_t brick) {
       const auto b = static_cast<int>(brick);
-      const Place first = 2 * kBrick * Place(b % bricks[0], b / bricks[0] % bricks[1], b / bricks[0] / bricks[1]);
-      const Place last = (first.array() + 2 * kBrick - 1).min(2 * lattice_.cubes().array());
+      const Site first = 2 * kBrick * Site(b % bricks[0], b / bricks[0] % bricks[1], b / bricks[0] / bricks[1]);
+      const Site last = (first.array() + 2 * kBrick - 1).min(2 * lattice_.cubes().array());
       const Vector3d low = lattice_.point(first), high = lattice_.point(last);
       const bool uniform = solid_.uniform(low, high);
       const bool inside = uniform && solid_.inside((low + high) / 2);
       if (uniform && !inside) return;
-      Place at;
+      Site at;
       for (at[2] = first[2]; at[2] <= last[2]; ++at[2]) {
         for (at[1] = first[1] + (at[2] & 1); at[1] <= last[1]; at[1] += 2) {
           for (at[0] = first[0] + (at[2] & 1); at[0] <= last[0]; at[0] += 2) {
@@ -146,48 +163,48 @@ class Stuffing {
     });
   }
 
-  void find_leavers() {
-    leaver_of_.assign(sides_.size(), -1);
+  void find_rim() {
+    rim_number_.assign(sides_.size(), -1);
     for (std::int32_t point = 0; point < lattice_.point_count(); ++point) {
       if (sides_[point] != Side::inside) continue;
-      const Place place = lattice_.place(point);
-      for (int way = 0; way < BccLattice::kWays; ++way) {
-        if (side(place + BccLattice::way(way)) != Side::outside) continue;
-        leaver_of_[point] = static_cast<std::int32_t>(leavers_.size());
-        leavers_.push_back(point);
+      const Site site = lattice_.site(point);
+      for (int direction = 0; direction < BccLattice::kDirections; ++direction) {
+        if (side(site + BccLattice::direction(direction)) != Side::outside) continue;
+        rim_number_[point] = static_cast<std::int32_t>(rim_.size());
+        rim_.push_back(point);
         break;
       }
     }
   }
 
   bool find_cuts() {
-    cuts_.assign(leavers_.size(), {});
-    return share(static_cast<std::int64_t>(leavers_.size()), 0.5, 1, [&](std::int64_t leaver) {
-      const Place place = lattice_.place(leavers_[leaver]);
-      for (int way = 0; way < BccLattice::kWays; ++way) {
-        const Place other = place + BccLattice::way(way);
+    cuts_.assign(rim_.size(), {});
+    return share(static_cast<std::int64_t>(rim_.size()), 0.5, 1, [&](std::int64_t rim) {
+      const Site site = lattice_.site(rim_[rim]);
+      for (int direction = 0; direction < BccLattice::kDirections; ++direction) {
+        const Site other = site + BccLattice::direction(direction);
         if (side(other) == Side::outside) {
-          cuts_[leaver][way] = solid_.leaves(lattice_.point(place), lattice_.point(other));
+          cuts_[rim][direction] = solid_.exit_fraction(lattice_.point(site), lattice_.point(other));
         }
       }
     });
   }
 
-  [[nodiscard]] Side side(const Place& place) const { return sides_[lattice_.number(place)]; }
+  [[nodiscard]] Side side(const Site& site) const { return sides_[lattice_.number(site)]; }
 
-  [[nodiscard]] Vector3d cut_point(std::int32_t leaver, int way) const {
-    const Place place = lattice_.place(leavers_[leaver]);
-    const Vector3d from = lattice_.point(place), to = lattice_.point(place + BccLattice::way(way));
-    return from + cuts_[leaver][way] * (to - from);
+  [[nodiscard]] Vector3d cut_point(std::int32_t rim, int direction) const {
+    const Site site = lattice_.site(rim_[rim]);
+    const Vector3d from = lattice_.point(site), to = lattice_.point(site + BccLattice::direction(direction));
+    return from + cuts_[rim][direction] * (to - from);
   }
 
   // All points with cut points on their edges, ascending.
   [[nodiscard]] std::vector<std::int32_t> ends_of_cuts() const {
-    std::vector<std::int32_t> ends = leavers_;
-    for (const std::int32_t leaver : leavers_) {
-      const Place place = lattice_.place(leaver);
-      for (int way = 0; way < BccLattice::kWays; ++way) {
-        const std::int32_t other = lattice_.number(place + BccLattice::way(way));
+    std::vector<std::int32_t> ends = rim_;
+    for (const std::int32_t rim : rim_) {
+      const Site site = lattice_.site(rim);
+      for (int direction = 0; direction < BccLattice::kDirections; ++direction) {
+        const std::int32_t other = lattice_.number(site + BccLattice::direction(direction));
         if (sides_[other] == Side::outside) ends.push_back(other);
       }
     }
@@ -196,24 +213,24 @@ class Stuffing {
     return ends;
   }
 
-  // Moves a point onto the nearest of the cut points that are too near to it. The edges of a point that has moved have
-  // no cut points any more.
+  // Visits the ends of cut edges in the order of their numbers. `share` is how far along the edge its cut point lies
+  // from this end; an edge whose other end is on the surface already is no longer cut.
   void warp() {
     node_of_.assign(sides_.size(), -1);
     for (const std::int32_t point : ends_of_cuts()) {
-      const Place place = lattice_.place(point);
+      const Site site = lattice_.site(point);
       double nearest = std::numeric_limits<double>::infinity();
       Vector3d target;
-      for (int way = 0; way < BccLattice::kWays; ++way) {
-        if (!lattice_.has(place + BccLattice::way(way))) continue;
-        const std::int32_t other = lattice_.number(place + BccLattice::way(way));
+      for (int direction = 0; direction < BccLattice::kDirections; ++direction) {
+        if (!lattice_.has(site + BccLattice::direction(direction))) continue;
+        const std::int32_t other = lattice_.number(site + BccLattice::direction(direction));
         if (static_cast<int>(sides_[point]) * static_cast<int>(sides_[other]) >= 0) continue;
-        const bool leaves = sides_[point] == Side::inside;
-        const std::int32_t leaver = leaver_of_[leaves ? point : other];
-        const double cut = cuts_[leaver][leaves ? way : way ^ 1], share = leaves ? cut : 1 - cut;
-        if (share >= near_of(way) || share * length_of(way) >= nearest) continue;
-        nearest = share * length_of(way);
-        target = cut_point(leaver, leaves ? way : way ^ 1);
+        const bool is_inside = sides_[point] == Side::inside;
+        const std::int32_t rim = rim_number_[is_inside ? point : other];
+        const double cut = cuts_[rim][is_inside ? direction : direction ^ 1], share = is_inside ? cut : 1 - cut;
+        if (share >= near_of(direction) || share * length_of(direction) >= nearest) continue;
+        nearest = share * length_of(direction);
+        target = cut_point(rim, is_inside ? direction : direction ^ 1);
       }
       if (!std::isfinite(nearest)) continue;
       sides_[point] = Side::surface;
@@ -226,43 +243,43 @@ class Stuffing {
     return static_cast<std::int32_t>(nodes_.size() - 1);
   }
 
-  std::int32_t node(const std::array<Place, 4>& places, StencilPoint which) {
-    const Place& place = places[which.a];
-    const std::int32_t point = lattice_.number(place);
+  std::int32_t node(const std::array<Site, 4>& sites, StencilPoint which) {
+    const Site& site = sites[which.a];
+    const std::int32_t point = lattice_.number(site);
     if (which.a == which.b) {
-      if (node_of_[point] < 0) node_of_[point] = add_node(lattice_.point(place));
+      if (node_of_[point] < 0) node_of_[point] = add_node(lattice_.point(site));
       return node_of_[point];
     }
-    const std::int32_t leaver = leaver_of_[point];
-    int way = 0;
-    while (BccLattice::way(way) != places[which.b] - place) ++way;
-    std::int32_t& known = cut_node_[leaver][way];
-    if (known < 0) known = add_node(cut_point(leaver, way));
+    const std::int32_t rim = rim_number_[point];
+    int direction = 0;
+    while (BccLattice::direction(direction) != sites[which.b] - site) ++direction;
+    std::int32_t& known = cut_node_[rim][direction];
+    if (known < 0) known = add_node(cut_point(rim, direction));
     return known;
   }
 
   void fill() {
-    std::array<std::int32_t, BccLattice::kWays> none;
+    std::array<std::int32_t, BccLattice::kDirections> none;
     none.fill(-1);
-    cut_node_.assign(leavers_.size(), none);
+    cut_node_.assign(rim_.size(), none);
     for (std::int32_t point = lattice_.corner_count(); point < lattice_.point_count(); ++point) {
-      const Place centre = lattice_.place(point);
+      const Site centre = lattice_.site(point);
       if ((centre.array() >= 2 * lattice_.cubes().array() - 1).any()) continue;
       for (int number = 0; number < 12; ++number) {
-        const std::array<Place, 4> places = BccLattice::tetrahedron(centre, number);
+        const std::array<Site, 4> sites = BccLattice::tetrahedron(centre, number);
         std::array<Side, 4> sides;
-        for (int c = 0; c < 4; ++c) sides[c] = side(places[c]);
+        for (int c = 0; c < 4; ++c) sides[c] = side(sites[c]);
         if (std::find(sides.begin(), sides.end(), Side::inside) == sides.end()) continue;
-        const Stencil parts = stencil(places, sides);
-        for (int e = 0; e < parts.count; ++e) add_element(places, parts.elements[e]);
+        const Stencil parts = stencil(sites, sides);
+        for (int e = 0; e < parts.count; ++e) add_element(sites, parts.elements[e]);
       }
     }
     finish();
   }
 
-  void add_element(const std::array<Place, 4>& places, const std::array<StencilPoint, 4>& points) {
+  void add_element(const std::array<Site, 4>& sites, const std::array<StencilPoint, 4>& points) {
     std::array<std::int32_t, 4> element;
-    for (int c = 0; c < 4; ++c) element[c] = node(places, points[c]);
+    for (int c = 0; c < 4; ++c) element[c] = node(sites, points[c]);
     Eigen::Matrix3d edges;
     for (int c = 0; c < 3; ++c) edges.row(c) = nodes_[element[c + 1]] - nodes_[element[0]];
     if (edges.determinant() < 0) std::swap(element[2], element[3]);
@@ -283,10 +300,10 @@ class Stuffing {
   int threads_;
   const Progress& progress_;
   std::vector<Side> sides_;
-  std::vector<std::int32_t> leavers_;                        // points inside with neighbours outside
-  std::vector<std::int32_t> leaver_of_, node_of_;            // of points; -1: none
-  std::vector<std::array<double, BccLattice::kWays>> cuts_;  // of leavers: fraction of the way to the surface
-  std::vector<std::array<std::int32_t, BccLattice::kWays>> cut_node_;
+  std::vector<std::int32_t> rim_;                                  // points inside with a neighbour outside
+  std::vector<std::int32_t> rim_number_, node_of_;                 // of points; -1: none
+  std::vector<std::array<double, BccLattice::kDirections>> cuts_;  // of rim points: fraction of the edge inside
+  std::vector<std::array<std::int32_t, BccLattice::kDirections>> cut_node_;
   std::vector<Vector3d> nodes_;
   std::vector<std::array<std::int32_t, 4>> elements_;
   TetMesh mesh_;
@@ -300,7 +317,7 @@ std::string text(const char* format, double a, double b) {
 
 }  // namespace
 
-double Solid::leaves(const Vector3d& a, const Vector3d& b) const {
+double Solid::exit_fraction(const Vector3d& a, const Vector3d& b) const {
   double in = 0, out = 1;
   for (int step = 0; step < kBisections; ++step) {
     const double middle = (in + out) / 2;

@@ -9,7 +9,7 @@
 // F. Labelle & J. R. Shewchuk, Isosurface Stuffing, ACM Trans. Graph. 26(3), 2007: a body-centred cubic lattice is laid
 // over the body; where an edge of it leaves the body there is a cut point; lattice points that have a cut point nearer
 // than kNearLong of a long edge or kNearShort of a short one move onto the nearest; and each tetrahedron of the lattice
-// gives the part of it that is inside (stencil.h). Whatever the surface is, every dihedral angle then lies between
+// gives the part of it that is inside (bcc_lattice.h). Whatever the surface is, every dihedral angle then lies between
 // kMinDihedral and kMaxDihedral: no more is possible than what tests/stuffing/stencil_test.cpp goes through. (The
 // two shares were searched for there: they give the angles that the paper proves of its own, 10.78 and 164.74 degrees.)
 //
@@ -24,8 +24,6 @@
 
 namespace ringdown::mesh {
 
-inline constexpr double kNearLong = 0.285, kNearShort = 0.3978;
-inline constexpr double kMinDihedral = 10.74, kMaxDihedral = 164.71;  // [degrees]
 inline constexpr double kMaxLatticePoints = 30e6;  // of the lattice over the body's box: 0.3 GB at the most
 inline constexpr int kCrumb = 36;                  // elements, those of three cubes: smaller parts are removed
 
@@ -55,7 +53,7 @@ class Solid {
   [[nodiscard]] virtual bool inside(const Eigen::Vector3d& point) const = 0;
 
   // From a, inside, to b, outside: the fraction of the way at which the body is left. By bisection.
-  [[nodiscard]] virtual double leaves(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
+  [[nodiscard]] virtual double exit_fraction(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
 
   // The box is inside or outside as a whole, as its middle is. False when that is not known.
   [[nodiscard]] virtual bool uniform(const Eigen::Vector3d&, const Eigen::Vector3d&) const { return false; }

@@ -7,6 +7,7 @@
 
 #include "engine/mesh/triangle_mesh.h"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,6 @@ struct Finding {
 
 inline constexpr std::size_t kMaxPlaces = 3;
 inline constexpr std::size_t kMaxIntersections = 1000;  // counted; more are "at least" that many
-inline constexpr std::size_t kMaxShells = 64;           // compared with each other; beyond, nesting is not looked at
 
 struct SurfaceReport {
   std::vector<Finding> findings;
@@ -64,18 +64,11 @@ SurfaceReport diagnose(const TriangleMesh& mesh);
 std::string describe(const Finding& finding);
 std::string name_of(Fault fault);  // "holes", "flipped triangles": for tables
 
-// How the triangles of a surface hang together: which are neighbours through an edge that has just the two, which
-// belong to one shell, and which are turned against the others of theirs.
-struct Shells {
-  std::vector<std::int32_t> shell;  // of each triangle; -1: degenerate or a duplicate
-  std::vector<bool> turned;         // of each triangle: against the majority of its shell
-  int count = 0;
-  std::vector<bool> closed;       // of each shell
-  std::vector<double> volume_m3;  // of each shell, its majority's sign; meaningful when closed
-  std::vector<double> area_m2;
-  std::vector<int> depth;   // in how many other closed shells it lies
-  std::vector<int> parent;  // the innermost of these; -1: none
-};
-Shells shells_of(const TriangleMesh& mesh);
+// Where a surface cuts itself. [any thread]
+
+// Pairs of triangles that have more in common than their shared corners, up to `most`, the lower number first. Exact
+// (CGAL's predicates); degenerate triangles and copies of others are passed over. O(T log T) where few boxes of
+// triangles meet.
+std::vector<std::array<std::int32_t, 2>> self_intersections(const TriangleMesh& mesh, std::size_t most);
 
 }  // namespace ringdown::mesh

@@ -1,7 +1,7 @@
 #include "engine/mesh/surface_repair.h"
 
-#include "engine/mesh/surface_edges.h"
-#include "engine/mesh/half_edges.h"
+#include "engine/mesh/remesh.h"
+#include "engine/mesh/shells.h"
 
 #include <Eigen/Geometry>
 
@@ -10,15 +10,62 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <numeric>
+#include <set>
+#include <utility>
 
 namespace ringdown::mesh {
 namespace {
 
+// The order of repairs
+//
+// Each repair makes the next one possible. Walls and copies go first, because they put more than two triangles at an
+// edge. Flat triangles follow, because they hide the edges that their neighbours should share; fins, because they leave
+// free edges that would be taken for holes. Only then do neighbours agree well enough to turn flipped triangles and to
+// find the rims of holes. Closing holes may make new flat triangles. At last the surface is separated where parts of it
+// ran together, which needs its triangles consistent, and its shells are turned outward, which needs them closed.
+//
+// Every step visits each triangle, edge and node a bounded number of times, and sorts them or looks them up in trees at
+// most; `steps_` counts the visits, so that a test can hold the repair to it.
+
 constexpr double kScraps = 0.2;  // of the whole area: open parts that go, where the rest is closed
 
-class Mender {
+// Which triangles have an edge. Triangles without area are left out.
+class EdgeIndex {
  public:
-  explicit Mender(const TriangleMesh& mesh) : mesh_(mesh) {}
+  explicit EdgeIndex(const TriangleMesh& mesh) : mesh_(mesh) {
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) add(t);
+  }
+
+  void add(Eigen::Index t) {
+    if (is_degenerate(mesh_, t)) return;
+    for (int i = 0; i < 3; ++i) sides_.emplace(edge(t, i), t);
+  }
+  void remove(Eigen::Index t) {
+    for (int i = 0; i < 3; ++i) sides_.erase({edge(t, i), t});
+  }
+
+  // The first triangle with that edge; -1 when there is none.
+  [[nodiscard]] Eigen::Index find(std::int32_t a, std::int32_t b) const {
+    const Edge wanted = std::minmax(a, b);
+    const auto found = sides_.lower_bound({wanted, 0});
+    return found != sides_.end() && found->first == wanted ? found->second : -1;
+  }
+
+ private:
+  using Edge = std::pair<std::int32_t, std::int32_t>;  // its nodes, the lower one first
+
+  [[nodiscard]] Edge edge(Eigen::Index t, int i) const {
+    return std::minmax({mesh_.triangles(t, i), mesh_.triangles(t, (i + 1) % 3)});
+  }
+
+  const TriangleMesh& mesh_;
+  std::set<std::pair<Edge, Eigen::Index>> sides_;
+};
+
+class SurfaceRepair {
+ public:
+  explicit SurfaceRepair(const TriangleMesh& mesh) : mesh_(mesh) {}
 
   RepairedSurface run() {
     drop_repeated();
@@ -29,12 +76,12 @@ class Mender {
     close_holes();
     flat_ += split_at_flats();
     say(flat_, "took out %d triangle%s without area");
-    drop_unused_points();
-    mesh_ = part(mesh_);
+    drop_unused_nodes(mesh_);
+    mesh_ = separate(mesh_);
     drop_scraps();
-    drop_unused_points();
+    drop_unused_nodes(mesh_);
     turn_outward();
-    return {std::move(mesh_), std::move(actions_)};
+    return {std::move(mesh_), std::move(actions_), steps_};
   }
 
  private:
@@ -46,16 +93,8 @@ class Mender {
     actions_.emplace_back(text);
   }
 
-  [[nodiscard]] double diagonal() const {
-    Eigen::RowVector3d low = Eigen::RowVector3d::Constant(HUGE_VAL), high = -low;
-    for (const std::int32_t n : mesh_.triangles.reshaped()) {
-      low = low.cwiseMin(mesh_.nodes.row(n));
-      high = high.cwiseMax(mesh_.nodes.row(n));
-    }
-    return mesh_.triangles.rows() > 0 ? (high - low).norm() : 0;
-  }
-
   std::size_t drop(const std::vector<bool>& unwanted) {
+    steps_ += unwanted.size();
     Eigen::Index kept = 0;
     for (Eigen::Index t = 0; t < mesh_.triangles.rows(); ++t) {
       if (!unwanted[static_cast<std::size_t>(t)]) mesh_.triangles.row(kept++) = mesh_.triangles.row(t).eval();
@@ -76,8 +115,9 @@ class Mender {
     flat_ += drop(narrow);
   }
 
-  // Two triangles with the same corners that look away from each other part nothing from nothing: a wall inside, where
-  // two bodies were put together. Where most triangles are such, the body was given twice, once inside out.
+  // Two triangles with the same corners that look away from each other separate nothing from nothing: they are a wall
+  // inside, where two bodies were put together. Where most triangles come in such pairs, the body was given twice, once
+  // inside out, and nothing is dropped.
   void drop_walls() {
     constexpr double kMost = 0.4;
     std::map<std::array<std::int32_t, 3>, std::array<std::vector<std::size_t>, 2>> sides;
@@ -98,121 +138,155 @@ class Mender {
     say(drop(wall), "dropped %d triangle%s of walls inside");
   }
 
-  void drop_unused_points() {
-    std::vector<std::int32_t> number(static_cast<std::size_t>(mesh_.nodes.rows()), -1);
-    std::int32_t kept = 0;
-    for (const std::int32_t n : mesh_.triangles.reshaped()) number[static_cast<std::size_t>(n)] = 0;
-    for (std::size_t n = 0; n < number.size(); ++n) {
-      if (number[n] < 0) continue;
-      mesh_.nodes.row(kept) = mesh_.nodes.row(static_cast<Eigen::Index>(n)).eval();
-      number[n] = kept++;
-    }
-    mesh_.nodes.conservativeResize(kept, 3);
-    for (std::int32_t& n : mesh_.triangles.reshaped()) n = number[static_cast<std::size_t>(n)];
-  }
-
   [[nodiscard]] double side(Eigen::Index t, int i) const {
     return (mesh_.nodes.row(mesh_.triangles(t, (i + 1) % 3)) - mesh_.nodes.row(mesh_.triangles(t, i))).norm();
   }
 
-  // A triangle whose corners lie in one line goes, and its neighbour at the longest side is cut in two at the third
-  // corner.
+  // A triangle whose corners lie in one line goes, and the neighbour at its longest side is cut in two at the third
+  // corner. The two halves take the neighbour's row and the flat triangle's. A half may be flat in its turn; it is
+  // looked at again when its row comes.
   std::size_t split_at_flats() {
+    std::vector<bool> flat = flat_triangles();
+    if (std::find(flat.begin(), flat.end(), true) == flat.end()) return 0;
+    EdgeIndex index(mesh_);
     std::size_t done = 0;
     for (Eigen::Index t = 0; t < mesh_.triangles.rows(); ++t) {
+      ++steps_;
       if (!is_degenerate(mesh_, t)) continue;
       int longest = 0;
       for (int i = 1; i < 3; ++i) longest = side(t, i) > side(t, longest) ? i : longest;
       const std::int32_t a = mesh_.triangles(t, longest), b = mesh_.triangles(t, (longest + 1) % 3),
                          middle = mesh_.triangles(t, (longest + 2) % 3);
-      split_neighbour(t, a, b, middle);
+      if (const Eigen::Index neighbour = index.find(a, b); neighbour >= 0) {
+        index.remove(neighbour);
+        split_triangle(neighbour, t, a, b, middle);
+        index.add(neighbour);
+        index.add(t);
+      }
       ++done;
     }
-    if (done > 0) drop(flats());
+    drop(flat_triangles());
     return done;
   }
 
-  [[nodiscard]] std::vector<bool> flats() const {
+  std::vector<bool> flat_triangles() {
     std::vector<bool> flat(static_cast<std::size_t>(mesh_.triangles.rows()));
     for (std::size_t t = 0; t < flat.size(); ++t) flat[t] = is_degenerate(mesh_, static_cast<Eigen::Index>(t));
+    steps_ += flat.size();
     return flat;
   }
 
-  // Its halves: one in its own row, the other in the flat triangle's.
-  void split_neighbour(Eigen::Index flat, std::int32_t a, std::int32_t b, std::int32_t middle) {
-    for (Eigen::Index t = 0; t < mesh_.triangles.rows(); ++t) {
-      if (t == flat || is_degenerate(mesh_, t)) continue;
-      for (int i = 0; i < 3; ++i) {
-        const std::int32_t from = mesh_.triangles(t, i), to = mesh_.triangles(t, (i + 1) % 3),
-                           apex = mesh_.triangles(t, (i + 2) % 3);
-        if (std::minmax(from, to) != std::minmax(a, b)) continue;
-        mesh_.triangles.row(t) << from, middle, apex;
-        mesh_.triangles.row(flat) << middle, to, apex;
-        return;
-      }
+  // Cuts triangle `t` at the point `middle` of its side a b. The halves go into its own row and into `spare`.
+  void split_triangle(Eigen::Index t, Eigen::Index spare, std::int32_t a, std::int32_t b, std::int32_t middle) {
+    for (int i = 0; i < 3; ++i) {
+      const std::int32_t from = mesh_.triangles(t, i), to = mesh_.triangles(t, (i + 1) % 3),
+                         apex = mesh_.triangles(t, (i + 2) % 3);
+      if (std::minmax(from, to) != std::minmax(a, b)) continue;
+      mesh_.triangles.row(t) << from, middle, apex;
+      mesh_.triangles.row(spare) << middle, to, apex;
+      return;
     }
   }
 
-  // Flat ways are spanned whatever their length.
-  [[nodiscard]] bool may_close(const std::vector<Eigen::RowVector3d>& way, double longest_m) const {
-    constexpr double kFlat = 1e-3;  // of the length
-    const auto count = way.size();
+  // A flat loop is closed whatever its length, any other up to `longest_m`.
+  [[nodiscard]] bool may_close(const std::vector<Eigen::RowVector3d>& loop, double longest_m) const {
+    constexpr double kFlat = 1e-3;  // height over length
+    const auto count = loop.size();
     Eigen::RowVector3d middle = Eigen::RowVector3d::Zero(), area = middle;
-    for (const Eigen::RowVector3d& at : way) middle += at / static_cast<double>(count);
+    for (const Eigen::RowVector3d& at : loop) middle += at / static_cast<double>(count);
     double length = 0, height = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      length += (way[(i + 1) % count] - way[i]).norm();
-      area += (way[i] - middle).cross(way[(i + 1) % count] - middle);
+      length += (loop[(i + 1) % count] - loop[i]).norm();
+      area += (loop[i] - middle).cross(loop[(i + 1) % count] - middle);
     }
-    for (const Eigen::RowVector3d& at : way) height = std::max(height, std::abs((at - middle).dot(area.normalized())));
+    for (const Eigen::RowVector3d& at : loop) height = std::max(height, std::abs((at - middle).dot(area.normalized())));
     return length <= longest_m || height <= kFlat * length;
   }
 
   void close_holes() {
-    const double longest_m = kMaxHole * diagonal();
+    const double longest_m = kMaxHole * diagonal_of(mesh_);
     std::vector<EdgeUse> open;
-    const std::vector<EdgeUse> edges =
-        edges_of(mesh_, std::vector<bool>(static_cast<std::size_t>(mesh_.triangles.rows()), true));
+    const std::vector<EdgeUse> edges = all_edges();
     for (std::size_t first = 0, last; first < edges.size(); first = last) {
       last = end_of_edge(edges, first);
       if (last - first == 1) open.push_back(edges[first]);
     }
+    std::vector<std::array<std::int32_t, 3>> patches;
     int closed = 0;
-    for (const std::vector<std::int32_t>& loop : loops_of(open)) {
-      std::vector<Eigen::RowVector3d> way;
-      for (const std::int32_t n : loop) way.emplace_back(mesh_.nodes.row(n));
-      if (!may_close(way, longest_m)) continue;
-      const Triangles patch = loop.size() == 3 ? Triangles(Eigen::RowVector3i(0, 1, 2)) : span(way);
-      const Eigen::Index before = mesh_.triangles.rows();
-      mesh_.triangles.conservativeResize(before + patch.rows(), 3);
-      for (Eigen::Index t = 0; t < patch.rows(); ++t) {
-        for (int i = 0; i < 3; ++i) mesh_.triangles(before + t, i) = loop[static_cast<std::size_t>(patch(t, i))];
+    for (const std::vector<std::int32_t>& loop : loops_of(open, &steps_)) {
+      std::vector<Eigen::RowVector3d> points;
+      for (const std::int32_t n : loop) points.emplace_back(mesh_.nodes.row(n));
+      if (!may_close(points, longest_m)) continue;
+      const Triangles patch = loop.size() == 3 ? Triangles(Eigen::RowVector3i(0, 1, 2)) : triangulate(points);
+      for (const auto& row : patch.rowwise()) {
+        patches.push_back({loop[static_cast<std::size_t>(row[0])], loop[static_cast<std::size_t>(row[1])],
+                           loop[static_cast<std::size_t>(row[2])]});
       }
       closed += patch.rows() > 0;
     }
+    Eigen::Index next = mesh_.triangles.rows();
+    mesh_.triangles.conservativeResize(next + static_cast<Eigen::Index>(patches.size()), 3);
+    for (const auto& [a, b, c] : patches) mesh_.triangles.row(next++) << a, b, c;
     say(closed, "closed %d hole%s");
   }
 
+  // All sides of all triangles, by edge.
+  std::vector<EdgeUse> all_edges() {
+    const auto count = static_cast<std::size_t>(mesh_.triangles.rows());
+    steps_ += 3 * count;
+    return edges_of(mesh_, std::vector<bool>(count, true));
+  }
+
+  // A fin is a triangle with an edge that more than two triangles have and another edge that no other triangle has. All
+  // fins go at once, which may free an edge of a triangle behind each and make that one a fin; so it goes on round by
+  // round. Uses of an edge only become fewer, so a triangle can become a fin only when it is left alone at an edge: the
+  // next round looks at those triangles and at no others.
   void drop_fins() {
-    std::size_t dropped = 0;
-    for (;;) {
-      const auto count = static_cast<std::size_t>(mesh_.triangles.rows());
-      std::vector<bool> crowded(count, false), free(count, false), fin(count, false);
-      const std::vector<EdgeUse> edges = edges_of(mesh_, std::vector<bool>(count, true));
-      for (std::size_t first = 0, last; first < edges.size(); first = last) {
-        last = end_of_edge(edges, first);
-        for (std::size_t e = first; e < last; ++e) {
-          const auto t = static_cast<std::size_t>(edges[e].triangle);
-          if (last - first == 1) free[t] = true;
-          if (last - first > 2) crowded[t] = true;
+    const std::vector<EdgeUse> edges = all_edges();
+    const auto count = static_cast<std::size_t>(mesh_.triangles.rows());
+    std::vector<std::size_t> first_use, uses;            // of each edge
+    std::vector<std::array<std::size_t, 3>> own(count);  // the edges of each triangle
+    std::vector<int> known(count, 0);                    // how many of them are in `own` so far
+    for (std::size_t first = 0, last; first < edges.size(); first = last) {
+      last = end_of_edge(edges, first);
+      for (std::size_t e = first; e < last; ++e) {
+        const auto t = static_cast<std::size_t>(edges[e].triangle);
+        own[t][static_cast<std::size_t>(known[t]++)] = uses.size();
+      }
+      first_use.push_back(first);
+      uses.push_back(last - first);
+    }
+    const auto is_fin = [&](std::size_t t) {
+      const auto has = [&](auto holds) { return std::any_of(own[t].begin(), own[t].end(), holds); };
+      return has([&](std::size_t edge) { return uses[edge] == 1; }) &&
+             has([&](std::size_t edge) { return uses[edge] > 2; });
+    };
+    std::vector<bool> gone(count, false);
+    std::vector<std::size_t> candidates(count);
+    std::iota(candidates.begin(), candidates.end(), std::size_t{0});
+    while (!candidates.empty()) {
+      std::vector<std::size_t> fins, touched;
+      for (const std::size_t t : candidates) {
+        if (!gone[t] && is_fin(t)) fins.push_back(t);
+      }
+      for (const std::size_t t : fins) gone[t] = true;
+      for (const std::size_t t : fins) {
+        for (const std::size_t edge : own[t]) {
+          if (--uses[edge] == 1) touched.push_back(edge);
         }
       }
-      for (std::size_t t = 0; t < count; ++t) fin[t] = crowded[t] && free[t];
-      const std::size_t gone = drop(fin);
-      if (gone == 0) break;
-      dropped += gone;
+      steps_ += candidates.size() + 3 * fins.size();
+      candidates.clear();
+      for (const std::size_t edge : touched) {
+        if (uses[edge] != 1) continue;  // the last of its triangles went in the same round
+        std::size_t use = first_use[edge];
+        for (; gone[static_cast<std::size_t>(edges[use].triangle)]; ++use) ++steps_;
+        candidates.push_back(static_cast<std::size_t>(edges[use].triangle));
+      }
+      std::sort(candidates.begin(), candidates.end());
+      candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
     }
-    say(dropped, "dropped %d fin%s");
+    say(drop(gone), "dropped %d fin%s");
   }
 
   void flip(std::size_t t) {
@@ -250,7 +324,7 @@ class Mender {
     say(scraps, "dropped %d open scrap%s");
   }
 
-  // Open parts that are wider open than a body would be, before their rims are taken for holes.
+  // Drops parts that are open wider than a body would be, before their rims are taken for holes.
   void drop_rags() {
     constexpr double kOpening = 0.3;
     const Shells shells = shells_of(mesh_);
@@ -265,7 +339,7 @@ class Mender {
     std::vector<bool> rag(rims.size());
     for (std::size_t s = 0; s < rims.size(); ++s) {
       double opening = 0;
-      for (const auto& loop : loops_of(rims[s])) opening += spanned_area(mesh_, loop);
+      for (const auto& loop : loops_of(rims[s], &steps_)) opening += spanned_area(mesh_, loop);
       rag[s] = opening > kOpening * (shells.area_m2[s] + opening);
       all += shells.area_m2[s];
       ragged += rag[s] ? shells.area_m2[s] : 0;
@@ -292,13 +366,13 @@ class Mender {
   void say(std::ptrdiff_t count, const char* words) { say(static_cast<int>(count), words); }
 
   TriangleMesh mesh_;
-  std::size_t flat_ = 0;
+  std::size_t flat_ = 0, steps_ = 0;
   std::vector<std::string> actions_;
 };
 
 }  // namespace
 
-RepairedSurface repair(const TriangleMesh& mesh) { return Mender(mesh).run(); }
+RepairedSurface repair(const TriangleMesh& mesh) { return SurfaceRepair(mesh).run(); }
 
 PreparedSurface prepare(const TriangleMesh& mesh) {
   PreparedSurface prepared{.mesh = mesh, .found = diagnose(mesh), .left = {}, .actions = {}};

@@ -23,9 +23,12 @@ inline constexpr double kMaxHole = 1.0;
 struct RepairedSurface {
   TriangleMesh mesh;
   std::vector<std::string> actions;  // "closed 2 holes"; empty: nothing was to be done
+  std::size_t steps = 0;             // triangles, edges and nodes visited: the measure of its cost
 };
 
-// Node numbers must be in range and coordinates finite. Never fails: what it cannot mend stays as it is. O(T log T).
+// Node numbers must be in range and coordinates finite. Never fails: what it cannot mend stays as it is. O(T log T),
+// and for each hole of n edges what its triangulation costs: O(n^3) at the most up to kMaxExactHole edges (remesh.h),
+// about O(n log n) beyond.
 RepairedSurface repair(const TriangleMesh& mesh);
 
 // A surface as it came, what was done to it, and what is left.

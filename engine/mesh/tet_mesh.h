@@ -1,19 +1,17 @@
-// A solid as tetrahedra. [worker]
+// A solid as tetrahedra, and the same solid in elements of another order or of half the size. [worker]
 //
 // Nodes are points in metres. All elements of a mesh have the same order p, 1 to 4, and 4, 10, 20 or 35 nodes in the
-// order of tet_basis.h: inside, displacement and position are polynomials of degree p, so above order 1 edges and faces
-// may be curved. Corners 1, 2, 3 turn counter-clockwise when seen from outside opposite corner 0, so that
+// order of tet_element.h: inside an element, position is a polynomial of degree p, so above order 1 edges and faces may
+// be curved. Corners 1, 2, 3 turn counter-clockwise when seen from outside opposite corner 0, so that
 //   det[x1-x0, x2-x0, x3-x0] > 0.
-// gmsh's order of nodes is another one; gmsh_reader.cpp changes it.
+// A mesh from a file may break every one of these rules; mesh_check.h tells whether it does.
 #pragma once
 
-#include "engine/base/result.h"
-#include "engine/mesh/tet_shape.h"
+#include "engine/mesh/tet_element.h"
 
 #include <Eigen/Core>
 
 #include <cstdint>
-#include <string>
 
 namespace ringdown::mesh {
 
@@ -31,25 +29,9 @@ struct TetMesh {
 ElementNodes nodes_of(const TetMesh& mesh, Eigen::Index element);
 Corners corners_of(const TetMesh& mesh, Eigen::Index element);
 
-// A mesh that the other folders may trust: node numbers in range, every node used, every element positively
-// oriented and with volume, coordinates finite, neighbours joined by whole faces (mesh_joints.h), none inside
-// another (overlap.h).
-struct CheckedMesh {
-  TetMesh mesh;
-  int pieces = 0;        // parts that share no node
-  int flipped = 0;       // elements given inside out, now turned
-  int straightened = 0;  // curved elements that folded over themselves, now less curved or straight
-  int unused_nodes = 0;  // dropped
-  int duplicates = 0;    // elements with the same nodes as another, dropped
-};
-
-// Repairs what has one right repair (the counts above) and refuses the rest: no elements, a node number out of range or
-// twice in an element, a coordinate that is not finite, an element without volume, elements that overlap, parts that
-// touch in an edge or a point only. A curved element folds where the determinant of its map falls below a thousandth of
-// the straight one's; it is looked at in as many points as determine that polynomial, and in those that assembly
-// integrates over. One that does loses half of its curvature, up to three times, then all. `name` stands in the
-// sentence. O(E log E).
-Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name);
+// Removes the nodes that `elements` do not name and renumbers the others, which keep their order. Returns how many were
+// removed. O(N + E).
+int drop_unused_nodes(Points& nodes, Eigen::Ref<Indices> elements);
 
 // The same elements with the nodes of another order: each element's own map at the places of the new nodes, which are
 // shared by the elements around an edge or a face. Raising the order keeps the geometry exactly. Lowering it keeps the
@@ -58,7 +40,20 @@ Result<CheckedMesh> check_mesh(TetMesh mesh, const std::string& name);
 TetMesh to_order(const TetMesh& mesh, int order);
 
 // Every element cut into eight of the same order, which together are the same body: its corners cut off, and the
-// octahedron between them cut in four along its shortest diagonal (Bey, Computing 55, 1995).
+// octahedron between them cut in four along its shortest diagonal (Bey, Computing 55, 1995). O(E).
 TetMesh split(const TetMesh& mesh);
+
+// Takes curvature from the elements that fold. A curved element folds where the determinant of its map falls below a
+// thousandth of the straight element's. Such an element loses half of its curvature, up to three times, then all of it.
+// Returns how many elements were changed. O(E) for each round; there are a few.
+int straighten_folded(TetMesh& mesh);
+
+struct TetQuality {
+  double smallest_angle_deg = 180, largest_angle_deg = 0;  // dihedral; a regular tetrahedron's are 70.5
+  double shortest_edge_m = 0, longest_edge_m = 0;
+};
+
+// How well-shaped the straight elements between the corners are. O(E).
+TetQuality quality_of(const TetMesh& mesh);
 
 }  // namespace ringdown::mesh

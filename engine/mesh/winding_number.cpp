@@ -7,6 +7,16 @@
 #include <limits>
 #include <numbers>
 
+// How the sum is made fast, and how its error is known
+//
+// The triangles are sorted into a binary tree: each node splits its triangles in halves along the longest side of the
+// box around their middles. Each node keeps the first three terms of the expansion of its triangles' solid angle about
+// their common centre: the dipole, its gradient and its second derivatives (expand()).
+//
+// A query walks down the tree (sum()). A node whose radius is less than `opening` times its distance is taken whole, by
+// its expansion; the bound on what the expansion leaves out is added to the error. Leaves are summed triangle by
+// triangle. A smaller opening descends further and is more exact. at() and inside() begin with a wide opening and
+// narrow it only until the error suffices: for most points the first try tells inside from outside.
 namespace ringdown::mesh {
 namespace {
 

@@ -17,6 +17,7 @@
 #include "engine/base/vec3.h"
 #include "engine/modal/damping.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -84,6 +85,11 @@ struct ErrorSpread {
 };
 
 // Of bank.frequency_error; nothing when that is empty.
-std::optional<ErrorSpread> error_spread(const Bank& bank);
+inline std::optional<ErrorSpread> error_spread(const Bank& bank) {
+  if (bank.frequency_error.empty()) return std::nullopt;
+  std::vector<double> errors = bank.frequency_error;
+  std::sort(errors.begin(), errors.end());
+  return ErrorSpread{.median = errors[errors.size() / 2], .largest = errors.back()};
+}
 
 }  // namespace ringdown::modal

@@ -1,7 +1,6 @@
 #include "engine/modal/bank_file.h"
 
 #include "engine/base/atomic_file.h"
-#include "engine/base/content_hash.h"
 #include "engine/modal/glb.h"
 #include "engine/modal/material_scale.h"
 
@@ -254,23 +253,6 @@ Json provenance_json(const Provenance& provenance) {
   return json;
 }
 
-// The file's XXH3-128 with the seal's own digits as zeros.
-const std::string kSealMark = "\"seal\":\"";
-const std::string kOpenSeal(32, '0');
-
-// The digits of the seal, in the first one of the file; empty when there is none.
-std::span<char> seal_in(std::span<char> file) {
-  const std::string_view text(file.data(), file.size());
-  const std::size_t at = text.find(kSealMark);
-  if (at == std::string_view::npos || text.size() - at < kSealMark.size() + kOpenSeal.size()) return {};
-  return file.subspan(at + kSealMark.size(), kOpenSeal.size());
-}
-
-std::string take_seal(std::span<char> file, std::span<char> seal) {
-  std::copy(kOpenSeal.begin(), kOpenSeal.end(), seal.begin());
-  return hash_of({file.data(), file.size()}).text();
-}
-
 }  // namespace
 
 Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& name) {
@@ -322,10 +304,7 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std
                 {"shapes", writer.add_floats(as_floats(bank.shapes), 3)},
                 {"extras", {{"ringdown", provenance_json(bank.provenance)}}}};
   if (!bank.frequency_error.empty()) model["extras"]["ringdown"]["frequencyErrors"] = bank.frequency_error;
-  if (!input_hash.empty()) {
-    model["extras"]["ringdown"]["inputHash"] = input_hash;
-    model["extras"]["ringdown"]["seal"] = kOpenSeal;
-  }
+  if (!input_hash.empty()) model["extras"]["ringdown"]["inputHash"] = input_hash;
   Json primitive = {{"attributes", {{"POSITION", positions}}}, {"mode", 0}};
   if (!bank.triangles.empty()) {
     const std::span corners(bank.triangles.front().data(), 3 * bank.triangles.size());
@@ -349,22 +328,12 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std
                    {"scenes", Json::array({{{"nodes", Json::array({0})}}})},
                    {"nodes", Json::array({node})},
                    {"meshes", Json::array({{{"name", bank.name}, {"primitives", Json::array({primitive})}}})}};
-  std::vector<std::byte> bytes = std::move(writer).finish(std::move(document));
-  const std::span file(reinterpret_cast<char*>(bytes.data()), bytes.size());
-  if (const std::span<char> seal = seal_in(file); !input_hash.empty() && !seal.empty()) {
-    const std::string digits = take_seal(file, seal);
-    std::copy(digits.begin(), digits.end(), seal.begin());
-  }
-  return write_file_atomically(path, bytes);
+  return write_file_atomically(path, std::move(writer).finish(std::move(document)));
 }
 
-std::optional<std::string> sealed_input_hash(const std::filesystem::path& path) {
-  Result<std::string> text = read_whole_file(path, kMaxBankFileBytes);
+std::optional<std::string> read_input_hash(const std::filesystem::path& path) {
+  const Result<std::string> text = read_whole_file(path, kMaxBankFileBytes);
   if (!text) return std::nullopt;
-  const std::span<char> seal = seal_in(*text);
-  if (seal.empty()) return std::nullopt;
-  const std::string digits(seal.begin(), seal.end());
-  if (take_seal(*text, seal) != digits) return std::nullopt;
   const Result<Glb> glb = parse_glb(std::as_bytes(std::span(*text)), path.string());
   if (!glb) return std::nullopt;
   const Field model = glb->root()["extensions"][kExtension]["modalModels"][0];

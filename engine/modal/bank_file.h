@@ -26,11 +26,11 @@ Result<Bank> read_bank(const std::filesystem::path& path);
 Result<Bank> parse_bank(std::span<const std::byte> glb, const std::string& name);
 
 // Writes atomically: a reader sees the old file or the new one. With `input_hash`, a name for all that the bank was
-// made from, the file carries it and a seal: a checksum of the whole file.
+// made from, the file carries it.
 Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std::string_view input_hash = {});
 
-// The input_hash that `path` was written with; nothing when there is no such file, it has none, or anything in it was
-// changed since. Milliseconds.
-std::optional<std::string> sealed_input_hash(const std::filesystem::path& path);
+// The input_hash that `path` was written with; nothing when there is no such file, when it is cut off or no glTF, or
+// when it has none. Milliseconds.
+std::optional<std::string> read_input_hash(const std::filesystem::path& path);
 
 }  // namespace ringdown::modal

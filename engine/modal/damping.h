@@ -1,4 +1,5 @@
-// Where a mode's frequency meets its decay. The one place that turns Hz into rad/s.
+// Where a mode's frequency meets its decay, and how a material's loss becomes Rayleigh's two constants. The one place
+// that turns Hz into rad/s.
 //
 // A mode of the undamped problem K phi = lambda M phi, with Rayleigh damping C = alpha M + beta K, moves as
 //   q(t) = exp(-d t) sin(omega_d t),   d = (alpha + beta lambda) / 2 [1/s],   omega_d = sqrt(lambda - d^2) [rad/s].
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 namespace ringdown::modal {
 
@@ -73,5 +75,25 @@ inline double impulse_response(double lambda, RayleighDamping damping, double t_
   const double slow = -lambda * t_s * t_s / (x + decay * t_s);
   return t_s * std::exp(slow) * -std::expm1(-2 * x) / (2 * x);
 }
+
+// A material's loss factor eta at one frequency.
+//
+// eta = 2 d / omega = alpha / omega + beta omega: of a Rayleigh-damped mode of undamped angular frequency omega. Tables
+// and measurements give eta at some frequencies; a real material's seldom follows that curve, so a fit is good near the
+// frequencies it was made for, and worst_error() says how good.
+
+struct LossFactor {
+  double frequency_hz = 0;  // > 0
+  double eta = 0;           // > 0
+};
+
+double loss_factor(RayleighDamping damping, double frequency_hz);
+
+// The non-negative alpha and beta for which the sum of (fitted eta / eta - 1)^2 over the points is least: relative, as
+// decay times are heard. Of points at one frequency only, beta alone. There must be a point.
+RayleighDamping fit_rayleigh(std::span<const LossFactor> points);
+
+// The largest |fitted eta / eta - 1| of any point.
+double worst_error(RayleighDamping damping, std::span<const LossFactor> points);
 
 }  // namespace ringdown::modal

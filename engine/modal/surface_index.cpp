@@ -4,6 +4,10 @@
 #include <cassert>
 #include <limits>
 
+// The tree is built by halving the triangles along the longest side of their box, until few are left. A search keeps a
+// stack of nodes that may hold the nearest point, with their distances, and descends into the nearer child first; a
+// node further away than the best point so far is dropped. The stack is an array of fixed size, so the audio thread may
+// search.
 namespace ringdown::modal {
 namespace {
 

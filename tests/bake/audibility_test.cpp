@@ -147,7 +147,7 @@ double rendered_energy(const Bank& bank, std::size_t first, std::size_t point) {
   return energy;
 }
 
-TEST(Loss, IsWhatARenderingLoses) {
+TEST(Loss, TheLossIsWhatARenderingLoses) {
   Bank bank = octahedron();
   std::mt19937 random(3);
   std::uniform_real_distribution<double> octave(8, 12.5), decay(20, 200), level(-30, 0);
@@ -166,7 +166,7 @@ TEST(Loss, IsWhatARenderingLoses) {
   }
 }
 
-TEST(Loss, OfNothingIsNoneAndOfUndampedModesIsFinite) {
+TEST(Loss, TheLossOfNothingIsNoneAndOfUndampedModesIsFinite) {
   Bank bank = octahedron();
   add_mode(bank, 1000, 0, 0);
   add_mode(bank, 3000, 0, -20);
@@ -174,7 +174,7 @@ TEST(Loss, OfNothingIsNoneAndOfUndampedModesIsFinite) {
   EXPECT_NEAR(bake::loss_db(bank, 1), 10 * std::log10(0.01 / 1.01), 1e-3);
 }
 
-TEST(Reduce, OrdersSilentModesLastAndDropsThemOnlyWhenAsked) {
+TEST(Reduce, ReducingOrdersSilentModesLastAndDropsThemOnlyWhenAsked) {
   Bank bank = octahedron();
   add_mode(bank, 2000, 5, -80);
   add_mode(bank, 1000, 5, 0);
@@ -196,7 +196,7 @@ TEST(Reduce, OrdersSilentModesLastAndDropsThemOnlyWhenAsked) {
   EXPECT_NEAR(bank.provenance.loss_db, -80, 0.1);
 }
 
-TEST(Reduce, KeepsTheFirstOnesAndSaysWhatThatCosts) {
+TEST(Reduce, ReducingKeepsTheFirstOnesAndSaysWhatThatCosts) {
   Bank bank = octahedron();
   for (int m = 0; m < 5; ++m) add_mode(bank, 500 * std::exp2(m), 10, -10.0 * m);
   const double loss = bake::loss_db(bank, 3);

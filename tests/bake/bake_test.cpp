@@ -29,7 +29,7 @@ std::string refusal(const mesh::CheckedMesh& mesh, const modal::Material& materi
   return result ? "accepted" : result.error().message;
 }
 
-TEST(Bake, FillsEverythingABankHolds) {
+TEST(Bake, ABakeFillsEverythingABankHolds) {
   const auto [bank, report] = baked();
   EXPECT_EQ(bank.name, "bar");
   EXPECT_GE(bank.mode_count(), 10u);
@@ -113,7 +113,7 @@ TEST(Bake, ShapesAreMassNormalised) {
   EXPECT_NEAR(largest * std::sqrt(bank.mass->mass_kg), 2, 0.03);
 }
 
-TEST(Bake, OrdersModesByImportance) {
+TEST(Bake, ABakeOrdersModesByImportance) {
   const auto bank = baked({.most_points = 10000}).bank;
   std::vector<double> value(bank.mode_count());
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
@@ -124,14 +124,14 @@ TEST(Bake, OrdersModesByImportance) {
   EXPECT_GT(value.front(), value.back());
 }
 
-TEST(Bake, KeepsTheMostImportantModes) {
+TEST(Bake, ABakeKeepsTheMostImportantModes) {
   const auto all = baked(), few = baked({.keep_modes = 5});
   ASSERT_EQ(few.bank.mode_count(), 5u);
   EXPECT_EQ(few.report.unimportant, static_cast<int>(all.bank.mode_count()) - 5);
   EXPECT_TRUE(std::equal(few.bank.frequency_hz.begin(), few.bank.frequency_hz.end(), all.bank.frequency_hz.begin()));
 }
 
-TEST(Bake, DropsWhatLiesBelowTheBandOrIsOverDamped) {
+TEST(Bake, ABakeDropsWhatLiesBelowTheBandOrIsOverDamped) {
   const auto whole = baked();
   const double first = *std::min_element(whole.bank.frequency_hz.begin(), whole.bank.frequency_hz.end());
   const auto above = baked({.band_low_hz = first * 1.01});
@@ -152,7 +152,7 @@ TEST(Bake, BandTopIsWhereTheDampedFrequencyMeetsIt) {
   EXPECT_NEAR(modal::highest_lambda_in_band(20000, strong), 2e8, 1);
 }
 
-TEST(Bake, IsTheSameFileEveryTime) {
+TEST(Bake, ABakeIsTheSameFileEveryTime) {
   const test::TemporaryFolder folder;
   for (const char* name : {"a.glb", "b.glb"}) ASSERT_TRUE(modal::write_bank(baked().bank, folder.path() / name));
   const auto bytes = [&](const char* name) {
@@ -163,7 +163,7 @@ TEST(Bake, IsTheSameFileEveryTime) {
   EXPECT_TRUE(bytes("a.glb") == bytes("b.glb"));
 }
 
-TEST(Bake, TakesTheOtherElementsToo) {
+TEST(Bake, ABakeTakesTheOtherElementsToo) {
   const auto lowest = [](const modal::Bank& bank) {
     return *std::min_element(bank.frequency_hz.begin(), bank.frequency_hz.end());
   };
@@ -187,7 +187,7 @@ TEST(Bake, TwoPiecesHaveTwelveRigidMotions) {
   EXPECT_EQ(pair->report.rigid, 12);
 }
 
-TEST(Bake, RefusesWithOneSentence) {
+TEST(Bake, ABakeRefusesWithOneSentence) {
   EXPECT_NE(refusal(bar(), {"jelly", 1e9, 0.5, 1000, {}}, {}).find("jelly: Poisson's ratio"), std::string::npos);
   EXPECT_NE(refusal(bar(), steel(), {.band_low_hz = 30, .band_high_hz = 40}).find("no mode between 30 and 40 Hz"),
             std::string::npos);
@@ -200,7 +200,7 @@ TEST(Bake, RefusesWithOneSentence) {
   EXPECT_NE(refusal(in_millimetres, steel(), {}).find("check the unit"), std::string::npos);
 }
 
-TEST(Bake, CanBeCancelledInEveryStage) {
+TEST(Bake, ABakeCanBeCancelledInEveryStage) {
   for (const std::string_view stage : {"assemble", "factors", "modes", "finish"}) {
     const auto result = bake::bake(bar(), steel(), {}, "bar", [&](std::string_view at, double) { return at != stage; });
     ASSERT_FALSE(result) << stage;
@@ -208,7 +208,7 @@ TEST(Bake, CanBeCancelledInEveryStage) {
   }
 }
 
-TEST(AWeighting, IsThatOfTheStandardsTable) {
+TEST(AWeighting, TheWeightingIsThatOfTheStandardsTable) {
   const auto decibels = [](double f) { return 20 * std::log10(bake::a_weighting(f)); };
   EXPECT_NEAR(decibels(1000), 0, 0.05);
   EXPECT_NEAR(decibels(100), -19.1, 0.1);

@@ -20,7 +20,7 @@ long double direct(long double lambda, long double decay, long double t) {
   return (std::exp(w1 * t) - std::exp(w2 * t)) / (w1 - w2);
 }
 
-TEST(ImpulseResponse, FollowsTheDirectFormInEveryRegime) {
+TEST(ImpulseResponse, TheImpulseResponseFollowsTheDirectFormInEveryRegime) {
   const double lambda = 1e6;  // omega 1000 rad/s: critical at d = 1000 1/s, alpha = 2000
   for (const double decay : {0.0, 1.0, 500.0, 990.0, 1000.0, 1010.0, 3000.0, 20000.0}) {
     for (const double t : {1e-6, 1e-4, 1e-3, 5e-3, 2e-2}) {
@@ -32,7 +32,7 @@ TEST(ImpulseResponse, FollowsTheDirectFormInEveryRegime) {
 }
 
 // The report's form, 2 I g / |Im w| ..., is twice as loud and divides by zero here; the limit is I t exp(-d t).
-TEST(ImpulseResponse, IsFiniteAndSmoothThroughCriticalDamping) {
+TEST(ImpulseResponse, TheImpulseResponseIsFiniteAndSmoothThroughCriticalDamping) {
   const double lambda = 1e6, t = 2e-3;
   const double critical = t * std::exp(-2.0);
   for (const double off : {0.0, 1e-14, -1e-14, 1e-9, -1e-9, 1e-6, -1e-6}) {
@@ -42,13 +42,13 @@ TEST(ImpulseResponse, IsFiniteAndSmoothThroughCriticalDamping) {
 }
 
 // A mode damped a million times over creeps back at lambda / (2 d); the direct form in double loses every digit of it.
-TEST(ImpulseResponse, KeepsItsDigitsWhenHeavilyOverDamped) {
+TEST(ImpulseResponse, TheImpulseResponseKeepsItsDigitsWhenHeavilyOverDamped) {
   const double lambda = 1e4, decay = 1e9, t = 100;
   const double expected = std::exp(-lambda * t / (2 * decay)) / (2 * decay);
   EXPECT_NEAR(modal::impulse_response(lambda, RayleighDamping{.alpha_per_s = 2 * decay}, t), expected, 1e-9 * expected);
 }
 
-TEST(ImpulseResponse, StartsWithUnitVelocity) {
+TEST(ImpulseResponse, TheImpulseResponseStartsWithUnitVelocity) {
   for (const double alpha : {0.0, 2000.0, 1e5}) {
     const double t = 1e-10;
     EXPECT_NEAR(modal::impulse_response(1e6, RayleighDamping{.alpha_per_s = alpha}, t) / t, 1, 1e-4);

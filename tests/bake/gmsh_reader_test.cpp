@@ -1,7 +1,7 @@
 #include "engine/mesh/gmsh_reader.h"
 
-#include "tests/support/temporary_folder.h"
 #include "tests/fem/sample_meshes.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ std::string refusal(const std::filesystem::path& path, const mesh::GmshOptions& 
   return mesh ? "accepted" : mesh.error().message;
 }
 
-TEST(GmshReader, MeshesAGeometryInItsUnit) {
+TEST(GmshReader, TheReaderMeshesAGeometryInItsUnit) {
   const TemporaryFolder folder;
   const auto mesh = mesh::read_with_gmsh(folder.write("box.geo", kBox), in_millimetres());
   ASSERT_TRUE(mesh) << mesh.error().message;
@@ -41,7 +41,7 @@ TEST(GmshReader, MeshesAGeometryInItsUnit) {
   EXPECT_NEAR(volume(*mesh), 1e-6, 1e-15);
 }
 
-TEST(GmshReader, HandsOverParameters) {
+TEST(GmshReader, TheReaderHandsOverParameters) {
   const TemporaryFolder folder;
   const auto path = folder.write("box.geo", kBox);
   const auto large = mesh::read_with_gmsh(path, in_millimetres({{"side", 20}}));
@@ -91,7 +91,7 @@ TEST(GmshReader, TheSameFileGivesTheSameMesh) {
   EXPECT_TRUE(first->mesh.elements == second->mesh.elements);
 }
 
-TEST(GmshReader, ReadsAMeshAsItIs) {
+TEST(GmshReader, TheReaderReadsAMeshAsItIs) {
   const TemporaryFolder folder;
   const auto path = folder.write("one.msh", R"($MeshFormat
 2.2 0 8
@@ -117,7 +117,7 @@ $EndElements
 
 // gmsh's order of 20 nodes, from its manual: inner nodes of the edges 01 12 20 30 32 31, middles of the faces 021 013
 // 032 312.
-TEST(GmshReader, ReadsAMeshOfHigherOrder) {
+TEST(GmshReader, TheReaderReadsAMeshOfHigherOrder) {
   const std::array<std::array<int, 2>, 6> edges = {{{0, 1}, {1, 2}, {2, 0}, {3, 0}, {3, 2}, {3, 1}}};
   const std::array<std::array<int, 3>, 4> faces = {{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {3, 1, 2}}};
   mesh::Corners corners;
@@ -141,11 +141,11 @@ TEST(GmshReader, ReadsAMeshOfHigherOrder) {
   ASSERT_TRUE(mesh) << mesh.error().message;
   ASSERT_EQ(mesh->mesh.order(), 3);
   EXPECT_EQ(mesh->straightened, 0);
-  EXPECT_LT((mesh::nodes_of(mesh->mesh, 0) - mesh::lattice(3) * corners).norm(), 1e-14);
+  EXPECT_LT((mesh::nodes_of(mesh->mesh, 0) - mesh::reference_nodes(3) * corners).norm(), 1e-14);
   EXPECT_NEAR(volume(*mesh), 2, 1e-13);
 }
 
-TEST(GmshReader, RefusesWithOneSentence) {
+TEST(GmshReader, TheReaderRefusesWithOneSentence) {
   const TemporaryFolder folder;
   EXPECT_NE(refusal(folder.path() / "none.msh").find("there is no such file"), std::string::npos);
   EXPECT_NE(refusal(folder.write("bad.geo", "Box(1) = {0, 0,;\n")).find("bad.geo"), std::string::npos);

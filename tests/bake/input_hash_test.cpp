@@ -20,7 +20,7 @@ std::set<std::string> names_of(const std::optional<std::vector<fs::path>>& files
   return names;
 }
 
-TEST(InputHash, KnowsWhatAGeometryReads) {
+TEST(InputHash, TheInputHashKnowsWhatAGeometryReads) {
   const TemporaryFolder folder;
   using Names = std::set<std::string>;
   (void)folder.write("b.geo", "Include \"c.geo\";");
@@ -51,7 +51,7 @@ TEST(InputHash, KnowsWhatAGeometryReads) {
   }
 }
 
-TEST(InputHash, FollowsAThousandFilesAndNoMore) {
+TEST(InputHash, TheInputHashFollowsAThousandFilesAndNoMore) {
   const TemporaryFolder folder;
   std::string text;
   for (std::size_t n = 1; n < kMaxGeometryFiles; ++n) text += "Merge \"" + std::to_string(n) + ".step\";\n";
@@ -61,7 +61,7 @@ TEST(InputHash, FollowsAThousandFilesAndNoMore) {
   EXPECT_FALSE(files_of_geometry(folder.write("a.geo", text + "Merge \"one more.step\";\n")));
 }
 
-TEST(InputHash, DependsOnContentAndNotOnPlace) {
+TEST(InputHash, TheInputHashDependsOnContentAndNotOnPlace) {
   const TemporaryFolder folder;
   const auto hash = [&](const std::string& place, const std::string& geometry,
                         const std::vector<std::string>& options) {

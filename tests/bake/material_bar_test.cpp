@@ -15,7 +15,7 @@ namespace {
 const modal::Material kSteel = {"steel", 210e9, 0.31, 7800, {5, 3e-8}};
 
 // Euler and Bernoulli: f = (k L)^2 / (2 pi L^2) sqrt(E I / (rho A)), k L the roots of cos cosh = 1.
-TEST(MaterialBar, IsEulersBeamWhereItIsThin) {
+TEST(MaterialBar, TheBarIsEulersBeamWhereItIsThin) {
   const bake::Bar thin{.length_m = 2, .width_m = 0.01, .thickness_m = 0.001};
   const auto lambdas = bake::bar_lambdas(kSteel, thin, std::pow(2 * M_PI * 200, 2));
   const double roots[] = {4.730040745, 7.853204624, 10.99560784, 14.13716549, 17.27875966};
@@ -46,7 +46,7 @@ std::vector<double> bending_hz(const modal::Bank& bank, float thickness_m) {
   return found;
 }
 
-TEST(MaterialBar, IsASolidBarToOnePercentUntilHalfAWaveIsAsShortAsItsWidth) {
+TEST(MaterialBar, TheBarIsASolidBarToOnePercentUntilHalfAWaveIsAsShortAsItsWidth) {
   const mesh::CheckedMesh mesh = test::checked(test::box_mesh({16, 3, 1}, {0.2, 0.03, 0.008}));
   const auto baked = bake::bake(mesh, kSteel, {.band_high_hz = 12000, .most_points = 100'000}, "bar");
   ASSERT_TRUE(baked) << baked.error().message;
@@ -56,7 +56,7 @@ TEST(MaterialBar, IsASolidBarToOnePercentUntilHalfAWaveIsAsShortAsItsWidth) {
   for (std::size_t n = 0; n < 4; ++n) EXPECT_NEAR(bar.frequency_hz[n] / solid[n], 1, 0.01) << solid[n];
 }
 
-TEST(MaterialBar, MovesNoMoreThanItsMassAllows) {
+TEST(MaterialBar, TheBarMovesNoMoreThanItsMassAllows) {
   const modal::Bank bar = bake::bar_bank(kSteel);
   const double mass = 7800 * 0.2 * 0.03 * 0.008;
   EXPECT_NEAR(bar.mass->mass_kg, mass, 1e-12);
@@ -77,7 +77,7 @@ TEST(MaterialBar, MovesNoMoreThanItsMassAllows) {
   EXPECT_NEAR(std::abs(at(0, 0)) * std::sqrt(mass), 2, 0.05) << "the end of a thin free bar: 2 / sqrt(m)";
 }
 
-TEST(MaterialBar, OfEveryPresetRingsOrSaysThatItDoesNot) {
+TEST(MaterialBar, ABarOfEveryPresetRingsOrSaysThatItDoesNot) {
   const std::filesystem::path folder = std::filesystem::path(RINGDOWN_SOURCE_DIR) / "presets/materials";
   std::size_t real = 0;
   for (const std::string& name : bake::names_in(folder)) {
@@ -91,7 +91,7 @@ TEST(MaterialBar, OfEveryPresetRingsOrSaysThatItDoesNot) {
   EXPECT_GE(real, 20u);
 }
 
-TEST(MaterialBar, ThatIsAllDampingIsEmpty) {
+TEST(MaterialBar, ABarThatIsAllDampingIsEmpty) {
   EXPECT_EQ(bake::bar_bank({"mud", 1e6, 0.4, 1500, {0, 1}}).mode_count(), 0u);
 }
 

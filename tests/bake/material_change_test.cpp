@@ -58,7 +58,7 @@ void expect_same(const modal::Bank& a, const modal::Bank& b, double relative) {
   EXPECT_EQ(a.material->youngs_modulus_pa, b.material->youngs_modulus_pa);
 }
 
-TEST(Change, OfSizeIsABakeOfTheMeshScaledByHand) {
+TEST(Change, AChangeOfSizeIsABakeOfTheMeshScaledByHand) {
   const modal::Bank one = baked(1, kSteel, 16000);
   for (const double size : {2.0, 0.61}) {
     const auto changed = bake::change(one, {.size = size});
@@ -70,7 +70,7 @@ TEST(Change, OfSizeIsABakeOfTheMeshScaledByHand) {
   }
 }
 
-TEST(Change, OfMaterialIsABakeInIt) {
+TEST(Change, AChangeOfMaterialIsABakeInIt) {
   const modal::Bank one = baked(1, kSteel, 16000);
   const auto changed = bake::change(one, {.size = 1.3, .material = kOther});
   ASSERT_TRUE(changed);
@@ -78,7 +78,7 @@ TEST(Change, OfMaterialIsABakeInIt) {
   expect_same(changed->bank, baked(1.3, kOther, changed->bank.provenance.band_high_hz), 1e-6);
 }
 
-TEST(Change, OrdersModesByTheirNewImportanceAndBackIsTheOldBank) {
+TEST(Change, AChangeOrdersModesByTheirNewImportanceAndBackIsTheOldBank) {
   const modal::Bank one = baked(1, kSteel, 16000);
   const auto there = bake::change(one, {.size = 8, .material = kOther});
   ASSERT_TRUE(there);
@@ -89,7 +89,7 @@ TEST(Change, OrdersModesByTheirNewImportanceAndBackIsTheOldBank) {
   EXPECT_NEAR(back->bank.provenance.band_high_hz, 16000, 1e-3);
 }
 
-TEST(Change, FromNoDampingAndToNone) {
+TEST(Change, AChangeFromNoDampingAndToNone) {
   modal::Material lossless = kSteel;
   lossless.damping = {};
   const auto damped = bake::change(baked(1, lossless, 16000), {.material = kSteel});
@@ -100,7 +100,7 @@ TEST(Change, FromNoDampingAndToNone) {
   for (const double decay : freed->bank.decay_per_s) EXPECT_NEAR(decay, 0, 1e-9);
 }
 
-TEST(Change, LeavesOutWhatNoLongerRingsAndRefusesWhatItCannotKnow) {
+TEST(Change, AChangeLeavesOutWhatNoLongerRingsAndRefusesWhatItCannotKnow) {
   const modal::Bank one = baked(1, kSteel, 16000);
   modal::Material mud = kSteel;
   mud.damping.beta_s = 2e-4;

@@ -1,4 +1,4 @@
-#include "engine/mesh/mesh_cache.h"
+#include "engine/mesh/body_reader.h"
 
 #include "tests/support/temporary_folder.h"
 
@@ -40,7 +40,7 @@ bool same(const mesh::CheckedMesh& a, const mesh::CheckedMesh& b) {
          a.duplicates == b.duplicates;
 }
 
-TEST(MeshCache, GivesTheSameMeshBitForBitWithoutMeshing) {
+TEST(MeshCache, TheCacheGivesTheSameMeshBitForBitWithoutMeshing) {
   const Case box;
   const mesh::CheckedMesh fresh = mesh::read_with_gmsh(box.geometry, options()).value();
   EXPECT_TRUE(same(fresh, box.read()));
@@ -69,7 +69,7 @@ TEST(MeshCache, EveryOptionAndTheContentMakeAnotherMesh) {
   EXPECT_EQ(box.entries(), ++expected);
 }
 
-TEST(MeshCache, KeepsNothingThatDependsOnOtherFiles) {
+TEST(MeshCache, TheCacheKeepsNothingThatDependsOnOtherFiles) {
   const Case box;
   const fs::path part = box.folder.write("part.geo", kBox);
   const fs::path whole = box.folder.write("whole.geo", "Include \"part.geo\";\n");

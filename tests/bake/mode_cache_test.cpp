@@ -1,10 +1,10 @@
 // A bake from the cache is the bake that would have been made.
-#include "engine/bake/mode_cache.h"
+#include "engine/bake/body_modes.h"
 
 #include "engine/bake/bake.h"
 #include "engine/modal/bank_file.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/fem/sample_meshes.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -72,7 +72,7 @@ void expect_equal(const modal::Bank& a, const modal::Bank& b, double relative) {
   }
 }
 
-TEST(ModeCache, GivesTheSameBankByteForByteAndSolvesNothing) {
+TEST(ModeCache, TheCacheGivesTheSameBankByteForByteAndSolvesNothing) {
   const TemporaryFolder folder;
   const bake::Baked first = baked(folder.path());
   EXPECT_FALSE(first.report.from_cache);
@@ -90,7 +90,7 @@ TEST(ModeCache, GivesTheSameBankByteForByteAndSolvesNothing) {
 }
 
 // E, density, damping and size: each alone and all together, against a bake that has never seen the cache.
-TEST(ModeCache, RescalesToOtherMaterialsAndSizes) {
+TEST(ModeCache, TheCacheRescalesToOtherMaterialsAndSizes) {
   struct Change {
     const char* what;
     std::function<void(modal::Material&, double& scale)> make;
@@ -131,7 +131,7 @@ TEST(ModeCache, RescalesToOtherMaterialsAndSizes) {
   EXPECT_LT(front(baked(folder.path(), dull)), front(first));
 }
 
-TEST(ModeCache, CoversNarrowerBandsAndGrowsWithWiderOnes) {
+TEST(ModeCache, TheCacheCoversNarrowerBandsAndGrowsWithWiderOnes) {
   const TemporaryFolder folder;
   EXPECT_FALSE(baked(folder.path(), kSteel, 1, {.band_high_hz = 10000}).report.from_cache);
   const bake::Baked narrow = baked(folder.path(), kSteel, 1, {.band_high_hz = 6000});
@@ -151,7 +151,7 @@ TEST(ModeCache, TooManyModesAreRefusedAllTheSame) {
   EXPECT_NE(refused.error().message.find("more than 3 modes"), std::string::npos);
 }
 
-TEST(ModeCache, KnowsWhatDoesNotRescale) {
+TEST(ModeCache, TheCacheKnowsWhatDoesNotRescale) {
   const TemporaryFolder folder;
   (void)baked(folder.path());
   modal::Material material = kSteel;
@@ -167,7 +167,7 @@ TEST(ModeCache, KnowsWhatDoesNotRescale) {
   }
 }
 
-TEST(ModeCache, TrustsNoDamagedEntryAndReplacesIt) {
+TEST(ModeCache, TheCacheTrustsNoDamagedEntryAndReplacesIt) {
   const TemporaryFolder folder;
   const modal::Bank good = baked(folder.path()).bank;
   const fs::path entry = entries(folder.path(), "modes").at(0);
@@ -193,7 +193,7 @@ TEST(ModeCache, TrustsNoDamagedEntryAndReplacesIt) {
 }
 
 // Whole entries whose content makes no sense: a checksum proves only that nothing changed since.
-TEST(ModeCache, TrustsNoEntryThatContradictsTheMesh) {
+TEST(ModeCache, TheCacheTrustsNoEntryThatContradictsTheMesh) {
   const TemporaryFolder folder;
   const bake::ModeCache cache{ContentCache(folder.path())};
   const mesh::TetMesh mesh = test::box_mesh({1, 1, 1}, {1, 1, 1});
@@ -233,7 +233,7 @@ TEST(ModeCache, ABakeSucceedsWhereTheCacheCannot) {
   EXPECT_TRUE(bytes_of(kept.bank) == bytes_of(baked("").bank));
 }
 
-TEST(ModeCache, IsSharedByBakesAtTheSameTime) {
+TEST(ModeCache, TheCacheIsSharedByBakesAtTheSameTime) {
   const TemporaryFolder folder;
   std::vector<modal::Bank> banks(3);
   {
@@ -245,7 +245,7 @@ TEST(ModeCache, IsSharedByBakesAtTheSameTime) {
 }
 
 // What the solver may plan with when only Poisson's ratio or the mesh has changed.
-TEST(ModeCache, RemembersWhereARelativesModesWere) {
+TEST(ModeCache, TheCacheRemembersWhereARelativesModesWere) {
   const TemporaryFolder folder;
   const bake::ModeCache cache{ContentCache(folder.path())};
   modal::Material material = kSteel;

@@ -1,6 +1,6 @@
 // The text files: strict reading, and that every preset in the repository is whole.
-#include "engine/bake/material_page.h"
-#include "engine/bake/object_file.h"
+#include "engine/bake/bake_object.h"
+#include "engine/bake/material_library.h"
 #include "engine/modal/bank_file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -45,7 +45,7 @@ std::string with(std::string text, const std::string& what, const std::string& i
   return text.replace(at, what.size(), instead);
 }
 
-TEST(MaterialFile, ReadsWhatItSays) {
+TEST(MaterialFile, AMaterialFileReadsWhatItSays) {
   const TemporaryFolder folder;
   const auto entry = bake::read_material(folder.write("clay.toml", kGood));
   ASSERT_TRUE(entry) << entry.error().message;
@@ -54,7 +54,7 @@ TEST(MaterialFile, ReadsWhatItSays) {
   EXPECT_EQ(entry->sources.at("beta_s"), "a guess");
 }
 
-TEST(MaterialFile, RefusesMistakesByLine) {
+TEST(MaterialFile, AMaterialFileRefusesMistakesByLine) {
   struct Mistake {
     const char *what, *instead, *complaint;
   };
@@ -93,7 +93,7 @@ source = "a paper"
 
 std::string with_curve(const std::string& curve) { return kGood.substr(0, kGood.find("[alpha_per_s]")) + curve; }
 
-TEST(MaterialFile, FitsItsDampingToALossFactorAtSeveralFrequencies) {
+TEST(MaterialFile, AMaterialFitsItsDampingToALossFactorAtSeveralFrequencies) {
   const TemporaryFolder folder;
   const auto entry = bake::read_material(folder.write("clay.toml", with_curve(kCurve)));
   ASSERT_TRUE(entry) << entry.error().message;
@@ -105,7 +105,7 @@ TEST(MaterialFile, FitsItsDampingToALossFactorAtSeveralFrequencies) {
             "fitted to the loss factor 0.02 at 100 Hz, 0.01 at 1000 Hz, which it misses by at most 0 %: a paper");
 }
 
-TEST(MaterialFile, RefusesALossFactorThatFixesNothing) {
+TEST(MaterialFile, AMaterialFileRefusesALossFactorThatFixesNothing) {
   const TemporaryFolder folder;
   std::string many;
   for (std::size_t i = 0; i < bake::kMaxLossFactors; ++i) {
@@ -139,7 +139,7 @@ TEST(MaterialFile, AnUnknownNameListsTheKnownOnes) {
   EXPECT_FALSE(bake::find_material(kPresets / "materials", "../materials/steel"));
 }
 
-TEST(ObjectFile, RefusesMistakesByLine) {
+TEST(ObjectFile, AnObjectFileRefusesMistakesByLine) {
   const TemporaryFolder folder;
   const std::string good = "material = \"steel\"\ngeometry = \"a.geo\"\n";
   ASSERT_TRUE(bake::read_object(folder.write("a.toml", good)));
@@ -207,7 +207,7 @@ TEST(MaterialPage, TheCommittedTableIsInStep) {
   EXPECT_NE(page.find("-->\n" + *table + "<!-- end"), std::string::npos) << "run: ./run docs";
 }
 
-TEST(MaterialPage, SaysWhichFiguresToDoubt) {
+TEST(MaterialPage, ThePageSaysWhichFiguresToDoubt) {
   const TemporaryFolder folder;
   std::string text = with(kGood, "source = \"a guess\"", "source = \"our choice: none\"");
   text = with(text, "source = \"a book\"", "source = \"a book; to be checked against the original\"");

@@ -38,7 +38,7 @@ Ran bake(const std::string& arguments, const std::string& environment = "RINGDOW
   return {WEXITSTATUS(::pclose(pipe)), output};
 }
 
-TEST(BakeProgram, BakesAPreset) {
+TEST(BakeProgram, TheProgramBakesAPreset) {
   const TemporaryFolder folder;
   const fs::path bank = folder.path() / "bar.glb";
   const Ran ran = bake((kPresets / "objects/wooden-bar.toml").string() + " -o " + bank.string());
@@ -136,7 +136,7 @@ TEST(BakeProgram, ASecondBakeComesFromTheCacheAndIsTheSameFile) {
   EXPECT_TRUE(bytes_of(folder.path() / "first.glb") == bytes_of(folder.path() / "apart.glb"));
 }
 
-TEST(BakeProgram, ScalesWithoutMeshingAgain) {
+TEST(BakeProgram, TheProgramScalesWithoutMeshingAgain) {
   const TemporaryFolder folder;
   const auto bar = [&](const std::string& options) {
     const fs::path bank = folder.path() / "bar.glb";
@@ -153,7 +153,7 @@ TEST(BakeProgram, ScalesWithoutMeshingAgain) {
   for (std::size_t p = 0; p < one.point_count(); ++p) EXPECT_EQ(half.positions[p][0], one.positions[p][0] / 2);
 }
 
-TEST(BakeProgram, SaysWhatItLeftOut) {
+TEST(BakeProgram, TheProgramSaysWhatItLeftOut) {
   const TemporaryFolder folder;
   const fs::path bank = folder.path() / "bar.glb";
   const Ran ran = bake((kPresets / "objects/wooden-bar.toml").string() + " --keep 10 --floor 50 -o " + bank.string());
@@ -188,7 +188,7 @@ TEST(BakeProgram, EverySolverFindsTheSamePitches) {
   EXPECT_GT(yardstick.size(), 3u);
 }
 
-TEST(BakeProgram, FindsThePresetsWhereItIsTold) {
+TEST(BakeProgram, TheProgramFindsThePresetsWhereItIsTold) {
   const TemporaryFolder folder;
   const Ran ran = bake("a.msh -m steel -o b.glb", "RINGDOWN_CACHE=/dev/null/none RINGDOWN_PRESETS=/nowhere");
   EXPECT_EQ(ran.exit_code, 1);

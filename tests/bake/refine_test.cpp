@@ -1,11 +1,11 @@
 // Mesh sizes that are chosen, errors that are asked for, and previews.
-#include "engine/bake/refine.h"
+#include "engine/bake/bake_object.h"
 
 #include "engine/mesh/gmsh_reader.h"
 #include "engine/modal/bank_file.h"
-#include "tests/support/temporary_folder.h"
 #include "tests/fem/reference_frequencies.h"
 #include "tests/fem/sample_meshes.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -49,14 +49,14 @@ std::filesystem::path write_mesh(const TemporaryFolder& folder, const mesh::TetM
   return folder.write("body.msh", text + "$EndElements\n");
 }
 
-TEST(BodyShape, OfABoxIsItsOwn) {
+TEST(BodyShape, TheShapeOfABoxIsItsOwn) {
   const auto shape = bake::measure_shape(test::box_mesh({3, 2, 2}, {0.3, 0.2, 0.1}));
   EXPECT_NEAR(shape.volume_m3, 6e-3, 1e-12);
   EXPECT_NEAR(shape.thickness_m, 2 * 6e-3 / 0.22, 1e-12);
   EXPECT_NEAR(shape.width_m, 0.2, 1e-12);
 }
 
-TEST(MeshChoice, FollowsTheShortestWave) {
+TEST(MeshChoice, TheChosenSizeFollowsTheShortestWave) {
   const bake::BodyShape plate{.volume_m3 = 1.6e-4, .thickness_m = 0.004, .width_m = 0.2};
   const bake::BodyShape block{.volume_m3 = 4.8e-4, .thickness_m = 0.0255, .width_m = 0.08};
   const auto thin = bake::choose_mesh(plate, kSteel, 8000, 3, 1e9),
@@ -72,7 +72,7 @@ TEST(MeshChoice, FollowsTheShortestWave) {
   EXPECT_NEAR(thin.edge_size_m, 0.004, 1e-9);
 }
 
-TEST(MeshChoice, NeverRunsAway) {
+TEST(MeshChoice, TheChosenSizeNeverRunsAway) {
   const bake::BodyShape rock{.volume_m3 = 1000, .thickness_m = 3, .width_m = 10};
   const auto choice = bake::choose_mesh(rock, kSteel, 20e3, 3, 1e5);
   EXPECT_TRUE(choice.bounded);
@@ -91,7 +91,7 @@ void expect_close(const modal::Bank& bank, std::span<const double> exact) {
 }
 
 // No size is named: the band's top, just above the fiftieth mode, is what chooses it.
-TEST(ChosenMesh, KeepsFiftyModesOfABlockWithinATenthOfAPercent) {
+TEST(ChosenMesh, AChosenMeshKeepsFiftyModesOfABlockWithinATenthOfAPercent) {
   const TemporaryFolder folder;
   const auto object = bake::bake_recipe(recipe_of(folder.write("b.geo", kBlock), fem::Element::kTet20, 50e3), kSteel);
   ASSERT_TRUE(object) << object.error().message;
@@ -99,7 +99,7 @@ TEST(ChosenMesh, KeepsFiftyModesOfABlockWithinATenthOfAPercent) {
   expect_close(object->baked.bank, reference::kBlock);
 }
 
-TEST(ChosenMesh, KeepsFiftyModesOfASphereWithinATenthOfAPercent) {
+TEST(ChosenMesh, AChosenMeshKeepsFiftyModesOfASphereWithinATenthOfAPercent) {
   const TemporaryFolder folder;
   const auto object = bake::bake_recipe(recipe_of(folder.write("s.geo", kSphere), fem::Element::kTet20, 28720), kSteel);
   ASSERT_TRUE(object) << object.error().message;
@@ -107,7 +107,7 @@ TEST(ChosenMesh, KeepsFiftyModesOfASphereWithinATenthOfAPercent) {
 }
 
 // Twist lets go within a thickness of a plate's edges; larger elements there leave 0.3 % in the first mode.
-TEST(ChosenMesh, IsFinerAlongTheSharpEdgesOfAPlate) {
+TEST(ChosenMesh, AChosenMeshIsFinerAlongTheSharpEdgesOfAPlate) {
   const TemporaryFolder folder;
   const auto path = folder.write("p.geo", kPlate);
   const auto object = bake::bake_recipe(recipe_of(path, fem::Element::kTet20, 1900), kSteel);
@@ -119,7 +119,7 @@ TEST(ChosenMesh, IsFinerAlongTheSharpEdgesOfAPlate) {
   for (std::size_t m = 0; m < first.size(); ++m) EXPECT_NEAR(found[m] / first[m], 1, 1e-3) << m;
 }
 
-TEST(ChosenMesh, LeavesAGeometryThatNamesItsSizeAlone) {
+TEST(ChosenMesh, AChosenMeshLeavesAGeometryThatNamesItsSizeAlone) {
   const TemporaryFolder folder;
   const auto path = folder.write("b.geo", "DefineConstant[ mesh_size = 0.03 ];\n" + kBlock);
   const auto object = bake::bake_recipe(recipe_of(path, fem::Element::kTet10, 20e3), kSteel);
@@ -127,7 +127,7 @@ TEST(ChosenMesh, LeavesAGeometryThatNamesItsSizeAlone) {
   EXPECT_FALSE(object->choice);
 }
 
-TEST(AskedError, MeshesAGeometryAgainUntilItHolds) {
+TEST(AskedError, ABakeWithAnAskedErrorMeshesAGeometryAgainUntilItHolds) {
   const TemporaryFolder folder;
   auto recipe = recipe_of(folder.write("b.geo", kBlock), fem::Element::kTet10, 25e3);
   recipe.meshing.mesh_size_m = 0.05;
@@ -148,7 +148,7 @@ TEST(AskedError, MeshesAGeometryAgainUntilItHolds) {
   }));
 }
 
-TEST(AskedError, RaisesTheOrderOfAMeshThenSplitsIt) {
+TEST(AskedError, ABakeWithAnAskedErrorRaisesTheOrderOfAMeshThenSplitsIt) {
   const TemporaryFolder folder;
   const auto path = write_mesh(folder, test::box_mesh({1, 1, 1}, {0.1, 0.08, 0.06}));
   auto recipe = recipe_of(path, fem::Element::kTet10, 22e3);
@@ -164,7 +164,7 @@ TEST(AskedError, RaisesTheOrderOfAMeshThenSplitsIt) {
   for (std::size_t m = 0; m < found.size(); ++m) EXPECT_NEAR(found[m] / reference::kBlock[m], 1, 1e-4) << m;
 }
 
-TEST(AskedError, SaysHowFarItCameWhenItCannotBeReached) {
+TEST(AskedError, ABakeWithAnAskedErrorSaysHowFarItCameWhenItCannotBeReached) {
   const TemporaryFolder folder;
   auto recipe = recipe_of(write_mesh(folder, test::box_mesh({2, 2, 1}, {0.1, 0.08, 0.06})), fem::Element::kTet4, 40e3);
   recipe.error = 1e-7;
@@ -177,7 +177,7 @@ TEST(AskedError, SaysHowFarItCameWhenItCannotBeReached) {
       << object.error().message;
 }
 
-TEST(Preview, IsQuickCoarseAndSaysItsError) {
+TEST(Preview, APreviewIsQuickCoarseAndSaysItsError) {
   const TemporaryFolder folder;
   auto recipe = recipe_of(folder.write("p.geo", kPlate), fem::Element::kTet20, 10e3);
   recipe.preview = true;

@@ -1,7 +1,6 @@
 // ringdown tune: the optimiser against closed forms, families of modes, and a bar that a finer bake finds in tune.
 #include "clients/cli/pitch.h"
-#include "engine/bake/object_text.h"
-#include "engine/bake/refine.h"
+#include "engine/bake/bake_object.h"
 #include "engine/bake/tune_object.h"
 #include "engine/base/atomic_file.h"
 #include "tests/support/temporary_folder.h"
@@ -29,7 +28,7 @@ double strip_hz(double length, double thickness, double root) {
   return root * root / (2 * M_PI) * std::sqrt(210e9 / 7800 / 12) * thickness * 1e-3 / std::pow(length * 1e-3, 2);
 }
 
-TEST(Tune, FindsTheLengthOfAStripThatSoundsItsNote) {
+TEST(Tune, TheTunerFindsTheLengthOfAStripThatSoundsItsNote) {
   const auto cents_of = [](const VectorXd& p) -> Result<VectorXd> {
     return VectorXd::Constant(1, cents(strip_hz(p[0], 6, 4.730041), 440));
   };
@@ -42,7 +41,7 @@ TEST(Tune, FindsTheLengthOfAStripThatSoundsItsNote) {
 }
 
 // Two strips of one plate: f ~ h / l^2 and f' ~ 1 / l: both have one solution, far from the start.
-TEST(Tune, FindsTwoParametersForTwoTargets) {
+TEST(Tune, TheTunerFindsTwoParametersForTwoTargets) {
   const auto cents_of = [](const VectorXd& p) -> Result<VectorXd> {
     return (VectorXd(2) << cents(p[1] / (p[0] * p[0]), 3.0 / 4), cents(1 / p[0], 1.0 / 2)).finished();
   };
@@ -53,7 +52,7 @@ TEST(Tune, FindsTwoParametersForTwoTargets) {
   EXPECT_NEAR(tuned->parameters[1], 3, 1e-5);
 }
 
-TEST(Tune, StopsAtABoundAndSaysWhatItMisses) {
+TEST(Tune, TheTunerStopsAtABoundAndSaysWhatItMisses) {
   const auto cents_of = [](const VectorXd& p) -> Result<VectorXd> { return VectorXd::Constant(1, 100 * (p[0] - 5)); };
   const auto tuned = bake::tune({{"x", 0, 2, 1}}, cents_of, {});
   ASSERT_TRUE(tuned) << tuned.error().message;
@@ -63,7 +62,7 @@ TEST(Tune, StopsAtABoundAndSaysWhatItMisses) {
 }
 
 // One parameter at its bound must not hold the other back.
-TEST(Tune, SlidesAlongABound) {
+TEST(Tune, TheTunerSlidesAlongABound) {
   const auto cents_of = [](const VectorXd& p) -> Result<VectorXd> {
     return (VectorXd(2) << 50 * (p[0] - 3), 80 * (p[1] - 0.25)).finished();
   };
@@ -86,7 +85,7 @@ TEST(Tune, FewerTargetsThanParametersStayNearTheStart) {
 }
 
 // Rosenbrock's valley, whose slopes turn as one walks along it.
-TEST(Tune, FollowsACurvedValley) {
+TEST(Tune, TheTunerFollowsACurvedValley) {
   const auto cents_of = [](const VectorXd& p) -> Result<VectorXd> {
     return (VectorXd(2) << 10 * (p[1] - p[0] * p[0]), 1 - p[0]).finished();
   };
@@ -96,7 +95,7 @@ TEST(Tune, FollowsACurvedValley) {
   EXPECT_TRUE(tuned->reached) << tuned->cents.transpose();
 }
 
-TEST(Tune, WalksAroundWhatCannotBeEvaluated) {
+TEST(Tune, TheTunerWalksAroundWhatCannotBeEvaluated) {
   const auto cents_of = [](const VectorXd& p) -> Result<VectorXd> {
     if (p[0] > 0.55) return fail(ErrorKind::bad_input, "no mesh");
     return VectorXd::Constant(1, 100 * (p[0] * p[0] - 0.25));
@@ -110,7 +109,7 @@ TEST(Tune, WalksAroundWhatCannotBeEvaluated) {
   EXPECT_EQ(failed.error().message, "no mesh");
 }
 
-TEST(Tune, StopsWhenAskedTo) {
+TEST(Tune, TheTunerStopsWhenAskedTo) {
   int asked = 0;
   bake::TuneOptions options;
   options.stopped = [&] { return ++asked > 2; };
@@ -134,7 +133,7 @@ TEST(Pitch, NotesHaveNumbersAndFrequencies) {
   for (int number = 12; number <= 127; ++number) EXPECT_EQ(cli::note_number(cli::note_word(number)), number);
 }
 
-TEST(ObjectText, ChangesFiguresAndKeepsTheRest) {
+TEST(ObjectText, AChangedObjectFileChangesFiguresAndKeepsTheRest) {
   const std::string text =
       "# a bar\nname = \"old\"\nmaterial = \"steel\"  # or brass\ngeometry = \"bar.geo\"\nmesh_size_m = 0.01\n\n"
       "[parameters]\nlength = 300  # mm\nwidth = 40\n";
@@ -179,7 +178,7 @@ std::vector<double> frequencies_of(const modal::Bank& bank, bake::ModeFamily fam
 
 // A slender bar without an arch has each family's frequencies from the textbook: bending by Timoshenko's beam to some
 // percent, twist by the torsion constant of its section, length waves by c / 2 l.
-TEST(ModeFamilies, OfAPlainBarAreTheTextbooks) {
+TEST(ModeFamilies, FamiliesOfAPlainBarAreTheTextbooks) {
   bake::ObjectRecipe recipe = bar(0.03, fem::Element::kTet20);
   recipe.geometry = kPresets / "objects/box.geo";
   recipe.meshing.parameters = {{"length", 300}, {"width", 24}, {"thickness", 10}};
@@ -264,7 +263,7 @@ Ran tune(const std::string& arguments) {
 
 const std::string kKey = (kPresets / "objects/vibraphone-key.toml").string();
 
-TEST(TuneProgram, WritesAnObjectForEachNoteOfAScale) {
+TEST(TuneProgram, TheProgramWritesAnObjectForEachNoteOfAScale) {
   const TemporaryFolder folder;
   const fs::path bars = folder.path() / "bars";
   const Ran ran = tune(kKey + " --vary length:200:400 -o x --target 1=A4");
@@ -281,7 +280,7 @@ TEST(TuneProgram, WritesAnObjectForEachNoteOfAScale) {
   EXPECT_NE(scale.output.find("of the first"), std::string::npos) << scale.output;
 }
 
-TEST(TuneProgram, SaysWhatCannotBeReachedAndWritesNothing) {
+TEST(TuneProgram, TheProgramSaysWhatCannotBeReachedAndWritesNothing) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "x.toml";
   const Ran ran = tune(kKey + " --mesh-size 0.03 --vary length:290..310 --target 1=A5 -q -o " + out.string());

@@ -1,7 +1,8 @@
 // The stages of a bake, each alone: mesh, assembly, factors, modes, surface. `./run bench bake` writes CSV. Counters:
 // unknowns of the eigenproblem, modes found, systems solved.
+#include "engine/bake/material_library.h"
 #include "engine/bake/object_file.h"
-#include "engine/mesh/surface.h"
+#include "engine/mesh/boundary.h"
 #include "engine/solve/eigensolver.h"
 
 #include <benchmark/benchmark.h>
@@ -66,7 +67,7 @@ void solve_timed(benchmark::State& state, const std::string& name, double top_hz
 
 void surface_points(benchmark::State& state, const std::string& name) {
   const mesh::TetMesh& mesh = mesh_of(name).mesh;
-  const mesh::Surface surface = mesh::boundary_surface(mesh);
+  const mesh::Boundary surface = mesh::boundary_of(mesh);
   for (auto _ : state) benchmark::DoNotOptimize(mesh::decimate(surface, mesh.nodes, 200));
 }
 

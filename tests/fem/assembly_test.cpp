@@ -50,7 +50,7 @@ mesh::TetMesh uneven_box(int order) {
 class AssemblyOf : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Orders, AssemblyOf, testing::Range(1, mesh::kMaxOrder + 1));
 
-TEST_P(AssemblyOf, IsTheSumOfItsElements) {
+TEST_P(AssemblyOf, TheWholeMatrixIsTheSumOfItsElements) {
   const mesh::TetMesh mesh = curved_box(GetParam());
   const fem::System system = fem::assemble(mesh, kSteel, test::element_of(mesh)).value();
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(system.unknowns(), system.unknowns());
@@ -96,7 +96,7 @@ TEST(Assembly, RigidMotionCostsNoEnergy) {
 }
 
 // The patch test: a body whose surface is displaced linearly must displace linearly inside, however its nodes lie.
-TEST_P(AssemblyOf, PassesThePatchTest) {
+TEST_P(AssemblyOf, TheWholeMatrixPassesThePatchTest) {
   const mesh::TetMesh mesh = test::shaken(uneven_box(GetParam()), 0.0005);
   const Eigen::Matrix3d gradient = Eigen::Matrix3d::Random();
   const Eigen::MatrixXd stiffness = full(fem::assemble(mesh, kSteel, test::element_of(mesh)).value().stiffness);
@@ -203,7 +203,7 @@ TEST(Assembly, MassProductActsOnEachDirectionAlike) {
   }
 }
 
-TEST_P(AssemblyOf, RepeatsBitForBitOnAnyNumberOfThreads) {
+TEST_P(AssemblyOf, TheWholeMatrixRepeatsBitForBitOnAnyNumberOfThreads) {
   const mesh::TetMesh mesh = test::bent(mesh::to_order(test::box_mesh({5, 4, 3}, kSize), GetParam()), 5);
   const fem::System one = fem::assemble(mesh, kSteel, test::element_of(mesh), 1).value();
   for (const int threads : {1, 2, 3, 0}) {

@@ -26,7 +26,7 @@ mesh::Corners random_corners(std::mt19937& random) {
   }
 }
 
-ElementNodes straight(int order, const mesh::Corners& corners) { return mesh::lattice(order) * corners; }
+ElementNodes straight(int order, const mesh::Corners& corners) { return mesh::reference_nodes(order) * corners; }
 
 // The nodes moved by a wave longer than the element, which leaves no edge straight.
 ElementNodes curved(int order, const mesh::Corners& corners, std::mt19937& random) {
@@ -118,19 +118,19 @@ TEST_P(Elements, RigidMotionCostsNoEnergy) {
   }
 }
 
-TEST_P(Elements, AgreeWithTheLinearOneWhereDisplacementIsLinear) {
+TEST_P(Elements, ElementsAgreeWithTheLinearOneWhereDisplacementIsLinear) {
   std::mt19937 random(14);
   const mesh::Corners corners = random_corners(random);
   const Eigen::Matrix<double, 4, 3> moved = Eigen::Matrix<double, 4, 3>::Random();
   const Eigen::VectorXd at_corners = moved.reshaped<Eigen::RowMajor>();
-  const Eigen::VectorXd at_nodes = (mesh::lattice(GetParam()) * moved).reshaped<Eigen::RowMajor>();
+  const Eigen::VectorXd at_nodes = (mesh::reference_nodes(GetParam()) * moved).reshaped<Eigen::RowMajor>();
   const double linear = at_corners.dot(textbook_stiffness(corners, kSteel) * at_corners);
   const Eigen::MatrixXd stiffness = fem::stiffness(straight(GetParam(), corners), kSteel);
   EXPECT_NEAR(at_nodes.dot(stiffness * at_nodes), linear, 1e-12 * linear);
 }
 
 // The matrix found in tables, for straight edges: volume/420 times these numbers.
-TEST(QuadraticElement, MassIsTheTabulatedOne) {
+TEST(QuadraticElement, MassOfAQuadraticElementIsTheTabulatedOne) {
   std::mt19937 random(15);
   const mesh::Corners corners = random_corners(random);
   const Eigen::MatrixXd mass = fem::consistent_mass(straight(2, corners), 420 / volume(corners));
@@ -159,7 +159,7 @@ double volume_by_cutting(const ElementNodes& nodes, int parts) {
     const Eigen::Vector3d p = cube.nodes.row(n);
     const double l1 = p[0], l2 = (1 - p[0]) * p[1], l3 = (1 - p[0]) * (1 - p[1]) * p[2];
     const Eigen::Vector4d at(1 - l1 - l2 - l3, l1, l2, l3);
-    mapped.row(n) = mesh::shape(mesh::order_of_nodes(nodes.rows()), at).transpose() * nodes;
+    mapped.row(n) = mesh::interpolation(mesh::order_of_nodes(nodes.rows()), at).transpose() * nodes;
   }
   double sum = 0;
   for (Eigen::Index e = 0; e < cube.elements.rows(); ++e) {
@@ -180,7 +180,7 @@ TEST_P(CurvedElements, MassSumsToTheCurvedVolume) {
 }
 
 // Nearly straight elements take the other way through the code: the two must meet.
-TEST_P(CurvedElements, BecomeTheStraightOnesAsTheyStraighten) {
+TEST_P(CurvedElements, CurvedElementsBecomeTheStraightOnesAsTheyStraighten) {
   std::mt19937 random(18);
   const mesh::Corners corners = random_corners(random);
   const ElementNodes flat = straight(GetParam(), corners);
@@ -204,7 +204,7 @@ TEST_P(CurvedElements, StretchedEvenlyHoldTheEnergyOfTheirVolume) {
 }
 
 // l1^a l2^b l3^c has the mean 6 a! b! c! / (a + b + c + 3)! over a tetrahedron.
-TEST(Quadrature, IsExactUpToItsDegree) {
+TEST(Quadrature, ARuleIsExactUpToItsDegree) {
   for (const int degree : {1, 2, 3, 4, 5, 7, 9, 12, 17}) {
     for (int a = 0; a <= degree; ++a) {
       for (int b = 0; a + b <= degree; ++b) {

@@ -1,6 +1,6 @@
 #include "engine/fem/element.h"
-#include "engine/mesh/surface.h"
-#include "engine/mesh/tet_mesh.h"
+#include "engine/mesh/boundary.h"
+#include "engine/mesh/mesh_check.h"
 #include "tests/fem/sample_meshes.h"
 
 #include <Eigen/Geometry>
@@ -16,7 +16,7 @@ namespace {
 const Eigen::Vector3d kSize(0.1, 0.08, 0.06);
 
 // Gauss: a third of the sum of a . (b x c) / 2 over outward triangles.
-double enclosed_volume(const mesh::Surface& surface, const mesh::Points& nodes) {
+double enclosed_volume(const mesh::Boundary& surface, const mesh::Points& nodes) {
   double sum = 0;
   for (const auto& [a, b, c] : surface.triangles) {
     const Eigen::Vector3d p = nodes.row(surface.nodes[a]), q = nodes.row(surface.nodes[b]),
@@ -27,7 +27,7 @@ double enclosed_volume(const mesh::Surface& surface, const mesh::Points& nodes) 
 }
 
 // In a closed, consistently turned surface every edge is walked once in each direction.
-bool is_closed(const mesh::Surface& surface) {
+bool is_closed(const mesh::Boundary& surface) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> walked;
   for (const auto& t : surface.triangles) {
     for (int k = 0; k < 3; ++k) ++walked[{t[k], t[(k + 1) % 3]}];
@@ -47,17 +47,17 @@ std::string refusal(const mesh::TetMesh& mesh) {
 // As in shape(): the node of the element at `place`.
 Eigen::Index node_at(int order, const Eigen::RowVector4d& place) {
   Eigen::Index found = 0;
-  (mesh::lattice(order).rowwise() - place).rowwise().norm().minCoeff(&found);
+  (mesh::reference_nodes(order).rowwise() - place).rowwise().norm().minCoeff(&found);
   return found;
 }
 
 class MeshOfOrder : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Orders, MeshOfOrder, testing::Range(1, mesh::kMaxOrder + 1));
 
-TEST_P(MeshOfOrder, HasItsElementsTurnedThatAreInsideOut) {
+TEST_P(MeshOfOrder, AMeshOfAnyOrderHasItsElementsTurnedThatAreInsideOut) {
   const mesh::TetMesh box = mesh::to_order(test::box_mesh({2, 2, 2}, kSize), GetParam());
   mesh::TetMesh wrong = box;
-  const mesh::Lattice places = mesh::lattice(GetParam());
+  const mesh::Barycentric places = mesh::reference_nodes(GetParam());
   for (Eigen::Index e = 0; e < wrong.elements.rows(); e += 3) {
     for (Eigen::Index a = 0; a < places.rows(); ++a) {
       const Eigen::RowVector4d place = places(a, {0, 1, 3, 2});
@@ -68,7 +68,7 @@ TEST_P(MeshOfOrder, HasItsElementsTurnedThatAreInsideOut) {
   ASSERT_TRUE(checked) << checked.error().message;
   EXPECT_EQ(checked->flipped, 16);
   EXPECT_EQ(checked->straightened, 0) << "nodes lie on the wrong edges or faces";
-  EXPECT_NEAR(enclosed_volume(mesh::boundary_surface(checked->mesh), checked->mesh.nodes), kSize.prod(), 1e-15);
+  EXPECT_NEAR(enclosed_volume(mesh::boundary_of(checked->mesh), checked->mesh.nodes), kSize.prod(), 1e-15);
 }
 
 // The smallest det J of the mesh in many points at random, over that of the straight element.
@@ -78,7 +78,7 @@ double least_jacobian(const mesh::TetMesh& mesh) {
   double least = 1;
   for (int trial = 0; trial < 300; ++trial) {
     const Eigen::Vector4d parts(part(random), part(random), part(random), part(random));
-    const auto gradient = mesh::reference_gradient(mesh.order(), parts / parts.sum());
+    const auto gradient = mesh::interpolation_gradient(mesh.order(), parts / parts.sum());
     for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
       const double straight = mesh::jacobian(mesh::corners_of(mesh, e)).determinant();
       least = std::min(least, mesh::jacobian(mesh::nodes_of(mesh, e), gradient).determinant() / straight);
@@ -87,7 +87,7 @@ double least_jacobian(const mesh::TetMesh& mesh) {
   return least;
 }
 
-TEST(CheckMesh, TakesCurvatureFromElementsThatFold) {
+TEST(CheckMesh, TheCheckTakesCurvatureFromElementsThatFold) {
   for (const int order : {2, 3, 4}) {
     for (const double shift : {0.05, 0.5}) {
       mesh::TetMesh box = mesh::to_order(test::box_mesh({1, 1, 1}, kSize), order);
@@ -102,7 +102,7 @@ TEST(CheckMesh, TakesCurvatureFromElementsThatFold) {
   }
 }
 
-TEST(CheckMesh, LeavesCurvedElementsThatDoNotFold) {
+TEST(CheckMesh, TheCheckLeavesCurvedElementsThatDoNotFold) {
   for (const int order : {2, 3, 4}) {
     const mesh::TetMesh bent = test::bent(mesh::to_order(test::box_mesh({2, 2, 1}, kSize), order), 8);
     const auto checked = mesh::check_mesh(bent, "bent");
@@ -112,7 +112,7 @@ TEST(CheckMesh, LeavesCurvedElementsThatDoNotFold) {
   }
 }
 
-TEST(CheckMesh, DropsNodesThatNothingUses) {
+TEST(CheckMesh, TheCheckDropsNodesThatNothingUses) {
   mesh::TetMesh box = test::box_mesh({1, 1, 1}, kSize);
   mesh::TetMesh padded = test::both({mesh::Points::Random(5, 3), mesh::Indices(0, 4)}, box);
   const auto checked = mesh::check_mesh(padded, "padded");
@@ -122,7 +122,7 @@ TEST(CheckMesh, DropsNodesThatNothingUses) {
   EXPECT_EQ(checked->mesh.elements, box.elements);
 }
 
-TEST(CheckMesh, CountsPieces) {
+TEST(CheckMesh, TheCheckCountsPieces) {
   const mesh::TetMesh box = test::box_mesh({2, 1, 1}, kSize);
   mesh::TetMesh far = box;
   far.nodes.array() += 1;
@@ -130,7 +130,7 @@ TEST(CheckMesh, CountsPieces) {
   EXPECT_EQ(test::checked(test::both(box, far)).pieces, 2);
 }
 
-TEST(CheckMesh, RefusesWhatHasNoRightRepair) {
+TEST(CheckMesh, TheCheckRefusesWhatHasNoRightRepair) {
   const mesh::TetMesh box = test::box_mesh({1, 1, 1}, kSize);
   mesh::TetMesh broken = box;
   broken.elements.resize(0, 4);
@@ -158,11 +158,11 @@ TEST(CheckMesh, RefusesWhatHasNoRightRepair) {
 }
 
 // Euler: V - E + F - T = 1 for a ball. Every edge, face and element has its inner nodes once, whoever shares it.
-TEST_P(MeshOfOrder, SharesItsNodes) {
+TEST_P(MeshOfOrder, AMeshOfAnyOrderSharesItsNodes) {
   const int p = GetParam();
   const mesh::TetMesh box = test::box_mesh({2, 1, 2}, kSize), raised = mesh::to_order(box, p);
   const Eigen::Index vertices = box.nodes.rows(), elements = box.elements.rows();
-  const auto outer = static_cast<Eigen::Index>(mesh::boundary_surface(box).triangles.size());
+  const auto outer = static_cast<Eigen::Index>(mesh::boundary_of(box).triangles.size());
   const Eigen::Index faces = (4 * elements + outer) / 2, edges = vertices + faces - elements - 1;
   EXPECT_EQ(raised.nodes.rows(),
             vertices + edges * (p - 1) + faces * (p - 1) * (p - 2) / 2 + elements * (p - 1) * (p - 2) * (p - 3) / 6);
@@ -170,11 +170,11 @@ TEST_P(MeshOfOrder, SharesItsNodes) {
   EXPECT_EQ(test::checked(raised).unused_nodes, 0);
   for (Eigen::Index e = 0; e < elements; ++e) {
     const mesh::Corners corners = mesh::corners_of(box, e);
-    EXPECT_LT((mesh::nodes_of(raised, e) - mesh::lattice(p) * corners).norm(), 1e-16) << e;
+    EXPECT_LT((mesh::nodes_of(raised, e) - mesh::reference_nodes(p) * corners).norm(), 1e-16) << e;
   }
 }
 
-TEST_P(MeshOfOrder, ComesBackFromEveryHigherOrder) {
+TEST_P(MeshOfOrder, AMeshOfAnyOrderComesBackFromEveryHigherOrder) {
   mesh::TetMesh mesh = mesh::to_order(test::box_mesh({2, 1, 2}, kSize), GetParam());
   if (GetParam() > 1) mesh = test::bent(mesh, 8);
   for (int higher = GetParam(); higher <= mesh::kMaxOrder; ++higher) {
@@ -184,15 +184,15 @@ TEST_P(MeshOfOrder, ComesBackFromEveryHigherOrder) {
   }
 }
 
-TEST_P(MeshOfOrder, KeepsItsCurvedFormWhenRaised) {
+TEST_P(MeshOfOrder, AMeshOfAnyOrderKeepsItsCurvedFormWhenRaised) {
   const int order = GetParam();
   const mesh::TetMesh mesh = test::bent(mesh::to_order(test::box_mesh({2, 1, 2}, kSize), order), 8);
   const Eigen::Vector4d place(0.1, 0.2, 0.3, 0.4);
   for (int higher = order; higher <= mesh::kMaxOrder; ++higher) {
     const mesh::TetMesh raised = mesh::to_order(mesh, higher);
     for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
-      const Eigen::Vector3d before = mesh::nodes_of(mesh, e).transpose() * mesh::shape(order, place),
-                            after = mesh::nodes_of(raised, e).transpose() * mesh::shape(higher, place);
+      const Eigen::Vector3d before = mesh::nodes_of(mesh, e).transpose() * mesh::interpolation(order, place),
+                            after = mesh::nodes_of(raised, e).transpose() * mesh::interpolation(higher, place);
       EXPECT_LT((after - before).norm(), 1e-15);
     }
   }
@@ -210,21 +210,21 @@ TEST(Order, LoweringKeepsCornersAndPutsTheOtherNodesOnTheOldCurve) {
   EXPECT_LT((after.row(4) - middle).norm(), 1e-15);
 }
 
-TEST_P(MeshOfOrder, HasAClosedSurfaceThatFacesOutward) {
+TEST_P(MeshOfOrder, AMeshOfAnyOrderHasAClosedSurfaceThatFacesOutward) {
   const mesh::TetMesh mesh = mesh::to_order(test::box_mesh({3, 2, 2}, kSize), GetParam());
-  const mesh::Surface surface = mesh::boundary_surface(mesh);
+  const mesh::Boundary surface = mesh::boundary_of(mesh);
   EXPECT_EQ(surface.triangles.size(), 2u * (2 * (3 * 2 + 3 * 2 + 2 * 2)) * GetParam() * GetParam());
   EXPECT_TRUE(is_closed(surface));
   EXPECT_NEAR(enclosed_volume(surface, mesh.nodes), kSize.prod(), 1e-15);
 }
 
 // Bent into a ring piece, the flat triangles come nearer to the true volume with the square of their size.
-TEST(Surface, OfCurvedElementsFollowsTheirNodes) {
+TEST(Surface, TheBoundaryOfCurvedElementsFollowsTheirNodes) {
   const mesh::TetMesh box = test::box_mesh({3, 2, 2}, kSize);
   const auto volume_error = [&](int order) {
     const mesh::TetMesh mesh = test::bent(mesh::to_order(box, order), 8);
     const double exact = kSize[0] * kSize[1] * (kSize[2] + 8 * kSize[2] * kSize[2] / 2);
-    return std::abs(enclosed_volume(mesh::boundary_surface(mesh), mesh.nodes) / exact - 1);
+    return std::abs(enclosed_volume(mesh::boundary_of(mesh), mesh.nodes) / exact - 1);
   };
   EXPECT_LT(volume_error(2), volume_error(1) / 3);
   EXPECT_LT(volume_error(4), volume_error(1) / 12);
@@ -232,7 +232,7 @@ TEST(Surface, OfCurvedElementsFollowsTheirNodes) {
 
 TEST(Surface, DecimationKeepsToItsOwnPointsAndForm) {
   const mesh::TetMesh mesh = test::bent(test::box_mesh({24, 8, 4}, kSize), 5);
-  const mesh::Surface surface = mesh::boundary_surface(mesh);
+  const mesh::Boundary surface = mesh::boundary_of(mesh);
   const std::set<int> points(surface.nodes.begin(), surface.nodes.end());
   for (const std::size_t most : {8u, 50u, 120u}) {
     const auto smaller = mesh::decimate(surface, mesh.nodes, most);
@@ -248,7 +248,7 @@ TEST(Surface, DecimationKeepsToItsOwnPointsAndForm) {
 
 TEST(Surface, AreaWeightsSumToOneAndFollowTheArea) {
   const mesh::TetMesh box = test::box_mesh({1, 1, 1}, {1, 1, 100});
-  const mesh::Surface surface = mesh::boundary_surface(box);
+  const mesh::Boundary surface = mesh::boundary_of(box);
   const std::vector<double> weights = mesh::area_weights(surface, box.nodes);
   double sum = 0;
   for (const double weight : weights) sum += weight;
@@ -268,7 +268,7 @@ Eigen::Index inner_faces(const mesh::TetMesh& mesh) {
   return std::count_if(seen.begin(), seen.end(), [](const auto& face) { return face.second == 2; });
 }
 
-TEST(Split, MakesEightOfEachAndIsTheSameBody) {
+TEST(Split, SplittingMakesEightOfEachAndIsTheSameBody) {
   for (int order = 1; order <= mesh::kMaxOrder; ++order) {
     const mesh::TetMesh coarse = test::bent(mesh::to_order(test::box_mesh({2, 2, 1}, kSize), order), 8);
     const mesh::TetMesh fine = mesh::split(coarse);

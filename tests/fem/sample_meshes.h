@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/fem/assembly.h"
-#include "engine/mesh/tet_mesh.h"
+#include "engine/mesh/mesh_check.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // Functions of one degree more than a mesh's own.
-#include "engine/mesh/surplus_space.h"
+#include "engine/fem/surplus.h"
 #include "tests/fem/sample_meshes.h"
 
 #include <Eigen/LU>
@@ -10,15 +10,15 @@
 namespace ringdown {
 namespace {
 
-TEST(SurplusBasis, SpansWithTheShapeFunctionsWhatOneDegreeMoreSpans) {
+TEST(SurplusBasis, TheSurplusSpansWithTheShapeFunctionsWhatOneDegreeMoreSpans) {
   for (int order = 1; order <= mesh::kMaxOrder; ++order) {
-    const int all = mesh::nodes_per_element(order) + mesh::surplus_per_element(order);
+    const int all = mesh::nodes_per_element(order) + fem::surplus_per_element(order);
     EXPECT_EQ(all, (order + 2) * (order + 3) * (order + 4) / 6);
     const auto rule = mesh::tet_quadrature(2 * order + 2);  // exact for products: a Gram matrix
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(all, all);
     for (const auto& point : rule) {
       Eigen::VectorXd values(all);
-      values << mesh::shape(order, point.barycentric), mesh::surplus_shape(order, point.barycentric);
+      values << mesh::interpolation(order, point.barycentric), fem::surplus_shape(order, point.barycentric);
       gram += point.weight * values * values.transpose();
     }
     const Eigen::VectorXd scale = gram.diagonal().cwiseSqrt().cwiseInverse();
@@ -29,22 +29,22 @@ TEST(SurplusBasis, SpansWithTheShapeFunctionsWhatOneDegreeMoreSpans) {
 TEST(SurplusBasis, GradientsAreDifferencesOfValues) {
   const Eigen::Vector4d at(0.1, 0.25, 0.3, 0.35);
   for (int order = 1; order <= mesh::kMaxOrder; ++order) {
-    const mesh::ReferenceGradient gradient = mesh::surplus_gradient(order, at);
+    const mesh::ReferenceGradient gradient = fem::surplus_gradient(order, at);
     for (int i = 0; i < 3; ++i) {
       const Eigen::Vector4d step = 1e-6 * (Eigen::Vector4d::Unit(i + 1) - Eigen::Vector4d::Unit(0));
       const Eigen::VectorXd slope =
-          (mesh::surplus_shape(order, at + step) - mesh::surplus_shape(order, at - step)) / 2e-6;
+          (fem::surplus_shape(order, at + step) - fem::surplus_shape(order, at - step)) / 2e-6;
       EXPECT_LT((slope - gradient.col(i)).norm(), 1e-8) << order;
     }
   }
 }
 
-TEST(SurplusBasis, IsNothingOnEdgesAndFacesOfOthers) {
+TEST(SurplusBasis, TheSurplusIsNothingOnEdgesAndFacesOfOthers) {
   for (int order = 1; order <= mesh::kMaxOrder; ++order) {
-    const Eigen::VectorXd on_edge = mesh::surplus_shape(order, {0.2, 0, 0.8, 0});  // the edge of corners 0 and 2
-    const Eigen::VectorXd on_face = mesh::surplus_shape(order, {0, 0.3, 0.2, 0.5});
+    const Eigen::VectorXd on_edge = fem::surplus_shape(order, {0.2, 0, 0.8, 0});  // the edge of corners 0 and 2
+    const Eigen::VectorXd on_face = fem::surplus_shape(order, {0, 0.3, 0.2, 0.5});
     for (Eigen::Index k = 0; k < on_edge.size(); ++k) EXPECT_EQ(on_edge[k] != 0, k == 1) << order;
-    const int face = 6 + 3 * mesh::surplus_per_face(order), inside = face + mesh::surplus_per_face(order);
+    const int face = 6 + 3 * fem::surplus_per_face(order), inside = face + fem::surplus_per_face(order);
     for (Eigen::Index k = 0; k < on_face.size(); ++k) {
       const bool own = k == 3 || k == 4 || k == 5 || (k >= face && k < inside);
       EXPECT_TRUE(own || on_face[k] == 0) << order << " " << k;
@@ -53,8 +53,8 @@ TEST(SurplusBasis, IsNothingOnEdgesAndFacesOfOthers) {
 }
 
 // The values of all functions of the mesh at a point of element e.
-std::map<int, double> values_at(const mesh::SurplusSpace& space, int order, Eigen::Index e, const Eigen::Vector4d& at) {
-  const Eigen::VectorXd values = mesh::surplus_shape(order, at);
+std::map<int, double> values_at(const fem::SurplusSpace& space, int order, Eigen::Index e, const Eigen::Vector4d& at) {
+  const Eigen::VectorXd values = fem::surplus_shape(order, at);
   std::map<int, double> by_number;
   for (Eigen::Index k = 0; k < values.size(); ++k) {
     if (values[k] != 0) by_number[space.functions(e, k)] = values[k];
@@ -65,11 +65,11 @@ std::map<int, double> values_at(const mesh::SurplusSpace& space, int order, Eige
 TEST(SurplusSpace, NeighboursAgreeOnTheFaceBetweenThem) {
   for (int order = 1; order <= mesh::kMaxOrder; ++order) {
     const mesh::TetMesh box = mesh::to_order(test::box_mesh({2, 2, 2}, {1, 1, 1}), order);
-    const mesh::SurplusSpace space = mesh::surplus_space(box);
+    const fem::SurplusSpace space = fem::surplus_space(box);
     std::map<std::array<int, 3>, std::map<int, double>> seen;
     int shared = 0;
     for (Eigen::Index e = 0; e < box.elements.rows(); ++e) {
-      for (const auto& face : mesh::kRisingFaces) {
+      for (const auto& face : fem::kRisingFaces) {
         Eigen::Vector4d at = Eigen::Vector4d::Zero();
         std::array<int, 3> key{};
         for (int i = 0; i < 3; ++i) {

@@ -1,4 +1,4 @@
-#include "engine/mesh/tet_basis.h"
+#include "engine/mesh/tet_element.h"
 
 #include <gtest/gtest.h>
 
@@ -24,22 +24,22 @@ double wave(int degree, const Eigen::Vector4d& l) {
 class TetBasis : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Orders, TetBasis, testing::Range(1, mesh::kMaxOrder + 1));
 
-TEST_P(TetBasis, EachShapeFunctionIsOneAtItsNodeAndZeroAtTheOthers) {
-  const mesh::Lattice nodes = mesh::lattice(GetParam());
+TEST_P(TetBasis, EachWeightIsOneAtItsNodeAndZeroAtTheOthers) {
+  const mesh::Barycentric nodes = mesh::reference_nodes(GetParam());
   ASSERT_EQ(nodes.rows(), mesh::nodes_per_element(GetParam()));
   for (Eigen::Index a = 0; a < nodes.rows(); ++a) {
     EXPECT_NEAR(nodes.row(a).sum(), 1, 1e-15);
-    const Eigen::VectorXd values = mesh::shape(GetParam(), nodes.row(a).transpose());
+    const Eigen::VectorXd values = mesh::interpolation(GetParam(), nodes.row(a).transpose());
     EXPECT_LT((values - Eigen::VectorXd::Unit(nodes.rows(), a)).norm(), 1e-13) << a;
   }
 }
 
-TEST_P(TetBasis, SumsToOneAndInterpolatesPolynomialsOfItsOrder) {
+TEST_P(TetBasis, TheWeightsSumToOneAndInterpolatePolynomialsOfTheirOrder) {
   std::mt19937 random(1);
-  const mesh::Lattice nodes = mesh::lattice(GetParam());
+  const mesh::Barycentric nodes = mesh::reference_nodes(GetParam());
   for (int trial = 0; trial < 20; ++trial) {
     const Eigen::Vector4d at = random_point(random);
-    const Eigen::VectorXd values = mesh::shape(GetParam(), at);
+    const Eigen::VectorXd values = mesh::interpolation(GetParam(), at);
     double found = 0;
     for (Eigen::Index a = 0; a < nodes.rows(); ++a) {
       found += values[a] * wave(GetParam(), nodes.row(a).transpose());
@@ -49,17 +49,17 @@ TEST_P(TetBasis, SumsToOneAndInterpolatesPolynomialsOfItsOrder) {
   }
 }
 
-TEST_P(TetBasis, GradientIsThatOfTheShapeFunctions) {
+TEST_P(TetBasis, TheGradientIsThatOfTheWeights) {
   std::mt19937 random(2);
   const double step = 1e-5;
   for (int trial = 0; trial < 10; ++trial) {
     const Eigen::Vector4d at = random_point(random);
-    const mesh::ReferenceGradient gradient = mesh::reference_gradient(GetParam(), at);
+    const mesh::ReferenceGradient gradient = mesh::interpolation_gradient(GetParam(), at);
     EXPECT_LT(gradient.colwise().sum().norm(), 1e-12);
     for (int i = 0; i < 3; ++i) {
       const Eigen::Vector4d move = step * (Eigen::Vector4d::Unit(i + 1) - Eigen::Vector4d::Unit(0));
       const Eigen::VectorXd slope =
-          (mesh::shape(GetParam(), at + move) - mesh::shape(GetParam(), at - move)) / (2 * step);
+          (mesh::interpolation(GetParam(), at + move) - mesh::interpolation(GetParam(), at - move)) / (2 * step);
       EXPECT_LT((gradient.col(i) - slope).norm(), 1e-7);
     }
   }
@@ -68,7 +68,7 @@ TEST_P(TetBasis, GradientIsThatOfTheShapeFunctions) {
 // Corners, then edges, then faces, then the inside: as many coordinates are not zero.
 TEST_P(TetBasis, NodesComeByDimension) {
   const int order = GetParam();
-  const mesh::Lattice nodes = mesh::lattice(order);
+  const mesh::Barycentric nodes = mesh::reference_nodes(order);
   Eigen::Index at = 0;
   const auto expect = [&](int count, auto&& corners) {
     for (int k = 0; k < count; ++k, ++at) {
@@ -85,7 +85,7 @@ TEST_P(TetBasis, NodesComeByDimension) {
   EXPECT_EQ(at, nodes.rows());
 }
 
-TEST(TetBasisOrder, IsKnownByTheNumberOfNodes) {
+TEST(TetBasisOrder, TheOrderIsKnownByTheNumberOfNodes) {
   EXPECT_EQ(mesh::order_of_nodes(4), 1);
   EXPECT_EQ(mesh::order_of_nodes(10), 2);
   EXPECT_EQ(mesh::order_of_nodes(20), 3);

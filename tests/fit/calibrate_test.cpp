@@ -1,6 +1,5 @@
 // A bank's damping found again from a sound, and a recording's bank that sounds like it.
-#include "engine/fit/calibrate.h"
-#include "engine/fit/to_bank.h"
+#include "engine/fit/recorded_bank.h"
 #include "engine/modal/bank_file.h"
 #include "tests/fit/recording.h"
 #include "tests/synth/player.h"
@@ -36,7 +35,7 @@ std::vector<double> other_damping(const modal::Bank& bank, double alpha, double 
   return samples;
 }
 
-TEST(Calibrate, FindsAlphaAndBetaOfADetunedRecording) {
+TEST(Calibrate, CalibrationFindsAlphaAndBetaOfADetunedRecording) {
   const modal::Bank bank = preset("porcelain-bowl");
   const double alpha = 9, beta = 6e-8;
   ASSERT_GT(std::abs(bank.material->damping.alpha_per_s / alpha - 1), 0.2) << "or there is nothing to find";
@@ -110,7 +109,7 @@ TEST(Calibrate, TheNewBankKeepsItsUndampedModes) {
 }
 
 // Written, read again, and struck in the real mixer.
-TEST(ToBank, PlaysWithTheRecordedAmplitudes) {
+TEST(ToBank, ARecordingsBankPlaysWithTheRecordedAmplitudes) {
   const std::vector<Tone> tones = {{440, 3, 0.3}, {1870, 8, 0.2, std::numbers::pi}, {7000, 30, 0.1}};
   std::vector<Mode> modes;
   for (const Tone& t : tones) {

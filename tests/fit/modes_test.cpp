@@ -1,5 +1,5 @@
 // Modes found again in recordings whose modes are known.
-#include "engine/fit/amplitudes.h"
+#include "engine/fit/sinusoids.h"
 #include "engine/fit/modes.h"
 #include "engine/modal/bank_file.h"
 #include "tests/fit/recording.h"
@@ -292,7 +292,7 @@ TEST(FitModes, OptionsBoundWhatIsFound) {
   EXPECT_NEAR(two.modes[1].frequency_hz, 900, 0.01);
 }
 
-TEST(FitModes, RefusesWhatItCannotRead) {
+TEST(FitModes, TheFitRefusesWhatItCannotRead) {
   const std::vector<double> short_one(2000), long_one(48000);
   auto broken = long_one;
   broken[7] = NAN;

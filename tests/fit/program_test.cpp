@@ -66,7 +66,7 @@ TEST(FitProgram, ChannelsAreMixedOrChosen) {
   EXPECT_EQ(fit({folder / "two.wav", "--channel", "3"}).exit_code, 3);
 }
 
-TEST(FitProgram, CalibratesABank) {
+TEST(FitProgram, TheProgramCalibratesABank) {
   const TemporaryFolder folder;
   const fs::path baked = fs::path(RINGDOWN_SOURCE_DIR) / "presets/banks/wooden-bar.glb";
   const auto bank = *modal::read_bank(baked);

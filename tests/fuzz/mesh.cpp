@@ -1,4 +1,5 @@
 #include "engine/mesh/inp_file.h"
+#include "engine/mesh/mesh_check.h"
 #include "engine/mesh/tet_file.h"
 #include "tests/fuzz/targets.h"
 

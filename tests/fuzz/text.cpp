@@ -1,5 +1,5 @@
+#include "engine/bake/material_library.h"
 #include "engine/bake/object_file.h"
-#include "engine/bake/refine.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/world.h"
 #include "server/daemon.h"
@@ -11,14 +11,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include <cstdlib>
 #include <sys/mman.h>
 #include <unistd.h>
-
-namespace ringdown::bake {
-// Reading objects must not bring gmsh and the solvers with it.
-Result<BakedObject> bake_recipe(const ObjectRecipe&, const modal::Material&, const Progress&) { std::abort(); }
-}  // namespace ringdown::bake
 
 namespace ringdown::fuzz {
 namespace {

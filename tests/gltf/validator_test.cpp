@@ -43,7 +43,7 @@ class GltfValidator : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(GltfValidator, FindsNoFaultInThePresetsBanks) {
+TEST_F(GltfValidator, TheValidatorFindsNoFaultInThePresetsBanks) {
   std::vector<std::string> banks;
   for (const auto& file : fs::directory_iterator(kSource / "presets/banks")) {
     if (file.path().extension() == ".glb") banks.push_back(file.path());
@@ -57,7 +57,7 @@ TEST_F(GltfValidator, FindsNoFaultInThePresetsBanks) {
   EXPECT_EQ(clean, banks.size());
 }
 
-TEST_F(GltfValidator, FindsNoFaultInAFreshBake) {
+TEST_F(GltfValidator, TheValidatorFindsNoFaultInAFreshBake) {
   const Outcome baked = bake_bar(folder_ / "bar.glb");
   ASSERT_EQ(baked.exit_code, 0) << baked.output;
   const Outcome checked = validate({folder_ / "bar.glb"});
@@ -65,7 +65,7 @@ TEST_F(GltfValidator, FindsNoFaultInAFreshBake) {
   EXPECT_NE(checked.output.find("0 errors, 0 warnings (1 UNSUPPORTED_EXTENSION"), std::string::npos) << checked.output;
 }
 
-TEST_F(GltfValidator, FindsWhatIsBroken) {
+TEST_F(GltfValidator, TheValidatorFindsWhatIsBroken) {
   const std::string whole = modal::test::file_content(kSource / "presets/banks/coin.glb");
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::pair<const char*, std::function<std::string(GlbParts)>> cases[] = {
@@ -108,7 +108,7 @@ struct Registry {
   Process::Environment environment;
 };
 
-TEST(GltfValidatorFetch, ThrowsAwayWhatIsNotThePinnedFile) {
+TEST(GltfValidatorFetch, TheFetchThrowsAwayWhatIsNotThePinnedFile) {
   if (!installed("node")) GTEST_SKIP() << "nodejs is not installed, which runs the glTF validator";
   const TemporaryFolder folder;
   const Registry registry(folder, "something else");
@@ -118,7 +118,7 @@ TEST(GltfValidatorFetch, ThrowsAwayWhatIsNotThePinnedFile) {
   EXPECT_TRUE(fs::is_empty(folder / "here"));
 }
 
-TEST(GltfValidatorFetch, SaysWhenThereIsNoNetwork) {
+TEST(GltfValidatorFetch, TheFetchSaysWhenThereIsNoNetwork) {
   if (!installed("node")) GTEST_SKIP() << "nodejs is not installed, which runs the glTF validator";
   const TemporaryFolder folder;
   Process::Environment environment;

@@ -1,6 +1,6 @@
 // Bodies as people bring them, damaged in the ways that surfaces from the world are, against the same bodies made by a
 // CAD kernel and meshed by gmsh: every one bakes to frequencies near those, or is refused with the right sentence.
-#include "engine/bake/refine.h"
+#include "engine/bake/bake_object.h"
 #include "tests/mesh/sample_surfaces.h"
 #include "tests/mesh/surface_files.h"
 #include "tests/support/temporary_folder.h"
@@ -153,7 +153,7 @@ std::vector<Brought> all_brought() {
 
 class AnyBody : public testing::TestWithParam<int> {};
 
-TEST_P(AnyBody, BakesToTheFrequenciesOfTheSoundBody) {
+TEST_P(AnyBody, AnyBodyBakesToTheFrequenciesOfTheSoundBody) {
   const Brought brought = all_brought()[static_cast<std::size_t>(GetParam())];
   SCOPED_TRACE(std::string(brought.shape) + ", " + brought.what);
   const TemporaryFolder folder;
@@ -187,7 +187,7 @@ std::string refusal(const std::filesystem::path& path) {
   return baked ? "accepted" : baked.error().message;
 }
 
-TEST(AnyBodyIsRefused, WhenItEnclosesNothing) {
+TEST(AnyBodyIsRefused, ABodyThatEnclosesNothingIsRefused) {
   const TemporaryFolder folder;
   mesh::TriangleMesh square = test::box({0, 0, 0}, {0.1, 0.1, 0.1});
   square.triangles.conservativeResize(2, 3);
@@ -202,7 +202,7 @@ TEST(AnyBodyIsRefused, WhenItEnclosesNothing) {
   EXPECT_NE(refusal(folder.write("none.stl", "nothing")).find("none.stl"), std::string::npos);
 }
 
-TEST(AnyBodyIsQuestioned, WhenItsSizeCannotBeMeant) {
+TEST(AnyBodyIsQuestioned, ABodyWhoseSizeCannotBeMeantIsQuestioned) {
   const TemporaryFolder folder;
   const Shape& cup = shapes().at("cup");
   const auto path = folder.write("cup.stl", test::file_of(cup.surface, ".stl", 0.001));
@@ -214,7 +214,7 @@ TEST(AnyBodyIsQuestioned, WhenItsSizeCannotBeMeant) {
   EXPECT_NE(baked.error().message.find("millimetre (--unit mm)"), std::string::npos) << baked.error().message;
 }
 
-TEST(AnyBody, IsMeshedAsFinelyAsItsWallsAskWhenNoSizeIsNamed) {
+TEST(AnyBody, AnyBodyIsMeshedAsFinelyAsItsWallsAskWhenNoSizeIsNamed) {
   const TemporaryFolder folder;
   const Shape& cup = shapes().at("cup");
   bake::ObjectRecipe recipe = recipe_of(folder.write("cup.glb", test::file_of(cup.surface, ".glb")), 0, 1);

@@ -1,9 +1,9 @@
 #include "engine/mesh/fill.h"
 
-#include "engine/mesh/half_edges.h"
+#include "engine/mesh/remesh.h"
 #include "engine/mesh/surface_check.h"
-#include "engine/mesh/tet_quality.h"
-#include "engine/mesh/wall_thickness.h"
+#include "engine/mesh/surface_distance.h"
+#include "engine/mesh/tet_mesh.h"
 #include "tests/mesh/sample_surfaces.h"
 
 #include <Eigen/LU>
@@ -15,7 +15,7 @@ namespace {
 double volume(const mesh::TetMesh& mesh) {
   double sum = 0;
   for (const auto& point : mesh::tet_quadrature(6)) {
-    const mesh::ReferenceGradient gradient = mesh::reference_gradient(mesh.order(), point.barycentric);
+    const mesh::ReferenceGradient gradient = mesh::interpolation_gradient(mesh.order(), point.barycentric);
     for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
       sum += point.weight * mesh::jacobian(mesh::nodes_of(mesh, e), gradient).determinant() / 6;
     }
@@ -65,14 +65,14 @@ TEST(Fill, TheSizeDecidesTheNumberOfElements) {
   EXPECT_GT(mesh::quality_of(fine->mesh.mesh).smallest_angle_deg, 5);
 }
 
-TEST(Remesh, KeepsSharpEdges) {
+TEST(Remesh, RemeshingKeepsSharpEdges) {
   const auto made = mesh::remesh(test::box({0, 0, 0}, {0.1, 0.08, 0.06}), 0.015);
   ASSERT_TRUE(made) << made.error().message;
   EXPECT_LT(made->deviation_m, 1e-9);
   EXPECT_NEAR(mesh::diagnose(made->mesh).volume_m3, 0.1 * 0.08 * 0.06, 1e-12);
 }
 
-TEST(WallThickness, OfBodiesWhoseWallsAreKnown) {
+TEST(WallThickness, TheThicknessOfKnownWallsIsFound) {
   EXPECT_NEAR(mesh::wall_thickness(test::box({0, 0, 0}, {0.3, 0.2, 0.01})), 0.01, 1e-9);
   EXPECT_NEAR(mesh::wall_thickness(test::cup(0.04, 0.09, 0.003, 48)), 0.003, 1e-4);
   EXPECT_NEAR(mesh::wall_thickness(test::bowl(0.05, 0.005, 48)), 0.005, 2e-4);

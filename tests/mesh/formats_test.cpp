@@ -1,7 +1,7 @@
 // One mesh in every format that gmsh writes: each is read back as the same body.
 #include "engine/bake/bake.h"
 #include "engine/mesh/body_reader.h"
-#include "engine/mesh/gmsh_session.h"
+#include "engine/mesh/gmsh_reader.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gmsh.h>
@@ -59,7 +59,7 @@ std::vector<double> notes_of(const mesh::CheckedMesh& mesh) {
   return notes;
 }
 
-TEST(Formats, OfOneBodyBakeToTheSameFrequencies) {
+TEST(Formats, FilesOfOneBodyBakeToTheSameFrequencies) {
   for (const int order : {1, 2}) {
     const test::TemporaryFolder folder;
     write(folder.path(), order);

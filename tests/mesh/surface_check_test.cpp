@@ -20,7 +20,7 @@ std::size_t count(const mesh::TriangleMesh& mesh, Fault fault) {
 const test::Vec kOrigin(0, 0, 0), kSize(0.3, 0.2, 0.1);
 mesh::TriangleMesh block() { return test::box(kOrigin, kSize); }
 
-TEST(Diagnosis, FindsNothingInSoundBodies) {
+TEST(Diagnosis, TheDiagnosisFindsNothingInSoundBodies) {
   const mesh::TriangleMesh bodies[] = {block(),
                                        test::cup(0.04, 0.09, 0.003, 24),
                                        test::bowl(0.05, 0.004, 24),
@@ -39,7 +39,7 @@ TEST(Diagnosis, FindsNothingInSoundBodies) {
   EXPECT_NEAR(mesh::diagnose(block()).area_m2, 2 * (0.06 + 0.02 + 0.03), 1e-15);
 }
 
-TEST(Diagnosis, CountsEachKindOfFault) {
+TEST(Diagnosis, TheDiagnosisCountsEachKindOfFault) {
   EXPECT_EQ(count(test::without(block(), {0, 5}), Fault::kHole), 2u);
   EXPECT_EQ(count(test::with_flipped(test::sphere(0.05, 24), 10), Fault::kFlipped), 53u);
   EXPECT_EQ(count(test::with_copies(block(), 3), Fault::kDuplicate), 4u);
@@ -50,7 +50,7 @@ TEST(Diagnosis, CountsEachKindOfFault) {
   EXPECT_EQ(count(test::box(kOrigin, {1, 1e-3, 1}), Fault::kSliver), 8u);
 }
 
-TEST(Diagnosis, TellsShellsApart) {
+TEST(Diagnosis, TheDiagnosisTellsShellsApart) {
   const auto inner = test::inside_out(test::moved(test::box(kOrigin, {0.1, 0.1, 0.05}), {0.1, 0.05, 0.02}));
   EXPECT_EQ(count(test::united(block(), inner), Fault::kCavity), 1u);
   EXPECT_TRUE(mesh::diagnose(test::united(block(), inner)).sound());
@@ -61,14 +61,14 @@ TEST(Diagnosis, TellsShellsApart) {
   EXPECT_FALSE(mesh::diagnose(test::united(block(), test::moved(block(), {0.1, 0.07, 0.03}))).sound());
 }
 
-TEST(Diagnosis, FindsWhereASurfaceCutsItself) {
+TEST(Diagnosis, TheDiagnosisFindsWhereASurfaceCutsItself) {
   auto body = test::sphere(0.05, 24);
   body.nodes.row(0) = test::Vec(0, 0, 0.08);  // the lowest point, pulled out of the top
   EXPECT_GT(count(body, Fault::kSelfIntersection), 0u);
   EXPECT_FALSE(mesh::diagnose(body).sound());
 }
 
-TEST(Diagnosis, KnowsSheetsAndFlatThings) {
+TEST(Diagnosis, TheDiagnosisKnowsSheetsAndFlatThings) {
   mesh::TriangleMesh square = block();
   square.triangles.conservativeResize(2, 3);
   EXPECT_EQ(count(square, Fault::kSheet), 1u);
@@ -77,7 +77,7 @@ TEST(Diagnosis, KnowsSheetsAndFlatThings) {
   EXPECT_EQ(count(flat, Fault::kNoVolume), 1u);
 }
 
-TEST(Diagnosis, SaysWhereAndHowLong) {
+TEST(Diagnosis, TheDiagnosisSaysWhereAndHowLong) {
   const mesh::SurfaceReport report = mesh::diagnose(test::without(block(), {1}));
   const mesh::Finding* hole = report.find(Fault::kHole);
   ASSERT_TRUE(hole);

@@ -1,4 +1,4 @@
-#include "engine/mesh/surface_reader.h"
+#include "engine/mesh/surface_file.h"
 
 #include "tests/mesh/sample_surfaces.h"
 #include "tests/mesh/surface_files.h"
@@ -79,7 +79,7 @@ TEST(SurfaceReader, PointsWithinAMillionthOfTheDiagonalAreOne) {
   EXPECT_GT(far->nodes.rows(), 2 * cup.nodes.rows());
 }
 
-TEST(SurfaceReader, RefusesWithOneSentence) {
+TEST(SurfaceReader, TheReaderRefusesWithOneSentence) {
   const TemporaryFolder folder;
   EXPECT_TRUE(says(refusal(folder.path() / "none.stl"), "there is no such file"));
   EXPECT_TRUE(says(refusal(folder.write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")), "points.obj"));
@@ -98,7 +98,7 @@ TEST(SurfaceReader, RefusesWithOneSentence) {
   EXPECT_TRUE(says(refusal(folder.write("dot.ply", test::file_of(box, ".ply"))), "all its points are one"));
 }
 
-TEST(SurfaceReader, KnowsItsFilesByTheirEndings) {
+TEST(SurfaceReader, TheReaderKnowsItsFilesByTheirEndings) {
   EXPECT_TRUE(mesh::is_surface_file("a/b.STL"));
   EXPECT_TRUE(mesh::is_surface_file("cup.glb"));
   EXPECT_FALSE(mesh::is_surface_file("cup.msh"));

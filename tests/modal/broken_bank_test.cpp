@@ -131,7 +131,7 @@ const std::vector<Damage>& damages() {
 
 class BrokenBank : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(BrokenBank, IsRefusedByTheNameOfItsField) {
+TEST_P(BrokenBank, ABrokenBankIsRefusedByTheNameOfItsField) {
   const Damage& damage = damages()[GetParam()];
   GlbParts parts(good_file());
   damage.change(parts);
@@ -151,7 +151,7 @@ void expect_refused(const std::string& bytes, const char* expected) {
   EXPECT_NE(bank.error().message.find(expected), std::string::npos) << bank.error().message;
 }
 
-TEST(BrokenContainer, IsRefused) {
+TEST(BrokenContainer, ABrokenContainerIsRefused) {
   const std::string good = good_file();
   ASSERT_TRUE(parse(good));
   const auto with_word = [&good](std::size_t at, std::uint32_t value) {
@@ -174,7 +174,7 @@ TEST(BrokenContainer, IsRefused) {
   expect_refused(torn, "malformed");
 }
 
-TEST(BrokenContainer, CutAnywhereIsRefused) {
+TEST(BrokenContainer, ABankThatIsCutAnywhereIsRefused) {
   const std::string good = good_file();
   for (std::size_t size = 0; size < good.size(); size += 1 + size / 50) {
     std::string cut = good.substr(0, size);
@@ -201,7 +201,7 @@ TEST(BrokenContainer, DeepNestingIsRefusedWithoutACrash) {
   expect_refused(file, "frequencies");
 }
 
-TEST(BrokenProvenance, LoadsAllTheSame) {
+TEST(BrokenProvenance, ABankWithBrokenProvenanceLoadsAllTheSame) {
   for (const Json& value : {Json(1e300), Json(-1e300), Json("many"), Json(nullptr), Json(-3), Json(0.5)}) {
     GlbParts parts(good_file());
     parts.model()["extras"]["ringdown"]["unknowns"] = value;

@@ -21,7 +21,7 @@ double quadrature(double f, double tau) {
   return static_cast<double>(sum * width / kSteps / 3);
 }
 
-TEST(ContactPulse, IsTheSpectrumOfAHalfSine) {
+TEST(ContactPulse, ThePulseIsTheSpectrumOfAHalfSine) {
   for (const double tau : {1e-5, 2e-4, 1e-3, 0.02}) {
     for (double f = 1; f < std::min(20000.0, 20 / tau); f *= 1.37) {
       EXPECT_NEAR(pulse_spectrum(f, tau), quadrature(f, tau), 1e-9) << f << " Hz, " << tau << " s";
@@ -29,12 +29,12 @@ TEST(ContactPulse, IsTheSpectrumOfAHalfSine) {
   }
 }
 
-TEST(ContactPulse, IsOneForAnIdealImpulseAndAtFrequencyZero) {
+TEST(ContactPulse, ThePulseIsOneForAnIdealImpulseAndAtFrequencyZero) {
   EXPECT_DOUBLE_EQ(pulse_spectrum(12345, 0), 1);
   EXPECT_DOUBLE_EQ(pulse_spectrum(0, 0.01), 1);
 }
 
-TEST(ContactPulse, PassesThroughItsRemovablePole) {
+TEST(ContactPulse, ThePulsePassesThroughItsRemovablePole) {
   constexpr double kTau = 1e-3, kPole = 500;
   EXPECT_NEAR(pulse_spectrum(kPole, kTau), M_PI / 4, 1e-15);
   for (double offset = 1e-12; offset < 1; offset *= 3) {
@@ -45,7 +45,7 @@ TEST(ContactPulse, PassesThroughItsRemovablePole) {
   }
 }
 
-TEST(ContactPulse, ChangesSignInItsSideLobes) {
+TEST(ContactPulse, ThePulseChangesSignInItsSideLobes) {
   EXPECT_NEAR(pulse_spectrum(1500, 1e-3), 0, 1e-15);
   EXPECT_LT(pulse_spectrum(2000, 1e-3), -0.05);
   EXPECT_GT(pulse_spectrum(3000, 1e-3), 0.01);

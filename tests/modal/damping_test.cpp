@@ -62,7 +62,7 @@ TEST(Damping, OverdampedModesHaveNoPitch) {
 }
 
 // Every factor on the bar's material against the bar made of that material.
-TEST(Rescale, IsTheModeOfTheOtherMaterial) {
+TEST(Rescale, ARescaledModeIsTheModeOfTheOtherMaterial) {
   const Bank bar = bar_bank(8);
   const Material& m = *bar.material;
   for (const MaterialScale scale : {MaterialScale{2, 1, 1, 1},
@@ -84,7 +84,7 @@ TEST(Rescale, IsTheModeOfTheOtherMaterial) {
   EXPECT_NEAR(shape_factor({.density = 4}), 0.5, 1e-15);
 }
 
-TEST(Rescale, ByOneIsTheBankBitForBit) {
+TEST(Rescale, RescalingByOneIsTheBankBitForBit) {
   const Bank bar = bar_bank(8);
   for (std::size_t i = 0; i < bar.mode_count(); ++i) {
     EXPECT_EQ(rescale(bar, i, {}).frequency_hz, bar.frequency_hz[i]);
@@ -92,7 +92,7 @@ TEST(Rescale, ByOneIsTheBankBitForBit) {
   }
 }
 
-TEST(Rescale, ThereAndBackIsTheSame) {
+TEST(Rescale, RescalingThereAndBackIsTheSame) {
   const Bank bar = bar_bank(8);
   const MaterialScale there{2, 3, 0.5, 1.7}, back{1 / 2.0, 1 / 3.0, 1 / 0.5, 1 / 1.7};
   Bank other = bar;

@@ -42,14 +42,14 @@ class ForeignBank : public testing::Test {
   GlbParts parts;
 };
 
-TEST_F(ForeignBank, MayHaveNoIndices) {
+TEST_F(ForeignBank, AForeignBankMayHaveNoIndices) {
   parts.model().erase("indices");
   const Bank bank = read();
   EXPECT_TRUE(bank.triangles.empty());
   EXPECT_EQ(bank.shapes, source.shapes);
 }
 
-TEST_F(ForeignBank, MayHaveIndicesOfTwoBytesOrOne) {
+TEST_F(ForeignBank, AForeignBankMayHaveIndicesOfTwoBytesOrOne) {
   parts.replace_data("indices", corners<std::uint16_t>());
   parts.accessor("indices")["componentType"] = 5123;
   EXPECT_EQ(read().triangles, source.triangles);
@@ -58,7 +58,7 @@ TEST_F(ForeignBank, MayHaveIndicesOfTwoBytesOrOne) {
   EXPECT_EQ(read().triangles, source.triangles);
 }
 
-TEST_F(ForeignBank, MayInterleaveItsVertices) {
+TEST_F(ForeignBank, AForeignBankMayInterleaveItsVertices) {
   std::string wide;
   for (const Vec3f& p : source.positions) {
     wide.append(reinterpret_cast<const char*>(p.data()), sizeof p);
@@ -70,7 +70,7 @@ TEST_F(ForeignBank, MayInterleaveItsVertices) {
   EXPECT_EQ(read().positions, source.positions);
 }
 
-TEST_F(ForeignBank, MayShareOneViewAmongAccessors) {
+TEST_F(ForeignBank, AForeignBankMayShareOneViewAmongAccessors) {
   const std::size_t offset = 4 * source.mode_count();
   std::string both(2 * offset, '\0');
   std::memcpy(both.data(), parts.binary.data() + parts.offset("frequencies"), offset);
@@ -83,7 +83,7 @@ TEST_F(ForeignBank, MayShareOneViewAmongAccessors) {
   EXPECT_EQ(bank.decay_per_s, source.decay_per_s);
 }
 
-TEST_F(ForeignBank, MayLackMaterialMassAndExtras) {
+TEST_F(ForeignBank, AForeignBankMayLackMaterialMassAndExtras) {
   parts.model().erase("material");
   parts.model().erase("massProperties");
   parts.model().erase("extras");
@@ -95,13 +95,13 @@ TEST_F(ForeignBank, MayLackMaterialMassAndExtras) {
   EXPECT_EQ(bank.frequency_hz, source.frequency_hz);
 }
 
-TEST_F(ForeignBank, MayBePlayedByNoNode) {
+TEST_F(ForeignBank, AForeignBankMayBePlayedByNoNode) {
   parts.json.erase("nodes");
   parts.json.erase("scenes");
   EXPECT_EQ(read().frequency_hz, source.frequency_hz);
 }
 
-TEST_F(ForeignBank, PlaysTheModelThatItsNodeNames) {
+TEST_F(ForeignBank, AForeignBankPlaysTheModelThatItsNodeNames) {
   Json other = parts.model();
   other["name"] = "second";
   other["frequencies"] = parts.model()["decayRates"];
@@ -113,13 +113,13 @@ TEST_F(ForeignBank, PlaysTheModelThatItsNodeNames) {
   EXPECT_EQ(bank.frequency_hz, source.decay_per_s);
 }
 
-TEST_F(ForeignBank, TakesItsNodesNameWhenItHasNone) {
+TEST_F(ForeignBank, AForeignBankTakesItsNodesNameWhenItHasNone) {
   parts.model().erase("name");
   parts.json["nodes"][0]["name"] = "vase";
   EXPECT_EQ(read().name, "vase");
 }
 
-TEST_F(ForeignBank, MayCarryChunksOfOtherProgramsAfterTheBinary) {
+TEST_F(ForeignBank, AForeignBankMayCarryChunksOfOtherProgramsAfterTheBinary) {
   const auto bank = parse(parts.join(std::string("\4\0\0\0XTRAabcd", 12)));
   ASSERT_TRUE(bank) << bank.error().message;
   EXPECT_EQ(bank->shapes, source.shapes);
@@ -127,7 +127,7 @@ TEST_F(ForeignBank, MayCarryChunksOfOtherProgramsAfterTheBinary) {
 
 // Twice the size, same material: half the frequency (lambda by 1/4), eight times the mass, shapes by 8^-1/2; the
 // stiffness part of the decay falls with lambda, the mass part stays.
-TEST_F(ForeignBank, IsRescaledByItsNodesScale) {
+TEST_F(ForeignBank, AForeignBankIsRescaledByItsNodesScale) {
   parts.json["nodes"][0]["scale"] = {2, 2, 2};
   const Bank bank = read();
   const RayleighDamping damping = source.material->damping;
@@ -145,7 +145,7 @@ TEST_F(ForeignBank, IsRescaledByItsNodesScale) {
   EXPECT_NEAR(bank.mass->inertia_kg_m2.y, 32 * source.mass->inertia_kg_m2.y, 1e-12);
 }
 
-TEST_F(ForeignBank, IsRefusedAtAScaleThatLeavesAModeWithoutPitch) {
+TEST_F(ForeignBank, AForeignBankIsRefusedAtAScaleThatLeavesAModeWithoutPitch) {
   parts.set("decayRates", 3, 5000.0f);
   parts.set("frequencies", 3, 1000.0f);
   parts.extension().erase("acousticMaterials");

@@ -1,4 +1,4 @@
-#include "engine/modal/loss_factor.h"
+#include "engine/modal/damping.h"
 
 #include <gtest/gtest.h>
 
@@ -17,13 +17,13 @@ double misfit(RayleighDamping damping, const std::vector<LossFactor>& points) {
   return sum;
 }
 
-TEST(LossFactor, IsTwiceTheDecayOverTheFrequency) {
+TEST(LossFactor, TheLossFactorIsTwiceTheDecayOverTheFrequency) {
   const RayleighDamping damping{7, 2e-7};
   const double omega = 2 * M_PI * 440;
   EXPECT_NEAR(loss_factor(damping, 440), 2 * damp(omega * omega, damping).decay_per_s / omega, 1e-15);
 }
 
-TEST(LossFactor, OfRayleighsOwnCurveGivesItsTwoTermsBack) {
+TEST(LossFactor, TheLossFactorOfRayleighsOwnCurveGivesItsTwoTermsBack) {
   const RayleighDamping truth{12, 3e-7};
   std::vector<LossFactor> points;
   for (const double f : {50.0, 300.0, 2000.0, 9000.0}) points.push_back({f, loss_factor(truth, f)});

@@ -22,7 +22,7 @@ double phi_dot_j(const Bank& bank, std::size_t mode, std::size_t point, Vec3 j) 
   return phi[0] * j.x + phi[1] * j.y + phi[2] * j.z;
 }
 
-TEST(StrikeMap, AtAVertexIsTheShapeTimesTheImpulse) {
+TEST(StrikeMap, AStrikeAtAVertexIsTheShapeTimesTheImpulse) {
   const StrikeMap map(shared(random_bank(1, 33, 50)));
   const Bank& bank = map.bank();
   const Vec3 j{0.3, -0.7, 0.2};
@@ -38,7 +38,7 @@ TEST(StrikeMap, AtAVertexIsTheShapeTimesTheImpulse) {
   }
 }
 
-TEST(StrikeMap, InsideATriangleInterpolatesLinearly) {
+TEST(StrikeMap, AStrikeInsideATriangleInterpolatesLinearly) {
   const StrikeMap map(shared(random_bank(2, 10, 60)));
   const Bank& bank = map.bank();
   const auto& [a, b, c] = bank.triangles[20];
@@ -53,7 +53,7 @@ TEST(StrikeMap, InsideATriangleInterpolatesLinearly) {
   }
 }
 
-TEST(StrikeMap, IsLinearInTheImpulse) {
+TEST(StrikeMap, AStrikeIsLinearInTheImpulse) {
   const StrikeMap map(shared(random_bank(3, 20, 60)));
   const Vec3 point{0.05, 0.07, -0.02}, j1{1, 0.5, -2}, j2{-0.3, 4, 1};
   const auto one = excited(map, point, j1), two = excited(map, point, j2), both = excited(map, point, 2.0 * j1 + j2);
@@ -62,7 +62,7 @@ TEST(StrikeMap, IsLinearInTheImpulse) {
 
 // Struck at p along u and heard at q along v is struck at q along v and heard at p along u: sum over modes of
 // (phi(p).u)(phi(q).v) exchanges p and q.
-TEST(StrikeMap, IsReciprocal) {
+TEST(StrikeMap, AStrikeIsReciprocal) {
   const StrikeMap map(shared(random_bank(4, 50, 80)));
   const Bank& bank = map.bank();
   const Vec3 u{0.6, 0.8, 0}, v{0, -0.6, 0.8};
@@ -79,7 +79,7 @@ TEST(StrikeMap, IsReciprocal) {
 }
 
 // A free bar struck in the middle: antisymmetric modes stay silent; struck at the end, every mode rings alike.
-TEST(StrikeMap, FollowsTheNodesOfABar) {
+TEST(StrikeMap, AStrikeFollowsTheNodesOfABar) {
   const StrikeMap map(shared(bar_bank(6)));
   const auto middle = excited(map, {0.15, 0, 0}, {0, 0, 1}), end = excited(map, {0, 0, 0}, {0, 0, 1});
   const double mass = map.bank().mass->mass_kg;

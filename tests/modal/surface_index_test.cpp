@@ -72,7 +72,7 @@ void expect_nearest(const Bank& bank, const SurfaceIndex& index, Vec3 query) {
   EXPECT_NEAR(hit.distance_m, distance_by_force(bank, query), 1e-7);
 }
 
-TEST(SurfaceIndex, FindsWhatSearchingEveryTriangleFinds) {
+TEST(SurfaceIndex, TheIndexFindsWhatSearchingEveryTriangleFinds) {
   for (const std::size_t points : {4, 30, 200}) {
     const Bank bank = random_bank(static_cast<std::uint32_t>(points), 1, points);
     const SurfaceIndex index(bank);
@@ -85,7 +85,7 @@ TEST(SurfaceIndex, FindsWhatSearchingEveryTriangleFinds) {
 }
 
 // Any heap of triangles at all: crossing, repeated, flat ones among them.
-TEST(SurfaceIndex, CopesWithTriangleSoup) {
+TEST(SurfaceIndex, TheIndexCopesWithTriangleSoup) {
   Random random(2);
   Bank bank = single_mode_bank(1, 1);
   bank.positions.clear();
@@ -106,7 +106,7 @@ TEST(SurfaceIndex, CopesWithTriangleSoup) {
 }
 
 // Triangles ten thousand times longer than wide: weights must stay weights.
-TEST(SurfaceIndex, CopesWithSlivers) {
+TEST(SurfaceIndex, TheIndexCopesWithSlivers) {
   Random random(3);
   Bank bank = single_mode_bank(1, 1);
   bank.positions.clear();
@@ -125,7 +125,7 @@ TEST(SurfaceIndex, CopesWithSlivers) {
   }
 }
 
-TEST(SurfaceIndex, WithoutTrianglesFindsTheNearestPoint) {
+TEST(SurfaceIndex, AnIndexWithoutTrianglesFindsTheNearestPoint) {
   Bank bank = random_bank(5, 1, 500);
   bank.triangles.clear();
   const SurfaceIndex index(bank);
@@ -133,7 +133,7 @@ TEST(SurfaceIndex, WithoutTrianglesFindsTheNearestPoint) {
   for (int i = 0; i < 200; ++i) expect_nearest(bank, index, random.point(0.2));
 }
 
-TEST(SurfaceIndex, TakesABankOfOnePoint) {
+TEST(SurfaceIndex, TheIndexTakesABankOfOnePoint) {
   Bank bank = single_mode_bank(1, 1);
   bank.positions.resize(1);
   bank.shapes.resize(1);
@@ -143,7 +143,7 @@ TEST(SurfaceIndex, TakesABankOfOnePoint) {
   EXPECT_NEAR(hit.weights[0] + hit.weights[1] + hit.weights[2], 1, 1e-15);
 }
 
-TEST(SurfaceIndex, CopesWithThousandsOfPointsOnOneSpot) {
+TEST(SurfaceIndex, TheIndexCopesWithThousandsOfPointsOnOneSpot) {
   Bank bank = single_mode_bank(1, 1);
   bank.positions.assign(5000, {1, 2, 3});
   bank.triangles.clear();

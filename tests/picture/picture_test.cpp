@@ -57,7 +57,7 @@ std::vector<fs::path> preset_banks() {
   return banks;
 }
 
-TEST(Picture, IsAPngOfItsSizeWithSomethingOnIt) {
+TEST(Picture, ThePictureIsAPngOfItsSizeWithSomethingOnIt) {
   const TemporaryFolder folder;
   for (const auto& [options, size] : {std::pair{std::vector<std::string>{}, "1120 900"}, {{"--small"}, "480 200"}}) {
     std::vector<std::string> all = {"--png", folder / "x.png"};
@@ -71,7 +71,7 @@ TEST(Picture, IsAPngOfItsSizeWithSomethingOnIt) {
   }
 }
 
-TEST(Picture, IsTheSameEveryTime) {
+TEST(Picture, ThePictureIsTheSameEveryTime) {
   const TemporaryFolder folder;
   for (const char* name : {"a", "b"}) {
     const std::string stem = folder / name;
@@ -103,7 +103,7 @@ TEST(Picture, EveryPresetHasAPageWithEveryMode) {
   }
 }
 
-TEST(Picture, NamesCannotBreakOut) {
+TEST(Picture, ThePictureNamesCannotBreakOut) {
   const TemporaryFolder folder;
   modal::Bank bank = bar_bank(5);
   bank.name = "</title><script>alert(1)</script>\"' onload=x & \xC3\x28 \x01 \xE2\x99\xAA";

@@ -177,7 +177,7 @@ mesh::TetMesh hollow_sphere(double inner_m, double outer_m, int level, int order
     straight.elements.row(e++) << t[0], count + t[0], count + t[1], count + t[2];
   }
   mesh::TetMesh curved = mesh::to_order(checked(straight).mesh, order);
-  const mesh::Lattice lattice = mesh::lattice(order);
+  const mesh::Barycentric lattice = mesh::reference_nodes(order);
   for (Eigen::Index k = 0; k < curved.elements.rows(); ++k) {
     Eigen::Vector4d radius;
     for (int a = 0; a < 4; ++a) radius[a] = curved.elements(k, a) < count ? inner_m : outer_m;

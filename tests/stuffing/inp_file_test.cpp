@@ -257,7 +257,7 @@ TEST(InpFile, WhatIsWrongIsSaidWithItsLine) {
        {nodes + kElement + "*ELEMENT, TYPE=C3D10\n", "x.inp, line 8: tetrahedra of 4 and of 10 nodes are mixed"}});
 }
 
-TEST(InpFile, IsATetFileInAnyCase) {
+TEST(InpFile, TheReaderIsATetFileInAnyCase) {
   const test::TemporaryFolder folder;
   expect_same(mesh::read_tet_file(folder.write("part.INP", kDeck)), corner());
   EXPECT_TRUE(mesh::is_tet_file("part.INP"));

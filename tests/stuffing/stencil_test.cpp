@@ -1,5 +1,5 @@
 // Every way in which a surface can cut a tetrahedron of the lattice.
-#include "engine/mesh/stencil.h"
+#include "engine/mesh/bcc_lattice.h"
 #include "engine/mesh/stuffing.h"
 #include "tests/stuffing/dihedral.h"
 
@@ -14,16 +14,16 @@ namespace {
 
 using mesh::BccLattice;
 using mesh::Side;
-using Place = BccLattice::Place;
+using Site = BccLattice::Site;
 
 constexpr int kMoves =
-    BccLattice::kWays + 1;  // of a point on the surface: as far as it may along an edge, or not at all
-constexpr int kCuts = 3;    // of an edge: as near to either end as leaves it in place, and its middle
+    BccLattice::kDirections + 1;  // of a point on the surface: as far as it may along an edge, or not at all
+constexpr int kCuts = 3;          // of an edge: as near to either end as leaves it in place, and its middle
 
 double near_of(bool is_long) { return is_long ? mesh::kNearLong : mesh::kNearShort; }
 
 struct Case {
-  std::array<Place, 4> places;
+  std::array<Site, 4> sites;
   std::array<Side, 4> sides;
   mesh::Stencil parts;
   std::vector<int> movable;                   // corners on the surface
@@ -31,7 +31,7 @@ struct Case {
 };
 
 Case make_case(int number, int sides) {
-  Case made{.places = BccLattice::tetrahedron(Place(5, 5, 5), number)};
+  Case made{.sites = BccLattice::tetrahedron(Site(5, 5, 5), number)};
   for (int c = 0; c < 4; ++c, sides /= 3) made.sides[c] = static_cast<Side>(sides % 3 - 1);
   for (int a = 0; a < 4; ++a) {
     if (made.sides[a] == Side::surface) made.movable.push_back(a);
@@ -39,18 +39,19 @@ Case make_case(int number, int sides) {
       if (made.sides[a] == Side::inside && made.sides[b] == Side::outside) made.cuttable.emplace_back(a, b);
     }
   }
-  made.parts = mesh::stencil(made.places, made.sides);
+  made.parts = mesh::stencil(made.sites, made.sides);
   return made;
 }
 
 mesh::TetMesh cut(const Case& one, int moves, int cuts) {
   std::array<Eigen::RowVector3d, 4> corners;
-  for (int c = 0; c < 4; ++c) corners[c] = one.places[c].cast<double>().transpose();
+  for (int c = 0; c < 4; ++c) corners[c] = one.sites[c].cast<double>().transpose();
   for (const int c : one.movable) {
-    const int way = moves % kMoves;
+    const int direction = moves % kMoves;
     moves /= kMoves;
-    if (way == BccLattice::kWays) continue;
-    corners[c] += near_of(way < BccLattice::kLongWays) * BccLattice::way(way).cast<double>().transpose();
+    if (direction == BccLattice::kDirections) continue;
+    corners[c] +=
+        near_of(direction < BccLattice::kLongDirections) * BccLattice::direction(direction).cast<double>().transpose();
   }
   std::array<std::array<Eigen::RowVector3d, 4>, 4> cut_points;
   for (const auto& [a, b] : one.cuttable) {
@@ -73,8 +74,8 @@ mesh::TetMesh cut(const Case& one, int moves, int cuts) {
 
 int power(int base, std::size_t exponent) { return exponent == 0 ? 1 : base * power(base, exponent - 1); }
 
-TEST(Stencil, HasNoWorseAnglesThanPromised) {
-  constexpr int kAlike = 12, kSides = 81;  // the twelve tetrahedra of a cube look another way each
+TEST(Stencil, TheStencilHasNoWorseAnglesThanPromised) {
+  constexpr int kAlike = 12, kSides = 81;  // the twelve tetrahedra of a cube look in another direction each
   Dihedral all;
   for (int number = 0; number < kAlike; ++number) {
     for (int sides = 0; sides < kSides; ++sides) {

@@ -1,3 +1,5 @@
+#include "engine/mesh/bcc_lattice.h"
+#include "engine/mesh/mesh_check.h"
 #include "engine/mesh/stuffing.h"
 
 #include "tests/stuffing/dihedral.h"
@@ -47,7 +49,7 @@ std::vector<Sample> samples() {
 
 class StuffingOf : public testing::TestWithParam<Sample> {};
 
-TEST_P(StuffingOf, GivesASoundMeshWithinTheAngles) {
+TEST_P(StuffingOf, StuffingGivesASoundMeshWithinTheAngles) {
   const auto stuffed = mesh::stuff(GetParam().surface, {.size_m = GetParam().size_m});
   ASSERT_TRUE(stuffed) << stuffed.error().message;
   const Dihedral angles = dihedral(stuffed->mesh);
@@ -82,7 +84,7 @@ class Chance final : public mesh::Solid {
     high.setConstant(14);
   }
   [[nodiscard]] bool inside(const Vector3& point) const override { return draw(point) < share_; }
-  [[nodiscard]] double leaves(const Vector3& a, const Vector3& b) const override {
+  [[nodiscard]] double exit_fraction(const Vector3& a, const Vector3& b) const override {
     const double kind = draw(a + 1.7 * b), near = (a - b).norm() > 0.9 ? mesh::kNearLong : mesh::kNearShort;
     const bool at_a = draw(b + 1.3 * a) < 0.5;  // often where it just moves a point, or just does not
     if (kind < 0.35) return at_a ? near - 1e-6 : 1 - near + 1e-6;
@@ -106,7 +108,7 @@ class Chance final : public mesh::Solid {
   double share_;
 };
 
-TEST(StuffingAnglesHold, WhereverEdgesAreCut) {
+TEST(StuffingAnglesHold, AnglesHoldWhereverEdgesAreCut) {
   for (const double share : {0.5, 0.8}) {
     const auto stuffed = mesh::stuff(Chance(7, share), {.size_m = 1});
     ASSERT_TRUE(stuffed) << stuffed.error().message;
@@ -120,7 +122,7 @@ TEST(StuffingAnglesHold, WhereverEdgesAreCut) {
   }
 }
 
-TEST(Stuffing, IsTheSameForAnyNumberOfThreads) {
+TEST(Stuffing, StuffingIsTheSameForAnyNumberOfThreads) {
   const Soup soup = with_holes(bowl_surface(1, 0.2, 40), 0.05);
   const auto one = mesh::stuff(soup, {.size_m = 0.1, .threads = 1}),
              five = mesh::stuff(soup, {.size_m = 0.1, .threads = 5});
@@ -129,7 +131,7 @@ TEST(Stuffing, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one->mesh.elements, five->mesh.elements);
 }
 
-TEST(Stuffing, PutsTheNodesOfItsSkinOnTheSurface) {
+TEST(Stuffing, StuffingPutsTheNodesOfItsSkinOnTheSurface) {
   const auto stuffed = mesh::stuff(sphere_surface(1, 200), {.size_m = 0.25});
   ASSERT_TRUE(stuffed);
   std::map<std::array<int, 3>, int> faces;
@@ -167,7 +169,7 @@ TEST(Stuffing, WhatCannotBeStuffedIsSaid) {
   EXPECT_EQ(stopped.error().kind, ErrorKind::cancelled);
 }
 
-TEST(Stuffing, NamesTheFinestSizeThatFits) {
+TEST(Stuffing, StuffingNamesTheFinestSizeThatFits) {
   const Soup box = box_surface({1, 1, 1});
   const auto refused = mesh::stuff(box, {.size_m = 0.001});
   ASSERT_FALSE(refused);

@@ -38,7 +38,7 @@ double by_angles(const Soup& soup, const Vector3& point) {
   return sum / (4 * std::numbers::pi);
 }
 
-TEST(WindingNumber, IsTheSumOfTheSphericalTrianglesWithinItsTolerance) {
+TEST(WindingNumber, TheWindingNumberIsTheSumOfTheSphericalTrianglesWithinItsTolerance) {
   for (const Soup& soup :
        {with_holes(sphere_surface(1, 40), 0.1), random_soup(600, 0.3, 1), bowl_surface(1, 0.1, 30)}) {
     const mesh::WindingNumber winding(soup);
@@ -52,7 +52,7 @@ TEST(WindingNumber, IsTheSumOfTheSphericalTrianglesWithinItsTolerance) {
   }
 }
 
-TEST(WindingNumber, IsOneInsideAndNoneOutside) {
+TEST(WindingNumber, TheWindingNumberIsOneInsideAndNoneOutside) {
   const Soup sphere = sphere_surface(1);
   const mesh::WindingNumber winding(sphere);
   for (const Vector3& point : points(500, 1.3, 3)) {
@@ -62,7 +62,7 @@ TEST(WindingNumber, IsOneInsideAndNoneOutside) {
   }
 }
 
-TEST(WindingNumber, OfADiskIsThatOfItsCone) {
+TEST(WindingNumber, TheWindingNumberOfADiskIsThatOfItsCone) {
   const Soup disk = turned_surface(400, 1, [](double t) { return Eigen::Vector2d(1 - t, 0); });
   const mesh::WindingNumber winding(disk);
   for (const double height : {0.1, 0.5, 2.}) {  // a disk seen from its axis fills a cap of the sphere
@@ -71,7 +71,7 @@ TEST(WindingNumber, OfADiskIsThatOfItsCone) {
   }
 }
 
-TEST(WindingNumber, OfASurfaceInsideOutIsTurned) {
+TEST(WindingNumber, TheWindingNumberOfASurfaceInsideOutIsTurned) {
   const Soup box = moved(box_surface({1, 2, 3}), {50, 60, 70});
   EXPECT_FALSE(mesh::WindingNumber(box).turned());
   const mesh::WindingNumber winding(inside_out(box));
@@ -89,7 +89,7 @@ TEST(WindingNumber, AWayThroughASphereCrossesItTwice) {
   }
 }
 
-TEST(WindingNumber, OfNothingIsNone) {
+TEST(WindingNumber, TheWindingNumberOfNothingIsNone) {
   const mesh::WindingNumber winding(Soup{});
   EXPECT_EQ(winding.at({0, 0, 0}), 0);
   EXPECT_FALSE(winding.inside({0, 0, 0}));

@@ -1,8 +1,7 @@
 // What ringdown-bake prints about a bake. [main thread]
 #pragma once
 
-#include "engine/bake/object_file.h"
-#include "engine/bake/refine.h"
+#include "engine/bake/bake_object.h"
 
 #include <filesystem>
 

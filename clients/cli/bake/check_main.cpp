@@ -5,16 +5,14 @@
 // failure when the repaired surface cannot be written; cancelled.
 #include "clients/cli/bake/long_work.h"
 #include "clients/cli/bake/options.h"
+#include "engine/bake/bake_object.h"
+#include "engine/bake/body_shape.h"
 #include "engine/bake/material_library.h"
-#include "engine/bake/mesh_choice.h"
-#include "engine/bake/refine.h"
-#include "engine/bake/size_question.h"
 #include "engine/base/folders.h"
 #include "engine/mesh/body_reader.h"
-#include "engine/mesh/surface_reader.h"
-#include "engine/mesh/surface_writer.h"
-#include "engine/mesh/tet_quality.h"
-#include "engine/mesh/wall_thickness.h"
+#include "engine/mesh/surface_distance.h"
+#include "engine/mesh/surface_file.h"
+#include "engine/mesh/tet_mesh.h"
 #include "packaging/manual/command_line.h"
 
 #include <CLI/CLI.hpp>
@@ -123,7 +121,9 @@ Result<void> check_mesh(const CheckRequest& request) {
   const bake::BodyShape shape = bake::measure_shape(*sketch, mesh::wall_thickness(*sketch));
   print_choice(shape, material->material);
   const double unit_m = request.unit_m.value_or(mesh::unit_in_file(request.file));
-  const std::string question = bake::question_size(shape, material->material, {}, request.file, unit_m);
+  const bake::BakeOptions usual;
+  const std::string question =
+      bake::question_size(shape, material->material, usual.band_high_hz, usual.most_modes, request.file, unit_m);
   if (!question.empty()) std::printf("  is this size meant? %s\n", question.c_str());
   std::fflush(stdout);
   return {};

@@ -67,7 +67,7 @@ void look_at(Job& job, const FolderBake& request) {
                                       .geometry = recipe.geometry,
                                       .material = request.materials / (recipe.material + ".toml"),
                                       .options = request.hashed});
-  if (hash && modal::sealed_input_hash(job.file.output) == hash) job.state = State::unchanged;
+  if (hash && modal::read_input_hash(job.file.output) == hash) job.state = State::unchanged;
 }
 
 // Banks that a killed process left half-written, under the names of write_file_atomically(): NAME.glb.XXXXXX.

@@ -7,8 +7,8 @@
 #include "clients/cli/bake/folder_command.h"
 #include "clients/cli/bake/long_work.h"
 #include "clients/cli/bake/options.h"
+#include "engine/bake/bake_object.h"
 #include "engine/bake/input_hash.h"
-#include "engine/bake/object_file.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/folders.h"
 #include "engine/base/range.h"
@@ -165,7 +165,7 @@ ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments
                                              .material = arguments.materials / (recipe->material + ".toml"),
                                              .options = arguments.shaping})
                                .value_or("");
-  if (arguments.update && !hash.empty() && modal::sealed_input_hash(output) == hash) {
+  if (arguments.update && !hash.empty() && modal::read_input_hash(output) == hash) {
     if (!arguments.quiet) std::printf("%s: unchanged\n", recipe->name.c_str());
     return ExitCode::ok;
   }

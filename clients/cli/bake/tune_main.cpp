@@ -6,7 +6,7 @@
 #include "clients/cli/bake/long_work.h"
 #include "clients/cli/bake/tune_options.h"
 #include "clients/cli/pitch.h"
-#include "engine/bake/object_text.h"
+#include "engine/bake/object_file.h"
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/folders.h"

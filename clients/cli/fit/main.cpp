@@ -2,9 +2,8 @@
 // to the recording.
 #include "clients/cli/fit/report.h"
 #include "clients/cli/fit/sound.h"
-#include "engine/fit/amplitudes.h"
-#include "engine/fit/calibrate.h"
-#include "engine/fit/to_bank.h"
+#include "engine/fit/sinusoids.h"
+#include "engine/fit/recorded_bank.h"
 #include "engine/modal/bank_file.h"
 #include "engine/synth/mode_table.h"
 #include "packaging/manual/command_line.h"

@@ -1,8 +1,8 @@
 // What `ringdown fit` prints. [any]
 #pragma once
 
-#include "engine/fit/calibrate.h"
 #include "engine/fit/modes.h"
+#include "engine/fit/recorded_bank.h"
 #include "engine/modal/bank.h"
 
 #include <string>

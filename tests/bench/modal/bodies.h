@@ -1,7 +1,7 @@
 // What the modal benchmark measures on: four bodies whose exact frequencies are known, and a bell.
 #pragma once
 
-#include "engine/bake/object_file.h"
+#include "engine/bake/bake_object.h"
 #include "engine/fem/elastic.h"
 #include "engine/mesh/tet_mesh.h"
 

@@ -2,8 +2,7 @@
 
 #include "engine/base/child_process.h"
 #include "engine/base/folders.h"
-#include "engine/mesh/tet_basis.h"
-#include "engine/mesh/tet_shape.h"
+#include "engine/mesh/tet_element.h"
 
 #include <Eigen/LU>
 
@@ -63,7 +62,7 @@ std::vector<double> read_table(const fs::path& path) {
 fem::SparseMatrix calculix_mass(const mesh::TetMesh& mesh, double density_kg_m3) {
   Eigen::Matrix<double, 10, 10> of_unit_volume = Eigen::Matrix<double, 10, 10>::Zero();
   for (const mesh::QuadraturePoint& point : mesh::tet_quadrature(2)) {
-    const Eigen::VectorXd shape = mesh::shape(2, point.barycentric);
+    const Eigen::VectorXd shape = mesh::interpolation(2, point.barycentric);
     of_unit_volume += point.weight * shape * shape.transpose();
   }
   std::vector<Eigen::Triplet<double>> entries;

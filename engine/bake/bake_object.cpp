@@ -1,0 +1,277 @@
+#include "engine/bake/bake_object.h"
+
+#include "engine/bake/material_library.h"
+#include "engine/base/atomic_file.h"
+#include "engine/base/content_cache.h"
+#include "engine/base/range.h"
+#include "engine/mesh/surface_distance.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+// Rounds until the error holds
+//
+// plan() chooses what the recipe leaves open. Then rounds follow each other: mesh, bake, compare the estimated error of
+// the worst mode with the one asked for. The error of order p falls as the 2p-th power of the elements' size, which
+// says how much finer the next mesh should be; the step is bounded below and above, because the estimate is only an
+// estimate. When the next mesh would have too many unknowns, raising the order comes instead, which gains more for
+// less.
+namespace ringdown::bake {
+namespace {
+
+constexpr std::size_t kMaxGeometry = 16 << 20;                            // bytes hashed for a family's name
+constexpr double kMinStepSize = 0.4, kMaxStepSize = 0.85, kMargin = 0.9;  // of mesh sizes from round to round
+constexpr double kPreviewUnknowns = 5000;
+constexpr std::size_t kPreviewPoints = 60;
+constexpr Eigen::Index kPreviewElements = 10'000;  // of a mesh from a file, that order 2 is still quick with
+
+// Meshes of one geometry with the same parameters, however fine and of whatever material.
+std::string family_of(const ObjectRecipe& recipe) {
+  const Result<std::string> geometry = read_whole_file(recipe.geometry, kMaxGeometry);
+  if (!geometry) return "";
+  ContentHasher hasher;
+  hasher.text(*geometry);
+  for (const auto& [name, value] : recipe.meshing.parameters) hasher.text(name).value(value);
+  return hasher.hash().text();
+}
+
+double mean_longest_edge(const mesh::TetMesh& mesh) {
+  double sum = 0;
+  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+    const mesh::Corners corners = mesh::corners_of(mesh, e);
+    double longest = 0;
+    for (const auto& [a, b] : mesh::kTetEdges) longest = std::max(longest, (corners.row(b) - corners.row(a)).norm());
+    sum += longest;
+  }
+  return sum / static_cast<double>(mesh.elements.rows());
+}
+
+fem::Element of_order(int order) {
+  constexpr std::array kElements = {fem::Element::kTet4, fem::Element::kTet10, fem::Element::kTet20,
+                                    fem::Element::kTet35};
+  return kElements[order - 1];
+}
+
+// About how many times the unknowns of order p those of p + 1 are.
+double growth(int order) {
+  constexpr std::array kGrowth = {8.0, 2.8, 2.3};
+  return kGrowth[order - 1];
+}
+
+class Baker {
+ public:
+  Baker(const ObjectRecipe& recipe, const modal::Material& material, const Progress& progress)
+      : recipe_(recipe), material_(material), progress_(progress), reader_(recipe.geometry, recipe.options.cache) {
+    if (!recipe.options.cache.empty()) recipe_.options.family = family_of(recipe);
+  }
+
+  Result<BakedObject> run() {
+    if (auto planned = plan(); !planned) return fail(planned.error());
+    bool same_mesh = false;
+    for (;;) {
+      if (!same_mesh) {
+        if (auto meshed = mesh(); !meshed) return fail(meshed.error());
+      }
+      if (auto baked = bake_once(); !baked) return fail(baked.error());
+      if (recipe_.error <= 0 || error() <= recipe_.error) return finished();
+      const Result<bool> refined = refine();
+      if (!refined) return fail(refined.error());
+      same_mesh = *refined;
+    }
+  }
+
+ private:
+  // With the lengths that the object has.
+  BakedObject finished() {
+    object_.mesh.mesh.nodes *= recipe_.scale;
+    if (object_.choice) {
+      for (double* length : {&object_.choice->size_m, &object_.choice->edge_size_m, &object_.choice->shortest_wave_m,
+                             &object_.choice->wall_m}) {
+        *length *= recipe_.scale;
+      }
+    }
+    return std::move(object_);
+  }
+
+  [[nodiscard]] double error() const { return object_.rounds.back().error; }
+
+  bool go_on(std::string_view stage, double fraction) const {
+    if (!progress_) return true;
+    if (object_.rounds.empty()) return progress_(stage, fraction);
+    const std::string prefix =
+        "round " + std::to_string(object_.rounds.size() + 1) + ", error " + as_percent(error()) + " so far: ";
+    return progress_(prefix + std::string(stage), fraction);
+  }
+
+  void set_order(int order) {
+    recipe_.options.element = of_order(order);
+    recipe_.meshing.order = order;
+  }
+
+  // The mesh size, where none is named, and what a preview leaves out.
+  Result<void> plan() {
+    if (recipe_.preview) {
+      set_order(2);
+      recipe_.options.most_points = std::min(recipe_.options.most_points, kPreviewPoints);
+    }
+    if (auto stuffed = plan_stuffing(); !stuffed) return stuffed;
+    const bool named = recipe_.meshing.mesh_size_m > 0 || mesh::names_mesh_size(recipe_.geometry);
+    if (!reader_.meshes() || (named && !recipe_.preview)) return {};
+    if (!go_on("mesh", 0)) return fail_cancelled();
+    const Result<mesh::TriangleMesh> sketch = reader_.sketch(recipe_.meshing);
+    if (!sketch) return fail(sketch.error());
+    const BodyShape shape = measure_shape(*sketch, mesh::wall_thickness(*sketch));
+    const int order = fem::order_of(recipe_.options.element);
+    // What a larger object sounds up to, its geometry would sound up to that much higher. A smaller one keeps the mesh.
+    const double band_high_hz = std::max(recipe_.scale, 1.0) * recipe_.options.band_high_hz;
+    MeshChoice choice = choose_mesh(shape, material_, band_high_hz, order, kMaxChosenUnknowns);
+    if (recipe_.preview) {
+      const MeshChoice quick = choose_coarse_mesh(shape, order, kPreviewUnknowns);
+      if (quick.size_m > choice.size_m) choice = quick;
+    }
+    recipe_.meshing.mesh_size_m = choice.size_m;
+    recipe_.meshing.edge_size_m = choice.edge_size_m;
+    object_.choice = choice;
+    return {};
+  }
+
+  // Stuffing follows walls with many small straight elements: too many for a high order.
+  Result<void> plan_stuffing() {
+    if (!reader_.is_surface()) return {};
+    if (!go_on("mesh", 0)) return fail_cancelled();
+    const Result<const mesh::PreparedSurface*> surface = reader_.surface(recipe_.meshing);
+    if (!surface) return fail(surface.error());
+    if (!(*surface)->left.sound() && fem::order_of(recipe_.options.element) > 2) set_order(2);
+    return {};
+  }
+
+  Result<void> mesh() {
+    if (!go_on("mesh", 0)) return fail_cancelled();
+    const auto start = std::chrono::steady_clock::now();
+    Result<mesh::Body> body = reader_.read(
+        recipe_.meshing, [this](std::string_view stage, double fraction) { return go_on(stage, fraction); });
+    if (!body) return fail(body.error());
+    object_.mesh = std::move(body->mesh);
+    const mesh::TetMesh sized{object_.mesh.mesh.nodes * recipe_.scale, object_.mesh.mesh.elements};
+    object_.question =
+        question_size(measure_shape(sized), material_, recipe_.options.band_high_hz, recipe_.options.most_modes,
+                      recipe_.geometry, recipe_.meshing.unit_m.value_or(mesh::unit_in_file(recipe_.geometry)));
+    object_.making = body->making;
+    object_.notes = std::move(body->notes);
+    object_.mesh_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const bool large = object_.mesh.mesh.elements.rows() > kPreviewElements;
+    if (recipe_.preview && !reader_.meshes() && large) set_order(1);
+    return {};
+  }
+
+  Result<void> bake_once() {
+    mesh::CheckedMesh scaled = object_.mesh;
+    scaled.mesh.nodes *= recipe_.scale;
+    Result<Baked> baked = bake(scaled, material_, recipe_.options, recipe_.name,
+                               [this](std::string_view stage, double fraction) { return go_on(stage, fraction); });
+    if (!baked) return fail(with_question(baked.error()));
+    object_.baked = std::move(*baked);
+    object_.baked.bank.provenance.body = mesh::text_of(object_.making);
+    object_.rounds.push_back({.element = recipe_.options.element,
+                              .elements = object_.baked.report.elements,
+                              .unknowns = object_.baked.report.unknowns,
+                              .error = object_.baked.report.largest_error});
+    return {};
+  }
+
+  // Prepares the next round; true when it takes object_.mesh as it is.
+  Result<bool> refine() {
+    if (object_.rounds.size() >= kMaxRounds)
+      return fail(ErrorKind::too_large, out_of_reach("that was the last of its rounds"));
+    return reader_.meshes() ? refine_geometry() : refine_mesh();
+  }
+
+  Result<bool> refine_geometry() {
+    const int order = fem::order_of(recipe_.options.element);
+    const double wanted = kMargin * std::pow(recipe_.error / error(), 0.5 / order);
+    const BodyShape shape = measure_shape(object_.mesh.mesh);
+    const double edge = mean_longest_edge(object_.mesh.mesh);
+    const double now = recipe_.meshing.mesh_size_m > 0 ? std::min(recipe_.meshing.mesh_size_m, edge) : edge;
+    const auto unknowns_at = [&](double step) {
+      return unknowns() * estimated_unknowns(shape, step * now, order) / estimated_unknowns(shape, now, order);
+    };
+    const double step = std::clamp(wanted, kMinStepSize, kMaxStepSize);
+    const bool too_many = unknowns_at(std::min(wanted, kMaxStepSize)) > recipe_.most_unknowns;
+    if (too_many && order < mesh::kMaxOrder && unknowns() * growth(order) <= recipe_.most_unknowns) {
+      set_order(order + 1);
+      return false;
+    }
+    if (unknowns_at(step) > recipe_.most_unknowns)
+      return fail(ErrorKind::too_large, out_of_reach(more_than_most(unknowns_at(step))));
+    recipe_.meshing.mesh_size_m = step * now;
+    recipe_.meshing.edge_size_m *= step;
+    return false;
+  }
+
+  Result<bool> refine_mesh() {
+    const int order = fem::order_of(recipe_.options.element);
+    const bool raise = order < mesh::kMaxOrder;
+    const double next = unknowns() * (raise ? growth(order) : 8);
+    if (next > recipe_.most_unknowns) return fail(ErrorKind::too_large, out_of_reach(more_than_most(next)));
+    if (raise) {
+      set_order(order + 1);
+    } else {
+      Result<mesh::CheckedMesh> fine = mesh::check_mesh(mesh::split(object_.mesh.mesh), recipe_.geometry.string());
+      if (!fine) return fail(fine.error());
+      object_.mesh = std::move(*fine);
+    }
+    return true;
+  }
+
+  [[nodiscard]] Error with_question(Error error) const {
+    const bool cancelled = error.kind == ErrorKind::cancelled;
+    if (!cancelled && !object_.question.empty()) error.message += "; " + object_.question;
+    return error;
+  }
+
+  [[nodiscard]] double unknowns() const { return static_cast<double>(object_.rounds.back().unknowns); }
+
+  [[nodiscard]] std::string more_than_most(double wanted) const {
+    char text[80];
+    std::snprintf(text, sizeof text, "the next round would take about %.2g million unknowns, more than %.2g",
+                  wanted / 1e6, recipe_.most_unknowns / 1e6);
+    return text;
+  }
+
+  [[nodiscard]] std::string out_of_reach(const std::string& why) const {
+    const double best =
+        std::min_element(object_.rounds.begin(), object_.rounds.end(), [](const Round& a, const Round& b) {
+          return a.error < b.error;
+        })->error;
+    return recipe_.name + ": the error stays at " + as_percent(best) + " instead of " + as_percent(recipe_.error) +
+           " (" + why + "); allow a larger --error, or narrow the band with --band";
+  }
+
+  ObjectRecipe recipe_;
+  const modal::Material& material_;
+  const Progress& progress_;
+  mesh::BodyReader reader_;
+  BakedObject object_;
+};
+
+}  // namespace
+
+Result<BakedObject> bake_recipe(const ObjectRecipe& recipe, const modal::Material& material, const Progress& progress) {
+  return Baker(recipe, material, progress).run();
+}
+
+Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesystem::path& materials,
+                                const Progress& progress) {
+  Result<MaterialEntry> material = find_material(materials, recipe.material);
+  if (!material) return fail(material.error());
+  for (const auto& [key, value] : recipe.figures) {
+    if (auto set = set_figure(material->material, key, value); !set) return fail(set.error());
+  }
+  Result<BakedObject> object = bake_recipe(recipe, material->material, progress);
+  if (object) object->baked.bank.gain = std::pow(10.0, recipe.gain_db / 20);
+  return object;
+}
+
+}  // namespace ringdown::bake

@@ -1,0 +1,215 @@
+#include "engine/bake/body_shape.h"
+
+#include "engine/mesh/boundary.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+// The size of elements is the smallest of three: a share of the shortest wave in the band, a third of the body's width,
+// so that its section can warp, and a few thicknesses, so that flat elements still bend. Unless that takes too many
+// unknowns, sharp edges get elements as small as the body is thick.
+namespace ringdown::bake {
+namespace {
+
+constexpr std::array kElementsPerWave = {20.0, 8.0, 4.0, 2.5};      // order 1 to 4
+constexpr std::array kUnknownsPerElement = {0.7, 6.0, 17.0, 38.0};  // gmsh's meshes of bodies, not of films
+constexpr double kElementsPerThicknessAtEdges = 1;
+constexpr double kSizeInSection = 0.33;  // of the width
+
+double surface_area(const mesh::TetMesh& mesh) {
+  const mesh::Boundary surface = mesh::boundary_of(mesh);
+  double area = 0;
+  for (const auto& [a, b, c] : surface.triangles) {
+    const Eigen::RowVector3d at = mesh.nodes.row(surface.nodes[a]);
+    const Eigen::RowVector3d to_b = mesh.nodes.row(surface.nodes[b]) - at, to_c = mesh.nodes.row(surface.nodes[c]) - at;
+    area += 0.5 * to_b.cross(to_c).norm();
+  }
+  return area;
+}
+
+double thickness_of(const BodyShape& shape) {
+  return shape.wall_m > 0 ? std::min(shape.wall_m, shape.thickness_m) : shape.thickness_m;
+}
+
+double shortest_wave(const BodyShape& shape, const modal::Material& material, double frequency_hz) {
+  const double e = material.youngs_modulus_pa, nu = material.poisson_ratio, rho = material.density_kg_m3;
+  const double shear = std::sqrt(e / (2 * (1 + nu) * rho)) / frequency_hz;
+  const double omega = modal::hz_to_rad_per_s(frequency_hz), h = thickness_of(shape);
+  const double bending_per_mass = e * h * h / (12 * (1 - nu * nu) * rho);  // D / (rho h)
+  return std::min(shear, 2 * std::numbers::pi * std::pow(bending_per_mass, 0.25) / std::sqrt(omega));
+}
+
+double extent(const mesh::Points& nodes) { return (nodes.colwise().maxCoeff() - nodes.colwise().minCoeff()).norm(); }
+
+// Volume and its first and second moments.
+class Moments {
+ public:
+  void add(const mesh::Corners& corners) {
+    const double part = mesh::jacobian(corners).determinant() / 6;
+    const Eigen::RowVector3d sum = corners.colwise().sum();
+    volume_ += part;
+    first_ += part / 4 * sum;
+    second_ += part / 20 * (corners.transpose() * corners + sum.transpose() * sum);
+  }
+
+  [[nodiscard]] BodyShape shape(double area, double length_m) const {
+    const Eigen::Matrix3d spread = second_ / volume_ - first_.transpose() * first_ / (volume_ * volume_);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(spread, Eigen::EigenvaluesOnly);
+    return {.volume_m3 = std::abs(volume_),
+            .thickness_m = 2 * std::abs(volume_) / area,
+            .wall_m = 0,
+            .width_m = std::sqrt(12 * std::max(principal.eigenvalues()[1], 0.0)),
+            .length_m = length_m};
+  }
+
+ private:
+  double volume_ = 0;
+  Eigen::RowVector3d first_ = Eigen::RowVector3d::Zero();
+  Eigen::Matrix3d second_ = Eigen::Matrix3d::Zero();
+};
+
+// The size that makes that many unknowns: the inverse of estimated_unknowns().
+double size_for(const BodyShape& shape, double unknowns, int order) {
+  const double cells = 8 * kUnknownsPerElement[order - 1] * shape.volume_m3 / unknowns;
+  const double compact = std::cbrt(cells);
+  return compact <= shape.thickness_m ? compact : std::sqrt(cells / shape.thickness_m);
+}
+
+}  // namespace
+
+BodyShape measure_shape(const mesh::TetMesh& mesh) {
+  Moments moments;
+  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) moments.add(mesh::corners_of(mesh, e));
+  return moments.shape(surface_area(mesh), extent(mesh.nodes));
+}
+
+// Tetrahedra from the origin to each triangle count with their sign.
+BodyShape measure_shape(const mesh::TriangleMesh& skin, double wall_m) {
+  Moments moments;
+  double area = 0;
+  const Eigen::RowVector3d middle = skin.nodes.colwise().mean();
+  for (Eigen::Index t = 0; t < skin.triangles.rows(); ++t) {
+    mesh::Corners corners = mesh::Corners::Zero();
+    for (int i = 0; i < 3; ++i) corners.row(i + 1) = skin.nodes.row(skin.triangles(t, i)) - middle;
+    moments.add(corners);
+    const Eigen::RowVector3d a = corners.row(1), b = corners.row(2), c = corners.row(3);
+    area += 0.5 * (b - a).cross(c - a).norm();
+  }
+  BodyShape shape = moments.shape(area, extent(skin.nodes));
+  shape.wall_m = wall_m;
+  return shape;
+}
+
+double estimated_unknowns(const BodyShape& shape, double size_m, int order) {
+  const double cell = size_m * size_m * std::min(size_m, shape.thickness_m) / 8;
+  return kUnknownsPerElement[order - 1] * shape.volume_m3 / cell;
+}
+
+MeshChoice choose_mesh(const BodyShape& shape, const modal::Material& material, double band_high_hz, int order,
+                       double most_unknowns) {
+  MeshChoice choice{.shortest_wave_m = shortest_wave(shape, material, band_high_hz)};
+  choice.size_m = std::min({choice.shortest_wave_m / kElementsPerWave[order - 1], kSizeInSection * shape.width_m,
+                            (order + 1) * thickness_of(shape)});
+  choice.wall_m = shape.wall_m;
+  const double finest = size_for(shape, most_unknowns, order);
+  choice.bounded = choice.size_m < finest;
+  choice.size_m = std::max(choice.size_m, finest);
+  if (!choice.bounded) choice.edge_size_m = std::min(choice.size_m, shape.thickness_m / kElementsPerThicknessAtEdges);
+  return choice;
+}
+
+MeshChoice choose_coarse_mesh(const BodyShape& shape, int order, double unknowns) {
+  return {.size_m = size_for(shape, unknowns, order)};
+}
+
+namespace {
+
+struct Unit {
+  const char *name, *option;
+  double length_m;
+};
+constexpr std::array<Unit, 4> kUnits = {
+    {{"millimetre", "mm", 0.001}, {"centimetre", "cm", 0.01}, {"inch", "in", 0.0254}, {"metre", "m", 1}}};
+
+BodyShape scaled(BodyShape shape, double by) {
+  shape.volume_m3 *= by * by * by;
+  shape.thickness_m *= by;
+  shape.wall_m *= by;
+  shape.width_m *= by;
+  shape.length_m *= by;
+  return shape;
+}
+
+std::string length_text(double metres) {
+  char text[32];
+  metres < 1 ? std::snprintf(text, sizeof text, "%.3g mm", 1000 * metres)
+             : std::snprintf(text, sizeof text, "%.3g m", metres);
+  return text;
+}
+
+// Of a bank.
+struct Limits {
+  double band_high_hz;
+  int most_modes;
+};
+
+double modes_below(const BodyShape& shape, const modal::Material& material, const Limits& limits) {
+  return debye_count(shape.volume_m3, material, highest_lambda_in_band(limits.band_high_hz, material.damping));
+}
+
+enum class Sound { kGood, kSilent, kCrowded };
+
+Sound sound_of(const BodyShape& shape, const modal::Material& material, const Limits& limits) {
+  if (guessed_lowest_hz(shape, material) > limits.band_high_hz) return Sound::kSilent;
+  return modes_below(shape, material, limits) > limits.most_modes ? Sound::kCrowded : Sound::kGood;
+}
+
+}  // namespace
+
+double guessed_lowest_hz(const BodyShape& shape, const modal::Material& material) {
+  const double e = material.youngs_modulus_pa, rho = material.density_kg_m3, nu = material.poisson_ratio;
+  const double bending = 1.03 * shape.thickness_m / (shape.length_m * shape.length_m) * std::sqrt(e / rho);
+  const double shear = std::sqrt(e / (2 * (1 + nu) * rho)) / (2 * shape.length_m);
+  return std::min(bending, shear);
+}
+
+double debye_count(double volume_m3, const modal::Material& material, double lambda) {
+  const double e = material.youngs_modulus_pa, nu = material.poisson_ratio, rho = material.density_kg_m3;
+  const double transverse = std::sqrt(e / (2 * (1 + nu) * rho));
+  const double longitudinal = transverse * std::sqrt((2 - 2 * nu) / (1 - 2 * nu));
+  const double slowness = std::pow(longitudinal, -3) + 2 * std::pow(transverse, -3);
+  return volume_m3 * std::pow(lambda, 1.5) / (6 * std::numbers::pi * std::numbers::pi) * slowness;
+}
+
+std::string question_size(const BodyShape& shape, const modal::Material& material, double band_high_hz, int most_modes,
+                          const std::filesystem::path& path, double unit_m) {
+  const Limits limits{band_high_hz, most_modes};
+  const Sound sound = sound_of(shape, material, limits);
+  if (sound == Sound::kGood) return "";
+  char trouble[120];
+  if (sound == Sound::kSilent) {
+    std::snprintf(trouble, sizeof trouble, "its lowest note would be near %.2g Hz", guessed_lowest_hz(shape, material));
+  } else {
+    std::snprintf(trouble, sizeof trouble, "some %.2g modes would lie below %.0f Hz",
+                  modes_below(shape, material, limits), band_high_hz);
+  }
+  std::string text = path.filename().string() + " is " + length_text(shape.length_m) + " long, so that " + trouble;
+  for (const Unit& unit : kUnits) {
+    const BodyShape other = scaled(shape, unit.length_m / unit_m);
+    if (unit.length_m == unit_m || sound_of(other, material, limits) != Sound::kGood) continue;
+    char note[32];
+    std::snprintf(note, sizeof note, "%.2g Hz", guessed_lowest_hz(other, material));
+    return text + "; if its unit is the " + unit.name + " (--unit " + unit.option + "), it is " +
+           length_text(other.length_m) + " long, and its lowest note about " + note;
+  }
+  return text + "; check its unit (--unit)";
+}
+
+}  // namespace ringdown::bake

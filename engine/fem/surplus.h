@@ -1,0 +1,94 @@
+// What polynomials of degree p + 1 have over those of degree p: the functions in one tetrahedron, their numbers over a
+// mesh, and what they meet in one element. Private to the estimate of errors (error_estimate.h). [any thread]
+//
+// The shape functions of order p and these together span the polynomials of degree p + 1: for each edge one function,
+// for each face p - 1, for the inside (p - 1)(p - 2)/2, all of degree p + 1, zero at the corners, and zero on the edges
+// and faces they do not belong to. So a mesh's functions of order p + 1 are those of order p plus these, numbered by
+// edges, faces and elements, as long as neighbours agree which corner of an edge or a face is the first: give the
+// corners of every element in the same order, say by their numbers in the mesh.
+//
+// An edge's function is the product of its two coordinates with a Jacobi polynomial, which along the edge makes it an
+// integrated Legendre polynomial; faces and the inside likewise (Szabo & Babuska, Finite Element Analysis, 1991,
+// chapter 6; Karniadakis & Sherwin, Spectral/hp Element Methods, section 3.2). Such functions are close to orthogonal
+// in energy to those of lower degree, which is what makes an estimate from them alone sharp.
+#pragma once
+
+#include "engine/fem/elastic.h"
+#include "engine/mesh/tet_element.h"
+#include "engine/mesh/tet_mesh.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <vector>
+
+namespace ringdown::fem {
+
+// Corners of edges and faces, ascending, in the order of the functions.
+inline constexpr std::array<std::array<int, 2>, 6> kRisingEdges = {{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+inline constexpr std::array<std::array<int, 3>, 4> kRisingFaces = {{{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}}};
+
+constexpr int surplus_per_face(int order) { return order - 1; }
+constexpr int surplus_inside(int order) { return (order - 1) * (order - 2) / 2; }
+constexpr int surplus_per_element(int order) { return (order + 2) * (order + 3) / 2; }  // 6, 10, 15, 21
+
+// surplus_per_element values at a point: the six edges', then those of each face, then the inner ones.
+// 1 <= order <= mesh::kMaxOrder.
+Eigen::VectorXd surplus_shape(int order, const Eigen::Vector4d& barycentric);
+
+// Their derivatives by (l1, l2, l3), a row each.
+mesh::ReferenceGradient surplus_gradient(int order, const Eigen::Vector4d& barycentric);
+
+// The functions of degree p + 1 over a whole mesh of order p: which element has which.
+struct SurplusSpace {
+  // E x n numbers of nodes, as if each element's corners were named in ascending order of their numbers: neighbours
+  // then agree on the direction of their edges and faces, and no function needs a sign. Every second element turns
+  // inside out that way.
+  mesh::Indices nodes;
+  // E x w numbers of functions, in the order of surplus_shape(). Those of all edges come first, then those of faces,
+  // then the inner ones; functions of the same face or element are neighbours.
+  mesh::Indices functions;
+  // Where the functions of one edge, face or element begin; the last entry is the count of all functions.
+  std::vector<int> parts;
+
+  [[nodiscard]] int count() const { return parts.back(); }
+};
+
+SurplusSpace surplus_space(const mesh::TetMesh& mesh);  // O(E log E)
+
+// What the functions of degree p + 1 meet in one element of order p.
+//
+// V are the element's shape functions of order p, n of them, W the w functions of degree p + 1. Displacements are
+// ordered by component: row i w + a (or i n + a) is function a along axis i.
+struct SurplusMatrices {
+  Eigen::MatrixXd coupling;  // 3w x 3n: K between W and V
+  Eigen::MatrixXd mass;      // w x n: M between W and V, the same along every axis
+  Eigen::MatrixXf energy;    // 3w x 3w: what W costs when the element may relax, see error_estimate.cpp
+};
+
+class SurplusElement {
+ public:
+  SurplusElement(int order, const Elastic& elastic);
+
+  // `nodes` in the order of SurplusSpace::nodes; the element may be inside out.
+  [[nodiscard]] SurplusMatrices operator()(const mesh::ElementNodes& nodes) const;
+
+  [[nodiscard]] int functions() const { return w_; }
+  [[nodiscard]] int nodes() const { return n_; }
+
+ private:
+  // Of all functions, W's first: the integrals of d_k N_a d_l N_b at row k (w + n) + a, column l (w + n) + b. Fills
+  // `mass` without the density.
+  Eigen::MatrixXd gradient_products(const mesh::ElementNodes& nodes, Eigen::MatrixXd& mass) const;
+  Eigen::MatrixXf relaxed(const Eigen::MatrixXd& stiffness, const mesh::ElementNodes& nodes) const;
+
+  int w_, n_;
+  Elastic elastic_;
+  Eigen::VectorXd weights_;                         // of the points, summing to 1/6
+  std::vector<mesh::ReferenceGradient> gradients_;  // at each point, w + n rows
+  Eigen::MatrixXd surplus_, shapes_;                // w and n rows, a column for each point
+  Eigen::MatrixXd straight_products_;               // gradient_products() of the reference element
+  Eigen::MatrixXd straight_mass_;
+};
+
+}  // namespace ringdown::fem

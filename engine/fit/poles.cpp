@@ -1,0 +1,255 @@
+#include "engine/fit/poles.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ringdown::fit {
+
+// Finding poles: ESPRIT
+//
+// Windows of the signal, one third of its length, are vectors in a space of which the exponentials span a small part. A
+// window one sample on is the same part, each exponential multiplied by its pole; so the poles are the eigenvalues of
+// the map between the part without its last row and the part without its first row. The part is spanned by the
+// eigenvectors of the windows' covariance whose eigenvalues stand above the noise; the map is a least-squares solution.
+// Source: Roy & Kailath, IEEE Trans. Acoust. Speech Signal Process. 37(7), 1989; damped exponentials: Badeau, Boyer &
+// David, EUSIPCO 2002.
+namespace {
+
+// Sum over all windows w of w w^H. Each element is the one before it on its diagonal, less the product that leaves the
+// sum and plus the one that comes in.
+Eigen::MatrixXcd covariance(const Eigen::VectorXcd& signal, Eigen::Index length) {
+  const Eigen::Index windows = signal.size() - length + 1;
+  Eigen::MatrixXcd sum(length, length);
+  for (Eigen::Index j = 0; j < length; ++j) {
+    sum(0, j) = signal.segment(j, windows).dot(signal.head(windows));
+    for (Eigen::Index i = 1; i + j < length; ++i) {
+      sum(i, i + j) = sum(i - 1, i + j - 1) - signal[i - 1] * std::conj(signal[i + j - 1]) +
+                      signal[i - 1 + windows] * std::conj(signal[i + j - 1 + windows]);
+    }
+  }
+  sum.triangularView<Eigen::StrictlyLower>() = sum.adjoint();
+  return sum;
+}
+
+// Of noise alone the largest eigenvalue is some (1 + sqrt(L/K))^2 = 2.9 times the mean one [Marchenko & Pastur 1967]; a
+// term that refine() would keep makes one of 13 times the noise's.
+constexpr double kOverNoise = 4.5;
+
+// A few steps of the power method, where most bands of most recordings end.
+bool is_noise(const Eigen::MatrixXcd& sum) {
+  constexpr int kSteps = 12;
+  const double mean = sum.trace().real() / static_cast<double>(sum.rows());
+  Eigen::VectorXcd direction = sum.col(sum.cols() / 2), next;
+  for (int step = 0; step < kSteps; ++step) {
+    direction.normalize();
+    next.noalias() = sum * direction;
+    if (next.norm() > kOverNoise * mean) return false;
+    direction = next;
+  }
+  return true;
+}
+
+Eigen::Index signal_directions(const Eigen::VectorXd& ascending, Eigen::Index most) {
+  constexpr double kOverRounding = 1e-13;
+  const double largest = ascending[ascending.size() - 1];
+  const double threshold = std::max(kOverNoise * ascending[ascending.size() / 2], kOverRounding * largest);
+  const auto above = std::count_if(ascending.begin(), ascending.end(), [&](double value) { return value > threshold; });
+  return std::min<Eigen::Index>(above, most);
+}
+
+}  // namespace
+
+std::vector<std::complex<double>> find_poles(const Eigen::VectorXcd& signal, Eigen::Index most) {
+  if (signal.size() < kMinSamples) return {};
+  const Eigen::Index length = signal.size() / 3;
+  const Eigen::MatrixXcd sum = covariance(signal, length);
+  if (is_noise(sum)) return {};
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(sum);
+  if (solver.info() != Eigen::Success) return {};
+  const Eigen::Index count = signal_directions(solver.eigenvalues(), std::min(most, length / 2));
+  if (count == 0) return {};
+  const Eigen::MatrixXcd space = solver.eigenvectors().rightCols(count);
+  const Eigen::MatrixXcd shift =
+      space.topRows(length - 1).colPivHouseholderQr().solve(space.bottomRows(length - 1)).eval();
+  const Eigen::ComplexEigenSolver<Eigen::MatrixXcd> poles(shift, false);
+  if (poles.info() != Eigen::Success) return {};
+  std::vector<std::complex<double>> logarithms;
+  for (const std::complex<double> pole : poles.eigenvalues()) {
+    if (std::abs(pole) > 1e-6) logarithms.push_back(std::log(pole));
+  }
+  return logarithms;
+}
+
+// Refining poles: least squares
+//
+// Gauss-Newton over poles and amplitudes together, which for white noise is the estimate of maximum likelihood: its
+// errors reach the Cramer-Rao bound. The normal equations that give the step also give every number its standard error.
+// Terms whose amplitude does not stand above its standard error are removed, the weakest first, and the rest is fitted
+// again until all that are left are significant.
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::VectorXcd;
+
+constexpr int kMaxSteps = 12;
+constexpr double kRidge = 1e-13;
+
+// One column for each pole: exp(pole n).
+MatrixXcd exponentials(const VectorXcd& poles, Index samples) {
+  MatrixXcd columns(samples, poles.size());
+  for (Index k = 0; k < poles.size(); ++k) {
+    constexpr Index kRun = 32;
+    const Complex ratio = std::exp(poles[k]);
+    for (Index n = 0; n < samples; ++n) {
+      columns(n, k) = n % kRun == 0 ? std::exp(poles[k] * static_cast<double>(n)) : columns(n - 1, k) * ratio;
+    }
+  }
+  return columns;
+}
+
+// The normal equations of columns scaled to length 1.
+struct Normal {
+  Eigen::VectorXd scale;  // 1 / length of each column
+  Eigen::LLT<MatrixXcd> factor;
+
+  explicit Normal(const MatrixXcd& columns) : scale(columns.colwise().norm().transpose()) {
+    scale = scale.array().max(1e-150).inverse();
+    MatrixXcd gram = MatrixXcd::Zero(columns.cols(), columns.cols());
+    gram.selfadjointView<Eigen::Lower>().rankUpdate(columns.adjoint());
+    gram = (scale.asDiagonal() * gram * scale.asDiagonal()).eval();
+    gram.diagonal().array() += kRidge;
+    factor.compute(gram);
+  }
+  [[nodiscard]] bool good() const { return factor.info() == Eigen::Success; }
+  [[nodiscard]] VectorXcd solve(const MatrixXcd& columns, const VectorXcd& right) const {
+    return scale.asDiagonal() * factor.solve((scale.asDiagonal() * (columns.adjoint() * right)).eval());
+  }
+  // Diagonal of the inverse of columns^H columns.
+  [[nodiscard]] Eigen::VectorXd variances() const {
+    const MatrixXcd inverse = factor.solve(MatrixXcd::Identity(scale.size(), scale.size()));
+    return inverse.diagonal().real().cwiseProduct(scale.cwiseAbs2());
+  }
+};
+
+// Of fixed poles.
+struct State {
+  VectorXcd poles, amplitudes, residual;
+  MatrixXcd columns;
+  double energy = INFINITY;  // of the residual
+};
+
+State fitted(const VectorXcd& signal, const VectorXcd& poles) {
+  State state{.poles = poles, .columns = exponentials(poles, signal.size())};
+  const Normal normal(state.columns);
+  if (!normal.good()) return state;
+  state.amplitudes = normal.solve(state.columns, signal);
+  state.residual = signal - state.columns * state.amplitudes;
+  state.energy = state.residual.squaredNorm();
+  return state;
+}
+
+// Columns exp(p n) and a n exp(p n): what the model changes by with amplitude and pole.
+MatrixXcd jacobian(const State& state) {
+  const Index count = state.poles.size(), samples = state.columns.rows();
+  const Eigen::VectorXd n = Eigen::VectorXd::LinSpaced(samples, 0, static_cast<double>(samples - 1));
+  MatrixXcd columns(samples, 2 * count);
+  columns.leftCols(count) = state.columns;
+  columns.rightCols(count) = n.asDiagonal() * state.columns * state.amplitudes.asDiagonal();
+  return columns;
+}
+
+// A pole may move by no more than the signal can tell, and must not grow.
+VectorXcd moved(const State& state, const VectorXcd& by, double share) {
+  const double most = 6.0 / static_cast<double>(state.columns.rows());
+  VectorXcd poles = state.poles;
+  for (Index k = 0; k < poles.size(); ++k) {
+    const Complex step = share * by[k];
+    poles[k] += std::abs(step) > most ? step * (most / std::abs(step)) : step;
+    poles[k] = {std::min(poles[k].real(), most), poles[k].imag()};
+  }
+  return poles;
+}
+
+State descend(const VectorXcd& signal, State state) {
+  for (int step = 0; step < kMaxSteps && std::isfinite(state.energy); ++step) {
+    const MatrixXcd columns = jacobian(state);
+    const Normal normal(columns);
+    if (!normal.good()) break;
+    const VectorXcd by = normal.solve(columns, state.residual).tail(state.poles.size());
+    State next;
+    double share = 1;
+    for (; share > 0.05; share /= 3) {
+      next = fitted(signal, moved(state, by, share));
+      if (next.energy <= state.energy) break;
+    }
+    if (!(next.energy <= state.energy)) break;
+    const bool settled = next.energy > (1 - 1e-7) * state.energy;
+    state = std::move(next);
+    if (settled) break;
+  }
+  return state;
+}
+
+// `columns` begin with the exponentials, and may go on with what the poles change.
+std::vector<Term> judged(const VectorXcd& signal, const State& state, const MatrixXcd& columns) {
+  const Normal normal(columns);
+  if (!normal.good() || !std::isfinite(state.energy)) return {};
+  const Index count = state.poles.size();
+  const double freedom = static_cast<double>(std::max<Index>(signal.size() - columns.cols(), 1));
+  const double variance = std::max(state.energy / freedom, 1e-26 * signal.squaredNorm());
+  const Eigen::VectorXd variances = variance * normal.variances();
+  std::vector<Term> terms;
+  for (Index k = 0; k < count; ++k) {
+    const double of_pole = columns.cols() > count ? variances[count + k] : 0;
+    terms.push_back({.pole = state.poles[k],
+                     .amplitude = state.amplitudes[k],
+                     .pole_error = std::sqrt(of_pole / 2),
+                     .significance = std::abs(state.amplitudes[k]) / std::sqrt(variances[k])});
+  }
+  return terms;
+}
+
+VectorXcd poles_of(const std::vector<Term>& terms) {
+  VectorXcd poles(static_cast<Index>(terms.size()));
+  for (std::size_t k = 0; k < terms.size(); ++k) poles[static_cast<Index>(k)] = terms[k].pole;
+  return poles;
+}
+
+// Takes out the weakest, if it is not significant, or as many as a share of all has. Of two that nearly coincide both
+// look weak, and either of them is strong when the other has gone: so, at the end, one at a time.
+bool weed(std::vector<Term>& terms, double least, double share) {
+  std::ranges::sort(terms, std::greater{}, &Term::significance);
+  const auto most = std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(share * static_cast<double>(terms.size())));
+  std::ptrdiff_t weak = 0;
+  for (; weak < most && !terms.empty() && !(terms.back().significance >= least); ++weak) terms.pop_back();
+  return weak > 0;
+}
+
+}  // namespace
+
+std::vector<Term> refine(const VectorXcd& signal, const std::vector<Complex>& poles) {
+  const double most_growth = 3.0 / static_cast<double>(signal.size());
+  std::vector<Term> terms;
+  for (const Complex pole : poles) {
+    if (pole.real() < most_growth) terms.push_back({.pole = pole});
+  }
+  if (terms.empty()) return {};
+  // With the poles as they are first, which is quick.
+  do {
+    const State state = fitted(signal, poles_of(terms));
+    terms = judged(signal, state, state.columns);
+  } while (weed(terms, 0.5 * kSignificance, 0.25) && !terms.empty());
+  do {
+    const State state = descend(signal, fitted(signal, poles_of(terms)));
+    terms = judged(signal, state, jacobian(state));
+  } while (weed(terms, kSignificance, 0) && !terms.empty());
+  return terms;
+}
+
+}  // namespace ringdown::fit

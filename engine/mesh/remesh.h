@@ -1,0 +1,34 @@
+// Surfaces taken apart, closed, and in triangles of another size: what CGAL does on half-edges. [worker]
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/mesh/triangle_mesh.h"
+
+#include <vector>
+
+namespace ringdown::mesh {
+
+// The same triangles where no edge has more than two of them and those around each point are connected: points are
+// doubled where surfaces ran together, and borders that lie on each other are joined again in pairs. No triangle may
+// name a node twice.
+TriangleMesh separate(const TriangleMesh& mesh);
+
+// Triangles that close a loop of points, as positions in it, turned like the loop. Empty when CGAL finds none. They are
+// looked for among the triangles of the points' Delaunay tetrahedra, which takes about O(n log n) for n points; where
+// that gives none, loops of up to kMaxExactHole points are searched among all triangles, O(n^3).
+inline constexpr std::size_t kMaxExactHole = 500;
+Triangles triangulate(const std::vector<Eigen::RowVector3d>& loop);
+
+inline constexpr double kSharpAngle_deg = 40;  // between neighbours' normals: edges that remeshing keeps
+
+struct Remeshed {
+  TriangleMesh mesh;
+  double deviation_m = 0;  // farthest middle of a triangle or side from the old surface
+};
+
+// Triangles with edges about `edge_m` long, on the old surface (Botsch & Kobbelt, A remeshing approach to
+// multiresolution modeling, 2004; CGAL's isotropic_remeshing). The surface must be closed and consistent. Fails when
+// CGAL cannot.
+Result<Remeshed> remesh(const TriangleMesh& surface, double edge_m);
+
+}  // namespace ringdown::mesh
