@@ -83,9 +83,14 @@ void Notifier::count_subscribers() {
 
 void Notifier::heard_from(Peer peer) {
   if (count_ == 0) return;
+  // To the second is enough, and spares the lock of whoever sends many packets.
+  const Clock::time_point now = now_();
+  if (peer == heard_ && now - heard_at_ < std::chrono::seconds(1)) return;
+  heard_ = peer;
+  heard_at_ = now;
   const std::scoped_lock lock(mutex_);
   const auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
-  if (subscriber != subscribers_.end()) subscriber->last_heard = now_();
+  if (subscriber != subscribers_.end()) subscriber->last_heard = now;
 }
 
 void Notifier::played(const Event& event) {

@@ -53,7 +53,7 @@ class Notifier final : public session::Observer {
   Result<void> watch_sound(Peer peer, bool on);
   Result<void> watch_object(Peer peer, const protocol::ObjectRef& object, bool on);
 
-  // Resets the subscriber's silence timer. [osc]
+  // Resets the subscriber's silence timer, to the second. [osc]
   void heard_from(Peer peer);
 
   void played(const synth::Event& event) override;
@@ -91,7 +91,9 @@ class Notifier final : public session::Observer {
   Send send_;
   Now now_;
   std::atomic<std::size_t> count_ = 0;
-  std::mutex mutex_;  // guards all that follows but the thread
+  Peer heard_{};                  // osc: who sent a packet last, and when that was noted
+  Clock::time_point heard_at_{};  // osc
+  std::mutex mutex_;              // guards all that follows but the thread
   std::condition_variable_any wake_;
   std::vector<Subscriber> subscribers_;
   std::set<synth::ObjectNumber> watched_;  // by one of them

@@ -19,9 +19,17 @@ namespace {
 
 const std::string kName = "a-name-that-no-string-holds-without-allocating";
 
+class CountingObserver final : public Observer {
+ public:
+  void played(const synth::Event&) override { ++events; }
+  void changed(const ObjectState*, const ObjectState*, synth::Frame) override {}
+  std::size_t events = 0;
+};
+
 class StrikePathTest : public testing::Test {
  protected:
   StrikePathTest() {
+    session_.rack().observe(observer_);
     EXPECT_TRUE(modal::write_bank(test::random_bank(1, 8, 12), folder_ / "a.glb"));
     EXPECT_TRUE(session_.rack().load(kName, folder_ / "a.glb"));
   }
@@ -42,6 +50,7 @@ class StrikePathTest : public testing::Test {
   }
 
   test::TemporaryFolder folder_;
+  CountingObserver observer_;
   Session session_{48000};
   bool played_ = false;
 };
@@ -65,6 +74,9 @@ TEST_F(StrikePathTest, AStrikeLocksNothingAndAllocatesOnlyWhatItsMessageTakes) {
     EXPECT_EQ(all.system_calls, 0u) << message.address;
     EXPECT_EQ(all.allocations, read.allocations) << message.address;
   }
+  EXPECT_EQ(observer_.events, 0u) << "observers are not the striking thread's to call";
+  session_.rack().report_events();
+  EXPECT_EQ(observer_.events, 2 * messages.size());
 }
 
 TEST_F(StrikePathTest, FindingAnObjectCostsNothingThatIsCounted) {
