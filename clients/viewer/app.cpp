@@ -1,12 +1,9 @@
 #include "clients/viewer/app.h"
 
-#include "clients/viewer/panels/help.h"
+#include "clients/viewer/panels/overlays.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
 #include <utility>
 
 namespace ringdown::viewer {
@@ -16,7 +13,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kFramePeriod = std::chrono::microseconds(16600);
 constexpr double kMinimised_s = 0.2;
-constexpr double kMaxStep_s = 0.1;  // of a held key, after a pause
+constexpr double kMaxStep_s = 0.1;  // the longest time that a held key acts for in one frame
 
 }  // namespace
 
@@ -99,12 +96,13 @@ void App::perform(Action action) {
 void App::handle_keys(double seconds) {
   for (const auto& [key, repeated] : window_.take_keys()) {
     const auto binding = binding_for(focused_, key);
-    if (!binding || binding->hold == Hold::acts || (repeated && binding->hold == Hold::once)) continue;
+    if (!binding || binding->while_down == WhileDown::continues || (repeated && binding->while_down == WhileDown::once))
+      continue;
     perform(binding->action);
   }
   if (focused_ != Pane::scene) return;
   for (const Binding& binding : bindings()) {
-    if (binding.hold == Hold::acts && window_.is_down(binding.key))
+    if (binding.while_down == WhileDown::continues && window_.is_down(binding.key))
       scene_.move(binding.action, std::min(seconds, kMaxStep_s));
   }
 }
@@ -132,49 +130,6 @@ void App::pane(const char* name, Pane which, float x, float width, Draw draw) {
   ImGui::End();
 }
 
-// Over the scene: what is played and when; and, where no daemon is, what to do about it.
-void App::draw_notes() const {
-  const ImVec2 from = scene_.origin(), size = scene_.size();
-  const float em = ImGui::GetFontSize();
-  ImDrawList* list = ImGui::GetWindowDrawList();
-  const KnownScene& scene = model_.scene();
-  std::array<char, 160> text{};
-  if (const auto& file = scene.description().file) {
-    const double time = options_.shown_at_s.value_or(scene.told_time_s());
-    std::snprintf(text.data(), text.size(), "%s   %.1f s of %.0f s%s", std::filesystem::path(*file).stem().c_str(),
-                  time, scene.description().duration_s, scene.paused() ? "   paused (F5)" : "");
-    list->AddText({from.x + em, from.y + 0.7f * em}, skin_.text, text.data());
-  }
-  list->AddText({from.x + em, from.y + size.y - 1.7f * em}, skin_.faint, "F1: keys");
-  const ConnectionState state = client_.state();
-  if (state.kind == ConnectionState::Kind::connected) return;
-  const float wrap = std::min(0.8f * size.x, 30 * em);
-  const ImVec2 extent = ImGui::CalcTextSize(state.sentence.c_str(), nullptr, false, wrap);
-  const ImVec2 at{from.x + (size.x - extent.x) / 2, from.y + (size.y - extent.y) / 2};
-  list->AddRectFilled({at.x - em, at.y - em}, {at.x + extent.x + em, at.y + extent.y + em}, skin_.paper, 6);
-  list->AddRect({at.x - em, at.y - em}, {at.x + extent.x + em, at.y + extent.y + em}, skin_.warning, 6);
-  list->AddText(ImGui::GetFont(), em, at, skin_.text, state.sentence.c_str(), nullptr, wrap);
-}
-
-// A bar between two panes that the mouse moves; `direction` is +1 where the pane at its left is the one that grows.
-void App::draw_splitter(const char* name, float x, double& share, double direction) {
-  const ImVec2 whole = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({x - 3, 0});
-  ImGui::SetNextWindowSize({6, whole.y});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
-  ImGui::Begin(name, nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                   ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing);
-  ImGui::InvisibleButton(name, {6, whole.y});
-  if (ImGui::IsItemHovered() || ImGui::IsItemActive()) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
-  if (ImGui::IsItemActive()) {
-    share = std::clamp(share + direction * static_cast<double>(ImGui::GetIO().MouseDelta.x / whole.x), 0.08, 0.55);
-  }
-  ImGui::End();
-  ImGui::PopStyleVar(2);
-}
-
 void App::draw_panes() {
   const float width = ImGui::GetIO().DisplaySize.x;
   const bool all = options_.only == Pane::any;
@@ -186,7 +141,7 @@ void App::draw_panes() {
   if (options_.only != Pane::sound) {
     pane("Scene", Pane::scene, left, width - left - right, [&] {
       scene_.draw(skin_, model_, commands_, settings_.strength_by_time, now, options_.shown_at_s);
-      draw_notes();
+      draw_notes(skin_, scene_.origin(), scene_.size(), model_.scene(), client_.state(), options_.shown_at_s);
     });
   }
   if (options_.only != Pane::scene) {
@@ -199,8 +154,8 @@ void App::draw_panes() {
     options_.daemon = url;
     client_.connect_to(url);
   });
-  draw_splitter("left splitter", left, settings_.side_share, 1);
-  draw_splitter("right splitter", width - right, settings_.sound_share, -1);
+  draw_splitter("left splitter", left, 1, settings_.side_share);
+  draw_splitter("right splitter", width - right, -1, settings_.sound_share);
 }
 
 void App::draw() {
@@ -218,11 +173,11 @@ void App::draw() {
       focused_ == Pane::side ? flags | ImGuiConfigFlags_NavEnableKeyboard : flags & ~ImGuiConfigFlags_NavEnableKeyboard;
   handle_keys(seconds);
   const bool live = !options_.shown_at_s;
-  scene_.set_detail(live ? pace_.detail() : 1);
+  scene_.set_detail(live ? detail_.detail() : 1);
   draw_panes();
   if (help_) help_ = draw_help(skin_);
   window_.end_frame();
-  if (live) pace_.observe(std::chrono::duration<double>(Clock::now() - last_frame_).count());
+  if (live) detail_.observe(std::chrono::duration<double>(Clock::now() - last_frame_).count());
 }
 
 void App::frame() {

@@ -1,4 +1,4 @@
-// The viewer: a daemon's model, three panes, keys and settings, frame by frame. [main]
+// The viewer: the model of a daemon, three panes, keys and settings, frame by frame. [main]
 //
 //   App app(std::move(window), std::move(renderer), settings, {...});
 //   while (app.runs()) app.frame();
@@ -8,7 +8,6 @@
 #include "clients/viewer/keys.h"
 #include "clients/viewer/link/daemon_client.h"
 #include "clients/viewer/link/model.h"
-#include "clients/viewer/pace.h"
 #include "clients/viewer/panels/scene_view.h"
 #include "clients/viewer/panels/side_view.h"
 #include "clients/viewer/panels/sound_view.h"
@@ -27,20 +26,20 @@ class App {
 
   struct Options {
     std::string daemon;                // its URL
-    std::optional<std::string> scene;  // to be loaded once, when a daemon is there
-    Pane only = Pane::any;             // scene or sound alone; any: all three
-    std::optional<double> shown_at_s;  // the scene time to show; nothing: now
+    std::optional<std::string> scene;  // loaded once, when a daemon answers
+    Pane only = Pane::any;             // shows the scene or the sound pane alone; any: all three
+    std::optional<double> shown_at_s;  // the scene time to show; nothing: the current time
   };
   App(Window window, SceneRenderer renderer, const Settings& settings, Options options);
-  App(const App&) = delete;  // its parts know each other by address
+  App(const App&) = delete;  // its parts refer to each other by address
   App& operator=(const App&) = delete;
 
-  // False when the user has left.
+  // False once the user has quit.
   [[nodiscard]] bool runs() const { return runs_ && !window_.closed(); }
 
-  // Waits until the next frame is due, takes what came, and draws.
+  // Waits until the next frame is due, and draws it.
   void frame();
-  // The same without waiting.
+  // Takes replies from the daemon and input from the user, and draws a frame at once.
   void draw();
 
   [[nodiscard]] Model& model() { return model_; }
@@ -51,7 +50,7 @@ class App {
   [[nodiscard]] Pane focused() const { return focused_; }
   void show_at(std::optional<double> scene_time_s) { options_.shown_at_s = scene_time_s; }
 
-  // As they are to be kept.
+  // The settings to save.
   [[nodiscard]] Settings settings() const;
 
  private:
@@ -61,8 +60,6 @@ class App {
   void handle_keys(double seconds);
   void perform(Action action);
   void draw_panes();
-  void draw_notes() const;
-  void draw_splitter(const char* name, float x, double& share, double direction);
   template <class Draw>
   void pane(const char* name, Pane which, float x, float width, Draw draw);
   [[nodiscard]] double now_s() const;
@@ -75,7 +72,7 @@ class App {
   Model model_;
   Commands commands_;
   SceneView scene_;
-  Pace pace_;
+  DetailControl detail_;
   SoundView sound_;
   SideView side_;
   Pane focused_ = Pane::scene;

@@ -1,6 +1,6 @@
 #include "clients/viewer/commands.h"
 
-#include "protocol/names.h"
+#include "clients/viewer/mode_list.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,17 +15,14 @@ using modal::ModeRange;
 using protocol::ObjectRef;
 using protocol::Request;
 
-constexpr double kToldWithin_s = 1;  // then the daemon's word counts again
 constexpr std::uint32_t kHighest = 20;
-constexpr double kSemitone = 1.122462048309373;  // of stiffness or density: frequency goes with their square root
+constexpr double kSemitone = 1.122462048309373;  // factor of stiffness or density; frequency follows its square root
 constexpr double kDampingStep = 1.4142135623730951;
 constexpr double kForceStep = 1.4142135623730951;
 
 ObjectRef ref(const std::string& name) { return {name, std::nullopt}; }
 
-double limited(double value, double least, double most) { return std::clamp(value, least, most); }
-
-// "ringdown-20110516-142501.osc", so that no recording replaces another.
+// A name like "ringdown-20110516-142501.osc", so that no recording replaces another.
 std::string recording_name() {
   const std::time_t now = std::time(nullptr);
   std::tm local{};
@@ -45,32 +42,18 @@ std::string stem_of(const std::string& path) {
 
 }  // namespace
 
-Vec3 outward_normal(const modal::Bank& bank, std::uint32_t point) {
-  const auto at = [&](std::uint32_t i) {
-    return Vec3{bank.positions[i][0], bank.positions[i][1], bank.positions[i][2]};
-  };
-  Vec3 sum;
-  for (const auto& [a, b, c] : bank.triangles) {
-    if (a == point || b == point || c == point) sum = sum + cross(at(b) - at(a), at(c) - at(a));
-  }
-  const double size = length(sum);
-  return size > 0 ? (1 / size) * sum : Vec3{0, 0, 1};
-}
-
 void Commands::update(double now_s) {
-  now_s_ = now_s;
+  edits_.update(now_s);
   if (!chosen() || !chosen_by_hand_) {
     const auto& objects = model_.objects();
     const auto richest = std::ranges::max_element(objects, {}, [](const auto& entry) { return entry.second.modes; });
     choose_object(richest == objects.end() ? std::string() : richest->first);
     chosen_by_hand_ = false;
   }
-  std::erase_if(pending_, [&](const auto& entry) { return now_s - entry.second.at_s > kToldWithin_s; });
 }
 
 void Commands::restart() {
-  history_.clear();
-  pending_.clear();
+  edits_.restart();
   choice_.tone = false;
 }
 
@@ -80,52 +63,6 @@ void Commands::choose_object(const std::string& name) {
   choice_.object = name;
   choice_.mode = choice_.node = 0;
   model_.choose(name);
-}
-
-Adjustment Commands::adjustment_of(const KnownObject& object) const {
-  const auto pending = pending_.find(object.name);
-  if (pending != pending_.end()) return pending->second.as;
-  const bool all = object.selected.first == 0 && object.selected.count >= static_cast<std::uint32_t>(object.modes);
-  return {object.scale, object.gain, object.pan, all ? ModeRange{} : object.selected};
-}
-
-void Commands::edit(const KnownObject& object, const Request& change, const std::string& what) {
-  const Adjustment before = adjustment_of(object);
-  Request back = change;
-  if (auto* material = std::get_if<protocol::SetMaterial>(&back)) material->scale = before.scale;
-  if (auto* gain = std::get_if<protocol::SetGain>(&back)) gain->gain = before.gain;
-  if (auto* pan = std::get_if<protocol::SetPan>(&back)) pan->pan = before.pan;
-  if (auto* modes = std::get_if<protocol::SelectModes>(&back)) modes->range = before.range;
-  history_.note(object.name + ": " + what, std::move(back), change, now_s_);
-  carry_out(change);
-}
-
-// Sends it, and takes it for done until the daemon says how the object is set.
-void Commands::carry_out(const Request& change) {
-  std::string name;
-  const auto adjust = [&](const ObjectRef& object, auto set) {
-    name = object.name;
-    const KnownObject* known = model_.object(name);
-    if (!known) return;
-    Pending pending{adjustment_of(*known), now_s_};
-    set(pending.as);
-    pending_.insert_or_assign(name, pending);
-  };
-  if (const auto* material = std::get_if<protocol::SetMaterial>(&change)) {
-    adjust(material->object, [&](Adjustment& a) { a.scale = material->scale; });
-  } else if (const auto* gain = std::get_if<protocol::SetGain>(&change)) {
-    adjust(gain->object, [&](Adjustment& a) { a.gain = gain->gain; });
-  } else if (const auto* pan = std::get_if<protocol::SetPan>(&change)) {
-    adjust(pan->object, [&](Adjustment& a) { a.pan = pan->pan; });
-  } else if (const auto* modes = std::get_if<protocol::SelectModes>(&change)) {
-    adjust(modes->object, [&](Adjustment& a) { a.range = modes->range; });
-  }
-  send_(change);
-  if (!name.empty()) send_(protocol::DescribeObject{ref(name)});
-}
-
-void Commands::send_again(const std::optional<Request>& change) {
-  if (change) carry_out(*change);
 }
 
 void Commands::strike(const std::string& object, Vec3 point_m, Vec3 normal, double impulse_ns) {
@@ -144,7 +81,8 @@ void Commands::project_test_force() {
 void Commands::play_modes(ModeRange range) {
   const KnownObject* object = chosen();
   if (!object) return;
-  if (adjustment_of(*object).range != range) edit(*object, protocol::SelectModes{ref(object->name), range}, "modes");
+  if (edits_.adjustment_of(*object).range != range)
+    edits_.change(*object, protocol::SelectModes{ref(object->name), range}, "modes");
   send_(protocol::RingModes{ref(object->name), range.first, range.count,
                             protocol::kDefaultRingAmplitude / std::sqrt(std::max(1, object->modes))});
 }
@@ -153,32 +91,32 @@ void Commands::hear_alone(const KnownObject& object, std::uint32_t rank) {
   choose_object(object.name);
   choice_.mode = rank;
   const ModeRange alone{rank, 1};
-  if (adjustment_of(object).range == alone) {
-    edit(object, protocol::SelectModes{ref(object.name), {}}, "modes");
+  if (edits_.adjustment_of(object).range == alone) {
+    edits_.change(object, protocol::SelectModes{ref(object.name), {}}, "modes");
     return;
   }
-  edit(object, protocol::SelectModes{ref(object.name), alone}, "modes");
+  edits_.change(object, protocol::SelectModes{ref(object.name), alone}, "modes");
   send_(protocol::RingModes{ref(object.name), rank, 1, protocol::kDefaultRingAmplitude});
 }
 
 void Commands::step_mode_count(int by) {
   const KnownObject* object = chosen();
   if (!object || object->modes == 0) return;
-  const ModeRange now = adjustment_of(*object).range;
+  const ModeRange now = edits_.adjustment_of(*object).range;
   const auto most = static_cast<std::uint32_t>(object->modes);
   const std::uint32_t had = now.first >= most ? 0 : std::min(now.count, most - now.first);
   const auto step = static_cast<int>(std::max<std::uint32_t>(1, had / 10));
   const int count = std::clamp(static_cast<int>(had) + by * step, 1, object->modes);
   const ModeRange range{0, count == object->modes ? ModeRange::kAll : static_cast<std::uint32_t>(count)};
-  if (range != now) edit(*object, protocol::SelectModes{ref(object->name), range}, "modes");
+  if (range != now) edits_.change(*object, protocol::SelectModes{ref(object->name), range}, "modes");
 }
 
 void Commands::scale_material(double MaterialScale::*factor, double by) {
   const KnownObject* object = chosen();
   if (!object) return;
-  MaterialScale scale = adjustment_of(*object).scale;
-  scale.*factor = limited(scale.*factor * by, 1e-3, 1e3);
-  edit(*object, protocol::SetMaterial{ref(object->name), scale}, "material");
+  MaterialScale scale = edits_.adjustment_of(*object).scale;
+  scale.*factor = std::clamp(scale.*factor * by, 1e-3, 1e3);
+  edits_.change(*object, protocol::SetMaterial{ref(object->name), scale}, "material");
 }
 
 void Commands::step_object(int by) {
@@ -224,9 +162,9 @@ bool Commands::perform(Action action) {
 bool Commands::perform_choice(Action action) {
   switch (action) {
     case Action::undo:
-      return send_again(history_.undo()), true;
+      return edits_.undo(), true;
     case Action::redo:
-      return send_again(history_.redo()), true;
+      return edits_.redo(), true;
     case Action::record:
       return toggle_recording(), true;
     case Action::next_object:
@@ -244,7 +182,7 @@ bool Commands::perform_choice(Action action) {
     case Action::stronger:
     case Action::weaker: {
       const double step = action == Action::stronger ? kForceStep : 1 / kForceStep;
-      choice_.impulse_ns = limited(choice_.impulse_ns * step, 1e-5, 100);
+      choice_.impulse_ns = std::clamp(choice_.impulse_ns * step, 1e-5, 100.0);
       return true;
     }
     case Action::vibrate:
@@ -305,7 +243,8 @@ bool Commands::perform_modes(Action action) {
   }
 }
 
-// New bodies play the chosen object, as large as it is; without one they are silent.
+// New bodies play the chosen object and take their size from it; without one they are silent and have a size of their
+// own.
 bool Commands::perform_scene(Action action) {
   constexpr double kSilentSize_m = 0.06, kSilentDensity_kg_m3 = 2500;
   const KnownObject* object = chosen();

@@ -1,11 +1,11 @@
-// The one table of keys: what the window obeys, what F1 shows, what docs/viewer.md lists.
+// The actions that a key, a button or a menu can ask for, and the one table of keys, which the window obeys, F1 shows
+// and docs/viewer.md lists. commands.h says what an action does.
 //
 // Letters are those of the 2011 report's two programs where it gives them: its test GUI is our sound pane, its OpenGL
-// scene our scene pane. Where both mean something by a letter (Q W E A S D) the focused pane decides. [any thread]
+// scene our scene pane. Letters that have a meaning in both (Q W E A S D) follow the focused pane. [any thread]
 #pragma once
 
-#include "clients/viewer/action.h"
-
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,16 +13,78 @@
 
 namespace ringdown::viewer {
 
+enum class Action : std::uint8_t {
+  // the window
+  quit,
+  help,
+  full_screen,
+  theme,
+  next_pane,
+  larger,
+  smaller,
+  // what is edited
+  undo,
+  redo,
+  record,
+  next_object,
+  previous_object,
+  clear_sound,
+  stronger,
+  weaker,
+  project_test_force,
+  // the sound
+  all_modes,
+  highest_modes,
+  test_tone,
+  more_modes,
+  fewer_modes,
+  alpha_up,
+  alpha_down,
+  beta_up,
+  beta_down,
+  density_up,
+  density_down,
+  stiffness_up,
+  stiffness_down,
+  next_node,
+  previous_node,
+  next_mode,
+  previous_mode,
+  hear_mode,
+  // the scene
+  forward,
+  back,
+  left,
+  right,
+  up,
+  down,
+  turn_left,
+  turn_right,
+  turn_up,
+  turn_down,
+  closer,
+  farther,
+  home,
+  test_force,
+  new_box,
+  new_sphere,
+  clear_scene,
+  vibrate,
+  pause,
+  restart,
+};
+
 enum class Pane : std::uint8_t { any, scene, sound, side };
 
-// What a key does that stays down: nothing more, the same again and again, or something all the time.
-enum class Hold : std::uint8_t { once, repeats, acts };
+// What happens while a key is held down: the action happens once, repeats with the keyboard's repeat rate, or goes on
+// continuously in every frame.
+enum class WhileDown : std::uint8_t { once, repeats, continues };
 
 struct Binding {
-  Pane pane;             // where it counts; a pane's own bindings go before those of any
-  std::string_view key;  // "Q", "space", "ctrl+Z": as key_name() makes them
+  Pane pane;             // where the key works; bindings of the focused pane take precedence over those of Pane::any
+  std::string_view key;  // "Q", "space", "ctrl+Z": as key_name() writes them
   Action action;
-  Hold hold;
+  WhileDown while_down;
   std::string_view sentence;
 };
 
@@ -31,7 +93,7 @@ std::span<const Binding> bindings();
 // What `key` does while `focused` has the focus.
 std::optional<Binding> binding_for(Pane focused, std::string_view key);
 
-// The name of a key: `base` is the upper-case letter, digit or sign, or "space", "escape", "F1", "left" ...
+// The name of a key with its modifiers. `base` is an upper-case letter, a digit or sign, or "space", "escape", "F1" ...
 std::string key_name(std::string_view base, bool control, bool shift);
 
 // The table as Markdown, for docs/viewer.md.

@@ -28,4 +28,16 @@ std::vector<ListedMode> list_modes(const KnownBank& known, const Adjustment& adj
   return list;
 }
 
+Vec3 outward_normal(const modal::Bank& bank, std::uint32_t point) {
+  const auto at = [&](std::uint32_t i) {
+    return Vec3{bank.positions[i][0], bank.positions[i][1], bank.positions[i][2]};
+  };
+  Vec3 sum;
+  for (const auto& [a, b, c] : bank.triangles) {
+    if (a == point || b == point || c == point) sum = sum + cross(at(b) - at(a), at(c) - at(a));
+  }
+  const double size = length(sum);
+  return size > 0 ? (1 / size) * sum : Vec3{0, 0, 1};
+}
+
 }  // namespace ringdown::viewer

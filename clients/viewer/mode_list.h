@@ -1,7 +1,8 @@
-// The modes of an object as the table and the bars show them. [UI]
+// The modes of an object as the table and the bars show them: in the object's material and size, excited at a node.
+// [UI]
 #pragma once
 
-#include "clients/viewer/commands.h"
+#include "clients/viewer/edits.h"
 #include "clients/viewer/link/model.h"
 
 #include <cstdint>
@@ -10,13 +11,17 @@
 namespace ringdown::viewer {
 
 struct ListedMode {
-  double frequency_hz = 0;  // in the object's material and size; 0: over-damped, without a pitch
+  double frequency_hz = 0;  // 0: over-damped, without a pitch
   double t60_s = 0;
   double gain_db = 0;     // level, re full scale, at which 1 N s into the surface at the node starts the mode
-  bool selected = false;  // the object has it
+  bool selected = false;  // whether the object plays the mode
 };
 
-// By rank. `node` is a sample point of the bank; past the last one, the last one.
+// The modes by rank. `node` is a sample point of the bank; a number past the last point stands for the last point.
 std::vector<ListedMode> list_modes(const KnownBank& bank, const Adjustment& adjustment, std::uint32_t node);
+
+// The direction out of the surface at a sample point: the mean of its triangles' normals, or up where it has none.
+// Unit.
+Vec3 outward_normal(const modal::Bank& bank, std::uint32_t point);
 
 }  // namespace ringdown::viewer

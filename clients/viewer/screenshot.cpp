@@ -1,10 +1,16 @@
 #include "clients/viewer/screenshot.h"
 
 #include "clients/viewer/app.h"
-#include "clients/viewer/local_daemon.h"
+#include "engine/base/child_process.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <future>
+#include <memory>
+#include <string_view>
+#include <thread>
+#include <utility>
 
 namespace ringdown::viewer {
 namespace {
@@ -13,9 +19,68 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kPatience_s = 60;
 
+constexpr std::string_view kReady = "ready: OSC on ";
+
+// A daemon that the viewer starts for itself, without a sound card, and ends with the object. A thread reads its log.
+class LocalDaemon {
+ public:
+  // Starts the `ringdownd` beside this program on a free port, and waits until it is ready. The daemon may read `scene`
+  // and the files that `scene` names. Fails with the last line of the daemon's log.
+  static Result<std::unique_ptr<LocalDaemon>> start(const std::filesystem::path& scene) {
+    const auto program = find_beside("ringdownd");
+    if (!program) return fail(program.error());
+    auto daemon = std::make_unique<LocalDaemon>();
+    auto ready = daemon->ready_.get_future();
+    daemon->thread_ = std::jthread([&own = *daemon, program = *program, scene] { own.run(program, scene); });
+    auto url = ready.get();
+    if (!url) return fail(url.error());
+    daemon->url_ = *url;
+    return daemon;
+  }
+  LocalDaemon() = default;
+  LocalDaemon(const LocalDaemon&) = delete;
+  LocalDaemon& operator=(const LocalDaemon&) = delete;
+  ~LocalDaemon() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+
+  [[nodiscard]] const std::string& url() const { return url_; }
+
+ private:
+  void report(Result<std::string> outcome) {
+    if (!std::exchange(reported_, true)) ready_.set_value(std::move(outcome));
+  }
+
+  void take_line(std::string_view line) {
+    last_line_ = line;
+    const auto at = line.find(kReady);
+    if (at == line.npos) return;
+    const std::string_view rest = line.substr(at + kReady.size());
+    report("osc.udp://" + std::string(rest.substr(0, rest.find(','))));
+  }
+
+  void run(const std::filesystem::path& program, const std::filesystem::path& scene) {
+    // The daemon logs to standard error, but run_child() hands out lines of standard output.
+    const auto done = run_child({.command = {"/bin/sh", "-c", "exec \"$0\" \"$@\" 2>&1", program.string(), "--driver",
+                                             "null", "--port", "0", "--scene", scene.string()},
+                                 .on_line = [this](std::string_view line) { take_line(line); },
+                                 .keep_going = [this] { return !stop_; }});
+    report(fail(done ? last_line_ : done.error().message));
+  }
+
+  std::string url_;
+  std::atomic<bool> stop_ = false;
+  std::promise<Result<std::string>> ready_;
+  bool reported_ = false;  // the thread's, like last_line_
+  std::string last_line_;
+  std::jthread thread_;
+};
+
+// Whether the object's bank is here, or is known to be unavailable.
 bool has_bank(const KnownObject* object) { return object && (object->bank || !object->bank_fault.empty()); }
 
-// The scene is described, and the bank of every object that a body plays is here or will never be.
+// Whether the scene is described and the bank of every object that a body plays is settled.
 bool is_complete(const Model& model) {
   const auto is_seen = [&](const auto& entry) {
     const std::string& object = entry.second.object;
@@ -26,6 +91,7 @@ bool is_complete(const Model& model) {
          std::ranges::all_of(scene.bodies(), is_seen);
 }
 
+// The sentence with which the daemon refused something about the scene.
 std::optional<std::string> refusal(const Model& model) {
   const auto failed = std::ranges::find_if(model.messages(), [](const KnownMessage& message) {
     return message.failed && message.address.starts_with("/scene/");
@@ -33,7 +99,8 @@ std::optional<std::string> refusal(const Model& model) {
   return failed == model.messages().end() ? std::nullopt : std::optional(failed->sentence);
 }
 
-// Draws frames until `holds`; an error when the user, the daemon or the clock ends that.
+// Draws frames until `holds` returns true. Fails when the user cancels, the daemon refuses, or `patience_s` have
+// passed.
 Result<void> draw_until(App& app, const ScreenshotRequest& request, double patience_s, const char* what,
                         const std::function<bool()>& holds) {
   const auto end = Clock::now() + std::chrono::duration<double>(patience_s);
@@ -46,6 +113,19 @@ Result<void> draw_until(App& app, const ScreenshotRequest& request, double patie
   return {};
 }
 
+// Loads the scene, waits in it at time 0 until everything that should be visible is here, and plays it until `at_s`.
+Result<void> play_until_then(App& app, const ScreenshotRequest& request, const std::filesystem::path& scene) {
+  const auto connected = [&] { return app.client().state().kind == ConnectionState::Kind::connected; };
+  if (auto good = draw_until(app, request, kPatience_s, "no daemon answers", connected); !good) return good;
+  app.commands().load_scene(scene.string());
+  app.client().send(protocol::ScenePause{true});
+  const auto paused = [&] { return is_complete(app.model()) && app.model().scene().paused(); };
+  if (auto good = draw_until(app, request, kPatience_s, "the scene did not come", paused); !good) return good;
+  app.client().send(protocol::ScenePause{false});
+  const auto arrived = [&] { return app.model().scene().reported_time_s() >= request.at_s; };
+  return draw_until(app, request, request.at_s + kPatience_s, "the scene did not get that far", arrived);
+}
+
 }  // namespace
 
 Result<void> take_screenshot(const ScreenshotRequest& request, const Settings& settings) {
@@ -53,11 +133,11 @@ Result<void> take_screenshot(const ScreenshotRequest& request, const Settings& s
   if (!request.daemon && !std::filesystem::is_regular_file(request.scene, error)) {
     return fail(ErrorKind::bad_input, "there is no scene " + request.scene.string());
   }
-  std::optional<LocalDaemon> own;
+  std::unique_ptr<LocalDaemon> own;
   if (!request.daemon) {
     auto started = LocalDaemon::start(request.scene);
     if (!started) return fail(started.error());
-    own.emplace(std::move(*started));
+    own = std::move(*started);
   }
   auto window = Window::open({static_cast<int>(settings.width), static_cast<int>(settings.height), false,
                               settings.scale > 0 ? settings.scale : 1});
@@ -66,21 +146,9 @@ Result<void> take_screenshot(const ScreenshotRequest& request, const Settings& s
   if (!renderer) return fail(renderer.error());
   App app(std::move(*window), std::move(*renderer), settings,
           {own ? own->url() : *request.daemon, std::nullopt, request.only, std::nullopt});
-
-  const auto connected = [&] { return app.client().state().kind == ConnectionState::Kind::connected; };
-  if (auto good = draw_until(app, request, kPatience_s, "no daemon answers", connected); !good) return good;
-  // It waits at its beginning until everything that is to be seen is here.
-  // A daemon that runs already finds it where it was started, perhaps on another computer.
-  app.commands().load_scene((own ? std::filesystem::absolute(request.scene) : request.scene).string());
-  app.client().send(protocol::ScenePause{true});
-  const auto paused = [&] { return is_complete(app.model()) && app.model().scene().paused(); };
-  if (auto good = draw_until(app, request, kPatience_s, "the scene did not come", paused); !good) return good;
-  app.client().send(protocol::ScenePause{false});
-  const auto arrived = [&] { return app.model().scene().told_time_s() >= request.at_s; };
-  if (auto good = draw_until(app, request, request.at_s + kPatience_s, "the scene did not get that far", arrived);
-      !good) {
-    return good;
-  }
+  // A daemon that was already running resolves the path itself, perhaps on another computer.
+  const auto scene = own ? std::filesystem::absolute(request.scene) : request.scene;
+  if (auto good = play_until_then(app, request, scene); !good) return good;
   app.show_at(request.at_s);
   app.draw();
   return write_png(app.window().read_pixels(), request.output);

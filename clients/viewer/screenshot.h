@@ -1,4 +1,4 @@
-// One picture of a scene at a moment, as a PNG file, without anybody looking. [main]
+// Writes a picture of a scene at a given time as a PNG file, without showing a window. [main]
 #pragma once
 
 #include "clients/viewer/keys.h"
@@ -14,15 +14,15 @@ namespace ringdown::viewer {
 
 struct ScreenshotRequest {
   std::filesystem::path output;       // .png
-  std::filesystem::path scene;        // as the daemon finds it
+  std::filesystem::path scene;        // a path that the daemon can read
   double at_s = 1;                    // scene time
-  std::optional<std::string> daemon;  // its URL; nothing: one of our own, which ends afterwards
+  std::optional<std::string> daemon;  // its URL; nothing: starts one, which ends afterwards
   Pane only = Pane::any;
   std::function<bool()> keep_going = [] { return true; };  // false cancels
 };
 
-// Plays the scene from its beginning until that moment, in real time, and draws the bodies where they are then. Fails
-// when the daemon refuses the scene, or does not get that far within a minute more than it should take.
+// Plays the scene from its beginning to `at_s` in real time, and draws the bodies where they are then. Fails when the
+// daemon refuses the scene, or is more than a minute late.
 Result<void> take_screenshot(const ScreenshotRequest& request, const Settings& settings);
 
 }  // namespace ringdown::viewer

@@ -12,7 +12,7 @@ namespace {
 
 constexpr Range kScale{0, 8}, kShare{0.05, 0.6}, kImpulse{1e-6, 100}, kContactTime{0, 0.1};
 
-// TOML wants a point, whatever the locale, and %g may leave it out.
+// TOML needs a decimal point in a float; %g may leave it out.
 std::string number(double value) {
   char text[40];
   std::snprintf(text, sizeof text, "%.6f", value);

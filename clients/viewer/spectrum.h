@@ -1,4 +1,4 @@
-// The spectrum of what sounds, in dB of full scale. [UI]
+// The spectrum of the mix, in dB of full scale. [UI]
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,8 @@ class Spectrum {
   Spectrum(Spectrum&&) noexcept;
   Spectrum& operator=(Spectrum&&) noexcept;
 
-  // Of the last kFrames samples, or all there are: a sine of amplitude 1 shows 0 dB. Hann's window; kFrames/2 + 1 bins,
-  // bin k at k sample_rate / kFrames.
+  // The levels of the last kFrames samples (fewer are padded with silence) under a Hann window: kFrames/2 + 1 bins, bin
+  // k at k sample_rate / kFrames. A sine of amplitude 1 shows 0 dB. Valid until the next call.
   std::span<const float> analyse(std::span<const float> samples);
 
  private:

@@ -1,6 +1,6 @@
 #include "clients/viewer/stage.h"
 
-#include "clients/viewer/render/palette.h"
+#include "clients/viewer/render/look.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -16,10 +16,10 @@ namespace ringdown::viewer {
 namespace {
 
 constexpr double kFlash_s = 0.5;
-constexpr double kVibration_hz = 1.2;     // as slow as eyes like it
+constexpr double kVibration_hz = 1.2;     // slow enough to follow by eye
 constexpr float kVibrationShare = 0.07F;  // of the body's diagonal
 constexpr double kUsualDensity_kg_m3 = 2500;
-constexpr float kFarFromTheRest_m = 20;  // bodies that have rolled away do not count for the light
+constexpr float kFarAway_m = 20;  // the light is not fitted to bodies farther away than this
 
 glm::vec3 to_glm(Vec3 v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
 
@@ -44,7 +44,7 @@ double mass_of(const KnownObject* object, Vec3 size_m) {
   return kUsualDensity_kg_m3 * size_m.x * size_m.y * size_m.z;
 }
 
-// A force that is ten times as large is seen as a bit larger.
+// Strength of a flash on a logarithmic scale: ten times the impulse adds 0.2.
 float strength_of(Vec3 impulse_ns) {
   return static_cast<float>(std::clamp(0.75 + 0.2 * std::log10(length(impulse_ns) + 1e-9), 0.15, 1.0));
 }
@@ -95,10 +95,10 @@ Displacement Stage::displacement_of(const std::shared_ptr<const KnownBank>& bank
 }
 
 void Stage::add(const MeshStore::Mesh& mesh, const glm::mat4& pose, float size, const KnownObject* object,
-                Staged staged, const Commands& commands, double now_s) {
+                StageItem item, const Commands& commands, double now_s) {
   const Choice& choice = commands.choice();
   DrawnBody body;
-  body.id = static_cast<std::uint32_t>(set_.staged.size());
+  body.id = static_cast<std::uint32_t>(contents_.items.size());
   body.mesh = mesh.id;
   body.pose = pose;
   body.size = size;
@@ -111,24 +111,24 @@ void Stage::add(const MeshStore::Mesh& mesh, const glm::mat4& pose, float size, 
     body.displacement_m =
         kVibrationShare * diagonal * static_cast<float>(std::sin(2 * std::numbers::pi * kVibration_hz * now_s));
   }
-  set_.picked.push_back({body.id, &mesh.shape, pose, size});
-  set_.frame.bodies.push_back(std::move(body));
-  set_.staged.push_back(std::move(staged));
+  contents_.picked.push_back({body.id, &mesh.shape, pose, size});
+  contents_.frame.bodies.push_back(std::move(body));
+  contents_.items.push_back(std::move(item));
 }
 
 void Stage::add_body(const KnownBody& body, const Pose& pose, Model& model, const Commands& commands, double now_s) {
   const KnownObject* object = body.object.empty() ? nullptr : model.object(body.object);
-  const Staged staged{body.id, body.object, mass_of(object, body.size_m)};
+  const StageItem item{body.id, body.object, mass_of(object, body.size_m)};
   if (object && object->bank) {
-    add(meshes_.of_bank(object->bank, *renderer_), to_glm(pose), static_cast<float>(object->scale.size), object, staged,
+    add(meshes_.of_bank(object->bank, *renderer_), to_glm(pose), static_cast<float>(object->scale.size), object, item,
         commands, now_s);
   } else if (length(body.size_m) > 0) {
-    add(meshes_.of_shape(body.shape, body.size_m, *renderer_), to_glm(pose), 1, object, staged, commands, now_s);
+    add(meshes_.of_shape(body.shape, body.size_m, *renderer_), to_glm(pose), 1, object, item, commands, now_s);
   }
 }
 
-// Objects that no body plays stand on the ground side by side, so that they can be seen and struck.
-void Stage::add_row(Model& model, const Commands& commands, double now_s) {
+// Adds the objects that no body plays, side by side on the ground, so that they can be seen and struck.
+void Stage::add_bodiless(Model& model, const Commands& commands, double now_s) {
   std::unordered_set<std::string_view> played;
   for (const auto& [id, body] : model.scene().bodies()) played.insert(body.object);
   float x = 0;
@@ -137,36 +137,36 @@ void Stage::add_row(Model& model, const Commands& commands, double now_s) {
     const MeshStore::Mesh& mesh = meshes_.of_bank(object.bank, *renderer_);
     const auto size = static_cast<float>(object.scale.size);
     const glm::vec3 low = size * mesh.shape.low_m, high = size * mesh.shape.high_m;
-    const glm::vec3 place{x - low.x, -(low.y + high.y) / 2, -low.z};
-    add(mesh, glm::translate(glm::mat4(1), place), size, &object, {std::nullopt, name, mass_of(&object, {})}, commands,
-        now_s);
+    const glm::vec3 position{x - low.x, -(low.y + high.y) / 2, -low.z};
+    add(mesh, glm::translate(glm::mat4(1), position), size, &object, {std::nullopt, name, mass_of(&object, {})},
+        commands, now_s);
     x += 1.3F * (high.x - low.x) + 0.02F;
   }
 }
 
 void Stage::add_statics(const Model& model) {
   for (const protocol::SceneStatic& known : model.scene().statics()) {
-    set_.frame.statics.push_back({known.shape == "plane" ? StaticShape::plane : StaticShape::box,
-                                  to_glm(known.position_m), to_glm(Quaternion{known.x, known.y, known.z, known.w}),
-                                  to_glm(known.size_m)});
+    contents_.frame.statics.push_back({known.shape == "plane" ? StaticShape::plane : StaticShape::box,
+                                       to_glm(known.position_m), to_glm(Quaternion{known.x, known.y, known.z, known.w}),
+                                       to_glm(known.size_m)});
   }
-  if (set_.frame.statics.empty()) set_.frame.statics.push_back({.position_m = {0, 0, lowest_fixed_m(model)}});
+  if (contents_.frame.statics.empty()) contents_.frame.statics.push_back({.position_m = {0, 0, lowest_fixed_m(model)}});
 }
 
-// The height of the lowest point of the bodies that hang where they are, and at most 0: a table stands on the ground
-// that is drawn where a scene has none.
+// The height of the lowest point of all fixed bodies, and at most 0. A scene without statics is drawn with a ground
+// plane at this height, so that a fixed table stands on it.
 float Stage::lowest_fixed_m(const Model& model) const {
   float lowest = 0;
-  for (std::size_t i = 0; i < set_.staged.size(); ++i) {
+  for (std::size_t i = 0; i < contents_.items.size(); ++i) {
     const auto body =
-        set_.staged[i].body ? model.scene().bodies().find(*set_.staged[i].body) : model.scene().bodies().end();
+        contents_.items[i].body ? model.scene().bodies().find(*contents_.items[i].body) : model.scene().bodies().end();
     if (body == model.scene().bodies().end() || !body->second.fixed) continue;
-    const PickedBody& staged = set_.picked[i];
-    const DrawnMesh& shape = *std::get<const DrawnMesh*>(staged.shape);
+    const PickedBody& picked = contents_.picked[i];
+    const DrawnMesh& shape = *std::get<const DrawnMesh*>(picked.shape);
     for (int corner = 0; corner < 8; ++corner) {
       const glm::vec3 at{corner & 1 ? shape.high_m.x : shape.low_m.x, corner & 2 ? shape.high_m.y : shape.low_m.y,
                          corner & 4 ? shape.high_m.z : shape.low_m.z};
-      lowest = std::min(lowest, (staged.pose * glm::vec4(staged.size * at, 1)).z);
+      lowest = std::min(lowest, (picked.pose * glm::vec4(picked.size * at, 1)).z);
     }
   }
   return lowest;
@@ -176,26 +176,26 @@ void Stage::add_flashes(const Model& model, double now_s) {
   for (const KnownContact& contact : model.contacts()) {
     const double age = (now_s - contact.at_s) / kFlash_s;
     if (age >= 1) continue;
-    const auto staged = std::ranges::find(set_.staged, contact.object, &Staged::object);
-    if (staged == set_.staged.end()) continue;
-    const glm::mat4& pose = set_.frame.bodies[static_cast<std::size_t>(staged - set_.staged.begin())].pose;
+    const auto item = std::ranges::find(contents_.items, contact.object, &StageItem::object);
+    if (item == contents_.items.end()) continue;
+    const glm::mat4& pose = contents_.frame.bodies[static_cast<std::size_t>(item - contents_.items.begin())].pose;
     const glm::vec3 blow = glm::mat3(pose) * to_glm(contact.impulse_ns);
     const float size = glm::length(blow);
-    set_.frame.flashes.push_back({glm::vec3(pose * glm::vec4(to_glm(contact.point_m), 1)),
-                                  size > 0 ? -blow / size : glm::vec3(0, 0, 1), strength_of(contact.impulse_ns),
-                                  static_cast<float>(std::max(age, 0.0))});
+    contents_.frame.flashes.push_back({glm::vec3(pose * glm::vec4(to_glm(contact.point_m), 1)),
+                                       size > 0 ? -blow / size : glm::vec3(0, 0, 1), strength_of(contact.impulse_ns),
+                                       static_cast<float>(std::max(age, 0.0))});
   }
 }
 
-// A sphere about what is there. It follows in steps, so that shadows do not swim.
+// Finds the sphere around everything that is drawn. It changes in steps, so that shadows do not swim.
 void Stage::find_interest() {
   glm::vec3 low{1e9F}, high{-1e9F};
-  for (std::size_t i = 0; i < set_.frame.bodies.size(); ++i) {
-    const DrawnBody& body = set_.frame.bodies[i];
-    const DrawnMesh& shape = *std::get<const DrawnMesh*>(set_.picked[i].shape);
+  for (std::size_t i = 0; i < contents_.frame.bodies.size(); ++i) {
+    const DrawnBody& body = contents_.frame.bodies[i];
+    const DrawnMesh& shape = *std::get<const DrawnMesh*>(contents_.picked[i].shape);
     const glm::vec3 centre(body.pose * glm::vec4(body.size * (shape.low_m + shape.high_m) / 2.0F, 1));
     const float radius = body.size * glm::length(shape.high_m - shape.low_m) / 2;
-    if (glm::length(centre) > kFarFromTheRest_m) continue;
+    if (glm::length(centre) > kFarAway_m) continue;
     low = glm::min(low, centre - radius);
     high = glm::max(high, centre + radius);
   }
@@ -204,26 +204,26 @@ void Stage::find_interest() {
   const bool fits = interest_ && glm::length(now.centre - interest_->centre) < 0.25F * interest_->radius_m &&
                     now.radius_m > 0.7F * interest_->radius_m && now.radius_m <= interest_->radius_m;
   if (!fits) interest_ = Sphere{now.centre, 1.15F * now.radius_m};
-  set_.frame.interest = *interest_;
+  contents_.frame.interest = *interest_;
 }
 
-const Stage::Set& Stage::set(Model& model, const Commands& commands, SceneRenderer& renderer, bool dark, double now_s,
-                             std::optional<double> at_s) {
+const Stage::Contents& Stage::update(Model& model, const Commands& commands, SceneRenderer& renderer, bool dark,
+                                     double now_s, std::optional<double> at_s) {
   renderer_ = &renderer;
-  set_ = {};
+  contents_ = {};
   meshes_.collect(renderer);
-  set_.frame.theme = dark ? Theme::dark : Theme::light;
+  contents_.frame.theme = dark ? Theme::dark : Theme::light;
   const auto time = at_s ? at_s : model.scene().shown_time_at(now_s);
   for (const auto& [id, body] : model.scene().bodies()) {
     if (!time) break;
     const auto pose = body.track.pose_at(*time);
     if (pose && model.scene().present(body)) add_body(body, *pose, model, commands, now_s);
   }
-  add_row(model, commands, now_s);
+  add_bodiless(model, commands, now_s);
   add_statics(model);
   add_flashes(model, now_s);
   find_interest();
-  return set_;
+  return contents_;
 }
 
 Camera Stage::home(const Model& model, float aspect) const {
@@ -233,7 +233,7 @@ Camera Stage::home(const Model& model, float aspect) const {
     return Camera::from(to_glm(scene.camera_m), to_glm(scene.target_m),
                         Camera::fitted_field_of_view(field_of_view, aspect));
   }
-  return Camera::showing(set_.frame.interest, aspect);
+  return Camera::showing(contents_.frame.interest, aspect);
 }
 
 }  // namespace ringdown::viewer

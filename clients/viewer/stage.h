@@ -1,5 +1,5 @@
-// From what the model knows to what is drawn and picked: bodies in their poses, objects without a body in a row, meshes
-// made once. [UI]
+// Turns the model into the bodies, statics and flashes that are drawn and picked. Bodies of the scene stand in their
+// poses; objects that no body plays stand side by side on the ground. Meshes are made once. [UI]
 #pragma once
 
 #include "clients/viewer/commands.h"
@@ -16,14 +16,14 @@
 
 namespace ringdown::viewer {
 
-// What stands on the stage: a body of the scene, or an object that has none.
-struct Staged {
-  std::optional<std::int32_t> body;  // its number; nothing for an object of the row
+// One thing that is drawn: a body of the scene, or an object that no body plays.
+struct StageItem {
+  std::optional<std::int32_t> body;  // the body's number; nothing for an object without a body
   std::string object;                // empty: silent
-  double mass_kg = 0;                // about
+  double mass_kg = 0;                // approximate
 };
 
-// Meshes by what they were made from; each is uploaded once.
+// The meshes of banks and of simple shapes. Each is uploaded to the renderer once.
 class MeshStore {
  public:
   struct Mesh {
@@ -32,7 +32,7 @@ class MeshStore {
   };
   const Mesh& of_bank(const std::shared_ptr<const KnownBank>& bank, SceneRenderer& renderer);
   const Mesh& of_shape(const std::string& shape, Vec3 size_m, SceneRenderer& renderer);
-  // Drops those of banks that nobody else has any more.
+  // Removes the meshes of banks that nobody else holds any more.
   void collect(SceneRenderer& renderer);
 
  private:
@@ -46,29 +46,25 @@ class MeshStore {
 
 class Stage {
  public:
-  // `frame` is what to draw; `staged` and `picked` stand in the order of frame.bodies. The frame's bodies name meshes
-  // of the renderer, picked ones point into this stage: both until the next set().
-  struct Set {
+  // What to draw and to pick. `items` and `picked` are in the order of frame.bodies. Bodies name meshes of the
+  // renderer, and picked bodies point into this stage; both are valid until the next update().
+  struct Contents {
     SceneFrame frame;
-    std::vector<Staged> staged;
+    std::vector<StageItem> items;
     std::vector<PickedBody> picked;
   };
-  // `at_s` is the scene time to show; nothing: that of the model's clock. Scene colours are dark or light.
-  const Set& set(Model& model, const Commands& commands, SceneRenderer& renderer, bool dark, double now_s,
-                 std::optional<double> at_s = std::nullopt);
-  [[nodiscard]] const Set& last() const { return set_; }
+  // Fills the stage for one picture. `at_s` is the scene time to show; nothing: the time of the model's display clock.
+  const Contents& update(Model& model, const Commands& commands, SceneRenderer& renderer, bool dark, double now_s,
+                         std::optional<double> at_s = std::nullopt);
+  [[nodiscard]] const Contents& contents() const { return contents_; }
 
-  // Where to look from at first: the scene's own camera, or one that shows it all.
+  // The camera to start with: the scene's own, or one that shows everything.
   [[nodiscard]] Camera home(const Model& model, float aspect) const;
 
  private:
-  struct Look {
-    bool selected;
-    float glow;
-  };
   void add_body(const KnownBody& body, const Pose& pose, Model& model, const Commands& commands, double now_s);
-  void add_row(Model& model, const Commands& commands, double now_s);
-  void add(const MeshStore::Mesh& mesh, const glm::mat4& pose, float size, const KnownObject* object, Staged staged,
+  void add_bodiless(Model& model, const Commands& commands, double now_s);
+  void add(const MeshStore::Mesh& mesh, const glm::mat4& pose, float size, const KnownObject* object, StageItem item,
            const Commands& commands, double now_s);
   void add_statics(const Model& model);
   [[nodiscard]] float lowest_fixed_m(const Model& model) const;
@@ -77,15 +73,15 @@ class Stage {
   Displacement displacement_of(const std::shared_ptr<const KnownBank>& bank, std::uint32_t rank);
 
   MeshStore meshes_;
-  SceneRenderer* renderer_ = nullptr;  // during set()
-  Set set_;
+  SceneRenderer* renderer_ = nullptr;  // during update()
+  Contents contents_;
   std::optional<Sphere> interest_;
   std::shared_ptr<const KnownBank> displaced_;
   std::uint32_t displaced_mode_ = 0;
   Displacement displacement_;
 };
 
-// How bright an object is whose peak was `peak`, `age_s` ago: 0 at -70 dB, 1 at full scale.
+// How brightly a body glows whose object had the level `peak`, `age_s` ago: 0 at -70 dB, 1 at full scale.
 float glow_of(double peak, double age_s);
 
 }  // namespace ringdown::viewer

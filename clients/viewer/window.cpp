@@ -1,6 +1,5 @@
 #include "clients/viewer/window.h"
 
-#include "clients/viewer/font.h"
 #include "clients/viewer/keys.h"
 
 #define GLFW_INCLUDE_NONE
@@ -8,11 +7,14 @@
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <epoxy/gl.h>
+#include <fontconfig/fontconfig.h>
 #include <imgui.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <memory>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -30,7 +32,7 @@ constexpr std::array<std::pair<int, std::string_view>, 24> kNamedKeys = {
      {GLFW_KEY_F7, "F7"},          {GLFW_KEY_F8, "F8"},     {GLFW_KEY_F9, "F9"},       {GLFW_KEY_F10, "F10"},
      {GLFW_KEY_F11, "F11"},        {GLFW_KEY_F12, "F12"},   {GLFW_KEY_KP_ADD, "="},    {GLFW_KEY_KP_SUBTRACT, "-"}}};
 
-// What stands on the key in the user's layout; empty for keys that mean nothing here.
+// What is printed on the key in the user's layout; empty for keys without a meaning here.
 std::string base_name(int key, int scancode) {
   const auto* named = std::ranges::find(kNamedKeys, key, &std::pair<int, std::string_view>::first);
   if (named != kNamedKeys.end()) return std::string(named->second);
@@ -40,7 +42,25 @@ std::string base_name(int key, int scancode) {
   return name == "+" ? "=" : name;
 }
 
-// Into the framebuffer that is bound.
+// The TrueType file of the font that fontconfig gives for "sans"; nothing where there is none, and ImGui's own is used.
+std::optional<std::string> sans_font_file() {
+  const auto free_pattern = [](FcPattern* pattern) { FcPatternDestroy(pattern); };
+  using Pattern = std::unique_ptr<FcPattern, decltype(free_pattern)>;
+  if (!FcInit()) return std::nullopt;
+  const Pattern wanted(FcNameParse(reinterpret_cast<const FcChar8*>("sans:fontformat=TrueType")), free_pattern);
+  if (!wanted) return std::nullopt;
+  FcConfigSubstitute(nullptr, wanted.get(), FcMatchPattern);
+  FcDefaultSubstitute(wanted.get());
+  FcResult outcome = FcResultNoMatch;
+  const Pattern found(FcFontMatch(nullptr, wanted.get(), &outcome), free_pattern);
+  FcChar8* file = nullptr;
+  if (!found || FcPatternGetString(found.get(), FC_FILE, 0, &file) != FcResultMatch) return std::nullopt;
+  const std::string path = reinterpret_cast<const char*>(file);
+  if (!path.ends_with(".ttf")) return std::nullopt;
+  return path;
+}
+
+// Draws ImGui's picture into the framebuffer that is bound.
 void paint(int width, int height) {
   glViewport(0, 0, width, height);
   glClearColor(0, 0, 0, 1);
@@ -56,7 +76,7 @@ struct Window::State {
   bool has_imgui = false;
   std::vector<KeyPress> pressed;
   std::set<std::string, std::less<>> down;
-  std::array<int, 4> windowed{};  // place and size before full screen
+  std::array<int, 4> windowed{};  // position and size before full screen
   bool full_screen = false;
 
   ~State() {
@@ -81,7 +101,7 @@ struct Window::State {
                        action == GLFW_REPEAT});
   }
 
-  // The font is drawn anew for each scale: a stretched one is blurred.
+  // Renders the font for the wanted scale: a stretched one would be blurred.
   void load_font() {
     scale = wanted_scale;
     ImGuiIO& io = ImGui::GetIO();
@@ -209,7 +229,7 @@ std::vector<Window::KeyPress> Window::take_keys() {
 
 bool Window::is_down(std::string_view key) const { return !ImGui::GetIO().WantTextInput && state_->down.contains(key); }
 
-// Drawn once more, into a framebuffer of its own: what a hidden window shows cannot be read.
+// Draws the frame once more into a framebuffer of its own, because the picture of a hidden window cannot be read.
 Image Window::read_pixels() const {
   Image image{width(), height(), {}};
   ImDrawData* drawn = ImGui::GetDrawData();

@@ -1,4 +1,4 @@
-// A window with an OpenGL 3.3 context and ImGui in it; the only part that knows GLFW. [main]
+// A window with an OpenGL 3.3 context and ImGui in it; the only part that uses GLFW. [main]
 #pragma once
 
 #include "clients/viewer/render/picture_file.h"
@@ -14,9 +14,9 @@ namespace ringdown::viewer {
 class Window {
  public:
   struct Options {
-    int width = 1440, height = 900;  // pixels; if visible, as many times more as the display's scale says
+    int width = 1440, height = 900;  // pixels; a visible window is larger by the display's scale
     bool visible = true;
-    double scale = 0;  // of text; 0: the display's
+    double scale = 0;  // of text; 0: the display's scale
   };
   // Fails, with a sentence that says what to do, where there is no display or no OpenGL 3.3.
   static Result<Window> open(const Options& options);
@@ -24,30 +24,31 @@ class Window {
   Window& operator=(Window&&) noexcept;
   ~Window();
 
-  [[nodiscard]] bool closed() const;  // by its frame or the window manager
-  [[nodiscard]] int width() const;    // of what is drawn, in pixels
+  [[nodiscard]] bool closed() const;  // by the user or the window manager
+  [[nodiscard]] int width() const;    // of the framebuffer, in pixels
   [[nodiscard]] int height() const;
   [[nodiscard]] double scale() const;          // of text and controls
   [[nodiscard]] double display_scale() const;  // 1 on a display of 96 dots per inch
-  [[nodiscard]] bool minimised() const;        // or of no size
+  [[nodiscard]] bool minimised() const;        // or without a size
   void set_scale(double scale);                // from the next frame on
   void set_full_screen(bool on);
   [[nodiscard]] bool full_screen() const;
 
-  // Takes what the user did, or waits for it up to `seconds`; begins ImGui's frame; draws and shows it.
+  // Processes input, waiting up to `seconds` for some; begins a frame of ImGui; draws and shows that frame.
   void wait(double seconds);
   void begin_frame();
   void end_frame();
 
-  // Keys pressed since the last call, by keys.h's names; and whether one is down. Not while text is typed.
+  // The keys pressed since the last call, by the names of keys.h, and whether a key is down. None while the user types
+  // text.
   struct KeyPress {
     std::string key;
-    bool repeated;  // by the keyboard, because it stays down
+    bool repeated;  // by the keyboard, because the key is held down
   };
   [[nodiscard]] std::vector<KeyPress> take_keys();
   [[nodiscard]] bool is_down(std::string_view key) const;
 
-  // What end_frame() has drawn last.
+  // The picture that the last end_frame() drew.
   [[nodiscard]] Image read_pixels() const;
 
  private:

@@ -1,5 +1,5 @@
 // docs/limits.md against the constants it lists.
-#include "clients/viewer/history.h"
+#include "clients/viewer/edits.h"
 #include "clients/viewer/link/daemon_client.h"
 #include "clients/viewer/link/model.h"
 #include "engine/base/toml_table.h"

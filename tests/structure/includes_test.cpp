@@ -102,9 +102,9 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"GLFW/", {"clients/viewer/window.cpp"}, 1},
     {"imgui.h", {"clients/viewer/"}, 1000, {"clients/viewer/panels/"}},
     {"backends/imgui", {"clients/viewer/window.cpp"}, 1},
-    {"fontconfig/", {"clients/viewer/font.cpp"}, 1},
+    {"fontconfig/", {"clients/viewer/window.cpp"}, 1},
     {"kiss_fftr.h", {"clients/viewer/spectrum.cpp"}, 1},
-    {"epoxy/", {"clients/viewer/"}, 2, {"clients/viewer/render/gl_object.h"}},
+    {"epoxy/", {"clients/viewer/"}, 2, {"clients/viewer/render/gl.h"}},
     {"glm/", {"clients/viewer/"}, 1000, {"clients/viewer/"}},
     {"png.h", {"clients/viewer/render/picture_file.cpp"}, 1},
 };

@@ -42,7 +42,7 @@ class Transfer : public testing::Test {
   wire::Blob file;
 };
 
-TEST_F(Transfer, BringsTheBankThatTheFileHolds) {
+TEST_F(Transfer, TransferredBankIsTheOneInTheFile) {
   BankTransfer transfer(subject());
   for (double now = 0; transfer.progress() < 1; now += 0.016) {
     for (const auto& question : asked(transfer, now)) transfer.take(answer(question));
@@ -55,7 +55,7 @@ TEST_F(Transfer, BringsTheBankThatTheFileHolds) {
   EXPECT_EQ((*outcome)->bank.triangles, direct->triangles);
 }
 
-TEST_F(Transfer, RanksModesByFrequency) {
+TEST_F(Transfer, TransferredModesAreRankedByFrequency) {
   BankTransfer transfer(subject());
   for (double now = 0; transfer.progress() < 1; now += 0.016) {
     for (const auto& question : asked(transfer, now)) transfer.take(answer(question));
@@ -73,7 +73,7 @@ TEST_F(Transfer, RanksModesByFrequency) {
   EXPECT_EQ(std::ranges::count(seen, true), static_cast<std::ptrdiff_t>(seen.size()));
 }
 
-TEST_F(Transfer, ArrivesThoughPiecesAreLostRepeatedAndReordered) {
+TEST_F(Transfer, BankArrivesThoughPiecesAreLostRepeatedAndReordered) {
   BankTransfer transfer(subject());
   std::mt19937 random(7);
   std::vector<protocol::BankReply> under_way;
@@ -95,7 +95,7 @@ TEST_F(Transfer, ArrivesThoughPiecesAreLostRepeatedAndReordered) {
   EXPECT_EQ((*outcome)->bank.shapes, modal::read_bank(preset_bank("bronze-bell"))->shapes);
 }
 
-TEST_F(Transfer, AsksForAFewPiecesAtATimeAndAgainOnlyAfterAWhile) {
+TEST_F(Transfer, PiecesAreRequestedAFewAtATimeAndAgainOnlyAfterAWhile) {
   BankTransfer transfer(subject());
   EXPECT_EQ(asked(transfer, 0).size(), BankTransfer::kMaxOutstanding);
   EXPECT_TRUE(asked(transfer, 0.4).empty());
@@ -104,7 +104,7 @@ TEST_F(Transfer, AsksForAFewPiecesAtATimeAndAgainOnlyAfterAWhile) {
   EXPECT_EQ(asked(transfer, 0.6).size(), 1u);
 }
 
-TEST_F(Transfer, IgnoresWhatBelongsElsewhere) {
+TEST_F(Transfer, PiecesOfOtherBanksAreIgnored) {
   BankTransfer transfer(subject());
   const auto questions = asked(transfer, 0);
   transfer.take(answer(questions[0], 2));
@@ -129,7 +129,7 @@ TEST_F(Transfer, IgnoresWhatBelongsElsewhere) {
   EXPECT_GT(transfer.progress(), 0);
 }
 
-TEST_F(Transfer, WhatIsNoBankEndsInASentence) {
+TEST_F(Transfer, AFileThatIsNoBankEndsInASentence) {
   for (std::size_t i = 200; i < 300; ++i) file[i] = std::byte{0xff};
   BankTransfer transfer(subject());
   for (double now = 0; transfer.progress() < 1; now += 0.016) {
@@ -140,7 +140,7 @@ TEST_F(Transfer, WhatIsNoBankEndsInASentence) {
   EXPECT_NE(outcome.error().message.find("bell"), std::string::npos) << outcome.error().message;
 }
 
-TEST_F(Transfer, AFileThatChangedUnderWayIsNotTakenForTheOneThatPlays) {
+TEST_F(Transfer, AFileThatChangedDuringTheTransferIsRefused) {
   const Subject wanted = subject();
   BankTransfer transfer(wanted);
   std::size_t changed = file.size();
@@ -156,7 +156,7 @@ TEST_F(Transfer, AFileThatChangedUnderWayIsNotTakenForTheOneThatPlays) {
   EXPECT_NE(outcome.error().message.find("was changed"), std::string::npos) << outcome.error().message;
 }
 
-TEST_F(Transfer, NothingIsFetchedThatIsTooLargeOrEmpty) {
+TEST_F(Transfer, BanksThatAreTooLargeOrEmptyAreNotFetched) {
   const auto most = static_cast<std::int32_t>(BankTransfer::kMaxBytes);
   for (const std::int32_t bytes : {most + 1, std::numeric_limits<std::int32_t>::max(), 0, -1}) {
     BankTransfer transfer({"bell", 1, bytes, "00"});

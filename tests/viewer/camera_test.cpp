@@ -18,7 +18,7 @@ void expect_near(glm::vec3 a, glm::vec3 b, float tolerance = 1e-5F) {
       << a.x << " " << a.y << " " << a.z << " is not " << b.x << " " << b.y << " " << b.z;
 }
 
-TEST(Camera, LooksWhereItWasTold) {
+TEST(Camera, CameraLooksAtItsTarget) {
   const Camera camera = Camera::from({1, -3, 2}, {4, 1, 2}, kQuarter);
   expect_near(camera.forward(), {0.6F, 0.8F, 0});
   expect_near(camera.right(), {0.8F, -0.6F, 0});
@@ -29,7 +29,7 @@ TEST(Camera, LooksWhereItWasTold) {
   EXPECT_FLOAT_EQ(Camera::from({0, 0, 5}, {}).pitch, -Camera::kSteepest);
 }
 
-TEST(Camera, RaysFollowTheFieldOfView) {
+TEST(Camera, RaysThroughThePictureSpanTheFieldOfView) {
   const Camera camera = Camera::from({}, {0, 1, 0}, kQuarter);
   const float diagonal = std::sqrt(0.5F);
   expect_near(camera.ray_through(100, 50, 200, 100).direction, {0, 1, 0});
@@ -37,7 +37,7 @@ TEST(Camera, RaysFollowTheFieldOfView) {
   expect_near(camera.ray_through(150, 50, 200, 100).direction, {diagonal, diagonal, 0});
 }
 
-TEST(Camera, ANarrowPictureShowsAllThatAWideOneDoes) {
+TEST(Camera, ANarrowPictureShowsEverythingThatAWideOneShows) {
   const Camera wide = Camera::from({0, -3, 1}, {0, 0, 0.5F}, 0.7F);
   Camera narrow = wide;
   narrow.field_of_view = Camera::fitted_field_of_view(wide.field_of_view, 0.8F);
@@ -52,7 +52,7 @@ TEST(Camera, ANarrowPictureShowsAllThatAWideOneDoes) {
   EXPECT_EQ(Camera::fitted_field_of_view(0.7F, 2.4F), 0.7F);
 }
 
-TEST(Camera, PutsWhatIsHigherHigherAndWhatIsRightToTheRight) {
+TEST(Camera, HigherPointsAreHigherAndRightwardPointsFartherRightInThePicture) {
   const Camera camera = Camera::from({}, {0, 1, 0}, kQuarter);
   const auto pixel = camera.project({0.5F, 2, 1}, 200, 100);
   ASSERT_TRUE(pixel);
@@ -61,7 +61,7 @@ TEST(Camera, PutsWhatIsHigherHigherAndWhatIsRightToTheRight) {
   EXPECT_FALSE(camera.project({0, -1, 0}, 200, 100));
 }
 
-TEST(Camera, ProjectsARayOntoItsPixel) {
+TEST(Camera, ProjectingAPointOfARayGivesTheRaysPixel) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> any(-1, 1);
   for (int i = 0; i < 200; ++i) {
@@ -77,7 +77,7 @@ TEST(Camera, ProjectsARayOntoItsPixel) {
   }
 }
 
-TEST(Camera, MatricesPutAPointOnTheSamePixel) {
+TEST(Camera, CameraMatricesAndProjectAgreeOnThePixel) {
   const Camera camera = Camera::from({1, -2, 1.5F}, {0.2F, 0.1F, 0.3F});
   const Sphere scene{{0, 0, 0.2F}, 1};
   for (const glm::vec3 point : {glm::vec3(0), glm::vec3(0.4F, -0.3F, 0.9F), glm::vec3(-0.7F, 0.2F, 0)}) {
@@ -90,7 +90,7 @@ TEST(Camera, MatricesPutAPointOnTheSamePixel) {
   }
 }
 
-TEST(Camera, SeesTheSceneFromMillimetresToKilometres) {
+TEST(Camera, CameraSeesScenesFromMillimetresToKilometres) {
   for (const float radius : {0.001F, 1.0F, 1000.0F}) {
     const Sphere scene{{2 * radius, 0, 0}, radius};
     const Camera camera = Camera::showing(scene, 1.6F);
@@ -105,7 +105,7 @@ TEST(Camera, SeesTheSceneFromMillimetresToKilometres) {
   }
 }
 
-TEST(Camera, TurnsWithTheMouseAndNeverOverTheTop) {
+TEST(Camera, CameraTurnsWithTheMouseAndNeverOverTheTop) {
   Camera camera = Camera::from({}, {0, 1, 0}, kQuarter);
   camera.look(10, 0, 1000);
   EXPECT_NEAR(camera.yaw, kQuarter - 0.02, 1e-6);
@@ -119,7 +119,7 @@ TEST(Camera, TurnsWithTheMouseAndNeverOverTheTop) {
   EXPECT_LE(std::abs(camera.yaw), glm::pi<float>() + 1e-5F);
 }
 
-TEST(Camera, ZoomsTowardsWhatIsAheadAndNeverThroughIt) {
+TEST(Camera, ZoomApproachesTheSurfaceAheadAndNeverPassesIt) {
   Camera camera = Camera::from({0, -2, 0}, {});
   camera.zoom(1, 2);
   expect_near(camera.position_m, {0, -2 * Camera::kZoomStep, 0});
@@ -131,7 +131,7 @@ TEST(Camera, ZoomsTowardsWhatIsAheadAndNeverThroughIt) {
   expect_near(camera.position_m, {0, -Camera::kMinZoom, 0});
 }
 
-TEST(Camera, MovesAlongItsOwnAxesAndStraightUp) {
+TEST(Camera, CameraMovesAlongItsOwnAxesAndStraightUp) {
   Camera camera = Camera::from({}, {3, 0, 4});
   camera.move(5, 2, 1);
   expect_near(camera.position_m, {3, -2, 5});

@@ -1,4 +1,4 @@
-// What actions send, and what undo takes back. The model is told what a daemon would say.
+// The requests that actions send, and those that undo sends. The tests feed the model with a daemon's replies.
 #include "clients/viewer/commands.h"
 
 #include "clients/viewer/mode_list.h"
@@ -43,7 +43,7 @@ struct Desk {
   void wait(double seconds) { commands.update(now_s += seconds); }
 };
 
-TEST(Commands, TheFirstObjectIsChosenAndKeysStepThroughAll) {
+TEST(Commands, KeysStepThroughAllObjectsFromTheFirst) {
   Desk desk({"bell", "plate", "glass"});
   EXPECT_EQ(desk.commands.choice().object, "bell");
   desk.commands.perform(Action::next_object);
@@ -93,7 +93,7 @@ TEST(Commands, StiffnessGoesBySemitones) {
   EXPECT_NEAR(std::sqrt(modal::lambda_factor(scale)), 2, 1e-9) << "twelve semitones are an octave";
 }
 
-TEST(Commands, StepsCountFromWhatWasSentUntilTheDaemonSaysOtherwise) {
+TEST(Commands, StepsStartFromTheLastRequestUntilTheDaemonReports) {
   Desk desk;
   desk.commands.perform(Action::alpha_up);
   desk.commands.perform(Action::alpha_up);
@@ -104,7 +104,7 @@ TEST(Commands, StepsCountFromWhatWasSentUntilTheDaemonSaysOtherwise) {
   EXPECT_NEAR(desk.of<protocol::SetMaterial>()[2].scale.alpha, std::sqrt(2), 1e-12) << "it had refused both";
 }
 
-TEST(Commands, UndoAndRedoSendWhatWasBeforeAndAfter) {
+TEST(Commands, UndoAndRedoSendTheSettingsBeforeAndAfter) {
   Desk desk;
   desk.commands.perform(Action::stiffness_up);
   desk.wait(0.8);
@@ -122,7 +122,7 @@ TEST(Commands, UndoAndRedoSendWhatWasBeforeAndAfter) {
   EXPECT_GT(desk.of<protocol::SetMaterial>().back().scale.stiffness, 1);
 }
 
-TEST(Commands, InAnotherDaemonNothingIsUndoneAndNoToneSounds) {
+TEST(Commands, AfterAChangeOfDaemonNothingCanBeUndoneAndNoToneSounds) {
   Desk desk;
   desk.commands.perform(Action::stiffness_up);
   desk.commands.perform(Action::test_tone);
@@ -135,11 +135,11 @@ TEST(Commands, InAnotherDaemonNothingIsUndoneAndNoToneSounds) {
   EXPECT_GT(desk.of<protocol::TestTone>()[0].amplitude, 0) << "the first press switches it on";
 }
 
-TEST(Commands, ADraggedSliderIsOneChange) {
+TEST(Commands, DraggingASliderIsOneChange) {
   Desk desk;
   const KnownObject& bell = *desk.model.object("bell");
   for (int i = 1; i <= 20; ++i) {
-    desk.commands.edit(bell, protocol::SetGain{{"bell", std::nullopt}, 0.05 * i}, "gain");
+    desk.commands.edits().change(bell, protocol::SetGain{{"bell", std::nullopt}, 0.05 * i}, "gain");
     desk.wait(0.016);
   }
   desk.sent.clear();
@@ -174,7 +174,7 @@ TEST(Commands, TheNumberOfModesGoesDownToOneAndBackToAll) {
   EXPECT_EQ(desk.of<protocol::SelectModes>().back().range, modal::ModeRange{});
 }
 
-TEST(Commands, AModeIsHeardAloneAndTheSecondTimeGivesAllBack) {
+TEST(Commands, AModeIsSelectedAloneAndTheSecondTimeAllAre) {
   Desk desk;
   desk.commands.hear_alone(*desk.model.object("bell"), 12);
   EXPECT_EQ(desk.of<protocol::SelectModes>().back().range, (modal::ModeRange{12, 1}));
@@ -185,7 +185,7 @@ TEST(Commands, AModeIsHeardAloneAndTheSecondTimeGivesAllBack) {
   EXPECT_EQ(desk.of<protocol::RingModes>().size(), 1u);
 }
 
-TEST(Commands, TheTestToneIsSwitched) {
+TEST(Commands, TheTestToneIsToggled) {
   Desk desk;
   desk.commands.perform(Action::test_tone);
   desk.commands.perform(Action::test_tone);
@@ -207,7 +207,7 @@ TEST(Commands, WithoutAnObjectNewBodiesAreSilentAndHaveASize) {
   EXPECT_GT(desk.of<protocol::SpawnSphere>()[0].radius_m, 0);
 }
 
-TEST(Commands, NothingAboutAnObjectIsSentWhereThereIsNone) {
+TEST(Commands, WithoutAnObjectNoRequestNamesOne) {
   Desk desk(std::vector<std::string>{});
   for (const Action action :
        {Action::all_modes, Action::highest_modes, Action::alpha_up, Action::more_modes, Action::project_test_force,
@@ -217,7 +217,7 @@ TEST(Commands, NothingAboutAnObjectIsSentWhereThereIsNone) {
   EXPECT_TRUE(desk.sent.empty());
 }
 
-TEST(Commands, ABlowGoesIntoTheSurface) {
+TEST(Commands, AStrikePushesIntoTheSurface) {
   Desk desk;
   desk.commands.choice().contact_time_s = 0.001;
   desk.commands.strike("bell", {0.1, 0, 0}, {1, 0, 0}, 0.2);
@@ -227,7 +227,7 @@ TEST(Commands, ABlowGoesIntoTheSurface) {
   EXPECT_EQ(strikes[0].contact_time_s, 0.001);
 }
 
-TEST(ModeList, SaysWhatScaledModesAre) {
+TEST(ModeList, ListedModesAreThoseOfTheScaledMaterial) {
   auto bank = modal::read_bank(RINGDOWN_SOURCE_DIR "/presets/banks/bronze-bell.glb");
   ASSERT_TRUE(bank) << bank.error().message;
   KnownBank known{std::move(*bank), {}};

@@ -58,7 +58,7 @@ Process daemon_at(std::uint16_t port, std::vector<std::string> arguments) {
   return Process(arguments);
 }
 
-TEST(DaemonClient, SaysWhatToDoWhenNobodyAnswers) {
+TEST(DaemonClient, TheClientSaysWhatToDoWhenNoDaemonAnswers) {
   const auto silent = *wire::OscSocket::bind();
   DaemonClient client(at(silent.port()), 30);
   EXPECT_EQ(client.state().kind, Kind::connecting);
@@ -69,7 +69,7 @@ TEST(DaemonClient, SaysWhatToDoWhenNobodyAnswers) {
   EXPECT_EQ(client.state().connection, 0u);
 }
 
-TEST(DaemonClient, AWrongAddressIsAStateWithASentence) {
+TEST(DaemonClient, AMalformedAddressIsAStateWithASentence) {
   for (const char* url : {"", "nonsense", "osc.udp://127.0.0.1", "http://127.0.0.1:7770"}) {
     DaemonClient client(url, 30);
     ASSERT_TRUE(becomes_true([&] { return client.state().kind == Kind::away; })) << url;
@@ -79,7 +79,7 @@ TEST(DaemonClient, AWrongAddressIsAStateWithASentence) {
   }
 }
 
-TEST(DaemonClient, ConnectsTellsOfObjectsAndLeaves) {
+TEST(DaemonClient, TheClientConnectsReportsObjectsAndLeaves) {
   Daemon daemon({"--driver", "null", "--object", object_option("bell", "bronze-bell")});
   ASSERT_TRUE(daemon.ready());
   bool told = false;
@@ -97,7 +97,7 @@ TEST(DaemonClient, ConnectsTellsOfObjectsAndLeaves) {
   }
 }
 
-TEST(DaemonClient, SendsWhatItIsGiven) {
+TEST(DaemonClient, TheClientSendsRequests) {
   Daemon daemon({"--driver", "null", "--object", object_option("bell", "bronze-bell")});
   Window window(at(daemon.port()));
   ASSERT_TRUE(window.reaches([&] { return window.connection == 1; }));
@@ -107,7 +107,7 @@ TEST(DaemonClient, SendsWhatItIsGiven) {
   EXPECT_TRUE(window.reaches([&] { return window.model.peak().held > 0; }));
 }
 
-TEST(DaemonClient, ConnectsAnewToADaemonThatCameInTheOthersPlace) {
+TEST(DaemonClient, TheClientConnectsAgainToADaemonThatReplacedAnother) {
   auto first = std::make_unique<Daemon>(
       std::vector<std::string>{"--driver", "null", "--object", object_option("bell", "bronze-bell")});
   const std::uint16_t port = first->port();
@@ -141,40 +141,40 @@ void expect_demo(const Model& model) {
 bool knows_everything(const Model& model) {
   return model.scene().described() &&
          std::ranges::all_of(model.objects(), [](const auto& known) { return known.second.bank != nullptr; }) &&
-         !model.bank_files().empty();
+         !model.files().banks().empty();
 }
 
-TEST(Viewing, SeesTheSceneItsObjectsTheirBanksAndHowBodiesMove) {
+TEST(Viewing, TheModelLearnsTheSceneItsObjectsTheirBanksAndMotions) {
   Daemon daemon({"--driver", "null", "--scene", RINGDOWN_SOURCE_DIR "/presets/scenes/demo.toml"});
   ASSERT_TRUE(daemon.ready());
   Window window(at(daemon.port()));
   ASSERT_TRUE(window.reaches([&] { return window.model.objects().size() == 5 && knows_everything(window.model); }));
   expect_demo(window.model);
-  EXPECT_FALSE(window.model.scene_files().empty());
+  EXPECT_FALSE(window.model.files().scenes().empty());
   const auto& bodies = window.model.scene().bodies();
   const auto cube = std::ranges::find_if(bodies, [](const auto& known) { return known.second.name == "first-cube"; });
   ASSERT_NE(cube, bodies.end());
-  ASSERT_TRUE(window.reaches([&] { return window.model.scene().told_time_s() > 0.5; }));
+  ASSERT_TRUE(window.reaches([&] { return window.model.scene().reported_time_s() > 0.5; }));
   const auto shown = window.model.scene().shown_time_at(now_s());
   ASSERT_TRUE(shown && cube->second.track.pose_at(*shown));
   EXPECT_TRUE(window.model.scene().present(cube->second));
   EXPECT_TRUE(window.reaches([&] { return !window.model.contacts().empty(); }));
 }
 
-TEST(Viewing, APausedSceneStandsInThePictureToo) {
+TEST(Viewing, APausedSceneStandsInThePicture) {
   Daemon daemon({"--driver", "null", "--scene", RINGDOWN_SOURCE_DIR "/presets/scenes/demo.toml"});
   Window window(at(daemon.port()));
-  ASSERT_TRUE(window.reaches([&] { return window.model.scene().told_time_s() > 0.2; }));
+  ASSERT_TRUE(window.reaches([&] { return window.model.scene().reported_time_s() > 0.2; }));
   window.client.send(protocol::ScenePause{true});
   ASSERT_TRUE(window.reaches([&] { return window.model.scene().paused(); }));
   ASSERT_TRUE(window.reaches(
-      [&] { return window.model.scene().shown_time_at(now_s()) == window.model.scene().told_time_s(); }));
-  const double stood_s = window.model.scene().told_time_s();
+      [&] { return window.model.scene().shown_time_at(now_s()) == window.model.scene().reported_time_s(); }));
+  const double stood_s = window.model.scene().reported_time_s();
   window.client.send(protocol::ScenePause{false});
-  EXPECT_TRUE(window.reaches([&] { return window.model.scene().told_time_s() > stood_s + 0.2; }));
+  EXPECT_TRUE(window.reaches([&] { return window.model.scene().reported_time_s() > stood_s + 0.2; }));
 }
 
-TEST(Viewing, SeesAllOfItThoughEveryThirdDatagramIsLost) {
+TEST(Viewing, TheModelLearnsEverythingThoughEveryThirdDatagramIsLost) {
   Daemon daemon({"--driver", "null", "--scene", RINGDOWN_SOURCE_DIR "/presets/scenes/coin.toml"});
   ASSERT_TRUE(daemon.ready());
   const LossyRelay relay(daemon.port(), 3);
@@ -190,7 +190,7 @@ TEST(Viewing, SeesAllOfItThoughEveryThirdDatagramIsLost) {
   EXPECT_NEAR(model.object("hard-coin")->scale.stiffness, 1.5, 1e-6);
 }
 
-TEST(Viewing, LearnsOfObjectsThatComeAndGo) {
+TEST(Viewing, TheModelLearnsOfObjectsThatComeAndGo) {
   Daemon daemon({"--driver", "null", "--object", object_option("bell", "bronze-bell")});
   Window window(at(daemon.port()));
   ASSERT_TRUE(window.reaches([&] { return window.model.object("bell") != nullptr; }));
@@ -205,7 +205,7 @@ TEST(Viewing, LearnsOfObjectsThatComeAndGo) {
   EXPECT_TRUE(window.reaches([&] { return window.model.object("glass")->gain == 0.25; }));
 }
 
-TEST(DaemonClient, SaysThatADaemonHasGoneAndFindsItWhenItIsBack) {
+TEST(DaemonClient, TheClientReportsThatADaemonHasGoneAndFindsItAgain) {
   auto first = std::make_unique<Daemon>(std::vector<std::string>{"--driver", "null"});
   const std::uint16_t port = first->port();
   DaemonClient client(at(port), 60);
@@ -218,7 +218,7 @@ TEST(DaemonClient, SaysThatADaemonHasGoneAndFindsItWhenItIsBack) {
   EXPECT_EQ(client.state().connection, 2u);
 }
 
-TEST(DaemonClient, GoesToAnotherDaemon) {
+TEST(DaemonClient, TheClientMovesToAnotherDaemon) {
   Daemon one({"--driver", "null"}), two({"--driver", "null", "--object", object_option("bell", "bronze-bell")});
   Window window(at(one.port()));
   ASSERT_TRUE(window.reaches([&] { return window.connection == 1; }));
@@ -229,7 +229,7 @@ TEST(DaemonClient, GoesToAnotherDaemon) {
   EXPECT_TRUE(becomes_true([&] { return window.client.state().kind == Kind::away; }));
 }
 
-TEST(DaemonClient, NeitherSendingNorTakingWaitsForAnAnswer) {
+TEST(DaemonClient, SendingAndTakingNeverWaitForAnAnswer) {
   const auto silent = *wire::OscSocket::bind();
   DaemonClient client(at(silent.port()), 30);
   for (std::size_t i = 0; i < 4 * DaemonClient::kMaxRequests; ++i) {
@@ -238,7 +238,7 @@ TEST(DaemonClient, NeitherSendingNorTakingWaitsForAnAnswer) {
   }
 }
 
-TEST(DaemonClient, UnsubscribesWhenItIsDone) {
+TEST(DaemonClient, TheClientUnsubscribesAtItsEnd) {
   auto daemon = *wire::OscSocket::bind();
   wire::Datagram datagram;
   {
@@ -255,7 +255,7 @@ TEST(DaemonClient, UnsubscribesWhenItIsDone) {
   EXPECT_FALSE(last->on);
 }
 
-TEST(DaemonClient, TakesNothingFromStrangers) {
+TEST(DaemonClient, DatagramsFromOtherAddressesAreIgnored) {
   auto daemon = *wire::OscSocket::bind(), stranger = *wire::OscSocket::bind();
   DaemonClient client(at(daemon.port()), 30);
   wire::Datagram datagram;
@@ -271,7 +271,7 @@ TEST(DaemonClient, TakesNothingFromStrangers) {
   EXPECT_EQ(std::get<protocol::Fail>(replies.front()).sentence, "right");
 }
 
-TEST(BoundedQueue, HoldsAsManyAsItsBoundAndLosesTheRight) {
+TEST(BoundedQueue, AFullQueueDropsTheNewestOrTheOldestAsAsked) {
   BoundedQueue<int> first(3), last(3);
   for (int i = 0; i < 3; ++i) first.push_or_drop(i), last.push_over(i);
   EXPECT_EQ(first.lost() + last.lost(), 0u);

@@ -1,6 +1,6 @@
 // What is made of banks, boxes and spheres; and their colours.
 #include "clients/viewer/render/drawn_mesh.h"
-#include "clients/viewer/render/palette.h"
+#include "clients/viewer/render/look.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -49,7 +49,7 @@ void expect_unit_and_outwards(const DrawnMesh& mesh, float least_cosine = 0.9F) 
   }
 }
 
-TEST(DrawnMesh, ARoundSideIsSmoothAndRoundAndItsEdgeIsSharp) {
+TEST(DrawnMesh, ACylindersSideIsSmoothAndItsEdgeSharp) {
   constexpr std::uint32_t kSides = 16;
   const DrawnMesh mesh = shaded_mesh(drum(kSides));
   expect_unit_and_outwards(mesh);
@@ -93,7 +93,7 @@ void expect_closed(const DrawnMesh& mesh) {
   }
 }
 
-TEST(DrawnMesh, CurvingOpensNothingAndKeepsABankOfFlatFaces) {
+TEST(DrawnMesh, CurvingATriangleOpensNoGapAndKeepsFlatFacesFlat) {
   expect_closed(shaded_mesh(drum(16)));
   modal::Bank block;
   const DrawnMesh box = box_mesh({0.2F, 0.4F, 0.6F});
@@ -113,7 +113,7 @@ TEST(DrawnMesh, CurvingOpensNothingAndKeepsABankOfFlatFaces) {
   }
 }
 
-TEST(DrawnMesh, AFineSurfaceIsLeftAsItIs) {
+TEST(DrawnMesh, ASurfaceOfManyTrianglesIsNotCurved) {
   const modal::Bank bank = drum(kMaxPieces / 4);
   EXPECT_EQ(shaded_mesh(bank).triangles.size(), bank.triangles.size());
   EXPECT_LE(shaded_mesh(drum(300)).triangles.size(), kMaxPieces);
@@ -131,7 +131,7 @@ TEST(DrawnMesh, ABoxHasSixFlatFacesAndASphereIsRound) {
     EXPECT_LT(glm::distance(sphere.positions[i], 0.5F * sphere.normals[i]), 1e-6F);
 }
 
-TEST(DrawnMesh, ABankWithoutTrianglesIsMarksAtItsPoints) {
+TEST(DrawnMesh, ABankWithoutTrianglesIsDrawnAsMarksAtItsPoints) {
   modal::Bank bank = drum(24);
   bank.triangles.clear();
   const DrawnMesh mesh = shaded_mesh(bank);
@@ -144,7 +144,7 @@ TEST(DrawnMesh, ABankWithoutTrianglesIsMarksAtItsPoints) {
   EXPECT_TRUE(shaded_mesh({}).positions.empty());
 }
 
-TEST(ModeDisplacement, CountsByPitchAndMovesByOneAtMost) {
+TEST(ModeDisplacement, ModeDisplacementsAreRankedByFrequencyAndMoveByOneAtMost) {
   modal::Bank bank;
   bank.frequency_hz = {300, 100, 200};
   bank.positions = {{0, 0, 0}, {1, 0, 0}};
@@ -166,7 +166,7 @@ std::vector<glm::vec3> area_normals(const DrawnMesh& mesh) {
   return normals;
 }
 
-TEST(ModeDisplacement, NormalsFollowAsThoseOfTheMovedMesh) {
+TEST(ModeDisplacement, NormalChangesAreThoseOfTheDisplacedMesh) {
   const modal::Bank bank = drum(12);
   std::vector<glm::vec3> displacement;
   for (const auto& [x, y, z] : bank.positions) displacement.emplace_back(z * y, -z * x, x * x);
@@ -184,7 +184,7 @@ TEST(ModeDisplacement, NormalsFollowAsThoseOfTheMovedMesh) {
   EXPECT_GT(most, 5e-3F) << "the normals do turn";
 }
 
-TEST(ModeDisplacement, MovesPiecesAsTheTriangleTheyAreOf) {
+TEST(ModeDisplacement, PiecesMoveWithTheTriangleTheyBelongTo) {
   const modal::Bank bank = drum(12);
   std::vector<glm::vec3> displacement;
   for (const auto& [x, y, z] : bank.positions) displacement.emplace_back(x, 2 * y, -z);

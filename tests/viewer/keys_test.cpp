@@ -18,7 +18,7 @@ std::set<std::pair<Pane, Action>> actions() {
   return all;
 }
 
-TEST(Keys, EveryFunctionOfTheTestProgramHasAKeyInTheSoundPane) {
+TEST(Keys, EveryFunctionOfTheReportsTestProgramHasAKeyInTheSoundPane) {
   for (const Action action :
        {Action::quit, Action::highest_modes, Action::test_tone, Action::clear_sound, Action::project_test_force,
         Action::all_modes, Action::more_modes, Action::fewer_modes, Action::alpha_up, Action::alpha_down,
@@ -29,7 +29,7 @@ TEST(Keys, EveryFunctionOfTheTestProgramHasAKeyInTheSoundPane) {
   }
 }
 
-TEST(Keys, TheSceneHasTheReportsLetters) {
+TEST(Keys, TheScenePaneHasTheLettersOfTheReport) {
   const std::map<std::string, Action> expected = {
       {"W", Action::forward},    {"A", Action::left},           {"S", Action::back},
       {"D", Action::right},      {"space", Action::test_force}, {"H", Action::new_box},
@@ -41,7 +41,7 @@ TEST(Keys, TheSceneHasTheReportsLetters) {
   }
 }
 
-TEST(Keys, TheFocusedPaneDecidesWhereTheTablesClash) {
+TEST(Keys, TheFocusedPaneDecidesWhatASharedLetterMeans) {
   for (const char* key : {"Q", "W", "E", "A", "S", "D"}) {
     const auto scene = binding_for(Pane::scene, key), sound = binding_for(Pane::sound, key);
     ASSERT_TRUE(scene && sound) << key;
@@ -59,23 +59,23 @@ TEST(Keys, NoKeyMeansTwoThingsInOnePane) {
   }
 }
 
-TEST(Keys, AKeyThatStaysDownSwitchesNothingTwice) {
+TEST(Keys, AKeyHeldDownTogglesNothingTwice) {
   for (const char* key : {"ctrl+R", "F1", "F2", "F5", "F11", "tab", "escape", "P"}) {
-    EXPECT_EQ(binding_for(Pane::scene, key)->hold, Hold::once) << key;
+    EXPECT_EQ(binding_for(Pane::scene, key)->while_down, WhileDown::once) << key;
   }
-  EXPECT_EQ(binding_for(Pane::sound, "4")->hold, Hold::once);
-  EXPECT_EQ(binding_for(Pane::scene, "H")->hold, Hold::once);
-  EXPECT_EQ(binding_for(Pane::sound, "T")->hold, Hold::repeats);
-  EXPECT_EQ(binding_for(Pane::scene, "W")->hold, Hold::acts);
+  EXPECT_EQ(binding_for(Pane::sound, "4")->while_down, WhileDown::once);
+  EXPECT_EQ(binding_for(Pane::scene, "H")->while_down, WhileDown::once);
+  EXPECT_EQ(binding_for(Pane::sound, "T")->while_down, WhileDown::repeats);
+  EXPECT_EQ(binding_for(Pane::scene, "W")->while_down, WhileDown::continues);
 }
 
-TEST(Keys, ModifiersAreInTheName) {
+TEST(Keys, ModifiersArePartOfAKeysName) {
   EXPECT_EQ(key_name("Z", true, false), "ctrl+Z");
   EXPECT_EQ(key_name("A", false, true), "A");
   EXPECT_FALSE(binding_for(Pane::scene, "Z")) << "ctrl+Z is another key";
 }
 
-TEST(Keys, TheManualListsThisTable) {
+TEST(Keys, TheManualListsTheTableOfKeys) {
   std::ifstream file(RINGDOWN_SOURCE_DIR "/docs/viewer.md");
   std::stringstream text;
   text << file.rdbuf();

@@ -1,4 +1,4 @@
-// The description of a scene, told in parts that get lost and come in any order, and the poses of its bodies.
+// The description of a scene, which comes in parts that get lost and arrive in any order, and the poses of its bodies.
 #include "clients/viewer/link/known_scene.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ class Scene : public testing::Test {
   double x_of(std::int32_t id, double time_s) { return scene.bodies().at(id).track.pose_at(time_s)->position_m.x; }
 };
 
-TEST_F(Scene, IsAskedForWhenItsVersionIsNewAndAgainWhenNothingComes) {
+TEST_F(Scene, ASceneIsAskedForWhenItsVersionIsNewAndAgainWithoutAnAnswer) {
   EXPECT_FALSE(scene.wants(0));
   scene.on(protocol::NotifyScene{3, 0, false}, 0);
   EXPECT_TRUE(scene.wants(0));
@@ -37,7 +37,7 @@ TEST_F(Scene, IsAskedForWhenItsVersionIsNewAndAgainWhenNothingComes) {
   EXPECT_TRUE(scene.wants(2));
 }
 
-TEST_F(Scene, IsTheSameInWhateverOrderItsPartsCome) {
+TEST_F(Scene, ASceneIsTheSameInWhateverOrderItsPartsCome) {
   scene.on(protocol::NotifyScene{3, 0, false}, 0);
   scene.on(body(3, 1));
   scene.on(floor(3));
@@ -52,7 +52,7 @@ TEST_F(Scene, IsTheSameInWhateverOrderItsPartsCome) {
   EXPECT_EQ(scene.description().file, "demo.toml");
 }
 
-TEST_F(Scene, IsCompleteAfterASecondTellingThatLostOtherParts) {
+TEST_F(Scene, ASceneIsCompletedByASecondAnswerThatLostOtherParts) {
   scene.on(protocol::NotifyScene{3, 0, false}, 0);
   scene.on(head(3, 2, 0));
   scene.on(body(3, 0));
@@ -79,7 +79,7 @@ TEST_F(Scene, PartsOfTwoVersionsAreNeverMixed) {
   EXPECT_EQ(scene.bodies().size(), 2u);
 }
 
-TEST_F(Scene, ABodyThatIsDescribedNoMoreIsGone) {
+TEST_F(Scene, ABodyMissingFromANewDescriptionIsForgotten) {
   scene.on(head(1, 2, 0));
   scene.on(body(1, 0));
   scene.on(body(1, 1));
@@ -89,7 +89,7 @@ TEST_F(Scene, ABodyThatIsDescribedNoMoreIsGone) {
   EXPECT_TRUE(scene.bodies().contains(1));
 }
 
-TEST_F(Scene, BodiesMoveAsTheyAreTold) {
+TEST_F(Scene, BodiesMoveAsNoticesSay) {
   scene.on(head(1, 1, 0));
   scene.on(body(1, 1));
   for (int i = 0; i <= 10; ++i) {
@@ -107,7 +107,7 @@ TEST_F(Scene, PosesOfANoticeThatWasOvertakenAreIgnored) {
   scene.on(protocol::NotifyScene{1, 0.96, false}, 0.001);
   scene.on(pose(1, 9));
   EXPECT_EQ(x_of(1, 5), 10);
-  EXPECT_EQ(scene.told_time_s(), 1.0);
+  EXPECT_EQ(scene.reported_time_s(), 1.0);
 }
 
 TEST_F(Scene, PosesWhoseTimeWasLostAreIgnored) {
@@ -120,7 +120,7 @@ TEST_F(Scene, PosesWhoseTimeWasLostAreIgnored) {
   EXPECT_EQ(x_of(1, 1.04), 12);
 }
 
-TEST_F(Scene, ANewSceneDoesNotDrawBodiesFromWhereTheOldOnesWere) {
+TEST_F(Scene, BodiesOfANewSceneDoNotStartFromOldPoses) {
   scene.on(protocol::NotifyScene{1, 0.1, false}, 0);
   scene.on(pose(1, 10));
   scene.on(protocol::NotifyScene{2, 0, false}, 0.04);
@@ -129,7 +129,7 @@ TEST_F(Scene, ANewSceneDoesNotDrawBodiesFromWhereTheOldOnesWere) {
   EXPECT_LE(*scene.shown_time_at(0.05), 0.0);
 }
 
-TEST_F(Scene, ABodyThatIsToldNoMoreIsNotPresent) {
+TEST_F(Scene, ABodyThatNoticesNoLongerNameIsNotPresent) {
   scene.on(head(1, 2, 0));
   scene.on(body(1, 0));
   scene.on(body(1, 1));
@@ -143,7 +143,7 @@ TEST_F(Scene, ABodyThatIsToldNoMoreIsNotPresent) {
   EXPECT_FALSE(scene.present(scene.bodies().at(1)));
 }
 
-TEST_F(Scene, KeepsNoMoreBodiesThanItsBound) {
+TEST_F(Scene, ASceneKeepsNoMoreBodiesThanItsBound) {
   scene.on(protocol::NotifyScene{1, 0, false}, 0);
   const auto most = static_cast<std::int32_t>(KnownScene::kMaxBodies);
   scene.on(head(1, std::numeric_limits<std::int32_t>::max(), 0));
@@ -155,7 +155,7 @@ TEST_F(Scene, KeepsNoMoreBodiesThanItsBound) {
   EXPECT_EQ(scene.bodies().size(), KnownScene::kMaxBodies);
 }
 
-TEST_F(Scene, KeepsNoMoreStaticsThanItsBound) {
+TEST_F(Scene, ASceneKeepsNoMoreStaticsThanItsBound) {
   const auto most = static_cast<std::int32_t>(KnownScene::kMaxStatics);
   for (std::int32_t number = 0; number <= most; ++number) {
     scene.on(protocol::SceneStatic{1, number, "wall", "box", {}, {}, 0, 0, 0, 1});

@@ -1,4 +1,4 @@
-// What the model makes of what it is told, and what it asks for.
+// What the model learns from replies and notices, and which questions it asks.
 #include "clients/viewer/link/model.h"
 #include "protocol/schema.h"
 #include "protocol/wire/floats.h"
@@ -49,9 +49,9 @@ class ModelTest : public testing::Test {
   }
 };
 
-TEST_F(ModelTest, AsksNothingOfNobody) { EXPECT_TRUE(model.wants(1).empty()); }
+TEST_F(ModelTest, WithoutADaemonTheModelAsksNothing) { EXPECT_TRUE(model.wants(1).empty()); }
 
-TEST_F(ModelTest, EveryRequestIsOneThatTheProtocolTakes) {
+TEST_F(ModelTest, EveryRequestOfTheModelIsValidInTheProtocol) {
   model.choose("bell");
   model.watch_sound(true);
   model.apply(protocol::NotifyScene{1, 0, false}, 0);
@@ -65,7 +65,7 @@ TEST_F(ModelTest, EveryRequestIsOneThatTheProtocolTakes) {
   }
 }
 
-TEST_F(ModelTest, AnObjectThatIsToldOfIsAskedForUntilItIsDescribed) {
+TEST_F(ModelTest, AnObjectNamedInANoticeIsAskedForUntilItIsDescribed) {
   model.apply(protocol::NotifyObject{3, "bell", true}, 0);
   EXPECT_TRUE(model.objects().empty());
   EXPECT_TRUE(asked_to_describe(0).contains("bell"));
@@ -84,7 +84,7 @@ TEST_F(ModelTest, AnObjectThatIsToldOfIsAskedForUntilItIsDescribed) {
   EXPECT_EQ(bell->selected, (modal::ModeRange{2, 5}));
 }
 
-TEST_F(ModelTest, AsksForObjectsInTurnSinceOthersMayChangeThem) {
+TEST_F(ModelTest, KnownObjectsAreAskedForInTurn) {
   for (const char* name : {"a", "b", "c"}) model.apply(described(name), 0);
   std::vector<std::string> turns;
   for (double now = 0; now < 13; now += 0.1) {
@@ -122,11 +122,11 @@ TEST_F(ModelTest, AnObjectThatIsFreedOrNotThereIsForgotten) {
   EXPECT_TRUE(model.messages().empty()) << "nobody asked for that";
 }
 
-TEST_F(ModelTest, KeepsNoMoreObjectsThanItsBound) {
-  for (std::size_t i = 0; i <= Model::kMaxObjects; ++i) model.apply(described("o" + std::to_string(i)), 0);
-  EXPECT_EQ(model.objects().size(), Model::kMaxObjects);
-  EXPECT_TRUE(model.object("o" + std::to_string(Model::kMaxObjects - 1)));
-  EXPECT_FALSE(model.object("o" + std::to_string(Model::kMaxObjects)));
+TEST_F(ModelTest, TheModelKeepsNoMoreObjectsThanItsBound) {
+  for (std::size_t i = 0; i <= KnownObjects::kMaxObjects; ++i) model.apply(described("o" + std::to_string(i)), 0);
+  EXPECT_EQ(model.objects().size(), KnownObjects::kMaxObjects);
+  EXPECT_TRUE(model.object("o" + std::to_string(KnownObjects::kMaxObjects - 1)));
+  EXPECT_FALSE(model.object("o" + std::to_string(KnownObjects::kMaxObjects)));
 }
 
 class ModelWithFile : public ModelTest {
@@ -151,7 +151,7 @@ class ModelWithFile : public ModelTest {
   }
 };
 
-TEST_F(ModelWithFile, BanksComeTheChosenOneFirst) {
+TEST_F(ModelWithFile, TheBankOfTheChosenObjectIsFetchedFirst) {
   const auto file = bytes_of(preset_bank("wine-glass"));
   for (const char* name : {"a", "b"}) model.apply(described(name), 0);
   model.apply(playing(file, "z"), 0);
@@ -163,7 +163,7 @@ TEST_F(ModelWithFile, BanksComeTheChosenOneFirst) {
   for (const auto& question : asked<protocol::ReadBank>(1)) EXPECT_EQ(question.object.name, "a");
 }
 
-TEST_F(ModelWithFile, ANewBankReplacesTheOldAndPiecesOfTheOldDoNotMix) {
+TEST_F(ModelWithFile, ANewBankReplacesTheOldAndTheirPiecesDoNotMix) {
   const auto glass = bytes_of(preset_bank("wine-glass")), bell = bytes_of(preset_bank("bronze-bell"));
   model.apply(playing(glass, "x", 1), 0);
   const auto questions = asked<protocol::ReadBank>(0);
@@ -178,7 +178,7 @@ TEST_F(ModelWithFile, ANewBankReplacesTheOldAndPiecesOfTheOldDoNotMix) {
   EXPECT_FALSE(model.object("x")->bank);
 }
 
-TEST_F(ModelWithFile, AHostileSizeEndsInASentence) {
+TEST_F(ModelWithFile, AnImpossibleBankSizeEndsInASentence) {
   model.apply(described("x", 1, std::numeric_limits<std::int32_t>::max()), 0);
   EXPECT_TRUE(asked<protocol::ReadBank>(0).empty());
   EXPECT_TRUE(asked<protocol::ReadBank>(1).empty());
@@ -217,7 +217,7 @@ TEST_F(ModelWithFile, ObjectsThatPlayTheSameFileShareItsBank) {
   EXPECT_TRUE(model.object("d")->bank);
 }
 
-TEST_F(ModelWithFile, AllBanksTogetherHaveABound) {
+TEST_F(ModelWithFile, BanksAreFetchedUpToABoundOnAllTogether) {
   const auto coin = bytes_of(preset_bank("coin")), glass = bytes_of(preset_bank("wine-glass"));
   const std::size_t bytes = coin.size() + glass.size();
   for (const std::size_t short_by : {0, 1}) {
@@ -235,7 +235,7 @@ TEST_F(ModelWithFile, AllBanksTogetherHaveABound) {
   EXPECT_TRUE(model.object("c")->bank) << "there is room now";
 }
 
-TEST_F(ModelTest, ADaemonThatIsAnotherOneIsLearntAnew) {
+TEST_F(ModelTest, ANewDaemonIsLearntFromTheBeginning) {
   model.choose("bell");
   model.apply(described("bell"), 0);
   model.apply(protocol::NotifyScene{9, 5, false}, 0);
@@ -249,7 +249,7 @@ TEST_F(ModelTest, ADaemonThatIsAnotherOneIsLearntAnew) {
   EXPECT_EQ(asked<protocol::SceneDescribe>(1).size(), 1u);
 }
 
-TEST_F(ModelTest, WatchesTheChosenOneThenTheLoudest) {
+TEST_F(ModelTest, TheChosenObjectIsWatchedThenTheLoudest) {
   for (int i = 0; i < 20; ++i) {
     const std::string name = "o" + std::to_string(i);
     model.apply(described(name), 0);
@@ -258,7 +258,7 @@ TEST_F(ModelTest, WatchesTheChosenOneThenTheLoudest) {
   model.choose("o0");
   std::set<std::string> watched;
   for (const auto& request : asked<protocol::WatchObject>(0)) watched.insert(request.object.name);
-  EXPECT_EQ(watched.size(), Model::kMaxWatched);
+  EXPECT_EQ(watched.size(), ObjectWatches::kMaxWatched);
   EXPECT_TRUE(watched.contains("o0"));
   for (int i = 5; i < 20; ++i) EXPECT_TRUE(watched.contains("o" + std::to_string(i)));
 
@@ -271,7 +271,7 @@ TEST_F(ModelTest, WatchesTheChosenOneThenTheLoudest) {
   EXPECT_TRUE(ends_one && begins);
 }
 
-TEST_F(ModelTest, AnObjectAlreadyWatchedIsNotDroppedForOneALittleLouder) {
+TEST_F(ModelTest, AWatchedObjectIsKeptUntilAnotherIsMuchLouder) {
   for (int i = 0; i < 17; ++i) {
     const std::string name = "o" + std::to_string(i);
     model.apply(described(name), 0);
@@ -282,7 +282,7 @@ TEST_F(ModelTest, AnObjectAlreadyWatchedIsNotDroppedForOneALittleLouder) {
   for (const auto& request : asked<protocol::WatchObject>(1)) EXPECT_TRUE(request.on);
 }
 
-TEST_F(ModelTest, AmplitudesStandByRank) {
+TEST_F(ModelTest, AmplitudesAreStoredByRank) {
   model.apply(described("bell"), 0);
   model.apply(protocol::NotifyModes{"bell", 28, wire::encode_floats(std::vector<float>{0.5f, 0.25f})}, 1);
   const auto& amplitudes = model.object("bell")->amplitudes;
@@ -292,7 +292,7 @@ TEST_F(ModelTest, AmplitudesStandByRank) {
   EXPECT_EQ(amplitudes[0], 0);
 }
 
-TEST_F(ModelTest, AmplitudesOfModesThatAreNotThereAreIgnored) {
+TEST_F(ModelTest, AmplitudesOfModesThatDoNotExistAreIgnored) {
   model.apply(described("bell"), 0);
   const auto one = wire::encode_floats(std::vector<float>{0.5f});
   for (const std::int32_t first : {30, -1, std::numeric_limits<std::int32_t>::max()}) {
@@ -305,7 +305,7 @@ TEST_F(ModelTest, AmplitudesOfModesThatAreNotThereAreIgnored) {
   huge.modes = std::numeric_limits<std::int32_t>::max();
   model.apply(huge, 1);
   model.apply(protocol::NotifyModes{"huge", 0, one}, 1);
-  EXPECT_EQ(model.object("huge")->amplitudes.size(), Model::kMaxModes);
+  EXPECT_EQ(model.object("huge")->amplitudes.size(), KnownObjects::kMaxModes);
 }
 
 TEST_F(ModelTest, ContactsAreKeptForTwoSecondsAndNoMoreThanTheBound) {
@@ -320,7 +320,7 @@ TEST_F(ModelTest, ContactsAreKeptForTwoSecondsAndNoMoreThanTheBound) {
   EXPECT_TRUE(model.contacts().empty());
 }
 
-TEST_F(ModelTest, ThePeakIsHeldForASecond) {
+TEST_F(ModelTest, ThePeakLevelIsHeldForASecond) {
   for (const auto& [now, peak] : {std::pair{0.0, 0.9}, {0.5, 0.2}, {1.0, 0.3}}) {
     model.apply(protocol::NotifyPeak{peak}, now);
     EXPECT_EQ(model.peak().held, 0.9);
@@ -330,7 +330,7 @@ TEST_F(ModelTest, ThePeakIsHeldForASecond) {
   EXPECT_EQ(model.peak().held, 0.1);
 }
 
-TEST_F(ModelTest, SoundIsAskedForUntilItComesAndEndedUntilItEnds) {
+TEST_F(ModelTest, SoundIsSubscribedUntilItComesAndUnsubscribedUntilItEnds) {
   const protocol::NotifySound piece{0, 48000, wire::Blob(8)};
   model.apply(protocol::NotifyPeak{}, 0);
   EXPECT_TRUE(asked<protocol::WatchSound>(0).empty());
@@ -349,7 +349,7 @@ TEST_F(ModelTest, SoundIsAskedForUntilItComesAndEndedUntilItEnds) {
   EXPECT_TRUE(asked<protocol::WatchSound>(9).empty());
 }
 
-TEST_F(ModelTest, FilesAreBrowsedOncePerDaemonThoughPartsAreLost) {
+TEST_F(ModelTest, FilesAreListedOncePerDaemonThoughPartsAreLost) {
   model.apply(protocol::NotifyPeak{}, 0);
   EXPECT_EQ(asked<protocol::Browse>(0).size(), 1u);
   EXPECT_TRUE(asked<protocol::Browse>(0.3).empty());
@@ -358,23 +358,23 @@ TEST_F(ModelTest, FilesAreBrowsedOncePerDaemonThoughPartsAreLost) {
   EXPECT_EQ(asked<protocol::Browse>(0.6).size(), 1u);
   model.apply(protocol::BrowseReply{2}, 0.7);
   model.apply(protocol::BrowseFile{0, "scene", "a.toml"}, 0.7);
-  EXPECT_EQ(model.scene_files(), std::vector<std::string>{"a.toml"});
-  EXPECT_EQ(model.bank_files(), std::vector<std::string>{"b.glb"});
+  EXPECT_EQ(model.files().scenes(), std::vector<std::string>{"a.toml"});
+  EXPECT_EQ(model.files().banks(), std::vector<std::string>{"b.glb"});
   EXPECT_TRUE(asked<protocol::Browse>(99).empty());
-  model.browse_again();
+  model.files().browse_again();
   EXPECT_EQ(asked<protocol::Browse>(100).size(), 1u);
-  EXPECT_EQ(model.scene_files().size(), 1u) << "the old list stands until the new one is there";
+  EXPECT_EQ(model.files().scenes().size(), 1u) << "the old list stands until the new one is there";
 }
 
-TEST_F(ModelTest, KeepsNoMoreFilesThanItsBound) {
+TEST_F(ModelTest, TheModelKeepsNoMoreFilesThanItsBound) {
   model.apply(protocol::BrowseReply{std::numeric_limits<std::int32_t>::max()}, 0);
-  const auto most = static_cast<std::int32_t>(Model::kMaxFiles);
+  const auto most = static_cast<std::int32_t>(FileBrowser::kMaxFiles);
   for (std::int32_t i = 0; i < most - 1; ++i) model.apply(protocol::BrowseFile{i, "bank", "x.glb"}, 0);
-  EXPECT_TRUE(model.bank_files().empty());
+  EXPECT_TRUE(model.files().banks().empty());
   model.apply(protocol::BrowseFile{most - 1, "bank", "x.glb"}, 0);
-  EXPECT_EQ(model.bank_files().size(), Model::kMaxFiles);
+  EXPECT_EQ(model.files().banks().size(), FileBrowser::kMaxFiles);
   model.apply(protocol::BrowseFile{most, "bank", "x.glb"}, 0);
-  EXPECT_EQ(model.bank_files().size(), Model::kMaxFiles);
+  EXPECT_EQ(model.files().banks().size(), FileBrowser::kMaxFiles);
 }
 
 TEST_F(ModelTest, MessagesAreKeptUpToTheBound) {
@@ -388,7 +388,7 @@ TEST_F(ModelTest, MessagesAreKeptUpToTheBound) {
   EXPECT_EQ(model.messages().back().number, 4);
 }
 
-TEST_F(ModelTest, RecordingIsWhatTheStatusSays) {
+TEST_F(ModelTest, RecordingFollowsTheStatus) {
   EXPECT_FALSE(model.recording());
   model.apply(protocol::StatusReply{.recording = true}, 0);
   EXPECT_TRUE(model.recording());

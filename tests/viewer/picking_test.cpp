@@ -20,7 +20,7 @@ PickedBody at(glm::vec3 place, std::variant<const DrawnMesh*, BoxShape, SphereSh
   return {id, shape, glm::translate(glm::mat4(1), place)};
 }
 
-TEST(Picking, MeetsASphereWhereItFacesTheRay) {
+TEST(Picking, ARayHitsASphereOnTheSideThatFacesIt) {
   const std::vector bodies = {at({5, 0, 0}, SphereShape{2}, 7)};
   const auto hit = pick({{0, 0, 1.2F}, {1, 0, 0}}, bodies);
   ASSERT_TRUE(hit);
@@ -33,7 +33,7 @@ TEST(Picking, MeetsASphereWhereItFacesTheRay) {
   EXPECT_FALSE(pick({{0, 0, 0}, {-1, 0, 0}}, bodies));
 }
 
-TEST(Picking, MeetsABoxByItsFaceAndFromInside) {
+TEST(Picking, ARayHitsABoxOnItsFaceAndFromInside) {
   const std::vector bodies = {at({0, 0, 3}, BoxShape{{2, 4, 6}})};
   const auto hit = pick({{0.5F, -9, 1}, {0, 1, 0}}, bodies);
   ASSERT_TRUE(hit);
@@ -47,7 +47,7 @@ TEST(Picking, MeetsABoxByItsFaceAndFromInside) {
   EXPECT_FALSE(pick({{1.01F, -9, 1}, {0, 1, 0}}, bodies));
 }
 
-TEST(Picking, FindsTheNearestOfThoseBehindEachOther) {
+TEST(Picking, ARayHitsTheNearestOfSeveralBodies) {
   const DrawnMesh mesh = box_mesh({1, 1, 1});
   const std::vector bodies = {at({6, 0, 0}, SphereShape{1}, 1), at({3, 0, 0}, &mesh, 2), at({9, 0, 0}, BoxShape{}, 3)};
   EXPECT_EQ(pick({{0, 0, 0}, {1, 0, 0}}, bodies)->id, 2u);
@@ -55,7 +55,7 @@ TEST(Picking, FindsTheNearestOfThoseBehindEachOther) {
   EXPECT_EQ(pick({{0, 0, 0.9F}, {1, 0, 0}}, bodies)->id, 1u);
 }
 
-TEST(Picking, NamesThePointOfATurnedAndScaledObject) {
+TEST(Picking, TheHitOfATurnedAndScaledBodyIsInTheObjectsFrame) {
   const DrawnMesh mesh = box_mesh({0.2F, 0.4F, 0.6F});
   PickedBody body = at({1, 2, 3}, &mesh);
   body.pose = glm::rotate(body.pose, 0.7F, glm::normalize(glm::vec3(1, 2, -1)));
@@ -72,7 +72,7 @@ TEST(Picking, NamesThePointOfATurnedAndScaledObject) {
   expect_near(hit->normal, outwards, 1e-5F);
 }
 
-TEST(Picking, MeshesAreMetWhereTheirSolidsAre) {
+TEST(Picking, MeshesAreHitWhereTheirSolidsAre) {
   const DrawnMesh box = box_mesh({1, 2, 3}), sphere = sphere_mesh(1);
   std::mt19937 random(3);
   std::normal_distribution<float> normal;

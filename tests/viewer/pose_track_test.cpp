@@ -1,4 +1,4 @@
-// Poses between those told, and the clock they are shown by, against closed forms.
+// Interpolated poses, and the display clock, against closed forms.
 #include "clients/viewer/link/pose_track.h"
 
 #include <gtest/gtest.h>
@@ -27,70 +27,70 @@ void expect_near(const Pose& a, const Pose& b, double tolerance) {
   EXPECT_NEAR(std::abs(alike), 1, tolerance);  // q and -q are one rotation
 }
 
-TEST(PoseTrack, KnowsNothingBeforeItIsTold) {
+TEST(PoseTrack, AnEmptyTrackHasNoPose) {
   EXPECT_FALSE(PoseTrack().pose_at(0));
-  EXPECT_FALSE(PoseTrack().last_told_s());
+  EXPECT_FALSE(PoseTrack().last_time_s());
 }
 
-TEST(PoseTrack, IsExactAtTheTimesTold) {
+TEST(PoseTrack, PosesAreExactAtTheTimesAdded) {
   PoseTrack track;
-  for (int i = 0; i < 20; ++i) track.tell(i / 30.0, flight(i / 30.0));
+  for (int i = 0; i < 20; ++i) track.add(i / 30.0, flight(i / 30.0));
   for (int i = 0; i < 20; ++i) expect_near(*track.pose_at(i / 30.0), flight(i / 30.0), 1e-12);
 }
 
-TEST(PoseTrack, IsExactForConstantVelocityHoweverUnevenlyItIsTold) {
+TEST(PoseTrack, PosesAreExactForConstantVelocityWhateverTheirSpacing) {
   PoseTrack track;
-  for (const double t : {0.0, 0.03, 0.035, 0.2, 0.7}) track.tell(t, flight(t));
+  for (const double t : {0.0, 0.03, 0.035, 0.2, 0.7}) track.add(t, flight(t));
   for (double t = 0; t <= 0.7; t += 0.01) expect_near(*track.pose_at(t), flight(t), 1e-12);
 }
 
-TEST(PoseTrack, TurnsTheShortestWayWhateverTheSignOfTheQuaternion) {
+TEST(PoseTrack, PosesTurnTheShortestWayWhateverTheSignOfTheQuaternion) {
   Quaternion opposite = about_z(0.4);
   opposite = {-opposite.x, -opposite.y, -opposite.z, -opposite.w};
   expect_near(between({{}, about_z(0)}, {{}, opposite}, 0.5), {{}, about_z(0.2)}, 1e-12);
   expect_near(between({{}, about_z(0.9 * kPi)}, {{}, about_z(-0.9 * kPi)}, 0.5), {{}, about_z(kPi)}, 1e-12);
 }
 
-TEST(PoseTrack, StandsBeforeTheFirstAndAfterTheLast) {
+TEST(PoseTrack, BeforeTheFirstAndAfterTheLastPoseTheTrackStands) {
   PoseTrack track;
-  track.tell(1, flight(1));
-  track.tell(2, flight(2));
+  track.add(1, flight(1));
+  track.add(2, flight(2));
   expect_near(*track.pose_at(-5), flight(1), 1e-12);
   expect_near(*track.pose_at(9), flight(2), 1e-12);
 }
 
-TEST(PoseTrack, IgnoresWhatComesLateOrIsNoPose) {
+TEST(PoseTrack, LateAndInvalidPosesAreIgnored) {
   PoseTrack track;
-  track.tell(1, flight(1));
-  track.tell(0.5, flight(7));
-  track.tell(2, {{std::numeric_limits<double>::quiet_NaN(), 0, 0}, {}});
-  track.tell(2, {{}, {0, 0, 0, 0}});
-  track.tell(std::numeric_limits<double>::infinity(), flight(3));
-  EXPECT_EQ(track.last_told_s(), 1);
+  track.add(1, flight(1));
+  track.add(0.5, flight(7));
+  track.add(2, {{std::numeric_limits<double>::quiet_NaN(), 0, 0}, {}});
+  track.add(2, {{}, {0, 0, 0, 0}});
+  track.add(std::numeric_limits<double>::infinity(), flight(3));
+  EXPECT_EQ(track.last_time_s(), 1);
   expect_near(*track.pose_at(0.5), flight(1), 1e-12);
 }
 
-TEST(PoseTrack, APoseToldForTheSameTimeReplacesTheFirst) {
+TEST(PoseTrack, APoseForTheSameTimeReplacesTheFirst) {
   PoseTrack track;
-  track.tell(1, flight(1));
-  track.tell(1, flight(4));
+  track.add(1, flight(1));
+  track.add(1, flight(4));
   expect_near(*track.pose_at(1), flight(4), 1e-12);
 }
 
-TEST(PoseTrack, KeepsNoMoreThanItsBound) {
+TEST(PoseTrack, ATrackKeepsNoMorePosesThanItsBound) {
   PoseTrack track;
-  for (std::size_t i = 0; i <= PoseTrack::kMaxPoses; ++i) track.tell(static_cast<double>(i), flight(1.0 * i));
+  for (std::size_t i = 0; i <= PoseTrack::kMaxPoses; ++i) track.add(static_cast<double>(i), flight(1.0 * i));
   expect_near(*track.pose_at(0), flight(1), 1e-12);  // the first is gone
   expect_near(*track.pose_at(1), flight(1), 1e-12);
 }
 
-TEST(DisplayClock, ShowsOneAndAHalfPeriodsLate) {
+TEST(DisplayClock, DisplayRunsOneAndAHalfPeriodsLate) {
   DisplayClock clock(0.04);
   for (int i = 0; i <= 50; ++i) clock.observe(100 + 0.04 * i, 7 + 0.04 * i, false);
   EXPECT_NEAR(*clock.time_at(102), 9 - 0.06, 1e-12);
 }
 
-TEST(DisplayClock, RunsEvenlyThoughNoticesArriveUnevenly) {
+TEST(DisplayClock, DisplayRunsEvenlyThoughNoticesArriveUnevenly) {
   constexpr double kPeriod_s = 1 / 30.0, kFrame_s = 1 / 60.0;
   DisplayClock clock(kPeriod_s);
   std::mt19937 random(1);
@@ -114,7 +114,7 @@ TEST(DisplayClock, RunsEvenlyThoughNoticesArriveUnevenly) {
   EXPECT_LE(worst, 0.11 * kFrame_s);
 }
 
-TEST(DisplayClock, NeverGoesBackNorPastWhatWasTold) {
+TEST(DisplayClock, DisplayNeverGoesBackNorPastTheLastNotice) {
   DisplayClock clock(0.05);
   std::mt19937 random(2);
   std::uniform_real_distribution<double> chance(0, 1);
@@ -132,7 +132,7 @@ TEST(DisplayClock, NeverGoesBackNorPastWhatWasTold) {
   }
 }
 
-TEST(DisplayClock, StandsAtThePausedTimeAndGoesOnFromThere) {
+TEST(DisplayClock, DisplayStandsAtThePausedTimeAndContinuesFromThere) {
   DisplayClock clock(0.04);
   double now = 0, time = 0;
   for (; now < 2; now += 0.04, time += 0.04) clock.observe(now, time, false), clock.time_at(now);
@@ -147,7 +147,7 @@ TEST(DisplayClock, StandsAtThePausedTimeAndGoesOnFromThere) {
   EXPECT_NEAR(*clock.time_at(now), time - 0.06, 1e-9);  // as late as before the pause
 }
 
-TEST(DisplayClock, FollowsASceneThatIsSlowedDown) {
+TEST(DisplayClock, DisplayFollowsASceneThatIsSlowedDown) {
   DisplayClock clock(0.04);
   double now = 0, time = 0;
   for (int i = 0; i < 500; ++i, now += 0.04, time += 0.02) {
@@ -157,17 +157,17 @@ TEST(DisplayClock, FollowsASceneThatIsSlowedDown) {
   EXPECT_NEAR(*clock.time_at(now), time, 0.2);
 }
 
-TEST(DisplayClock, BeginsAnewWhenTimeJumps) {
+TEST(DisplayClock, DisplayRestartsWhenSceneTimeJumps) {
   DisplayClock clock(0.04);
   for (int i = 0; i <= 100; ++i) clock.observe(0.04 * i, 50 + 0.04 * i, false);
   ASSERT_GT(*clock.time_at(4), 50);
-  EXPECT_EQ(clock.observe(4.04, 0.01, false), DisplayClock::Course::anew);
+  EXPECT_EQ(clock.observe(4.04, 0.01, false), DisplayClock::Course::jumped);
   EXPECT_LE(*clock.time_at(4.05), 0.01);
-  EXPECT_EQ(clock.observe(4.08, 30, false), DisplayClock::Course::anew);
+  EXPECT_EQ(clock.observe(4.08, 30, false), DisplayClock::Course::jumped);
   EXPECT_NEAR(*clock.time_at(4.08), 30 - 0.06, 1e-9);
 }
 
-TEST(DisplayClock, CallsANoticeThatWasOvertakenLate) {
+TEST(DisplayClock, ANoticeThatWasOvertakenIsLate) {
   DisplayClock clock(0.04);
   EXPECT_EQ(clock.observe(1, 10, false), DisplayClock::Course::onward);
   EXPECT_EQ(clock.observe(1.001, 9.96, false), DisplayClock::Course::late);

@@ -99,7 +99,7 @@ Outcome take(const std::filesystem::path& scene, const std::filesystem::path& pi
   const VirtualDisplay display; \
   if (!display.works()) GTEST_SKIP() << "Xvfb is not installed"
 
-TEST(ViewerProgram, ItsPictureShowsBodiesWhereTheyAreAtThatMoment) {
+TEST(ViewerProgram, TheScreenshotShowsBodiesWhereTheyAreAtThatTime) {
   NEED_DISPLAY(display);
   const TemporaryFolder folder;
   const auto scene = write_scene(folder);
@@ -134,7 +134,7 @@ TEST(ViewerProgram, ItsPictureShowsBodiesWhereTheyAreAtThatMoment) {
 }
 
 // As on another computer: names of files are the daemon's.
-TEST(ViewerProgram, ARunningDaemonFindsTheSceneWhereItWasStarted) {
+TEST(ViewerProgram, ARunningDaemonResolvesTheScenesPathInItsOwnFolder) {
   NEED_DISPLAY(display);
   const TemporaryFolder folder, elsewhere;
   const auto scene = write_scene(folder);
@@ -160,7 +160,7 @@ TEST(ViewerProgram, TheLightThemeIsLight) {
   EXPECT_GT(std::min({corner.r, corner.g, corner.b}), 150);
 }
 
-TEST(ViewerProgram, RefusesInOneSentence) {
+TEST(ViewerProgram, TheViewerRefusesWrongArgumentsInOneSentence) {
   NEED_DISPLAY(display);
   const TemporaryFolder folder;
   const auto without = run({kViewer, "--screenshot", (folder / "a.png").string()});
@@ -191,7 +191,7 @@ void visit(const TemporaryFolder& folder, const std::vector<std::string>& keys) 
   EXPECT_EQ(viewer.wait(30s), 0) << viewer.output();
 }
 
-TEST(ViewerProgram, RemembersHowItWas) {
+TEST(ViewerProgram, TheViewerRestoresItsSettings) {
   NEED_DISPLAY(display);
   if (!installed("xdotool")) GTEST_SKIP() << "xdotool is not installed";
   const TemporaryFolder folder;
@@ -208,7 +208,7 @@ TEST(ViewerProgram, RemembersHowItWas) {
   EXPECT_NE(second.find("scale = 1.125"), std::string::npos) << second;
 }
 
-TEST(ViewerProgram, ASettingsFileThatIsWrongIsSaidAndKept) {
+TEST(ViewerProgram, AMalformedSettingsFileIsReportedAndKept) {
   NEED_DISPLAY(display);
   if (!installed("xdotool")) GTEST_SKIP() << "xdotool is not installed";
   const TemporaryFolder folder;

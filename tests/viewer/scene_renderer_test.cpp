@@ -61,7 +61,7 @@ float brightness(glm::vec3 c) { return 0.2126F * c.r + 0.7152F * c.g + 0.0722F *
 bool is_red(glm::vec3 c) { return c.r > 2 * c.g && c.r > 60; }
 bool is_green(glm::vec3 c) { return c.g > 2 * c.r && c.g > 60; }
 
-TEST_F(ScenePicture, FindsABodyWhereTheCameraProjectsIt) {
+TEST_F(ScenePicture, ABodyIsDrawnWhereTheCameraProjectsIt) {
   const glm::vec3 place(0.7F, 0.3F, 0.4F);
   add(sphere_mesh(0.15F), place, kRed);
   const Image image = draw();
@@ -73,7 +73,7 @@ TEST_F(ScenePicture, FindsABodyWhereTheCameraProjectsIt) {
   EXPECT_EQ(image.at(3, 3)[3], 255) << "opaque";
 }
 
-TEST_F(ScenePicture, HidesWhatIsBehind) {
+TEST_F(ScenePicture, ANearBodyHidesOneBehindIt) {
   add(sphere_mesh(0.3F), {0, 0, 0}, kRed);
   add(sphere_mesh(0.3F), 0.8F * camera_.forward(), kGreen);
   EXPECT_TRUE(is_red(seen(draw(), {})));
@@ -83,7 +83,7 @@ TEST_F(ScenePicture, HidesWhatIsBehind) {
   EXPECT_TRUE(is_green(seen(draw(), {})));
 }
 
-TEST_F(ScenePicture, ShadowFallsAwayFromTheLight) {
+TEST_F(ScenePicture, ShadowsFallAwayFromTheLight) {
   frame_.statics.push_back({});
   camera_ = Camera::from({0, -3, 3}, {});
   const Image bare = draw();
@@ -96,7 +96,7 @@ TEST_F(ScenePicture, ShadowFallsAwayFromTheLight) {
   EXPECT_NEAR(brightness(seen(image, 2.5F * across)), brightness(seen(bare, 2.5F * across)), 2) << "beyond it";
 }
 
-TEST_F(ScenePicture, RingingBodiesAreBrighter) {
+TEST_F(ScenePicture, BodiesThatGlowAreBrighter) {
   for (const Theme theme : {Theme::dark, Theme::light}) {
     frame_.theme = theme;
     frame_.bodies.clear();
@@ -111,7 +111,7 @@ TEST_F(ScenePicture, RingingBodiesAreBrighter) {
   }
 }
 
-TEST_F(ScenePicture, AModeMovesTheOutlineAsFarAsItSays) {
+TEST_F(ScenePicture, AModesDisplacementMovesTheOutlineByItsAmplitude) {
   camera_ = Camera::from({0, -4, 0}, {});
   const DrawnMesh box = box_mesh({0.4F, 0.4F, 0.4F});
   std::vector<glm::vec3> stretch(box.positions.size());
@@ -135,7 +135,7 @@ TEST_F(ScenePicture, AModeMovesTheOutlineAsFarAsItSays) {
   EXPECT_GT(expected(0.7F), expected(0.2F) + 20) << "far enough to tell";
 }
 
-TEST_F(ScenePicture, AFlashIsSeenWhereItHappensUntilItIsGone) {
+TEST_F(ScenePicture, AFlashIsSeenAtItsPointUntilItHasFaded) {
   frame_.statics.push_back({});
   const Image dark_bare = draw();
   frame_.flashes.push_back({{0.3F, 0.2F, 0}, {0, 0, 1}, 1, 0.1F});
@@ -149,7 +149,7 @@ TEST_F(ScenePicture, AFlashIsSeenWhereItHappensUntilItIsGone) {
       << "on light ground it is dark";
 }
 
-TEST_F(ScenePicture, SelectionDrawsALineAroundAndChangesNothingInside) {
+TEST_F(ScenePicture, SelectionOutlinesABodyAndChangesNothingInside) {
   const float radius = 0.3F;
   add(sphere_mesh(radius), {}, kRed);
   const Image plain = draw();
@@ -171,7 +171,7 @@ TEST_F(ScenePicture, SelectionDrawsALineAroundAndChangesNothingInside) {
   EXPECT_GT(changed, 60);
 }
 
-TEST_F(ScenePicture, FitsAnyWindowAndBothThemes) {
+TEST_F(ScenePicture, PicturesHaveAnySizeAndBothThemes) {
   frame_.statics.push_back({});
   frame_.statics.push_back({StaticShape::box, {0, 0, 0.2F}, {1, 0, 0, 0}, {0.4F, 0.4F, 0.4F}});
   const Image dark = draw();
@@ -189,7 +189,7 @@ TEST_F(ScenePicture, FitsAnyWindowAndBothThemes) {
   EXPECT_EQ(draw(0, -3).width, 1);
 }
 
-TEST_F(ScenePicture, DrawsNothingForAMeshThatWent) {
+TEST_F(ScenePicture, ARemovedMeshIsNotDrawn) {
   add(sphere_mesh(0.5F), {}, kRed);
   EXPECT_TRUE(is_red(seen(draw(), {})));
   renderer_->remove_mesh(frame_.bodies[0].mesh);
@@ -200,7 +200,7 @@ TEST_F(ScenePicture, DrawsNothingForAMeshThatWent) {
   EXPECT_TRUE(is_green(seen(draw(), {})));
 }
 
-TEST_F(ScenePicture, IsWrittenAsAPng) {
+TEST_F(ScenePicture, APictureIsWrittenAsAPng) {
   const test::TemporaryFolder folder;
   add(sphere_mesh(0.5F), {}, kRed);
   ASSERT_TRUE(write_png(draw(), folder / "a.png"));
@@ -215,7 +215,7 @@ TEST_F(ScenePicture, IsWrittenAsAPng) {
   EXPECT_NE(refused.error().message.find("a.png"), std::string::npos);
 }
 
-TEST(OldContext, IsRefusedInOneSentence) {
+TEST(OldContext, AnOldOpenGlContextIsRefusedInOneSentence) {
   setenv("MESA_GL_VERSION_OVERRIDE", "2.1", 1);
   const test::PictureWindow window(2, 1);
   if (!window.display().works()) GTEST_SKIP() << "Xvfb is not installed";
@@ -225,6 +225,18 @@ TEST(OldContext, IsRefusedInOneSentence) {
   ASSERT_FALSE(made);
   EXPECT_NE(made.error().message.find("OpenGL 3.3"), std::string::npos) << made.error().message;
   EXPECT_NE(made.error().message.find("2.1"), std::string::npos) << made.error().message;
+}
+
+TEST(DetailControl, LowersTheDetailWhileFramesAreSlowAndRaisesItWhenTheyAreQuick) {
+  DetailControl control;
+  for (int i = 0; i < 100; ++i) control.observe(0.03);
+  EXPECT_EQ(control.detail(), 1) << "fast enough";
+  for (int i = 0; i < DetailControl::kFrames; ++i) control.observe(0.1);
+  EXPECT_EQ(control.detail(), 0.75);
+  for (int i = 0; i < 1000; ++i) control.observe(0.1);
+  EXPECT_EQ(control.detail(), DetailControl::kCoarsest);
+  for (int i = 0; i < 100; ++i) control.observe(0.01);
+  EXPECT_EQ(control.detail(), 1);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // What is remembered, the spectrum, and how finely a slow machine draws.
 #include "clients/viewer/settings.h"
 
-#include "clients/viewer/pace.h"
 #include "clients/viewer/spectrum.h"
 #include "tests/support/temporary_folder.h"
 
@@ -14,7 +13,7 @@
 namespace ringdown::viewer {
 namespace {
 
-TEST(Settings, WhatIsWrittenIsRead) {
+TEST(Settings, WrittenSettingsAreReadBack) {
   const test::TemporaryFolder folder;
   const auto file = folder / "new" / "viewer.toml";
   Settings settings;
@@ -37,7 +36,7 @@ TEST(Settings, WhatIsWrittenIsRead) {
   EXPECT_FALSE(read->strength_by_time);
 }
 
-TEST(Settings, AnAddressThatIsNoneComesBackAsItWasTyped) {
+TEST(Settings, AMalformedDaemonAddressIsKeptAsTyped) {
   const test::TemporaryFolder folder;
   Settings settings;
   settings.daemon = R"(a"b\c)";
@@ -47,13 +46,13 @@ TEST(Settings, AnAddressThatIsNoneComesBackAsItWasTyped) {
   EXPECT_EQ(read->daemon, settings.daemon);
 }
 
-TEST(Settings, WithoutAFileTheyAreTheDefaults) {
+TEST(Settings, WithoutAFileSettingsAreTheDefaults) {
   const auto read = read_settings("/nonexistent/viewer.toml");
   ASSERT_TRUE(read);
   EXPECT_TRUE(read->dark);
 }
 
-TEST(Settings, AWrongFileIsNamedWithItsLine) {
+TEST(Settings, AMalformedSettingsFileIsNamedWithItsLine) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "viewer.toml";
   std::ofstream(file) << "dark = true\nscale = 100\n";
@@ -63,7 +62,7 @@ TEST(Settings, AWrongFileIsNamedWithItsLine) {
 }
 
 // 750 Hz and an amplitude of 0.25: bin 128, -12.04 dB.
-TEST(Spectrum, ShowsASineAtItsFrequencyAndLevel) {
+TEST(Spectrum, SpectrumShowsASineAtItsFrequencyAndLevel) {
   std::vector<float> samples(10000);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     samples[i] = static_cast<float>(0.25 * std::sin(2 * std::numbers::pi * 750 / 48000 * static_cast<double>(i)));
@@ -75,21 +74,9 @@ TEST(Spectrum, ShowsASineAtItsFrequencyAndLevel) {
   EXPECT_LT(levels[256], -100);
 }
 
-TEST(Spectrum, OfSilenceIsTheFloor) {
+TEST(Spectrum, SpectrumOfSilenceIsTheFloor) {
   Spectrum spectrum;
   for (const float level : spectrum.analyse(std::vector<float>(100))) EXPECT_EQ(level, float(Spectrum::kFloor_db));
-}
-
-TEST(Pace, DrawsCoarserWhileFramesAreSlowAndFinerWhenTheyAreQuick) {
-  Pace pace;
-  for (int i = 0; i < 100; ++i) pace.observe(0.03);
-  EXPECT_EQ(pace.detail(), 1) << "fast enough";
-  for (int i = 0; i < Pace::kFrames; ++i) pace.observe(0.1);
-  EXPECT_EQ(pace.detail(), 0.75);
-  for (int i = 0; i < 1000; ++i) pace.observe(0.1);
-  EXPECT_EQ(pace.detail(), Pace::kCoarsest);
-  for (int i = 0; i < 100; ++i) pace.observe(0.01);
-  EXPECT_EQ(pace.detail(), 1);
 }
 
 }  // namespace

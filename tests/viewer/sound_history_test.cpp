@@ -30,7 +30,7 @@ Heard last(const SoundHistory& sound, std::size_t frames) {
   return heard;
 }
 
-TEST(SoundHistory, GivesTheLastFramesInOrder) {
+TEST(SoundHistory, LastFramesComeInOrder) {
   SoundHistory sound;
   for (int i = 0; i < 500; ++i) sound.take(piece(1000 + 100 * i));
   const auto [left, right] = last(sound, sound.capacity());
@@ -43,14 +43,14 @@ TEST(SoundHistory, GivesTheLastFramesInOrder) {
   EXPECT_EQ(sound.end(), 50000u);
 }
 
-TEST(SoundHistory, BeforeTheBeginningIsSilence) {
+TEST(SoundHistory, BeforeTheFirstPieceIsSilence) {
   SoundHistory sound;
   sound.take(piece(5, 3));
   EXPECT_EQ(last(sound, 5).left, (std::vector<float>{0, 0, 5, 6, 7}));
   EXPECT_EQ(last(SoundHistory(), 2).left, (std::vector<float>{0, 0}));
 }
 
-TEST(SoundHistory, FillsAGapWithSilenceAndCountsIt) {
+TEST(SoundHistory, AGapBetweenPiecesIsFilledWithSilenceAndCounted) {
   SoundHistory sound;
   sound.take(piece(10, 2));
   sound.take(piece(15, 2));
@@ -59,7 +59,7 @@ TEST(SoundHistory, FillsAGapWithSilenceAndCountsIt) {
   EXPECT_EQ(sound.missing_frames(), 3u);
 }
 
-TEST(SoundHistory, AGapLongerThanItIsLeavesSilenceOnly) {
+TEST(SoundHistory, AGapLongerThanTheHistoryLeavesSilenceOnly) {
   SoundHistory sound;
   sound.take(piece(10));
   sound.take(piece(500'000'000, 1));
@@ -70,7 +70,7 @@ TEST(SoundHistory, AGapLongerThanItIsLeavesSilenceOnly) {
   EXPECT_EQ(sound.missing_frames(), 500'000'000u - 110);
 }
 
-TEST(SoundHistory, CountsOnAcrossTheEndOfTheFrameNumbers) {
+TEST(SoundHistory, TheHistoryContinuesWhereFrameNumbersWrapAround) {
   SoundHistory sound;
   sound.take(piece(protocol::kFrameModulus - 2, 4));
   sound.take(piece(2, 2));
@@ -79,7 +79,7 @@ TEST(SoundHistory, CountsOnAcrossTheEndOfTheFrameNumbers) {
   EXPECT_EQ(last(sound, 4).left, (std::vector<float>{0, 1, 2, 3}));
 }
 
-TEST(SoundHistory, IgnoresAPieceThatWasOvertakenOrCameTwice) {
+TEST(SoundHistory, OvertakenAndRepeatedPiecesAreIgnored) {
   SoundHistory sound;
   sound.take(piece(100));
   sound.take(piece(300));
@@ -89,7 +89,7 @@ TEST(SoundHistory, IgnoresAPieceThatWasOvertakenOrCameTwice) {
   EXPECT_EQ(last(sound, 101).left[0], 0);
 }
 
-TEST(SoundHistory, BeginsAnewWhenTheFramesOrTheRateDo) {
+TEST(SoundHistory, TheHistoryRestartsWhenFramesOrRateDo) {
   SoundHistory sound;
   sound.take(piece(100000));
   sound.take(piece(0));
@@ -100,7 +100,7 @@ TEST(SoundHistory, BeginsAnewWhenTheFramesOrTheRateDo) {
   EXPECT_EQ(sound.capacity(), 32000u);
 }
 
-TEST(SoundHistory, ARateThatCannotBeIsIgnored) {
+TEST(SoundHistory, PiecesWithAnImpossibleRateAreIgnored) {
   SoundHistory sound;
   for (const double rate_hz : {0.0, 999.0, SoundHistory::kMaxRate_hz + 1, 1e7}) sound.take(piece(0, 2, rate_hz));
   EXPECT_EQ(sound.sample_rate_hz(), 0);

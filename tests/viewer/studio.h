@@ -87,7 +87,7 @@ class Studio {
     return jack_runs_ && daemon_.ready() && until([&] {
              const Model& model = app_->model();
              const KnownObject* bell = model.object("bell");
-             return bell && bell->bank && app_->scene_view().stage().last().staged.size() == 2;
+             return bell && bell->bank && app_->scene_view().stage().contents().items.size() == 2;
            });
   }
 
@@ -95,7 +95,7 @@ class Studio {
   std::string condition() {
     const Model& model = app_->model();
     std::string text = app_->client().state().sentence + " " +
-                       std::to_string(app_->scene_view().stage().last().staged.size()) + " bodies are shown, of " +
+                       std::to_string(app_->scene_view().stage().contents().items.size()) + " bodies are shown, of " +
                        std::to_string(model.scene().bodies().size()) + "; objects:";
     for (const auto& [name, object] : model.objects()) {
       text += " " + name + (object.bank ? " with" : " without") + " bank" + object.bank_fault;

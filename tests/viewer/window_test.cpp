@@ -97,7 +97,7 @@ TEST(Window, EveryKeyOfTheSoundDoesWhatItSays) {
   })) << "its bar stands alone";
   studio.press("v");
   EXPECT_TRUE(studio.until([&] {
-    return std::ranges::any_of(studio.app().scene_view().stage().last().frame.bodies,
+    return std::ranges::any_of(studio.app().scene_view().stage().contents().frame.bodies,
                                [](const DrawnBody& b) { return b.displacement && std::abs(b.displacement_m) > 1e-3F; });
   })) << "it moves in that mode";
 }
@@ -123,7 +123,7 @@ TEST(Window, TheTestToneIsHeardAndSeen) {
   EXPECT_TRUE(studio.until([&] { return model.peak().held == 0; }));
 }
 
-TEST(Window, KeysForBothPanes) {
+TEST(Window, KeysForAllPanesWorkInEither) {
   OPEN_STUDIO(studio);
   App& app = studio.app();
   const auto blank = app.window().read_pixels();
@@ -155,7 +155,7 @@ TEST(Window, KeysForBothPanes) {
 }
 
 // The table fills the lower right of the window.
-TEST(Window, AClickInTheTableLeavesOneModeAndTheNextGivesAllBack) {
+TEST(Window, AClickInTheTableOfModesSelectsOneAndTheNextSelectsAll) {
   OPEN_STUDIO(studio);
   const auto modes = studio.bell().modes;
   studio.act({"mousemove", "800", "490"});
@@ -170,7 +170,7 @@ TEST(Window, AClickInTheTableLeavesOneModeAndTheNextGivesAllBack) {
 
 TEST(Window, ASceneIsLoadedByTheKeyboardAlone) {
   OPEN_STUDIO(studio);
-  ASSERT_TRUE(studio.until([&] { return !studio.app().model().scene_files().empty(); }));
+  ASSERT_TRUE(studio.until([&] { return !studio.app().model().files().scenes().empty(); }));
   studio.press("Tab");
   ASSERT_TRUE(studio.until([&] { return studio.app().focused() == Pane::sound; }));
   studio.press("Tab");
@@ -182,7 +182,7 @@ TEST(Window, ASceneIsLoadedByTheKeyboardAlone) {
   }
   ASSERT_TRUE(studio.asks<protocol::SceneLoad>());
   const std::string path = loads()[0].path;
-  EXPECT_TRUE(std::ranges::count(studio.app().model().scene_files(), path)) << path;
+  EXPECT_TRUE(std::ranges::count(studio.app().model().files().scenes(), path)) << path;
   EXPECT_TRUE(studio.until([&] { return studio.app().model().scene().description().file == path; }));
 }
 
@@ -208,9 +208,9 @@ Target nearest_point(Studio& studio) {
   const auto bank = modal::read_bank(kPresets + "/banks/bronze-bell.glb");
   EXPECT_TRUE(bank);
   const SceneView& view = studio.app().scene_view();
-  const auto& set = view.stage().last();
+  const auto& set = view.stage().contents();
   const auto bell =
-      static_cast<std::size_t>(std::ranges::find(set.staged, "bell", &Staged::object) - set.staged.begin());
+      static_cast<std::size_t>(std::ranges::find(set.items, "bell", &StageItem::object) - set.items.begin());
   Target target{};
   float nearest = 1e9F;
   for (const auto& [x, y, z] : bank->positions) {
@@ -246,7 +246,7 @@ TEST(Window, AClickOnTheBellStrikesItThere) {
     const Model& model = studio.app().model();
     if (!model.contacts().empty()) told = model.contacts().back();
     sounds = sounds || model.load().sounding_objects == 1;
-    glows = glows || std::ranges::any_of(studio.app().scene_view().stage().last().frame.bodies,
+    glows = glows || std::ranges::any_of(studio.app().scene_view().stage().contents().frame.bodies,
                                          [](const DrawnBody& body) { return body.glow > 0.3F; });
     return told && sounds && glows;
   })) << "told "
@@ -255,7 +255,7 @@ TEST(Window, AClickOnTheBellStrikesItThere) {
   EXPECT_LT(length(told->point_m - target.object_m), 0.02) << "as the daemon tells it";
 }
 
-TEST(Window, AClickThatIsHeldLongerStrikesHarder) {
+TEST(Window, AClickHeldLongerStrikesHarder) {
   OPEN_STUDIO(studio);
   const Target target = nearest_point(studio);
   studio.act({"mousemove", std::to_string(std::lround(target.pixel.x)), std::to_string(std::lround(target.pixel.y))});
@@ -271,7 +271,7 @@ TEST(Window, AClickThatIsHeldLongerStrikesHarder) {
   EXPECT_NEAR(length(strikes()[1].impulse_ns), 8 * studio.app().commands().choice().impulse_ns, 1e-6);
 }
 
-TEST(Window, DraggingLooksTheWheelZoomsAndShiftPushes) {
+TEST(Window, DraggingTurnsTheWheelZoomsAndShiftPushes) {
   OPEN_STUDIO(studio);
   App& app = studio.app();
   const SceneView& view = app.scene_view();
@@ -290,7 +290,7 @@ TEST(Window, DraggingLooksTheWheelZoomsAndShiftPushes) {
   ASSERT_TRUE(studio.asks<protocol::ScenePush>());
   EXPECT_LT(studio.relay().asked<protocol::ScenePush>()[0].impulse_ns.x, 0);
   EXPECT_TRUE(studio.until([&] {
-    const auto& set = view.stage().last();
+    const auto& set = view.stage().contents();
     return std::ranges::any_of(set.frame.bodies,
                                [](const DrawnBody& b) { return b.pose[3].x > 0.01F && b.pose[3].x < 0.39F; });
   })) << "the block does not move";
@@ -309,7 +309,7 @@ TEST(Window, DraggingLooksTheWheelZoomsAndShiftPushes) {
 }
 
 // As a desktop tells X11 programs of a display with many pixels per inch.
-TEST(Window, TakesTheScaleOfTheDisplayUnlessOneIsChosen) {
+TEST(Window, TheWindowTakesTheScaleOfTheDisplayUnlessOneIsChosen) {
   const VirtualDisplay display;
   if (!display.works()) GTEST_SKIP() << "needs Xvfb (./run packages)";
   Process desktop(
@@ -328,7 +328,7 @@ TEST(Window, TakesTheScaleOfTheDisplayUnlessOneIsChosen) {
   EXPECT_EQ(seen->height(), 600);
 }
 
-TEST(Window, RecoversFromADaemonThatIsKilledAndStartedAgain) {
+TEST(Window, TheWindowRecoversFromADaemonThatIsKilledAndStartedAgain) {
   OPEN_STUDIO(studio);
   const auto state = [&] { return studio.app().client().state(); };
   ASSERT_EQ(state().kind, ConnectionState::Kind::connected);
@@ -343,7 +343,7 @@ TEST(Window, RecoversFromADaemonThatIsKilledAndStartedAgain) {
   }));
   EXPECT_FALSE(studio.app().model().object("bell"));
   EXPECT_TRUE(studio.until([&] {
-    const auto& staged = studio.app().scene_view().stage().last().staged;
+    const auto& staged = studio.app().scene_view().stage().contents().items;
     return staged.size() == 1 && staged[0].object == "plate";
   }));
 }

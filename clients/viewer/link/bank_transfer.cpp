@@ -33,7 +33,7 @@ BankTransfer::Outcome read(std::span<const std::byte> file, const BankTransfer::
   return std::make_shared<const KnownBank>(std::move(known));
 }
 
-// Not std::async: its future would wait for the end when it is no longer wanted.
+// Unlike the future of std::async, this one does not wait for its thread when it is dropped.
 std::future<BankTransfer::Outcome> read_apart(std::vector<std::byte> file, BankTransfer::Subject subject) {
   std::packaged_task<BankTransfer::Outcome()> task(
       [file = std::move(file), subject = std::move(subject)] { return read(file, subject); });

@@ -1,11 +1,12 @@
-// Fetches the bank of one object from the daemon, piece by piece, and reads it without making the window wait.
+// Fetches the bank of one object from the daemon, piece by piece, and parses it without making the window wait.
 //
 //   BankTransfer transfer({"bell", 1, 299292, "5417..."});
 //   for (auto& request : transfer.wants(now_s)) send(request);     // at every frame
-//   transfer.take(piece, now_s);                                   // for every /bank.reply of that object
-//   if (auto outcome = transfer.outcome()) ...                     // the bank, or what is wrong with it
+//   transfer.take(piece);                                          // for every /bank.reply of that object
+//   if (auto outcome = transfer.outcome()) ...                     // the bank, or why there is none
 //
-// A few pieces are asked for at a time, and again when they do not come. [one thread]
+// A few pieces are asked for at a time, and again when they do not come. A thread of its own parses the finished file.
+// [one thread: the window's]
 #pragma once
 
 #include "engine/base/result.h"
@@ -24,7 +25,7 @@
 
 namespace ringdown::viewer {
 
-// A bank as the window needs it; never changes, and may be shared.
+// A bank as the window needs it: immutable, and shared by all objects that play it.
 struct KnownBank {
   modal::Bank bank;
   std::vector<std::uint32_t> by_frequency;  // the bank's mode of each rank; rank 0 has the lowest frequency
@@ -32,7 +33,7 @@ struct KnownBank {
 
 class BankTransfer {
  public:
-  static constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // of a bank's file; larger ones are not fetched
+  static constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // a larger bank file is not fetched
   static constexpr std::size_t kMaxOutstanding = 8;                // pieces asked for at a time
   static constexpr double kPatience_s = 0.5;                       // after which a piece is asked for again
 
@@ -40,35 +41,35 @@ class BankTransfer {
     std::string object;
     std::int32_t version = 0;  // of its bank
     std::int32_t bytes = 0;
-    std::string content;  // names what is in its file (ContentHash)
+    std::string content;  // hash of the file (ContentHash)
     friend bool operator==(const Subject&, const Subject&) = default;
   };
 
-  // Nothing is allocated for a subject that is too large, or empty: the outcome says so.
+  // A subject that is empty or too large allocates nothing; the outcome is then an error.
   explicit BankTransfer(Subject subject);
 
   [[nodiscard]] const Subject& subject() const { return subject_; }
   [[nodiscard]] std::vector<protocol::Request> wants(double now_s);
 
-  // A piece of another object, version or size, or that nobody asked for, is ignored. Pieces that together are not the
-  // content, since the file was changed meanwhile, make an outcome that says so.
+  // Takes one piece. Pieces of another object, version or size, and pieces that nobody asked for, are ignored. If the
+  // pieces do not have the subject's hash, because the file changed meanwhile, the outcome is an error.
   void take(const protocol::BankReply& piece);
 
-  // What the daemon said instead of a piece.
+  // Ends the transfer with the sentence that the daemon sent instead of a piece.
   void refuse(std::string sentence);
   [[nodiscard]] bool refused() const { return refused_; }
 
   [[nodiscard]] double progress() const;  // 0 to 1: of the bytes
 
   using Outcome = Result<std::shared_ptr<const KnownBank>>;
-  // Nothing yet while pieces are missing or the bank is being read.
+  // Nothing while pieces are missing or the bank is being parsed.
   [[nodiscard]] std::optional<Outcome> outcome();
 
  private:
   Subject subject_;
   std::vector<std::byte> file_;
   std::map<std::uint32_t, double> asked_at_s_;  // by offset
-  std::uint32_t next_offset_ = 0;               // of the first piece that was never asked for
+  std::uint32_t next_offset_ = 0;               // of the first piece that has not been asked for yet
   std::size_t received_bytes_ = 0;
   std::optional<Error> fault_;
   bool refused_ = false;

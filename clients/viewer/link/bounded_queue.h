@@ -1,4 +1,4 @@
-// A queue that never grows past its bound, and counts what that cost. [one thread at a time]
+// A queue that never grows past its bound, and counts the items lost to that. [one thread at a time]
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ class BoundedQueue {
  public:
   explicit BoundedQueue(std::size_t most) : most_(most) {}
 
-  // A full queue takes no more: for what is sent, of which the first matters.
+  // Drops the new item when the queue is full: for requests, where the first ones matter.
   void push_or_drop(Item item) {
     if (items_.size() == most_) {
       ++lost_;
@@ -22,7 +22,7 @@ class BoundedQueue {
     }
   }
 
-  // A full queue loses its oldest: for what is told, of which the last matters.
+  // Drops the oldest item when the queue is full: for replies, where the last ones matter.
   void push_over(Item item) {
     if (items_.size() == most_) {
       items_.pop_front();

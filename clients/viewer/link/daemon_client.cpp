@@ -25,17 +25,24 @@ using protocol::Request;
 using Kind = ConnectionState::Kind;
 
 constexpr double kStatusPeriod_s = 0.25;
-constexpr double kSubscribePeriod_s = 0.5;  // until the first notice comes
-constexpr double kResolvePeriod_s = 2;      // until the name is known
-constexpr double kForgotten_s = 1;          // without a notice, or five of their periods
+constexpr double kSubscribePeriod_s = 0.5;  // until the first notice arrives
+constexpr double kResolvePeriod_s = 2;      // until the host name is resolved
+constexpr double kForgotten_s = 1;          // without a notice, or five notice periods if that is longer
 constexpr auto kTick = 20ms;
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
+<<<<<<< HEAD
 // On a thread of its own: a name server may take half a minute, and nobody shall wait for it, not even at the end.
 std::future<Result<wire::Endpoint>> resolve_apart(wire::OscUrl url) {
   std::packaged_task<Result<wire::Endpoint>()> task(
       [url = std::move(url)] { return wire::resolve(url.host, url.port); });
+=======
+// Resolves on a thread of its own: a name server may take half a minute, and even the destructor must not wait for it.
+std::future<Result<server::Endpoint>> resolve_apart(server::OscUrl url) {
+  std::packaged_task<Result<server::Endpoint>()> task(
+      [url = std::move(url)] { return server::resolve(url.host, url.port); });
+>>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
   auto answer = task.get_future();
   std::thread(std::move(task)).detach();
   return answer;
@@ -45,19 +52,19 @@ bool is_notice(const wire::Message& message) { return message.address.starts_wit
 
 }  // namespace
 
-struct DaemonClient::Line {
-  Line(std::string url, double rate_hz) : rate_hz_(rate_hz), wanted_url_(std::move(url)) {
+struct DaemonClient::Connection {
+  Connection(std::string url, double rate_hz) : rate_hz_(rate_hz), wanted_url_(std::move(url)) {
     state_.sentence = "Looking for a daemon at " + *wanted_url_ + ".";
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
 
-  ~Line() {
+  ~Connection() {
     thread_.request_stop();
     wake();
     thread_.join();
   }
 
-  // shared
+  // Any thread.
   void wake() {
     const std::scoped_lock lock(mutex_);
     woken_ = true;
@@ -65,7 +72,7 @@ struct DaemonClient::Line {
     changed_.notify_all();
   }
 
-  // the thread's
+  // Only the connection's thread.
   void run(const std::stop_token& stop);
   void look_for(const std::string& url);
   void look_up();
@@ -78,11 +85,11 @@ struct DaemonClient::Line {
   void transmit(const Request& request);
   void send_queued();
   void say(Kind kind, std::string sentence);
-  void connected_anew();
+  void begin_connection();
 
   const double rate_hz_;
 
-  mutable std::mutex mutex_;  // guards these
+  mutable std::mutex mutex_;  // guards the members up to state_since_s_
   std::condition_variable changed_;
   bool woken_ = false;
   std::optional<std::string> wanted_url_;
@@ -92,18 +99,26 @@ struct DaemonClient::Line {
   double state_since_s_ = now_s();
 
   std::string url_;
+<<<<<<< HEAD
   std::optional<wire::OscUrl> parsed_;
   std::future<Result<wire::Endpoint>> resolving_;
   std::optional<wire::OscSocket> socket_;  // made and unmade under the mutex
   wire::Endpoint daemon_;
   wire::Datagram datagram_;
+=======
+  std::optional<server::OscUrl> parsed_;
+  std::future<Result<server::Endpoint>> resolving_;
+  std::optional<server::OscSocket> socket_;  // created and destroyed under the mutex
+  server::Endpoint daemon_;
+  server::Datagram datagram_;
+>>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
   bool subscribed_ = false;
   double looked_up_s_ = 0, began_s_ = 0, status_asked_s_ = 0, subscription_asked_s_ = 0, heard_s_ = 0, noticed_s_ = 0;
 
   std::jthread thread_;
 };
 
-void DaemonClient::Line::run(const std::stop_token& stop) {
+void DaemonClient::Connection::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     std::optional<std::string> url;
     {
@@ -123,7 +138,7 @@ void DaemonClient::Line::run(const std::stop_token& stop) {
   part();
 }
 
-void DaemonClient::Line::look_for(const std::string& url) {
+void DaemonClient::Connection::look_for(const std::string& url) {
   part();
   url_ = url;
   parsed_.reset();
@@ -138,7 +153,7 @@ void DaemonClient::Line::look_for(const std::string& url) {
   }
 }
 
-void DaemonClient::Line::look_up() {
+void DaemonClient::Connection::look_up() {
   if (socket_ || !parsed_) return;
   if (!resolving_.valid()) {
     if (now_s() - looked_up_s_ < kResolvePeriod_s) return;
@@ -151,8 +166,13 @@ void DaemonClient::Line::look_up() {
   say(Kind::away, "No daemon is at " + url_ + ": " + daemon.error().message);
 }
 
+<<<<<<< HEAD
 void DaemonClient::Line::bind(wire::Endpoint daemon) {
   // A daemon on this computer is asked from loopback; for another one, any of our addresses must do.
+=======
+void DaemonClient::Connection::bind(server::Endpoint daemon) {
+  // A daemon on this computer is reached through loopback, any other daemon through whatever address routes to it.
+>>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
   const bool local = daemon.address >> 24 == 127;
   auto socket = wire::OscSocket::bind({local ? daemon.address : 0, 0});
   if (!socket) return say(Kind::away, "Cannot talk to a daemon: " + socket.error().message);
@@ -163,7 +183,7 @@ void DaemonClient::Line::bind(wire::Endpoint daemon) {
   socket_ = std::move(*socket);
 }
 
-void DaemonClient::Line::part() {
+void DaemonClient::Connection::part() {
   if (!socket_) return;
   transmit(protocol::Notify{.on = false, .rate_hz = rate_hz_});
   subscribed_ = false;
@@ -172,23 +192,29 @@ void DaemonClient::Line::part() {
   replies_.clear();
 }
 
+<<<<<<< HEAD
 void DaemonClient::Line::transmit(const Request& request) {
   // What does not arrive shows in the answers that do not come.
   static_cast<void>(socket_->send_to(daemon_, wire::encode(protocol::format(request))));
+=======
+void DaemonClient::Connection::transmit(const Request& request) {
+  // A request that is lost shows in the missing answer.
+  static_cast<void>(socket_->send_to(daemon_, server::encode(protocol::format(request))));
+>>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
 }
 
-void DaemonClient::Line::send_queued() {
+void DaemonClient::Connection::send_queued() {
   std::deque<Request> requests;
   {
     const std::scoped_lock lock(mutex_);
     requests = requests_.take();
   }
-  // Without a daemon they are dropped: a strike must not sound minutes later.
+  // Without a daemon the requests are dropped: a strike must not sound minutes later.
   if (!socket_) return;
   for (const Request& request : requests) transmit(request);
 }
 
-void DaemonClient::Line::keep_asking() {
+void DaemonClient::Connection::keep_asking() {
   const double now = now_s();
   if (now - status_asked_s_ >= kStatusPeriod_s) {
     status_asked_s_ = now;
@@ -200,7 +226,7 @@ void DaemonClient::Line::keep_asking() {
   }
 }
 
-void DaemonClient::Line::listen() {
+void DaemonClient::Connection::listen() {
   auto patience = kTick;
   for (int i = 0; i < 256 && socket_->receive(datagram_, patience); ++i) {
     take(datagram_);
@@ -208,7 +234,11 @@ void DaemonClient::Line::listen() {
   }
 }
 
+<<<<<<< HEAD
 void DaemonClient::Line::take(const wire::Datagram& datagram) {
+=======
+void DaemonClient::Connection::take(const server::Datagram& datagram) {
+>>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
   if (datagram.from != daemon_) return;
   const auto messages = wire::decode_packet(datagram.bytes);
   if (!messages) return;
@@ -216,7 +246,7 @@ void DaemonClient::Line::take(const wire::Datagram& datagram) {
   for (const auto& [time, message] : *messages) {
     if (is_notice(message)) {
       noticed_s_ = heard_s_;
-      if (!subscribed_) connected_anew();
+      if (!subscribed_) begin_connection();
     }
     auto reply = protocol::parse_reply(message);
     if (!reply) continue;
@@ -230,7 +260,7 @@ void DaemonClient::Line::take(const wire::Datagram& datagram) {
   }
 }
 
-void DaemonClient::Line::connected_anew() {
+void DaemonClient::Connection::begin_connection() {
   subscribed_ = true;
   {
     const std::scoped_lock lock(mutex_);
@@ -240,20 +270,20 @@ void DaemonClient::Line::connected_anew() {
   say(Kind::connected, "Connected to the daemon at " + url_ + ".");
 }
 
-void DaemonClient::Line::judge() {
+void DaemonClient::Connection::judge() {
   const double now = now_s();
   if (now - heard_s_ > kAway_s) {
     subscribed_ = false;
     say(Kind::away, "No daemon answers at " + url_ + ". Start one: ringdownd --scene demo.toml");
   } else if (subscribed_ && now - noticed_s_ > std::max(kForgotten_s, 5 / rate_hz_) &&
              heard_s_ > noticed_s_ + kForgotten_s / 2) {
-    // It answers, but has forgotten that we subscribed: it is another daemon.
+    // The daemon answers but does not know of our subscription: it is a new process.
     subscribed_ = false;
     say(Kind::connecting, "Another daemon is at " + url_ + "; asking it what there is.");
   }
 }
 
-void DaemonClient::Line::say(Kind kind, std::string sentence) {
+void DaemonClient::Connection::say(Kind kind, std::string sentence) {
   const std::scoped_lock lock(mutex_);
   if (state_.kind != kind || state_.sentence != sentence) state_since_s_ = now_s();
   state_.kind = kind;
@@ -261,41 +291,41 @@ void DaemonClient::Line::say(Kind kind, std::string sentence) {
 }
 
 DaemonClient::DaemonClient(std::string url, double notice_rate_hz)
-    : line_(std::make_unique<Line>(std::move(url), std::clamp(notice_rate_hz, 0.1, 200.0))) {}
+    : connection_(std::make_unique<Connection>(std::move(url), std::clamp(notice_rate_hz, 0.1, 200.0))) {}
 
 DaemonClient::~DaemonClient() = default;
 
 void DaemonClient::send(protocol::Request request) {
   {
-    const std::scoped_lock lock(line_->mutex_);
-    line_->requests_.push_or_drop(std::move(request));
+    const std::scoped_lock lock(connection_->mutex_);
+    connection_->requests_.push_or_drop(std::move(request));
   }
-  line_->wake();
+  connection_->wake();
 }
 
 Batch DaemonClient::take() {
-  const std::scoped_lock lock(line_->mutex_);
-  std::deque<Reply> replies = line_->replies_.take();
-  Batch batch{line_->state_.connection, {}};
+  const std::scoped_lock lock(connection_->mutex_);
+  std::deque<Reply> replies = connection_->replies_.take();
+  Batch batch{connection_->state_.connection, {}};
   batch.replies.assign(std::make_move_iterator(replies.begin()), std::make_move_iterator(replies.end()));
   return batch;
 }
 
 ConnectionState DaemonClient::state() const {
-  const std::scoped_lock lock(line_->mutex_);
-  ConnectionState state = line_->state_;
-  state.seconds = now_s() - line_->state_since_s_;
-  state.lost_replies = line_->replies_.lost();
-  state.lost_requests = line_->requests_.lost();
+  const std::scoped_lock lock(connection_->mutex_);
+  ConnectionState state = connection_->state_;
+  state.seconds = now_s() - connection_->state_since_s_;
+  state.lost_replies = connection_->replies_.lost();
+  state.lost_requests = connection_->requests_.lost();
   return state;
 }
 
 void DaemonClient::connect_to(std::string url) {
   {
-    const std::scoped_lock lock(line_->mutex_);
-    line_->wanted_url_ = std::move(url);
+    const std::scoped_lock lock(connection_->mutex_);
+    connection_->wanted_url_ = std::move(url);
   }
-  line_->wake();
+  connection_->wake();
 }
 
 }  // namespace ringdown::viewer

@@ -1,11 +1,12 @@
-// The scene as the window knows it: bodies with their poses, and what never moves.
+// The scene as the window knows it: bodies with their poses, and statics.
 //
-// The description (/scene/describe) comes in parts, which belong together by their version; when the version that
-// notices name is another one, or parts do not come, it is asked for again. Poses come with every notice.
+// The description (/scene/describe) comes in parts that carry a common version. The scene asks for a description when
+// notices name a newer version, and again while parts of it are missing. Poses come with every notice.
 // [one thread: the window's]
 #pragma once
 
 #include "clients/viewer/link/pose_track.h"
+#include "clients/viewer/link/question.h"
 #include "protocol/reply.h"
 #include "protocol/request.h"
 
@@ -21,18 +22,17 @@ namespace ringdown::viewer {
 struct KnownBody {
   std::int32_t id = 0;
   std::string name;
-  std::string object;  // that rings when it is hit; empty: silent
+  std::string object;  // the object that sounds when the body is hit; empty: silent
   std::string shape;   // "box", "sphere", "convex", "trimesh"; empty: not described yet
   Vec3 size_m;         // of the shape's bounding box
   bool fixed = false;
-  PoseTrack track;  // nothing told: not in the scene yet
-  std::uint64_t told_in_notice = 0;
+  PoseTrack track;                // empty: not in the scene yet
+  std::uint64_t last_notice = 0;  // number of the notice that brought the last pose
 };
 
 class KnownScene {
  public:
   static constexpr std::size_t kMaxBodies = 1024, kMaxStatics = 1024;
-  static constexpr double kPatience_s = 0.5;
 
   explicit KnownScene(double notice_period_s) : clock_(notice_period_s) {}
 
@@ -40,27 +40,27 @@ class KnownScene {
   void on(const protocol::SceneBody& reply);
   void on(const protocol::SceneStatic& reply);
   void on(const protocol::NotifyScene& reply, double now_s);
-  void on(const protocol::NotifyBody& reply);  // of the notice told last
+  void on(const protocol::NotifyBody& reply);  // belongs to the last NotifyScene
 
   // /scene/describe when it is due.
   [[nodiscard]] std::optional<protocol::Request> wants(double now_s);
 
-  // What was described completely; file absent: there is no scene.
+  // The last complete description. Without a file: there is no scene.
   [[nodiscard]] const protocol::SceneReply& description() const { return description_; }
   [[nodiscard]] bool described() const { return described_version_.has_value(); }
   [[nodiscard]] const std::map<std::int32_t, KnownBody>& bodies() const { return bodies_; }
   [[nodiscard]] const std::vector<protocol::SceneStatic>& statics() const { return statics_; }
-  [[nodiscard]] double told_time_s() const { return time_s_; }
+  [[nodiscard]] double reported_time_s() const { return time_s_; }
   [[nodiscard]] bool paused() const { return paused_; }
 
-  // Whether notices still tell of the body. One that is told no more has left the scene, or has yet to come.
+  // Whether notices still name the body. Otherwise it has left the scene, or has not entered yet.
   [[nodiscard]] bool present(const KnownBody& body) const;
 
-  // The scene time whose poses to show now: bodies().at(id).track.pose_at(*time). Advances with `now_s`.
+  // The scene time to show now, by bodies().at(id).track.pose_at(*time). Advances the display clock to `now_s`.
   std::optional<double> shown_time_at(double now_s) { return clock_.time_at(now_s); }
 
  private:
-  // A description that is coming in.
+  // A description that is still arriving.
   struct Parts {
     std::optional<protocol::SceneReply> head;
     std::map<std::int32_t, protocol::SceneBody> bodies;
@@ -70,14 +70,14 @@ class KnownScene {
   void finish();
 
   protocol::SceneReply description_;
-  std::optional<std::int32_t> told_version_, described_version_;
+  std::optional<std::int32_t> noticed_version_, described_version_;
   std::int32_t parts_version_ = 0;
   Parts parts_;
-  std::optional<double> asked_at_s_;
+  Question question_;
   std::map<std::int32_t, KnownBody> bodies_;
   std::vector<protocol::SceneStatic> statics_;
   DisplayClock clock_;
-  std::uint64_t notice_ = 0;  // how many have come
+  std::uint64_t notice_ = 0;  // number of the last notice
   double time_s_ = 0;
   bool paused_ = false, late_ = false;
 };

@@ -1,20 +1,23 @@
 #include "clients/viewer/link/model.h"
 
+<<<<<<< HEAD
 #include "protocol/wire/floats.h"
 
 #include <algorithm>
+=======
+>>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
 #include <string_view>
 #include <utility>
 
 namespace ringdown::viewer {
 namespace {
 
-// "/object/bell/gain" in two; nothing when it is no address of an object.
+// The two parts of "/object/bell/gain"; nothing for other addresses.
 struct ObjectAddress {
   std::string name;
   std::string_view verb;
 };
-std::optional<ObjectAddress> of_object(std::string_view address) {
+std::optional<ObjectAddress> object_address(std::string_view address) {
   constexpr std::string_view kBegin = "/object/";
   if (!address.starts_with(kBegin)) return std::nullopt;
   address.remove_prefix(kBegin.size());
@@ -23,12 +26,12 @@ std::optional<ObjectAddress> of_object(std::string_view address) {
   return ObjectAddress{std::string(address.substr(0, slash)), address.substr(slash + 1)};
 }
 
-// What the model asks by itself: nobody needs to be told how that went.
+// Whether the model itself asks this: the user need not hear how such a request ended.
 bool is_own_question(std::string_view address) {
   if (address == "/notify" || address == "/watch/sound" || address == "/scene/describe" || address == "/browse") {
     return true;
   }
-  const auto object = of_object(address);
+  const auto object = object_address(address);
   return object && (object->verb == "describe" || object->verb == "bank" || object->verb == "watch");
 }
 
@@ -40,30 +43,57 @@ struct Overloaded : Handlers... {
 }  // namespace
 
 Model::Model(double notice_rate_hz, std::size_t most_bank_bytes)
-    : notice_rate_hz_(notice_rate_hz), most_bank_bytes_(most_bank_bytes), scene_(1 / notice_rate_hz) {}
+    : notice_rate_hz_(notice_rate_hz),
+      most_bank_bytes_(most_bank_bytes),
+      banks_(most_bank_bytes),
+      scene_(1 / notice_rate_hz) {}
 
 void Model::restart() {
-  Model anew(notice_rate_hz_, most_bank_bytes_);
-  anew.chosen_ = std::move(chosen_);
-  anew.sound_wanted_ = sound_wanted_;
-  *this = std::move(anew);
+  Model fresh(notice_rate_hz_, most_bank_bytes_);
+  fresh.chosen_ = std::move(chosen_);
+  fresh.sound_watch_.want(sound_watch_.wanted());
+  *this = std::move(fresh);
 }
 
-const KnownObject* Model::object(const std::string& name) const {
-  const auto found = objects_.find(name);
-  return found == objects_.end() ? nullptr : &found->second;
-}
-
+// Each kind of reply goes to the part that it concerns. A kind that is missing here does not compile.
 void Model::apply(const protocol::Reply& reply, double now_s) {
-  told_ = true;
-  std::visit(
-      Overloaded{[&](const protocol::SceneReply& told) { scene_.on(told); },
-                 [&](const protocol::SceneBody& told) { scene_.on(told); },
-                 [&](const protocol::SceneStatic& told) { scene_.on(told); },
-                 [&](const protocol::NotifyScene& told) { scene_.on(told, now_s); },
-                 [&](const protocol::NotifyBody& told) { scene_.on(told); }, [&](const protocol::VersionReply&) {},
-                 [&](const protocol::Synced&) {}, [&](const auto& told) { on(told, now_s); }},
-      reply);
+  has_daemon_ = true;
+  std::visit(Overloaded{[&](const protocol::Done& r) { on(r, now_s); },
+                        [&](const protocol::Fail& r) { on(r, now_s); },
+                        [&](const protocol::VersionReply&) {},
+                        [&](const protocol::Synced&) {},
+                        [&](const protocol::StatusReply& r) { status_ = r; },
+                        [&](const protocol::ObjectReply& r) { objects_.on(r); },
+                        [&](const protocol::BankReply& r) { banks_.take(r); },
+                        [&](const protocol::BrowseReply& r) { files_.on(r); },
+                        [&](const protocol::BrowseFile& r) { files_.on(r); },
+                        [&](const protocol::SceneReply& r) { scene_.on(r); },
+                        [&](const protocol::SceneBody& r) { scene_.on(r); },
+                        [&](const protocol::SceneStatic& r) { scene_.on(r); },
+                        [&](const protocol::NotifyScene& r) { scene_.on(r, now_s); },
+                        [&](const protocol::NotifyBody& r) { scene_.on(r); },
+                        [&](const protocol::NotifyObject& r) { on(r); },
+                        [&](const protocol::NotifyGroup& r) { objects_.on(r); },
+                        [&](const protocol::NotifyContact& r) { on(r, now_s); },
+                        [&](const protocol::NotifyPeak& r) { on(r, now_s); },
+                        [&](const protocol::NotifyObjectPeak& r) { objects_.on(r, now_s); },
+                        [&](const protocol::NotifyLoad& r) { load_ = r; },
+                        [&](const protocol::NotifySound& r) { on(r, now_s); },
+                        [&](const protocol::NotifyModes& r) { objects_.on(r, now_s); }},
+             reply);
+}
+
+Requests Model::wants(double now_s) {
+  while (!contacts_.empty() && now_s - contacts_.front().at_s > kContactLife_s) contacts_.pop_front();
+  Requests requests;
+  if (!has_daemon_) return requests;
+  objects_.add_requests(now_s, status_ ? std::optional(status_->objects) : std::nullopt, requests);
+  if (auto request = scene_.wants(now_s)) requests.push_back(std::move(*request));
+  banks_.add_requests(objects_, chosen_, now_s, requests);
+  watches_.add_requests(objects_, chosen_, now_s, requests);
+  sound_watch_.add_requests(now_s, requests);
+  files_.add_requests(now_s, requests);
+  return requests;
 }
 
 void Model::on(const protocol::Done& reply, double now_s) {
@@ -75,12 +105,10 @@ void Model::on(const protocol::Fail& reply, double now_s) {
   if (!is_own_question(reply.address)) {
     return add_message({.failed = true, .address = reply.address, .sentence = reply.sentence, .at_s = now_s});
   }
-  const auto object = of_object(reply.address);
+  const auto object = object_address(reply.address);
   if (!object) return;
   if (object->verb == "describe") forget(object->name);
-  if (object->verb == "bank" && transfer_ && transfer_->subject().object == object->name) {
-    transfer_->refuse(reply.sentence);
-  }
+  if (object->verb == "bank") banks_.refuse(object->name, reply.sentence);
 }
 
 void Model::add_message(KnownMessage message) {
@@ -88,70 +116,31 @@ void Model::add_message(KnownMessage message) {
   if (messages_.size() > kMaxMessages) messages_.pop_front();
 }
 
-void Model::on(const protocol::StatusReply& reply, double) { status_ = reply; }
-
-void Model::on(const protocol::ObjectReply& reply, double) {
-  undescribed_.erase(reply.name);
-  if (!objects_.contains(reply.name) && objects_.size() == kMaxObjects) return;
-  KnownObject& object = objects_[reply.name];
-  if (object.version != reply.version || object.bank_content != reply.bank_content || object.bank_path != reply.bank) {
-    object = {};
-  }
-  object.name = reply.name;
-  object.number = reply.number;
-  object.version = reply.version;
-  object.bank_bytes = reply.bank_bytes;
-  object.bank_content = reply.bank_content;
-  object.bank_path = reply.bank;
-  object.modes = reply.modes;
-  object.selected = {static_cast<std::uint32_t>(std::max(0, reply.first_mode)),
-                     static_cast<std::uint32_t>(std::max(0, reply.selected_modes))};
-  object.scale = reply.scale;
-  object.gain = reply.gain;
-  object.pan = reply.pan;
-  object.group = reply.group;
+void Model::forget(const std::string& object) {
+  objects_.forget(object);
+  watches_.forget(object);
 }
 
-void Model::on(const protocol::BankReply& reply, double) {
-  if (transfer_) transfer_->take(reply);
+void Model::on(const protocol::NotifyObject& notice) {
+  if (!notice.loaded) return forget(notice.name);
+  objects_.on(notice);
 }
 
-KnownObject* Model::find(const std::string& name) {
-  const auto found = objects_.find(name);
-  if (found != objects_.end()) return &found->second;
-  if (undescribed_.size() < kMaxObjects) undescribed_.try_emplace(name);
-  return nullptr;
-}
-
-void Model::forget(const std::string& name) {
-  undescribed_.erase(name);
-  objects_.erase(name);
-  watched_.erase(name);
-}
-
-void Model::on(const protocol::NotifyObject& reply, double) {
-  if (!reply.loaded) return forget(reply.name);
-  if (undescribed_.size() < kMaxObjects) undescribed_[reply.name] = {};
-}
-
-void Model::on(const protocol::NotifyGroup& reply, double) {
-  if (KnownObject* object = find(reply.name)) object->group = reply.group;
-}
-
-void Model::on(const protocol::NotifyContact& reply, double now_s) {
-  find(reply.object);
-  contacts_.push_back({reply.object, reply.point_m, reply.impulse_ns, reply.contact_time_s, now_s});
+void Model::on(const protocol::NotifyContact& notice, double now_s) {
+  objects_.find_or_ask(notice.object);
+  contacts_.push_back({notice.object, notice.point_m, notice.impulse_ns, notice.contact_time_s, now_s});
   if (contacts_.size() > kMaxContacts) contacts_.pop_front();
 }
 
-void Model::on(const protocol::NotifyPeak& reply, double now_s) {
-  peak_.now = reply.peak;
-  if (reply.peak >= peak_.held || now_s - peak_.held_at_s > kPeakHold_s) {
-    peak_.held = reply.peak;
+void Model::on(const protocol::NotifyPeak& notice, double now_s) {
+  peak_.now = notice.peak;
+  if (notice.peak >= peak_.held || now_s - peak_.held_at_s > kPeakHold_s) {
+    peak_.held = notice.peak;
     peak_.held_at_s = now_s;
   }
 }
 
+<<<<<<< HEAD
 void Model::on(const protocol::NotifyObjectPeak& reply, double now_s) {
   if (KnownObject* object = find(reply.object)) {
     object->peak = reply.peak;
@@ -200,6 +189,11 @@ void Model::finish_browsing() {
     if (file.kind == "bank") bank_files_.push_back(file.path);
   }
   browse_ = {.complete = true};
+=======
+void Model::on(const protocol::NotifySound& notice, double now_s) {
+  sound_watch_.note_piece(now_s);
+  if (sound_watch_.wanted()) sound_.take(notice);
+>>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
 }
 
 }  // namespace ringdown::viewer

@@ -6,11 +6,11 @@
 namespace ringdown::viewer {
 namespace {
 
-constexpr double kWindow_s = 1;         // of notices that say how scene time and ours belong together
-constexpr double kForwardJump_s = 0.5;  // more than the time that has passed
+constexpr double kWindow_s = 1;         // the clock is fitted to the notices of this much time
+constexpr double kForwardJump_s = 0.5;  // a notice this much ahead of the elapsed time means that time jumped
 constexpr double kMaxPeriodsLate = 4;
-constexpr double kFarOff_s = 0.5;  // there the clock is set rather than hurried
-constexpr double kNear_s = 0.1;
+constexpr double kFarOff_s = 0.5;  // a larger error sets the clock instead of speeding it up
+constexpr double kNear_s = 0.1;    // smaller errors are corrected at 10 % of the speed, larger ones at 50 %
 
 double dot(const Quaternion& a, const Quaternion& b) { return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; }
 
@@ -36,69 +36,72 @@ Pose between(const Pose& from, const Pose& to, double fraction) {
           turn_between(from.rotation, to.rotation, fraction)};
 }
 
-void PoseTrack::tell(double time_s, Pose pose) {
+void PoseTrack::add(double time_s, Pose pose) {
   const double norm = dot(pose.rotation, pose.rotation);
   if (!std::isfinite(time_s) || !is_finite(pose.position_m) || !std::isfinite(norm) || norm < 1e-6) return;
-  if (!told_.empty() && time_s < told_.back().time_s) return;
+  if (!poses_.empty() && time_s < poses_.back().time_s) return;
   pose.rotation = unit(pose.rotation);
-  if (!told_.empty() && time_s == told_.back().time_s) told_.pop_back();
-  told_.push_back({time_s, pose});
-  if (told_.size() > kMaxPoses) told_.pop_front();
+  if (!poses_.empty() && time_s == poses_.back().time_s) poses_.pop_back();
+  poses_.push_back({time_s, pose});
+  if (poses_.size() > kMaxPoses) poses_.pop_front();
 }
 
 std::optional<Pose> PoseTrack::pose_at(double time_s) const {
-  if (told_.empty()) return std::nullopt;
-  const auto next = std::ranges::lower_bound(told_, time_s, {}, &Told::time_s);
-  if (next == told_.end()) return told_.back().pose;
-  if (next == told_.begin() || next->time_s == time_s) return next->pose;
-  const Told& last = *std::prev(next);
+  if (poses_.empty()) return std::nullopt;
+  const auto next = std::ranges::lower_bound(poses_, time_s, {}, &TimedPose::time_s);
+  if (next == poses_.end()) return poses_.back().pose;
+  if (next == poses_.begin() || next->time_s == time_s) return next->pose;
+  const TimedPose& last = *std::prev(next);
   return between(last.pose, next->pose, (time_s - last.time_s) / (next->time_s - last.time_s));
 }
 
-std::optional<double> PoseTrack::last_told_s() const {
-  return told_.empty() ? std::nullopt : std::optional(told_.back().time_s);
+std::optional<double> PoseTrack::last_time_s() const {
+  return poses_.empty() ? std::nullopt : std::optional(poses_.back().time_s);
 }
 
 DisplayClock::Course DisplayClock::observe(double now_s, double time_s, bool paused) {
   Course course = Course::onward;
-  if (told_) {
-    const double passed_s = std::max(0.0, now_s - last_heard_s_);
+  if (has_time_) {
+    const double passed_s = std::max(0.0, now_s - last_now_s_);
     const bool jumped = time_s < last_time_s_ - kJump_s || time_s > last_time_s_ + passed_s + kForwardJump_s;
     if (!jumped && time_s < last_time_s_) return Course::late;
     if (jumped) {
-      course = Course::anew;
+      course = Course::jumped;
       restart();
     }
   }
-  if (paused || paused_) heard_.clear();
-  if (!paused) heard_.push_back({now_s, time_s});
-  while (!heard_.empty() && heard_.front().now_s < now_s - kWindow_s) heard_.pop_front();
-  if (heard_.size() > kMaxHeard) heard_.pop_front();
-  told_ = true;
+  if (paused || paused_) readings_.clear();
+  if (!paused) readings_.push_back({now_s, time_s});
+  while (!readings_.empty() && readings_.front().now_s < now_s - kWindow_s) readings_.pop_front();
+  if (readings_.size() > kMaxReadings) readings_.pop_front();
+  has_time_ = true;
   paused_ = paused;
   last_time_s_ = time_s;
-  last_heard_s_ = now_s;
+  last_now_s_ = now_s;
   return course;
 }
 
-// The notice that took the shortest way says best how far scene time is ahead of ours.
+// How far scene time is ahead of our clock, estimated from the notice with the shortest delay.
 double DisplayClock::offset_s() const {
-  double largest = heard_.front().time_s - heard_.front().now_s;
-  for (const Heard& heard : heard_) largest = std::max(largest, heard.time_s - heard.now_s);
+  double largest = readings_.front().time_s - readings_.front().now_s;
+  for (const Reading& reading : readings_) largest = std::max(largest, reading.time_s - reading.now_s);
   return largest;
 }
 
 double DisplayClock::delay_s() const {
-  if (heard_.empty()) return 1.5 * period_s_;
+  if (readings_.empty()) return 1.5 * period_s_;
   const double largest = offset_s();
   double spread_s = 0;
-  for (const Heard& heard : heard_) spread_s = std::max(spread_s, largest - (heard.time_s - heard.now_s));
+  for (const Reading& reading : readings_) spread_s = std::max(spread_s, largest - (reading.time_s - reading.now_s));
   return std::clamp(period_s_ + spread_s, 1.5 * period_s_, kMaxPeriodsLate * period_s_);
 }
 
+// The target is the scene time now, less the delay. The shown time runs with our clock and is corrected towards the
+// target by running up to 10 % faster or slower, or up to 50 % for larger errors, so that motion looks even. A target
+// half a second ahead is jumped to.
 std::optional<double> DisplayClock::time_at(double now_s) {
-  if (!told_) return std::nullopt;
-  const bool stands = paused_ || heard_.empty();
+  if (!has_time_) return std::nullopt;
+  const bool stands = paused_ || readings_.empty();
   const double target_s = stands ? last_time_s_ : std::min(last_time_s_, now_s + offset_s() - delay_s());
   if (!shown_) {
     shown_ = {now_s, target_s};
@@ -117,9 +120,9 @@ std::optional<double> DisplayClock::time_at(double now_s) {
 }
 
 void DisplayClock::restart() {
-  heard_.clear();
+  readings_.clear();
   shown_.reset();
-  told_ = paused_ = false;
+  has_time_ = paused_ = false;
 }
 
 }  // namespace ringdown::viewer

@@ -1,10 +1,11 @@
-// Where a body is at any moment, from poses that are told now and then.
+// The pose of a body at any moment, interpolated between the poses that notices bring.
 //
-// Poses carry the scene's time. They are shown a little late, so that there are always two to go between:
+// Poses carry the scene's time. The window shows the scene with a small delay, so that there is always a later pose to
+// interpolate towards:
 //
 //   DisplayClock clock(1 / 30.0);
 //   clock.observe(now_s, notice.time_s, notice.paused);        // at every notice
-//   track.tell(notice.time_s, pose);                           // of every body in it
+//   track.add(notice.time_s, pose);                            // for every body in the notice
 //   if (auto pose = track.pose_at(clock.time_at(now_s))) ...   // at every picture
 //
 // Times are in seconds: `now_s` of the computer's steady clock, `time_s` of the scene. [one thread]
@@ -30,70 +31,71 @@ struct Pose {
   friend bool operator==(const Pose&, const Pose&) = default;
 };
 
-// Positions linearly, rotations at constant angular velocity the shortest way; 0 gives `from`, 1 gives `to`.
+// Interpolates positions linearly, and rotations at constant angular velocity the shortest way. A fraction of 0 gives
+// `from`, 1 gives `to`.
 Pose between(const Pose& from, const Pose& to, double fraction);
 
 class PoseTrack {
  public:
-  static constexpr std::size_t kMaxPoses = 64;  // 2 s at 30 notices a second; the oldest goes
+  static constexpr std::size_t kMaxPoses = 64;  // 2 s at 30 notices a second; older poses are dropped
 
-  // A pose at the time told last replaces it, an earlier one comes too late and is ignored. Numbers that are not
-  // finite, and a rotation without a direction, are ignored too.
-  void tell(double time_s, Pose pose);
+  // Adds a pose. One at the time of the last pose replaces it; an earlier one is too late and is ignored, and so are
+  // numbers that are not finite and a rotation of length zero.
+  void add(double time_s, Pose pose);
 
-  // Forgets what was told: the body has been put somewhere else, or time has begun anew.
-  void restart() { told_.clear(); }
+  // Forgets all poses: the body was moved elsewhere, or the scene's time has restarted.
+  void restart() { poses_.clear(); }
 
-  // Exact at the times told, and between them for constant velocity; before the first and after the last, that one.
-  // Nothing when nothing was told.
+  // The pose at a time: exact at the times added, and between them for constant velocities. Before the first pose and
+  // after the last, that pose. Nothing for an empty track.
   [[nodiscard]] std::optional<Pose> pose_at(double time_s) const;
 
-  [[nodiscard]] std::optional<double> last_told_s() const;
+  [[nodiscard]] std::optional<double> last_time_s() const;
 
  private:
-  struct Told {
+  struct TimedPose {
     double time_s;
     Pose pose;
   };
-  std::deque<Told> told_;  // by time
+  std::deque<TimedPose> poses_;  // by time
 };
 
-// What scene time to show now. It runs evenly although notices arrive unevenly, follows a scene that is slowed down,
-// stands while the scene is paused, and never goes back unless the scene's time does.
+// The scene time to show now. It advances evenly although notices arrive unevenly, follows a scene that runs slowly,
+// stands still while the scene is paused, and goes back only when the scene's time does.
 class DisplayClock {
  public:
-  static constexpr double kJump_s = 0.25;  // a time this far before the last one told is a new beginning
+  static constexpr double kJump_s = 0.25;  // a notice this much earlier than the last one means that time restarted
 
   explicit DisplayClock(double notice_period_s) : period_s_(notice_period_s) {}
 
   enum class Course {
     onward,
-    late,  // the notice was overtaken by a later one: its poses are old
-    anew,  // time has jumped: tracks must restart
+    late,    // a later notice overtook this one: its poses are old
+    jumped,  // time has jumped: tracks must restart
   };
   Course observe(double now_s, double time_s, bool paused);
 
-  // Never after the time told last; nothing before the first one.
+  // The time to show: at most the last notice's time; nothing before the first notice.
   std::optional<double> time_at(double now_s);
 
-  // How late it shows: 1.5 notice periods, and more where notices arrive unevenly.
+  // The delay of the display: 1.5 notice periods, and more when notices arrive unevenly.
   [[nodiscard]] double delay_s() const;
 
   void restart();
 
  private:
-  struct Heard {
+  struct Reading {
     double now_s, time_s;
   };
   [[nodiscard]] double offset_s() const;
 
-  static constexpr std::size_t kMaxHeard = 256;
+  static constexpr std::size_t kMaxReadings = 256;
 
   double period_s_;
-  std::deque<Heard> heard_;  // of the last second, since the scene last stood
-  double last_time_s_ = 0, last_heard_s_ = 0;
-  bool told_ = false, paused_ = false;
-  std::optional<Heard> shown_;
+  std::deque<Reading> readings_;  // one for each notice of the last second, since the scene last paused
+  double last_time_s_ = 0, last_now_s_ = 0;
+  bool has_time_ = false, paused_ = false;
+  std::optional<Reading> shown_;
 };
 
 }  // namespace ringdown::viewer

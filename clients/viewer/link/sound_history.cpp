@@ -9,9 +9,9 @@ namespace ringdown::viewer {
 namespace {
 
 constexpr double kMinRate_hz = 1000;
-constexpr double kLate_s = 0.5;  // pieces this much older have been overtaken; older ones say that counting began anew
+constexpr double kLate_s = 0.5;  // a piece at most this old was overtaken; an older one means that counting restarted
 
-// From `from` to `to`, both modulo kFrameModulus; negative backwards.
+// The number of frames from `from` to `to`, which count modulo kFrameModulus; negative when `to` lies before `from`.
 std::int64_t distance(std::int32_t from, std::int32_t to) {
   constexpr std::int64_t half = protocol::kFrameModulus / 2;
   const std::int64_t forward = (std::int64_t{to} - from + 2 * half) % (2 * half);
@@ -54,12 +54,12 @@ void SoundHistory::append(float left, float right) {
 }
 
 void SoundHistory::append_silence(std::uint64_t frames) {
-  const std::uint64_t heard_before = end_;
+  const std::uint64_t end_before = end_;
   for (std::uint64_t i = 0; i < std::min<std::uint64_t>(frames, left_.size()); ++i) append(0, 0);
   if (frames > left_.size()) {
     std::ranges::fill(left_, 0.0f);
     std::ranges::fill(right_, 0.0f);
-    end_ = heard_before + frames;
+    end_ = end_before + frames;
   }
 }
 

@@ -1,4 +1,4 @@
-// The last two seconds of the mix, as /notify.sound tells them piece by piece. [one thread]
+// The last two seconds of the mix, assembled from the pieces that /notify.sound brings. [one thread]
 #pragma once
 
 #include "protocol/reply.h"
@@ -14,18 +14,19 @@ class SoundHistory {
   static constexpr double kLength_s = 2;
   static constexpr double kMaxRate_hz = 768000;  // a piece at a higher rate is ignored
 
-  // What lies between this piece and the one before is filled with silence, and counted. A piece from more than
-  // half a second ago, and another sample rate, begin anew; a later one that was overtaken, or came twice, is ignored.
+  // Appends a piece. Frames missing between the last piece and this one are filled with silence and counted. A piece
+  // that repeats or precedes what is here is ignored; if it lies more than half a second back, or has another sample
+  // rate, the history starts again with it.
   void take(const protocol::NotifySound& piece);
 
   void restart();
 
-  // The last `frames`, oldest first, silence before the beginning; resized to fit.
+  // Writes the last `frames` frames, oldest first, into both vectors, which are resized; silence before the beginning.
   void last(std::size_t frames, std::vector<float>& left, std::vector<float>& right) const;
 
-  [[nodiscard]] double sample_rate_hz() const { return sample_rate_hz_; }  // 0: nothing was told
+  [[nodiscard]] double sample_rate_hz() const { return sample_rate_hz_; }  // 0: no piece has come
   [[nodiscard]] std::size_t capacity() const { return left_.size(); }      // frames in kLength_s
-  // Of the first frame that is yet to come; grows by one a frame from the first one told, at 0, gaps included.
+  // How many frames have come since the history started, gaps included.
   [[nodiscard]] std::uint64_t end() const { return end_; }
   [[nodiscard]] std::uint64_t gaps() const { return gaps_; }
   [[nodiscard]] std::uint64_t missing_frames() const { return missing_frames_; }
@@ -36,9 +37,9 @@ class SoundHistory {
   void append_silence(std::uint64_t frames);
 
   double sample_rate_hz_ = 0;
-  std::vector<float> left_, right_;  // rings: frame n is at n modulo their size
+  std::vector<float> left_, right_;  // ring buffers: frame n is at n modulo their size
   std::uint64_t end_ = 0, gaps_ = 0, missing_frames_ = 0;
-  std::int32_t next_frame_ = 0;  // as the daemon counts
+  std::int32_t next_frame_ = 0;  // in the daemon's count
 };
 
 }  // namespace ringdown::viewer

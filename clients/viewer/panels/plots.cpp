@@ -8,12 +8,12 @@
 namespace ringdown::viewer {
 namespace {
 
-// A plot's area, with what it takes to draw in it.
+// The area of a plot, with its draw list and coordinates.
 struct Area {
   ImDrawList* list;
   ImVec2 low, high;
 
-  // Takes the next `size` of the window, and leaves room for labels at the left and below.
+  // Takes the next `size` of the window, of which a margin at the left and below is for labels.
   Area(const Skin& skin, const char* name, ImVec2 size) : list(ImGui::GetWindowDrawList()) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     size = {std::max(size.x, 40.0f), std::max(size.y, 40.0f)};
@@ -71,7 +71,7 @@ void draw_grid(const Skin& skin, const Area& area) {
   }
 }
 
-// Where to begin, so that `shown` frames remain and the curve rises through zero.
+// The last frame from which `shown` frames remain and at which the curve rises through zero.
 std::size_t trigger(std::span<const float> samples, std::size_t shown) {
   if (samples.size() <= shown) return 0;
   for (std::size_t i = samples.size() - shown; i > 0; --i) {
@@ -94,6 +94,22 @@ std::string text_of(const char* format, double a, double b) {
   std::array<char, 96> text{};
   std::snprintf(text.data(), text.size(), format, a, b);
   return text.data();
+}
+
+// A label and a horizontal bar, filled up to `share` with a line at `mark`, both 0 ... 1. The text comes next.
+void draw_meter(const Skin& skin, const char* label, double share, double mark, ImU32 colour) {
+  ImGui::TextUnformatted(label);
+  ImGui::SameLine(5.5f * ImGui::GetFontSize());
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float text_width = 5 * ImGui::GetFontSize(), height = ImGui::GetFontSize();
+  const float width = std::max(ImGui::GetContentRegionAvail().x - text_width, 20.0f);
+  const auto x = [&](double value) { return at.x + width * static_cast<float>(std::clamp(value, 0.0, 1.0)); };
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled(at, {at.x + width, at.y + height}, skin.paper);
+  list->AddRectFilled(at, {x(share), at.y + height}, colour);
+  list->AddLine({x(mark), at.y}, {x(mark), at.y + height}, skin.text, 2);
+  ImGui::Dummy({width, height});
+  ImGui::SameLine();
 }
 
 }  // namespace
@@ -174,21 +190,13 @@ Picked draw_bars(const Skin& skin, ImVec2 size, std::span<const BarGroup> groups
 }
 
 void draw_level(const Skin& skin, const char* label, float peak, float held) {
-  const double level = level_db(held);
-  const ImU32 colour = level > -0.5 ? skin.bad : level > -6 ? skin.warning : skin.good;
-  ImGui::TextUnformatted(label);
-  ImGui::SameLine(5.5f * ImGui::GetFontSize());
-  const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float text_width = 5 * ImGui::GetFontSize(), height = ImGui::GetFontSize();
-  const float width = std::max(ImGui::GetContentRegionAvail().x - text_width, 20.0f);
   constexpr double kLow_db = -60;
-  const auto x = [&](double db) { return at.x + width * static_cast<float>(std::clamp(1 - db / kLow_db, 0.0, 1.0)); };
-  ImDrawList* list = ImGui::GetWindowDrawList();
-  list->AddRectFilled(at, {at.x + width, at.y + height}, skin.paper);
-  list->AddRectFilled(at, {x(level_db(peak)), at.y + height}, colour);
-  list->AddLine({x(level), at.y}, {x(level), at.y + height}, skin.text, 2);
-  ImGui::Dummy({width, height});
-  ImGui::SameLine();
+  const double level = level_db(held);
+  const auto share = [](double db) { return 1 - db / kLow_db; };
+  draw_meter(skin, label, share(level_db(peak)), share(level),
+             level > -0.5 ? skin.bad
+             : level > -6 ? skin.warning
+                          : skin.good);
   if (held > 0) {
     ImGui::Text("%5.1f dB", level);
   } else {
@@ -197,18 +205,7 @@ void draw_level(const Skin& skin, const char* label, float peak, float held) {
 }
 
 void draw_share(const Skin& skin, const char* label, double share, double mark, const std::string& text) {
-  ImGui::TextUnformatted(label);
-  ImGui::SameLine(5.5f * ImGui::GetFontSize());
-  const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float text_width = 5 * ImGui::GetFontSize(), height = ImGui::GetFontSize();
-  const float width = std::max(ImGui::GetContentRegionAvail().x - text_width, 20.0f);
-  const auto x = [&](double value) { return at.x + width * static_cast<float>(std::clamp(value, 0.0, 1.0)); };
-  ImDrawList* list = ImGui::GetWindowDrawList();
-  list->AddRectFilled(at, {at.x + width, at.y + height}, skin.paper);
-  list->AddRectFilled(at, {x(share), at.y + height}, share > 0.9 ? skin.bad : share > 0.6 ? skin.warning : skin.good);
-  list->AddLine({x(mark), at.y}, {x(mark), at.y + height}, skin.text, 2);
-  ImGui::Dummy({width, height});
-  ImGui::SameLine();
+  draw_meter(skin, label, share, mark, share > 0.9 ? skin.bad : share > 0.6 ? skin.warning : skin.good);
   ImGui::TextUnformatted(text.c_str());
 }
 

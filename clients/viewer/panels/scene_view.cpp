@@ -8,23 +8,23 @@
 namespace ringdown::viewer {
 namespace {
 
-constexpr float kClick_px = 4;         // a button that moves farther drags
-constexpr double kPushPerSecond = 4;   // a push makes a body move the way of the mouse in a quarter of a second
-constexpr float kSpeedOfScene = 0.8F;  // radii of the scene a second
-constexpr float kTurn_px = 500;        // a second, as a drag of so many pixels
+constexpr float kClick_px = 4;         // a press that moves farther is a drag
+constexpr double kPushPerSecond = 4;   // a push moves a body as far as the mouse went in 1/4 s
+constexpr float kSpeedOfScene = 0.8F;  // radii of the scene per second
+constexpr float kTurn_px = 500;        // a held key turns like a drag of so many pixels per second
 
 Vec3 from_glm(glm::vec3 v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
-double SceneView::strength_of_hold(double seconds) { return std::clamp(seconds / kUsualHold_s, 0.2, 8.0); }
+double SceneView::strength_of_click(double seconds) { return std::clamp(seconds / kUsualClick_s, 0.2, 8.0); }
 
-// A scene that was loaded is seen from its own camera; objects that come are shown all.
+// Sets the camera when another scene has been loaded, or when objects without a scene have come or gone.
 void SceneView::follow_scene(const Model& model, float aspect) {
-  const Stage::Set& set = stage_.last();
+  const Stage::Contents& contents = stage_.contents();
   std::string now = model.scene().description().file.value_or("") + "\n";
-  if (set.staged.empty()) return;
-  if (!model.scene().description().file) now += std::to_string(set.staged.size());
+  if (contents.items.empty()) return;
+  if (!model.scene().description().file) now += std::to_string(contents.items.size());
   if (shown_ == now) return;
   shown_ = now;
   camera_ = stage_.home(model, aspect);
@@ -35,12 +35,12 @@ void SceneView::draw(const Skin& skin, Model& model, Commands& commands, bool st
   origin_ = ImGui::GetCursorScreenPos();
   const ImVec2 available = ImGui::GetContentRegionAvail();
   size_ = {std::max(available.x, 16.0f), std::max(available.y, 16.0f)};
-  const Stage::Set& set = stage_.set(model, commands, renderer_, skin.dark, now_s, at_s);
+  const Stage::Contents& contents = stage_.update(model, commands, renderer_, skin.dark, now_s, at_s);
   follow_scene(model, size_.x / size_.y);
-  const glm::vec3 above = camera_.position_m + camera_.forward() * set.frame.interest.radius_m * 1.5F;
-  commands.choice().drop_m = {above.x, above.y, set.frame.interest.centre.z + set.frame.interest.radius_m};
-  const std::uint32_t texture =
-      renderer_.render(set.frame, camera_, static_cast<int>(detail_ * size_.x), static_cast<int>(detail_ * size_.y));
+  const glm::vec3 above = camera_.position_m + camera_.forward() * contents.frame.interest.radius_m * 1.5F;
+  commands.choice().drop_m = {above.x, above.y, contents.frame.interest.centre.z + contents.frame.interest.radius_m};
+  const std::uint32_t texture = renderer_.render(contents.frame, camera_, static_cast<int>(detail_ * size_.x),
+                                                 static_cast<int>(detail_ * size_.y));
   ImGui::InvisibleButton("scene", size_);
   hovered_ = ImGui::IsItemHovered();
   ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture)), origin_,
@@ -50,17 +50,17 @@ void SceneView::draw(const Skin& skin, Model& model, Commands& commands, bool st
   if (!hovered_) draw_middle(skin);
 }
 
-std::optional<Hit> SceneView::hit_at(ImVec2 place) const {
-  const Ray ray = camera_.ray_through(place.x - origin_.x, place.y - origin_.y, static_cast<int>(size_.x),
-                                      static_cast<int>(size_.y));
-  return pick(ray, stage_.last().picked);
+std::optional<Hit> SceneView::hit_at(ImVec2 at) const {
+  const Ray ray =
+      camera_.ray_through(at.x - origin_.x, at.y - origin_.y, static_cast<int>(size_.x), static_cast<int>(size_.y));
+  return pick(ray, stage_.contents().picked);
 }
 
 void SceneView::handle_mouse(Commands& commands, bool strength_by_time, double now_s) {
   const ImGuiIO& io = ImGui::GetIO();
   if (hovered_ && io.MouseWheel != 0) {
     const auto ahead = hit_at({origin_.x + size_.x / 2, origin_.y + size_.y / 2});
-    const float away = glm::length(stage_.last().frame.interest.centre - camera_.position_m);
+    const float away = glm::length(stage_.contents().frame.interest.centre - camera_.position_m);
     camera_.zoom(io.MouseWheel, ahead ? ahead->distance_m : away);
   }
   if (ImGui::IsItemActivated()) press_ = Press{io.MousePos, now_s, hit_at(io.MousePos), io.KeyShift};
@@ -72,18 +72,18 @@ void SceneView::handle_mouse(Commands& commands, bool strength_by_time, double n
   if (press_->dragged && !pushes) camera_.look(io.MouseDelta.x, io.MouseDelta.y, static_cast<int>(size_.y));
 }
 
-// What the mouse went, in the plane through the point that was taken, in metres.
+// The way of the mouse since the press, in metres, in the plane of the picture through the point that was hit.
 glm::vec3 SceneView::push_of(const Press& press, ImVec2 to) const {
   const float per_pixel = 2 * press.hit->distance_m * std::tan(camera_.field_of_view / 2) / size_.y;
   return per_pixel * ((to.x - press.at.x) * camera_.right() - (to.y - press.at.y) * camera_.up());
 }
 
 void SceneView::strike(const Hit& hit, Commands& commands, double factor) {
-  const auto& staged = stage_.last().staged;
-  if (hit.id >= staged.size()) return;
-  const Staged& what = staged[hit.id];
+  const auto& items = stage_.contents().items;
+  if (hit.id >= items.size()) return;
+  const StageItem& what = items[hit.id];
   if (what.object.empty()) return;
-  const DrawnBody& body = stage_.last().frame.bodies[hit.id];
+  const DrawnBody& body = stage_.contents().frame.bodies[hit.id];
   const glm::vec3 normal = glm::transpose(glm::mat3(body.pose)) * hit.normal;
   commands.choose_object(what.object);
   commands.strike(what.object, from_glm(body.size * hit.object_point_m), from_glm(normal),
@@ -95,11 +95,11 @@ void SceneView::release(Commands& commands, bool strength_by_time, double now_s)
   press_.reset();
   if (!press.hit) return;
   if (!press.dragged) {
-    return strike(*press.hit, commands, strength_by_time ? strength_of_hold(now_s - press.since_s) : 1);
+    return strike(*press.hit, commands, strength_by_time ? strength_of_click(now_s - press.since_s) : 1);
   }
-  const auto& staged = stage_.last().staged;
-  if (!press.pushes || press.hit->id >= staged.size() || !staged[press.hit->id].body) return;
-  const Staged& what = staged[press.hit->id];
+  const auto& items = stage_.contents().items;
+  if (!press.pushes || press.hit->id >= items.size() || !items[press.hit->id].body) return;
+  const StageItem& what = items[press.hit->id];
   const Vec3 way = from_glm(push_of(press, ImGui::GetIO().MousePos));
   commands.push(*what.body, kPushPerSecond * what.mass_kg * way);
 }
@@ -111,12 +111,12 @@ void SceneView::draw_press(const Skin& skin, bool strength_by_time, double now_s
     list->AddLine(press_->at, ImGui::GetIO().MousePos, skin.warning, 3);
     list->AddCircleFilled(ImGui::GetIO().MousePos, 6, skin.warning);
   } else if (!press_->dragged) {
-    const double strength = strength_by_time ? strength_of_hold(now_s - press_->since_s) : 1;
+    const double strength = strength_by_time ? strength_of_click(now_s - press_->since_s) : 1;
     list->AddCircle(press_->at, 6 + 4 * static_cast<float>(strength), skin.warning, 0, 2);
   }
 }
 
-// Where the space bar strikes when no mouse is there.
+// Marks the point that the space bar strikes while the mouse is elsewhere.
 void SceneView::draw_middle(const Skin& skin) const {
   const ImVec2 middle{origin_.x + size_.x / 2, origin_.y + size_.y / 2};
   ImDrawList* list = ImGui::GetWindowDrawList();
@@ -137,37 +137,27 @@ bool SceneView::perform(Action action, Model& model, Commands& commands) {
 
 void SceneView::move(Action action, double seconds) {
   const auto dt = static_cast<float>(seconds);
-  const float way = kSpeedOfScene * dt * stage_.last().frame.interest.radius_m;
+  const float way = kSpeedOfScene * dt * stage_.contents().frame.interest.radius_m;
   const float turn = kTurn_px * dt;
   const auto height = static_cast<int>(size_.y);
-  const float away = glm::length(stage_.last().frame.interest.centre - camera_.position_m);
+  const float away = glm::length(stage_.contents().frame.interest.centre - camera_.position_m);
+  const auto turn_camera = [&](float right, float down) { camera_.look(turn * right, turn * down, height); };
   switch (action) {
-    case Action::forward:
-      return camera_.move(way, 0, 0);
-    case Action::back:
-      return camera_.move(-way, 0, 0);
-    case Action::left:
-      return camera_.move(0, -way, 0);
-    case Action::right:
-      return camera_.move(0, way, 0);
-    case Action::up:
-      return camera_.move(0, 0, way);
-    case Action::down:
-      return camera_.move(0, 0, -way);
-    case Action::turn_left:
-      return camera_.look(-turn, 0, height);
-    case Action::turn_right:
-      return camera_.look(turn, 0, height);
-    case Action::turn_up:
-      return camera_.look(0, -turn, height);
-    case Action::turn_down:
-      return camera_.look(0, turn, height);
-    case Action::closer:
-      return camera_.zoom(6 * dt, away);
-    case Action::farther:
-      return camera_.zoom(-6 * dt, away);
-    default:
-      return;
+      // clang-format off
+    case Action::forward: return camera_.move(way, 0, 0);
+    case Action::back: return camera_.move(-way, 0, 0);
+    case Action::left: return camera_.move(0, -way, 0);
+    case Action::right: return camera_.move(0, way, 0);
+    case Action::up: return camera_.move(0, 0, way);
+    case Action::down: return camera_.move(0, 0, -way);
+    case Action::turn_left: return turn_camera(-1, 0);
+    case Action::turn_right: return turn_camera(1, 0);
+    case Action::turn_up: return turn_camera(0, -1);
+    case Action::turn_down: return turn_camera(0, 1);
+    case Action::closer: return camera_.zoom(6 * dt, away);
+    case Action::farther: return camera_.zoom(-6 * dt, away);
+    default: return;
+      // clang-format on
   }
 }
 

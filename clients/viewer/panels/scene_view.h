@@ -1,7 +1,7 @@
-// The scene pane: the picture, the camera, and what the mouse does in it. [UI]
+// The scene pane: the picture, the camera, and the mouse. [UI]
 //
-// Drag: look. Wheel: zoom. Click on a surface: strike it there; held longer, harder, or by the slider's strength.
-// Shift and drag: push a body the way the mouse goes.
+// Dragging turns the camera, the wheel moves it forward. A click on a surface strikes it there: harder the longer the
+// button is held, or with the slider's impulse. Shift and drag pushes a body in the direction of the drag.
 #pragma once
 
 #include "clients/viewer/commands.h"
@@ -18,16 +18,16 @@ class SceneView {
  public:
   explicit SceneView(SceneRenderer renderer) : renderer_(std::move(renderer)) {}
 
-  // Draws into the current ImGui window, all of it. `at_s` as in Stage::set.
+  // Fills the current ImGui window. `at_s` is the scene time to show; nothing: the current time.
   void draw(const Skin& skin, Model& model, Commands& commands, bool strength_by_time, double now_s,
             std::optional<double> at_s = std::nullopt);
 
-  // The share of its width and height that the picture is drawn with, and then stretched.
+  // Draws the picture with this share of its width and height, and stretches it.
   void set_detail(double share) { detail_ = share; }
 
-  // Camera and test force; false for what is not the scene view's to do.
+  // Performs actions of the camera and the test force; returns false for all others.
   bool perform(Action action, Model& model, Commands& commands);
-  // What a held key does in `seconds`.
+  // Performs the action of a key that is held down, for `seconds`.
   void move(Action action, double seconds);
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
@@ -35,9 +35,9 @@ class SceneView {
   [[nodiscard]] ImVec2 origin() const { return origin_; }  // of the picture in the window, in pixels
   [[nodiscard]] ImVec2 size() const { return size_; }
 
-  // How much harder a click strikes that was held so long: 1 at kUsualHold_s.
-  static double strength_of_hold(double seconds);
-  static constexpr double kUsualHold_s = 0.25;
+  // The factor on the impulse of a click whose button was down for so long: 1 at kUsualClick_s.
+  static double strength_of_click(double seconds);
+  static constexpr double kUsualClick_s = 0.25;
 
  private:
   struct Press {
@@ -52,13 +52,13 @@ class SceneView {
   void draw_press(const Skin& skin, bool strength_by_time, double now_s) const;
   void draw_middle(const Skin& skin) const;
   void strike(const Hit& hit, Commands& commands, double factor);
-  [[nodiscard]] std::optional<Hit> hit_at(ImVec2 place) const;
+  [[nodiscard]] std::optional<Hit> hit_at(ImVec2 at) const;
   [[nodiscard]] glm::vec3 push_of(const Press& press, ImVec2 to) const;
 
   SceneRenderer renderer_;
   Stage stage_;
   Camera camera_;
-  std::optional<std::string> shown_;  // the file, and the objects of a row, that the camera was set for
+  std::optional<std::string> shown_;  // the scene, or the objects without a body, that the camera was set for
   ImVec2 origin_{0, 0}, size_{1, 1};  // of the picture
   bool hovered_ = false;
   double detail_ = 1;

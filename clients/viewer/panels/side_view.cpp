@@ -16,7 +16,7 @@ bool contains(const std::string& text, const char* part) {
   return std::search(text.begin(), text.end(), part, part + std::strlen(part), same) != text.end();
 }
 
-// A slider over decades; true while it is moved.
+// A logarithmic slider. Returns true while the user moves it.
 bool factor_slider(const char* label, double& value, double least, double most) {
   auto shown = static_cast<float>(value);
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 6 * ImGui::GetFontSize());
@@ -53,7 +53,7 @@ void SideView::draw_browser(Model& model, Commands& commands) {
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 4 * ImGui::GetFontSize());
   ImGui::InputTextWithHint("##filter", "search", filter_.data(), filter_.size());
   ImGui::SameLine();
-  if (ImGui::SmallButton("again")) model.browse_again();
+  if (ImGui::SmallButton("again")) model.files().browse_again();
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ask the daemon once more what there is");
   const float height = 9 * ImGui::GetTextLineHeightWithSpacing();
   if (!ImGui::BeginChild("files", {0, height}, false, ImGuiWindowFlags_NavFlattened)) return ImGui::EndChild();
@@ -66,8 +66,8 @@ void SideView::draw_browser(Model& model, Commands& commands) {
       if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", file.c_str());
     }
   };
-  list("Scenes", model.scene_files(), [&](const std::string& file) { commands.load_scene(file); });
-  list("Objects", model.bank_files(), [&](const std::string& file) { commands.load_bank(file); });
+  list("Scenes", model.files().scenes(), [&](const std::string& file) { commands.load_scene(file); });
+  list("Objects", model.files().banks(), [&](const std::string& file) { commands.load_bank(file); });
   ImGui::EndChild();
 }
 
@@ -102,22 +102,25 @@ void SideView::draw_objects(const Skin& skin, Model& model, Commands& commands) 
 
 void SideView::draw_sliders(const KnownObject& object, Commands& commands) {
   if (!ImGui::CollapsingHeader("Material", ImGuiTreeNodeFlags_DefaultOpen)) return;
-  Adjustment a = commands.adjustment_of(object);
+  Adjustment a = commands.edits().adjustment_of(object);
   const ObjectRef ref{object.name, std::nullopt};
   if (object.bank && object.bank->bank.material) ImGui::TextDisabled("%s", object.bank->bank.material->name.c_str());
   const auto material = [&](const char* label, double& factor, double least, double most) {
-    if (factor_slider(label, factor, least, most)) commands.edit(object, protocol::SetMaterial{ref, a.scale}, label);
+    if (factor_slider(label, factor, least, most))
+      commands.edits().change(object, protocol::SetMaterial{ref, a.scale}, label);
   };
   material("alpha1", a.scale.alpha, 0.05, 20);
   material("alpha2", a.scale.beta, 0.05, 20);
   material("density", a.scale.density, 0.1, 10);
   material("Lam\xC3\xA9", a.scale.stiffness, 0.05, 20);
   material("size", a.scale.size, 0.25, 4);
-  if (factor_slider("gain", a.gain, 0.001, 100)) commands.edit(object, protocol::SetGain{ref, a.gain, 0.02}, "gain");
+  if (factor_slider("gain", a.gain, 0.001, 100))
+    commands.edits().change(object, protocol::SetGain{ref, a.gain, 0.02}, "gain");
   auto pan = static_cast<float>(a.pan);
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 6 * ImGui::GetFontSize());
-  if (ImGui::SliderFloat("pan", &pan, -1, 1, "%.2f")) commands.edit(object, protocol::SetPan{ref, pan}, "pan");
-  if (ImGui::SmallButton("As baked")) commands.edit(object, protocol::SetMaterial{ref, {}}, "as baked");
+  if (ImGui::SliderFloat("pan", &pan, -1, 1, "%.2f"))
+    commands.edits().change(object, protocol::SetPan{ref, pan}, "pan");
+  if (ImGui::SmallButton("As baked")) commands.edits().change(object, protocol::SetMaterial{ref, {}}, "as baked");
 }
 
 void SideView::draw_strike(Commands& commands, Settings& settings) {
@@ -143,9 +146,9 @@ void SideView::draw_session(const Skin& skin, const Model& model, Commands& comm
     if (!what.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", what.c_str());
     return pressed;
   };
-  if (button("Undo", commands.history().undoes())) commands.perform(Action::undo);
+  if (button("Undo", commands.edits().history().undoes())) commands.perform(Action::undo);
   ImGui::SameLine();
-  if (button("Redo", commands.history().redoes())) commands.perform(Action::redo);
+  if (button("Redo", commands.edits().history().redoes())) commands.perform(Action::redo);
 }
 
 void SideView::draw_messages(const Skin& skin, const Model& model) {

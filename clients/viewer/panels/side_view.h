@@ -1,4 +1,5 @@
-// The pane at the left: the daemon, what there is to load, the chosen object and its sliders, recording, messages. [UI]
+// The pane at the left: the daemon, recording and undo, files to load, objects, the sliders of the chosen object, the
+// test force, and messages. [UI]
 #pragma once
 
 #include "clients/viewer/commands.h"
@@ -15,7 +16,7 @@ class SideView {
  public:
   explicit SideView(const std::string& url) { set_url(url); }
 
-  // Returns the URL of another daemon to go to; empty: stay.
+  // Returns the URL of the daemon to connect to, when the user entered one; otherwise an empty string.
   std::string draw(const Skin& skin, const ConnectionState& state, Model& model, Commands& commands,
                    Settings& settings);
 

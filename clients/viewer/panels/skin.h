@@ -1,5 +1,5 @@
-// Colours and shapes of the window, dark and light. Series take Okabe and Ito's palette ("Color Universal Design",
-// 2008), which people with any colour vision tell apart; nothing is told by colour alone. [UI]
+// Colours and shapes of the window, dark and light. Curves take Okabe and Ito's palette ("Color Universal Design",
+// 2008), which people with any colour vision tell apart; no information is given by colour alone. [UI]
 #pragma once
 
 #include <imgui.h>
@@ -18,7 +18,7 @@ Skin make_skin(bool dark);
 // The colour of the i-th object, voice or curve.
 ImU32 series_colour(std::size_t i);
 
-// Sets ImGui's style for a skin and a scale of 1 or more.
+// Sets ImGui's style for a skin and a scale.
 void apply(const Skin& skin, float scale);
 
 }  // namespace ringdown::viewer

@@ -6,9 +6,7 @@
 namespace ringdown::viewer {
 namespace {
 
-constexpr double kRecent_s = 0.5;  // amplitudes that are older are no longer true
-
-// Scrolls the table only as far as it must: a row that was clicked stays under the mouse.
+// Scrolls the table only as far as needed, so that a clicked row stays under the mouse.
 void keep_in_sight(std::uint32_t row) {
   const float height = ImGui::GetTextLineHeight() + 2 * ImGui::GetStyle().CellPadding.y;
   const float top = static_cast<float>(row) * height;
@@ -31,6 +29,55 @@ void draw_count(const Skin& skin, const char* label, std::int64_t count) {
   } else {
     ImGui::TextUnformatted("0");
   }
+}
+
+// The bars of an object: one for each mode, as high as the mode is loud.
+BarGroup bars_of(const KnownObject& object, ImU32 colour, const Choice& choice) {
+  const bool chosen = object.name == choice.object;
+  const double frequency_factor = std::sqrt(modal::lambda_factor(object.scale));
+  BarGroup group{object.name, colour, {}};
+  const std::size_t count = std::min(object.amplitudes.size(), object.bank->by_frequency.size());
+  for (std::size_t rank = 0; rank < count; ++rank) {
+    const double hz = object.bank->bank.frequency_hz[object.bank->by_frequency[rank]];
+    group.bars.push_back({hz * frequency_factor, object.amplitudes[rank], chosen && rank == choice.mode});
+  }
+  return group;
+}
+
+void draw_legend(const std::vector<BarGroup>& groups) {
+  const float side = ImGui::GetFontSize() * 0.7f;
+  for (const BarGroup& group : groups) {
+    ImGui::ColorButton(group.name.c_str(), ImGui::ColorConvertU32ToFloat4(group.colour), ImGuiColorEditFlags_NoTooltip,
+                       {side, side});
+    ImGui::SameLine();
+    ImGui::TextUnformatted(group.name.c_str());
+    if (&group != &groups.back()) ImGui::SameLine();
+    if (ImGui::GetContentRegionAvail().x < 6 * ImGui::GetFontSize()) ImGui::NewLine();
+  }
+}
+
+// One row of the table of modes; true when the user clicked it.
+bool draw_row(const Skin& skin, int row, const ListedMode& mode, bool chosen) {
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  ImGui::PushID(row);
+  ImGui::PushStyleColor(ImGuiCol_Text, mode.selected ? skin.text : skin.faint);
+  char label[16];
+  std::snprintf(label, sizeof label, "%d", row);
+  const bool clicked = ImGui::Selectable(label, chosen, ImGuiSelectableFlags_SpanAllColumns);
+  ImGui::TableNextColumn();
+  mode.frequency_hz > 0 ? ImGui::Text("%.1f Hz", mode.frequency_hz) : ImGui::TextUnformatted("no pitch");
+  ImGui::TableNextColumn();
+  if (mode.t60_s < 0.1) {
+    ImGui::Text("%.3g ms", 1e3 * mode.t60_s);
+  } else {
+    ImGui::Text("%.3g s", mode.t60_s);
+  }
+  ImGui::TableNextColumn();
+  ImGui::Text("%.1f dB", mode.gain_db);
+  ImGui::PopStyleColor();
+  ImGui::PopID();
+  return clicked;
 }
 
 }  // namespace
@@ -68,7 +115,7 @@ void SoundView::draw_curves(const Skin& skin, const Model& model, float height) 
 }
 
 const std::vector<ListedMode>& SoundView::modes_of(const KnownObject& object, const Commands& commands) {
-  const Adjustment adjustment = commands.adjustment_of(object);
+  const Adjustment adjustment = commands.edits().adjustment_of(object);
   if (object.bank != listed_ || node_ != commands.choice().node || !same(adjustment, adjustment_)) {
     listed_ = object.bank;
     node_ = commands.choice().node;
@@ -85,36 +132,21 @@ void SoundView::draw_amplitudes(const Skin& skin, Model& model, Commands& comman
   for (const auto& [name, object] : model.objects()) {
     const ImU32 colour = series_colour(number++);
     if (!object.bank || object.amplitudes.empty()) continue;
-    const bool chosen = name == commands.choice().object;
-    const double frequency_factor = std::sqrt(modal::lambda_factor(object.scale));
-    BarGroup group{name, colour, {}};
-    const std::size_t count = std::min(object.amplitudes.size(), object.bank->by_frequency.size());
-    for (std::size_t rank = 0; rank < count; ++rank) {
-      const double hz = object.bank->bank.frequency_hz[object.bank->by_frequency[rank]];
-      group.bars.push_back({hz * frequency_factor, object.amplitudes[rank], chosen && rank == commands.choice().mode});
-    }
-    groups.push_back(std::move(group));
+    groups.push_back(bars_of(object, colour, commands.choice()));
     objects.push_back(&object);
   }
   const Picked picked = draw_bars(skin, {ImGui::GetContentRegionAvail().x, height}, groups);
   if (picked.group >= 0) {
     commands.hear_alone(*objects[static_cast<std::size_t>(picked.group)], static_cast<std::uint32_t>(picked.bar));
   }
-  for (const BarGroup& group : groups) {
-    ImGui::ColorButton(group.name.c_str(), ImGui::ColorConvertU32ToFloat4(group.colour), ImGuiColorEditFlags_NoTooltip,
-                       {ImGui::GetFontSize() * 0.7f, ImGui::GetFontSize() * 0.7f});
-    ImGui::SameLine();
-    ImGui::TextUnformatted(group.name.c_str());
-    if (&group != &groups.back()) ImGui::SameLine();
-    if (ImGui::GetContentRegionAvail().x < 6 * ImGui::GetFontSize()) ImGui::NewLine();
-  }
+  draw_legend(groups);
 }
 
 void SoundView::draw_table(const Skin& skin, const KnownObject& object, Commands& commands) {
   const std::vector<ListedMode>& modes = modes_of(object, commands);
-  const modal::ModeRange range = commands.adjustment_of(object).range;
-  const auto has = static_cast<int>(std::ranges::count(modes, true, &ListedMode::selected));
-  ImGui::Text("%s: %d of %zu modes, excited at node %u", object.name.c_str(), has, modes.size(),
+  const modal::ModeRange range = commands.edits().adjustment_of(object).range;
+  const auto played = static_cast<int>(std::ranges::count(modes, true, &ListedMode::selected));
+  ImGui::Text("%s: %d of %zu modes, excited at node %u", object.name.c_str(), played, modes.size(),
               commands.choice().node);
   if (range != modal::ModeRange{}) {
     ImGui::SameLine();
@@ -130,29 +162,8 @@ void SoundView::draw_table(const Skin& skin, const KnownObject& object, Commands
   clipper.Begin(static_cast<int>(modes.size()));
   while (clipper.Step()) {
     for (int row = clipper.DisplayStart; row < clipper.DisplayEnd; ++row) {
-      const ListedMode& mode = modes[static_cast<std::size_t>(row)];
       const auto rank = static_cast<std::uint32_t>(row);
-      ImGui::TableNextRow();
-      ImGui::TableNextColumn();
-      ImGui::PushID(row);
-      ImGui::PushStyleColor(ImGuiCol_Text, mode.selected ? skin.text : skin.faint);
-      char label[16];
-      std::snprintf(label, sizeof label, "%d", row);
-      if (ImGui::Selectable(label, rank == chosen, ImGuiSelectableFlags_SpanAllColumns)) {
-        commands.hear_alone(object, rank);
-      }
-      ImGui::TableNextColumn();
-      mode.frequency_hz > 0 ? ImGui::Text("%.1f Hz", mode.frequency_hz) : ImGui::TextUnformatted("no pitch");
-      ImGui::TableNextColumn();
-      if (mode.t60_s < 0.1) {
-        ImGui::Text("%.3g ms", 1e3 * mode.t60_s);
-      } else {
-        ImGui::Text("%.3g s", mode.t60_s);
-      }
-      ImGui::TableNextColumn();
-      ImGui::Text("%.1f dB", mode.gain_db);
-      ImGui::PopStyleColor();
-      ImGui::PopID();
+      if (draw_row(skin, row, modes[rank], rank == chosen)) commands.hear_alone(object, rank);
     }
   }
   if (chosen != shown_mode_) keep_in_sight(chosen);

@@ -1,4 +1,4 @@
-// The sound pane: meters, oscilloscope, spectrum, bars of what rings, and the table of modes. [UI]
+// The sound pane: meters, oscilloscope, spectrum, a bar for each sounding mode, and the table of modes. [UI]
 #pragma once
 
 #include "clients/viewer/commands.h"

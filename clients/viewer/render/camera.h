@@ -1,7 +1,7 @@
 // Where the scene is seen from. Lengths in metres, angles in radians; z is up.
 //
-// A picture has its origin in the top left corner, x to the right and y down, in pixels; the centre of the first pixel
-// is at (0.5, 0.5). So are the mouse positions of a window. A plain value without state elsewhere. [any]
+// Positions in a picture are in pixels from the top left corner, x to the right and y down; the centre of the first
+// pixel is at (0.5, 0.5). Mouse positions of a window have the same origin. A camera is a plain value. [any]
 //
 //   Camera camera = Camera::from({0, -2, 1}, {0, 0, 0.3F}, glm::radians(50.0F));
 //   camera.look(dx, dy, height);                                  // while the mouse drags
@@ -28,9 +28,9 @@ struct Sphere {
 };
 
 struct Camera {
-  static constexpr float kSteepest = 1.55F;           // |pitch|: never quite straight up or down
-  static constexpr float kMinZoom = 0.02F;            // metres that zoom() leaves to what is ahead
-  static constexpr float kZoomStep = 0.85F;           // of the distance, that one step of the wheel leaves
+  static constexpr float kSteepest = 1.55F;           // largest |pitch|, just short of straight up or down
+  static constexpr float kMinZoom = 0.02F;            // metres that zoom() keeps from the surface ahead
+  static constexpr float kZoomStep = 0.85F;           // one wheel step multiplies the distance by this
   static constexpr float kDefaultFieldOfView = 0.8F;  // about 46 degrees
 
   glm::vec3 position_m{0, -2, 1};
@@ -38,36 +38,36 @@ struct Camera {
   float pitch = 0;                            // above the horizon
   float field_of_view = kDefaultFieldOfView;  // vertical
 
-  // At `position_m`, looking at `target_m`; along y when both are the same point. A field of view of 0 is the default
-  // one.
+  // A camera at `position_m` that looks at `target_m`, or along y when both are the same point. A field of view of 0
+  // stands for the default.
   static Camera from(glm::vec3 position_m, glm::vec3 target_m, float field_of_view = kDefaultFieldOfView);
-  // The vertical field of view of a picture of that aspect (width over height) that shows all that one of
-  // `field_of_view` and of kComposedAspect does: the same, and in a narrower picture a larger one.
+  // Scenes are composed for a picture of kComposedAspect (width over height). Returns the vertical field of view with
+  // which a picture of `aspect` shows everything that one shows: `field_of_view` itself, or more in a narrower picture.
   static float fitted_field_of_view(float field_of_view, float aspect);
   static constexpr float kComposedAspect = 1.6F;
-  // Sees the whole sphere from in front (-y) and somewhat above, in a picture of that aspect (width over height).
+  // A camera that sees the whole sphere from the front (-y) and somewhat above, in a picture of that aspect.
   static Camera showing(Sphere scene, float aspect = 1.6F);
 
-  // The mouse was dragged: to the right turns the camera to the right, down turns it down, as far as those pixels are
-  // apart in the middle of a picture `height` pixels high.
+  // Turns the camera by a mouse drag: to the right for positive `dx`, down for positive `dy`, through the angle that
+  // those pixels span in the middle of a picture `height` pixels high.
   void look(float dx, float dy, int height);
-  // Wheel steps; positive goes forward. `distance_m`: how far away that is which is under the middle of the picture;
-  // however many steps, the camera stays kMinZoom in front of it.
+  // Moves forward by wheel steps (backward when negative). `distance_m` is the distance to the surface in the middle of
+  // the picture; however many steps are taken, the camera stays at least kMinZoom in front of that surface.
   void zoom(float steps, float distance_m);
-  // Along the camera's own forward and right, and straight up.
+  // Moves along the camera's own forward and right axes, and straight up.
   void move(float forward_m, float right_m, float up_m);
 
   [[nodiscard]] glm::vec3 forward() const;  // unit
   [[nodiscard]] glm::vec3 right() const;    // unit, level
-  [[nodiscard]] glm::vec3 up() const;       // unit: up in the picture
+  [[nodiscard]] glm::vec3 up() const;       // unit, upward in the picture
   [[nodiscard]] glm::mat4 view() const;     // scene -> camera (x right, y up, -z forward)
-  // camera -> clip space of OpenGL (z in -1 ... 1). Near and far are chosen so that `scene` and the ground about it are
-  // seen: far is kGround radii beyond its centre, near 1/5000 of far.
+  // Camera -> clip space of OpenGL (z in -1 ... 1). The far plane lies kGround radii beyond the centre of `scene`, so
+  // that the ground around the scene is visible; the near plane lies at 1/5000 of that distance.
   [[nodiscard]] glm::mat4 projection(float aspect, Sphere scene) const;
   static constexpr float kGround = 12;
 
   [[nodiscard]] Ray ray_through(float x, float y, int width, int height) const;
-  // Where a point is in the picture, perhaps outside its edges; nothing for one that is not before the camera.
+  // The position of a point in the picture, which may lie outside the edges; nothing for a point behind the camera.
   [[nodiscard]] std::optional<glm::vec2> project(glm::vec3 point_m, int width, int height) const;
 };
 

@@ -14,16 +14,17 @@ namespace {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
-// On a ray in the frame of the shape.
+// Where a ray hits a shape, in the frame of the shape. Not at all: the distance is kFar.
 struct Meeting {
   float distance = kFar;
   glm::vec3 normal{0};
 };
 
+// The part of a ray inside a box.
 struct Span {
   float enter = -kFar, leave = kFar;
-  int axis = 0;        // of the face it enters by
-  int leave_axis = 0;  // and leaves by
+  int axis = 0;        // normal axis of the face through which the ray enters
+  int leave_axis = 0;  // normal axis of the face through which it leaves
   [[nodiscard]] bool ahead() const { return enter <= leave && leave >= 0; }
 };
 
@@ -63,7 +64,7 @@ Meeting meet(const Ray& ray, const SphereShape& sphere) {
   return {distance, (ray.origin + distance * ray.direction) / sphere.radius_m};
 }
 
-// Moeller & Trumbore (1997), both sides.
+// The distance along the ray to a triangle, hit from either side (Moeller and Trumbore, 1997).
 float meet_triangle(const Ray& ray, glm::vec3 a, glm::vec3 ab, glm::vec3 ac) {
   const glm::vec3 p = glm::cross(ray.direction, ac);
   const float volume = glm::dot(ab, p);
@@ -91,7 +92,7 @@ std::optional<Hit> pick(const Ray& ray, std::span<const PickedBody> bodies) {
   std::optional<Hit> nearest;
   for (const PickedBody& body : bodies) {
     const glm::mat3 turn(body.pose), back = glm::transpose(turn);
-    // Lengths along the local ray are those of the scene divided by size.
+    // Distances along the local ray are distances in the scene divided by `size`.
     const Ray local{back * (ray.origin - glm::vec3(body.pose[3])) / body.size, back * ray.direction};
     const Meeting meeting = std::visit([&local](const auto& shape) { return meet(local, shape); }, body.shape);
     const float distance = meeting.distance * body.size;

@@ -1,4 +1,4 @@
-// What is under the mouse: the nearest body that a ray meets, and where. Pure geometry. [any]
+// Picking: the nearest body that a ray hits, and the point and normal there. Pure geometry. [any]
 //
 //   const std::optional<Hit> hit = pick(camera.ray_through(x, y, width, height), bodies);
 #pragma once
@@ -32,14 +32,14 @@ struct PickedBody {
 
 struct Hit {
   std::uint32_t id = 0;
-  glm::vec3 object_point_m{0};  // in the frame of the mesh, before `size`: as /strike takes it
+  glm::vec3 object_point_m{0};  // in the frame of the mesh, before `size` is applied
   glm::vec3 point_m{0};         // in the scene
-  glm::vec3 normal{0};          // in the scene: unit, of the flat triangle, towards where the ray comes from
+  glm::vec3 normal{0};          // in the scene: unit, of the flat triangle, on the side that the ray comes from
   float distance_m = 0;         // from the ray's origin
 };
 
-// The nearest hit ahead of the ray's origin. A ray that begins inside a body meets it from inside. Bodies at rest: a
-// shown displacement is not followed.
+// Returns the nearest hit ahead of the ray's origin. A ray that begins inside a body hits its surface from inside.
+// Displacements by a mode are ignored: bodies are picked in their rest shape.
 std::optional<Hit> pick(const Ray& ray, std::span<const PickedBody> bodies);
 
 }  // namespace ringdown::viewer

@@ -1,5 +1,5 @@
-// One picture's worth of scene: what the application hands to the renderer sixty times a second. Plain data. Scene
-// frame, metres, z up; colours are sRGB, 0 ... 1. [any]
+// Everything the renderer needs to draw one picture of the scene; the application makes a new SceneFrame for each.
+// Plain data in the scene's frame: metres, z up; colours are sRGB, 0 ... 1. [any]
 #pragma once
 
 #include "clients/viewer/render/camera.h"
@@ -17,15 +17,15 @@ namespace ringdown::viewer {
 using MeshId = std::uint32_t;  // from SceneRenderer::add_mesh; 0 is none and draws nothing
 
 struct DrawnBody {
-  std::uint32_t id = 0;  // the application's own
+  std::uint32_t id = 0;  // chosen by the application
   MeshId mesh = 0;
   glm::mat4 pose{1};  // object's frame -> scene: a rotation and a translation
-  float size = 1;     // the mesh is drawn this many times as large, about the origin of its frame
+  float size = 1;     // scales the mesh about the origin of its frame
   glm::vec3 colour{0.62F};
-  float glow = 0;         // 0 ... 1: how strongly it rings; seen as brightness, so without colour too
-  bool selected = false;  // outlined, also where something hides it
-  // Drawn at position + displacement_m * (*displacement)[point], before size and pose; normals follow. Nothing: at
-  // rest.
+  float glow = 0;         // 0 ... 1: how loud the body is, shown as brightness
+  bool selected = false;  // draws an outline, also where another body hides this one
+  // A point is drawn at position + displacement_m * (*displacement)[point], before size and pose are applied; normals
+  // follow. Empty: the body is drawn at rest.
   Displacement displacement;
   float displacement_m = 0;
 };
@@ -39,23 +39,23 @@ struct DrawnStatic {
   glm::vec3 size_m{0};         // a box's edges
 };
 
-// A contact, for a moment: a spot of light and a ring that widens.
+// A contact, shown for a moment as a spot of light and a widening ring.
 struct Flash {
   glm::vec3 point_m{0};
-  glm::vec3 normal{0, 0, 1};  // unit: the ring lies across it; away from the surface
-  float strength = 1;         // 0 ... 1: how large and bright
-  float age = 0;              // 0 when it was struck ... 1 when it is gone
+  glm::vec3 normal{0, 0, 1};  // unit, out of the surface; the ring lies across it
+  float strength = 1;         // 0 ... 1: size and brightness
+  float age = 0;              // 0 at the contact ... 1 when the flash has faded
 };
 
 enum class Theme { dark, light };
 
-// Unit: where the key light comes from, in every scene: from above, left of and before who looks along y.
+// The direction towards the key light, unit: from above, and from the left behind a viewer who looks along y.
 inline glm::vec3 towards_light() { return {-0.48F, -0.36F, 0.8F}; }
 
 struct SceneFrame {
   Theme theme = Theme::dark;
-  // What the light, its shadow and the ground's fading are fitted to: hold all that moves, and no more than that. What
-  // is outside is drawn, but throws no shadow.
+  // The sphere to which the light, its shadow and the fading of the ground are fitted. It should hold all that moves,
+  // and not much more. Bodies outside are drawn but throw no shadow.
   Sphere interest;
   std::vector<DrawnBody> bodies;
   std::vector<DrawnStatic> statics;

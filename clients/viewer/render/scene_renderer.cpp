@@ -1,9 +1,7 @@
 #include "clients/viewer/render/scene_renderer.h"
 
-#include "clients/viewer/render/flash_quads.h"
-#include "clients/viewer/render/gl_mesh.h"
-#include "clients/viewer/render/gl_program.h"
-#include "clients/viewer/render/gl_targets.h"
+#include "clients/viewer/render/gl.h"
+#include "clients/viewer/render/gl_shapes.h"
 #include "clients/viewer/render/look.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -13,6 +11,10 @@
 #include <map>
 #include <optional>
 
+// One picture is drawn in six passes. (1) The shadow map: depth of bodies and static boxes as seen from the light.
+// (2) The mask: the selected body's silhouette, if there is one. Into the multisampled picture go (3) the background,
+// (4) bodies and static boxes, lit with the shadow map, (5) the ground planes with their grid, blended, and the
+// flashes of contacts. (6) The last pass resolves the samples, draws the outline around the mask, and encodes as sRGB.
 namespace ringdown::viewer {
 namespace {
 
@@ -41,9 +43,22 @@ Result<Programs> link_programs() {
   return made;
 }
 
-void only(bool depth, bool blend) {
+void set_tests(bool depth, bool blend) {
   (depth ? glEnable : glDisable)(GL_DEPTH_TEST);
   (blend ? glEnable : glDisable)(GL_BLEND);
+}
+
+// Whatever drew before, ImGui for one, may have left the context in any state.
+void reset_context() {
+  for (const GLenum off : {GL_CULL_FACE, GL_SCISSOR_TEST, GL_FRAMEBUFFER_SRGB, GL_STENCIL_TEST}) glDisable(off);
+  glDepthFunc(GL_LESS);
+  glDepthMask(GL_TRUE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  glBlendEquation(GL_FUNC_ADD);
+  glActiveTexture(GL_TEXTURE0);
+  glBindSampler(0, 0);
+  glBindSampler(1, 0);
 }
 
 }  // namespace
@@ -112,9 +127,9 @@ void SceneRenderer::State::draw_box(const GlProgram& program, const DrawnStatic&
 void SceneRenderer::State::draw_shadow_map(const SceneFrame& frame, const glm::mat4& light) {
   glBindFramebuffer(GL_FRAMEBUFFER, shadow.framebuffer.name());
   glViewport(0, 0, ShadowMap::kSide, ShadowMap::kSide);
-  only(true, false);
+  set_tests(true, false);
   glClear(GL_DEPTH_BUFFER_BIT);
-  glEnable(GL_DEPTH_CLAMP);  // what is nearer to the light than the map reaches still throws its shadow
+  glEnable(GL_DEPTH_CLAMP);  // bodies between the light and the near end of the map still throw their shadow
   programs.flat.use();
   const glm::mat4 to_clip = glm::scale(glm::translate(glm::mat4(1), glm::vec3(-1)), glm::vec3(2)) * light;
   programs.flat.set("to_clip", to_clip);
@@ -126,7 +141,7 @@ void SceneRenderer::State::draw_shadow_map(const SceneFrame& frame, const glm::m
 }
 
 void SceneRenderer::State::draw_bodies(const SceneFrame& frame, const FrameBlock& block) {
-  only(true, false);
+  set_tests(true, false);
   const GlProgram& program = programs.body;
   program.use();
   program.set("to_clip", block.view_projection);
@@ -144,13 +159,13 @@ void SceneRenderer::State::draw_bodies(const SceneFrame& frame, const FrameBlock
 }
 
 void SceneRenderer::State::draw_ground(const SceneFrame& frame) {
-  only(true, true);
+  set_tests(true, true);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   const GlProgram& program = programs.ground;
   program.use();
   program.set("shadow_map", 0);
   program.set("spacing", grid_spacing(frame.interest.radius_m));
-  program.set("reach", 6.5F * frame.interest.radius_m);  // faded out before
+  program.set("reach", 6.5F * frame.interest.radius_m);  // the shader fades the ground out before this
   glBindVertexArray(no_corners.name());
   for (const DrawnStatic& fixed : frame.statics) {
     if (fixed.shape != StaticShape::plane) continue;
@@ -163,7 +178,7 @@ bool SceneRenderer::State::draw_mask(const SceneFrame& frame, const FrameBlock& 
   if (std::none_of(frame.bodies.begin(), frame.bodies.end(), [](const DrawnBody& b) { return b.selected; }))
     return false;
   glBindFramebuffer(GL_FRAMEBUFFER, targets->mask.name());
-  only(false, false);
+  set_tests(false, false);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT);
   programs.flat.use();
@@ -180,7 +195,7 @@ void SceneRenderer::State::draw_last(bool outlined) const {
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets->linear.name());
   glBlitFramebuffer(0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   glBindFramebuffer(GL_FRAMEBUFFER, targets->last.name());
-  only(false, false);
+  set_tests(false, false);
   programs.last.use();
   programs.last.set("picture", 0);
   programs.last.set("mask", 1);
@@ -224,22 +239,14 @@ std::uint32_t SceneRenderer::render(const SceneFrame& frame, const Camera& camer
   const int w = s.targets->width, h = s.targets->height;
   const FrameBlock block = frame_block(frame, camera, static_cast<float>(w) / static_cast<float>(h));
   s.upload_frame(block);
-  for (const GLenum off : {GL_CULL_FACE, GL_SCISSOR_TEST, GL_FRAMEBUFFER_SRGB, GL_STENCIL_TEST}) glDisable(off);
-  glDepthFunc(GL_LESS);
-  glDepthMask(GL_TRUE);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-  glBlendEquation(GL_FUNC_ADD);
-  glActiveTexture(GL_TEXTURE0);
-  glBindSampler(0, 0);
-  glBindSampler(1, 0);
+  reset_context();
   s.draw_shadow_map(frame, block.light);
 
   glViewport(0, 0, w, h);
   const bool outlined = s.draw_mask(frame, block);
   glBindFramebuffer(GL_FRAMEBUFFER, s.targets->many.name());
   glClear(GL_DEPTH_BUFFER_BIT);
-  only(false, false);
+  set_tests(false, false);
   s.programs.background.use();
   glBindVertexArray(s.no_corners.name());
   glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -273,6 +280,17 @@ Image SceneRenderer::read_pixels() const {
   for (auto low = image.rgba.begin(), high = image.rgba.end() - rows; low < high; low += rows, high -= rows)
     std::swap_ranges(low, low + rows, high);
   return image;
+}
+
+void DetailControl::observe(double frame_s) {
+  constexpr double kStep = 0.75;
+  sum_s_ += frame_s;
+  if (++frames_ < kFrames) return;
+  const double mean_s = sum_s_ / kFrames;
+  sum_s_ = 0;
+  frames_ = 0;
+  if (mean_s > kSlow_s) detail_ = std::max(kCoarsest, kStep * detail_);
+  if (mean_s < kQuick_s) detail_ = std::min(1.0, detail_ / kStep);
 }
 
 }  // namespace ringdown::viewer

@@ -5,9 +5,9 @@
 //   const std::uint32_t texture = renderer->render(frame, camera, width, height);
 //   ImGui::Image(reinterpret_cast<ImTextureID>(texture), size, {0, 1}, {1, 0});  // row 0 of a texture is the lowest
 //
-// Every call, and the destructor, in the thread in which the context of create() is current. render() leaves
-// framebuffer 0 bound, depth test, blending and face culling off, no program and no vertex array; the viewport is the
-// caller's to set.
+// Every call, and the destructor, must run on the thread in which the context of create() is current. render() leaves
+// framebuffer 0 bound, depth test, blending and face culling off, and no program or vertex array bound; the caller sets
+// the viewport afterwards.
 #pragma once
 
 #include "clients/viewer/render/picture_file.h"
@@ -21,7 +21,7 @@ namespace ringdown::viewer {
 
 class SceneRenderer {
  public:
-  static constexpr int kMaxSide = 8192;  // pixels; what is larger is drawn smaller, as is what the driver cannot do
+  static constexpr int kMaxSide = 8192;  // pixels; larger pictures are drawn at this size, or at the driver's limit
 
   // Fails when the context is older than OpenGL 3.3, or its compiler refuses the shaders.
   static Result<SceneRenderer> create();
@@ -29,22 +29,40 @@ class SceneRenderer {
   SceneRenderer& operator=(SceneRenderer&&) noexcept;
   ~SceneRenderer();
 
-  // Uploads a mesh. Its number is never given to another one.
+  // Uploads a mesh. Its number is never reused.
   MeshId add_mesh(const DrawnMesh& mesh);
-  // Bodies that still name it draw nothing. A number that is not there is ignored.
+  // Bodies that still name the mesh are not drawn. An unknown number is ignored.
   void remove_mesh(MeshId mesh);
 
-  // The texture's name: RGBA, opaque, already in sRGB, to be shown as it is. It is the renderer's, and good until the
-  // next render(). 0 when the driver cannot give a framebuffer of that size. Sides are at least 1.
+  // Returns the name of a texture: RGBA, opaque, encoded as sRGB, to be shown unchanged. The renderer owns the texture,
+  // which is valid until the next render(). Returns 0 when the driver has no framebuffer of that size. Sides below 1
+  // count as 1.
   std::uint32_t render(const SceneFrame& frame, const Camera& camera, int width, int height);
 
-  // The picture that render() drew last; empty before the first. Waits for the driver.
+  // The picture drawn by the last render(); empty before the first. Waits for the driver.
   [[nodiscard]] Image read_pixels() const;
 
  private:
   struct State;
   explicit SceneRenderer(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
+};
+
+// Chooses how finely to draw where drawing is slow: software rendering of every pixel would make the window sluggish.
+class DetailControl {
+ public:
+  static constexpr double kSlow_s = 0.045, kQuick_s = 0.018;  // mean frame times beyond which the detail changes
+  static constexpr double kCoarsest = 0.35;
+  static constexpr int kFrames = 8;  // between two changes
+
+  void observe(double frame_s);  // after every frame: how long it took
+
+  // The share of the picture's width and height to draw, from kCoarsest to 1.
+  [[nodiscard]] double detail() const { return detail_; }
+
+ private:
+  double detail_ = 1, sum_s_ = 0;
+  int frames_ = 0;
 };
 
 }  // namespace ringdown::viewer

@@ -1,0 +1,106 @@
+#include "clients/viewer/edits.h"
+
+#include <variant>
+
+namespace ringdown::viewer {
+namespace {
+
+using protocol::Request;
+
+constexpr double kConfirmedWithin_s = 1;
+
+// What a request sets in `adjustment`; the name of the object, or nothing for a request that sets none of these.
+std::optional<std::string> apply(const Request& request, Adjustment& adjustment) {
+  if (const auto* material = std::get_if<protocol::SetMaterial>(&request)) {
+    adjustment.scale = material->scale;
+    return material->object.name;
+  }
+  if (const auto* gain = std::get_if<protocol::SetGain>(&request)) {
+    adjustment.gain = gain->gain;
+    return gain->object.name;
+  }
+  if (const auto* pan = std::get_if<protocol::SetPan>(&request)) {
+    adjustment.pan = pan->pan;
+    return pan->object.name;
+  }
+  if (const auto* modes = std::get_if<protocol::SelectModes>(&request)) {
+    adjustment.range = modes->range;
+    return modes->object.name;
+  }
+  return std::nullopt;
+}
+
+// The request that sets what `request` sets as it is in `adjustment`.
+Request reverted(Request request, const Adjustment& adjustment) {
+  if (auto* material = std::get_if<protocol::SetMaterial>(&request)) material->scale = adjustment.scale;
+  if (auto* gain = std::get_if<protocol::SetGain>(&request)) gain->gain = adjustment.gain;
+  if (auto* pan = std::get_if<protocol::SetPan>(&request)) pan->pan = adjustment.pan;
+  if (auto* modes = std::get_if<protocol::SelectModes>(&request)) modes->range = adjustment.range;
+  return request;
+}
+
+}  // namespace
+
+void History::note(const std::string& what, Request before, Request after, double now_s) {
+  entries_.resize(done_);
+  if (!entries_.empty() && entries_.back().what == what && now_s - entries_.back().when_s < kOneGesture_s) {
+    entries_.back().after = std::move(after);
+    entries_.back().when_s = now_s;
+    return;
+  }
+  if (entries_.size() == kMaxUndone) entries_.erase(entries_.begin());
+  entries_.push_back({what, std::move(before), std::move(after), now_s});
+  done_ = entries_.size();
+}
+
+std::optional<Request> History::undo() {
+  if (done_ == 0) return std::nullopt;
+  entries_[--done_].when_s = -kOneGesture_s;
+  return entries_[done_].before;
+}
+
+std::optional<Request> History::redo() {
+  if (done_ == entries_.size()) return std::nullopt;
+  return entries_[done_++].after;
+}
+
+void Edits::update(double now_s) {
+  now_s_ = now_s;
+  std::erase_if(pending_, [&](const auto& entry) { return now_s - entry.second.sent_at_s > kConfirmedWithin_s; });
+}
+
+void Edits::restart() {
+  history_.clear();
+  pending_.clear();
+}
+
+Adjustment Edits::adjustment_of(const KnownObject& object) const {
+  const auto pending = pending_.find(object.name);
+  if (pending != pending_.end()) return pending->second.adjustment;
+  const bool all = object.selected.first == 0 && object.selected.count >= static_cast<std::uint32_t>(object.modes);
+  return {object.scale, object.gain, object.pan, all ? modal::ModeRange{} : object.selected};
+}
+
+void Edits::change(const KnownObject& object, const Request& request, const std::string& what) {
+  history_.note(object.name + ": " + what, reverted(request, adjustment_of(object)), request, now_s_);
+  send(request);
+}
+
+void Edits::send(const Request& request) {
+  Adjustment requested;
+  const auto name = apply(request, requested);
+  const KnownObject* object = name ? model_.object(*name) : nullptr;
+  if (object) {
+    Adjustment adjustment = adjustment_of(*object);
+    apply(request, adjustment);
+    pending_.insert_or_assign(*name, Pending{adjustment, now_s_});
+  }
+  send_(request);
+  if (name && !name->empty()) send_(protocol::DescribeObject{{*name, std::nullopt}});
+}
+
+void Edits::send_if_any(const std::optional<Request>& request) {
+  if (request) send(*request);
+}
+
+}  // namespace ringdown::viewer

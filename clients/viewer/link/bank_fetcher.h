@@ -1,0 +1,39 @@
+// Fetches the banks of all objects, one at a time: the chosen object's first, then the others in the order of their
+// names. Objects that play the same file share one bank, which is fetched once. A bank that the daemon refuses is asked
+// for again after five seconds; one that would exceed the bound on all banks together too. [one thread: the window's]
+#pragma once
+
+#include "clients/viewer/link/bank_transfer.h"
+#include "clients/viewer/link/known_objects.h"
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace ringdown::viewer {
+
+class BankFetcher {
+ public:
+  static constexpr std::size_t kMaxBytesTotal = std::size_t{1} << 30;  // of all banks together, as files
+
+  explicit BankFetcher(std::size_t most_bytes) : most_bytes_(most_bytes) {}
+
+  void take(const protocol::BankReply& piece);
+  void refuse(const std::string& object, const std::string& sentence);
+
+  // Puts banks that have come into `objects`, and adds the requests for pieces that are due.
+  void add_requests(KnownObjects& objects, const std::string& chosen, double now_s, Requests& requests);
+
+ private:
+  void finish_transfer(KnownObjects& objects, double now_s);
+  void share_banks(KnownObjects& objects);
+  void begin_transfer(KnownObjects& objects, const std::string& chosen, double now_s);
+
+  std::size_t most_bytes_;
+  std::optional<BankTransfer> transfer_;
+  std::map<std::string, std::weak_ptr<const KnownBank>> banks_;  // by content
+};
+
+}  // namespace ringdown::viewer

@@ -1,0 +1,44 @@
+// The scenes and banks that the daemon can load. Its answer to /browse comes as many datagrams, of which some may be
+// lost: the question is asked again until all files it counts have come. [one thread: the window's]
+#pragma once
+
+#include "clients/viewer/link/question.h"
+#include "protocol/reply.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ringdown::viewer {
+
+class FileBrowser {
+ public:
+  static constexpr std::size_t kMaxFiles = 8192;  // further ones are ignored
+
+  void on(const protocol::BrowseReply& reply);
+  void on(const protocol::BrowseFile& file);
+  void add_requests(double now_s, Requests& requests);
+  void browse_again() { answer_ = {}; }  // files come and go
+
+  // Paths as the daemon takes them, of the last complete answer.
+  [[nodiscard]] const std::vector<std::string>& scenes() const { return scenes_; }
+  [[nodiscard]] const std::vector<std::string>& banks() const { return banks_; }
+
+ private:
+  // An answer that is still arriving.
+  struct Answer {
+    Question question;
+    std::optional<std::int32_t> files;
+    std::map<std::int32_t, protocol::BrowseFile> found;
+    bool complete = false;
+  };
+  void finish();
+
+  Answer answer_;
+  std::vector<std::string> scenes_, banks_;
+};
+
+}  // namespace ringdown::viewer

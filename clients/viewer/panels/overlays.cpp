@@ -1,0 +1,98 @@
+#include "clients/viewer/panels/overlays.h"
+
+#include "clients/viewer/keys.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+namespace ringdown::viewer {
+namespace {
+
+void draw_keys(const Skin& skin, const char* heading, Pane pane) {
+  ImGui::TableNextColumn();
+  ImGui::PushStyleColor(ImGuiCol_Text, skin.focus);
+  ImGui::TextUnformatted(heading);
+  ImGui::PopStyleColor();
+  for (const Binding& binding : bindings()) {
+    if (binding.pane != pane) continue;
+    ImGui::TextUnformatted(std::string(binding.key).c_str());
+    ImGui::SameLine(4.5f * ImGui::GetFontSize());
+    ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x);
+    ImGui::TextUnformatted(std::string(binding.sentence).c_str());
+    ImGui::PopTextWrapPos();
+  }
+}
+
+}  // namespace
+
+void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& scene, const ConnectionState& state,
+                std::optional<double> shown_at_s) {
+  const float em = ImGui::GetFontSize();
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  std::array<char, 160> text{};
+  if (const auto& file = scene.description().file) {
+    const double time = shown_at_s.value_or(scene.reported_time_s());
+    std::snprintf(text.data(), text.size(), "%s   %.1f s of %.0f s%s", std::filesystem::path(*file).stem().c_str(),
+                  time, scene.description().duration_s, scene.paused() ? "   paused (F5)" : "");
+    list->AddText({origin.x + em, origin.y + 0.7f * em}, skin.text, text.data());
+  }
+  list->AddText({origin.x + em, origin.y + size.y - 1.7f * em}, skin.faint, "F1: keys");
+  if (state.kind == ConnectionState::Kind::connected) return;
+  const float wrap = std::min(0.8f * size.x, 30 * em);
+  const ImVec2 extent = ImGui::CalcTextSize(state.sentence.c_str(), nullptr, false, wrap);
+  const ImVec2 at{origin.x + (size.x - extent.x) / 2, origin.y + (size.y - extent.y) / 2};
+  list->AddRectFilled({at.x - em, at.y - em}, {at.x + extent.x + em, at.y + extent.y + em}, skin.paper, 6);
+  list->AddRect({at.x - em, at.y - em}, {at.x + extent.x + em, at.y + extent.y + em}, skin.warning, 6);
+  list->AddText(ImGui::GetFont(), em, at, skin.text, state.sentence.c_str(), nullptr, wrap);
+}
+
+void draw_splitter(const char* name, float x, double direction, double& share) {
+  const ImVec2 whole = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({x - 3, 0});
+  ImGui::SetNextWindowSize({6, whole.y});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+  ImGui::Begin(name, nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing);
+  ImGui::InvisibleButton(name, {6, whole.y});
+  if (ImGui::IsItemHovered() || ImGui::IsItemActive()) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+  if (ImGui::IsItemActive()) {
+    share = std::clamp(share + direction * static_cast<double>(ImGui::GetIO().MouseDelta.x / whole.x), 0.08, 0.55);
+  }
+  ImGui::End();
+  ImGui::PopStyleVar(2);
+}
+
+bool draw_help(const Skin& skin) {
+  const ImVec2 whole = ImGui::GetIO().DisplaySize;
+  const float em = ImGui::GetFontSize();
+  const ImVec2 size{std::min(whole.x - 2 * em, 76 * em), std::min(whole.y - 2 * em, 42 * em)};
+  ImGui::SetNextWindowPos({whole.x / 2, whole.y / 2}, 0, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize(size);
+  ImGui::SetNextWindowFocus();
+  constexpr auto kFlags = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
+                          ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav;
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
+  bool open = true;
+  if (ImGui::Begin("Keys", &open, kFlags)) {
+    ImGui::TextWrapped(
+        "Mouse in the scene: drag to look, wheel to come closer, click a surface to strike it there (held longer, "
+        "harder), shift and drag to push a body. Letters that two panes share are the focused pane's.");
+    ImGui::Separator();
+    if (ImGui::BeginTable("keys", 3, ImGuiTableFlags_SizingStretchSame)) {
+      draw_keys(skin, "Everywhere", Pane::any);
+      draw_keys(skin, "In the scene", Pane::scene);
+      draw_keys(skin, "In the sound", Pane::sound);
+      ImGui::EndTable();
+    }
+  }
+  ImGui::End();
+  ImGui::PopStyleVar();
+  return open;
+}
+
+}  // namespace ringdown::viewer
