@@ -40,15 +40,15 @@ std::size_t EventSender::send(std::span<const synth::Event> events, const NameOf
   return lost;
 }
 
-std::size_t EventSender::send(std::span<const scene::Leaning> leanings, const NameOf& name,
+std::size_t EventSender::send(std::span<const scene::RestDamping> dampings, const NameOf& name,
                               const UnixTimeOf& unix_time) {
   std::size_t lost = 0;
-  for (const scene::Leaning& leaning : leanings) {
+  for (const scene::RestDamping& damping : dampings) {
     std::vector<wire::Message> messages;
-    for (const protocol::SetDamper& damper : protocol::dampers_for(leaning.dampers, {.name = name(leaning.object)})) {
+    for (const protocol::SetDamper& damper : protocol::dampers_for(damping.dampers, {.name = name(damping.object)})) {
       messages.push_back(protocol::format(damper));
     }
-    lost += !socket_.send_to(to_, wire::encode_bundle(wire::time_tag(unix_time(leaning.frame)), messages));
+    lost += !socket_.send_to(to_, wire::encode_bundle(wire::time_tag(unix_time(damping.frame)), messages));
   }
   return lost;
 }

@@ -8,7 +8,7 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/scene/sounding.h"
+#include "engine/scene/rest_damping.h"
 #include "engine/synth/event.h"
 #include "protocol/wire/socket.h"
 
@@ -32,7 +32,7 @@ class EventSender {
   std::size_t send(std::span<const synth::Event> events, const NameOf& name, const UnixTimeOf& unix_time);
 
   // Sends what rests on objects, likewise; returns of how many objects it could not.
-  std::size_t send(std::span<const scene::Leaning> leanings, const NameOf& name, const UnixTimeOf& unix_time);
+  std::size_t send(std::span<const scene::RestDamping> dampings, const NameOf& name, const UnixTimeOf& unix_time);
 
  private:
   EventSender(wire::OscSocket socket, wire::Endpoint to) : socket_(std::move(socket)), to_(to) {}

@@ -1,9 +1,10 @@
 #include "clients/bullet/bullet_world.h"
 
 #include "engine/scene/check.h"
-#include "engine/scene/side.h"
+#include "engine/scene/contact_rules.h"
+#include "engine/scene/contact_side.h"
 #include "engine/scene/solid.h"
-#include "engine/scene/sounding.h"
+#include "engine/scene/contact_sounds.h"
 #include "protocol/names.h"
 
 #include <btBulletDynamicsCommon.h>
@@ -17,16 +18,16 @@ namespace {
 
 using scene::BodyDescription;
 using scene::BodyId;
+using scene::ContactPoint;
 using scene::Motion;
 using scene::SceneDescription;
 using scene::ShapeType;
 using scene::StaticDescription;
 using scene::StaticType;
-using scene::Touch;
 
-constexpr int kIterations = 20;         // of the solver: four corners that land at once share the blow
-constexpr int kMultipoints = 8;         // tilts by which Bullet looks for the corners of a flat landing
-constexpr double kHullMargin_m = 1e-4;  // Bullet's default, 4 cm, is as thick as many things that ring
+constexpr int kIterations = 20;         // of the solver, so that four corners that land at once share the impulse
+constexpr int kMultipoints = 8;         // tilted attempts with which Bullet looks for the corners of a flat landing
+constexpr double kHullMargin_m = 1e-4;  // Bullet's default of 4 cm is as thick as many sounding objects
 constexpr double kSleepSpeed_m_s = 0.01, kSleepSpin_rad_s = 0.1;
 
 btVector3 to_bullet(Vec3 v) { return {v.x, v.y, v.z}; }
@@ -36,11 +37,11 @@ Vec3 to_vec3(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 // A body or static in Bullet. Bullet turns a body about its centre of mass, along its principal axes of inertia.
 struct Item {
   BodyId id = 0;
-  scene::Surface surface;
+  scene::FrictionSurface surface;
   double start_s = 0;
   btMatrix3x3 principal = btMatrix3x3::getIdentity();  // principal axes -> object frame
   std::unique_ptr<btCollisionShape> shape;
-  std::unique_ptr<btCompoundShape> placed;  // the shape where it belongs, seen from the centre of mass
+  std::unique_ptr<btCompoundShape> offset_shape;  // the shape in its position relative to the centre of mass
   std::unique_ptr<btRigidBody> body;
 
   [[nodiscard]] bool movable() const { return !body->isStaticOrKinematicObject(); }
@@ -57,7 +58,7 @@ struct Item {
   }
 };
 
-// Reads the contacts where Bullet has found but not yet solved them, and their impulses right after.
+// Reads the contacts after Bullet has found them and before it solves them, and their impulses right after.
 class ListeningWorld : public btDiscreteDynamicsWorld {
  public:
   ListeningWorld(btDispatcher* dispatcher, btBroadphaseInterface* broadphase, btConstraintSolver* solver,
@@ -66,7 +67,7 @@ class ListeningWorld : public btDiscreteDynamicsWorld {
         bounce_threshold_m_s_(bounce_threshold_m_s) {}
 
   void solveConstraints(btContactSolverInfo& info) override {
-    touches_.clear();
+    contacts_.clear();
     points_.clear();
     for (int m = 0; m < getDispatcher()->getNumManifolds(); ++m) {
       btPersistentManifold& manifold = *getDispatcher()->getManifoldByIndexInternal(m);
@@ -75,10 +76,10 @@ class ListeningWorld : public btDiscreteDynamicsWorld {
       if ((a.movable() && a.body->isActive()) || (b.movable() && b.body->isActive())) note(a, b, manifold);
     }
     btDiscreteDynamicsWorld::solveConstraints(info);
-    for (std::size_t k = 0; k < touches_.size(); ++k) touches_[k].impulse_ns = points_[k].impulse();
+    for (std::size_t k = 0; k < contacts_.size(); ++k) contacts_[k].impulse_ns = points_[k].impulse();
   }
 
-  [[nodiscard]] std::span<const Touch> touches() const { return touches_; }
+  [[nodiscard]] std::span<const ContactPoint> contacts() const { return contacts_; }
 
  private:
   // A point of the manifold; Bullet's normal and impulses are those on its first body.
@@ -94,12 +95,13 @@ class ListeningWorld : public btDiscreteDynamicsWorld {
     }
   };
 
-  // Bullet solves contacts before they touch. That keeps still what rests, but takes speed from what comes to bounce.
+  // Bullet solves contacts before the bodies touch. That steadies resting bodies but slows approaching ones, so contact
+  // points of bodies that will bounce are removed until they touch.
   void note(const Item& a, const Item& b, btPersistentManifold& manifold) {
     const scene::SurfacePair surface = scene::combine(a.surface, b.surface);
     for (int k = manifold.getNumContacts() - 1; k >= 0; --k) {
       const btManifoldPoint& point = manifold.getContactPoint(k);
-      const bool bounces = touch_of(a, b, point).approach_m_s > bounce_threshold_m_s_;
+      const bool bounces = contact_of(a, b, point).approach_m_s > bounce_threshold_m_s_;
       if (bounces && point.getDistance() > 0) manifold.removeContactPoint(k);
     }
     for (int k = 0; k < manifold.getNumContacts(); ++k) {
@@ -107,26 +109,26 @@ class ListeningWorld : public btDiscreteDynamicsWorld {
       point.m_combinedRestitution = surface.restitution;
       point.m_combinedFriction = surface.friction;
       point.m_combinedRollingFriction = point.m_combinedSpinningFriction = surface.rolling_m;
-      touches_.push_back(touch_of(a, b, point));
+      contacts_.push_back(contact_of(a, b, point));
       points_.push_back({&point, a.movable() ? 1.0 : -1.0});
     }
   }
 
-  static Touch touch_of(const Item& a, const Item& b, const btManifoldPoint& point) {
+  static ContactPoint contact_of(const Item& a, const Item& b, const btManifoldPoint& point) {
     const bool swap = !a.movable();
     const Item &body = swap ? b : a, &other = swap ? a : b;
-    Touch touch{.body = body.id, .other = other.id, .depth_m = std::max(0.0, -point.getDistance())};
-    touch.point_m = to_vec3(swap ? point.getPositionWorldOnB() : point.getPositionWorldOnA());
-    touch.normal = (swap ? -1 : 1) * to_vec3(point.m_normalWorldOnB);
-    touch.of_body = body.motion();
-    touch.of_other = other.motion();
-    touch.approach_m_s =
-        dot(touch.of_other.velocity_at(touch.point_m) - touch.of_body.velocity_at(touch.point_m), touch.normal);
-    return touch;
+    ContactPoint contact{.body = body.id, .other = other.id, .depth_m = std::max(0.0, -point.getDistance())};
+    contact.point_m = to_vec3(swap ? point.getPositionWorldOnB() : point.getPositionWorldOnA());
+    contact.normal = (swap ? -1 : 1) * to_vec3(point.m_normalWorldOnB);
+    contact.of_body = body.motion();
+    contact.of_other = other.motion();
+    contact.approach_m_s = dot(
+        contact.of_other.velocity_at(contact.point_m) - contact.of_body.velocity_at(contact.point_m), contact.normal);
+    return contact;
   }
 
   double bounce_threshold_m_s_;
-  std::vector<Touch> touches_;
+  std::vector<ContactPoint> contacts_;
   std::vector<Point> points_;
 };
 
@@ -171,7 +173,7 @@ struct BulletWorld::Impl {
   void let_in();
 
   SceneDescription scene;
-  scene::Sounding sounding{scene};
+  scene::ContactSounds sounds{scene};
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
@@ -189,11 +191,12 @@ BulletWorld::Impl::Impl(const SceneDescription& description) : scene(description
   info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
   info.m_numIterations = kIterations;
   info.m_restitutionVelocityThreshold = scene::bounce_threshold(scene);
-  info.m_splitImpulsePenetrationThreshold = 0;  // pushing overlapping bodies apart must not look like a blow
+  info.m_splitImpulsePenetrationThreshold = 0;  // pushing overlapping bodies apart must not look like an impact
 }
 
 void BulletWorld::Impl::place(Item& item, double mass_kg, const btVector3& moments, const btTransform& at) {
-  btCollisionShape* shape = item.placed ? static_cast<btCollisionShape*>(item.placed.get()) : item.shape.get();
+  btCollisionShape* shape =
+      item.offset_shape ? static_cast<btCollisionShape*>(item.offset_shape.get()) : item.shape.get();
   btRigidBody::btRigidBodyConstructionInfo info(mass_kg, nullptr, shape, moments);
   info.m_startWorldTransform = at;
   info.m_linearSleepingThreshold = kSleepSpeed_m_s;
@@ -210,16 +213,16 @@ void BulletWorld::Impl::add(const StaticDescription& still) {
   btTransform at = btTransform::getIdentity();
   if (still.type == StaticType::box) at = btTransform(to_bullet(still.rotation), to_bullet(still.position_m));
   place(item, 0, {0, 0, 0}, at);
-  sounding.set_side(item.id, scene::side_of(still));
+  sounds.set_side(item.id, scene::side_of(still));
 }
 
 Result<void> BulletWorld::Impl::add(const BodyDescription& body,
                                     std::span<const std::shared_ptr<const modal::Bank>> banks) {
   const auto object = std::ranges::find(scene.objects, body.object, &scene::ObjectDescription::name);
-  const bool sounds = object != scene.objects.end();
+  const bool plays = object != scene.objects.end();
   const auto number = static_cast<synth::ObjectNumber>(object - scene.objects.begin());
-  const modal::Bank* bank = sounds ? banks[number].get() : nullptr;
-  const modal::MaterialScale scale = sounds ? object->material : modal::MaterialScale{};
+  const modal::Bank* bank = plays ? banks[number].get() : nullptr;
+  const modal::MaterialScale scale = plays ? object->material : modal::MaterialScale{};
   const Result<scene::Solid> solid = scene::make_solid(body, bank, scale);
   if (!solid) return fail(solid.error().kind, "body " + protocol::quoted(body.name) + ": " + solid.error().message);
 
@@ -231,23 +234,24 @@ Result<void> BulletWorld::Impl::add(const BodyDescription& body,
   btMatrix3x3 inertia(i[0][0], i[0][1], i[0][2], i[1][0], i[1][1], i[1][2], i[2][0], i[2][1], i[2][2]);
   inertia.diagonalize(item.principal, 1e-12, 50);
   item.shape = make_shape(solid->shape);
-  item.placed = std::make_unique<btCompoundShape>();
+  item.offset_shape = std::make_unique<btCompoundShape>();
   const btTransform to_principal(item.principal.transpose());
-  const bool hull = solid->shape.type == ShapeType::convex;  // its points are where they belong
+  const bool hull = solid->shape.type == ShapeType::convex;  // the points of a hull already include the offset
   const btVector3 center = to_bullet(hull ? Vec3{} : solid->shape.center_m);
-  item.placed->addChildShape(to_principal * btTransform(btMatrix3x3::getIdentity(), center), item.shape.get());
+  item.offset_shape->addChildShape(to_principal * btTransform(btMatrix3x3::getIdentity(), center), item.shape.get());
 
   const btMatrix3x3 turn(to_bullet(body.rotation));
   const btTransform at(turn * item.principal, to_bullet(body.position_m) + turn * to_bullet(solid->mass.center_m));
   place(item, body.fixed ? 0 : solid->mass.mass_kg, {inertia[0][0], inertia[1][1], inertia[2][2]}, at);
   if (!body.fixed) {
-    // A step moves by the velocity at its end. Begun half a step early, a fall lies on the true parabola.
+    // A step moves a body by its velocity at the end of the step. Starting with the velocity of half a step earlier
+    // puts a fall on the true parabola.
     item.body->setLinearVelocity(to_bullet(body.velocity_m_s - (0.5 * scene.step_s) * scene.gravity_m_s2));
     item.body->setAngularVelocity(to_bullet(body.spin_rad_s));
   }
-  scene::Side side = scene::side_of(body, *solid, bank, scale);
-  if (sounds) side.object = number;
-  sounding.set_side(item.id, std::move(side));
+  scene::ContactSide side = scene::side_of(body, *solid, bank, scale);
+  if (plays) side.object = number;
+  sounds.set_side(item.id, std::move(side));
   return {};
 }
 
@@ -276,17 +280,17 @@ Result<BulletWorld> BulletWorld::create(const SceneDescription& scene,
   return BulletWorld(std::move(impl));
 }
 
-BulletWorld::Heard BulletWorld::step() {
+BulletWorld::StepEvents BulletWorld::step() {
   impl_->let_in();
   impl_->world.stepSimulation(impl_->scene.step_s, 0);
   const double began_s = time_s();
   ++impl_->steps;
-  std::vector<scene::Moved> moved;
+  std::vector<scene::MovedBody> moved;
   for (const auto& item : impl_->items) {
     if (item->body->isActive()) moved.push_back({.id = item->id, .motion = {}});
   }
-  const auto events = impl_->sounding.hear(impl_->world.touches(), moved, began_s, {.sample_rate_hz = kFrameRate_hz});
-  return {events, impl_->sounding.leanings()};
+  const auto events = impl_->sounds.process(impl_->world.contacts(), moved, began_s, {.sample_rate_hz = kFrameRate_hz});
+  return {events, impl_->sounds.rest_dampings()};
 }
 
 double BulletWorld::time_s() const { return static_cast<double>(impl_->steps) * impl_->scene.step_s; }

@@ -1,16 +1,16 @@
-// Ringdown played by another physics engine: a scene's bodies move in Bullet, and their contacts become events.
+// Plays a scene in another physics engine: its bodies move in Bullet, and their contacts become Ringdown's events.
 //
-// To connect an engine of your own, replace what bullet_world.cpp does with Bullet. It comes down to one list per step:
-// of every point where two bodies touch, where it is, its normal and depth, how both bodies moved just before the
-// contact was solved, and the impulse it then passed. scene::Sounding makes of it what is heard: which contacts strike,
-// which last, and for how long a blow presses. Mass, inertia and shape come from the bank (engine/scene/solid.h).
-// [one thread at a time]
+// To connect your own engine, replace what bullet_world.cpp does with Bullet: provide one list of contact points per
+// step, with the position, normal and depth of each point, the motion of both bodies just before the contact was
+// solved, and the impulse that it then received. scene::ContactSounds turns that list into events: it decides which
+// contacts strike, which last, and how long an impact takes. Mass, inertia and shape come from the bank
+// (engine/scene/solid.h). [one thread at a time]
 #pragma once
 
 #include "engine/base/result.h"
 #include "engine/modal/bank.h"
 #include "engine/scene/description.h"
-#include "engine/scene/sounding.h"
+#include "engine/scene/contact_sounds.h"
 #include "engine/synth/event.h"
 
 #include <memory>
@@ -18,27 +18,27 @@
 
 namespace ringdown::bullet {
 
-inline constexpr double kFrameRate_hz = 1e6;  // an event's frame is a microsecond of the scene's time
+inline constexpr double kFrameRate_hz = 1e6;  // frames of events are microseconds of scene time
 
 class BulletWorld {
  public:
-  // `banks` holds one for each object of the scene, in its order; an event's object is its place there. Refuses with a
-  // sentence what World::create() (engine/scene/world.h) refuses, and what Bullet does not do here: joints, emitters,
-  // scatter, trimesh bodies. What flies fast may pass through what is thin.
+  // `banks` holds the bank of each object of the scene, in order; an event's object number is the index there. Fails
+  // like World::create() (engine/scene/world.h), and on joints, emitters, scatter and trimesh bodies, which are not
+  // supported here. Fast bodies may pass through thin ones.
   static Result<BulletWorld> create(const scene::SceneDescription& scene,
                                     std::span<const std::shared_ptr<const modal::Bank>> banks);
   BulletWorld(BulletWorld&&) noexcept;
   ~BulletWorld();
 
-  // What is heard of a step: strikes, tellings of lasting contacts, and what rests on objects. Frames never fall,
-  // within and between steps, and lie at most two steps before the step's end. Valid until the next call.
-  struct Heard {
+  // The events of a step: strikes, reports of lasting contacts, and objects whose resting contacts have changed. Frames
+  // never decrease and lie at most two steps before the step's end. Valid until the next call.
+  struct StepEvents {
     std::span<const synth::Event> events;
-    std::span<const scene::Leaning> leanings;
+    std::span<const scene::RestDamping> dampings;
   };
 
   // Advances by the scene's step_s.
-  Heard step();
+  StepEvents step();
 
   [[nodiscard]] double time_s() const;
 

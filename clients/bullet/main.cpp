@@ -1,4 +1,5 @@
-// ringdown-bullet: an outside simulator. It plays a scene file in Bullet and sends a daemon what is to be heard.
+// ringdown-bullet: an external simulator. It plays a scene file in Bullet, and sends the events of its contacts to a
+// daemon.
 #include "clients/bullet/bullet_world.h"
 #include "clients/cli/daemon_link.h"
 #include "engine/base/folders.h"
@@ -47,8 +48,8 @@ Result<bullet::BulletWorld> make_world(const scene::SceneDescription& scene) {
   return bullet::BulletWorld::create(scene, banks);
 }
 
-// What a daemon must know before the first strike.
-std::vector<wire::Message> set_up(const scene::SceneDescription& scene) {
+// The messages that prepare a daemon for the scene: its objects, and how they are set.
+std::vector<wire::Message> setup_messages(const scene::SceneDescription& scene) {
   std::vector<wire::Message> messages;
   for (const scene::ObjectDescription& object : scene.objects) {
     const protocol::ObjectRef ref{.name = object.name};
@@ -62,13 +63,13 @@ std::vector<wire::Message> set_up(const scene::SceneDescription& scene) {
   return messages;
 }
 
-// In real time. Each event is sent ahead of its time, which its bundle's time tag says: what the network and this
-// program's own pauses do to a message is not heard.
+// Plays the scene in real time. Each event is sent ahead of its time, in a bundle whose time tag says when it is due,
+// so that delays in the network and in this program are not step.
 ExitCode play(const Options& options, const scene::SceneDescription& scene, bullet::BulletWorld& world,
               double seconds) {
   auto link = cli::DaemonLink::open(options.to);
   if (!link) return complain(link.error().message, ExitCode::usage);
-  for (const wire::Message& message : options.no_load ? std::vector<wire::Message>() : set_up(scene)) {
+  for (const wire::Message& message : options.no_load ? std::vector<wire::Message>() : setup_messages(scene)) {
     const auto reply = link->ask(message, std::chrono::seconds(5));
     if (!reply) return complain(reply.error().message, ExitCode::no_answer);
     if (const auto* no = std::get_if<protocol::Fail>(&*reply)) return complain(no->sentence, ExitCode::failure);
@@ -77,43 +78,43 @@ ExitCode play(const Options& options, const scene::SceneDescription& scene, bull
   if (!sender) return complain(sender.error().message, ExitCode::usage);
 
   const double lead_s = options.lead_s + 2 * scene.step_s;
-  double start_s = unix_now_s() + lead_s;  // when the scene's time 0 is heard
+  double start_s = unix_now_s() + lead_s;  // computer time at which scene time 0 sounds
   std::size_t lost = 0;
   while (world.time_s() < seconds && !interrupted) {
-    const bullet::BulletWorld::Heard heard = world.step();
+    const bullet::BulletWorld::StepEvents step = world.step();
     const auto name = [&](synth::ObjectNumber object) { return scene.objects[object].name; };
     const auto time = [&](synth::Frame frame) { return start_s + static_cast<double>(frame) / bullet::kFrameRate_hz; };
-    lost += sender->send(heard.events, name, time) + sender->send(heard.leanings, name, time);
+    lost += sender->send(step.events, name, time) + sender->send(step.dampings, name, time);
     const double ahead_s = start_s + world.time_s() - lead_s - unix_now_s();
     if (ahead_s > 0) std::this_thread::sleep_for(duration<double>(ahead_s));
-    // Too slow a computer slows the scene, and bunches no strikes.
+    // On a computer that is too slow the scene slows down; no strikes are sent in a burst to catch up.
     if (ahead_s < -0.5 * options.lead_s) start_s -= ahead_s;
   }
   if (lost > 0) return complain({ErrorKind::input_output, std::to_string(lost) + " events could not be sent"});
   return interrupted ? ExitCode::cancelled : ExitCode::ok;
 }
 
-// As fast as it can, into a score.
+// Plays the scene as fast as possible, and writes its events as a score.
 ExitCode write_events(const std::filesystem::path& path, const scene::SceneDescription& scene,
                       bullet::BulletWorld& world, double seconds) {
   std::vector<wire::ScoreEvent> score;
-  for (const wire::Message& message : set_up(scene)) score.push_back({0, message});
+  for (const wire::Message& message : setup_messages(scene)) score.push_back({0, message});
   while (world.time_s() < seconds) {
     if (interrupted) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
-    const bullet::BulletWorld::Heard heard = world.step();
+    const bullet::BulletWorld::StepEvents step = world.step();
     const auto ref = [&](synth::ObjectNumber object) {
       return protocol::ObjectRef{.name = scene.objects[object].name};
     };
     const auto add = [&](synth::Frame frame, const protocol::Request& request) {
       score.push_back({static_cast<double>(frame) / bullet::kFrameRate_hz, protocol::format(request)});
     };
-    for (const synth::Event& event : heard.events) add(event.frame, protocol::request_for(event, ref(event.object)));
-    for (const scene::Leaning& leaning : heard.leanings) {
-      for (const protocol::SetDamper& damper : protocol::dampers_for(leaning.dampers, ref(leaning.object)))
-        add(leaning.frame, damper);
+    for (const synth::Event& event : step.events) add(event.frame, protocol::request_for(event, ref(event.object)));
+    for (const scene::RestDamping& damping : step.dampings) {
+      for (const protocol::SetDamper& damper : protocol::dampers_for(damping.dampers, ref(damping.object)))
+        add(damping.frame, damper);
     }
   }
-  score.push_back({world.time_s(), {"/c_set", {0, 0.f}}});  // scores end so
+  score.push_back({world.time_s(), {"/c_set", {0, 0.f}}});  // the usual end of a score
   const auto written = wire::write_score(score, path);
   return written ? ExitCode::ok : complain(written.error());
 }

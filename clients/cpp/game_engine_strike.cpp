@@ -1,9 +1,9 @@
-// How a game makes its collisions sound: plain sockets, no library, nothing of Ringdown. Copy what you need.
+// How a game makes its collisions sound, with plain sockets and no library. Copy what you need.
 //
 //   game_engine_strike [OBJECT [PORT]]
 //
 // A ball bounces on an object; each bounce is one OSC message /object/OBJECT/strike with point and impulse in the
-// object's own frame, in SI units. docs/protocol.md lists what else the daemon takes.
+// object's own frame, in SI units. docs/protocol.md lists all messages of the daemon.
 #include <arpa/inet.h>
 #include <bit>
 #include <chrono>
@@ -21,7 +21,7 @@ struct Vector {
   float x, y, z;
 };
 
-// One OSC message, built as the specification says: address, type tags, arguments; all padded to 4 bytes.
+// An OSC message: address, type tags and arguments, each padded to a multiple of 4 bytes.
 class OscMessage {
  public:
   explicit OscMessage(std::string address) : head_(std::move(address)) { pad(head_); }
@@ -57,7 +57,8 @@ class Ringdown {
   Ringdown(const Ringdown&) = delete;
   Ringdown& operator=(const Ringdown&) = delete;
 
-  // Call it from the physics engine's contact callback. Sending never waits; without a daemon nothing happens.
+  // Strikes an object; call it from the physics engine's contact callback. Never waits; without a daemon nothing
+  // happens.
   void strike(const std::string& object, Vector point_m, Vector impulse_ns) {
     const std::string bytes = OscMessage("/object/" + object + "/strike").add(point_m).add(impulse_ns).bytes();
     ::sendto(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&daemon_),
@@ -75,7 +76,7 @@ int main(int argc, char** argv) {
   const std::string object = argc > 1 ? argv[1] : "bell";
   Ringdown ringdown(static_cast<std::uint16_t>(argc > 2 ? std::atoi(argv[2]) : 7770));
 
-  // A 20 g ball falls from 20 cm; each bounce keeps 60 % of its speed, and turns it round.
+  // A 20 g ball falls from 20 cm; each bounce reverses its velocity and keeps 60 % of its speed.
   constexpr float kMassKg = 0.02f, kRestitution = 0.6f, kGravity = 9.81f;
   for (float speed = 1.98f; speed > 0.2f; speed *= kRestitution) {
     ringdown.strike(object, {0, 0, 0.05f}, {0, 0, -kMassKg * speed * (1 + kRestitution)});

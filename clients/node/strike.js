@@ -17,11 +17,11 @@ port.on("message", (message) => {
 });
 
 port.on("ready", () => {
-  const blow = numbers(0.05, 0, 0.02, -0.02, 0, 0, 0.0005);
-  port.send({ address: `/object/${object}/strike`, args: blow });
+  const strike = numbers(0.05, 0, 0.02, -0.02, 0, 0, 0.0005);
+  port.send({ address: `/object/${object}/strike`, args: strike });
 
-  // Another, 300 ms from now to the sample: a bundle with its time.
-  const later = { address: `/object/${object}/strike`, args: blow };
+  // A second strike exactly 300 ms from now: a bundle with a time tag.
+  const later = { address: `/object/${object}/strike`, args: strike };
   port.send({ timeTag: osc.timeTag(0.3), packets: [later] });
 
   port.send({ address: "/sync", args: [{ type: "i", value: 1 }] });

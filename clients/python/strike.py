@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Strike an object of a running ringdownd, with nothing but Python's standard library.
 
-    python3 strike.py bell                    one blow
-    python3 strike.py bell --roll 8           eight more, 120 ms apart to the sample: timed bundles
+    python3 strike.py bell                    one strike
+    python3 strike.py bell --roll 8           eight more, exactly 120 ms apart: timed bundles
     python3 strike.py bell --rain 1000        a thousand within a second, in one message
 
 As a module:
@@ -47,7 +47,7 @@ def message(address, *arguments):
 
 
 def bundle(when, *messages):
-    """Messages that happen together at `when`, in seconds since 1970 as time.time() tells."""
+    """Messages that happen together at `when`, in seconds since 1970 as time.time() returns it."""
     ntp = int((when + NTP_EPOCH) * 2**32)
     return b"#bundle\0" + struct.pack(">Q", ntp) + b"".join(struct.pack(">i", len(m)) + m for m in messages)
 
@@ -73,7 +73,7 @@ def parse(packet):
 
 
 class Ringdown:
-    """A daemon on this computer, or on `host` if it was told to listen there."""
+    """A daemon on this computer, or on `host` if it listens there."""
 
     def __init__(self, host="127.0.0.1", port=7770):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -85,9 +85,9 @@ class Ringdown:
     def strike(self, name, point, impulse, contact_time=0.0002):
         self.send(f"/object/{name}/strike", *map(float, point), *map(float, impulse), contact_time)
 
-    def strikes(self, blows):
-        """Many blows in few messages, for simulators: (object's number, point, impulse, contact time, delay) each."""
-        records = [struct.pack(">2i8f", number, -1, *p, *j, contact, delay) for number, p, j, contact, delay in blows]
+    def strikes(self, strikes):
+        """Many strikes in few messages, for simulators: (object's number, point, impulse, contact time, delay) each."""
+        records = [struct.pack(">2i8f", number, -1, *p, *j, contact, delay) for number, p, j, contact, delay in strikes]
         for first in range(0, len(records), 1600):
             self.send("/strikes", b"".join(records[first : first + 1600]))
 
@@ -105,7 +105,7 @@ def main():
     parser = argparse.ArgumentParser(description="Strike an object of a running ringdownd.")
     parser.add_argument("object", nargs="?", default="bell")
     parser.add_argument("--port", type=int, default=7770)
-    parser.add_argument("--roll", type=int, default=0, metavar="N", help="then N more blows, 120 ms apart")
+    parser.add_argument("--roll", type=int, default=0, metavar="N", help="then N more strikes, 120 ms apart")
     parser.add_argument("--rain", type=int, default=0, metavar="N", help="then N on object 0 within a second, as one blob")
     options = parser.parse_args()
 
@@ -116,8 +116,8 @@ def main():
         start = time.time() + 0.3
         for i in range(options.roll):
             softer = [j * 0.85**i for j in impulse]
-            blow = message(f"/object/{options.object}/strike", *point, *softer)
-            daemon.send_at(start + 0.12 * i, blow)
+            strike = message(f"/object/{options.object}/strike", *point, *softer)
+            daemon.send_at(start + 0.12 * i, strike)
         if options.rain:
             soft = [0.05 * j for j in impulse]
             daemon.strikes([(0, point, soft, 0.0005, i / options.rain) for i in range(options.rain)])

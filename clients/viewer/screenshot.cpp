@@ -66,7 +66,7 @@ class LocalDaemon {
                                              "null", "--port", "0", "--scene", scene.string()},
                                  .on_line = [this](std::string_view line) { take_line(line); },
                                  .keep_going = [this] { return !stop_; }});
-    report(fail(done ? last_line_ : done.error().message));
+    report(done ? fail(ErrorKind::refused, last_line_) : fail(done.error()));
   }
 
   std::string url_;

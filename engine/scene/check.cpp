@@ -28,7 +28,7 @@ class Fields {
   Fields& rotation(const Rotation& q) {
     return require(norm(q) > 1e-3 && norm(q) < 1e3, "its rotation is not a quaternion of length 1");
   }
-  Fields& surface(const Surface& s) {
+  Fields& surface(const FrictionSurface& s) {
     return number("restitution", s.restitution, range::kRestitution)
         .number("friction", s.friction, range::kFriction)
         .number("rolling_m", s.rolling_m, range::kRolling_m)

@@ -1,4 +1,4 @@
-// Whether a description may be simulated: the ranges of description.h, applied before any physics engine. [any thread]
+// Checks whether a description can be simulated: the ranges of description.h, before any physics engine. [any thread]
 #pragma once
 
 #include "engine/base/result.h"
@@ -8,16 +8,16 @@
 
 namespace ringdown::scene {
 
-// Each names the thing and the field: "body 'bell': restitution 3 is outside 0 ... 1".
+// An error names the thing and the field: "body 'bell': restitution 3 is outside 0 ... 1".
 Result<void> check(const ObjectDescription& object);
 Result<void> check(const BodyDescription& body);  // sizes and mass are checked by make_solid (solid.h)
 Result<void> check(const StaticDescription& description);
 Result<void> check(const EmitterDescription& emitter);
 
-// Its bodies are among `bodies`, two different ones, one of which moves.
+// Also checks that the joint's bodies are among `bodies`, and differ, and that one of them can move.
 Result<void> check(const JointDescription& joint, std::span<const BodyDescription> bodies);
 
-// All of the above, the scene's own numbers, counts, and that names are unique and objects exist.
+// Checks all of the above and the scene's own numbers and counts, that names are unique and that objects exist.
 Result<void> check(const SceneDescription& scene);
 
 }  // namespace ringdown::scene

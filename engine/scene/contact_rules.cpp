@@ -29,10 +29,26 @@ double bounce_threshold(const SceneDescription& scene) {
   return std::max(scene.contact.bounce_threshold_m_s, 1.5 * length(scene.gravity_m_s2) * scene.step_s);
 }
 
-SurfacePair combine(const Surface& a, const Surface& b) {
+SurfacePair combine(const FrictionSurface& a, const FrictionSurface& b) {
   return {std::sqrt(a.restitution * b.restitution), std::sqrt(a.friction * b.friction),
           std::sqrt(a.rolling_m * b.rolling_m), longer(a.contact_time_s, b.contact_time_s),
           combine(a.texture, b.texture)};
+}
+
+// The solver's velocities are those of half a step before or after a position, hence half_m_s. Conservation of energy
+// over the overlap `depth_m` gives the speed at which the body touched the surface, v_touch^2 = v^2 - 2 g d;
+// restitution gives the speed at which it should leave the surface; and energy again gives the speed needed at depth d
+// for that.
+Landing corrected_landing(const Fall& fall) {
+  const double half_m_s = 0.5 * fall.fall_m_s2 * fall.part_s;
+  const double now = fall.approach_m_s + half_m_s, gained = 2 * fall.fall_m_s2 * fall.depth_m;
+  const double touched = std::sqrt(std::max(now * now - gained, 0.0));
+  const double leaves = fall.restitution * touched;
+  const double rises = std::sqrt(std::max(leaves * leaves + gained, 0.0)) - half_m_s;
+  const double after =
+      leaves >= fall.threshold_m_s ? std::clamp(rises, 0.0, fall.approach_m_s) : fall.restitution * fall.approach_m_s;
+  return {after / fall.approach_m_s, touched,
+          (touched + leaves) / (fall.approach_m_s + std::max(after, fall.pushed_m_s) + 2 * half_m_s)};
 }
 
 }  // namespace ringdown::scene

@@ -1,8 +1,8 @@
-// A scene as plain data: what a scene file says (scene_file.h) and what a World is built from (world.h).
+// A scene as plain data: the content of a scene file (scene_file.h), from which a World is built (world.h).
 //
 // SI units, z upwards by convention (gravity decides). An object's pose is the pose of its bank's own frame; a silent
-// body's frame has its origin at the body's centre. Every limit named here is checked by whoever takes the
-// description in, so a program may fill the structs itself. [any thread]
+// body's frame has its origin at the body's centre. Every limit named here is checked by the functions that take a
+// description, so a program may fill in the structs itself. [any thread]
 #pragma once
 
 #include "engine/base/range.h"
@@ -18,7 +18,7 @@
 
 namespace ringdown::scene {
 
-// What a scene may ask for. Readers and World refuse more with a sentence.
+// The most of each kind in one scene. Readers and World refuse more.
 inline constexpr std::size_t kMaxBodies = 1024;  // described, emitted and spawned together
 inline constexpr std::size_t kMaxStatics = 64;
 inline constexpr std::size_t kMaxJoints = 256;
@@ -44,7 +44,7 @@ inline constexpr Range kDensity_kg_m3{0.1, 1e5};
 inline constexpr Range kSize_m{1e-4, 1000};
 inline constexpr Range kMass_kg{1e-7, 1e7};
 inline constexpr Range kPosition_m{-1000, 1000};    // each component; a body farther out has left the scene
-inline constexpr Range kVelocity_m_s{-1000, 1000};  // each component; more is taken for an error
+inline constexpr Range kVelocity_m_s{-1000, 1000};  // each component; a larger one is an error
 inline constexpr Range kSpin_rad_s{-3000, 3000};    // each component; a 10 cm bar then has tips at 150 m/s
 inline constexpr Range kPush_ns{-1e6, 1e6};         // each component
 inline constexpr Range kScatter_m{0, 100};
@@ -71,25 +71,25 @@ struct Rotation {
   friend bool operator==(const Rotation&, const Rotation&) = default;
 };
 
-// What a body brings to its contacts.
-struct Surface {
+// The surface of a body in contacts.
+struct FrictionSurface {
   double restitution = 0.4;  // speed after : speed before
   double friction = 0.5;     // Coulomb's coefficient
-  double rolling_m = 1e-4;   // rolling resistance: a ball of radius r rolls down a slope steeper than this / r
+  double rolling_m = 1e-4;   // rolling resistance: a ball of radius r rolls down slopes steeper than this / r
   std::optional<double> contact_time_s;  // half-sine force pulse; 0 is an ideal impulse; unset: from Hertz's law
-  double edge_radius_m = 1e-3;           // of corners and edges, which touch first unless the body is a sphere
+  double edge_radius_m = 1e-3;           // of corners and edges; not used for spheres
   std::optional<double> young_pa;        // unset: of the bank's material, else kDefaultYoung_pa
   std::optional<double> poisson;         // unset: of the bank's material, else kDefaultPoisson
-  synth::Texture texture;                // what sliding and rolling on it excite
+  synth::Texture texture;                // what sliding and rolling excite
 };
 
-// Hard stone or glass: what is not said to be of another material.
+// Hard stone or glass: the elasticity of bodies without another material.
 inline constexpr double kDefaultYoung_pa = 7e10;
 inline constexpr double kDefaultPoisson = 0.25;
 
 enum class ShapeType { box, sphere, convex, trimesh };
 
-// A body's shape for collisions. Sizes left at 0 come from the surface of the object's bank, in its own place there.
+// A body's shape for collisions. Sizes left at 0 come from the surface of the object's bank, in its position there.
 struct Shape {
   ShapeType type = ShapeType::box;
   Vec3 size_m;          // box: edge lengths; 0 0 0 is the bank's bounding box
@@ -108,22 +108,22 @@ struct ObjectDescription {
 
 struct BodyDescription {
   std::string name;
-  std::string object;  // name of the object that sounds; empty: a silent body, which still strikes others
+  std::string object;  // the object that sounds; empty: a silent body, which still strikes others
   Shape shape;
   double density_kg_m3 = 0;  // 0: mass and inertia from the bank; else of a solid box or sphere of this density
   Vec3 position_m;
   Rotation rotation;
   Vec3 velocity_m_s;     // of the centre of mass
   Vec3 spin_rad_s;       // about it, world axes
-  bool fixed = false;    // hangs where it is and still sounds when struck
+  bool fixed = false;    // does not move, and still sounds when struck
   double start_s = 0;    // enters the scene at this time, moving as described; until then it touches nothing
-  double scatter_m = 0;  // moves the start by up to this along each axis, drawn from the scene's seed
-  Surface surface;
+  double scatter_m = 0;  // shifts the start by up to this along each axis, at random from the scene's seed
+  FrictionSurface surface;
 };
 
 enum class StaticType { plane, box };
 
-// What never moves and never sounds.
+// A thing that never moves and never sounds.
 struct StaticDescription {
   std::string name;
   StaticType type = StaticType::plane;
@@ -131,13 +131,13 @@ struct StaticDescription {
   double offset_m = 0;
   Vec3 size_m, position_m;  // box: edge lengths and centre
   Rotation rotation;
-  Surface surface;
+  FrictionSurface surface;
 };
 
-// Two bodies, or one and the place where it hangs, held together at a point.
+// Two bodies, or a body and the world, held together at a point.
 enum class JointType {
-  hinge,  // turns about one axis
-  ball    // turns about every axis
+  hinge,  // allows turning about one axis
+  ball    // allows turning about every axis
 };
 
 struct JointDescription {
@@ -150,36 +150,36 @@ struct JointDescription {
   double friction_nm = 0;                         // torque that resists turning
 };
 
-// Lets bodies in, one after the other: the first at the template's start_s, scattered as it says.
+// Lets bodies into the scene one after the other: the first at the template's start_s, each with its own scatter.
 struct EmitterDescription {
-  std::string name;  // of its bodies too, with "-1", "-2" ... added
+  std::string name;  // its bodies have this name with "-1", "-2" ... appended
   BodyDescription body;
   double every_s = 0.1;
   std::uint64_t count = 1;
 };
 
-// Where a picture of the scene is taken from.
+// The camera for pictures of the scene.
 struct CameraDescription {
   Vec3 position_m = {0, -2, 1}, target_m;
   double field_of_view_degrees = 50;  // vertical
 };
 
-// Where the scene is heard from.
+// The position from which the scene is heard.
 struct ListenerDescription {
   Vec3 position_m = {0, -2, 1}, target_m;  // faces the target
 };
 
-// Contacts as springs with dampers. A body of mass m loses the share m CFM/h of its impulse to their softness: with the
-// defaults 1 % at 20 kg and 1/4000 s, a tenth of that at 1/500 s.
+// Contacts act as springs with dampers. Their softness takes the share m CFM/h of the impulse of a body of mass m: with
+// the defaults, 1 % at 20 kg and a step of 1/4000 s, and 0.1 % at 1/500 s.
 struct ContactSettings {
   double spring_n_m = 1e9;
   double damper_ns_m = 8e6;
   double bounce_threshold_m_s = 0.05;  // a contact that approaches faster is a strike
   double minimum_repeat_s = 0.02;      // a pair that touches again sooner goes on with the same contact
-  // Force per speed and per newton that presses two bodies together at rest, times one minus their restitution: how
-  // they damp each other. Hunt and Crossley's damping (1975) about a static load, for a restitution known at 1 m/s.
+  // How much bodies at rest on each other damp each other: damping force per speed, per newton of normal force, before
+  // the factor of one minus the restitution. Hunt and Crossley's damping (1975), linearised about a static load.
   double rest_damping_s_m = 1.5;
-  bool clicks = true;  // a body that is struck is heard as a whole too (engine/synth/click.h)
+  bool clicks = true;  // a struck body also sounds as a rigid body (engine/synth/click.h)
 };
 
 struct SceneDescription {

@@ -35,8 +35,8 @@ std::vector<Vec3> outline(std::vector<Vec3> points, Vec3 normal) {
   return chain;
 }
 
-const Face* face_across(const Placed& body, Vec3 outward) {
-  const Vec3 within = transpose(body.turn) * outward;
+const Face* face_across(const PosedFaces& body, Vec3 outward) {
+  const Vec3 within = transpose(body.rotation) * outward;
   const Face* best = nullptr;
   for (const Face& face : body.faces) {
     if (!best || dot(face.normal, within) > dot(best->normal, within)) best = &face;
@@ -44,9 +44,9 @@ const Face* face_across(const Placed& body, Vec3 outward) {
   return best;
 }
 
-std::vector<Vec3> in_world(const Face& face, const Placed& body) {
+std::vector<Vec3> in_world(const Face& face, const PosedFaces& body) {
   std::vector<Vec3> corners;
-  for (const Vec3& corner : face.corners) corners.push_back(body.place_m + body.turn * corner);
+  for (const Vec3& corner : face.corners) corners.push_back(body.position_m + body.rotation * corner);
   return corners;
 }
 
@@ -105,10 +105,10 @@ std::vector<Face> box_faces(Vec3 size_m) {
   return faces;
 }
 
-FaceContact share_of_faces(const Placed& first, const Placed& second, Vec3 normal) {
+FaceContact share_of_faces(const PosedFaces& first, const PosedFaces& second, Vec3 normal) {
   const Face *of_first = face_across(first, -1 * normal), *of_second = face_across(second, normal);
   if (!of_first || !of_second) return {};
-  const Vec3 out_of_first = first.turn * of_first->normal, out_of_second = second.turn * of_second->normal;
+  const Vec3 out_of_first = first.rotation * of_first->normal, out_of_second = second.rotation * of_second->normal;
   const double across_first = -dot(out_of_first, normal), across_second = dot(out_of_second, normal);
   if (std::max(across_first, across_second) < kFlat) return {};
   const bool on_second = across_second > across_first + kBetter;

@@ -1,9 +1,8 @@
-// How two convex bodies lie on each other: over which polygon their faces touch. Free of any physics engine. [any
-// thread]
+// The polygon over which the faces of two convex bodies touch. Free of any physics engine. [any thread]
 //
-// A collision finder that knows hulls only as sets of points (ODE's, by libccd) answers with one point, on which
-// nothing can lie: a stack of such hulls totters and rattles for ever. Where faces meet, this finds the corners of what
-// they share.
+// A collision library that knows hulls only as sets of points (libccd, which ODE uses) finds a single contact point, on
+// which no body can rest: a stack of such hulls wobbles and rattles for ever. Where two faces lie on each other, the
+// functions here find the corners of the polygon that they share.
 #pragma once
 
 #include "engine/scene/rotation.h"
@@ -15,7 +14,8 @@
 
 namespace ringdown::scene {
 
-// Triangles this nearly in one plane are one face; and as nearly must a face lie across the normal to be lain on.
+// Triangles whose planes differ by at most this angle form one face; a face can carry a body if its normal differs from
+// the contact normal by at most this angle.
 inline constexpr double kFlat_degrees = 3;
 
 struct Face {
@@ -23,15 +23,15 @@ struct Face {
   std::vector<Vec3> corners;  // counter-clockwise from outside
 };
 
-// The faces of a convex body, each wide enough for its triangles to be in none or one.
+// The faces of a convex body; every triangle belongs to one face or to none.
 std::vector<Face> flat_faces(std::span<const Vec3> points, std::span<const std::array<std::uint32_t, 3>> triangles);
 std::vector<Face> box_faces(Vec3 size_m);  // about its centre
 
-// Where a body's frame lies in the world.
-struct Placed {
+// The faces of a body, and the pose of the body's frame in the world.
+struct PosedFaces {
   std::span<const Face> faces;
-  Matrix3 turn;
-  Vec3 place_m;
+  Matrix3 rotation;
+  Vec3 position_m;
 };
 
 struct FacePoint {
@@ -43,8 +43,8 @@ struct FaceContact {
   std::vector<FacePoint> points;
 };
 
-// The corners of what the two share, as far as they are in each other; none where an edge or a corner touches.
-// `normal` is about where the first is to go to part from the second.
-FaceContact share_of_faces(const Placed& first, const Placed& second, Vec3 normal);
+// The corners of the polygon that a face of each body shares, as far as the bodies overlap there; none where an edge or
+// a corner touches. `normal` is the approximate direction in which the first body leaves the second.
+FaceContact share_of_faces(const PosedFaces& first, const PosedFaces& second, Vec3 normal);
 
 }  // namespace ringdown::scene

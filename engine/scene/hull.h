@@ -1,4 +1,4 @@
-// The convex hull of a surface, small enough to collide in real time. Qhull is private to the .cpp. [worker]
+// The convex hull of a surface, small enough to collide in real time. Only hull.cpp includes Qhull. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -16,11 +16,11 @@ struct Hull {
   std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise from outside
 };
 
-// A hull keeps at most this many corners. Collision cost grows with their number times that of the other body's.
+// The most corners of a hull. The cost of a collision grows with the product of both hulls' corners.
 inline constexpr std::size_t kMaxHullPoints = 128;
 
-// The hull of `points`; where it has more than kMaxHullPoints corners, of the farthest points in that many evenly
-// spread directions: an inner hull whose corners still lie on the surface. Fails when the points lie in one plane.
+// The hull of `points`. Where it would have more than kMaxHullPoints corners, the hull of the farthest points in that
+// many evenly spread directions instead, which lies within the full hull. Fails when the points lie in one plane.
 Result<Hull> convex_hull(std::span<const Vec3> points);
 
 }  // namespace ringdown::scene

@@ -1,6 +1,6 @@
 #include "engine/scene/ode_contacts.h"
 
-#include "engine/scene/ode_item.h"
+#include "engine/scene/collider.h"
 
 #include <ode/ode.h>
 
@@ -10,8 +10,8 @@
 namespace ringdown::scene {
 namespace {
 
-// Meshes: normals that agree; and how far they lie in each other at rest.
-constexpr double kAgree = 0.7, kSunkIn_m = 1e-4;
+// Of meshes: the cosine between normals that agree, and how far meshes at rest overlap.
+constexpr double kAgree = 0.7, kRestOverlap_m = 1e-4;
 
 Vec3 to_vec3(const dReal* v) { return {v[0], v[1], v[2]}; }
 
@@ -33,8 +33,8 @@ std::size_t choose_contacts(std::span<dContactGeom> found) {
   return kMaxContactsPerPair;
 }
 
-// Every corner of the box below the plane, with the normal out of the plane. ODE finds at most four, and of a thin
-// plate that has sunk in those at one edge, about which it then rocks.
+// A contact for every corner of the box below the plane, with the normal out of the plane. ODE itself finds at most
+// four; for a thin plate that overlaps the plane these are the corners of one edge, about which the plate then rocks.
 int box_on_plane(dxGeom* box, dxGeom* plane, std::span<dContactGeom> found) {
   dVector3 size;
   dVector4 half_space;
@@ -59,16 +59,17 @@ int box_on_plane(dxGeom* box, dxGeom* plane, std::span<dContactGeom> found) {
   return count;
 }
 
-Placed placed(dxGeom* geom) {
+PosedFaces posed_faces(dxGeom* geom) {
   const dReal* r = dGeomGetRotation(geom);
   const Matrix3 turn{{{r[0], r[1], r[2]}, {r[4], r[5], r[6]}, {r[8], r[9], r[10]}}};
-  return {static_cast<const Item*>(dGeomGetData(geom))->shape.faces, turn, to_vec3(dGeomGetPosition(geom))};
+  return {static_cast<const Collider*>(dGeomGetData(geom))->shape.faces, turn, to_vec3(dGeomGetPosition(geom))};
 }
 
-// ODE's one point of two hulls, or what their faces share there.
+// ODE finds one contact point of two hulls. Where faces of the hulls lie on each other, replaces it by the corners of
+// the polygon that the faces share; returns the number of points.
 int spread(std::span<dContactGeom> found) {
   const dContactGeom one = found.front();
-  const FaceContact shared = share_of_faces(placed(one.g1), placed(one.g2), to_vec3(one.normal));
+  const FaceContact shared = share_of_faces(posed_faces(one.g1), posed_faces(one.g2), to_vec3(one.normal));
   const std::size_t count = std::min(shared.points.size(), found.size());
   for (std::size_t k = 0; k < count; ++k) {
     const auto& [point, depth] = shared.points[k];
@@ -84,7 +85,7 @@ int spread(std::span<dContactGeom> found) {
 
 bool are_hulls(int one, int two) {
   const bool solid = (one == dConvexClass || one == dBoxClass) && (two == dConvexClass || two == dBoxClass);
-  return solid && (one == dConvexClass || two == dConvexClass);  // of two boxes ODE finds all
+  return solid && (one == dConvexClass || two == dConvexClass);  // of two boxes ODE finds all contacts
 }
 
 Vec3 velocity_at(dxGeom* geom, const dReal* point) {
@@ -95,24 +96,25 @@ Vec3 velocity_at(dxGeom* geom, const dReal* point) {
   return to_vec3(velocity);
 }
 
-// Where two meshes touch, ODE answers for every pair of triangles, each pushed out of the other's plane by its own
-// shortest way: of two plates on each other also sideways, by as much as they are wide. What is said to be that deep is
-// not so where close by, within that depth, less than half of it would do; nor where the bodies are hardly in each
-// other elsewhere, and too slow to have come in so far there.
-std::size_t keep_true(std::span<dContactGeom> found, double part_s) {
+// Removes false contacts of two meshes. ODE tests every pair of triangles, and gives each contact the shortest way out
+// of the other triangle's plane: for two plates on each other also sideways ways, as long as the plates are wide. A
+// contact is false if a contact within its own depth has less than half of that depth. It is also false if its normal
+// disagrees with that of the shallowest contact, and it is deeper than that contact and the bodies' approach since the
+// last step can explain.
+std::size_t drop_false(std::span<dContactGeom> found, double part_s) {
   if (found.empty()) return 0;
   const dContactGeom least = *std::ranges::min_element(found, {}, &dContactGeom::depth);
   const auto is_false = [&](const dContactGeom& contact) {
-    const bool less_will_do = std::ranges::any_of(found, [&](const dContactGeom& better) {
+    const bool shallower_nearby = std::ranges::any_of(found, [&](const dContactGeom& better) {
       const Vec3 way = to_vec3(better.pos) - to_vec3(contact.pos);
       return better.depth < 0.5 * contact.depth && dot(way, way) <= contact.depth * contact.depth;
     });
-    if (less_will_do) return true;
+    if (shallower_nearby) return true;
     const Vec3 normal = to_vec3(contact.normal);
     if (dot(normal, to_vec3(least.normal)) > kAgree) return false;
     const Vec3 apart = velocity_at(contact.g1, contact.pos) - velocity_at(contact.g2, contact.pos);
     const double came_in_m = 2 * part_s * std::max(-dot(apart, normal), 0.0);
-    return contact.depth > 2 * least.depth + kSunkIn_m + came_in_m;
+    return contact.depth > 2 * least.depth + kRestOverlap_m + came_in_m;
   };
   std::array<bool, kMaxContactsFound> out{};
   for (std::size_t k = 0; k < found.size(); ++k) out[k] = is_false(found[k]);
@@ -130,7 +132,7 @@ int find_all(dxGeom* first, dxGeom* second, std::span<dContactGeom> found, doubl
     const int count = dCollide(first, second, kMaxContactsFound, found.data(), sizeof(dContactGeom));
     if (count > 0 && are_hulls(one, two)) return spread(found);
     if (one == dTriMeshClass && two == dTriMeshClass) {
-      return static_cast<int>(keep_true(found.first(static_cast<std::size_t>(count)), part_s));
+      return static_cast<int>(drop_false(found.first(static_cast<std::size_t>(count)), part_s));
     }
     return count;
   }

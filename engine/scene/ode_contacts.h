@@ -1,6 +1,7 @@
-// Where two ODE geometries touch. Callers hold OdeLock. ODE's types are only named here.
+// The points at which two ODE geometries touch. Callers hold OdeLock. This header only names ODE's types.
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 struct dContactGeom;
@@ -8,12 +9,14 @@ struct dxGeom;
 
 namespace ringdown::scene {
 
-// A mesh touching a plane gives a contact per vertex: enough of them to choose a good few.
+inline constexpr std::size_t kMaxContactsPerPair = 4;  // the deepest, and those farthest from each other
+
+// A mesh on a plane gives one contact per vertex, of which a good few are then chosen.
 inline constexpr int kMaxContactsFound = 256;
 
-// The contacts of the two, at most kMaxContactsPerPair: the deepest, and those farthest from each other. The normal
-// points into the first. `room` holds kMaxContactsFound. `part_s` is how long the two have moved since they
-// were looked at last. Both carry their Item as user data.
+// Finds at most kMaxContactsPerPair contacts of two geometries: the deepest, and those farthest from each other.
+// Normals point into the first. `room` holds kMaxContactsFound entries; the result is a part of it. `part_s` is how
+// long the bodies have moved since contacts were last looked for. The user data of both geometries is their Collider.
 std::span<dContactGeom> find_contacts(dxGeom* first, dxGeom* second, std::span<dContactGeom> room, double part_s);
 
 }  // namespace ringdown::scene

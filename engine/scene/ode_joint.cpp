@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
 
-// ODE ignores limits beyond half a turn; ours end just before.
+// The widest limits of a description, just below half a turn, stand for no limit.
 double limit(double degrees, const Range& range) {
   if (degrees <= range.low) return -dInfinity;
   return degrees >= range.high ? dInfinity : degrees * kRadians;
@@ -48,7 +48,7 @@ void OdeJoint::add_ball(dxWorld* world, dxBody* body, dxBody* other) {
   dJointSetBallAnchor(joint_.get(), anchor.x, anchor.y, anchor.z);
   if (description_.friction_nm == 0) return;
   dxJoint* motor = dJointCreateAMotor(world, nullptr);
-  brake_.reset(motor);
+  friction_motor_.reset(motor);
   dJointAttach(motor, body, other);
   dJointSetAMotorNumAxes(motor, 3);
   for (int k = 0; k < 3; ++k) {
@@ -60,16 +60,16 @@ void OdeJoint::add_ball(dxWorld* world, dxBody* body, dxBody* other) {
 
 JointDescription OdeJoint::now() const {
   JointDescription moved = description_;
-  dVector3 place;
+  dVector3 vector;
   if (moved.type == JointType::ball) {
-    dJointGetBallAnchor(joint_.get(), place);
-    moved.anchor_m = {place[0], place[1], place[2]};
+    dJointGetBallAnchor(joint_.get(), vector);
+    moved.anchor_m = {vector[0], vector[1], vector[2]};
     return moved;
   }
-  dJointGetHingeAnchor(joint_.get(), place);
-  moved.anchor_m = {place[0], place[1], place[2]};
-  dJointGetHingeAxis(joint_.get(), place);
-  moved.axis = {place[0], place[1], place[2]};
+  dJointGetHingeAnchor(joint_.get(), vector);
+  moved.anchor_m = {vector[0], vector[1], vector[2]};
+  dJointGetHingeAxis(joint_.get(), vector);
+  moved.axis = {vector[0], vector[1], vector[2]};
   const double turned = dJointGetHingeAngle(joint_.get()) / kRadians;
   if (moved.low_degrees > range::kLimit_degrees.low) moved.low_degrees -= turned;
   if (moved.high_degrees < range::kLimit_degrees.high) moved.high_degrees -= turned;

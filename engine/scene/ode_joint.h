@@ -1,4 +1,4 @@
-// From plain joints to ODE's. Callers hold OdeLock. ODE's types are only named here.
+// Makes ODE joints from descriptions. Callers hold OdeLock. This header only names ODE's types.
 #pragma once
 
 #include "engine/scene/description.h"
@@ -17,14 +17,15 @@ struct JointDeleter {
 };
 using OdeJointPtr = std::unique_ptr<dxJoint, JointDeleter>;
 
-// A joint, and the motor that resists its turning where it has friction. The bodies may go first: the joint then holds
+// A joint, with a motor for its friction if it has any. The bodies may be destroyed first; the joint then joins
 // nothing.
 class OdeJoint {
  public:
-  // Joins the bodies as they are now; a null `other` is the world. Anchor and axis of the description are in the world.
+  // Joins two bodies in their present poses; a null `other` stands for the world. Anchor and axis are in world axes.
   OdeJoint(dxWorld* world, dxBody* body, dxBody* other, const JointDescription& description);
 
-  // What would make the same joint again between the bodies as they are now: anchor, axis and limits have moved along.
+  // A description that makes the same joint between the bodies in their present poses: anchor, axis and limits have
+  // moved with the bodies.
   [[nodiscard]] JointDescription now() const;
 
  private:
@@ -32,7 +33,7 @@ class OdeJoint {
   void add_ball(dxWorld* world, dxBody* body, dxBody* other);
 
   JointDescription description_;
-  OdeJointPtr joint_, brake_;
+  OdeJointPtr joint_, friction_motor_;
 };
 
 }  // namespace ringdown::scene

@@ -27,7 +27,7 @@ void make_convex(dxSpace* space, const CollisionShape& shape, OdeShape& out) {
                                out.points.data(), static_cast<unsigned>(shape.points.size()), out.indices.data()));
 }
 
-// Convex against trimesh ends the process unless the face angles are there.
+// ODE ends the process when a convex shape meets a trimesh without preprocessed face angles.
 void make_trimesh(dxSpace* space, const CollisionShape& shape, OdeShape& out) {
   flatten(shape, out);
   for (const auto& triangle : shape.triangles) out.indices.insert(out.indices.end(), triangle.begin(), triangle.end());

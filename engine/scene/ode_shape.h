@@ -1,4 +1,4 @@
-// From plain shapes to ODE geometries. ODE's types are only named here, so that its headers stay in the .cpp files.
+// Makes ODE geometries from plain shapes. This header only names ODE's types, so that ODE's headers stay in .cpp files.
 #pragma once
 
 #include "engine/scene/description.h"
@@ -22,7 +22,7 @@ struct MeshDeleter {
   void operator()(dxTriMeshData* data) const;
 };
 
-// An ODE geometry and the arrays it points into. The geometry leaves its space when this goes. Callers hold OdeLock.
+// An ODE geometry and the arrays it points into. Destruction removes the geometry from its space. Callers hold OdeLock.
 struct OdeShape {
   std::vector<double> points, planes;
   std::vector<std::uint32_t> indices;
@@ -31,10 +31,10 @@ struct OdeShape {
   std::unique_ptr<dxGeom, GeomDeleter> geom;
 };
 
-// The shape about the centre of mass; attach it to a body, then place it by `shape.center_m`.
+// Makes the geometry of a body's shape. The caller attaches it to a body, and then sets its offset to `shape.center_m`.
 OdeShape make_shape(dxSpace* space, const CollisionShape& shape);
 
-// What stands still, in its place.
+// Makes the geometry of a static, in its position.
 OdeShape make_static(dxSpace* space, const StaticDescription& description);
 
 }  // namespace ringdown::scene

@@ -1,16 +1,16 @@
-// What bodies and statics look like, for those who draw a scene without its file. [any thread]
+// What bodies and statics look like, for programs that draw a scene without its file. [any thread]
 #pragma once
 
 #include "engine/base/vec3.h"
+#include "engine/scene/contact_point.h"
 #include "engine/scene/description.h"
-#include "engine/scene/simulation.h"
 #include "engine/scene/solid.h"
 
 #include <string>
 
 namespace ringdown::scene {
 
-// A body, whether it has entered the scene yet or not; BodyState (world.h) says where it is.
+// The look of a body, which may have entered the scene or not; BodyState (world.h) has its position.
 struct BodyOutline {
   BodyId id = 0;
   std::string name;
@@ -20,8 +20,8 @@ struct BodyOutline {
   bool fixed = false;
 };
 
-// Something that never moves. A plane stands at its point nearest to the origin, without a size, and its normal is the
-// turned z axis.
+// A static. The position of a plane is its point nearest to the origin, its size is 0, and its normal is the rotated z
+// axis.
 struct StaticOutline {
   std::string name;
   StaticType type = StaticType::plane;
@@ -32,7 +32,7 @@ struct StaticOutline {
 Vec3 size_of(const CollisionShape& shape);
 StaticOutline outline_of(const StaticDescription& description);
 
-// "box", "sphere", "convex", "trimesh"; "plane", "box": as scene files have them.
+// The names that scene files use: "box", "sphere", "convex", "trimesh"; "plane", "box".
 std::string to_text(ShapeType shape);
 std::string to_text(StaticType type);
 

@@ -1,4 +1,4 @@
-// The few things a scene does with rotations. [any thread]
+// Rotations as quaternions and matrices. [any thread]
 #pragma once
 
 #include "engine/base/vec3.h"
@@ -24,12 +24,12 @@ inline Vec3 operator*(const Matrix3& m, Vec3 v) {
           m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
 }
 
-// World -> body for a body -> world matrix.
+// The inverse of a rotation matrix.
 inline Matrix3 transpose(const Matrix3& m) {
   return {{{m[0][0], m[1][0], m[2][0]}, {m[0][1], m[1][1], m[2][1]}, {m[0][2], m[1][2], m[2][2]}}};
 }
 
-// Of a symmetric matrix that has one, by its adjugate.
+// The inverse of a regular symmetric matrix, by its adjugate.
 inline Matrix3 inverse(const Matrix3& m) {
   const Vec3 x{m[0][0], m[0][1], m[0][2]}, y{m[1][0], m[1][1], m[1][2]}, z{m[2][0], m[2][1], m[2][2]};
   const Vec3 yz = cross(y, z), zx = cross(z, x), xy = cross(x, y);
@@ -39,13 +39,13 @@ inline Matrix3 inverse(const Matrix3& m) {
 
 inline double norm(const Rotation& q) { return std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w); }
 
-// Of a quaternion whose norm is not zero.
+// The unit quaternion of one whose norm is not zero.
 inline Rotation normalized(const Rotation& q) {
   const double scale = 1 / norm(q);
   return {q.x * scale, q.y * scale, q.z * scale, q.w * scale};
 }
 
-// `angle_rad` about `axis`, of any length but zero.
+// The rotation by `angle_rad` about `axis`, which has any length but zero.
 inline Rotation about(Vec3 axis, double angle_rad) {
   const double s = std::sin(angle_rad / 2) / length(axis);
   return {s * axis.x, s * axis.y, s * axis.z, std::cos(angle_rad / 2)};

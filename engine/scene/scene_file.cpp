@@ -121,7 +121,7 @@ class SceneReader {
     return {};
   }
 
-  void read_surface(TomlTable& table, Surface& surface) {
+  void read_surface(TomlTable& table, FrictionSurface& surface) {
     table.number("restitution", surface.restitution, range::kRestitution);
     table.number("friction", surface.friction, range::kFriction);
     table.number("rolling_m", surface.rolling_m, range::kRolling_m);

@@ -1,4 +1,4 @@
-// Scenes on disk: TOML, described in docs/scenes.md. [worker]
+// Reads scene files: TOML, described in docs/scenes.md. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -10,11 +10,11 @@
 namespace ringdown::scene {
 
 // Reads and checks a scene. A relative bank path is looked for beside the scene file, then in `presets` (which may be
-// empty); banks must exist but are not opened. An unknown key, a wrong type, a number out of range, a missing bank or
-// name gives one sentence that begins with file:line. What needs the bank's content is checked by World::create().
+// empty); banks must exist but are not opened. Fails on an unknown key, a wrong type, a number out of range, a missing
+// bank or name, with one sentence that begins with file:line. World::create() checks what depends on a bank's content.
 Result<SceneDescription> read_scene(const std::filesystem::path& path, const std::filesystem::path& presets);
 
-// The same from memory; `path` stands in messages, and its folder is where relative banks are looked for.
+// Reads a scene from memory. `path` is named in errors, and its folder is searched for relative bank paths.
 Result<SceneDescription> parse_scene(std::string_view text, const std::filesystem::path& path,
                                      const std::filesystem::path& presets);
 

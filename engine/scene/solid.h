@@ -1,4 +1,4 @@
-// A body before any physics engine: its mass, and the shape it collides with. [worker]
+// The mass and the collision shape of a body, free of any physics engine. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -19,7 +19,7 @@ struct RigidMass {
   Matrix3 inertia_kg_m2;  // about the centre of mass, along the object frame's axes
 };
 
-// Everything relative to the centre of mass, along the object frame's axes.
+// All coordinates are relative to the centre of mass, along the object frame's axes.
 struct CollisionShape {
   ShapeType type = ShapeType::box;
   Vec3 center_m;                                        // of the box or sphere
@@ -34,9 +34,10 @@ struct Solid {
   CollisionShape shape;
 };
 
-// Mass and inertia from the bank's massProperties, its material and size scaled, or from the body's own density and
-// size; sizes left at 0 from the bank's surface, scaled. `bank` is null for a silent body. A fixed body needs no mass.
-// Everything a physics engine could choke on is refused here: a missing or degenerate mass, no surface, no size.
+// Makes a body's mass and shape. Mass and inertia come from the bank's massProperties, scaled in material and size, or
+// from the body's own density and size; sizes left at 0 come from the bank's surface, scaled. `bank` is null for a
+// silent body. A fixed body needs no mass. Fails on everything a physics engine could not handle: a missing or
+// degenerate mass, no surface, no size.
 Result<Solid> make_solid(const BodyDescription& body, const modal::Bank* bank, const modal::MaterialScale& scale = {});
 
 // I = R diag(principal moments) R^T, R from the orientation quaternion.

@@ -1,15 +1,224 @@
 #include "engine/scene/world.h"
 
 #include "engine/base/quoted.h"
+#include "engine/scene/body_store.h"
 #include "engine/scene/check.h"
-#include "engine/scene/world_impl.h"
+#include "engine/scene/contact_sounds.h"
+#include "engine/scene/rotation.h"
+#include "engine/scene/simulation.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
 #include <utility>
 
+// A step of the world, downward: World::step does the step in equal parts of at most kMaxPart_s (State::do_part). A
+// part lets waiting bodies in, moves bodies and finds their contact points (Simulation::step), turns these into events
+// (ContactSounds::process), and resets or removes bodies whose motion has become unreal (check_bodies).
 namespace ringdown::scene {
+namespace {
 
-World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+bool within(Vec3 v, const Range& range) { return range.holds(v.x) && range.holds(v.y) && range.holds(v.z); }
+
+bool is_real(const Motion& m) {
+  const double turn = norm(m.rotation);
+  return is_finite(m.position_m) && turn > 0.5 && turn < 2 && within(m.velocity_m_s, range::kVelocity_m_s) &&
+         within(m.spin_rad_s, range::kSpin_rad_s);
+}
+
+// The number of equal parts of a step. A rounding error does not add another part.
+int parts_of(double step_s) { return std::max(1, static_cast<int>(std::ceil(step_s / kMaxPart_s - 1e-9))); }
+
+SceneDescription with_step(SceneDescription scene, double step_s) {
+  scene.step_s = step_s;
+  return scene;
+}
+
+// A joint that is made when both of its bodies have entered the scene.
+struct WaitingJoint {
+  BodyId body = 0;
+  std::optional<BodyId> other;
+  JointDescription description;
+};
+
+// The joints of a scene. Its bodies are numbered in the order of their descriptions.
+std::vector<WaitingJoint> joints_of(const SceneDescription& scene) {
+  const auto number = [&](const std::string& name) {
+    return static_cast<BodyId>(std::ranges::find(scene.bodies, name, &BodyDescription::name) - scene.bodies.begin());
+  };
+  std::vector<WaitingJoint> joints;
+  for (const JointDescription& joint : scene.joints) {
+    joints.push_back({number(joint.body), {}, joint});
+    if (!joint.other.empty()) joints.back().other = number(joint.other);
+  }
+  return joints;
+}
+
+}  // namespace
+
+struct World::State {
+  State(const SceneDescription& scene, double sample_rate_hz);
+
+  Result<BodyId> add(BodyDescription description, bool spawned);
+  Result<void> add_all(const EmitterDescription& emitter);
+  void add_statics(const SceneDescription& scene);
+  void let_in();
+  void put(BodyId id, const Body& body, const Solid& solid);
+  void make_joints();
+  void remove(BodyId id);
+  void do_part();
+  void check_bodies();
+  [[nodiscard]] double time_s() const { return static_cast<double>(steps) * step_s + part * part_s; }
+
+  double step_s;
+  int parts;  // of each step
+  double part_s;
+  Vec3 gravity_m_s2;
+  BodyStore store;
+  Simulation simulation;
+  ContactSounds sounds;
+  Timeline timeline;
+  std::vector<WaitingJoint> joints;
+  std::int64_t steps = 0;
+  int part = 0;             // of the step being done
+  double next_start_s = 0;  // no waiting body enters before this time
+  // Of the last step:
+  std::vector<synth::Event> events;
+  std::vector<RestDamping> rest_dampings;
+  std::vector<std::string> notices;
+  std::size_t dropped_events = 0, dropped_contacts = 0;
+};
+
+World::State::State(const SceneDescription& scene, double sample_rate_hz)
+    : step_s(scene.step_s),
+      parts(parts_of(scene.step_s)),
+      part_s(scene.step_s / parts),
+      gravity_m_s2(scene.gravity_m_s2),
+      store(scene),
+      simulation(with_step(scene, part_s)),
+      sounds(with_step(scene, part_s)),
+      timeline{.sample_rate_hz = sample_rate_hz},
+      joints(joints_of(scene)) {}
+
+Result<BodyId> World::State::add(BodyDescription description, bool spawned) {
+  auto added = store.add(std::move(description), spawned);
+  if (!added) return added;
+  next_start_s = 0;
+  let_in();
+  return added;
+}
+
+Result<void> World::State::add_all(const EmitterDescription& emitter) {
+  BodyDescription body = emitter.body;
+  for (std::uint64_t k = 1; k <= emitter.count; ++k) {
+    body.name = emitter.name + "-" + std::to_string(k);
+    if (const auto added = add(body, false); !added) return fail(added.error());
+    body.start_s += emitter.every_s;
+  }
+  return {};
+}
+
+void World::State::add_statics(const SceneDescription& scene) {
+  BodyId next = kFirstStatic;
+  for (const StaticDescription& description : scene.statics) {
+    simulation.add_static(next, description);
+    sounds.set_side(next++, side_of(description));
+  }
+}
+
+// Passes the bodies whose time has come to the simulation.
+void World::State::let_in() {
+  const double now_s = time_s();
+  if (now_s < next_start_s) return;
+  next_start_s = std::numeric_limits<double>::infinity();
+  for (auto& [id, body] : store.bodies()) {
+    if (!body.waiting) continue;
+    if (body.description.start_s > now_s) {
+      next_start_s = std::min(next_start_s, body.description.start_s);
+      continue;
+    }
+    // A part moves a body by its velocity at the end of the part. Starting with the velocity of half a part earlier
+    // puts a fall on the true parabola.
+    if (!body.description.fixed) body.motion.velocity_m_s = body.motion.velocity_m_s - (0.5 * part_s) * gravity_m_s2;
+    put(id, body, *body.waiting);
+    body.waiting.reset();
+  }
+  make_joints();
+}
+
+void World::State::put(BodyId id, const Body& body, const Solid& solid) {
+  const BodyDescription& description = body.description;
+  const SoundingObject* object = body.object ? store.find_object(description.object) : nullptr;
+  simulation.put_body(id, solid, body.motion, description.surface, description.fixed);
+  ContactSide side =
+      side_of(description, solid, object ? object->bank.get() : nullptr, store.scale_of(description.object));
+  side.object = body.object;
+  sounds.set_side(id, std::move(side));
+}
+
+// Makes the joints whose bodies have all entered the scene.
+void World::State::make_joints() {
+  const auto is_in = [this](BodyId id) {
+    const auto found = store.bodies().find(id);
+    return found != store.bodies().end() && !found->second.waiting;
+  };
+  std::erase_if(joints, [&](const WaitingJoint& joint) {
+    if (!is_in(joint.body) || (joint.other && !is_in(*joint.other))) return false;
+    simulation.add_joint(joint.body, joint.other, joint.description);
+    return true;
+  });
+}
+
+void World::State::remove(BodyId id) {
+  simulation.remove_body(id);
+  sounds.remove_side(id);
+  std::erase_if(joints, [id](const WaitingJoint& joint) { return joint.body == id || joint.other == id; });
+  store.remove(id);
+}
+
+void World::State::do_part() {
+  let_in();
+  const bool asleep = simulation.asleep();
+  if (asleep && sounds.quiet()) return;
+  const auto points = asleep ? std::span<const ContactPoint>() : simulation.step();
+  const auto moved = asleep ? std::span<const MovedBody>() : simulation.moved();
+  const std::span<const synth::Event> part_events = sounds.process(points, moved, time_s(), timeline);
+  events.insert(events.end(), part_events.begin(), part_events.end());
+  rest_dampings.insert(rest_dampings.end(), sounds.rest_dampings().begin(), sounds.rest_dampings().end());
+  dropped_events += sounds.dropped();
+  if (asleep) return;
+  dropped_contacts += simulation.dropped_contacts();
+  check_bodies();
+}
+
+// Stores the motion of bodies that moved. A body with an unreal motion goes back to its start, and is removed if that
+// happens too often; a body that has left the scene is removed.
+void World::State::check_bodies() {
+  std::vector<BodyId> gone;
+  for (const auto& [id, motion] : simulation.moved()) {
+    Body& body = store.bodies().at(id);
+    body.motion = motion;
+    if (is_real(body.motion) && within(body.motion.position_m, range::kPosition_m)) continue;
+    const std::string who = "body " + ringdown::quoted(body.description.name);
+    if (is_real(body.motion)) {
+      notices.push_back(who + " left the scene and was removed");
+      gone.push_back(id);
+    } else if (body.resets++ < kMaxResets) {
+      notices.push_back(who + " moved beyond what is real and was put back to its start, at rest");
+      body.description.velocity_m_s = body.description.spin_rad_s = {};
+      body.motion = body.start();
+      simulation.set_motion(id, body.motion);
+    } else {
+      notices.push_back(who + " kept moving beyond what is real and was removed");
+      gone.push_back(id);
+    }
+  }
+  for (const BodyId id : gone) remove(id);
+}
+
+World::World(std::unique_ptr<State> state) : state_(std::move(state)) {}
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 World::~World() = default;
@@ -19,132 +228,107 @@ Result<World> World::create(const SceneDescription& scene, std::span<const Sound
   if (const auto ok = check(scene); !ok) return fail(ok.error());
   if (!(sample_rate_hz >= 1 && sample_rate_hz <= 1e7))
     return fail(ErrorKind::bad_input, "a scene needs a sample rate from 1 to 1e7 Hz");
-  auto impl = std::make_unique<Impl>(scene, sample_rate_hz);
+  auto state = std::make_unique<State>(scene, sample_rate_hz);
   for (const SoundingObject& object : objects) {
     if (!object.bank) return fail(ErrorKind::bad_input, "object " + ringdown::quoted(object.name) + " has no bank");
-    impl->objects.push_back(object);
+    state->store.put_object(object);
   }
-  BodyId next_static = kFirstStatic;
-  for (const StaticDescription& description : scene.statics) {
-    impl->simulation.add_static(next_static, description);
-    impl->sounding.set_side(next_static++, side_of(description));
-  }
-  impl->note_joints(scene);
+  state->add_statics(scene);
   for (const BodyDescription& body : scene.bodies) {
-    if (const auto added = impl->add(body, false); !added) return fail(added.error());
+    if (const auto added = state->add(body, false); !added) return fail(added.error());
   }
   for (const EmitterDescription& emitter : scene.emitters) {
-    if (const auto added = impl->add_all(emitter); !added) return fail(added.error());
+    if (const auto added = state->add_all(emitter); !added) return fail(added.error());
   }
-  return World(std::move(impl));
+  return World(std::move(state));
 }
 
-void World::set_start_frame(synth::Frame frame) { impl_->timeline.start = frame; }
+void World::set_start_frame(synth::Frame frame) { state_->timeline.start = frame; }
 
-void World::set_sample_rate(double sample_rate_hz) { impl_->timeline.sample_rate_hz = sample_rate_hz; }
+void World::set_sample_rate(double sample_rate_hz) { state_->timeline.sample_rate_hz = sample_rate_hz; }
 
 StepReport World::step() {
-  Impl& w = *impl_;
-  w.events.clear();
-  w.notices.clear();
-  w.leanings.clear();
-  w.dropped_events = w.dropped_contacts = 0;
-  for (w.part = 0; w.part < w.parts; ++w.part) w.do_part();
-  w.part = 0;
-  ++w.steps;
-  return {w.events, w.leanings, w.notices, w.dropped_events, w.dropped_contacts};
+  State& state = *state_;
+  state.events.clear();
+  state.notices.clear();
+  state.rest_dampings.clear();
+  state.dropped_events = state.dropped_contacts = 0;
+  for (state.part = 0; state.part < state.parts; ++state.part) state.do_part();
+  state.part = 0;
+  ++state.steps;
+  return {state.events, state.rest_dampings, state.notices, state.dropped_events, state.dropped_contacts};
 }
 
 bool World::sounds() const {
-  return std::ranges::any_of(impl_->bodies, [](const auto& entry) { return entry.second.object.has_value(); });
+  return std::ranges::any_of(state_->store.bodies(), [](const auto& entry) { return entry.second.object.has_value(); });
 }
 
-bool World::telling() const { return impl_->sounding.telling(); }
+bool World::has_lasting_contacts() const { return state_->sounds.has_lasting(); }
 
-double World::time_s() const { return impl_->time_s(); }
-double World::step_s() const { return impl_->step_s; }
+double World::time_s() const { return state_->time_s(); }
+double World::step_s() const { return state_->step_s; }
 
 Result<BodyId> World::spawn(BodyDescription body) {
-  if (!body.object.empty() && !impl_->find(body.object)) {
+  if (!body.object.empty() && !state_->store.find_object(body.object)) {
     return fail(ErrorKind::bad_input, "cannot spawn: no object " + ringdown::quoted(body.object) + " is loaded");
   }
-  body.name += "-" + std::to_string(impl_->next_id);
-  return impl_->add(std::move(body), true);
+  body.name += "-" + std::to_string(state_->store.next_id());
+  return state_->add(std::move(body), true);
 }
 
 void World::clear_spawned() {
   std::vector<BodyId> spawned;
-  for (const auto& [id, body] : impl_->bodies) {
+  for (const auto& [id, body] : state_->store.bodies()) {
     if (body.spawned) spawned.push_back(id);
   }
-  for (const BodyId id : spawned) impl_->remove(id);
+  for (const BodyId id : spawned) state_->remove(id);
 }
 
 void World::clear() {
-  while (!impl_->bodies.empty()) impl_->remove(impl_->bodies.begin()->first);
+  while (!state_->store.bodies().empty()) state_->remove(state_->store.bodies().begin()->first);
 }
 
 Result<void> World::set_object(const SoundingObject& object) {
-  Impl& w = *impl_;
   if (!object.bank) return fail(ErrorKind::bad_input, "object " + ringdown::quoted(object.name) + " has no bank");
-  std::map<BodyId, Solid> rebuilt;
-  for (const auto& [id, body] : w.bodies) {
-    if (body.description.object != object.name) continue;
-    Result<Solid> solid = make_solid(body.description, object.bank.get(), w.scale_of(object.name));
-    if (!solid)
-      return fail(solid.error().kind, "body " + ringdown::quoted(body.description.name) + ": " + solid.error().message);
-    rebuilt.emplace(id, std::move(*solid));
-  }
-  std::erase_if(w.objects, [&](const SoundingObject& known) { return known.name == object.name; });
-  w.objects.push_back(object);
-  for (const auto& [id, solid] : rebuilt) {
-    Body& body = w.bodies.at(id);
+  const auto solids = state_->store.solids_of(object);
+  if (!solids) return fail(solids.error());
+  state_->store.put_object(object);
+  for (const auto& [id, solid] : *solids) {
+    Body& body = state_->store.bodies().at(id);
     body.object = object.number;
-    // The object's frame stays where it is; the centre of mass moves inside it.
-    body.motion.position_m =
-        body.motion.position_m + to_matrix(body.motion.rotation) * (solid.mass.center_m - body.mass.center_m);
-    body.mass = solid.mass;
-    body.size_m = size_of(solid.shape);
-    if (body.waiting) {
-      body.waiting = solid;
-    } else {
-      w.put(id, body, solid);
-    }
+    state_->store.reshape(body, solid);
+    if (!body.waiting) state_->put(id, body, solid);
   }
   return {};
 }
 
 void World::remove_object(synth::ObjectNumber number) {
-  std::erase_if(impl_->objects, [&](const SoundingObject& known) { return known.number == number; });
-  impl_->sounding.silence(number);
-  for (auto& [id, body] : impl_->bodies) {
-    if (body.object == number) body.object.reset();
-  }
+  state_->sounds.silence(number);
+  state_->store.remove_object(number);
 }
 
-Result<void> World::push(BodyId body, Vec3 impulse_ns) {
-  const auto found = impl_->bodies.find(body);
-  if (found == impl_->bodies.end())
-    return fail(ErrorKind::bad_input, "cannot push: the scene has no body " + std::to_string(body));
-  const std::string who = "body " + ringdown::quoted(found->second.description.name);
+Result<void> World::push(BodyId id, Vec3 impulse_ns) {
+  auto& bodies = state_->store.bodies();
+  const auto found = bodies.find(id);
+  if (found == bodies.end())
+    return fail(ErrorKind::bad_input, "cannot push: the scene has no body " + std::to_string(id));
+  Body& body = found->second;
+  const std::string who = "body " + ringdown::quoted(body.description.name);
   if (!within(impulse_ns, range::kPush_ns))
     return fail(ErrorKind::bad_input, "cannot push " + who + ": the impulse is not a number or too large");
-  if (found->second.description.fixed) return fail(ErrorKind::refused, "cannot push " + who + ": it is fixed");
-  if (found->second.waiting)
-    return fail(ErrorKind::refused, "cannot push " + who + ": it has not entered the scene yet");
-  Motion& motion = found->second.motion;
-  motion.velocity_m_s = motion.velocity_m_s + (1 / found->second.mass.mass_kg) * impulse_ns;
-  impl_->simulation.set_motion(body, motion);
+  if (body.description.fixed) return fail(ErrorKind::refused, "cannot push " + who + ": it is fixed");
+  if (body.waiting) return fail(ErrorKind::refused, "cannot push " + who + ": it has not entered the scene yet");
+  body.motion.velocity_m_s = body.motion.velocity_m_s + (1 / body.mass.mass_kg) * impulse_ns;
+  state_->simulation.set_motion(id, body.motion);
   return {};
 }
 
 std::vector<BodyState> World::bodies() const {
   std::vector<BodyState> states;
-  for (const auto& [id, body] : impl_->bodies) {
+  for (const auto& [id, body] : state_->store.bodies()) {
     const Motion& motion = body.motion;
-    const bool sounds = body.object.has_value();
     const Vec3 origin = motion.position_m - to_matrix(motion.rotation) * body.mass.center_m;
-    states.push_back({id, body.description.name, sounds ? body.description.object : "", origin, motion.rotation,
+    states.push_back({id, body.description.name, body.object ? body.description.object : "", origin, motion.rotation,
                       motion.position_m, motion.velocity_m_s, motion.spin_rad_s, body.description.fixed,
                       body.waiting.has_value()});
   }
@@ -153,7 +337,7 @@ std::vector<BodyState> World::bodies() const {
 
 std::vector<BodyOutline> World::describe() const {
   std::vector<BodyOutline> outlines;
-  for (const auto& [id, body] : impl_->bodies) {
+  for (const auto& [id, body] : state_->store.bodies()) {
     const BodyDescription& d = body.description;
     outlines.push_back({id, d.name, body.object ? d.object : "", d.shape.type, body.size_m, d.fixed});
   }

@@ -61,7 +61,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   auto world = scene::World::create(*description, objects, mixer.sample_rate_hz());
   if (!world) return fail(world.error().kind, path.string() + ": " + world.error().message);
 
-  std::vector<scene::Leaning> lifted;
+  std::vector<scene::RestDamping> lifted;
   {
     const std::scoped_lock lock(mutex_);
     lifted = end_contacts();
@@ -121,7 +121,7 @@ Result<scene::BodyId> ScenePlayer::spawn(const protocol::SpawnSphere& sphere) {
 }
 
 Result<void> ScenePlayer::clear() {
-  std::vector<scene::Leaning> lifted;
+  std::vector<scene::RestDamping> lifted;
   {
     const std::scoped_lock lock(mutex_);
     if (!world_) return no_scene();
@@ -171,35 +171,37 @@ void ScenePlayer::object_freed(synth::ObjectNumber number) {
 }
 
 void ScenePlayer::advance_to(Frame frame, std::optional<Frame> slack) {
-  std::vector<scene::Leaning> leanings;
+  std::vector<scene::RestDamping> dampings;
   {
     const std::scoped_lock lock(mutex_);
     if (!world_) return;
     if (playing_.paused || !matters()) return move_start(frame - told_until());
     if (slack) slow_down(frame - told_until() - *slack);
-    while (told_until() < frame && matters()) take(world_->step(), leanings);
+    while (told_until() < frame && matters()) take(world_->step(), dampings);
   }
-  lean(leanings);
+  lean(dampings);
 }
 
-bool ScenePlayer::matters() const { return world_->telling() || (body_count_ > 0 && (watched_ || world_->sounds())); }
+bool ScenePlayer::matters() const {
+  return world_->has_lasting_contacts() || (body_count_ > 0 && (watched_ || world_->sounds()));
+}
 
 // No body, no contact: what is being told of would otherwise sound on until it times out, and what rests would damp on.
-std::vector<scene::Leaning> ScenePlayer::end_contacts() {
-  std::vector<scene::Leaning> leanings;
-  if (!world_) return leanings;
+std::vector<scene::RestDamping> ScenePlayer::end_contacts() {
+  std::vector<scene::RestDamping> dampings;
+  if (!world_) return dampings;
   world_->clear();
-  while (world_->telling()) take(world_->step(), leanings);
-  leanings.clear();
-  scene::Leaning nothing;
+  while (world_->has_lasting_contacts()) take(world_->step(), dampings);
+  dampings.clear();
+  scene::RestDamping nothing;
   for (std::uint32_t number = modal::kFirstSceneDamper; number < modal::kMaxDampers; ++number) {
     nothing.dampers[number] = {};
   }
   for (const synth::ObjectNumber object : std::exchange(leaned_on_, {})) {
     nothing.object = object;
-    leanings.push_back(nothing);
+    dampings.push_back(nothing);
   }
-  return leanings;
+  return dampings;
 }
 
 void ScenePlayer::change_sample_rate(double sample_rate_hz) {
@@ -240,10 +242,10 @@ void ScenePlayer::move_start(Frame later) {
 }
 
 // What the scene lays on objects, or takes away. Without the lock: a worker that waits for it could not do this either.
-void ScenePlayer::lean(const std::vector<scene::Leaning>& leanings) {
-  for (const scene::Leaning& leaning : leanings) {
-    const auto hold = [this, leaning] {
-      if (const auto held = rack_.set_dampers({.number = leaning.object}, leaning.dampers, leaning.frame); !held)
+void ScenePlayer::lean(const std::vector<scene::RestDamping>& dampings) {
+  for (const scene::RestDamping& damping : dampings) {
+    const auto hold = [this, damping] {
+      if (const auto held = rack_.set_dampers({.number = damping.object}, damping.dampers, damping.frame); !held)
         ++dropped_;
     };
     if (!post_) {
@@ -254,15 +256,15 @@ void ScenePlayer::lean(const std::vector<scene::Leaning>& leanings) {
   }
 }
 
-void ScenePlayer::take(const scene::StepReport& report, std::vector<scene::Leaning>& leanings) {
+void ScenePlayer::take(const scene::StepReport& report, std::vector<scene::RestDamping>& dampings) {
   dropped_ += report.dropped_events;
   if (sink_) {
     dropped_ += sink_(report);
   } else {
     for (const Event& event : report.events) dropped_ += !rack_.push(synth::Producer::scene, event);
-    for (const scene::Leaning& leaning : report.leanings) {
-      leaned_on_.insert(leaning.object);
-      leanings.push_back(leaning);
+    for (const scene::RestDamping& damping : report.rest_dampings) {
+      leaned_on_.insert(damping.object);
+      dampings.push_back(damping);
     }
   }
   for (const std::string& notice : report.notices) rack_.warn("scene: " + notice);

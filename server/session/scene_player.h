@@ -103,10 +103,10 @@ class ScenePlayer {
   [[nodiscard]] synth::Frame told_until() const;  // no event to come lies before it
   void move_start(synth::Frame later);
   void slow_down(synth::Frame by);
-  void take(const scene::StepReport& report, std::vector<scene::Leaning>& leanings);
+  void take(const scene::StepReport& report, std::vector<scene::RestDamping>& dampings);
   [[nodiscard]] bool matters() const;
-  [[nodiscard]] std::vector<scene::Leaning> end_contacts();
-  void lean(const std::vector<scene::Leaning>& leanings);
+  [[nodiscard]] std::vector<scene::RestDamping> end_contacts();
+  void lean(const std::vector<scene::RestDamping>& dampings);
 
   Rack& rack_;
   Sink sink_;

@@ -168,7 +168,7 @@ struct Corner {
     body.rotation = scene::about({1, 2, 0.3}, 0.6);
     scene = scene_of({body}, restitution);
     scene.step_s = 1.0 / 2000;
-    for (scene::Surface* surface : {&scene.bodies[0].surface, &scene.statics[0].surface}) {
+    for (scene::FrictionSurface* surface : {&scene.bodies[0].surface, &scene.statics[0].surface}) {
       surface->friction = friction;
       surface->rolling_m = 0;
     }

@@ -14,15 +14,17 @@ constexpr double kStep_s = 0.001, kRepeat_s = 0.01;
 constexpr BodyPair kPair{1, 2};
 
 // Presses with 3 N and slides at this speed.
-Touching sliding(double slip_m_s) { return {.pair = kPair, .impulse_ns = {0, 0, 3 * kStep_s}, .slip_m_s = slip_m_s}; }
+PairContact sliding(double slip_m_s) {
+  return {.pair = kPair, .impulse_ns = {0, 0, 3 * kStep_s}, .slip_m_s = slip_m_s};
+}
 
-// Feeds one step; returns how many tellings it gave, of which `last` keeps the last.
-std::size_t step(ContactLives& lives, const std::optional<Touching>& touching, double& now_s, Telling& last) {
-  if (touching) lives.touch(*touching, now_s);
-  const auto tellings = lives.advance(now_s);
-  if (!tellings.empty()) last = tellings.back();
+// Feeds one step; returns how many reports it gave, of which `last` keeps the last.
+std::size_t step(ContactLives& lives, const std::optional<PairContact>& contact, double& now_s, ContactReport& last) {
+  if (contact) lives.add(*contact, now_s);
+  const auto reports = lives.advance(now_s);
+  if (!reports.empty()) last = reports.back();
   now_s += kStep_s;
-  return tellings.size();
+  return reports.size();
 }
 
 TEST(Blows, AContactIsOneBlowAtItsBeginningAndNoneWhileItChatters) {
@@ -43,7 +45,7 @@ TEST(Blows, AMuchFasterBlowIsHeardAtOnce) {
 
 TEST(Lasting, ALastingContactIsToldEveryFourMillisecondsWithItsMeanForceAndEndsOnce) {
   ContactLives lives(kRepeat_s, kStep_s);
-  Telling last;
+  ContactReport last;
   double now_s = 0;
   std::size_t told = 0;
   for (int k = 0; k < 100; ++k) told += step(lives, sliding(0.2), now_s, last);
@@ -61,7 +63,7 @@ TEST(Lasting, ALastingContactIsToldEveryFourMillisecondsWithItsMeanForceAndEndsO
 
 TEST(Lasting, RestIsSilentAndDoesNotFlicker) {
   ContactLives lives(kRepeat_s, kStep_s);
-  Telling last;
+  ContactReport last;
   double now_s = 0;
   std::size_t told = 0;
   for (int k = 0; k < 100; ++k) told += step(lives, sliding(0.9 * kMinContactSpeed_m_s), now_s, last);
@@ -77,13 +79,13 @@ TEST(Lasting, RestIsSilentAndDoesNotFlicker) {
 
 TEST(Lasting, ChatterIsOneLastingContactOfTheMeanForce) {
   ContactLives lives(kRepeat_s, kStep_s);
-  Telling last;
+  ContactReport last;
   double now_s = 0;
   int begun = 0, ended = 0;
   for (int k = 0; k < 400; ++k) {
-    Touching touching = sliding(0.2);
-    touching.impulse_ns.z *= 2;
-    if (step(lives, k % 2 ? std::optional(touching) : std::nullopt, now_s, last) == 0) continue;
+    PairContact contact = sliding(0.2);
+    contact.impulse_ns.z *= 2;
+    if (step(lives, k % 2 ? std::optional(contact) : std::nullopt, now_s, last) == 0) continue;
     begun += last.begins;
     ended += last.ends;
     EXPECT_NEAR(last.force_n.z, 3, 1e-9) << "6 N half of the time";
@@ -95,17 +97,17 @@ TEST(Lasting, ChatterIsOneLastingContactOfTheMeanForce) {
 // A ball of this radius on a plane, both seen from the world: it moves at `velocity` and spins at `spin`.
 double roll_of_ball(double radius, double velocity, double spin) {
   ContactLives lives(kRepeat_s, kStep_s);
-  Telling last;
+  ContactReport last;
   double now_s = 0;
   for (int k = 0; k < 80; ++k) {
-    Touching touching = sliding(std::abs(velocity - radius * spin));
-    touching.point_m = {velocity * now_s, 0, 0};
-    touching.first = {.position_m = {velocity * now_s, 0, radius},
-                      .rotation = about({0, 1, 0}, spin * now_s),
-                      .velocity_m_s = {velocity, 0, 0},
-                      .spin_rad_s = {0, spin, 0}};
-    touching.most_roll_m_s = radius * std::abs(spin);
-    step(lives, touching, now_s, last);
+    PairContact contact = sliding(std::abs(velocity - radius * spin));
+    contact.point_m = {velocity * now_s, 0, 0};
+    contact.first = {.position_m = {velocity * now_s, 0, radius},
+                     .rotation = about({0, 1, 0}, spin * now_s),
+                     .velocity_m_s = {velocity, 0, 0},
+                     .spin_rad_s = {0, spin, 0}};
+    contact.most_roll_m_s = radius * std::abs(spin);
+    step(lives, contact, now_s, last);
   }
   return last.roll_m_s;
 }

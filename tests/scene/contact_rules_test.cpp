@@ -27,8 +27,8 @@ TEST(SoftConstraint, ASpringAloneCorrectsEverythingAndADamperAloneNothing) {
   EXPECT_DOUBLE_EQ(soft_constraint(0, 50, 0.01).erp, 0);
 }
 
-Surface surface(double restitution, double friction, std::optional<double> contact_time_s) {
-  Surface made;
+FrictionSurface surface(double restitution, double friction, std::optional<double> contact_time_s) {
+  FrictionSurface made;
   made.restitution = restitution;
   made.friction = friction;
   made.contact_time_s = contact_time_s;
@@ -50,7 +50,7 @@ TEST(Surface, TheContactTimeOfOneSurfaceIsEnoughAndNoneIsNone) {
 }
 
 TEST(Surface, VariancesOfTexturesAdd) {
-  Surface rough, fine;
+  FrictionSurface rough, fine;
   rough.texture = {4e-6, 1e-4, -2};
   fine.texture = {3e-6, 2e-5, -3};
   const synth::Texture sum = combine(rough, fine).texture;

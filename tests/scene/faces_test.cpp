@@ -31,7 +31,7 @@ TEST(Faces, FacesOfABoxAreSixWhetherMadeOfTrianglesOrNot) {
 
 TEST(Faces, FacesOfTwoBoxesShareTheRectangleWhereOneLiesOnTheOther) {
   const auto faces = box_faces({2, 2, 2});
-  const Placed lower{faces, kStraight, {0, 0, 0}}, upper{faces, kStraight, {0.5, -0.25, 1.99}};
+  const PosedFaces lower{faces, kStraight, {0, 0, 0}}, upper{faces, kStraight, {0.5, -0.25, 1.99}};
   const FaceContact contact = share_of_faces(upper, lower, {0, 0, 1});
   ASSERT_EQ(contact.points.size(), 4u);
   double least_x = 9, most_x = -9, least_y = 9, most_y = -9;
@@ -50,22 +50,22 @@ TEST(Faces, FacesOfTwoBoxesShareTheRectangleWhereOneLiesOnTheOther) {
 
 TEST(Faces, TheNormalOfSharedFacesPointsIntoTheFirstOfTheTwo) {
   const auto faces = box_faces({2, 2, 2});
-  const Placed lower{faces, kStraight, {0, 0, 0}}, upper{faces, kStraight, {0.5, -0.25, 1.99}};
+  const PosedFaces lower{faces, kStraight, {0, 0, 0}}, upper{faces, kStraight, {0.5, -0.25, 1.99}};
   EXPECT_NEAR(share_of_faces(lower, upper, {0, 0, -1}).normal.z, -1, 1e-12);
 }
 
 TEST(Faces, FacesTurnedByAnEighthShareAnOctagon) {
   const auto faces = box_faces({2, 2, 2});
-  const Placed lower{faces, kStraight, {0, 0, 0}};
-  const Placed upper{faces, to_matrix(about({0, 0, 1}, std::acos(-1.0) / 4)), {0, 0, 1.999}};
+  const PosedFaces lower{faces, kStraight, {0, 0, 0}};
+  const PosedFaces upper{faces, to_matrix(about({0, 0, 1}, std::acos(-1.0) / 4)), {0, 0, 1.999}};
   const FaceContact contact = share_of_faces(upper, lower, {0, 0, 1});
   EXPECT_EQ(contact.points.size(), 8u);
 }
 
 TEST(Faces, FacesOnACornerOrAnEdgeShareNothing) {
   const auto faces = box_faces({2, 2, 2});
-  const Placed lower{faces, kStraight, {0, 0, 0}};
-  const Placed upper{faces, to_matrix(about({0, 1, 0}, 0.6)), {1.9, 0, 1.9}};
+  const PosedFaces lower{faces, kStraight, {0, 0, 0}};
+  const PosedFaces upper{faces, to_matrix(about({0, 1, 0}, 0.6)), {1.9, 0, 1.9}};
   EXPECT_TRUE(share_of_faces(upper, lower, (1 / std::sqrt(2.0)) * Vec3{1, 0, 1}).points.empty());
 }
 

@@ -62,7 +62,7 @@ TEST(Hertz, ARodStruckAtItsEndFeelsAQuarterOfItsMass) {
 }
 
 // The contact time of a ball of steel (or what `surface` says) that falls on a plane of steel.
-double landing_time(double radius, double height, const Surface& surface) {
+double landing_time(double radius, double height, const FrictionSurface& surface) {
   BodyDescription ball = test::body_of("ball", ShapeType::sphere, {0, 0, radius + height});
   ball.shape.radius_m = radius;
   ball.density_kg_m3 = 7800;
@@ -76,8 +76,8 @@ double landing_time(double radius, double height, const Surface& surface) {
   return strikes.empty() ? 0 : strikes.front().contact_time_s;
 }
 
-Surface of(const Elastic& material) {
-  Surface surface;
+FrictionSurface of(const Elastic& material) {
+  FrictionSurface surface;
   surface.young_pa = material.young_pa;
   surface.poisson = material.poisson;
   return surface;
@@ -103,7 +103,7 @@ TEST(ContactTime, SoftHeavyAndSlowContactsAreLonger) {
 }
 
 TEST(ContactTime, AContactTimeGivenOnASurfaceStandsAgainstHertz) {
-  Surface surface = of(kRubber);
+  FrictionSurface surface = of(kRubber);
   surface.contact_time_s = 0.0001;
   EXPECT_EQ(landing_time(0.01, 0.2, surface), 0.0001);
 }

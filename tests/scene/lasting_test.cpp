@@ -77,7 +77,7 @@ TEST(Sliding, SlidingStopsAfterCoulombsDistanceInEveryDirection) {
 TEST(Sliding, SlidingInLongStepsIsToldAsOftenAsInShortOnes) {
   World world = slider({3, 0, 0}, 0.3, 1.0 / 100);
   const auto told = contacts(world, 0.5);
-  EXPECT_NEAR(static_cast<double>(told.size()), 0.5 / kTellEvery_s, 2);
+  EXPECT_NEAR(static_cast<double>(told.size()), 0.5 / kReportEvery_s, 2);
 }
 
 constexpr double kRadius = 0.02;

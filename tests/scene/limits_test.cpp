@@ -1,4 +1,6 @@
 // A scene's capacities: at the limit all is well, one past it is refused or counted.
+#include "engine/scene/contact_joints.h"
+#include "engine/scene/lasting_events.h"
 #include "tests/scene/box_bank.h"
 
 #include <gtest/gtest.h>
@@ -45,7 +47,7 @@ StepReport first_heard(World& world) {
   return report;
 }
 
-TEST(Limits, AStepHearsSoManyStrikesAndCountsTheNext) {
+TEST(Limits, AStepReportsStrikesUpToTheLimitAndCountsTheRest) {
   constexpr std::size_t kPairs = kMaxEventsPerStep / 2;
   static_assert(2 * kPairs <= kMaxBodies);
   for (const bool one_more : {false, true}) {
@@ -64,7 +66,7 @@ TEST(Limits, AStepHearsSoManyStrikesAndCountsTheNext) {
 }
 
 // Each box meets the floor with four corners, and the first one, perhaps, a wall with four more.
-TEST(Limits, AStepHoldsSoManyContactsAndCountsThoseBeyond) {
+TEST(Limits, AStepHoldsContactsUpToTheLimitAndCountsTheRest) {
   constexpr std::size_t kBoxes = kMaxContactsPerStep / 4;
   static_assert(kBoxes <= kMaxBodies);
   for (const bool more : {false, true}) {
@@ -86,7 +88,7 @@ TEST(Limits, AStepHoldsSoManyContactsAndCountsThoseBeyond) {
   }
 }
 
-TEST(Limits, ASceneNamesSoManyObjectsAndNotOneMore) {
+TEST(Limits, ASceneMayNameObjectsUpToTheLimitAndNoMore) {
   SceneDescription scene = scene_of({});
   std::vector<SoundingObject> known;
   for (std::size_t k = 0; k < kMaxObjects; ++k) {
@@ -104,7 +106,7 @@ TEST(Limits, ASceneNamesSoManyObjectsAndNotOneMore) {
   EXPECT_NE(refused.error().message.find(std::to_string(kMaxObjects)), std::string::npos) << refused.error().message;
 }
 
-TEST(Limits, SoManyStaticsAndNotOneMore) {
+TEST(Limits, ASceneMayHaveStaticsUpToTheLimitAndNoMore) {
   SceneDescription scene = scene_of({});
   while (scene.statics.size() < kMaxStatics) {
     scene.statics.push_back(scene.statics.front());

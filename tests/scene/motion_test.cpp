@@ -52,7 +52,7 @@ TEST(Motion, FreeTumblingConservesAngularMomentumAndEnergy) {
   EXPECT_TRUE(turned_over);
 }
 
-TEST(Motion, SmallWobblePeriodFollowsFromTheMoments) {
+TEST(Motion, ThePeriodOfASmallWobbleFollowsFromTheMoments) {
   // Euler's equations about the axis of the smallest moment: the transverse spin turns in the body's frame at
   // w3 sqrt((I1 - I3)(I2 - I3) / (I1 I2)).
   const double w3 = 20;

@@ -25,12 +25,12 @@ struct Heard {
 
   void run(World& world, double seconds) {
     for (const double end = world.time_s() + seconds; world.time_s() < end;) {
-      for (const Leaning& leaning : world.step().leanings) {
+      for (const RestDamping& damping : world.step().rest_dampings) {
         ++times;
-        for (const auto& [number, damper] : leaning.dampers) {
+        for (const auto& [number, damper] : damping.dampers) {
           EXPECT_GE(number, modal::kFirstSceneDamper);
           EXPECT_LT(number, modal::kMaxDampers);
-          auto& all = dampers[leaning.object];
+          auto& all = dampers[damping.object];
           if (damper.damping_ns_m > 0) {
             all[number] = damper;
           } else {

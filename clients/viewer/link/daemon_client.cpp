@@ -32,17 +32,10 @@ constexpr auto kTick = 20ms;
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-<<<<<<< HEAD
-// On a thread of its own: a name server may take half a minute, and nobody shall wait for it, not even at the end.
+// Resolves on a thread of its own: a name server may take half a minute, and even the destructor must not wait for it.
 std::future<Result<wire::Endpoint>> resolve_apart(wire::OscUrl url) {
   std::packaged_task<Result<wire::Endpoint>()> task(
       [url = std::move(url)] { return wire::resolve(url.host, url.port); });
-=======
-// Resolves on a thread of its own: a name server may take half a minute, and even the destructor must not wait for it.
-std::future<Result<server::Endpoint>> resolve_apart(server::OscUrl url) {
-  std::packaged_task<Result<server::Endpoint>()> task(
-      [url = std::move(url)] { return server::resolve(url.host, url.port); });
->>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
   auto answer = task.get_future();
   std::thread(std::move(task)).detach();
   return answer;
@@ -99,19 +92,11 @@ struct DaemonClient::Connection {
   double state_since_s_ = now_s();
 
   std::string url_;
-<<<<<<< HEAD
   std::optional<wire::OscUrl> parsed_;
   std::future<Result<wire::Endpoint>> resolving_;
-  std::optional<wire::OscSocket> socket_;  // made and unmade under the mutex
+  std::optional<wire::OscSocket> socket_;  // created and destroyed under the mutex
   wire::Endpoint daemon_;
   wire::Datagram datagram_;
-=======
-  std::optional<server::OscUrl> parsed_;
-  std::future<Result<server::Endpoint>> resolving_;
-  std::optional<server::OscSocket> socket_;  // created and destroyed under the mutex
-  server::Endpoint daemon_;
-  server::Datagram datagram_;
->>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
   bool subscribed_ = false;
   double looked_up_s_ = 0, began_s_ = 0, status_asked_s_ = 0, subscription_asked_s_ = 0, heard_s_ = 0, noticed_s_ = 0;
 
@@ -166,13 +151,8 @@ void DaemonClient::Connection::look_up() {
   say(Kind::away, "No daemon is at " + url_ + ": " + daemon.error().message);
 }
 
-<<<<<<< HEAD
-void DaemonClient::Line::bind(wire::Endpoint daemon) {
-  // A daemon on this computer is asked from loopback; for another one, any of our addresses must do.
-=======
-void DaemonClient::Connection::bind(server::Endpoint daemon) {
+void DaemonClient::Connection::bind(wire::Endpoint daemon) {
   // A daemon on this computer is reached through loopback, any other daemon through whatever address routes to it.
->>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
   const bool local = daemon.address >> 24 == 127;
   auto socket = wire::OscSocket::bind({local ? daemon.address : 0, 0});
   if (!socket) return say(Kind::away, "Cannot talk to a daemon: " + socket.error().message);
@@ -192,15 +172,9 @@ void DaemonClient::Connection::part() {
   replies_.clear();
 }
 
-<<<<<<< HEAD
-void DaemonClient::Line::transmit(const Request& request) {
-  // What does not arrive shows in the answers that do not come.
-  static_cast<void>(socket_->send_to(daemon_, wire::encode(protocol::format(request))));
-=======
 void DaemonClient::Connection::transmit(const Request& request) {
   // A request that is lost shows in the missing answer.
-  static_cast<void>(socket_->send_to(daemon_, server::encode(protocol::format(request))));
->>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
+  static_cast<void>(socket_->send_to(daemon_, wire::encode(protocol::format(request))));
 }
 
 void DaemonClient::Connection::send_queued() {
@@ -234,11 +208,7 @@ void DaemonClient::Connection::listen() {
   }
 }
 
-<<<<<<< HEAD
-void DaemonClient::Line::take(const wire::Datagram& datagram) {
-=======
-void DaemonClient::Connection::take(const server::Datagram& datagram) {
->>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
+void DaemonClient::Connection::take(const wire::Datagram& datagram) {
   if (datagram.from != daemon_) return;
   const auto messages = wire::decode_packet(datagram.bytes);
   if (!messages) return;

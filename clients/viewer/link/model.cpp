@@ -1,11 +1,5 @@
 #include "clients/viewer/link/model.h"
 
-<<<<<<< HEAD
-#include "protocol/wire/floats.h"
-
-#include <algorithm>
-=======
->>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
 #include <string_view>
 #include <utility>
 
@@ -140,60 +134,9 @@ void Model::on(const protocol::NotifyPeak& notice, double now_s) {
   }
 }
 
-<<<<<<< HEAD
-void Model::on(const protocol::NotifyObjectPeak& reply, double now_s) {
-  if (KnownObject* object = find(reply.object)) {
-    object->peak = reply.peak;
-    object->peak_at_s = now_s;
-  }
-}
-
-void Model::on(const protocol::NotifyLoad& reply, double) { load_ = reply; }
-
-void Model::on(const protocol::NotifySound& reply, double now_s) {
-  sound_at_s_ = now_s;
-  if (sound_wanted_) sound_.take(reply);
-}
-
-void Model::on(const protocol::NotifyModes& reply, double now_s) {
-  KnownObject* object = find(reply.object);
-  if (!object || reply.first < 0) return;
-  const auto modes = std::min(static_cast<std::size_t>(std::max(0, object->modes)), kMaxModes);
-  const std::vector<float> told = wire::decode_floats(reply.amplitudes);
-  if (static_cast<std::size_t>(reply.first) + told.size() > modes) return;
-  object->amplitudes.resize(modes);
-  std::ranges::copy(told, object->amplitudes.begin() + reply.first);
-  object->amplitudes_at_s = now_s;
-}
-
-void Model::on(const protocol::BrowseReply& reply, double) {
-  if (browse_.complete) return;
-  if (browse_.files && *browse_.files != reply.files) browse_.found.clear();
-  browse_.files = reply.files;
-  finish_browsing();
-}
-
-void Model::on(const protocol::BrowseFile& reply, double) {
-  if (browse_.complete || browse_.found.size() == kMaxFiles) return;
-  browse_.found.insert_or_assign(reply.number, reply);
-  finish_browsing();
-}
-
-void Model::finish_browsing() {
-  if (!browse_.files) return;
-  if (browse_.found.size() < std::min(static_cast<std::size_t>(std::max(0, *browse_.files)), kMaxFiles)) return;
-  scene_files_.clear();
-  bank_files_.clear();
-  for (const auto& [number, file] : browse_.found) {
-    if (file.kind == "scene") scene_files_.push_back(file.path);
-    if (file.kind == "bank") bank_files_.push_back(file.path);
-  }
-  browse_ = {.complete = true};
-=======
 void Model::on(const protocol::NotifySound& notice, double now_s) {
   sound_watch_.note_piece(now_s);
   if (sound_watch_.wanted()) sound_.take(notice);
->>>>>>> d899521 (Viewer: the model, the commands and the renderer are made of parts; fewer files, and full sentences)
 }
 
 }  // namespace ringdown::viewer

@@ -17,7 +17,8 @@ using Log = std::array<char, 512>;
 Error refused(const char* name, const char* what, const Log& log) {
   std::string said(log.data());
   std::replace(said.begin(), said.end(), '\n', ' ');
-  return {std::string("this OpenGL driver refuses ") + what + " of '" + name + "' (" + said + "); try another driver"};
+  return {ErrorKind::refused,
+          std::string("this OpenGL driver refuses ") + what + " of '" + name + "' (" + said + "); try another driver"};
 }
 
 Result<GlObject> compile(const char* name, GLenum kind, const std::string& source) {

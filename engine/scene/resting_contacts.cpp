@@ -1,4 +1,4 @@
-#include "engine/scene/rests.h"
+#include "engine/scene/resting_contacts.h"
 
 #include "engine/scene/rotation.h"
 
@@ -9,24 +9,24 @@
 namespace ringdown::scene {
 namespace {
 
-constexpr double kNoticed = 1.0 / 3;  // a smaller change of force, or of place over size, is not worth telling
+constexpr double kNoticed = 1.0 / 3;  // smaller relative changes of force or position are not reported
 
-Vec3 middle(const Rest& rest) {
+Vec3 mean_point(const RestingContact& rest) {
   Vec3 sum;
-  for (const Rest::Point& point : rest.points) sum = sum + point.point_m;
+  for (const RestingContact::Point& point : rest.points) sum = sum + point.point_m;
   return (1 / static_cast<double>(rest.points.size())) * sum;
 }
 
-// From the body's centre, in its own axes.
-Vec3 seen_by(const Motion& motion, Vec3 world_m) {
+// A point relative to the body's centre of mass, in the body's axes.
+Vec3 in_body(const Motion& motion, Vec3 world_m) {
   return transpose(to_matrix(motion.rotation)) * (world_m - motion.position_m);
 }
 
-bool differs(const Rest& a, const Rest& b) {
+bool differs(const RestingContact& a, const RestingContact& b) {
   if (std::abs(a.force_n - b.force_n) > kNoticed * std::max(a.force_n, b.force_n)) return true;
   const auto has_moved = [&](BodyId id, const Motion& of_a, const Motion& of_b) {
     if (id >= kFirstStatic) return false;
-    const Vec3 in_a = seen_by(of_a, middle(a)), in_b = seen_by(of_b, middle(b));
+    const Vec3 in_a = in_body(of_a, mean_point(a)), in_b = in_body(of_b, mean_point(b));
     return length(in_a - in_b) > kNoticed * std::max(length(in_a), length(in_b));
   };
   return has_moved(a.pair.first, a.first, b.first) || has_moved(a.pair.second, a.second, b.second);
@@ -34,45 +34,48 @@ bool differs(const Rest& a, const Rest& b) {
 
 }  // namespace
 
-Rests::Rests(double step_s)
+RestingContacts::RestingContacts(double step_s)
     : step_s_(step_s), window_(std::max(2, static_cast<int>(std::lround(kRestWindow_s / step_s)))) {}
 
-void Rests::touch(const Touching& all, std::span<const Touch* const> touches) {
-  Life& life = lives_[all.pair];
+void RestingContacts::add(const PairContact& contact, std::span<const ContactPoint* const> points) {
+  Life& life = lives_[contact.pair];
   life.touches = true;
-  life.moves = life.moves || all.slip_m_s > kMinContactSpeed_m_s || all.most_roll_m_s > kMinContactSpeed_m_s;
-  life.latest.pair = all.pair;
-  life.latest.first = all.first, life.latest.second = all.second;
+  life.moves = life.moves || contact.slip_m_s > kMinContactSpeed_m_s || contact.most_roll_m_s > kMinContactSpeed_m_s;
+  life.latest.pair = contact.pair;
+  life.latest.first = contact.first, life.latest.second = contact.second;
   life.latest.points.clear();
-  for (const Touch* touch : touches) {
-    const double along_ns = dot(touch->impulse_ns, touch->normal);
+  for (const ContactPoint* point : points) {
+    const double along_ns = dot(point->impulse_ns, point->normal);
     if (!(along_ns > 0)) continue;
     life.impulse_ns += along_ns;
-    life.latest.points.push_back({touch->point_m, touch->normal});
+    life.latest.points.push_back({point->point_m, point->normal});
   }
 }
 
-void Rests::note(BodyPair pair) {
+void RestingContacts::note_change(BodyPair pair) {
   changed_.push_back(pair.first);
   changed_.push_back(pair.second);
 }
 
-void Rests::look(BodyPair pair, Life& life) {
+// Decides at the end of a window: a pair rests if it did not slide or roll in the window, touched in at least half of
+// its steps, and pressed on each other. What was reported is replaced only if the force or the position has changed
+// noticeably.
+void RestingContacts::judge(BodyPair pair, Life& life) {
   life.latest.force_n = life.impulse_ns / (life.steps * step_s_);
   const bool rests =
       !life.moves && 2 * life.touched >= life.steps && life.latest.force_n > 0 && !life.latest.points.empty();
-  if (rests && (!life.told || differs(life.latest, *life.told))) {
-    life.told = life.latest;
-    note(pair);
-  } else if (!rests && life.told) {
-    life.told.reset();
-    note(pair);
+  if (rests && (!life.reported || differs(life.latest, *life.reported))) {
+    life.reported = life.latest;
+    note_change(pair);
+  } else if (!rests && life.reported) {
+    life.reported.reset();
+    note_change(pair);
   }
 }
 
-std::span<const BodyId> Rests::advance(std::span<const Moved> moved) {
+std::span<const BodyId> RestingContacts::advance(std::span<const MovedBody> moved) {
   moved_.clear();
-  for (const Moved& one : moved) moved_.push_back(one.id);
+  for (const MovedBody& one : moved) moved_.push_back(one.id);
   std::ranges::sort(moved_);
   const auto has_moved = [this](BodyId id) { return std::ranges::binary_search(moved_, id); };
   for (auto entry = lives_.begin(); entry != lives_.end();) {
@@ -87,7 +90,7 @@ std::span<const BodyId> Rests::advance(std::span<const Moved> moved) {
       ++entry;
       continue;
     }
-    look(pair, life);
+    judge(pair, life);
     const bool over = life.touched == 0;
     life.steps = life.touched = 0;
     life.impulse_ns = 0;
@@ -101,11 +104,11 @@ std::span<const BodyId> Rests::advance(std::span<const Moved> moved) {
   return reported_;
 }
 
-void Rests::remove(BodyId id) {
+void RestingContacts::remove(BodyId id) {
   std::erase_if(lives_, [&](const auto& entry) {
     const auto& [pair, life] = entry;
     const bool goes = pair.first == id || pair.second == id;
-    if (goes && life.told) note(pair);
+    if (goes && life.reported) note_change(pair);
     return goes;
   });
 }

@@ -1,0 +1,68 @@
+// A body or a static as ODE knows it. Callers hold OdeLock. This header only names ODE's types, so that ODE's own
+// headers stay in the .cpp files.
+#pragma once
+
+#include "engine/scene/contact_point.h"
+#include "engine/scene/ode_shape.h"
+
+#include <cstddef>
+#include <memory>
+
+struct dxBody;
+
+namespace ringdown::scene {
+
+struct BodyDeleter {
+  void operator()(dxBody* body) const;
+};
+
+// What Islands (islands.h) notes about a body, and about the island of which the body is the root.
+struct Collider;
+struct IslandState {
+  Collider* parent = nullptr;  // null: in no island; itself: the root of one
+  double before_j = 0;         // kinetic energy before the part of the step
+  Vec3 velocity_m_s;           // before the part
+  bool exempt = false;         // from the energy check
+  // Of the island, kept at its root:
+  bool any_exempt = false;
+  std::size_t contacts = 0;
+  double total_before_j = 0, gained_j = 0;
+};
+
+// A body with its shape, or a static, which is a shape alone. The user data of an ODE geometry points to its Collider.
+struct Collider {
+  BodyId id = 0;
+  FrictionSurface surface;
+  double mass_kg = 0;                    // of a body, like the next two
+  Matrix3 inertia{}, inverse_inertia{};  // in the body's frame [kg m^2]
+  double inner_radius_m = 0;             // of a ball inside the shape; infinite for a plane
+  bool round = false;                    // a sphere
+  bool elastic = true;                   // whether its contacts may bounce
+  bool was_awake = false;                // before the step
+  IslandState island;
+  std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must be destroyed first
+  OdeShape shape;
+
+  [[nodiscard]] bool movable() const;
+  [[nodiscard]] bool awake() const;
+  [[nodiscard]] Motion motion() const;  // of a static: the origin at rest
+  void move(const Motion& motion);      // wakes the body
+  void set_mass(const RigidMass& mass);
+  void add_torque(Vec3 torque_nm);  // for the next part of a step; world axes
+
+  // Everything about a body that a step changes.
+  struct State {
+    Motion motion;
+    Vec3 force_n, torque_nm;
+    bool awake = false;
+  };
+  [[nodiscard]] State state() const;
+  void restore(const State& state);
+};
+
+// The radius of the largest ball about the centre of mass that is known to fit into the shape: for a trimesh or a hull,
+// the distance to the plane of the nearest face.
+double inner_radius(const CollisionShape& shape);
+double inner_radius(const StaticDescription& description);
+
+}  // namespace ringdown::scene

@@ -1,0 +1,85 @@
+// The contacts of a step as ODE's solver sees them: contact points are found, become contact joints, and receive their
+// impulses once the solver has run. Callers hold OdeLock.
+//
+//   joints.begin_step();
+//   joints.begin_part(found_s, part_s);           // a step may be done in
+//   several parts joints.collide(first, second, islands);       // for every
+//   pair of geometries that may touch
+//   ... the solver runs ...
+//   joints.read_impulses();
+//   joints.end_part();                            // or undo_part(), to find
+//   the contacts of the part again
+#pragma once
+
+#include "engine/scene/contact_rules.h"
+#include "engine/scene/islands.h"
+#include "engine/scene/ode_contacts.h"
+#include "engine/scene/rolling.h"
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+struct dxJointGroup;
+struct dxWorld;
+
+namespace ringdown::scene {
+
+inline constexpr std::size_t kMaxContactsPerStep = 4096;
+
+// ODE lets resting bodies overlap by this much. Bodies separated by a rounding error would fall and collide again. [m]
+inline constexpr double kContactLayer_m = 2e-5;
+
+// The largest speed at which overlapping bodies are pushed apart. More would act as a bounce, and create energy. [m/s]
+inline constexpr double kMaxCorrection_m_s = 0.02;
+
+class ContactJoints {
+ public:
+  ContactJoints(dxWorld* world, const SceneDescription& scene);
+  ~ContactJoints();
+  ContactJoints(const ContactJoints&) = delete;
+  ContactJoints& operator=(const ContactJoints&) = delete;
+
+  void begin_step();
+
+  // `found_s` is the time from the beginning of the step to this part, `part_s` the part's length.
+  void begin_part(double found_s, double part_s);
+
+  // Finds the contact points of two geometries, makes a joint for each, and unites the bodies' islands. Where the
+  // contact has a single point or one of the bodies is a sphere, adds rolling resistance.
+  void collide(dxGeom* first, dxGeom* second, Islands& islands);
+
+  // Stores the solver's impulses in the part's contact points.
+  void read_impulses();
+
+  void undo_part();
+  void end_part();
+
+  [[nodiscard]] std::span<const ContactPoint> points() const { return points_; }  // of the step so far
+  [[nodiscard]] std::span<const ContactPoint> part_points() const { return std::span(points_).subspan(part_begin_); }
+  [[nodiscard]] std::size_t dropped() const { return dropped_; }  // points of the step beyond kMaxContactsPerStep
+
+ private:
+  struct Feedback;  // what ODE reports of each joint
+  struct JointGroupDeleter {
+    void operator()(dxJointGroup* joints) const;
+  };
+  void add(Collider& body, Collider& other, const dContactGeom& geom, Islands& islands);
+  [[nodiscard]] Landing land(const Collider& other, double restitution, double approach_m_s,
+                             const dContactGeom& geom) const;
+  [[nodiscard]] double push_speed(double depth_m) const;
+
+  dxWorld* world_;
+  double bounce_threshold_m_s_;
+  Vec3 gravity_m_s2_;
+  double found_s_ = 0, part_s_ = 0;
+  std::unique_ptr<dxJointGroup, JointGroupDeleter> joints_;
+  std::unique_ptr<Feedback> feedback_;
+  std::vector<ContactPoint> points_;
+  std::vector<double> impact_shares_;  // Landing::share of each contact point
+  std::size_t part_begin_ = 0, dropped_ = 0, dropped_before_ = 0;
+  ContactLoads loads_;  // of the part before
+};
+
+}  // namespace ringdown::scene

@@ -1,0 +1,200 @@
+#include "engine/scene/contact_sounds.h"
+
+#include "engine/scene/contact_rules.h"
+#include "engine/scene/hertz.h"
+#include "engine/scene/rotation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+// From the contact points of a step to events, downward:
+//
+// 1. Points are sorted by pair of bodies (process).
+// 2. A pair with a point that approaches faster than the bounce threshold may strike: ContactLives decides whether this
+//    is a new strike or chatter. Every such point becomes a strike event for both objects, and all of them together one
+//    click, the rigid body's own sound (process_pair, strike, click).
+// 3. The points of any other pair are combined into one contact (combine_points), which ContactLives and RestDampings
+//    follow over time.
+// 4. At the end of the step come the reports of lasting contacts (LastingEvents) and the dampers of resting ones.
+namespace ringdown::scene {
+namespace {
+
+// A strike weaker than this (a grain of sand from 1 mm) is not worth an event.
+constexpr double kMinImpulse_ns = 1e-9;
+
+BodyPair pair_of(const ContactPoint& point) { return std::minmax(point.body, point.other); }
+
+Vec3 across(Vec3 v, Vec3 normal) { return v - dot(v, normal) * normal; }
+
+// The contact of a pair: point and normal are means weighted by force. Nothing when no force acts.
+std::optional<PairContact> combine_points(BodyPair pair, std::span<const ContactPoint* const> points,
+                                          const ContactSide& first, const ContactSide& second) {
+  PairContact all{.pair = pair};
+  double weight = 0;
+  Vec3 normals;
+  for (const ContactPoint* point : points) {
+    const double force = length(point->impulse_ns);
+    const bool straight = point->body == pair.first;
+    weight += force;
+    all.point_m = all.point_m + force * point->point_m;
+    all.impulse_ns = all.impulse_ns + (straight ? 1 : -1) * point->impulse_ns;
+    normals = normals + (straight ? force : -force) * point->normal;
+    all.first = straight ? point->of_body : point->of_other;
+    all.second = straight ? point->of_other : point->of_body;
+  }
+  if (!(weight > 0) || !std::isfinite(weight) || !(length(normals) > 0)) return {};
+  all.point_m = (1 / weight) * all.point_m;
+  const Vec3 normal = (1 / length(normals)) * normals;
+  all.slip_m_s = length(across(all.first.velocity_at(all.point_m) - all.second.velocity_at(all.point_m), normal));
+  const double turning = length(across(all.first.spin_rad_s - all.second.spin_rad_s, normal));
+  const auto arm = [&](const ContactSide& side, const Motion& motion) {
+    return side.mass ? length(all.point_m - motion.position_m) : 0.0;
+  };
+  all.most_roll_m_s = turning * std::max(arm(first, all.first), arm(second, all.second));
+  return all;
+}
+
+// How long the two sides touch in an impact: as given by their surfaces, or by Hertz's law (hertz.h) from the mass that
+// each side opposes to the impact, their curvatures and their elasticities.
+double contact_time_s(const ContactSide& body, const ContactSide& other, const ContactPoint& point) {
+  if (const auto given = combine(body.surface, other.surface).contact_time_s) return *given;
+  const auto inverse_mass = [&](const ContactSide& side, const Motion& motion) {
+    if (!side.mass) return 0.0;
+    return inverse_effective_mass(*side.mass, to_matrix(motion.rotation), point.point_m - motion.position_m,
+                                  point.normal);
+  };
+  const double both = inverse_mass(body, point.of_body) + inverse_mass(other, point.of_other);
+  const double time_s = hertz_time(both, relative_radius(body.curvature, other.curvature),
+                                   contact_modulus(body.elastic, other.elastic), point.approach_m_s);
+  return std::min(time_s, range::kContactTime_s.high);
+}
+
+}  // namespace
+
+synth::Frame Timeline::frame(double time_s) const {
+  return start + static_cast<synth::Frame>(std::llround(time_s * sample_rate_hz));
+}
+
+ContactSounds::ContactSounds(const SceneDescription& scene)
+    : step_s_(scene.step_s),
+      bounce_threshold_m_s_(bounce_threshold(scene)),
+      clicks_(scene.contact.clicks),
+      lives_(scene.contact.minimum_repeat_s, scene.step_s),
+      resting_(scene) {
+  events_.events.reserve(kMaxEventsPerStep);
+}
+
+void ContactSounds::set_side(BodyId id, ContactSide side) {
+  if (const ContactSide* before = find(sides_, id)) resting_.side_changed(*before);
+  resting_.side_changed(side);
+  sides_.insert_or_assign(id, std::move(side));
+}
+
+void ContactSounds::remove_side(BodyId id) {
+  if (const ContactSide* side = find(sides_, id)) resting_.side_changed(*side);
+  sides_.erase(id);
+  resting_.remove(id);
+}
+
+void ContactSounds::silence(synth::ObjectNumber object) {
+  for (auto& [id, side] : sides_) {
+    if (side.object == object) side.object.reset();
+  }
+  resting_.silence(object);
+}
+
+std::span<const synth::Event> ContactSounds::process(std::span<const ContactPoint> points,
+                                                     std::span<const MovedBody> moved, double now_s,
+                                                     const Timeline& timeline) {
+  events_.clear();
+  by_pair_.clear();
+  for (const ContactPoint& point : points) by_pair_.push_back(&point);
+  std::ranges::stable_sort(by_pair_, {}, [](const ContactPoint* point) { return pair_of(*point); });
+  for (auto begin = by_pair_.begin(); begin != by_pair_.end();) {
+    const BodyPair pair = pair_of(**begin);
+    const auto is_other = [&](const ContactPoint* point) { return pair_of(*point) != pair; };
+    const auto end = std::find_if(begin, by_pair_.end(), is_other);
+    process_pair(pair, std::span(begin, end), now_s, timeline);
+    begin = end;
+  }
+  const synth::Frame frame = timeline.frame(std::max(now_s, latest_s_));
+  rest_dampings_ = resting_.advance(moved, sides_, frame);
+  for (const ContactReport& report : lives_.advance(now_s)) lasting_.add(report, sides_, frame, events_);
+  std::ranges::stable_sort(events_.events, {}, &synth::Event::frame);
+  return events_.events;
+}
+
+bool ContactSounds::is_impact(const ContactPoint& point) const {
+  return point.approach_m_s > bounce_threshold_m_s_ && is_finite(point.impulse_ns) &&
+         length(point.impulse_ns) >= kMinImpulse_ns;
+}
+
+void ContactSounds::process_pair(BodyPair pair, std::span<const ContactPoint* const> points, double now_s,
+                                 const Timeline& timeline) {
+  double fastest_m_s = 0;
+  for (const ContactPoint* point : points) {
+    if (is_impact(*point)) fastest_m_s = std::max(fastest_m_s, point->approach_m_s);
+  }
+  if (fastest_m_s > 0 && lives_.strikes(pair, fastest_m_s, now_s)) {
+    for (const ContactPoint* point : points) {
+      if (is_impact(*point)) strike(*point, now_s, timeline);
+    }
+    if (clicks_) click(pair, points, timeline);
+    return;
+  }
+  const ContactSide *first = find(sides_, pair.first), *second = find(sides_, pair.second);
+  if (!first || !second || (!first->object && !second->object)) return;
+  const auto contact = combine_points(pair, points, *first, *second);
+  if (!contact) return;
+  lives_.add(*contact, now_s);
+  resting_.add(*contact, points);
+}
+
+void ContactSounds::strike(const ContactPoint& point, double now_s, const Timeline& timeline) {
+  const ContactSide *body = find(sides_, point.body), *other = find(sides_, point.other);
+  if (!body || !other) return;
+  const double since_s = std::clamp(point.depth_m / point.approach_m_s, 0.0, step_s_);
+  latest_s_ = std::max(latest_s_, now_s + point.found_s - since_s);
+  synth::Event event;
+  event.frame = timeline.frame(latest_s_);
+  event.contact_time_s = contact_time_s(*body, *other, point);
+  const auto strike_side = [&](const ContactSide& side, const Motion& motion, Vec3 impulse_ns) {
+    if (!side.object) return;
+    event.object = *side.object;
+    event.point_m = to_object(motion, side, point.point_m);
+    event.impulse_ns = transpose(to_matrix(motion.rotation)) * impulse_ns;
+    events_.push(event);
+  };
+  strike_side(*body, point.of_body, point.impulse_ns);
+  strike_side(*other, point.of_other, -1 * point.impulse_ns);
+}
+
+// The impulses of all points move the body as a whole at once; the hardest point's contact time is the click's.
+void ContactSounds::click(BodyPair pair, std::span<const ContactPoint* const> points, const Timeline& timeline) {
+  const ContactPoint* hardest = nullptr;
+  Vec3 on_first_ns;
+  for (const ContactPoint* point : points) {
+    if (!is_impact(*point)) continue;
+    on_first_ns = on_first_ns + (point->body == pair.first ? 1 : -1) * point->impulse_ns;
+    if (!hardest || length(point->impulse_ns) > length(hardest->impulse_ns)) hardest = point;
+  }
+  const ContactSide *body = find(sides_, hardest->body), *other = find(sides_, hardest->other);
+  if (!body || !other) return;
+  synth::Event event;
+  event.frame = timeline.frame(latest_s_);
+  event.type = synth::EventType::click;
+  event.contact_time_s = contact_time_s(*body, *other, *hardest);
+  const auto click_side = [&](const ContactSide& side, const Motion& motion, double sign) {
+    if (!side.object || !side.mass) return;
+    event.object = *side.object;
+    event.impulse_ns = sign * (transpose(to_matrix(motion.rotation)) * on_first_ns);
+    events_.push(event);
+  };
+  const double sign = hardest->body == pair.first ? 1 : -1;
+  click_side(*body, hardest->of_body, sign);
+  click_side(*other, hardest->of_other, -sign);
+}
+
+}  // namespace ringdown::scene

@@ -1,0 +1,96 @@
+#include "engine/scene/islands.h"
+
+#include "engine/scene/rotation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ringdown::scene {
+namespace {
+
+// A smaller gain is a rounding error.
+constexpr double kMinGain_j = 1e-9;
+
+double kinetic_energy(const Collider& collider, const Motion& motion) {
+  const Vec3 spin = transpose(to_matrix(motion.rotation)) * motion.spin_rad_s;
+  return 0.5 * (collider.mass_kg * dot(motion.velocity_m_s, motion.velocity_m_s) + dot(spin, collider.inertia * spin));
+}
+
+// Islands are a union-find structure: every body points to another of its island, up to the root.
+Collider& root_of(Collider& collider) {
+  Collider* root = &collider;
+  while (root->island.parent != root) root = root->island.parent;
+  collider.island.parent = root;
+  return *root;
+}
+
+}  // namespace
+
+void Islands::enter(Collider& body) {
+  if (body.island.parent) return;
+  const Motion motion = body.motion();
+  body.island = {.parent = &body, .before_j = kinetic_energy(body, motion), .velocity_m_s = motion.velocity_m_s};
+  members_.push_back(&body);
+}
+
+void Islands::merge(Collider& body, Collider& other) {
+  enter(body);
+  enter(other);
+  root_of(other).island.parent = &root_of(body);
+}
+
+void Islands::open(std::map<BodyId, Collider>& colliders) {
+  members_.clear();
+  links_.clear();
+  for (auto& [id, collider] : colliders) {
+    collider.island.parent = nullptr;
+    if (collider.awake()) enter(collider);
+  }
+}
+
+void Islands::unite(Collider& body, Collider& other, double pushed_m_s) {
+  enter(body);
+  links_.push_back({&body, pushed_m_s});
+  if (other.movable()) merge(body, other);
+}
+
+void Islands::join(Collider& body, Collider* other) {
+  if (!body.island.parent && !(other && other->island.parent)) return;
+  if (other && body.movable() && other->movable()) merge(body, *other);
+  body.island.exempt = true;
+  if (other) other->island.exempt = true;
+}
+
+std::size_t Islands::most_contacts() const {
+  std::size_t most = 0;
+  for (const Link& link : links_) most = std::max(most, ++root_of(*link.body).island.contacts);
+  return most;
+}
+
+// For each island, the energy gained is the change of its bodies' kinetic energy, less the work of gravity along their
+// mean velocities, less the work of pushing overlapping bodies apart (speed of the push times impulse).
+bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance) {
+  for (Collider* body : members_) {
+    IslandState& island = root_of(*body).island;
+    island.any_exempt |= body->island.exempt;
+    island.total_before_j += body->island.before_j;
+    const Motion motion = body->motion();
+    const Vec3 mean_m_s = 0.5 * (body->island.velocity_m_s + motion.velocity_m_s);
+    island.gained_j +=
+        kinetic_energy(*body, motion) - body->island.before_j - part_s * body->mass_kg * dot(gravity_m_s2, mean_m_s);
+  }
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    if (links_[k].pushed_m_s == 0) continue;
+    root_of(*links_[k].body).island.gained_j -= links_[k].pushed_m_s * length(points[k].impulse_ns);
+  }
+  bool any = false;
+  for (Collider* body : members_) {
+    const IslandState& island = root_of(*body).island;
+    const bool gains = island.gained_j > tolerance * island.total_before_j + kMinGain_j;
+    body->elastic = !gains || island.any_exempt || island.contacts == 0;
+    any |= !body->elastic;
+  }
+  return any;
+}
+
+}  // namespace ringdown::scene

@@ -1,0 +1,58 @@
+// Islands: groups of bodies that touch or are joined, so that impulses can pass within an island but not between two.
+// They tell two things about one part of a step: how large a system of equations the solver has for each island, and
+// whether contacts have created energy. Restitution is applied at every contact point on its own; where a body is
+// struck at several points at once, in conflicting directions, the result may have more energy than before. Callers
+// hold OdeLock.
+//
+//   islands.open(colliders);                        // before contacts are
+//   found islands.unite(body, other, pushed_m_s);         // for each contact
+//   point, in order
+//   ... ODE moves the bodies ...
+//   if (islands.gained_energy(points, part_s, gravity, tolerance)) ...   //
+//   repeat the part: some are inelastic now
+#pragma once
+
+#include "engine/scene/collider.h"
+
+#include <map>
+#include <span>
+#include <vector>
+
+namespace ringdown::scene {
+
+class Islands {
+ public:
+  // Makes an island of every body that is awake.
+  void open(std::map<BodyId, Collider>& colliders);
+
+  // Unites the islands of two bodies that touch. `pushed_m_s` is the speed at which the solver will push them apart for
+  // overlapping too far, which adds energy.
+  void unite(Collider& body, Collider& other, double pushed_m_s);
+
+  // Unites the islands of two bodies that are joined; null: a joint with the world. Correcting a joint adds energy, so
+  // islands with joints are exempt from the energy check.
+  void join(Collider& body, Collider* other);
+
+  // The number of contact points of the island that has the most.
+  [[nodiscard]] std::size_t most_contacts() const;
+
+  // All bodies that are awake, and those they touch.
+  [[nodiscard]] std::span<Collider* const> members() const { return members_; }
+
+  // Whether an island with contacts has gained energy, beyond the work of gravity and of pushes, by more than the share
+  // `tolerance`. Marks the bodies of such islands as inelastic. `points` are those passed to unite(), in that order.
+  bool gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance);
+
+ private:
+  struct Link {
+    Collider* body;
+    double pushed_m_s;
+  };
+  void enter(Collider& body);
+  void merge(Collider& body, Collider& other);
+
+  std::vector<Collider*> members_;
+  std::vector<Link> links_;  // one for each contact point
+};
+
+}  // namespace ringdown::scene

@@ -1,0 +1,65 @@
+#include "engine/scene/lasting_events.h"
+
+#include "engine/scene/contact_rules.h"
+#include "engine/scene/rotation.h"
+
+#include <algorithm>
+
+namespace ringdown::scene {
+
+void StepEvents::push(const synth::Event& event) {
+  if (events.size() == kMaxEventsPerStep) {
+    ++dropped;
+    return;
+  }
+  events.push_back(event);
+}
+
+void LastingEvents::add(const ContactReport& report, const ContactSides& sides, synth::Frame frame,
+                        StepEvents& events) {
+  const ContactSide *first = find(sides, report.pair.first), *second = find(sides, report.pair.second);
+  const synth::Texture texture = first && second ? combine(first->surface, second->surface).texture : synth::Texture{};
+  const auto entry = numbers_.try_emplace(report.pair).first;
+  Numbers& numbers = entry->second;
+  add_half(report, {first, report.first, report.force_n}, numbers.first, texture, frame, events);
+  add_half(report, {second, report.second, -1 * report.force_n}, numbers.second, texture, frame, events);
+  if (!numbers.first && !numbers.second) numbers_.erase(entry);
+}
+
+void LastingEvents::add_half(const ContactReport& report, const Half& half, std::optional<Number>& number,
+                             const synth::Texture& texture, synth::Frame frame, StepEvents& events) {
+  const bool sounds = half.side && half.side->object;
+  if (!number && (!sounds || report.ends)) return;
+  if (!number) number = Number{*half.side->object, free_number(*half.side->object)};
+  synth::Event event;
+  event.frame = frame;
+  event.type = synth::EventType::contact;
+  event.object = number->object;
+  event.contact.number = number->number;
+  if (!report.ends && sounds && half.side->object == number->object) {
+    event.point_m = to_object(half.motion, *half.side, report.point_m);
+    event.contact.force_n = transpose(to_matrix(half.motion.rotation)) * half.force_n;
+    event.contact.slip_m_s = report.slip_m_s;
+    event.contact.roll_m_s = report.roll_m_s;
+    event.contact.texture = texture;
+  } else {
+    number.reset();
+  }
+  events.push(event);
+}
+
+// The smallest number that none of the object's lasting contacts has.
+std::uint32_t LastingEvents::free_number(synth::ObjectNumber object) const {
+  std::vector<std::uint32_t> taken;
+  for (const auto& [pair, numbers] : numbers_) {
+    for (const auto& number : {numbers.first, numbers.second}) {
+      if (number && number->object == object) taken.push_back(number->number);
+    }
+  }
+  std::ranges::sort(taken);
+  std::uint32_t free = 0;
+  for (const std::uint32_t number : taken) free += number == free;
+  return free;
+}
+
+}  // namespace ringdown::scene

@@ -1,0 +1,57 @@
+// Turns the reports of lasting contacts into events for the objects on both sides. Free of any physics engine. [one
+// thread at a time]
+#pragma once
+
+#include "engine/scene/contact_life.h"
+#include "engine/scene/contact_side.h"
+#include "engine/synth/event.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace ringdown::scene {
+
+inline constexpr std::size_t kMaxEventsPerStep = 512;  // strikes, clicks and reports of lasting contacts together
+
+// The events of one step, up to kMaxEventsPerStep.
+struct StepEvents {
+  std::vector<synth::Event> events;
+  std::size_t dropped = 0;  // events beyond the bound
+
+  void push(const synth::Event& event);
+  void clear() { events.clear(), dropped = 0; }
+};
+
+// Every object numbers its lasting contacts. A number is given at the first report and free again after the last.
+class LastingEvents {
+ public:
+  // Adds an event for each of the two sides that has an object. The event that ends a contact has force zero.
+  void add(const ContactReport& report, const ContactSides& sides, synth::Frame frame, StepEvents& events);
+
+  // Whether no contact waits for its end to be reported.
+  [[nodiscard]] bool empty() const { return numbers_.empty(); }
+
+ private:
+  struct Number {
+    synth::ObjectNumber object = 0;
+    std::uint32_t number = 0;  // of the object's contact
+  };
+  struct Numbers {
+    std::optional<Number> first, second;
+  };
+  struct Half {  // what a report says about one side
+    const ContactSide* side;
+    const Motion& motion;
+    Vec3 force_n;
+  };
+  void add_half(const ContactReport& report, const Half& half, std::optional<Number>& number,
+                const synth::Texture& texture, synth::Frame frame, StepEvents& events);
+  [[nodiscard]] std::uint32_t free_number(synth::ObjectNumber object) const;
+
+  std::map<BodyPair, Numbers> numbers_;
+};
+
+}  // namespace ringdown::scene
