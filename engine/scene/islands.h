@@ -12,7 +12,7 @@
 //   repeat the part: some are inelastic now
 #pragma once
 
-#include "engine/scene/collider.h"
+#include "engine/scene/ode_collider.h"
 
 #include <map>
 #include <span>

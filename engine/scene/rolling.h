@@ -2,7 +2,7 @@
 // own, but its equations are sometimes singular, and its solver then fails. Callers hold OdeLock.
 #pragma once
 
-#include "engine/scene/collider.h"
+#include "engine/scene/ode_collider.h"
 
 #include <cstdint>
 #include <span>

@@ -4,7 +4,7 @@
 #include "clients/viewer/link/model.h"
 #include "engine/base/toml_table.h"
 #include "engine/modal/bank_file.h"
-#include "engine/scene/contact_joints.h"
+#include "engine/scene/ode_contact_joints.h"
 #include "engine/scene/lasting_events.h"
 #include "engine/scene/world.h"
 #include "protocol/bulk.h"

@@ -1,4 +1,4 @@
-#include "engine/scene/collider.h"
+#include "engine/scene/ode_collider.h"
 
 #include "engine/scene/rotation.h"
 

@@ -2,7 +2,7 @@
 // hit. Callers hold OdeLock.
 #pragma once
 
-#include "engine/scene/collider.h"
+#include "engine/scene/ode_collider.h"
 
 #include <memory>
 

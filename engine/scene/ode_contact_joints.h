@@ -13,7 +13,6 @@
 
 #include "engine/scene/contact_rules.h"
 #include "engine/scene/islands.h"
-#include "engine/scene/ode_contacts.h"
 #include "engine/scene/rolling.h"
 
 #include <cstddef>
@@ -21,10 +20,17 @@
 #include <span>
 #include <vector>
 
+struct dContactGeom;
+struct dxGeom;
 struct dxJointGroup;
 struct dxWorld;
 
 namespace ringdown::scene {
+
+inline constexpr std::size_t kMaxContactsPerPair = 4;  // the deepest, and those farthest from each other
+
+// A mesh on a plane gives one contact per vertex, of which a good few are then chosen.
+inline constexpr int kMaxContactsFound = 256;
 
 inline constexpr std::size_t kMaxContactsPerStep = 4096;
 

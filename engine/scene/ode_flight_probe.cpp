@@ -1,4 +1,4 @@
-#include "engine/scene/flight_probe.h"
+#include "engine/scene/ode_flight_probe.h"
 
 #include "engine/scene/rotation.h"
 
