@@ -2,32 +2,19 @@
 
 #include "engine/base/folders.h"
 #include "protocol/wire/score.h"
-#include "server/driver.h"
 #include "server/latency.h"
-#include "server/nsm_client.h"
 #include "server/osc_server.h"
-#include "server/query_server.h"
 #include "server/remote_strikes.h"
-#include "server/service_notice.h"
 #include "server/session/file_roots.h"
-#include "server/session/note_map.h"
 #include "server/session/offline.h"
-#include "server/session/recorder.h"
-#include "server/session/session.h"
-#include "server/session/state.h"
-#include "server/worker.h"
 #include "server/zeroconf.h"
 
 #include <spdlog/spdlog.h>
 
-#include <csignal>
-#include <cstdio>
-
-#include <atomic>
 #include <chrono>
-#include <future>
-#include <memory>
-#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
 
 namespace ringdown::server {
 namespace {
@@ -35,38 +22,8 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::ExitCode;
 
-// Signals that end the daemon: blocked in every thread, taken by the main one with sigtimedwait.
-sigset_t ending_signals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  return signals;
-}
-
-bool signal_came(std::chrono::milliseconds wait) {
-  const sigset_t signals = ending_signals();
-  const timespec time{.tv_sec = 0, .tv_nsec = std::chrono::nanoseconds(wait).count()};
-  return sigtimedwait(&signals, nullptr, &time) > 0;
-}
-
-ExitCode report(const Error& error, ExitCode code) {
-  std::fprintf(stderr, "ringdownd: %s\n", error.message.c_str());
-  return code;
-}
-
-// Keeps the scene a little ahead of the sound, so that its strikes always have a frame to come.
-std::jthread start_scene(session::Session& session, const Driver& driver) {
-  return std::jthread([&session, &driver](const std::stop_token& stop) {
-    while (!stop.stop_requested()) {
-      const double rate = driver.sample_rate_hz();
-      const auto ahead = 2 * latency_frames(driver) + static_cast<synth::Frame>(0.01 * rate);
-      const auto target = driver.now() + ahead;
-      // In freewheel the driver advances the scene; asked after now(), which then jumps.
-      if (!driver.freewheels()) session.scene().advance_to(target, static_cast<synth::Frame>(0.25 * rate));
-      std::this_thread::sleep_for(2ms);
-    }
-  });
+tl::unexpected<StartFailure> fail_start(ExitCode code, const Error& error) {
+  return tl::make_unexpected(StartFailure{code, error});
 }
 
 // The folders that the user named, or else the current one; the presets; those of the files on the command line.
@@ -88,64 +45,15 @@ Result<session::FileRoots> file_roots_of(const DaemonOptions& options, const ses
   return session::FileRoots::only(folders);
 }
 
-// A sample of 1, where no force is named: the object's own weight, in round numbers.
-constexpr double kDefaultAcceleration_m_s2 = 10;
-
-Result<void> connect_inputs(session::Rack& rack, const std::vector<DaemonOptions::Input>& inputs) {
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
-    const auto object = rack.find({.name = inputs[i].object});
-    if (!object) return fail(object.error().kind, "--input: " + object.error().message);
-    const session::NoteTable::Strike chosen = session::best_strike(**object);
-    const Vec3 force_n = (kDefaultAcceleration_m_s2 / session::kDefaultVelocity_m_s) * chosen.impulse_ns;
-    const auto connected = rack.excite(i, {.name = inputs[i].object}, inputs[i].point_m.value_or(chosen.point_m),
-                                       inputs[i].force_n.value_or(force_n));
-    if (!connected) return fail(connected.error().kind, "--input: " + connected.error().message);
+Result<std::unique_ptr<Driver>> open_driver(const DaemonOptions& options, Captured* captured) {
+  if (options.driver != DaemonOptions::DriverKind::jack) {
+    return open_null(options.sample_rate_hz, options.block_frames, captured);
   }
-  return {};
-}
-
-Result<void> load_what_was_asked_for(session::Session& session, const DaemonOptions& options,
-                                     const session::State& state, synth::Frame start) {
-  for (const auto& [name, bank] : options.objects) {
-    if (const auto loaded = session.rack().load(name, bank); !loaded) return fail(loaded.error());
-  }
-  if (options.scene) {
-    if (const auto loaded = session.scene().load(*options.scene, start); !loaded) return fail(loaded.error());
-  }
-  if (const auto connected = connect_inputs(session.rack(), options.inputs); !connected) return connected;
-  const auto restored = restore(state, session, start);
-  if (!restored) return fail(restored.error().kind, options.state->string() + ": " + restored.error().message);
-  return {};
-}
-
-// What a file that is rendered has no use for.
-Result<void> check_render(const DaemonOptions& options) {
-  for (const auto& [given, name] :
-       {std::pair(options.record.has_value(), "--record"), std::pair(options.capture.has_value(), "--capture"),
-        std::pair(options.state.has_value(), "--state"), std::pair(options.notes.has_value(), "--notes"),
-        std::pair(options.scene_to.has_value(), "--scene-to")}) {
-    if (given)
-      return fail(ErrorKind::bad_input, std::string(name) + ": the wav driver only renders; use --driver jack or null");
-  }
-  return {};
-}
-
-ExitCode render_to_file(const DaemonOptions& options) {
-  if (const auto good = check_render(options); !good) return report(good.error(), ExitCode::usage);
-  const auto recording = session::render_offline({.scene = options.scene,
-                                                  .objects = options.objects,
-                                                  .seconds = options.seconds,
-                                                  .sample_rate_hz = options.sample_rate_hz,
-                                                  .block_frames = options.block_frames,
-                                                  .sound = options.sound},
-                                                 [](double) { return !signal_came(0ms); });
-  if (!recording) return protocol::complain(recording.error());
-  if (const auto written = session::write_audio(*recording, options.output); !written) {
-    return report(written.error(), ExitCode::failure);
-  }
-  spdlog::info("wrote {}, {:.2f} s", options.output.string(),
-               static_cast<double>(recording->left.size()) / recording->sample_rate_hz);
-  return ExitCode::ok;
+  return open_jack({.client_name = options.jack_name,
+                    .connect = options.connect,
+                    .wait = options.wait,
+                    .sample_rate_hz = options.sample_rate_hz,
+                    .block_frames = options.block_frames});
 }
 
 Result<std::shared_ptr<OscStream>> open_stream(const DaemonOptions& options) {
@@ -167,194 +75,254 @@ Result<std::unique_ptr<QueryServer>> open_query(const DaemonOptions& options, st
   return query;
 }
 
-// What shall be written when the session is over.
-Result<void> write_results(const DaemonOptions& options, session::Recorder& recorder, synth::Frame end,
-                           Captured captured) {
-  if (options.record && recorder.records()) {
-    if (const auto count = recorder.stop(end); !count) return fail(count.error());
-  }
-  if (!options.capture) return {};
-  if (captured.left_out > 0) {
-    spdlog::warn("{} lacks the last {} frames: a capture holds {}", options.capture->string(), captured.left_out,
-                 captured.most);
-  }
-  return session::write_audio(
-      {.sample_rate_hz = options.sample_rate_hz, .left = std::move(captured.left), .right = std::move(captured.right)},
-      *options.capture);
+// Joins the session manager that started us, which names our JACK client and our state file.
+Result<std::unique_ptr<NsmClient>> join_manager(DaemonOptions& options) {
+  const auto url = NsmClient::url();
+  if (!url) return nullptr;
+  auto manager = NsmClient::announce(*url);
+  if (!manager) return manager;
+  options.jack_name = (*manager)->session().client_id;
+  std::error_code ignored;
+  if (std::filesystem::exists((*manager)->state_file(), ignored)) options.state = (*manager)->state_file();
+  return manager;
 }
 
-// The worker, for those that start before it or end after it.
-class WorkerLine {
- public:
-  void connect(Worker* worker) {
-    const std::scoped_lock lock(mutex_);
-    worker_ = worker;
-  }
-  bool post(Worker::Task task) {
-    const std::scoped_lock lock(mutex_);
-    return worker_ && worker_->post(std::move(task));
-  }
-  // In freewheel, where sound does not wait for it, until it is done.
-  bool post_and_wait(Worker::Task task) {
-    const auto done = std::make_shared<std::promise<void>>();
-    auto future = done->get_future();
-    const bool posted = post([task = std::move(task), done] {
-      task();
-      done->set_value();
-    });
-    if (posted) future.wait_for(1s);
-    return posted;
-  }
-
- private:
-  std::mutex mutex_;
-  Worker* worker_ = nullptr;
-};
-
-// The session manager wants what we are to be kept.
-void save_session(Worker& worker, const session::Session& session, const std::filesystem::path& file,
-                  const NsmClient::Done& done) {
-  const bool posted =
-      worker.post([&session, file, done] { done(session::write_state(session::state_of(session), file)); });
-  if (!posted) done(fail(ErrorKind::refused, "too many requests are waiting; save again later"));
-}
-
-ExitCode serve(const DaemonOptions& options, wire::OscSocket socket, std::unique_ptr<Driver> opened, Captured& captured,
-               NsmClient* manager) {
-  session::State state;
-  if (options.state) {
-    auto read = session::read_state(*options.state);
-    if (!read) return report(read.error(), ExitCode::bad_input);
-    state = std::move(*read);
-  }
-  std::optional<session::NoteMap> note_map;
-  if (options.notes) {
-    auto map = session::read_note_map(*options.notes);
-    if (!map) return report(map.error(), ExitCode::bad_input);
-    note_map = std::move(*map);
-  }
-  auto roots = file_roots_of(options, state);
-  if (!roots) return report(roots.error(), ExitCode::bad_input);
-  session::Session session(opened->sample_rate_hz(), std::move(*roots));
-  session.rack().set_on_warning([](const std::string& sentence) { spdlog::warn("{}", sentence); });
-  apply(options.sound, session.rack().mixer());
-  if (options.driver == DaemonOptions::DriverKind::jack) session.rack().mixer().set_budget(options.budget);
-  session.merge_within(options.merge_s);
-  session.rack().mixer().set_threads(options.threads);
-  session.rack().buses().set_mode(options.ports);
-  session::Notes notes(session.rack(), std::move(note_map));
-  session::Recorder recorder(session.rack(), wire::write_score);
-  if (options.record) {
-    if (const auto started = recorder.start(*options.record, 0); !started) {
-      return report(started.error(), ExitCode::usage);
+// Keeps the scene a little ahead of the sound, so that its strikes always have a frame to come.
+std::jthread start_scene(session::Session& session, const Driver& driver) {
+  return std::jthread([&session, &driver](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      const double rate = driver.sample_rate_hz();
+      const auto ahead = 2 * latency_frames(driver) + static_cast<synth::Frame>(0.01 * rate);
+      const auto target = driver.now() + ahead;
+      // In freewheel the driver advances the scene; asked after now(), which then jumps.
+      if (!driver.freewheels()) session.scene().advance_to(target, static_cast<synth::Frame>(0.25 * rate));
+      std::this_thread::sleep_for(2ms);
     }
-  }
-  auto stream = open_stream(options);
-  if (!stream) return report(stream.error(), ExitCode::port_busy);
-  const auto query = open_query(options, socket.port(), session.rack());
-  if (!query) return report(query.error(), ExitCode::port_busy);
-  WorkerLine line;
-  std::unique_ptr<Driver> driver = std::move(opened);  // after the session, so that it stops before that goes
-  session.rack().set_on_change([&driver] { driver->program_changed(); });
-  if (options.scene_to) {
-    auto remote = open_remote_strikes(*options.scene_to, session.rack(), *driver);
-    if (!remote) return report(remote.error(), ExitCode::usage);
-    session.scene().send_to(std::move(*remote));
-  }
-  session.scene().retune_by([&line, &driver](Worker::Task task) {
-    return driver->freewheels() ? line.post_and_wait(std::move(task)) : line.post(std::move(task));
   });
-  // A second of silence before the scene starts: the driver may take that long.
-  const auto start = static_cast<synth::Frame>(driver->sample_rate_hz());
-  if (const auto loaded = load_what_was_asked_for(session, options, state, start); !loaded) {
-    return report(loaded.error(), ExitCode::bad_input);
-  }
-  std::atomic<bool> quit = false;
-  const auto started = driver->start(
-      {.mixer = session.rack().mixer(),
-       .change_sample_rate = [&session](double rate) { session.change_sample_rate(rate); },
-       .prepare_offline = [&session](synth::Frame frame) { session.scene().advance_to(frame, std::nullopt); },
-       .buses = [&session] { return session.rack().buses().names(); },
-       .inputs = [&session] { return session.rack().inputs(); },
-       .notes = [&notes] { return notes.table(); },
-       .notes_played = session.rack().notes_played()});
-  if (!started) {
-    return report(started.error(), ExitCode::no_jack);
-  }
-  std::atomic<std::uint64_t> rounds = 0;  // of the worker
-  std::optional<Worker> worker(
-      std::in_place, [&session, &rounds] { session.rack().collect(), ++rounds; }, 50ms);
-  line.connect(&*worker);
-  std::optional<OscServer> server(
-      std::in_place, std::move(socket),
-      OscServer::Parts{session, *worker, *driver, [&quit] { quit = true; }, options.latency, &recorder, *stream});
-  std::jthread scene = start_scene(session, *driver);
-  spdlog::info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options.address, server->port(),
-               session.rack().names()->size(), driver->sample_rate_hz(), driver->block_frames(),
-               synth::kernel_target());
-
-  std::optional<Zeroconf> zeroconf;
-  if (options.zeroconf) {
-    zeroconf.emplace(options.jack_name, server->port(), *stream ? std::optional((*stream)->port()) : std::nullopt);
-  }
-  if (manager) {
-    manager->start([&](const NsmClient::Done& done) { save_session(*worker, session, manager->state_file(), done); });
-  }
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds.value_or(1e9));
-  ServiceNotice service;
-  while (!quit && std::chrono::steady_clock::now() < end) {
-    service.turn(session.rack().mixer().counters().frames, rounds);
-    if (signal_came(50ms)) break;
-  }
-  service.stopping();
-  zeroconf.reset();
-  spdlog::info("stopping");
-  if (manager) manager->stop();
-  scene = {};
-  server.reset();
-  line.connect(nullptr);
-  worker.reset();
-  driver.reset();
-  const auto written = write_results(options, recorder, session.rack().mixer().counters().frames, std::move(captured));
-  if (!written) return report(written.error(), ExitCode::failure);
-  return ExitCode::ok;
 }
 
 }  // namespace
 
-ExitCode run_daemon(DaemonOptions options) {
-  const sigset_t signals = ending_signals();
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);  // libjack writes to servers that are gone
-  if (options.driver == DaemonOptions::DriverKind::wav) return render_to_file(options);
+struct Daemon::Ports {
+  wire::OscSocket socket;
+  std::unique_ptr<NsmClient> manager;
+  std::unique_ptr<Captured> captured;
+  std::unique_ptr<Driver> driver;
+  std::shared_ptr<OscStream> stream;
+};
 
+struct Daemon::Files {
+  session::State state;
+  std::optional<session::NoteMap> notes;
+  session::FileRoots roots;
+};
+
+// Our own threads in the order in which they start; they end in the opposite order.
+struct Daemon::Service {
+  Service(Daemon& daemon, wire::OscSocket socket);
+  ~Service();
+
+  NsmClient* const manager;  // the daemon's; null: none
+  Worker worker;
+  WorkerLine::Connection worker_connection;
+  OscServer server;
+  std::jthread scene;
+  std::optional<Zeroconf> zeroconf;
+};
+
+Daemon::Service::Service(Daemon& daemon, wire::OscSocket socket)
+    : manager(daemon.manager_.get()),
+      worker([&daemon] { daemon.session_.rack().collect(), ++daemon.worker_rounds_; }, 50ms),
+      worker_connection(daemon.worker_line_, worker),
+      server(std::move(socket),
+             OscServer::Parts{daemon.session_, worker, *daemon.driver_, [&daemon] { daemon.quits_ = true; },
+                              daemon.options_.latency, &daemon.recorder_, daemon.stream_}),
+      scene(start_scene(daemon.session_, *daemon.driver_)) {
+  const DaemonOptions& options = daemon.options_;
+  if (options.zeroconf) {
+    zeroconf.emplace(options.jack_name, server.port(),
+                     daemon.stream_ ? std::optional(daemon.stream_->port()) : std::nullopt);
+  }
+  if (!manager) return;
+  manager->start([&daemon, this](const NsmClient::Done& done) {
+    const bool posted = worker.post(
+        [&daemon, done, file = manager->state_file()] { done(write_state(state_of(daemon.session_), file)); });
+    if (!posted) done(fail(ErrorKind::refused, "too many requests are waiting; save again later"));
+  });
+}
+
+Daemon::Service::~Service() {
+  if (manager) manager->stop();  // it asks the worker to save
+}
+
+Started<Daemon::Ports> Daemon::open_ports(DaemonOptions& options) {
   const auto endpoint = wire::resolve(options.address, options.port);
-  if (!endpoint) return report(endpoint.error(), ExitCode::usage);
+  if (!endpoint) return fail_start(ExitCode::usage, endpoint.error());
   auto socket = wire::OscSocket::bind(*endpoint);
-  if (!socket) return report(socket.error(), ExitCode::port_busy);
+  if (!socket) return fail_start(ExitCode::port_busy, socket.error());
   if (endpoint->address >> 24 != 127) {
     spdlog::warn("listening on {}: anyone who can reach this address can play, load files and stop the daemon",
                  options.address);
   }
-  std::unique_ptr<NsmClient> manager;
-  if (const auto url = NsmClient::url()) {
-    auto announced = NsmClient::announce(*url);
-    if (!announced) return report(announced.error(), ExitCode::failure);
-    manager = std::move(*announced);
-    options.jack_name = manager->session().client_id;
-    std::error_code ignored;
-    if (std::filesystem::exists(manager->state_file(), ignored)) options.state = manager->state_file();
+  auto manager = join_manager(options);
+  if (!manager) return fail_start(ExitCode::failure, manager.error());
+  auto captured = options.capture ? std::make_unique<Captured>() : nullptr;
+  auto driver = open_driver(options, captured.get());
+  if (!driver) return fail_start(ExitCode::no_jack, driver.error());
+  auto stream = open_stream(options);
+  if (!stream) return fail_start(ExitCode::port_busy, stream.error());
+  return Ports{std::move(*socket), std::move(*manager), std::move(captured), std::move(*driver), std::move(*stream)};
+}
+
+Started<Daemon::Files> Daemon::read_files(const DaemonOptions& options) {
+  session::State state;
+  if (options.state) {
+    auto read = session::read_state(*options.state);
+    if (!read) return fail_start(ExitCode::bad_input, read.error());
+    state = std::move(*read);
   }
-  Captured captured;
-  auto driver = options.driver == DaemonOptions::DriverKind::jack
-                    ? open_jack({.client_name = options.jack_name,
-                                 .connect = options.connect,
-                                 .wait = options.wait,
-                                 .sample_rate_hz = options.sample_rate_hz,
-                                 .block_frames = options.block_frames})
-                    : open_null(options.sample_rate_hz, options.block_frames, options.capture ? &captured : nullptr);
-  if (!driver) return report(driver.error(), ExitCode::no_jack);
-  return serve(options, std::move(*socket), std::move(*driver), captured, manager.get());
+  std::optional<session::NoteMap> notes;
+  if (options.notes) {
+    auto map = session::read_note_map(*options.notes);
+    if (!map) return fail_start(ExitCode::bad_input, map.error());
+    notes = std::move(*map);
+  }
+  auto roots = file_roots_of(options, state);
+  if (!roots) return fail_start(ExitCode::bad_input, roots.error());
+  return Files{std::move(state), std::move(notes), std::move(*roots)};
+}
+
+Started<std::unique_ptr<Daemon>> Daemon::start(DaemonOptions options) {
+  auto ports = open_ports(options);
+  if (!ports) return tl::make_unexpected(ports.error());
+  auto files = read_files(options);
+  if (!files) return tl::make_unexpected(files.error());
+  wire::OscSocket socket = std::move(ports->socket);
+  std::unique_ptr<Daemon> daemon(new Daemon(std::move(options), std::move(*ports), std::move(*files)));
+  if (const auto ready = daemon->prepare(socket.port()); !ready) return tl::make_unexpected(ready.error());
+  if (const auto plays = daemon->play(std::move(socket)); !plays) return tl::make_unexpected(plays.error());
+  return daemon;
+}
+
+Daemon::Daemon(DaemonOptions options, Ports ports, Files files)
+    : options_(std::move(options)),
+      state_(std::move(files.state)),
+      manager_(std::move(ports.manager)),
+      captured_(std::move(ports.captured)),
+      session_(ports.driver->sample_rate_hz(), std::move(files.roots)),
+      notes_(session_.rack(), std::move(files.notes)),
+      recorder_(session_.rack(), wire::write_score),
+      stream_(std::move(ports.stream)),
+      driver_(std::move(ports.driver)) {
+  configure();
+}
+
+Daemon::~Daemon() = default;
+
+void Daemon::configure() {
+  session::Rack& rack = session_.rack();
+  rack.set_on_warning([](const std::string& sentence) { spdlog::warn("{}", sentence); });
+  Driver& driver = *driver_;  // the driver itself uses it while it ends, when driver_ is null already
+  rack.set_on_change([&driver] { driver.program_changed(); });
+  apply(options_.sound, rack.mixer());
+  if (options_.driver == DaemonOptions::DriverKind::jack) rack.mixer().set_budget(options_.budget);
+  rack.mixer().set_threads(options_.threads);
+  rack.buses().set_mode(options_.ports);
+  session_.merge_within(options_.merge_s);
+  session_.scene().retune_by([this, &driver](Worker::Task task) {
+    return driver.freewheels() ? worker_line_.post_and_wait(std::move(task)) : worker_line_.post(std::move(task));
+  });
+}
+
+// What can be refused before any sound is made.
+Started<void> Daemon::prepare(std::uint16_t osc_port) {
+  if (options_.record) {
+    if (const auto started = recorder_.start(*options_.record, 0); !started) {
+      return fail_start(ExitCode::usage, started.error());
+    }
+  }
+  auto query = open_query(options_, osc_port, session_.rack());
+  if (!query) return fail_start(ExitCode::port_busy, query.error());
+  query_ = std::move(*query);
+  if (options_.scene_to) {
+    auto remote = open_remote_strikes(*options_.scene_to, session_.rack(), *driver_);
+    if (!remote) return fail_start(ExitCode::usage, remote.error());
+    session_.scene().send_to(std::move(*remote));
+  }
+  if (const auto loaded = load(); !loaded) return fail_start(ExitCode::bad_input, loaded.error());
+  return {};
+}
+
+Result<void> Daemon::load() {
+  // A second of silence before the scene starts: the driver may take that long.
+  const auto start = static_cast<synth::Frame>(driver_->sample_rate_hz());
+  for (const auto& [name, bank] : options_.objects) {
+    if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());
+  }
+  if (options_.scene) {
+    if (const auto loaded = session_.scene().load(*options_.scene, start); !loaded) return fail(loaded.error());
+  }
+  if (const auto connected = connect_inputs(); !connected) return connected;
+  const auto restored = restore(state_, session_, start);
+  if (!restored) return fail(restored.error().kind, options_.state->string() + ": " + restored.error().message);
+  return {};
+}
+
+Result<void> Daemon::connect_inputs() {
+  // A sample of 1, where no force is named: the object's own weight, in round numbers.
+  constexpr double kDefaultAcceleration_m_s2 = 10;
+  for (std::size_t i = 0; i < options_.inputs.size(); ++i) {
+    const DaemonOptions::Input& input = options_.inputs[i];
+    const auto object = session_.rack().find({.name = input.object});
+    if (!object) return fail(object.error().kind, "--input: " + object.error().message);
+    const session::NoteTable::Strike chosen = session::best_strike(**object);
+    const Vec3 force_n = (kDefaultAcceleration_m_s2 / session::kDefaultVelocity_m_s) * chosen.impulse_ns;
+    const auto connected = session_.rack().excite(i, {.name = input.object}, input.point_m.value_or(chosen.point_m),
+                                                  input.force_n.value_or(force_n));
+    if (!connected) return fail(connected.error().kind, "--input: " + connected.error().message);
+  }
+  return {};
+}
+
+Started<void> Daemon::play(wire::OscSocket socket) {
+  session::Rack& rack = session_.rack();
+  const std::uint16_t port = socket.port();
+  const auto started = driver_->start(
+      {.mixer = rack.mixer(),
+       .change_sample_rate = [this](double rate) { session_.change_sample_rate(rate); },
+       .prepare_offline = [this](synth::Frame frame) { session_.scene().advance_to(frame, std::nullopt); },
+       .buses = [&rack] { return rack.buses().names(); },
+       .inputs = [&rack] { return rack.inputs(); },
+       .notes = [this] { return notes_.table(); },
+       .notes_played = rack.notes_played()});
+  if (!started) return fail_start(ExitCode::no_jack, started.error());
+  service_ = std::make_unique<Service>(*this, std::move(socket));
+  spdlog::info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options_.address, port,
+               rack.names()->size(), driver_->sample_rate_hz(), driver_->block_frames(), synth::kernel_target());
+  return {};
+}
+
+Result<void> Daemon::finish() {
+  spdlog::info("stopping");
+  service_.reset();
+  driver_.reset();
+  return write_results();
+}
+
+Result<void> Daemon::write_results() {
+  if (options_.record && recorder_.records()) {
+    const synth::Frame end = session_.rack().mixer().counters().frames;
+    if (const auto count = recorder_.stop(end); !count) return fail(count.error());
+  }
+  if (!captured_) return {};
+  if (captured_->left_out > 0) {
+    spdlog::warn("{} lacks the last {} frames: a capture holds {}", options_.capture->string(), captured_->left_out,
+                 captured_->most);
+  }
+  return session::write_audio({.sample_rate_hz = options_.sample_rate_hz,
+                               .left = std::move(captured_->left),
+                               .right = std::move(captured_->right)},
+                              *options_.capture);
 }
 
 }  // namespace ringdown::server

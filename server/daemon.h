@@ -1,62 +1,92 @@
-// The daemon: an audio driver, an OSC server, a worker and the scene's thread around one session.
+// The daemon: one session, and around it the audio driver, the servers and the threads that serve it.
+//
+//   auto daemon = Daemon::start(options);               // opens, loads, then plays
+//   if (!daemon) return report(daemon.error());
+//   while (!(*daemon)->quits()) sleep_a_little();       // it runs on threads of its own
+//   const Result<void> finished = (*daemon)->finish();  // silence; writes what --record and --capture want
+//
+// A Daemon owns everything below it, and its members stand in the order of their lives: each is made after those above
+// it, which it may use, and ends before them. Threads: the driver renders on an audio thread; Service holds the worker,
+// the OSC server's threads, the scene's and the session manager's. All public functions are for the main thread.
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/base/vec3.h"
-#include "protocol/defaults.h"
 #include "protocol/exit_codes.h"
-#include "server/latency.h"
-#include "server/session/buses.h"
-#include "server/session/sound.h"
+#include "protocol/wire/socket.h"
+#include "server/driver.h"
+#include "server/nsm_client.h"
+#include "server/options.h"
+#include "server/osc_stream.h"
+#include "server/query_server.h"
+#include "server/session/note_map.h"
+#include "server/session/recorder.h"
+#include "server/session/session.h"
+#include "server/session/state.h"
+#include "server/worker.h"
 
-#include <cstddef>
+#include <atomic>
 #include <cstdint>
-#include <filesystem>
+#include <memory>
 #include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace ringdown::server {
 
-struct DaemonOptions {
-  enum class DriverKind { jack, wav, null };
-  DriverKind driver = DriverKind::jack;
-  std::vector<std::pair<std::string, std::filesystem::path>> objects;  // name, bank
-  struct Input {
-    std::string object;
-    std::optional<Vec3> point_m, force_n;  // in the object's frame; absent: chosen from its bank
-  };
-  std::vector<Input> inputs;                   // JACK ports in_1 and so on, and what they excite
-  std::optional<std::filesystem::path> state;  // loaded after what stands above and the scene (state.h)
-  std::optional<std::filesystem::path> scene;
-  std::optional<std::string> scene_to;  // osc.udp://host:port that gets the scene's strikes instead of our own mixer
-  std::string address = "127.0.0.1";    // where OSC is received
-  std::uint16_t port = protocol::kDefaultPort;   // 0: any free one
-  std::optional<std::uint16_t> tcp_port;         // OSC by TCP as well; 0: any free one
-  std::optional<std::uint16_t> query_port;       // OSCQuery over HTTP; 0: any free one
-  bool zeroconf = false;                         // announce both OSC ports
-  std::optional<std::filesystem::path> record;   // the whole session, as an OSC score
-  std::optional<std::filesystem::path> capture;  // what the null driver renders, as a sound file
-  double merge_s = 0.001;                        // strikes so close on one point are one, in a flood (strike_merger.h)
-  std::vector<std::filesystem::path> roots;      // where messages may open files; empty: the current folder
-  Latency latency;                               // of untimed messages
-  std::string jack_name = "ringdown";
-  std::optional<std::filesystem::path> notes;        // what MIDI notes strike (note_map.h)
-  session::PortMode ports = session::PortMode::mix;  // JACK ports beside the stereo mix
-  bool connect = false;                              // to the speakers
-  bool wait = false;                                 // for a JACK server, where there is none yet
-  double sample_rate_hz = 48000;                     // wav, null, and until there is a JACK server
-  std::size_t block_frames = 256;                    // likewise
-  std::size_t threads = 1;                           // that mix (Mixer::set_threads)
-  session::SoundOptions sound;
-  double budget = 0.8;                            // jack: Mixer::set_budget
-  std::optional<double> seconds;                  // null, jack: stop after this time; wav: length of the file
-  std::filesystem::path output = "ringdown.wav";  // wav
+// Why a daemon did not start, and with what exit code the program should end.
+struct StartFailure {
+  protocol::ExitCode code;
+  Error error;
 };
+template <class T>
+using Started = tl::expected<T, StartFailure>;
 
-// Runs until SIGINT, SIGTERM, /quit or the end of `seconds`. Failures are written to standard error, one sentence each.
-// Blocks both signals for the whole process. [main]
-protocol::ExitCode run_daemon(DaemonOptions options);
+class Daemon {
+ public:
+  // Binds the ports, joins the session manager if one started us, opens the driver, loads what the options name and
+  // plays it. The driver is not `wav`.
+  static Started<std::unique_ptr<Daemon>> start(DaemonOptions options);
+  ~Daemon();
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
+
+  // Whether a client has asked it to end by /quit.
+  [[nodiscard]] bool quits() const { return quits_; }
+
+  // Signs of life for systemd: frames rendered and rounds of the worker so far.
+  [[nodiscard]] std::uint64_t frames() const { return session_.rack().mixer().counters().frames; }
+  [[nodiscard]] std::uint64_t worker_rounds() const { return worker_rounds_; }
+
+  // Ends all threads, then writes the recording and the capture. Once.
+  Result<void> finish();
+
+ private:
+  struct Ports;    // what is open before there is a session
+  struct Files;    // what is read before there is a session
+  struct Service;  // what runs on threads of ours
+
+  static Started<Ports> open_ports(DaemonOptions& options);
+  static Started<Files> read_files(const DaemonOptions& options);
+  Daemon(DaemonOptions options, Ports ports, Files files);
+  void configure();
+  Started<void> prepare(std::uint16_t osc_port);
+  Result<void> load();
+  Result<void> connect_inputs();
+  Started<void> play(wire::OscSocket socket);
+  Result<void> write_results();
+
+  const DaemonOptions options_;
+  const session::State state_;          // of --state
+  std::unique_ptr<NsmClient> manager_;  // null: nobody manages our session
+  std::unique_ptr<Captured> captured_;  // null: no --capture; the driver writes it
+  std::atomic<bool> quits_ = false;     // set by the OSC server
+  std::atomic<std::uint64_t> worker_rounds_ = 0;
+  session::Session session_;
+  session::Notes notes_;                // of the session's rack
+  session::Recorder recorder_;          // observes the session's rack
+  std::shared_ptr<OscStream> stream_;   // null: no --tcp
+  std::unique_ptr<QueryServer> query_;  // null: no --query; reads the rack's names
+  WorkerLine worker_line_;              // for the driver and the scene, which outlive the worker
+  std::unique_ptr<Driver> driver_;      // renders the session's mixer
+  std::unique_ptr<Service> service_;
+};
 
 }  // namespace ringdown::server

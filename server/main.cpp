@@ -1,7 +1,7 @@
 // ringdownd: command line and settings file to DaemonOptions.
 #include "packaging/manual/command_line.h"
-#include "server/daemon.h"
 #include "server/options.h"
+#include "server/run_daemon.h"
 #include "server/settings.h"
 
 #include <spdlog/sinks/stdout_color_sinks.h>

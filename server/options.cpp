@@ -2,7 +2,6 @@
 
 #include "engine/base/object_name.h"
 #include "packaging/manual/command_line.h"
-#include "server/daemon.h"
 
 #include <cmath>
 #include <cstdio>

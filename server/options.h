@@ -1,4 +1,4 @@
-// The options of ringdownd: the one table that its command line and --help are made from. [main]
+// The options of ringdownd, and the one table that its command line and --help are made from. [main]
 //
 //   DaemonOptions options;
 //   CLI::App app;
@@ -7,13 +7,61 @@
 // A new option is a member of DaemonOptions and a row in options.cpp.
 #pragma once
 
+#include "engine/base/vec3.h"
+#include "protocol/defaults.h"
+#include "server/latency.h"
+#include "server/session/buses.h"
+#include "server/session/sound.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace CLI {
 class App;
 }
 
 namespace ringdown::server {
 
-struct DaemonOptions;
+struct DaemonOptions {
+  enum class DriverKind { jack, wav, null };
+  DriverKind driver = DriverKind::jack;
+  std::vector<std::pair<std::string, std::filesystem::path>> objects;  // name, bank
+  struct Input {
+    std::string object;
+    std::optional<Vec3> point_m, force_n;  // in the object's frame; absent: chosen from its bank
+  };
+  std::vector<Input> inputs;                   // JACK ports in_1 and so on, and what they excite
+  std::optional<std::filesystem::path> state;  // loaded after what stands above and the scene (state.h)
+  std::optional<std::filesystem::path> scene;
+  std::optional<std::string> scene_to;  // osc.udp://host:port that gets the scene's strikes instead of our own mixer
+  std::string address = "127.0.0.1";    // where OSC is received
+  std::uint16_t port = protocol::kDefaultPort;   // 0: any free one
+  std::optional<std::uint16_t> tcp_port;         // OSC by TCP as well; 0: any free one
+  std::optional<std::uint16_t> query_port;       // OSCQuery over HTTP; 0: any free one
+  bool zeroconf = false;                         // announce both OSC ports
+  std::optional<std::filesystem::path> record;   // the whole session, as an OSC score
+  std::optional<std::filesystem::path> capture;  // what the null driver renders, as a sound file
+  double merge_s = 0.001;                        // strikes so close on one point are one, in a flood (strike_merger.h)
+  std::vector<std::filesystem::path> roots;      // where messages may open files; empty: the current folder
+  Latency latency;                               // of untimed messages
+  std::string jack_name = "ringdown";
+  std::optional<std::filesystem::path> notes;        // what MIDI notes strike (note_map.h)
+  session::PortMode ports = session::PortMode::mix;  // JACK ports beside the stereo mix
+  bool connect = false;                              // to the speakers
+  bool wait = false;                                 // for a JACK server, where there is none yet
+  double sample_rate_hz = 48000;                     // wav, null, and until there is a JACK server
+  std::size_t block_frames = 256;                    // likewise
+  std::size_t threads = 1;                           // that mix (Mixer::set_threads)
+  session::SoundOptions sound;
+  double budget = 0.8;                            // jack: Mixer::set_budget
+  std::optional<double> seconds;                  // null, jack: stop after this time; wav: length of the file
+  std::filesystem::path output = "ringdown.wav";  // wav
+};
 
 // Values that are wrong in themselves (a number out of range, an object without a name) end the parsing with a
 // CLI::ParseError that names the option.

@@ -1,5 +1,7 @@
 #include "server/worker.h"
 
+#include <future>
+#include <memory>
 #include <utility>
 
 namespace ringdown::server {
@@ -31,6 +33,27 @@ void Worker::run(const std::stop_token& stop) {
     if (task) task();
     chore_();
   }
+}
+
+void WorkerLine::connect(Worker* worker) {
+  const std::scoped_lock lock(mutex_);
+  worker_ = worker;
+}
+
+bool WorkerLine::post(Worker::Task task) {
+  const std::scoped_lock lock(mutex_);
+  return worker_ && worker_->post(std::move(task));
+}
+
+bool WorkerLine::post_and_wait(Worker::Task task) {
+  const auto done = std::make_shared<std::promise<void>>();
+  auto future = done->get_future();
+  const bool posted = post([task = std::move(task), done] {
+    task();
+    done->set_value();
+  });
+  if (posted) future.wait_for(std::chrono::seconds(1));
+  return posted;
 }
 
 }  // namespace ringdown::server

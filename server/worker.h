@@ -35,4 +35,32 @@ class Worker {
   std::jthread thread_;  // last: it stops before what it uses goes away
 };
 
+// A way to the worker for those who live longer than it: the driver and the scene. [any but audio]
+class WorkerLine {
+ public:
+  // While it lives, tasks reach `worker`; otherwise they are refused.
+  class Connection {
+   public:
+    Connection(WorkerLine& line, Worker& worker) : line_(line) { line_.connect(&worker); }
+    ~Connection() { line_.connect(nullptr); }
+    Connection(const Connection&) = delete;
+    Connection& operator=(const Connection&) = delete;
+
+   private:
+    WorkerLine& line_;
+  };
+
+  // False when there is no worker, or too many tasks are waiting.
+  bool post(Worker::Task task);
+
+  // Waits besides until the task is done, but no longer than a second: in freewheel sound does not wait for the worker.
+  bool post_and_wait(Worker::Task task);
+
+ private:
+  void connect(Worker* worker);
+
+  std::mutex mutex_;
+  Worker* worker_ = nullptr;
+};
+
 }  // namespace ringdown::server

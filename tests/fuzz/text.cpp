@@ -2,7 +2,6 @@
 #include "engine/bake/object_file.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/world.h"
-#include "server/daemon.h"
 #include "server/options.h"
 #include "server/session/note_map.h"
 #include "server/session/state.h"

@@ -1,6 +1,5 @@
 // What rests on what: told once, with the weight it bears, and taken back when it moves.
 #include "engine/scene/world.h"
-#include "protocol/defaults.h"
 #include "tests/scene/box_bank.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,6 @@
 // The settings file: the same options as the command line's, by their long names.
 #include "server/settings.h"
 
-#include "server/daemon.h"
 #include "server/options.h"
 #include "tests/support/temporary_folder.h"
 
