@@ -53,12 +53,12 @@ class Driver {
   virtual ~Driver() = default;  // stops
 
   [[nodiscard]] virtual double sample_rate_hz() const = 0;     // now; it may change [any but audio]
-  [[nodiscard]] virtual std::size_t block_frames() const = 0;  // likewise
+  [[nodiscard]] virtual std::size_t block_frames() const = 0;  // now; it may change [any but audio]
 
   // Renders the program, whose mixer is of this driver's sample rate, until destruction. Once. [main]
   virtual Result<void> start(Program program) = 0;
 
-  // Says that the program's buses(), inputs() or notes() have changed. [any but audio]
+  // Tells the driver that the program's buses(), inputs() or notes() have changed. [any but audio]
   virtual void program_changed() {}
 
   // The mixer's frame that is being computed at this instant. [any but audio]
@@ -67,8 +67,8 @@ class Driver {
   // True while blocks come as fast as they are rendered: now() then runs ahead of the clock. [any]
   [[nodiscard]] virtual bool freewheels() const { return false; }
 
-  // What a thread that must not be late for the sound, but never stand in its way, should run with: a real-time
-  // priority below the audio thread's; 0 where that has none. It may change. [any but audio]
+  // The real-time priority for threads that should be punctual without delaying the audio thread: just below the audio
+  // thread's; 0 where that has none. It may change. [any but audio]
   [[nodiscard]] virtual int control_priority() const { return 0; }
 
   [[nodiscard]] virtual Load load() const = 0;  // [any but audio]
@@ -79,11 +79,11 @@ struct JackOptions {
   bool connect = false;            // to the first two physical playback ports
   bool wait = false;               // for a server, where there is none yet
   double sample_rate_hz = 48000;   // until then
-  std::size_t block_frames = 256;  // likewise
+  std::size_t block_frames = 256;  // until then
 };
-// A JACK client that outlives its server. When the server goes, the mixer rings on in silence by a clock of our own;
-// when one answers again, at whatever rate and period, our ports and their connections come back (jack_driver.cpp).
-// Fails with one sentence when no JACK server answers and none is waited for.
+// Opens a JACK client that outlives its server. While there is no server, the mixer is rendered by a clock of our own
+// and its sound is thrown away; when a server answers again, at whatever rate and period, our ports and their
+// connections come back (jack_driver.cpp). Fails when no JACK server answers and options.wait is false.
 Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options);
 
 // What the null driver heard, when somebody wants to know.

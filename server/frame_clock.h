@@ -1,9 +1,8 @@
 // Which frame is sounding at a given time: the audio driver's clock against the computer's, both read now and then.
 //
-// One reading is a pair (time, frame) that the scheduler may tear apart by milliseconds, and JACK's own estimate of the
-// frame jitters; a bundle's time tag deserves better. So each reading keeps the tightest of a few pairs, and the
-// difference of the clocks is averaged over half a second. What jumps for three readings on end is believed: an xrun,
-// or a new server.
+// A reading is a pair (time, frame). The scheduler may put milliseconds between its two halves, and JACK's own estimate
+// of the frame jitters. Each reading therefore keeps the tightest of a few pairs, and the difference of the clocks is
+// averaged over half a second. A jump is taken as true after three readings in a row: an xrun, or a new server.
 //
 //   FrameClock clock(driver_clock(*driver), steady_now_s);
 //   clock.measure();                                   // at least every 0.1 s or so
@@ -52,7 +51,7 @@ class FrameClock {
   int readings_ = 0, jumps_ = 0;
 };
 
-// The driver must outlive what is returned.
+// The driver must outlive the source.
 FrameClock::Source driver_clock(const Driver& driver);
 
 }  // namespace ringdown::server

@@ -1,10 +1,10 @@
-// A door before what a real-time callback works on, which another thread may shut without the callback ever waiting.
+// Guards what a real-time callback works on: another thread shuts the gate, and the callback never waits for it.
 //
 //   callback:  if (gate.enter()) ...            owner:  gate.shut();   // returns when no callback is inside
 //              else ... silence ...                     ...
 //              gate.leave();                            gate.open();
 //
-// One callback at a time. Shut in the beginning.
+// One callback at a time. A new gate is shut.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -17,7 +17,7 @@ namespace ringdown::server {
 
 class Gate {
  public:
-  // False when it is shut; leave() all the same. [audio]
+  // Returns false when the gate is shut; the callback calls leave() in either case. [audio]
   [[nodiscard]] bool enter() RINGDOWN_REALTIME {
     inside_.store(true);
     return open_.load();
@@ -37,7 +37,7 @@ class Gate {
   }
 
  private:
-  // All in one total order: a callback that does not see the door shut is seen inside.
+  // Sequentially consistent: a callback that misses shut() is itself visible to wait().
   std::atomic<bool> open_ = false, inside_ = false;
 };
 

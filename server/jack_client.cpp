@@ -1,14 +1,15 @@
 #include "server/jack_client.h"
 
-#include "server/jack_metadata.h"
-
 #include <jack/jack.h>
+#include <jack/metadata.h>
 #include <jack/midiport.h>
 #include <jack/thread.h>
+#include <jack/uuid.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <bit>
+#include <string>
 #include <utility>
 
 namespace ringdown::server {
@@ -16,8 +17,31 @@ namespace {
 
 constexpr std::size_t kLeft = 0, kRight = 1, kFirstBus = 2;
 
-// Libjack's own reports would stand beside ours; what matters we say in our own words.
+// Replaces libjack's own reports, which would repeat what our log says.
 void quiet(const char*) {}
+
+// What patchbays show of a port beside its name: JACK metadata. A server that keeps none is no error.
+struct PortDescription {
+  std::string pretty_name;
+  std::string group;  // ports of one group stand together
+  int order = 0;      // among our ports, from 0
+};
+
+void describe(jack_client_t* client, jack_port_t* port, const PortDescription& description) {
+  constexpr const char* kText = "text/plain";
+  constexpr const char* kInteger = "http://www.w3.org/2001/XMLSchema#integer";
+  const jack_uuid_t id = jack_port_uuid(port);
+  if (jack_uuid_empty(id)) return;
+  jack_set_property(client, id, JACK_METADATA_PRETTY_NAME, description.pretty_name.c_str(), kText);
+  jack_set_property(client, id, JACK_METADATA_PORT_GROUP, description.group.c_str(), kText);
+  jack_set_property(client, id, JACK_METADATA_ORDER, std::to_string(description.order).c_str(), kInteger);
+}
+
+// Called before a port is unregistered or the client is closed: servers keep the metadata of ports that are gone.
+void forget_description(jack_client_t* client, jack_port_t* port) {
+  const jack_uuid_t id = jack_port_uuid(port);
+  if (!jack_uuid_empty(id)) jack_remove_properties(client, id);
+}
 
 JackClient* self(void* client) { return static_cast<JackClient*>(client); }
 
@@ -59,7 +83,7 @@ JackClient::JackClient(jack_client_t* client, std::shared_ptr<LoadMeter> meter,
 JackClient::~JackClient() {
   stop();
   const auto forget = [this](jack_port_t* port) {
-    if (port && !lost_) jack_metadata_forget(client_, port);
+    if (port && !lost_) forget_description(client_, port);
   };
   for (jack_port_t* port : ports_) forget(port);
   for (jack_port_t* port : inputs_) forget(port);
@@ -102,12 +126,12 @@ bool JackClient::add_port(std::size_t channel, const std::string& name) {
   constexpr auto kFlags = JackPortIsOutput | JackPortIsTerminal;
   jack_port_t* const port = jack_port_register(client_, name.c_str(), JACK_DEFAULT_AUDIO_TYPE, kFlags, 0);
   if (!port) return false;
-  jack_metadata_describe(client_, port,
-                         {.pretty_name = channel == kLeft    ? "Mix left"
-                                         : channel == kRight ? "Mix right"
-                                                             : name,
-                          .group = channel < kFirstBus ? "Mix" : "Objects",
-                          .order = static_cast<int>(channel)});
+  describe(client_, port,
+           {.pretty_name = channel == kLeft    ? "Mix left"
+                           : channel == kRight ? "Mix right"
+                                               : name,
+            .group = channel < kFirstBus ? "Mix" : "Objects",
+            .order = static_cast<int>(channel)});
   ports_[channel] = port;
   return true;
 }
@@ -125,7 +149,7 @@ void JackClient::remove_port(std::size_t channel) {
   jack_port_t* const port = ports_[channel].exchange(nullptr);
   if (!port) return;
   gate_.wait();
-  jack_metadata_forget(client_, port);
+  forget_description(client_, port);
   jack_port_unregister(client_, port);
 }
 
@@ -147,7 +171,7 @@ bool JackClient::add_input(std::size_t input) {
   jack_port_t* const port =
       jack_port_register(client_, ("in_" + number).c_str(), JACK_DEFAULT_AUDIO_TYPE, JackPortIsInput, 0);
   if (!port) return false;
-  jack_metadata_describe(
+  describe(
       client_, port,
       {.pretty_name = "Excite " + number, .group = "Inputs", .order = static_cast<int>(synth::kMaxChannels + input)});
   inputs_[input] = port;

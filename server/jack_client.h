@@ -36,9 +36,9 @@ struct JackConnection {
 
 class JackClient {
  public:
-  // `on_change` is called, on JACK's threads, when the server has gone, somebody connected something, or a port came;
-  // it only notes that. Null when no server answers, or it has no place for us. [one thread: it, and all below but what
-  // says otherwise]
+  // JACK's threads call `on_change` when the server has gone, when somebody connected something and when a port came;
+  // it should only note that. Returns null when no server answers or the server is full. [one thread, always the same,
+  // calls this and every function below that names no other]
   static std::unique_ptr<JackClient> open(const std::string& name, std::shared_ptr<LoadMeter> meter,
                                           std::shared_ptr<session::MidiPlayer> midi, std::function<void()> on_change);
 
@@ -51,7 +51,7 @@ class JackClient {
   [[nodiscard]] bool lost() const { return lost_; }              // the server has gone [any]
   [[nodiscard]] bool freewheels() const { return freewheels_; }  // [any]
   [[nodiscard]] double sample_rate_hz() const;                   // the server's [any but audio]
-  [[nodiscard]] std::size_t block_frames() const;                // likewise
+  [[nodiscard]] std::size_t block_frames() const;                // the server's [any but audio]
 
   // Starts to render `program`, which must outlive the client or a stop().
   Result<void> start(const Driver::Program& program);

@@ -17,13 +17,13 @@ class LoadMeter {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Around a callback of `frames`. With `deadline` false it is measured, but can be late for nothing: in freewheel.
-  // [audio]
+  // Stand at both ends of a callback of `frames`. Without a `deadline`, in freewheel, a long callback is measured but
+  // not counted as late. [audio]
   void begin(std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
   void end(bool deadline = true) RINGDOWN_REALTIME;
 
-  // Says that the server found a cycle late; counts it as ours when a callback took longer than its period since the
-  // last time, or is doing so now. [any]
+  // Notes that the server found a cycle late. The cycle counts as ours when one of our callbacks has taken longer than
+  // its period since the last call, or is doing so now. [any]
   void note_xrun();
 
   [[nodiscard]] Driver::Load read() const;  // [any]

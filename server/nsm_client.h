@@ -1,5 +1,5 @@
-// A client of a session manager that speaks NSM (New Session Manager's protocol, version 1): it announces itself, is
-// told where its part of the session is kept, saves when asked, and is ended by SIGTERM.
+// A client of a session manager that speaks NSM (New Session Manager's protocol, version 1): the client announces
+// itself, is told where its part of the session is kept, saves when asked, and is ended by SIGTERM.
 //
 //   if (const auto url = NsmClient::url()) {        // the session manager started us
 //     auto client = NsmClient::announce(*url);      // waits until it opens the session
@@ -48,8 +48,8 @@ class NsmClient {
   // The state file of the session.
   [[nodiscard]] std::filesystem::path state_file() const { return session_.path.string() + ".toml"; }
 
-  // Answers that the session is open. From now on `save` is called, on a thread of ours, whenever the manager wants
-  // that; it calls `done` once, from any thread, while this client lives. [main]
+  // Answers that the session is open. From now on a thread of ours calls `save` whenever the manager wants the session
+  // to be saved; `save` must have `done` called once, from any thread, while this client lives. [main]
   using Done = std::function<void(const Result<void>&)>;
   void start(std::function<void(const Done& done)> save);
 

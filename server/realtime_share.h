@@ -1,12 +1,12 @@
 // Real-time priority for a thread that others can keep busy, for half of the time at most.
 //
-// A thread of real-time priority that never rests takes its processor from everybody else, and the kernel then takes it
-// back: for 50 ms in a second all of that processor's real-time threads wait, the audio thread among them
-// (sched_rt_runtime_us in sched(7); newer kernels have a "fair server" for it). So in a flood this one becomes an
-// ordinary thread for the rest of each 20 ms of which it has used 10.
+// When a thread of real-time priority never rests, the kernel stops all real-time threads of its processor for 50 ms in
+// each second, the audio thread among them (sched_rt_runtime_us in sched(7); newer kernels have a "fair server" for
+// it). A thread with a RealtimeShare is therefore an ordinary thread for the rest of each 20 ms of which it has
+// used 10.
 //
 //   RealtimeShare share;
-//   share.set_priority(9);                 // on the thread itself, as all of this
+//   share.set_priority(9);                 // all functions are called on the thread itself
 //   for (;;) { share.turn(); work(); }     // a turn costs a reading of the clock
 #pragma once
 
@@ -18,10 +18,11 @@ class RealtimeShare {
  public:
   static constexpr double kPeriod_s = 0.02, kMost_s = 0.01;
 
-  // SCHED_FIFO; 0: an ordinary thread. Fails where the system does not allow it; the thread is then an ordinary one.
+  // Takes SCHED_FIFO at this priority; 0 makes an ordinary thread. Where the system refuses, the thread is an ordinary
+  // one and an error says why.
   Result<void> set_priority(int priority);
 
-  // Several times a millisecond, if there is so much to do.
+  // To be called between any two pieces of work, several times a millisecond in a flood.
   void turn();
 
  private:

@@ -1,8 +1,8 @@
 // Tells programs on the network where OSC is received, by DNS-SD (Zeroconf, Bonjour): service _osc._udp, and _osc._tcp.
 //
-// It goes through Avahi's daemon. Where there is none, one line in the log says so, and the services are announced when
-// it comes. A name that is taken gets a number. The services are gone when the object is. [main; it works on a thread
-// of its own]
+// Avahi's daemon announces the services. Where it does not run, one line in the log says so, and the services are
+// announced when it starts. A name that is taken gets a number. The services end with the object. [main; Avahi's client
+// has a thread of its own]
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,8 @@
 // Which object is heard at which of the mixer's buses, and what the buses are called. A bus becomes an output port.
 //
-// By its label an object gets a bus: its own name, its group's, or none. Objects of one label share a bus; the bus is
-// there as long as one of them is. No other bus is moved when one comes or goes. [any thread but audio]
+// An object's label is its own name, its group's name, or none, by the port mode. Objects of one label share a bus,
+// which exists as long as one of these objects does. Other buses keep their places when one comes or goes. [any thread
+// but audio]
 #pragma once
 
 #include "engine/synth/event.h"
@@ -23,12 +24,12 @@ class Buses {
   // Before any object.
   void set_mode(PortMode mode) { mode_ = mode; }
 
-  // Gives the object its bus, after the one it had; nullopt: it is heard in the mix only, as asked or because all
-  // synth::kMaxBuses are taken (overflow() then grows).
+  // Takes the object from the bus it had and returns its bus; nullopt: the object is heard in the mix only, because of
+  // the port mode or because all synth::kMaxBuses are taken (overflow() then grows).
   std::optional<std::size_t> join(synth::ObjectNumber object, const std::string& name, const std::string& group);
   void leave(synth::ObjectNumber object);
 
-  // Of the buses that are in use.
+  // The labels of the buses that are in use.
   [[nodiscard]] std::map<std::size_t, std::string> names() const;
 
   // How often an object found no free bus.

@@ -1,6 +1,6 @@
-// The folders that files may be opened in. What a message names, a stranger may have named.
+// The folders in which files may be opened: a path in a message may come from a stranger.
 //
-// A path is taken only if it leads, by its words and through every link, to a regular file of bounded size below one of
+// A path is accepted only if its words and every link on its way lead to a regular file of bounded size below one of
 // the folders. `..` that leaves a folder, links that lead out of it, fifos, devices, sockets and folders are refused
 // before anything is read. [any thread but audio]
 #pragma once
@@ -26,7 +26,7 @@ inline constexpr WrittenKind kStateKind{".toml", "# What ringdownd holds"};
 
 class FileRoots {
  public:
-  // Every file may be opened: for programs whose user names each one himself.
+  // Every file may be opened: for programs whose user names each file.
   FileRoots() = default;
 
   enum class Guard {

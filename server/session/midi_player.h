@@ -20,8 +20,8 @@ namespace ringdown::session {
 
 class MidiPlayer {
  public:
-  // One message that happens at `frame`. What is no note, no pedal and no "all off" is passed over. What the mixer took
-  // goes to `played`, too, as long as there is room.
+  // Plays one message at `frame`. Messages other than notes, pedals and "all off" are ignored. Each event that the
+  // mixer took is also put into `played`, as long as there is room.
   void play(std::span<const std::uint8_t> message, synth::Frame frame, const NoteTable& table, synth::Mixer& mixer,
             SpscRing<synth::Event>& played) RINGDOWN_REALTIME;
 
@@ -44,7 +44,7 @@ class MidiPlayer {
   [[nodiscard]] bool kept(synth::ObjectNumber object, const NoteTable& table) const RINGDOWN_REALTIME;
   void push(const synth::Event& event, const Stage& stage) RINGDOWN_REALTIME;
 
-  NoteSet down_, sustained_;  // keys that are down; released ones that the pedal keeps
+  NoteSet down_, sustained_;  // keys that are down; released keys that the pedal sustains
   bool sustain_ = false, damping_ = false;
   std::atomic<std::uint64_t> dropped_ = 0;
 };

@@ -42,7 +42,7 @@ struct NoteTable {
     synth::ObjectNumber object = 0;
     Vec3 point_m;
     Vec3 impulse_ns;            // at full velocity
-    double contact_time_s = 0;  // likewise
+    double contact_time_s = 0;  // at full velocity
   };
   std::array<std::optional<Strike>, kNotes> notes;
   std::optional<double> release_s;

@@ -1,9 +1,9 @@
 // A flood of strikes, made fewer by superposition instead of lost.
 //
-// A few strikes pass as they are. When more than kMaxUnmerged fall within one window, those that follow are held back,
-// and each that hits a point that is already held is added to it: the impulses' sum, at the time of the last. The error
-// is a shift in time of less than the window. What is held is handed on when the window is over, or when another kind
-// of event comes, so that the order of things is kept. [one thread]
+// The first kMaxUnmerged strikes of a window pass unchanged. Later strikes are held back; a strike on a point that is
+// already held is added to the held one, which then has the sum of the impulses and the time of the last. The error is
+// a shift in time of less than the window. Held strikes are handed on when the window is over or when an event of
+// another kind comes, so that events keep their order. [one thread]
 #pragma once
 
 #include "engine/synth/event.h"
@@ -16,16 +16,16 @@ namespace ringdown::session {
 class StrikeMerger {
  public:
   static constexpr std::size_t kMaxUnmerged = 64;  // strikes within a window
-  static constexpr std::size_t kMaxHeld = 64;      // different points at once; more pass as they are
+  static constexpr std::size_t kMaxHeld = 64;      // different points at once; strikes on others pass unchanged
 
   // A window of 0 frames merges nothing.
   explicit StrikeMerger(synth::Frame window) : window_(window) {}
 
   enum class Verdict {
-    pass,    // it is for the mixer as it is
-    held,    // kept here
-    merged,  // added to one that is kept here
-    full,    // the window is over: hand on held(), clear(), then this event
+    pass,    // the event goes to the mixer unchanged
+    held,    // the event is kept here
+    merged,  // the event was added to one that is kept here
+    full,    // the window is over: hand on held(), call clear(), then hand on this event
   };
   Verdict add(const synth::Event& event);
 

@@ -71,7 +71,7 @@ struct LibraryRule {
 };
 
 const std::vector<LibraryRule> kLibraryRules = {
-    {"jack/", {"server/jack_"}, 4},
+    {"jack/", {"server/jack_client.cpp"}, 1},
     {"lo/", {"protocol/wire/codec.cpp"}, 1},
     {"httplib.h", {"server/"}, 1},
     {"btBullet", {"clients/bullet/"}, 1},
