@@ -224,9 +224,9 @@ void Daemon::configure() {
   rack.set_on_warning([](const std::string& sentence) { spdlog::warn("{}", sentence); });
   Driver& driver = *driver_;  // the driver itself uses it while it ends, when driver_ is null already
   rack.set_on_change([&driver] { driver.program_changed(); });
-  apply(options_.sound, rack.mixer());
-  if (options_.driver == DaemonOptions::DriverKind::jack) rack.mixer().set_budget(options_.budget);
-  rack.mixer().set_threads(options_.threads);
+  synth::MixerSettings settings = options_.mixer;
+  if (options_.driver != DaemonOptions::DriverKind::jack) settings.budget = 0;
+  rack.mixer().configure(settings);
   rack.buses().set_mode(options_.ports);
   session_.merge_within(options_.merge_s);
   session_.scene().retune_by([this, &driver](Worker::Task task) {

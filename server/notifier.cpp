@@ -76,7 +76,7 @@ void Notifier::unsubscribe(Peer peer) {
 
 void Notifier::count_subscribers() {
   count_ = subscribers_.size();
-  session_.rack().mixer().watch_objects(!subscribers_.empty());
+  session_.rack().mixer().meters().watch_objects(!subscribers_.empty());
   session_.scene().set_watched(!subscribers_.empty());
   count_watches();
 }
@@ -158,10 +158,10 @@ void Notifier::forget_silent() {
 
 void Notifier::take_peaks() {
   synth::Mixer& mixer = session_.rack().mixer();
-  const float peak = mixer.take_peak();
+  const float peak = mixer.meters().take_peak();
   for (Subscriber& subscriber : subscribers_) subscriber.peak = std::max(subscriber.peak, peak);
   for (synth::ObjectNumber object = 0; object < synth::kMaxObjects; ++object) {
-    const float reach = mixer.take_reach(object);
+    const float reach = mixer.meters().take_peak_level(object);
     if (reach < kAudible) continue;
     for (Subscriber& subscriber : subscribers_) {
       subscriber.object_peaks[object] = std::max(subscriber.object_peaks[object], reach);

@@ -37,7 +37,7 @@ Result<void> Notifier::watch_object(Peer peer, const protocol::ObjectRef& ref, b
   const std::scoped_lock lock(mutex_);
   const auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
   if (subscriber == subscribers_.end()) return not_subscribed();
-  if (on && !session_.rack().mixer().mode_watch().watch((*object)->number)) {
+  if (on && !session_.rack().mixer().meters().mode_watch.watch((*object)->number)) {
     return fail(ErrorKind::refused, "object: " + std::to_string(synth::kMaxWatched) + " objects are watched already");
   }
   if (on) {
@@ -60,7 +60,7 @@ void Notifier::count_watches() {
     if (std::ranges::any_of(subscribers_, [object](const Subscriber& s) { return s.watched.contains(object); })) {
       return false;
     }
-    mixer.mode_watch().unwatch(object);
+    mixer.meters().mode_watch.unwatch(object);
     return true;
   });
 }
@@ -112,7 +112,8 @@ void Notifier::add_modes(const Subscriber& subscriber, std::vector<protocol::Rep
   std::vector<float> amplitudes, ordered;
   for (const ObjectNumber number : subscriber.watched) {
     const auto object = session_.rack().find({.number = number});
-    if (!object || !session_.rack().mixer().mode_watch().read(number, (*object)->map->bank(), amplitudes)) continue;
+    if (!object || !session_.rack().mixer().meters().mode_watch.read(number, (*object)->map->bank(), amplitudes))
+      continue;
     ordered.clear();
     for (const std::uint32_t mode : (*object)->map->by_frequency()) ordered.push_back(amplitudes[mode]);
     for (std::span<const float> rest = ordered; !rest.empty();) {

@@ -2,6 +2,7 @@
 
 #include "engine/base/object_name.h"
 #include "packaging/manual/command_line.h"
+#include "server/session/sound.h"
 
 #include <cmath>
 #include <cstdio>
@@ -137,15 +138,15 @@ void add_osc(CLI::App& app, DaemonOptions& options) {
 }
 
 void add_mixer(CLI::App& app, DaemonOptions& options) {
-  app.add_option("--threads", options.threads, "Threads that mix big scenes, JACK's among them; the others spin")
+  app.add_option("--threads", options.mixer.threads, "Threads that mix big scenes, JACK's among them; the others spin")
       ->check(manual::between(1, 64))
       ->capture_default_str();
   app.add_option_function<double>(
-         "--budget", [&options](double percent) { options.budget = 0.01 * percent; },
+         "--budget", [&options](double percent) { options.mixer.budget = 0.01 * percent; },
          "jack: of a block's time, what may be used before what is heard least is left out; 0: all; 80 unless given")
       ->check(manual::between(0.0, 100.0))
       ->type_name("PERCENT");
-  session::add_sound_options(app, options.sound);
+  session::add_sound_options(app, options.mixer);
 }
 
 }  // namespace

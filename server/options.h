@@ -11,7 +11,7 @@
 #include "protocol/defaults.h"
 #include "server/latency.h"
 #include "server/session/buses.h"
-#include "server/session/sound.h"
+#include "engine/synth/mixer.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -56,11 +56,9 @@ struct DaemonOptions {
   bool wait = false;                                 // for a JACK server, where there is none yet
   double sample_rate_hz = 48000;                     // wav, null, and until there is a JACK server
   std::size_t block_frames = 256;                    // likewise
-  std::size_t threads = 1;                           // that mix (Mixer::set_threads)
-  session::SoundOptions sound;
-  double budget = 0.8;                            // jack: Mixer::set_budget
-  std::optional<double> seconds;                  // null, jack: stop after this time; wav: length of the file
-  std::filesystem::path output = "ringdown.wav";  // wav
+  synth::MixerSettings mixer = {.budget = 0.8};      // the budget counts with jack only
+  std::optional<double> seconds;                     // null, jack: stop after this time; wav: length of the file
+  std::filesystem::path output = "ringdown.wav";     // wav
 };
 
 // Values that are wrong in themselves (a number out of range, an object without a name) end the parsing with a

@@ -317,7 +317,7 @@ protocol::StatusReply OscServer::status() const {
           .load_p99 = load.p99,
           .misses = load.misses,
           .own_xruns = load.own_xruns,
-          .hidden_modes = whole(mixer.hidden_modes.load()),
+          .hidden_modes = whole(mixer.muted_modes.load()),
           .shed = whole(mixer.shed.load()),
           .slowed_s = parts_.session.scene().slowed_s(),
           .recording = parts_.recorder && parts_.recorder->records()};

@@ -54,7 +54,7 @@ ExitCode render_to_file(const DaemonOptions& options) {
                                                   .seconds = options.seconds,
                                                   .sample_rate_hz = options.sample_rate_hz,
                                                   .block_frames = options.block_frames,
-                                                  .sound = options.sound},
+                                                  .mixer = options.mixer},
                                                  [](double) { return !signal_came(0ms); });
   if (!recording) return complain(recording.error());
   for (const std::string& warning : recording->warnings) spdlog::warn("{}", warning);

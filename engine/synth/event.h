@@ -11,8 +11,9 @@
 
 namespace ringdown::synth {
 
-using Frame = std::int64_t;          // sample frames since the mixer started
-using ObjectNumber = std::uint32_t;  // the object's place in the mixer, as the daemon assigned it
+using Frame = std::int64_t;                        // sample frames since the mixer started
+using ObjectNumber = std::uint32_t;                // the object's place in the mixer, as the daemon assigned it
+inline constexpr ObjectNumber kMaxObjects = 1024;  // objects of a mixer, numbered from 0
 
 enum class EventType : std::uint8_t {
   strike,         // point_m, impulse_ns, contact_time_s: rings the object at the nearest point of its surface

@@ -89,9 +89,7 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
   runs_ = aligned_zeros<float>(columns_ * 2 * kRun);
   moment_weights_ = aligned_zeros<float>(columns_ * 2 * kMoments);
   band_.assign(columns_, 0);
-  ear_band_.assign(columns_, 0);
-  narrow_.assign(groups(), 1);
-  fall_.assign(groups(), std::numeric_limits<float>::max());
+  slowest_decay_.assign(groups(), std::numeric_limits<double>::max());
   for (const PlayableMode& mode : playable) {
     const std::size_t skipped = mode_of_.size() < slow_modes_ ? 0 : kModePadding * slow_groups_ - slow_modes_;
     column_.push_back(static_cast<std::uint32_t>(mode_of_.size() + skipped));
@@ -116,12 +114,8 @@ void ModeTable::add_mode(std::uint32_t mode, const modal::DampedMode& damped, st
   put(std::exp(s), row(pole_re), row(pole_im));
   put(std::exp(s * static_cast<double>(kChunkFrames)), row(full_re), row(full_im));
   put(std::exp(s * static_cast<double>(kRun)), strides_.get(), strides_.get() + columns_);
-  const std::size_t first = at / kModePadding * kModePadding;
-  std::fill(ear_band_.begin() + at, ear_band_.begin() + static_cast<std::ptrdiff_t>(first + kModePadding),
-            ear_band_of(damped.frequency_hz));  // and the padding after it
-  if (ear_band_[at] > ear_band_[first] + 1) narrow_[at / kModePadding] = 0;
-  const auto fall = static_cast<float>(-2 * s.real() * 10 / std::numbers::ln10 / kStep_db);
-  fall_[at / kModePadding] = std::min(fall_[at / kModePadding], fall);
+  double& slowest = slowest_decay_[at / kModePadding];
+  slowest = std::min(slowest, -s.real());
   std::ranges::copy(run_of(s), runs_.get() + std::size_t{at} * 2 * kRun);
   if (mode_of_.size() > slow_modes_) return;
   band_[at] = band_of(s);

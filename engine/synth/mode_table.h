@@ -14,7 +14,6 @@
 #include "engine/synth/aligned_array.h"
 #include "engine/synth/click.h"
 #include "engine/synth/event.h"
-#include "engine/synth/hearing.h"
 #include "engine/synth/mode_kernel.h"
 #include "engine/synth/moments.h"
 
@@ -61,11 +60,8 @@ class ModeTable {
   [[nodiscard]] std::size_t mode_of(std::size_t i) const RINGDOWN_REALTIME { return mode_of_.data()[i]; }
   [[nodiscard]] std::size_t column(std::size_t i) const RINGDOWN_REALTIME { return column_.data()[i]; }
 
-  // Where each column is heard; whether all of a group are as good as in one place; the steps of Level by which a
-  // group's modes fall in a frame, at least.
-  [[nodiscard]] const EarBand* ear_bands() const RINGDOWN_REALTIME { return ear_band_.data(); }
-  [[nodiscard]] bool narrow(std::size_t group) const RINGDOWN_REALTIME { return narrow_.data()[group] != 0; }
-  [[nodiscard]] float fall(std::size_t group) const RINGDOWN_REALTIME { return fall_.data()[group]; }
+  // The least decay among the modes of a group [nepers per frame].
+  [[nodiscard]] double slowest_decay(std::size_t group) const RINGDOWN_REALTIME { return slowest_decay_.data()[group]; }
 
   // Which playable mode has this column; nullopt for padding.
   [[nodiscard]] std::optional<std::size_t> at_column(std::size_t column) const RINGDOWN_REALTIME;
@@ -87,7 +83,7 @@ class ModeTable {
   // Of the object as a whole; nothing when the bank does not say its mass, or it is too large to click.
   [[nodiscard]] const std::optional<ClickShape>& click() const RINGDOWN_REALTIME { return click_; }
 
-  class Family* family = nullptr;  // of the objects that share it, for the mixer (family.h) [audio]
+  class InstanceGroup* instances = nullptr;  // of the objects that share this table (instance_group.h) [audio]
 
  private:
   enum Row { pole_re, pole_im, full_re, full_im, rest_re, rest_im, kRows };
@@ -114,9 +110,7 @@ class ModeTable {
   AlignedArray<float> runs_;            // columns x 2 kRun
   AlignedArray<float> moment_weights_;  // columns x 2 kMoments
   std::vector<std::uint16_t> band_;
-  std::vector<EarBand> ear_band_;
-  std::vector<std::uint8_t> narrow_;  // of each group
-  std::vector<float> fall_;
+  std::vector<double> slowest_decay_;  // of each group
 };
 
 }  // namespace ringdown::synth

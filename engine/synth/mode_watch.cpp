@@ -8,8 +8,8 @@ namespace ringdown::synth {
 
 bool ModeWatch::watch(ObjectNumber object) {
   if (find(object)) return true;
-  const auto free = std::ranges::find_if(places_, [](const Place& place) { return place.object.load() < 0; });
-  if (free == places_.end()) return false;
+  const auto free = std::ranges::find_if(slots_, [](const Slot& slot) { return slot.object.load() < 0; });
+  if (free == slots_.end()) return false;
   if (!free->amplitudes) free->amplitudes = std::make_unique<std::atomic<float>[]>(modal::kMaxModes);
   free->object.store(object, std::memory_order_release);
   ++count_;
@@ -17,43 +17,43 @@ bool ModeWatch::watch(ObjectNumber object) {
 }
 
 void ModeWatch::unwatch(ObjectNumber object) {
-  for (Place& place : places_) {
-    if (place.object.load() != object) continue;
-    place.object = -1;
+  for (Slot& slot : slots_) {
+    if (slot.object.load() != object) continue;
+    slot.object = -1;
     --count_;
   }
 }
 
-const ModeWatch::Place* ModeWatch::find(ObjectNumber object) const {
-  const auto found = std::ranges::find_if(places_, [object](const Place& place) { return place.object == object; });
-  return found == places_.end() ? nullptr : &*found;
+const ModeWatch::Slot* ModeWatch::find(ObjectNumber object) const {
+  const auto found = std::ranges::find_if(slots_, [object](const Slot& slot) { return slot.object == object; });
+  return found == slots_.end() ? nullptr : &*found;
 }
 
 bool ModeWatch::read(ObjectNumber object, const modal::Bank& bank, std::vector<float>& amplitudes) const {
   constexpr int kTries = 100;
-  const Place* const place = find(object);
-  if (!place) return false;
+  const Slot* const slot = find(object);
+  if (!slot) return false;
   amplitudes.resize(bank.mode_count());
   for (int i = 0; i < kTries; ++i) {
-    const std::uint32_t before = place->number.load(std::memory_order_acquire);
+    const std::uint32_t before = slot->number.load(std::memory_order_acquire);
     if (before % 2 != 0) continue;
     const bool same =
-        place->of.load(std::memory_order_relaxed) == object && place->bank.load(std::memory_order_relaxed) == &bank;
+        slot->of.load(std::memory_order_relaxed) == object && slot->bank.load(std::memory_order_relaxed) == &bank;
     for (std::size_t m = 0; same && m < amplitudes.size(); ++m) {
-      amplitudes[m] = place->amplitudes[m].load(std::memory_order_relaxed);
+      amplitudes[m] = slot->amplitudes[m].load(std::memory_order_relaxed);
     }
     std::atomic_thread_fence(std::memory_order_acquire);
-    if (place->number.load(std::memory_order_relaxed) == before) return same;
+    if (slot->number.load(std::memory_order_relaxed) == before) return same;
   }
   return false;
 }
 
-void ModeWatch::Place::begin() RINGDOWN_REALTIME {
+void ModeWatch::Slot::begin() RINGDOWN_REALTIME {
   number.store(number.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   std::atomic_thread_fence(std::memory_order_release);
 }
 
-void ModeWatch::Place::end() RINGDOWN_REALTIME {
+void ModeWatch::Slot::end() RINGDOWN_REALTIME {
   number.store(number.load(std::memory_order_relaxed) + 1, std::memory_order_release);
 }
 

@@ -1,6 +1,6 @@
 // The amplitudes of the modes of some objects, from the audio thread to one that shows them, without a lock.
 //
-// Each watched object has a place, which the audio thread writes about every kEvery_s and the reader reads whenever it
+// Each watched object has a slot, which the audio thread writes about every kEvery_s and the reader reads whenever it
 // likes; a number before and after tells the reader whether it was written meanwhile.
 #pragma once
 
@@ -32,8 +32,8 @@ class ModeWatch {
   // written of it yet. [one thread that is not audio]
   [[nodiscard]] bool read(ObjectNumber object, const modal::Bank& bank, std::vector<float>& amplitudes) const;
 
-  // For the mixer. A place lies between begin() and end() while it is written.
-  struct Place {
+  // For the mixer. A slot lies between begin() and end() while it is written.
+  struct Slot {
     std::atomic<std::int64_t> object{-1};  // none
     std::atomic<std::uint32_t> number{0};  // odd while it is written
     std::atomic<std::int64_t> of{-1};      // whose amplitudes these are
@@ -48,12 +48,12 @@ class ModeWatch {
     }
   };
   [[nodiscard]] bool watches() const RINGDOWN_REALTIME { return count_.load(std::memory_order_relaxed) > 0; }
-  [[nodiscard]] Place& place(std::size_t which) RINGDOWN_REALTIME { return places_.data()[which]; }
+  [[nodiscard]] Slot& slot(std::size_t which) RINGDOWN_REALTIME { return slots_.data()[which]; }
 
  private:
-  [[nodiscard]] const Place* find(ObjectNumber object) const;
+  [[nodiscard]] const Slot* find(ObjectNumber object) const;
 
-  std::array<Place, kMaxWatched> places_;
+  std::array<Slot, kMaxWatched> slots_;
   std::atomic<std::size_t> count_{0};
 };
 

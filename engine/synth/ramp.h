@@ -4,6 +4,8 @@
 #include "engine/base/realtime.h"
 #include "engine/synth/event.h"
 
+#include <cmath>
+
 namespace ringdown::synth {
 
 struct Ramp {
@@ -18,5 +20,10 @@ struct Ramp {
   [[nodiscard]] bool still_at(Frame frame) const RINGDOWN_REALTIME { return frame >= end; }
   void aim(double target, Frame now, Frame length) RINGDOWN_REALTIME { *this = {at(now), target, now, now + length}; }
 };
+
+// A frame after the sample rate has changed at frame `now`: it comes `ratio` times as many frames after `now`.
+inline Frame rescaled(Frame frame, Frame now, double ratio) {
+  return now + static_cast<Frame>(std::llround(static_cast<double>(frame - now) * ratio));
+}
 
 }  // namespace ringdown::synth

@@ -32,12 +32,12 @@ Rubbing::Rubbing(std::uint32_t seed, double sample_rate_hz) RINGDOWN_REALTIME : 
   }
 }
 
-void Rubbing::tell(Frame at, const Contact& contact) RINGDOWN_REALTIME {
+void Rubbing::update(Frame at, const Contact& contact) RINGDOWN_REALTIME {
   const double force = length(contact.force_n);
   const bool changes = force > 0 && heights_m_[0] > 0;
-  const double since_s = changes ? static_cast<double>(at - told_) / rate_hz_ : kFade_s;
+  const double since_s = changes ? static_cast<double>(at - updated_) / rate_hz_ : kFade_s;
   const auto ramp = static_cast<Frame>(std::clamp(since_s, kMinRamp_s, kMaxRamp_s) * rate_hz_);
-  told_ = at;
+  updated_ = at;
   force_n_.aim(force, at, ramp);
   time_out_ = at + static_cast<Frame>(kContactTimeOut_s * rate_hz_);
   if (force == 0) return;  // it ends as it moves
@@ -91,7 +91,7 @@ void Rubbing::fill(Frame first, std::size_t count, double* impulses) RINGDOWN_RE
     const double slope = sliding_.pass(heights_m_, slip_m_s_.at(frame), rate_hz_) +
                          rolling_.pass(heights_m_, roll_m_s_.at(frame), rate_hz_);
     mean_slope_ += (begun_ ? forget : 1) * (slope - mean_slope_);
-    begun_ = begun_ || heights_m_[0] > 0;  // it may be asked before it is told anything
+    begun_ = begun_ || heights_m_[0] > 0;  // it may be asked before its first update
     impulses[i] = force_n_.at(frame) * (slope - mean_slope_) * seconds;
   }
 }
@@ -101,7 +101,7 @@ void Rubbing::rescale(Frame now, double ratio) {
     return now + static_cast<Frame>(std::llround(static_cast<double>(frame - now) * ratio));
   };
   for (Ramp* ramp : {&force_n_, &slip_m_s_, &roll_m_s_}) ramp->begin = moved(ramp->begin), ramp->end = moved(ramp->end);
-  told_ = moved(told_), time_out_ = moved(time_out_);
+  updated_ = moved(updated_), time_out_ = moved(time_out_);
   rate_hz_ *= ratio;
 }
 

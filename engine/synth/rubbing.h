@@ -11,8 +11,8 @@
 #pragma once
 
 #include "engine/base/realtime.h"
-#include "engine/synth/event.h"
 #include "engine/synth/ramp.h"
+#include "engine/synth/event.h"
 
 #include <array>
 #include <cstddef>
@@ -20,7 +20,7 @@
 
 namespace ringdown::synth {
 
-inline constexpr double kContactTimeOut_s = 0.1;  // a contact of which nothing is told for so long ends
+inline constexpr double kContactTimeOut_s = 0.1;  // a contact that is not updated for so long ends
 inline constexpr double kRollingRatio = 40;  // as the draft's defaults of waviness and roughness stand to each other
 
 class Rubbing {
@@ -29,9 +29,9 @@ class Rubbing {
   // At rest, without force. Contacts with the same seed have the same profile. [audio]
   Rubbing(std::uint32_t seed, double sample_rate_hz) RINGDOWN_REALTIME;
 
-  // How the contact is from frame `at` on. It gets there evenly, in as long as it was since the telling before, but in
-  // no less than 2 and no more than 50 ms; the first time, and when it ends, in 5 ms. [audio]
-  void tell(Frame at, const Contact& contact) RINGDOWN_REALTIME;
+  // Sets the contact from frame `at` on. Force and speeds get there in a straight line, as long as the time since the
+  // last update but at least 2 ms and at most 50 ms; the first time, and when the contact ends, in 5 ms. [audio]
+  void update(Frame at, const Contact& contact) RINGDOWN_REALTIME;
 
   // The impulse [N s] in frames first ... first + count - 1, along the contact's force. Frames are asked for once, in
   // order. [audio]
@@ -71,7 +71,7 @@ class Rubbing {
   Track sliding_, rolling_;
   bool begun_ = false;
   double mean_slope_ = 0;  // lately: only what differs from it is felt
-  Frame told_ = 0, time_out_ = 0;
+  Frame updated_ = 0, time_out_ = 0;
 };
 
 }  // namespace ringdown::synth

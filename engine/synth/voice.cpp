@@ -6,15 +6,15 @@
 namespace ringdown::synth {
 namespace {
 
-// Modes that die within the chunk would take the trace of an absurd strike with them: this one stays.
+// An absurd strike becomes not-a-number, because modes that die within the chunk would hide a merely huge one.
 double gain_for(double energy) RINGDOWN_REALTIME {
-  return energy <= Ringing::kAbsurdEnergy ? 1.0 : std::numeric_limits<double>::quiet_NaN();
+  return energy <= kAbsurdEnergy ? 1.0 : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace
 
 Voice::Voice(std::shared_ptr<ModeTable> table)
-    : Ringing(*table),
+    : ModeStates(*table),
       table_(std::move(table)),
       scratch_(table_->bank().mode_count()),
       amplitudes_(aligned_zeros<double>(table_->columns())) {}
@@ -34,9 +34,9 @@ bool Voice::strike(const Event& event) RINGDOWN_REALTIME {
   return energy.has_value();
 }
 
-bool Voice::strike_aside(const Event& event, std::size_t left) RINGDOWN_REALTIME {
+bool Voice::strike_late(const Event& event, std::size_t frames_left) RINGDOWN_REALTIME {
   const std::optional<double> energy = find_amplitudes(event);
-  if (energy) add_aside(amplitudes(), gain_for(*energy), left);
+  if (energy) add_late(amplitudes(), gain_for(*energy), frames_left);
   return energy.has_value();
 }
 

@@ -6,8 +6,8 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/event.h"
+#include "engine/synth/mode_states.h"
 #include "engine/synth/mode_table.h"
-#include "engine/synth/ringing.h"
 
 #include <memory>
 #include <optional>
@@ -15,22 +15,26 @@
 
 namespace ringdown::synth {
 
-class Voice : public Ringing {
+class Voice : public ModeStates {
  public:
-  // Of a table that it shares with others of its kind, or of its own. [worker]
+  // A voice of a table that it may share with other voices, or of a table of its own. [worker]
   explicit Voice(std::shared_ptr<ModeTable> table);
   Voice(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz);
 
-  // Adds a strike (EventType::strike or strike_vertex) at the current frame, or aside, `left` frames before the end
-  // of the chunk. False when the vertex does not
-  // exist. [audio]
+  // Adds a strike (or EventType::ring) at the current frame; the second form adds it as a late strike, `frames_left`
+  // before the end of the chunk. False when the vertex does not exist. [audio]
   bool strike(const Event& event) RINGDOWN_REALTIME;
-  bool strike_aside(const Event& event, std::size_t left) RINGDOWN_REALTIME;
+  bool strike_late(const Event& event, std::size_t frames_left) RINGDOWN_REALTIME;
 
-  // Puts what a strike gives the modes into amplitudes(), and returns the sum of their squares; nullopt when the vertex
-  // does not exist. [audio]
+  // Finds the amplitude that a strike gives each mode, for amplitudes(), and returns the sum of their squares; nullopt
+  // when the vertex does not exist. [audio]
   [[nodiscard]] std::optional<double> find_amplitudes(const Event& event) RINGDOWN_REALTIME {
     return table_->strike(event, {scratch_.data(), scratch_.size()}, amplitudes_.get());
+  }
+  // The same; false also when the amplitudes are absurd (kAbsurdEnergy). [audio]
+  [[nodiscard]] bool find_sane_amplitudes(const Event& event) RINGDOWN_REALTIME {
+    const std::optional<double> energy = find_amplitudes(event);
+    return energy && *energy <= kAbsurdEnergy;
   }
   [[nodiscard]] const double* amplitudes() const RINGDOWN_REALTIME { return amplitudes_.get(); }
 
@@ -40,7 +44,7 @@ class Voice : public Ringing {
   [[nodiscard]] ModeTable& table() const RINGDOWN_REALTIME { return *table_; }
   [[nodiscard]] const std::shared_ptr<ModeTable>& shared_table() const { return table_; }
 
-  Voice* next = nullptr;  // for the mixer's lists, which must not allocate
+  Voice* next = nullptr;  // in a list of voices, which must not allocate
 
  private:
   std::shared_ptr<ModeTable> table_;

@@ -25,7 +25,9 @@ class Run {
   }
 
   Result<void> prepare() {
-    apply(options_.sound, session_.rack().mixer());
+    synth::MixerSettings settings = options_.mixer;
+    settings.budget = 0;
+    session_.rack().mixer().configure(settings);
     for (const auto& [name, bank] : options_.objects) {
       if (const auto loaded = session_.rack().load(name, bank); !loaded) return fail(loaded.error());
     }

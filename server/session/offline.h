@@ -6,7 +6,7 @@
 
 #include "engine/base/result.h"
 #include "protocol/wire/message.h"
-#include "server/session/sound.h"
+#include "engine/synth/mixer.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -26,7 +26,7 @@ struct OfflineOptions {
                                   // last event and kTail_s
   double sample_rate_hz = 48000;
   std::size_t block_frames = 256;
-  SoundOptions sound;  // the limiter's delay is taken off again
+  synth::MixerSettings mixer;  // the limiter's delay is taken off again; a file has no budget
 };
 
 inline constexpr double kTail_s = 5;

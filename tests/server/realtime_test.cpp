@@ -80,7 +80,7 @@ TEST(Realtime, AMillionBlocksAllocateNothingLockNothingAndCallNoSystem) {
   if (!test::kRealtimeGuardWorks) GTEST_SKIP() << "sanitizers and clang replace the watched functions";
   Session session(48000);
   session.merge_within(0);
-  session.rack().mixer().watch_objects(true);
+  session.rack().mixer().meters().watch_objects(true);
   Crowd crowd(session);
   std::array<float, kFrames> left{}, right{};
   test::RealtimeViolations seen;

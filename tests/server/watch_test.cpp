@@ -168,10 +168,10 @@ TEST_F(WatchTest, WatchedModesAreToldByFrequencyUntilTheSubscriberGoes) {
     EXPECT_EQ(amplitudes[rank] > 0, rank == 7 || rank == 8) << rank;
   }
   EXPECT_LE(amplitudes[7], 0.5001);
-  EXPECT_TRUE(session_.rack().mixer().mode_watch().watches());
+  EXPECT_TRUE(session_.rack().mixer().meters().mode_watch.watches());
   send({"/notify", {0}});
   sync();
-  EXPECT_FALSE(session_.rack().mixer().mode_watch().watches());
+  EXPECT_FALSE(session_.rack().mixer().meters().mode_watch.watches());
 }
 
 TEST_F(WatchTest, SixteenObjectsAreWatchedByAllTogether) {

@@ -60,7 +60,7 @@ double error_after_strikes(std::size_t count, bool moments) {
   const Map map = map_of(single_mode_bank(1234.5, kLn1000 / 600));
   ExactVoice exact(map, kRate);
   Listener heard(256);
-  heard.mixer.set_floor(kNever);
+  set(heard.mixer, &MixerSettings::floor_db, kNever);
   EXPECT_TRUE(heard.mixer.install(0, voice_of(map), Mixer::Install::replace));
   if (moments) keep_company(heard.mixer);
   Frame frame = 2000;
@@ -212,7 +212,7 @@ TEST(StressEndurance, TenThousandStrikesASecondOnAThousandObjects) {
   std::mt19937 random(23);
   std::vector<ExactVoice> exact;
   Listener heard(kBlock);
-  heard.mixer.set_floor(kNever);
+  set(heard.mixer, &MixerSettings::floor_db, kNever);
   for (ObjectNumber object = 0; object < kObjects; ++object) {
     const Map map = map_of(random_bank(object, kModes, 12));
     ASSERT_TRUE(heard.mixer.install(object, voice_of(map), Mixer::Install::replace));

@@ -31,7 +31,7 @@ double worst_error_db(const Extreme& extreme) {
   constexpr Frame kStrike = 2000;
   constexpr std::size_t kCount = 20000;
   Player player(extreme.rate);
-  player.mixer.set_floor(kNever);
+  set(player.mixer, &MixerSettings::floor_db, kNever);
   const Map map = map_of(single_mode_bank(extreme.frequency_hz, kLn1000 / extreme.t60_s));
   player.install(0, map);
   if (extreme.moments) keep_company(player.mixer);
@@ -205,7 +205,7 @@ TEST(StressDenormals, NoDenormalReachesTheSoundCard) {
   for (const bool moments : {false, true}) {
     for (const double gain : {1e-38, 1e-30, 1.0, 1e6}) {
       Player player;
-      player.mixer.set_floor(kNever);
+      set(player.mixer, &MixerSettings::floor_db, kNever);
       modal::Bank bank = random_bank(9, 30, 12);
       std::ranges::fill(bank.decay_per_s, 70);
       player.install(0, map_of(std::move(bank)));

@@ -77,7 +77,7 @@ struct BoundedVoice {
   void fade(Frame frame, Frame frames) {
     fading = at(frame);
     fade_begin = frame;
-    fade_frames = std::max(frames, static_cast<Frame>(Voice::kFadeFrames));
+    fade_frames = std::max(frames, static_cast<Frame>(FadeOut::kMinFrames));
     voice.silence();
   }
 };
@@ -98,7 +98,7 @@ class BoundedObject {
     current_ = std::move(next);
   }
   void remove(Frame now) {
-    fade(now, Voice::kFadeFrames);
+    fade(now, FadeOut::kMinFrames);
     if (current_) tails_.push_back(*current_);
     current_.reset();
     least_gain_ = 1;  // its number starts afresh, with gain 1, once the tails have died away
@@ -129,7 +129,7 @@ class BoundedObject {
   void fade_what_is_left(const ExactVoice& taken, Frame now) {
     if (!current_->voice.has_more_than(taken)) return;
     BoundedVoice left = *current_;
-    left.fade(now, Voice::kFadeFrames);
+    left.fade(now, FadeOut::kMinFrames);
     left.fading = current_->voice.loudness(now) - taken.loudness(now) + current_->fade_at(now);
     tails_.push_back(left);
   }
@@ -166,7 +166,7 @@ class Score {
     if (dice_.chance(0.3)) {
       const double floor_db = dice_.uniform(40, 180);
       floor_ = std::pow(10.0, -floor_db / 20);
-      mixer_.set_floor(floor_db);
+      set(mixer_, &MixerSettings::floor_db, floor_db);
     }
     busy_ = dice_.spread(0.3, 10);
     shares_ = dice_.chance(0.5);

@@ -1,7 +1,7 @@
 // Time that passes only by work: what the tests of the time budget measure with.
 #pragma once
 
-#include "engine/synth/budget.h"
+#include "engine/synth/time_budget.h"
 
 #include <cstdint>
 #include <utility>
@@ -16,6 +16,6 @@ inline std::int64_t fake_clock() RINGDOWN_REALTIME { return fake_now_ns += fake_
 inline void fake_work(double units) RINGDOWN_REALTIME {
   fake_now_ns += static_cast<std::int64_t>(units * fake_unit_ns) + std::exchange(fake_stall_ns, 0);
 }
-inline constexpr Budget::Clock kFake{fake_clock, fake_work};
+inline constexpr WorkClock kFake{fake_clock, fake_work};
 
 }  // namespace ringdown::synth::test

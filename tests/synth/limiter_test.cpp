@@ -168,7 +168,7 @@ TEST(Limiter, DoesNothingThatAnAudioThreadMustNot) {
 
 Samples played(double impulse_ns, std::optional<double> ceiling_db) {
   Player player;
-  player.mixer.limit(ceiling_db);
+  set(player.mixer, &MixerSettings::limiter_db, ceiling_db);
   const Map map = map_of(single_mode_bank(440, 5));
   player.install(0, map);
   player.push(strike_at(100, 0, {0, 0, impulse_ns}));
@@ -191,7 +191,7 @@ TEST(MixerLimiter, HoldsALoudMixAtTheCeilingAndSaysSo) {
   EXPECT_GT(peak(played(100, -1)), 0.85);
   Mixer mixer(kRate);
   EXPECT_EQ(mixer.latency_frames(), 0u);
-  mixer.limit(-1);
+  set(mixer, &MixerSettings::limiter_db, -1);
   EXPECT_EQ(mixer.latency_frames(), Limiter(kRate, -1).delay_frames());
 }
 
@@ -199,7 +199,7 @@ TEST(MixerLimiter, LeavesBusesAsTheyAre) {
   std::vector<float> bus[2];
   for (int limit = 0; limit < 2; ++limit) {
     Player player;
-    if (limit == 1) player.mixer.limit(-20);
+    if (limit == 1) set(player.mixer, &MixerSettings::limiter_db, -20);
     player.install(0, map_of(single_mode_bank(440, 5)));
     ASSERT_TRUE(player.mixer.assign(0, 3));
     player.push(strike_at(0, 0, {0, 0, 10}));

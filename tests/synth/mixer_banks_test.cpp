@@ -132,7 +132,7 @@ TEST(Retune, KeepsAFadeGoing) {
   player->install(0, tone(), Mixer::Install::retune, {.stiffness = 1.1});
   player->render(1000);
   EXPECT_GT(peak(std::span(player->left).subspan(1100, 300)), 0);
-  EXPECT_EQ(peak(player->left_from(1000 + Voice::kFadeFrames + 1)), 0);
+  EXPECT_EQ(peak(player->left_from(1000 + FadeOut::kMinFrames + 1)), 0);
 }
 
 TEST(Clear, TakesAsLongAsItIsTold) {
@@ -154,9 +154,9 @@ TEST(Clear, FadesToSilenceWithoutAClickAndOnTime) {
   player->render(2000);
   KeepSignals keep(kRate);
   keep.add("heard", player->left);
-  EXPECT_LE(largest_step(player->left, 4990, 7000), step_before + level / Voice::kFadeFrames);
+  EXPECT_LE(largest_step(player->left, 4990, 7000), step_before + level / FadeOut::kMinFrames);
   EXPECT_GT(peak(std::span(player->left).subspan(5200, 100)), 0.1 * level) << "a fade, not a cut";
-  EXPECT_EQ(peak(player->left_from(5000 + Voice::kFadeFrames)), 0);
+  EXPECT_EQ(peak(player->left_from(5000 + FadeOut::kMinFrames)), 0);
   EXPECT_EQ(player->mixer.counters().ringing_voices, 0u);
 }
 
@@ -166,7 +166,7 @@ TEST(Clear, DoesNotTouchTheStrikesThatFollow) {
   player->push(strike_at(5100, 0, {0, 0, 1}));
   player->render(5000);
   const Samples exact = closed_form(kF, kD, 1, 0, kRate, 4000);
-  const std::size_t faded = Voice::kFadeFrames;
+  const std::size_t faded = FadeOut::kMinFrames;
   EXPECT_LT(relative_error_db(player->left_from(5100 + faded), std::span(exact).subspan(faded)), -120);
 }
 
@@ -175,8 +175,8 @@ TEST(Clear, InsideAFadeMakesNoClick) {
   const double step_before = largest_step(player->left, 4500, 5000), level = peak(player->left_from(4500));
   for (const Frame frame : {5000, 5100, 5200}) player->push(clear_at(frame, 0));
   player->render(2000);
-  EXPECT_LE(largest_step(player->left, 4990, 7000), step_before + level / Voice::kFadeFrames);
-  EXPECT_EQ(peak(player->left_from(5200 + Voice::kFadeFrames)), 0);
+  EXPECT_LE(largest_step(player->left, 4990, 7000), step_before + level / FadeOut::kMinFrames);
+  EXPECT_EQ(peak(player->left_from(5200 + FadeOut::kMinFrames)), 0);
 }
 
 TEST(Remove, FadesLikeClear) {
@@ -184,8 +184,8 @@ TEST(Remove, FadesLikeClear) {
   const double step_before = largest_step(player->left, 4500, 5000), level = peak(player->left_from(4500));
   ASSERT_TRUE(player->mixer.remove(0));
   player->render(2000);
-  EXPECT_LE(largest_step(player->left, 4990, 7000), step_before + level / Voice::kFadeFrames);
-  EXPECT_EQ(peak(player->left_from(5000 + Voice::kFadeFrames)), 0);
+  EXPECT_LE(largest_step(player->left, 4990, 7000), step_before + level / FadeOut::kMinFrames);
+  EXPECT_EQ(peak(player->left_from(5000 + FadeOut::kMinFrames)), 0);
 }
 
 // Banks replaced earlier still ring: they belong to the object too.
@@ -195,7 +195,7 @@ TEST(Remove, FadesTheTailsOfEarlierBanksToo) {
   player->render(1000);
   ASSERT_TRUE(player->mixer.remove(0));
   player->render(2000);
-  EXPECT_EQ(peak(player->left_from(2000 + Voice::kFadeFrames)), 0);
+  EXPECT_EQ(peak(player->left_from(2000 + FadeOut::kMinFrames)), 0);
   player->mixer.collect();
   EXPECT_FALSE(player->mixer.in_use(0));
 }

@@ -21,7 +21,7 @@ Samples force_of(const Contact& contact, std::size_t frames, double rate = kRate
   Rubbing rubbing(contact.number, rate);
   Samples impulses(frames);
   for (std::size_t done = 0; done < frames; done += 64) {
-    rubbing.tell(static_cast<Frame>(done), contact);
+    rubbing.update(static_cast<Frame>(done), contact);
     rubbing.fill(static_cast<Frame>(done), std::min<std::size_t>(64, frames - done), impulses.data() + done);
   }
   return impulses;
@@ -94,10 +94,10 @@ TEST(Rubbing, WhatPassesFasterThanNyquistIsLeftOut) {
 TEST(Rubbing, StandingStillMakesNoForce) {
   Rubbing rubbing(1, kRate);
   Samples impulses(48000);
-  rubbing.tell(0, sliding(1, 0.02));
+  rubbing.update(0, sliding(1, 0.02));
   rubbing.fill(0, 2400, impulses.data());
   for (std::size_t at = 2400; at < impulses.size(); at += 1200) {
-    rubbing.tell(static_cast<Frame>(at), sliding(1, 0));
+    rubbing.update(static_cast<Frame>(at), sliding(1, 0));
     rubbing.fill(static_cast<Frame>(at), 1200, impulses.data() + at);
   }
   EXPECT_GT(peak(std::span(impulses).first(2400)), 0);
@@ -108,9 +108,9 @@ TEST(Rubbing, EndsWhenItIsToldToAndWhenNothingIsTold) {
   for (const bool told : {true, false}) {
     Rubbing rubbing(1, kRate);
     Samples impulses(9600);
-    rubbing.tell(0, sliding(1, 0.02));
+    rubbing.update(0, sliding(1, 0.02));
     rubbing.fill(0, 480, impulses.data());
-    if (told) rubbing.tell(480, sliding(0, 0));
+    if (told) rubbing.update(480, sliding(0, 0));
     rubbing.fill(480, impulses.size() - 480, impulses.data() + 480);
     const std::size_t last = told ? 480 + 240 : 4800 + 240 + 1;
     EXPECT_FALSE(rubbing.over_at(static_cast<Frame>(last) - 2));
@@ -153,7 +153,7 @@ TEST(Contacts, SoundTheSameInAnyBlocksAndOnAnyThreads) {
   for (const auto& [block, threads] :
        {std::pair<std::size_t, std::size_t>{256, 1}, {1, 1}, {100, 1}, {1024, 1}, {256, 2}}) {
     Player player;
-    player.mixer.set_threads(threads);
+    set(player.mixer, &MixerSettings::threads, threads);
     const Map map = short_lived();
     for (ObjectNumber object = 0; object < 3; ++object) player.install(object, map);
     player.push(strike_at(77, 1, {0, 0, 0.01}));

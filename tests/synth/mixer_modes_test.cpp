@@ -140,7 +140,7 @@ TEST(ModeChoice, AChangeKeepsWhatStaysInPhaseAndLetsTheRestGoWithoutAClick) {
   player.render(19200);
   const Samples before = sines(0, 4, 0.1 * kCentre, 4800), after = sines(1, 3, 0.1 * kCentre, 24000);
   EXPECT_LE(relative_error_db(std::span(player.left).first(4800), before), -100);
-  const std::size_t gone = 4800 + Ringing::kFadeFrames;
+  const std::size_t gone = 4800 + FadeOut::kMinFrames;
   EXPECT_LE(relative_error_db(player.left_from(gone), std::span(after).subspan(gone)), -100);
   EXPECT_LE(largest_step(player.left, 4790, gone), 1.01 * largest_step(before, 1, 4800));
 }
@@ -159,7 +159,7 @@ class Watching : public testing::Test {
  protected:
   std::vector<float> read(ObjectNumber object) {
     std::vector<float> amplitudes;
-    return player_.mixer.mode_watch().read(object, map_->bank(), amplitudes) ? amplitudes : std::vector<float>();
+    return player_.mixer.meters().mode_watch.read(object, map_->bank(), amplitudes) ? amplitudes : std::vector<float>();
   }
   // What mode `mode` of amplitude `a` has decayed to; told up to kEvery_s and a chunk ago.
   static void expect_decayed(double told, std::size_t mode, double a, double frames) {
@@ -173,7 +173,7 @@ class Watching : public testing::Test {
 
 TEST_F(Watching, TellsTheAmplitudeOfEachModeAtTheObjectsGain) {
   player_.install(0, map_);
-  ASSERT_TRUE(player_.mixer.mode_watch().watch(0));
+  ASSERT_TRUE(player_.mixer.meters().mode_watch.watch(0));
   EXPECT_TRUE(read(0).empty()) << "nothing was rendered yet";
   player_.push(gain_at(0, 0, 0.5));
   player_.push(pan_at(0, 0, -1));
@@ -185,7 +185,7 @@ TEST_F(Watching, TellsTheAmplitudeOfEachModeAtTheObjectsGain) {
   EXPECT_EQ(told[2], 0);
   expect_decayed(told[3], 3, 0.1, 24000);
   expect_decayed(told[0], 0, 0.1, 24000);
-  player_.mixer.mode_watch().unwatch(0);
+  player_.mixer.meters().mode_watch.unwatch(0);
   EXPECT_TRUE(read(0).empty());
 }
 
@@ -193,7 +193,7 @@ TEST_F(Watching, TellsEachObjectsOwnShareOfStatesThatAreShared) {
   const auto table = std::make_shared<ModeTable>(map_, modal::MaterialScale{}, kRate);
   for (ObjectNumber object = 0; object < 3; ++object) {
     ASSERT_TRUE(player_.mixer.install(object, std::make_unique<Voice>(table), Mixer::Install::replace));
-    ASSERT_TRUE(player_.mixer.mode_watch().watch(object));
+    ASSERT_TRUE(player_.mixer.meters().mode_watch.watch(object));
   }
   player_.render(4800);
   player_.push(ring_at(4800, 0, 0, 1, 0.1));
@@ -208,7 +208,7 @@ TEST_F(Watching, TellsEachObjectsOwnShareOfStatesThatAreShared) {
 
 TEST_F(Watching, TellsNoughtForModesThatTheObjectDoesNotHaveAndNothingOfAnotherBank) {
   ASSERT_TRUE(player_.mixer.install(0, voice_with(map_, {0, 1}), Mixer::Install::replace));
-  ASSERT_TRUE(player_.mixer.mode_watch().watch(0));
+  ASSERT_TRUE(player_.mixer.meters().mode_watch.watch(0));
   player_.push(strike_at(0, 0, {0.1, 0.2, 0.3}));
   player_.render(4800);
   const auto told = read(0);
@@ -221,7 +221,7 @@ TEST_F(Watching, TellsNoughtForModesThatTheObjectDoesNotHaveAndNothingOfAnotherB
 }
 
 TEST_F(Watching, SixteenObjectsAtATimeAndNotOneMore) {
-  ModeWatch& watch = player_.mixer.mode_watch();
+  ModeWatch& watch = player_.mixer.meters().mode_watch;
   for (ObjectNumber object = 0; object < kMaxWatched; ++object) EXPECT_TRUE(watch.watch(object));
   EXPECT_FALSE(watch.watch(kMaxWatched));
   EXPECT_TRUE(watch.watch(3)) << "that one is watched already";
@@ -233,7 +233,7 @@ TEST_F(Watching, SixteenObjectsAtATimeAndNotOneMore) {
 TEST_F(Watching, NeitherItNorRingingNorTheToneNorTheTapAllocatesOrWaits) {
   if (!kRealtimeGuardWorks) GTEST_SKIP() << "sanitizers and clang replace the watched functions";
   player_.install(0, map_);
-  ASSERT_TRUE(player_.mixer.mode_watch().watch(0));
+  ASSERT_TRUE(player_.mixer.meters().mode_watch.watch(0));
   player_.mixer.sound_tap().watch(true);
   player_.mixer.test_tone().set(0.1, 440);
   player_.push(ring_at(0, 0, 0, 4, 0.1));

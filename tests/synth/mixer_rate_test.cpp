@@ -120,7 +120,7 @@ TEST(MixerRate, ObjectsThatShareTheirStatesGoOnSharing) {
 TEST(MixerRate, AContactThatLastsGoesOn) {
   const auto play = [](bool change) {
     auto player = std::make_unique<Player>();
-    player->mixer.set_exact_contacts(true);
+    set(player->mixer, &MixerSettings::exact_contacts, true);
     player->install(0, map_of(single_mode_bank(100, 1)));
     player->push(strike_at(0, 0, {0, 0, 1}, 0.01));
     player->render(240);  // half of the contact

@@ -42,7 +42,7 @@ Heard play(const modal::Bank& bank, const modal::MaterialScale& material, const 
   const Map map = map_of(bank);
   EXPECT_TRUE(player.mixer.install(
       0, std::make_unique<Voice>(std::make_shared<ModeTable>(map, material, kRate, dampers)), Mixer::Install::replace));
-  player.mixer.watch_objects(true);
+  player.mixer.meters().watch_objects(true);
   const Vec3 at = {0.04 * kSize, 0, 0};
   player.push({.frame = 0, .object = 0, .type = EventType::click, .impulse_ns = {0, 0, 0.1}, .contact_time_s = 2e-4});
   player.push(strike_at(100, 0, {0, 0, 0.1}, 3e-4, at));
@@ -53,7 +53,7 @@ Heard play(const modal::Bank& bank, const modal::MaterialScale& material, const 
                .point_m = at,
                .contact = {.force_n = {0, 0, -5}, .slip_m_s = 0.3}});
   player.render(4800);
-  return {player.left, player.mixer.take_reach(0)};
+  return {player.left, player.mixer.meters().take_peak_level(0)};
 }
 
 TEST(Size, SoundsLikeABankOfThatSize) {

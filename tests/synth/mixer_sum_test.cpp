@@ -165,7 +165,7 @@ TEST(MixerSum, ModesRestOnceTheyAreBelowTheFloor) {
   std::vector<std::uint32_t> ringing[2];
   for (int quick = 0; quick < 2; ++quick) {
     Player player;
-    if (quick == 1) player.mixer.set_floor(60);
+    if (quick == 1) set(player.mixer, &MixerSettings::floor_db, 60);
     player.install(0, map_of(random_bank(3, 400, kPoints)));
     player.push(vertex_strike_at(0, 0, 1, {0.1, 0.1, 0.1}));
     for (int second = 0; second < 12; ++second) {

@@ -64,7 +64,7 @@ TEST(Tone, IsAddedToWhatRingsAndStaysOutOfBusesAndBelowTheCeiling) {
   EXPECT_NEAR(heard.frequency_hz, 700, 1);
 
   Player limited;
-  limited.mixer.limit(-6.0);
+  set(limited.mixer, &MixerSettings::limiter_db, -6.0);
   limited.mixer.test_tone().set(1, 440);
   limited.render(9600);
   EXPECT_LE(peak(limited.left), 0.502);
@@ -110,7 +110,7 @@ Heard take_all(SoundTap& tap) {
 TEST(Tap, GivesTheMixAsItIsHeardWhileItIsWatched) {
   for (const std::size_t block : {64, 256, 1000}) {
     Player player;
-    player.mixer.limit(-3.0);
+    set(player.mixer, &MixerSettings::limiter_db, -3.0);
     player.mixer.test_tone().set(0.2, 440);
     player.install(0, map_of(single_mode_bank(700, 5)));
     player.push(pan_at(0, 0, -0.5));

@@ -11,6 +11,7 @@
 #include <memory>
 #include <numbers>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -49,6 +50,14 @@ inline Event pan_at(Frame frame, ObjectNumber object, double pan, double ramp_s 
 }
 inline Event clear_at(Frame frame, ObjectNumber object) {
   return {.frame = frame, .object = object, .type = EventType::clear};
+}
+
+// Changes one of the mixer's settings.
+template <class T>
+void set(Mixer& mixer, T MixerSettings::*setting, std::type_identity_t<T> value) {
+  MixerSettings settings = mixer.settings();
+  settings.*setting = value;
+  mixer.configure(settings);
 }
 
 // Records what the mixer plays. Objects are installed and events pushed between renders, by the one test thread.

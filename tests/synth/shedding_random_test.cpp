@@ -27,7 +27,7 @@ class RandomScore {
  public:
   RandomScore(std::uint32_t seed, double share)
       : random_(seed), kinds_(60 + below(100)), objects_(kinds_ + below(200)), modes_(20 + below(60)) {
-    player.mixer.set_clock(kFake);
+    set(player.mixer, &MixerSettings::clock, kFake);
     for (std::uint32_t kind = 0; kind < kinds_; ++kind) {
       tables_.push_back(std::make_shared<ModeTable>(map_of(patient_bank(kind, modes_)), modal::MaterialScale{}, kRate));
     }
@@ -38,7 +38,7 @@ class RandomScore {
     sent = objects_;
     fake_unit_ns = 0;
     player.render(kFrames, kFrames);
-    player.mixer.set_budget(share);
+    set(player.mixer, &MixerSettings::budget, share);
     fake_unit_ns = 0.5 * (2 + below(7)) * kPeriod_ns / static_cast<double>(2 * kinds_ * modes_);
   }
 
@@ -99,7 +99,7 @@ TEST(SheddingAtRandom, NothingIsLostOrPlayedTwice) {
       missed[bounded] += score.play(kBlocks);
       sound[bounded] = score.rest(kUntilAllIsBack);
       EXPECT_EQ(score.counters().strikes.load(), score.sent) << "score " << seed;
-      EXPECT_EQ(score.counters().hidden_modes.load(), 0u) << "score " << seed;
+      EXPECT_EQ(score.counters().muted_modes.load(), 0u) << "score " << seed;
       EXPECT_EQ(score.counters().not_finite.load(), 0u) << "score " << seed;
     }
     worst_db = std::max(worst_db, relative_error_db(sound[1], sound[0]));

@@ -19,18 +19,18 @@ constexpr std::size_t kModes = 500;
 class Scene {
  public:
   explicit Scene(double share, bool keep_deadlines = true) {
-    mixer().set_clock(kFake);
+    set(mixer(), &MixerSettings::clock, kFake);
     mixer().keep_deadlines(keep_deadlines);
     for (ObjectNumber object = 0; object < kObjects; ++object) {
       player.install(object, map_of(random_bank(object, kModes, 10)));
       player.push(strike_at(0, object, impulse(object)));
     }
     player.render(kFrames, kFrames);
-    mixer().set_budget(share);
+    set(mixer(), &MixerSettings::budget, share);
   }
   static Vec3 impulse(ObjectNumber object) { return {0, 0.03 * std::pow(10.0, -0.05 * object), 0}; }
   Mixer& mixer() { return player.mixer; }
-  [[nodiscard]] std::uint32_t hidden() { return mixer().counters().hidden_modes.load(); }
+  [[nodiscard]] std::uint32_t muted() { return mixer().counters().muted_modes.load(); }
   [[nodiscard]] std::uint64_t shed() { return mixer().counters().shed.load(); }
 
   // A unit of work takes so long that all modes, sounding, take `load` of a block.
@@ -118,9 +118,9 @@ TEST(Shedding, AMachineThatBecomesSlowCostsNoDeadline) {
   const std::size_t settled = 150 * kFrames;
   const double error_db =
       relative_error_db(std::span(scene.player.left).subspan(settled), std::span(whole.player.left).subspan(settled));
-  std::printf("worst block %.2f of its time, %u modes hidden, %.1f dB missing\n", worst, scene.hidden(), error_db);
+  std::printf("worst block %.2f of its time, %u modes muted, %.1f dB missing\n", worst, scene.muted(), error_db);
   EXPECT_EQ(missed, 0);
-  EXPECT_GT(scene.hidden(), 1000u);
+  EXPECT_GT(scene.muted(), 1000u);
   EXPECT_LT(error_db, -25) << "what is loud sounds on";
 }
 
@@ -155,20 +155,20 @@ TEST(Shedding, WhatSilentObjectsCostDoesNotSilenceTheOthers) {
 TEST(Shedding, AllComesBackWhenThereIsTimeAndAsItWouldHaveBeen) {
   Scene scene(0.8), whole(0);
   for (Scene* each : {&scene, &whole}) {
-    each->mixer().set_floor(160);
+    set(each->mixer(), &MixerSettings::floor_db, 160);
     each->set_load(0.6);
     each->render_blocks(50);
   }
   scene.set_load(2.4);
   scene.render_blocks(100);
-  EXPECT_GT(scene.hidden(), 1000u);
+  EXPECT_GT(scene.muted(), 1000u);
   scene.set_load(0.3);
   int blocks = 0;
   std::uint64_t shed = 0;
-  for (; (std::exchange(shed, scene.shed()) != scene.shed() || scene.hidden() > 0) && blocks < 5000; ++blocks) {
+  for (; (std::exchange(shed, scene.shed()) != scene.shed() || scene.muted() > 0) && blocks < 5000; ++blocks) {
     scene.render();
   }
-  EXPECT_EQ(scene.hidden(), 0u);
+  EXPECT_EQ(scene.muted(), 0u);
   scene.render_blocks(100);
   EXPECT_EQ(scene.shed(), shed) << "nothing more is shed";
   whole.set_load(0.3);
@@ -187,20 +187,20 @@ TEST(Shedding, DoesNotPump) {
   scene.render_blocks(50);
   scene.set_load(2.4);
   scene.render_blocks(200);
-  std::uint32_t before = scene.hidden();
+  std::uint32_t before = scene.muted();
   double moved = 0;
   for (int block = 0; block < 375; ++block) {
     scene.render();
-    moved += std::abs(static_cast<double>(scene.hidden()) - before);
-    before = scene.hidden();
+    moved += std::abs(static_cast<double>(scene.muted()) - before);
+    before = scene.muted();
   }
   std::printf("in a second under steady load %.0f of %zu modes come or go\n", moved, kObjects * kModes);
   EXPECT_LT(moved, 0.5 * kObjects * kModes);
   scene.set_load(0.3);
   for (int second = 0; second < 3; ++second) {
-    const std::uint32_t was = scene.hidden();
+    const std::uint32_t was = scene.muted();
     scene.render_blocks(static_cast<int>(4096 / kFrames));
-    EXPECT_LT(static_cast<double>(was) - scene.hidden(), 0.2 * kObjects * kModes);
+    EXPECT_LT(static_cast<double>(was) - scene.muted(), 0.2 * kObjects * kModes);
   }
 }
 
@@ -225,20 +225,20 @@ TEST(Shedding, WhatNobodyListensToKeepsToTheTimeToo) {
     missed += static_cast<double>(fake_now_ns - begin) > kPeriod_ns ? 1 : 0;
   }
   EXPECT_EQ(missed, 0);
-  EXPECT_GT(scene.hidden(), kObjects * kModes / 2);
+  EXPECT_GT(scene.muted(), kObjects * kModes / 2);
   scene.set_load(0.3);
   scene.render_blocks(3000);
-  EXPECT_EQ(scene.hidden(), 0u);
+  EXPECT_EQ(scene.muted(), 0u);
 }
 
 TEST(Shedding, EndsWithTheBudget) {
   Scene scene(0.8);
   scene.set_load(4);
   scene.render_blocks(100);
-  EXPECT_GT(scene.hidden(), 0u);
-  scene.mixer().set_budget(0);
+  EXPECT_GT(scene.muted(), 0u);
+  set(scene.mixer(), &MixerSettings::budget, 0);
   scene.render_blocks(2);
-  EXPECT_EQ(scene.hidden(), 0u);
+  EXPECT_EQ(scene.muted(), 0u);
 }
 
 // Objects that share their states: they are shed in their sums.
@@ -247,7 +247,7 @@ TEST(Shedding, FamiliesKeepToTheTimeToo) {
   Samples sound[2];
   for (const bool bounded : {false, true}) {
     Player player;
-    player.mixer.set_clock(kFake);
+    set(player.mixer, &MixerSettings::clock, kFake);
     std::vector<std::shared_ptr<ModeTable>> tables;
     for (std::uint32_t kind = 0; kind < 100; ++kind) {
       tables.push_back(std::make_shared<ModeTable>(map_of(random_bank(kind, 100, 10)), modal::MaterialScale{}, kRate));
@@ -259,7 +259,7 @@ TEST(Shedding, FamiliesKeepToTheTimeToo) {
       player.push(strike_at(0, object, Scene::impulse(object % 50)));
     fake_unit_ns = 0;
     player.render(kFrames, kFrames);
-    player.mixer.set_budget(bounded ? 0.8 : 0);
+    set(player.mixer, &MixerSettings::budget, bounded ? 0.8 : 0);
     fake_unit_ns = 4 * kPeriod_ns / (100 * 100 * 2);
     for (int block = 0; block < 400; ++block) {
       for (ObjectNumber object = 0; object < 10 && block % 40 == 5; ++object) {
@@ -274,7 +274,7 @@ TEST(Shedding, FamiliesKeepToTheTimeToo) {
     if (bounded) {
       fake_unit_ns /= 100;
       for (int block = 0; block < 2000; ++block) player.render(kFrames, kFrames);
-      EXPECT_EQ(player.mixer.counters().hidden_modes.load(), 0u);
+      EXPECT_EQ(player.mixer.counters().muted_modes.load(), 0u);
     } else {
       for (int block = 0; block < 2000; ++block) player.render(kFrames, kFrames);
     }
@@ -313,7 +313,7 @@ TEST(Shedding, AMachineThatStoodStillIsTrustedAgain) {
   scene.player.push(strike_at(0, 3, Scene::impulse(3)));
   scene.render_blocks(3000);
   EXPECT_EQ(scene.mixer().counters().strikes.load(), kObjects + 1u);
-  EXPECT_EQ(scene.hidden(), 0u);
+  EXPECT_EQ(scene.muted(), 0u);
 }
 
 TEST(Shedding, OneDisturbedBlockCostsNothing) {

@@ -1,5 +1,5 @@
 // What the mixer's time budget counts with: what each kind of work costs for a mode, in units of what moments cost.
-#include "engine/synth/desk.h"
+#include "engine/synth/channel_sums.h"
 #include "engine/synth/voice.h"
 #include "tests/bench/mixer/measure.h"
 #include "tests/bench/mixer/stage.h"
@@ -15,8 +15,9 @@ namespace {
 
 using synth::kChunkFrames;
 
-constexpr std::size_t kVoices = 40, kModes = 500, kSums = 2;  // a family's sums: left and right
+constexpr std::size_t kVoices = 40, kModes = 500, kSums = 2;  // an instance group's sums: left and right
 constexpr double kShare = 0.7, kFloor = 1e-12;
+constexpr synth::Level kAllPass = synth::ModeStates::kNoThreshold, kLowThreshold = -900, kNonePasses = 100000;
 
 double processor_s() {
   timespec time{};
@@ -24,7 +25,7 @@ double processor_s() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// Voices that ring, each with sums of its own as if it had a family.
+// Voices that ring, each with sums of its own as if it had a group.
 class Workshop {
  public:
   Workshop() {
@@ -32,12 +33,10 @@ class Workshop {
       auto map = std::make_shared<const modal::StrikeMap>(test::shared(test::random_bank(seed, kModes, 500)));
       auto table = std::make_shared<synth::ModeTable>(std::move(map), modal::MaterialScale{}, kRate);
       table->prepare(kChunkFrames);
-      sums_.push_back({std::make_unique<synth::Ringing>(*table), std::make_unique<synth::Ringing>(*table)});
+      sums_.push_back({std::make_unique<synth::ModeStates>(*table), std::make_unique<synth::ModeStates>(*table)});
       voices_.push_back(std::make_unique<synth::Voice>(std::move(table)));
     }
-    none.at.fill(std::numeric_limits<synth::Level>::max());
-    none.hides = strict.hides = true;
-    desk_.open(kChunkFrames);
+    sums_of_chunk_.open(kChunkFrames);
     ring();
   }
 
@@ -58,34 +57,34 @@ class Workshop {
     for (std::size_t v = 0; v < kVoices; ++v) ring(v);
   }
   void ring(std::size_t v) {
-    listen(v, plain);
+    apply(v, kAllPass);
     voice(v).silence();
     static_cast<void>(voice(v).strike(blow()));
     for (auto& sum : sums_[v]) sum->silence(), sum->add(voice(v).amplitudes(), 1);
   }
   synth::Voice& voice(std::size_t v) { return *voices_[v]; }
-  std::array<std::unique_ptr<synth::Ringing>, kSums>& sums(std::size_t v) { return sums_[v]; }
+  std::array<std::unique_ptr<synth::ModeStates>, kSums>& sums(std::size_t v) { return sums_[v]; }
 
-  void render_together(std::size_t v) {
-    const std::array targets = {synth::MomentTarget{desk_.moments(0), 0.7f},
-                                synth::MomentTarget{desk_.moments(1), 0.7f}};
-    static_cast<void>(voice(v).render_together(targets, out_.data(), kChunkFrames, kFloor));
+  void render_moments(std::size_t v) {
+    const std::array targets = {synth::MomentTarget{sums_of_chunk_.moments(0), 0.7f},
+                                synth::MomentTarget{sums_of_chunk_.moments(1), 0.7f}};
+    static_cast<void>(voice(v).render_moments(targets, out_.data(), kChunkFrames, kFloor));
   }
   void render(std::size_t v) { static_cast<void>(voice(v).render(out_.data(), kChunkFrames, kFloor)); }
   void strike(std::size_t v) {
-    static_cast<void>(voice(v).strike_aside(blow(), kChunkFrames / 2));
-    static_cast<void>(voice(v).render_aside(out_.data(), kChunkFrames / 2));
-    voice(v).join();
+    static_cast<void>(voice(v).strike_late(blow(), kChunkFrames / 2));
+    static_cast<void>(voice(v).render_late(out_.data(), kChunkFrames / 2));
+    voice(v).merge_late();
   }
-  void strike_in_family(std::size_t v) {
+  void strike_in_group(std::size_t v) {
     static_cast<void>(voice(v).find_amplitudes(blow()));
     voice(v).skip(10000);
     voice(v).add(voice(v).amplitudes(), 1);
     voice(v).rest();
     for (auto& sum : sums_[v]) {
-      sum->add_aside(voice(v).amplitudes(), kShare, kChunkFrames / 2);
-      static_cast<void>(sum->render_aside(out_.data(), kChunkFrames / 2));
-      sum->join();
+      sum->add_late(voice(v).amplitudes(), kShare, kChunkFrames / 2);
+      static_cast<void>(sum->render_late(out_.data(), kChunkFrames / 2));
+      sum->merge_late();
     }
   }
   void share(std::size_t v) {
@@ -99,17 +98,16 @@ class Workshop {
   }
   void drive(std::size_t v) {
     const synth::Force force{voice(v).amplitudes(), out_.data()};
-    static_cast<void>(voice(v).drive_aside({&force, 1}, samples_.data(), kChunkFrames));
-    voice(v).join();
+    static_cast<void>(voice(v).drive_late({&force, 1}, samples_.data(), kChunkFrames));
+    voice(v).merge_late();
   }
-  void survey(std::size_t v) { voice(v).survey(hearing_, 0, kFloor); }
-  void listen(std::size_t v, const synth::Cut& cut) {
-    std::size_t most = std::numeric_limits<std::size_t>::max();
-    voice(v).listen(cut, 0, most);
+  void survey(std::size_t v) { voice(v).count_levels(levels_, 0, kFloor); }
+  void apply(std::size_t v, synth::Level threshold) {
+    std::size_t allowance = std::numeric_limits<std::size_t>::max();
+    voice(v).set_threshold(threshold);
+    voice(v).apply_threshold(allowance, false);
   }
-  void forget() { hearing_.forget(); }
-
-  synth::Cut plain, strict, none;  // all pass and nobody is asked, all pass, none does
+  void forget() { levels_.clear(); }
 
  private:
   static synth::Event blow() {
@@ -117,9 +115,9 @@ class Workshop {
   }
 
   std::vector<std::unique_ptr<synth::Voice>> voices_;
-  std::vector<std::array<std::unique_ptr<synth::Ringing>, kSums>> sums_;
-  synth::Desk desk_;
-  synth::Hearing hearing_;
+  std::vector<std::array<std::unique_ptr<synth::ModeStates>, kSums>> sums_;
+  synth::ChannelSums sums_of_chunk_;
+  synth::LevelHistogram levels_;
   std::array<double, kChunkFrames> out_{}, samples_{};
 };
 
@@ -138,23 +136,23 @@ void measure_budget(const Settings& settings, const Sink& sink) {
     row.ratio = each_ns / unit_ns;
     sink(row);
   };
-  tell("moments", again, [&](std::size_t v) { shop.render_together(v); });
+  tell("moments", again, [&](std::size_t v) { shop.render_moments(v); });
   tell("tables", again, [&](std::size_t v) { shop.render(v); });
   tell("strike", again, [&](std::size_t v) { shop.strike(v); });
-  tell("shared strike", again, [&](std::size_t v) { shop.strike_in_family(v); });
+  tell("shared strike", again, [&](std::size_t v) { shop.strike_in_group(v); });
   tell("share", again, [&](std::size_t v) { shop.share(v); });
   tell("part", again, [&](std::size_t v) { shop.part(v); });
   tell("pulse", again, [&](std::size_t v) { shop.drive(v); });
   shop.ring();
   shop.forget();
   tell("survey", nothing, [&](std::size_t v) { shop.survey(v); });
-  const auto listen_and_render = [&](const synth::Cut& cut) {
-    return [&shop, &cut](std::size_t v) { shop.listen(v, cut), shop.render_together(v); };
+  const auto apply_and_render = [&](synth::Level threshold) {
+    return [&shop, threshold](std::size_t v) { shop.apply(v, threshold), shop.render_moments(v); };
   };
-  tell("listen", again, [&](std::size_t v) { shop.listen(v, shop.strict); });
-  tell("go", again, listen_and_render(shop.none));
-  const auto hide = [&](std::size_t v) { shop.ring(v), shop.listen(v, shop.none), shop.render_together(v); };
-  tell("come back", hide, listen_and_render(shop.plain));
+  tell("look", again, [&](std::size_t v) { shop.apply(v, kLowThreshold); });
+  tell("leave", again, apply_and_render(kNonePasses));
+  const auto mute = [&](std::size_t v) { shop.ring(v), shop.apply(v, kNonePasses), shop.render_moments(v); };
+  tell("enter", mute, apply_and_render(kAllPass));
 }
 
 }  // namespace ringdown::bench

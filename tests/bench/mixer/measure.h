@@ -28,10 +28,6 @@ void measure_decay(const Settings& settings, const Sink& sink);
 // Block time while 999 of 1,000 modes pass through denormal numbers and one still rings, beside all of them loud.
 void measure_tail(const Settings& settings, const Sink& sink);
 
-// Preset banks with and without masking: modes computed (mean over the blocks), the sound's error, block time and its
-// ratio.
-void measure_masking(const Settings& settings, const Sink& sink);
-
 // 1,000 objects of one bank that share their states, the same each for itself, and two of them.
 void measure_instances(const Settings& settings, const Sink& sink);
 

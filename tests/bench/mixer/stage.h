@@ -38,7 +38,7 @@ class Stage {
   explicit Stage(std::size_t block) : left_(block), right_(block) {}
   void install(synth::ObjectNumber object, const Map& map);  // with a table of its own
   void install(synth::ObjectNumber object, const std::shared_ptr<synth::ModeTable>& table);
-  void set_threads(std::size_t threads) { mixer_.set_threads(threads); }
+  void set_threads(std::size_t threads) { mixer_.configure({.threads = threads}); }
   void push(const synth::Event& event);  // at its frame
   void render();                         // one block
 

@@ -1,0 +1,53 @@
+// An object's gain, pan and bus: how its sound, one channel, reaches the channels of the mixer. Gains move in straight
+// lines that do not depend on how time is cut into chunks. [audio]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/chunk.h"
+#include "engine/synth/ramp.h"
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+namespace ringdown::synth {
+
+class ChannelStrip {
+ public:
+  // Moves the gain or the pan (-1 left ... +1 right, equal power) to a value within `length` frames from frame `at` on.
+  void set_gain(double gain, Frame at, Frame length) RINGDOWN_REALTIME;
+  void set_pan(double pan, Frame at, Frame length) RINGDOWN_REALTIME;
+  // The channel of a bus that gets the object's sound at its gain, beside the mix; kNoBus: none.
+  void set_bus(std::size_t channel) RINGDOWN_REALTIME { bus_ = channel; }
+  void reset() RINGDOWN_REALTIME { *this = {}; }
+  // Changes the length of a frame: ramps end `ratio` times as many frames after `now`. [worker]
+  void rescale(Frame now, double ratio);
+
+  [[nodiscard]] bool still_at(Frame frame) const RINGDOWN_REALTIME {
+    return gain_.still_at(frame) && left_.still_at(frame) && right_.still_at(frame);
+  }
+  [[nodiscard]] double gain_at(Frame frame) const RINGDOWN_REALTIME { return gain_.at(frame); }
+  [[nodiscard]] double final_gain() const RINGDOWN_REALTIME { return gain_.to; }
+  [[nodiscard]] double max_gain() const RINGDOWN_REALTIME;  // the largest |gain| of a ramp that runs, or last ran
+  [[nodiscard]] std::size_t bus() const RINGDOWN_REALTIME { return bus_; }
+  [[nodiscard]] bool heard(ChannelSet wanted) const RINGDOWN_REALTIME;
+
+  // Final gains to the left, the right, and the bus (0 without one).
+  static constexpr std::size_t kOutputs = 3;
+  using Shares = std::array<double, kOutputs>;
+  [[nodiscard]] Shares shares() const RINGDOWN_REALTIME;
+
+  // Adds frames begin ... end - 1 of the chunk, which stand in `mono` from its index `begin` on.
+  void add_samples(const double* mono, std::size_t begin, std::size_t end, const Chunk& chunk,
+                   ChannelSums& sums) const RINGDOWN_REALTIME;
+  // Where moments are to be added while nothing moves; returns the part of `targets` that was filled in.
+  std::span<const MomentTarget> moment_targets(ChannelSet wanted, ChannelSums& sums,
+                                               std::array<MomentTarget, kOutputs>& targets) const RINGDOWN_REALTIME;
+
+ private:
+  static constexpr double kCentre = 0.70710678118654752;  // equal power: cos 45 degrees
+  Ramp gain_{1, 1}, left_{kCentre, kCentre}, right_{kCentre, kCentre};
+  std::size_t bus_ = kNoBus;
+};
+
+}  // namespace ringdown::synth

@@ -1,0 +1,73 @@
+// A chunk, up to kChunkFrames frames that are rendered in one go: what every thread that renders it reads, and what
+// each of them writes to.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/block_io.h"
+#include "engine/synth/channel_sums.h"
+#include "engine/synth/drive_kernel.h"
+#include "engine/synth/event.h"
+#include "engine/synth/mode_states.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace ringdown::synth {
+
+class Shedding;
+struct MixerCounters;
+
+// Constant while the chunk is rendered.
+struct Chunk {
+  Frame begin = 0;
+  std::size_t frames = 0;
+  double sample_rate_hz = 0;
+  double floor = 0;                             // amplitude at full gain below which modes rest
+  bool moments = false;                         // slow modes are summed as moments, not by tables
+  ChannelSet wanted = 0;                        // channels that are listened to
+  Inputs inputs{};                              // at the chunk's first frame
+  std::array<bool, kMaxInputs> input_sounds{};  // which of them are not silent in this chunk
+  const Shedding* shedding = nullptr;
+  MixerCounters* counters = nullptr;
+
+  [[nodiscard]] Frame end() const RINGDOWN_REALTIME { return begin + static_cast<Frame>(frames); }
+};
+
+// What sounds in a chunk, for status and for the choices of the next chunk.
+struct ChunkCounts {
+  std::uint32_t voices = 0, modes = 0, muted_modes = 0;
+  std::size_t slow_modes = 0;  // of `modes`, those that take moments
+  double units = 0;            // of work (work_cost.h)
+  bool shed = false;           // something was left out for want of time
+
+  void add(const ChunkCounts& other) RINGDOWN_REALTIME {
+    voices += other.voices;
+    modes += other.modes;
+    muted_modes += other.muted_modes;
+    slow_modes += other.slow_modes;
+    units += other.units;
+    shed = shed || other.shed;
+  }
+  void add(const ModeStates::Counts& states) RINGDOWN_REALTIME {
+    modes += static_cast<std::uint32_t>(states.sounding);
+    muted_modes += static_cast<std::uint32_t>(states.muted);
+    slow_modes += states.slow;
+  }
+};
+
+// What one thread renders with.
+struct Workspace {
+  ChannelSums sums;
+  ChunkCounts counts;
+  std::array<double, kChunkFrames> mono{};                              // one object's samples
+  std::array<std::array<double, kChunkFrames>, kMaxForces> impulses{};  // of the forces on one object
+  // Set by Shedding before each source:
+  Level threshold = ModeStates::kNoThreshold;  // modes below this level are muted
+  bool at_once = false;                        // without a ramp
+  double enter_units = 0;                      // of work that entering modes may still cost in this chunk
+  std::size_t allowance = 0;                   // muted modes of the source that may enter
+  bool recovers = false;                       // there is time enough to bring back what was cut short
+};
+
+}  // namespace ringdown::synth

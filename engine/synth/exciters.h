@@ -1,0 +1,134 @@
+// Forces that last for a while: contact pulses played sample by sample, audio inputs that excite an object, and
+// surfaces that slide or roll.
+//
+// An exciter is a force in time at one point of one object. There is a fixed number of them; the audio thread takes one
+// for a strike and gives it back when the pulse is over. [audio, after construction]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/aligned_array.h"
+#include "engine/synth/block_io.h"
+#include "engine/synth/drive_kernel.h"
+#include "engine/synth/event.h"
+#include "engine/synth/rubbing.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace ringdown::synth {
+
+class Voice;
+struct MixerCounters;
+
+inline constexpr std::size_t kMaxDrives = 32;           // at a time; more strikes are shaped by their spectrum
+inline constexpr std::size_t kMaxDrivenColumns = 4096;  // of an object's modes; with more, too
+inline constexpr double kMinPulse_frames = 4;           // a shorter pulse is none in samples
+
+// A contact: a half-sine of unit impulse that begins at frame 0.
+class HalfSine {
+ public:
+  HalfSine() = default;
+  explicit HalfSine(double frames) RINGDOWN_REALTIME;  // >= kMinPulse_frames
+
+  // The same contact in frames of another length. [worker]
+  [[nodiscard]] HalfSine stretched(double ratio) const {
+    return HalfSine(frames_ * ratio > kMinPulse_frames ? frames_ * ratio : kMinPulse_frames);
+  }
+
+  // The impulse in frames first ... first + count - 1; the sum over all frames is 1.
+  void fill(Frame first, std::size_t count, double* impulses) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool over_at(Frame frame) const RINGDOWN_REALTIME { return static_cast<double>(frame) >= frames_; }
+
+ private:
+  double frames_ = 0, scale_ = 0;
+};
+
+struct Exciter {
+  AlignedArray<double> amplitudes = aligned_zeros<double>(kMaxDrivenColumns);  // what an impulse of 1 gives each mode
+  Event impulse;                         // an impulse of 1: its point and direction, and the frame of its beginning
+  std::optional<std::size_t> input;      // the force is this input's samples; else
+  std::optional<std::uint32_t> contact;  // it is the friction of this contact of the object; else the pulse
+  Rubbing rubbing;
+  HalfSine pulse;
+  Frame end = 0;  // the force is cut off there
+
+  // Changes the length of a frame from `now` on. [worker]
+  void rescale(Frame now, double ratio);
+
+  // The impulse in frames first ... first + count - 1 of the mixer; `samples` are the input's, or null.
+  void fill(Frame first, std::size_t count, const float* samples, double* impulses) RINGDOWN_REALTIME;
+  [[nodiscard]] bool over_at(Frame frame) const RINGDOWN_REALTIME {
+    if (input) return false;
+    return frame >= end || (contact ? rubbing.over_at(frame) : pulse.over_at(frame - impulse.frame));
+  }
+};
+
+// The exciters that act on one object.
+class ExciterSlots {
+ public:
+  [[nodiscard]] std::span<Exciter* const> all() const RINGDOWN_REALTIME { return {slots_.data(), count_}; }
+  [[nodiscard]] bool full() const RINGDOWN_REALTIME { return count_ == kMaxForces; }
+  void add(Exciter& exciter) RINGDOWN_REALTIME { slots_[count_++] = &exciter; }
+  Exciter& take_out(std::size_t which) RINGDOWN_REALTIME {  // the last one moves to its place
+    Exciter* const exciter = slots_[which];
+    slots_[which] = slots_[--count_];
+    return *exciter;
+  }
+  void clear() RINGDOWN_REALTIME { count_ = 0; }
+
+  [[nodiscard]] Exciter* find_contact(std::uint32_t number) const RINGDOWN_REALTIME;  // null: none
+  [[nodiscard]] bool has_pulse() const RINGDOWN_REALTIME;  // or a contact: anything but inputs
+  // Whether a force acts in a chunk in which these inputs are not silent.
+  [[nodiscard]] bool act(const std::array<bool, kMaxInputs>& input_sounds) const RINGDOWN_REALTIME;
+  void stop_at(Frame end) RINGDOWN_REALTIME;  // cuts off every pulse and contact
+
+ private:
+  std::array<Exciter*, kMaxForces> slots_{};
+  std::size_t count_ = 0;
+};
+
+// All exciters, and which object each input excites. An exciter acts on a voice: where none fits, or its bank has more
+// than kMaxDrivenColumns modes, nothing acts.
+class Exciters {
+ public:
+  explicit Exciters(MixerCounters& counters) : counters_(counters) {}
+
+  // Plays the strike's contact sample by sample. False when the strike is better shaped by its spectrum: it is too
+  // short, or too many forces act already.
+  [[nodiscard]] bool start_pulse(const Event& strike, double sample_rate_hz, Voice* voice,
+                                 ExciterSlots& slots) RINGDOWN_REALTIME;
+  // Makes room for a contact, unless the object has it already. False when there is no force, or no room.
+  [[nodiscard]] bool open_contact(const Event& event, double sample_rate_hz, Voice* voice,
+                                  ExciterSlots& slots) RINGDOWN_REALTIME;
+  // The contact is as the event says from the event's frame on.
+  static void update_contact(const Event& event, Voice* voice, const ExciterSlots& slots) RINGDOWN_REALTIME;
+
+  // Lets an input excite the object of `impulse`, whose voice and slots these are.
+  void connect(std::size_t input, const Event& impulse, Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME;
+  void disconnect(std::size_t input, ExciterSlots& slots) RINGDOWN_REALTIME;
+  [[nodiscard]] std::optional<ObjectNumber> target_of(std::size_t input) const RINGDOWN_REALTIME {
+    return targets_[input];
+  }
+
+  // Fits what acts on an object to its new voice; drops what does not fit.
+  void refit(Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME;
+  // Gives back the exciters that are over at a frame.
+  void drop_finished(Frame frame, ExciterSlots& slots) RINGDOWN_REALTIME;
+
+ private:
+  [[nodiscard]] Exciter* take() RINGDOWN_REALTIME;  // null: none is free
+  void give_back(Exciter& exciter) RINGDOWN_REALTIME;
+  void drop(std::size_t which, ExciterSlots& slots) RINGDOWN_REALTIME;
+  [[nodiscard]] bool fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME;
+
+  static_assert(kMaxDrives == 32);
+  std::uint32_t free_ = ~0u;  // bit i: exciter i
+  std::array<Exciter, kMaxDrives> exciters_;
+  std::array<std::optional<ObjectNumber>, kMaxInputs> targets_;
+  MixerCounters& counters_;
+};
+
+}  // namespace ringdown::synth

@@ -1,0 +1,180 @@
+#include "engine/synth/instance_group.h"
+
+#include "engine/synth/meters.h"
+#include "engine/synth/object.h"
+#include "engine/synth/shedding.h"
+#include "engine/synth/work_cost.h"
+
+#include <utility>
+
+namespace ringdown::synth {
+
+// Adds, or with `sign` -1 subtracts, what rings in a member.
+void InstanceGroup::add(ModeStates& states, const ChannelStrip::Shares& shares, double sign) RINGDOWN_REALTIME {
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    if (shares[i] != 0) sums_[i].add(states, sign * shares[i]);
+  }
+}
+
+bool InstanceGroup::join(Object& object, Frame now) RINGDOWN_REALTIME {
+  Voice& voice = *object.voices.current();
+  object.member.shares_states = true;
+  object.member.shares = object.strip.shares();
+  object.member.anchor = now;
+  object.member.losses_seen = losses_;
+  bus_ = object.strip.bus();
+  ++members_;
+  if (!voice.ringing()) return false;
+  add(voice, object.member.shares, 1);
+  voice.rest();
+  note_struck(object.member);
+  return true;
+}
+
+void InstanceGroup::leave(Object& object, Frame now) RINGDOWN_REALTIME {
+  GroupMember& member = object.member;
+  member.shares_states = false;
+  catch_up(object, now);
+  if (active) add(*object.voices.current(), member.shares, -1);
+  if (std::exchange(member.struck_in, 0) == round_) --struck_;
+  if (--members_ == 0) silence();
+  object.voices.current()->wake();
+}
+
+// Moves the states that a member keeps for itself on to frame `now`.
+void InstanceGroup::catch_up(Object& object, Frame now) RINGDOWN_REALTIME {
+  GroupMember& member = object.member;
+  if (std::exchange(member.losses_seen, losses_) != losses_) object.voices.current()->silence();
+  object.voices.current()->skip(now - std::exchange(member.anchor, now));
+}
+
+void InstanceGroup::note_struck(GroupMember& member) RINGDOWN_REALTIME {
+  if (std::exchange(member.struck_in, round_) != round_) ++struck_;
+}
+
+void InstanceGroup::end_round() RINGDOWN_REALTIME {
+  struck_ = 0;
+  ++round_;
+}
+
+void InstanceGroup::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  if (chunk.shedding->active()) {
+    for_outputs([&](ModeStates& sum, std::size_t)
+                    RINGDOWN_REALTIME { chunk.shedding->apply(sum, 0, look_again, workspace); });
+  }
+  const auto may_play = [&]() RINGDOWN_REALTIME {
+    return chunk.shedding->may_play(due.first->object->units_of(due.first->event), workspace);
+  };
+  for (; due.first && due.first->offset == 0 && may_play(); due.first = due.first->next) {
+    static_cast<void>(strike(*due.first, 0, chunk));
+  }
+  if (chunk.moments) render_by_moments(chunk, workspace);
+  std::size_t at = 0;
+  bool struck_late = false;
+  const auto render_to = [&](std::size_t end) RINGDOWN_REALTIME {
+    if (!chunk.moments) render_segment(at, end, chunk, workspace);
+    if (struck_late) render_late(at, end, chunk, workspace);
+    at = end;
+  };
+  for (; due.first && may_play(); due.first = due.first->next) {
+    render_to(due.first->offset);
+    const bool struck = strike(*due.first, chunk.moments ? chunk.frames - at : 0, chunk);
+    struck_late = struck_late || (struck && chunk.moments);
+  }
+  render_to(chunk.frames);
+  for_outputs([&](ModeStates& sum, std::size_t) RINGDOWN_REALTIME {
+    if (struck_late) sum.merge_late();
+    const ModeStates::Counts counts = sum.counts();
+    workspace.counts.add(counts);
+    chunk.shedding->worked(render_units(counts.sounding, chunk.frames, chunk.moments), workspace);
+  });
+  workspace.counts.voices += static_cast<std::uint32_t>(struck_);
+}
+
+// Strikes a member: as a late strike so many frames before the end of the chunk, or with 0 at once.
+bool InstanceGroup::strike(const DueEvent& struck, std::size_t frames_left, const Chunk& chunk) RINGDOWN_REALTIME {
+  Voice& voice = *struck.object->voices.current();
+  GroupMember& member = struck.object->member;
+  const std::optional<double> energy = voice.find_amplitudes(struck.event);
+  if (!energy || !(*energy <= kAbsurdEnergy)) {
+    count(energy ? chunk.counters->not_finite : chunk.counters->refused);
+    return false;
+  }
+  catch_up(*struck.object, struck.event.frame);
+  voice.add(voice.amplitudes(), 1);
+  voice.rest();
+  for (std::size_t i = 0; i < sums_.size(); ++i) {
+    if (member.shares[i] == 0) continue;
+    if (frames_left > 0) {
+      sums_[i].add_late(voice.amplitudes(), member.shares[i], frames_left);
+    } else {
+      sums_[i].add(voice.amplitudes(), member.shares[i]);
+    }
+  }
+  note_struck(member);
+  count(chunk.counters->strikes);
+  return true;
+}
+
+void InstanceGroup::render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  for_outputs([&](ModeStates& sum, std::size_t channel) RINGDOWN_REALTIME {
+    if (!sum.ringing()) return;
+    const bool wanted = contains(chunk.wanted, channel);
+    const MomentTarget target{wanted ? workspace.sums.moments(channel) : nullptr, 1.0f};
+    double* const rest = wanted && sum.needs_samples() ? workspace.sums.samples(channel) : workspace.mono.data();
+    keep_if(sum.render_moments({&target, wanted ? std::size_t{1} : 0}, rest, chunk.frames, chunk.floor), chunk);
+  });
+}
+
+void InstanceGroup::render_segment(std::size_t begin, std::size_t end, const Chunk& chunk,
+                                   Workspace& workspace) RINGDOWN_REALTIME {
+  if (begin == end) return;
+  for_outputs([&](ModeStates& sum, std::size_t channel) RINGDOWN_REALTIME {
+    if (!sum.ringing()) return;
+    double* const out = contains(chunk.wanted, channel) ? workspace.sums.samples(channel) : workspace.mono.data();
+    keep_if(sum.render(out + begin, end - begin, chunk.floor), chunk);
+  });
+}
+
+void InstanceGroup::render_late(std::size_t begin, std::size_t end, const Chunk& chunk,
+                                Workspace& workspace) RINGDOWN_REALTIME {
+  if (begin == end) return;
+  for_outputs([&](ModeStates& sum, std::size_t channel) RINGDOWN_REALTIME {
+    double* const out = contains(chunk.wanted, channel) ? workspace.sums.samples(channel) : workspace.mono.data();
+    keep_if(sum.render_late(out + begin, end - begin), chunk);
+  });
+}
+
+// A sum that was no longer sensible has been silenced: what its members keep for themselves goes too.
+void InstanceGroup::keep_if(bool sane, const Chunk& chunk) RINGDOWN_REALTIME {
+  if (sane) return;
+  silence();
+  ++losses_;
+  count(chunk.counters->not_finite);
+}
+
+void InstanceGroup::silence() RINGDOWN_REALTIME {
+  for (ModeStates& sum : sums_) sum.silence();
+}
+
+void InstanceGroup::skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  for_outputs([&](ModeStates& sum, std::size_t) RINGDOWN_REALTIME {
+    if (sum.ringing()) sum.mute_all(chunk.frames), workspace.counts.shed = true;
+    workspace.counts.add(sum.counts());
+  });
+}
+
+void InstanceGroup::count_levels(const Chunk& chunk, LevelHistogram& histogram) RINGDOWN_REALTIME {
+  for_outputs([&](ModeStates& sum, std::size_t) RINGDOWN_REALTIME { sum.count_levels(histogram, 0, chunk.floor); });
+}
+
+ModeStates::Counts InstanceGroup::counts() const RINGDOWN_REALTIME {
+  ModeStates::Counts all;
+  for (const ModeStates& sum : sums_) {
+    const ModeStates::Counts counts = sum.counts();
+    all.sounding += counts.sounding, all.muted += counts.muted, all.slow += counts.slow;
+  }
+  return all;
+}
+
+}  // namespace ringdown::synth

@@ -1,0 +1,90 @@
+// One set of states for all objects that share a table, however many ring: a thousand coins for the price of two banks.
+//
+// What reaches an output is the sum of the members' states, each times its object's gain there. While these gains stand
+// still, the sum moves on just as each of them does, because its poles are theirs; so it is enough to move on the sum,
+// and a strike is added to it times the object's gain. Beside the sum every member keeps states of its own, which are
+// moved on only when it is struck, in one jump. When its gain or pan is about to move, these states are subtracted from
+// the sum, and the object rings alone until it is still again. [audio, after construction]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/channel_strip.h"
+#include "engine/synth/source.h"
+#include "engine/synth/voice.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace ringdown::synth {
+
+// What an object knows of its membership.
+struct GroupMember {
+  bool shares_states = false;     // its states stand in the group's sums, and the rest says how
+  ChannelStrip::Shares shares{};  // its gain at each output
+  Frame anchor = 0;               // the frame that its own states have reached
+  std::uint32_t struck_in = 0;    // InstanceGroup's round in which it was last struck
+  std::uint32_t losses_seen = 0;  // the group's losses when its own states were last valid
+};
+
+class InstanceGroup final : public Source {
+ public:
+  // The table outlives the group, or is not used any more. [worker]
+  explicit InstanceGroup(ModeTable& table)
+      : table_(table), sums_{ModeStates(table), ModeStates(table), ModeStates(table)} {}
+
+  // From now on voices of the table may join.
+  void found() RINGDOWN_REALTIME { table_.instances = this; }
+
+  void render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
+  void skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
+  [[nodiscard]] bool can_skip(const Chunk&) const RINGDOWN_REALTIME override { return true; }
+  void prepare(const Chunk& chunk) RINGDOWN_REALTIME override { table_.prepare(chunk.frames); }
+  void count_levels(const Chunk& chunk, LevelHistogram& histogram) RINGDOWN_REALTIME override;
+  [[nodiscard]] ModeStates::Counts counts() const RINGDOWN_REALTIME override;
+
+  // Whether an object at that bus may join: all members share one.
+  [[nodiscard]] bool accepts(std::size_t bus) const RINGDOWN_REALTIME { return members_ == 0 || bus_ == bus; }
+  // Takes the object's states over at frame `now`, which they have reached. True when they ring.
+  [[nodiscard]] bool join(Object& object, Frame now) RINGDOWN_REALTIME;
+  // Gives the object its states back at frame `now`.
+  void leave(Object& object, Frame now) RINGDOWN_REALTIME;
+  // Whether the member's own states still stand for its part of the sums.
+  [[nodiscard]] bool keeps_states_of(const GroupMember& member) const RINGDOWN_REALTIME {
+    return active && member.losses_seen == losses_;
+  }
+
+  [[nodiscard]] bool ringing() const RINGDOWN_REALTIME {
+    return sums_[0].ringing() || sums_[1].ringing() || sums_[2].ringing();
+  }
+  // The group has fallen silent: no member counts as struck any more.
+  void end_round() RINGDOWN_REALTIME;
+
+ private:
+  // Calls `each(sum, channel)` for the outputs that the group has.
+  template <class Each>
+  void for_outputs(const Each& each) RINGDOWN_REALTIME {
+    each(sums_[0], kLeft);
+    each(sums_[1], kRight);
+    if (bus_ != kNoBus) each(sums_[2], bus_);
+  }
+  void add(ModeStates& states, const ChannelStrip::Shares& shares, double sign) RINGDOWN_REALTIME;
+  void catch_up(Object& object, Frame now) RINGDOWN_REALTIME;
+  void note_struck(GroupMember& member) RINGDOWN_REALTIME;
+  [[nodiscard]] bool strike(const DueEvent& struck, std::size_t frames_left, const Chunk& chunk) RINGDOWN_REALTIME;
+  void render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  void render_late(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  void keep_if(bool sane, const Chunk& chunk) RINGDOWN_REALTIME;
+  void silence() RINGDOWN_REALTIME;
+
+  ModeTable& table_;
+  std::array<ModeStates, ChannelStrip::kOutputs> sums_;  // left, right, bus
+  std::size_t bus_ = kNoBus;                             // channel of the third sum
+  std::size_t members_ = 0;
+  std::size_t struck_ = 0;    // members struck in this round
+  std::uint32_t round_ = 1;   // grows when the group falls silent
+  std::uint32_t losses_ = 0;  // grows when the sums had to be thrown away
+};
+
+}  // namespace ringdown::synth

@@ -1,0 +1,69 @@
+// What the mixer measures and counts, for those who show it. What sounds does not depend on it.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/event.h"
+#include "engine/synth/mode_watch.h"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace ringdown::synth {
+
+class Stage;
+
+// Numbers that any thread may read while the mixer runs.
+struct MixerCounters {
+  std::atomic<std::int64_t> frames{0};           // rendered so far; also the time of the next block's first frame
+  std::atomic<std::uint64_t> strikes{0};         // played
+  std::atomic<std::uint64_t> late{0};            // events that came after their frame
+  std::atomic<std::uint64_t> refused{0};         // strikes on what does not exist, and values that are not numbers
+  std::atomic<std::uint64_t> not_finite{0};      // voices silenced because a state was no longer a sensible number
+  std::atomic<std::uint32_t> ringing_voices{0};  // in the last block
+  std::atomic<std::uint32_t> ringing_modes{0};   // in the last block
+  std::atomic<std::uint32_t> muted_modes{0};     // left out in the last block for want of time
+  std::atomic<std::uint64_t> shed{0};            // chunks in which something was left out or waited for want of time
+  std::atomic<float> peak{0};                    // largest |sample| of the last block
+  std::atomic<float> peak_since{0};              // the same since Meters::take_peak()
+};
+
+inline void count(std::atomic<std::uint64_t>& counter, std::size_t times = 1) RINGDOWN_REALTIME {
+  if (times > 0) counter.fetch_add(times, std::memory_order_relaxed);
+}
+
+class Meters {
+ public:
+  MixerCounters counters;
+  ModeWatch mode_watch;  // the amplitudes of some objects' modes, at their gain and before pan
+
+  // Whether the objects' peak levels are measured. Costs nothing unless set; then at most 2048 modes in a chunk, so
+  // that many objects take turns, 64 or fewer in a chunk. [any thread]
+  void watch_objects(bool on) { watches_objects_.store(on, std::memory_order_relaxed); }
+  // What no sample of the object, at its gain, has exceeded since the last call, as far as it was measured: the sum of
+  // its modes' amplitudes, which is the peak of one mode but an upper bound for many. [one thread that is not audio]
+  [[nodiscard]] float take_peak_level(ObjectNumber object);
+  // The largest |sample| since the last call. [one thread that is not audio]
+  [[nodiscard]] float take_peak() { return counters.peak_since.exchange(0, std::memory_order_relaxed); }
+
+  // At the end of a chunk; `now` is the frame after it. [audio]
+  void measure(const Stage& stage, Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
+  // The largest |sample| of a block. [audio]
+  void note_peak(float peak) RINGDOWN_REALTIME;
+
+ private:
+  void measure_objects(const Stage& stage, Frame now) RINGDOWN_REALTIME;
+  void measure_modes(const Stage& stage, Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
+
+  struct PeakLevel {
+    std::atomic<float> now{0}, since{0};
+  };
+  std::atomic<bool> watches_objects_{false};
+  std::vector<PeakLevel> peak_levels_ = std::vector<PeakLevel>(kMaxObjects);
+  std::size_t next_object_ = 0;  // the audio thread's own, as what follows
+  std::size_t next_slot_ = 0;    // of mode_watch
+  Frame slots_began_ = 0;        // when the first slot was written last
+};
+
+}  // namespace ringdown::synth

@@ -1,0 +1,45 @@
+// From the sums of a chunk to the listeners: samples, test tone, limiter, and the tap of those who watch the mix.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/block_io.h"
+#include "engine/synth/channel_sums.h"
+#include "engine/synth/event.h"
+#include "engine/synth/limiter.h"
+#include "engine/synth/sound_tap.h"
+#include "engine/synth/test_tone.h"
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace ringdown::synth {
+
+class MixOutput {
+ public:
+  TestTone test_tone;  // a sine in the mix
+  SoundTap sound_tap;  // what the mix sounds like
+
+  // Keeps the mix, but not the buses, below a ceiling in dB of full scale (limiter.h); nullopt: samples go out as they
+  // are. [worker, while nothing is rendered]
+  void limit(std::optional<double> ceiling_db, double sample_rate_hz);
+  // By how many frames the mix is late because of the limiter. [any, but not while limit() runs]
+  [[nodiscard]] std::size_t latency_frames() const { return limiter_ ? limiter_->delay_frames() : 0; }
+
+  // The rest: [audio]
+  // Begins a block. Where nobody listens to the mix but somebody watches it, it is rendered all the same.
+  void begin_block(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME;
+  [[nodiscard]] ChannelSet wanted() const RINGDOWN_REALTIME { return outputs_.wanted(); }
+  // Writes a chunk's sums to frames at ... at + frames - 1 of the block.
+  void write(const ChannelSums& sums, std::size_t at, std::size_t frames) RINGDOWN_REALTIME;
+  // Ends the block, whose first frame is `begin`. Returns the largest |sample| of what is heard.
+  [[nodiscard]] float end_block(Frame begin, std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
+
+ private:
+  std::optional<Limiter> limiter_;
+  Outputs outputs_;                    // of the block
+  float mix_peak_ = 0, bus_peak_ = 0;  // largest |sample| written to them
+  std::vector<float> spare_left_ = std::vector<float>(kMaxSpare), spare_right_ = spare_left_;
+};
+
+}  // namespace ringdown::synth

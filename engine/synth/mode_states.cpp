@@ -1,0 +1,315 @@
+#include "engine/synth/mode_states.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+
+namespace ringdown::synth {
+namespace {
+
+constexpr Level kHysteresis = 8;  // 3 dB: what wavers about the threshold does not come and go
+
+}  // namespace
+
+ModeStates::ModeStates(const ModeTable& table)
+    : table_(table),
+      states_(table),
+      sounding_(table.groups()),
+      fade_(table),
+      late_(table),
+      muting_(table),
+      is_(table.groups()) {
+  slow_.list = sounding_.data();
+  fast_.list = sounding_.data() + table.slow_groups();
+}
+
+void ModeStates::add(const double* amplitudes, double gain) RINGDOWN_REALTIME {
+  if (selective()) {
+    return add_to_groups([&](std::uint32_t group) RINGDOWN_REALTIME { states_.add_strike(amplitudes, gain, group); });
+  }
+  states_.add_strike(amplitudes, gain);
+  wake();
+}
+
+void ModeStates::add(ModeStates& other, double gain) RINGDOWN_REALTIME {
+  assert(&table_ == &other.table_);
+  other.unmute();
+  if (selective()) {
+    return add_to_groups([&](std::uint32_t group) RINGDOWN_REALTIME { states_.add(other.states_, gain, group); });
+  }
+  states_.add(other.states_, gain);
+  wake();
+}
+
+// Adds something to every group while some are muted: what sounded goes on sounding, and any other group sounds if it
+// is now loud enough, and is muted if it is not.
+template <class Add>
+void ModeStates::add_to_groups(const Add& add_to) RINGDOWN_REALTIME {
+  settle();
+  mark();
+  muting_.muted.clear();
+  for (std::uint32_t group = 0; group < table_.groups(); ++group) {
+    const Is before = is_.data()[group];
+    if (before == Is::muted) muting_.catch_up(states_, group);
+    add_to(group);
+    if (before == Is::sounding) continue;
+    if (group >= table_.slow_groups() || passes(group)) {
+      list(group);
+    } else {
+      muting_.mute(states_, group);
+    }
+  }
+}
+
+bool ModeStates::take_over(ModeStates& other) RINGDOWN_REALTIME {
+  unmute();
+  other.unmute();
+  bool left = states_.move_from(other.states_);
+  left = fade_.move_from(other.fade_) || left;
+  if (other.slow_.count + other.fast_.count > 0) wake();
+  return left;
+}
+
+void ModeStates::fade_out(std::size_t frames) RINGDOWN_REALTIME {
+  unmute();
+  fade_.begin(states_, frames);
+  rest();
+}
+
+bool ModeStates::render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME {
+  const EnergyLimits limits{floor * floor, kAbsurdEnergy};
+  bool sane = !fade_.running() || fade_.render(out, frames);
+  for (ActiveGroups* groups : {&slow_, &fast_}) {
+    if (groups->count > 0) sane = render_modes(states_.for_kernel(frames), *groups, limits, out, frames) && sane;
+  }
+  if (muting_.changing()) sane = muting_.render_changes(states_, out, frames) && sane;
+  muting_.advance(states_, frames, slow_);
+  return keep_if(sane);
+}
+
+bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
+                                double floor) RINGDOWN_REALTIME {
+  const EnergyLimits limits{floor * floor, kAbsurdEnergy};
+  const ModeArrays all = states_.for_kernel(frames);
+  bool sane = !fade_.running() || fade_.render(out, frames);
+  if (fast_.count > 0) sane = render_modes(all, fast_, limits, out, frames) && sane;
+  if (slow_.count > 0) sane = add_moments(all, table_.moments(), slow_, frames, limits, targets) && sane;
+  if (muting_.changing()) sane = muting_.render_changes(states_, targets, frames) && sane;
+  muting_.advance(states_, frames, slow_);
+  return keep_if(sane);
+}
+
+void ModeStates::add_late(const double* amplitudes, double gain, std::size_t frames_left) RINGDOWN_REALTIME {
+  if (!selective()) return late_.add(amplitudes, gain);
+  mark();
+  for (std::uint32_t group = 0; group < table_.groups(); ++group) {
+    const double* const a = amplitudes + std::size_t{group} * kModePadding;
+    double energy = 0;
+    for (std::size_t i = 0; i < kModePadding; ++i) energy += gain * gain * a[i] * a[i];
+    const bool sounds = is_.data()[group] == Is::sounding || late_.has(group) || group >= table_.slow_groups() ||
+                        level_of(energy) >= threshold_;
+    if (sounds) {
+      late_.add(amplitudes, gain, group);
+    } else {
+      add_to_muted(amplitudes, gain, group, frames_left);
+    }
+  }
+}
+
+// Adds a strike to a group that is muted or rests, as it will be at the end of the chunk, which muting_ has reached.
+void ModeStates::add_to_muted(const double* amplitudes, double gain, std::uint32_t group,
+                              std::size_t frames_left) RINGDOWN_REALTIME {
+  alignas(64) double re[kModePadding] = {}, im[kModePadding];
+  const std::size_t first = std::size_t{group} * kModePadding;
+  for (std::size_t i = 0; i < kModePadding; ++i) im[i] = -gain * amplitudes[first + i];
+  ModeArrays struck = states_.for_kernel(0);
+  struck.z_re = re, struck.z_im = im;
+  struck.pole_re += first, struck.pole_im += first;
+  skip_modes(struck, kModePadding, frames_left);
+  const bool was_muted = is_.data()[group] == Is::muted;
+  if (was_muted) muting_.catch_up(states_, group);
+  for (std::size_t i = 0; i < kModePadding; ++i) states_.re()[first + i] += re[i], states_.im()[first + i] += im[i];
+  if (was_muted) {
+    muting_.measure(states_, group);
+  } else {
+    muting_.mute(states_, group);
+  }
+}
+
+void ModeStates::merge_late() RINGDOWN_REALTIME {
+  mark();
+  for (const std::uint32_t group : late_.groups()) {
+    if (is_.data()[group] == Is::muted) muting_.catch_up(states_, group);
+    states_.add(late_.states(), 1, group);
+    if (is_.data()[group] == Is::sounding) continue;
+    list(group);
+    is_.data()[group] = Is::sounding;
+  }
+  muting_.muted.keep_if([this](std::uint32_t group) RINGDOWN_REALTIME { return is_.data()[group] == Is::muted; });
+  late_.clear();
+}
+
+void ModeStates::apply_threshold(std::size_t& allowance, bool at_once) RINGDOWN_REALTIME {
+  applied_ = threshold_;
+  if (!selective()) return;
+  cut_short_ = cut_short_ || at_once;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < slow_.count; ++i) {
+    const std::uint32_t group = slow_.list[i];
+    if (passes(group)) {
+      slow_.list[kept++] = group;
+    } else if (at_once) {
+      muting_.mute(states_, group);
+    } else {
+      muting_.leaving.push(group);
+    }
+  }
+  slow_.count = kept;
+  if (allowance < kModePadding) return;
+  muting_.muted.keep_if([&](std::uint32_t group) RINGDOWN_REALTIME {
+    if (allowance < kModePadding) return true;
+    if (threshold_ != kNoThreshold && muting_.level(group) < threshold_ + kHysteresis) return true;
+    allowance -= kModePadding;
+    muting_.catch_up(states_, group);
+    muting_.entering.push(group);
+    return false;
+  });
+  cut_short_ = cut_short_ && allowance < kModePadding;
+}
+
+void ModeStates::mute_all(std::size_t frames) RINGDOWN_REALTIME {
+  settle();
+  cut_short_ = true;
+  for (std::size_t i = 0; i < slow_.count; ++i) muting_.mute(states_, slow_.list[i]);
+  slow_.count = 0;
+  for (std::size_t i = 0; i < fast_.count; ++i) states_.skip(frames, fast_.list[i]);
+  if (fade_.running()) fade_.skip(frames);
+  muting_.advance(states_, frames, slow_);
+}
+
+void ModeStates::count_levels(LevelHistogram& histogram, Level gain, double floor) RINGDOWN_REALTIME {
+  settle();
+  for (const ActiveGroups* groups : {&slow_, &fast_}) {
+    for (std::size_t i = 0; i < groups->count; ++i) histogram.add(level_of(states_.energy(groups->list[i])) + gain);
+  }
+  const Level lowest = level_of(floor * floor);
+  muting_.muted.keep_if([&](std::uint32_t group) RINGDOWN_REALTIME {
+    const Level level = muting_.level(group);
+    if (level >= lowest) return histogram.add(level + gain), true;
+    muting_.forget(states_, group);
+    return false;
+  });
+}
+
+void ModeStates::skip(Frame frames) RINGDOWN_REALTIME {
+  unmute();
+  if (frames > 0) states_.skip(static_cast<std::uint64_t>(frames));
+}
+
+void ModeStates::rest() RINGDOWN_REALTIME {
+  unmute();
+  threshold_ = applied_ = kNoThreshold;
+  slow_.count = fast_.count = 0;
+}
+
+void ModeStates::wake() RINGDOWN_REALTIME {
+  unmute();
+  slow_.count = table_.slow_groups();
+  fast_.count = table_.groups() - slow_.count;
+  std::iota(slow_.list, slow_.list + table_.groups(), 0);
+}
+
+void ModeStates::list(std::uint32_t group) RINGDOWN_REALTIME {
+  ActiveGroups& groups = group < table_.slow_groups() ? slow_ : fast_;
+  groups.list[groups.count++] = group;
+}
+
+// Lets groups that were about to leave or enter by a ramp sound from now on.
+void ModeStates::settle() RINGDOWN_REALTIME {
+  for (GroupList* groups : {&muting_.leaving, &muting_.entering}) {
+    for (const std::uint32_t group : *groups) list(group);
+    groups->clear();
+  }
+}
+
+// Lets all groups that are muted sound from now on.
+void ModeStates::unmute() RINGDOWN_REALTIME {
+  settle();
+  for (const std::uint32_t group : muting_.muted) {
+    muting_.catch_up(states_, group);
+    list(group);
+  }
+  muting_.muted.clear();
+}
+
+// Notes in is_ what each group does.
+void ModeStates::mark() RINGDOWN_REALTIME {
+  std::fill_n(is_.data(), is_.size(), Is::resting);
+  for (const ActiveGroups* groups : {&slow_, &fast_}) {
+    for (std::size_t i = 0; i < groups->count; ++i) is_.data()[groups->list[i]] = Is::sounding;
+  }
+  for (const std::uint32_t group : muting_.muted) is_.data()[group] = Is::muted;
+}
+
+bool ModeStates::keep_if(bool sane) RINGDOWN_REALTIME {
+  if (!sane) silence();
+  return sane;
+}
+
+void ModeStates::silence() RINGDOWN_REALTIME {
+  states_.clear();
+  fade_.clear();
+  late_.clear();
+  muting_.clear();
+  slow_.count = fast_.count = 0;
+}
+
+ModeStates::Counts ModeStates::counts() const RINGDOWN_REALTIME {
+  const std::size_t slow = std::min(kModePadding * slow_.count, table_.slow_modes());
+  const std::size_t fast = std::min(kModePadding * fast_.count, table_.playable_modes() - table_.slow_modes());
+  return {slow + fast, kModePadding * muting_.groups(), kModePadding * slow_.count};
+}
+
+double ModeStates::peak_level() const RINGDOWN_REALTIME {
+  double sum = 0;
+  for (const ActiveGroups* groups : {&slow_, &fast_}) {
+    for (std::size_t i = 0; i < groups->count; ++i) sum += states_.amplitude(groups->list[i]);
+  }
+  for (const GroupList* groups : {&muting_.leaving, &muting_.entering}) {
+    for (const std::uint32_t group : *groups) sum += states_.amplitude(group);
+  }
+  for (const std::uint32_t group : muting_.muted) {
+    const auto behind = static_cast<double>(muting_.frames_behind(group));
+    sum += std::exp(-behind * table_.slowest_decay(group)) * states_.amplitude(group);
+  }
+  if (fade_.running()) sum += fade_.level() * fade_.states().amplitude();
+  return sum;
+}
+
+double ModeStates::peak_level_at_rest(Frame frames) const RINGDOWN_REALTIME {
+  double sum = 0;
+  for (std::uint32_t group = 0; group < table_.groups(); ++group) {
+    sum += std::exp(-static_cast<double>(frames) * table_.slowest_decay(group)) * states_.amplitude(group);
+  }
+  return sum;
+}
+
+void ModeStates::add_amplitudes(double gain, Frame rested, ModeWatch::Slot& to) const RINGDOWN_REALTIME {
+  const ModeArrays all = states_.for_kernel(0), fading = fade_.states().for_kernel(0);
+  const auto square = [](double re, double im) RINGDOWN_REALTIME { return re * re + im * im; };
+  const double fade = fade_.running() ? fade_.level() : 0.0;
+  for (std::size_t i = 0; i < table_.playable_modes(); ++i) {
+    const std::size_t c = table_.column(i);
+    const auto group = static_cast<std::uint32_t>(c / kModePadding);
+    double amplitude = std::sqrt(square(all.z_re[c], all.z_im[c]));
+    const Frame behind = rested + muting_.frames_behind(group);
+    if (behind > 0 && amplitude > 0) {
+      amplitude *= std::pow(square(all.pole_re[c], all.pole_im[c]), 0.5 * static_cast<double>(behind));
+    }
+    if (fade > 0) amplitude += fade * std::sqrt(square(fading.z_re[c], fading.z_im[c]));
+    if (amplitude > 0) to.add(table_.mode_of(i), gain * amplitude);
+  }
+}
+
+}  // namespace ringdown::synth

@@ -1,0 +1,135 @@
+// The modes of one table as they ring: their states, which groups of them sound, and what moves them on.
+//
+// A chunk of frames is rendered in one of two ways. render() adds samples by tables (mode_kernel.h), and a chunk may be
+// cut where something happens. render_moments() adds moments (moments.h) for all modes that decay slowly enough, which
+// is less work when many modes sound; strikes within the chunk are then late strikes, which ring by tables beside the
+// moments until merge_late() ends the chunk.
+//
+// When time is short, groups below a threshold are muted (muting.h): set_threshold() says which, and apply_threshold()
+// mutes and brings back. A strike on a muted group is added to it, and brings it back if that makes it loud enough.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/fade_out.h"
+#include "engine/synth/late_strikes.h"
+#include "engine/synth/level_histogram.h"
+#include "engine/synth/mode_table.h"
+#include "engine/synth/mode_watch.h"
+#include "engine/synth/muting.h"
+#include "engine/synth/state_array.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace ringdown::synth {
+
+class ModeStates {
+ public:
+  // Silent. The table outlives the states. [worker]
+  explicit ModeStates(const ModeTable& table);
+
+  // Everything from here on: [audio]
+
+  // Adds a strike's amplitudes (ModeTable::strike), times `gain`, at the current frame; they sound from the next
+  // rendered frame on.
+  void add(const double* amplitudes, double gain) RINGDOWN_REALTIME;
+  // Adds what rings in `other`, of the same table, times `gain`. What fades out is left alone.
+  void add(ModeStates& other, double gain) RINGDOWN_REALTIME;
+  // Takes over from `other`, of the same bank, the modes that are in this table too: phase and amplitude continue;
+  // pitch, decay and sample rate are this table's from here on. True when other modes still ring in `other`.
+  bool take_over(ModeStates& other) RINGDOWN_REALTIME;
+
+  // Lets what rings now fade out within `frames` (FadeOut::begin); later strikes ring in full.
+  void fade_out(std::size_t frames = FadeOut::kMinFrames) RINGDOWN_REALTIME;
+  // Ends everything at once, with the click that this makes if it rings.
+  void silence() RINGDOWN_REALTIME;
+
+  // Adds `frames` <= kChunkFrames samples to `out` and moves on. A group whose modes have all fallen below the
+  // amplitude `floor` rests until the next strike. False when a state is absurd (kAbsurdEnergy): nothing of it was
+  // added, and all states have been silenced.
+  bool render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME;
+  // The same with moments for slow modes; `out` gets the rest, which is nothing unless needs_samples() said so before.
+  bool render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
+                      double floor) RINGDOWN_REALTIME;
+  [[nodiscard]] bool needs_samples() const RINGDOWN_REALTIME { return fast_.count > 0 || fade_.running(); }
+
+  // A strike in the middle of a chunk that render_moments() has done, `frames_left` before its end. render_late() or
+  // drive_late() add what it sounds from there on (LateStrikes), and merge_late() ends the chunk.
+  void add_late(const double* amplitudes, double gain, std::size_t frames_left) RINGDOWN_REALTIME;
+  bool render_late(double* out, std::size_t frames) RINGDOWN_REALTIME { return keep_if(late_.render(out, frames)); }
+  bool drive_late(std::span<const Force> forces, double* out, std::size_t frames) RINGDOWN_REALTIME {
+    return keep_if(late_.drive(forces, out, frames));
+  }
+  void merge_late() RINGDOWN_REALTIME;
+
+  // Groups whose level lies below `threshold` may be muted; kNoThreshold: none may.
+  static constexpr Level kNoThreshold = -100000;
+  void set_threshold(Level threshold) RINGDOWN_REALTIME { threshold_ = threshold; }
+  // Whether the threshold has risen since it was last applied.
+  [[nodiscard]] bool threshold_rose() const RINGDOWN_REALTIME { return threshold_ > applied_; }
+  // Whether modes above the threshold are muted, because there was no time for them.
+  [[nodiscard]] bool cut_short() const RINGDOWN_REALTIME { return cut_short_; }
+  // Mutes what lies below the threshold, by a ramp over the next chunk or `at_once`; brings back what lies well above,
+  // at most `allowance` modes, which is lowered by what came back.
+  void apply_threshold(std::size_t& allowance, bool at_once) RINGDOWN_REALTIME;
+  // In place of rendering `frames`, when there is no time: mutes all that can be muted, at once.
+  void mute_all(std::size_t frames) RINGDOWN_REALTIME;
+  // Counts every group that sounds or is muted, `gain` above the level of its states. Muted groups that have fallen
+  // below the amplitude `floor` rest from now on.
+  void count_levels(LevelHistogram& histogram, Level gain, double floor) RINGDOWN_REALTIME;
+
+  // Moves the states on without a sound, however far; not what fades.
+  void skip(Frame frames) RINGDOWN_REALTIME;
+  // rest() keeps the states as they are and renders none of them until wake().
+  void rest() RINGDOWN_REALTIME;
+  void wake() RINGDOWN_REALTIME;
+
+  // False once everything has died away below the floor; rendering would then add nothing.
+  [[nodiscard]] bool ringing() const RINGDOWN_REALTIME {
+    return slow_.count + fast_.count + muting_.groups() > 0 || fade_.running();
+  }
+  [[nodiscard]] bool fading() const RINGDOWN_REALTIME { return fade_.running(); }
+  struct Counts {
+    std::size_t sounding = 0, muted = 0;  // modes
+    std::size_t slow = 0;                 // of the sounding ones, those that take moments
+  };
+  [[nodiscard]] Counts counts() const RINGDOWN_REALTIME;
+
+  // What no sample of what rings exceeds: the sum of the modes' amplitudes, muted and fading ones included.
+  [[nodiscard]] double peak_level() const RINGDOWN_REALTIME;
+  // The same of states that have rested for `frames`; every mode of a group is taken to decay as its slowest one.
+  [[nodiscard]] double peak_level_at_rest(Frame frames) const RINGDOWN_REALTIME;
+  // Adds each mode's amplitude, times `gain`, to where the mode stands in the bank's order. The states have rested for
+  // `rested` frames; 0 unless rest() was called.
+  void add_amplitudes(double gain, Frame rested, ModeWatch::Slot& to) const RINGDOWN_REALTIME;
+
+ private:
+  [[nodiscard]] bool selective() const RINGDOWN_REALTIME { return threshold_ != kNoThreshold || muting_.groups() > 0; }
+  [[nodiscard]] bool passes(std::uint32_t group) const RINGDOWN_REALTIME {
+    return level_of(states_.energy(group)) >= threshold_;
+  }
+  template <class Add>
+  void add_to_groups(const Add& add_to) RINGDOWN_REALTIME;
+  void add_to_muted(const double* amplitudes, double gain, std::uint32_t group,
+                    std::size_t frames_left) RINGDOWN_REALTIME;
+  void list(std::uint32_t group) RINGDOWN_REALTIME;
+  void settle() RINGDOWN_REALTIME;
+  void unmute() RINGDOWN_REALTIME;
+  void mark() RINGDOWN_REALTIME;
+  bool keep_if(bool sane) RINGDOWN_REALTIME;
+
+  const ModeTable& table_;
+  StateArray states_;
+  std::vector<std::uint32_t> sounding_;  // groups: slow ones from the front, fast ones from slow_groups() on
+  ActiveGroups slow_, fast_;             // in sounding_
+  FadeOut fade_;
+  LateStrikes late_;
+  Muting muting_;
+  Level threshold_ = kNoThreshold, applied_ = kNoThreshold;
+  bool cut_short_ = false;
+  enum class Is : std::uint8_t { resting, sounding, muted };
+  std::vector<Is> is_;  // what each group does, as mark() found it
+};
+
+}  // namespace ringdown::synth

@@ -1,0 +1,278 @@
+// An object's share of a chunk.
+//
+// By tables the chunk is cut at the object's events: what rings is rendered up to an event, the event happens, and so
+// on. By moments what rang at the beginning of the chunk is added for the whole chunk at once; strikes within it ring
+// beside, by tables, until the chunk ends. Tables serve a chunk in which anything but strikes happens, or in which gain
+// or pan move, because moments add up before single samples are known.
+#include "engine/synth/object.h"
+
+#include "engine/synth/meters.h"
+#include "engine/synth/shedding.h"
+#include "engine/synth/work_cost.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace ringdown::synth {
+namespace {
+
+constexpr double kMinRamp_s = 0.005;  // a step in gain or pan would click
+constexpr double kMaxRamp_s = 3600;
+constexpr double kMaxSharedGain = 100;
+
+}  // namespace
+
+void VoiceStack::replace(Voice* voice, bool retune) RINGDOWN_REALTIME {
+  Voice* const old = std::exchange(current_, voice);
+  if (!old) return;
+  if (retune) {
+    if (voice->take_over(*old)) {
+      old->fade_out();
+    } else {
+      old->silence();
+    }
+  }
+  old->next = tails_;
+  tails_ = old;
+}
+
+void VoiceStack::fade_out(std::size_t frames) RINGDOWN_REALTIME {
+  for_each([frames](Voice& voice) RINGDOWN_REALTIME { voice.fade_out(frames); });
+}
+
+void VoiceStack::free_all() {
+  delete std::exchange(current_, nullptr);
+  while (tails_) delete std::exchange(tails_, tails_->next);
+}
+
+void Object::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  apply_threshold(chunk, workspace);
+  if ((chunk.moments || !strip.heard(chunk.wanted)) && only_struck(chunk)) {
+    render_by_moments(chunk, workspace);
+  } else {
+    render_by_tables(chunk, workspace);
+  }
+  voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
+    if (!voice.ringing()) return;
+    const ModeStates::Counts counts = voice.counts();
+    ++workspace.counts.voices;
+    workspace.counts.add(counts);
+    chunk.shedding->worked(render_units(counts.sounding, chunk.frames, chunk.moments), workspace);
+  });
+}
+
+// Whether nothing but strikes happens to it in the chunk, and no gain or pan is moving.
+bool Object::only_struck(const Chunk& chunk) const RINGDOWN_REALTIME {
+  for (const DueEvent* event = due.first; event; event = event->next) {
+    if (!excites(event->event)) return false;
+  }
+  return strip.still_at(chunk.begin);
+}
+
+// The amplitude of states below which modes rest. A force that acts may yet make a weak mode loud, little by little.
+double Object::floor(const Chunk& chunk) const RINGDOWN_REALTIME {
+  return driven(chunk) ? 0 : chunk.floor / std::max(1.0, strip.max_gain());
+}
+
+// Takes the next event off the list. False when there is none, or no time for it: then it waits for the next chunk.
+bool Object::play_next(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  if (!due.first || !chunk.shedding->may_play(units_of(due.first->event), workspace)) return false;
+  due.first = due.first->next;
+  return true;
+}
+
+void Object::play(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME {
+  if (event.type == EventType::contact) return Exciters::update_contact(event, voices.current(), exciters);
+  if (!is_strike(event) && !(std::abs(event.value) <= kMaxEventValue)) return count(chunk.counters->refused);
+  if (excites(event)) {
+    const bool struck = voices.current() && voices.current()->strike(event);
+    return count(struck ? chunk.counters->strikes : chunk.counters->refused);
+  }
+  // Written so that a ramp that is not a number becomes the shortest.
+  const double ramp_s = std::min(event.ramp_s > kMinRamp_s ? event.ramp_s : kMinRamp_s, kMaxRamp_s);
+  const auto ramp = static_cast<Frame>(ramp_s * chunk.sample_rate_hz);
+  if (event.type == EventType::gain) strip.set_gain(event.value, event.frame, ramp);
+  if (event.type == EventType::pan) strip.set_pan(event.value, event.frame, ramp);
+  if (event.type == EventType::clear) voices.fade_out(static_cast<std::size_t>(ramp));
+}
+
+void Object::render_by_tables(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  std::size_t at = 0;
+  for (const DueEvent* event = due.first; play_next(chunk, workspace); event = due.first) {
+    render_segment(at, event->offset, chunk, workspace);
+    at = event->offset;
+    play(event->event, chunk);
+  }
+  render_segment(at, chunk.frames, chunk, workspace);
+}
+
+void Object::render_segment(std::size_t begin, std::size_t end, const Chunk& chunk,
+                            Workspace& workspace) RINGDOWN_REALTIME {
+  if (begin == end) return;
+  bool sounds = false;
+  double* const mono = workspace.mono.data();
+  std::fill_n(mono + begin, end - begin, 0.0);
+  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
+    if (!voice.ringing()) return;
+    if (!voice.render(mono + begin, end - begin, floor(chunk))) count(chunk.counters->not_finite);
+    sounds = true;
+  });
+  if (driven(chunk)) {
+    drive(begin, end, chunk, workspace);
+    voices.current()->merge_late();
+    sounds = true;
+  }
+  if (sounds) strip.add_samples(mono, begin, end, chunk, workspace.sums);
+}
+
+void Object::render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  for (const DueEvent* event = due.first; event && event->offset == 0 && play_next(chunk, workspace);
+       event = due.first) {
+    play(event->event, chunk);
+  }
+  std::array<MomentTarget, ChannelStrip::kOutputs> room;
+  const std::span<const MomentTarget> targets = strip.moment_targets(chunk.wanted, workspace.sums, room);
+  const bool late = due.first || driven(chunk);
+  bool samples = late;
+  voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME { samples = samples || voice.needs_samples(); });
+  double* const mono = workspace.mono.data();
+  if (samples) std::fill_n(mono, chunk.frames, 0.0);
+  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
+    if (!voice.ringing()) return;
+    if (!voice.render_moments(targets, mono, chunk.frames, floor(chunk))) count(chunk.counters->not_finite);
+  });
+  if (late) render_late(chunk, workspace);
+  if (samples) strip.add_samples(mono, 0, chunk.frames, chunk, workspace.sums);
+}
+
+// The chunk's remaining strikes, and what drives the object.
+void Object::render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  Voice* const voice = voices.current();
+  const bool driven = this->driven(chunk);
+  bool struck = driven;
+  std::size_t at = 0;
+  const auto render_to = [&](std::size_t end) RINGDOWN_REALTIME {
+    if (driven) {
+      drive(at, end, chunk, workspace);
+    } else if (struck && end > at && !voice->render_late(workspace.mono.data() + at, end - at)) {
+      count(chunk.counters->not_finite);
+    }
+    at = end;
+  };
+  for (const DueEvent* event = due.first; play_next(chunk, workspace); event = due.first) {
+    render_to(event->offset);
+    const bool played = voice && voice->strike_late(event->event, chunk.frames - at);
+    count(played ? chunk.counters->strikes : chunk.counters->refused);
+    struck = struck || played;
+  }
+  render_to(chunk.frames);
+  if (struck) voice->merge_late();
+}
+
+void Object::drive(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  if (begin == end) return;
+  std::array<Force, kMaxForces> forces;
+  std::size_t number = 0;
+  for (Exciter* exciter : exciters.all()) {
+    const float* const samples = exciter->input ? chunk.inputs[*exciter->input] : nullptr;
+    double* const impulses = workspace.impulses[number].data();
+    exciter->fill(chunk.begin + static_cast<Frame>(begin), end - begin, samples ? samples + begin : nullptr, impulses);
+    forces[number++] = {exciter->amplitudes.get(), impulses};
+  }
+  const double chunks = static_cast<double>(end - begin) / static_cast<double>(kChunkFrames);
+  chunk.shedding->worked(kDrivePerMode * chunks * static_cast<double>(voices.current()->table().columns()), workspace);
+  const bool sane = voices.current()->drive_late({forces.data(), number}, workspace.mono.data() + begin, end - begin);
+  if (!sane) count(chunk.counters->not_finite);
+}
+
+void Object::apply_threshold(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  if (!chunk.shedding->active()) return;
+  const double gain = strip.max_gain();
+  const Level level = level_of(gain * gain);
+  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { chunk.shedding->apply(voice, level, look_again, workspace); });
+}
+
+void Object::skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
+    if (voice.ringing()) voice.mute_all(chunk.frames), workspace.counts.shed = true;
+    workspace.counts.add(voice.counts());
+  });
+}
+
+void Object::prepare(const Chunk& chunk) RINGDOWN_REALTIME {
+  voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME { voice.table().prepare(chunk.frames); });
+}
+
+void Object::count_levels(const Chunk& chunk, LevelHistogram& histogram) RINGDOWN_REALTIME {
+  const double gain = strip.max_gain();
+  voices.for_each([&](Voice& voice)
+                      RINGDOWN_REALTIME { voice.count_levels(histogram, level_of(gain * gain), floor(chunk)); });
+}
+
+ModeStates::Counts Object::counts() const RINGDOWN_REALTIME {
+  ModeStates::Counts all;
+  voices.for_each([&all](const Voice& voice) RINGDOWN_REALTIME {
+    const ModeStates::Counts counts = voice.counts();
+    all.sounding += counts.sounding, all.muted += counts.muted, all.slow += counts.slow;
+  });
+  return all;
+}
+
+bool Object::ringing() const RINGDOWN_REALTIME {
+  return voices.has_tails() || (voices.current() && voices.current()->ringing());
+}
+
+bool Object::can_share(Frame now) const RINGDOWN_REALTIME {
+  const Voice* const voice = voices.current();
+  if (!voice || voices.has_tails() || !exciters.all().empty() || voice->fading()) return false;
+  // Gains are part of the group's sums, and what is absurdly loud should not depend on sharing.
+  if (std::abs(strip.final_gain()) > kMaxSharedGain) return false;
+  const InstanceGroup* const group = voice->table().instances;
+  return group && group->accepts(strip.bus()) && strip.still_at(now);
+}
+
+double Object::units_of(const Event& event) const RINGDOWN_REALTIME {
+  if (!voices.current() || event.type == EventType::click) return 0;
+  const auto modes = static_cast<double>(voices.current()->table().columns());
+  if (excites(event)) return (member.shares_states ? kSharedStrikePerMode : kStrikePerMode) * modes;
+  return member.shares_states ? kJoinPerMode * modes : 0.0;
+}
+
+double Object::units_to_share() const RINGDOWN_REALTIME {
+  return kJoinPerMode * static_cast<double>(voices.current()->table().columns());
+}
+
+double Object::peak_level(Frame now, std::size_t& looked_at) const RINGDOWN_REALTIME {
+  const double gain = std::abs(strip.gain_at(now));
+  if (member.shares_states) {
+    const Voice& voice = *voices.current();
+    if (!voice.table().instances->keeps_states_of(member)) return 0;
+    looked_at += voice.table().columns();
+    return gain * voice.peak_level_at_rest(now - member.anchor);
+  }
+  double sum = 0;
+  voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
+    if (!voice.ringing()) return;
+    looked_at += voice.table().columns();
+    sum += voice.peak_level();
+  });
+  return gain * sum;
+}
+
+std::size_t Object::write_amplitudes(Frame now, ModeWatch::Slot& to) const RINGDOWN_REALTIME {
+  const Voice* const voice = voices.current();
+  to.bank.store(voice ? &voice->table().bank() : nullptr, std::memory_order_relaxed);
+  if (!voice) return 0;
+  const std::size_t modes = voice->table().bank().mode_count();
+  for (std::size_t m = 0; m < modes; ++m) to.amplitudes.get()[m].store(0, std::memory_order_relaxed);
+  const double gain = std::abs(strip.gain_at(now));
+  if (!member.shares_states) {
+    voice->add_amplitudes(gain, 0, to);
+  } else if (voice->table().instances->keeps_states_of(member)) {
+    voice->add_amplitudes(gain, now - member.anchor, to);
+  }
+  return modes;
+}
+
+}  // namespace ringdown::synth

@@ -1,0 +1,113 @@
+// An object that can be struck: its voices, its channel strip, and the forces that act on it.
+//
+// An object renders itself while it rings alone. While it shares its states it is a member of an InstanceGroup, which
+// renders for it; its own states then rest at frame `member.anchor`. [audio, after construction]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/channel_strip.h"
+#include "engine/synth/exciters.h"
+#include "engine/synth/instance_group.h"
+#include "engine/synth/source.h"
+#include "engine/synth/voice.h"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace ringdown::synth {
+
+// Of a gain, a pan or a force [N]: what is beyond, or not a number, would spoil the whole mix.
+inline constexpr double kMaxEventValue = 1e6;
+
+// An object's voices: the current one, which takes strikes, and older ones that ring out.
+class VoiceStack {
+ public:
+  [[nodiscard]] Voice* current() const RINGDOWN_REALTIME { return current_; }
+  [[nodiscard]] bool has_tails() const RINGDOWN_REALTIME { return tails_ != nullptr; }
+
+  // Makes `voice`, or none, the current one. With `retune` it takes over what rings of its modes in the old one, whose
+  // other modes fade out; otherwise the old one rings out.
+  void replace(Voice* voice, bool retune) RINGDOWN_REALTIME;
+  void fade_out(std::size_t frames) RINGDOWN_REALTIME;
+  // Takes silent tails off, oldest last, and hands each to `retire(voice, last)`; `last` tells that the object has no
+  // voice any more.
+  template <class Retire>
+  void drop_silent_tails(const Retire& retire) RINGDOWN_REALTIME {
+    for (Voice** link = &tails_; *link;) {
+      Voice* const voice = *link;
+      if (voice->ringing()) {
+        link = &voice->next;
+        continue;
+      }
+      Voice* const next = voice->next;
+      const bool last = !current_ && !next && link == &tails_;
+      *link = next;
+      retire(voice, last);
+    }
+  }
+  template <class Act>
+  void for_each(const Act& act) const RINGDOWN_REALTIME {
+    if (current_) act(*current_);
+    for (Voice* voice = tails_; voice; voice = voice->next) act(*voice);
+  }
+  void free_all();  // [worker, while nothing is rendered]
+  // Exchanges every voice for the one that `renew(voice)` returns. [worker, while nothing is rendered]
+  template <class Renew>
+  void renew(const Renew& renew) {
+    if (current_) current_ = renew(current_);
+    for (Voice** link = &tails_; *link; link = &(*link)->next) {
+      Voice* const next = (*link)->next;
+      *link = renew(*link);
+      (*link)->next = next;
+    }
+  }
+
+ private:
+  Voice *current_ = nullptr, *tails_ = nullptr;
+};
+
+class Object final : public Source {
+ public:
+  void render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
+  void skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
+  [[nodiscard]] bool can_skip(const Chunk& chunk) const RINGDOWN_REALTIME override { return !driven(chunk); }
+  void prepare(const Chunk& chunk) RINGDOWN_REALTIME override;
+  void count_levels(const Chunk& chunk, LevelHistogram& histogram) RINGDOWN_REALTIME override;
+  [[nodiscard]] ModeStates::Counts counts() const RINGDOWN_REALTIME override;
+
+  // Whether it may share its states from frame `now` on: it has one voice, no force acts, and its gains stand still.
+  [[nodiscard]] bool can_share(Frame now) const RINGDOWN_REALTIME;
+  // Whether something of it is still to be rendered.
+  [[nodiscard]] bool ringing() const RINGDOWN_REALTIME;
+
+  // Work (work_cost.h) of an event on the object, and of beginning or ending to share states.
+  [[nodiscard]] double units_of(const Event& event) const RINGDOWN_REALTIME;
+  [[nodiscard]] double units_to_share() const RINGDOWN_REALTIME;
+
+  // What no sample of the object, at its gain, exceeds at frame `now`, for meters. `looked_at` grows by the modes that
+  // were added up.
+  [[nodiscard]] double peak_level(Frame now, std::size_t& looked_at) const RINGDOWN_REALTIME;
+  // Writes the amplitudes of the current voice's modes; returns how many they are.
+  std::size_t write_amplitudes(Frame now, ModeWatch::Slot& to) const RINGDOWN_REALTIME;
+
+  VoiceStack voices;
+  ChannelStrip strip;
+  ExciterSlots exciters;
+  GroupMember member;
+  Frame left_group = -1;  // the chunk in which something else than strikes happens to it
+
+ private:
+  [[nodiscard]] bool driven(const Chunk& chunk) const RINGDOWN_REALTIME { return exciters.act(chunk.input_sounds); }
+  [[nodiscard]] bool only_struck(const Chunk& chunk) const RINGDOWN_REALTIME;
+  [[nodiscard]] double floor(const Chunk& chunk) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool play_next(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  void play(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME;
+  void apply_threshold(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  void render_by_tables(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  void render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  void render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  void drive(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+};
+
+}  // namespace ringdown::synth

@@ -1,0 +1,61 @@
+#include "engine/synth/renderer.h"
+
+#include "engine/synth/shedding.h"
+#include "engine/synth/work_cost.h"
+
+#include <algorithm>
+
+namespace ringdown::synth {
+namespace {
+
+constexpr std::size_t kMinModesToShare = 3000;  // fewer modes are rendered faster by one thread
+
+}  // namespace
+
+void Renderer::set_threads(std::size_t threads) {
+  helpers_.reset();
+  workspaces_ = std::vector<Workspace>(std::max<std::size_t>(1, threads));
+  if (threads < 2) return;
+  helpers_ = std::make_unique<WorkerPool>(
+      threads - 1, [this](std::size_t which, std::size_t thread) RINGDOWN_REALTIME { render_source(which, thread); });
+}
+
+void Renderer::open(std::size_t frames) RINGDOWN_REALTIME { main().sums.open(frames); }
+
+bool Renderer::prefers_moments(std::size_t frames) const RINGDOWN_REALTIME {
+  return slow_modes_ * frames > kFramesPerMode * (kMomentsFixed + slow_modes_);
+}
+
+void Renderer::render(std::span<Source* const> sources, const Chunk& chunk) RINGDOWN_REALTIME {
+  sources_ = sources;
+  chunk_ = &chunk;
+  for (Workspace& workspace : workspaces().subspan(1)) {
+    workspace.sums.open(chunk.frames);
+    workspace.counts = {};
+  }
+  if (chunk.frames != kChunkFrames) {
+    for (Source* source : sources) source->prepare(chunk);
+  }
+  if (helpers_ && slow_modes_ > kMinModesToShare) {
+    helpers_->run(sources.size());
+  } else {
+    for (std::size_t i = 0; i < sources.size(); ++i) render_source(i, 0);
+  }
+  for (const Workspace& helper : workspaces().subspan(1)) {
+    main().sums.add(helper.sums);
+    main().counts.add(helper.counts);
+  }
+  slow_modes_ = main().counts.slow_modes;
+}
+
+void Renderer::render_source(std::size_t which, std::size_t thread) RINGDOWN_REALTIME {
+  Source& source = *sources_[which];
+  Workspace& workspace = workspaces_.data()[thread];
+  if (chunk_->shedding->may_render(source, *chunk_, workspace)) {
+    source.render(*chunk_, workspace);
+  } else {
+    source.skip(*chunk_, workspace);
+  }
+}
+
+}  // namespace ringdown::synth

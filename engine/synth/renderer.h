@@ -1,0 +1,49 @@
+// Renders the sources of a chunk, on the audio thread or spread over several threads, and adds up what they give.
+//
+// Every thread has a workspace of its own, so threads share nothing while they render; the audio thread then adds the
+// helpers' sums to its own. Slow modes are summed as moments when enough of them sounded in the last chunk, else by
+// tables (work_cost.h); the choice depends on nothing else, so renders repeat bit for bit on one thread.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/chunk.h"
+#include "engine/synth/source.h"
+#include "engine/synth/worker_pool.h"
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace ringdown::synth {
+
+class Renderer {
+ public:
+  // Renders on so many threads, the audio thread among them. [worker, while nothing is rendered]
+  void set_threads(std::size_t threads);
+  [[nodiscard]] std::size_t threads() const RINGDOWN_REALTIME { return workspaces_.size(); }
+
+  // The rest: [audio]
+  // Begins a chunk; more than kChunkFrames only if nothing is rendered in it.
+  void open(std::size_t frames) RINGDOWN_REALTIME;
+  // Whether moments are the cheaper way in a chunk of `frames`.
+  [[nodiscard]] bool prefers_moments(std::size_t frames) const RINGDOWN_REALTIME;
+  void render(std::span<Source* const> sources, const Chunk& chunk) RINGDOWN_REALTIME;
+  // Turns the sums into samples, after everything was added; they stand in sums() until the next open().
+  void close() RINGDOWN_REALTIME { main().sums.close(); }
+
+  // The audio thread's own workspace; all of them.
+  [[nodiscard]] Workspace& main() RINGDOWN_REALTIME { return workspaces_.data()[0]; }
+  [[nodiscard]] std::span<Workspace> workspaces() RINGDOWN_REALTIME { return {workspaces_.data(), workspaces_.size()}; }
+
+ private:
+  void render_source(std::size_t which, std::size_t thread) RINGDOWN_REALTIME;
+
+  std::vector<Workspace> workspaces_ = std::vector<Workspace>(1);  // the audio thread's, then its helpers'
+  std::unique_ptr<WorkerPool> helpers_;                            // null: the audio thread is alone
+  std::size_t slow_modes_ = 0;                                     // that sounded in the last chunk
+  std::span<Source* const> sources_;                               // of the chunk being rendered
+  const Chunk* chunk_ = nullptr;
+};
+
+}  // namespace ringdown::synth

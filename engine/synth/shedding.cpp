@@ -1,0 +1,196 @@
+#include "engine/synth/shedding.h"
+
+#include "engine/synth/work_cost.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace ringdown::synth {
+namespace {
+
+constexpr Level kNone = ModeStates::kNoThreshold;
+
+// Shares of what the budget can afford in a chunk:
+constexpr double kTight = 0.75;             // from here on levels are surveyed
+constexpr double kEventsShare = 0.3;        // more events wait
+constexpr double kSurveyShare = 0.06;       // for the survey of a chunk
+constexpr double kRecoverShare = 0.15;      // is to be left before what was cut short comes back out of turn
+constexpr double kUnprovenShare = 0.05;     // may enter before anything was rendered
+constexpr double kMaxEvent = 0.7;           // an event that costs more is not waited for
+constexpr double kLittle = 0.25;            // where less is to do, another program took the time
+constexpr double kAverage = 0.05;           // weight of a chunk in running means
+constexpr std::size_t kLowerFrames = 1024;  // in so many frames the threshold falls by kLowerBy:
+constexpr Level kLowerBy = 8;               // 3 dB, 140 dB in a second
+constexpr double kMinShare = 0.02;          // of a source's modes, however little time is left
+
+}  // namespace
+
+void Shedding::configure(double share, WorkClock clock, std::size_t threads) {
+  budget_.configure(share, clock);
+  threads_ = threads;
+}
+
+void Shedding::begin_chunk(std::size_t frames) RINGDOWN_REALTIME {
+  budget_.begin_chunk(frames);
+  event_units_ = 0;
+}
+
+bool Shedding::may_accept(double units) RINGDOWN_REALTIME {
+  if (!budget_.limited()) return true;
+  if (event_units_ > 0 && units > 0 && event_units_ + units > kEventsShare * budget_.affordable()) return false;
+  event_units_ += units;
+  return true;
+}
+
+bool Shedding::may_join(double units) const RINGDOWN_REALTIME {
+  return !budget_.limited() || units <= budget_.units_left(0, 1);
+}
+
+bool Shedding::may_play(double units, Workspace& workspace) const RINGDOWN_REALTIME {
+  if (!budget_.limited()) return true;
+  const double needed = std::min(units, kMaxEvent * budget_.affordable());
+  if (units > 0 && needed > budget_.units_left(workspace.counts.units, threads_)) return false;
+  worked(units, workspace);
+  return true;
+}
+
+void Shedding::plan(std::span<Source* const> sources, const Chunk& chunk,
+                    std::span<Workspace> workspaces) RINGDOWN_REALTIME {
+  const bool limited = budget_.limited();
+  active_ = limited ? tight_ || threshold_ != kNone || last_.muted_modes > 0 : last_.muted_modes > 0;
+  if (limited && active_) {
+    survey(sources, chunk, workspaces.data()[0]);
+    set_threshold(chunk);
+  } else {
+    threshold_ = kNone;
+    at_once_ = false;
+    next_surveyed_ = 0;
+    counted_.clear();
+    for (Source* source : sources) source->look_again = active_;  // without a limit everything comes back
+  }
+  const double rendering = render_units(last_.modes, chunk.frames, chunk.moments);
+  planned_units_ = rendering + event_units_ + overhead_;
+  rendering_share_ = rendering / std::max(planned_units_, 1.0);
+  for (Workspace& workspace : workspaces) {  // may_render() sets them anew where there is a limit
+    workspace.threshold = threshold_;
+    workspace.at_once = at_once_;
+    workspace.enter_units = std::max(budget_.affordable() - planned_units_, 0.0) / static_cast<double>(threads_);
+    workspace.allowance = std::numeric_limits<std::size_t>::max();
+    workspace.recovers = true;
+  }
+  budget_.begin_rendering();
+}
+
+// Counts the levels of some sources after those of the last chunk; what has been counted decides once all have been.
+void Shedding::survey(std::span<Source* const> sources, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  if (next_surveyed_ == 0) counting_.clear();
+  const double most = kSurveyShare * budget_.affordable();
+  double units = 0;
+  std::size_t at = std::min(next_surveyed_, sources.size());
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    Source& source = *sources[i];
+    source.look_again = i >= at && (units < most || i == at);
+    if (!source.look_again) continue;
+    const ModeStates::Counts counts = source.counts();
+    source.count_levels(chunk, counting_);
+    const double looked =
+        kLookPerMode * static_cast<double>(counts.sounding) + kLookPerMuted * static_cast<double>(counts.muted);
+    worked(looked, workspace);
+    units += looked;
+    next_surveyed_ = i + 1;
+  }
+  if (next_surveyed_ < sources.size()) return;
+  next_surveyed_ = 0;
+  counted_ = counting_;
+}
+
+// The threshold that leaves as many modes as can be afforded: it rises at once and falls slowly.
+void Shedding::set_threshold(const Chunk& chunk) RINGDOWN_REALTIME {
+  const double fixed = chunk.moments ? static_cast<double>(kMomentsFixed) : 0.0;
+  const double units = std::max(budget_.affordable() - overhead_ - event_average_ - fixed, 0.0);
+  const double modes = units / render_units(1, chunk.frames, chunk.moments);
+  Level needed = counted_.threshold_for(modes, kNone);
+  const auto sounding = static_cast<double>(last_.modes);
+  if (sounding > 1.1 * modes && counted_.modes() > 0) {  // struck since the survey
+    const double above = static_cast<double>(counted_.modes_from(threshold_));
+    needed = std::max(needed, counted_.threshold_for(above * modes / sounding, kNone));
+  }
+  since_lowered_ += chunk.frames;
+  at_once_ = false;
+  if (needed > threshold_) {
+    threshold_ = needed;
+    at_once_ = sounding > modes * (1 + kTight) / 2;
+  } else if (needed < threshold_ && since_lowered_ >= kLowerFrames) {
+    since_lowered_ = 0;
+    threshold_ = std::max(threshold_ - kLowerBy, needed);
+    if (needed == kNone && threshold_ < LevelHistogram::kLowest) threshold_ = kNone;
+    if (needed == kNone && counted_.modes_from(threshold_) == counted_.modes()) threshold_ = kNone;
+  }
+}
+
+// The chunk's work at the pace so far: what does not fit into the time that is left is taken from the quietest modes of
+// the sources still to come, and what is left over lets muted modes enter.
+bool Shedding::may_render(const Source& source, const Chunk& chunk, Workspace& workspace) const RINGDOWN_REALTIME {
+  if (!budget_.limited() || little_) return true;
+  const double done = workspace.counts.units;
+  const double left = budget_.units_left(done, threads_);
+  const double to_do = std::max(planned_units_ / static_cast<double>(threads_) - done, 0.0);
+  workspace.threshold = threshold_;
+  workspace.at_once = at_once_;
+  const double unproven = kUnprovenShare * budget_.affordable();  // until the chunk's price is known
+  workspace.allowance = modes_that_may_enter(std::min({left - to_do, done + unproven, workspace.enter_units}), chunk);
+  workspace.recovers = left - to_do > kRecoverShare * budget_.affordable();
+  double share = 1;
+  if (left < to_do && active_ && counted_.modes() > 0) {
+    const double rendering = to_do * rendering_share_;
+    share =
+        std::clamp((left - (to_do - rendering) - kLookPerMode * rendering) / std::max(rendering, 1.0), kMinShare, 1.0);
+    const double above = static_cast<double>(counted_.modes_from(threshold_));
+    workspace.threshold = std::max(threshold_, counted_.threshold_for(share * above, kNone));
+    workspace.at_once = true;
+  }
+  if (!source.can_skip(chunk)) return true;
+  const ModeStates::Counts counts = source.counts();
+  const double looking =
+      (workspace.at_once || source.look_again ? kLookPerMode * static_cast<double>(counts.slow) : 0.0) +
+      (source.look_again ? kLookPerMuted * static_cast<double>(counts.muted) : 0.0);
+  return looking + share * render_units(counts.sounding, chunk.frames, chunk.moments) <= left;
+}
+
+std::size_t Shedding::modes_that_may_enter(double units, const Chunk& chunk) const RINGDOWN_REALTIME {
+  return static_cast<std::size_t>(std::max(units, 0.0) /
+                                  (kEnterPerMode + render_units(1, chunk.frames, chunk.moments)));
+}
+
+void Shedding::apply(ModeStates& states, Level gain, bool look_again, Workspace& workspace) const RINGDOWN_REALTIME {
+  states.set_threshold(workspace.threshold == kNone ? kNone : workspace.threshold - gain);
+  const bool brings_back = look_again || (workspace.recovers && states.cut_short());
+  if (!brings_back && !states.threshold_rose()) return;
+  const ModeStates::Counts before = states.counts();
+  std::size_t allowance = brings_back ? workspace.allowance : 0;
+  const std::size_t allowed = allowance;
+  states.apply_threshold(allowance, workspace.at_once);
+  const std::size_t entered = allowed - allowance;
+  const double cost = (kEnterPerMode + 1) * static_cast<double>(entered);
+  workspace.allowance -= entered;
+  workspace.enter_units -= cost;
+  const double muted = allowed >= kModePadding ? static_cast<double>(before.muted) : 0.0;
+  worked(kLookPerMode * static_cast<double>(before.slow) + kLookPerMuted * muted + cost, workspace);
+}
+
+void Shedding::end_chunk(const ChunkCounts& counts, const Chunk& chunk, bool events_waited) RINGDOWN_REALTIME {
+  last_ = counts;
+  shed_ = tight_ = little_ = false;
+  if (!budget_.limited()) return;
+  const double units = counts.units + (chunk.moments ? static_cast<double>(kMomentsFixed) : 0.0);
+  const double rest = counts.units - render_units(counts.modes, chunk.frames, chunk.moments) - event_units_;
+  overhead_ += kAverage * (std::max(rest, 0.0) - overhead_);
+  event_average_ += kAverage * (event_units_ - event_average_);
+  const double affordable = budget_.affordable();
+  shed_ = counts.shed || events_waited || threshold_ != kNone;
+  tight_ = counts.shed || threshold_ != kNone || units > kTight * affordable;
+  little_ = units < kLittle * affordable && counts.muted_modes == 0;
+  budget_.end_chunk(units);
+}
+
+}  // namespace ringdown::synth

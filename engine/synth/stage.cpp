@@ -1,0 +1,243 @@
+#include "engine/synth/stage.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace ringdown::synth {
+namespace {
+
+constexpr double kMaxClickImpulse_ns = 1e9, kMaxClick_s = 1;
+
+// Not-a-number lies in no range.
+bool is_sane(const Contact& contact) RINGDOWN_REALTIME {
+  const Texture& t = contact.texture;
+  const auto within = [](double value, double least, double most)
+                          RINGDOWN_REALTIME { return value >= least && value <= most; };
+  return within(dot(contact.force_n, contact.force_n), 0, kMaxEventValue * kMaxEventValue) &&
+         within(contact.slip_m_s, 0, kMaxEventValue) && within(contact.roll_m_s, 0, kMaxEventValue) &&
+         within(t.roughness_m, 0, 1) && within(t.correlation_m, 1e-9, 1e3) && within(t.spectral_slope, -10, 0);
+}
+
+}  // namespace
+
+Stage::Stage(EventQueue& events, VoiceRegistry& voices, MixerCounters& counters)
+    : events_(events),
+      voices_(voices),
+      counters_(counters),
+      objects_(kMaxObjects),
+      exciters_(counters),
+      active_objects_(kMaxObjects),
+      active_groups_(kMaxVoices),
+      sources_(kMaxObjects + kMaxVoices) {}
+
+Stage::~Stage() {
+  for (Object& object : objects_) object.voices.free_all();
+}
+
+void Stage::execute(const Command& command, Frame now) RINGDOWN_REALTIME {
+  using Kind = Command::Kind;
+  if (command.kind == Kind::found_group) {
+    command.group->found();
+    return;
+  }
+  if (command.kind == Kind::connect || command.kind == Kind::disconnect) {
+    if (const auto before = exciters_.target_of(command.input)) {
+      exciters_.disconnect(command.input, objects_.data()[*before].exciters);
+    }
+    if (command.kind == Kind::disconnect) return;
+  }
+  object_limit_ = std::max<std::size_t>(object_limit_, command.object + 1);
+  Object& object = objects_.data()[command.object];
+  part(object, now);
+  if (command.kind == Kind::connect) {
+    return exciters_.connect(command.input, command.impulse, object.voices.current(), object.exciters);
+  }
+  if (command.kind == Kind::assign) return object.strip.set_bus(command.channel);
+  if (command.kind == Kind::remove) object.voices.fade_out(FadeOut::kMinFrames);
+  object.voices.replace(command.voice, command.kind == Kind::retune);
+  exciters_.refit(object.voices.current(), object.exciters);
+  active_objects_.add(object);  // the next chunk finds out what rings, and retires what does not
+}
+
+std::size_t Stage::listen_to_inputs(Chunk& chunk, std::size_t rest) RINGDOWN_REALTIME {
+  for (std::size_t input = 0; input < kMaxInputs; ++input) {
+    const float* const samples = chunk.inputs[input];
+    const std::optional<ObjectNumber> target = exciters_.target_of(input);
+    chunk.input_sounds[input] = false;
+    if (!samples || !target) continue;
+    rest = std::min(rest, kChunkFrames);
+    chunk.input_sounds[input] = std::any_of(samples, samples + rest, [](float x) RINGDOWN_REALTIME { return x != 0; });
+    if (chunk.input_sounds[input]) active_objects_.add(objects_.data()[*target]);
+  }
+  return rest;
+}
+
+void Stage::route_events(const Chunk& chunk, bool exact_contacts, Shedding& shedding,
+                         Workspace& workspace) RINGDOWN_REALTIME {
+  events_waited_ = false;
+  std::size_t count = 0;
+  for (; count < due_.size(); events_.pop()) {
+    const EventQueue::Pending* const next = events_.next_before(chunk.end());
+    if (!next) break;
+    Object& object = objects_.data()[next->event.object];
+    events_waited_ = !shedding.may_accept(object.units_of(next->event));
+    if (events_waited_) break;
+    DueEvent& due = due_.data()[count];
+    due = {next->event, &object, 0, next->event.frame, next->order, nullptr};
+    due.event.frame = std::max(due.frame, chunk.begin);  // it may have waited since an earlier chunk
+    due.offset = static_cast<std::size_t>(due.event.frame - chunk.begin);
+    count += accept(due, chunk, exact_contacts, shedding, workspace) ? 1 : 0;
+  }
+  for (std::size_t i = 0; i < count; ++i) give_to_source(due_.data()[i], chunk, shedding, workspace);
+}
+
+// Begins what an event begins at once. True when the event is for its object or group to play.
+bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const Shedding& shedding,
+                   Workspace& workspace) RINGDOWN_REALTIME {
+  const Event& event = due.event;
+  Object& object = *due.object;
+  if (is_strike(event)) return !(exact_contacts && !shedding.tight() && starts_pulse(due, chunk));
+  if (event.type == EventType::ring) return true;
+  if (event.type == EventType::click) {
+    start_click(event, chunk, shedding);
+    return false;
+  }
+  if (event.type == EventType::contact) {
+    const bool sane = is_sane(event.contact);
+    if (!sane) count(counters_.refused);
+    if (!sane || !exciters_.open_contact(event, chunk.sample_rate_hz, object.voices.current(), object.exciters)) {
+      return false;
+    }
+  }
+  if (object.member.shares_states) shedding.worked(object.units_to_share(), workspace);
+  part(object, chunk.begin);
+  if (event.type == EventType::clear) object.exciters.stop_at(event.frame);
+  return true;
+}
+
+bool Stage::starts_pulse(const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME {
+  Object& object = *due.object;
+  if (!exciters_.start_pulse(due.event, chunk.sample_rate_hz, object.voices.current(), object.exciters)) return false;
+  part(object, chunk.begin);
+  active_objects_.add(object);
+  count(counters_.strikes);
+  return true;
+}
+
+// Strikes on objects that share their states go to their group. An object that is struck begins to share if it can.
+void Stage::give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& shedding,
+                           Workspace& workspace) RINGDOWN_REALTIME {
+  Object& object = *due.object;
+  if (!object.due.first && !object.member.shares_states && excites(due.event) && object.left_group != chunk.begin &&
+      object.can_share(chunk.begin) && shedding.may_join(object.units_to_share())) {
+    join(object, chunk.begin, shedding, workspace);
+  }
+  if (object.member.shares_states) {
+    InstanceGroup& group = *object.voices.current()->table().instances;
+    group.due.append(due);
+    active_groups_.add(group);
+  } else {
+    object.due.append(due);
+    active_objects_.add(object);
+  }
+}
+
+std::span<Source* const> Stage::sources() RINGDOWN_REALTIME {
+  std::size_t count = 0;
+  for (InstanceGroup* group : active_groups_.all()) sources_.data()[count++] = group;
+  for (Object* object : active_objects_.all()) sources_.data()[count++] = object;
+  return {sources_.data(), count};
+}
+
+void Stage::join(Object& object, Frame now, const Shedding& shedding, Workspace& workspace) RINGDOWN_REALTIME {
+  InstanceGroup& group = *object.voices.current()->table().instances;
+  if (!group.join(object, now)) return;
+  shedding.worked(object.units_to_share(), workspace);
+  active_groups_.add(group);
+}
+
+// The object rings alone from frame `now` on.
+void Stage::part(Object& object, Frame now) RINGDOWN_REALTIME {
+  object.left_group = now;
+  if (!object.member.shares_states) return;
+  object.voices.current()->table().instances->leave(object, now);
+  active_objects_.add(object);
+}
+
+// Events for which there was no time happen in the next chunk.
+void Stage::put_back(DueList& due) RINGDOWN_REALTIME {
+  for (; due.first; due.first = due.first->next) {
+    EventQueue::Pending pending{due.first->event, due.first->order};
+    pending.event.frame = due.first->frame;
+    events_.put_back(pending);
+    events_waited_ = true;
+  }
+}
+
+void Stage::finish_chunk(const Chunk& chunk, const Shedding& shedding, Workspace& workspace) RINGDOWN_REALTIME {
+  // Silent groups leave their list before a voice whose table holds one can be retired.
+  active_groups_.keep_if([&](InstanceGroup& group) RINGDOWN_REALTIME {
+    put_back(group.due);
+    if (!group.ringing()) group.end_round();
+    return group.ringing();
+  });
+  active_objects_.keep_if([&](Object& object) RINGDOWN_REALTIME {
+    const bool waits = object.due.first != nullptr;  // and would leave its group again
+    put_back(object.due);
+    if (!stays_active(object, chunk)) return false;
+    if (waits || object.member.shares_states || !object.can_share(chunk.end()) ||
+        !shedding.may_join(object.units_to_share())) {
+      return true;
+    }
+    join(object, chunk.end(), shedding, workspace);
+    return false;
+  });
+}
+
+bool Stage::stays_active(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
+  const bool had_tails = object.voices.has_tails();
+  const bool pulse = object.voices.current() && object.exciters.has_pulse();
+  object.voices.drop_silent_tails([&](Voice* voice, bool last) RINGDOWN_REALTIME {
+    if (last) object.strip.reset();  // before the worker learns that the number is free again
+    voices_.retire(number_of(object), voice);
+  });
+  const bool stays = object.ringing() || (pulse && !had_tails);
+  exciters_.drop_finished(chunk.end(), object.exciters);
+  return stays;
+}
+
+void Stage::start_click(const Event& event, const Chunk& chunk, const Shedding& shedding) RINGDOWN_REALTIME {
+  const Object& object = objects_.data()[event.object];
+  const Voice* const voice = object.voices.current();
+  const double impulse_ns = length(event.impulse_ns);
+  const std::optional<ClickShape> shape = voice ? voice->table().click() : std::nullopt;
+  const bool sane =
+      impulse_ns <= kMaxClickImpulse_ns && event.contact_time_s >= 0 && event.contact_time_s <= kMaxClick_s;
+  if (shedding.tight() && sane) return;
+  if (!shape || !sane ||
+      !clicks_.add({{*shape, impulse_ns, event.contact_time_s, chunk.sample_rate_hz}, event.object, event.frame})) {
+    count(counters_.refused);
+  }
+}
+
+// Clicks are few and soon over: the audio thread renders them alone.
+void Stage::render_clicks(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  for (std::size_t i = 0; i < clicks_.size(); ++i) {
+    Clicks::One& one = clicks_[i];
+    const auto begin = static_cast<std::size_t>(std::max<Frame>(one.begin - chunk.begin, 0));
+    one.click.fill(chunk.frames - begin, workspace.mono.data() + begin);
+    object(one.object).strip.add_samples(workspace.mono.data(), begin, chunk.frames, chunk, workspace.sums);
+  }
+  clicks_.drop_if([](const Clicks::One& one) RINGDOWN_REALTIME { return one.click.over(); });
+}
+
+void Stage::part_all(Frame now) {
+  for (Object& object : objects_) part(object, now);
+  clicks_.clear();
+  active_groups_.keep_if([](InstanceGroup& group) {
+    if (!group.ringing()) group.end_round();
+    return group.ringing();
+  });
+}
+
+}  // namespace ringdown::synth

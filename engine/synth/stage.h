@@ -1,0 +1,133 @@
+// All objects of the mixer: what happens to them, which of them are active, and which share their states. [audio,
+// unless a function says otherwise]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/chunk.h"
+#include "engine/synth/click.h"
+#include "engine/synth/exciters.h"
+#include "engine/synth/meters.h"
+#include "engine/synth/object.h"
+#include "engine/synth/shedding.h"
+#include "engine/synth/timeline.h"
+#include "engine/synth/voice_registry.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace ringdown::synth {
+
+inline constexpr std::size_t kMaxEventsPerChunk = 512;  // more in one chunk happen up to kChunkFrames later
+
+class Stage {
+ public:
+  Stage(EventQueue& events, VoiceRegistry& voices, MixerCounters& counters);
+  ~Stage();  // frees the voices [worker]
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  // Carries out a command at frame `now`.
+  void execute(const Command& command, Frame now) RINGDOWN_REALTIME;
+
+  // Finds which inputs are not silent in the chunk's first frames, and activates what they excite. Returns how many of
+  // `rest` frames were looked at: kChunkFrames at most when an input is connected.
+  [[nodiscard]] std::size_t listen_to_inputs(Chunk& chunk, std::size_t rest) RINGDOWN_REALTIME;
+
+  // Whether nothing sounds or is about to.
+  [[nodiscard]] bool idle() const RINGDOWN_REALTIME {
+    return active_objects_.size() + active_groups_.size() + clicks_.size() == 0;
+  }
+
+  // Gives the events of the chunk to their objects and groups. With `exact_contacts` strikes play their contact sample
+  // by sample where they can.
+  void route_events(const Chunk& chunk, bool exact_contacts, Shedding& shedding,
+                    Workspace& workspace) RINGDOWN_REALTIME;
+  // What is to be rendered in this chunk, after its events have been routed: groups, then objects.
+  [[nodiscard]] std::span<Source* const> sources() RINGDOWN_REALTIME;
+  void render_clicks(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  // After the chunk: takes what has fallen silent off the lists, hands silent voices back, lets objects share states,
+  // and returns events that had to wait to the queue.
+  void finish_chunk(const Chunk& chunk, const Shedding& shedding, Workspace& workspace) RINGDOWN_REALTIME;
+  // Whether events of the chunk had to wait for want of time.
+  [[nodiscard]] bool events_waited() const RINGDOWN_REALTIME { return events_waited_; }
+
+  // Everything rings alone, and clicks end: before the sample rate changes. [worker, while nothing is rendered]
+  void part_all(Frame now);
+  // Changes the length of a frame; `renew(voice)` frees a voice and returns the one in its place. [worker, while
+  // nothing is rendered, after part_all()]
+  template <class Renew>
+  void rescale(Frame now, double ratio, const Renew& renew) {
+    for (Object& object : objects_) {
+      object.strip.rescale(now, ratio);
+      object.voices.renew(renew);
+      for (Exciter* exciter : object.exciters.all()) exciter->rescale(now, ratio);
+      exciters_.refit(object.voices.current(), object.exciters);
+    }
+  }
+
+  [[nodiscard]] const Object& object(std::size_t number) const RINGDOWN_REALTIME { return objects_.data()[number]; }
+  // One past the highest object number in use so far.
+  [[nodiscard]] std::size_t object_limit() const RINGDOWN_REALTIME { return object_limit_; }
+
+ private:
+  // Sources that are rendered, in the order in which they became active.
+  template <class Kind>
+  class ActiveList {
+   public:
+    explicit ActiveList(std::size_t capacity) : list_(capacity) {}
+    [[nodiscard]] std::size_t size() const RINGDOWN_REALTIME { return count_; }
+    [[nodiscard]] std::span<Kind* const> all() const RINGDOWN_REALTIME { return {list_.data(), count_}; }
+    void add(Kind& source) RINGDOWN_REALTIME {
+      if (source.active) return;
+      source.active = true;
+      list_.data()[count_++] = &source;
+    }
+    template <class Stays>
+    void keep_if(const Stays& stays) RINGDOWN_REALTIME {
+      std::size_t kept = 0;
+      for (std::size_t i = 0; i < count_; ++i) {
+        Kind& source = *list_.data()[i];
+        if (stays(source)) {
+          list_.data()[kept++] = &source;
+        } else {
+          source.active = false;
+        }
+      }
+      count_ = kept;
+    }
+
+   private:
+    std::vector<Kind*> list_;
+    std::size_t count_ = 0;
+  };
+
+  [[nodiscard]] ObjectNumber number_of(const Object& object) const RINGDOWN_REALTIME {
+    return static_cast<ObjectNumber>(&object - objects_.data());
+  }
+  [[nodiscard]] bool accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const Shedding& shedding,
+                            Workspace& workspace) RINGDOWN_REALTIME;
+  [[nodiscard]] bool starts_pulse(const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME;
+  void start_click(const Event& event, const Chunk& chunk, const Shedding& shedding) RINGDOWN_REALTIME;
+  void give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& shedding,
+                      Workspace& workspace) RINGDOWN_REALTIME;
+  void join(Object& object, Frame now, const Shedding& shedding, Workspace& workspace) RINGDOWN_REALTIME;
+  void part(Object& object, Frame now) RINGDOWN_REALTIME;
+  void put_back(DueList& due) RINGDOWN_REALTIME;
+  [[nodiscard]] bool stays_active(Object& object, const Chunk& chunk) RINGDOWN_REALTIME;
+
+  EventQueue& events_;
+  VoiceRegistry& voices_;
+  MixerCounters& counters_;
+  std::vector<Object> objects_;
+  std::size_t object_limit_ = 0;
+  Exciters exciters_;
+  Clicks clicks_;
+  ActiveList<Object> active_objects_;
+  ActiveList<InstanceGroup> active_groups_;
+  std::vector<Source*> sources_;  // of the chunk
+  std::vector<DueEvent> due_ = std::vector<DueEvent>(kMaxEventsPerChunk);
+  bool events_waited_ = false;
+};
+
+}  // namespace ringdown::synth

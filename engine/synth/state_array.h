@@ -1,0 +1,65 @@
+// The states of a table's modes, as numbers: one complex z for each column. What sounds of them is decided elsewhere
+// (mode_states.h). [audio, after construction]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/aligned_array.h"
+#include "engine/synth/mode_table.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace ringdown::synth {
+
+// |z|^2 of a mode above which something is wrong: 240 dB over full scale. What is not a number counts as above.
+inline constexpr double kAbsurdEnergy = 1e24;
+inline constexpr EnergyLimits kKeepAllGroups{-1, kAbsurdEnergy};
+
+class StateArray {
+ public:
+  // All zero. The table outlives the array. [worker]
+  explicit StateArray(const ModeTable& table) : table_(table), numbers_(aligned_zeros<double>(2 * table.columns())) {}
+
+  [[nodiscard]] const ModeTable& table() const RINGDOWN_REALTIME { return table_; }
+  [[nodiscard]] double* re() const RINGDOWN_REALTIME { return numbers_.get(); }
+  [[nodiscard]] double* im() const RINGDOWN_REALTIME { return numbers_.get() + table_.columns(); }
+
+  // The states with all that the kernels need for a call of `frames`.
+  [[nodiscard]] ModeArrays for_kernel(std::size_t frames) const RINGDOWN_REALTIME {
+    return table_.modes(re(), im(), frames);
+  }
+
+  // Adds a strike's amplitudes (ModeTable::strike), one per column, times `gain`. A struck mode begins as a sine:
+  // a sin(omega t) = Re(-i a exp(i omega t)), so a strike lowers the imaginary part of z.
+  void add_strike(const double* amplitudes, double gain) RINGDOWN_REALTIME;
+  void add_strike(const double* amplitudes, double gain, std::uint32_t group) RINGDOWN_REALTIME;
+
+  // Adds the states of another array of the same table, times `gain`.
+  void add(const StateArray& other, double gain) RINGDOWN_REALTIME;
+  void add(const StateArray& other, double gain, std::uint32_t group) RINGDOWN_REALTIME;
+
+  // Moves the states of `other`, of the same bank in another table, that have a column here; every other column becomes
+  // zero. True when states without a column here are left in `other`.
+  bool move_from(StateArray& other) RINGDOWN_REALTIME;
+
+  // Moves all states, or those of one group, on by `frames`, however many: z *= p^frames.
+  void skip(std::uint64_t frames) RINGDOWN_REALTIME;
+  void skip(std::uint64_t frames, std::uint32_t group) RINGDOWN_REALTIME;
+
+  void clear() RINGDOWN_REALTIME;
+  void clear(std::uint32_t group) RINGDOWN_REALTIME;
+
+  // The sum of a group's |z|^2; not a number, or huge, where one of them is.
+  [[nodiscard]] double energy(std::uint32_t group) const RINGDOWN_REALTIME;
+  // The sum of |z| over a group, or over all columns.
+  [[nodiscard]] double amplitude(std::uint32_t group) const RINGDOWN_REALTIME;
+  [[nodiscard]] double amplitude() const RINGDOWN_REALTIME;
+
+ private:
+  const ModeTable& table_;
+  AlignedArray<double> numbers_;  // real parts of all columns, then imaginary parts
+};
+
+}  // namespace ringdown::synth

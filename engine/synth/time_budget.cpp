@@ -1,0 +1,89 @@
+#include "engine/synth/time_budget.h"
+
+#include "engine/synth/mode_kernel.h"
+
+#include <ctime>
+
+namespace ringdown::synth {
+namespace {
+
+constexpr double kTypical_ns = 2;   // a unit, before anything was measured
+constexpr double kMinUnits = 500;   // less work says little about what a unit takes
+constexpr double kLearn = 0.1;      // weight of an answer in the running mean,
+constexpr double kLearnFull = 0.5;  // and of one from a chunk that used up its time
+constexpr int kFirstLessons = 10;   // answers that are averaged at first
+constexpr double kRecover = 1.03;   // per chunk in which there was little to do
+constexpr double kMaxChange = 4;    // what one answer may say, up or down, against the mean
+constexpr double kDoubted = 0.8;    // an answer below this share of the mean must be confirmed by the next one
+constexpr double kMinAffordable = 1;
+constexpr double kMinPace = 0.05;  // of affordable(): after less work the price of this chunk is not known
+
+}  // namespace
+
+// glibc's clock_gettime reads the vDSO's page here: no system call.
+RINGDOWN_TRUST_REALTIME_BEGIN
+std::int64_t monotonic_ns() RINGDOWN_REALTIME {
+  timespec time{};
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
+RINGDOWN_TRUST_REALTIME_END
+
+void TimeBudget::begin_block(std::size_t frames, double sample_rate_hz, bool deadline) RINGDOWN_REALTIME {
+  limited_ = share_ > 0 && deadline;
+  if (!limited_) return;
+  frames_left_ = frames;
+  frame_ns_ = share_ * 1e9 / sample_rate_hz;
+  deadline_ns_ = clock_.now_ns() + static_cast<std::int64_t>(frame_ns_ * static_cast<double>(frames));
+  if (lessons_ == 0) affordable_ = kTarget * frame_ns_ * static_cast<double>(kChunkFrames) / kTypical_ns;
+}
+
+// A chunk gets its share of what is left of the block's time: what earlier chunks saved or lost is spread over the
+// rest.
+void TimeBudget::begin_chunk(std::size_t frames) RINGDOWN_REALTIME {
+  if (!limited_) return;
+  chunk_begin_ns_ = render_begin_ns_ = clock_.now_ns();
+  const double left_ns = static_cast<double>(std::max<std::int64_t>(deadline_ns_ - chunk_begin_ns_, 0));
+  const double ours_ns = left_ns * static_cast<double>(frames) / static_cast<double>(std::max(frames_left_, frames));
+  chunk_end_ns_ = chunk_begin_ns_ + static_cast<std::int64_t>(ours_ns);
+  chunk_ns_ = frame_ns_ * static_cast<double>(frames);
+  chunk_share_ = static_cast<double>(frames) / static_cast<double>(kChunkFrames);
+  frames_left_ -= std::min(frames, frames_left_);
+}
+
+void TimeBudget::begin_rendering() RINGDOWN_REALTIME {
+  if (limited_) render_begin_ns_ = clock_.now_ns();
+}
+
+double TimeBudget::units_left(double done, std::size_t threads) const RINGDOWN_REALTIME {
+  const std::int64_t now_ns = clock_.now_ns();
+  const double mine = affordable() / static_cast<double>(threads);
+  double price_ns = kTarget * chunk_ns_ / std::max(mine, kMinAffordable);
+  if (done > kMinPace * mine) price_ns = std::max(price_ns, static_cast<double>(now_ns - render_begin_ns_) / done);
+  return static_cast<double>(std::max<std::int64_t>(chunk_end_ns_ - now_ns, 0)) / price_ns;
+}
+
+// A machine that stands still for a moment says little about what work costs, so an answer that is much smaller than
+// the mean counts only when the next one confirms it.
+void TimeBudget::end_chunk(double units) RINGDOWN_REALTIME {
+  if (!limited_) return;
+  if (units < kMinUnits * chunk_share_) {
+    const double typical = kTarget * frame_ns_ * static_cast<double>(kChunkFrames) / kTypical_ns;
+    affordable_ = std::max(affordable_, std::min(kRecover * affordable_, typical));
+    return;
+  }
+  const double took_ns = std::max(static_cast<double>(clock_.now_ns() - chunk_begin_ns_), 1.0);
+  const double used = took_ns / chunk_ns_;
+  double answer = kTarget * units / used / chunk_share_;
+  const double before = doubted_;
+  doubted_ = lessons_ > 0 && answer < kDoubted * affordable_ ? answer : 0;
+  const bool confirmed = doubted_ == 0 || before > 0;
+  if (!confirmed) answer = kDoubted * affordable_;
+  if (lessons_ > 0) answer = std::clamp(answer, affordable_ / kMaxChange, affordable_ * kMaxChange);
+  const double weight =
+      std::max(confirmed && used > kTarget ? kLearnFull : kLearn, 1 / static_cast<double>(lessons_ + 1));
+  affordable_ = std::max(affordable_ + weight * (answer - affordable_), kMinAffordable);
+  lessons_ = std::min(lessons_ + 1, kFirstLessons);
+}
+
+}  // namespace ringdown::synth

@@ -1,0 +1,68 @@
+// What is to happen, and when: the worker's commands and everybody's events, by which a block is cut into chunks.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/base/spsc_ring.h"
+#include "engine/synth/event_queue.h"
+#include "engine/synth/mode_kernel.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace ringdown::synth {
+
+class InstanceGroup;
+class Voice;
+
+// What the worker has done to an object. A command waits for its frame, and so does every command behind it.
+struct Command {
+  enum class Kind {
+    replace,      // `voice` becomes the object's voice; the old one rings out
+    retune,       // `voice`, of the same bank, takes over what rings
+    remove,       // the object has no voice any more; what rings fades out
+    assign,       // the object is heard at the bus `channel` too
+    found_group,  // voices of the group's table may share their states from now on
+    connect,      // `input` excites the object, by `impulse`
+    disconnect,   // `input` excites nothing
+  } kind;
+  ObjectNumber object = 0;
+  Frame at = 0;
+  Voice* voice = nullptr;
+  std::size_t channel = 0;
+  InstanceGroup* group = nullptr;
+  std::size_t input = 0;
+  Event impulse{};
+};
+
+class Timeline {
+ public:
+  explicit Timeline(std::size_t command_capacity) : commands_(command_capacity) {}
+
+  // False when the ring is full: nothing was taken. [the producer's thread; the worker]
+  [[nodiscard]] bool push(Producer producer, const Event& event) RINGDOWN_REALTIME {
+    return events_.push(producer, event);
+  }
+  [[nodiscard]] bool push(const Command& command) { return commands_.push(command); }
+
+  [[nodiscard]] EventQueue& events() RINGDOWN_REALTIME { return events_; }  // [audio]
+
+  // The next command, if its frame is not after `now`, until pop_command(). [audio]
+  [[nodiscard]] const Command* due_command(Frame now) const RINGDOWN_REALTIME {
+    const Command* const next = commands_.front();
+    return next && next->at <= now ? next : nullptr;
+  }
+  void pop_command() RINGDOWN_REALTIME { commands_.pop(); }  // [audio]
+
+  // How many of the next `rest` frames can be rendered in one go, after all due commands have been carried out: up to
+  // the next command, and to kChunkFrames unless nothing sounds (`idle`) and nothing happens. [audio]
+  [[nodiscard]] std::size_t chunk_frames(Frame now, std::size_t rest, bool idle) const RINGDOWN_REALTIME {
+    if (const Command* const next = commands_.front()) rest = std::min(rest, static_cast<std::size_t>(next->at - now));
+    return idle && !events_.next_before(now + static_cast<Frame>(rest)) ? rest : std::min(rest, kChunkFrames);
+  }
+
+ private:
+  EventQueue events_;
+  SpscRing<Command> commands_;
+};
+
+}  // namespace ringdown::synth
