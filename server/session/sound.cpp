@@ -4,7 +4,7 @@
 #include "packaging/manual/command_line.h"
 
 #include <cstdint>
-#include <iostream>
+#include <cstdio>
 #include <map>
 #include <string>
 
@@ -18,8 +18,10 @@ void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
   app.add_flag_function(
          "--masking",
          [](std::int64_t) {
-           std::cerr << "--masking does nothing any more and will be refused by the next release: it left sound out "
-                        "and saved no time; --budget leaves out what there is no time for\n";
+           std::fputs(
+               "--masking does nothing any more and will be refused by the next release: it left sound out "
+               "and saved no time; --budget leaves out what there is no time for\n",
+               stderr);
          })
       ->group("");
   app.add_option("--contacts", settings.exact_contacts,

@@ -2,14 +2,15 @@
 #include "clients/viewer/edits.h"
 #include "clients/viewer/link/daemon_client.h"
 #include "clients/viewer/link/model.h"
+#include "engine/base/object_name.h"
 #include "engine/base/toml_table.h"
 #include "engine/modal/bank_file.h"
 #include "engine/scene/ode_contact_joints.h"
 #include "engine/scene/lasting_events.h"
 #include "engine/scene/world.h"
 #include "protocol/bulk.h"
-#include "engine/base/object_name.h"
 #include "protocol/wire/packet.h"
+#include "protocol/wire/score.h"
 #include "server/browse.h"
 #include "server/latency.h"
 #include "server/notifier.h"
@@ -89,13 +90,13 @@ const std::map<std::string, double> kConstants = {
     ROW(wire::kMaxScore),
     ROW(viewer::kMaxUndone),
     ROW(viewer::BankTransfer::kMaxBytes),
-    ROW(viewer::Model::kMaxBankBytesTotal),
-    ROW(viewer::Model::kMaxObjects),
-    ROW(viewer::Model::kMaxWatched),
-    ROW(viewer::Model::kMaxModes),
+    ROW(viewer::BankFetcher::kMaxBytesTotal),
+    ROW(viewer::KnownObjects::kMaxObjects),
+    ROW(viewer::ObjectWatches::kMaxWatched),
+    ROW(viewer::KnownObjects::kMaxModes),
     ROW(viewer::Model::kMaxContacts),
     ROW(viewer::Model::kMaxMessages),
-    ROW(viewer::Model::kMaxFiles),
+    ROW(viewer::FileBrowser::kMaxFiles),
     ROW(viewer::KnownScene::kMaxBodies),
     ROW(viewer::KnownScene::kMaxStatics),
     ROW(viewer::PoseTrack::kMaxPoses),

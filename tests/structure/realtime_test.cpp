@@ -13,8 +13,8 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::map<std::string, int> kTrusted = {
-    {"engine/synth/budget.cpp", 1},        // reads the clock: the kernel's page, no system call
-    {"engine/synth/crew.cpp", 1},          // runs what its constructor was given and promised
+    {"engine/synth/time_budget.cpp", 1},   // reads the clock: the kernel's page, no system call
+    {"engine/synth/worker_pool.cpp", 1},   // runs what its constructor was given and promised
     {"engine/synth/drive_kernel.cpp", 1},  // Highway's choice of an instruction set, a table of functions; so the next
     {"engine/synth/mix_kernel.cpp", 1},   {"engine/synth/mode_kernel.cpp", 1},
     {"engine/synth/moments.cpp", 2},      {"server/jack_client.cpp", 1},  // JACK's functions for the process callback
