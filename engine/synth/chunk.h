@@ -39,6 +39,7 @@ struct ChunkCounts {
   std::uint32_t voices = 0, modes = 0, muted_modes = 0;
   std::size_t slow_modes = 0;  // of `modes`, those that take moments
   double units = 0;            // of work (work_cost.h)
+  double enter_units = 0;      // of these, for muted modes that came back
   bool shed = false;           // something was left out for want of time
 
   void add(const ChunkCounts& other) RINGDOWN_REALTIME {
@@ -47,6 +48,7 @@ struct ChunkCounts {
     muted_modes += other.muted_modes;
     slow_modes += other.slow_modes;
     units += other.units;
+    enter_units += other.enter_units;
     shed = shed || other.shed;
   }
   void add(const ModeStates::Counts& states) RINGDOWN_REALTIME {
@@ -65,6 +67,7 @@ struct Workspace {
   // Set by Shedding before each source:
   Level threshold = ModeStates::kNoThreshold;  // modes below this level are muted
   bool at_once = false;                        // without a ramp
+  double units_before = 0;                     // of counts.units, those worked before rendering began
   double enter_units = 0;                      // of work that entering modes may still cost in this chunk
   std::size_t allowance = 0;                   // muted modes of the source that may enter
   bool recovers = false;                       // there is time enough to bring back what was cut short

@@ -8,7 +8,7 @@
 namespace ringdown::synth {
 namespace {
 
-constexpr Level kHysteresis = 8;  // 3 dB: what wavers about the threshold does not come and go
+constexpr Level kHysteresis = 3;  // 1.1 dB: what wavers about the threshold does not come and go
 
 }  // namespace
 

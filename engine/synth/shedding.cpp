@@ -14,12 +14,13 @@ constexpr Level kNone = ModeStates::kNoThreshold;
 constexpr double kTight = 0.75;             // from here on levels are surveyed
 constexpr double kEventsShare = 0.3;        // more events wait
 constexpr double kSurveyShare = 0.06;       // for the survey of a chunk
-constexpr double kRecoverShare = 0.15;      // is to be left before what was cut short comes back out of turn
+constexpr double kRecoverShare = 0.05;      // is to be left before what was cut short comes back out of turn
 constexpr double kUnprovenShare = 0.05;     // may enter before anything was rendered
 constexpr double kMaxEvent = 0.7;           // an event that costs more is not waited for
 constexpr double kLittle = 0.25;            // where less is to do, another program took the time
 constexpr double kAverage = 0.05;           // weight of a chunk in running means
 constexpr std::size_t kLowerFrames = 1024;  // in so many frames the threshold falls by kLowerBy:
+constexpr Level kLowerPart = 2;             // or by this part of the way, where that is more,
 constexpr Level kLowerBy = 8;               // 3 dB, 140 dB in a second
 constexpr double kMinShare = 0.02;          // of a source's modes, however little time is left
 
@@ -49,7 +50,7 @@ bool Shedding::may_join(double units) const RINGDOWN_REALTIME {
 bool Shedding::may_play(double units, Workspace& workspace) const RINGDOWN_REALTIME {
   if (!budget_.limited()) return true;
   const double needed = std::min(units, kMaxEvent * budget_.affordable());
-  if (units > 0 && needed > budget_.units_left(workspace.counts.units, threads_)) return false;
+  if (units > 0 && needed > budget_.units_left(workspace.counts.units - workspace.units_before, threads_)) return false;
   worked(units, workspace);
   return true;
 }
@@ -57,6 +58,7 @@ bool Shedding::may_play(double units, Workspace& workspace) const RINGDOWN_REALT
 void Shedding::plan(std::span<Source* const> sources, const Chunk& chunk,
                     std::span<Workspace> workspaces) RINGDOWN_REALTIME {
   const bool limited = budget_.limited();
+  if (chunk.moments) worked(static_cast<double>(kMomentsFixed), workspaces.data()[0]);
   active_ = limited ? tight_ || threshold_ != kNone || last_.muted_modes > 0 : last_.muted_modes > 0;
   if (limited && active_) {
     survey(sources, chunk, workspaces.data()[0]);
@@ -69,11 +71,13 @@ void Shedding::plan(std::span<Source* const> sources, const Chunk& chunk,
     for (Source* source : sources) source->look_again = active_;  // without a limit everything comes back
   }
   const double rendering = render_units(last_.modes, chunk.frames, chunk.moments);
-  planned_units_ = rendering + event_units_ + overhead_;
+  const double overhead = std::max(overhead_ - workspaces.data()[0].counts.units, 0.0);  // of which some is done
+  planned_units_ = rendering + event_units_ + overhead;
   rendering_share_ = rendering / std::max(planned_units_, 1.0);
   for (Workspace& workspace : workspaces) {  // may_render() sets them anew where there is a limit
     workspace.threshold = threshold_;
     workspace.at_once = at_once_;
+    workspace.units_before = workspace.counts.units;
     workspace.enter_units = std::max(budget_.affordable() - planned_units_, 0.0) / static_cast<double>(threads_);
     workspace.allowance = std::numeric_limits<std::size_t>::max();
     workspace.recovers = true;
@@ -106,8 +110,7 @@ void Shedding::survey(std::span<Source* const> sources, const Chunk& chunk, Work
 
 // The threshold that leaves as many modes as can be afforded: it rises at once and falls slowly.
 void Shedding::set_threshold(const Chunk& chunk) RINGDOWN_REALTIME {
-  const double fixed = chunk.moments ? static_cast<double>(kMomentsFixed) : 0.0;
-  const double units = std::max(budget_.affordable() - overhead_ - event_average_ - fixed, 0.0);
+  const double units = std::max(budget_.affordable() - overhead_ - event_average_, 0.0);
   const double modes = units / render_units(1, chunk.frames, chunk.moments);
   Level needed = counted_.threshold_for(modes, kNone);
   const auto sounding = static_cast<double>(last_.modes);
@@ -122,7 +125,8 @@ void Shedding::set_threshold(const Chunk& chunk) RINGDOWN_REALTIME {
     at_once_ = sounding > modes * (1 + kTight) / 2;
   } else if (needed < threshold_ && since_lowered_ >= kLowerFrames) {
     since_lowered_ = 0;
-    threshold_ = std::max(threshold_ - kLowerBy, needed);
+    const Level way = needed == kNone ? 0 : (threshold_ - needed) / kLowerPart;
+    threshold_ = std::max(threshold_ - std::max(kLowerBy, way), needed);
     if (needed == kNone && threshold_ < LevelHistogram::kLowest) threshold_ = kNone;
     if (needed == kNone && counted_.modes_from(threshold_) == counted_.modes()) threshold_ = kNone;
   }
@@ -132,7 +136,7 @@ void Shedding::set_threshold(const Chunk& chunk) RINGDOWN_REALTIME {
 // the sources still to come, and what is left over lets muted modes enter.
 bool Shedding::may_render(const Source& source, const Chunk& chunk, Workspace& workspace) const RINGDOWN_REALTIME {
   if (!budget_.limited() || little_) return true;
-  const double done = workspace.counts.units;
+  const double done = workspace.counts.units - workspace.units_before;
   const double left = budget_.units_left(done, threads_);
   const double to_do = std::max(planned_units_ / static_cast<double>(threads_) - done, 0.0);
   workspace.threshold = threshold_;
@@ -174,6 +178,7 @@ void Shedding::apply(ModeStates& states, Level gain, bool look_again, Workspace&
   const double cost = (kEnterPerMode + 1) * static_cast<double>(entered);
   workspace.allowance -= entered;
   workspace.enter_units -= cost;
+  workspace.counts.enter_units += cost;
   const double muted = allowed >= kModePadding ? static_cast<double>(before.muted) : 0.0;
   worked(kLookPerMode * static_cast<double>(before.slow) + kLookPerMuted * muted + cost, workspace);
 }
@@ -182,8 +187,9 @@ void Shedding::end_chunk(const ChunkCounts& counts, const Chunk& chunk, bool eve
   last_ = counts;
   shed_ = tight_ = little_ = false;
   if (!budget_.limited()) return;
-  const double units = counts.units + (chunk.moments ? static_cast<double>(kMomentsFixed) : 0.0);
-  const double rest = counts.units - render_units(counts.modes, chunk.frames, chunk.moments) - event_units_;
+  const double units = counts.units;
+  const double rest =
+      counts.units - render_units(counts.modes, chunk.frames, chunk.moments) - counts.enter_units - event_units_;
   overhead_ += kAverage * (std::max(rest, 0.0) - overhead_);
   event_average_ += kAverage * (event_units_ - event_average_);
   const double affordable = budget_.affordable();

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kTypical_ns = 2;   // a unit, before anything was measured
 constexpr double kMinUnits = 500;   // less work says little about what a unit takes
-constexpr double kLearn = 0.1;      // weight of an answer in the running mean,
+constexpr double kLearn = 0.25;     // weight of an answer in the running mean,
 constexpr double kLearnFull = 0.5;  // and of one from a chunk that used up its time
 constexpr int kFirstLessons = 10;   // answers that are averaged at first
 constexpr double kRecover = 1.03;   // per chunk in which there was little to do
@@ -79,6 +79,9 @@ void TimeBudget::end_chunk(double units) RINGDOWN_REALTIME {
   doubted_ = lessons_ > 0 && answer < kDoubted * affordable_ ? answer : 0;
   const bool confirmed = doubted_ == 0 || before > 0;
   if (!confirmed) answer = kDoubted * affordable_;
+  // What took time without being counted makes the answer too small while there was time left, and too large when there
+  // was none: it then says nothing about affordable().
+  if (lessons_ == kFirstLessons && (used > kTarget) == (answer > affordable_)) return;
   if (lessons_ > 0) answer = std::clamp(answer, affordable_ / kMaxChange, affordable_ * kMaxChange);
   const double weight =
       std::max(confirmed && used > kTarget ? kLearnFull : kLearn, 1 / static_cast<double>(lessons_ + 1));

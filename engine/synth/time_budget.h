@@ -30,7 +30,7 @@ struct WorkClock {
 class TimeBudget {
  public:
   // The share of its time that affordable() units take.
-  static constexpr double kTarget = 0.93;
+  static constexpr double kTarget = 0.97;
 
   // What may be used of the time that a block lasts, 0 ... 1; 0: no limit. [worker, while nothing is rendered]
   void configure(double share, WorkClock clock) {

@@ -4,8 +4,10 @@
 #include "tests/synth/fake_clock.h"
 #include "tests/synth/player.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <random>
 
 namespace ringdown::synth::test {
 namespace {
@@ -150,6 +152,53 @@ TEST(Shedding, WhatSilentObjectsCostDoesNotSilenceTheOthers) {
   EXPECT_EQ(missed, 0);
   EXPECT_EQ(silent, 0);
   EXPECT_GT(sounding, affordable / 3);
+}
+
+// Prices of work as they may be: for each block, times what the mixer takes them for.
+class Prices {
+ public:
+  enum class Kind { drift, jumps, noise };
+  explicit Prices(Kind kind) : kind_(kind) {}
+  double next() {
+    const auto uniform = [this] { return 0.5 + 2.5 * static_cast<double>(random_()) / 4294967296.0; };
+    if (kind_ == Kind::noise) return uniform();
+    if (kind_ == Kind::jumps && random_() % 60 == 0) price_ = uniform();
+    const double wobble = kind_ == Kind::drift ? 0.1 : 0.05;
+    price_ *= 1 + wobble * (static_cast<double>(random_()) / 2147483648.0 - 1);
+    price_ = std::clamp(price_, 0.5, 3.0);
+    return price_;
+  }
+
+ private:
+  Kind kind_;
+  std::mt19937 random_{7};
+  double price_ = 1;
+};
+
+TEST(Shedding, UsesMostOfItsTimeAndNoMoreWhateverWorkCosts) {
+  constexpr double kShare = 0.8;
+  constexpr int kBlocks = 3000, kSettled = 200;
+  for (const Prices::Kind kind : {Prices::Kind::drift, Prices::Kind::jumps, Prices::Kind::noise}) {
+    Scene scene(kShare);
+    Prices prices(kind);
+    double used = 0, worst = 0;
+    int missed = 0;
+    for (int block = 0; block < kBlocks; ++block) {
+      if (block % 16 == 0) {
+        const auto object = static_cast<ObjectNumber>(block / 16 % kObjects);
+        scene.player.push(strike_at((block + 2) * 128 + 17, object, Scene::impulse(object)));
+      }
+      scene.set_load(1.6 * prices.next());  // 1 to 6 times what the budget allows
+      const double took = scene.render();
+      missed += took > 1 ? 1 : 0;
+      worst = std::max(worst, took);
+      if (block >= kSettled) used += took / kShare / (kBlocks - kSettled);
+    }
+    std::printf("prices %d: uses %.2f of its time, worst block %.2f of the period\n", static_cast<int>(kind), used,
+                worst);
+    EXPECT_EQ(missed, 0) << static_cast<int>(kind);
+    EXPECT_GE(used, 0.8) << static_cast<int>(kind);
+  }
 }
 
 TEST(Shedding, AllComesBackWhenThereIsTimeAndAsItWouldHaveBeen) {
