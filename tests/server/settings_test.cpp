@@ -51,7 +51,7 @@ TEST_F(Settings, EveryKindOfValueIsTakenFromTheSettingsFile) {
   ASSERT_TRUE(options) << options.error().message;
   EXPECT_EQ(options->driver, DaemonOptions::DriverKind::null);
   EXPECT_EQ(options->sample_rate_hz, 44100);
-  EXPECT_EQ(options->sound.floor_db, 96.5);
+  EXPECT_EQ(options->mixer.floor_db, 96.5);
   EXPECT_TRUE(options->connect);
   EXPECT_EQ(options->jack_name, "my # bells, 2");
   ASSERT_EQ(options->objects.size(), 2u);
