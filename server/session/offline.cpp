@@ -165,7 +165,7 @@ Result<void> write_audio(const Recording& recording, const std::filesystem::path
   std::string ending = path.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (ending != ".wav" && ending != ".flac") {
-    return fail(ErrorKind::bad_input,
+    return fail(ErrorKind::input_output,
                 "cannot write " + path.string() + ": its name must end in .wav or .flac, which says the format");
   }
   SF_INFO info{.samplerate = static_cast<int>(recording.sample_rate_hz),
