@@ -5,6 +5,7 @@
 #include "engine/base/folders.h"
 #include "engine/modal/bank_file.h"
 #include "protocol/pattern.h"
+#include "protocol/lanes.h"
 #include "protocol/schema.h"
 #include "protocol/wire/codec.h"
 #include "server/session/session.h"
@@ -58,8 +59,11 @@ class Ours {
 
  private:
   void handle(const wire::Message& message) {
-    const auto request = protocol::parse(message);
-    taken += request && session_.check(*request, 0);
+    auto request = protocol::parse(message);
+    if (!request) return;
+    const protocol::LaneRequest lane = protocol::in_its_lane(std::move(*request));
+    const auto* const played = std::get_if<protocol::MixerRequest>(&lane);
+    taken += played && session_.check(*played, 0);
   }
 
   session::Session session_{48000};

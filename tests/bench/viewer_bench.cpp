@@ -84,7 +84,8 @@ class Daemon {
           protocol::NotifyBody{i, name_of(i), name_of(i), place, 0, 0, std::sin(half_turn), std::cos(half_turn)},
           now_s);
       model.apply(protocol::NotifyObjectPeak{name_of(i), 0.1}, now_s);
-      if (i < static_cast<int>(Model::kMaxWatched)) model.apply(protocol::NotifyModes{name_of(i), 0, told}, now_s);
+      if (i < static_cast<int>(ObjectWatches::kMaxWatched))
+        model.apply(protocol::NotifyModes{name_of(i), 0, told}, now_s);
     }
     for (int i = 0; i < 2; ++i, ++contacts_) {
       model.apply(protocol::NotifyContact{name_of(contacts_ % bodies_), {0, 0, 0.1}, {0, 0, 0.01}, 0.001}, now_s);
@@ -194,23 +195,25 @@ void measure_parts(int bodies, int frames, Table& table) {
     if (i == 0) notice = set = render = sounding = sided = picked = {};
     notice.measure([&] { daemon.notice(model, now_s); });
     commands.update(now_s);
-    set.measure([&] { stage.set(model, commands, renderer, true, now_s); });
-    if (stage.last().staged.size() != static_cast<std::size_t>(bodies)) throw std::runtime_error("a body is not shown");
+    set.measure([&] { stage.update(model, commands, renderer, true, now_s); });
+    if (stage.contents().items.size() != static_cast<std::size_t>(bodies))
+      throw std::runtime_error("a body is not shown");
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
     const Camera camera = stage.home(model, aspect);
     glFinish();
     render.measure([&] {
-      renderer.render(stage.last().frame, camera, width, height);
+      renderer.render(stage.contents().frame, camera, width, height);
       glFinish();
     });
-    picked.measure([&] { pick(camera.ray_through(width / 2.0F, height / 2.0F, width, height), stage.last().picked); });
+    picked.measure(
+        [&] { pick(camera.ray_through(width / 2.0F, height / 2.0F, width, height), stage.contents().picked); });
     window.begin_frame();
     in_pane("sound", sounding, kWidth / 2, kWidth * settings.sound_share, [&] { sound.draw(skin, model, commands); });
     in_pane("side", sided, 0, kWidth * settings.side_share, [&] { side.draw(skin, {}, model, commands, settings); });
     window.end_frame();
   }
   table.triangles = 0;
-  for (const PickedBody& body : stage.last().picked) {
+  for (const PickedBody& body : stage.contents().picked) {
     table.triangles += std::get<const DrawnMesh*>(body.shape)->triangles.size();
   }
   table.add("notice", bodies, notice);
@@ -239,7 +242,7 @@ void measure_frame(int bodies, int frames, const Table& table) {
       glFinish();
     });
   }
-  if (app.scene_view().stage().last().staged.size() != static_cast<std::size_t>(bodies)) {
+  if (app.scene_view().stage().contents().items.size() != static_cast<std::size_t>(bodies)) {
     throw std::runtime_error("a body is not shown");
   }
   table.add("frame", bodies, costs);
