@@ -16,8 +16,8 @@
 
 namespace ringdown::synth {
 
-// The energy of a group (the sum of |z|^2, full scale 1) in steps of 0.38 dB, to a tenth of a dB. What is not a number
-// lies above everything.
+// The energy of a group (the sum of |z|^2, full scale 1) in eighths of an octave: steps of 0.28 to 0.51 dB. What is not a
+// number lies above everything.
 using Level = std::int32_t;
 inline constexpr double kStep_db = 0.37628749457997270;  // 10 log10(2) / 8
 Level level_of(double energy) RINGDOWN_REALTIME;
