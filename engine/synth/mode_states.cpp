@@ -10,6 +10,19 @@ namespace {
 
 constexpr Level kHysteresis = 3;  // 1.1 dB: what wavers about the threshold does not come and go
 
+// Adds a strike's amplitudes to a group as the strike will be after `frames_left` frames.
+void add_decayed(const double* amplitudes, double gain, std::uint32_t group, std::size_t frames_left,
+                 StateArray& states) RINGDOWN_REALTIME {
+  alignas(64) double re[kModePadding] = {}, im[kModePadding];
+  const std::size_t first = std::size_t{group} * kModePadding;
+  for (std::size_t i = 0; i < kModePadding; ++i) im[i] = -gain * amplitudes[first + i];
+  ModeArrays struck = states.for_kernel(0);
+  struck.z_re = re, struck.z_im = im;
+  struck.pole_re += first, struck.pole_im += first;
+  skip_modes(struck, kModePadding, frames_left);
+  for (std::size_t i = 0; i < kModePadding; ++i) states.re()[first + i] += re[i], states.im()[first + i] += im[i];
+}
+
 }  // namespace
 
 ModeStates::ModeStates(const ModeTable& table)
@@ -54,7 +67,7 @@ void ModeStates::add_to_groups(const Add& add_to) RINGDOWN_REALTIME {
     if (before == Is::muted) muting_.catch_up(states_, group);
     add_to(group);
     if (before == Is::sounding) continue;
-    if (group >= table_.slow_groups() || passes(group)) {
+    if (group >= table_.slow_groups() || level_of(states_.energy(group)) >= threshold_) {
       list(group);
     } else {
       muting_.mute(states_, group);
@@ -85,7 +98,8 @@ bool ModeStates::render(double* out, std::size_t frames, double floor) RINGDOWN_
   }
   if (muting_.changing()) sane = muting_.render_changes(states_, out, frames) && sane;
   muting_.advance(states_, frames, slow_);
-  return keep_if(sane);
+  if (!sane) silence();
+  return sane;
 }
 
 bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
@@ -97,7 +111,8 @@ bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* o
   if (slow_.count > 0) sane = add_moments(all, table_.moments(), slow_, frames, limits, targets) && sane;
   if (muting_.changing()) sane = muting_.render_changes(states_, targets, frames) && sane;
   muting_.advance(states_, frames, slow_);
-  return keep_if(sane);
+  if (!sane) silence();
+  return sane;
 }
 
 void ModeStates::add_late(const double* amplitudes, double gain, std::size_t frames_left) RINGDOWN_REALTIME {
@@ -111,30 +126,27 @@ void ModeStates::add_late(const double* amplitudes, double gain, std::size_t fra
                         level_of(energy) >= threshold_;
     if (sounds) {
       late_.add(amplitudes, gain, group);
+    } else if (is_.data()[group] == Is::muted) {  // muting_ has reached the end of the chunk
+      muting_.catch_up(states_, group);
+      add_decayed(amplitudes, gain, group, frames_left, states_);
+      muting_.measure(states_, group);
     } else {
-      add_to_muted(amplitudes, gain, group, frames_left);
+      add_decayed(amplitudes, gain, group, frames_left, states_);
+      muting_.mute(states_, group);
     }
   }
 }
 
-// Adds a strike to a group that is muted or rests, as it will be at the end of the chunk, which muting_ has reached.
-void ModeStates::add_to_muted(const double* amplitudes, double gain, std::uint32_t group,
-                              std::size_t frames_left) RINGDOWN_REALTIME {
-  alignas(64) double re[kModePadding] = {}, im[kModePadding];
-  const std::size_t first = std::size_t{group} * kModePadding;
-  for (std::size_t i = 0; i < kModePadding; ++i) im[i] = -gain * amplitudes[first + i];
-  ModeArrays struck = states_.for_kernel(0);
-  struck.z_re = re, struck.z_im = im;
-  struck.pole_re += first, struck.pole_im += first;
-  skip_modes(struck, kModePadding, frames_left);
-  const bool was_muted = is_.data()[group] == Is::muted;
-  if (was_muted) muting_.catch_up(states_, group);
-  for (std::size_t i = 0; i < kModePadding; ++i) states_.re()[first + i] += re[i], states_.im()[first + i] += im[i];
-  if (was_muted) {
-    muting_.measure(states_, group);
-  } else {
-    muting_.mute(states_, group);
-  }
+bool ModeStates::render_late(double* out, std::size_t frames) RINGDOWN_REALTIME {
+  const bool sane = late_.render(out, frames);
+  if (!sane) silence();
+  return sane;
+}
+
+bool ModeStates::drive_late(std::span<const Force> forces, double* out, std::size_t frames) RINGDOWN_REALTIME {
+  const bool sane = late_.drive(forces, out, frames);
+  if (!sane) silence();
+  return sane;
 }
 
 void ModeStates::merge_late() RINGDOWN_REALTIME {
@@ -157,7 +169,7 @@ void ModeStates::apply_threshold(std::size_t& allowance, bool at_once) RINGDOWN_
   std::size_t kept = 0;
   for (std::size_t i = 0; i < slow_.count; ++i) {
     const std::uint32_t group = slow_.list[i];
-    if (passes(group)) {
+    if (level_of(states_.energy(group)) >= threshold_) {
       slow_.list[kept++] = group;
     } else if (at_once) {
       muting_.mute(states_, group);
@@ -252,11 +264,6 @@ void ModeStates::mark() RINGDOWN_REALTIME {
   for (const std::uint32_t group : muting_.muted) is_.data()[group] = Is::muted;
 }
 
-bool ModeStates::keep_if(bool sane) RINGDOWN_REALTIME {
-  if (!sane) silence();
-  return sane;
-}
-
 void ModeStates::silence() RINGDOWN_REALTIME {
   states_.clear();
   fade_.clear();
@@ -268,30 +275,26 @@ void ModeStates::silence() RINGDOWN_REALTIME {
 ModeStates::Counts ModeStates::counts() const RINGDOWN_REALTIME {
   const std::size_t slow = std::min(kModePadding * slow_.count, table_.slow_modes());
   const std::size_t fast = std::min(kModePadding * fast_.count, table_.playable_modes() - table_.slow_modes());
-  return {slow + fast, kModePadding * muting_.groups(), kModePadding * slow_.count};
+  return {slow + fast, kModePadding * muting_.groups(), kModePadding * slow_.count, fade_.running()};
 }
 
-double ModeStates::peak_level() const RINGDOWN_REALTIME {
+double ModeStates::peak_level(Frame rested) const RINGDOWN_REALTIME {
   double sum = 0;
+  const auto add = [&](std::uint32_t group, Frame behind) RINGDOWN_REALTIME {
+    const double decay = static_cast<double>(behind) * table_.slowest_decay(group);
+    sum += (behind > 0 ? std::exp(-decay) : 1.0) * states_.amplitude(group);
+  };
+  if (rested > 0) {
+    for (std::uint32_t group = 0; group < table_.groups(); ++group) add(group, rested);
+    return sum;
+  }
   for (const ActiveGroups* groups : {&slow_, &fast_}) {
-    for (std::size_t i = 0; i < groups->count; ++i) sum += states_.amplitude(groups->list[i]);
+    for (std::size_t i = 0; i < groups->count; ++i) add(groups->list[i], 0);
   }
-  for (const GroupList* groups : {&muting_.leaving, &muting_.entering}) {
-    for (const std::uint32_t group : *groups) sum += states_.amplitude(group);
-  }
-  for (const std::uint32_t group : muting_.muted) {
-    const auto behind = static_cast<double>(muting_.frames_behind(group));
-    sum += std::exp(-behind * table_.slowest_decay(group)) * states_.amplitude(group);
+  for (const GroupList* groups : {&muting_.muted, &muting_.leaving, &muting_.entering}) {
+    for (const std::uint32_t group : *groups) add(group, muting_.frames_behind(group));
   }
   if (fade_.running()) sum += fade_.level() * fade_.states().amplitude();
-  return sum;
-}
-
-double ModeStates::peak_level_at_rest(Frame frames) const RINGDOWN_REALTIME {
-  double sum = 0;
-  for (std::uint32_t group = 0; group < table_.groups(); ++group) {
-    sum += std::exp(-static_cast<double>(frames) * table_.slowest_decay(group)) * states_.amplitude(group);
-  }
   return sum;
 }
 

@@ -57,17 +57,17 @@ class ModeStates {
   // A strike in the middle of a chunk that render_moments() has done, `frames_left` before its end. render_late() or
   // drive_late() add what it sounds from there on (LateStrikes), and merge_late() ends the chunk.
   void add_late(const double* amplitudes, double gain, std::size_t frames_left) RINGDOWN_REALTIME;
-  bool render_late(double* out, std::size_t frames) RINGDOWN_REALTIME { return keep_if(late_.render(out, frames)); }
-  bool drive_late(std::span<const Force> forces, double* out, std::size_t frames) RINGDOWN_REALTIME {
-    return keep_if(late_.drive(forces, out, frames));
-  }
+  bool render_late(double* out, std::size_t frames) RINGDOWN_REALTIME;
+  bool drive_late(std::span<const Force> forces, double* out, std::size_t frames) RINGDOWN_REALTIME;
   void merge_late() RINGDOWN_REALTIME;
 
   // Groups whose level lies below `threshold` may be muted; kNoThreshold: none may.
   static constexpr Level kNoThreshold = -100000;
-  void set_threshold(Level threshold) RINGDOWN_REALTIME { threshold_ = threshold; }
-  // Whether the threshold has risen since it was last applied.
-  [[nodiscard]] bool threshold_rose() const RINGDOWN_REALTIME { return threshold_ > applied_; }
+  // True when the threshold has risen since it was last applied.
+  bool set_threshold(Level threshold) RINGDOWN_REALTIME {
+    threshold_ = threshold;
+    return threshold_ > applied_;
+  }
   // Whether modes above the threshold are muted, because there was no time for them.
   [[nodiscard]] bool cut_short() const RINGDOWN_REALTIME { return cut_short_; }
   // Mutes what lies below the threshold, by a ramp over the next chunk or `at_once`; brings back what lies well above,
@@ -89,35 +89,29 @@ class ModeStates {
   [[nodiscard]] bool ringing() const RINGDOWN_REALTIME {
     return slow_.count + fast_.count + muting_.groups() > 0 || fade_.running();
   }
-  [[nodiscard]] bool fading() const RINGDOWN_REALTIME { return fade_.running(); }
   struct Counts {
     std::size_t sounding = 0, muted = 0;  // modes
     std::size_t slow = 0;                 // of the sounding ones, those that take moments
+    bool fading = false;                  // something fades out (fade_out())
   };
   [[nodiscard]] Counts counts() const RINGDOWN_REALTIME;
 
-  // What no sample of what rings exceeds: the sum of the modes' amplitudes, muted and fading ones included.
-  [[nodiscard]] double peak_level() const RINGDOWN_REALTIME;
-  // The same of states that have rested for `frames`; every mode of a group is taken to decay as its slowest one.
-  [[nodiscard]] double peak_level_at_rest(Frame frames) const RINGDOWN_REALTIME;
-  // Adds each mode's amplitude, times `gain`, to where the mode stands in the bank's order. The states have rested for
-  // `rested` frames; 0 unless rest() was called.
+  // What no sample of what rings exceeds: the sum of the modes' amplitudes, muted and fading ones included. The states
+  // have rested for `rested` frames, 0 unless rest() was called; resting modes are taken to decay as the slowest of
+  // their group.
+  [[nodiscard]] double peak_level(Frame rested) const RINGDOWN_REALTIME;
+  // Adds each mode's amplitude, times `gain`, to where the mode stands in the bank's order. The states have rested as
+  // above.
   void add_amplitudes(double gain, Frame rested, ModeWatch::Slot& to) const RINGDOWN_REALTIME;
 
  private:
   [[nodiscard]] bool selective() const RINGDOWN_REALTIME { return threshold_ != kNoThreshold || muting_.groups() > 0; }
-  [[nodiscard]] bool passes(std::uint32_t group) const RINGDOWN_REALTIME {
-    return level_of(states_.energy(group)) >= threshold_;
-  }
   template <class Add>
   void add_to_groups(const Add& add_to) RINGDOWN_REALTIME;
-  void add_to_muted(const double* amplitudes, double gain, std::uint32_t group,
-                    std::size_t frames_left) RINGDOWN_REALTIME;
   void list(std::uint32_t group) RINGDOWN_REALTIME;
   void settle() RINGDOWN_REALTIME;
   void unmute() RINGDOWN_REALTIME;
   void mark() RINGDOWN_REALTIME;
-  bool keep_if(bool sane) RINGDOWN_REALTIME;
 
   const ModeTable& table_;
   StateArray states_;

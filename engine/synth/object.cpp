@@ -225,7 +225,7 @@ bool Object::ringing() const RINGDOWN_REALTIME {
 
 bool Object::can_share(Frame now) const RINGDOWN_REALTIME {
   const Voice* const voice = voices.current();
-  if (!voice || voices.has_tails() || !exciters.all().empty() || voice->fading()) return false;
+  if (!voice || voices.has_tails() || !exciters.all().empty() || voice->counts().fading) return false;
   // Gains are part of the group's sums, and what is absurdly loud should not depend on sharing.
   if (std::abs(strip.final_gain()) > kMaxSharedGain) return false;
   const InstanceGroup* const group = voice->table().instances;
@@ -249,13 +249,13 @@ double Object::peak_level(Frame now, std::size_t& looked_at) const RINGDOWN_REAL
     const Voice& voice = *voices.current();
     if (!voice.table().instances->keeps_states_of(member)) return 0;
     looked_at += voice.table().columns();
-    return gain * voice.peak_level_at_rest(now - member.anchor);
+    return gain * voice.peak_level(std::max<Frame>(now - member.anchor, 1));
   }
   double sum = 0;
   voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
     if (!voice.ringing()) return;
     looked_at += voice.table().columns();
-    sum += voice.peak_level();
+    sum += voice.peak_level(0);
   });
   return gain * sum;
 }

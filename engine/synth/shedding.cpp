@@ -167,9 +167,9 @@ std::size_t Shedding::modes_that_may_enter(double units, const Chunk& chunk) con
 }
 
 void Shedding::apply(ModeStates& states, Level gain, bool look_again, Workspace& workspace) const RINGDOWN_REALTIME {
-  states.set_threshold(workspace.threshold == kNone ? kNone : workspace.threshold - gain);
+  const bool rose = states.set_threshold(workspace.threshold == kNone ? kNone : workspace.threshold - gain);
   const bool brings_back = look_again || (workspace.recovers && states.cut_short());
-  if (!brings_back && !states.threshold_rose()) return;
+  if (!brings_back && !rose) return;
   const ModeStates::Counts before = states.counts();
   std::size_t allowance = brings_back ? workspace.allowance : 0;
   const std::size_t allowed = allowance;
