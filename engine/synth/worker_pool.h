@@ -22,7 +22,7 @@ class WorkerPool {
   static constexpr std::size_t kMaxItems = 1 << 16;
 
   // `work(item, who)` does an item; who is 0 on the audio thread and 1 ... helpers on the others. It lives as long as
-  // the crew, and allocates, locks and throws nothing. [worker]
+  // the pool, and allocates, locks and throws nothing. [worker]
   WorkerPool(std::size_t helpers, std::function<void(std::size_t item, std::size_t who)> work);
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;

@@ -55,7 +55,7 @@ class Pair {
 // Rounding of the float sums, which are other sums in the two mixers.
 constexpr double kSame = 2e-6;
 
-TEST(Family, AThousandCoinsSoundAsEachAloneForThePriceOfTwoBanks) {
+TEST(InstanceGroup, AThousandCoinsSoundAsEachAloneForThePriceOfTwoBanks) {
   Pair pair(1000);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> size(-1, 1);
@@ -72,7 +72,7 @@ TEST(Family, AThousandCoinsSoundAsEachAloneForThePriceOfTwoBanks) {
   EXPECT_EQ(pair.alone.mixer.counters().ringing_modes, 1000 * kModes);
 }
 
-TEST(Family, GainAndPanMoveOneObjectAlone) {
+TEST(InstanceGroup, GainAndPanMoveOneObjectAlone) {
   Pair pair(3);
   for (ObjectNumber object = 0; object < 3; ++object) pair.push(strike_at(100 + 37 * object, object, {1, 0.2, 0.1}));
   pair.push(gain_at(3000, 1, 0.1, 0.05));
@@ -84,7 +84,7 @@ TEST(Family, GainAndPanMoveOneObjectAlone) {
   EXPECT_LE(pair.modes(), 2 * kModes) << "still again, all share";
 }
 
-TEST(Family, ClearedAndRemovedAndRetunedObjectsLeaveIt) {
+TEST(InstanceGroup, ClearedAndRemovedAndRetunedObjectsLeaveIt) {
   Pair pair(5);
   for (ObjectNumber object = 0; object < 5; ++object) pair.push(strike_at(64, object, {1, 0.2, 0.1}));
   pair.push(clear_at(5000, 0));
@@ -100,7 +100,7 @@ TEST(Family, ClearedAndRemovedAndRetunedObjectsLeaveIt) {
   EXPECT_LE(pair.difference(), kSame);
 }
 
-TEST(Family, AnyBlockSizeSoundsTheSame) {
+TEST(InstanceGroup, AnyBlockSizeSoundsTheSame) {
   for (const std::size_t block : {1u, 63u, 128u, 1000u}) {
     Pair pair(20);
     std::mt19937 random(3);
@@ -115,7 +115,7 @@ TEST(Family, AnyBlockSizeSoundsTheSame) {
 }
 
 // What an object keeps for itself is moved on in one jump of ten minutes; then it is taken out of the sum.
-TEST(Family, AnObjectIsTakenOutExactlyAfterTenMinutes) {
+TEST(InstanceGroup, AnObjectIsTakenOutExactlyAfterTenMinutes) {
   const auto table = std::make_shared<ModeTable>(map_of(single_mode_bank(440, 1e-3)), modal::MaterialScale{}, kRate);
   Mixer mixer(kRate);
   for (ObjectNumber object = 0; object < 2; ++object) {
@@ -137,7 +137,7 @@ TEST(Family, AnObjectIsTakenOutExactlyAfterTenMinutes) {
   EXPECT_LE(static_cast<double>(mixer.counters().peak.load()), 1e-7 * static_cast<double>(loudest));
 }
 
-TEST(Family, AStrikeAndAClearInOneChunkHappenInTheirOrder) {
+TEST(InstanceGroup, AStrikeAndAClearInOneChunkHappenInTheirOrder) {
   Pair pair(3);
   for (ObjectNumber object = 0; object < 3; ++object) {
     pair.push(strike_at(70, object, {1, 0.2, 0.1}));
@@ -151,7 +151,7 @@ TEST(Family, AStrikeAndAClearInOneChunkHappenInTheirOrder) {
   EXPECT_EQ(pair.shared.mixer.counters().refused, 0u);
 }
 
-TEST(Family, IsOfOneBankInOneMaterial) {
+TEST(InstanceGroup, IsOfOneBankInOneMaterial) {
   Mixer mixer(kRate);
   const Map map = coin(), other = coin();
   const auto table = mixer.table_for(map, {});
@@ -161,7 +161,7 @@ TEST(Family, IsOfOneBankInOneMaterial) {
   EXPECT_NE(mixer.table_for(map, {.alpha = 2}), table);
 }
 
-TEST(Family, AnAbsurdStrikeIsNotHeard) {
+TEST(InstanceGroup, AnAbsurdStrikeIsNotHeard) {
   Pair pair(4);
   for (ObjectNumber object = 0; object < 4; ++object) pair.shared.push(strike_at(64, object, {1, 0.2, 0.1}));
   for (ObjectNumber object = 0; object < 4; ++object) pair.alone.push(strike_at(64, object, {1, 0.2, 0.1}));
@@ -171,7 +171,7 @@ TEST(Family, AnAbsurdStrikeIsNotHeard) {
   EXPECT_EQ(pair.shared.mixer.counters().not_finite, 1u);
 }
 
-TEST(Family, ObjectsOnOneBusShareItAndOthersDoNot) {
+TEST(InstanceGroup, ObjectsOnOneBusShareItAndOthersDoNot) {
   Pair pair(6);
   std::vector<float> bus_shared(6400), bus_alone(6400), left(6400), right(6400);
   for (ObjectNumber object = 0; object < 5; ++object) {
