@@ -67,7 +67,8 @@ void Shedding::plan(std::span<Source* const> sources, const Chunk& chunk,
     threshold_ = kNone;
     at_once_ = false;
     next_surveyed_ = 0;
-    counted_.clear();
+    if (counted_.modes() > 0) counted_.clear();
+    if (!limited && !active_) return;
     for (Source* source : sources) source->look_again = active_;  // without a limit everything comes back
   }
   const double rendering = render_units(last_.modes, chunk.frames, chunk.moments);
