@@ -223,7 +223,7 @@ void Daemon::configure() {
   session::Rack& rack = session_.rack();
   rack.set_on_warning([](const std::string& sentence) { spdlog::warn("{}", sentence); });
   Driver& driver = *driver_;  // the driver itself uses it while it ends, when driver_ is null already
-  rack.set_on_change([&driver] { driver.program_changed(); });
+  rack.observers().set_on_change([&driver] { driver.program_changed(); });
   synth::MixerSettings settings = options_.mixer;
   if (options_.driver != DaemonOptions::DriverKind::jack) settings.budget = 0;
   rack.mixer().configure(settings);
@@ -294,7 +294,7 @@ Started<void> Daemon::play(wire::OscSocket socket) {
        .buses = [&rack] { return rack.buses().names(); },
        .inputs = [&rack] { return rack.inputs(); },
        .notes = [this] { return notes_.table(); },
-       .notes_played = rack.notes_played()});
+       .notes_played = rack.observers().notes_played()});
   if (!started) return fail_start(ExitCode::no_jack, started.error());
   service_ = std::make_unique<Service>(*this, std::move(socket));
   spdlog::info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options_.address, port,

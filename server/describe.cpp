@@ -47,7 +47,7 @@ Answer read(const protocol::ReadBank& question, const session::Session& session)
     return fail(ErrorKind::bad_input, "offset: " + std::to_string(question.offset) + " is past the end of " + file +
                                           ", which has " + std::to_string(object.bank_bytes) + " bytes");
   }
-  auto piece = session.rack().roots().read_piece(object.bank, question.offset, question.bytes);
+  auto piece = session.roots().read_piece(object.bank, question.offset, question.bytes);
   if (!piece) return fail(piece.error());
   if (piece->total != object.bank_bytes) {
     return fail(ErrorKind::refused,
@@ -98,7 +98,7 @@ Answer answer_to(const protocol::Question& question, const session::Session& ses
                         [&](const protocol::DescribeObject& object) { return describe(object, session); },
                         [&](const protocol::ReadBank& bank) { return read(bank, session); },
                         [&](const protocol::SceneDescribe&) { return describe(session.scene()); },
-                        [&](const protocol::Browse&) { return browse_all(session.rack().roots()); },
+                        [&](const protocol::Browse&) { return browse_all(session.roots()); },
                         [&](const protocol::Sync& sync) { return Answer({protocol::Synced{sync.id}}); },
                     },
                     question);

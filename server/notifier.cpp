@@ -33,7 +33,7 @@ protocol::NotifyGroup group_news(const session::ObjectState& object) {
 
 Notifier::Notifier(session::Session& session, const Driver& driver, Send send, Now now)
     : session_(session), driver_(driver), send_(std::move(send)), now_(std::move(now)) {
-  session_.rack().observe(*this);
+  session_.rack().observers().add(*this);
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
@@ -42,11 +42,11 @@ Notifier::~Notifier() {
   thread_.join();
   subscribers_.clear();
   count_subscribers();
-  session_.rack().stop_observing(*this);
+  session_.rack().observers().remove(*this);
 }
 
 Result<void> Notifier::subscribe(Peer peer, double rate_hz) {
-  session_.rack().report_events();  // those happened before
+  session_.rack().observers().report_events();  // those happened before
   const std::scoped_lock lock(mutex_);
   auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
   if (subscriber == subscribers_.end()) {
@@ -136,7 +136,7 @@ void Notifier::run(const std::stop_token& stop) {
       wake_.wait_until(lock, stop, next, [&] { return changed_ || Clock::now() >= next; });
       changed_ = false;
       lock.unlock();
-      session_.rack().report_events();
+      session_.rack().observers().report_events();
       lock.lock();
       forget_silent();
       take_peaks();

@@ -11,7 +11,7 @@
 #include "protocol/reply.h"
 #include "server/driver.h"
 #include "server/osc_ports.h"
-#include "server/session/observer.h"
+#include "server/session/observers.h"
 #include "server/session/session.h"
 
 #include <atomic>

@@ -45,7 +45,7 @@ struct WriteFile {
   session::Recorder* recorder;  // null: nothing can be recorded
 
   Outcome operator()(const protocol::SaveState& save) const {
-    const auto path = session.rack().roots().writable(save.path, session::kStateKind);
+    const auto path = session.roots().writable(save.path, session::kStateKind);
     if (!path) return fail(path.error());
     if (const auto saved = session::write_state(session::state_of(session), *path); !saved) return fail(saved.error());
     return std::nullopt;
@@ -53,7 +53,7 @@ struct WriteFile {
 
   Outcome operator()(const protocol::RecordStart& start) const {
     if (!recorder) return no_recorder();
-    const auto path = session.rack().roots().writable(start.path, session::kScoreKind);
+    const auto path = session.roots().writable(start.path, session::kScoreKind);
     if (!path) return fail(path.error());
     if (const auto started = recorder->start(*path, now()); !started) return fail(started.error());
     return std::nullopt;

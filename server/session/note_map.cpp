@@ -107,7 +107,7 @@ NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSna
 }
 
 std::shared_ptr<const NoteTable> Notes::table() {
-  const std::uint64_t version = rack_.version();
+  const std::uint64_t version = rack_.observers().version();
   if (version_ != version) table_ = std::make_shared<const NoteTable>(resolve(map_, rack_.objects()));
   version_ = version;
   return table_;

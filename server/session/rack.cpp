@@ -1,10 +1,6 @@
 #include "server/session/rack.h"
 
-#include "engine/modal/bank_file.h"
 #include "protocol/names.h"
-
-#include <algorithm>
-#include <span>
 
 namespace ringdown::session {
 namespace {
@@ -15,14 +11,6 @@ using synth::EventType;
 
 std::string shown(const ObjectRef& object) {
   return object.number ? "number " + std::to_string(*object.number) : "\"" + object.name + "\"";
-}
-
-// Two loads of one unchanged file share its memory.
-std::string file_key(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto canonical = std::filesystem::weakly_canonical(path, error);
-  const auto time = std::filesystem::last_write_time(path, error).time_since_epoch().count();
-  return canonical.string() + "@" + std::to_string(time);
 }
 
 }  // namespace
@@ -36,26 +24,12 @@ bool Rack::push(synth::Producer producer, const Event& event) {
   if (!mixer_.push(producer, event)) return false;
   if (event.type == EventType::gain) objects_.replace(event.object, [&](ObjectState& o) { o.gain = event.value; });
   if (event.type == EventType::pan) objects_.replace(event.object, [&](ObjectState& o) { o.pan = event.value; });
-  if (observers_.empty()) return true;
-  if (!played_by(producer).push(event)) {
-    report_events();
-    static_cast<void>(played_by(producer).push(event));
-  }
+  observers_.keep(producer, event);
   return true;
 }
 
-void Rack::report_events() {
-  const std::scoped_lock lock(reporting_);
-  for (auto& ring : played_) {
-    while (const Event* event = ring.front()) {
-      for (Observer* observer : observers_) observer->played(*event);
-      ring.pop();
-    }
-  }
-}
-
 Result<synth::ObjectNumber> Rack::load(const std::string& name, const std::filesystem::path& bank) {
-  auto file = read(bank);
+  auto file = banks_.read(bank);
   if (!file) return fail(file.error());
   ObjectState object{.name = name,
                      .bank = bank,
@@ -83,14 +57,14 @@ Result<synth::ObjectNumber> Rack::load(const std::string& name, const std::files
       present = object;
     });
   } else {
-    report(nullptr, objects_.add(object).get(), 0);
+    observers_.report_change(nullptr, objects_.add(object).get(), 0);
   }
   return object.number;
 }
 
 void Rack::change(const ObjectState& object, const Edit& edit, synth::Frame at) {
   const auto [before, after] = objects_.replace(object.number, edit);
-  report(before.get(), after.get(), at);
+  observers_.report_change(before.get(), after.get(), at);
 }
 
 Result<void> Rack::retune(const ObjectState& object, const Edit& edit, synth::Frame at) {
@@ -164,7 +138,7 @@ Result<void> Rack::excite(std::size_t input, const ObjectRef& ref, const Vec3& p
   if (!taken) return fail(ErrorKind::refused, "input: too many changes at once; try again");
   excitation = ends ? std::nullopt : std::optional(Excitation{object.number, point_m, force_n});
   inputs_ |= 1u << input;
-  note_change();
+  observers_.report_change();
   return {};
 }
 
@@ -185,25 +159,14 @@ void Rack::collect() {
     mixer_.collect();
   }
   objects_.collect();
-  report_events();
-  std::erase_if(banks_, [](const auto& entry) { return entry.second.map.expired(); });
+  observers_.report_events();
+  banks_.forget_unused();
   const std::size_t faded = std::erase_if(fading_, [this](synth::ObjectNumber number) {
     if (mixer_.in_use(number)) return false;
     buses_.leave(number);
     return true;
   });
-  if (faded > 0) note_change();
-}
-
-// One of the two may be null: an object that has just come, or gone.
-void Rack::report(const ObjectState* before, const ObjectState* after, synth::Frame at) {
-  note_change();
-  for (Observer* observer : observers_) observer->changed(before, after, at);
-}
-
-void Rack::note_change() {
-  ++version_;
-  if (on_change_) on_change_();
+  if (faded > 0) observers_.report_change();
 }
 
 Result<void> Rack::free(const ObjectRef& ref) {
@@ -215,26 +178,10 @@ Result<void> Rack::free(const ObjectRef& ref) {
   for (auto& excitation : excitations_) {
     if (excitation && excitation->object == object->number) excitation.reset();
   }
-  report_events();  // while the object's name can still be found
+  observers_.report_events();  // while the object's name can still be found
   objects_.remove(object->number);
-  report(object.get(), nullptr, 0);
+  observers_.report_change(object.get(), nullptr, 0);
   return {};
-}
-
-Result<Rack::BankFile> Rack::read(const std::filesystem::path& path) {
-  const std::string key = file_key(path);
-  if (const auto known = banks_.find(key); known != banks_.end()) {
-    if (auto map = known->second.map.lock())
-      return BankFile{std::move(map), known->second.bytes, known->second.content};
-  }
-  const auto bytes = roots_.read(path, modal::kMaxBankFileBytes);
-  if (!bytes) return fail(bytes.error());
-  auto bank = modal::parse_bank(std::as_bytes(std::span(*bytes)), path.string());
-  if (!bank) return fail(bank.error());
-  auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(*bank)));
-  const ContentHash content = hash_of(*bytes);
-  banks_[key] = {map, bytes->size(), content};
-  return BankFile{std::move(map), bytes->size(), content};
 }
 
 Result<synth::ObjectNumber> Rack::free_number() const {

@@ -41,10 +41,10 @@ std::vector<protocol::Request> requests_between(const ObjectState* before, const
 
 }  // namespace
 
-Recorder::Recorder(Rack& rack, Write write) : rack_(rack), write_(std::move(write)) { rack.observe(*this); }
+Recorder::Recorder(Rack& rack, Write write) : rack_(rack), write_(std::move(write)) { rack.observers().add(*this); }
 
 Result<void> Recorder::start(const std::filesystem::path& path, Frame frame) {
-  rack_.report_events();  // those do not belong to the recording
+  rack_.observers().report_events();  // those do not belong to the recording
   const std::scoped_lock lock(mutex_);
   if (records_)
     return fail(ErrorKind::refused, "path: " + path_.string() + " is being recorded already; end it with /record/stop");
@@ -60,7 +60,7 @@ Result<void> Recorder::start(const std::filesystem::path& path, Frame frame) {
 }
 
 Result<std::size_t> Recorder::stop(Frame frame) {
-  rack_.report_events();
+  rack_.observers().report_events();
   std::vector<wire::ScoreEvent> score;
   std::size_t left_out = 0;
   {
@@ -113,7 +113,7 @@ void Recorder::played(const Event& event) {
 }
 
 void Recorder::changed(const ObjectState* before, const ObjectState* after, Frame at) {
-  rack_.report_events();  // those came before
+  rack_.observers().report_events();  // those came before
   const std::scoped_lock lock(mutex_);
   if (!records_) return;
   const Frame frame = std::max(at, rack_.mixer().counters().frames.load());

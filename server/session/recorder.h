@@ -9,7 +9,7 @@
 
 #include "engine/base/result.h"
 #include "protocol/wire/message.h"
-#include "server/session/observer.h"
+#include "server/session/observers.h"
 #include "server/session/rack.h"
 
 #include <atomic>

@@ -25,16 +25,14 @@ tl::unexpected<Error> no_scene() { return fail(ErrorKind::refused, "there is no 
 
 }  // namespace
 
-ScenePlayer::ScenePlayer(Rack& rack) : rack_(rack) {}
-
 Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
-  const auto text = rack_.roots().read(path, kMaxTomlFileBytes);
+  const auto text = roots_.read(path, kMaxTomlFileBytes);
   if (!text) return fail(text.error());
   const auto description = scene::parse_scene(*text, path, preset_folder().value_or(std::filesystem::path()));
   if (!description) return fail(description.error());
   std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // all read before anything changes
   for (const auto& object : description->objects) {
-    auto bank = rack_.read(object.bank);
+    auto bank = banks_.read(object.bank);
     if (!bank) return fail(bank.error());
     banks.push_back(std::move(bank->map));
   }

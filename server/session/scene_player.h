@@ -9,6 +9,8 @@
 #include "engine/scene/world.h"
 #include "engine/synth/event.h"
 #include "protocol/request.h"
+#include "server/session/bank_reader.h"
+#include "server/session/file_roots.h"
 #include "server/session/rack.h"
 
 #include <atomic>
@@ -28,8 +30,9 @@ class ScenePlayer {
   // Takes the events of one step, and what rests on objects since; returns how much of it was lost.
   using Sink = std::function<std::size_t(const scene::StepReport&)>;
 
-  // All goes to the rack, unless send_to() names a sink.
-  explicit ScenePlayer(Rack& rack);
+  // Reads scene files below `roots`, and their banks by `banks`. The events go to the rack, unless send_to() names a
+  // sink. All three must outlive the player.
+  ScenePlayer(Rack& rack, BankReader& banks, const FileRoots& roots) : rack_(rack), banks_(banks), roots_(roots) {}
 
   // Sends it elsewhere. Before anything is loaded. [main]
   void send_to(Sink sink) { sink_ = std::move(sink); }
@@ -109,6 +112,8 @@ class ScenePlayer {
   void lean(const std::vector<scene::RestDamping>& dampings);
 
   Rack& rack_;
+  BankReader& banks_;
+  const FileRoots& roots_;
   Sink sink_;
   Post post_;
   mutable std::mutex mutex_;  // guards all that follows but the atomics

@@ -6,6 +6,8 @@
 
 #include "engine/base/result.h"
 #include "protocol/lanes.h"
+#include "server/session/bank_reader.h"
+#include "server/session/file_roots.h"
 #include "server/session/rack.h"
 #include "server/session/scene_player.h"
 #include "server/session/strike_merger.h"
@@ -26,8 +28,10 @@ class Session {
  public:
   // Files are read below `roots` only.
   explicit Session(double sample_rate_hz, FileRoots roots = {})
-      : rack_(sample_rate_hz, std::move(roots)), scene_(rack_) {}
+      : roots_(std::move(roots)), banks_(roots_), rack_(sample_rate_hz, banks_), scene_(rack_, banks_, roots_) {}
 
+  [[nodiscard]] const FileRoots& roots() const { return roots_; }
+  [[nodiscard]] BankReader& banks() { return banks_; }
   [[nodiscard]] Rack& rack() { return rack_; }
   [[nodiscard]] const Rack& rack() const { return rack_; }
   [[nodiscard]] ScenePlayer& scene() { return scene_; }
@@ -72,6 +76,8 @@ class Session {
   Result<synth::ObjectNumber> load_object(const protocol::LoadObject& load);
   Result<void> free_object(const protocol::FreeObject& request);
 
+  FileRoots roots_;
+  BankReader banks_;
   Rack rack_;
   ScenePlayer scene_;
   StrikeMerger merger_{0};

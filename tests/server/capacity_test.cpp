@@ -70,7 +70,7 @@ TEST_F(CapacityTest, FilesAreReadToTheirLimitAndRefusedPastIt) {
   const auto score = [](const auto& path) { return wire::read_score(path); };
   EXPECT_FALSE(too_large(refusal_of(wire::kMaxScoreBytes, score)));
   EXPECT_TRUE(too_large(refusal_of(wire::kMaxScoreBytes + 1, score)));
-  const auto bank = [this](const auto& path) { return session_.rack().read(path); };
+  const auto bank = [this](const auto& path) { return session_.banks().read(path); };
   EXPECT_FALSE(too_large(refusal_of(modal::kMaxBankFileBytes, bank)));
   EXPECT_TRUE(too_large(refusal_of(modal::kMaxBankFileBytes + 1, bank)));
 }

@@ -229,7 +229,7 @@ TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {
   const auto now = static_cast<Frame>(driver_.frame_of(unix_now_s()));
   const std::uint32_t number = (*session_.rack().find({.name = "bell"}))->number;
   // What the audio thread does with a note.
-  ASSERT_TRUE(session_.rack().notes_played().push(
+  ASSERT_TRUE(session_.rack().observers().notes_played().push(
       {.frame = now, .object = number, .point_m = {3, 2, 1}, .impulse_ns = {0, 0, 0.25}, .contact_time_s = 0.001}));
   const auto contact = wait_for<protocol::NotifyContact>(client_, [](const auto&) { return true; });
   ASSERT_TRUE(contact);
@@ -238,7 +238,7 @@ TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {
   send({"/notify", {0}});
   wait_for<protocol::Done>(client_, [](const auto& done) { return done.address == "/notify"; });
   onsets_until(static_cast<Frame>(driver_.frame_of(unix_now_s())) + 4800);
-  ASSERT_TRUE(session_.rack().notes_played().push(
+  ASSERT_TRUE(session_.rack().observers().notes_played().push(
       {.frame = now, .object = number, .type = synth::EventType::clear, .ramp_s = 0.25}));
   send({"/record/stop", {}});
   ASSERT_TRUE(wait_for<protocol::Done>(client_, [](const auto& done) { return done.address == "/record/stop"; }));

@@ -29,7 +29,7 @@ class CountingObserver final : public Observer {
 class StrikePathTest : public testing::Test {
  protected:
   StrikePathTest() {
-    session_.rack().observe(observer_);
+    session_.rack().observers().add(observer_);
     EXPECT_TRUE(modal::write_bank(test::random_bank(1, 8, 12), folder_ / "a.glb"));
     EXPECT_TRUE(session_.rack().load(kName, folder_ / "a.glb"));
   }
@@ -75,7 +75,7 @@ TEST_F(StrikePathTest, AStrikeLocksNothingAndAllocatesOnlyWhatItsMessageTakes) {
     EXPECT_EQ(all.allocations, read.allocations) << message.address;
   }
   EXPECT_EQ(observer_.events, 0u) << "observers are not the striking thread's to call";
-  session_.rack().report_events();
+  session_.rack().observers().report_events();
   EXPECT_EQ(observer_.events, 2 * messages.size());
 }
 

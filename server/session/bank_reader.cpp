@@ -1,0 +1,40 @@
+#include "server/session/bank_reader.h"
+
+#include "engine/modal/bank_file.h"
+
+#include <span>
+
+namespace ringdown::session {
+namespace {
+
+// Changes whenever the file is written again.
+std::string key_of(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto canonical = std::filesystem::weakly_canonical(path, error);
+  const auto time = std::filesystem::last_write_time(path, error).time_since_epoch().count();
+  return canonical.string() + "@" + std::to_string(time);
+}
+
+}  // namespace
+
+Result<BankFile> BankReader::read(const std::filesystem::path& path) {
+  const std::string key = key_of(path);
+  if (const auto known = known_.find(key); known != known_.end()) {
+    if (auto map = known->second.map.lock())
+      return BankFile{std::move(map), known->second.bytes, known->second.content};
+  }
+  const auto bytes = roots_.read(path, modal::kMaxBankFileBytes);
+  if (!bytes) return fail(bytes.error());
+  auto bank = modal::parse_bank(std::as_bytes(std::span(*bytes)), path.string());
+  if (!bank) return fail(bank.error());
+  auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(*bank)));
+  const ContentHash content = hash_of(*bytes);
+  known_[key] = {map, bytes->size(), content};
+  return BankFile{std::move(map), bytes->size(), content};
+}
+
+void BankReader::forget_unused() {
+  std::erase_if(known_, [](const auto& entry) { return entry.second.map.expired(); });
+}
+
+}  // namespace ringdown::session

@@ -1,0 +1,48 @@
+// Reads banks from files, once each: objects that play the same unchanged file share its memory. [worker]
+#pragma once
+
+#include "engine/base/content_hash.h"
+#include "engine/base/result.h"
+#include "engine/modal/strike_map.h"
+#include "server/session/file_roots.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+namespace ringdown::session {
+
+// A bank that is ready to be struck, and the file it was read from.
+struct BankFile {
+  std::shared_ptr<const modal::StrikeMap> map;
+  std::size_t bytes = 0;  // the file's size
+  ContentHash content;    // of the whole file
+};
+
+class BankReader {
+ public:
+  // Reads below `roots` only, which must outlive the reader.
+  explicit BankReader(const FileRoots& roots) : roots_(roots) {}
+
+  // Returns the bank in the file. If somebody still holds a bank that was read from this file, and the file has not
+  // been written since, that bank is returned and nothing is read. Fails for files outside of the roots, larger than
+  // modal::kMaxBankFileBytes, or without a valid bank; the error names the file.
+  [[nodiscard]] Result<BankFile> read(const std::filesystem::path& path);
+
+  // Forgets the banks that nobody holds any more. Now and then, so that the list of known files stays short.
+  void forget_unused();
+
+ private:
+  struct Known {
+    std::weak_ptr<const modal::StrikeMap> map;
+    std::size_t bytes = 0;
+    ContentHash content;
+  };
+
+  const FileRoots& roots_;
+  std::map<std::string, Known> known_;  // by canonical path and time of the last write
+};
+
+}  // namespace ringdown::session
