@@ -2,7 +2,7 @@
 
 #include "engine/base/object_name.h"
 #include "packaging/manual/command_line.h"
-#include "server/session/sound.h"
+#include "server/sound_options.h"
 
 #include <cmath>
 #include <cstdio>
@@ -146,7 +146,7 @@ void add_mixer(CLI::App& app, DaemonOptions& options) {
          "jack: of a block's time, what may be used before what is heard least is left out; 0: all; 80 unless given")
       ->check(manual::between(0.0, 100.0))
       ->type_name("PERCENT");
-  session::add_sound_options(app, options.mixer);
+  add_sound_options(app, options.mixer);
 }
 
 }  // namespace

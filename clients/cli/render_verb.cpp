@@ -2,7 +2,7 @@
 #include "packaging/manual/command_line.h"
 #include "protocol/wire/score.h"
 #include "server/session/offline.h"
-#include "server/session/sound.h"
+#include "server/sound_options.h"
 
 #include <atomic>
 #include <cmath>
@@ -86,7 +86,7 @@ void add_render_verb(CLI::App& app, ExitCode& outcome) {
   verb->add_option("--block", options.block_frames, "Frames per block; changes nothing but rounding.")
       ->check(manual::between(1, 8192))
       ->capture_default_str();
-  session::add_sound_options(*verb, options.mixer);
+  server::add_sound_options(*verb, options.mixer);
   verb->callback([arguments, &outcome] { outcome = render(*arguments); });
 }
 

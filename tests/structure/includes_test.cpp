@@ -44,8 +44,7 @@ const std::vector<FolderRule> kFolderRules = {
       "engine/synth/event.h", "protocol/"}},
     {"packaging/manual/", {"protocol/exit_codes.h", "packaging/manual/"}},
     {"server/session/",
-     {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "packaging/manual/command_line.h",
-      "server/session/"},
+     {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "server/session/"},
      {"protocol/wire/codec.h", "protocol/wire/score.h", "protocol/wire/socket.h"}},
     {"server/",
      {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "packaging/manual/", "server/"}},
@@ -245,12 +244,13 @@ TEST(Structure, ThirdPartyHeadersStayWhereTheyBelong) {
   }
 }
 
-// The session layer is a library for other programs: it opens no socket, starts no log and owns nothing global.
-TEST(Structure, ASessionNeedsNeitherSocketsNorLogsNorGlobals) {
+// The session layer is a library for other programs: it opens no socket, starts no log, reads
+// no command line and owns nothing global.
+TEST(Structure, ASessionNeedsNeitherSocketsNorLogsNorCommandLinesNorGlobals) {
   for (const Include& include : all_includes()) {
     if (include.file.rfind("server/session/", 0) != 0) continue;
     EXPECT_FALSE(begins_with_any(include.header, {"sys/socket.h", "sys/un.h", "netinet/", "arpa/", "netdb.h", "spdlog/",
-                                                  "lo/", "jack/", "httplib.h", "avahi", "csignal", "iostream"}))
+                                                  "lo/", "jack/", "CLI/", "httplib.h", "avahi", "csignal", "iostream"}))
         << place(include) << ", which its folder may not";
   }
   const std::regex mutable_static(
@@ -277,6 +277,7 @@ TEST(Structure, TheIncludeRulesRefuseWhatTheyShould) {
   EXPECT_FALSE(is_allowed({"protocol/wire/codec.h", 1, "protocol/schema.h", true}));
   EXPECT_FALSE(is_allowed({"server/session/recorder.cpp", 1, "protocol/wire/socket.h", true}));
   EXPECT_FALSE(is_allowed({"server/session/rack.h", 1, "server/driver.h", true}));
+  EXPECT_FALSE(is_allowed({"server/session/session.cpp", 1, "packaging/manual/command_line.h", true}));
   EXPECT_FALSE(is_allowed({"server/main.cpp", 1, "engine/bake/bake.h", true}));
   EXPECT_FALSE(is_allowed({"engine/modal/bank.h", 1, "tests/support/signal.h", true}));
   EXPECT_FALSE(is_allowed({"clients/cli/main.cpp", 1, "engine/bake/bake.h", true}));

@@ -1,4 +1,4 @@
-#include "server/session/sound.h"
+#include "server/sound_options.h"
 
 #include "engine/synth/mixer.h"
 #include "packaging/manual/command_line.h"
@@ -8,7 +8,7 @@
 #include <map>
 #include <string>
 
-namespace ringdown::session {
+namespace ringdown::server {
 
 void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
   const std::map<std::string, bool> contacts = {{"spectrum", false}, {"exact", true}};
@@ -37,4 +37,4 @@ void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
       ->type_name("DB");
 }
 
-}  // namespace ringdown::session
+}  // namespace ringdown::server

@@ -1,0 +1,18 @@
+// The command-line options for how the mixer computes sound: the daemon and `ringdown render` have them in common.
+// [main]
+#pragma once
+
+namespace CLI {
+class App;
+}
+namespace ringdown::synth {
+struct MixerSettings;
+}
+
+namespace ringdown::server {
+
+// Adds --floor, --contacts and --limiter, which write to `settings`: it must outlive the app. --masking is accepted but
+// only prints that it has no effect any more.
+void add_sound_options(CLI::App& app, synth::MixerSettings& settings);
+
+}  // namespace ringdown::server
