@@ -21,6 +21,12 @@ ExitCode exit_code_of(ErrorKind kind) {
       return ExitCode::bad_input;
     case ErrorKind::cancelled:
       return ExitCode::cancelled;
+    case ErrorKind::usage:
+      return ExitCode::usage;
+    case ErrorKind::no_sound_server:
+      return ExitCode::no_jack;
+    case ErrorKind::port_busy:
+      return ExitCode::port_busy;
     case ErrorKind::refused:
     case ErrorKind::no_memory:
     case ErrorKind::input_output:

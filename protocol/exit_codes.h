@@ -15,7 +15,7 @@ enum class ExitCode : int {
   usage = 2,        // a wrong option or argument
   bad_input = 3,    // a file that cannot be read or is not what it should be
   no_jack = 4,      // no JACK server answers
-  port_busy = 5,    // the OSC port cannot be bound
+  port_busy = 5,    // a network port cannot be opened
   no_answer = 6,    // no daemon answered in time
   cancelled = 130,  // SIGINT, as shells count it: 128 + 2
 };
@@ -39,8 +39,8 @@ inline constexpr ExitMeaning kExitMeanings[] = {
 // "Exit codes: 0 ok, 1 failure, ...": printed by the programs' --help.
 std::string exit_code_help();
 
-// bad_input and too_large become bad_input; cancelled stays cancelled; refused, no_memory and input_output are
-// failures.
+// bad_input and too_large become bad_input; no_sound_server becomes no_jack; usage, port_busy and cancelled keep their
+// names; refused, no_memory and input_output are failures.
 ExitCode exit_code_of(ErrorKind kind);
 
 // Prints "PROGRAM: SENTENCE" to the standard error, after everything that was printed to the standard output, and

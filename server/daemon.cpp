@@ -20,11 +20,6 @@ namespace ringdown::server {
 namespace {
 
 using namespace std::chrono_literals;
-using protocol::ExitCode;
-
-tl::unexpected<StartFailure> fail_start(ExitCode code, const Error& error) {
-  return tl::make_unexpected(StartFailure{code, error});
-}
 
 // The folders that the user named, or else the current one; the presets; those of the files on the command line.
 Result<session::FileRoots> file_roots_of(const DaemonOptions& options, const session::State& state) {
@@ -80,7 +75,7 @@ Result<std::unique_ptr<NsmClient>> join_manager(DaemonOptions& options) {
   const auto url = NsmClient::url();
   if (!url) return nullptr;
   auto manager = NsmClient::announce(*url);
-  if (!manager) return manager;
+  if (!manager) return fail(ErrorKind::refused, manager.error().message);
   options.jack_name = (*manager)->session().client_id;
   std::error_code ignored;
   if (std::filesystem::exists((*manager)->state_file(), ignored)) options.state = (*manager)->state_file();
@@ -155,52 +150,52 @@ Daemon::Service::~Service() {
   if (manager) manager->stop();  // it asks the worker to save
 }
 
-Started<Daemon::Ports> Daemon::open_ports(DaemonOptions& options) {
+Result<Daemon::Ports> Daemon::open_ports(DaemonOptions& options) {
   const auto endpoint = wire::resolve(options.address, options.port);
-  if (!endpoint) return fail_start(ExitCode::usage, endpoint.error());
+  if (!endpoint) return fail(ErrorKind::usage, endpoint.error().message);
   auto socket = wire::OscSocket::bind(*endpoint);
-  if (!socket) return fail_start(ExitCode::port_busy, socket.error());
+  if (!socket) return fail(socket.error());
   if (endpoint->address >> 24 != 127) {
     spdlog::warn("listening on {}: anyone who can reach this address can play, load files and stop the daemon",
                  options.address);
   }
   auto manager = join_manager(options);
-  if (!manager) return fail_start(ExitCode::failure, manager.error());
+  if (!manager) return fail(manager.error());
   auto captured = options.capture ? std::make_unique<Captured>() : nullptr;
   auto driver = open_driver(options, captured.get());
-  if (!driver) return fail_start(ExitCode::no_jack, driver.error());
+  if (!driver) return fail(driver.error());
   auto stream = open_stream(options);
-  if (!stream) return fail_start(ExitCode::port_busy, stream.error());
+  if (!stream) return fail(stream.error());
   return Ports{std::move(*socket), std::move(*manager), std::move(captured), std::move(*driver), std::move(*stream)};
 }
 
-Started<Daemon::Files> Daemon::read_files(const DaemonOptions& options) {
+Result<Daemon::Files> Daemon::read_files(const DaemonOptions& options) {
   session::State state;
   if (options.state) {
     auto read = session::read_state(*options.state);
-    if (!read) return fail_start(ExitCode::bad_input, read.error());
+    if (!read) return fail(read.error());
     state = std::move(*read);
   }
   std::optional<session::NoteMap> notes;
   if (options.notes) {
     auto map = session::read_note_map(*options.notes);
-    if (!map) return fail_start(ExitCode::bad_input, map.error());
+    if (!map) return fail(map.error());
     notes = std::move(*map);
   }
   auto roots = file_roots_of(options, state);
-  if (!roots) return fail_start(ExitCode::bad_input, roots.error());
+  if (!roots) return fail(roots.error());
   return Files{std::move(state), std::move(notes), std::move(*roots)};
 }
 
-Started<std::unique_ptr<Daemon>> Daemon::start(DaemonOptions options) {
+Result<std::unique_ptr<Daemon>> Daemon::start(DaemonOptions options) {
   auto ports = open_ports(options);
-  if (!ports) return tl::make_unexpected(ports.error());
+  if (!ports) return fail(ports.error());
   auto files = read_files(options);
-  if (!files) return tl::make_unexpected(files.error());
+  if (!files) return fail(files.error());
   wire::OscSocket socket = std::move(ports->socket);
   std::unique_ptr<Daemon> daemon(new Daemon(std::move(options), std::move(*ports), std::move(*files)));
-  if (const auto ready = daemon->prepare(socket.port()); !ready) return tl::make_unexpected(ready.error());
-  if (const auto plays = daemon->play(std::move(socket)); !plays) return tl::make_unexpected(plays.error());
+  if (const auto ready = daemon->prepare(socket.port()); !ready) return fail(ready.error());
+  if (const auto plays = daemon->play(std::move(socket)); !plays) return fail(plays.error());
   return daemon;
 }
 
@@ -235,22 +230,19 @@ void Daemon::configure() {
 }
 
 // What can be refused before any sound is made.
-Started<void> Daemon::prepare(std::uint16_t osc_port) {
+Result<void> Daemon::prepare(std::uint16_t osc_port) {
   if (options_.record) {
-    if (const auto started = recorder_.start(*options_.record, 0); !started) {
-      return fail_start(ExitCode::usage, started.error());
-    }
+    if (const auto started = recorder_.start(*options_.record, 0); !started) return started;
   }
   auto query = open_query(options_, osc_port, session_.rack());
-  if (!query) return fail_start(ExitCode::port_busy, query.error());
+  if (!query) return fail(query.error());
   query_ = std::move(*query);
   if (options_.scene_to) {
     auto remote = open_remote_strikes(*options_.scene_to, session_.rack(), *driver_);
-    if (!remote) return fail_start(ExitCode::usage, remote.error());
+    if (!remote) return fail(ErrorKind::usage, remote.error().message);
     session_.scene().send_to(std::move(*remote));
   }
-  if (const auto loaded = load(); !loaded) return fail_start(ExitCode::bad_input, loaded.error());
-  return {};
+  return load();
 }
 
 Result<void> Daemon::load() {
@@ -284,7 +276,7 @@ Result<void> Daemon::connect_inputs() {
   return {};
 }
 
-Started<void> Daemon::play(wire::OscSocket socket) {
+Result<void> Daemon::play(wire::OscSocket socket) {
   session::Rack& rack = session_.rack();
   const std::uint16_t port = socket.port();
   const auto started = driver_->start(
@@ -295,7 +287,7 @@ Started<void> Daemon::play(wire::OscSocket socket) {
        .inputs = [&rack] { return rack.inputs(); },
        .notes = [this] { return notes_.table(); },
        .notes_played = rack.observers().notes_played()});
-  if (!started) return fail_start(ExitCode::no_jack, started.error());
+  if (!started) return started;
   service_ = std::make_unique<Service>(*this, std::move(socket));
   spdlog::info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options_.address, port,
                rack.names()->size(), driver_->sample_rate_hz(), driver_->block_frames(), synth::kernel_target());

@@ -11,7 +11,6 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "protocol/exit_codes.h"
 #include "protocol/wire/socket.h"
 #include "server/driver.h"
 #include "server/nsm_client.h"
@@ -31,19 +30,12 @@
 
 namespace ringdown::server {
 
-// Why a daemon did not start, and with what exit code the program should end.
-struct StartFailure {
-  protocol::ExitCode code;
-  Error error;
-};
-template <class T>
-using Started = tl::expected<T, StartFailure>;
-
 class Daemon {
  public:
   // Binds the ports, joins the session manager if one started us, opens the driver, loads what the options name and
-  // plays it. The driver is not `wav`.
-  static Started<std::unique_ptr<Daemon>> start(DaemonOptions options);
+  // plays it. The driver is not `wav`. The error's kind is usage for options that cannot be followed, port_busy and
+  // no_sound_server for what others hold or do not offer, and bad_input for files.
+  static Result<std::unique_ptr<Daemon>> start(DaemonOptions options);
   ~Daemon();
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
@@ -63,14 +55,14 @@ class Daemon {
   struct Files;    // what is read before there is a session
   struct Service;  // what runs on threads of ours
 
-  static Started<Ports> open_ports(DaemonOptions& options);
-  static Started<Files> read_files(const DaemonOptions& options);
+  static Result<Ports> open_ports(DaemonOptions& options);
+  static Result<Files> read_files(const DaemonOptions& options);
   Daemon(DaemonOptions options, Ports ports, Files files);
   void configure();
-  Started<void> prepare(std::uint16_t osc_port);
+  Result<void> prepare(std::uint16_t osc_port);
   Result<void> load();
   Result<void> connect_inputs();
-  Started<void> play(wire::OscSocket socket);
+  Result<void> play(wire::OscSocket socket);
   Result<void> write_results();
 
   const DaemonOptions options_;

@@ -199,7 +199,7 @@ Result<void> JackClient::start(const Driver::Program& program) {
   gate_.open();
   if (jack_activate(client_) == 0) return {};
   gate_.shut();
-  return fail(ErrorKind::refused, "the JACK server refused to start the client; see its own messages");
+  return fail(ErrorKind::no_sound_server, "the JACK server refused to start the client; see its own messages");
 }
 
 // JACK counts 32 bits of frames since its server started; the mixer counts 64 since it was made. `offset_` is their

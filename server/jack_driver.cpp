@@ -238,7 +238,7 @@ Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options) {
   auto client = JackClient::open(options.client_name, meter, midi, [bell] { bell->release(); });
   if (!client && !options.wait) {
     return fail(
-        ErrorKind::refused,
+        ErrorKind::no_sound_server,
         "no JACK server answers, or it has no port left for us; start one (jackd or PipeWire), wait for one with "
         "--wait, or run with --driver null or --driver wav");
   }

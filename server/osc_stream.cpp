@@ -67,8 +67,7 @@ void flush(Connection& connection) {
 }
 
 Error listen_error(wire::Endpoint endpoint) {
-  return {ErrorKind::input_output,
-          "cannot listen for OSC by TCP on " + to_text(endpoint) + ": " + std::strerror(errno)};
+  return {ErrorKind::port_busy, "cannot listen for OSC by TCP on " + to_text(endpoint) + ": " + std::strerror(errno)};
 }
 
 }  // namespace

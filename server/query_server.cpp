@@ -73,8 +73,8 @@ Result<std::unique_ptr<QueryServer>> QueryServer::listen(std::uint16_t port, Abo
   const std::string& address = impl->about.address;
   impl->port = port == 0 ? http.bind_to_any_port(address) : http.bind_to_port(address, port) ? port : -1;
   if (impl->port < 0) {
-    return fail(ErrorKind::refused, "cannot serve OSCQuery on " + address + ":" + std::to_string(port) +
-                                        ": the port is taken or not ours; choose another (0 takes any free one)");
+    return fail(ErrorKind::port_busy, "cannot serve OSCQuery on " + address + ":" + std::to_string(port) +
+                                          ": the port is taken or not ours; choose another (0 takes any free one)");
   }
   impl->thread = std::jthread([&http] { http.listen_after_bind(); });
   // stop() is in vain before the thread listens.

@@ -41,14 +41,14 @@ Result<void> check_render(const DaemonOptions& options) {
         std::pair(options.state.has_value(), "--state"), std::pair(options.notes.has_value(), "--notes"),
         std::pair(options.scene_to.has_value(), "--scene-to")}) {
     if (given) {
-      return fail(ErrorKind::bad_input, std::string(name) + ": the wav driver only renders; use --driver jack or null");
+      return fail(ErrorKind::usage, std::string(name) + ": the wav driver only renders; use --driver jack or null");
     }
   }
   return {};
 }
 
 ExitCode render_to_file(const DaemonOptions& options) {
-  if (const auto good = check_render(options); !good) return complain(good.error().message, ExitCode::usage);
+  if (const auto good = check_render(options); !good) return complain(good.error());
   const auto recording = session::render_offline({.scene = options.scene,
                                                   .objects = options.objects,
                                                   .seconds = options.seconds,
@@ -58,9 +58,7 @@ ExitCode render_to_file(const DaemonOptions& options) {
                                                  [](double) { return !signal_came(0ms); });
   if (!recording) return complain(recording.error());
   for (const std::string& warning : recording->warnings) spdlog::warn("{}", warning);
-  if (const auto written = session::write_audio(*recording, options.output); !written) {
-    return complain(written.error().message, ExitCode::failure);
-  }
+  if (const auto written = session::write_audio(*recording, options.output); !written) return complain(written.error());
   spdlog::info("wrote {}, {:.2f} s", options.output.string(),
                static_cast<double>(recording->left.size()) / recording->sample_rate_hz);
   return ExitCode::ok;
@@ -86,10 +84,10 @@ ExitCode run_daemon(const DaemonOptions& options) {
   if (options.driver == DaemonOptions::DriverKind::wav) return render_to_file(options);
 
   const auto daemon = Daemon::start(options);
-  if (!daemon) return complain(daemon.error().error.message, daemon.error().code);
+  if (!daemon) return complain(daemon.error());
   wait_for_the_end(**daemon, options.seconds);
   const auto finished = (*daemon)->finish();
-  return finished ? ExitCode::ok : complain(finished.error().message, ExitCode::failure);
+  return finished ? ExitCode::ok : complain(finished.error());
 }
 
 }  // namespace ringdown::server

@@ -21,12 +21,15 @@
 namespace ringdown {
 
 enum class ErrorKind {
-  bad_input,     // a file, an option or a message is missing, unreadable, or not what it should be
-  too_large,     // the input is sound but exceeds a limit of ours: bytes, elements, modes, bodies
-  refused,       // the request is sound but impossible here or now: a full queue, a missing program, no convergence
-  cancelled,     // the caller asked to stop
-  no_memory,     // the computer has not enough memory
-  input_output,  // the operating system could not write, read on, send, or start a process
+  bad_input,        // a file or a message is missing, unreadable, or not what it should be
+  too_large,        // the input is sound but exceeds a limit of ours: bytes, elements, modes, bodies, objects
+  refused,          // the request is sound but impossible here or now: a full queue, a missing program, no convergence
+  cancelled,        // the caller asked to stop
+  no_memory,        // the computer has not enough memory
+  input_output,     // the operating system could not write, read on, send, or start a process
+  usage,            // an option or argument of a program is wrong
+  no_sound_server,  // no JACK server answers
+  port_busy,        // a network port cannot be opened: another program has it, or it is not ours
 };
 
 struct Error {

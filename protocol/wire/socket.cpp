@@ -30,11 +30,11 @@ Endpoint from_sockaddr(const sockaddr_in& address) { return {ntohl(address.sin_a
 
 Error bind_error(Endpoint endpoint, int reason) {
   if (reason == EADDRINUSE) {
-    return {ErrorKind::input_output,
+    return {ErrorKind::port_busy,
             "OSC port " + to_text(endpoint) +
                 " is taken by another program: stop that one, or choose another port (0 takes any free one)"};
   }
-  return {ErrorKind::input_output, "cannot listen for OSC on " + to_text(endpoint) + ": " + std::strerror(reason)};
+  return {ErrorKind::port_busy, "cannot listen for OSC on " + to_text(endpoint) + ": " + std::strerror(reason)};
 }
 
 // Only root may exceed net.core.rmem_max; either call may fail without harm.

@@ -72,8 +72,8 @@ Result<FileRoots> FileRoots::only(const std::vector<fs::path>& folders, Guard gu
     const fs::path real = fs::canonical(folder, error);
     const int descriptor = error ? -1 : ::open(real.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
     if (descriptor < 0) {
-      return fail(ErrorKind::input_output, "cannot allow files below " + folder.string() + ": " +
-                                               (error ? error.message() : std::strerror(errno)));
+      return fail(ErrorKind::bad_input, "cannot allow files below " + folder.string() + ": " +
+                                            (error ? error.message() : std::strerror(errno)));
     }
     roots.roots_.push_back({given, real, {new int(descriptor), [](const int* open) {
                                             ::close(*open);
@@ -177,9 +177,9 @@ Result<fs::path> FileRoots::writable(const fs::path& path, const WrittenKind& ki
 tl::unexpected<Error> FileRoots::outside(const fs::path& path) const {
   std::string folders;
   for (const Root& root : roots_) folders += (folders.empty() ? "" : ", ") + root.given.string();
-  return fail(ErrorKind::refused, "cannot open " + path.string() +
-                                      ": it is outside the folders that files may be opened in (" + folders +
-                                      "); name another with --root when the daemon is started");
+  return fail(ErrorKind::bad_input, "cannot open " + path.string() +
+                                        ": it is outside the folders that files may be opened in (" + folders +
+                                        "); name another with --root when the daemon is started");
 }
 
 }  // namespace ringdown::session

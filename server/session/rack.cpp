@@ -188,8 +188,8 @@ Result<synth::ObjectNumber> Rack::free_number() const {
   for (synth::ObjectNumber number = 0; number < synth::kMaxObjects; ++number) {
     if (!objects_.find(number) && !mixer_.in_use(number)) return number;
   }
-  return fail(ErrorKind::refused, "name: all " + std::to_string(synth::kMaxObjects) +
-                                      " objects are in use; free one with /object/.../free");
+  return fail(ErrorKind::too_large, "name: all " + std::to_string(synth::kMaxObjects) +
+                                        " objects are in use; free one with /object/.../free");
 }
 
 void Rack::change_sample_rate(double sample_rate_hz) {

@@ -46,6 +46,9 @@ TEST(ExitCodes, EveryKindOfErrorHasOne) {
   EXPECT_EQ(exit_code_of(ErrorKind::cancelled), ExitCode::cancelled);
   EXPECT_EQ(exit_code_of(ErrorKind::no_memory), ExitCode::failure);
   EXPECT_EQ(exit_code_of(ErrorKind::input_output), ExitCode::failure);
+  EXPECT_EQ(exit_code_of(ErrorKind::usage), ExitCode::usage);
+  EXPECT_EQ(exit_code_of(ErrorKind::no_sound_server), ExitCode::no_jack);
+  EXPECT_EQ(exit_code_of(ErrorKind::port_busy), ExitCode::port_busy);
 }
 
 TEST(ExitCodes, AMissingFileIsBadInput) { expect_failure({"info", "/nowhere/bell.glb"}, 3, "/nowhere/bell.glb"); }
