@@ -21,6 +21,11 @@ namespace ringdown::server {
 double steady_now_s();  // a clock that is never set
 double unix_now_s();    // seconds since 1970
 
+// The computer's clocks; tests pass their own.
+struct Clocks {
+  std::function<double()> steady_s = steady_now_s, unix_s = unix_now_s;
+};
+
 class FrameClock {
  public:
   struct Source {

@@ -4,17 +4,13 @@
 #include <cmath>
 
 namespace ringdown::server {
-namespace {
 
-// Linux reads this clock without a system call.
 RINGDOWN_TRUST_REALTIME_BEGIN
-LoadMeter::Clock::time_point now() RINGDOWN_REALTIME { return LoadMeter::Clock::now(); }
+LoadMeter::Clock::time_point LoadMeter::clock_now() RINGDOWN_REALTIME { return Clock::now(); }
 RINGDOWN_TRUST_REALTIME_END
 
-}  // namespace
-
 void LoadMeter::begin(std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME {
-  begin_ = now();
+  begin_ = now_();
   period_s_ = static_cast<double>(frames) / sample_rate_hz;
   const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period_s_));
   due_.store((begin_ + period).time_since_epoch().count(), std::memory_order_relaxed);
@@ -24,7 +20,7 @@ void LoadMeter::end(bool deadline) RINGDOWN_REALTIME {
   constexpr double kWindow_s = 5;
   due_.store(Clock::duration::max().count(), std::memory_order_relaxed);
   if (!(period_s_ > 0)) return;
-  const double load = std::chrono::duration<double>(now() - begin_).count() / period_s_;
+  const double load = std::chrono::duration<double>(now_() - begin_).count() / period_s_;
   if (load > 1 && deadline) misses_.fetch_add(1, std::memory_order_relaxed);
   const double weight = std::min(period_s_, 1.0);  // an exponential mean over one second
   mean_.store(mean_.load(std::memory_order_relaxed) * (1 - weight) + load * weight, std::memory_order_relaxed);
@@ -44,7 +40,7 @@ void LoadMeter::end(bool deadline) RINGDOWN_REALTIME {
 
 void LoadMeter::note_xrun() {
   const std::int32_t misses = misses_.load(std::memory_order_relaxed);
-  const bool late_now = now().time_since_epoch().count() > due_.load(std::memory_order_relaxed);
+  const bool late_now = now_().time_since_epoch().count() > due_.load(std::memory_order_relaxed);
   // A callback that is late now will be among the misses when it ends: not to be held against us twice.
   const std::int32_t known = misses_at_xrun_.exchange(misses + (late_now ? 1 : 0), std::memory_order_relaxed);
   xruns_.fetch_add(1, std::memory_order_relaxed);

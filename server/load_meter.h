@@ -16,6 +16,12 @@ namespace ringdown::server {
 class LoadMeter {
  public:
   using Clock = std::chrono::steady_clock;
+  using Now = Clock::time_point (*)() RINGDOWN_REALTIME;
+
+  static Clock::time_point clock_now() RINGDOWN_REALTIME;  // Linux reads this clock without a system call
+
+  // Callbacks are measured by `now`; tests pass a clock of their own.
+  explicit LoadMeter(Now now = clock_now) : now_(now) {}
 
   // Stand at both ends of a callback of `frames`. Without a `deadline`, in freewheel, a long callback is measured but
   // not counted as late. [audio]
@@ -33,6 +39,7 @@ class LoadMeter {
   static constexpr double kLowest = 1e-3, kStep = 1.04;  // the last bin begins at 22
   using Histogram = std::array<std::atomic<std::uint32_t>, kBins>;
 
+  Now now_;
   std::atomic<double> mean_ = 0, peak_ = 0;
   std::array<Histogram, 2> histograms_{};
   std::atomic<std::size_t> filling_ = 0;  // which of them

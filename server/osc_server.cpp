@@ -78,7 +78,7 @@ OscServer::OscServer(wire::OscSocket socket, Parts parts)
       parts_(std::move(parts)),
       notifier_(parts_.session, parts_.driver,
                 [ports = ports_](Peer to, std::span<const std::byte> packet) { ports->send(to, packet); }),
-      clock_(driver_clock(parts_.driver), steady_now_s),
+      clock_(driver_clock(parts_.driver), parts_.clocks.steady_s),
       thread_([this](const std::stop_token& stop) { run(stop); }) {
   if (!parts_.stream) return;
   parts_.stream->start([this](std::span<const std::byte> packet, Peer from) { take_from_stream(packet, from); });
@@ -122,7 +122,7 @@ void OscServer::run(const std::stop_token& stop) {
 
 // JACK servers come and go, and with them the priority.
 void OscServer::adopt_priority() {
-  const double now_s = steady_now_s();
+  const double now_s = parts_.clocks.steady_s();
   if (now_s - looked_at_s_ < 1) return;
   looked_at_s_ = now_s;
   const int priority = parts_.driver.control_priority();
@@ -139,7 +139,7 @@ void OscServer::take_from_stream(std::span<const std::byte> packet, Peer from) {
     std::unique_lock lock(inbox_.mutex);
     inbox_.room.wait(lock, [this] { return inbox_.closed || inbox_.packets.size() < Inbox::kMost; });
     if (inbox_.closed) return;
-    inbox_.packets.push_back({{packet.begin(), packet.end()}, from, steady_now_s()});
+    inbox_.packets.push_back({{packet.begin(), packet.end()}, from, parts_.clocks.steady_s()});
   }
   ports_->socket.wake();
 }
@@ -151,11 +151,12 @@ void OscServer::handle_inbox() {
     packets.swap(inbox_.packets);
   }
   inbox_.room.notify_all();
-  for (const Inbox::Packet& packet : packets) handle(packet.bytes, packet.from, steady_now_s() - packet.steady_s);
+  for (const Inbox::Packet& packet : packets)
+    handle(packet.bytes, packet.from, parts_.clocks.steady_s() - packet.steady_s);
 }
 
 void OscServer::handle(std::span<const std::byte> packet, Peer from, double age_s) {
-  const Arrival arrival{from, steady_now_s(), unix_now_s(), age_s};
+  const Arrival arrival{from, parts_.clocks.steady_s(), parts_.clocks.unix_s(), age_s};
   notifier_.heard_from(from);
   const auto messages = wire::decode_packet(packet);
   if (!messages) return answer(*ports_, arrival.from, Fail{"", messages.error().message});
@@ -178,7 +179,7 @@ synth::Frame OscServer::frame_of(wire::TimeTag time, const Arrival& arrival) con
   return clock_.frame_at(arrival.steady_s + std::clamp(wire::unix_seconds(time) - arrival.unix_s, -kFar_s, kFar_s));
 }
 
-synth::Frame OscServer::horizon() const { return clock_.frame_at(steady_now_s() + kHorizon_s); }
+synth::Frame OscServer::horizon() const { return clock_.frame_at(parts_.clocks.steady_s() + kHorizon_s); }
 
 void OscServer::expand(const wire::Message& message, synth::Frame frame, Peer from) {
   const auto names = parts_.session.rack().names();

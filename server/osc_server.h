@@ -49,6 +49,7 @@ class OscServer {
     Latency latency = {};
     session::Recorder* recorder = nullptr;   // null: /record is refused
     std::shared_ptr<OscStream> stream = {};  // TCP as well
+    Clocks clocks = {};
   };
 
   static constexpr double kHorizon_s = 0.2;

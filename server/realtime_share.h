@@ -18,6 +18,17 @@ class RealtimeShare {
  public:
   static constexpr double kPeriod_s = 0.02, kMost_s = 0.01;
 
+  // What a share asks of the system; tests pass a machine of their own.
+  struct System {
+    double (*now_s)();   // a clock that is never set
+    double (*used_s)();  // the processor time of this thread
+    // Gives this thread SCHED_FIFO, or with 0 an ordinary one's priority. Returns an error number; 0 is none.
+    int (*set_priority)(int number);
+  };
+  static const System kSystem;
+
+  explicit RealtimeShare(System system = kSystem) : system_(system) {}
+
   // Takes SCHED_FIFO at this priority; 0 makes an ordinary thread. Where the system refuses, the thread is an ordinary
   // one and an error says why.
   Result<void> set_priority(int priority);
@@ -26,6 +37,7 @@ class RealtimeShare {
   void turn();
 
  private:
+  System system_;
   int priority_ = 0;
   bool raised_ = false;
   double looked_at_s_ = -1, begin_s_ = -1, used_s_ = 0;  // in the period: where it began, processor time until then

@@ -4,6 +4,7 @@
 
 #include "engine/base/result.h"
 #include "server/driver.h"
+#include "server/frame_clock.h"
 #include "server/session/rack.h"
 #include "server/session/scene_player.h"
 
@@ -14,6 +15,6 @@ namespace ringdown::server {
 // A sink that sends strikes to `url` (osc.udp://host:port) in bundles whose time tag is the moment at which our driver
 // will play their frame. Objects go by name. `rack` and `driver` must outlive it.
 Result<session::ScenePlayer::Sink> open_remote_strikes(const std::string& url, const session::Rack& rack,
-                                                       const Driver& driver);
+                                                       const Driver& driver, Clocks clocks = {});
 
 }  // namespace ringdown::server

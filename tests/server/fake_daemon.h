@@ -55,7 +55,7 @@ class FakeDaemon {
 
   // Waits until `count` messages have arrived; ends early when they do not come.
   std::vector<TimedMessage> received(std::size_t count) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (std::chrono::steady_clock::now() < deadline) {
       {
         const std::lock_guard lock(mutex_);

@@ -1,5 +1,5 @@
-// The OSC server inside the test's process: a driver whose clock runs but which renders only when told, so that what
-// was sent can be looked for in the samples to the frame.
+// The OSC server inside the test's process, with a clock that the test sets and a driver that renders only when told,
+// so that what was sent can be looked for in the samples to the frame, however busy the machine.
 #pragma once
 
 #include "engine/modal/bank_file.h"
@@ -11,11 +11,11 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <functional>
 #include <optional>
-#include <thread>
 #include <unistd.h>
 #include <vector>
 
@@ -28,28 +28,62 @@ using wire::Message;
 inline constexpr double kRate = 48000;
 inline constexpr std::size_t kBlock = 256;
 
+// Time that passes when the test says so. The audio clock started with the steady one.
+class FakeTime {
+ public:
+  static constexpr double kUnixAhead_s = 1.7e9;  // of the steady clock: in 2023
+
+  void pass(double seconds) { now_s_ = now_s_ + seconds; }
+  [[nodiscard]] double steady_s() const { return ++reads_, now_s_.load(); }
+  [[nodiscard]] double unix_s() const { return kUnixAhead_s + now_s_; }
+  [[nodiscard]] double frame_of(double unix_s) const { return (unix_s - kUnixAhead_s) * kRate; }
+  [[nodiscard]] Frame frame() const { return static_cast<Frame>(now_s_ * kRate); }
+  [[nodiscard]] int reads() const { return reads_; }  // of the steady clock
+
+  [[nodiscard]] Clocks clocks() const {
+    return {[this] { return steady_s(); }, [this] { return unix_s(); }};
+  }
+
+ private:
+  std::atomic<double> now_s_ = 0.123456;
+  mutable std::atomic<int> reads_ = 0;
+};
+
 class StillDriver final : public Driver {
  public:
   [[nodiscard]] double sample_rate_hz() const override { return kRate; }
   [[nodiscard]] std::size_t block_frames() const override { return kBlock; }
   Result<void> start(Program) override { return {}; }
-  [[nodiscard]] Frame now() const override { return static_cast<Frame>((steady_now_s() - origin_s_) * kRate); }
+  [[nodiscard]] Frame now() const override { return time_.frame(); }
   [[nodiscard]] Load load() const override { return {}; }
-
-  // The frame that a time of the system's clock means.
-  [[nodiscard]] double frame_of(double unix_s) const {
-    return (unix_s - (unix_now_s() - steady_now_s()) - origin_s_) * kRate;
+  // The OSC server's thread asks every second of its clock, and waits here while the test holds it.
+  [[nodiscard]] int control_priority() const override {
+    waits_ = held_.load();
+    waits_.notify_all();
+    held_.wait(true);
+    return 0;
   }
 
+  explicit StillDriver(const FakeTime& time) : time_(time) {}
+
+  // Keeps the server's thread from working once it asks for its priority.
+  void hold_server(bool on) {
+    held_ = on;
+    held_.notify_all();
+  }
+  void wait_until_held() const { waits_.wait(false); }
+
  private:
-  double origin_s_ = steady_now_s();
+  const FakeTime& time_;
+  std::atomic<bool> held_ = false;
+  mutable std::atomic<bool> waits_ = false;
 };
 
 // The messages of one bundle that comes to `socket`.
 inline std::vector<protocol::Reply> notice(wire::OscSocket& socket) {
   wire::Datagram datagram;
   std::vector<protocol::Reply> replies;
-  if (!socket.receive(datagram, 20s)) return replies;
+  if (!socket.receive(datagram, 60s)) return replies;
   const auto messages = wire::decode_packet(datagram.bytes);
   EXPECT_TRUE(messages);
   for (const wire::TimedMessage& timed : *messages) {
@@ -79,13 +113,16 @@ class OscServerTest : public testing::Test {
   OscServerTest() {
     EXPECT_TRUE(modal::write_bank(test::single_mode_bank(6000, 800), folder_ / "tick.glb"));  // silent after 20 ms
   }
-  ~OscServerTest() override { server_.reset(); }
+  ~OscServerTest() override {
+    driver_.hold_server(false);
+    server_.reset();
+  }
 
   void serve(Latency latency = {}, std::shared_ptr<OscStream> stream = {}) {
     auto socket = wire::OscSocket::bind();
     ASSERT_TRUE(socket) << socket.error().message;
-    server_.emplace(std::move(*socket),
-                    OscServer::Parts{session_, worker_, driver_, [] {}, latency, &recorder_, std::move(stream)});
+    server_.emplace(std::move(*socket), OscServer::Parts{session_, worker_, driver_, [] {}, latency, &recorder_,
+                                                         std::move(stream), time_.clocks()});
     to_ = {.port = server_->port()};
   }
 
@@ -98,7 +135,7 @@ class OscServerTest : public testing::Test {
 
   std::optional<protocol::Reply> reply() {
     wire::Datagram datagram;
-    if (!client_.receive(datagram, 20s)) return std::nullopt;
+    if (!client_.receive(datagram, 60s)) return std::nullopt;
     const auto messages = wire::decode_packet(datagram.bytes);
     const auto parsed = messages ? protocol::parse_reply(messages->front().message) : fail(messages.error());
     return parsed ? std::optional(*parsed) : std::nullopt;
@@ -121,12 +158,16 @@ class OscServerTest : public testing::Test {
     }
   }
 
-  // Returns when the schedule has given to the mixer what shall sound at `unix_s`.
-  void leave_schedule(double unix_s) {
+  // Lets time pass until `unix_s`; the schedule has then given to the mixer what should sound until then.
+  void pass_until(double unix_s) {
     sync();
-    while (unix_now_s() < unix_s - OscServer::kHorizon_s / 2) std::this_thread::sleep_for(10ms);
-    sync();
+    time_.pass(unix_s - time_.unix_s());
+    sync();  // answered before or after the server looks at its schedule,
+    sync();  // and this one after it
   }
+
+  // Renders what has been sent until now, and a tenth of a second more.
+  std::vector<Frame> onsets_until_now() { return onsets_until(time_.frame() + 4800); }
 
   // Renders to `end`, in blocks, and notes where sound rises out of silence.
   std::vector<Frame> onsets_until(Frame end) {
@@ -149,7 +190,8 @@ class OscServerTest : public testing::Test {
   }
 
   test::TemporaryFolder folder_;
-  StillDriver driver_;
+  FakeTime time_;
+  StillDriver driver_{time_};
   session::Session session_{kRate};
   session::Recorder recorder_{session_.rack(), wire::write_score};
   Worker worker_{[] {}, 10ms};

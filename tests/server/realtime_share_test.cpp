@@ -1,77 +1,101 @@
-// A thread under a flood keeps real-time priority half the time; one with little to do, always.
+// A thread under a flood keeps real-time priority half the time; one with little to do, always. The clocks and the
+// scheduler are the test's own.
 #include "server/realtime_share.h"
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <pthread.h>
 #include <thread>
 
 namespace ringdown::server {
 namespace {
 
-using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
+struct FakeSystem {
+  double now_s = 100, used_s = 7;
+  int priority = 0, calls = 0;
+  bool allows = true;
+} fake;
 
-bool is_realtime() {
-  int policy = 0;
-  sched_param parameters{};
-  pthread_getschedparam(pthread_self(), &policy, &parameters);
-  return policy == SCHED_FIFO && parameters.sched_priority == 5;
-}
-
-double processor_s() {
-  timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
+constexpr RealtimeShare::System kFake = {[] { return fake.now_s; }, [] { return fake.used_s; },
+                                         [](int priority) {
+                                           ++fake.calls;
+                                           if (!fake.allows) return 1;
+                                           fake.priority = priority;
+                                           return 0;
+                                         }};
 
 // Of the thread's processor time between turns, what was used at real-time priority; and at all.
 struct Used {
-  double realtime_s = 0, all_s = 0, wall_s = 0;
+  double realtime_s = 0, all_s = 0;
 };
 
-template <class Work>
-Used take_turns(std::chrono::milliseconds time, const Work& work) {
+// A turn every 0.1 ms, of which the thread works for `load`.
+Used take_turns(RealtimeShare& share, double seconds, double load) {
+  constexpr double kTurn_s = 1e-4;
   Used used;
-  std::thread([&] {
-    RealtimeShare share;
-    if (!share.set_priority(5)) return;
-    const auto begin = Clock::now();
-    while (Clock::now() < begin + time) {
-      share.turn();
-      const bool realtime = is_realtime();
-      const double before = processor_s();
-      work();
-      const double spent = processor_s() - before;
-      used.all_s += spent;
-      if (realtime) used.realtime_s += spent;
-    }
-    used.wall_s = std::chrono::duration<double>(Clock::now() - begin).count();
-    EXPECT_TRUE(share.set_priority(0));
-    EXPECT_FALSE(is_realtime());
-  }).join();
+  for (const double end_s = fake.now_s + seconds; fake.now_s < end_s; fake.now_s += kTurn_s) {
+    share.turn();
+    fake.used_s += load * kTurn_s;
+    used.all_s += load * kTurn_s;
+    if (fake.priority > 0) used.realtime_s += load * kTurn_s;
+  }
   return used;
 }
 
-#define SKIP_WHERE_NOT_ALLOWED(used) \
-  if ((used).wall_s == 0) GTEST_SKIP() << "needs the right to real-time priority"
-
 TEST(RealtimeShare, OfABusyThreadIsHalf) {
-  const Used used = take_turns(1000ms, [] {
-    for (const auto end = Clock::now() + 100us; Clock::now() < end;) {
-    }
-  });
-  SKIP_WHERE_NOT_ALLOWED(used);
-  const double periods = used.wall_s / RealtimeShare::kPeriod_s + 1;
-  EXPECT_LT(used.realtime_s, periods * (RealtimeShare::kMost_s + 0.002));
-  EXPECT_GT(used.realtime_s, 1.5 * RealtimeShare::kMost_s) << "and it comes back";
+  fake = {};
+  RealtimeShare share(kFake);
+  ASSERT_TRUE(share.set_priority(5));
+  const Used used = take_turns(share, 10, 1);
+  EXPECT_NEAR(used.all_s, 10, 0.001);
+  EXPECT_NEAR(used.realtime_s, 5, 0.4) << "it looks every 0.5 ms whether 10 of 20 ms are used";
+  EXPECT_TRUE(share.set_priority(0));
+  EXPECT_EQ(fake.priority, 0);
 }
 
-TEST(RealtimeShare, OfAThreadThatRestsIsAll) {
-  const Used used = take_turns(200ms, [] { std::this_thread::sleep_for(1ms); });
-  SKIP_WHERE_NOT_ALLOWED(used);
+TEST(RealtimeShare, OfAThreadThatRestsHalfTheTimeIsAll) {
+  fake = {};
+  RealtimeShare share(kFake);
+  ASSERT_TRUE(share.set_priority(5));
+  const Used used = take_turns(share, 10, 0.49);
   EXPECT_EQ(used.realtime_s, used.all_s);
+  EXPECT_EQ(fake.calls, 1) << "and the system is not asked again";
+}
+
+TEST(RealtimeShare, ComesBackAsSoonAsTheFloodIsOver) {
+  fake = {};
+  RealtimeShare share(kFake);
+  ASSERT_TRUE(share.set_priority(5));
+  take_turns(share, 0.015, 1);
+  EXPECT_EQ(fake.priority, 0);
+  take_turns(share, RealtimeShare::kPeriod_s, 0.1);
+  EXPECT_EQ(fake.priority, 5);
+}
+
+TEST(RealtimeShare, OfAThreadThatMayNotHaveItIsNone) {
+  fake = {.allows = false};
+  RealtimeShare share(kFake);
+  EXPECT_FALSE(share.set_priority(5));
+  take_turns(share, 1, 1);
+  EXPECT_EQ(fake.calls, 1) << "it is not asked for again and again";
+}
+
+TEST(RealtimeShare, IsThePriorityOfTheThreadItself) {
+  bool allowed = false;
+  int policy = -1, left = -1;
+  sched_param parameters{};
+  std::thread([&] {
+    RealtimeShare share;
+    allowed = share.set_priority(5).has_value();
+    pthread_getschedparam(pthread_self(), &policy, &parameters);
+    EXPECT_TRUE(share.set_priority(0));
+    sched_param none{};
+    pthread_getschedparam(pthread_self(), &left, &none);
+  }).join();
+  if (!allowed) GTEST_SKIP() << "needs the right to real-time priority";
+  EXPECT_EQ(policy, SCHED_FIFO);
+  EXPECT_EQ(parameters.sched_priority, 5);
+  EXPECT_EQ(left, SCHED_OTHER);
 }
 
 }  // namespace

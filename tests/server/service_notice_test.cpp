@@ -68,11 +68,11 @@ TEST(ServiceNotice, IsReadyOnceAndOnlyWhenSoundRuns) {
   notice.turn(0, 1);
   EXPECT_EQ(socket.next(10ms), "");
   notice.turn(256, 2);
-  EXPECT_TRUE(socket.next(1s).starts_with("READY=1\n"));
+  EXPECT_TRUE(socket.next(60s).starts_with("READY=1\n"));
   notice.turn(512, 3);
   EXPECT_EQ(socket.next(10ms), "") << "no watchdog was asked for";
   notice.stopping();
-  EXPECT_TRUE(socket.next(1s).starts_with("STOPPING=1\n"));
+  EXPECT_TRUE(socket.next(60s).starts_with("STOPPING=1\n"));
 }
 
 TEST(ServiceNotice, TheWatchdogHearsOnlyAWorkerThatWorks) {
@@ -81,11 +81,11 @@ TEST(ServiceNotice, TheWatchdogHearsOnlyAWorkerThatWorks) {
   const Environment environment({{"NOTIFY_SOCKET", (folder / "notify").string()}, {"WATCHDOG_USEC", "2"}});
   server::ServiceNotice notice;  // one microsecond between two messages: every turn may say one
   notice.turn(0, 1);
-  EXPECT_EQ(socket.next(1s), "WATCHDOG=1");
+  EXPECT_EQ(socket.next(60s), "WATCHDOG=1");
   notice.turn(0, 1);
   EXPECT_EQ(socket.next(10ms), "");
   notice.turn(0, 2);
-  EXPECT_EQ(socket.next(1s), "WATCHDOG=1");
+  EXPECT_EQ(socket.next(60s), "WATCHDOG=1");
 }
 
 TEST(ServiceNotice, AWatchdogForAnotherProcessIsNotOurs) {
@@ -105,7 +105,7 @@ TEST(ServiceNotice, AbstractSocketsAreHeardAndNoneAtAllIsFine) {
     const Environment environment({{"NOTIFY_SOCKET", "@" + name}});
     server::ServiceNotice().stopping();
   }
-  EXPECT_TRUE(socket.next(1s).starts_with("STOPPING=1"));
+  EXPECT_TRUE(socket.next(60s).starts_with("STOPPING=1"));
   server::ServiceNotice silent;
   silent.turn(1, 1);
   silent.stopping();
@@ -121,7 +121,7 @@ TEST(ServiceNotice, TheDaemonSaysWhenSoundRunsThatItLivesAndWhenItStops) {
   std::string heard;
   const auto hear_until = [&](const std::string& word) {
     while (heard.find(word) == heard.npos) {
-      const std::string message = socket.next(20s);
+      const std::string message = socket.next(60s);
       if (message.empty()) return false;
       heard += message + "\n";
     }
@@ -135,7 +135,7 @@ TEST(ServiceNotice, TheDaemonSaysWhenSoundRunsThatItLivesAndWhenItStops) {
   }
   daemon.process().send_signal(SIGTERM);
   EXPECT_TRUE(hear_until("STOPPING=1")) << heard;
-  EXPECT_EQ(daemon.process().wait(10s), 0);
+  EXPECT_EQ(daemon.process().wait(60s), 0);
 }
 
 TEST(ServiceNotice, WithoutAudioTheDaemonNeverSaysReady) {

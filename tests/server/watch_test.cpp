@@ -174,6 +174,35 @@ TEST_F(WatchTest, WatchedModesAreToldByFrequencyUntilTheSubscriberGoes) {
   EXPECT_FALSE(session_.rack().mixer().meters().mode_watch.watches());
 }
 
+// Amplitudes are written every 10 ms, at the end of a chunk: when exactly is known to no more than that.
+TEST_F(WatchTest, WatchedAmplitudesFallAsTheBankSays) {
+  constexpr double kDecay_per_s = 4, kWritten_s = synth::ModeWatch::kEvery_s + 128 / kRate;
+  ASSERT_TRUE(modal::write_bank(test::single_mode_bank(1000, kDecay_per_s), folder_ / "slow.glb"));
+  ASSERT_TRUE(session_.rack().load("slow", folder_ / "slow.glb"));
+  serve();
+  ASSERT_TRUE(done({"/notify", {1, 100.f}}));
+  ASSERT_TRUE(done({"/object/slow/watch", {1}}));
+  send({"/object/slow/ring", {0, 1, 0.5f}});
+  catch_up();
+  const auto amplitude = [&] {
+    float told = 0;
+    sync();
+    for (int i = 0; i < 2; ++i) {  // the first may have been on its way
+      wait_for<protocol::NotifyModes>(client_, [&told](const auto& modes) {
+        told = wire::decode_floats(modes.amplitudes).front();
+        return true;
+      });
+    }
+    return told;
+  };
+  render(4096);
+  const double before = amplitude();
+  const auto frames = static_cast<double>(render(48128).size());
+  const double after = amplitude();
+  ASSERT_GT(after, 0);
+  EXPECT_NEAR(std::log(before / after), kDecay_per_s * frames / kRate, kDecay_per_s * kWritten_s);
+}
+
 TEST_F(WatchTest, SixteenObjectsAreWatchedByAllTogether) {
   for (std::size_t i = 0; i <= synth::kMaxWatched; ++i) load("o" + std::to_string(i));
   serve();
