@@ -6,13 +6,11 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <sys/wait.h>
-#include <thread>
 #include <unistd.h>
 
 namespace ringdown {
@@ -199,17 +197,23 @@ TEST(BakeProgram, ControlCLeavesNothingBehind) {
   const TemporaryFolder folder;
   const std::string program = RINGDOWN_BIN_DIR "/ringdown-bake", bell = kPresets / "objects/bronze-bell.toml",
                     out = folder.path() / "bell.glb";
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe(pipe.data()), 0);
   const pid_t child = ::fork();
   if (child == 0) {
     std::freopen("/dev/null", "w", stderr);
-    ::execl(program.c_str(), program.c_str(), bell.c_str(), "--mesh-size", "0.012", "--no-cache", "-o", out.c_str(),
-            nullptr);
+    ::dup2(pipe[1], STDOUT_FILENO);
+    ::execl(program.c_str(), program.c_str(), bell.c_str(), "--mesh-size", "0.012", "--no-cache", "--progress-lines",
+            "-o", out.c_str(), nullptr);
     ::_exit(99);
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // a bake of this size takes a minute and more
+  ::close(pipe[1]);
+  char progress = 0;
+  EXPECT_EQ(::read(pipe[0], &progress, 1), 1) << "the bake began, which takes a minute and more";
   ::kill(child, SIGINT);
   int status = 0;
   ::waitpid(child, &status, 0);
+  ::close(pipe[0]);
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 130);
   EXPECT_TRUE(fs::is_empty(folder.path()));

@@ -23,6 +23,9 @@ std::vector<std::string> daemon_command(std::vector<std::string> arguments) {
   return arguments;
 }
 
+// Names of JACK servers: half of the places that a machine has.
+constexpr int kServers = 4;
+
 // A lock on this file, or a negative number if somebody has it. Programs started later hold it too: it is free when
 // the last of them has ended.
 int locked(const std::filesystem::path& file) {
@@ -35,9 +38,10 @@ int locked(const std::filesystem::path& file) {
 
 }  // namespace
 
-JackServer::JackServer(int sample_rate_hz, int period_frames, Scheduling scheduling) : scheduling_(scheduling) {
-  for (int number = 0; lock_ < 0; ++number) {
-    name_ = "ringdown-test-" + std::to_string(number);
+JackServer::JackServer(int sample_rate_hz, int period_frames, Mode mode) : mode_(mode) {
+  for (int tries = 0; lock_ < 0; ++tries) {
+    if (tries >= kServers) std::this_thread::sleep_for(10ms);
+    name_ = "ringdown-test-" + std::to_string(tries % kServers);
     lock_ = locked(std::filesystem::temp_directory_path() / (name_ + "-of-" + std::to_string(::getuid()) + ".lock"));
   }
   start(sample_rate_hz, period_frames);
@@ -50,16 +54,20 @@ JackServer::~JackServer() {
 
 // Port limit: jackd's default wants 107 MB of shared memory, more than many containers have.
 void JackServer::start(int sample_rate_hz, int period_frames) {
-  server_ = std::make_unique<Process>(
-      std::vector<std::string>{"jackd", scheduling_ == Scheduling::realtime ? "--realtime" : "--no-realtime", "--name",
-                               name_, "--port-max", "128", "-d", "dummy", "-r", std::to_string(sample_rate_hz), "-p",
-                               std::to_string(period_frames)},
-      Process::Environment{{"JACK_NO_AUDIO_RESERVATION", "1"}});
+  std::vector<std::string> command{"jackd", "--name", name_, "--port-max", "128"};
+  if (mode_ == Mode::realtime) {
+    command.emplace_back("--realtime");
+  } else {
+    command.insert(command.end(), {"--no-realtime", "--sync", "--timeout", "10000"});
+  }
+  command.insert(command.end(),
+                 {"-d", "dummy", "-r", std::to_string(sample_rate_hz), "-p", std::to_string(period_frames)});
+  server_ = std::make_unique<Process>(command, Process::Environment{{"JACK_NO_AUDIO_RESERVATION", "1"}});
 }
 
 void JackServer::stop(int signal) {
   server_->send_signal(signal);
-  server_->wait(20s);
+  server_->wait();
 }
 
 Process::Environment JackServer::environment() const {
@@ -67,7 +75,7 @@ Process::Environment JackServer::environment() const {
 }
 
 testing::AssertionResult JackServer::runs() {
-  if (run({"jack_wait", "--server", name_, "--wait", "--timeout", "20"}).exit_code == 0) {
+  if (run({"jack_wait", "--server", name_, "--wait", "--timeout", std::to_string(kPatience.count())}).exit_code == 0) {
     return testing::AssertionSuccess();
   }
   return testing::AssertionFailure() << "no JACK server " << name_ << ":\n" << server_->output();
@@ -90,7 +98,7 @@ std::map<std::string, std::set<std::string>> JackServer::connections() const {
 Daemon::Daemon(std::vector<std::string> arguments, const Process::Environment& environment)
     : process_(daemon_command(std::move(arguments)), environment), socket_(*wire::OscSocket::bind()) {
   const std::string announcement = "ready: OSC on ";
-  if (!process_.wait_for_output(announcement, 20s)) return;
+  if (!process_.wait_for_output(announcement)) return;
   const std::string output = process_.output();
   port_ = static_cast<std::uint16_t>(
       std::stoi(output.substr(output.find(':', output.find(announcement) + announcement.size()) + 1)));

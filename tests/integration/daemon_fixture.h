@@ -26,13 +26,14 @@ namespace ringdown::test {
 //
 // JACK keeps a list of servers for each machine, with eight places, and one that was killed holds its place until a
 // server of the same name starts. So names come from a short list: the first that no other test, nor what it has left
-// running, uses now.
+// running, uses now; a test for which none is left waits until another one ends.
 class JackServer {
  public:
-  enum class Scheduling { ordinary, realtime };
+  // patient: no cycle begins before every client has finished the one before, so no block is ever lost, however busy
+  // the machine. realtime: as musicians run it, with real-time scheduling; a client that is late loses its block.
+  enum class Mode { patient, realtime };
 
-  explicit JackServer(int sample_rate_hz = 48000, int period_frames = 256,
-                      Scheduling scheduling = Scheduling::ordinary);
+  explicit JackServer(int sample_rate_hz = 48000, int period_frames = 256, Mode mode = Mode::patient);
   JackServer(const JackServer&) = delete;
   JackServer& operator=(const JackServer&) = delete;
   ~JackServer();
@@ -49,7 +50,7 @@ class JackServer {
  private:
   int lock_ = -1;  // of the name; the server holds it too
   std::string name_;
-  Scheduling scheduling_;
+  Mode mode_;
   std::unique_ptr<Process> server_;
 };
 
@@ -66,9 +67,9 @@ class Daemon {
   void send_bundle(double unix_s, const std::vector<wire::Message>& messages);
 
   // What the next packet holds: nothing after `limit`.
-  std::vector<protocol::Reply> packet(std::chrono::milliseconds limit = std::chrono::seconds(5));
+  std::vector<protocol::Reply> packet(std::chrono::milliseconds limit = kPatience);
   // Its first reply.
-  std::optional<protocol::Reply> reply(std::chrono::milliseconds limit = std::chrono::seconds(5));
+  std::optional<protocol::Reply> reply(std::chrono::milliseconds limit = kPatience);
   // Sends and waits for a reply.
   std::optional<protocol::Reply> ask(const wire::Message& message);
 
@@ -83,7 +84,7 @@ template <class Struct>
 std::optional<Struct> ask_for(Daemon& daemon, const wire::Message& message) {
   daemon.send(message);
   for (;;) {
-    const auto replies = daemon.packet(std::chrono::seconds(20));
+    const auto replies = daemon.packet();
     if (replies.empty()) return std::nullopt;
     for (const protocol::Reply& reply : replies) {
       if (const auto* wanted = std::get_if<Struct>(&reply)) return *wanted;
@@ -97,7 +98,7 @@ inline bool done(Daemon& daemon, const wire::Message& message) {
 
 // Asks again until `holds()`, at most this long.
 template <class Condition>
-bool becomes_true(Condition holds, std::chrono::milliseconds limit = std::chrono::seconds(20)) {
+bool becomes_true(Condition holds, std::chrono::milliseconds limit = kPatience) {
   const auto end = std::chrono::steady_clock::now() + limit;
   while (!holds()) {
     if (std::chrono::steady_clock::now() > end) return false;

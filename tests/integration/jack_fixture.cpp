@@ -1,18 +1,13 @@
 #include "tests/integration/jack_fixture.h"
 
 #include "engine/modal/bank_file.h"
-#include "tests/integration/sound_file.h"
 #include "tests/support/synthetic_bank.h"
-
-#include <thread>
 
 namespace ringdown::test {
 
-using namespace std::chrono_literals;
-
 void JackTest::SetUp() {
-  if (!installed("jackd") || !installed("jack_rec") || !installed("oscsend")) {
-    GTEST_SKIP() << "needs jackd2, jack-tools and liblo-tools (./run packages)";
+  for (const char* needed : {"jackd", "jack_lsp", "oscsend"}) {
+    if (!installed(needed)) GTEST_SKIP() << "needs jackd2, jack-tools and liblo-tools (./run packages)";
   }
   bank("tone.glb", kPitch_hz, kDecay_per_s);
   ASSERT_TRUE(server_.runs());
@@ -23,21 +18,21 @@ std::filesystem::path JackTest::bank(const std::string& name, double frequency_h
   return folder_ / name;
 }
 
-Samples JackTest::record(double seconds, const std::function<void()>& play) {
-  const auto file = folder_ / "recording.wav";
-  Process recorder({"jack_rec", "-f", file.string(), "-d", std::to_string(seconds), "-b", "32", "ringdown:out_left",
-                    "ringdown:out_right"},
-                   server_.environment());
-  std::this_thread::sleep_for(500ms);
-  play();
-  EXPECT_EQ(recorder.wait(30s).value_or(-1), 0) << recorder.output();
-  return read_left(file);
-}
-
 std::optional<protocol::StatusReply> JackTest::status(Daemon& daemon) {
   const auto reply = daemon.ask({"/status", {}});
   const auto* status = reply ? std::get_if<protocol::StatusReply>(&*reply) : nullptr;
   return status ? std::optional(*status) : std::nullopt;
+}
+
+testing::AssertionResult JackTest::driver_looks(Daemon& daemon) const {
+  for (const std::int32_t input : {3, 4}) {
+    const std::string port = "ringdown:in_" + std::to_string(input);
+    daemon.send(protocol::format(protocol::Excite{{.name = "tone"}, input, {1, 0, 0}, {0, 0, 1}}));
+    if (!becomes_true([&] { return server_.connections().contains(port); })) {
+      return testing::AssertionFailure() << "no port " << port;
+    }
+  }
+  return testing::AssertionSuccess();
 }
 
 wire::Message JackTest::strike(const std::string& object, double impulse_ns) {

@@ -1,14 +1,12 @@
-// A private JACK server, a bank of one mode, and a recorder: what the JACK tests begin with.
+// A private JACK server and a bank of one mode: what the JACK tests begin with.
 #pragma once
 
 #include "tests/integration/daemon_fixture.h"
-#include "tests/support/signal.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -30,8 +28,9 @@ class JackTest : public testing::Test {
   // A bank of one mode, in the scratch folder.
   std::filesystem::path bank(const std::string& name, double frequency_hz, double decay_per_s);
 
-  // Records `seconds` of the daemon's left output with jack_rec while `play` runs.
-  Samples record(double seconds, const std::function<void()>& play);
+  // Returns when the daemon's driver has looked at its connections since the call: it does so after it has made the
+  // ports that are wanted, and the second of two comes after the round of the first. Needs an object `tone`.
+  [[nodiscard]] testing::AssertionResult driver_looks(Daemon& daemon) const;
 
   TemporaryFolder folder_;
   std::filesystem::path bank_ = folder_ / "tone.glb";

@@ -5,15 +5,11 @@
 
 #include <array>
 #include <cmath>
-#include <iostream>
 #include <sys/wait.h>
 #include <unistd.h>
 
 namespace ringdown::test {
 namespace {
-
-using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
 
 struct Format {
   int rate, period, signal;
@@ -35,9 +31,7 @@ class JackReconnect : public JackTest {
     JackRecorder recorder(server_.name(), "listener", frames);
     EXPECT_TRUE(recorder.works());
     EXPECT_TRUE(recorder.connect("ringdown:out_left", "listener:in_1"));
-    recorder.freewheel(true);  // loses no block, however busy the machine
     EXPECT_TRUE(recorder.wait_for(frames));
-    recorder.freewheel(false);
     const Samples heard = recorder.samples(0);
     KeepSignals keep(rate);
     keep.add("listened-at-" + std::to_string(rate), heard);
@@ -53,11 +47,12 @@ class JackReconnect : public JackTest {
 };
 
 TEST_F(JackReconnect, EightServersOneAfterTheOtherAtOtherRatesAndPeriods) {
-  const auto slow = bank("slow.glb", kPitch_hz, 0.02);
+  const auto slow = bank("slow.glb", kPitch_hz, 0.001);
   Daemon daemon({"--object", "tone=" + slow.string(), "--connect"}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   ASSERT_TRUE(becomes_true([&] { return connected("ringdown:out_right", "system:playback_2"); }));
   EXPECT_EQ(run({"jack_connect", "ringdown:out_left", "system:playback_2"}, server_.environment()).exit_code, 0);
+  ASSERT_TRUE(driver_looks(daemon));
   daemon.send({"/object/tone/gain", {0.5f}});
   daemon.send(strike("tone"));
   ASSERT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 1; }));
@@ -65,20 +60,17 @@ TEST_F(JackReconnect, EightServersOneAfterTheOtherAtOtherRatesAndPeriods) {
   ASSERT_GT(loudness, 0.01);
 
   std::size_t survived = 0;
-  double slowest_s = 0;
   for (const auto& [rate, period, signal] : kLives) {
     SCOPED_TRACE(rate);
     server_.stop(signal);
     ASSERT_TRUE(becomes_true([&] { return daemon.process().output().find("went away") != std::string::npos; }));
     server_.start(rate, period);
     ASSERT_TRUE(server_.runs());
-    const auto back = Clock::now();
     ASSERT_TRUE(becomes_true([&] {
       return connected("ringdown:out_left", "system:playback_1") &&
              connected("ringdown:out_left", "system:playback_2") &&
              connected("ringdown:out_right", "system:playback_2");
     })) << daemon.process().output();
-    slowest_s = std::max(slowest_s, std::chrono::duration<double>(Clock::now() - back).count());
     const auto now = status(daemon);
     ASSERT_TRUE(now);
     EXPECT_EQ(now->sample_rate_hz, rate);
@@ -87,15 +79,13 @@ TEST_F(JackReconnect, EightServersOneAfterTheOtherAtOtherRatesAndPeriods) {
     const DampedSinusoid tone = listen(rate);
     EXPECT_NEAR(tone.frequency_hz, kPitch_hz, 1e-3 * kPitch_hz) << "retuned to the server's rate";
     EXPECT_LT(tone.amplitude(), 1.01 * loudness);
-    EXPECT_GT(tone.amplitude(), 0.05 * loudness) << "what was struck once still rings";
+    EXPECT_GT(tone.amplitude(), 0.5 * loudness) << "what was struck once still rings";
     survived += !HasFailure();
   }
   EXPECT_EQ(survived, kLives.size());
   EXPECT_EQ(status(daemon)->objects, 1);
-  std::cout << survived << " of " << kLives.size() << " servers met again, the slowest "
-            << static_cast<int>(1000 * slowest_s) << " ms after it answered\n";
   daemon.process().send_signal(SIGTERM);
-  EXPECT_EQ(daemon.process().wait(20s), 0) << daemon.process().output();
+  EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
 }
 
 TEST_F(JackReconnect, AConnectionComesBackWhenTheOtherClientDoes) {
@@ -105,7 +95,7 @@ TEST_F(JackReconnect, AConnectionComesBackWhenTheOtherClientDoes) {
     JackRecorder mixing_desk(server_.name(), "desk", 1);
     ASSERT_TRUE(mixing_desk.connect("ringdown:out_left", "desk:in_2"));
     ASSERT_TRUE(becomes_true([&] { return connected("ringdown:out_left", "desk:in_2"); }));
-    std::this_thread::sleep_for(300ms);  // the daemon looks ten times a second
+    ASSERT_TRUE(driver_looks(daemon));
     server_.stop(SIGKILL);
   }
   server_.start(48000, 256);
@@ -120,12 +110,11 @@ TEST_F(JackReconnect, WithoutAServerTimePassesAndMessagesAreServed) {
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   server_.stop(SIGKILL);
   ASSERT_TRUE(becomes_true([&] { return daemon.process().output().find("went away") != std::string::npos; }));
-  daemon.send(strike("tone"));
-  EXPECT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 1; }));
+  EXPECT_TRUE(becomes_true([&] { return daemon.send(strike("tone")), status(daemon)->sounding_objects == 1; }));
   EXPECT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 0; })) << "it dies away in silence";
   EXPECT_TRUE(std::holds_alternative<protocol::Done>(*daemon.ask({"/object/tone/free", {}})));
   daemon.process().send_signal(SIGTERM);
-  EXPECT_EQ(daemon.process().wait(20s), 0) << daemon.process().output();
+  EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
 }
 
 TEST_F(JackReconnect, ItWaitsForAServerIfAsked) {

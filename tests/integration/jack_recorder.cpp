@@ -1,15 +1,17 @@
 #include "tests/integration/jack_recorder.h"
 
+#include "tests/integration/daemon_fixture.h"
+
 #include <jack/jack.h>
 #include <jack/midiport.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <thread>
 
 namespace ringdown::test {
 
-JackRecorder::JackRecorder(const std::string& server, const std::string& name, std::size_t frames) {
+JackRecorder::JackRecorder(const std::string& server, const std::string& name, std::size_t frames, From from)
+    : from_(from) {
   for (auto& track : tracks_) track.resize(frames);
   const auto options = static_cast<jack_options_t>(JackNoStartServer | JackServerName);
   client_ = jack_client_open(name.c_str(), options, nullptr, server.c_str());
@@ -21,6 +23,8 @@ JackRecorder::JackRecorder(const std::string& server, const std::string& name, s
   audio_out_ = jack_port_register(client_, "audio_out", JACK_DEFAULT_AUDIO_TYPE, JackPortIsOutput, 0);
   jack_set_process_callback(
       client_, [](jack_nframes_t count, void* self) { return static_cast<JackRecorder*>(self)->process(count); }, this);
+  jack_set_freewheel_callback(
+      client_, [](int on, void* self) { static_cast<JackRecorder*>(self)->freewheels_ = on != 0; }, this);
   jack_activate(client_);
 }
 
@@ -36,6 +40,7 @@ bool JackRecorder::connect(const std::string& from, const std::string& to) {
 void JackRecorder::freewheel(bool on) { jack_set_freewheel(client_, on ? 1 : 0); }
 
 int JackRecorder::process(std::uint32_t frames) {
+  ++blocks_;
   const std::uint32_t now = jack_last_frame_time(client_);
   void* const midi = jack_port_get_buffer(midi_out_, frames);
   jack_midi_clear_buffer(midi);
@@ -45,19 +50,29 @@ int JackRecorder::process(std::uint32_t frames) {
   }
   auto* const audio = static_cast<float*>(jack_port_get_buffer(audio_out_, frames));
   std::fill_n(audio, frames, 0.0f);
-  if (kick_ != 0 && recorded_ >= kick_after_) {
+  if (kick_ != 0) {
     audio[frames / 2] = kick_.exchange(0);
     kicked_ = true;
   }
   const std::size_t at = recorded_;
-  if (at == 0 && jack_port_connected(ports_[0]) == 0) return 0;
-  if (at == 0) first_frame_ = now;
-  const std::size_t count = std::min<std::size_t>(frames, tracks_[0].size() - at);
+  std::array<const float*, 2> heard{};
   for (std::size_t i = 0; i < ports_.size(); ++i) {
-    std::copy_n(static_cast<float*>(jack_port_get_buffer(ports_[i], frames)), count, tracks_[i].data() + at);
+    heard[i] = static_cast<const float*>(jack_port_get_buffer(ports_[i], frames));
   }
+  if (at == 0 && !begins(heard, frames)) return 0;
+  if (at == 0) first_frame_ = now;
+  if (freewheels_ && freewheels_from_ < 0) freewheels_from_ = static_cast<std::int64_t>(at);
+  const std::size_t count = std::min<std::size_t>(frames, tracks_[0].size() - at);
+  for (std::size_t i = 0; i < ports_.size(); ++i) std::copy_n(heard[i], count, tracks_[i].data() + at);
   recorded_ = at + count;
   return 0;
+}
+
+bool JackRecorder::begins(const std::array<const float*, 2>& heard, std::uint32_t frames) const {
+  if (from_ == From::connection) return jack_port_connected(ports_[0]) != 0;
+  return std::ranges::any_of(heard, [frames](const float* samples) {
+    return std::any_of(samples, samples + frames, [](float sample) { return sample != 0; });
+  });
 }
 
 void JackRecorder::send(const std::array<std::uint8_t, 3>& message) {
@@ -65,9 +80,8 @@ void JackRecorder::send(const std::array<std::uint8_t, 3>& message) {
   to_send_ = true;
 }
 
-void JackRecorder::kick(float value, std::size_t after) {
+void JackRecorder::kick(float value) {
   kicked_ = false;
-  kick_after_ = after;
   kick_ = value;
 }
 
@@ -75,12 +89,21 @@ std::optional<std::uint32_t> JackRecorder::sent() const {
   return sent_ < 0 ? std::nullopt : std::optional(static_cast<std::uint32_t>(sent_));
 }
 
-bool JackRecorder::wait_for(std::size_t frames, std::chrono::seconds limit) const {
-  const auto end = std::chrono::steady_clock::now() + limit;
-  while (recorded_ < frames && std::chrono::steady_clock::now() < end) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return recorded_ >= frames;
+std::optional<std::size_t> JackRecorder::freewheels_from() const {
+  return freewheels_from_ < 0 ? std::nullopt : std::optional(static_cast<std::size_t>(freewheels_from_));
+}
+
+bool JackRecorder::wait_for(std::size_t frames) const {
+  return becomes_true([&] { return recorded_ >= frames; });
+}
+
+bool JackRecorder::let_pass(std::size_t blocks) const {
+  return becomes_true([this, end = blocks_ + blocks] { return blocks_ >= end; });
+}
+
+std::size_t silence_before(const Samples& samples) {
+  const auto heard = std::ranges::find_if(samples, [](double sample) { return sample != 0; });
+  return static_cast<std::size_t>(heard - samples.begin());
 }
 
 Samples JackRecorder::samples(std::size_t port) const { return to_doubles(std::span(tracks_[port]).first(recorded_)); }

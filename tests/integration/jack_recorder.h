@@ -5,7 +5,6 @@
 
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -19,50 +18,63 @@ namespace ringdown::test {
 
 class JackRecorder {
  public:
-  // Client `name` with ports in_1 and in_2, at the server of that name; records up to `frames` from the first on in
-  // which something is connected.
-  JackRecorder(const std::string& server, const std::string& name, std::size_t frames);
+  // What the recording begins with: the block in which something is connected to in_1, or the first in which something
+  // is heard, however long that takes.
+  enum class From { connection, sound };
+
+  // Client `name` with ports in_1 and in_2, at the server of that name; records up to `frames`.
+  JackRecorder(const std::string& server, const std::string& name, std::size_t frames, From from = From::sound);
   ~JackRecorder();
   JackRecorder(const JackRecorder&) = delete;
   JackRecorder& operator=(const JackRecorder&) = delete;
 
   [[nodiscard]] bool works() const { return client_ != nullptr; }
   bool connect(const std::string& from, const std::string& to);
+  // Freewheel begins and ends a moment later; freewheels_from() is the number of frames recorded before it.
   void freewheel(bool on);
+  [[nodiscard]] bool freewheels() const { return freewheels_; }
+  [[nodiscard]] std::optional<std::size_t> freewheels_from() const;
 
   // Sends a MIDI message from midi_out, in the middle of a block; sent() is then the server's frame at which it is.
   void send(const std::array<std::uint8_t, 3>& message);
   [[nodiscard]] std::optional<std::uint32_t> sent() const;
 
-  // Sends one sample of this value from audio_out, in the middle of the first block before which so many frames have
-  // been recorded; kicked() is then true.
-  void kick(float value, std::size_t after = 0);
+  // Sends one sample of this value from audio_out, in the middle of a block; kicked() is then true.
+  void kick(float value);
   [[nodiscard]] bool kicked() const { return kicked_; }
 
   // The server's frame of the first one recorded.
   [[nodiscard]] std::uint32_t first_frame() const { return first_frame_; }
 
   [[nodiscard]] std::size_t recorded() const { return recorded_; }
-  bool wait_for(std::size_t frames, std::chrono::seconds limit = std::chrono::seconds(60)) const;
+  bool wait_for(std::size_t frames) const;
+  // Waits until so many more blocks have passed, recorded or not.
+  bool let_pass(std::size_t blocks) const;
   // What was recorded so far, of in_1 (0) or in_2 (1).
   [[nodiscard]] Samples samples(std::size_t port) const;
 
  private:
   int process(std::uint32_t frames);
+  [[nodiscard]] bool begins(const std::array<const float*, 2>& heard, std::uint32_t frames) const;
 
   _jack_client* client_;
+  From from_;
   std::array<_jack_port*, 2> ports_{};
   std::array<std::vector<float>, 2> tracks_;
-  std::atomic<std::size_t> recorded_ = 0;
+  std::atomic<std::size_t> recorded_ = 0, blocks_ = 0;
+  std::atomic<bool> freewheels_ = false;
+  std::atomic<std::int64_t> freewheels_from_ = -1;
   std::atomic<std::uint32_t> first_frame_ = 0;
   _jack_port* midi_out_ = nullptr;
   _jack_port* audio_out_ = nullptr;
   std::atomic<float> kick_ = 0;
-  std::atomic<std::size_t> kick_after_ = 0;
   std::atomic<bool> kicked_ = false;
   std::array<std::uint8_t, 3> message_{};
   std::atomic<bool> to_send_ = false;
   std::atomic<std::int64_t> sent_ = -1;
 };
+
+// Frames before the first that is not silent.
+std::size_t silence_before(const Samples& samples);
 
 }  // namespace ringdown::test

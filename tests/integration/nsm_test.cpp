@@ -20,7 +20,7 @@ class Manager {
 
   // The next message of that address; it comes from the client we talk to from now on.
   std::optional<Message> wait_for(const std::string& address) {
-    const auto end = std::chrono::steady_clock::now() + 20s;
+    const auto end = std::chrono::steady_clock::now() + kPatience;
     while (std::chrono::steady_clock::now() < end) {
       wire::Datagram datagram;
       if (!socket_.receive(datagram, 100ms)) continue;
@@ -44,7 +44,7 @@ class Manager {
 
   // What it answers to one of our requests: empty when well, else its sentence.
   std::string answer(const std::string& to) {
-    const auto end = std::chrono::steady_clock::now() + 20s;
+    const auto end = std::chrono::steady_clock::now() + kPatience;
     while (std::chrono::steady_clock::now() < end) {
       wire::Datagram datagram;
       if (!socket_.receive(datagram, 100ms)) continue;
@@ -96,7 +96,7 @@ TEST_F(NsmTest, ASessionIsOpenedSavedEndedAndComesBack) {
     EXPECT_EQ(manager.answer("/nsm/client/save"), "");
     EXPECT_TRUE(std::filesystem::exists(folder_ / "Ringdown.nABCD.toml"));
     daemon->process().send_signal(SIGTERM);
-    EXPECT_EQ(daemon->process().wait(20s), 0) << daemon->process().output();
+    EXPECT_EQ(daemon->process().wait(), 0) << daemon->process().output();
   }
   Manager manager;
   const auto daemon = start(manager, "Ringdown.nABCD");
@@ -119,7 +119,7 @@ TEST_F(NsmTest, ABrokenStateIsToldToTheManager) {
   Manager manager;
   const auto daemon = start(manager, "Ringdown.nABCD");
   EXPECT_NE(manager.answer("/nsm/client/open"), "");
-  EXPECT_EQ(daemon->process().wait(20s), 3) << daemon->process().output();
+  EXPECT_EQ(daemon->process().wait(), 3) << daemon->process().output();
   EXPECT_NE(daemon->process().output().find("nowhere.glb"), std::string::npos) << daemon->process().output();
 }
 

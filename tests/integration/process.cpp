@@ -39,9 +39,9 @@ Process::Process(const std::vector<std::string>& command, const Environment& env
 Process::~Process() {
   if (!wait(0ms)) {
     send_signal(SIGTERM);
-    if (!wait(5000ms)) {
+    if (!wait(20s)) {
       send_signal(SIGKILL);
-      wait(5000ms);
+      wait();
     }
   }
   std::error_code ignored;

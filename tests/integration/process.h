@@ -11,6 +11,10 @@
 
 namespace ringdown::test {
 
+// How long a test waits for what must happen: many times what the busiest machine needs. No test depends on how soon it
+// happens.
+inline constexpr std::chrono::seconds kPatience{120};
+
 class Process {
  public:
   using Environment = std::map<std::string, std::string>;  // added to ours
@@ -25,11 +29,11 @@ class Process {
   void send_signal(int signal) const;
 
   // Its exit code (128 + signal if one ended it), or nothing when it still runs after `limit`.
-  std::optional<int> wait(std::chrono::milliseconds limit);
+  std::optional<int> wait(std::chrono::milliseconds limit = kPatience);
 
   [[nodiscard]] std::string output() const;
   // Waits until the output holds `text`; false when the process ends or `limit` passes first.
-  bool wait_for_output(const std::string& text, std::chrono::milliseconds limit);
+  bool wait_for_output(const std::string& text, std::chrono::milliseconds limit = kPatience);
 
  private:
   pid_t id_ = -1;
@@ -43,7 +47,7 @@ struct Outcome {
   std::string output;
 };
 Outcome run(const std::vector<std::string>& command, const Process::Environment& environment = {},
-            std::chrono::milliseconds limit = std::chrono::seconds(60));
+            std::chrono::milliseconds limit = kPatience);
 
 // Whether a program is in PATH.
 bool installed(const std::string& program);

@@ -7,17 +7,14 @@
 #include "tests/support/synthetic_bank.h"
 
 #include <algorithm>
-#include <array>
+#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <numbers>
 
 namespace ringdown::test {
 namespace {
-
-using namespace std::chrono_literals;
 
 // A ball of water that hangs in the air, where nothing pulls.
 constexpr const char* kRoom = R"(
@@ -46,51 +43,34 @@ class Viewing : public JackTest {
 
   // Hands every notice on until one is enough.
   static bool follow(Daemon& daemon, const std::function<bool(const protocol::Reply&)>& enough) {
-    return becomes_true([&] { return std::ranges::any_of(daemon.packet(20s), enough); });
+    return becomes_true([&] { return std::ranges::any_of(daemon.packet(), enough); });
   }
 };
 
-// The middle one of the slopes between early and late points: a few odd ones do not move it.
-double slope(const std::vector<std::array<double, 2>>& points) {
-  std::vector<double> slopes;
-  for (std::size_t i = 0, late = points.size() / 2; late + i < points.size(); ++i) {
-    slopes.push_back((points[late + i][1] - points[i][1]) / (points[late + i][0] - points[i][0]));
-  }
-  std::ranges::sort(slopes);
-  return slopes[slopes.size() / 2];
-}
-
-// The clock is the sound that is told along with them. Of two that begin alike, one of which dies twice as fast, the
-// one is the square of the other at any time.
+// Of two modes that begin alike, one of which dies twice as fast, the one is the square of the other at any time. (How
+// fast they fall is told to the frame in tests/server/watch_test.cpp.)
 TEST_F(Viewing, ToldAmplitudesFallAsTheBankSays) {
   Daemon daemon({"--object", "bell=" + (folder_ / "bell.glb").string()}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
-  constexpr double kBegin = 0.5, kSeconds = 2;
+  constexpr double kBegin = 0.5;
   ASSERT_TRUE(done(daemon, {"/notify", {1, 60.f}}));
-  ASSERT_TRUE(done(daemon, {"/watch/sound", {1}}));
   ASSERT_TRUE(done(daemon, {"/object/bell/watch", {1}}));
   daemon.send({"/object/bell/ring", {0, 2, static_cast<float>(kBegin)}});
 
-  std::vector<std::array<double, 2>> lowest_db;
-  double worst = 0, time_s = 0;
+  double worst = 0, lowest = kBegin;
   ASSERT_TRUE(follow(daemon, [&](const protocol::Reply& reply) {
-    if (const auto* sound = std::get_if<protocol::NotifySound>(&reply)) {
-      time_s = static_cast<double>(sound->frame) / sound->sample_rate_hz;
-    }
     const auto* modes = std::get_if<protocol::NotifyModes>(&reply);
-    if (!modes || time_s == 0) return false;
+    if (!modes) return false;
     const auto amplitudes = wire::decode_floats(modes->amplitudes);
     EXPECT_EQ(amplitudes.size(), 3u);
     if (amplitudes.size() != 3 || amplitudes[0] == 0) return false;
     EXPECT_EQ(amplitudes[2], 0);
+    EXPECT_LE(amplitudes[0], lowest * (1 + 1e-6));
+    lowest = amplitudes[0];
     worst = std::max(worst, std::abs(kBegin * amplitudes[1] / amplitudes[0] / amplitudes[0] - 1));
-    lowest_db.push_back({time_s, 20 * std::log10(amplitudes[0])});
-    return time_s > lowest_db.front()[0] + kSeconds;
+    return lowest < kBegin / 10;
   }));
-  const double wanted = -20 * 2 / std::numbers::ln10;
-  std::printf("%.3f dB/s of %.3f, the others off by %.1e\n", slope(lowest_db), wanted, worst);
   EXPECT_LT(worst, 1e-5);
-  EXPECT_NEAR(slope(lowest_db), wanted, 0.02 * std::abs(wanted)) << "told every 10 ms, and not at the same instant";
 }
 
 TEST_F(Viewing, ABanksPiecesMakeItsFile) {
@@ -180,26 +160,26 @@ TEST_F(Viewing, APushedBodyMovesByItsImpulseOverItsMass) {
   }));
 }
 
-// The choices are made while the object is silent: what rings is cut where the change happened to be taken up.
+// The choices are made while the object is silent: what rings is cut where the change happened to be taken up. What is
+// played lies seconds ahead: what comes too late is not where the score says.
 TEST_F(Viewing, ARecordedSessionOfRungAndChosenModesRendersToTheSameSamples) {
   const auto score = folder_ / "session.osc", live = folder_ / "live.wav", replay = folder_ / "replay.wav";
   const std::string bank = (folder_ / "bell.glb").string();
   {
-    Daemon daemon({"--driver", "null", "--block", "128", "--latency", "500ms", "--object", "bell=" + bank, "--object",
-                   "cup=" + bank, "--record", score.string(), "--capture", live.string()});
+    Daemon daemon({"--driver", "null", "--block", "128", "--object", "bell=" + bank, "--object", "cup=" + bank,
+                   "--record", score.string(), "--capture", live.string()});
     ASSERT_TRUE(daemon.ready()) << daemon.process().output();
     ASSERT_TRUE(done(daemon, {"/object/bell/modes", {1, 1}}));
-    for (int i = 0; i < 10; ++i) {
-      daemon.send({"/object/bell/ring", {i % 3, 2, 0.01f * static_cast<float>(i)}});
-      daemon.send(strike("bell", 0.01 * i));
-    }
-    ASSERT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 1; }));
     ASSERT_TRUE(done(daemon, {"/object/cup/modes", {0, 2}}));
-    daemon.send({"/object/cup/ring", {0, 3, 0.1f}});
+    const double start = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count() + 3;
+    for (int i = 0; i < 10; ++i) {
+      daemon.send_bundle(start + 0.0137 * i,
+                         {{"/object/bell/ring", {i % 3, 2, 0.01f * static_cast<float>(i)}}, strike("bell", 0.01 * i)});
+    }
+    daemon.send_bundle(start + 0.2, {{"/object/cup/ring", {0, 3, 0.1f}}});
     ASSERT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 2; }));
-    EXPECT_EQ(status(daemon)->late_events, 0);
     ASSERT_TRUE(done(daemon, {"/quit", {}}));
-    EXPECT_EQ(daemon.process().wait(20s), 0) << daemon.process().output();
+    EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
   }
   const Outcome rendered =
       run({program("ringdown"), "render", "--events", score.string(), "--block", "128", "-o", replay.string()});

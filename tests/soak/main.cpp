@@ -84,7 +84,7 @@ class Soak {
 };
 
 Soak::Soak(const Options& options) : options_(options), actions_(folder_.path(), options.seed) {
-  if (!options_.without_jack) server_.emplace(48000, 256, JackServer::Scheduling::realtime);
+  if (!options_.without_jack) server_.emplace(48000, 256, JackServer::Mode::realtime);
 }
 
 Process::Environment Soak::environment() {
@@ -117,7 +117,7 @@ std::optional<StatusReply> Soak::catch_up() {
   daemon_->send({"/status", {}});
   std::optional<StatusReply> status;
   for (bool synced = false; !synced || !status;) {
-    const auto reply = daemon_->reply(20s);
+    const auto reply = daemon_->reply();
     if (!reply) return std::nullopt;
     if (const auto* found = std::get_if<StatusReply>(&*reply)) status = *found;
     synced = synced || std::holds_alternative<ringdown::protocol::Synced>(*reply);
@@ -213,7 +213,7 @@ bool line(const char* what, double figure, const char* unit, bool good = true) {
 bool Soak::report() {
   const double resident = resident_mb(daemon_->process().id()), lasted_s = passed_s();
   daemon_->process().send_signal(SIGTERM);
-  const bool ended = daemon_->process().wait(20s) == 0;
+  const bool ended = daemon_->process().wait() == 0;
   std::printf("%.0f s, %llu actions, seed %u\n", lasted_s, static_cast<unsigned long long>(actions_.count()),
               options_.seed);
   bool good = line("answered to the end", status_.has_value(), "", status_.has_value());

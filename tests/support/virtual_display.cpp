@@ -27,7 +27,7 @@ VirtualDisplay::VirtualDisplay() {
   server_ = std::make_unique<Process>(std::vector<std::string>{"Xvfb", "-displayfd", "1", "-screen", "0", "1280x800x24",
                                                                "+extension", "GLX", "-noreset", "-nolisten", "tcp"});
   std::string number;
-  for (int tries = 0; number.empty() && tries < 3000 && !server_->wait(std::chrono::milliseconds(10)); ++tries)
+  for (int tries = 0; number.empty() && tries < 12000 && !server_->wait(std::chrono::milliseconds(10)); ++tries)
     number = display_number(server_->output());
   if (number.empty()) throw std::runtime_error("Xvfb does not come up: " + server_->output());
   name_ = ":" + number;

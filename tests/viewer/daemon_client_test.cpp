@@ -39,7 +39,7 @@ struct Window {
     for (auto& request : model.wants(now_s())) client.send(std::move(request));
   }
   template <class Condition>
-  bool reaches(Condition holds, std::chrono::milliseconds limit = 20s) {
+  bool reaches(Condition holds, std::chrono::milliseconds limit = kPatience) {
     const auto framed = [&] {
       frame();
       return holds();
@@ -114,7 +114,7 @@ TEST(DaemonClient, TheClientConnectsAgainToADaemonThatReplacedAnother) {
   Window window(at(port));
   ASSERT_TRUE(window.reaches([&] { return window.connection == 1; }));
   first->process().send_signal(SIGKILL);
-  ASSERT_TRUE(first->process().wait(20s));
+  ASSERT_TRUE(first->process().wait());
   const Process second = daemon_at(port, {"--object", object_option("gong", "gong")});
   ASSERT_TRUE(window.reaches([&] {
     const KnownObject* gong = window.model.object("gong");
@@ -180,7 +180,7 @@ TEST(Viewing, TheModelLearnsEverythingThoughEveryThirdDatagramIsLost) {
   const LossyRelay relay(daemon.port(), 3);
   Window window(at(relay.port()));
   const Model& model = window.model;
-  ASSERT_TRUE(window.reaches([&] { return model.objects().size() == 4 && knows_everything(model); }, 120s));
+  ASSERT_TRUE(window.reaches([&] { return model.objects().size() == 4 && knows_everything(model); }));
   EXPECT_GT(relay.dropped(), 10u);
   EXPECT_EQ(model.scene().bodies().size(), 4u);
   for (const char* coin : {"coin", "hard-coin", "dropped-coin"}) {

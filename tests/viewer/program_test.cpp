@@ -92,7 +92,7 @@ Outcome take(const std::filesystem::path& scene, const std::filesystem::path& pi
       kViewer,  "--screenshot",         picture.string(),       "--scene", scene.string(), "--only", "scene",
       "--size", std::to_string(kWidth), std::to_string(kHeight)};
   command.insert(command.end(), more.begin(), more.end());
-  return run(command, {}, 120s);
+  return run(command);
 }
 
 #define NEED_DISPLAY(display)   \
@@ -143,8 +143,7 @@ TEST(ViewerProgram, ARunningDaemonResolvesTheScenesPathInItsOwnFolder) {
   const auto picture = elsewhere / "picture.png";
   const auto taken = run({"env", "-C", elsewhere.path().string(), kViewer, "--screenshot", picture.string(), "--scene",
                           relative(scene).string(), "--at", "0", "--only", "scene", "--size", std::to_string(kWidth),
-                          std::to_string(kHeight), "--to", "osc.udp://127.0.0.1:" + std::to_string(daemon.port())},
-                         {}, 120s);
+                          std::to_string(kHeight), "--to", "osc.udp://127.0.0.1:" + std::to_string(daemon.port())});
   ASSERT_EQ(taken.exit_code, 0) << taken.output;
   const auto [bell_x, bell_y] = pixel_of(-0.3, 0, 0.58);
   const Colour bronze = read_png(picture).at(bell_x, bell_y);
@@ -188,7 +187,7 @@ void visit(const TemporaryFolder& folder, const std::vector<std::string>& keys) 
       run({"xdotool", "search", "--sync", "--onlyvisible", "--name", "^Ringdown$", "windowfocus", "--sync"});
   ASSERT_EQ(found.exit_code, 0) << found.output;
   for (const std::string& key : keys) ASSERT_EQ(run({"xdotool", "key", key}).exit_code, 0);
-  EXPECT_EQ(viewer.wait(30s), 0) << viewer.output();
+  EXPECT_EQ(viewer.wait(), 0) << viewer.output();
 }
 
 TEST(ViewerProgram, TheViewerRestoresItsSettings) {

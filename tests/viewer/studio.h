@@ -75,7 +75,7 @@ class Studio {
 
   // Draws frames until it holds; false after the limit.
   template <class Condition>
-  bool until(Condition holds, std::chrono::seconds limit = 20s) {
+  bool until(Condition holds, std::chrono::seconds limit = kPatience) {
     const auto end = std::chrono::steady_clock::now() + limit;
     while (!holds()) {
       if (std::chrono::steady_clock::now() > end) return false;
@@ -142,7 +142,7 @@ class Studio {
   template <class Holds>
   ::testing::AssertionResult changes_bell(const std::string& key, Holds holds) {
     press(key);
-    if (until([&] { return holds(bell()); }, 20s)) return ::testing::AssertionSuccess();
+    if (until([&] { return holds(bell()); })) return ::testing::AssertionSuccess();
     return ::testing::AssertionFailure() << "key " << key;
   }
 

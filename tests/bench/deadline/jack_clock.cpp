@@ -1,11 +1,11 @@
-#include "tests/integration/jack_clock.h"
+#include "tests/bench/deadline/jack_clock.h"
 
 #include <jack/jack.h>
 
 #include <algorithm>
 #include <limits>
 
-namespace ringdown::test {
+namespace ringdown::bench {
 namespace {
 
 constexpr std::size_t kMaxCycles = 200000, kFewCycles = 10;
@@ -53,4 +53,4 @@ double JackClock::strayed_s() const {
   return most - least;
 }
 
-}  // namespace ringdown::test
+}  // namespace ringdown::bench

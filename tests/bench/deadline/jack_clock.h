@@ -17,7 +17,7 @@
 
 struct _jack_client;
 
-namespace ringdown::test {
+namespace ringdown::bench {
 
 class JackClock {
  public:
@@ -53,4 +53,4 @@ class JackClock {
   std::atomic<int> xruns_ = 0;
 };
 
-}  // namespace ringdown::test
+}  // namespace ringdown::bench
