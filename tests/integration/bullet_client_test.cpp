@@ -98,7 +98,7 @@ class BulletClient : public testing::Test {
   std::filesystem::path scene_ = folder_ / "scene.toml", score_ = folder_ / "bullet.osc";
 };
 
-TEST_F(BulletClient, ADaemonReceivesWhatTheScoreSays) {
+TEST_F(BulletClient, ADaemonReceivesFromTheBulletClientWhatItsScoreSays) {
   const auto recorded = folder_ / "daemon.osc";
   ASSERT_NO_FATAL_FAILURE(
       record_client(recorded, [](const protocol::StatusReply& reply) { return reply.sounding_objects == 2; }));
@@ -137,7 +137,7 @@ TEST_F(BulletClient, WhatRestsIsHeldInTheDaemonAtItsTime) {
   EXPECT_NEAR(found_s, sent_s, 0.005);
 }
 
-TEST_F(BulletClient, ItsScoreSoundsAsTheSceneDoesInRender) {
+TEST_F(BulletClient, TheBulletClientsScoreSoundsAsTheSceneDoesInRender) {
   write_events(score_);
   const auto ours = folder_ / "ode.wav", theirs = folder_ / "bullet.wav";
   const std::vector<std::string> scene = {"--scene", scene_.string()}, events = {"--events", score_.string()};
@@ -158,7 +158,7 @@ TEST_F(BulletClient, ItsScoreSoundsAsTheSceneDoesInRender) {
   EXPECT_LT(relative_error_db(bullet, ode), -30);
 }
 
-TEST_F(BulletClient, WritesTheSameScoreTwice) {
+TEST_F(BulletClient, TheBulletClientWritesTheSameScoreTwice) {
   const auto bytes = [&] {
     write_events(score_);
     std::ifstream file(score_, std::ios::binary);
@@ -169,7 +169,7 @@ TEST_F(BulletClient, WritesTheSameScoreTwice) {
   EXPECT_EQ(first, bytes());
 }
 
-TEST_F(BulletClient, RefusesInOneSentence) {
+TEST_F(BulletClient, TheBulletClientRefusesInOneSentence) {
   const auto refuse = [&](std::vector<std::string> arguments, int code, const std::string& word) {
     arguments.insert(arguments.begin(), program("ringdown-bullet"));
     const Outcome outcome = run(arguments);

@@ -48,7 +48,7 @@ class DaemonTest : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(DaemonTest, LoadsStrikesRetunesAndFreesObjectsByNameAndNumber) {
+TEST_F(DaemonTest, TheDaemonLoadsStrikesRetunesAndFreesObjectsByNameAndNumber) {
   Daemon daemon({"--driver", "null", "--object", "low=" + bank("low.glb")});
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   const auto loaded = expect<Done>(daemon, {"/load", {"high", bank("high.glb")}});
@@ -74,7 +74,7 @@ TEST_F(DaemonTest, LoadsStrikesRetunesAndFreesObjectsByNameAndNumber) {
   EXPECT_NE(expect<Fail>(daemon, {by_number + "/free", {}}).sentence.find("object"), std::string::npos);
 }
 
-TEST_F(DaemonTest, EveryRefusalNamesWhatIsWrong) {
+TEST_F(DaemonTest, EveryRefusalByTheDaemonNamesWhatIsWrong) {
   Daemon daemon({"--driver", "null", "--object", "low=" + bank("low.glb")});
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   const std::vector<std::pair<Message, std::string>> refused = {
@@ -96,7 +96,7 @@ TEST_F(DaemonTest, EveryRefusalNamesWhatIsWrong) {
   }
 }
 
-TEST_F(DaemonTest, AnswersVersionAndStopsOnQuit) {
+TEST_F(DaemonTest, TheDaemonAnswersVersionAndStopsOnQuit) {
   Daemon daemon({"--driver", "null"});
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   EXPECT_EQ(expect<protocol::VersionReply>(daemon, {"/version", {}}).program, "ringdownd");
@@ -104,7 +104,7 @@ TEST_F(DaemonTest, AnswersVersionAndStopsOnQuit) {
   EXPECT_EQ(daemon.process().wait(), 0);
 }
 
-TEST_F(DaemonTest, StopsCleanlyOnBothSignals) {
+TEST_F(DaemonTest, TheDaemonStopsCleanlyOnBothSignals) {
   for (const int signal : {SIGINT, SIGTERM}) {
     Daemon daemon({"--driver", "null", "--object", "low=" + bank("low.glb")});
     ASSERT_TRUE(daemon.ready()) << daemon.process().output();
@@ -134,7 +134,7 @@ TEST_F(DaemonTest, NoJackServerABusyPortAndABadBankHaveTheirOwnExitCodes) {
   EXPECT_EQ(run({program("ringdownd"), "--help"}).exit_code, 0);
 }
 
-TEST_F(DaemonTest, SendsItsSceneToAnotherDaemonAsOsc) {
+TEST_F(DaemonTest, ASceneIsSentToAnotherDaemonAsOsc) {
   std::ofstream(folder_ / "drop.toml") << R"(
 [[object]]
 name = "ball"
@@ -215,7 +215,7 @@ TEST_F(DaemonTest, ARecordedSessionRendersToTheSameSamples) {
   EXPECT_GT(peak(heard), 0.001);
 }
 
-TEST_F(DaemonTest, FilesOutsideItsFoldersStayClosed) {
+TEST_F(DaemonTest, FilesOutsideTheDaemonsFoldersStayClosed) {
   std::filesystem::create_directory(folder_ / "open");
   Daemon daemon({"--driver", "null", "--root", (folder_ / "open").string()});
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
@@ -227,7 +227,7 @@ TEST_F(DaemonTest, FilesOutsideItsFoldersStayClosed) {
   EXPECT_NE(record.sentence.find("--root"), std::string::npos) << record.sentence;
 }
 
-TEST_F(DaemonTest, WithoutAnAvahiDaemonItIsNotAnnouncedAndSaysSoOnce) {
+TEST_F(DaemonTest, WithoutAvahiTheDaemonIsNotAnnouncedAndSaysSoOnce) {
   Daemon daemon({"--driver", "null", "--zeroconf"}, {{"DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nowhere/bus"}});
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   ASSERT_TRUE(daemon.process().wait_for_output("not announced by Zeroconf")) << daemon.process().output();

@@ -42,7 +42,7 @@ class JackInput : public JackTest {
   }
 };
 
-TEST_F(JackInput, ASampleIsAForceForOneFrameAtEveryRateAndServer) {
+TEST_F(JackInput, ASampleOfAnInputIsAForceForOneFrameAtEveryRateAndServer) {
   const std::string tone = bank("short.glb", kPitch_hz, 60).string();  // silent before each blow
   Daemon daemon({"--object", "tone=" + tone, "--input", "tone:1,0,0:0,0," + std::to_string(kForce_n)},
                 server_.environment());
@@ -59,7 +59,7 @@ TEST_F(JackInput, ASampleIsAForceForOneFrameAtEveryRateAndServer) {
   EXPECT_NEAR(loudness(96000, "ringdown:in_1"), expected / 2, 1e-3 * expected) << "half as long a frame";
 }
 
-TEST_F(JackInput, ComesBackWithItsConnection) {
+TEST_F(JackInput, AnInputComesBackWithItsConnection) {
   Daemon daemon({"--object", "tone=" + bank_.string(), "--input", "tone"}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   const auto connected = [&] { return server_.connections()["ringdown:in_1"].contains("system:capture_2"); };
@@ -73,7 +73,7 @@ TEST_F(JackInput, ComesBackWithItsConnection) {
   EXPECT_TRUE(becomes_true(connected)) << daemon.process().output();
 }
 
-TEST_F(JackInput, IsMadeAndMovedByMessages) {
+TEST_F(JackInput, AnInputIsMadeAndMovedByMessages) {
   Daemon daemon({"--object", "tone=" + bank("short.glb", kPitch_hz, 60).string()}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   EXPECT_FALSE(server_.connections().contains("ringdown:in_1")) << "none unless asked for";
@@ -93,7 +93,7 @@ TEST_F(JackInput, IsMadeAndMovedByMessages) {
   EXPECT_EQ(peak(client.samples(0)), 0);
 }
 
-TEST_F(JackInput, WrongOptionsAreRefused) {
+TEST_F(JackInput, WrongOptionsOfInputsAreRefused) {
   const auto refusal = [&](const std::vector<std::string>& inputs) {
     std::vector<std::string> command = {program("ringdownd"), "--port", "0", "--object", "tone=" + bank_.string()};
     for (const std::string& input : inputs) command.insert(command.end(), {"--input", input});

@@ -24,7 +24,7 @@ class JackPorts : public JackTest {
   std::string low_, high_;
 };
 
-TEST_F(JackPorts, EachObjectHasItsOwnAndOthersComingAndGoingDoNotTouchIt) {
+TEST_F(JackPorts, EachObjectHasAPortThatOthersComingAndGoingDoNotTouch) {
   Daemon daemon({"--ports", "objects", "--object", low_, "--object", high_}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   ASSERT_TRUE(becomes_true([&] { return exists("ringdown:low") && exists("ringdown:high"); }));
@@ -43,7 +43,7 @@ TEST_F(JackPorts, EachObjectHasItsOwnAndOthersComingAndGoingDoNotTouchIt) {
   EXPECT_GT(peak(recorder.samples(1)), 0.01) << "all are heard in the mix";
 }
 
-TEST_F(JackPorts, AGroupSharesOneInWhichItsObjectsAreHeard) {
+TEST_F(JackPorts, AGroupSharesAPortInWhichItsObjectsAreHeard) {
   Daemon daemon({"--ports", "groups", "--object", low_, "--object", high_}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   EXPECT_TRUE(std::holds_alternative<protocol::Done>(*daemon.ask({"/object/low/group", {"bells"}})));
@@ -67,7 +67,7 @@ TEST_F(JackPorts, AGroupSharesOneInWhichItsObjectsAreHeard) {
   EXPECT_TRUE(becomes_true([&] { return !exists("ringdown:bells"); }));
 }
 
-TEST_F(JackPorts, PatchbaysLearnTheirNamesOrderAndGroup) {
+TEST_F(JackPorts, PatchbaysLearnNamesOrderAndGroupOfPorts) {
   if (!installed("jack_property")) GTEST_SKIP() << "needs jack_property (jack-tools)";
   Daemon daemon({"--ports", "objects", "--object", low_}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();

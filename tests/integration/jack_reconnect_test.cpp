@@ -46,7 +46,7 @@ class JackReconnect : public JackTest {
   }
 };
 
-TEST_F(JackReconnect, EightServersOneAfterTheOtherAtOtherRatesAndPeriods) {
+TEST_F(JackReconnect, TheDaemonMeetsEightServersAtOtherRatesAndPeriods) {
   const auto slow = bank("slow.glb", kPitch_hz, 0.001);
   Daemon daemon({"--object", "tone=" + slow.string(), "--connect"}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
@@ -117,7 +117,7 @@ TEST_F(JackReconnect, WithoutAServerTimePassesAndMessagesAreServed) {
   EXPECT_EQ(daemon.process().wait(), 0) << daemon.process().output();
 }
 
-TEST_F(JackReconnect, ItWaitsForAServerIfAsked) {
+TEST_F(JackReconnect, TheDaemonWaitsForAServerIfAsked) {
   server_.stop();
   Daemon daemon({"--wait", "--object", "tone=" + bank_.string(), "--connect"}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
@@ -129,7 +129,7 @@ TEST_F(JackReconnect, ItWaitsForAServerIfAsked) {
   EXPECT_EQ(status(daemon)->block_frames, 512);
 }
 
-TEST_F(JackReconnect, WithoutAServerItDoesNotStart) {
+TEST_F(JackReconnect, TheDaemonDoesNotStartWithoutAServer) {
   server_.stop();
   const Outcome outcome = run({program("ringdownd"), "--port", "0"}, server_.environment());
   EXPECT_EQ(outcome.exit_code, 4);
@@ -137,7 +137,7 @@ TEST_F(JackReconnect, WithoutAServerItDoesNotStart) {
 }
 
 // Tests must not use up the machine's eight places for JACK servers, though some kill theirs, and some crash.
-TEST(JackServerOfATest, TenProcessesThatKillTheirsLeaveAPlaceForTheNext) {
+TEST(JackServerOfATest, TenTestsThatKillTheirJackServersLeaveAPlaceForTheNext) {
   if (!installed("jackd")) GTEST_SKIP() << "needs jackd2 (./run packages)";
   for (int life = 0; life < 10; ++life) {
     const pid_t crashing = ::fork();

@@ -73,7 +73,7 @@ class NsmTest : public JackTest {
   }
 };
 
-TEST_F(NsmTest, ASessionIsOpenedSavedEndedAndComesBack) {
+TEST_F(NsmTest, ASessionUnderNsmIsOpenedSavedEndedAndComesBack) {
   {
     Manager manager;
     const auto daemon = start(manager, "Ringdown.nABCD");
@@ -114,7 +114,7 @@ TEST_F(NsmTest, ASessionIsOpenedSavedEndedAndComesBack) {
   std::filesystem::remove("nsm-test-" + std::to_string(::getpid()) + ".glb");
 }
 
-TEST_F(NsmTest, ABrokenStateIsToldToTheManager) {
+TEST_F(NsmTest, ABrokenStateIsToldToTheSessionManager) {
   std::ofstream(folder_ / "Ringdown.nABCD.toml") << "[[object]]\nname = 'a'\nbank = 'nowhere.glb'\n";
   Manager manager;
   const auto daemon = start(manager, "Ringdown.nABCD");
@@ -123,7 +123,7 @@ TEST_F(NsmTest, ABrokenStateIsToldToTheManager) {
   EXPECT_NE(daemon->process().output().find("nowhere.glb"), std::string::npos) << daemon->process().output();
 }
 
-TEST_F(NsmTest, AManagerThatCannotBeIsRefused) {
+TEST_F(NsmTest, ASessionManagerThatCannotBeIsRefused) {
   const auto started = [&](const std::string& url) {
     Process::Environment environment = server_.environment();
     environment["NSM_URL"] = url;

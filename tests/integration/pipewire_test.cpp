@@ -43,7 +43,7 @@ class PipeWire : public testing::Test {
   std::unique_ptr<Process> server_;
 };
 
-TEST_F(PipeWire, ItPlaysAndOutlivesTheServer) {
+TEST_F(PipeWire, TheDaemonPlaysUnderPipeWireAndOutlivesIt) {
   ASSERT_TRUE(modal::write_bank(single_mode_bank(440, 8), folder_ / "tone.glb"));
   Daemon daemon({"--ports", "objects", "--object", "tone=" + (folder_ / "tone.glb").string()}, environment_);
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();

@@ -145,7 +145,7 @@ struct Told {
   }
 };
 
-TEST_F(ViewingSound, WhatIsToldIsWhatJackGetsSampleBySample) {
+TEST_F(ViewingSound, TheSoundThatIsToldIsWhatJackGetsSampleBySample) {
   Daemon daemon(with_bell(), server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   const auto most = static_cast<std::size_t>(2 * kRate);

@@ -58,13 +58,13 @@ TEST(LoadMeter, AnXrunIsOursWhileTheLateCallbackStillRuns) {
   EXPECT_EQ(meter.read().own_xruns, 1);
 }
 
-TEST(LoadMeter, FreewheelMissesNothing) {
+TEST(LoadMeter, NoCallbackIsAMissInFreewheel) {
   LoadMeter meter(fake_now);
   callback(meter, 10, false);
   EXPECT_EQ(meter.read().misses, 0);
 }
 
-TEST(LoadMeter, TheMeanIsOfASecond) {
+TEST(LoadMeter, TheMeanLoadIsOfASecond) {
   LoadMeter meter(fake_now);
   for (int i = 0; i < 20000; ++i) callback(meter, 0.25);
   EXPECT_NEAR(meter.read().mean, 0.25, 1e-3);
@@ -72,7 +72,7 @@ TEST(LoadMeter, TheMeanIsOfASecond) {
   EXPECT_NEAR(meter.read().mean, 0.75 - 0.5 * std::exp(-1), 1e-3);
 }
 
-TEST(LoadMeter, ThePercentileLeavesOutOneInAHundredButNotTwo) {
+TEST(LoadMeter, ThePercentileOfLoadsLeavesOutOneInAHundredButNotTwo) {
   LoadMeter meter(fake_now);
   for (int i = 0; i < 198; ++i) callback(meter, 0.5);
   callback(meter, 10);
@@ -83,7 +83,7 @@ TEST(LoadMeter, ThePercentileLeavesOutOneInAHundredButNotTwo) {
   EXPECT_LE(meter.read().p99, meter.read().peak);
 }
 
-TEST(LoadMeter, ThePercentileForgetsWhatIsTenSecondsAgo) {
+TEST(LoadMeter, ThePercentileOfLoadsForgetsWhatIsTenSecondsAgo) {
   LoadMeter meter(fake_now);
   for (int i = 0; i < 1000; ++i) callback(meter, 10);
   EXPECT_GT(meter.read().p99, 9);
@@ -127,7 +127,7 @@ Callbacks play_too_much(double share) {
   return {load.misses, load.own_xruns, mixer.counters().ringing_modes.load(), mixer.counters().muted_modes.load()};
 }
 
-TEST(LoadMeter, CountsEveryBlockOfAnUnboundedMixerAsLateAndNoneOfABoundedOne) {
+TEST(LoadMeter, EveryBlockOfAnUnboundedMixerIsAMissAndNoneOfABoundedOne) {
   const Callbacks without = play_too_much(0), with = play_too_much(0.7);
   EXPECT_GT(without.misses, 500);
   EXPECT_EQ(without.own_xruns, without.misses);

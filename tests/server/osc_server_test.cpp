@@ -84,7 +84,7 @@ TEST_F(OscServerTest, ALateBundleIsPlayedAtOnceAndCounted) {
   EXPECT_EQ(session_.rack().mixer().counters().late, 1u);
 }
 
-TEST_F(OscServerTest, OnlySoMuchMayLieAheadAndOnlySoFar) {
+TEST_F(OscServerTest, OnlySoManyEventsMayLieAheadAndOnlySoFar) {
   load("tick");
   serve();
   const double far = time_.unix_s() + session::kMaxAhead_s;
@@ -274,7 +274,7 @@ TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {
   EXPECT_TRUE(recorded(protocol::format(protocol::Strike{bell, {3, 2, 1}, {0, 0, 0.25}, 0.001})));
 }
 
-TEST(Latency, IsFramesOrMillisecondsAndNeverLessThanABlock) {
+TEST(Latency, ALatencyIsFramesOrMillisecondsAndNeverLessThanABlock) {
   const FakeTime time;
   const StillDriver driver{time};
   EXPECT_EQ(latency_frames(driver), 272);

@@ -69,7 +69,7 @@ class OscStreamTest : public OscServerTest {
   std::uint16_t tcp_port_ = 0;
 };
 
-TEST_F(OscStreamTest, AnswersComeBackOverTheConnection) {
+TEST_F(OscStreamTest, AnswersComeBackOverTheTcpConnection) {
   load("bell");
   TcpClient client(tcp_port_);
   client.send(strike("bell"));
@@ -112,7 +112,7 @@ TEST_F(OscServerTest, AServerThatWakesLateKeepsTheTimesAtWhichMessagesCame) {
   }
 }
 
-TEST_F(OscStreamTest, LibloIsUnderstood) {
+TEST_F(OscStreamTest, LibloIsUnderstoodOverTcp) {
   load("bell");
   lo_address target = lo_address_new_with_proto(LO_TCP, "127.0.0.1", std::to_string(tcp_port_).c_str());
   lo_address_set_stream_slip(target, 1);

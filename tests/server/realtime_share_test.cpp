@@ -42,7 +42,7 @@ Used take_turns(RealtimeShare& share, double seconds, double load) {
   return used;
 }
 
-TEST(RealtimeShare, OfABusyThreadIsHalf) {
+TEST(RealtimeShare, ABusyThreadHasRealtimePriorityHalfTheTime) {
   fake = {};
   RealtimeShare share(kFake);
   ASSERT_TRUE(share.set_priority(5));
@@ -53,7 +53,7 @@ TEST(RealtimeShare, OfABusyThreadIsHalf) {
   EXPECT_EQ(fake.priority, 0);
 }
 
-TEST(RealtimeShare, OfAThreadThatRestsHalfTheTimeIsAll) {
+TEST(RealtimeShare, AThreadThatRestsHalfTheTimeKeepsRealtimePriority) {
   fake = {};
   RealtimeShare share(kFake);
   ASSERT_TRUE(share.set_priority(5));
@@ -62,7 +62,7 @@ TEST(RealtimeShare, OfAThreadThatRestsHalfTheTimeIsAll) {
   EXPECT_EQ(fake.calls, 1) << "and the system is not asked again";
 }
 
-TEST(RealtimeShare, ComesBackAsSoonAsTheFloodIsOver) {
+TEST(RealtimeShare, RealtimePriorityComesBackAsSoonAsTheFloodIsOver) {
   fake = {};
   RealtimeShare share(kFake);
   ASSERT_TRUE(share.set_priority(5));
@@ -72,7 +72,7 @@ TEST(RealtimeShare, ComesBackAsSoonAsTheFloodIsOver) {
   EXPECT_EQ(fake.priority, 5);
 }
 
-TEST(RealtimeShare, OfAThreadThatMayNotHaveItIsNone) {
+TEST(RealtimeShare, AThreadThatMayNotHaveRealtimePriorityAsksOnce) {
   fake = {.allows = false};
   RealtimeShare share(kFake);
   EXPECT_FALSE(share.set_priority(5));
@@ -80,7 +80,7 @@ TEST(RealtimeShare, OfAThreadThatMayNotHaveItIsNone) {
   EXPECT_EQ(fake.calls, 1) << "it is not asked for again and again";
 }
 
-TEST(RealtimeShare, IsThePriorityOfTheThreadItself) {
+TEST(RealtimeShare, RealtimePriorityIsThatOfTheThreadItself) {
   bool allowed = false;
   int policy = -1, left = -1;
   sched_param parameters{};

@@ -60,7 +60,7 @@ class Environment {
   Process::Environment variables_;
 };
 
-TEST(ServiceNotice, IsReadyOnceAndOnlyWhenSoundRuns) {
+TEST(ServiceNotice, TheServiceIsReadyOnceAndOnlyWhenSoundRuns) {
   const TemporaryFolder folder;
   const NotifySocket socket((folder / "notify").string());
   const Environment environment({{"NOTIFY_SOCKET", (folder / "notify").string()}});
@@ -98,7 +98,7 @@ TEST(ServiceNotice, AWatchdogForAnotherProcessIsNotOurs) {
   EXPECT_EQ(socket.next(10ms), "");
 }
 
-TEST(ServiceNotice, AbstractSocketsAreHeardAndNoneAtAllIsFine) {
+TEST(ServiceNotice, AbstractNotifySocketsAreHeardAndNoneAtAllIsFine) {
   const std::string name = "ringdown-test-" + std::to_string(::getpid());
   const NotifySocket socket(name, true);
   {
