@@ -72,18 +72,19 @@ class BulletClient : public testing::Test {
     return score.value_or(std::vector<wire::ScoreEvent>());
   }
 
-  // What a daemon records that the client plays, ended once `done` says so of its status.
-  template <class Done>
-  void record_client(const std::filesystem::path& score, Done done) {
+  // What a daemon records that the client plays, ended when what was struck has died away: both bodies rest long
+  // before.
+  void record_client(const std::filesystem::path& score) {
     Daemon daemon({"--driver", "null", "--root", folder_.path().string(), "--record", score.string()});
     ASSERT_TRUE(daemon.ready()) << daemon.process().output();
     const Outcome outcome = run({program("ringdown-bullet"), scene_.string(), "--lead", "3", "--to",
                                  "osc.udp://127.0.0.1:" + std::to_string(daemon.port())});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+    int most = 0;
     ASSERT_TRUE(becomes_true([&] {
-      const auto status = daemon.ask({"/status", {}});
-      const auto* reply = status ? std::get_if<protocol::StatusReply>(&*status) : nullptr;
-      return reply && done(*reply);
+      const auto status = ask_for<protocol::StatusReply>(daemon, {"/status", {}});
+      most = std::max(most, status ? status->sounding_objects : 0);
+      return most == 2 && status && status->sounding_objects == 0;
     }));
     daemon.send({"/quit", {}});
     ASSERT_EQ(daemon.process().wait(), 0) << daemon.process().output();
@@ -100,8 +101,7 @@ class BulletClient : public testing::Test {
 
 TEST_F(BulletClient, ADaemonReceivesFromTheBulletClientWhatItsScoreSays) {
   const auto recorded = folder_ / "daemon.osc";
-  ASSERT_NO_FATAL_FAILURE(
-      record_client(recorded, [](const protocol::StatusReply& reply) { return reply.sounding_objects == 2; }));
+  ASSERT_NO_FATAL_FAILURE(record_client(recorded));
   write_events(score_);
   const auto sent = read(score_), received = read(recorded);
   for (const char* address : {"/object/ball/strike", "/object/box/contact"}) {
@@ -122,11 +122,7 @@ TEST_F(BulletClient, ADaemonReceivesFromTheBulletClientWhatItsScoreSays) {
 TEST_F(BulletClient, WhatRestsIsHeldInTheDaemonAtItsTime) {
   std::ofstream(scene_) << kScene;
   const auto recorded = folder_ / "daemon.osc";
-  int most = 0;
-  ASSERT_NO_FATAL_FAILURE(record_client(recorded, [&most](const protocol::StatusReply& reply) {
-    most = std::max(most, reply.sounding_objects);
-    return most > 0 && reply.sounding_objects == 0;
-  }));
+  ASSERT_NO_FATAL_FAILURE(record_client(recorded));
   write_events(score_);
   const auto sent = read(score_), received = read(recorded);
   const auto expected = of(sent, "/object/box/hold"), found = of(received, "/object/box/hold");

@@ -1,6 +1,7 @@
 #include "tests/integration/daemon_fixture.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <fcntl.h>
 #include <filesystem>
 #include <sstream>
@@ -23,27 +24,22 @@ std::vector<std::string> daemon_command(std::vector<std::string> arguments) {
   return arguments;
 }
 
-// Names of JACK servers: half of the places that a machine has.
-constexpr int kServers = 4;
-
-// A lock on this file, or a negative number if somebody has it. Programs started later hold it too: it is free when
-// the last of them has ended.
-int locked(const std::filesystem::path& file) {
+// Waits for the lock on this file. Programs that a test starts later hold it too: it is free when the last of them has
+// ended.
+int lock(const std::filesystem::path& file) {
   const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT, 0600);
   if (descriptor < 0) throw std::runtime_error("cannot open " + file.string());
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
-  ::close(descriptor);
-  return -1;
+  while (::flock(descriptor, LOCK_EX) != 0) {
+    if (errno != EINTR) throw std::runtime_error("cannot lock " + file.string());
+  }
+  return descriptor;
 }
 
 }  // namespace
 
-JackServer::JackServer(int sample_rate_hz, int period_frames, Mode mode) : mode_(mode) {
-  for (int tries = 0; lock_ < 0; ++tries) {
-    if (tries >= kServers) std::this_thread::sleep_for(10ms);
-    name_ = "ringdown-test-" + std::to_string(tries % kServers);
-    lock_ = locked(std::filesystem::temp_directory_path() / (name_ + "-of-" + std::to_string(::getuid()) + ".lock"));
-  }
+JackServer::JackServer(int sample_rate_hz, int period_frames, Mode mode)
+    : lock_(lock(std::filesystem::temp_directory_path() / (name() + "-of-" + std::to_string(::getuid()) + ".lock"))),
+      mode_(mode) {
   start(sample_rate_hz, period_frames);
 }
 
@@ -54,7 +50,7 @@ JackServer::~JackServer() {
 
 // Port limit: jackd's default wants 107 MB of shared memory, more than many containers have.
 void JackServer::start(int sample_rate_hz, int period_frames) {
-  std::vector<std::string> command{"jackd", "--name", name_, "--port-max", "128"};
+  std::vector<std::string> command{"jackd", "--name", name(), "--port-max", "128"};
   if (mode_ == Mode::realtime) {
     command.emplace_back("--realtime");
   } else {
@@ -71,14 +67,14 @@ void JackServer::stop(int signal) {
 }
 
 Process::Environment JackServer::environment() const {
-  return {{"JACK_DEFAULT_SERVER", name_}, {"JACK_NO_START_SERVER", "1"}};
+  return {{"JACK_DEFAULT_SERVER", name()}, {"JACK_NO_START_SERVER", "1"}};
 }
 
 testing::AssertionResult JackServer::runs() {
-  if (run({"jack_wait", "--server", name_, "--wait", "--timeout", std::to_string(kPatience.count())}).exit_code == 0) {
+  if (run({"jack_wait", "--server", name(), "--wait", "--timeout", std::to_string(kPatience.count())}).exit_code == 0) {
     return testing::AssertionSuccess();
   }
-  return testing::AssertionFailure() << "no JACK server " << name_ << ":\n" << server_->output();
+  return testing::AssertionFailure() << "no JACK server " << name() << ":\n" << server_->output();
 }
 
 std::map<std::string, std::set<std::string>> JackServer::connections() const {

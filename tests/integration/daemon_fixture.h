@@ -22,11 +22,12 @@
 
 namespace ringdown::test {
 
-// A JACK server of the test's own.
-//
-// JACK keeps a list of servers for each machine, with eight places, and one that was killed holds its place until a
-// server of the same name starts. So names come from a short list: the first that no other test, nor what it has left
-// running, uses now; a test for which none is left waits until another one ends.
+// The JACK server of the tests: one runs at a time, and a test that wants it waits until the test before, and whatever
+// that one left running, has ended. Two reasons:
+// - libjack names a client's socket by user and client (/dev/shm/jack_ringdown_0_0), not by server: clients of the same
+//   name at two servers take each other's socket away, and one is told what happens at the other's server.
+// - JACK's list of servers has eight places on a machine, and a server that was killed holds its place until one of the
+//   same name starts.
 class JackServer {
  public:
   // patient: no cycle begins before every client has finished the one before, so no block is ever lost, however busy
@@ -40,7 +41,7 @@ class JackServer {
   void stop(int signal = SIGTERM);  // and waits for its end
   void start(int sample_rate_hz, int period_frames);
 
-  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] static std::string name() { return "ringdown-test"; }
   [[nodiscard]] Process::Environment environment() const;  // makes clients use it, and never start another
   [[nodiscard]] testing::AssertionResult runs();           // waits for it; a failure says what jackd said
 
@@ -48,8 +49,7 @@ class JackServer {
   [[nodiscard]] std::map<std::string, std::set<std::string>> connections() const;
 
  private:
-  int lock_ = -1;  // of the name; the server holds it too
-  std::string name_;
+  int lock_;  // the server holds it too
   Mode mode_;
   std::unique_ptr<Process> server_;
 };

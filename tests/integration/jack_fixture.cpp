@@ -19,15 +19,15 @@ std::filesystem::path JackTest::bank(const std::string& name, double frequency_h
 }
 
 std::optional<protocol::StatusReply> JackTest::status(Daemon& daemon) {
-  const auto reply = daemon.ask({"/status", {}});
-  const auto* status = reply ? std::get_if<protocol::StatusReply>(&*reply) : nullptr;
-  return status ? std::optional(*status) : std::nullopt;
+  return ask_for<protocol::StatusReply>(daemon, {"/status", {}});
 }
 
 testing::AssertionResult JackTest::driver_looks(Daemon& daemon) const {
-  for (const std::int32_t input : {3, 4}) {
+  for (const std::uint32_t input : {3u, 4u}) {
     const std::string port = "ringdown:in_" + std::to_string(input);
-    daemon.send(protocol::format(protocol::Excite{{.name = "tone"}, input, {1, 0, 0}, {0, 0, 1}}));
+    if (!done(daemon, protocol::format(protocol::Excite{{.name = "tone"}, input, {1, 0, 0}, {0, 0, 1}}))) {
+      return testing::AssertionFailure() << "no input " << input;
+    }
     if (!becomes_true([&] { return server_.connections().contains(port); })) {
       return testing::AssertionFailure() << "no port " << port;
     }

@@ -151,10 +151,8 @@ TEST(JackServerOfATest, TenTestsThatKillTheirJackServersLeaveAPlaceForTheNext) {
     ASSERT_EQ(::waitpid(crashing, &status, 0), crashing);
     ASSERT_EQ(status, 0) << "server " << life;
   }
-  JackServer one, another;
-  EXPECT_TRUE(one.runs());
-  EXPECT_TRUE(another.runs());
-  EXPECT_NE(one.name(), another.name());
+  JackServer next;
+  EXPECT_TRUE(next.runs());
 }
 
 }  // namespace

@@ -34,7 +34,9 @@ JackRecorder::~JackRecorder() {
 
 bool JackRecorder::connect(const std::string& from, const std::string& to) {
   const int error = jack_connect(client_, from.c_str(), to.c_str());
-  return error == 0 || error == EEXIST;
+  if ((error != 0 && error != EEXIST) || !let_pass(4)) return false;
+  if (to.ends_with(":in_1")) connected_ = true;
+  return true;
 }
 
 void JackRecorder::freewheel(bool on) { jack_set_freewheel(client_, on ? 1 : 0); }
@@ -69,7 +71,7 @@ int JackRecorder::process(std::uint32_t frames) {
 }
 
 bool JackRecorder::begins(const std::array<const float*, 2>& heard, std::uint32_t frames) const {
-  if (from_ == From::connection) return jack_port_connected(ports_[0]) != 0;
+  if (from_ == From::connection) return connected_;
   return std::ranges::any_of(heard, [frames](const float* samples) {
     return std::any_of(samples, samples + frames, [](float sample) { return sample != 0; });
   });

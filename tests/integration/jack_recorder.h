@@ -18,8 +18,8 @@ namespace ringdown::test {
 
 class JackRecorder {
  public:
-  // What the recording begins with: the block in which something is connected to in_1, or the first in which something
-  // is heard, however long that takes.
+  // What the recording begins with: the first block after connect() to in_1 has returned, or the first block in which
+  // something is heard, however long that takes.
   enum class From { connection, sound };
 
   // Client `name` with ports in_1 and in_2, at the server of that name; records up to `frames`.
@@ -29,6 +29,7 @@ class JackRecorder {
   JackRecorder& operator=(const JackRecorder&) = delete;
 
   [[nodiscard]] bool works() const { return client_ != nullptr; }
+  // Returns when the connection carries sound and messages, which libjack's call does not wait for.
   bool connect(const std::string& from, const std::string& to);
   // Freewheel begins and ends a moment later; freewheels_from() is the number of frames recorded before it.
   void freewheel(bool on);
@@ -62,7 +63,7 @@ class JackRecorder {
   std::array<_jack_port*, 2> ports_{};
   std::array<std::vector<float>, 2> tracks_;
   std::atomic<std::size_t> recorded_ = 0, blocks_ = 0;
-  std::atomic<bool> freewheels_ = false;
+  std::atomic<bool> freewheels_ = false, connected_ = false;
   std::atomic<std::int64_t> freewheels_from_ = -1;
   std::atomic<std::uint32_t> first_frame_ = 0;
   _jack_port* midi_out_ = nullptr;
