@@ -19,11 +19,12 @@ struct Freewheel {
 };
 
 Freewheel freewheel(const JackServer& server, const std::string& scene, std::size_t frames) {
-  JackRecorder recorder(server.name(), "recorder", frames, JackRecorder::From::connection);
+  JackRecorder recorder(server.name(), "recorder", frames, JackRecorder::From::call);
   Daemon daemon({"--scene", scene}, server.environment());
   EXPECT_TRUE(daemon.ready()) << daemon.process().output();
   EXPECT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_1"));
   EXPECT_TRUE(recorder.connect("ringdown:out_right", "recorder:in_2"));
+  recorder.record();
   recorder.freewheel(true);
   EXPECT_TRUE(recorder.wait_for(frames));
   recorder.freewheel(false);

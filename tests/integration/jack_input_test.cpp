@@ -21,12 +21,9 @@ class JackInput : public JackTest {
     EXPECT_TRUE(client.works());
     EXPECT_TRUE(becomes_true([&] { return client.connect("studio:audio_out", input); }));
     EXPECT_TRUE(client.connect("ringdown:out_left", "studio:in_1"));
-    client.freewheel(true);  // in which the daemon looks in every block at what is connected
-    EXPECT_TRUE(becomes_true([&] { return client.freewheels(); }));
-    EXPECT_TRUE(client.let_pass(4));
+    EXPECT_TRUE(client.wait_for_freewheel());
     client.kick(1);
     EXPECT_TRUE(client.wait_for(frames));
-    client.freewheel(false);
     const Samples heard = client.samples(0);
     KeepSignals keep(rate);
     keep.add("heard", heard);
@@ -84,12 +81,14 @@ TEST_F(JackInput, AnInputIsMadeAndMovedByMessages) {
   EXPECT_GT(loudness(48000, "ringdown:in_3"), 1e-3);
   ASSERT_TRUE(std::holds_alternative<protocol::Done>(*excite(0)));
   ASSERT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 0; }));
-  JackRecorder client(server_.name(), "studio", 480000, JackRecorder::From::connection);
+  JackRecorder client(server_.name(), "studio", 480000, JackRecorder::From::call);
   ASSERT_TRUE(client.connect("studio:audio_out", "ringdown:in_3"));
   ASSERT_TRUE(client.connect("ringdown:out_left", "studio:in_1"));
+  ASSERT_TRUE(client.wait_for_freewheel());
   client.kick(1);
-  ASSERT_TRUE(becomes_true([&] { return client.kicked(); }));
-  ASSERT_TRUE(client.wait_for(client.recorded() + 9600));
+  client.record();
+  ASSERT_TRUE(client.wait_for(480000));
+  ASSERT_TRUE(client.kicked());
   EXPECT_EQ(peak(client.samples(0)), 0);
 }
 

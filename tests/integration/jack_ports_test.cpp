@@ -90,6 +90,7 @@ TEST_F(JackPorts, ANoteFromAnotherClientLandsOnItsSample) {
   JackRecorder keyboard(server_.name(), "keyboard", 1), recorder(server_.name(), "recorder", frames);
   ASSERT_TRUE(keyboard.connect("keyboard:midi_out", "ringdown:midi_in"));
   ASSERT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_1"));
+  ASSERT_TRUE(recorder.wait_for_freewheel());
   keyboard.send({0x90, 48, 127});
   ASSERT_TRUE(recorder.wait_for(frames));
   const Samples heard = recorder.samples(0);

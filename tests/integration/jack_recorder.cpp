@@ -29,17 +29,22 @@ JackRecorder::JackRecorder(const std::string& server, const std::string& name, s
 }
 
 JackRecorder::~JackRecorder() {
-  if (client_) jack_client_close(client_);
+  if (!client_) return;
+  if (freewheels_) freewheel(false);
+  jack_client_close(client_);
 }
 
 bool JackRecorder::connect(const std::string& from, const std::string& to) {
   const int error = jack_connect(client_, from.c_str(), to.c_str());
-  if ((error != 0 && error != EEXIST) || !let_pass(4)) return false;
-  if (to.ends_with(":in_1")) connected_ = true;
-  return true;
+  return (error == 0 || error == EEXIST) && let_pass(4);
 }
 
 void JackRecorder::freewheel(bool on) { jack_set_freewheel(client_, on ? 1 : 0); }
+
+bool JackRecorder::wait_for_freewheel() {
+  freewheel(true);
+  return becomes_true([this] { return freewheels_.load(); }) && let_pass(4);
+}
 
 int JackRecorder::process(std::uint32_t frames) {
   ++blocks_;
@@ -60,21 +65,15 @@ int JackRecorder::process(std::uint32_t frames) {
   std::array<const float*, 2> heard{};
   for (std::size_t i = 0; i < ports_.size(); ++i) {
     heard[i] = static_cast<const float*>(jack_port_get_buffer(ports_[i], frames));
+    hears_[i] = std::any_of(heard[i], heard[i] + frames, [](float sample) { return sample != 0; });
   }
-  if (at == 0 && !begins(heard, frames)) return 0;
+  if (at == 0 && !(from_ == From::call ? called_.load() : hears_[0] || hears_[1])) return 0;
   if (at == 0) first_frame_ = now;
   if (freewheels_ && freewheels_from_ < 0) freewheels_from_ = static_cast<std::int64_t>(at);
   const std::size_t count = std::min<std::size_t>(frames, tracks_[0].size() - at);
   for (std::size_t i = 0; i < ports_.size(); ++i) std::copy_n(heard[i], count, tracks_[i].data() + at);
   recorded_ = at + count;
   return 0;
-}
-
-bool JackRecorder::begins(const std::array<const float*, 2>& heard, std::uint32_t frames) const {
-  if (from_ == From::connection) return connected_;
-  return std::ranges::any_of(heard, [frames](const float* samples) {
-    return std::any_of(samples, samples + frames, [](float sample) { return sample != 0; });
-  });
 }
 
 void JackRecorder::send(const std::array<std::uint8_t, 3>& message) {

@@ -18,9 +18,9 @@ namespace ringdown::test {
 
 class JackRecorder {
  public:
-  // What the recording begins with: the first block after connect() to in_1 has returned, or the first block in which
-  // something is heard, however long that takes.
-  enum class From { connection, sound };
+  // What the recording begins with: the first block in which something is heard, however long that takes, or the next
+  // one after record().
+  enum class From { sound, call };
 
   // Client `name` with ports in_1 and in_2, at the server of that name; records up to `frames`.
   JackRecorder(const std::string& server, const std::string& name, std::size_t frames, From from = From::sound);
@@ -29,11 +29,18 @@ class JackRecorder {
   JackRecorder& operator=(const JackRecorder&) = delete;
 
   [[nodiscard]] bool works() const { return client_ != nullptr; }
-  // Returns when the connection carries sound and messages, which libjack's call does not wait for.
+  // Returns when the connection is in effect, which libjack's call does not wait for. A daemon begins to play to a new
+  // connection a moment later, except in freewheel, where it looks in every block at what is connected.
   bool connect(const std::string& from, const std::string& to);
-  // Freewheel begins and ends a moment later; freewheels_from() is the number of frames recorded before it.
+  void record() { called_ = true; }
+  // Something was heard at this input in the last block.
+  [[nodiscard]] bool hears(std::size_t port) const { return hears_[port]; }
+
+  // Freewheel begins and ends a moment later, and ends with the recorder; freewheels_from() is the number of frames
+  // recorded before it.
   void freewheel(bool on);
-  [[nodiscard]] bool freewheels() const { return freewheels_; }
+  // Returns when all clients have been in freewheel for some blocks.
+  bool wait_for_freewheel();
   [[nodiscard]] std::optional<std::size_t> freewheels_from() const;
 
   // Sends a MIDI message from midi_out, in the middle of a block; sent() is then the server's frame at which it is.
@@ -56,14 +63,14 @@ class JackRecorder {
 
  private:
   int process(std::uint32_t frames);
-  [[nodiscard]] bool begins(const std::array<const float*, 2>& heard, std::uint32_t frames) const;
 
   _jack_client* client_;
   From from_;
   std::array<_jack_port*, 2> ports_{};
   std::array<std::vector<float>, 2> tracks_;
   std::atomic<std::size_t> recorded_ = 0, blocks_ = 0;
-  std::atomic<bool> freewheels_ = false, connected_ = false;
+  std::atomic<bool> freewheels_ = false, called_ = false;
+  std::array<std::atomic<bool>, 2> hears_{};
   std::atomic<std::int64_t> freewheels_from_ = -1;
   std::atomic<std::uint32_t> first_frame_ = 0;
   _jack_port* midi_out_ = nullptr;

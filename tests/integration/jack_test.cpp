@@ -19,6 +19,7 @@ TEST_F(JackTest, AStrikeFromOscsendIsRecordedAtItsPitchAndDecay) {
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   JackRecorder recorder(server_.name(), "recorder", 48000);
   ASSERT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_1"));
+  ASSERT_TRUE(recorder.wait_for_freewheel());
   const auto sent = run({"oscsend", "osc.udp://127.0.0.1:" + std::to_string(daemon.port()), "/object/tone/strike",
                          "fffffff", "1", "0", "0", "0", "0", "0.5", "0"});
   EXPECT_EQ(sent.exit_code, 0) << sent.output;

@@ -57,6 +57,7 @@ class ViewingSound : public JackTest {
     JackRecorder recorder(server_.name(), "recorder", all);
     EXPECT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_1"));
     EXPECT_TRUE(recorder.connect("ringdown:out_right", "recorder:in_2"));
+    EXPECT_TRUE(recorder.wait_for_freewheel());
     play();
     if (!recorder.wait_for(all)) {
       ADD_FAILURE() << "silence";
@@ -118,8 +119,10 @@ TEST_F(ViewingSound, TheTestToneIsASineOnBothSides) {
   EXPECT_EQ(heard.left, heard.right);
 
   ASSERT_TRUE(done(daemon, {"/test_tone", {0.f}}));
-  JackRecorder recorder(server_.name(), "after", 2 * kRamp, JackRecorder::From::connection);
+  JackRecorder recorder(server_.name(), "after", 2 * kRamp, JackRecorder::From::call);
   ASSERT_TRUE(recorder.connect("ringdown:out_left", "after:in_1"));
+  ASSERT_TRUE(recorder.wait_for_freewheel());
+  recorder.record();
   ASSERT_TRUE(recorder.wait_for(2 * kRamp));
   const Samples after = recorder.samples(0);
   EXPECT_EQ(peak(std::span(after).last(kRamp)), 0);
@@ -149,7 +152,7 @@ TEST_F(ViewingSound, TheSoundThatIsToldIsWhatJackGetsSampleBySample) {
   Daemon daemon(with_bell(), server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   const auto most = static_cast<std::size_t>(2 * kRate);
-  JackRecorder recorder(server_.name(), "recorder", most, JackRecorder::From::connection);
+  JackRecorder recorder(server_.name(), "recorder", most, JackRecorder::From::call);
   ASSERT_TRUE(done(daemon, {"/notify", {1, 0.1f}}));
   daemon.send({"/watch/sound", {1}});
   daemon.send({"/object/bell/pan", {-0.5f}});
@@ -164,6 +167,8 @@ TEST_F(ViewingSound, TheSoundThatIsToldIsWhatJackGetsSampleBySample) {
   ASSERT_TRUE(becomes_true([&] { return listen(), !told.left.empty() && told.left.back() != 0; }));
   ASSERT_TRUE(recorder.connect("ringdown:out_right", "recorder:in_2"));
   ASSERT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_1"));
+  ASSERT_TRUE(becomes_true([&] { return listen(), recorder.hears(0) && recorder.hears(1); }));
+  recorder.record();
   ASSERT_TRUE(becomes_true([&] { return listen(), recorder.recorded() == most; }));
 
   constexpr std::ptrdiff_t kEnd = 256;

@@ -74,11 +74,12 @@ void measure_times(const Extent& extent, Table& table) {
                       server.environment());
   JackClock clock(server.name());
   for (int run = 0; run < 2 * extent.runs; ++run) {
-    test::JackRecorder recorder(server.name(), "recorder", 3 * kRate, test::JackRecorder::From::connection);
+    test::JackRecorder recorder(server.name(), "recorder", 3 * kRate, test::JackRecorder::From::call);
     if (!daemon.ready() || !recorder.connect("ringdown:out_left", "recorder:in_1")) {
       std::fprintf(stderr, "times: the daemon does not play\n");
       return;
     }
+    recorder.record();
     clock.restart();
     const auto meant = play(daemon);
     const bool recorded = recorder.wait_for(3 * kRate);
