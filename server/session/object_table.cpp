@@ -45,7 +45,8 @@ std::shared_ptr<const ObjectTable::Names> ObjectTable::names() const {
 
 std::vector<ObjectSnapshot> ObjectTable::all() const {
   std::vector<ObjectSnapshot> objects;
-  for (const std::string& name : *names()) {
+  const auto held = names();  // another thread may replace the table's own meanwhile
+  for (const std::string& name : *held) {
     if (ObjectSnapshot object = find(name)) objects.push_back(std::move(object));
   }
   return objects;

@@ -138,7 +138,8 @@ TEST_F(CapacityTest, ANoticeTellsTheLastContacts) {
   std::vector<protocol::NotifyContact> contacts;
   std::binary_semaphore told{0};
   Notifier notifier(session_, driver_, [&](Peer, std::span<const std::byte> packet) {
-    for (const wire::TimedMessage& timed : wire::decode_packet(packet).value()) {
+    const auto messages = wire::decode_packet(packet).value();
+    for (const wire::TimedMessage& timed : messages) {
       const auto reply = protocol::parse_reply(timed.message).value();
       if (const auto* contact = std::get_if<protocol::NotifyContact>(&reply)) contacts.push_back(*contact);
       if (std::holds_alternative<protocol::NotifyPeak>(reply)) told.release();  // after the last contact
