@@ -148,7 +148,7 @@ struct NotifyScene {         // /notify.scene
 struct NotifySound {       // /notify.sound
   std::int32_t frame = 0;  // of the first sample, modulo kFrameModulus
   double sample_rate_hz = 0;
-  wire::Blob samples;  // float32, left right left right ... (floats.h)
+  wire::Blob samples;  // float32, left right left right ... (message.h)
 };
 struct NotifyModes {  // /notify.modes
   std::string object;

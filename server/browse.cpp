@@ -15,10 +15,10 @@ const std::string kScene = "scene", kBank = "bank";
 
 struct Kinds {
   std::set<std::string> scenes, banks;
-  std::set<fs::path> seen;  // without links: roots may lie in each other, or be given twice
+  std::set<fs::path> seen;  // paths without links, because roots may contain each other or be given twice
 };
 
-// As short as can be read from the current folder.
+// The shortest path to the file from the current folder.
 std::string shown(const fs::path& path, const fs::path& here) {
   const fs::path near = path.lexically_relative(here);
   return near.empty() || *near.begin() == ".." ? path.string() : near.string();

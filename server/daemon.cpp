@@ -82,14 +82,14 @@ Result<std::unique_ptr<NsmClient>> join_manager(DaemonOptions& options) {
   return manager;
 }
 
-// Keeps the scene a little ahead of the sound, so that its strikes always have a frame to come.
+// Keeps the scene a little ahead of the sound, so that its strikes have frames that are still to come.
 std::jthread start_scene(session::Session& session, const Driver& driver) {
   return std::jthread([&session, &driver](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       const double rate = driver.sample_rate_hz();
       const auto ahead = 2 * latency_frames(driver) + static_cast<synth::Frame>(0.01 * rate);
       const auto target = driver.now() + ahead;
-      // In freewheel the driver advances the scene; asked after now(), which then jumps.
+      // In freewheel the driver advances the scene. freewheels() is asked after now(), because now() jumps then.
       if (!driver.freewheels()) session.scene().advance_to(target, static_cast<synth::Frame>(0.25 * rate));
       std::this_thread::sleep_for(2ms);
     }
@@ -112,7 +112,7 @@ struct Daemon::Files {
   session::FileRoots roots;
 };
 
-// Our own threads in the order in which they start; they end in the opposite order.
+// The daemon's own threads, in the order in which they start; they end in the opposite order.
 struct Daemon::Service {
   Service(Daemon& daemon, wire::OscSocket socket);
   ~Service();
@@ -229,7 +229,7 @@ void Daemon::configure() {
   });
 }
 
-// What can be refused before any sound is made.
+// Everything that can be refused before any sound is made.
 Result<void> Daemon::prepare(std::uint16_t osc_port) {
   if (options_.record) {
     if (const auto started = recorder_.start(*options_.record, 0); !started) return started;
@@ -261,7 +261,7 @@ Result<void> Daemon::load() {
 }
 
 Result<void> Daemon::connect_inputs() {
-  // A sample of 1, where no force is named: the object's own weight, in round numbers.
+  // If no force is named, a sample of 1 is about the object's own weight.
   constexpr double kDefaultAcceleration_m_s2 = 10;
   for (std::size_t i = 0; i < options_.inputs.size(); ++i) {
     const DaemonOptions::Input& input = options_.inputs[i];

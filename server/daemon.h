@@ -43,17 +43,17 @@ class Daemon {
   // Whether a client has asked it to end by /quit.
   [[nodiscard]] bool quits() const { return quits_; }
 
-  // Signs of life for systemd: frames rendered and rounds of the worker so far.
+  // Frames rendered and rounds of the worker so far: they show systemd that both threads run.
   [[nodiscard]] std::uint64_t frames() const { return session_.rack().mixer().counters().frames; }
   [[nodiscard]] std::uint64_t worker_rounds() const { return worker_rounds_; }
 
-  // Ends all threads, then writes the recording and the capture. Once.
+  // Ends all threads, then writes the recording and the capture. Call once.
   Result<void> finish();
 
  private:
-  struct Ports;    // what is open before there is a session
-  struct Files;    // what is read before there is a session
-  struct Service;  // what runs on threads of ours
+  struct Ports;    // sockets and the driver, opened before there is a session
+  struct Files;    // what is read from files before there is a session
+  struct Service;  // the daemon's own threads
 
   static Result<Ports> open_ports(DaemonOptions& options);
   static Result<Files> read_files(const DaemonOptions& options);

@@ -1,6 +1,5 @@
-// Answers to what asks how things are and changes nothing: /object/.../describe and bank, /scene/describe, /browse,
-// /sync.
-// [worker]
+// Answers to questions, which are requests that change nothing: /object/.../describe and bank, /scene/describe,
+// /browse, /sync. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -12,7 +11,7 @@
 
 namespace ringdown::server {
 
-// The messages of the answer, in their order. An error names the argument.
+// The messages of the answer, in their order. An error names the wrong argument.
 Result<std::vector<protocol::Reply>> answer_to(const protocol::Question& question, const session::Session& session);
 
 }  // namespace ringdown::server

@@ -1,4 +1,4 @@
-// Events as OSC messages to a daemon, each at its own time: how a simulator outside of it plays it.
+// Sends events to a daemon as OSC messages, each with its own time: a simulator outside of the daemon plays by it.
 //
 //   auto sender = EventSender::open("osc.udp://127.0.0.1:7770");
 //   lost += sender->send(events, [&](ObjectNumber object) { return names[object]; },
@@ -27,11 +27,11 @@ class EventSender {
   // `url` as in osc.udp://127.0.0.1:7770. Succeeds whether or not a daemon is there: UDP cannot tell.
   static Result<EventSender> open(const std::string& url);
 
-  // Sends events, which stand by frame, in bundles of one time and one Ethernet frame each. Objects go by name.
-  // Returns how many could not be sent.
+  // Sends events, which must be in order of frames, in bundles: each has one time and fits into one Ethernet frame.
+  // Messages name objects by their names. Returns how many events could not be sent.
   std::size_t send(std::span<const synth::Event> events, const NameOf& name, const UnixTimeOf& unix_time);
 
-  // Sends what rests on objects, likewise; returns of how many objects it could not.
+  // Sends the dampers of what rests on objects. Returns the number of objects for which that failed.
   std::size_t send(std::span<const scene::RestDamping> dampings, const NameOf& name, const UnixTimeOf& unix_time);
 
  private:

@@ -8,9 +8,9 @@ namespace ringdown::server {
 namespace {
 
 constexpr int kTries = 4;
-constexpr double kTight_s = 10e-6;  // between the two readings of a good pair
-constexpr double kAverage_s = 0.5;  // time constant
-constexpr double kJump_s = 2e-3;    // further off than this is no jitter
+constexpr double kTight_s = 10e-6;  // at most between the two halves of a good reading
+constexpr double kAverage_s = 0.5;  // time constant of the average
+constexpr double kJump_s = 2e-3;    // a larger difference is not jitter
 constexpr int kJumpsToBelieve = 3;
 
 template <class Clock>
@@ -37,7 +37,7 @@ FrameClock::Reading FrameClock::read() const {
   double tightest_s = 0;
   for (int i = 0; i < kTries && (i == 0 || tightest_s > kTight_s); ++i) {
     const double before_s = seconds_();
-    const auto frame = static_cast<double>(source_.now()) + 0.5;  // it counts whole frames
+    const auto frame = static_cast<double>(source_.now()) + 0.5;  // now() counts whole frames
     const double after_s = seconds_();
     if (i > 0 && after_s - before_s >= tightest_s) continue;
     tightest_s = after_s - before_s;

@@ -1,8 +1,9 @@
-// Which frame is sounding at a given time: the audio driver's clock against the computer's, both read now and then.
+// Tells which frame sounds at a given time, and when a given frame sounds, by reading the audio driver's clock and the
+// computer's together now and then.
 //
 // A reading is a pair (time, frame). The scheduler may put milliseconds between its two halves, and JACK's own estimate
 // of the frame jitters. Each reading therefore keeps the tightest of a few pairs, and the difference of the clocks is
-// averaged over half a second. A jump is taken as true after three readings in a row: an xrun, or a new server.
+// averaged over half a second. A jump is accepted after three readings in a row: an xrun, or a new server.
 //
 //   FrameClock clock(driver_clock(*driver), steady_now_s);
 //   clock.measure();                                   // at least every 0.1 s or so
@@ -18,7 +19,7 @@
 
 namespace ringdown::server {
 
-double steady_now_s();  // a clock that is never set
+double steady_now_s();  // a clock that nobody sets
 double unix_now_s();    // seconds since 1970
 
 // The computer's clocks; tests pass their own.
@@ -36,7 +37,7 @@ class FrameClock {
 
   static constexpr double kMeasureEvery_s = 0.02;
 
-  // Reads both clocks, unless that was done less than kMeasureEvery_s ago.
+  // Reads both clocks, unless the last reading is less than kMeasureEvery_s old.
   void measure();
 
   [[nodiscard]] synth::Frame frame_at(double time_s) const;
@@ -44,7 +45,7 @@ class FrameClock {
 
  private:
   struct Reading {
-    double time_s, first_s;  // of the frame count; when frame 0 was
+    double time_s, first_s;  // when the frames were counted; when frame 0 was, by that count
   };
   [[nodiscard]] Reading read() const;
 

@@ -1,4 +1,5 @@
-// Guards what a real-time callback works on: another thread shuts the gate, and the callback never waits for it.
+// Keeps a real-time callback away from data that another thread, the owner, is about to change. The owner waits for the
+// callback; the callback never waits for the owner.
 //
 //   callback:  if (gate.enter()) ...            owner:  gate.shut();   // returns when no callback is inside
 //              else ... silence ...                     ...
@@ -30,8 +31,8 @@ class Gate {
     wait();
   }
 
-  // Returns when a callback that entered before has left: from then on callbacks see what was stored before this call.
-  // [the owner]
+  // Returns when any callback that had entered before this call has left. Callbacks that enter later see everything
+  // that was stored before this call. [the owner]
   void wait() const {
     while (inside_.load()) std::this_thread::sleep_for(std::chrono::microseconds(50));
   }

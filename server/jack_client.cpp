@@ -17,10 +17,10 @@ namespace {
 
 constexpr std::size_t kLeft = 0, kRight = 1, kFirstBus = 2;
 
-// Replaces libjack's own reports, which would repeat what our log says.
+// Silences libjack's own messages, which would repeat what our log says.
 void quiet(const char*) {}
 
-// What patchbays show of a port beside its name: JACK metadata. A server that keeps none is no error.
+// JACK metadata: what patchbays show of a port beside its name. It is no error if the server keeps none.
 struct PortDescription {
   std::string pretty_name;
   std::string group;  // ports of one group stand together
@@ -136,7 +136,7 @@ bool JackClient::add_port(std::size_t channel, const std::string& name) {
   return true;
 }
 
-// The limiter makes the mix late, but not the buses.
+// Reports latencies to JACK. The limiter delays the mix, but not the buses.
 void JackClient::tell_latency() {
   const auto late = static_cast<jack_nframes_t>(program_ ? program_->mixer.latency_frames() : 0);
   for (std::size_t channel = 0; channel < ports_.size(); ++channel) {
@@ -224,7 +224,7 @@ void JackClient::process(std::uint32_t frames) RINGDOWN_REALTIME {
 void JackClient::process_offline(std::uint32_t frames) {
   if (gate_.enter()) {
     program_->prepare_offline(program_->mixer.counters().frames.load(std::memory_order_relaxed) + frames);
-    note_listeners();  // the driver's thread would learn of a new connection after many blocks
+    note_listeners();  // the driver's thread would notice a new connection many blocks too late
     render(frames, false);
   } else {
     write_silence(frames);

@@ -1,4 +1,4 @@
-// Our client at one JACK server, from the server's coming to its going. JackDriver makes one for each server it meets.
+// Our client at one JACK server, for as long as that server lives. JackDriver makes a new one for each server.
 //
 // jackd2 and PipeWire differ in when they announce a block size, so the callback takes whatever count it is given.
 #pragma once
@@ -36,9 +36,9 @@ struct JackConnection {
 
 class JackClient {
  public:
-  // JACK's threads call `on_change` when the server has gone, when somebody connected something and when a port came;
-  // it should only note that. Returns null when no server answers or the server is full. [one thread, always the same,
-  // calls this and every function below that names no other]
+  // Returns null when no server answers or the server is full. JACK's threads call `on_change` when the server has
+  // gone, when somebody has connected something, and when a port has come; `on_change` must return at once. [one
+  // thread, always the same, calls this and every function below that names no other thread]
   static std::unique_ptr<JackClient> open(const std::string& name, std::shared_ptr<LoadMeter> meter,
                                           std::shared_ptr<session::MidiPlayer> midi, std::function<void()> on_change);
 
@@ -47,16 +47,16 @@ class JackClient {
   JackClient(const JackClient&) = delete;
   JackClient& operator=(const JackClient&) = delete;
 
-  [[nodiscard]] std::string name() const;                        // as the server gave it
+  [[nodiscard]] std::string name() const;                        // the name that the server gave
   [[nodiscard]] bool lost() const { return lost_; }              // the server has gone [any]
   [[nodiscard]] bool freewheels() const { return freewheels_; }  // [any]
   [[nodiscard]] double sample_rate_hz() const;                   // the server's [any but audio]
   [[nodiscard]] std::size_t block_frames() const;                // the server's [any but audio]
 
-  // Starts to render `program`, which must outlive the client or a stop().
+  // Starts to render `program`, which must exist until the client is stopped or destroyed.
   Result<void> start(const Driver::Program& program);
 
-  // Stops and continues rendering; the ports are silent between. No callback is in the mixer when stop() returns.
+  // Stops and continues rendering; between, the ports are silent. When stop() returns, no callback is in the mixer.
   void stop() { gate_.shut(); }
   void go_on() { gate_.open(); }
 
@@ -66,22 +66,22 @@ class JackClient {
   // The real-time priority of its audio thread; 0 for none. [any but audio]
   [[nodiscard]] int priority() const;
 
-  // Makes the bus ports those that are named here; a port whose bus goes by the same name stays untouched.
+  // Registers ports for these buses and removes the others. A port whose bus keeps its name stays untouched.
   void show_buses(const std::map<std::size_t, std::string>& names);
 
-  // Makes the input ports those whose bit is set, bit 0 being in_1. One that is there stays.
+  // Registers an input port for each bit that is set; bit 0 is in_1. Ports that exist stay.
   void show_inputs(std::uint32_t inputs);
 
-  // What notes strike from the next block on.
+  // Sets what notes strike from the next block on.
   void set_notes(std::shared_ptr<const session::NoteTable> notes);
 
-  // What our ports are connected to.
+  // The connections of our ports.
   [[nodiscard]] std::set<JackConnection> connections() const;
-  // False when that cannot be, as long as the other port does not exist.
+  // Returns false when the ports cannot be connected, for example because the other port does not exist.
   bool connect(const JackConnection& connection);
   void connect_to_speakers();
 
-  // Finds out which ports are connected; others are not rendered. After on_change(), and in freewheel.
+  // Asks JACK which of our ports are connected; the others are not rendered. Call after on_change(), and in freewheel.
   void note_listeners();
 
  private:
@@ -93,7 +93,7 @@ class JackClient {
   void remove_port(std::size_t channel);
   void tell_latency();
   void process(std::uint32_t frames) RINGDOWN_REALTIME;
-  void process_offline(std::uint32_t frames);  // in freewheel, where the scene is stepped in the callback
+  void process_offline(std::uint32_t frames);  // in freewheel; steps the scene in the callback
   void render(std::uint32_t frames, bool deadline) RINGDOWN_REALTIME;
   [[nodiscard]] synth::Inputs read_inputs(std::uint32_t frames) RINGDOWN_REALTIME;
   void play_notes(std::uint32_t frames, synth::Frame first) RINGDOWN_REALTIME;
@@ -111,9 +111,9 @@ class JackClient {
   std::shared_ptr<const session::NoteTable> table_;                    // keeps what the next one
   std::atomic<const session::NoteTable*> notes_ = nullptr;             // points to
   std::array<std::atomic<_jack_port*>, synth::kMaxChannels> ports_{};  // by the mixer's channel
-  std::map<std::size_t, std::string> buses_;                           // as show_buses() was told
+  std::map<std::size_t, std::string> buses_;                           // those of the last show_buses()
   std::array<std::atomic<_jack_port*>, synth::kMaxInputs> inputs_{};   // in_1 first; null: none
-  std::uint32_t shown_inputs_ = 0;                                     // as show_inputs() was told
+  std::uint32_t shown_inputs_ = 0;                                     // those of the last show_inputs()
   std::atomic<std::uint32_t> fed_ = 0;                                 // those of them that are connected
   std::atomic<synth::ChannelSet> listened_ = 0;                        // those of them that are connected
   std::atomic<std::int64_t> offset_ = kUnknown;                        // 32 bits once it is known

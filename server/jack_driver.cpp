@@ -21,7 +21,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-// What wakes the driver's thread; JACK's threads share it, and may do so longer than the driver lives.
+// Wakes the driver's thread. JACK's threads share ownership, because they may use it after the driver has gone.
 using Bell = std::counting_semaphore<>;
 
 class JackDriver final : public Driver {
@@ -122,7 +122,7 @@ class JackDriver final : public Driver {
     go_on_alone();
   }
 
-  // libjack holds a lock of its own while it closes a client: none can be opened before.
+  // libjack holds its own lock while it closes a client, so no client can be opened before that is done.
   void meet_server() {
     if (!*closed_) return;
     auto client = JackClient::open(options_.client_name, meter_, midi_, [bell = bell_] { bell->release(); });
@@ -165,8 +165,8 @@ class JackDriver final : public Driver {
     spdlog::info("JACK's sample rate is now {:.0f} Hz", rate);
   }
 
-  // A server that ends disconnects its ports first; so what is no longer connected is forgotten only when the server
-  // is still there a moment later.
+  // A server that ends disconnects its ports first. A connection that is gone is therefore forgotten only if the server
+  // still answers a moment later.
   void remember_connections() {
     const auto present = client_->connections();
     if (client_->lost()) return;
@@ -191,7 +191,7 @@ class JackDriver final : public Driver {
     reported_at_ = Clock::now();
   }
 
-  // On a thread that may hang without harm.
+  // Closes the client on a detached thread, because jack_client_close() may hang.
   void close(std::unique_ptr<JackClient> client) {
     closed_ = std::make_shared<std::atomic<bool>>(false);
     std::thread([client = client.release(), closed = closed_, bell = bell_] {
@@ -219,8 +219,8 @@ class JackDriver final : public Driver {
   std::unique_ptr<JackClient> client_;
   std::unique_ptr<Driver> stand_in_;
   std::size_t block_frames_ = 0;
-  std::set<JackConnection> connections_, last_seen_;  // what is to come back; what was there a moment ago
-  std::set<JackConnection> missing_;                  // of the former server, not back yet
+  std::set<JackConnection> connections_, last_seen_;  // connections to restore; connections of a moment ago
+  std::set<JackConnection> missing_;                  // connections of the former server that are not restored yet
   Clock::time_point changed_{}, reported_at_{};
   Load reported_;
   std::uint64_t dropped_notes_ = 0;

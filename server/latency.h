@@ -1,5 +1,5 @@
-// How long after its arrival an untimed event happens: always the same, so that what is played in time sounds in time
-// whatever the block size. [any thread but audio]
+// How long after its arrival an untimed event happens. The latency is constant, so that a rhythm that is played evenly
+// sounds evenly at any block size. [any thread but audio]
 #pragma once
 
 #include "engine/base/result.h"
@@ -10,7 +10,7 @@
 
 namespace ringdown::server {
 
-// As the user wants it. Both empty: as short as can be.
+// The latency that the user wants, in frames or in seconds. Both empty: as short as possible.
 struct Latency {
   std::optional<synth::Frame> frames;
   std::optional<double> seconds;
@@ -18,11 +18,11 @@ struct Latency {
 
 inline constexpr double kMaxLatency_s = 1;
 
-// "256" frames or "5ms".
+// Reads "256", which means frames, or "5ms".
 Result<Latency> parse_latency(const std::string& text);
 
-// At least one block, so that the frame is still to come, and a sixteenth of one for the clock's jitter: a wish for
-// less gets that much.
+// The latency in frames: what is wanted, but at least one block, so that the frame is still to come, and a sixteenth of
+// a block for the jitter of the clock.
 synth::Frame latency_frames(const Driver& driver, const Latency& wanted = {});
 
 }  // namespace ringdown::server

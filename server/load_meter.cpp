@@ -41,7 +41,7 @@ void LoadMeter::end(bool deadline) RINGDOWN_REALTIME {
 void LoadMeter::note_xrun() {
   const std::int32_t misses = misses_.load(std::memory_order_relaxed);
   const bool late_now = now_().time_since_epoch().count() > due_.load(std::memory_order_relaxed);
-  // A callback that is late now will be among the misses when it ends: not to be held against us twice.
+  // A callback that is late now will be counted among the misses when it ends. It must not be counted twice.
   const std::int32_t known = misses_at_xrun_.exchange(misses + (late_now ? 1 : 0), std::memory_order_relaxed);
   xruns_.fetch_add(1, std::memory_order_relaxed);
   if (late_now || misses > known) own_xruns_.fetch_add(1, std::memory_order_relaxed);

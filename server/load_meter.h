@@ -1,7 +1,7 @@
-// How much of its time an audio callback uses: measured there, read anywhere.
+// Measures the share of its period that an audio callback uses. Any thread may read it.
 //
-// A callback's load is the time it took over the time its frames last: 1 is all of it. The 99th percentile is of the
-// last five to ten seconds, from a histogram whose steps are 4 %.
+// A callback's load is the time that the callback takes over the duration of its frames; 1 is the whole period. The
+// 99th percentile covers the last five to ten seconds and comes from a histogram with steps of 4 %.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -23,12 +23,12 @@ class LoadMeter {
   // Callbacks are measured by `now`; tests pass a clock of their own.
   explicit LoadMeter(Now now = clock_now) : now_(now) {}
 
-  // Stand at both ends of a callback of `frames`. Without a `deadline`, in freewheel, a long callback is measured but
-  // not counted as late. [audio]
+  // Call at the beginning and at the end of a callback of `frames`. Without a `deadline`, in freewheel, a long callback
+  // is measured but not counted as late. [audio]
   void begin(std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
   void end(bool deadline = true) RINGDOWN_REALTIME;
 
-  // Notes that the server found a cycle late. The cycle counts as ours when one of our callbacks has taken longer than
+  // Counts a cycle that the server found late. The cycle counts as ours if one of our callbacks has taken longer than
   // its period since the last call, or is doing so now. [any]
   void note_xrun();
 

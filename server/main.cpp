@@ -1,16 +1,32 @@
-// ringdownd: command line and settings file to DaemonOptions.
+// ringdownd: reads the command line and the settings file into DaemonOptions, then plays until a signal comes, or
+// renders a file. Failures are written to standard error, one sentence each; the exit code follows from the error's
+// kind.
 #include "packaging/manual/command_line.h"
+#include "protocol/exit_codes.h"
+#include "server/daemon.h"
 #include "server/options.h"
-#include "server/run_daemon.h"
+#include "server/service_notice.h"
+#include "server/session/offline.h"
 #include "server/settings.h"
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
+#include <csignal>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace ringdown::server {
 namespace {
 
+using namespace std::chrono_literals;
+using protocol::complain;
+using protocol::ExitCode;
+
 // What the man page says beside the options.
-const std::vector<ringdown::manual::Section> kSections = {
+const std::vector<manual::Section> kSections = {
     {"FILES",
      {{"$XDG_CONFIG_HOME/ringdown/ringdownd.toml",
        "The settings, where --settings names no other file; ~/.config stands in for XDG_CONFIG_HOME. Every option may "
@@ -27,7 +43,78 @@ const std::vector<ringdown::manual::Section> kSections = {
     {"SEE ALSO", {{"ringdown(1), ringdown-bake(1), jackd(1)", "Its clients, what makes banks, and the sound server."}}},
 };
 
+// The signals that end the daemon. They are blocked in every thread; the main thread takes them by sigtimedwait.
+sigset_t ending_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  return signals;
+}
+
+bool signal_came(std::chrono::milliseconds wait) {
+  const sigset_t signals = ending_signals();
+  const timespec time{.tv_sec = 0, .tv_nsec = std::chrono::nanoseconds(wait).count()};
+  return sigtimedwait(&signals, nullptr, &time) > 0;
+}
+
+// Refuses options that have no meaning when a file is rendered.
+Result<void> check_render(const DaemonOptions& options) {
+  for (const auto& [given, name] :
+       {std::pair(options.record.has_value(), "--record"), std::pair(options.capture.has_value(), "--capture"),
+        std::pair(options.state.has_value(), "--state"), std::pair(options.notes.has_value(), "--notes"),
+        std::pair(options.scene_to.has_value(), "--scene-to")}) {
+    if (given) {
+      return fail(ErrorKind::usage, std::string(name) + ": the wav driver only renders; use --driver jack or null");
+    }
+  }
+  return {};
+}
+
+ExitCode render_to_file(const DaemonOptions& options) {
+  if (const auto good = check_render(options); !good) return complain(good.error());
+  const auto recording = session::render_offline({.scene = options.scene,
+                                                  .objects = options.objects,
+                                                  .seconds = options.seconds,
+                                                  .sample_rate_hz = options.sample_rate_hz,
+                                                  .block_frames = options.block_frames,
+                                                  .mixer = options.mixer},
+                                                 [](double) { return !signal_came(0ms); });
+  if (!recording) return complain(recording.error());
+  for (const std::string& warning : recording->warnings) spdlog::warn("{}", warning);
+  if (const auto written = session::write_audio(*recording, options.output); !written) return complain(written.error());
+  spdlog::info("wrote {}, {:.2f} s", options.output.string(),
+               static_cast<double>(recording->left.size()) / recording->sample_rate_hz);
+  return ExitCode::ok;
+}
+
+// Returns when a signal has come, a client has sent /quit, or the time is over.
+void wait_for_the_end(const Daemon& daemon, std::optional<double> seconds) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds.value_or(1e9));
+  ServiceNotice service;
+  while (!daemon.quits() && std::chrono::steady_clock::now() < end) {
+    service.turn(daemon.frames(), daemon.worker_rounds());
+    if (signal_came(50ms)) break;
+  }
+  service.stopping();
+}
+
+// Runs until SIGINT, SIGTERM, /quit or the end of --seconds. Blocks both signals for the whole process.
+ExitCode run(const DaemonOptions& options) {
+  const sigset_t signals = ending_signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);  // libjack writes to sockets of servers that have ended
+  if (options.driver == DaemonOptions::DriverKind::wav) return render_to_file(options);
+
+  const auto daemon = Daemon::start(options);
+  if (!daemon) return complain(daemon.error());
+  wait_for_the_end(**daemon, options.seconds);
+  const auto finished = (*daemon)->finish();
+  return finished ? ExitCode::ok : complain(finished.error());
+}
+
 }  // namespace
+}  // namespace ringdown::server
 
 int main(int argc, char** argv) {
   using namespace ringdown;
@@ -49,5 +136,5 @@ int main(int argc, char** argv) {
   if (const auto file = settings_file(settings)) {
     if (const auto read = read_settings(app, *file); !read) return static_cast<int>(protocol::complain(read.error()));
   }
-  return static_cast<int>(run_daemon(options));
+  return static_cast<int>(run(options));
 }

@@ -1,6 +1,6 @@
 #include "server/notifier.h"
 
-#include "server/bundles.h"
+#include "server/answers.h"
 
 #include <algorithm>
 #include <utility>
@@ -46,7 +46,7 @@ Notifier::~Notifier() {
 }
 
 Result<void> Notifier::subscribe(Peer peer, double rate_hz) {
-  session_.rack().observers().report_events();  // those happened before
+  session_.rack().observers().report_events();  // events from before the subscription are not for this subscriber
   const std::scoped_lock lock(mutex_);
   auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
   if (subscriber == subscribers_.end()) {
@@ -83,7 +83,7 @@ void Notifier::count_subscribers() {
 
 void Notifier::heard_from(Peer peer) {
   if (count_ == 0) return;
-  // To the second is enough, and spares the lock of whoever sends many packets.
+  // A resolution of one second is enough, and a sender of many packets then rarely takes the mutex.
   const Clock::time_point now = now_();
   if (peer == heard_ && now - heard_at_ < std::chrono::seconds(1)) return;
   heard_ = peer;
@@ -132,7 +132,8 @@ void Notifier::run(const std::stop_token& stop) {
       std::unique_lock lock(mutex_);
       if (!wake_.wait(lock, stop, [this] { return !subscribers_.empty(); })) return;
       auto next = std::ranges::min(subscribers_, {}, &Subscriber::next).next;
-      if (std::ranges::any_of(subscribers_, &Subscriber::hears)) next = std::min(next, Clock::now() + kSoundEvery);
+      if (std::ranges::any_of(subscribers_, &Subscriber::hears_sound))
+        next = std::min(next, Clock::now() + kSoundEvery);
       wake_.wait_until(lock, stop, next, [&] { return changed_ || Clock::now() >= next; });
       changed_ = false;
       lock.unlock();
@@ -161,15 +162,15 @@ void Notifier::take_peaks() {
   const float peak = mixer.meters().take_peak();
   for (Subscriber& subscriber : subscribers_) subscriber.peak = std::max(subscriber.peak, peak);
   for (synth::ObjectNumber object = 0; object < synth::kMaxObjects; ++object) {
-    const float reach = mixer.meters().take_peak_level(object);
-    if (reach < kAudible) continue;
+    const float peak_level = mixer.meters().take_peak_level(object);
+    if (peak_level < kAudible) continue;
     for (Subscriber& subscriber : subscribers_) {
-      subscriber.object_peaks[object] = std::max(subscriber.object_peaks[object], reach);
+      subscriber.object_peaks[object] = std::max(subscriber.object_peaks[object], peak_level);
     }
   }
 }
 
-// Those whose notice is due, with what it shall say; they begin anew.
+// Returns copies of the subscribers whose notice is due, and clears what the originals have gathered for it.
 std::vector<Notifier::Subscriber> Notifier::take_due(Clock::time_point now) {
   std::vector<Subscriber> due;
   for (Subscriber& subscriber : subscribers_) {

@@ -1,16 +1,16 @@
-// Sends subscribers what goes on, at the rate each has asked for (/notify): objects that come, go and change groups,
-// contacts (every strike that was taken, from OSC or from the scene), the peaks of the mix and of objects, the load,
-// the scene's time, and the poses of its bodies. Those who ask for it get the amplitudes of objects' modes as
-// well, and, every kSoundEvery, the samples of the mix.
+// Sends notices to subscribers, at the rate that each has asked for by /notify: objects that come, go and change
+// groups; contacts (every strike that the mixer has taken, from OSC or from the scene); the peaks of the mix and of
+// objects; the load; the scene's time, and the poses of its bodies. Subscribers that ask for it also get the amplitudes
+// of objects' modes (/object/.../watch) and, every kSoundEvery, the samples of the mix (/watch/sound).
 //
-// A subscriber that sends nothing for kSilence_s is forgotten: programs that end do not say so over UDP. Its thread
-// sleeps while nobody has subscribed, and neither what is played nor the objects' levels cost anything then.
+// A subscriber that sends nothing for kSilence_s is removed, because a program that ends does not say so over UDP. The
+// notifier's thread sleeps while there is no subscriber; events and levels then cost nothing.
 #pragma once
 
 #include "engine/base/result.h"
 #include "protocol/reply.h"
 #include "server/driver.h"
-#include "server/osc_ports.h"
+#include "server/osc_stream.h"
 #include "server/session/observers.h"
 #include "server/session/session.h"
 
@@ -27,7 +27,7 @@
 namespace ringdown::server {
 
 inline constexpr std::size_t kMaxSubscribers = 32;
-inline constexpr std::size_t kMaxContactsPerNotice = 256;  // the last ones; the others are left out
+inline constexpr std::size_t kMaxContactsPerNotice = 256;  // the last ones; earlier ones are left out
 inline constexpr double kSilence_s = 60;
 inline constexpr std::chrono::milliseconds kSoundEvery{20};
 
@@ -37,23 +37,23 @@ class Notifier final : public session::Observer {
   using Clock = std::chrono::steady_clock;
   using Now = std::function<Clock::time_point()>;
 
-  // Observes the session's rack, before anything is loaded into it. All must outlive it. `now` is what silence is
-  // measured by, for tests. [main]
+  // Observes the session's rack, before anything is loaded into it. Session, driver and whatever `send` uses must
+  // outlive the notifier. Silence is measured by `now`, which tests replace. [main]
   Notifier(session::Session& session, const Driver& driver, Send send, Now now = Clock::now);
   ~Notifier() override;
 
-  // A new subscriber, or a new rate for one. Refused when kMaxSubscribers are there. [osc]
+  // Adds a subscriber, or changes a subscriber's rate. Refused when there are kMaxSubscribers already. [osc]
   Result<void> subscribe(Peer peer, double rate_hz);
   void unsubscribe(Peer peer);
 
   [[nodiscard]] std::size_t subscribers() const { return count_; }  // [any]
 
-  // Whether a subscriber is sent the sound, or an object's amplitudes; they end with its subscription. Refused to
-  // others than subscribers, and when synth::kMaxWatched objects are watched. [osc]
+  // Starts or ends sending the sound, or the amplitudes of an object's modes, to a subscriber, until its subscription
+  // ends. Refused to peers that have not subscribed, and when synth::kMaxWatched objects are watched. [osc]
   Result<void> watch_sound(Peer peer, bool on);
   Result<void> watch_object(Peer peer, const protocol::ObjectRef& object, bool on);
 
-  // Resets the subscriber's silence timer, to the second. [osc]
+  // Resets the subscriber's silence timer, with a resolution of one second. [osc]
   void heard_from(Peer peer);
 
   void played(const synth::Event& event) override;
@@ -64,13 +64,15 @@ class Notifier final : public session::Observer {
     Peer peer;
     Clock::duration period;
     Clock::time_point next, last_heard;
-    bool hears = false;  // the sound
+    bool hears_sound = false;
     std::set<synth::ObjectNumber> watched;
-    float peak = 0;  // since its last notice, like the following
+    // Since the last notice to this subscriber:
+    float peak = 0;
     std::vector<float> object_peaks = std::vector<float>(synth::kMaxObjects);
-    std::vector<bool> rang = std::vector<bool>(synth::kMaxObjects);  // in its last notice
     std::vector<synth::Event> contacts;
     std::vector<protocol::Reply> changes;  // of objects
+    // In the last notice:
+    std::vector<bool> rang = std::vector<bool>(synth::kMaxObjects);
   };
   void run(const std::stop_token& stop);
   void add_news(const protocol::Reply& change);
@@ -91,15 +93,15 @@ class Notifier final : public session::Observer {
   Send send_;
   Now now_;
   std::atomic<std::size_t> count_ = 0;
-  Peer heard_{};                  // osc: who sent a packet last, and when that was noted
+  Peer heard_{};                  // osc: the last sender for whom heard_from() reset the timer, and when
   Clock::time_point heard_at_{};  // osc
-  std::mutex mutex_;              // guards all that follows but the thread
+  std::mutex mutex_;              // guards all members below except the thread
   std::condition_variable_any wake_;
   std::vector<Subscriber> subscribers_;
-  std::set<synth::ObjectNumber> watched_;  // by one of them
-  bool changed_ = false;                   // since the thread began to wait
-  synth::Frame sound_from_ = 0;            // what the tap holds from before is from an earlier listener
-  std::jthread thread_;                    // last: it stops before what it uses goes away
+  std::set<synth::ObjectNumber> watched_;  // by at least one subscriber
+  bool changed_ = false;                   // subscribers have changed since the thread began to wait
+  synth::Frame sound_from_ = 0;            // samples before this frame were kept for an earlier listener
+  std::jthread thread_;                    // last member: ends before the others are destroyed
 };
 
 }  // namespace ringdown::server

@@ -1,9 +1,9 @@
-// What subscribers have asked for besides: the sound of the mix, and the amplitudes of objects' modes.
+// What subscribers can watch in addition to notices: the samples of the mix, and the amplitudes of objects' modes.
 #include "server/notifier.h"
 
 #include "protocol/defaults.h"
-#include "protocol/wire/floats.h"
-#include "server/bundles.h"
+#include "protocol/wire/message.h"
+#include "server/answers.h"
 
 #include <algorithm>
 
@@ -24,7 +24,7 @@ Result<void> Notifier::watch_sound(Peer peer, bool on) {
   const std::scoped_lock lock(mutex_);
   const auto subscriber = std::ranges::find(subscribers_, peer, &Subscriber::peer);
   if (subscriber == subscribers_.end()) return not_subscribed();
-  subscriber->hears = on;
+  subscriber->hears_sound = on;
   count_subscribers();
   changed_ = true;
   wake_.notify_all();
@@ -50,10 +50,10 @@ Result<void> Notifier::watch_object(Peer peer, const protocol::ObjectRef& ref, b
   return {};
 }
 
-// Ends what nobody asks for any more.
+// Makes the mixer keep samples and amplitudes only for what at least one subscriber watches.
 void Notifier::count_watches() {
   synth::Mixer& mixer = session_.rack().mixer();
-  const bool heard = std::ranges::any_of(subscribers_, &Subscriber::hears);
+  const bool heard = std::ranges::any_of(subscribers_, &Subscriber::hears_sound);
   if (heard && !mixer.sound_tap().watched()) sound_from_ = mixer.counters().frames.load();
   mixer.sound_tap().watch(heard);
   std::erase_if(watched_, [&](ObjectNumber object) {
@@ -72,12 +72,12 @@ std::vector<Peer> Notifier::take_listeners() {
   }
   std::vector<Peer> listeners;
   for (const Subscriber& subscriber : subscribers_) {
-    if (subscriber.hears) listeners.push_back(subscriber.peer);
+    if (subscriber.hears_sound) listeners.push_back(subscriber.peer);
   }
   return listeners;
 }
 
-// All that has sounded since the last time, in pieces as long as they may be.
+// Sends the samples since the last call. Consecutive pieces are joined up to kMaxSoundFrames.
 void Notifier::send_sound(const std::vector<Peer>& listeners) {
   synth::SoundTap& tap = session_.rack().mixer().sound_tap();
   std::vector<protocol::Reply> pieces;
@@ -107,7 +107,7 @@ void Notifier::send_sound(const std::vector<Peer>& listeners) {
   }
 }
 
-// By ascending frequency.
+// Appends the amplitudes of the objects that the subscriber watches, each object's by ascending frequency.
 void Notifier::add_modes(const Subscriber& subscriber, std::vector<protocol::Reply>& messages) {
   std::vector<float> amplitudes, ordered;
   for (const ObjectNumber number : subscriber.watched) {

@@ -1,9 +1,9 @@
-// A client of a session manager that speaks NSM (New Session Manager's protocol, version 1): the client announces
-// itself, is told where its part of the session is kept, saves when asked, and is ended by SIGTERM.
+// A client of a session manager that speaks NSM (New Session Manager's protocol, version 1). The client announces
+// itself; the manager names the file for its part of the session, asks it to save, and ends it by SIGTERM.
 //
 //   if (const auto url = NsmClient::url()) {        // the session manager started us
 //     auto client = NsmClient::announce(*url);      // waits until it opens the session
-//     load(state_file(**client));                   // JACK is to know us as client->session().client_id
+//     load(state_file(**client));                   // the name of the JACK client is session().client_id
 //     (*client)->start(save);                       // answers, then serves on its own thread
 //   }
 #pragma once
@@ -26,17 +26,17 @@ struct Message;
 namespace ringdown::server {
 
 struct NsmSession {
-  std::filesystem::path path;  // ours: what we write is this name and an ending
-  std::string client_id;       // what JACK is to know us as
+  std::filesystem::path path;  // our files have this name and an ending
+  std::string client_id;       // the name of our JACK client
 };
 
 class NsmClient {
  public:
-  // NSM_URL of the environment. [main]
+  // The value of NSM_URL in the environment; nullopt: no session manager has started us. [main]
   static std::optional<std::string> url();
 
-  // Tells the manager that we are there, and waits until it opens a session. An error says who did not answer, or what
-  // was refused. [main]
+  // Announces us to the manager and waits until it opens a session. An error says who did not answer, or what was
+  // refused. [main]
   static Result<std::unique_ptr<NsmClient>> announce(const std::string& url,
                                                      std::chrono::milliseconds patience = std::chrono::seconds(10));
   NsmClient(const NsmClient&) = delete;
@@ -48,12 +48,13 @@ class NsmClient {
   // The state file of the session.
   [[nodiscard]] std::filesystem::path state_file() const { return session_.path.string() + ".toml"; }
 
-  // Answers that the session is open. From now on a thread of ours calls `save` whenever the manager wants the session
-  // to be saved; `save` must have `done` called once, from any thread, while this client lives. [main]
+  // Answers that the session is open. From now on the client's thread calls `save` whenever the manager wants the
+  // session to be saved; `save` must arrange that `done` is called once, on any thread, while this client exists.
+  // [main]
   using Done = std::function<void(const Result<void>&)>;
   void start(std::function<void(const Done& done)> save);
 
-  // No save() is called any more. [main]
+  // Ends the thread; `save` is not called any more. [main]
   void stop();
 
  private:
@@ -68,7 +69,7 @@ class NsmClient {
   wire::Endpoint manager_;
   NsmSession session_;
   std::function<void(const Done&)> save_;
-  std::jthread thread_;  // last: it stops before what it uses goes away
+  std::jthread thread_;  // last member: ends before the others are destroyed
 };
 
 }  // namespace ringdown::server

@@ -50,7 +50,7 @@ class NullDriver final : public Driver {
   LoadMeter meter_;
   synth::Frame first_frame_ = 0;
   LoadMeter::Clock::time_point origin_;
-  std::jthread thread_;  // last: it stops before what it uses goes away
+  std::jthread thread_;  // last member: ends before the others are destroyed
 };
 
 }  // namespace

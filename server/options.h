@@ -36,7 +36,7 @@ struct DaemonOptions {
     std::optional<Vec3> point_m, force_n;  // in the object's frame; absent: chosen from its bank
   };
   std::vector<Input> inputs;                   // JACK ports in_1 and so on, and what they excite
-  std::optional<std::filesystem::path> state;  // loaded after what stands above and the scene (state.h)
+  std::optional<std::filesystem::path> state;  // loaded after objects, inputs and scene (state.h)
   std::optional<std::filesystem::path> scene;
   std::optional<std::string> scene_to;  // osc.udp://host:port that gets the scene's strikes instead of our own mixer
   std::string address = "127.0.0.1";    // where OSC is received
@@ -46,22 +46,22 @@ struct DaemonOptions {
   bool zeroconf = false;                         // announce both OSC ports
   std::optional<std::filesystem::path> record;   // the whole session, as an OSC score
   std::optional<std::filesystem::path> capture;  // what the null driver renders, as a sound file
-  double merge_s = 0.001;                        // strikes so close on one point are one, in a flood (strike_merger.h)
-  std::vector<std::filesystem::path> roots;      // where messages may open files; empty: the current folder
-  Latency latency;                               // of untimed messages
+  double merge_s = 0.001;                    // in a flood, strikes on one point this close become one (strike_merger.h)
+  std::vector<std::filesystem::path> roots;  // where messages may open files; empty: the current folder
+  Latency latency;                           // of untimed messages
   std::string jack_name = "ringdown";
   std::optional<std::filesystem::path> notes;        // what MIDI notes strike (note_map.h)
   session::PortMode ports = session::PortMode::mix;  // JACK ports beside the stereo mix
   bool connect = false;                              // to the speakers
   bool wait = false;                                 // for a JACK server, where there is none yet
   double sample_rate_hz = 48000;                     // wav, null, and until there is a JACK server
-  std::size_t block_frames = 256;                    // likewise
+  std::size_t block_frames = 256;                    // wav, null, and until there is a JACK server
   synth::MixerSettings mixer = {.budget = 0.8};      // the budget counts with jack only
   std::optional<double> seconds;                     // null, jack: stop after this time; wav: length of the file
   std::filesystem::path output = "ringdown.wav";     // wav
 };
 
-// Values that are wrong in themselves (a number out of range, an object without a name) end the parsing with a
+// Adds all options to the app. A wrong value (a number out of range, an object without a name) ends the parsing with a
 // CLI::ParseError that names the option.
 void add_options(CLI::App& app, DaemonOptions& options);
 

@@ -40,7 +40,7 @@ bool has_range(const ArgumentSpec& argument) {
   return argument.type == ValueType::number || argument.type == ValueType::integer || argument.type == ValueType::flag;
 }
 
-// What of an address does not depend on the object.
+// The attributes of an address that are the same for every object.
 json leaf(const AddressSpec& spec) {
   std::string types;
   json ranges = json::array(), units = json::array();
@@ -55,7 +55,7 @@ json leaf(const AddressSpec& spec) {
   return node;
 }
 
-// Puts `node` at `path`, and containers above it.
+// Puts `node` at `path`, and makes the containers above it.
 void place(json& root, const std::string& path, const json& node) {
   json* at = &root;
   for (std::size_t slash = 0; slash != path.npos;) {

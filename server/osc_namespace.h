@@ -12,11 +12,11 @@
 
 namespace ringdown::server {
 
-// The node at `path` ("/" is all) with everything below it, when there are objects of these names. Fails when there is
-// no such node.
+// The node at `path` and everything below it, if there are objects of these names; "/" is the whole namespace. Fails
+// when there is no such node.
 Result<std::string> describe_namespace(std::string_view path, std::span<const std::string> objects);
 
-// One attribute of a node, "TYPE" or "DESCRIPTION", as {"TYPE": ...}; empty when the node does not have it.
+// One attribute of a node, such as "TYPE" or "DESCRIPTION", as {"TYPE": ...}; empty when the node does not have it.
 Result<std::string> describe_attribute(std::string_view path, std::string_view attribute,
                                        std::span<const std::string> objects);
 

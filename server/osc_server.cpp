@@ -3,7 +3,6 @@
 #include "protocol/defaults.h"
 #include "protocol/pattern.h"
 #include "protocol/schema.h"
-#include "server/bundles.h"
 #include "server/describe.h"
 #include "server/session/state.h"
 
@@ -19,25 +18,8 @@ using namespace std::chrono_literals;
 using protocol::Fail;
 using protocol::Overloaded;
 
-// What a request leads to that is answered by /done, with a number for some.
+// The outcome of a request that is answered by /done, with a number for some requests.
 using Outcome = Result<std::optional<std::int32_t>>;
-
-void answer(AnswerPorts& ports, Peer to, const protocol::Reply& reply) {
-  if (const auto* refusal = std::get_if<Fail>(&reply)) spdlog::warn("{}: {}", to_text(to.endpoint), refusal->sentence);
-  // A sender that does not listen is its own affair.
-  ports.send(to, wire::encode(protocol::format(reply)));
-}
-
-void answer(AnswerPorts& ports, Peer to, const Result<std::vector<protocol::Reply>>& replies,
-            const std::string& address) {
-  if (!replies) return answer(ports, to, Fail{address, address + ": " + replies.error().message});
-  send_in_bundles(*replies, [&](std::span<const std::byte> packet) { ports.send(to, packet); });
-}
-
-void answer(AnswerPorts& ports, Peer to, const Outcome& outcome, const std::string& address) {
-  if (outcome) return answer(ports, to, protocol::Done{address, *outcome});
-  answer(ports, to, Fail{address, address + ": " + outcome.error().message});
-}
 
 // Carries out requests of the file lane. [worker]
 struct WriteFile {
@@ -84,14 +66,6 @@ OscServer::OscServer(wire::OscSocket socket, Parts parts)
   parts_.stream->start([this](std::span<const std::byte> packet, Peer from) { take_from_stream(packet, from); });
 }
 
-void AnswerPorts::send(Peer to, std::span<const std::byte> packet) {
-  if (to.connection == 0) {
-    static_cast<void>(socket.send_to(to.endpoint, packet));
-  } else if (stream) {
-    stream->send(to, packet);
-  }
-}
-
 OscServer::~OscServer() {
   {
     const std::scoped_lock lock(inbox_.mutex);
@@ -120,7 +94,7 @@ void OscServer::run(const std::stop_token& stop) {
   }
 }
 
-// JACK servers come and go, and with them the priority.
+// Asks the driver once in a second, because its priority changes when another JACK server takes over.
 void OscServer::adopt_priority() {
   const double now_s = parts_.clocks.steady_s();
   if (now_s - looked_at_s_ < 1) return;
@@ -174,7 +148,7 @@ synth::Frame OscServer::frame_of(wire::TimeTag time, const Arrival& arrival) con
   if (time == wire::kImmediately) {
     return clock_.frame_at(arrival.steady_s - arrival.age_s) + latency_frames(parts_.driver, parts_.latency);
   }
-  // A tag years away would overflow a frame; kMaxAhead_s refuses it all the same.
+  // A tag years away would overflow a frame number. It is clamped here and refused by kMaxAhead_s later.
   constexpr double kFar_s = 1e6;
   return clock_.frame_at(arrival.steady_s + std::clamp(wire::unix_seconds(time) - arrival.unix_s, -kFar_s, kFar_s));
 }
@@ -188,7 +162,7 @@ void OscServer::expand(const wire::Message& message, synth::Frame frame, Peer fr
   for (const std::string& address : *addresses) handle({address, message.arguments}, frame, from);
 }
 
-// Each lane has its own way (protocol/lanes.h).
+// Passes a request to the function for its lane (protocol/lanes.h).
 void OscServer::handle(const wire::Message& message, synth::Frame frame, Peer from) {
   const std::string& address = message.address;
   auto request = protocol::parse(message);
@@ -205,7 +179,7 @@ void OscServer::handle(const wire::Message& message, synth::Frame frame, Peer fr
              protocol::in_its_lane(*std::move(request)));
 }
 
-// Carries a request out if its time is near, and lets it wait if not.
+// Carries a request out if its frame is near; otherwise puts it into the schedule.
 void OscServer::take(Schedule::Request request, synth::Frame frame, const std::string& address, Peer from) {
   if (frame <= horizon()) return carry_out(request, frame, address, from);
   const auto waits = schedule(std::move(request), frame, address, from);
@@ -237,7 +211,8 @@ void OscServer::carry_out_what_is_near() {
   }
 }
 
-// Hands to the worker what changes objects or the scene, for `frame` or as soon as something can be heard.
+// Posts a request that changes objects or the scene to the worker. It takes effect at `frame`, or as soon as anything
+// can be heard.
 template <class Lane>
 void OscServer::perform(const Lane& request, synth::Frame frame, const std::string& address, Peer from) {
   post(
@@ -293,7 +268,7 @@ void OscServer::answer_at_once(const protocol::DaemonRequest& request, const std
       request);
 }
 
-// For the worker. A task answers by itself, unless there is no room for it.
+// Posts a task to the worker. The task answers the sender itself; if the worker has no room for it, post() does.
 void OscServer::post(Worker::Task task, const std::string& address, Peer from) {
   if (parts_.worker.post(std::move(task))) return;
   answer(*ports_, from, Fail{address, address + ": too many requests are waiting; send fewer at once"});

@@ -1,15 +1,19 @@
-// The daemon's ear: receives OSC packets, turns them into requests, and answers their senders.
+// Receives OSC packets by UDP and TCP, turns their messages into requests, and answers the senders.
 //
-// Its thread plays events itself and leaves everything slow to the worker, in order. An untimed event happens `latency`
-// after the kernel received its packet, so that two strikes 3 ms apart stay 3 ms apart whatever the block size and
-// however late this thread wakes; a bundle's events happen at the bundle's time. Events further than kHorizon_s ahead
-// wait in a Schedule of the server's own. Where the audio thread has real-time priority, ours has the next lower one,
-// in a flood half the time (realtime_share.h). Loads and scene changes happen when the worker gets to them.
+//   OscServer server(std::move(socket), {session, worker, driver, quit});   // serves until it is destroyed
+//
+// The server's thread plays events itself and posts everything slow to the worker, in order. An untimed event happens
+// `latency` after the kernel received its packet, so two strikes 3 ms apart stay 3 ms apart whatever the block size and
+// however late the thread wakes. The events of a bundle happen at the bundle's time; those further than kHorizon_s
+// ahead wait in the server's Schedule. Loads and scene changes happen when the worker comes to them. Where the audio
+// thread has real-time priority, the server's thread has the next lower one, in a flood for half of the time
+// (realtime_share.h).
 #pragma once
 
 #include "protocol/reply.h"
 #include "protocol/wire/codec.h"
 #include "protocol/wire/socket.h"
+#include "server/answers.h"
 #include "server/driver.h"
 #include "server/frame_clock.h"
 #include "server/latency.h"
@@ -30,14 +34,6 @@
 #include <vector>
 
 namespace ringdown::server {
-
-// Where answers leave: by the way the request came.
-struct AnswerPorts {
-  wire::OscSocket socket;
-  std::shared_ptr<OscStream> stream;  // null: UDP only
-
-  void send(Peer to, std::span<const std::byte> packet);
-};
 
 class OscServer {
  public:
@@ -61,11 +57,11 @@ class OscServer {
   [[nodiscard]] std::uint16_t port() const { return ports_->socket.port(); }
 
  private:
-  // When a packet came: by the clock that frames are measured with, and by the one that time tags are written with.
+  // When a packet arrived, by the clock that frames are measured with and by the clock of time tags.
   struct Arrival {
     Peer from;
     double steady_s, unix_s;
-    double age_s;  // how long it had waited for us
+    double age_s;  // how long the packet had waited in the kernel or in the inbox
   };
 
   void run(const std::stop_token& stop);
@@ -90,7 +86,7 @@ class OscServer {
   [[nodiscard]] synth::Frame horizon() const;
   [[nodiscard]] protocol::StatusReply status() const;
 
-  // What the stream's thread hands to ours. It waits while kMost packets are here.
+  // Packets that the stream's thread hands to the server's thread. The stream's thread waits while kMost are here.
   struct Inbox {
     static constexpr std::size_t kMost = 64;
     struct Packet {
@@ -104,16 +100,16 @@ class OscServer {
     bool closed = false;
   };
 
-  std::shared_ptr<AnswerPorts> ports_;  // shared with answers that the worker still owes
+  std::shared_ptr<AnswerPorts> ports_;  // shared with tasks of the worker that will answer
   Parts parts_;
   Notifier notifier_;
   Inbox inbox_;
-  FrameClock clock_;  // the server thread's own, like the next
+  FrameClock clock_;  // the server thread's own, as the next two members are
   Schedule schedule_;
   RealtimeShare share_;
-  int priority_ = 0;           // as the driver reported it last
-  double looked_at_s_ = -1e9;  // when it did
-  std::jthread thread_;        // last: it stops before what it uses goes away
+  int priority_ = 0;           // what the driver reported last
+  double looked_at_s_ = -1e9;  // when the driver was asked for it
+  std::jthread thread_;        // last member: ends before the others are destroyed
 };
 
 }  // namespace ringdown::server

@@ -42,17 +42,17 @@ struct Connection {
   Descriptor socket;
   wire::Endpoint endpoint;
   wire::SlipDecoder decoder{wire::kMaxPacketBytes};
-  std::vector<std::byte> unread;  // answers that the client's window has no room for
+  std::vector<std::byte> unread;  // answers that wait until the client has room for them
   bool broken = false;
 };
 
-// A web page may make a browser write what it likes, packets too, to a port of this computer; but the browser's request
-// comes first, and does not begin as OSC does.
+// A web page can make a browser send any bytes to a port of this computer, even valid OSC packets. But the browser
+// sends the head of its HTTP request first, and that does not begin as an OSC packet does.
 bool begins_as_osc(std::span<const std::byte> packet) {
   return packet.front() == std::byte{'/'} || packet.front() == std::byte{'#'};
 }
 
-// Sends what can be sent now.
+// Sends as many of the waiting bytes as the client has room for, without waiting.
 void flush(Connection& connection) {
   while (!connection.unread.empty()) {
     const ssize_t sent = ::send(connection.socket.get(), connection.unread.data(), connection.unread.size(),
@@ -76,10 +76,10 @@ struct OscStream::Impl {
   Descriptor listener, waker;
   wire::Endpoint endpoint;
   Take take;
-  std::mutex mutex;  // guards connections, but only this thread adds and removes them
+  std::mutex mutex;  // guards `connections`; only the stream's thread adds and removes elements
   std::map<std::uint32_t, Connection> connections;
   std::uint32_t next_id = 1;
-  std::jthread thread;  // last: it stops before what it uses goes away
+  std::jthread thread;  // last member: ends before the others are destroyed
 
   void run(const std::stop_token& stop);
   void accept_one();
@@ -108,7 +108,8 @@ Result<std::unique_ptr<OscStream>> OscStream::listen(wire::Endpoint endpoint) {
   auto* const generic = reinterpret_cast<sockaddr*>(&address);
   socklen_t size = sizeof address;
   const int on = 1, socket = impl->listener.get();
-  ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);  // a port in TIME_WAIT is no hindrance
+  ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on,
+               sizeof on);  // so that a restarted daemon gets its port back at once
   if (socket < 0 || impl->waker.get() < 0 || ::bind(socket, generic, size) != 0 || ::listen(socket, 8) != 0 ||
       ::getsockname(socket, generic, &size) != 0) {
     return fail(listen_error(endpoint));
@@ -131,7 +132,7 @@ void OscStream::send(Peer to, std::span<const std::byte> packet) {
     const auto found = impl_->connections.find(to.connection);
     if (found == impl_->connections.end()) return;
     Connection& connection = found->second;
-    if (connection.unread.size() + framed.size() > kMaxUnread) {
+    if (connection.unread.size() + framed.size() > kMaxUnreadBytes) {
       connection.broken = true;
     } else {
       connection.unread.insert(connection.unread.end(), framed.begin(), framed.end());
@@ -139,7 +140,7 @@ void OscStream::send(Peer to, std::span<const std::byte> packet) {
     }
     if (connection.unread.empty() && !connection.broken) return;
   }
-  ::eventfd_write(impl_->waker.get(), 1);  // the rest when there is room, or the end
+  ::eventfd_write(impl_->waker.get(), 1);  // the stream's thread sends the rest, or drops the connection
 }
 
 void OscStream::Impl::run(const std::stop_token& stop) {

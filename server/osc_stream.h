@@ -1,13 +1,18 @@
-// OSC over TCP, framed by SLIP as OSC 1.1 has it: for clients that must lose nothing, or sit behind something that
-// passes no UDP. By option; on this computer only unless the user says otherwise.
+// OSC over TCP, framed by SLIP as OSC 1.1 defines it: for clients that must not lose a packet, or that UDP does not
+// reach. The daemon opens it with --tcp, on this computer only unless --address says otherwise.
 //
-// Its own thread accepts, reads and writes. A client that sends no SLIP, a packet that begins with neither / nor # (a
-// browser, whose page wants to play), more than kMaxPacketBytes in a packet, or does not read its answers, is cut off;
-// so is the one after kMaxConnections.
+//   auto stream = OscStream::listen({.port = 7771});
+//   (*stream)->start([](std::span<const std::byte> packet, Peer from) { ... });   // on the stream's thread
+//   (*stream)->send(peer, answer);                                                // on any thread
+//
+// The stream's own thread accepts connections, reads and writes. It closes the connection of a client that sends bytes
+// that are not SLIP, that sends a packet of more than wire::kMaxPacketBytes or one that begins with neither / nor #
+// (a browser whose page tries to play), or that leaves more than kMaxUnreadBytes of answers unread. A connection beyond
+// kMaxConnections is closed at once.
 #pragma once
 
 #include "engine/base/result.h"
-#include "server/osc_ports.h"
+#include "protocol/wire/socket.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -18,22 +23,33 @@
 namespace ringdown::server {
 
 inline constexpr std::size_t kMaxConnections = 16;
-inline constexpr std::size_t kMaxUnread = std::size_t{1} << 20;  // bytes of answers that wait for one client
+inline constexpr std::size_t kMaxUnreadBytes = std::size_t{1} << 20;  // of answers that wait for one client
+
+// Who sent a packet and gets its answers.
+struct Peer {
+  wire::Endpoint endpoint;
+  std::uint32_t connection = 0;  // a number that OscStream gave; 0: the packet came by UDP
+  friend bool operator==(const Peer&, const Peer&) = default;
+};
 
 class OscStream {
  public:
-  // Port 0 takes any free one.
+  // Opens the port; 0 takes any free one. Fails with ErrorKind::port_busy. [main]
   static Result<std::unique_ptr<OscStream>> listen(wire::Endpoint endpoint);
   ~OscStream();
 
   [[nodiscard]] std::uint16_t port() const;
 
-  // Begins to serve. `take` gets each packet, on the stream's thread; while it waits, nothing more is read. Once.
+  // Starts the stream's thread, which calls `take` for each packet. While `take` waits, nothing is read from any
+  // client. Call once. [main]
   using Take = std::function<void(std::span<const std::byte> packet, Peer from)>;
   void start(Take take);
-  void stop();  // takes no more, and returns when the last `take` has
 
-  // Nothing happens when the peer has gone. [any thread]
+  // Ends the thread; `take` is not called any more after this function has returned. [main]
+  void stop();
+
+  // Sends a packet to a client, now or when the client has read what waits for it. Does nothing if the client has
+  // gone. [any thread]
   void send(Peer to, std::span<const std::byte> packet);
 
  private:

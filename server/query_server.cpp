@@ -12,11 +12,11 @@ namespace ringdown::server {
 namespace {
 
 constexpr std::size_t kThreads = 2;
-constexpr int kMaxWaiting = 32;  // connections that were accepted; others wait in the kernel's queue
-constexpr int kTimeout_s = 2;    // for a client that is silent in the middle of a request
+constexpr int kMaxWaiting = 32;  // accepted connections; further ones wait in the kernel's queue
+constexpr int kTimeout_s = 2;    // how long a client may be silent in the middle of a request
 constexpr std::size_t kMaxRequestBytes = 1024;
 
-// httplib's own queue has no end.
+// Replaces httplib's own queue, whose length is not limited.
 class BoundedQueue final : public httplib::TaskQueue {
  public:
   void enqueue(std::function<void()> task) override {
@@ -77,7 +77,7 @@ Result<std::unique_ptr<QueryServer>> QueryServer::listen(std::uint16_t port, Abo
                                           ": the port is taken or not ours; choose another (0 takes any free one)");
   }
   impl->thread = std::jthread([&http] { http.listen_after_bind(); });
-  // stop() is in vain before the thread listens.
+  // httplib::Server::stop() has no effect before the thread listens, so the destructor must not come earlier.
   for (int i = 0; i < 1000 && !http.is_running(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return std::unique_ptr<QueryServer>(new QueryServer(std::move(impl)));
 }

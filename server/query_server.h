@@ -1,5 +1,7 @@
-// OSCQuery over HTTP, read-only and by option: GET / or GET /object/bell answers the namespace as JSON
-// (osc_namespace.h), ?HOST_INFO says where OSC is received. Two threads of its own; whoever asks for too much waits.
+// Describes the daemon's OSC namespace by OSCQuery: JSON over HTTP, read-only. The daemon opens it with --query.
+//
+// GET / or GET /object/bell answers the namespace or a part of it (osc_namespace.h); ?HOST_INFO answers where OSC is
+// received. One thread of the server accepts connections and two answer requests.
 #pragma once
 
 #include "engine/base/result.h"
@@ -16,13 +18,14 @@ namespace ringdown::server {
 class QueryServer {
  public:
   struct About {
-    std::string name;     // of this daemon
+    std::string name;     // the name of this daemon
     std::string address;  // where OSC is received
     std::uint16_t osc_port = 0;
-    std::function<std::vector<std::string>()> objects;  // their names now [any thread]
+    std::function<std::vector<std::string>()> objects;  // returns the names of all objects [called on any thread]
   };
 
-  // Serves at once, at about.address. Port 0 takes any free one. A taken port is an error whose sentence says so.
+  // Opens the port at about.address and serves from now on, until destruction; 0 takes any free port. Fails with
+  // ErrorKind::port_busy. [main]
   static Result<std::unique_ptr<QueryServer>> listen(std::uint16_t port, About about);
   ~QueryServer();
 

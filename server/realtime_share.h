@@ -1,4 +1,5 @@
-// Real-time priority for a thread that others can keep busy, for half of the time at most.
+// Gives a thread real-time priority for at most half of the time, because other programs could keep it busy without
+// end.
 //
 // When a thread of real-time priority never rests, the kernel stops all real-time threads of its processor for 50 ms in
 // each second, the audio thread among them (sched_rt_runtime_us in sched(7); newer kernels have a "fair server" for
@@ -18,22 +19,22 @@ class RealtimeShare {
  public:
   static constexpr double kPeriod_s = 0.02, kMost_s = 0.01;
 
-  // What a share asks of the system; tests pass a machine of their own.
+  // The functions of the system that a share uses; tests replace them.
   struct System {
-    double (*now_s)();   // a clock that is never set
+    double (*now_s)();   // a clock that nobody sets
     double (*used_s)();  // the processor time of this thread
-    // Gives this thread SCHED_FIFO, or with 0 an ordinary one's priority. Returns an error number; 0 is none.
+    // Gives this thread SCHED_FIFO at this priority; 0 makes an ordinary thread. Returns 0 or an error number.
     int (*set_priority)(int number);
   };
   static const System kSystem;
 
   explicit RealtimeShare(System system = kSystem) : system_(system) {}
 
-  // Takes SCHED_FIFO at this priority; 0 makes an ordinary thread. Where the system refuses, the thread is an ordinary
-  // one and an error says why.
+  // Sets SCHED_FIFO at this priority; 0 makes an ordinary thread. Where the system refuses, the thread stays ordinary
+  // and the error says why.
   Result<void> set_priority(int priority);
 
-  // To be called between any two pieces of work, several times a millisecond in a flood.
+  // Call between any two pieces of work; in a flood that is several times a millisecond.
   void turn();
 
  private:

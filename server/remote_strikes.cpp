@@ -13,7 +13,7 @@ Result<session::ScenePlayer::Sink> open_remote_strikes(const std::string& url, c
   auto opened = EventSender::open(url);
   if (!opened) return fail(opened.error());
   auto sender = std::make_shared<EventSender>(std::move(*opened));
-  std::shared_ptr<FrameClock> clock;  // made with the first strikes: the driver tells no time before it runs
+  std::shared_ptr<FrameClock> clock;  // made with the first strikes, because the driver has no time before it runs
   return [sender, clock, clocks = std::move(clocks), &rack,
           &driver](const scene::StepReport& report) mutable -> std::size_t {
     if (report.events.empty() && report.rest_dampings.empty()) return 0;

@@ -12,8 +12,8 @@
 
 namespace ringdown::server {
 
-// A sink that sends strikes to `url` (osc.udp://host:port) in bundles whose time tag is the moment at which our driver
-// will play their frame. Objects go by name. `rack` and `driver` must outlive it.
+// A sink that sends strikes to the daemon at `url` (osc.udp://host:port) in bundles, whose time tag is the moment at
+// which our driver would play their frame. Objects go by name. `rack` and `driver` must outlive the sink.
 Result<session::ScenePlayer::Sink> open_remote_strikes(const std::string& url, const session::Rack& rack,
                                                        const Driver& driver, Clocks clocks = {});
 

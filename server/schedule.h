@@ -1,11 +1,10 @@
-// Requests whose time is far: kept here, in order, until the mixer's own short queue should have them.
-//
-// So that a song sent ahead, or a sender with a wrong clock, takes no room from what happens now. [one thread]
+// Keeps requests that are to happen much later, in order, until their time is near. So a song that is sent ahead, or a
+// sender with a wrong clock, does not fill the mixer's short queue, which events of this moment need. [one thread]
 #pragma once
 
 #include "engine/synth/event.h"
 #include "protocol/lanes.h"
-#include "server/osc_ports.h"
+#include "server/osc_stream.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -19,18 +18,18 @@ inline constexpr std::size_t kMaxScheduled = 16384;  // requests
 
 class Schedule {
  public:
-  // Those that happen at a frame of their own (protocol/lanes.h).
+  // Requests that happen at a frame of their own (protocol/lanes.h).
   using Request = std::variant<protocol::MixerRequest, protocol::TimedWorkerRequest>;
 
   struct Entry {
     synth::Frame frame = 0;
     Request request;
-    std::string address;  // as it was sent, for the answer if it fails
+    std::string address;  // the address of the message, for the answer if the request fails
     Peer from;
-    std::uint64_t order = 0;  // among those of one frame: first come, first played
+    std::uint64_t order = 0;  // requests of one frame are taken in the order in which they were added
   };
 
-  // False when kMaxScheduled are waiting; nothing changes then.
+  // Returns false, and changes nothing, when kMaxScheduled requests are waiting.
   [[nodiscard]] bool add(Entry entry) {
     if (entries_.size() == kMaxScheduled) return false;
     entry.order = next_order_++;
@@ -42,7 +41,7 @@ class Schedule {
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
   [[nodiscard]] bool is_due(synth::Frame frame) const { return !entries_.empty() && entries_.front().frame < frame; }
 
-  // The earliest; there must be one.
+  // Removes and returns the earliest request. There must be one.
   Entry take() {
     std::ranges::pop_heap(entries_, later);
     Entry entry = std::move(entries_.back());

@@ -11,7 +11,8 @@
 namespace ringdown::server {
 namespace {
 
-// The watchdog is meant for one process: not for one that inherited our environment.
+// WATCHDOG_PID names the process that the watchdog is for; a process that has inherited its environment must not
+// answer.
 std::chrono::microseconds watchdog_time() {
   const char* time = std::getenv("WATCHDOG_USEC");
   const char* process = std::getenv("WATCHDOG_PID");

@@ -1,7 +1,8 @@
-// Tells systemd how the daemon fares: ready when sound runs, stopping, and by the watchdog that it is alive.
+// Tells systemd that the daemon is ready, when the first sound has been rendered, that it is alive, for the watchdog,
+// and that it is stopping.
 //
 // systemd gives a service of Type=notify a datagram socket in NOTIFY_SOCKET and, with WatchdogSec, a time in
-// WATCHDOG_USEC (sd_notify(3), sd_watchdog_enabled(3)). Without them nothing happens. [main]
+// WATCHDOG_USEC (sd_notify(3), sd_watchdog_enabled(3)). Without these variables ServiceNotice does nothing. [main]
 #pragma once
 
 #include <chrono>
@@ -14,14 +15,14 @@ namespace ringdown::server {
 
 class ServiceNotice {
  public:
-  ServiceNotice();  // looks at the environment
+  ServiceNotice();  // reads the environment
   ~ServiceNotice();
   ServiceNotice(const ServiceNotice&) = delete;
   ServiceNotice& operator=(const ServiceNotice&) = delete;
 
-  // To be called every now and then, at least every 100 ms. The first call with `frames` above 0 says READY=1: frames
-  // that were rendered, so sound runs. `beats` counts the rounds of the worker: while it grows, WATCHDOG=1 is said
-  // twice in every interval that systemd waits for it.
+  // Call at least every 100 ms. `frames` counts rendered frames; the first call with a count above 0 sends READY=1.
+  // `beats` counts the rounds of the worker; while it grows, WATCHDOG=1 is sent twice in every interval that systemd
+  // allows.
   void turn(std::uint64_t frames, std::uint64_t beats);
 
   void stopping();
@@ -30,11 +31,11 @@ class ServiceNotice {
   using Clock = std::chrono::steady_clock;
   void say(std::string_view what) const;
 
-  std::string address_;  // of the socket, with a zero in front for an abstract one; empty: nobody listens
+  std::string address_;  // the socket's, with a zero byte in front if it is abstract; empty: nobody listens
   int socket_ = -1;
   bool ready_ = false;
   std::uint64_t last_beats_ = 0;
-  Clock::duration interval_{};  // between two WATCHDOG=1; zero: none is wanted
+  Clock::duration interval_{};  // between two WATCHDOG=1; zero: systemd wants none
   Clock::time_point next_{};
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The value as the words of a command line; empty when the file has none, or when it is wrong.
+// The value of a key as words of a command line; empty when the file does not have the key or the value is wrong.
 std::vector<std::string> words_of(TomlTable& file, const std::string& key, const CLI::Option& option) {
   std::vector<std::string> words;
   if (option.get_expected_max() == 0) {

@@ -1,4 +1,7 @@
-// The thread that may take its time: it reads files and builds voices, one task after the other, in order.
+// A thread for everything slow: it reads files and builds voices, one task after the other, in order.
+//
+//   Worker worker([&] { rack.collect(); }, 50ms);
+//   if (!worker.post([&] { load(); })) refuse();
 #pragma once
 
 #include <chrono>
@@ -14,14 +17,14 @@ class Worker {
  public:
   using Task = std::function<void()>;
 
-  // Tasks that may wait. Past it, post() refuses.
+  // At most this many tasks wait; post() refuses more.
   static constexpr std::size_t kMaxTasks = 1024;
 
-  // Runs `chore` between tasks, at least every `period`. Both run on the worker's own thread.
+  // Runs `chore` after each task, and every `period` if there is no task. Tasks and chore run on the worker's thread.
   Worker(Task chore, std::chrono::milliseconds period);
-  ~Worker() = default;  // finishes the task at hand, drops the others
+  ~Worker() = default;  // finishes the present task, drops the others
 
-  // False when kMaxTasks are waiting. [any but audio]
+  // Returns false when kMaxTasks are waiting. [any but audio]
   [[nodiscard]] bool post(Task task);
 
  private:
@@ -32,13 +35,14 @@ class Worker {
   std::mutex mutex_;
   std::condition_variable_any wake_;
   std::deque<Task> tasks_;
-  std::jthread thread_;  // last: it stops before what it uses goes away
+  std::jthread thread_;  // last member: ends before the others are destroyed
 };
 
-// A way to the worker for those who live longer than it: the driver and the scene. [any but audio]
+// Posts tasks to a worker that may not exist yet, or not any more: for the driver and the scene, which live longer than
+// the worker. [any but audio]
 class WorkerLine {
  public:
-  // While it lives, tasks reach `worker`; otherwise they are refused.
+  // While a Connection exists, tasks reach `worker`; otherwise they are refused.
   class Connection {
    public:
     Connection(WorkerLine& line, Worker& worker) : line_(line) { line_.connect(&worker); }
@@ -50,10 +54,11 @@ class WorkerLine {
     WorkerLine& line_;
   };
 
-  // False when there is no worker, or too many tasks are waiting.
+  // Returns false when there is no worker or too many tasks are waiting.
   bool post(Worker::Task task);
 
-  // Waits besides until the task is done, but no longer than a second: in freewheel sound does not wait for the worker.
+  // Posts the task and waits until it is done, but no longer than a second. In freewheel, where blocks are rendered as
+  // fast as possible, the sound would otherwise not wait for the task.
   bool post_and_wait(Worker::Task task);
 
  private:

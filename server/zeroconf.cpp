@@ -12,14 +12,14 @@
 
 namespace ringdown::server {
 
-// All but construction and destruction happens on Avahi's thread.
+// Everything except construction and destruction happens on Avahi's thread.
 struct Zeroconf::Avahi {
   Avahi(std::string shown, std::uint16_t udp, std::optional<std::uint16_t> tcp)
       : name(std::move(shown)), udp_port(udp), tcp_port(tcp) {
     poll = avahi_threaded_poll_new();
     if (!poll) return;
     int error = 0;
-    // It sets `client` too late for its own first callback.
+    // avahi_client_new() calls the callback before it returns, that is before `client` would be set.
     client = avahi_client_new(
         avahi_threaded_poll_get(poll), AVAHI_CLIENT_NO_FAIL,
         [](AvahiClient* from, AvahiClientState state, void* us) { static_cast<Avahi*>(us)->changed(from, state); },

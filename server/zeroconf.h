@@ -1,8 +1,8 @@
-// Tells programs on the network where OSC is received, by DNS-SD (Zeroconf, Bonjour): service _osc._udp, and _osc._tcp.
+// Announces on the network where OSC is received, by DNS-SD (Zeroconf, Bonjour): service _osc._udp, and _osc._tcp.
 //
 // Avahi's daemon announces the services. Where it does not run, one line in the log says so, and the services are
-// announced when it starts. A name that is taken gets a number. The services end with the object. [main; Avahi's client
-// has a thread of its own]
+// announced when it starts. A name that is taken gets a number. The announcement ends when the Zeroconf object is
+// destroyed. [main; Avahi's client has a thread of its own]
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace ringdown::server {
 
 class Zeroconf {
  public:
-  // `name` is what people see.
+  // `name` is the name that people see.
   Zeroconf(std::string name, std::uint16_t udp_port, std::optional<std::uint16_t> tcp_port);
   ~Zeroconf();
   Zeroconf(const Zeroconf&) = delete;

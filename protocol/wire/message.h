@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -19,6 +20,11 @@ struct Message {
   std::vector<Argument> arguments;
   friend bool operator==(const Message&, const Message&) = default;
 };
+
+// Many numbers in one blob: float32, big-endian as everything in OSC. decode_floats() ignores bytes after the last
+// whole number, and returns 0 for a number that is not finite.
+Blob encode_floats(std::span<const float> numbers);
+std::vector<float> decode_floats(const Blob& blob);
 
 // A message of a score (score.h).
 struct ScoreEvent {

@@ -20,9 +20,9 @@ void Buses::leave(ObjectNumber object) {
   drop(object, "");
 }
 
-void Buses::drop(ObjectNumber object, const std::string& but_not_label) {
+void Buses::drop(ObjectNumber object, const std::string& except_label) {
   for (auto bus = buses_.begin(); bus != buses_.end(); ++bus) {
-    if (bus->second.label == but_not_label || bus->second.objects.erase(object) == 0) continue;
+    if (bus->second.label == except_label || bus->second.objects.erase(object) == 0) continue;
     if (bus->second.objects.empty()) buses_.erase(bus);
     return;
   }

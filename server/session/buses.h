@@ -1,8 +1,8 @@
 // Which object is heard at which of the mixer's buses, and what the buses are called. A bus becomes an output port.
 //
-// An object's label is its own name, its group's name, or none, by the port mode. Objects of one label share a bus,
-// which exists as long as one of these objects does. Other buses keep their places when one comes or goes. [any thread
-// but audio]
+// The port mode decides an object's label: the object's own name, its group's name, or none. Objects of one label share
+// a bus, which exists as long as one of these objects does. When a bus comes or goes, the others keep their numbers.
+// [any thread but audio]
 #pragma once
 
 #include "engine/synth/event.h"
@@ -21,15 +21,15 @@ enum class PortMode { mix, objects, groups };
 
 class Buses {
  public:
-  // Before any object.
+  // Call before any object joins.
   void set_mode(PortMode mode) { mode_ = mode; }
 
-  // Takes the object from the bus it had and returns its bus; nullopt: the object is heard in the mix only, because of
-  // the port mode or because all synth::kMaxBuses are taken (overflow() then grows).
+  // Moves the object from its present bus to that of its label, and returns the new bus; nullopt: the object is heard
+  // in the mix only, because of the port mode or because all synth::kMaxBuses are taken (overflow() then grows).
   std::optional<std::size_t> join(synth::ObjectNumber object, const std::string& name, const std::string& group);
   void leave(synth::ObjectNumber object);
 
-  // The labels of the buses that are in use.
+  // The labels of the buses that are in use, by number.
   [[nodiscard]] std::map<std::size_t, std::string> names() const;
 
   // How often an object found no free bus.
@@ -41,10 +41,10 @@ class Buses {
     std::set<synth::ObjectNumber> objects;
   };
   [[nodiscard]] std::optional<std::size_t> bus_for(const std::string& label);  // with the mutex
-  void drop(synth::ObjectNumber object, const std::string& but_not_label);     // with the mutex
+  void drop(synth::ObjectNumber object, const std::string& except_label);      // with the mutex
 
   PortMode mode_ = PortMode::mix;
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards all members below
   std::map<std::size_t, Bus> buses_;
   std::size_t overflow_ = 0;
 };

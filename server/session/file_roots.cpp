@@ -18,10 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// O_NONBLOCK: a fifo without a writer would wait for one.
+// With O_NONBLOCK, opening a fifo without a writer does not wait for one.
 constexpr int kReadOnly = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
 
-// What of `path` is below `root`, if it is; both absolute and without dots.
+// The part of `path` below `root`, or nullopt if `path` is not below it. Both are absolute and without dots.
 std::optional<fs::path> below(const fs::path& path, const fs::path& root) {
   const auto [at_path, at_root] = std::mismatch(path.begin(), path.end(), root.begin(), root.end());
   if (at_root != root.end() || at_path == path.end()) return std::nullopt;

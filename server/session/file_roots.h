@@ -1,4 +1,5 @@
-// The folders in which files may be opened: a path in a message may come from a stranger.
+// The folders in which files may be opened. Paths in messages may come from strangers, so every file that the daemon
+// opens because of a message is opened through FileRoots.
 //
 // A path is accepted only if its words and every link on its way lead to a regular file of bounded size below one of
 // the folders. `..` that leaves a folder, links that lead out of it, fifos, devices, sockets and folders are refused
@@ -16,7 +17,8 @@
 
 namespace ringdown::session {
 
-// What a message may have written: the file's name ends in `ending`, and its content has `mark` at byte `mark_at`.
+// A kind of file that messages may have written: its name ends in `ending`, and its content has `mark` at byte
+// `mark_at`.
 struct WrittenKind {
   std::string_view ending, mark;
   std::size_t mark_at = 0;
@@ -40,7 +42,7 @@ class FileRoots {
   // The whole file. A relative path starts in the current folder.
   [[nodiscard]] Result<std::string> read(const std::filesystem::path& path, std::size_t limit_bytes) const;
 
-  // Up to `most_bytes` from `offset` on, and how long the file is.
+  // Up to `most_bytes` bytes from `offset` on, and the size of the whole file.
   struct Piece {
     std::vector<std::byte> bytes;
     std::size_t total = 0;
@@ -51,8 +53,9 @@ class FileRoots {
   // The folders, as they were given; none when every file may be opened.
   [[nodiscard]] std::vector<std::filesystem::path> folders() const;
 
-  // Where a file may be written: the path, without links, of a name in a folder that is inside. What stands there
-  // already must be a regular file of the same kind, or empty: a stranger's message replaces nothing else.
+  // Returns the path, without links, at which a file of this kind may be written: in one of the folders or below. A
+  // file that exists there must be a regular file of the same kind or empty, so that a stranger's message replaces
+  // nothing else.
   [[nodiscard]] Result<std::filesystem::path> writable(const std::filesystem::path& path,
                                                        const WrittenKind& kind) const;
 

@@ -77,7 +77,7 @@ void MidiPlayer::move_pedal(std::uint8_t pedal, bool down, const Stage& stage) R
   }
 }
 
-// Of one note, unless its object is kept by another.
+// Damps what one note struck, unless another note keeps the object ringing.
 void MidiPlayer::damp(std::size_t note, double within_s, const Stage& stage) RINGDOWN_REALTIME {
   const auto& strike = stage.table.notes.data()[note];
   if (!strike || kept(strike->object, stage.table)) return;

@@ -96,7 +96,7 @@ NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSna
   for (const NoteMap::Entry& entry : map->notes) {
     const auto object =
         std::ranges::find(objects, entry.object, [](const ObjectSnapshot& o) -> const std::string& { return o->name; });
-    if (object == objects.end()) continue;  // it may be loaded later
+    if (object == objects.end()) continue;  // the object may be loaded later
     NoteTable::Strike strike = best_strike(**object);
     strike.point_m = entry.point_m.value_or(strike.point_m);
     strike.impulse_ns = entry.impulse_ns.value_or(strike.impulse_ns);

@@ -19,7 +19,7 @@ namespace ringdown::session {
 inline constexpr std::size_t kNotes = 128;
 inline constexpr std::size_t kFirstDefaultNote = 60;  // middle C strikes the first object when nothing else is said
 
-// A map as its file says it. What is left out is chosen from the object's bank.
+// A map as it stands in its file. Values that the file leaves out are chosen from the object's bank.
 struct NoteMap {
   struct Entry {
     std::size_t note = 0;
@@ -29,14 +29,14 @@ struct NoteMap {
     std::optional<double> contact_time_s;
   };
   std::vector<Entry> notes;
-  std::optional<double> release_s;  // a released note is damped within this time; nothing: it rings on
-  double damp_s = 0.15;             // what the damp pedal takes
+  std::optional<double> release_s;  // a released note is damped within this time; nullopt: it rings on
+  double damp_s = 0.15;             // the damp pedal damps within this time
 };
 
-// Refuses with one sentence what is out of range and two entries for one note. [worker]
+// Reads a map. Values out of range and two entries for one note are refused, with the line. [worker]
 Result<NoteMap> read_note_map(const std::filesystem::path& path);
 
-// The map with everything chosen: what the audio thread reads.
+// The map with every value chosen: what the audio thread reads.
 struct NoteTable {
   struct Strike {
     synth::ObjectNumber object = 0;
@@ -49,16 +49,16 @@ struct NoteTable {
   double damp_s = 0.15;
 };
 
-// How an object is struck where nothing else is said: at the point where the eight most important modes move most, in
-// the direction in which the first of them moves there, with kDefaultVelocity_m_s times its mass.
+// How an object is struck when the map does not say: at the point where its eight most important modes move most, in
+// the direction in which the first of these modes moves there, with an impulse of kDefaultVelocity_m_s times its mass.
 NoteTable::Strike best_strike(const ObjectState& object);
 inline constexpr double kDefaultVelocity_m_s = 0.1;
 
-// Without a map, note kFirstDefaultNote strikes the object of the lowest number, the next note the next one. What is
-// not named is as in best_strike().
+// Without a map, note kFirstDefaultNote strikes the object of the lowest number, the next note the next object, and so
+// on. Values that the map does not name are those of best_strike().
 NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSnapshot>& objects);
 
-// The table for the objects that a rack holds now, made anew only when these have changed.
+// The note table for the objects that a rack holds now. It is made anew when they have changed.
 class Notes {
  public:
   Notes(const Rack& rack, std::optional<NoteMap> map) : rack_(rack), map_(std::move(map)) {}

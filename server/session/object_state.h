@@ -21,16 +21,16 @@ struct ObjectState {
   std::string name;
   synth::ObjectNumber number = 0;
   std::filesystem::path bank;     // the file that the map was read from
-  std::size_t bank_bytes = 0;     // the size of that file
-  ContentHash bank_content;       // of that file
+  std::size_t bank_bytes = 0;     // the file's size
+  ContentHash bank_content;       // the file's hash
   std::int32_t bank_version = 0;  // grows when the object gets a new bank
   std::shared_ptr<const modal::StrikeMap> map;
   modal::MaterialScale material;
-  modal::Dampers dampers;  // what lies on it
-  modal::ModeRange modes;  // those that it has
-  std::string group;       // empty: in none
-  double gain = 1;         // as set last, even if its frame is still to come
-  double pan = 0;          // likewise: -1 left ... +1 right
+  modal::Dampers dampers;  // what touches the object
+  modal::ModeRange modes;  // the modes of the bank that ring
+  std::string group;       // empty: the object is in no group
+  double gain = 1;         // the value that was set last, even if its frame is still to come
+  double pan = 0;          // set as the gain is: -1 left ... +1 right
 };
 
 // An object at one moment. It stays valid for whoever holds it, and so does its bank, whatever is loaded later.

@@ -101,7 +101,7 @@ void ObjectTable::publish(std::shared_ptr<const Index> next) {
 }
 
 void ObjectTable::collect() {
-  decltype(retired_) states;  // freed after the lock is: a bank takes its time
+  decltype(retired_) states;  // destroyed after the lock is released, because freeing a bank takes long
   decltype(retired_indexes_) indexes;
   const std::scoped_lock lock(writing_);
   if (readers_.load() > 0) return;

@@ -36,8 +36,8 @@ class ObjectTable {
   ObjectTable(const ObjectTable&) = delete;
   ObjectTable& operator=(const ObjectTable&) = delete;
 
-  // The object as it is now, or null. Neither locks nor allocates; takes as long with one object as with kMaxObjects.
-  // [any but audio]
+  // The object as it is now, or null if there is none. Neither locks nor allocates; takes as long with one object as
+  // with kMaxObjects. [any but audio]
   [[nodiscard]] ObjectSnapshot find(synth::ObjectNumber number) const;
   [[nodiscard]] ObjectSnapshot find(const std::string& name) const;
 
@@ -56,10 +56,10 @@ class ObjectTable {
   };
   Replaced replace(synth::ObjectNumber number, const std::function<void(ObjectState&)>& edit);
 
-  // Its name and number are free again. [any but audio]
+  // Removes the object; its name and number may be used again. [any but audio]
   void remove(synth::ObjectNumber number);
 
-  // Frees what was replaced or removed and is no longer in use. Now and then. [the thread that may take its time]
+  // Frees snapshots that were replaced or removed and that nobody holds. Call now and then. [worker]
   void collect();
 
  private:

@@ -16,7 +16,7 @@ namespace {
 
 using synth::Frame;
 
-// One render: a session, the score that plays it, and the samples so far.
+// One rendering: a session, the score that is played on it, and the samples so far.
 class Run {
  public:
   Run(const OfflineOptions& options, Recording& recording)
@@ -86,7 +86,7 @@ class Run {
     render_frames(end);
   }
 
-  // Events go ahead with their frame; a request that changes more than that splits the block at its own frame.
+  // Requests of the mixer's lane are sent ahead with their frames. Any other request splits the block at its frame.
   void carry_out(const wire::ScoreEvent& event) {
     auto request = protocol::parse(event.message);
     if (!request) return warn(event, request.error().message);
@@ -124,7 +124,7 @@ class Run {
     now_ = end;
   }
 
-  // Rendering no frames moves events from the mixer's ring, which is short, to its queue.
+  // Rendering 0 frames moves events from the mixer's short ring to its queue.
   void flush_now_and_then() {
     if (++pushed_ % (synth::kQueueCapacity / 2) == 0) session_.rack().mixer().render({}, {});
   }
@@ -179,7 +179,8 @@ Result<void> write_audio(const Recording& recording, const std::filesystem::path
     return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + sf_strerror(nullptr));
   }
   sf_command(file, SFC_SET_CLIPPING, nullptr, SF_TRUE);
-  sf_command(file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);  // it holds the time of day
+  // The chunk would contain the time of day, so no two files would be equal.
+  sf_command(file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
   std::vector<float> frames(2 * recording.left.size());
   for (std::size_t n = 0; n < recording.left.size(); ++n) {
     frames[2 * n] = recording.left[n];

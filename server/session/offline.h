@@ -1,7 +1,7 @@
 // Rendering without a clock: the same session, mixer and scene as the daemon's, driven as fast as the machine can.
 //
-// What `ringdown render` and `ringdownd --driver wav` do, and the oracle that live sound is compared with.
-// Bit-identical from run to run; at another block size the samples differ only by rounding.
+// `ringdown render` and `ringdownd --driver wav` use it, and tests compare live sound with it. Two renderings are
+// bit-identical; at another block size the samples differ only by rounding.
 #pragma once
 
 #include "engine/base/result.h"
@@ -26,7 +26,7 @@ struct OfflineOptions {
                                   // last event and kTail_s
   double sample_rate_hz = 48000;
   std::size_t block_frames = 256;
-  synth::MixerSettings mixer;  // the limiter's delay is taken off again; a file has no budget
+  synth::MixerSettings mixer;  // the limiter's delay is removed from the result; the budget is not used
 };
 
 inline constexpr double kTail_s = 5;
@@ -39,12 +39,13 @@ struct Recording {
   std::vector<std::string> warnings;  // of the scene, and requests that were refused and when
 };
 
-// Called now and then with the share that is done, 0 ... 1; false cancels.
+// Called now and then with the share that is done, 0 to 1. If it returns false, rendering is cancelled.
 using Progress = std::function<bool(double done)>;
 
 Result<Recording> render_offline(const OfflineOptions& options, const Progress& progress);
 
-// Stereo 32-bit float WAV, or 24-bit FLAC when the name ends in .flac. The file appears when it is complete.
+// Writes a stereo file: 32-bit float WAV, or 24-bit FLAC when the name ends in .flac. The file appears when it is
+// complete.
 Result<void> write_audio(const Recording& recording, const std::filesystem::path& path);
 
 }  // namespace ringdown::session

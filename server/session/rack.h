@@ -41,12 +41,12 @@ class Rack {
   [[nodiscard]] synth::Mixer& mixer() { return mixer_; }
   [[nodiscard]] const synth::Mixer& mixer() const { return mixer_; }
 
-  // Who is told what happens here.
+  // Everyone who is told what happens in the rack.
   [[nodiscard]] Observers& observers() { return observers_; }
   [[nodiscard]] const Observers& observers() const { return observers_; }
 
-  // Receives one sentence for each thing that went less well than asked, by the worker or the scene's thread. Without
-  // it the sentences are lost. [main, before anything is loaded]
+  // `on_warning` receives one sentence for each request that could be carried out in part only, from the worker or from
+  // the scene's thread. By default the sentences are lost. [main, before anything is loaded]
   void set_on_warning(std::function<void(const std::string& sentence)> on_warning) {
     on_warning_ = std::move(on_warning);
   }
@@ -69,9 +69,9 @@ class Rack {
   // before rings out. Returns the object's number. On failure nothing has changed. [worker]
   Result<synth::ObjectNumber> load(const std::string& name, const std::filesystem::path& bank);
 
-  // Retunes what rings, and what will ring later. A damper in `dampers` is added, or replaces the object's damper of
-  // that number, or removes that damper if its own damping is 0; the object's other dampers stay. The retuning happens
-  // at frame `at`, or at once if that has passed. [worker]
+  // Change the material or the dampers: what rings is retuned, and later strikes ring retuned. A damper in `dampers` is
+  // added, or replaces the object's damper of that number, or removes that damper if its own damping is 0; the object's
+  // other dampers stay. The retuning happens at frame `at`, or at once if that has passed. [worker]
   Result<void> set_material(const protocol::ObjectRef& object, const modal::MaterialScale& scale);
   Result<void> set_dampers(const protocol::ObjectRef& object, const modal::Dampers& dampers, synth::Frame at = 0);
 

@@ -12,8 +12,8 @@ using synth::EventType;
 using synth::Frame;
 using wire::Message;
 
-// The requests that take an object from one state to another. One that was not there is loaded first, and so is one
-// that has another bank, which leaves it nothing but its group, gain and pan.
+// The requests that take an object from one state to another. An object that did not exist, or has another bank, is
+// loaded first; a load keeps nothing but the object's group, gain and pan.
 std::vector<protocol::Request> requests_between(const ObjectState* before, const ObjectState& after) {
   std::vector<protocol::Request> requests;
   const protocol::ObjectRef ref{.name = after.name};
@@ -25,7 +25,7 @@ std::vector<protocol::Request> requests_between(const ObjectState* before, const
   if (after.material != from.material) requests.emplace_back(protocol::SetMaterial{ref, after.material});
   if (after.modes != from.modes) requests.emplace_back(protocol::SelectModes{ref, after.modes});
   modal::Dampers dampers = after.dampers;
-  for (const auto& [number, damper] : from.dampers) dampers.try_emplace(number);  // without damping: taken away
+  for (const auto& [number, damper] : from.dampers) dampers.try_emplace(number);  // no damping: removed
   for (const auto& [number, damper] : dampers) {
     const auto present = from.dampers.find(number);
     if (present != from.dampers.end() && present->second == damper) continue;
@@ -44,7 +44,7 @@ std::vector<protocol::Request> requests_between(const ObjectState* before, const
 Recorder::Recorder(Rack& rack, Write write) : rack_(rack), write_(std::move(write)) { rack.observers().add(*this); }
 
 Result<void> Recorder::start(const std::filesystem::path& path, Frame frame) {
-  rack_.observers().report_events();  // those do not belong to the recording
+  rack_.observers().report_events();  // events from before the start do not belong to the recording
   const std::scoped_lock lock(mutex_);
   if (records_)
     return fail(ErrorKind::refused, "path: " + path_.string() + " is being recorded already; end it with /record/stop");
@@ -71,7 +71,7 @@ Result<std::size_t> Recorder::stop(Frame frame) {
     std::ranges::stable_sort(entries_, {}, &Entry::frame);
     const double rate = rack_.mixer().sample_rate_hz();
     for (const Entry& entry : entries_) {
-      if (entry.frame >= frame) break;  // it has not sounded yet
+      if (entry.frame >= frame) break;  // this event, and all after it, have not sounded yet
       score.push_back({static_cast<double>(entry.frame - first_) / rate, message_of(entry)});
     }
     entries_ = {};
@@ -107,13 +107,13 @@ Message Recorder::message_of(const Entry& entry) const {
 void Recorder::played(const Event& event) {
   if (!records_) return;
   const auto object = rack_.find({.number = event.object});
-  if (!object) return;  // it was freed in this moment
+  if (!object) return;  // the object has been freed a moment ago
   const std::scoped_lock lock(mutex_);
   if (records_) add(event.frame, Played{event, (*object)->name});
 }
 
 void Recorder::changed(const ObjectState* before, const ObjectState* after, Frame at) {
-  rack_.observers().report_events();  // those came before
+  rack_.observers().report_events();  // these events came before the change
   const std::scoped_lock lock(mutex_);
   if (!records_) return;
   const Frame frame = std::max(at, rack_.mixer().counters().frames.load());

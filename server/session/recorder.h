@@ -1,10 +1,10 @@
 // Records what is played as an OSC score (protocol/wire/score.h), which `ringdown render --events` plays again.
 //
-// Objects, their materials, choices of modes, gains and pans as they are at the start become the score's first
-// messages; then every event that was taken, from OSC, from the scene and from notes, at its own frame, and every
-// change of objects at the block after which it happened. So the replay of strikes, gains, pans and clears is
-// bit-identical at the same sample rate and block size, from silence on; what rang before the start is not in it, and
-// an event that came late is replayed at the time it was meant for.
+// The score's first messages load the objects that there are at the start, with their materials, choices of modes,
+// gains and pans. Then follow every event that the mixer has taken, from OSC, from the scene and from notes, at the
+// event's own frame, and every change of an object, at the block after which it happened. So the replay of strikes,
+// gains, pans and clears is bit-identical at the same sample rate and block size, from silence on. What rang before the
+// start is not recorded, and an event that came late is replayed at the time it was meant for.
 #pragma once
 
 #include "engine/base/result.h"
@@ -23,26 +23,26 @@
 
 namespace ringdown::session {
 
-inline constexpr std::size_t kMaxRecorded = std::size_t{1} << 20;  // events; what comes after is not in the score
+inline constexpr std::size_t kMaxRecorded = std::size_t{1} << 20;  // events; later ones are not in the score
 
 class Recorder final : public Observer {
  public:
-  // Writes the messages of a score, which stand by time, to a file.
+  // Writes the messages of a score, in order of time, to a file.
   using Write = std::function<Result<void>(std::span<const wire::ScoreEvent>, const std::filesystem::path&)>;
 
   // Observes `rack`, which must be empty and outlive it.
   Recorder(Rack& rack, Write write);
 
-  // Refused when it records already. [worker]
+  // Starts to record into `path`, which is written by stop(). Refused while something is recorded. [worker]
   Result<void> start(const std::filesystem::path& path, synth::Frame frame);
 
-  // Writes the score, which ends at `frame`; returns the number of its messages. Refused when nothing is recorded.
+  // Writes the score, which ends at `frame`, and returns the number of its messages. Refused when nothing is recorded.
   // [worker]
   Result<std::size_t> stop(synth::Frame frame);
 
   [[nodiscard]] bool records() const { return records_; }
 
-  // Events beyond kMaxRecorded since it started. [any but audio]
+  // Events beyond kMaxRecorded since the recording started. [any but audio]
   [[nodiscard]] std::size_t left_out() const;
 
   void played(const synth::Event& event) override;
@@ -51,7 +51,7 @@ class Recorder final : public Observer {
  private:
   struct Played {
     synth::Event event;
-    std::string name;  // of its object
+    std::string name;  // the name of its object
   };
   struct Entry {
     synth::Frame frame;
@@ -63,7 +63,7 @@ class Recorder final : public Observer {
   Rack& rack_;
   Write write_;
   std::atomic<bool> records_ = false;
-  mutable std::mutex mutex_;  // guards all that follows
+  mutable std::mutex mutex_;  // guards all members below
   std::filesystem::path path_;
   synth::Frame first_ = 0;
   std::size_t left_out_ = 0;

@@ -10,9 +10,9 @@
 
 namespace ringdown::session {
 
-// Appends the events of `request` at `frame` to `events`: one, or for requests that concern many strikes or all objects
-// as many. Refuses objects that are not there and vertices and modes that a bank does not have; `events` may then have
-// some of them. [any but audio]
+// Appends the events of `request` at `frame` to `events`: one event, or one for each strike or object if the request
+// concerns several. Refuses objects that do not exist, and vertices and modes that a bank does not have; `events` may
+// then contain a part of the request's events. [any but audio]
 Result<void> append_events(const protocol::MixerRequest& request, const Rack& rack, synth::Frame frame,
                            std::vector<synth::Event>& events);
 

@@ -19,7 +19,7 @@ scene::SoundingObject as_sounding(const ObjectState& object) {
   return {object.name, object.number, {object.map, &object.map->bank()}};
 }
 
-constexpr double kComplainEvery_s = 0.5;  // that is lost
+constexpr double kWarnEvery_s = 0.5;  // of lost time
 
 tl::unexpected<Error> no_scene() { return fail(ErrorKind::refused, "there is no scene; load one with /scene/load"); }
 
@@ -30,7 +30,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   if (!text) return fail(text.error());
   const auto description = scene::parse_scene(*text, path, preset_folder().value_or(std::filesystem::path()));
   if (!description) return fail(description.error());
-  std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // all read before anything changes
+  std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // read before anything changes
   for (const auto& object : description->objects) {
     auto bank = banks_.read(object.bank);
     if (!bank) return fail(bank.error());
@@ -59,22 +59,22 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   auto world = scene::World::create(*description, objects, mixer.sample_rate_hz());
   if (!world) return fail(world.error().kind, path.string() + ": " + world.error().message);
 
-  std::vector<scene::RestDamping> lifted;
+  std::vector<scene::RestDamping> removed;
   {
     const std::scoped_lock lock(mutex_);
-    lifted = end_contacts();
+    removed = end_contacts();
     world_ = std::move(*world);
-    world_->set_sample_rate(mixer.sample_rate_hz());  // it may have changed since
+    world_->set_sample_rate(mixer.sample_rate_hz());  // the rate may have changed since the world was made
     world_->set_start_frame(start_ = frame);
     playing_ = {.file = path};
     camera_ = description->camera;
     statics_.clear();
-    for (const scene::StaticDescription& still : description->statics) statics_.push_back(scene::outline_of(still));
+    for (const auto& described : description->statics) statics_.push_back(scene::outline_of(described));
     ++version_;
     duration_s_ = description->duration_s;
     body_count_ = world_->bodies().size();
   }
-  lean(lifted);
+  set_dampers(removed);
   return body_count_.load();
 }
 
@@ -119,16 +119,16 @@ Result<scene::BodyId> ScenePlayer::spawn(const protocol::SpawnSphere& sphere) {
 }
 
 Result<void> ScenePlayer::clear() {
-  std::vector<scene::RestDamping> lifted;
+  std::vector<scene::RestDamping> removed;
   {
     const std::scoped_lock lock(mutex_);
     if (!world_) return no_scene();
-    lifted = end_contacts();
+    removed = end_contacts();
     playing_.cleared = true;
     body_count_ = 0;
     ++version_;
   }
-  lean(lifted);
+  set_dampers(removed);
   return {};
 }
 
@@ -173,31 +173,32 @@ void ScenePlayer::advance_to(Frame frame, std::optional<Frame> slack) {
   {
     const std::scoped_lock lock(mutex_);
     if (!world_) return;
-    if (playing_.paused || !matters()) return move_start(frame - told_until());
-    if (slack) slow_down(frame - told_until() - *slack);
-    while (told_until() < frame && matters()) take(world_->step(), dampings);
+    if (playing_.paused || !needs_steps()) return delay(frame - reported_until());
+    if (slack) slow_down(frame - reported_until() - *slack);
+    while (reported_until() < frame && needs_steps()) pass_on(world_->step(), dampings);
   }
-  lean(dampings);
+  set_dampers(dampings);
 }
 
-bool ScenePlayer::matters() const {
+bool ScenePlayer::needs_steps() const {
   return world_->has_lasting_contacts() || (body_count_ > 0 && (watched_ || world_->sounds()));
 }
 
-// No body, no contact: what is being told of would otherwise sound on until it times out, and what rests would damp on.
+// Removes all bodies and passes on the ends of their lasting contacts, which would otherwise sound until they time out.
+// Returns the dampings that remove the scene's dampers from every object.
 std::vector<scene::RestDamping> ScenePlayer::end_contacts() {
   std::vector<scene::RestDamping> dampings;
   if (!world_) return dampings;
   world_->clear();
-  while (world_->has_lasting_contacts()) take(world_->step(), dampings);
+  while (world_->has_lasting_contacts()) pass_on(world_->step(), dampings);
   dampings.clear();
-  scene::RestDamping nothing;
+  scene::RestDamping without;
   for (std::uint32_t number = modal::kFirstSceneDamper; number < modal::kMaxDampers; ++number) {
-    nothing.dampers[number] = {};
+    without.dampers[number] = {};
   }
-  for (const synth::ObjectNumber object : std::exchange(leaned_on_, {})) {
-    nothing.object = object;
-    dampings.push_back(nothing);
+  for (const synth::ObjectNumber object : std::exchange(damped_, {})) {
+    without.object = object;
+    dampings.push_back(without);
   }
   return dampings;
 }
@@ -213,55 +214,58 @@ void ScenePlayer::change_sample_rate(double sample_rate_hz) {
   world_->set_start_frame(start_ = now + ahead - std::llround(world_->time_s() * sample_rate_hz));
 }
 
-// The frame of the world's present time.
+// The frame at which the world stands.
 Frame ScenePlayer::position() const { return start_ + std::llround(world_->time_s() * rack_.mixer().sample_rate_hz()); }
 
-// A strike is found in the step after the one in which it happens.
-Frame ScenePlayer::told_until() const {
+// All events before this frame have been passed on. It lies one step before the world's own time, because a strike is
+// found in the step after the one in which it happens.
+Frame ScenePlayer::reported_until() const {
   return position() - std::llround(world_->step_s() * rack_.mixer().sample_rate_hz());
 }
 
-// It could not keep up: what it missed it does not make up for.
+// Moves the scene later by what the computer could not keep up with, and warns now and then.
 void ScenePlayer::slow_down(Frame by) {
   if (by <= 0) return;
   const double rate = rack_.mixer().sample_rate_hz();
-  move_start(by);
+  delay(by);
   slowed_s_ = slowed_s_ + static_cast<double>(by) / rate;
-  if (slowed_s_ < complained_s_ + kComplainEvery_s) return;
-  complained_s_ = slowed_s_;
+  if (slowed_s_ < reported_slowed_s_ + kWarnEvery_s) return;
+  reported_slowed_s_ = slowed_s_;
   char lost[32];
-  std::snprintf(lost, sizeof lost, "%.1f", complained_s_);
+  std::snprintf(lost, sizeof lost, "%.1f", reported_slowed_s_);
   rack_.warn("scene: this computer cannot keep up with it, and it has lost " + std::string(lost) +
              " s; fewer bodies or a longer step_s help");
 }
 
-void ScenePlayer::move_start(Frame later) {
-  if (later > 0) world_->set_start_frame(start_ += later);
+// Moves all that is to come later. A negative delay does nothing.
+void ScenePlayer::delay(Frame by) {
+  if (by > 0) world_->set_start_frame(start_ += by);
 }
 
-// What the scene lays on objects, or takes away. Without the lock: a worker that waits for it could not do this either.
-void ScenePlayer::lean(const std::vector<scene::RestDamping>& dampings) {
+// Sets the dampers that the scene's bodies lay on objects or take away. Called without the mutex, because the worker,
+// which carries this out, may be waiting for the mutex.
+void ScenePlayer::set_dampers(const std::vector<scene::RestDamping>& dampings) {
   for (const scene::RestDamping& damping : dampings) {
-    const auto hold = [this, damping] {
-      if (const auto held = rack_.set_dampers({.number = damping.object}, damping.dampers, damping.frame); !held)
-        ++dropped_;
+    const auto set = [this, damping] {
+      const auto done = rack_.set_dampers({.number = damping.object}, damping.dampers, damping.frame);
+      if (!done) ++dropped_;
     };
     if (!post_) {
-      hold();
-    } else if (!post_(hold)) {
+      set();
+    } else if (!post_(set)) {
       ++dropped_;
     }
   }
 }
 
-void ScenePlayer::take(const scene::StepReport& report, std::vector<scene::RestDamping>& dampings) {
+void ScenePlayer::pass_on(const scene::StepReport& report, std::vector<scene::RestDamping>& dampings) {
   dropped_ += report.dropped_events;
   if (sink_) {
     dropped_ += sink_(report);
   } else {
     for (const Event& event : report.events) dropped_ += !rack_.push(synth::Producer::scene, event);
     for (const scene::RestDamping& damping : report.rest_dampings) {
-      leaned_on_.insert(damping.object);
+      damped_.insert(damping.object);
       dampings.push_back(damping);
     }
   }

@@ -1,8 +1,12 @@
-// The embedded scene in the mixer's time: steps the world so that it stays just ahead of the sound, and passes its
-// strikes on.
+// Plays a scene in the mixer's time: steps the world so that it stays just ahead of the sound, and passes its events to
+// the rack.
 //
-// It has no thread and no clock of its own: the daemon's scene thread and `ringdown render` both call advance_to().
-// A mutex guards the world against requests that arrive meanwhile; the audio thread never takes it.
+//   player.load("drop.toml", frame);               // worker: the scene and its objects; scene time 0 is at `frame`
+//   player.advance_to(frame_ahead, slack);         // scene thread, every few milliseconds
+//   player.spawn(box); player.push(body, ...);     // worker: requests change the world meanwhile
+//
+// ScenePlayer has no thread and no clock of its own: the daemon's scene thread and `ringdown render` both call
+// advance_to(). A mutex guards the world; the audio thread never takes it.
 #pragma once
 
 #include "engine/base/result.h"
@@ -27,18 +31,20 @@ namespace ringdown::session {
 
 class ScenePlayer {
  public:
-  // Takes the events of one step, and what rests on objects since; returns how much of it was lost.
+  // Takes the report of one step: its events, and what has begun or ceased to rest on objects. Returns how many of
+  // these could not be passed on.
   using Sink = std::function<std::size_t(const scene::StepReport&)>;
 
   // Reads scene files below `roots`, and their banks by `banks`. The events go to the rack, unless send_to() names a
   // sink. All three must outlive the player.
   ScenePlayer(Rack& rack, BankReader& banks, const FileRoots& roots) : rack_(rack), banks_(banks), roots_(roots) {}
 
-  // Sends it elsewhere. Before anything is loaded. [main]
+  // Passes the reports to `sink` instead of the rack. Before anything is loaded. [main]
   void send_to(Sink sink) { sink_ = std::move(sink); }
 
-  // What rests on objects damps them: that retunes them, which is the worker's to do. It goes to `post`, which says
-  // whether it took it; without one it is done at once. While the scene thread does not run. [main]
+  // What rests on an object damps it, so the object is retuned, which the worker does. retune_by() names the function
+  // that hands such tasks to the worker and returns whether the worker took them; without it they are carried out at
+  // once. While the scene thread does not run. [main]
   using Post = std::function<bool(std::function<void()>)>;
   void retune_by(Post post) { post_ = std::move(post); }
 
@@ -46,26 +52,30 @@ class ScenePlayer {
   // Returns the number of bodies. [worker]
   Result<std::size_t> load(const std::filesystem::path& path, synth::Frame frame);
 
-  Result<void> pause(bool paused);                                   // [worker]
-  Result<scene::BodyId> spawn(const protocol::SpawnBox& box);        // the body's number [worker]
-  Result<scene::BodyId> spawn(const protocol::SpawnSphere& sphere);  // [worker]
-  Result<void> clear();                                              // [worker]
-  Result<void> push(scene::BodyId body, Vec3 impulse_ns);            // at its centre of mass, the scene's axes [worker]
+  // Requests to the scene; without a scene they are refused. spawn() returns the new body's number; clear() removes all
+  // bodies; push() applies an impulse at the body's centre of mass, in the scene's axes. [worker]
+  Result<void> pause(bool paused);
+  Result<scene::BodyId> spawn(const protocol::SpawnBox& box);
+  Result<scene::BodyId> spawn(const protocol::SpawnSphere& sphere);
+  Result<void> clear();
+  Result<void> push(scene::BodyId body, Vec3 impulse_ns);
 
-  // An object of the rack has a new bank, or has gone; bodies that play it follow. [worker]
+  // An object of the rack has a new bank, or has been freed: bodies that sound by it get the new bank, or become
+  // silent. [worker]
   Result<void> object_changed(const ObjectState& object);
   void object_freed(synth::ObjectNumber number);
 
-  // Steps the world until its time has passed `frame`. When it is more than `slack` frames behind, it skips the
-  // difference instead of bunching strikes: the scene then runs slowly. Without a slack it never does. A paused scene
-  // is not stepped, nor one in which nothing can sound and that nobody watches: it waits. [scene]
+  // Steps the world until all events before `frame` have been passed on. A world that is more than `slack` frames
+  // behind is moved later instead of catching up with a burst of strikes: the scene then runs slowly. Without `slack`
+  // the world always catches up. A paused scene is not stepped, and neither is a scene in which nothing can sound and
+  // that nobody watches; its time stands still. [scene]
   void advance_to(synth::Frame frame, std::optional<synth::Frame> slack);
 
-  // Goes on at another sample rate, and the rack with it: what is to come stays as many seconds ahead as it was.
+  // Changes the sample rate of the scene and of the rack. Events to come stay as many seconds ahead as they were.
   // [any thread, while nothing is rendered]
   void change_sample_rate(double sample_rate_hz);
 
-  // Where the bodies are, and when that is.
+  // Where the bodies are at one time of the scene.
   struct Poses {
     std::int32_t version = 0;
     double time_s = 0;  // the scene's, which runs a little ahead of the sound
@@ -74,7 +84,7 @@ class ScenePlayer {
   };
   [[nodiscard]] Poses poses() const;  // [any but audio]
 
-  // What the scene looks like. The version grows whenever something of this changes, and never falls.
+  // What the scene looks like. `version` grows whenever something in the description changes.
   struct Description {
     std::int32_t version = 0;
     double duration_s = 0;
@@ -85,51 +95,57 @@ class ScenePlayer {
   };
   [[nodiscard]] Description describe() const;  // [any but audio]
 
-  void set_watched(bool watched) { watched_ = watched; }  // whether somebody follows the bodies [any]
+  // Says whether somebody follows the bodies: a watched scene is stepped even when nothing in it can sound. [any]
+  void set_watched(bool watched) { watched_ = watched; }
 
-  // What is played: the file, and what was done to it. Nothing when there is no scene. [any but audio]
+  // Which file is played, and what was done to the scene since; nullopt when there is no scene. [any but audio]
   struct Playing {
     std::filesystem::path file;
     bool paused = false, cleared = false;
   };
   [[nodiscard]] std::optional<Playing> playing() const;
-  [[nodiscard]] std::size_t body_count() const { return body_count_; }
-  [[nodiscard]] double duration_s() const {
-    return duration_s_;
-  }  // what the scene file is worth hearing; 0 without one
+
+  [[nodiscard]] std::size_t body_count() const { return body_count_; }  // [any]
+
+  // How long the scene lasts, as its file says; 0 without a scene. [any]
+  [[nodiscard]] double duration_s() const { return duration_s_; }
+
+  // Events and dampings that were lost because a queue was full. [any]
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
-  [[nodiscard]] double slowed_s() const { return slowed_s_; }  // lost because it could not keep up
+
+  // By how much the scene was moved later because the computer could not keep up. [any]
+  [[nodiscard]] double slowed_s() const { return slowed_s_; }
 
  private:
   Result<scene::BodyId> spawn(const std::optional<protocol::ObjectRef>& object, scene::BodyDescription body);
   [[nodiscard]] synth::Frame position() const;
-  [[nodiscard]] synth::Frame told_until() const;  // no event to come lies before it
-  void move_start(synth::Frame later);
+  [[nodiscard]] synth::Frame reported_until() const;
+  void delay(synth::Frame by);
   void slow_down(synth::Frame by);
-  void take(const scene::StepReport& report, std::vector<scene::RestDamping>& dampings);
-  [[nodiscard]] bool matters() const;
+  void pass_on(const scene::StepReport& report, std::vector<scene::RestDamping>& dampings);
+  [[nodiscard]] bool needs_steps() const;
   [[nodiscard]] std::vector<scene::RestDamping> end_contacts();
-  void lean(const std::vector<scene::RestDamping>& dampings);
+  void set_dampers(const std::vector<scene::RestDamping>& dampings);
 
   Rack& rack_;
   BankReader& banks_;
   const FileRoots& roots_;
   Sink sink_;
   Post post_;
-  mutable std::mutex mutex_;  // guards all that follows but the atomics
+  mutable std::mutex mutex_;  // guards all members below except the atomics
   std::optional<scene::World> world_;
-  synth::Frame start_ = 0;  // where scene time 0 lies
+  synth::Frame start_ = 0;  // the frame of scene time 0
   Playing playing_;
   std::optional<scene::CameraDescription> camera_;
   std::vector<scene::StaticOutline> statics_;
-  std::int32_t version_ = 0;                 // of the description
-  std::set<synth::ObjectNumber> leaned_on_;  // what the scene's bodies rest on or against
+  std::int32_t version_ = 0;              // of the description
+  std::set<synth::ObjectNumber> damped_;  // objects that the scene's bodies rest on or against
   std::atomic<bool> watched_ = false;
   std::atomic<std::size_t> body_count_ = 0;
   std::atomic<double> duration_s_ = 0;
   std::atomic<std::uint64_t> dropped_ = 0;
   std::atomic<double> slowed_s_ = 0;
-  double complained_s_ = 0;
+  double reported_slowed_s_ = 0;  // slowed_s_ at the last warning
 };
 
 }  // namespace ringdown::session

@@ -47,7 +47,7 @@ Result<void> Session::play(const protocol::MixerRequest& request, synth::Frame f
   return drop(lost, std::to_string(synth::kQueueCapacity) + " events are waiting already");
 }
 
-// How many events were lost: 0 or 1.
+// Returns how many events were lost: 0 or 1.
 std::size_t Session::push(const synth::Event& event) { return rack_.push(synth::Producer::control, event) ? 0 : 1; }
 
 void Session::flush() {

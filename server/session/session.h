@@ -1,7 +1,14 @@
-// What requests do, without sockets, threads or clocks: the part that the daemon and `ringdown render` share.
+// Carries out requests: objects, their mixer and their scene, without sockets, threads or clocks. The daemon and
+// `ringdown render` share it.
 //
-// play() takes the mixer's lane (protocol/lanes.h), perform() the worker's lanes. In the daemon the two run on
-// different threads; offline, one thread calls both between blocks.
+//   Session session(48000);
+//   session.perform(protocol::LoadObject{"bell", "bell.glb"}, 0);                       // worker
+//   session.play(protocol::Strike{{.name = "bell"}, point_m, impulse_ns, 0}, frame);    // control
+//   session.rack().mixer().render(left, right);                                         // audio
+//   session.rack().collect();                                                           // worker, now and then
+//
+// play() takes requests of the mixer's lane (protocol/lanes.h), perform() those of the worker's lanes. In the daemon
+// the two run on different threads; offline, one thread calls both between blocks.
 #pragma once
 
 #include "engine/base/result.h"
@@ -21,7 +28,7 @@
 
 namespace ringdown::session {
 
-// Events may lie at most this far ahead.
+// An event may lie at most this far in the future.
 inline constexpr double kMaxAhead_s = 3600;
 
 class Session {
@@ -38,36 +45,38 @@ class Session {
   [[nodiscard]] const ScenePlayer& scene() const { return scene_; }
   [[nodiscard]] double sample_rate_hz() const { return rack_.mixer().sample_rate_hz(); }
 
-  // Sends a request to the mixer as events, to happen at `frame`. An error names the argument. [control]
+  // Sends a request to the mixer as events that happen at `frame`. An error names the wrong argument, or says that
+  // events were dropped. [control]
   Result<void> play(const protocol::MixerRequest& request, synth::Frame frame);
 
-  // Whether play() or perform() would take it now, queues aside. [control]
+  // Whether play() or perform() would accept the request now, if no queue is full. [control]
   [[nodiscard]] Result<void> check(const protocol::MixerRequest& request, synth::Frame frame);
   [[nodiscard]] Result<void> check(const protocol::TimedWorkerRequest& request, synth::Frame frame);
 
-  // Counts `events` that could not be taken, and says so: "dropped, because ...". [any]
+  // Counts `events` as dropped and returns the error for that: "dropped, because ...". [any]
   [[nodiscard]] tl::unexpected<Error> drop(std::size_t events, const std::string& because);
 
-  // Carries out what changes objects or the scene. A scene loaded now starts at `frame`, and what happens at a time of
-  // its own happens then. Returns the number for the answer, if there is one. [worker]
+  // Carries out a request that changes objects or the scene. A scene that is loaded starts at `frame`, and a request
+  // with a time of its own happens at `frame`. Returns the number for the answer, if the request has one. [worker]
   Result<std::optional<std::int32_t>> perform(const protocol::WorkerRequest& request, synth::Frame frame);
   Result<std::optional<std::int32_t>> perform(const protocol::TimedWorkerRequest& request, synth::Frame frame);
 
-  // In a flood, strikes within `seconds` of each other on the same point of an object become one (strike_merger.h).
-  // 0, as in the beginning, merges none. [before anything is played]
+  // In a flood, strikes within `seconds` of each other on the same point of an object become one (strike_merger.h). The
+  // default, 0, merges none. [before anything is played]
   void merge_within(double seconds) { merger_ = StrikeMerger(std::llround(seconds * sample_rate_hz())); }
 
-  // Whether the merger holds strikes back, and handing those to the mixer, soon after the last play(). [control]
+  // Whether the merger holds strikes back. flush() hands them to the mixer; call it soon after the last play().
+  // [control]
   [[nodiscard]] bool holds_strikes() const { return !merger_.held().empty(); }
   void flush();
 
-  // Retunes what rings and what is to come. [any thread, while nothing is rendered]
+  // Changes the sample rate of the mixer and of the scene. [any thread, while nothing is rendered]
   void change_sample_rate(double sample_rate_hz) { scene_.change_sample_rate(sample_rate_hz); }
 
   // Events that were refused because a queue was full. [any]
   [[nodiscard]] std::uint64_t dropped() const { return dropped_ + scene_.dropped(); }
 
-  // Strikes that were added to another. [any]
+  // Strikes that were added to another strike. [any]
   [[nodiscard]] std::uint64_t merged() const { return merged_; }
 
  private:
@@ -81,7 +90,7 @@ class Session {
   Rack rack_;
   ScenePlayer scene_;
   StrikeMerger merger_{0};
-  std::vector<synth::Event> events_;  // control: of the request at hand
+  std::vector<synth::Event> events_;  // control: events of the request that check() saw last
   std::atomic<std::uint64_t> dropped_ = 0, merged_ = 0;
 };
 

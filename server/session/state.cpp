@@ -86,7 +86,7 @@ State::Scene read_scene(TomlTable& table) {
   return scene;
 }
 
-// The shortest that reads back as the same number.
+// The shortest text that reads back as the same number.
 std::string shown(double number) {
   std::array<char, 32> digits{};
   return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr};
@@ -184,16 +184,16 @@ Result<void> restore_scene(const State::Scene& scene, Session& session, synth::F
   return scene.cleared ? session.scene().clear() : Result<void>{};
 }
 
-// What takes an object from one set of dampers to another; a scene's own stay.
+// The dampers to set so that an object has the `wanted` ones instead of the `present` ones. A scene's dampers stay.
 modal::Dampers damper_changes(const modal::Dampers& wanted, const modal::Dampers& present) {
   modal::Dampers changes = wanted;
   for (const auto& [number, damper] : present) {
-    if (number < modal::kFirstSceneDamper) changes.try_emplace(number);  // without damping: taken away
+    if (number < modal::kFirstSceneDamper) changes.try_emplace(number);  // no damping: removed
   }
   return changes;
 }
 
-// `from`: when a scene's own gains and pans, which ours shall follow, come.
+// `from` is the frame at which a restored scene sets gains and pans: the object's own are set again at that frame.
 Result<void> restore_object(const State::Object& object, Session& session, synth::Frame from) {
   using synth::EventType;
   Rack& rack = session.rack();

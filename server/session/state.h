@@ -4,11 +4,11 @@
 //   [[object]]
 //   name = "bell"
 //   bank = "/home/me/banks/bell.glb"
-//   gain = 0.5                                # what stands below may be left out: 1, 0, the bank's own, none
+//   gain = 0.5                                # this and all below may be left out: 1, 0, the bank's own, none
 //   pan = -0.3
 //   group = "metal"
 //   material = { alpha = 1, beta = 1, density = 1, stiffness = 4, size = 1 }   # factors, as in /object/.../material
-//   modes = { first = 0, count = 20 }         # which it has, by ascending frequency: as in /object/.../modes
+//   modes = { first = 0, count = 20 }         # by ascending frequency, as in /object/.../modes
 //   [[object.touch]]                          # as in /object/.../hold
 //   number = 0
 //   point_m = [0.05, 0, 0.02]
@@ -26,8 +26,8 @@
 //   paused = false
 //   cleared = false                           # whether its bodies were removed
 //
-// Not in it: what rings, where the scene's bodies are, bodies that were spawned, ports' connections (a session manager
-// keeps those itself). [worker, or before it runs]
+// The file does not contain what rings, where the scene's bodies are, bodies that were spawned, or the connections of
+// ports, which a session manager keeps itself. [worker, or before the worker runs]
 #pragma once
 
 #include "engine/base/result.h"
@@ -53,10 +53,10 @@ struct State {
     std::string name;
     std::filesystem::path bank;
     double gain = 1, pan = 0;
-    std::string group;  // empty: in none
+    std::string group;  // empty: the object is in no group
     modal::MaterialScale material;
     modal::ModeRange modes;
-    modal::Dampers dampers;  // but those of the scene
+    modal::Dampers dampers;  // except the dampers of the scene
   };
   struct Input {
     std::size_t input = 1;  // in_1 is 1
@@ -72,18 +72,18 @@ struct State {
   std::optional<Scene> scene;
 };
 
-// Refuses with one sentence, that begins with path:line, what is missing, wrong or unknown.
+// Errors begin with path:line and say what is missing, wrong or unknown.
 Result<State> read_state(const std::filesystem::path& path);
 Result<State> parse_state(std::string_view text, const std::filesystem::path& path);
 
 std::string to_toml(const State& state);
 Result<void> write_state(const State& state, const std::filesystem::path& path);
 
-// As it is now. Banks get absolute paths.
+// The state of the session now. Banks get absolute paths.
 State state_of(const Session& session);
 
-// Loads all that the state names; other objects stay, another scene does not. The scene starts at `frame`. Stops at the
-// first thing that cannot be.
+// Loads the objects, inputs and the scene that the state names. Other objects stay; a scene that plays ends. The new
+// scene starts at `frame`. Stops at the first error.
 Result<void> restore(const State& state, Session& session, synth::Frame frame);
 
 }  // namespace ringdown::session

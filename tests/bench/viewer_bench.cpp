@@ -13,7 +13,7 @@
 //   side     SideView::draw
 //   pick     a click in the middle of the picture
 #include "clients/viewer/app.h"
-#include "protocol/wire/floats.h"
+#include "protocol/wire/message.h"
 #include "tests/bench/machine.h"
 #include "tests/support/virtual_display.h"
 #include "tests/viewer/preset_file.h"

@@ -1,7 +1,7 @@
 // What somebody at a window hears and is told of the sound: modes by themselves, a choice of modes, the test tone; with
 // a JACK client that records.
 #include "engine/modal/bank_file.h"
-#include "protocol/wire/floats.h"
+#include "protocol/wire/message.h"
 #include "tests/integration/jack_fixture.h"
 #include "tests/integration/jack_recorder.h"
 #include "tests/support/keep_signals.h"

@@ -1,7 +1,7 @@
 // What somebody at a window sees of a real daemon: its objects' banks and modes, and its scene. What they hear is in
 // viewing_sound_test.cpp.
 #include "engine/modal/bank_file.h"
-#include "protocol/wire/floats.h"
+#include "protocol/wire/message.h"
 #include "tests/integration/jack_fixture.h"
 #include "tests/integration/sound_file.h"
 #include "tests/support/synthetic_bank.h"

@@ -1,7 +1,7 @@
 // What the daemon tells of itself when it is asked: objects, their bank files, the scene, what there is to load.
 #include "engine/base/content_hash.h"
 #include "server/browse.h"
-#include "server/bundles.h"
+#include "server/answers.h"
 #include "tests/server/osc_server_fixture.h"
 
 #include <algorithm>

@@ -82,7 +82,7 @@ const std::map<std::string, double> kConstants = {
     ROW(server::kMaxBrowseDepth),
     ROW(protocol::kMaxBankBytes),
     ROW(server::kMaxConnections),
-    ROW(server::kMaxUnread),
+    ROW(server::kMaxUnreadBytes),
     ROW(session::kMaxRecorded),
     ROW(Captured::kMost),
     ROW(session::kMaxRender_s),

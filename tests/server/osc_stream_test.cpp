@@ -211,10 +211,10 @@ TEST(OscStream, SoMuchWaitsForAClientAndNotAByteMore) {
     const TcpClient client((*stream)->port());
     client.send({"/version", {}});
     const std::size_t frame = wire::slip_encode(std::vector<std::byte>(1)).size() - 1;  // what SLIP adds to zeros
-    const std::vector<std::byte> packet(kMaxUnread - frame + more);
-    ASSERT_EQ(wire::slip_encode(packet).size(), kMaxUnread + more);
+    const std::vector<std::byte> packet(kMaxUnreadBytes - frame + more);
+    ASSERT_EQ(wire::slip_encode(packet).size(), kMaxUnreadBytes + more);
     (*stream)->send(met.get_future().get(), packet);
-    EXPECT_EQ(client.bytes_until_silence(kMaxUnread), more == 0 ? kMaxUnread : 0);
+    EXPECT_EQ(client.bytes_until_silence(kMaxUnreadBytes), more == 0 ? kMaxUnreadBytes : 0);
     (*stream)->stop();
   }
 }

@@ -1,5 +1,5 @@
 // Modes by themselves, and what subscribers can watch: the sound and the modes' amplitudes.
-#include "protocol/wire/floats.h"
+#include "protocol/wire/message.h"
 #include "protocol/wire/score.h"
 #include "server/session/offline.h"
 #include "server/session/state.h"

@@ -1,7 +1,7 @@
 // What the model learns from replies and notices, and which questions it asks.
 #include "clients/viewer/link/model.h"
 #include "protocol/schema.h"
-#include "protocol/wire/floats.h"
+#include "protocol/wire/message.h"
 #include "tests/viewer/preset_file.h"
 
 #include <gtest/gtest.h>

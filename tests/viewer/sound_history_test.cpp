@@ -1,7 +1,7 @@
 // The sound as it comes in pieces: every sample in its place, and every gap counted.
 #include "clients/viewer/link/sound_history.h"
 
-#include "protocol/wire/floats.h"
+#include "protocol/wire/message.h"
 
 #include <gtest/gtest.h>
 

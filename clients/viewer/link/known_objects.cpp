@@ -1,6 +1,6 @@
 #include "clients/viewer/link/known_objects.h"
 
-#include "protocol/wire/floats.h"
+#include "protocol/wire/message.h"
 
 #include <algorithm>
 #include <utility>

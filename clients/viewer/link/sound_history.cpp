@@ -1,6 +1,6 @@
 #include "clients/viewer/link/sound_history.h"
 
-#include "protocol/wire/floats.h"
+#include "protocol/wire/message.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "protocol/wire/floats.h"
+#include "protocol/wire/message.h"
 
 #include <bit>
 #include <cmath>
