@@ -26,7 +26,7 @@ ELEMENTS = {
 }
 METHODS = {
     "ours": ("#0072B2", "", "Ringdown"),
-    "spectra": ("#E69F00", "//", "Spectra + CHOLMOD"),
+    "spectra-cholmod": ("#E69F00", "//", "Spectra + CHOLMOD"),
     "slepc-cholmod": ("#CC79A7", "\\\\", "SLEPc + CHOLMOD"),
     "slepc-mumps": ("#CC79A7", "..", "SLEPc + MUMPS"),
     "slepc-petsc": ("#CC79A7", "xx", "SLEPc + PETSc"),
@@ -134,18 +134,18 @@ def ratio_text(row):
 
 def table_row(rows):
     """Ratios: block / plate / sphere / bell, of SLEPc's ways the fastest."""
-    columns = {"ours": [], "spectra": [], "slepc": [], "ccx": [], "threads": []}
+    columns = {"ours": [], "spectra-cholmod": [], "slepc": [], "ccx": [], "threads": []}
     for body in BODIES:
         problem = peer_problem(rows, body)
         ours = problem.get("ours")
         slepc = min((r for m, r in problem.items() if m.startswith("slepc")), key=lambda r: r["seconds"], default=None)
         twice = [r for r in rows if ours and r["part"] == "threads" and r["case"] == body and r["status"] == "ok"]
         columns["ours"].append(f"{ours['seconds']:.1f}" if ours else "-")
-        columns["spectra"].append(ratio_text(problem.get("spectra")))
+        columns["spectra-cholmod"].append(ratio_text(problem.get("spectra-cholmod")))
         columns["slepc"].append(ratio_text(slepc))
         columns["ccx"].append(ratio_text(problem.get("ccx")))
         columns["threads"].append(f"{ours['seconds'] / twice[0]['seconds']:.2f}" if twice else "-")
-    many = [r for r in rows if r["part"] == "many" and r["method"] == "spectra" and ran(r)]
+    many = [r for r in rows if r["part"] == "many" and r["method"] == "spectra-cholmod" and ran(r)]
     large = [r for r in rows if r["part"] == "memory" and r["status"] == "ok"]
     baked = [r for r in rows if r["part"] == "default" and r["status"] == "ok"]
     worst = [max((r[key] for r in baked if r[key] is not None), default=None) for key in ("error_10_percent", "error_50_percent")]

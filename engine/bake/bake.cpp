@@ -213,6 +213,7 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   if (auto few = check_count(volume_m3, task.material, task.options, highest_lambda); !few) return fail(few.error());
   const Result<Eigenmodes> modes = solve::solve_modes(*system, request, progress);
   if (!modes) return fail(modes.error());
+  report.agreement = modes->agreement;
   report.factor_seconds = modes->factor_seconds;
   report.iterate_seconds = modes->iterate_seconds;
   if (auto rigid = check_rigid(*modes, task.pieces, request.highest_lambda); !rigid) return fail(rigid.error());
@@ -226,6 +227,7 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   body.errors = *errors + rounding_of(*modes) * body.lambda.cwiseInverse();
   report.estimate_seconds = watch.lap();
   body.complete_to = request.highest_lambda;
+  body.verified = request.verify;
   body.unknowns = system->unknowns();
   body.mass = mass_properties(task.unit_mesh, system->node_mass);
   return body;
@@ -237,7 +239,9 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
                               .most_modes = task.options.most_modes,
                               .method = task.options.solver,
                               .rigid = 6 * task.pieces,
-                              .processes = task.options.processes};
+                              .processes = task.options.processes,
+                              .verify = task.options.verify,
+                              .unit_hz = std::sqrt(task.units.lambda())};
   const auto in_band = [top](BodyModes modes) { return up_to(std::move(modes), top); };
   if (task.options.cache.empty()) return solve_body(task, request, report, progress).map(in_band);
 
@@ -245,7 +249,7 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
   const BodyQuestion question{task.unit_mesh, task.surface.nodes.size(), task.options.element,
                               task.material.poisson_ratio, request.tolerance};
   auto kept = cache.find(question, top, request.most_modes);
-  if (kept && kept->errors.size() == kept->lambda.size()) {
+  if (kept && kept->errors.size() == kept->lambda.size() && (kept->verified || !request.verify)) {
     report.from_cache = true;
     return std::move(*kept);
   }

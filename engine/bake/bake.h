@@ -26,7 +26,8 @@ struct BakeOptions {
   std::filesystem::path cache;    // folder of results that bake() may use and add to (ModeCache); empty: none
   std::string family;             // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
   solve::Method solver = solve::Method::kAutomatic;
-  int processes = 2;  // of solve::Method::kSlepc
+  int processes = 2;    // of solve::Method::kSlepc
+  bool verify = false;  // asks a second method, and fails when the two disagree (solve::EigenRequest::verify)
 };
 
 struct BakeReport {
@@ -39,6 +40,7 @@ struct BakeReport {
   bool from_cache = false;    // nothing was assembled or solved
   std::string cache_trouble;  // why the cache could not be written; the bake is none the worse
   double assemble_seconds = 0, factor_seconds = 0, iterate_seconds = 0, estimate_seconds = 0, finish_seconds = 0;
+  solve::Agreement agreement;  // of the second opinion; of no modes when nothing was solved or none was asked for
   double largest_error = 0;  // estimated, relative, of any mode's frequency in the band, dropped ones included
 };
 
@@ -60,9 +62,9 @@ struct Baked {
 // Errors are estimated from what finer elements would add (fem::frequency_errors) and from what rounding leaves of the
 // rigid motions' zero energy: in meshes of very flat elements that disturbs the lowest modes.
 //
-// Fails when the material is not stable, when the eigensolver fails, when no mode lies in the band, when rounding
-// hides the lowest mode among the rigid motions, or when the body is so far from the origin that a bank's positions
-// would lose it.
+// Fails when the material is not stable, when the eigensolver fails or a second opinion disagrees, when no mode lies
+// in the band, when rounding hides the lowest mode among the rigid motions, or when the body is so far from the
+// origin that a bank's positions would lose it.
 Result<Baked> bake(const mesh::CheckedMesh& mesh, const modal::Material& material, const BakeOptions& options,
                    const std::string& name, const Progress& progress = {});
 

@@ -39,7 +39,7 @@ double characteristic_length(const mesh::Points& nodes) {
 namespace {
 
 constexpr std::string_view kModes = "modes", kExpected = "expected";
-constexpr int kFormat = 4;  // of an entry; raise it also when assembly, counting or the estimate give other results
+constexpr int kFormat = 5;  // of an entry; raise it also when assembly, counting or the estimate give other results
 constexpr double kGrid = 1 << 24, kGridOffset = 0.3819660113;  // off the halves that structured meshes sit on
 constexpr double kSameNode = 1e-13;
 
@@ -75,7 +75,7 @@ std::string packed(const mesh::Points& nodes, const BodyModes& modes) {
   ByteWriter out;
   out.put_list(numbers(nodes)).put_list(numbers(modes.lambda)).put_list(numbers(modes.shapes));
   out.put_list(numbers(modes.residuals)).put_list(numbers(modes.errors));
-  out.put(modes.complete_to).put(modes.rigid).put(modes.unknowns).put(modes.mass);
+  out.put(modes.complete_to).put(modes.rigid).put(static_cast<int>(modes.verified)).put(modes.unknowns).put(modes.mass);
   return out.bytes();
 }
 
@@ -98,9 +98,10 @@ std::optional<BodyModes> unpacked(std::string_view bytes, const BodyQuestion& qu
   ByteReader in(bytes);
   std::vector<double> nodes, lambda, shapes, residuals, errors;
   BodyModes modes;
+  int verified = 0;
   if (!in.get_list(nodes) || !in.get_list(lambda) || !in.get_list(shapes) || !in.get_list(residuals) ||
-      !in.get_list(errors) || !in.get(modes.complete_to) || !in.get(modes.rigid) || !in.get(modes.unknowns) ||
-      !in.get(modes.mass) || !in.finished()) {
+      !in.get_list(errors) || !in.get(modes.complete_to) || !in.get(modes.rigid) || !in.get(verified) ||
+      !in.get(modes.unknowns) || !in.get(modes.mass) || !in.finished()) {
     return std::nullopt;
   }
   const std::size_t rows = 3 * question.surface_nodes, count = lambda.size();
@@ -110,6 +111,7 @@ std::optional<BodyModes> unpacked(std::string_view bytes, const BodyQuestion& qu
   const auto vector = [](const std::vector<double>& list) {
     return Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
   };
+  modes.verified = verified != 0;
   modes.lambda = vector(lambda);
   modes.residuals = vector(residuals);
   modes.errors = vector(errors);

@@ -37,6 +37,7 @@ struct BodyModes {
   Eigen::VectorXd errors;     // m, estimated relative errors of the frequencies; or empty: none was made
   double complete_to = 0;     // every mode with lambda up to here is in the set: inertia counted `rigid` + m of them
   int rigid = 0;
+  bool verified = false;  // a second method agreed
   std::int64_t unknowns = 0;
   modal::MassProperties mass;  // of density 1
 };

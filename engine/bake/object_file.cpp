@@ -27,6 +27,7 @@ void read_options(TomlTable& file, BakeOptions& options) {
   file.whole("surface_points", points, 4, 1'000'000);
   file.whole("keep_modes", modes, 0, 1'000'000);
   file.number("floor_db", options.floor_db, kFloor_db);
+  file.boolean("verify", options.verify);
   options.most_points = points;
   options.keep_modes = static_cast<int>(modes);
 

@@ -13,6 +13,7 @@
 //   band_hz = [20, 20000]            # default
 //   keep_modes = 120                 # the most important ones; default: all in the band
 //   floor_db = 60                    # drop what is inaudible this far below the loudest mode; default: nothing
+//   verify = true                    # have a second solver agree, or fail (solve/second_opinion.h); default false
 //   gain_db = -3                     # the bank's gain, -60 ... 60: how loud beside other objects; default 0
 //   budget_s = 20                    # processor seconds that a bake of it should not exceed; default: none
 //   [parameters]                     # DefineConstant names of a .geo, in its unit

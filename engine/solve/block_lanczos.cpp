@@ -39,17 +39,16 @@ VectorXd eigen_decompose(MatrixXd& matrix) {
 
 class Iteration {
  public:
-  Iteration(const OrderedSystem& system, const Ldlt& factors, Team& team, const Window& window, const MatrixXd& locked,
-            unsigned seed)
-      : system_(system),
-        factors_(factors),
-        team_(team),
+  Iteration(const Pencil& pencil, const Window& window, const MatrixXd& locked, unsigned seed)
+      : system_(pencil.ordered()),
+        factors_(pencil.factors()),
+        team_(pencil.team()),
         window_(window),
         random_(seed),
-        basis_(team),
-        locked_(team),
-        mass_locked_(team) {
-    const Eigen::Index most = std::min<Eigen::Index>(window.most_vectors, system.unknowns() - locked.cols());
+        basis_(team_),
+        locked_(team_),
+        mass_locked_(team_) {
+    const Eigen::Index most = std::min<Eigen::Index>(window.most_vectors, system_.unknowns() - locked.cols());
     capacity_ = static_cast<int>(std::max<Eigen::Index>(2, most / kWidth)) * kWidth;
     projected_ = MatrixXd::Zero(capacity_, capacity_);
     start(locked);
@@ -255,9 +254,9 @@ Harvest harvest(const Iteration& iteration, const Window& window, double sigma) 
 
 }  // namespace
 
-Pairs block_lanczos(const OrderedSystem& system, const Ldlt& factors, Team& team, const Window& window,
-                    const MatrixXd& locked, unsigned seed, const std::function<bool(double)>& keep_going) {
-  Iteration iteration(system, factors, team, window, locked, seed);
+Pairs block_lanczos(const Pencil& pencil, const Window& window, const MatrixXd& locked, unsigned seed,
+                    const KeepGoing& keep_going) {
+  Iteration iteration(pencil, window, locked, seed);
   Harvest crop;
   const int expected = window.left + window.right;
   const double likely = 1.7 * expected + 20 * kWidth;
@@ -266,7 +265,7 @@ Pairs block_lanczos(const OrderedSystem& system, const Ldlt& factors, Team& team
     iteration.step();
     if (iteration.size() < next_check && !iteration.full()) continue;
     iteration.decompose();
-    crop = harvest(iteration, window, factors.sigma());
+    crop = harvest(iteration, window, pencil.factors().sigma());
     if (crop.complete || iteration.full()) break;
     next_check = iteration.size() + std::max(2 * kWidth, iteration.size() / 10);
   }

@@ -8,9 +8,9 @@
 // a vector).
 #pragma once
 
-#include "engine/solve/ldlt.h"
+#include "engine/solve/pencil.h"
 
-#include <functional>
+#include <vector>
 
 namespace ringdown::solve {
 
@@ -26,14 +26,14 @@ struct Window {
 
 struct Pairs {
   std::vector<double> lambda;  // ascending, from window.low to below window.high
-  Eigen::MatrixXd shapes;      // 3N x count, in the order of elimination
+  Eigen::MatrixXd shapes;      // 3N x count, M-orthonormal, in the order of elimination
   int solves = 0;              // right-hand sides
   bool complete = false;       // as many as were asked for; otherwise what there is, the nearest to the shift
 };
 
 // `locked` (3N x l, M-orthonormal, order of elimination) is kept out of the result: eigenvectors known already.
-// `keep_going` gets a guess of the share done; Cancelled is thrown when it says no. `seed` starts the random block.
-Pairs block_lanczos(const OrderedSystem& system, const Ldlt& factors, Team& team, const Window& window,
-                    const Eigen::MatrixXd& locked, unsigned seed, const std::function<bool(double)>& keep_going);
+// `seed` starts the random block. Throws Cancelled.
+Pairs block_lanczos(const Pencil& pencil, const Window& window, const Eigen::MatrixXd& locked, unsigned seed,
+                    const KeepGoing& keep_going);
 
 }  // namespace ringdown::solve

@@ -1,21 +1,47 @@
 #include "engine/solve/eigensolver.h"
 
 #include "engine/base/in_parallel.h"
+#include "engine/base/quoted.h"
 #include "engine/fem/blas_threads.h"
 #include "engine/solve/methods.h"
-#include "engine/solve/ordered_system.h"
+#include "engine/solve/second_opinion.h"
+#include "engine/solve/spectra.h"
+
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
 #include <string>
 
 namespace ringdown::solve {
 namespace {
 
-constexpr int kSmallProblem = 300;  // unknowns; below, dense algebra is quicker and sure
-constexpr int kOneThread = 3000;    // unknowns; below, threads would mostly wait for each other
+struct Name {
+  Method method;
+  std::string_view name;
+};
+
+constexpr std::array kNames = {Name{Method::kAutomatic, "auto"}, Name{Method::kDense, "dense"},
+                               Name{Method::kSpectra, "spectra"}, Name{Method::kBlockLanczos, "block"},
+                               Name{Method::kSlepc, "slepc"}};
+
+constexpr int kSmallProblem = 300;     // unknowns; up to here, dense algebra is quicker and sure
+constexpr int kDenseAtMost = 4000;     // unknowns; below, dense algebra is quicker when a quarter of all is wanted
+constexpr int kOneThread = 3000;       // unknowns; below, threads would mostly wait for each other
+constexpr double kSecondShift = 0.25;  // of the top, for a second opinion where a method leaves no factorization
+
+// kAutomatic takes Spectra for systems of at most so many unknowns with at most so many modes below the top
+// (docs/eigensolver.md has the times that this was read from).
+struct QuickBySpectra {
+  Eigen::Index unknowns;
+  int modes;
+};
+constexpr std::array kQuickBySpectra = {QuickBySpectra{2000, 80}, QuickBySpectra{3000, 60}, QuickBySpectra{5000, 20}};
 
 // Rounding leaves a rigid motion with lambda of about 1e-16 of the largest eigenvalue of the mesh, which the largest
 // ratio of diagonal entries estimates. The limit stays far below the band (a few Hz to 60 Hz under 20 kHz), so that a
@@ -30,42 +56,8 @@ double rigid_limit(const fem::System& system, double highest_lambda) {
   return std::clamp(rounding, 1e-8 * highest_lambda, 1e-5 * highest_lambda);
 }
 
-void keep_first(Eigenmodes& modes, Eigen::Index count) {
-  modes.lambda.conservativeResize(count);
-  modes.shapes.conservativeResize(Eigen::NoChange, count);
-  if (modes.residuals.size() > 0) modes.residuals.conservativeResize(count);
-}
-
-Eigen::VectorXd residuals_of(const fem::System& system, int threads, const Eigenmodes& modes) {
-  Team team(threads);
-  const Elimination plan = plan_elimination(system, threads);
-  return OrderedSystem(system, plan, team).residuals(modes.lambda, modes.shapes);
-}
-
-Result<Eigenmodes> solve_by(Method method, const fem::System& system, const EigenRequest& request, double rigid_limit,
-                            int threads, const Progress& progress) {
-  if (method == Method::kBlockLanczos) return solve_block_lanczos(system, request, threads, progress);
-  if (method == Method::kSlepc) return solve_slepc(system, request, progress);
-  Result<Eigenmodes> modes =
-      method == Method::kDense ? solve_dense(system) : solve_spectra(system, request, rigid_limit, progress);
-  if (!modes) return modes;
-  const Result<int> counted = count_modes(system, request.highest_lambda, threads);
-  if (!counted) return fail(counted.error());
-  modes->counted = *counted;
-  const auto found = (modes->lambda.array() < request.highest_lambda).count();
-  if (found == *counted) return modes;
-  return fail(ErrorKind::refused,
-              std::to_string(*counted) + " modes were counted and " + std::to_string(found) + " found");
-}
-
-}  // namespace
-
-double seconds_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 int count_below(const Eigen::VectorXd& lambda, double limit) {
-  return static_cast<int>(std::count_if(lambda.begin(), lambda.end(), [&](double l) { return l < limit; }));
+  return static_cast<int>((lambda.array() < limit).count());
 }
 
 Error too_many_modes(const EigenRequest& request) {
@@ -73,48 +65,161 @@ Error too_many_modes(const EigenRequest& request) {
                                     " modes lie in the band; narrow the band or allow more modes"};
 }
 
-Error not_factored(const fem::System& system) {
-  return {ErrorKind::bad_input,
-          "the stiffness of the mesh could not be factored (" + std::to_string(system.unknowns()) +
-              " unknowns); check the mesh for flat elements, or make it coarser if memory ran out"};
+// The number of modes is the one counted at the top, so the choice is the same on every machine.
+Method choose(Method wanted, Eigen::Index unknowns, int modes) {
+  if (wanted == Method::kDense) return wanted;
+  if (4 * Eigen::Index{modes} > unknowns && unknowns < kDenseAtMost) return Method::kDense;
+  if (wanted != Method::kAutomatic) return wanted;
+  if (unknowns <= kSmallProblem) return Method::kDense;
+  const bool quick = std::any_of(kQuickBySpectra.begin(), kQuickBySpectra.end(),
+                                 [&](const auto& row) { return unknowns <= row.unknowns && modes <= row.modes; });
+  return quick ? Method::kSpectra : Method::kBlockLanczos;
 }
 
-// K - sigma M in K's pattern (lower triangle), which holds M's.
-fem::SparseMatrix shifted_stiffness(const fem::System& system, double sigma) {
-  fem::SparseMatrix shifted = system.stiffness;
-  const fem::SparseMatrix& mass = system.node_mass;
-  for (Eigen::Index column = 0; column < mass.cols(); ++column) {
-    for (int j = 0; j < 3; ++j) {
-      double* entry = shifted.valuePtr() + shifted.outerIndexPtr()[3 * column + j];
-      const int* row = shifted.innerIndexPtr() + shifted.outerIndexPtr()[3 * column + j];
-      for (fem::SparseMatrix::InnerIterator m(mass, column); m; ++m) {
-        const auto wanted = static_cast<int>(3 * m.row() + j);
-        if (m.row() < column) continue;
-        while (*row != wanted) ++row, ++entry;
-        *entry -= sigma * m.value();
-      }
-    }
+Result<Eigenmodes> solve_dense(const fem::System& system) {
+  const Eigen::MatrixXd stiffness = Eigen::MatrixXd(system.stiffness).selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd mass =
+      fem::mass_times(system.node_mass, Eigen::MatrixXd::Identity(stiffness.rows(), stiffness.rows()));
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solved(stiffness, mass);
+  if (solved.info() != Eigen::Success) {
+    return fail(ErrorKind::bad_input, "the mass of the mesh is not positive; check the mesh for flat elements");
   }
-  return shifted;
+  Eigenmodes modes;
+  modes.lambda = solved.eigenvalues();
+  modes.shapes = solved.eigenvectors();
+  return modes;
+}
+
+// One solve: the pencil is factored at the top and counted, a method finds the modes, and found is compared with
+// counted. A second opinion is asked at the top and at one more shift, while the pencil is factored there.
+class Solve {
+ public:
+  Solve(const fem::System& system, const EigenRequest& request, const Progress& progress)
+      : system_(system),
+        request_(request),
+        progress_(progress),
+        rigid_limit_(rigid_limit(system, request.highest_lambda)),
+        threads_(system.unknowns() < kOneThread ? 1 : thread_count(request.threads)) {}
+
+  Result<Eigenmodes> run();
+
+ private:
+  Result<Count> count_at_top();
+  Result<void> ask_at(double lambda);
+  Result<Eigenmodes> find(Method method, const Count& top);
+  Result<void> finish(Eigenmodes& modes);
+
+  const fem::System& system_;
+  const EigenRequest& request_;
+  const Progress& progress_;
+  const double rigid_limit_;
+  const int threads_;
+  std::optional<Pencil> pencil_;
+  std::optional<SecondOpinion> opinion_;
+};
+
+Result<Count> Solve::count_at_top() {
+  pencil_.emplace(system_, threads_);
+  return pencil_->factor(request_.highest_lambda, Pencil::kUp,
+                         [this](double) { return !progress_ || progress_("factors", 0); });
+}
+
+Result<void> Solve::ask_at(double lambda) {
+  const Result<Count> shift = pencil_->factor(lambda, Pencil::kDown);
+  return shift ? opinion_->ask(*pencil_, *shift) : Result<void>(fail(shift.error()));
+}
+
+Result<Eigenmodes> Solve::find(Method method, const Count& top) {
+  if (method == Method::kBlockLanczos)
+    return solve_block_lanczos(*pencil_, top, request_, opinion_ ? &*opinion_ : nullptr, progress_);
+  if (method == Method::kSpectra) {
+    Result<Eigenmodes> modes = solve_spectra(*pencil_, top, request_, progress_);
+    const Ldlt& factors = pencil_->factors();
+    if (!modes || !opinion_) return modes;
+    return opinion_->ask(*pencil_, {factors.sigma(), factors.negative()}).map([&] { return std::move(*modes); });
+  }
+  if (opinion_) {
+    if (auto asked = ask_at(kSecondShift * top.lambda); !asked) return fail(asked.error());
+  }
+  return solve_dense(system_);
+}
+
+// Keeps what lies below the top that was asked for, where the top that was counted may have moved above it.
+Result<void> Solve::finish(Eigenmodes& modes) {
+  const Eigen::Index count = modes.counted = count_below(modes.lambda, request_.highest_lambda);
+  modes.lambda.conservativeResize(count);
+  modes.shapes.conservativeResize(Eigen::NoChange, count);
+  modes.rigid = request_.rigid >= 0 ? std::min(request_.rigid, modes.counted) : count_below(modes.lambda, rigid_limit_);
+  if (modes.counted - modes.rigid > request_.most_modes) return fail(too_many_modes(request_));
+  modes.residuals = pencil_->ordered().residuals(modes.lambda, modes.shapes);
+  modes.residuals.head(modes.rigid).setZero();
+  if (!opinion_) return {};
+  return opinion_->check(system_, modes).map([&](const Agreement& agreement) { modes.agreement = agreement; });
+}
+
+Result<Eigenmodes> Solve::run() {
+  const bool elsewhere = request_.method == Method::kSlepc;
+  Result<Eigenmodes> modes = elsewhere ? solve_slepc(system_, request_, progress_) : Eigenmodes();
+  if (!modes) return modes;
+  if (elsewhere && !request_.verify) {
+    pencil_.emplace(system_, threads_);
+    return finish(*modes).map([&] { return std::move(*modes); });
+  }
+  const Result<Count> top = count_at_top();
+  if (!top) return fail(top.error());
+  if (top->below > 2 * request_.most_modes + 1000) return fail(too_many_modes(request_));
+  const Method method = choose(request_.method, system_.unknowns(), top->below);
+  if (request_.verify) {
+    opinion_.emplace(method == Method::kSpectra ? Method::kBlockLanczos : Method::kSpectra,
+                     Band{rigid_limit_, request_.highest_lambda}, request_, progress_);
+    if (auto asked = opinion_->ask(*pencil_, *top); !asked) return fail(asked.error());
+  }
+  if (elsewhere) {
+    if (auto asked = ask_at(kSecondShift * top->lambda); !asked) return fail(asked.error());
+  } else {
+    modes = find(method, *top);
+    if (!modes) return modes;
+    modes->factorizations = pencil_->factorizations();
+    modes->factor_seconds = pencil_->factor_seconds();
+  }
+  const int found = count_below(modes->lambda, top->lambda);
+  if (!elsewhere && found != top->below) {
+    return fail(ErrorKind::refused,
+                std::to_string(top->below) + " modes were counted and " + std::to_string(found) + " found");
+  }
+  modes->method = method;
+  return finish(*modes).map([&] { return std::move(*modes); });
+}
+
+}  // namespace
+
+std::string_view method_name(Method method) {
+  for (const Name& entry : kNames) {
+    if (entry.method == method) return entry.name;
+  }
+  return "";
+}
+
+Result<Method> parse_method(std::string_view name) {
+  for (const Name& entry : kNames) {
+    if (entry.name == name) return entry.method;
+  }
+  return fail(ErrorKind::bad_input,
+              "there is no solver " + ringdown::quoted(name) + "; choose auto, dense, spectra, block or slepc");
+}
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double EigenRequest::hertz(double lambda) const {
+  return unit_hz * std::sqrt(std::max(0.0, lambda)) / (2 * std::numbers::pi);
 }
 
 Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& request, const Progress& progress) {
   const fem::BlasThreads one(1);
   try {
-    const double limit = rigid_limit(system, request.highest_lambda);
-    const int threads = system.unknowns() < kOneThread ? 1 : thread_count(request.threads);
-    Method method = request.method;
-    if (method == Method::kAutomatic)
-      method = system.unknowns() <= kSmallProblem ? Method::kDense : Method::kBlockLanczos;
-    Result<Eigenmodes> modes = solve_by(method, system, request, limit, threads, progress);
-    if (!modes) return modes;
-    keep_first(*modes, (modes->lambda.array() < request.highest_lambda).count());
-    const auto known = std::min<Eigen::Index>(request.rigid, modes->lambda.size());
-    modes->rigid = request.rigid >= 0 ? static_cast<int>(known) : count_below(modes->lambda, limit);
-    if (modes->lambda.size() - modes->rigid > request.most_modes) return fail(too_many_modes(request));
-    if (modes->residuals.size() == 0) modes->residuals = residuals_of(system, threads, *modes);
-    modes->residuals.head(modes->rigid).setZero();
-    return modes;
+    return Solve(system, request, progress).run();
   } catch (const Cancelled&) {
     return fail_cancelled();
   } catch (const std::bad_alloc&) {

@@ -18,11 +18,12 @@
 
 namespace ringdown::solve {
 
+// All but kSlepc work on one L D L^T of our own, whose inertia counts the modes (docs/eigensolver.md).
 enum class Method {
-  kAutomatic,     // dense for small systems, block Lanczos for others
-  kDense,         // Eigen on full matrices: the yardstick
-  kSpectra,       // Spectra's shift-invert Lanczos over CHOLMOD: the reference
-  kBlockLanczos,  // shift-invert in blocks, in slices of the spectrum, over an own L D L^T
+  kAutomatic,     // by the number of unknowns and of modes counted: kDense, kSpectra or kBlockLanczos
+  kDense,         // Eigen on full matrices
+  kSpectra,       // Spectra's shift-invert Lanczos, one vector at a time
+  kBlockLanczos,  // shift-invert Lanczos in blocks, in slices of the spectrum
   kSlepc,         // SLEPc over MPI, in processes of their own (engine/solve/distributed.h); only where it was built
 };
 
@@ -42,8 +43,20 @@ struct EigenRequest {
   // How many motions of the body are rigid, when the caller knows (six for each piece): the first ones. -1: those whose
   // lambda is zero to rounding; in a mesh of very thin or distorted elements that may be as much as a vibration's.
   int rigid = -1;
-  int processes = 2;       // of kSlepc
-  int expected_modes = 0;  // with the rigid ones, when known: kSpectra then asks for so many at once. 0: not known
+  int processes = 2;    // of kSlepc
+  bool verify = false;  // asks another method for the modes near two shifts, and fails when the two disagree
+  double unit_hz = 1;   // a frequency of 1 in the units of K and M, in Hz: for sentences about modes
+
+  [[nodiscard]] double hertz(double lambda) const;
+};
+
+// What a second opinion compared (EigenRequest::verify): the largest differences, all within what is allowed.
+struct Agreement {
+  int modes = 0;         // compared; 0: no second opinion was asked for
+  double frequency = 0;  // relative
+  double angle = 0;      // between the spaces of close modes, sine
+  double residual = 0;   // |K phi - lambda M phi| / |lambda M phi|, from K and M as they were given
+  double seconds = 0;    // that asking and comparing took
 };
 
 struct Eigenmodes {
@@ -55,10 +68,13 @@ struct Eigenmodes {
   int solves = 0;             // right-hand sides solved for
   int factorizations = 0;
   double factor_seconds = 0, iterate_seconds = 0;  // on the clock
+  Method method = Method::kAutomatic;              // that found them
+  Agreement agreement;
 };
 
 // Fails when the system cannot be factored (a mesh or material that is not sound), when the iteration does not
-// converge, when modes found and counted disagree, when there are more than most_modes, or when cancelled. Results
+// converge, when modes found and counted disagree, when the second opinion disagrees, when there are more than
+// most_modes, or when cancelled. Results
 // repeat bit for bit on one machine with one number of threads.
 Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& request, const Progress& progress = {});
 

@@ -251,21 +251,22 @@ bool Ldlt::factor(double sigma, const std::function<bool()>& keep_going) {
 }
 
 // Each part works on its own rows and keeps what it has for the crown's rows apart until all are done.
-void Ldlt::solve(Block& x) const {
+void Ldlt::solve(double* x, int vectors) const {
   const int crown = plan_.crown_begin(), end = static_cast<int>(plan_.nodes.size());
   const std::ptrdiff_t crown_row = plan_.first_column(crown),
-                       crown_size = std::ptrdiff_t{3 * kWidth} * plan_.crown_columns();
-  double* const crown_rows = x.data() + std::ptrdiff_t{3 * kWidth} * crown_row;
+                       crown_size = std::ptrdiff_t{3} * vectors * plan_.crown_columns();
+  double* const crown_rows = x + std::ptrdiff_t{3} * vectors * crown_row;
   std::vector<std::vector<double>> for_crown(plan_.parts());
   const auto sides = [&](const Supernode& node, const Strip& strip, double* for_rows_of_crown) {
     const auto split = std::lower_bound(node.rows.begin(), node.rows.end(), crown_row) - node.rows.begin();
-    return Sides{.own = x.data() + std::ptrdiff_t{kWidth} * (3 * node.first + strip.first),
+    return Sides{.own = x + std::ptrdiff_t{vectors} * (3 * node.first + strip.first),
                  .later = node.pivots() - strip.first - strip.width,
                  .rows = &node.rows,
                  .split = static_cast<int>(split),
                  .first_of_crown = static_cast<int>(crown_row),
-                 .x = x.data(),
-                 .crown = for_rows_of_crown};
+                 .x = x,
+                 .crown = for_rows_of_crown,
+                 .vectors = vectors};
   };
   const auto down = [&](int begin, int stop, double* for_rows_of_crown, const Member& member) {
     for (int s = begin; s < stop; ++s) {
@@ -290,7 +291,11 @@ void Ldlt::solve(Block& x) const {
         const int first = member.begin(strip->width), last = member.end(strip->width);
         for (int u = first; u < last; ++u) {
           const double pivot = diagonal_[static_cast<std::size_t>(3) * node.first + strip->first + u];
-          *lanes(all.own, u) /= pivot;
+          if (vectors == 1) {
+            all.own[u] /= pivot;
+          } else {
+            *lanes(all.own, u) /= pivot;
+          }
         }
         solve_up_below(*strip, tiles, all, first, last);
         member.meet();

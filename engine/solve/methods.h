@@ -2,33 +2,22 @@
 #pragma once
 
 #include "engine/solve/eigensolver.h"
+#include "engine/solve/pencil.h"
 
 namespace ringdown::solve {
+
+class SecondOpinion;
 
 // Thrown out of an iteration when Progress says stop; solve_modes() catches it.
 struct Cancelled {};
 
-// A rigid motion has lambda = 0 to rounding; below this it is one.
-using RigidLimit = double;
+// All modes below `top`, slice by slice; the pencil is factored at the top. Asks `opinion`, unless it is null, about
+// the first slice's shift. Fills all of Eigenmodes but `rigid`, `counted` and what the pencil knows.
+Result<Eigenmodes> solve_block_lanczos(Pencil& pencil, const Count& top, const EigenRequest& request,
+                                       SecondOpinion* opinion, const Progress& progress);
 
-// Each returns at least the modes up to request.highest_lambda, ascending, M-orthonormal; lambda and shapes are filled.
-// The last two prove that they are all, and fill `counted`; the last one `residuals` too.
-Result<Eigenmodes> solve_dense(const fem::System& system);
-Result<Eigenmodes> solve_spectra(const fem::System& system, const EigenRequest& request, RigidLimit rigid_limit,
-                                 const Progress& progress);
+// In other processes, with its own proof; fills all of Eigenmodes but `rigid`.
 Result<Eigenmodes> solve_slepc(const fem::System& system, const EigenRequest& request, const Progress& progress);
-Result<Eigenmodes> solve_block_lanczos(const fem::System& system, const EigenRequest& request, int threads,
-                                       const Progress& progress);
-
-// Eigenvalues below, by inertia alone.
-Result<int> count_modes(const fem::System& system, double highest_lambda, int threads);
-
-// K - sigma M in K's pattern (lower triangle), which holds M's.
-fem::SparseMatrix shifted_stiffness(const fem::System& system, double sigma);
-
-int count_below(const Eigen::VectorXd& lambda, double limit);
-Error too_many_modes(const EigenRequest& request);
-Error not_factored(const fem::System& system);
 
 // Steady clock [s].
 double seconds_now();

@@ -8,44 +8,38 @@
 #include "engine/solve/block_lanczos.h"
 #include "engine/solve/methods.h"
 #include "engine/solve/mode_set.h"
+#include "engine/solve/second_opinion.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
+#include <utility>
 
 namespace ringdown::solve {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kBackwardError = 1e-10;  // of a solve; above, the shift moves
-constexpr double kStep = 3e-4;            // relative, by which it moves
-constexpr double kGap = 1e-5;             // relative, between the last eigenvalue of a slice and the next one's first
-constexpr int kDenseAtMost = 4000;        // unknowns; below, dense algebra is quicker when a quarter of all is wanted
-constexpr int kMaxRepairs = 12;           // between two counts
-
-struct Count {
-  double lambda;
-  int below;  // eigenvalues below lambda
-};
+constexpr double kGap = 1e-5;    // relative, between the last eigenvalue of a slice and the next one's first
+constexpr int kMaxRepairs = 12;  // between two counts
 
 class Slicer {
  public:
-  Slicer(const fem::System& system, const EigenRequest& request, int threads, const Progress& progress)
-      : system_(system),
+  Slicer(Pencil& pencil, const Count& top, const EigenRequest& request, SecondOpinion* opinion,
+         const Progress& progress)
+      : pencil_(pencil),
         request_(request),
+        opinion_(opinion),
         progress_(progress),
-        team_(threads),
-        plan_(plan_elimination(system, threads)),
-        ordered_(system, plan_, team_),
-        factors_(plan_, ordered_, team_),
-        modes_(ordered_) {}
+        modes_(pencil.ordered()),
+        top_(top) {}
 
   Result<Eigenmodes> solve();
 
  private:
-  Result<Count> factor(double lambda, double step = -kStep);
+  Result<Count> factor(double lambda) {
+    return pencil_.factor(lambda, Pencil::kDown, [this](double) { return tell("factors", 0); });
+  }
   Result<void> slice();
   Result<void> repair(const Count& low, const Count& high);
   void iterate(const Window& window, const Eigen::MatrixXd& locked);
@@ -57,36 +51,18 @@ class Slicer {
   }
   Eigenmodes result();
 
-  const fem::System& system_;
+  Pencil& pencil_;
   const EigenRequest& request_;
+  SecondOpinion* opinion_;  // asked about the first slice, then null
   const Progress& progress_;
-  Team team_;
-  const Elimination plan_;
-  const OrderedSystem ordered_;
-  Ldlt factors_;
   ModeSet modes_;
   Count done_{-kInfinity, 0};    // all below were found
   Count proved_{-kInfinity, 0};  // the last shift: its count and what was found agree
-  Count top_{0, 0};
+  const Count top_;
   unsigned seed_ = 1;
-  int solves_ = 0, factorizations_ = 0;
-  double factor_seconds_ = 0, iterate_seconds_ = 0;
+  int solves_ = 0;
+  double iterate_seconds_ = 0;
 };
-
-double hertz(double lambda) { return std::sqrt(std::max(0.0, lambda)) / (2 * std::numbers::pi); }
-
-// Factors at lambda, or some steps from it where the factors would lose digits.
-Result<Count> Slicer::factor(double lambda, double step) {
-  const double start = seconds_now();
-  for (int attempt = 0; attempt < 4; ++attempt, lambda *= 1 + step) {
-    ++factorizations_;
-    if (!factors_.factor(lambda, [this] { return tell("factors", 0); })) continue;
-    if (factors_.backward_error() > kBackwardError) continue;
-    factor_seconds_ += seconds_now() - start;
-    return Count{lambda, factors_.negative()};
-  }
-  return fail(not_factored(system_));
-}
 
 // The eigenvalue of so high a number: that of a similar problem when the request knows one, else guessed between what
 // is done and the top, their number growing like f^2.4, between the f of plates and bars and the f^3 of solids.
@@ -110,10 +86,10 @@ int Slicer::slices_for(int modes) const {
   constexpr double kFlops = 25e9, kBytes = 11e9;
   const auto seconds = [&](int slices) {
     const double vectors = 1.7 * modes / slices + 160;
-    const double solves = vectors * 2 * 8 * static_cast<double>(plan_.factor_entries) / kWidth / kBytes;
-    const double orthogonal = static_cast<double>(ordered_.unknowns()) * vectors * vectors / kBytes;
+    const double solves = vectors * 2 * 8 * static_cast<double>(pencil_.plan().factor_entries) / kWidth / kBytes;
+    const double orthogonal = static_cast<double>(pencil_.unknowns()) * vectors * vectors / kBytes;
     const double ritz = 12 * vectors * vectors * vectors / kFlops;
-    return slices * (plan_.flops / kFlops + solves + orthogonal + ritz);
+    return slices * (pencil_.plan().flops / kFlops + solves + orthogonal + ritz);
   };
   int best = 1;
   for (int slices = 2; slices <= 64; ++slices) {
@@ -125,8 +101,8 @@ int Slicer::slices_for(int modes) const {
 void Slicer::iterate(const Window& window, const Eigen::MatrixXd& locked) {
   const double start = seconds_now(), all = std::max(1, top_.below), before = done_.below / all;
   const double share = (window.left + window.right) / all;
-  factors_.release_workspace();
-  Pairs pairs = block_lanczos(ordered_, factors_, team_, window, locked, seed_++,
+  pencil_.release_workspace();
+  Pairs pairs = block_lanczos(pencil_, window, locked, seed_++,
                               [&](double part) { return tell("modes", std::min(0.99, before + part * share)); });
   solves_ += pairs.solves;
   modes_.add(pairs.lambda, std::move(pairs.shapes));
@@ -161,7 +137,10 @@ Result<void> Slicer::slice() {
                       .most_vectors = static_cast<int>(4 * each) + 40 * kWidth,
                       .tolerance = request_.tolerance};
   const double seam = done_.lambda;
-  iterate(window, Eigen::MatrixXd(ordered_.unknowns(), 0));
+  iterate(window, Eigen::MatrixXd(pencil_.unknowns(), 0));
+  if (SecondOpinion* const opinion = std::exchange(opinion_, nullptr)) {
+    if (auto asked = opinion->ask(pencil_, *shift); !asked) return asked;
+  }
   if (std::isfinite(seam)) modes_.join_at(seam);
   if (auto whole = repair(proved_, *shift); !whole) return whole;
   proved_ = *shift;
@@ -193,64 +172,30 @@ Result<void> Slicer::repair(const Count& low, const Count& high) {
   const int found = modes_.count(low.lambda, high.lambda);
   if (found == wanted) return {};
   return fail(ErrorKind::refused, std::to_string(wanted) + " modes were counted and " + std::to_string(found) +
-                                      " found between " + std::to_string(hertz(low.lambda)) + " and " +
-                                      std::to_string(hertz(high.lambda)) +
+                                      " found between " + std::to_string(request_.hertz(low.lambda)) + " and " +
+                                      std::to_string(request_.hertz(high.lambda)) +
                                       " Hz; look for needle-like elements in the mesh");
 }
 
-Eigenmodes Slicer::result() {
+Result<Eigenmodes> Slicer::solve() {
+  while (done_.below < top_.below) {
+    if (auto went = slice(); !went) return fail(went.error());
+  }
   Eigenmodes result;
-  result.counted = modes_.count(-kInfinity, request_.highest_lambda);
-  result.lambda.resize(result.counted);
-  result.shapes.resize(ordered_.unknowns(), result.counted);
-  team_.run_together([&](int, const Member& member) {
-    for (int m = member.begin(result.counted); m < member.end(result.counted); ++m) {
-      result.lambda[m] = modes_.lambda(m);
-      const auto shape = modes_.shape(m);
-      for (int n = 0; n < plan_.node_count(); ++n) {
-        result.shapes.col(m).segment<3>(3 * plan_.old_of[n]) = shape.segment<3>(3 * n);
-      }
-    }
-  });
-  result.residuals = ordered_.residuals(result.lambda, result.shapes);
+  result.lambda.resize(modes_.size());
+  for (int m = 0; m < modes_.size(); ++m) result.lambda[m] = modes_.lambda(m);
+  result.shapes.resize(pencil_.unknowns(), modes_.size());
+  for (int m = 0; m < modes_.size(); ++m) result.shapes.col(m) = pencil_.in_mesh_order(modes_.shape(m));
   result.solves = solves_;
-  result.factorizations = factorizations_;
-  result.factor_seconds = factor_seconds_;
   result.iterate_seconds = iterate_seconds_;
   return result;
 }
 
-Result<Eigenmodes> Slicer::solve() {
-  const Result<Count> top = factor(request_.highest_lambda, +kStep);
-  if (!top) return fail(top.error());
-  top_ = *top;
-  if (top_.below > 2 * request_.most_modes + 1000) return fail(too_many_modes(request_));
-  if (4 * Eigen::Index{top_.below} > system_.unknowns() && system_.unknowns() < kDenseAtMost) {
-    Result<Eigenmodes> all = solve_dense(system_);
-    if (all) all->counted = top_.below;
-    return all;
-  }
-  while (done_.below < top_.below) {
-    if (auto went = slice(); !went) return fail(went.error());
-  }
-  return result();
-}
-
 }  // namespace
 
-Result<int> count_modes(const fem::System& system, double highest_lambda, int threads) {
-  Team team(threads);
-  const Elimination plan = plan_elimination(system, threads);
-  const OrderedSystem ordered(system, plan, team);
-  Ldlt factors(plan, ordered, team);
-  if (!factors.factor(highest_lambda) || factors.backward_error() > kBackwardError) return fail(not_factored(system));
-  return factors.negative();
-}
-
-Result<Eigenmodes> solve_block_lanczos(const fem::System& system, const EigenRequest& request, int threads,
-                                       const Progress& progress) {
-  if (progress && !progress("factors", 0)) throw Cancelled{};
-  return Slicer(system, request, threads, progress).solve();
+Result<Eigenmodes> solve_block_lanczos(Pencil& pencil, const Count& top, const EigenRequest& request,
+                                       SecondOpinion* opinion, const Progress& progress) {
+  return Slicer(pencil, top, request, opinion, progress).solve();
 }
 
 }  // namespace ringdown::solve

@@ -1,47 +1,64 @@
+#include "engine/solve/spectra.h"
+
 #include "engine/solve/methods.h"
 
-#include <Eigen/CholmodSupport>
+#include <Eigen/Cholesky>
 #include <Spectra/SymGEigsShiftSolver.h>
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <numeric>
+#include <random>
 
 namespace ringdown::solve {
 namespace {
 
-constexpr int kFirstRequest = 40;  // modes
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
 constexpr int kMaxRestarts = 200;
 
-// (K - sigma M)^-1, as Spectra wants it.
+// scale (K - sigma M)^-1 without the locked vectors, in the form that Spectra asks for. Spectra compares numbers with
+// absolute thresholds near 1e-16, so the operator is scaled to eigenvalues near 1, whatever the units of K and M.
 class ShiftedInverse {
  public:
   using Scalar = double;
 
-  ShiftedInverse(const fem::SparseMatrix& shifted, const Progress& progress) : progress_(progress) {
-    factors_.cholmod().print = 0;
-    factors_.compute(shifted);
-  }
-  [[nodiscard]] bool ok() const { return factors_.info() == Eigen::Success; }
-  [[nodiscard]] int solves() const { return solves_; }
-  void expect(int solves) { expected_ = solves_ + solves; }
+  ShiftedInverse(const Pencil& pencil, double scale, const MatrixXd& locked, const KeepGoing& keep_going)
+      : pencil_(pencil),
+        scale_(scale),
+        locked_(locked),
+        mass_locked_(fem::mass_times(pencil.system().node_mass, locked)),
+        keep_going_(keep_going),
+        ordered_(pencil.unknowns()) {}
 
-  [[nodiscard]] Eigen::Index rows() const { return factors_.rows(); }
-  [[nodiscard]] Eigen::Index cols() const { return factors_.cols(); }
+  void expect(int solves) { expected_ = solves; }
+  [[nodiscard]] int solves() const { return solves_; }
+
+  [[nodiscard]] Eigen::Index rows() const { return pencil_.unknowns(); }
+  [[nodiscard]] Eigen::Index cols() const { return rows(); }
   void set_shift(double) {}  // factored already
   void perform_op(const double* in, double* out) const {
-    if (progress_ && solves_ % 8 == 0 && !progress_("modes", fraction())) throw Cancelled{};
-    const Eigen::Map<const Eigen::VectorXd> right(in, rows());
-    Eigen::Map<Eigen::VectorXd>(out, rows()) = factors_.solve(right);
+    if (keep_going_ && !keep_going_(std::min(0.99, static_cast<double>(solves_) / expected_))) throw Cancelled{};
+    const std::vector<int>& old_of = pencil_.plan().old_of;
+    const Eigen::Map<const VectorXd> right(in, rows());
+    Eigen::Map<VectorXd> result(out, rows());
+    for (std::size_t n = 0; n < old_of.size(); ++n) ordered_.segment<3>(3 * n) = right.segment<3>(3 * old_of[n]);
+    pencil_.factors().solve(ordered_);
+    for (std::size_t n = 0; n < old_of.size(); ++n)
+      result.segment<3>(3 * old_of[n]) = scale_ * ordered_.segment<3>(3 * n);
+    if (locked_.cols() > 0) result.noalias() -= locked_ * (mass_locked_.transpose() * result);
     ++solves_;
   }
 
  private:
-  [[nodiscard]] double fraction() const { return expected_ > 0 ? std::min(0.99, double(solves_) / expected_) : 0; }
-
-  Eigen::CholmodSupernodalLLT<fem::SparseMatrix, Eigen::Lower> factors_;
-  const Progress& progress_;
-  int expected_ = 0;
+  const Pencil& pencil_;
+  const double scale_;
+  const MatrixXd& locked_;
+  const MatrixXd mass_locked_;
+  const KeepGoing& keep_going_;
+  int expected_ = 1;
+  mutable VectorXd ordered_;  // in the order of elimination
   mutable int solves_ = 0;
 };
 
@@ -58,68 +75,99 @@ class MassProduct {
   const fem::SparseMatrix& node_mass_;
 };
 
-// How many modes to ask for next, so that the last is likely past the top: the count grows with frequency to
-// a power between 1 (plates, bars) and 3 (solids), which the upper half of what was found tells.
-int next_request(const Eigen::VectorXd& lambda, int rigid, double highest_lambda) {
-  const auto found = static_cast<int>(lambda.size()), elastic = found - rigid;
-  if (elastic < 8) return 3 * found;
-  const double half = lambda[rigid + elastic / 2], last = lambda[found - 1];
-  const double power = std::clamp(std::log(2.0) / std::log(std::max(1.01, last / half)), 0.5, 2.0);
-  const double estimate = elastic * std::pow(highest_lambda / last, power);
-  return rigid + 10 + static_cast<int>(std::min(1.12 * estimate, 8.0 * found));
+// One more multiplication by the operator, kWidth vectors at a time: it takes out what the iteration left of the
+// highest eigenvectors of the mesh, which weigh most in K phi - lambda M phi (Ericsson & Ruhe 1980).
+MatrixXd purified(const Pencil& pencil, const MatrixXd& shapes) {
+  MatrixXd ordered = pencil.in_elimination_order(shapes);
+  Block block = Block::Zero(kWidth, shapes.rows()), heavy;
+  for (Eigen::Index first = 0; first < shapes.cols(); first += kWidth) {
+    const Eigen::Index width = std::min<Eigen::Index>(kWidth, shapes.cols() - first);
+    block.topRows(width) = ordered.middleCols(first, width).transpose();
+    pencil.ordered().times_mass(block, heavy);
+    pencil.factors().solve(heavy);
+    ordered.middleCols(first, width) = heavy.topRows(width).transpose();
+  }
+  ordered.colwise().normalize();
+  return pencil.in_mesh_order(ordered);
 }
 
-// Asks Spectra for more and more of the modes nearest to the shift until one is past the top.
-Result<Eigenmodes> iterate(const fem::System& system, const EigenRequest& request, double sigma, double rigid_limit,
-                           ShiftedInverse& inverse) {
-  using Solver = Spectra::SymGEigsShiftSolver<ShiftedInverse, MassProduct, Spectra::GEigsMode::ShiftInvert>;
-  MassProduct mass(system.node_mass);
-  const auto unknowns = static_cast<int>(system.unknowns());
-  const int first = request.expected_modes > 0 ? request.expected_modes + 1 : kFirstRequest;
-  for (int wanted = std::min(first, unknowns - 1);;) {
-    const int basis = std::min(unknowns, 2 * wanted + 20);
-    inverse.expect(basis + wanted);
-    Solver solver(inverse, mass, wanted, basis, sigma);
-    solver.init();
-    solver.compute(Spectra::SortRule::LargestMagn, kMaxRestarts, request.tolerance, Spectra::SortRule::SmallestAlge);
-    if (solver.info() != Spectra::CompInfo::Successful) {
-      return fail(ErrorKind::refused, "the modes did not converge in " + std::to_string(kMaxRestarts) +
-                                          " restarts; look for needle-like elements in the mesh");
-    }
-    Eigenmodes modes;
-    modes.lambda = solver.eigenvalues();
-    modes.rigid = count_below(modes.lambda, rigid_limit);
-    const auto in_band = (modes.lambda.array() <= request.highest_lambda).count();
-    if (in_band - modes.rigid > request.most_modes) {
-      return fail(too_many_modes(request));
-    }
-    if (in_band < wanted || wanted == unknowns - 1) {
-      modes.shapes = solver.eigenvectors();
-      return modes;
-    }
-    wanted = next_request(modes.lambda, modes.rigid, request.highest_lambda);
-    wanted = std::min({wanted, unknowns - 1, request.most_modes + modes.rigid + 1});
+// M-orthonormal, and orthogonal to the locked ones. A column is made orthogonal to those before it: the nearest come
+// first, because the multiplication enlarges what others have of them.
+MatrixXd orthonormal(const fem::SparseMatrix& node_mass, MatrixXd shapes, const MatrixXd& locked) {
+  for (int pass = 0; pass < 2; ++pass) {
+    if (locked.cols() > 0) shapes -= locked * (locked.transpose() * fem::mass_times(node_mass, shapes)).eval();
+    const Eigen::LLT<MatrixXd> cholesky(shapes.transpose() * fem::mass_times(node_mass, shapes));
+    cholesky.matrixU().solveInPlace<Eigen::OnTheRight>(shapes);
   }
+  return shapes;
 }
 
 }  // namespace
 
-// The shift is a small negative one, scaled to the problem, because K is singular. The request grows until one mode
-// past the top is found.
-Result<Eigenmodes> solve_spectra(const fem::System& system, const EigenRequest& request, RigidLimit rigid_limit,
+Pairs nearest_by_spectra(const Pencil& pencil, int count, double tolerance, const MatrixXd& locked,
+                         const KeepGoing& keep_going) {
+  using Solver = Spectra::SymGEigsShiftSolver<ShiftedInverse, MassProduct, Spectra::GEigsMode::ShiftInvert>;
+  const auto free = static_cast<int>(pencil.unknowns() - locked.cols());
+  const int wanted = std::min(count, free - 1), basis = std::min(free, 2 * wanted + 12);
+  const double sigma = pencil.factors().sigma(), scale = std::abs(sigma);
+  ShiftedInverse inverse(pencil, scale, locked, keep_going);
+  inverse.expect(basis + 2 * wanted);
+  MassProduct mass(pencil.system().node_mass);
+  Solver solver(inverse, mass, wanted, basis, sigma / scale);
+  // Another start for each run: of a multiple eigenvalue, a start has a part in one vector only, which is locked now.
+  std::mt19937_64 random(1 + locked.cols());
+  std::normal_distribution<double> normal;
+  const VectorXd noise = VectorXd::NullaryExpr(pencil.unknowns(), [&] { return normal(random); });
+  solver.init(noise.data());
+  solver.compute(Spectra::SortRule::LargestMagn, kMaxRestarts, tolerance, Spectra::SortRule::SmallestAlge);
+  const VectorXd lambda = scale * solver.eigenvalues();
+  std::vector<Eigen::Index> order(lambda.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](auto a, auto b) { return std::abs(lambda[a] - sigma) < std::abs(lambda[b] - sigma); });
+  Pairs pairs{.solves = inverse.solves() + static_cast<int>(order.size()),
+              .complete = solver.info() == Spectra::CompInfo::Successful};
+  for (const Eigen::Index i : order) pairs.lambda.push_back(lambda[i]);
+  pairs.shapes =
+      orthonormal(pencil.system().node_mass, purified(pencil, solver.eigenvectors()(Eigen::all, order)), locked);
+  return pairs;
+}
+
+// K is singular, so the shift is a small negative one, scaled to the band. There (K - sigma M)^-1 is positive, and the
+// lowest modes are those nearest to the shift. The number to ask for is known from the count at the top. A run may miss
+// vectors of a multiple eigenvalue and find others above the top in their place: what lies below the top is locked, and
+// the next run looks for what is missing.
+Result<Eigenmodes> solve_spectra(Pencil& pencil, const Count& top, const EigenRequest& request,
                                  const Progress& progress) {
-  const double sigma = -1e-4 * request.highest_lambda;
+  if (auto shift = pencil.factor(-1e-4 * request.highest_lambda, Pencil::kDown,
+                                 [&](double) { return !progress || progress("factors", 0); });
+      !shift) {
+    return fail(shift.error());
+  }
+  pencil.release_workspace();
   const double start = seconds_now();
-  if (progress && !progress("factors", 0)) throw Cancelled{};
-  ShiftedInverse inverse(shifted_stiffness(system, sigma), progress);
-  if (!inverse.ok()) return fail(not_factored(system));
-  const double factored = seconds_now();
-  Result<Eigenmodes> modes = iterate(system, request, sigma, rigid_limit, inverse);
-  if (!modes) return modes;
-  modes->factorizations = 1;
-  modes->factor_seconds = factored - start;
-  modes->iterate_seconds = seconds_now() - factored;
-  modes->solves = inverse.solves();
+  Eigenmodes modes;
+  std::vector<double> lambda;
+  MatrixXd shapes(pencil.unknowns(), 0);
+  for (bool found_more = true; found_more && static_cast<int>(lambda.size()) < top.below;) {
+    const auto found = static_cast<int>(lambda.size());
+    const Pairs pairs = nearest_by_spectra(pencil, top.below - found, request.tolerance, shapes, [&](double share) {
+      return !progress || progress("modes", (found + share * (top.below - found)) / top.below);
+    });
+    modes.solves += pairs.solves;
+    const auto below =
+        std::count_if(pairs.lambda.begin(), pairs.lambda.end(), [&](double l) { return l < top.lambda; });
+    lambda.insert(lambda.end(), pairs.lambda.begin(), pairs.lambda.begin() + below);
+    shapes.conservativeResize(Eigen::NoChange, found + below);
+    shapes.rightCols(below) = pairs.shapes.leftCols(below);
+    found_more = below > 0;
+  }
+  std::vector<Eigen::Index> order(lambda.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return lambda[a] < lambda[b]; });
+  modes.lambda = Eigen::Map<const VectorXd>(lambda.data(), static_cast<Eigen::Index>(lambda.size()))(order);
+  modes.shapes = shapes(Eigen::all, order);
+  modes.iterate_seconds = seconds_now() - start;
   return modes;
 }
 

@@ -1,4 +1,4 @@
-// Triangular solves with one supernode's factor, kWidth right-hand sides at once. [any thread]
+// Triangular solves with one supernode's factor, for kWidth right-hand sides at once or for one. [any thread]
 //
 // The factor's columns (height x pivots, unit lower triangular on top) are cut into strips of at most kStrip columns,
 // and each strip into tiles of kTile rows: a tile holds kTile numbers of the strip's first column, then of the second,
@@ -6,7 +6,9 @@
 // strip's own right-hand sides in the first cache. A strip begins with the tiles of its own rows, each ending with its
 // own columns; all rows below follow, those of the supernode's later pivots first. Tiles are filled up with zeros.
 //
-// Right-hand sides stand as in Block: kWidth numbers for each unknown.
+// kWidth right-hand sides stand as in Block, and a register holds one number of each. Of a single right-hand side a
+// register holds kTile numbers, one for each row of a tile: reading the factors takes as long as for kWidth, the
+// arithmetic an eighth.
 #pragma once
 
 #include "engine/solve/lanes.h"
@@ -17,7 +19,7 @@
 
 namespace ringdown::solve {
 
-inline constexpr int kTile = 8;     // rows
+inline constexpr int kTile = 8;     // rows; as many as Lanes has numbers
 inline constexpr int kStrip = 120;  // columns
 
 // Some of a supernode's columns: `first` .. `first + width - 1`.
@@ -61,13 +63,14 @@ struct Sides {
   int split;                     // rows[i] stands in `x` for i < split, in `crown` from there on
   int first_of_crown;            // the node that `crown` begins with
   double *x, *crown;
+  int vectors;  // kWidth, or 1
 
   // Row i below the strip's own.
-  [[nodiscard]] Lanes* below(int i, int width) const {
-    if (i < later) return lanes(own, width + i);
+  [[nodiscard]] double* below(int i, int width) const {
+    if (i < later) return own + static_cast<std::ptrdiff_t>(width + i) * vectors;
     const int row = (i - later) / 3;
     const std::ptrdiff_t node = (*rows)[row], unknown = (i - later) % 3;
-    return row < split ? lanes(x, 3 * node + unknown) : lanes(crown, 3 * (node - first_of_crown) + unknown);
+    return row < split ? x + (3 * node + unknown) * vectors : crown + (3 * (node - first_of_crown) + unknown) * vectors;
   }
 };
 

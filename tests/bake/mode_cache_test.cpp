@@ -89,6 +89,18 @@ TEST(ModeCache, TheCacheGivesTheSameBankByteForByteAndSolvesNothing) {
   EXPECT_EQ(again.report.rigid, 6);
 }
 
+TEST(ModeCache, SolvesAgainWhatNoSecondMethodHasVerified) {
+  const TemporaryFolder folder;
+  const bake::Baked first = baked(folder.path());
+  EXPECT_EQ(first.report.agreement.modes, 0);
+  const bake::Baked verified = baked(folder.path(), kSteel, 1, {.verify = true});
+  EXPECT_FALSE(verified.report.from_cache);
+  EXPECT_GT(verified.report.agreement.modes, 0);
+  EXPECT_TRUE(baked(folder.path(), kSteel, 1, {.verify = true}).report.from_cache);
+  EXPECT_TRUE(baked(folder.path()).report.from_cache);
+  expect_equal(first.bank, verified.bank, 1e-6);
+}
+
 // E, density, damping and size: each alone and all together, against a bake that has never seen the cache.
 TEST(ModeCache, TheCacheRescalesToOtherMaterialsAndSizes) {
   struct Change {

@@ -136,6 +136,18 @@ TEST(Eigensolver, MethodsAgreeOnHundredsOfModes) {
   }
 }
 
+TEST(Eigensolver, ChoosesTheMethodByUnknownsAndModesAlone) {
+  const auto chosen = [](test::Cells cells, double top_hz, Eigen::VectorXd expected = {}) {
+    const solve::EigenRequest request{.highest_lambda = lambda_of(top_hz), .expected_lambda = std::move(expected)};
+    return solve::solve_modes(system_of(test::box_mesh(cells, kSize)), request).value().method;
+  };
+  EXPECT_EQ(chosen({1, 1, 1}, 20e3), solve::Method::kDense);
+  EXPECT_EQ(chosen({4, 4, 3}, 30e3), solve::Method::kSpectra);
+  EXPECT_EQ(chosen({4, 4, 3}, 30e3, Eigen::VectorXd::LinSpaced(500, 1, 1e9)), solve::Method::kSpectra) << "a hint";
+  EXPECT_EQ(chosen({4, 4, 3}, 150e3), solve::Method::kBlockLanczos) << "many modes";
+  EXPECT_EQ(chosen({8, 8, 6}, 20e3), solve::Method::kBlockLanczos) << "many unknowns";
+}
+
 // A top in the middle of a family of equal eigenvalues cannot be told from one beside it; near one it can.
 TEST(Eigensolver, TheTopMayLieVeryCloseToAMode) {
   const fem::System system = system_of(test::box_mesh({4, 3, 3}, kSize));

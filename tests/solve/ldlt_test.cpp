@@ -91,6 +91,23 @@ TEST_P(Threads, FactorsSolveIndefiniteSystems) {
   EXPECT_LT((in_mesh_order(block, plan) - expected).norm(), 1e-9 * expected.norm());
 }
 
+// Another body than a box of equal supernodes: widths of strips and numbers of rows that are no multiples of a tile's.
+TEST_P(Threads, OneVectorIsSolvedForLikeOneOfEight) {
+  for (const test::Cells cells : {test::Cells{1, 1, 1}, test::Cells{3, 2, 2}, test::Cells{7, 6, 5}}) {
+    const fem::System system = box_system(cells);
+    const solve::Elimination plan = solve::plan_elimination(system, GetParam());
+    solve::Team team(GetParam());
+    const solve::OrderedSystem ordered_system(system, plan, team);
+    solve::Ldlt factors(plan, ordered_system, team);
+    ASSERT_TRUE(factors.factor(std::pow(2 * M_PI * 40e3, 2)));
+    Block block = Block::Random(kWidth, system.unknowns());
+    Eigen::VectorXd one = block.row(3).transpose();
+    factors.solve(block);
+    factors.solve(one);
+    EXPECT_LT((block.row(3).transpose() - one).norm(), 1e-10 * one.norm()) << system.unknowns();
+  }
+}
+
 TEST_P(Threads, NegativePivotsCountEigenvalues) {
   const fem::System system = box_system({3, 2, 2});
   const Eigen::MatrixXd mass = mass_matrix(system), stiffness = full(system.stiffness);

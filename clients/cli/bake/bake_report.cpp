@@ -69,6 +69,10 @@ void print_report(const bake::ObjectRecipe& recipe, const bake::BakedObject& obj
                 static_cast<long long>(bank.provenance.dropped_modes), bank.provenance.loss_db);
   }
   if (report.from_cache) std::printf("  from the cache: nothing was solved\n");
+  if (const solve::Agreement& agreement = report.agreement; agreement.modes > 0) {
+    std::printf("  second opinion on %d modes: frequencies agree to %.0e, shapes to %.0e, in %.1f s\n", agreement.modes,
+                agreement.frequency, agreement.angle, agreement.seconds);
+  }
   if (!report.cache_trouble.empty()) std::printf("  not kept in the cache: %s\n", report.cache_trouble.c_str());
   std::printf(
       "  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, errors %.1f, finish %.1f; largest residual "

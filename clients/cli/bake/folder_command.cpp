@@ -39,7 +39,7 @@ Result<void> choose_folder(const CLI::App& app, const std::filesystem::path& inp
 std::vector<std::string> shaping_options(const CLI::App& app) {
   return given_options(
       app, {"--output", "--material", "--materials", "--jobs", "--recursive", "--force", "--check-budgets", "--update",
-            "--progress", "--progress-lines", "--quiet", "--no-cache", "--processes"});
+            "--progress", "--progress-lines", "--quiet", "--no-cache", "--processes", "--verify"});
 }
 
 protocol::ExitCode run_folder_bake(const CLI::App& app, FolderBake request) {

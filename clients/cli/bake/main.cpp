@@ -44,7 +44,7 @@ struct Arguments {
   std::vector<std::string> shaping;  // the given options that can change a bank
   cli::FolderBake folder;
   bool update = false, progress_lines = false;
-  bool progress = false, quiet = false, no_cache = false, preview = false;
+  bool progress = false, quiet = false, no_cache = false, preview = false, verify = false;
 };
 
 // NAME=NUMBER as given.
@@ -100,6 +100,8 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
                  "auto (default), block, spectra, dense, or slepc: over MPI, for meshes that outgrow one machine")
       ->type_name("auto|block|spectra|dense|slepc");
   app.add_option("--processes", arguments.processes, "of --solver slepc (default 2)")->check(manual::between(1, 4096));
+  app.add_flag("--verify", arguments.verify,
+               "have a second solver find the modes near two frequencies of the band, and fail when the two disagree");
   cli::add_folder_options(app, arguments.folder, arguments.update, arguments.progress_lines);
   app.add_flag("--progress", arguments.progress, "show progress even when stderr is not a terminal");
   app.add_flag("-q,--quiet", arguments.quiet, "print nothing but errors");
@@ -130,6 +132,7 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
     if (!solver) return fail(solver.error());
     recipe.options.solver = *solver;
   }
+  if (arguments.verify) recipe.options.verify = true;
   if (arguments.processes) recipe.options.processes = *arguments.processes;
   if (arguments.mesh_size_m) recipe.meshing.mesh_size_m = *arguments.mesh_size_m;
   if (arguments.unit) recipe.meshing.unit_m = cli::parse_unit(*arguments.unit);

@@ -4,6 +4,7 @@
 #include "engine/solve/distributed.h"
 #include "tests/bench/modal/bodies.h"
 #include "tests/bench/modal/calculix.h"
+#include "tests/bench/modal/spectra_cholmod.h"
 
 #include <sys/resource.h>
 
@@ -60,21 +61,18 @@ void take_times(Measurement& m, const solve::Eigenmodes& modes) {
 }
 
 Result<Outcome> solve_here(const Spec& spec, const fem::System& system) {
-  const solve::EigenRequest request{
-      .highest_lambda = lambda_of(spec.top_hz),
-      .method = spec.method == "ours" ? solve::Method::kAutomatic : solve::Method::kSpectra,
-      .threads = spec.threads,
-      .expected_modes = spec.method == "spectra" ? spec.expected : 0};
+  const solve::EigenRequest request{.highest_lambda = lambda_of(spec.top_hz),
+                                    .method = solve::parse_method(spec.method).value_or(solve::Method::kAutomatic),
+                                    .threads = spec.threads};
   const double start = now_s(), processor = processor_s();
-  const auto modes = solve::solve_modes(system, request);
+  const auto modes = spec.method == "spectra-cholmod" ? solve_by_spectra_over_cholmod(system, request, spec.expected)
+                                                      : solve::solve_modes(system, request);
   if (!modes) return fail(modes.error());
   Outcome outcome{elastic_hz(modes->lambda, spec.top_hz), {}};
   outcome.measurement.seconds = now_s() - start;
   outcome.measurement.processor_s = processor_s() - processor;
   outcome.measurement.peak_mib = peak_mib();
   take_times(outcome.measurement, *modes);
-  // Without the factors by which solve_modes() counts what Spectra found: those are not its own work.
-  if (spec.method == "spectra") outcome.measurement.seconds = modes->factor_seconds + modes->iterate_seconds;
   return outcome;
 }
 

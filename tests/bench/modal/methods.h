@@ -1,12 +1,14 @@
 // The solvers that the modal benchmark measures, each in the process that calls.
 //
 //   ours            solve_modes(), whatever it chooses
-//   spectra         Spectra's shift-invert Lanczos over CHOLMOD, asked at once for as many modes as there are
+//   spectra         solve_modes() by Spectra over our own factors
+//   block           solve_modes() by block Lanczos
+//   spectra-cholmod Spectra over CHOLMOD, asked at once for as many modes as there are: nothing of it is ours
 //   slepc-petsc     SLEPc's Krylov-Schur over PETSc's own Cholesky, one process, asked likewise
 //   slepc-cholmod   the same over CHOLMOD
 //   slepc-mumps     the same over MUMPS
 //   ccx             CalculiX: C3D10, *FREQUENCY
-//   ccx-mass        Spectra on the matrices that CalculiX makes of straight elements: what ccx must find
+//   ccx-mass        ours on the matrices that CalculiX makes of straight elements: what ccx must find
 //   bake            ringdown-bake with its default settings: its own mesh and element
 #pragma once
 

@@ -8,7 +8,7 @@
 namespace ringdown::bench {
 namespace {
 
-constexpr std::array kPeers = {"spectra", "slepc-cholmod", "slepc-mumps", "slepc-petsc", "ccx"};
+constexpr std::array kPeers = {"spectra-cholmod", "slepc-cholmod", "slepc-mumps", "slepc-petsc", "ccx"};
 
 // A mesh, and the frequency below which so many modes lie. Peers are told how many ours found (modal_bench.cpp).
 struct Place {
@@ -89,8 +89,21 @@ void add_peers(std::vector<Spec>& plan, bool quick) {
 void add_sizes(std::vector<Spec>& plan, bool quick) {
   const Spec many = spec_of(quick ? Place{"block", "3x2x2", 100000} : Place{"block", "9x6x5", 196300});
   add(plan, "many", many);
-  add(plan, "many", many.by("spectra"));
+  add(plan, "many", many.by("spectra-cholmod"));
   add(plan, "memory", spec_of(quick ? Place{"block", "6x5x4", 60000} : Place{"block", "25x21x15", 91000}));
+}
+
+// Small bodies with few modes: what solve_modes() chooses, and the two methods that it chooses between.
+void add_choices(std::vector<Spec>& plan, bool quick) {
+  const std::vector<double> exact_hz = find_body("block")->exact_hz;
+  for (const char* mesh : {"2x2x1", "3x2x2", "4x3x2", "5x4x4", "7x6x5", "9x8x6"}) {
+    for (const std::size_t elastic : {std::size_t{4}, std::size_t{14}, std::size_t{34}, exact_hz.size() - 1}) {
+      if (quick && elastic > 4) continue;
+      const double top_hz = 0.5 * (exact_hz[elastic - 1] + exact_hz[elastic]);
+      const Spec ours{.body = "block", .mesh = mesh, .element = "tet20", .method = "ours", .top_hz = top_hz};
+      for (const char* method : {"ours", "spectra", "block"}) add(plan, "choice", ours.by(method));
+    }
+  }
 }
 
 void add_series(std::vector<Spec>& plan, bool quick) {
@@ -103,7 +116,7 @@ void add_series(std::vector<Spec>& plan, bool quick) {
         const Spec ours{
             .body = series.body, .mesh = mesh, .element = kElements[order], .method = "ours", .top_hz = series.top_hz};
         add(plan, "series", ours);
-        if (order == 1) add(plan, "series", ours.by("spectra"));
+        if (order == 1) add(plan, "series", ours.by("spectra-cholmod"));
       }
     }
   }
@@ -116,6 +129,7 @@ std::vector<Spec> plan(bool quick) {
   add_defaults(all, quick);
   add_peers(all, quick);
   add_sizes(all, quick);
+  add_choices(all, quick);
   add_series(all, quick);
   return all;
 }

@@ -16,6 +16,7 @@ namespace ringdown::bench {
 //   threads   the same by two threads
 //   many      1,000 modes of 8,000 unknowns
 //   memory    200 modes of 200,000 unknowns
+//   choice    small bodies with few modes, by Spectra and by block Lanczos: between which `auto` chooses
 //   series    error against time: element orders and mesh sizes
 // `quick` is the same in small: a minute or two, for seeing that everything works. Its figures promise nothing.
 std::vector<Spec> plan(bool quick);

@@ -39,14 +39,14 @@ void add_agreement(std::vector<Promise>& list, const Measurement* peer) {
 }
 
 void add_agreements(std::vector<Promise>& list, const Measurements& all, const Spec& ours) {
-  for (const char* peer : {"spectra", "slepc-cholmod", "slepc-mumps", "slepc-petsc"}) {
+  for (const char* peer : {"spectra-cholmod", "slepc-cholmod", "slepc-mumps", "slepc-petsc"}) {
     add_agreement(list, find(all, ours.by(peer)));
   }
 }
 
 void add_peers(std::vector<Promise>& list, const Measurements& all, const Spec& ours) {
   const Measurement* one = find(all, ours);
-  list.push_back(ratio("Spectra over CHOLMOD", find(all, ours.by("spectra")), one, 3));
+  list.push_back(ratio("Spectra over CHOLMOD", find(all, ours.by("spectra-cholmod")), one, 3));
   const Measurement* slepc = fastest_slepc(all, ours);
   const std::string way = slepc ? " (" + slepc->spec.method.substr(6) + ", its fastest)" : "";
   list.push_back(ratio("SLEPc" + way, slepc ? slepc : find(all, ours.by("slepc-cholmod")), one, 3));
@@ -86,7 +86,8 @@ std::vector<Promise> promises(const std::vector<Spec>& plan, const Measurements&
     if (part == "default") add_errors(list, m, spec);
     if (part == "peers" && spec.method == "ours") add_peers(list, all, spec);
     if (part == "threads") add_threads(list, all, spec);
-    if (part == "many" && spec.method == "spectra") list.push_back(ratio("Spectra", m, find(all, spec.by("ours")), 4));
+    if (part == "many" && spec.method == "spectra-cholmod")
+      list.push_back(ratio("Spectra over CHOLMOD", m, find(all, spec.by("ours")), 4));
     if (part != "memory") continue;
     if (m == nullptr || m->status != Status::kDone) list.push_back(not_measured("memory", m));
     if (m != nullptr && m->status == Status::kDone)

@@ -1,0 +1,64 @@
+// The pencil K - sigma M of one system: its order of elimination, and the factorization at the last shift. [worker]
+//
+//   Pencil pencil(system, threads);
+//   Result<Count> top = pencil.factor(highest_lambda, kUp);
+//   top->below;           // eigenvalues below top->lambda, by inertia
+//   pencil.factors();     // stays until the next factor()
+//
+// All methods of engine/solve, and the second opinion, work on this one factorization.
+#pragma once
+
+#include "engine/solve/ldlt.h"
+
+#include <functional>
+
+namespace ringdown::solve {
+
+// Eigenvalues below a shift, by Sylvester's law of inertia.
+struct Count {
+  double lambda;
+  int below;
+};
+
+// Asked now and then with a guess of the share done, 0..1; Cancelled (methods.h) is thrown when it answers no.
+using KeepGoing = std::function<bool(double)>;
+
+class Pencil {
+ public:
+  // `system` must live longer.
+  Pencil(const fem::System& system, int threads);
+
+  // Where a shift moves that lies too close to an eigenvalue of a part of the body.
+  enum Step { kUp, kDown };
+
+  // Factors at lambda, or up to three steps of 0.03 % from it where the factors would lose digits.
+  Result<Count> factor(double lambda, Step step, const KeepGoing& keep_going = {});
+
+  // Gives back the memory that only factoring needs.
+  void release_workspace() { factors_.release_workspace(); }
+
+  [[nodiscard]] const fem::System& system() const { return system_; }
+  [[nodiscard]] const Elimination& plan() const { return plan_; }
+  [[nodiscard]] const OrderedSystem& ordered() const { return ordered_; }
+  [[nodiscard]] const Ldlt& factors() const { return factors_; }
+  [[nodiscard]] Team& team() const { return team_; }
+
+  [[nodiscard]] Eigen::Index unknowns() const { return system_.unknowns(); }
+  [[nodiscard]] int factorizations() const { return factorizations_; }
+  [[nodiscard]] double factor_seconds() const { return factor_seconds_; }  // on the clock
+
+  // Vectors (3N x m) between the order of elimination and the mesh's.
+  [[nodiscard]] Eigen::MatrixXd in_mesh_order(const Eigen::Ref<const Eigen::MatrixXd>& shapes) const;
+  [[nodiscard]] Eigen::MatrixXd in_elimination_order(const Eigen::Ref<const Eigen::MatrixXd>& shapes) const;
+
+ private:
+  const fem::System& system_;
+  mutable Team team_;
+  const Elimination plan_;
+  const OrderedSystem ordered_;
+  Ldlt factors_;
+  int factorizations_ = 0;
+  double factor_seconds_ = 0;
+};
+
+}  // namespace ringdown::solve

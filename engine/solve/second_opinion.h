@@ -1,0 +1,66 @@
+// Whether another method agrees with the modes found (EigenRequest::verify). [worker]
+//
+// The other method finds the modes nearest to two shifts of the band, over factorizations that are there for other
+// reasons. Near each shift every frequency has to agree, and so have the spaces that the shapes of close modes span:
+// inside a family of equal frequencies the basis is arbitrary, its span is not. The shapes found must solve the
+// equation as K and M themselves state it, without the factorization: that is what both methods share.
+#pragma once
+
+#include "engine/solve/block_lanczos.h"
+#include "engine/solve/eigensolver.h"
+
+#include <string_view>
+#include <vector>
+
+namespace ringdown::solve {
+
+inline constexpr double kSameFrequency = 1e-8;  // relative
+inline constexpr double kSameFamily = 1e-4;     // modes whose frequencies are closer, relative, are compared as a space
+inline constexpr double kSameSpace = 1e-5;      // sine of the largest principal angle, in the M inner product
+inline constexpr double kSmallResidual = 1e-5;  // |K phi - lambda M phi| / |lambda M phi|
+
+// All modes within `radius` of a shift, as one method found them.
+struct NearModes {
+  std::string_view method;  // for sentences: "Spectra"
+  double sigma = 0, radius = 0;
+  Eigen::VectorXd lambda;  // the nearest first, the last one at `radius`
+  Eigen::MatrixXd shapes;  // 3N x m, M-orthonormal, in the order of the mesh
+};
+
+// The `wanted` modes nearest to the pencil's shift by Spectra or by block Lanczos, whole families included: a method is
+// asked again until nothing new lies within the radius. Fails when they do not converge. Throws Cancelled.
+Result<NearModes> find_near(Method by, const Pencil& pencil, const Count& shift, int wanted,
+                            const EigenRequest& request, const KeepGoing& keep_going = {});
+
+// Where modes are compared: above the rigid motions and below the top.
+struct Band {
+  double low = 0, high = 0;  // [lambda]
+};
+
+// Fails with one sentence about the first mode on which the two disagree. Families of modes that reach out of the band,
+// or out of what `near` knows, are left out. Adds to `agreement`.
+Result<void> compare(const fem::System& system, const Eigenmodes& modes, const NearModes& near, const Band& band,
+                     const EigenRequest& request, Agreement& agreement);
+
+class SecondOpinion {
+ public:
+  // The method that gives it: kSpectra or kBlockLanczos. `request` and `progress` must live longer.
+  SecondOpinion(Method by, const Band& band, const EigenRequest& request, const Progress& progress)
+      : by_(by), band_(band), request_(request), progress_(progress) {}
+
+  // Finds the modes nearest to the pencil's shift. Fails when they do not converge.
+  Result<void> ask(const Pencil& pencil, const Count& shift);
+
+  // Compares what was found with `modes`. Fails too when no mode could be compared.
+  Result<Agreement> check(const fem::System& system, const Eigenmodes& modes) const;
+
+ private:
+  const Method by_;
+  const Band band_;
+  const EigenRequest& request_;
+  const Progress& progress_;
+  std::vector<NearModes> found_;
+  double seconds_ = 0;
+};
+
+}  // namespace ringdown::solve
