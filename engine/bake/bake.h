@@ -41,7 +41,7 @@ struct BakeReport {
   std::string cache_trouble;  // why the cache could not be written; the bake is none the worse
   double assemble_seconds = 0, factor_seconds = 0, iterate_seconds = 0, estimate_seconds = 0, finish_seconds = 0;
   solve::Agreement agreement;  // of the second opinion; of no modes when nothing was solved or none was asked for
-  double largest_error = 0;  // estimated, relative, of any mode's frequency in the band, dropped ones included
+  double largest_error = 0;    // estimated, relative, of any mode's frequency in the band, dropped ones included
 };
 
 struct Baked {
