@@ -35,13 +35,13 @@ constexpr int kDenseAtMost = 4000;     // unknowns; below, dense algebra is quic
 constexpr int kOneThread = 3000;       // unknowns; below, threads would mostly wait for each other
 constexpr double kSecondShift = 0.25;  // of the top, for a second opinion where a method leaves no factorization
 
-// kAutomatic takes Spectra for systems of at most so many unknowns with at most so many modes below the top
-// (docs/eigensolver.md has the times that this was read from).
+// kAutomatic takes Spectra for systems of at most these numbers of unknowns and of modes below the top. The table was
+// read from the times in docs/eigensolver.md.
 struct QuickBySpectra {
   Eigen::Index unknowns;
   int modes;
 };
-constexpr std::array kQuickBySpectra = {QuickBySpectra{2000, 80}, QuickBySpectra{3000, 60}, QuickBySpectra{5000, 20}};
+constexpr std::array kQuickBySpectra = {QuickBySpectra{2000, 80}, QuickBySpectra{3000, 60}, QuickBySpectra{10000, 24}};
 
 // Rounding leaves a rigid motion with lambda of about 1e-16 of the largest eigenvalue of the mesh, which the largest
 // ratio of diagonal entries estimates. The limit stays far below the band (a few Hz to 60 Hz under 20 kHz), so that a
@@ -90,8 +90,9 @@ Result<Eigenmodes> solve_dense(const fem::System& system) {
   return modes;
 }
 
-// One solve: the pencil is factored at the top and counted, a method finds the modes, and found is compared with
-// counted. A second opinion is asked at the top and at one more shift, while the pencil is factored there.
+// One solve. The factorization at the top counts the modes, a method finds them, and the number found is compared with
+// the count. The second opinion is asked at the top and at one more shift, each time while the pencil is factored
+// there.
 class Solve {
  public:
   Solve(const fem::System& system, const EigenRequest& request, const Progress& progress)
@@ -144,7 +145,7 @@ Result<Eigenmodes> Solve::find(Method method, const Count& top) {
   return solve_dense(system_);
 }
 
-// Keeps what lies below the top that was asked for, where the top that was counted may have moved above it.
+// Keeps the modes below the top that was asked for: the top that was counted may have moved above it.
 Result<void> Solve::finish(Eigenmodes& modes) {
   const Eigen::Index count = modes.counted = count_below(modes.lambda, request_.highest_lambda);
   modes.lambda.conservativeResize(count);

@@ -1,9 +1,14 @@
 // How a second opinion is made.
 //
-// The other method is asked for the few modes nearest to the shift. Of a multiple eigenvalue an iteration may return
-// fewer vectors than there are, so it is asked again with all found so far locked out, until nothing new turns up
-// within the radius of the first answer. A family that reaches across that radius or across the top of the band cannot
-// be compared; when no family is left, more modes are asked for.
+// The other method is asked once for the few modes nearest to the shift. Families of close modes that reach across the
+// farthest of them, or across the top of the band, cannot be compared; when no family is left, twice as many modes are
+// asked for.
+//
+// An iteration with one vector finds one shape of a multiple eigenvalue and may miss the others. Therefore a family may
+// have fewer modes in the second opinion than in the result, as long as every mode of the result has a partner of equal
+// frequency. Nothing is taken on trust by that: the shapes of the result must be linearly independent and must solve
+// the equation, so they are all modes; and the number of modes below the shift must be the number that the
+// factorization counted there, so none is missing.
 #include "engine/solve/second_opinion.h"
 
 #include "engine/solve/methods.h"
@@ -25,8 +30,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kFirstWanted = 8, kMaxWanted = 256;  // modes near a shift
-constexpr int kWantedAgain = 2;                    // modes, of a run that only looks for what an earlier one missed
+constexpr int kFirstWanted = 6, kMaxWanted = 192;  // modes near a shift
 constexpr double kGap = 2 * kSameFamily;           // relative, of lambda
 
 std::string in_words(const char* format, double a, double b = 0, double c = 0) {
@@ -35,7 +39,7 @@ std::string in_words(const char* format, double a, double b = 0, double c = 0) {
   return text;
 }
 
-// Modes closer together than kSameFamily, of both methods.
+// Neighbouring modes closer together than kSameFamily: "ours" are the result's, "theirs" the second opinion's.
 struct Family {
   double first = 0, last = 0;       // lambda
   std::vector<Index> ours, theirs;  // numbers of modes, ascending in lambda
@@ -45,16 +49,16 @@ struct Family {
   }
 };
 
-// All families above band.low, ascending. `lambda` and `other` in any order.
-std::vector<Family> families_of(const VectorXd& lambda, const VectorXd& other, double low) {
+// All families above `low`, ascending. `ours` and `theirs` may be in any order.
+std::vector<Family> families_of(const VectorXd& ours, const VectorXd& theirs, double low) {
   struct Mode {
     double lambda;
     Index number;
     bool ours;
   };
   std::vector<Mode> all;
-  for (Index i = 0; i < lambda.size(); ++i) all.push_back({lambda[i], i, true});
-  for (Index i = 0; i < other.size(); ++i) all.push_back({other[i], i, false});
+  for (Index i = 0; i < ours.size(); ++i) all.push_back({ours[i], i, true});
+  for (Index i = 0; i < theirs.size(); ++i) all.push_back({theirs[i], i, false});
   std::erase_if(all, [low](const Mode& mode) { return mode.lambda <= low; });
   std::stable_sort(all.begin(), all.end(), [](const Mode& a, const Mode& b) { return a.lambda < b.lambda; });
   std::vector<Family> families;
@@ -68,11 +72,13 @@ std::vector<Family> families_of(const VectorXd& lambda, const VectorXd& other, d
   return families;
 }
 
+// The part of the band in which the second opinion knows every frequency.
 Band known_part(const Band& band, const NearModes& near) {
-  return {std::max(band.low, near.sigma - near.radius), std::min(band.high, near.sigma + near.radius)};
+  const double sigma = near.shift.lambda;
+  return {std::max(band.low, sigma - near.radius), std::min(band.high, sigma + near.radius)};
 }
 
-// How many of the modes can be compared.
+// How many modes of the second opinion can be compared.
 int comparable(const NearModes& near, const Band& band) {
   const Band known = known_part(band, near);
   int count = 0;
@@ -82,8 +88,8 @@ int comparable(const NearModes& near, const Band& band) {
   return count;
 }
 
-// Sine of the largest angle between the spans of two sets of as many vectors, the second M-orthonormal. 1 when the
-// first do not span as many dimensions.
+// Sine of the largest angle by which a vector of the span of `theirs`, which is M-orthonormal, leaves the span of
+// `ours`: the largest principal angle of the two. 1 when the columns of `ours` are not linearly independent.
 double angle_between(const fem::SparseMatrix& node_mass, const MatrixXd& ours, const MatrixXd& theirs) {
   const MatrixXd scaled = ours.colwise().normalized(), heavy = fem::mass_times(node_mass, scaled);
   const Eigen::SelfAdjointEigenSolver<MatrixXd> gram(scaled.transpose() * heavy);
@@ -117,87 +123,88 @@ struct Comparison {
     if (family.ours.size() == 1) return name_of(family.ours[0]);
     return std::to_string(family.ours.size()) + " modes from " + name_of(family.ours[0]) + " on";
   }
+  [[nodiscard]] static Result<void> disagree(const std::string& what) {
+    return fail(ErrorKind::refused, "the second opinion disagrees: " + what);
+  }
   Result<void> of(const Family& family, Agreement& agreement) const;
+  Result<void> frequencies_of(const Family& family, Agreement& agreement) const;
+  Result<void> count() const;
 };
 
-Result<void> Comparison::of(const Family& family, Agreement& agreement) const {
-  const std::string disagrees = "the second opinion disagrees: ";
-  const auto count = static_cast<Index>(family.ours.size());
-  if (family.ours.size() != family.theirs.size()) {
-    return fail(ErrorKind::refused, "the second opinion disagrees about the number of modes near " +
-                                        in_words("%.8g", request.hertz(family.first)) +
-                                        " Hz: " + std::to_string(family.ours.size()) + " in the result, " +
-                                        std::to_string(family.theirs.size()) + " by " + other());
+// Of the modes with these numbers, the one whose lambda is nearest to `wanted`.
+Index nearest(const VectorXd& lambda, const std::vector<Index>& numbers, double wanted) {
+  return *std::min_element(numbers.begin(), numbers.end(), [&](Index a, Index b) {
+    return std::abs(lambda[a] - wanted) < std::abs(lambda[b] - wanted);
+  });
+}
+
+// Every frequency of either method needs one of the other that equals it.
+Result<void> Comparison::frequencies_of(const Family& family, Agreement& agreement) const {
+  if (family.theirs.empty() || family.ours.size() < family.theirs.size()) {
+    return disagree("the number of modes near " + in_words("%.8g", request.hertz(family.first)) + " Hz is " +
+                    std::to_string(family.ours.size()) + " in the result and " + std::to_string(family.theirs.size()) +
+                    " by " + other());
   }
-  for (Index k = 0; k < count; ++k) {
-    const double theirs = near.lambda[family.theirs[k]];
-    const double off = std::abs(std::sqrt(modes.lambda[family.ours[k]] / theirs) - 1);
-    if (!(off <= kSameFrequency)) {
-      return fail(ErrorKind::refused, disagrees + name_of(family.ours[k]) + ", which " + other() + " finds at " +
-                                          in_words("%.10g Hz, %.2g of it away, where %.0g is allowed",
-                                                   request.hertz(theirs), off, kSameFrequency));
-    }
+  const auto match = [&](Index mode, Index found) -> Result<void> {
+    const double their_lambda = near.lambda[found];
+    const double off = std::abs(std::sqrt(modes.lambda[mode] / their_lambda) - 1);
     agreement.frequency = std::max(agreement.frequency, off);
+    if (off <= kSameFrequency) return {};
+    return disagree(
+        name_of(mode) + ", which " + other() + " finds at " +
+        in_words("%.10g Hz, %.2g of it away, where %.0g is allowed", request.hertz(their_lambda), off, kSameFrequency));
+  };
+  for (const Index mode : family.ours) {
+    if (auto same = match(mode, nearest(near.lambda, family.theirs, modes.lambda[mode])); !same) return same;
   }
+  for (const Index found : family.theirs) {
+    if (auto same = match(nearest(modes.lambda, family.ours, near.lambda[found]), found); !same) return same;
+  }
+  return {};
+}
+
+Result<void> Comparison::of(const Family& family, Agreement& agreement) const {
+  if (auto same = frequencies_of(family, agreement); !same) return same;
   const MatrixXd ours = modes.shapes(Eigen::all, family.ours), theirs = near.shapes(Eigen::all, family.theirs);
   const double angle = angle_between(system.node_mass, ours, theirs);
   if (!(angle <= kSameSpace)) {
-    return fail(ErrorKind::refused, disagrees + "the shape of " + name_of(family) + " lies at an angle of " +
-                                        in_words("%.2g to what ", angle) + other() +
-                                        in_words(" finds, where %.0g is allowed", kSameSpace));
+    return disagree("the shape of " + name_of(family) + " lies at an angle of " + in_words("%.2g to what ", angle) +
+                    other() + in_words(" finds, where %.0g is allowed", kSameSpace));
   }
   const double residual = std::max(largest_residual(system, modes.lambda(family.ours), ours),
                                    largest_residual(system, near.lambda(family.theirs), theirs));
   if (!(residual <= kSmallResidual)) {
-    return fail(ErrorKind::refused, disagrees + name_of(family) +
-                                        in_words(" solves K phi = lambda M phi to %.2g only, where %.0g is allowed",
-                                                 residual, kSmallResidual));
+    return disagree(name_of(family) + in_words(" solves K phi = lambda M phi to %.2g only, where %.0g is allowed",
+                                               residual, kSmallResidual));
   }
   agreement.angle = std::max(agreement.angle, angle);
   agreement.residual = std::max(agreement.residual, residual);
-  agreement.modes += static_cast<int>(count);
+  agreement.modes += static_cast<int>(family.ours.size());
   return {};
 }
 
-// Adds what another run found within the radius, and makes the radius smaller when there are more than `wanted`.
-// Returns whether there was any.
-bool take(NearModes& near, const Pairs& pairs, int wanted) {
-  const auto before = near.lambda.size();
-  const auto distance = [&](double lambda) { return std::abs(lambda - near.sigma); };
-  std::vector<Index> inside;
-  for (std::size_t i = 0; i < pairs.lambda.size(); ++i) {
-    if (before == 0 || distance(pairs.lambda[i]) < near.radius) inside.push_back(static_cast<Index>(i));
-  }
-  if (inside.empty()) return false;
-  const auto count = static_cast<Index>(inside.size());
-  VectorXd lambda(before + count);
-  lambda << near.lambda, Eigen::Map<const VectorXd>(pairs.lambda.data(), pairs.lambda.size())(inside);
-  MatrixXd shapes(pairs.shapes.rows(), before + count);
-  shapes << near.shapes, pairs.shapes(Eigen::all, inside);
-  std::vector<Index> order(before + count);
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](Index a, Index b) { return distance(lambda[a]) < distance(lambda[b]); });
-  order.resize(std::min<std::size_t>(order.size(), wanted));
-  near.lambda = lambda(order);
-  near.shapes = shapes(Eigen::all, order);
-  near.radius = distance(near.lambda.tail<1>()[0]);
-  return true;
+// Sylvester's law of inertia, at the shift. Above the top of the band the result has no modes that could be counted.
+Result<void> Comparison::count() const {
+  const Count& shift = near.shift;
+  const auto found = (modes.lambda.array() < shift.lambda).count();
+  if (shift.lambda > request.highest_lambda || found == shift.below) return {};
+  return disagree(std::to_string(shift.below) + " modes were counted below " +
+                  in_words("%.8g", request.hertz(shift.lambda)) + " Hz and " + std::to_string(found) + " found");
 }
 
-// In the order of the mesh, without those known.
-Pairs find_nearest(Method by, const Pencil& pencil, const Count& shift, int wanted, const NearModes& known,
-                   double tolerance, const KeepGoing& keep_going) {
-  if (by == Method::kSpectra) return nearest_by_spectra(pencil, wanted, tolerance, known.shapes, keep_going);
-  const auto known_below = static_cast<int>((known.lambda.array() < shift.lambda).count());
+// In the order of the mesh.
+Pairs nearest_pairs(Method by, const Pencil& pencil, const Count& shift, int wanted, double tolerance,
+                    const KeepGoing& keep_going) {
+  const MatrixXd none(pencil.unknowns(), 0);
+  if (by == Method::kSpectra) return nearest_by_spectra(pencil, wanted, tolerance, none, keep_going);
   const Window window{.low = -std::numeric_limits<double>::infinity(),
-                      .left = std::min(wanted, shift.below - known_below),
+                      .left = std::min(wanted, shift.below),
                       .right = wanted,
                       .high = std::numeric_limits<double>::infinity(),
                       .most_vectors = 8 * wanted + 40 * kWidth,
                       .tolerance = tolerance};
-  const auto seed = 1000 + static_cast<unsigned>(known.lambda.size());
-  Pairs pairs = block_lanczos(pencil, window, pencil.in_elimination_order(known.shapes), seed, keep_going);
+  constexpr unsigned kSeed = 1000;  // not one of solve_block_lanczos()
+  Pairs pairs = block_lanczos(pencil, window, none, kSeed, keep_going);
   pairs.shapes = pencil.in_mesh_order(pairs.shapes);
   return pairs;
 }
@@ -206,23 +213,28 @@ Pairs find_nearest(Method by, const Pencil& pencil, const Count& shift, int want
 
 Result<NearModes> find_near(Method by, const Pencil& pencil, const Count& shift, int wanted,
                             const EigenRequest& request, const KeepGoing& keep_going) {
-  NearModes near{.method = by == Method::kSpectra ? "Spectra" : "block Lanczos",
-                 .sigma = shift.lambda,
-                 .shapes = MatrixXd(pencil.unknowns(), 0)};
-  for (int count = wanted;; count = kWantedAgain) {
-    const Pairs pairs = find_nearest(by, pencil, shift, count, near, request.tolerance, keep_going);
-    if (!pairs.complete) {
-      return fail(ErrorKind::refused, "the second opinion, by " + std::string(near.method) +
-                                          ", did not converge near " + in_words("%.8g", request.hertz(shift.lambda)) +
-                                          " Hz; look for needle-like elements in the mesh");
-    }
-    if (!take(near, pairs, wanted)) return near;
+  NearModes near{.method = by == Method::kSpectra ? "Spectra" : "block Lanczos", .shift = shift};
+  const Pairs pairs = nearest_pairs(by, pencil, shift, wanted, request.tolerance, keep_going);
+  if (!pairs.complete) {
+    return fail(ErrorKind::refused, "the second opinion, by " + std::string(near.method) + ", did not converge near " +
+                                        in_words("%.8g", request.hertz(shift.lambda)) +
+                                        " Hz; look for needle-like elements in the mesh");
   }
+  const auto distance = [&](Index i) { return std::abs(pairs.lambda[i] - shift.lambda); };
+  std::vector<Index> order(pairs.lambda.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return distance(a) < distance(b); });
+  order.resize(std::min<std::size_t>(order.size(), wanted));
+  near.lambda = Eigen::Map<const VectorXd>(pairs.lambda.data(), static_cast<Index>(pairs.lambda.size()))(order);
+  near.shapes = pairs.shapes(Eigen::all, order);
+  near.radius = distance(order.back());
+  return near;
 }
 
 Result<void> compare(const fem::System& system, const Eigenmodes& modes, const NearModes& near, const Band& band,
                      const EigenRequest& request, Agreement& agreement) {
   const Comparison comparison{system, modes, near, request};
+  if (auto counted = comparison.count(); !counted) return counted;
   const Band known = known_part(band, near);
   for (const Family& family : families_of(modes.lambda, near.lambda, known.low)) {
     if (!family.within(known.low, known.high)) continue;

@@ -1,9 +1,10 @@
 // Whether another method agrees with the modes found (EigenRequest::verify). [worker]
 //
-// The other method finds the modes nearest to two shifts of the band, over factorizations that are there for other
+// The other method finds the modes nearest to two shifts of the band, over factorizations that were made for other
 // reasons. Near each shift every frequency has to agree, and so have the spaces that the shapes of close modes span:
-// inside a family of equal frequencies the basis is arbitrary, its span is not. The shapes found must solve the
-// equation as K and M themselves state it, without the factorization: that is what both methods share.
+// inside a family of equal frequencies the basis is arbitrary, its span is not. As many modes must lie below the shift
+// as the factorization counted. The shapes must solve the equation as K and M themselves state it: the factorization is
+// what both methods share.
 #pragma once
 
 #include "engine/solve/block_lanczos.h"
@@ -19,16 +20,17 @@ inline constexpr double kSameFamily = 1e-4;     // modes whose frequencies are c
 inline constexpr double kSameSpace = 1e-5;      // sine of the largest principal angle, in the M inner product
 inline constexpr double kSmallResidual = 1e-5;  // |K phi - lambda M phi| / |lambda M phi|
 
-// All modes within `radius` of a shift, as one method found them.
+// The modes nearest to a shift, as one method found them: at least one shape for every eigenvalue within `radius`.
 struct NearModes {
   std::string_view method;  // for sentences: "Spectra"
-  double sigma = 0, radius = 0;
+  Count shift;
+  double radius = 0;       // [lambda]
   Eigen::VectorXd lambda;  // the nearest first, the last one at `radius`
   Eigen::MatrixXd shapes;  // 3N x m, M-orthonormal, in the order of the mesh
 };
 
-// The `wanted` modes nearest to the pencil's shift by Spectra or by block Lanczos, whole families included: a method is
-// asked again until nothing new lies within the radius. Fails when they do not converge. Throws Cancelled.
+// The `wanted` modes nearest to `shift`, where the pencil is factored, by Spectra or by block Lanczos. Fails when they
+// do not converge. Throws Cancelled.
 Result<NearModes> find_near(Method by, const Pencil& pencil, const Count& shift, int wanted,
                             const EigenRequest& request, const KeepGoing& keep_going = {});
 
@@ -37,8 +39,8 @@ struct Band {
   double low = 0, high = 0;  // [lambda]
 };
 
-// Fails with one sentence about the first mode on which the two disagree. Families of modes that reach out of the band,
-// or out of what `near` knows, are left out. Adds to `agreement`.
+// Fails with one sentence about the first thing on which `modes` and `near` disagree. Families of modes that reach out
+// of the band, or out of what `near` knows, are left out. Adds to `agreement`.
 Result<void> compare(const fem::System& system, const Eigenmodes& modes, const NearModes& near, const Band& band,
                      const EigenRequest& request, Agreement& agreement);
 

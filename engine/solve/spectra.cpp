@@ -17,9 +17,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kMaxRestarts = 200;
+constexpr int kSpareVectors = 16;  // of the basis, beside two for each mode: six modes then converge without a restart
 
-// scale (K - sigma M)^-1 without the locked vectors, in the form that Spectra asks for. Spectra compares numbers with
-// absolute thresholds near 1e-16, so the operator is scaled to eigenvalues near 1, whatever the units of K and M.
+// scale (K - sigma M)^-1, M-orthogonal to the locked vectors, in the form that Spectra asks for. Spectra compares
+// numbers with absolute thresholds near 1e-16, so the operator is scaled to eigenvalues near 1, whatever the units of K
+// and M.
 class ShiftedInverse {
  public:
   using Scalar = double;
@@ -62,20 +64,30 @@ class ShiftedInverse {
   mutable int solves_ = 0;
 };
 
+// M x, in the form that Spectra asks for. Spectra multiplies each residual twice, for its norm and for its inner
+// products with the basis: the second product is copied from the first. That is a third of all products.
 class MassProduct {
  public:
   using Scalar = double;
 
-  explicit MassProduct(const fem::SparseMatrix& node_mass) : node_mass_(node_mass) {}
+  explicit MassProduct(const fem::SparseMatrix& node_mass)
+      : node_mass_(node_mass), last_in_(VectorXd::Zero(rows())), last_out_(VectorXd::Zero(rows())) {}
   [[nodiscard]] Eigen::Index rows() const { return 3 * node_mass_.rows(); }
   [[nodiscard]] Eigen::Index cols() const { return rows(); }
-  void perform_op(const double* in, double* out) const { fem::apply_mass(node_mass_, in, out); }
+  void perform_op(const double* in, double* out) const {
+    if (!std::equal(in, in + rows(), last_in_.data())) {
+      last_in_ = Eigen::Map<const VectorXd>(in, rows());
+      fem::apply_mass(node_mass_, in, last_out_.data());
+    }
+    Eigen::Map<VectorXd>(out, rows()) = last_out_;
+  }
 
  private:
   const fem::SparseMatrix& node_mass_;
+  mutable VectorXd last_in_, last_out_;
 };
 
-// One more multiplication by the operator, kWidth vectors at a time: it takes out what the iteration left of the
+// The shapes multiplied by the operator once more, kWidth at a time. That removes what the iteration left of the
 // highest eigenvectors of the mesh, which weigh most in K phi - lambda M phi (Ericsson & Ruhe 1980).
 MatrixXd purified(const Pencil& pencil, const MatrixXd& shapes) {
   MatrixXd ordered = pencil.in_elimination_order(shapes);
@@ -91,8 +103,8 @@ MatrixXd purified(const Pencil& pencil, const MatrixXd& shapes) {
   return pencil.in_mesh_order(ordered);
 }
 
-// M-orthonormal, and orthogonal to the locked ones. A column is made orthogonal to those before it: the nearest come
-// first, because the multiplication enlarges what others have of them.
+// Makes shapes M-orthonormal, and M-orthogonal to the locked ones. Each column is made orthogonal to the columns before
+// it. Those nearest to the shift come first, because the multiplication enlarges their share in the others.
 MatrixXd orthonormal(const fem::SparseMatrix& node_mass, MatrixXd shapes, const MatrixXd& locked) {
   for (int pass = 0; pass < 2; ++pass) {
     if (locked.cols() > 0) shapes -= locked * (locked.transpose() * fem::mass_times(node_mass, shapes)).eval();
@@ -108,13 +120,14 @@ Pairs nearest_by_spectra(const Pencil& pencil, int count, double tolerance, cons
                          const KeepGoing& keep_going) {
   using Solver = Spectra::SymGEigsShiftSolver<ShiftedInverse, MassProduct, Spectra::GEigsMode::ShiftInvert>;
   const auto free = static_cast<int>(pencil.unknowns() - locked.cols());
-  const int wanted = std::min(count, free - 1), basis = std::min(free, 2 * wanted + 12);
+  const int wanted = std::min(count, free - 1), basis = std::min(free, 2 * wanted + kSpareVectors);
   const double sigma = pencil.factors().sigma(), scale = std::abs(sigma);
   ShiftedInverse inverse(pencil, scale, locked, keep_going);
   inverse.expect(basis + 2 * wanted);
   MassProduct mass(pencil.system().node_mass);
   Solver solver(inverse, mass, wanted, basis, sigma / scale);
-  // Another start for each run: of a multiple eigenvalue, a start has a part in one vector only, which is locked now.
+  // Each run has another start: one start leads to one vector only of a multiple eigenvalue, and that one is locked
+  // now.
   std::mt19937_64 random(1 + locked.cols());
   std::normal_distribution<double> normal;
   const VectorXd noise = VectorXd::NullaryExpr(pencil.unknowns(), [&] { return normal(random); });
@@ -133,10 +146,10 @@ Pairs nearest_by_spectra(const Pencil& pencil, int count, double tolerance, cons
   return pairs;
 }
 
-// K is singular, so the shift is a small negative one, scaled to the band. There (K - sigma M)^-1 is positive, and the
-// lowest modes are those nearest to the shift. The number to ask for is known from the count at the top. A run may miss
-// vectors of a multiple eigenvalue and find others above the top in their place: what lies below the top is locked, and
-// the next run looks for what is missing.
+// K is singular, so the shift is a small negative one, scaled to the band. There (K - sigma M)^-1 is positive definite,
+// and the lowest modes are those nearest to the shift. The count at the top says how many modes to ask for. A run may
+// miss vectors of a multiple eigenvalue and find modes above the top instead. The modes below the top are then locked,
+// and the next run looks for the missing ones.
 Result<Eigenmodes> solve_spectra(Pencil& pencil, const Count& top, const EigenRequest& request,
                                  const Progress& progress) {
   if (auto shift = pencil.factor(-1e-4 * request.highest_lambda, Pencil::kDown,

@@ -26,7 +26,7 @@ const fem::System& square_plate() {
 
 fem::System block() { return system_of(test::box_mesh({4, 4, 3}, {0.1, 0.08, 0.06})); }
 
-TEST(SecondOpinion, AgreesWithEveryMethodOnBodiesWithFamiliesOfEqualFrequencies) {
+TEST(SecondOpinion, ASecondOpinionAgreesWithEveryMethodOnBodiesWithFamiliesOfEqualFrequencies) {
   const auto agrees = [](const fem::System& system, double top_hz, const char* body, bool dense_too = false) {
     for (const Method method : {Method::kDense, Method::kSpectra, Method::kBlockLanczos}) {
       if (method == Method::kDense && !dense_too) continue;  // would take minutes
@@ -44,7 +44,7 @@ TEST(SecondOpinion, AgreesWithEveryMethodOnBodiesWithFamiliesOfEqualFrequencies)
   agrees(square_plate(), 20e3, "plate");
 }
 
-TEST(SecondOpinion, IsAskedOfSpectraAndWhereSpectraFoundTheModesOfBlockLanczos) {
+TEST(SecondOpinion, SpectraAndBlockLanczosBothGiveSecondOpinions) {
   const fem::System system = block();
   solve::Pencil pencil(system, 1);
   const solve::EigenRequest request{.highest_lambda = lambda_of(60e3)};
@@ -58,7 +58,7 @@ TEST(SecondOpinion, IsAskedOfSpectraAndWhereSpectraFoundTheModesOfBlockLanczos) 
   }
 }
 
-TEST(SecondOpinion, StopsWhenToldTo) {
+TEST(SecondOpinion, ASecondOpinionStopsWhenToldTo) {
   bool asked = false;
   const auto modes = solve::solve_modes(block(), {.highest_lambda = lambda_of(60e3), .verify = true},
                                         [&asked](std::string_view stage, double) {
@@ -80,8 +80,9 @@ class SpoiledModes : public testing::Test {
     near = find_near(Method::kSpectra, pencil, shift, 14, request).value();
     first_above = shift.below;
     for (int m = modes.rigid; m + 1 < modes.lambda.size() && pair < 0; ++m) {
-      const bool is_known = std::abs(modes.lambda[m] - near.sigma) < 0.8 * near.radius;
-      if (is_known && modes.lambda[m + 1] < modes.lambda[m] * (1 + 1e-6)) pair = m;
+      const bool is_known = std::abs(modes.lambda[m] - near.shift.lambda) < 0.8 * near.radius;
+      const bool is_below = modes.lambda[m + 1] < near.shift.lambda;
+      if (is_known && is_below && modes.lambda[m + 1] < modes.lambda[m] * (1 + 1e-6)) pair = m;
     }
   }
 
@@ -107,10 +108,10 @@ class SpoiledModes : public testing::Test {
   const solve::Band band{0.001 * request.highest_lambda, request.highest_lambda};
   solve::Eigenmodes modes;
   solve::NearModes near;
-  int first_above = 0, pair = -1;  // a mode above the shift; the first of two with one frequency
+  int first_above = 0, pair = -1;  // a mode above the shift; the first of two with one frequency, below it
 };
 
-TEST_F(SpoiledModes, RightModesPass) {
+TEST_F(SpoiledModes, ModesThatAreRightPass) {
   ASSERT_GE(pair, 0) << "the plate has no pair near the shift";
   EXPECT_EQ(sentence(), "");
 }
@@ -149,17 +150,18 @@ TEST_F(SpoiledModes, OneShapeInThePlaceOfTwoIsFound) {
 
 TEST_F(SpoiledModes, AMissingModeIsFound) {
   remove(first_above);
-  EXPECT_NE(sentence().find("number of modes near"), std::string::npos) << sentence();
+  EXPECT_NE(sentence().find("the number of modes near "), std::string::npos) << sentence();
 }
 
 TEST_F(SpoiledModes, OneMissingOfAPairIsFound) {
   remove(pair);
-  EXPECT_NE(sentence().find("1 in the result, 2 by Spectra"), std::string::npos) << sentence();
+  EXPECT_NE(sentence().find(std::to_string(first_above) + " modes were counted below"), std::string::npos)
+      << sentence();
 }
 
 TEST_F(SpoiledModes, AModeThatDoesNotExistIsFound) {
-  modes.lambda[modes.lambda.size() - 1] = near.sigma * (1 + 1e-3);
-  EXPECT_NE(sentence().find("1 in the result, 0 by Spectra"), std::string::npos) << sentence();
+  modes.lambda[modes.lambda.size() - 1] = near.shift.lambda * (1 + 1e-3);
+  EXPECT_NE(sentence().find("is 1 in the result and 0 by Spectra"), std::string::npos) << sentence();
 }
 
 // Both methods would share a fault of the factors; the residual is taken from K and M.

@@ -24,7 +24,6 @@ namespace fs = std::filesystem;
 using protocol::complain;
 using protocol::ExitCode;
 
-constexpr double kVerified = 2;  // budgets are for bakes without a second opinion, which takes up to as long again
 constexpr auto kLeftover = std::chrono::minutes(1);  // a bank is written in milliseconds
 
 enum class State { waiting, unchanged, baked, failed };
@@ -62,7 +61,7 @@ void look_at(Job& job, const FolderBake& request) {
     if (!object) return refuse(object.error().message);
     recipe = std::move(*object);
   }
-  job.budget_s = recipe.budget_s * (request.verify || recipe.options.verify ? kVerified : 1);
+  job.budget_s = recipe.budget_s;
   if (request.force) return;
   const auto hash = bake::input_hash({.object = job.file.input,
                                       .geometry = recipe.geometry,

@@ -23,13 +23,11 @@ struct FolderBake {
   std::vector<std::string> hashed;      // the options that can change a bank
   int jobs = 0;                         // number of processes at a time; 0: one for each processor
   bool recursive = false, force = false, check_budgets = false, quiet = false, progress = false;
-  bool verify = false;  // `options` hold --verify: doubles the budgets
 };
 
 // Prints a line for each object and a summary to stdout, and a sentence for each that failed to stderr. Exit codes:
 // bad_input when an object failed or there are none; failure when the output folder cannot be made, or with
-// check_budgets when a bake took more processor time than its object's budget_s, or with a second opinion than twice
-// that; cancelled; ok.
+// check_budgets when a bake took more processor time than its object's budget_s; cancelled; ok.
 protocol::ExitCode bake_folder(const FolderBake& request, const std::stop_token& stop);
 
 }  // namespace ringdown::cli

@@ -46,7 +46,6 @@ protocol::ExitCode run_folder_bake(const CLI::App& app, FolderBake request) {
   constexpr std::chrono::seconds kPatience{10};  // its children end within one
   if (request.output.empty()) request.output = request.folder;
   request.hashed = shaping_options(app);
-  request.verify = app.count("--verify") > 0;
   request.options = given_options(
       app, {"--output", "--material", "--jobs", "--recursive", "--force", "--check-budgets", "--progress", "--quiet"});
   return run_cancellable([&request](const std::stop_token& stop) { return bake_folder(request, stop); }, kPatience);
