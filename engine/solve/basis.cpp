@@ -8,7 +8,7 @@ namespace {
 
 constexpr Eigen::Index kChunk = 384;  // unknowns at a time: their part of x stays in the first cache
 
-// act(first unknown, how many) for the chunks of this member's share.
+// Calls act(first unknown, number of unknowns) for each chunk of this member's share.
 template <class Do>
 void each_chunk(Eigen::Index unknowns, const Member& member, Do&& act) {
   const Eigen::Index chunks = (unknowns + kChunk - 1) / kChunk;
@@ -74,18 +74,18 @@ void Basis::append(const Block& block) {
   copy_numbers(team_, block, blocks_.emplace_back(block.size()).data());
 }
 
-std::vector<const double*> Basis::places() const {
-  std::vector<const double*> places;
-  for (const Numbers& block : blocks_) places.push_back(block.data());
-  return places;
+std::vector<const double*> Basis::block_data() const {
+  std::vector<const double*> data;
+  for (const Numbers& block : blocks_) data.push_back(block.data());
+  return data;
 }
 
-Eigen::MatrixXd Basis::inner_products(const Block& x) const { return all_inner_products(team_, places(), x); }
+Eigen::MatrixXd Basis::inner_products(const Block& x) const { return all_inner_products(team_, block_data(), x); }
 
 void Basis::subtract_combination(const Eigen::MatrixXd& factors, Block& x) const {
   std::vector<Small> by_block;
   for (int row = 0; row < size(); row += kWidth) by_block.push_back(factors.middleRows<kWidth>(row));
-  subtract_all(team_, places(), by_block, x);
+  subtract_all(team_, block_data(), by_block, x);
 }
 
 void Basis::subtract_combination(int block, const Small& factors, Block& x) const {

@@ -1,4 +1,4 @@
-// What is done to whole blocks by a team, and a growing set of vectors kept in blocks. [worker]
+// Operations of a team of threads on whole blocks, and a growing set of vectors that is kept in blocks. [worker]
 #pragma once
 
 #include "engine/solve/lanes.h"
@@ -9,7 +9,7 @@
 
 namespace ringdown::solve {
 
-// As in lanes.h, on all unknowns.
+// The operations of lanes.h on all unknowns, which the team divides among its threads.
 Small inner_products(Team& team, const Block& y, const Block& x);
 void combine_in_place(Team& team, const Small& factors, Block& x);
 void copy(Team& team, const Block& from, Block& to);
@@ -27,18 +27,18 @@ class Basis {
   // x -= (V factors)^T, factors of size() x kWidth.
   void subtract_combination(const Eigen::MatrixXd& factors, Block& x) const;
 
-  // The same with one of its blocks only.
+  // x -= (V_b factors)^T, for the vectors V_b of block number `block`.
   void subtract_combination(int block, const Small& factors, Block& x) const;
 
   // V factors: 3N x columns, for factors of size() x columns.
   [[nodiscard]] Eigen::MatrixXd combine(const Eigen::MatrixXd& factors) const;
 
  private:
-  [[nodiscard]] std::vector<const double*> places() const;
+  [[nodiscard]] std::vector<const double*> block_data() const;
 
   Team& team_;
   Eigen::Index unknowns_ = 0;
-  std::vector<Numbers> blocks_;  // each as in Block
+  std::vector<Numbers> blocks_;  // the numbers of each in the layout of Block
 };
 
 }  // namespace ringdown::solve

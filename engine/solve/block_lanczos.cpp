@@ -1,3 +1,10 @@
+// How the iteration goes.
+//
+// step() multiplies the last block by the operator, takes out what lies in the basis and in the locked vectors, and
+// makes the remainder M-orthonormal: it is the next block. The coefficients form the block tridiagonal projection of
+// the operator. Now and then decompose() finds the projection's eigenvalues, the Ritz values; their residuals are read
+// from the last rows of the eigenvectors. harvest() walks from the shift outwards, to either side, as long as Ritz
+// values have converged. The iteration ends when the window is complete or the basis is full.
 #include "engine/solve/block_lanczos.h"
 
 #include "engine/solve/basis.h"
@@ -21,8 +28,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Eigenvalues ascending, eigenvectors in place of `matrix` (lower triangle read). LAPACK's divide and conquer: a fifth
-// of the time of Eigen's QR on 400 rows.
+// Returns the eigenvalues in ascending order and replaces `matrix`, of which the lower triangle is read, by the
+// eigenvectors. LAPACK's divide and conquer takes a fifth of the time of Eigen's QR on 400 rows.
 VectorXd eigen_decompose(MatrixXd& matrix) {
   const int n = static_cast<int>(matrix.rows());
   VectorXd values(n);
@@ -64,7 +71,7 @@ class Iteration {
     copy(team_, mass_last_, next_);
     factors_.solve(next_);
     solves_ += kWidth;
-    // Three-term recurrence first: what is left is small where the basis already holds it.
+    // The three-term recurrence comes first: after it, little of the block lies in the span of the basis.
     const int last = size() - kWidth, blocks = size() / kWidth;
     if (blocks > 1) basis_.subtract_combination(blocks - 2, coupling_.transpose(), next_);
     Small diagonal = inner_products(team_, mass_last_, next_);
@@ -88,7 +95,8 @@ class Iteration {
   [[nodiscard]] double lambda(int i) const { return factors_.sigma() + 1 / theta_[i]; }
   [[nodiscard]] bool converged(int i) const { return residual_[i] <= window_.tolerance * std::abs(theta_[i]); }
 
-  // V s + (next block) (coupling s) / theta: one more multiplication by the operator, for nothing.
+  // V s + (next block) (coupling s) / theta: the Ritz vector multiplied by the operator once more, which needs no
+  // solve.
   [[nodiscard]] MatrixXd shapes(const std::vector<int>& which) const {
     MatrixXd inside(size(), which.size()), outside(kWidth, which.size());
     for (std::size_t k = 0; k < which.size(); ++k) {
@@ -128,8 +136,8 @@ class Iteration {
     std::swap(mass_last_, mass_next_);
   }
 
-  // Takes the basis and the locked vectors out of a block; returns the part that lay in the basis. A second time when
-  // the first took most of it away, for rounding leaves then too much (Daniel, Gragg, Kaufman & Stewart 1976).
+  // Takes the basis and the locked vectors out of a block; returns the coefficients of the basis. Repeats that while a
+  // pass took a large share away, because rounding then leaves too much (Daniel, Gragg, Kaufman & Stewart 1976).
   MatrixXd orthogonalize(Block& block) {
     MatrixXd total = MatrixXd::Zero(size(), kWidth);
     for (int pass = 0; pass < 3; ++pass) {
@@ -156,8 +164,8 @@ class Iteration {
       if (pass == 0) {
         const Eigen::SelfAdjointEigenSolver<Small> spectrum(gram);
         if (spectrum.eigenvalues()[0] <= 1e-18 * spectrum.eigenvalues()[kWidth - 1]) return rescue(spectrum);
-        // Along the principal axes first: the condition may be up to 1e9 (Stathopoulos & Wu, SIAM J. Sci. Comput. 23,
-        // 2002).
+        // The first pass divides along the principal axes, because the condition may be up to 1e9 (Stathopoulos & Wu,
+        // SIAM J. Sci. Comput. 23, 2002).
         const auto root = spectrum.eigenvalues().cwiseSqrt();
         const Small inverse = root.cwiseInverse().asDiagonal() * spectrum.eigenvectors().transpose();
         combine_in_place(team_, inverse, next_);
@@ -174,6 +182,7 @@ class Iteration {
     return factor;
   }
 
+  // normalize() for a block whose vectors are linearly dependent.
   template <class Spectrum>
   Small rescue(const Spectrum& spectrum) {
     Small factor = Small::Zero();
@@ -189,7 +198,7 @@ class Iteration {
       }
     }
     orthogonalize(next_);
-    // Orthonormal within the block, good directions first, so that they stay what `factor` says.
+    // The good directions are made orthonormal first, so that they stay what `factor` says.
     for (int i = kWidth - 1; i >= 0; --i) {
       for (int pass = 0; pass < 2; ++pass) {
         system_.times_mass(next_, mass_next_);
@@ -212,7 +221,7 @@ class Iteration {
   std::mt19937_64 random_;
   Basis basis_, locked_, mass_locked_;
   MatrixXd projected_;  // of the operator; lower triangle
-  Block next_;          // what follows the basis
+  Block next_;          // the block that follows the basis
   Block mass_last_, mass_next_;
   Small coupling_ = Small::Zero();
   int capacity_ = 0, stepped_ = 0, solves_ = 0;
@@ -220,7 +229,8 @@ class Iteration {
   VectorXd theta_, residual_;
 };
 
-// The converged Ritz values of a window, from the shift outwards as long as none is missing, ascending in lambda.
+// The converged Ritz values of a window, ascending in lambda. On either side of the shift the first that has not
+// converged ends them.
 struct Harvest {
   std::vector<int> found;
   bool complete = false;

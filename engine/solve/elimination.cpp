@@ -1,3 +1,10 @@
+// How the order is found.
+//
+// 1. METIS orders the mesh's nodes by nested dissection.
+// 2. The elimination tree of that order is numbered in postorder, so that subtrees are runs of columns.
+// 3. Neighbouring columns with one pattern below the diagonal form fundamental supernodes.
+// 4. Children join their parents where that stores few zeros: larger dense blocks are worth a few.
+// 5. Whole subtrees are dealt to the parts, a thread each, and the crown above them is numbered last.
 #include "engine/solve/elimination.h"
 
 #include "engine/solve/tiles.h"
@@ -235,7 +242,7 @@ Elimination plan_elimination(const fem::System& system, int parts) {
   std::vector<Supernode> nodes = fundamental_supernodes(graph, old_of);
   const std::vector<std::vector<int>> members = join_children(nodes);
 
-  // The tree of those that are left, numbered in postorder; what is above all parts goes to the end.
+  // The tree of the supernodes that are left, numbered in postorder; the crown goes to the end.
   const auto count = static_cast<int>(nodes.size());
   std::vector<int> joined_into(count), parent(count, -1);
   for (int s = 0; s < count; ++s) {

@@ -27,8 +27,8 @@ struct Supernode {
   [[nodiscard]] int height() const { return pivots() + below(); }
 };
 
-// The order. Supernodes are dealt to `parts` of about the same work, each of them whole subtrees, which have nothing to
-// do with one another; then come the supernodes above them all, the crown.
+// The order. Supernodes are dealt to parts of about equal work. A part consists of whole subtrees, and no entry of
+// the factor connects two parts; the supernodes above all of them, the crown, come last.
 struct Elimination {
   std::vector<int> old_of;         // node number in the mesh of each node in the order of elimination
   std::vector<int> new_of;         // the inverse
@@ -41,14 +41,14 @@ struct Elimination {
   [[nodiscard]] int parts() const { return static_cast<int>(part_end.size()); }
   [[nodiscard]] int part_begin(int part) const { return part == 0 ? 0 : part_end[part - 1]; }
   [[nodiscard]] int crown_begin() const { return part_end.back(); }
-  // The same as node numbers: supernode s has the columns from first_column(s) on.
+  // The node number at which the columns of a supernode begin.
   [[nodiscard]] int first_column(int supernode) const {
     return supernode < static_cast<int>(nodes.size()) ? nodes[supernode].first : node_count();
   }
   [[nodiscard]] int crown_columns() const { return node_count() - first_column(crown_begin()); }
 };
 
-// Repeats itself exactly: METIS gets a fixed seed.
+// Gives the same result every time: METIS gets a fixed seed.
 Elimination plan_elimination(const fem::System& system, int parts);
 
 }  // namespace ringdown::solve

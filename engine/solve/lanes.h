@@ -1,8 +1,8 @@
 // Blocks of kWidth vectors, side by side, and the arithmetic on them. Private to engine/solve. [any thread]
 //
-// Entry (unknown u, vector v) of a block stands at [u * kWidth + v], so that what is done to one unknown is done to all
-// vectors by a few wide instructions. RINGDOWN_CLONES compiles a function for several instruction sets; the right one
-// is chosen when the program is loaded.
+// Entry (unknown u, vector v) of a block is stored at [u * kWidth + v], so that a few wide instructions process one
+// unknown of all vectors. RINGDOWN_CLONES compiles a function for several instruction sets; the loader chooses the one
+// that fits the processor.
 #pragma once
 
 #include <Eigen/Core>

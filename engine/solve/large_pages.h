@@ -1,8 +1,7 @@
-// Arrays too large for the processor's page tables to reach at once, on pages of 2 MiB where the system has them.
-// [any thread]
+// An allocator that puts large arrays on pages of 2 MiB, where the system has them. [any thread]
 //
-// A solve reads hundreds of megabytes in order: on pages of 4 KiB it waits for a new one after every 64 cache lines.
-// Numbers are not set to zero when a vector grows.
+// A solve reads hundreds of megabytes in order. On pages of 4 KiB the processor waits for a page table entry after
+// every 64 cache lines. Numbers are not set to zero when a vector grows.
 #pragma once
 
 #include <cstddef>
@@ -29,17 +28,17 @@ struct LargePages {
     const std::size_t bytes = count * sizeof(T);
     if (bytes < kPage) return static_cast<T*>(::operator new (bytes, std::align_val_t{64}));
     const std::size_t whole = (bytes + kPage - 1) / kPage * kPage;
-    void* place = std::aligned_alloc(kPage, whole);
-    if (place == nullptr) throw std::bad_alloc();
-    ::madvise(place, whole, MADV_HUGEPAGE);
-    return static_cast<T*>(place);
+    void* memory = std::aligned_alloc(kPage, whole);
+    if (memory == nullptr) throw std::bad_alloc();
+    ::madvise(memory, whole, MADV_HUGEPAGE);
+    return static_cast<T*>(memory);
   }
 
-  void deallocate(T* place, std::size_t count) {
+  void deallocate(T* memory, std::size_t count) {
     if (count * sizeof(T) < kPage) {
-      ::operator delete (place, std::align_val_t{64});
+      ::operator delete (memory, std::align_val_t{64});
     } else {
-      std::free(place);
+      std::free(memory);
     }
   }
 

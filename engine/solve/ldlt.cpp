@@ -1,3 +1,10 @@
+// How the multifrontal method goes.
+//
+// Supernodes are factored one after the other, children before parents. Each has a front, the dense matrix of its own
+// columns and of the rows below them. assemble() fills the front with the entries of K - sigma M in the supernode's
+// columns, take_update() adds what each child left, and eliminate() factors the columns by panels of kPanel pivots.
+// What remains below the pivots is the Schur complement, which keep_update() puts on a stack for the parent. The
+// columns of L are stored as tiles (tiles.h), in the order in which the triangular solves read them.
 #include "engine/solve/ldlt.h"
 
 #include "engine/solve/methods.h"
@@ -11,7 +18,7 @@ namespace ringdown::solve {
 namespace {
 
 constexpr int kPanel = 48;     // pivots eliminated between products of matrices
-constexpr int kColumns = 128;  // of an update computed at once: what lies above the diagonal is wasted
+constexpr int kColumns = 128;  // of an update computed at once; the products above the diagonal are wasted
 
 // L D L^T of the lower triangle of a small matrix, in place.
 bool eliminate_small(double* a, int size, int stride, double* diagonal) {
@@ -29,7 +36,7 @@ bool eliminate_small(double* a, int size, int stride, double* diagonal) {
   return true;
 }
 
-// Columns at a time, of `all`, that leave each of `count` threads several pieces.
+// Columns to compute at a time, of `all`, such that each of `count` threads gets several pieces.
 int piece(int all, int count) {
   return count == 1 ? kColumns : std::clamp((all / (4 * count) + 7) / 8 * 8, 24, kColumns);
 }
@@ -39,18 +46,18 @@ std::size_t packed(std::size_t c, std::size_t size) { return c * size - c * (c -
 
 }  // namespace
 
-// Where one supernode after the other is worked on, by one thread or by several.
+// The front of one supernode at a time, on which one thread works or several.
 struct Ldlt::Front {
   Numbers panel;                // height x pivots
   Numbers rest;                 // below x below: what is left for the parent
   Numbers scaled;               // L D of the pivots at hand
   std::vector<Numbers> copies;  // L D of some rows, for each thread
-  std::vector<int> place;       // row of a node in the front
+  std::vector<int> row_of;      // of a node, in the front
 
-  Front(int nodes, int threads) : copies(threads), place(nodes) {}
+  Front(int nodes, int threads) : copies(threads), row_of(nodes) {}
   void open(const Supernode& node);
 
-  // Whose columns these are while the front is filled: in turn, by a few nodes.
+  // Whether a member fills this column of the front: columns are dealt in turn, 24 at a time.
   static bool owns(const Member& member, int column) { return member.has(column / 24); }
 };
 
@@ -59,13 +66,13 @@ void Ldlt::Front::open(const Supernode& node) {
   panel.resize(static_cast<std::size_t>(node.height()) * node.pivots());
   rest.resize(below * below);
   scaled.resize(static_cast<std::size_t>(node.height()) * kPanel);
-  for (int c = 0; c < node.columns; ++c) place[node.first + c] = 3 * c;
-  for (std::size_t r = 0; r < node.rows.size(); ++r) place[node.rows[r]] = node.pivots() + 3 * static_cast<int>(r);
+  for (int c = 0; c < node.columns; ++c) row_of[node.first + c] = 3 * c;
+  for (std::size_t r = 0; r < node.rows.size(); ++r) row_of[node.rows[r]] = node.pivots() + 3 * static_cast<int>(r);
 }
 
-// Updates lie on a stack for each part and one for the crown: where a supernode's children lay, its own goes.
+// Each part has a stack of updates, and so has the crown. A supernode's update replaces those of its children.
 Ldlt::Ldlt(const Elimination& plan, const OrderedSystem& system, Team& team)
-    : plan_(plan), system_(system), team_(team), places_(plan.nodes.size()) {
+    : plan_(plan), system_(system), team_(team), slots_(plan.nodes.size()) {
   for (int part = 0; part <= plan.parts(); ++part) {
     const bool crown = part == plan.parts();
     const int begin = crown ? plan.crown_begin() : plan.part_begin(part);
@@ -73,10 +80,10 @@ Ldlt::Ldlt(const Elimination& plan, const OrderedSystem& system, Team& team)
     std::size_t top = 0, most = 0;
     for (int s = begin; s < end; ++s) {
       for (const int child : plan.nodes[s].children) {
-        if (child >= begin) top = std::min(top, places_[child].offset);
+        if (child >= begin) top = std::min(top, slots_[child].offset);
       }
       const std::size_t below = plan.nodes[s].below();
-      places_[s] = {part, top};
+      slots_[s] = {part, top};
       top += packed(below, below);
       most = std::max(most, top);
     }
@@ -98,7 +105,7 @@ void Ldlt::open_workspace() {
     fronts_.emplace_back(plan_.node_count(), part == 0 ? team_.size() : 1);
 }
 
-double* Ldlt::update_of(int supernode) { return stacks_[places_[supernode].stack].data() + places_[supernode].offset; }
+double* Ldlt::update_of(int supernode) { return stacks_[slots_[supernode].stack].data() + slots_[supernode].offset; }
 
 void Ldlt::assemble(const Supernode& node, Front& front, const Member& member) const {
   const int height = node.height(), below = node.below();
@@ -116,7 +123,8 @@ void Ldlt::assemble(const Supernode& node, Front& front, const Member& member) c
     if (!Front::owns(member, 3 * c)) continue;
     for (std::size_t e = system_.begin(node.first + c); e < system_.end(node.first + c); ++e) {
       for (int j = 0; j < 3; ++j) {
-        double* to = front.panel.data() + static_cast<std::ptrdiff_t>(3 * c + j) * height + front.place[system_.row(e)];
+        double* to =
+            front.panel.data() + static_cast<std::ptrdiff_t>(3 * c + j) * height + front.row_of[system_.row(e)];
         for (int i = 0; i < 3; ++i) to[i] += system_.stiffness(e)[3 * i + j];
         to[j] -= sigma_ * system_.mass(e);
       }
@@ -128,7 +136,7 @@ void Ldlt::take_update(int child, const Supernode& node, Front& front, const Mem
   const std::vector<int>& rows = plan_.nodes[child].rows;
   const int height = node.height(), pivots = node.pivots(), below = node.below();
   for (std::size_t c = 0; c < rows.size(); ++c) {
-    const int column = front.place[rows[c]];
+    const int column = front.row_of[rows[c]];
     if (!Front::owns(member, column)) continue;
     const double* from = update_of(child) + packed(3 * c, 3 * rows.size());
     for (int j = 0; j < 3; ++j) {
@@ -137,7 +145,7 @@ void Ldlt::take_update(int child, const Supernode& node, Front& front, const Mem
                        : front.rest.data() + static_cast<std::ptrdiff_t>(column - pivots + j) * below - pivots;
       for (int i = j; i < 3; ++i) to[column + i] += *from++;
       for (std::size_t r = c + 1; r < rows.size(); ++r, from += 3) {
-        double* at = to + front.place[rows[r]];
+        double* at = to + front.row_of[rows[r]];
         at[0] += from[0], at[1] += from[1], at[2] += from[2];
       }
     }
@@ -204,7 +212,7 @@ void Ldlt::eliminate(const Supernode& node, Front& front, const Member& member) 
   member.meet();
 }
 
-// All members of a crew go through the same supernodes and meet at the same places.
+// All members of a team call this with one range of supernodes, and meet at every step.
 void Ldlt::factor_supernodes(int begin, int end, Front& front, const Member& member,
                              const std::function<bool()>& keep_going) {
   for (int s = begin; s < end; ++s) {
@@ -250,7 +258,8 @@ bool Ldlt::factor(double sigma, const std::function<bool()>& keep_going) {
   return !singular_;
 }
 
-// Each part works on its own rows and keeps what it has for the crown's rows apart until all are done.
+// Each part solves its own rows, and adds its contributions to the crown's rows in an array of its own until all parts
+// are done.
 void Ldlt::solve(double* x, int vectors) const {
   const int crown = plan_.crown_begin(), end = static_cast<int>(plan_.nodes.size());
   const std::ptrdiff_t crown_row = plan_.first_column(crown),

@@ -5,9 +5,9 @@
 //   factors.negative();          // eigenvalues of K phi = lambda M phi below sigma (Sylvester)
 //   factors.solve(block);        // x = (K - sigma M)^-1 x
 //
-// Nothing is exchanged for stability. That is safe for K - sigma M with a sigma that is not very close to an eigenvalue
-// of a leading part of the system, and the shift can be moved when it is: backward_error() tells. The parts of the plan
-// are worked on at the same time, a thread each, and the supernodes of the crown after them by all threads together.
+// Rows are not exchanged for stability. That is safe while sigma is not very close to an eigenvalue of a leading part
+// of the system; backward_error() shows when it is, and the caller moves the shift. Each thread factors one part of the
+// plan, all parts at the same time; then all threads together factor the supernodes of the crown.
 // Source: Duff & Reid, ACM Trans. Math. Softw. 9, 1983; Parlett, The Symmetric Eigenvalue Problem, section 3.3 on
 // inertia.
 #pragma once
@@ -30,11 +30,11 @@ class Ldlt {
   Ldlt(const Ldlt&) = delete;
   Ldlt& operator=(const Ldlt&) = delete;
 
-  // False when a pivot is zero or not finite. `keep_going` is asked between fronts; when it says no, Cancelled is
-  // thrown.
+  // Returns false when a pivot is zero or not finite. Asks `keep_going` between fronts, and throws Cancelled when it
+  // says no.
   bool factor(double sigma, const std::function<bool()>& keep_going = {});
 
-  // Gives back the memory that only factoring needs; kept otherwise for the next time.
+  // Gives back the memory that only factoring needs. Otherwise it is kept for the next factor().
   void release_workspace();
 
   [[nodiscard]] int negative() const { return negative_; }
@@ -44,12 +44,12 @@ class Ldlt {
   void solve(Block& x) const { solve(x.data(), kWidth); }
   void solve(Eigen::VectorXd& x) const { solve(x.data(), 1); }
 
-  // |A x - b| / (|A| |x| + |b|) of one solve: far above rounding when the shift should move.
+  // |A x - b| / (|A| |x| + |b|) of one solve. A value far above rounding means that the shift should move.
   [[nodiscard]] double backward_error() const;
 
  private:
   struct Front;
-  struct Place {
+  struct Slot {  // on a stack of updates
     int stack = 0;
     std::size_t offset = 0;
   };
@@ -73,9 +73,9 @@ class Ldlt {
   Numbers tiles_;                 // L, supernode by supernode (tiles.h)
   std::vector<double> diagonal_;  // D
   std::vector<Front> fronts_;     // of the parts; the crown's is the first
-  std::vector<Numbers> stacks_;   // updates: what supernodes leave for their parents, lower triangles packed by columns
+  std::vector<Numbers> stacks_;   // updates: Schur complements for the parents, lower triangles packed by columns
   std::vector<std::size_t> stack_sizes_;
-  std::vector<Place> places_;  // of each supernode's update
+  std::vector<Slot> slots_;  // of each supernode's update
 };
 
 }  // namespace ringdown::solve

@@ -8,9 +8,9 @@
 namespace ringdown::solve {
 namespace {
 
-constexpr double kZone = 1e-4;    // relative width of what is joined
+constexpr double kZone = 1e-4;    // relative; half the width of the range that join_at() treats
 constexpr double kFamily = 1e-6;  // closer than this, eigenvalues may be one multiple eigenvalue
-constexpr double kCopies = 1e-2;  // squared length outside the others below which a shape is a copy of them
+constexpr double kCopies = 1e-2;  // a shape whose squared length outside the span of the others is smaller is a copy
 
 // X^T A X for A = M or K.
 using Product = void (OrderedSystem::*)(const Block&, Block&) const;

@@ -1,4 +1,4 @@
-// The modes found so far, in ascending order, whatever iteration found them. [one thread at a time]
+// The modes found so far by all iterations, in ascending order. [one thread at a time]
 #pragma once
 
 #include "engine/solve/ordered_system.h"
@@ -23,18 +23,18 @@ class ModeSet {
   // shapes: 3N x count, M-normalised, in the order of elimination.
   void add(const std::vector<double>& lambda, Eigen::MatrixXd shapes);
 
-  // Makes one orthonormal set of the modes about `lambda`, where two iterations met: what both found stays once, and
-  // what is close together becomes orthogonal (Rayleigh & Ritz, in the span of what is there).
+  // Makes one M-orthonormal set of the modes about `lambda`, where the ranges of two iterations meet. A mode that both
+  // found is kept once, and modes close together become orthogonal, by Rayleigh and Ritz in the span of what was found.
   void join_at(double lambda);
 
-  // Forgets those at or above `lambda`.
+  // Removes the modes at or above `lambda`.
   void drop_from(double lambda) { modes_.erase(at_least(lambda), modes_.end()); }
 
   [[nodiscard]] int size() const { return static_cast<int>(modes_.size()); }
   [[nodiscard]] double lambda(int i) const { return modes_[i].lambda; }
   [[nodiscard]] auto shape(int i) const { return modes_[i].shape(); }
 
-  // How many have low <= lambda < high; their shapes side by side.
+  // The number of modes with low <= lambda < high, and their shapes side by side.
   [[nodiscard]] int count(double low, double high) const;
   [[nodiscard]] Eigen::MatrixXd shapes(double low, double high) const;
 

@@ -40,28 +40,28 @@ OrderedSystem::OrderedSystem(const fem::System& system, const Elimination& plan,
   each_block([&](int column, int row, int) { ++fill[std::min(plan.new_of[column], plan.new_of[row]) + 1]; });
   for (int n = 0; n < count; ++n) fill[n + 1] += fill[n];
   first_ = fill;
-  struct Place {  // of a block of K
+  struct Source {  // of a block of K
     int row, from_column, number;
     bool transposed;
   };
-  std::vector<Place> places(first_[count]);
+  std::vector<Source> sources(first_[count]);
   each_block([&](int column, int row, int number) {
     const int new_column = plan.new_of[column], new_row = plan.new_of[row];
-    places[fill[std::min(new_column, new_row)]++] = {std::max(new_column, new_row), column, number,
-                                                     new_row < new_column};
+    sources[fill[std::min(new_column, new_row)]++] = {std::max(new_column, new_row), column, number,
+                                                      new_row < new_column};
   });
-  rows_.reserve(places.size());
-  stiffnesses_.reserve(places.size());
+  rows_.reserve(sources.size());
+  stiffnesses_.reserve(sources.size());
   for (int n = 0; n < count; ++n) {
-    const auto begin_of = places.begin() + static_cast<std::ptrdiff_t>(first_[n]);
-    const auto end_of = places.begin() + static_cast<std::ptrdiff_t>(first_[n + 1]);
-    std::sort(begin_of, end_of, [](const Place& a, const Place& b) { return a.row < b.row; });
-    for (auto place = begin_of; place != end_of; ++place) {
-      rows_.push_back(place->row);
-      stiffnesses_.push_back(block_of(stiffness, place->from_column, place->number, place->transposed));
+    const auto begin_of = sources.begin() + static_cast<std::ptrdiff_t>(first_[n]);
+    const auto end_of = sources.begin() + static_cast<std::ptrdiff_t>(first_[n + 1]);
+    std::sort(begin_of, end_of, [](const Source& a, const Source& b) { return a.row < b.row; });
+    for (auto source = begin_of; source != end_of; ++source) {
+      rows_.push_back(source->row);
+      stiffnesses_.push_back(block_of(stiffness, source->from_column, source->number, source->transposed));
     }
   }
-  masses_.resize(places.size());
+  masses_.resize(sources.size());
   std::vector<double> mass_to(count, 0);
   for (int n = 0; n < count; ++n) {
     const int old = plan.old_of[n];
@@ -71,7 +71,8 @@ OrderedSystem::OrderedSystem(const fem::System& system, const Elimination& plan,
   }
 }
 
-// Where a part adds its results: rows below `split` in place, those of the crown apart until all parts are done.
+// Where a part adds its results: rows before `split` in y itself, rows of the crown in an array of the part's own until
+// all parts are done.
 struct OrderedSystem::Target {
   double* rows;
   double* crown;  // from row `split` on

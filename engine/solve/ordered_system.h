@@ -11,7 +11,7 @@ namespace ringdown::solve {
 
 class OrderedSystem {
  public:
-  // All must live longer.
+  // `system` is copied; `plan` and `team` must live longer.
   OrderedSystem(const fem::System& system, const Elimination& plan, Team& team);
 
   [[nodiscard]] int node_count() const { return static_cast<int>(first_.size()) - 1; }

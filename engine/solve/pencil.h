@@ -5,7 +5,7 @@
 //   top->below;           // eigenvalues below top->lambda, by inertia
 //   pencil.factors();     // stays until the next factor()
 //
-// All methods of engine/solve, and the second opinion, work on this one factorization.
+// All methods of engine/solve but SLEPc work on this one factorization, and so does the second opinion.
 #pragma once
 
 #include "engine/solve/ldlt.h"
@@ -20,7 +20,7 @@ struct Count {
   int below;
 };
 
-// Asked now and then with a guess of the share done, 0..1; Cancelled (methods.h) is thrown when it answers no.
+// Called now and then with a guess of the share done, 0..1. When it returns false, Cancelled (methods.h) is thrown.
 using KeepGoing = std::function<bool(double)>;
 
 class Pencil {
@@ -28,7 +28,7 @@ class Pencil {
   // `system` must live longer.
   Pencil(const fem::System& system, int threads);
 
-  // Where a shift moves that lies too close to an eigenvalue of a part of the body.
+  // The direction in which a shift moves when it lies too close to an eigenvalue of a leading part of the system.
   enum Step { kUp, kDown };
 
   // Factors at lambda, or up to three steps of 0.03 % from it where the factors would lose digits.
@@ -47,7 +47,7 @@ class Pencil {
   [[nodiscard]] int factorizations() const { return factorizations_; }
   [[nodiscard]] double factor_seconds() const { return factor_seconds_; }  // on the clock
 
-  // Vectors (3N x m) between the order of elimination and the mesh's.
+  // Vectors (3N x m) brought from one order of unknowns to the other.
   [[nodiscard]] Eigen::MatrixXd in_mesh_order(const Eigen::Ref<const Eigen::MatrixXd>& shapes) const;
   [[nodiscard]] Eigen::MatrixXd in_elimination_order(const Eigen::Ref<const Eigen::MatrixXd>& shapes) const;
 

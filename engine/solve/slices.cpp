@@ -1,10 +1,10 @@
 // Method::kBlockLanczos: all eigenvalues below the top, slice by slice of the spectrum, each count proved by inertia.
 //
 // A factorization at a shift counts the eigenvalues below it. From the bottom up, each slice gets a shift a little
-// above what is done; its count says how many eigenvalues lie between, and block_lanczos() goes on until it has those,
-// and about as many above. Where fewer are found than counted, more iterations look for the rest with those found
-// locked out. The last count is made at the top. Source: Grimes, Lewis & Simon, SIAM J. Matrix Anal. Appl. 15, 1994,
-// section 4.
+// above the eigenvalues that are done. The count at the shift says how many eigenvalues lie between, and
+// block_lanczos() iterates until it has those, and about as many above the shift. Where fewer are found than counted,
+// more iterations look for the rest, with the found ones locked. The top was counted before the first slice. Source:
+// Grimes, Lewis & Simon, SIAM J. Matrix Anal. Appl. 15, 1994, section 4.
 #include "engine/solve/block_lanczos.h"
 #include "engine/solve/methods.h"
 #include "engine/solve/mode_set.h"
@@ -20,7 +20,7 @@ namespace ringdown::solve {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kGap = 1e-5;    // relative, between the last eigenvalue of a slice and the next one's first
+constexpr double kGap = 1e-5;    // relative, between the last eigenvalue of a slice and the first of the next
 constexpr int kMaxRepairs = 12;  // between two counts
 
 class Slicer {
@@ -57,15 +57,16 @@ class Slicer {
   const Progress& progress_;
   ModeSet modes_;
   Count done_{-kInfinity, 0};    // all below were found
-  Count proved_{-kInfinity, 0};  // the last shift: its count and what was found agree
+  Count proved_{-kInfinity, 0};  // the last shift at which the count and the number found agreed
   const Count top_;
   unsigned seed_ = 1;
   int solves_ = 0;
   double iterate_seconds_ = 0;
 };
 
-// The eigenvalue of so high a number: that of a similar problem when the request knows one, else guessed between what
-// is done and the top, their number growing like f^2.4, between the f of plates and bars and the f^3 of solids.
+// A guess of the eigenvalue with number `count`. It is read from the expected eigenvalues when the request has them.
+// Otherwise it lies between what is done and the top, as if the number of modes grew like f^2.4: between the f of
+// plates and bars and the f^3 of solids.
 double Slicer::lambda_at(double count) const {
   const Eigen::VectorXd& expected = request_.expected_lambda;
   const auto number = static_cast<Eigen::Index>(count) - 6;  // without the rigid motions of one piece
@@ -79,9 +80,10 @@ double Slicer::lambda_at(double count) const {
   return std::pow(low + std::clamp(share, 0.0, 1.0) * (high - low), 1 / kPower);
 }
 
-// How many slices take the least time: few cost many operations to keep vectors orthogonal, many a factorization each.
-// Measured: a slice of s modes takes 1.7 s + 160 vectors; one core does 25e9 flop/s in large products and reads 11e9
-// byte/s. The minimum is flat: twice as many slices cost a tenth more.
+// The number of slices that takes the least time. With few slices, keeping the vectors orthogonal costs many
+// operations; with many, each costs a factorization. Measured: a slice of s modes takes 1.7 s + 160 vectors; one core
+// does 25e9 flop/s in large products and reads 11e9 byte/s. The minimum is flat: twice as many slices cost a tenth
+// more.
 int Slicer::slices_for(int modes) const {
   constexpr double kFlops = 25e9, kBytes = 11e9;
   const auto seconds = [&](int slices) {
@@ -122,7 +124,7 @@ Result<void> Slicer::slice() {
   const int left = top_.below - done_.below, slices = slices_for(left);
   const double each = static_cast<double>(left) / slices;
   Result<Count> shift = factor(lambda_at(done_.below + 0.5 * each));
-  // Far more below it than thought: try again where they would be if they lay evenly.
+  // Far more eigenvalues lie below the shift than expected: try the shift below which `each` lie if they lie evenly.
   if (shift && shift->below - done_.below > 1.5 * each + 20) {
     const double low = std::max(0.0, done_.lambda);
     shift = factor(low + (shift->lambda - low) * 0.6 * each / (shift->below - done_.below));
@@ -154,7 +156,7 @@ Result<void> Slicer::slice() {
   return {};
 }
 
-// Looks for what is missing between two counts, with what was found locked out.
+// Looks for the eigenvalues that are missing between two counts, with the found ones locked.
 Result<void> Slicer::repair(const Count& low, const Count& high) {
   const int wanted = high.below - low.below;
   for (int attempt = 0; modes_.count(low.lambda, high.lambda) < wanted && attempt < kMaxRepairs; ++attempt) {

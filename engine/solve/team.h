@@ -1,4 +1,4 @@
-// A few threads that do the same thing to different parts. [one caller at a time]
+// A few threads that run one function on different parts of the data. [one caller at a time]
 #pragma once
 
 #include <atomic>
@@ -10,7 +10,7 @@
 
 namespace ringdown::solve {
 
-// One of several threads that work on the same thing: each does its share, then they meet.
+// One of several threads that share a task: each does its share, then all meet before the next task.
 class Member {
  public:
   Member() = default;  // alone
@@ -20,10 +20,10 @@ class Member {
   [[nodiscard]] int count() const { return count_; }
   [[nodiscard]] bool first() const { return number_ == 0; }
 
-  // Whether item `i` of many like ones is this member's, when they go round.
+  // Whether item `i` is this member's when items are dealt in turn.
   [[nodiscard]] bool has(int i) const { return i % count_ == number_; }
 
-  // Where this member's even share of `items` begins; it ends where the next one's begins.
+  // Where this member's even share of `items` begins and ends.
   template <class Int>
   [[nodiscard]] Int begin(Int items) const {
     return items * number_ / count_;
@@ -33,7 +33,7 @@ class Member {
     return items * (number_ + 1) / count_;
   }
 
-  // Waits until all have come here.
+  // Waits until all members have called meet().
   void meet() const {
     if (meeting_ != nullptr) meeting_->arrive_and_wait();
   }
@@ -52,18 +52,18 @@ class Team {
 
   [[nodiscard]] int size() const { return static_cast<int>(helpers_.size()) + 1; }
 
-  // Calls part(0) .. part(size() - 1), part(0) here and the others on the helpers, and waits for all. The first
-  // exception is thrown again here.
+  // Calls part(0) .. part(size() - 1) and waits for all: part(0) on the calling thread, the others on the helpers.
+  // Throws the first exception again on the calling thread.
   void run(const std::function<void(int)>& part);
 
-  // The same for work whose members meet. One that throws is not waited for.
+  // Calls part(i, member) like run(), for members that meet. Later meetings do not wait for a member that threw.
   void run_together(const std::function<void(int, const Member&)>& part);
 
  private:
   void help(int number);
 
   std::vector<std::jthread> helpers_;
-  const std::function<void(int)>* part_ = nullptr;  // null: go home
+  const std::function<void(int)>* part_ = nullptr;  // null: the helpers end
   std::atomic<unsigned> round_ = 0;
   std::atomic<int> busy_ = 0;
   std::vector<std::exception_ptr> failures_;

@@ -3,9 +3,9 @@
 namespace ringdown::solve {
 namespace {
 
-constexpr int kAhead = 512;  // numbers by which tiles are fetched before their turn
+constexpr int kAhead = 512;  // doubles of the tiles that are prefetched ahead of their use
 
-// Columns in a tile of a strip's own rows: up to and with the tile's own.
+// Columns in a tile of a strip's own rows: those up to the tile's last row.
 int columns_of(int tile, int width) { return std::min(kTile * (tile + 1), width); }
 
 int own_tiles(int width) { return (width + kTile - 1) / kTile; }
@@ -16,7 +16,7 @@ static_assert(kTile == kWidth, "Lanes hold a column of a tile");
   return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
 }
 
-// The four solves for one right-hand side. Their names and arguments are those of the solves for kWidth below.
+// The four solves for one right-hand side, with the arguments of the solves for kWidth below.
 
 RINGDOWN_CLONES
 void solve_one_down_own(const Strip& strip, const double* tiles, const Sides& sides) {
@@ -79,7 +79,7 @@ void solve_one_up_own(const Strip& strip, const double* tiles, const Sides& side
   for (int t = own_tiles(strip.width) - 1; t >= 0; --t) {
     const int first = kTile * t, end = columns_of(t, strip.width);
     tiles -= static_cast<std::ptrdiff_t>(kTile) * end;
-    Lanes known{};  // zero until it is; a tile is zero on and above the diagonal
+    Lanes known{};  // entries not known yet are zero; a tile is zero on and above the diagonal
     for (int p = end - 1; p >= first; --p) y[p] = known[p - first] = y[p] - sum_of(sums[p] + known * *lanes(tiles, p));
     for (int p = 0; p < first; ++p) sums[p] += known * *lanes(tiles, p);
   }

@@ -2,13 +2,13 @@
 //
 // The factor's columns (height x pivots, unit lower triangular on top) are cut into strips of at most kStrip columns,
 // and each strip into tiles of kTile rows: a tile holds kTile numbers of the strip's first column, then of the second,
-// and so on. So a solve reads the factor once, in order, keeps kTile x kWidth results in registers, and finds the
-// strip's own right-hand sides in the first cache. A strip begins with the tiles of its own rows, each ending with its
-// own columns; all rows below follow, those of the supernode's later pivots first. Tiles are filled up with zeros.
+// and so on. A solve therefore reads the factor once and in order, keeps kTile x kWidth results in registers, and finds
+// the strip's own right-hand sides in the first cache. A strip begins with the tiles of its own rows, each ending with
+// its own columns; all rows below follow, those of the supernode's later pivots first. Tiles are filled up with zeros.
 //
-// kWidth right-hand sides stand as in Block, and a register holds one number of each. Of a single right-hand side a
-// register holds kTile numbers, one for each row of a tile: reading the factors takes as long as for kWidth, the
-// arithmetic an eighth.
+// kWidth right-hand sides are stored as in Block, and a register holds one number of each. Of a single right-hand side
+// a register holds kTile numbers, one for each row of a tile. Reading the factors takes as long for one right-hand side
+// as for kWidth; the arithmetic takes an eighth.
 #pragma once
 
 #include "engine/solve/lanes.h"
@@ -55,7 +55,7 @@ std::size_t tiled_size(int pivots, int below);
 // the supernode's. The part above the diagonal is not read.
 void to_tiles(const Strip& strip, const double* columns, int stride, double* tiles);
 
-// Right-hand sides as a strip sees them: its own, the supernode's later pivots after these, then the rows below.
+// Where a strip finds its right-hand sides: its own, then those of the supernode's later pivots, then the rows below.
 struct Sides {
   double* own;
   int later;                     // unknowns of the supernode after the strip's own
@@ -74,12 +74,13 @@ struct Sides {
   }
 };
 
-// x := L^-1 x: in the strip's own rows; then what follows from them subtracted in tiles `begin` to `end` of those
-// below.
+// The two steps of x := L^-1 x. The first solves for the strip's own rows; the second subtracts their products from the
+// rows below, in tiles `begin` to `end`.
 void solve_down_own(const Strip& strip, const double* tiles, const Sides& sides);
 void solve_down_below(const Strip& strip, const double* tiles, const Sides& sides, int begin, int end);
 
-// x := L^-T x: what is known below subtracted in columns `begin` to `end` of the strip; then the strip's own rows.
+// The two steps of x := L^-T x. The first subtracts the products of the rows below from columns `begin` to `end` of the
+// strip; the second solves for the strip's own rows.
 void solve_up_below(const Strip& strip, const double* tiles, const Sides& sides, int begin, int end);
 void solve_up_own(const Strip& strip, const double* tiles, const Sides& sides);
 

@@ -33,7 +33,7 @@ double part_within(const Eigen::VectorXd& shape, const Eigen::MatrixXd& mass_oth
   return (mass_others.transpose() * shape).squaredNorm();
 }
 
-TEST(Distributed, TwoProcessesFindTheSameModes) {
+TEST(Distributed, SlepcInTwoProcessesFindsTheModesOfOurSolver) {
   SKIP_WITHOUT_SLEPC();
   const fem::System system = block({4, 4, 3}, {0.1, 0.1, 0.06});  // two sides alike: many modes come in pairs
   const double top = lambda_of(75e3);
@@ -58,7 +58,7 @@ TEST(Distributed, TwoProcessesFindTheSameModes) {
   EXPECT_LT((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff(), 1e-6);
 }
 
-TEST(Distributed, OneProcessNeedsNoMpirun) {
+TEST(Distributed, SlepcInOneProcessNeedsNoMpirun) {
   SKIP_WITHOUT_SLEPC();
   const fem::System system = block({3, 2, 2});
   const double top = lambda_of(60e3);
@@ -70,7 +70,7 @@ TEST(Distributed, OneProcessNeedsNoMpirun) {
   for (Eigen::Index m = 6; m < here.lambda.size(); ++m) EXPECT_NEAR(there->lambda[m] / here.lambda[m], 1, 1e-8) << m;
 }
 
-TEST(Distributed, StopsWhenToldTo) {
+TEST(Distributed, SlepcStopsWhenToldTo) {
   SKIP_WITHOUT_SLEPC();
   int calls = 0;
   const auto modes =
@@ -80,7 +80,7 @@ TEST(Distributed, StopsWhenToldTo) {
   EXPECT_EQ(modes.error().kind, ErrorKind::cancelled);
 }
 
-TEST(Distributed, MoreModesThanAllowedIsASentence) {
+TEST(Distributed, SlepcRefusesMoreModesThanAllowedInOneSentence) {
   SKIP_WITHOUT_SLEPC();
   const fem::System system = block({3, 2, 2});
   const auto modes = solve::solve_modes(
@@ -96,7 +96,7 @@ class Files : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(Files, AProblemThatIsCutShortIsRefused) {
+TEST_F(Files, AProblemFileThatIsCutShortIsRefused) {
   const std::array<int, 4> starts = {0, 1, 2, 3}, columns = {0, 1, 2, 0};
   const std::array<double, 4> values = {5, 6, 7, 0};
   const solve::ProblemHeader header{
@@ -117,7 +117,7 @@ TEST_F(Files, AProblemThatIsCutShortIsRefused) {
   }
 }
 
-TEST_F(Files, ColumnsOutsideTheMatrixAreRefused) {
+TEST_F(Files, AProblemFileWithColumnsOutsideTheMatrixIsRefused) {
   const std::array<int, 4> starts = {0, 1, 2, 3}, columns = {0, 3, 2, 0};
   const std::array<double, 4> values = {5, 6, 7, 0};
   const solve::ProblemHeader header{

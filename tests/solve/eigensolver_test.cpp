@@ -35,7 +35,7 @@ int modes_below(const fem::System& system, double lambda) {
   return static_cast<int>((factors.vectorD().array() < 0).count());
 }
 
-TEST(Eigensolver, FindsEveryModeBelowTheTopAndNoOther) {
+TEST(Eigensolver, EveryModeBelowTheTopIsFoundAndNoOther) {
   const fem::System system = system_of(test::box_mesh({4, 4, 3}, kSize));  // mirror-symmetric: many close pairs
   for (const double top_hz : {20e3, 60e3, 110e3}) {
     const auto modes = solve::solve_modes(system, {.highest_lambda = lambda_of(top_hz)});
@@ -61,7 +61,7 @@ TEST(Eigensolver, ModesSolveTheEquationAndAreOrthonormal) {
   }
 }
 
-TEST(Eigensolver, AgreesWithDenseAlgebra) {
+TEST(Eigensolver, ModesAgreeWithDenseAlgebra) {
   const fem::System system = system_of(test::box_mesh({3, 2, 2}, kSize));
   ASSERT_GT(system.unknowns(), 300) << "the solver itself would use dense algebra";
   const Eigen::MatrixXd stiffness = Eigen::MatrixXd(system.stiffness).selfadjointView<Eigen::Lower>();
@@ -73,7 +73,7 @@ TEST(Eigensolver, AgreesWithDenseAlgebra) {
   for (Eigen::Index m = 6; m < modes.lambda.size(); ++m) EXPECT_NEAR(modes.lambda[m] / exact[m], 1, 1e-9);
 }
 
-TEST(Eigensolver, TinyMeshesWork) {
+TEST(Eigensolver, ModesOfTinyMeshesAreFound) {
   mesh::TetMesh one{mesh::Points(4, 3), mesh::Indices(1, 4)};
   one.nodes << 0, 0, 0, 0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1;
   one.elements << 0, 1, 2, 3;
@@ -84,7 +84,7 @@ TEST(Eigensolver, TinyMeshesWork) {
   EXPECT_EQ(modes->lambda.size(), 12);
 }
 
-TEST(Eigensolver, SixRigidMotionsForEachPiece) {
+TEST(Eigensolver, EachPieceHasSixRigidMotions) {
   const mesh::TetMesh box = test::box_mesh({3, 2, 2}, kSize);
   mesh::TetMesh far = box;
   far.nodes.array() += 1;
@@ -94,7 +94,7 @@ TEST(Eigensolver, SixRigidMotionsForEachPiece) {
 }
 
 // Twelve equal boxes: every eigenvalue twelve times, more than a Lanczos block is wide.
-TEST(Eigensolver, EigenvaluesOfHighMultiplicityAreFoundWhole) {
+TEST(Eigensolver, AllVectorsOfEigenvaluesOfHighMultiplicityAreFound) {
   const mesh::TetMesh box = test::box_mesh({2, 2, 2}, kSize);
   mesh::TetMesh many = box;
   for (int copy = 1; copy < 12; ++copy) {
@@ -136,7 +136,7 @@ TEST(Eigensolver, MethodsAgreeOnHundredsOfModes) {
   }
 }
 
-TEST(Eigensolver, ChoosesTheMethodByUnknownsAndModesAlone) {
+TEST(Eigensolver, UnknownsAndModesAloneChooseTheMethod) {
   const auto chosen = [](test::Cells cells, double top_hz, Eigen::VectorXd expected = {}) {
     const solve::EigenRequest request{.highest_lambda = lambda_of(top_hz), .expected_lambda = std::move(expected)};
     return solve::solve_modes(system_of(test::box_mesh(cells, kSize)), request).value().method;
@@ -149,7 +149,7 @@ TEST(Eigensolver, ChoosesTheMethodByUnknownsAndModesAlone) {
 }
 
 // A top in the middle of a family of equal eigenvalues cannot be told from one beside it; near one it can.
-TEST(Eigensolver, TheTopMayLieVeryCloseToAMode) {
+TEST(Eigensolver, TheTopOfTheBandMayLieVeryCloseToAMode) {
   const fem::System system = system_of(test::box_mesh({4, 3, 3}, kSize));
   const auto modes = solve::solve_modes(system, {.highest_lambda = lambda_of(60e3)}).value();
   const double last = modes.lambda[modes.lambda.size() - 1];
@@ -168,7 +168,7 @@ TEST(Eigensolver, EveryModeOfASmallMeshCanBeAskedFor) {
   EXPECT_EQ(modes->lambda.size(), system.unknowns());
 }
 
-TEST(Eigensolver, RepeatsBitForBit) {
+TEST(Eigensolver, ASolveRepeatsBitForBit) {
   const fem::System system = system_of(test::box_mesh({5, 4, 3}, kSize));
   const auto first = solve::solve_modes(system, {.highest_lambda = lambda_of(60e3)}).value();
   const auto second = solve::solve_modes(system, {.highest_lambda = lambda_of(60e3)}).value();
@@ -176,7 +176,7 @@ TEST(Eigensolver, RepeatsBitForBit) {
   EXPECT_TRUE(first.shapes == second.shapes);
 }
 
-TEST(Eigensolver, StopsWhenToldTo) {
+TEST(Eigensolver, ASolveStopsWhenToldTo) {
   const fem::System system = system_of(test::box_mesh({4, 3, 3}, kSize));
   for (const std::string_view stop_at : {"factors", "modes"}) {
     int calls_after = 0;
@@ -195,7 +195,7 @@ TEST(Eigensolver, StopsWhenToldTo) {
   }
 }
 
-TEST(Eigensolver, RefusesMoreModesThanAllowed) {
+TEST(Eigensolver, ASolveRefusesMoreModesThanAllowed) {
   const fem::System system = system_of(test::box_mesh({4, 3, 3}, kSize));
   const double top = lambda_of(80e3);
   const int present = modes_below(system, top) - 6;

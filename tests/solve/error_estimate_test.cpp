@@ -82,7 +82,7 @@ struct Case {
 
 class ErrorEstimate : public testing::TestWithParam<Case> {};
 
-TEST_P(ErrorEstimate, LiesBetweenHalfAndFiveTimesTheTruthAndRarelyBelowIt) {
+TEST_P(ErrorEstimate, EstimatedErrorLiesBetweenHalfAndFiveTimesTheTruthAndRarelyBelowIt) {
   const Case& body = GetParam();
   const double top = 1.12 * body.exact.back();
   const Effectivity e = effectivity(solved(test::box_mesh(body.cells, body.size), body.order, body.elastic, top),
@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& instance) { return instance.param.name; });
 
 // Flat elements, ten times as long as thick, are where functions of one degree more lock without the relaxation.
-TEST(ErrorEstimateInFlatElements, StaysOfTheTruthsSize) {
+TEST(ErrorEstimateInFlatElements, EstimatedErrorInFlatElementsStaysOfTheTruthsSize) {
   for (const auto& [order, cells] : {std::pair(2, 8), std::pair(3, 5)}) {
     const Solved body = solved(test::box_mesh({cells, cells, 1}, kPlateSize), order, kSteel, 1900);
     const Effectivity e = effectivity(body, kSteel, std::span(reference::kPlate).first(8));
@@ -124,7 +124,7 @@ TEST(ErrorEstimateInFlatElements, StaysOfTheTruthsSize) {
   }
 }
 
-TEST(ErrorEstimateOfAnyMesh, IsTheSameForAnyNumberOfThreads) {
+TEST(ErrorEstimateOfAnyMesh, EstimatedErrorIsTheSameForAnyNumberOfThreads) {
   const Solved body = solved(test::box_mesh({3, 2, 2}, kBlockSize), 3, kSteel, 60e3);
   const auto one = fem::frequency_errors(body.mesh, kSteel, body.lambda, body.shapes, 1).value();
   EXPECT_GT(body.lambda.size(), 64);
@@ -132,7 +132,7 @@ TEST(ErrorEstimateOfAnyMesh, IsTheSameForAnyNumberOfThreads) {
 }
 
 // Neither the numbers of the nodes, nor how the body lies in space, nor its size change a relative error.
-TEST(ErrorEstimateOfAnyMesh, DoesNotDependOnNumbersPlaceOrSize) {
+TEST(ErrorEstimateOfAnyMesh, EstimatedErrorDoesNotDependOnNumbersPlaceOrSize) {
   Solved body =
       solved(test::bent(mesh::to_order(test::box_mesh({4, 2, 1}, {0.2, 0.05, 0.02}), 3), 3.0), 3, kSteel, 20e3);
   const auto before = fem::frequency_errors(body.mesh, kSteel, body.lambda, body.shapes).value();
@@ -152,7 +152,7 @@ TEST(ErrorEstimateOfAnyMesh, DoesNotDependOnNumbersPlaceOrSize) {
 }
 
 // Half the mesh size divides the estimates by as much as the errors, which the exact frequencies tell.
-TEST(ErrorEstimateOfAnyMesh, FallsAsFastAsTheError) {
+TEST(ErrorEstimateOfAnyMesh, EstimatedErrorFallsAsFastAsTheTrueOne) {
   const auto sums = [](test::Cells cells) {  // of estimates, and of errors
     const Solved body = solved(test::box_mesh(cells, kBlockSize), 2, kSteel, 26e3);
     const auto errors = fem::frequency_errors(body.mesh, kSteel, body.lambda, body.shapes).value();

@@ -79,43 +79,43 @@ mesh::TetMesh graded_plate(int cells, double edge) {
 
 const Eigen::Vector3d kBlockSize(0.1, 0.08, 0.06), kBarSize(0.2, 0.01, 0.01);
 
-TEST(ExactFrequencies, OfABlock) {
+TEST(ExactFrequencies, FrequenciesOfABlock) {
   const auto box = test::box_mesh({8, 7, 6}, kBlockSize);
   expect_slightly_above(frequencies(box, kSteel, fem::Element::kTet10, 27e3, 10), reference::kBlock, 2e-3);
 }
 
-TEST(ExactFrequencies, OfABlockByCubicElements) {
+TEST(ExactFrequencies, FrequenciesOfABlockByCubicElements) {
   expect_goal(test::box_mesh({7, 5, 4}, kBlockSize), kSteel, fem::Element::kTet20, reference::kBlock);
 }
 
-TEST(ExactFrequencies, OfANearlyIncompressibleBlock) {
+TEST(ExactFrequencies, FrequenciesOfANearlyIncompressibleBlock) {
   const auto box = test::box_mesh({8, 7, 6}, kBlockSize);
   expect_slightly_above(frequencies(box, kSoft, fem::Element::kTet10, 26e3, 10), reference::kSoftBlock, 4e-3);
   expect_slightly_above(frequencies(test::box_mesh({7, 5, 4}, kBlockSize), kSoft, fem::Element::kTet20, 26e3, 10),
                         reference::kSoftBlock, 2e-4);
 }
 
-TEST(ExactFrequencies, OfANearlyIncompressibleBlockByQuarticElements) {
+TEST(ExactFrequencies, FrequenciesOfANearlyIncompressibleBlockByQuarticElements) {
   expect_goal(test::box_mesh({4, 3, 3}, kBlockSize), kSoft, fem::Element::kTet35, reference::kSoftBlock);
 }
 
-TEST(ExactFrequencies, OfABar) {
+TEST(ExactFrequencies, FrequenciesOfABar) {
   const auto bar = test::box_mesh({32, 3, 3}, kBarSize);
   expect_slightly_above(frequencies(bar, kSteel, fem::Element::kTet10, 15e3, 10), reference::kBar, 6e-3);
   expect_slightly_above(frequencies(test::box_mesh({16, 3, 3}, kBarSize), kSteel, fem::Element::kTet20, 13e3, 10),
                         reference::kBar, 2e-4);
 }
 
-TEST(ExactFrequencies, OfABarByQuarticElements) {
+TEST(ExactFrequencies, FrequenciesOfABarByQuarticElements) {
   expect_goal(test::box_mesh({12, 2, 2}, kBarSize), kSteel, fem::Element::kTet35, reference::kBar);
 }
 
-TEST(ExactFrequencies, OfAThinPlate) {
+TEST(ExactFrequencies, FrequenciesOfAThinPlate) {
   const auto plate = test::box_mesh({22, 22, 1}, {0.2, 0.2, 0.004});
   expect_slightly_above(frequencies(plate, kSteel, fem::Element::kTet10, 1900, 10), reference::kPlate, 1e-2);
 }
 
-TEST(ExactFrequencies, OfAThinPlateByQuarticElements) {
+TEST(ExactFrequencies, FrequenciesOfAThinPlateByQuarticElements) {
   const auto plate = graded_plate(7, 0.005);
   expect_slightly_above(frequencies(plate, kSteel, fem::Element::kTet35, 1900, 10), reference::kPlate, 2e-4);
 }
@@ -133,7 +133,7 @@ mesh::TetMesh ball(double mesh_size_m, int order) {
   return mesh->mesh;
 }
 
-TEST(ExactFrequencies, OfASphereWithCurvedElements) {
+TEST(ExactFrequencies, FrequenciesOfASphereWithCurvedElements) {
   const Modes quadratic(ball(0.032, 2), kSteel, fem::Element::kTet10, 18e3);
   const double mass = 7850 * 4.0 / 3 * std::numbers::pi * 1e-3;
   EXPECT_NEAR(quadratic.system.node_mass.sum(), mass, 2e-3 * mass);
@@ -142,7 +142,7 @@ TEST(ExactFrequencies, OfASphereWithCurvedElements) {
   for (std::size_t m = 0; m < 13; ++m) EXPECT_NEAR(found[m] / reference::kSphere[m], 1, 3e-3) << m;
 }
 
-TEST(ExactFrequencies, OfASphereByCurvedCubicElements) {
+TEST(ExactFrequencies, FrequenciesOfASphereByCurvedCubicElements) {
   const auto found = frequencies(ball(0.038, 3), kSteel, fem::Element::kTet20, 25.6e3, 50);
   for (std::size_t m = 0; m < 50; ++m) {
     EXPECT_NEAR(found[m] / reference::kSphere[m], 1, m < 10 ? 2e-4 : 1e-3) << m;
@@ -151,7 +151,7 @@ TEST(ExactFrequencies, OfASphereByCurvedCubicElements) {
 
 // A slender free beam: Euler-Bernoulli's (k L) = 4.7300, 7.8532, 10.9956, lowered by shear and rotary inertia to first
 // order (Timoshenko 1921): f = f0 / sqrt(1 + (k r)^2 (1 + E / (kappa G))), r the radius of gyration, kappa = 5/6.
-TEST(BeamTheory, ASlenderBarFollowsIt) {
+TEST(BeamTheory, ASlenderBarFollowsBeamTheory) {
   const double length = 0.4, side = 0.008, speed = std::sqrt(200e9 / 7850.0), radius = side / std::sqrt(12.0);
   const auto found =
       frequencies(test::box_mesh({32, 2, 2}, {length, side, side}), kSteel, fem::Element::kTet10, 1700, 6);
@@ -168,7 +168,7 @@ TEST(BeamTheory, ASlenderBarFollowsIt) {
 }
 
 // Why the report's element is not the default: the same meshes, 4-node tetrahedra with lumped mass.
-TEST(LinearTetrahedra, AreFarTooStiffInBending) {
+TEST(LinearTetrahedra, LinearTetrahedraAreFarTooStiffInBending) {
   const auto bar = test::box_mesh({24, 2, 2}, {0.2, 0.01, 0.01});
   const auto plate = test::box_mesh({14, 14, 1}, {0.2, 0.2, 0.004});
   EXPECT_GT(frequencies(bar, kSteel, fem::Element::kTet4Lumped, 4e3, 1)[0] / reference::kBar[0], 1.2);

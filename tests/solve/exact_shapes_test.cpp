@@ -101,7 +101,7 @@ double subspace_mac(const fem::System& system, const Eigen::MatrixXd& shapes, Ei
   return std::pow(cosines.jacobiSvd().singularValues().minCoeff(), 2);
 }
 
-TEST(ExactShapes, OfASphereSpanTheClosedForm) {
+TEST(ExactShapes, ShapesOfASphereSpanTheClosedForm) {
   const test::TemporaryFolder folder;
   const auto path = folder / "ball.geo";
   std::ofstream(path) << "SetFactory(\"OpenCASCADE\"); DefineConstant[ mesh_size = 0.05 ];\n"

@@ -57,7 +57,7 @@ Eigen::MatrixXd in_mesh_order(const Block& block, const solve::Elimination& plan
 class Threads : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(All, Threads, testing::Values(1, 2, 3));
 
-TEST_P(Threads, ProductsAreThoseOfTheSparseMatrices) {
+TEST_P(Threads, BlockProductsAreThoseOfTheSparseMatrices) {
   const fem::System system = box_system({4, 3, 3});
   const solve::Elimination plan = solve::plan_elimination(system, GetParam());
   solve::Team team(GetParam());
@@ -126,7 +126,7 @@ TEST_P(Threads, NegativePivotsCountEigenvalues) {
   }
 }
 
-TEST_P(Threads, PartsOfTheEliminationHaveNothingToDoWithOneAnother) {
+TEST_P(Threads, NoEntryOfTheFactorConnectsTwoParts) {
   const fem::System system = box_system({6, 5, 4});
   const solve::Elimination plan = solve::plan_elimination(system, GetParam());
   ASSERT_EQ(plan.parts(), GetParam());
@@ -146,7 +146,7 @@ TEST_P(Threads, PartsOfTheEliminationHaveNothingToDoWithOneAnother) {
   }
 }
 
-TEST(Elimination, OfLumpedMassesWorksToo) {
+TEST(Elimination, SystemsWithLumpedMassesAreEliminatedToo) {
   const auto box = test::box_mesh({3, 3, 2}, kSize);
   const fem::System system = fem::assemble(box, kSteel, fem::Element::kTet4Lumped).value();
   const solve::Elimination plan = solve::plan_elimination(system, 1);
@@ -157,7 +157,7 @@ TEST(Elimination, OfLumpedMassesWorksToo) {
   EXPECT_EQ(factors.negative(), 6);
 }
 
-TEST(Ldlt, AsksWhetherToGoOn) {
+TEST(Ldlt, FactoringAsksWhetherToGoOn) {
   const fem::System system = box_system({3, 3, 3});
   const solve::Elimination plan = solve::plan_elimination(system, 2);
   solve::Team team(2);
@@ -168,7 +168,7 @@ TEST(Ldlt, AsksWhetherToGoOn) {
   EXPECT_EQ(asked, 3);
 }
 
-TEST(Basis, ProductsAreThoseOfMatrices) {
+TEST(Basis, BasisProductsAreThoseOfMatrices) {
   solve::Team team(2);
   solve::Basis basis(team);
   const int unknowns = 1001;
@@ -190,7 +190,7 @@ TEST(Basis, ProductsAreThoseOfMatrices) {
   EXPECT_LT((basis.combine(wide) - vectors * wide).norm(), 1e-12 * vectors.norm());
 }
 
-TEST(Team, DoesEveryPartOnceAndPassesOnWhatIsThrown) {
+TEST(Team, ATeamDoesEveryPartOnceAndPassesOnWhatIsThrown) {
   solve::Team team(4);
   for (int round = 0; round < 200; ++round) {
     std::vector<int> done(4, 0);
@@ -206,7 +206,7 @@ TEST(Team, DoesEveryPartOnceAndPassesOnWhatIsThrown) {
   EXPECT_EQ(after, 1);
 }
 
-TEST(Team, MeetsAndDoesNotWaitForOneThatThrew) {
+TEST(Team, ATeamMeetsAndDoesNotWaitForAMemberThatThrew) {
   solve::Team team(3);
   std::vector<int> seen(3, 0);
   std::atomic<int> before = 0;
@@ -226,7 +226,7 @@ TEST(Team, MeetsAndDoesNotWaitForOneThatThrew) {
   EXPECT_THROW(team.run_together(one_throws), std::runtime_error);
 }
 
-TEST(Team, SharesCoverEverythingOnce) {
+TEST(Team, SharesOfTeamMembersCoverEverythingOnce) {
   std::barrier<> meeting(3);
   for (const int items : {0, 1, 2, 7, 100}) {
     int next = 0;
@@ -239,7 +239,7 @@ TEST(Team, SharesCoverEverythingOnce) {
   }
 }
 
-TEST(Tiles, CutEveryColumnIntoOneStripWithAllBelowIt) {
+TEST(Tiles, EveryColumnLiesInOneStripWithAllBelowIt) {
   for (const int pivots : {3, 117, 120, 123, 480, 501}) {
     const int below = 33;
     int next = 0;
