@@ -3,9 +3,9 @@
 //   Result<Eigenmodes> modes = solve_modes(system, {.highest_lambda = square(2 * pi * 20e3)});
 //
 // K is singular (a free body has six rigid motions for each piece), M is not. How many modes lie below the top is
-// counted, not guessed: by Sylvester's law of inertia a symmetric factorization K - lambda M = L D L^T has as many
+// counted, not guessed: by Sylvester's law of inertia a symmetric factorisation K - lambda M = L D L^T has as many
 // negative entries in D as there are eigenvalues below lambda. The set returned has exactly that many, or the solver
-// fails with a sentence.
+// fails and says so.
 #pragma once
 
 #include "engine/base/progress.h"
@@ -37,8 +37,8 @@ struct EigenRequest {
   double tolerance = 1e-9;    // relative, on 1 / (lambda - sigma)
   Method method = Method::kAutomatic;
   int threads = 0;  // 0: as many as there are processors
-  // The elastic modes of a similar body, ascending; may be empty, or end before highest_lambda. They are for planning
-  // only: they change how long a solve takes, not what is found.
+  // Where a near relative of the body had its elastic modes, ascending; may be empty, or end before highest_lambda. For
+  // planning only: it changes how long a solve takes, not what is found.
   Eigen::VectorXd expected_lambda = {};
   // How many motions of the body are rigid, when the caller knows (six for each piece): the first ones. -1: those whose
   // lambda is zero to rounding; in a mesh of very thin or distorted elements that may be as much as a vibration's.
@@ -50,7 +50,7 @@ struct EigenRequest {
   [[nodiscard]] double hertz(double lambda) const;
 };
 
-// What a second opinion compared (EigenRequest::verify): the largest differences, all of them within the limits.
+// What a second opinion compared (EigenRequest::verify): the largest differences, all within what is allowed.
 struct Agreement {
   int modes = 0;         // compared; 0: no second opinion was asked for
   double frequency = 0;  // relative
@@ -74,7 +74,8 @@ struct Eigenmodes {
 
 // Fails when the system cannot be factored (a mesh or material that is not sound), when the iteration does not
 // converge, when modes found and counted disagree, when the second opinion disagrees, when there are more than
-// most_modes, or when cancelled. Results repeat bit for bit on one machine with one number of threads.
+// most_modes, or when cancelled. Results
+// repeat bit for bit on one machine with one number of threads.
 Result<Eigenmodes> solve_modes(const fem::System& system, const EigenRequest& request, const Progress& progress = {});
 
 }  // namespace ringdown::solve
