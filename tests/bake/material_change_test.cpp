@@ -89,7 +89,7 @@ TEST(Change, AChangeOrdersModesByTheirNewImportanceAndBackIsTheOldBank) {
   EXPECT_NEAR(back->bank.provenance.band_high_hz, 16000, 1e-3);
 }
 
-TEST(Change, AChangeFromNoDampingAndToNone) {
+TEST(Change, AMaterialChangesFromNoDampingAndToNone) {
   modal::Material lossless = kSteel;
   lossless.damping = {};
   const auto damped = bake::change(baked(1, lossless, 16000), {.material = kSteel});

@@ -94,7 +94,7 @@ TEST(MeshCache, DamagedEntriesAreMadeAgainAndFailuresAreNotKept) {
 }
 
 // An entry with a right checksum and wrong content, as an older version might have left.
-TEST(MeshCache, ChecksAMeshFromTheCacheLikeAnyOther) {
+TEST(MeshCache, AMeshFromTheCacheIsCheckedLikeAnyOther) {
   const Case box;
   const mesh::CheckedMesh fresh = box.read();
   const std::string name = box.entry().filename().string(), digits = name.substr(name.find('-') + 1);

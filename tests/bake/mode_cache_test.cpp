@@ -89,7 +89,7 @@ TEST(ModeCache, TheCacheGivesTheSameBankByteForByteAndSolvesNothing) {
   EXPECT_EQ(again.report.rigid, 6);
 }
 
-TEST(ModeCache, SolvesAgainWhatNoSecondMethodHasVerified) {
+TEST(ModeCache, TheCacheSolvesAgainWhatNoSecondMethodHasVerified) {
   const TemporaryFolder folder;
   const bake::Baked first = baked(folder.path());
   EXPECT_EQ(first.report.agreement.modes, 0);

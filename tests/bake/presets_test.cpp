@@ -180,7 +180,7 @@ TEST(ObjectFile, AnObjectFileRefusesMistakesByLine) {
 }
 
 // A linear amplitude of 1/2 is -6.0206 dB. The shapes stay physical: only the bank's gain says how loud it plays.
-TEST(ObjectFile, ItsGainInDecibelsIsTheBanksLinearOne) {
+TEST(ObjectFile, TheGainInDecibelsOfAnObjectFileIsTheBanksLinearOne) {
   const TemporaryFolder folder;
   const auto gain_of = [&](const std::string& line) {
     const std::string text = "material = \"steel\"\nunit_m = 0.001\nelement = \"tet4\"\nsurface_points = 20\n";

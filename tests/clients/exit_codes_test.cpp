@@ -37,7 +37,7 @@ bool handles_sigint(pid_t process) {
   return false;
 }
 
-TEST(ExitCodes, EveryKindOfErrorHasOne) {
+TEST(ExitCodes, EveryKindOfErrorHasAnExitCode) {
   using protocol::exit_code_of;
   using protocol::ExitCode;
   EXPECT_EQ(exit_code_of(ErrorKind::bad_input), ExitCode::bad_input);

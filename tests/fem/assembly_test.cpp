@@ -223,7 +223,7 @@ TEST(Assembly, ElementsAreKnownByTheirNames) {
   EXPECT_FALSE(fem::parse_element("hex8"));
 }
 
-TEST(Assembly, RefusesMaterialsThatAreNotStable) {
+TEST(Assembly, AssemblyRefusesMaterialsThatAreNotStable) {
   const mesh::TetMesh box = test::box_mesh({1, 1, 1}, kSize);
   for (const fem::Elastic& bad : {fem::Elastic{0, 0.3, 1}, fem::Elastic{1e9, 0.5, 1}, fem::Elastic{1e9, -1, 1},
                                   fem::Elastic{1e9, 0.3, 0}, fem::Elastic{1e9, std::nan(""), 1}}) {

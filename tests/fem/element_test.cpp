@@ -192,7 +192,7 @@ TEST_P(CurvedElements, CurvedElementsBecomeTheStraightOnesAsTheyStraighten) {
   EXPECT_LT((fem::consistent_mass(nearly, 7850) - mass).norm(), 1e-5 * mass.norm());
 }
 
-TEST_P(CurvedElements, StretchedEvenlyHoldTheEnergyOfTheirVolume) {
+TEST_P(CurvedElements, EvenlyStretchedCurvedElementsHoldTheEnergyOfTheirVolume) {
   std::mt19937 random(17);
   const ElementNodes nodes = curved(GetParam(), random_corners(random), random);
   const Eigen::Matrix3d gradient = Eigen::Matrix3d::Random();

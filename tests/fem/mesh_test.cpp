@@ -198,7 +198,7 @@ TEST_P(MeshOfOrder, AMeshOfAnyOrderKeepsItsCurvedFormWhenRaised) {
   }
 }
 
-TEST(Order, LoweringKeepsCornersAndPutsTheOtherNodesOnTheOldCurve) {
+TEST(Order, LoweringTheOrderKeepsCornersAndPutsTheOtherNodesOnTheOldCurve) {
   const mesh::TetMesh cubic = test::bent(mesh::to_order(test::box_mesh({2, 1, 2}, kSize), 3), 8);
   const mesh::TetMesh quadratic = mesh::to_order(cubic, 2);
   const mesh::ElementNodes before = mesh::nodes_of(cubic, 3), after = mesh::nodes_of(quadratic, 3);

@@ -62,7 +62,7 @@ std::vector<Mode> modes_of(const modal::Bank& bank, double alpha, double beta) {
   return modes;
 }
 
-TEST(Calibrate, ModesThatAreClampedAreLeftOut) {
+TEST(Calibrate, CalibrationLeavesOutModesThatAreClamped) {
   const modal::Bank bank = preset("steel-plate");
   auto modes = modes_of(bank, 3, 2e-8);
   for (std::size_t m = 0; m < modes.size(); m += 5) modes[m].decay_per_s *= 4;
@@ -73,7 +73,7 @@ TEST(Calibrate, ModesThatAreClampedAreLeftOut) {
   EXPECT_EQ(found->used(), found->matches.size() - modes.size() / 5);
 }
 
-TEST(Calibrate, NeitherIsBelowZero) {
+TEST(Calibrate, NeitherAlphaNorBetaIsBelowZero) {
   const modal::Bank bank = preset("steel-plate");
   auto modes = modes_of(bank, 3, 2e-8);
   for (Mode& mode : modes)
@@ -84,7 +84,7 @@ TEST(Calibrate, NeitherIsBelowZero) {
   EXPECT_EQ(found->damping.beta_s, 0);
 }
 
-TEST(Calibrate, AnotherThingIsRefused) {
+TEST(Calibrate, CalibrationRefusesARecordingOfAnotherThing) {
   const modal::Bank bank = preset("wooden-bar");
   const std::vector<Mode> two = {{.frequency_hz = 5000, .decay_per_s = 3, .amplitude = 1},
                                  {.frequency_hz = 60, .decay_per_s = 3, .amplitude = 1}};
@@ -94,7 +94,7 @@ TEST(Calibrate, AnotherThingIsRefused) {
   EXPECT_FALSE(calibrate({}, bank));
 }
 
-TEST(Calibrate, TheNewBankKeepsItsUndampedModes) {
+TEST(Calibrate, TheCalibratedBankKeepsItsUndampedModes) {
   const modal::Bank bank = preset("bronze-bell");
   const modal::Bank damped = with_damping(bank, {20, 1e-7});
   ASSERT_EQ(damped.mode_count(), bank.mode_count());

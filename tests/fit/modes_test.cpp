@@ -175,7 +175,7 @@ Score score(const Fit& fit, const std::vector<Tone>& tones) {
   return s;
 }
 
-TEST(FitModes, FiftyModesOfABellInNoise) {
+TEST(FitModes, FiftyModesOfABellAreFoundInNoise) {
   const Rendered bell = render_preset("bronze-bell", 50, 2);
   const double level = rms(bell.samples);
   const struct {
@@ -196,7 +196,7 @@ TEST(FitModes, FiftyModesOfABellInNoise) {
   }
 }
 
-TEST(FitModes, EveryModeOfAPlate) {
+TEST(FitModes, EveryModeOfAPlateIsFound) {
   const Rendered plate = render_preset("steel-plate", 120, 2);
   auto samples = plate.samples;
   add_noise(samples, 1e-3 * rms(plate.samples));
@@ -208,7 +208,7 @@ TEST(FitModes, EveryModeOfAPlate) {
   EXPECT_LE(s.wrong, 5u);
 }
 
-TEST(FitModes, NothingIsFoundInSilenceAndNoise) {
+TEST(FitModes, NoModeIsFoundInSilenceAndNoise) {
   EXPECT_TRUE(fitted(std::vector<double>(48000)).modes.empty());
   std::vector<double> noise(48000);
   add_noise(noise, 0.1);

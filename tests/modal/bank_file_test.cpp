@@ -119,7 +119,7 @@ Bank large_bank(std::size_t modes, std::size_t points) {
   return bank;
 }
 
-TEST(BankFile, ABankHoldsSoManyModesAndPointsAndNotOneMore) {
+TEST(BankFile, ABankHoldsModesAndPointsUpToTheLimitAndNotOneMore) {
   const auto refusal = [](std::size_t modes, std::size_t points) {
     const auto bank = parse(written(large_bank(modes, points)));
     return bank ? "" : bank.error().message;

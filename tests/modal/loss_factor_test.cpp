@@ -33,7 +33,7 @@ TEST(LossFactor, TheLossFactorOfRayleighsOwnCurveGivesItsTwoTermsBack) {
   EXPECT_LT(worst_error(fitted, points), 1e-9);
 }
 
-TEST(LossFactor, OnePointIsFittedByStiffnessAlone) {
+TEST(LossFactor, OneLossFactorIsFittedByStiffnessAlone) {
   const std::vector<LossFactor> points = {{1000, 1e-3}, {1000, 1e-3}};
   const RayleighDamping fitted = fit_rayleigh(points);
   EXPECT_EQ(fitted.alpha_per_s, 0);
@@ -41,7 +41,7 @@ TEST(LossFactor, OnePointIsFittedByStiffnessAlone) {
 }
 
 // A curve that falls faster than alpha's, and one that rises faster than beta's, would have one term below zero.
-TEST(LossFactor, NeitherTermFallsBelowZero) {
+TEST(LossFactor, NeitherDampingTermFallsBelowZero) {
   const std::vector<LossFactor> falling = {{100, 0.1}, {1000, 1e-3}, {10000, 1e-5}},
                                 rising = {{100, 1e-5}, {1000, 1e-3}, {10000, 0.1}};
   EXPECT_EQ(fit_rayleigh(falling).beta_s, 0);
@@ -51,7 +51,7 @@ TEST(LossFactor, NeitherTermFallsBelowZero) {
 }
 
 // No step in any direction that is allowed makes the fit better.
-TEST(LossFactor, NoOtherPairFitsBetter) {
+TEST(LossFactor, NoOtherPairOfDampingTermsFitsBetter) {
   const std::vector<std::vector<LossFactor>> curves = {
       {{250, 0.01}, {500, 0.01}, {1000, 0.01}, {2000, 0.01}, {4000, 0.01}},
       {{100, 0.03}, {400, 0.02}, {3000, 0.04}},

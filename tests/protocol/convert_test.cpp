@@ -31,7 +31,7 @@ TEST(Convert, LimitsAreInsideAndTheNextNumberIsNot) {
   EXPECT_FALSE(convert(spec, std::nextafter(-1.0, -3.0)));
 }
 
-TEST(Convert, WhatIsNoNumberIsNeverOne) {
+TEST(Convert, TextThatIsNotANumberIsNeverReadAsOne) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const ArgumentSpec widest = number(std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max());
   for (const wire::Argument& bad : {wire::Argument(std::numeric_limits<float>::quiet_NaN()), wire::Argument(kInfinity),

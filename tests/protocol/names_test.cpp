@@ -13,12 +13,12 @@ TEST(Names, LettersDigitsAndThreeSignsMakeAName) {
   }
 }
 
-TEST(Names, LengthIsAcceptedAtTheLimitAndRefusedPastIt) {
+TEST(Names, ANameIsAcceptedAtTheLimitOfLengthAndRefusedPastIt) {
   EXPECT_TRUE(is_object_name(std::string(64, 'a')));
   EXPECT_FALSE(is_object_name(std::string(65, 'a')));
 }
 
-TEST(Names, DigitsAreANumberUpToTheLargest) {
+TEST(Names, DigitsAreAnObjectNumberUpToTheLargest) {
   EXPECT_EQ(parse_object("0")->number, 0u);
   EXPECT_EQ(parse_object("16777215")->number, 16777215u);
   for (const char* bad : {"16777216", "4294967296", "99999999999999999999", "+1", "-1 "}) {

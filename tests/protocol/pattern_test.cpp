@@ -8,7 +8,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-TEST(Pattern, EachSignMeansWhatOsc10Says) {
+TEST(Pattern, EachSignOfAPatternMeansWhatOsc10Says) {
   EXPECT_TRUE(matches("bell", "bell"));
   EXPECT_FALSE(matches("bell", "bells"));
   EXPECT_TRUE(matches("b?ll", "ball"));
@@ -39,7 +39,7 @@ TEST(Pattern, BeginningsAndEndsMayOverlapInTheTextOnlyOnce) {
   EXPECT_FALSE(matches("bell", "ll"));
 }
 
-TEST(Pattern, WhatIsNotClosedMatchesNothing) {
+TEST(Pattern, APatternThatIsNotClosedMatchesNothing) {
   for (const char* pattern : {"[a", "{a", "[", "{", "[]", "{}", "a]["}) {
     EXPECT_FALSE(matches(pattern, "a")) << pattern;
   }
@@ -53,14 +53,14 @@ TEST(Pattern, ManyStarsTakeNoTime) {
   EXPECT_TRUE(matches(pattern, std::string(127, 'a')));
 }
 
-TEST(Pattern, ExpandsOverObjectsAndWhatTheyCanDo) {
+TEST(Pattern, APatternExpandsOverObjectsAndWhatTheyCanDo) {
   const Names names = {"bell", "glass1", "glass2"};
   EXPECT_EQ(*expand("/object/glass*/gain", names), (Names{"/object/glass1/gain", "/object/glass2/gain"}));
   EXPECT_EQ(*expand("/object/bell/{gain,pan}", names), (Names{"/object/bell/gain", "/object/bell/pan"}));
   EXPECT_EQ(expand("/object/*/{gain,pan}", names)->size(), 6u);
 }
 
-TEST(Pattern, WhatMatchesNothingIsRefusedByName) {
+TEST(Pattern, APatternThatMatchesNothingIsRefusedByName) {
   const Names names = {"bell"};
   const std::pair<const char*, const char*> refused[] = {{"/object/x*/gain", "none of the 1 objects"},
                                                          {"/object/*/gian", "gian"},

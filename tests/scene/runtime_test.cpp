@@ -185,7 +185,7 @@ TEST(Objects, AnObjectThatHasGoneIsSilentUntilItIsBack) {
   EXPECT_EQ(strikes.front().object, 7u);
 }
 
-TEST(Poison, ABodyBeyondWhatIsRealGoesBackAndThenAway) {
+TEST(AbsurdInput, ABodyBeyondWhatIsRealGoesBackAndThenAway) {
   World world =
       world_of(scene_of({body_of("bell", ShapeType::box, {0, 0, 1})}), {sounding("bell", 4, box_bank(kSize, 1))});
   const BodyId id = world.bodies()[0].id;
@@ -202,7 +202,7 @@ TEST(Poison, ABodyBeyondWhatIsRealGoesBackAndThenAway) {
   EXPECT_TRUE(world.bodies().empty());
 }
 
-TEST(Poison, ABodyThatFallsOffTheWorldIsRemovedAndReported) {
+TEST(AbsurdInput, ABodyThatFallsOffTheWorldIsRemovedAndReported) {
   auto scene = scene_of({body_of("bell", ShapeType::box, {0, 0, -900})});
   scene.statics.clear();
   World world = world_of(scene, {sounding("bell", 4, box_bank(kSize, 1))});
@@ -212,7 +212,7 @@ TEST(Poison, ABodyThatFallsOffTheWorldIsRemovedAndReported) {
   EXPECT_TRUE(world.bodies().empty());
 }
 
-TEST(Poison, APushThatIsNotANumberIsRefused) {
+TEST(AbsurdInput, APushThatIsNotANumberIsRefused) {
   World world =
       world_of(scene_of({body_of("bell", ShapeType::box, {0, 0, 1})}), {sounding("bell", 4, box_bank(kSize, 1))});
   EXPECT_FALSE(world.push(0, {kNan, 0, 0}));
@@ -220,7 +220,7 @@ TEST(Poison, APushThatIsNotANumberIsRefused) {
   EXPECT_FALSE(world.push(77, {1, 0, 0}));
 }
 
-TEST(Poison, ADescriptionFilledWithNonsenseIsRefusedBeforeOdeSeesIt) {
+TEST(AbsurdInput, ADescriptionFilledWithNonsenseIsRefusedBeforeOdeSeesIt) {
   const auto refused = [](const std::string& word, auto spoil) {
     SceneDescription scene = scene_of({body_of("bell", ShapeType::box, {0, 0, 1})});
     spoil(scene);

@@ -11,7 +11,7 @@
 namespace ringdown::server {
 namespace {
 
-TEST(Capacity, AWorkerHoldsSoManyTasksAndRefusesTheNext) {
+TEST(Capacity, AWorkerHoldsTasksUpToItsLimitAndRefusesTheNext) {
   std::binary_semaphore started{0}, go{0};
   std::atomic<std::size_t> done = 0;
   Worker worker([] {}, 10ms);
@@ -76,7 +76,7 @@ TEST_F(CapacityTest, FilesAreReadToTheirLimitAndRefusedPastIt) {
   EXPECT_TRUE(too_large(refusal_of(modal::kMaxBankFileBytes + 1, bank)));
 }
 
-TEST_F(CapacityTest, ARecordingKeepsSoManyEventsAndSaysWhatItLeftOut) {
+TEST_F(CapacityTest, ARecordingKeepsEventsUpToItsLimitAndSaysWhatItLeftOut) {
   load("bell");
   for (const std::size_t more : {0u, 1u}) {
     const auto score = folder_ / "full.osc";
@@ -90,7 +90,7 @@ TEST_F(CapacityTest, ARecordingKeepsSoManyEventsAndSaysWhatItLeftOut) {
   }
 }
 
-TEST(Capacity, ACaptureKeepsSoManyFramesAndCountsTheRest) {
+TEST(Capacity, ACaptureKeepsFramesUpToItsLimitAndCountsTheRest) {
   Captured captured{.most = 100};
   EXPECT_EQ(Captured{}.most, Captured::kMost);
   const std::vector<float> block(64, 0.5f);
@@ -105,7 +105,7 @@ TEST(Capacity, ACaptureKeepsSoManyFramesAndCountsTheRest) {
 }
 
 // Its silence is measured by a clock of the test's own.
-TEST_F(CapacityTest, ASubscriberIsSilentForSoLongAndNotLonger) {
+TEST_F(CapacityTest, ASubscriberMayBeSilentUpToTheLimitAndNotLonger) {
   using Seconds = std::chrono::duration<double>;
   std::atomic<double> now_s = 0;
   std::atomic<int> notices = 0;

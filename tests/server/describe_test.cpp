@@ -294,14 +294,14 @@ TEST_F(BrowseTest, FilesOutsideHiddenOrDeepCannotBeBrowsed) {
   EXPECT_TRUE(browsed({}).empty()) << "a program that may open all has no folders to look in";
 }
 
-TEST_F(BrowseTest, SoManyFilesAreBrowsedAndNotOneMore) {
+TEST_F(BrowseTest, FilesAreBrowsedUpToTheLimitAndNotOneMore) {
   for (std::size_t i = 0; i < kMaxBrowsed; ++i) static_cast<void>(folder_.write(std::to_string(i) + ".glb", ""));
   EXPECT_EQ(browse(*session::FileRoots::only({folder_.path()})).size(), kMaxBrowsed);
   static_cast<void>(folder_.write("more.glb", ""));
   EXPECT_EQ(browse(*session::FileRoots::only({folder_.path()})).size(), kMaxBrowsed);
 }
 
-TEST(Bundles, BundlesHoldSixteenMessagesOrSoManyBytesAndKeepTheOrder) {
+TEST(Bundles, BundlesHoldSixteenMessagesOrTheirLimitOfBytesAndKeepTheOrder) {
   std::vector<protocol::Reply> replies;
   for (std::int32_t i = 0; i < 40; ++i) replies.emplace_back(protocol::Synced{i});
   for (std::int32_t i = 40; i < 45; ++i) replies.emplace_back(protocol::BankReply{"a", 1, i, 9, wire::Blob(8192)});

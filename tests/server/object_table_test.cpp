@@ -11,7 +11,7 @@
 namespace ringdown::session {
 namespace {
 
-TEST(ObjectTable, FindsByNameAndByNumberWhatWasAddedAndNothingElse) {
+TEST(ObjectTable, TheTableFindsByNameAndByNumberWhatWasAddedAndNothingElse) {
   ObjectTable table;
   EXPECT_FALSE(table.find("bell"));
   EXPECT_FALSE(table.find(0));

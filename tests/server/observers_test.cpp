@@ -64,7 +64,7 @@ TEST(Observers, ChangesAreReportedAtOnceAndCounted) {
   EXPECT_EQ(calls, 3);
 }
 
-TEST(Observers, WhoHasBeenRemovedHearsNothing) {
+TEST(Observers, AnObserverThatWasRemovedHearsNothing) {
   Observers observers;
   Listener gone, there;
   observers.add(gone);

@@ -84,7 +84,7 @@ TEST_F(OscServerTest, ALateBundleIsPlayedAtOnceAndCounted) {
   EXPECT_EQ(session_.rack().mixer().counters().late, 1u);
 }
 
-TEST_F(OscServerTest, OnlySoManyEventsMayLieAheadAndOnlySoFar) {
+TEST_F(OscServerTest, EventsMayLieAheadUpToLimitsOfNumberAndTime) {
   load("tick");
   serve();
   const double far = time_.unix_s() + session::kMaxAhead_s;
@@ -194,7 +194,7 @@ TEST_F(OscServerTest, SubscribersHearHowLoudEachObjectIs) {
   }
 }
 
-TEST_F(OscServerTest, SoManySubscribersAndNotOneMore) {
+TEST_F(OscServerTest, SubscribersAreTakenUpToTheLimitAndNotOneMore) {
   serve();
   std::vector<wire::OscSocket> clients;
   for (std::size_t i = 0; i < kMaxSubscribers; ++i) {

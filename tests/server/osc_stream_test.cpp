@@ -164,7 +164,7 @@ TEST_F(OscStreamTest, AWebPageCannotPlayThroughABrowser) {
   EXPECT_TRUE(good.reply()) << "the same body alone is understood";
 }
 
-TEST_F(OscStreamTest, SoManyConnectionsAndNotOneMore) {
+TEST_F(OscStreamTest, ConnectionsAreTakenUpToTheLimitAndNotOneMore) {
   std::vector<std::unique_ptr<TcpClient>> clients;
   for (std::size_t i = 0; i < kMaxConnections; ++i) {
     clients.push_back(std::make_unique<TcpClient>(tcp_port_));
@@ -202,7 +202,7 @@ TEST_F(OscStreamTest, WhoDoesNotReadItsAnswersIsCutOff) {
 }
 
 // The whole answer waits for the client, in one piece.
-TEST(OscStream, SoMuchWaitsForAClientAndNotAByteMore) {
+TEST(OscStream, AnswersWaitForAClientUpToTheLimitAndNotAByteMore) {
   for (const std::size_t more : {0u, 1u}) {
     auto stream = OscStream::listen({});
     ASSERT_TRUE(stream) << stream.error().message;

@@ -214,7 +214,7 @@ TEST_F(SessionTest, FilesOutsideTheRootsAreRefused) {
   EXPECT_NE(scene.error().message.find("--root"), std::string::npos);
 }
 
-TEST_F(SessionTest, AsManyObjectsAsThereAreNumbersAndNotOneMore) {
+TEST_F(SessionTest, ObjectsAreLoadedUpToTheLimitAndNotOneMore) {
   for (std::size_t i = 0; i < synth::kMaxObjects; ++i) {
     ASSERT_TRUE(session_.perform(protocol::LoadObject{"o" + std::to_string(i), bank("a.glb")}, 0)) << i;
     if (i % 256 == 0) render(64);

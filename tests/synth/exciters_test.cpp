@@ -36,7 +36,7 @@ double largest_difference(std::span<const double> a, std::span<const double> b) 
   return most;
 }
 
-TEST(ContactPulse, PlayedSampleBySampleIsTheConvolutionWithTheMode) {
+TEST(ContactPulse, AContactPulsePlayedSampleBySampleIsTheConvolutionWithTheMode) {
   for (const double f : {90.0, 440.0, 3000.0}) {
     for (const double tau : {0.001, 0.0051, 0.02}) {
       Player player;
@@ -60,7 +60,7 @@ TEST(ContactPulse, PlayedSampleBySampleIsTheConvolutionWithTheMode) {
   }
 }
 
-TEST(ContactPulse, IsTheSameOnEveryInstructionSet) {
+TEST(ContactPulse, AContactPulseIsTheSameOnEveryInstructionSet) {
   const auto play = [] {
     Player player;
     set(player.mixer, &MixerSettings::exact_contacts, true);
@@ -80,7 +80,7 @@ TEST(ContactPulse, IsTheSameOnEveryInstructionSet) {
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
-TEST(ContactPulse, LeavesEachModeAsLoudAsItsSpectrumSays) {
+TEST(ContactPulse, AContactPulseLeavesEachModeAsLoudAsItsSpectrumSays) {
   constexpr double kTau = 0.0015;
   for (const double f : {50.0, 200.0, 300.0, 700.0, 1200.0, 2500.0, 4000.0}) {
     double loud[2];
@@ -96,7 +96,7 @@ TEST(ContactPulse, LeavesEachModeAsLoudAsItsSpectrumSays) {
   }
 }
 
-TEST(ContactPulse, SoundsTheSameInAnyBlocksAndBesideAnything) {
+TEST(ContactPulse, AContactPulseSoundsTheSameInAnyBlocksAndBesideAnything) {
   const Map map = map_of(random_bank(3, 200, 30));
   Samples reference;
   for (const std::size_t block : {256u, 1u, 100u, 1024u}) {
@@ -116,7 +116,7 @@ TEST(ContactPulse, SoundsTheSameInAnyBlocksAndBesideAnything) {
   }
 }
 
-TEST(ContactPulse, EndsWhenItsObjectIsClearedOrRemoved) {
+TEST(ContactPulse, AContactPulseEndsWhenItsObjectIsClearedOrRemoved) {
   for (const bool clear : {true, false}) {
     Player player;
     set(player.mixer, &MixerSettings::exact_contacts, true);
@@ -134,7 +134,7 @@ TEST(ContactPulse, EndsWhenItsObjectIsClearedOrRemoved) {
   }
 }
 
-TEST(ContactPulse, GoesOnWhenTheMaterialChanges) {
+TEST(ContactPulse, AContactPulseGoesOnWhenTheMaterialChanges) {
   Player player;
   set(player.mixer, &MixerSettings::exact_contacts, true);
   const Map map = map_of(single_mode_bank(300, 1));
@@ -151,7 +151,7 @@ TEST(ContactPulse, GoesOnWhenTheMaterialChanges) {
   EXPECT_LE(largest_difference(player.left, steady.left), 1e-6 * largest(steady.left));
 }
 
-TEST(ContactPulse, BeyondTheMostAtATimeIsShapedByItsSpectrum) {
+TEST(ContactPulse, AContactPulseBeyondTheLimitIsShapedByItsSpectrum) {
   constexpr ObjectNumber kObjects = 2 * kMaxDrives;
   Player player;
   set(player.mixer, &MixerSettings::exact_contacts, true);
@@ -172,7 +172,7 @@ TEST(ContactPulse, BeyondTheMostAtATimeIsShapedByItsSpectrum) {
               0.03 * sum * largest(one.left));
 }
 
-TEST(ContactPulse, OnObjectsOfOneTableSoundsAsOnEachAlone) {
+TEST(ContactPulse, AContactPulseOnObjectsOfOneTableSoundsAsOnEachAlone) {
   const Map map = map_of(random_bank(4, 60, 30));
   const auto table = std::make_shared<ModeTable>(map, modal::MaterialScale{}, kRate);
   Player shared, alone;
@@ -208,7 +208,7 @@ class Input : public testing::Test {
   Samples out;
 };
 
-TEST_F(Input, AnImpulseInItIsAStrike) {
+TEST_F(Input, AnImpulseInAnInputIsAStrike) {
   std::vector<float> signal(8192, 0.0f);
   signal[1500] = 1;
   render(signal, 1024);
@@ -238,7 +238,7 @@ TEST_F(Input, NoiseRingsTheModeAsARecurrenceInLongDoubleDoes) {
   EXPECT_LE(largest_difference(out, expected), 1e-6 * largest(expected));
 }
 
-TEST_F(Input, SilenceCostsNothingAndDisconnectedItIsNotHeard) {
+TEST_F(Input, ASilentInputCostsNothingAndADisconnectedOneIsNotHeard) {
   std::vector<float> signal(4096, 0.0f);
   render(signal, 512);
   EXPECT_EQ(player.mixer.counters().ringing_voices, 0u);
@@ -248,7 +248,7 @@ TEST_F(Input, SilenceCostsNothingAndDisconnectedItIsNotHeard) {
   EXPECT_EQ(largest(out), 0);
 }
 
-TEST_F(Input, IsConnectedWhileFourPulsesAct) {
+TEST_F(Input, AnInputIsConnectedWhileFourPulsesAct) {
   ASSERT_TRUE(player.mixer.disconnect_input(1));
   set(player.mixer, &MixerSettings::exact_contacts, true);
   for (int i = 0; i < 4; ++i) player.push(strike_at(i, 0, {0, 0, 1e-9}, 0.1));
@@ -261,7 +261,7 @@ TEST_F(Input, IsConnectedWhileFourPulsesAct) {
   EXPECT_GT(largest(std::span(out).subspan(before)), 1e-3);
 }
 
-TEST_F(Input, WhatIsNoNumberSilencesItsObjectOnly) {
+TEST_F(Input, ASampleThatIsNotANumberSilencesItsObjectOnly) {
   player.install(7, map_of(single_mode_bank(1000, 5)));
   player.push(strike_at(0, 7, {0, 0, 1}));
   std::vector<float> signal(4096, 0.0f);

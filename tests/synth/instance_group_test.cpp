@@ -84,7 +84,7 @@ TEST(InstanceGroup, GainAndPanMoveOneObjectAlone) {
   EXPECT_LE(pair.modes(), 2 * kModes) << "still again, all share";
 }
 
-TEST(InstanceGroup, ClearedAndRemovedAndRetunedObjectsLeaveIt) {
+TEST(InstanceGroup, ClearedRemovedAndRetunedObjectsLeaveTheirInstanceGroup) {
   Pair pair(5);
   for (ObjectNumber object = 0; object < 5; ++object) pair.push(strike_at(64, object, {1, 0.2, 0.1}));
   pair.push(clear_at(5000, 0));
@@ -100,7 +100,7 @@ TEST(InstanceGroup, ClearedAndRemovedAndRetunedObjectsLeaveIt) {
   EXPECT_LE(pair.difference(), kSame);
 }
 
-TEST(InstanceGroup, AnyBlockSizeSoundsTheSame) {
+TEST(InstanceGroup, AnInstanceGroupSoundsTheSameAtAnyBlockSize) {
   for (const std::size_t block : {1u, 63u, 128u, 1000u}) {
     Pair pair(20);
     std::mt19937 random(3);
@@ -115,7 +115,7 @@ TEST(InstanceGroup, AnyBlockSizeSoundsTheSame) {
 }
 
 // What an object keeps for itself is moved on in one jump of ten minutes; then it is taken out of the sum.
-TEST(InstanceGroup, AnObjectIsTakenOutExactlyAfterTenMinutes) {
+TEST(InstanceGroup, AnObjectLeavesItsInstanceGroupExactlyAfterTenMinutes) {
   const auto table = std::make_shared<ModeTable>(map_of(single_mode_bank(440, 1e-3)), modal::MaterialScale{}, kRate);
   Mixer mixer(kRate);
   for (ObjectNumber object = 0; object < 2; ++object) {
@@ -151,7 +151,7 @@ TEST(InstanceGroup, AStrikeAndAClearInOneChunkHappenInTheirOrder) {
   EXPECT_EQ(pair.shared.mixer.counters().refused, 0u);
 }
 
-TEST(InstanceGroup, IsOfOneBankInOneMaterial) {
+TEST(InstanceGroup, AnInstanceGroupIsOfOneBankInOneMaterial) {
   Mixer mixer(kRate);
   const Map map = coin(), other = coin();
   const auto table = mixer.table_for(map, {});
@@ -171,7 +171,7 @@ TEST(InstanceGroup, AnAbsurdStrikeIsNotHeard) {
   EXPECT_EQ(pair.shared.mixer.counters().not_finite, 1u);
 }
 
-TEST(InstanceGroup, ObjectsOnOneBusShareItAndOthersDoNot) {
+TEST(InstanceGroup, ObjectsOnOneBusShareAnInstanceGroupAndOthersDoNot) {
   Pair pair(6);
   std::vector<float> bus_shared(6400), bus_alone(6400), left(6400), right(6400);
   for (ObjectNumber object = 0; object < 5; ++object) {

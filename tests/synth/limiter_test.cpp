@@ -110,7 +110,7 @@ TEST(Limiter, BelowTheCeilingSamplesAreOnlyDelayed) {
   EXPECT_NEAR(static_cast<double>(limiter.delay_frames()), Limiter::kLookAhead_s * kRate, 2);
 }
 
-TEST(Limiter, IsOnlyADelayAgainAfterAPeak) {
+TEST(Limiter, TheLimiterIsOnlyADelayAgainAfterAPeak) {
   Limiter limiter(kRate, 0);
   std::vector<float> signal = sine(0.5, 441, 144000);
   signal[1000] = 100;
@@ -157,7 +157,7 @@ TEST(Limiter, BlocksOfAnySizeSoundTheSame) {
   EXPECT_EQ(a.right, b.right);
 }
 
-TEST(Limiter, DoesNothingThatAnAudioThreadMustNot) {
+TEST(Limiter, TheLimiterDoesNothingThatAnAudioThreadMustNot) {
   std::mt19937 random(6);
   Stereo signal = hostile_signal(random, 4096);
   Limiter limiter(kRate, -1);
@@ -176,7 +176,7 @@ Samples played(double impulse_ns, std::optional<double> ceiling_db) {
   return player.left;
 }
 
-TEST(MixerLimiter, OfAQuietMixIsADelayBitByBit) {
+TEST(MixerLimiter, TheLimiterOfAQuietMixIsADelayBitByBit) {
   const Samples plain = played(0.1, std::nullopt), late = played(0.1, -1);
   const std::size_t delay = Limiter(kRate, -1).delay_frames();
   ASSERT_GT(peak(plain), 0.01);
@@ -185,7 +185,7 @@ TEST(MixerLimiter, OfAQuietMixIsADelayBitByBit) {
                          late.begin() + static_cast<std::ptrdiff_t>(delay)));
 }
 
-TEST(MixerLimiter, HoldsALoudMixAtTheCeilingAndSaysSo) {
+TEST(MixerLimiter, TheLimiterHoldsALoudMixAtTheCeilingAndSaysSo) {
   EXPECT_GT(peak(played(100, std::nullopt)), 10);
   EXPECT_LE(peak(played(100, -1)), std::pow(10.0, -1.0 / 20));
   EXPECT_GT(peak(played(100, -1)), 0.85);
@@ -195,7 +195,7 @@ TEST(MixerLimiter, HoldsALoudMixAtTheCeilingAndSaysSo) {
   EXPECT_EQ(mixer.latency_frames(), Limiter(kRate, -1).delay_frames());
 }
 
-TEST(MixerLimiter, LeavesBusesAsTheyAre) {
+TEST(MixerLimiter, TheLimiterLeavesBusesAsTheyAre) {
   std::vector<float> bus[2];
   for (int limit = 0; limit < 2; ++limit) {
     Player player;

@@ -20,7 +20,7 @@ std::unique_ptr<Player> ringing(std::size_t frames) {
   return player;
 }
 
-TEST(Replace, LeavesTheOldTailExactlyAsItWouldHaveRung) {
+TEST(Replace, AReplacedVoiceRingsOutExactlyAsItWouldHave) {
   const auto plain = ringing(20000);
   const auto swapped = ringing(5000);
   swapped->install(0, map_of(single_mode_bank(1000, 2)));
@@ -32,7 +32,7 @@ TEST(Replace, LeavesTheOldTailExactlyAsItWouldHaveRung) {
   EXPECT_LT(relative_error_db(swapped->left, plain->left), -130);
 }
 
-TEST(Replace, SendsTheNextStrikeToTheNewBankBesideTheOldTail) {
+TEST(Replace, ReplacingAVoiceSendsTheNextStrikeToTheNewBankBesideTheOldTail) {
   const auto player = ringing(5000);
   player->install(0, map_of(single_mode_bank(1000, 2)));
   player->push(strike_at(6000, 0, {0, 0, 0.5}));
@@ -46,14 +46,14 @@ TEST(Replace, SendsTheNextStrikeToTheNewBankBesideTheOldTail) {
   EXPECT_LT(relative_error_db(player->left, exact), -130);
 }
 
-TEST(Replace, MakesNoStepLargerThanTheRingingItself) {
+TEST(Replace, ReplacingAVoiceMakesNoStepLargerThanTheRingingItself) {
   const auto player = ringing(5000);
   player->install(0, map_of(single_mode_bank(1000, 2)));
   player->render(5000);
   EXPECT_LE(largest_step(player->left, 4990, 5200), largest_step(player->left, 4800, 4990));
 }
 
-TEST(Replace, GivesTheOldVoiceBackOnceItHasDied) {
+TEST(Replace, AReplacedVoiceIsGivenBackOnceItHasDied) {
   Player player;
   const std::weak_ptr<const modal::StrikeMap> watch = [&player] {
     const Map map = map_of(single_mode_bank(1000, 200));
@@ -73,7 +73,7 @@ TEST(Replace, GivesTheOldVoiceBackOnceItHasDied) {
   EXPECT_TRUE(player.mixer.in_use(0));
 }
 
-TEST(Replace, OfASilentVoiceGivesItBackAtOnce) {
+TEST(Replace, ASilentVoiceThatIsReplacedIsGivenBackAtOnce) {
   Player player;
   const Map map = tone();
   player.install(0, map);
@@ -85,7 +85,7 @@ TEST(Replace, OfASilentVoiceGivesItBackAtOnce) {
 }
 
 // Stiffness times 1.21 raises the pitch by 1.1 at once; phase and amplitude go on from where they were.
-TEST(Retune, ContinuesPhaseAndAmplitudeAtTheNewPitch) {
+TEST(Retune, RetuningContinuesPhaseAndAmplitudeAtTheNewPitch) {
   constexpr std::size_t kChange = 5000;
   modal::Bank bank = single_mode_bank(kF, kD);
   const auto player = ringing(kChange);
@@ -113,7 +113,7 @@ TEST(Retune, ContinuesPhaseAndAmplitudeAtTheNewPitch) {
   EXPECT_LE(largest_step(player->left, kChange - 5, kChange + 5), 1.1 * largest_step(player->left, 4500, kChange));
 }
 
-TEST(Retune, ThereAndBackIsTheOldPitch) {
+TEST(Retune, RetuningThereAndBackIsTheOldPitch) {
   const auto player = ringing(1000);
   const Map map = tone();
   player->install(0, map, Mixer::Install::retune, {.alpha = 0.5, .density = 3});
@@ -125,7 +125,7 @@ TEST(Retune, ThereAndBackIsTheOldPitch) {
   EXPECT_NEAR(back.decay_per_s, kD, 1e-3);
 }
 
-TEST(Retune, KeepsAFadeGoing) {
+TEST(Retune, RetuningKeepsAFadeGoing) {
   const auto player = ringing(1000);
   player->push(clear_at(1000, 0));
   player->render(100);
@@ -135,7 +135,7 @@ TEST(Retune, KeepsAFadeGoing) {
   EXPECT_EQ(peak(player->left_from(1000 + FadeOut::kMinFrames + 1)), 0);
 }
 
-TEST(Clear, TakesAsLongAsItIsTold) {
+TEST(Clear, ClearingTakesAsLongAsItIsTold) {
   const auto player = ringing(5000);
   const double level = peak(player->left_from(4500));
   Event slow = clear_at(5000, 0);
@@ -147,7 +147,7 @@ TEST(Clear, TakesAsLongAsItIsTold) {
   EXPECT_EQ(peak(player->left_from(5000 + 12000)), 0);
 }
 
-TEST(Clear, FadesToSilenceWithoutAClickAndOnTime) {
+TEST(Clear, AClearedObjectFadesToSilenceWithoutAClickAndOnTime) {
   const auto player = ringing(5000);
   const double step_before = largest_step(player->left, 4500, 5000), level = peak(player->left_from(4500));
   player->push(clear_at(5000, 0));
@@ -160,7 +160,7 @@ TEST(Clear, FadesToSilenceWithoutAClickAndOnTime) {
   EXPECT_EQ(player->mixer.counters().ringing_voices, 0u);
 }
 
-TEST(Clear, DoesNotTouchTheStrikesThatFollow) {
+TEST(Clear, ClearingDoesNotAffectTheStrikesThatFollow) {
   const auto player = ringing(5000);
   player->push(clear_at(5000, 0));
   player->push(strike_at(5100, 0, {0, 0, 1}));
@@ -170,7 +170,7 @@ TEST(Clear, DoesNotTouchTheStrikesThatFollow) {
   EXPECT_LT(relative_error_db(player->left_from(5100 + faded), std::span(exact).subspan(faded)), -120);
 }
 
-TEST(Clear, InsideAFadeMakesNoClick) {
+TEST(Clear, ClearingInsideAFadeMakesNoClick) {
   const auto player = ringing(5000);
   const double step_before = largest_step(player->left, 4500, 5000), level = peak(player->left_from(4500));
   for (const Frame frame : {5000, 5100, 5200}) player->push(clear_at(frame, 0));
@@ -179,7 +179,7 @@ TEST(Clear, InsideAFadeMakesNoClick) {
   EXPECT_EQ(peak(player->left_from(5200 + FadeOut::kMinFrames)), 0);
 }
 
-TEST(Remove, FadesLikeClear) {
+TEST(Remove, RemovingAnObjectFadesLikeClearing) {
   const auto player = ringing(5000);
   const double step_before = largest_step(player->left, 4500, 5000), level = peak(player->left_from(4500));
   ASSERT_TRUE(player->mixer.remove(0));
@@ -189,7 +189,7 @@ TEST(Remove, FadesLikeClear) {
 }
 
 // Banks replaced earlier still ring: they belong to the object too.
-TEST(Remove, FadesTheTailsOfEarlierBanksToo) {
+TEST(Remove, RemovingAnObjectFadesTheTailsOfEarlierBanksToo) {
   const auto player = ringing(1000);
   player->install(0, map_of(single_mode_bank(1000, 2)));
   player->render(1000);
@@ -200,7 +200,7 @@ TEST(Remove, FadesTheTailsOfEarlierBanksToo) {
   EXPECT_FALSE(player->mixer.in_use(0));
 }
 
-TEST(Remove, TwiceOrOfNothingIsHarmless) {
+TEST(Remove, RemovingTwiceOrNothingIsHarmless) {
   const auto player = ringing(100);
   for (int i = 0; i < 2; ++i) ASSERT_TRUE(player->mixer.remove(0));
   ASSERT_TRUE(player->mixer.remove(7));
@@ -210,7 +210,7 @@ TEST(Remove, TwiceOrOfNothingIsHarmless) {
   EXPECT_FALSE(player->mixer.in_use(7));
 }
 
-TEST(Remove, FreesTheNumberWithItsGainAndPanReset) {
+TEST(Remove, RemovingAnObjectFreesTheNumberWithItsGainAndPanReset) {
   Player used, fresh;
   used.install(5, map_of(single_mode_bank(900, 3)));
   used.push(gain_at(0, 5, 0.1));
@@ -236,7 +236,7 @@ TEST(Remove, FreesTheNumberWithItsGainAndPanReset) {
 }
 
 // An object that never rang has nothing to fade, and still its number comes back with gain and pan reset.
-TEST(Remove, OfASilentObjectResetsItToo) {
+TEST(Remove, RemovingASilentObjectResetsItToo) {
   Player player;
   player.install(0, tone());
   player.push(gain_at(0, 0, 0));
@@ -251,7 +251,7 @@ TEST(Remove, OfASilentObjectResetsItToo) {
   EXPECT_GT(peak(player.left_from(2024)), 0.01);
 }
 
-TEST(Remove, RefusesStrikesThatComeAfterAndCountsThem) {
+TEST(Remove, StrikesOnARemovedObjectAreRefusedAndCounted) {
   const auto player = ringing(100);
   ASSERT_TRUE(player->mixer.remove(0));
   player->push(strike_at(5000, 0, {0, 0, 1}));

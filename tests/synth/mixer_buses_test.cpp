@@ -47,7 +47,7 @@ std::unique_ptr<Mixer> struck_mixer(std::size_t modes) {
 class Buses : public testing::TestWithParam<std::size_t> {};
 INSTANTIATE_TEST_SUITE_P(FewAndMany, Buses, testing::Values(5, 300));
 
-TEST_P(Buses, OfEachObjectAddUpToTheMix) {
+TEST_P(Buses, BusesOfEachObjectAddUpToTheMix) {
   const auto mixer = struck_mixer(GetParam());
   for (ObjectNumber object = 0; object < 4; ++object) EXPECT_TRUE(mixer->assign(object, object));
   const Heard heard = listen(*mixer, 128);
@@ -61,7 +61,7 @@ TEST_P(Buses, OfEachObjectAddUpToTheMix) {
   }
 }
 
-TEST_P(Buses, AreSharedByGroupsAndLeaveTheMixAlone) {
+TEST_P(Buses, GroupsShareBusesWhichLeaveTheMixAlone) {
   const auto plain = struck_mixer(GetParam()), grouped = struck_mixer(GetParam());
   for (const ObjectNumber object : {0, 2}) EXPECT_TRUE(grouped->assign(object, 3));
   const Heard alone = listen(*plain, 100), together = listen(*grouped, 100);
@@ -71,7 +71,7 @@ TEST_P(Buses, AreSharedByGroupsAndLeaveTheMixAlone) {
   for (std::size_t bus = 0; bus < 3; ++bus) EXPECT_EQ(together.buses[bus], std::vector<float>(kFrames, 0.0f));
 }
 
-TEST_P(Buses, ThatNobodyHearsAreNotRenderedAndTimeGoesOn) {
+TEST_P(Buses, BusesThatNobodyHearsAreNotRenderedAndTimeGoesOn) {
   const auto heard = struck_mixer(GetParam()), unheard = struck_mixer(GetParam());
   for (const auto* mixer : {&heard, &unheard}) EXPECT_TRUE((*mixer)->assign(1, 0));
   listen(*heard, 128);
@@ -83,7 +83,7 @@ TEST_P(Buses, ThatNobodyHearsAreNotRenderedAndTimeGoesOn) {
   for (std::size_t n = 0; n < kFrames; ++n) ASSERT_NEAR(first.left[n], later.left[n], 2e-6) << n;
 }
 
-TEST_P(Buses, AreLeftAgainAndForgottenWithTheObject) {
+TEST_P(Buses, AnObjectLeavesItsBusWhenToldToOrRemoved) {
   const auto mixer = struck_mixer(GetParam());
   EXPECT_TRUE(mixer->assign(0, 2));
   listen(*mixer, 128);
@@ -97,7 +97,7 @@ TEST_P(Buses, AreLeftAgainAndForgottenWithTheObject) {
   EXPECT_EQ(listen(*mixer, 128).buses[2], std::vector<float>(kFrames, 0.0f));
 }
 
-TEST(Bus, ThereAreSixtyTwo) {
+TEST(Bus, ThereAreSixtyTwoBuses) {
   Mixer mixer(kRate);
   EXPECT_TRUE(mixer.install(0, voice_of(map_of(random_bank(0, 5, 20))), Mixer::Install::replace));
   EXPECT_TRUE(mixer.assign(0, kMaxBuses - 1));

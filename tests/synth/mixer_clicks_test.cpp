@@ -41,7 +41,7 @@ std::complex<double> far_field(double hz, double radius_m) {
   return 2.0 * ikr / (2.0 + 2.0 * ikr + ikr * ikr);
 }
 
-TEST(Click, IsTheFarFieldOfASphere) {
+TEST(Click, AClickIsTheFarFieldOfASphere) {
   for (const double radius_m : {0.01, 0.05, 0.4}) {
     for (const double contact_time_s : {0.0002, 0.001, 0.01}) {
       const double rate = 384000;  // so that little folds back
@@ -62,14 +62,14 @@ TEST(Click, IsTheFarFieldOfASphere) {
   }
 }
 
-TEST(Click, CountsAsTheSphereOfTheSameMassAndGyration) {
+TEST(Click, ABodyClicksAsTheSphereOfTheSameMassAndGyration) {
   EXPECT_NEAR(radius_of(*sphere_bank(0.07, 3).mass), 0.07, 1e-15);
   // a thin disc: 1/2 m r^2 about its axis, 1/4 about the others
   EXPECT_NEAR(radius_of({.mass_kg = 2, .inertia_kg_m2 = {0.5 * 0.01, 0.5 * 0.01, 0.01}}), 0.1 * std::sqrt(5.0 / 6),
               1e-12);
 }
 
-TEST(MixerClicks, BeginOnTheirFrameAtEveryBlockSize) {
+TEST(MixerClicks, ClicksBeginOnTheirFrameAtEveryBlockSize) {
   const Map map = map_of(sphere_bank(0.05, 0.5));
   Samples first;
   for (const std::size_t block : {1, 64, 257, 2000}) {
@@ -85,7 +85,7 @@ TEST(MixerClicks, BeginOnTheirFrameAtEveryBlockSize) {
   EXPECT_EQ(first.back(), 0);
 }
 
-TEST(MixerClicks, AreAsLoudAsTheBodysMotionAsAMode) {
+TEST(MixerClicks, ClicksAreAsLoudAsTheBodysMotionAsAMode) {
   Player player;
   player.install(0, map_of(sphere_bank(0.1, 4)));
   player.push(pan_at(0, 0, -1));
@@ -97,7 +97,7 @@ TEST(MixerClicks, AreAsLoudAsTheBodysMotionAsAMode) {
   EXPECT_NEAR(std::abs(spectrum_at(player.left, hz, kRate)) / want, 1, 0.005);
 }
 
-TEST(MixerClicks, FollowTheObjectsGainAndMaterial) {
+TEST(MixerClicks, ClicksFollowTheObjectsGainAndMaterial) {
   const auto loudness = [](double gain, const modal::MaterialScale& material) {
     Player player;
     player.install(0, map_of(sphere_bank(0.05, 1)), Mixer::Install::replace, material);
@@ -112,7 +112,7 @@ TEST(MixerClicks, FollowTheObjectsGainAndMaterial) {
   EXPECT_NEAR(loudness(1, {.density = 4}) / plain, 0.5, 1e-6);
 }
 
-TEST(MixerClicks, NeedAMassAndSaneNumbers) {
+TEST(MixerClicks, ClicksNeedAMassAndFiniteNumbers) {
   Player player;
   player.install(0, map_of(single_mode_bank(440, 1)));
   player.install(1, map_of(sphere_bank(0.05, 1)));
@@ -128,7 +128,7 @@ TEST(MixerClicks, NeedAMassAndSaneNumbers) {
   EXPECT_EQ(peak(player.left), 0);
 }
 
-TEST(MixerClicks, AreSoManyAtATimeAndNoMore) {
+TEST(MixerClicks, ClicksSoundTogetherUpToTheLimitAndNotOneMore) {
   for (const std::size_t more : {0, 1}) {
     Player player;
     player.install(0, map_of(sphere_bank(0.05, 1)));
@@ -142,7 +142,7 @@ TEST(MixerClicks, AreSoManyAtATimeAndNoMore) {
   }
 }
 
-TEST(MixerClicks, OutliveNeitherTheirObjectNorAnotherRate) {
+TEST(MixerClicks, ClicksEndWhenTheSampleRateChanges) {
   Player player;
   player.install(0, map_of(sphere_bank(0.05, 1)));
   player.push(click_at(0, 0, {1, 0, 0}, 0.05));
@@ -154,7 +154,7 @@ TEST(MixerClicks, OutliveNeitherTheirObjectNorAnotherRate) {
   EXPECT_EQ(peak(player.left_from(from)), 0);
 }
 
-TEST(MixerClicks, AllocateNothing) {
+TEST(MixerClicks, ClicksAllocateNothing) {
   Player player;
   player.install(0, map_of(sphere_bank(0.05, 1)));
   player.render(256);

@@ -48,7 +48,7 @@ double mean_period(std::span<const double> samples) {
 
 // The mean square slope of octaves of cubic B-splines: each has 1/3 * 2/3 of (height / spacing)^2, as the integral of
 // B'(u)^2 is 2/3 and that of B(u)^2 is 151/315.
-TEST(Rubbing, VariesByTheSlopeOfTheSurface) {
+TEST(Rubbing, TheForceOfRubbingFollowsTheSlopeOfTheSurface) {
   const Contact contact = sliding(3, 0.004);  // so slow that all octaves pass well below Nyquist
   const auto& texture = contact.texture;
   double power = 0, slope = 0;
@@ -63,27 +63,27 @@ TEST(Rubbing, VariesByTheSlopeOfTheSurface) {
   EXPECT_NEAR(rms(std::span(force).subspan(48000)), expected, 0.03 * expected);
 }
 
-TEST(Rubbing, FollowsTheSpeedInPitchAndTheLoadInLevel) {
+TEST(Rubbing, RubbingFollowsTheSpeedInPitchAndTheLoadInLevel) {
   const Samples slow = force_of(sliding(1, 0.003), 400'000), fast = force_of(sliding(1, 0.006), 400'000);
   EXPECT_NEAR(mean_period(slow) / mean_period(fast), 2, 0.1);
   const Samples loaded = force_of(sliding(5, 0.003), 400'000);
   for (std::size_t n = 1000; n < loaded.size(); n += 997) ASSERT_NEAR(loaded[n], 5 * slow[n], 1e-12);
 }
 
-TEST(Rubbing, RollsOnLongerWavesMoreSoftly) {
+TEST(Rubbing, RollingIsSofterAndOnLongerWavesThanSliding) {
   const Samples slides = force_of(sliding(1, 0.003), 400'000),
                 rolls = force_of(rolling(1, 0.003 * kRollingRatio), 400'000);
   EXPECT_NEAR(mean_period(rolls) / mean_period(slides), 1, 0.1);
   EXPECT_NEAR(rms(slides) / rms(rolls), kRollingRatio, 0.1 * kRollingRatio);
 }
 
-TEST(Rubbing, SoundsAlikeAtEverySampleRate) {
+TEST(Rubbing, RubbingSoundsAlikeAtEverySampleRate) {
   const Contact contact = sliding(1, 0.003);
   const double level = rms(force_of(contact, 480'000)) * kRate;
   EXPECT_NEAR(rms(force_of(contact, 960'000, 96000)) * 96000, level, 0.03 * level);
 }
 
-TEST(Rubbing, WhatPassesFasterThanNyquistIsLeftOut) {
+TEST(Rubbing, RoughnessThatPassesFasterThanNyquistIsLeftOut) {
   const Samples force = force_of(sliding(1, 1000), 48000);
   EXPECT_LT(peak(std::span(force).subspan(40000)), 1e-12 * peak(force));
   const Samples near = force_of(sliding(1, 0.6), 48000);  // the longest waves at 12 kHz
@@ -104,7 +104,7 @@ TEST(Rubbing, StandingStillMakesNoForce) {
   EXPECT_LT(peak(std::span(impulses).subspan(24000)), 1e-9 * peak(impulses));
 }
 
-TEST(Rubbing, EndsWhenItIsToldToAndWhenNothingIsTold) {
+TEST(Rubbing, RubbingEndsWhenItIsToldToAndWhenUpdatesStop) {
   for (const bool told : {true, false}) {
     Rubbing rubbing(1, kRate);
     Samples impulses(9600);
@@ -122,7 +122,7 @@ TEST(Rubbing, EndsWhenItIsToldToAndWhenNothingIsTold) {
   }
 }
 
-TEST(Contacts, AreHeardAsLongAsTheyLast) {
+TEST(Contacts, ContactsAreHeardAsLongAsTheyLast) {
   Player player;
   player.install(0, short_lived());
   for (Frame frame = 480; frame < 24000; frame += 240) player.push(contact_at(frame, 0, sliding(1, 0.1)));
@@ -138,7 +138,7 @@ TEST(Contacts, AreHeardAsLongAsTheyLast) {
   EXPECT_EQ(player.mixer.counters().ringing_voices, 0u);
 }
 
-TEST(Contacts, OfALostSenderEndByThemselves) {
+TEST(Contacts, ContactsOfALostSenderEndByThemselves) {
   Player player;
   player.install(0, short_lived());
   player.push(contact_at(0, 0, sliding(1, 0.1)));
@@ -148,7 +148,7 @@ TEST(Contacts, OfALostSenderEndByThemselves) {
   EXPECT_EQ(player.mixer.counters().ringing_voices, 0u);
 }
 
-TEST(Contacts, SoundTheSameInAnyBlocksAndOnAnyThreads) {
+TEST(Contacts, ContactsSoundTheSameInAnyBlocksAndOnAnyThreads) {
   Samples reference;
   for (const auto& [block, threads] :
        {std::pair<std::size_t, std::size_t>{256, 1}, {1, 1}, {100, 1}, {1024, 1}, {256, 2}}) {
@@ -172,7 +172,7 @@ TEST(Contacts, SoundTheSameInAnyBlocksAndOnAnyThreads) {
   }
 }
 
-TEST(Contacts, OfOneObjectAreFourAtATimeAndMoreAreCounted) {
+TEST(Contacts, ContactsOfOneObjectAreFourAtATimeAndMoreAreCounted) {
   Player player;
   player.install(0, short_lived());
   for (std::uint32_t number = 0; number < kMaxForces + 1; ++number) {
@@ -184,7 +184,7 @@ TEST(Contacts, OfOneObjectAreFourAtATimeAndMoreAreCounted) {
   EXPECT_EQ(player.mixer.counters().refused, 1u);
 }
 
-TEST(Contacts, ThatAreNoNumbersAreRefused) {
+TEST(Contacts, ContactsThatAreNotNumbersAreRefused) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
   Player player;
   player.install(0, short_lived());
@@ -209,7 +209,7 @@ TEST(Contacts, ThatAreNoNumbersAreRefused) {
   EXPECT_EQ(peak(player.left), 0);
 }
 
-TEST(Contacts, AreRealTimeSafe) {
+TEST(Contacts, ContactsAreRealTimeSafe) {
   Player player;
   player.install(0, short_lived());
   std::vector<float> left(256), right(256);

@@ -21,7 +21,7 @@ double decay_of(const Map& map, const Damper& damper) {
   return fit_damped_sinusoid(player.left_from(2400), kRate).decay_per_s;
 }
 
-TEST(Touch, AddsHalfTheDampingTimesTheShapeSquaredToTheDecay) {
+TEST(Touch, ADamperAddsHalfItsDampingTimesTheShapeSquaredToTheDecay) {
   const Map map = map_of(single_mode_bank(440, 2, {0.3f, 0, 0.4f}));
   EXPECT_NEAR(decay_of(map, {}), 2, 0.02);
   EXPECT_NEAR(decay_of(map, {{1, 1, 1}, {}, 200}), 2 + 0.5 * 200 * 0.25, 0.3);
@@ -31,7 +31,7 @@ TEST(Touch, AddsHalfTheDampingTimesTheShapeSquaredToTheDecay) {
   EXPECT_NEAR(decay_of(map, {{1, 1, 1}, {0.4, 0, -0.3}, 200}), 2, 0.02) << "nor across its own motion";
 }
 
-TEST(Touch, SparesModesThatHaveANodeThere) {
+TEST(Touch, ADamperSparesModesThatHaveANodeUnderIt) {
   modal::Bank bank = bar_bank(2);
   const Map map = map_of(bank);
   const auto at = [&](double x) { return modal::added_decay(*map, {{0, {{x * 0.3, 0, 0}, {}, 1}}}); };
@@ -39,7 +39,7 @@ TEST(Touch, SparesModesThatHaveANodeThere) {
   EXPECT_GT(at(0.5)[0], 0.1 * at(0)[0]);
 }
 
-TEST(Touch, IsLaidOnAndTakenAwayWithoutAClick) {
+TEST(Touch, ADamperIsLaidOnAndTakenAwayWithoutAClick) {
   const Map map = map_of(random_bank(4, 40, 20));
   Player player;
   player.install(0, map);
@@ -54,7 +54,7 @@ TEST(Touch, IsLaidOnAndTakenAwayWithoutAClick) {
   }
 }
 
-TEST(Touch, IsLaidOnAtItsFrameAtEveryBlockSize) {
+TEST(Touch, ADamperIsLaidOnAtItsFrameAtEveryBlockSize) {
   const Map map = map_of(random_bank(4, 40, 20));
   const auto play = [&](Frame at, std::size_t block) {
     Player player;
@@ -73,7 +73,7 @@ TEST(Touch, IsLaidOnAtItsFrameAtEveryBlockSize) {
 }
 
 // The sum of |z|^2 falls whatever is laid on: seen in a single mode, whose envelope is its energy.
-TEST(Touch, NeverMakesItLouder) {
+TEST(Touch, ADamperNeverMakesAnObjectLouder) {
   const Map map = map_of(single_mode_bank(440, 0.5));
   Player player;
   player.install(0, map);

@@ -44,7 +44,7 @@ TEST(Limits, OneVoiceTooManyIsRefusedAndACollectedOneMakesRoom) {
   EXPECT_FALSE(player.mixer.install(3, voice_of(map), Mixer::Install::replace));
 }
 
-TEST(Limits, RemovalsPastTheOrderRingAreRefused) {
+TEST(Limits, RemovalsPastTheCommandRingAreRefused) {
   Player player;
   std::size_t taken = 0;
   while (player.mixer.remove(0)) ASSERT_LE(++taken, std::size_t{1} << 20);

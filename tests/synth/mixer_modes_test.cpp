@@ -56,7 +56,7 @@ TEST(RingModes, OneModeSoundsAtItsPitchDecayAndTheAmplitudeThatWasAskedFor) {
   }
 }
 
-TEST(RingModes, AllTogetherAreTheSumOfTheirSines) {
+TEST(RingModes, AllModesTogetherAreTheSumOfTheirSines) {
   for (const std::size_t block : {16, 256, 1000}) {
     Player player;
     player.install(0, four_modes());
@@ -66,7 +66,7 @@ TEST(RingModes, AllTogetherAreTheSumOfTheirSines) {
   }
 }
 
-TEST(RingModes, ARangeEndsWithTheBank) {
+TEST(RingModes, ARangeOfModesEndsWithTheBank) {
   Player player;
   player.install(0, four_modes());
   player.push(ring_at(0, 0, 2, 1000, 0.1));
@@ -75,7 +75,7 @@ TEST(RingModes, ARangeEndsWithTheBank) {
   EXPECT_LE(relative_error_db(player.left, sines(2, 4, 0.1 * kCentre, 12000)), -100);
 }
 
-TEST(RingModes, WhatIsNotThereIsCountedAsRefused) {
+TEST(RingModes, ModesThatAreNotThereAreCountedAsRefused) {
   Player player;
   player.push(ring_at(0, 7, 0, 1, 0.1));
   player.render(256);
@@ -130,7 +130,7 @@ TEST(ModeChoice, OnlyTheModesThatWereChosenSound) {
   EXPECT_NEAR(heard.frequency_hz, 900, 1) << "nor does another when it is rung";
 }
 
-TEST(ModeChoice, AChangeKeepsWhatStaysInPhaseAndLetsTheRestGoWithoutAClick) {
+TEST(ModeChoice, AChangeOfModesKeepsWhatStaysInPhaseAndLetsTheRestGoWithoutAClick) {
   Player player;
   const Map map = four_modes();
   player.install(0, map);
@@ -145,7 +145,7 @@ TEST(ModeChoice, AChangeKeepsWhatStaysInPhaseAndLetsTheRestGoWithoutAClick) {
   EXPECT_LE(largest_step(player.left, 4790, gone), 1.01 * largest_step(before, 1, 4800));
 }
 
-TEST(ModeChoice, SurvivesAnotherSampleRate) {
+TEST(ModeChoice, AModeChoiceSurvivesAnotherSampleRate) {
   Player player;
   ASSERT_TRUE(player.mixer.install(0, voice_with(four_modes(), {2, 1}), Mixer::Install::replace));
   player.render(256);
@@ -171,7 +171,7 @@ class Watching : public testing::Test {
   Player player_;
 };
 
-TEST_F(Watching, TellsTheAmplitudeOfEachModeAtTheObjectsGain) {
+TEST_F(Watching, WatchingTellsTheAmplitudeOfEachModeAtTheObjectsGain) {
   player_.install(0, map_);
   ASSERT_TRUE(player_.mixer.meters().mode_watch.watch(0));
   EXPECT_TRUE(read(0).empty()) << "nothing was rendered yet";
@@ -189,7 +189,7 @@ TEST_F(Watching, TellsTheAmplitudeOfEachModeAtTheObjectsGain) {
   EXPECT_TRUE(read(0).empty());
 }
 
-TEST_F(Watching, TellsEachObjectsOwnShareOfStatesThatAreShared) {
+TEST_F(Watching, WatchingTellsEachObjectsOwnShareOfStatesThatAreShared) {
   const auto table = std::make_shared<ModeTable>(map_, modal::MaterialScale{}, kRate);
   for (ObjectNumber object = 0; object < 3; ++object) {
     ASSERT_TRUE(player_.mixer.install(object, std::make_unique<Voice>(table), Mixer::Install::replace));
@@ -206,7 +206,7 @@ TEST_F(Watching, TellsEachObjectsOwnShareOfStatesThatAreShared) {
   EXPECT_EQ(read(2), std::vector<float>(4));
 }
 
-TEST_F(Watching, TellsNoughtForModesThatTheObjectDoesNotHaveAndNothingOfAnotherBank) {
+TEST_F(Watching, WatchingTellsZeroForModesThatTheObjectDoesNotHaveAndNothingOfAnotherBank) {
   ASSERT_TRUE(player_.mixer.install(0, voice_with(map_, {0, 1}), Mixer::Install::replace));
   ASSERT_TRUE(player_.mixer.meters().mode_watch.watch(0));
   player_.push(strike_at(0, 0, {0.1, 0.2, 0.3}));
@@ -220,7 +220,7 @@ TEST_F(Watching, TellsNoughtForModesThatTheObjectDoesNotHaveAndNothingOfAnotherB
   EXPECT_TRUE(read(0).empty()) << "its bank is not the one that is asked about";
 }
 
-TEST_F(Watching, SixteenObjectsAtATimeAndNotOneMore) {
+TEST_F(Watching, SixteenObjectsAreWatchedAtATimeAndNotOneMore) {
   ModeWatch& watch = player_.mixer.meters().mode_watch;
   for (ObjectNumber object = 0; object < kMaxWatched; ++object) EXPECT_TRUE(watch.watch(object));
   EXPECT_FALSE(watch.watch(kMaxWatched));
@@ -230,7 +230,7 @@ TEST_F(Watching, SixteenObjectsAtATimeAndNotOneMore) {
   EXPECT_FALSE(watch.watch(3));
 }
 
-TEST_F(Watching, NeitherItNorRingingNorTheToneNorTheTapAllocatesOrWaits) {
+TEST_F(Watching, NeitherWatchingNorRingingNorTheToneNorTheTapAllocatesOrWaits) {
   if (!kRealtimeGuardWorks) GTEST_SKIP() << "sanitizers and clang replace the watched functions";
   player_.install(0, map_);
   ASSERT_TRUE(player_.mixer.meters().mode_watch.watch(0));

@@ -29,7 +29,7 @@ double relative_error(std::span<const double> heard, const Samples& wanted) {
 
 class MixerRates : public testing::TestWithParam<double> {};
 
-TEST_P(MixerRates, AToneGoesOnWherePhaseAndLoudnessWere) {
+TEST_P(MixerRates, AToneGoesOnAtANewRateWherePhaseAndLoudnessWere) {
   Player player;
   player.install(0, map_of(single_mode_bank(kPitch_hz, kDecay_per_s)));
   player.push(strike_at(0, 0, {0, 0, 1}));
@@ -40,7 +40,7 @@ TEST_P(MixerRates, AToneGoesOnWherePhaseAndLoudnessWere) {
   EXPECT_LT(relative_error(player.left_from(24000), expected(0.5, GetParam(), 20000)), 1e-5);
 }
 
-TEST_P(MixerRates, EventsOnTheirWayComeAsManySecondsLater) {
+TEST_P(MixerRates, EventsOnTheirWayComeAsManySecondsLaterAtANewRate) {
   Player player;
   player.install(0, map_of(single_mode_bank(kPitch_hz, kDecay_per_s)));
   player.render(1000);
@@ -58,7 +58,7 @@ TEST_P(MixerRates, EventsOnTheirWayComeAsManySecondsLater) {
   EXPECT_EQ(player.mixer.counters().late, 0u);
 }
 
-TEST_P(MixerRates, ARampTakesAsLongAsItWasToTake) {
+TEST_P(MixerRates, ARampTakesAsLongAsItWasToTakeAtANewRate) {
   Player player;
   player.install(0, map_of(single_mode_bank(kPitch_hz, 0.01)));
   player.push(strike_at(0, 0, {0, 0, 1}));
@@ -76,7 +76,7 @@ TEST_P(MixerRates, ARampTakesAsLongAsItWasToTake) {
 
 INSTANTIATE_TEST_SUITE_P(Hz, MixerRates, testing::Values(44100, 96000, 48000, 22050));
 
-TEST(MixerRate, TailsOfFormerBanksAndFadesGoOn) {
+TEST(MixerRate, TailsOfFormerBanksAndFadesGoOnAtANewRate) {
   Player player;
   player.install(0, map_of(single_mode_bank(kPitch_hz, kDecay_per_s)));
   player.push(strike_at(0, 0, {0, 0, 1}));
@@ -95,7 +95,7 @@ TEST(MixerRate, TailsOfFormerBanksAndFadesGoOn) {
   EXPECT_TRUE(player.mixer.in_use(0));
 }
 
-TEST(MixerRate, ObjectsThatShareTheirStatesGoOnSharing) {
+TEST(MixerRate, ObjectsThatShareTheirStatesGoOnSharingAtANewRate) {
   Player player;
   const auto table =
       std::make_shared<ModeTable>(map_of(single_mode_bank(kPitch_hz, kDecay_per_s)), modal::MaterialScale{}, kRate);
@@ -117,7 +117,7 @@ TEST(MixerRate, ObjectsThatShareTheirStatesGoOnSharing) {
   EXPECT_LT(relative_error(player.left_from(static_cast<std::size_t>(begin)), expected(0, 44100, 20000)), 1e-5);
 }
 
-TEST(MixerRate, AContactThatLastsGoesOn) {
+TEST(MixerRate, AContactThatLastsGoesOnAtANewRate) {
   const auto play = [](bool change) {
     auto player = std::make_unique<Player>();
     set(player->mixer, &MixerSettings::exact_contacts, true);
@@ -146,7 +146,7 @@ TEST(MixerRate, EventsOfOneFrameKeepTheirOrderEvenWhenTwoFramesBecomeOne) {
   EXPECT_EQ(peak(player.left_from(1500)), 0);
 }
 
-TEST(MixerRate, MoreEventsThanUsuallyWaitSurviveTheChange) {
+TEST(MixerRate, MoreWaitingEventsThanUsualSurviveAChangeOfRate) {
   Player player;
   player.install(0, map_of(single_mode_bank(kPitch_hz, kDecay_per_s)));
   for (std::size_t i = 0; i < kMaxPendingEvents; ++i) {

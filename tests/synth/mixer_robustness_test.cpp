@@ -38,7 +38,7 @@ struct Poisoned {
   }
 };
 
-TEST(Poison, InAStrikeSilencesItsOwnObjectOnlyAndIsCounted) {
+TEST(AbsurdInput, AnAbsurdStrikeSilencesItsOwnObjectOnlyAndIsCounted) {
   for (const double bad : {kNan, kInf, -kInf, 1e300, 1e150, 1e40}) {
     Poisoned run(strike_at(4600, 1, {bad, 0, 0.1}));
     EXPECT_TRUE(run.bystander_unharmed) << "impulse " << bad;
@@ -53,7 +53,7 @@ TEST(Poison, InAStrikeSilencesItsOwnObjectOnlyAndIsCounted) {
   }
 }
 
-TEST(Poison, InAStrikeOnASingleModeIsFoundToo) {
+TEST(AbsurdInput, AnAbsurdStrikeOnASingleModeIsFoundToo) {
   Player player;
   player.install(0, map_of(single_mode_bank(440, 4)));
   player.push(strike_at(0, 0, {0, 0, kNan}));
@@ -63,7 +63,7 @@ TEST(Poison, InAStrikeOnASingleModeIsFoundToo) {
   for (const double sample : player.left) ASSERT_TRUE(std::isfinite(sample));
 }
 
-TEST(Poison, InAStrikeOnModesThatDieWithinAChunkIsFoundToo) {
+TEST(AbsurdInput, AnAbsurdStrikeOnModesThatDieWithinAChunkIsFoundToo) {
   modal::Bank with_a_slow_one = single_mode_bank(440, 1e5);  // which is not struck
   with_a_slow_one.frequency_hz.push_back(500);
   with_a_slow_one.decay_per_s.push_back(1);
@@ -80,14 +80,14 @@ TEST(Poison, InAStrikeOnModesThatDieWithinAChunkIsFoundToo) {
   }
 }
 
-TEST(Poison, InContactTimeOrPointDoesNotSpread) {
+TEST(AbsurdInput, AnAbsurdContactTimeOrPointDoesNotSpread) {
   for (const double bad : {kNan, kInf, 1e300, -1.0}) {
     EXPECT_TRUE(Poisoned(strike_at(4600, 1, {0, 0, 0.001}, bad)).bystander_unharmed) << "contact time " << bad;
     EXPECT_TRUE(Poisoned(strike_at(4600, 1, {0, 0, 0.001}, 0, {bad, bad, 0})).bystander_unharmed) << "point " << bad;
   }
 }
 
-TEST(Poison, StruckAndClearedInOneFrameDoesNotSpread) {
+TEST(AbsurdInput, AnAbsurdStrikeClearedInItsFrameDoesNotSpread) {
   Player player;
   player.install(0, map_of(single_mode_bank(440, 4)));
   player.push(strike_at(0, 0, {0, 0, kNan}));
@@ -97,7 +97,7 @@ TEST(Poison, StruckAndClearedInOneFrameDoesNotSpread) {
   EXPECT_EQ(player.mixer.counters().not_finite, 1u);
 }
 
-TEST(Poison, InGainPanOrRampIsRefused) {
+TEST(AbsurdInput, AnAbsurdGainPanOrRampIsRefused) {
   for (const double bad : {kNan, kInf, -kInf, 1e300}) {
     for (const Event& event : {gain_at(4600, 1, bad), pan_at(4600, 1, bad)}) {
       const Poisoned run(event);
@@ -108,7 +108,7 @@ TEST(Poison, InGainPanOrRampIsRefused) {
   }
 }
 
-TEST(Poison, InTheFrameNumberIsLateOrNever) {
+TEST(AbsurdInput, AStrikeAtAnAbsurdFrameIsPlayedAtOnceOrNever) {
   const Poisoned past(strike_at(std::numeric_limits<Frame>::min(), 1, {0.001, 0, 0}));
   EXPECT_TRUE(past.bystander_unharmed);
   EXPECT_EQ(past.player.mixer.counters().late, 1u);
@@ -134,7 +134,7 @@ TEST(Silence, AVoiceThatHasDiedAwayLeavesTheActiveSet) {
 }
 
 // The tail is cut only below -120 dB of full scale.
-TEST(Silence, BeginsBelowMinus120Decibels) {
+TEST(Silence, SilenceBeginsBelowMinus120Decibels) {
   Player player;
   player.install(0, map_of(single_mode_bank(1000, 20)));
   player.push(strike_at(0, 0, {0, 0, 1}));
@@ -155,7 +155,7 @@ TEST(Silence, AGainOrPanEventDoesNotWakeAnObject) {
 }
 
 // Long after it rested, at a gain that would make its last state loud.
-TEST(Silence, WhatRestsIsForgotten) {
+TEST(Silence, ModesThatRestAreForgotten) {
   const Map map = map_of(random_bank(2, 400, 20));  // enough modes for moments
   const Event none = vertex_strike_at(50 * 48000, 0, 1, {0, 0, 0});
   for (const Event& waking : {none, clear_at(50 * 48000, 0)}) {
@@ -175,7 +175,7 @@ TEST(Silence, WhatRestsIsForgotten) {
 
 // The audio thread flushes denormals: a sound scaled below the smallest normal float comes out as zero, not as a
 // denormal.
-TEST(Silence, NeverHandsDenormalsToTheSoundCard) {
+TEST(Silence, TheMixerNeverHandsDenormalsToTheSoundCard) {
   Player player;
   player.install(0, map_of(single_mode_bank(1000, 20)));
   player.push(gain_at(0, 0, 1e-37));

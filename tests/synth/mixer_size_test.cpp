@@ -56,7 +56,7 @@ Heard play(const modal::Bank& bank, const modal::MaterialScale& material, const 
   return {player.left, player.mixer.meters().take_peak_level(0)};
 }
 
-TEST(Size, SoundsLikeABankOfThatSize) {
+TEST(Size, AnObjectOfAnotherSizeSoundsLikeABankOfThatSize) {
   modal::Bank bank = bar_bank(12);
   const modal::Dampers dampers = {{0, {{0.1 * kSize, 0, 0}, {}, 0.5}}};
   const Heard scaled = play(bank, {.size = kSize}, dampers), baked = play(of_size(bank, kSize), {}, dampers);
@@ -66,7 +66,7 @@ TEST(Size, SoundsLikeABankOfThatSize) {
   EXPECT_GT(relative_error_db(play(bank, {}, dampers).sound, baked.sound), -20) << "the size is heard";
 }
 
-TEST(Size, TakesThePlaceThatIsHitOnTheLargerBody) {
+TEST(Size, AStrikeOnALargerObjectIsAPointOfTheLargerSurface) {
   const modal::Bank bank = bar_bank(8);
   const auto struck = [&](double x) {
     Player player;
@@ -84,7 +84,7 @@ TEST(Size, TakesThePlaceThatIsHitOnTheLargerBody) {
 }
 
 // Without a material all damping is mass-proportional: the decay stays, the pitch goes with 1 / size.
-TEST(Size, ChangedWhileItRingsGoesOnFromWhereItIs) {
+TEST(Size, AnObjectWhoseSizeChangesRingsOnFromWhereItIs) {
   constexpr double kF = 1000, kD = 5;
   constexpr std::size_t kChange = 5000;
   const Map map = map_of(single_mode_bank(kF, kD));

@@ -82,7 +82,7 @@ struct Scene {
   }
 };
 
-TEST(MixerSum, OfTwoThousandModesIsTheClosedForm) {
+TEST(MixerSum, TheSumOfTwoThousandModesIsTheClosedForm) {
   const Scene scene(40, 50, 120, 4000);
   for (const std::size_t block : {128, 256, 441, 77}) {
     const auto player = scene.play(5400, block);
@@ -98,7 +98,7 @@ TEST(MixerSum, OfTwoThousandModesIsTheClosedForm) {
   }
 }
 
-TEST(MixerSum, StaysTheClosedFormAfterASecond) {
+TEST(MixerSum, TheSumStaysTheClosedFormAfterASecond) {
   const Scene scene(20, 100, 20, 0);
   const auto player = scene.play(50000, 128);
   const std::array<Samples, 2> exact = scene.exact(48300, 500);
@@ -108,7 +108,7 @@ TEST(MixerSum, StaysTheClosedFormAfterASecond) {
 }
 
 // Moments or not, by 64 frames or by 128: a jump between the ways would show against the one that never changes.
-TEST(MixerSum, ChangesItsWayWithoutAJump) {
+TEST(MixerSum, TheMixerChangesBetweenTablesAndMomentsWithoutAJump) {
   const Scene scene(30, 50, 200, 40000);
   const auto by_128 = scene.play(96000, 128), by_64 = scene.play(96000, 64), by_17 = scene.play(96000, 17);
   for (const auto* other : {&by_64, &by_17}) {
@@ -178,7 +178,7 @@ TEST(MixerSum, ModesRestOnceTheyAreBelowTheFloor) {
   for (std::size_t second = 0; second < 4; ++second) EXPECT_LT(ringing[1][second], ringing[0][second]);
 }
 
-TEST(MixerSum, OneObjectsPoisonLeavesTheOthersAlone) {
+TEST(MixerSum, AnObjectThatBecomesInfiniteLeavesTheOthersAlone) {
   const Scene scene(40, 50, 40, 0);
   auto clean = scene.play(1000, 128), poisoned = scene.play(1000, 128);
   for (Player* player : {clean.get(), poisoned.get()}) {

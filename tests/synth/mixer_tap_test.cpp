@@ -5,7 +5,7 @@
 namespace ringdown::synth::test {
 namespace {
 
-TEST(Tone, IsASineOfItsPeakOnBothSidesAndEndsInSilence) {
+TEST(Tone, TheTestToneIsASineOfItsPeakOnBothSidesAndEndsInSilence) {
   Player player;
   player.mixer.test_tone().set(0.5, 440);
   player.render(24000);
@@ -21,7 +21,7 @@ TEST(Tone, IsASineOfItsPeakOnBothSidesAndEndsInSilence) {
 }
 
 // A sine's own largest step is 2 pi f a / rate; a ramp adds a / (0.01 s rate) at most.
-TEST(Tone, ComesChangesAndGoesWithoutAClick) {
+TEST(Tone, TheTestToneComesChangesAndGoesWithoutAClick) {
   Player player;
   const auto after = [&](double amplitude, double frequency_hz) {
     player.mixer.test_tone().set(amplitude, frequency_hz);
@@ -36,14 +36,14 @@ TEST(Tone, ComesChangesAndGoesWithoutAClick) {
   EXPECT_LE(std::abs(player.left[0]), most);
 }
 
-TEST(Tone, IsSilentFromHalfTheSampleRateUp) {
+TEST(Tone, TheTestToneIsSilentFromHalfTheSampleRateUp) {
   Player player;
   player.mixer.test_tone().set(1, 24000);
   player.render(4800);
   EXPECT_EQ(peak(player.left), 0);
 }
 
-TEST(Tone, IsAddedToWhatRingsAndStaysOutOfBusesAndBelowTheCeiling) {
+TEST(Tone, TheTestToneIsAddedToWhatRingsAndStaysOutOfBusesAndBelowTheCeiling) {
   Player alone, both;
   for (Player* player : {&alone, &both}) {
     player->install(0, map_of(single_mode_bank(700, 5)));
@@ -107,7 +107,7 @@ Heard take_all(SoundTap& tap) {
   return heard;
 }
 
-TEST(Tap, GivesTheMixAsItIsHeardWhileItIsWatched) {
+TEST(Tap, TheTapGivesTheMixAsItIsHeardWhileItIsWatched) {
   for (const std::size_t block : {64, 256, 1000}) {
     Player player;
     set(player.mixer, &MixerSettings::limiter_db, -3.0);
@@ -129,7 +129,7 @@ TEST(Tap, GivesTheMixAsItIsHeardWhileItIsWatched) {
   }
 }
 
-TEST(Tap, HearsAMixThatNobodyListensTo) {
+TEST(Tap, TheTapHearsAMixThatNobodyListensTo) {
   Player listened, unheard;
   unheard.mixer.sound_tap().watch(true);
   for (Player* player : {&listened, &unheard}) {
@@ -151,7 +151,7 @@ TEST(Tap, HearsAMixThatNobodyListensTo) {
   EXPECT_EQ(kept, Samples(listened.left.begin() + 4 * 256, listened.left.begin() + 5 * 256));
 }
 
-TEST(Tap, ABlockNobodyListensToIsHeardUpToSoManyFrames) {
+TEST(Tap, ABlockWithoutOutputsIsTappedUpToTheLimitOfFrames) {
   Player player;
   player.mixer.sound_tap().watch(true);
   player.mixer.render(Outputs(), kMaxSpare);
@@ -162,7 +162,7 @@ TEST(Tap, ABlockNobodyListensToIsHeardUpToSoManyFrames) {
   EXPECT_EQ(take_all(player.mixer.sound_tap()).begins, std::vector<Frame>{2 * kMaxSpare + 1});
 }
 
-TEST(Tap, WhatFindsItFullIsMissingAndTheFramesSaySo) {
+TEST(Tap, SoundThatFindsTheTapFullIsMissingAndTheFramesSaySo) {
   Player player;
   player.mixer.sound_tap().watch(true);
   player.render(256 * (kMaxTapped + 1), 256);

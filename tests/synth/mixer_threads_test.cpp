@@ -91,7 +91,7 @@ void play(Mixer& mixer, std::span<float> left, std::span<float> right, int block
   }
 }
 
-TEST(AudioThread, AllocatesLocksAndCallsTheSystemNeverInAHundredThousandBlocks) {
+TEST(AudioThread, TheAudioThreadNeverAllocatesLocksOrCallsTheSystemInAHundredThousandBlocks) {
   Band band;
   std::vector<float> left(64), right(64);
   RealtimeViolations seen;
@@ -106,7 +106,7 @@ TEST(AudioThread, AllocatesLocksAndCallsTheSystemNeverInAHundredThousandBlocks) 
   EXPECT_EQ(seen.system_calls, 0u) << seen.first;
 }
 
-TEST(AudioThread, PlaysOrRefusesEveryStrikeThatWasTaken) {
+TEST(AudioThread, EveryStrikeThatWasTakenIsPlayedOrRefused) {
   Band band;
   std::vector<float> left(128), right(128);
   std::size_t not_finite = 0;

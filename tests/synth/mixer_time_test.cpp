@@ -80,7 +80,7 @@ TEST(MixerTime, ALateEventPlaysAtOnceAndIsCounted) {
   EXPECT_EQ(player.mixer.counters().late, 2u) << "the frame that comes next is not late";
 }
 
-TEST(MixerTime, CountsFrames) {
+TEST(MixerTime, TheMixerCountsFrames) {
   Player player;
   player.render(777, 100);
   EXPECT_EQ(player.mixer.counters().frames, 777);

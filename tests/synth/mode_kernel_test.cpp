@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(All, BothKernels, testing::Values(Kernel::direct, Kerne
   return kernel.param == Kernel::direct ? std::string("Direct") : std::string("Moments");
 });
 
-TEST_P(BothKernels, FollowsTheClosedFormAtEveryPitchDecayRateAndChunkSize) {
+TEST_P(BothKernels, AKernelFollowsTheClosedFormAtEveryPitchDecayRateAndChunkSize) {
   const bool direct = GetParam() == Kernel::direct;
   double worst = -400;
   int measured = 0;
@@ -63,7 +63,7 @@ TEST_P(BothKernels, FollowsTheClosedFormAtEveryPitchDecayRateAndChunkSize) {
   std::printf("against the closed form: worst error %.1f dB of the mode's envelope\n", worst);
 }
 
-TEST_P(BothKernels, KeepsItsStateExactForTenMinutes) {
+TEST_P(BothKernels, AKernelKeepsStatesExactForTenMinutes) {
   const double rate = 48000;
   const auto frames = static_cast<std::size_t>(600 * rate);
   std::vector<Mode> modes;
@@ -84,7 +84,7 @@ TEST_P(BothKernels, KeepsItsStateExactForTenMinutes) {
   }
 }
 
-TEST_P(BothKernels, IsASumOverModesWhateverTheirNumber) {
+TEST_P(BothKernels, AKernelsOutputIsTheSumOverModesWhateverTheirNumber) {
   const double rate = 48000;
   for (const std::size_t count : {1, 7, 8, 9, 31, 32, 33, 100, 2000}) {
     const auto modes = random_modes(count, rate, 0.025);
@@ -100,7 +100,7 @@ TEST_P(BothKernels, IsASumOverModesWhateverTheirNumber) {
   }
 }
 
-TEST_P(BothKernels, AddsToWhatIsThere) {
+TEST_P(BothKernels, AKernelAddsToWhatIsInTheOutput) {
   const Mode mode{440, 1, {0, -1}};
   const auto plain = Bundle({mode}, 48000, GetParam()).render(64, {64});
   std::vector<double> out(64, 0.25);
@@ -108,7 +108,7 @@ TEST_P(BothKernels, AddsToWhatIsThere) {
   for (std::size_t n = 0; n < 64; ++n) EXPECT_NEAR(out[n], plain[n] + 0.25, 1e-15);
 }
 
-TEST(Moments, GiveEachTargetItsShare) {
+TEST(Moments, MomentsGiveEachTargetItsShare) {
   Bundle bundle(random_modes(50, 48000, 0.1), 48000, Kernel::moments);
   std::vector<double> out(128, 0.0);
   bundle.add(out.data(), 128);
@@ -116,7 +116,7 @@ TEST(Moments, GiveEachTargetItsShare) {
   for (std::size_t n = 0; n < 128; ++n) EXPECT_NEAR(bundle.last_other[n], -0.5 * out[n], 1e-6 * loudest);
 }
 
-TEST(Moments, AreNotForModesThatDecayFastOrLieAboveNyquist) {
+TEST(Moments, MomentsAreNotForModesThatDecayFastOrLieAboveNyquist) {
   const auto takes = [](double hz, double t60) {
     return takes_moments(std::complex<double>(exponent({hz, t60, {}}, 48000)));
   };
@@ -127,7 +127,7 @@ TEST(Moments, AreNotForModesThatDecayFastOrLieAboveNyquist) {
   EXPECT_FALSE(takes_moments({1e-9, 0.1}));  // it would grow
 }
 
-TEST_P(BothKernels, LeavesOutGroupsThatHaveDied) {
+TEST_P(BothKernels, AKernelLeavesOutGroupsThatHaveDied) {
   std::vector<Mode> modes;
   for (int i = 0; i < 24; ++i) modes.push_back({200.0 + 400 * i, i < 8 ? 10.0 : 0.05, {0, -1}});
   Bundle bundle(modes, 48000, GetParam());
@@ -143,7 +143,7 @@ TEST_P(BothKernels, LeavesOutGroupsThatHaveDied) {
 }
 
 // Whatever else rings, a state that is not a number must show in the returned value: the voice relies on it.
-TEST_P(BothKernels, ReportsAStateThatIsNotFiniteInAnyLane) {
+TEST_P(BothKernels, AKernelReportsAStateThatIsNotFiniteInAnyLane) {
   for (const double poison : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     for (const std::size_t count : {1, 5, 8, 16, 40}) {
       for (std::size_t bad = 0; bad < count; ++bad) {
@@ -159,7 +159,7 @@ TEST_P(BothKernels, ReportsAStateThatIsNotFiniteInAnyLane) {
   }
 }
 
-TEST_P(BothKernels, GivesTheSameOnEveryInstructionSet) {
+TEST_P(BothKernels, AKernelGivesTheSameOnEveryInstructionSet) {
   const auto modes = random_modes(77, 48000, 0.03);
   std::vector<std::pair<std::string, std::vector<double>>> runs;
   const std::int64_t supported = hwy::SupportedTargets();

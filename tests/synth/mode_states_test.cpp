@@ -55,7 +55,7 @@ class Pair {
   std::array<std::unique_ptr<Voice>, 2> voices_;
 };
 
-TEST(MutedModes, ComeBackAsIfTheyHadNeverLeft) {
+TEST(MutedModes, MutedModesComeBackAsIfTheyHadNeverLeft) {
   Pair pair;
   pair.strike(1);
   pair.render(3);
@@ -71,7 +71,7 @@ TEST(MutedModes, ComeBackAsIfTheyHadNeverLeft) {
   EXPECT_LT(relative_error_db(muted, whole), -120);
 }
 
-TEST(MutedModes, KeepTheStrikesThatComeMeanwhile) {
+TEST(MutedModes, MutedModesKeepTheStrikesThatComeMeanwhile) {
   Pair pair;
   pair.strike(1);
   pair.render(3);
@@ -90,7 +90,7 @@ TEST(MutedModes, KeepTheStrikesThatComeMeanwhile) {
   EXPECT_LT(relative_error_db(muted, whole), -120);
 }
 
-TEST(MutedModes, AreBroughtBackByAStrikeThatIsLoudEnough) {
+TEST(MutedModes, MutedModesAreBroughtBackByAStrikeThatIsLoudEnough) {
   Pair pair;
   pair.strike(1e-4);
   pair.render(1);
@@ -105,7 +105,7 @@ TEST(MutedModes, AreBroughtBackByAStrikeThatIsLoudEnough) {
   EXPECT_LT(relative_error_db(muted, whole), -60);
 }
 
-TEST(MutedModes, ReturnNoFasterThanIsAllowed) {
+TEST(MutedModes, MutedModesReturnNoFasterThanIsAllowed) {
   Pair pair;
   pair.strike(1);
   pair.apply(kNone);
@@ -116,7 +116,7 @@ TEST(MutedModes, ReturnNoFasterThanIsAllowed) {
   EXPECT_EQ(pair.muted().counts().muted, before - 40);
 }
 
-TEST(MutedModes, LeaveAndEnterWithoutAStep) {
+TEST(MutedModes, MutedModesLeaveAndEnterWithoutAStep) {
   Pair pair;
   pair.strike(1);
   Samples muted, whole;
@@ -130,7 +130,7 @@ TEST(MutedModes, LeaveAndEnterWithoutAStep) {
   EXPECT_LT(largest_step(muted, 1, muted.size()), largest_step(whole, 1, whole.size()) + ramp);
 }
 
-TEST(MutedModes, RestOnceTheyHaveDiedAway) {
+TEST(MutedModes, MutedModesRestOnceTheyHaveDiedAway) {
   Pair pair;
   pair.strike(1e-6);
   pair.apply(kNone);

@@ -30,7 +30,7 @@ class OneMode : public testing::Test {
   Player player_;
 };
 
-TEST_F(OneMode, HasTheSinesAmplitudeForALevel) {
+TEST_F(OneMode, ThePeakLevelOfOneModeIsTheSinesAmplitude) {
   for (ObjectNumber object = 0; object < 3; ++object) {
     player_.push(gain_at(0, object, 0.5));
     player_.push(strike_at(128 * 10, object, {0, 0, 1.0 + object}));
@@ -50,7 +50,7 @@ TEST_F(OneMode, HasTheSinesAmplitudeForALevel) {
   }
 }
 
-TEST_F(OneMode, FallsToNothingWhenItIsClearedOrHasDiedAway) {
+TEST_F(OneMode, ThePeakLevelFallsToZeroWhenAnObjectIsClearedOrHasDiedAway) {
   for (ObjectNumber object = 0; object < 3; ++object) player_.push(strike_at(0, object, {0, 0, 1}));
   player_.render(1280, 128);
   player_.push(clear_at(1280, 0));
@@ -65,7 +65,7 @@ TEST_F(OneMode, FallsToNothingWhenItIsClearedOrHasDiedAway) {
     EXPECT_EQ(player_.mixer.meters().take_peak_level(object), 0) << object;
 }
 
-TEST_F(OneMode, HasNoLevelWhileNobodyWatches) {
+TEST_F(OneMode, AnObjectHasNoPeakLevelWhileNobodyWatches) {
   player_.mixer.meters().watch_objects(false);
   player_.push(strike_at(0, 2, {0, 0, 1}));
   player_.render(1280);
@@ -102,7 +102,7 @@ class ManyModes : public testing::TestWithParam<std::size_t> {
 };
 INSTANTIATE_TEST_SUITE_P(FewAndMany, ManyModes, testing::Values(5, 600));
 
-TEST_P(ManyModes, NeverExceedTheirLevel) {
+TEST_P(ManyModes, ManyModesNeverExceedTheirLevel) {
   fill(mixer_);
   mixer_.meters().watch_objects(true);
   render(256);
@@ -125,7 +125,7 @@ TEST_P(ManyModes, NeverExceedTheirLevel) {
   }
 }
 
-TEST_P(ManyModes, SoundTheSameToTheBitWhoeverWatches) {
+TEST_P(ManyModes, ManyModesSoundTheSameToTheBitWhoeverWatches) {
   std::array<std::vector<float>, 2> left;
   for (const bool watched : {false, true}) {
     Mixer mixer(kRate);
@@ -138,7 +138,7 @@ TEST_P(ManyModes, SoundTheSameToTheBitWhoeverWatches) {
   EXPECT_EQ(left[0], left[1]);
 }
 
-TEST(Reach, AllObjectsAreLookedAtInTurn) {
+TEST(PeakLevel, PeakLevelsOfAllObjectsAreMeasuredInTurn) {
   Player player;
   const Map map = map_of(single_mode_bank(300, 1));
   for (ObjectNumber object = 0; object < kMaxObjects; ++object) {

@@ -88,7 +88,7 @@ class RandomScore {
   std::vector<std::shared_ptr<ModeTable>> tables_;
 };
 
-TEST(SheddingAtRandom, NothingIsLostOrPlayedTwice) {
+TEST(SheddingAtRandom, SheddingLosesNoStrikeAndPlaysNoneTwice) {
   constexpr int kBlocks = 200, kUntilAllIsBack = 3000;
   int missed[2] = {0, 0};
   double worst_db = -400;

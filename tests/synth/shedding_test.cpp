@@ -68,7 +68,7 @@ TEST(Shedding, ABudgetThatIsNotUsedUpChangesNothing) {
   EXPECT_EQ(with.player.left, without.player.left);
 }
 
-TEST(Shedding, FourTimesTooMuchIsDoneInTime) {
+TEST(Shedding, FourTimesTooMuchWorkIsDoneInTime) {
   constexpr int kBlocks = 600;
   int missed[2] = {0, 0};
   double worst = 0;
@@ -175,7 +175,7 @@ class Prices {
   double price_ = 1;
 };
 
-TEST(Shedding, UsesMostOfItsTimeAndNoMoreWhateverWorkCosts) {
+TEST(Shedding, TheMixerUsesMostOfItsTimeAndNoMoreWhateverWorkCosts) {
   constexpr double kShare = 0.8;
   constexpr int kBlocks = 3000, kSettled = 200;
   for (const Prices::Kind kind : {Prices::Kind::drift, Prices::Kind::jumps, Prices::Kind::noise}) {
@@ -201,7 +201,7 @@ TEST(Shedding, UsesMostOfItsTimeAndNoMoreWhateverWorkCosts) {
   }
 }
 
-TEST(Shedding, AllComesBackWhenThereIsTimeAndAsItWouldHaveBeen) {
+TEST(Shedding, AllModesComeBackWhenThereIsTimeAndAsTheyWouldHaveBeen) {
   Scene scene(0.8), whole(0);
   for (Scene* each : {&scene, &whole}) {
     set(each->mixer(), &MixerSettings::floor_db, 160);
@@ -230,7 +230,7 @@ TEST(Shedding, AllComesBackWhenThereIsTimeAndAsItWouldHaveBeen) {
 }
 
 // What was shed comes back by 3 dB in 4096 frames; an object is 1 dB quieter than the one before.
-TEST(Shedding, DoesNotPump) {
+TEST(Shedding, SheddingDoesNotPump) {
   Scene scene(0.8);
   scene.set_load(0.6);
   scene.render_blocks(50);
@@ -253,7 +253,7 @@ TEST(Shedding, DoesNotPump) {
   }
 }
 
-TEST(Shedding, WhatHasNoDeadlineIsNeverShed) {
+TEST(Shedding, ARenderWithoutADeadlineIsNeverShed) {
   Scene with(0.8, false), without(0);
   for (Scene* scene : {&with, &without}) {
     scene->set_load(4);
@@ -280,7 +280,7 @@ TEST(Shedding, WhatNobodyListensToKeepsToTheTimeToo) {
   EXPECT_EQ(scene.muted(), 0u);
 }
 
-TEST(Shedding, EndsWithTheBudget) {
+TEST(Shedding, SheddingEndsWithTheBudget) {
   Scene scene(0.8);
   scene.set_load(4);
   scene.render_blocks(100);
@@ -291,7 +291,7 @@ TEST(Shedding, EndsWithTheBudget) {
 }
 
 // Objects that share their states: they are shed in their sums.
-TEST(Shedding, FamiliesKeepToTheTimeToo) {
+TEST(Shedding, InstanceGroupsKeepToTheTimeToo) {
   int missed[2] = {0, 0};
   Samples sound[2];
   for (const bool bounded : {false, true}) {
@@ -393,7 +393,7 @@ TEST(Shedding, ADisturbanceLeavesASmallSceneAsItIs) {
   EXPECT_EQ(with.shed(), 0u);
 }
 
-TEST(Shedding, IsRealTimeSafe) {
+TEST(Shedding, SheddingIsRealTimeSafe) {
   Scene scene(0.8);
   scene.set_load(4);
   scene.render_blocks(2);

@@ -17,7 +17,7 @@ Samples play_one(double f, double d, Vec3 impulse, double contact_time, double r
   return Samples(player.left.begin() + at, player.left.end());
 }
 
-TEST(StruckMode, HasThePitchT60AndAmplitudeOfTheClosedForm) {
+TEST(StruckMode, AStruckModeHasThePitchT60AndAmplitudeOfTheClosedForm) {
   for (const double f : {30.0, 261.626, 1234.5, 9000.0, 19999.0}) {
     for (const double t60 : {0.2, 3.0, 60.0}) {
       for (const double contact : {0.0, 1e-4, 0.0021}) {
@@ -40,7 +40,7 @@ TEST(StruckMode, HasThePitchT60AndAmplitudeOfTheClosedForm) {
 }
 
 // A frequency in Hz used as rad/s would make this 2 pi too long or too short.
-TEST(StruckMode, FallsBySixtyDecibelsInExactlyLn1000OverD) {
+TEST(StruckMode, AStruckModeFallsBySixtyDecibelsInExactlyLn1000OverD) {
   const double d = 10, t60 = std::log(1000.0) / d;
   const Samples heard = play_one(1000, d, {0, 0, 1e3}, 0, kRate, 48000);
   // Energy over ten whole periods, so that the phase does not matter.
@@ -52,7 +52,7 @@ TEST(StruckMode, FallsBySixtyDecibelsInExactlyLn1000OverD) {
   for (const double t : {0.0, 0.05, 0.1, 0.2}) EXPECT_NEAR(level(t) / level(t + t60), 1000, 1);
 }
 
-TEST(StruckMode, IsTheClosedFormSampleBySample) {
+TEST(StruckMode, AStruckModeIsTheClosedFormSampleBySample) {
   double worst = -400;
   for (const double rate : {44100.0, 48000.0, 96000.0, 192000.0}) {
     for (const double f : {40.0, 3333.3, 20000.0}) {
@@ -69,7 +69,7 @@ TEST(StruckMode, IsTheClosedFormSampleBySample) {
   std::printf("struck mode against the closed form: worst error %.1f dB (float output)\n", worst);
 }
 
-TEST(StruckMode, KeepsPitchAndDecayAtEverySampleRate) {
+TEST(StruckMode, AStruckModeKeepsPitchAndDecayAtEverySampleRate) {
   for (const double rate : {22050.0, 44100.0, 48000.0, 88200.0, 96000.0, 192000.0}) {
     const auto mode =
         fit_damped_sinusoid(play_one(5000, 20, {0, 0, 1}, 1e-4, rate, static_cast<std::size_t>(rate / 4)), rate);
@@ -78,7 +78,7 @@ TEST(StruckMode, KeepsPitchAndDecayAtEverySampleRate) {
   }
 }
 
-TEST(StruckMode, DependsOnTheImpulseAlongItsShapeOnly) {
+TEST(StruckMode, AStruckModeDependsOnTheImpulseAlongItsShapeOnly) {
   Player across, along;
   across.install(0, map_of(single_mode_bank(500, 5, {0.6f, 0, 0.8f})));
   along.install(0, map_of(single_mode_bank(500, 5, {0.6f, 0, 0.8f})));
@@ -89,7 +89,7 @@ TEST(StruckMode, DependsOnTheImpulseAlongItsShapeOnly) {
   EXPECT_LT(peak(across.left), 1e-7 * peak(along.left) + 1e-7);
 }
 
-TEST(StruckMode, AtNyquistOrAboveIsLeftOut) {
+TEST(StruckMode, AModeAtNyquistOrAboveIsLeftOut) {
   Player player(kRate);
   player.install(0, map_of(single_mode_bank(24000, 5)));
   player.push(strike_at(0, 0, {0, 0, 1}));
@@ -98,7 +98,7 @@ TEST(StruckMode, AtNyquistOrAboveIsLeftOut) {
   EXPECT_GT(peak(play_one(23999, 5, {0, 0, 1}, 0, kRate, 1000)), 0);
 }
 
-TEST(StruckMode, OverdampedByAMaterialIsLeftOut) {
+TEST(StruckMode, AModeOverdampedByAMaterialIsLeftOut) {
   modal::Bank bank = bar_bank(3);
   const Map map = map_of(bank);
   const auto voice = voice_of(map, kRate, {.alpha = 1e6});
@@ -106,7 +106,7 @@ TEST(StruckMode, OverdampedByAMaterialIsLeftOut) {
   EXPECT_EQ(voice_of(map)->table().playable_modes(), 3u);
 }
 
-TEST(Gain, AndPanScaleTheClosedForm) {
+TEST(Gain, GainAndPanScaleTheClosedForm) {
   for (const double pan : {-1.0, -0.3, 0.0, 0.8, 1.0}) {
     Player player;
     player.install(0, map_of(single_mode_bank(700, 3)));
@@ -125,7 +125,7 @@ TEST(Gain, AndPanScaleTheClosedForm) {
   }
 }
 
-TEST(Gain, MovesInAStraightLineFromItsFrameOn) {
+TEST(Gain, GainMovesInAStraightLineFromItsFrameOn) {
   Player plain, ramped;
   for (Player* player : {&plain, &ramped}) {
     player->install(0, map_of(single_mode_bank(700, 1)));
@@ -141,7 +141,7 @@ TEST(Gain, MovesInAStraightLineFromItsFrameOn) {
 }
 
 // Two strikes at different times, points and contact times sound as the sum of each alone.
-TEST(Superposition, HoldsForStrikesOnOneRingingObject) {
+TEST(Superposition, SuperpositionHoldsForStrikesOnOneRingingObject) {
   const Map map = map_of(random_bank(3, 100, 60));
   const Event first = strike_at(10, 0, {0.1, 0.2, -0.1}, 2e-4, {0.1, 0, 0});
   const Event second = strike_at(2345, 0, {-0.2, 0.1, 0.3}, 1e-3, {0, -0.1, 0.05});
@@ -163,7 +163,7 @@ TEST(Superposition, HoldsForStrikesOnOneRingingObject) {
   EXPECT_LT(error, -130);
 }
 
-TEST(Superposition, IsLinearInTheImpulse) {
+TEST(Superposition, TheSoundIsLinearInTheImpulse) {
   const Map map = map_of(random_bank(4, 50, 30));
   Samples runs[2];
   for (int run = 0; run < 2; ++run) {
@@ -177,7 +177,7 @@ TEST(Superposition, IsLinearInTheImpulse) {
   EXPECT_LT(relative_error_db(runs[1], runs[0]), -130);
 }
 
-TEST(Superposition, HoldsForObjects) {
+TEST(Superposition, SuperpositionHoldsForObjects) {
   const Map maps[] = {map_of(random_bank(5, 40, 30)), map_of(random_bank(6, 40, 30))};
   Samples sum(9600, 0.0);
   Player both;

@@ -24,7 +24,7 @@ void run_chunks(TimeBudget& budget, int chunks, double units, double other_ns = 
   }
 }
 
-TEST(TimeBudget, LearnsHowMuchWorkFitsIntoAChunk) {
+TEST(TimeBudget, TheBudgetLearnsHowMuchWorkFitsIntoAChunk) {
   TimeBudget budget;
   fake_unit_ns = 10;
   budget.configure(kShare, kFake);
@@ -32,7 +32,7 @@ TEST(TimeBudget, LearnsHowMuchWorkFitsIntoAChunk) {
   EXPECT_NEAR(budget.affordable(), TimeBudget::kTarget * kTime_ns / 10, 500);
 }
 
-TEST(TimeBudget, SharesABlockAmongItsChunks) {
+TEST(TimeBudget, TheBudgetSharesABlockAmongItsChunks) {
   TimeBudget budget;
   fake_unit_ns = 10;
   budget.configure(kShare, kFake);
@@ -47,7 +47,7 @@ TEST(TimeBudget, SharesABlockAmongItsChunks) {
   EXPECT_NEAR(budget.units_left(0, 1), kTime_ns / 10, 500) << "the others have theirs";
 }
 
-TEST(TimeBudget, KnowsThePriceOfTheChunkAtHand) {
+TEST(TimeBudget, TheBudgetKnowsThePriceOfTheChunkAtHand) {
   TimeBudget budget;
   fake_unit_ns = 10;
   budget.configure(kShare, kFake);
@@ -74,7 +74,7 @@ TEST(TimeBudget, UncountedTimeLeavesTheRestForWork) {
   EXPECT_NEAR(units * 10 + other_ns, TimeBudget::kTarget * kTime_ns, 0.02 * kTime_ns);
 }
 
-TEST(TimeBudget, OneStandstillTeachesLittle) {
+TEST(TimeBudget, OneStandstillOfTheMachineChangesTheBudgetLittle) {
   TimeBudget budget;
   fake_unit_ns = 10;
   budget.configure(kShare, kFake);
@@ -86,7 +86,7 @@ TEST(TimeBudget, OneStandstillTeachesLittle) {
   EXPECT_LT(budget.affordable(), 0.4 * before) << "but many do";
 }
 
-TEST(TimeBudget, RecoversWhenThereIsHardlyAnythingToDo) {
+TEST(TimeBudget, TheBudgetRecoversWhenThereIsHardlyAnythingToDo) {
   TimeBudget budget;
   fake_unit_ns = 10;
   budget.configure(kShare, kFake);
@@ -105,7 +105,7 @@ TEST(TimeBudget, BlocksWithoutAShareOrADeadlineHaveNoLimit) {
   }
 }
 
-TEST(TimeBudget, ReadsItsClockWithoutASystemCall) {
+TEST(TimeBudget, TheBudgetReadsItsClockWithoutASystemCall) {
   const ringdown::test::RealtimeScope scope;
   EXPECT_GT(monotonic_ns(), 0);
   EXPECT_EQ(scope.seen().total(), 0u) << scope.seen().first;

@@ -12,7 +12,7 @@
 namespace ringdown::synth::test {
 namespace {
 
-TEST(Timeline, CutsAtTheNextCommandAndAtMostAChunkAhead) {
+TEST(Timeline, TheTimelineCutsAtTheNextCommandAndAtMostAChunkAhead) {
   Timeline timeline(16);
   EXPECT_EQ(timeline.chunk_frames(0, 1000, false), kChunkFrames);
   EXPECT_EQ(timeline.chunk_frames(0, 50, false), 50u);
@@ -42,13 +42,13 @@ TEST(Timeline, ALaterCommandWaitsForTheOneBeforeIt) {
 }
 
 // Within an octave the steps are even in energy, not in its logarithm: that makes up to 0.26 dB.
-TEST(Level, StepsAreDecibels) {
+TEST(Level, LevelsCountDecibels) {
   for (double db = -160; db < 40; db += 0.37) {
     EXPECT_NEAR(level_of(std::pow(10.0, 0.1 * db)) * kStep_db, db, kStep_db + 0.26);
   }
 }
 
-TEST(Level, WhatIsNotANumberLiesAboveEverything) {
+TEST(Level, ALevelThatIsNotANumberLiesAboveEverything) {
   EXPECT_GT(level_of(std::nan("")), level_of(1e30));
   EXPECT_GT(level_of(-std::nan("")), level_of(1e30));
   EXPECT_GT(level_of(HUGE_VAL), level_of(1e30));

@@ -9,7 +9,7 @@
 namespace ringdown::synth::test {
 namespace {
 
-TEST(WorkerPool, DoesEveryItemOnceInEveryRound) {
+TEST(WorkerPool, TheWorkerPoolDoesEveryItemOnceInEveryRound) {
   for (const std::size_t helpers : {0, 1, 3}) {
     std::vector<std::atomic<int>> done(300);
     std::vector<std::atomic<int>> by(helpers + 1);
@@ -27,7 +27,7 @@ TEST(WorkerPool, DoesEveryItemOnceInEveryRound) {
   }
 }
 
-TEST(WorkerPool, HelpersDoPartOfTheWork) {
+TEST(WorkerPool, HelpersOfTheWorkerPoolDoPartOfTheWork) {
   std::atomic<int> by_helpers = 0;
   WorkerPool pool(1, [&](std::size_t, std::size_t who) {
     by_helpers += who == 1 ? 1 : 0;
@@ -62,7 +62,7 @@ std::unique_ptr<Player> play(std::size_t threads) {
   return player;
 }
 
-TEST(MixerThreads, SeveralSoundLikeOne) {
+TEST(MixerThreads, SeveralThreadsSoundLikeOne) {
   const auto alone = play(1);
   const double loudest = peak(alone->left);
   EXPECT_GT(alone->mixer.counters().ringing_modes, 4000u);

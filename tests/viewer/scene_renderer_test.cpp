@@ -227,7 +227,7 @@ TEST(OldContext, AnOldOpenGlContextIsRefusedInOneSentence) {
   EXPECT_NE(made.error().message.find("2.1"), std::string::npos) << made.error().message;
 }
 
-TEST(DetailControl, LowersTheDetailWhileFramesAreSlowAndRaisesItWhenTheyAreQuick) {
+TEST(DetailControl, TheDetailFallsWhileFramesAreSlowAndRisesWhenTheyAreQuick) {
   DetailControl control;
   for (int i = 0; i < 100; ++i) control.observe(0.03);
   EXPECT_EQ(control.detail(), 1) << "fast enough";
