@@ -35,7 +35,7 @@ JSON over HTTP, as OSCQuery has it, for hosts that list what there is to control
 - **Patterns** of OSC 1.0 stand for objects, and for what follows them: `/object/glass*/gain`,
   `/object/{bell,bowl}/[!f]*`. `?` is one character, `*` any number, `[a-z]` and `[!a-z]` a set, `{low,high}` words. They
   are matched with names, not numbers; one that matches nothing is a `/fail`.
-- **Limits**: 64 arguments, an address of 256 characters; [limits.md](limits.md) has them all. A datagram with any fault in
+- **Limits**: 64 arguments, an address of 256 characters; [limits.md](../use/limits.md) has them all. A datagram with any fault in
   it is refused whole. In a flood, strikes on one point of an object less than `--merge` apart (1 ms unless set) become
   one of their summed impulse, so that none is lost; below 64 strikes in that time all pass as they are.
 
@@ -90,7 +90,7 @@ std::string_view time_text(Lane lane) {
 
 std::string example_text(const AddressSpec& spec) {
   if (const std::string command = oscsend_command(spec); !command.empty()) return "```\n" + command + "\n```";
-  return "`oscsend` sends no blobs; [clients/python/strike.py](../clients/python/strike.py) does.";
+  return "`oscsend` sends no blobs; [clients/python/strike.py](../../clients/python/strike.py) does.";
 }
 
 std::string request_section(const AddressSpec& spec) {

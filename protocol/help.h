@@ -1,4 +1,4 @@
-// The table as text for people: docs/protocol.md and the help of the `ringdown` program. [any thread]
+// The table as text for people: docs/reference/protocol.md and the help of the `ringdown` program. [any thread]
 #pragma once
 
 #include "protocol/schema.h"
@@ -16,7 +16,7 @@ std::string describe(const ArgumentSpec& spec);
 // All addresses, one signature and sentence each, for a terminal.
 std::string overview();
 
-// docs/protocol.md, complete.
+// docs/reference/protocol.md, complete.
 std::string markdown();
 
 // The row's example as a shell command: "oscsend osc.udp://127.0.0.1:7770 /object/bell/gain ff 0.5 0.1". Empty for one

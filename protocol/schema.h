@@ -1,6 +1,6 @@
 // The protocol: every address with its arguments, what it does, and what is answered.
 //
-// All of it comes from one table (table.cpp), written once: the parser, the formatter, docs/protocol.md, the
+// All of it comes from one table (table.cpp), written once: the parser, the formatter, docs/reference/protocol.md, the
 // help texts of the `ringdown` program, and the conversion of command-line words. Nothing else lists an
 // argument.
 //

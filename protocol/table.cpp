@@ -7,7 +7,7 @@
 //   - its cases in tests/protocol/schema_cases.cpp.
 //
 // Whichever of the first four is forgotten, the compiler says so; of the last, Schema's first test does. Then
-// `ringdown protocol --markdown > docs/protocol.md` writes the page, which a test compares.
+// `ringdown protocol --markdown > docs/reference/protocol.md` writes the page, which a test compares.
 #include "protocol/bulk.h"
 #include "protocol/quantities.h"
 
@@ -57,7 +57,7 @@ const BulkStrike kBlow{0, std::nullopt, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005, 
 
 using Arguments = std::initializer_list<Columns<Request>>;
 
-// An address that succeeds in silence, and the lane that handles it. `example` is what docs/protocol.md shows; a test
+// An address that succeeds in silence, and the lane that handles it. `example` is what docs/reference/protocol.md shows; a test
 // sends it through the parser.
 template <Lane lane, class Struct>
 RowOf<Request, Struct> silent(std::string_view address, const Struct& example, std::string_view sentence,

@@ -58,7 +58,7 @@ void add_what_to_play(CLI::App& app, DaemonOptions& options) {
   const auto take_objects = [&options](const std::vector<std::string>& texts) {
     for (const std::string& text : texts) options.objects.push_back(parse_object(text));
   };
-  app.add_option("--scene", options.scene, "Scene file to run (docs/scenes.md)")->type_name("FILE");
+  app.add_option("--scene", options.scene, "Scene file to run (docs/use/scenes.md)")->type_name("FILE");
   app.add_option_function<std::vector<std::string>>("--object", take_objects,
                                                     "Object to load; may be given more than once")
       ->type_name("NAME=BANK");

@@ -40,7 +40,7 @@ void add_program_verb(CLI::App& app, ExitCode& outcome, const std::string& name,
 void add_protocol_verb(CLI::App& app, ExitCode& outcome) {
   auto as_markdown = std::make_shared<bool>(false);
   CLI::App* verb = app.add_subcommand("protocol", "Lists every OSC address with its arguments.");
-  verb->add_flag("--markdown", *as_markdown, "The whole manual, as in docs/protocol.md.");
+  verb->add_flag("--markdown", *as_markdown, "The whole manual, as in docs/reference/protocol.md.");
   verb->callback([as_markdown, &outcome] {
     const std::string text = *as_markdown ? protocol::markdown() : protocol::overview();
     const bool written = std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;

@@ -70,7 +70,7 @@ void add_render_verb(CLI::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<RenderArguments>();
   session::OfflineOptions& options = arguments->options;
   CLI::App* verb = app.add_subcommand("render", "Renders a scene or an OSC score to a sound file, without a clock.");
-  verb->add_option("--scene", options.scene, "Scene file (docs/scenes.md).")->type_name("FILE");
+  verb->add_option("--scene", options.scene, "Scene file (docs/use/scenes.md).")->type_name("FILE");
   verb->add_option("--events", arguments->score, "OSC score, the format of scsynth's non-real-time mode.")
       ->type_name("FILE");
   verb->add_option("--object", arguments->objects, "Object to load first; may be given more than once.")

@@ -3,7 +3,7 @@
 //   game_engine_strike [OBJECT [PORT]]
 //
 // A ball bounces on an object; each bounce is one OSC message /object/OBJECT/strike with point and impulse in the
-// object's own frame, in SI units. docs/protocol.md lists all messages of the daemon.
+// object's own frame, in SI units. docs/reference/protocol.md lists all messages of the daemon.
 #include <arpa/inet.h>
 #include <bit>
 #include <chrono>

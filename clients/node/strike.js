@@ -3,7 +3,7 @@
 //     npm install osc@2.4.5 --omit=optional --ignore-scripts
 //     node strike.js bell            (RINGDOWN_PORT names another port than 7770)
 //
-// Units are SI; points and impulses are in the object's own frame. docs/protocol.md lists every address.
+// Units are SI; points and impulses are in the object's own frame. docs/reference/protocol.md lists every address.
 const osc = require("osc");
 
 const object = process.argv[2] || "bell";

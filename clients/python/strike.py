@@ -14,7 +14,7 @@ As a module:
     print(daemon.ask("/version"))
     daemon.strikes([(0, point, impulse, 0.0005, 0.01 * i) for i in range(500)])    many, in one message
 
-Units are SI; points and impulses are in the object's own frame. docs/protocol.md lists every address.
+Units are SI; points and impulses are in the object's own frame. docs/reference/protocol.md lists every address.
 """
 
 import argparse

@@ -1,5 +1,5 @@
 // The actions that a key, a button or a menu can ask for, and the one table of keys, which the window obeys, F1 shows
-// and docs/viewer.md lists. commands.h says what an action does.
+// and docs/use/window.md lists. commands.h says what an action does.
 //
 // Letters are those of the 2011 report's two programs where it gives them: its test GUI is our sound pane, its OpenGL
 // scene our scene pane. Letters that have a meaning in both (Q W E A S D) follow the focused pane. [any thread]
@@ -96,7 +96,7 @@ std::optional<Binding> binding_for(Pane focused, std::string_view key);
 // The name of a key with its modifiers. `base` is an upper-case letter, a digit or sign, or "space", "escape", "F1" ...
 std::string key_name(std::string_view base, bool control, bool shift);
 
-// The table as Markdown, for docs/viewer.md.
+// The table as Markdown, for docs/use/window.md.
 std::string keys_as_markdown();
 
 }  // namespace ringdown::viewer

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes docs/presets.md and a picture for each preset's bank: presets_page.py RINGDOWN
+"""Writes docs/use/presets.md and a picture for each preset's bank: presets_page.py RINGDOWN
 
 RINGDOWN is the program. What the page says comes from presets/objects/*.toml and from `ringdown info` of presets/banks.
 """
@@ -77,7 +77,7 @@ def row(ringdown, path):
     small_picture(ringdown, bank, picture)
     modes = modes_of(ringdown, bank)
     size = round(bank.stat().st_size / 1000)
-    return (f"| ![{name}](figures/presets/{name}.png) | {label} | {thing.get('material', '')} | {pitches(modes)} "
+    return (f"| ![{name}](../figures/presets/{name}.png) | {label} | {thing.get('material', '')} | {pitches(modes)} "
             f"| {modes[0][1]:.2g} s | {len(modes)} | {size} |\n")
 
 
@@ -90,7 +90,7 @@ def main():
     for picture in PICTURES.glob("*.png"):
         if picture.stem not in names:
             picture.unlink()
-    (ROOT / "docs/presets.md").write_text(HEAD + "".join(rows) + "\nT60 is that of the most important mode.\n")
+    (ROOT / "docs/use/presets.md").write_text(HEAD + "".join(rows) + "\nT60 is that of the most important mode.\n")
 
 
 main()

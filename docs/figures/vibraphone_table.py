@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the tuned bars of presets/banks/vibraphone twice and prints a table for docs/tuning.md.
+"""Checks the tuned bars of presets/banks/vibraphone twice and prints a table for docs/use/tuning.md.
 
 usage: vibraphone_table.py BIN OBJECTS BANKS
 

@@ -6,7 +6,7 @@
 // order: 20, 8, 4, 2.5. Beside waves, elements must follow what happens within a thickness of sharp edges, where twist
 // lets go, and how a slender body's section warps; and flat ones, longer than p + 1 thicknesses, bend too stiffly.
 // Where the thinnest wall is known and less than 2 V / A, it is the thickness. With order 3 that leaves less than 0.1 %
-// in the first fifty frequencies and 0.02 % in the first ten of the bodies in docs/accuracy.md; linear elements do not
+// in the first fifty frequencies and 0.02 % in the first ten of the bodies in docs/how/accuracy.md; linear elements do not
 // reach that at any sane size.
 #pragma once
 

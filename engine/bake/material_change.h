@@ -3,7 +3,7 @@
 //   Result<Changed> bell = change(bank, {.size = 1.3, .material = bronze});
 //
 // Exact but for Poisson's ratio, which stays the bank's own: frequencies go as sqrt(E / rho) / size, shapes as
-// rho^-1/2 size^-3/2, positions as size, mass as rho size^3, inertia as rho size^5 (docs/physics.md, "Another
+// rho^-1/2 size^-3/2, positions as size, mass as rho size^3, inertia as rho size^5 (docs/how/physics.md, "Another
 // material"). The band goes with the modes: what lay above it was never found, so a bank that grows ends lower, and one
 // that shrinks has no modes from the old lower end to the new one. All are kept that still have a pitch, in order of
 // their importance, which depends on pitch.

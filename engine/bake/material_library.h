@@ -15,7 +15,7 @@
 //   eta = 0.01
 //   source = "where the figure is from"
 //
-// docs/materials.md lists all of them. A library of its own, without finite elements: `ringdown` has it too.
+// docs/use/materials.md lists all of them. A library of its own, without finite elements: `ringdown` has it too.
 #pragma once
 
 #include "engine/base/result.h"
@@ -30,7 +30,7 @@
 
 namespace ringdown::bake {
 
-// Words in a source that docs/materials.md marks.
+// Words in a source that docs/use/materials.md marks.
 inline constexpr std::string_view kOurChoice = "our choice";
 inline constexpr std::string_view kToBeChecked = "to be checked against the original";
 
@@ -56,7 +56,7 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
 // Names of the .toml files in a folder, sorted; empty when there is no such folder.
 std::vector<std::string> names_in(const std::filesystem::path& folder);
 
-// The tables of docs/materials.md: two Markdown tables of every material in `folder`: its figures, and their sources.
+// The tables of docs/use/materials.md: two Markdown tables of every material in `folder`: its figures, and their sources.
 // Figures that are our own choice are in italics, figures that are yet to be checked carry a question mark (kOurChoice
 // and kToBeChecked). Fails with the first file that cannot be read, or when there is none.
 Result<std::string> materials_as_markdown(const std::filesystem::path& folder);

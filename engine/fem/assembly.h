@@ -17,7 +17,7 @@ namespace ringdown::fem {
 
 enum class Element {
   kTet4,        // linear, consistent mass
-  kTet4Lumped,  // linear, lumped mass: the course report's. Far too stiff in bending (docs/physics.md)
+  kTet4Lumped,  // linear, lumped mass: the course report's. Far too stiff in bending (docs/how/physics.md)
   kTet10,       // quadratic, consistent mass
   kTet20,       // cubic
   kTet35,       // quartic

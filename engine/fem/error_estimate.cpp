@@ -23,7 +23,7 @@
 //
 // Taken here is the mean of both with weights 1 - kRelaxed and kRelaxed. In flat elements and for nearly incompressible
 // materials the first is too small by large factors (functions of W alone lock), the second too large; their mean stays
-// within narrow bounds (docs/accuracy.md has the measurements that chose the weight). For the same reason lambda counts
+// within narrow bounds (docs/how/accuracy.md has the measurements that chose the weight). For the same reason lambda counts
 // in it as mu^(1/4) lambda^(3/4) where it is more than mu, and beyond 60 mu no more: a body that keeps its volume in V
 // + W moves as one with nu = 1/2 does. The residual is the true one.
 //

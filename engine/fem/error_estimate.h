@@ -3,10 +3,10 @@
 // Finite elements of order p miss what only functions of higher degree can follow; frequencies come out too high by
 // that. The estimate asks how much a mode's energy would fall if the mesh had the functions of degree p + 1, too: a
 // hierarchical surplus, by the mode's residual on the new functions alone (Zienkiewicz, de S. R. Gago & Kelly,
-// Computers & Structures 16, 1983; Bank & Smith, SIAM J. Numer. Anal. 30, 1993). docs/accuracy.md derives it and
+// Computers & Structures 16, 1983; Bank & Smith, SIAM J. Numer. Anal. 30, 1993). docs/how/accuracy.md derives it and
 // compares it with true errors: mostly between 1 and 4 times the truth on blocks, bars, plates and a sphere.
 //
-// Not seen: what a mesh's elements, curved as they are, leave of the shape of the body (docs/accuracy.md says how much
+// Not seen: what a mesh's elements, curved as they are, leave of the shape of the body (docs/how/accuracy.md says how much
 // that is), the error of the material's constants, and that of a lumped mass, which pulls the other way.
 #pragma once
 

@@ -55,7 +55,7 @@ struct Blow {
 
 // A bank that plays the recording's modes: one sample point, which moves along the recorded blow. `loudness`: a mode's
 // amplitude in the mixer's output over 2 pi f F(f) (phi . j), for one channel and an object in the centre
-// (docs/physics.md, "A strike"). Shapes have the sign of the recorded sine at the onset: the mixer's sines begin at
+// (docs/how/physics.md, "A strike"). Shapes have the sign of the recorded sine at the onset: the mixer's sines begin at
 // phase 0, so of the recorded phases no more than that can be kept.
 modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudness, const std::string& name);
 

@@ -1,4 +1,4 @@
-// Banks on disk: binary glTF 2.0 with the extension KHR_audio_rigid_bodies (docs/bank-format.md). [worker]
+// Banks on disk: binary glTF 2.0 with the extension KHR_audio_rigid_bodies (docs/reference/bank-format.md). [worker]
 #pragma once
 
 #include "engine/base/result.h"

@@ -3,7 +3,7 @@
 //
 // A mode of the undamped problem K phi = lambda M phi, with Rayleigh damping C = alpha M + beta K, moves as
 //   q(t) = exp(-d t) sin(omega_d t),   d = (alpha + beta lambda) / 2 [1/s],   omega_d = sqrt(lambda - d^2) [rad/s].
-// Source: any text on modal analysis, e.g. Shabana, Theory of Vibration, section 5.6. docs/physics.md derives it.
+// Source: any text on modal analysis, e.g. Shabana, Theory of Vibration, section 5.6. docs/how/physics.md derives it.
 #pragma once
 
 #include "engine/base/realtime.h"

@@ -1,7 +1,7 @@
 // A different material and size for the same modes, exactly and without a new analysis.
 //
 // Scaling stiffness scales every eigenvalue; density and size scale eigenvalues and mass-normalised shapes; Rayleigh's
-// two terms scale on their own (docs/physics.md, "Another material"). Only Poisson's ratio needs a new bake.
+// two terms scale on their own (docs/how/physics.md, "Another material"). Only Poisson's ratio needs a new bake.
 #pragma once
 
 #include "engine/modal/bank.h"

@@ -1,4 +1,4 @@
-// Reads scene files: TOML, described in docs/scenes.md. [worker]
+// Reads scene files: TOML, described in docs/use/scenes.md. [worker]
 #pragma once
 
 #include "engine/base/result.h"

@@ -1,6 +1,6 @@
 // A tuned bar: a box along x with an arch cut out below its middle. Lengths in mm.
 // The arch's depth sets the second bending mode's place above the first, its share of the length the third's
-// (docs/tuning.md). The mesh is regular and drawn out to both sides from the middle, so that it
+// (docs/use/tuning.md). The mesh is regular and drawn out to both sides from the middle, so that it
 // is symmetric as the bar is.
 SetFactory("OpenCASCADE");
 DefineConstant[ length = 300, width = 50, thickness = 12.7, arch_share = 0.6, arch_depth = 6, mesh_size = 12 ];

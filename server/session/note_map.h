@@ -1,4 +1,4 @@
-// Which note of a MIDI keyboard strikes which object, where, and how hard (docs/midi.md).
+// Which note of a MIDI keyboard strikes which object, where, and how hard (docs/use/midi.md).
 #pragma once
 
 #include "engine/base/result.h"

@@ -200,7 +200,7 @@ TEST(ObjectFile, TheGainInDecibelsOfAnObjectFileIsTheBanksLinearOne) {
 }
 
 TEST(MaterialPage, TheCommittedTableIsInStep) {
-  std::ifstream file(fs::path(RINGDOWN_SOURCE_DIR) / "docs/materials.md");
+  std::ifstream file(fs::path(RINGDOWN_SOURCE_DIR) / "docs/use/materials.md");
   const std::string page((std::istreambuf_iterator<char>(file)), {});
   const auto table = bake::materials_as_markdown(kPresets / "materials");
   ASSERT_TRUE(table) << table.error().message;

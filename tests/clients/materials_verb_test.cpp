@@ -56,7 +56,7 @@ TEST(Materials, OneMaterialIsShownWithTheSourcesOfItsFigures) {
 TEST(Materials, MaterialsAsMarkdownAreTheDocumentationsPage) {
   const auto ran = ringdown({"materials", "--markdown"});
   EXPECT_EQ(ran.exit_code, 0);
-  EXPECT_TRUE(holds(text_of(fs::path(RINGDOWN_SOURCE_DIR) / "docs/materials.md"), ran.output)) << "run ./run docs";
+  EXPECT_TRUE(holds(text_of(fs::path(RINGDOWN_SOURCE_DIR) / "docs/use/materials.md"), ran.output)) << "run ./run docs";
 }
 
 TEST(Materials, ABarSoundsAtThePitchThatIsPrinted) {

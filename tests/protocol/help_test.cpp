@@ -11,10 +11,10 @@ namespace ringdown::protocol {
 namespace {
 
 TEST(Help, TheCommittedManualIsTheTablesText) {
-  std::ifstream file(RINGDOWN_SOURCE_DIR "/docs/protocol.md");
+  std::ifstream file(RINGDOWN_SOURCE_DIR "/docs/reference/protocol.md");
   std::ostringstream text;
   text << file.rdbuf();
-  EXPECT_EQ(text.str(), markdown()) << "run: ringdown protocol --markdown > docs/protocol.md";
+  EXPECT_EQ(text.str(), markdown()) << "run: ringdown protocol --markdown > docs/reference/protocol.md";
 }
 
 TEST(Help, EveryAddressAndArgumentIsInTheManual) {

@@ -1,4 +1,4 @@
-// Capacities of docs/limits.md that no other test fills: at the limit all is well, one past it is refused or counted.
+// Capacities of docs/use/limits.md that no other test fills: at the limit all is well, one past it is refused or counted.
 #include "engine/base/toml_table.h"
 #include "engine/modal/bank_file.h"
 #include "protocol/wire/score.h"

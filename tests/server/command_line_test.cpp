@@ -102,7 +102,7 @@ TEST(RingdownSend, TheSendCommandWaitsForItsOwnAnswerAndNotForAnothers) {
 }
 
 TEST(RingdownProtocol, TheProtocolInMarkdownIsTheCommittedManual) {
-  std::ifstream file(RINGDOWN_SOURCE_DIR "/docs/protocol.md");
+  std::ifstream file(RINGDOWN_SOURCE_DIR "/docs/reference/protocol.md");
   std::ostringstream text;
   text << file.rdbuf();
   EXPECT_EQ(run(kRingdown + " protocol --markdown").output, text.str());

@@ -1,4 +1,4 @@
-// docs/limits.md against the constants it lists.
+// docs/use/limits.md against the constants it lists.
 #include "clients/viewer/edits.h"
 #include "clients/viewer/link/daemon_client.h"
 #include "clients/viewer/link/model.h"
@@ -106,7 +106,7 @@ const std::map<std::string, double> kConstants = {
 #undef ROW
 
 TEST(Limits, TheLimitsPageListsEveryConstantWithItsValue) {
-  std::ifstream page(RINGDOWN_SOURCE_DIR "/docs/limits.md");
+  std::ifstream page(RINGDOWN_SOURCE_DIR "/docs/use/limits.md");
   const std::regex row(R"(\| `([^`]+)` \| ([0-9]+) \|.*)");
   std::map<std::string, double> listed;
   for (std::string line; std::getline(page, line);) {

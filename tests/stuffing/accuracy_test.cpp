@@ -96,7 +96,7 @@ void print(const char* shape, const char* how, int order, const Row& row) {
   std::fflush(stdout);
 }
 
-// The table of docs/accuracy.md: RINGDOWN_STUFFING_TABLE=1 stuffing_accuracy_test --gtest_filter=*Table. Minutes.
+// The table of docs/how/accuracy.md: RINGDOWN_STUFFING_TABLE=1 stuffing_accuracy_test --gtest_filter=*Table. Minutes.
 TEST(StuffingAccuracy, StuffedBodiesSoundWithinTheTable) {
   if (!std::getenv("RINGDOWN_STUFFING_TABLE")) GTEST_SKIP() << "only where RINGDOWN_STUFFING_TABLE is set";
   const char* only = std::getenv("RINGDOWN_STUFFING_SHAPE");

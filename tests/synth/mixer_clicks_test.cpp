@@ -50,7 +50,7 @@ TEST(Click, AClickIsTheFarFieldOfASphere) {
       click.fill(samples.size(), samples.data());
       EXPECT_TRUE(click.over());
       for (const double hz : {30.0, 200.0, 1000.0, 4000.0}) {
-        // a half-sine from 0 to tau, as it stands in docs/physics.md, half a contact time later
+        // a half-sine from 0 to tau, as it stands in docs/how/physics.md, half a contact time later
         const auto force = 0.3 * static_cast<double>(pulse_factor(hz, contact_time_s)) *
                            std::polar(1.0, -std::numbers::pi * hz * contact_time_s);
         const auto want = 2.5 * force * far_field(hz, radius_m);

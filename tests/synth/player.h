@@ -88,7 +88,7 @@ class Player {
   Samples left, right;
 };
 
-// The half-sine pulse's spectrum as it stands in docs/physics.md, without care for the removable pole.
+// The half-sine pulse's spectrum as it stands in docs/how/physics.md, without care for the removable pole.
 inline long double pulse_factor(long double f, long double tau) {
   const long double x = 2 * f * tau;
   return std::cos(std::numbers::pi_v<long double> * f * tau) / (1 - x * x);

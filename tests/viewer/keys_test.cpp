@@ -76,10 +76,10 @@ TEST(Keys, ModifiersArePartOfAKeysName) {
 }
 
 TEST(Keys, TheManualListsTheTableOfKeys) {
-  std::ifstream file(RINGDOWN_SOURCE_DIR "/docs/viewer.md");
+  std::ifstream file(RINGDOWN_SOURCE_DIR "/docs/use/window.md");
   std::stringstream text;
   text << file.rdbuf();
-  EXPECT_NE(text.str().find(keys_as_markdown()), std::string::npos) << "run `./run docs`: docs/viewer.md lacks\n"
+  EXPECT_NE(text.str().find(keys_as_markdown()), std::string::npos) << "run `./run docs`: docs/use/window.md lacks\n"
                                                                     << keys_as_markdown();
 }
 
