@@ -12,32 +12,31 @@ constexpr std::string_view kHead = R"(# The protocol
 
 <!-- Written by `ringdown protocol --markdown` from the table in protocol/table.cpp. Change it there. -->
 
-Ringdown is played over OSC 1.0 by UDP, on port {port} of this computer unless the daemon was started with others. With
-`--tcp PORT` it is as well over TCP, in SLIP frames as OSC 1.1 has it; with `--query PORT` the table below is served as
-JSON over HTTP, as OSCQuery has it, for hosts that list what there is to control.
+The daemon listens for OSC 1.0 by UDP, on port {port} of this computer by default. With `--tcp PORT` it also takes OSC over
+TCP, in SLIP frames as in OSC 1.1. With `--query PORT` it serves this list as JSON over HTTP (OSCQuery).
 
-- **Units** are SI: m, kg, s, N s. Points and impulses are in the object's own frame, the one of its mesh.
-- **Numbers** may be sent as any of the OSC types `i` `h` `f` `d`. They must be finite and in range, and whole where a
-  whole number is wanted: Pure Data's 3.0 is 3. Text is type `s`, records are a blob, type `b`. Arguments in [brackets]
-  may be left out, from the right.
-- **Objects** have a name (1 to 64 of `A-Z a-z 0-9 _ . -`, not digits only) and a number; both serve in an address:
-  `/object/bell/strike`, `/object/0/strike`.
-- **Contact time**: a strike that names none lasts 0.2 ms. An ideal impulse (0 s) excites every mode up to 20 kHz alike,
-  which is brighter than any real mallet; a blow of length T falls off above 1/T. By Hertz's law (K. L. Johnson, Contact
-  Mechanics, equation 11.24) a ball that meets steel at 1 m/s stays 0.07 ms if it is steel of 10 mm radius, and at 15 mm
-  0.1 ms if it is hardwood, 0.2 ms hard plastic, 0.7 ms hard rubber.
-- **Time**: a message outside a bundle is played at once, that is a fixed short latency after it arrived, so that the
-  time between two messages is kept (`--latency`; one block of audio and a sixteenth unless set). A bundle's timetag says
-  when its messages are played, to the sample; one whose time is past is played at once, and counted. It may lie up to an
-  hour ahead. Bundles nest up to 4 deep, and an inner one is never earlier than the one around it.
-- **Answers** go to the port the request came from. Every refusal is `/fail address sentence`, and the sentence names
-  the argument. Where no answer is listed, silence is success; send `/sync` to be sure that all before it has arrived.
-- **Patterns** of OSC 1.0 stand for objects, and for what follows them: `/object/glass*/gain`,
-  `/object/{bell,bowl}/[!f]*`. `?` is one character, `*` any number, `[a-z]` and `[!a-z]` a set, `{low,high}` words. They
-  are matched with names, not numbers; one that matches nothing is a `/fail`.
-- **Limits**: 64 arguments, an address of 256 characters; [limits.md](../use/limits.md) has them all. A datagram with any fault in
-  it is refused whole. In a flood, strikes on one point of an object less than `--merge` apart (1 ms unless set) become
-  one of their summed impulse, so that none is lost; below 64 strikes in that time all pass as they are.
+- **Units** are SI. Points and impulses are in the object's own frame, the one of its mesh.
+- **Numbers** may have any of the OSC types `i` `h` `f` `d`. They must be finite and in range, and whole where a whole number
+  is wanted: Pure Data's 3.0 is 3. Text is type `s`, 1 to 4096 bytes without control characters; records are a blob, type `b`.
+  Arguments in [brackets] may be left out, from the right.
+- **Objects** have a name (1 to 64 of `A-Z a-z 0-9 _ . -`, not digits only) and a number. Both serve in an address:
+  `/object/bell/strike`, `/object/0/strike`. Groups are named in the same way.
+- **Contact time** is 0.2 ms by default. A blow of length T falls off above 1/T; an ideal impulse (0 s) excites all modes alike
+  and is brighter than any real mallet. By Hertz's law (K. L. Johnson, Contact Mechanics, equation 11.24) a ball that meets
+  steel at 1 m/s stays 0.07 ms if it is steel of 10 mm radius, and at 15 mm 0.1 ms if it is hardwood, 0.2 ms hard plastic,
+  0.7 ms hard rubber.
+- **Time.** A message outside a bundle sounds a fixed short latency after it arrived (`--latency`), so that the time between
+  two messages is kept. A bundle's messages sound at its time tag, to the sample. A tag may lie up to an hour ahead; one in
+  the past is played at once and counted. Bundles nest up to 4 deep, and an inner one is never earlier than the one around it.
+  Below, *timed* requests obey the tag; those *in order* happen after all that was sent before, and *immediate* ones on arrival.
+- **Answers** go to the port the request came from. `/done` repeats the request's address. A refusal is `/fail address sentence`, and the sentence names the argument.
+  Where no answer is listed, silence is success; send `/sync` to be sure that all before it has arrived.
+- **Patterns** of OSC 1.0 stand for objects, and for what follows them: `/object/glass*/gain`, `/object/{bell,bowl}/[!f]*`.
+  `?` is one character, `*` any number, `[a-z]` and `[!a-z]` a set, `{low,high}` words. They are matched with names, not
+  numbers; one that matches nothing is a `/fail`.
+- **Limits**: 64 arguments, an address of 256 characters; [limits.md](../use/limits.md) has them all. A datagram with any fault
+  is refused whole. In a flood, strikes on one point less than `--merge` apart (1 ms by default) become one of their summed
+  impulse; below 64 strikes in that time all pass as they are.
 
 )";
 
@@ -52,54 +51,93 @@ std::string fallback_text(const ArgumentSpec& spec) {
   return absent ? "absent" : value_text(spec.fallback);
 }
 
-std::string argument_table(const AddressSpec& spec) {
-  if (spec.arguments.empty()) return "";
-  std::string table = "\n| argument | meaning | accepted | if left out |\n|---|---|---|---|\n";
-  for (const ArgumentSpec& argument : spec.arguments) {
-    table.append("| `").append(argument.name).append("` | ").append(argument.sentence).append(" | ");
-    table += expectation(argument) + " | " + (argument.optional ? fallback_text(argument) : "") + " |\n";
+// What the page says an argument takes: "0 to 60 s", "whole, 0 to 15", "text". Limits that only keep numbers finite are
+// left out.
+std::string brief_range(const ArgumentSpec& spec) {
+  constexpr double kAnyInteger = 2147483647, kAnyNumber = 1e30;
+  const bool whole = spec.type == ValueType::integer;
+  if (!whole && spec.type != ValueType::number) {
+    return spec.type == ValueType::text || spec.type == ValueType::name || spec.type == ValueType::object
+               ? ""
+               : expectation(spec);
   }
-  return table;
+  const std::string unit(spec.unit);
+  if (spec.most == (whole ? kAnyInteger : kAnyNumber) && (spec.least == 0 || spec.least == -spec.most)) {
+    return whole ? "whole" : unit;
+  }
+  return (whole ? "whole, " : "") + number_text(spec.least) + " to " + number_text(spec.most) +
+         (unit.empty() ? "" : " " + unit);
+}
+
+// Whether `next` is one more component of the vector, or one more factor, that `first` begins.
+bool continues(const ArgumentSpec& first, const ArgumentSpec& next) {
+  const bool same =
+      next.sentence == "Its y component." || next.sentence == "Its z component." || next.sentence == "The same.";
+  return same && brief_range(first) == brief_range(next) && first.optional == next.optional;
+}
+
+// What a client has to know to send an argument, or of a reply's its unit alone.
+std::string values_text(const ArgumentSpec& argument, bool is_request) {
+  if (!is_request) return std::string(argument.unit);
+  std::string values = brief_range(argument);
+  if (argument.optional && !std::holds_alternative<std::monostate>(argument.fallback)) {
+    values += (values.empty() ? "" : "; ") + fallback_text(argument) + " if left out";
+  }
+  return values;
+}
+
+// One line for each argument that is not in the address; the components of a vector share a line.
+std::string argument_list(const AddressSpec& spec) {
+  std::string list;
+  const auto arguments = std::span(spec.arguments).subspan(spec.arguments_in_address());
+  for (std::size_t i = 0; i < arguments.size();) {
+    const ArgumentSpec& first = arguments[i];
+    list.append("- `").append(first.name);
+    for (++i; i < arguments.size() && continues(first, arguments[i]); ++i) list.append(" ").append(arguments[i].name);
+    list.append("`: ").append(first.sentence);
+    const std::string values = values_text(first, spec.lane.has_value());
+    list += (values.empty() ? "" : " (" + values + ")") + "\n";
+  }
+  return list.empty() ? "" : list + "\n";
 }
 
 std::string answer_text(const AddressSpec& spec) {
-  if (spec.reply.empty()) return "Answer: none.";
-  std::string text = "Answer: `" + std::string(spec.reply);
-  if (spec.reply == "/done") text.append(" ").append(spec.address);
+  if (spec.reply.empty()) return "";
+  std::string text = "; answers `" + std::string(spec.reply);
   text += "`";
   if (!spec.reply_number.empty()) text.append(" and ").append(spec.reply_number);
-  return text + ".";
+  return text;
 }
 
-// When a request happens, if a bundle's time tag says when it should.
+// When a request happens, in the words of the page's head.
 std::string_view time_text(Lane lane) {
   switch (lane) {
     case Lane::mixer:
     case Lane::timed_worker:
-      return "Happens at its time tag.";
+      return "Timed";
     case Lane::worker:
     case Lane::file:
     case Lane::question:
-      return "Happens after all that was sent before; a time tag does not delay it.";
+      return "In order";
     case Lane::subscription:
     case Lane::daemon:
-      return "Happens on arrival; a time tag does not delay it.";
+      return "Immediate";
   }
   return "";
 }
 
 std::string example_text(const AddressSpec& spec) {
-  if (const std::string command = oscsend_command(spec); !command.empty()) return "```\n" + command + "\n```";
+  if (const std::string command = oscsend_command(spec); !command.empty()) return "    " + command;
   return "`oscsend` sends no blobs; [clients/python/strike.py](../../clients/python/strike.py) does.";
 }
 
 std::string request_section(const AddressSpec& spec) {
-  return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + "\n" + argument_table(spec) + "\n" +
-         answer_text(spec) + " " + std::string(time_text(*spec.lane)) + "\n\n" + example_text(spec) + "\n\n";
+  return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + " " + std::string(time_text(*spec.lane)) +
+         answer_text(spec) + ".\n\n" + argument_list(spec) + example_text(spec) + "\n\n";
 }
 
 std::string reply_section(const AddressSpec& spec) {
-  return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + "\n" + argument_table(spec) + "\n";
+  return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + "\n\n" + argument_list(spec);
 }
 
 // An argument for oscsend: its type letter and its word. Numbers go as f, as most clients send them.
@@ -136,7 +174,7 @@ std::string markdown() {
   text.replace(text.find("{port}"), 6, std::to_string(kDefaultPort));
   text += "## What you can send\n\n";
   for (const AddressSpec& spec : addresses()) text += request_section(spec);
-  text += "## What is answered\n\nAnswers use the OSC types `i`, `f` and `s` only.\n\n";
+  text += "## What is answered\n\nAnswers use the OSC types `i`, `f`, `s` and, for bytes and samples, `b`.\n\n";
   for (const AddressSpec& spec : reply_addresses()) text += reply_section(spec);
   text.pop_back();
   return text;

@@ -222,7 +222,7 @@ void add_materials_verb(CLI::App& app, ExitCode& outcome) {
                    "Write two seconds of a blow on a bar of it to this file: .wav (32-bit float) or .flac (24 bit).")
       ->type_name("FILE")
       ->needs(name);
-  verb->add_flag("--markdown", arguments->markdown, "All figures and their sources as Markdown, for docs/use/materials.md.")
+  verb->add_flag("--markdown", arguments->markdown, "All figures as a Markdown table, for docs/use/materials.md.")
       ->excludes(name);
   verb->callback([arguments, &outcome] { outcome = materials(*arguments); });
 }

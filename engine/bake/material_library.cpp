@@ -30,16 +30,15 @@ struct Figure {
   const char* key;
   double& value;
   Range range;
-  const char* symbol;
   double table_unit = 1;
 };
 
 std::array<Figure, 5> figures_of(modal::Material& material) {
-  return {{{"youngs_modulus_pa", material.youngs_modulus_pa, kYoungsModulus_pa, "E", 1e9},
-           {"poisson_ratio", material.poisson_ratio, kPoissonRatio, "nu"},
-           {"density_kg_m3", material.density_kg_m3, kDensity_kg_m3, "rho"},
-           {"alpha_per_s", material.damping.alpha_per_s, kAlpha_per_s, "alpha"},
-           {"beta_s", material.damping.beta_s, kBeta_s, "beta"}}};
+  return {{{"youngs_modulus_pa", material.youngs_modulus_pa, kYoungsModulus_pa, 1e9},
+           {"poisson_ratio", material.poisson_ratio, kPoissonRatio},
+           {"density_kg_m3", material.density_kg_m3, kDensity_kg_m3},
+           {"alpha_per_s", material.damping.alpha_per_s, kAlpha_per_s},
+           {"beta_s", material.damping.beta_s, kBeta_s}}};
 }
 
 Result<void> check_stable(const modal::Material& material) {
@@ -47,7 +46,7 @@ Result<void> check_stable(const modal::Material& material) {
 }
 
 void read_figure(TomlTable& file, const Figure& wanted, MaterialEntry& entry) {
-  const auto& [key, target, range, symbol, unit] = wanted;
+  const auto& [key, target, range, unit] = wanted;
   file.require({key});
   std::optional<TomlTable> figure = file.table(key);
   if (!figure) return;
@@ -192,24 +191,6 @@ std::string figure_row(MaterialEntry entry) {
   return row + " " + text(t60_at_1_khz(entry.material.damping), "%.2g") + " |\n";
 }
 
-// One row for each source of the material, with all figures that share it.
-std::string source_rows(MaterialEntry entry) {
-  std::vector<std::pair<std::string, std::string>> groups;  // source, symbols
-  for (const Figure& figure : figures_of(entry.material)) {
-    const std::string& source = entry.sources.at(figure.key);
-    if (!groups.empty() && groups.back().first == source) {
-      groups.back().second += std::string(", ") + figure.symbol;
-    } else {
-      groups.emplace_back(source, figure.symbol);
-    }
-  }
-  std::string rows;
-  for (const auto& [source, symbols] : groups) {
-    rows += "| `" + entry.material.name + "` | " + symbols + " | " + source + " |\n";
-  }
-  return rows;
-}
-
 }  // namespace
 
 Result<std::string> materials_as_markdown(const std::filesystem::path& folder) {
@@ -218,14 +199,12 @@ Result<std::string> materials_as_markdown(const std::filesystem::path& folder) {
   std::string figures =
       "| material | what it is | E [GPa] | nu | rho [kg/m^3] | alpha [1/s] | beta [s] | T60 at 1 kHz [s] |\n"
       "|---|---|---|---|---|---|---|---|\n";
-  std::string sources = "| material | figures | source |\n|---|---|---|\n";
   for (const std::string& name : names) {
     const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
     if (!entry) return fail(entry.error());
     figures += figure_row(*entry);
-    sources += source_rows(*entry);
   }
-  return figures + "\n" + sources;
+  return figures;
 }
 
 }  // namespace ringdown::bake

@@ -56,9 +56,9 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
 // Names of the .toml files in a folder, sorted; empty when there is no such folder.
 std::vector<std::string> names_in(const std::filesystem::path& folder);
 
-// The tables of docs/use/materials.md: two Markdown tables of every material in `folder`: its figures, and their sources.
-// Figures that are our own choice are in italics, figures that are yet to be checked carry a question mark (kOurChoice
-// and kToBeChecked). Fails with the first file that cannot be read, or when there is none.
+// The table of docs/use/materials.md: every material in `folder` with its figures, as Markdown. Their sources stand in
+// the files. Figures that are our own choice are in italics, figures that are yet to be checked carry a question mark
+// (kOurChoice and kToBeChecked). Fails with the first file that cannot be read, or when there is none.
 Result<std::string> materials_as_markdown(const std::filesystem::path& folder);
 
 }  // namespace ringdown::bake
