@@ -74,7 +74,7 @@ struct BankReply {  // /bank.reply
 };
 struct SceneReply {  // /scene.reply
   std::int32_t version = 0;
-  std::int32_t bodies = 0, statics = 0;  // so many /scene.body and /scene.static follow
+  std::int32_t bodies = 0, statics = 0;  // numbers of /scene.body and /scene.static that follow
   double duration_s = 0;
   Vec3 camera_m, target_m;
   double field_of_view_degrees = 0;  // vertical; 0: the scene names no camera
@@ -98,7 +98,7 @@ struct SceneStatic {  // /scene.static
   double x = 0, y = 0, z = 0, w = 1;  // a plane's normal is the turned z axis
 };
 struct BrowseReply {       // /browse.reply
-  std::int32_t files = 0;  // so many /browse.file follow
+  std::int32_t files = 0;  // number of /browse.file that follow
 };
 struct BrowseFile {  // /browse.file
   std::int32_t number = 0;

@@ -4,10 +4,18 @@
 #include <cmath>
 #include <numbers>
 
+// A Timoshenko beam with free ends
+//
+// The equations (Beam) have solutions of two parts, hyperbolic and circular in x, whose wave numbers p and q follow
+// from the frequency (Wave). About the middle a mode is even or odd, so that either parity has one free ratio, and the
+// two conditions at an end, no moment and no shear force, leave one equation in the frequency: Wave::at_ends().
+// bar_lambdas() steps upward in a scale in which the roots of a thin bar lie pi / 2 apart, and bisects where the sign
+// changes. It stays below the cut-off frequency, above which the hyperbolic part becomes circular, too. The shear
+// coefficient is Cowper's for a rectangle, 10 (1 + nu) / (12 + 11 nu) (J. Appl. Mech. 33, 1966).
 namespace ringdown::bake {
 namespace {
 
-constexpr double kHighest_hz = 20000, kBelowCutOff = 0.8;
+constexpr double kMaxFrequency_hz = 20000, kBelowCutOff = 0.8;
 
 // The bar as a line. Motion w across it and the sections' angle psi obey
 //   E I psi'' + kappa A G (w' - psi) + rho I omega^2 psi = 0,   kappa A G (w'' - psi') + rho A omega^2 w = 0.
@@ -127,7 +135,7 @@ std::vector<double> bar_lambdas(const modal::Material& material, const Bar& bar,
 
 modal::Bank bar_bank(const modal::Material& material, const Bar& bar) {
   const Beam beam(material, bar);
-  const double omega = modal::hz_to_rad_per_s(kHighest_hz);
+  const double omega = modal::hz_to_rad_per_s(kMaxFrequency_hz);
   modal::Bank bank;
   bank.name = material.name;
   bank.material = material;

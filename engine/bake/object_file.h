@@ -39,7 +39,7 @@ struct ObjectRecipe {
   std::filesystem::path geometry;
   mesh::GmshOptions meshing;
   BakeOptions options;
-  double scale = 1;                       // the object is so many times as large as its geometry, whose mesh it keeps
+  double scale = 1;                       // size of the object over that of its geometry, whose mesh it keeps
   std::map<std::string, double> figures;  // of the material, by their keys in its file, instead of what stands there
   double gain_db = 0;
   double error = 0;  // relative, that the estimate for every frequency in the band must reach; 0: whatever it is

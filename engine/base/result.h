@@ -22,7 +22,7 @@ namespace ringdown {
 
 enum class ErrorKind {
   bad_input,        // a file or a message is missing, unreadable, or not what it should be
-  too_large,        // the input is sound but exceeds a limit of ours: bytes, elements, modes, bodies, objects
+  too_large,        // the input is sound but exceeds one of our limits: bytes, elements, modes, bodies, objects
   refused,          // the request is sound but impossible here or now: a full queue, a missing program, no convergence
   cancelled,        // the caller asked to stop
   no_memory,        // the computer has not enough memory

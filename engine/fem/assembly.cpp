@@ -17,14 +17,12 @@
 
 // Assembly without a list of entries
 //
-// 1. The pattern. Two nodes share an entry when they share an element. For each node the elements around it are listed,
-// and
-//    from them its neighbours in ascending order (node_graph()). The compressed columns of K and M follow from the
-//    graph alone, with zeros for values (lay_out_stiffness(), lay_out_mass()).
-// 2. The values, batch by batch, so that the element matrices stay in the cache. First the threads share the elements
-// of a
-//    batch and integrate them (element.h). Then they share the columns of the matrices: each thread goes through all
-//    elements of the batch and adds those blocks that belong to its own columns (Scatter).
+// 1. The pattern. Two nodes share an entry when they share an element. For each node the elements around it are
+//    listed, and from them its neighbours in ascending order (node_graph()). The compressed columns of K and M follow
+//    from the graph alone, with zeros for values (lay_out_stiffness(), lay_out_mass()).
+// 2. The values, batch by batch, so that the element matrices stay in the cache. First the threads share the
+//    elements of a batch and integrate them (element.h). Then they share the columns of the matrices: each thread goes
+//    through all elements of the batch and adds those blocks that belong to its own columns (Scatter).
 //
 // So no two threads write to one entry, and each entry is summed in the order of the elements whatever the number of
 // threads: the matrices are the same to the last bit.

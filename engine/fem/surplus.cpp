@@ -9,6 +9,14 @@
 #include <map>
 #include <vector>
 
+// The element's matrices, from one product
+//
+// All of them are blocks of one matrix over the functions of W and of V together: the integrals of products of their
+// gradients. gradient_products() finds it. In a straight element the gradients are those of the reference element times
+// one constant matrix, so the integral is the reference element's, summed once, transformed; in a curved element it is
+// a sum over quadrature points. stiffness() turns a block of it into elastic energy. relaxed() subtracts from the
+// energy of W what V can take back within the element, a Schur complement by Cholesky factors; V's own energy is
+// singular in the six rigid motions, which are given some stiffness first, and W does not couple with them.
 namespace ringdown::fem {
 namespace {
 

@@ -8,9 +8,10 @@
 // corners of every element in the same order, say by their numbers in the mesh.
 //
 // An edge's function is the product of its two coordinates with a Jacobi polynomial, which along the edge makes it an
-// integrated Legendre polynomial; faces and the inside likewise (Szabo & Babuska, Finite Element Analysis, 1991,
-// chapter 6; Karniadakis & Sherwin, Spectral/hp Element Methods, section 3.2). Such functions are close to orthogonal
-// in energy to those of lower degree, which is what makes an estimate from them alone sharp.
+// integrated Legendre polynomial; the functions of faces and of the inside are built in the same way (Szabo & Babuska,
+// Finite Element Analysis, 1991, chapter 6; Karniadakis & Sherwin, Spectral/hp Element Methods, section 3.2). Such
+// functions are close to orthogonal in energy to those of lower degree, which is what makes an estimate from them alone
+// sharp.
 #pragma once
 
 #include "engine/fem/elastic.h"

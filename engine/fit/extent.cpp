@@ -4,6 +4,14 @@
 #include <cmath>
 #include <vector>
 
+// Finding the blow
+//
+// The recording is divided into blocks of 5 ms, of which only the peaks count. The peak of a quiet block, the tenth
+// percentile, measures the noise. The blow begins where, going back from the first block with half of the largest peak,
+// blocks no longer stand above the noise, and within that block at the first sample above the threshold. It ends where
+// another blow comes (a block twice as loud as all of the last 0.3 s), or where blocks hardly exceed the noise;
+// that stretch is doubled, since narrow bands hear further into the noise than blocks do. If the beginning is clipped,
+// what is fitted starts after the last clipped sample.
 namespace ringdown::fit {
 namespace {
 

@@ -26,8 +26,8 @@ namespace {
 constexpr double kSamplesOfBand = 400;  // what a pass has of each band, more or less
 constexpr double kPassRatio = 4;        // of one pass's length to the next one's
 constexpr double kMinPass_s = 0.02;
-constexpr double kFastestOfPass = 12;   // decay times length: above, the mode waits for a shorter pass,
-constexpr double kSlowestOfPass = 5;    // and below, with the length of the pass before, it would have been found there
+constexpr double kMaxDecayOfPass = 12;  // decay times length: above, the mode waits for a shorter pass,
+constexpr double kMinDecayOfPass = 5;   // and below, with the length of the pass before, it would have been found there
 constexpr Eigen::Index kMaxPoles = 44;  // of a band
 constexpr double kOverlap = 0.04;       // of the core, on either side
 constexpr double kMinCycles = 1.5;      // frequency over decay: below, it is a thud and no tone
@@ -54,7 +54,7 @@ struct Pass {
         length_s(length),
         low_hz(low),
         high_hz(high),
-        slowest_per_s(first ? 0 : kSlowestOfPass / (kPassRatio * length)) {}
+        slowest_per_s(first ? 0 : kMinDecayOfPass / (kPassRatio * length)) {}
   [[nodiscard]] double band_rate_hz() const { return rate_hz / static_cast<double>(filter.step()); }
   [[nodiscard]] double width_hz() const { return SubbandFilter::kCore * band_rate_hz(); }
   [[nodiscard]] std::size_t bands() const {
@@ -64,7 +64,7 @@ struct Pass {
 
 // Decays, can be told from a steady tone, rings for more than a cycle, and lasts for much of the pass.
 bool is_mode_of(const Pass& pass, const Mode& mode) {
-  return mode.decay_per_s > kMinDecay * mode.decay_error_per_s && mode.decay_per_s * pass.length_s < kFastestOfPass &&
+  return mode.decay_per_s > kMinDecay * mode.decay_error_per_s && mode.decay_per_s * pass.length_s < kMaxDecayOfPass &&
          mode.decay_per_s > pass.slowest_per_s && mode.frequency_hz > kMinCycles * mode.decay_per_s &&
          mode.frequency_hz >= pass.low_hz && mode.frequency_hz <= pass.high_hz;
 }
@@ -207,7 +207,7 @@ Result<void> check(std::span<const double> samples, double rate, const Options& 
   if (!(rate >= kMinRate_hz && rate <= kMaxRate_hz)) {
     return fail(ErrorKind::bad_input, "a sample rate of " + std::to_string(rate) + " Hz is not between 8 and 768 kHz");
   }
-  if (static_cast<double>(samples.size()) < kShortest_s * rate)
+  if (static_cast<double>(samples.size()) < kMinLength_s * rate)
     return fail(ErrorKind::bad_input, "it is shorter than 50 ms");
   if (!std::ranges::all_of(samples, [](double x) { return std::isfinite(x); })) {
     return fail(ErrorKind::bad_input, "it has a sample that is no number");
@@ -220,7 +220,8 @@ Result<void> check(std::span<const double> samples, double rate, const Options& 
     return fail(ErrorKind::bad_input,
                 "the floor must be above 0 dB, and the number of modes from 1 to " + std::to_string(kMaxModes));
   }
-  if (options.from_s && !(*options.from_s >= 0 && *options.from_s * rate + kShortest_s * rate <= std::ssize(samples))) {
+  if (options.from_s &&
+      !(*options.from_s >= 0 && *options.from_s * rate + kMinLength_s * rate <= std::ssize(samples))) {
     return fail(ErrorKind::bad_input, "less than 50 ms follow where it shall begin");
   }
   return {};
@@ -237,7 +238,7 @@ Result<Fit> fit_modes(std::span<const double> samples, double sample_rate_hz, co
   if (options.from_s) from = static_cast<std::size_t>(std::round(*options.from_s * sample_rate_hz));
   const std::optional<Extent> extent = find_extent(centred, sample_rate_hz, from);
   if (!extent) return Fit{};
-  const auto most = static_cast<std::size_t>(kLongest_s * sample_rate_hz);
+  const auto most = static_cast<std::size_t>(kMaxLength_s * sample_rate_hz);
   const auto sound = std::span(centred).subspan(extent->start, std::min(most, extent->end - extent->start));
 
   Fit fit{.modes = search_all(sound, sample_rate_hz, options), .clipped = extent->clipped};

@@ -32,14 +32,14 @@ struct Fit {
   std::vector<Mode> modes;  // by frequency
   double onset_s = 0;       // of the recording; where amplitudes and phases are meant
   double start_s = 0;       // what was looked at: from here, after the onset where the beginning is clipped,
-  double end_s = 0;         // to here, where the sound is lost in noise, the next blow comes, or kLongest_s are over
+  double end_s = 0;         // to here, where the sound is lost in noise, the next blow comes, or kMaxLength_s are over
   std::size_t clipped = 0;  // samples that stand at full scale
   double explained = 0;     // 1 - energy of what the modes leave over that of the sound, from start to end
 };
 
-inline constexpr double kLongest_s = 8;      // of the sound that is looked at
-inline constexpr double kShortest_s = 0.05;  // shorter recordings are refused
-inline constexpr double kMinRate_hz = 8000;  // of samples
+inline constexpr double kMaxLength_s = 8;     // of the sound that is looked at
+inline constexpr double kMinLength_s = 0.05;  // shorter recordings are refused
+inline constexpr double kMinRate_hz = 8000;   // of samples
 inline constexpr double kMaxRate_hz = 768000;
 inline constexpr std::size_t kMaxModes = 4000;  // of Options::most_modes
 

@@ -111,6 +111,10 @@ std::size_t Calibration::used() const {
   return static_cast<std::size_t>(std::ranges::count(matches, true, &Match::used));
 }
 
+// Iteratively reweighted least squares with Tukey's biweight: a mode counts less the further its decay lies from the
+// law fitted before, in units of the spread of all modes (the median of the absolute deviations, scaled to a standard
+// deviation), and not at all beyond 4.685 of these. So a mode that was matched wrongly, or damped by the hand that held
+// the object, does not pull alpha and beta with it. Deviations are those of the decays' logarithms.
 Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank& bank,
                               const CalibrateOptions& options) {
   const Sorted baked(bank);
@@ -175,7 +179,7 @@ modal::Bank with_damping(const modal::Bank& bank, const modal::RayleighDamping& 
 }
 
 modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudness, const std::string& name) {
-  constexpr double kLeastOfPulse = 0.1;
+  constexpr double kMinPulse = 0.1;
   std::vector<Mode> ordered(modes.begin(), modes.end());
   std::ranges::sort(ordered, std::greater{}, [](const Mode& m) { return m.amplitude * m.amplitude / m.decay_per_s; });
   modal::Bank bank{.name = name, .positions = {{0, 0, 0}}};
@@ -187,7 +191,7 @@ modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudne
     bank.frequency_error.push_back(mode.frequency_error_hz / mode.frequency_hz);
     const double pulse = modal::pulse_spectrum(mode.frequency_hz, blow.contact_time_s);
     const double answer = mode.amplitude / (loudness * modal::hz_to_rad_per_s(mode.frequency_hz) *
-                                            std::copysign(std::max(std::abs(pulse), kLeastOfPulse), pulse));
+                                            std::copysign(std::max(std::abs(pulse), kMinPulse), pulse));
     const Vec3 shape =
         std::copysign(answer * per_impulse, mode.phase_rad == 0 ? 1 : std::cos(mode.phase_rad) * answer) *
         blow.impulse_ns;

@@ -4,6 +4,9 @@
 #include <complex>
 #include <numbers>
 
+// A band-pass filter, a shift to 0 Hz and a thinning-out in one pass: each sample of the band is the product of the
+// filter, turned to the centre frequency, with one stretch of the signal, turned back by the phase of that frequency at
+// the stretch's beginning. Only every `step`-th sample is computed, so a band costs (signal / step) x taps products.
 namespace ringdown::fit {
 namespace {
 

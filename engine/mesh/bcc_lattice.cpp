@@ -1,5 +1,14 @@
 #include "engine/mesh/bcc_lattice.h"
 
+// Cutting one tetrahedron of the lattice
+//
+// Up to symmetry there are few ways in which a tetrahedron can be cut (stencil()). One corner inside leaves a smaller
+// tetrahedron; two inside, one on the surface and one outside leave a pyramid; the other cases leave a prism. Its
+// quadrilaterals, but for one on the surface, lie on faces of the lattice, so that the neighbour sees them, too, and
+// must split them along the same diagonal. diagonal_at() decides that from the lattice's coordinates of the face alone:
+// where a long edge and a short one are cut, by the lengths of the edges; where both are short, by a parity of signs
+// that both neighbours compute alike. Three diagonals that would run around a prism in a ring cannot be filled with
+// tetrahedra; the choice leaves one corner with two diagonals, and add_prism() begins there.
 namespace ringdown::mesh {
 namespace {
 

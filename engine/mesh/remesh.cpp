@@ -68,6 +68,8 @@ TriangleMesh soup_of(Mesh& mesh) {
   return soup;
 }
 
+// The largest distance from the middles of the triangles and of their edges to the surface `from`: a one-sided
+// Hausdorff distance, sampled. The corners are left out, because remeshing projects them onto the surface.
 double deviation(const TriangleMesh& mesh, const SurfaceRays& from) {
   double most = 0;
   const auto measure = [&](const Eigen::RowVector3d& at) { most = std::max(most, (from.nearest(at) - at).norm()); };
@@ -105,6 +107,11 @@ Triangles triangulate(const std::vector<Eigen::RowVector3d>& loop) {
   return triangles;
 }
 
+// Isotropic remeshing: edges longer than 4/3 of the wanted length are split, those shorter than 4/5 are collapsed,
+// edges are flipped so that nodes have six neighbours, and nodes are moved towards the middle of their neighbours and
+// back onto the surface; kRounds times. Source: Botsch & Kobbelt, A Remeshing Approach to Multiresolution Modeling, SGP
+// 2004, which is what CGAL implements. Edges sharper than kSharpAngle_deg are constrained: they are neither flipped nor
+// smoothed away.
 Result<Remeshed> remesh(const TriangleMesh& surface, double edge_m) {
   constexpr unsigned kRounds = 4;
   try {

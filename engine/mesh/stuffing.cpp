@@ -19,14 +19,12 @@
 
 // Isosurface stuffing, step by step
 //
-// 1. find_sides(): every point of the lattice is inside or outside. The lattice is taken brick by brick; a brick that
-// no
-//    triangle comes near is decided as a whole, so the cost follows the surface, not the volume.
+// 1. find_sides(): every point of the lattice is inside or outside. The lattice is taken brick by brick; a brick
+//    that no triangle comes near is decided as a whole, so the cost follows the surface, not the volume.
 // 2. find_rim(): the points inside that have a neighbour outside.
 // 3. find_cuts(): each edge from a rim point to a neighbour outside is cut where it leaves the body.
 // 4. warp(): a lattice point with a cut point too near to it moves onto the nearest such cut point. From then on the
-// point
-//    is on the surface, and its edges have no cut points any more. This is what bounds the angles.
+//    point is on the surface, and its edges have no cut points any more. This is what bounds the angles.
 // 5. fill(): each tetrahedron of the lattice gives the part of it that is inside (bcc_lattice.h). Points and cut points
 //    become nodes when an element first needs them.
 //

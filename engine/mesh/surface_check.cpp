@@ -11,6 +11,16 @@
 #include <cstdio>
 #include <numeric>
 
+// The diagnosis looks at one thing after the other (Diagnosis::run), and every look is on its own, so that one surface
+// can have many faults: single triangles, then edges (more than two triangles: crowded; one: the rim of a hole, and
+// rims are followed into loops), then shells and how they are nested (shells.h), then cuts, then the volume.
+//
+// Cuts (Cutter): CGAL's box intersection, a sweep over the triangles' bounding boxes, finds the pairs that may meet. A
+// pair is judged by exact predicates, by how many corners the two triangles share: none, they must not intersect; one,
+// the opposite sides must not meet the other triangle; two, the triangles must not be folded onto each other.
+//
+// A surface that encloses nothing is told from one with holes by areas: a sheet is one whose openings, spanned flat,
+// would be more than kSheetOpening of the closed whole.
 namespace ringdown::mesh {
 namespace {
 

@@ -119,7 +119,7 @@ class SurfaceRepair {
   // inside, where two bodies were put together. Where most triangles come in such pairs, the body was given twice, once
   // inside out, and nothing is dropped.
   void drop_walls() {
-    constexpr double kMost = 0.4;
+    constexpr double kMaxWallShare = 0.4;
     std::map<std::array<std::int32_t, 3>, std::array<std::vector<std::size_t>, 2>> sides;
     for (Eigen::Index t = 0; t < mesh_.triangles.rows(); ++t) {
       std::array<std::int32_t, 3> corners = {mesh_.triangles(t, 0), mesh_.triangles(t, 1), mesh_.triangles(t, 2)};
@@ -134,7 +134,7 @@ class SurfaceRepair {
       wall[both[0].front()] = wall[both[1].front()] = true;
     }
     const auto count = static_cast<double>(std::count(wall.begin(), wall.end(), true));
-    if (count > kMost * static_cast<double>(wall.size())) return;
+    if (count > kMaxWallShare * static_cast<double>(wall.size())) return;
     say(drop(wall), "dropped %d triangle%s of walls inside");
   }
 
@@ -143,8 +143,8 @@ class SurfaceRepair {
   }
 
   // A triangle whose corners lie in one line goes, and the neighbour at its longest side is cut in two at the third
-  // corner. The two halves take the neighbour's row and the flat triangle's. A half may be flat in its turn; it is
-  // looked at again when its row comes.
+  // corner. The two halves take the neighbour's row and the flat triangle's. A half may be flat itself; it is
+  // handled when the loop comes to its row.
   std::size_t split_at_flats() {
     std::vector<bool> flat = flat_triangles();
     if (std::find(flat.begin(), flat.end(), true) == flat.end()) return 0;

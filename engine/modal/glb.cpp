@@ -120,10 +120,10 @@ Result<double> Field::number() const {
 Result<double> Field::number_or(double fallback) const { return present() ? number() : Result<double>(fallback); }
 
 Result<std::size_t> Field::index() const {
-  constexpr double kLargest = 1e15;  // whole numbers are exact in a double up to 2^53
+  constexpr double kMaxWhole = 1e15;  // whole numbers are exact in a double up to 2^53
   if (!value_ || !value_->is_number()) return wrong("a whole number from 0");
   const double number = value_->get<double>();
-  if (!(number >= 0 && number <= kLargest) || number != std::floor(number)) return wrong("a whole number from 0");
+  if (!(number >= 0 && number <= kMaxWhole) || number != std::floor(number)) return wrong("a whole number from 0");
   return static_cast<std::size_t>(number);
 }
 

@@ -6,10 +6,9 @@
 // contact, so that chatter is one contact and not a row of strikes. Free of any physics engine. [one thread at a time]
 //
 //   ContactLives lives(minimum_repeat_s, step_s);
-//   lives.strikes(pair, approach_m_s, now_s);        // for a pair that comes
-//   together fast: does it strike? lives.add(contact, now_s); // for any other
-//   pair that touches, once a step for (const ContactReport& report :
-//   lives.advance(now_s)) ...
+//   lives.strikes(pair, approach_m_s, now_s);  // for a pair that comes together fast: does it strike?
+//   lives.add(contact, now_s);                 // for any other pair that touches, once a step
+//   for (const ContactReport& report : lives.advance(now_s)) ...
 #pragma once
 
 #include "engine/scene/contact_point.h"

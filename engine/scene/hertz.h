@@ -2,8 +2,7 @@
 //
 // Bodies that meet with the speed v deform each other by Hertz's force F = 4/3 E* sqrt(R) d^1.5, and part after
 //
-//   T = 2.87 (m^2 / (R E*^2 v))^(1/5)                      (K. L. Johnson,
-//   Contact Mechanics, equation 11.24)
+//   T = 2.87 (m^2 / (R E*^2 v))^(1/5)              (K. L. Johnson, Contact Mechanics, equation 11.24)
 //
 // with the effective mass m, the relative radius R and the contact modulus E* of the two. Heavy and soft bodies touch
 // for long and sound dull; small and hard bodies sound bright. The law holds for smooth, round, elastic bodies; bodies

@@ -97,6 +97,8 @@ std::vector<Vec3> extremes(std::span<const Vec3> points) {
 
 }  // namespace
 
+// The hull by Qhull. If it has more than kMaxHullPoints corners, only those are kept that are farthest in one of
+// kMaxHullPoints evenly spread directions, and the hull of these is taken: it lies within the exact one.
 Result<Hull> convex_hull(std::span<const Vec3> points) {
   Result<Hull> hull = full_hull(points);
   if (!hull || hull->points.size() <= kMaxHullPoints) return hull;

@@ -4,12 +4,10 @@
 // struck at several points at once, in conflicting directions, the result may have more energy than before. Callers
 // hold OdeLock.
 //
-//   islands.open(colliders);                        // before contacts are
-//   found islands.unite(body, other, pushed_m_s);         // for each contact
-//   point, in order
+//   islands.open(colliders);                  // before contacts are found
+//   islands.unite(body, other, pushed_m_s);   // for each contact point, in order
 //   ... ODE moves the bodies ...
-//   if (islands.gained_energy(points, part_s, gravity, tolerance)) ...   //
-//   repeat the part: some are inelastic now
+//   if (islands.gained_energy(points, part_s, gravity, tolerance)) ...  // repeat the part: some are inelastic now
 #pragma once
 
 #include "engine/scene/ode_collider.h"

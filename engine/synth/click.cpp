@@ -9,7 +9,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kShortest_frames = 4;  // of a pulse: what is shorter would fold back from beyond Nyquist
+constexpr double kMinClick_frames = 4;  // of a pulse: what is shorter would fold back from beyond Nyquist
 constexpr double kDecays = 16;          // after so many it is 139 dB down
 
 Complex polar(double log_size, double angle) RINGDOWN_REALTIME {
@@ -29,7 +29,7 @@ double radius_of(const modal::MassProperties& mass) {
 // force and the same again half a period later.
 Click::Click(const ClickShape& shape, double impulse_ns, double contact_time_s,
              double sample_rate_hz) RINGDOWN_REALTIME {
-  const double frames = std::max(contact_time_s * sample_rate_hz, kShortest_frames);
+  const double frames = std::max(contact_time_s * sample_rate_hz, kMinClick_frames);
   const double a = shape.corner_per_s / sample_rate_hz, w = std::numbers::pi / frames;
   const double peak = shape.gain * impulse_ns * 0.5 * w * sample_rate_hz;
   const double re = 2 * a * a - w * w, im = 2 * a * w;  // H's denominator at iw; its numerator is i im

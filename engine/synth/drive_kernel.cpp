@@ -10,6 +10,13 @@
 
 #include <algorithm>
 
+// A chunk under forces
+//
+// An impulse adds to the states in the very frame in which it acts, so a mode under a force has no closed form over a
+// chunk, and its recurrence is run frame by frame in double: the sample is Re z; each force takes (impulse) x
+// (amplitude) off Im z, which starts a sine; then z <- z p. Lanes are modes, and the states of four vectors stay in
+// registers for the whole chunk, because one vector alone would spend most of its time waiting for its own products.
+// The sum over lanes is left for the end: until then each frame keeps one vector of partial sums.
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 

@@ -20,9 +20,8 @@ struct Force {
 inline constexpr std::size_t kMaxForces = 4;  // on one object at a time
 
 // Adds to out[0, frames) the sum of the first `columns` modes, a multiple of kModePadding, and moves them on by
-// `frames`
-// <= kChunkFrames: an impulse in frame n sounds from frame n + 1 on. Returns the sum of |z|^2 of the states it leaves.
-// [audio]
+// `frames` <= kChunkFrames: an impulse in frame n sounds from frame n + 1 on. Returns the sum of |z|^2 of the states it
+// leaves. [audio]
 double drive_modes(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces, double* out,
                    std::size_t frames) RINGDOWN_REALTIME;
 

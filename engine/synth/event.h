@@ -35,7 +35,7 @@ struct Texture {
 };
 
 // A contact that lasts, as it is at one moment. It goes on as it was told last, and changes evenly from one telling to
-// the next; it ends when the force is 0, or when nothing was told of it for a while.
+// the next; it ends when the force is 0, or when no update has come for a while.
 struct Contact {
   std::uint32_t number = 0;  // which of the object's contacts
   Vec3 force_n;              // on the object, its frame: normal and friction together

@@ -18,6 +18,9 @@ std::size_t EventQueue::accept(Frame now) RINGDOWN_REALTIME {
   return late;
 }
 
+// A binary heap by frame, and among events of one frame by the order in which they came. The audio thread moves events
+// into it from the rings at each chunk; what finds it full stays in its ring, so nothing is lost.
+//
 // Returns true when the event was late.
 bool EventQueue::take(const Event& event, Frame now) RINGDOWN_REALTIME {
   Pending* const heap = heap_.data();

@@ -35,7 +35,7 @@ class LevelHistogram {
     return kModePadding * groups;
   }
 
-  // The lowest level such that at most so many modes lie at or above it; `none` when all modes are that few.
+  // The lowest level such that at most `modes` modes lie at or above it; `none` when there are no more modes than that.
   [[nodiscard]] Level threshold_for(double modes, Level none) const RINGDOWN_REALTIME {
     if (static_cast<double>(this->modes()) <= modes) return none;
     Level threshold = kLowest + kLevels;

@@ -40,7 +40,7 @@ class Limiter {
   using Gain = std::uint64_t;
   static constexpr Gain kUnity = Gain{1} << 40;
 
-  // The sum of the last so many numbers; at first they are all `value`.
+  // The sum of the last `length` numbers; at first they are all `value`.
   class Sum {
    public:
     Sum(std::size_t length, Gain value) : values_(length, value), sum_(length * value) {}
@@ -52,7 +52,7 @@ class Limiter {
     Gain sum_;
   };
 
-  // The least of the last so many numbers; those before the first count as kUnity.
+  // The least of the last `length` numbers; those before the first count as kUnity.
   class Least {
    public:
     explicit Least(std::size_t length) : entries_(length + 1), length_(length) {}

@@ -10,6 +10,18 @@
 
 #include <algorithm>
 
+// A chunk by tables
+//
+// Frame n of a chunk is written as n = kRun r + l. Mode z then sounds as Re(z p^(kRun r) p^l): a product of an anchor,
+// z p^(kRun r), and of an entry of the mode's run, p^l for l < kRun, which was computed once in double and rounded to
+// float. Over all modes this is a product of two real matrices, anchors (runs x 2 modes) times runs (2 modes x kRun),
+// so a sample costs each mode two multiply-adds, none of which waits for the frame before. The plain recurrence z <- z
+// p would take four, one after the other, and would gather the rounding of every frame.
+//
+// render_modes_here() takes the active groups in batches. advance_group() fills in the anchors of a group, moves its
+// states in double by p^frames, and measures the energy that is left. add_batch() multiplies: it holds the sums of as
+// many runs as fit into eight vector registers and goes through the batch for them, then takes the next runs. The sums
+// of a chunk are float and are added to the output in double at the end, unless a state was absurd: then nothing is.
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
@@ -47,14 +59,15 @@ HWY_INLINE void advance_group(const ModeArrays& modes, std::size_t first, std::s
 
 // A few groups that are summed together.
 struct Batch {
-  static constexpr std::size_t kMost = 4;
+  static constexpr std::size_t kMaxGroups = 4;
   std::size_t count = 0;
-  Anchors anchors[kMost];
-  const float* runs[kMost];  // of each group's modes
+  Anchors anchors[kMaxGroups];
+  const float* runs[kMaxGroups];  // of each group's modes
 };
 
-// Adds kRuns runs of a batch, from run `first_run` on, to `sums`; the sums stay in registers. Few of them would wait
-// for themselves, so these come twice: for the products of real parts, and of imaginary ones.
+// Adds kRuns runs of a batch, from run `first_run` on, to `sums`; the sums stay in registers. With four sums or fewer
+// each addition would have to wait for the one before it, so there are two sets of sums then: one for the products of
+// real parts and one for those of imaginary parts.
 template <std::size_t kRuns>
 HWY_INLINE void add_runs(const Batch& batch, std::size_t first_run, float* HWY_RESTRICT sums) {
   const hn::CappedTag<float, kRun> tag;
@@ -121,7 +134,7 @@ bool render_modes_here(const ModeArrays& modes, ActiveGroups& active, const Ener
   bool sane = true;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < active.count;) {
-    for (batch.count = 0; batch.count < Batch::kMost && i < active.count; ++batch.count, ++i) {
+    for (batch.count = 0; batch.count < Batch::kMaxGroups && i < active.count; ++batch.count, ++i) {
       const std::uint32_t group = active.list[i];
       const std::size_t first = std::size_t{group} * kModePadding;
       check.begin_group();

@@ -5,6 +5,22 @@
 #include <cmath>
 #include <numeric>
 
+// What a group of modes does
+//
+// A group sounds while it stands in slow_ or fast_, the lists that the kernels go through; a kernel takes it off its
+// list once all its modes lie below the floor, and then it rests. As a rule a strike wakes all groups (wake()): it
+// excites nearly every mode, and the kernel drops within one chunk what it left below the floor.
+//
+// Only while there is a threshold, or something is muted, is each group decided by itself (selective()).
+// apply_threshold() moves slow groups below the threshold to muting_.leaving, which are rendered once more, under a
+// ramp to zero, before they are muted; what lies above the threshold by kHysteresis comes back through
+// muting_.entering. A strike on a muted group first moves the group's states to the present frame, adds its amplitudes,
+// and measures the level again: if that reaches the threshold, the group sounds at once, without a ramp, as any struck
+// mode does.
+//
+// A chunk by moments is rendered as a whole, before the strikes within it are played. Such late strikes have states of
+// their own (late_), which ring by tables from the strike's frame to the end of the chunk; there merge_late() adds them
+// to the states, which have reached that frame, too.
 namespace ringdown::synth {
 namespace {
 

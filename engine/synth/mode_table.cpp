@@ -22,9 +22,9 @@ struct PlayableMode {
 
 // A mode that a damper would over-damp keeps as much of its pitch as lets it die without a click, within a cycle.
 modal::DampedMode damped(const modal::DampedMode& mode, double added_decay_per_s) {
-  constexpr double kMostOfOmega = 0.9;
+  constexpr double kMaxOfOmega = 0.9;
   if (added_decay_per_s == 0 || mode.frequency_hz <= 0) return mode;
-  const double lambda = modal::undamped_lambda(mode), most = kMostOfOmega * std::sqrt(lambda);
+  const double lambda = modal::undamped_lambda(mode), most = kMaxOfOmega * std::sqrt(lambda);
   const double decay = std::max(mode.decay_per_s, std::min(mode.decay_per_s + added_decay_per_s, most));
   return {modal::rad_per_s_to_hz(std::sqrt(lambda - decay * decay)), decay};
 }
@@ -43,6 +43,10 @@ modal::Dampers as_baked(modal::Dampers dampers, double size) {
   return dampers;
 }
 
+// Which modes of a bank are heard at this sample rate, in this material, under these dampers, and in which order they
+// stand in the table. A mode that the material over-damps has no pitch and is left out, and so is one at or above
+// the Nyquist frequency, which would alias.
+//
 // Those that take moments first, each kind by frequency.
 std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const modal::MaterialScale& material,
                                             const modal::Dampers& dampers, modal::ModeRange modes,

@@ -12,6 +12,21 @@
 #include <cmath>
 #include <numbers>
 
+// A chunk by moments (moments.h derives the expansion)
+//
+// 1. add_moments_here() goes through the active groups, whose modes are in ascending order of bands but for groups that
+// have come back. A mode's eight
+//    moments are z times its eight complex weights. The sum over a band keeps the products with Re z and with Im z
+//    apart, so a mode costs two multiply-adds on vectors of sixteen; they are combined into complex moments once, when
+//    the band changes (BandMoments::give), and scaled by the gain of each output.
+// 2. fill_spectrum_here() makes of the moments the spectra of eight sequences. A complex transform serves two channels:
+//    the left one becomes its real part and the right one its imaginary part, because band k of a real signal stands at
+//    the mirrored frequency, too, conjugate.
+// 3. transform_here() transforms the eight sequences at once, one in each lane. Bands lie pi / kChunkFrames apart, so
+//    the transform has twice as many points as the chunk has frames, and only its first half is wanted.
+// 4. shape_here() multiplies moment p at frame j with q_p(t_j) and adds up over p: that is the sample.
+//
+// Moments, transform and shapes are float; the states are double and are moved on by p^frames as in mode_kernel.cpp.
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
@@ -274,7 +289,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kHalf = 0.5 * static_cast<double>(kChunkFrames);  // frames from the middle of the window to its end
 constexpr double kMiddle = kHalf - 0.5;                            // frame at t = 0
-constexpr double kWidest = kPi / 4;                                // |imaginary part of delta| within a band
+constexpr double kMaxWidth = kPi / 4;                              // |imaginary part of delta| within a band
 constexpr double kDecay = 0.2;  // decay over half a window about which is expanded: modes with up to twice as much
 
 double band_centre(std::uint16_t band) { return band * kPi / static_cast<double>(kChunkFrames); }
@@ -302,11 +317,11 @@ std::array<double, kMoments> shapes_at(double t) {
   std::array<double, kMoments> q{};
   for (std::size_t n = 0; n < kMoments; ++n) {
     const double sign = n % 2 == 1 && t < 0 ? -1 : 1;  // J_n of a negative number
-    const double bessel = sign * std::cyl_bessel_j(static_cast<double>(n), kWidest * std::abs(t));
+    const double bessel = sign * std::cyl_bessel_j(static_cast<double>(n), kMaxWidth * std::abs(t));
     const std::array<double, kMoments> polynomial = chebyshev(n);
     for (std::size_t m = n % 2; m <= n; m += 2) {
       const double turned = (n - m) / 2 % 2 == 0 ? 1 : -1;  // i^n / i^m
-      q[m] += (n == 0 ? 1 : 2) * bessel * polynomial[m] * turned / std::pow(kWidest, static_cast<double>(m));
+      q[m] += (n == 0 ? 1 : 2) * bessel * polynomial[m] * turned / std::pow(kMaxWidth, static_cast<double>(m));
     }
   }
   for (double& value : q) value *= std::exp(-kDecay * t);

@@ -6,6 +6,10 @@
 
 namespace ringdown::synth {
 
+// Muting is lazy: a muted group is never visited until it is wanted. It keeps the states of the frame at which it was
+// muted, that frame, and its level then. Its level now follows from the slowest decay among its modes, so it is an
+// upper bound, and finding it costs one product; catch_up() moves the states by p^n, in about 2 log2(n) products.
+//
 // The exponent and the three leading bits of the mantissa of a float count eighths of an octave, nearly.
 Level level_of(double energy) RINGDOWN_REALTIME {
   constexpr std::uint32_t kOne = 127u << 3;  // the level of an energy of 1 is 0

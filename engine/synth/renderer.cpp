@@ -26,6 +26,10 @@ bool Renderer::prefers_moments(std::size_t frames) const RINGDOWN_REALTIME {
   return slow_modes_ * frames > kFramesPerMode * (kMomentsFixed + slow_modes_);
 }
 
+// The sources of a chunk are a list of independent tasks. The audio thread and the helpers take them from the worker
+// pool, each adds to the sums of its own workspace, and the audio thread adds these up when all are done. Which thread
+// renders a source decides in which order numbers are added, so with helpers two renders agree to rounding only; on one
+// thread they are the same to the bit. Few modes are not shared: handing them over would take longer than they do.
 void Renderer::render(std::span<Source* const> sources, const Chunk& chunk) RINGDOWN_REALTIME {
   sources_ = sources;
   chunk_ = &chunk;

@@ -19,7 +19,7 @@ namespace ringdown::synth {
 
 class Renderer {
  public:
-  // Renders on so many threads, the audio thread among them. [worker, while nothing is rendered]
+  // Renders on `threads` threads, the audio thread among them. [worker, while nothing is rendered]
   void set_threads(std::size_t threads);
   [[nodiscard]] std::size_t threads() const RINGDOWN_REALTIME { return workspaces_.size(); }
 

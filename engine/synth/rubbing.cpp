@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kMinRamp_s = 0.002, kMaxRamp_s = 0.05;
 constexpr double kFade_s = 0.005;             // of a contact that begins or ends
-constexpr double kSlowest_hz = 20;            // slower changes of the force are not heard
+constexpr double kMinAudible_hz = 20;         // slower changes of the force are not heard
 constexpr double kFull = 0.25, kNone = 0.45;  // of the sample rate: an octave fades out between them
 // Of a cubic B-spline over random numbers in [-1, 1): variance 1/3 times the mean of the sum of B(u - i)^2.
 constexpr double kSplineVariance = 151.0 / 945;
@@ -83,8 +83,12 @@ double Rubbing::Track::pass(const Heights& heights_m, double speed_m_s, double s
   return slope;
 }
 
+// The impulse of a frame is the force's magnitude, times the slope of the two profiles under the contact, times the
+// length of the frame. Force and speeds follow the last update by ramps (Ramp), and each profile moves on by its speed
+// (Track::pass). The running mean of the slope, with a time constant of 1 / (2 pi kMinAudible_hz), is subtracted,
+// because a constant part would push the modes aside without being heard.
 void Rubbing::fill(Frame first, std::size_t count, double* impulses) RINGDOWN_REALTIME {
-  const double seconds = 1 / rate_hz_, forget = 1 - std::exp(-2 * std::numbers::pi * kSlowest_hz * seconds);
+  const double seconds = 1 / rate_hz_, forget = 1 - std::exp(-2 * std::numbers::pi * kMinAudible_hz * seconds);
   for (std::size_t i = 0; i < count; ++i) {
     const Frame frame = first + static_cast<Frame>(i);
     if (frame >= time_out_ && force_n_.to != 0) force_n_.aim(0, frame, static_cast<Frame>(kFade_s * rate_hz_));

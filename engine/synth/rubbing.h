@@ -70,7 +70,7 @@ class Rubbing {
   Heights heights_m_{};  // of each octave
   Track sliding_, rolling_;
   bool begun_ = false;
-  double mean_slope_ = 0;  // lately: only what differs from it is felt
+  double mean_slope_ = 0;  // running mean: only deviations from it are felt
   Frame updated_ = 0, time_out_ = 0;
 };
 

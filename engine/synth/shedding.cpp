@@ -5,6 +5,24 @@
 #include <algorithm>
 #include <limits>
 
+// One chunk under a budget. All work is counted in units (work_cost.h), and `affordable` is how many units fit.
+//
+// 1. Events are taken off the queue until they would cost kEventsShare of what is affordable (may_accept()); the others
+//    wait for the next chunk.
+// 2. If the last chunk was tight, or modes are still muted, plan() surveys levels: survey() adds some sources to a
+// histogram, for at most
+//    kSurveyShare of what is affordable, and a histogram that has seen all sources replaces the one in use.
+//    set_threshold() reads from it the level above which lie as many modes as can be rendered beside events and
+//    overhead. The threshold rises to that level at once, and falls towards it by 3 dB, or half of the way if that is
+//    more, in every kLowerFrames frames: a threshold that fell at once would let modes in that must leave again.
+// 3. Before each source, may_render() compares the time left, at the pace of this chunk so far, with the work planned.
+//    What is missing is taken from the quietest modes of the sources still to come, by a higher threshold without a
+//    ramp; time to spare lets muted modes enter. A source for which even that is too much is skipped.
+// 4. apply() mutes modes of one source, or brings them back, and charges for that.
+// 5. end_chunk() takes the means of what events and overhead cost, and teaches the budget what a unit costs.
+//
+// Helpers run steps 3 and 4 for their own sources at the same time. They share what plan() has set and change only the
+// source and their own workspaces.
 namespace ringdown::synth {
 namespace {
 
@@ -19,8 +37,8 @@ constexpr double kUnprovenShare = 0.05;     // may enter before anything was ren
 constexpr double kMaxEvent = 0.7;           // an event that costs more is not waited for
 constexpr double kLittle = 0.25;            // where less is to do, another program took the time
 constexpr double kAverage = 0.05;           // weight of a chunk in running means
-constexpr std::size_t kLowerFrames = 1024;  // in so many frames the threshold falls by kLowerBy:
-constexpr Level kLowerPart = 2;             // or by this part of the way, where that is more,
+constexpr std::size_t kLowerFrames = 1024;  // frames in which the threshold falls once, by kLowerBy
+constexpr Level kLowerPart = 2;             // or by the kLowerPart-th part of the way, where that is more
 constexpr Level kLowerBy = 8;               // 3 dB, 140 dB in a second
 constexpr double kMinShare = 0.02;          // of a source's modes, however little time is left
 

@@ -14,7 +14,7 @@ class TestTone {
  public:
   static constexpr double kRamp_s = 0.01;
 
-  // Its peak, 1 being full scale; 0, as in the beginning, ends it. Nothing sounds from half the sample rate up. [any]
+  // Its peak, 1 being full scale; 0, the default, ends it. Nothing sounds from half the sample rate up. [any]
   void set(double amplitude, double frequency_hz) {
     frequency_hz_.store(frequency_hz, std::memory_order_relaxed);
     amplitude_.store(amplitude, std::memory_order_relaxed);

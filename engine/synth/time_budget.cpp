@@ -38,8 +38,8 @@ void TimeBudget::begin_block(std::size_t frames, double sample_rate_hz, bool dea
   if (lessons_ == 0) affordable_ = kTarget * frame_ns_ * static_cast<double>(kChunkFrames) / kTypical_ns;
 }
 
-// A chunk gets its share of what is left of the block's time: what earlier chunks saved or lost is spread over the
-// rest.
+// A chunk gets its share, by frames, of the time that is left until the block's deadline. So what earlier chunks saved
+// or lost is spread over all that remain.
 void TimeBudget::begin_chunk(std::size_t frames) RINGDOWN_REALTIME {
   if (!limited_) return;
   chunk_begin_ns_ = render_begin_ns_ = clock_.now_ns();
@@ -63,6 +63,11 @@ double TimeBudget::units_left(double done, std::size_t threads) const RINGDOWN_R
   return static_cast<double>(std::max<std::int64_t>(chunk_end_ns_ - now_ns, 0)) / price_ns;
 }
 
+// Each chunk that did enough work is a lesson: the units that would have taken kTarget of its time, at the price that
+// its units had. affordable_ is the running mean of these answers: at first the plain mean, from the fourth on an
+// exponential one, with twice the weight for a chunk that used up its time, since being late is worse than being
+// careful. An answer may change the mean by a factor of kMaxChange at most.
+//
 // A machine that stands still for a moment says little about what work costs, so an answer that is much smaller than
 // the mean counts only when the next one confirms it.
 void TimeBudget::end_chunk(double units) RINGDOWN_REALTIME {

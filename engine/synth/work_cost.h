@@ -7,7 +7,7 @@
 namespace ringdown::synth {
 
 inline constexpr std::size_t kMomentsFixed = 1100;  // of moments, once in a chunk
-inline constexpr std::size_t kFramesPerMode = 28;   // tables cost a mode 1 for so many frames
+inline constexpr std::size_t kFramesPerMode = 28;   // frames for which tables cost a mode 1
 inline constexpr double kStrikePerMode = 9;         // a strike on an object that rings alone,
 inline constexpr double kSharedStrikePerMode = 12;  // and on one whose states are shared
 inline constexpr double kJoinPerMode = 1.5;         // sharing states, and no longer
@@ -16,7 +16,7 @@ inline constexpr double kEnterPerMode = 1.5;        // bringing a muted mode bac
 inline constexpr double kLookPerMode = 0.3;         // finding how loud a mode is,
 inline constexpr double kLookPerMuted = 0.05;       // and a muted one
 
-// Rendering so many modes for a chunk.
+// The cost of rendering `modes` modes for a chunk of `frames`.
 constexpr double render_units(std::size_t modes, std::size_t frames, bool moments) {
   const auto each = moments ? 1.0 : static_cast<double>(frames) / static_cast<double>(kFramesPerMode);
   return each * static_cast<double>(modes);

@@ -3,7 +3,7 @@
 // Each thread has its share of the list, the same items in each round, so that what they touch stays in its cache;
 // whoever is done takes a few items at a time from the others' shares. A helper that is late, or that the system does
 // not let run, takes none, and the audio thread does them; it waits only for items that somebody has taken. Helpers
-// spin for as long as there was work lately, and sleep otherwise.
+// spin while there has been work in recent blocks, and sleep otherwise.
 #pragma once
 
 #include "engine/base/realtime.h"

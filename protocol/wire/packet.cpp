@@ -6,6 +6,13 @@
 #include <string>
 #include <string_view>
 
+// Checking a packet before liblo sees it
+//
+// One pass over the bytes, element by element (OSC 1.0): split() tells a bundle from a message, split_bundle() takes
+// the elements of a bundle one after the other, check_message() takes address, type tags and arguments off the front of
+// a message and must arrive exactly at its end. Every length is compared with the bytes that are left before anything
+// is taken, and bundles may nest kMaxBundle deep, so the pass reads no byte outside of the packet and its stack is
+// bounded, whatever was sent. A message in an inner bundle carries the later of all time tags around it.
 namespace ringdown::wire {
 namespace {
 

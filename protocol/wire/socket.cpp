@@ -62,23 +62,27 @@ void close_if_open(int& descriptor) {
 
 }  // namespace
 
+// Datagrams are received in batches: recvmmsg() hands over all that wait, up to kMaxBatch, in one system call, which in
+// a flood saves most of the time that receiving takes. The kernel stamps each datagram when it arrives
+// (SO_TIMESTAMPNS), so a message's time does not depend on when this thread came to read it.
+//
 // What the kernel has given us at once. It touches no more of the memory than datagrams fill.
 struct OscSocket::Batch {
-  static constexpr std::size_t kMost = 32, kMaxDatagramBytes = 65536;
+  static constexpr std::size_t kMaxBatch = 32, kMaxDatagramBytes = 65536;
 
   struct Slot {
     sockaddr_in from;
     iovec room;
     alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(timespec))> control;
   };
-  std::unique_ptr<std::byte[]> bytes{new std::byte[kMost * kMaxDatagramBytes]};
-  std::array<Slot, kMost> slots{};
-  std::array<mmsghdr, kMost> headers{};
+  std::unique_ptr<std::byte[]> bytes{new std::byte[kMaxBatch * kMaxDatagramBytes]};
+  std::array<Slot, kMaxBatch> slots{};
+  std::array<mmsghdr, kMaxBatch> headers{};
   std::size_t next = 0, count = 0;
 
   // False when there is nothing.
   bool fetch(int socket) {
-    for (std::size_t i = 0; i < kMost; ++i) {
+    for (std::size_t i = 0; i < kMaxBatch; ++i) {
       Slot& slot = slots[i];
       slot.room = {bytes.get() + i * kMaxDatagramBytes, kMaxDatagramBytes};
       headers[i].msg_hdr = {.msg_name = &slot.from,
@@ -90,7 +94,7 @@ struct OscSocket::Batch {
                             .msg_flags = 0};
     }
     next = 0;
-    count = static_cast<std::size_t>(std::max(0, ::recvmmsg(socket, headers.data(), kMost, MSG_DONTWAIT, nullptr)));
+    count = static_cast<std::size_t>(std::max(0, ::recvmmsg(socket, headers.data(), kMaxBatch, MSG_DONTWAIT, nullptr)));
     return count > 0;
   }
 

@@ -79,8 +79,8 @@ TEST_P(PresetScene, EveryObjectOfAPresetSceneIsHeardAndNothingIsLost) {
 TEST_P(PresetScene, TwoWorldsOfAPresetSceneAgreeBitForBit) {
   auto one = build(), other = build();
   ASSERT_TRUE(one && other);
-  constexpr double kLongest_s = 4;  // the first strikes of each are over by then
-  while (one->time_s() < std::min(scene_.duration_s, kLongest_s)) {
+  constexpr double kMaxTime_s = 4;  // the first strikes of each are over by then
+  while (one->time_s() < std::min(scene_.duration_s, kMaxTime_s)) {
     const StepReport first = one->step(), second = other->step();
     ASSERT_TRUE(std::ranges::equal(first.events, second.events, test::same_bits)) << "at " << one->time_s() << " s";
   }

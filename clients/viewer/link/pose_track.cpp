@@ -20,6 +20,8 @@ Quaternion sum(double s, const Quaternion& a, double t, const Quaternion& b) {
 
 Quaternion unit(const Quaternion& q) { return sum(1 / std::sqrt(dot(q, q)), q, 0, q); }
 
+// Spherical linear interpolation of two unit quaternions, the shorter way round (Shoemake, SIGGRAPH 1985); q and -q are
+// the same rotation. Nearly equal ones are interpolated in a straight line, where the sine of the angle vanishes.
 Quaternion turn_between(const Quaternion& from, const Quaternion& to, double fraction) {
   const double sign = dot(from, to) < 0 ? -1 : 1;
   const double cosine = std::min(1.0, sign * dot(from, to));
@@ -81,13 +83,18 @@ DisplayClock::Course DisplayClock::observe(double now_s, double time_s, bool pau
   return course;
 }
 
-// How far scene time is ahead of our clock, estimated from the notice with the shortest delay.
+// How far scene time is ahead of our clock. A notice that was delayed on its way makes the difference too small, never
+// too large, so the largest difference of the last kWindow_s belongs to the shortest delay and is the
+// best estimate: the minimum filter of network clocks, as in NTP.
 double DisplayClock::offset_s() const {
   double largest = readings_.front().time_s - readings_.front().now_s;
   for (const Reading& reading : readings_) largest = std::max(largest, reading.time_s - reading.now_s);
   return largest;
 }
 
+// How far the shown time stays behind the scene: a period, since the next notice must have come before a pose can be
+// interpolated, plus the spread of the delays seen in the last kWindow_s; at least 1.5 and at most kMaxPeriodsLate
+// periods.
 double DisplayClock::delay_s() const {
   if (readings_.empty()) return 1.5 * period_s_;
   const double largest = offset_s();

@@ -54,8 +54,12 @@ struct Area {
   }
 };
 
-double share_of_frequency(double hz) { return std::log(hz / kLowest_hz) / std::log(kHighest_hz / kLowest_hz); }
-double frequency_of_share(double share) { return kLowest_hz * std::pow(kHighest_hz / kLowest_hz, share); }
+double share_of_frequency(double hz) {
+  return std::log(hz / kMinFrequency_hz) / std::log(kMaxFrequency_hz / kMinFrequency_hz);
+}
+double frequency_of_share(double share) {
+  return kMinFrequency_hz * std::pow(kMaxFrequency_hz / kMinFrequency_hz, share);
+}
 double share_of_level(double db) { return (db - kQuietest_db) / (kLoudest_db - kQuietest_db); }
 
 void draw_grid(const Skin& skin, const Area& area) {

@@ -11,7 +11,7 @@
 namespace ringdown::viewer {
 
 // The frequency axis of spectrum and bars, logarithmic.
-inline constexpr double kLowest_hz = 20, kHighest_hz = 20000;
+inline constexpr double kMinFrequency_hz = 20, kMaxFrequency_hz = 20000;
 // The level axis [dB of full scale].
 inline constexpr double kQuietest_db = -120, kLoudest_db = 0;
 
