@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the tuned bars of presets/banks/vibraphone twice and prints a table for docs/use/tuning.md.
+"""Checks the tuned bars of presets/banks/vibraphone twice and prints the table of docs/how/logs/vibraphone.tsv.
 
 usage: vibraphone_table.py BIN OBJECTS BANKS
 
@@ -84,8 +84,7 @@ def main():
     bin_folder, objects, banks = sys.argv[1:4]
     names = [f"{note}{octave}" for octave in range(0, 9) for note in NAMES
              if os.path.exists(os.path.join(objects, f"{note}{octave}.toml"))]
-    print("| note | target Hz | length mm | arch mm | from the wave, cents | other bake, cents | f2/f1 | other f2/f1 | f3/f1 | kB |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
+    print("note\ttarget Hz\tlength mm\tarch mm\tfrom the wave, cents\tother bake, cents\tf2/f1\tother f2/f1\tf3/f1\tkB")
     worst = [0.0, 0.0]
     with tempfile.TemporaryDirectory() as folder:
         for name in names:
@@ -95,9 +94,10 @@ def main():
             worst = [max(w, abs(o)) for w, o in zip(worst, off)]
             third = [peak(wave, 10 * target, 0.003) / peak(wave, target, 0.1) for wave in waves]
             size = os.path.getsize(os.path.join(banks, name + ".glb")) / 1000
-            print(f"| {name.replace('s', '#')} | {target:.2f} | {parameters['length']:.2f} | {parameters['arch_depth']:.3f} "
-                  f"| {off[0]:+.2f} | {off[1]:+.2f} | {ratio[0]:.4f} | {ratio[1]:.4f} | {third[0]:.3f} | {size:.0f} |", flush=True)
-    print(f"\nLargest deviation: {worst[0]:.2f} cents from the wave, {worst[1]:.2f} in the other bake.")
+            columns = [name.replace("s", "#"), f"{target:.2f}", f"{parameters['length']:.2f}", f"{parameters['arch_depth']:.3f}",
+                       f"{off[0]:+.2f}", f"{off[1]:+.2f}", f"{ratio[0]:.4f}", f"{ratio[1]:.4f}", f"{third[0]:.3f}", f"{size:.0f}"]
+            print("\t".join(columns), flush=True)
+    print(f"Largest deviation: {worst[0]:.2f} cents from the wave, {worst[1]:.2f} in the other bake.", file=sys.stderr)
 
 
 if __name__ == "__main__":
