@@ -16,17 +16,16 @@ PICTURES = ROOT / "docs/figures/presets"
 MOST_BYTES = 25_000
 HEAD = """# The presets
 
-Every object in `presets/objects`, with its bank in `presets/banks` where that is in the repository (`./run presets` bakes
-all of them). The picture shows the most important mode, bent and coloured by how far each place moves (dark: rests, yellow:
-moves most), and the spectrum of a blow where the object answers most, in dB over Hz. Play one:
+Every object in `presets/objects`, with its bank in `presets/banks` where that is in the repository (`./run presets` bakes all of
+them). The picture shows the most important mode, bent and coloured by how far each place moves (dark: rests, yellow: moves most),
+and the spectrum of a blow where the object answers most, in dB over Hz. T60 is that of the most important mode. Play one:
 
-    bin/ringdownd --object it=presets/banks/NAME.glb --connect &
-    bin/ringdown strike it --vertex 0 --impulse 0,0,-0.1
+    ringdownd --object it=presets/banks/NAME.glb --connect &
+    ringdown strike it --vertex 0 --impulse 0,0,-0.1
 
-`bin/ringdown info presets/banks/NAME.glb --html NAME.html` shows all of its modes ([previews](previews.md)). `./run docs`
-writes this page.
+[Previews](previews.md) show all modes of one. `./run docs` writes this page.
 
-| | object | material | lowest pitches | T60 | modes | kB |
+| | object | material | lowest pitches in Hz (note, cents) | T60 [s] | modes | kB |
 |---|---|---|---|---|---|---|
 """
 
@@ -49,7 +48,7 @@ def pitches(modes):
     text, last = [], 0
     for frequency, _, note in sorted(modes):
         if frequency > 1.003 * last:
-            text.append(f"{frequency:.{0 if frequency >= 1000 else 1}f} Hz ({note})")
+            text.append(f"{frequency:.{0 if frequency >= 1000 else 1}f} ({note.removesuffix(' ct')})")
             last = frequency
     return ", ".join(text[:3])
 
@@ -78,7 +77,7 @@ def row(ringdown, path):
     modes = modes_of(ringdown, bank)
     size = round(bank.stat().st_size / 1000)
     return (f"| ![{name}](../figures/presets/{name}.png) | {label} | {thing.get('material', '')} | {pitches(modes)} "
-            f"| {modes[0][1]:.2g} s | {len(modes)} | {size} |\n")
+            f"| {modes[0][1]:.2g} | {len(modes)} | {size} |\n")
 
 
 def main():
@@ -90,7 +89,7 @@ def main():
     for picture in PICTURES.glob("*.png"):
         if picture.stem not in names:
             picture.unlink()
-    (ROOT / "docs/use/presets.md").write_text(HEAD + "".join(rows) + "\nT60 is that of the most important mode.\n")
+    (ROOT / "docs/use/presets.md").write_text(HEAD + "".join(rows))
 
 
 main()
