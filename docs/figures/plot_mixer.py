@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws the mixer's benchmark, and keeps its table of results by machine.
 
-usage: plot_mixer.py mixer.csv PICTURE.png [--table docs/benchmarks.md]
+usage: plot_mixer.py mixer.csv PICTURE.png [--table docs/how/benchmarks.md]
 
 Above: modes per core of ours and of others, by how many modes ring. Below: error of each kernel against how many modes it
 sustains, and a scene that dies away. --table puts this machine's row into the table of that page, between its marks, in

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws the modal benchmark, and keeps its table of results by machine.
 
-usage: plot_modal.py modal.csv PICTURE.png [--table docs/benchmarks.md]
+usage: plot_modal.py modal.csv PICTURE.png [--table docs/how/benchmarks.md]
 
 Above, for each body: worst error of the first 50 modes against seconds, one line for each order of elements. Below: what
 each program takes for the same 200 modes, with its ratio to ours. --table puts this machine's row into the table of that

@@ -36,7 +36,7 @@ constexpr int kOneThread = 3000;       // unknowns; below, threads would mostly 
 constexpr double kSecondShift = 0.25;  // of the top, for a second opinion where a method leaves no factorization
 
 // kAutomatic takes Spectra for systems of at most these numbers of unknowns and of modes below the top. The table was
-// read from the times in docs/eigensolver.md.
+// read from the times in docs/how/eigensolver.md.
 struct QuickBySpectra {
   Eigen::Index unknowns;
   int modes;

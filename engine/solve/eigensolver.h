@@ -18,7 +18,7 @@
 
 namespace ringdown::solve {
 
-// All but kSlepc work on one L D L^T of our own, whose inertia counts the modes (docs/eigensolver.md).
+// All but kSlepc work on one L D L^T of our own, whose inertia counts the modes (docs/how/eigensolver.md).
 enum class Method {
   kAutomatic,     // by the number of unknowns and of modes counted: kDense, kSpectra or kBlockLanczos
   kDense,         // Eigen on full matrices

@@ -15,7 +15,7 @@
 // Parts. A Timeline takes commands and events and cuts blocks into chunks; the Stage holds the objects and gives each
 // its events; the Renderer renders what sounds (Source: an Object, or an InstanceGroup of objects that share their
 // states); Shedding decides what is left out when time is short; MixOutput writes samples; Meters measure. How a strike
-// goes through them, file by file, is told in docs/architecture.md.
+// goes through them, file by file, is told in docs/how/architecture.md.
 #pragma once
 
 #include "engine/base/realtime.h"

@@ -2,7 +2,7 @@
 //
 //   ringdown_modal_bench -o build/bench/modal.csv [--gate] [--quick] [--only PART] [--case BODY] [--limit S] [--resume]
 //
-// `./run bench modal` runs it; docs/benchmarks.md reads it. Every measurement is a process of its own (this program
+// `./run bench modal` runs it; docs/how/benchmarks.md reads it. Every measurement is a process of its own (this program
 // with `single`), held to as many cores as its row says, so that times and peak memory are its alone. The CSV is
 // written again after each one: a run that is cut short is taken up by --resume.
 #include "engine/base/child_process.h"

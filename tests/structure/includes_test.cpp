@@ -1,4 +1,4 @@
-// Who may include whom, checked on every source file of the project. The two tables are the rule; docs/architecture.md
+// Who may include whom, checked on every source file of the project. The two tables are the rule; docs/how/architecture.md
 // says why.
 #include <gtest/gtest.h>
 
