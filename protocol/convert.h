@@ -8,10 +8,10 @@ namespace ringdown::protocol {
 // The checked value, or what is wrong: "is 0.5; it must be a whole number from 0 to 16777215".
 Result<Value> convert(const ArgumentSpec& spec, const wire::Argument& argument);
 
-// What the spec accepts: "a number from 0 to 0.1 s".
+// Says what the spec accepts: "a number from 0 to 0.1 s".
 std::string expectation(const ArgumentSpec& spec);
 
-// As few digits as say the same: 0.0002, 16777215, 1e+20.
+// The fewest digits that read back as the same number: 0.0002, 16777215, 1e+20.
 std::string number_text(double value);
 
 // A value as one writes it: 0.0002, bell, -.

@@ -1,4 +1,4 @@
-// What holds when nobody says otherwise: the daemon and every client take it from here. [any thread]
+// Default values, which the daemon and every client take from here. [any thread]
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ inline constexpr std::int32_t kProtocolVersion = 1;
 // Amplitude, of full scale, at which /object/{object}/ring and /test_tone sound when they name none: -20 dB.
 inline constexpr double kDefaultRingAmplitude = 0.1;
 
-// What one message carries: bytes of a bank file, frames of sound, amplitudes of modes.
+// The most that one message carries: bytes of a bank file, frames of sound, amplitudes of modes.
 inline constexpr std::uint32_t kMaxBankBytes = 8192, kMaxSoundFrames = 256, kMaxModeAmplitudes = 512;
 
 // Audio inputs that may excite objects.

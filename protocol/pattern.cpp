@@ -6,13 +6,20 @@
 #include <bitset>
 #include <cassert>
 
+// Matching without backtracking
+//
+// The matcher simulates a nondeterministic automaton (Thompson, CACM 11, 1968): it keeps the set of all positions in
+// the text that the pattern, as far as it has been read, may have reached. Each sign of the pattern maps this set to
+// the next one: a letter or a set moves every position on by one where the text agrees, * fills in all later positions,
+// and {a,b} is the union of what its words lead to. A pattern matches if the end of the text is in the last set. The
+// time is (signs of the pattern) x (length of the text), so no pattern that a client sends can make the daemon slow.
 namespace ringdown::protocol {
 namespace {
 
 constexpr std::size_t kMaxText = 127;
 constexpr std::string_view kObjectPrefix = "/object/";
 
-// How far into the text the pattern may have come.
+// A set of positions in the text: those that the pattern may have reached.
 using Places = std::bitset<kMaxText + 1>;
 
 template <class Accepts>
@@ -61,7 +68,7 @@ Places step_words(const Places& places, std::string_view text, std::string_view 
   }
 }
 
-// What stands between the pattern's first character and `close`; takes all of it off. No value when it is not closed.
+// Takes off the text between the pattern's first character and `close`, and returns it. Nothing when it is not closed.
 std::optional<std::string_view> take_enclosed(std::string_view& pattern, char close) {
   const std::size_t end = pattern.find(close);
   if (end == pattern.npos) return std::nullopt;
@@ -74,7 +81,7 @@ std::optional<std::string_view> take_enclosed(std::string_view& pattern, char cl
 
 bool matches(std::string_view pattern, std::string_view text) {
   assert(text.size() <= kMaxText);
-  // Most names begin or end otherwise, and are ruled out here.
+  // Most names differ in their letters before the first sign or after the last one, which is quick to see.
   const std::string_view end = pattern.substr(pattern.find_last_of("?*[]{}") + 1);
   if (!text.ends_with(end)) return false;
   for (; !pattern.empty() && !is_pattern(pattern.substr(0, 1)); pattern.remove_prefix(1), text.remove_prefix(1)) {

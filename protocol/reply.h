@@ -106,7 +106,7 @@ struct BrowseFile {  // /browse.file
   std::string path;  // as /scene/load and /load take it
 };
 
-// To subscribers, in bundles.
+// Notices, which are sent to subscribers in bundles.
 struct NotifyObject {  // /notify.object
   std::int32_t number = 0;
   std::string name;

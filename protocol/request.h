@@ -76,7 +76,7 @@ struct RingModes {  // /object/{object}/ring
   std::uint32_t count = 1;
   double amplitude = kDefaultRingAmplitude;
 };
-// Which of its modes the object has from now on.
+// Chooses the modes that the object has from now on.
 struct SelectModes {  // /object/{object}/modes
   ObjectRef object;
   modal::ModeRange range;

@@ -62,7 +62,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-// Where a row stands, found in a time that neither the rows nor the objects change.
+// Finds the row of an address by hashing, in a time that does not depend on the number of rows or objects.
 template <class Any>
 struct Index {
   std::unordered_map<std::string_view, const Row<Any>*> plain, of_object;  // the latter by what follows the object

@@ -23,7 +23,7 @@ namespace {
 
 using solve::Eigenmodes;
 
-// The same band of a rescaled body differs in its last bits; it shall be covered by what was solved before.
+// The band of a rescaled body differs in its last bits. The headroom lets modes from the cache cover it all the same.
 constexpr double kHeadroom = 1 + 1e-9;
 
 class Stopwatch {
@@ -53,7 +53,7 @@ double surface_rms(const std::vector<double>& weights, const Eigen::Ref<const Ei
   return std::sqrt(sum);
 }
 
-// By importance, the most important first.
+// The modes of the band, the most important first (importance.h).
 std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& units, const std::vector<double>& weights,
                                      modal::RayleighDamping damping, const BakeOptions& options, BakeReport& report) {
   std::vector<HeardMode> heard;
@@ -74,13 +74,13 @@ std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& un
   return heard;
 }
 
-// Of the first component that is as large as any. In a symmetric body there are several, equal to rounding.
+// The sign of the first component whose size is the largest to rounding: a symmetric body has several of equal size.
 double sign_of(const Eigen::Ref<const Eigen::VectorXd>& shape) {
   const double large = 0.999 * shape.cwiseAbs().maxCoeff();
   return *std::find_if(shape.begin(), shape.end(), [large](double x) { return std::abs(x) >= large; }) < 0 ? -1 : 1;
 }
 
-// To the three digits that an estimate may claim.
+// The error rounded to three digits, which is all that an estimate may claim.
 double rounded(double error) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2e", error);
@@ -108,7 +108,7 @@ void add_points(modal::Bank& bank, const mesh::Boundary& points, const mesh::Poi
   bank.triangles = points.triangles;
 }
 
-// Where the unknowns of `points`, some of the surface's nodes, stand in BodyModes::shapes.
+// The first row of each of `points`, some of the surface's nodes, in BodyModes::shapes.
 std::vector<Eigen::Index> rows_of(const mesh::Boundary& points, const mesh::Boundary& surface) {
   std::vector<Eigen::Index> rows;
   for (const std::int32_t node : points.nodes) {
@@ -133,7 +133,7 @@ Result<void> check_options(const BakeOptions& options) {
   return {};
 }
 
-// What rounding makes of the zero energy of a rigid motion, and so of the energy of any other mode [lambda].
+// The largest |lambda| of a rigid motion, which is 0 but for rounding: so large is the rounding error of any lambda.
 double rounding_of(const Eigenmodes& modes) { return modes.lambda.head(modes.rigid).cwiseAbs().maxCoeff(); }
 
 // A mesh whose pieces hold together by faces (check_mesh) has six rigid motions for each, and no others.
@@ -189,7 +189,7 @@ BodyModes on_surface(const Eigenmodes& modes, const mesh::Boundary& surface) {
   return body;
 }
 
-// What a bake is about, once its mesh has the element's order.
+// The input of a bake, once its mesh has the element's order.
 struct Task {
   const mesh::TetMesh& mesh;
   const mesh::TetMesh unit_mesh;  // in units of units.length_m
@@ -233,7 +233,7 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   return body;
 }
 
-// From the cache, or solved and put there.
+// The modes of the body up to `top`: from the cache, or solved and put there.
 Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& report, const Progress& progress) {
   solve::EigenRequest request{.highest_lambda = kHeadroom * top,
                               .most_modes = task.options.most_modes,

@@ -83,7 +83,7 @@ class Baker {
   }
 
  private:
-  // With the lengths that the object has.
+  // The baked object, its mesh and lengths scaled to the size of the object.
   BakedObject finished() {
     object_.mesh.mesh.nodes *= recipe_.scale;
     if (object_.choice) {
@@ -124,7 +124,7 @@ class Baker {
     if (!sketch) return fail(sketch.error());
     const BodyShape shape = measure_shape(*sketch, mesh::wall_thickness(*sketch));
     const int order = fem::order_of(recipe_.options.element);
-    // What a larger object sounds up to, its geometry would sound up to that much higher. A smaller one keeps the mesh.
+    // Frequencies fall with size: the band of a larger object is `scale` times as wide for its unscaled geometry.
     const double band_high_hz = std::max(recipe_.scale, 1.0) * recipe_.options.band_high_hz;
     MeshChoice choice = choose_mesh(shape, material_, band_high_hz, order, kMaxChosenUnknowns);
     if (recipe_.preview) {

@@ -38,6 +38,9 @@ double thickness_of(const BodyShape& shape) {
   return shape.wall_m > 0 ? std::min(shape.wall_m, shape.thickness_m) : shape.thickness_m;
 }
 
+// The shorter of two waves at a frequency: the shear wave of the material, and the bending wave of a plate as thick as
+// the body, 2 pi (D / (rho h omega^2))^(1/4) with the plate's stiffness D = E h^3 / (12 (1 - nu^2)) (Kirchhoff's
+// theory).
 double shortest_wave(const BodyShape& shape, const modal::Material& material, double frequency_hz) {
   const double e = material.youngs_modulus_pa, nu = material.poisson_ratio, rho = material.density_kg_m3;
   const double shear = std::sqrt(e / (2 * (1 + nu) * rho)) / frequency_hz;
@@ -90,7 +93,7 @@ BodyShape measure_shape(const mesh::TetMesh& mesh) {
   return moments.shape(surface_area(mesh), extent(mesh.nodes));
 }
 
-// Tetrahedra from the origin to each triangle count with their sign.
+// The moments are those of the signed tetrahedra between the middle of the nodes and each triangle.
 BodyShape measure_shape(const mesh::TriangleMesh& skin, double wall_m) {
   Moments moments;
   double area = 0;
@@ -154,7 +157,7 @@ std::string length_text(double metres) {
   return text;
 }
 
-// Of a bank.
+// The limits of a bank.
 struct Limits {
   double band_high_hz;
   int most_modes;
@@ -173,6 +176,8 @@ Sound sound_of(const BodyShape& shape, const modal::Material& material, const Li
 
 }  // namespace
 
+// The lower of a free bar's first bending mode, 1.03 (h / L^2) sqrt(E / rho) for a rectangular section, and of a half
+// wave of shear along the body.
 double guessed_lowest_hz(const BodyShape& shape, const modal::Material& material) {
   const double e = material.youngs_modulus_pa, rho = material.density_kg_m3, nu = material.poisson_ratio;
   const double bending = 1.03 * shape.thickness_m / (shape.length_m * shape.length_m) * std::sqrt(e / rho);
@@ -180,6 +185,9 @@ double guessed_lowest_hz(const BodyShape& shape, const modal::Material& material
   return std::min(bending, shear);
 }
 
+// The number of modes below a frequency by Weyl's law, as in Debye's theory of heat capacity: V omega^3 / (6 pi^2)
+// times the sum of c^-3 over the longitudinal and the two transverse waves. It leaves out the terms of surface and
+// edges.
 double debye_count(double volume_m3, const modal::Material& material, double lambda) {
   const double e = material.youngs_modulus_pa, nu = material.poisson_ratio, rho = material.density_kg_m3;
   const double transverse = std::sqrt(e / (2 * (1 + nu) * rho));

@@ -6,8 +6,8 @@
 // order: 20, 8, 4, 2.5. Beside waves, elements must follow what happens within a thickness of sharp edges, where twist
 // lets go, and how a slender body's section warps; and flat ones, longer than p + 1 thicknesses, bend too stiffly.
 // Where the thinnest wall is known and less than 2 V / A, it is the thickness. With order 3 that leaves less than 0.1 %
-// in the first fifty frequencies and 0.02 % in the first ten of the bodies in docs/how/accuracy.md; linear elements do not
-// reach that at any sane size.
+// in the first fifty frequencies and 0.02 % in the first ten of the bodies in docs/how/accuracy.md; linear elements do
+// not reach that at any sane size.
 #pragma once
 
 #include "engine/mesh/tet_mesh.h"
@@ -27,10 +27,10 @@ struct BodyShape {
   double length_m = 0;     // the diagonal of its box
 };
 
-// From any mesh of the body; the coarsest will do.
+// Measures the body by any mesh of it; the coarsest will do.
 BodyShape measure_shape(const mesh::TetMesh& mesh);
 
-// The same from the skin, which should be closed.
+// Measures the body by its skin, which should be closed.
 BodyShape measure_shape(const mesh::TriangleMesh& skin, double wall_m);
 
 struct MeshChoice {
@@ -46,7 +46,7 @@ double estimated_unknowns(const BodyShape& shape, double size_m, int order);
 MeshChoice choose_mesh(const BodyShape& shape, const modal::Material& material, double band_high_hz, int order,
                        double most_unknowns);
 
-// As coarse as `unknowns` make it, whatever the waves.
+// Chooses the size that gives about `unknowns` unknowns, however short the waves are.
 MeshChoice choose_coarse_mesh(const BodyShape& shape, int order, double unknowns);
 
 // The lowest note that a free body of that size may have [Hz], to a factor of two or three: the lower of a bar's

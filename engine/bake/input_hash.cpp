@@ -24,7 +24,7 @@ std::string lower(std::string_view text) {
   return small;
 }
 
-// Of gmsh's language, small letters without what is in quotes or comments.
+// A word of gmsh's language in small letters, outside of quotes and comments.
 struct GeoWord {
   std::string word;
   std::string quoted;  // the text in quotes that comes next, with nothing but blanks and a bracket between
@@ -68,7 +68,7 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> li
   return std::find(list.begin(), list.end(), word) != list.end();
 }
 
-// What a .geo file reads; nothing when it depends on more than files that it names.
+// The files that a .geo file reads; nullopt when it depends on anything but files that it names.
 std::optional<Files> named_by_geo(std::string_view text) {
   Files files;
   for (const auto& [word, quoted] : words_of_geo(text)) {

@@ -48,7 +48,7 @@ double rms_shape(const modal::Bank& bank, std::size_t mode) {
   return std::sqrt(sum / static_cast<double>(bank.point_count()));
 }
 
-// Where a frequency that bounds the band comes to lie, by its eigenvalue.
+// The frequency at which an end of the band comes to lie after the change, found by its eigenvalue.
 double changed_bound(double frequency_hz, const modal::RayleighDamping& from, const modal::RayleighDamping& to,
                      double factor) {
   if (frequency_hz <= 0) return 0;

@@ -16,7 +16,7 @@
 namespace ringdown::bake {
 namespace {
 
-// What no solid exceeds; fem::check_elastic() is stricter.
+// Bounds that no solid exceeds; fem::check_elastic() is stricter.
 constexpr Range kYoungsModulus_pa{1e3, 1e13};
 constexpr Range kPoissonRatio{-1, 0.5};
 constexpr Range kDensity_kg_m3{0.1, 1e5};
@@ -55,7 +55,7 @@ void read_figure(TomlTable& file, const Figure& wanted, MaterialEntry& entry) {
   figure->text("source", entry.sources[key]);
 }
 
-// What the two fitted figures say of themselves.
+// The source that is given for the two fitted figures.
 std::string source_of_fit(const MaterialEntry& entry, const std::set<std::string>& sources) {
   std::string text = "fitted to the loss factor";
   for (const modal::LossFactor& point : entry.loss_factors) {

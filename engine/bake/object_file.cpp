@@ -92,7 +92,7 @@ class Lines {
     }
   }
 
-  // In the table of that name; "" is the file's own.
+  // Sets a key in the table of that name; "" is the top level of the file.
   void set(const std::string& table, const std::string& key, const std::string& value) {
     const std::regex line("(\\s*" + key + "\\s*=\\s*)[^#]*?(\\s*(#.*)?)");
     auto [at, end] = range(table);

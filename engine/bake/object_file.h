@@ -53,7 +53,7 @@ inline constexpr Range kError{1e-7, 0.5};  // that may be asked for
 
 Result<ObjectRecipe> read_object(const std::filesystem::path& path);
 
-// The same from memory; `path` is where the text would stand.
+// Reads an object from memory; `path` is where the text would stand.
 Result<ObjectRecipe> parse_object(std::string_view text, const std::filesystem::path& path);
 
 // Other figures for an object file, whose text otherwise stays as it is.

@@ -27,7 +27,7 @@ enum class Element {
 std::string_view element_name(Element element);
 Result<Element> parse_element(std::string_view name);
 
-// Of its polynomials, and of the mesh it needs.
+// The degree of the element's polynomials, which is the order of the mesh that it needs.
 int order_of(Element element);
 
 using SparseMatrix = Eigen::SparseMatrix<double>;

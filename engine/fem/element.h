@@ -44,11 +44,11 @@ class ElementIntegrals {
   Eigen::MatrixXd jacobians_;  // 3 rows for each point
 };
 
-// The same for one element.
+// Stiffness and consistent mass of a single element.
 Eigen::MatrixXd stiffness(const mesh::ElementNodes& nodes, const Elastic& elastic);
 Eigen::MatrixXd consistent_mass(const mesh::ElementNodes& nodes, double density_kg_m3);
 
-// Of 4 nodes: a quarter of the element's mass at each corner, as the course report has it.
+// The lumped mass of an element of 4 nodes: a quarter of its mass at each corner, as in the course report.
 Eigen::Matrix4d lumped_mass(const mesh::Corners& corners, double density_kg_m3);
 
 }  // namespace ringdown::fem

@@ -23,8 +23,9 @@
 //
 // Taken here is the mean of both with weights 1 - kRelaxed and kRelaxed. In flat elements and for nearly incompressible
 // materials the first is too small by large factors (functions of W alone lock), the second too large; their mean stays
-// within narrow bounds (docs/how/accuracy.md has the measurements that chose the weight). For the same reason lambda counts
-// in it as mu^(1/4) lambda^(3/4) where it is more than mu, and beyond 60 mu no more: a body that keeps its volume in V
+// within narrow bounds (docs/how/accuracy.md has the measurements that chose the weight). For the same reason lambda
+// counts in it as mu^(1/4) lambda^(3/4) where it is more than mu, and beyond 60 mu no more: a body that keeps its
+// volume in V
 // + W moves as one with nu = 1/2 does. The residual is the true one.
 //
 // For each group of kModesAtOnce modes: residuals() finds r on all functions of W; falls() runs a few steps of
@@ -38,7 +39,7 @@ constexpr Eigen::Index kElementsAtOnce = 256;
 constexpr int kSteps =
     6;  // of conjugate gradients: 1 % short of the end in well-shaped elements, 10 to 40 % in flat ones
 
-// What degree p + 2 and more would add, and what the mean above leaves: measured, not derived.
+// A factor for what degrees above p + 1 would add and what the mean above misses: measured, not derived.
 double surplus_factor(int order) { return (order + 1) / 3.0; }
 
 using Rows = Eigen::Matrix<float, Eigen::Dynamic, kModesAtOnce, Eigen::RowMajor>;  // of 3 count() unknowns, or 3w

@@ -35,7 +35,7 @@ std::vector<double> peaks_of_blocks(std::span<const double> samples, std::size_t
   return peaks;
 }
 
-// What a quiet block reaches: the tenth lowest of a hundred.
+// The peak of a quiet block: the tenth percentile of all peaks.
 double noise_peak(std::vector<double> peaks) {
   const auto place = peaks.begin() + static_cast<std::ptrdiff_t>(peaks.size() / 10);
   std::nth_element(peaks.begin(), place, peaks.end());
@@ -62,7 +62,8 @@ std::size_t next_blow(const std::vector<double>& peaks, std::size_t onset) {
   return peaks.size();
 }
 
-// Whatever is left after the last block well above the noise is a tail that narrow bands may still hear: as long again.
+// The block in which the sound is lost in the noise: twice as far from the onset as the last block well above the
+// noise, because in narrow bands the tail is heard for longer.
 std::size_t lost_in_noise(const std::vector<double>& peaks, std::size_t onset, std::size_t end, double noise) {
   std::size_t last = end;
   while (last > onset + 1 && peaks[last - 1] < 1.5 * noise) --last;

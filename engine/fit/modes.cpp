@@ -138,7 +138,7 @@ std::vector<Candidate> without_doubles(std::vector<Candidate> candidates, double
 
 double energy(const Mode& mode) { return mode.amplitude * mode.amplitude / mode.decay_per_s; }
 
-// By the options' floor and number. True when one was dropped.
+// Drops modes below the options' floor and beyond their number. True when any was dropped.
 bool prune(std::vector<Mode>& modes, const Options& options) {
   const std::size_t before = modes.size();
   double loudest = 0;
@@ -159,7 +159,8 @@ std::vector<double> difference(std::span<const double> a, std::span<const double
 
 double square_sum(std::span<const double> x) { return std::inner_product(x.begin(), x.end(), x.begin(), 0.0); }
 
-// Of all modes so far and whatever else this pass has seen, an offset too: what is not in the sum would bend it.
+// Fits the amplitudes of all modes so far, together with an offset and with what else this pass has seen. A component
+// of the sound that is not in the sum would bend the amplitudes of its neighbours.
 void fit_amplitudes_beside(std::span<const double> sound, double rate, std::vector<Mode>& modes,
                            const std::vector<Candidate>& found) {
   std::vector<Mode> all = modes;
@@ -171,8 +172,8 @@ void fit_amplitudes_beside(std::span<const double> sound, double rate, std::vect
   std::copy_n(all.begin(), modes.size(), modes.begin());
 }
 
-// What an earlier pass took out never goes without a trace: at its pitch, or a weak and broad one beside it, where a
-// real mode would be masked.
+// Whether a mode is only what an earlier pass has left of one that it found: subtracting an estimate leaves a weak
+// remainder at its pitch, or a weak and broad one beside it, where a real mode would be masked.
 bool is_remains(const Mode& mode, std::span<const Mode> known, double length_s) {
   return std::ranges::any_of(known, [&](const Mode& k) {
     const double apart = std::abs(mode.frequency_hz - k.frequency_hz);

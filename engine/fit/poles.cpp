@@ -137,7 +137,7 @@ struct Normal {
   }
 };
 
-// Of fixed poles.
+// The least-squares fit of amplitudes to fixed poles.
 struct State {
   VectorXcd poles, amplitudes, residual;
   MatrixXcd columns;
@@ -240,7 +240,7 @@ std::vector<Term> refine(const VectorXcd& signal, const std::vector<Complex>& po
     if (pole.real() < most_growth) terms.push_back({.pole = pole});
   }
   if (terms.empty()) return {};
-  // With the poles as they are first, which is quick.
+  // First with the poles as they are, which is quick, then with poles that are refined.
   do {
     const State state = fitted(signal, poles_of(terms));
     terms = judged(signal, state, state.columns);

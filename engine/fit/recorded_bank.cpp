@@ -135,7 +135,7 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
     std::vector<Point> points;
     for (std::size_t i = 0; i < result.matches.size(); ++i) {
       const Mode& mode = recorded[result.matches[i].recorded];
-      // By what is fitted rather than by what is seen: modes that happen to look long would count too much.
+      // The weight follows from the fitted decay, not the measured one: modes measured too long would count too much.
       const double lambda = modal::undamped_lambda({mode.frequency_hz, mode.decay_per_s});
       const double expected = round == 0 ? mode.decay_per_s : fitted(result.damping, lambda);
       const double error = std::hypot(mode.decay_error_per_s, kOfTheLaw * expected);

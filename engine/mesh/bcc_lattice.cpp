@@ -19,7 +19,7 @@ bool is_long(int a, int b) { return a / 2 == b / 2; }
 StencilPoint corner(int a) { return {static_cast<std::int8_t>(a), static_cast<std::int8_t>(a)}; }
 StencilPoint cut(int a, int b) { return {static_cast<std::int8_t>(a), static_cast<std::int8_t>(b)}; }
 
-// Of the quadrilateral u, v, (v w), (u w): the diagonal is u (v w), not v (u w).
+// Whether the diagonal of the quadrilateral u, v, (v w), (u w) starts at u, to (v w); otherwise it is v (u w).
 bool diagonal_at(const Sites& sites, int u, int v, int w) {
   if (!is_long(u, v)) return is_long(v, w);
   // The cut point lies beyond the middle of u v, and as far aside of it as w is.
@@ -54,7 +54,7 @@ void two_inside(Stencil& to, const Sites& sites, int a, int b, int m, int n) {
   at[1][0] = !first;
   at[0][2] = second;
   at[2][0] = !second;
-  // On the surface either diagonal would do for the neighbours; one of them closes a ring that no tetrahedra fill.
+  // No neighbour sees the quadrilateral on the surface, so its diagonal is free. This one avoids the ring.
   at[1][2] = second;
   at[2][1] = !second;
   add_prism(to, {corner(a), cut(a, m), cut(a, n)}, {corner(b), cut(b, m), cut(b, n)}, at);

@@ -19,7 +19,7 @@ namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
 
-// The same turn of the face, its lowest number first.
+// The face, turned the same way round, with its lowest number first.
 Triangle lowest_first(Triangle face) {
   std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
   return face;

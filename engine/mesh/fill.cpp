@@ -173,7 +173,7 @@ struct Sized {
   double size_m;
 };
 
-// In triangles of the size asked for, or smaller ones that keep to the surface.
+// The surface in triangles of the wanted size, or in smaller ones where those would leave the surface.
 Result<Sized> sized(const TriangleMesh& surface, const FillOptions& options) {
   double size = options.size_m;
   const double most = options.wall_m > 0 ? kMaxDeviation * options.wall_m : 0.1 * diagonal(surface);

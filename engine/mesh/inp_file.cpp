@@ -23,7 +23,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-// In capitals, without blanks and quotes, as keywords and their parameters are compared.
+// The text in capitals, without blanks and quotes: the form in which keywords and their parameters are compared.
 std::string squeezed(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -33,7 +33,7 @@ std::string squeezed(std::string_view text) {
   return out;
 }
 
-// What stands between commas outside quotes; after a last comma, nothing.
+// The fields of a line, separated by commas outside quotes. A comma at the end opens no field.
 std::vector<std::string_view> fields_of(std::string_view line) {
   std::vector<std::string_view> fields;
   std::size_t start = 0;

@@ -25,7 +25,7 @@ constexpr double kInside = 1e-3;  // of an element's height, so far from every f
 
 using Box = Eigen::AlignedBox3d;
 
-// By the volumes that the point makes with the faces: no inverse, for most are not inside.
+// By the volumes that the point makes with the four faces, without a matrix inverse: most points fail at the first.
 bool is_inside(const Corners& corners, const Eigen::Vector3d& point) {
   const Eigen::Vector3d from = corners.row(0), a = corners.row(1), b = corners.row(2), c = corners.row(3);
   const Eigen::Vector3d u = a - from, v = b - from, w = c - from, p = point - from;

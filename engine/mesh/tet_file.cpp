@@ -177,7 +177,7 @@ Result<std::string> contents(const std::filesystem::path& path) {
   return text;
 }
 
-// The same name with another ending, in the case that the ending had, or in small letters.
+// The path with another ending, in capitals if the old ending was, otherwise in small letters.
 std::filesystem::path sibling(std::filesystem::path path, std::string_view ending) {
   const std::string old = path.extension().string();
   std::string other(ending);

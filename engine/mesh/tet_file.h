@@ -33,7 +33,7 @@ bool is_tet_file(const std::filesystem::path& path);
 
 Result<TetMesh> read_tet_file(const std::filesystem::path& path);
 
-// The same from what the files hold. `name` stands in the sentences.
+// Read the mesh from the content of the files. `name` stands in the sentences.
 Result<TetMesh> read_tetgen(std::string_view node_text, std::string_view ele_text, const std::string& name);
 Result<TetMesh> read_vega(std::string_view text, const std::string& name);
 Result<TetMesh> read_isostuffer(std::span<const std::byte> file, const std::string& name);

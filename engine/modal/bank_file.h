@@ -22,7 +22,7 @@ inline constexpr std::size_t kMaxPoints = std::size_t{1} << 20;
 // field, and what was expected of it.
 Result<Bank> read_bank(const std::filesystem::path& path);
 
-// The same from memory. `name` stands in error messages where the path would.
+// Reads a bank from memory. `name` stands in error messages where the path would.
 Result<Bank> parse_bank(std::span<const std::byte> glb, const std::string& name);
 
 // Writes atomically: a reader sees the old file or the new one. With `input_hash`, a name for all that the bank was

@@ -11,9 +11,13 @@ double loss_factor(RayleighDamping damping, double frequency_hz) {
   return damping.alpha_per_s / omega + damping.beta_s * omega;
 }
 
+// Linear least squares of relative errors: each measured loss factor eta asks that (alpha / omega + beta omega) / eta
+// be
+// 1. If the best alpha or beta is negative, which no passive material has, it is set to 0 and the other is fitted
+// alone.
 RayleighDamping fit_rayleigh(std::span<const LossFactor> points) {
   assert(!points.empty());
-  // One equation for each point: alpha a + beta b = 1, a = 1 / (omega eta), b = omega / eta.
+  // With a = 1 / (omega eta) and b = omega / eta, each point asks for alpha a + beta b = 1.
   double aa = 0, ab = 0, bb = 0, a1 = 0, b1 = 0;
   for (const LossFactor& point : points) {
     const double omega = hz_to_rad_per_s(point.frequency_hz), a = 1 / (omega * point.eta), b = omega / point.eta;

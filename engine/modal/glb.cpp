@@ -19,7 +19,7 @@ std::uint32_t word_at(std::span<const std::byte> bytes, std::size_t offset) {
   return word;
 }
 
-// Where an accessor's elements lie, after every bound was checked.
+// The elements of an accessor in the binary, after every bound was checked.
 struct Elements {
   const std::byte* first = nullptr;
   std::size_t count = 0, stride = 0;

@@ -20,12 +20,12 @@ struct MaterialScale {
   friend bool operator==(const MaterialScale&, const MaterialScale&) = default;
 };
 
-// What undamped eigenvalues lambda are multiplied by.
+// The factor by which undamped eigenvalues lambda are multiplied.
 inline double lambda_factor(const MaterialScale& scale) {
   return scale.stiffness / (scale.density * scale.size * scale.size);
 }
 
-// What mass-normalised shapes are multiplied by.
+// The factor by which mass-normalised shapes are multiplied.
 inline double shape_factor(const MaterialScale& scale) {
   return 1 / std::sqrt(scale.density * scale.size * scale.size * scale.size);
 }

@@ -30,7 +30,7 @@ class StrikeMap {
   // element per mode of the bank. Cost O(modes), plus finding the surface point. [audio]
   void excite(Vec3 point_m, Vec3 impulse_ns, std::span<double> amplitudes) const RINGDOWN_REALTIME;
 
-  // The same at a sample point, `vertex` < bank().point_count(). [audio]
+  // Excites at a sample point, `vertex` < bank().point_count(). [audio]
   void excite_vertex(std::size_t vertex, Vec3 impulse_ns, std::span<double> amplitudes) const RINGDOWN_REALTIME;
 
  private:

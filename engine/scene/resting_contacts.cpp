@@ -73,6 +73,9 @@ void RestingContacts::judge(BodyPair pair, Life& life) {
   }
 }
 
+// Every pair has a window of its own, in which touches and impulses are added up. Steps in which a pair neither touches
+// nor moves do not count, so a pair that has fallen asleep keeps what was reported of it. At the end of a window the
+// pair is judged; a pair that has not touched in the whole window is forgotten.
 std::span<const BodyId> RestingContacts::advance(std::span<const MovedBody> moved) {
   moved_.clear();
   for (const MovedBody& one : moved) moved_.push_back(one.id);

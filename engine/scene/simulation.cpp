@@ -22,8 +22,7 @@
 //    (ode_flight_probe.h), and at most the rest of the step; a scene without fast bodies has one part a step
 //    (Simulation::step).
 // 2. In a part, contacts are found and become contact joints with friction and restitution (ode_contact_joints.h).
-// Bodies
-//    that touch or are joined form islands (islands.h).
+//    Bodies that touch or are joined form islands (islands.h).
 // 3. ODE's exact solver finds the impulses if no island has more contact points than it can solve in time, and ODE's
 //    iterative solver otherwise. If the exact solver warns that it failed, the bodies are restored and the iterative
 //    one is used (State::solve).

@@ -84,7 +84,7 @@ struct World::State {
   std::int64_t steps = 0;
   int part = 0;             // of the step being done
   double next_start_s = 0;  // no waiting body enters before this time
-  // Of the last step:
+  // Results of the last step:
   std::vector<synth::Event> events;
   std::vector<RestDamping> rest_dampings;
   std::vector<std::string> notices;

@@ -1,4 +1,4 @@
-// What a block is written to and read from: channels of output, and audio inputs. [audio]
+// The buffers of a block: output channels to write, and audio inputs to read. [audio]
 #pragma once
 
 #include "engine/base/realtime.h"

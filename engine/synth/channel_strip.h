@@ -40,7 +40,8 @@ class ChannelStrip {
   // Adds frames begin ... end - 1 of the chunk, which stand in `mono` from its index `begin` on.
   void add_samples(const double* mono, std::size_t begin, std::size_t end, const Chunk& chunk,
                    ChannelSums& sums) const RINGDOWN_REALTIME;
-  // Where moments are to be added while nothing moves; returns the part of `targets` that was filled in.
+  // The sums to which moments are added while gain and pan stand still. Returns the part of `targets` that it filled
+  // in.
   std::span<const MomentTarget> moment_targets(ChannelSet wanted, ChannelSums& sums,
                                                std::array<MomentTarget, kOutputs>& targets) const RINGDOWN_REALTIME;
 

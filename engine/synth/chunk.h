@@ -58,7 +58,7 @@ struct ChunkCounts {
   }
 };
 
-// What one thread renders with.
+// The buffers and counters with which one thread renders.
 struct Workspace {
   ChannelSums sums;
   ChunkCounts counts;

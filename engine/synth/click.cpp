@@ -10,7 +10,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kMinClick_frames = 4;  // of a pulse: what is shorter would fold back from beyond Nyquist
-constexpr double kDecays = 16;          // after so many it is 139 dB down
+constexpr double kDecays = 16;          // decay times, after which it is 139 dB down
 
 Complex polar(double log_size, double angle) RINGDOWN_REALTIME {
   const double size = std::exp(log_size);

@@ -37,22 +37,23 @@ class Click {
  public:
   Click() = default;
 
-  // Of a half-sine of `impulse_ns` that begins at frame 0 and lasts `contact_time_s`, but 4 frames at least. [audio]
+  // The click of a half-sine of `impulse_ns` that begins at frame 0 and lasts `contact_time_s`, but 4 frames at least.
+  // [audio]
   Click(const ClickShape& shape, double impulse_ns, double contact_time_s, double sample_rate_hz) RINGDOWN_REALTIME;
 
-  // Its next `count` samples, into `out`. [audio]
+  // Writes the click's next `count` samples to `out`. [audio]
   void fill(std::size_t count, double* out) RINGDOWN_REALTIME;
 
   [[nodiscard]] bool over() const RINGDOWN_REALTIME { return at_ >= end_; }
 
  private:
-  std::complex<double> push_, push_pole_;  // what follows the force, and turns with it
-  std::complex<double> ring_, ring_pole_;  // what the air does by itself
-  std::complex<double> released_;          // what the end of the force adds to that
+  std::complex<double> push_, push_pole_;  // the part of the response that follows the force
+  std::complex<double> ring_, ring_pole_;  // the free decay of the air
+  std::complex<double> released_;          // what the end of the force adds to the free decay
   std::int64_t at_ = 0, release_ = 0, end_ = 0;
 };
 
-// Those that sound, each with its object. [audio, after construction]
+// The clicks that sound, each with its object. [audio, after construction]
 class Clicks {
  public:
   struct One {

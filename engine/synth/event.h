@@ -22,11 +22,11 @@ enum class EventType : std::uint8_t {
   pan,            // value: -1 left ... +1 right, equal power
   clear,          // fades what rings to silence within `ramp_s`, or a few milliseconds if that is longer
   contact,        // point_m, contact: something slides or rolls on the object, or has stopped to
-  ring,           // vertex, count, value: sets so many modes going, from mode `vertex` up, each at that amplitude
+  ring,           // vertex, count, value: sets `count` modes going, from mode `vertex` up, each at amplitude `value`
   click,          // impulse_ns, contact_time_s: sets the object in motion as a whole, which is heard too
 };
 
-// A surface as what slides on it feels it: a random profile, of two surfaces the sum.
+// The profile of a surface, as a sliding body feels it: random heights. For two surfaces in contact, their sum.
 struct Texture {
   double roughness_m = 2e-6;     // root mean square of its heights
   double correlation_m = 5e-5;   // longest wavelength of its roughness
@@ -34,8 +34,8 @@ struct Texture {
   friend bool operator==(const Texture&, const Texture&) = default;
 };
 
-// A contact that lasts, as it is at one moment. It goes on as it was told last, and changes evenly from one telling to
-// the next; it ends when the force is 0, or when no update has come for a while.
+// A lasting contact at one moment. Force and speeds change gradually from one event to the next, and after the last
+// event they stay as they are. The contact ends when the force is 0, or when no event has come for a while.
 struct Contact {
   std::uint32_t number = 0;  // which of the object's contacts
   Vec3 force_n;              // on the object, its frame: normal and friction together
@@ -63,7 +63,7 @@ constexpr bool is_strike(const Event& event) {
   return event.type == EventType::strike || event.type == EventType::strike_vertex;
 }
 
-// What it adds to the states of modes is all that it does.
+// Whether the event does nothing but add to the states of modes.
 constexpr bool excites(const Event& event) { return is_strike(event) || event.type == EventType::ring; }
 
 }  // namespace ringdown::synth

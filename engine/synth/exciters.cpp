@@ -23,7 +23,8 @@ Event unit_impulse(const Event& event) RINGDOWN_REALTIME {
 
 }  // namespace
 
-// The sum of sin(pi n / frames) over 0 <= n <= frames, by adding up exponentials.
+// The scale is one over the sum of sin(pi n / frames) for 0 <= n <= frames, in closed form as a geometric sum of
+// exponentials: the samples of a pulse then add up to 1, whatever its length.
 HalfSine::HalfSine(double frames) RINGDOWN_REALTIME : frames_(frames) {
   const double half_step = 0.5 * std::numbers::pi / frames, last = std::floor(frames);
   scale_ = std::sin(half_step) / (std::sin(half_step * last) * std::sin(half_step * (last + 1)));
@@ -109,6 +110,10 @@ bool Exciters::fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) RINGDOWN
   return true;
 }
 
+// A contact pulse as samples. The strike's half-sine becomes an exciter that pushes the modes for as long as the
+// contact lasts, instead of a single impulse whose amplitudes are shaped by the pulse's spectrum. Both sound alike once
+// the contact is over; sample by sample, the onset is right, too. When too many forces act, or the pulse is shorter
+// than kMinPulse_frames, false tells the caller to use the spectrum.
 bool Exciters::start_pulse(const Event& strike, double sample_rate_hz, Voice* voice,
                            ExciterSlots& slots) RINGDOWN_REALTIME {
   const double frames = strike.contact_time_s * sample_rate_hz;

@@ -33,7 +33,7 @@ class HalfSine {
   HalfSine() = default;
   explicit HalfSine(double frames) RINGDOWN_REALTIME;  // >= kMinPulse_frames
 
-  // The same contact in frames of another length. [worker]
+  // This contact in frames of another length. [worker]
   [[nodiscard]] HalfSine stretched(double ratio) const {
     return HalfSine(frames_ * ratio > kMinPulse_frames ? frames_ * ratio : kMinPulse_frames);
   }

@@ -100,7 +100,7 @@ void InstanceGroup::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_RE
   workspace.counts.voices += static_cast<std::uint32_t>(struck_);
 }
 
-// Strikes a member: as a late strike so many frames before the end of the chunk, or with 0 at once.
+// Strikes a member: as a late strike `frames_left` frames before the end of the chunk, or at once if that is 0.
 bool InstanceGroup::strike(const DueEvent& struck, std::size_t frames_left, const Chunk& chunk) RINGDOWN_REALTIME {
   Voice& voice = *struck.object->voices.current();
   GroupMember& member = struck.object->member;

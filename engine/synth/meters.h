@@ -47,7 +47,7 @@ class Meters {
   // The largest |sample| since the last call. [one thread that is not audio]
   [[nodiscard]] float take_peak() { return counters.peak_since.exchange(0, std::memory_order_relaxed); }
 
-  // At the end of a chunk; `now` is the frame after it. [audio]
+  // Measures peak levels and amplitudes at the end of a chunk; `now` is the frame after it. [audio]
   void measure(const Stage& stage, Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
   // The largest |sample| of a block. [audio]
   void note_peak(float peak) RINGDOWN_REALTIME;

@@ -23,7 +23,7 @@ class MixOutput {
   // Keeps the mix, but not the buses, below a ceiling in dB of full scale (limiter.h); nullopt: samples go out as they
   // are. [worker, while nothing is rendered]
   void limit(std::optional<double> ceiling_db, double sample_rate_hz);
-  // By how many frames the mix is late because of the limiter. [any, but not while limit() runs]
+  // Frames by which the limiter delays the mix. [any, but not while limit() runs]
   [[nodiscard]] std::size_t latency_frames() const { return limiter_ ? limiter_->delay_frames() : 0; }
 
   // The rest: [audio]

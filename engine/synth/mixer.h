@@ -77,7 +77,7 @@ class Mixer {
   // anew. [worker, while nothing is rendered]
   void change_sample_rate(double sample_rate_hz);
 
-  // By how many frames the mix comes later than events say. [any, but not while configure() runs]
+  // Frames by which the mix comes later than events say. [any, but not while configure() runs]
   [[nodiscard]] std::size_t latency_frames() const { return output_.latency_frames(); }
 
   // Hands an event over. False when the producer's ring is full: the event was not taken. The event's object is

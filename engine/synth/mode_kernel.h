@@ -49,10 +49,10 @@ struct ActiveGroups {
   std::size_t count = 0;
 };
 
-// Of |z|^2.
+// Limits of |z|^2.
 struct EnergyLimits {
   double floor = 0;  // a group of which no mode is above its share leaves the list, and its states become zero
-  double most = 0;   // more in any mode, or no number at all, means that something is wrong
+  double most = 0;   // a larger energy, or one that is not a number, means that something is wrong
 };
 
 // Adds the modes' sum to out[0, frames) and moves their states on by `frames` <= kChunkFrames. False when a state that

@@ -49,7 +49,8 @@ class ModeStates {
   // amplitude `floor` rests until the next strike. False when a state is absurd (kAbsurdEnergy): nothing of it was
   // added, and all states have been silenced.
   bool render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME;
-  // The same with moments for slow modes; `out` gets the rest, which is nothing unless needs_samples() said so before.
+  // Renders as render() does, with moments for slow modes; `out` gets the rest, which is nothing unless needs_samples()
+  // said so before.
   bool render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                       double floor) RINGDOWN_REALTIME;
   [[nodiscard]] bool needs_samples() const RINGDOWN_REALTIME { return fast_.count > 0 || fade_.running(); }

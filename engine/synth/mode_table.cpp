@@ -47,7 +47,7 @@ modal::Dampers as_baked(modal::Dampers dampers, double size) {
 // stand in the table. A mode that the material over-damps has no pitch and is left out, and so is one at or above
 // the Nyquist frequency, which would alias.
 //
-// Those that take moments first, each kind by frequency.
+// Modes that take moments stand first; each kind is ordered by frequency.
 std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const modal::MaterialScale& material,
                                             const modal::Dampers& dampers, modal::ModeRange modes,
                                             double sample_rate_hz) {
@@ -105,7 +105,7 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
     std::fill(band_.begin() + static_cast<std::ptrdiff_t>(slow_modes_), band_.end(), band_[slow_modes_ - 1]);
 }
 
-// Of the last column.
+// Fills in the last column.
 void ModeTable::add_mode(std::uint32_t mode, const modal::DampedMode& damped, std::complex<double> s) {
   const std::uint32_t at = column_.back();
   const auto put = [at](std::complex<double> value, auto* re, auto* im) {

@@ -76,7 +76,7 @@ class ModeTable {
   // Finds what chunks of `frames` need, so that it is found once. [audio, while no other thread renders]
   void prepare(std::size_t frames) RINGDOWN_REALTIME;
 
-  // For the kernels: these states, columns() long, in chunks of `frames`.
+  // The arrays that a kernel needs to render chunks of `frames`, with states of columns() numbers each.
   [[nodiscard]] ModeArrays modes(double* z_re, double* z_im, std::size_t frames) const RINGDOWN_REALTIME;
   [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME { return {band_.data(), moment_weights_.get()}; }
 

@@ -79,7 +79,7 @@ class EnergyCheck {
   bool silent_ = true, sane_ = true;
 };
 
-// What rests must not come back as it was, long after, with the next strike.
+// Sets states to zero: a group that rests must not come back as it was when the next strike wakes it.
 HWY_INLINE void forget_states(const ModeArrays& modes, std::size_t first) {
   const Complex none{hn::Zero(Tag()), hn::Zero(Tag())};
   for (std::size_t i = 0; i < kModePadding; i += hn::Lanes(Tag())) store_states(none, modes, first + i);

@@ -29,6 +29,10 @@ const ModeWatch::Slot* ModeWatch::find(ObjectNumber object) const {
   return found == slots_.end() ? nullptr : &*found;
 }
 
+// A sequence lock. The audio thread makes the slot's number odd while it writes and even again when it is done, and
+// never waits. The reader copies the amplitudes and keeps them only if the number was even before and is the same
+// afterwards; otherwise it tries again. The fences are those of Boehm, Can Seqlocks Get Along with Programming Language
+// Memory Models?, MSPC 2012.
 bool ModeWatch::read(ObjectNumber object, const modal::Bank& bank, std::vector<float>& amplitudes) const {
   constexpr int kTries = 100;
   const Slot* const slot = find(object);

@@ -28,8 +28,8 @@ class ModeWatch {
   [[nodiscard]] bool watch(ObjectNumber object);
   void unwatch(ObjectNumber object);
 
-  // Of each mode of `bank`, in its order; false when the object is not watched, has another bank, or nothing was
-  // written of it yet. [one thread that is not audio]
+  // Reads the amplitude of each mode of `bank`, in its order. False when the object is not watched, has another bank,
+  // or nothing was written of it yet. [one thread that is not audio]
   [[nodiscard]] bool read(ObjectNumber object, const modal::Bank& bank, std::vector<float>& amplitudes) const;
 
   // For the mixer. A slot lies between begin() and end() while it is written.

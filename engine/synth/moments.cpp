@@ -172,7 +172,7 @@ bool add_moments_here(const ModeArrays& modes, const MomentArrays& moments, Acti
     };
     if (band[0] == band[kModePadding - 1]) {
       change_to(band[0]);
-      BandMoments odd;  // lest each sum wait for the one before
+      BandMoments odd;  // two sums, so that additions need not wait for each other
       for (std::size_t m = 0; m < kModePadding; m += 2) {
         sum.add(re[m], im[m], weights + m * 2 * kMoments);
         odd.add(re[m + 1], im[m + 1], weights + (m + 1) * 2 * kMoments);

@@ -16,7 +16,7 @@
 
 namespace ringdown::synth {
 
-// Of a gain, a pan or a force [N]: what is beyond, or not a number, would spoil the whole mix.
+// The largest gain, pan or force [N] that is accepted: a larger one, or not-a-number, would spoil the whole mix.
 inline constexpr double kMaxEventValue = 1e6;
 
 // An object's voices: the current one, which takes strikes, and older ones that ring out.

@@ -72,6 +72,11 @@ std::size_t Stage::listen_to_inputs(Chunk& chunk, std::size_t rest) RINGDOWN_REA
   return rest;
 }
 
+// Events leave the queue in order of frames until the next one lies beyond the chunk, there is no time for it, or the
+// chunk's table of events is full; in either case it waits. Each event then goes through two steps. accept() does what
+// must be done before anything is rendered: it starts clicks, contact pulses and lasting contacts, and takes an object
+// out of its instance group when the event needs the object alone. Only when all events of the chunk are accepted are
+// those that remain appended to their sources, because an object that leaves or joins a group changes its source.
 void Stage::route_events(const Chunk& chunk, bool exact_contacts, Shedding& shedding,
                          Workspace& workspace) RINGDOWN_REALTIME {
   events_waited_ = false;

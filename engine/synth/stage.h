@@ -43,7 +43,7 @@ class Stage {
   // by sample where they can.
   void route_events(const Chunk& chunk, bool exact_contacts, Shedding& shedding,
                     Workspace& workspace) RINGDOWN_REALTIME;
-  // What is to be rendered in this chunk, after its events have been routed: groups, then objects.
+  // The sources to render in this chunk, after its events have been routed: groups, then objects.
   [[nodiscard]] std::span<Source* const> sources() RINGDOWN_REALTIME;
   void render_clicks(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
   // After the chunk: takes what has fallen silent off the lists, hands silent voices back, lets objects share states,

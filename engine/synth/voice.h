@@ -31,14 +31,15 @@ class Voice : public ModeStates {
   [[nodiscard]] std::optional<double> find_amplitudes(const Event& event) RINGDOWN_REALTIME {
     return table_->strike(event, {scratch_.data(), scratch_.size()}, amplitudes_.get());
   }
-  // The same; false also when the amplitudes are absurd (kAbsurdEnergy). [audio]
+  // As above, and false when the amplitudes are absurd, too (kAbsurdEnergy). [audio]
   [[nodiscard]] bool find_sane_amplitudes(const Event& event) RINGDOWN_REALTIME {
     const std::optional<double> energy = find_amplitudes(event);
     return energy && *energy <= kAbsurdEnergy;
   }
   [[nodiscard]] const double* amplitudes() const RINGDOWN_REALTIME { return amplitudes_.get(); }
 
-  // What rings, in a voice of another table of the same bank. [worker, while nothing renders either]
+  // A new voice with another table of the same bank, which takes over what rings in this one. [worker, while nothing
+  // renders either]
   [[nodiscard]] std::unique_ptr<Voice> with_table(std::shared_ptr<ModeTable> table);
 
   [[nodiscard]] ModeTable& table() const RINGDOWN_REALTIME { return *table_; }

@@ -18,7 +18,7 @@ void pause() RINGDOWN_REALTIME {
 #endif
 }
 
-// As urgent as JACK's own threads, where the system allows it.
+// Asks for a real-time priority like that of JACK's own threads. Where the system refuses, the thread runs without.
 void ask_for_realtime() {
   const sched_param urgent{.sched_priority = std::max(sched_get_priority_min(SCHED_FIFO), 10)};
   static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &urgent));

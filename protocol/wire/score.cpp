@@ -31,7 +31,7 @@ bool is_bundle(std::span<const std::byte> bytes) {
   return bytes.size() >= 8 && std::memcmp(bytes.data(), "#bundle", 8) == 0;
 }
 
-// What is wrong with the bundle, or its messages appended to `events`.
+// Appends the messages of the bundle to `events`, or says what is wrong with it.
 Result<void> read_bundle(std::span<const std::byte> bundle, std::vector<ScoreEvent>& events) {
   if (!is_bundle(bundle)) return fail(ErrorKind::bad_input, "it is no bundle, so it has no time");
   Result<std::vector<TimedMessage>> messages = decode_packet(bundle);

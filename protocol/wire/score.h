@@ -22,7 +22,7 @@ inline constexpr double kMaxScore = 86400;                             // s: a d
 // and what is wrong; a later bundle's fault refuses the whole file.
 Result<std::vector<ScoreEvent>> read_score(const std::filesystem::path& path);
 
-// The same from memory. `name` stands in error messages where the path would.
+// Reads a score from memory. `name` stands in error messages where the path would.
 Result<std::vector<ScoreEvent>> parse_score(std::span<const std::byte> bytes, const std::string& name);
 
 // One bundle for each run of events at one time; `events` must stand by time, each from 0 to kMaxScore. Times are

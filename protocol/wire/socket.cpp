@@ -66,7 +66,7 @@ void close_if_open(int& descriptor) {
 // a flood saves most of the time that receiving takes. The kernel stamps each datagram when it arrives
 // (SO_TIMESTAMPNS), so a message's time does not depend on when this thread came to read it.
 //
-// What the kernel has given us at once. It touches no more of the memory than datagrams fill.
+// A batch reserves memory for the largest datagrams, but touches no more of it than the received ones fill.
 struct OscSocket::Batch {
   static constexpr std::size_t kMaxBatch = 32, kMaxDatagramBytes = 65536;
 

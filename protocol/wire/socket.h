@@ -53,7 +53,8 @@ class OscSocket {
   [[nodiscard]] Endpoint endpoint() const { return endpoint_; }
   [[nodiscard]] std::uint16_t port() const { return endpoint_.port; }
 
-  // What the kernel queues for us while we are busy. We ask for 4 MiB; a plain user gets at most net.core.rmem_max.
+  // Bytes that the kernel queues for us while we are busy. We ask for 4 MiB; a plain user gets at most
+  // net.core.rmem_max.
   [[nodiscard]] std::size_t receive_buffer_bytes() const;
 
   // True when a datagram came; false after the timeout or a wake(). In a flood many are fetched from the kernel at

@@ -71,7 +71,7 @@ std::size_t flood(wire::Endpoint daemon, const std::vector<std::byte>& packet, d
   return sent;
 }
 
-// The same from so many processes, which share the rate.
+// Sends at that rate from several processes, which share it.
 std::size_t flood_from(std::size_t senders, wire::Endpoint daemon, const std::vector<std::byte>& packet, double rate_hz,
                        double seconds) {
   auto* const counts = static_cast<std::size_t*>(

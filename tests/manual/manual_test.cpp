@@ -42,7 +42,7 @@ std::set<std::string> options_in_help(const std::vector<std::string>& command) {
   return names;
 }
 
-struct Place {
+struct CommandLine {
   std::string program, verb;  // verb: "" for the program's own options
   [[nodiscard]] std::set<std::string> options() const {
     return options_in_help(verb.empty() ? std::vector{test::program(program), std::string("--help")}
@@ -50,11 +50,11 @@ struct Place {
   }
 };
 
-const std::vector<Place> kPlaces = {{"ringdownd", ""},         {"ringdown", ""},           {"ringdown", "info"},
-                                    {"ringdown", "materials"}, {"ringdown", "scale"},      {"ringdown", "render"},
-                                    {"ringdown", "strike"},    {"ringdown", "send"},       {"ringdown", "protocol"},
-                                    {"ringdown-bake", ""},     {"ringdown-check", "mesh"}, {"ringdown-tune", ""},
-                                    {"ringdown-fit", ""},      {"ringdown-viewer", ""}};
+const std::vector<CommandLine> kCommandLines = {
+    {"ringdownd", ""},        {"ringdown", ""},       {"ringdown", "info"},       {"ringdown", "materials"},
+    {"ringdown", "scale"},    {"ringdown", "render"}, {"ringdown", "strike"},     {"ringdown", "send"},
+    {"ringdown", "protocol"}, {"ringdown-bake", ""},  {"ringdown-check", "mesh"}, {"ringdown-tune", ""},
+    {"ringdown-fit", ""},     {"ringdown-viewer", ""}};
 
 std::string man_text(const std::string& name) { return run({"groff", "-man", "-Tascii", "-P-cbou", man(name)}).output; }
 
@@ -72,23 +72,23 @@ std::vector<std::string> bash_offers(const std::string& name, const std::string&
 }
 
 TEST(Manual, EveryOptionOfHelpIsInTheManPage) {
-  for (const Place& place : kPlaces) {
-    const std::string page = man_text(place.program);
-    const auto options = place.options();
-    EXPECT_GE(options.size(), 1u) << place.program << " " << place.verb;
+  for (const CommandLine& command : kCommandLines) {
+    const std::string page = man_text(command.program);
+    const auto options = command.options();
+    EXPECT_GE(options.size(), 1u) << command.program << " " << command.verb;
     for (const std::string& option : options) {
       EXPECT_TRUE(std::regex_search(page, std::regex("\n +(.*, )?" + option + "[, \n]")))
-          << option << " is not in the man page of " << place.program;
+          << option << " is not in the man page of " << command.program;
     }
   }
 }
 
 TEST(Manual, EveryOptionOfHelpIsOfferedByBash) {
-  for (const Place& place : kPlaces) {
-    const std::string line = place.program + " " + place.verb + " -";
-    const auto offers = bash_offers(place.program, line);
+  for (const CommandLine& command : kCommandLines) {
+    const std::string line = command.program + " " + command.verb + " -";
+    const auto offers = bash_offers(command.program, line);
     const std::set<std::string> offered(offers.begin(), offers.end());
-    EXPECT_EQ(offered, place.options()) << line;
+    EXPECT_EQ(offered, command.options()) << line;
   }
 }
 
@@ -107,9 +107,9 @@ TEST(Manual, BashCompletesValuesVerbsAndFiles) {
 }
 
 TEST(Manual, EveryOptionOfHelpIsKnownToZshAndFish) {
-  for (const Place& place : kPlaces) {
-    const std::string for_zsh = text_of(zsh(place.program)), for_fish = text_of(fish(place.program));
-    for (const std::string& option : place.options()) {
+  for (const CommandLine& command : kCommandLines) {
+    const std::string for_zsh = text_of(zsh(command.program)), for_fish = text_of(fish(command.program));
+    for (const std::string& option : command.options()) {
       EXPECT_NE(for_zsh.find(option), std::string::npos) << option;
       const std::string word = option.starts_with("--") ? " -l " + option.substr(2) : " -s " + option.substr(1);
       EXPECT_NE(for_fish.find(word + " "), std::string::npos) << option;

@@ -31,7 +31,7 @@ struct Body {
 // within the limit and, times the shortfall, within what the bank states.
 void expect_baked(const Body& body);
 
-// The same for a body whose truth is the bank of another mesh, baked up to `top_hz`, with frequencies times `factor`.
+// Checks a body whose truth is the bank of another mesh, baked up to `top_hz`, with frequencies times `factor`.
 void expect_like(Body body, const mesh::TetMesh& sound, double top_hz, double factor = 1);
 
 // Bakes; an empty list, and a failed test, when that fails.

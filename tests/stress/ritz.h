@@ -19,7 +19,7 @@ namespace ringdown::test {
 std::vector<double> box_frequencies(const Eigen::Vector3d& size_m, const fem::Elastic& elastic,
                                     const Eigen::Vector3i& degree, int total, std::size_t count);
 
-// The same with degrees that suffice for the first dozens of modes of a chunky box: converged to 1e-6.
+// Frequencies with degrees that suffice for the first dozens of modes of a chunky box: converged to 1e-6.
 std::vector<double> box_frequencies(const Eigen::Vector3d& size_m, const fem::Elastic& elastic, std::size_t count);
 
 // Of a tetrahedron with the corners in rows [m], by monomials of up to `degree` (at most 8, for rounding's sake). With

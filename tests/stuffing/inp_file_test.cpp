@@ -71,7 +71,7 @@ std::string deck_of(const TetMesh& mesh, const std::string& type, int numbers_in
   return text.str();
 }
 
-// The same places in the same elements, whatever the nodes' sequence.
+// Whether two meshes have the same positions in the same elements, in whatever order their nodes come.
 void expect_same_places(const Result<TetMesh>& read, const TetMesh& mesh) {
   ASSERT_TRUE(read) << read.error().message;
   ASSERT_EQ(read->nodes.rows(), mesh.nodes.rows());

@@ -105,7 +105,7 @@ TEST(RingModes, ObjectsThatShareStatesRingAsEachAlone) {
   EXPECT_LE(relative_error_db(player.left_from(begin + gone), std::span(first).subspan(gone)), -90);
 }
 
-// The same blow on two halves of an object and on the whole.
+// One blow on two halves of an object and on the whole.
 TEST(ModeChoice, TheModesOfTwoChoicesTogetherAreTheWholeObject) {
   const Map map = map_of(random_bank(5, 40, 30));
   Player halves, whole;

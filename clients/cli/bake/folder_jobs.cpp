@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of a TetGen mesh only the .node file, as its .ele is the same mesh.
+// Takes only the .node file of a TetGen mesh, because its .ele file is the same mesh.
 const std::set<std::string> kShapeEndings = {".geo", ".step", ".stp", ".brep", ".iges", ".igs", ".xao",
                                              ".msh", ".vtk",  ".inp", ".unv",  ".mesh", ".bdf", ".node",
                                              ".veg", ".tet",  ".obj", ".stl",  ".ply",  ".off", ".gltf"};

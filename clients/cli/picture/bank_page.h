@@ -13,10 +13,10 @@ namespace ringdown::cli {
 // Empty when the picture could not be drawn.
 std::string bank_page(const modal::Bank& bank, const Answer& answer);
 
-// With & < > " ' as entities, control characters as spaces, and what is no UTF-8 as U+FFFD.
+// The text with & < > " ' as entities, control characters as spaces, and bytes that are not UTF-8 as U+FFFD.
 std::string escaped(std::string_view text);
 
-// As escaped() leaves it but for the entities: what may stand in a picture.
+// The text with control characters and bad bytes replaced as by escaped(), but without entities: for pictures.
 std::string clean_text(std::string_view text);
 
 extern const char* const kViewScript;  // view_script.cpp

@@ -11,7 +11,7 @@ namespace {
 constexpr float kClick_px = 4;         // a press that moves farther is a drag
 constexpr double kPushPerSecond = 4;   // a push moves a body as far as the mouse went in 1/4 s
 constexpr float kSpeedOfScene = 0.8F;  // radii of the scene per second
-constexpr float kTurn_px = 500;        // a held key turns like a drag of so many pixels per second
+constexpr float kTurn_px = 500;        // a held key turns like a drag of this many pixels per second
 
 Vec3 from_glm(glm::vec3 v) { return {v.x, v.y, v.z}; }
 

@@ -10,18 +10,19 @@ namespace {
 
 constexpr std::array kPeers = {"spectra-cholmod", "slepc-cholmod", "slepc-mumps", "slepc-petsc", "ccx"};
 
-// A mesh, and the frequency below which so many modes lie. Peers are told how many ours found (modal_bench.cpp).
-struct Place {
+// A mesh, and the frequency up to which its modes are asked for. Peers get the number of modes that our solver found
+// (modal_bench.cpp).
+struct MeshCase {
   const char* body;
   const char* mesh;
   double top_hz;
 };
 
 // Near 60,000 unknowns and 200 modes, and near 3,000 unknowns and 40 modes.
-constexpr std::array kPeerPlaces = {Place{"block", "16x14x10", 91200}, Place{"bell", "11.2", 17960},
-                                    Place{"plate", "40x40x1", 40162}, Place{"sphere", "11.5", 48100}};
-constexpr std::array kQuickPeerPlaces = {Place{"block", "5x4x3", 47000}, Place{"bell", "60", 6500},
-                                         Place{"plate", "12x12x1", 9000}, Place{"sphere", "35", 25300}};
+constexpr std::array kPeerCases = {MeshCase{"block", "16x14x10", 91200}, MeshCase{"bell", "11.2", 17960},
+                                   MeshCase{"plate", "40x40x1", 40162}, MeshCase{"sphere", "11.5", 48100}};
+constexpr std::array kQuickPeerCases = {MeshCase{"block", "5x4x3", 47000}, MeshCase{"bell", "60", 6500},
+                                        MeshCase{"plate", "12x12x1", 9000}, MeshCase{"sphere", "35", 25300}};
 
 struct Series {
   const char* body;
@@ -63,8 +64,9 @@ void add(std::vector<Spec>& plan, const std::string& part, Spec spec) {
   plan.push_back(std::move(spec));
 }
 
-Spec spec_of(const Place& place) {
-  return {.body = place.body, .mesh = place.mesh, .element = "tet10", .method = "ours", .top_hz = place.top_hz};
+Spec spec_of(const MeshCase& mesh_case) {
+  return {
+      .body = mesh_case.body, .mesh = mesh_case.mesh, .element = "tet10", .method = "ours", .top_hz = mesh_case.top_hz};
 }
 
 void add_defaults(std::vector<Spec>& plan, bool quick) {
@@ -78,8 +80,8 @@ void add_defaults(std::vector<Spec>& plan, bool quick) {
 void add_peers(std::vector<Spec>& plan, bool quick) {
   const Spec small = spec_of({"block", "6x5x4", 47000});
   for (const char* method : {"ours", "ccx-mass", "ccx"}) add(plan, "agreement", small.by(method));
-  for (const Place& place : quick ? kQuickPeerPlaces : kPeerPlaces) {
-    const Spec ours = spec_of(place);
+  for (const MeshCase& mesh_case : quick ? kQuickPeerCases : kPeerCases) {
+    const Spec ours = spec_of(mesh_case);
     add(plan, "peers", ours);
     add(plan, "threads", ours.by("ours", 2));
     for (const char* peer : kPeers) add(plan, "peers", ours.by(peer));
@@ -87,10 +89,10 @@ void add_peers(std::vector<Spec>& plan, bool quick) {
 }
 
 void add_sizes(std::vector<Spec>& plan, bool quick) {
-  const Spec many = spec_of(quick ? Place{"block", "3x2x2", 100000} : Place{"block", "9x6x5", 196300});
+  const Spec many = spec_of(quick ? MeshCase{"block", "3x2x2", 100000} : MeshCase{"block", "9x6x5", 196300});
   add(plan, "many", many);
   add(plan, "many", many.by("spectra-cholmod"));
-  add(plan, "memory", spec_of(quick ? Place{"block", "6x5x4", 60000} : Place{"block", "25x21x15", 91000}));
+  add(plan, "memory", spec_of(quick ? MeshCase{"block", "6x5x4", 60000} : MeshCase{"block", "25x21x15", 91000}));
 }
 
 // Small bodies with few modes: what solve_modes() chooses, and the two methods that it chooses between.
