@@ -150,9 +150,9 @@ Result<void> check_rigid(const Eigenmodes& modes, int pieces, double highest_lam
 // A bank keeps positions as 32-bit floats, which have 24 bits: at ten thousand times its length from the origin a body
 // still has points to a thousandth of its length.
 Result<void> check_place(const mesh::Points& nodes, double length_m) {
-  constexpr double kFarthest = 1e4;
+  constexpr double kMaxDistance = 1e4;
   const double reach = nodes.cwiseAbs().maxCoeff();
-  if (reach < kFarthest * length_m) return {};
+  if (reach < kMaxDistance * length_m) return {};
   char text[200];
   std::snprintf(
       text, sizeof text,

@@ -25,7 +25,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSharpCosine = 0.82, kFit = 0.05, kFarthest = 0.8, kMinMove = 0.01;  // of the size
+constexpr double kSharpCosine = 0.82, kFit = 0.05, kMaxMove = 0.8, kMinMove = 0.01;  // of the size
 constexpr int kRounds = 3;
 
 struct Plane {
@@ -113,7 +113,7 @@ class Sharpener {
       step += direction * direction.dot(right) / solver.eigenvalues()[k];
     }
     target = at(node) + step;
-    if (step.norm() < kMinMove * size_ || (target - own.point).norm() > kFarthest * size_) return false;
+    if (step.norm() < kMinMove * size_ || (target - own.point).norm() > kMaxMove * size_) return false;
     return std::all_of(ring.begin(), ring.end(), [&](int other) {
       const Plane& plane = planes_.at(other);
       return std::abs(plane.normal.dot(target - plane.point)) < kFit * size_;

@@ -11,7 +11,7 @@ namespace ringdown::scene {
 namespace {
 
 // Below this ratio of the smallest to the largest moment, inverting the tensor means nothing.
-constexpr double kThinnest = 1e-9;
+constexpr double kMinMomentRatio = 1e-9;
 
 struct Bounds {
   Vec3 low, high;
@@ -56,7 +56,8 @@ Result<RigidMass> bank_mass(const modal::MassProperties& mass, double density_sc
                                           " kg is outside 1e-7 ... 1e7 kg");
   }
   if (!is_finite(mass.center_of_mass_m) || !is_finite(moments) ||
-      !(std::min({moments.x, moments.y, moments.z}) > kThinnest * largest) || !(std::abs(norm(axes) - 1) < 1e-3)) {
+      !(std::min({moments.x, moments.y, moments.z}) > kMinMomentRatio * largest) ||
+      !(std::abs(norm(axes) - 1) < 1e-3)) {
     return fail(ErrorKind::bad_input,
                 "its bank's massProperties are degenerate: three moments > 0 and a unit quaternion are needed");
   }

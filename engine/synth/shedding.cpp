@@ -146,7 +146,7 @@ void Shedding::set_threshold(const Chunk& chunk) RINGDOWN_REALTIME {
     since_lowered_ = 0;
     const Level way = needed == kNone ? 0 : (threshold_ - needed) / kLowerPart;
     threshold_ = std::max(threshold_ - std::max(kLowerBy, way), needed);
-    if (needed == kNone && threshold_ < LevelHistogram::kLowest) threshold_ = kNone;
+    if (needed == kNone && threshold_ < LevelHistogram::kMinLevel) threshold_ = kNone;
     if (needed == kNone && counted_.modes_from(threshold_) == counted_.modes()) threshold_ = kNone;
   }
 }

@@ -52,8 +52,8 @@ double age_s(const msghdr& header) {
   ::clock_gettime(CLOCK_REALTIME, &now);
   const double age =
       static_cast<double>(now.tv_sec - then.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec - then.tv_nsec);
-  constexpr double kOldest_s = 1;
-  return age > 0 && age < kOldest_s ? age : 0;
+  constexpr double kMaxAge_s = 1;
+  return age > 0 && age < kMaxAge_s ? age : 0;
 }
 
 void close_if_open(int& descriptor) {

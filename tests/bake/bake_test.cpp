@@ -61,7 +61,7 @@ TEST(Bake, DecayFollowsRayleigh) {
   }
 }
 
-TEST(Bake, MassPropertiesAreABoxs) {
+TEST(Bake, TheMassPropertiesOfABoxAreTheClosedForm) {
   const modal::MassProperties mass = *baked().bank.mass;
   const double m = 7850 * kSize.prod();
   EXPECT_NEAR(mass.mass_kg, m, 1e-12);

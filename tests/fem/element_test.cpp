@@ -79,7 +79,7 @@ void expect_rigid_motion_is_free(const ElementNodes& nodes) {
   }
 }
 
-TEST(LinearElement, StiffnessIsTheTextbooksOverTwoHundredRandomTetrahedra) {
+TEST(LinearElement, TheStiffnessOfALinearElementIsTheTextbooksOverTwoHundredRandomTetrahedra) {
   std::mt19937 random(11);
   double worst = 0;
   for (int trial = 0; trial < 200; ++trial) {
@@ -90,7 +90,7 @@ TEST(LinearElement, StiffnessIsTheTextbooksOverTwoHundredRandomTetrahedra) {
   EXPECT_LT(worst, 1e-12);
 }
 
-TEST(LinearElement, MassIsTheVolumesTwentiethAndItsLumpsAQuarter) {
+TEST(LinearElement, TheMassOfALinearElementIsTheVolumesTwentiethAndItsLumpsAQuarter) {
   std::mt19937 random(12);
   const mesh::Corners corners = random_corners(random);
   const double mass = 7850 * volume(corners);

@@ -230,7 +230,7 @@ TEST(Surface, TheBoundaryOfCurvedElementsFollowsTheirNodes) {
   EXPECT_LT(volume_error(4), volume_error(1) / 12);
 }
 
-TEST(Surface, DecimationKeepsToItsOwnPointsAndForm) {
+TEST(Surface, DecimationKeepsToTheSurfacesOwnPointsAndForm) {
   const mesh::TetMesh mesh = test::bent(test::box_mesh({24, 8, 4}, kSize), 5);
   const mesh::Boundary surface = mesh::boundary_of(mesh);
   const std::set<int> points(surface.nodes.begin(), surface.nodes.end());

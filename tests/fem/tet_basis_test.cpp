@@ -66,7 +66,7 @@ TEST_P(TetBasis, TheGradientIsThatOfTheWeights) {
 }
 
 // Corners, then edges, then faces, then the inside: as many coordinates are not zero.
-TEST_P(TetBasis, NodesComeByDimension) {
+TEST_P(TetBasis, NodesOfAnElementAreOrderedByDimension) {
   const int order = GetParam();
   const mesh::Barycentric nodes = mesh::reference_nodes(order);
   Eigen::Index at = 0;

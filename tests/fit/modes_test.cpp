@@ -239,7 +239,7 @@ TEST(FitModes, AnOffsetAndALateOnsetChangeNothing) {
   }
 }
 
-TEST(FitModes, WhatIsClippedIsSteppedOver) {
+TEST(FitModes, AClippedBeginningIsLeftOutOfTheFit) {
   const std::vector<Tone> tones = {{600, 5, 0.9, 0.2}, {1500, 7, 0.8, 1}};
   auto samples = struck(tones, 2);
   for (double& sample : samples) sample = std::clamp(sample, -0.7, 0.7);
@@ -255,7 +255,7 @@ TEST(FitModes, WhatIsClippedIsSteppedOver) {
   }
 }
 
-TEST(FitModes, TheSecondBlowIsNotLookedAt) {
+TEST(FitModes, TheFitEndsAtTheSecondBlow) {
   auto samples = struck({{440, 8, 0.5}}, 3);
   const auto again = struck({{440, 8, 0.5}}, 1.5);
   for (std::size_t n = 0; n < again.size(); ++n) samples[n + 72000] += again[n];

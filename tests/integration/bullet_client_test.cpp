@@ -119,7 +119,7 @@ TEST_F(BulletClient, ADaemonReceivesFromTheBulletClientWhatItsScoreSays) {
 }
 
 // The box stops, and lies on the floor with four corners.
-TEST_F(BulletClient, WhatRestsIsHeldInTheDaemonAtItsTime) {
+TEST_F(BulletClient, ABodyThatRestsIsDampedInTheDaemonAtItsTime) {
   std::ofstream(scene_) << kScene;
   const auto recorded = folder_ / "daemon.osc";
   ASSERT_NO_FATAL_FAILURE(record_client(recorded));

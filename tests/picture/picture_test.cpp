@@ -179,7 +179,7 @@ TEST(Picture, Base64IsAsPublished) {  // RFC 4648, section 10
   EXPECT_EQ(cli::base64("foobar"), "Zm9vYmFy");
 }
 
-TEST(Picture, WhatCannotBeWrittenIsSaid) {
+TEST(Picture, APictureThatCannotBeWrittenIsReported) {
   const Outcome ran = info(kBanks / "coin.glb", {"--png", "/nowhere/x.png"});
   EXPECT_EQ(ran.exit_code, 1);
   EXPECT_NE(ran.output.find("/nowhere/x.png"), std::string::npos);

@@ -23,7 +23,7 @@ TEST(Convert, AllFourNumberTypesMeanTheSame) {
   }
 }
 
-TEST(Convert, LimitsAreInsideAndTheNextNumberIsNot) {
+TEST(Convert, LimitsOfAnArgumentAreAcceptedAndTheNextNumberIsNot) {
   const ArgumentSpec spec = number(-1, 2);
   EXPECT_TRUE(convert(spec, -1.0));
   EXPECT_TRUE(convert(spec, 2.0));

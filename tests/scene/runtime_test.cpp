@@ -136,7 +136,7 @@ TEST(Start, AWaitingBodyIsInNobodysWay) {
   EXPECT_FALSE(world.push(world.bodies()[1].id, {1, 0, 0}));
 }
 
-TEST(Clear, WhatSleptOnAClearedBodyFalls) {
+TEST(Clear, ABodyThatSleptOnAClearedBodyFalls) {
   std::vector<BodyDescription> bodies{body_of("bell", ShapeType::box, {0, 0, 0.15})};
   World world = world_of(scene_of(bodies, 0), {sounding("bell", 4, box_bank(kSize, 1))});
   BodyDescription table{.name = "box"};

@@ -163,7 +163,7 @@ double shoot(double speed, double step_s, bool fixed, double offset) {
   return world.bodies()[0].position_m.x - world.bodies()[1].position_m.x;
 }
 
-TEST(Stability, BulletsDoNotFlyThroughPlates) {
+TEST(Stability, FastBodiesDoNotFlyThroughPlates) {
   for (const double step_s : kSteps) {
     for (const double speed : {5.0, 50.0, 300.0, 900.0}) {
       for (const double offset : {0.0, 0.0017, 0.31}) {
@@ -196,7 +196,7 @@ bool meets(double overlap, double speed, double step_s, bool plate, double turn)
   return after.x < 0.999 * speed;
 }
 
-TEST(Stability, BulletsMeetWhatIsOffTheirMiddle) {
+TEST(Stability, FastBodiesMeetObstaclesOffTheirMiddle) {
   for (const double step_s : kSteps) {
     for (const double speed : {20.0, 100.0, 400.0}) {
       for (const bool plate : {true, false}) {
@@ -213,7 +213,7 @@ TEST(Stability, BulletsMeetWhatIsOffTheirMiddle) {
   }
 }
 
-TEST(Stability, ABulletsStrikeHasItsImpulseAndTimeAtEveryStep) {
+TEST(Stability, TheStrikeOfAFastBodyHasItsImpulseAndTimeAtEveryStep) {
   for (const double step_s : kSteps) {
     BodyDescription bullet = ball("bullet", 0.003, {-1, 0, 1}, 7800);
     bullet.velocity_m_s = {100, 0, 0};

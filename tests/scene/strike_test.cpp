@@ -138,7 +138,7 @@ TEST(Strike, ABlowClicksOnceWithAllItsImpulse) {
   }
 }
 
-TEST(Strike, WhatDoesNotGiveWayDoesNotClick) {
+TEST(Strike, AFixedBodyDoesNotClick) {
   BodyDescription hanging = body_of("b", ShapeType::box, {0, 0, 0.3});
   hanging.fixed = true;
   World world = world_of(scene_of({body_of("a", ShapeType::sphere, {0, 0, 0.6}), hanging}),
@@ -324,7 +324,7 @@ std::vector<Event> crowd(std::uint64_t seed) {
   return test::run_all(world, 3);
 }
 
-TEST(Strike, SameSeedSameEventsBitForBit) {
+TEST(Strike, TheSameSeedGivesTheSameEventsBitForBit) {
   const auto first = crowd(3), second = crowd(3), other = crowd(4);
   ASSERT_GT(first.size(), 50u);
   ASSERT_EQ(first.size(), second.size());

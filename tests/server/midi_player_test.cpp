@@ -144,7 +144,7 @@ TEST_F(MidiPlayerTest, DampingDoesNotClick) {
   EXPECT_LE(test::largest_step(last_, 1, last_.size()), 1.01 * step);
 }
 
-TEST_F(MidiPlayerTest, WhatIsNoNoteIsPassedOver) {
+TEST_F(MidiPlayerTest, MessagesThatPlayNoNoteAreIgnored) {
   const std::vector<std::vector<std::uint8_t>> odd = {
       {}, {kOn}, {kOn, 60}, {0xf8}, {0xf0, 1, 2, 3, 0xf7}, {0xe0, 0, 64}, {kOn, 10, 100}, {0xff, 0xff, 0xff}};
   for (const auto& message : odd) player_.play(message, 0, table_, mixer_, played_);
@@ -152,7 +152,7 @@ TEST_F(MidiPlayerTest, WhatIsNoNoteIsPassedOver) {
   EXPECT_EQ(player_.dropped(), 0u);
 }
 
-TEST_F(MidiPlayerTest, WhatNotesDoIsTold) {
+TEST_F(MidiPlayerTest, WhatNotesDoIsReported) {
   table_.release_s = 0.3;
   play(kOn, 60, 127, 17);
   play(kOff, 60, 0, 40);

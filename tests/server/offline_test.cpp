@@ -144,7 +144,7 @@ position_m = [0, 0, 0.25]
 
 // A cube of 2 kg whose one mode moves all its corners up and down by 1/sqrt(kg), on a floor that bears it: the floor's
 // damping is 1.5 s/m (1 - e) m g, and half of it adds to the mode's decay.
-TEST_F(OfflineTest, WhatRestsOnAFloorDiesSooner) {
+TEST_F(OfflineTest, ABodyThatRestsOnAFloorFallsSilentSooner) {
   ASSERT_TRUE(modal::write_bank(test::box_bank({0.1, 0.1, 0.1}, 2), folder_ / "cube.glb"));
   const std::string scene = R"(
 [[object]]
@@ -238,7 +238,7 @@ TEST_F(OfflineTest, AScoreEndsAtItsEndMark) {
   EXPECT_EQ(render({.score = wire::read_score(folder_ / "end.osc").value()}).left.size(), 36000u);
 }
 
-TEST_F(OfflineTest, NothingToRenderAndCancellationAreErrors) {
+TEST_F(OfflineTest, AnEmptyRenderAndACancelledOneAreErrors) {
   EXPECT_FALSE(render_offline({}, [](double) { return true; }));
   EXPECT_FALSE(render_offline({.scene = folder_ / "missing.toml"}, [](double) { return true; }));
   EXPECT_FALSE(render_offline({.scene = folder_ / "scene.toml", .seconds = 1}, [](double) { return false; }));
@@ -258,7 +258,7 @@ TEST_F(OfflineTest, TheWrittenFileHoldsTheSamples) {
   EXPECT_FALSE(write_audio(recording, folder_ / "no such folder" / "three.wav"));
 }
 
-TEST_F(OfflineTest, WhatCannotBeWrittenLeavesNothingBehind) {
+TEST_F(OfflineTest, AFileThatCannotBeWrittenLeavesNothingBehind) {
   Recording recording{.sample_rate_hz = 768000, .left = {0.f}, .right = {0.f}};  // more than FLAC has room for
   const auto files = [this] { return std::distance(std::filesystem::directory_iterator(folder_.path()), {}); };
   const auto before = files();

@@ -141,7 +141,7 @@ TEST_F(OscStreamTest, ManyMessagesAtOnceArriveAllAndInOrder) {
   sender.join();
 }
 
-TEST_F(OscStreamTest, WhoSpeaksNoSlipIsCutOffAndOthersAreNot) {
+TEST_F(OscStreamTest, AClientThatSpeaksNoSlipIsCutOffAndOthersAreNot) {
   TcpClient good(tcp_port_), bad(tcp_port_), endless(tcp_port_);
   bad.send_raw({std::byte{0xDB}, std::byte{'a'}});
   EXPECT_FALSE(bad.reply());
@@ -184,7 +184,7 @@ TEST_F(OscStreamTest, ConnectionsAreTakenUpToTheLimitAndNotOneMore) {
 }
 
 // It never reads, while its answers pile up: it is cut off instead of growing our memory.
-TEST_F(OscStreamTest, WhoDoesNotReadItsAnswersIsCutOff) {
+TEST_F(OscStreamTest, AClientThatDoesNotReadItsAnswersIsCutOff) {
   TcpClient deaf(tcp_port_);
   const auto request = wire::slip_encode(wire::encode({"/version", {}}));
   std::vector<std::byte> many;

@@ -106,9 +106,11 @@ TEST(InpFile, KeywordsMayBeInAnyCaseWithBlanksAndComments) {
       "*Element,\r\nelset=Body,\r\ntype = c3d4 \r\n  1, 1,2,\r\n** between\r\n 3,4\r\n*Node Output\r\nU, 1e9\r\n");
 }
 
-TEST(InpFile, WhatIsMissingOfANodeIsZero) { expect_corner(std::string("*NODE\n1,0\n2,1\n3,0,1\n4,,,1\n") + kElement); }
+TEST(InpFile, AMissingCoordinateOfANodeIsZero) {
+  expect_corner(std::string("*NODE\n1,0\n2,1\n3,0,1\n4,,,1\n") + kElement);
+}
 
-TEST(InpFile, BlocksOfOneOrderAreOneBody) {
+TEST(InpFile, SeveralBlocksOfElementsOfOneOrderAreOneBody) {
   const auto read = read_inp(
       std::string(kNodes) + kElement + "*NODE\n9, 1, 1, 1\n3, 0, 1, 0\n*ELEMENT, TYPE=C3D4H\n7, 4, 3, 2, 9\n", "x.inp");
   ASSERT_TRUE(read) << read.error().message;
@@ -123,7 +125,7 @@ TEST(InpFile, ShellsBeamsAndSpringsArePassedOver) {
   }
 }
 
-TEST(InpFile, OtherSolidsAreRefusedByName) {
+TEST(InpFile, SolidsOtherThanTetrahedraAreRefusedByName) {
   for (const std::string type : {"C3D8", "C3D8R", "C3D20R", "C3D6", "C3D15", "C3D5", "C3D40", "C3D", "SC8R", "AC3D4",
                                  "COH3D6", "CCL12", "F3D4", "U1"}) {
     expect_refused({{std::string(kNodes) + "*ELEMENT, TYPE=" + type + "\n1, 1, 2, 3, 4\n",
@@ -195,7 +197,7 @@ TEST(InpFile, OnePartWithOneInstanceIsRead) {
   expect_corner(part("", instance + body + "*End Instance\n"));
 }
 
-TEST(InpFile, PartsThatArePutTogetherAreRefused) {
+TEST(InpFile, AnAssemblyOfSeveralOrMovedPartsIsRefused) {
   const std::string body = std::string(kNodes) + kElement, end = "*End Instance\n";
   const std::string instance = "*Instance, name=Part-1-1, part=Part-1\n";
   expect_refused(
@@ -208,7 +210,7 @@ TEST(InpFile, PartsThatArePutTogetherAreRefused) {
         "x.inp, line 15: solid elements should stand in the part"}});
 }
 
-TEST(InpFile, WhatTheFileDoesNotListIsRefused) {
+TEST(InpFile, NodesAndElementsThatADeckDoesNotListAreRefused) {
   expect_refused(
       {{"*HEADING\n*INCLUDE, INPUT=nodes.inp\n", "x.inp, line 2: *INCLUDE is not followed; write one file"},
        {"*NODE, INPUT=nodes.inp\n", "x.inp, line 1: INPUT= is not followed; write one file"},
@@ -223,7 +225,7 @@ TEST(InpFile, WhatTheFileDoesNotListIsRefused) {
   expect_corner(std::string("*NODE, SYSTEM=R\n") + (kNodes + 6) + kElement);
 }
 
-TEST(InpFile, WhatIsWrongIsSaidWithItsLine) {
+TEST(InpFile, AFaultOfADeckIsReportedWithItsLine) {
   const std::string nodes = kNodes, solid = nodes + "*ELEMENT, TYPE=C3D4\n";
   expect_refused(
       {{"", "x.inp: has no *NODE; of .inp only decks of Abaqus and CalculiX are read"},
@@ -257,7 +259,7 @@ TEST(InpFile, WhatIsWrongIsSaidWithItsLine) {
        {nodes + kElement + "*ELEMENT, TYPE=C3D10\n", "x.inp, line 8: tetrahedra of 4 and of 10 nodes are mixed"}});
 }
 
-TEST(InpFile, TheReaderIsATetFileInAnyCase) {
+TEST(InpFile, TheEndingInpIsKnownInAnyCase) {
   const test::TemporaryFolder folder;
   expect_same(mesh::read_tet_file(folder.write("part.INP", kDeck)), corner());
   EXPECT_TRUE(mesh::is_tet_file("part.INP"));

@@ -152,7 +152,7 @@ TEST(Stuffing, StuffingPutsTheNodesOfItsSkinOnTheSurface) {
   }
 }
 
-TEST(Stuffing, WhatCannotBeStuffedIsSaid) {
+TEST(Stuffing, ASurfaceThatCannotBeStuffedIsRefusedWithAReason) {
   const Soup box = box_surface({1, 1, 1});
   const std::tuple<Soup, double, const char*> cases[] = {
       {box, 0, "a mesh size above zero"},

@@ -118,7 +118,7 @@ TEST(TetFile, EitherOfTetGensFilesFindsTheOther) {
   EXPECT_NE(alone.error().message.find("alone.node: cannot be read"), std::string::npos) << alone.error().message;
 }
 
-TEST(TetFile, EndingsAreKnownInAnyCase) {
+TEST(TetFile, EndingsOfTetFilesAreKnownInAnyCase) {
   for (const char* name : {"a.node", "a.ELE", "a.b.veg", "x.Tet"}) EXPECT_TRUE(mesh::is_tet_file(name)) << name;
   for (const char* name : {"a.msh", "node", "a.tets", "a.veg.obj"}) EXPECT_FALSE(mesh::is_tet_file(name)) << name;
 }
@@ -127,7 +127,7 @@ struct Wrong {
   std::string nodes, elements, sentence;
 };
 
-TEST(TetFile, WhatIsWrongIsSaidWithItsLine) {
+TEST(TetFile, AFaultOfATetFileIsReportedWithItsLine) {
   const std::string nodes = "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n", elements = "1 4 0\n0 0 1 2 3\n";
   ASSERT_TRUE(mesh::read_tetgen(nodes, elements, "x"));
   const std::vector<Wrong> wrongs = {
@@ -155,7 +155,7 @@ TEST(TetFile, WhatIsWrongIsSaidWithItsLine) {
   }
 }
 
-TEST(TetFile, WhatIsWrongInVegaIsSaid) {
+TEST(TetFile, AFaultOfAVegaFileIsReported) {
   const std::string nodes = "*VERTICES\n4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n";
   ASSERT_TRUE(mesh::read_vega(nodes + "*ELEMENTS\nTETS\n1 4 0\n0 0 1 2 3\n", "x.veg"));
   const std::vector<std::pair<std::string, std::string>> wrongs = {

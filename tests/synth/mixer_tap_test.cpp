@@ -71,7 +71,7 @@ TEST(Tone, TheTestToneIsAddedToWhatRingsAndStaysOutOfBusesAndBelowTheCeiling) {
   EXPECT_GE(peak(limited.left), 0.49);
 }
 
-TEST(Tone, ThePeakIsThatOfWhatIsHeardNotOfWhatTheToneWasAddedTo) {
+TEST(Tone, ThePeakIsThatOfTheMixWithTheTestTone) {
   Player alone, both;
   for (Player* player : {&alone, &both}) {
     player->install(0, map_of(single_mode_bank(700, 5)));

@@ -128,7 +128,7 @@ TEST(Shedding, AMachineThatBecomesSlowCostsNoDeadline) {
 
 // The clock is read at each object, so this is what objects cost that are only come by, as large ones do, far away in
 // memory. Taken for the price of modes it would let ever fewer of them sound, in the end none.
-TEST(Shedding, WhatSilentObjectsCostDoesNotSilenceTheOthers) {
+TEST(Shedding, TheCostOfSilentObjectsDoesNotSilenceTheOthers) {
   constexpr double kShare = 0.7, kVisits = 0.35;  // of the time that may be used
   constexpr int kBlocks = 1200, kSettled = 300;
   Scene scene(kShare);
@@ -263,7 +263,7 @@ TEST(Shedding, ARenderWithoutADeadlineIsNeverShed) {
   EXPECT_EQ(with.shed(), 0u);
 }
 
-TEST(Shedding, WhatNobodyListensToKeepsToTheTimeToo) {
+TEST(Shedding, ABlockWithoutOutputsKeepsToTheTimeToo) {
   Scene scene(0.8);
   scene.set_load(4);
   scene.render();

@@ -42,7 +42,7 @@ TEST(Timeline, ALaterCommandWaitsForTheOneBeforeIt) {
 }
 
 // Within an octave the steps are even in energy, not in its logarithm: that makes up to 0.26 dB.
-TEST(Level, LevelsCountDecibels) {
+TEST(Level, LevelsAreProportionalToDecibels) {
   for (double db = -160; db < 40; db += 0.37) {
     EXPECT_NEAR(level_of(std::pow(10.0, 0.1 * db)) * kStep_db, db, kStep_db + 0.26);
   }

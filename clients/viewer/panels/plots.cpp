@@ -60,7 +60,7 @@ double share_of_frequency(double hz) {
 double frequency_of_share(double share) {
   return kMinFrequency_hz * std::pow(kMaxFrequency_hz / kMinFrequency_hz, share);
 }
-double share_of_level(double db) { return (db - kQuietest_db) / (kLoudest_db - kQuietest_db); }
+double share_of_level(double db) { return (db - kMinLevel_db) / (kMaxLevel_db - kMinLevel_db); }
 
 void draw_grid(const Skin& skin, const Area& area) {
   for (const auto& [hz, text] : {std::pair(100.0, "100"), {1000.0, "1 k"}, {10000.0, "10 kHz"}}) {
@@ -118,7 +118,7 @@ void draw_meter(const Skin& skin, const char* label, double share, double mark, 
 
 }  // namespace
 
-double level_db(double amplitude) { return std::max(kQuietest_db, 20 * std::log10(std::max(amplitude, 1e-9))); }
+double level_db(double amplitude) { return std::max(kMinLevel_db, 20 * std::log10(std::max(amplitude, 1e-9))); }
 
 void draw_oscilloscope(const Skin& skin, ImVec2 size, std::span<const float> left, std::span<const float> right,
                        double sample_rate_hz) {

@@ -13,7 +13,7 @@ namespace ringdown::viewer {
 // The frequency axis of spectrum and bars, logarithmic.
 inline constexpr double kMinFrequency_hz = 20, kMaxFrequency_hz = 20000;
 // The level axis [dB of full scale].
-inline constexpr double kQuietest_db = -120, kLoudest_db = 0;
+inline constexpr double kMinLevel_db = -120, kMaxLevel_db = 0;
 
 // Draws 20 ms of both channels from the last upward zero crossing of the left one that leaves room, so that a steady
 // tone stands still. The curves are scaled to their peak.
@@ -46,7 +46,7 @@ void draw_level(const Skin& skin, const char* label, float peak, float held);
 // A meter for a share of 0 ... 1 with a mark, and a text.
 void draw_share(const Skin& skin, const char* label, double share, double mark, const std::string& text);
 
-// 20 log10 of the amplitude, at least kQuietest_db.
+// 20 log10 of the amplitude, at least kMinLevel_db.
 double level_db(double amplitude);
 
 }  // namespace ringdown::viewer
