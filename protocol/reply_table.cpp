@@ -40,7 +40,7 @@ std::vector<Row<Reply>> make_reply_rows() {
            integer<&StatusReply::misses>("misses", kCount, "Blocks that took us longer than they last."),
            integer<&StatusReply::own_xruns>("own_xruns", kCount, "Of the xruns, those in which our block was late."),
            integer<&StatusReply::hidden_modes>("hidden_modes", kCount,
-                                               "How many modes that ring are left out: masked, or for want of time."),
+                                               "How many modes that ring are left out for want of time."),
            integer<&StatusReply::shed>(
                "shed", kCount, "Times (128 frames or less each) something was left out or late for want of time."),
            number<&StatusReply::slowed_s>("slowed", kLost, "What the scene has lost because it could not keep up."),
@@ -158,8 +158,7 @@ std::vector<Row<Reply>> make_reply_rows() {
              number<&NotifyObjectPeak::peak>(
                  "peak", kPeak,
                  "What none of its samples since the notice before exceeded, at its gain: the sum of the amplitudes of "
-                 "its modes, masked ones among them. Of one mode it is the peak; many do not peak together. Up to 64 "
-                 "objects (2,048 modes) are looked at every 128 frames, more in turn.")}),
+                 "its modes. Up to 64 objects (2,048 modes) are looked at every 128 frames, more in turn.")}),
       reply("/notify.load", NotifyLoad{0.031, 0.058, 0, 1, 220}, "To subscribers: as in /status.reply.",
             {number<&NotifyLoad::mean>("load_mean", kLoad, "Time spent per block over the block's duration."),
              number<&NotifyLoad::peak>("load_peak", kLoad, "The same for the slowest block so far."),

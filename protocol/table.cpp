@@ -26,14 +26,13 @@ auto body_object() {
 
 template <auto... path>
 auto impulse() {
-  return vector<path...>({"jx", "jy", "jz"}, kImpulse,
-                         "The impulse it receives, in the object's own frame: mass times change of velocity.");
+  return vector<path...>({"jx", "jy", "jz"}, kImpulse, "The impulse it receives: mass times change of velocity.");
 }
 
 template <auto... path>
 auto contact_time() {
-  return optional(number<path...>("contact_time", kContactTime,
-                                  "How long the blow lasts: short is bright, long is dull, 0 is an ideal impulse."));
+  return optional(
+      number<path...>("contact_time", kContactTime, "How long the blow lasts; short is bright, long is dull."));
 }
 
 template <auto... path>
@@ -57,8 +56,8 @@ const BulkStrike kBlow{0, std::nullopt, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005, 
 
 using Arguments = std::initializer_list<Columns<Request>>;
 
-// An address that succeeds in silence, and the lane that handles it. `example` is what docs/reference/protocol.md shows; a test
-// sends it through the parser.
+// An address that succeeds in silence, and the lane that handles it. `example` is what docs/reference/protocol.md
+// shows; a test sends it through the parser.
 template <Lane lane, class Struct>
 RowOf<Request, Struct> silent(std::string_view address, const Struct& example, std::string_view sentence,
                               Arguments arguments) {
@@ -83,8 +82,7 @@ std::vector<Row<Request>> make_request_rows() {
       silent<Lane::mixer>(
           "/object/{object}/strike", Strike{kBell, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005},
           "Rings the object at the point of its surface that is nearest to x y z.",
-          {object<&Strike::object>(),
-           vector<&Strike::point_m>({"x", "y", "z"}, kPosition, "Where it is struck, in the object's own frame."),
+          {object<&Strike::object>(), vector<&Strike::point_m>({"x", "y", "z"}, kPosition, "Where it is struck."),
            impulse<&Strike::impulse_ns>(), contact_time<&Strike::contact_time_s>()}),
       silent<Lane::mixer>("/object/{object}/strike_vertex", StrikeVertex{kBell, 12, {-0.02, 0, 0}, 0.0005},
                           "Rings the object at one sample point of its bank.",
@@ -108,10 +106,9 @@ std::vector<Row<Request>> make_request_rows() {
           {object<&SetPan::object>(), number<&SetPan::pan>("pan", kPan, "-1 is left, 0 the middle, 1 right.")}),
       answered<Lane::worker>(
           "/object/{object}/material", SetMaterial{kBell, {1, 1, 1, 4, 0.5}},
-          "Scales the material and the size the object was baked with: its modes, mass and click follow exactly, "
-          "without "
-          "a new analysis. The factors count from the bank, not from the last scale; 1 1 1 1 1 is the bank as baked. "
-          "Points that later messages name lie on the object in its new size. Bodies of a running scene keep theirs.",
+          "Scales the material and the size that the object was baked with; its modes, mass and click follow exactly. "
+          "The factors count from the bank: 1 1 1 1 1 is the bank as baked. Points in later messages lie on the object "
+          "in its new size. Bodies of a running scene keep theirs.",
           {object<&SetMaterial::object>(),
            number<&SetMaterial::scale, &modal::MaterialScale::alpha>(
                "alpha", kDampingScale, "The factor on Rayleigh's alpha, the damping of low modes."),
@@ -126,11 +123,10 @@ std::vector<Row<Request>> make_request_rows() {
           "/object/{object}/hold",
           SetDamper{kBell, {{0.05, 0, 0.02}, {}, 20}},
           "Lays a hand on the object, or puts it down on something: its modes die sooner, each by how much it moves "
-          "there. What rings goes on from where it is. A damping of 0 takes the hand away. An object can have 16 "
-          "dampers at a time; an embedded scene uses those from 8 on.",
+          "there. A damping of 0 takes the hand away. An object can have 16 dampers; an embedded scene uses those from "
+          "8 on.",
           {object<&SetDamper::object>(),
-           vector<&SetDamper::damper, &modal::Damper::point_m>({"x", "y", "z"}, kPosition,
-                                                               "Where it touches, in the object's own frame."),
+           vector<&SetDamper::damper, &modal::Damper::point_m>({"x", "y", "z"}, kPosition, "Where it touches."),
            number<&SetDamper::damper, &modal::Damper::damping_ns_m>(
                "damping", kDamping, "The force that resists the surface, per its speed there: a fingertip has some 5."),
            optional(vector<&SetDamper::damper, &modal::Damper::direction>(
@@ -144,15 +140,12 @@ std::vector<Row<Request>> make_request_rows() {
            optional(other<ValueType::name, &SetGroup::group>("group", "The group's name; left out: in none."))}),
       silent<Lane::mixer>(
           "/object/{object}/ring", RingModes{kBell, 0, 1, 0.1},
-          "Sets modes going without a strike, to hear them by themselves: adds to each a sine that begins at 0, of "
-          "this "
-          "amplitude at the object's gain of 1 and before its pan.",
+          "Adds to each of these modes a sine that begins at 0, to hear them without a strike.",
           {object<&RingModes::object>(),
            integer<&RingModes::first>("first", kIndex, "The lowest of them: 0 has the lowest frequency."),
            optional(integer<&RingModes::count>("count", kCount, "How many, upwards; the object may have fewer.")),
-           optional(number<&RingModes::amplitude>(
-               "amplitude", kAmplitude,
-               "Of each; 1 is full scale. In the centre each side of the mix has 0.71 of it."))}),
+           optional(number<&RingModes::amplitude>("amplitude", kAmplitude,
+                                                  "Of each, at a gain of 1 and before the pan; 1 is full scale."))}),
       answered<Lane::worker>("/object/{object}/modes", SelectModes{kBell, {0, 20}},
                              "Leaves the object only these of its modes, until the next choice; what the others ring "
                              "ends. 0 alone gives it "
@@ -162,29 +155,26 @@ std::vector<Row<Request>> make_request_rows() {
                                   "first", kIndex, "The lowest of them: 0 has the lowest frequency."),
                               optional(integer<&SelectModes::range, &modal::ModeRange::count>(
                                   "count", kCount, "How many, upwards; the object may have fewer."))}),
-      answered<Lane::subscription>(
-          "/object/{object}/watch", WatchObject{kBell, true},
-          "Sends the sender, who has subscribed with /notify, the amplitudes of the object's modes: /notify.modes. 16 "
-          "objects can be watched at a time, by all subscribers together.",
-          {object<&WatchObject::object>(),
-           optional(other<ValueType::flag, &WatchObject::on>("on", "1 watches it, 0 does no more."))}),
+      answered<Lane::subscription>("/object/{object}/watch", WatchObject{kBell, true},
+                                   "Sends the sender, who has subscribed with /notify, the amplitudes of the object's "
+                                   "modes: /notify.modes. 16 objects can be watched at a time.",
+                                   {object<&WatchObject::object>(), optional(other<ValueType::flag, &WatchObject::on>(
+                                                                        "on", "1 watches it, 0 does no more."))}),
       answered<Lane::question>("/object/{object}/describe", DescribeObject{kBell},
                                "Asks what the object is, and how it is set.", {object<&DescribeObject::object>()},
                                "/object.reply"),
       answered<Lane::question>(
-          "/object/{object}/bank", ReadBank{kBell, 0, 4096},
-          "Asks for a piece of the object's bank file, so that a client on another computer can show it.",
+          "/object/{object}/bank", ReadBank{kBell, 0, 4096}, "Asks for a piece of the object's bank file.",
           {object<&ReadBank::object>(),
            integer<&ReadBank::offset>("offset", kCount, "Where the piece begins, in bytes."),
            optional(integer<&ReadBank::bytes>("bytes", kBankBytes, "How long it is; the last one is shorter."))},
           "/bank.reply"),
       answered<Lane::worker>(
           "/object/{object}/excite", Excite{kBell, 1, {0.05, 0, 0.02}, {0, 0, -1}},
-          "Lets an audio input excite the object: what sounds in it is a force at x y z. The input is a port in_1 "
-          "to in_4 of the JACK client, which is there from then on. It excites one object at a time; a force of "
-          "0 0 0 ends it.",
+          "Lets the audio input in_1 to in_4 of the JACK client excite the object: its sound is a force at x y z. An "
+          "input excites one object at a time; a force of 0 0 0 ends it.",
           {object<&Excite::object>(), integer<&Excite::input>("input", kInput, "The input's number."),
-           vector<&Excite::point_m>({"x", "y", "z"}, kPosition, "Where it acts, in the object's own frame."),
+           vector<&Excite::point_m>({"x", "y", "z"}, kPosition, "Where it acts."),
            vector<&Excite::force_n>({"fx", "fy", "fz"}, kForce, "The force that a sample of 1 is.")}),
       silent<Lane::mixer>(
           "/object/{object}/clear", ClearObject{kBell}, "Fades what rings in the object: a hand laid on it.",
@@ -192,13 +182,11 @@ std::vector<Row<Request>> make_request_rows() {
            optional(number<&ClearObject::ramp_s>("ramp", kRamp, "How long that takes; some 10 ms at least."))}),
       silent<Lane::mixer>(
           "/object/{object}/contact", SetContact{kBell, {0.05, 0, 0.02}, {0, {0, 0, -2}, 0.3, 0, {}}},
-          "Something slides or rolls on the object. The contact goes on as the last message says, and changes evenly "
-          "from one message to the next. A force of 0 0 0 ends it, and so does a tenth of a second without a message "
-          "about it. Send 50 to 250 a second.",
-          {object<&SetContact::object>(),
-           vector<&SetContact::point_m>({"x", "y", "z"}, kPosition, "Where it touches, in the object's own frame."),
+          "Something slides or rolls on the object. Values change evenly from one message to the next; send 50 to 250 "
+          "a second. A force of 0 0 0 ends the contact, and so does a tenth of a second without a message.",
+          {object<&SetContact::object>(), vector<&SetContact::point_m>({"x", "y", "z"}, kPosition, "Where it touches."),
            vector<&SetContact::contact, &synth::Contact::force_n>(
-               {"fx", "fy", "fz"}, kForce, "The force on the object, in its own frame: normal and friction together."),
+               {"fx", "fy", "fz"}, kForce, "The force on the object, normal and friction together."),
            number<&SetContact::contact, &synth::Contact::slip_m_s>(
                "slip", kSpeed, "The speed at which the two surfaces slide past each other."),
            optional(number<&SetContact::contact, &synth::Contact::roll_m_s>(
@@ -213,9 +201,8 @@ std::vector<Row<Request>> make_request_rows() {
                "slope", kSpectralSlope, "The power of the heights falls with spatial frequency f as f^slope."))}),
       silent<Lane::mixer>(
           "/object/{object}/click", Click{kBell, {-0.02, 0, 0}, 0.0005},
-          "A blow sets the object in motion as a whole: the click of that, which is heard beside its modes and where "
-          "it has none. For objects that are free to move; strikes do not make it by themselves. Send it once for all "
-          "points that are struck at a time.",
+          "The click of an object that a blow sets in motion as a whole, heard beside its modes. For objects that are "
+          "free to move; strikes do not make it. Send it once for all points that are struck at a time.",
           {object<&Click::object>(), impulse<&Click::impulse_ns>(), contact_time<&Click::contact_time_s>()}),
       answered<Lane::worker>("/object/{object}/free", FreeObject{kBell},
                              "Removes the object. What rings is faded, its name and number become free.",
@@ -265,10 +252,8 @@ std::vector<Row<Request>> make_request_rows() {
       answered<Lane::subscription>(
           "/notify", Notify{true, 20},
           "Subscribes the sender, or ends that: /notify.object, /notify.group, /notify.contact, /notify.peak, "
-          "/notify.object_peak, /notify.load, /notify.scene and /notify.body come as bundles at the rate, first "
-          "about every object there is. A subscriber that sends nothing for 60 s is forgotten; anything it sends keeps "
-          "it, "
-          "/notify itself too.",
+          "/notify.object_peak, /notify.load, /notify.scene and /notify.body come as bundles at the rate, first about "
+          "every object there is. A subscriber that sends nothing for 60 s is forgotten.",
           {optional(other<ValueType::flag, &Notify::on>("on", "1 subscribes, 0 ends it.")),
            optional(number<&Notify::rate_hz>("rate", kNoticeRate, "How many notices a second."))}),
       answered<Lane::subscription>(
@@ -280,15 +265,13 @@ std::vector<Row<Request>> make_request_rows() {
           "Asks which scenes and banks there are to load. /browse.reply says how many /browse.file follow.", {},
           "/browse.reply"),
       answered<Lane::worker>(
-          "/test_tone", TestTone{0.1, 440},
-          "Adds a sine to both sides of the mix, to check connections and levels by, until it is set to another or to "
-          "0.",
+          "/test_tone", TestTone{0.1, 440}, "Adds a sine to both sides of the mix, to check connections and levels.",
           {number<&TestTone::amplitude>("amplitude", kAmplitude, "Its peak; 1 is full scale, 0 ends it."),
            optional(number<&TestTone::frequency_hz>("frequency", kFrequency, "Its frequency."))}),
       answered<Lane::file>(
           "/state/save", SaveState{"state.toml"},
-          "Writes what there is as a readable file, which `ringdownd --state` loads: objects with their banks, gains, "
-          "pans, groups and materials, what inputs excite, and the scene, which starts from its beginning.",
+          "Writes a readable file that `ringdownd --state` loads: objects with their banks, gains, pans, groups and "
+          "materials, what inputs excite, and the scene, which starts from its beginning.",
           {other<ValueType::text, &SaveState::path>(
               "path",
               "The file to write, .toml; it replaces none but a state. A relative path starts where the daemon was "
