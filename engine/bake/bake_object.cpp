@@ -210,6 +210,8 @@ class Baker {
     return false;
   }
 
+  // A mesh from a file cannot be made anew: its order is raised, and at the highest order each element is split in
+  // eight.
   Result<bool> refine_mesh() {
     const int order = fem::order_of(recipe_.options.element);
     const bool raise = order < mesh::kMaxOrder;

@@ -34,7 +34,10 @@ struct Samples {
   MatrixXd gradients;  // three rows for each point: 3 count x n
 };
 
-// What is known of all elements of one order.
+// What all elements of one order share, computed once. In a straight element the products of gradients have the degree
+// 2 p - 2 and those of shape functions 2 p, and the rules are exact. In a curved element the mass has the degree 5 p -
+// 3, since the determinant adds 3 (p - 1), and its rule is exact, too; the stiffness is not polynomial there, because
+// the inverse of the Jacobian is in it, and its rule is exact for 2 p + 1.
 struct Reference {
   explicit Reference(int order)
       : stiffness_rule(order, 2 * order + 1), mass_rule(order, 5 * order - 3), mass(shape_products(order)) {
@@ -63,7 +66,7 @@ const Reference& reference(int order) {
 
 double volume(const mesh::Corners& corners) { return mesh::jacobian(corners).determinant() / 6; }
 
-// G of a straight element; the blocks below the diagonal and on it.
+// The products G of a straight element: the blocks below the diagonal and on it.
 void straight_gradients(const mesh::Corners& corners, const MatrixXd& reference_gradients, MatrixXd& gradients) {
   const Matrix3d inverse = mesh::jacobian(corners).inverse(), scaled = volume(corners) * inverse;
   for (Eigen::Index b = 0; b < gradients.cols(); b += 3) {
@@ -74,7 +77,7 @@ void straight_gradients(const mesh::Corners& corners, const MatrixXd& reference_
   }
 }
 
-// K from G.
+// The stiffness K from the products of gradients, block by block (element.h).
 void elastic_stiffness(const MatrixXd& gradients, const Elastic& elastic, Eigen::Ref<MatrixXd> stiffness) {
   const double lambda = elastic.lambda_pa(), mu = elastic.mu_pa();
   for (Eigen::Index b = 0; b < gradients.cols(); b += 3) {

@@ -5,6 +5,7 @@
 
 namespace ringdown::modal {
 
+// Zwicker & Terhardt, J. Acoust. Soc. Am. 68, 1980: critical-band rate in Bark from frequency in Hz.
 double bark(double frequency_hz) {
   return 13 * std::atan(0.00076 * frequency_hz) + 3.5 * std::atan(std::pow(frequency_hz / 7500, 2));
 }

@@ -1,4 +1,4 @@
-// What one pure tone hides of another: the model of hearing behind bake's audibility and the mixer's masking. [any]
+// What one pure tone hides of another: the model of hearing by which a bake finds inaudible modes. [any]
 //
 // A tone at level L and critical-band rate z_j hides what is below
 //

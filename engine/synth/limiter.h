@@ -33,7 +33,7 @@ class Limiter {
   [[nodiscard]] float ceiling() const { return ceiling_; }
 
   // In place; any number of frames. Both channels get the same gain. A channel that is null is taken as silent; a frame
-  // with a number that is none comes out silent. Returns the largest |sample| that it wrote. [audio]
+  // with a number that is not one comes out silent. Returns the largest |sample| that it wrote. [audio]
   float process(float* left, float* right, std::size_t frames) RINGDOWN_REALTIME;
 
  private:

@@ -56,7 +56,7 @@ struct EnergyLimits {
 };
 
 // Adds the modes' sum to out[0, frames) and moves their states on by `frames` <= kChunkFrames. False when a state that
-// it leaves behind is more than `most`, or no number: then nothing was added. [audio]
+// it leaves behind is more than `most`, or is not a number: then nothing was added. [audio]
 bool render_modes(const ModeArrays& modes, ActiveGroups& active, const EnergyLimits& limits, double* out,
                   std::size_t frames) RINGDOWN_REALTIME;
 

@@ -56,7 +56,7 @@ struct Fade {
 };
 
 // Adds the moments of the active groups to each target and moves their states on by `frames` <= kChunkFrames; groups
-// that fall below the floor leave the list. False when a state is more than `limits.most`, or no number: the rest was
+// that fall below the floor leave the list. False when a state is above `limits.most` or not a number: the rest was
 // left undone, and nothing of what was wrong was added. With a fade, the sound of these modes (not their states) is
 // multiplied with it; what is cut off is then 20 dB larger. [audio]
 bool add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,

@@ -53,7 +53,7 @@ bool is_delayed(const std::vector<float>& signal, const std::vector<float>& orig
   return true;
 }
 
-// Noise whose level jumps, single samples, steps, and what is no number.
+// Noise whose level jumps, single samples, steps, and what is not a number.
 Stereo hostile_signal(std::mt19937& random, std::size_t count) {
   Stereo signal{std::vector<float>(count), std::vector<float>(count)};
   const auto uniform = [&random] { return static_cast<double>(random()) / 2147483648.0 - 1; };
