@@ -1,4 +1,4 @@
-// What a bank is made from, as one hash: when it is the same, so is the bank. [any thread]
+// One hash of everything that a bank is made from: where it is the same, the bank is the same. [any thread]
 //
 //   const std::optional<std::string> hash = input_hash({.object = "bell.toml", .geometry = "bell.geo", ...});
 //   if (hash && modal::read_input_hash("bell.glb") == hash) ...nothing to do...

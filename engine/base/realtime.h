@@ -1,4 +1,4 @@
-// What the audio thread may run, and how the compiler is told.
+// Marks the functions that the audio thread may run, so that the compiler can check them.
 //
 // Every function that the audio thread may call carries RINGDOWN_REALTIME after its parameter list. Under
 // clang >= 20 that is [[clang::nonblocking]]: -Wfunction-effects checks at compile time that nothing below it

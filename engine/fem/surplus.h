@@ -1,5 +1,6 @@
-// What polynomials of degree p + 1 have over those of degree p: the functions in one tetrahedron, their numbers over a
-// mesh, and what they meet in one element. Private to the estimate of errors (error_estimate.h). [any thread]
+// The functions that polynomials of degree p + 1 have beyond those of degree p: their values in one tetrahedron, their
+// numbers over a mesh, and their matrices in one element. Private to the estimate of errors (error_estimate.h). [any
+// thread]
 //
 // The shape functions of order p and these together span the polynomials of degree p + 1: for each edge one function,
 // for each face p - 1, for the inside (p - 1)(p - 2)/2, all of degree p + 1, zero at the corners, and zero on the edges
@@ -57,7 +58,7 @@ struct SurplusSpace {
 
 SurplusSpace surplus_space(const mesh::TetMesh& mesh);  // O(E log E)
 
-// What the functions of degree p + 1 meet in one element of order p.
+// The matrices of the functions of degree p + 1 in one element of order p.
 //
 // V are the element's shape functions of order p, n of them, W the w functions of degree p + 1. Displacements are
 // ordered by component: row i w + a (or i n + a) is function a along axis i.

@@ -1,4 +1,4 @@
-// What a recording's modes give a bank: a baked bank its damping, or a bank of its own. [worker]
+// Gives a baked bank the damping of a recording's modes, or makes a bank of these modes alone. [worker]
 //
 // Calibration: the recording's modes are matched to the bank's by frequency, up to one factor for all (another size,
 // temperature or modulus), and Rayleigh's alpha and beta are fitted to what decays: d = (alpha + beta lambda)/2,

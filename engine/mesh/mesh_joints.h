@@ -1,10 +1,10 @@
-// How the elements of a mesh meet. [worker]
+// Checks how the elements of a mesh meet, and removes parts that meet wrongly. [worker]
 //
 // In a sound mesh neighbours share a whole face with all its nodes, one on each side of it, and from any element around
 // a node or an edge one comes to any other by stepping through faces there. Then each piece has six motions without
-// energy and no more. Where parts of a body touch in a node or an edge only, the joint has no meaning: a point of an
-// elastic body that is pushed gives way without limit as elements get smaller, so what a mesh says of it is said of the
-// size of its elements.
+// energy and no more. Where parts of a body touch in a node or an edge only, the joint has no meaning: under a force at
+// one point of an elastic body the displacement there grows without limit as elements get smaller, so the result would
+// depend on the size of the elements.
 #pragma once
 
 #include "engine/base/result.h"

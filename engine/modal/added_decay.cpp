@@ -2,9 +2,7 @@
 
 namespace ringdown::modal {
 
-// First-order perturbation: a dashpot c [N s/m] at a point, along the unit vector e, adds the modal damping c (phi .
-// e)^2 to a mode with the mass-normalised shape phi, and so half of that to its decay rate. What couples modes to each
-// other is left out. A damper without a direction acts along all three axes.
+// A damper without a direction resists motion along all three axes.
 std::vector<double> added_decay(const StrikeMap& map, const Dampers& dampers) {
   std::vector<double> decay(map.bank().mode_count(), 0.0), along(decay.size());
   const auto add = [&](const Damper& damper, Vec3 direction) {

@@ -1,8 +1,8 @@
-// How much sooner modes die where a damper lies.
+// Finds how much faster modes decay under dampers.
 //
 // A contact that resists the surface's speed v with a force c v adds c |phi_m(p) . n|^2 / 2 to the decay rate of mode
-// m: a mode with a node there rings on, one with its largest motion there dies first. What it couples between modes is
-// left out, as in Zheng & James, ACM Trans. Graph. 30(4), 2011.
+// m: a mode with a node there rings on, one with its largest motion there dies first. Its coupling of modes to each
+// other is left out, as in Zheng & James, ACM Trans. Graph. 30(4), 2011.
 #pragma once
 
 #include "engine/modal/damper.h"

@@ -1,5 +1,5 @@
-// Where a mode's frequency meets its decay, and how a material's loss becomes Rayleigh's two constants. The one place
-// that turns Hz into rad/s.
+// Relates a mode's frequency to its decay, and fits Rayleigh's two constants to a material's loss factors. The only
+// header that converts Hz to rad/s.
 //
 // A mode of the undamped problem K phi = lambda M phi, with Rayleigh damping C = alpha M + beta K, moves as
 //   q(t) = exp(-d t) sin(omega_d t),   d = (alpha + beta lambda) / 2 [1/s],   omega_d = sqrt(lambda - d^2) [rad/s].

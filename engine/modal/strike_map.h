@@ -1,4 +1,4 @@
-// From a point and an impulse to the excitation of every mode.
+// Finds how much a strike, an impulse at a point, excites every mode.
 //
 // Holds what a strike needs of a bank, laid out for it: the surface index, and the shapes point by point, so that the
 // modes of one point lie side by side. Built once per bank by the worker and shared by its voices.

@@ -1,4 +1,4 @@
-// What contacts sound like: turns the contact points of a step into events for the mixer. Free of any physics engine.
+// Turns the contact points of a step into events for the mixer. Free of any physics engine.
 //
 // ContactSounds knows what every body and static contributes to a contact, lets ContactLives decide which contacts
 // strike and which last, and gives each event to the objects on both sides, each in its own frame. It also reports how

@@ -1,5 +1,5 @@
-// How much resting contacts damp the objects whose bodies they touch. Free of any physics engine. [one thread at a
-// time]
+// Finds how much resting contacts damp the objects of the bodies in contact. Free of any physics engine. [one thread
+// at a time]
 #pragma once
 
 #include "engine/modal/damper.h"

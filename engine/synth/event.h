@@ -1,4 +1,4 @@
-// What the mixer understands: something that happens to one object at one sample frame.
+// An event: something that happens to one object at one sample frame.
 //
 // A strike from a game over OSC, from the embedded scene or from a score is the same Event. Small and trivially
 // copyable, because it crosses threads through SpscRing by value. [any thread]

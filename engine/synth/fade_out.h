@@ -1,4 +1,4 @@
-// What fades out: states that ring on under a gain that falls to 0 in a straight line, and take no more strikes.
+// Lets states fade out: they ring on under a gain that falls to 0 in a straight line, and take no more strikes.
 // [audio, after construction]
 #pragma once
 

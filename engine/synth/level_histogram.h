@@ -1,4 +1,4 @@
-// How many modes ring at which level. The threshold of shedding is read from it. [audio]
+// Counts how many modes ring at which level. Shedding reads its threshold from the histogram. [audio]
 #pragma once
 
 #include "engine/base/realtime.h"

@@ -1,4 +1,4 @@
-// What the mixer measures and counts, for those who show it. What sounds does not depend on it.
+// The mixer's meters and counters, for clients that show them. The sound does not depend on them.
 #pragma once
 
 #include "engine/base/realtime.h"

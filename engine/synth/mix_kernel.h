@@ -1,4 +1,4 @@
-// What is done to samples rather than to modes. [audio]
+// Kernels that work on samples rather than on modes. [audio]
 #pragma once
 
 #include "engine/base/realtime.h"

@@ -1,4 +1,4 @@
-// From the sums of a chunk to the listeners: samples, test tone, limiter, and the tap of those who watch the mix.
+// Takes the sums of a chunk to the listeners: writes samples, adds the test tone, limits the mix, and feeds the tap.
 #pragma once
 
 #include "engine/base/realtime.h"

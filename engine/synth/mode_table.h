@@ -1,5 +1,5 @@
-// What the modes of a bank need at one sample rate in one material: poles, tables, moments' weights. Objects that sound
-// alike share one.
+// The constants of a bank's modes at one sample rate in one material: poles, tables, moments' weights. Objects that
+// sound alike share one table.
 //
 // Modes at or above Nyquist, over-damped ones, and those outside a range that may be given are left out. The others
 // stand in columns: those that take moments first, each kind by frequency and padded with silent ones to whole groups

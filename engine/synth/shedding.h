@@ -1,4 +1,4 @@
-// What is left out when time is short: the quietest modes, all objects taken together.
+// Leaves out the quietest modes when time is short, of all objects taken together.
 //
 // One threshold holds for all modes. A survey counts, some sources in each chunk, how many modes ring at which level;
 // from that and from what the time budget can afford follows the level below which modes are muted. It rises at once

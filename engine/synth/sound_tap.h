@@ -1,5 +1,5 @@
-// What the mix sounds like, for those who show it: the audio thread puts pieces into a ring while somebody watches, and
-// another thread takes them out. A piece that finds the ring full is dropped; frame numbers then show a gap.
+// Hands the mix to clients that show it: while a client watches, the audio thread puts pieces into a ring, and another
+// thread takes them out. A piece that finds the ring full is dropped; frame numbers then show a gap.
 #pragma once
 
 #include "engine/base/realtime.h"

@@ -1,5 +1,5 @@
-// What sounds: an object that rings alone (object.h), or many objects that share their states (instance_group.h). The
-// renderer, the shedding and the lists of what is active know sources only. [audio]
+// A source of sound: an object that rings alone (object.h), or many objects that share their states (instance_group.h).
+// The renderer, the shedding and the lists of active sources know nothing else of objects. [audio]
 #pragma once
 
 #include "engine/base/realtime.h"

@@ -1,4 +1,4 @@
-// What is to happen, and when: the worker's commands and everybody's events, by which a block is cut into chunks.
+// Holds the worker's commands and all producers' events until their frames, and cuts blocks into chunks at commands.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -14,7 +14,7 @@ namespace ringdown::synth {
 class InstanceGroup;
 class Voice;
 
-// What the worker has done to an object. A command waits for its frame, and so does every command behind it.
+// A change that the worker has made to an object. A command waits for its frame, and so does every command behind it.
 struct Command {
   enum class Kind {
     replace,      // `voice` becomes the object's voice; the old one rings out

@@ -1,5 +1,5 @@
-// What kinds of work cost, in units of what moments cost for a mode in a chunk: some 1.4 ns with AVX-512. Measured by
-// `./run bench mixer --only budget`.
+// The costs of the kinds of work. The unit is the cost of one mode in one chunk by moments, some 1.4 ns with AVX-512.
+// Measured by `./run bench mixer --only budget`.
 #pragma once
 
 #include <cstddef>
