@@ -127,13 +127,14 @@ std::string_view time_text(Lane lane) {
 }
 
 std::string example_text(const AddressSpec& spec) {
-  if (const std::string command = oscsend_command(spec); !command.empty()) return "    " + command;
-  return "`oscsend` sends no blobs; [clients/python/strike.py](../../clients/python/strike.py) does.";
+  if (spec.example.arguments.empty()) return "";
+  if (const std::string command = oscsend_command(spec); !command.empty()) return "    " + command + "\n\n";
+  return "`oscsend` sends no blobs; [clients/python/strike.py](../../clients/python/strike.py) does.\n\n";
 }
 
 std::string request_section(const AddressSpec& spec) {
   return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + " " + std::string(time_text(*spec.lane)) +
-         answer_text(spec) + ".\n\n" + argument_list(spec) + example_text(spec) + "\n\n";
+         answer_text(spec) + ".\n\n" + argument_list(spec) + example_text(spec);
 }
 
 std::string reply_section(const AddressSpec& spec) {

@@ -25,7 +25,7 @@ and the spectrum of a blow where the object answers most, in dB over Hz. T60 is 
 
 [Previews](previews.md) show all modes of one. `./run docs` writes this page.
 
-| | object | material | lowest pitches in Hz (note, cents) | T60 [s] | modes | kB |
+| | object | material | lowest pitch in Hz (note, cents) | T60 [s] | modes | kB |
 |---|---|---|---|---|---|---|
 """
 
@@ -43,14 +43,9 @@ def modes_of(ringdown, bank):
     return modes
 
 
-def pitches(modes):
-    """The three lowest that are not one pitch."""
-    text, last = [], 0
-    for frequency, _, note in sorted(modes):
-        if frequency > 1.003 * last:
-            text.append(f"{frequency:.{0 if frequency >= 1000 else 1}f} ({note.removesuffix(' ct')})")
-            last = frequency
-    return ", ".join(text[:3])
+def lowest_pitch(modes):
+    frequency, _, note = min(modes)
+    return f"{frequency:.{0 if frequency >= 1000 else 1}f} ({note.removesuffix(' ct')})"
 
 
 def small_picture(ringdown, bank, path):
@@ -76,7 +71,7 @@ def row(ringdown, path):
     small_picture(ringdown, bank, picture)
     modes = modes_of(ringdown, bank)
     size = round(bank.stat().st_size / 1000)
-    return (f"| ![{name}](../figures/presets/{name}.png) | {label} | {thing.get('material', '')} | {pitches(modes)} "
+    return (f"| ![{name}](../figures/presets/{name}.png) | {label} | {thing.get('material', '')} | {lowest_pitch(modes)} "
             f"| {modes[0][1]:.2g} | {len(modes)} | {size} |\n")
 
 
