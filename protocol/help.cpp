@@ -51,8 +51,8 @@ std::string fallback_text(const ArgumentSpec& spec) {
   return absent ? "absent" : value_text(spec.fallback);
 }
 
-// What the page says an argument takes: "0 to 60 s", "whole, 0 to 15", "text". Limits that only keep numbers finite are
-// left out.
+// The values of an argument as the page states them: "0 to 60 s", "whole, 0 to 15", "text". Limits that only keep
+// numbers finite are left out.
 std::string brief_range(const ArgumentSpec& spec) {
   constexpr double kAnyInteger = 2147483647, kAnyNumber = 1e30;
   const bool whole = spec.type == ValueType::integer;
@@ -76,7 +76,7 @@ bool continues(const ArgumentSpec& first, const ArgumentSpec& next) {
   return same && brief_range(first) == brief_range(next) && first.optional == next.optional;
 }
 
-// What a client has to know to send an argument, or of a reply's its unit alone.
+// All that a client has to know to send an argument; for an argument of a reply, its unit alone.
 std::string values_text(const ArgumentSpec& argument, bool is_request) {
   if (!is_request) return std::string(argument.unit);
   std::string values = brief_range(argument);

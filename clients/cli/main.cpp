@@ -48,7 +48,7 @@ void add_protocol_verb(CLI::App& app, ExitCode& outcome) {
   });
 }
 
-// What the man page says beside the options.
+// The text of the man page beside the options.
 const std::vector<manual::Section> kSections = {
     {"ENVIRONMENT",
      {{"RINGDOWN_PRESETS", "Folder of the presets, where it is not share/ringdown/presets beside bin."}}},

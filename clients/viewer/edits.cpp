@@ -9,7 +9,7 @@ using protocol::Request;
 
 constexpr double kConfirmedWithin_s = 1;
 
-// What a request sets in `adjustment`; the name of the object, or nothing for a request that sets none of these.
+// Applies a request to `adjustment`. Returns the name of the object, or nothing when the request sets nothing there.
 std::optional<std::string> apply(const Request& request, Adjustment& adjustment) {
   if (const auto* material = std::get_if<protocol::SetMaterial>(&request)) {
     adjustment.scale = material->scale;

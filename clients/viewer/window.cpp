@@ -32,7 +32,7 @@ constexpr std::array<std::pair<int, std::string_view>, 24> kNamedKeys = {
      {GLFW_KEY_F7, "F7"},          {GLFW_KEY_F8, "F8"},     {GLFW_KEY_F9, "F9"},       {GLFW_KEY_F10, "F10"},
      {GLFW_KEY_F11, "F11"},        {GLFW_KEY_F12, "F12"},   {GLFW_KEY_KP_ADD, "="},    {GLFW_KEY_KP_SUBTRACT, "-"}}};
 
-// What is printed on the key in the user's layout; empty for keys without a meaning here.
+// The label of the key in the user's layout; empty for keys without a meaning here.
 std::string base_name(int key, int scancode) {
   const auto* named = std::ranges::find(kNamedKeys, key, &std::pair<int, std::string_view>::first);
   if (named != kNamedKeys.end()) return std::string(named->second);

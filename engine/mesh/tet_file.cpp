@@ -213,7 +213,7 @@ class Bytes {
   std::size_t at_ = 0;
 };
 
-// How many nodes there are when counts of them fill the header and the file's length fits them; else -1.
+// The number of nodes if the header and the length of the file agree on it, otherwise -1.
 std::int64_t nodes_by_length(std::span<const std::byte> file, std::size_t header) {
   const auto number = [&](std::size_t at) {
     std::int32_t value = 0;

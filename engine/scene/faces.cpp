@@ -16,7 +16,8 @@ namespace {
 
 const double kFlat = std::cos(kFlat_degrees * std::numbers::pi / 180);
 
-// Two faces as good as each other: the first body's is taken, step after step.
+// Where two faces are about equally good the first body's is taken, so that the choice does not change from step to
+// step.
 constexpr double kBetter = 1e-3;
 
 // Counter-clockwise about `normal`, without points inside (A. M. Andrew's monotone chain, 1979).
@@ -57,7 +58,7 @@ std::vector<Vec3> in_world(const Face& face, const PosedFaces& body) {
   return corners;
 }
 
-// What of the polygon lies on the inner side of the plane through `on` (I. E. Sutherland, G. W. Hodgman, 1974).
+// Clips the polygon by the plane through `on` and keeps the inner side (I. E. Sutherland, G. W. Hodgman, 1974).
 std::vector<Vec3> cut(std::span<const Vec3> polygon, Vec3 on, Vec3 outward) {
   std::vector<Vec3> kept;
   for (std::size_t k = 0; k < polygon.size(); ++k) {

@@ -20,7 +20,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringdown::synth::HWY_NAMESPACE {
 
-// One vector of modes for each sample: their lanes are added up at the end.
+// Partial sums, one vector for each sample. The lanes of each are added up at the end.
 struct Sums {
   alignas(64) double lanes[kChunkFrames * kModePadding];
 };

@@ -11,7 +11,8 @@ constexpr double kMinRamp_s = 0.002, kMaxRamp_s = 0.05;
 constexpr double kFade_s = 0.005;             // of a contact that begins or ends
 constexpr double kMinAudible_hz = 20;         // slower changes of the force are not heard
 constexpr double kFull = 0.25, kNone = 0.45;  // of the sample rate: an octave fades out between them
-// Of a cubic B-spline over random numbers in [-1, 1): variance 1/3 times the mean of the sum of B(u - i)^2.
+// The variance of a cubic B-spline over random numbers in [-1, 1): theirs, 1/3, times the mean of the sum of B(u -
+// i)^2.
 constexpr double kSplineVariance = 151.0 / 945;
 
 // A number in [-1, 1) for each place. The mixing steps are those of SplitMix64 (Steele, Lea & Flood, OOPSLA 2014).

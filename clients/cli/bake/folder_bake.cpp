@@ -51,7 +51,7 @@ std::vector<std::string> with_material(std::vector<std::string> options, const F
   return options;
 }
 
-// What reading its text says of a job: that it cannot be baked, or need not be.
+// Reads the text of a job and says whether it cannot be baked, or need not be.
 void look_at(Job& job, const FolderBake& request) {
   const auto refuse = [&job](const std::string& why) { job.state = State::failed, job.why = why; };
   if (!job.file.refused.empty()) return refuse(job.file.refused);

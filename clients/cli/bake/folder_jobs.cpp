@@ -47,7 +47,7 @@ fs::path canonical_name(const fs::path& path) {
   return error ? path : whole;
 }
 
-// What a shape reads, itself left out.
+// Adds to `used` the files that a shape reads, and its own if `itself`.
 void note_files(const fs::path& geometry, bool itself, std::set<fs::path>& used) {
   if (itself) used.insert(canonical_name(geometry));
   const auto files = bake::files_of_geometry(geometry);

@@ -30,7 +30,7 @@ using manual::complain_of_usage;
 using protocol::complain;
 using protocol::ExitCode;
 
-// What the command line says; an option that is not given leaves the object file's or the default value.
+// The arguments of the command line. An option that is not given leaves the object file's value, or the default.
 struct Arguments {
   fs::path input, output, materials;
   std::optional<std::string> material, name, element, error, solver, unit;
@@ -195,7 +195,7 @@ ExitCode bake_folder(const CLI::App& app, const Arguments& arguments) {
   return cli::run_folder_bake(app, std::move(request));
 }
 
-// What the man page says beside the options.
+// The text of the man page beside the options.
 const std::vector<manual::Section> kSections = {
     {"FILES", {{"$XDG_CACHE_HOME/ringdown", "What earlier bakes found, so that no mesh is solved twice."}}},
     {"ENVIRONMENT",

@@ -153,7 +153,7 @@ ExitCode tune(TuneArguments& arguments, const std::stop_token& stop) {
   return tune_one(arguments, request, arguments.output, stop);
 }
 
-// What the man page says beside the options.
+// The text of the man page beside the options.
 const std::vector<manual::Section> kSections = {
     {"EXAMPLES",
      {{"ringdown-tune bar.toml --vary length:250..400 --vary arch_depth:2..10 --target 1=A4 --target 2=4x -o a4.toml",

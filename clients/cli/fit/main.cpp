@@ -134,7 +134,7 @@ ExitCode fit_recording(Arguments& arguments) {
   return written ? ExitCode::ok : complain(written.error());
 }
 
-// What the man page says beside the options.
+// The text of the man page beside the options.
 const std::vector<manual::Section> kSections = {
     {"EXAMPLES",
      {{"ringdown fit cup.wav -o cup.glb", "The modes of a cup that was tapped once, as a bank that plays them."},

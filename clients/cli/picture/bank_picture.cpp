@@ -21,7 +21,7 @@ std::string format(const char* pattern, Numbers... numbers) {
   return text.data();
 }
 
-// What fits into `width` of a text, with an ellipsis where it was cut between two letters.
+// The text, cut between two letters to fit into `width`, with an ellipsis where it was cut.
 std::string fitting(Canvas& canvas, std::string text, double size, double width, bool bold = false) {
   if (canvas.text_width(text, size, bold) <= width) return text;
   while (!text.empty() && canvas.text_width(text + "…", size, bold) > width) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
-// Where a ray hits a shape, in the frame of the shape. Not at all: the distance is kFar.
+// The point at which a ray hits a shape, in the frame of the shape. If it misses, the distance is kFar.
 struct Meeting {
   float distance = kFar;
   glm::vec3 normal{0};
