@@ -7,7 +7,7 @@
 //
 // K_ab is B_a^T D B_b written without the zeros of B and D (Bathe, Finite Element Procedures, section 4.2). For 4 nodes
 // g is constant, so K_ab is its integrand times the volume: vol (lambda b_ia b_jb + ...), without the factor -1/2 that
-// the course report has (docs/how/physics.md, errata). The mass is a multiple of I, so only the number is kept.
+// the course report has (docs/how/physics.md, section 8). The mass is a multiple of I, so only the number is kept.
 //
 // All of K_ab follows from G_ab = integral of g_a g_b^T. In a straight element of any order g_a = A ghat_a with one
 // matrix A = dl/dx, so G_ab = vol A Ghat_ab A^T with numbers Ghat_ab found once, for the reference element.

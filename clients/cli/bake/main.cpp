@@ -65,7 +65,7 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
       ->type_name("FOLDER");
   app.add_option("--name", arguments.name, "name kept in the bank (default: the input's)");
   app.add_option("-e,--element", arguments.element,
-                 "tet20 (default), tet10, tet35, tet4, or tet4-lumped: the 2011 report's, far too stiff in bending")
+                 "tet20 (default), tet10, tet35; tet4 and tet4-lumped are far too stiff in bending")
       ->type_name("tet20|tet10|tet35|tet4|tet4-lumped");
   app.add_option("--mesh-size", arguments.mesh_size_m,
                  "longest edge in metres, when a surface or a geometry is meshed (default: by the band)")
