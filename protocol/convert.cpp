@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxText = 4096;
 
-std::string shown(const std::string& text) { return "the text " + quoted(text); }
+std::string shown(const std::string& text) { return "the text " + quote(text); }
 std::string shown(std::int32_t value) { return std::to_string(value); }
 std::string shown(std::int64_t value) { return std::to_string(value); }
 std::string shown(double value) {

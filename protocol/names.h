@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/base/object_name.h"
-#include "engine/base/quoted.h"
+#include "engine/base/quote.h"
 #include "engine/base/result.h"
 #include "protocol/request.h"
 
@@ -20,6 +20,6 @@ Result<ObjectRef> parse_object(std::string_view text);
 // The inverse: the name, or the number in decimal.
 std::string to_text(const ObjectRef& object);
 
-using ringdown::quoted;  // for error messages
+using ringdown::quote;  // for error messages
 
 }  // namespace ringdown::protocol

@@ -109,7 +109,7 @@ bool matches(std::string_view pattern, std::string_view text) {
 }
 
 Result<std::vector<std::string>> expand(std::string_view pattern, std::span<const std::string> names) {
-  const std::string shown = quoted(pattern);
+  const std::string shown = quote(pattern);
   if (!pattern.starts_with(kObjectPrefix)) {
     return fail(ErrorKind::bad_input,
                 shown + ": patterns stand for objects, as in /object/glass*/gain; write other addresses out");
@@ -125,7 +125,7 @@ Result<std::vector<std::string>> expand(std::string_view pattern, std::span<cons
   }
   if (actions.empty())
     return fail(ErrorKind::bad_input,
-                shown + " matches no address: " + quoted(action) + " is nothing an object can do");
+                shown + " matches no address: " + quote(action) + " is nothing an object can do");
   for (const std::string& name : names) {
     if (name != object && !matches(object, name)) continue;
     for (const std::string& known : actions) addresses.push_back(std::string(kObjectPrefix) + name + "/" + known);

@@ -83,14 +83,14 @@ template <class Any>
 Result<const Row<Any>*> find_row(const std::vector<Row<Any>>& rows, std::string_view address) {
   constexpr std::size_t kMaxAddress = 256;
   if (address.size() > kMaxAddress)
-    return fail(ErrorKind::bad_input, quoted(address) + " is no address: it is too long");
+    return fail(ErrorKind::bad_input, quote(address) + " is no address: it is too long");
   static const Index<Any> index(rows);
   if (const Row<Any>* row = index.find(address)) return row;
   const std::string skeleton = skeleton_of(address);
   const auto distance = [&](const Row<Any>& row) { return edit_distance(skeleton, row.spec.address); };
   const Row<Any>& nearest = *std::ranges::min_element(rows, {}, distance);
   return fail(ErrorKind::bad_input,
-              quoted(address) + " is no address; the nearest is " + std::string(nearest.spec.address));
+              quote(address) + " is no address; the nearest is " + std::string(nearest.spec.address));
 }
 
 // "x y z [contact_time]"

@@ -5,7 +5,7 @@
 #include "engine/scene/contact_side.h"
 #include "engine/scene/solid.h"
 #include "engine/scene/contact_sounds.h"
-#include "engine/base/quoted.h"
+#include "engine/base/quote.h"
 
 #include <btBulletDynamicsCommon.h>
 
@@ -151,14 +151,14 @@ std::unique_ptr<btCollisionShape> make_shape(const StaticDescription& still) {
 Result<void> check_abilities(const SceneDescription& scene) {
   const std::string cannot = ", which ringdown-bullet cannot do; play the scene with ringdownd --scene";
   if (!scene.joints.empty())
-    return fail(ErrorKind::bad_input, "the scene has joint " + ringdown::quoted(scene.joints[0].name) + cannot);
+    return fail(ErrorKind::bad_input, "the scene has joint " + quote(scene.joints[0].name) + cannot);
   if (!scene.emitters.empty())
-    return fail(ErrorKind::bad_input, "the scene has emitter " + ringdown::quoted(scene.emitters[0].name) + cannot);
+    return fail(ErrorKind::bad_input, "the scene has emitter " + quote(scene.emitters[0].name) + cannot);
   for (const BodyDescription& body : scene.bodies) {
     if (body.scatter_m != 0)
-      return fail(ErrorKind::bad_input, "body " + ringdown::quoted(body.name) + " has scatter_m" + cannot);
+      return fail(ErrorKind::bad_input, "body " + quote(body.name) + " has scatter_m" + cannot);
     if (body.shape.type == ShapeType::trimesh)
-      return fail(ErrorKind::bad_input, "body " + ringdown::quoted(body.name) + " is a trimesh" + cannot);
+      return fail(ErrorKind::bad_input, "body " + quote(body.name) + " is a trimesh" + cannot);
   }
   return {};
 }
@@ -224,7 +224,7 @@ Result<void> BulletWorld::Impl::add(const BodyDescription& body,
   const modal::Bank* bank = plays ? banks[number].get() : nullptr;
   const modal::MaterialScale scale = plays ? object->material : modal::MaterialScale{};
   const Result<scene::Solid> solid = scene::make_solid(body, bank, scale);
-  if (!solid) return fail(solid.error().kind, "body " + ringdown::quoted(body.name) + ": " + solid.error().message);
+  if (!solid) return fail(solid.error().kind, "body " + quote(body.name) + ": " + solid.error().message);
 
   Item& item = *waiting.emplace_back(std::make_unique<Item>());
   item.id = static_cast<BodyId>(waiting.size());

@@ -1,7 +1,7 @@
 #include "clients/viewer/settings.h"
 
 #include "engine/base/atomic_file.h"
-#include "engine/base/quoted.h"
+#include "engine/base/quote.h"
 #include "engine/base/toml_table.h"
 
 #include <cstdio>

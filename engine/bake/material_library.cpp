@@ -1,6 +1,6 @@
 #include "engine/bake/material_library.h"
 
-#include "engine/base/quoted.h"
+#include "engine/base/quote.h"
 #include "engine/base/toml_table.h"
 #include "engine/fem/elastic.h"
 
@@ -113,7 +113,7 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path) {
   file->text("name", material.name);
   file->text("description", entry.description);
   if (material.name != path.stem())
-    file->complain("name", "name must be the file's, " + ringdown::quoted(path.stem().string()));
+    file->complain("name", "name must be the file's, " + quote(path.stem().string()));
   const bool curve = file->has("loss_factor");
   for (const Figure& figure : figures_of(material)) {
     const bool damping = &figure.value == &material.damping.alpha_per_s || &figure.value == &material.damping.beta_s;

@@ -1,7 +1,7 @@
 #include "engine/base/toml_table.h"
 
 #include "engine/base/atomic_file.h"
-#include "engine/base/quoted.h"
+#include "engine/base/quote.h"
 #include "engine/base/range.h"
 
 // toml++ 3.3.0 asserts that "[" is followed by the beginning of a key before it has looked; where NDEBUG is set, the
@@ -113,7 +113,7 @@ std::uint32_t line_of_table(const toml::table& table) { return std::max(table.so
 
 std::string name_of(const toml::table& table, std::string_view kind) {
   const std::string name = table["name"].value_or(std::string());
-  return name.empty() ? "[[" + std::string(kind) + "]]" : std::string(kind) + " " + ringdown::quoted(name);
+  return name.empty() ? "[[" + std::string(kind) + "]]" : std::string(kind) + " " + quote(name);
 }
 
 }  // namespace
@@ -324,7 +324,7 @@ Result<void> TomlTable::finish() const {
       if (opened.taken.contains(key.str())) continue;
       const std::uint32_t line = key.source().begin.line ? key.source().begin.line : line_of_table(*opened.table);
       return fail(document_->sentence(opened, line,
-                                      "unknown key " + ringdown::quoted(key.str()) + "; remove it or correct it"));
+                                      "unknown key " + quote(key.str()) + "; remove it or correct it"));
     }
   }
   return {};

@@ -1,6 +1,6 @@
 #include "engine/scene/body_store.h"
 
-#include "engine/base/quoted.h"
+#include "engine/base/quote.h"
 #include "engine/scene/check.h"
 #include "engine/scene/outline.h"
 #include "engine/scene/rotation.h"
@@ -34,7 +34,7 @@ BodyStore::BodyStore(const SceneDescription& scene) : random_(scene.seed) {
 }
 
 Result<BodyId> BodyStore::add(BodyDescription description, bool spawned) {
-  const std::string who = "body " + ringdown::quoted(description.name) + ": ";
+  const std::string who = "body " + quote(description.name) + ": ";
   if (bodies_.size() >= kMaxBodies) {
     return fail(ErrorKind::refused,
                 who + "the scene is full with " + std::to_string(kMaxBodies) + " bodies; clear some first");
@@ -42,7 +42,7 @@ Result<BodyId> BodyStore::add(BodyDescription description, bool spawned) {
   if (const auto ok = check(description); !ok) return fail(ok.error());
   const SoundingObject* object = description.object.empty() ? nullptr : find_object(description.object);
   if (!description.object.empty() && !object) {
-    return fail(ErrorKind::bad_input, who + "no object " + ringdown::quoted(description.object) + " is loaded");
+    return fail(ErrorKind::bad_input, who + "no object " + quote(description.object) + " is loaded");
   }
   Result<Solid> solid = make_solid(description, object ? object->bank.get() : nullptr, scale_of(description.object));
   if (!solid) return fail(solid.error().kind, who + solid.error().message);
@@ -84,7 +84,7 @@ Result<std::map<BodyId, Solid>> BodyStore::solids_of(const SoundingObject& objec
     if (body.description.object != object.name) continue;
     Result<Solid> solid = make_solid(body.description, object.bank.get(), scale_of(object.name));
     if (!solid)
-      return fail(solid.error().kind, "body " + ringdown::quoted(body.description.name) + ": " + solid.error().message);
+      return fail(solid.error().kind, "body " + quote(body.description.name) + ": " + solid.error().message);
     solids.emplace(id, std::move(*solid));
   }
   return solids;

@@ -1,7 +1,7 @@
 #include "engine/scene/check.h"
 
 #include "engine/base/object_name.h"
-#include "engine/base/quoted.h"
+#include "engine/base/quote.h"
 #include "engine/base/range.h"
 #include "engine/scene/rotation.h"
 
@@ -66,7 +66,7 @@ Result<void> check_all(const Things& things, std::string_view kind, std::size_t 
     if (const auto ok = check(thing); !ok) return ok;
     if (!thing.name.empty() && !names.insert(thing.name).second) {
       return fail(ErrorKind::bad_input,
-                  "two " + std::string(kind) + " are named " + ringdown::quoted(thing.name) + "; names are unique");
+                  "two " + std::string(kind) + " are named " + quote(thing.name) + "; names are unique");
     }
   }
   return {};
@@ -75,7 +75,7 @@ Result<void> check_all(const Things& things, std::string_view kind, std::size_t 
 Result<void> check_object(const BodyDescription& body, const SceneDescription& scene) {
   if (body.object.empty() || std::ranges::count(scene.objects, body.object, &ObjectDescription::name)) return {};
   return fail(ErrorKind::bad_input,
-              "body " + ringdown::quoted(body.name) + ": the scene has no object " + ringdown::quoted(body.object));
+              "body " + quote(body.name) + ": the scene has no object " + quote(body.object));
 }
 
 Result<void> check_world(const SceneDescription& scene) {
@@ -95,7 +95,7 @@ Result<void> check_world(const SceneDescription& scene) {
 
 Result<void> check(const ObjectDescription& object) {
   const modal::MaterialScale& material = object.material;
-  return Fields("object " + ringdown::quoted(object.name))
+  return Fields("object " + quote(object.name))
       .require(is_object_name(object.name), "a name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only")
       .require(object.group.empty() || is_object_name(object.group),
                "a group is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only")
@@ -110,7 +110,7 @@ Result<void> check(const ObjectDescription& object) {
 }
 
 Result<void> check(const BodyDescription& body) {
-  return Fields("body " + ringdown::quoted(body.name))
+  return Fields("body " + quote(body.name))
       .vector("position_m", body.position_m, range::kPosition_m)
       .rotation(body.rotation)
       .vector("velocity_m_s", body.velocity_m_s, range::kVelocity_m_s)
@@ -122,7 +122,7 @@ Result<void> check(const BodyDescription& body) {
 }
 
 Result<void> check(const StaticDescription& description) {
-  Fields fields("static " + ringdown::quoted(description.name));
+  Fields fields("static " + quote(description.name));
   if (description.type == StaticType::plane) {
     const double size = length(description.normal);
     fields.require(size > 1e-6 && size < 1e6, "its normal has no direction")
@@ -137,7 +137,7 @@ Result<void> check(const StaticDescription& description) {
 
 Result<void> check(const EmitterDescription& emitter) {
   if (auto ok = check(emitter.body); !ok) return ok;
-  return Fields("emitter " + ringdown::quoted(emitter.name))
+  return Fields("emitter " + quote(emitter.name))
       .number("every_s", emitter.every_s, range::kEvery_s)
       .require(emitter.count >= 1 && emitter.count <= kMaxBodies,
                "its count is outside 1 ... " + std::to_string(kMaxBodies))
@@ -149,12 +149,12 @@ Result<void> check(const JointDescription& joint, std::span<const BodyDescriptio
   const auto moves = [&](const std::string& name) {
     return std::ranges::any_of(bodies, [&](const BodyDescription& body) { return body.name == name && !body.fixed; });
   };
-  Fields fields("joint " + ringdown::quoted(joint.name));
+  Fields fields("joint " + quote(joint.name));
   const auto known = [&](const std::string& name) {
     return std::ranges::count(bodies, name, &BodyDescription::name) > 0;
   };
-  fields.require(known(joint.body), "the scene has no body " + ringdown::quoted(joint.body))
-      .require(joint.other.empty() || known(joint.other), "the scene has no body " + ringdown::quoted(joint.other));
+  fields.require(known(joint.body), "the scene has no body " + quote(joint.body))
+      .require(joint.other.empty() || known(joint.other), "the scene has no body " + quote(joint.other));
   fields.require(joint.body != joint.other, "it joins a body to itself")
       .require(moves(joint.body) || moves(joint.other), "one of its bodies must be free to move")
       .vector("anchor_m", joint.anchor_m, range::kPosition_m)

@@ -1,7 +1,7 @@
 #include "engine/scene/scene_file.h"
 
 #include "engine/base/object_name.h"
-#include "engine/base/quoted.h"
+#include "engine/base/quote.h"
 #include "engine/base/toml_table.h"
 #include "engine/scene/check.h"
 #include "engine/scene/rotation.h"
@@ -182,7 +182,7 @@ class SceneReader {
     read_surface(table, body.surface);
     const bool known = std::ranges::count(scene_.objects, body.object, &ObjectDescription::name) > 0;
     if (!body.object.empty() && !known) {
-      table.complain("object", "the scene has no object " + ringdown::quoted(body.object));
+      table.complain("object", "the scene has no object " + quote(body.object));
     }
     return body;
   }

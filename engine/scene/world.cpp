@@ -1,6 +1,6 @@
 #include "engine/scene/world.h"
 
-#include "engine/base/quoted.h"
+#include "engine/base/quote.h"
 #include "engine/scene/body_store.h"
 #include "engine/scene/check.h"
 #include "engine/scene/contact_sounds.h"
@@ -201,7 +201,7 @@ void World::State::check_bodies() {
     Body& body = store.bodies().at(id);
     body.motion = motion;
     if (is_real(body.motion) && within(body.motion.position_m, range::kPosition_m)) continue;
-    const std::string who = "body " + ringdown::quoted(body.description.name);
+    const std::string who = "body " + quote(body.description.name);
     if (is_real(body.motion)) {
       notices.push_back(who + " left the scene and was removed");
       gone.push_back(id);
@@ -230,7 +230,7 @@ Result<World> World::create(const SceneDescription& scene, std::span<const Sound
     return fail(ErrorKind::bad_input, "a scene needs a sample rate from 1 to 1e7 Hz");
   auto state = std::make_unique<State>(scene, sample_rate_hz);
   for (const SoundingObject& object : objects) {
-    if (!object.bank) return fail(ErrorKind::bad_input, "object " + ringdown::quoted(object.name) + " has no bank");
+    if (!object.bank) return fail(ErrorKind::bad_input, "object " + quote(object.name) + " has no bank");
     state->store.put_object(object);
   }
   state->add_statics(scene);
@@ -270,7 +270,7 @@ double World::step_s() const { return state_->step_s; }
 
 Result<BodyId> World::spawn(BodyDescription body) {
   if (!body.object.empty() && !state_->store.find_object(body.object)) {
-    return fail(ErrorKind::bad_input, "cannot spawn: no object " + ringdown::quoted(body.object) + " is loaded");
+    return fail(ErrorKind::bad_input, "cannot spawn: no object " + quote(body.object) + " is loaded");
   }
   body.name += "-" + std::to_string(state_->store.next_id());
   return state_->add(std::move(body), true);
@@ -289,7 +289,7 @@ void World::clear() {
 }
 
 Result<void> World::set_object(const SoundingObject& object) {
-  if (!object.bank) return fail(ErrorKind::bad_input, "object " + ringdown::quoted(object.name) + " has no bank");
+  if (!object.bank) return fail(ErrorKind::bad_input, "object " + quote(object.name) + " has no bank");
   const auto solids = state_->store.solids_of(object);
   if (!solids) return fail(solids.error());
   state_->store.put_object(object);
@@ -313,7 +313,7 @@ Result<void> World::push(BodyId id, Vec3 impulse_ns) {
   if (found == bodies.end())
     return fail(ErrorKind::bad_input, "cannot push: the scene has no body " + std::to_string(id));
   Body& body = found->second;
-  const std::string who = "body " + ringdown::quoted(body.description.name);
+  const std::string who = "body " + quote(body.description.name);
   if (!within(impulse_ns, range::kPush_ns))
     return fail(ErrorKind::bad_input, "cannot push " + who + ": the impulse is not a number or too large");
   if (body.description.fixed) return fail(ErrorKind::refused, "cannot push " + who + ": it is fixed");

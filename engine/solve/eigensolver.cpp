@@ -1,7 +1,7 @@
 #include "engine/solve/eigensolver.h"
 
 #include "engine/base/in_parallel.h"
-#include "engine/base/quoted.h"
+#include "engine/base/quote.h"
 #include "engine/fem/blas_threads.h"
 #include "engine/solve/methods.h"
 #include "engine/solve/second_opinion.h"
@@ -206,7 +206,7 @@ Result<Method> parse_method(std::string_view name) {
     if (entry.name == name) return entry.method;
   }
   return fail(ErrorKind::bad_input,
-              "there is no solver " + ringdown::quoted(name) + "; choose auto, dense, spectra, block or slepc");
+              "there is no solver " + quote(name) + "; choose auto, dense, spectra, block or slepc");
 }
 
 double seconds_now() {

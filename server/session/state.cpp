@@ -1,7 +1,7 @@
 #include "server/session/state.h"
 
 #include "engine/base/atomic_file.h"
-#include "engine/base/quoted.h"
+#include "engine/base/quote.h"
 #include "engine/base/toml_table.h"
 #include "protocol/names.h"
 #include "server/session/file_roots.h"

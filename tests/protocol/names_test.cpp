@@ -33,7 +33,7 @@ TEST(Names, TextOfAReferenceReadsBack) {
 TEST(Names, ARefusalQuotesWithoutControlCharacters) {
   const std::string sentence = parse_object("a\x1b[2J\n").error().message;
   EXPECT_NE(sentence.find("'a?[2J?'"), std::string::npos) << sentence;
-  EXPECT_LT(protocol::quoted(std::string(1000, 'a')).size(), 60u);
+  EXPECT_LT(protocol::quote(std::string(1000, 'a')).size(), 60u);
 }
 
 }  // namespace

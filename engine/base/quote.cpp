@@ -1,4 +1,4 @@
-#include "engine/base/quoted.h"
+#include "engine/base/quote.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 
 namespace ringdown {
 
-std::string quoted(std::string_view text) {
+std::string quote(std::string_view text) {
   constexpr std::size_t kShown = 48;
   std::string shown(text.substr(0, kShown));
   std::ranges::replace_if(

@@ -8,7 +8,7 @@ namespace ringdown {
 
 // `text` in single quotes for an error message: unprintable characters become '?', long text is cut.
 // Call it qualified: <iomanip> brings std::quoted, which argument-dependent lookup finds too.
-std::string quoted(std::string_view text);
+std::string quote(std::string_view text);
 
 // `text` as a TOML file has it: in double quotes, with escapes where TOML needs them.
 std::string toml_string(std::string_view text);
