@@ -29,8 +29,9 @@ TCP, in SLIP frames as in OSC 1.1. With `--query PORT` it serves this list as JS
   two messages is kept. A bundle's messages sound at its time tag, to the sample. A tag may lie up to an hour ahead; one in
   the past is played at once and counted. Bundles nest up to 4 deep, and an inner one is never earlier than the one around it.
   Below, *timed* requests obey the tag; those *in order* happen after all that was sent before, and *immediate* ones on arrival.
-- **Answers** go to the port the request came from. `/done` repeats the request's address. A refusal is `/fail address sentence`, and the sentence names the argument.
-  Where no answer is listed, silence is success; send `/sync` to be sure that all before it has arrived.
+- **Answers** go to the port the request came from. `/done` repeats the request's address. A refusal is `/fail address sentence`,
+  and the sentence names the argument. Where no answer is listed, silence is success; send `/sync` to be sure that all before it
+  has arrived.
 - **Patterns** of OSC 1.0 stand for objects, and for what follows them: `/object/glass*/gain`, `/object/{bell,bowl}/[!f]*`.
   `?` is one character, `*` any number, `[a-z]` and `[!a-z]` a set, `{low,high}` words. They are matched with names, not
   numbers; one that matches nothing is a `/fail`.

@@ -184,7 +184,7 @@ double t60_at_1_khz(modal::RayleighDamping damping) {
 }
 
 std::string figure_row(MaterialEntry entry) {
-  std::string row = "| `" + entry.material.name + "` | " + entry.description + " |";
+  std::string row = "| `" + entry.material.name + "` |";
   for (const Figure& figure : figures_of(entry.material)) {
     row += " " + marked(text(figure.value / figure.table_unit), entry.sources.at(figure.key)) + " |";
   }
@@ -197,8 +197,8 @@ Result<std::string> materials_as_markdown(const std::filesystem::path& folder) {
   const std::vector<std::string> names = names_in(folder);
   if (names.empty()) return fail(ErrorKind::bad_input, "there are no materials in " + folder.string());
   std::string figures =
-      "| material | what it is | E [GPa] | nu | rho [kg/m^3] | alpha [1/s] | beta [s] | T60 at 1 kHz [s] |\n"
-      "|---|---|---|---|---|---|---|---|\n";
+      "| material | E [GPa] | nu | rho [kg/m^3] | alpha [1/s] | beta [s] | T60 at 1 kHz [s] |\n"
+      "|---|---|---|---|---|---|---|\n";
   for (const std::string& name : names) {
     const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
     if (!entry) return fail(entry.error());

@@ -215,7 +215,7 @@ TEST(MaterialPage, ThePageSaysWhichFiguresToDoubt) {
   const auto page = bake::materials_as_markdown(folder.path());
   ASSERT_TRUE(page);
   // d = (1 + 1e-7 (2000 pi)^2) / 2 = 2.474 1/s, and 6.908 / 2.474 = 2.79
-  EXPECT_NE(page->find("| `clay` | A test | 1 ? | 0.3 | 1000 | *1* | 1e-07 | 2.8 |\n"), std::string::npos) << *page;
+  EXPECT_NE(page->find("| `clay` | 1 ? | 0.3 | 1000 | *1* | 1e-07 | 2.8 |\n"), std::string::npos) << *page;
   EXPECT_FALSE(bake::materials_as_markdown(folder.path() / "none"));
 }
 
