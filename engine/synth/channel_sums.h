@@ -33,7 +33,7 @@ class ChannelSums {
 
  private:
   struct Channel {
-    std::array<double, kChunkFrames> samples{};
+    alignas(64) std::array<double, kChunkFrames> samples{};
     MomentSums moments;
   };
   std::vector<Channel> channels_ = std::vector<Channel>(kMaxChannels);

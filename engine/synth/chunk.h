@@ -62,8 +62,8 @@ struct ChunkCounts {
 struct Workspace {
   ChannelSums sums;
   ChunkCounts counts;
-  std::array<double, kChunkFrames> mono{};                              // one object's samples
-  std::array<std::array<double, kChunkFrames>, kMaxForces> impulses{};  // of the forces on one object
+  alignas(64) std::array<double, kChunkFrames> mono{};                              // one object's samples
+  alignas(64) std::array<std::array<double, kChunkFrames>, kMaxForces> impulses{};  // of the forces on one object
   // Set by Shedding before each source:
   Level threshold = ModeStates::kNoThreshold;  // modes below this level are muted
   bool at_once = false;                        // without a ramp

@@ -74,17 +74,6 @@ Exciter* ExciterSlots::find_contact(std::uint32_t number) const RINGDOWN_REALTIM
   return nullptr;
 }
 
-bool ExciterSlots::has_pulse() const RINGDOWN_REALTIME {
-  return std::any_of(slots_.begin(), slots_.begin() + count_,
-                     [](const Exciter* exciter) RINGDOWN_REALTIME { return !exciter->input; });
-}
-
-bool ExciterSlots::act(const std::array<bool, kMaxInputs>& input_sounds) const RINGDOWN_REALTIME {
-  return std::any_of(slots_.begin(), slots_.begin() + count_, [&](const Exciter* exciter) RINGDOWN_REALTIME {
-    return !exciter->input || input_sounds[*exciter->input];
-  });
-}
-
 void ExciterSlots::stop_at(Frame end) RINGDOWN_REALTIME {
   for (Exciter* exciter : all()) exciter->end = std::min(exciter->end, end);
 }

@@ -12,6 +12,7 @@
 #include "engine/synth/event.h"
 #include "engine/synth/rubbing.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -80,9 +81,16 @@ class ExciterSlots {
   void clear() RINGDOWN_REALTIME { count_ = 0; }
 
   [[nodiscard]] Exciter* find_contact(std::uint32_t number) const RINGDOWN_REALTIME;  // null: none
-  [[nodiscard]] bool has_pulse() const RINGDOWN_REALTIME;  // or a contact: anything but inputs
+  // Whether a pulse or a contact acts: anything but an input.
+  [[nodiscard]] bool has_pulse() const RINGDOWN_REALTIME {
+    return std::ranges::any_of(all(), [](const Exciter* exciter) RINGDOWN_REALTIME { return !exciter->input; });
+  }
   // Whether a force acts in a chunk in which these inputs are not silent.
-  [[nodiscard]] bool act(const std::array<bool, kMaxInputs>& input_sounds) const RINGDOWN_REALTIME;
+  [[nodiscard]] bool act(const std::array<bool, kMaxInputs>& input_sounds) const RINGDOWN_REALTIME {
+    return std::ranges::any_of(all(), [&](const Exciter* exciter) RINGDOWN_REALTIME {
+      return !exciter->input || input_sounds[*exciter->input];
+    });
+  }
   void stop_at(Frame end) RINGDOWN_REALTIME;  // cuts off every pulse and contact
 
  private:

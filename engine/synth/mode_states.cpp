@@ -288,12 +288,6 @@ void ModeStates::silence() RINGDOWN_REALTIME {
   slow_.count = fast_.count = 0;
 }
 
-ModeStates::Counts ModeStates::counts() const RINGDOWN_REALTIME {
-  const std::size_t slow = std::min(kModePadding * slow_.count, table_.slow_modes());
-  const std::size_t fast = std::min(kModePadding * fast_.count, table_.playable_modes() - table_.slow_modes());
-  return {slow + fast, kModePadding * muting_.groups(), kModePadding * slow_.count, fade_.running()};
-}
-
 double ModeStates::peak_level(Frame rested) const RINGDOWN_REALTIME {
   double sum = 0;
   const auto add = [&](std::uint32_t group, Frame behind) RINGDOWN_REALTIME {

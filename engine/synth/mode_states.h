@@ -18,6 +18,8 @@
 #include "engine/synth/muting.h"
 #include "engine/synth/state_array.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -95,7 +97,11 @@ class ModeStates {
     std::size_t slow = 0;                 // of the sounding ones, those that take moments
     bool fading = false;                  // something fades out (fade_out())
   };
-  [[nodiscard]] Counts counts() const RINGDOWN_REALTIME;
+  [[nodiscard]] Counts counts() const RINGDOWN_REALTIME {
+    const std::size_t slow = std::min(kModePadding * slow_.count, table_.slow_modes());
+    const std::size_t fast = std::min(kModePadding * fast_.count, table_.playable_modes() - table_.slow_modes());
+    return {slow + fast, kModePadding * muting_.groups(), kModePadding * slow_.count, fade_.running()};
+  }
 
   // What no sample of what rings exceeds: the sum of the modes' amplitudes, muted and fading ones included. The states
   // have rested for `rested` frames, 0 unless rest() was called; resting modes are taken to decay as the slowest of

@@ -71,8 +71,7 @@ bool Muting::render_changes(StateArray& states, std::span<const MomentTarget> ta
   return add_moments(all, moments, coming, frames, kKeepAllGroups, targets, {0, 1}) && sane;
 }
 
-void Muting::advance(const StateArray& states, std::size_t frames, ActiveGroups& sounding) RINGDOWN_REALTIME {
-  clock_ += static_cast<Frame>(frames);
+void Muting::finish_changes(const StateArray& states, ActiveGroups& sounding) RINGDOWN_REALTIME {
   for (const std::uint32_t group : leaving) mute(states, group);
   for (const std::uint32_t group : entering) sounding.list[sounding.count++] = group;
   leaving.clear();

@@ -16,8 +16,8 @@
 
 namespace ringdown::synth {
 
-// The energy of a group (the sum of |z|^2, full scale 1) in eighths of an octave: steps of 0.28 to 0.51 dB. What is not a
-// number lies above everything.
+// The energy of a group (the sum of |z|^2, full scale 1) in eighths of an octave: steps of 0.28 to 0.51 dB. What is not
+// a number lies above everything.
 using Level = std::int32_t;
 inline constexpr double kStep_db = 0.37628749457997270;  // 10 log10(2) / 8
 Level level_of(double energy) RINGDOWN_REALTIME;
@@ -77,7 +77,10 @@ class Muting {
   bool render_changes(StateArray& states, double* out, std::size_t frames) RINGDOWN_REALTIME;
   bool render_changes(StateArray& states, std::span<const MomentTarget> targets, std::size_t frames) RINGDOWN_REALTIME;
   // Ends a chunk of `frames`. What has left is muted, and what has entered is appended to `sounding`.
-  void advance(const StateArray& states, std::size_t frames, ActiveGroups& sounding) RINGDOWN_REALTIME;
+  void advance(const StateArray& states, std::size_t frames, ActiveGroups& sounding) RINGDOWN_REALTIME {
+    clock_ += static_cast<Frame>(frames);
+    if (changing()) finish_changes(states, sounding);
+  }
 
   [[nodiscard]] std::size_t groups() const RINGDOWN_REALTIME { return muted.size() + leaving.size() + entering.size(); }
   void clear() RINGDOWN_REALTIME;
@@ -85,6 +88,8 @@ class Muting {
   GroupList muted, leaving, entering;  // the latter two by a ramp in the next rendered frames
 
  private:
+  void finish_changes(const StateArray& states, ActiveGroups& sounding) RINGDOWN_REALTIME;
+
   static constexpr Frame kNotMuted = -1;
   std::vector<Frame> muted_at_;     // by clock_
   std::vector<Level> muted_level_;  // the level it had then

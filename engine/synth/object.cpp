@@ -225,11 +225,11 @@ bool Object::ringing() const RINGDOWN_REALTIME {
 
 bool Object::can_share(Frame now) const RINGDOWN_REALTIME {
   const Voice* const voice = voices.current();
-  if (!voice || voices.has_tails() || !exciters.all().empty() || voice->counts().fading) return false;
+  const InstanceGroup* const group = voice ? voice->table().instances : nullptr;
+  if (!group || voices.has_tails() || !exciters.all().empty() || voice->counts().fading) return false;
   // Gains are part of the group's sums, and what is absurdly loud should not depend on sharing.
   if (std::abs(strip.final_gain()) > kMaxSharedGain) return false;
-  const InstanceGroup* const group = voice->table().instances;
-  return group && group->accepts(strip.bus()) && strip.still_at(now);
+  return group->accepts(strip.bus()) && strip.still_at(now);
 }
 
 double Object::units_of(const Event& event) const RINGDOWN_REALTIME {

@@ -10,11 +10,10 @@
 // 1. Events are taken off the queue until they would cost kEventsShare of what is affordable (may_accept()); the others
 //    wait for the next chunk.
 // 2. If the last chunk was tight, or modes are still muted, plan() surveys levels: survey() adds some sources to a
-// histogram, for at most
-//    kSurveyShare of what is affordable, and a histogram that has seen all sources replaces the one in use.
-//    set_threshold() reads from it the level above which lie as many modes as can be rendered beside events and
-//    overhead. The threshold rises to that level at once, and falls towards it by 3 dB, or half of the way if that is
-//    more, in every kLowerFrames frames: a threshold that fell at once would let modes in that must leave again.
+//    histogram, for at most kSurveyShare of what is affordable, and a histogram that has seen all sources replaces the
+//    one in use. set_threshold() reads from it the level above which lie as many modes as can be rendered beside events
+//    and overhead. The threshold rises to that level at once, and falls towards it by 3 dB, or half of the way if that
+//    is more, in every kLowerFrames frames: a threshold that fell at once would let modes in that must leave again.
 // 3. Before each source, may_render() compares the time left, at the pace of this chunk so far, with the work planned.
 //    What is missing is taken from the quietest modes of the sources still to come, by a higher threshold without a
 //    ramp; time to spare lets muted modes enter. A source for which even that is too much is skipped.
@@ -23,6 +22,7 @@
 //
 // Helpers run steps 3 and 4 for their own sources at the same time. They share what plan() has set and change only the
 // source and their own workspaces.
+
 namespace ringdown::synth {
 namespace {
 
