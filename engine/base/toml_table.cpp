@@ -4,10 +4,10 @@
 #include "engine/base/quote.h"
 #include "engine/base/range.h"
 
-// toml++ 3.3.0 promises its compiler two things that do not hold. One is that "[" is followed by the beginning of a key:
-// it asserts that, and assumes it where NDEBUG is set, before it has looked. The other is that its tables of Unicode's
-// white space have a case for every letter. Without these promises it refuses such text as it should. No check before
-// parsing can stand in for this: after a fault the parser reads on, to quote what it could not read.
+// toml++ 3.3.0 promises its compiler two things that do not hold. One is that "[" is followed by the beginning of a
+// key: it asserts that, and assumes it where NDEBUG is set, before it has looked. The other is that its tables of
+// Unicode's white space have a case for every letter. Without these promises it refuses such text as it should. No
+// check before parsing can stand in for this: after a fault the parser reads on, to quote what it could not read.
 #undef NDEBUG
 #define TOML_ASSERT(expression) static_cast<void>(0)
 #define TOML_HEADER_ONLY 1
@@ -331,8 +331,7 @@ Result<void> TomlTable::finish() const {
     for (const auto& [key, node] : *opened.table) {
       if (opened.taken.contains(key.str())) continue;
       const std::uint32_t line = key.source().begin.line ? key.source().begin.line : line_of_table(*opened.table);
-      return fail(document_->sentence(opened, line,
-                                      "unknown key " + quote(key.str()) + "; remove it or correct it"));
+      return fail(document_->sentence(opened, line, "unknown key " + quote(key.str()) + "; remove it or correct it"));
     }
   }
   return {};
