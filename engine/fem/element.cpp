@@ -34,10 +34,10 @@ struct Samples {
   MatrixXd gradients;  // three rows for each point: 3 count x n
 };
 
-// What all elements of one order share, computed once. In a straight element the products of gradients have the degree
-// 2 p - 2 and those of shape functions 2 p, and the rules are exact. In a curved element the mass has the degree 5 p -
-// 3, since the determinant adds 3 (p - 1), and its rule is exact, too; the stiffness is not polynomial there, because
-// the inverse of the Jacobian is in it, and its rule is exact for 2 p + 1.
+// A Reference holds what all elements of one order share, computed once. In a straight element the products of
+// gradients have the degree 2 p - 2 and those of shape functions 2 p, and the rules are exact. In a curved element the
+// mass has the degree 5 p - 3, since the determinant adds 3 (p - 1), and its rule is exact, too; the stiffness is not
+// polynomial there, because the inverse of the Jacobian is in it, and its rule is exact for 2 p + 1.
 struct Reference {
   explicit Reference(int order)
       : stiffness_rule(order, 2 * order + 1), mass_rule(order, 5 * order - 3), mass(shape_products(order)) {

@@ -6,8 +6,9 @@
 // Computers & Structures 16, 1983; Bank & Smith, SIAM J. Numer. Anal. 30, 1993). docs/how/accuracy.md derives it and
 // compares it with true errors: mostly between 1 and 4 times the truth on blocks, bars, plates and a sphere.
 //
-// Not seen: what a mesh's elements, curved as they are, leave of the shape of the body (docs/how/accuracy.md says how much
-// that is), the error of the material's constants, and that of a lumped mass, which pulls the other way.
+// The estimate does not see three errors: what a mesh's elements, curved as they are, leave of the shape of the body
+// (docs/how/accuracy.md says how much that is), the error of the material's constants, and that of a lumped mass, which
+// pulls the other way.
 #pragma once
 
 #include "engine/base/result.h"

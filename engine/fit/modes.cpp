@@ -172,8 +172,8 @@ void fit_amplitudes_beside(std::span<const double> sound, double rate, std::vect
   std::copy_n(all.begin(), modes.size(), modes.begin());
 }
 
-// Whether a mode is only what an earlier pass has left of one that it found: subtracting an estimate leaves a weak
-// remainder at its pitch, or a weak and broad one beside it, where a real mode would be masked.
+// Returns true when a mode is only what an earlier pass has left of one that it found: subtracting an estimate leaves a
+// weak remainder at its pitch, or a weak and broad one beside it, where a real mode would be masked.
 bool is_remains(const Mode& mode, std::span<const Mode> known, double length_s) {
   return std::ranges::any_of(known, [&](const Mode& k) {
     const double apart = std::abs(mode.frequency_hz - k.frequency_hz);

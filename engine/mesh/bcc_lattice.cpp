@@ -19,7 +19,8 @@ bool is_long(int a, int b) { return a / 2 == b / 2; }
 StencilPoint corner(int a) { return {static_cast<std::int8_t>(a), static_cast<std::int8_t>(a)}; }
 StencilPoint cut(int a, int b) { return {static_cast<std::int8_t>(a), static_cast<std::int8_t>(b)}; }
 
-// Whether the diagonal of the quadrilateral u, v, (v w), (u w) starts at u, to (v w); otherwise it is v (u w).
+// Returns true when the diagonal of the quadrilateral u, v, (v w), (u w) runs from u to (v w), and false when it runs
+// from v to (u w).
 bool diagonal_at(const Sites& sites, int u, int v, int w) {
   if (!is_long(u, v)) return is_long(v, w);
   // The cut point lies beyond the middle of u v, and as far aside of it as w is.

@@ -1,4 +1,4 @@
-// What one pure tone hides of another: the model of hearing by which a bake finds inaudible modes. [any]
+// This model of hearing says what one pure tone hides of another; a bake finds inaudible modes by it. [any]
 //
 // A tone at level L and critical-band rate z_j hides what is below
 //

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-// Where two convex bodies touch in a face
+// The contact points of two convex bodies that touch in a face are found by clipping.
 //
 // Of each body the face is taken that looks most directly against the contact normal (face_across()). If neither looks
 // along it to within kFlat_degrees the bodies touch at an edge or a corner, and there is no polygon. Otherwise the

@@ -9,7 +9,8 @@
 namespace ringdown::scene {
 namespace {
 
-// For meshes: the cosine of the largest angle between normals that agree, and how far meshes at rest overlap.
+// Two limits hold for meshes: the cosine of the largest angle between normals that agree, and how far meshes overlap at
+// rest.
 constexpr double kAgree = 0.7, kRestOverlap_m = 1e-4;
 
 Vec3 to_vec3(const dReal* v) { return {v[0], v[1], v[2]}; }

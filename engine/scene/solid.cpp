@@ -166,7 +166,7 @@ Result<Solid> solid_of(const BodyDescription& body, const modal::Bank* bank, dou
   return Solid{*mass, std::move(*shape)};
 }
 
-// As much of a scaled bank as its rigid body needs.
+// Returns a scaled bank with only what its rigid body needs.
 modal::Bank body_of(const modal::Bank& bank, const modal::MaterialScale& scale) {
   modal::Bank scaled;
   for (const modal::Vec3f& point : bank.positions) scaled.positions.push_back(modal::rescale(point, scale));

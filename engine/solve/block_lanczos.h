@@ -14,7 +14,8 @@
 
 namespace ringdown::solve {
 
-// What one iteration is asked for: the eigenvalues from `low` on. Inertia tells how many lie below the shift.
+// A Window says which eigenvalues one iteration is to find: those from `low` on. Inertia tells how many lie below the
+// shift.
 struct Window {
   double low = 0;
   int left = 0;          // eigenvalues in [low, sigma)

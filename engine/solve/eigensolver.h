@@ -50,7 +50,8 @@ struct EigenRequest {
   [[nodiscard]] double hertz(double lambda) const;
 };
 
-// What a second opinion compared (EigenRequest::verify): the largest differences, all within what is allowed.
+// An Agreement holds the largest differences that a second opinion (EigenRequest::verify) found, all within what is
+// allowed.
 struct Agreement {
   int modes = 0;         // compared; 0: no second opinion was asked for
   double frequency = 0;  // relative
