@@ -4,6 +4,7 @@
 #include "protocol/defaults.h"
 
 #include <cctype>
+#include <limits>
 
 namespace ringdown::protocol {
 namespace {
@@ -13,31 +14,33 @@ constexpr std::string_view kHead = R"(# The protocol
 <!-- Written by `ringdown protocol --markdown` from the table in protocol/table.cpp. Change it there. -->
 
 The daemon listens for OSC 1.0 by UDP, on port {port} of this computer by default. With `--tcp PORT` it also takes OSC over
-TCP, in SLIP frames as in OSC 1.1. With `--query PORT` it serves this list as JSON over HTTP (OSCQuery).
+TCP, in SLIP frames as in OSC 1.1. With `--query PORT` it serves this list as JSON over HTTP (OSCQuery). With liblo's `oscsend`:
 
-- **Units** are SI. Points and impulses are in the object's own frame, the one of its mesh.
-- **Numbers** may have any of the OSC types `i` `h` `f` `d`. They must be finite and in range, and whole where a whole number
-  is wanted: Pure Data's 3.0 is 3. Text is type `s`, 1 to 4096 bytes without control characters; records are a blob, type `b`.
-  Arguments in [brackets] may be left out, from the right.
+    oscsend osc.udp://127.0.0.1:{port} /load ss bell presets/banks/bronze-bell.glb
+    oscsend osc.udp://127.0.0.1:{port} /object/bell/gain ff 0.5 0.1
+
+- **Units** are SI. Points, impulses and forces are in the object's own frame, which is its mesh's.
+- **Numbers** may be of type `i`, `h`, `f` or `d`; where a whole number is wanted, 3.0 will do. Text is type `s`, 1 to 4096
+  bytes without control characters; records are a blob, type `b`. Arguments in [brackets] may be left out, from the right.
 - **Objects** have a name (1 to 64 of `A-Z a-z 0-9 _ . -`, not digits only) and a number. Both serve in an address:
   `/object/bell/strike`, `/object/0/strike`. Groups are named in the same way.
-- **Contact time** is 0.2 ms by default. A blow of length T falls off above 1/T; an ideal impulse (0 s) excites all modes alike
-  and is brighter than any real mallet. By Hertz's law (K. L. Johnson, Contact Mechanics, equation 11.24) a ball that meets
-  steel at 1 m/s stays 0.07 ms if it is steel of 10 mm radius, and at 15 mm 0.1 ms if it is hardwood, 0.2 ms hard plastic,
-  0.7 ms hard rubber.
-- **Time.** A message outside a bundle sounds a fixed short latency after it arrived (`--latency`), so that the time between
-  two messages is kept. A bundle's messages sound at its time tag, to the sample. A tag may lie up to an hour ahead; one in
-  the past is played at once and counted. Bundles nest up to 4 deep, and an inner one is never earlier than the one around it.
-  Below, *timed* requests obey the tag; those *in order* happen after all that was sent before, and *immediate* ones on arrival.
-- **Answers** go to the port the request came from. `/done` repeats the request's address. A refusal is `/fail address sentence`,
-  and the sentence names the argument. Where no answer is listed, silence is success; send `/sync` to be sure that all before it
-  has arrived.
+- **Paths** start where the daemon was started, unless they are absolute.
+- **An impulse** is mass times change of velocity. **Contact time** is that of a half-sine pulse, which is weak above its
+  inverse; 0 s excites all modes alike. By Hertz's law (K. L. Johnson, Contact Mechanics, equation 11.24) a ball that meets
+  steel at 1 m/s stays for 0.07 ms if it is steel of 10 mm radius, and at 15 mm for 0.1 ms if it is hardwood, 0.2 ms hard
+  plastic, 0.7 ms hard rubber.
+- **Time.** A message outside a bundle sounds at a fixed short latency (`--latency`) after its arrival, so that intervals are
+  kept. A bundle sounds at its time tag, to the sample. A tag may lie up to an hour ahead; one in the past is played at once
+  and counted. Bundles nest up to 4 deep, an inner one never earlier than its outer. Below, *timed* requests obey the tag;
+  those *in order* follow all that was sent before, and *immediate* ones are handled on arrival.
+- **Answers** go to the sender's port. A refusal is `/fail`. Where no answer is listed, silence is success; send `/sync` to
+  learn that all before it has arrived.
 - **Patterns** of OSC 1.0 stand for objects, and for what follows them: `/object/glass*/gain`, `/object/{bell,bowl}/[!f]*`.
   `?` is one character, `*` any number, `[a-z]` and `[!a-z]` a set, `{low,high}` words. They are matched with names, not
   numbers; one that matches nothing is a `/fail`.
-- **Limits**: 64 arguments, an address of 256 characters; [limits.md](../use/limits.md) has them all. A datagram with any fault
-  is refused whole. In a flood, strikes on one point less than `--merge` apart (1 ms by default) become one of their summed
-  impulse; below 64 strikes in that time all pass as they are.
+- **Limits**: 64 arguments, an address of 256 characters, and [others](../use/limits.md). A datagram with a fault is refused
+  whole. Once 64 strikes arrive within `--merge` (1 ms by default), further ones on one point become one of their summed
+  impulse.
 
 )";
 
@@ -47,15 +50,17 @@ std::string accepted_text(const ArgumentSpec& spec) {
   return text;
 }
 
+constexpr std::int32_t kAnyInteger = std::numeric_limits<std::int32_t>::max();
+
 std::string fallback_text(const ArgumentSpec& spec) {
-  const bool absent = std::holds_alternative<std::monostate>(spec.fallback);
-  return absent ? "absent" : value_text(spec.fallback);
+  if (std::holds_alternative<std::monostate>(spec.fallback)) return "absent";
+  return spec.fallback == Value(kAnyInteger) ? "all" : value_text(spec.fallback);
 }
 
 // The values of an argument as the page states them: "0 to 60 s", "whole, 0 to 15", "text". Limits that only keep
 // numbers finite are left out.
 std::string brief_range(const ArgumentSpec& spec) {
-  constexpr double kAnyInteger = 2147483647, kAnyNumber = 1e30;
+  constexpr double kAnyNumber = 1e30;
   const bool whole = spec.type == ValueType::integer;
   if (!whole && spec.type != ValueType::number) {
     return spec.type == ValueType::text || spec.type == ValueType::name || spec.type == ValueType::object
@@ -66,15 +71,9 @@ std::string brief_range(const ArgumentSpec& spec) {
   if (spec.most == (whole ? kAnyInteger : kAnyNumber) && (spec.least == 0 || spec.least == -spec.most)) {
     return whole ? "whole" : unit;
   }
-  return (whole ? "whole, " : "") + number_text(spec.least) + " to " + number_text(spec.most) +
-         (unit.empty() ? "" : " " + unit);
-}
-
-// Whether `next` is one more component of the vector, or one more factor, that `first` begins.
-bool continues(const ArgumentSpec& first, const ArgumentSpec& next) {
-  const bool same =
-      next.sentence == "Its y component." || next.sentence == "Its z component." || next.sentence == "The same.";
-  return same && brief_range(first) == brief_range(next) && first.optional == next.optional;
+  const std::string range = spec.least == -spec.most ? "±" + number_text(spec.most)
+                                                     : number_text(spec.least) + " to " + number_text(spec.most);
+  return (whole ? "whole, " : "") + range + (unit.empty() ? "" : " " + unit);
 }
 
 // All that a client has to know to send an argument; for an argument of a reply, its unit alone.
@@ -82,9 +81,16 @@ std::string values_text(const ArgumentSpec& argument, bool is_request) {
   if (!is_request) return std::string(argument.unit);
   std::string values = brief_range(argument);
   if (argument.optional && !std::holds_alternative<std::monostate>(argument.fallback)) {
-    values += (values.empty() ? "" : "; ") + fallback_text(argument) + " if left out";
+    values += (values.empty() ? "default " : "; default ") + fallback_text(argument);
   }
   return values;
+}
+
+// Whether `next` is one more component of the vector, or one more argument of the kind, that `first` begins.
+bool continues(const ArgumentSpec& first, const ArgumentSpec& next, bool is_request) {
+  const bool same =
+      next.sentence == "Its y component." || next.sentence == "Its z component." || next.sentence == "The same.";
+  return same && values_text(first, is_request) == values_text(next, is_request) && first.optional == next.optional;
 }
 
 // One line for each argument that is not in the address; the components of a vector share a line.
@@ -94,7 +100,8 @@ std::string argument_list(const AddressSpec& spec) {
   for (std::size_t i = 0; i < arguments.size();) {
     const ArgumentSpec& first = arguments[i];
     list.append("- `").append(first.name);
-    for (++i; i < arguments.size() && continues(first, arguments[i]); ++i) list.append(" ").append(arguments[i].name);
+    for (++i; i < arguments.size() && continues(first, arguments[i], spec.lane.has_value()); ++i)
+      list.append(" ").append(arguments[i].name);
     list.append("`: ").append(first.sentence);
     const std::string values = values_text(first, spec.lane.has_value());
     list += (values.empty() ? "" : " (" + values + ")") + "\n";
@@ -127,10 +134,12 @@ std::string_view time_text(Lane lane) {
   return "";
 }
 
+// An oscsend command for each message of four arguments or more; the page's head shows shorter ones.
 std::string example_text(const AddressSpec& spec) {
-  if (spec.example.arguments.empty()) return "";
-  if (const std::string command = oscsend_command(spec); !command.empty()) return "    " + command + "\n\n";
-  return "`oscsend` sends no blobs; [clients/python/strike.py](../../clients/python/strike.py) does.\n\n";
+  const std::string command = oscsend_command(spec);
+  if (command.empty())
+    return "`oscsend` sends no blobs; [clients/python/strike.py](../../clients/python/strike.py) does.\n\n";
+  return spec.example.arguments.size() < 4 ? "" : "    " + command + "\n\n";
 }
 
 std::string request_section(const AddressSpec& spec) {
@@ -139,7 +148,7 @@ std::string request_section(const AddressSpec& spec) {
 }
 
 std::string reply_section(const AddressSpec& spec) {
-  return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + "\n\n" + argument_list(spec);
+  return "### `" + std::string(spec.address) + "`\n\n" + std::string(spec.sentence) + "\n\n" + argument_list(spec);
 }
 
 // An argument for oscsend: its type letter and its word. Numbers go as f, as most clients send them.
@@ -173,10 +182,14 @@ std::string overview() {
 
 std::string markdown() {
   std::string text(kHead);
-  text.replace(text.find("{port}"), 6, std::to_string(kDefaultPort));
+  for (auto at = text.find("{port}"); at != text.npos; at = text.find("{port}", at))
+    text.replace(at, 6, std::to_string(kDefaultPort));
   text += "## What you can send\n\n";
   for (const AddressSpec& spec : addresses()) text += request_section(spec);
-  text += "## What is answered\n\nAnswers use the OSC types `i`, `f`, `s` and, for bytes and samples, `b`.\n\n";
+  text +=
+      "## What is answered\n\nAnswers use the OSC types `i`, `f`, `s` and, for bytes and samples, `b`; their arguments "
+      "come in the "
+      "order listed. `/notify` makes the daemon send the `/notify.` messages.\n\n";
   for (const AddressSpec& spec : reply_addresses()) text += reply_section(spec);
   text.pop_back();
   return text;

@@ -26,18 +26,17 @@ auto body_object() {
 
 template <auto... path>
 auto impulse() {
-  return vector<path...>({"jx", "jy", "jz"}, kImpulse, "The impulse it receives: mass times change of velocity.");
+  return vector<path...>({"jx", "jy", "jz"}, kImpulse, "The impulse it receives.");
 }
 
 template <auto... path>
 auto contact_time() {
-  return optional(
-      number<path...>("contact_time", kContactTime, "How long the blow lasts; short is bright, long is dull."));
+  return optional(number<path...>("contact_time", kContactTime, "How long the blow lasts; longer is duller."));
 }
 
 template <auto... path>
 auto position() {
-  return vector<path...>({"x", "y", "z"}, kPosition, "Where its centre of mass starts, in the scene's frame.");
+  return vector<path...>({"x", "y", "z"}, kPosition, "Where its centre of mass starts, in the scene.");
 }
 
 template <auto... path>
@@ -47,8 +46,7 @@ auto velocity() {
 
 template <auto... path>
 auto density() {
-  return optional(
-      number<path...>("density", kDensity, "Its density; 0 takes mass and inertia from the object's bank."));
+  return optional(number<path...>("density", kDensity, "0 takes mass and inertia from the bank."));
 }
 
 const ObjectRef kBell{"bell", std::nullopt};
@@ -81,39 +79,36 @@ std::vector<Row<Request>> make_request_rows() {
   return make_table<Request>(
       silent<Lane::mixer>(
           "/object/{object}/strike", Strike{kBell, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005},
-          "Rings the object at the point of its surface that is nearest to x y z.",
+          "Strikes the object at the surface point nearest to x y z.",
           {object<&Strike::object>(), vector<&Strike::point_m>({"x", "y", "z"}, kPosition, "Where it is struck."),
            impulse<&Strike::impulse_ns>(), contact_time<&Strike::contact_time_s>()}),
       silent<Lane::mixer>("/object/{object}/strike_vertex", StrikeVertex{kBell, 12, {-0.02, 0, 0}, 0.0005},
-                          "Rings the object at one sample point of its bank.",
+                          "Strikes the object at a sample point of its bank.",
                           {object<&StrikeVertex::object>(),
-                           integer<&StrikeVertex::vertex>("vertex", kIndex, "The sample point's number, from 0."),
+                           integer<&StrikeVertex::vertex>("vertex", kIndex, "The point's number, from 0."),
                            impulse<&StrikeVertex::impulse_ns>(), contact_time<&StrikeVertex::contact_time_s>()}),
+      silent<Lane::mixer>("/strikes", StrikeMany{encode_strikes(std::array{kBlow})},
+                          "Many strikes in one message, for simulators. A record is 40 bytes, big-endian: int32 object "
+                          "(the number that /load answered), int32 vertex (-1: at x y z), float32 x y z [m], jx jy jz "
+                          "[N s], contact_time [s] and delay [s], 0 to 60, after the message's time. Ranges are those "
+                          "of /strike. One wrong record refuses them all.",
+                          {records<&StrikeMany::records>("records", kBytesPerStrike, kMaxBulkStrikes, "The records.")}),
+      silent<Lane::mixer>("/object/{object}/gain", SetGain{kBell, 0.5, 0.1}, "Sets the object's loudness.",
+                          {object<&SetGain::object>(),
+                           number<&SetGain::gain>("gain", kGain, "The factor on its signal; 1 is as computed."),
+                           optional(number<&SetGain::ramp_s>("ramp", kRamp, "How long the change takes."))}),
       silent<Lane::mixer>(
-          "/strikes", StrikeMany{encode_strikes(std::array{kBlow})},
-          "Many strikes in one message, for simulators. Each record is 40 bytes, its numbers big-endian: int32 object "
-          "(the number that /load answered), int32 vertex (or -1: the point x y z counts), float32 x y z [m], float32 "
-          "jx jy jz [N s], float32 contact_time [s], float32 delay [s], 0 to 60, after the message's own time. Ranges "
-          "are those of /object/{object}/strike. One wrong record refuses them all.",
-          {records<&StrikeMany::records>("records", kBytesPerStrike, kMaxBulkStrikes, "The records.")}),
-      silent<Lane::mixer>(
-          "/object/{object}/gain", SetGain{kBell, 0.5, 0.1}, "Sets the object's loudness.",
-          {object<&SetGain::object>(),
-           number<&SetGain::gain>("gain", kGain, "The factor on its signal; 1 is as computed, 0.5 is 6 dB less."),
-           optional(number<&SetGain::ramp_s>("ramp", kRamp, "How long the change takes."))}),
-      silent<Lane::mixer>(
-          "/object/{object}/pan", SetPan{kBell, -0.3}, "Places the object between left and right, at equal power.",
+          "/object/{object}/pan", SetPan{kBell, -0.3}, "Pans the object at equal power.",
           {object<&SetPan::object>(), number<&SetPan::pan>("pan", kPan, "-1 is left, 0 the middle, 1 right.")}),
       answered<Lane::worker>(
           "/object/{object}/material", SetMaterial{kBell, {1, 1, 1, 4, 0.5}},
-          "Scales the material and the size that the object was baked with; its modes, mass and click follow exactly. "
-          "The factors count from the bank: 1 1 1 1 1 is the bank as baked. Points in later messages lie on the object "
-          "in its new size. Bodies of a running scene keep theirs.",
+          "Scales the material and size of the bank; modes, mass and click follow exactly. 1 1 1 1 1 is the bank as "
+          "baked. Points in later messages lie on the object in its new size. Bodies of a running scene keep theirs.",
           {object<&SetMaterial::object>(),
            number<&SetMaterial::scale, &modal::MaterialScale::alpha>(
-               "alpha", kDampingScale, "The factor on Rayleigh's alpha, the damping of low modes."),
+               "alpha", kDampingScale, "The factor on Rayleigh's alpha: damping of low modes."),
            number<&SetMaterial::scale, &modal::MaterialScale::beta>(
-               "beta", kDampingScale, "The factor on Rayleigh's beta, the damping of high modes."),
+               "beta", kDampingScale, "The factor on Rayleigh's beta: damping of high modes."),
            number<&SetMaterial::scale, &modal::MaterialScale::density>("density", kScale, "The factor on the density."),
            number<&SetMaterial::scale, &modal::MaterialScale::stiffness>(
                "stiffness", kScale, "The factor on Young's modulus; 4 is an octave up."),
@@ -122,174 +117,154 @@ std::vector<Row<Request>> make_request_rows() {
       answered<Lane::timed_worker>(
           "/object/{object}/hold",
           SetDamper{kBell, {{0.05, 0, 0.02}, {}, 20}},
-          "Lays a hand on the object, or puts it down on something: its modes die sooner, each by how much it moves "
-          "there. A damping of 0 takes the hand away. An object can have 16 dampers; an embedded scene uses those from "
-          "8 on.",
+          "Lays a hand on the object, or puts it down on something: modes die sooner the more they move there. An "
+          "object can have 16 dampers; an embedded scene uses those from 8 on.",
           {object<&SetDamper::object>(),
            vector<&SetDamper::damper, &modal::Damper::point_m>({"x", "y", "z"}, kPosition, "Where it touches."),
            number<&SetDamper::damper, &modal::Damper::damping_ns_m>(
-               "damping", kDamping, "The force that resists the surface, per its speed there: a fingertip has some 5."),
+               "damping", kDamping,
+               "The resisting force over the speed of the surface: about 5 for a fingertip; 0 takes the hand away."),
            optional(vector<&SetDamper::damper, &modal::Damper::direction>(
                {"nx", "ny", "nz"}, kDirection,
-               "The direction of the motion that is resisted; 0 0 0 for any. Its length does not count.")),
-           optional(integer<&SetDamper::number>("number", kDamperNumber, "Which of the object's dampers."))}),
-      answered<Lane::worker>(
-          "/object/{object}/group", SetGroup{kBell, "metal"},
-          "Puts the object into a group. With --ports groups, each group is heard at an output port of its own.",
-          {object<&SetGroup::object>(),
-           optional(other<ValueType::name, &SetGroup::group>("group", "The group's name; left out: in none."))}),
-      silent<Lane::mixer>(
-          "/object/{object}/ring", RingModes{kBell, 0, 1, 0.1},
-          "Adds to each of these modes a sine that begins at 0, to hear them without a strike.",
-          {object<&RingModes::object>(),
-           integer<&RingModes::first>("first", kIndex, "The lowest of them: 0 has the lowest frequency."),
-           optional(integer<&RingModes::count>("count", kCount, "How many, upwards; the object may have fewer.")),
-           optional(number<&RingModes::amplitude>("amplitude", kAmplitude,
-                                                  "Of each, at a gain of 1 and before the pan; 1 is full scale."))}),
+               "The direction of the motion that is resisted, of any length; 0 0 0 for all.")),
+           optional(integer<&SetDamper::number>("number", kDamperNumber, "Which damper."))}),
+      answered<Lane::worker>("/object/{object}/group", SetGroup{kBell, "metal"},
+                             "Puts the object into a group, which --ports groups gives an output port of its own.",
+                             {object<&SetGroup::object>(), optional(other<ValueType::name, &SetGroup::group>(
+                                                               "group", "The group's name; absent: none."))}),
+      silent<Lane::mixer>("/object/{object}/ring", RingModes{kBell, 0, 1, 0.1},
+                          "Starts these modes without a strike, each as a sine from 0.",
+                          {object<&RingModes::object>(),
+                           integer<&RingModes::first>("first", kIndex, "The lowest one; 0 has the lowest frequency."),
+                           optional(integer<&RingModes::count>("count", kCount, "How many, counted upwards.")),
+                           optional(number<&RingModes::amplitude>(
+                               "amplitude", kAmplitude, "Of each, at gain 1, before the pan; 1 is full scale."))}),
       answered<Lane::worker>("/object/{object}/modes", SelectModes{kBell, {0, 20}},
-                             "Leaves the object only these of its modes, until the next choice; what the others ring "
-                             "ends. 0 alone gives it "
-                             "all.",
+                             "Leaves the object only these modes and ends what the others ring. 0 alone restores all.",
                              {object<&SelectModes::object>(),
                               integer<&SelectModes::range, &modal::ModeRange::first>(
-                                  "first", kIndex, "The lowest of them: 0 has the lowest frequency."),
+                                  "first", kIndex, "The lowest one; 0 has the lowest frequency."),
                               optional(integer<&SelectModes::range, &modal::ModeRange::count>(
-                                  "count", kCount, "How many, upwards; the object may have fewer."))}),
+                                  "count", kCount, "How many, counted upwards."))}),
       answered<Lane::subscription>("/object/{object}/watch", WatchObject{kBell, true},
-                                   "Sends the sender, who has subscribed with /notify, the amplitudes of the object's "
-                                   "modes: /notify.modes. 16 objects can be watched at a time.",
-                                   {object<&WatchObject::object>(), optional(other<ValueType::flag, &WatchObject::on>(
-                                                                        "on", "1 watches it, 0 does no more."))}),
+                                   "Sends the amplitudes of the object's modes, as /notify.modes, to the sender, who "
+                                   "has subscribed with /notify. 16 objects can be watched at once.",
+                                   {object<&WatchObject::object>(),
+                                    optional(other<ValueType::flag, &WatchObject::on>("on", "1 starts, 0 stops."))}),
       answered<Lane::question>("/object/{object}/describe", DescribeObject{kBell},
-                               "Asks what the object is, and how it is set.", {object<&DescribeObject::object>()},
+                               "Asks what the object is and how it is set.", {object<&DescribeObject::object>()},
                                "/object.reply"),
       answered<Lane::question>(
           "/object/{object}/bank", ReadBank{kBell, 0, 4096}, "Asks for a piece of the object's bank file.",
           {object<&ReadBank::object>(),
            integer<&ReadBank::offset>("offset", kCount, "Where the piece begins, in bytes."),
-           optional(integer<&ReadBank::bytes>("bytes", kBankBytes, "How long it is; the last one is shorter."))},
+           optional(integer<&ReadBank::bytes>("bytes", kBankBytes, "Its length; the last piece is shorter."))},
           "/bank.reply"),
       answered<Lane::worker>(
           "/object/{object}/excite", Excite{kBell, 1, {0.05, 0, 0.02}, {0, 0, -1}},
-          "Lets the audio input in_1 to in_4 of the JACK client excite the object: its sound is a force at x y z. An "
-          "input excites one object at a time; a force of 0 0 0 ends it.",
+          "Lets an audio input, in_1 to in_4, excite the object as a force at x y z. An input excites one object at a "
+          "time; a force of 0 0 0 ends it.",
           {object<&Excite::object>(), integer<&Excite::input>("input", kInput, "The input's number."),
            vector<&Excite::point_m>({"x", "y", "z"}, kPosition, "Where it acts."),
-           vector<&Excite::force_n>({"fx", "fy", "fz"}, kForce, "The force that a sample of 1 is.")}),
+           vector<&Excite::force_n>({"fx", "fy", "fz"}, kForce, "The force that a sample of 1 stands for.")}),
       silent<Lane::mixer>(
-          "/object/{object}/clear", ClearObject{kBell}, "Fades what rings in the object: a hand laid on it.",
+          "/object/{object}/clear", ClearObject{kBell}, "Fades what rings in the object.",
           {object<&ClearObject::object>(),
-           optional(number<&ClearObject::ramp_s>("ramp", kRamp, "How long that takes; some 10 ms at least."))}),
+           optional(number<&ClearObject::ramp_s>("ramp", kRamp, "How long that takes; at least some 10 ms."))}),
       silent<Lane::mixer>(
           "/object/{object}/contact", SetContact{kBell, {0.05, 0, 0.02}, {0, {0, 0, -2}, 0.3, 0, {}}},
-          "Something slides or rolls on the object. Values change evenly from one message to the next; send 50 to 250 "
-          "a second. A force of 0 0 0 ends the contact, and so does a tenth of a second without a message.",
+          "Something slides or rolls on the object. Values are interpolated between messages; send 50 to 250 a second. "
+          "A force of 0 0 0 ends the contact, as does a tenth of a second without a message.",
           {object<&SetContact::object>(), vector<&SetContact::point_m>({"x", "y", "z"}, kPosition, "Where it touches."),
-           vector<&SetContact::contact, &synth::Contact::force_n>(
-               {"fx", "fy", "fz"}, kForce, "The force on the object, normal and friction together."),
+           vector<&SetContact::contact, &synth::Contact::force_n>({"fx", "fy", "fz"}, kForce,
+                                                                  "The force on the object, friction included."),
            number<&SetContact::contact, &synth::Contact::slip_m_s>(
-               "slip", kSpeed, "The speed at which the two surfaces slide past each other."),
+               "slip", kSpeed, "The speed at which the surfaces slide past each other."),
            optional(number<&SetContact::contact, &synth::Contact::roll_m_s>(
-               "roll", kSpeed, "The speed at which the point of contact travels as they roll.")),
+               "roll", kSpeed, "The speed at which the point of contact travels.")),
            optional(integer<&SetContact::contact, &synth::Contact::number>(
-               "number", kIndex, "Which of the object's contacts; it can have four at a time.")),
+               "number", kIndex, "Which contact; an object can have four at once.")),
            optional(number<&SetContact::contact, &synth::Contact::texture, &synth::Texture::roughness_m>(
-               "roughness", kRoughness, "How high the asperities of both surfaces are, root mean square.")),
+               "roughness", kRoughness, "Of both surfaces together, root mean square.")),
            optional(number<&SetContact::contact, &synth::Contact::texture, &synth::Texture::correlation_m>(
                "correlation", kCorrelation, "The longest wavelength of the roughness.")),
            optional(number<&SetContact::contact, &synth::Contact::texture, &synth::Texture::spectral_slope>(
-               "slope", kSpectralSlope, "The power of the heights falls with spatial frequency f as f^slope."))}),
+               "slope", kSpectralSlope, "The power of the heights over spatial frequency f goes as f^slope."))}),
       silent<Lane::mixer>(
           "/object/{object}/click", Click{kBell, {-0.02, 0, 0}, 0.0005},
-          "The click of an object that a blow sets in motion as a whole, heard beside its modes. For objects that are "
-          "free to move; strikes do not make it. Send it once for all points that are struck at a time.",
+          "The click of an object that a blow sets in motion as a whole. Strikes do not include it: send it once for "
+          "all points struck at one time, to objects that are free to move.",
           {object<&Click::object>(), impulse<&Click::impulse_ns>(), contact_time<&Click::contact_time_s>()}),
       answered<Lane::worker>("/object/{object}/free", FreeObject{kBell},
-                             "Removes the object. What rings is faded, its name and number become free.",
+                             "Fades and removes the object; its name and number become free.",
                              {object<&FreeObject::object>()}),
       answered<Lane::worker>(
-          "/load", LoadObject{"bell", "presets/banks/bell.glb"},
-          "Reads a bank and gives it a name. A name that exists gets the new bank, while the old one "
-          "rings out.",
+          "/load", LoadObject{"bell", "presets/banks/bronze-bell.glb"},
+          "Reads a bank and gives it a name. An object of that name gets the new bank, while the old one rings out.",
           {other<ValueType::name, &LoadObject::name>("name", "The object's name."),
-           other<ValueType::text, &LoadObject::bank_path>(
-               "path", "The bank, a .glb file; a relative path starts where the daemon was started.")},
+           other<ValueType::text, &LoadObject::bank_path>("path", "The bank, a .glb file.")},
           "/done", "the object's number"),
       silent<Lane::mixer>("/clear", ClearAll{}, "Fades all that rings within a few milliseconds.", {}),
+      answered<Lane::worker>("/scene/load", SceneLoad{"presets/scenes/demo.toml"},
+                             "Replaces the embedded scene and loads the objects it names.",
+                             {other<ValueType::text, &SceneLoad::path>("path", "The scene, a .toml file.")}, "/done",
+                             "the count of its bodies"),
       answered<Lane::worker>(
-          "/scene/load", SceneLoad{"presets/scenes/demo.toml"},
-          "Replaces the embedded scene, and loads the objects it names.",
-          {other<ValueType::text, &SceneLoad::path>(
-              "path", "The scene, a .toml file; a relative path starts where the daemon was started.")},
-          "/done", "the count of its bodies"),
-      answered<Lane::worker>(
-          "/scene/pause", ScenePause{true}, "Stops or continues the scene. What rings goes on ringing.",
+          "/scene/pause", ScenePause{true}, "Stops or continues the scene; what rings rings on.",
           {optional(other<ValueType::flag, &ScenePause::paused>("paused", "1 stops it, 0 lets it run."))}),
-      answered<Lane::worker>(
-          "/scene/spawn/box", SpawnBox{kBell, {0, 0, 1}, {0, 0, -2}, {0.1, 0.1, 0.1}, 0},
-          "Drops a new box into the scene.",
-          {body_object<&SpawnBox::object>(), position<&SpawnBox::position_m>(),
-           optional(vector<&SpawnBox::size_m>({"sx", "sy", "sz"}, kSize,
-                                              "Its edges; 0 0 0 takes the bounding box of the object's bank.")),
-           velocity<&SpawnBox::velocity_m_s>(), density<&SpawnBox::density_kg_m3>()},
-          "/done", "the body's number"),
-      answered<Lane::worker>("/scene/spawn/sphere", SpawnSphere{std::nullopt, {0, 0, 1}, {0, 0, 0}, 0.01, 7850},
-                             "Drops a new ball into the scene.",
-                             {body_object<&SpawnSphere::object>(), position<&SpawnSphere::position_m>(),
-                              optional(number<&SpawnSphere::radius_m>(
-                                  "radius", kSize, "Its radius; 0 takes the one that encloses the object's bank.")),
-                              velocity<&SpawnSphere::velocity_m_s>(), density<&SpawnSphere::density_kg_m3>()},
+      answered<Lane::worker>("/scene/spawn/box", SpawnBox{kBell, {0, 0, 1}, {0, 0, -2}, {0.1, 0.1, 0.1}, 0},
+                             "Drops a new box into the scene.",
+                             {body_object<&SpawnBox::object>(), position<&SpawnBox::position_m>(),
+                              optional(vector<&SpawnBox::size_m>({"sx", "sy", "sz"}, kSize,
+                                                                 "Its edges; 0 0 0 takes the bank's bounding box.")),
+                              velocity<&SpawnBox::velocity_m_s>(), density<&SpawnBox::density_kg_m3>()},
                              "/done", "the body's number"),
+      answered<Lane::worker>(
+          "/scene/spawn/sphere", SpawnSphere{std::nullopt, {0, 0, 1}, {0, 0, 0}, 0.01, 7850},
+          "Drops a new ball into the scene.",
+          {body_object<&SpawnSphere::object>(), position<&SpawnSphere::position_m>(),
+           optional(number<&SpawnSphere::radius_m>("radius", kSize, "0 takes the one that encloses the bank.")),
+           velocity<&SpawnSphere::velocity_m_s>(), density<&SpawnSphere::density_kg_m3>()},
+          "/done", "the body's number"),
       answered<Lane::worker>("/scene/clear", SceneClear{}, "Removes all bodies from the scene.", {}),
       answered<Lane::worker>(
           "/scene/push", ScenePush{2, {0, 0, 0.5}}, "Gives a body of the scene an impulse at its centre of mass.",
           {integer<&ScenePush::body>("body", kCount, "Its number."),
            vector<&ScenePush::impulse_ns>({"jx", "jy", "jz"}, kImpulse, "The impulse, in the scene's frame.")}),
-      answered<Lane::question>(
-          "/scene/describe", SceneDescribe{},
-          "Asks what the scene looks like. /scene.reply says how many /scene.body and /scene.static follow.", {},
-          "/scene.reply"),
+      answered<Lane::question>("/scene/describe", SceneDescribe{},
+                               "Asks what the scene looks like. /scene.body and /scene.static follow the answer.", {},
+                               "/scene.reply"),
       answered<Lane::subscription>(
           "/notify", Notify{true, 20},
-          "Subscribes the sender, or ends that: /notify.object, /notify.group, /notify.contact, /notify.peak, "
-          "/notify.object_peak, /notify.load, /notify.scene and /notify.body come as bundles at the rate, first about "
-          "every object there is. A subscriber that sends nothing for 60 s is forgotten.",
-          {optional(other<ValueType::flag, &Notify::on>("on", "1 subscribes, 0 ends it.")),
-           optional(number<&Notify::rate_hz>("rate", kNoticeRate, "How many notices a second."))}),
+          "Subscribes the sender to /notify.object, .group, .contact, .peak, .object_peak, .load, .scene and .body, "
+          "sent as bundles; the first is about every object. A subscriber that sends nothing for 60 s is forgotten.",
+          {optional(other<ValueType::flag, &Notify::on>("on", "1 subscribes, 0 ends the subscription.")),
+           optional(number<&Notify::rate_hz>("rate", kNoticeRate, "Bundles per second."))}),
       answered<Lane::subscription>(
           "/watch/sound", WatchSound{true},
-          "Sends the sender, who has subscribed with /notify, the samples of the mix: /notify.sound.",
-          {optional(other<ValueType::flag, &WatchSound::on>("on", "1 for the sound, 0 for no more of it."))}),
-      answered<Lane::question>(
-          "/browse", Browse{},
-          "Asks which scenes and banks there are to load. /browse.reply says how many /browse.file follow.", {},
-          "/browse.reply"),
+          "Sends the samples of the mix, as /notify.sound, to the sender, who has subscribed with /notify.",
+          {optional(other<ValueType::flag, &WatchSound::on>("on", "1 starts, 0 stops."))}),
+      answered<Lane::question>("/browse", Browse{},
+                               "Asks which scenes and banks can be loaded. A /browse.file for each follows the answer.",
+                               {}, "/browse.reply"),
       answered<Lane::worker>(
-          "/test_tone", TestTone{0.1, 440}, "Adds a sine to both sides of the mix, to check connections and levels.",
-          {number<&TestTone::amplitude>("amplitude", kAmplitude, "Its peak; 1 is full scale, 0 ends it."),
+          "/test_tone", TestTone{0.1, 440}, "Adds a sine to both sides of the mix.",
+          {number<&TestTone::amplitude>("amplitude", kAmplitude, "1 is full scale, 0 ends the tone."),
            optional(number<&TestTone::frequency_hz>("frequency", kFrequency, "Its frequency."))}),
       answered<Lane::file>(
           "/state/save", SaveState{"state.toml"},
-          "Writes a readable file that `ringdownd --state` loads: objects with their banks, gains, pans, groups and "
-          "materials, what inputs excite, and the scene, which starts from its beginning.",
-          {other<ValueType::text, &SaveState::path>(
-              "path",
-              "The file to write, .toml; it replaces none but a state. A relative path starts where the daemon was "
-              "started.")}),
-      answered<Lane::file>(
-          "/record/start",
-          RecordStart{"session.osc"},
-          "Records everything that is played as an OSC score, which `ringdown render --events` plays again, bit for "
-          "bit at the same sample rate and block size. What rang before is not in it.",
-          {other<ValueType::text, &RecordStart::path>(
-              "path",
-              "The score to write, .osc; it replaces none but a score. A relative path starts where the daemon "
-              "was started.")}),
+          "Writes objects, inputs and scene to a readable file, which `ringdownd --state` loads.",
+          {other<ValueType::text, &SaveState::path>("path", "The .toml file to write; it replaces only a state.")}),
+      answered<Lane::file>("/record/start", RecordStart{"session.osc"},
+                           "Records what is played from now on as an OSC score, which `ringdown render --events` plays "
+                           "again: bit for bit, at the same sample rate and block size.",
+                           {other<ValueType::text, &RecordStart::path>(
+                               "path", "The .osc file to write; it replaces only a score.")}),
       answered<Lane::file>("/record/stop", RecordStop{}, "Writes the score.", {}, "/done", "the count of its messages"),
       answered<Lane::daemon>("/status", Status{}, "Asks how the daemon is doing.", {}, "/status.reply"),
       answered<Lane::daemon>("/version", Version{}, "Asks which program this is.", {}, "/version.reply"),
-      answered<Lane::question>("/sync", Sync{7}, "Answers when all that was sent before it has been taken up.",
-                               {integer<&Sync::id>("id", kId, "Any number; the answer repeats it.")}, "/synced"),
+      answered<Lane::question>("/sync", Sync{7}, "Answers when everything sent before it has been handled.",
+                               {integer<&Sync::id>("id", kId, "Repeated in the answer.")}, "/synced"),
       answered<Lane::daemon>("/quit", Quit{}, "Stops the daemon.", {}));
 }
 
