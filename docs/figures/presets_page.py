@@ -16,14 +16,14 @@ PICTURES = ROOT / "docs/figures/presets"
 MOST_BYTES = 25_000
 HEAD = """# The presets
 
-Every object in `presets/objects`, with its bank in `presets/banks` where that is in the repository (`./run presets` bakes all of
-them). The picture shows the most important mode, bent and coloured by how far each place moves (dark: rests, yellow: moves most),
-and the spectrum of a blow where the object answers most, in dB over Hz. T60 is that of the most important mode. Play one:
+The objects of `presets/objects`, with their banks in `presets/banks`; `./run presets` bakes those that have none there. Each picture shows
+the most important mode, bent and coloured by how far each place moves (dark: rests, yellow: moves most), and the spectrum of a blow where
+the object answers most, in dB over Hz. T60 is that of this mode. Play one:
 
     ringdownd --object it=presets/banks/NAME.glb --connect &
     ringdown strike it --vertex 0 --impulse 0,0,-0.1
 
-[Previews](previews.md) show all modes of one. `./run docs` writes this page.
+[Pictures](previews.md) show all modes of one.
 
 | | object | material | lowest pitch in Hz (note, cents) | T60 [s] | modes | kB |
 |---|---|---|---|---|---|---|
