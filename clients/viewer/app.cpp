@@ -15,6 +15,10 @@ constexpr auto kFramePeriod = std::chrono::microseconds(16600);
 constexpr double kMinimised_s = 0.2;
 constexpr double kMaxStep_s = 0.1;  // the longest time that a held key acts for in one frame
 
+// Widths in heights of the text: at these no text of the side panes is cut. A window that is too narrow for all three
+// makes the side panes narrower still.
+constexpr float kMinSide_em = 17, kMinSound_em = 20, kMinScene_em = 8;
+
 }  // namespace
 
 App::App(Window window, SceneRenderer renderer, const Settings& settings, Options options)
@@ -125,7 +129,11 @@ void App::pane(const char* name, Pane which, float x, float width, Draw draw) {
   if (ImGui::IsWindowFocused(ImGuiFocusedFlags_ChildWindows)) focused_ = which;
   draw();
   if (focused_ == which && options_.only == Pane::any) {
-    ImGui::GetForegroundDrawList()->AddLine({x, 1}, {x + width, 1}, skin_.focus, 2);
+    const float height = ImGui::GetIO().DisplaySize.y, line = std::max(2.0f, ImGui::GetFontSize() / 7);
+    ImDrawList* list = ImGui::GetWindowDrawList();
+    list->PushClipRect({x, 0}, {x + width, height});
+    list->AddRect({x + line / 2, line / 2}, {x + width - line / 2, height - line / 2}, skin_.focus, 0, 0, line);
+    list->PopClipRect();
   }
   ImGui::End();
 }
@@ -133,10 +141,15 @@ void App::pane(const char* name, Pane which, float x, float width, Draw draw) {
 void App::draw_panes() {
   const float width = ImGui::GetIO().DisplaySize.x;
   const bool all = options_.only == Pane::any;
-  const float left = all ? width * static_cast<float>(settings_.side_share) : 0;
-  const float right = options_.only == Pane::sound ? width
-                      : all                        ? width * static_cast<float>(settings_.sound_share)
-                                                   : 0;
+  float left = 0, right = options_.only == Pane::sound ? width : 0;
+  if (all) {
+    const float em = ImGui::GetFontSize();
+    left = std::max(width * static_cast<float>(settings_.side_share), kMinSide_em * em);
+    right = std::max(width * static_cast<float>(settings_.sound_share), kMinSound_em * em);
+    const float most = width - std::min(kMinScene_em * em, width / 3);
+    const float shrink = std::min(1.0f, most / (left + right));
+    left *= shrink, right *= shrink;
+  }
   const double now = now_s();
   if (options_.only != Pane::sound) {
     pane("Scene", Pane::scene, left, width - left - right, [&] {
@@ -154,8 +167,10 @@ void App::draw_panes() {
     options_.daemon = url;
     client_.connect_to(url);
   });
-  draw_splitter("left splitter", left, 1, settings_.side_share);
-  draw_splitter("right splitter", width - right, -1, settings_.sound_share);
+  if (const auto share = drag_splitter("left splitter", left, left / width, 1)) settings_.side_share = *share;
+  if (const auto share = drag_splitter("right splitter", width - right, right / width, -1)) {
+    settings_.sound_share = *share;
+  }
 }
 
 void App::draw() {

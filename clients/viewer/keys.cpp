@@ -10,30 +10,42 @@ using enum WhileDown;
 
 constexpr std::array kBindings = {
     Binding{Pane::any, "escape", Action::quit, once, "Close this help, or leave; the daemon goes on"},
+    Binding{Pane::any, "tab", Action::full_screen, once, "Full screen, or a window again"},
+    Binding{Pane::any, "F11", Action::full_screen, once, "Full screen, too"},
+    Binding{Pane::any, "ctrl+tab", Action::next_pane, once, "Go to the next pane"},
     Binding{Pane::any, "F1", Action::help, once, "Show the keys"},
     Binding{Pane::any, "F2", Action::theme, once, "Dark or light"},
     Binding{Pane::any, "F5", Action::pause, once, "Pause the scene, or let it go on"},
     Binding{Pane::any, "F6", Action::restart, once, "Start the scene anew"},
-    Binding{Pane::any, "F11", Action::full_screen, once, "Full screen"},
-    Binding{Pane::any, "tab", Action::next_pane, once, "Focus the other pane"},
     Binding{Pane::any, "ctrl+=", Action::larger, repeats, "Larger text"},
     Binding{Pane::any, "ctrl+-", Action::smaller, repeats, "Smaller text"},
     Binding{Pane::any, "ctrl+Z", Action::undo, repeats, "Undo the last change of a parameter"},
     Binding{Pane::any, "ctrl+Y", Action::redo, repeats, "Do it again"},
     Binding{Pane::any, "ctrl+R", Action::record, once, "Start a recording, or end it"},
-    Binding{Pane::any, "N", Action::next_object, repeats, "Choose the next object"},
-    Binding{Pane::any, "B", Action::previous_object, repeats, "Choose the object before"},
+    Binding{Pane::any, "Z", Action::alpha_up, repeats, "More damping of low modes (alpha1)"},
+    Binding{Pane::any, "X", Action::alpha_down, repeats, "Less damping of low modes"},
+    Binding{Pane::any, "C", Action::beta_up, repeats, "More damping of high modes (alpha2)"},
+    Binding{Pane::any, "V", Action::beta_down, repeats, "Less damping of high modes"},
+    Binding{Pane::any, "B", Action::density_up, repeats, "More density: a semitone down"},
+    Binding{Pane::any, "N", Action::density_down, repeats, "Less density: a semitone up"},
+    Binding{Pane::any, "M", Action::stiffness_up, repeats, "More stiffness (lambda and mu): a semitone up"},
+    Binding{Pane::any, ",", Action::stiffness_down, repeats, "Less stiffness: a semitone down"},
+    Binding{Pane::any, ".", Action::next_node, repeats, "Excite the next node"},
+    Binding{Pane::any, "/", Action::previous_node, repeats, "Excite the node before"},
+    Binding{Pane::any, "O", Action::next_object, repeats, "Choose the next object"},
+    Binding{Pane::any, "I", Action::previous_object, repeats, "Choose the object before"},
     Binding{Pane::any, "P", Action::project_test_force, once, "Project the test force: strike the excited node"},
-    Binding{Pane::any, ".", Action::stronger, repeats, "A stronger test force"},
-    Binding{Pane::any, ",", Action::weaker, repeats, "A weaker test force"},
-    Binding{Pane::any, "C", Action::clear_sound, once, "Clear: fade all that rings"},
+    Binding{Pane::any, "L", Action::stronger, repeats, "A stronger test force"},
+    Binding{Pane::any, "K", Action::weaker, repeats, "A weaker test force"},
+    Binding{Pane::any, "G", Action::vibrate, once, "Show the chosen object vibrating in the chosen mode, or at rest"},
+    Binding{Pane::any, "backspace", Action::clear_sound, once, "Clear: fade all that rings"},
 
     Binding{Pane::scene, "W", Action::forward, continues, "Camera forward"},
     Binding{Pane::scene, "S", Action::back, continues, "Camera back"},
     Binding{Pane::scene, "A", Action::left, continues, "Camera to the left"},
     Binding{Pane::scene, "D", Action::right, continues, "Camera to the right"},
-    Binding{Pane::scene, "E", Action::up, continues, "Camera up"},
-    Binding{Pane::scene, "X", Action::down, continues, "Camera down"},
+    Binding{Pane::scene, "page up", Action::up, continues, "Camera up"},
+    Binding{Pane::scene, "page down", Action::down, continues, "Camera down"},
     Binding{Pane::scene, "left", Action::turn_left, continues, "Look to the left"},
     Binding{Pane::scene, "right", Action::turn_right, continues, "Look to the right"},
     Binding{Pane::scene, "up", Action::turn_up, continues, "Look up"},
@@ -45,37 +57,28 @@ constexpr std::array kBindings = {
             "Test force: strike what is under the mouse, or in the middle"},
     Binding{Pane::scene, "H", Action::new_box, once, "Drop a new box"},
     Binding{Pane::scene, "J", Action::new_sphere, once, "Drop a new sphere"},
-    Binding{Pane::scene, "Q", Action::clear_scene, once, "Clear: remove all bodies"},
-    Binding{Pane::scene, "V", Action::vibrate, once, "Show the chosen object vibrating in the chosen mode, or at rest"},
+    Binding{Pane::scene, "Q", Action::clear_sound, once, "Clear: fade all that rings"},
+    Binding{Pane::scene, "ctrl+delete", Action::clear_scene, once, "Remove all bodies"},
 
-    Binding{Pane::sound, "1", Action::all_modes, once, "Play all modes"},
-    Binding{Pane::sound, "2", Action::highest_modes, once, "Play the 20 highest modes"},
-    Binding{Pane::sound, "4", Action::test_tone, once, "Test tone of 440 Hz on or off"},
-    Binding{Pane::sound, "Q", Action::more_modes, repeats, "More modes"},
-    Binding{Pane::sound, "A", Action::fewer_modes, repeats, "Fewer modes"},
-    Binding{Pane::sound, "W", Action::alpha_up, repeats, "alpha1 up: low modes die sooner"},
-    Binding{Pane::sound, "S", Action::alpha_down, repeats, "alpha1 down"},
-    Binding{Pane::sound, "E", Action::beta_up, repeats, "alpha2 up: high modes die sooner"},
-    Binding{Pane::sound, "D", Action::beta_down, repeats, "alpha2 down"},
-    Binding{Pane::sound, "R", Action::density_up, repeats, "Density up: a semitone down"},
-    Binding{Pane::sound, "F", Action::density_down, repeats, "Density down: a semitone up"},
-    Binding{Pane::sound, "T", Action::stiffness_up, repeats, "Lamé constants up: a semitone up"},
-    Binding{Pane::sound, "G", Action::stiffness_down, repeats, "Lamé constants down: a semitone down"},
-    Binding{Pane::sound, "I", Action::next_node, repeats, "Excite the next node"},
-    Binding{Pane::sound, "K", Action::previous_node, repeats, "Excite the node before"},
+    Binding{Pane::sound, "Q", Action::highest_modes, once, "Play the 20 highest modes"},
+    Binding{Pane::sound, "W", Action::test_tone, once, "Test tone of 440 Hz on or off"},
+    Binding{Pane::sound, "E", Action::clear_sound, once, "Clear: fade all that rings"},
+    Binding{Pane::sound, "R", Action::project_test_force, once, "Project the test force: strike the excited node"},
+    Binding{Pane::sound, "T", Action::all_modes, once, "Play all modes at once"},
+    Binding{Pane::sound, "A", Action::more_modes, repeats, "More modes"},
+    Binding{Pane::sound, "S", Action::fewer_modes, repeats, "Fewer modes"},
     Binding{Pane::sound, "down", Action::next_mode, repeats, "Choose the next mode"},
     Binding{Pane::sound, "up", Action::previous_mode, repeats, "Choose the mode before"},
     Binding{Pane::sound, "enter", Action::hear_mode, once, "Hear the chosen mode alone"},
-    Binding{Pane::sound, "V", Action::vibrate, once, "Show the chosen object vibrating in the chosen mode, or at rest"},
 };
-
-std::string_view heading_of(Pane pane) {
-  return pane == Pane::scene ? "In the scene" : pane == Pane::sound ? "In the sound" : "Everywhere";
-}
 
 }  // namespace
 
 std::span<const Binding> bindings() { return kBindings; }
+
+std::string_view heading_of(Pane pane) {
+  return pane == Pane::scene ? "In the scene" : pane == Pane::sound ? "In the sound" : "Everywhere";
+}
 
 std::optional<Binding> binding_for(Pane focused, std::string_view key) {
   for (const Pane pane : {focused, Pane::any}) {
@@ -94,7 +97,7 @@ std::string key_name(std::string_view base, bool control, bool shift) {
 
 std::string keys_as_markdown() {
   std::string text;
-  for (const Pane pane : {Pane::any, Pane::scene, Pane::sound}) {
+  for (const Pane pane : kPanesWithKeys) {
     text.append("\n### ").append(heading_of(pane)).append("\n\n| key | what it does |\n|---|---|\n");
     for (const Binding& binding : kBindings) {
       if (binding.pane != pane) continue;

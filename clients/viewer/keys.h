@@ -1,10 +1,11 @@
 // The actions that a key, a button or a menu can ask for, and the one table of keys, which the window obeys, F1 shows
 // and docs/use/window.md lists. commands.h says what an action does.
 //
-// Letters are those of the 2011 report's two programs where it gives them: its test GUI is our sound pane, its OpenGL
-// scene our scene pane. Letters that have a meaning in both (Q W E A S D) follow the focused pane. [any thread]
+// The letters are those of the 2011 report's two programs: its test GUI is the sound pane, its OpenGL scene is the
+// scene pane. Letters with a meaning in both (Q W A S) follow the focused pane. [any thread]
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -76,6 +77,9 @@ enum class Action : std::uint8_t {
 
 enum class Pane : std::uint8_t { any, scene, sound, side };
 
+// The panes that have keys, in the order in which lists of keys show them; the side pane has none of its own.
+inline constexpr std::array kPanesWithKeys = {Pane::any, Pane::scene, Pane::sound};
+
 // What happens while a key is held down: the action happens once, repeats with the keyboard's repeat rate, or goes on
 // continuously in every frame.
 enum class WhileDown : std::uint8_t { once, repeats, continues };
@@ -89,6 +93,9 @@ struct Binding {
 };
 
 std::span<const Binding> bindings();
+
+// The heading above the keys of a pane: "Everywhere", "In the scene", "In the sound".
+std::string_view heading_of(Pane pane);
 
 // What `key` does while `focused` has the focus.
 std::optional<Binding> binding_for(Pane focused, std::string_view key);

@@ -26,16 +26,26 @@ struct Arguments {
   bool keys = false;
 };
 
-const std::vector<manual::Section> kSections = {
-    {"FILES",
-     {{"$XDG_CONFIG_HOME/ringdown/viewer.toml", "Size, panes, theme, scale and test force, as they were last."}}},
-    {"EXAMPLES",
-     {{"ringdown-viewer", "The daemon on this computer."},
-      {"ringdown-viewer --to osc.udp://studio:7770", "One on another, started with --address."},
-      {"xvfb-run -a ringdown-viewer --scene demo.toml --at 2.5 --screenshot demo.png",
-       "A picture, without a screen."}}},
-    {"SEE ALSO", {{"ringdownd(1), ringdown(1)", "The daemon, and the command that sends to it."}}},
-};
+// The sections of the man page.
+std::vector<manual::Section> sections() {
+  std::vector<manual::Section> all = {
+      {"FILES",
+       {{"$XDG_CONFIG_HOME/ringdown/viewer.toml", "Size, panes, theme, scale and test force, as they were last."}}},
+      {"EXAMPLES",
+       {{"ringdown-viewer", "The daemon on this computer."},
+        {"ringdown-viewer --to osc.udp://studio:7770", "One on another, started with --address."},
+        {"xvfb-run -a ringdown-viewer --scene demo.toml --at 2.5 --screenshot demo.png",
+         "A picture, without a screen."}}}};
+  for (const Pane pane : viewer::kPanesWithKeys) {
+    manual::Section section{"KEYS: " + std::string(viewer::heading_of(pane)), {}};
+    for (const viewer::Binding& binding : viewer::bindings()) {
+      if (binding.pane == pane) section.entries.push_back({std::string(binding.key), std::string(binding.sentence)});
+    }
+    all.push_back(std::move(section));
+  }
+  all.push_back({"SEE ALSO", {{"ringdownd(1), ringdown(1)", "The daemon, and the command that sends to it."}}});
+  return all;
+}
 
 void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--to", arguments.to,
@@ -121,7 +131,7 @@ int main(int argc, char** argv) {
   manual::add_common_options(app);
   Arguments arguments;
   add_options(app, arguments);
-  if (const auto ended = manual::parse(app, argc, argv, kSections)) return static_cast<int>(*ended);
+  if (const auto ended = manual::parse(app, argc, argv, sections())) return static_cast<int>(*ended);
   if (arguments.keys) {
     std::fputs(viewer::keys_as_markdown().c_str(), stdout);
     return 0;

@@ -14,10 +14,10 @@ struct Settings {
   static constexpr std::uint64_t kMinWidth = 320, kMinHeight = 240, kMaxPixels = 16384;
   std::string daemon;  // its URL; empty: the default one
   bool dark = true;
-  double scale = 0;                            // of text and controls; 0: the display's scale
-  std::uint64_t width = 1440, height = 900;    // pixels on a display of scale 1
-  double side_share = 0.2, sound_share = 0.3;  // of the width: the panes to the left and right of the scene
-  double impulse_ns = 0.05;                    // of the test force, and of a click
+  double scale = 0;                              // of text and controls; 0: the display's scale
+  std::uint64_t width = 1440, height = 900;      // pixels on a display of scale 1
+  double side_share = 0.23, sound_share = 0.28;  // of the width: the panes to the left and right of the scene
+  double impulse_ns = 0.05;                      // of the test force, and of a click
   double contact_time_s = 0.0005;
   bool strength_by_time = true;  // a click strikes harder the longer the button is held
 };

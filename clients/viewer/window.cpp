@@ -24,13 +24,34 @@ namespace {
 constexpr float kTextHeight = 15;  // pixels at a scale of 1
 constexpr double kMaxScale = 8;
 
-constexpr std::array<std::pair<int, std::string_view>, 24> kNamedKeys = {
-    {{GLFW_KEY_ESCAPE, "escape"},  {GLFW_KEY_TAB, "tab"},   {GLFW_KEY_SPACE, "space"}, {GLFW_KEY_ENTER, "enter"},
-     {GLFW_KEY_KP_ENTER, "enter"}, {GLFW_KEY_LEFT, "left"}, {GLFW_KEY_RIGHT, "right"}, {GLFW_KEY_UP, "up"},
-     {GLFW_KEY_DOWN, "down"},      {GLFW_KEY_HOME, "home"}, {GLFW_KEY_F1, "F1"},       {GLFW_KEY_F2, "F2"},
-     {GLFW_KEY_F3, "F3"},          {GLFW_KEY_F4, "F4"},     {GLFW_KEY_F5, "F5"},       {GLFW_KEY_F6, "F6"},
-     {GLFW_KEY_F7, "F7"},          {GLFW_KEY_F8, "F8"},     {GLFW_KEY_F9, "F9"},       {GLFW_KEY_F10, "F10"},
-     {GLFW_KEY_F11, "F11"},        {GLFW_KEY_F12, "F12"},   {GLFW_KEY_KP_ADD, "="},    {GLFW_KEY_KP_SUBTRACT, "-"}}};
+constexpr std::array<std::pair<int, std::string_view>, 28> kNamedKeys = {{{GLFW_KEY_ESCAPE, "escape"},
+                                                                          {GLFW_KEY_TAB, "tab"},
+                                                                          {GLFW_KEY_SPACE, "space"},
+                                                                          {GLFW_KEY_ENTER, "enter"},
+                                                                          {GLFW_KEY_KP_ENTER, "enter"},
+                                                                          {GLFW_KEY_LEFT, "left"},
+                                                                          {GLFW_KEY_RIGHT, "right"},
+                                                                          {GLFW_KEY_UP, "up"},
+                                                                          {GLFW_KEY_DOWN, "down"},
+                                                                          {GLFW_KEY_PAGE_UP, "page up"},
+                                                                          {GLFW_KEY_PAGE_DOWN, "page down"},
+                                                                          {GLFW_KEY_BACKSPACE, "backspace"},
+                                                                          {GLFW_KEY_DELETE, "delete"},
+                                                                          {GLFW_KEY_HOME, "home"},
+                                                                          {GLFW_KEY_F1, "F1"},
+                                                                          {GLFW_KEY_F2, "F2"},
+                                                                          {GLFW_KEY_F3, "F3"},
+                                                                          {GLFW_KEY_F4, "F4"},
+                                                                          {GLFW_KEY_F5, "F5"},
+                                                                          {GLFW_KEY_F6, "F6"},
+                                                                          {GLFW_KEY_F7, "F7"},
+                                                                          {GLFW_KEY_F8, "F8"},
+                                                                          {GLFW_KEY_F9, "F9"},
+                                                                          {GLFW_KEY_F10, "F10"},
+                                                                          {GLFW_KEY_F11, "F11"},
+                                                                          {GLFW_KEY_F12, "F12"},
+                                                                          {GLFW_KEY_KP_ADD, "="},
+                                                                          {GLFW_KEY_KP_SUBTRACT, "-"}}};
 
 // The label of the key in the user's layout; empty for keys without a meaning here.
 std::string base_name(int key, int scancode) {
@@ -41,6 +62,9 @@ std::string base_name(int key, int scancode) {
   std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   return name == "+" ? "=" : name;
 }
+
+// Whether a key acts while the user types into a text field.
+bool acts_on_text(std::string_view key) { return key == "ctrl+tab" || (key.size() > 1 && key[0] == 'F'); }
 
 // The TrueType file of the font that fontconfig gives for "sans"; nothing where there is none, and ImGui's own is used.
 std::optional<std::string> sans_font_file() {
@@ -89,16 +113,23 @@ struct Window::State {
     glfwTerminate();
   }
 
+  // ImGui gets every key but Tab, with which it would move its own focus; in a text field it does get Tab, and goes to
+  // the next field.
   void on_key(int key, int scancode, int action, int modifiers) {
+    const bool tab = key == GLFW_KEY_TAB && action != GLFW_RELEASE;
+    const bool control = (modifiers & GLFW_MOD_CONTROL) != 0;
+    if (!tab || (ImGui::GetIO().WantTextInput && !control)) {
+      ImGui_ImplGlfw_KeyCallback(window, key, scancode, action, modifiers);
+    }
     const std::string base = base_name(key, scancode);
     if (base.empty()) return;
     if (action == GLFW_RELEASE) {
       down.erase(base);
       return;
     }
+    if ((modifiers & (GLFW_MOD_ALT | GLFW_MOD_SUPER)) != 0) return;  // the desktop's keys
     if (action == GLFW_PRESS && modifiers == 0) down.insert(base);
-    pressed.push_back({key_name(base, (modifiers & GLFW_MOD_CONTROL) != 0, (modifiers & GLFW_MOD_SHIFT) != 0),
-                       action == GLFW_REPEAT});
+    pressed.push_back({key_name(base, control, (modifiers & GLFW_MOD_SHIFT) != 0), action == GLFW_REPEAT});
   }
 
   // Renders the font for the wanted scale: a stretched one would be blurred.
@@ -147,15 +178,16 @@ Result<Window> Window::open(const Options& options) {
   glfwMakeContextCurrent(state->window);
   glfwSwapInterval(1);
   glfwSetWindowUserPointer(state->window, state.get());
-  glfwSetKeyCallback(state->window, [](GLFWwindow* window, int key, int scancode, int action, int modifiers) {
-    static_cast<State*>(glfwGetWindowUserPointer(window))->on_key(key, scancode, action, modifiers);
-  });
   glfwSetWindowFocusCallback(state->window, [](GLFWwindow* window, int focused) {
     if (!focused) static_cast<State*>(glfwGetWindowUserPointer(window))->down.clear();
   });
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // settings.h keeps what is to be kept
+  ImGui::GetIO().ConfigDragClickToInputText = true;
   ImGui_ImplGlfw_InitForOpenGL(state->window, true);
+  glfwSetKeyCallback(state->window, [](GLFWwindow* window, int key, int scancode, int action, int modifiers) {
+    static_cast<State*>(glfwGetWindowUserPointer(window))->on_key(key, scancode, action, modifiers);
+  });
   ImGui_ImplOpenGL3_Init("#version 330 core");
   state->has_imgui = true;
   Window window(std::move(state));
@@ -223,7 +255,7 @@ void Window::end_frame() {
 
 std::vector<Window::KeyPress> Window::take_keys() {
   std::vector<KeyPress> keys = std::exchange(state_->pressed, {});
-  if (ImGui::GetIO().WantTextInput) keys.clear();
+  if (ImGui::GetIO().WantTextInput) std::erase_if(keys, [](const KeyPress& press) { return !acts_on_text(press.key); });
   return keys;
 }
 

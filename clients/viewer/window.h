@@ -39,8 +39,8 @@ class Window {
   void begin_frame();
   void end_frame();
 
-  // The keys pressed since the last call, by the names of keys.h, and whether a key is down. None while the user types
-  // text.
+  // The keys pressed since the last call, by the names of keys.h, and whether a key is down. While the user types into
+  // a text field, only ctrl+tab and the function keys are reported. Keys with Alt or Super are the desktop's.
   struct KeyPress {
     std::string key;
     bool repeated;  // by the keyboard, because the key is held down

@@ -1,5 +1,6 @@
 // The window as people use it: on a display, with real keys and a real mouse (xdotool), against a real daemon on a JACK
 // server; what it asks the daemon is overheard on the way, and what comes of it is seen in the daemon's own answers.
+#include "clients/viewer/panels/overlays.h"
 #include "engine/modal/bank_file.h"
 #include "tests/viewer/studio.h"
 
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace ringdown::viewer {
 namespace {
@@ -18,7 +20,7 @@ TEST(Window, EveryKeyOfTheSceneDoesWhatItSays) {
   const auto camera = [&] { return studio.app().scene_view().camera(); };
   const std::vector<std::pair<const char*, glm::vec3>> moves = {{"w", camera().forward()}, {"s", -camera().forward()},
                                                                 {"a", -camera().right()},  {"d", camera().right()},
-                                                                {"e", {0, 0, 1}},          {"x", {0, 0, -1}}};
+                                                                {"Prior", {0, 0, 1}},      {"Next", {0, 0, -1}}};
   for (const auto& [key, way] : moves) {
     const glm::vec3 before = camera().position_m;
     studio.act({"keydown", key});
@@ -42,6 +44,9 @@ TEST(Window, EveryKeyOfTheSceneDoesWhatItSays) {
   ASSERT_TRUE(studio.asks<protocol::SpawnSphere>());
   EXPECT_TRUE(studio.until([&] { return studio.status().bodies == 4; }));
   studio.press("q");
+  ASSERT_TRUE(studio.asks<protocol::ClearAll>());
+  EXPECT_EQ(studio.status().bodies, 4) << "only the sound is cleared";
+  studio.press("ctrl+Delete");
   ASSERT_TRUE(studio.asks<protocol::SceneClear>());
   EXPECT_TRUE(studio.until([&] { return studio.status().bodies == 0; }));
   studio.press("F6");
@@ -52,42 +57,60 @@ TEST(Window, EveryKeyOfTheSceneDoesWhatItSays) {
   EXPECT_TRUE(studio.until([&] { return studio.app().model().scene().paused(); }));
 }
 
+// The keys of "both windows" act in every pane.
+TEST(Window, TheMaterialsAndNodesKeysActInEveryPane) {
+  OPEN_STUDIO(studio);
+  using Bell = protocol::ObjectReply;
+  struct Pair {
+    const char *up, *down;
+    double modal::MaterialScale::*factor;
+  };
+  for (const Pane pane : {Pane::scene, Pane::sound, Pane::side}) {
+    ASSERT_TRUE(studio.until([&] { return studio.app().focused() == pane; }));
+    for (const auto& [up, down, factor] :
+         {Pair{"z", "x", &modal::MaterialScale::alpha}, Pair{"c", "v", &modal::MaterialScale::beta},
+          Pair{"b", "n", &modal::MaterialScale::density}, Pair{"m", "comma", &modal::MaterialScale::stiffness}}) {
+      EXPECT_TRUE(studio.changes_bell(up, [&](const Bell& b) { return b.scale.*factor > 1.01; }));
+      EXPECT_TRUE(studio.changes_bell(down, [&](const Bell& b) { return std::abs(b.scale.*factor - 1) < 1e-3; }));
+    }
+    studio.press("period");
+    EXPECT_TRUE(studio.until([&] { return studio.app().commands().choice().node == 1; }));
+    studio.press("slash");
+    EXPECT_TRUE(studio.until([&] { return studio.app().commands().choice().node == 0; }));
+    studio.press("ctrl+Tab");
+  }
+  EXPECT_TRUE(studio.until([&] { return studio.app().focused() == Pane::scene; })) << "ctrl+tab comes round";
+}
+
 TEST(Window, EveryKeyOfTheSoundDoesWhatItSays) {
   OPEN_STUDIO(studio);
-  studio.press("Tab");
+  studio.press("ctrl+Tab");
   ASSERT_TRUE(studio.until([&] { return studio.app().focused() == Pane::sound; }));
   using Bell = protocol::ObjectReply;
   const Bell before = studio.bell();
-  EXPECT_TRUE(studio.changes_bell("a", [&](const Bell& b) { return b.selected_modes < before.modes; }));
-  EXPECT_TRUE(studio.changes_bell("q", [&](const Bell& b) { return b.selected_modes > before.modes * 9 / 10; }));
-  EXPECT_TRUE(studio.changes_bell("w", [](const Bell& b) { return b.scale.alpha > 1.01; }));
-  EXPECT_TRUE(studio.changes_bell("s", [](const Bell& b) { return std::abs(b.scale.alpha - 1) < 1e-3; }));
-  EXPECT_TRUE(studio.changes_bell("e", [](const Bell& b) { return b.scale.beta > 1.01; }));
-  EXPECT_TRUE(studio.changes_bell("d", [](const Bell& b) { return std::abs(b.scale.beta - 1) < 1e-3; }));
-  EXPECT_TRUE(studio.changes_bell("r", [](const Bell& b) { return b.scale.density > 1.01; }));
-  EXPECT_TRUE(studio.changes_bell("f", [](const Bell& b) { return std::abs(b.scale.density - 1) < 1e-3; }));
-  EXPECT_TRUE(studio.changes_bell("t", [](const Bell& b) { return b.scale.stiffness > 1.01; }));
-  EXPECT_TRUE(studio.changes_bell("g", [](const Bell& b) { return std::abs(b.scale.stiffness - 1) < 1e-3; }));
+  EXPECT_TRUE(studio.changes_bell("s", [&](const Bell& b) { return b.selected_modes < before.modes; }));
+  EXPECT_TRUE(studio.changes_bell("a", [&](const Bell& b) { return b.selected_modes > before.modes * 9 / 10; }));
   EXPECT_TRUE(studio.changes_bell(
-      "2", [&](const Bell& b) { return b.first_mode == before.modes - 20 && b.selected_modes == 20; }));
-  EXPECT_TRUE(studio.changes_bell("1", [&](const Bell& b) { return b.selected_modes == before.modes; }));
+      "q", [&](const Bell& b) { return b.first_mode == before.modes - 20 && b.selected_modes == 20; }));
+  EXPECT_TRUE(studio.changes_bell("t", [&](const Bell& b) { return b.selected_modes == before.modes; }));
   EXPECT_EQ(studio.relay().asked<protocol::RingModes>().size(), 2u);
   EXPECT_TRUE(studio.until([&] { return studio.status().sounding_modes > before.modes / 2; }));
 
-  studio.press("c");
+  studio.press("e");
   ASSERT_TRUE(studio.asks<protocol::ClearAll>());
   EXPECT_TRUE(studio.until([&] { return studio.status().sounding_modes == 0; }));
-  studio.press("i");
+  studio.press("period");
   EXPECT_TRUE(studio.until([&] { return studio.app().commands().choice().node == 1; }));
-  studio.press("p");
+  studio.press("r");
   ASSERT_TRUE(studio.asks<protocol::StrikeVertex>());
   EXPECT_EQ(studio.relay().asked<protocol::StrikeVertex>()[0].vertex, 1u);
   EXPECT_TRUE(studio.until([&] { return studio.status().sounding_objects == 1; }));
-  studio.press("k");
-  EXPECT_TRUE(studio.until([&] { return studio.app().commands().choice().node == 0; }));
 
   studio.press("Down");
   EXPECT_TRUE(studio.until([&] { return studio.app().commands().choice().mode == 1; }));
+  studio.press("Up");
+  EXPECT_TRUE(studio.until([&] { return studio.app().commands().choice().mode == 0; }));
+  studio.press("Down");
   EXPECT_TRUE(studio.changes_bell("Return", [](const Bell& b) { return b.first_mode == 1 && b.selected_modes == 1; }));
   const auto bars = [&] { return studio.app().model().object("bell")->amplitudes; };
   EXPECT_TRUE(studio.until([&] {
@@ -95,7 +118,7 @@ TEST(Window, EveryKeyOfTheSoundDoesWhatItSays) {
     return heights.size() == static_cast<std::size_t>(before.modes) && heights[1] > 0.01F &&
            std::ranges::count_if(heights, [](float h) { return h > 1e-5F; }) == 1;
   })) << "its bar stands alone";
-  studio.press("v");
+  studio.press("g");
   EXPECT_TRUE(studio.until([&] {
     return std::ranges::any_of(studio.app().scene_view().stage().contents().frame.bodies,
                                [](const DrawnBody& b) { return b.displacement && std::abs(b.displacement_m) > 1e-3F; });
@@ -104,9 +127,9 @@ TEST(Window, EveryKeyOfTheSoundDoesWhatItSays) {
 
 TEST(Window, TheTestToneIsHeardAndSeen) {
   OPEN_STUDIO(studio);
-  studio.press("Tab");
+  studio.press("ctrl+Tab");
   ASSERT_TRUE(studio.until([&] { return studio.app().focused() == Pane::sound; }));
-  studio.press("4");
+  studio.press("w");
   ASSERT_TRUE(studio.asks<protocol::TestTone>());
   const Model& model = studio.app().model();
   ASSERT_TRUE(studio.until([&] { return model.peak().held > 0.09; }));
@@ -119,7 +142,7 @@ TEST(Window, TheTestToneIsHeardAndSeen) {
     for (std::size_t i = 1; i < left.size(); ++i) rising += left[i - 1] < 0 && left[i] >= 0;
     return std::abs(rising - 440) <= 1;
   }));
-  studio.press("4");
+  studio.press("w");
   EXPECT_TRUE(studio.until([&] { return model.peak().held == 0; }));
 }
 
@@ -135,23 +158,108 @@ TEST(Window, KeysForAllPanesWorkInEither) {
   studio.press("F2");
   EXPECT_TRUE(studio.until([&] { return !app.settings().dark; }));
   const double force = app.commands().choice().impulse_ns;
-  studio.press("period");
+  studio.press("l");
   EXPECT_TRUE(studio.until([&] { return app.commands().choice().impulse_ns > 1.3 * force; }));
-  studio.press("comma");
+  studio.press("k");
   EXPECT_TRUE(studio.until([&] { return app.commands().choice().impulse_ns < 1.1 * force; }));
-  studio.press("Tab");
+  studio.press("p");
+  ASSERT_TRUE(studio.asks<protocol::StrikeVertex>());
+  EXPECT_TRUE(studio.until([&] { return studio.status().sounding_objects == 1; }));
+  studio.press("BackSpace");
+  ASSERT_TRUE(studio.asks<protocol::ClearAll>());
+  EXPECT_TRUE(studio.until([&] { return studio.status().sounding_objects == 0; }));
+  studio.press("ctrl+Tab");
   ASSERT_TRUE(studio.until([&] { return app.focused() == Pane::sound; }));
-  ASSERT_TRUE(studio.changes_bell("t", [](const auto& b) { return b.scale.stiffness > 1.01; }));
+  ASSERT_TRUE(studio.changes_bell("m", [](const auto& b) { return b.scale.stiffness > 1.01; }));
   ASSERT_TRUE(studio.changes_bell("ctrl+z", [](const auto& b) { return std::abs(b.scale.stiffness - 1) < 1e-3; }));
   ASSERT_TRUE(studio.changes_bell("ctrl+y", [](const auto& b) { return b.scale.stiffness > 1.01; }));
   studio.press("ctrl+equal");
   EXPECT_TRUE(studio.until([&] { return app.window().scale() > 1.1; }));
-  studio.press("F11");
-  EXPECT_TRUE(studio.until([&] { return app.window().full_screen() && app.window().width() == 1280; }));
-  studio.press("F11");
-  EXPECT_TRUE(studio.until([&] { return !app.window().full_screen() && app.window().width() == 900; }));
+  studio.press("ctrl+minus");
+  EXPECT_TRUE(studio.until([&] { return app.window().scale() < 1.1; }));
+  for (const char* key : {"Tab", "F11"}) {
+    studio.press(key);
+    EXPECT_TRUE(studio.until([&] { return app.window().full_screen() && app.window().width() == 1280; })) << key;
+    studio.press(key);
+    EXPECT_TRUE(studio.until([&] { return !app.window().full_screen() && app.window().width() == 900; })) << key;
+  }
   studio.press("Escape");
   EXPECT_TRUE(studio.until([&] { return !app.runs(); }));
+}
+
+TEST(Window, TheObjectKeysGoThroughAllObjects) {
+  OPEN_STUDIO(studio);
+  App& app = studio.app();
+  app.client().send(protocol::LoadObject{"plate", kPresets + "/banks/steel-plate.glb"});
+  ASSERT_TRUE(studio.until([&] { return app.model().object("plate"); }));
+  app.commands().choose_object("bell");
+  for (const char* key : {"o", "i"}) {
+    const std::string before = app.commands().choice().object;
+    studio.press(key);
+    EXPECT_TRUE(studio.until([&] { return app.commands().choice().object != before; })) << key;
+  }
+  EXPECT_EQ(app.commands().choice().object, "bell");
+}
+
+// The address stands at the top of the left pane.
+TEST(Window, InATextFieldLettersAreText) {
+  OPEN_STUDIO(studio);
+  App& app = studio.app();
+  studio.act({"mousemove", "60", "18"});
+  studio.hold({"click", "1"});
+  ASSERT_TRUE(studio.until([] { return ImGui::GetIO().WantTextInput; }));
+  EXPECT_EQ(app.focused(), Pane::side);
+  for (const char* key : {"z", "b", "comma", "period", "p", "BackSpace", "Tab"}) studio.hold({"key", key});
+  EXPECT_EQ(app.commands().choice().node, 0u);
+  EXPECT_FALSE(app.window().full_screen());
+  EXPECT_TRUE(studio.relay().asked<protocol::SetMaterial>().empty());
+  EXPECT_TRUE(studio.relay().asked<protocol::StrikeVertex>().empty());
+  EXPECT_TRUE(studio.relay().asked<protocol::ClearAll>().empty());
+  studio.press("ctrl+Tab");
+  EXPECT_TRUE(studio.until([&] { return app.focused() == Pane::scene; })) << "ctrl+tab leaves the field";
+  ASSERT_TRUE(studio.until([] { return !ImGui::GetIO().WantTextInput; }));
+  EXPECT_TRUE(studio.changes_bell("z", [](const auto& b) { return b.scale.alpha > 1.01; }))
+      << "a letter is a key again";
+}
+
+TEST(Window, AFrameSurroundsTheFocusedPane) {
+  OPEN_STUDIO(studio);
+  App& app = studio.app();
+  const ImU32 focus = make_skin(true).focus;
+  // Whether the window's picture has the frame's colour there.
+  const auto framed = [&](double x, double y) {
+    const Image image = app.window().read_pixels();
+    const auto i =
+        4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
+    const auto channel = [&](int shift) { return static_cast<std::uint8_t>(focus >> shift); };
+    return image.rgba[i] == channel(IM_COL32_R_SHIFT) && image.rgba[i + 1] == channel(IM_COL32_G_SHIFT) &&
+           image.rgba[i + 2] == channel(IM_COL32_B_SHIFT);
+  };
+  const double left = app.scene_view().origin().x, right = left + app.scene_view().size().x;
+  const double height = app.window().height(), width = app.window().width();
+  const std::map<Pane, std::pair<double, double>> sides = {
+      {Pane::scene, {left, right}}, {Pane::sound, {right, width}}, {Pane::side, {0, left}}};
+  for (int i = 0; i < 3; ++i) {
+    for (const auto& [pane, ends] : sides) {
+      const auto [from, to] = ends;
+      const double middle = (from + to) / 2;
+      for (const auto& [x, y] :
+           {std::pair{middle, 1.0}, {middle, height - 2}, {from + 1, height / 2}, {to - 2, height / 2}}) {
+        EXPECT_EQ(framed(x, y), pane == app.focused()) << x << ", " << y << " in turn " << i;
+      }
+    }
+    const Pane before = app.focused();
+    studio.press("ctrl+Tab");
+    ASSERT_TRUE(studio.until([&] { return app.focused() != before; }));
+    app.frame();
+  }
+}
+
+TEST(Window, TheClockStopsAtTheScenesEnd) {
+  EXPECT_EQ(scene_note("demo", 3.21, 12, false), "demo   3.2 s of 12 s");
+  EXPECT_EQ(scene_note("chimes", 11.36, 11.4, true), "chimes   11.4 s of 11.4 s   paused (F5)");
+  EXPECT_EQ(scene_note("demo", 50, 12, false), "demo   12.0 s of 12 s   ended (F6: again)");
+  EXPECT_EQ(scene_note("endless", 50, 0, false), "endless   50.0 s");
 }
 
 // The table fills the lower right of the window.
@@ -171,9 +279,9 @@ TEST(Window, AClickInTheTableOfModesSelectsOneAndTheNextSelectsAll) {
 TEST(Window, ASceneIsLoadedByTheKeyboardAlone) {
   OPEN_STUDIO(studio);
   ASSERT_TRUE(studio.until([&] { return !studio.app().model().files().scenes().empty(); }));
-  studio.press("Tab");
+  studio.press("ctrl+Tab");
   ASSERT_TRUE(studio.until([&] { return studio.app().focused() == Pane::sound; }));
-  studio.press("Tab");
+  studio.press("ctrl+Tab");
   ASSERT_TRUE(studio.until([&] { return studio.app().focused() == Pane::side; }));
   const auto loads = [&] { return studio.relay().asked<protocol::SceneLoad>(); };
   for (int i = 0; i < 12 && loads().empty(); ++i) {

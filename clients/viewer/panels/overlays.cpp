@@ -6,20 +6,26 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 namespace ringdown::viewer {
 namespace {
 
-void draw_keys(const Skin& skin, const char* heading, Pane pane) {
-  ImGui::TableNextColumn();
+constexpr float kKeyWidth_em = 6.5f;  // "ctrl+delete", and a gap
+
+// The keys of a pane for which `listed` holds.
+template <class Listed>
+void draw_keys(const Skin& skin, const char* heading, Pane pane, Listed listed) {
   ImGui::PushStyleColor(ImGuiCol_Text, skin.focus);
   ImGui::TextUnformatted(heading);
   ImGui::PopStyleColor();
   for (const Binding& binding : bindings()) {
-    if (binding.pane != pane) continue;
+    if (binding.pane != pane || !listed(binding)) continue;
+    const float left = ImGui::GetCursorPosX();
     ImGui::TextUnformatted(std::string(binding.key).c_str());
-    ImGui::SameLine(4.5f * ImGui::GetFontSize());
+    ImGui::SameLine();
+    ImGui::SetCursorPosX(left + kKeyWidth_em * ImGui::GetFontSize());
     ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x);
     ImGui::TextUnformatted(std::string(binding.sentence).c_str());
     ImGui::PopTextWrapPos();
@@ -28,16 +34,27 @@ void draw_keys(const Skin& skin, const char* heading, Pane pane) {
 
 }  // namespace
 
+std::string scene_note(const std::string& name, double time_s, double duration_s, bool paused) {
+  std::array<char, 64> clock{};
+  const bool ended = duration_s > 0 && time_s >= duration_s;
+  if (duration_s > 0) {
+    std::snprintf(clock.data(), clock.size(), "%.1f s of %g s", std::min(time_s, duration_s), duration_s);
+  } else {
+    std::snprintf(clock.data(), clock.size(), "%.1f s", time_s);
+  }
+  return name + "   " + clock.data() + (ended ? "   ended (F6: again)" : "") + (paused ? "   paused (F5)" : "");
+}
+
 void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& scene, const ConnectionState& state,
                 std::optional<double> shown_at_s) {
   const float em = ImGui::GetFontSize();
   ImDrawList* list = ImGui::GetWindowDrawList();
-  std::array<char, 160> text{};
   if (const auto& file = scene.description().file) {
-    const double time = shown_at_s.value_or(scene.reported_time_s());
-    std::snprintf(text.data(), text.size(), "%s   %.1f s of %.0f s%s", std::filesystem::path(*file).stem().c_str(),
-                  time, scene.description().duration_s, scene.paused() ? "   paused (F5)" : "");
-    list->AddText({origin.x + em, origin.y + 0.7f * em}, skin.text, text.data());
+    const std::string note =
+        scene_note(std::filesystem::path(*file).stem(), shown_at_s.value_or(scene.reported_time_s()),
+                   scene.description().duration_s, scene.paused());
+    list->AddText(ImGui::GetFont(), em, {origin.x + em, origin.y + 0.7f * em}, skin.text, note.c_str(), nullptr,
+                  std::max(size.x - 2 * em, em));
   }
   list->AddText({origin.x + em, origin.y + size.y - 1.7f * em}, skin.faint, "F1: keys");
   if (state.kind == ConnectionState::Kind::connected) return;
@@ -49,7 +66,7 @@ void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& 
   list->AddText(ImGui::GetFont(), em, at, skin.text, state.sentence.c_str(), nullptr, wrap);
 }
 
-void draw_splitter(const char* name, float x, double direction, double& share) {
+std::optional<double> drag_splitter(const char* name, float x, double share, double direction) {
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({x - 3, 0});
   ImGui::SetNextWindowSize({6, whole.y});
@@ -60,17 +77,19 @@ void draw_splitter(const char* name, float x, double direction, double& share) {
                    ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing);
   ImGui::InvisibleButton(name, {6, whole.y});
   if (ImGui::IsItemHovered() || ImGui::IsItemActive()) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+  std::optional<double> dragged;
   if (ImGui::IsItemActive()) {
-    share = std::clamp(share + direction * static_cast<double>(ImGui::GetIO().MouseDelta.x / whole.x), 0.08, 0.55);
+    dragged = std::clamp(share + direction * static_cast<double>(ImGui::GetIO().MouseDelta.x / whole.x), 0.08, 0.55);
   }
   ImGui::End();
   ImGui::PopStyleVar(2);
+  return dragged;
 }
 
 bool draw_help(const Skin& skin) {
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
   const float em = ImGui::GetFontSize();
-  const ImVec2 size{std::min(whole.x - 2 * em, 76 * em), std::min(whole.y - 2 * em, 42 * em)};
+  const ImVec2 size{std::min(whole.x - 2 * em, 82 * em), std::min(whole.y - 2 * em, 44 * em)};
   ImGui::SetNextWindowPos({whole.x / 2, whole.y / 2}, 0, {0.5f, 0.5f});
   ImGui::SetNextWindowSize(size);
   ImGui::SetNextWindowFocus();
@@ -84,9 +103,16 @@ bool draw_help(const Skin& skin) {
         "harder), shift and drag to push a body. Letters that two panes share are the focused pane's.");
     ImGui::Separator();
     if (ImGui::BeginTable("keys", 3, ImGuiTableFlags_SizingStretchSame)) {
-      draw_keys(skin, "Everywhere", Pane::any);
-      draw_keys(skin, "In the scene", Pane::scene);
-      draw_keys(skin, "In the sound", Pane::sound);
+      const auto is_sign = [](const Binding& binding) { return binding.key.size() == 1; };
+      const auto is_any = [](const Binding&) { return true; };
+      ImGui::TableNextColumn();
+      draw_keys(skin, "Everywhere", Pane::any, std::not_fn(is_sign));
+      ImGui::Spacing();
+      draw_keys(skin, "In the sound", Pane::sound, is_any);
+      ImGui::TableNextColumn();
+      draw_keys(skin, "Everywhere: the chosen object", Pane::any, is_sign);
+      ImGui::TableNextColumn();
+      draw_keys(skin, "In the scene", Pane::scene, is_any);
       ImGui::EndTable();
     }
   }

@@ -6,8 +6,13 @@
 #include "clients/viewer/panels/skin.h"
 
 #include <optional>
+#include <string>
 
 namespace ringdown::viewer {
+
+// The scene's name and clock: "demo   3.2 s of 12 s". The clock stops at the scene's duration, although bodies may move
+// on; a duration of 0 stands for a scene without an end.
+std::string scene_note(const std::string& name, double time_s, double duration_s, bool paused);
 
 // Notes over the scene pane, which lies at `origin`: the scene's name and time, and, without a daemon, what to do about
 // that. `shown_at_s` is the scene time on display; nothing: the time that the daemon reports.
@@ -17,8 +22,9 @@ void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& 
 // All keys, by pane, over everything else. Returns false when the user closes the help.
 bool draw_help(const Skin& skin);
 
-// A bar at `x` between two panes, which the mouse drags. Changes `share`, a share of the window's width; `direction` is
-// +1 if that share belongs to the pane at the left of the bar, -1 if to the pane at the right.
-void draw_splitter(const char* name, float x, double direction, double& share);
+// A bar at `x` between two panes, which the mouse drags. `share` is the share of the window's width that one of them
+// has; `direction` is +1 if that is the pane at the left of the bar, -1 if it is the pane at the right. Returns the new
+// share while the user drags.
+std::optional<double> drag_splitter(const char* name, float x, double share, double direction);
 
 }  // namespace ringdown::viewer

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <initializer_list>
+#include <utility>
 
 namespace ringdown::viewer {
 namespace {
@@ -34,18 +36,38 @@ struct Area {
   [[nodiscard]] bool hovered() const { return ImGui::IsItemHovered() && ImGui::IsMouseHoveringRect(low, high); }
   [[nodiscard]] double mouse_x() const { return (ImGui::GetMousePos().x - low.x) / width(); }
 
-  void label_below(const Skin& skin, float at, const char* text) const {
+  // Writes words from the upper right corner to the left, over the curves.
+  void title(const Skin& skin, std::initializer_list<std::pair<const char*, ImU32>> words_from_the_right) const {
+    const float em = ImGui::GetFontSize();
+    float x = high.x;
+    for (const auto& [word, colour] : words_from_the_right) {
+      const float width = ImGui::CalcTextSize(word).x + 0.6f * em;
+      x -= width;
+      list->AddRectFilled({x, low.y}, {x + width, low.y + 1.2f * em},
+                          (skin.paper & ~IM_COL32_A_MASK) | 200u << IM_COL32_A_SHIFT);
+      list->AddText({x + 0.3f * em, low.y + 0.1f * em}, colour, word);
+    }
+  }
+
+  // Labels come from left to right and from top to bottom. A label that would touch the one before is left out.
+  void label_below(const Skin& skin, float at, const char* text) {
     const ImVec2 extent = ImGui::CalcTextSize(text);
     const float left = std::clamp(at - extent.x / 2, low.x, std::max(low.x, high.x - extent.x));
+    if (left < right_of_labels_) return;
+    right_of_labels_ = left + extent.x + 4;
     outside([&] { list->AddText({left, high.y + 2}, skin.faint, text); });
   }
-  void label_left(const Skin& skin, float at, const char* text) const {
+  void label_left(const Skin& skin, float at, const char* text) {
     const ImVec2 extent = ImGui::CalcTextSize(text);
     const float top = std::clamp(at - extent.y / 2, low.y, std::max(low.y, high.y - extent.y));
+    if (top < below_labels_) return;
+    below_labels_ = top + extent.y;
     outside([&] { list->AddText({low.x - extent.x - 4, top}, skin.faint, text); });
   }
 
  private:
+  float right_of_labels_ = -1e9f, below_labels_ = -1e9f;
+
   template <class Draw>
   void outside(Draw draw) const {
     list->PopClipRect();
@@ -62,7 +84,7 @@ double frequency_of_share(double share) {
 }
 double share_of_level(double db) { return (db - kMinLevel_db) / (kMaxLevel_db - kMinLevel_db); }
 
-void draw_grid(const Skin& skin, const Area& area) {
+void draw_grid(const Skin& skin, Area& area) {
   for (const auto& [hz, text] : {std::pair(100.0, "100"), {1000.0, "1 k"}, {10000.0, "10 kHz"}}) {
     const float x = area.x(share_of_frequency(hz));
     area.list->AddLine({x, area.low.y}, {x, area.high.y}, skin.grid);
@@ -122,7 +144,7 @@ double level_db(double amplitude) { return std::max(kMinLevel_db, 20 * std::log1
 
 void draw_oscilloscope(const Skin& skin, ImVec2 size, std::span<const float> left, std::span<const float> right,
                        double sample_rate_hz) {
-  const Area area(skin, "oscilloscope", size);
+  Area area(skin, "waveform", size);
   constexpr double kShown_s = 0.02, kMinPeak = 1e-4;
   const auto shown = static_cast<std::size_t>(kShown_s * sample_rate_hz);
   const std::size_t first = trigger(left, shown);
@@ -143,10 +165,11 @@ void draw_oscilloscope(const Skin& skin, ImVec2 size, std::span<const float> lef
   area.label_left(skin, area.y(0.5), "0");
   draw_wave(area, part(right), peak, series_colour(1));
   draw_wave(area, part(left), peak, series_colour(0));
+  area.title(skin, {{"right", series_colour(1)}, {"left", series_colour(0)}, {"waveform", skin.faint}});
 }
 
 void draw_spectrum(const Skin& skin, ImVec2 size, std::span<const float> levels_db, double bin_hz) {
-  const Area area(skin, "spectrum", size);
+  Area area(skin, "spectrum", size);
   draw_grid(skin, area);
   const auto columns = static_cast<std::size_t>(std::max(area.width(), 1.0f));
   std::vector<ImVec2> points;
@@ -162,6 +185,7 @@ void draw_spectrum(const Skin& skin, ImVec2 size, std::span<const float> levels_
     points.push_back({area.low.x + static_cast<float>(column), area.y(share_of_level(level))});
   }
   area.list->AddPolyline(points.data(), static_cast<int>(points.size()), skin.line, 0, 1.2f);
+  area.title(skin, {{"spectrum", skin.faint}});
   if (area.hovered() && !levels_db.empty()) {
     const double share = area.mouse_x();
     ImGui::SetTooltip("%s", text_of("%.0f Hz, %.1f dB", frequency_of_share(share), levels_db[bin_at(share)]).c_str());
@@ -169,7 +193,7 @@ void draw_spectrum(const Skin& skin, ImVec2 size, std::span<const float> levels_
 }
 
 Picked draw_bars(const Skin& skin, ImVec2 size, std::span<const BarGroup> groups) {
-  const Area area(skin, "bars", size);
+  Area area(skin, "modes", size);
   draw_grid(skin, area);
   Picked nearest;
   float distance = 6;
@@ -185,6 +209,7 @@ Picked draw_bars(const Skin& skin, ImVec2 size, std::span<const BarGroup> groups
       if (away < distance) distance = away, nearest = {static_cast<int>(g), static_cast<int>(b)};
     }
   }
+  area.title(skin, {{"modes that ring", skin.faint}});
   if (!area.hovered() || nearest.group < 0) return {};
   const BarGroup& group = groups[static_cast<std::size_t>(nearest.group)];
   const Bar& bar = group.bars[static_cast<std::size_t>(nearest.bar)];

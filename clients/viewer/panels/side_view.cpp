@@ -11,19 +11,43 @@ namespace {
 
 using protocol::ObjectRef;
 
+constexpr float kMinFiles = 4.5f;  // lines of the list of scenes and objects; half a line shows that there are more
+
 bool contains(const std::string& text, const char* part) {
   const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
   return std::search(text.begin(), text.end(), part, part + std::strlen(part), same) != text.end();
 }
 
-// A logarithmic slider. Returns true while the user moves it.
-bool factor_slider(const char* label, double& value, double least, double most) {
+struct SliderRange {
+  double least, most;
+  bool logarithmic = true;
+};
+
+// A row with a label, whose tooltip says more, a slider, and the slider's number, which can be dragged for fine steps
+// and clicked to type. Returns true while the user changes the value.
+bool slider(const char* label, const char* tip, double& value, SliderRange range, const char* format) {
+  const float em = ImGui::GetFontSize(), gap = 0.3f * em, label_width = 7.3f * em, number_width = 4.9f * em;
+  const auto least = static_cast<float>(range.least), most = static_cast<float>(range.most);
+  const ImGuiSliderFlags flags =
+      ImGuiSliderFlags_AlwaysClamp | (range.logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
   auto shown = static_cast<float>(value);
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 6 * ImGui::GetFontSize());
-  const bool moved = ImGui::SliderFloat(label, &shown, static_cast<float>(least), static_cast<float>(most), "%.3g",
-                                        ImGuiSliderFlags_Logarithmic);
-  if (moved) value = std::clamp(static_cast<double>(shown), least, most);
-  return moved;
+  ImGui::PushID(label);
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(label);
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tip);
+  ImGui::SameLine(label_width);
+  ImGui::SetNextItemWidth(std::max(ImGui::GetContentRegionAvail().x - number_width - gap, em));
+  bool changed = ImGui::SliderFloat("##slider", &shown, least, most, "", flags);
+  ImGui::SameLine(0, gap);
+  ImGui::SetNextItemWidth(number_width);
+  const float step = range.logarithmic ? 0.003f * shown : 0.002f * (most - least);
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {2, ImGui::GetStyle().FramePadding.y});
+  changed =
+      ImGui::DragFloat("##number", &shown, step, least, most, format, flags & ~ImGuiSliderFlags_Logarithmic) || changed;
+  ImGui::PopStyleVar();
+  ImGui::PopID();
+  if (changed) value = static_cast<double>(shown);
+  return changed;
 }
 
 }  // namespace
@@ -40,7 +64,12 @@ std::string SideView::draw_daemon(const Skin& skin, const ConnectionState& state
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("The daemon to talk to; Enter connects");
   const bool connected = state.kind == Kind::connected;
   ImGui::PushStyleColor(ImGuiCol_Text, connected ? skin.good : state.kind == Kind::away ? skin.bad : skin.warning);
-  ImGui::TextWrapped("%s %s", connected ? "\xE2\x86\x92" : "!", state.sentence.c_str());
+  if (connected) {
+    ImGui::TextUnformatted("\xE2\x86\x92 connected");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", state.sentence.c_str());
+  } else {
+    ImGui::TextWrapped("! %s", state.sentence.c_str());
+  }
   ImGui::PopStyleColor();
   if (const auto lost = state.lost_replies + state.lost_requests; lost > 0) {
     ImGui::TextDisabled("%llu messages were lost here", static_cast<unsigned long long>(lost));
@@ -50,12 +79,16 @@ std::string SideView::draw_daemon(const Skin& skin, const ConnectionState& state
 
 void SideView::draw_browser(Model& model, Commands& commands) {
   if (!ImGui::CollapsingHeader("Load", ImGuiTreeNodeFlags_DefaultOpen)) return;
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 4 * ImGui::GetFontSize());
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float button_width = ImGui::CalcTextSize("Refresh").x + 2 * style.FramePadding.x;
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - button_width - style.ItemSpacing.x);
   ImGui::InputTextWithHint("##filter", "search", filter_.data(), filter_.size());
   ImGui::SameLine();
-  if (ImGui::SmallButton("again")) model.files().browse_again();
+  if (ImGui::Button("Refresh")) model.files().browse_again();
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ask the daemon once more what there is");
-  const float height = 9 * ImGui::GetTextLineHeightWithSpacing();
+  const float line = ImGui::GetTextLineHeightWithSpacing();
+  const float height = std::max(kMinFiles * line, ImGui::GetWindowHeight() - others_height_);
+  files_height_ = height;
   if (!ImGui::BeginChild("files", {0, height}, false, ImGuiWindowFlags_NavFlattened)) return ImGui::EndChild();
   const auto list = [&](const char* heading, const std::vector<std::string>& files, auto load) {
     ImGui::TextDisabled("%s", heading);
@@ -105,29 +138,45 @@ void SideView::draw_sliders(const KnownObject& object, Commands& commands) {
   Adjustment a = commands.edits().adjustment_of(object);
   const ObjectRef ref{object.name, std::nullopt};
   if (object.bank && object.bank->bank.material) ImGui::TextDisabled("%s", object.bank->bank.material->name.c_str());
-  const auto material = [&](const char* label, double& factor, double least, double most) {
-    if (factor_slider(label, factor, least, most))
+  const auto material = [&](const char* label, const char* tip, double& factor, SliderRange range) {
+    if (slider(label, tip, factor, range, "\xC3\x97 %.3g"))
       commands.edits().change(object, protocol::SetMaterial{ref, a.scale}, label);
   };
-  material("alpha1", a.scale.alpha, 0.05, 20);
-  material("alpha2", a.scale.beta, 0.05, 20);
-  material("density", a.scale.density, 0.1, 10);
-  material("Lam\xC3\xA9", a.scale.stiffness, 0.05, 20);
-  material("size", a.scale.size, 0.25, 4);
-  if (factor_slider("gain", a.gain, 0.001, 100))
-    commands.edits().change(object, protocol::SetGain{ref, a.gain, 0.02}, "gain");
-  auto pan = static_cast<float>(a.pan);
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 6 * ImGui::GetFontSize());
-  if (ImGui::SliderFloat("pan", &pan, -1, 1, "%.2f"))
-    commands.edits().change(object, protocol::SetPan{ref, pan}, "pan");
+  material("Stiffness",
+           "The factor on the Lam\xC3\xA9 constants (M and , keys). Stiffer is higher: four times, an octave up",
+           a.scale.stiffness, {0.05, 20});
+  material("Density", "The factor on the mass density (B and N keys). Denser is lower: four times, an octave down",
+           a.scale.density, {0.1, 10});
+  material(
+      "Damping low",
+      "The factor on alpha1, Rayleigh damping in proportion to mass (Z and X keys): shortens all modes alike, which\n"
+      "is heard most in low ones",
+      a.scale.alpha, {0.05, 20});
+  material("Damping high",
+           "The factor on alpha2, Rayleigh damping in proportion to stiffness (C and V keys): shortens a mode by the\n"
+           "square of its frequency",
+           a.scale.beta, {0.05, 20});
+  material("Size", "The factor on all lengths. Twice the size is an octave down, and eight times the mass",
+           a.scale.size, {0.25, 4});
+  double level_db = 20 * std::log10(std::max(a.gain, 1e-3));
+  if (slider("Level", "How loud the object is. 0 dB is the gain 1, +20 dB the gain 10", level_db, {-60, 40, false},
+             "%.1f dB"))
+    commands.edits().change(object, protocol::SetGain{ref, std::pow(10, level_db / 20), 0.02}, "level");
+  if (slider("Pan", "-1 is left, 1 is right", a.pan, {-1, 1, false}, "%.2f"))
+    commands.edits().change(object, protocol::SetPan{ref, a.pan}, "pan");
   if (ImGui::SmallButton("As baked")) commands.edits().change(object, protocol::SetMaterial{ref, {}}, "as baked");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Material and size of the bank's file");
 }
 
 void SideView::draw_strike(Commands& commands, Settings& settings) {
   if (!ImGui::CollapsingHeader("Test force", ImGuiTreeNodeFlags_DefaultOpen)) return;
-  factor_slider("N s", commands.choice().impulse_ns, 1e-4, 10);
+  slider("Strength", "The impulse of a blow: force times time (L and K keys)", commands.choice().impulse_ns, {1e-4, 10},
+         "%.3g N s");
   double ms = 1e3 * commands.choice().contact_time_s;
-  if (factor_slider("ms long", ms, 0.01, 20)) commands.choice().contact_time_s = ms / 1e3;
+  if (slider("Contact", "How long the blow lasts: shorter is harder, and excites higher modes", ms, {0.01, 20},
+             "%.3g ms")) {
+    commands.choice().contact_time_s = ms / 1e3;
+  }
   ImGui::Checkbox("Held longer, harder", &settings.strength_by_time);
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("A click that is held for 1/4 s strikes as strongly as the slider says");
@@ -152,10 +201,10 @@ void SideView::draw_session(const Skin& skin, const Model& model, Commands& comm
 }
 
 void SideView::draw_messages(const Skin& skin, const Model& model) {
-  ImGui::Separator();
   std::size_t shown = 0;
   for (auto message = model.messages().rbegin(); message != model.messages().rend() && shown < 6; ++message) {
     if (!message->failed) continue;
+    if (shown == 0) ImGui::Separator();
     ImGui::PushStyleColor(ImGuiCol_Text, shown == 0 ? skin.bad : skin.faint);
     ImGui::TextWrapped("%s", message->sentence.c_str());
     ImGui::PopStyleColor();
@@ -167,11 +216,13 @@ std::string SideView::draw(const Skin& skin, const ConnectionState& state, Model
                            Settings& settings) {
   std::string go_to = draw_daemon(skin, state);
   draw_session(skin, model, commands);
+  files_height_ = 0;
   draw_browser(model, commands);
   draw_objects(skin, model, commands);
   if (const KnownObject* object = model.object(commands.choice().object)) draw_sliders(*object, commands);
   draw_strike(commands, settings);
   draw_messages(skin, model);
+  others_height_ = ImGui::GetCursorPosY() + ImGui::GetStyle().WindowPadding.y - files_height_;
   return go_to;
 }
 

@@ -31,6 +31,8 @@ class SideView {
   static void draw_messages(const Skin& skin, const Model& model);
 
   std::array<char, 128> url_{}, filter_{};
+  // The list of files takes what the rest of the pane leaves; both heights are the last frame's.
+  float files_height_ = 0, others_height_ = 1e9f;
 };
 
 }  // namespace ringdown::viewer

@@ -1,6 +1,7 @@
 #include "clients/viewer/panels/sound_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace ringdown::viewer {
@@ -31,6 +32,18 @@ void draw_count(const Skin& skin, const char* label, std::int64_t count) {
   }
 }
 
+struct Column {
+  const char* heading;
+  float weight;
+  const char* tip;
+};
+constexpr std::array kColumns = {
+    Column{"mode", 0.7f, "By ascending frequency. A click leaves the object this mode alone and rings it"},
+    Column{"frequency", 1.2f, "In the present material and size"},
+    Column{"decay", 1.0f, "T60: how long the mode takes to fall by 60 dB"},
+    Column{"level", 1.1f, "At which a blow of 1 N s at the excited node starts the mode [dB of full scale]"},
+};
+
 // The bars of an object: one for each mode, as high as the mode is loud.
 BarGroup bars_of(const KnownObject& object, ImU32 colour, const Choice& choice) {
   const bool chosen = object.name == choice.object;
@@ -45,14 +58,20 @@ BarGroup bars_of(const KnownObject& object, ImU32 colour, const Choice& choice) 
 }
 
 void draw_legend(const std::vector<BarGroup>& groups) {
-  const float side = ImGui::GetFontSize() * 0.7f;
+  const float em = ImGui::GetFontSize(), side = 0.6f * em, gap = 0.4f * em;
+  const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
   for (const BarGroup& group : groups) {
-    ImGui::ColorButton(group.name.c_str(), ImGui::ColorConvertU32ToFloat4(group.colour), ImGuiColorEditFlags_NoTooltip,
-                       {side, side});
-    ImGui::SameLine();
+    const float width = side + gap + ImGui::CalcTextSize(group.name.c_str()).x;
+    if (&group != &groups.front()) {
+      ImGui::SameLine(0, em);
+      if (ImGui::GetCursorScreenPos().x + width > right) ImGui::NewLine();
+    }
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float top = at.y + (ImGui::GetTextLineHeight() - side) / 2;
+    ImGui::GetWindowDrawList()->AddRectFilled({at.x, top}, {at.x + side, top + side}, group.colour);
+    ImGui::Dummy({side, 0});
+    ImGui::SameLine(0, gap);
     ImGui::TextUnformatted(group.name.c_str());
-    if (&group != &groups.back()) ImGui::SameLine();
-    if (ImGui::GetContentRegionAvail().x < 6 * ImGui::GetFontSize()) ImGui::NewLine();
   }
 }
 
@@ -146,17 +165,26 @@ void SoundView::draw_table(const Skin& skin, const KnownObject& object, Commands
   const std::vector<ListedMode>& modes = modes_of(object, commands);
   const modal::ModeRange range = commands.edits().adjustment_of(object).range;
   const auto played = static_cast<int>(std::ranges::count(modes, true, &ListedMode::selected));
-  ImGui::Text("%s: %d of %zu modes, excited at node %u", object.name.c_str(), played, modes.size(),
-              commands.choice().node);
-  if (range != modal::ModeRange{}) {
-    ImGui::SameLine();
-    if (ImGui::SmallButton("All (1)")) commands.perform(Action::all_modes);
-  }
+  // The button is always there, so that the table below stays where it is when a click in it selects one mode.
+  const bool all = range == modal::ModeRange{};
+  if (all) ImGui::BeginDisabled();
+  if (ImGui::SmallButton("All (T)")) commands.perform(Action::all_modes);
+  if (all) ImGui::EndDisabled();
+  ImGui::SameLine();
+  ImGui::Text("%d of %zu modes, node %u of %s", played, modes.size(), commands.choice().node, object.name.c_str());
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("The test force of the R key strikes this node; . and / choose it");
   constexpr auto kFlags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_BordersInnerV;
   if (!ImGui::BeginTable("modes", 4, kFlags, ImGui::GetContentRegionAvail())) return;
   ImGui::TableSetupScrollFreeze(0, 1);
-  for (const char* heading : {"mode", "frequency", "T60", "gain"}) ImGui::TableSetupColumn(heading);
-  ImGui::TableHeadersRow();
+  for (const auto& [heading, weight, tip] : kColumns) {
+    ImGui::TableSetupColumn(heading, ImGuiTableColumnFlags_WidthStretch, weight);
+  }
+  ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
+  for (const auto& [heading, weight, tip] : kColumns) {
+    ImGui::TableNextColumn();
+    ImGui::TableHeader(heading);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tip);
+  }
   const std::uint32_t chosen = commands.choice().mode;
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(modes.size()));
