@@ -17,11 +17,12 @@ The daemon listens for OSC 1.0 by UDP, on port {port} of this computer by defaul
 TCP, in SLIP frames as in OSC 1.1. With `--query PORT` it serves this list as JSON over HTTP (OSCQuery). With liblo's `oscsend`:
 
     oscsend osc.udp://127.0.0.1:{port} /load ss bell presets/banks/bronze-bell.glb
-    oscsend osc.udp://127.0.0.1:{port} /object/bell/gain ff 0.5 0.1
+    oscsend osc.udp://127.0.0.1:{port} /object/bell/strike ffffff 0.05 0 0.02 -0.02 0 0
 
 - **Units** are SI. Points, impulses and forces are in the object's own frame, which is its mesh's.
 - **Numbers** may be of type `i`, `h`, `f` or `d`; where a whole number is wanted, 3.0 will do. Text is type `s`, 1 to 4096
-  bytes without control characters; records are a blob, type `b`. Arguments in [brackets] may be left out, from the right.
+  bytes without control characters; records are a blob, type `b`. Arguments come in the order listed; those with a default may
+  be left out, from the right.
 - **Objects** have a name (1 to 64 of `A-Z a-z 0-9 _ . -`, not digits only) and a number. Both serve in an address:
   `/object/bell/strike`, `/object/0/strike`. Groups are named in the same way.
 - **Paths** start where the daemon was started, unless they are absolute.
@@ -33,8 +34,8 @@ TCP, in SLIP frames as in OSC 1.1. With `--query PORT` it serves this list as JS
   kept. A bundle sounds at its time tag, to the sample. A tag may lie up to an hour ahead; one in the past is played at once
   and counted. Bundles nest up to 4 deep, an inner one never earlier than its outer. Below, *timed* requests obey the tag;
   those *in order* follow all that was sent before, and *immediate* ones are handled on arrival.
-- **Answers** go to the sender's port. A refusal is `/fail`. Where no answer is listed, silence is success; send `/sync` to
-  learn that all before it has arrived.
+- **Answers** go to the sender's port. A refusal is `/fail`. Success is silence for timed requests and `/done` for others,
+  where no other answer is named; `/sync` tells that all before it has arrived.
 - **Patterns** of OSC 1.0 stand for objects, and for what follows them: `/object/glass*/gain`, `/object/{bell,bowl}/[!f]*`.
   `?` is one character, `*` any number, `[a-z]` and `[!a-z]` a set, `{low,high}` words. They are matched with names, not
   numbers; one that matches nothing is a `/fail`.
@@ -53,7 +54,7 @@ std::string accepted_text(const ArgumentSpec& spec) {
 constexpr std::int32_t kAnyInteger = std::numeric_limits<std::int32_t>::max();
 
 std::string fallback_text(const ArgumentSpec& spec) {
-  if (std::holds_alternative<std::monostate>(spec.fallback)) return "absent";
+  if (std::holds_alternative<std::monostate>(spec.fallback)) return "none";
   return spec.fallback == Value(kAnyInteger) ? "all" : value_text(spec.fallback);
 }
 
@@ -80,9 +81,7 @@ std::string brief_range(const ArgumentSpec& spec) {
 std::string values_text(const ArgumentSpec& argument, bool is_request) {
   if (!is_request) return std::string(argument.unit);
   std::string values = brief_range(argument);
-  if (argument.optional && !std::holds_alternative<std::monostate>(argument.fallback)) {
-    values += (values.empty() ? "default " : "; default ") + fallback_text(argument);
-  }
+  if (argument.optional) values += (values.empty() ? "default " : "; default ") + fallback_text(argument);
   return values;
 }
 
@@ -109,14 +108,6 @@ std::string argument_list(const AddressSpec& spec) {
   return list.empty() ? "" : list + "\n";
 }
 
-std::string answer_text(const AddressSpec& spec) {
-  if (spec.reply.empty()) return "";
-  std::string text = "; answers `" + std::string(spec.reply);
-  text += "`";
-  if (!spec.reply_number.empty()) text.append(" and ").append(spec.reply_number);
-  return text;
-}
-
 // When a request happens, in the words of the page's head.
 std::string_view time_text(Lane lane) {
   switch (lane) {
@@ -134,21 +125,19 @@ std::string_view time_text(Lane lane) {
   return "";
 }
 
-// An oscsend command for each message of four arguments or more; the page's head shows shorter ones.
-std::string example_text(const AddressSpec& spec) {
-  const std::string command = oscsend_command(spec);
-  if (command.empty())
-    return "`oscsend` sends no blobs; [clients/python/strike.py](../../clients/python/strike.py) does.\n\n";
-  return spec.example.arguments.size() < 4 ? "" : "    " + command + "\n\n";
+// How a request is answered, where the page's head does not say it already.
+std::string answer_text(const AddressSpec& spec) {
+  const std::string_view usual = time_text(*spec.lane) == "Timed" ? "" : "/done";
+  if (spec.reply == usual && spec.reply_number.empty()) return "";
+  std::string text = "; answers `" + std::string(spec.reply) + "`";
+  if (!spec.reply_number.empty()) text.append(" and ").append(spec.reply_number);
+  return text;
 }
 
-std::string request_section(const AddressSpec& spec) {
-  return "### `" + signature(spec) + "`\n\n" + std::string(spec.sentence) + " " + std::string(time_text(*spec.lane)) +
-         answer_text(spec) + ".\n\n" + argument_list(spec) + example_text(spec);
-}
-
-std::string reply_section(const AddressSpec& spec) {
-  return "### `" + std::string(spec.address) + "`\n\n" + std::string(spec.sentence) + "\n\n" + argument_list(spec);
+std::string section(const AddressSpec& spec) {
+  const std::string when = spec.lane ? " " + std::string(time_text(*spec.lane)) + answer_text(spec) + "." : "";
+  return "### `" + std::string(spec.address) + "`\n\n" + std::string(spec.sentence) + when + "\n\n" +
+         argument_list(spec);
 }
 
 // An argument for oscsend: its type letter and its word. Numbers go as f, as most clients send them.
@@ -185,12 +174,9 @@ std::string markdown() {
   for (auto at = text.find("{port}"); at != text.npos; at = text.find("{port}", at))
     text.replace(at, 6, std::to_string(kDefaultPort));
   text += "## What you can send\n\n";
-  for (const AddressSpec& spec : addresses()) text += request_section(spec);
-  text +=
-      "## What is answered\n\nAnswers use the OSC types `i`, `f`, `s` and, for bytes and samples, `b`; their arguments "
-      "come in the "
-      "order listed. `/notify` makes the daemon send the `/notify.` messages.\n\n";
-  for (const AddressSpec& spec : reply_addresses()) text += reply_section(spec);
+  for (const AddressSpec& spec : addresses()) text += section(spec);
+  text += "## What is answered\n\nAnswers use the OSC types `i`, `f`, `s` and, for bytes and samples, `b`.\n\n";
+  for (const AddressSpec& spec : reply_addresses()) text += section(spec);
   text.pop_back();
   return text;
 }

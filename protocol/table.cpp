@@ -54,8 +54,8 @@ const BulkStrike kBlow{0, std::nullopt, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005, 
 
 using Arguments = std::initializer_list<Columns<Request>>;
 
-// An address that succeeds in silence, and the lane that handles it. `example` is what docs/reference/protocol.md
-// shows; a test sends it through the parser.
+// An address that succeeds in silence, and the lane that handles it. Tests send `example` through the parser and by
+// oscsend.
 template <Lane lane, class Struct>
 RowOf<Request, Struct> silent(std::string_view address, const Struct& example, std::string_view sentence,
                               Arguments arguments) {
@@ -88,10 +88,10 @@ std::vector<Row<Request>> make_request_rows() {
                            integer<&StrikeVertex::vertex>("vertex", kIndex, "The point's number, from 0."),
                            impulse<&StrikeVertex::impulse_ns>(), contact_time<&StrikeVertex::contact_time_s>()}),
       silent<Lane::mixer>("/strikes", StrikeMany{encode_strikes(std::array{kBlow})},
-                          "Many strikes in one message, for simulators. A record is 40 bytes, big-endian: int32 object "
-                          "(the number that /load answered), int32 vertex (-1: at x y z), float32 x y z [m], jx jy jz "
-                          "[N s], contact_time [s] and delay [s], 0 to 60, after the message's time. Ranges are those "
-                          "of /strike. One wrong record refuses them all.",
+                          "Many strikes in one message, for simulators, as clients/python/strike.py sends them. A "
+                          "record is 40 bytes, big-endian: int32 object (the number that /load answered), int32 vertex "
+                          "(-1: at x y z), float32 x y z [m], jx jy jz [N s], contact_time [s] and delay [s], 0 to 60, "
+                          "after the message's time. Ranges are those of /strike. One wrong record refuses them all.",
                           {records<&StrikeMany::records>("records", kBytesPerStrike, kMaxBulkStrikes, "The records.")}),
       silent<Lane::mixer>("/object/{object}/gain", SetGain{kBell, 0.5, 0.1}, "Sets the object's loudness.",
                           {object<&SetGain::object>(),
@@ -130,8 +130,8 @@ std::vector<Row<Request>> make_request_rows() {
            optional(integer<&SetDamper::number>("number", kDamperNumber, "Which damper."))}),
       answered<Lane::worker>("/object/{object}/group", SetGroup{kBell, "metal"},
                              "Puts the object into a group, which --ports groups gives an output port of its own.",
-                             {object<&SetGroup::object>(), optional(other<ValueType::name, &SetGroup::group>(
-                                                               "group", "The group's name; absent: none."))}),
+                             {object<&SetGroup::object>(),
+                              optional(other<ValueType::name, &SetGroup::group>("group", "The group's name."))}),
       silent<Lane::mixer>("/object/{object}/ring", RingModes{kBell, 0, 1, 0.1},
                           "Starts these modes without a strike, each as a sine from 0.",
                           {object<&RingModes::object>(),
