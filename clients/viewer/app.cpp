@@ -154,11 +154,15 @@ void App::draw_panes() {
   if (options_.only != Pane::sound) {
     pane("Scene", Pane::scene, left, width - left - right, [&] {
       scene_.draw(skin_, model_, commands_, settings_.strength_by_time, now, options_.shown_at_s);
-      draw_notes(skin_, scene_.origin(), scene_.size(), model_.scene(), client_.state(), options_.shown_at_s);
+      draw_notes(skin_, scene_.origin(), scene_.size(), model_.scene(), options_.shown_at_s);
+      draw_connection(skin_, scene_.origin(), scene_.size(), client_.state());
     });
   }
   if (options_.only != Pane::scene) {
-    pane("Sound", Pane::sound, width - right, right, [&] { sound_.draw(skin_, model_, commands_); });
+    pane("Sound", Pane::sound, width - right, right, [&] {
+      sound_.draw(skin_, model_, commands_, !all);
+      if (!all) draw_connection(skin_, {0, 0}, ImGui::GetIO().DisplaySize, client_.state());
+    });
   }
   if (!all) return;
   pane("Side", Pane::side, 0, left, [&] {

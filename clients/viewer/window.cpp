@@ -249,6 +249,7 @@ void Window::begin_frame() {
 
 void Window::end_frame() {
   ImGui::Render();
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);  // a new SceneRenderer leaves one of its own bound
   paint(width(), height());
   glfwSwapBuffers(state_->window);
 }

@@ -4,6 +4,7 @@
 #include "engine/modal/bank_file.h"
 #include "tests/viewer/studio.h"
 
+#include <epoxy/gl.h>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
@@ -414,6 +415,23 @@ TEST(Window, DraggingTurnsTheWheelZoomsAndShiftPushes) {
   EXPECT_TRUE(
       studio.until([&] { return glm::dot(view.camera().position_m - before, view.camera().forward()) > 0.01F; }));
   EXPECT_TRUE(studio.relay().asked<protocol::Strike>().empty()) << "a drag strikes nothing";
+}
+
+// A framebuffer that something else left bound would take the frame, and the window would stay black.
+TEST(Window, EachPaneAloneIsPaintedIntoTheWindow) {
+  const VirtualDisplay display;
+  if (!display.works()) GTEST_SKIP() << "needs Xvfb (./run packages)";
+  for (const Pane only : {Pane::scene, Pane::sound, Pane::any}) {
+    auto window = Window::open({400, 300, true, 1});
+    ASSERT_TRUE(window) << window.error().message;
+    auto renderer = SceneRenderer::create();
+    ASSERT_TRUE(renderer) << renderer.error().message;
+    App app(std::move(*window), std::move(*renderer), Settings{}, {at(9), std::nullopt, only, std::nullopt});
+    app.draw();
+    GLint painted = -1;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &painted);
+    EXPECT_EQ(painted, 0) << static_cast<int>(only);
+  }
 }
 
 // As a desktop tells X11 programs of a display with many pixels per inch.

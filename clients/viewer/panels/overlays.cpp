@@ -45,7 +45,7 @@ std::string scene_note(const std::string& name, double time_s, double duration_s
   return name + "   " + clock.data() + (ended ? "   ended (F6: again)" : "") + (paused ? "   paused (F5)" : "");
 }
 
-void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& scene, const ConnectionState& state,
+void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& scene,
                 std::optional<double> shown_at_s) {
   const float em = ImGui::GetFontSize();
   ImDrawList* list = ImGui::GetWindowDrawList();
@@ -57,7 +57,12 @@ void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& 
                   std::max(size.x - 2 * em, em));
   }
   list->AddText({origin.x + em, origin.y + size.y - 1.7f * em}, skin.faint, "F1: keys");
+}
+
+void draw_connection(const Skin& skin, ImVec2 origin, ImVec2 size, const ConnectionState& state) {
   if (state.kind == ConnectionState::Kind::connected) return;
+  const float em = ImGui::GetFontSize();
+  ImDrawList* list = ImGui::GetWindowDrawList();
   const float wrap = std::min(0.8f * size.x, 30 * em);
   const ImVec2 extent = ImGui::CalcTextSize(state.sentence.c_str(), nullptr, false, wrap);
   const ImVec2 at{origin.x + (size.x - extent.x) / 2, origin.y + (size.y - extent.y) / 2};

@@ -14,10 +14,13 @@ namespace ringdown::viewer {
 // on; a duration of 0 stands for a scene without an end.
 std::string scene_note(const std::string& name, double time_s, double duration_s, bool paused);
 
-// Notes over the scene pane, which lies at `origin`: the scene's name and time, and, without a daemon, what to do about
-// that. `shown_at_s` is the scene time on display; nothing: the time that the daemon reports.
-void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& scene, const ConnectionState& state,
+// Notes over the scene pane, which lies at `origin`: the scene's name and time. `shown_at_s` is the scene time on
+// display; nothing: the time that the daemon reports.
+void draw_notes(const Skin& skin, ImVec2 origin, ImVec2 size, const KnownScene& scene,
                 std::optional<double> shown_at_s);
+
+// Without a daemon, what to do about that, in the middle of a pane that lies at `origin`.
+void draw_connection(const Skin& skin, ImVec2 origin, ImVec2 size, const ConnectionState& state);
 
 // All keys, by pane, over everything else. Returns false when the user closes the help.
 bool draw_help(const Skin& skin);

@@ -57,22 +57,40 @@ BarGroup bars_of(const KnownObject& object, ImU32 colour, const Choice& choice) 
   return group;
 }
 
-void draw_legend(const std::vector<BarGroup>& groups) {
+// Names the colours in one line, so that the table below stays where it is when objects begin or cease to ring. Names
+// without room are counted: "+3".
+void draw_legend(const Skin& skin, const std::vector<BarGroup>& groups) {
   const float em = ImGui::GetFontSize(), side = 0.6f * em, gap = 0.4f * em;
-  const float right = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
-  for (const BarGroup& group : groups) {
-    const float width = side + gap + ImGui::CalcTextSize(group.name.c_str()).x;
-    if (&group != &groups.front()) {
-      ImGui::SameLine(0, em);
-      if (ImGui::GetCursorScreenPos().x + width > right) ImGui::NewLine();
+  const auto width_of = [](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x; };
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float right = at.x + ImGui::GetContentRegionAvail().x;
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  float x = at.x;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const std::string rest = "+" + std::to_string(groups.size() - i);
+    const float end = x + side + gap + width_of(groups[i].name) + em;
+    if (end + (i + 1 < groups.size() ? width_of(rest) : -em) > right) {
+      list->AddText({x, at.y}, skin.faint, rest.c_str());
+      break;
     }
-    const ImVec2 at = ImGui::GetCursorScreenPos();
     const float top = at.y + (ImGui::GetTextLineHeight() - side) / 2;
-    ImGui::GetWindowDrawList()->AddRectFilled({at.x, top}, {at.x + side, top + side}, group.colour);
-    ImGui::Dummy({side, 0});
-    ImGui::SameLine(0, gap);
-    ImGui::TextUnformatted(group.name.c_str());
+    list->AddRectFilled({x, top}, {x + side, top + side}, groups[i].colour);
+    list->AddText({x + side + gap, at.y}, skin.text, groups[i].name.c_str());
+    x = end;
   }
+  ImGui::Dummy({right - at.x, ImGui::GetTextLineHeight()});
+}
+
+// How the chosen object is set, for a window without the sliders.
+void draw_settings(const KnownObject* object, const Commands& commands) {
+  if (object) {
+    const modal::MaterialScale scale = commands.edits().adjustment_of(*object).scale;
+    ImGui::TextWrapped(
+        "%s: stiffness \xC3\x97 %.3g, density \xC3\x97 %.3g, damping low \xC3\x97 %.3g, high \xC3\x97 %.3g, "
+        "test force %.3g N s",
+        object->name.c_str(), scale.stiffness, scale.density, scale.alpha, scale.beta, commands.choice().impulse_ns);
+  }
+  ImGui::TextDisabled("F1: keys");
 }
 
 // One row of the table of modes; true when the user clicked it.
@@ -101,7 +119,7 @@ bool draw_row(const Skin& skin, int row, const ListedMode& mode, bool chosen) {
 
 }  // namespace
 
-void SoundView::draw_meters(const Skin& skin, const Model& model) const {
+void SoundView::draw_meters(const Skin& skin, const Model& model, bool tone) const {
   draw_level(skin, "Level", static_cast<float>(model.peak().now), static_cast<float>(model.peak().held));
   const auto& status = model.status();
   const double p99 = status ? status->load_p99 : 0;
@@ -119,6 +137,11 @@ void SoundView::draw_meters(const Skin& skin, const Model& model) const {
   const protocol::NotifyLoad& load = model.load();
   ImGui::Text("%d object%s, %d mode%s", load.sounding_objects, many(load.sounding_objects), load.sounding_modes,
               many(load.sounding_modes));
+  if (!tone) return;
+  ImGui::SameLine();
+  ImGui::PushStyleColor(ImGuiCol_Text, skin.warning);
+  ImGui::TextUnformatted("test tone (W)");
+  ImGui::PopStyleColor();
 }
 
 void SoundView::draw_curves(const Skin& skin, const Model& model, float height) {
@@ -158,7 +181,7 @@ void SoundView::draw_amplitudes(const Skin& skin, Model& model, Commands& comman
   if (picked.group >= 0) {
     commands.hear_alone(*objects[static_cast<std::size_t>(picked.group)], static_cast<std::uint32_t>(picked.bar));
   }
-  draw_legend(groups);
+  draw_legend(skin, groups);
 }
 
 void SoundView::draw_table(const Skin& skin, const KnownObject& object, Commands& commands) {
@@ -199,12 +222,13 @@ void SoundView::draw_table(const Skin& skin, const KnownObject& object, Commands
   ImGui::EndTable();
 }
 
-void SoundView::draw(const Skin& skin, Model& model, Commands& commands) {
-  draw_meters(skin, model);
+void SoundView::draw(const Skin& skin, Model& model, Commands& commands, bool alone) {
+  const KnownObject* object = model.object(commands.choice().object);
+  draw_meters(skin, model, commands.choice().tone);
+  if (alone) draw_settings(object, commands);
   const float height = std::clamp(ImGui::GetContentRegionAvail().y * 0.2f, 70.0f, 260.0f);
   draw_curves(skin, model, height);
   draw_amplitudes(skin, model, commands, height);
-  const KnownObject* object = model.object(commands.choice().object);
   if (object && object->bank) draw_table(skin, *object, commands);
 }
 

@@ -14,10 +14,11 @@ namespace ringdown::viewer {
 
 class SoundView {
  public:
-  void draw(const Skin& skin, Model& model, Commands& commands);
+  // Fills the current ImGui window. `alone`: no other pane shows how the chosen object is set, so this one does.
+  void draw(const Skin& skin, Model& model, Commands& commands, bool alone);
 
  private:
-  void draw_meters(const Skin& skin, const Model& model) const;
+  void draw_meters(const Skin& skin, const Model& model, bool tone) const;
   void draw_curves(const Skin& skin, const Model& model, float height);
   void draw_amplitudes(const Skin& skin, Model& model, Commands& commands, float height);
   void draw_table(const Skin& skin, const KnownObject& object, Commands& commands);
