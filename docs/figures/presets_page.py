@@ -16,7 +16,7 @@ PICTURES = ROOT / "docs/figures/presets"
 MOST_BYTES = 25_000
 HEAD = """# The presets
 
-The objects of `presets/objects`, with their banks in `presets/banks`; `./run presets` bakes those that have none there. Each picture shows
+The objects of `presets/objects`, with their banks of 17 to 300 kB in `presets/banks`; `./run presets` bakes those that have changed. Each picture shows
 the most important mode, bent and coloured by how far each place moves (dark: rests, yellow: moves most), and the spectrum of a blow where
 the object answers most, in dB over Hz. T60 is that of this mode. Play one:
 
@@ -25,8 +25,8 @@ the object answers most, in dB over Hz. T60 is that of this mode. Play one:
 
 [Pictures](previews.md) show all modes of one.
 
-| | object | material | lowest pitch in Hz (note, cents) | T60 [s] | modes | kB |
-|---|---|---|---|---|---|---|
+| | object | material | lowest pitch in Hz (note, cents) | T60 [s] |
+|---|---|---|---|---|
 """
 
 
@@ -66,13 +66,12 @@ def row(ringdown, path):
     name, bank = path.stem, ROOT / "presets/banks" / f"{path.stem}.glb"
     label = f"`{name}`: {thing.get('description', '').replace('|', '/')}"
     if not bank.exists():
-        return f"| | {label} | {thing.get('material', '')} | | | | |\n"
+        return f"| | {label} | {thing.get('material', '')} | | |\n"
     picture = PICTURES / f"{name}.png"
     small_picture(ringdown, bank, picture)
     modes = modes_of(ringdown, bank)
-    size = round(bank.stat().st_size / 1000)
     return (f"| ![{name}](../figures/presets/{name}.png) | {label} | {thing.get('material', '')} | {lowest_pitch(modes)} "
-            f"| {modes[0][1]:.2g} | {len(modes)} | {size} |\n")
+            f"| {modes[0][1]:.2g} |\n")
 
 
 def main():
