@@ -148,7 +148,7 @@ void App::draw_panes() {
     right = std::max(width * static_cast<float>(settings_.sound_share), kMinSound_em * em);
     const float most = width - std::min(kMinScene_em * em, width / 3);
     const float shrink = std::min(1.0f, most / (left + right));
-    left *= shrink, right *= shrink;
+    left = std::floor(left * shrink), right = std::floor(right * shrink);  // ImGui puts windows at whole pixels
   }
   const double now = now_s();
   if (options_.only != Pane::sound) {

@@ -45,6 +45,7 @@ class App {
   [[nodiscard]] Model& model() { return model_; }
   [[nodiscard]] Commands& commands() { return commands_; }
   [[nodiscard]] DaemonClient& client() { return client_; }
+  [[nodiscard]] const DaemonClient& client() const { return client_; }
   [[nodiscard]] const Window& window() const { return window_; }
   [[nodiscard]] const SceneView& scene_view() const { return scene_; }
   [[nodiscard]] Pane focused() const { return focused_; }

@@ -18,6 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kPatience_s = 60;
+constexpr int kAttempts = 3;
 
 constexpr std::string_view kReady = "ready: OSC on ";
 
@@ -113,10 +114,13 @@ Result<void> draw_until(App& app, const ScreenshotRequest& request, double patie
   return {};
 }
 
+bool connected(const App& app) { return app.client().state().kind == ConnectionState::Kind::connected; }
+
 // Loads the scene, waits in it at time 0 until everything that should be visible is here, and plays it until `at_s`.
 Result<void> play_until_then(App& app, const ScreenshotRequest& request, const std::filesystem::path& scene) {
-  const auto connected = [&] { return app.client().state().kind == ConnectionState::Kind::connected; };
-  if (auto good = draw_until(app, request, kPatience_s, "no daemon answers", connected); !good) return good;
+  if (auto good = draw_until(app, request, kPatience_s, "no daemon answers", [&] { return connected(app); }); !good) {
+    return good;
+  }
   app.commands().load_scene(scene.string());
   app.client().send(protocol::ScenePause{true});
   const auto paused = [&] { return is_complete(app.model()) && app.model().scene().paused(); };
@@ -148,7 +152,13 @@ Result<void> take_screenshot(const ScreenshotRequest& request, const Settings& s
           {own ? own->url() : *request.daemon, std::nullopt, request.only, std::nullopt});
   // A daemon that was already running resolves the path itself, perhaps on another computer.
   const auto scene = own ? std::filesystem::absolute(request.scene) : request.scene;
-  if (auto good = play_until_then(app, request, scene); !good) return good;
+  // On a machine that is too busy the daemon may seem to have gone; the model then starts from nothing.
+  bool complete = false;
+  for (int attempt = 0; attempt < kAttempts && !complete; ++attempt) {
+    if (auto good = play_until_then(app, request, scene); !good) return good;
+    complete = connected(app) && is_complete(app.model());
+  }
+  if (!complete) return fail(ErrorKind::refused, "no picture was written: the daemon ceased to answer meanwhile");
   app.show_at(request.at_s);
   app.draw();
   return write_png(app.window().read_pixels(), request.output);

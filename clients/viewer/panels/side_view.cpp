@@ -87,7 +87,8 @@ void SideView::draw_browser(Model& model, Commands& commands) {
   if (ImGui::Button("Refresh")) model.files().browse_again();
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ask the daemon once more what there is");
   const float line = ImGui::GetTextLineHeightWithSpacing();
-  const float height = std::max(kMinFiles * line, ImGui::GetWindowHeight() - others_height_);
+  const auto rows = static_cast<float>(2 + model.files().scenes().size() + model.files().banks().size());
+  const float height = std::min(rows * line, std::max(kMinFiles * line, ImGui::GetWindowHeight() - others_height_));
   files_height_ = height;
   if (!ImGui::BeginChild("files", {0, height}, false, ImGuiWindowFlags_NavFlattened)) return ImGui::EndChild();
   const auto list = [&](const char* heading, const std::vector<std::string>& files, auto load) {
