@@ -28,6 +28,21 @@ TEST(Window, EveryKeyOfTheSceneDoesWhatItSays) {
     EXPECT_TRUE(studio.until([&] { return glm::dot(camera().position_m - before, way) > 0.01F; })) << key;
     studio.act({"keyup", key});
   }
+  const std::vector<std::tuple<const char*, float Camera::*, float>> turns = {
+      {"Left", &Camera::yaw, 1}, {"Right", &Camera::yaw, -1}, {"Up", &Camera::pitch, 1}, {"Down", &Camera::pitch, -1}};
+  for (const auto& [key, angle, sign] : turns) {
+    const float before = camera().*angle;
+    studio.act({"keydown", key});
+    EXPECT_TRUE(studio.until([&] { return sign * (camera().*angle - before) > 0.01F; })) << key;
+    studio.act({"keyup", key});
+  }
+  for (const auto& [key, sign] : {std::pair{"equal", 1.0F}, {"minus", -1.0F}}) {
+    const glm::vec3 before = camera().position_m;
+    studio.act({"keydown", key});
+    EXPECT_TRUE(studio.until([&] { return sign * glm::dot(camera().position_m - before, camera().forward()) > 0.01F; }))
+        << key;
+    studio.act({"keyup", key});
+  }
   studio.press("Home");
   EXPECT_TRUE(studio.until([&] { return glm::length(camera().position_m - glm::vec3(0, -1.5F, 0.6F)) < 1e-4F; }));
 
