@@ -14,33 +14,31 @@ constexpr std::string_view kHead = R"(# The protocol
 <!-- Written by `ringdown protocol --markdown` from the table in protocol/table.cpp. Change it there. -->
 
 The daemon listens for OSC 1.0 by UDP, on port {port} of this computer by default. With `--tcp PORT` it also takes OSC over
-TCP, in SLIP frames as in OSC 1.1. With `--query PORT` it serves this list as JSON over HTTP (OSCQuery). With liblo's `oscsend`:
+TCP, in SLIP frames as in OSC 1.1. With `--query PORT` it serves this list as JSON over HTTP (OSCQuery). By liblo's `oscsend`:
 
     oscsend osc.udp://127.0.0.1:{port} /load ss bell presets/banks/bronze-bell.glb
     oscsend osc.udp://127.0.0.1:{port} /object/bell/strike ffffff 0.05 0 0.02 -0.02 0 0
 
-- **Units** are SI. Points, impulses and forces are in the object's own frame, which is its mesh's.
-- **Numbers** may be of type `i`, `h`, `f` or `d`; where a whole number is wanted, 3.0 will do. Text is type `s`, 1 to 4096
-  bytes without control characters; records are a blob, type `b`. Arguments come in the order listed; those with a default may
-  be left out, from the right.
+- **Units** are SI. Points, impulses and forces are in the object's own frame, that of its mesh.
+- **Arguments** come in the order listed; those with a default may be left out, from the right. Numbers may be of type `i`, `h`,
+  `f` or `d`; 3.0 counts as a whole number. Text is type `s`, 1 to 4096 bytes without control characters; blobs are type `b`.
 - **Objects** have a name (1 to 64 of `A-Z a-z 0-9 _ . -`, not digits only) and a number. Both serve in an address:
   `/object/bell/strike`, `/object/0/strike`. Groups are named in the same way.
 - **Paths** start where the daemon was started, unless they are absolute.
-- **An impulse** is mass times change of velocity. **Contact time** is that of a half-sine pulse, which is weak above its
-  inverse; 0 s excites all modes alike. By Hertz's law (K. L. Johnson, Contact Mechanics, equation 11.24) a ball that meets
-  steel at 1 m/s stays for 0.07 ms if it is steel of 10 mm radius, and at 15 mm for 0.1 ms if it is hardwood, 0.2 ms hard
-  plastic, 0.7 ms hard rubber.
-- **Time.** A message outside a bundle sounds at a fixed short latency (`--latency`) after its arrival, so that intervals are
-  kept. A bundle sounds at its time tag, to the sample. A tag may lie up to an hour ahead; one in the past is played at once
-  and counted. Bundles nest up to 4 deep, an inner one never earlier than its outer. Below, *timed* requests obey the tag;
-  those *in order* follow all that was sent before, and *immediate* ones are handled on arrival.
-- **Answers** go to the sender's port. A refusal is `/fail`. Success is silence for timed requests and `/done` for others,
-  where no other answer is named; `/sync` tells that all before it has arrived.
-- **Patterns** of OSC 1.0 stand for objects, and for what follows them: `/object/glass*/gain`, `/object/{bell,bowl}/[!f]*`.
-  `?` is one character, `*` any number, `[a-z]` and `[!a-z]` a set, `{low,high}` words. They are matched with names, not
-  numbers; one that matches nothing is a `/fail`.
+- **An impulse** is mass times change of velocity. **Contact time** is the length of a half-sine pulse, which is weak above its
+  inverse; 0 s excites all modes alike. By Hertz's law (K. L. Johnson, Contact Mechanics, equation 11.24) a ball that hits
+  steel at 1 m/s touches it for 0.07 ms (steel, radius 10 mm), 0.1 ms (hardwood, 15 mm), 0.2 ms (hard plastic) or 0.7 ms (hard
+  rubber).
+- **Time.** A message outside a bundle sounds at a fixed short latency (`--latency`) after its arrival. A bundle sounds at its
+  time tag, to the sample. A tag may lie up to an hour ahead; one in the past is played at once and counted. Bundles nest up to
+  4 deep, an inner one never earlier than its outer. Below, *timed* requests obey the tag; those *in order* follow everything
+  sent before, and *immediate* ones are handled on arrival.
+- **Answers** go to the sender's port. A refusal is `/fail`. Unless another answer is named, success is silence for timed
+  requests and `/done` for others. `/sync` tells when everything before it has arrived.
+- **Patterns** of OSC 1.0 match object names, and what follows them: `/object/glass*/gain`, `/object/{bell,bowl}/[!f]*`. `?` is
+  one character, `*` any number, `[a-z]` and `[!a-z]` a set, `{low,high}` words. A pattern that matches nothing is a `/fail`.
 - **Limits**: 64 arguments, an address of 256 characters, and [others](../use/limits.md). A datagram with a fault is refused
-  whole. Once 64 strikes arrive within `--merge` (1 ms by default), further ones on one point become one of their summed
+  whole. Once 64 strikes arrive within `--merge` (1 ms by default), further ones on one point become one with their summed
   impulse.
 
 )";

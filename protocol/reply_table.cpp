@@ -30,8 +30,7 @@ std::vector<Row<Reply>> make_reply_rows() {
              number<&StatusReply::load_mean>("load_mean", kLoad,
                                              "Time spent on a block over its duration, mean of a second."),
              number<&StatusReply::load_peak>("load_peak", kLoad, "Of the slowest block so far."),
-             integer<&StatusReply::xruns>("xruns", kCount,
-                                          "Late blocks that the audio server counted, whoever was late."),
+             integer<&StatusReply::xruns>("xruns", kCount, "Late blocks that the audio server counted."),
              integer<&StatusReply::dropped_events>("dropped", kCount, "Events lost to a full queue."),
              integer<&StatusReply::late_events>("late", kCount, "Events that arrived after their time."),
              integer<&StatusReply::merged_events>("merged", kCount, "Strikes added to others in a flood."),
@@ -153,8 +152,8 @@ std::vector<Row<Reply>> make_reply_rows() {
             {other<ValueType::any_text, &NotifyObjectPeak::object>("object", "Its name."),
              number<&NotifyObjectPeak::peak>(
                  "peak", kPeak,
-                 "A bound on its samples since the last notice: the sum of its modes' amplitudes, at its gain. Up to "
-                 "64 objects (2,048 modes) are measured every 128 frames, more in turn.")}),
+                 "A bound on its samples since the last notice: the sum of its modes' amplitudes, at its gain. Beyond "
+                 "64 objects (2,048 modes) they are measured in turn.")}),
       reply("/notify.load", NotifyLoad{0.031, 0.058, 0, 1, 220}, "How the daemon is doing.",
             {number<&NotifyLoad::mean>("load_mean", kLoad, "As in /status.reply."),
              number<&NotifyLoad::peak>("load_peak", kLoad, "The same."),
@@ -163,8 +162,8 @@ std::vector<Row<Reply>> make_reply_rows() {
              integer<&NotifyLoad::sounding_modes>("sounding_modes", kCount, "The same.")}),
       reply(
           "/notify.body", NotifyBody{2, "bell", "bell", {0, 0, 1}, 0, 0, 0, 1},
-          "Where a body of the scene is: the pose of its object's frame, in which to draw the bank's mesh. A body that "
-          "is no longer sent has left the scene.",
+          "Where a body of the scene is, as the pose of its bank's mesh. A body that is no longer sent has left the "
+          "scene.",
           {integer<&NotifyBody::id>("body", kCount, "Its number, and its name in the scene file."),
            other<ValueType::any_text, &NotifyBody::name>("name", "The same."),
            other<ValueType::any_text, &NotifyBody::object>("object", "What rings when it is hit; - for none."),

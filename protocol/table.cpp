@@ -21,7 +21,7 @@ auto object() {
 
 template <auto... path>
 auto body_object() {
-  return other<ValueType::object_or_none, path...>("object", "What sounds when the body is hit; - for a silent body.");
+  return other<ValueType::object_or_none, path...>("object", "What sounds when it is hit.");
 }
 
 template <auto... path>
@@ -102,8 +102,8 @@ std::vector<Row<Request>> make_request_rows() {
           {object<&SetPan::object>(), number<&SetPan::pan>("pan", kPan, "-1 is left, 0 the middle, 1 right.")}),
       answered<Lane::worker>(
           "/object/{object}/material", SetMaterial{kBell, {1, 1, 1, 4, 0.5}},
-          "Scales the material and size of the bank; modes, mass and click follow exactly. 1 1 1 1 1 is the bank as "
-          "baked. Points in later messages lie on the object in its new size. Bodies of a running scene keep theirs.",
+          "Scales the bank's material and size, exactly. Points in later messages lie on the object in its new size. "
+          "Bodies of a running scene keep theirs.",
           {object<&SetMaterial::object>(),
            number<&SetMaterial::scale, &modal::MaterialScale::alpha>(
                "alpha", kDampingScale, "The factor on Rayleigh's alpha: damping of low modes."),
@@ -118,15 +118,14 @@ std::vector<Row<Request>> make_request_rows() {
           "/object/{object}/hold",
           SetDamper{kBell, {{0.05, 0, 0.02}, {}, 20}},
           "Lays a hand on the object, or puts it down on something: modes die sooner the more they move there. An "
-          "object can have 16 dampers; an embedded scene uses those from 8 on.",
+          "object can have 16 dampers, of which an embedded scene uses those from 8 on.",
           {object<&SetDamper::object>(),
            vector<&SetDamper::damper, &modal::Damper::point_m>({"x", "y", "z"}, kPosition, "Where it touches."),
            number<&SetDamper::damper, &modal::Damper::damping_ns_m>(
                "damping", kDamping,
-               "The resisting force over the speed of the surface: about 5 for a fingertip; 0 takes the hand away."),
+               "Resisting force over speed of the surface: about 5 for a fingertip; 0 takes the hand away."),
            optional(vector<&SetDamper::damper, &modal::Damper::direction>(
-               {"nx", "ny", "nz"}, kDirection,
-               "The direction of the motion that is resisted, of any length; 0 0 0 for all.")),
+               {"nx", "ny", "nz"}, kDirection, "The direction of the resisted motion; 0 0 0 for all.")),
            optional(integer<&SetDamper::number>("number", kDamperNumber, "Which damper."))}),
       answered<Lane::worker>("/object/{object}/group", SetGroup{kBell, "metal"},
                              "Puts the object into a group, which --ports groups gives an output port of its own.",
@@ -146,11 +145,11 @@ std::vector<Row<Request>> make_request_rows() {
                                   "first", kIndex, "The lowest one; 0 has the lowest frequency."),
                               optional(integer<&SelectModes::range, &modal::ModeRange::count>(
                                   "count", kCount, "How many, counted upwards."))}),
-      answered<Lane::subscription>("/object/{object}/watch", WatchObject{kBell, true},
-                                   "Sends the amplitudes of the object's modes, as /notify.modes, to the sender, who "
-                                   "has subscribed with /notify. 16 objects can be watched at once.",
-                                   {object<&WatchObject::object>(),
-                                    optional(other<ValueType::flag, &WatchObject::on>("on", "1 starts, 0 stops."))}),
+      answered<Lane::subscription>(
+          "/object/{object}/watch", WatchObject{kBell, true},
+          "Sends a subscriber of /notify the amplitudes of the object's modes (/notify.modes), for up to 16 objects.",
+          {object<&WatchObject::object>(),
+           optional(other<ValueType::flag, &WatchObject::on>("on", "1 starts, 0 stops."))}),
       answered<Lane::question>("/object/{object}/describe", DescribeObject{kBell},
                                "Asks what the object is and how it is set.", {object<&DescribeObject::object>()},
                                "/object.reply"),
@@ -173,15 +172,15 @@ std::vector<Row<Request>> make_request_rows() {
            optional(number<&ClearObject::ramp_s>("ramp", kRamp, "How long that takes; at least some 10 ms."))}),
       silent<Lane::mixer>(
           "/object/{object}/contact", SetContact{kBell, {0.05, 0, 0.02}, {0, {0, 0, -2}, 0.3, 0, {}}},
-          "Something slides or rolls on the object. Values are interpolated between messages; send 50 to 250 a second. "
-          "A force of 0 0 0 ends the contact, as does a tenth of a second without a message.",
+          "Something slides or rolls on the object. Values are interpolated between messages: send 50 to 250 a second. "
+          "A force of 0 0 0, or 0.1 s without a message, ends the contact.",
           {object<&SetContact::object>(), vector<&SetContact::point_m>({"x", "y", "z"}, kPosition, "Where it touches."),
            vector<&SetContact::contact, &synth::Contact::force_n>({"fx", "fy", "fz"}, kForce,
                                                                   "The force on the object, friction included."),
            number<&SetContact::contact, &synth::Contact::slip_m_s>(
-               "slip", kSpeed, "The speed at which the surfaces slide past each other."),
+               "slip", kSpeed, "Speed at which the surfaces slide past each other."),
            optional(number<&SetContact::contact, &synth::Contact::roll_m_s>(
-               "roll", kSpeed, "The speed at which the point of contact travels.")),
+               "roll", kSpeed, "Speed at which the point of contact travels.")),
            optional(integer<&SetContact::contact, &synth::Contact::number>(
                "number", kIndex, "Which contact; an object can have four at once.")),
            optional(number<&SetContact::contact, &synth::Contact::texture, &synth::Texture::roughness_m>(
@@ -192,15 +191,15 @@ std::vector<Row<Request>> make_request_rows() {
                "slope", kSpectralSlope, "The power of the heights over spatial frequency f goes as f^slope."))}),
       silent<Lane::mixer>(
           "/object/{object}/click", Click{kBell, {-0.02, 0, 0}, 0.0005},
-          "The click of an object that a blow sets in motion as a whole. Strikes do not include it: send it once for "
-          "all points struck at one time, to objects that are free to move.",
+          "The click of a free object that a blow sets in motion as a whole, which strikes do not include. Send it "
+          "once for all points struck at one time.",
           {object<&Click::object>(), impulse<&Click::impulse_ns>(), contact_time<&Click::contact_time_s>()}),
       answered<Lane::worker>("/object/{object}/free", FreeObject{kBell},
                              "Fades and removes the object; its name and number become free.",
                              {object<&FreeObject::object>()}),
       answered<Lane::worker>(
           "/load", LoadObject{"bell", "presets/banks/bronze-bell.glb"},
-          "Reads a bank and gives it a name. An object of that name gets the new bank, while the old one rings out.",
+          "Loads a bank under a name. An object of that name gets the new bank, while the old one rings out.",
           {other<ValueType::name, &LoadObject::name>("name", "The object's name."),
            other<ValueType::text, &LoadObject::bank_path>("path", "The bank, a .glb file.")},
           "/done", "the object's number"),
@@ -232,21 +231,21 @@ std::vector<Row<Request>> make_request_rows() {
           {integer<&ScenePush::body>("body", kCount, "Its number."),
            vector<&ScenePush::impulse_ns>({"jx", "jy", "jz"}, kImpulse, "The impulse, in the scene's frame.")}),
       answered<Lane::question>("/scene/describe", SceneDescribe{},
-                               "Asks what the scene looks like. /scene.body and /scene.static follow the answer.", {},
+                               "Asks what the scene looks like: /scene.body and /scene.static follow the answer.", {},
                                "/scene.reply"),
       answered<Lane::subscription>(
           "/notify", Notify{true, 20},
-          "Subscribes the sender to /notify.object, .group, .contact, .peak, .object_peak, .load, .scene and .body, "
-          "sent as bundles; the first is about every object. A subscriber that sends nothing for 60 s is forgotten.",
+          "Subscribes the sender to bundles of /notify.object, .group, .contact, .peak, .object_peak, .load, .scene "
+          "and .body; the first is about every object. A subscriber that sends nothing for 60 s is forgotten.",
           {optional(other<ValueType::flag, &Notify::on>("on", "1 subscribes, 0 ends the subscription.")),
            optional(number<&Notify::rate_hz>("rate", kNoticeRate, "Bundles per second."))}),
-      answered<Lane::subscription>(
-          "/watch/sound", WatchSound{true},
-          "Sends the samples of the mix, as /notify.sound, to the sender, who has subscribed with /notify.",
-          {optional(other<ValueType::flag, &WatchSound::on>("on", "1 starts, 0 stops."))}),
-      answered<Lane::question>("/browse", Browse{},
-                               "Asks which scenes and banks can be loaded. A /browse.file for each follows the answer.",
-                               {}, "/browse.reply"),
+      answered<Lane::subscription>("/watch/sound", WatchSound{true},
+                                   "Sends a subscriber of /notify the samples of the mix (/notify.sound).",
+                                   {optional(other<ValueType::flag, &WatchSound::on>("on", "1 starts, 0 stops."))}),
+      answered<Lane::question>(
+          "/browse", Browse{},
+          "Asks for the scenes and banks that can be loaded: a /browse.file for each follows the answer.", {},
+          "/browse.reply"),
       answered<Lane::worker>(
           "/test_tone", TestTone{0.1, 440}, "Adds a sine to both sides of the mix.",
           {number<&TestTone::amplitude>("amplitude", kAmplitude, "1 is full scale, 0 ends the tone."),
@@ -256,8 +255,8 @@ std::vector<Row<Request>> make_request_rows() {
           "Writes objects, inputs and scene to a readable file, which `ringdownd --state` loads.",
           {other<ValueType::text, &SaveState::path>("path", "The .toml file to write; it replaces only a state.")}),
       answered<Lane::file>("/record/start", RecordStart{"session.osc"},
-                           "Records what is played from now on as an OSC score, which `ringdown render --events` plays "
-                           "again: bit for bit, at the same sample rate and block size.",
+                           "Records what is played as an OSC score, which `ringdown render --events` plays again: bit "
+                           "for bit, at the same sample rate and block size.",
                            {other<ValueType::text, &RecordStart::path>(
                                "path", "The .osc file to write; it replaces only a score.")}),
       answered<Lane::file>("/record/stop", RecordStop{}, "Writes the score.", {}, "/done", "the count of its messages"),
