@@ -208,7 +208,8 @@ void measure_parts(int bodies, int frames, Table& table) {
     picked.measure(
         [&] { pick(camera.ray_through(width / 2.0F, height / 2.0F, width, height), stage.contents().picked); });
     window.begin_frame();
-    in_pane("sound", sounding, kWidth / 2, kWidth * settings.sound_share, [&] { sound.draw(skin, model, commands); });
+    in_pane("sound", sounding, kWidth / 2, kWidth * settings.sound_share,
+            [&] { sound.draw(skin, model, commands, false); });
     in_pane("side", sided, 0, kWidth * settings.side_share, [&] { side.draw(skin, {}, model, commands, settings); });
     window.end_frame();
   }
