@@ -99,6 +99,7 @@ void App::perform(Action action) {
 
 void App::handle_keys(double seconds) {
   for (const auto& [key, repeated] : window_.take_keys()) {
+    if (key == "escape" && popup_) continue;  // ImGui closes the popup
     const auto binding = binding_for(focused_, key);
     if (!binding || binding->while_down == WhileDown::continues || (repeated && binding->while_down == WhileDown::once))
       continue;
@@ -194,6 +195,7 @@ void App::draw() {
   const bool live = !options_.shown_at_s;
   scene_.set_detail(live ? detail_.detail() : 1);
   draw_panes();
+  popup_ = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
   if (help_) help_ = draw_help(skin_);
   window_.end_frame();
   if (live) detail_.observe(std::chrono::duration<double>(Clock::now() - last_frame_).count());

@@ -80,6 +80,7 @@ class App {
   std::optional<Pane> focus_next_;
   std::uint32_t connection_ = 0;
   bool runs_ = true, help_ = false;
+  bool popup_ = false;  // whether a list such as that of the materials was open in the last frame
   Clock::time_point start_ = Clock::now(), last_frame_ = Clock::now();
   double skinned_scale_ = 0;
 };

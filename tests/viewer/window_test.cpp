@@ -231,6 +231,11 @@ TEST(Window, InATextFieldLettersAreText) {
   EXPECT_TRUE(studio.relay().asked<protocol::SetMaterial>().empty());
   EXPECT_TRUE(studio.relay().asked<protocol::StrikeVertex>().empty());
   EXPECT_TRUE(studio.relay().asked<protocol::ClearAll>().empty());
+  studio.hold({"key", "Escape"});
+  EXPECT_TRUE(studio.until([] { return !ImGui::GetIO().WantTextInput; })) << "escape leaves the field";
+  EXPECT_TRUE(app.runs()) << "and not the window";
+  studio.hold({"click", "1"});
+  ASSERT_TRUE(studio.until([] { return ImGui::GetIO().WantTextInput; }));
   studio.press("ctrl+Tab");
   EXPECT_TRUE(studio.until([&] { return app.focused() == Pane::scene; })) << "ctrl+tab leaves the field";
   ASSERT_TRUE(studio.until([] { return !ImGui::GetIO().WantTextInput; }));
