@@ -83,14 +83,17 @@ std::string values_text(const ArgumentSpec& argument, bool is_request) {
   return values;
 }
 
+constexpr std::string_view kTheSame = "The same.";
+
 // Whether `next` is one more component of the vector, or one more argument of the kind, that `first` begins.
 bool continues(const ArgumentSpec& first, const ArgumentSpec& next, bool is_request) {
   const bool same =
-      next.sentence == "Its y component." || next.sentence == "Its z component." || next.sentence == "The same.";
+      next.sentence == "Its y component." || next.sentence == "Its z component." || next.sentence == kTheSame;
   return same && values_text(first, is_request) == values_text(next, is_request) && first.optional == next.optional;
 }
 
-// One line for each argument that is not in the address; the components of a vector share a line.
+// One line for each argument that is not in the address; the components of a vector, and arguments of one kind, share a
+// line.
 std::string argument_list(const AddressSpec& spec) {
   std::string list;
   const auto arguments = std::span(spec.arguments).subspan(spec.arguments_in_address());
@@ -98,7 +101,7 @@ std::string argument_list(const AddressSpec& spec) {
     const ArgumentSpec& first = arguments[i];
     list.append("- `").append(first.name);
     for (++i; i < arguments.size() && continues(first, arguments[i], spec.lane.has_value()); ++i)
-      list.append(" ").append(arguments[i].name);
+      list.append(arguments[i].sentence == kTheSame ? "`, `" : " ").append(arguments[i].name);
     list.append("`: ").append(first.sentence);
     const std::string values = values_text(first, spec.lane.has_value());
     list += (values.empty() ? "" : " (" + values + ")") + "\n";

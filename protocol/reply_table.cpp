@@ -96,7 +96,7 @@ std::vector<Row<Reply>> make_reply_rows() {
             {integer<&SceneReply::version>("version", kCount, "Grows when the description changes."),
              integer<&SceneReply::bodies>("bodies", kCount, "How many /scene.body and /scene.static follow."),
              integer<&SceneReply::statics>("statics", kCount, "The same."),
-             number<&SceneReply::duration_s>("duration", kDuration, "How long it is worth hearing."),
+             number<&SceneReply::duration_s>("duration", kDuration, "Length of a rendering."),
              vector<&SceneReply::camera_m>({"x", "y", "z"}, kAnyPosition, "Where its camera stands."),
              vector<&SceneReply::target_m>({"tx", "ty", "tz"}, kAnyPosition, "What its camera looks at."),
              number<&SceneReply::field_of_view_degrees>("field_of_view", kAngle,
