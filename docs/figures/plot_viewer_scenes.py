@@ -30,7 +30,7 @@ MOMENTS_S = {  # of the scene
 COLUMNS = 4
 TAKEN, SHOWN = (640, 400), (400, 250)
 NAME_HEIGHT = 18
-WINDOW, WINDOW_SCENE, WINDOW_AT_S = (1440, 900), "glass-tower", 1
+WINDOW, WINDOW_SCENE, WINDOW_AT_S = (1280, 800), "glass-tower", 1
 MOST_BYTES = 400_000
 
 

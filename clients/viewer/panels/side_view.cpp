@@ -11,7 +11,7 @@ namespace {
 
 using protocol::ObjectRef;
 
-constexpr float kMinFiles = 4.5f;  // lines of the list of scenes and objects; half a line shows that there are more
+constexpr float kMinFiles = 3.5f;  // lines of the list of scenes and objects; half a line shows that there are more
 
 bool contains(const std::string& text, const char* part) {
   const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
