@@ -9,7 +9,7 @@
 namespace ringdown::protocol {
 namespace {
 
-constexpr std::size_t kMaxText = 4096;
+constexpr std::size_t kMaxTextBytes = 4096;
 
 std::string shown(const std::string& text) { return "the text " + quote(text); }
 std::string shown(std::int32_t value) { return std::to_string(value); }
@@ -68,7 +68,7 @@ Result<Value> convert_text(const ArgumentSpec& spec, const wire::Argument& argum
   const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 127; };
   const bool good = spec.type == ValueType::name
                         ? is_object_name(*text)
-                        : !text->empty() && text->size() <= kMaxText && std::ranges::none_of(*text, is_control);
+                        : !text->empty() && text->size() <= kMaxTextBytes && std::ranges::none_of(*text, is_control);
   if (!good) return refuse(spec, shown(argument));
   return Value(*text);
 }

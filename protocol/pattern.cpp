@@ -16,11 +16,10 @@
 namespace ringdown::protocol {
 namespace {
 
-constexpr std::size_t kMaxText = 127;
-constexpr std::string_view kObjectPrefix = "/object/";
+constexpr std::size_t kMaxMatched = 127;
 
 // A set of positions in the text: those that the pattern may have reached.
-using Places = std::bitset<kMaxText + 1>;
+using Places = std::bitset<kMaxMatched + 1>;
 
 template <class Accepts>
 Places step(const Places& places, std::string_view text, Accepts accepts) {
@@ -80,7 +79,7 @@ std::optional<std::string_view> take_enclosed(std::string_view& pattern, char cl
 }  // namespace
 
 bool matches(std::string_view pattern, std::string_view text) {
-  assert(text.size() <= kMaxText);
+  assert(text.size() <= kMaxMatched);
   // Most names differ in their letters before the first sign or after the last one, which is quick to see.
   const std::string_view end = pattern.substr(pattern.find_last_of("?*[]{}") + 1);
   if (!text.ends_with(end)) return false;

@@ -2,6 +2,7 @@
 
 #include "protocol/binding.h"
 #include "protocol/convert.h"
+#include "protocol/names.h"
 
 #include <algorithm>
 #include <cassert>
@@ -12,7 +13,6 @@
 namespace ringdown::protocol {
 namespace {
 
-constexpr std::string_view kObjectPrefix = "/object/";
 constexpr std::string_view kPlaceholder = "{object}";
 
 template <class Any>

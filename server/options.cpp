@@ -1,5 +1,6 @@
 #include "server/options.h"
 
+#include "engine/base/folders.h"
 #include "engine/base/object_name.h"
 #include "packaging/manual/command_line.h"
 #include "server/sound_options.h"
@@ -11,12 +12,18 @@
 namespace ringdown::server {
 namespace {
 
+std::filesystem::path found(const std::string& option, const std::string& given, PresetKind kind) {
+  const auto path = preset_or_file(given, kind);
+  if (!path) throw CLI::ValidationError(option, path.error().message);
+  return *path;
+}
+
 std::pair<std::string, std::filesystem::path> parse_object(const std::string& text) {
   const auto equals = text.find('=');
   if (equals == text.npos || !is_object_name(text.substr(0, equals))) {
     throw CLI::ValidationError("--object", "'" + text + "' is not NAME=BANK, where NAME is of A-Z a-z 0-9 _ . -");
   }
-  return {text.substr(0, equals), text.substr(equals + 1)};
+  return {text.substr(0, equals), found("--object", text.substr(equals + 1), PresetKind::bank)};
 }
 
 Vec3 parse_vector(const std::string& text, const std::string& whole, double most) {
@@ -58,9 +65,14 @@ void add_what_to_play(CLI::App& app, DaemonOptions& options) {
   const auto take_objects = [&options](const std::vector<std::string>& texts) {
     for (const std::string& text : texts) options.objects.push_back(parse_object(text));
   };
-  app.add_option("--scene", options.scene, "Scene file to run (docs/use/scenes.md)")->type_name("FILE");
-  app.add_option_function<std::vector<std::string>>("--object", take_objects,
-                                                    "Object to load; may be given more than once")
+  app.add_option_function<std::string>(
+         "--scene",
+         [&options](const std::string& given) { options.scene = found("--scene", given, PresetKind::scene); },
+         "Scene to run: a file (docs/use/scenes.md), or the name of a preset like demo")
+      ->type_name("FILE");
+  app.add_option_function<std::vector<std::string>>(
+         "--object", take_objects,
+         "Object to load: its new name, and a bank file or the name of a preset; may be given more than once")
       ->type_name("NAME=BANK");
   app.add_option("--state", options.state, "Objects, inputs and scene as /state/save wrote them")->type_name("FILE");
   app.add_option("--root", options.roots,
@@ -88,7 +100,10 @@ void add_driver(CLI::App& app, DaemonOptions& options) {
   app.add_option("--ports", options.ports, "JACK outputs beside the stereo mix: none, one per object, one per group")
       ->transform(CLI::CheckedTransformer(ports).description(""))
       ->type_name("mix|objects|groups");
-  app.add_option("--notes", options.notes, "What MIDI notes strike; default: objects in order, from note 60")
+  app.add_option_function<std::string>(
+         "--notes",
+         [&options](const std::string& given) { options.notes = found("--notes", given, PresetKind::notes); },
+         "What MIDI notes strike: a file, or the name of a preset; default: objects in order, from note 60")
       ->type_name("FILE");
   const auto take_inputs = [&options](const std::vector<std::string>& texts) {
     if (texts.size() > protocol::kMaxInputs) {

@@ -1,8 +1,6 @@
-#include "clients/cli/picture/bank_page.h"
-#include "clients/cli/picture/bank_picture.h"
 #include "clients/cli/pitch.h"
 #include "clients/cli/verb.h"
-#include "engine/base/atomic_file.h"
+#include "engine/base/folders.h"
 #include "engine/base/range.h"
 #include "engine/modal/bank_file.h"
 
@@ -73,36 +71,11 @@ void print_modes(const modal::Bank& bank) {
   }
 }
 
-struct InfoArguments {
-  std::string bank, html, png;
-  std::vector<double> at;
-  bool small = false;
-};
-
-Result<void> write(const std::string& path, const std::string& bytes) {
-  if (bytes.empty()) return fail(ErrorKind::no_memory, "cannot draw " + path + ": there is no memory for it");
-  return write_file_atomically(path, std::string_view(bytes));
-}
-
-Result<void> draw(const modal::Bank& bank, const InfoArguments& arguments) {
-  std::optional<Vec3> at;
-  if (!arguments.at.empty()) at = Vec3{arguments.at[0], arguments.at[1], arguments.at[2]};
-  const Answer answer = answer_of(bank, at);
-  Result<void> written;
-  if (!arguments.png.empty()) {
-    written = write(arguments.png, draw_bank(Canvas::Kind::png, bank, answer, arguments.small));
-  }
-  if (written && !arguments.html.empty()) written = write(arguments.html, bank_page(bank, answer));
-  return written;
-}
-
-ExitCode info(const InfoArguments& arguments) {
-  const auto bank = modal::read_bank(arguments.bank);
+ExitCode info(const std::string& given) {
+  const auto path = preset_or_file(given, PresetKind::bank);
+  if (!path) return complain(path.error());
+  const auto bank = modal::read_bank(*path);
   if (!bank) return complain(bank.error());
-  if (!arguments.html.empty() || !arguments.png.empty()) {
-    const Result<void> drawn = draw(*bank, arguments);
-    return drawn ? ExitCode::ok : complain(drawn.error());
-  }
   print_head(*bank);
   print_modes(*bank);
   return ExitCode::ok;
@@ -111,23 +84,10 @@ ExitCode info(const InfoArguments& arguments) {
 }  // namespace
 
 void add_info_verb(CLI::App& app, ExitCode& outcome) {
-  auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* verb =
-      app.add_subcommand("info", "Prints the modes of a bank as a table, in the bank's order, or draws them.");
-  verb->add_option("bank", arguments->bank, "The bank, a .glb file.")->type_name("FILE")->required();
-  verb->add_option("--html", arguments->html,
-                   "Write a page instead: mode shapes, the spectrum of a blow, decays, a view that turns, the table.")
-      ->type_name("FILE");
-  verb->add_option("--png", arguments->png, "Write a picture instead: mode shapes, the spectrum of a blow, decays.")
-      ->type_name("FILE");
-  verb->add_option("--at", arguments->at,
-                   "The point that is struck there, in metres; default: the one that answers most. The nearest sample "
-                   "point is taken.")
-      ->type_name("X,Y,Z")
-      ->delimiter(',')
-      ->expected(3);
-  verb->add_flag("--small", arguments->small, "With --png: one shape and the spectrum, 480 pixels wide.");
-  verb->callback([arguments, &outcome] { outcome = info(*arguments); });
+  auto bank = std::make_shared<std::string>();
+  CLI::App* verb = app.add_subcommand("info", "Prints the modes of a bank as a table, in the bank's order.");
+  verb->add_option("bank", *bank, "The bank: a .glb file, or the name of a preset.")->type_name("FILE")->required();
+  verb->callback([bank, &outcome] { outcome = info(*bank); });
 }
 
 }  // namespace ringdown::cli

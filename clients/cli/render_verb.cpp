@@ -1,4 +1,5 @@
 #include "clients/cli/verb.h"
+#include "engine/base/folders.h"
 #include "packaging/manual/command_line.h"
 #include "protocol/wire/score.h"
 #include "server/session/offline.h"
@@ -42,7 +43,14 @@ ExitCode render(RenderArguments& arguments) {
   for (const std::string& text : arguments.objects) {
     const auto equals = text.find('=');
     if (equals == text.npos) return complain("--object " + text + " is not NAME=BANK", ExitCode::usage);
-    arguments.options.objects.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+    const auto bank = preset_or_file(text.substr(equals + 1), PresetKind::bank);
+    if (!bank) return complain("--object " + text + ": " + bank.error().message, ExitCode::usage);
+    arguments.options.objects.emplace_back(text.substr(0, equals), *bank);
+  }
+  if (auto& scene = arguments.options.scene; scene) {
+    const auto found = preset_or_file(*scene, PresetKind::scene);
+    if (!found) return complain("--scene: " + found.error().message, ExitCode::usage);
+    scene = *found;
   }
   if (arguments.score) {
     auto score = wire::read_score(*arguments.score);
@@ -70,10 +78,13 @@ void add_render_verb(CLI::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<RenderArguments>();
   session::OfflineOptions& options = arguments->options;
   CLI::App* verb = app.add_subcommand("render", "Renders a scene or an OSC score to a sound file, without a clock.");
-  verb->add_option("--scene", options.scene, "Scene file (docs/use/scenes.md).")->type_name("FILE");
+  verb->add_option("--scene", options.scene, "Scene: a file (docs/use/scenes.md), or the name of a preset like demo.")
+      ->type_name("FILE");
   verb->add_option("--events", arguments->score, "OSC score, the format of scsynth's non-real-time mode.")
       ->type_name("FILE");
-  verb->add_option("--object", arguments->objects, "Object to load first; may be given more than once.")
+  verb->add_option(
+          "--object", arguments->objects,
+          "Object to load first: its new name, and a bank file or the name of a preset; may be given more than once.")
       ->type_name("NAME=BANK");
   verb->add_option("-o,--output", arguments->output, "File to write: .wav (32-bit float) or .flac (24 bit).")
       ->type_name("FILE")

@@ -43,7 +43,9 @@ void print_summary(const modal::Bank& before, const bake::Changed& changed, cons
 }
 
 ExitCode scale(const ScaleArguments& arguments) {
-  const auto bank = modal::read_bank(arguments.bank);
+  const auto path = preset_or_file(arguments.bank, PresetKind::bank);
+  if (!path) return complain(path.error());
+  const auto bank = modal::read_bank(*path);
   if (!bank) return complain(bank.error());
   bake::Change change{.size = arguments.size};
   if (arguments.material) {
@@ -71,7 +73,7 @@ ExitCode scale(const ScaleArguments& arguments) {
 void add_scale_verb(CLI::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<ScaleArguments>();
   CLI::App* verb = app.add_subcommand("scale", "Writes a bank in another size or material; exact, without its mesh.");
-  verb->add_option("bank", arguments->bank, "The bank, a .glb file.")->type_name("FILE")->required();
+  verb->add_option("bank", arguments->bank, "The bank: a .glb file, or the name of a preset.")->type_name("FILE")->required();
   verb->add_option("-o,--output", arguments->output, "The bank to write (.glb).")->type_name("FILE")->required();
   verb->add_option("--size", arguments->size, "How many times as large, in all directions.")
       ->check(manual::between(kMinSize, kMaxSize))

@@ -30,8 +30,8 @@ the object answers most, in dB over Hz. T60 is that of this mode. Play one:
 """
 
 
-def info(ringdown, bank, *options):
-    return subprocess.run([ringdown, "info", bank, *options], check=True, capture_output=True, text=True).stdout
+def info(ringdown, bank):
+    return subprocess.run([ringdown, "info", bank], check=True, capture_output=True, text=True).stdout
 
 
 def modes_of(ringdown, bank):
@@ -50,7 +50,7 @@ def lowest_pitch(modes):
 
 def small_picture(ringdown, bank, path):
     drawn = path.with_suffix(".part.png")
-    info(ringdown, bank, "--png", drawn, "--small")
+    subprocess.run([ringdown, "picture", bank, "-o", drawn, "--small"], check=True)
     image = Image.open(drawn).convert("RGB")
     drawn.unlink()
     for colours in (128, 64, 32, 16):

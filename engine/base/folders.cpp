@@ -1,9 +1,23 @@
 #include "engine/base/folders.h"
 
+#include "engine/base/quote.h"
+
+#include <array>
 #include <cstdlib>
+#include <set>
 #include <system_error>
 
 namespace ringdown {
+namespace {
+
+struct PresetShelf {
+  const char *folder, *ending;
+};
+
+constexpr std::array<PresetShelf, 3> kShelves = {
+    {{"banks", ".glb"}, {"notes", ".toml"}, {"scenes", ".toml"}}};  // by PresetKind
+
+}  // namespace
 
 Result<std::filesystem::path> preset_folder() {
   std::error_code error;
@@ -23,6 +37,26 @@ Result<std::filesystem::path> preset_folder() {
 Result<std::filesystem::path> material_folder(const std::filesystem::path& given) {
   if (!given.empty()) return given;
   return preset_folder().map([](const std::filesystem::path& presets) { return presets / "materials"; });
+}
+
+Result<std::filesystem::path> preset_or_file(const std::filesystem::path& given, PresetKind kind) {
+  std::error_code error;
+  if (given.has_parent_path() || given.has_extension() || std::filesystem::exists(given, error)) return given;
+  const PresetShelf& shelf = kShelves.at(static_cast<std::size_t>(kind));
+  const auto presets = preset_folder();
+  if (!presets) return presets;
+  const std::filesystem::path folder = *presets / shelf.folder;
+  if (std::filesystem::path found = folder / (given.string() + shelf.ending); std::filesystem::exists(found, error)) {
+    return found;
+  }
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (entry.path().extension() == shelf.ending) names.insert(entry.path().stem().string());
+  }
+  std::string sentence = "there is neither a file " + quote(given.string()) + " nor a preset of that name in " +
+                         folder.string() + ", which has ";
+  for (const std::string& name : names) sentence += (name == *names.begin() ? "" : ", ") + name;
+  return fail(ErrorKind::bad_input, sentence);
 }
 
 PrivateFolder::PrivateFolder(const std::string& name) {

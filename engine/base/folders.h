@@ -15,6 +15,15 @@ Result<std::filesystem::path> preset_folder();
 // `given`, or the presets' folder of materials when `given` is empty.
 Result<std::filesystem::path> material_folder(const std::filesystem::path& given);
 
+enum class PresetKind { bank, notes, scene };
+
+// The file that a user means: `given` if it is a file, or has a folder or an ending; else the preset of that name.
+// Fails when there is no such preset, and lists those that there are.
+//
+//   preset_or_file("demo", PresetKind::scene);      // .../presets/scenes/demo.toml
+//   preset_or_file("my/demo", PresetKind::scene);   // my/demo
+Result<std::filesystem::path> preset_or_file(const std::filesystem::path& given, PresetKind kind);
+
 // A new folder below the system's temporary one (TMPDIR) that only this user can read. The destructor removes the
 // folder with everything in it.
 //

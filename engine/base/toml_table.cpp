@@ -3,6 +3,7 @@
 #include "engine/base/atomic_file.h"
 #include "engine/base/quote.h"
 #include "engine/base/range.h"
+#include "engine/base/version.h"
 
 // toml++ 3.3.0 promises its compiler two things that do not hold. One is that "[" is followed by the beginning of a
 // key: it asserts that, and assumes it where NDEBUG is set, before it has looked. The other is that its tables of
@@ -149,7 +150,15 @@ Result<TomlTable> TomlTable::parse(std::string_view text, const std::filesystem:
   }
   auto document = std::make_shared<Document>(Document{path.string(), std::move(file).table()});
   OpenTable& root = document->open(document->root, "");
-  return TomlTable(std::move(document), root);
+  TomlTable table(std::move(document), root);
+  std::uint64_t version = kTextFileVersion;
+  table.whole("version", version, 1);
+  if (version > kTextFileVersion) {
+    table.complain("version", "the file is of version " + std::to_string(version) + ", and this program, Ringdown " +
+                                  kVersion + ", reads up to " + std::to_string(kTextFileVersion) +
+                                  "; a later Ringdown reads it");
+  }
+  return table;
 }
 
 bool TomlTable::has(std::string_view key) const { return open_->table->contains(key); }

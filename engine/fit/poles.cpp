@@ -37,7 +37,7 @@ Eigen::MatrixXcd covariance(const Eigen::VectorXcd& signal, Eigen::Index length)
 
 // Of noise alone the largest eigenvalue is some (1 + sqrt(L/K))^2 = 2.9 times the mean one [Marchenko & Pastur 1967]; a
 // term that refine() would keep makes one of 13 times the noise's.
-constexpr double kOverNoise = 4.5;
+constexpr double kOverMedian = 4.5;
 
 // A few steps of the power method, where most bands of most recordings end.
 bool is_noise(const Eigen::MatrixXcd& sum) {
@@ -47,7 +47,7 @@ bool is_noise(const Eigen::MatrixXcd& sum) {
   for (int step = 0; step < kSteps; ++step) {
     direction.normalize();
     next.noalias() = sum * direction;
-    if (next.norm() > kOverNoise * mean) return false;
+    if (next.norm() > kOverMedian * mean) return false;
     direction = next;
   }
   return true;
@@ -56,7 +56,7 @@ bool is_noise(const Eigen::MatrixXcd& sum) {
 Eigen::Index signal_directions(const Eigen::VectorXd& ascending, Eigen::Index most) {
   constexpr double kOverRounding = 1e-13;
   const double largest = ascending[ascending.size() - 1];
-  const double threshold = std::max(kOverNoise * ascending[ascending.size() / 2], kOverRounding * largest);
+  const double threshold = std::max(kOverMedian * ascending[ascending.size() / 2], kOverRounding * largest);
   const auto above = std::count_if(ascending.begin(), ascending.end(), [&](double value) { return value > threshold; });
   return std::min<Eigen::Index>(above, most);
 }

@@ -34,10 +34,10 @@ void add(Stencil& to, StencilPoint a, StencilPoint b, StencilPoint c, StencilPoi
   to.elements[to.count++] = {a, b, c, d};
 }
 
-using Triangle = std::array<StencilPoint, 3>;
+using StencilFace = std::array<StencilPoint, 3>;
 
 // The prism between triangles u and v. at[i][j]: the diagonal of u_i u_j v_j v_i is u_i v_j. One u has two diagonals.
-void add_prism(Stencil& to, const Triangle& u, const Triangle& v, const bool (&at)[3][3]) {
+void add_prism(Stencil& to, const StencilFace& u, const StencilFace& v, const bool (&at)[3][3]) {
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     if (!at[i][j] || !at[i][k]) continue;

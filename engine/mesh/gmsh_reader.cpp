@@ -212,14 +212,14 @@ TetMesh take_mesh(const ElementType& type, double unit_m) {
 }
 
 // gmsh's message as part of a sentence: one line, without a full stop.
-std::string one_line(std::string text) {
+std::string clause_of(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
   return text.empty() ? "it gave no reason" : text;
 }
 
 tl::unexpected<Error> gmsh_failed(const std::filesystem::path& path, const std::string& message) {
-  return fail(ErrorKind::bad_input, "gmsh cannot make a mesh of " + path.string() + ": " + one_line(message));
+  return fail(ErrorKind::bad_input, "gmsh cannot make a mesh of " + path.string() + ": " + clause_of(message));
 }
 
 Result<void> open_file(const std::filesystem::path& path, const GmshOptions& options, double unit_m) {

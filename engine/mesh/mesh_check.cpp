@@ -20,7 +20,7 @@ namespace ringdown::mesh {
 // along the longest side of the box around their middles, leads to the few whose box holds the point.
 namespace {
 
-constexpr int kLeaf = 4;          // elements
+constexpr int kLeafElements = 4;
 constexpr double kInside = 1e-3;  // of an element's height, so far from every face at least
 
 using Box = Eigen::AlignedBox3d;
@@ -67,7 +67,7 @@ class BoxTree {
   static std::size_t second_child(std::size_t node, std::size_t first_half) { return node + 2 * first_half; }
 
   void build(std::size_t node, std::size_t begin, std::size_t end) {
-    if (end - begin <= kLeaf) {
+    if (end - begin <= kLeafElements) {
       for (std::size_t i = begin; i < end; ++i) {
         for (int a = 0; a < 4; ++a) boxes_[node].extend(mesh_.nodes.row(mesh_.elements(order_[i], a)).transpose());
       }
@@ -89,7 +89,7 @@ class BoxTree {
   [[nodiscard]] Eigen::Index find(const Eigen::Vector3d& point, Eigen::Index own, std::size_t node, std::size_t begin,
                                   std::size_t end) const {
     if (!boxes_[node].contains(point)) return -1;
-    if (end - begin <= kLeaf) {
+    if (end - begin <= kLeafElements) {
       for (std::size_t i = begin; i < end; ++i) {
         if (order_[i] != own && is_inside(corners_of(mesh_, order_[i]), point)) return order_[i];
       }

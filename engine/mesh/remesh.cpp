@@ -25,11 +25,11 @@ using Point = Kernel::Point_3;
 using Mesh = CGAL::Surface_mesh<Point>;
 
 // Points and triangles as CGAL takes them.
-struct Soup {
+struct PolygonSoup {
   std::vector<Point> points;
   std::vector<std::array<std::size_t, 3>> triangles;
 
-  explicit Soup(const TriangleMesh& surface) {
+  explicit PolygonSoup(const TriangleMesh& surface) {
     for (Eigen::Index n = 0; n < surface.nodes.rows(); ++n) {
       points.emplace_back(surface.nodes(n, 0), surface.nodes(n, 1), surface.nodes(n, 2));
     }
@@ -87,7 +87,7 @@ double deviation(const TriangleMesh& mesh, const SurfaceRays& from) {
 }  // namespace
 
 TriangleMesh separate(const TriangleMesh& soup) {
-  Soup apart(soup);
+  PolygonSoup apart(soup);
   pmp::orient_polygon_soup(apart.points, apart.triangles);
   Mesh mesh = apart.half_edges();
   pmp::stitch_borders(mesh);
@@ -115,7 +115,7 @@ Triangles triangulate(const std::vector<Eigen::RowVector3d>& loop) {
 Result<Remeshed> remesh(const TriangleMesh& surface, double edge_m) {
   constexpr unsigned kRounds = 4;
   try {
-    const Soup soup(surface);
+    const PolygonSoup soup(surface);
     if (!pmp::is_polygon_soup_a_polygon_mesh(soup.triangles)) {
       return fail(ErrorKind::bad_input, "the surface runs together at an edge or a point");
     }

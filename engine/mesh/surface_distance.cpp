@@ -13,11 +13,11 @@
 namespace ringdown::mesh {
 namespace {
 
-using Kernel = CGAL::Simple_cartesian<double>;
-using Point = Kernel::Point_3;
-using Triangle = Kernel::Triangle_3;
-using Primitive = CGAL::AABB_triangle_primitive<Kernel, std::vector<Triangle>::const_iterator>;
-using Boxes = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+using DistanceKernel = CGAL::Simple_cartesian<double>;
+using Point = DistanceKernel::Point_3;
+using Triangle = DistanceKernel::Triangle_3;
+using Primitive = CGAL::AABB_triangle_primitive<DistanceKernel, std::vector<Triangle>::const_iterator>;
+using Boxes = CGAL::AABB_tree<CGAL::AABB_traits<DistanceKernel, Primitive>>;
 
 }  // namespace
 
@@ -54,7 +54,7 @@ double SurfaceRays::inward(Eigen::Index triangle) const {
   if (!(normal.squared_length() > 0)) return none;
   const Point middle = CGAL::centroid(from);
   const auto self = tree_->triangles.cbegin() + triangle;
-  const auto hit = tree_->boxes.first_intersection(Kernel::Ray_3(middle, -normal),
+  const auto hit = tree_->boxes.first_intersection(DistanceKernel::Ray_3(middle, -normal),
                                                    [self](const auto& primitive) { return primitive == self; });
   if (!hit) return none;
   const Point* at = boost::get<Point>(&hit->first);

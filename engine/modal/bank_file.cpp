@@ -1,6 +1,7 @@
 #include "engine/modal/bank_file.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/base/version.h"
 #include "engine/modal/glb.h"
 #include "engine/modal/material_scale.h"
 
@@ -241,9 +242,13 @@ Json material_json(const Material& material) {
 }
 
 Json provenance_json(const Provenance& provenance) {
-  Json json = {{"element", provenance.element},        {"unknowns", provenance.unknowns},
-               {"rigidModes", provenance.rigid_modes}, {"bandLow", provenance.band_low_hz},
-               {"bandHigh", provenance.band_high_hz},  {"largestResidual", provenance.largest_residual}};
+  Json json = {{"version", kBankVersion},
+               {"element", provenance.element},
+               {"unknowns", provenance.unknowns},
+               {"rigidModes", provenance.rigid_modes},
+               {"bandLow", provenance.band_low_hz},
+               {"bandHigh", provenance.band_high_hz},
+               {"largestResidual", provenance.largest_residual}};
   if (!provenance.body.empty()) json["body"] = provenance.body;
   if (provenance.counted_modes > 0) json["modesCounted"] = provenance.counted_modes;
   if (provenance.dropped_modes > 0) {
@@ -269,6 +274,12 @@ Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& nam
   if (!model.present())
     return fail(ErrorKind::bad_input, name + ": a node plays modal model " + std::to_string(instance->model) +
                                           ", which the file does not have");
+  const auto version = model["extras"]["ringdown"]["version"].index().value_or(1);
+  if (version > kBankVersion) {
+    return fail(ErrorKind::bad_input, name + " is a bank of version " + std::to_string(version) +
+                                          ", and this program, Ringdown " + kVersion + ", reads up to " +
+                                          std::to_string(kBankVersion) + "; a later Ringdown plays it");
+  }
   Bank bank{.name = model["name"].text_or(instance->name), .gain = instance->gain};
   if (const auto read = read_modes(*glb, model, bank); !read) return fail(read.error());
   if (const auto read = read_triangles(*glb, model["indices"], bank); !read) return fail(read.error());

@@ -31,7 +31,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kFirstWanted = 6, kMaxWanted = 192;  // modes near a shift
-constexpr double kGap = 2 * kSameFamily;           // relative, of lambda
+constexpr double kFamilyGap = 2 * kSameFamily;     // relative, of lambda
 
 std::string in_words(const char* format, double a, double b = 0, double c = 0) {
   char text[160];
@@ -45,7 +45,7 @@ struct Family {
   std::vector<Index> ours, theirs;  // numbers of modes, ascending in lambda
 
   [[nodiscard]] bool within(double low, double high) const {
-    return first * (1 - kGap) > low && last * (1 + kGap) < high;
+    return first * (1 - kFamilyGap) > low && last * (1 + kFamilyGap) < high;
   }
 };
 
@@ -63,7 +63,7 @@ std::vector<Family> families_of(const VectorXd& ours, const VectorXd& theirs, do
   std::stable_sort(all.begin(), all.end(), [](const Mode& a, const Mode& b) { return a.lambda < b.lambda; });
   std::vector<Family> families;
   for (const Mode& mode : all) {
-    if (families.empty() || mode.lambda - families.back().last > kGap * mode.lambda) {
+    if (families.empty() || mode.lambda - families.back().last > kFamilyGap * mode.lambda) {
       families.push_back({.first = mode.lambda, .last = mode.lambda});
     }
     families.back().last = mode.lambda;

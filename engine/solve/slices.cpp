@@ -20,8 +20,8 @@ namespace ringdown::solve {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kGap = 1e-5;    // relative, between the last eigenvalue of a slice and the first of the next
-constexpr int kMaxRepairs = 12;  // between two counts
+constexpr double kSliceGap = 1e-5;  // relative, between the last eigenvalue of a slice and the first of the next
+constexpr int kMaxRepairs = 12;     // between two counts
 
 class Slicer {
  public:
@@ -115,7 +115,7 @@ void Slicer::iterate(const Window& window, const Eigen::MatrixXd& locked) {
 Count Slicer::last_gap(double above) const {
   for (int i = modes_.size() - 1; i > 0 && modes_.lambda(i) > above; --i) {
     const double low = std::max(above, modes_.lambda(i - 1)), high = modes_.lambda(i);
-    if (high - low > kGap * high) return {0.5 * (low + high), i};
+    if (high - low > kSliceGap * high) return {0.5 * (low + high), i};
   }
   return {above, modes_.count(-kInfinity, above)};
 }

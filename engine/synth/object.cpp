@@ -17,8 +17,8 @@
 namespace ringdown::synth {
 namespace {
 
-constexpr double kMinRamp_s = 0.005;  // a step in gain or pan would click
-constexpr double kMaxRamp_s = 3600;
+constexpr double kMinGainRamp_s = 0.005;  // a step in gain or pan would click
+constexpr double kMaxGainRamp_s = 3600;
 constexpr double kMaxSharedGain = 100;
 
 }  // namespace
@@ -90,7 +90,7 @@ void Object::play(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME {
     return count(struck ? chunk.counters->strikes : chunk.counters->refused);
   }
   // Written so that a ramp that is not a number becomes the shortest.
-  const double ramp_s = std::min(event.ramp_s > kMinRamp_s ? event.ramp_s : kMinRamp_s, kMaxRamp_s);
+  const double ramp_s = std::min(event.ramp_s > kMinGainRamp_s ? event.ramp_s : kMinGainRamp_s, kMaxGainRamp_s);
   const auto ramp = static_cast<Frame>(ramp_s * chunk.sample_rate_hz);
   if (event.type == EventType::gain) strip.set_gain(event.value, event.frame, ramp);
   if (event.type == EventType::pan) strip.set_pan(event.value, event.frame, ramp);

@@ -7,10 +7,10 @@
 namespace ringdown::synth {
 namespace {
 
-constexpr double kMinRamp_s = 0.002, kMaxRamp_s = 0.05;
-constexpr double kFade_s = 0.005;             // of a contact that begins or ends
-constexpr double kMinAudible_hz = 20;         // slower changes of the force are not heard
-constexpr double kFull = 0.25, kNone = 0.45;  // of the sample rate: an octave fades out between them
+constexpr double kMinForceRamp_s = 0.002, kMaxForceRamp_s = 0.05;
+constexpr double kFade_s = 0.005;                       // of a contact that begins or ends
+constexpr double kMinAudible_hz = 20;                   // slower changes of the force are not heard
+constexpr double kFullOctave = 0.25, kNoOctave = 0.45;  // of the sample rate: an octave fades out between them
 // The variance of a cubic B-spline over random numbers in [-1, 1): theirs, 1/3, times the mean of the sum of B(u -
 // i)^2.
 constexpr double kSplineVariance = 151.0 / 945;
@@ -37,7 +37,7 @@ void Rubbing::update(Frame at, const Contact& contact) RINGDOWN_REALTIME {
   const double force = length(contact.force_n);
   const bool changes = force > 0 && heights_m_[0] > 0;
   const double since_s = changes ? static_cast<double>(at - updated_) / rate_hz_ : kFade_s;
-  const auto ramp = static_cast<Frame>(std::clamp(since_s, kMinRamp_s, kMaxRamp_s) * rate_hz_);
+  const auto ramp = static_cast<Frame>(std::clamp(since_s, kMinForceRamp_s, kMaxForceRamp_s) * rate_hz_);
   updated_ = at;
   force_n_.aim(force, at, ramp);
   time_out_ = at + static_cast<Frame>(kContactTimeOut_s * rate_hz_);
@@ -76,8 +76,8 @@ double Rubbing::Track::pass(const Heights& heights_m, double speed_m_s, double s
   double slope = 0, spacing_m = 0.5 * longest_m;
   for (std::size_t i = 0; i < kOctaves; ++i, spacing_m *= 0.5) {
     const double passing = speed_m_s / (2 * spacing_m * sample_rate_hz);  // waves in a frame
-    if (passing >= kNone) break;
-    const double part = std::min(1.0, (kNone - passing) / (kNone - kFull));
+    if (passing >= kNoOctave) break;
+    const double part = std::min(1.0, (kNoOctave - passing) / (kNoOctave - kFullOctave));
     slope += part * heights_m[i] / spacing_m * octaves[i].slope_at(at_m / spacing_m);
   }
   at_m += speed_m_s / sample_rate_hz;

@@ -26,7 +26,7 @@
 namespace ringdown::synth {
 namespace {
 
-constexpr Level kNone = ModeStates::kNoThreshold;
+constexpr Level kNoThreshold = ModeStates::kNoThreshold;
 
 // Shares of what the budget can afford in a chunk:
 constexpr double kTight = 0.75;             // from here on levels are surveyed
@@ -77,12 +77,12 @@ void Shedding::plan(std::span<Source* const> sources, const Chunk& chunk,
                     std::span<Workspace> workspaces) RINGDOWN_REALTIME {
   const bool limited = budget_.limited();
   if (chunk.moments) worked(static_cast<double>(kMomentsFixed), workspaces.data()[0]);
-  active_ = limited ? tight_ || threshold_ != kNone || last_.muted_modes > 0 : last_.muted_modes > 0;
+  active_ = limited ? tight_ || threshold_ != kNoThreshold || last_.muted_modes > 0 : last_.muted_modes > 0;
   if (limited && active_) {
     survey(sources, chunk, workspaces.data()[0]);
     set_threshold(chunk);
   } else {
-    threshold_ = kNone;
+    threshold_ = kNoThreshold;
     at_once_ = false;
     next_surveyed_ = 0;
     if (counted_.modes() > 0) counted_.clear();
@@ -131,11 +131,11 @@ void Shedding::survey(std::span<Source* const> sources, const Chunk& chunk, Work
 void Shedding::set_threshold(const Chunk& chunk) RINGDOWN_REALTIME {
   const double units = std::max(budget_.affordable() - overhead_ - event_average_, 0.0);
   const double modes = units / render_units(1, chunk.frames, chunk.moments);
-  Level needed = counted_.threshold_for(modes, kNone);
+  Level needed = counted_.threshold_for(modes, kNoThreshold);
   const auto sounding = static_cast<double>(last_.modes);
   if (sounding > 1.1 * modes && counted_.modes() > 0) {  // struck since the survey
     const double above = static_cast<double>(counted_.modes_from(threshold_));
-    needed = std::max(needed, counted_.threshold_for(above * modes / sounding, kNone));
+    needed = std::max(needed, counted_.threshold_for(above * modes / sounding, kNoThreshold));
   }
   since_lowered_ += chunk.frames;
   at_once_ = false;
@@ -144,10 +144,10 @@ void Shedding::set_threshold(const Chunk& chunk) RINGDOWN_REALTIME {
     at_once_ = sounding > modes * (1 + kTight) / 2;
   } else if (needed < threshold_ && since_lowered_ >= kLowerFrames) {
     since_lowered_ = 0;
-    const Level way = needed == kNone ? 0 : (threshold_ - needed) / kLowerPart;
+    const Level way = needed == kNoThreshold ? 0 : (threshold_ - needed) / kLowerPart;
     threshold_ = std::max(threshold_ - std::max(kLowerBy, way), needed);
-    if (needed == kNone && threshold_ < LevelHistogram::kMinLevel) threshold_ = kNone;
-    if (needed == kNone && counted_.modes_from(threshold_) == counted_.modes()) threshold_ = kNone;
+    if (needed == kNoThreshold && threshold_ < LevelHistogram::kMinLevel) threshold_ = kNoThreshold;
+    if (needed == kNoThreshold && counted_.modes_from(threshold_) == counted_.modes()) threshold_ = kNoThreshold;
   }
 }
 
@@ -169,7 +169,7 @@ bool Shedding::may_render(const Source& source, const Chunk& chunk, Workspace& w
     share =
         std::clamp((left - (to_do - rendering) - kLookPerMode * rendering) / std::max(rendering, 1.0), kMinShare, 1.0);
     const double above = static_cast<double>(counted_.modes_from(threshold_));
-    workspace.threshold = std::max(threshold_, counted_.threshold_for(share * above, kNone));
+    workspace.threshold = std::max(threshold_, counted_.threshold_for(share * above, kNoThreshold));
     workspace.at_once = true;
   }
   if (!source.can_skip(chunk)) return true;
@@ -186,7 +186,7 @@ std::size_t Shedding::modes_that_may_enter(double units, const Chunk& chunk) con
 }
 
 void Shedding::apply(ModeStates& states, Level gain, bool look_again, Workspace& workspace) const RINGDOWN_REALTIME {
-  const bool rose = states.set_threshold(workspace.threshold == kNone ? kNone : workspace.threshold - gain);
+  const bool rose = states.set_threshold(workspace.threshold == kNoThreshold ? kNoThreshold : workspace.threshold - gain);
   const bool brings_back = look_again || (workspace.recovers && states.cut_short());
   if (!brings_back && !rose) return;
   const ModeStates::Counts before = states.counts();
@@ -212,8 +212,8 @@ void Shedding::end_chunk(const ChunkCounts& counts, const Chunk& chunk, bool eve
   overhead_ += kAverage * (std::max(rest, 0.0) - overhead_);
   event_average_ += kAverage * (event_units_ - event_average_);
   const double affordable = budget_.affordable();
-  shed_ = counts.shed || events_waited || threshold_ != kNone;
-  tight_ = counts.shed || threshold_ != kNone || units > kTight * affordable;
+  shed_ = counts.shed || events_waited || threshold_ != kNoThreshold;
+  tight_ = counts.shed || threshold_ != kNoThreshold || units > kTight * affordable;
   little_ = units < kLittle * affordable && counts.muted_modes == 0;
   budget_.end_chunk(units);
 }

@@ -1,6 +1,8 @@
 #include "packaging/manual/command_line.h"
 
+#include "engine/base/version.h"
 #include "packaging/manual/completion.h"
+#include "protocol/defaults.h"
 
 #include <cstdio>
 #include <new>
@@ -26,7 +28,9 @@ ExitCode write_manual(CLI::App& app, std::string_view kind, const std::vector<Se
 }  // namespace
 
 void add_common_options(CLI::App& app) {
-  app.set_version_flag("--version", app.get_name() + " " RINGDOWN_VERSION);
+  app.set_version_flag("--version", app.get_name() + " " + kVersion + "\nbanks " + std::to_string(kBankVersion) +
+                                        ", text files " + std::to_string(kTextFileVersion) + ", protocol " +
+                                        std::to_string(protocol::kProtocolVersion));
   app.footer(protocol::exit_code_help());
 }
 

@@ -24,7 +24,6 @@ using BundleHandle = std::unique_ptr<void, FreeBundle>;
 static_assert(std::is_same_v<lo_message, void*> && std::is_same_v<lo_bundle, void*>);
 
 constexpr double kUnixEpochNtp = 2208988800;  // seconds from 1900 to 1970, RFC 868
-constexpr double kTwo32 = 4294967296;
 
 // liblo points into its buffer, where 8-byte values stand at multiples of 4.
 template <class T>
@@ -131,12 +130,12 @@ std::vector<std::byte> encode_bundle(TimeTag time, std::span<const Message> mess
 TimeTag time_tag(double unix_s) {
   const double ntp_s = unix_s + kUnixEpochNtp;
   const double whole = std::floor(ntp_s);
-  const auto fraction = static_cast<TimeTag>((ntp_s - whole) * kTwo32);
+  const auto fraction = static_cast<TimeTag>((ntp_s - whole) * kTicksPerSecond);
   return static_cast<TimeTag>(whole) << 32 | fraction;
 }
 
 double unix_seconds(TimeTag time) {
-  return static_cast<double>(time >> 32) - kUnixEpochNtp + static_cast<double>(time & 0xffffffff) / kTwo32;
+  return static_cast<double>(time >> 32) - kUnixEpochNtp + static_cast<double>(time & 0xffffffff) / kTicksPerSecond;
 }
 
 Result<OscUrl> parse_url(std::string_view url) {

@@ -15,6 +15,7 @@ namespace ringdown::wire {
 // NTP time: seconds since 1900 in the upper 32 bits, fractions of a second in the lower. 1 means immediately.
 using TimeTag = std::uint64_t;
 inline constexpr TimeTag kImmediately = 1;
+inline constexpr double kTicksPerSecond = 4294967296;
 
 inline constexpr std::size_t kMaxPacketBytes = 65536;  // bytes; more than UDP can carry
 inline constexpr std::size_t kMaxAddress = 256;

@@ -11,11 +11,9 @@
 namespace ringdown::wire {
 namespace {
 
-constexpr double kTwo32 = 4294967296;
-
 // Time 1, "immediately", is the start.
-double to_seconds(TimeTag time) { return time == kImmediately ? 0 : static_cast<double>(time) / kTwo32; }
-TimeTag to_time_tag(double seconds) { return static_cast<TimeTag>(std::llround(seconds * kTwo32)); }
+double to_seconds(TimeTag time) { return time == kImmediately ? 0 : static_cast<double>(time) / kTicksPerSecond; }
+TimeTag to_time_tag(double seconds) { return static_cast<TimeTag>(std::llround(seconds * kTicksPerSecond)); }
 
 std::uint32_t read_size(std::span<const std::byte> bytes) {
   std::uint32_t size = 0;

@@ -3,6 +3,7 @@
 #include "engine/base/atomic_file.h"
 #include "engine/base/quote.h"
 #include "engine/base/toml_table.h"
+#include "engine/base/version.h"
 #include "protocol/names.h"
 #include "server/session/file_roots.h"
 #include "server/session/session.h"
@@ -114,7 +115,8 @@ Result<State> parse_state(std::string_view text, const std::filesystem::path& pa
 }
 
 std::string to_toml(const State& state) {
-  std::string text = std::string(kStateKind.mark) + "; ringdownd --state reads it.\n";
+  std::string text = std::string(kStateKind.mark) +
+                     "; ringdownd --state reads it.\nversion = " + std::to_string(kTextFileVersion) + "\n";
   for (const State::Object& object : state.objects) {
     text += "\n[[object]]\nname = " + toml_string(object.name) + "\nbank = " + toml_string(object.bank.string()) + "\n";
     text += "gain = " + shown(object.gain) + "\npan = " + shown(object.pan) + "\n";

@@ -169,6 +169,15 @@ TEST(TomlTable, TheFirstMistakeIsTheOneReported) {
             "a.toml:3: b must be a finite number");
 }
 
+TEST(TomlTable, AFileMaySayItsVersion) {
+  const Reader nothing = [](TomlTable&) {};
+  EXPECT_EQ(complaint("version = 1\n", nothing), "");
+  EXPECT_NE(complaint("\nversion = 2\n", nothing).find("a.toml:2: the file is of version 2"), std::string::npos)
+      << complaint("\nversion = 2\n", nothing);
+  EXPECT_NE(complaint("version = 0\n", nothing), "");
+  EXPECT_NE(complaint("version = '1'\n", nothing), "");
+}
+
 TEST(TomlTable, AMissingOrEndlessTomlFileIsRefused) {
   EXPECT_NE(TomlTable::read("/nowhere/a.toml").error().message.find("/nowhere/a.toml"), std::string::npos);
   EXPECT_FALSE(TomlTable::read("/dev/zero"));

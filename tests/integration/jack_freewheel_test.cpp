@@ -10,7 +10,7 @@
 namespace ringdown::test {
 namespace {
 
-constexpr double kRate = 48000;
+constexpr double kServerRate = 48000;
 
 // The daemon's left output of the first seconds, and at which frame of it freewheel began.
 struct Freewheel {
@@ -35,7 +35,7 @@ Freewheel freewheel(const JackServer& server, const std::string& scene, std::siz
 TEST_F(JackTest, FreewheelRendersWhatRenderDoes) {
   constexpr int kMaxTries = 20;
   const std::string scene = std::string(RINGDOWN_SOURCE_DIR) + "/presets/scenes/demo.toml";
-  const auto frames = static_cast<std::size_t>(12 * kRate);
+  const auto frames = static_cast<std::size_t>(12 * kServerRate);
   Freewheel heard_live;
   for (int tries = 0; tries < kMaxTries; ++tries) {
     heard_live = freewheel(server_, scene, frames);
@@ -45,17 +45,17 @@ TEST_F(JackTest, FreewheelRendersWhatRenderDoes) {
   const std::size_t live_begin = silence_before(live);
   ASSERT_GT(live_begin, heard_live.from + 2400) << "freewheel never began before the scene sounded";
 
-  const auto rendered =
-      session::render_offline({.scene = scene, .seconds = 13, .sample_rate_hz = kRate}, [](double) { return true; });
+  const auto rendered = session::render_offline({.scene = scene, .seconds = 13, .sample_rate_hz = kServerRate},
+                                                [](double) { return true; });
   ASSERT_TRUE(rendered);
   const Samples offline = to_doubles(rendered->left);
-  KeepSignals keep(kRate);
+  KeepSignals keep(kServerRate);
   keep.add("live", live);
   keep.add("offline", offline);
   const std::size_t offline_begin = silence_before(offline);
   ASSERT_LT(live_begin, live.size());
   const auto heard = std::span(live).subspan(live_begin), wanted = std::span(offline).subspan(offline_begin);
-  ASSERT_GT(std::min(heard.size(), wanted.size()), 8 * kRate);
+  ASSERT_GT(std::min(heard.size(), wanted.size()), 8 * kServerRate);
   const double error_db = relative_error_db(heard, wanted);
   std::cout << "freewheel against offline: " << error_db << " dB over " << std::min(heard.size(), wanted.size())
             << " frames\n";
@@ -70,14 +70,14 @@ TEST_F(JackTest, EveryPeriodPlaysTheSameTone) {
     ASSERT_TRUE(becomes_true([&] { return status(daemon)->block_frames == std::stoi(period); }));
     daemon.send({"/clear", {}});
     daemon.send(strike("tone"));
-    const auto frames = static_cast<std::size_t>(kRate);
+    const auto frames = static_cast<std::size_t>(kServerRate);
     JackRecorder recorder(server_.name(), "recorder", frames);
     ASSERT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_1"));
     ASSERT_TRUE(recorder.wait_for(frames));
     const Samples heard = recorder.samples(0);
-    KeepSignals keep(kRate);
+    KeepSignals keep(kServerRate);
     keep.add(std::string("period-") + period, heard);
-    const auto tone = fit_damped_sinusoid(std::span(heard).last(8000), kRate);
+    const auto tone = fit_damped_sinusoid(std::span(heard).last(8000), kServerRate);
     EXPECT_NEAR(tone.frequency_hz, kPitch_hz, 1e-3 * kPitch_hz);
     EXPECT_GT(tone.amplitude(), 0.01);
   }

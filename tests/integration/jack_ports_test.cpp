@@ -9,7 +9,7 @@
 namespace ringdown::test {
 namespace {
 
-constexpr double kRate = 48000;
+constexpr double kPortsRate = 48000;
 
 class JackPorts : public JackTest {
  protected:
@@ -28,7 +28,7 @@ TEST_F(JackPorts, EachObjectHasAPortThatOthersComingAndGoingDoNotTouch) {
   Daemon daemon({"--ports", "objects", "--object", low_, "--object", high_}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   ASSERT_TRUE(becomes_true([&] { return exists("ringdown:low") && exists("ringdown:high"); }));
-  JackRecorder recorder(server_.name(), "recorder", static_cast<std::size_t>(2 * kRate));
+  JackRecorder recorder(server_.name(), "recorder", static_cast<std::size_t>(2 * kPortsRate));
   ASSERT_TRUE(recorder.connect("ringdown:low", "recorder:in_1"));
   ASSERT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_2"));
 
@@ -38,7 +38,7 @@ TEST_F(JackPorts, EachObjectHasAPortThatOthersComingAndGoingDoNotTouch) {
   EXPECT_TRUE(server_.connections()["ringdown:low"].contains("recorder:in_1"));
 
   daemon.send(strike("third"));
-  ASSERT_TRUE(recorder.wait_for(static_cast<std::size_t>(2 * kRate)));
+  ASSERT_TRUE(recorder.wait_for(static_cast<std::size_t>(2 * kPortsRate)));
   EXPECT_EQ(peak(recorder.samples(0)), 0) << "only its own object is heard at a port";
   EXPECT_GT(peak(recorder.samples(1)), 0.01) << "all are heard in the mix";
 }
@@ -52,13 +52,13 @@ TEST_F(JackPorts, AGroupSharesAPortInWhichItsObjectsAreHeard) {
   daemon.send(strike("low"));
   daemon.send(strike("high"));
   ASSERT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 2; }));
-  JackRecorder recorder(server_.name(), "recorder", static_cast<std::size_t>(kRate));
+  JackRecorder recorder(server_.name(), "recorder", static_cast<std::size_t>(kPortsRate));
   ASSERT_TRUE(recorder.connect("ringdown:bells", "recorder:in_1"));
-  ASSERT_TRUE(recorder.wait_for(static_cast<std::size_t>(kRate)));
+  ASSERT_TRUE(recorder.wait_for(static_cast<std::size_t>(kPortsRate)));
   const Samples heard = recorder.samples(0);
-  KeepSignals keep(kRate);
+  KeepSignals keep(kPortsRate);
   keep.add("bells", heard);
-  const Spectrum bells = spectrum(std::span(heard).last(16384), kRate);
+  const Spectrum bells = spectrum(std::span(heard).last(16384), kPortsRate);
   for (const double pitch_hz : {300., 1200.}) {
     EXPECT_GT(bells.magnitude[static_cast<std::size_t>(std::lround(pitch_hz / bells.bin_hz))], 1e-3) << pitch_hz;
   }
@@ -86,7 +86,7 @@ TEST_F(JackPorts, ANoteFromAnotherClientLandsOnItsSample) {
   Daemon daemon({"--notes", (folder_ / "notes.toml").string(), "--object", low_}, server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   ASSERT_TRUE(exists("ringdown:midi_in"));
-  const auto frames = static_cast<std::size_t>(kRate);
+  const auto frames = static_cast<std::size_t>(kPortsRate);
   JackRecorder keyboard(server_.name(), "keyboard", 1), recorder(server_.name(), "recorder", frames);
   ASSERT_TRUE(keyboard.connect("keyboard:midi_out", "ringdown:midi_in"));
   ASSERT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_1"));
@@ -94,7 +94,7 @@ TEST_F(JackPorts, ANoteFromAnotherClientLandsOnItsSample) {
   keyboard.send({0x90, 48, 127});
   ASSERT_TRUE(recorder.wait_for(frames));
   const Samples heard = recorder.samples(0);
-  KeepSignals keep(kRate);
+  KeepSignals keep(kPortsRate);
   keep.add("heard", heard);
   const std::size_t first = silence_before(heard);
   ASSERT_LT(first, heard.size()) << "nothing was heard";

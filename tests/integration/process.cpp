@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <fstream>
 #include <sstream>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -28,6 +29,7 @@ Process::Process(const std::vector<std::string>& command, const Environment& env
   arguments.push_back(nullptr);
   id_ = ::fork();
   if (id_ != 0) return;
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // a test that is killed takes its JACK server along, which others wait for
   const int file = ::open(output_.c_str(), O_WRONLY | O_APPEND);
   ::dup2(file, STDOUT_FILENO);
   ::dup2(file, STDERR_FILENO);

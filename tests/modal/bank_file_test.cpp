@@ -203,5 +203,23 @@ TEST(BankFile, AnOldBankWithASealIsReadAsBefore) {
   EXPECT_EQ(read_input_hash(path), hash);
 }
 
+TEST(BankFile, ABankSaysItsVersionAndOneThatSaysNoneIsOfTheFirst) {
+  GlbParts parts(written(bar_bank(3)));
+  EXPECT_EQ(parts.model()["extras"]["ringdown"]["version"], 1);
+  parts.model()["extras"]["ringdown"].erase("version");
+  const auto bank = parse(parts.join());
+  ASSERT_TRUE(bank) << bank.error().message;
+  expect_same(*bank, *parse(written(bar_bank(3))));
+}
+
+TEST(BankFile, ABankOfALaterVersionIsRefused) {
+  GlbParts parts(written(bar_bank(3)));
+  parts.model()["extras"]["ringdown"]["version"] = 2;
+  const auto bank = parse(parts.join());
+  ASSERT_FALSE(bank);
+  EXPECT_NE(bank.error().message.find("is a bank of version 2"), std::string::npos) << bank.error().message;
+  EXPECT_NE(bank.error().message.find("reads up to 1"), std::string::npos) << bank.error().message;
+}
+
 }  // namespace
 }  // namespace ringdown::modal::test

@@ -1,4 +1,4 @@
-// What `ringdown info --png` and `--html` write, read by other programs: Python's libraries, and node.
+// What `ringdown picture` writes, read by other programs: Python's libraries, and node.
 #include "clients/cli/picture/answer.h"
 #include "clients/cli/picture/bank_page.h"
 #include "clients/cli/picture/shape_view.h"
@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
 
 const fs::path kBanks = fs::path(RINGDOWN_SOURCE_DIR) / "presets/banks";
 
-Outcome info(const fs::path& bank, std::vector<std::string> options) {
-  options.insert(options.begin(), {RINGDOWN_BIN_DIR "/ringdown", "info", bank.string()});
+Outcome picture(const fs::path& bank, std::vector<std::string> options) {
+  options.insert(options.begin(), {RINGDOWN_BIN_DIR "/ringdown", "picture", bank.string(), "-o"});
   return run(options);
 }
 
@@ -60,9 +60,9 @@ std::vector<fs::path> preset_banks() {
 TEST(Picture, ThePictureIsAPngOfItsSizeWithSomethingOnIt) {
   const TemporaryFolder folder;
   for (const auto& [options, size] : {std::pair{std::vector<std::string>{}, "1120 900"}, {{"--small"}, "480 200"}}) {
-    std::vector<std::string> all = {"--png", folder / "x.png"};
+    std::vector<std::string> all = {folder / "x.png"};
     all.insert(all.end(), options.begin(), options.end());
-    ASSERT_EQ(info(kBanks / "bronze-bell.glb", all).exit_code, 0);
+    ASSERT_EQ(picture(kBanks / "bronze-bell.glb", all).exit_code, 0);
     auto said = read(folder / "x.png");
     EXPECT_EQ(said["size"], size);
     EXPECT_GT(std::stoi(said["colours"]), 200);
@@ -75,9 +75,12 @@ TEST(Picture, ThePictureIsTheSameEveryTime) {
   const TemporaryFolder folder;
   for (const char* name : {"a", "b"}) {
     const std::string stem = folder / name;
-    ASSERT_EQ(info(kBanks / "coin.glb", {"--png", stem + ".png", "--html", stem + ".html"}).exit_code, 0);
+    for (const char* ending : {".png", ".svg", ".html"}) {
+      ASSERT_EQ(picture(kBanks / "coin.glb", {stem + ending}).exit_code, 0);
+    }
   }
   EXPECT_TRUE(bytes_of(folder / "a.png") == bytes_of(folder / "b.png"));
+  EXPECT_TRUE(bytes_of(folder / "a.svg") == bytes_of(folder / "b.svg"));
   EXPECT_TRUE(bytes_of(folder / "a.html") == bytes_of(folder / "b.html"));
 }
 
@@ -85,7 +88,7 @@ TEST(Picture, EveryPresetHasAPageWithEveryMode) {
   const TemporaryFolder folder;
   for (const fs::path& path : preset_banks()) {
     const auto bank = *modal::read_bank(path);
-    ASSERT_EQ(info(path, {"--html", folder / "x.html"}).exit_code, 0) << path;
+    ASSERT_EQ(picture(path, {folder / "x.html"}).exit_code, 0) << path;
     auto said = read(folder / "x.html");
     EXPECT_EQ(said["title"], bank.name);
     EXPECT_EQ(said["rows"], std::to_string(bank.mode_count() + 1));
@@ -163,7 +166,7 @@ TEST(Picture, TheViewDrawsEveryTriangleAndChoosesModes) {
   if (!installed("node")) GTEST_SKIP() << "node is not installed";
   const TemporaryFolder folder;
   const auto bank = *modal::read_bank(kBanks / "coin.glb");
-  ASSERT_EQ(info(kBanks / "coin.glb", {"--html", folder / "x.html"}).exit_code, 0);
+  ASSERT_EQ(picture(kBanks / "coin.glb", {folder / "x.html"}).exit_code, 0);
   const Outcome ran = run({"node", RINGDOWN_SOURCE_DIR "/tests/picture/run_view.js", folder / "x.html"});
   EXPECT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_NE(ran.output.find("faces " + std::to_string(bank.triangles.size()) + " colours true"), std::string::npos)
@@ -180,11 +183,13 @@ TEST(Picture, Base64IsAsPublished) {  // RFC 4648, section 10
 }
 
 TEST(Picture, APictureThatCannotBeWrittenIsReported) {
-  const Outcome ran = info(kBanks / "coin.glb", {"--png", "/nowhere/x.png"});
+  const Outcome ran = picture(kBanks / "coin.glb", {"/nowhere/x.png"});
   EXPECT_EQ(ran.exit_code, 1);
   EXPECT_NE(ran.output.find("/nowhere/x.png"), std::string::npos);
-  EXPECT_EQ(info("/nowhere.glb", {"--html", "x.html"}).exit_code, 3);
-  EXPECT_EQ(info(kBanks / "coin.glb", {"--png", "x.png", "--at", "1,2"}).exit_code, 2);
+  EXPECT_EQ(picture("/nowhere.glb", {"x.html"}).exit_code, 3);
+  EXPECT_EQ(picture(kBanks / "coin.glb", {"x.png", "--at", "1,2"}).exit_code, 2);
+  EXPECT_EQ(picture(kBanks / "coin.glb", {"x.jpg"}).exit_code, 2) << "no such kind of picture";
+  EXPECT_EQ(picture(kBanks / "coin.glb", {"x.html", "--small"}).exit_code, 2);
 }
 
 }  // namespace

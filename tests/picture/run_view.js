@@ -1,4 +1,4 @@
-// Runs the script of a page that `ringdown info --html` wrote, with a document of wood, and prints what it drew: as many
+// Runs the script of a page that `ringdown picture` wrote, with a document of wood, and prints what it drew: as many
 // faces as the surface has triangles, one title for each chosen mode. node run_view.js FILE.html
 "use strict";
 const fs = require("fs");

@@ -12,7 +12,7 @@ namespace {
 constexpr double kRate = 48000;
 
 // A computer's clock that moves only when told, and an audio clock that runs `drift` fast and started at `start_s`.
-struct Clocks {
+struct TestClocks {
   double now_s = 1000, start_s = 990, drift = 0;
   double torn_s = 0;  // the scheduler takes so long between two readings
   std::mt19937 random{7};
@@ -30,12 +30,12 @@ struct Clocks {
   }
 };
 
-void run(FrameClock& clock, Clocks& clocks, double seconds) {
+void run(FrameClock& clock, TestClocks& clocks, double seconds) {
   for (const double end = clocks.now_s + seconds; clocks.now_s < end; clocks.now_s += 0.05) clock.measure();
 }
 
 TEST(FrameClock, TheFrameOfAnyTimeIsFoundToHalfASample) {
-  Clocks clocks;
+  TestClocks clocks;
   FrameClock clock = clocks.clock();
   run(clock, clocks, 2);
   for (const double ahead_s : {-1., 0., 0.1234, 5.}) {
@@ -47,7 +47,7 @@ TEST(FrameClock, TheFrameOfAnyTimeIsFoundToHalfASample) {
 
 // 200 ppm is more than two crystals differ by. The average lags by 0.5 s: 5 samples.
 TEST(FrameClock, TheFrameClockFollowsADriftingClockAndAveragesItsJitter) {
-  Clocks clocks;
+  TestClocks clocks;
   clocks.drift = 200e-6;
   clocks.jitter_frames = 20;
   FrameClock clock = clocks.clock();
@@ -59,7 +59,7 @@ TEST(FrameClock, TheFrameClockFollowsADriftingClockAndAveragesItsJitter) {
 }
 
 TEST(FrameClock, AReadingOfClocksTornByTheSchedulerIsNotBelieved) {
-  Clocks clocks;
+  TestClocks clocks;
   FrameClock clock = clocks.clock();
   run(clock, clocks, 2);
   clocks.torn_s = 0.03;
@@ -70,7 +70,7 @@ TEST(FrameClock, AReadingOfClocksTornByTheSchedulerIsNotBelieved) {
 }
 
 TEST(FrameClock, AJumpOfTheAudioClockThatStaysIsBelieved) {
-  Clocks clocks;
+  TestClocks clocks;
   FrameClock clock = clocks.clock();
   run(clock, clocks, 2);
   clocks.start_s += 0.5;  // an xrun of half a second

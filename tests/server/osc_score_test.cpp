@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kSecond = std::uint64_t{1} << 32;
 
-std::string message(const std::string& address) { return osc_string(address) + osc_string(","); }
+std::string message_to(const std::string& address) { return osc_string(address) + osc_string(","); }
 std::string framed(const std::string& bundle) { return big_endian(bundle.size(), 4) + bundle; }
 
 // The addresses of the messages in order, or the sentence that refuses the score.
@@ -26,9 +26,10 @@ std::string order(const std::string& score) {
 }
 
 TEST(OscScore, AScoreMadeByHandIsReadInTheOrderOfItsTimes) {
-  const std::string score = framed(osc_bundle(kSecond * 2, {message("/c"), message("/d")})) +
-                            framed(osc_bundle(0, {message("/a")})) + framed(osc_bundle(kSecond / 2, {message("/b")})) +
-                            framed(osc_bundle(kSecond * 2, {message("/e")}));
+  const std::string score = framed(osc_bundle(kSecond * 2, {message_to("/c"), message_to("/d")})) +
+                            framed(osc_bundle(0, {message_to("/a")})) +
+                            framed(osc_bundle(kSecond / 2, {message_to("/b")})) +
+                            framed(osc_bundle(kSecond * 2, {message_to("/e")}));
   const auto events = parse_score(to_bytes(score), "a.osc");
   ASSERT_TRUE(events) << events.error().message;
   EXPECT_EQ(order(score), "/a/b/c/d/e");
@@ -37,7 +38,7 @@ TEST(OscScore, AScoreMadeByHandIsReadInTheOrderOfItsTimes) {
 }
 
 TEST(OscScore, ImmediatelyIsTheStartOfAScore) {
-  const auto events = parse_score(to_bytes(framed(osc_bundle(1, {message("/a")}))), "a.osc");
+  const auto events = parse_score(to_bytes(framed(osc_bundle(1, {message_to("/a")}))), "a.osc");
   EXPECT_EQ(events->at(0).time_s, 0);
 }
 
@@ -58,23 +59,23 @@ TEST(OscScore, AScoreThatWasWrittenIsReadBack) {
 
 TEST(OscScore, AWrittenScoreHasTheBytesThatScsynthReads) {
   const std::vector<ScoreEvent> events = {{0.5, {"/a", {}}}, {0.5, {"/b", {}}}, {3, {"/c", {}}}};
-  EXPECT_EQ(encode_score(events), to_bytes(framed(osc_bundle(kSecond / 2, {message("/a"), message("/b")})) +
-                                           framed(osc_bundle(3 * kSecond, {message("/c")}))));
+  EXPECT_EQ(encode_score(events), to_bytes(framed(osc_bundle(kSecond / 2, {message_to("/a"), message_to("/b")})) +
+                                           framed(osc_bundle(3 * kSecond, {message_to("/c")}))));
 }
 
 TEST(OscScore, AnEmptyFileIsAnEmptyScore) { EXPECT_EQ(order(""), ""); }
 
 TEST(OscScore, BrokenScoresAreRefusedWithFileAndBundle) {
-  const std::string good = framed(osc_bundle(0, {message("/a")}));
+  const std::string good = framed(osc_bundle(0, {message_to("/a")}));
   const std::pair<const char*, std::string> broken[] = {
       {"length cut", good + std::string(3, '\0')},
       {"bundle cut", good + good.substr(0, good.size() - 4)},
       {"length huge", good + big_endian(0xffffffff, 4) + osc_bundle(0, {})},
       {"length zero", good + big_endian(0, 4)},
-      {"message without bundle", good + framed(message("/a"))},
+      {"message without bundle", good + framed(message_to("/a"))},
       {"not OSC", good + framed("hello world!")},
-      {"a date as time", good + framed(osc_bundle(std::uint64_t{4000000000} << 32, {message("/a")}))},
-      {"a day and a second", good + framed(osc_bundle(86401 * kSecond, {message("/a")}))},
+      {"a date as time", good + framed(osc_bundle(std::uint64_t{4000000000} << 32, {message_to("/a")}))},
+      {"a day and a second", good + framed(osc_bundle(86401 * kSecond, {message_to("/a")}))},
       {"symbol inside", good + framed(osc_bundle(0, {osc_string("/a") + osc_string(",S") + osc_string("a")}))},
   };
   for (const auto& [what, score] : broken) {
@@ -85,7 +86,7 @@ TEST(OscScore, BrokenScoresAreRefusedWithFileAndBundle) {
 }
 
 TEST(OscScore, EveryCutOfAScoreIsRefusedExceptBetweenBundles) {
-  const std::string good = framed(osc_bundle(0, {message("/a")}));
+  const std::string good = framed(osc_bundle(0, {message_to("/a")}));
   const std::string score = good + good;
   for (std::size_t length = 0; length < score.size(); ++length) {
     const bool whole = length % good.size() == 0;

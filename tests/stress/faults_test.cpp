@@ -11,7 +11,7 @@
 namespace ringdown {
 namespace {
 
-mesh::TetMesh block() { return test::box_mesh({3, 2, 2}, {0.1, 0.08, 0.06}); }
+mesh::TetMesh solid_block() { return test::box_mesh({3, 2, 2}, {0.1, 0.08, 0.06}); }
 
 mesh::TetMesh with_element(mesh::TetMesh mesh, const std::vector<std::int32_t>& nodes) {
   const Eigen::Index count = mesh.elements.rows();
@@ -59,7 +59,7 @@ class FaultyMesh : public testing::TestWithParam<Repair> {};
 INSTANTIATE_TEST_SUITE_P(Stress, FaultyMesh, testing::ValuesIn(kRepairs));
 
 TEST_P(FaultyMesh, AFaultyMeshIsRepairedCountedAndSoundsLikeTheSoundOne) {
-  mesh::TetMesh spoiled = block();
+  mesh::TetMesh spoiled = solid_block();
   GetParam().spoil(spoiled);
   const auto checked = mesh::check_mesh(spoiled, "spoiled");
   ASSERT_TRUE(checked) << checked.error().message;
@@ -73,7 +73,7 @@ TEST_P(FaultyMesh, AFaultyMeshIsRepairedCountedAndSoundsLikeTheSoundOne) {
                      .mesh = checked->mesh,
                      .limit = 1e-9,
                      .oracle = "the sound mesh"},
-                    block(), 40e3);
+                    solid_block(), 40e3);
 }
 
 // Refused -------------------------------------------------------------------------------------------------------------
@@ -91,7 +91,7 @@ void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
 template <class Change>
 std::function<mesh::TetMesh()> spoiled(Change change) {
   return [change] {
-    mesh::TetMesh mesh = block();
+    mesh::TetMesh mesh = solid_block();
     change(mesh);
     return mesh;
   };
@@ -107,7 +107,7 @@ void tangle(mesh::TetMesh& mesh) {
 
 // The last element gets corners of its own at one of its faces' other nodes: the faces' edges are not shared.
 mesh::TetMesh unmerged_edges() {
-  mesh::TetMesh mesh = mesh::to_order(block(), 2);
+  mesh::TetMesh mesh = mesh::to_order(solid_block(), 2);
   const auto nodes = static_cast<std::int32_t>(mesh.nodes.rows());
   mesh.nodes.conservativeResize(nodes + 6, 3);
   for (int k = 0; k < 6; ++k) {
@@ -145,7 +145,7 @@ const std::vector<Fault> kFaults = {
     {"repeated edge node",
      "of a 10-node element",
      [] {
-       mesh::TetMesh mesh = mesh::to_order(block(), 2);
+       mesh::TetMesh mesh = mesh::to_order(solid_block(), 2);
        mesh.elements(1, 8) = mesh.elements(1, 5);
        return mesh;
      },

@@ -14,8 +14,8 @@
 namespace ringdown::synth::test {
 namespace {
 
-constexpr double kCentreGain = std::numbers::sqrt2 / 2;
-const double kLn1000 = std::log(1000.0);
+constexpr double kPanGain = std::numbers::sqrt2 / 2;
+const double kT60Exponent = std::log(1000.0);
 
 double decibels(double ratio) { return 20 * std::log10(std::max(ratio, 1e-20)); }
 
@@ -32,7 +32,7 @@ double worst_error_db(const Extreme& extreme) {
   constexpr std::size_t kCount = 20000;
   Player player(extreme.rate);
   set(player.mixer, &MixerSettings::floor_db, kNever);
-  const Map map = map_of(single_mode_bank(extreme.frequency_hz, kLn1000 / extreme.t60_s));
+  const Map map = map_of(single_mode_bank(extreme.frequency_hz, kT60Exponent / extreme.t60_s));
   player.install(0, map);
   if (extreme.moments) keep_company(player.mixer);
   const Event strike = vertex_strike_at(kStrike, 0, 0, {0, 0, 1});
@@ -44,10 +44,10 @@ double worst_error_db(const Extreme& extreme) {
   const Samples exact = voice.samples(kStrike, kCount);
   double worst = 0;
   for (std::size_t n = 0; n < kCount; ++n) {
-    const double decay = kLn1000 / extreme.t60_s / extreme.rate * static_cast<double>(n);
-    const double envelope = kCentreGain * extreme.gain * amplitude * std::exp(-decay);
+    const double decay = kT60Exponent / extreme.t60_s / extreme.rate * static_cast<double>(n);
+    const double envelope = kPanGain * extreme.gain * amplitude * std::exp(-decay);
     if (envelope < 1e-30 * extreme.gain) break;
-    const double difference = player.left[kStrike + n] - kCentreGain * extreme.gain * exact[n];
+    const double difference = player.left[kStrike + n] - kPanGain * extreme.gain * exact[n];
     worst = std::max(worst, std::abs(difference) / envelope);
   }
   return decibels(worst);
@@ -91,7 +91,7 @@ TEST(StressExtremes, TwentyThousandModesAreTheClosedForm) {
   const auto uniform = [&random] { return static_cast<double>(random()) / 4294967296.0; };
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     bank.frequency_hz[m] = 0.49999 * kRate * uniform();
-    bank.decay_per_s[m] = kLn1000 / (1e-3 * std::pow(3.6e6, uniform()));
+    bank.decay_per_s[m] = kT60Exponent / (1e-3 * std::pow(3.6e6, uniform()));
   }
   const Map map = map_of(std::move(bank));
   const Event strike = vertex_strike_at(1000, 0, 0, {1, 1, 1});
@@ -104,7 +104,7 @@ TEST(StressExtremes, TwentyThousandModesAreTheClosedForm) {
   double worst = -400;
   for (const std::size_t first : {std::size_t{1000}, std::size_t{49000}, std::size_t{481000}}) {
     Samples exact = voice.samples(static_cast<Frame>(first), 400);
-    for (double& sample : exact) sample *= kCentreGain;
+    for (double& sample : exact) sample *= kPanGain;
     worst = std::max(worst, relative_error_db(player.left_from(first).first(400), exact));
   }
   EXPECT_LT(worst, -110);
@@ -273,7 +273,7 @@ class PoisonedScene {
     const Samples healed = voice.samples(heal.frame, poisoned.left.size() - 6000);
     double worst = 0;
     for (std::size_t n = 0; n < poisoned.left.size(); ++n) {
-      const double wanted = n < 6000 ? 0 : kCentreGain * healed[n - 6000];
+      const double wanted = n < 6000 ? 0 : kPanGain * healed[n - 6000];
       const double error = std::abs(poisoned.left[n] - healthy.left[n] - wanted);
       worst = error <= worst ? worst : error;  // a NaN stays
     }

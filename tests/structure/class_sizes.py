@@ -30,7 +30,7 @@ try:
     import clang.cindex as clang
     from clang.cindex import CursorKind, TypeKind
 except ModuleNotFoundError:
-    print("skipped: python3-clang-14 is not installed")
+    print("skipped: python3-clang is not installed")
     sys.exit(77)
 
 kMaxSize = 30
@@ -148,9 +148,17 @@ class Tally:
         return sorted(rows, key=lambda row: (-row[4], row[0]))
 
 
+def sources_of(command):
+    """The files that a command compiles: one, or those that the file of a unity build includes."""
+    if "/Unity/unity_" not in command["file"]:
+        return [command["file"]]
+    return re.findall(r'^#include "(.*)"', pathlib.Path(command["file"]).read_text(), flags=re.M)
+
+
 def parse_everything(root, build):
     commands = json.loads((build / "compile_commands.json").read_text())
-    commands = [c for c in commands if c["file"].startswith(tuple(f"{root}/{folder}/" for folder in kFolders))]
+    folders = tuple(f"{root}/{folder}/" for folder in kFolders)
+    commands = [c for c in commands if any(source.startswith(folders) for source in sources_of(c))]
     # A header of GLFW and one of Highway ask for these.
     arguments = ["-xc++", "-std=c++20", "-w", "-ferror-limit=0", "-DGLFW_INCLUDE_NONE", "-DHWY_COMPILE_ONLY_STATIC"]
     for command in commands:
@@ -161,7 +169,7 @@ def parse_everything(root, build):
             elif word.startswith(("-I", "-D")) and word not in arguments:
                 arguments.append(word)
     everything = str(build / "everything.cpp")  # exists in memory only
-    files = sorted({command["file"] for command in commands})
+    files = sorted({source for command in commands for source in sources_of(command) if source.startswith(folders)})
     texts = [(everything, "".join(f'#include "{file}"\n' for file in files))]
     for number, file in enumerate(files):
         named = re.sub(r"^namespace \{", f"inline namespace file_{number} {{", pathlib.Path(file).read_text(), flags=re.M)

@@ -1,5 +1,5 @@
-// Who may include whom, checked on every source file of the project. The two tables are the rule; docs/how/architecture.md
-// says why.
+// Who may include whom, checked on every source file of the project. The two tables are the rule;
+// docs/how/architecture.md says why.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -42,7 +42,8 @@ const std::vector<FolderRule> kFolderRules = {
     {"protocol/",
      {"engine/base/", "engine/modal/damper.h", "engine/modal/material_scale.h", "engine/modal/mode_range.h",
       "engine/synth/event.h", "protocol/"}},
-    {"packaging/manual/", {"protocol/exit_codes.h", "packaging/manual/"}},
+    {"packaging/manual/",
+     {"engine/base/version.h", "protocol/defaults.h", "protocol/exit_codes.h", "packaging/manual/"}},
     {"server/session/",
      {"engine/base/", "engine/modal/", "engine/synth/", "engine/scene/", "protocol/", "server/session/"},
      {"protocol/wire/codec.h", "protocol/wire/score.h", "protocol/wire/socket.h"}},

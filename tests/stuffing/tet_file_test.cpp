@@ -67,7 +67,7 @@ Result<TetMesh> read_bytes(const std::string& file) {
   return mesh::read_isostuffer(std::as_bytes(std::span(file)), "x.tet");
 }
 
-void expect_same(const Result<TetMesh>& read, const TetMesh& mesh) {
+void expect_same_tets(const Result<TetMesh>& read, const TetMesh& mesh) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->nodes, mesh.nodes);
   EXPECT_EQ(read->elements, mesh.elements);
@@ -80,7 +80,7 @@ const TetMesh& box() {
 
 TEST(TetFile, TetGenIsReadFromZeroOrOne) {
   for (const int first : {0, 1}) {
-    expect_same(mesh::read_tetgen(tetgen_nodes(box(), first), tetgen_elements(box(), first), "x"), box());
+    expect_same_tets(mesh::read_tetgen(tetgen_nodes(box(), first), tetgen_elements(box(), first), "x"), box());
   }
 }
 
@@ -92,26 +92,26 @@ TEST(TetFile, NodesOnEdgesMayComeInAnyOrder) {
     std::rotate(row.begin() + 4, row.begin() + 4 + e % 6, row.end());
     if (e % 2) std::reverse(row.begin() + 4, row.end());
   }
-  expect_same(mesh::read_tetgen(tetgen_nodes(mixed, 1), tetgen_elements(mixed, 1), "x"), quadratic);
+  expect_same_tets(mesh::read_tetgen(tetgen_nodes(mixed, 1), tetgen_elements(mixed, 1), "x"), quadratic);
 }
 
 TEST(TetFile, VegaIsReadFromZeroOrOne) {
-  for (const int first : {0, 1}) expect_same(mesh::read_vega(vega(box(), first), "x.veg"), box());
+  for (const int first : {0, 1}) expect_same_tets(mesh::read_vega(vega(box(), first), "x.veg"), box());
 }
 
 TEST(TetFile, IsoStuffersBytesAreReadWithAndWithoutFixedNodes) {
   const auto nodes = static_cast<std::int32_t>(box().nodes.rows());
-  expect_same(read_bytes(isostuffer(box(), {0, nodes})), box());
-  expect_same(read_bytes(isostuffer(box(), {3, nodes - 3})), box());
-  expect_same(read_bytes(isostuffer(box(), {nodes})), box());
+  expect_same_tets(read_bytes(isostuffer(box(), {0, nodes})), box());
+  expect_same_tets(read_bytes(isostuffer(box(), {3, nodes - 3})), box());
+  expect_same_tets(read_bytes(isostuffer(box(), {nodes})), box());
 }
 
 TEST(TetFile, EitherOfTetGensFilesFindsTheOther) {
   const test::TemporaryFolder folder;
   std::ofstream(folder.path() / "thing.1.node") << tetgen_nodes(box(), 1);
   std::ofstream(folder.path() / "thing.1.ele") << tetgen_elements(box(), 1);
-  expect_same(mesh::read_tet_file(folder.path() / "thing.1.node"), box());
-  expect_same(mesh::read_tet_file(folder.path() / "thing.1.ele"), box());
+  expect_same_tets(mesh::read_tet_file(folder.path() / "thing.1.node"), box());
+  expect_same_tets(mesh::read_tet_file(folder.path() / "thing.1.ele"), box());
   std::ofstream(folder.path() / "alone.ele") << tetgen_elements(box(), 1);
   const auto alone = mesh::read_tet_file(folder.path() / "alone.ele");
   ASSERT_FALSE(alone);
@@ -123,14 +123,14 @@ TEST(TetFile, EndingsOfTetFilesAreKnownInAnyCase) {
   for (const char* name : {"a.msh", "node", "a.tets", "a.veg.obj"}) EXPECT_FALSE(mesh::is_tet_file(name)) << name;
 }
 
-struct Wrong {
+struct WrongTetFile {
   std::string nodes, elements, sentence;
 };
 
 TEST(TetFile, AFaultOfATetFileIsReportedWithItsLine) {
   const std::string nodes = "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n", elements = "1 4 0\n0 0 1 2 3\n";
   ASSERT_TRUE(mesh::read_tetgen(nodes, elements, "x"));
-  const std::vector<Wrong> wrongs = {
+  const std::vector<WrongTetFile> wrongs = {
       {"", elements, "x.node, line 0: the number of nodes should stand here"},
       {"2 2 0 0\n0 0 0\n1 0 0\n", elements, "x.node, line 1: nodes should have 3 coordinates"},
       {"0 3 0 0\n", elements, "x.node, line 1: there are no nodes"},

@@ -7,13 +7,13 @@
 namespace ringdown::synth::test {
 namespace {
 
-constexpr double kPitch_hz = 700, kDecay_per_s = 12;
+constexpr double kTone_hz = 700, kToneDecay_per_s = 12;
 
 // Two objects of one mode that share states, and one that does not.
 class OneMode : public testing::Test {
  protected:
   OneMode() {
-    const Map map = map_of(single_mode_bank(kPitch_hz, kDecay_per_s));
+    const Map map = map_of(single_mode_bank(kTone_hz, kToneDecay_per_s));
     const auto table = std::make_shared<ModeTable>(map, modal::MaterialScale{}, kRate);
     for (ObjectNumber object = 0; object < 2; ++object) {
       EXPECT_TRUE(player_.mixer.install(object, std::make_unique<Voice>(table), Mixer::Install::replace));
@@ -24,7 +24,7 @@ class OneMode : public testing::Test {
 
   // Of the unpanned sine that an impulse of 1 N s makes, after so many frames.
   static double envelope(double frames) {
-    return kOutputScale * 2 * std::numbers::pi * kPitch_hz * std::exp(-kDecay_per_s * frames / kRate);
+    return kOutputScale * 2 * std::numbers::pi * kTone_hz * std::exp(-kToneDecay_per_s * frames / kRate);
   }
 
   Player player_;

@@ -11,7 +11,7 @@
 namespace ringdown::viewer {
 namespace {
 
-void expect_near(glm::vec3 a, glm::vec3 b, float tolerance) {
+void expect_close(glm::vec3 a, glm::vec3 b, float tolerance) {
   EXPECT_LT(glm::distance(a, b), tolerance)
       << a.x << " " << a.y << " " << a.z << " is not " << b.x << " " << b.y << " " << b.z;
 }
@@ -26,9 +26,9 @@ TEST(Picking, ARayHitsASphereOnTheSideThatFacesIt) {
   ASSERT_TRUE(hit);
   EXPECT_EQ(hit->id, 7u);
   EXPECT_NEAR(hit->distance_m, 5 - 1.6, 1e-5);
-  expect_near(hit->point_m, {3.4F, 0, 1.2F}, 1e-5F);
-  expect_near(hit->object_point_m, {-1.6F, 0, 1.2F}, 1e-5F);
-  expect_near(hit->normal, {-0.8F, 0, 0.6F}, 1e-5F);
+  expect_close(hit->point_m, {3.4F, 0, 1.2F}, 1e-5F);
+  expect_close(hit->object_point_m, {-1.6F, 0, 1.2F}, 1e-5F);
+  expect_close(hit->normal, {-0.8F, 0, 0.6F}, 1e-5F);
   EXPECT_FALSE(pick({{0, 0, 2.001F}, {1, 0, 0}}, bodies));
   EXPECT_FALSE(pick({{0, 0, 0}, {-1, 0, 0}}, bodies));
 }
@@ -38,12 +38,12 @@ TEST(Picking, ARayHitsABoxOnItsFaceAndFromInside) {
   const auto hit = pick({{0.5F, -9, 1}, {0, 1, 0}}, bodies);
   ASSERT_TRUE(hit);
   EXPECT_FLOAT_EQ(hit->distance_m, 7);
-  expect_near(hit->object_point_m, {0.5F, -2, -2}, 1e-5F);
-  expect_near(hit->normal, {0, -1, 0}, 1e-6F);
+  expect_close(hit->object_point_m, {0.5F, -2, -2}, 1e-5F);
+  expect_close(hit->normal, {0, -1, 0}, 1e-6F);
   const auto inside = pick({{0, 0, 3}, {1, 0, 0}}, bodies);
   ASSERT_TRUE(inside);
   EXPECT_FLOAT_EQ(inside->distance_m, 1);
-  expect_near(inside->normal, {-1, 0, 0}, 1e-6F);
+  expect_close(inside->normal, {-1, 0, 0}, 1e-6F);
   EXPECT_FALSE(pick({{1.01F, -9, 1}, {0, 1, 0}}, bodies));
 }
 
@@ -67,9 +67,9 @@ TEST(Picking, TheHitOfATurnedAndScaledBodyIsInTheObjectsFrame) {
   const auto hit = pick({in_scene - 2.0F * way, way}, {&body, 1});
   ASSERT_TRUE(hit);
   EXPECT_NEAR(hit->distance_m, 2, 1e-5);
-  expect_near(hit->object_point_m, struck, 1e-5F);
-  expect_near(hit->point_m, in_scene, 1e-5F);
-  expect_near(hit->normal, outwards, 1e-5F);
+  expect_close(hit->object_point_m, struck, 1e-5F);
+  expect_close(hit->point_m, in_scene, 1e-5F);
+  expect_close(hit->normal, outwards, 1e-5F);
 }
 
 TEST(Picking, MeshesAreHitWhereTheirSolidsAre) {
@@ -84,13 +84,13 @@ TEST(Picking, MeshesAreHitWhereTheirSolidsAre) {
     const std::vector exact = {at({}, BoxShape{{1, 2, 3}})}, meshed = {at({}, &box)};
     const auto a = pick(ray, exact), b = pick(ray, meshed);
     ASSERT_EQ(a.has_value(), b.has_value());
-    if (a) expect_near(a->point_m, b->point_m, 1e-4F), expect_near(a->normal, b->normal, 1e-4F);
+    if (a) expect_close(a->point_m, b->point_m, 1e-4F), expect_close(a->normal, b->normal, 1e-4F);
     const std::vector round = {at({}, SphereShape{1})}, facets = {at({}, &sphere)};
     const auto c = pick(ray, round), d = pick(ray, facets);
     if (c && glm::dot(c->normal, ray.direction) < -0.3F) {
       ASSERT_TRUE(d);
       ++met;
-      expect_near(c->point_m, d->point_m, 0.03F);  // 48 sides: at most 1 - cos(pi / 48) below the surface, over 0.3
+      expect_close(c->point_m, d->point_m, 0.03F);  // 48 sides: at most 1 - cos(pi / 48) below the surface, over 0.3
     }
   }
   EXPECT_GT(met, 100);

@@ -27,13 +27,6 @@ th { position: sticky; top: 0; background: #fff; } tbody tr { cursor: pointer; }
 tr.chosen { background: #dcebf7; }
 )css";
 
-template <class... Numbers>
-std::string format(const char* pattern, Numbers... numbers) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), pattern, numbers...);
-  return text.data();
-}
-
 // Bytes of the character that begins with `lead`, 0 when none does.
 std::size_t utf8_length(unsigned char lead) {
   return lead < 0x80                   ? 1

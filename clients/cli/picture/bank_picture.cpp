@@ -14,13 +14,6 @@
 namespace ringdown::cli {
 namespace {
 
-template <class... Numbers>
-std::string format(const char* pattern, Numbers... numbers) {
-  std::array<char, 160> text{};
-  std::snprintf(text.data(), text.size(), pattern, numbers...);
-  return text.data();
-}
-
 // The text, cut between two letters to fit into `width`, with an ellipsis where it was cut.
 std::string fitting(Canvas& canvas, std::string text, double size, double width, bool bold = false) {
   if (canvas.text_width(text, size, bold) <= width) return text;

@@ -7,6 +7,8 @@
 // Points are in pixels from the top left corner. Letters are from the system's sans-serif. [one thread]
 #pragma once
 
+#include <array>
+#include <cstdio>
 #include <memory>
 #include <span>
 #include <string>
@@ -25,6 +27,14 @@ Colour heat(double value);
 struct Dot {
   double x, y;
 };
+
+// Numbers in words, by the rules of std::printf; cut after 255 bytes.
+template <class... Numbers>
+std::string format(const char* pattern, Numbers... numbers) {
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(), pattern, numbers...);
+  return text.data();
+}
 
 enum class Align { left, centre, right };
 

@@ -1,0 +1,88 @@
+// ringdown-picture: draws a bank. A program of its own because `ringdown` links no cairo.
+#include "clients/cli/picture/bank_page.h"
+#include "clients/cli/picture/bank_picture.h"
+#include "engine/base/atomic_file.h"
+#include "engine/base/folders.h"
+#include "engine/base/quote.h"
+#include "engine/modal/bank_file.h"
+#include "packaging/manual/command_line.h"
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+
+namespace {
+
+using namespace ringdown;  // NOLINT: a program
+using protocol::complain;
+using protocol::ExitCode;
+
+struct Arguments {
+  std::string bank;
+  std::filesystem::path output;
+  std::vector<double> at;
+  bool small = false;
+};
+
+void add_options(CLI::App& app, Arguments& arguments) {
+  app.add_option("bank", arguments.bank, "The bank: a .glb file, or the name of a preset.")->type_name("FILE")->required();
+  app.add_option("-o,--output", arguments.output,
+                 "The file to write; its ending says which kind. .png and .svg: a picture of mode shapes, the spectrum "
+                 "of a blow, and decays. .html: a page with the picture, a view that turns, and the table of modes.")
+      ->type_name("FILE")
+      ->required();
+  app.add_option("--at", arguments.at,
+                 "The point that is struck, in metres; default: the one that answers most. The nearest sample point is "
+                 "taken.")
+      ->type_name("X,Y,Z")
+      ->delimiter(',')
+      ->expected(3);
+  app.add_flag("--small", arguments.small, "A picture of one shape and the spectrum, 480 by 200 pixels.");
+}
+
+ExitCode draw(const Arguments& arguments, const std::string& ending) {
+  const auto path = preset_or_file(arguments.bank, PresetKind::bank);
+  if (!path) return complain(path.error());
+  const auto bank = modal::read_bank(*path);
+  if (!bank) return complain(bank.error());
+  std::optional<Vec3> at;
+  if (!arguments.at.empty()) at = Vec3{arguments.at[0], arguments.at[1], arguments.at[2]};
+  const cli::Answer answer = cli::answer_of(*bank, at);
+  const auto kind = ending == ".png" ? cli::Canvas::Kind::png : cli::Canvas::Kind::svg;
+  const std::string bytes =
+      ending == ".html" ? cli::bank_page(*bank, answer) : cli::draw_bank(kind, *bank, answer, arguments.small);
+  if (bytes.empty()) {
+    return complain({ErrorKind::no_memory, "cannot draw " + arguments.output.string() + ": there is no memory for it"});
+  }
+  const auto written = write_file_atomically(arguments.output, std::string_view(bytes));
+  return written ? ExitCode::ok : complain(written.error());
+}
+
+// The text of the man page beside the options.
+const std::vector<manual::Section> kSections = {
+    {"EXAMPLES",
+     {{"ringdown picture bell.glb -o bell.png", "A picture of the bell's modes."},
+      {"ringdown picture bell.glb -o bell.html --at 0.1,0,0.05",
+       "A page, with the spectrum of a blow at that point."}}},
+    {"SEE ALSO", {{"ringdown(1)", "The other verbs; `ringdown info` prints the modes as a table."}}},
+};
+
+ExitCode run(int argc, char** argv) {
+  CLI::App app("Draws a bank: its shapes, the spectrum of a blow, its decays.", "ringdown-picture");
+  manual::add_common_options(app);
+  Arguments arguments;
+  add_options(app, arguments);
+  if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;
+  const std::string ending = arguments.output.extension();
+  if (ending != ".png" && ending != ".svg" && ending != ".html") {
+    return manual::complain_of_usage(app, "--output must end in .png, .svg or .html, not " + quote(ending));
+  }
+  if (ending == ".html" && arguments.small) {
+    return manual::complain_of_usage(app, "--small is for pictures, not for a page");
+  }
+  return draw(arguments, ending);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return static_cast<int>(run(argc, argv)); }

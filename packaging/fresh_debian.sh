@@ -1,0 +1,92 @@
+#!/usr/bin/env bash
+# Tries Ringdown as its user meets it: in a fresh Debian, which mmdebstrap makes in a folder of its own. As root.
+#   fresh_debian.sh packages CACHE FOLDER   installs the .deb files of FOLDER, runs what they brought, removes them
+#   fresh_debian.sh readme CACHE            pastes the commands under README's "Start" into a clone of what is committed,
+#                                           then calls ./run test there; prints how long each took
+#   fresh_debian.sh run CACHE VERB...       ./run VERB ... in such a clone
+# SUITE=trixie chooses another Debian than bookworm. The fresh Debian and the packages that it downloads are kept in CACHE.
+set -euo pipefail
+what=$1 cache=$(realpath -m "$2") suite=${SUITE:-bookworm}
+shift 2
+source_tree=$(realpath "$(dirname "${BASH_SOURCE[0]}")/..")
+mkdir -p "$cache"
+if [ ! -e "$cache/$suite.tar" ]; then
+  mmdebstrap --variant=minbase --include=ca-certificates "$suite" "$cache/$suite.tar.part" 2>"$cache/mmdebstrap.log" ||
+    { tail -5 "$cache/mmdebstrap.log"; exit 1; }
+  mv "$cache/$suite.tar.part" "$cache/$suite.tar"
+fi
+root=$(mktemp -d)
+leave() {
+  local place
+  for place in dev/shm dev/pts proc var/cache/apt/archives; do
+    ! mountpoint -q "$root/$place" || umount "$root/$place"
+  done
+  rm -rf --one-file-system "$root"
+}
+trap leave EXIT
+tar -C "$root" -xf "$cache/$suite.tar"
+mkdir -p "$root/dev/pts" "$root/dev/shm" "$cache/$suite/partial"
+mount -t proc proc "$root/proc"
+mount -t devpts devpts "$root/dev/pts"
+mount -t tmpfs tmpfs "$root/dev/shm"
+cp /etc/resolv.conf "$root/etc/resolv.conf"
+
+inside() { chroot "$root" env -i PATH=/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin HOME=/root LC_ALL=C.UTF-8 "$@"; }
+
+# The output goes to a log; the lines that say how long something took, or how it ended, are shown.
+timed() {  # timed NAME COMMAND...
+  local name=$1 log=$cache/$suite-$1.log from=$SECONDS code=0
+  shift
+  inside "$@" >"$log" 2>&1 || code=$?
+  grep -E 'packages: .* s to|built in|passed, .* failed|^[^ ]+\.wav: ' "$log" | sed 's/\x1b\[[0-9]*m//g' || true
+  echo "$suite, $name: $((SECONDS - from)) s, exit $code"
+  [ "$code" -eq 0 ] || tail -20 "$log"
+  return "$code"
+}
+
+expect_file() { [ -s "$root/$1" ] || { echo "$1 is missing or empty"; return 1; }; }
+
+install_package() {
+  echo "installing $1"
+  inside sh -c "DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o APT::Keep-Downloaded-Packages=true /packages/$1_*.deb" >"$cache/install.log" 2>&1 ||
+    { cat "$cache/install.log"; return 1; }
+}
+
+try_packages() {  # try_packages FOLDER
+  mount --bind "$cache/$suite" "$root/var/cache/apt/archives"
+  mkdir "$root/packages"
+  cp "$1"/*.deb "$root/packages"
+  inside apt-get update -qq
+  install_package ringdown
+  inside ringdownd --scene demo --driver null --seconds 1
+  inside ringdown render --scene demo --seconds 2 -o /root/demo.wav
+  inside ringdown picture /usr/share/ringdown/presets/banks/coin.glb -o /root/coin.png
+  local file
+  for file in root/demo.wav root/coin.png usr/share/man/man1/{ringdown,ringdownd}.1 usr/lib/systemd/user/ringdownd.service \
+    usr/share/bash-completion/completions/ringdownd usr/share/doc/ringdown/{SECURITY,README}.md usr/share/doc/ringdown/copyright; do
+    expect_file "$file"
+  done
+  install_package ringdown-bake
+  inside ringdown bake /usr/share/ringdown/presets/objects/steel-plate.toml --preview -o /root/plate.glb
+  inside ringdown info /root/plate.glb >/dev/null
+  install_package ringdown-viewer
+  inside ringdown-viewer --keys >/dev/null
+  inside apt-get purge -y -qq ringdown ringdown-bake ringdown-viewer >/dev/null 2>&1
+  [ ! -e "$root/usr/share/ringdown" ] || { echo "purging leaves /usr/share/ringdown behind"; return 1; }
+  echo "$suite: installed, played and removed"
+}
+
+case "$what" in
+  packages) try_packages "$(realpath "$1")" ;;
+  readme)
+    git clone -q "$source_tree" "$root/root/ringdown"
+    commands=$(sed -n '/^## Start/,/^## [^S]/s/^    //p' "$source_tree/README.md")
+    timed readme bash -ec "cd /root/ringdown; $commands"
+    timed test bash -c 'cd /root/ringdown && ./run test'
+    ;;
+  run)
+    git clone -q "$source_tree" "$root/root/ringdown"
+    timed "$1" bash -c 'cd /root/ringdown && ./run "$@"' run "$@"
+    ;;
+  *) echo "say packages, readme or run" >&2; exit 2 ;;
+esac
