@@ -155,12 +155,13 @@ Result<void> take_screenshot(const ScreenshotRequest& request, const Settings& s
   // On a machine that is too busy the daemon may seem to have gone; the model then starts from nothing.
   bool complete = false;
   for (int attempt = 0; attempt < kAttempts && !complete; ++attempt) {
+    app.show_at(std::nullopt);
     if (auto good = play_until_then(app, request, scene); !good) return good;
+    app.show_at(request.at_s);
+    app.draw();
     complete = connected(app) && is_complete(app.model());
   }
   if (!complete) return fail(ErrorKind::refused, "no picture was written: the daemon ceased to answer meanwhile");
-  app.show_at(request.at_s);
-  app.draw();
   return write_png(app.window().read_pixels(), request.output);
 }
 
