@@ -38,6 +38,7 @@ TEST(Materials, EveryMaterialIsListedWithThePitchOfABar) {
   const auto ran = ringdown({"materials"});
   EXPECT_EQ(ran.exit_code, 0) << ran.output;
   for (const auto& file : fs::directory_iterator(kPresets / "materials")) {
+    if (file.is_directory()) continue;  // read only where --materials names it
     EXPECT_TRUE(holds(ran.output, "\n" + file.path().stem().string() + " ")) << ran.output;
   }
   // By Euler and Bernoulli, steel: 22.37 / (2 pi 0.2^2) sqrt(210e9 0.008^2 / 12 / 7800) = 1067 Hz; shear takes some 0.6
