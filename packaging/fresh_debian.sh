@@ -11,9 +11,9 @@ shift 2
 source_tree=$(realpath "$(dirname "${BASH_SOURCE[0]}")/..")
 mkdir -p "$cache"
 if [ ! -e "$cache/$suite.tar" ]; then
-  mmdebstrap --variant=minbase --include=ca-certificates "$suite" "$cache/$suite.tar.part" 2>"$cache/mmdebstrap.log" ||
+  mmdebstrap --variant=minbase --include=ca-certificates "$suite" "$cache/part-$suite.tar" 2>"$cache/mmdebstrap.log" ||
     { tail -5 "$cache/mmdebstrap.log"; exit 1; }
-  mv "$cache/$suite.tar.part" "$cache/$suite.tar"
+  mv "$cache/part-$suite.tar" "$cache/$suite.tar"
 fi
 root=$(mktemp -d)
 leave() {

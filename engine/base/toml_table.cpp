@@ -5,8 +5,8 @@
 #include "engine/base/range.h"
 #include "engine/base/version.h"
 
-// toml++ (3.3 and 3.4) promises its compiler two things that do not hold. One is that "[" is followed by the beginning of a
-// key: it asserts that, and assumes it where NDEBUG is set, before it has looked. The other is that its tables of
+// toml++ (3.3 and 3.4) promises its compiler two things that do not hold. One is that "[" is followed by the beginning
+// of a key: it asserts that, and assumes it where NDEBUG is set, before it has looked. The other is that its tables of
 // Unicode's white space have a case for every letter. Without these promises it refuses such text as it should. No
 // check before parsing can stand in for this: after a fault the parser reads on, to quote what it could not read.
 #undef NDEBUG

@@ -14,14 +14,16 @@ namespace ringdown::wire {
 namespace {
 
 struct FreeMessage {
-  void operator()(void* message) const { lo_message_free(static_cast<lo_message>(message)); }
+  using pointer = lo_message;
+  void operator()(lo_message message) const { lo_message_free(message); }
 };
 struct FreeBundle {
-  void operator()(void* bundle) const { lo_bundle_free_recursive(static_cast<lo_bundle>(bundle)); }
+  using pointer = lo_bundle;
+  void operator()(lo_bundle bundle) const { lo_bundle_free_recursive(bundle); }
 };
-using MessageHandle = std::unique_ptr<void, FreeMessage>;  // lo_message and lo_bundle are both void*
-using BundleHandle = std::unique_ptr<void, FreeBundle>;
-static_assert(std::is_same_v<lo_message, void*> && std::is_same_v<lo_bundle, void*>);
+// lo_message and lo_bundle are void* in liblo 0.31, and pointers of their own from 0.32 on.
+using MessageHandle = std::unique_ptr<std::remove_pointer_t<lo_message>, FreeMessage>;
+using BundleHandle = std::unique_ptr<std::remove_pointer_t<lo_bundle>, FreeBundle>;
 
 constexpr double kUnixEpochNtp = 2208988800;  // seconds from 1900 to 1970, RFC 868
 
@@ -77,7 +79,7 @@ void add(lo_message message, const Blob& value) {
   std::vector<std::uint32_t> blob(1 + (value.size() + 3) / 4);
   blob[0] = static_cast<std::uint32_t>(value.size());
   std::ranges::copy(value, reinterpret_cast<std::byte*>(blob.data() + 1));
-  lo_message_add_blob(message, blob.data());
+  lo_message_add_blob(message, reinterpret_cast<lo_blob>(blob.data()));
 }
 
 MessageHandle to_liblo(const Message& message) {
