@@ -25,11 +25,11 @@ using MixerRequest = std::variant<Strike, StrikeVertex, StrikeMany, SetGain, Set
 using TimedWorkerRequest = std::variant<SetDamper>;
 
 // Carried out by the worker as soon as everything sent before has been: reads banks and scenes, retunes, frees.
-using WorkerRequest = std::variant<SetMaterial, SetGroup, SelectModes, Excite, FreeObject, LoadObject, SceneLoad,
-                                   ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush, TestTone>;
+using WorkerRequest = std::variant<SetMaterial, SetGroup, SetMute, SetSolo, SelectModes, Excite, FreeObject, LoadObject,
+                                   SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush, TestTone>;
 
 // Writes a file, or begins to: also the worker's, in order.
-using FileRequest = std::variant<SaveState, RecordStart, RecordStop>;
+using FileRequest = std::variant<SaveState, SaveScene, RecordStart, RecordStop, CaptureStart, CaptureStop>;
 
 // Asks and changes nothing: answered by the worker, in order.
 using Question = std::variant<DescribeObject, ReadBank, SceneDescribe, Browse, Sync>;

@@ -42,6 +42,8 @@ struct StatusReply {  // /status.reply
   std::int32_t shed = 0;
   double slowed_s = 0;
   bool recording = false;
+  double captured_s = 0;
+  std::optional<std::string> capture;  // the file; absent: nothing is being captured
 };
 struct VersionReply {  // /version.reply
   std::string program;
@@ -63,6 +65,7 @@ struct ObjectReply {  // /object.reply
   std::int32_t first_mode = 0, selected_modes = 0;
   modal::MaterialScale scale;
   double gain = 1, pan = 0;
+  bool mute = false, solo = false;
   std::optional<std::string> group;
 };
 struct BankReply {  // /bank.reply

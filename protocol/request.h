@@ -65,6 +65,15 @@ struct SetGroup {  // /object/{object}/group
   ObjectRef object;
   std::optional<std::string> group;  // nothing: in none
 };
+// While any object is soloed, only soloed ones are heard; a muted one never is.
+struct SetMute {  // /object/{object}/mute
+  ObjectRef object;
+  bool on = true;
+};
+struct SetSolo {  // /object/{object}/solo
+  ObjectRef object;
+  bool on = true;
+};
 struct ClearObject {  // /object/{object}/clear
   ObjectRef object;
   double ramp_s = 0;
@@ -161,10 +170,20 @@ struct TestTone {                            // /test_tone
 struct SaveState {  // /state/save
   std::string path;
 };
+// The scene as it is set now, as a scene file.
+struct SaveScene {  // /scene/save
+  std::string path;
+  bool replace = false;  // a scene that was saved there before
+};
 struct RecordStart {  // /record/start
   std::string path;
 };
 struct RecordStop {};  // /record/stop
+// What is heard, as a sound file.
+struct CaptureStart {  // /capture/start
+  std::string path;
+};
+struct CaptureStop {};  // /capture/stop
 
 struct Status {};  // /status
 // A blow sets the object in motion as a whole. Its strikes are requests of their own.
@@ -179,11 +198,12 @@ struct Sync {       // /sync
 };
 struct Quit {};  // /quit
 
-using Request = std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, SetDamper, SetGroup,
-                             RingModes, SelectModes, WatchObject, DescribeObject, ReadBank, Excite, ClearObject,
-                             SetContact, Click, FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox,
-                             SpawnSphere, SceneClear, ScenePush, SceneDescribe, Notify, WatchSound, Browse, TestTone,
-                             SaveState, RecordStart, RecordStop, Status, Version, Sync, Quit>;
+using Request =
+    std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, SetDamper, SetGroup, SetMute, SetSolo,
+                 RingModes, SelectModes, WatchObject, DescribeObject, ReadBank, Excite, ClearObject, SetContact, Click,
+                 FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush,
+                 SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene, RecordStart, RecordStop,
+                 CaptureStart, CaptureStop, Status, Version, Sync, Quit>;
 
 // The request that would make this event of `object`.
 Request request_for(const synth::Event& event, const ObjectRef& object);

@@ -131,6 +131,15 @@ std::vector<Row<Request>> make_request_rows() {
                              "Puts the object into a group, which --ports groups gives an output port of its own.",
                              {object<&SetGroup::object>(),
                               optional(other<ValueType::name, &SetGroup::group>("group", "The group's name."))}),
+      answered<Lane::worker>(
+          "/object/{object}/mute", SetMute{kBell, true},
+          "Silences the object for all listeners, or ends that. What rings goes on unheard. /notify.object tells "
+          "subscribers.",
+          {object<&SetMute::object>(), optional(other<ValueType::flag, &SetMute::on>("on", "0 ends it."))}),
+      answered<Lane::worker>(
+          "/object/{object}/solo", SetSolo{kBell, true},
+          "While any object is soloed, the others are silent. A muted one stays silent even so.",
+          {object<&SetSolo::object>(), optional(other<ValueType::flag, &SetSolo::on>("on", "0 ends it."))}),
       silent<Lane::mixer>("/object/{object}/ring", RingModes{kBell, 0, 1, 0.1},
                           "Starts these modes without a strike, each as a sine from 0.",
                           {object<&RingModes::object>(),
@@ -254,12 +263,26 @@ std::vector<Row<Request>> make_request_rows() {
           "/state/save", SaveState{"state.toml"},
           "Writes objects, inputs and scene to a readable file, which `ringdownd --state` loads.",
           {other<ValueType::text, &SaveState::path>("path", "The .toml file to write; it replaces only a state.")}),
+      answered<Lane::file>("/scene/save", SaveScene{"scene.toml", false},
+                           "Writes a scene file with every object as it is set now, and with what was dropped, each at "
+                           "its time. Pushes, "
+                           "holds, mutes, solos and choices of modes are not in it.",
+                           {other<ValueType::text, &SaveScene::path>("path", "The .toml file to write."),
+                            optional(other<ValueType::flag, &SaveScene::replace>(
+                                "replace", "1 replaces a scene that /scene/save wrote; 0 replaces nothing."))}),
       answered<Lane::file>("/record/start", RecordStart{"session.osc"},
                            "Records what is played as an OSC score, which `ringdown render --events` plays again: bit "
                            "for bit, at the same sample rate and block size.",
                            {other<ValueType::text, &RecordStart::path>(
                                "path", "The .osc file to write; it replaces only a score.")}),
       answered<Lane::file>("/record/stop", RecordStop{}, "Writes the score.", {}, "/done", "the count of its messages"),
+      answered<Lane::file>(
+          "/capture/start", CaptureStart{"session.wav"},
+          "Writes the mix from now on to a WAV file of 32-bit floats, complete when /capture/stop is "
+          "answered.",
+          {other<ValueType::text, &CaptureStart::path>("path", "The .wav file to write; it replaces nothing.")}),
+      answered<Lane::file>("/capture/stop", CaptureStop{}, "Completes the sound file.", {}, "/done",
+                           "the count of its frames"),
       answered<Lane::daemon>("/status", Status{}, "Asks how the daemon is doing.", {}, "/status.reply"),
       answered<Lane::daemon>("/version", Version{}, "Asks which program this is.", {}, "/version.reply"),
       answered<Lane::question>("/sync", Sync{7}, "Answers when everything sent before it has been handled.",

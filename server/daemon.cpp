@@ -131,7 +131,7 @@ Daemon::Service::Service(Daemon& daemon, wire::OscSocket socket)
       worker_connection(daemon.worker_line_, worker),
       server(std::move(socket),
              OscServer::Parts{daemon.session_, worker, *daemon.driver_, [&daemon] { daemon.quits_ = true; },
-                              daemon.options_.latency, &daemon.recorder_, daemon.stream_}),
+                              daemon.options_.latency, &daemon.recorder_, &daemon.capture_, daemon.stream_}),
       scene(start_scene(daemon.session_, *daemon.driver_)) {
   const DaemonOptions& options = daemon.options_;
   if (options.zeroconf) {
@@ -207,6 +207,7 @@ Daemon::Daemon(DaemonOptions options, Ports ports, Files files)
       session_(ports.driver->sample_rate_hz(), std::move(files.roots)),
       notes_(session_.rack(), std::move(files.notes)),
       recorder_(session_.rack(), wire::write_score),
+      capture_(session_.rack()),
       stream_(std::move(ports.stream)),
       driver_(std::move(ports.driver)) {
   configure();
@@ -302,6 +303,9 @@ Result<void> Daemon::finish() {
 }
 
 Result<void> Daemon::write_results() {
+  if (capture_.progress()) {
+    if (const auto frames = capture_.stop(); !frames) return fail(frames.error());
+  }
   if (options_.record && recorder_.records()) {
     const synth::Frame end = session_.rack().mixer().counters().frames;
     if (const auto count = recorder_.stop(end); !count) return fail(count.error());

@@ -3,7 +3,7 @@
 //   auto daemon = Daemon::start(options);               // opens, loads, then plays
 //   if (!daemon) return report(daemon.error());
 //   while (!(*daemon)->quits()) sleep_a_little();       // it runs on threads of its own
-//   const Result<void> finished = (*daemon)->finish();  // silence; writes what --record and --capture want
+//   const Result<void> finished = (*daemon)->finish();  // silence; writes what is being recorded and captured
 //
 // A Daemon owns everything below it, and its members stand in the order of their lives: each is made after those above
 // it, which it may use, and ends before them. Threads: the driver renders on an audio thread; Service holds the worker,
@@ -20,6 +20,7 @@
 #include "server/session/note_map.h"
 #include "server/session/recorder.h"
 #include "server/session/session.h"
+#include "server/session/sound_capture.h"
 #include "server/session/state.h"
 #include "server/worker.h"
 
@@ -47,7 +48,7 @@ class Daemon {
   [[nodiscard]] std::uint64_t frames() const { return session_.rack().mixer().counters().frames; }
   [[nodiscard]] std::uint64_t worker_rounds() const { return worker_rounds_; }
 
-  // Ends all threads, then writes the recording and the capture. Call once.
+  // Ends all threads, then writes what is being recorded and captured. Call once.
   Result<void> finish();
 
  private:
@@ -74,6 +75,7 @@ class Daemon {
   session::Session session_;
   session::Notes notes_;                // of the session's rack
   session::Recorder recorder_;          // observes the session's rack
+  session::SoundCapture capture_;       // of the session's mixer
   std::shared_ptr<OscStream> stream_;   // null: no --tcp
   std::unique_ptr<QueryServer> query_;  // null: no --query; reads the rack's names
   WorkerLine worker_line_;              // for the driver and the scene, which outlive the worker

@@ -34,6 +34,8 @@ Answer describe(const protocol::DescribeObject& question, const session::Session
       .scale = object.material,
       .gain = object.gain,
       .pan = object.pan,
+      .mute = object.mute,
+      .solo = object.solo,
       .group = object.group.empty() ? std::nullopt : std::optional(object.group),
   }};
 }

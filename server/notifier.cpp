@@ -109,7 +109,10 @@ void Notifier::changed(const session::ObjectState* before, const session::Object
     add_news(object_news(*before, false));
     return end_watches_of(before->number);
   }
-  if (!before || before->bank_version != after->bank_version) add_news(object_news(*after, true));
+  if (!before || before->bank_version != after->bank_version || before->mute != after->mute ||
+      before->solo != after->solo) {
+    add_news(object_news(*after, true));
+  }
   if (after->group != (before ? before->group : std::string())) add_news(group_news(*after));
 }
 

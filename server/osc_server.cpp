@@ -4,6 +4,7 @@
 #include "protocol/pattern.h"
 #include "protocol/schema.h"
 #include "server/describe.h"
+#include "server/session/scene_save.h"
 #include "server/session/state.h"
 
 #include <spdlog/spdlog.h>
@@ -24,13 +25,38 @@ using Outcome = Result<std::optional<std::int32_t>>;
 // Carries out requests of the file lane. [worker]
 struct WriteFile {
   const session::Session& session;
-  session::Recorder* recorder;  // null: nothing can be recorded
+  session::Recorder* recorder;     // null: nothing can be recorded
+  session::SoundCapture* capture;  // null: no sound can
 
   Outcome operator()(const protocol::SaveState& save) const {
     const auto path = session.roots().writable(save.path, session::kStateKind);
     if (!path) return fail(path.error());
     if (const auto saved = session::write_state(session::state_of(session), *path); !saved) return fail(saved.error());
     return std::nullopt;
+  }
+
+  Outcome operator()(const protocol::SaveScene& save) const {
+    session::WrittenKind kind = session::kSceneKind;
+    if (!save.replace) kind.mark = {};
+    const auto path = session.roots().writable(save.path, kind);
+    if (!path) return fail(path.error());
+    if (const auto saved = session::save_scene(session, *path); !saved) return fail(saved.error());
+    return std::nullopt;
+  }
+
+  Outcome operator()(const protocol::CaptureStart& start) const {
+    if (!capture) return no_recorder();
+    const auto path = session.roots().writable(start.path, session::kSoundKind);
+    if (!path) return fail(path.error());
+    if (const auto started = capture->start(*path); !started) return fail(started.error());
+    return std::nullopt;
+  }
+
+  Outcome operator()(const protocol::CaptureStop&) const {
+    if (!capture) return no_recorder();
+    const auto frames = capture->stop();
+    if (!frames) return fail(frames.error());
+    return static_cast<std::int32_t>(*frames);
   }
 
   Outcome operator()(const protocol::RecordStart& start) const {
@@ -226,8 +252,9 @@ void OscServer::perform(const Lane& request, synth::Frame frame, const std::stri
 
 void OscServer::write(const protocol::FileRequest& request, const std::string& address, Peer from) {
   post(
-      [ports = ports_, &session = parts_.session, recorder = parts_.recorder, request, address, from] {
-        answer(*ports, from, std::visit(WriteFile{session, recorder}, request), address);
+      [ports = ports_, &session = parts_.session, recorder = parts_.recorder, capture = parts_.capture, request,
+       address, from] {
+        answer(*ports, from, std::visit(WriteFile{session, recorder, capture}, request), address);
       },
       address, from);
 }
@@ -278,6 +305,7 @@ protocol::StatusReply OscServer::status() const {
   const synth::MixerCounters& mixer = parts_.session.rack().mixer().counters();
   const Driver::Load load = parts_.driver.load();
   const auto whole = [](auto number) { return static_cast<std::int32_t>(number); };
+  const auto captured = parts_.capture ? parts_.capture->progress() : std::nullopt;
   return {.objects = whole(parts_.session.rack().names()->size()),
           .sounding_objects = whole(mixer.ringing_voices.load()),
           .sounding_modes = whole(mixer.ringing_modes.load()),
@@ -296,7 +324,9 @@ protocol::StatusReply OscServer::status() const {
           .hidden_modes = whole(mixer.muted_modes.load()),
           .shed = whole(mixer.shed.load()),
           .slowed_s = parts_.session.scene().slowed_s(),
-          .recording = parts_.recorder && parts_.recorder->records()};
+          .recording = parts_.recorder && parts_.recorder->records(),
+          .captured_s = captured ? captured->seconds : 0,
+          .capture = captured ? std::optional(captured->path) : std::nullopt};
 }
 
 }  // namespace ringdown::server

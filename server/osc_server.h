@@ -23,6 +23,7 @@
 #include "server/schedule.h"
 #include "server/session/recorder.h"
 #include "server/session/session.h"
+#include "server/session/sound_capture.h"
 #include "server/worker.h"
 
 #include <condition_variable>
@@ -43,8 +44,9 @@ class OscServer {
     const Driver& driver;
     std::function<void()> quit;  // called on the server's thread
     Latency latency = {};
-    session::Recorder* recorder = nullptr;   // null: /record is refused
-    std::shared_ptr<OscStream> stream = {};  // TCP as well
+    session::Recorder* recorder = nullptr;     // null: /record is refused
+    session::SoundCapture* capture = nullptr;  // null: /capture is refused
+    std::shared_ptr<OscStream> stream = {};    // TCP as well
     Clocks clocks = {};
   };
 

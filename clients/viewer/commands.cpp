@@ -22,16 +22,6 @@ constexpr double kForceStep = 1.4142135623730951;
 
 ObjectRef ref(const std::string& name) { return {name, std::nullopt}; }
 
-// A name like "ringdown-20110516-142501.osc", so that no recording replaces another.
-std::string recording_name() {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  char text[48];
-  std::strftime(text, sizeof text, "ringdown-%Y%m%d-%H%M%S.osc", &local);
-  return text;
-}
-
 std::string stem_of(const std::string& path) {
   std::string name = std::filesystem::path(path).stem().string();
   for (char& c : name) {
@@ -41,6 +31,15 @@ std::string stem_of(const std::string& path) {
 }
 
 }  // namespace
+
+std::string time_of_day() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char text[48];
+  std::strftime(text, sizeof text, "%Y%m%d-%H%M%S", &local);
+  return text;
+}
 
 void Commands::update(double now_s) {
   edits_.update(now_s);
@@ -151,8 +150,18 @@ void Commands::toggle_recording() {
   if (model_.recording()) {
     send_(protocol::RecordStop{});
   } else {
-    send_(protocol::RecordStart{recording_name()});
+    send_(protocol::RecordStart{"ringdown-" + time_of_day() + ".osc"});
   }
+}
+
+void Commands::set_mute(const KnownObject& object, bool on) {
+  send_(protocol::SetMute{ref(object.name), on});
+  send_(protocol::DescribeObject{ref(object.name)});
+}
+
+void Commands::set_solo(const KnownObject& object, bool on) {
+  send_(protocol::SetSolo{ref(object.name), on});
+  send_(protocol::DescribeObject{ref(object.name)});
 }
 
 bool Commands::perform(Action action) {

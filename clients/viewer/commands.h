@@ -25,6 +25,9 @@ struct Choice {
   Vec3 drop_m{0, 0, 1};  // where new bodies start
 };
 
+// The present time as a name of a file may have it: "20110516-142501".
+std::string time_of_day();
+
 class Commands {
  public:
   using Send = Edits::Send;
@@ -54,6 +57,14 @@ class Commands {
   void load_scene(const std::string& path) { send_(protocol::SceneLoad{path}); }
   void load_bank(const std::string& path);
   void toggle_recording();
+
+  // Others than the user may mute and solo too, so these are not undone.
+  void set_mute(const KnownObject& object, bool on);
+  void set_solo(const KnownObject& object, bool on);
+
+  void start_capture(const std::string& path) { send_(protocol::CaptureStart{path}); }
+  void stop_capture() { send_(protocol::CaptureStop{}); }
+  void save_scene(const std::string& path, bool replace) { send_(protocol::SaveScene{path, replace}); }
 
  private:
   [[nodiscard]] const KnownObject* chosen() const { return model_.object(choice_.object); }

@@ -1,6 +1,7 @@
 #include "clients/viewer/stage.h"
 
 #include "clients/viewer/render/look.h"
+#include "clients/viewer/shelves.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -19,6 +20,7 @@ constexpr double kFlash_s = 0.5;
 constexpr double kVibration_hz = 1.2;     // slow enough to follow by eye
 constexpr float kVibrationShare = 0.07F;  // of the body's diagonal
 constexpr double kUsualDensity_kg_m3 = 2500;
+constexpr float kNear_m = 3;      // bodies farther from the origin do not move the objects without a body
 constexpr float kFarAway_m = 20;  // the light is not fitted to bodies farther away than this
 
 glm::vec3 to_glm(Vec3 v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
@@ -127,21 +129,60 @@ void Stage::add_body(const KnownBody& body, const Pose& pose, Model& model, cons
   }
 }
 
-// Adds the objects that no body plays, side by side on the ground, so that they can be seen and struck.
+// Adds the objects that no body plays, side by side on the ground and beside the scene, so that they can be seen and
+// struck. Low ones stand in front.
 void Stage::add_bodiless(Model& model, const Commands& commands, double now_s) {
   std::unordered_set<std::string_view> played;
   for (const auto& [id, body] : model.scene().bodies()) played.insert(body.object);
-  float x = 0;
+  struct Thing {
+    const KnownObject* object;
+    const MeshStore::Mesh* mesh;
+  };
+  std::vector<Thing> things;
   for (const auto& [name, object] : model.objects()) {
-    if (!object.bank || played.contains(name)) continue;
-    const MeshStore::Mesh& mesh = meshes_.of_bank(object.bank, *renderer_);
-    const auto size = static_cast<float>(object.scale.size);
-    const glm::vec3 low = size * mesh.shape.low_m, high = size * mesh.shape.high_m;
-    const glm::vec3 position{x - low.x, -(low.y + high.y) / 2, -low.z};
-    add(mesh, glm::translate(glm::mat4(1), position), size, &object, {std::nullopt, name, mass_of(&object, {})},
-        commands, now_s);
-    x += 1.3F * (high.x - low.x) + 0.02F;
+    if (object.bank && !played.contains(name)) things.push_back({&object, &meshes_.of_bank(object.bank, *renderer_)});
   }
+  if (things.empty()) return;
+  std::ranges::stable_sort(things, {}, [](const Thing& t) { return t.mesh->shape.high_m.z - t.mesh->shape.low_m.z; });
+  std::vector<glm::vec2> extents;
+  for (const auto& [object, mesh] : things) {
+    extents.push_back(static_cast<float>(object->scale.size) * glm::vec2(mesh->shape.high_m - mesh->shape.low_m));
+  }
+  const std::vector<glm::vec2> corners = on_shelves(extents);
+  const glm::vec3 begin = beside_scene(model);
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    const auto& [object, mesh] = things[i];
+    const auto size = static_cast<float>(object->scale.size);
+    const glm::vec3 position = begin + glm::vec3(corners[i], 0) - size * mesh->shape.low_m;
+    add(*mesh, glm::translate(glm::mat4(1), position), size, object, {std::nullopt, object->name, mass_of(object, {})},
+        commands, now_s);
+  }
+}
+
+// Where the objects without a body begin: on the ground, to the right of all bodies that the scene has had so far, so
+// that bodies in motion do not push them about.
+glm::vec3 Stage::beside_scene(const Model& model) {
+  constexpr float kGap_m = 0.1F;
+  const std::string scene = model.scene().description().file.value_or("");
+  if (scene != edge_of_) {
+    edge_of_ = scene;
+    edge_.reset();
+  }
+  for (std::size_t i = 0; i < contents_.items.size(); ++i) {
+    const PickedBody& body = contents_.picked[i];
+    const DrawnMesh& shape = *std::get<const DrawnMesh*>(body.shape);
+    const glm::vec3 centre(body.pose * glm::vec4(body.size * (shape.low_m + shape.high_m) / 2.0F, 1));
+    const float radius = body.size * glm::length(shape.high_m - shape.low_m) / 2;
+    if (glm::length(centre) > kNear_m) continue;
+    const glm::vec2 edge{centre.x + radius, centre.y - radius};
+    edge_ = edge_ ? glm::vec2(std::max(edge_->x, edge.x), std::min(edge_->y, edge.y)) : edge;
+  }
+  float ground_m = lowest_fixed_m(model);
+  for (const protocol::SceneStatic& known : model.scene().statics()) {
+    const glm::vec3 normal = to_glm(Quaternion{known.x, known.y, known.z, known.w}) * glm::vec3(0, 0, 1);
+    if (known.shape == "plane" && normal.z > 0.99F) ground_m = static_cast<float>(known.position_m.z);
+  }
+  return edge_ ? glm::vec3(edge_->x + kGap_m, edge_->y, ground_m) : glm::vec3(0, 0, ground_m);
 }
 
 void Stage::add_statics(const Model& model) {

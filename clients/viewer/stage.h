@@ -1,5 +1,5 @@
 // Turns the model into the bodies, statics and flashes that are drawn and picked. Bodies of the scene stand in their
-// poses; objects that no body plays stand side by side on the ground. Meshes are made once. [UI]
+// poses; objects that no body plays stand side by side on the ground, beside the scene. Meshes are made once. [UI]
 #pragma once
 
 #include "clients/viewer/commands.h"
@@ -64,6 +64,7 @@ class Stage {
  private:
   void add_body(const KnownBody& body, const Pose& pose, Model& model, const Commands& commands, double now_s);
   void add_bodiless(Model& model, const Commands& commands, double now_s);
+  [[nodiscard]] glm::vec3 beside_scene(const Model& model);
   void add(const MeshStore::Mesh& mesh, const glm::mat4& pose, float size, const KnownObject* object, StageItem item,
            const Commands& commands, double now_s);
   void add_statics(const Model& model);
@@ -76,6 +77,8 @@ class Stage {
   SceneRenderer* renderer_ = nullptr;  // during update()
   Contents contents_;
   std::optional<Sphere> interest_;
+  std::string edge_of_;            // the scene's file
+  std::optional<glm::vec2> edge_;  // the largest x and the smallest y of its bodies so far [m]
   std::shared_ptr<const KnownBank> displaced_;
   std::uint32_t displaced_mode_ = 0;
   Displacement displacement_;

@@ -7,6 +7,7 @@
 #include "engine/scene/rotation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -15,10 +16,18 @@
 namespace ringdown::scene {
 namespace {
 
-// `rotation = { axis = [x, y, z], degrees = a }`
+// `rotation = { axis = [x, y, z], degrees = a }`, or a unit quaternion, `rotation = { x = 0, y = 0, z = 0, w = 1 }`.
 void read_rotation(TomlTable& table, Rotation& rotation) {
   std::optional<TomlTable> turn = table.table("rotation");
   if (!turn) return;
+  if (turn->has("w")) {
+    turn->require({"x", "y", "z", "w"});
+    for (const auto& [key, part] :
+         {std::pair("x", &rotation.x), {"y", &rotation.y}, {"z", &rotation.z}, {"w", &rotation.w}})
+      turn->number(key, *part, {-1, 1});
+    if (std::abs(norm(rotation) - 1) > 1e-6) turn->complain("w", "x, y, z and w must be a quaternion of length 1");
+    return;
+  }
   Vec3 axis = {0, 0, 1};
   double degrees = 0;
   turn->require({"axis", "degrees"});

@@ -8,7 +8,16 @@
 
 namespace ringdown::synth {
 
-void ChannelStrip::set_gain(double gain, Frame at, Frame length) RINGDOWN_REALTIME { gain_.aim(gain, at, length); }
+void ChannelStrip::set_gain(double gain, Frame at, Frame length) RINGDOWN_REALTIME {
+  set_gain_ = gain;
+  if (!silent_) gain_.aim(gain, at, length);
+}
+
+void ChannelStrip::set_silent(bool silent, Frame at, Frame length) RINGDOWN_REALTIME {
+  if (silent == silent_) return;
+  silent_ = silent;
+  gain_.aim(silent ? 0 : set_gain_, at, length);
+}
 
 void ChannelStrip::set_pan(double pan, Frame at, Frame length) RINGDOWN_REALTIME {
   const double angle = 0.25 * std::numbers::pi * (1 + pan);

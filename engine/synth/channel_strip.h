@@ -17,6 +17,9 @@ class ChannelStrip {
   // Moves the gain or the pan (-1 left ... +1 right, equal power) to a value within `length` frames from frame `at` on.
   void set_gain(double gain, Frame at, Frame length) RINGDOWN_REALTIME;
   void set_pan(double pan, Frame at, Frame length) RINGDOWN_REALTIME;
+  // Silences the object at all outputs, or lets it be heard again at the gain that was set last. A gain that is set
+  // meanwhile is kept for then.
+  void set_silent(bool silent, Frame at, Frame length) RINGDOWN_REALTIME;
   // The channel of a bus that gets the object's sound at its gain, beside the mix; kNoBus: none.
   void set_bus(std::size_t channel) RINGDOWN_REALTIME { bus_ = channel; }
   void reset() RINGDOWN_REALTIME { *this = {}; }
@@ -49,6 +52,8 @@ class ChannelStrip {
   static constexpr double kCentre = 0.70710678118654752;  // equal power: cos 45 degrees
   Ramp gain_{1, 1}, left_{kCentre, kCentre}, right_{kCentre, kCentre};
   std::size_t bus_ = kNoBus;
+  double set_gain_ = 1;  // as set last; gain_ moves to 0 instead while the object is silent
+  bool silent_ = false;
 };
 
 }  // namespace ringdown::synth

@@ -15,7 +15,7 @@ void MixOutput::limit(std::optional<double> ceiling_db, double sample_rate_hz) {
 void MixOutput::begin_block(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME {
   outputs_ = outputs;
   mix_peak_ = bus_peak_ = 0;
-  if (!sound_tap.watched() || frames > kMaxSpare) return;
+  if (!(sound_tap.watched() || capture_tap.watched()) || frames > kMaxSpare) return;
   if (!contains(outputs.wanted(), kLeft)) outputs_.listen_to_mix(0, spare_left_.data());
   if (!contains(outputs.wanted(), kRight)) outputs_.listen_to_mix(1, spare_right_.data());
 }
@@ -40,7 +40,9 @@ float MixOutput::end_block(Frame begin, std::size_t frames, double sample_rate_h
   float* const right = side(kRight);
   float mix = test_tone.add(left, right, frames, sample_rate_hz).value_or(mix_peak_);
   if (limiter_) mix = limiter_->process(left, right, frames);
-  if (left && right && sound_tap.watched()) sound_tap.put(begin, sample_rate_hz, left, right, frames);
+  for (SoundTap* const tap : {&sound_tap, &capture_tap}) {
+    if (left && right && tap->watched()) tap->put(begin, sample_rate_hz, left, right, frames);
+  }
   return std::max(mix, bus_peak_);
 }
 

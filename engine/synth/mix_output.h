@@ -17,8 +17,9 @@ namespace ringdown::synth {
 
 class MixOutput {
  public:
-  TestTone test_tone;  // a sine in the mix
-  SoundTap sound_tap;  // what the mix sounds like
+  TestTone test_tone;    // a sine in the mix
+  SoundTap sound_tap;    // what the mix sounds like, for clients that show it
+  SoundTap capture_tap;  // the same, for a sound file
 
   // Keeps the mix, but not the buses, below a ceiling in dB of full scale (limiter.h); nullopt: samples go out as they
   // are. [worker, while nothing is rendered]

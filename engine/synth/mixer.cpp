@@ -61,6 +61,13 @@ bool Mixer::assign(ObjectNumber object, std::optional<std::size_t> bus) {
   return timeline_.push(Command{.kind = Command::Kind::assign, .object = object, .channel = channel});
 }
 
+bool Mixer::silence(ObjectNumber object, bool silent) {
+  assert(object < kMaxObjects);
+  const auto ramp = static_cast<Frame>(kSilenceRamp_s * sample_rate_hz());
+  return timeline_.push(
+      Command{.kind = silent ? Command::Kind::silence : Command::Kind::unsilence, .object = object, .ramp = ramp});
+}
+
 bool Mixer::connect_input(std::size_t input, const Event& impulse) {
   assert(input < kMaxInputs && impulse.object < kMaxObjects);
   return timeline_.push(

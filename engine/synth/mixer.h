@@ -110,6 +110,11 @@ class Mixer {
   // by default. Several objects may share a bus. False when too many commands wait. [worker]
   [[nodiscard]] bool assign(ObjectNumber object, std::optional<std::size_t> bus);
 
+  // Silences the object at the mix and at its bus, or lets it be heard again, over kSilenceRamp_s; what rings goes on
+  // ringing unheard. False when too many commands wait. [worker]
+  [[nodiscard]] bool silence(ObjectNumber object, bool silent);
+  static constexpr double kSilenceRamp_s = 0.02;
+
   // From the next block on, input `input` < kMaxInputs excites an object: a sample of 1 is `impulse`, a strike without
   // contact time, in one frame. An input excites one object, and an object takes kMaxForces inputs and pulses at a
   // time; nothing happens when the object does not exist. False when too many commands wait. [worker]
@@ -135,6 +140,7 @@ class Mixer {
   [[nodiscard]] const MixerCounters& counters() const { return meters_.counters; }
   [[nodiscard]] TestTone& test_tone() { return output_.test_tone; }
   [[nodiscard]] SoundTap& sound_tap() { return output_.sound_tap; }
+  [[nodiscard]] SoundTap& capture_tap() { return output_.capture_tap; }
 
  private:
   void execute_commands(Frame until) RINGDOWN_REALTIME;

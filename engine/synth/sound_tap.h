@@ -1,5 +1,5 @@
-// Hands the mix to clients that show it: while a client watches, the audio thread puts pieces into a ring, and another
-// thread takes them out. A piece that finds the ring full is dropped; frame numbers then show a gap.
+// Hands the mix to whoever shows or captures it: while somebody watches, the audio thread puts pieces into a ring, and
+// another thread takes them out. A piece that finds the ring full is dropped; frame numbers then show a gap.
 #pragma once
 
 #include "engine/base/realtime.h"

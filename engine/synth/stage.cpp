@@ -53,6 +53,9 @@ void Stage::execute(const Command& command, Frame now) RINGDOWN_REALTIME {
     return exciters_.connect(command.input, command.impulse, object.voices.current(), object.exciters);
   }
   if (command.kind == Kind::assign) return object.strip.set_bus(command.channel);
+  if (command.kind == Kind::silence || command.kind == Kind::unsilence) {
+    return object.strip.set_silent(command.kind == Kind::silence, now, object.voices.current() ? command.ramp : 0);
+  }
   if (command.kind == Kind::remove) object.voices.fade_out(FadeOut::kMinFrames);
   object.voices.replace(command.voice, command.kind == Kind::retune);
   exciters_.refit(object.voices.current(), object.exciters);

@@ -21,6 +21,8 @@ struct Command {
     retune,       // `voice`, of the same bank, takes over what rings
     remove,       // the object has no voice any more; what rings fades out
     assign,       // the object is heard at the bus `channel` too
+    silence,      // the object is silent at all outputs, reached over `ramp` frames
+    unsilence,    // the object is heard again
     found_group,  // voices of the group's table may share their states from now on
     connect,      // `input` excites the object, by `impulse`
     disconnect,   // `input` excites nothing
@@ -32,6 +34,7 @@ struct Command {
   InstanceGroup* group = nullptr;
   std::size_t input = 0;
   Event impulse{};
+  Frame ramp = 0;
 };
 
 class Timeline {

@@ -168,6 +168,9 @@ Result<fs::path> FileRoots::writable(const fs::path& path, const WrittenKind& ki
   if (target.extension() != kind.ending) {
     return cannot_write(path, "the name must end in " + std::string(kind.ending));
   }
+  if (fs::exists(there) && kind.mark.empty()) {
+    return cannot_write(path, "a file of that name is there already; choose another name");
+  }
   if (fs::exists(there) && !is_of_kind(target, kind)) {
     return cannot_write(path, "another kind of file stands there; remove it, or choose another name");
   }

@@ -18,12 +18,14 @@
 namespace ringdown::session {
 
 // A kind of file that messages may have written: its name ends in `ending`, and its content has `mark` at byte
-// `mark_at`.
+// `mark_at`. A kind without a mark replaces no file.
 struct WrittenKind {
   std::string_view ending, mark;
   std::size_t mark_at = 0;
 };
 inline constexpr WrittenKind kScoreKind{".osc", "#bundle", 4};
+inline constexpr WrittenKind kSceneKind{".toml", "# A scene that ringdownd saved"};
+inline constexpr WrittenKind kSoundKind{".wav", ""};
 inline constexpr WrittenKind kStateKind{".toml", "# What ringdownd holds"};
 
 class FileRoots {

@@ -31,6 +31,8 @@ struct ObjectState {
   std::string group;       // empty: the object is in no group
   double gain = 1;         // the value that was set last, even if its frame is still to come
   double pan = 0;          // set as the gain is: -1 left ... +1 right
+  bool mute = false;       // silent, whatever is soloed
+  bool solo = false;       // while any object is soloed, only soloed ones are heard
 };
 
 // An object at one moment. It stays valid for whoever holds it, and so does its bank, whatever is loaded later.

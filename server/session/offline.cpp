@@ -3,12 +3,9 @@
 #include "protocol/pattern.h"
 #include "protocol/schema.h"
 #include "server/session/session.h"
-
-#include <sndfile.h>
-#include <unistd.h>
+#include "server/session/sound_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 namespace ringdown::session {
@@ -162,41 +159,15 @@ Result<Recording> render_offline(const OfflineOptions& options, const Progress& 
 }
 
 Result<void> write_audio(const Recording& recording, const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (ending != ".wav" && ending != ".flac") {
-    return fail(ErrorKind::input_output,
-                "cannot write " + path.string() + ": its name must end in .wav or .flac, which says the format");
-  }
-  SF_INFO info{.samplerate = static_cast<int>(recording.sample_rate_hz),
-               .channels = 2,
-               .format = ending == ".flac" ? SF_FORMAT_FLAC | SF_FORMAT_PCM_24 : SF_FORMAT_WAV | SF_FORMAT_FLOAT};
-  const std::filesystem::path temporary = path.string() + "." + std::to_string(::getpid()) + ".part";
-  std::error_code ignored;
-  SNDFILE* file = sf_open(temporary.c_str(), SFM_WRITE, &info);
-  if (!file) {
-    std::filesystem::remove(temporary, ignored);
-    return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + sf_strerror(nullptr));
-  }
-  sf_command(file, SFC_SET_CLIPPING, nullptr, SF_TRUE);
-  // The chunk would contain the time of day, so no two files would be equal.
-  sf_command(file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
-  std::vector<float> frames(2 * recording.left.size());
+  auto file = SoundFile::create(path, recording.sample_rate_hz);
+  if (!file) return fail(file.error());
+  std::vector<float> samples(2 * recording.left.size());
   for (std::size_t n = 0; n < recording.left.size(); ++n) {
-    frames[2 * n] = recording.left[n];
-    frames[2 * n + 1] = recording.right[n];
+    samples[2 * n] = recording.left[n];
+    samples[2 * n + 1] = recording.right[n];
   }
-  const auto count = static_cast<sf_count_t>(recording.left.size());
-  const bool written = sf_writef_float(file, frames.data(), count) == count;
-  const bool closed = sf_close(file) == 0;
-  std::error_code error;
-  if (written && closed) std::filesystem::rename(temporary, path, error);
-  if (!written || !closed || error) {
-    std::filesystem::remove(temporary, ignored);
-    return fail(ErrorKind::input_output,
-                "cannot write " + path.string() + ": " + (error ? error.message() : "the disk may be full"));
-  }
-  return {};
+  if (const auto written = file->write(samples); !written) return written;
+  return file->finish();
 }
 
 }  // namespace ringdown::session

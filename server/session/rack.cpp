@@ -41,11 +41,14 @@ Result<synth::ObjectNumber> Rack::load(const std::string& name, const std::files
   if (old) {
     object.number = old->number;
     object.group = old->group;
+    object.mute = old->mute;
+    object.solo = old->solo;
   } else {
     const auto number = free_number();
     if (!number) return fail(number.error());
     object.number = *number;
   }
+  if (const auto silenced = silences_.update(objects_.all(), &object); !silenced) return fail(silenced.error());
   if (const auto installed = install(object, synth::Mixer::Install::replace); !installed)
     return fail(installed.error());
   if (const auto assigned = assign(object); !assigned) return fail(assigned.error());
@@ -110,6 +113,17 @@ Result<void> Rack::set_group(const ObjectRef& ref, const std::string& group) {
   next.group = group;
   if (const auto assigned = assign(next); !assigned) return assigned;
   change(next, [&](ObjectState& o) { o.group = group; });
+  return {};
+}
+
+Result<void> Rack::set_heard(const ObjectRef& ref, bool ObjectState::*flag, bool on) {
+  const auto object = find(ref);
+  if (!object) return fail(object.error());
+  if ((**object).*flag == on) return {};
+  ObjectState next = **object;
+  next.*flag = on;
+  if (const auto silenced = silences_.update(objects_.all(), &next); !silenced) return silenced;
+  change(next, [&](ObjectState& o) { o.*flag = on; });
   return {};
 }
 
@@ -180,8 +194,9 @@ Result<void> Rack::free(const ObjectRef& ref) {
   }
   observers_.report_events();  // while the object's name can still be found
   objects_.remove(object->number);
+  silences_.forget(object->number);
   observers_.report_change(object.get(), nullptr, 0);
-  return {};
+  return silences_.update(objects_.all());
 }
 
 Result<synth::ObjectNumber> Rack::free_number() const {

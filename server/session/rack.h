@@ -19,6 +19,7 @@
 #include "server/session/buses.h"
 #include "server/session/object_table.h"
 #include "server/session/observers.h"
+#include "server/session/silences.h"
 
 #include <array>
 #include <atomic>
@@ -82,6 +83,10 @@ class Rack {
   // Puts the object into a group; an empty name takes the object out of its group. [worker]
   Result<void> set_group(const protocol::ObjectRef& object, const std::string& group);
 
+  // Sets ObjectState::mute or ObjectState::solo (silences.h). What is silenced goes on ringing unheard, and fades in
+  // and out without a click. [worker]
+  Result<void> set_heard(const protocol::ObjectRef& object, bool ObjectState::*flag, bool on);
+
   // Lets an input, counted from 0, excite the object: a sample of 1 is `force_n` at `point_m`, in the object's frame. A
   // force of 0 ends the excitation. An input excites one object at a time, until that object is freed. [worker]
   Result<void> excite(std::size_t input, const protocol::ObjectRef& object, const Vec3& point_m, const Vec3& force_n);
@@ -128,6 +133,7 @@ class Rack {
   Buses buses_;
   Excitations excitations_;  // worker
   std::atomic<std::uint32_t> inputs_ = 0;
+  Silences silences_{mixer_};             // worker
   std::set<synth::ObjectNumber> fading_;  // worker: freed objects that still sound at their bus
   std::mutex rate_mutex_;  // held while voices are made and installed, or collected: all are of one sample rate
   std::int32_t last_bank_version_ = 0;  // worker

@@ -13,14 +13,14 @@ using synth::Frame;
 using wire::Message;
 
 // The requests that take an object from one state to another. An object that did not exist, or has another bank, is
-// loaded first; a load keeps nothing but the object's group, gain and pan.
+// loaded first; a load keeps nothing but the object's group, gain, pan, mute and solo.
 std::vector<protocol::Request> requests_between(const ObjectState* before, const ObjectState& after) {
   std::vector<protocol::Request> requests;
   const protocol::ObjectRef ref{.name = after.name};
   ObjectState from = before ? *before : ObjectState{};
   if (!before || before->bank_version != after.bank_version) {
     requests.emplace_back(protocol::LoadObject{after.name, after.bank.string()});
-    from = {.group = from.group, .gain = from.gain, .pan = from.pan};
+    from = {.group = from.group, .gain = from.gain, .pan = from.pan, .mute = from.mute, .solo = from.solo};
   }
   if (after.material != from.material) requests.emplace_back(protocol::SetMaterial{ref, after.material});
   if (after.modes != from.modes) requests.emplace_back(protocol::SelectModes{ref, after.modes});
@@ -36,6 +36,8 @@ std::vector<protocol::Request> requests_between(const ObjectState* before, const
   }
   if (after.gain != from.gain) requests.emplace_back(protocol::SetGain{ref, after.gain, 0});
   if (after.pan != from.pan) requests.emplace_back(protocol::SetPan{ref, after.pan});
+  if (after.mute != from.mute) requests.emplace_back(protocol::SetMute{ref, after.mute});
+  if (after.solo != from.solo) requests.emplace_back(protocol::SetSolo{ref, after.solo});
   return requests;
 }
 

@@ -4,6 +4,7 @@
 #include "engine/base/toml_table.h"
 #include "engine/scene/scene_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -67,9 +68,7 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
     world_->set_sample_rate(mixer.sample_rate_hz());  // the rate may have changed since the world was made
     world_->set_start_frame(start_ = frame);
     playing_ = {.file = path};
-    camera_ = description->camera;
-    statics_.clear();
-    for (const auto& described : description->statics) statics_.push_back(scene::outline_of(described));
+    description_ = *description;
     ++version_;
     duration_s_ = description->duration_s;
     body_count_ = world_->bodies().size();
@@ -94,8 +93,9 @@ Result<scene::BodyId> ScenePlayer::spawn(const std::optional<protocol::ObjectRef
   }
   const std::scoped_lock lock(mutex_);
   if (!world_) return no_scene();
-  const auto id = world_->spawn(std::move(body));
+  const auto id = world_->spawn(body);
   if (id) {
+    describe_dropped(std::move(body));
     body_count_ = world_->bodies().size();
     ++version_;
   }
@@ -125,6 +125,9 @@ Result<void> ScenePlayer::clear() {
     if (!world_) return no_scene();
     removed = end_contacts();
     playing_.cleared = true;
+    description_.bodies.clear();
+    description_.emitters.clear();
+    description_.joints.clear();
     body_count_ = 0;
     ++version_;
   }
@@ -146,7 +149,34 @@ ScenePlayer::Poses ScenePlayer::poses() const {
 ScenePlayer::Description ScenePlayer::describe() const {
   const std::scoped_lock lock(mutex_);
   if (!world_) return {.version = version_};
-  return {version_, duration_s_, camera_, playing_.file, world_->describe(), statics_};
+  std::vector<scene::StaticOutline> statics;
+  for (const auto& described : description_.statics) statics.push_back(scene::outline_of(described));
+  return {version_, duration_s_, description_.camera, playing_.file, world_->describe(), std::move(statics)};
+}
+
+std::optional<scene::SceneDescription> ScenePlayer::description() const {
+  const std::scoped_lock lock(mutex_);
+  return world_ ? std::optional(description_) : std::nullopt;
+}
+
+// Where emitters scatter their bodies at random, a further body before them would change that, so the dropped one
+// becomes an emitter of one body after them.
+void ScenePlayer::describe_dropped(scene::BodyDescription body) {
+  const auto is_taken = [this](const std::string& name) {
+    return std::ranges::count(description_.bodies, name, &scene::BodyDescription::name) +
+               std::ranges::count(description_.emitters, name, &scene::EmitterDescription::name) >
+           0;
+  };
+  const std::string kind = std::exchange(body.name, body.name + "-1");
+  for (int number = 2; is_taken(body.name); ++number) body.name = kind + "-" + std::to_string(number);
+  body.start_s = world_->time_s();
+  const bool scatters =
+      std::ranges::any_of(description_.emitters, [](const auto& emitter) { return emitter.body.scatter_m > 0; });
+  if (scatters) {
+    description_.emitters.push_back({.name = body.name, .body = body});
+  } else {
+    description_.bodies.push_back(std::move(body));
+  }
 }
 
 std::optional<ScenePlayer::Playing> ScenePlayer::playing() const {

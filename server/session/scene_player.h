@@ -105,6 +105,10 @@ class ScenePlayer {
   };
   [[nodiscard]] std::optional<Playing> playing() const;
 
+  // What the scene's file says, without bodies that were cleared and with those that were dropped, which enter at the
+  // time at which they were; nullopt when there is no scene. [any but audio]
+  [[nodiscard]] std::optional<scene::SceneDescription> description() const;
+
   [[nodiscard]] std::size_t body_count() const { return body_count_; }  // [any]
 
   // How long the scene lasts, as its file says; 0 without a scene. [any]
@@ -126,6 +130,7 @@ class ScenePlayer {
   [[nodiscard]] bool needs_steps() const;
   [[nodiscard]] std::vector<scene::RestDamping> end_contacts();
   void set_dampers(const std::vector<scene::RestDamping>& dampings);
+  void describe_dropped(scene::BodyDescription body);
 
   Rack& rack_;
   BankReader& banks_;
@@ -136,8 +141,7 @@ class ScenePlayer {
   std::optional<scene::World> world_;
   synth::Frame start_ = 0;  // the frame of scene time 0
   Playing playing_;
-  std::optional<scene::CameraDescription> camera_;
-  std::vector<scene::StaticOutline> statics_;
+  scene::SceneDescription description_;   // of world_
   std::int32_t version_ = 0;              // of the description
   std::set<synth::ObjectNumber> damped_;  // objects that the scene's bodies rest on or against
   std::atomic<bool> watched_ = false;

@@ -84,6 +84,8 @@ Answer Session::perform(const protocol::WorkerRequest& request, synth::Frame fra
           [&](const SetMaterial& set) { return none(rack_.set_material(set.object, set.scale)); },
           [&](const SelectModes& select) { return none(rack_.select_modes(select.object, select.range)); },
           [&](const SetGroup& set) { return none(rack_.set_group(set.object, set.group.value_or(""))); },
+          [&](const SetMute& set) { return none(rack_.set_heard(set.object, &ObjectState::mute, set.on)); },
+          [&](const SetSolo& set) { return none(rack_.set_heard(set.object, &ObjectState::solo, set.on)); },
           [&](const Excite& e) { return none(rack_.excite(e.input - 1, e.object, e.point_m, e.force_n)); },
           [&](const SceneLoad& scene) { return number(scene_.load(scene.path, frame)); },
           [&](const ScenePause& pause) { return none(scene_.pause(pause.paused)); },

@@ -8,9 +8,6 @@
 #include "server/session/file_roots.h"
 #include "server/session/session.h"
 
-#include <array>
-#include <charconv>
-
 namespace ringdown::session {
 namespace {
 
@@ -52,6 +49,8 @@ State::Object read_object(TomlTable& table) {
   table.number("gain", object.gain, kGain);
   table.number("pan", object.pan, kPan);
   if (table.has("group")) read_name(table, "group", object.group);
+  table.boolean("mute", object.mute);
+  table.boolean("solo", object.solo);
   if (auto material = table.table("material")) {
     material->number("alpha", object.material.alpha, kDamping);
     material->number("beta", object.material.beta, kDamping);
@@ -87,14 +86,6 @@ State::Scene read_scene(TomlTable& table) {
   return scene;
 }
 
-// The shortest text that reads back as the same number.
-std::string shown(double number) {
-  std::array<char, 32> digits{};
-  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr};
-}
-
-std::string shown(const Vec3& v) { return "[" + shown(v.x) + ", " + shown(v.y) + ", " + shown(v.z) + "]"; }
-
 }  // namespace
 
 Result<State> read_state(const std::filesystem::path& path) {
@@ -119,26 +110,29 @@ std::string to_toml(const State& state) {
                      "; ringdownd --state reads it.\nversion = " + std::to_string(kTextFileVersion) + "\n";
   for (const State::Object& object : state.objects) {
     text += "\n[[object]]\nname = " + toml_string(object.name) + "\nbank = " + toml_string(object.bank.string()) + "\n";
-    text += "gain = " + shown(object.gain) + "\npan = " + shown(object.pan) + "\n";
+    text += "gain = " + toml_number(object.gain) + "\npan = " + toml_number(object.pan) + "\n";
     if (!object.group.empty()) text += "group = " + toml_string(object.group) + "\n";
+    if (object.mute) text += "mute = true\n";
+    if (object.solo) text += "solo = true\n";
     const modal::MaterialScale& m = object.material;
     if (m != modal::MaterialScale{}) {
-      text += "material = { alpha = " + shown(m.alpha) + ", beta = " + shown(m.beta) +
-              ", density = " + shown(m.density) + ", stiffness = " + shown(m.stiffness) + ", size = " + shown(m.size) +
-              " }\n";
+      text += "material = { alpha = " + toml_number(m.alpha) + ", beta = " + toml_number(m.beta) +
+              ", density = " + toml_number(m.density) + ", stiffness = " + toml_number(m.stiffness) +
+              ", size = " + toml_number(m.size) + " }\n";
     }
     if (object.modes != modal::ModeRange{}) {
       text += "modes = { first = " + std::to_string(object.modes.first) +
               ", count = " + std::to_string(object.modes.count) + " }\n";
     }
     for (const auto& [number, damper] : object.dampers) {
-      text += "[[object.touch]]\nnumber = " + std::to_string(number) + "\npoint_m = " + shown(damper.point_m) +
-              "\ndirection = " + shown(damper.direction) + "\ndamping_ns_m = " + shown(damper.damping_ns_m) + "\n";
+      text += "[[object.touch]]\nnumber = " + std::to_string(number) + "\npoint_m = " + toml_vector(damper.point_m) +
+              "\ndirection = " + toml_vector(damper.direction) +
+              "\ndamping_ns_m = " + toml_number(damper.damping_ns_m) + "\n";
     }
   }
   for (const State::Input& input : state.inputs) {
     text += "\n[[input]]\ninput = " + std::to_string(input.input) + "\nobject = " + toml_string(input.object) +
-            "\npoint_m = " + shown(input.point_m) + "\nforce_n = " + shown(input.force_n) + "\n";
+            "\npoint_m = " + toml_vector(input.point_m) + "\nforce_n = " + toml_vector(input.force_n) + "\n";
   }
   if (!state.scene) return text;
   const auto flag = [](bool on) { return on ? "true\n" : "false\n"; };
@@ -163,7 +157,9 @@ State state_of(const Session& session) {
                              object->group,
                              object->material,
                              object->modes,
-                             {object->dampers.begin(), scenes}});
+                             {object->dampers.begin(), scenes},
+                             object->mute,
+                             object->solo});
   }
   for (std::size_t input = 0; input < rack.excitations().size(); ++input) {
     const auto& excitation = rack.excitations()[input];
@@ -204,6 +200,8 @@ Result<void> restore_object(const State::Object& object, Session& session, synth
   const auto number = session.perform(protocol::LoadObject{object.name, object.bank.string()}, from);
   if (!number) return fail(number.error());
   if (const auto set = rack.set_group(ref, object.group); !set) return set;
+  if (const auto set = rack.set_heard(ref, &ObjectState::mute, object.mute); !set) return set;
+  if (const auto set = rack.set_heard(ref, &ObjectState::solo, object.solo); !set) return set;
   if (object.material != (*rack.find(ref))->material) {
     if (const auto set = rack.set_material(ref, object.material); !set) return set;
   }

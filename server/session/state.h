@@ -7,6 +7,8 @@
 //   gain = 0.5                                # this and all below may be left out: 1, 0, the bank's own, none
 //   pan = -0.3
 //   group = "metal"
+//   mute = false
+//   solo = false
 //   material = { alpha = 1, beta = 1, density = 1, stiffness = 4, size = 1 }   # factors, as in /object/.../material
 //   modes = { first = 0, count = 20 }         # by ascending frequency, as in /object/.../modes
 //   [[object.touch]]                          # as in /object/.../hold
@@ -57,6 +59,7 @@ struct State {
     modal::MaterialScale material;
     modal::ModeRange modes;
     modal::Dampers dampers;  // except the dampers of the scene
+    bool mute = false, solo = false;
   };
   struct Input {
     std::size_t input = 1;  // in_1 is 1

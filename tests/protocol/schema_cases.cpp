@@ -317,10 +317,24 @@ Cases switch_cases(const std::string& address) {
           {{address, {2}, "on"}, {address, {"yes"}, "on"}}};
 }
 
-Cases watch_cases() {
-  Cases cases = switch_cases<WatchObject>("/object/bell/watch");
-  cases.bad.push_back({"/object/b%/watch", {1}, "object"});
+template <class Struct>
+Cases object_switch_cases(const std::string& verb) {
+  Cases cases = switch_cases<Struct>("/object/bell/" + verb);
+  cases.bad.push_back({"/object/b%/" + verb, {1}, "object"});
   return cases;
+}
+
+Cases save_scene_cases() {
+  const std::string a = "/scene/save";
+  return {{{a, {"a.toml"}, claim<SaveScene>([](const SaveScene& s) { return s.path == "a.toml" && !s.replace; })},
+           {a, {"a.toml", 1}, claim<SaveScene>([](const SaveScene& s) { return s.replace; })}},
+          {{a, {}, "path"}, {a, {1}, "path"}, {a, {"a.toml", 2}, "replace"}}};
+}
+
+Cases capture_start_cases() {
+  const std::string a = "/capture/start";
+  return {{{a, {"a.wav"}, claim<CaptureStart>([](const CaptureStart& c) { return c.path == "a.wav"; })}},
+          {{a, {}, "path"}, {a, {1}, "path"}, {a, {""}, "path"}}};
 }
 
 Cases ring_cases() {
@@ -409,6 +423,11 @@ const std::map<std::string, Cases>& all_cases() {
       {"/state/save",
        {{{"/state/save", {"a.toml"}, claim<SaveState>([](const SaveState& s) { return s.path == "a.toml"; })}},
         {{"/state/save", {1}, "path"}}}},
+      {"/scene/save", save_scene_cases()},
+      {"/capture/start", capture_start_cases()},
+      {"/capture/stop", {{{"/capture/stop", {}, is_a<CaptureStop>()}}, {}}},
+      {"/object/{object}/mute", object_switch_cases<SetMute>("mute")},
+      {"/object/{object}/solo", object_switch_cases<SetSolo>("solo")},
       {"/record/start", record_start_cases()},
       {"/record/stop", {{{"/record/stop", {}, is_a<RecordStop>()}}, {}}},
       {"/object/{object}/gain", gain_cases()},
@@ -422,7 +441,7 @@ const std::map<std::string, Cases>& all_cases() {
       {"/object/{object}/click", click_cases()},
       {"/object/{object}/ring", ring_cases()},
       {"/object/{object}/modes", modes_cases()},
-      {"/object/{object}/watch", watch_cases()},
+      {"/object/{object}/watch", object_switch_cases<WatchObject>("watch")},
       {"/object/{object}/describe", object_only_cases<DescribeObject>("describe")},
       {"/object/{object}/bank", bank_cases()},
       {"/scene/push", push_cases()},

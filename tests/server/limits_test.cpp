@@ -19,6 +19,7 @@
 #include "server/session/offline.h"
 #include "server/session/recorder.h"
 #include "server/session/session.h"
+#include "server/session/sound_capture.h"
 #include "server/worker.h"
 
 #include <gtest/gtest.h>
@@ -84,6 +85,7 @@ const std::map<std::string, double> kConstants = {
     ROW(server::kMaxConnections),
     ROW(server::kMaxUnreadBytes),
     ROW(session::kMaxRecorded),
+    ROW(session::kMaxCapturedFrames),
     ROW(Captured::kMost),
     ROW(session::kMaxRender_s),
     ROW(wire::kMaxScoreBytes),

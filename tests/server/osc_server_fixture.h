@@ -122,7 +122,7 @@ class OscServerTest : public testing::Test {
     auto socket = wire::OscSocket::bind();
     ASSERT_TRUE(socket) << socket.error().message;
     server_.emplace(std::move(*socket), OscServer::Parts{session_, worker_, driver_, [] {}, latency, &recorder_,
-                                                         std::move(stream), time_.clocks()});
+                                                         &capture_, std::move(stream), time_.clocks()});
     to_ = {.port = server_->port()};
   }
 
@@ -194,6 +194,7 @@ class OscServerTest : public testing::Test {
   StillDriver driver_{time_};
   session::Session session_{kRate};
   session::Recorder recorder_{session_.rack(), wire::write_score};
+  session::SoundCapture capture_{session_.rack()};
   Worker worker_{[] {}, 10ms};
   wire::OscSocket client_ = std::move(*wire::OscSocket::bind());
   wire::Endpoint to_;

@@ -2,6 +2,9 @@
 #include "server/remote_strikes.h"
 #include "tests/server/osc_server_fixture.h"
 
+#include <fstream>
+#include <tuple>
+
 namespace ringdown::server {
 namespace {
 
@@ -244,6 +247,8 @@ TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {
   send({"/record/start", {score.string()}});
   sync();
   send({"/object/bell/group", {"metal"}});
+  send({"/object/bell/mute", {}});
+  send({"/object/bell/solo", {1}});
   send({"/object/bell/clear", {0.5f}});
   sync();
   const auto now = time_.frame();
@@ -269,9 +274,61 @@ TEST_F(OscServerTest, NotesGroupsAndFadesAreToldAndRecorded) {
   };
   const protocol::ObjectRef bell{.name = "bell"};
   EXPECT_TRUE(recorded(protocol::format(protocol::SetGroup{bell, "metal"})));
+  EXPECT_TRUE(recorded(protocol::format(protocol::SetMute{bell, true})));
+  EXPECT_TRUE(recorded(protocol::format(protocol::SetSolo{bell, true})));
   EXPECT_TRUE(recorded(protocol::format(protocol::ClearObject{bell, 0.5})));
   EXPECT_TRUE(recorded(protocol::format(protocol::ClearObject{bell, 0.25}))) << "and the note just before the end";
   EXPECT_TRUE(recorded(protocol::format(protocol::Strike{bell, {3, 2, 1}, {0, 0, 0.25}, 0.001})));
+}
+
+TEST_F(OscServerTest, SubscribersHearOfMutesAndSolosAndSilence) {
+  load("bell");
+  serve();
+  send({"/notify", {1, 100.f}});
+  for (const auto& [address, mute, solo] :
+       {std::tuple("/object/bell/mute", true, false), {"/object/bell/solo", true, true}}) {
+    send({address, {1}});
+    ASSERT_TRUE(wait_for<protocol::Done>(client_, [&](const auto& done) { return done.address == address; }));
+    ASSERT_TRUE(wait_for<protocol::NotifyObject>(client_, [](const auto& n) { return n.name == "bell" && n.loaded; }));
+    send({"/object/bell/describe", {}});
+    const auto bell = wait_for<protocol::ObjectReply>(client_, [](const auto&) { return true; });
+    ASSERT_TRUE(bell);
+    EXPECT_EQ(bell->mute, mute) << address;
+    EXPECT_EQ(bell->solo, solo) << address;
+  }
+}
+
+TEST_F(OscServerTest, ScenesAndSoundsAreWrittenWithoutReplacingWhatIsThere) {
+  load("bell");
+  serve();
+  const auto ask = [&](const Message& message) -> std::string {
+    send(message);
+    for (const auto& reply : notice(client_)) {
+      if (const auto* fail = std::get_if<protocol::Fail>(&reply)) return fail->sentence;
+      if (std::get_if<protocol::Done>(&reply)) return "done";
+    }
+    return "no answer";
+  };
+  const std::string by_hand = (folder_ / "hand.toml").string(), saved = (folder_ / "saved.toml").string();
+  std::ofstream(by_hand) << "[scene]\n";
+  EXPECT_EQ(ask({"/scene/save", {saved}}), "done");
+  EXPECT_NE(ask({"/scene/save", {saved}}).find("there already"), std::string::npos);
+  EXPECT_EQ(ask({"/scene/save", {saved, 1}}), "done");
+  EXPECT_NE(ask({"/scene/save", {by_hand}}).find("there already"), std::string::npos);
+  EXPECT_NE(ask({"/scene/save", {by_hand, 1}}).find("another kind"), std::string::npos);
+  EXPECT_NE(ask({"/scene/save", {(folder_ / "scene.txt").string()}}).find(".toml"), std::string::npos);
+
+  const std::string sound = (folder_ / "take.wav").string();
+  EXPECT_EQ(ask({"/capture/start", {sound}}), "done");
+  send({"/status", {}});
+  const auto status = wait_for<protocol::StatusReply>(client_, [](const auto&) { return true; });
+  ASSERT_TRUE(status && status->capture);
+  EXPECT_EQ(*status->capture, sound);
+  EXPECT_EQ(ask({"/capture/stop", {}}), "done");
+  EXPECT_TRUE(std::filesystem::exists(sound));
+  EXPECT_NE(ask({"/capture/start", {sound}}).find("there already"), std::string::npos);
+  EXPECT_NE(ask({"/capture/start", {(folder_ / "take.flac").string()}}).find(".wav"), std::string::npos);
+  EXPECT_NE(ask({"/capture/stop", {}}).find("nothing is being captured"), std::string::npos);
 }
 
 TEST(Latency, ALatencyIsFramesOrMillisecondsAndNeverLessThanABlock) {

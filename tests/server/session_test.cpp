@@ -74,6 +74,62 @@ TEST_F(SessionTest, AMaterialScaleRetunesWhatRingsByTheRootOfStiffnessOverDensit
   EXPECT_NEAR(test::fit_damped_sinusoid(render(9600), 48000).frequency_hz, 440 * 1.5, 0.1);
 }
 
+// Whether each of the objects "a" and "b" is heard, struck anew.
+class MuteAndSolo : public SessionTest {
+ protected:
+  MuteAndSolo() {
+    for (const char* name : {"a", "b"}) EXPECT_TRUE(session_.perform(protocol::LoadObject{name, bank("a.glb")}, 0));
+  }
+  void set(const protocol::WorkerRequest& request) { ASSERT_TRUE(session_.perform(request, 0)); }
+  bool heard(const char* name) {
+    EXPECT_TRUE(session_.play(protocol::ClearAll{}, 0));
+    render(4800);
+    EXPECT_TRUE(strike({.name = name}));
+    const double loud = test::peak(render(4800));
+    EXPECT_TRUE(loud == 0 || loud > 1e-3) << loud;
+    return loud > 0;
+  }
+  std::string heard() {
+    std::string names;
+    for (const char* name : {"a", "b", "c"}) {
+      if (session_.rack().find({.name = name}) && heard(name)) names += name;
+    }
+    return names;
+  }
+};
+
+TEST_F(MuteAndSolo, MutedObjectsAreSilentAndSoloedOnesAloneAreHeard) {
+  const ObjectRef a{.name = "a"}, b{.name = "b"};
+  EXPECT_EQ(heard(), "ab");
+  set(protocol::SetMute{a});
+  EXPECT_EQ(heard(), "b");
+  set(protocol::SetMute{a, false});
+  EXPECT_EQ(heard(), "ab");
+  set(protocol::SetSolo{b});
+  EXPECT_EQ(heard(), "b");
+  set(protocol::SetSolo{a});
+  EXPECT_EQ(heard(), "ab") << "several may be soloed";
+  set(protocol::SetMute{b});
+  EXPECT_EQ(heard(), "a") << "mute wins";
+  set(protocol::SetSolo{a, false});
+  EXPECT_EQ(heard(), "") << "the one that is soloed is muted";
+  set(protocol::SetSolo{b, false});
+  EXPECT_EQ(heard(), "a");
+}
+
+TEST_F(MuteAndSolo, ObjectsThatComeAndGoKeepTheRule) {
+  set(protocol::SetSolo{{.name = "a"}});
+  set(protocol::LoadObject{"c", bank("b.glb")});
+  EXPECT_EQ(heard(), "a") << "the new one is not soloed";
+  set(protocol::LoadObject{"a", bank("b.glb")});
+  EXPECT_EQ(heard(), "a") << "a new bank changes nothing";
+  set(protocol::FreeObject{{.name = "a"}});
+  EXPECT_EQ(heard(), "bc") << "the soloed one is gone";
+  render(9600);
+  set(protocol::LoadObject{"a", bank("a.glb")});
+  EXPECT_EQ(heard(), "abc") << "and its name begins anew";
+}
+
 TEST_F(SessionTest, TwiceTheSizeIsAnOctaveDown) {
   ASSERT_TRUE(session_.perform(protocol::LoadObject{"x", bank("a.glb")}, 0));
   ASSERT_TRUE(strike({.name = "x"}));

@@ -63,6 +63,8 @@ position_m = [0, 0, 1]
   perform(protocol::LoadObject{"plain", bank_.string()});
   perform(protocol::SetMaterial{{.name = "bell"}, {1, 0.1, 2, 1.0 / 3, 0.7}});
   perform(protocol::SetGroup{{.name = "bell"}, "metal"});
+  perform(protocol::SetMute{{.name = "bell"}});
+  perform(protocol::SetSolo{{.name = "plain"}});
   perform(protocol::SetDamper{{.name = "bell"}, {{0.1, 0, 0}, {0, 0, 1}, 5}, 3});
   perform(protocol::SetDamper{{.name = "bell"}, {{0.2, 0, 0}, {}, 7}, modal::kFirstSceneDamper});  // as the scene's own
   perform(protocol::Excite{{.name = "bell"}, 3, {0.1, 0.2, 0.3}, {0, 0, -1e-7}});
@@ -82,6 +84,8 @@ position_m = [0, 0, 1]
   const session::ObjectState* const bell = found->get();
   EXPECT_EQ(bell->bank, folder_ / "b.glb");
   EXPECT_EQ(bell->group, "metal");
+  EXPECT_TRUE(bell->mute);
+  EXPECT_FALSE(bell->solo);
   EXPECT_EQ(bell->material, (modal::MaterialScale{1, 0.1, 2, 1.0 / 3, 0.7}));
   EXPECT_EQ(bell->dampers, (modal::Dampers{{3, {{0.1, 0, 0}, {0, 0, 1}, 5}}}));
   EXPECT_EQ(bell->gain, 0.7);
@@ -101,6 +105,7 @@ position_m = [0, 0, 1]
   EXPECT_EQ((*plain)->bank, bank_);
   EXPECT_EQ((*plain)->material, modal::MaterialScale{});
   EXPECT_EQ((*plain)->group, "");
+  EXPECT_TRUE((*plain)->solo);
   EXPECT_EQ(session::to_toml(session::state_of(other.session)), session::to_toml(*state))
       << "saved again, it is the same";
 }

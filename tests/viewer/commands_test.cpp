@@ -55,6 +55,18 @@ TEST(Commands, KeysStepThroughAllObjectsFromTheFirst) {
   EXPECT_EQ(desk.commands.choice().object, "plate");
 }
 
+TEST(Commands, MuteAndSoloAreSentAndAskedAboutAndNotUndone) {
+  Desk desk;
+  desk.commands.set_mute(*desk.model.object("bell"), true);
+  desk.commands.set_solo(*desk.model.object("bell"), false);
+  ASSERT_EQ(desk.of<protocol::SetMute>().size(), 1u);
+  EXPECT_TRUE(desk.of<protocol::SetMute>()[0].on);
+  ASSERT_EQ(desk.of<protocol::SetSolo>().size(), 1u);
+  EXPECT_FALSE(desk.of<protocol::SetSolo>()[0].on);
+  EXPECT_EQ(desk.of<protocol::DescribeObject>().size(), 2u);
+  EXPECT_EQ(desk.commands.edits().history().undoes(), "");
+}
+
 TEST(Commands, WithoutAChoiceTheObjectWithTheMostModesIsChosen) {
   Desk desk({"bell", "plate"});
   ObjectReply richer;

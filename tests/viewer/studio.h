@@ -72,6 +72,7 @@ class Studio {
   App& app() { return *app_; }
   Daemon& daemon() { return daemon_; }
   LossyRelay& relay() { return relay_; }
+  [[nodiscard]] const TemporaryFolder& folder() const { return folder_; }  // where the daemon may write
 
   // Draws frames until it holds; false after the limit.
   template <class Condition>

@@ -1,6 +1,7 @@
 // The window as people use it: on a display, with real keys and a real mouse (xdotool), against a real daemon on a JACK
 // server; what it asks the daemon is overheard on the way, and what comes of it is seen in the daemon's own answers.
 #include "clients/viewer/panels/overlays.h"
+#include "clients/viewer/material_choice.h"
 #include "engine/modal/bank_file.h"
 #include "tests/viewer/studio.h"
 
@@ -325,6 +326,69 @@ TEST(Window, ARecordingIsStartedAndEnded) {
   ASSERT_TRUE(studio.asks<protocol::RecordStop>());
   EXPECT_TRUE(studio.until([&] { return !studio.app().model().recording(); }));
   std::filesystem::remove(studio.relay().asked<protocol::RecordStart>()[0].path);
+}
+
+TEST(Window, AMaterialOfTheListIsSetAndUndone) {
+  OPEN_STUDIO(studio);
+  Commands& commands = studio.app().commands();
+  const KnownObject* bell = studio.app().model().object("bell");
+  const modal::Material bronze = *bell->bank->bank.material;
+  for (const modal::Material& known : known_materials()) {
+    if (known.name != "glass") continue;
+    commands.edits().change(*bell, protocol::SetMaterial{{"bell", {}}, choice_of(bronze, known).scale}, "material");
+  }
+  EXPECT_TRUE(studio.until([&] { return studio.bell().scale.density < 0.5; }));
+  EXPECT_EQ(material_name(bronze, studio.bell().scale, known_materials()), "glass");
+  studio.press("ctrl+z");
+  EXPECT_TRUE(studio.until([&] { return studio.bell().scale == modal::MaterialScale{}; }));
+}
+
+TEST(Window, AMutedObjectRingsUnheard) {
+  OPEN_STUDIO(studio);
+  const Model& model = studio.app().model();
+  Commands& commands = studio.app().commands();
+  commands.set_mute(*model.object("bell"), true);
+  ASSERT_TRUE(studio.until([&] { return model.object("bell")->mute; }));
+  EXPECT_TRUE(studio.bell().mute);
+  commands.perform(Action::project_test_force);
+  ASSERT_TRUE(studio.until([&] { return model.load().sounding_objects == 1; }));
+  EXPECT_EQ(model.peak().held, 0);
+  commands.set_mute(*model.object("bell"), false);
+  EXPECT_TRUE(studio.until([&] { return model.peak().held > 1e-4; })) << "it still rings";
+}
+
+TEST(Window, WhatIsHeardIsCaptured) {
+  OPEN_STUDIO(studio);
+  const Model& model = studio.app().model();
+  const std::filesystem::path file = studio.folder() / "take.wav";
+  studio.app().commands().start_capture(file.string());
+  ASSERT_TRUE(studio.until([&] { return model.status() && model.status()->capture; })) << studio.condition();
+  studio.app().commands().perform(Action::project_test_force);
+  ASSERT_TRUE(studio.until([&] { return model.status()->captured_s > 1; }));
+  EXPECT_FALSE(std::filesystem::exists(file));
+  studio.app().commands().stop_capture();
+  ASSERT_TRUE(studio.until([&] { return !model.status()->capture; }));
+  ASSERT_TRUE(std::filesystem::exists(file));
+  EXPECT_GT(std::filesystem::file_size(file), 8u * 48000);
+}
+
+TEST(Window, AnEditedSceneIsSavedAndLoadsAgain) {
+  OPEN_STUDIO(studio);
+  const Model& model = studio.app().model();
+  Commands& commands = studio.app().commands();
+  commands.edits().change(*model.object("bell"), protocol::SetMaterial{{"bell", {}}, {1, 1, 1, 4, 0.5}}, "material");
+  commands.perform(Action::new_box);
+  ASSERT_TRUE(studio.until([&] { return studio.status().bodies == 3; }));
+  const std::filesystem::path file = studio.folder() / "edited.toml";
+  commands.save_scene(file.string(), false);
+  ASSERT_TRUE(studio.until([&] { return std::filesystem::exists(file); })) << studio.condition();
+  commands.save_scene(file.string(), false);
+  EXPECT_TRUE(studio.until([&] { return !model.messages().empty() && model.messages().back().failed; }));
+  commands.perform(Action::clear_scene);
+  commands.load_scene(file.string());
+  ASSERT_TRUE(studio.until([&] { return model.scene().description().file == file.string(); })) << studio.condition();
+  EXPECT_EQ(studio.status().bodies, 3);
+  EXPECT_EQ(studio.bell().scale, (modal::MaterialScale{1, 1, 1, 4, 0.5}));
 }
 
 // The bell's sample point that is nearest to the camera: nothing of the bell hides it. The pixel lies a little towards

@@ -49,6 +49,8 @@ void KnownObjects::on(const protocol::ObjectReply& reply) {
   object.scale = reply.scale;
   object.gain = reply.gain;
   object.pan = reply.pan;
+  object.mute = reply.mute;
+  object.solo = reply.solo;
   object.group = reply.group;
 }
 

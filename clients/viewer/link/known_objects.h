@@ -33,6 +33,7 @@ struct KnownObject {
   modal::ModeRange selected;
   modal::MaterialScale scale;
   double gain = 1, pan = 0;
+  bool mute = false, solo = false;
   std::optional<std::string> group;
 
   std::shared_ptr<const KnownBank> bank;  // null until it has been fetched

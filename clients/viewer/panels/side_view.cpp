@@ -1,5 +1,7 @@
 #include "clients/viewer/panels/side_view.h"
 
+#include "clients/viewer/panels/object_list.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -105,40 +107,11 @@ void SideView::draw_browser(Model& model, Commands& commands) {
   ImGui::EndChild();
 }
 
-void SideView::draw_objects(const Skin& skin, Model& model, Commands& commands) const {
-  if (!ImGui::CollapsingHeader("Objects", ImGuiTreeNodeFlags_DefaultOpen)) return;
-  std::size_t number = 0;
-  const auto rows = static_cast<float>(std::clamp<std::size_t>(model.objects().size(), 1, 8));
-  if (!ImGui::BeginChild("objects", {0, rows * ImGui::GetTextLineHeightWithSpacing()}, false,
-                         ImGuiWindowFlags_NavFlattened))
-    return ImGui::EndChild();
-  if (model.objects().empty()) ImGui::TextDisabled("none loaded");
-  for (const auto& [name, object] : model.objects()) {
-    ImGui::PushStyleColor(ImGuiCol_Text, series_colour(number++));
-    ImGui::TextUnformatted("\xE2\x80\xA2");
-    ImGui::PopStyleColor();
-    ImGui::SameLine();
-    if (ImGui::Selectable(name.c_str(), name == commands.choice().object)) commands.choose_object(name);
-    if (!object.bank_fault.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", object.bank_fault.c_str());
-    ImGui::SameLine(ImGui::GetContentRegionAvail().x - 5 * ImGui::GetFontSize());
-    if (!object.bank_fault.empty()) {
-      ImGui::PushStyleColor(ImGuiCol_Text, skin.bad);
-      ImGui::TextUnformatted("no bank");
-      ImGui::PopStyleColor();
-    } else if (object.bank) {
-      ImGui::TextDisabled("%d modes", object.modes);
-    } else {
-      ImGui::TextDisabled("%.0f %%", 100 * object.bank_progress);
-    }
-  }
-  ImGui::EndChild();
-}
-
 void SideView::draw_sliders(const KnownObject& object, Commands& commands) {
   if (!ImGui::CollapsingHeader("Material", ImGuiTreeNodeFlags_DefaultOpen)) return;
   Adjustment a = commands.edits().adjustment_of(object);
   const ObjectRef ref{object.name, std::nullopt};
-  if (object.bank && object.bank->bank.material) ImGui::TextDisabled("%s", object.bank->bank.material->name.c_str());
+  materials_.draw(object, commands);
   const auto material = [&](const char* label, const char* tip, double& factor, SliderRange range) {
     if (slider(label, tip, factor, range, "\xC3\x97 %.3g"))
       commands.edits().change(object, protocol::SetMaterial{ref, a.scale}, label);
@@ -186,8 +159,9 @@ void SideView::draw_strike(Commands& commands, Settings& settings) {
 void SideView::draw_session(const Skin& skin, const Model& model, Commands& commands) {
   const bool recording = model.recording();
   if (recording) ImGui::PushStyleColor(ImGuiCol_Text, skin.bad);
-  if (ImGui::Button(recording ? "End recording" : "Record")) commands.toggle_recording();
+  if (ImGui::Button(recording ? "End strikes" : "Record strikes")) commands.toggle_recording();
   if (recording) ImGui::PopStyleColor();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("A score of all strikes, which `ringdown render --events` plays again");
   ImGui::SameLine();
   const auto button = [](const char* label, const std::string& what) {
     if (what.empty()) ImGui::BeginDisabled();
@@ -217,9 +191,10 @@ std::string SideView::draw(const Skin& skin, const ConnectionState& state, Model
                            Settings& settings) {
   std::string go_to = draw_daemon(skin, state);
   draw_session(skin, model, commands);
+  save_.draw(skin, model, commands);
   files_height_ = 0;
   draw_browser(model, commands);
-  draw_objects(skin, model, commands);
+  if (ImGui::CollapsingHeader("Objects", ImGuiTreeNodeFlags_DefaultOpen)) draw_object_list(skin, model, commands);
   if (const KnownObject* object = model.object(commands.choice().object)) draw_sliders(*object, commands);
   draw_strike(commands, settings);
   draw_messages(skin, model);

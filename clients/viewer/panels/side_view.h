@@ -1,9 +1,11 @@
-// The pane at the left: the daemon, recording and undo, files to load, objects, the sliders of the chosen object, the
-// test force, and messages. [UI]
+// The pane at the left: the daemon, recording, saving and undo, files to load, objects, the sliders of the chosen
+// object, the test force, and messages. [UI]
 #pragma once
 
 #include "clients/viewer/commands.h"
 #include "clients/viewer/link/daemon_client.h"
+#include "clients/viewer/panels/material_picker.h"
+#include "clients/viewer/panels/save_panel.h"
 #include "clients/viewer/panels/skin.h"
 #include "clients/viewer/settings.h"
 
@@ -24,8 +26,7 @@ class SideView {
   void set_url(const std::string& url);
   std::string draw_daemon(const Skin& skin, const ConnectionState& state);
   void draw_browser(Model& model, Commands& commands);
-  void draw_objects(const Skin& skin, Model& model, Commands& commands) const;
-  static void draw_sliders(const KnownObject& object, Commands& commands);
+  void draw_sliders(const KnownObject& object, Commands& commands);
   static void draw_strike(Commands& commands, Settings& settings);
   static void draw_session(const Skin& skin, const Model& model, Commands& commands);
   static void draw_messages(const Skin& skin, const Model& model);
@@ -33,6 +34,8 @@ class SideView {
   std::array<char, 128> url_{}, filter_{};
   // The list of files takes what the rest of the pane leaves; both heights are the last frame's.
   float files_height_ = 0, others_height_ = 1e9f;
+  SavePanel save_;
+  MaterialPicker materials_;
 };
 
 }  // namespace ringdown::viewer

@@ -1,0 +1,169 @@
+#include "engine/scene/scene_text.h"
+
+#include "engine/base/quote.h"
+
+#include <concepts>
+
+namespace ringdown::scene {
+namespace {
+
+const char* name_of(ShapeType shape) {
+  static constexpr const char* kNames[] = {"box", "sphere", "convex", "trimesh"};
+  return kNames[static_cast<int>(shape)];
+}
+
+std::string text_of(const std::string& text) { return toml_string(text); }
+std::string text_of(double number) { return toml_number(number); }
+std::string text_of(const Vec3& v) { return toml_vector(v); }
+std::string text_of(std::same_as<bool> auto flag) { return flag ? "true" : "false"; }
+std::string text_of(std::same_as<std::uint64_t> auto number) { return std::to_string(number); }
+
+class SceneWriter {
+ public:
+  std::string write(const SceneDescription& scene) {
+    heading("[scene]");
+    const SceneDescription usual;
+    unless("gravity_m_s2", scene.gravity_m_s2, usual.gravity_m_s2);
+    unless("step_s", scene.step_s, usual.step_s);
+    unless("seed", scene.seed, usual.seed);
+    unless("duration_s", scene.duration_s, usual.duration_s);
+    write(scene.contact);
+    for (const ObjectDescription& object : scene.objects) write(object);
+    for (const StaticDescription& item : scene.statics) write(item);
+    for (const BodyDescription& body : scene.bodies) write(body, "[[body]]");
+    for (const EmitterDescription& emitter : scene.emitters) {
+      write(emitter.body, "[[emitter]]");
+      line("every_s", emitter.every_s);
+      line("count", emitter.count);
+    }
+    for (const JointDescription& joint : scene.joints) write(joint);
+    if (scene.camera) {
+      heading("[camera]");
+      line("position_m", scene.camera->position_m);
+      line("target_m", scene.camera->target_m);
+      line("field_of_view_degrees", scene.camera->field_of_view_degrees);
+    }
+    if (scene.listener) {
+      heading("[listener]");
+      line("position_m", scene.listener->position_m);
+      line("target_m", scene.listener->target_m);
+    }
+    return std::move(text_);
+  }
+
+ private:
+  void heading(const char* heading) { text_.append("\n").append(heading).append("\n"); }
+
+  template <class T>
+  void line(const char* key, const T& value) {
+    text_.append(key).append(" = ").append(text_of(value)).append("\n");
+  }
+
+  template <class T>
+  void unless(const char* key, const T& value, const T& usual) {
+    if (!(value == usual)) line(key, value);
+  }
+
+  void write(const ContactSettings& contact) {
+    heading("[contact]");
+    const ContactSettings usual;
+    unless("spring_n_m", contact.spring_n_m, usual.spring_n_m);
+    unless("damper_ns_m", contact.damper_ns_m, usual.damper_ns_m);
+    unless("bounce_threshold_m_s", contact.bounce_threshold_m_s, usual.bounce_threshold_m_s);
+    unless("minimum_repeat_s", contact.minimum_repeat_s, usual.minimum_repeat_s);
+    unless("rest_damping_s_m", contact.rest_damping_s_m, usual.rest_damping_s_m);
+    unless("clicks", contact.clicks, usual.clicks);
+  }
+
+  void write(const ObjectDescription& object) {
+    heading("[[object]]");
+    line("name", object.name);
+    line("bank", object.bank.string());
+    unless("group", object.group, {});
+    unless("gain", object.gain, 1.0);
+    unless("pan", object.pan, 0.0);
+    const modal::MaterialScale& m = object.material;
+    if (m == modal::MaterialScale{}) return;
+    text_ += "material = { alpha = " + text_of(m.alpha) + ", beta = " + text_of(m.beta) +
+             ", density = " + text_of(m.density) + ", stiffness = " + text_of(m.stiffness) +
+             ", size = " + text_of(m.size) + " }\n";
+  }
+
+  // A quaternion, because axis and angle would not come back to the last bit.
+  void write(const Rotation& q) {
+    if (q == Rotation{}) return;
+    text_ += "rotation = { x = " + text_of(q.x) + ", y = " + text_of(q.y) + ", z = " + text_of(q.z) +
+             ", w = " + text_of(q.w) + " }\n";
+  }
+
+  void write(const FrictionSurface& surface) {
+    const FrictionSurface usual;
+    unless("restitution", surface.restitution, usual.restitution);
+    unless("friction", surface.friction, usual.friction);
+    unless("rolling_m", surface.rolling_m, usual.rolling_m);
+    if (surface.contact_time_s) line("contact_time_s", *surface.contact_time_s);
+    unless("edge_radius_m", surface.edge_radius_m, usual.edge_radius_m);
+    if (surface.young_pa) line("young_pa", *surface.young_pa);
+    if (surface.poisson) line("poisson", *surface.poisson);
+    unless("roughness_m", surface.texture.roughness_m, usual.texture.roughness_m);
+    unless("correlation_m", surface.texture.correlation_m, usual.texture.correlation_m);
+    unless("spectral_slope", surface.texture.spectral_slope, usual.texture.spectral_slope);
+  }
+
+  void write(const StaticDescription& item) {
+    heading("[[static]]");
+    line("name", item.name);
+    if (item.type == StaticType::plane) {
+      line("shape", std::string("plane"));
+      unless("normal", item.normal, {0, 0, 1});
+      unless("offset_m", item.offset_m, 0.0);
+    } else {
+      line("shape", std::string("box"));
+      line("size_m", item.size_m);
+      unless("position_m", item.position_m, {});
+      write(item.rotation);
+    }
+    write(item.surface);
+  }
+
+  void write(const BodyDescription& body, const char* kind) {
+    heading(kind);
+    line("name", body.name);
+    unless("object", body.object, {});
+    line("shape", std::string(name_of(body.shape.type)));
+    unless("size_m", body.shape.size_m, {});
+    unless("radius_m", body.shape.radius_m, 0.0);
+    unless("density_kg_m3", body.density_kg_m3, 0.0);
+    unless("position_m", body.position_m, {});
+    write(body.rotation);
+    unless("velocity_m_s", body.velocity_m_s, {});
+    unless("spin_rad_s", body.spin_rad_s, {});
+    unless("fixed", body.fixed, false);
+    unless("start_s", body.start_s, 0.0);
+    unless("scatter_m", body.scatter_m, 0.0);
+    write(body.surface);
+  }
+
+  void write(const JointDescription& joint) {
+    const bool hinge = joint.type == JointType::hinge;
+    heading("[[joint]]");
+    line("name", joint.name);
+    line("type", std::string(hinge ? "hinge" : "ball"));
+    text_ += "bodies = [" + text_of(joint.body) + (joint.other.empty() ? "" : ", " + text_of(joint.other)) + "]\n";
+    line("anchor_m", joint.anchor_m);
+    unless("friction_nm", joint.friction_nm, 0.0);
+    if (!hinge) return;
+    line("axis", joint.axis);
+    const JointDescription usual;
+    unless("low_degrees", joint.low_degrees, usual.low_degrees);
+    unless("high_degrees", joint.high_degrees, usual.high_degrees);
+  }
+
+  std::string text_;
+};
+
+}  // namespace
+
+std::string to_toml(const SceneDescription& scene) { return SceneWriter().write(scene); }
+
+}  // namespace ringdown::scene

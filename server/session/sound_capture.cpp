@@ -1,0 +1,102 @@
+#include "server/session/sound_capture.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+#include <vector>
+
+namespace ringdown::session {
+namespace {
+
+using namespace std::chrono_literals;
+using synth::Frame;
+using synth::SoundTap;
+
+constexpr auto kTurn = 10ms;  // how often the tap is emptied: it holds some 0.7 s in blocks of 64 frames
+
+}  // namespace
+
+bool SoundCapture::writes() const { return !path_.empty() && !end_; }
+
+Result<void> SoundCapture::start(const std::filesystem::path& path) {
+  const std::scoped_lock lock(mutex_);
+  if (writes()) {
+    return fail(ErrorKind::refused,
+                "path: " + path_.string() + " is being captured already; end it with /capture/stop");
+  }
+  const synth::Mixer& mixer = rack_.mixer();
+  auto file = SoundFile::create(path, mixer.sample_rate_hz());
+  if (!file) return fail(file.error());
+  path_ = path;
+  end_.reset();
+  frames_ = 0;
+  lost_ = 0;
+  sample_rate_hz_ = mixer.sample_rate_hz();
+  const Frame first = mixer.counters().frames;
+  rack_.mixer().capture_tap().watch(true);
+  thread_ = std::jthread(
+      [this, first](const std::stop_token& stop, SoundFile opened) { run(stop, std::move(opened), first); },
+      std::move(*file));
+  return {};
+}
+
+Result<std::size_t> SoundCapture::stop() {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+  const std::scoped_lock lock(mutex_);
+  if (path_.empty()) return fail(ErrorKind::refused, "nothing is being captured; begin with /capture/start");
+  path_.clear();
+  return *std::exchange(end_, std::nullopt);
+}
+
+std::optional<SoundCapture::Progress> SoundCapture::progress() const {
+  const std::scoped_lock lock(mutex_);
+  if (!writes()) return std::nullopt;
+  return Progress{path_.string(), static_cast<double>(frames_) / sample_rate_hz_};
+}
+
+void SoundCapture::run(const std::stop_token& stop, SoundFile file, Frame first) {
+  Result<bool> more = true;
+  for (bool last = false; more && *more && !last;) {
+    std::this_thread::sleep_for(kTurn);
+    last = stop.stop_requested();
+    more = write_pieces(file, first);
+  }
+  rack_.mixer().capture_tap().watch(false);
+  Result<std::size_t> end = frames_.load();
+  if (!more) {
+    end = fail(more.error());
+  } else if (const auto finished = file.finish(); !finished) {
+    end = fail(finished.error());
+  }
+  const std::scoped_lock lock(mutex_);
+  if (lost_ > 0) rack_.warn(path_.string() + ": " + std::to_string(lost_) + " frames were lost and are silent in it");
+  if (!end) rack_.warn(end.error().message);
+  if (end && !*more) rack_.warn(path_.string() + " has ended: it is full, or the sample rate has changed");
+  end_ = std::move(end);
+}
+
+Result<bool> SoundCapture::write_pieces(SoundFile& file, Frame first) {
+  SoundTap& tap = rack_.mixer().capture_tap();
+  std::vector<float> samples;
+  std::size_t frames = frames_;
+  bool more = true;
+  for (; const SoundTap::Piece* piece = tap.front(); tap.pop()) {
+    if (piece->frame < first || !more) continue;
+    more = piece->sample_rate_hz == sample_rate_hz_;
+    if (!more) continue;
+    const auto begin = std::min(static_cast<std::size_t>(piece->frame - first), most_frames_);
+    const std::size_t end = std::min(begin + piece->frames, most_frames_);
+    samples.insert(samples.end(), 2 * (begin - frames), 0.0f);
+    lost_ += begin - frames;
+    samples.insert(samples.end(), piece->samples.begin(),
+                   piece->samples.begin() + static_cast<std::ptrdiff_t>(2 * (end - begin)));
+    frames = end;
+    more = frames < most_frames_;
+  }
+  if (const auto written = file.write(samples); !written) return fail(written.error());
+  frames_ = frames;
+  return more;
+}
+
+}  // namespace ringdown::session

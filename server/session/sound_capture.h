@@ -1,0 +1,66 @@
+// Captures what is heard, the mix, as a WAV file while the mixer plays.
+//
+// The audio thread puts the samples of each block into a tap (engine/synth/sound_tap.h); a thread of the capture takes
+// them out and writes them. Samples that the tap had to drop because that thread was late are zeros in the file, so
+// that what follows keeps its time, and a warning counts them. The capture ends by itself, and completes its file, when
+// the file is as long as it may be or the sample rate changes; where it cannot write on, it removes the file.
+#pragma once
+
+#include "engine/base/result.h"
+#include "server/session/rack.h"
+#include "server/session/sound_file.h"
+
+#include <atomic>
+#include <cstddef>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+namespace ringdown::session {
+
+inline constexpr std::size_t kMaxCapturedFrames = std::size_t{1} << 28;  // of a file: 93 minutes at 48 kHz, 2 GiB
+
+class SoundCapture {
+ public:
+  // `rack` must outlive the capture. A file has at most `most_frames`.
+  explicit SoundCapture(Rack& rack, std::size_t most_frames = kMaxCapturedFrames)
+      : rack_(rack), most_frames_(most_frames) {}
+  ~SoundCapture() = default;  // completes the file
+  SoundCapture(const SoundCapture&) = delete;
+  SoundCapture& operator=(const SoundCapture&) = delete;
+
+  // Begins to write into `path`, a .wav. Refused while another file is being written. [worker]
+  Result<void> start(const std::filesystem::path& path);
+
+  // Completes the file and returns how many frames it has: also of a capture that has ended by itself. Refused when
+  // nothing was being captured; fails with the reason where the file could not be written. [worker]
+  Result<std::size_t> stop();
+
+  // The file that is being written and its length so far; nullopt when nothing is being captured. [any but audio]
+  struct Progress {
+    std::string path;
+    double seconds = 0;
+  };
+  [[nodiscard]] std::optional<Progress> progress() const;
+
+ private:
+  void run(const std::stop_token& stop, SoundFile file, synth::Frame first);
+  // Writes what the tap holds; false when the file is to end.
+  [[nodiscard]] Result<bool> write_pieces(SoundFile& file, synth::Frame first);
+  [[nodiscard]] bool writes() const;
+
+  Rack& rack_;
+  const std::size_t most_frames_;
+  double sample_rate_hz_ = 0;               // of the file
+  std::size_t lost_ = 0;                    // capture's thread: frames that the tap dropped
+  std::atomic<std::size_t> frames_ = 0;     // in the file
+  mutable std::mutex mutex_;                // guards the next two members
+  std::filesystem::path path_;              // empty: nothing was captured since the last stop()
+  std::optional<Result<std::size_t>> end_;  // how it ended; nullopt: the file is being written
+  std::jthread thread_;                     // last member: ends before the others are destroyed
+};
+
+}  // namespace ringdown::session

@@ -1,0 +1,39 @@
+// A sound file that is written piece by piece under a temporary name, and gets its own when it is complete.
+//
+//   auto file = SoundFile::create("take.wav", 48000);
+//   file->write(samples);            // left right left right ...
+//   file->finish();                  // without, the destructor removes what was written
+//
+// [worker]
+#pragma once
+
+#include "engine/base/result.h"
+
+#include <filesystem>
+#include <memory>
+#include <span>
+
+namespace ringdown::session {
+
+class SoundFile {
+ public:
+  // Stereo: 32-bit float WAV, or 24-bit FLAC when the name ends in .flac. Fails for other endings, and where no file
+  // can be made.
+  static Result<SoundFile> create(const std::filesystem::path& path, double sample_rate_hz);
+  SoundFile(SoundFile&&) noexcept;
+  SoundFile& operator=(SoundFile&&) noexcept;
+  ~SoundFile();
+
+  // Appends frames of two samples each. Fails when the disk is full.
+  Result<void> write(std::span<const float> samples);
+
+  // Completes the file and renames it. Call last.
+  Result<void> finish();
+
+ private:
+  struct Open;
+  explicit SoundFile(std::unique_ptr<Open> open);
+  std::unique_ptr<Open> open_;
+};
+
+}  // namespace ringdown::session
