@@ -47,8 +47,13 @@ void draw_row(const Skin& skin, const KnownObject& object, ImU32 colour, bool si
   if (ImGui::IsItemHovered() && (silent || !object.bank_fault.empty())) {
     ImGui::SetTooltip("%s", object.bank_fault.empty() ? "silent" : object.bank_fault.c_str());
   }
-  ImGui::SameLine(right - 8.4f * em);
-  draw_state(skin, object);
+  // A long name takes the place of the number of modes, which the table of modes shows too.
+  const bool room = ImGui::GetItemRectMin().x + ImGui::CalcTextSize(object.name.c_str()).x <
+                    ImGui::GetWindowPos().x + right - 8.6f * em;
+  if (room || !object.bank) {
+    ImGui::SameLine(right - 8.4f * em);
+    draw_state(skin, object);
+  }
   ImGui::SameLine(right - 3.2f * em);
   if (toggle("S", object.solo, skin.good, skin, "Solo: while any object is soloed, the others are silent")) {
     commands.set_solo(object, !object.solo);
