@@ -2,7 +2,8 @@
 # Tries Ringdown as its user meets it: in a fresh Debian, which mmdebstrap makes in a folder of its own. As root.
 #   fresh_debian.sh packages CACHE FOLDER   installs the .deb files of FOLDER, runs what they brought, removes them
 #   fresh_debian.sh readme CACHE            pastes the commands under README's "Start" into a clone of what is committed,
-#                                           then calls ./run test there; prints how long each took
+#                                           then calls ./run test there; prints how long each took. With
+#                                           RINGDOWN_PROOFS set: as continuous integration does
 #   fresh_debian.sh run CACHE VERB...       ./run VERB ... in such a clone
 # SUITE=trixie chooses another Debian than bookworm. The fresh Debian and the packages that it downloads are kept in CACHE.
 set -euo pipefail
@@ -38,7 +39,7 @@ timed() {  # timed NAME COMMAND...
   local name=$1 log=$cache/$suite-$1.log from=$SECONDS code=0
   shift
   inside "$@" >"$log" 2>&1 || code=$?
-  grep -E 'packages: .* s to|built in|passed, .* failed|^[^ ]+\.wav: ' "$log" | sed 's/\x1b\[[0-9]*m//g' || true
+  sed 's/\x1b\[[0-9]*m//g' "$log" | grep -E '^packages: .* s to| (in|\./run .*:) [0-9]+ s$|^\./run .*: [0-9]+ s$|passed, .* failed|^[^ ]+\.wav: ' || true
   echo "$suite, $name: $((SECONDS - from)) s, exit $code"
   [ "$code" -eq 0 ] || tail -20 "$log"
   return "$code"
@@ -82,7 +83,7 @@ case "$what" in
     git clone -q "$source_tree" "$root/root/ringdown"
     commands=$(sed -n '/^## Start/,/^## [^S]/s/^    //p' "$source_tree/README.md")
     timed readme bash -ec "cd /root/ringdown; $commands"
-    timed test bash -c 'cd /root/ringdown && ./run test'
+    timed test env RINGDOWN_PROOFS="${RINGDOWN_PROOFS:-}" bash -c 'cd /root/ringdown && ./run test'
     ;;
   run)
     git clone -q "$source_tree" "$root/root/ringdown"
