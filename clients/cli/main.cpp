@@ -25,8 +25,9 @@ ExitCode become(const std::string& name, std::vector<std::string> arguments) {
   for (std::string& argument : arguments) words.push_back(argument.data());
   words.push_back(nullptr);
   ::execv(program.c_str(), words.data());
-  return complain({ErrorKind::refused, "cannot run " + program + ": " + std::strerror(errno) +
-                                           "; it is a program of its own, which ./run build builds beside ringdown"});
+  return complain({ErrorKind::refused,
+                   "cannot run " + program + ": " + std::strerror(errno) +
+                       "; it is a program of its own, from ./run build or a package of its own (docs/use/start.md)"});
 }
 
 // A verb that is a program of its own, ringdown-NAME, because it links what this program should not.
