@@ -19,9 +19,10 @@ constexpr std::size_t kMaxRequestBytes = 1024;
 // Replaces httplib's own queue, whose length is not limited.
 class BoundedQueue final : public httplib::TaskQueue {
  public:
-  void enqueue(std::function<void()> task) override {
+  using Outcome = decltype(std::declval<httplib::TaskQueue&>().enqueue({}));  // void; bool in later versions
+  Outcome enqueue(std::function<void()> task) override {
     room_.acquire();
-    pool_.enqueue([this, task = std::move(task)] {
+    return pool_.enqueue([this, task = std::move(task)] {
       task();
       room_.release();
     });
