@@ -8,6 +8,7 @@
 #include "protocol/request.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -62,8 +63,10 @@ class Commands {
   void set_mute(const KnownObject& object, bool on);
   void set_solo(const KnownObject& object, bool on);
 
-  void start_capture(const std::string& path) { send_(protocol::CaptureStart{path}); }
-  void stop_capture() { send_(protocol::CaptureStop{}); }
+  // Records the sound into a file that does not exist yet; nullopt ends the recording.
+  void capture_to(const std::optional<std::string>& path) {
+    path ? send_(protocol::CaptureStart{*path}) : send_(protocol::CaptureStop{});
+  }
   void save_scene(const std::string& path, bool replace) { send_(protocol::SaveScene{path, replace}); }
 
  private:

@@ -24,6 +24,26 @@ constexpr double kWarnEvery_s = 0.5;  // of lost time
 
 tl::unexpected<Error> no_scene() { return fail(ErrorKind::refused, "there is no scene; load one with /scene/load"); }
 
+// Where emitters scatter their bodies at random, a further body before them would change that, so the dropped one
+// becomes an emitter of one body after them.
+void add_dropped(scene::SceneDescription& scene, scene::BodyDescription body, double now_s) {
+  const auto is_taken = [&scene](const std::string& name) {
+    return std::ranges::count(scene.bodies, name, &scene::BodyDescription::name) +
+               std::ranges::count(scene.emitters, name, &scene::EmitterDescription::name) >
+           0;
+  };
+  const std::string kind = std::exchange(body.name, body.name + "-1");
+  for (int number = 2; is_taken(body.name); ++number) body.name = kind + "-" + std::to_string(number);
+  body.start_s = now_s;
+  const bool scatters =
+      std::ranges::any_of(scene.emitters, [](const auto& emitter) { return emitter.body.scatter_m > 0; });
+  if (scatters) {
+    scene.emitters.push_back({.name = body.name, .body = body});
+  } else {
+    scene.bodies.push_back(std::move(body));
+  }
+}
+
 }  // namespace
 
 Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
@@ -95,7 +115,7 @@ Result<scene::BodyId> ScenePlayer::spawn(const std::optional<protocol::ObjectRef
   if (!world_) return no_scene();
   const auto id = world_->spawn(body);
   if (id) {
-    describe_dropped(std::move(body));
+    add_dropped(description_, std::move(body), world_->time_s());
     body_count_ = world_->bodies().size();
     ++version_;
   }
@@ -157,26 +177,6 @@ ScenePlayer::Description ScenePlayer::describe() const {
 std::optional<scene::SceneDescription> ScenePlayer::description() const {
   const std::scoped_lock lock(mutex_);
   return world_ ? std::optional(description_) : std::nullopt;
-}
-
-// Where emitters scatter their bodies at random, a further body before them would change that, so the dropped one
-// becomes an emitter of one body after them.
-void ScenePlayer::describe_dropped(scene::BodyDescription body) {
-  const auto is_taken = [this](const std::string& name) {
-    return std::ranges::count(description_.bodies, name, &scene::BodyDescription::name) +
-               std::ranges::count(description_.emitters, name, &scene::EmitterDescription::name) >
-           0;
-  };
-  const std::string kind = std::exchange(body.name, body.name + "-1");
-  for (int number = 2; is_taken(body.name); ++number) body.name = kind + "-" + std::to_string(number);
-  body.start_s = world_->time_s();
-  const bool scatters =
-      std::ranges::any_of(description_.emitters, [](const auto& emitter) { return emitter.body.scatter_m > 0; });
-  if (scatters) {
-    description_.emitters.push_back({.name = body.name, .body = body});
-  } else {
-    description_.bodies.push_back(std::move(body));
-  }
 }
 
 std::optional<ScenePlayer::Playing> ScenePlayer::playing() const {

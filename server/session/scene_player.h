@@ -130,7 +130,6 @@ class ScenePlayer {
   [[nodiscard]] bool needs_steps() const;
   [[nodiscard]] std::vector<scene::RestDamping> end_contacts();
   void set_dampers(const std::vector<scene::RestDamping>& dampings);
-  void describe_dropped(scene::BodyDescription body);
 
   Rack& rack_;
   BankReader& banks_;

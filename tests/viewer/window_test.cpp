@@ -361,12 +361,12 @@ TEST(Window, WhatIsHeardIsCaptured) {
   OPEN_STUDIO(studio);
   const Model& model = studio.app().model();
   const std::filesystem::path file = studio.folder() / "take.wav";
-  studio.app().commands().start_capture(file.string());
+  studio.app().commands().capture_to(file.string());
   ASSERT_TRUE(studio.until([&] { return model.status() && model.status()->capture; })) << studio.condition();
   studio.app().commands().perform(Action::project_test_force);
   ASSERT_TRUE(studio.until([&] { return model.status()->captured_s > 1; }));
   EXPECT_FALSE(std::filesystem::exists(file));
-  studio.app().commands().stop_capture();
+  studio.app().commands().capture_to(std::nullopt);
   ASSERT_TRUE(studio.until([&] { return !model.status()->capture; }));
   ASSERT_TRUE(std::filesystem::exists(file));
   EXPECT_GT(std::filesystem::file_size(file), 8u * 48000);

@@ -40,7 +40,7 @@ void SavePanel::draw_capture(const Skin& skin, const Model& model, Commands& com
   if (captures) ImGui::PushStyleColor(ImGuiCol_Text, skin.bad);
   if (ImGui::Button(captures ? "End sound" : "Record sound")) {
     if (captures) {
-      commands.stop_capture();
+      commands.capture_to(std::nullopt);
     } else {
       set(sound_, "ringdown-" + time_of_day() + ".wav");
       ImGui::OpenPopup("record sound");
@@ -49,7 +49,7 @@ void SavePanel::draw_capture(const Skin& skin, const Model& model, Commands& com
   if (captures) ImGui::PopStyleColor();
   hint(captures ? "Completes the WAV file" : "Writes what is heard from now on as a WAV file (32-bit float, stereo)");
   if (ImGui::BeginPopup("record sound")) {
-    if (draw_name(sound_, "Record")) commands.start_capture(sound_.data());
+    if (draw_name(sound_, "Record")) commands.capture_to(sound_.data());
     ImGui::EndPopup();
   }
 }
