@@ -13,7 +13,7 @@
 namespace ringdown::protocol {
 
 inline constexpr std::string_view kObjectPrefix = "/object/";  // then its name or number, then what to do with it
-inline constexpr std::uint32_t kMaxNumber = (1u << 24) - 1;  // exact in a float, the only number Pure Data sends
+inline constexpr std::uint32_t kMaxNumber = (1u << 24) - 1;    // exact in a float, the only number Pure Data sends
 
 // "bell" or "3" -> the reference; anything else gives a sentence that quotes it and says what is allowed.
 Result<ObjectRef> parse_object(std::string_view text);

@@ -73,7 +73,9 @@ ExitCode scale(const ScaleArguments& arguments) {
 void add_scale_verb(CLI::App& app, ExitCode& outcome) {
   auto arguments = std::make_shared<ScaleArguments>();
   CLI::App* verb = app.add_subcommand("scale", "Writes a bank in another size or material; exact, without its mesh.");
-  verb->add_option("bank", arguments->bank, "The bank: a .glb file, or the name of a preset.")->type_name("FILE")->required();
+  verb->add_option("bank", arguments->bank, "The bank: a .glb file, or the name of a preset.")
+      ->type_name("FILE")
+      ->required();
   verb->add_option("-o,--output", arguments->output, "The bank to write (.glb).")->type_name("FILE")->required();
   verb->add_option("--size", arguments->size, "How many times as large, in all directions.")
       ->check(manual::between(kMinSize, kMaxSize))

@@ -12,7 +12,8 @@
 //
 // Every reading function stores the key's value in its target; it leaves the target unchanged when the key is absent or
 // the value is wrong. The first error is remembered, reading goes on, and finish() returns the error: so reading code
-// is one straight line. The key `version` of a file is checked here (version.h). Tables are handles on one shared file; copies are cheap. One thread per file.
+// is one straight line. The key `version` of a file is checked here (version.h). Tables are handles on one shared file;
+// copies are cheap. One thread per file.
 #pragma once
 
 #include "engine/base/range.h"

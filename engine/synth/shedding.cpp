@@ -186,7 +186,8 @@ std::size_t Shedding::modes_that_may_enter(double units, const Chunk& chunk) con
 }
 
 void Shedding::apply(ModeStates& states, Level gain, bool look_again, Workspace& workspace) const RINGDOWN_REALTIME {
-  const bool rose = states.set_threshold(workspace.threshold == kNoThreshold ? kNoThreshold : workspace.threshold - gain);
+  const bool rose =
+      states.set_threshold(workspace.threshold == kNoThreshold ? kNoThreshold : workspace.threshold - gain);
   const bool brings_back = look_again || (workspace.recovers && states.cut_short());
   if (!brings_back && !rose) return;
   const ModeStates::Counts before = states.counts();

@@ -25,7 +25,9 @@ struct Arguments {
 };
 
 void add_options(CLI::App& app, Arguments& arguments) {
-  app.add_option("bank", arguments.bank, "The bank: a .glb file, or the name of a preset.")->type_name("FILE")->required();
+  app.add_option("bank", arguments.bank, "The bank: a .glb file, or the name of a preset.")
+      ->type_name("FILE")
+      ->required();
   app.add_option("-o,--output", arguments.output,
                  "The file to write; its ending says which kind. .png and .svg: a picture of mode shapes, the spectrum "
                  "of a blow, and decays. .html: a page with the picture, a view that turns, and the table of modes.")
