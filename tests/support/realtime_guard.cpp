@@ -11,6 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstdarg>
 #include <cstddef>
@@ -76,16 +77,29 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t size) noexce
 }
 }
 
+namespace {
+
+// The `name` that stands behind ours. Not a static local that is initialised once: threads that meet in its
+// initialisation wait by syscall(), which would come back here.
+template <class Function>
+Function next_of(std::atomic<Function>& known, const char* name) {
+  Function next = known.load(std::memory_order_relaxed);
+  if (!next) known.store(next = reinterpret_cast<Function>(::dlsym(RTLD_NEXT, name)), std::memory_order_relaxed);
+  return next;
+}
+
+}  // namespace
+
 // WATCH(counter, result, name, (parameters), (arguments)): stands before `name`, counts, and calls the next `name`. In
 // C++ it is called watched_name and nowhere noexcept, whatever the C library declares: libjack cancels its threads
 // inside such calls, and a cancelled thread unwinds through here, which noexcept would turn into std::terminate().
-#define WATCH(counter, result, name, parameters, arguments)                         \
-  extern "C" result watched_##name parameters __asm__(#name);                       \
-  extern "C" result watched_##name parameters {                                     \
-    note(&Seen::counter, #name);                                                    \
-    using Function = result(*) parameters;                                          \
-    static const auto next = reinterpret_cast<Function>(::dlsym(RTLD_NEXT, #name)); \
-    return next arguments;                                                          \
+#define WATCH(counter, result, name, parameters, arguments)   \
+  extern "C" result watched_##name parameters __asm__(#name); \
+  extern "C" result watched_##name parameters {               \
+    note(&Seen::counter, #name);                              \
+    using Function = result(*) parameters;                    \
+    static constinit std::atomic<Function> known = nullptr;   \
+    return next_of(known, #name) arguments;                   \
   }
 
 WATCH(locks, int, pthread_mutex_lock, (pthread_mutex_t * m), (m))
@@ -137,8 +151,8 @@ extern "C" int watched_open(const char* path, int flags, ...) {
   va_start(rest, flags);
   const mode_t mode = (flags & O_CREAT) ? va_arg(rest, mode_t) : 0;
   va_end(rest);
-  static const auto next = reinterpret_cast<int (*)(const char*, int, ...)>(::dlsym(RTLD_NEXT, "open"));
-  return next(path, flags, mode);
+  static constinit std::atomic<int (*)(const char*, int, ...)> known = nullptr;
+  return next_of(known, "open")(path, flags, mode);
 }
 
 extern "C" long watched_syscall(long number, ...) __asm__("syscall");
@@ -149,8 +163,8 @@ extern "C" long watched_syscall(long number, ...) {
   long a[6];
   for (long& argument : a) argument = va_arg(rest, long);
   va_end(rest);
-  static const auto next = reinterpret_cast<long (*)(long, ...)>(::dlsym(RTLD_NEXT, "syscall"));
-  return next(number, a[0], a[1], a[2], a[3], a[4], a[5]);
+  static constinit std::atomic<long (*)(long, ...)> known = nullptr;
+  return next_of(known, "syscall")(number, a[0], a[1], a[2], a[3], a[4], a[5]);
 }
 
 #endif
