@@ -85,7 +85,7 @@ std::string values_text(const ArgumentSpec& argument, bool is_request) {
 
 constexpr std::string_view kTheSame = "The same.";
 
-// Whether `next` is one more component of the vector, or one more argument of the kind, that `first` begins.
+// Returns whether `next` is one more component of the vector, or one more argument of the kind, that `first` begins.
 bool continues(const ArgumentSpec& first, const ArgumentSpec& next, bool is_request) {
   const bool same =
       next.sentence == "Its y component." || next.sentence == "Its z component." || next.sentence == kTheSame;

@@ -179,7 +179,7 @@ struct RecordStart {  // /record/start
   std::string path;
 };
 struct RecordStop {};  // /record/stop
-// What is heard, as a sound file.
+// The daemon captures what is heard in a sound file.
 struct CaptureStart {  // /capture/start
   std::string path;
 };

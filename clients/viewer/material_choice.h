@@ -1,5 +1,5 @@
-// What an object would sound like in another material of the catalogue (`ringdown materials`), as far as its bank
-// allows. [UI]
+// The choice of another material for an object, from the catalogue (`ringdown materials`): which factors make its bank
+// sound so, and how far the bank allows it. [UI]
 //
 // Young's modulus, density and Rayleigh's two constants of a bank can be scaled, exactly (modal/material_scale.h).
 // Poisson's ratio cannot: it stays that of the bank until the object is baked anew. What this does to the pitch depends
@@ -23,7 +23,7 @@ struct MaterialChoice {
   std::string reservation;  // one sentence on what a bank cannot follow beside Poisson's ratio; empty: nothing
 };
 
-// What it takes to make an object of material `bank` one of material `wanted`.
+// Returns the factors that make an object of material `bank` one of material `wanted`.
 MaterialChoice choice_of(const modal::Material& bank, const modal::Material& wanted);
 
 // The materials of the catalogue in the order of their names; empty where there is no catalogue. Files that cannot be

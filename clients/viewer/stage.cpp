@@ -159,8 +159,8 @@ void Stage::add_bodiless(Model& model, const Commands& commands, double now_s) {
   }
 }
 
-// Where the objects without a body begin: on the ground, to the right of all bodies that the scene has had so far, so
-// that bodies in motion do not push them about.
+// Returns where the objects without a body begin: on the ground, to the right of all bodies that the scene has had so
+// far, so that bodies in motion do not push them about.
 glm::vec3 Stage::beside_scene(const Model& model) {
   constexpr float kGap_m = 0.1F;
   const std::string scene = model.scene().description().file.value_or("");

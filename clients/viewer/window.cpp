@@ -63,7 +63,7 @@ std::string base_name(int key, int scancode) {
   return name == "+" ? "=" : name;
 }
 
-// Whether a key acts while the user types into a text field.
+// Returns whether a key acts while the user types into a text field.
 bool acts_on_text(std::string_view key) { return key == "ctrl+tab" || (key.size() > 1 && key[0] == 'F'); }
 
 // The TrueType file of the font that fontconfig gives for "sans"; nothing where there is none, and ImGui's own is used.

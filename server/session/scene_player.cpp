@@ -24,8 +24,8 @@ constexpr double kWarnEvery_s = 0.5;  // of lost time
 
 tl::unexpected<Error> no_scene() { return fail(ErrorKind::refused, "there is no scene; load one with /scene/load"); }
 
-// Where emitters scatter their bodies at random, a further body before them would change that, so the dropped one
-// becomes an emitter of one body after them.
+// The dropped body becomes a [[body]] of the scene. Where emitters scatter their bodies at random, a further body
+// before them would change these places, so there it becomes an emitter of one body after them.
 void add_dropped(scene::SceneDescription& scene, scene::BodyDescription body, double now_s) {
   const auto is_taken = [&scene](const std::string& name) {
     return std::ranges::count(scene.bodies, name, &scene::BodyDescription::name) +

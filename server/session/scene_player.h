@@ -105,7 +105,7 @@ class ScenePlayer {
   };
   [[nodiscard]] std::optional<Playing> playing() const;
 
-  // What the scene's file says, without bodies that were cleared and with those that were dropped, which enter at the
+  // Returns the scene's file, without bodies that were cleared and with those that were dropped, which enter at the
   // time at which they were; nullopt when there is no scene. [any but audio]
   [[nodiscard]] std::optional<scene::SceneDescription> description() const;
 

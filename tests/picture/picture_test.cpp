@@ -1,4 +1,4 @@
-// What `ringdown picture` writes, read by other programs: Python's libraries, and node.
+// These tests have other programs, Python's libraries and node, read the files that `ringdown picture` writes.
 #include "clients/cli/picture/answer.h"
 #include "clients/cli/picture/bank_page.h"
 #include "clients/cli/picture/shape_view.h"
