@@ -3,6 +3,7 @@
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Object.h>
 #include <CGAL/Simple_cartesian.h>
 #include <Eigen/Geometry>
 
@@ -57,7 +58,8 @@ double SurfaceRays::inward(Eigen::Index triangle) const {
   const auto hit = tree_->boxes.first_intersection(DistanceKernel::Ray_3(middle, -normal),
                                                    [self](const auto& primitive) { return primitive == self; });
   if (!hit) return none;
-  const Point* at = boost::get<Point>(&hit->first);
+  const CGAL::Object met(hit->first);  // made of the variant that CGAL 5 takes from Boost, and CGAL 6 from std
+  const Point* at = CGAL::object_cast<Point>(&met);
   return at ? std::sqrt(CGAL::squared_distance(middle, *at)) : none;
 }
 
