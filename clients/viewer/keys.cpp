@@ -98,10 +98,10 @@ std::string key_name(std::string_view base, bool control, bool shift) {
 std::string keys_as_markdown() {
   std::string text;
   for (const Pane pane : kPanesWithKeys) {
-    text.append("\n### ").append(heading_of(pane)).append("\n\n| key | what it does |\n|---|---|\n");
+    text.append("\n### ").append(heading_of(pane)).append("\n\n");
     for (const Binding& binding : kBindings) {
       if (binding.pane != pane) continue;
-      text.append("| `").append(binding.key).append("` | ").append(binding.sentence).append(" |\n");
+      text.append("- `").append(binding.key).append("`: ").append(binding.sentence).append("\n");
     }
   }
   return text;

@@ -103,7 +103,7 @@ std::optional<Binding> binding_for(Pane focused, std::string_view key);
 // The name of a key with its modifiers. `base` is an upper-case letter, a digit or sign, or "space", "escape", "F1" ...
 std::string key_name(std::string_view base, bool control, bool shift);
 
-// The table as Markdown, for docs/use/window.md.
+// The table as lists in Markdown, for docs/use/window.md.
 std::string keys_as_markdown();
 
 }  // namespace ringdown::viewer
