@@ -1,12 +1,15 @@
 // Modal analysis against exact values and against other programs: how far off, how long, how much memory.
 //
 //   ringdown_modal_bench -o build/bench/modal.csv [--gate] [--quick] [--only PART] [--case BODY] [--limit S] [--resume]
+//                        [--object FILE] [--bank FILE] [--all] [--by-mode FILE]
 //
 // `./run bench modal` runs it; docs/how/benchmarks.md reads it. Every measurement is a process of its own (this program
 // with `single`), held to as many cores as its row says, so that times and peak memory are its alone. The CSV is
 // written again after each one: a run that is cut short is taken up by --resume.
 #include "engine/base/child_process.h"
+#include "engine/base/content_cache.h"
 #include "tests/bench/machine.h"
+#include "tests/bench/modal/amplitude.h"
 #include "tests/bench/modal/methods.h"
 #include "tests/bench/modal/plan.h"
 
@@ -30,6 +33,7 @@ struct Arguments {
   std::vector<std::string> only, cases;
   bool gate = false, quick = false, resume = false;
   double limit_s = 900;
+  bench::AmplitudePlan amplitude;
   // of a measuring process
   bool single = false;
   bench::Spec spec;
@@ -45,10 +49,16 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("-o,--output", a.output, "the CSV to write; files of single measurements lie beside it");
   app.add_flag("--gate", a.gate, "exit with 1 when a promise is missed");
   app.add_flag("--quick", a.quick, "small meshes: shows that everything runs, promises nothing");
-  app.add_option("--only", a.only, "parts: default agreement peers threads many memory choice series");
+  app.add_option("--only", a.only, "parts: default agreement peers threads many memory choice series amplitude");
   app.add_option("--case", a.cases, "bodies: block plate sphere bell soft-block bar");
   app.add_option("--limit", a.limit_s, "seconds each measurement may take (default 900)");
   app.add_flag("--resume", a.resume, "keep what an earlier run measured");
+  app.add_option("--object", a.amplitude.objects, "amplitude: object files instead of six presets");
+  app.add_flag("--all", a.amplitude.all, "amplitude: all presets");
+  app.add_option("--bank", a.amplitude.bank, "amplitude: a bank of the object to measure beside the one that is baked");
+  app.add_option("--points", a.amplitude.most_points, "amplitude: surface points of baked banks");
+  app.add_option("--by-mode", a.amplitude.by_mode, "amplitude: a .tsv to write with a line for each mode");
+  app.add_option("--cache", a.amplitude.cache, "amplitude: folder of solutions (default: that of ringdown-bake)");
   CLI::App* single = app.add_subcommand("single", "one measurement, in this process")->group("");
   single->add_option("--body", a.spec.body);
   single->add_option("--mesh", a.spec.mesh);
@@ -145,10 +155,11 @@ void show(const bench::Measurement& m) {
   std::fflush(stdout);
 }
 
+bool chosen(const std::vector<std::string>& names, const std::string& name) {
+  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
+
 bool wanted(const Arguments& a, const bench::Spec& planned) {
-  const auto chosen = [](const std::vector<std::string>& names, const std::string& name) {
-    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
-  };
   return chosen(a.only, planned.part) && chosen(a.cases, planned.body);
 }
 
@@ -199,6 +210,22 @@ bool measure_all(const Arguments& a, const std::vector<bench::Spec>& plan, bench
   return save(a, plan, all);
 }
 
+// False when there is something that could not be measured.
+bool measure_strikes(const Arguments& a, std::vector<bench::Promise>& promises) {
+  bench::AmplitudePlan plan = a.amplitude;
+  plan.quick = a.quick;
+  plan.folder = a.folder();
+  plan.csv = a.output.parent_path() / (a.output.stem().string() + "-amplitude.csv");
+  if (plan.cache.empty()) plan.cache = cache_folder().value_or(a.folder() / "cache");
+  const auto measured = bench::measure_amplitudes(plan);
+  if (measured) {
+    promises.insert(promises.end(), measured->begin(), measured->end());
+  } else {
+    std::fprintf(stderr, "%s\n", measured.error().message.c_str());
+  }
+  return measured.has_value();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -213,7 +240,9 @@ int main(int argc, char** argv) {
   bench::Measurements all;
   if (!measure_all(arguments, plan, all)) return 1;
   std::erase_if(plan, [&](const bench::Spec& planned) { return !wanted(arguments, planned); });
-  const bool kept = bench::report(promises(plan, all, arguments.quick));
+  std::vector<bench::Promise> list = promises(plan, all, arguments.quick);
+  if (chosen(arguments.only, "amplitude") && !measure_strikes(arguments, list)) return 1;
+  const bool kept = bench::report(list);
   std::printf("\n%s\n", arguments.output.c_str());
   return arguments.gate && !kept ? 1 : 0;
 }
