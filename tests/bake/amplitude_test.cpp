@@ -1,10 +1,11 @@
-// The oracle for strikes between sample points: that it is right about cases whose answer is known, and what it says of
-// a bank with all points.
+// The oracles for banks: that they are right about cases whose answer is known, and what they say of a bank with all
+// points.
 #include "tests/bake/amplitude_error.h"
 
 #include "engine/mesh/boundary.h"
 #include "engine/mesh/gmsh_reader.h"
 #include "engine/modal/bank_file.h"
+#include "tests/bake/bank_surface.h"
 #include "tests/fem/sample_meshes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -221,6 +222,40 @@ TEST(AmplitudeError, ABankOfAnotherBodyIsRefused) {
   const auto errors = test::amplitude_errors(bank, solution);
   ASSERT_FALSE(errors);
   EXPECT_NE(errors.error().message.find("its mode at 200.000040 Hz is not in the solution"), std::string::npos);
+}
+
+// A box's surface is whole and well shaped; then it loses a triangle, has a node moved onto another, and a corner
+// pulled.
+TEST(BankSurface, HolesFlatTrianglesAndLostVolumeAreCounted) {
+  modal::Bank box = whole_bank(solution_of(mesh::to_order(test::box_mesh({6, 4, 1}, kBox), 2), kLinear));
+  box.material = modal::Material{"water", 1, 0, 1000, {}};
+  box.mass = modal::MassProperties{.mass_kg = 1000 * kBox.prod()};
+  const test::BankSurface whole = test::look_at_surface(box);
+  EXPECT_EQ(whole.open_edges, 0u);
+  EXPECT_EQ(whole.flat, 0u);
+  EXPECT_EQ(whole.needles, 0u);
+  EXPECT_NEAR(whole.least_angle_deg, 45, 1e-3);
+  EXPECT_NEAR(whole.volume_error, 0, 1e-6);
+
+  modal::Bank open = box;
+  open.triangles.pop_back();
+  EXPECT_EQ(test::look_at_surface(open).open_edges, 3u);
+
+  modal::Bank flat = box;
+  const auto inner = std::find_if(box.triangles.begin(), box.triangles.end(), [&](const auto& triangle) {
+    return std::all_of(triangle.begin(), triangle.end(), [&](std::uint32_t p) {
+      const modal::Vec3f& at = box.positions[p];
+      return at[2] == 0 && at[0] > 0.01 && at[0] < 0.29 && at[1] > 0.01 && at[1] < 0.19;
+    });
+  });
+  ASSERT_NE(inner, box.triangles.end());
+  flat.positions[(*inner)[0]] = box.positions[(*inner)[1]];
+  EXPECT_GE(test::look_at_surface(flat).flat, 2u);
+  EXPECT_GE(test::look_at_surface(flat).needles, 2u);
+
+  modal::Bank larger = box;
+  for (modal::Vec3f& at : larger.positions) at[2] *= 1.02F;
+  EXPECT_NEAR(test::look_at_surface(larger).volume_error, 0.02, 1e-5);
 }
 
 // A body, its modes in a cache, and its bank as written and read back.

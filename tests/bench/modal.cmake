@@ -5,7 +5,7 @@ find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
 find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
 find_path(OPENBLAS_INCLUDE_DIR openblas_config.h PATH_SUFFIXES openblas openblas-pthread REQUIRED)
 add_executable(ringdown_modal_bench modal_bench.cpp machine.cpp promise.cpp
-               ../bake/amplitude_error.cpp ../bake/curved_skin.cpp modal/amplitude.cpp modal/bodies.cpp modal/calculix.cpp
+               ../bake/amplitude_error.cpp ../bake/bank_surface.cpp ../bake/curved_skin.cpp modal/amplitude.cpp modal/bodies.cpp modal/calculix.cpp
                modal/measurement.cpp modal/methods.cpp modal/plan.cpp modal/promises.cpp modal/spectra_cholmod.cpp)
 target_link_libraries(ringdown_modal_bench PRIVATE ringdown_options ringdown_presets ringdown_solve ${CHOLMOD_LIBRARY}
                       CLI11::CLI11)

@@ -4,6 +4,7 @@
 #include "engine/bake/material_library.h"
 #include "engine/modal/bank_file.h"
 #include "tests/bake/amplitude_error.h"
+#include "tests/bake/bank_surface.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -21,6 +22,7 @@ struct Row {
   std::size_t points = 0, triangles = 0, modes = 0;
   std::uintmax_t bytes = 0;
   test::AmplitudeErrors errors;
+  test::BankSurface surface;
 };
 
 std::vector<fs::path> objects_of(const AmplitudePlan& plan) {
@@ -81,7 +83,8 @@ Result<Row> measure_bank(const fs::path& file, const test::Solution& solution,
              .triangles = bank->triangles.size(),
              .modes = bank->mode_count(),
              .bytes = fs::file_size(file),
-             .errors = std::move(*errors)};
+             .errors = std::move(*errors),
+             .surface = test::look_at_surface(*bank)};
 }
 
 // `file` again, for the frequencies that belong to row.errors.by_mode.
@@ -97,21 +100,24 @@ void write_modes(std::ofstream& out, const Row& row, const fs::path& file) {
 
 void show(const Row& row) {
   const test::AmplitudeErrors& e = row.errors;
-  std::printf(
-      "%-18s %-6s %6zu points %6zu triangles %5zu modes %9ju bytes  median %6.2f %%  largest %6.1f %%  region %6.1f %% "
-      "(median %.1f %%, near %.4g %.4g %.4g)\n",
-      row.object.c_str(), row.bank.c_str(), row.points, row.triangles, row.modes, row.bytes, 100 * e.median,
-      100 * e.largest, 100 * e.worst_region, 100 * e.worst_region_median, e.worst_place[0], e.worst_place[1],
-      e.worst_place[2]);
+  const test::BankSurface& s = row.surface;
+  std::printf("%-18s %-6s %6zu points %6zu triangles %5zu modes %9ju bytes  median %6.2f %%  largest %6.1f %%  ",
+              row.object.c_str(), row.bank.c_str(), row.points, row.triangles, row.modes, row.bytes, 100 * e.median,
+              100 * e.largest);
+  std::printf("region %6.1f %% (median %.1f %%, near %.4g %.4g %.4g)  ", 100 * e.worst_region,
+              100 * e.worst_region_median, e.worst_place[0], e.worst_place[1], e.worst_place[2]);
+  std::printf("volume %+.2f %%, %zu open edges, %zu flat, %zu needles\n", 100 * s.volume_error, s.open_edges, s.flat,
+              s.needles);
   std::fflush(stdout);
 }
 
 std::string as_csv(const Row& row) {
   const test::AmplitudeErrors& e = row.errors;
-  char text[256];
-  std::snprintf(text, sizeof text, "%s,%s,%zu,%zu,%zu,%ju,%.5f,%.5f,%.5f,%.5f\n", row.object.c_str(), row.bank.c_str(),
-                row.points, row.triangles, row.modes, row.bytes, e.median, e.largest, e.worst_region,
-                e.worst_region_median);
+  const test::BankSurface& s = row.surface;
+  char text[300];
+  std::snprintf(text, sizeof text, "%s,%s,%zu,%zu,%zu,%ju,%.5f,%.5f,%.5f,%.5f,%.5f,%zu,%zu,%zu\n", row.object.c_str(),
+                row.bank.c_str(), row.points, row.triangles, row.modes, row.bytes, e.median, e.largest, e.worst_region,
+                e.worst_region_median, s.volume_error, s.open_edges, s.flat, s.needles);
   return text;
 }
 
@@ -126,7 +132,8 @@ void add_promises(std::vector<Promise>& promises, const Row& row) {
 
 Result<std::vector<Promise>> measure_amplitudes(const AmplitudePlan& plan) {
   std::ofstream csv(plan.csv), modes;
-  csv << "object,bank,points,triangles,modes,bytes,median,largest,region,region_median\n";
+  csv << "object,bank,points,triangles,modes,bytes,median,largest,region,region_median,volume,open_edges,flat,"
+         "needles\n";
   if (!plan.by_mode.empty()) modes.open(plan.by_mode);
   std::vector<Promise> promises;
   for (const fs::path& object : objects_of(plan)) {
