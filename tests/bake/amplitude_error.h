@@ -52,9 +52,10 @@ struct AmplitudeSampling {
   int seeds = 5;
 };
 
-// A bank's file keeps frequencies as 32-bit floats. So a mode of a bank may be any of the solution whose frequency is
-// the same to this share; among several the one with the larger inner product is taken.
-inline constexpr double kSameFrequency = 1e-7;
+// A mode of a bank may be any of the solution whose frequency is the same to this share: a bank's file keeps
+// frequencies as 32-bit floats, and a solver with other threads finds others in the seventh digit. Among several the
+// one with the larger inner product is taken.
+inline constexpr double kSameFrequency = 1e-6;
 
 // Fails when a mode of the bank is not in the solution. The sign of a mode is the bank's choice: here it is the one
 // that makes the inner product with the truth positive.

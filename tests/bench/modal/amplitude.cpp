@@ -21,6 +21,7 @@ struct Row {
   std::string object, bank;  // bank: "baked", "preset" or "given"
   std::size_t points = 0, triangles = 0, modes = 0;
   std::uintmax_t bytes = 0;
+  std::vector<double> frequency_hz;  // of each mode
   test::AmplitudeErrors errors;
   test::BankSurface surface;
 };
@@ -50,31 +51,12 @@ fs::path preset_bank(const fs::path& object) {
   return !error && fs::exists(bank) ? bank : fs::path();
 }
 
-struct BakedBody {
-  modal::Bank bank;
-  test::Solution solution;
-};
-
-Result<BakedBody> bake_body(const fs::path& object, const AmplitudePlan& plan) {
-  auto recipe = bake::read_object(object);
-  if (!recipe) return fail(recipe.error());
-  recipe->options.cache = plan.cache;
-  if (plan.most_points > 0) recipe->options.most_points = plan.most_points;
-  const auto baked = bake::bake_object(*recipe, kPresets / "materials");
-  if (!baked) return fail(baked.error());
-  if (!baked->baked.report.cache_trouble.empty())
-    return fail(ErrorKind::input_output, baked->baked.report.cache_trouble);
-  bake::BakeOptions options = recipe->options;
-  options.element = baked->rounds.back().element;
-  auto solution = test::kept_solution(baked->mesh.mesh, *baked->baked.bank.material, options);
-  if (!solution) return fail(solution.error().kind, recipe->name + ": " + solution.error().message);
-  return BakedBody{baked->baked.bank, std::move(*solution)};
-}
-
-Result<Row> measure_bank(const fs::path& file, const test::Solution& solution,
-                         const test::AmplitudeSampling& sampling) {
+// The bank in `file`, beside the solution it should agree with.
+Result<Row> measure_bank(const fs::path& file, const test::Solution& solution, bool quick) {
   const auto bank = modal::read_bank(file);
   if (!bank) return fail(bank.error());
+  test::AmplitudeSampling sampling;
+  if (quick) sampling.points /= 10;
   auto errors = test::amplitude_errors(*bank, solution, sampling);
   if (!errors) return fail(errors.error());
   return Row{.object = {},
@@ -83,18 +65,29 @@ Result<Row> measure_bank(const fs::path& file, const test::Solution& solution,
              .triangles = bank->triangles.size(),
              .modes = bank->mode_count(),
              .bytes = fs::file_size(file),
+             .frequency_hz = bank->frequency_hz,
              .errors = std::move(*errors),
              .surface = test::look_at_surface(*bank)};
 }
 
-// `file` again, for the frequencies that belong to row.errors.by_mode.
-void write_modes(std::ofstream& out, const Row& row, const fs::path& file) {
-  const auto bank = modal::read_bank(file);
-  if (!bank) return;
-  for (std::size_t m = 0; m < bank->mode_count(); ++m) {
+// Bakes into `file`, and returns what the bake has solved.
+Result<test::Solution> bake_into(const fs::path& file, bake::ObjectRecipe recipe) {
+  const auto object = bake::bake_object(recipe, kPresets / "materials");
+  if (!object) return fail(object.error());
+  const bake::Baked& baked = object->baked;
+  if (!baked.report.cache_trouble.empty()) return fail(ErrorKind::input_output, baked.report.cache_trouble);
+  if (auto written = modal::write_bank(baked.bank, file); !written) return fail(written.error());
+  recipe.options.element = object->rounds.back().element;
+  auto solution = test::kept_solution(object->mesh.mesh, *baked.bank.material, recipe.options);
+  if (!solution) return fail(solution.error().kind, recipe.name + ": " + solution.error().message);
+  return solution;
+}
+
+void write_modes(std::ofstream& out, const Row& row) {
+  for (std::size_t m = 0; m < row.modes; ++m) {
     char text[64];
-    std::snprintf(text, sizeof text, "%.6f\t%.5f\n", bank->frequency_hz[m], row.errors.by_mode[m]);
-    out << row.object << '\t' << row.bank << '\t' << text;
+    std::snprintf(text, sizeof text, "\t%zu\t%.6f\t%.5f\n", row.points, row.frequency_hz[m], row.errors.by_mode[m]);
+    out << row.object << '\t' << row.bank << text;
   }
 }
 
@@ -128,41 +121,65 @@ void add_promises(std::vector<Promise>& promises, const Row& row) {
   promises.push_back(at_most(what + "the worst region", 100 * row.errors.worst_region, 10, " %"));
 }
 
+class Measuring {
+ public:
+  explicit Measuring(const AmplitudePlan& plan) : plan_(plan), csv_(plan.csv) {
+    csv_ << "object,bank,points,triangles,modes,bytes,median,largest,region,region_median,volume,open_edges,flat,"
+            "needles\n";
+    if (!plan.by_mode.empty()) modes_.open(plan.by_mode);
+  }
+
+  void measure(const fs::path& object) {
+    const auto recipe = bake::read_object(object);
+    if (!recipe) return miss(recipe.error());
+    const fs::path beside = plan_.bank.empty() ? preset_bank(object) : plan_.bank;
+    const fs::path file = plan_.folder / (object.stem().string() + ".glb");
+    std::vector<std::size_t> sizes = plan_.most_points;
+    if (sizes.empty()) sizes = {recipe->options.most_points};
+    for (const std::size_t size : sizes) {
+      bake::ObjectRecipe sized = *recipe;
+      sized.options.cache = plan_.cache;
+      sized.options.most_points = size;
+      const auto solution = bake_into(file, sized);
+      if (!solution) return miss(solution.error());
+      take(object, "baked", measure_bank(file, *solution, plan_.quick));
+      if (size != sizes.back() || beside.empty()) continue;
+      take(object, plan_.bank.empty() ? "preset" : "given", measure_bank(beside, *solution, plan_.quick));
+    }
+  }
+
+  Result<std::vector<Promise>> finished() {
+    if (!csv_.flush()) return fail(ErrorKind::input_output, "cannot write " + plan_.csv.string());
+    return promises_;
+  }
+
+ private:
+  void miss(const Error& error) {
+    std::printf("%s\n", error.message.c_str());
+    promises_.push_back({error.message, Promise::kMissed});
+  }
+
+  void take(const fs::path& object, const std::string& bank, Result<Row> row) {
+    if (!row) return miss(row.error());
+    row->object = object.stem().string();
+    row->bank = bank;
+    show(*row);
+    csv_ << as_csv(*row) << std::flush;
+    if (modes_.is_open()) write_modes(modes_, *row);
+    if (!plan_.quick) add_promises(promises_, *row);
+  }
+
+  const AmplitudePlan& plan_;
+  std::ofstream csv_, modes_;
+  std::vector<Promise> promises_;
+};
+
 }  // namespace
 
 Result<std::vector<Promise>> measure_amplitudes(const AmplitudePlan& plan) {
-  std::ofstream csv(plan.csv), modes;
-  csv << "object,bank,points,triangles,modes,bytes,median,largest,region,region_median,volume,open_edges,flat,"
-         "needles\n";
-  if (!plan.by_mode.empty()) modes.open(plan.by_mode);
-  std::vector<Promise> promises;
-  for (const fs::path& object : objects_of(plan)) {
-    const auto body = bake_body(object, plan);
-    if (!body) return fail(body.error());
-    const fs::path baked = plan.folder / (object.stem().string() + ".glb");
-    if (auto written = modal::write_bank(body->bank, baked); !written) return fail(written.error());
-    std::vector<std::pair<std::string, fs::path>> banks = {{"baked", baked}};
-    const fs::path preset = preset_bank(object);
-    if (!plan.bank.empty()) {
-      banks.emplace_back("given", plan.bank);
-    } else if (!preset.empty()) {
-      banks.emplace_back("preset", preset);
-    }
-    for (const auto& [kind, file] : banks) {
-      test::AmplitudeSampling sampling;
-      if (plan.quick) sampling.points /= 10;
-      auto row = measure_bank(file, body->solution, sampling);
-      if (!row) return fail(row.error());
-      row->object = object.stem().string();
-      row->bank = kind;
-      show(*row);
-      csv << as_csv(*row) << std::flush;
-      if (modes.is_open()) write_modes(modes, *row, file);
-      if (!plan.quick) add_promises(promises, *row);
-    }
-  }
-  if (!csv) return fail(ErrorKind::input_output, "cannot write " + plan.csv.string());
-  return promises;
+  Measuring measuring(plan);
+  for (const fs::path& object : objects_of(plan)) measuring.measure(object);
+  return measuring.finished();
 }
 
 }  // namespace ringdown::bench

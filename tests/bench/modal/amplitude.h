@@ -17,13 +17,14 @@ struct AmplitudePlan {
   std::filesystem::path cache;                 // folder of solutions
   std::filesystem::path folder;                // for the banks that are baked
   std::filesystem::path csv;                   // a row for each bank
-  std::filesystem::path by_mode;               // tsv: object, bank, frequency [Hz], error of each mode; empty: none
-  std::size_t most_points = 0;                 // of a baked bank, instead of the object's; 0: the object's
+  std::filesystem::path by_mode;         // tsv: object, bank, points, frequency [Hz], error of each mode; empty: none
+  std::vector<std::size_t> most_points;  // of baked banks, one of each, instead of the object's; empty: the object's
 };
 
 // Bakes each object, and measures the bank as written and read back, and the preset's bank beside it when there is one
 // (amplitude_error.h). Prints a line and writes a row for each. Promises a median of the modes of at most 3 %, and no
-// mode and no region above 10 %. Fails when an object cannot be baked or a file not be written.
+// mode and no region above 10 %; an object that cannot be baked or measured misses its promise. Fails when the CSV
+// cannot be written.
 Result<std::vector<Promise>> measure_amplitudes(const AmplitudePlan& plan);
 
 }  // namespace ringdown::bench
