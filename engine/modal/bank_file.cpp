@@ -14,6 +14,9 @@ namespace {
 
 constexpr const char* kExtension = "KHR_audio_rigid_bodies";
 constexpr std::size_t kMaxTriangleCorners = 6 * kMaxPoints;
+constexpr double kStepsPerRms = 64;
+constexpr float kMaxRoundedShape = 1e24F;  // kg^-1/2; far from any body, but a file may say it
+static_assert(kMaxUnpackedBytes == kMaxBankFileBytes);
 constexpr double kMaxNodeScale = 1000;  // and its inverse: a bell of a millimetre up to one of a kilometre
 
 std::vector<Vec3f> as_vectors(const std::vector<float>& values) {
@@ -224,6 +227,45 @@ Result<void> read_triangles(const Glb& glb, const Field& reference, Bank& bank) 
   return {};
 }
 
+// The largest power of two that is at most 1 / kStepsPerRms of the rms of the numbers.
+int step_exponent(std::span<const double> numbers) {
+  double sum = 0;
+  for (const double x : numbers) sum += x * x;
+  const double step = std::sqrt(sum / static_cast<double>(numbers.size())) / kStepsPerRms;
+  return step > 0 ? std::clamp(std::ilogb(step), -kMaxExponent, kMaxExponent) : -kMaxExponent;
+}
+
+// One mode's shape, rounded to whole multiples of its step. Rounding may raise the rms enough to ask for twice the
+// step; then that one is used, so that numbers which have been rounded once are left as they are.
+std::vector<std::uint32_t> rounded(std::span<const float> shape) {
+  std::vector<double> numbers(shape.begin(), shape.end());
+  std::vector<std::int32_t> whole(shape.size());
+  int exponent = 0, wanted = step_exponent(numbers);
+  do {
+    exponent = wanted;
+    const double step = std::ldexp(1.0, exponent);
+    for (std::size_t i = 0; i < shape.size(); ++i) {
+      whole[i] = static_cast<std::int32_t>(std::lround(static_cast<double>(shape[i]) / step));
+      numbers[i] = whole[i] * step;
+    }
+    wanted = step_exponent(numbers);
+  } while (wanted > exponent);
+  return exponential_words(whole, exponent);
+}
+
+std::size_t add_rounded_shapes(GlbWriter& writer, const Bank& bank) {
+  const std::span<const float> shapes = as_floats(bank.shapes);
+  const auto fits = [](float x) { return std::abs(x) < kMaxRoundedShape; };
+  if (!std::all_of(shapes.begin(), shapes.end(), fits)) return writer.add_packed_floats(shapes, 3);
+  std::vector<std::uint32_t> words;
+  words.reserve(shapes.size());
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const std::vector<std::uint32_t> mode = rounded(shapes.subspan(m * 3 * bank.point_count(), 3 * bank.point_count()));
+    words.insert(words.end(), mode.begin(), mode.end());
+  }
+  return writer.add_exponentials(words, 3);
+}
+
 Json mass_json(const MassProperties& mass) {
   const auto triple = [](Vec3 v) { return Json::array({v.x, v.y, v.z}); };
   return {{"mass", mass.mass_kg},
@@ -303,23 +345,26 @@ Result<Bank> read_bank(const std::filesystem::path& path) {
   return parse_bank(std::as_bytes(std::span(*text)), path.string());
 }
 
-Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std::string_view input_hash) {
+Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std::string_view input_hash,
+                        Compression compression) {
+  const bool packed = compression == Compression::meshopt;
   GlbWriter writer;
   const std::vector<float> frequencies(bank.frequency_hz.begin(), bank.frequency_hz.end());
   const std::vector<float> decays(bank.decay_per_s.begin(), bank.decay_per_s.end());
-  const std::size_t positions = writer.add_floats(as_floats(bank.positions), 3, GlbWriter::Use::vertices);
+  const auto add_positions = packed ? &GlbWriter::add_packed_floats : &GlbWriter::add_floats;
+  const std::size_t positions = (writer.*add_positions)(as_floats(bank.positions), 3, GlbWriter::Use::vertices);
   Json model = {{"name", bank.name},
                 {"positions", positions},
                 {"frequencies", writer.add_floats(frequencies, 1)},
                 {"decayRates", writer.add_floats(decays, 1)},
-                {"shapes", writer.add_floats(as_floats(bank.shapes), 3)},
+                {"shapes", packed ? add_rounded_shapes(writer, bank) : writer.add_floats(as_floats(bank.shapes), 3)},
                 {"extras", {{"ringdown", provenance_json(bank.provenance)}}}};
   if (!bank.frequency_error.empty()) model["extras"]["ringdown"]["frequencyErrors"] = bank.frequency_error;
   if (!input_hash.empty()) model["extras"]["ringdown"]["inputHash"] = input_hash;
   Json primitive = {{"attributes", {{"POSITION", positions}}}, {"mode", 0}};
   if (!bank.triangles.empty()) {
     const std::span corners(bank.triangles.front().data(), 3 * bank.triangles.size());
-    model["indices"] = primitive["indices"] = writer.add_indices(corners);
+    model["indices"] = primitive["indices"] = packed ? writer.add_packed_indices(corners) : writer.add_indices(corners);
     primitive["mode"] = 4;
   }
   Json extension = {{"modalModels", Json::array()}};

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -19,8 +20,14 @@ std::uint32_t word_at(std::span<const std::byte> bytes, std::size_t offset) {
   return word;
 }
 
-// The elements of an accessor in the binary, after every bound was checked.
+const std::string kMeshopt = "EXT_meshopt_compression";
+// In the order of MeshoptMode and MeshoptFilter.
+constexpr std::array kModes = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
+constexpr std::array kFilters = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
+
+// The elements of an accessor, after every bound was checked: in the binary, or in `unpacked` if they were compressed.
 struct Elements {
+  std::vector<std::byte> unpacked;
   const std::byte* first = nullptr;
   std::size_t count = 0, stride = 0;
   std::size_t component_type = 0;
@@ -40,6 +47,67 @@ std::size_t component_size(std::size_t type) {
   }
 }
 
+// The bytes of the binary chunk that `slice` names: a buffer view, or the extension's object in one.
+Result<std::span<const std::byte>> bytes_of(const Glb& glb, const Field& slice) {
+  const auto buffer = slice["buffer"].index(), offset = slice["byteOffset"].index_or(0);
+  const auto length = slice["byteLength"].index();
+  for (const auto* value : {&buffer, &offset, &length}) {
+    if (!*value) return fail(value->error());
+  }
+  if (*buffer != 0) return slice["buffer"].wrong("0, the file's own binary chunk");
+  const Field chunk = glb.root()["buffers"][0];
+  if (chunk["uri"].present()) return chunk["uri"].wrong("absent: the data must be inside the .glb file");
+  if (*offset > glb.binary.size() || *length > glb.binary.size() - *offset) {
+    return slice["byteLength"].wrong("inside the binary chunk of " + std::to_string(glb.binary.size()) + " bytes");
+  }
+  return glb.binary.subspan(*offset, *length);
+}
+
+// Which of `names` the field says.
+template <std::size_t N>
+Result<std::size_t> choice(const Field& field, const std::array<const char*, N>& names) {
+  const auto found = std::find(names.begin(), names.end(), field.text_or(""));
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  std::string expectation;
+  for (const char* name : names) expectation += std::string(expectation.empty() ? "" : " or ") + '"' + name + '"';
+  return field.wrong(expectation);
+}
+
+// The `length` bytes of a compressed buffer view. The view's own `buffer` names a place for them that need not exist.
+Result<std::vector<std::byte>> unpack_view(const Glb& glb, const Field& view, std::size_t length) {
+  const Field packing = view["extensions"][kMeshopt];
+  const auto stream = bytes_of(glb, packing);
+  if (!stream) return fail(stream.error());
+  const auto mode = choice(packing["mode"], kModes);
+  const auto filter = packing["filter"].present() ? choice(packing["filter"], kFilters) : Result<std::size_t>(0);
+  const auto count = packing["count"].index(), stride = packing["byteStride"].index();
+  for (const auto* value : {&mode, &filter, &count, &stride}) {
+    if (!*value) return fail(value->error());
+  }
+  const MeshoptLayout layout{.mode = static_cast<MeshoptMode>(*mode),
+                             .filter = static_cast<MeshoptFilter>(*filter),
+                             .count = *count,
+                             .stride = *stride};
+  if (!is_allowed(layout)) {
+    return packing["byteStride"].wrong("what " + kMeshopt + " allows with this mode, filter and count");
+  }
+  if (view["byteStride"].index_or(*stride).value_or(0) != *stride)
+    return view["byteStride"].wrong("as in its " + kMeshopt);
+  // count * stride cannot overflow: count <= 10^15, stride <= 256.
+  if (length != layout.bytes()) return view["byteLength"].wrong("count times byteStride of its " + kMeshopt);
+  if (length > kMaxUnpackedBytes) return view["byteLength"].wrong("at most " + std::to_string(kMaxUnpackedBytes));
+  if (length / kMaxMeshoptRatio > stream->size()) {
+    return packing["byteLength"].wrong("enough for the view's " + std::to_string(length) + " bytes");
+  }
+  std::vector<std::byte> elements(length);
+  if (!unpack(layout, *stream, elements)) {
+    return fail(ErrorKind::bad_input, packing.path() +
+                                          ": the compressed data are damaged, or of a later version of the " +
+                                          "codec; make the file again, or without compression");
+  }
+  return elements;
+}
+
 Result<Elements> locate(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit) {
   const auto number = reference.index();
   if (!number) return fail(number.error());
@@ -55,8 +123,7 @@ Result<Elements> locate(const Glb& glb, const Field& reference, std::size_t widt
   for (const auto* value : {&component, &count, &offset}) {
     if (!*value) return fail(value->error());
   }
-  Elements elements{.count = *count, .component_type = *component};
-  const std::size_t size = component_size(elements.component_type) * width;
+  const std::size_t size = component_size(*component) * width;
   if (*count < 1 || *count > limit) return accessor["count"].wrong("from 1 to " + std::to_string(limit));
   if (size == 0) return accessor["componentType"].wrong("a glTF component type");
 
@@ -64,28 +131,45 @@ Result<Elements> locate(const Glb& glb, const Field& reference, std::size_t widt
   if (!view_number) return fail(view_number.error());
   const Field view = glb.root()["bufferViews"][*view_number];
   if (!view.present()) return accessor["bufferView"].wrong("the number of a buffer view in the file");
-  const auto buffer = view["buffer"].index();
-  const auto view_offset = view["byteOffset"].index_or(0);
-  const auto view_length = view["byteLength"].index();
+  const auto length = view["byteLength"].index();
   const auto stride = view["byteStride"].index_or(size);
-  for (const auto* value : {&buffer, &view_offset, &view_length, &stride}) {
+  for (const auto* value : {&length, &stride}) {
     if (!*value) return fail(value->error());
-  }
-  if (*buffer != 0) return view["buffer"].wrong("0, the file's own binary chunk");
-  if (glb.root()["buffers"][0]["uri"].present()) {
-    return glb.root()["buffers"][0]["uri"].wrong("absent: the data must be inside the .glb file");
-  }
-  if (*view_offset > glb.binary.size() || *view_length > glb.binary.size() - *view_offset) {
-    return view["byteLength"].wrong("inside the binary chunk of " + std::to_string(glb.binary.size()) + " bytes");
   }
   if (*stride < size || *stride > 252) return view["byteStride"].wrong("from the element's size to 252");
   // count * stride cannot overflow: count <= limit <= 2^34, stride <= 252.
-  if (*offset > *view_length || (*count - 1) * *stride + size > *view_length - *offset) {
-    return accessor["count"].wrong("small enough to fit its buffer view of " + std::to_string(*view_length) + " bytes");
+  if (*offset > *length || (*count - 1) * *stride + size > *length - *offset) {
+    return accessor["count"].wrong("small enough to fit its buffer view of " + std::to_string(*length) + " bytes");
   }
-  elements.first = glb.binary.data() + *view_offset + *offset;
-  elements.stride = *stride;
+  Elements elements{.count = *count, .stride = *stride, .component_type = *component};
+  if (view["extensions"][kMeshopt].present()) {
+    auto unpacked = unpack_view(glb, view, *length);
+    if (!unpacked) return fail(unpacked.error());
+    elements.unpacked = std::move(*unpacked);
+    elements.first = elements.unpacked.data() + *offset;
+  } else {
+    const auto bytes = bytes_of(glb, view);
+    if (!bytes) return fail(bytes.error());
+    elements.first = bytes->data() + *offset;
+  }
   return elements;
+}
+
+Json accessor_json(std::size_t component_type, std::size_t count, std::size_t width) {
+  return {{"componentType", component_type}, {"count", count}, {"type", width == 1 ? "SCALAR" : "VEC3"}};
+}
+
+Json float_accessor(std::span<const float> values, std::size_t width, bool with_bounds) {
+  Json accessor = accessor_json(kFloat, values.size() / width, width);
+  if (!with_bounds) return accessor;
+  std::vector<float> low(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(width)), high = low;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    low[i % width] = std::min(low[i % width], values[i]);
+    high[i % width] = std::max(high[i % width], values[i]);
+  }
+  accessor["min"] = low;
+  accessor["max"] = high;
+  return accessor;
 }
 
 }  // namespace
@@ -193,41 +277,75 @@ Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const Field& ref
   return values;
 }
 
-std::size_t GlbWriter::add(std::span<const std::byte> bytes, Json accessor, Use use) {
-  Json view = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", bytes.size()}};
+// Appends `bytes` to the binary, and returns the slice of it that they are.
+Json GlbWriter::append(std::span<const std::byte> bytes) {
+  binary_.resize((binary_.size() + 3) / 4 * 4, std::byte{0});
+  Json slice = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", bytes.size()}};
+  binary_.insert(binary_.end(), bytes.begin(), bytes.end());
+  return slice;
+}
+
+std::size_t GlbWriter::add(Json view, Json accessor, Use use) {
   if (use == Use::vertices) view["target"] = 34962;
   if (use == Use::indices) view["target"] = 34963;
   accessor["bufferView"] = views_.size();
   views_.push_back(std::move(view));
   accessors_.push_back(std::move(accessor));
-  binary_.insert(binary_.end(), bytes.begin(), bytes.end());
   return accessors_.size() - 1;
 }
 
+// The view lies in a buffer 1 that has no bytes: the extension's placeholder for a reader that unpacks.
+std::size_t GlbWriter::add_packed(const MeshoptLayout& layout, std::span<const std::byte> stream, Json accessor,
+                                  Use use) {
+  Json packing = append(stream);
+  packing["mode"] = kModes[static_cast<std::size_t>(layout.mode)];
+  if (layout.filter != MeshoptFilter::none) packing["filter"] = kFilters[static_cast<std::size_t>(layout.filter)];
+  packing["count"] = layout.count;
+  packing["byteStride"] = layout.stride;
+  Json view = {{"buffer", 1},
+               {"byteOffset", unpacked_bytes_},
+               {"byteLength", layout.bytes()},
+               {"extensions", {{kMeshopt, std::move(packing)}}}};
+  unpacked_bytes_ += layout.bytes();
+  return add(std::move(view), std::move(accessor), use);
+}
+
 std::size_t GlbWriter::add_floats(std::span<const float> values, std::size_t width, Use use) {
-  Json accessor = {
-      {"componentType", kFloat}, {"count", values.size() / width}, {"type", width == 1 ? "SCALAR" : "VEC3"}};
-  if (use == Use::vertices) {
-    std::vector<float> low(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(width)), high = low;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      low[i % width] = std::min(low[i % width], values[i]);
-      high[i % width] = std::max(high[i % width], values[i]);
-    }
-    accessor["min"] = low;
-    accessor["max"] = high;
-  }
-  return add(std::as_bytes(values), std::move(accessor), use);
+  return add(append(std::as_bytes(values)), float_accessor(values, width, use == Use::vertices), use);
+}
+
+std::size_t GlbWriter::add_packed_floats(std::span<const float> values, std::size_t width, Use use) {
+  const MeshoptLayout layout{.count = values.size() / width, .stride = width * sizeof(float)};
+  return add_packed(layout, pack_attributes(std::as_bytes(values), layout.stride),
+                    float_accessor(values, width, use == Use::vertices), use);
+}
+
+std::size_t GlbWriter::add_exponentials(std::span<const std::uint32_t> words, std::size_t width) {
+  const MeshoptLayout layout{
+      .filter = MeshoptFilter::exponential, .count = words.size() / width, .stride = width * sizeof(float)};
+  return add_packed(layout, pack_attributes(std::as_bytes(words), layout.stride),
+                    accessor_json(kFloat, layout.count, width), Use::data);
 }
 
 std::size_t GlbWriter::add_indices(std::span<const std::uint32_t> values) {
-  return add(std::as_bytes(values), {{"componentType", kUnsignedInt}, {"count", values.size()}, {"type", "SCALAR"}},
-             Use::indices);
+  return add(append(std::as_bytes(values)), accessor_json(kUnsignedInt, values.size(), 1), Use::indices);
+}
+
+std::size_t GlbWriter::add_packed_indices(std::span<const std::uint32_t> values) {
+  const MeshoptLayout layout{.mode = MeshoptMode::indices, .count = values.size(), .stride = sizeof(std::uint32_t)};
+  return add_packed(layout, pack_indices(values), accessor_json(kUnsignedInt, values.size(), 1), Use::indices);
 }
 
 std::vector<std::byte> GlbWriter::finish(Json document) && {
   document["accessors"] = std::move(accessors_);
   document["bufferViews"] = std::move(views_);
   document["buffers"] = Json::array({{{"byteLength", binary_.size()}}});
+  if (unpacked_bytes_ > 0) {
+    document["buffers"].push_back(
+        {{"byteLength", unpacked_bytes_}, {"extensions", {{kMeshopt, {{"fallback", true}}}}}});
+    document["extensionsUsed"].push_back(kMeshopt);
+    document["extensionsRequired"].push_back(kMeshopt);
+  }
   std::string text = document.dump(-1, ' ', false, Json::error_handler_t::replace);
   text.resize((text.size() + 3) / 4 * 4, ' ');
   binary_.resize((binary_.size() + 3) / 4 * 4, std::byte{0});

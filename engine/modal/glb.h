@@ -1,10 +1,12 @@
-// Binary glTF 2.0 as a container: one JSON text and one block of bytes, and typed arrays (accessors) into it.
+// Binary glTF 2.0 as a container: one JSON text and one block of bytes, and typed arrays (accessors) into it. An array
+// may be compressed (EXT_meshopt_compression).
 //
 // Reading trusts nothing: a document is refused before memory is allocated for what it claims to hold. Private to
 // bank_file.cpp and its tests. [worker]
 #pragma once
 
 #include "engine/base/result.h"
+#include "engine/modal/meshopt_codec.h"
 
 #include <nlohmann/json.hpp>
 
@@ -54,6 +56,8 @@ struct Glb {
 // `name` stands in error messages where the path would.
 Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name);
 
+inline constexpr std::size_t kMaxUnpackedBytes = std::size_t{1} << 30;  // of one compressed array
+
 // The accessor that `reference` (a field holding its number) names, as count x width numbers. `width` 1 is SCALAR,
 // 3 is VEC3. At most `limit` elements.
 Result<std::vector<float>> read_floats(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit);
@@ -68,13 +72,23 @@ class GlbWriter {
   std::size_t add_floats(std::span<const float> values, std::size_t width, Use use = Use::data);
   std::size_t add_indices(std::span<const std::uint32_t> values);
 
+  // The same, compressed without loss. A reader must know EXT_meshopt_compression then.
+  std::size_t add_packed_floats(std::span<const float> values, std::size_t width, Use use = Use::data);
+  std::size_t add_packed_indices(std::span<const std::uint32_t> values);
+
+  // Compressed numbers, as exponential_words() has made them (meshopt_codec.h).
+  std::size_t add_exponentials(std::span<const std::uint32_t> words, std::size_t width);
+
   // Completes `document` with accessors, views and the buffer, and returns the file's bytes.
   [[nodiscard]] std::vector<std::byte> finish(Json document) &&;
 
  private:
-  std::size_t add(std::span<const std::byte> bytes, Json accessor, Use use);
+  Json append(std::span<const std::byte> bytes);
+  std::size_t add(Json view, Json accessor, Use use);
+  std::size_t add_packed(const MeshoptLayout& layout, std::span<const std::byte> stream, Json accessor, Use use);
 
   std::vector<std::byte> binary_;
+  std::size_t unpacked_bytes_ = 0;  // of all compressed arrays
   Json accessors_ = Json::array();
   Json views_ = Json::array();
 };

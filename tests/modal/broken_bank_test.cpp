@@ -13,11 +13,11 @@ namespace {
 
 using namespace ringdown::test;  // NOLINT: the synthetic banks
 
-std::string good_file() {
+std::string good_file(Compression compression = Compression::none) {
   Bank bank = random_bank(9, 6, 20);
   bank.material = bar_bank(1).material;
   bank.mass = bar_bank(1).mass;
-  return written(bank);
+  return written(bank, compression);
 }
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -129,11 +129,78 @@ const std::vector<Damage>& damages() {
   return all;
 }
 
+// The same for a compressed file.
+Json& packing(GlbParts& parts, const char* key = "shapes") {
+  return parts.view(key)["extensions"]["EXT_meshopt_compression"];
+}
+
+void set_stream_byte(GlbParts& parts, const char* key, char value) {
+  parts.binary[packing(parts, key)["byteOffset"].get<std::size_t>()] = value;
+}
+
+const std::vector<Damage>& damages_of_compressed() {
+  static const std::vector<Damage> all = {
+      {"ModeUnknown", [](GlbParts& p) { packing(p)["mode"] = "MESHES"; }, "mode is"},
+      {"ModeMissing", [](GlbParts& p) { packing(p).erase("mode"); }, "mode is"},
+      {"FilterUnknown", [](GlbParts& p) { packing(p)["filter"] = "COLOR"; }, "filter is"},
+      {"FilterNumber", [](GlbParts& p) { packing(p)["filter"] = 3; }, "filter is"},
+      {"FilterOfAnotherStride", [](GlbParts& p) { packing(p)["filter"] = "QUATERNION"; }, "byteStride is 12"},
+      {"FilterOnIndices", [](GlbParts& p) { packing(p, "indices")["filter"] = "EXPONENTIAL"; }, "byteStride is 4"},
+      {"StrideZero", [](GlbParts& p) { packing(p)["byteStride"] = 0; }, "byteStride is 0"},
+      {"StrideOdd", [](GlbParts& p) { packing(p)["byteStride"] = 6; }, "byteStride is 6"},
+      {"StrideLarge", [](GlbParts& p) { packing(p)["byteStride"] = 260; }, "byteStride is 260"},
+      {"StrideHuge", [](GlbParts& p) { packing(p)["byteStride"] = 1e15; }, "byteStride is"},
+      {"StrideOfIndices", [](GlbParts& p) { packing(p, "indices")["byteStride"] = 8; }, "byteStride is 8"},
+      {"StrideMissing", [](GlbParts& p) { packing(p).erase("byteStride"); }, "byteStride is missing"},
+      {"StrideNotTheViews", [](GlbParts& p) { p.view("positions")["byteStride"] = 16; }, "count"},
+      {"StrideOfTheViewLarger",
+       [](GlbParts& p) {
+         p.view("positions")["byteStride"] = 16;
+         p.accessor("positions")["count"] = 3;
+       },
+       "byteStride is 16"},
+      {"CountMissing", [](GlbParts& p) { packing(p).erase("count"); }, "count is missing"},
+      {"CountOther", [](GlbParts& p) { packing(p)["count"] = 7; }, "byteLength"},
+      {"CountOverflowing", [](GlbParts& p) { packing(p)["count"] = 1e15; }, "byteLength"},
+      {"CornersNoTriangles",
+       [](GlbParts& p) {
+         packing(p, "indices")["mode"] = "TRIANGLES";
+         packing(p, "indices")["count"] = 7;
+       },
+       "byteStride"},
+      {"UnpacksToTooMuch",
+       [](GlbParts& p) {
+         packing(p)["count"] = 1e9;
+         p.view("shapes")["byteLength"] = 12e9;
+       },
+       "byteLength is 12000000000"},
+      {"UnpacksToMoreThanItCanHold",
+       [](GlbParts& p) {
+         packing(p)["count"] = 80'000'000;
+         p.view("shapes")["byteLength"] = 960'000'000;
+       },
+       "enough for the view's 960000000 bytes"},
+      {"ViewShorter", [](GlbParts& p) { p.view("shapes")["byteLength"] = 12; }, "count"},
+      {"OtherBuffer", [](GlbParts& p) { packing(p)["buffer"] = 1; }, "buffer is 1"},
+      {"BufferMissing", [](GlbParts& p) { packing(p).erase("buffer"); }, "buffer is missing"},
+      {"StreamPastTheBinary", [](GlbParts& p) { packing(p)["byteOffset"] = 1 << 20; }, "byteLength"},
+      {"StreamLengthHuge", [](GlbParts& p) { packing(p)["byteLength"] = 1e15; }, "byteLength"},
+      {"StreamEmpty", [](GlbParts& p) { packing(p)["byteLength"] = 0; }, "byteLength is 0"},
+      {"StreamCut", [](GlbParts& p) { packing(p)["byteLength"] = packing(p)["byteLength"].get<std::size_t>() - 1; },
+       "damaged"},
+      {"StreamOfALaterCodec", [](GlbParts& p) { set_stream_byte(p, "shapes", '\xaf'); }, "later version of the codec"},
+      {"StreamOfAnotherMode", [](GlbParts& p) { set_stream_byte(p, "indices", '\xe1'); }, "damaged"},
+      {"ModeOfAnotherStream", [](GlbParts& p) { packing(p, "indices")["mode"] = "TRIANGLES"; }, "damaged"},
+      {"PackingNoObject", [](GlbParts& p) { packing(p) = 7; }, "buffer is missing"},
+      {"PlainViewInTheFallback", [](GlbParts& p) { p.view("frequencies")["buffer"] = 1; }, "buffer is 1"},
+  };
+  return all;
+}
+
 class BrokenBank : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(BrokenBank, ABrokenBankIsRefusedByTheNameOfItsField) {
-  const Damage& damage = damages()[GetParam()];
-  GlbParts parts(good_file());
+void expect_refused(const Damage& damage, const std::string& good) {
+  GlbParts parts(good);
   damage.change(parts);
   const auto bank = parse(parts.join());
   ASSERT_FALSE(bank);
@@ -142,8 +209,19 @@ TEST_P(BrokenBank, ABrokenBankIsRefusedByTheNameOfItsField) {
   EXPECT_LT(bank.error().message.size(), 300u) << "one sentence: " << bank.error().message;
 }
 
+TEST_P(BrokenBank, ABrokenBankIsRefusedByTheNameOfItsField) { expect_refused(damages()[GetParam()], good_file()); }
+
 INSTANTIATE_TEST_SUITE_P(Each, BrokenBank, testing::Range(std::size_t{0}, damages().size()),
                          [](const auto& each) { return std::string(damages()[each.param].name); });
+
+class BrokenCompressedBank : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(BrokenCompressedBank, ABrokenCompressedBankIsRefusedByTheNameOfItsField) {
+  expect_refused(damages_of_compressed()[GetParam()], good_file(Compression::meshopt));
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, BrokenCompressedBank, testing::Range(std::size_t{0}, damages_of_compressed().size()),
+                         [](const auto& each) { return std::string(damages_of_compressed()[each.param].name); });
 
 void expect_refused(const std::string& bytes, const char* expected) {
   const auto bank = parse(bytes);
@@ -232,8 +310,7 @@ TEST(BrokenProvenance, ErrorsThatAreNotOneSoundNumberAModeAreNone) {
 }
 
 // Whatever bytes a file has, reading gives a bank that keeps its promises, or a sentence.
-TEST(BrokenBytes, TwentyThousandRandomFlipsNeverCrashOrPassABadBank) {
-  const std::string good = good_file();
+void flip_at_random(const std::string& good) {
   const std::size_t text = word(good, 12);
   std::mt19937 random(5);
   std::size_t accepted = 0;
@@ -258,6 +335,12 @@ TEST(BrokenBytes, TwentyThousandRandomFlipsNeverCrashOrPassABadBank) {
     }
   }
   EXPECT_GT(accepted, 1000u);
+}
+
+TEST(BrokenBytes, TwentyThousandRandomFlipsNeverCrashOrPassABadBank) { flip_at_random(good_file()); }
+
+TEST(BrokenBytes, TwentyThousandRandomFlipsOfACompressedBankNeverCrashOrPassABadBank) {
+  flip_at_random(good_file(Compression::meshopt));
 }
 
 }  // namespace

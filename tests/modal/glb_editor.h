@@ -28,9 +28,9 @@ inline std::string file_content(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-inline std::string written(const Bank& bank) {
+inline std::string written(const Bank& bank, Compression compression = Compression::none) {
   const ringdown::test::TemporaryFolder folder;
-  const auto outcome = write_bank(bank, folder / "bank.glb");
+  const auto outcome = write_bank(bank, folder / "bank.glb", {}, compression);
   EXPECT_TRUE(outcome) << outcome.error().message;
   return file_content(folder / "bank.glb");
 }
