@@ -44,7 +44,8 @@ Samples struck(const modal::Bank& bank, const std::vector<SkinPoint>& points) {
   Samples samples(3 * static_cast<Eigen::Index>(points.size()), static_cast<Eigen::Index>(bank.mode_count()));
   Eigen::Index row = 0;
   for (const SkinPoint& point : points) {
-    for (const auto& direction : directions(point.normal).colwise()) {
+    const Eigen::Matrix3d along = directions(point.normal);
+    for (const auto& direction : along.colwise()) {
       map.excite(vec(point.at_m), vec(direction), amplitudes);
       samples.row(row++) = Eigen::Map<const Eigen::RowVectorXd>(amplitudes.data(), samples.cols()).cast<float>();
     }
