@@ -37,7 +37,7 @@ inline constexpr std::size_t kMaxMeshoptRatio = 1024;
 bool unpack(const MeshoptLayout& layout, std::span<const std::byte> stream, std::span<std::byte> elements);
 
 // Packs without loss, in the versions of the codecs that the extension prescribes. pack_attributes wants a stride that
-// is a multiple of 4, up to 256.
+// is a multiple of 4, up to 256. Neither takes an empty array.
 std::vector<std::byte> pack_attributes(std::span<const std::byte> elements, std::size_t stride);
 std::vector<std::byte> pack_indices(std::span<const std::uint32_t> indices);
 

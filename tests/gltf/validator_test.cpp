@@ -79,7 +79,7 @@ class GltfValidator : public testing::Test {
 
 TEST_F(GltfValidator, TheValidatorFindsNoFaultInThePresetsBanks) {
   std::vector<std::string> banks;
-  for (const auto& file : fs::directory_iterator(kSource / "presets/banks")) {
+  for (const auto& file : fs::recursive_directory_iterator(kSource / "presets/banks")) {
     if (file.path().extension() == ".glb") banks.push_back(file.path());
   }
   ASSERT_GE(banks.size(), 12u);
