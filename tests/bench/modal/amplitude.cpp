@@ -71,12 +71,12 @@ Result<Row> measure_bank(const fs::path& file, const test::Solution& solution, b
 }
 
 // Bakes into `file`, and returns what the bake has solved.
-Result<test::Solution> bake_into(const fs::path& file, bake::ObjectRecipe recipe) {
+Result<test::Solution> bake_into(const fs::path& file, bake::ObjectRecipe recipe, modal::Compression compression) {
   const auto object = bake::bake_object(recipe, kPresets / "materials");
   if (!object) return fail(object.error());
   const bake::Baked& baked = object->baked;
   if (!baked.report.cache_trouble.empty()) return fail(ErrorKind::input_output, baked.report.cache_trouble);
-  if (auto written = modal::write_bank(baked.bank, file); !written) return fail(written.error());
+  if (auto written = modal::write_bank(baked.bank, file, {}, compression); !written) return fail(written.error());
   recipe.options.element = object->rounds.back().element;
   auto solution = test::kept_solution(object->mesh.mesh, *baked.bank.material, recipe.options);
   if (!solution) return fail(solution.error().kind, recipe.name + ": " + solution.error().message);
@@ -134,13 +134,14 @@ class Measuring {
     if (!recipe) return miss(recipe.error());
     const fs::path beside = plan_.bank.empty() ? preset_bank(object) : plan_.bank;
     const fs::path file = plan_.folder / (object.stem().string() + ".glb");
+    const modal::Compression compression = plan_.compress ? modal::Compression::meshopt : modal::Compression::none;
     std::vector<std::size_t> sizes = plan_.most_points;
     if (sizes.empty()) sizes = {recipe->options.most_points};
     for (const std::size_t size : sizes) {
       bake::ObjectRecipe sized = *recipe;
       sized.options.cache = plan_.cache;
       sized.options.most_points = size;
-      const auto solution = bake_into(file, sized);
+      const auto solution = bake_into(file, sized, compression);
       if (!solution) return miss(solution.error());
       take(object, "baked", measure_bank(file, *solution, plan_.quick));
       if (size != sizes.back() || beside.empty()) continue;

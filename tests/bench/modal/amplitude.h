@@ -13,6 +13,7 @@ namespace ringdown::bench {
 struct AmplitudePlan {
   std::vector<std::filesystem::path> objects;  // object files; empty: six of the presets, or all with `all`
   bool all = false, quick = false;             // quick: two presets, a tenth of the points
+  bool compress = false;                       // baked banks, as the presets are
   std::filesystem::path bank;                  // to be measured instead of the preset's; with one object
   std::filesystem::path cache;                 // folder of solutions
   std::filesystem::path folder;                // for the banks that are baked
