@@ -54,6 +54,8 @@ class Slurm {
       fs::permissions(part, fs::perms(0755));  // munged wants its socket to be reached by all
     }
     write_settings();
+    // Nothing here uses control groups. This plugin starts where none are mounted; Slurm's own choice does not.
+    boxes.write("slurm/cgroup.conf", "CgroupPlugin=cgroup/v1\n");
     environment_ = {{"SLURM_CONF", folder_ / "slurm.conf"},
                     {"PATH", RINGDOWN_BIN_DIR ":" + std::string(std::getenv("PATH")) + ":/usr/sbin:/sbin"},
                     {"RINGDOWN_CACHE", "/dev/null/none"},
