@@ -2,6 +2,7 @@
 #include "engine/modal/bank_file.h"
 #include "tests/support/temporary_folder.h"
 
+#include <gmsh.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -46,8 +47,11 @@ TEST(BakeProgram, TheProgramBakesAPreset) {
   const auto fresh = modal::read_bank(bank), kept = modal::read_bank(kPresets / "banks/wooden-bar.glb");
   ASSERT_TRUE(fresh) << fresh.error().message;
   ASSERT_EQ(fresh->mode_count(), kept->mode_count());
+  // gmsh 4.8 made the mesh of the bank that is kept; another version makes another mesh.
+  const bool same_mesh = GMSH_API_VERSION_MAJOR == 4 && GMSH_API_VERSION_MINOR == 8;
   for (std::size_t m = 0; m < fresh->mode_count(); ++m) {
-    EXPECT_NEAR(fresh->frequency_hz[m] / kept->frequency_hz[m], 1, 1e-5);
+    const double apart = same_mesh ? 1e-5 : fresh->frequency_error.at(m) + kept->frequency_error.at(m);
+    EXPECT_NEAR(fresh->frequency_hz[m] / kept->frequency_hz[m], 1, apart);
   }
 }
 

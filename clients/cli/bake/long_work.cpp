@@ -15,9 +15,13 @@ using protocol::ExitCode;
 
 constexpr std::chrono::milliseconds kPoll{50};
 
+// Whether a thread that does not block the signals has taken one: OpenBLAS starts its threads before main(). The kernel
+// prefers them to a main thread that is between two calls of sigtimedwait().
+std::atomic<bool> taken_elsewhere = false;
+
 bool signal_arrived(const sigset_t& signals) {
   const timespec poll = {0, std::chrono::nanoseconds(kPoll).count()};
-  return sigtimedwait(&signals, nullptr, &poll) > 0;
+  return sigtimedwait(&signals, nullptr, &poll) > 0 || taken_elsewhere.exchange(false);
 }
 
 }  // namespace
@@ -56,6 +60,7 @@ protocol::ExitCode run_cancellable(const std::function<protocol::ExitCode(std::s
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { taken_elsewhere = true; });
 
   std::atomic<bool> done = false;
   ExitCode exit_code = ExitCode::ok;
