@@ -47,8 +47,12 @@ void print_head(const modal::Bank& bank) {
     std::printf("complete   %lld eigenvalues below the band's top were counted by inertia, and as many found\n",
                 static_cast<long long>(made.counted_modes));
   }
-  if (const auto spread = modal::error_spread(bank)) {
+  if (const auto spread = modal::error_spread(bank.frequency_error)) {
     std::printf("errors     of the frequencies, as estimated: median %s, largest %s\n",
+                as_percent(spread->median).c_str(), as_percent(spread->largest).c_str());
+  }
+  if (const auto spread = modal::error_spread(bank.shape_error)) {
+    std::printf("           of amplitudes between sample points: median %s, largest %s\n",
                 as_percent(spread->median).c_str(), as_percent(spread->largest).c_str());
   }
   if (made.dropped_modes > 0) {

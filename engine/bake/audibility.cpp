@@ -23,6 +23,7 @@ namespace {
 constexpr double kLoudest_db = 60;  // SPL, for the level-dependent slope
 constexpr double kMinute_s = 60;    // what outlasts it is not waited for
 constexpr Eigen::Index kRowsAtOnce = 256;
+constexpr std::size_t kMaxStrikes = 2000;
 
 double db(double power) { return 10 * std::log10(power); }
 
@@ -40,16 +41,17 @@ std::vector<Eigen::Vector3d> outward_normals(const modal::Bank& bank) {
   return normals;
 }
 
-// g, M x P. Where a bank has no triangles a strike is taken along the shape itself.
+// g, M x the points that are struck. Where a bank has no triangles a strike is taken along the shape itself.
 Eigen::MatrixXd strike_amplitudes(const modal::Bank& bank) {
   const std::vector<Eigen::Vector3d> normals = outward_normals(bank);
+  const std::size_t stride = (bank.point_count() + kMaxStrikes - 1) / kMaxStrikes;
   Eigen::MatrixXd amplitudes(static_cast<Eigen::Index>(bank.mode_count()),
-                             static_cast<Eigen::Index>(bank.point_count()));
+                             static_cast<Eigen::Index>((bank.point_count() + stride - 1) / stride));
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double f = bank.frequency_hz[m], gain = modal::hz_to_rad_per_s(f) * a_weighting(f) * hard_contact(f);
-    for (std::size_t p = 0; p < bank.point_count(); ++p) {
+    for (std::size_t p = 0; p < bank.point_count(); p += stride) {
       const Eigen::Vector3d shape = vector(bank.shape(m, p));
-      amplitudes(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(p)) =
+      amplitudes(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(p / stride)) =
           gain * (normals[p].isZero() ? shape.norm() : shape.dot(normals[p]));
     }
   }
@@ -135,7 +137,8 @@ Eigen::VectorXd energies(const modal::Bank& bank, const Eigen::MatrixXd& amplitu
 // The modes `order` of the bank, in that order. All members by name: one that holds modes and is not here would not
 // compile.
 void take_modes(modal::Bank& bank, const std::vector<std::size_t>& order) {
-  auto& [name, frequencies, decays, errors, positions, shapes, triangles, material, mass, gain, provenance] = bank;
+  auto& [name, frequencies, decays, errors, shape_errors, positions, shapes, triangles, material, mass, gain,
+         provenance] = bank;
   const auto taken = [&order](const auto& list, std::size_t width) {
     std::remove_cvref_t<decltype(list)> chosen;
     chosen.reserve(order.size() * width);
@@ -149,6 +152,7 @@ void take_modes(modal::Bank& bank, const std::vector<std::size_t>& order) {
   frequencies = taken(frequencies, 1);
   decays = taken(decays, 1);
   if (!errors.empty()) errors = taken(errors, 1);
+  if (!shape_errors.empty()) shape_errors = taken(shape_errors, 1);
 }
 
 }  // namespace
@@ -191,15 +195,18 @@ Reduced reduce(modal::Bank& bank, const Reduction& reduction) {
   const std::size_t kept = reduction.keep > 0 ? std::min(wanted, static_cast<std::size_t>(reduction.keep)) : wanted;
 
   take_modes(bank, order);
-  if (kept < order.size()) {
-    bank.provenance.dropped_modes = static_cast<std::int64_t>(order.size() - kept);
+  order.resize(kept);
+  if (kept < audible.size()) {
+    bank.provenance.dropped_modes = static_cast<std::int64_t>(audible.size() - kept);
     bank.provenance.floor_db = reduction.floor_db;
     bank.provenance.loss_db = loss_db(bank, kept);
-    order.resize(kept);
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    take_modes(bank, order);
+    std::vector<std::size_t> first(kept);
+    std::iota(first.begin(), first.end(), std::size_t{0});
+    take_modes(bank, first);
   }
-  return {.inaudible = static_cast<int>(audible.size() - wanted), .unimportant = static_cast<int>(wanted - kept)};
+  return {.inaudible = static_cast<int>(audible.size() - wanted),
+          .unimportant = static_cast<int>(wanted - kept),
+          .kept = std::move(order)};
 }
 
 }  // namespace ringdown::bake

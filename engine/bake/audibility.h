@@ -1,7 +1,7 @@
 // Which modes of a bank nobody can hear, and what is lost without them. [any thread]
 //
-// Every sample point is struck along the outward normal by a hard contact. Mode n then starts at the A-weighted
-// amplitude
+// Every sample point, or every n-th of more than 2,000, is struck along the outward normal by a hard contact. Mode n
+// then starts at the A-weighted amplitude
 //
 //   g_n(p) = 2 pi f_n (phi_n(p) . normal(p)) A(f_n) hard_contact(f_n)                        (importance.h)
 //
@@ -19,6 +19,7 @@
 
 #include "engine/modal/bank.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace ringdown::bake {
@@ -40,6 +41,7 @@ struct Reduction {
 
 struct Reduced {
   int inaudible = 0, unimportant = 0;  // modes dropped by the one and by the other
+  std::vector<std::size_t> kept;       // the modes that stay, in their new order, as numbers in the old one
 };
 
 // Puts modes that cannot be heard last, otherwise keeping their order; drops what is asked for, but at least one mode

@@ -4,6 +4,7 @@
 #include "engine/bake/body_modes.h"
 #include "engine/bake/body_shape.h"
 #include "engine/bake/importance.h"
+#include "engine/bake/sample_points.h"
 #include "engine/fem/error_estimate.h"
 #include "engine/mesh/boundary.h"
 #include "engine/solve/eigensolver.h"
@@ -87,34 +88,31 @@ double rounded(double error) {
   return std::strtod(text, nullptr);
 }
 
-// `rows` are those of the bank's points in `shape`.
-void add_mode(modal::Bank& bank, const HeardMode& heard, const Eigen::Ref<const Eigen::VectorXd>& shape,
-              double shape_unit, const std::vector<Eigen::Index>& rows) {
-  const double unit = sign_of(shape) * shape_unit;
-  bank.frequency_hz.push_back(heard.mode.frequency_hz);
-  bank.decay_per_s.push_back(heard.mode.decay_per_s);
-  bank.frequency_error.push_back(rounded(heard.frequency_error));
-  for (const Eigen::Index row : rows) {
-    const Eigen::Vector3f value = (unit * shape.segment<3>(row)).cast<float>();
-    bank.shapes.push_back({value[0], value[1], value[2]});
+// `shapes` (3P x M) in kg^-1/2, one column for each of the modes.
+void add_modes(modal::Bank& bank, const std::vector<HeardMode>& heard, const Eigen::MatrixXd& shapes) {
+  for (std::size_t m = 0; m < heard.size(); ++m) {
+    bank.frequency_hz.push_back(heard[m].mode.frequency_hz);
+    bank.decay_per_s.push_back(heard[m].mode.decay_per_s);
+    bank.frequency_error.push_back(rounded(heard[m].frequency_error));
+    const Eigen::VectorXf shape = shapes.col(static_cast<Eigen::Index>(m)).cast<float>();
+    for (Eigen::Index row = 0; row < shape.size(); row += 3) {
+      bank.shapes.push_back({shape[row], shape[row + 1], shape[row + 2]});
+    }
   }
 }
 
-void add_points(modal::Bank& bank, const mesh::Boundary& points, const mesh::Points& nodes) {
-  for (const std::int32_t node : points.nodes) {
-    const Eigen::Vector3f at = nodes.row(node).transpose().cast<float>();
-    bank.positions.push_back({at[0], at[1], at[2]});
-  }
-  bank.triangles = points.triangles;
+void add_points(modal::Bank& bank, const mesh::Points& positions) {
+  for (const auto& at : positions.cast<float>().rowwise()) bank.positions.push_back({at[0], at[1], at[2]});
 }
 
-// The first row of each of `points`, some of the surface's nodes, in BodyModes::shapes.
-std::vector<Eigen::Index> rows_of(const mesh::Boundary& points, const mesh::Boundary& surface) {
-  std::vector<Eigen::Index> rows;
-  for (const std::int32_t node : points.nodes) {
-    rows.push_back(3 * (std::lower_bound(surface.nodes.begin(), surface.nodes.end(), node) - surface.nodes.begin()));
+// Free of units, with the sign that the bank gives them.
+Eigen::MatrixXd shapes_of(const std::vector<HeardMode>& heard, const BodyModes& modes) {
+  Eigen::MatrixXd shapes(modes.shapes.rows(), static_cast<Eigen::Index>(heard.size()));
+  for (std::size_t m = 0; m < heard.size(); ++m) {
+    const auto shape = modes.shapes.col(heard[m].number);
+    shapes.col(static_cast<Eigen::Index>(m)) = sign_of(shape) * shape;
   }
-  return rows;
+  return shapes;
 }
 
 std::string element_text(fem::Element element) {
@@ -126,7 +124,10 @@ Result<void> check_options(const BakeOptions& options) {
   if (!(options.band_low_hz >= 0 && options.band_high_hz > options.band_low_hz && options.band_high_hz < 1e9)) {
     return fail(ErrorKind::bad_input, "the band must go from a frequency >= 0 Hz to a higher one");
   }
-  if (options.most_points < 4) return fail(ErrorKind::bad_input, "a bank needs at least 4 surface points");
+  if (options.points > 0 && options.points < 4)
+    return fail(ErrorKind::bad_input, "a bank needs at least 4 surface points");
+  if (!(options.shape_error > 0 && options.shape_error < 1))
+    return fail(ErrorKind::bad_input, "the error of shapes must be above 0 and below 1");
   if (options.most_modes < 1) return fail(ErrorKind::bad_input, "a bank needs at least 1 mode");
   if (!(options.floor_db >= 0 && options.floor_db <= 1000))
     return fail(ErrorKind::bad_input, "the floor must be from 0 to 1000 dB");
@@ -199,6 +200,50 @@ struct Task {
   const BakeOptions& options;
   int pieces;
 };
+
+// Which modes stay, and in which order: the bank is listened to at the corners of the surface's elements.
+Reduced audition(modal::Bank& bank, const Task& task, const std::vector<HeardMode>& heard, const BodyModes& modes) {
+  const mesh::Boundary corners = mesh::boundary_of({task.mesh.nodes, task.mesh.elements.leftCols<4>()});
+  const Eigen::MatrixXd shapes = shapes_of(heard, modes);
+  const auto& surface = task.surface.nodes;
+  Eigen::MatrixXd at_corners(3 * static_cast<Eigen::Index>(corners.nodes.size()), shapes.cols());
+  mesh::Points positions(static_cast<Eigen::Index>(corners.nodes.size()), 3);
+  for (Eigen::Index p = 0; p < positions.rows(); ++p) {
+    const Eigen::Index row = std::lower_bound(surface.begin(), surface.end(), corners.nodes[p]) - surface.begin();
+    positions.row(p) = task.mesh.nodes.row(corners.nodes[p]);
+    at_corners.middleRows<3>(3 * p) = task.units.shape() * shapes.middleRows<3>(3 * row);
+  }
+  modal::Bank heard_bank;
+  add_modes(heard_bank, heard, at_corners);
+  add_points(heard_bank, positions);
+  heard_bank.triangles = corners.triangles;
+  Reduced reduced = reduce(heard_bank, {.floor_db = task.options.floor_db, .keep = task.options.keep_modes});
+  bank.provenance.dropped_modes = heard_bank.provenance.dropped_modes;
+  bank.provenance.floor_db = heard_bank.provenance.floor_db;
+  bank.provenance.loss_db = heard_bank.provenance.loss_db;
+  return reduced;
+}
+
+// Free of units, for the modes in their order. They are chosen for the modes by frequency, so that another order of the
+// same modes has the same points.
+Result<SamplePoints> find_points(const Task& task, const std::vector<HeardMode>& kept, const BodyModes& modes,
+                                 const Progress& progress) {
+  std::vector<HeardMode> sorted = kept;
+  std::sort(sorted.begin(), sorted.end(), [](const HeardMode& a, const HeardMode& b) { return a.number < b.number; });
+  Result<SamplePoints> points =
+      choose_points(task.unit_mesh, task.surface, shapes_of(sorted, modes),
+                    {.shape_error = task.options.shape_error, .points = task.options.points}, progress);
+  if (!points) return points;
+  std::vector<Eigen::Index> order;
+  for (const HeardMode& mode : kept) {
+    order.push_back(std::lower_bound(sorted.begin(), sorted.end(), mode.number,
+                                     [](const HeardMode& a, Eigen::Index number) { return a.number < number; }) -
+                    sorted.begin());
+  }
+  points->shapes = Eigen::MatrixXd(points->shapes(Eigen::all, order));
+  points->errors = Eigen::VectorXd(points->errors(order));
+  return points;
+}
 
 Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& request, BakeReport& report,
                              const Progress& progress) {
@@ -302,8 +347,6 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
 
   Stopwatch watch;
   if (progress && !progress("finish", 0)) return fail_cancelled();
-  const Result<mesh::Boundary> points = mesh::decimate(task.surface, mesh.nodes, options.most_points);
-  if (!points) return fail(points.error().kind, name + ": " + points.error().message);
   const std::vector<HeardMode> heard =
       modes_in_band(*modes, units, area_weights(task.surface, mesh.nodes), material.damping, options, report);
   if (heard.empty()) {
@@ -314,13 +357,18 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   }
 
   bank.name = name;
-  const std::vector<Eigen::Index> rows = rows_of(*points, task.surface);
-  for (const HeardMode& mode : heard) add_mode(bank, mode, modes->shapes.col(mode.number), units.shape(), rows);
-  add_points(bank, *points, mesh.nodes);
   bank.material = material;
   bank.mass = units.mass(modes->mass);
   bank.provenance = provenance(options, *modes);
-  const Reduced reduced = reduce(bank, {.floor_db = options.floor_db, .keep = options.keep_modes});
+  const Reduced reduced = audition(bank, task, heard, *modes);
+  std::vector<HeardMode> kept;
+  for (const std::size_t m : reduced.kept) kept.push_back(heard[m]);
+  const Result<SamplePoints> points = find_points(task, kept, *modes, progress);
+  if (!points) return fail(points.error().kind, name + ": " + points.error().message);
+  add_modes(bank, kept, units.shape() * points->shapes);
+  add_points(bank, length_m * points->positions);
+  bank.triangles = points->triangles;
+  for (const double error : points->errors) bank.shape_error.push_back(rounded(error));
   report.inaudible = reduced.inaudible;
   report.unimportant = reduced.unimportant;
   report.finish_seconds = watch.lap();

@@ -19,12 +19,13 @@ namespace ringdown::bake {
 struct BakeOptions {
   fem::Element element = fem::Element::kTet20;  // the mesh is brought to its order
   double band_low_hz = 20, band_high_hz = 20000;
-  std::size_t most_points = 200;  // on the surface, >= 4. Fewer points, not coarser physics
-  int most_modes = 4096;          // in the band; a fuller band fails (see solve::EigenRequest)
-  int keep_modes = 0;             // the most important ones go into the bank; 0: all
-  double floor_db = 0;            // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
-  std::filesystem::path cache;    // folder of results that bake() may use and add to (ModeCache); empty: none
-  std::string family;             // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
+  double shape_error = 0.03;    // that amplitudes between sample points may have (sample_points.h)
+  std::size_t points = 0;       // on the surface, >= 4: so many, whatever the error. 0: as many as shape_error takes
+  int most_modes = 4096;        // in the band; a fuller band fails (see solve::EigenRequest)
+  int keep_modes = 0;           // the most important ones go into the bank; 0: all
+  double floor_db = 0;          // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
+  std::filesystem::path cache;  // folder of results that bake() may use and add to (ModeCache); empty: none
+  std::string family;           // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
   solve::Method solver = solve::Method::kAutomatic;
   int processes = 2;    // of solve::Method::kSlepc
   bool verify = false;  // asks a second method, and fails when the two disagree (solve::EigenRequest::verify)
@@ -50,14 +51,15 @@ struct Baked {
 };
 
 // The modes of the free body whose damped frequency lies in the band, in order of importance() but with inaudible ones
-// last (audibility.h), and everything else that a bank holds. Shapes are exact nodal values at the kept surface points;
-// the sign of each is chosen so that its largest component on the surface (the first of equals) is positive. Progress
-// stages: "assemble", "factors", "modes", "errors", "finish".
+// last (audibility.h), and everything else that a bank holds. Shapes at the sample points are those whose linear
+// interpolation is nearest to the finite elements on the whole surface (sample_points.h); the sign of each is chosen so
+// that its largest component on the surface (the first of equals) is positive. Progress stages: "assemble", "factors",
+// "modes", "errors", "finish".
 //
 // With a cache, a body whose shape, Poisson's ratio and element were solved before, up to the band's top or higher, is
 // not solved again: E, density, damping and size rescale exactly (body_modes.h). The bank is the same, byte for byte
-// when nothing changed and to rounding when E, density, damping or size did; only inside a family of equal frequencies
-// (a sphere's, a tube's pairs) may the shapes be another basis of the same motions.
+// when nothing changed and to rounding when E, density, damping or size did and the same modes are in it; only inside a
+// family of equal frequencies (a sphere's, a tube's pairs) may the shapes be another basis of the same motions.
 //
 // Errors are estimated from what finer elements would add (fem::frequency_errors) and from what rounding leaves of the
 // rigid motions' zero energy: in meshes of very flat elements that disturbs the lowest modes.

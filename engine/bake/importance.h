@@ -19,8 +19,8 @@ double collected_s(double decay_per_s);
 //
 //   (2 pi f * rms shape * A(f) * hard_contact(f))^2 * collected_s(d)
 //
-// 2 pi f is the radiation factor of a strike (docs/how/physics.md); the rms over the surface stands for a strike anywhere.
-// A choice, used for ordering only: dropping a bank's last modes loses the least.
+// 2 pi f is the radiation factor of a strike (docs/how/physics.md); the rms over the surface stands for a strike
+// anywhere. A choice, used for ordering only: dropping a bank's last modes loses the least.
 double importance(modal::DampedMode mode, double surface_rms);
 
 }  // namespace ringdown::bake

@@ -84,11 +84,13 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
   out.frequency_hz.clear();
   out.decay_per_s.clear();
   out.frequency_error.clear();
+  out.shape_error.clear();
   out.shapes.clear();
   for (const std::size_t m : order) {
     out.frequency_hz.push_back(modes[m].frequency_hz);
     out.decay_per_s.push_back(modes[m].decay_per_s);
     if (!bank.frequency_error.empty()) out.frequency_error.push_back(bank.frequency_error[m]);
+    if (!bank.shape_error.empty()) out.shape_error.push_back(bank.shape_error[m]);
     for (std::size_t p = 0; p < bank.point_count(); ++p) {
       const modal::Vec3f& s = bank.shape(m, p);
       out.shapes.push_back({shape * s[0], shape * s[1], shape * s[2]});

@@ -112,8 +112,7 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path) {
   file->require({"name", "description"});
   file->text("name", material.name);
   file->text("description", entry.description);
-  if (material.name != path.stem())
-    file->complain("name", "name must be the file's, " + quote(path.stem().string()));
+  if (material.name != path.stem()) file->complain("name", "name must be the file's, " + quote(path.stem().string()));
   const bool curve = file->has("loss_factor");
   for (const Figure& figure : figures_of(material)) {
     const bool damping = &figure.value == &material.damping.alpha_per_s || &figure.value == &material.damping.beta_s;

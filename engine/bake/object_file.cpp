@@ -23,12 +23,12 @@ void read_options(TomlTable& file, BakeOptions& options) {
   if (!element)
     file.complain("element", "element must be \"tet10\", \"tet20\", \"tet35\", \"tet4\" or \"tet4-lumped\"");
 
-  std::uint64_t points = options.most_points, modes = 0;
+  std::uint64_t points = options.points, modes = 0;
   file.whole("surface_points", points, 4, 1'000'000);
   file.whole("keep_modes", modes, 0, 1'000'000);
   file.number("floor_db", options.floor_db, kFloor_db);
   file.boolean("verify", options.verify);
-  options.most_points = points;
+  options.points = points;
   options.keep_modes = static_cast<int>(modes);
 
   std::vector<double> band = {options.band_low_hz, options.band_high_hz};
@@ -60,6 +60,7 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   read_options(*file, recipe.options);
   recipe.meshing.order = fem::order_of(recipe.options.element);
   file->fraction("error", recipe.error, kError);
+  file->fraction("shape_error", recipe.options.shape_error, kShapeError);
   file->number("gain_db", recipe.gain_db, kGain_db);
   file->number("budget_s", recipe.budget_s, kBudget_s);
   if (auto good = file->finish(); !good) return fail(good.error());

@@ -9,7 +9,8 @@
 //   mesh_size_m = 0.006              # longest edge, where it is meshed; default: chosen by the band (body_shape.h)
 //   error = "0.1%"                   # or 0.001: refine until every frequency is that good (bake_object.h)
 //   element = "tet20"                # default; tet10, tet35, tet4, tet4-lumped
-//   surface_points = 160             # default 200
+//   shape_error = "1%"               # of amplitudes between sample points; default 3%
+//   surface_points = 160             # so many sample points, whatever the error; default: as many as shape_error takes
 //   band_hz = [20, 20000]            # default
 //   keep_modes = 120                 # the most important ones; default: all in the band
 //   floor_db = 60                    # drop what is inaudible this far below the loudest mode; default: nothing
@@ -49,7 +50,7 @@ struct ObjectRecipe {
 };
 
 inline constexpr Range kScale{1e-3, 1e3};
-inline constexpr Range kError{1e-7, 0.5};  // that may be asked for
+inline constexpr Range kError{1e-7, 0.5}, kShapeError{1e-3, 0.5};  // that may be asked for
 
 Result<ObjectRecipe> read_object(const std::filesystem::path& path);
 

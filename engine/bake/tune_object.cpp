@@ -13,7 +13,6 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr double kBandAbove = 1.8, kBandBelow = 0.3;  // of the highest and the lowest target
-constexpr std::size_t kPoints = 400;                  // enough to tell families apart
 constexpr double kCoarseTolerance_cents = 3;
 constexpr int kMaxCoarseBakes = 25, kMaxBakes = 60;
 constexpr double kRefinement = 0.7;  // of the mesh size, from round to round
@@ -37,7 +36,6 @@ class ObjectTuner {
     recipe_.options.band_high_hz = kBandAbove * high->frequency_hz;
     recipe_.options.keep_modes = 0;
     recipe_.options.floor_db = 0;
-    recipe_.options.most_points = kPoints;
     recipe_.error = 0;
     best_.slopes = request.slopes;
   }

@@ -1,19 +1,14 @@
 #include "engine/mesh/boundary.h"
 
 #include <Eigen/Geometry>
-#include <meshoptimizer.h>
 
 #include <algorithm>
 #include <cassert>
 #include <numeric>
 #include <string>
 
-// From a solid to the points of a bank
-//
 // All faces of all elements are sorted by their corners; a face that stands there once belongs to the boundary. Its
-// nodes, those between the corners included, become flat triangles (parts_of_face()). decimate() then collapses edges
-// onto existing points until few enough are left: it asks for ever fewer triangles, first with the topology kept, and
-// when that does not go far enough, without.
+// nodes, those between the corners included, become flat triangles (parts_of_face()).
 namespace ringdown::mesh {
 namespace {
 
@@ -65,86 +60,109 @@ Boundary number_points(const std::vector<Triangle>& faces) {
   return surface;
 }
 
-std::vector<Triangle> faces_of(const Boundary& surface, const std::vector<std::uint32_t>& indices) {
-  std::vector<Triangle> faces;
-  for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
-    faces.push_back(
-        lowest_first({surface.nodes[indices[i]], surface.nodes[indices[i + 1]], surface.nodes[indices[i + 2]]}));
+struct OuterFace {
+  Triangle corners;  // sorted
+  Eigen::Index element;
+  int opposite;  // the corner of the element that the face lies opposite to
+};
+
+// The faces that belong to one element only, ordered by their corners.
+std::vector<OuterFace> outer_faces(const Indices& elements) {
+  std::vector<OuterFace> faces;
+  faces.reserve(4 * static_cast<std::size_t>(elements.rows()));
+  for (Eigen::Index e = 0; e < elements.rows(); ++e) {
+    for (int f = 0; f < 4; ++f) {
+      const auto& [a, b, c] = kTetFaces[f];
+      faces.push_back({sorted({elements(e, a), elements(e, b), elements(e, c)}), e, f});
+    }
   }
-  return faces;
+  std::sort(faces.begin(), faces.end(), [](const OuterFace& a, const OuterFace& b) { return a.corners < b.corners; });
+  std::vector<OuterFace> outer;
+  for (std::size_t i = 0; i < faces.size();) {
+    std::size_t next = i + 1;
+    while (next < faces.size() && faces[next].corners == faces[i].corners) ++next;
+    if (next == i + 1) outer.push_back(faces[i]);
+    i = next;
+  }
+  return outer;
 }
 
-std::vector<std::uint32_t> simplify(const Boundary& surface, const Points& nodes, std::size_t target_indices,
-                                    bool keep_topology) {
-  std::vector<float> positions;
-  for (const std::int32_t node : surface.nodes) {
-    for (int axis = 0; axis < 3; ++axis) positions.push_back(static_cast<float>(nodes(node, axis)));
+// A point on a face, in the element's own coordinates.
+struct PointOnFace {
+  std::vector<int> nodes;                          // of the element, that lie on the face
+  Eigen::VectorXd values;                          // of the element's shape functions
+  Eigen::Matrix<double, Eigen::Dynamic, 2> sides;  // derivatives of all shape functions along two sides of the face
+};
+
+// One or three points on each of the parts of a face: exact for polynomials of degree 1 or 2.
+std::vector<PointOnFace> points_on_face(int order, int face, int points_per_part) {
+  const Barycentric places = reference_nodes(order);
+  const auto& [a, b, c] = kTetFaces[face];
+  std::vector<int> on_face;
+  for (int n = 0; n < places.rows(); ++n) {
+    if (places(n, face) < 0.5 / order) on_face.push_back(n);
   }
-  std::vector<std::uint32_t> indices;
-  for (const auto& triangle : surface.triangles) indices.insert(indices.end(), triangle.begin(), triangle.end());
-  std::vector<std::uint32_t> fewer(indices.size());
-  constexpr std::size_t kStride = 3 * sizeof(float);
-  constexpr float kAnyError = 1e9f;
-  const std::size_t count = keep_topology
-                                ? meshopt_simplify(fewer.data(), indices.data(), indices.size(), positions.data(),
-                                                   surface.nodes.size(), kStride, target_indices, kAnyError)
-                                : meshopt_simplifySloppy(fewer.data(), indices.data(), indices.size(), positions.data(),
-                                                         surface.nodes.size(), kStride, target_indices, kAnyError);
-  fewer.resize(count);
-  return fewer;
+  const auto free = [](int corner) {  // coordinates l1, l2, l3 of a corner
+    return corner == 0 ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(Eigen::Vector3d::Unit(corner - 1));
+  };
+  std::vector<PointOnFace> points;
+  for (const Triangle& part : parts_of_face(order, face)) {
+    for (int i = 0; i < points_per_part; ++i) {
+      const double own = points_per_part == 1 ? 1.0 / 3 : 2.0 / 3;
+      const Eigen::Vector4d at =
+          own * places.row(part[i]) + (1 - own) / 2 * (places.row(part[(i + 1) % 3]) + places.row(part[(i + 2) % 3]));
+      const ReferenceGradient gradient = interpolation_gradient(order, at);
+      Eigen::Matrix<double, Eigen::Dynamic, 2> sides(places.rows(), 2);
+      sides << gradient * (free(b) - free(a)), gradient * (free(c) - free(a));
+      points.push_back({on_face, interpolation(order, at), std::move(sides)});
+    }
+  }
+  return points;
 }
 
 }  // namespace
 
 Boundary boundary_of(const TetMesh& mesh) {
-  struct Face {
-    Triangle corners;  // sorted
-    Eigen::Index element;
-    int opposite;
-  };
-  std::vector<Face> faces;
-  faces.reserve(4 * static_cast<std::size_t>(mesh.elements.rows()));
-  for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
-    for (int f = 0; f < 4; ++f) {
-      const auto& [a, b, c] = kTetFaces[f];
-      faces.push_back({sorted({mesh.elements(e, a), mesh.elements(e, b), mesh.elements(e, c)}), e, f});
-    }
-  }
-  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.corners < b.corners; });
   std::array<std::vector<Triangle>, 4> parts;
   for (int f = 0; f < 4; ++f) parts[f] = parts_of_face(mesh.order(), f);
   std::vector<Triangle> outer;
-  for (std::size_t i = 0; i < faces.size();) {
-    std::size_t next = i + 1;
-    while (next < faces.size() && faces[next].corners == faces[i].corners) ++next;
-    if (next == i + 1) {
-      const auto element = mesh.elements.row(faces[i].element);
-      for (const auto& [a, b, c] : parts[faces[i].opposite]) {
-        outer.push_back(lowest_first({element[a], element[b], element[c]}));
-      }
+  for (const OuterFace& face : outer_faces(mesh.elements)) {
+    const auto element = mesh.elements.row(face.element);
+    for (const auto& [a, b, c] : parts[face.opposite]) {
+      outer.push_back(lowest_first({element[a], element[b], element[c]}));
     }
-    i = next;
   }
   return number_points(outer);
 }
 
-Result<Boundary> decimate(const Boundary& surface, const Points& nodes, std::size_t most_points) {
-  assert(most_points >= 4);
-  // A closed surface has about two triangles for each point. Collapsing stops at whole triangles, so ask for
-  // fewer until the points fit; give up the topology only when keeping it does not let them.
-  for (const bool keep_topology : {true, false}) {
-    std::size_t target = 2 * most_points;
-    Boundary smaller = surface;
-    for (int attempt = 0; attempt < 12 && target >= 4; ++attempt) {
-      if (!smaller.triangles.empty() && smaller.nodes.size() <= most_points) return smaller;
-      smaller = number_points(faces_of(surface, simplify(surface, nodes, 3 * target, keep_topology)));
-      target = target * 9 / 10;
+SurfaceQuadrature quadrature_of(const Boundary& surface, const TetMesh& mesh, int points_per_triangle) {
+  assert(points_per_triangle == 1 || points_per_triangle == 3);
+  const int order = mesh.order();
+  std::array<std::vector<PointOnFace>, 4> points;
+  for (int f = 0; f < 4; ++f) points[f] = points_on_face(order, f, points_per_triangle);
+  const auto count = static_cast<Eigen::Index>(surface.triangles.size()) * points_per_triangle;
+  SurfaceQuadrature found{.interpolation = {count, static_cast<Eigen::Index>(surface.nodes.size())},
+                          .normals = Points(count, 3),
+                          .areas = Eigen::VectorXd(count)};
+  std::vector<Eigen::Triplet<double>> weights;
+  Eigen::Index row = 0;
+  for (const OuterFace& face : outer_faces(mesh.elements)) {
+    const auto element = mesh.elements.row(face.element);
+    const ElementNodes nodes = nodes_of(mesh, face.element);
+    std::array<Eigen::Index, nodes_per_element(kMaxOrder)> column{};
+    for (const int n : points[face.opposite].front().nodes) {
+      column[n] = std::lower_bound(surface.nodes.begin(), surface.nodes.end(), element[n]) - surface.nodes.begin();
     }
-    if (!smaller.triangles.empty() && smaller.nodes.size() <= most_points) return smaller;
+    for (const PointOnFace& point : points[face.opposite]) {
+      for (const int n : point.nodes) weights.emplace_back(row, column[n], point.values[n]);
+      const Eigen::Matrix<double, 2, 3> sides = point.sides.transpose() * nodes;
+      const Eigen::Vector3d normal = Eigen::Vector3d(sides.row(0)).cross(Eigen::Vector3d(sides.row(1)));
+      found.areas[row] = 0.5 * normal.norm() / (order * order * points_per_triangle);
+      found.normals.row(row++) = normal.normalized();
+    }
   }
-  return fail(ErrorKind::too_large, "the surface of " + std::to_string(surface.nodes.size()) +
-                                        " points cannot be reduced to " + std::to_string(most_points) +
-                                        "; allow more points");
+  found.interpolation.setFromTriplets(weights.begin(), weights.end());
+  return found;
 }
 
 std::vector<double> area_weights(const Boundary& surface, const Points& nodes) {

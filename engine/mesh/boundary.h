@@ -1,8 +1,10 @@
-// The skin of a solid, and a coarser one on some of the same points. [worker]
+// The skin of a solid. [worker]
 #pragma once
 
 #include "engine/base/result.h"
 #include "engine/mesh/tet_mesh.h"
+
+#include <Eigen/SparseCore>
 
 #include <array>
 #include <cstdint>
@@ -20,11 +22,15 @@ struct Boundary {
 // between all its nodes, so that a coarse mesh of high order has as many points as its shapes need.
 Boundary boundary_of(const TetMesh& mesh);
 
-// At most `most_points` (>= 4) of the surface's own points, spread so that its form is kept: edges are
-// collapsed onto existing points (meshoptimizer; Garland & Heckbert 1997), so whatever was computed at a kept
-// point stays exact. Unchanged when it is small enough already. Fails when the skin cannot be made so small
-// (thousands of pieces).
-Result<Boundary> decimate(const Boundary& surface, const Points& nodes, std::size_t most_points);
+// Points on the curved faces of the elements, one or three for each triangle of boundary_of(), in the order of the
+// triangles.
+struct SurfaceQuadrature {
+  // N x P: values at the points from those at the surface's nodes, by the elements' shape functions.
+  Eigen::SparseMatrix<double, Eigen::RowMajor> interpolation;
+  Points normals;         // N x 3, outward, of length 1
+  Eigen::VectorXd areas;  // N [m^2], that the points stand for
+};
+SurfaceQuadrature quadrature_of(const Boundary& surface, const TetMesh& mesh, int points_per_triangle);
 
 // P weights that sum to 1: a third of the area of the triangles around each point, over the whole area.
 std::vector<double> area_weights(const Boundary& surface, const Points& nodes);

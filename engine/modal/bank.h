@@ -7,9 +7,11 @@
 //   decay_per_s    M      amplitude decay, in [0, inf)           [1/s]
 //   positions      P x 3  object frame                           [m]
 //   shapes         M x P x 3, mode-major: shape(m, p) is the mass-normalised displacement of point p in mode m
-//                                                                [kg^-1/2]
+//                                                                [kg^-1/2]; between points it is interpolated linearly
 //   triangles      T x 3  point numbers, counter-clockwise from outside; may be empty
 //   frequency_error  M    estimated relative errors of the frequencies, at least 0; empty when unknown
+//   shape_error      M    estimated errors of amplitudes where strikes are interpolated between points: rms over the
+//                         surface over the rms of the mode; empty when unknown
 //
 // Modes stand in order of decreasing perceptual importance, not of pitch. Rigid-body modes are not in it.
 #pragma once
@@ -64,7 +66,7 @@ struct Bank {
   std::string name;
   std::vector<double> frequency_hz;
   std::vector<double> decay_per_s;
-  std::vector<double> frequency_error;
+  std::vector<double> frequency_error, shape_error;
   std::vector<Vec3f> positions;
   std::vector<Vec3f> shapes;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -84,10 +86,9 @@ struct ErrorSpread {
   double median = 0, largest = 0;
 };
 
-// Of bank.frequency_error; nothing when that is empty.
-inline std::optional<ErrorSpread> error_spread(const Bank& bank) {
-  if (bank.frequency_error.empty()) return std::nullopt;
-  std::vector<double> errors = bank.frequency_error;
+// Of bank.frequency_error or bank.shape_error; nothing when that is empty.
+inline std::optional<ErrorSpread> error_spread(std::vector<double> errors) {
+  if (errors.empty()) return std::nullopt;
   std::sort(errors.begin(), errors.end());
   return ErrorSpread{.median = errors[errors.size() / 2], .largest = errors.back()};
 }

@@ -108,7 +108,7 @@ Provenance read_provenance(const Field& extras, std::string generator) {
 }
 
 // Empty unless it is a list of one sound number for each mode: the bank plays without.
-std::vector<double> read_frequency_errors(const Field& list, std::size_t modes) {
+std::vector<double> read_errors(const Field& list, std::size_t modes) {
   std::vector<double> errors;
   if (list.size() != modes) return errors;
   for (std::size_t m = 0; m < modes; ++m) {
@@ -331,7 +331,8 @@ Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& nam
   if (!mass) return fail(mass.error());
   bank.material = std::move(*material);
   bank.mass = *mass;
-  bank.frequency_error = read_frequency_errors(model["extras"]["ringdown"]["frequencyErrors"], bank.mode_count());
+  bank.frequency_error = read_errors(model["extras"]["ringdown"]["frequencyErrors"], bank.mode_count());
+  bank.shape_error = read_errors(model["extras"]["ringdown"]["shapeErrors"], bank.mode_count());
   bank.provenance = read_provenance(model["extras"]["ringdown"], glb->root()["asset"]["generator"].text_or(""));
   if (instance->scale != 1) {
     if (const auto scaled = scale_size(bank, instance->scale, name); !scaled) return fail(scaled.error());
@@ -360,6 +361,7 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std
                 {"shapes", packed ? add_rounded_shapes(writer, bank) : writer.add_floats(as_floats(bank.shapes), 3)},
                 {"extras", {{"ringdown", provenance_json(bank.provenance)}}}};
   if (!bank.frequency_error.empty()) model["extras"]["ringdown"]["frequencyErrors"] = bank.frequency_error;
+  if (!bank.shape_error.empty()) model["extras"]["ringdown"]["shapeErrors"] = bank.shape_error;
   if (!input_hash.empty()) model["extras"]["ringdown"]["inputHash"] = input_hash;
   Json primitive = {{"attributes", {{"POSITION", positions}}}, {"mode", 0}};
   if (!bank.triangles.empty()) {

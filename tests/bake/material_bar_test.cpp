@@ -48,7 +48,7 @@ std::vector<double> bending_hz(const modal::Bank& bank, float thickness_m) {
 
 TEST(MaterialBar, TheBarIsASolidBarToOnePercentUntilHalfAWaveIsAsShortAsItsWidth) {
   const mesh::CheckedMesh mesh = test::checked(test::box_mesh({16, 3, 1}, {0.2, 0.03, 0.008}));
-  const auto baked = bake::bake(mesh, kSteel, {.band_high_hz = 12000, .most_points = 100'000}, "bar");
+  const auto baked = bake::bake(mesh, kSteel, {.band_high_hz = 12000, .points = 100'000}, "bar");
   ASSERT_TRUE(baked) << baked.error().message;
   const modal::Bank bar = bake::bar_bank(kSteel);
   const std::vector<double> solid = bending_hz(baked->bank, 0.008f);

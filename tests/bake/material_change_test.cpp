@@ -20,7 +20,7 @@ const modal::Material kSteel = {"steel", 200e9, 0.3, 7850, {5, 3e-8}}, kOther = 
 modal::Bank baked(double size, const modal::Material& material, double high_hz) {
   mesh::TetMesh mesh = test::box_mesh({8, 2, 2}, size * Eigen::Vector3d(0.2, 0.025, 0.011));
   mesh.nodes.col(1).array() += 0.1 * size;
-  const bake::BakeOptions options{.band_low_hz = 20, .band_high_hz = high_hz, .most_points = 100'000};
+  const bake::BakeOptions options{.band_low_hz = 20, .band_high_hz = high_hz, .points = 100'000};
   return bake::bake(test::checked(mesh), material, options, "bar").value().bank;
 }
 

@@ -151,7 +151,7 @@ TEST(ModeCache, TheCacheCoversNarrowerBandsAndGrowsWithWiderOnes) {
   expect_equal(narrow.bank, baked("", kSteel, 1, {.band_high_hz = 6000}).bank, 1e-6);
   EXPECT_FALSE(baked(folder.path(), kSteel, 1, {.band_high_hz = 12000}).report.from_cache);
   EXPECT_TRUE(baked(folder.path(), kSteel, 1, {.band_high_hz = 12000}).report.from_cache);
-  EXPECT_TRUE(baked(folder.path(), kSteel, 1, {.band_high_hz = 10000, .most_points = 10}).report.from_cache);
+  EXPECT_TRUE(baked(folder.path(), kSteel, 1, {.band_high_hz = 10000, .points = 10}).report.from_cache);
   EXPECT_EQ(entries(folder.path(), "modes").size(), 1u);
 }
 

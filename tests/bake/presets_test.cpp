@@ -152,6 +152,7 @@ TEST(ObjectFile, AnObjectFileRefusesMistakesByLine) {
       {"element = \"hex8\"", ":3: element must be \"tet10\""},
       {"surface_points = 2.5", ":3: surface_points must be a whole number"},
       {"surface_points = 3", ":3: surface_points must be a whole number >= 4"},
+      {"shape_error = \"90%\"", ":3: shape_error"},
       {"floor_db = 0", ":3: floor_db = 0 is outside 1 ... 200"},
       {"keep_modes = 5000000000", ":3: keep_modes must be a whole number >= 0 and <= 1000000"},
       {"band_hz = [20]", ":3: band_hz must be two frequencies"},
@@ -266,7 +267,7 @@ TEST(Presets, EveryBankHasItsObject) {
     const std::string name = fs::relative(entry.path(), kPresets / "banks").replace_extension().string();
     EXPECT_TRUE(std::binary_search(names.begin(), names.end(), name)) << name << " has no object";
   }
-  EXPECT_LE(bytes, 4'500'000u);
+  EXPECT_LE(bytes, 15'000'000u);
 }
 
 TEST(Presets, EveryObjectHasItsBank) {
@@ -283,7 +284,7 @@ TEST(Presets, EveryObjectHasItsBank) {
     const fs::path file = kPresets / "banks" / (name + ".glb");
     const auto bank = modal::read_bank(file);
     ASSERT_TRUE(bank) << bank.error().message;
-    EXPECT_LE(fs::file_size(file), 300'000u);
+    EXPECT_LE(fs::file_size(file), 2'000'000u);
     EXPECT_EQ(bank->name, object->name);
     EXPECT_EQ(bank->frequency_error.size(), bank->mode_count()) << name << ": a bake writes estimates";
     EXPECT_EQ(bank->provenance.rigid_modes, 6);
@@ -291,7 +292,10 @@ TEST(Presets, EveryObjectHasItsBank) {
     EXPECT_EQ(bank->mode_count() + static_cast<std::size_t>(bank->provenance.dropped_modes), in_band) << name;
     const std::size_t kept = object->options.keep_modes > 0 ? object->options.keep_modes : in_band;
     EXPECT_EQ(bank->mode_count(), std::min(kept, in_band)) << name;
-    EXPECT_LE(bank->point_count(), object->options.most_points);
+    const auto amplitudes = modal::error_spread(bank->shape_error);
+    ASSERT_TRUE(amplitudes) << name;
+    EXPECT_LE(amplitudes->median, 0.03) << name;
+    EXPECT_LE(amplitudes->largest, 0.1) << name;
     ASSERT_TRUE(bank->material);
     EXPECT_FLOAT_EQ(bank->material->youngs_modulus_pa, material->material.youngs_modulus_pa)
         << name << " was baked with another " << object->material << "; bake the presets again";
@@ -312,7 +316,7 @@ TEST(Presets, TheVibraphoneIsInTune) {
     const fs::path file = kPresets / "banks/vibraphone" / (name + ".glb");
     const auto bank = modal::read_bank(file);
     ASSERT_TRUE(bank) << bank.error().message;
-    EXPECT_LE(fs::file_size(file), 30'000u);
+    EXPECT_LE(fs::file_size(file), 65'000u);
     for (const double partial : {1.0, 4.0, 10.0}) {
       const double wanted = partial * 440 * std::exp2((note - 69) / 12.0);
       double nearest = 1e9;

@@ -1,7 +1,9 @@
 // The stages of a bake, each alone: mesh, assembly, factors, modes, surface. `./run bench bake` writes CSV. Counters:
 // unknowns of the eigenproblem, modes found, systems solved.
+#include "engine/bake/body_modes.h"
 #include "engine/bake/material_library.h"
 #include "engine/bake/object_file.h"
+#include "engine/bake/sample_points.h"
 #include "engine/mesh/boundary.h"
 #include "engine/solve/eigensolver.h"
 
@@ -66,9 +68,16 @@ void solve_timed(benchmark::State& state, const std::string& name, double top_hz
 }
 
 void surface_points(benchmark::State& state, const std::string& name) {
-  const mesh::TetMesh& mesh = mesh_of(name).mesh;
+  const mesh::TetMesh mesh = mesh::to_order(mesh_of(name).mesh, 3);
   const mesh::Boundary surface = mesh::boundary_of(mesh);
-  for (auto _ : state) benchmark::DoNotOptimize(mesh::decimate(surface, mesh.nodes, 200));
+  // Waves about a tenth of the body long stand for modes.
+  const Eigen::VectorXd x = mesh.nodes.col(0) * 60 / bake::characteristic_length(mesh.nodes);
+  Eigen::MatrixXd shapes(3 * static_cast<Eigen::Index>(surface.nodes.size()), 30);
+  for (Eigen::Index row = 0; row < shapes.rows(); ++row) {
+    for (Eigen::Index m = 0; m < shapes.cols(); ++m)
+      shapes(row, m) = std::sin((1 + 0.03 * m) * x[surface.nodes[row / 3]] + row % 3);
+  }
+  for (auto _ : state) benchmark::DoNotOptimize(bake::choose_points(mesh, surface, shapes, {}));
 }
 
 // A preset without curvature, one with, and the largest.

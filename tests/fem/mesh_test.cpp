@@ -1,5 +1,6 @@
 #include "engine/fem/element.h"
 #include "engine/mesh/boundary.h"
+#include "engine/mesh/coarsen.h"
 #include "engine/mesh/mesh_check.h"
 #include "tests/fem/sample_meshes.h"
 
@@ -230,20 +231,82 @@ TEST(Surface, TheBoundaryOfCurvedElementsFollowsTheirNodes) {
   EXPECT_LT(volume_error(4), volume_error(1) / 12);
 }
 
-TEST(Surface, DecimationKeepsToTheSurfacesOwnPointsAndForm) {
-  const mesh::TetMesh mesh = test::bent(test::box_mesh({24, 8, 4}, kSize), 5);
+// A field that is linear in space is interpolated exactly on a curved face as elsewhere, and the areas and normals of a
+// closed surface add up to nothing.
+TEST_P(MeshOfOrder, QuadratureOfASurfaceIsTakenOnItsCurvedFaces) {
+  const mesh::TetMesh mesh = test::bent(mesh::to_order(test::box_mesh({6, 2, 2}, kSize), GetParam()), 5);
   const mesh::Boundary surface = mesh::boundary_of(mesh);
-  const std::set<int> points(surface.nodes.begin(), surface.nodes.end());
-  for (const std::size_t most : {8u, 50u, 120u}) {
-    const auto smaller = mesh::decimate(surface, mesh.nodes, most);
-    ASSERT_TRUE(smaller);
-    EXPECT_LE(smaller->nodes.size(), most);
-    EXPECT_GE(smaller->nodes.size(), most / 2);
-    EXPECT_TRUE(std::all_of(smaller->nodes.begin(), smaller->nodes.end(), [&](int n) { return points.contains(n); }));
-    EXPECT_TRUE(is_closed(*smaller));
-    EXPECT_NEAR(enclosed_volume(*smaller, mesh.nodes), enclosed_volume(surface, mesh.nodes), 0.1 * kSize.prod());
+  const mesh::SurfaceQuadrature middles = mesh::quadrature_of(surface, mesh, 1);
+  EXPECT_NEAR(mesh::quadrature_of(surface, mesh, 3).areas.sum() / middles.areas.sum(), 1, 1e-3);
+  ASSERT_EQ(middles.areas.size(), static_cast<Eigen::Index>(surface.triangles.size()));
+  EXPECT_LT((middles.interpolation * Eigen::VectorXd::Ones(middles.interpolation.cols()) -
+             Eigen::VectorXd::Ones(middles.areas.size()))
+                .norm(),
+            1e-12);
+  EXPECT_LT((middles.areas.transpose() * middles.normals).norm(), 2e-3 * middles.areas.sum());
+  mesh::Points nodes(static_cast<Eigen::Index>(surface.nodes.size()), 3);
+  for (Eigen::Index p = 0; p < nodes.rows(); ++p) nodes.row(p) = mesh.nodes.row(surface.nodes[p]);
+  const mesh::Points at = middles.interpolation * nodes;
+  const double volume = middles.areas.dot(at.cwiseProduct(middles.normals).rowwise().sum()) / 3;
+  EXPECT_NEAR(volume / enclosed_volume(surface, mesh.nodes), 1, 0.02);
+  for (Eigen::Index t = 0; t < at.rows(); ++t) {
+    const auto& [a, b, c] = surface.triangles[t];
+    const Eigen::RowVector3d flat = (nodes.row(a) + nodes.row(b) + nodes.row(c)) / 3;
+    const double side = (nodes.row(b) - nodes.row(a)).norm();
+    EXPECT_LT((at.row(t) - flat).norm(), 0.2 * side) << "the middle of triangle " << t << " belongs to another one";
   }
-  EXPECT_EQ(mesh::decimate(surface, mesh.nodes, 100000)->nodes, surface.nodes);
+}
+
+double least_angle_deg(const mesh::Points& nodes, const std::array<std::uint32_t, 3>& triangle) {
+  double least = 180;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d at = nodes.row(triangle[i]);
+    const Eigen::Vector3d a = nodes.row(triangle[(i + 1) % 3]).transpose() - at;
+    const Eigen::Vector3d b = nodes.row(triangle[(i + 2) % 3]).transpose() - at;
+    least = std::min(least, std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / std::numbers::pi);
+  }
+  return least;
+}
+
+// A box whose one half carries a wave and whose other half is at rest.
+TEST(Surface, CoarseningKeepsPointsWhereAFieldBendsAndTheSurfaceClosed) {
+  const mesh::TetMesh mesh = test::box_mesh({40, 10, 4}, {0.4, 0.1, 0.04});
+  const mesh::Boundary surface = mesh::boundary_of(mesh);
+  const mesh::SurfaceQuadrature samples = mesh::quadrature_of(surface, mesh, 3);
+  mesh::Points nodes(static_cast<Eigen::Index>(surface.nodes.size()), 3);
+  Eigen::MatrixXf fields(1, nodes.rows());
+  for (Eigen::Index p = 0; p < nodes.rows(); ++p) {
+    nodes.row(p) = mesh.nodes.row(surface.nodes[p]);
+    fields(0, p) = nodes(p, 0) > 0.2 ? static_cast<float>(std::sin(70 * nodes(p, 0)) - std::sin(14.0)) : 0.0F;
+  }
+  const Eigen::MatrixXf there = fields * samples.interpolation.transpose().cast<float>();
+  mesh::Coarsening coarse(nodes, surface.triangles, fields,
+                          {samples.interpolation * nodes, samples.normals, samples.areas, there}, 0.02);
+  for (const std::size_t points : {400u, 150u}) {
+    ASSERT_TRUE(coarse.reduce_to(points));
+    EXPECT_EQ(coarse.point_count(), points);
+    mesh::Points now(nodes.rows(), 3);
+    const mesh::Points at_samples = samples.interpolation * nodes;
+    for (Eigen::Index p = 0; p < nodes.rows(); ++p) {
+      const Eigen::Index from = coarse.origins()[p];
+      if (from < nodes.rows()) now.row(p) = nodes.row(from);
+      if (from >= nodes.rows()) now.row(p) = at_samples.row(from - nodes.rows());
+    }
+    mesh::Boundary left{surface.nodes, coarse.triangles()};
+    EXPECT_TRUE(is_closed(left));
+    mesh::Points everywhere = mesh.nodes;
+    for (Eigen::Index p = 0; p < now.rows(); ++p) everywhere.row(surface.nodes[p]) = now.row(p);
+    EXPECT_NEAR(enclosed_volume(left, everywhere) / (0.4 * 0.1 * 0.04), 1, 0.01);
+    std::set<std::uint32_t> waving, resting;
+    for (const auto& triangle : left.triangles) {
+      EXPECT_GE(least_angle_deg(now, triangle), 20);
+      for (const std::uint32_t p : triangle) (now(p, 0) > 0.2 ? waving : resting).insert(p);
+    }
+    EXPECT_GT(waving.size(), (points == 400 ? 3 : 1) * resting.size()) << "few triangles must grow slowly";
+    for (const mesh::SurfacePlace& place : coarse.places()) ASSERT_LT(place.triangle, left.triangles.size());
+  }
+  EXPECT_FALSE(coarse.reduce_to(3, true)) << "four points are the least that enclose something";
+  EXPECT_TRUE(is_closed({surface.nodes, coarse.triangles()}));
 }
 
 TEST(Surface, AreaWeightsSumToOneAndFollowTheArea) {

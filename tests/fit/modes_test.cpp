@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 
 namespace ringdown::fit {
@@ -95,14 +96,16 @@ TEST(FitModes, LongAndShortModesOfOnePitchAreToldApart) {
   }
 }
 
-// A preset's bank, struck in the real mixer: its 50 strongest modes there.
+// A preset's bank, struck in the real mixer at the sample point nearest to a place: its strongest modes there.
 struct Rendered {
   std::vector<double> samples;
   std::vector<Tone> tones;  // by energy
 };
-Rendered render_preset(const std::string& name, std::size_t modes, double seconds) {
+Rendered render_preset(const std::string& name, const Vec3& place_m, std::size_t modes, double seconds) {
   auto bank = *modal::read_bank(RINGDOWN_SOURCE_DIR "/presets/banks/" + name + ".glb");
-  const std::size_t point = bank.point_count() / 3;
+  const auto distance = [&](const modal::Vec3f& p) { return length(Vec3{p[0], p[1], p[2]} - place_m); };
+  const auto point =
+      static_cast<std::size_t>(std::ranges::min_element(bank.positions, {}, distance) - bank.positions.begin());
   const Vec3 impulse{0.3, 0.5, 0.8};
   bank.mass.reset();  // without the click, which is no mode
   std::vector<std::pair<double, std::size_t>> order;
@@ -176,28 +179,32 @@ Score score(const Fit& fit, const std::vector<Tone>& tones) {
 }
 
 TEST(FitModes, FiftyModesOfABellAreFoundInNoise) {
-  const Rendered bell = render_preset("bronze-bell", 50, 2);
-  const double level = rms(bell.samples);
   const struct {
     double snr_db, found, cents, decay;
   } claims[] = {{60, 0.95, 0.02, 0.01}, {40, 0.85, 0.1, 0.05}, {20, 0.5, 0.5, 0.1}};
+  const std::array places = {Vec3{-0.0857, 0.0038, 0.1425}, Vec3{0.1, 0.05, 0.1}, Vec3{0, -0.1, 0.09}};
   for (const auto& claim : claims) {
-    auto samples = bell.samples;
-    add_noise(samples, level * std::pow(10, -claim.snr_db / 20));
-    const Fit fit = fitted(samples);
-    const Score s = score(fit, bell.tones);
-    std::printf("%2.0f dB: %3.0f %% of %zu found, %.4f cents, decay %.2f %%, %zu wrong, %.4f %% of the energy\n",
-                claim.snr_db, 100 * s.found, s.tones, s.cents, 100 * s.decay, s.wrong, 100 * fit.explained);
-    EXPECT_GE(s.found, claim.found);
-    EXPECT_LE(s.cents, claim.cents);
-    EXPECT_LE(s.decay, claim.decay);
-    EXPECT_LE(s.wrong, 1u);
-    EXPECT_GT(fit.explained, 1 - 2 * std::pow(10, -claim.snr_db / 10) - 1e-3);
+    std::size_t wrong = 0;
+    for (const Vec3& place : places) {
+      const Rendered bell = render_preset("bronze-bell", place, 50, 2);
+      auto samples = bell.samples;
+      add_noise(samples, rms(bell.samples) * std::pow(10, -claim.snr_db / 20));
+      const Fit fit = fitted(samples);
+      const Score s = score(fit, bell.tones);
+      std::printf("%2.0f dB: %3.0f %% of %zu found, %.4f cents, decay %.2f %%, %zu wrong, %.4f %% of the energy\n",
+                  claim.snr_db, 100 * s.found, s.tones, s.cents, 100 * s.decay, s.wrong, 100 * fit.explained);
+      EXPECT_GE(s.found, claim.found);
+      EXPECT_LE(s.cents, claim.cents);
+      EXPECT_LE(s.decay, claim.decay);
+      EXPECT_GT(fit.explained, 1 - 2 * std::pow(10, -claim.snr_db / 10) - 1e-3);
+      wrong += s.wrong;
+    }
+    EXPECT_LE(wrong, places.size()) << "one in fifty, on average over the places";
   }
 }
 
 TEST(FitModes, EveryModeOfAPlateIsFound) {
-  const Rendered plate = render_preset("steel-plate", 120, 2);
+  const Rendered plate = render_preset("steel-plate", {0.0972, 0.09, 0.0015}, 120, 2);
   auto samples = plate.samples;
   add_noise(samples, 1e-3 * rms(plate.samples));
   const Score s = score(fitted(samples), plate.tones);

@@ -22,7 +22,7 @@ bake::ObjectRecipe recipe_of(const std::filesystem::path& path, double size_m, d
   recipe.meshing = {.unit_m = unit_m, .mesh_size_m = size_m, .order = 3, .parameters = {}};
   recipe.options.element = fem::Element::kTet20;
   recipe.options.band_high_hz = 100e3;
-  recipe.options.most_points = 40;
+  recipe.options.points = 40;
   return recipe;
 }
 

@@ -76,11 +76,11 @@ TEST(BankFile, ABankKeepsTheErrorOfEachMode) {
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_EQ(back->frequency_error, bank.frequency_error);
   EXPECT_EQ(written(*back), once);
-  EXPECT_EQ(error_spread(*back)->median, 1.23e-4);
-  EXPECT_EQ(error_spread(*back)->largest, 0.05);
+  EXPECT_EQ(error_spread(back->frequency_error)->median, 1.23e-4);
+  EXPECT_EQ(error_spread(back->frequency_error)->largest, 0.05);
   bank.frequency_error.clear();
   EXPECT_TRUE(parse(written(bank))->frequency_error.empty());
-  EXPECT_FALSE(error_spread(bank));
+  EXPECT_FALSE(error_spread(bank.frequency_error));
 }
 
 TEST(BankFile, ABankKeepsNamesInAnyScript) {

@@ -83,7 +83,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"gmsh", {"engine/mesh/"}},
     {"assimp/", {"engine/mesh/"}, 1},
     {"CGAL/", {"engine/mesh/"}, 3},
-    {"meshoptimizer.h", {"engine/mesh/", "engine/bake/", "engine/modal/meshopt_codec.cpp"}, 2},
+    {"meshoptimizer.h", {"engine/modal/meshopt_codec.cpp"}, 1},
     {"Eigen/",
      {"engine/mesh/", "engine/fem/", "engine/solve/", "engine/bake/", "engine/fit/"},
      1000,

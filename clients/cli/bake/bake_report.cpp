@@ -27,10 +27,14 @@ void print_errors(const bake::BakedObject& object) {
     }
     std::printf("\n");
   }
-  const auto spread = modal::error_spread(object.baked.bank);
+  const auto spread = modal::error_spread(object.baked.bank.frequency_error);
   if (spread) {
     std::printf("  estimated errors of the frequencies: median %s, largest %s\n", as_percent(spread->median).c_str(),
                 as_percent(spread->largest).c_str());
+  }
+  if (const auto amplitudes = modal::error_spread(object.baked.bank.shape_error)) {
+    std::printf("  estimated errors of amplitudes between points: median %s, largest %s\n",
+                as_percent(amplitudes->median).c_str(), as_percent(amplitudes->largest).c_str());
   }
 }
 

@@ -33,7 +33,7 @@ using protocol::ExitCode;
 // The arguments of the command line. An option that is not given leaves the object file's value, or the default.
 struct Arguments {
   fs::path input, output, materials;
-  std::optional<std::string> material, name, element, error, solver, unit;
+  std::optional<std::string> material, name, element, error, shape_error, solver, unit;
   std::optional<double> mesh_size_m, scale;
   std::optional<std::size_t> points;
   std::optional<int> keep;
@@ -76,7 +76,15 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
       ->check(manual::between(bake::kScale.low, bake::kScale.high));
   app.add_option("--set-material", settings.figures, "a figure of the material, e.g. poisson_ratio=0.31")
       ->type_name("NAME=NUMBER");
-  app.add_option("--points", arguments.points, "surface points in the bank (default 200)")
+  const auto check_shape_error = [](const std::string& text) {
+    const Result<void> good = parse_fraction(text).and_then([](double e) { return check_range(e, bake::kShapeError); });
+    return good ? std::string() : good.error().message;
+  };
+  app.add_option("--shape-error", arguments.shape_error,
+                 "error of the median mode's amplitude where a strike falls between sample points (default 3%)")
+      ->check(check_shape_error);
+  app.add_option("--points", arguments.points,
+                 "so many sample points on the surface (default: as many as --shape-error takes)")
       ->check(manual::between(4, 1 << 20));
   app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")->expected(2);
   app.add_option("--keep", arguments.keep, "how many modes, the most important ones (default: all in the band)")
@@ -92,8 +100,7 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
       app.add_option("--error", arguments.error,
                      "refine until the estimated error of every frequency is below this: 0.1%, or 0.001")
           ->check(check_error);
-  app.add_flag("--preview", arguments.preview, "coarse and quick: order 2, few points, an error that it says")
-      ->excludes(error);
+  app.add_flag("--preview", arguments.preview, "coarse and quick: order 2, an error that it says")->excludes(error);
   app.add_flag("--no-cache", arguments.no_cache,
                "neither use nor keep earlier results (in $RINGDOWN_CACHE, or ringdown in the user's cache folder)");
   app.add_option("--solver", arguments.solver,
@@ -141,7 +148,8 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   if (arguments.unit) recipe.meshing.unit_m = cli::parse_unit(*arguments.unit);
   if (arguments.scale) recipe.scale = *arguments.scale;
   recipe.figures = arguments.figures;
-  if (arguments.points) recipe.options.most_points = *arguments.points;
+  if (arguments.points) recipe.options.points = *arguments.points;
+  if (arguments.shape_error) recipe.options.shape_error = parse_fraction(*arguments.shape_error).value();
   if (arguments.keep) recipe.options.keep_modes = *arguments.keep;
   if (arguments.floor_db) recipe.options.floor_db = *arguments.floor_db;
   if (arguments.error) recipe.error = parse_fraction(*arguments.error).value();

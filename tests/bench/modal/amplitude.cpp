@@ -136,11 +136,11 @@ class Measuring {
     const fs::path file = plan_.folder / (object.stem().string() + ".glb");
     const modal::Compression compression = plan_.compress ? modal::Compression::meshopt : modal::Compression::none;
     std::vector<std::size_t> sizes = plan_.most_points;
-    if (sizes.empty()) sizes = {recipe->options.most_points};
+    if (sizes.empty()) sizes = {recipe->options.points};
     for (const std::size_t size : sizes) {
       bake::ObjectRecipe sized = *recipe;
       sized.options.cache = plan_.cache;
-      sized.options.most_points = size;
+      sized.options.points = size;
       const auto solution = bake_into(file, sized, compression);
       if (!solution) return miss(solution.error());
       take(object, "baked", measure_bank(file, *solution, plan_.quick));
