@@ -147,10 +147,10 @@ class Coarsening::Mesh {
   }
   [[nodiscard]] double least_cosine(const Facet& f) const { return least_angle_cosine(corners(f)); }
 
-  // 0 for angles that are wide enough.
+  // By how much the cosine of the least angle exceeds that of kMinAngle_deg; 0 for facets that are wide enough.
   [[nodiscard]] double narrowness(const Facet& f) const { return std::max(0.0, least_cosine(f) - kNarrowCosine); }
 
-  // The sample on the nearest of the facets that face its way.
+  // Projects the sample onto the nearest of the facets that face its way; the cost is infinite when none does.
   [[nodiscard]] Projection project(std::uint32_t s, const std::vector<std::pair<std::uint32_t, Facet>>& facets,
                                    bool facing = true) const {
     const Vec3 from = position(s), outward = row(samples_.normals, s);
