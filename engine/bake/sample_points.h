@@ -1,4 +1,4 @@
-// Where a bank keeps its shapes: as few points of the surface as an error of the amplitudes allows. [worker]
+// Chooses a bank's sample points: as few points of the surface as the wanted error of amplitudes allows. [worker]
 //
 // A strike between sample points is interpolated linearly on the triangle it falls on. Its error has two parts, and
 // both are made small here: the triangles are chosen where the shapes bend (mesh/coarsen.h), and the values at the

@@ -52,7 +52,7 @@ bool has(const Facet& facet, std::uint32_t point) {
   return std::find(facet.begin(), facet.end(), point) != facet.end();
 }
 
-// Where a sample lies, and what it costs there.
+// The point of a facet that a sample is projected onto, and the cost of the sample there.
 struct Projection {
   std::uint32_t facet = 0;
   std::array<double, 3> weights{};
@@ -225,14 +225,14 @@ class Coarsening::Mesh {
     return std::find(sharp_[p].begin(), sharp_[p].end(), q) != sharp_[p].end();
   }
 
-  // Whether p and q are so near each other that a facet beside them is narrow: steps and spikes of the first triangles.
+  // True when p and q are close neighbours beside a narrow facet: they belong to a step or spike of the first triangles.
   [[nodiscard]] bool is_fragment(std::uint32_t p, std::uint32_t q) const {
     if (length(points_[p] - points_[q]) > kFragment * unit_m_) return false;
     return std::any_of(around_[p].begin(), around_[p].end(),
                        [&](std::uint32_t f) { return has(facets_[f], q) && narrowness(facets_[f]) > 0; });
   }
 
-  // Whether sharp edges let p go to its neighbour q: a point of a sharp edge moves along it, a corner stays.
+  // True when p may be moved onto its neighbour q: points of a sharp edge move along the edge, corners stay.
   [[nodiscard]] bool keeps_edges(std::uint32_t p, std::uint32_t q) const {
     if (sharp_[p].empty() || any_angle_ || is_fragment(p, q)) return true;
     if (sharp_[p].size() > 2 || !is_sharp(p, q)) return false;
@@ -269,7 +269,8 @@ class Coarsening::Mesh {
     return points;
   }
 
-  // Whether p can go to its neighbour q and leave a surface (the link condition) with its edges. `ring_p` is ring(p).
+  // True when the facets still form a closed surface with its sharp edges after p is moved onto its neighbour q (the link
+  // condition). `ring_p` is ring(p).
   [[nodiscard]] bool may_move(std::uint32_t p, const std::vector<std::uint32_t>& ring_p, std::uint32_t q) const {
     if (!keeps_edges(p, q)) return false;
     const std::vector<std::uint32_t> ring_q = ring(q);

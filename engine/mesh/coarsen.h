@@ -13,7 +13,7 @@
 
 namespace ringdown::mesh {
 
-// Where a coarse surface is compared with the surface it stands for.
+// Points of the original surface at which a coarse surface is compared with it.
 struct SurfaceSamples {
   Points positions;        // N x 3 [m]
   Points normals;          // N x 3, outward, of length 1

@@ -86,7 +86,7 @@ struct ErrorSpread {
   double median = 0, largest = 0;
 };
 
-// Of bank.frequency_error or bank.shape_error; nothing when that is empty.
+// The median and the largest of bank.frequency_error or bank.shape_error; nothing when the list is empty.
 inline std::optional<ErrorSpread> error_spread(std::vector<double> errors) {
   if (errors.empty()) return std::nullopt;
   std::sort(errors.begin(), errors.end());
