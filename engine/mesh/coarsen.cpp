@@ -225,7 +225,8 @@ class Coarsening::Mesh {
     return std::find(sharp_[p].begin(), sharp_[p].end(), q) != sharp_[p].end();
   }
 
-  // True when p and q are close neighbours beside a narrow facet: they belong to a step or spike of the first triangles.
+  // True when p and q are close neighbours beside a narrow facet: they belong to a step or spike of the first
+  // triangles.
   [[nodiscard]] bool is_fragment(std::uint32_t p, std::uint32_t q) const {
     if (length(points_[p] - points_[q]) > kFragment * unit_m_) return false;
     return std::any_of(around_[p].begin(), around_[p].end(),
@@ -269,8 +270,8 @@ class Coarsening::Mesh {
     return points;
   }
 
-  // True when the facets still form a closed surface with its sharp edges after p is moved onto its neighbour q (the link
-  // condition). `ring_p` is ring(p).
+  // True when the facets still form a closed surface with its sharp edges after p is moved onto its neighbour q (the
+  // link condition). `ring_p` is ring(p).
   [[nodiscard]] bool may_move(std::uint32_t p, const std::vector<std::uint32_t>& ring_p, std::uint32_t q) const {
     if (!keeps_edges(p, q)) return false;
     const std::vector<std::uint32_t> ring_q = ring(q);
