@@ -20,8 +20,9 @@ namespace ringdown::solve {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSliceGap = 1e-5;  // relative, between the last eigenvalue of a slice and the first of the next
-constexpr int kMaxRepairs = 12;     // between two counts
+constexpr double kSliceGap = 1e-5;      // relative, between the last eigenvalue of a slice and the first of the next
+constexpr int kMaxRepairs = 12;         // between two counts
+constexpr Eigen::Index kGapSearch = 4;  // eigenvalues to either side of the wanted number
 
 class Slicer {
  public:
@@ -64,16 +65,23 @@ class Slicer {
   double iterate_seconds_ = 0;
 };
 
-// A guess of the eigenvalue with number `count`. It is read from the expected eigenvalues when the request has them.
-// Otherwise it lies between what is done and the top, as if the number of modes grew like f^2.4: between the f of
-// plates and bars and the f^3 of solids.
+// A shift below which about `count` eigenvalues lie. Where the request has expected eigenvalues, the shift is the
+// middle of the widest gap among the few around number `count`: a shift beside an eigenvalue, which the middle of a
+// pair of equal ones would be, costs the farther modes their accuracy. Otherwise it lies between what is done and the
+// top, as if the number of modes grew like f^2.4: between the f of plates and bars and the f^3 of solids.
 double Slicer::lambda_at(double count) const {
   const Eigen::VectorXd& expected = request_.expected_lambda;
   const auto number = static_cast<Eigen::Index>(count) - 6;  // without the rigid motions of one piece
-  if (number > 0 && number < expected.size()) {
-    const double middle = 0.5 * (expected[number - 1] + expected[number]);
-    if (middle > done_.lambda && middle > 0 && middle < top_.lambda) return middle;
+  double widest = 0, middle = 0;
+  for (Eigen::Index i = std::max<Eigen::Index>(1, number - kGapSearch); i <= number + kGapSearch && i < expected.size();
+       ++i) {
+    const double gap = (expected[i] - expected[i - 1]) / expected[i], between = 0.5 * (expected[i - 1] + expected[i]);
+    if (gap > widest && between > done_.lambda && between < top_.lambda) {
+      widest = gap;
+      middle = between;
+    }
   }
+  if (widest > kSliceGap) return middle;
   constexpr double kPower = 1.2;
   const double share = (count - done_.below) / std::max(1, top_.below - done_.below);
   const double low = std::pow(std::max(0.0, done_.lambda), kPower), high = std::pow(top_.lambda, kPower);

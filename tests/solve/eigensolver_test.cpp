@@ -148,6 +148,25 @@ TEST(Eigensolver, UnknownsAndModesAloneChooseTheMethod) {
   EXPECT_EQ(chosen({8, 8, 6}, 20e3), solve::Method::kBlockLanczos) << "many unknowns";
 }
 
+// The bending modes of a square rod come in pairs of equal eigenvalues, between which no shift may fall.
+TEST(Eigensolver, ExpectedEigenvaluesThatComeInPairsLeaveTheModesAccurate) {
+  const fem::System system = system_of(test::box_mesh({2, 2, 20}, {0.01, 0.01, 0.2}));
+  solve::EigenRequest request{.highest_lambda = lambda_of(60e3), .method = solve::Method::kBlockLanczos};
+  const auto alone = solve::solve_modes(system, request).value();
+  const Eigen::Index vibrations = alone.lambda.size() - 6;
+  ASSERT_GT(vibrations, 20);
+  request.expected_lambda = alone.lambda.tail(vibrations);
+  for (Eigen::Index m = 12; m < alone.lambda.size(); ++m) {
+    if (alone.lambda[m] < alone.lambda[m - 1] * 1.001) continue;  // a top inside a pair
+    request.highest_lambda = 0.5 * (alone.lambda[m - 1] + alone.lambda[m]);
+    const auto led = solve::solve_modes(system, request);
+    ASSERT_TRUE(led) << led.error().message;
+    ASSERT_EQ(led->lambda.size(), m);
+    const auto ratios = led->lambda.tail(m - 6).array() / alone.lambda.segment(6, m - 6).array();
+    EXPECT_LT((ratios - 1).abs().maxCoeff(), 1e-7) << m << " modes below the top";
+  }
+}
+
 // A top in the middle of a family of equal eigenvalues cannot be told from one beside it; near one it can.
 TEST(Eigensolver, TheTopOfTheBandMayLieVeryCloseToAMode) {
   const fem::System system = system_of(test::box_mesh({4, 3, 3}, kSize));
