@@ -6,51 +6,70 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 
 namespace ringdown {
-
-// Barycentric weights of the point of the segment a-b nearest to the origin.
-inline std::array<double, 2> nearest_on_segment(Vec3 a, Vec3 b) RINGDOWN_REALTIME {
-  const Vec3 along = b - a;
-  const double squared = dot(along, along);
-  const double t = squared > 0 ? std::clamp(-dot(a, along) / squared, 0.0, 1.0) : 0.0;
-  return {1 - t, t};
-}
 
 // The point with those barycentric weights.
 inline Vec3 at_weights(const std::array<Vec3, 3>& v, const std::array<double, 3>& w) RINGDOWN_REALTIME {
   return w[0] * v[0] + (w[1] * v[1] + w[2] * v[2]);
 }
 
-// Barycentric weights of the point of a triangle nearest to `p`: the projection when it falls inside, else the best
-// of the three edges. Degenerate triangles fall through to their edges.
-inline std::array<double, 3> nearest_on_triangle(Vec3 p, const std::array<Vec3, 3>& corners) RINGDOWN_REALTIME {
-  const std::array<Vec3, 3> v = {corners[0] - p, corners[1] - p, corners[2] - p};
-  const Vec3 normal = cross(v[1] - v[0], v[2] - v[0]);
-  const double area_squared = dot(normal, normal);
-  if (area_squared > 0) {
-    const std::array<double, 3> inside = {dot(cross(v[1], v[2]), normal) / area_squared,
-                                          dot(cross(v[2], v[0]), normal) / area_squared,
-                                          dot(cross(v[0], v[1]), normal) / area_squared};
-    if (inside[0] >= 0 && inside[1] >= 0 && inside[2] >= 0) return inside;
-  }
+// Barycentric weights of the point of a triangle's edges nearest to `p`.
+inline std::array<double, 3> nearest_on_edges(Vec3 p, const std::array<Vec3, 3>& corners) RINGDOWN_REALTIME {
   std::array<double, 3> best{};
   double best_squared = std::numeric_limits<double>::infinity();
   for (std::size_t edge = 0; edge < 3; ++edge) {
     const std::size_t next = (edge + 1) % 3;
-    const auto weights = nearest_on_segment(v[edge], v[next]);
-    std::array<double, 3> candidate{};
-    candidate[edge] = weights[0];
-    candidate[next] = weights[1];
-    const Vec3 offset = at_weights(v, candidate);
-    if (dot(offset, offset) < best_squared) {
-      best_squared = dot(offset, offset);
-      best = candidate;
-    }
+    const Vec3 along = corners[next] - corners[edge];
+    const double squared = dot(along, along);
+    const double t = squared > 0 ? std::clamp(dot(p - corners[edge], along) / squared, 0.0, 1.0) : 0.0;
+    const Vec3 offset = corners[edge] + t * along - p;
+    if (dot(offset, offset) >= best_squared) continue;
+    best_squared = dot(offset, offset);
+    best = {};
+    best[edge] = 1 - t;
+    best[next] = t;
   }
   return best;
+}
+
+// Barycentric weights of the point of a triangle nearest to `p`. The plane falls into seven regions: beyond a corner,
+// beyond an edge, or over the triangle; dot products tell which, and only then is anything divided (C. Ericson,
+// Real-Time Collision Detection, 2005, section 5.1.5). In a triangle so thin that rounding alone says "over it", the
+// nearest point is that of the nearest edge.
+inline std::array<double, 3> nearest_on_triangle(Vec3 p, const std::array<Vec3, 3>& corners) RINGDOWN_REALTIME {
+  const auto& [a, b, c] = corners;
+  const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const double ab_a = dot(ab, ap), ac_a = dot(ac, ap);
+  if (ab_a <= 0 && ac_a <= 0) return {1, 0, 0};
+  const double ab_b = dot(ab, bp), ac_b = dot(ac, bp);
+  if (ab_b >= 0 && ac_b <= ab_b) return {0, 1, 0};
+  const double ab_c = dot(ab, cp), ac_c = dot(ac, cp);
+  if (ac_c >= 0 && ab_c <= ac_c) return {0, 0, 1};
+
+  // The products of p's triangles with each edge and the whole one's normal; their sum is the normal's square.
+  const double over_c = ab_a * ac_b - ab_b * ac_a;
+  if (over_c <= 0 && ab_a > 0 && ab_b < 0) {
+    const double t = ab_a / (ab_a - ab_b);
+    return {1 - t, t, 0};
+  }
+  const double over_b = ab_c * ac_a - ab_a * ac_c;
+  if (over_b <= 0 && ac_a > 0 && ac_c < 0) {
+    const double t = ac_a / (ac_a - ac_c);
+    return {1 - t, 0, t};
+  }
+  const double over_a = ab_b * ac_c - ab_c * ac_b, from_b = ac_b - ab_b, from_c = ab_c - ac_c;
+  if (over_a <= 0 && from_b > 0 && from_c > 0) {
+    const double t = from_b / (from_b + from_c);
+    return {0, 1 - t, t};
+  }
+  const double sum = over_a + over_b + over_c;
+  const Vec3 normal = cross(ab, ac);
+  if (std::abs(sum - dot(normal, normal)) < 1e-3 * sum) return {over_a / sum, over_b / sum, over_c / sum};
+  return nearest_on_edges(p, corners);
 }
 
 }  // namespace ringdown

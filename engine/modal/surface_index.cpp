@@ -13,7 +13,7 @@
 namespace ringdown::modal {
 namespace {
 
-constexpr std::uint32_t kLeafSize = 4;
+constexpr std::uint32_t kLeafSize = 2;
 constexpr std::size_t kMaxTree = 48;  // halving 2^20 points or 2 * 2^20 triangles needs 20 levels
 
 Vec3 lowest(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
