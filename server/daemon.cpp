@@ -65,7 +65,7 @@ Result<std::unique_ptr<QueryServer>> open_query(const DaemonOptions& options, st
                                                 const session::Rack& rack) {
   if (!options.query_port) return nullptr;
   auto query = QueryServer::listen(*options.query_port,
-                                   {options.jack_name, options.address, osc_port, [&rack] { return *rack.names(); }});
+                                   {options.jack_name, options.address, osc_port, [&rack] { return rack.names(); }});
   if (query) spdlog::info("OSCQuery on http://{}:{}", options.address, (*query)->port());
   return query;
 }

@@ -2,9 +2,13 @@
 
 #include "protocol/convert.h"
 #include "protocol/help.h"
+#include "protocol/names.h"
 #include "protocol/schema.h"
 
 #include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <utility>
 
 namespace ringdown::server {
 namespace {
@@ -68,48 +72,109 @@ void place(json& root, const std::string& path, const json& node) {
   at->update(node);  // it may be a container as well: /clear, /scene/clear
 }
 
-json whole_namespace(std::span<const std::string> objects) {
+json make_namespace(bool with_object) {
   json root = {{"FULL_PATH", "/"}, {"ACCESS", kContainer}, {"DESCRIPTION", "Ringdown: solid objects that ring"}};
   for (const AddressSpec& spec : protocol::addresses()) {
-    const json node = leaf(spec);
-    if (spec.arguments_in_address() == 0) {
-      place(root, std::string(spec.address), node);
-      continue;
+    std::string path(spec.address);
+    if (spec.arguments_in_address() > 0) {
+      if (!with_object) continue;
+      path.replace(path.find(kPlaceholder), kPlaceholder.size(), 1, Description::kAnyObject);
     }
-    const std::size_t at = spec.address.find(kPlaceholder);
-    for (const std::string& name : objects) {
-      place(root, std::string(spec.address).replace(at, kPlaceholder.size(), name), node);
-    }
+    place(root, path, leaf(spec));
   }
   return root;
 }
 
-Result<json> node_at(std::string_view path, std::span<const std::string> objects) {
-  json node = whole_namespace(objects);
-  while (path.size() > 1) {
-    const std::size_t next = path.find('/', 1);
-    const std::string name(path.substr(1, next == path.npos ? next : next - 1));
-    if (!node.contains("CONTENTS") || !node["CONTENTS"].contains(name)) {
-      return fail(ErrorKind::bad_input, "there is no address " + std::string(path));
+// The namespace without objects, or with one whose name is kAnyObject.
+const json& whole_namespace(bool with_object) {
+  static const json without = make_namespace(false), with = make_namespace(true);
+  return with_object ? with : without;
+}
+
+struct Node {
+  const json* tree;
+  std::string object;  // the name that stands for kAnyObject; empty where the path names no object
+};
+
+Result<Node> node_at(const std::string& path, const std::vector<std::string>& names) {
+  Node node{&whole_namespace(!names.empty()), ""};
+  for (std::size_t slash = 0; slash + 1 < path.size();) {
+    const std::size_t next = std::min(path.find('/', slash + 1), path.size());
+    std::string name = path.substr(slash + 1, next - slash - 1);
+    const bool asks_for_any = name.find(Description::kAnyObject) != name.npos;
+    if (path.substr(0, slash + 1) == protocol::kObjectPrefix && std::ranges::find(names, name) != names.end()) {
+      node.object = std::exchange(name, std::string(1, Description::kAnyObject));
     }
-    node = json(node["CONTENTS"][name]);
-    path = next == path.npos ? "" : path.substr(next);
+    const auto contents = node.tree->find("CONTENTS");
+    if (asks_for_any || contents == node.tree->end() || !contents->contains(name)) {
+      return fail(ErrorKind::bad_input, "there is no address " + path);
+    }
+    node.tree = &(*contents)[name];
+    slash = next;
   }
   return node;
 }
 
-}  // namespace
-
-Result<std::string> describe_namespace(std::string_view path, std::span<const std::string> objects) {
-  return node_at(path, objects).map([](const json& node) { return node.dump(); });
+std::string with_name(std::string text, std::string_view name) {
+  for (std::size_t at = 0; (at = text.find(Description::kAnyObject, at)) != text.npos; at += name.size()) {
+    text.replace(at, 1, name);
+  }
+  return text;
 }
 
-Result<std::string> describe_attribute(std::string_view path, std::string_view attribute,
-                                       std::span<const std::string> objects) {
-  return node_at(path, objects).map([&](const json& node) {
-    const auto found = node.find(std::string(attribute));
-    return found == node.end() ? std::string() : json{{std::string(attribute), *found}}.dump();
-  });
+}  // namespace
+
+Description::Description(std::string before, std::string each, std::string after, ObjectNames names)
+    : before_(std::move(before)), each_(std::move(each)), after_(std::move(after)), names_(std::move(names)) {}
+
+std::size_t Description::size() const {
+  std::size_t size = before_.size() + after_.size();
+  if (!names_) return size;
+  const auto places = static_cast<std::size_t>(std::ranges::count(each_, kAnyObject));
+  for (const std::string& name : *names_) size += each_.size() - places + places * name.size() + 1;
+  return size - 1;  // no comma before the first
+}
+
+bool Description::next_piece() {
+  const std::size_t count = names_ ? names_->size() : 0, piece = next_++;
+  done_ = 0;
+  piece_.clear();
+  if (piece == 0) {
+    piece_ = before_;
+  } else if (piece <= count) {
+    piece_ = (piece > 1 ? "," : "") + with_name(each_, (*names_)[piece - 1]);
+  } else if (piece == count + 1) {
+    piece_ = after_;
+  }
+  return piece <= count + 1;
+}
+
+std::size_t Description::read(std::span<char> target) {
+  std::size_t filled = 0;
+  while (filled < target.size() && (done_ < piece_.size() || next_piece())) {
+    const std::size_t count = piece_.copy(target.data() + filled, target.size() - filled, done_);
+    done_ += count;
+    filled += count;
+  }
+  return filled;
+}
+
+Result<Description> describe(std::string_view path, std::string_view attribute, const ObjectNames& names) {
+  const auto node = node_at(std::string(path), *names);
+  if (!node) return fail(node.error());
+  std::string text;
+  if (attribute.empty()) {
+    text = node->tree->dump();
+  } else if (const auto found = node->tree->find(attribute); found != node->tree->end()) {
+    text = json{{std::string(attribute), *found}}.dump();
+  }
+  if (!node->object.empty()) return Description(with_name(std::move(text), node->object));
+  const std::string key = std::string("\"") + Description::kAnyObject + "\":";
+  const std::size_t at = text.find(key);
+  if (at == text.npos) return Description(std::move(text));
+  const json& object = whole_namespace(true)["CONTENTS"]["object"]["CONTENTS"][std::string(1, Description::kAnyObject)];
+  std::string each = key + object.dump();
+  return Description(text.substr(0, at), each, text.substr(at + each.size()), names);
 }
 
 std::string describe_host(const std::string& name, const std::string& osc_address, std::uint16_t osc_port) {

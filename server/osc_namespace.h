@@ -5,20 +5,49 @@
 
 #include "engine/base/result.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace ringdown::server {
 
-// The node at `path` and everything below it, if there are objects of these names; "/" is the whole namespace. Fails
-// when there is no such node.
-Result<std::string> describe_namespace(std::string_view path, std::span<const std::string> objects);
+using ObjectNames = std::shared_ptr<const std::vector<std::string>>;
 
-// One attribute of a node, such as "TYPE" or "DESCRIPTION", as {"TYPE": ...}; empty when the node does not have it.
-Result<std::string> describe_attribute(std::string_view path, std::string_view attribute,
-                                       std::span<const std::string> objects);
+// A text that is made while it is read, because that of 1024 objects has megabytes: all objects have the same
+// addresses, so one object's text is kept, in which kAnyObject stands for the name.
+class Description {
+ public:
+  static constexpr char kAnyObject = '\x7f';
+
+  Description() = default;
+  explicit Description(std::string text) : before_(std::move(text)) {}
+  // `before`, then `each` for every name with commas between them, then `after`. There is a name.
+  Description(std::string before, std::string each, std::string after, ObjectNames names);
+
+  [[nodiscard]] std::size_t size() const;  // characters
+
+  // Writes what follows the last read; returns the number of characters, 0 at the end.
+  std::size_t read(std::span<char> target);
+
+ private:
+  bool next_piece();
+
+  std::string before_, each_, after_;
+  ObjectNames names_;
+  std::size_t next_ = 0;  // the piece after `piece_`: the text before the names, each of them, the text after them
+  std::string piece_;
+  std::size_t done_ = 0;  // characters of `piece_` that were read
+};
+
+// The node at `path` and everything below it, if there are objects of these names; "/" is the whole namespace. With an
+// attribute, such as "TYPE" or "DESCRIPTION", only that one as {"TYPE": ...}; empty when the node does not have it.
+// Fails when there is no such node.
+Result<Description> describe(std::string_view path, std::string_view attribute, const ObjectNames& names);
 
 // The answer to ?HOST_INFO.
 std::string describe_host(const std::string& name, const std::string& osc_address, std::uint16_t osc_port);

@@ -1,104 +1,226 @@
 #include "server/query_server.h"
 
-#include "server/osc_namespace.h"
+#include "protocol/wire/socket.h"
 
-#include <httplib.h>
+#include <microhttpd.h>
 
+#include <algorithm>
+#include <arpa/inet.h>
 #include <chrono>
-#include <semaphore>
+#include <cstring>
+#include <exception>
+#include <poll.h>
+#include <string_view>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
 #include <thread>
+#include <unistd.h>
+#include <utility>
+#include <vector>
 
 namespace ringdown::server {
 namespace {
 
-constexpr std::size_t kThreads = 2;
-constexpr int kMaxWaiting = 32;  // accepted connections; further ones wait in the kernel's queue
-constexpr int kTimeout_s = 2;    // how long a client may be silent in the middle of a request
-constexpr std::size_t kMaxRequestBytes = 1024;
+using SteadyTime = std::chrono::steady_clock::time_point;
 
-// Replaces httplib's own queue, whose length is not limited.
-class BoundedQueue final : public httplib::TaskQueue {
- public:
-  using Outcome = decltype(std::declval<httplib::TaskQueue&>().enqueue({}));  // void; bool in later versions
-  Outcome enqueue(std::function<void()> task) override {
-    room_.acquire();
-    return pool_.enqueue([this, task = std::move(task)] {
-      task();
-      room_.release();
-    });
+constexpr std::size_t kAnswerBlock = 8192;  // bytes of an answer that are made at once
+constexpr unsigned kLeaving = 16;           // connections that may be open beside the most, until they are closed
+
+// An open connection, and since when it has been receiving a request, or sending an answer, or waiting.
+struct QueryClient {
+  MHD_Connection* connection;
+  int socket;
+  SteadyTime since = std::chrono::steady_clock::now();
+  bool cut = false;  // closed by us; the library has not noticed yet
+
+  void cut_off() {
+    ::shutdown(socket, SHUT_RDWR);
+    cut = true;
   }
-  void shutdown() override { pool_.shutdown(); }
-
- private:
-  std::counting_semaphore<kMaxWaiting> room_{kMaxWaiting};
-  httplib::ThreadPool pool_{kThreads};
 };
+
+MHD_Result send_answer(MHD_Connection* connection, unsigned status, MHD_Response* answer) {
+  const MHD_Result queued = MHD_queue_response(connection, status, answer);
+  MHD_destroy_response(answer);  // the connection holds it as long as it is sent
+  return queued;
+}
+
+MHD_Result send_empty(MHD_Connection* connection, unsigned status) {
+  MHD_Response* const answer = MHD_create_response_from_buffer(0, nullptr, MHD_RESPMEM_PERSISTENT);
+  if (!answer) return MHD_NO;
+  if (status == MHD_HTTP_METHOD_NOT_ALLOWED) MHD_add_response_header(answer, MHD_HTTP_HEADER_ALLOW, "GET, HEAD");
+  return send_answer(connection, status, answer);
+}
+
+ssize_t read_description(void* description, std::uint64_t, char* target, std::size_t most) noexcept {
+  try {
+    const std::size_t count = static_cast<Description*>(description)->read({target, most});
+    return count > 0 ? static_cast<ssize_t>(count) : MHD_CONTENT_READER_END_OF_STREAM;
+  } catch (const std::exception&) {
+    return MHD_CONTENT_READER_END_WITH_ERROR;
+  }
+}
+
+void free_description(void* description) { delete static_cast<Description*>(description); }
+
+MHD_Result send_description(MHD_Connection* connection, Description description) {
+  const std::size_t size = description.size();
+  if (size == 0) return send_empty(connection, MHD_HTTP_NO_CONTENT);
+  auto kept = std::make_unique<Description>(std::move(description));
+  MHD_Response* const answer =
+      MHD_create_response_from_callback(size, kAnswerBlock, read_description, kept.get(), free_description);
+  if (!answer) return MHD_NO;
+  static_cast<void>(kept.release());  // free_description() frees it
+  MHD_add_response_header(answer, MHD_HTTP_HEADER_CONTENT_TYPE, "application/json");
+  return send_answer(connection, MHD_HTTP_OK, answer);
+}
+
+bool has_body(MHD_Connection* connection) {
+  const char* const length = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_CONTENT_LENGTH);
+  return (length && std::string_view(length) != "0") ||
+         MHD_lookup_connection_value(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_TRANSFER_ENCODING);
+}
+
+// The name of the first parameter after the '?', which OSCQuery takes for an attribute.
+std::string first_parameter(MHD_Connection* connection) {
+  std::string name;
+  const auto take = [](void* target, MHD_ValueKind, const char* key, const char*) noexcept {
+    if (key) *static_cast<std::string*>(target) = std::string(key, std::min<std::size_t>(std::strlen(key), 64));
+    return MHD_NO;  // no more of them
+  };
+  MHD_get_connection_values(connection, MHD_GET_ARGUMENT_KIND, take, &name);
+  return name;
+}
 
 }  // namespace
 
 struct QueryServer::Impl {
   About about;
-  httplib::Server http;
-  int port = 0;
+  MHD_Daemon* http = nullptr;
+  int epoll = -1;  // the library's
+  int waker = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  std::uint16_t port = 0;
+  std::vector<QueryClient> clients;  // in the order of coming
   std::jthread thread;
 
-  void answer(const httplib::Request& request, httplib::Response& response) const;
+  MHD_Result answer(MHD_Connection* connection, const char* path, std::string_view method, bool first_call);
+  void note_change(MHD_Connection* connection, MHD_ConnectionNotificationCode change);
+  void note_step(MHD_Connection* connection);
+  void cut_off_slow();
+  void run(const std::stop_token& stop);
 };
 
 QueryServer::QueryServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 QueryServer::~QueryServer() {
-  impl_->http.stop();
+  impl_->thread.request_stop();
+  ::eventfd_write(impl_->waker, 1);
   if (impl_->thread.joinable()) impl_->thread.join();
+  MHD_stop_daemon(impl_->http);
+  ::close(impl_->waker);
 }
 
-std::uint16_t QueryServer::port() const { return static_cast<std::uint16_t>(impl_->port); }
+std::uint16_t QueryServer::port() const { return impl_->port; }
 
 Result<std::unique_ptr<QueryServer>> QueryServer::listen(std::uint16_t port, About about) {
+  const auto endpoint = wire::resolve(about.address, port);
+  if (!endpoint) return fail(endpoint.error());
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(endpoint->address);
+  address.sin_port = htons(port);
   auto impl = std::make_unique<Impl>();
   impl->about = std::move(about);
-  httplib::Server& http = impl->http;
-  http.new_task_queue = [] { return new BoundedQueue; };
-  http.set_payload_max_length(kMaxRequestBytes);
-  http.set_read_timeout(kTimeout_s);
-  http.set_write_timeout(kTimeout_s);
-  http.set_keep_alive_max_count(100);
-  http.set_keep_alive_timeout(kTimeout_s);
-  http.set_socket_options([](int socket) {
-    const int on = 1;
-    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  });
-  http.Get(".*", [impl = impl.get()](const httplib::Request& request, httplib::Response& response) {
-    impl->answer(request, response);
-  });
-  const std::string& address = impl->about.address;
-  impl->port = port == 0 ? http.bind_to_any_port(address) : http.bind_to_port(address, port) ? port : -1;
-  if (impl->port < 0) {
-    return fail(ErrorKind::port_busy, "cannot serve OSCQuery on " + address + ":" + std::to_string(port) +
+
+  // The library calls these on the thread that runs it, which is ours, and they throw nothing into it.
+  const auto answer = [](void* self, MHD_Connection* connection, const char* path, const char* method, const char*,
+                         const char*, std::size_t*, void** state) noexcept {
+    try {
+      return static_cast<Impl*>(self)->answer(connection, path, method, std::exchange(*state, self) == nullptr);
+    } catch (const std::exception&) {
+      return MHD_NO;  // the connection is closed
+    }
+  };
+  const auto changed = [](void* self, MHD_Connection* connection, void**, MHD_ConnectionNotificationCode change) {
+    static_cast<Impl*>(self)->note_change(connection, change);
+  };
+  const auto completed = [](void* self, MHD_Connection* connection, void**, MHD_RequestTerminationCode) {
+    static_cast<Impl*>(self)->note_step(connection);
+  };
+  impl->clients.reserve(kMaxQueryConnections + kLeaving);
+  impl->http = MHD_start_daemon(
+      MHD_USE_EPOLL, port, nullptr, nullptr, +answer, impl.get(),                                    //
+      MHD_OPTION_SOCK_ADDR, reinterpret_cast<const sockaddr*>(&address),                             //
+      MHD_OPTION_CONNECTION_LIMIT, static_cast<unsigned>(kMaxQueryConnections) + kLeaving,           //
+      MHD_OPTION_CONNECTION_MEMORY_LIMIT, kMaxRequestBytes,                                          //
+      MHD_OPTION_CONNECTION_TIMEOUT, kMaxQuerySilence_s,                                             //
+      MHD_OPTION_NOTIFY_CONNECTION, static_cast<MHD_NotifyConnectionCallback>(changed), impl.get(),  //
+      MHD_OPTION_NOTIFY_COMPLETED, static_cast<MHD_RequestCompletedCallback>(completed), impl.get(), MHD_OPTION_END);
+  if (!impl->http) {
+    ::close(impl->waker);
+    return fail(ErrorKind::port_busy, "cannot serve OSCQuery on " + impl->about.address + ":" + std::to_string(port) +
                                           ": the port is taken or not ours; choose another (0 takes any free one)");
   }
-  impl->thread = std::jthread([&http] { http.listen_after_bind(); });
-  // httplib::Server::stop() has no effect before the thread listens, so the destructor must not come earlier.
-  for (int i = 0; i < 1000 && !http.is_running(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  impl->port = MHD_get_daemon_info(impl->http, MHD_DAEMON_INFO_BIND_PORT)->port;
+  impl->epoll = MHD_get_daemon_info(impl->http, MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
+  impl->thread = std::jthread([impl = impl.get()](const std::stop_token& stop) { impl->run(stop); });
   return std::unique_ptr<QueryServer>(new QueryServer(std::move(impl)));
 }
 
-void QueryServer::Impl::answer(const httplib::Request& request, httplib::Response& response) const {
-  const char* const kJson = "application/json";
-  const std::string attribute = request.params.empty() ? "" : request.params.begin()->first;
+void QueryServer::Impl::run(const std::stop_token& stop) {
+  constexpr int kLongest_ms = 500;  // between two looks for slow clients
+  while (!stop.stop_requested()) {
+    MHD_UNSIGNED_LONG_LONG soon_ms = kLongest_ms;
+    if (MHD_get_timeout(http, &soon_ms) != MHD_YES) soon_ms = kLongest_ms;
+    pollfd watched[] = {{waker, POLLIN, 0}, {epoll, POLLIN, 0}};
+    ::poll(watched, std::size(watched), static_cast<int>(std::min<MHD_UNSIGNED_LONG_LONG>(soon_ms, kLongest_ms)));
+    MHD_run(http);
+    cut_off_slow();
+  }
+}
+
+void QueryServer::Impl::note_change(MHD_Connection* connection, MHD_ConnectionNotificationCode change) {
+  if (change == MHD_CONNECTION_NOTIFY_CLOSED) {
+    std::erase_if(clients, [connection](const QueryClient& client) { return client.connection == connection; });
+    return;
+  }
+  clients.push_back({connection, MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd});
+  if (std::ranges::count(clients, false, &QueryClient::cut) <= static_cast<std::ptrdiff_t>(kMaxQueryConnections))
+    return;
+  std::ranges::min_element(clients, {}, [](const QueryClient& client) {
+    return client.cut ? SteadyTime::max() : client.since;
+  })->cut_off();
+}
+
+void QueryServer::Impl::note_step(MHD_Connection* connection) {
+  const auto client = std::ranges::find(clients, connection, &QueryClient::connection);
+  if (client != clients.end()) client->since = std::chrono::steady_clock::now();
+}
+
+// A client that sends or takes a byte now and then would keep its connection for ever.
+void QueryServer::Impl::cut_off_slow() {
+  const SteadyTime oldest = std::chrono::steady_clock::now() - std::chrono::seconds(kMaxQueryTime_s);
+  for (QueryClient& client : clients) {
+    if (!client.cut && client.since < oldest) client.cut_off();
+  }
+}
+
+// Called once when the headers have come, when nothing but a refusal may be answered, and once after the whole request.
+MHD_Result QueryServer::Impl::answer(MHD_Connection* connection, const char* path, std::string_view method,
+                                     bool first_call) {
+  if (method != MHD_HTTP_METHOD_GET && method != MHD_HTTP_METHOD_HEAD) {
+    return send_empty(connection, MHD_HTTP_METHOD_NOT_ALLOWED);
+  }
+  if (has_body(connection)) return send_empty(connection, MHD_HTTP_CONTENT_TOO_LARGE);
+  if (first_call) return MHD_YES;
+  note_step(connection);
+  const std::string attribute = first_parameter(connection);
   if (attribute == "HOST_INFO") {
-    return response.set_content(describe_host(about.name, about.address, about.osc_port), kJson);
+    return send_description(connection, Description(describe_host(about.name, about.address, about.osc_port)));
   }
-  const auto objects = about.objects();
-  const auto text = attribute.empty() ? describe_namespace(request.path, objects)
-                                      : describe_attribute(request.path, attribute, objects);
-  if (!text) {
-    response.status = 404;
-  } else if (text->empty()) {
-    response.status = 204;
-  } else {
-    response.set_content(*text, kJson);
-  }
+  auto description = describe(path, attribute, about.objects());
+  return description ? send_description(connection, *std::move(description))
+                     : send_empty(connection, MHD_HTTP_NOT_FOUND);
 }
 
 }  // namespace ringdown::server

@@ -1,19 +1,26 @@
 // Describes the daemon's OSC namespace by OSCQuery: JSON over HTTP, read-only. The daemon opens it with --query.
 //
 // GET / or GET /object/bell answers the namespace or a part of it (osc_namespace.h); ?HOST_INFO answers where OSC is
-// received. One thread of the server accepts connections and two answer requests.
+// received. One thread accepts connections and answers, without waiting for any of them. Whatever is sent, memory stays
+// bounded: a request has kMaxRequestBytes and no body, ranges are not looked at, and answers are made while they are
+// sent. When kMaxQueryConnections are open, the one that has waited longest makes room for the next.
 #pragma once
 
 #include "engine/base/result.h"
-#include "protocol/wire/socket.h"
+#include "server/osc_namespace.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
 namespace ringdown::server {
+
+inline constexpr std::size_t kMaxRequestBytes = 16384;  // of a request's line and headers, and of its answer's headers
+inline constexpr std::size_t kMaxQueryConnections = 32;
+inline constexpr unsigned kMaxQuerySilence_s = 2;  // of a client in the middle of a request, or between two
+inline constexpr unsigned kMaxQueryTime_s = 10;  // from a request's first byte to its last, and the same for an answer
 
 class QueryServer {
  public:
@@ -21,7 +28,7 @@ class QueryServer {
     std::string name;     // the name of this daemon
     std::string address;  // where OSC is received
     std::uint16_t osc_port = 0;
-    std::function<std::vector<std::string>()> objects;  // returns the names of all objects [called on any thread]
+    std::function<ObjectNames()> objects;  // returns the names of all objects [called on the server's thread]
   };
 
   // Opens the port at about.address and serves from now on, until destruction; 0 takes any free port. Fails with

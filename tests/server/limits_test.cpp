@@ -15,6 +15,7 @@
 #include "server/latency.h"
 #include "server/notifier.h"
 #include "server/osc_stream.h"
+#include "server/query_server.h"
 #include "server/schedule.h"
 #include "server/session/offline.h"
 #include "server/session/recorder.h"
@@ -84,6 +85,10 @@ const std::map<std::string, double> kConstants = {
     ROW(protocol::kMaxBankBytes),
     ROW(server::kMaxConnections),
     ROW(server::kMaxUnreadBytes),
+    ROW(server::kMaxRequestBytes),
+    ROW(server::kMaxQueryConnections),
+    ROW(server::kMaxQuerySilence_s),
+    ROW(server::kMaxQueryTime_s),
     ROW(session::kMaxRecorded),
     ROW(session::kMaxCapturedFrames),
     ROW(Captured::kMost),

@@ -1,13 +1,17 @@
 // OSCQuery's JSON, read over HTTP by a plain socket.
 #include "protocol/schema.h"
 #include "server/query_server.h"
+#include "tests/support/http_client.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <arpa/inet.h>
-#include <sys/socket.h>
-#include <unistd.h>
+#include <functional>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace ringdown::server {
 namespace {
@@ -19,36 +23,23 @@ struct Page {
   json body;
 };
 
-Page get(std::uint16_t port, const std::string& target) {
-  const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  address.sin_port = htons(port);
-  EXPECT_EQ(::connect(socket, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  const std::string request = "GET " + target + " HTTP/1.0\r\n\r\n";
-  EXPECT_EQ(::send(socket, request.data(), request.size(), 0), static_cast<ssize_t>(request.size()));
-  std::string text;
-  char bytes[4096];
-  for (ssize_t got = 0; (got = ::recv(socket, bytes, sizeof bytes, 0)) > 0;) {
-    text.append(bytes, static_cast<std::size_t>(got));
-  }
-  ::close(socket);
-  const std::size_t blank = text.find("\r\n\r\n");
-  if (text.size() < 12 || blank == text.npos) return {};
-  return {std::stoi(text.substr(9, 3)), json::parse(text.substr(blank + 4), nullptr, false)};
+// What a daemon with these objects tells.
+template <class... Names>
+std::function<ObjectNames()> objects(Names... names) {
+  return [list = std::make_shared<const std::vector<std::string>>(std::vector<std::string>{names...})] { return list; };
 }
 
 class QueryTest : public testing::Test {
  protected:
   void SetUp() override {
-    auto server = QueryServer::listen(0, {"ringdown", "127.0.0.1", 7770, [] {
-                                            return std::vector<std::string>{"bell", "glass.1"};
-                                          }});
+    auto server = QueryServer::listen(0, {"ringdown", "127.0.0.1", 7770, objects("bell", "glass.1")});
     ASSERT_TRUE(server) << server.error().message;
     server_ = std::move(*server);
   }
-  [[nodiscard]] Page get(const std::string& target) const { return server::get(server_->port(), target); }
+  [[nodiscard]] Page get(const std::string& target) const {
+    const test::HttpAnswer answer = test::http_get(server_->port(), target);
+    return {answer.status, json::parse(answer.body, nullptr, false)};
+  }
   std::unique_ptr<QueryServer> server_;
 };
 
@@ -84,9 +75,38 @@ TEST_F(QueryTest, ANodeAnAttributeAndTheHostCanBeQueried) {
   EXPECT_EQ(get("/../etc/passwd").status, 404);
 }
 
+TEST_F(QueryTest, TheWholeNamespaceHoldsWhatItsPartsAnswer) {
+  const json objects = get("/").body["CONTENTS"]["object"];
+  EXPECT_EQ(get("/object").body, objects);
+  EXPECT_EQ(get("/object?CONTENTS").body["CONTENTS"], objects["CONTENTS"]);
+  ASSERT_EQ(objects["CONTENTS"].size(), 2u);
+  for (const char* name : {"bell", "glass.1"}) {
+    EXPECT_EQ(get(std::string("/object/") + name).body, objects["CONTENTS"][name]) << name;
+  }
+  EXPECT_EQ(get("/object/%7F").status, 404) << "the place of a name is no name";
+}
+
+TEST_F(QueryTest, WhereThereAreNoObjectsThereIsNoAddressOfThem) {
+  const auto empty = QueryServer::listen(0, {"ringdown", "127.0.0.1", 7770, objects()});
+  ASSERT_TRUE(empty);
+  EXPECT_EQ(test::http_get((*empty)->port(), "/object").status, 404);
+  EXPECT_EQ(test::http_get((*empty)->port(), "/").status, 200);
+}
+
+TEST_F(QueryTest, OnlyReadingWithoutABodyIsAllowed) {
+  for (const auto& [request, status] :
+       {std::pair("POST / HTTP/1.1\r\nHost: x\r\n\r\n", 405), std::pair("BREW / HTTP/1.1\r\nHost: x\r\n\r\n", 405),
+        std::pair("GET / HTTP/1.1\r\nHost: x\r\nContent-Length: 3\r\n\r\nabc", 413),
+        std::pair("GET / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n0\r\n\r\n", 413)}) {
+    test::HttpConnection connection(server_->port());
+    connection.send(request);
+    connection.end();
+    EXPECT_EQ(test::parse_http(connection.receive()).status, status) << request;
+  }
+}
+
 TEST_F(QueryTest, ATakenQueryPortIsAnErrorThatSaysSo) {
-  const auto second =
-      QueryServer::listen(server_->port(), {"x", "127.0.0.1", 1, [] { return std::vector<std::string>(); }});
+  const auto second = QueryServer::listen(server_->port(), {"x", "127.0.0.1", 1, objects()});
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message.find(std::to_string(server_->port())), std::string::npos);
 }

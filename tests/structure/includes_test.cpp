@@ -73,7 +73,7 @@ struct LibraryRule {
 const std::vector<LibraryRule> kLibraryRules = {
     {"jack/", {"server/jack_client.cpp"}, 1},
     {"lo/", {"protocol/wire/codec.cpp"}, 1},
-    {"httplib.h", {"server/"}, 1},
+    {"microhttpd.h", {"server/query_server.cpp"}, 1},
     {"btBullet", {"clients/bullet/"}, 1},
     {"ode/", {"engine/scene/ode_", "engine/scene/simulation"}, 6},
     {"Spectra/", {"engine/solve/spectra.cpp"}, 1},
@@ -252,7 +252,7 @@ TEST(Structure, ASessionNeedsNeitherSocketsNorLogsNorCommandLinesNorGlobals) {
   for (const Include& include : all_includes()) {
     if (include.file.rfind("server/session/", 0) != 0) continue;
     EXPECT_FALSE(begins_with_any(include.header, {"sys/socket.h", "sys/un.h", "netinet/", "arpa/", "netdb.h", "spdlog/",
-                                                  "lo/", "jack/", "CLI/", "httplib.h", "avahi", "csignal", "iostream"}))
+                                                  "lo/", "jack/", "CLI/", "microhttpd.h", "avahi", "csignal", "iostream"}))
         << place(include) << ", which its folder may not";
   }
   const std::regex mutable_static(
