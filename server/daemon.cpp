@@ -1,6 +1,7 @@
 #include "server/daemon.h"
 
 #include "engine/base/folders.h"
+#include "engine/base/output_file.h"
 #include "protocol/wire/score.h"
 #include "server/latency.h"
 #include "server/osc_server.h"
@@ -80,6 +81,13 @@ Result<std::unique_ptr<NsmClient>> join_manager(DaemonOptions& options) {
   std::error_code ignored;
   if (std::filesystem::exists((*manager)->state_file(), ignored)) options.state = (*manager)->state_file();
   return manager;
+}
+
+// Writes the score of --record where the user says, and that of a message at the path that was checked.
+session::Recorder::Write score_writer(const std::optional<std::filesystem::path>& record) {
+  return [record](std::span<const wire::ScoreEvent> score, const std::filesystem::path& path) {
+    return path == record ? write_output(path, wire::encode_score(score)) : wire::write_score(score, path);
+  };
 }
 
 // Keeps the scene a little ahead of the sound, so that its strikes have frames that are still to come.
@@ -206,7 +214,7 @@ Daemon::Daemon(DaemonOptions options, Ports ports, Files files)
       captured_(std::move(ports.captured)),
       session_(ports.driver->sample_rate_hz(), std::move(files.roots)),
       notes_(session_.rack(), std::move(files.notes)),
-      recorder_(session_.rack(), wire::write_score),
+      recorder_(session_.rack(), score_writer(options_.record)),
       capture_(session_.rack()),
       stream_(std::move(ports.stream)),
       driver_(std::move(ports.driver)) {

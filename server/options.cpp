@@ -131,14 +131,17 @@ void add_driver(CLI::App& app, DaemonOptions& options) {
 }
 
 void add_osc(CLI::App& app, DaemonOptions& options) {
-  app.add_option("--port", options.port, "UDP port for OSC; 0 takes any free one")->capture_default_str();
+  const CLI::Validator port = manual::between(0, 65535);
+  app.add_option("--port", options.port, "UDP port for OSC; 0 takes any free one")->check(port)->capture_default_str();
   app.add_option("--address", options.address, "Address to listen on; others than this machine's own let strangers in")
       ->capture_default_str();
   app.add_option("--tcp", options.tcp_port,
                  "Receive OSC by TCP too, framed by SLIP, on this port; 0 takes any free one")
+      ->check(port)
       ->type_name("PORT");
   app.add_option("--query", options.query_port,
                  "Describe the namespace by OSCQuery: JSON over HTTP, read-only, on this port; 0 takes any free one")
+      ->check(port)
       ->type_name("PORT");
   app.add_flag("--zeroconf", options.zeroconf, "Announce the OSC ports on the network by Zeroconf (Avahi)");
   app.add_option_function<std::string>(

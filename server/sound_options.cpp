@@ -29,8 +29,13 @@ void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
       ->transform(CLI::CheckedTransformer(contacts).description(""))
       ->type_name("spectrum|exact")
       ->default_str("spectrum");
-  app.add_option("--limiter", settings.limiter_db,
-                 "Keep the mix below a ceiling in dB, -1 unless given; it comes 2 ms later")
+  // CLI11 checks no empty text where an option needs no value.
+  const auto take_limiter = [&settings](const std::string& text) {
+    if (text.empty()) throw CLI::ValidationError("--limiter", "'' is not a number from -60 to 0");
+    settings.limiter_db = std::stod(text);
+  };
+  app.add_option_function<std::string>("--limiter", take_limiter,
+                                       "Keep the mix below a ceiling in dB, -1 unless given; it comes 2 ms later")
       ->expected(0, 1)
       ->default_str("-1")
       ->check(manual::between(-60.0, 0.0))

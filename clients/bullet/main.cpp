@@ -3,6 +3,7 @@
 #include "clients/bullet/bullet_world.h"
 #include "clients/cli/daemon_link.h"
 #include "engine/base/folders.h"
+#include "engine/base/output_file.h"
 #include "engine/modal/bank_file.h"
 #include "engine/scene/scene_file.h"
 #include "packaging/manual/command_line.h"
@@ -115,7 +116,7 @@ ExitCode write_events(const std::filesystem::path& path, const scene::SceneDescr
     }
   }
   score.push_back({world.time_s(), {"/c_set", {0, 0.f}}});  // the usual end of a score
-  const auto written = wire::write_score(score, path);
+  const auto written = write_output(path, wire::encode_score(score));
   return written ? ExitCode::ok : complain(written.error());
 }
 
@@ -124,7 +125,7 @@ ExitCode run(const Options& options) {
   if (!scene) return complain(scene.error());
   auto world = make_world(*scene);
   if (!world) return complain({world.error().kind, options.scene.string() + ": " + world.error().message});
-  std::signal(SIGINT, [](int) { interrupted = true; });
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { interrupted = true; });
   const double seconds = options.seconds.value_or(scene->duration_s);
   return options.events ? write_events(*options.events, *scene, *world, seconds)
                         : play(options, *scene, *world, seconds);

@@ -76,11 +76,10 @@ std::string help_for(std::string_view verb, std::string_view name) {
   return protocol::describe(*argument);
 }
 
-// Appends "1,2,3" as three words, which the protocol's parser checks. Returns false when there are not three.
-bool append_three(std::vector<std::string>& words, const std::string& list) {
+// Appends "1,2,3" as three words.
+void append_three(std::vector<std::string>& words, const std::string& list) {
   const std::vector<std::string> parts = CLI::detail::split(list, ',');
   words.insert(words.end(), parts.begin(), parts.end());
-  return parts.size() == 3;
 }
 
 ExitCode strike(const StrikeOptions& options) {
@@ -88,12 +87,10 @@ ExitCode strike(const StrikeOptions& options) {
   const bool by_vertex = !options.vertex.empty();
   if (by_vertex) {
     words.push_back(options.vertex);
-  } else if (!append_three(words, options.point)) {
-    return complain("--at takes three numbers with commas between them, like 0.05,0,0.02", ExitCode::usage);
+  } else {
+    append_three(words, options.point);
   }
-  if (!append_three(words, options.impulse)) {
-    return complain("--impulse takes three numbers with commas between them, like 0,0,-0.1", ExitCode::usage);
-  }
+  append_three(words, options.impulse);
   if (!options.contact_time.empty()) words.push_back(options.contact_time);
   const auto message =
       protocol::compose("/object/" + options.object + (by_vertex ? "/strike_vertex" : "/strike"), words);
@@ -120,11 +117,18 @@ void add_strike_verb(CLI::App& app, ExitCode& outcome) {
   CLI::App* verb = app.add_subcommand("strike", std::string(spec_of("strike").sentence));
   verb->add_option("object", options->object, help_for("strike", "object"))->required();
   auto* where = verb->add_option_group("where", "one of these two");
-  where->add_option("--at", options->point, help_for("strike", "x"))->type_name("X,Y,Z");
-  where->add_option("--vertex", options->vertex, help_for("strike_vertex", "vertex"))->type_name("NUMBER");
+  where->add_option("--at", options->point, help_for("strike", "x"))->type_name("X,Y,Z")->check(manual::any_vector());
+  where->add_option("--vertex", options->vertex, help_for("strike_vertex", "vertex"))
+      ->type_name("NUMBER")
+      ->check(manual::any_number());
   where->require_option(1);
-  verb->add_option("--impulse", options->impulse, help_for("strike", "jx"))->type_name("X,Y,Z")->required();
-  verb->add_option("--contact-time", options->contact_time, help_for("strike", "contact_time"))->type_name("SECONDS");
+  verb->add_option("--impulse", options->impulse, help_for("strike", "jx"))
+      ->type_name("X,Y,Z")
+      ->check(manual::any_vector())
+      ->required();
+  verb->add_option("--contact-time", options->contact_time, help_for("strike", "contact_time"))
+      ->type_name("SECONDS")
+      ->check(manual::any_number());
   add_daemon_options(*verb, options->daemon);
   verb->callback([options, &outcome] { outcome = strike(*options); });
 }

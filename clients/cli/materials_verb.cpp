@@ -3,6 +3,7 @@
 #include "engine/bake/material_bar.h"
 #include "engine/bake/material_library.h"
 #include "engine/base/folders.h"
+#include "engine/base/output_file.h"
 #include "engine/synth/mixer.h"
 #include "server/session/offline.h"
 
@@ -224,7 +225,10 @@ void add_materials_verb(CLI::App& app, ExitCode& outcome) {
       ->needs(name);
   verb->add_flag("--markdown", arguments->markdown, "All figures as a Markdown table, for docs/use/materials.md.")
       ->excludes(name);
-  verb->callback([arguments, &outcome] { outcome = materials(*arguments); });
+  verb->callback([arguments, &outcome] {
+    keep_stdout_for(arguments->sound);
+    outcome = materials(*arguments);
+  });
 }
 
 }  // namespace ringdown::cli

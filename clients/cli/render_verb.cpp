@@ -1,13 +1,13 @@
+#include "clients/cli/long_work.h"
 #include "clients/cli/verb.h"
 #include "engine/base/folders.h"
+#include "engine/base/output_file.h"
 #include "packaging/manual/command_line.h"
 #include "protocol/wire/score.h"
 #include "server/session/offline.h"
 #include "server/sound_options.h"
 
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -19,8 +19,6 @@
 namespace ringdown::cli {
 namespace {
 
-std::atomic<bool> interrupted = false;
-
 struct RenderArguments {
   session::OfflineOptions options;
   std::vector<std::string> objects;
@@ -28,18 +26,17 @@ struct RenderArguments {
   std::string output;
 };
 
-// Shows the percentage on a terminal, and nothing elsewhere. Returns false when the render should stop.
-bool show_progress(double done) {
+// Shows the percentage on a terminal, and nothing elsewhere.
+void show_progress(double done) {
   static int shown = -1;
   const int percent = static_cast<int>(100 * done);
   if (percent != shown && isatty(STDERR_FILENO)) {
     shown = percent;
     std::fprintf(stderr, "\rrendering %3d %%%s", percent, percent == 100 ? "\n" : "");
   }
-  return !interrupted;
 }
 
-ExitCode render(RenderArguments& arguments) {
+ExitCode render(RenderArguments& arguments, const std::stop_token& stop) {
   for (const std::string& text : arguments.objects) {
     const auto equals = text.find('=');
     if (equals == text.npos) return complain("--object " + text + " is not NAME=BANK", ExitCode::usage);
@@ -57,13 +54,15 @@ ExitCode render(RenderArguments& arguments) {
     if (!score) return complain(score.error());
     arguments.options.score = std::move(*score);
   }
-  std::signal(SIGINT, [](int) { interrupted = true; });
-  const auto recording = session::render_offline(arguments.options, show_progress);
+  const auto recording = session::render_offline(arguments.options, [&stop](double done) {
+    show_progress(done);
+    return !stop.stop_requested();
+  });
   if (!recording) return complain(recording.error());
   for (const std::string& warning : recording->warnings) complain(warning, ExitCode::ok);
-  if (const auto written = session::write_audio(*recording, arguments.output); !written) {
-    return complain(written.error());
-  }
+  const auto written =
+      session::write_audio(*recording, arguments.output, [&stop](double) { return !stop.stop_requested(); });
+  if (!written) return complain(written.error());
   std::printf("%s: %.2f s at %.0f Hz, peak %.1f dB\n", arguments.output.c_str(),
               static_cast<double>(recording->left.size()) / recording->sample_rate_hz, recording->sample_rate_hz,
               20 * std::log10(static_cast<double>(recording->peak) + 1e-12));
@@ -98,7 +97,10 @@ void add_render_verb(CLI::App& app, ExitCode& outcome) {
       ->check(manual::between(1, 8192))
       ->capture_default_str();
   server::add_sound_options(*verb, options.mixer);
-  verb->callback([arguments, &outcome] { outcome = render(*arguments); });
+  verb->callback([arguments, &outcome] {
+    keep_stdout_for(arguments->output);
+    outcome = run_cancellable([&](const std::stop_token& stop) { return render(*arguments, stop); });
+  });
 }
 
 }  // namespace ringdown::cli

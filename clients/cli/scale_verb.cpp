@@ -2,6 +2,7 @@
 #include "engine/bake/material_change.h"
 #include "engine/bake/material_library.h"
 #include "engine/base/folders.h"
+#include "engine/base/output_file.h"
 #include "engine/modal/bank_file.h"
 #include "packaging/manual/command_line.h"
 
@@ -85,7 +86,10 @@ void add_scale_verb(CLI::App& app, ExitCode& outcome) {
   verb->add_option("--materials", arguments->folder, "Folder of materials (default: the presets').")
       ->type_name("FOLDER");
   verb->add_option("--name", arguments->name, "Name kept in the bank (default: as it was).")->type_name("TEXT");
-  verb->callback([arguments, &outcome] { outcome = scale(*arguments); });
+  verb->callback([arguments, &outcome] {
+    keep_stdout_for(arguments->output);
+    outcome = scale(*arguments);
+  });
 }
 
 }  // namespace ringdown::cli

@@ -1,6 +1,6 @@
 #include "clients/viewer/settings.h"
 
-#include "engine/base/atomic_file.h"
+#include "engine/base/output_file.h"
 #include "engine/base/quote.h"
 #include "engine/base/toml_table.h"
 
@@ -67,7 +67,7 @@ Result<void> write_settings(const Settings& settings, const std::filesystem::pat
   line("impulse_ns", number(settings.impulse_ns));
   line("contact_time_s", number(settings.contact_time_s));
   line("strength_by_time", flag(settings.strength_by_time));
-  return write_file_atomically(file, text);
+  return write_output(file, text);
 }
 
 }  // namespace ringdown::viewer

@@ -1,6 +1,6 @@
 #include "engine/mesh/surface_file.h"
 
-#include "engine/base/atomic_file.h"
+#include "engine/base/output_file.h"
 
 #include <Eigen/LU>
 #include <assimp/Importer.hpp>
@@ -183,7 +183,7 @@ Result<void> write_ply(const TriangleMesh& surface, const std::filesystem::path&
     std::snprintf(line, sizeof line, "3 %d %d %d\n", row[0], row[1], row[2]);
     text += line;
   }
-  return write_file_atomically(path, text);
+  return write_output(path, text);
 }
 
 namespace {

@@ -1,6 +1,7 @@
 #include "engine/modal/bank_file.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/base/output_file.h"
 #include "engine/base/version.h"
 #include "engine/modal/glb.h"
 #include "engine/modal/material_scale.h"
@@ -386,7 +387,7 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std
                    {"scenes", Json::array({{{"nodes", Json::array({0})}}})},
                    {"nodes", Json::array({node})},
                    {"meshes", Json::array({{{"name", bank.name}, {"primitives", Json::array({primitive})}}})}};
-  return write_file_atomically(path, std::move(writer).finish(std::move(document)));
+  return write_output(path, std::move(writer).finish(std::move(document)));
 }
 
 std::optional<std::string> read_input_hash(const std::filesystem::path& path) {

@@ -4,7 +4,10 @@
 #include "packaging/manual/completion.h"
 #include "protocol/defaults.h"
 
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <limits>
 #include <new>
 #include <string_view>
 
@@ -25,7 +28,40 @@ ExitCode write_manual(CLI::App& app, std::string_view kind, const std::vector<Se
   return protocol::complain({ErrorKind::input_output, "cannot write to the standard output"});
 }
 
+constexpr double kLargest = std::numeric_limits<double>::max();
+
 }  // namespace
+
+std::string wrong_number(const std::string& text, double low, double high, const std::string& demand) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0') return "'" + text + "' is not a number" + demand;
+  if (!std::isfinite(number)) return "'" + text + "' is not a finite number" + demand;
+  return number < low || number > high ? "'" + text + "' is not a number" + demand : "";
+}
+
+CLI::Validator any_number() {
+  return CLI::Validator([](const std::string& text) { return wrong_number(text, -kLargest, kLargest, ""); }, "");
+}
+
+CLI::Validator any_vector() {
+  const auto check = [](const std::string& text) {
+    const std::vector<std::string> parts = CLI::detail::split(text, ',');
+    if (parts.size() != 3) return "'" + text + "' is not three numbers with commas between them, like 0.05,0,0.02";
+    for (const std::string& part : parts) {
+      if (const std::string wrong = wrong_number(part, -kLargest, kLargest, ""); !wrong.empty()) return wrong;
+    }
+    return std::string();
+  };
+  return CLI::Validator(check, "");
+}
+
+CLI::Validator above_zero() {
+  const auto check = [](const std::string& text) {
+    return wrong_number(text, std::numeric_limits<double>::denorm_min(), kLargest, " greater than 0");
+  };
+  return CLI::Validator(check, "greater than 0");
+}
 
 void add_common_options(CLI::App& app) {
   app.set_version_flag("--version", app.get_name() + " " + kVersion + "\nbanks " + std::to_string(kBankVersion) +

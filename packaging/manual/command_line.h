@@ -18,15 +18,25 @@
 
 namespace ringdown::manual {
 
+// Checks of numbers. Every option that takes a number has one of them: each refuses a text that is not a number, and a
+// number that is not finite. What they demand beyond that stands in --help.
+CLI::Validator any_number();
+CLI::Validator any_vector();  // three numbers with commas between them, as one text
+CLI::Validator above_zero();
+
+// Returns what is wrong with `text` as a number from `low` to `high`, or nothing. [any]
+std::string wrong_number(const std::string& text, double low, double high, const std::string& demand);
+
 // Demands a number from `low` to `high`, both included.
 template <class Number>
 CLI::Validator between(Number low, Number high) {
   std::ostringstream words;
   words << "from " << low << " to " << high;
-  return CLI::Range(low, high).description(words.str());
+  const auto check = [low, high, demand = " " + words.str()](const std::string& text) {
+    return wrong_number(text, static_cast<double>(low), static_cast<double>(high), demand);
+  };
+  return CLI::Validator(check, words.str());
 }
-
-inline CLI::Validator above_zero() { return CLI::PositiveNumber.description("greater than 0"); }
 
 // Adds --version and the list of exit codes below --help. Call it before the program's own options are added.
 void add_common_options(CLI::App& app);

@@ -13,6 +13,8 @@ namespace {
 
 using synth::Frame;
 
+tl::unexpected<Error> cancelled() { return fail(ErrorKind::cancelled, "cancelled; nothing was written"); }
+
 // One rendering: a session, the score that is played on it, and the samples so far.
 class Run {
  public:
@@ -48,8 +50,7 @@ class Run {
     const auto block = static_cast<Frame>(options_.block_frames);
     for (Frame begin = 0; begin < total; begin += block) {
       render_until(std::min(begin + block, total));
-      if (!progress(static_cast<double>(now_) / static_cast<double>(total)))
-        return fail(ErrorKind::cancelled, "cancelled; nothing was written");
+      if (!progress(static_cast<double>(now_) / static_cast<double>(total))) return cancelled();
     }
     for (auto* channel : {&recording_.left, &recording_.right}) {
       channel->erase(channel->begin(), channel->begin() + static_cast<std::ptrdiff_t>(latency()));
@@ -158,15 +159,21 @@ Result<Recording> render_offline(const OfflineOptions& options, const Progress& 
   return recording;
 }
 
-Result<void> write_audio(const Recording& recording, const std::filesystem::path& path) {
-  auto file = SoundFile::create(path, recording.sample_rate_hz);
+Result<void> write_audio(const Recording& recording, const std::filesystem::path& path, const Progress& progress) {
+  constexpr std::size_t kPiece = 1 << 16;  // frames
+  const auto target = output_target(path);
+  if (!target) return fail(target.error());
+  auto file = SoundFile::create(*target, recording.sample_rate_hz);
   if (!file) return fail(file.error());
-  std::vector<float> samples(2 * recording.left.size());
-  for (std::size_t n = 0; n < recording.left.size(); ++n) {
-    samples[2 * n] = recording.left[n];
-    samples[2 * n + 1] = recording.right[n];
+  const std::size_t frames = recording.left.size();
+  std::vector<float> samples;
+  for (std::size_t begin = 0; begin < frames; begin += kPiece) {
+    const std::size_t end = std::min(begin + kPiece, frames);
+    samples.clear();
+    for (std::size_t n = begin; n < end; ++n) samples.insert(samples.end(), {recording.left[n], recording.right[n]});
+    if (const auto written = file->write(samples); !written) return written;
+    if (!progress(static_cast<double>(end) / static_cast<double>(frames))) return cancelled();
   }
-  if (const auto written = file->write(samples); !written) return written;
   return file->finish();
 }
 

@@ -44,8 +44,10 @@ using Progress = std::function<bool(double done)>;
 
 Result<Recording> render_offline(const OfflineOptions& options, const Progress& progress);
 
-// Writes a stereo file: 32-bit float WAV, or 24-bit FLAC when the name ends in .flac. The file appears when it is
-// complete.
-Result<void> write_audio(const Recording& recording, const std::filesystem::path& path);
+// Writes where the user says (engine/base/output_file.h): 32-bit float WAV, or 24-bit FLAC when the name ends in .flac.
+// The file appears when it is complete.
+Result<void> write_audio(
+    const Recording& recording, const std::filesystem::path& path,
+    const Progress& progress = [](double) { return true; });
 
 }  // namespace ringdown::session

@@ -25,7 +25,7 @@ Result<void> SoundCapture::start(const std::filesystem::path& path) {
                 "path: " + path_.string() + " is being captured already; end it with /capture/stop");
   }
   const synth::Mixer& mixer = rack_.mixer();
-  auto file = SoundFile::create(path, mixer.sample_rate_hz());
+  auto file = SoundFile::create({path}, mixer.sample_rate_hz());
   if (!file) return fail(file.error());
   path_ = path;
   end_.reset();

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace ringdown::session {
 namespace {
@@ -17,12 +19,42 @@ tl::unexpected<Error> cannot_write(const std::filesystem::path& path, const std:
 
 }  // namespace
 
+// What a stream gets is complete before, in a file without a name: libsndfile goes back to write lengths.
 struct SoundFile::Open {
-  std::filesystem::path path, temporary;
+  OutputTarget target;
+  std::filesystem::path temporary;
+  std::FILE* nameless = nullptr;  // of a stream
   SNDFILE* file = nullptr;
+
+  bool open(SF_INFO& info) {
+    if (target.is_stream) {
+      nameless = std::tmpfile();
+      if (nameless) file = sf_open_fd(::fileno(nameless), SFM_WRITE, &info, SF_FALSE);
+    } else {
+      temporary = target.path.string() + "." + std::to_string(::getpid()) + ".part";
+      file = sf_open(temporary.c_str(), SFM_WRITE, &info);
+    }
+    return file != nullptr;
+  }
+
+  // Copies the finished sound to the stream.
+  [[nodiscard]] Result<void> copy() const {
+    const auto stream = open_stream(target.path);
+    if (!stream) return fail(stream.error());
+    Result<void> outcome;
+    std::vector<std::byte> piece(std::size_t{1} << 16);
+    std::rewind(nameless);
+    for (std::size_t count = 1; outcome && count > 0;) {
+      count = std::fread(piece.data(), 1, piece.size(), nameless);
+      outcome = write_stream(*stream, std::span(piece).first(count), target.named);
+    }
+    ::close(*stream);
+    return outcome;
+  }
 
   ~Open() {
     if (file) sf_close(file);
+    if (nameless) std::fclose(nameless);
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);
   }
@@ -33,20 +65,19 @@ SoundFile::SoundFile(SoundFile&&) noexcept = default;
 SoundFile& SoundFile::operator=(SoundFile&&) noexcept = default;
 SoundFile::~SoundFile() = default;
 
-Result<SoundFile> SoundFile::create(const std::filesystem::path& path, double sample_rate_hz) {
+Result<SoundFile> SoundFile::create(OutputTarget target, double sample_rate_hz) {
+  const std::filesystem::path path = target.named;
   std::string ending = path.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (ending != ".wav" && ending != ".flac") {
+  if (ending != ".wav" && ending != ".flac" && !target.is_stream) {
     return cannot_write(path, "its name must end in .wav or .flac, which says the format");
   }
   SF_INFO info{.samplerate = static_cast<int>(sample_rate_hz),
                .channels = 2,
                .format = ending == ".flac" ? SF_FORMAT_FLAC | SF_FORMAT_PCM_24 : SF_FORMAT_WAV | SF_FORMAT_FLOAT};
   auto open = std::make_unique<Open>();
-  open->path = path;
-  open->temporary = path.string() + "." + std::to_string(::getpid()) + ".part";
-  open->file = sf_open(open->temporary.c_str(), SFM_WRITE, &info);
-  if (!open->file) return cannot_write(path, sf_strerror(nullptr));
+  open->target = std::move(target);
+  if (!open->open(info)) return cannot_write(path, sf_strerror(nullptr));
   sf_command(open->file, SFC_SET_CLIPPING, nullptr, SF_TRUE);
   // The chunk would contain the time of day, so no two files would be equal.
   sf_command(open->file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
@@ -56,14 +87,16 @@ Result<SoundFile> SoundFile::create(const std::filesystem::path& path, double sa
 Result<void> SoundFile::write(std::span<const float> samples) {
   const auto frames = static_cast<sf_count_t>(samples.size() / 2);
   if (sf_writef_float(open_->file, samples.data(), frames) == frames) return {};
-  return cannot_write(open_->path, "the disk may be full");
+  return cannot_write(open_->target.named, "the disk may be full");
 }
 
 Result<void> SoundFile::finish() {
-  if (sf_close(std::exchange(open_->file, nullptr)) != 0) return cannot_write(open_->path, "the disk may be full");
+  const std::filesystem::path& path = open_->target.named;
+  if (sf_close(std::exchange(open_->file, nullptr)) != 0) return cannot_write(path, "the disk may be full");
+  if (open_->nameless) return open_->copy();
   std::error_code error;
-  std::filesystem::rename(open_->temporary, open_->path, error);
-  if (error) return cannot_write(open_->path, error.message());
+  std::filesystem::rename(open_->temporary, open_->target.path, error);
+  if (error) return cannot_write(path, error.message());
   return {};
 }
 

@@ -1,15 +1,15 @@
 // A sound file that is written piece by piece under a temporary name, and gets its own when it is complete.
 //
-//   auto file = SoundFile::create("take.wav", 48000);
+//   auto file = SoundFile::create({"take.wav"}, 48000);
 //   file->write(samples);            // left right left right ...
 //   file->finish();                  // without, the destructor removes what was written
 //
 // [worker]
 #pragma once
 
+#include "engine/base/output_file.h"
 #include "engine/base/result.h"
 
-#include <filesystem>
 #include <memory>
 #include <span>
 
@@ -17,9 +17,9 @@ namespace ringdown::session {
 
 class SoundFile {
  public:
-  // Stereo: 32-bit float WAV, or 24-bit FLAC when the name ends in .flac. Fails for other endings, and where no file
-  // can be made.
-  static Result<SoundFile> create(const std::filesystem::path& path, double sample_rate_hz);
+  // Stereo: 32-bit float WAV, or 24-bit FLAC when the name ends in .flac. Fails for other endings, except those of
+  // streams, and where no file can be made. A path from a message is its own target; output_target() follows a user's.
+  static Result<SoundFile> create(OutputTarget target, double sample_rate_hz);
   SoundFile(SoundFile&&) noexcept;
   SoundFile& operator=(SoundFile&&) noexcept;
   ~SoundFile();
@@ -27,7 +27,7 @@ class SoundFile {
   // Appends frames of two samples each. Fails when the disk is full.
   Result<void> write(std::span<const float> samples);
 
-  // Completes the file and renames it. Call last.
+  // Completes the file and renames it, or copies it to the stream. Call last.
   Result<void> finish();
 
  private:

@@ -60,9 +60,11 @@ void print_report(const bake::ObjectRecipe& recipe, const bake::BakedObject& obj
   const auto& [bank, report] = object.baked;
   const auto [low, high] = std::minmax_element(bank.frequency_hz.begin(), bank.frequency_hz.end());
   std::error_code error;
-  std::printf("%s: %zu modes, %.0f to %.0f Hz, at %zu points -> %s (%.0f kB)\n", recipe.name.c_str(), bank.mode_count(),
-              *low, *high, bank.point_count(), output.c_str(),
-              static_cast<double>(std::filesystem::file_size(output, error)) / 1000);
+  const auto bytes = std::filesystem::file_size(output, error);  // a stream has no size
+  std::printf("%s: %zu modes, %.0f to %.0f Hz, at %zu points -> %s", recipe.name.c_str(), bank.mode_count(), *low,
+              *high, bank.point_count(), output.c_str());
+  if (!error) std::printf(" (%.0f kB)", static_cast<double>(bytes) / 1000);
+  std::printf("\n");
   std::printf(
       "  %s, %.3f kg; %td elements, %td unknowns; dropped %d rigid, %d below the band, %d over-damped, "
       "%d inaudible, %d unimportant\n",

@@ -3,12 +3,13 @@
 //
 // Exit codes (protocol/exit_codes.h): ok when the file can be baked, repaired or not; bad_input when it cannot; usage;
 // failure when the repaired surface cannot be written; cancelled.
-#include "clients/cli/bake/long_work.h"
+#include "clients/cli/long_work.h"
 #include "clients/cli/bake/options.h"
 #include "engine/bake/bake_object.h"
 #include "engine/bake/body_shape.h"
 #include "engine/bake/material_library.h"
 #include "engine/base/folders.h"
+#include "engine/base/output_file.h"
 #include "engine/mesh/body_reader.h"
 #include "engine/mesh/surface_distance.h"
 #include "engine/mesh/surface_file.h"
@@ -154,6 +155,7 @@ ExitCode run(int argc, char** argv) {
   const Result<std::filesystem::path> materials = material_folder(request.materials);
   if (!materials) return complain(materials.error());
   request.materials = *materials;
+  keep_stdout_for(request.output);
   return cli::run_cancellable([&](const std::stop_token&) {
     const Result<void> checked = check_mesh(request);
     return checked ? ExitCode::ok : complain(checked.error());

@@ -1,6 +1,6 @@
 #include "clients/cli/bake/folder_command.h"
 
-#include "clients/cli/bake/long_work.h"
+#include "clients/cli/long_work.h"
 #include "clients/cli/bake/options.h"
 #include "packaging/manual/command_line.h"
 
@@ -26,11 +26,12 @@ void add_folder_options(CLI::App& app, FolderBake& request, bool& update, bool& 
 Result<void> choose_folder(const CLI::App& app, const std::filesystem::path& input, FolderBake& request) {
   std::error_code error;
   const bool is_folder = std::filesystem::is_directory(input, error);
+  const bool is_there = std::filesystem::exists(input, error);
   for (const char* name : is_folder ? kForOne : kForFolders) {
     if (app.count(name) == 0) continue;
-    return fail(ErrorKind::bad_input, std::string(name) + " is for " +
-                                          (is_folder ? "one input, and " : "a folder, and ") + input.string() +
-                                          (is_folder ? " is a folder" : " is none"));
+    if (!is_there) return fail(ErrorKind::bad_input, "there is no folder " + input.string());
+    return fail(ErrorKind::usage, std::string(name) + " is for " + (is_folder ? "one input, and " : "a folder, and ") +
+                                      input.string() + (is_folder ? " is a folder" : " is none"));
   }
   if (is_folder) request.folder = input;
   return {};

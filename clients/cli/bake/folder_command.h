@@ -16,8 +16,8 @@ namespace ringdown::cli {
 // Adds --jobs and the like, which fill `request`, and --update and --progress-lines, which are for one input.
 void add_folder_options(CLI::App& app, FolderBake& request, bool& update, bool& progress_lines);
 
-// Sets `request.folder` when `input` is a folder. Fails when an option was given that does not apply to the input: to a
-// folder, or to a single file.
+// Sets `request.folder` when `input` is a folder. Fails with ErrorKind::usage when an option was given that does not
+// apply to the input (to a folder, or to a single file), with bad_input when it is for a folder that is not there.
 Result<void> choose_folder(const CLI::App& app, const std::filesystem::path& input, FolderBake& request);
 
 // The given options that can change a bank, for input_hash(). Names of files are left out: the files are hashed.

@@ -5,12 +5,13 @@
 // fails does not stop the others.
 #include "clients/cli/bake/bake_report.h"
 #include "clients/cli/bake/folder_command.h"
-#include "clients/cli/bake/long_work.h"
+#include "clients/cli/long_work.h"
 #include "clients/cli/bake/options.h"
 #include "engine/bake/bake_object.h"
 #include "engine/bake/input_hash.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/folders.h"
+#include "engine/base/output_file.h"
 #include "engine/base/range.h"
 #include "engine/modal/bank_file.h"
 #include "packaging/manual/command_line.h"
@@ -82,11 +83,14 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   };
   app.add_option("--shape-error", arguments.shape_error,
                  "error of the median mode's amplitude where a strike falls between sample points (default 3%)")
+      ->type_name("PERCENT")
       ->check(check_shape_error);
   app.add_option("--points", arguments.points,
                  "so many sample points on the surface (default: as many as --shape-error takes)")
       ->check(manual::between(4, 1 << 20));
-  app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")->expected(2);
+  app.add_option("--band", arguments.band_hz, "LOW HIGH in Hz (default 20 20000)")
+      ->expected(2)
+      ->check(manual::any_number());
   app.add_option("--keep", arguments.keep, "how many modes, the most important ones (default: all in the band)")
       ->check(manual::between(1, 16384));
   app.add_option("--floor", arguments.floor_db,
@@ -99,6 +103,7 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   CLI::Option* error =
       app.add_option("--error", arguments.error,
                      "refine until the estimated error of every frequency is below this: 0.1%, or 0.001")
+          ->type_name("PERCENT")
           ->check(check_error);
   app.add_flag("--preview", arguments.preview, "coarse and quick: order 2, an error that it says")->excludes(error);
   app.add_flag("--no-cache", arguments.no_cache,
@@ -231,7 +236,8 @@ ExitCode run(int argc, char** argv) {
   if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;
   if (arguments.input.empty()) return complain_of_usage(app, "give an input, or a folder of them");
   if (auto chosen = cli::choose_folder(app, arguments.input, arguments.folder); !chosen) {
-    return complain_of_usage(app, chosen.error().message);
+    const bool is_usage = chosen.error().kind == ErrorKind::usage;
+    return is_usage ? complain_of_usage(app, chosen.error().message) : complain(chosen.error());
   }
   if (arguments.output.empty() && arguments.folder.folder.empty()) {
     return complain_of_usage(app, "say with --output where to write");
@@ -244,6 +250,7 @@ ExitCode run(int argc, char** argv) {
   arguments.materials = *materials;
   if (!arguments.folder.folder.empty()) return bake_folder(app, arguments);
   arguments.shaping = cli::shaping_options(app);
+  keep_stdout_for(arguments.output);
   return cli::run_cancellable([&](const std::stop_token& stop) {
     try {
       return bake_one(arguments.input, arguments.output, arguments, stop);

@@ -3,11 +3,12 @@
 //
 // Exit codes (protocol/exit_codes.h): ok; usage; bad_input when the object cannot be baked; failure when the targets
 // are out of reach or a file cannot be written; cancelled. Nothing is written of an object whose targets were missed.
-#include "clients/cli/bake/long_work.h"
+#include "clients/cli/long_work.h"
 #include "clients/cli/bake/tune_options.h"
 #include "clients/cli/pitch.h"
 #include "engine/bake/object_file.h"
 #include "engine/base/atomic_file.h"
+#include "engine/base/output_file.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/folders.h"
 #include "engine/base/toml_table.h"
@@ -93,7 +94,7 @@ Result<void> write_object(const TuneArguments& arguments, const bake::TuneReques
   changes.mesh_size_m = tuned.mesh_size_m;
   const Result<std::string> changed = bake::change_object(*text, changes);
   if (!changed) return fail(changed.error());
-  return write_file_atomically(output, *changed);
+  return write_output(output, *changed);
 }
 
 // Tunes one object. The parameters found stay in the request, as the start for the next note of a scale.
@@ -176,6 +177,7 @@ ExitCode run(int argc, char** argv) {
   const Result<fs::path> materials = material_folder(arguments.materials);
   if (!materials) return complain(materials.error());
   arguments.materials = *materials;
+  keep_stdout_for(arguments.output);
   return cli::run_cancellable([&](const std::stop_token& stop) { return tune(arguments, stop); });
 }
 

@@ -102,7 +102,8 @@ void add_tune_options(CLI::App& app, TuneArguments& arguments, TuneWords& words)
       ->type_name("LOW..HIGH");
   app.add_option("--strike", words.strike, "direction of the blow that 'vertical' means (default: across a flat body)")
       ->expected(3)
-      ->type_name("X Y Z");
+      ->type_name("X Y Z")
+      ->check(manual::any_number());
   app.add_option("--tolerance", arguments.tolerance_cents, "cents that a target may be missed by (default 0.3)")
       ->check(manual::between(0.001, 100.0));
   app.add_option("--mesh-size", arguments.mesh_size_m, "longest edge in metres, instead of the object's")

@@ -2,6 +2,8 @@
 // to the recording.
 #include "clients/cli/fit/report.h"
 #include "clients/cli/fit/sound.h"
+#include "clients/cli/long_work.h"
+#include "engine/base/output_file.h"
 #include "engine/fit/sinusoids.h"
 #include "engine/fit/recorded_bank.h"
 #include "engine/modal/bank_file.h"
@@ -50,10 +52,13 @@ void add_options(CLI::App& app, Arguments& arguments) {
          "have in common.")
       ->check(manual::between(0.1, 200.0))
       ->capture_default_str();
-  app.add_option("--channel", arguments.channel, "Which channel, 1 is the first; default: the mean of all.");
-  app.add_option("--from", arguments.options.from_s, "Where the blow is, in seconds; default: where the sound begins.");
+  app.add_option("--channel", arguments.channel, "Which channel, 1 is the first; default: the mean of all.")
+      ->check(manual::between(1, 1024));
+  app.add_option("--from", arguments.options.from_s, "Where the blow is, in seconds; default: where the sound begins.")
+      ->check(manual::any_number());
   app.add_option("--band", arguments.band, "Lowest and highest frequency in Hz; default: 20 20000.")
-      ->type_name("LOW HIGH");
+      ->type_name("LOW HIGH")
+      ->check(manual::any_number());
   app.add_option("--floor", arguments.options.floor_db, "Drop modes that begin more dB than this below the loudest.")
       ->check(manual::between(1.0, 200.0))
       ->capture_default_str();
@@ -64,7 +69,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "The impulse in N s that shall sound as loud as the recording; default: 0,0,1.")
       ->type_name("X,Y,Z")
       ->delimiter(',')
-      ->expected(3);
+      ->expected(3)
+      ->check(manual::any_number());
   app.add_option("--contact", arguments.contact_ms,
                  "The contact time in ms that this impulse will have; its spectrum is divided out.")
       ->check(manual::between(0.0, 100.0))
@@ -84,15 +90,17 @@ std::vector<double> resynthesis(const fit::Fit& found, const cli::Sound& sound) 
   return samples;
 }
 
-Result<void> write_sounds(const fit::Fit& found, const cli::Sound& sound, const Arguments& arguments) {
+Result<void> write_sounds(const fit::Fit& found, const cli::Sound& sound, const Arguments& arguments,
+                          const std::stop_token& stop) {
   if (arguments.resynth.empty() && arguments.residual.empty()) return {};
   std::vector<double> samples = resynthesis(found, sound);
   if (!arguments.resynth.empty()) {
-    if (auto written = cli::write_sound(samples, sound.sample_rate_hz, arguments.resynth); !written) return written;
+    if (auto written = cli::write_sound(samples, sound.sample_rate_hz, arguments.resynth, stop); !written)
+      return written;
   }
   if (arguments.residual.empty()) return {};
   for (std::size_t n = 0; n < samples.size(); ++n) samples[n] = sound.samples[n] - samples[n];
-  return cli::write_sound(samples, sound.sample_rate_hz, arguments.residual);
+  return cli::write_sound(samples, sound.sample_rate_hz, arguments.residual, stop);
 }
 
 // The amplitude of a mode in one channel, with its object in the centre, divided by 2 pi f F(f) (phi . j).
@@ -113,10 +121,11 @@ Result<modal::Bank> bank_of(const fit::Fit& found, const Arguments& arguments) {
   return fit::with_damping(*bank, calibration->damping);
 }
 
-ExitCode fit_recording(Arguments& arguments) {
+ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {
   const Result<cli::Sound> sound = cli::read_sound(arguments.input, arguments.channel);
   if (!sound) return complain(sound.error());
   const Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, arguments.options);
+  if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
   if (!found) return complain({found.error().kind, arguments.input.string() + ": " + found.error().message});
   if (found->modes.empty()) {
     return complain(
@@ -130,7 +139,7 @@ ExitCode fit_recording(Arguments& arguments) {
     const auto written = modal::write_bank(*bank, arguments.output);
     if (!written) return complain(written.error());
   }
-  const auto written = write_sounds(*found, *sound, arguments);
+  const auto written = write_sounds(*found, *sound, arguments, stop);
   return written ? ExitCode::ok : complain(written.error());
 }
 
@@ -149,12 +158,13 @@ ExitCode run(int argc, char** argv) {
   add_options(app, arguments);
   if (const auto ended = manual::parse(app, argc, argv, kSections)) return *ended;
   const auto& j = arguments.impulse;
-  if (!(std::isfinite(j[0] + j[1] + j[2]) && std::hypot(j[0], j[1], j[2]) > 0)) {
+  if (!(std::hypot(j[0], j[1], j[2]) > 0)) {
     return complain_of_usage(app, "--impulse takes three numbers that are not all 0, like 0,0,1");
   }
   if (arguments.name.empty()) arguments.name = arguments.input.stem().string();
   arguments.options.low_hz = arguments.band[0], arguments.options.high_hz = arguments.band[1];
-  return fit_recording(arguments);
+  for (const fs::path& path : {arguments.output, arguments.resynth, arguments.residual}) keep_stdout_for(path);
+  return cli::run_cancellable([&arguments](const std::stop_token& stop) { return fit_recording(arguments, stop); });
 }
 
 }  // namespace

@@ -9,6 +9,14 @@
 namespace ringdown::cli {
 
 Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> channel) {
+  std::error_code error;
+  if (const auto status = std::filesystem::status(path, error); !std::filesystem::is_regular_file(status)) {
+    return fail(ErrorKind::bad_input,
+                "cannot read " + path.string() + " as a sound: " +
+                    (std::filesystem::exists(status) ? "it is not a regular file; write the sound "
+                                                       "to one first"
+                                                     : "there is no such file"));
+  }
   SF_INFO info{};
   const std::unique_ptr<SNDFILE, int (*)(SNDFILE*)> file(sf_open(path.c_str(), SFM_READ, &info), sf_close);
   if (!file) return fail(ErrorKind::bad_input, "cannot read " + path.string() + " as a sound: " + sf_strerror(nullptr));
@@ -34,11 +42,12 @@ Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> c
   return sound;
 }
 
-Result<void> write_sound(std::span<const double> samples, double sample_rate_hz, const std::filesystem::path& path) {
+Result<void> write_sound(std::span<const double> samples, double sample_rate_hz, const std::filesystem::path& path,
+                         const std::stop_token& stop) {
   session::Recording recording{.sample_rate_hz = sample_rate_hz};
   recording.left.assign(samples.begin(), samples.end());
   recording.right = recording.left;
-  return session::write_audio(recording, path);
+  return session::write_audio(recording, path, [&stop](double) { return !stop.stop_requested(); });
 }
 
 }  // namespace ringdown::cli

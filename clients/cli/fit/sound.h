@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 namespace ringdown::cli {
@@ -23,6 +24,8 @@ inline constexpr double kMaxSound_s = 600;
 Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> channel);
 
 // Writes both channels of a stereo file alike: .wav (32-bit float) or .flac, which holds nothing above 1.
-Result<void> write_sound(std::span<const double> samples, double sample_rate_hz, const std::filesystem::path& path);
+// Fails when `stop` is requested.
+Result<void> write_sound(std::span<const double> samples, double sample_rate_hz, const std::filesystem::path& path,
+                         const std::stop_token& stop);
 
 }  // namespace ringdown::cli

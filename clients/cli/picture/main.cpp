@@ -1,7 +1,8 @@
 // ringdown-picture: draws a bank. A program of its own because `ringdown` links no cairo.
 #include "clients/cli/picture/bank_page.h"
 #include "clients/cli/picture/bank_picture.h"
-#include "engine/base/atomic_file.h"
+#include "clients/cli/long_work.h"
+#include "engine/base/output_file.h"
 #include "engine/base/folders.h"
 #include "engine/base/quote.h"
 #include "engine/modal/bank_file.h"
@@ -38,11 +39,12 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "taken.")
       ->type_name("X,Y,Z")
       ->delimiter(',')
-      ->expected(3);
+      ->expected(3)
+      ->check(manual::any_number());
   app.add_flag("--small", arguments.small, "A picture of one shape and the spectrum, 480 by 200 pixels.");
 }
 
-ExitCode draw(const Arguments& arguments, const std::string& ending) {
+ExitCode draw(const Arguments& arguments, const std::string& ending, const std::stop_token& stop) {
   const auto path = preset_or_file(arguments.bank, PresetKind::bank);
   if (!path) return complain(path.error());
   const auto bank = modal::read_bank(*path);
@@ -56,7 +58,8 @@ ExitCode draw(const Arguments& arguments, const std::string& ending) {
   if (bytes.empty()) {
     return complain({ErrorKind::no_memory, "cannot draw " + arguments.output.string() + ": there is no memory for it"});
   }
-  const auto written = write_file_atomically(arguments.output, std::string_view(bytes));
+  if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
+  const auto written = write_output(arguments.output, std::string_view(bytes));
   return written ? ExitCode::ok : complain(written.error());
 }
 
@@ -82,7 +85,7 @@ ExitCode run(int argc, char** argv) {
   if (ending == ".html" && arguments.small) {
     return manual::complain_of_usage(app, "--small is for pictures, not for a page");
   }
-  return draw(arguments, ending);
+  return cli::run_cancellable([&](const std::stop_token& stop) { return draw(arguments, ending, stop); });
 }
 
 }  // namespace

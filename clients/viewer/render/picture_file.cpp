@@ -1,6 +1,6 @@
 #include "clients/viewer/render/picture_file.h"
 
-#include "engine/base/atomic_file.h"
+#include "engine/base/output_file.h"
 
 #include <png.h>
 
@@ -22,7 +22,7 @@ Result<void> write_png(const Image& image, const std::filesystem::path& path) {
   png_alloc_size_t size = bytes.size();
   if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, image.rgba.data(), 0, nullptr))
     return fail(ErrorKind::input_output, "the picture " + path.string() + " could not be made: " + png.message);
-  return write_file_atomically(path, std::span(bytes).first(size));
+  return write_output(path, std::span(bytes).first(size));
 }
 
 }  // namespace ringdown::viewer

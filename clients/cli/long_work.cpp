@@ -1,10 +1,11 @@
-#include "clients/cli/bake/long_work.h"
+#include "clients/cli/long_work.h"
 
 #include <atomic>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <new>
 #include <thread>
 #include <unistd.h>
 
@@ -65,7 +66,11 @@ protocol::ExitCode run_cancellable(const std::function<protocol::ExitCode(std::s
   std::atomic<bool> done = false;
   ExitCode exit_code = ExitCode::ok;
   std::jthread worker([&](std::stop_token stop) {
-    exit_code = work(stop);
+    try {
+      exit_code = work(stop);
+    } catch (const std::bad_alloc&) {
+      exit_code = protocol::complain({ErrorKind::no_memory, "there is not enough memory for this"});
+    }
     done = true;
   });
   bool cancelled = false;
@@ -75,7 +80,7 @@ protocol::ExitCode run_cancellable(const std::function<protocol::ExitCode(std::s
       worker.request_stop();
     }
     if (cancelled && !done && --polls == 0) {
-      static constexpr char kMessage[] = "\ncancelled; no bank was left half-written\n";
+      static constexpr char kMessage[] = "\ncancelled; no file was left half-written\n";
       [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
       ::_exit(static_cast<int>(ExitCode::cancelled));
     }
