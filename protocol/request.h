@@ -178,7 +178,9 @@ struct SaveScene {  // /scene/save
 struct RecordStart {  // /record/start
   std::string path;
 };
-struct RecordStop {};  // /record/stop
+struct RecordStop {                 // /record/stop
+  std::optional<std::string> path;  // in place of the one given at the start
+};
 // The daemon captures what is heard in a sound file.
 struct CaptureStart {  // /capture/start
   std::string path;

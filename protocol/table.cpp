@@ -275,7 +275,12 @@ std::vector<Row<Request>> make_request_rows() {
                            "for bit, at the same sample rate and block size.",
                            {other<ValueType::text, &RecordStart::path>(
                                "path", "The .osc file to write; it replaces only a score.")}),
-      answered<Lane::file>("/record/stop", RecordStop{}, "Writes the score.", {}, "/done", "the count of its messages"),
+      answered<Lane::file>("/record/stop", RecordStop{},
+                           "Writes the score, with everything that was confirmed by /sync before. When it cannot be "
+                           "written, the recording goes on.",
+                           {optional(other<ValueType::text, &RecordStop::path>(
+                               "path", "Another .osc file than the one named at the start."))},
+                           "/done", "the count of its messages"),
       answered<Lane::file>(
           "/capture/start", CaptureStart{"session.wav"},
           "Writes the mix from now on to a WAV file of 32-bit floats, complete when /capture/stop is "

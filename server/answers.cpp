@@ -3,8 +3,6 @@
 #include "protocol/schema.h"
 #include "protocol/wire/codec.h"
 
-#include <spdlog/spdlog.h>
-
 #include <variant>
 
 namespace ringdown::server {
@@ -34,7 +32,7 @@ void AnswerPorts::send(Peer to, std::span<const std::byte> packet) {
 
 void answer(AnswerPorts& ports, Peer to, const protocol::Reply& reply) {
   if (const auto* refusal = std::get_if<protocol::Fail>(&reply)) {
-    spdlog::warn("{}: {}", to_text(to.endpoint), refusal->sentence);
+    ports.refusals.add(to_text(to.endpoint), refusal->sentence);
   }
   ports.send(to, wire::encode(protocol::format(reply)));
 }

@@ -10,6 +10,7 @@
 #include "protocol/reply.h"
 #include "protocol/wire/socket.h"
 #include "server/osc_stream.h"
+#include "server/refusal_log.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -25,15 +26,16 @@ namespace ringdown::server {
 inline constexpr std::size_t kMaxMessagesPerBundle = 16;  // short messages then fill one Ethernet frame: 1,400 bytes
 inline constexpr std::size_t kMaxBundleBytes = 32768;     // a longer message is sent alone
 
-// The sockets through which answers leave.
+// The sockets through which answers leave, and where refusals are logged.
 struct AnswerPorts {
   wire::OscSocket socket;
   std::shared_ptr<OscStream> stream;  // null: UDP only
+  RefusalLog refusals = {};
 
   void send(Peer to, std::span<const std::byte> packet);
 };
 
-// Sends one reply. A refusal (/fail) is also written to the log. It is no error if nobody receives the reply.
+// Sends one reply. A refusal (/fail) is also logged. It is no error if nobody receives the reply.
 void answer(AnswerPorts& ports, Peer to, const protocol::Reply& reply);
 
 // Sends the replies to a question, or /fail with the error's sentence.

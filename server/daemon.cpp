@@ -14,6 +14,7 @@
 
 #include <chrono>
 #include <thread>
+#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -41,10 +42,8 @@ Result<session::FileRoots> file_roots_of(const DaemonOptions& options, const ses
   return session::FileRoots::only(folders);
 }
 
-Result<std::unique_ptr<Driver>> open_driver(const DaemonOptions& options, Captured* captured) {
-  if (options.driver != DaemonOptions::DriverKind::jack) {
-    return open_null(options.sample_rate_hz, options.block_frames, captured);
-  }
+Result<std::unique_ptr<Driver>> open_driver(const DaemonOptions& options) {
+  if (options.driver != DaemonOptions::DriverKind::jack) return open_null(options.sample_rate_hz, options.block_frames);
   return open_jack({.client_name = options.jack_name,
                     .connect = options.connect,
                     .wait = options.wait,
@@ -104,12 +103,17 @@ std::jthread start_scene(session::Session& session, const Driver& driver) {
   });
 }
 
+// In freewheel the sound waits for a capture to take it, no longer than 2 s: the disk may hang.
+void wait_for_capture(synth::Mixer& mixer) {
+  constexpr std::size_t kBlock = 8192;  // the longest of JACK's
+  for (int turn = 0; turn < 2000 && !mixer.capture_tap().takes(kBlock); ++turn) std::this_thread::sleep_for(1ms);
+}
+
 }  // namespace
 
 struct Daemon::Ports {
   wire::OscSocket socket;
   std::unique_ptr<NsmClient> manager;
-  std::unique_ptr<Captured> captured;
   std::unique_ptr<Driver> driver;
   std::shared_ptr<OscStream> stream;
 };
@@ -169,12 +173,11 @@ Result<Daemon::Ports> Daemon::open_ports(DaemonOptions& options) {
   }
   auto manager = join_manager(options);
   if (!manager) return fail(manager.error());
-  auto captured = options.capture ? std::make_unique<Captured>() : nullptr;
-  auto driver = open_driver(options, captured.get());
+  auto driver = open_driver(options);
   if (!driver) return fail(driver.error());
   auto stream = open_stream(options);
   if (!stream) return fail(stream.error());
-  return Ports{std::move(*socket), std::move(*manager), std::move(captured), std::move(*driver), std::move(*stream)};
+  return Ports{std::move(*socket), std::move(*manager), std::move(*driver), std::move(*stream)};
 }
 
 Result<Daemon::Files> Daemon::read_files(const DaemonOptions& options) {
@@ -211,7 +214,6 @@ Daemon::Daemon(DaemonOptions options, Ports ports, Files files)
     : options_(std::move(options)),
       state_(std::move(files.state)),
       manager_(std::move(ports.manager)),
-      captured_(std::move(ports.captured)),
       session_(ports.driver->sample_rate_hz(), std::move(files.roots)),
       notes_(session_.rack(), std::move(files.notes)),
       recorder_(session_.rack(), score_writer(options_.record)),
@@ -241,6 +243,7 @@ void Daemon::configure() {
 // Everything that can be refused before any sound is made.
 Result<void> Daemon::prepare(std::uint16_t osc_port) {
   if (options_.record) {
+    if (const auto good = check_output(*options_.record); !good) return good;
     if (const auto started = recorder_.start(*options_.record, 0); !started) return started;
   }
   auto query = open_query(options_, osc_port, session_.rack());
@@ -251,7 +254,10 @@ Result<void> Daemon::prepare(std::uint16_t osc_port) {
     if (!remote) return fail(ErrorKind::usage, remote.error().message);
     session_.scene().send_to(std::move(*remote));
   }
-  return load();
+  if (const auto loaded = load(); !loaded) return loaded;
+  if (!options_.capture) return {};
+  const auto target = output_target(*options_.capture);
+  return target ? capture_.start(*target) : fail(target.error());
 }
 
 Result<void> Daemon::load() {
@@ -288,14 +294,17 @@ Result<void> Daemon::connect_inputs() {
 Result<void> Daemon::play(wire::OscSocket socket) {
   session::Rack& rack = session_.rack();
   const std::uint16_t port = socket.port();
-  const auto started = driver_->start(
-      {.mixer = rack.mixer(),
-       .change_sample_rate = [this](double rate) { session_.change_sample_rate(rate); },
-       .prepare_offline = [this](synth::Frame frame) { session_.scene().advance_to(frame, std::nullopt); },
-       .buses = [&rack] { return rack.buses().names(); },
-       .inputs = [&rack] { return rack.inputs(); },
-       .notes = [this] { return notes_.table(); },
-       .notes_played = rack.observers().notes_played()});
+  const auto started = driver_->start({.mixer = rack.mixer(),
+                                       .change_sample_rate = [this](double rate) { session_.change_sample_rate(rate); },
+                                       .prepare_offline =
+                                           [this](synth::Frame frame) {
+                                             session_.scene().advance_to(frame, std::nullopt);
+                                             wait_for_capture(session_.rack().mixer());
+                                           },
+                                       .buses = [&rack] { return rack.buses().names(); },
+                                       .inputs = [&rack] { return rack.inputs(); },
+                                       .notes = [this] { return notes_.table(); },
+                                       .notes_played = rack.observers().notes_played()});
   if (!started) return started;
   service_ = std::make_unique<Service>(*this, std::move(socket));
   spdlog::info("ready: OSC on {}:{}, {} objects, {:.0f} Hz, blocks of {}, {} kernel", options_.address, port,
@@ -311,22 +320,24 @@ Result<void> Daemon::finish() {
 }
 
 Result<void> Daemon::write_results() {
-  if (capture_.progress()) {
-    if (const auto frames = capture_.stop(); !frames) return fail(frames.error());
+  const auto recorded = write_recording();
+  if (capture_.is_open()) {
+    if (const auto frames = capture_.stop(); !frames && recorded) return fail(frames.error());
   }
-  if (options_.record && recorder_.records()) {
-    const synth::Frame end = session_.rack().mixer().counters().frames;
-    if (const auto count = recorder_.stop(end); !count) return fail(count.error());
-  }
-  if (!captured_) return {};
-  if (captured_->left_out > 0) {
-    spdlog::warn("{} lacks the last {} frames: a capture holds {}", options_.capture->string(), captured_->left_out,
-                 captured_->most);
-  }
-  return session::write_audio({.sample_rate_hz = options_.sample_rate_hz,
-                               .left = std::move(captured_->left),
-                               .right = std::move(captured_->right)},
-                              *options_.capture);
+  return recorded;
+}
+
+Result<void> Daemon::write_recording() {
+  if (!recorder_.records()) return {};
+  const synth::Frame end = session_.rack().mixer().counters().frames;
+  const auto written = recorder_.stop(end);
+  if (written) return {};
+  std::error_code error;
+  const auto spare =
+      std::filesystem::temp_directory_path(error) / ("ringdown-recording-" + std::to_string(::getpid()) + ".osc");
+  const bool saved = !error && recorder_.stop(end, spare);
+  return fail(written.error().kind, written.error().message + (saved ? "; the recording is in " + spare.string()
+                                                                     : "; the recording is lost"));
 }
 
 }  // namespace ringdown::server

@@ -48,7 +48,8 @@ class Daemon {
   [[nodiscard]] std::uint64_t frames() const { return session_.rack().mixer().counters().frames; }
   [[nodiscard]] std::uint64_t worker_rounds() const { return worker_rounds_; }
 
-  // Ends all threads, then writes what is being recorded and captured. Call once.
+  // Ends all threads, then writes what is being recorded and captured. A recording that cannot be written where it
+  // should be goes to the folder for temporary files; the error says so. Call once.
   Result<void> finish();
 
  private:
@@ -65,11 +66,11 @@ class Daemon {
   Result<void> connect_inputs();
   Result<void> play(wire::OscSocket socket);
   Result<void> write_results();
+  Result<void> write_recording();
 
   const DaemonOptions options_;
   const session::State state_;          // of --state
   std::unique_ptr<NsmClient> manager_;  // null: nobody manages our session
-  std::unique_ptr<Captured> captured_;  // null: no --capture; the driver writes it
   std::atomic<bool> quits_ = false;     // set by the OSC server
   std::atomic<std::uint64_t> worker_rounds_ = 0;
   session::Session session_;

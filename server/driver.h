@@ -1,5 +1,5 @@
 // A driver plays a program: it calls Mixer::render from its own audio thread and knows which frame is due. There are
-// two: JACK (open_jack) and a clock of our own, which throws the sound away or captures it (open_null).
+// two: JACK (open_jack) and a clock of our own, which throws the sound away (open_null).
 //
 //   auto driver = open_jack({.client_name = "ringdown"});
 //   (*driver)->start(program);     // renders until the driver is destroyed
@@ -15,7 +15,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -89,22 +88,11 @@ struct JackOptions {
 // Opens a JACK client that outlives its server. While there is no server, the mixer is rendered by a clock of our own
 // and its sound is thrown away; when a server answers again, at whatever rate and period, our ports and their
 // connections come back (jack_driver.cpp). Fails with ErrorKind::no_sound_server when no JACK server answers and
-// options.wait is false.
+// options.wait is false, and with ErrorKind::usage when the name is too long for JACK.
 Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options);
 
-// The samples that the null driver has rendered.
-struct Captured {
-  static constexpr std::size_t kMost = std::size_t{1} << 28;  // frames: an hour and a half, 2 GiB
-
-  std::vector<float> left, right;
-  std::size_t most = kMost;
-  std::size_t left_out = 0;  // frames after the first `most`
-
-  void add(std::span<const float> more_left, std::span<const float> more_right);
-};
-
-// Renders in real time and throws the sound away, or appends it to `captured`, which must outlive the driver.
-Result<std::unique_ptr<Driver>> open_null(double sample_rate_hz, std::size_t block_frames,
-                                          Captured* captured = nullptr);
+// Renders in real time and throws the sound away. While the mixer's sound is captured, it waits for the capture to
+// keep up, so that no frame is lost.
+Result<std::unique_ptr<Driver>> open_null(double sample_rate_hz, std::size_t block_frames);
 
 }  // namespace ringdown::server

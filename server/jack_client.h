@@ -47,6 +47,8 @@ class JackClient {
   JackClient(const JackClient&) = delete;
   JackClient& operator=(const JackClient&) = delete;
 
+  [[nodiscard]] static std::size_t max_name_length();  // bytes [any]
+
   [[nodiscard]] std::string name() const;                        // the name that the server gave
   [[nodiscard]] bool lost() const { return lost_; }              // the server has gone [any]
   [[nodiscard]] bool freewheels() const { return freewheels_; }  // [any]

@@ -183,11 +183,14 @@ class JackDriver final : public Driver {
       dropped_notes_ = dropped;
     }
     const Load load = meter_->read();
-    if (load.xruns == reported_.xruns || Clock::now() - reported_at_ < 10s) return;
-    spdlog::warn(
-        "{} xruns, {} of them ours; the callback's load is {:.2f}, its 99th percentile {:.2f}, its peak {:.2f}",
-        load.xruns - reported_.xruns, load.own_xruns - reported_.own_xruns, load.mean, load.p99, load.peak);
-    reported_ = load;
+    if (load.xruns > load.own_xruns && !std::exchange(reported_foreign_, true)) {
+      spdlog::info("JACK reports an xrun that is not ours: another client or the server was late; /status counts them");
+    }
+    const auto late = load.own_xruns - reported_own_;
+    if (late == 0 || Clock::now() - reported_at_ < 10s) return;
+    spdlog::warn("{} of our making; the callback's load is {:.2f}, its 99th percentile {:.2f}, its peak {:.2f}",
+                 late == 1 ? "an xrun" : std::to_string(late) + " xruns", load.mean, load.p99, load.peak);
+    reported_own_ = load.own_xruns;
     reported_at_ = Clock::now();
   }
 
@@ -222,7 +225,8 @@ class JackDriver final : public Driver {
   std::set<JackConnection> connections_, last_seen_;  // connections to restore; connections of a moment ago
   std::set<JackConnection> missing_;                  // connections of the former server that are not restored yet
   Clock::time_point changed_{}, reported_at_{};
-  Load reported_;
+  std::int32_t reported_own_ = 0;  // xruns
+  bool reported_foreign_ = false;
   std::uint64_t dropped_notes_ = 0;
   bool connect_;
   std::shared_ptr<std::atomic<bool>> closed_ = std::make_shared<std::atomic<bool>>(true);
@@ -232,6 +236,10 @@ class JackDriver final : public Driver {
 }  // namespace
 
 Result<std::unique_ptr<Driver>> open_jack(const JackOptions& options) {
+  if (const std::size_t most = JackClient::max_name_length(); options.client_name.size() > most) {
+    return fail(ErrorKind::usage, "--name: JACK takes names of at most " + std::to_string(most) + " bytes, not " +
+                                      std::to_string(options.client_name.size()));
+  }
   const auto bell = std::make_shared<Bell>(0);
   const auto meter = std::make_shared<LoadMeter>();
   const auto midi = std::make_shared<session::MidiPlayer>();

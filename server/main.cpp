@@ -4,25 +4,25 @@
 #include "packaging/manual/command_line.h"
 #include "protocol/exit_codes.h"
 #include "server/daemon.h"
+#include "server/log.h"
 #include "server/options.h"
 #include "server/service_notice.h"
 #include "server/session/offline.h"
 #include "server/settings.h"
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <csignal>
 #include <optional>
 #include <string>
+#include <unistd.h>
 #include <utility>
 
 namespace ringdown::server {
 namespace {
 
 using namespace std::chrono_literals;
-using protocol::complain;
 using protocol::ExitCode;
 
 // What the man page says beside the options.
@@ -32,7 +32,11 @@ const std::vector<manual::Section> kSections = {
        "The settings, where --settings names no other file; ~/.config stands in for XDG_CONFIG_HOME. Every option may "
        "stand there under its long name, as rate = 44100, connect = true, object = [\"bell=bell.glb\"]; the command "
        "line wins."}}},
-    {"SIGNALS", {{"SIGINT, SIGTERM", "End it cleanly, with exit code 0."}}},
+    {"SIGNALS",
+     {{"SIGINT, SIGTERM, SIGHUP",
+       "End it cleanly, with exit code 0: what is being recorded or captured is written first. A SIGHUP that was "
+       "ignored "
+       "when the daemon started, as nohup does, stays ignored."}}},
     {"ENVIRONMENT",
      {{"JACK_DEFAULT_SERVER, JACK_NO_START_SERVER", "Which JACK server, and not to start one: see jackd(1)."},
       {"NOTIFY_SOCKET, WATCHDOG_USEC", "Set by systemd, which is told when sound runs and that it still does."}}},
@@ -43,12 +47,18 @@ const std::vector<manual::Section> kSections = {
     {"SEE ALSO", {{"ringdown(1), ringdown-bake(1), jackd(1)", "Its clients, what makes banks, and the sound server."}}},
 };
 
+bool is_ignored(int signal) {
+  struct sigaction action {};
+  return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 // The signals that end the daemon. They are blocked in every thread; the main thread takes them by sigtimedwait.
 sigset_t ending_signals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
+  if (!is_ignored(SIGHUP)) sigaddset(&signals, SIGHUP);
   return signals;
 }
 
@@ -71,8 +81,8 @@ Result<void> check_render(const DaemonOptions& options) {
   return {};
 }
 
-ExitCode render_to_file(const DaemonOptions& options) {
-  if (const auto good = check_render(options); !good) return complain(good.error());
+ExitCode render_to_file(const DaemonOptions& options, Log& log) {
+  if (const auto good = check_render(options); !good) return log.complain(good.error());
   const auto recording = session::render_offline({.scene = options.scene,
                                                   .objects = options.objects,
                                                   .seconds = options.seconds,
@@ -80,37 +90,40 @@ ExitCode render_to_file(const DaemonOptions& options) {
                                                   .block_frames = options.block_frames,
                                                   .mixer = options.mixer},
                                                  [](double) { return !signal_came(0ms); });
-  if (!recording) return complain(recording.error());
+  if (!recording) return log.complain(recording.error());
   for (const std::string& warning : recording->warnings) spdlog::warn("{}", warning);
-  if (const auto written = session::write_audio(*recording, options.output); !written) return complain(written.error());
+  if (const auto written = session::write_audio(*recording, options.output); !written) {
+    return log.complain(written.error());
+  }
   spdlog::info("wrote {}, {:.2f} s", options.output.string(),
                static_cast<double>(recording->left.size()) / recording->sample_rate_hz);
   return ExitCode::ok;
 }
 
 // Returns when a signal has come, a client has sent /quit, or the time is over.
-void wait_for_the_end(const Daemon& daemon, std::optional<double> seconds) {
+void wait_for_the_end(const Daemon& daemon, std::optional<double> seconds, Log& log) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds.value_or(1e9));
   ServiceNotice service;
   while (!daemon.quits() && std::chrono::steady_clock::now() < end) {
     service.turn(daemon.frames(), daemon.worker_rounds());
+    log.report_dropped();
     if (signal_came(50ms)) break;
   }
   service.stopping();
 }
 
-// Runs until SIGINT, SIGTERM, /quit or the end of --seconds. Blocks both signals for the whole process.
-ExitCode run(const DaemonOptions& options) {
+// Runs until a signal, /quit or the end of --seconds. Blocks the ending signals for the whole process.
+ExitCode run(const DaemonOptions& options, Log& log) {
   const sigset_t signals = ending_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);  // libjack writes to sockets of servers that have ended
-  if (options.driver == DaemonOptions::DriverKind::wav) return render_to_file(options);
+  if (options.driver == DaemonOptions::DriverKind::wav) return render_to_file(options, log);
 
   const auto daemon = Daemon::start(options);
-  if (!daemon) return complain(daemon.error());
-  wait_for_the_end(**daemon, options.seconds);
+  if (!daemon) return log.complain(daemon.error());
+  wait_for_the_end(**daemon, options.seconds, log);
   const auto finished = (*daemon)->finish();
-  return finished ? ExitCode::ok : complain(finished.error());
+  return finished ? ExitCode::ok : log.complain(finished.error());
 }
 
 }  // namespace
@@ -119,8 +132,7 @@ ExitCode run(const DaemonOptions& options) {
 int main(int argc, char** argv) {
   using namespace ringdown;
   using namespace ringdown::server;
-  spdlog::set_default_logger(spdlog::stderr_color_mt("ringdownd"));
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  Log log(STDERR_FILENO);
 
   DaemonOptions options;
   std::optional<std::string> settings;
@@ -134,7 +146,7 @@ int main(int argc, char** argv) {
       ->configurable(false);
   if (const auto ended = manual::parse(app, argc, argv, kSections)) return static_cast<int>(*ended);
   if (const auto file = settings_file(settings)) {
-    if (const auto read = read_settings(app, *file); !read) return static_cast<int>(protocol::complain(read.error()));
+    if (const auto read = read_settings(app, *file); !read) return static_cast<int>(log.complain(read.error()));
   }
-  return static_cast<int>(run(options));
+  return static_cast<int>(run(options, log));
 }

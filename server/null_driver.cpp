@@ -1,17 +1,18 @@
 #include "server/driver.h"
 #include "server/load_meter.h"
 
-#include <algorithm>
+#include <chrono>
 #include <thread>
 #include <vector>
 
 namespace ringdown::server {
 namespace {
 
+using namespace std::chrono_literals;
+
 class NullDriver final : public Driver {
  public:
-  NullDriver(double sample_rate_hz, std::size_t block_frames, Captured* captured)
-      : sample_rate_hz_(sample_rate_hz), block_(block_frames), captured_(captured) {}
+  NullDriver(double sample_rate_hz, std::size_t block_frames) : sample_rate_hz_(sample_rate_hz), block_(block_frames) {}
 
   [[nodiscard]] double sample_rate_hz() const override { return sample_rate_hz_; }
   [[nodiscard]] std::size_t block_frames() const override { return block_; }
@@ -37,16 +38,15 @@ class NullDriver final : public Driver {
       const double due_s = static_cast<double>(block * static_cast<std::int64_t>(block_)) / sample_rate_hz_;
       std::this_thread::sleep_until(
           origin_ + std::chrono::duration_cast<LoadMeter::Clock::duration>(std::chrono::duration<double>(due_s)));
+      while (!mixer.capture_tap().takes(block_) && !stop.stop_requested()) std::this_thread::sleep_for(1ms);
       meter_.begin(block_, sample_rate_hz_);
       mixer.render(left, right);
       meter_.end();
-      if (captured_) captured_->add(left, right);
     }
   }
 
   double sample_rate_hz_;
   std::size_t block_;
-  Captured* captured_;
   LoadMeter meter_;
   synth::Frame first_frame_ = 0;
   LoadMeter::Clock::time_point origin_;
@@ -55,18 +55,8 @@ class NullDriver final : public Driver {
 
 }  // namespace
 
-void Captured::add(std::span<const float> more_left, std::span<const float> more_right) {
-  const std::size_t taken = std::min(more_left.size(), most - left.size());
-  left_out += more_left.size() - taken;
-  const auto append = [taken](std::vector<float>& to, std::span<const float> from) {
-    to.insert(to.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(taken));
-  };
-  append(left, more_left);
-  append(right, more_right);
-}
-
-Result<std::unique_ptr<Driver>> open_null(double sample_rate_hz, std::size_t block_frames, Captured* captured) {
-  return std::make_unique<NullDriver>(sample_rate_hz, block_frames, captured);
+Result<std::unique_ptr<Driver>> open_null(double sample_rate_hz, std::size_t block_frames) {
+  return std::make_unique<NullDriver>(sample_rate_hz, block_frames);
 }
 
 }  // namespace ringdown::server

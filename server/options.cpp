@@ -122,7 +122,7 @@ void add_driver(CLI::App& app, DaemonOptions& options) {
   app.add_option("--block", options.block_frames, "Frames per block (wav, null)")
       ->check(manual::between(1, 8192))
       ->capture_default_str();
-  app.add_option("--capture", options.capture, "Write what is rendered (null): .wav or .flac")->type_name("FILE");
+  app.add_option("--capture", options.capture, "Write the mix to a file: .wav or .flac")->type_name("FILE");
   app.add_option("--seconds", options.seconds, "Stop after this time; wav: the length of the file")
       ->check(manual::between(0.0, 86400.0));
   app.add_option("-o,--output", options.output, "File to write (wav): .wav or .flac")

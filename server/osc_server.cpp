@@ -1,5 +1,6 @@
 #include "server/osc_server.h"
 
+#include "engine/base/atomic_file.h"
 #include "protocol/defaults.h"
 #include "protocol/pattern.h"
 #include "protocol/schema.h"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 namespace ringdown::server {
 namespace {
@@ -48,7 +50,7 @@ struct WriteFile {
     if (!capture) return no_recorder();
     const auto path = session.roots().writable(start.path, session::kSoundKind);
     if (!path) return fail(path.error());
-    if (const auto started = capture->start(*path); !started) return fail(started.error());
+    if (const auto started = capture->start({*path}); !started) return fail(started.error());
     return std::nullopt;
   }
 
@@ -63,13 +65,24 @@ struct WriteFile {
     if (!recorder) return no_recorder();
     const auto path = session.roots().writable(start.path, session::kScoreKind);
     if (!path) return fail(path.error());
+    if (const auto good = check_writable(*path); !good) return fail(good.error());
     if (const auto started = recorder->start(*path, now()); !started) return fail(started.error());
     return std::nullopt;
   }
 
-  Outcome operator()(const protocol::RecordStop&) const {
+  Outcome operator()(const protocol::RecordStop& stop) const {
     if (!recorder) return no_recorder();
-    const auto count = recorder->stop(now());
+    std::optional<std::filesystem::path> other;
+    if (stop.path) {
+      auto path = session.roots().writable(*stop.path, session::kScoreKind);
+      if (!path) return fail(path.error());
+      other = std::move(*path);
+    }
+    const auto count = recorder->stop(now(), std::move(other));
+    if (!count && recorder->records()) {
+      return fail(count.error().kind,
+                  count.error().message + "; the recording goes on: name another file with /record/stop");
+    }
     if (!count) return fail(count.error());
     return static_cast<std::int32_t>(*count);
   }
@@ -82,7 +95,7 @@ struct WriteFile {
 }  // namespace
 
 OscServer::OscServer(wire::OscSocket socket, Parts parts)
-    : ports_(std::make_shared<AnswerPorts>(AnswerPorts{std::move(socket), parts.stream})),
+    : ports_(std::make_shared<AnswerPorts>(std::move(socket), parts.stream)),
       parts_(std::move(parts)),
       notifier_(parts_.session, parts_.driver,
                 [ports = ports_](Peer to, std::span<const std::byte> packet) { ports->send(to, packet); }),
@@ -117,7 +130,9 @@ void OscServer::run(const std::stop_token& stop) {
       parts_.session.flush();
     }
     if (parts_.stream) handle_inbox();
+    ports_->refusals.report();
   }
+  parts_.session.flush();
 }
 
 // Asks the driver once in a second, because its priority changes when another JACK server takes over.
@@ -161,6 +176,7 @@ void OscServer::handle(std::span<const std::byte> packet, Peer from, double age_
   const auto messages = wire::decode_packet(packet);
   if (!messages) return answer(*ports_, arrival.from, Fail{"", messages.error().message});
   for (const wire::TimedMessage& timed : *messages) {
+    look_at_epoch(timed.time, arrival);
     const synth::Frame frame = frame_of(timed.time, arrival);
     if (protocol::is_pattern(timed.message.address)) {
       expand(timed.message, frame, arrival.from);
@@ -168,6 +184,18 @@ void OscServer::handle(std::span<const std::byte> packet, Peer from, double age_
       handle(timed.message, frame, arrival.from);
     }
   }
+}
+
+// A sender that takes seconds since 1970 for OSC's is 70 years late in all that it sends. It is told once.
+void OscServer::look_at_epoch(wire::TimeTag time, const Arrival& arrival) {
+  constexpr double kDay_s = 86400;
+  const auto seconds = static_cast<double>(time >> 32);
+  if (told_of_epoch_ || std::abs(seconds - arrival.unix_s) > kDay_s) return;
+  told_of_epoch_ = true;
+  answer(*ports_, arrival.from,
+         Fail{"#bundle",
+              "a time tag counts its seconds from 1970, so its bundle is played at once; OSC counts from 1900: add "
+              "2208988800"});
 }
 
 synth::Frame OscServer::frame_of(wire::TimeTag time, const Arrival& arrival) const {
@@ -250,7 +278,9 @@ void OscServer::perform(const Lane& request, synth::Frame frame, const std::stri
       address, from);
 }
 
+// What was sent before the request belongs into the file, also strikes that wait to be merged with others.
 void OscServer::write(const protocol::FileRequest& request, const std::string& address, Peer from) {
+  parts_.session.flush();
   post(
       [ports = ports_, &session = parts_.session, recorder = parts_.recorder, capture = parts_.capture, request,
        address, from] {

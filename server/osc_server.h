@@ -84,6 +84,7 @@ class OscServer {
   void subscribe(const protocol::SubscriptionRequest& request, const std::string& address, Peer from);
   void answer_at_once(const protocol::DaemonRequest& request, const std::string& address, Peer from);
   void post(Worker::Task task, const std::string& address, Peer from);
+  void look_at_epoch(wire::TimeTag time, const Arrival& arrival);
   [[nodiscard]] synth::Frame frame_of(wire::TimeTag time, const Arrival& arrival) const;
   [[nodiscard]] synth::Frame horizon() const;
   [[nodiscard]] protocol::StatusReply status() const;
@@ -109,9 +110,10 @@ class OscServer {
   FrameClock clock_;  // the server thread's own, as the next two members are
   Schedule schedule_;
   RealtimeShare share_;
-  int priority_ = 0;           // what the driver reported last
-  double looked_at_s_ = -1e9;  // when the driver was asked for it
-  std::jthread thread_;        // last member: ends before the others are destroyed
+  bool told_of_epoch_ = false;  // somebody's time tags count from 1970
+  int priority_ = 0;            // what the driver reported last
+  double looked_at_s_ = -1e9;   // when the driver was asked for it
+  std::jthread thread_;         // last member: ends before the others are destroyed
 };
 
 }  // namespace ringdown::server

@@ -46,6 +46,21 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::strin
   return write_file_atomically(path, std::as_bytes(std::span(text)));
 }
 
+Result<void> check_writable(const std::filesystem::path& path) {
+  constexpr std::size_t kPage = 4096;  // a full disk takes an empty file, but no page
+  const std::string page(kPage, '\0');
+  std::string temporary = path.string() + ".XXXXXX";
+  const int descriptor = ::mkstemp(temporary.data());
+  const bool good = descriptor >= 0 && write_all(descriptor, std::as_bytes(std::span(page)));
+  const std::string reason = good ? "" : system_message();
+  if (descriptor >= 0) {
+    ::close(descriptor);
+    ::unlink(temporary.c_str());
+  }
+  if (good) return {};
+  return fail(ErrorKind::input_output, "cannot write " + path.string() + ": " + reason + "; choose another file");
+}
+
 Result<std::string> read_whole_file(const std::filesystem::path& path, std::size_t limit_bytes) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return fail(ErrorKind::bad_input, "cannot open " + path.string() + ": " + system_message());

@@ -15,6 +15,10 @@ namespace ringdown {
 Result<void> write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text);
 
+// Fails as write_file_atomically() would now, for a missing folder, one that may not be written to, a name that is too
+// long or a disk that is full. `path` stays as it is.
+Result<void> check_writable(const std::filesystem::path& path);
+
 // Reads the whole file. Fails when the file is not a regular one or is larger than `limit_bytes`.
 Result<std::string> read_whole_file(const std::filesystem::path& path, std::size_t limit_bytes);
 

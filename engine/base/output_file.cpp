@@ -113,6 +113,12 @@ Result<void> write_output(const fs::path& path, std::string_view text) {
   return write_output(path, std::as_bytes(std::span(text)));
 }
 
+Result<void> check_output(const fs::path& path) {
+  const auto target = output_target(path);
+  if (!target) return fail(target.error());
+  return target->is_stream ? Result<void>() : check_writable(target->path);
+}
+
 void keep_stdout_for(const fs::path& path) {
   struct stat named {
   }, standard{};

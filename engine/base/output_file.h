@@ -32,6 +32,9 @@ Result<void> write_stream(int descriptor, std::span<const std::byte> bytes, cons
 Result<void> write_output(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Result<void> write_output(const std::filesystem::path& path, std::string_view text);
 
+// Fails where write_output() would fail now. A stream is not tried: a pipe would wait for its reader.
+Result<void> check_output(const std::filesystem::path& path);
+
 // Makes all that a program prints go to the standard error when `path` is its standard output, so that nothing mixes
 // with what is written there. Call it before anything is printed. [main]
 void keep_stdout_for(const std::filesystem::path& path);

@@ -43,6 +43,13 @@ class SpscRing {
   // Removes the element that front() showed. [consumer]
   void pop() RINGDOWN_REALTIME { read_.store(read_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
 
+  // How many elements wait. The other side may change the number meanwhile: the consumer can rely on at least as many,
+  // the producer on at most as many. [producer, consumer]
+  [[nodiscard]] std::size_t size() const RINGDOWN_REALTIME {
+    const std::size_t read = read_.load(std::memory_order_acquire);
+    return write_.load(std::memory_order_acquire) - read;
+  }
+
   [[nodiscard]] std::size_t capacity() const RINGDOWN_REALTIME { return slots_.size(); }
 
  private:

@@ -22,6 +22,9 @@ class StrikeMap {
 
   [[nodiscard]] const Bank& bank() const RINGDOWN_REALTIME { return *bank_; }
 
+  // Where a strike lands.
+  [[nodiscard]] const SurfaceIndex& surface() const RINGDOWN_REALTIME { return surface_; }
+
   // The bank's modes by ascending frequency, those of one frequency in the bank's order; and the place of a mode in it.
   [[nodiscard]] const std::vector<std::uint32_t>& by_frequency() const RINGDOWN_REALTIME { return by_frequency_; }
   [[nodiscard]] std::uint32_t rank(std::size_t mode) const RINGDOWN_REALTIME { return rank_.data()[mode]; }

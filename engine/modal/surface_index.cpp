@@ -71,6 +71,12 @@ void SurfaceIndex::build(std::uint32_t begin, std::uint32_t end) {
   build(middle, end);
 }
 
+double SurfaceIndex::size_m() const { return length(nodes_.front().high - nodes_.front().low); }
+
+double SurfaceIndex::distance_m(Vec3 query) const {
+  return std::sqrt(squared_distance_to_box(query, nodes_.front().low, nodes_.front().high));
+}
+
 SurfacePoint SurfaceIndex::nearest(Vec3 query) const RINGDOWN_REALTIME {
   struct Pending {
     std::uint32_t node;

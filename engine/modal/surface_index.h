@@ -30,6 +30,12 @@ class SurfaceIndex {
   // The nearest point of the surface; `query` is in the object frame and finite. [audio]
   [[nodiscard]] SurfacePoint nearest(Vec3 query) const RINGDOWN_REALTIME;
 
+  // The size of the surface: the diagonal of its bounding box. [any]
+  [[nodiscard]] double size_m() const;
+
+  // How far `query` lies outside of the bounding box; 0 inside. [any]
+  [[nodiscard]] double distance_m(Vec3 query) const;
+
  private:
   struct Triangle {
     std::array<std::uint32_t, 3> points;

@@ -4,6 +4,11 @@
 
 namespace ringdown::synth {
 
+bool SoundTap::takes(std::size_t frames) const RINGDOWN_REALTIME {
+  const std::size_t pieces = (frames + kTappedFrames - 1) / kTappedFrames;
+  return !watched() || ring_.size() == 0 || ring_.size() + pieces <= ring_.capacity();
+}
+
 void SoundTap::put(Frame frame, double sample_rate_hz, const float* left, const float* right,
                    std::size_t frames) RINGDOWN_REALTIME {
   for (std::size_t done = 0; done < frames;) {

@@ -28,6 +28,10 @@ class SoundTap {
   void watch(bool on) { watched_.store(on, std::memory_order_relaxed); }  // [any]
   [[nodiscard]] bool watched() const RINGDOWN_REALTIME { return watched_.load(std::memory_order_relaxed); }
 
+  // False while somebody watches and put() would drop a piece of a block of `frames`, unless an empty ring would, too.
+  // [audio]
+  [[nodiscard]] bool takes(std::size_t frames) const RINGDOWN_REALTIME;
+
   // A block whose first frame is `frame`. [audio]
   void put(Frame frame, double sample_rate_hz, const float* left, const float* right,
            std::size_t frames) RINGDOWN_REALTIME;

@@ -46,10 +46,11 @@ std::vector<protocol::Request> requests_between(const ObjectState* before, const
 Recorder::Recorder(Rack& rack, Write write) : rack_(rack), write_(std::move(write)) { rack.observers().add(*this); }
 
 Result<void> Recorder::start(const std::filesystem::path& path, Frame frame) {
+  if (records_) {
+    return fail(ErrorKind::refused, "path: " + path_.string() + " is being recorded already; end it with /record/stop");
+  }
   rack_.observers().report_events();  // events from before the start do not belong to the recording
   const std::scoped_lock lock(mutex_);
-  if (records_)
-    return fail(ErrorKind::refused, "path: " + path_.string() + " is being recorded already; end it with /record/stop");
   path_ = path;
   first_ = frame;
   left_out_ = 0;
@@ -61,30 +62,37 @@ Result<void> Recorder::start(const std::filesystem::path& path, Frame frame) {
   return {};
 }
 
-Result<std::size_t> Recorder::stop(Frame frame) {
+Result<std::size_t> Recorder::stop(Frame frame, std::optional<std::filesystem::path> path) {
   rack_.observers().report_events();
   std::vector<wire::ScoreEvent> score;
-  std::size_t left_out = 0;
   {
     const std::scoped_lock lock(mutex_);
     if (!records_) return fail(ErrorKind::refused, "nothing is being recorded; begin with /record/start");
-    records_ = false;
-    left_out = left_out_;
-    std::ranges::stable_sort(entries_, {}, &Entry::frame);
-    const double rate = rack_.mixer().sample_rate_hz();
-    for (const Entry& entry : entries_) {
-      if (entry.frame >= frame) break;  // this event, and all after it, have not sounded yet
-      score.push_back({static_cast<double>(entry.frame - first_) / rate, message_of(entry)});
-    }
-    entries_ = {};
-    score.push_back({static_cast<double>(std::max(frame, first_) - first_) / rate, {"/c_set", {0, 0.f}}});
+    if (!path) path = path_;
+    score = score_until(frame);
   }
-  if (left_out > 0) {
-    rack_.warn(path_.string() + ": " + std::to_string(left_out) + " events beyond " + std::to_string(kMaxRecorded) +
+  if (const auto written = write_(score, *path); !written) return fail(written.error());
+  const std::scoped_lock lock(mutex_);
+  records_ = false;
+  entries_ = {};
+  if (left_out_ > 0) {
+    rack_.warn(path->string() + ": " + std::to_string(left_out_) + " events beyond " + std::to_string(kMaxRecorded) +
                " are not in it");
   }
-  if (const auto written = write_(score, path_); !written) return fail(written.error());
   return score.size() - 1;
+}
+
+std::vector<wire::ScoreEvent> Recorder::score_until(Frame frame) {
+  const double rate = rack_.mixer().sample_rate_hz();
+  const auto seconds = [&](Frame at) { return static_cast<double>(at - first_) / rate; };
+  std::ranges::stable_sort(entries_, {}, &Entry::frame);
+  std::vector<wire::ScoreEvent> score;
+  score.reserve(entries_.size() + 1);
+  for (const Entry& entry : entries_) score.push_back({seconds(entry.frame), message_of(entry)});
+  Frame end = std::max(frame, first_);
+  if (!entries_.empty()) end = std::max(end, entries_.back().frame + 1);
+  score.push_back({seconds(end), {"/c_set", {0, 0.f}}});
+  return score;
 }
 
 void Recorder::add(Frame frame, std::variant<Played, Message> what) {

@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -36,9 +37,10 @@ class Recorder final : public Observer {
   // Starts to record into `path`, which is written by stop(). Refused while something is recorded. [worker]
   Result<void> start(const std::filesystem::path& path, synth::Frame frame);
 
-  // Writes the score, which ends at `frame`, and returns the number of its messages. Refused when nothing is recorded.
-  // [worker]
-  Result<std::size_t> stop(synth::Frame frame);
+  // Writes the score, to `path` if it is given, and returns the number of its messages. The score has every event that
+  // the mixer has taken; it ends at `frame`, or just after an event that comes later. Refused when nothing is recorded.
+  // When the file cannot be written, the recording goes on. [worker]
+  Result<std::size_t> stop(synth::Frame frame, std::optional<std::filesystem::path> path = std::nullopt);
 
   [[nodiscard]] bool records() const { return records_; }
 
@@ -58,6 +60,7 @@ class Recorder final : public Observer {
     std::variant<Played, wire::Message> what;
   };
   void add(synth::Frame frame, std::variant<Played, wire::Message> what);
+  [[nodiscard]] std::vector<wire::ScoreEvent> score_until(synth::Frame frame);
   [[nodiscard]] wire::Message message_of(const Entry& entry) const;
 
   Rack& rack_;

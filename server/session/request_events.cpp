@@ -2,7 +2,9 @@
 
 #include "protocol/bulk.h"
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 namespace ringdown::session {
@@ -18,16 +20,31 @@ tl::unexpected<Error> not_one_of(const char* argument, std::size_t number, std::
                                         "\", which are numbered from 0");
 }
 
+// A point that is farther from the object's bounding box than the box measures is not a near miss: it is in
+// millimetres, or in another object's coordinates. An object of one point is struck there from everywhere.
+Result<void> check_point(Vec3 point_m, const ObjectState& object) {
+  const modal::SurfaceIndex& surface = object.map->surface();
+  const double size_m = surface.size_m(), distance_m = surface.distance_m(point_m);
+  if (size_m == 0 || distance_m <= size_m) return {};
+  std::array<char, 96> numbers;
+  std::snprintf(numbers.data(), numbers.size(), "%.3g m off the object, which measures %.3g m", distance_m, size_m);
+  return fail(ErrorKind::bad_input, std::string("point: it lies ") + numbers.data() +
+                                        "; points are in metres, in the object's own coordinates");
+}
+
 struct AppendEvents {
   const Rack& rack;
   synth::Frame frame;
   std::vector<Event>& events;
 
   Result<void> operator()(const protocol::Strike& strike) const {
-    return append(strike.object, {.type = EventType::strike,
-                                  .point_m = strike.point_m,
-                                  .impulse_ns = strike.impulse_ns,
-                                  .contact_time_s = strike.contact_time_s});
+    const auto object = rack.find(strike.object);
+    if (!object) return fail(object.error());
+    if (auto good = check_point(strike.point_m, **object); !good) return good;
+    return append(**object, {.type = EventType::strike,
+                             .point_m = strike.point_m,
+                             .impulse_ns = strike.impulse_ns,
+                             .contact_time_s = strike.contact_time_s});
   }
 
   Result<void> operator()(const protocol::StrikeVertex& strike) const {
@@ -79,7 +96,10 @@ struct AppendEvents {
   }
 
   Result<void> operator()(const protocol::SetContact& set) const {
-    return append(set.object, {.type = EventType::contact, .point_m = set.point_m, .contact = set.contact});
+    const auto object = rack.find(set.object);
+    if (!object) return fail(object.error());
+    if (auto good = check_point(set.point_m, **object); !good) return good;
+    return append(**object, {.type = EventType::contact, .point_m = set.point_m, .contact = set.contact});
   }
 
   Result<void> operator()(const protocol::Click& click) const {

@@ -16,16 +16,22 @@ constexpr auto kTurn = 10ms;  // how often the tap is emptied: it holds some 0.7
 
 }  // namespace
 
+bool SoundCapture::is_open() const {
+  const std::scoped_lock lock(mutex_);
+  return !path_.empty();
+}
+
 bool SoundCapture::writes() const { return !path_.empty() && !end_; }
 
-Result<void> SoundCapture::start(const std::filesystem::path& path) {
+Result<void> SoundCapture::start(OutputTarget target) {
   const std::scoped_lock lock(mutex_);
   if (writes()) {
     return fail(ErrorKind::refused,
                 "path: " + path_.string() + " is being captured already; end it with /capture/stop");
   }
   const synth::Mixer& mixer = rack_.mixer();
-  auto file = SoundFile::create({path}, mixer.sample_rate_hz());
+  const std::filesystem::path path = target.named;
+  auto file = SoundFile::create(std::move(target), mixer.sample_rate_hz());
   if (!file) return fail(file.error());
   path_ = path;
   end_.reset();
@@ -63,16 +69,18 @@ void SoundCapture::run(const std::stop_token& stop, SoundFile file, Frame first)
     more = write_pieces(file, first);
   }
   rack_.mixer().capture_tap().watch(false);
-  Result<std::size_t> end = frames_.load();
-  if (!more) {
-    end = fail(more.error());
-  } else if (const auto finished = file.finish(); !finished) {
-    end = fail(finished.error());
-  }
+  const auto finished = file.finish();
   const std::scoped_lock lock(mutex_);
+  Result<std::size_t> end = frames_.load();
+  if (!finished) {
+    end = fail(finished.error());
+  } else if (!more) {
+    end = fail(more.error().kind, more.error().message + "; it holds the first " +
+                                      std::to_string(static_cast<double>(frames_) / sample_rate_hz_) + " s");
+  }
   if (lost_ > 0) rack_.warn(path_.string() + ": " + std::to_string(lost_) + " frames were lost and are silent in it");
   if (!end) rack_.warn(end.error().message);
-  if (end && !*more) rack_.warn(path_.string() + " has ended: it is full, or the sample rate has changed");
+  if (more && !*more && finished) rack_.warn(path_.string() + " has ended: it is full, or the sample rate has changed");
   end_ = std::move(end);
 }
 

@@ -3,7 +3,7 @@
 // The audio thread puts the samples of each block into a tap (engine/synth/sound_tap.h); a thread of the capture takes
 // them out and writes them. Samples that the tap had to drop because that thread was late are zeros in the file, so
 // that what follows keeps its time, and a warning counts them. The capture ends by itself, and completes its file, when
-// the file is as long as it may be or the sample rate changes; where it cannot write on, it removes the file.
+// the file is as long as it may be, the sample rate changes or the disk is full.
 #pragma once
 
 #include "engine/base/result.h"
@@ -32,8 +32,8 @@ class SoundCapture {
   SoundCapture(const SoundCapture&) = delete;
   SoundCapture& operator=(const SoundCapture&) = delete;
 
-  // Begins to write into `path`, a .wav. Refused while another file is being written. [worker]
-  Result<void> start(const std::filesystem::path& path);
+  // Begins to write a .wav or .flac, or a stream. Refused while another file is being written. [worker]
+  Result<void> start(OutputTarget target);
 
   // Completes the file and returns how many frames it has: also of a capture that has ended by itself. Refused when
   // nothing was being captured; fails with the reason where the file could not be written. [worker]
@@ -45,6 +45,9 @@ class SoundCapture {
     double seconds = 0;
   };
   [[nodiscard]] std::optional<Progress> progress() const;
+
+  // Whether a capture has begun that stop() has not ended, also one that has ended by itself. [worker]
+  [[nodiscard]] bool is_open() const;
 
  private:
   void run(const std::stop_token& stop, SoundFile file, synth::Frame first);

@@ -27,7 +27,8 @@ class SoundFile {
   // Appends frames of two samples each. Fails when the disk is full.
   Result<void> write(std::span<const float> samples);
 
-  // Completes the file and renames it, or copies it to the stream. Call last.
+  // Completes the file and renames it, or copies it to the stream; also after a write() that failed, and then with what
+  // was written before. Call last.
   Result<void> finish();
 
  private:

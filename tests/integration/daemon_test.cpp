@@ -188,7 +188,7 @@ TEST_F(DaemonTest, ARecordedSessionRendersToTheSameSamples) {
     for (int i = 0; i < 40; ++i) {
       const std::string name = i % 3 ? "low" : "high";
       std::vector<Message> together = {
-          protocol::format(protocol::Strike{{.name = name}, {1, 0, 0.1 * i}, {0, 0, 0.01 * i}, 1e-4 * (i % 7)}),
+          protocol::format(protocol::Strike{{.name = name}, {1, 0, 0.02 * i}, {0, 0, 0.01 * i}, 1e-4 * (i % 7)}),
           protocol::format(protocol::StrikeVertex{{.name = name}, 1, {0, 0, 0.1}, 0})};
       if (i % 5 == 0) together.push_back({"/object/*/gain", {0.2f + 0.01f * i, 0.03f}});
       if (i % 7 == 0) together.push_back({"/object/" + name + "/pan", {0.02f * i}});
@@ -210,8 +210,9 @@ TEST_F(DaemonTest, ARecordedSessionRendersToTheSameSamples) {
   const auto heard = read_frames(live), again = render(replay), third = render(folder_ / "third.wav");
   EXPECT_EQ(again, third);
   ASSERT_GT(heard.size(), 2 * 48000u);
-  ASSERT_EQ(heard.size(), again.size());
-  EXPECT_TRUE(heard == again) << relative_error_db(heard, again) << " dB";
+  ASSERT_LE(heard.size(), again.size()) << "the score also has what was still to sound";
+  const Samples begin(again.begin(), again.begin() + static_cast<std::ptrdiff_t>(heard.size()));
+  EXPECT_TRUE(heard == begin) << relative_error_db(heard, begin) << " dB";
   EXPECT_GT(peak(heard), 0.001);
 }
 

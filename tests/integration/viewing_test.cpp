@@ -184,7 +184,10 @@ TEST_F(Viewing, ARecordedSessionOfRungAndChosenModesRendersToTheSameSamples) {
   const Outcome rendered =
       run({program("ringdown"), "render", "--events", score.string(), "--block", "128", "-o", replay.string()});
   EXPECT_EQ(rendered.exit_code, 0) << rendered.output;
-  const auto heard = read_frames(live), again = read_frames(replay);
+  const auto heard = read_frames(live);
+  auto again = read_frames(replay);
+  ASSERT_LE(heard.size(), again.size()) << "the score also has what was still to sound";
+  again.resize(heard.size());
   EXPECT_TRUE(heard == again) << heard.size() << " and " << again.size() << " samples, "
                               << relative_error_db(heard, again) << " dB";
   EXPECT_GT(peak(heard), 0.01);

@@ -407,6 +407,13 @@ Cases test_tone_cases() {
        {a, {0.1, kNan}, "frequency"}}};
 }
 
+Cases record_stop_cases() {
+  const std::string a = "/record/stop";
+  return {{{a, {}, claim<RecordStop>([](const RecordStop& s) { return !s.path; })},
+           {a, {"b.osc"}, claim<RecordStop>([](const RecordStop& s) { return s.path == "b.osc"; })}},
+          {{a, {7}, "path"}, {a, {""}, "path"}, {a, {"b.osc", 1}, "argument 2"}}};
+}
+
 template <class Struct>
 Cases bare_cases(const std::string& address) {
   return {{{address, {}, is_a<Struct>()}}, {{address, {1}, "argument 1"}}};
@@ -429,7 +436,7 @@ const std::map<std::string, Cases>& all_cases() {
       {"/object/{object}/mute", object_switch_cases<SetMute>("mute")},
       {"/object/{object}/solo", object_switch_cases<SetSolo>("solo")},
       {"/record/start", record_start_cases()},
-      {"/record/stop", {{{"/record/stop", {}, is_a<RecordStop>()}}, {}}},
+      {"/record/stop", record_stop_cases()},
       {"/object/{object}/gain", gain_cases()},
       {"/object/{object}/pan", pan_cases()},
       {"/object/{object}/group", group_cases()},

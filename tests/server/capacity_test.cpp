@@ -1,4 +1,5 @@
-// Capacities of docs/use/limits.md that no other test fills: at the limit all is well, one past it is refused or counted.
+// Capacities of docs/use/limits.md that no other test fills: at the limit all is well, one past it is refused or
+// counted.
 #include "engine/base/toml_table.h"
 #include "engine/modal/bank_file.h"
 #include "protocol/wire/score.h"
@@ -88,20 +89,6 @@ TEST_F(CapacityTest, ARecordingKeepsEventsUpToItsLimitAndSaysWhatItLeftOut) {
     ASSERT_TRUE(written) << written.error().message;
     EXPECT_EQ(*written, session::kMaxRecorded);
   }
-}
-
-TEST(Capacity, ACaptureKeepsFramesUpToItsLimitAndCountsTheRest) {
-  Captured captured{.most = 100};
-  EXPECT_EQ(Captured{}.most, Captured::kMost);
-  const std::vector<float> block(64, 0.5f);
-  captured.add(block, block);
-  captured.add(std::span(block).first(36), std::span(block).first(36));
-  EXPECT_EQ(captured.left.size(), 100u);
-  EXPECT_EQ(captured.left_out, 0u);
-  captured.add(std::span(block).first(1), std::span(block).first(1));
-  EXPECT_EQ(captured.left.size(), 100u);
-  EXPECT_EQ(captured.right.size(), 100u);
-  EXPECT_EQ(captured.left_out, 1u);
 }
 
 // Its silence is measured by a clock of the test's own.

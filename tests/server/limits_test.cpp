@@ -16,6 +16,7 @@
 #include "server/notifier.h"
 #include "server/osc_stream.h"
 #include "server/query_server.h"
+#include "server/refusal_log.h"
 #include "server/schedule.h"
 #include "server/session/offline.h"
 #include "server/session/recorder.h"
@@ -91,7 +92,7 @@ const std::map<std::string, double> kConstants = {
     ROW(server::kMaxQueryTime_s),
     ROW(session::kMaxRecorded),
     ROW(session::kMaxCapturedFrames),
-    ROW(Captured::kMost),
+    ROW(RefusalLog::kMaxPerSecond),
     ROW(session::kMaxRender_s),
     ROW(wire::kMaxScoreBytes),
     ROW(wire::kMaxScore),

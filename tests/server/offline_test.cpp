@@ -63,7 +63,7 @@ position_m = [0.02, 0, 0.7]
     const std::vector<std::pair<double, Request>> requests = {
         {0.0, protocol::LoadObject{"x", a}},
         {0.0, protocol::LoadObject{"y", b}},
-        {0.01, protocol::Strike{x, {1, 0, 0}, {0.1, 0.2, 0.3}, 0.0003}},
+        {0.01, protocol::Strike{x, {0.1, 0, 0}, {0.1, 0.2, 0.3}, 0.0003}},
         {0.1, protocol::SetGain{x, 0.5, 0.05}},
         {0.12, protocol::SetGain{x, 2, 0.1}},  // while the ramp before still runs
         {0.13, protocol::SetPan{x, 0.7}},
@@ -71,9 +71,9 @@ position_m = [0.02, 0, 0.7]
         {0.2003, protocol::StrikeVertex{y, 3, {0.1, 0, 0.4}, 0.001}},
         {0.3001, protocol::SetMaterial{y, {1, 2, 1.5, 0.8}}},
         {0.4017, protocol::LoadObject{"x", b}},
-        {0.45, protocol::Strike{x, {0, 1, 0}, {0.3, 0, 0}, 0.0002}},
+        {0.45, protocol::Strike{x, {0, 0.1, 0}, {0.3, 0, 0}, 0.0002}},
         {0.6, protocol::ClearObject{y}},
-        {0.605, protocol::Strike{y, {0, 0, 1}, {0, 0.5, 0}, 0.0002}},
+        {0.605, protocol::Strike{y, {0, 0, 0.1}, {0, 0.5, 0}, 0.0002}},
         {0.8, protocol::FreeObject{x}},
     };
     std::vector<wire::ScoreEvent> events;

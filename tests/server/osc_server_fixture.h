@@ -158,6 +158,13 @@ class OscServerTest : public testing::Test {
     }
   }
 
+  // Whether all that was sent has been taken up without a word.
+  bool is_silent() {
+    send({"/sync", {++syncs_}});
+    const auto answer = reply();
+    return answer && std::holds_alternative<protocol::Synced>(*answer);
+  }
+
   // Lets time pass until `unix_s`; the schedule has then given to the mixer what should sound until then.
   void pass_until(double unix_s) {
     sync();

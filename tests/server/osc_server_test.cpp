@@ -134,11 +134,11 @@ TEST_F(OscServerTest, SubscribersHearOfObjectsContactsPeaksAndLoad) {
   const auto there = wait_for<protocol::NotifyObject>(client_, [](const auto& n) { return n.name == "bell"; });
   ASSERT_TRUE(there);
   EXPECT_TRUE(there->loaded);
-  send(protocol::format(protocol::Strike{{.name = "bell"}, {1, 2, 3}, {0, 0, 0.5}, 0.001}));
+  send(protocol::format(protocol::Strike{{.name = "bell"}, {1, 0.5, 0.25}, {0, 0, 0.5}, 0.001}));
   const auto contact = wait_for<protocol::NotifyContact>(client_, [](const auto&) { return true; });
   ASSERT_TRUE(contact);
   EXPECT_EQ(contact->object, "bell");
-  EXPECT_EQ(contact->point_m, (Vec3{1, 2, 3}));
+  EXPECT_EQ(contact->point_m, (Vec3{1, 0.5, 0.25}));
   EXPECT_EQ(contact->impulse_ns, (Vec3{0, 0, 0.5}));
   onsets_until_now();
   EXPECT_TRUE(wait_for<protocol::NotifyPeak>(client_, [](const auto& n) { return n.peak > 1e-4; }));
@@ -296,6 +296,49 @@ TEST_F(OscServerTest, SubscribersHearOfMutesAndSolosAndSilence) {
     EXPECT_EQ(bell->mute, mute) << address;
     EXPECT_EQ(bell->solo, solo) << address;
   }
+}
+
+TEST_F(OscServerTest, AStrikeFarFromItsObjectIsRefused) {
+  modal::Bank bank = test::random_bank(1, 40, 4);
+  ASSERT_TRUE(modal::write_bank(bank, folder_ / "body.glb"));
+  ASSERT_TRUE(session_.rack().load("body", folder_ / "body.glb"));
+  modal::Bank point = test::single_mode_bank(6000, 800);
+  point.positions.resize(1);
+  point.shapes.resize(1);
+  point.triangles.clear();
+  ASSERT_TRUE(modal::write_bank(point, folder_ / "point.glb"));
+  ASSERT_TRUE(session_.rack().load("point", folder_ / "point.glb"));
+  serve();
+  const modal::SurfaceIndex surface(bank);
+  const double size_m = surface.size_m();
+  double right_m = -1e9;
+  for (const auto& position : bank.positions) right_m = std::max<double>(right_m, position[0]);
+  const auto at = [&](const std::string& object, double x_m) {
+    return protocol::format(protocol::Strike{{.name = object}, {x_m, 0, 0}, {0, 0, 0.01}, 0});
+  };
+  send(at("body", right_m + 0.99 * size_m));
+  send(at("point", 1000));
+  EXPECT_TRUE(is_silent()) << "neither was refused";
+  const std::string sentence = refusal(at("body", right_m + 1.01 * size_m));
+  EXPECT_NE(sentence.find("off the object, which measures"), std::string::npos) << sentence;
+}
+
+TEST_F(OscServerTest, ASenderWhoseTimeTagsCountFrom1970IsToldOnce) {
+  load("bell");
+  serve();
+  const auto tag_of = [](double seconds) { return static_cast<wire::TimeTag>(seconds) << 32; };
+  const auto send_tagged = [&](wire::TimeTag tag) {
+    const Message message = strike("bell");
+    ASSERT_TRUE(client_.send_to(to_, wire::encode_bundle(tag, std::span(&message, 1))));
+  };
+  send_at(time_.unix_s() - 3600, strike("bell"));
+  EXPECT_TRUE(is_silent()) << "a bundle that is only late is no such thing";
+  send_tagged(tag_of(time_.unix_s()));
+  const auto told = reply();
+  ASSERT_TRUE(told && std::holds_alternative<protocol::Fail>(*told));
+  EXPECT_NE(std::get<protocol::Fail>(*told).sentence.find("2208988800"), std::string::npos);
+  send_tagged(tag_of(time_.unix_s() + 1));
+  EXPECT_TRUE(is_silent()) << "told once";
 }
 
 TEST_F(OscServerTest, ScenesAndSoundsAreWrittenWithoutReplacingWhatIsThere) {

@@ -41,7 +41,7 @@ class SoundCaptureTest : public testing::Test {
   SoundCaptureTest() {
     EXPECT_TRUE(modal::write_bank(test::random_bank(1, 40, 4), folder_ / "a.glb"));
     EXPECT_TRUE(session_.perform(protocol::LoadObject{"a", (folder_ / "a.glb").string()}, 0));
-    EXPECT_TRUE(session_.play(protocol::Strike{{.name = "a"}, {1, 0, 0}, {0, 0, 100}, 0}, 100));
+    EXPECT_TRUE(session_.play(protocol::Strike{{.name = "a"}, {0.1, 0, 0}, {0, 0, 100}, 0}, 100));
   }
 
   // Renders, and lets the capture's thread keep up.
@@ -76,7 +76,7 @@ TEST_F(SoundCaptureTest, TheFileIsWhatTheMixerPlayedBitForBit) {
   render(10);
   const std::size_t before = heard_.size();
   EXPECT_FALSE(capture.progress());
-  ASSERT_TRUE(capture.start(file_));
+  ASSERT_TRUE(capture.start({file_}));
   render(300);
   EXPECT_FALSE(fs::exists(file_)) << "it has its name when it is complete";
   EXPECT_EQ(parts(), 1u);
@@ -99,12 +99,12 @@ TEST_F(SoundCaptureTest, TheFileIsWhatTheMixerPlayedBitForBit) {
 TEST_F(SoundCaptureTest, OneFileAtATimeAndOneAfterAnother) {
   SoundCapture capture(session_.rack());
   EXPECT_FALSE(capture.stop()) << "nothing is being captured";
-  ASSERT_TRUE(capture.start(file_));
-  const auto second = capture.start(folder_ / "other.wav");
+  ASSERT_TRUE(capture.start({file_}));
+  const auto second = capture.start({folder_ / "other.wav"});
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message.find("take.wav"), std::string::npos) << second.error().message;
   ASSERT_TRUE(capture.stop());
-  ASSERT_TRUE(capture.start(folder_ / "other.wav"));
+  ASSERT_TRUE(capture.start({folder_ / "other.wav"}));
   render(20);
   EXPECT_EQ(capture.stop().value_or(0), 20u * 256);
   EXPECT_EQ(read(file_).samples.size(), 0u);
@@ -112,17 +112,17 @@ TEST_F(SoundCaptureTest, OneFileAtATimeAndOneAfterAnother) {
 
 TEST_F(SoundCaptureTest, AFullFileIsCompletedAndAnotherMayFollow) {
   SoundCapture capture(session_.rack(), 1000);
-  ASSERT_TRUE(capture.start(file_));
+  ASSERT_TRUE(capture.start({file_}));
   render(8);
   while (capture.progress()) std::this_thread::sleep_for(1ms);
   EXPECT_EQ(read(file_).samples.size(), 2000u);
   EXPECT_EQ(capture.stop().value_or(0), 1000u) << "it says how long the file became";
-  ASSERT_TRUE(capture.start(folder_ / "other.wav"));
+  ASSERT_TRUE(capture.start({folder_ / "other.wav"}));
 }
 
 TEST_F(SoundCaptureTest, AnotherSampleRateEndsTheFile) {
   SoundCapture capture(session_.rack());
-  ASSERT_TRUE(capture.start(file_));
+  ASSERT_TRUE(capture.start({file_}));
   render(8);
   session_.change_sample_rate(44100);
   render(8);
@@ -132,7 +132,7 @@ TEST_F(SoundCaptureTest, AnotherSampleRateEndsTheFile) {
 
 TEST_F(SoundCaptureTest, WhereNoFileCanBeWrittenItSaysSo) {
   SoundCapture capture(session_.rack());
-  const auto started = capture.start(folder_ / "no such folder" / "take.wav");
+  const auto started = capture.start({folder_ / "no such folder" / "take.wav"});
   ASSERT_FALSE(started);
   EXPECT_NE(started.error().message.find("take.wav"), std::string::npos) << started.error().message;
   EXPECT_FALSE(capture.progress());
@@ -141,7 +141,7 @@ TEST_F(SoundCaptureTest, WhereNoFileCanBeWrittenItSaysSo) {
 TEST_F(SoundCaptureTest, ACaptureThatEndsWithTheDaemonCompletesItsFile) {
   {
     SoundCapture capture(session_.rack());
-    ASSERT_TRUE(capture.start(file_));
+    ASSERT_TRUE(capture.start({file_}));
     render(8);
   }
   EXPECT_EQ(read(file_).samples.size(), 2u * 8 * 256);

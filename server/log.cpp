@@ -1,0 +1,154 @@
+#include "server/log.h"
+
+#include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/base_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <climits>
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <utility>
+
+namespace ringdown::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+bool waits_for_room(int descriptor, milliseconds patience) {
+  pollfd room{.fd = descriptor, .events = POLLOUT, .revents = 0};
+  return ::poll(&room, 1, static_cast<int>(patience.count())) > 0 && room.revents == POLLOUT;
+}
+
+// Colours for the level's name, as terminals know them.
+const char* color_of(spdlog::level::level_enum level) {
+  switch (level) {
+    case spdlog::level::warn:
+      return "\033[33m\033[1m";
+    case spdlog::level::err:
+    case spdlog::level::critical:
+      return "\033[31m\033[1m";
+    case spdlog::level::trace:
+    case spdlog::level::debug:
+    case spdlog::level::info:
+    case spdlog::level::off:
+    case spdlog::level::n_levels:
+      return "\033[32m";
+  }
+  return "";
+}
+
+class LogSink final : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  LogSink(std::shared_ptr<LineWriter> writer, bool colored) : writer_(std::move(writer)), colored_(colored) {}
+
+ private:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t text;
+    message.color_range_start = message.color_range_end = 0;
+    formatter_->format(message, text);
+    std::string line(text.data(), text.size());
+    if (colored_ && message.color_range_end > message.color_range_start) {
+      line.insert(message.color_range_end, "\033[m");
+      line.insert(message.color_range_start, color_of(message.level));
+    }
+    writer_->write(line);
+  }
+  void flush_() override {}
+
+  std::shared_ptr<LineWriter> writer_;
+  bool colored_;
+};
+
+}  // namespace
+
+// O_NONBLOCK belongs to what was opened, which we share with our parent and its other children: a shell whose terminal
+// suddenly does not block misbehaves. So a pipe or a terminal is opened once more, for us alone.
+LineWriter::LineWriter(int descriptor) : descriptor_(descriptor) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) return;
+  if (S_ISSOCK(status.st_mode)) kind_ = Kind::socket;
+  if (!S_ISFIFO(status.st_mode) && !S_ISCHR(status.st_mode)) return;
+  const std::string path = "/proc/self/fd/" + std::to_string(descriptor);
+  const int again = ::open(path.c_str(), O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  if (again < 0) return;  // another user's pipe, for example; write_some() asks for room then
+  descriptor_ = again;
+  owns_ = true;
+  kind_ = Kind::nonblocking;
+}
+
+LineWriter::~LineWriter() {
+  if (owns_) ::close(descriptor_);
+}
+
+// Where the descriptor may block, a write of PIPE_BUF bytes or less does not once poll() has said that there is room,
+// unless another process takes the room in between.
+std::size_t LineWriter::write_some(std::string_view text) {
+  if (kind_ == Kind::other) {
+    if (!waits_for_room(descriptor_, milliseconds(0))) return 0;
+    text = text.substr(0, PIPE_BUF);
+  }
+  for (;;) {
+    const ssize_t written = kind_ == Kind::socket
+                                ? ::send(descriptor_, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL)
+                                : ::write(descriptor_, text.data(), text.size());
+    if (written >= 0) return static_cast<std::size_t>(written);
+    if (errno != EINTR) return 0;
+  }
+}
+
+bool LineWriter::put(std::string_view text, milliseconds patience) {
+  const auto end = Clock::now() + patience;
+  std::string all = std::exchange(rest_, {});
+  const std::size_t old = all.size();
+  all += text;
+  std::size_t done = 0;
+  while (done < all.size()) {
+    const std::size_t written = write_some(std::string_view(all).substr(done));
+    done += written;
+    if (written > 0) continue;
+    const auto left = std::chrono::ceil<milliseconds>(end - Clock::now());
+    if (left <= milliseconds(0) || !waits_for_room(descriptor_, left)) break;
+  }
+  const bool begun = done > old;
+  rest_ = begun ? all.substr(done) : all.substr(done, old - done);
+  return begun;
+}
+
+void LineWriter::report(milliseconds patience) {
+  if (dropped_ == 0) return;
+  const std::string sentence =
+      std::to_string(dropped_) + (dropped_ == 1 ? " line was" : " lines were") + " left out: nobody read the log\n";
+  if (put(sentence, patience)) dropped_ = 0;
+}
+
+void LineWriter::write(std::string_view line, milliseconds patience) {
+  const std::scoped_lock lock(mutex_);
+  report(patience);
+  if (dropped_ > 0 || !put(line, patience)) ++dropped_;
+}
+
+void LineWriter::report_dropped() {
+  const std::scoped_lock lock(mutex_);
+  if (!rest_.empty()) put("", {});
+  report({});
+}
+
+Log::Log(int descriptor) : writer_(std::make_shared<LineWriter>(descriptor)) {
+  const bool colored = ::isatty(descriptor) == 1;
+  auto logger = std::make_shared<spdlog::logger>("ringdownd", std::make_shared<LogSink>(writer_, colored));
+  logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  spdlog::set_default_logger(std::move(logger));
+}
+
+protocol::ExitCode Log::complain(const Error& error) {
+  writer_->write(std::string(program_invocation_short_name) + ": " + error.message + "\n", std::chrono::seconds(1));
+  return protocol::exit_code_of(error.kind);
+}
+
+}  // namespace ringdown::server

@@ -1,0 +1,43 @@
+#include "server/refusal_log.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+namespace ringdown::server {
+
+RefusalLog::RefusalLog() : RefusalLog([](const std::string& line) { spdlog::warn("{}", line); }, Clock::now) {}
+
+RefusalLog::RefusalLog(Write write, std::function<Clock::time_point()> now)
+    : write_(std::move(write)), now_(std::move(now)) {}
+
+void RefusalLog::add(const std::string& from, const std::string& sentence) {
+  const std::scoped_lock lock(mutex_);
+  end_second(now_());
+  if (const auto known = repeats_.find(sentence); known != repeats_.end()) {
+    ++known->second;
+  } else if (repeats_.size() < kMaxPerSecond) {
+    repeats_.emplace(sentence, 0);
+    write_(from + ": " + sentence);
+  } else {
+    ++others_;
+  }
+}
+
+void RefusalLog::report() {
+  const std::scoped_lock lock(mutex_);
+  end_second(now_());
+}
+
+void RefusalLog::end_second(Clock::time_point now) {
+  if (now - begin_ < std::chrono::seconds(1)) return;
+  begin_ = now;
+  for (const auto& [sentence, count] : repeats_) {
+    if (count > 0) write_(sentence + " (" + std::to_string(count) + " times more)");
+  }
+  if (others_ > 0) write_(std::to_string(others_) + " refusals with other sentences were not logged");
+  repeats_.clear();
+  others_ = 0;
+}
+
+}  // namespace ringdown::server
