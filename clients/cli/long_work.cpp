@@ -1,5 +1,7 @@
 #include "clients/cli/long_work.h"
 
+#include "engine/base/sandbox.h"
+
 #include <atomic>
 #include <cmath>
 #include <csignal>
@@ -87,6 +89,20 @@ protocol::ExitCode run_cancellable(const std::function<protocol::ExitCode(std::s
   }
   worker.join();
   return exit_code;
+}
+
+void warn_of_open_sandbox() {
+  const SandboxState state = sandbox_of_kernel();
+  if (!state.files) {
+    std::fprintf(stderr,
+                 "warning: this kernel has no Landlock, so the process that reads a mesh file could read other "
+                 "files, too; use files that you trust\n");
+  }
+  if (!state.calls) {
+    std::fprintf(stderr,
+                 "warning: this kernel has no seccomp filters, so a mesh file could make the process that reads "
+                 "it run programs and write files; use files that you trust\n");
+  }
 }
 
 ExitCode complain_unwritten(const Error& error, const std::filesystem::path& output) {

@@ -4,7 +4,7 @@
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_cache.h"
 #include "engine/base/range.h"
-#include "engine/mesh/surface_distance.h"
+#include "engine/mesh/body_reader.h"
 
 #include <algorithm>
 #include <chrono>
@@ -104,6 +104,10 @@ class Baker {
     return progress_(prefix + std::string(stage), fraction);
   }
 
+  [[nodiscard]] Progress progress() const {
+    return [this](std::string_view stage, double fraction) { return go_on(stage, fraction); };
+  }
+
   void set_order(int order) {
     recipe_.options.element = of_order(order);
     recipe_.meshing.order = order;
@@ -119,9 +123,9 @@ class Baker {
     const bool named = recipe_.meshing.mesh_size_m > 0 || mesh::names_mesh_size(recipe_.geometry);
     if (!reader_.meshes() || (named && !recipe_.preview)) return {};
     if (!go_on("mesh", 0)) return fail_cancelled();
-    const Result<mesh::TriangleMesh> sketch = reader_.sketch(recipe_.meshing);
+    const Result<mesh::Sketch> sketch = reader_.sketch(recipe_.meshing, progress());
     if (!sketch) return fail(sketch.error());
-    const BodyShape shape = measure_shape(*sketch, mesh::wall_thickness(*sketch));
+    const BodyShape shape = measure_shape(sketch->skin, sketch->wall_m);
     const int order = fem::order_of(recipe_.options.element);
     // Frequencies fall with size: the band of a larger object is `scale` times as wide for its unscaled geometry.
     const double band_high_hz = std::max(recipe_.scale, 1.0) * recipe_.options.band_high_hz;
@@ -140,7 +144,7 @@ class Baker {
   Result<void> plan_stuffing() {
     if (!reader_.is_surface()) return {};
     if (!go_on("mesh", 0)) return fail_cancelled();
-    const Result<const mesh::PreparedSurface*> surface = reader_.surface(recipe_.meshing);
+    const Result<const mesh::PreparedSurface*> surface = reader_.surface(recipe_.meshing, progress());
     if (!surface) return fail(surface.error());
     if (!(*surface)->left.sound() && fem::order_of(recipe_.options.element) > 2) set_order(2);
     return {};
@@ -149,8 +153,7 @@ class Baker {
   Result<void> mesh() {
     if (!go_on("mesh", 0)) return fail_cancelled();
     const auto start = std::chrono::steady_clock::now();
-    Result<mesh::Body> body = reader_.read(
-        recipe_.meshing, [this](std::string_view stage, double fraction) { return go_on(stage, fraction); });
+    Result<mesh::Body> body = reader_.read(recipe_.meshing, progress());
     if (!body) return fail(body.error());
     object_.mesh = std::move(body->mesh);
     const mesh::TetMesh sized{object_.mesh.mesh.nodes * recipe_.scale, object_.mesh.mesh.elements};
@@ -168,8 +171,7 @@ class Baker {
   Result<void> bake_once() {
     mesh::CheckedMesh scaled = object_.mesh;
     scaled.mesh.nodes *= recipe_.scale;
-    Result<Baked> baked = bake(scaled, material_, recipe_.options, recipe_.name,
-                               [this](std::string_view stage, double fraction) { return go_on(stage, fraction); });
+    Result<Baked> baked = bake(scaled, material_, recipe_.options, recipe_.name, progress());
     if (!baked) return fail(with_question(baked.error()));
     object_.baked = std::move(*baked);
     object_.baked.bank.provenance.body = mesh::text_of(object_.making);

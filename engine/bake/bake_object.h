@@ -15,7 +15,7 @@
 #include "engine/bake/bake.h"
 #include "engine/bake/body_shape.h"
 #include "engine/bake/object_file.h"
-#include "engine/mesh/body_reader.h"
+#include "engine/mesh/body.h"
 
 #include <filesystem>
 #include <optional>

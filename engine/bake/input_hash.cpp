@@ -2,6 +2,7 @@
 
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_hash.h"
+#include "engine/mesh/geo_language.h"
 
 #include <algorithm>
 #include <array>
@@ -24,64 +25,8 @@ std::string lower(std::string_view text) {
   return small;
 }
 
-// A word of gmsh's language in small letters, outside of quotes and comments.
-struct GeoWord {
-  std::string word;
-  std::string quoted;  // the text in quotes that comes next, with nothing but blanks and a bracket between
-};
-
-// Passes over a comment that begins at `at`, if one does.
-std::size_t after_comment(std::string_view text, std::size_t at) {
-  if (text.substr(at, 2) == "//") return std::min(text.find('\n', at), text.size());
-  if (text.substr(at, 2) == "/*") return std::min(text.find("*/", at + 2), text.size() - 2) + 2;
-  return at;
-}
-
-std::vector<GeoWord> words_of_geo(std::string_view text) {
-  std::vector<GeoWord> words;
-  bool joined = false;  // nothing but blanks and a bracket since the last word
-  for (std::size_t at = 0; at < text.size();) {
-    const auto letter = [&](std::size_t i) {
-      return std::isalnum(static_cast<unsigned char>(text[i])) || text[i] == '_';
-    };
-    if (const std::size_t after = after_comment(text, at); after != at) {
-      at = after;
-    } else if (text[at] == '"') {
-      const std::size_t end = std::min(text.find('"', at + 1), text.size());
-      if (joined) words.back().quoted = text.substr(at + 1, end - at - 1);
-      joined = false;
-      at = end + 1;
-    } else if (letter(at)) {
-      const std::size_t start = at;
-      while (at < text.size() && letter(at)) ++at;
-      words.push_back({lower(text.substr(start, at - start)), ""});
-      joined = true;
-    } else {
-      joined = joined && (text[at] == '(' || std::isspace(static_cast<unsigned char>(text[at])));
-      ++at;
-    }
-  }
-  return words;
-}
-
 bool is_one_of(std::string_view word, std::initializer_list<std::string_view> list) {
   return std::find(list.begin(), list.end(), word) != list.end();
-}
-
-// The files that a .geo file reads; nullopt when it depends on anything but files that it names.
-std::optional<Files> named_by_geo(std::string_view text) {
-  Files files;
-  for (const auto& [word, quoted] : words_of_geo(text)) {
-    if (is_one_of(word, {"systemcall", "nonblockingsystemcall", "onelabrun", "onelabaction", "getenv", "getstring",
-                         "getnumber", "getforced", "getforcedstr", "fileexists", "exists", "rand", "cpu", "memory",
-                         "totalmemory", "currentdir", "currentdirectory", "absolutepath"})) {
-      return std::nullopt;
-    }
-    if (!is_one_of(word, {"include", "merge", "mergewithboundingbox", "shapefromfile"})) continue;
-    if (quoted.empty()) return std::nullopt;
-    files.emplace_back(quoted);
-  }
-  return files;
 }
 
 // The values of every "uri" that are not data themselves.
@@ -113,7 +58,7 @@ std::optional<Files> named_by(const fs::path& path) {
   if (!has_text) return Files{};
   const Result<std::string> text = read_whole_file(path, kMaxFileBytes);
   if (!text) return std::nullopt;
-  if (kind.starts_with(".geo")) return named_by_geo(*text);
+  if (kind.starts_with(".geo")) return mesh::files_named_by_geo(*text);
   if (kind == ".gltf") return named_by_gltf(*text);
   return lower(*text).find("include") == std::string::npos ? std::optional(Files{}) : std::nullopt;
 }
@@ -128,7 +73,7 @@ std::optional<Files> files_of_geometry(const fs::path& geometry) {
     for (const fs::path& name : *named) {
       const fs::path file = (files[next].parent_path() / name).lexically_normal();
       if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
-      if (files.size() > kMaxGeometryFiles) return std::nullopt;
+      if (files.size() > mesh::kMaxGeoFiles) return std::nullopt;
     }
   }
   return files;

@@ -7,7 +7,6 @@
 // version; not where the files lie, nor when they were written.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -26,10 +25,8 @@ struct BankInputs {
 // and the like) or includes what it does not name by a plain text. Costs reading the files.
 std::optional<std::string> input_hash(const BankInputs& inputs);
 
-inline constexpr std::size_t kMaxGeometryFiles = 1000;  // that one geometry is followed to
-
 // A geometry and all it reads: what a .geo includes or merges, a .gltf refers to, and TetGen's files
-// of the same name. Nothing where they cannot be known or are more than kMaxGeometryFiles.
+// of the same name. Nothing where they cannot be known or are more than mesh::kMaxGeoFiles.
 std::optional<std::vector<std::filesystem::path>> files_of_geometry(const std::filesystem::path& geometry);
 
 }  // namespace ringdown::bake

@@ -24,7 +24,7 @@
 #include "engine/bake/bake.h"
 #include "engine/base/range.h"
 #include "engine/base/result.h"
-#include "engine/mesh/body_reader.h"
+#include "engine/mesh/body.h"
 
 #include <filesystem>
 #include <map>

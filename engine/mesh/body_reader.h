@@ -1,44 +1,33 @@
-// The one way from a file to a body of tetrahedra. Links GPL code (gmsh, CGAL). [worker]
+// The one way from a file to a body of tetrahedra, for programs that trust neither the file nor the libraries that read
+// it. [worker]
 //
 //   BodyReader reader("cup.stl", cache_folder);
 //   Result<Body> body = reader.read({.unit_m = 0.001, .mesh_size_m = 0.004});
 //
-// By the file's ending:
-//   .node .ele .veg .inp .tet            tetrahedra, read as they are (tet_file.h)
-//   .obj .stl .ply .off .gltf .glb       a surface (surface_file.h): diagnosed and mended (surface_repair.h), then
-//                                        filled by gmsh (fill.h) where it is sound, else stuffed (stuffing.h)
-//   everything else                      gmsh's: a mesh read as it is, or a geometry meshed (gmsh_reader.h)
+// A process of its own, the program ringdown-mesher beside this one, reads and meshes the file (body_maker.h, which
+// lists the kinds of files). The process has limits of time and memory, can read only the file's folder, start no
+// program and write nothing (sandbox.h). Whatever it does, a question here ends with an answer that has been checked
+// (body.h), or with one sentence.
+//
+// The environment's RINGDOWN_MESH_SECONDS and RINGDOWN_MESH_MIB change the limits for each question: 600 s of processor
+// time, and half of the computer's memory, at most 16 GiB.
 #pragma once
 
-#include "engine/base/content_cache.h"
+#include "engine/base/helper_process.h"
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
-#include "engine/mesh/fill.h"
-#include "engine/mesh/gmsh_reader.h"
-#include "engine/mesh/mesh_check.h"
-#include "engine/mesh/surface_repair.h"
+#include "engine/mesh/body.h"
+#include "engine/mesh/file_kinds.h"
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
-#include <vector>
+#include <string_view>
 
 namespace ringdown::mesh {
 
-enum class Making : std::int32_t { kRead, kMeshed, kFilled, kStuffed };
-
-// "tetrahedra from a file", "geometry meshed by gmsh", "surface filled by gmsh", "surface stuffed".
-std::string text_of(Making making);
-
-// Why no body can be made of a surface: it is a sheet, or flat. Nothing where one can.
-std::string hopeless(const PreparedSurface& surface, const std::string& name);
-
-struct Body {
-  CheckedMesh mesh;
-  Making making = Making::kRead;
-  std::vector<std::string> notes;  // what was found in a surface, and what was done about it
-};
+// The first byte of what ringdown-mesher answers; a packed answer or a packed Error follows.
+inline constexpr char kGood = 'g', kBad = 'b';
 
 class BodyReader {
  public:
@@ -51,33 +40,34 @@ class BodyReader {
 
   // The file's surface, mended; in metres, by options.unit_m. It is kept for the next call. Fails when the file is
   // none.
-  Result<const PreparedSurface*> surface(const GmshOptions& options);
+  Result<const PreparedSurface*> surface(const GmshOptions& options, const Progress& progress = {});
 
-  // The skin of the body, coarsely; enough to measure it by. Of a mesh of tetrahedra, too.
-  Result<TriangleMesh> sketch(const GmshOptions& options);
+  // The skin of the body, coarsely, and its thinnest wall. Of a mesh of tetrahedra, too.
+  Result<Sketch> sketch(const GmshOptions& options, const Progress& progress = {});
 
-  // The body. From the cache when it was made before from a file of the same content with the same options
-  // (make_through_cache). Options that are for geometries are for surfaces, too, but for edge_size_m. With mesh_size_m
-  // = 0 a surface's own triangles are filled. Fails with one sentence: what gmsh, assimp or check_mesh say, or that it
-  // encloses nothing.
+  // The body. From the cache when it was made before from a file of the same content with the same options by the same
+  // versions of this program's meshing and of gmsh, bit for bit. Not kept are bodies of files that may read others or
+  // ask their surroundings (`Include`, `Merge`, `GetEnv` and the like in a .geo or .bdf, a .gltf, TetGen's two), and
+  // failures. Options that are for geometries are for surfaces, too, but for edge_size_m. With mesh_size_m = 0 a
+  // surface's own triangles are filled. Fails with one sentence: what gmsh, assimp or check_mesh say, that the file
+  // encloses nothing, or how its reader ended.
   Result<Body> read(const GmshOptions& options, const Progress& progress = {});
 
  private:
-  Result<Body> make(const GmshOptions& options, const Progress& progress);
-  [[nodiscard]] Result<Body> make_of_tetrahedra(const GmshOptions& options) const;
-  Result<Body> make_of_surface(const GmshOptions& options, const Progress& progress);
-  Result<Body> stuffed(Body body, const TriangleMesh& mesh, const FillOptions& options, const Progress& progress) const;
+  Result<void> start();
+  Result<std::string> ask(Question question, const GmshOptions& options, const Progress& progress);
+  [[nodiscard]] Error why(const HelperAnswer& answer) const;
+  template <class Answer>
+  [[nodiscard]] Result<Answer> unpacked(const std::string& bytes) const;
+  template <class Answer>
+  Result<Answer> through_cache(std::string_view kind, Question question, const GmshOptions& options,
+                               const Progress& progress);
 
   std::filesystem::path path_, cache_;
+  HelperLimits limits_;
+  HelperProcess helper_;
   std::optional<PreparedSurface> surface_;
   double surface_unit_m_ = 0;
 };
-
-// What make() gives, bit for bit; from the cache when it was made before from a file of the same content with the same
-// options by the same versions of this program's meshing and of gmsh. Not kept are bodies of files that may read others
-// or ask their surroundings (`Include`, `Merge`, `SystemCall` and the like in a .geo or .bdf, a .gltf, TetGen's two),
-// and failures.
-Result<Body> make_through_cache(const std::filesystem::path& path, const GmshOptions& options,
-                                const ContentCache& cache, const std::function<Result<Body>()>& make);
 
 }  // namespace ringdown::mesh

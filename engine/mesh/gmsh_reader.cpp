@@ -1,16 +1,16 @@
 #include "engine/mesh/gmsh_reader.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/mesh/file_kinds.h"
+#include "engine/mesh/geo_language.h"
 
 #include <gmsh.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <fstream>
 #include <optional>
-#include <regex>
+#include <sys/mman.h>
 #include <unistd.h>
 #include <unordered_map>
 #include <vector>
@@ -18,9 +18,10 @@
 namespace ringdown::mesh {
 namespace {
 
-constexpr double kMaxCells = 1e9;  // of the mesh size, in the bounding box; thin bodies fill little of theirs
-constexpr std::size_t kMaxGeometry = 16 << 20;  // bytes of a .geo
-constexpr int kMaxUnfolded = 3;                 // order; see unfold()
+constexpr double kShareOfBox = 0.01;      // that a body fills at least; thin ones fill little of theirs
+constexpr double kElementsPerCube = 8.5;  // regular tetrahedra of edge h in a cube of edge h
+constexpr double kTrianglesPerSquare = 2.3;
+constexpr int kMaxUnfolded = 3;  // order; see unfold()
 
 std::string plain_number(double value) {
   char text[40];
@@ -28,35 +29,38 @@ std::string plain_number(double value) {
   return text;
 }
 
-// A .geo that sets the parameters and includes the real one. gmsh's own way, -setnumber, cannot be taken back, and its
-// parser's variables outlive finalize(), so this also forgets those of the file before.
+// A .geo, in memory only, that sets the parameters and includes the real one. gmsh's own way, -setnumber, cannot be
+// taken back, and its parser's variables outlive finalize(), so this also forgets those of the file before.
 class ParameterFile {
  public:
-  ParameterFile(const std::filesystem::path& geometry, const std::map<std::string, double>& numbers) {
+  ParameterFile(const std::filesystem::path& geometry, const std::map<std::string, double>& numbers)
+      : descriptor_(::memfd_create("parameters", MFD_CLOEXEC)) {
     std::string text = "Delete Variables;\n";
     for (const auto& [name, value] : numbers) text += name + " = " + plain_number(value) + ";\n";
     text += "Include \"" + std::filesystem::absolute(geometry).string() + "\";\n";
-    const int descriptor = ::mkstemps(path_.data(), 4);
-    if (descriptor < 0) return;
-    written_ = ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size());
-    ::close(descriptor);
+    written_ = ::write(descriptor_, text.data(), text.size()) == static_cast<ssize_t>(text.size());
   }
-  ~ParameterFile() { ::unlink(path_.c_str()); }
+  ~ParameterFile() { ::close(descriptor_); }
   ParameterFile(const ParameterFile&) = delete;
   ParameterFile& operator=(const ParameterFile&) = delete;
 
   [[nodiscard]] bool written() const { return written_; }
-  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
 
  private:
-  std::string path_ = (std::filesystem::temp_directory_path() / "ringdown-XXXXXX.geo").string();
+  int descriptor_;
   bool written_ = false;
 };
 
-bool geo_says(const std::filesystem::path& path, const char* expression) {
+bool has_size_fields(const std::filesystem::path& path) {
   if (path.extension() != ".geo") return false;
-  const Result<std::string> text = read_whole_file(path, kMaxGeometry);
-  return text && std::regex_search(*text, std::regex(expression));
+  const Result<std::string> text = read_whole_file(path, kMaxGeoBytes);
+  if (!text) return false;
+  const std::vector<GeoWord> words = words_of_geo(*text);
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if (words[i - 1].word == "Background" && words[i].word == "Field") return true;
+  }
+  return false;
 }
 
 Result<void> check_parameters(const std::filesystem::path& path, const std::map<std::string, double>& parameters) {
@@ -64,11 +68,10 @@ Result<void> check_parameters(const std::filesystem::path& path, const std::map<
   if (path.extension() != ".geo") {
     return fail(ErrorKind::bad_input, path.string() + " takes no parameters; only .geo files have them");
   }
-  const Result<std::string> text = read_whole_file(path, kMaxGeometry);
+  const Result<std::string> text = read_whole_file(path, kMaxGeoBytes);
   if (!text) return fail(text.error());
   for (const auto& [name, value] : parameters) {
-    if (!std::regex_match(name, std::regex("[A-Za-z_][A-Za-z0-9_]*")) ||
-        !std::regex_search(*text, std::regex("\\b" + name + "\\s*="))) {
+    if (!assigns(*text, name)) {
       return fail(ErrorKind::bad_input,
                   path.string() + " has no parameter '" + name + "'; the file's DefineConstant lists what it takes");
     }
@@ -76,15 +79,22 @@ Result<void> check_parameters(const std::filesystem::path& path, const std::map<
   return {};
 }
 
-// gmsh would work on a mesh of billions of elements until the memory is full, and cannot be interrupted.
-Result<void> check_mesh_size(const std::filesystem::path& path, const GmshOptions& options, double unit_m) {
+// The volume of the open body as its CAD kernel has it; of gmsh's own kernel, which has no volumes, a share of the box
+// around it.
+Extent extent_of_open_body(double unit_m) {
   double x0, y0, z0, x1, y1, z1;
   gmsh::model::getBoundingBox(-1, -1, x0, y0, z0, x1, y1, z1);
-  const double size = options.mesh_size_m / unit_m;
-  if ((x1 - x0) / size * ((y1 - y0) / size) * ((z1 - z0) / size) <= kMaxCells) return {};
-  return fail(ErrorKind::too_large, path.string() + ": a mesh size of " + std::to_string(options.mesh_size_m) +
-                                        " m is far too small for a body " + std::to_string(unit_m * (x1 - x0)) +
-                                        " m long; choose a larger one, or check the unit of its lengths");
+  const double x = x1 - x0, y = y1 - y0, z = z1 - z0;
+  gmsh::vectorpair volumes;
+  gmsh::model::occ::getEntities(volumes, 3);
+  double volume = 0;
+  for (const auto& [dimension, tag] : volumes) {
+    double part = 0;
+    gmsh::model::occ::getMass(dimension, tag, part);
+    volume += std::abs(part);
+  }
+  if (volumes.empty()) volume = kShareOfBox * x * y * z;
+  return {.volume_m3 = std::pow(unit_m, 3) * volume, .diagonal_m = unit_m * std::hypot(x, y, z)};
 }
 
 // Whether the open file has volumes that are not meshed yet.
@@ -146,10 +156,10 @@ void refine_at_edges(double edge_size, double mesh_size) {
 
 Result<void> generate(const std::filesystem::path& path, const GmshOptions& options, double unit_m) {
   if (options.mesh_size_m > 0) {
-    if (auto good = check_mesh_size(path, options, unit_m); !good) return good;
+    if (auto few = check_element_count(path, extent_of_open_body(unit_m), options.mesh_size_m); !few) return few;
     gmsh::option::setNumber("Mesh.MeshSizeMax", options.mesh_size_m / unit_m);
     const bool finer_at_edges = options.edge_size_m > 0 && options.edge_size_m < options.mesh_size_m;
-    if (finer_at_edges && !geo_says(path, "\\bBackground\\s+Field\\b")) {
+    if (finer_at_edges && !has_size_fields(path)) {
       refine_at_edges(options.edge_size_m / unit_m, options.mesh_size_m / unit_m);
     }
   }
@@ -231,7 +241,7 @@ Result<void> open_file(const std::filesystem::path& path, const GmshOptions& opt
   if (options.mesh_size_m > 0) numbers["mesh_size"] = options.mesh_size_m / unit_m;
   const ParameterFile wrapper(path, numbers);
   if (!wrapper.written())
-    return fail(ErrorKind::input_output, "cannot write " + wrapper.path() + "; the temporary folder must be writable");
+    return fail(ErrorKind::no_memory, "there is no memory for the parameters of " + path.string());
   gmsh::open(wrapper.path());
   return {};
 }
@@ -276,33 +286,20 @@ Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptio
   return unfolded && unfolded->straightened < mesh->straightened ? std::move(unfolded) : std::move(mesh);
 }
 
-// Dataset 164 gives the factor by which a length in metres becomes one of the file's.
-double unit_of_unv(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::string before, line, next;
-  for (; std::getline(file, line); before = line) {
-    if (std::atoi(before.c_str()) == -1 && line.size() < 12 && std::atoi(line.c_str()) == 164) break;
-  }
-  if (!file || !std::getline(file, line) || !std::getline(file, next)) return 1;
-  std::replace(next.begin(), next.end(), 'D', 'E');
-  const double factor = std::strtod(next.substr(0, 25).c_str(), nullptr);
-  return factor > 0 && std::isfinite(factor) ? 1 / factor : 1;
-}
-
 }  // namespace
 
-bool is_geometry_file(const std::filesystem::path& path) {
-  constexpr std::array kEndings = {".geo", ".step", ".stp", ".brep", ".iges", ".igs", ".xao"};
-  return std::find(kEndings.begin(), kEndings.end(), path.extension()) != kEndings.end();
-}
-
-bool names_mesh_size(const std::filesystem::path& path) { return geo_says(path, "\\bmesh_size\\s*="); }
-
-double unit_in_file(const std::filesystem::path& path) {
-  constexpr std::array kInMillimetres = {".step", ".stp", ".iges", ".igs"};
-  const bool known = std::find(kInMillimetres.begin(), kInMillimetres.end(), path.extension()) != kInMillimetres.end();
-  if (known) return 0.001;
-  return path.extension() == ".unv" ? unit_of_unv(path) : 1;
+Result<void> check_element_count(const std::filesystem::path& path, const Extent& extent, double mesh_size_m) {
+  if (!(mesh_size_m > 0)) return {};
+  const double per_m = 1 / mesh_size_m;
+  const double elements = kElementsPerCube * extent.volume_m3 * per_m * per_m * per_m +
+                          kTrianglesPerSquare * extent.area_m2 * per_m * per_m;
+  if (elements <= kMaxElements) return {};
+  char text[240];
+  std::snprintf(text, sizeof text,
+                ": a mesh size of %.3g m is far too small for a body %.3g m long: it means about %.1e elements, more "
+                "than %.0e; choose a larger one, or check the unit of its lengths",
+                mesh_size_m, extent.diagonal_m, elements, kMaxElements);
+  return fail(ErrorKind::too_large, path.string() + text);
 }
 
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options) {
@@ -313,6 +310,7 @@ Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const Gmsh
   if (options.unit_m && (!(*options.unit_m > 0) || !std::isfinite(*options.unit_m))) {
     return fail(ErrorKind::bad_input, "the unit of " + path.string() + " must be a positive length in metres");
   }
+  if (auto harmless = check_geo(path); !harmless) return fail(harmless.error());
   if (auto known = check_parameters(path, options.parameters); !known) return fail(known.error());
   try {
     return read_open(path, options);

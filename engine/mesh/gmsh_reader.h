@@ -7,27 +7,19 @@
 // A .geo file takes numbers from outside through DefineConstant:
 //   DefineConstant[ length = 350, mesh_size = 10 ];   // defaults, in the file's unit
 // and `mesh_size` is always handed over that way too, for files that place their own nodes (Transfinite,
-// Layers). A .geo file is a program and may run commands: open only those you trust.
+// Layers). A .geo file is a program; check_geo() (geo_language.h)
+// refuses what does more than describe a body.
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/mesh/mesh_check.h"
+#include "engine/mesh/body.h"
 
 #include <filesystem>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
 
 namespace ringdown::mesh {
-
-struct GmshOptions {
-  std::optional<double> unit_m;              // length of one unit, e.g. 0.001 for millimetres; none: unit_in_file()
-  double mesh_size_m = 0;                    // longest edge, for a geometry; never above a tenth of its diagonal
-  double edge_size_m = 0;                    // the same along sharp edges, growing to mesh_size_m inside; 0: no less
-  int order = 3;                             // 1: straight elements, 2 to 4: curved ones. For a geometry only
-  std::map<std::string, double> parameters;  // DefineConstant names of a .geo, in the file's unit
-};
 
 // Reads or meshes `path` and checks it (check_mesh). Where curved elements of a geometry would fold, gmsh may move
 // their inner nodes; those that still fold become straight, and are counted. Prints nothing. Fails with one sentence
@@ -38,14 +30,13 @@ struct GmshOptions {
 // not used where a .geo file has size fields of its own.
 Result<CheckedMesh> read_with_gmsh(const std::filesystem::path& path, const GmshOptions& options);
 
-// What the file says its unit is, else 1: .step and .iges say it, and gmsh hands them over in millimetres; a .unv may.
-double unit_in_file(const std::filesystem::path& path);
-
-// True for the files that are meshed here, by their names' endings; a .geo file may still hold a mesh.
-bool is_geometry_file(const std::filesystem::path& path);
-
-// True for a .geo file that gives mesh_size a value, so that it need not be chosen for it.
-bool names_mesh_size(const std::filesystem::path& path);
+// Refuses a mesh size that would fill memory and time, by the number of elements that it means: tetrahedra in
+// a volume, and triangles on an area [m^2], where it is known. Such a body is as long as the diagonal [m].
+struct Extent {
+  double volume_m3 = 0, area_m2 = 0, diagonal_m = 0;
+};
+inline constexpr double kMaxElements = 20e6;
+Result<void> check_element_count(const std::filesystem::path& path, const Extent& extent, double mesh_size_m);
 
 // gmsh between initialize() and finalize(). [worker; calls of several threads wait for each other, because gmsh keeps
 // its state in globals]

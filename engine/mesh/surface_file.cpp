@@ -1,8 +1,7 @@
 #include "engine/mesh/surface_file.h"
 
-#include "engine/base/output_file.h"
-
 #include <Eigen/LU>
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -12,7 +11,6 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <string>
@@ -103,9 +101,39 @@ TriangleMesh packed(const Soup& soup) {
   return mesh;
 }
 
+// Lets assimp open the file itself and, for glTF, what lies beside it or below: an OBJ names a file of materials, which
+// has no place in a body, and may name any.
+class FolderOnly : public Assimp::DefaultIOSystem {
+ public:
+  explicit FolderOnly(const std::filesystem::path& path)
+      : path_(path), whole_folder_(ending_of(path) == ".gltf"), folder_(resolved(path).parent_path()) {}
+
+  [[nodiscard]] bool Exists(const char* name) const override { return may(name) && DefaultIOSystem::Exists(name); }
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    return may(name) && std::string_view(mode).starts_with("r") ? DefaultIOSystem::Open(name, mode) : nullptr;
+  }
+
+ private:
+  static std::filesystem::path resolved(const std::filesystem::path& path) {
+    std::error_code error;
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path), error);
+  }
+  [[nodiscard]] bool may(const char* name) const {
+    if (path_ == name) return true;
+    const std::filesystem::path named = resolved(name);
+    return whole_folder_ &&
+           std::mismatch(folder_.begin(), folder_.end(), named.begin(), named.end()).first == folder_.end();
+  }
+
+  std::filesystem::path path_;
+  bool whole_folder_;
+  std::filesystem::path folder_;
+};
+
 Result<Soup> import(const std::filesystem::path& path) {
   const std::string name = path.string();
   Assimp::Importer importer;
+  importer.SetIOHandler(new FolderOnly(path));  // the importer's own from here on
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(name, aiProcess_Triangulate | aiProcess_SortByPType);
   if (!scene || !scene->mRootNode)
@@ -147,11 +175,6 @@ Result<TriangleMesh> checked(const std::filesystem::path& path) {
 
 }  // namespace
 
-bool is_surface_file(const std::filesystem::path& path) {
-  constexpr std::array kEndings = {".obj", ".stl", ".ply", ".off", ".gltf", ".glb"};
-  return std::find(kEndings.begin(), kEndings.end(), ending_of(path)) != kEndings.end();
-}
-
 Result<TriangleMesh> read_surface(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
@@ -166,24 +189,6 @@ Result<TriangleMesh> read_surface(const std::filesystem::path& path) {
   } catch (const std::exception& exception) {
     return fail(ErrorKind::bad_input, "cannot read " + path.string() + ": " + one_line(exception.what()));
   }
-}
-
-Result<void> write_ply(const TriangleMesh& surface, const std::filesystem::path& path) {
-  std::string text =
-      "ply\nformat ascii 1.0\ncomment lengths in metres\nelement vertex " + std::to_string(surface.nodes.rows()) +
-      "\nproperty double x\nproperty double y\nproperty double z\n" + "element face " +
-      std::to_string(surface.triangles.rows()) + "\nproperty list uchar int vertex_indices\nend_header\n";
-  char line[120];
-  for (Eigen::Index n = 0; n < surface.nodes.rows(); ++n) {
-    std::snprintf(line, sizeof line, "%.9g %.9g %.9g\n", surface.nodes(n, 0), surface.nodes(n, 1), surface.nodes(n, 2));
-    text += line;
-  }
-  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
-    const auto row = surface.triangles.row(t);
-    std::snprintf(line, sizeof line, "3 %d %d %d\n", row[0], row[1], row[2]);
-    text += line;
-  }
-  return write_output(path, text);
 }
 
 namespace {

@@ -4,10 +4,12 @@
 //   .gltf .glb            metres; the nodes' transforms are applied. A bank is one of these
 //
 // Polygons are cut into triangles, all meshes of a file become one, and points that a file repeats, as STL does for
-// every triangle, become one: those within kWeld of the diagonal of the body's box.
+// every triangle, become one: those within kWeld of the diagonal of the body's box. No other file is opened than those
+// that glTF keeps its numbers in, in its folder.
 #pragma once
 
 #include "engine/base/result.h"
+#include "engine/mesh/file_kinds.h"
 #include "engine/mesh/triangle_mesh.h"
 
 #include <filesystem>
@@ -18,9 +20,6 @@ inline constexpr double kWeld = 1e-6;
 inline constexpr std::size_t kMaxTriangles = 4'000'000;
 inline constexpr std::size_t kMaxSurfaceFileBytes = std::size_t{1} << 30;  // bytes
 
-// By the name's ending, in any case.
-bool is_surface_file(const std::filesystem::path& path);
-
 // In the file's unit. Fails with one sentence: it is no such file, has no triangles, more than kMaxTriangles, or a
 // coordinate that is not finite.
 Result<TriangleMesh> read_surface(const std::filesystem::path& path);
@@ -28,11 +27,5 @@ Result<TriangleMesh> read_surface(const std::filesystem::path& path);
 // Points within `tolerance` of an earlier one become that one, and points of no triangle are dropped. Triangles stay,
 // also those that so become degenerate. O(V).
 TriangleMesh weld(const TriangleMesh& mesh, double tolerance);
-
-// Surfaces to files. [worker]
-
-// A PLY text file, which every mesh tool reads; coordinates with 9 digits, in metres. Written to another name first,
-// then renamed.
-Result<void> write_ply(const TriangleMesh& surface, const std::filesystem::path& path);
 
 }  // namespace ringdown::mesh

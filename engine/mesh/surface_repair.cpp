@@ -2,6 +2,7 @@
 
 #include "engine/mesh/remesh.h"
 #include "engine/mesh/shells.h"
+#include "engine/mesh/surface_check.h"
 
 #include <Eigen/Geometry>
 

@@ -10,8 +10,7 @@
 // What cuts itself, and larger holes, stay: stuffing.h makes a body of such a surface.
 #pragma once
 
-#include "engine/mesh/surface_check.h"
-#include "engine/mesh/triangle_mesh.h"
+#include "engine/mesh/surface_report.h"
 
 #include <string>
 #include <vector>
@@ -31,12 +30,7 @@ struct RepairedSurface {
 // about O(n log n) beyond.
 RepairedSurface repair(const TriangleMesh& mesh);
 
-// A surface as it came, what was done to it, and what is left.
-struct PreparedSurface {
-  TriangleMesh mesh;  // repaired
-  SurfaceReport found, left;
-  std::vector<std::string> actions;
-};
+// Repaired where it is not sound, and looked at before and after.
 PreparedSurface prepare(const TriangleMesh& mesh);
 
 }  // namespace ringdown::mesh

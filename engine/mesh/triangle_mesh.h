@@ -2,9 +2,12 @@
 // [any thread]
 #pragma once
 
+#include "engine/base/result.h"
+
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
 namespace ringdown::mesh {
@@ -55,5 +58,9 @@ std::vector<bool> duplicates_in(const TriangleMesh& mesh);
 
 // Neither degenerate nor a duplicate.
 std::vector<bool> usable_triangles(const TriangleMesh& mesh);
+
+// A PLY text file, which every mesh tool reads; coordinates with 9 digits, in metres. Written as
+// output_file.h says. [worker]
+Result<void> write_ply(const TriangleMesh& surface, const std::filesystem::path& path);
 
 }  // namespace ringdown::mesh

@@ -54,10 +54,10 @@ TEST(InputHash, TheInputHashKnowsWhatAGeometryReads) {
 TEST(InputHash, TheInputHashFollowsAThousandFilesAndNoMore) {
   const TemporaryFolder folder;
   std::string text;
-  for (std::size_t n = 1; n < kMaxGeometryFiles; ++n) text += "Merge \"" + std::to_string(n) + ".step\";\n";
+  for (std::size_t n = 1; n < mesh::kMaxGeoFiles; ++n) text += "Merge \"" + std::to_string(n) + ".step\";\n";
   const auto files = files_of_geometry(folder.write("a.geo", text));
   ASSERT_TRUE(files);
-  EXPECT_EQ(files->size(), kMaxGeometryFiles);
+  EXPECT_EQ(files->size(), mesh::kMaxGeoFiles);
   EXPECT_FALSE(files_of_geometry(folder.write("a.geo", text + "Merge \"one more.step\";\n")));
 }
 

@@ -18,6 +18,9 @@ void score(Bytes file);    // OSC scores
 void bank(Bytes file);     // .glb, and ringing what was read
 void text(Bytes file);     // the first byte chooses: scene, material, object, notes, state, settings
 void mesh(Bytes file);     // the first byte chooses: TetGen, Vega, Abaqus, IsoStuffer
+void answer(Bytes bytes);  // of the process that reads mesh files
+void geo(Bytes file);      // what a .geo says, by its names
+void reader(Bytes file);   // mesh files of all kinds, read by that process; the first byte chooses the ending
 
 void expect(bool holds, const char* what);
 
@@ -25,7 +28,8 @@ struct Target {
   const char* name;
   void (*feed)(Bytes);
 };
-inline constexpr Target kTargets[] = {{"osc", osc},   {"slip", slip}, {"score", score},
-                                      {"bank", bank}, {"text", text}, {"mesh", mesh}};
+inline constexpr Target kTargets[] = {{"osc", osc},   {"slip", slip},     {"score", score},
+                                      {"bank", bank}, {"text", text},     {"mesh", mesh},
+                                      {"geo", geo},   {"answer", answer}, {"reader", reader}};
 
 }  // namespace ringdown::fuzz

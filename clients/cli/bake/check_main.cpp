@@ -11,8 +11,6 @@
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
 #include "engine/mesh/body_reader.h"
-#include "engine/mesh/surface_distance.h"
-#include "engine/mesh/surface_file.h"
 #include "engine/mesh/tet_mesh.h"
 #include "packaging/manual/command_line.h"
 
@@ -28,7 +26,9 @@ using protocol::ExitCode;
 
 const std::vector<manual::Section> kSections = {
     {"ENVIRONMENT",
-     {{"RINGDOWN_PRESETS", "Folder of the presets, where it is not share/ringdown/presets beside bin."}}},
+     {{"RINGDOWN_MESH_SECONDS", "Processor time for reading or meshing a file (default 600)."},
+      {"RINGDOWN_MESH_MIB", "Memory for that (default: half of the computer's, at most 16384)."},
+      {"RINGDOWN_PRESETS", "Folder of the presets, where it is not share/ringdown/presets beside bin."}}},
     {"EXAMPLES",
      {{"ringdown-check mesh cup.stl --unit mm", "Faults, repairs, and the mesh it would get."},
       {"ringdown-check mesh scan.ply -o repaired.ply", "The repaired surface as a file."}}},
@@ -95,14 +95,14 @@ void print_tetrahedra(const mesh::Body& body) {
 }
 
 // Prints to stdout: faults, repairs, how the body would be meshed and how finely. Nothing is solved.
-Result<void> check_mesh(const CheckRequest& request) {
+Result<void> check_mesh(const CheckRequest& request, const Progress& progress) {
   const Result<bake::MaterialEntry> material = bake::find_material(request.materials, request.material);
   if (!material) return fail(material.error());
   mesh::BodyReader reader(request.file);
   const mesh::GmshOptions options{.unit_m = request.unit_m, .order = 1, .parameters = {}};
   std::printf("%s\n", request.file.c_str());
   if (reader.is_surface()) {
-    const Result<const mesh::PreparedSurface*> surface = reader.surface(options);
+    const Result<const mesh::PreparedSurface*> surface = reader.surface(options, progress);
     if (!surface) return fail(surface.error());
     print_surface(**surface);
     const std::string why = mesh::hopeless(**surface, request.file.string());
@@ -113,13 +113,13 @@ Result<void> check_mesh(const CheckRequest& request) {
       std::printf("  repaired surface -> %s\n", request.output.c_str());
     }
   } else {
-    const Result<mesh::Body> body = reader.read(options);
+    const Result<mesh::Body> body = reader.read(options, progress);
     if (!body) return fail(body.error());
     print_tetrahedra(*body);
   }
-  const Result<mesh::TriangleMesh> sketch = reader.sketch(options);
+  const Result<mesh::Sketch> sketch = reader.sketch(options, progress);
   if (!sketch) return fail(sketch.error());
-  const bake::BodyShape shape = bake::measure_shape(*sketch, mesh::wall_thickness(*sketch));
+  const bake::BodyShape shape = bake::measure_shape(sketch->skin, sketch->wall_m);
   print_choice(shape, material->material);
   const double unit_m = request.unit_m.value_or(mesh::unit_in_file(request.file));
   const bake::BakeOptions usual;
@@ -156,8 +156,10 @@ ExitCode run(int argc, char** argv) {
   if (!materials) return complain(materials.error());
   request.materials = *materials;
   keep_stdout_for(request.output);
-  return cli::run_cancellable([&](const std::stop_token&) {
-    const Result<void> checked = check_mesh(request);
+  cli::warn_of_open_sandbox();
+  return cli::run_cancellable([&](const std::stop_token& stop) {
+    const Result<void> checked =
+        check_mesh(request, [&stop](std::string_view, double) { return !stop.stop_requested(); });
     return checked ? ExitCode::ok : complain(checked.error());
   });
 }

@@ -219,6 +219,8 @@ const std::vector<manual::Section> kSections = {
     {"ENVIRONMENT",
      {{"RINGDOWN_CACHE", "Another folder for that."},
       {"RINGDOWN_THREADS", "How many threads it may use (default: as many as there are processors)."},
+      {"RINGDOWN_MESH_SECONDS", "Processor time for reading or meshing a file (default 600)."},
+      {"RINGDOWN_MESH_MIB", "Memory for that (default: half of the computer's, at most 16384)."},
       {"RINGDOWN_PRESETS", "Folder of the presets, where it is not share/ringdown/presets beside bin."}}},
     {"EXAMPLES",
      {{"ringdown-bake bell.toml -o bell.glb", "An object file names its shape and its material."},
@@ -248,6 +250,7 @@ ExitCode run(int argc, char** argv) {
   const Result<fs::path> materials = material_folder(arguments.materials);
   if (!materials) return complain(materials.error());
   arguments.materials = *materials;
+  if (!arguments.progress_lines) cli::warn_of_open_sandbox();  // a folder's parent has said it
   if (!arguments.folder.folder.empty()) return bake_folder(app, arguments);
   arguments.shaping = cli::shaping_options(app);
   keep_stdout_for(arguments.output);

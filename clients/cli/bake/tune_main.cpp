@@ -178,6 +178,7 @@ ExitCode run(int argc, char** argv) {
   if (!materials) return complain(materials.error());
   arguments.materials = *materials;
   keep_stdout_for(arguments.output);
+  cli::warn_of_open_sandbox();
   return cli::run_cancellable([&](const std::stop_token& stop) { return tune(arguments, stop); });
 }
 

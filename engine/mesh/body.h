@@ -1,0 +1,63 @@
+// A body as it comes from a file, and how it crosses from the process that reads files to the one that asked for it
+// (body_reader.h). [any thread]
+//
+// What comes back from the bytes of unpack_...() keeps the promises of these structs, whoever wrote the bytes: numbers
+// are finite and in range, a mesh has passed check_mesh(), texts have no control characters. Otherwise nothing comes
+// back.
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/mesh/mesh_check.h"
+#include "engine/mesh/surface_report.h"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ringdown::mesh {
+
+struct GmshOptions {
+  std::optional<double> unit_m;              // length of one unit, e.g. 0.001 for millimetres; none: unit_in_file()
+  double mesh_size_m = 0;                    // longest edge, for a geometry; never above a tenth of its diagonal
+  double edge_size_m = 0;                    // the same along sharp edges, growing to mesh_size_m inside; 0: no less
+  int order = 3;                             // 1: straight elements, 2 to 4: curved ones. For a geometry only
+  std::map<std::string, double> parameters;  // DefineConstant names of a .geo, in the file's unit
+};
+
+enum class Making : std::int32_t { kRead, kMeshed, kFilled, kStuffed };
+
+// "tetrahedra from a file", "geometry meshed by gmsh", "surface filled by gmsh", "surface stuffed".
+std::string text_of(Making making);
+
+struct Body {
+  CheckedMesh mesh;
+  Making making = Making::kRead;
+  std::vector<std::string> notes;  // what was found in a surface, and what was done about it
+};
+
+// The skin of a body, coarsely, and its thinnest wall (wall_thickness() in surface_distance.h): enough to measure it
+// by.
+struct Sketch {
+  TriangleMesh skin;
+  double wall_m = 0;
+};
+
+// What can be asked of a file.
+enum class Question : std::int32_t { kSurface, kSketch, kBody };
+
+std::string packed(Question question, const GmshOptions& options);
+bool unpack_question(std::string_view bytes, Question& question, GmshOptions& options);
+
+std::string packed(const Body& body);
+std::string packed(const Sketch& sketch);
+std::string packed(const PreparedSurface& surface);
+std::string packed(const Error& error);
+bool unpack(std::string_view bytes, Body& body);
+bool unpack(std::string_view bytes, Sketch& sketch);
+bool unpack(std::string_view bytes, PreparedSurface& surface);
+bool unpack(std::string_view bytes, Error& error);
+
+}  // namespace ringdown::mesh

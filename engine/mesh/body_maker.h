@@ -1,0 +1,40 @@
+// From a file to a body of tetrahedra, in the process that reads files: body_reader.h is the way to it from any other.
+// Links GPL code (gmsh, CGAL). [worker]
+//
+// By the file's ending:
+//   .node .ele .veg .inp .tet            tetrahedra, read as they are (tet_file.h)
+//   .obj .stl .ply .off .gltf .glb       a surface (surface_file.h): diagnosed and mended (surface_repair.h), then
+//                                        filled by gmsh (fill.h) where it is sound, else stuffed (stuffing.h)
+//   everything else                      gmsh's: a mesh read as it is, or a geometry meshed (gmsh_reader.h)
+#pragma once
+
+#include "engine/base/progress.h"
+#include "engine/base/result.h"
+#include "engine/mesh/body.h"
+#include "engine/mesh/fill.h"
+
+#include <filesystem>
+#include <optional>
+
+namespace ringdown::mesh {
+
+// Its three questions are those of BodyReader, without a cache.
+class BodyMaker {
+ public:
+  explicit BodyMaker(std::filesystem::path path);
+
+  Result<const PreparedSurface*> surface(const GmshOptions& options);  // kept for the next call
+  Result<Sketch> sketch(const GmshOptions& options);
+  Result<Body> make(const GmshOptions& options, const Progress& progress = {});
+
+ private:
+  [[nodiscard]] Result<Body> make_of_tetrahedra(const GmshOptions& options) const;
+  Result<Body> make_of_surface(const GmshOptions& options, const Progress& progress);
+  Result<Body> stuffed(Body body, const TriangleMesh& mesh, const FillOptions& options, const Progress& progress) const;
+
+  std::filesystem::path path_;
+  std::optional<PreparedSurface> surface_;
+  double surface_unit_m_ = 0;
+};
+
+}  // namespace ringdown::mesh
