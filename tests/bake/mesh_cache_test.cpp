@@ -1,5 +1,6 @@
+#include "engine/base/content_cache.h"
 #include "engine/mesh/body_reader.h"
-
+#include "engine/mesh/gmsh_reader.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>

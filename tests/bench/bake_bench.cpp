@@ -5,6 +5,7 @@
 #include "engine/bake/object_file.h"
 #include "engine/bake/sample_points.h"
 #include "engine/mesh/boundary.h"
+#include "engine/mesh/gmsh_reader.h"
 #include "engine/solve/eigensolver.h"
 
 #include <benchmark/benchmark.h>
