@@ -11,6 +11,7 @@
 #include "engine/base/realtime.h"
 #include "engine/modal/bank.h"
 #include "engine/synth/event.h"
+#include "engine/synth/mode_kernel.h"
 
 #include <array>
 #include <complex>
@@ -44,37 +45,42 @@ class Click {
   // Writes the click's next `count` samples to `out`. [audio]
   void fill(std::size_t count, double* out) RINGDOWN_REALTIME;
 
-  [[nodiscard]] bool over() const RINGDOWN_REALTIME { return at_ >= end_; }
+  [[nodiscard]] Frame length() const RINGDOWN_REALTIME { return end_; }  // frames from its begin to its end
 
  private:
   std::complex<double> push_, push_pole_;  // the part of the response that follows the force
   std::complex<double> ring_, ring_pole_;  // the free decay of the air
   std::complex<double> released_;          // what the end of the force adds to the free decay
-  std::int64_t at_ = 0, release_ = 0, end_ = 0;
+  Frame at_ = 0, release_ = 0, end_ = 0;
 };
 
-// The clicks that sound, each with its object. [audio, after construction]
+// The clicks that sound, each with its object. The place of a click is free kChunkFrames after the click is over, so
+// that it does not matter where chunks end. [audio, after construction]
 class Clicks {
  public:
   struct One {
     Click click;
     ObjectNumber object = 0;
     Frame begin = 0;
+    [[nodiscard]] Frame free_from() const RINGDOWN_REALTIME {
+      return begin + click.length() + static_cast<Frame>(kChunkFrames);
+    }
   };
 
   [[nodiscard]] bool empty() const RINGDOWN_REALTIME { return count_ == 0; }
   [[nodiscard]] std::size_t size() const RINGDOWN_REALTIME { return count_; }
   [[nodiscard]] One& operator[](std::size_t i) RINGDOWN_REALTIME { return all_.data()[i]; }
+  // False when there is no place for it at the frame at which it begins.
   [[nodiscard]] bool add(const One& one) RINGDOWN_REALTIME {
+    drop_before(one.begin);
     if (count_ == kMaxClicks) return false;
     all_.data()[count_++] = one;
     return true;
   }
-  // Takes out those that `is_over` names.
-  template <class Over>
-  void drop_if(const Over& is_over) RINGDOWN_REALTIME {
+  // Takes out those whose places are free from `frame` on.
+  void drop_before(Frame frame) RINGDOWN_REALTIME {
     for (std::size_t i = 0; i < count_;) {
-      if (is_over(all_.data()[i])) {
+      if (all_.data()[i].free_from() <= frame) {
         all_.data()[i] = all_.data()[--count_];
       } else {
         ++i;

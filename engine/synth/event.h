@@ -7,11 +7,13 @@
 #include "engine/base/vec3.h"
 
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 namespace ringdown::synth {
 
-using Frame = std::int64_t;                        // sample frames since the mixer started
+using Frame = std::int64_t;  // sample frames since the mixer started
+inline constexpr Frame kNever = std::numeric_limits<Frame>::max();
 using ObjectNumber = std::uint32_t;                // the object's place in the mixer, as the daemon assigned it
 inline constexpr ObjectNumber kMaxObjects = 1024;  // objects of a mixer, numbered from 0
 

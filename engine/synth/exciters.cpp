@@ -12,8 +12,6 @@
 namespace ringdown::synth {
 namespace {
 
-constexpr Frame kNever = std::numeric_limits<Frame>::max();
-
 // An impulse of 1 along the force of a contact.
 Event unit_impulse(const Event& event) RINGDOWN_REALTIME {
   Event impulse{.frame = event.frame, .object = event.object, .point_m = event.point_m};
@@ -67,9 +65,9 @@ void Exciter::rescale(Frame now, double ratio) {
   }
 }
 
-Exciter* ExciterSlots::find_contact(std::uint32_t number) const RINGDOWN_REALTIME {
+Exciter* ExciterSlots::find_contact(std::uint32_t number, Frame frame) const RINGDOWN_REALTIME {
   for (Exciter* exciter : all()) {
-    if (exciter->contact == number && !exciter->input) return exciter;
+    if (exciter->contact == number && !exciter->input && exciter->over_from() > frame) return exciter;
   }
   return nullptr;
 }
@@ -78,14 +76,19 @@ void ExciterSlots::stop_at(Frame end) RINGDOWN_REALTIME {
   for (Exciter* exciter : all()) exciter->end = std::min(exciter->end, end);
 }
 
-Exciter* Exciters::take() RINGDOWN_REALTIME {
-  if (free_ == 0) return nullptr;
-  Exciter& exciter = exciters_[static_cast<std::size_t>(std::countr_zero(free_))];
-  free_ &= free_ - 1;
-  exciter.input.reset();
-  exciter.contact.reset();
-  exciter.end = kNever;
-  return &exciter;
+Exciter* Exciters::take(Frame from) RINGDOWN_REALTIME {
+  for (std::uint32_t rest = free_; rest != 0; rest &= rest - 1) {
+    const auto place = static_cast<std::size_t>(std::countr_zero(rest));
+    if (kept_until_[place] > from) continue;
+    free_ &= ~(1u << place);
+    Exciter& exciter = exciters_[place];
+    exciter.input.reset();
+    exciter.contact.reset();
+    exciter.end = kNever;
+    exciter.awaits_update = false;
+    return &exciter;
+  }
+  return nullptr;
 }
 
 void Exciters::give_back(Exciter& exciter) RINGDOWN_REALTIME { free_ |= 1u << (&exciter - exciters_.data()); }
@@ -106,8 +109,8 @@ bool Exciters::fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) RINGDOWN
 bool Exciters::start_pulse(const Event& strike, double sample_rate_hz, Voice* voice,
                            ExciterSlots& slots) RINGDOWN_REALTIME {
   const double frames = strike.contact_time_s * sample_rate_hz;
-  if (!voice || !(frames >= kMinPulse_frames) || slots.full()) return false;
-  Exciter* const exciter = take();
+  if (!voice || !(frames >= kMinPulse_frames) || slots.full_at(strike.frame)) return false;
+  Exciter* const exciter = take(strike.frame);
   if (!exciter) return false;
   exciter->impulse = strike;
   exciter->impulse.contact_time_s = 0;
@@ -120,13 +123,18 @@ bool Exciters::start_pulse(const Event& strike, double sample_rate_hz, Voice* vo
 bool Exciters::open_contact(const Event& event, double sample_rate_hz, Voice* voice,
                             ExciterSlots& slots) RINGDOWN_REALTIME {
   const Contact& contact = event.contact;
-  if (slots.find_contact(contact.number)) return true;
-  if (length(contact.force_n) == 0) return false;
-  Exciter* const exciter = voice && !slots.full() ? take() : nullptr;
+  Exciter* const open = slots.find_contact(contact.number, event.frame);
+  if (length(contact.force_n) == 0) return open != nullptr;
+  if (open) {
+    open->awaits_update = true;
+    return true;
+  }
+  Exciter* const exciter = voice && !slots.full_at(event.frame) ? take(event.frame) : nullptr;
   if (exciter) {
     exciter->impulse = unit_impulse(event);
     exciter->contact = contact.number;
     exciter->rubbing = Rubbing(contact.number, sample_rate_hz);
+    exciter->awaits_update = true;
     if (fit(*exciter, voice, slots)) return true;
     give_back(*exciter);
   }
@@ -135,8 +143,9 @@ bool Exciters::open_contact(const Event& event, double sample_rate_hz, Voice* vo
 }
 
 void Exciters::update_contact(const Event& event, Voice* voice, const ExciterSlots& slots) RINGDOWN_REALTIME {
-  Exciter* const exciter = slots.find_contact(event.contact.number);
+  Exciter* const exciter = slots.find_contact(event.contact.number, event.frame);
   if (!exciter) return;
+  exciter->awaits_update = false;
   exciter->rubbing.update(event.frame, event.contact);
   if (length(event.contact.force_n) == 0 || !voice) return;
   exciter->impulse = unit_impulse(event);
@@ -152,7 +161,7 @@ void Exciters::connect(std::size_t input, const Event& impulse, Voice* voice, Ex
         std::find_if(all.begin(), all.end(), [](const Exciter* exciter) RINGDOWN_REALTIME { return !exciter->input; });
     if (pulse != all.end()) drop(static_cast<std::size_t>(pulse - all.begin()), slots);
   }
-  Exciter* const exciter = take();
+  Exciter* const exciter = take(kNever);
   if (!exciter) return count(counters_.refused);
   exciter->impulse = impulse;
   exciter->impulse.contact_time_s = 0;
@@ -182,16 +191,17 @@ void Exciters::refit(Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME {
 
 void Exciters::drop_finished(Frame frame, ExciterSlots& slots) RINGDOWN_REALTIME {
   for (std::size_t i = 0; i < slots.all().size();) {
-    if (slots.all()[i]->over_at(frame)) {
-      drop(i, slots);
+    if (const Frame over = slots.all()[i]->over_from(); over <= frame) {
+      drop(i, slots, over + static_cast<Frame>(kChunkFrames));
     } else {
       ++i;
     }
   }
 }
 
-void Exciters::drop(std::size_t which, ExciterSlots& slots) RINGDOWN_REALTIME {
-  Exciter& exciter = slots.take_out(which);
+void Exciters::drop(std::size_t which, ExciterSlots& slots, Frame keep_until) RINGDOWN_REALTIME {
+  Exciter& exciter = slots.take_out(which, keep_until);
+  kept_until_[static_cast<std::size_t>(&exciter - exciters_.data())] = keep_until;
   if (exciter.input) targets_[*exciter.input].reset();
   give_back(exciter);
 }

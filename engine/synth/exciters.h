@@ -2,7 +2,11 @@
 // surfaces that slide or roll.
 //
 // An exciter is a force in time at one point of one object. There is a fixed number of them; the audio thread takes one
-// for a strike and gives it back when the pulse is over. [audio, after construction]
+// for a strike and gives it back at the end of the chunk in which the pulse is over.
+//
+// Where chunks end depends on the block size, but what sounds must not. So the place of a force is free again exactly
+// kChunkFrames after the force is over: then it has been given back, however the time was cut. [audio, after
+// construction]
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -14,6 +18,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -41,7 +46,7 @@ class HalfSine {
 
   // The impulse in frames first ... first + count - 1; the sum over all frames is 1.
   void fill(Frame first, std::size_t count, double* impulses) const RINGDOWN_REALTIME;
-  [[nodiscard]] bool over_at(Frame frame) const RINGDOWN_REALTIME { return static_cast<double>(frame) >= frames_; }
+  [[nodiscard]] Frame over_from() const RINGDOWN_REALTIME { return static_cast<Frame>(std::ceil(frames_)); }
 
  private:
   double frames_ = 0, scale_ = 0;
@@ -54,16 +59,19 @@ struct Exciter {
   std::optional<std::uint32_t> contact;  // it is the friction of this contact of the object; else the pulse
   Rubbing rubbing;
   HalfSine pulse;
-  Frame end = 0;  // the force is cut off there
+  Frame end = 0;               // the force is cut off there
+  bool awaits_update = false;  // an event of this chunk, not yet played, goes on with the contact
 
   // Changes the length of a frame from `now` on. [worker]
   void rescale(Frame now, double ratio);
 
   // The impulse in frames first ... first + count - 1 of the mixer; `samples` are the input's, or null.
   void fill(Frame first, std::size_t count, const float* samples, double* impulses) RINGDOWN_REALTIME;
-  [[nodiscard]] bool over_at(Frame frame) const RINGDOWN_REALTIME {
-    if (input) return false;
-    return frame >= end || (contact ? rubbing.over_at(frame) : pulse.over_at(frame - impulse.frame));
+  // The first frame without force; kNever where that is not known yet.
+  [[nodiscard]] Frame over_from() const RINGDOWN_REALTIME {
+    if (input) return kNever;
+    if (awaits_update) return end;
+    return std::min(end, contact ? rubbing.over_from() : impulse.frame + pulse.over_from());
   }
 };
 
@@ -72,15 +80,23 @@ class ExciterSlots {
  public:
   [[nodiscard]] std::span<Exciter* const> all() const RINGDOWN_REALTIME { return {slots_.data(), count_}; }
   [[nodiscard]] bool full() const RINGDOWN_REALTIME { return count_ == kMaxForces; }
+  // Whether a force that begins at this frame finds no place.
+  [[nodiscard]] bool full_at(Frame frame) const RINGDOWN_REALTIME {
+    const auto kept = std::ranges::count_if(kept_until_, [=](Frame until) RINGDOWN_REALTIME { return until > frame; });
+    return count_ + static_cast<std::size_t>(kept) >= kMaxForces;
+  }
   void add(Exciter& exciter) RINGDOWN_REALTIME { slots_[count_++] = &exciter; }
-  Exciter& take_out(std::size_t which) RINGDOWN_REALTIME {  // the last one moves to its place
+  // The last one moves to its place, which is kept free until a frame.
+  Exciter& take_out(std::size_t which, Frame keep_until) RINGDOWN_REALTIME {
     Exciter* const exciter = slots_[which];
     slots_[which] = slots_[--count_];
+    *std::ranges::min_element(kept_until_) = keep_until;
     return *exciter;
   }
   void clear() RINGDOWN_REALTIME { count_ = 0; }
 
-  [[nodiscard]] Exciter* find_contact(std::uint32_t number) const RINGDOWN_REALTIME;  // null: none
+  // The contact of this number that is not over at a frame; null: none.
+  [[nodiscard]] Exciter* find_contact(std::uint32_t number, Frame frame) const RINGDOWN_REALTIME;
   // Whether a pulse or a contact acts: anything but an input.
   [[nodiscard]] bool has_pulse() const RINGDOWN_REALTIME {
     return std::ranges::any_of(all(), [](const Exciter* exciter) RINGDOWN_REALTIME { return !exciter->input; });
@@ -95,6 +111,7 @@ class ExciterSlots {
 
  private:
   std::array<Exciter*, kMaxForces> slots_{};
+  std::array<Frame, kMaxForces> kept_until_{};  // of places whose forces are over
   std::size_t count_ = 0;
 };
 
@@ -127,14 +144,15 @@ class Exciters {
   void drop_finished(Frame frame, ExciterSlots& slots) RINGDOWN_REALTIME;
 
  private:
-  [[nodiscard]] Exciter* take() RINGDOWN_REALTIME;  // null: none is free
+  [[nodiscard]] Exciter* take(Frame from) RINGDOWN_REALTIME;  // null: none is free from that frame on
   void give_back(Exciter& exciter) RINGDOWN_REALTIME;
-  void drop(std::size_t which, ExciterSlots& slots) RINGDOWN_REALTIME;
+  void drop(std::size_t which, ExciterSlots& slots, Frame keep_until = 0) RINGDOWN_REALTIME;
   [[nodiscard]] bool fit(Exciter& exciter, Voice* voice, ExciterSlots& slots) RINGDOWN_REALTIME;
 
   static_assert(kMaxDrives == 32);
   std::uint32_t free_ = ~0u;  // bit i: exciter i
   std::array<Exciter, kMaxDrives> exciters_;
+  std::array<Frame, kMaxDrives> kept_until_{};  // of exciters that are free
   std::array<std::optional<ObjectNumber>, kMaxInputs> targets_;
   MixerCounters& counters_;
 };

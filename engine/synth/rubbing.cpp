@@ -35,6 +35,7 @@ Rubbing::Rubbing(std::uint32_t seed, double sample_rate_hz) RINGDOWN_REALTIME : 
 
 void Rubbing::update(Frame at, const Contact& contact) RINGDOWN_REALTIME {
   const double force = length(contact.force_n);
+  if (force == 0 && force_n_.to == 0) return;  // it is ending already
   const bool changes = force > 0 && heights_m_[0] > 0;
   const double since_s = changes ? static_cast<double>(at - updated_) / rate_hz_ : kFade_s;
   const auto ramp = static_cast<Frame>(std::clamp(since_s, kMinForceRamp_s, kMaxForceRamp_s) * rate_hz_);

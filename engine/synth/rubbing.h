@@ -37,10 +37,8 @@ class Rubbing {
   // order. [audio]
   void fill(Frame first, std::size_t count, double* impulses) RINGDOWN_REALTIME;
 
-  // Whether it has ended and no force is left. [audio]
-  [[nodiscard]] bool over_at(Frame frame) const RINGDOWN_REALTIME {
-    return force_n_.to == 0 && force_n_.still_at(frame);
-  }
+  // The first frame without force, once the contact has ended; kNever before. [audio]
+  [[nodiscard]] Frame over_from() const RINGDOWN_REALTIME { return force_n_.to == 0 ? force_n_.end : kNever; }
 
   // Frames are of another length from `now` on. [worker]
   void rescale(Frame now, double ratio);

@@ -236,7 +236,7 @@ void Stage::render_clicks(const Chunk& chunk, Workspace& workspace) RINGDOWN_REA
     one.click.fill(chunk.frames - begin, workspace.mono.data() + begin);
     object(one.object).strip.add_samples(workspace.mono.data(), begin, chunk.frames, chunk, workspace.sums);
   }
-  clicks_.drop_if([](const Clicks::One& one) RINGDOWN_REALTIME { return one.click.over(); });
+  clicks_.drop_before(chunk.end());
 }
 
 void Stage::part_all(Frame now) {

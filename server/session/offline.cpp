@@ -115,11 +115,21 @@ class Run {
   }
 
   void render_frames(Frame end) {
-    session_.scene().advance_to(end, std::nullopt);
+    advance_scene(end);
     const auto begin = static_cast<std::size_t>(now_), count = static_cast<std::size_t>(end - now_);
     session_.rack().mixer().render({recording_.left.data() + begin, count}, {recording_.right.data() + begin, count});
     session_.rack().collect();
     now_ = end;
+  }
+
+  // In short pieces, because a long block may have more events than the mixer's ring takes.
+  void advance_scene(Frame end) {
+    constexpr Frame kPiece = 256;
+    for (Frame at = now_; at < end;) {
+      at = std::min(at + kPiece, end);
+      session_.scene().advance_to(at, std::nullopt);
+      session_.rack().mixer().render({}, {});
+    }
   }
 
   // Rendering 0 frames moves events from the mixer's short ring to its queue.

@@ -48,7 +48,7 @@ TEST(Click, AClickIsTheFarFieldOfASphere) {
       Click click({343 / radius_m, 2.5}, 0.3, contact_time_s, rate);
       Samples samples(60000);
       click.fill(samples.size(), samples.data());
-      EXPECT_TRUE(click.over());
+      EXPECT_LT(click.length(), static_cast<Frame>(samples.size()));
       for (const double hz : {30.0, 200.0, 1000.0, 4000.0}) {
         // a half-sine from 0 to tau, as it stands in docs/how/physics.md, half a contact time later
         const auto force = 0.3 * static_cast<double>(pulse_factor(hz, contact_time_s)) *
