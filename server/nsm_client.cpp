@@ -17,11 +17,6 @@ using wire::Message;
 constexpr std::int32_t kVersionMajor = 1, kVersionMinor = 0;
 constexpr std::int32_t kGeneralError = -1, kSaveFailed = -9;
 
-std::string text_at(const Message& message, std::size_t at) {
-  const auto* text = at < message.arguments.size() ? std::get_if<std::string>(&message.arguments[at]) : nullptr;
-  return text ? *text : "";
-}
-
 bool is_loopback(const wire::Endpoint& endpoint) { return endpoint.address >> 24 == 127; }
 
 }  // namespace
@@ -70,25 +65,19 @@ void NsmClient::stop() {
 Result<void> NsmClient::wait_for_session(std::chrono::milliseconds patience) {
   const auto end = Clock::now() + patience;
   while (Clock::now() < end) {
-    const auto message = receive(100ms);
-    if (!message) continue;
-    if (message->address == "/error" && text_at(*message, 0) == "/nsm/server/announce") {
-      return fail(ErrorKind::refused, "the session manager refused us: " + text_at(*message, 2));
-    }
-    if (message->address != "/nsm/client/open") continue;
-    session_ = {text_at(*message, 0), text_at(*message, 2)};
-    if (session_.path.is_absolute() && !session_.client_id.empty()) return {};
-    return fail(ErrorKind::bad_input, "the session manager's /nsm/client/open has no path or no client id");
+    const auto request = receive(100ms);
+    if (!request || request->kind == NsmRequest::Kind::save) continue;
+    if (!request->session) return fail(request->session.error());
+    session_ = *request->session;
+    return {};
   }
   return fail(ErrorKind::refused, "the session manager at " + to_text(manager_) + " (NSM_URL) opened no session");
 }
 
-std::optional<Message> NsmClient::receive(std::chrono::milliseconds patience) {
+std::optional<NsmRequest> NsmClient::receive(std::chrono::milliseconds patience) {
   wire::Datagram datagram;
   if (!socket_.receive(datagram, patience) || datagram.from.port != manager_.port) return std::nullopt;
-  const auto messages = wire::decode_packet(datagram.bytes);
-  if (!messages || messages->empty()) return std::nullopt;
-  return messages->front().message;
+  return parse_nsm(datagram.bytes);
 }
 
 void NsmClient::start(std::function<void(const Done&)> save) {
@@ -99,12 +88,12 @@ void NsmClient::start(std::function<void(const Done&)> save) {
 
 void NsmClient::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    const auto message = receive(1s);
-    if (!message) continue;
-    if (message->address == "/nsm/client/save") {
+    const auto request = receive(1s);
+    if (!request) continue;
+    if (request->kind == NsmRequest::Kind::save) {
       save_([this](const Result<void>& outcome) { answer("/nsm/client/save", outcome); });
-    } else if (message->address == "/nsm/client/open") {
-      answer(message->address,
+    } else if (request->kind == NsmRequest::Kind::open) {
+      answer("/nsm/client/open",
              fail(ErrorKind::refused, "ringdownd changes no session while it runs; start another one"));
     }
   }

@@ -10,6 +10,7 @@
 
 #include "engine/base/result.h"
 #include "protocol/wire/socket.h"
+#include "server/nsm_messages.h"
 
 #include <chrono>
 #include <filesystem>
@@ -24,11 +25,6 @@ struct Message;
 }
 
 namespace ringdown::server {
-
-struct NsmSession {
-  std::filesystem::path path;  // our files have this name and an ending
-  std::string client_id;       // the name of our JACK client
-};
 
 class NsmClient {
  public:
@@ -59,7 +55,7 @@ class NsmClient {
 
  private:
   NsmClient(wire::OscSocket socket, wire::Endpoint manager);
-  [[nodiscard]] std::optional<wire::Message> receive(std::chrono::milliseconds patience);
+  [[nodiscard]] std::optional<NsmRequest> receive(std::chrono::milliseconds patience);
   [[nodiscard]] Result<void> wait_for_session(std::chrono::milliseconds patience);
   void run(const std::stop_token& stop);
   void send(const wire::Message& message);

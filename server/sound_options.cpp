@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <string>
 
@@ -32,7 +33,7 @@ void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
   // CLI11 checks no empty text where an option needs no value.
   const auto take_limiter = [&settings](const std::string& text) {
     if (text.empty()) throw CLI::ValidationError("--limiter", "'' is not a number from -60 to 0");
-    settings.limiter_db = std::stod(text);
+    settings.limiter_db = std::strtod(text.c_str(), nullptr);  // checked below
   };
   app.add_option_function<std::string>("--limiter", take_limiter,
                                        "Keep the mix below a ceiling in dB, -1 unless given; it comes 2 ms later")

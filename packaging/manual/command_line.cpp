@@ -35,7 +35,7 @@ constexpr double kLargest = std::numeric_limits<double>::max();
 std::string wrong_number(const std::string& text, double low, double high, const std::string& demand) {
   char* end = nullptr;
   const double number = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0') return "'" + text + "' is not a number" + demand;
+  if (text.empty() || end != text.data() + text.size()) return "'" + text + "' is not a number" + demand;
   if (!std::isfinite(number)) return "'" + text + "' is not a finite number" + demand;
   return number < low || number > high ? "'" + text + "' is not a number" + demand : "";
 }

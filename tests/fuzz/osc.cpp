@@ -3,6 +3,7 @@
 #include "protocol/wire/packet.h"
 #include "protocol/wire/score.h"
 #include "protocol/wire/slip.h"
+#include "server/nsm_messages.h"
 #include "tests/fuzz/targets.h"
 
 #include <algorithm>
@@ -69,6 +70,15 @@ void score(Bytes file) {
   }
   const auto again = wire::parse_score(wire::encode_score(*events), "again");
   expect(again && again->size() == events->size(), "a score survives being written and read");
+}
+
+void nsm(Bytes datagram) {
+  const auto request = server::parse_nsm(datagram);
+  if (!request || request->kind == server::NsmRequest::Kind::save) return;
+  if (!request->session) return expect(!request->session.error().message.empty(), "a refusal has a sentence");
+  expect(request->kind == server::NsmRequest::Kind::open, "only an opened session has a place");
+  expect(request->session->path.is_absolute() && !request->session->client_id.empty(),
+         "a session has a place and a name");
 }
 
 }  // namespace ringdown::fuzz

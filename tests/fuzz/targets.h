@@ -16,11 +16,19 @@ void osc(Bytes datagram);  // checks, codec, schema
 void slip(Bytes stream);   // OSC over TCP
 void score(Bytes file);    // OSC scores
 void bank(Bytes file);     // .glb, and ringing what was read
-void text(Bytes file);     // the first byte chooses: scene, material, object, notes, state, settings
 void mesh(Bytes file);     // the first byte chooses: TetGen, Vega, Abaqus, IsoStuffer
 void answer(Bytes bytes);  // of the process that reads mesh files
 void geo(Bytes file);      // what a .geo says, by its names
 void reader(Bytes file);   // mesh files of all kinds, read by that process; the first byte chooses the ending
+void scene(Bytes file);    // .toml, and moving what was read
+void material(Bytes file);
+void object(Bytes file);
+void notes(Bytes file);
+void state(Bytes file);
+void settings(Bytes file);
+void options(Bytes words);  // of ringdownd's command line, one in a line
+void nsm(Bytes datagram);   // a session manager's
+void midi(Bytes messages);  // each after a byte with its length, and what they strike
 
 void expect(bool holds, const char* what);
 
@@ -28,8 +36,11 @@ struct Target {
   const char* name;
   void (*feed)(Bytes);
 };
-inline constexpr Target kTargets[] = {{"osc", osc},   {"slip", slip},     {"score", score},
-                                      {"bank", bank}, {"text", text},     {"mesh", mesh},
-                                      {"geo", geo},   {"answer", answer}, {"reader", reader}};
+// A row for each; ./run fuzz takes the names from here.
+inline constexpr Target kTargets[] = {{"osc", osc},      {"slip", slip},   {"score", score},       {"bank", bank},
+                                      {"mesh", mesh},    {"scene", scene}, {"material", material}, {"object", object},
+                                      {"notes", notes},  {"state", state}, {"settings", settings}, {"options", options},
+                                      {"nsm", nsm},      {"midi", midi},   {"geo", geo},           {"answer", answer},
+                                      {"reader", reader}};
 
 }  // namespace ringdown::fuzz

@@ -13,6 +13,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <cmath>
+#include <sstream>
+
 namespace ringdown::fuzz {
 namespace {
 
@@ -32,47 +35,73 @@ class MemoryFile {
 };
 
 // Bodies without objects need no bank: those scenes are set in motion, and must stay finite.
-void play(const scene::SceneDescription& description) {
+void play(const ringdown::scene::SceneDescription& description) {
   if (description.bodies.size() + description.statics.size() > 16) return;
-  auto world = scene::World::create(description, {}, 48000);
+  auto world = ringdown::scene::World::create(description, {}, 48000);
   if (!world) return expect(!world.error().message.empty(), "a refusal has a sentence");
   for (int step = 0; step < 20; ++step) {
     for (const synth::Event& strike : world->step().events) {
       expect(is_finite(strike.impulse_ns) && is_finite(strike.point_m), "a strike of a scene is finite");
     }
   }
-  for (const scene::BodyState& body : world->bodies()) expect(is_finite(body.position_m), "a body is somewhere");
+  for (const ringdown::scene::BodyState& body : world->bodies())
+    expect(is_finite(body.position_m), "a body is somewhere");
 }
 
-void read_settings_text(std::string_view text) {
-  const MemoryFile file(text);
-  server::DaemonOptions options;
-  CLI::App app("", "ringdownd");
-  server::add_options(app, options);
-  static_cast<void>(server::read_settings(app, file.path()));
+std::string_view text_of(Bytes file) { return {reinterpret_cast<const char*>(file.data()), file.size()}; }
+
+// An accepted number is finite, wherever it came from.
+void check_numbers(const server::DaemonOptions& options) {
+  for (const double number : {options.sample_rate_hz, options.merge_s, options.seconds.value_or(0),
+                              options.mixer.budget, options.mixer.floor_db, options.mixer.limiter_db.value_or(0)}) {
+    expect(std::isfinite(number), "a number of an option is finite");
+  }
+  for (const server::DaemonOptions::Input& input : options.inputs) {
+    expect(is_finite(input.point_m.value_or(Vec3{})) && is_finite(input.force_n.value_or(Vec3{})),
+           "an input's vectors are finite");
+  }
 }
 
 }  // namespace
 
-void text(Bytes file) {
-  if (file.empty()) return;
-  const auto kind = static_cast<char>(file.front());
-  const std::string_view text(reinterpret_cast<const char*>(file.data()) + 1, file.size() - 1);
-  if (kind == 's') {
-    const auto scene = scene::parse_scene(text, "scene.toml", "/nowhere");
-    if (scene) play(*scene);
-  } else if (kind == 'm') {
-    static_cast<void>(bake::read_material(MemoryFile(text).path()));
-  } else if (kind == 'o') {
-    static_cast<void>(bake::read_object(MemoryFile(text).path()));
-  } else if (kind == 'n') {
-    static_cast<void>(session::read_note_map(MemoryFile(text).path()));
-  } else if (kind == 't') {
-    const auto state = session::parse_state(text, "state.toml");
-    if (state)
-      expect(session::parse_state(session::to_toml(*state), "again").has_value(), "a state survives being written");
-  } else {
-    read_settings_text(text);
+void scene(Bytes file) {
+  const auto scene = ringdown::scene::parse_scene(text_of(file), "scene.toml", "/nowhere");
+  if (scene) play(*scene);
+}
+
+void material(Bytes file) { static_cast<void>(bake::read_material(MemoryFile(text_of(file)).path())); }
+
+void object(Bytes file) { static_cast<void>(bake::read_object(MemoryFile(text_of(file)).path())); }
+
+void notes(Bytes file) { static_cast<void>(session::read_note_map(MemoryFile(text_of(file)).path())); }
+
+void state(Bytes file) {
+  const auto state = session::parse_state(text_of(file), "state.toml");
+  if (!state) return;
+  expect(session::parse_state(session::to_toml(*state), "again").has_value(), "a state survives being written");
+}
+
+void settings(Bytes file) {
+  const MemoryFile kept(text_of(file));
+  server::DaemonOptions options;
+  CLI::App app("", "ringdownd");
+  server::add_options(app, options);
+  if (server::read_settings(app, kept.path())) check_numbers(options);
+}
+
+void options(Bytes words) {
+  if (text_of(words).find("--masking") != std::string_view::npos) return;  // it prints
+  server::DaemonOptions options;
+  CLI::App app("", "ringdownd");
+  server::add_options(app, options);
+  std::vector<std::string> arguments;
+  std::istringstream lines{std::string(text_of(words))};
+  for (std::string line; std::getline(lines, line);)
+    arguments.insert(arguments.begin(), line);  // CLI11 reads backwards
+  try {
+    app.parse(arguments);
+    check_numbers(options);
+  } catch (const CLI::ParseError&) {
   }
 }
 
