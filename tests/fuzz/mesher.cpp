@@ -57,7 +57,7 @@ void reader(Bytes file) {
   const auto ending = kEndings[static_cast<unsigned char>(file.front()) % std::size(kEndings)];
   const fs::path path = folder.path() / (std::string("body") + ending);
   std::ofstream(path, std::ios::binary) << text_of(file.subspan(1));
-  ::setenv("RINGDOWN_MESH_SECONDS", "2", 0);
+  ::setenv("RINGDOWN_MESH_SECONDS", "0.5", 0);
   ::setenv("RINGDOWN_MESH_MIB", "1000", 0);
   const auto body = ringdown::mesh::BodyReader(path).read({.order = 1, .parameters = {}});
   if (body) expect_body(*body);

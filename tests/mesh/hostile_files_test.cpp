@@ -153,20 +153,18 @@ TEST(HostileFiles, AnObjReadsNoOtherFile) {
   }
 }
 
-// By ways that no scan for names sees.
-TEST(HostileFiles, AGeometryOutsideOfItsFolderIsNotReadWithLandlock) {
+// By a way that no scan for names sees: an option of gmsh names a file of sizes.
+TEST(HostileFiles, AGeometryReadsNothingOutsideOfItsFolderWithLandlock) {
   if (!sandbox_of_kernel().files) GTEST_SKIP() << "this kernel has no Landlock";
-  const TemporaryFolder folder, secret;
-  (void)secret.write("secret.geo", kBox);
-  std::filesystem::create_directory(folder / "in");
-  std::filesystem::create_symlink(secret.path(), folder / "in/link");
-  const auto path = folder.write("in/body.step", "no STEP");
-  EXPECT_EQ(check(path).exit_code, kBadInput);
-  const auto gltf = folder.write("in/a.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"uri": "link/secret.geo",
-    "byteLength": 60}], "bufferViews": [{"buffer": 0, "byteLength": 36}], "accessors": [{"bufferView": 0,
-    "componentType": 5126, "count": 3, "type": "VEC3"}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-    "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0})");
-  expect_refused(gltf, check(gltf), kBadInput, {});
+  const TemporaryFolder folder, other;
+  const std::string sizes = "0 0 0\n0.1 0.1 0.1\n2 2 2\n0.05 0.05 0.05 0.05 0.05 0.05 0.05 0.05\n";
+  const auto body_with = [&folder](const std::filesystem::path& file) {
+    return folder.write("body.geo", kBox + "Field[1] = Structured;\nField[1].FileName = \"" + file.string() +
+                                        "\";\nField[1].TextFormat = 1;\nBackground Field = 1;\n");
+  };
+  EXPECT_EQ(check(body_with(folder.write("sizes.txt", sizes))).exit_code, 0);
+  const auto path = body_with(other.write("sizes.txt", sizes));
+  expect_refused(path, check(path), kBadInput, {"error reading file"});
 }
 
 // An object file may name a geometry in another folder; what lies there is that folder's.
