@@ -1,5 +1,7 @@
 #include "protocol/exit_codes.h"
 
+#include "engine/base/within_memory.h"
+
 #include <cerrno>
 #include <cstdio>
 
@@ -42,5 +44,10 @@ ExitCode complain(std::string_view sentence, ExitCode code) {
 }
 
 ExitCode complain(const Error& error) { return complain(error.message, exit_code_of(error.kind)); }
+
+int exit_status(const std::function<ExitCode()>& work) {
+  const auto code = within_memory("go on", [&work]() -> Result<ExitCode> { return work(); });
+  return static_cast<int>(code ? *code : complain(code.error()));
+}
 
 }  // namespace ringdown::protocol

@@ -4,6 +4,7 @@
 
 #include "engine/base/result.h"
 
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -49,5 +50,8 @@ ExitCode complain(std::string_view sentence, ExitCode code);
 
 // Prints the error's sentence and returns the exit code for its kind.
 ExitCode complain(const Error& error);
+
+// Runs a program's work, for main() to return. Where memory does not suffice, that is complained of like any failure.
+int exit_status(const std::function<ExitCode()>& work);
 
 }  // namespace ringdown::protocol

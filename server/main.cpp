@@ -1,6 +1,7 @@
 // ringdownd: reads the command line and the settings file into DaemonOptions, then plays until a signal comes, or
 // renders a file. Failures are written to standard error, one sentence each; the exit code follows from the error's
 // kind.
+#include "engine/base/within_memory.h"
 #include "packaging/manual/command_line.h"
 #include "protocol/exit_codes.h"
 #include "server/daemon.h"
@@ -148,5 +149,6 @@ int main(int argc, char** argv) {
   if (const auto file = settings_file(settings)) {
     if (const auto read = read_settings(app, *file); !read) return static_cast<int>(log.complain(read.error()));
   }
-  return static_cast<int>(run(options, log));
+  const auto code = within_memory("go on", [&]() -> Result<ExitCode> { return run(options, log); });
+  return static_cast<int>(code ? *code : log.complain(code.error()));
 }

@@ -1,6 +1,7 @@
 #include "server/osc_server.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/base/within_memory.h"
 #include "protocol/defaults.h"
 #include "protocol/pattern.h"
 #include "protocol/schema.h"
@@ -325,9 +326,17 @@ void OscServer::answer_at_once(const protocol::DaemonRequest& request, const std
       request);
 }
 
-// Posts a task to the worker. The task answers the sender itself; if the worker has no room for it, post() does.
+// Posts a task to the worker. The task answers the sender itself; if the worker has no room for it, or memory does not
+// suffice, post() does.
 void OscServer::post(Worker::Task task, const std::string& address, Peer from) {
-  if (parts_.worker.post(std::move(task))) return;
+  const bool posted = parts_.worker.post([task = std::move(task), ports = ports_, address, from] {
+    const auto done = within_memory("carry it out", [&task]() -> Result<void> {
+      task();
+      return {};
+    });
+    if (!done) answer(*ports, from, Fail{address, address + ": " + done.error().message});
+  });
+  if (posted) return;
   answer(*ports_, from, Fail{address, address + ": too many requests are waiting; send fewer at once"});
 }
 

@@ -150,5 +150,5 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--no-load", options.no_load, "The daemon has the scene's objects already");
   if (const auto ended = manual::parse(app, argc, argv)) return static_cast<int>(*ended);
-  return static_cast<int>(run(options));
+  return protocol::exit_status([&] { return run(options); });
 }

@@ -7,7 +7,6 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
-#include <new>
 #include <thread>
 #include <unistd.h>
 
@@ -68,11 +67,7 @@ protocol::ExitCode run_cancellable(const std::function<protocol::ExitCode(std::s
   std::atomic<bool> done = false;
   ExitCode exit_code = ExitCode::ok;
   std::jthread worker([&](std::stop_token stop) {
-    try {
-      exit_code = work(stop);
-    } catch (const std::bad_alloc&) {
-      exit_code = protocol::complain({ErrorKind::no_memory, "there is not enough memory for this"});
-    }
+    exit_code = static_cast<ExitCode>(protocol::exit_status([&] { return work(stop); }));
     done = true;
   });
   bool cancelled = false;

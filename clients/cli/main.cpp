@@ -81,5 +81,5 @@ int main(int argc, char** argv) {
   add_strike_verb(app, outcome);
   add_send_verb(app, outcome);
   add_protocol_verb(app, outcome);
-  return static_cast<int>(manual::parse(app, argc, argv, kSections).value_or(outcome));
+  return protocol::exit_status([&] { return manual::parse(app, argc, argv, kSections).value_or(outcome); });
 }

@@ -138,5 +138,6 @@ int main(int argc, char** argv) {
   }
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { interrupted = true; });
   const Pane only = arguments.only == "scene" ? Pane::scene : arguments.only == "sound" ? Pane::sound : Pane::any;
-  return static_cast<int>(arguments.screenshot.empty() ? show(arguments, only) : screenshot(arguments, only));
+  return protocol::exit_status(
+      [&] { return arguments.screenshot.empty() ? show(arguments, only) : screenshot(arguments, only); });
 }

@@ -1,5 +1,7 @@
 #include "engine/base/atomic_file.h"
 
+#include "engine/base/within_memory.h"
+
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
@@ -77,7 +79,10 @@ Result<std::string> read_open_file(int descriptor, const std::string& name, std:
     outcome = fail(ErrorKind::too_large, "cannot read " + name + ": " + std::to_string(status.st_size) +
                                              " bytes is more than the limit of " + std::to_string(limit_bytes));
   } else {
-    text.resize(static_cast<std::size_t>(status.st_size));
+    outcome = within_memory("read " + name, [&]() -> Result<void> {
+      text.resize(static_cast<std::size_t>(status.st_size));
+      return {};
+    });
     std::size_t filled = 0;
     while (filled < text.size()) {
       const ssize_t got = ::read(descriptor, text.data() + filled, text.size() - filled);

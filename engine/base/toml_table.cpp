@@ -4,6 +4,7 @@
 #include "engine/base/quote.h"
 #include "engine/base/range.h"
 #include "engine/base/version.h"
+#include "engine/base/within_memory.h"
 
 // toml++ (3.3 and 3.4) promises its compiler two things that do not hold. One is that "[" is followed by the beginning
 // of a key: it asserts that, and assumes it where NDEBUG is set, before it has looked. The other is that its tables of
@@ -149,13 +150,15 @@ Result<TomlTable> TomlTable::parse(std::string_view text, const std::filesystem:
                                           ": not TOML: a character beyond ASCII stands outside quotes and comments, or "
                                           "after a backslash that ends a line");
   }
-  toml::parse_result file = toml::parse(text);
-  if (!file) {
+  auto parsed = within_memory("read " + path.string(), [&]() -> Result<std::shared_ptr<Document>> {
+    toml::parse_result file = toml::parse(text);
+    if (file) return std::make_shared<Document>(Document{path.string(), std::move(file).table()});
     const toml::parse_error& error = file.error();
     return fail(ErrorKind::bad_input, path.string() + ":" + std::to_string(error.source().begin.line) +
                                           ": not TOML: " + std::string(error.description()));
-  }
-  auto document = std::make_shared<Document>(Document{path.string(), std::move(file).table()});
+  });
+  if (!parsed) return fail(parsed.error());
+  std::shared_ptr<Document> document = *std::move(parsed);
   OpenTable& root = document->open(document->root, "");
   TomlTable table(std::move(document), root);
   std::uint64_t version = kTextFileVersion;

@@ -3,6 +3,7 @@
 #include "engine/base/atomic_file.h"
 #include "engine/base/output_file.h"
 #include "engine/base/version.h"
+#include "engine/base/within_memory.h"
 #include "engine/modal/glb.h"
 #include "engine/modal/material_scale.h"
 
@@ -301,9 +302,7 @@ Json provenance_json(const Provenance& provenance) {
   return json;
 }
 
-}  // namespace
-
-Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& name) {
+Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name) {
   const auto glb = parse_glb(bytes, name);
   if (!glb) return fail(glb.error());
   const Field extension = glb->root()["extensions"][kExtension];
@@ -339,6 +338,12 @@ Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& nam
     if (const auto scaled = scale_size(bank, instance->scale, name); !scaled) return fail(scaled.error());
   }
   return bank;
+}
+
+}  // namespace
+
+Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& name) {
+  return within_memory("read " + name, [&] { return bank_in(bytes, name); });
 }
 
 Result<Bank> read_bank(const std::filesystem::path& path) {

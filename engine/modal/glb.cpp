@@ -1,5 +1,7 @@
 #include "engine/modal/glb.h"
 
+#include "engine/base/within_memory.h"
+
 #include <bit>
 #include <algorithm>
 #include <array>
@@ -155,6 +157,49 @@ Result<Elements> locate(const Glb& glb, const Field& reference, std::size_t widt
   return elements;
 }
 
+// Counts the values of a JSON text and keeps none of them; stops the parser at the first beyond the limit. The names of
+// its functions are the parser's.
+class JsonCounter {
+ public:
+  [[nodiscard]] bool too_many() const { return values_ > kMaxJsonValues; }
+
+  bool null() { return count(); }
+  bool boolean(bool) { return count(); }
+  bool number_integer(Json::number_integer_t) { return count(); }
+  bool number_unsigned(Json::number_unsigned_t) { return count(); }
+  bool number_float(Json::number_float_t, const Json::string_t&) { return count(); }
+  bool string(Json::string_t&) { return count(); }
+  bool binary(Json::binary_t&) { return count(); }
+  bool start_object(std::size_t) { return count(); }
+  bool start_array(std::size_t) { return count(); }
+  bool key(Json::string_t&) { return true; }
+  bool end_object() { return true; }
+  bool end_array() { return true; }
+  bool parse_error(std::size_t, const std::string&, const Json::exception&) { return false; }
+
+ private:
+  bool count() { return ++values_ <= kMaxJsonValues; }
+
+  std::size_t values_ = 0;
+};
+
+// A value takes some 20 times its text in memory, so all of them are counted before the first is kept.
+Result<Json> parse_json(std::string_view text, const std::string& name) {
+  const auto too_large = [&name](std::size_t limit, const std::string& of_what) {
+    return fail(ErrorKind::too_large, name + ": its JSON text has more than " + std::to_string(limit) + " " + of_what +
+                                          "; long lists of numbers belong in the binary chunk");
+  };
+  if (text.size() > kMaxJsonBytes) return too_large(kMaxJsonBytes, "bytes");
+  return within_memory("read " + name, [&]() -> Result<Json> {
+    JsonCounter counter;
+    const bool sound = Json::sax_parse(text, &counter);
+    if (counter.too_many()) return too_large(kMaxJsonValues, "values");
+    Json json = sound ? Json::parse(text, nullptr, /*allow_exceptions=*/false) : Json();
+    if (!json.is_object()) return fail(ErrorKind::bad_input, name + ": its JSON text is malformed");
+    return json;
+  });
+}
+
 Json accessor_json(std::size_t component_type, std::size_t count, std::size_t width) {
   return {{"componentType", component_type}, {"count", count}, {"type", width == 1 ? "SCALAR" : "VEC3"}};
 }
@@ -234,11 +279,9 @@ Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name)
   if (word_at(bytes, 16) != kJsonChunk || json_size > bytes.size() - 20) {
     return fail(ErrorKind::bad_input, name + ": the first chunk must be the JSON text and end inside the file");
   }
-  Glb glb{.name = name};
-  const auto* text = reinterpret_cast<const char*>(bytes.data()) + 20;
-  glb.json = Json::parse(text, text + json_size, nullptr, /*allow_exceptions=*/false);
-  if (!glb.json.is_object()) return fail(ErrorKind::bad_input, name + ": its JSON text is malformed");
-
+  auto json = parse_json({reinterpret_cast<const char*>(bytes.data()) + 20, json_size}, name);
+  if (!json) return fail(json.error());
+  Glb glb{.json = *std::move(json), .name = name};
   const auto rest = bytes.subspan(20 + json_size);
   if (rest.size() >= 8) {
     if (word_at(rest, 4) != kBinaryChunk || word_at(rest, 0) > rest.size() - 8) {

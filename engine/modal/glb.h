@@ -53,6 +53,10 @@ struct Glb {
   [[nodiscard]] Field root() const { return {&json, name + ": "}; }
 };
 
+// What a JSON text may hold. Our own has some 33,000 values at most: two for each of 16,384 modes.
+inline constexpr std::size_t kMaxJsonBytes = std::size_t{1} << 24;
+inline constexpr std::size_t kMaxJsonValues = std::size_t{1} << 18;
+
 // `name` stands in error messages where the path would.
 Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name);
 

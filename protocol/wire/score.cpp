@@ -1,6 +1,7 @@
 #include "protocol/wire/score.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/base/within_memory.h"
 #include "protocol/wire/codec.h"
 
 #include <algorithm>
@@ -69,7 +70,8 @@ Result<std::vector<ScoreEvent>> parse_score(std::span<const std::byte> bytes, co
 Result<std::vector<ScoreEvent>> read_score(const std::filesystem::path& path) {
   const Result<std::string> bytes = read_whole_file(path, kMaxScoreBytes);
   if (!bytes) return fail(bytes.error());
-  return parse_score(std::as_bytes(std::span(*bytes)), path.string());
+  return within_memory("read " + path.string(),
+                       [&] { return parse_score(std::as_bytes(std::span(*bytes)), path.string()); });
 }
 
 std::vector<std::byte> encode_score(std::span<const ScoreEvent> events) {

@@ -1,5 +1,6 @@
 #include "server/session/bank_reader.h"
 
+#include "engine/base/within_memory.h"
 #include "engine/modal/bank_file.h"
 
 #include <span>
@@ -27,10 +28,12 @@ Result<BankFile> BankReader::read(const std::filesystem::path& path) {
   if (!bytes) return fail(bytes.error());
   auto bank = modal::parse_bank(std::as_bytes(std::span(*bytes)), path.string());
   if (!bank) return fail(bank.error());
-  auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(*bank)));
-  const ContentHash content = hash_of(*bytes);
-  known_[key] = {map, bytes->size(), content};
-  return BankFile{std::move(map), bytes->size(), content};
+  return within_memory("play " + path.string(), [&]() -> Result<BankFile> {
+    auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(*bank)));
+    const ContentHash content = hash_of(*bytes);
+    known_[key] = {map, bytes->size(), content};
+    return BankFile{std::move(map), bytes->size(), content};
+  });
 }
 
 void BankReader::forget_unused() {

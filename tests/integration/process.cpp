@@ -69,6 +69,16 @@ std::optional<int> Process::wait(std::chrono::milliseconds limit) {
   return exit_code_;
 }
 
+long Process::memory_kb(const std::string& key) const {
+  std::ifstream lines("/proc/" + std::to_string(id_) + "/status");
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with(key)) return std::stol(line.substr(key.size()));
+  }
+  return 0;
+}
+
+void Process::forget_peak() const { std::ofstream("/proc/" + std::to_string(id_) + "/clear_refs") << "5"; }
+
 std::string Process::output() const {
   std::ostringstream text;
   text << std::ifstream(output_).rdbuf();

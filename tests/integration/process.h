@@ -31,6 +31,10 @@ class Process {
   // Its exit code (128 + signal if one ended it), or nothing when it still runs after `limit`.
   std::optional<int> wait(std::chrono::milliseconds limit = kPatience);
 
+  // A line of /proc/PID/status, such as "VmRSS:" or "VmHWM:", the peak; 0 when the process has ended.
+  [[nodiscard]] long memory_kb(const std::string& key) const;
+  void forget_peak() const;  // VmHWM starts anew
+
   [[nodiscard]] std::string output() const;
   // Waits until the output holds `text`; false when the process ends or `limit` passes first.
   bool wait_for_output(const std::string& text, std::chrono::milliseconds limit = kPatience);

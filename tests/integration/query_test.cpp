@@ -10,7 +10,6 @@
 #include <array>
 #include <atomic>
 #include <deque>
-#include <fstream>
 #include <memory>
 #include <thread>
 
@@ -27,16 +26,17 @@ class QueriedDaemon {
     const std::string output = daemon_.process().output(), announcement = "OSCQuery on http://127.0.0.1:";
     port_ = static_cast<std::uint16_t>(std::stoi(output.substr(output.find(announcement) + announcement.size())));
     EXPECT_TRUE(answers());  // what the first answer needs is there
-    std::ofstream("/proc/" + std::to_string(daemon_.process().id()) + "/clear_refs") << "5";  // VmHWM starts anew
-    before_kb_ = memory_kb("VmRSS:");
+    daemon_.process().forget_peak();
+    before_kb_ = daemon_.process().memory_kb("VmRSS:");
   }
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] bool answers() const { return http_get(port_, "/?HOST_INFO").status == 200; }
   [[nodiscard]] testing::AssertionResult kept_its_memory() {
-    const long growth_kb = memory_kb("VmHWM:") - before_kb_;
-    if (before_kb_ > 0 && growth_kb <= kMayGrow_kb) return testing::AssertionSuccess();
-    return testing::AssertionFailure() << "it grew by " << growth_kb << " kB\n" << daemon_.process().output();
+    const long peak_kb = daemon_.process().memory_kb("VmHWM:");
+    if (peak_kb > 0 && peak_kb - before_kb_ <= kMayGrow_kb) return testing::AssertionSuccess();
+    return testing::AssertionFailure() << "from " << before_kb_ << " kB to " << peak_kb << " kB (0: it has ended)\n"
+                                       << daemon_.process().output();
   }
 
  private:
@@ -44,16 +44,6 @@ class QueriedDaemon {
     std::vector<std::string> all = {"--settings", "none", "--driver", "null", "--query", "0"};
     all.insert(all.end(), options.begin(), options.end());
     return all;
-  }
-
-  // A line of /proc/PID/status; 0 when the process has ended.
-  [[nodiscard]] long memory_kb(const std::string& key) {
-    std::ifstream lines("/proc/" + std::to_string(daemon_.process().id()) + "/status");
-    for (std::string line; std::getline(lines, line);) {
-      if (line.starts_with(key)) return std::stol(line.substr(key.size()));
-    }
-    ADD_FAILURE() << "the daemon has ended:\n" << daemon_.process().output();
-    return 0;
   }
 
   Daemon daemon_;

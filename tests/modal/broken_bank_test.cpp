@@ -1,4 +1,5 @@
 // Broken files: each is refused with a sentence that names the field, without a crash and without a large allocation.
+#include "engine/modal/glb.h"
 #include "tests/modal/glb_editor.h"
 #include "tests/support/synthetic_bank.h"
 
@@ -263,12 +264,13 @@ TEST(BrokenContainer, ABankThatIsCutAnywhereIsRefused) {
   }
 }
 
-// A hostile text: a value nested a million deep where a number should stand must not exhaust the stack.
+// A hostile text: a value nested as deep as the number of values allows where a number should stand must not exhaust
+// the stack.
 TEST(BrokenContainer, DeepNestingIsRefusedWithoutACrash) {
   GlbParts parts(good_file());
   parts.model()["frequencies"] = "@";
   std::string text = parts.json.dump();
-  constexpr std::size_t kDepth = 1000000;
+  constexpr std::size_t kDepth = 250000;
   text.replace(text.find("\"@\""), 3, std::string(kDepth, '[') + std::string(kDepth, ']'));
   text.resize((text.size() + 3) / 4 * 4, ' ');
   std::string file = "glTF" + std::string(16, '\0') + text;
@@ -341,6 +343,37 @@ TEST(BrokenBytes, TwentyThousandRandomFlipsNeverCrashOrPassABadBank) { flip_at_r
 
 TEST(BrokenBytes, TwentyThousandRandomFlipsOfACompressedBankNeverCrashOrPassABadBank) {
   flip_at_random(good_file(Compression::meshopt));
+}
+
+std::size_t count_values(const Json& json) {
+  std::size_t count = 1;
+  if (json.is_structured()) {
+    for (const Json& value : json) count += count_values(value);
+  }
+  return count;
+}
+
+void expect_bank(bool fits, const GlbParts& parts, const std::string& refusal) {
+  const auto bank = parse(parts.join());
+  EXPECT_EQ(bank.has_value(), fits);
+  if (!bank) {
+    EXPECT_NE(bank.error().message.find(refusal), std::string::npos) << bank.error().message;
+  }
+}
+
+TEST(BrokenContainer, TheJsonTextMayHoldSoManyValuesAndBytesAndNoMore) {
+  GlbParts parts(good_file());
+  const std::size_t values = kMaxJsonValues - count_values(parts.json) - 1;  // the list is a value itself
+  for (const std::size_t more : {0, 1}) {
+    parts.json["extras"] = Json(values + more, 0);
+    expect_bank(more == 0, parts, "x.glb: its JSON text has more than 262144 values");
+  }
+  parts.json["extras"] = "";
+  const std::size_t characters = kMaxJsonBytes - parts.json.dump().size();
+  for (const std::size_t more : {0, 1}) {  // 1: the text is padded to a multiple of four
+    parts.json["extras"] = std::string(characters + more, 'a');
+    expect_bank(more == 0, parts, "x.glb: its JSON text has more than 16777216 bytes");
+  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "engine/base/object_name.h"
 #include "engine/base/toml_table.h"
 #include "engine/modal/bank_file.h"
+#include "engine/modal/glb.h"
 #include "engine/scene/ode_contact_joints.h"
 #include "engine/scene/lasting_events.h"
 #include "engine/scene/world.h"
@@ -51,6 +52,8 @@ const std::map<std::string, double> kConstants = {
     ROW(modal::kMaxModes),
     ROW(modal::kMaxPoints),
     ROW(modal::kMaxBankFileBytes),
+    ROW(modal::kMaxJsonBytes),
+    ROW(modal::kMaxJsonValues),
     ROW(scene::kMaxBodies),
     ROW(scene::kMaxStatics),
     ROW(scene::kMaxObjects),

@@ -169,4 +169,6 @@ ExitCode run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return static_cast<int>(run(argc, argv)); }
+int main(int argc, char** argv) {
+  return ringdown::protocol::exit_status([&] { return run(argc, argv); });
+}

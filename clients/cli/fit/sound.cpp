@@ -1,12 +1,32 @@
 #include "clients/cli/fit/sound.h"
 
+#include "engine/base/within_memory.h"
 #include "server/session/offline.h"
 
 #include <sndfile.h>
 
 #include <memory>
+#include <vector>
 
 namespace ringdown::cli {
+namespace {
+
+// The mean of all channels, or one of them; `channel` counts from 1.
+std::vector<double> samples_of(SNDFILE* file, int channels, std::optional<int> channel) {
+  constexpr sf_count_t kBlock = 4096;
+  std::vector<double> samples, frames(static_cast<std::size_t>(kBlock * channels));
+  for (sf_count_t count; (count = sf_readf_double(file, frames.data(), kBlock)) > 0;) {
+    for (sf_count_t n = 0; n < count; ++n) {
+      const double* frame = frames.data() + n * channels;
+      double sum = 0;
+      for (int c = 0; c < channels; ++c) sum += frame[c];
+      samples.push_back(channel ? frame[*channel - 1] : sum / channels);
+    }
+  }
+  return samples;
+}
+
+}  // namespace
 
 Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> channel) {
   std::error_code error;
@@ -28,18 +48,9 @@ Result<Sound> read_sound(const std::filesystem::path& path, std::optional<int> c
     return fail(ErrorKind::bad_input,
                 path.string() + " is empty or longer than ten minutes; cut out the one blow that matters");
   }
-  Sound sound{static_cast<double>(info.samplerate), info.channels, {}};
-  constexpr sf_count_t kBlock = 4096;
-  std::vector<double> frames(static_cast<std::size_t>(kBlock * info.channels));
-  for (sf_count_t count; (count = sf_readf_double(file.get(), frames.data(), kBlock)) > 0;) {
-    for (sf_count_t n = 0; n < count; ++n) {
-      const double* frame = frames.data() + n * info.channels;
-      double sum = 0;
-      for (int c = 0; c < info.channels; ++c) sum += frame[c];
-      sound.samples.push_back(channel ? frame[*channel - 1] : sum / info.channels);
-    }
-  }
-  return sound;
+  return within_memory("read " + path.string(), [&]() -> Result<Sound> {
+    return Sound{static_cast<double>(info.samplerate), info.channels, samples_of(file.get(), info.channels, channel)};
+  });
 }
 
 Result<void> write_sound(std::span<const double> samples, double sample_rate_hz, const std::filesystem::path& path,
