@@ -29,6 +29,7 @@ void settings(Bytes file);
 void options(Bytes words);  // of ringdownd's command line, one in a line
 void nsm(Bytes datagram);   // a session manager's
 void midi(Bytes messages);  // each after a byte with its length, and what they strike
+void http(Bytes request);   // OSCQuery, by a socket to a server of its own
 
 void expect(bool holds, const char* what);
 
@@ -37,10 +38,10 @@ struct Target {
   void (*feed)(Bytes);
 };
 // A row for each; ./run fuzz takes the names from here.
-inline constexpr Target kTargets[] = {{"osc", osc},      {"slip", slip},   {"score", score},       {"bank", bank},
-                                      {"mesh", mesh},    {"scene", scene}, {"material", material}, {"object", object},
-                                      {"notes", notes},  {"state", state}, {"settings", settings}, {"options", options},
-                                      {"nsm", nsm},      {"midi", midi},   {"geo", geo},           {"answer", answer},
-                                      {"reader", reader}};
+inline constexpr Target kTargets[] = {
+    {"osc", osc},           {"slip", slip},         {"score", score},   {"bank", bank},   {"mesh", mesh},
+    {"scene", scene},       {"material", material}, {"object", object}, {"notes", notes}, {"state", state},
+    {"settings", settings}, {"options", options},   {"nsm", nsm},       {"midi", midi},   {"geo", geo},
+    {"answer", answer},     {"reader", reader},     {"http", http}};
 
 }  // namespace ringdown::fuzz

@@ -7,10 +7,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <deque>
 #include <memory>
+#include <random>
 #include <thread>
 
 namespace ringdown::test {
@@ -95,6 +97,36 @@ TEST(Query, ARequestWithTooLongALineHeaderOrBodyIsRefused) {
 }
 
 // Each sends a byte now and then and comes back when it is cut off, so that none of them is merely silent.
+TEST(Query, TenThousandMutatedRequestsCostNoMemory) {
+  QueriedDaemon daemon;
+  std::mt19937 random(7);
+  const std::string good =
+      "GET /object?CONTENTS HTTP/1.1\r\nHost: x\r\nRange: bytes=0-4\r\nContent-Length: 0\r\n\r\n"
+      "HEAD / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n1\r\na\r\n0\r\n\r\n";
+  for (int i = 0; i < 10000; ++i) {
+    std::string request = good;
+    for (auto changes = 1 + random() % 4; changes > 0; --changes) {
+      const std::size_t at = random() % request.size(), count = random() % (request.size() - at);
+      switch (random() % 3) {
+        case 0:
+          request[at] = static_cast<char>(random());
+          break;
+        case 1:
+          request.insert(at, request.substr(at, count));
+          break;
+        default:
+          request.erase(at, std::min(count, request.size() - 1));
+      }
+    }
+    HttpConnection connection(daemon.port(), INADDR_LOOPBACK + static_cast<std::uint32_t>(i));
+    connection.send(request);
+    if (i % 64 == 0) {
+      EXPECT_TRUE(daemon.answers());
+    }
+  }
+  EXPECT_TRUE(daemon.kept_its_memory());
+}
+
 TEST(Query, ClientsThatNeverEndTheirRequestsBlockNoQuery) {
   QueriedDaemon daemon;
   std::atomic<int> rounds = 0;

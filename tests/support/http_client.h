@@ -2,6 +2,7 @@
 #pragma once
 
 #include <arpa/inet.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -52,7 +53,13 @@ class HttpConnection {
     }
     return open_;
   }
-  void end() { ::shutdown(socket_, SHUT_WR); }  // no more will be sent
+  // No more will be sent. Waits a moment for an answer first: libmicrohttpd notices an end that comes together with the
+  // last bytes only when the silence has lasted too long.
+  void end() {
+    pollfd answer{socket_, POLLIN, 0};
+    ::poll(&answer, 1, 2);
+    ::shutdown(socket_, SHUT_WR);
+  }
 
   // Everything until the server closes the connection.
   [[nodiscard]] std::string receive() {
