@@ -41,6 +41,7 @@ struct StatusReply {  // /status.reply
   std::int32_t hidden_modes = 0;
   std::int32_t shed = 0;
   double slowed_s = 0;
+  double skipped_s = 0;
   bool recording = false;
   double captured_s = 0;
   std::optional<std::string> capture;  // the file; absent: nothing is being captured

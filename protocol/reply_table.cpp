@@ -43,6 +43,8 @@ std::vector<Row<Reply>> make_reply_rows() {
              integer<&StatusReply::shed>("shed", kCount,
                                          "Chunks in which something was left out or late for lack of time."),
              number<&StatusReply::slowed_s>("slowed", kLost, "Time that the scene lost because it could not keep up."),
+             number<&StatusReply::skipped_s>("skipped", kLost,
+                                             "Sound that was never made, because the audio server went on without us."),
              other<ValueType::flag, &StatusReply::recording>("recording", "1 while a score is recorded."),
              number<&StatusReply::captured_s>("captured", kDuration, "Length of the sound file so far."),
              optional(other<ValueType::any_text, &StatusReply::capture>("capture",

@@ -33,6 +33,7 @@ class Driver {
     std::int32_t misses = 0;     // callbacks that took longer than their period
     std::int32_t xruns = 0;      // cycles that the audio server found late
     std::int32_t own_xruns = 0;  // late cycles in which our callback was late
+    double skipped_s = 0;        // sound that was never made, because the audio server went on without us
   };
 
   // What a driver plays.
@@ -65,7 +66,8 @@ class Driver {
   // Tells the driver that the program's buses(), inputs() or notes() have changed. [any but audio]
   virtual void program_changed() {}
 
-  // The mixer's frame that is being computed at this instant. [any but audio]
+  // The mixer's frame that is being computed at this instant; while the audio server does not call, at most a block
+  // more than has been rendered. [any but audio]
   [[nodiscard]] virtual synth::Frame now() const = 0;
 
   // True while blocks come as fast as they are rendered: now() then runs ahead of the clock. [any]

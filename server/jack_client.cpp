@@ -206,13 +206,15 @@ Result<void> JackClient::start(const Driver::Program& program) {
 }
 
 // JACK counts 32 bits of frames since its server started; the mixer counts 64 since it was made. `offset_` is their
-// difference modulo 2^32, renewed in every callback because an xrun moves JACK's count but not ours.
+// difference modulo 2^32, renewed in every callback because an xrun moves JACK's count but not ours. JACK's count also
+// goes on while no callback comes; ours is then held back, or the scene would run ahead of the sound.
 synth::Frame JackClient::now() const {
   const synth::Frame rendered = program_->mixer.counters().frames.load(std::memory_order_acquire);
   const std::int64_t offset = offset_.load(std::memory_order_relaxed);
   if (offset == kUnknown || freewheels_) return rendered;
   const auto low = static_cast<std::uint32_t>(jack_frame_time(client_)) - static_cast<std::uint32_t>(offset);
-  return rendered + static_cast<std::int32_t>(low - static_cast<std::uint32_t>(rendered));
+  const auto ahead = static_cast<std::int32_t>(low - static_cast<std::uint32_t>(rendered));
+  return rendered + std::min(ahead, static_cast<std::int32_t>(block_frames()));
 }
 
 void JackClient::process(std::uint32_t frames) RINGDOWN_REALTIME {
@@ -220,6 +222,7 @@ void JackClient::process(std::uint32_t frames) RINGDOWN_REALTIME {
     render(frames, true);
   } else {
     write_silence(frames);
+    next_start_ = kUnknown;
   }
   gate_.leave();
 }
@@ -239,7 +242,13 @@ void JackClient::render(std::uint32_t frames, bool deadline) RINGDOWN_REALTIME {
   synth::Mixer& mixer = program_->mixer;
   const synth::Frame rendered = mixer.counters().frames.load(std::memory_order_relaxed);
   meter_->begin(frames, mixer.sample_rate_hz());
-  offset_.store(block_start(client_) - static_cast<std::uint32_t>(rendered), std::memory_order_relaxed);
+  const std::uint32_t start = block_start(client_);
+  if (deadline && next_start_ != kUnknown) {
+    const auto skipped = static_cast<std::int32_t>(start - static_cast<std::uint32_t>(next_start_));
+    if (skipped > 0) meter_->note_skipped(skipped / mixer.sample_rate_hz());
+  }
+  next_start_ = deadline ? static_cast<std::int64_t>(start + frames) : kUnknown;
+  offset_.store(start - static_cast<std::uint32_t>(rendered), std::memory_order_relaxed);
   play_notes(frames, rendered);
   synth::Outputs outputs;
   for (synth::ChannelSet rest = listened_.load(); rest != 0; rest &= rest - 1) {

@@ -119,6 +119,7 @@ class JackClient {
   std::atomic<std::uint32_t> fed_ = 0;                                 // those of them that are connected
   std::atomic<synth::ChannelSet> listened_ = 0;                        // those of them that are connected
   std::atomic<std::int64_t> offset_ = kUnknown;                        // 32 bits once it is known
+  std::int64_t next_start_ = kUnknown;  // audio thread: where JACK's next block begins, by its count of 32 bits
   std::atomic<bool> lost_ = false, freewheels_ = false;
 };
 

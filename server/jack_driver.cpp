@@ -188,8 +188,11 @@ class JackDriver final : public Driver {
     }
     const auto late = load.own_xruns - reported_own_;
     if (late == 0 || Clock::now() - reported_at_ < 10s) return;
-    spdlog::warn("{} of our making; the callback's load is {:.2f}, its 99th percentile {:.2f}, its peak {:.2f}",
-                 late == 1 ? "an xrun" : std::to_string(late) + " xruns", load.mean, load.p99, load.peak);
+    spdlog::warn(
+        "{} of our making, {:.2f} s of sound skipped so far; the callback's load is {:.2f}, its 99th percentile "
+        "{:.2f}, "
+        "its peak {:.2f}",
+        late == 1 ? "an xrun" : std::to_string(late) + " xruns", load.skipped_s, load.mean, load.p99, load.peak);
     reported_own_ = load.own_xruns;
     reported_at_ = Clock::now();
   }

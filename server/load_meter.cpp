@@ -47,6 +47,10 @@ void LoadMeter::note_xrun() {
   if (late_now || misses > known) own_xruns_.fetch_add(1, std::memory_order_relaxed);
 }
 
+void LoadMeter::note_skipped(double seconds) RINGDOWN_REALTIME {
+  skipped_s_.store(skipped_s_.load(std::memory_order_relaxed) + seconds, std::memory_order_relaxed);
+}
+
 Driver::Load LoadMeter::read() const {
   std::array<std::uint64_t, kBins> counts{};
   std::uint64_t all = 0;
@@ -67,7 +71,8 @@ Driver::Load LoadMeter::read() const {
           .peak = peak,
           .misses = misses_.load(std::memory_order_relaxed),
           .xruns = xruns_.load(std::memory_order_relaxed),
-          .own_xruns = own_xruns_.load(std::memory_order_relaxed)};
+          .own_xruns = own_xruns_.load(std::memory_order_relaxed),
+          .skipped_s = skipped_s_.load(std::memory_order_relaxed)};
 }
 
 }  // namespace ringdown::server

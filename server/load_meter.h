@@ -32,6 +32,9 @@ class LoadMeter {
   // its period since the last call, or is doing so now. [any]
   void note_xrun();
 
+  // Counts time for which the server did not let us render. [audio]
+  void note_skipped(double seconds) RINGDOWN_REALTIME;
+
   [[nodiscard]] Driver::Load read() const;  // [any]
 
  private:
@@ -48,6 +51,7 @@ class LoadMeter {
   std::atomic<Clock::rep> due_ = Clock::duration::max().count();  // when the callback that runs should end
   Clock::time_point begin_;
   std::atomic<std::int32_t> misses_ = 0, xruns_ = 0, own_xruns_ = 0, misses_at_xrun_ = 0;
+  std::atomic<double> skipped_s_ = 0;
 };
 
 }  // namespace ringdown::server

@@ -363,6 +363,7 @@ protocol::StatusReply OscServer::status() const {
           .hidden_modes = whole(mixer.muted_modes.load()),
           .shed = whole(mixer.shed.load()),
           .slowed_s = parts_.session.scene().slowed_s(),
+          .skipped_s = load.skipped_s,
           .recording = parts_.recorder && parts_.recorder->records(),
           .captured_s = captured ? captured->seconds : 0,
           .capture = captured ? std::optional(captured->path) : std::nullopt};

@@ -39,6 +39,7 @@ class JackServer {
   JackServer& operator=(const JackServer&) = delete;
   ~JackServer();
   void stop(int signal = SIGTERM);  // and waits for its end
+  void send_signal(int signal) const { server_->send_signal(signal); }
   void start(int sample_rate_hz, int period_frames);
 
   [[nodiscard]] static std::string name() { return "ringdown-test"; }

@@ -106,12 +106,12 @@ TEST(Schema, AnUnknownAddressSuggestsTheNearestOne) {
 }
 
 TEST(Schema, RepliesRoundTripInTypesPureDataKnows) {
-  const StatusReply status{4,  1,     220, 6,  48000, 256, 0.25, 0.5,  7,   8,         9,
-                           10, 0.375, 11,  12, 13,    14,  0.5,  true, 1.5, "take.wav"};
+  const StatusReply status{4,  1,     220, 6,  48000, 256, 0.25, 0.5, 7,    8,   9,
+                           10, 0.375, 11,  12, 13,    14,  0.5,  2.5, true, 1.5, "take.wav"};
   const wire::Message message = format(Reply(status));
   EXPECT_EQ(message,
-            (wire::Message{"/status.reply", {4,  1,      220, 6,  48000.f, 256, 0.25f, 0.5f, 7,    8,         9,
-                                             10, 0.375f, 11,  12, 13,      14,  0.5f,  1,    1.5f, "take.wav"}}));
+            (wire::Message{"/status.reply", {4,  1,      220, 6,  48000.f, 256, 0.25f, 0.5f, 7, 8,    9,
+                                             10, 0.375f, 11,  12, 13,      14,  0.5f,  2.5f, 1, 1.5f, "take.wav"}}));
   for (const Reply& reply :
        {Reply(Done{"/load", 3}),
         Reply(Done{"/quit", std::nullopt}),
@@ -127,7 +127,8 @@ TEST(Schema, RepliesRoundTripInTypesPureDataKnows) {
         Reply(NotifyPeak{2}),
         Reply(NotifyObjectPeak{"bell", 0.5}),
         Reply(NotifyLoad{0.5, 0.75, 1, 2, 3}),
-        Reply(ObjectReply{3, "bell", 2, 100, "00ff", "a.glb", 9, 1, 4, {1, 2, 3, 4, 5}, 0.5, -0.25, "metal"}),
+        Reply(ObjectReply{
+            3, "bell", 2, 100, "00ff", "a.glb", 9, 1, 4, {1, 2, 3, 4, 5}, 0.5, -0.25, false, false, "metal"}),
         Reply(ObjectReply{}),
         Reply(BankReply{"bell", 1, 2, 3, wire::Blob(5)}),
         Reply(SceneReply{1, 2, 3, 4, {5, 6, 7}, {8, 9, 10}, 50, "s.toml"}),
