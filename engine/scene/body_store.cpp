@@ -83,8 +83,7 @@ Result<std::map<BodyId, Solid>> BodyStore::solids_of(const SoundingObject& objec
   for (const auto& [id, body] : bodies_) {
     if (body.description.object != object.name) continue;
     Result<Solid> solid = make_solid(body.description, object.bank.get(), scale_of(object.name));
-    if (!solid)
-      return fail(solid.error().kind, "body " + quote(body.description.name) + ": " + solid.error().message);
+    if (!solid) return fail(solid.error().kind, "body " + quote(body.description.name) + ": " + solid.error().message);
     solids.emplace(id, std::move(*solid));
   }
   return solids;

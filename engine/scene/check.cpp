@@ -74,8 +74,7 @@ Result<void> check_all(const Things& things, std::string_view kind, std::size_t 
 
 Result<void> check_object(const BodyDescription& body, const SceneDescription& scene) {
   if (body.object.empty() || std::ranges::count(scene.objects, body.object, &ObjectDescription::name)) return {};
-  return fail(ErrorKind::bad_input,
-              "body " + quote(body.name) + ": the scene has no object " + quote(body.object));
+  return fail(ErrorKind::bad_input, "body " + quote(body.name) + ": the scene has no object " + quote(body.object));
 }
 
 Result<void> check_world(const SceneDescription& scene) {

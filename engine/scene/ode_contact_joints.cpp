@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace ringdown::scene {
@@ -169,6 +170,13 @@ void set_friction_direction(dContact& contact, const Motion& of_body, const Moti
 
 }  // namespace
 
+struct ContactJoints::Joint {
+  dContact contact;
+  dxBody *body, *other;
+  double friction;  // coefficient
+  bool bounces;     // between bodies of which none is a sphere
+};
+
 struct ContactJoints::Feedback {
   std::array<dContactGeom, kMaxContactsFound> found{};  // of one pair of geometries
   std::vector<dJointFeedback> joints{kMaxContactsPerStep};
@@ -197,6 +205,7 @@ void ContactJoints::begin_part(double found_s, double part_s) {
   found_s_ = found_s;
   part_s_ = part_s;
   part_begin_ = points_.size();
+  bounds_n_.clear();
   dropped_before_ = dropped_;
 }
 
@@ -262,15 +271,57 @@ void ContactJoints::add(Collider& body, Collider& other, const dContactGeom& geo
   contact.surface.bounce = landing.bounce;
   contact.surface.bounce_vel = bounce_threshold_m_s_;
   set_friction_direction(contact, of_body, of_other, approach);
-  dxJoint* joint = dJointCreateContact(world_, joints_.get(), &contact);
-  dJointAttach(joint, body.body.get(), other.body.get());
-  dJointSetFeedback(joint, &feedback_->joints[points_.size()]);
+  const bool bounces = approach_m_s > bounce_threshold_m_s_ && !body.round && !other.round;
+  made_.resize(points_.size());
+  made_.push_back({contact, body.body.get(), other.body.get(), surface.friction, bounces});
+  join(points_.size(), std::nullopt);
   impact_shares_[points_.size()] = landing.share;
   const double pushed_m_s = push_speed(geom.depth);
   const double leaves_m_s = approach_m_s > bounce_threshold_m_s_ ? landing.bounce * approach_m_s : 0;
   islands.unite(body, other, pushed_m_s > leaves_m_s ? pushed_m_s : 0);
   points_.push_back(
       {body.id, other.id, point, normal, geom.depth, {}, landing.approach_m_s, found_s_, of_body, of_other});
+}
+
+// Without a bound, ODE bounds friction by the impulse that the contact would have without friction. With one, `mu` is
+// taken for the largest force.
+void ContactJoints::join(std::size_t point, std::optional<double> bound_n) {
+  const Joint& made = made_[point];
+  dContact contact = made.contact;
+  if (bound_n) {
+    contact.surface.mode &= ~dContactApprox1;
+    contact.surface.mu = *bound_n;
+  }
+  dxJoint* joint = dJointCreateContact(world_, joints_.get(), &contact);
+  dJointAttach(joint, made.body, made.other);
+  dJointSetFeedback(joint, &feedback_->joints[point]);
+}
+
+bool ContactJoints::lands_aslant() const {
+  const auto part = std::span(made_).subspan(part_begin_);
+  return std::ranges::any_of(part, [](const Joint& made) { return made.bounces && made.friction > 0; });
+}
+
+double ContactJoints::bound_friction() {
+  const std::size_t count = points_.size() - part_begin_;
+  const bool first = bounds_n_.size() != count;
+  if (first) bounds_n_.assign(count, 0);
+  double largest = 0, change = 0;
+  dJointGroupEmpty(joints_.get());
+  for (std::size_t k = 0; k < count; ++k) {
+    const ContactPoint& point = points_[part_begin_ + k];
+    const double bound = made_[part_begin_ + k].friction * std::max(dot(point.impulse_ns, point.normal), 0.0) / part_s_;
+    largest = std::max(largest, bound);
+    change = std::max(change, std::abs(bound - bounds_n_[k]));
+    bounds_n_[k] = bound;
+    join(part_begin_ + k, bound);
+  }
+  return first ? 1 : change / std::max(largest, 1e-30);
+}
+
+void ContactJoints::free_friction() {
+  dJointGroupEmpty(joints_.get());
+  for (std::size_t k = part_begin_; k < points_.size(); ++k) join(k, std::nullopt);
 }
 
 void ContactJoints::read_impulses() {
@@ -281,6 +332,7 @@ void ContactJoints::read_impulses() {
 
 void ContactJoints::undo_part() {
   dJointGroupEmpty(joints_.get());
+  bounds_n_.clear();
   points_.resize(part_begin_);
   dropped_ = dropped_before_;
 }

@@ -17,6 +17,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -59,6 +60,16 @@ class ContactJoints {
   // Stores the solver's impulses in the part's contact points.
   void read_impulses();
 
+  // Whether a body lands in this part in such a way that friction may change the normal impulse: not on a sphere.
+  [[nodiscard]] bool lands_aslant() const;
+
+  // Makes all joints of the part anew, with friction bounded by the present impulses: their coefficient times the
+  // normal part. Returns by how much that changes the bounds, as a share of the largest one.
+  double bound_friction();
+
+  // Makes all joints of the part anew, as collide() made them.
+  void free_friction();
+
   void undo_part();
   void end_part();
 
@@ -68,9 +79,11 @@ class ContactJoints {
 
  private:
   struct Feedback;  // what ODE reports of each joint
+  struct Joint;     // what a joint is made of
   struct JointGroupDeleter {
     void operator()(dxJointGroup* joints) const;
   };
+  void join(std::size_t point, std::optional<double> bound_n);
   void add(Collider& body, Collider& other, const dContactGeom& geom, Islands& islands);
   [[nodiscard]] Landing land(const Collider& other, double restitution, double approach_m_s,
                              const dContactGeom& geom) const;
@@ -84,6 +97,8 @@ class ContactJoints {
   std::unique_ptr<Feedback> feedback_;
   std::vector<ContactPoint> points_;
   std::vector<double> impact_shares_;  // Landing::share of each contact point
+  std::vector<Joint> made_;            // of each contact point
+  std::vector<double> bounds_n_;       // of friction in the part, the last ones that bound_friction() has set
   std::size_t part_begin_ = 0, dropped_ = 0, dropped_before_ = 0;
   ContactLoads loads_;  // of the part before
 };

@@ -105,6 +105,7 @@ struct Simulation::State {
   void find_and_solve();
   void find_contacts();
   void solve();
+  void correct_friction();
   void restore();
   [[nodiscard]] double free_flight(double rest_s);
 
@@ -225,6 +226,7 @@ void Simulation::State::solve() {
   if (exact) {
     ode_warnings = 0;
     dWorldStep(world.get(), part_s);
+    if (ode_warnings == 0 && contacts.lands_aslant()) correct_friction();
     if (ode_warnings == 0) return;
     restore();
     exact = false;
@@ -233,6 +235,27 @@ void Simulation::State::solve() {
   dRandSetSeed(seed + parts);
   dWorldSetQuickStepNumIterations(world.get(), iterations(contacts.part_points().size()));
   dWorldQuickStep(world.get(), part_s);
+}
+
+// ODE bounds friction by the normal impulse that there would be without friction. Where a body lands on an edge,
+// friction turns the body and so changes that impulse: by 18 % in the worst case seen. The part is solved again with
+// the bounds that follow from the last solution, until they agree with the solution's own impulses. Where they do not
+// come to rest, at a very high friction, ODE's first solution stands.
+void Simulation::State::correct_friction() {
+  constexpr int kMaxRounds = 12;
+  constexpr double kAgree = 2e-3;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    contacts.read_impulses();
+    const double change = contacts.bound_friction();
+    if (change < kAgree) return;
+    restore();
+    dWorldStep(world.get(), part_s);
+    if (ode_warnings > 0) break;
+  }
+  ode_warnings = 0;
+  contacts.free_friction();
+  restore();
+  dWorldStep(world.get(), part_s);
 }
 
 void Simulation::State::restore() {
