@@ -97,7 +97,8 @@ std::jthread start_scene(session::Session& session, const Driver& driver) {
       const auto ahead = 2 * latency_frames(driver) + static_cast<synth::Frame>(0.01 * rate);
       const auto target = driver.now() + ahead;
       // In freewheel the driver advances the scene. freewheels() is asked after now(), because now() jumps then.
-      if (!driver.freewheels()) session.scene().advance_to(target, static_cast<synth::Frame>(0.25 * rate));
+      const auto slack = static_cast<synth::Frame>(0.25 * rate);
+      while (!driver.freewheels() && session.scene().step_towards(target, slack) && !stop.stop_requested()) continue;
       std::this_thread::sleep_for(2ms);
     }
   });

@@ -213,6 +213,10 @@ void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
   Collider* a = static_cast<Collider*>(dGeomGetData(first));
   Collider* b = static_cast<Collider*>(dGeomGetData(second));
   if (!a->awake() && !b->awake()) return;
+  if (points_.size() == kMaxContactsPerStep) {  // a thousand meshes in one place have half a million pairs
+    ++dropped_;
+    return;
+  }
   const std::span<dContactGeom> points = find_contacts(first, second, feedback_->found, part_s_);
   const bool swap = !a->movable();  // the first body of a joint must be one that moves
   Collider &body = swap ? *b : *a, &other = swap ? *a : *b;

@@ -75,7 +75,9 @@ class ContactJoints {
 
   [[nodiscard]] std::span<const ContactPoint> points() const { return points_; }  // of the step so far
   [[nodiscard]] std::span<const ContactPoint> part_points() const { return std::span(points_).subspan(part_begin_); }
-  [[nodiscard]] std::size_t dropped() const { return dropped_; }  // points of the step beyond kMaxContactsPerStep
+  [[nodiscard]] std::size_t dropped() const {
+    return dropped_;
+  }  // beyond kMaxContactsPerStep in the step: points, and whole pairs
 
  private:
   struct Feedback;  // what ODE reports of each joint

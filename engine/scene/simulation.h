@@ -54,8 +54,8 @@ class Simulation {
   // Whether all bodies sleep, so that a step would change nothing.
   [[nodiscard]] bool asleep() const;
 
-  // The number of contact points beyond kMaxContactsPerStep, which the last step ignored: such bodies sink into each
-  // other until other contacts end.
+  // The number of contact points, and of whole pairs of bodies, beyond kMaxContactsPerStep, which the last step
+  // ignored: such bodies sink into each other until other contacts end.
   [[nodiscard]] std::size_t dropped_contacts() const;
 
  private:

@@ -199,15 +199,25 @@ void ScenePlayer::object_freed(synth::ObjectNumber number) {
 }
 
 void ScenePlayer::advance_to(Frame frame, std::optional<Frame> slack) {
+  while (step_towards(frame, slack)) continue;
+}
+
+bool ScenePlayer::step_towards(Frame frame, std::optional<Frame> slack) {
   std::vector<scene::RestDamping> dampings;
+  bool more = false;
   {
     const std::scoped_lock lock(mutex_);
-    if (!world_) return;
-    if (playing_.paused || !needs_steps()) return delay(frame - reported_until());
+    if (!world_) return false;
+    if (playing_.paused || !needs_steps()) {
+      delay(frame - reported_until());
+      return false;
+    }
     if (slack) slow_down(frame - reported_until() - *slack);
-    while (reported_until() < frame && needs_steps()) pass_on(world_->step(), dampings);
+    if (reported_until() < frame) pass_on(world_->step(), dampings);
+    more = reported_until() < frame;
   }
   set_dampers(dampings);
+  return more;
 }
 
 bool ScenePlayer::needs_steps() const {

@@ -29,6 +29,20 @@
 
 namespace ringdown::session {
 
+// A mutex that is given to those who wait in their order: a thread that lets go of it and wants it again at once does
+// not pass the others.
+class FairMutex {
+ public:
+  void lock() {
+    const std::scoped_lock door(door_);
+    mutex_.lock();
+  }
+  void unlock() { mutex_.unlock(); }
+
+ private:
+  std::mutex door_, mutex_;
+};
+
 class ScenePlayer {
  public:
   // Takes the report of one step: its events, and what has begun or ceased to rest on objects. Returns how many of
@@ -70,6 +84,10 @@ class ScenePlayer {
   // the world always catches up. A paused scene is not stepped, and neither is a scene in which nothing can sound and
   // that nobody watches; its time stands still. [scene]
   void advance_to(synth::Frame frame, std::optional<synth::Frame> slack);
+
+  // Takes one step of advance_to(). False when no more are needed. Between two steps requests have their turn, so that
+  // what is slow to step can be cleared. [scene]
+  bool step_towards(synth::Frame frame, std::optional<synth::Frame> slack);
 
   // Changes the sample rate of the scene and of the rack. Events to come stay as many seconds ahead as they were.
   // [any thread, while nothing is rendered]
@@ -136,7 +154,7 @@ class ScenePlayer {
   const FileRoots& roots_;
   Sink sink_;
   Post post_;
-  mutable std::mutex mutex_;  // guards all members below except the atomics
+  mutable FairMutex mutex_;  // guards all members below except the atomics
   std::optional<scene::World> world_;
   synth::Frame start_ = 0;  // the frame of scene time 0
   Playing playing_;

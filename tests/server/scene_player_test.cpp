@@ -9,6 +9,7 @@
 #include <fstream>
 #include <map>
 #include <string>
+#include <thread>
 
 namespace ringdown::session {
 namespace {
@@ -81,6 +82,17 @@ TEST_F(ScenePlayerTest, ASceneThatCannotKeepUpLosesTimeAndSaysHowMuch) {
   play(5);  // at once: all but the second of slack is lost
   EXPECT_NEAR(session_.scene().slowed_s(), 4, 0.05);
   EXPECT_NEAR(place(), before + 2 * 1, 0.1);
+}
+
+// An hour of steps is to be caught up with; the request has its turn after one of them.
+TEST_F(ScenePlayerTest, ARequestWaitsForOneStepAndNotForAllThatAreToBeCaughtUpWith) {
+  constexpr double kHour_s = 3600;
+  load(kSlider + kObject);
+  std::jthread scene([this] { session_.scene().advance_to(static_cast<synth::Frame>(48000 * kHour_s), std::nullopt); });
+  while (session_.scene().poses().time_s == 0) std::this_thread::yield();
+  ASSERT_TRUE(session_.scene().clear());
+  scene.join();
+  EXPECT_LT(session_.scene().poses().time_s, 0.9 * kHour_s);
 }
 
 TEST_F(ScenePlayerTest, ClearingASceneEndsTheContactsThatGoOn) {
