@@ -1,3 +1,4 @@
+#include "engine/synth/fade_out.h"
 #include "engine/synth/mixer.h"
 #include "server/session/midi_player.h"
 #include "tests/fuzz/targets.h"
@@ -44,6 +45,9 @@ void midi(Bytes messages) {
     if (at % 5 == 0) hear(mixer);
   }
   hear(mixer);
+  expect(mixer.remove(0), "the voice is removed");
+  for (std::size_t faded = 0; faded <= synth::FadeOut::kMinFrames; faded += kBlock) hear(mixer);
+  mixer.collect();
 }
 
 }  // namespace ringdown::fuzz
