@@ -11,6 +11,8 @@ namespace {
 // A smaller gain is a rounding error.
 constexpr double kMinGain_j = 1e-9;
 
+constexpr double kMargin = 1.2;
+
 double kinetic_energy(const Collider& collider, const Motion& motion) {
   const Vec3 spin = transpose(to_matrix(motion.rotation)) * motion.spin_rad_s;
   return 0.5 * (collider.mass_kg * dot(motion.velocity_m_s, motion.velocity_m_s) + dot(spin, collider.inertia * spin));
@@ -48,9 +50,9 @@ void Islands::open(std::map<BodyId, Collider>& colliders) {
   }
 }
 
-void Islands::unite(Collider& body, Collider& other, double pushed_m_s) {
+void Islands::unite(Collider& body, Collider& other, double pushed_m_s, bool bounces) {
   enter(body);
-  links_.push_back({&body, pushed_m_s});
+  links_.push_back({&body, pushed_m_s, bounces});
   if (other.movable()) merge(body, other);
 }
 
@@ -69,7 +71,12 @@ std::size_t Islands::most_contacts() const {
 
 // For each island, the energy gained is the change of its bodies' kinetic energy, less the work of gravity along their
 // mean velocities, less the work of pushing overlapping bodies apart (speed of the push times impulse).
-bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance) {
+//
+// An impulse J that stops an approach of speed v has done the work J v / 2 (1 - e) on the bodies, with J in proportion
+// to 1 + e: J v (1 - e) / (2 (1 + e)). A gain is taken away by an e that lowers the energy given back by as much. As
+// contacts act on each other this is an estimate, on the safe side by kMargin.
+bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance,
+                            bool last) {
   for (Collider* body : members_) {
     IslandState& island = root_of(*body).island;
     island.any_exempt |= body->island.exempt;
@@ -80,15 +87,18 @@ bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s,
         kinetic_energy(*body, motion) - body->island.before_j - part_s * body->mass_kg * dot(gravity_m_s2, mean_m_s);
   }
   for (std::size_t k = 0; k < links_.size(); ++k) {
-    if (links_[k].pushed_m_s == 0) continue;
-    root_of(*links_[k].body).island.gained_j -= links_[k].pushed_m_s * length(points[k].impulse_ns);
+    IslandState& island = root_of(*links_[k].body).island;
+    const double normal_ns = dot(points[k].impulse_ns, points[k].normal);
+    if (links_[k].bounces) island.bounced_j += 0.5 * points[k].approach_m_s * std::max(normal_ns, 0.0);
+    island.gained_j -= links_[k].pushed_m_s * length(points[k].impulse_ns);
   }
   bool any = false;
   for (Collider* body : members_) {
     const IslandState& island = root_of(*body).island;
     const bool gains = island.gained_j > tolerance * island.total_before_j + kMinGain_j;
-    body->elastic = !gains || island.any_exempt || island.contacts == 0;
-    any |= !body->elastic;
+    if (!gains || island.any_exempt || island.bounced_j == 0) continue;
+    body->elasticity *= last ? 0 : std::max(1 - kMargin * island.gained_j / island.bounced_j, 0.0);
+    any = true;
   }
   return any;
 }

@@ -5,9 +5,9 @@
 // hold OdeLock.
 //
 //   islands.open(colliders);                  // before contacts are found
-//   islands.unite(body, other, pushed_m_s);   // for each contact point, in order
+//   islands.unite(body, other, pushed_m_s, bounces);   // for each contact point, in order
 //   ... ODE moves the bodies ...
-//   if (islands.gained_energy(points, part_s, gravity, tolerance)) ...  // repeat the part: some are inelastic now
+//   if (islands.gained_energy(points, part_s, gravity, tolerance)) ...  // repeat the part: some are less elastic now
 #pragma once
 
 #include "engine/scene/ode_collider.h"
@@ -24,8 +24,8 @@ class Islands {
   void open(std::map<BodyId, Collider>& colliders);
 
   // Unites the islands of two bodies that touch. `pushed_m_s` is the speed at which the solver will push them apart for
-  // overlapping too far, which adds energy.
-  void unite(Collider& body, Collider& other, double pushed_m_s);
+  // overlapping too far, which adds energy; `bounces` says whether restitution acts.
+  void unite(Collider& body, Collider& other, double pushed_m_s, bool bounces);
 
   // Unites the islands of two bodies that are joined; null: a joint with the world. Correcting a joint adds energy, so
   // islands with joints are exempt from the energy check.
@@ -38,13 +38,16 @@ class Islands {
   [[nodiscard]] std::span<Collider* const> members() const { return members_; }
 
   // Whether an island with contacts has gained energy, beyond the work of gravity and of pushes, by more than the share
-  // `tolerance`. Marks the bodies of such islands as inelastic. `points` are those passed to unite(), in that order.
-  bool gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance);
+  // `tolerance`. Lowers the elasticity of the bodies of such islands: by as much as should do, or to 0 if it is the
+  // `last` time. `points` are those passed to unite(), in that order.
+  bool gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance,
+                     bool last);
 
  private:
   struct Link {
     Collider* body;
     double pushed_m_s;
+    bool bounces;
   };
   void enter(Collider& body);
   void merge(Collider& body, Collider& other);

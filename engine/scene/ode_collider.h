@@ -26,7 +26,7 @@ struct IslandState {
   // Of the island, kept at its root:
   bool any_exempt = false;
   std::size_t contacts = 0;
-  double total_before_j = 0, gained_j = 0;
+  double total_before_j = 0, gained_j = 0, bounced_j = 0;
 };
 
 // A body with its shape, or a static, which is a shape alone. The user data of an ODE geometry points to its Collider.
@@ -37,7 +37,7 @@ struct Collider {
   Matrix3 inertia{}, inverse_inertia{};  // in the body's frame [kg m^2]
   double inner_radius_m = 0;             // of a ball inside the shape; infinite for a plane
   bool round = false;                    // a sphere
-  bool elastic = true;                   // whether its contacts may bounce
+  double elasticity = 1;                 // share of its contacts' restitution that the part of the step has
   bool was_awake = false;                // before the step
   IslandState island;
   std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must be destroyed first
@@ -49,6 +49,10 @@ struct Collider {
   void move(const Motion& motion);      // wakes the body
   void set_mass(const RigidMass& mass);
   void add_torque(Vec3 torque_nm);  // for the next part of a step; world axes
+
+  // Turns the body for a part of a step, from the rotation that it had before, with the spin that the solver gave it:
+  // as a rigid body without torque turns, its energy and angular momentum unchanged.
+  void turn(const Rotation& from, double part_s);
 
   // Everything about a body that a step changes.
   struct State {

@@ -266,7 +266,7 @@ void ContactJoints::add(Collider& body, Collider& other, const dContactGeom& geo
   const Vec3 approach = of_other.velocity_at(point) - of_body.velocity_at(point);
   const double approach_m_s = dot(approach, normal);
   SurfacePair surface = combine(body.surface, other.surface);
-  if (!body.elastic || !other.elastic) surface.restitution = 0;
+  surface.restitution *= std::min(body.elasticity, other.elasticity);
   const Landing landing = land(other, surface.restitution, approach_m_s, geom);
   dContact contact{};
   contact.geom = geom;
@@ -282,7 +282,7 @@ void ContactJoints::add(Collider& body, Collider& other, const dContactGeom& geo
   impact_shares_[points_.size()] = landing.share;
   const double pushed_m_s = push_speed(geom.depth);
   const double leaves_m_s = approach_m_s > bounce_threshold_m_s_ ? landing.bounce * approach_m_s : 0;
-  islands.unite(body, other, pushed_m_s > leaves_m_s ? pushed_m_s : 0);
+  islands.unite(body, other, pushed_m_s > leaves_m_s ? pushed_m_s : 0, leaves_m_s > 0);
   points_.push_back(
       {body.id, other.id, point, normal, geom.depth, {}, landing.approach_m_s, found_s_, of_body, of_other});
 }

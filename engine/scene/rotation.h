@@ -45,6 +45,12 @@ inline Rotation normalized(const Rotation& q) {
   return {q.x * scale, q.y * scale, q.z * scale, q.w * scale};
 }
 
+// First b, then a.
+inline Rotation operator*(const Rotation& a, const Rotation& b) {
+  return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+          a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
+}
+
 // The rotation by `angle_rad` about `axis`, which has any length but zero.
 inline Rotation about(Vec3 axis, double angle_rad) {
   const double s = std::sin(angle_rad / 2) / length(axis);

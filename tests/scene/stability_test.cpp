@@ -345,13 +345,14 @@ TEST(Stability, EnergyNeverGrowsAmongBodiesOfEveryShape) {
     for (const ShapeType other : {ShapeType::convex, ShapeType::trimesh}) {
       for (const double friction : {0.0, 0.5}) {
         World world = world_of(flying_blocks(one, other, 1, friction), blocks(12));
-        const double start = kinetic_energy_of_blocks(world);
-        double last = start;
+        const bool meshes = one == ShapeType::trimesh || other == ShapeType::trimesh;  // overlap, and are pushed apart
+        double last = kinetic_energy_of_blocks(world);
         while (world.time_s() < (is_long() ? 60 : 5)) {
           world.step();
           const double now = kinetic_energy_of_blocks(world);
-          ASSERT_LE(now, 1.005 * last) << "at " << world.time_s() << " s, shapes " << static_cast<int>(one) << " and "
-                                       << static_cast<int>(other) << ", friction " << friction;
+          ASSERT_LE(now, (meshes ? 1.005 : 1 + 1e-5) * last)
+              << "at " << world.time_s() << " s, shapes " << static_cast<int>(one) << " and " << static_cast<int>(other)
+              << ", friction " << friction;
           last = now;
         }
       }
@@ -374,8 +375,8 @@ TEST(Stability, StacksOfHullsAndOfMeshesStandInSilence) {
   }
 }
 
+// In a step from v and z to v - g h and z + h (v - g h), m v^2 / 2 + m g (z - h v / 2) does not change.
 TEST(Stability, AFallNeverGainsEnergy) {
-  // With gravity: the height of a bouncing body's peaks never grows.
   BodyDescription body = box("b", {0.1, 0.06, 0.03}, {0, 0, 0.5});
   body.rotation = about({1, 2, 3}, 0.9);
   SceneDescription scene = test::scene_of({body}, 1);
@@ -383,14 +384,34 @@ TEST(Stability, AFallNeverGainsEnergy) {
   const double g = 9.81, mass = 0.18;
   const Vec3 moments{mass / 12 * (0.0036 + 0.0009), mass / 12 * (0.01 + 0.0009), mass / 12 * (0.01 + 0.0036)};
   const double start = mass * g * 0.5;
+  double last = start;
   while (world.time_s() < 20) {
     world.step();
     const BodyState state = world.bodies()[0];
     const Vec3 spin = transpose(to_matrix(state.rotation)) * state.spin_rad_s;
     const double energy =
-        mass * g * state.center_m.z + 0.5 * mass * dot(state.velocity_m_s, state.velocity_m_s) +
+        mass * g * (state.center_m.z - 0.5 * scene.step_s * state.velocity_m_s.z) +
+        0.5 * mass * dot(state.velocity_m_s, state.velocity_m_s) +
         0.5 * (moments.x * spin.x * spin.x + moments.y * spin.y * spin.y + moments.z * spin.z * spin.z);
-    ASSERT_LT(energy, 1.02 * start) << world.time_s();
+    ASSERT_LT(energy, last + 1e-5 * start) << world.time_s();
+    last = energy;
+  }
+}
+
+TEST(Stability, TenThousandBouncesWithoutLossGainNothing) {
+  for (const ShapeType shape : {ShapeType::box, ShapeType::convex}) {
+    World world = world_of(flying_blocks(shape, shape, 1, 0), blocks(12));
+    const double start = kinetic_energy_of_blocks(world);
+    double last = start;
+    for (std::ptrdiff_t bounces = 0; bounces < 10000;) {
+      const auto report = world.step();
+      bounces += std::ranges::count(report.events, synth::EventType::strike, &synth::Event::type);
+      const double now = kinetic_energy_of_blocks(world);
+      ASSERT_LE(now, last * (1 + 1e-5)) << "at " << world.time_s() << " s";
+      last = now;
+    }
+    EXPECT_LE(last, start);
+    EXPECT_GT(last, 0.8 * start) << "nor do they lose much";
   }
 }
 
