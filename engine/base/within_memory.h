@@ -1,5 +1,5 @@
-// Work for which memory may not suffice, because its size comes from outside: reading a file, carrying out a request. An
-// allocation that fails becomes an error of kind no_memory, and the program goes on. [any thread but audio]
+// Work for which memory may not suffice, because its size comes from outside: reading a file, carrying out a request.
+// An allocation that fails becomes an error of kind no_memory, and the program goes on. [any thread but audio]
 //
 //   return within_memory("read " + path.string(), [&] { return parse(*text); });
 #pragma once
@@ -21,8 +21,8 @@ std::invoke_result_t<Work> within_memory(const std::string& what, Work work) {
   } catch (const std::bad_alloc&) {
   } catch (const std::length_error&) {  // a container was asked to be larger than any memory
   }
-  return fail(ErrorKind::no_memory,
-              "there is not enough memory to " + what + "; end other programs, or raise the limit of this one's memory");
+  return fail(ErrorKind::no_memory, "there is not enough memory to " + what +
+                                        "; end other programs, or raise the limit of this one's memory");
 }
 
 }  // namespace ringdown

@@ -251,8 +251,9 @@ TEST(Structure, ThirdPartyHeadersStayWhereTheyBelong) {
 TEST(Structure, ASessionNeedsNeitherSocketsNorLogsNorCommandLinesNorGlobals) {
   for (const Include& include : all_includes()) {
     if (include.file.rfind("server/session/", 0) != 0) continue;
-    EXPECT_FALSE(begins_with_any(include.header, {"sys/socket.h", "sys/un.h", "netinet/", "arpa/", "netdb.h", "spdlog/",
-                                                  "lo/", "jack/", "CLI/", "microhttpd.h", "avahi", "csignal", "iostream"}))
+    EXPECT_FALSE(
+        begins_with_any(include.header, {"sys/socket.h", "sys/un.h", "netinet/", "arpa/", "netdb.h", "spdlog/", "lo/",
+                                         "jack/", "CLI/", "microhttpd.h", "avahi", "csignal", "iostream"}))
         << place(include) << ", which its folder may not";
   }
   const std::regex mutable_static(
