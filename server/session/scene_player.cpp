@@ -208,7 +208,8 @@ bool ScenePlayer::step_towards(Frame frame, std::optional<Frame> slack) {
   {
     const std::scoped_lock lock(mutex_);
     if (!world_) return false;
-    if (playing_.paused || !needs_steps()) {
+    const bool matters = body_count_ > 0 && (watched_ || world_->sounds());
+    if (playing_.paused || !(matters || world_->has_lasting_contacts())) {
       delay(frame - reported_until());
       return false;
     }
@@ -218,10 +219,6 @@ bool ScenePlayer::step_towards(Frame frame, std::optional<Frame> slack) {
   }
   set_dampers(dampings);
   return more;
-}
-
-bool ScenePlayer::needs_steps() const {
-  return world_->has_lasting_contacts() || (body_count_ > 0 && (watched_ || world_->sounds()));
 }
 
 // Removes all bodies and passes on the ends of their lasting contacts, which would otherwise sound until they time out.

@@ -145,7 +145,6 @@ class ScenePlayer {
   void delay(synth::Frame by);
   void slow_down(synth::Frame by);
   void pass_on(const scene::StepReport& report, std::vector<scene::RestDamping>& dampings);
-  [[nodiscard]] bool needs_steps() const;
   [[nodiscard]] std::vector<scene::RestDamping> end_contacts();
   void set_dampers(const std::vector<scene::RestDamping>& dampings);
 
