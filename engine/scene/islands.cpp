@@ -72,9 +72,10 @@ std::size_t Islands::most_contacts() const {
 // For each island, the energy gained is the change of its bodies' kinetic energy, less the work of gravity along their
 // mean velocities, less the work of pushing overlapping bodies apart (speed of the push times impulse).
 //
-// An impulse J that stops an approach of speed v has done the work J v / 2 (1 - e) on the bodies, with J in proportion
-// to 1 + e: J v (1 - e) / (2 (1 + e)). A gain is taken away by an e that lowers the energy given back by as much. As
-// contacts act on each other this is an estimate, on the safe side by kMargin.
+// A gain is taken away by less restitution. A mass M that comes with speed v is given the impulse J = M v (1 + e) and
+// keeps the energy M v^2 e^2 / 2, which changes by M v^2 e per unit of e: at e = 1 that is J v / 2. So e is lowered by
+// the gain over the sum of J v / 2, and by kMargin more, because contacts act on each other. Where that was not enough,
+// the next solution shows it.
 bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance,
                             bool last) {
   for (Collider* body : members_) {
