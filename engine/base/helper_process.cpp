@@ -38,7 +38,7 @@ double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Of all threads of another process.
+// Returns the processor time of all threads of another process.
 double processor_s(pid_t id) {
   clockid_t clock{};
   timespec time{};

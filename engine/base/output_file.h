@@ -20,7 +20,7 @@ struct OutputTarget {
   std::filesystem::path named = path;  // by the user
 };
 
-// Where the bytes for `path` go. Fails when links lead in a circle.
+// Returns where the bytes for `path` go. Fails when links lead in a circle.
 Result<OutputTarget> output_target(const std::filesystem::path& path);
 
 // Opens a stream for writing; a pipe waits for its reader. The caller closes the descriptor.

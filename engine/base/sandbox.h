@@ -2,7 +2,7 @@
 //
 //   const SandboxState state = close_sandbox({folder_of_the_file});
 //
-// From then on the process and its threads can open files for reading only, and only the given ones; what was open
+// After the call the process and its threads can open files for reading only, and only the given ones; what was open
 // before stays open, also for writing. It can start no program and no other process, reach no other process, make or
 // remove no file, and use no network. Nothing undoes this. A refused call fails with EPERM or EACCES; a call of another
 // architecture ends the process.

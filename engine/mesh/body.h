@@ -45,7 +45,7 @@ struct Sketch {
   double wall_m = 0;
 };
 
-// What can be asked of a file.
+// A question that ringdown-mesher answers about a file.
 enum class Question : std::int32_t { kSurface, kSketch, kBody };
 
 std::string packed(Question question, const GmshOptions& options);
