@@ -57,16 +57,16 @@ void Collider::add_torque(Vec3 torque_nm) { dBodyAddTorque(body.get(), torque_nm
 // and it turns L by the Cayley transform of the mean spin, so that the body, turned the opposite way, keeps its angular
 // momentum in the world. The rule's step is stretched to 2 tan(w h/2)/w, which makes a steady spin exact. ODE would
 // hold the spin constant in the world while the body turns, and its energy would drift.
-void Collider::turn(const Rotation& from, double part_s) {
+Motion Collider::after(const Motion& motion, double time_s) const {
   constexpr double kMaxTurn = 0.2;  // rad in one application of the rule
   constexpr int kMaxIterations = 20;
-  const Matrix3 frame = to_matrix(from);
-  Vec3 momentum = inertia * (transpose(frame) * motion().spin_rad_s);
-  Rotation rotation = from;
+  Motion end = motion;
+  end.position_m = motion.position_m + time_s * motion.velocity_m_s;
+  Vec3 momentum = inertia * (transpose(to_matrix(motion.rotation)) * motion.spin_rad_s);
   const double spin = length(inverse_inertia * momentum);
-  if (!(spin > 0)) return;
-  const int times = 1 + static_cast<int>(spin * part_s / kMaxTurn);
-  const double h = 2 * std::tan(0.5 * spin * part_s / times) / spin;
+  if (!(spin > 0)) return end;
+  const int times = 1 + static_cast<int>(spin * time_s / kMaxTurn);
+  const double h = 2 * std::tan(0.5 * spin * time_s / times) / spin;
   for (int k = 0; k < times; ++k) {
     Vec3 next = momentum, mean_spin;
     for (int i = 0; i < kMaxIterations; ++i) {
@@ -79,12 +79,21 @@ void Collider::turn(const Rotation& from, double part_s) {
     }
     momentum = next;
     const Vec3 half = 0.5 * h * mean_spin;
-    rotation = normalized(rotation * Rotation{half.x, half.y, half.z, 1});
+    end.rotation = normalized(end.rotation * Rotation{half.x, half.y, half.z, 1});
   }
-  const dQuaternion q = {rotation.w, rotation.x, rotation.y, rotation.z};
-  const Vec3 turned = to_matrix(rotation) * (inverse_inertia * momentum);
+  end.spin_rad_s = to_matrix(end.rotation) * (inverse_inertia * momentum);
+  return end;
+}
+
+void Collider::turn(const Rotation& from, double part_s) {
+  Motion start = motion();
+  start.rotation = from;
+  const Motion end = after(start, part_s);
+  if (!(length(start.spin_rad_s) > 0)) return;
+  const auto& [x, y, z, w] = end.rotation;
+  const dQuaternion q = {w, x, y, z};
   dBodySetQuaternion(body.get(), q);
-  dBodySetAngularVel(body.get(), turned.x, turned.y, turned.z);
+  dBodySetAngularVel(body.get(), end.spin_rad_s.x, end.spin_rad_s.y, end.spin_rad_s.z);
 }
 
 Collider::State Collider::state() const {
@@ -98,18 +107,29 @@ void Collider::restore(const State& state) {
   if (!state.awake) dBodyDisable(body.get());
 }
 
-double inner_radius(const CollisionShape& shape) {
+double half_thickness(const CollisionShape& shape) {
   if (shape.type == ShapeType::sphere) return shape.radius_m;
   if (shape.type == ShapeType::box) return 0.5 * std::min({shape.size_m.x, shape.size_m.y, shape.size_m.z});
-  double radius = dInfinity;
+  double radius = dInfinity, surface = 0, volume = 0;
   for (const auto& [a, b, c] : shape.triangles) {
     const Vec3 area = cross(shape.points[b] - shape.points[a], shape.points[c] - shape.points[a]);
-    if (length(area) > 0) radius = std::min(radius, std::abs(dot(area, shape.points[a])) / length(area));
+    if (!(length(area) > 0)) continue;
+    radius = std::min(radius, std::abs(dot(area, shape.points[a])) / length(area));
+    surface += length(area) / 2;
+    volume += dot(area, shape.points[a]) / 6;
   }
-  return std::isfinite(radius) ? radius : 0;
+  return surface > 0 ? std::max(radius, std::abs(volume) / surface) : 0;
 }
 
-double inner_radius(const StaticDescription& description) {
+double outer_radius(const CollisionShape& shape) {
+  if (shape.type == ShapeType::sphere) return length(shape.center_m) + shape.radius_m;
+  if (shape.type == ShapeType::box) return length(shape.center_m) + 0.5 * length(shape.size_m);
+  double radius = 0;
+  for (const Vec3& point : shape.points) radius = std::max(radius, length(point));
+  return radius;
+}
+
+double half_thickness(const StaticDescription& description) {
   const Vec3 size = description.size_m;
   return description.type == StaticType::plane ? dInfinity : 0.5 * std::min({size.x, size.y, size.z});
 }

@@ -35,7 +35,8 @@ struct Collider {
   FrictionSurface surface;
   double mass_kg = 0;                    // of a body, like the next two
   Matrix3 inertia{}, inverse_inertia{};  // in the body's frame [kg m^2]
-  double inner_radius_m = 0;             // of a ball inside the shape; infinite for a plane
+  double half_thickness_m = 0;           // where the shape is thin; infinite for a plane
+  double outer_radius_m = 0;             // of a ball about the centre of mass that holds the body; statics: unused
   bool round = false;                    // a sphere
   double elasticity = 1;                 // share of its contacts' restitution that the part of the step has
   bool was_awake = false;                // before the step
@@ -50,8 +51,10 @@ struct Collider {
   void set_mass(const RigidMass& mass);
   void add_torque(Vec3 torque_nm);  // for the next part of a step; world axes
 
-  // Turns the body for a part of a step, from the rotation that it had before, with the spin that the solver gave it:
-  // as a rigid body without torque turns, its energy and angular momentum unchanged.
+  // Where the body is after some time without force or torque: its energy and angular momentum unchanged.
+  [[nodiscard]] Motion after(const Motion& motion, double time_s) const;
+
+  // Turns the body for a part of a step, from the rotation that it had before, with the spin that the solver gave it.
   void turn(const Rotation& from, double part_s);
 
   // Everything about a body that a step changes.
@@ -64,9 +67,12 @@ struct Collider {
   void restore(const State& state);
 };
 
-// The radius of the largest ball about the centre of mass that is known to fit into the shape: for a trimesh or a hull,
-// the distance to the plane of the nearest face.
-double inner_radius(const CollisionShape& shape);
-double inner_radius(const StaticDescription& description);
+// Half of a shape's thickness: the radius of the largest ball about the centre of mass that is known to fit in (for a
+// trimesh or a hull: up to the plane of the nearest face), or volume over surface where that is more, as for a bowl.
+double half_thickness(const CollisionShape& shape);
+double half_thickness(const StaticDescription& description);
+
+// The radius of the smallest ball about the centre of mass that holds the shape.
+double outer_radius(const CollisionShape& shape);
 
 }  // namespace ringdown::scene

@@ -13,6 +13,11 @@ void flatten(const CollisionShape& shape, OdeShape& out) {
   for (const Vec3& p : shape.points) out.points.insert(out.points.end(), {p.x, p.y, p.z});
 }
 
+dxGeom* convex_of(dxSpace* space, const OdeShape& shape) {
+  return dCreateConvex(space, shape.planes.data(), static_cast<unsigned>(shape.planes.size() / 4), shape.points.data(),
+                       static_cast<unsigned>(shape.points.size() / 3), shape.indices.data());
+}
+
 // ODE wants a plane per face, and each face as its corner count followed by the corners.
 void make_convex(dxSpace* space, const CollisionShape& shape, OdeShape& out) {
   flatten(shape, out);
@@ -23,8 +28,7 @@ void make_convex(dxSpace* space, const CollisionShape& shape, OdeShape& out) {
     out.indices.insert(out.indices.end(), {3, a, b, c});
   }
   out.faces = flat_faces(shape.points, shape.triangles);
-  out.geom.reset(dCreateConvex(space, out.planes.data(), static_cast<unsigned>(shape.triangles.size()),
-                               out.points.data(), static_cast<unsigned>(shape.points.size()), out.indices.data()));
+  out.geom.reset(convex_of(space, out));
 }
 
 // ODE ends the process when a convex shape meets a trimesh without preprocessed face angles.
@@ -64,6 +68,26 @@ OdeShape make_shape(dxSpace* space, const CollisionShape& shape) {
   }
   assert(out.geom);
   return out;
+}
+
+dxGeom* ghost_of(OdeShape& shape) {
+  if (shape.ghost) return shape.ghost.get();
+  dVector3 size;
+  switch (dGeomGetClass(shape.geom.get())) {
+    case dBoxClass:
+      dGeomBoxGetLengths(shape.geom.get(), size);
+      shape.ghost.reset(dCreateBox(nullptr, size[0], size[1], size[2]));
+      break;
+    case dSphereClass:
+      shape.ghost.reset(dCreateSphere(nullptr, dGeomSphereGetRadius(shape.geom.get())));
+      break;
+    case dConvexClass:
+      shape.ghost.reset(convex_of(nullptr, shape));
+      break;
+    default:
+      shape.ghost.reset(dCreateTriMesh(nullptr, shape.mesh.get(), nullptr, nullptr, nullptr));
+  }
+  return shape.ghost.get();
 }
 
 OdeShape make_static(dxSpace* space, const StaticDescription& description) {

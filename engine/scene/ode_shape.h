@@ -29,10 +29,15 @@ struct OdeShape {
   std::vector<Face> faces;  // of a box or a hull, in the geometry's own frame
   std::unique_ptr<dxTriMeshData, MeshDeleter> mesh;
   std::unique_ptr<dxGeom, GeomDeleter> geom;
+  std::unique_ptr<dxGeom, GeomDeleter> ghost;  // see ghost_of()
 };
 
 // Makes the geometry of a body's shape. The caller attaches it to a body, and then sets its offset to `shape.center_m`.
 OdeShape make_shape(dxSpace* space, const CollisionShape& shape);
+
+// A second geometry of the same shape, which belongs to no space and no body and may be put anywhere, to see what the
+// shape would touch there. Made on the first call.
+dxGeom* ghost_of(OdeShape& shape);
 
 // Makes the geometry of a static, in its position.
 OdeShape make_static(dxSpace* space, const StaticDescription& description);

@@ -18,8 +18,8 @@
 
 // One step of the simulation, downward:
 //
-// 1. A step is done in parts. Each part is as long as the fastest body may fly without passing through an obstacle
-//    (ode_flight_probe.h), and at most the rest of the step; a scene without fast bodies has one part a step
+// 1. A step is done in parts. Each part is as long as the fastest body may fly and turn without passing through an
+//    obstacle (ode_flight_probe.h), and at most the rest of the step; a scene without fast bodies has one part a step
 //    (Simulation::step).
 // 2. In a part, contacts are found and become contact joints with friction and restitution (ode_contact_joints.h).
 //    Bodies that touch or are joined form islands (islands.h).
@@ -319,7 +319,7 @@ void Simulation::add_static(BodyId id, const StaticDescription& description) {
   Collider& collider = state_->colliders[id];
   collider.id = id;
   collider.surface = description.surface;
-  collider.inner_radius_m = inner_radius(description);
+  collider.half_thickness_m = half_thickness(description);
   collider.shape = make_static(state_->space.get(), description);
   dGeomSetData(collider.shape.geom.get(), &collider);
 }
@@ -332,7 +332,8 @@ void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, c
   Collider& collider = state_->colliders[id];
   collider.id = id;
   collider.surface = surface;
-  collider.inner_radius_m = inner_radius(solid.shape);
+  collider.half_thickness_m = half_thickness(solid.shape);
+  collider.outer_radius_m = outer_radius(solid.shape);
   collider.round = solid.shape.type == ShapeType::sphere;
   collider.body.reset(dBodyCreate(state_->world.get()));
   collider.shape = make_shape(state_->space.get(), solid.shape);
