@@ -11,7 +11,7 @@
 
 // From the contact points of a step to events, downward:
 //
-// 1. Points are sorted by pair of bodies (process).
+// 1. Points are sorted by pair of bodies; those of one pair mostly follow each other already (process).
 // 2. A pair with a point that approaches faster than the bounce threshold may strike: ContactLives decides whether this
 //    is a new strike or chatter. Every such point becomes a strike event for both objects, and all of them together one
 //    click, the rigid body's own sound (process_pair, strike, click).
@@ -110,8 +110,16 @@ std::span<const synth::Event> ContactSounds::process(std::span<const ContactPoin
                                                      const Timeline& timeline) {
   events_.clear();
   by_pair_.clear();
-  for (const ContactPoint& point : points) by_pair_.push_back(&point);
-  std::ranges::stable_sort(by_pair_, {}, [](const ContactPoint* point) { return pair_of(*point); });
+  runs_.clear();
+  for (const ContactPoint& point : points) {
+    const BodyPair pair = pair_of(point);
+    if (runs_.empty() || runs_.back().pair != pair) runs_.push_back({pair, {&point, 0}});
+    runs_.back().points = {runs_.back().points.data(), runs_.back().points.size() + 1};
+  }
+  std::ranges::stable_sort(runs_, {}, &Run::pair);
+  for (const Run& run : runs_) {
+    for (const ContactPoint& point : run.points) by_pair_.push_back(&point);
+  }
   for (auto begin = by_pair_.begin(); begin != by_pair_.end();) {
     const BodyPair pair = pair_of(**begin);
     const auto is_other = [&](const ContactPoint* point) { return pair_of(*point) != pair; };
@@ -122,7 +130,9 @@ std::span<const synth::Event> ContactSounds::process(std::span<const ContactPoin
   const synth::Frame frame = timeline.frame(std::max(now_s, latest_s_));
   rest_dampings_ = resting_.advance(moved, sides_, frame);
   for (const ContactReport& report : lives_.advance(now_s)) lasting_.add(report, sides_, frame, events_);
-  std::ranges::stable_sort(events_.events, {}, &synth::Event::frame);
+  if (!std::ranges::is_sorted(events_.events, {}, &synth::Event::frame)) {
+    std::ranges::stable_sort(events_.events, {}, &synth::Event::frame);
+  }
   return events_.events;
 }
 

@@ -50,6 +50,10 @@ class ContactSounds {
   [[nodiscard]] bool has_lasting() const { return !lasting_.empty() || resting_.has_unchecked(); }
 
  private:
+  struct Run {  // points of one pair that follow each other
+    BodyPair pair;
+    std::span<const ContactPoint> points;
+  };
   void process_pair(BodyPair pair, std::span<const ContactPoint* const> points, double now_s, const Timeline& timeline);
   [[nodiscard]] bool is_impact(const ContactPoint& point) const;
   void strike(const ContactPoint& point, double now_s, const Timeline& timeline);
@@ -63,6 +67,7 @@ class ContactSounds {
   RestDampings resting_;
   double latest_s_ = 0;                       // time of the latest strike so far
   std::vector<const ContactPoint*> by_pair_;  // the points of the step, sorted by pair
+  std::vector<Run> runs_;
   StepEvents events_;
   std::span<const RestDamping> rest_dampings_;
 };

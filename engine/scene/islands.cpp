@@ -75,9 +75,10 @@ std::size_t Islands::most_contacts() const {
 // A gain is taken away by less restitution. A mass M that comes with speed v is given the impulse J = M v (1 + e) and
 // keeps the energy M v^2 e^2 / 2, which changes by M v^2 e per unit of e: at e = 1 that is J v / 2. So e is lowered by
 // the gain over the sum of J v / 2, and by kMargin more, because contacts act on each other. Where that was not enough,
-// the next solution shows it.
+// the next solution shows it. Where nothing bounces, nothing can be taken away.
 bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance,
                             bool last) {
+  if (std::ranges::none_of(links_, &Link::bounces)) return false;
   for (Collider* body : members_) {
     IslandState& island = root_of(*body).island;
     island.any_exempt |= body->island.exempt;

@@ -30,7 +30,7 @@ void LastingEvents::add_half(const ContactReport& report, const Half& half, std:
                              const synth::Texture& texture, synth::Frame frame, StepEvents& events) {
   const bool sounds = half.side && half.side->object;
   if (!number && (!sounds || report.ends)) return;
-  if (!number) number = Number{*half.side->object, free_number(*half.side->object)};
+  if (!number) number = Number{*half.side->object, take_number(*half.side->object)};
   synth::Event event;
   event.frame = frame;
   event.type = synth::EventType::contact;
@@ -43,23 +43,20 @@ void LastingEvents::add_half(const ContactReport& report, const Half& half, std:
     event.contact.roll_m_s = report.roll_m_s;
     event.contact.texture = texture;
   } else {
+    taken_[number->object][number->number] = false;
     number.reset();
   }
   events.push(event);
 }
 
-// The smallest number that none of the object's lasting contacts has.
-std::uint32_t LastingEvents::free_number(synth::ObjectNumber object) const {
-  std::vector<std::uint32_t> taken;
-  for (const auto& [pair, numbers] : numbers_) {
-    for (const auto& number : {numbers.first, numbers.second}) {
-      if (number && number->object == object) taken.push_back(number->number);
-    }
-  }
-  std::ranges::sort(taken);
-  std::uint32_t free = 0;
-  for (const std::uint32_t number : taken) free += number == free;
-  return free;
+// Takes the smallest number that none of the object's lasting contacts has.
+std::uint32_t LastingEvents::take_number(synth::ObjectNumber object) {
+  std::vector<bool>& taken = taken_[object];
+  const auto free = std::ranges::find(taken, false);
+  const auto number = static_cast<std::uint32_t>(free - taken.begin());
+  if (free == taken.end()) taken.push_back(false);
+  taken[number] = true;
+  return number;
 }
 
 }  // namespace ringdown::scene

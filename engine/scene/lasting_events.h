@@ -49,9 +49,10 @@ class LastingEvents {
   };
   void add_half(const ContactReport& report, const Half& half, std::optional<Number>& number,
                 const synth::Texture& texture, synth::Frame frame, StepEvents& events);
-  [[nodiscard]] std::uint32_t free_number(synth::ObjectNumber object) const;
+  std::uint32_t take_number(synth::ObjectNumber object);
 
   std::map<BodyPair, Numbers> numbers_;
+  std::map<synth::ObjectNumber, std::vector<bool>> taken_;  // of each object's numbers
 };
 
 }  // namespace ringdown::scene

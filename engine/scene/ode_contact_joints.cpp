@@ -171,10 +171,16 @@ void set_friction_direction(dContact& contact, const Motion& of_body, const Moti
 }  // namespace
 
 struct ContactJoints::Joint {
-  dContact contact;
-  dxBody *body, *other;
-  double friction;  // coefficient
-  bool bounces;     // between bodies of which none is a sphere
+  dContact contact{};
+  dxBody *body = nullptr, *other = nullptr;
+  double friction = 0;   // coefficient
+  bool bounces = false;  // between bodies of which none is a sphere
+};
+
+struct ContactJoints::Touching {
+  Collider &body, &other;  // `body` can move
+  Motion of_body, of_other;
+  SurfacePair surface;
 };
 
 struct ContactJoints::Feedback {
@@ -206,6 +212,7 @@ void ContactJoints::begin_part(double found_s, double part_s) {
   part_s_ = part_s;
   part_begin_ = points_.size();
   bounds_n_.clear();
+  lands_aslant_ = false;
   dropped_before_ = dropped_;
 }
 
@@ -220,16 +227,19 @@ void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
   const std::span<dContactGeom> points = find_contacts(first, second, feedback_->found, part_s_);
   const bool swap = !a->movable();  // the first body of a joint must be one that moves
   Collider &body = swap ? *b : *a, &other = swap ? *a : *b;
-  for (dContactGeom geom : points) {
+  if (points.empty()) return;
+  Touching pair{body, other, body.motion(), other.motion(), combine(body.surface, other.surface)};
+  pair.surface.restitution *= std::min(body.elasticity, other.elasticity);
+  for (dContactGeom& geom : points) {
     if (swap) {
       for (int k = 0; k < 3; ++k) geom.normal[k] = -geom.normal[k];
       std::swap(geom.g1, geom.g2);
     }
-    add(body, other, geom, islands);
+    add(pair, geom, islands);
   }
   // Several contact points of bodies with edges resist rolling by themselves.
-  if (points.empty() || (points.size() > 1 && !a->round && !b->round)) return;
-  const double limit_nm = combine(body.surface, other.surface).rolling_m * loads_.of_n(body.id, other.id);
+  if (points.size() > 1 && !a->round && !b->round) return;
+  const double limit_nm = pair.surface.rolling_m * loads_.of_n(body.id, other.id);
   if (limit_nm == 0 || points_.empty()) return;
   const ContactPoint& last = points_.back();
   resist_rolling(body, other, last.point_m, last.normal, limit_nm, gravity_m_s2_, part_s_);
@@ -255,29 +265,30 @@ Landing ContactJoints::land(const Collider& other, double restitution, double ap
                             .pushed_m_s = push_speed(geom.depth)});
 }
 
-// Adds one contact point with its joint. The normal of `geom` points into `body`.
-void ContactJoints::add(Collider& body, Collider& other, const dContactGeom& geom, Islands& islands) {
+// Adds one contact point with its joint. The normal of `geom` points into the body that can move.
+void ContactJoints::add(const Touching& pair, const dContactGeom& geom, Islands& islands) {
   if (points_.size() == kMaxContactsPerStep) {
     ++dropped_;
     return;
   }
-  const Motion of_body = body.motion(), of_other = other.motion();
+  const auto& [body, other, of_body, of_other, surface] = pair;
   const Vec3 point = to_vec3(geom.pos), normal = to_vec3(geom.normal);
   const Vec3 approach = of_other.velocity_at(point) - of_body.velocity_at(point);
   const double approach_m_s = dot(approach, normal);
-  SurfacePair surface = combine(body.surface, other.surface);
-  surface.restitution *= std::min(body.elasticity, other.elasticity);
   const Landing landing = land(other, surface.restitution, approach_m_s, geom);
-  dContact contact{};
-  contact.geom = geom;
-  contact.surface.mode = dContactBounce | dContactApprox1;
-  contact.surface.mu = surface.friction;
-  contact.surface.bounce = landing.bounce;
-  contact.surface.bounce_vel = bounce_threshold_m_s_;
-  set_friction_direction(contact, of_body, of_other, approach);
-  const bool bounces = approach_m_s > bounce_threshold_m_s_ && !body.round && !other.round;
   made_.resize(points_.size());
-  made_.push_back({contact, body.body.get(), other.body.get(), surface.friction, bounces});
+  Joint& made = made_.emplace_back();
+  made.contact.geom = geom;
+  made.contact.surface.mode = dContactBounce | dContactApprox1;
+  made.contact.surface.mu = surface.friction;
+  made.contact.surface.bounce = landing.bounce;
+  made.contact.surface.bounce_vel = bounce_threshold_m_s_;
+  set_friction_direction(made.contact, of_body, of_other, approach);
+  made.body = body.body.get();
+  made.other = other.body.get();
+  made.friction = surface.friction;
+  made.bounces = approach_m_s > bounce_threshold_m_s_ && !body.round && !other.round;
+  lands_aslant_ |= made.bounces && made.friction > 0;
   join(points_.size(), std::nullopt);
   impact_shares_[points_.size()] = landing.share;
   const double pushed_m_s = push_speed(geom.depth);
@@ -291,19 +302,17 @@ void ContactJoints::add(Collider& body, Collider& other, const dContactGeom& geo
 // taken for the largest force.
 void ContactJoints::join(std::size_t point, std::optional<double> bound_n) {
   const Joint& made = made_[point];
-  dContact contact = made.contact;
+  dxJoint* joint = nullptr;
   if (bound_n) {
+    dContact contact = made.contact;
     contact.surface.mode &= ~dContactApprox1;
     contact.surface.mu = *bound_n;
+    joint = dJointCreateContact(world_, joints_.get(), &contact);
+  } else {
+    joint = dJointCreateContact(world_, joints_.get(), &made.contact);
   }
-  dxJoint* joint = dJointCreateContact(world_, joints_.get(), &contact);
   dJointAttach(joint, made.body, made.other);
   dJointSetFeedback(joint, &feedback_->joints[point]);
-}
-
-bool ContactJoints::lands_aslant() const {
-  const auto part = std::span(made_).subspan(part_begin_);
-  return std::ranges::any_of(part, [](const Joint& made) { return made.bounces && made.friction > 0; });
 }
 
 double ContactJoints::bound_friction() {
@@ -337,6 +346,7 @@ void ContactJoints::read_impulses() {
 void ContactJoints::undo_part() {
   dJointGroupEmpty(joints_.get());
   bounds_n_.clear();
+  lands_aslant_ = false;
   points_.resize(part_begin_);
   dropped_ = dropped_before_;
 }

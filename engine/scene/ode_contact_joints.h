@@ -61,7 +61,7 @@ class ContactJoints {
   void read_impulses();
 
   // Whether a body lands in this part in such a way that friction may change the normal impulse: not on a sphere.
-  [[nodiscard]] bool lands_aslant() const;
+  [[nodiscard]] bool lands_aslant() const { return lands_aslant_; }
 
   // Makes all joints of the part anew, with friction bounded by the present impulses: their coefficient times the
   // normal part. Returns by how much that changes the bounds, as a share of the largest one.
@@ -82,11 +82,12 @@ class ContactJoints {
  private:
   struct Feedback;  // what ODE reports of each joint
   struct Joint;     // what a joint is made of
+  struct Touching;  // two bodies
   struct JointGroupDeleter {
     void operator()(dxJointGroup* joints) const;
   };
   void join(std::size_t point, std::optional<double> bound_n);
-  void add(Collider& body, Collider& other, const dContactGeom& geom, Islands& islands);
+  void add(const Touching& pair, const dContactGeom& geom, Islands& islands);
   [[nodiscard]] Landing land(const Collider& other, double restitution, double approach_m_s,
                              const dContactGeom& geom) const;
   [[nodiscard]] double push_speed(double depth_m) const;
@@ -101,6 +102,7 @@ class ContactJoints {
   std::vector<double> impact_shares_;  // Landing::share of each contact point
   std::vector<Joint> made_;            // of each contact point
   std::vector<double> bounds_n_;       // of friction in the part, the last ones that bound_friction() has set
+  bool lands_aslant_ = false;
   std::size_t part_begin_ = 0, dropped_ = 0, dropped_before_ = 0;
   ContactLoads loads_;  // of the part before
 };

@@ -197,8 +197,10 @@ void World::State::do_part() {
 // happens too often; a body that has left the scene is removed.
 void World::State::check_bodies() {
   std::vector<BodyId> gone;
-  for (const auto& [id, motion] : simulation.moved()) {
-    Body& body = store.bodies().at(id);
+  auto entry = store.bodies().begin();
+  for (const auto& [id, motion] : simulation.moved()) {  // in the order of the store
+    while (entry->first < id) ++entry;
+    Body& body = entry->second;
     body.motion = motion;
     if (is_real(body.motion) && within(body.motion.position_m, range::kPosition_m)) continue;
     const std::string who = "body " + quote(body.description.name);
