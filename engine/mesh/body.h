@@ -24,6 +24,7 @@ struct GmshOptions {
   double mesh_size_m = 0;                    // longest edge, for a geometry; never above a tenth of its diagonal
   double edge_size_m = 0;                    // the same along sharp edges, growing to mesh_size_m inside; 0: no less
   int order = 3;                             // 1: straight elements, 2 to 4: curved ones. For a geometry only
+  bool cavities = false;                     // of a surface: CavityRule::kInside in place of kWoundTheOtherWay
   std::map<std::string, double> parameters;  // DefineConstant names of a .geo, in the file's unit
 };
 

@@ -73,14 +73,15 @@ BodyMaker::BodyMaker(std::filesystem::path path) : path_(std::move(path)) {}
 Result<const PreparedSurface*> BodyMaker::surface(const GmshOptions& options) {
   const double unit_m = options.unit_m.value_or(1);
   if (auto good = check_unit(path_, options.unit_m); !good) return fail(good.error());
-  if (!surface_ || surface_unit_m_ != unit_m) {
+  if (!surface_ || surface_unit_m_ != unit_m || surface_cavities_ != options.cavities) {
     if (!options.parameters.empty())
       return fail(ErrorKind::bad_input, path_.string() + " takes no parameters; only .geo files have them");
     Result<TriangleMesh> read = read_surface(path_);
     if (!read) return fail(read.error());
     read->nodes *= unit_m;
-    surface_ = prepare(*read);
+    surface_ = prepare(*read, options.cavities ? CavityRule::kInside : CavityRule::kWoundTheOtherWay);
     surface_unit_m_ = unit_m;
+    surface_cavities_ = options.cavities;
   }
   return &*surface_;
 }

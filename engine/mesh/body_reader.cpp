@@ -108,13 +108,14 @@ Result<Answer> BodyReader::unpacked(const std::string& bytes) const {
 
 Result<const PreparedSurface*> BodyReader::surface(const GmshOptions& options, const Progress& progress) {
   const double unit_m = options.unit_m.value_or(1);
-  if (surface_ && surface_unit_m_ == unit_m) return &*surface_;
+  if (surface_ && surface_unit_m_ == unit_m && surface_cavities_ == options.cavities) return &*surface_;
   Result<PreparedSurface> read = ask(Question::kSurface, options, progress).and_then([this](const std::string& bytes) {
     return unpacked<PreparedSurface>(bytes);
   });
   if (!read) return fail(read.error());
   surface_ = std::move(*read);
   surface_unit_m_ = unit_m;
+  surface_cavities_ = options.cavities;
   return &*surface_;
 }
 
@@ -134,7 +135,7 @@ Result<Body> BodyReader::read(const GmshOptions& options, const Progress& progre
 // It keeps the bytes that the reading process gave back, and they are checked in the same way when they come from it.
 namespace {
 
-constexpr int kFormat = 4;                                     // of an entry, and of how bodies are made
+constexpr int kFormat = 5;                                     // of an entry, and of how bodies are made
 constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;  // bytes; a larger file is read each time
 
 // Words of gmsh's language and of mesh formats by which a result depends on more than the file and its parameters. One
@@ -163,10 +164,10 @@ bool has_companions(const std::filesystem::path& path) {
 
 // Every option by name: a new one that is not in the key does not compile.
 ContentHash key_of(const std::filesystem::path& path, const std::string& text, const GmshOptions& options) {
-  const auto& [unit_m, mesh_size_m, edge_size_m, order, parameters] = options;
+  const auto& [unit_m, mesh_size_m, edge_size_m, order, cavities, parameters] = options;
   ContentHasher hasher;
   hasher.value(kFormat).text(GMSH_API_VERSION).text(path.extension().string()).text(text);
-  hasher.value(unit_m.value_or(0)).value(mesh_size_m).value(edge_size_m).value(order);
+  hasher.value(unit_m.value_or(0)).value(mesh_size_m).value(edge_size_m).value(order).value(cavities);
   for (const auto& [name, value] : parameters) hasher.text(name).value(value);
   return hasher.hash();
 }

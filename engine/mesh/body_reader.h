@@ -68,6 +68,7 @@ class BodyReader {
   HelperProcess helper_;
   std::optional<PreparedSurface> surface_;
   double surface_unit_m_ = 0;
+  bool surface_cavities_ = false;
 };
 
 }  // namespace ringdown::mesh

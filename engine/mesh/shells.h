@@ -1,4 +1,5 @@
-// The shells of a surface: its parts that hang together through edges. [worker]
+// The shells of a surface: its parts that hang together through edges, and which of them are bodies or cavities.
+// [worker]
 #pragma once
 
 #include "engine/mesh/triangle_mesh.h"
@@ -7,21 +8,39 @@
 
 namespace ringdown::mesh {
 
-inline constexpr std::size_t kMaxShells = 64;  // compared with each other; beyond, nesting is not looked at
+inline constexpr std::size_t kMaxShells = 1000;  // compared with each other; beyond, nesting is not looked at
 
-// Two triangles are neighbours through an edge that no third triangle has. A shell is what neighbours connect.
+// What makes a closed shell inside a body a cavity of it.
+enum class CavityRule : std::int32_t {
+  kWoundTheOtherWay,  // that it is wound the other way than the shell around it; else it is a body, and part of it
+  kInside,            // that it is inside, however it is wound
+};
+
+enum class Role {
+  kBody,    // it lies in no other shell, or in a cavity; or it runs through others
+  kCavity,  // the innermost shell around it is hollow there
+  kBuried,  // a body that lies in another as a whole, and adds nothing to it
+};
+
+// Two triangles are neighbours through an edge that no third triangle has. Where an edge has more triangles, as many in
+// one direction as in the other, neighbours are those that have the inside of a body between them. A shell is what
+// neighbours connect.
 struct Shells {
   std::vector<std::int32_t> shell;  // of each triangle; -1: degenerate or a duplicate
   std::vector<bool> turned;         // of each triangle: against the majority of its shell
   int count = 0;
-  std::vector<bool> closed;       // of each shell
+  std::vector<bool> closed;       // of each shell: every triangle has a neighbour through each of its edges
   std::vector<double> volume_m3;  // of each shell, its majority's sign; meaningful when closed
   std::vector<double> area_m2;
-  std::vector<int> depth;   // in how many other closed shells it lies
+  std::vector<int> depth;   // in how many other closed shells it lies as a whole; touching them counts as inside
   std::vector<int> parent;  // the innermost of these; -1: none
+  std::vector<Role> role;
+
+  // Whether its majority faces inward where it should face outward, or the other way about.
+  [[nodiscard]] bool wound_wrongly(std::size_t s) const { return (volume_m3[s] < 0) != (role[s] == Role::kCavity); }
 };
 
-// O(T log T); nesting O(shells T).
-Shells shells_of(const TriangleMesh& mesh);
+// O(T log T), and for each pair of shells of which one's box lies in the other's up to 2,000 winding numbers.
+Shells shells_of(const TriangleMesh& mesh, CavityRule rule = CavityRule::kWoundTheOtherWay);
 
 }  // namespace ringdown::mesh

@@ -1,7 +1,5 @@
 #include "engine/mesh/surface_check.h"
 
-#include "engine/mesh/shells.h"
-
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/box_intersection_d.h>
 #include <Eigen/Geometry>
@@ -30,8 +28,8 @@ constexpr double kFlatVolume = 1e-7;   // over area times diagonal; a plate 1:10
 
 class Diagnosis {
  public:
-  explicit Diagnosis(const TriangleMesh& mesh)
-      : mesh_(mesh), usable_(usable_triangles(mesh)), shells_(shells_of(mesh)) {}
+  Diagnosis(const TriangleMesh& mesh, CavityRule rule)
+      : mesh_(mesh), usable_(usable_triangles(mesh)), shells_(shells_of(mesh, rule)) {}
 
   SurfaceReport run() {
     measure();
@@ -133,12 +131,14 @@ class Diagnosis {
     }
     int outer = 0;
     for (std::size_t i = 0; i < first.size(); ++i) {
-      const bool inside = shells_.depth[i] % 2 == 1;
-      report_.volume_m3 += (inside ? -1 : 1) * std::abs(shells_.volume_m3[i]);
+      const Role role = shells_.role[i];
+      const int sign = role == Role::kBuried ? 0 : role == Role::kCavity ? -1 : 1;
+      report_.volume_m3 += sign * std::abs(shells_.volume_m3[i]);
       if (!shells_.closed[i]) continue;
-      if ((shells_.volume_m3[i] < 0) != inside) add(Fault::kInsideOut, first[i]);
-      if (inside) add(Fault::kCavity, first[i]);
-      if (!inside && ++outer > 1) add(Fault::kSeveralShells, first[i]);
+      if (shells_.wound_wrongly(i)) add(Fault::kInsideOut, first[i]);
+      if (role == Role::kCavity) add(Fault::kCavity, first[i]);
+      if (role == Role::kBuried) add(Fault::kBuried, first[i]);
+      if (role == Role::kBody && ++outer > 1) add(Fault::kSeveralShells, first[i]);
     }
   }
 
@@ -169,7 +169,7 @@ class Diagnosis {
 
 }  // namespace
 
-SurfaceReport diagnose(const TriangleMesh& mesh) { return Diagnosis(mesh).run(); }
+SurfaceReport diagnose(const TriangleMesh& mesh, CavityRule rule) { return Diagnosis(mesh, rule).run(); }
 
 namespace {
 

@@ -5,6 +5,7 @@
 //   if (report.sound()) ...gmsh can fill it...
 #pragma once
 
+#include "engine/mesh/shells.h"
 #include "engine/mesh/surface_report.h"
 
 #include <array>
@@ -12,8 +13,8 @@
 
 namespace ringdown::mesh {
 
-// Node numbers must be in range and coordinates finite. O(T log T); shells are compared in O(shells T).
-SurfaceReport diagnose(const TriangleMesh& mesh);
+// Node numbers must be in range and coordinates finite. O(T log T), and what shells_of() takes.
+SurfaceReport diagnose(const TriangleMesh& mesh, CavityRule rule = CavityRule::kWoundTheOtherWay);
 
 // Where a surface cuts itself. [any thread]
 

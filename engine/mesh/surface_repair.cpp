@@ -1,8 +1,8 @@
 #include "engine/mesh/surface_repair.h"
 
 #include "engine/mesh/remesh.h"
-#include "engine/mesh/shells.h"
 #include "engine/mesh/surface_check.h"
+#include "engine/mesh/unite.h"
 
 #include <Eigen/Geometry>
 
@@ -23,8 +23,9 @@ namespace {
 // Each repair makes the next one possible. Walls and copies go first, because they put more than two triangles at an
 // edge. Flat triangles follow, because they hide the edges that their neighbours should share; fins, because they leave
 // free edges that would be taken for holes. Only then do neighbours agree well enough to turn flipped triangles and to
-// find the rims of holes. Closing holes may make new flat triangles. At last the surface is separated where parts of it
-// ran together, which needs its triangles consistent, and its shells are turned outward, which needs them closed.
+// find the rims of holes. Closing holes may make new flat triangles. Then shells are turned outward, which needs them
+// closed, and united where they run into each other, which needs them turned. At last the surface is separated where
+// parts of it still run together.
 //
 // Every step visits each triangle, edge and node a bounded number of times, and sorts them or looks them up in trees at
 // most; `steps_` counts the visits, so that a test can hold the repair to it.
@@ -66,7 +67,7 @@ class EdgeIndex {
 
 class SurfaceRepair {
  public:
-  explicit SurfaceRepair(const TriangleMesh& mesh) : mesh_(mesh) {}
+  SurfaceRepair(const TriangleMesh& mesh, CavityRule rule) : mesh_(mesh), rule_(rule) {}
 
   RepairedSurface run() {
     drop_repeated();
@@ -77,6 +78,8 @@ class SurfaceRepair {
     close_holes();
     flat_ += split_at_flats();
     say(flat_, "took out %d triangle%s without area");
+    turn_outward();
+    unite_bodies();
     drop_unused_nodes(mesh_);
     mesh_ = separate(mesh_);
     drop_scraps();
@@ -106,7 +109,7 @@ class SurfaceRepair {
   }
 
   void drop_repeated() {
-    drop_walls();
+    say(drop_walls(), "dropped %d triangle%s of walls inside");
     say(drop(duplicates_in(mesh_)), "dropped %d duplicated triangle%s");
     std::vector<bool> narrow(static_cast<std::size_t>(mesh_.triangles.rows()));
     for (std::size_t t = 0; t < narrow.size(); ++t) {
@@ -119,7 +122,7 @@ class SurfaceRepair {
   // Two triangles with the same corners that look away from each other separate nothing from nothing: they are a wall
   // inside, where two bodies were put together. Where most triangles come in such pairs, the body was given twice, once
   // inside out, and nothing is dropped.
-  void drop_walls() {
+  std::size_t drop_walls() {
     constexpr double kMaxWallShare = 0.4;
     std::map<std::array<std::int32_t, 3>, std::array<std::vector<std::size_t>, 2>> sides;
     for (Eigen::Index t = 0; t < mesh_.triangles.rows(); ++t) {
@@ -135,8 +138,7 @@ class SurfaceRepair {
       wall[both[0].front()] = wall[both[1].front()] = true;
     }
     const auto count = static_cast<double>(std::count(wall.begin(), wall.end(), true));
-    if (count > kMaxWallShare * static_cast<double>(wall.size())) return;
-    say(drop(wall), "dropped %d triangle%s of walls inside");
+    return count > kMaxWallShare * static_cast<double>(wall.size()) ? 0 : drop(wall);
   }
 
   [[nodiscard]] double side(Eigen::Index t, int i) const {
@@ -356,9 +358,13 @@ class SurfaceRepair {
   }
 
   void turn_outward() {
-    const Shells shells = shells_of(mesh_);
+    const Shells shells = shells_of(mesh_, rule_);
     std::vector<bool> wrong(shells.closed.size());
-    for (std::size_t s = 0; s < wrong.size(); ++s) wrong[s] = (shells.volume_m3[s] < 0) != (shells.depth[s] % 2 == 1);
+    constexpr double kBulge = 1e-3;  // of the volume of a cube of that side: open and flatter, it has no outside
+    for (std::size_t s = 0; s < wrong.size(); ++s) {
+      const bool bulges = std::abs(shells.volume_m3[s]) > kBulge * std::pow(shells.area_m2[s], 1.5);
+      wrong[s] = (shells.closed[s] || bulges) && shells.wound_wrongly(s);
+    }
     for (std::size_t t = 0; t < shells.shell.size(); ++t) {
       if (shells.shell[t] >= 0 && wrong[static_cast<std::size_t>(shells.shell[t])]) flip(t);
     }
@@ -366,20 +372,52 @@ class SurfaceRepair {
   }
   void say(std::ptrdiff_t count, const char* words) { say(static_cast<int>(count), words); }
 
+  // Rounding, and merging of points that are nearly one, may make triangles cut each other that did not, in places as
+  // small as the rounding. Uniting such a surface again mends most of them.
+  void unite_bodies() {
+    constexpr int kRounds = 3;
+    const auto bodies = [this] {
+      const Shells shells = shells_of(mesh_);
+      return std::pair(shells.count, std::count(shells.role.begin(), shells.role.end(), Role::kBuried));
+    };
+    const auto [before, buried] = bodies();
+    const std::size_t steps = steps_;  // arrange() has a cost of its own
+    bool united = false;
+    for (int round = 0; round < kRounds; ++round) {
+      if (self_intersections(mesh_, 1).empty() && (round > 0 || buried == 0)) break;
+      Result<TriangleMesh> skin = unite(mesh_);
+      if (!skin || skin->triangles.rows() == 0) break;
+      mesh_ = std::move(*skin);
+      drop_walls();
+      drop(duplicates_in(mesh_));
+      split_at_flats();
+      united = true;
+    }
+    steps_ = steps;
+    if (!united) return;
+    const int after = bodies().first;
+    if (after < before) {
+      actions_.push_back("united " + std::to_string(before) + " shells into " + std::to_string(after));
+    } else {
+      actions_.emplace_back("united the surface where it cuts itself");
+    }
+  }
+
   TriangleMesh mesh_;
+  CavityRule rule_;
   std::size_t flat_ = 0, steps_ = 0;
   std::vector<std::string> actions_;
 };
 
 }  // namespace
 
-RepairedSurface repair(const TriangleMesh& mesh) { return SurfaceRepair(mesh).run(); }
+RepairedSurface repair(const TriangleMesh& mesh, CavityRule rule) { return SurfaceRepair(mesh, rule).run(); }
 
-PreparedSurface prepare(const TriangleMesh& mesh) {
-  PreparedSurface prepared{.mesh = mesh, .found = diagnose(mesh), .left = {}, .actions = {}};
+PreparedSurface prepare(const TriangleMesh& mesh, CavityRule rule) {
+  PreparedSurface prepared{.mesh = mesh, .found = diagnose(mesh, rule), .left = {}, .actions = {}};
   prepared.left = prepared.found;
   if (prepared.found.sound()) return prepared;
-  RepairedSurface repaired = repair(mesh);
+  RepairedSurface repaired = repair(mesh, rule);
   if (repaired.mesh.triangles.rows() == 0) return prepared;
   SurfaceReport left = diagnose(repaired.mesh);
   const auto lost = [&](Fault fault) { return left.find(fault) && !prepared.found.find(fault); };

@@ -5,11 +5,12 @@
 // crowded edge by one side and are free at another) go; triangles turned against their neighbours are turned; holes are
 // closed: flat ones of any size, others of at most kMaxHole of the body's diagonal around; surfaces that run
 // together at a point or an edge are taken apart; open scraps beside a closed body go; each shell is turned outward,
-// those that lie in another inward, so that they become cavities.
+// cavities inward (shells.h); what runs into each other, cuts itself or lies in another body is united (unite.h).
 //
-// What cuts itself, and larger holes, stay: stuffing.h makes a body of such a surface.
+// Larger holes stay, and what still cuts itself: stuffing.h makes a body of such a surface.
 #pragma once
 
+#include "engine/mesh/shells.h"
 #include "engine/mesh/surface_report.h"
 
 #include <string>
@@ -28,9 +29,9 @@ struct RepairedSurface {
 // Node numbers must be in range and coordinates finite. Never fails: what it cannot mend stays as it is. O(T log T),
 // and for each hole of n edges what its triangulation costs: O(n^3) at the most up to kMaxExactHole edges (remesh.h),
 // about O(n log n) beyond.
-RepairedSurface repair(const TriangleMesh& mesh);
+RepairedSurface repair(const TriangleMesh& mesh, CavityRule rule = CavityRule::kWoundTheOtherWay);
 
 // Repaired where it is not sound, and looked at before and after.
-PreparedSurface prepare(const TriangleMesh& mesh);
+PreparedSurface prepare(const TriangleMesh& mesh, CavityRule rule = CavityRule::kWoundTheOtherWay);
 
 }  // namespace ringdown::mesh

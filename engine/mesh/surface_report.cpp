@@ -34,6 +34,8 @@ Words words_of(Fault fault) {
       return {"further separate shell", "further separate shells"};
     case Fault::kCavity:
       return {"cavity", "cavities"};
+    case Fault::kBuried:
+      return {"body inside another", "bodies inside others"};
     case Fault::kOverlap:
       return {"intersection between shells", "intersections between shells"};
     case Fault::kSheet:

@@ -20,6 +20,7 @@ enum class Fault {
   kInsideOut,         // a shell that is turned inward where it should be outward, or the other way about
   kSeveralShells,     // closed parts beside each other; harmless: they are pieces of one body
   kCavity,            // closed parts inside others; harmless: the body is hollow there
+  kBuried,            // closed parts inside others, wound as they are: bodies that add nothing
   kOverlap,           // shells that cut each other
   kSheet,             // open so wide that it encloses nothing
   kNoVolume,          // closed, but flat

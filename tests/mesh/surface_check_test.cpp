@@ -55,7 +55,10 @@ TEST(Diagnosis, TheDiagnosisTellsShellsApart) {
   EXPECT_EQ(count(test::united(block(), inner), Fault::kCavity), 1u);
   EXPECT_TRUE(mesh::diagnose(test::united(block(), inner)).sound());
   EXPECT_NEAR(mesh::diagnose(test::united(block(), inner)).volume_m3, 0.006 - 0.0005, 1e-12);
-  EXPECT_EQ(count(test::united(block(), test::inside_out(inner)), Fault::kInsideOut), 1u);
+  EXPECT_EQ(count(test::united(block(), test::inside_out(inner)), Fault::kBuried), 1u);
+  const mesh::SurfaceReport told =
+      mesh::diagnose(test::united(block(), test::inside_out(inner)), mesh::CavityRule::kInside);
+  EXPECT_TRUE(told.find(Fault::kInsideOut) && told.find(Fault::kCavity));
   EXPECT_EQ(count(test::united(block(), test::moved(block(), {1, 0, 0})), Fault::kSeveralShells), 1u);
   EXPECT_GT(count(test::united(block(), test::moved(block(), {0.1, 0.07, 0.03})), Fault::kOverlap), 0u);
   EXPECT_FALSE(mesh::diagnose(test::united(block(), test::moved(block(), {0.1, 0.07, 0.03}))).sound());

@@ -82,7 +82,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"suitesparse/", {}, 0},
     {"gmsh", {"engine/mesh/"}},
     {"assimp/", {"engine/mesh/"}, 1},
-    {"CGAL/", {"engine/mesh/"}, 3},
+    {"CGAL/", {"engine/mesh/"}, 4},
     {"meshoptimizer.h", {"engine/modal/meshopt_codec.cpp"}, 1},
     {"Eigen/",
      {"engine/mesh/", "engine/fem/", "engine/solve/", "engine/bake/", "engine/fit/"},

@@ -39,6 +39,7 @@ struct CheckRequest {
   std::filesystem::path file, output, materials;  // no output: nothing is written
   std::string material = "steel";
   std::optional<double> unit_m;
+  bool cavities = false;
 };
 
 void print_findings(const mesh::SurfaceReport& report) {
@@ -99,7 +100,7 @@ Result<void> check_mesh(const CheckRequest& request, const Progress& progress) {
   const Result<bake::MaterialEntry> material = bake::find_material(request.materials, request.material);
   if (!material) return fail(material.error());
   mesh::BodyReader reader(request.file);
-  const mesh::GmshOptions options{.unit_m = request.unit_m, .order = 1, .parameters = {}};
+  const mesh::GmshOptions options{.unit_m = request.unit_m, .order = 1, .cavities = request.cavities, .parameters = {}};
   std::printf("%s\n", request.file.c_str());
   if (reader.is_surface()) {
     const Result<const mesh::PreparedSurface*> surface = reader.surface(options, progress);
@@ -142,6 +143,7 @@ ExitCode run(int argc, char** argv) {
       ->type_name("FILE")
       ->required();
   verb->add_option("--unit", unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
+  verb->add_flag("--cavities", request.cavities, "shells inside others are cavities, however they are wound");
   verb->add_option("-m,--material", request.material, "the material that the mesh is chosen for (default steel)");
   verb->add_option("--materials", request.materials, "folder of materials (default: the presets')")
       ->type_name("FOLDER");
