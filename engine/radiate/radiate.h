@@ -1,0 +1,82 @@
+// The sound field of a vibrating body: for each mode what it radiates, by boundary elements. [worker]
+//
+// The body is a closed surface in unbounded air. Its modes are given as flow: at sample points on the surface the
+// integral of phi.n over the patch that the sample stands for. Integrals, not values, because the net flow of a mode
+// decides how loud it is while it is 1e-3 to 1e-5 of what flows back and forth.
+//
+//   radiate::Body body{.surface = skin, .flow = radiate::flow_of(skin, shapes), .frequency_hz = frequencies};
+//   Result<radiate::Radiation> radiation = radiate::solve(body, air, {.threads = 2});
+//   bank.radiation = radiation->maps;   radiation->modes[m].decay_per_s
+//
+// docs/how/radiation.md has the equations and how far the results can be trusted.
+#pragma once
+
+#include "engine/base/progress.h"
+#include "engine/base/result.h"
+#include "engine/mesh/tet_mesh.h"
+#include "engine/mesh/triangle_mesh.h"
+#include "engine/modal/radiation_map.h"
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+namespace ringdown::radiate {
+
+// How M modes push the air at N places of the surface.
+struct FlowSamples {
+  mesh::Points positions;  // N x 3 [m]
+  mesh::Points normals;    // N x 3, outward, of length 1: tell the two sides of a thin wall apart
+  Eigen::VectorXd areas;   // N [m^2], that the samples stand for
+  Eigen::MatrixXf
+      flow;  // N x M [m^2 kg^-1/2]: integral of phi.n over the patch; for a small patch phi.n times its area
+};
+
+// The flow of shapes that are linear on flat triangles: displacement[m] is V x 3 [kg^-1/2] at the nodes. Three samples
+// a triangle, exact in the integral; triangles with sides longer than `most_edge_m` are divided first (0: none is).
+FlowSamples flow_of(const mesh::TriangleMesh& surface, const std::vector<Eigen::MatrixX3d>& displacement,
+                    double most_edge_m = 0);
+
+struct Body {
+  mesh::TriangleMesh surface;        // closed; may be of several closed pieces; finer than the waves it radiates
+  FlowSamples flow;                  // of M modes, about as dense as the surface's triangles
+  std::vector<double> frequency_hz;  // M
+};
+
+struct Options {
+  int threads = 0;               // 0: $RINGDOWN_THREADS, or all processors; results do not depend on it
+  Progress progress;             // called from one thread at a time; false stops
+  double panels_per_wave = 3.5;  // edges of triangles per wavelength, at least
+  int most_unknowns = 12000;  // nodes of the finest surface; one wavenumber takes 8 bytes times the square, per thread
+  double range_octaves = 1;   // levels are given this far below and, up to the highest mode, above a mode's own k
+};
+
+// What one mode radiates, and how well that is known.
+struct RadiatedMode {
+  double power_w = 0;      // at a modal velocity of amplitude 1 kg^1/2 m/s
+  double decay_per_s = 0;  // of its amplitude, by radiation alone
+  double relative_db = 0;  // power over that of a pulsating sphere of the same area and mean square velocity
+  double error_db = 0;     // what is claimed: the largest of the three below
+  double balance_db = 0;   // power through the surface against that in the far field, in the worst case
+  double source_db = 0;    // error for a source inside the body, whose exterior field is known, near this wavenumber
+  double coarser_db = 0;   // change of the power from a surface of coarser triangles
+  std::string reason;      // why error_db is above what is wanted (wanted_error_db); empty when it is not
+};
+
+// At most this much for a mode that radiates better than 60 dB below a pulsating sphere, else 3 dB.
+inline double wanted_error_db(double relative_db) { return relative_db > -60 ? 0.5 : 3; }
+
+struct Radiation {
+  modal::RadiationMaps maps;        // of M modes
+  std::vector<RadiatedMode> modes;  // M
+  int largest_unknowns = 0;         // of the finest surface
+  int factorizations = 0;
+};
+
+// Fails when the surface is not closed or turned inside out, when sizes do not agree (bad_input), when memory does not
+// suffice (no_memory), or with ErrorKind::cancelled. A mode that cannot be resolved by `most_unknowns` is no failure:
+// its error and reason say so. About 2 minutes of one core for a bell of 20 cm up to 20 kHz.
+Result<Radiation> solve(const Body& body, const modal::Air& air, const Options& options = {});
+
+}  // namespace ringdown::radiate
