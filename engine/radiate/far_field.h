@@ -1,0 +1,36 @@
+// What a layer on the surface sends far away. [worker]
+#pragma once
+
+#include "engine/radiate/panels.h"
+
+#include <Eigen/Core>
+
+#include <complex>
+#include <span>
+#include <vector>
+
+namespace ringdown::radiate {
+
+// Directions over the sphere with weights that integrate products of two harmonics up to `degree` exactly.
+struct Directions {
+  int degree = 0;
+  mesh::Points units;       // D x 3, of length 1
+  Eigen::VectorXd weights;  // D, which add up to 4 pi
+};
+Directions directions_for(int degree);
+
+// The degree beyond which a body of this radius about the origin sends out nothing that counts: what lies beyond
+// falls like (k radius / degree)^degree.
+int degree_for(double wavenumber_rad_m, double radius_m);
+
+// F of layers mu (V x M) towards the directions, D x M:
+//
+//   F(d) = 1 / (4 pi) * integral of mu (-ik n.d - i eta) exp(-ik (y - origin).d) dS
+Eigen::MatrixXcd far_fields(const Panels& panels, const Eigen::Vector3d& origin, double wavenumber_rad_m,
+                            const std::vector<double>& coupling, const Directions& directions,
+                            const Eigen::MatrixXcd& layers);
+
+// The coefficients of harmonics up to directions.degree, (degree + 1)^2 x M.
+Eigen::MatrixXcd harmonics_of(const Directions& directions, const Eigen::MatrixXcd& fields);
+
+}  // namespace ringdown::radiate

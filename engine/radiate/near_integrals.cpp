@@ -1,0 +1,216 @@
+#include "engine/radiate/near_integrals.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace ringdown::radiate {
+
+// Let rho be the point's foot in the triangle's plane and d its height. An edge from a to b with tangent l and outward
+// normal u in the plane has s = (end - rho).l at its ends, t = (end - rho).u, and R at its ends. With
+//
+//   f = integral along the edge of 1/R = ln((R_b + s_b) / (R_a + s_a))
+//   beta = atan(t s_b / (R0^2 + |d| R_b)) - atan(t s_a / (R0^2 + |d| R_a)),    R0^2 = t^2 + d^2
+//
+// summed over the edges: integral of 1/R = sum of t f - |d| beta, that of d/R^3 = sign(d) sum of beta, that of
+// (y - rho)/R = 1/2 sum of u (R0^2 f + s_b R_b - s_a R_a), and by Gauss's theorem that of hat (y - rho)/R^3 =
+// gradient(hat) * (integral of 1/R) - sum of u * (integral of hat/R along the edge).
+TrianglePotential potential_of(const Panels& panels, int triangle, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d& n = panels.normals[triangle];
+  const std::array<Eigen::Vector3d, 3> p = {panels.corner(triangle, 0), panels.corner(triangle, 1),
+                                            panels.corner(triangle, 2)};
+  const double scale = std::sqrt(panels.areas[triangle]);
+  const double d = (point - p[0]).dot(n), height = std::abs(d);
+  const Eigen::Vector3d foot = point - d * n;
+  double inverse = 0, angle = 0;  // the integrals of 1/R and of |d|/R^3
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero(), rim = Eigen::Vector3d::Zero();
+  std::array<Eigen::Vector3d, 3> hat_rim = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  for (int e = 0; e < 3; ++e) {
+    const int from = e, to = (e + 1) % 3;
+    Eigen::Vector3d along = p[to] - p[from];
+    const double length = along.norm();
+    along /= length;
+    const Eigen::Vector3d outward = along.cross(n);
+    const double sa = (p[from] - foot).dot(along), sb = (p[to] - foot).dot(along), t = (p[from] - foot).dot(outward);
+    const double r0 = t * t + d * d, ra = std::sqrt(r0 + sa * sa), rb = std::sqrt(r0 + sb * sb);
+    double f = 0;
+    if (r0 > 1e-24 * scale * scale) {  // ln by the form that does not cancel
+      f = sa > 0 ? std::log((rb + sb) / (ra + sa)) : sb < 0 ? std::log((ra - sa) / (rb - sb))
+                                                           : std::log((rb + sb) * (ra - sa) / r0);
+    } else if (sa * sb > 0) {
+      f = std::abs(std::log(sb / sa));
+    }
+    const double beta =
+        std::atan2(t * sb, r0 + height * rb) - std::atan2(t * sa, r0 + height * ra);
+    inverse += t * f;
+    angle += beta;
+    moment += outward * (0.5 * (r0 * f + sb * rb - sa * ra));
+    rim += outward * f;
+    const double at_start = -sa / length;  // of the edge, where the foot of the point falls
+    hat_rim[from] += outward * ((1 - at_start) * f - (rb - ra) / length);
+    hat_rim[to] += outward * (at_start * f + (rb - ra) / length);
+  }
+  inverse -= height * angle;
+  const double side = d > 0 ? 1 : d < 0 ? -1 : 0;
+  TrianglePotential potential;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d slope = panels.curls[triangle][i].cross(n);  // the hat's gradient: curl = n x gradient
+    const double at_foot = 1 + slope.dot(foot - p[i]);
+    potential.value[i] = at_foot * inverse + slope.dot(moment);
+    const double normal_part = at_foot * side * angle - d * slope.dot(rim);
+    potential.gradient[i] = slope * inverse - hat_rim[i] - n * normal_part;
+  }
+  return potential;
+}
+
+namespace {
+
+struct OuterPoint {
+  std::array<double, 3> at;  // barycentric
+  double weight;             // of the area
+};
+
+// Seven points, exact to degree 5: Radon, 1948.
+std::vector<OuterPoint> seven_points() {
+  const double root = std::sqrt(15.0), a = (6 - root) / 21, b = (6 + root) / 21;
+  const double wa = (155 - root) / 1200, wb = (155 + root) / 1200;
+  return {{{1 / 3.0, 1 / 3.0, 1 / 3.0}, 9 / 40.0}, {{a, a, 1 - 2 * a}, wa}, {{a, 1 - 2 * a, a}, wa},
+          {{1 - 2 * a, a, a}, wa},                 {{b, b, 1 - 2 * b}, wb}, {{b, 1 - 2 * b, b}, wb},
+          {{1 - 2 * b, b, b}, wb}};
+}
+
+// The rule above on each of the four triangles that the middles of the sides make.
+std::vector<OuterPoint> divided(const std::vector<OuterPoint>& rule) {
+  const double h = 0.5;
+  const double corners[4][3][3] = {{{1, 0, 0}, {h, h, 0}, {h, 0, h}},
+                                   {{h, h, 0}, {0, 1, 0}, {0, h, h}},
+                                   {{h, 0, h}, {0, h, h}, {0, 0, 1}},
+                                   {{h, h, 0}, {0, h, h}, {h, 0, h}}};
+  std::vector<OuterPoint> points;
+  for (const auto& part : corners) {
+    for (const OuterPoint& point : rule) {
+      OuterPoint inside{{0, 0, 0}, point.weight / 4};
+      for (int c = 0; c < 3; ++c) {
+        for (int i = 0; i < 3; ++i) inside.at[i] += point.at[c] * part[c][i];
+      }
+      points.push_back(inside);
+    }
+  }
+  return points;
+}
+
+// For each triangle the triangles near it, by a grid of cells as wide as the search.
+class NearbyTriangles {
+ public:
+  explicit NearbyTriangles(const Panels& panels) : panels_(panels) {
+    for (int t = 0; t < panels.triangle_count(); ++t) longest_.push_back(panels.longest_side(t));
+    cell_ = kNearSides * *std::max_element(longest_.begin(), longest_.end());
+    for (int t = 0; t < panels.triangle_count(); ++t) cells_[cell_of(panels.centers[t])].push_back(t);
+  }
+  template <class Visit>
+  void visit(int triangle, const Visit& visit) const {
+    const auto middle = cell_of(panels_.centers[triangle]);
+    for (int n = 0; n < 27; ++n) {
+      const auto found = cells_.find({middle[0] + n % 3 - 1, middle[1] + n / 3 % 3 - 1, middle[2] + n / 9 - 1});
+      if (found == cells_.end()) continue;
+      for (const int other : found->second) {
+        const double reach = kNearSides * std::max(longest_[triangle], longest_[other]);
+        if ((panels_.centers[other] - panels_.centers[triangle]).squaredNorm() < reach * reach) visit(other);
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] std::array<int, 3> cell_of(const Eigen::Vector3d& at) const {
+    return {static_cast<int>(std::floor(at[0] / cell_)), static_cast<int>(std::floor(at[1] / cell_)),
+            static_cast<int>(std::floor(at[2] / cell_))};
+  }
+  const Panels& panels_;
+  double cell_ = 1;
+  std::vector<double> longest_;
+  std::map<std::array<int, 3>, std::vector<int>> cells_;
+};
+
+struct PairIntegrals {
+  double constant = 0;           // of 1/R
+  Eigen::Matrix3d hats, slopes;  // of hat(x) hat(y)/R, of hat(x) hat(y) d/dn(x) 1/R
+};
+
+void add_exact(const Panels& panels, int x, int y, const std::vector<OuterPoint>& rule, PairIntegrals& sum) {
+  for (const OuterPoint& point : rule) {
+    const Eigen::Vector3d at =
+        point.at[0] * panels.corner(x, 0) + point.at[1] * panels.corner(x, 1) + point.at[2] * panels.corner(x, 2);
+    const TrianglePotential potential = potential_of(panels, y, at);
+    const double weight = point.weight * panels.areas[x];
+    sum.constant += weight * (potential.value[0] + potential.value[1] + potential.value[2]);
+    for (int j = 0; j < 3; ++j) {
+      const double slope = x == y ? 0 : potential.gradient[j].dot(panels.normals[x]);
+      for (int i = 0; i < 3; ++i) {
+        sum.hats(i, j) += weight * point.at[i] * potential.value[j];
+        sum.slopes(i, j) += weight * point.at[i] * slope;
+      }
+    }
+  }
+}
+
+void subtract_middles(const Panels& panels, int x, int y, PairIntegrals& sum) {
+  const double weight = panels.areas[x] * panels.areas[y] / 9;
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) {
+      const int side_x = panels.sides_of[x][a], side_y = panels.sides_of[y][b];
+      if (side_x == side_y) continue;
+      const Eigen::Vector3d between = panels.sides[side_x].middle - panels.sides[side_y].middle;
+      const double r = between.norm(), slope = -between.dot(panels.normals[x]) / (r * r * r);
+      sum.constant -= weight / r;
+      for (int i = 0; i < 3; ++i) {
+        if (i == a) continue;  // the hat of the corner opposite of a side is 0 on it, the others are 1/2
+        for (int j = 0; j < 3; ++j) {
+          if (j == b) continue;
+          sum.hats(i, j) -= 0.25 * weight / r;
+          sum.slopes(i, j) -= 0.25 * weight * slope;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+NearIntegrals near_integrals(const Panels& panels) {
+  const std::vector<OuterPoint> rule = seven_points(), fine = divided(rule);
+  const NearbyTriangles nearby(panels);
+  std::vector<Eigen::Triplet<float>> curls, normals, slopes;
+  for (int x = 0; x < panels.triangle_count(); ++x) {
+    const double longest = panels.longest_side(x);
+    nearby.visit(x, [&](int y) {
+      PairIntegrals pair;
+      pair.hats.setZero();
+      pair.slopes.setZero();
+      const bool close = (panels.centers[x] - panels.centers[y]).norm() < 0.7 * longest;
+      add_exact(panels, x, y, close ? fine : rule, pair);
+      subtract_middles(panels, x, y, pair);
+      const double over = 1 / (4 * std::numbers::pi), across = panels.normals[x].dot(panels.normals[y]);
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+          const int row = panels.corners[x][i], column = panels.corners[y][j];
+          const double curl = panels.curls[x][i].dot(panels.curls[y][j]);
+          curls.emplace_back(row, column, static_cast<float>(over * curl * pair.constant));
+          normals.emplace_back(row, column, static_cast<float>(over * across * pair.hats(i, j)));
+          slopes.emplace_back(row, column, static_cast<float>(over * pair.slopes(i, j)));
+        }
+      }
+    });
+  }
+  NearIntegrals near;
+  const int n = panels.node_count();
+  for (auto [matrix, entries] : {std::pair(&near.curls, &curls), {&near.normals, &normals}, {&near.slopes, &slopes}}) {
+    matrix->resize(n, n);
+    matrix->setFromTriplets(entries->begin(), entries->end());
+  }
+  return near;
+}
+
+}  // namespace ringdown::radiate

@@ -1,0 +1,240 @@
+#include "engine/radiate/skin.h"
+
+#include "engine/radiate/retile.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <numeric>
+
+namespace ringdown::radiate {
+namespace {
+
+constexpr int kMostWallTriangles = 4000;
+
+mesh::TriangleMesh mesh_of(const Panels& panels) {
+  mesh::TriangleMesh mesh;
+  mesh.nodes = panels.nodes;
+  mesh.triangles.resize(panels.triangle_count(), 3);
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    mesh.triangles.row(t) << panels.corners[t][0], panels.corners[t][1], panels.corners[t][2];
+  }
+  return mesh;
+}
+
+// The side of equal triangles of which `count` make up the area.
+double side_for(double area, double count) { return std::sqrt(area / count * 4 / std::sqrt(3.0)); }
+
+// How far a ray from the middle of a triangle straight inward comes. (Moeller & Trumbore 1997.)
+double way_inward(const Panels& panels, int from) {
+  const Eigen::Vector3d& start = panels.centers[from];
+  const Eigen::Vector3d way = -panels.normals[from];
+  double shortest = std::numeric_limits<double>::infinity();
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    if (t == from || panels.normals[t].dot(way) <= 0) continue;
+    const Eigen::Vector3d a = panels.corner(t, 0), e1 = panels.corner(t, 1) - a, e2 = panels.corner(t, 2) - a;
+    const Eigen::Vector3d p = way.cross(e2), s = start - a, q = s.cross(e1);
+    const double determinant = e1.dot(p), u = s.dot(p) / determinant, v = way.dot(q) / determinant;
+    const double distance = e2.dot(q) / determinant;
+    if (u >= 0 && v >= 0 && u + v <= 1 && distance > 0) shortest = std::min(shortest, distance);
+  }
+  return std::isfinite(shortest) ? shortest : std::cbrt(std::abs(panels.volume()));
+}
+
+std::vector<Eigen::Vector3d> node_normals(const Panels& panels) {
+  std::vector<Eigen::Vector3d> normals(panels.node_count(), Eigen::Vector3d::Zero());
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    for (const int n : panels.corners[t]) normals[n] += panels.areas[t] * panels.normals[t];
+  }
+  for (auto& normal : normals) normal.normalize();
+  return normals;
+}
+
+// Nodes whose triangles all lie within 40 degrees of their mean.
+std::vector<bool> smooth_nodes(const Panels& panels, const std::vector<Eigen::Vector3d>& normals) {
+  std::vector<bool> smooth(panels.node_count(), true);
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    for (const int n : panels.corners[t]) smooth[n] = smooth[n] && normals[n].dot(panels.normals[t]) > 0.766;
+  }
+  return smooth;
+}
+
+void keep_volume(const Original& original, const Panels& panels, mesh::TriangleMesh& mesh) {
+  const std::vector<Eigen::Vector3d> normals = node_normals(panels);
+  const std::vector<bool> smooth = smooth_nodes(panels, normals);
+  std::vector<double> gap(panels.node_count(), 0), weight(panels.node_count(), 0);
+  for (const Side& side : panels.sides) {
+    const Eigen::Vector3d &left = panels.normals[side.triangles[0]], &right = panels.normals[side.triangles[1]];
+    const Eigen::Vector3d normal = (left + right).normalized();
+    const double area = panels.areas[side.triangles[0]] + panels.areas[side.triangles[1]];
+    const SurfacePlace place = original.search->nearest(side.middle, normal);
+    const double most = 0.3 * (panels.nodes.row(side.nodes[0]) - panels.nodes.row(side.nodes[1])).norm();
+    double here = (place.at - side.middle).dot(normal);
+    if (left.dot(right) < 0.766 || std::abs(here) > most) here = 0;
+    for (int i = 0; i < 2; ++i) {
+      gap[side.nodes[i]] += area * here;
+      weight[side.nodes[i]] += area;
+    }
+  }
+  for (int n = 0; n < panels.node_count(); ++n) {
+    if (smooth[n] && weight[n] > 0) mesh.nodes.row(n) += gap[n] / weight[n] * normals[n].transpose();
+  }
+}
+
+void share_flow(const FlowSamples& samples, Skin& skin) {
+  const SurfaceSearch search(skin.panels);
+  const Eigen::Index modes = samples.flow.cols();
+  Eigen::MatrixXf by_mode = Eigen::MatrixXf::Zero(modes, skin.panels.node_count());  // a sample's modes lie together
+  const Eigen::MatrixXf flow = samples.flow.transpose();
+  for (Eigen::Index s = 0; s < samples.positions.rows(); ++s) {
+    const SurfacePlace place = search.nearest(samples.positions.row(s).transpose(), samples.normals.row(s).transpose());
+    for (int i = 0; i < 3; ++i) {
+      by_mode.col(skin.panels.corners[place.triangle][i]) += static_cast<float>(place.weights[i]) * flow.col(s);
+    }
+  }
+  skin.flow = by_mode.transpose();
+}
+
+void add_source(const Eigen::Vector3d& inside, double k, const Eigen::Vector3d& normal, double area,
+                const std::array<Eigen::Vector3d, 3>& corners, const std::array<std::array<double, 3>, 3>& hats,
+                int depth, std::array<std::complex<double>, 3>& sums) {
+  const Eigen::Vector3d center = (corners[0] + corners[1] + corners[2]) / 3;
+  double longest = 0;
+  for (int i = 0; i < 3; ++i) longest = std::max(longest, (corners[i] - corners[(i + 1) % 3]).norm());
+  const bool divide = depth < 10 && longest > 0.4 * (center - inside).norm();
+  std::array<Eigen::Vector3d, 3> middles;
+  std::array<std::array<double, 3>, 3> at_middles{};
+  for (int e = 0; e < 3; ++e) {  // opposite of corner e
+    middles[e] = (corners[(e + 1) % 3] + corners[(e + 2) % 3]) / 2;
+    for (int i = 0; i < 3; ++i) at_middles[e][i] = (hats[(e + 1) % 3][i] + hats[(e + 2) % 3][i]) / 2;
+  }
+  if (divide) {
+    for (int c = 0; c < 3; ++c) {
+      const int n = (c + 1) % 3, p = (c + 2) % 3;
+      add_source(inside, k, normal, area / 4, {corners[c], middles[p], middles[n]}, {hats[c], at_middles[p], at_middles[n]},
+                 depth + 1, sums);
+    }
+    add_source(inside, k, normal, area / 4, middles, at_middles, depth + 1, sums);
+    return;
+  }
+  for (int e = 0; e < 3; ++e) {
+    const Eigen::Vector3d away = middles[e] - inside;
+    const double r = away.norm();
+    const std::complex<double> wave = std::polar(1 / (4 * std::numbers::pi * r), k * r);
+    const std::complex<double> flow = wave * std::complex<double>(-1 / r, k) * away.dot(normal) / r;
+    for (int i = 0; i < 3; ++i) sums[i] += area / 3 * at_middles[e][i] * flow;
+  }
+}
+
+}  // namespace
+
+Result<Original> Original::of(const Body& body) {
+  auto panels = panels_of(body.surface);
+  if (!panels) return fail(panels.error());
+  if (panels->volume() <= 0) return fail(ErrorKind::bad_input, "the surface is turned inside out");
+  Original original;
+  original.body = &body;
+  original.panels = std::make_shared<const Panels>(std::move(*panels));
+  original.search = std::make_shared<const SurfaceSearch>(*original.panels);
+  original.walls = original.panels;
+  if (original.panels->triangle_count() > kMostWallTriangles) {
+    auto coarse = panels_of(retile(mesh_of(*original.panels), side_for(original.panels->area(), kMostWallTriangles / 2.0)));
+    if (!coarse) return fail(coarse.error());
+    original.walls = std::make_shared<const Panels>(std::move(*coarse));
+  }
+  original.wall_search = std::make_shared<const SurfaceSearch>(*original.walls);
+  for (int t = 0; t < original.walls->triangle_count(); ++t) {
+    original.thickness_m.push_back(way_inward(*original.walls, t));
+  }
+  return original;
+}
+
+Result<Skin> skin_of(const Original& original, double side_m) {
+  mesh::TriangleMesh mesh = retile(mesh_of(*original.panels), side_m);
+  auto flat = panels_of(mesh);
+  if (!flat) return fail(flat.error());
+  mesh = mesh_of(*flat);
+  keep_volume(original, *flat, mesh);
+  auto panels = panels_of(mesh);
+  if (!panels) return fail(panels.error());
+  Skin skin;
+  skin.panels = std::move(*panels);
+  skin.side_m = side_m;
+  skin.near = near_integrals(skin.panels);
+  const std::vector<Eigen::Vector3d> normals = node_normals(skin.panels);
+  for (int n = 0; n < skin.panels.node_count(); ++n) {
+    const SurfacePlace place = original.wall_search->nearest(skin.panels.nodes.row(n).transpose(), normals[n]);
+    skin.thickness_m.push_back(original.thickness_m[place.triangle]);
+  }
+  share_flow(original.body->flow, skin);
+  return skin;
+}
+
+std::vector<double> coupling_of(const Skin& skin, double wavenumber_rad_m) {
+  std::vector<double> coupling;
+  for (const double thickness : skin.thickness_m) {
+    coupling.push_back(wavenumber_rad_m * std::min(1.0, wavenumber_rad_m * thickness));
+  }
+  return coupling;
+}
+
+std::vector<double> shape_wavenumbers(const Skin& skin) {
+  const Panels& panels = skin.panels;
+  const Eigen::Index modes = skin.flow.cols();
+  Eigen::VectorXf mass = Eigen::VectorXf::Zero(panels.node_count());
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    for (const int n : panels.corners[t]) mass[n] += static_cast<float>(panels.areas[t] / 3);
+  }
+  const Eigen::MatrixXf motion = mass.cwiseInverse().asDiagonal() * skin.flow;  // V x M
+  const std::vector<bool> smooth = smooth_nodes(panels, node_normals(panels));
+  Eigen::VectorXd slopes = Eigen::VectorXd::Zero(modes), squares = slopes;
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    const auto& corners = panels.corners[t];
+    if (!smooth[corners[0]] || !smooth[corners[1]] || !smooth[corners[2]]) continue;
+    for (Eigen::Index m = 0; m < modes; ++m) {
+      Eigen::Vector3d slope = Eigen::Vector3d::Zero();
+      double square = 0;
+      for (int i = 0; i < 3; ++i) {
+        slope += static_cast<double>(motion(corners[i], m)) * panels.curls[t][i];
+        square += static_cast<double>(motion(corners[i], m)) * motion(corners[i], m) / 3;
+      }
+      slopes[m] += panels.areas[t] * slope.squaredNorm();
+      squares[m] += panels.areas[t] * square;
+    }
+  }
+  std::vector<double> wavenumbers;
+  for (Eigen::Index m = 0; m < modes; ++m) {
+    wavenumbers.push_back(squares[m] > 0 ? std::sqrt(slopes[m] / squares[m]) : 0);
+  }
+  return wavenumbers;
+}
+
+Eigen::VectorXcf source_flow(const Panels& panels, const Eigen::Vector3d& inside, double wavenumber_rad_m) {
+  Eigen::VectorXcd flow = Eigen::VectorXcd::Zero(panels.node_count());
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    std::array<std::complex<double>, 3> sums{};
+    add_source(inside, wavenumber_rad_m, panels.normals[t], panels.areas[t],
+               {panels.corner(t, 0), panels.corner(t, 1), panels.corner(t, 2)}, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, 0, sums);
+    for (int i = 0; i < 3; ++i) flow[panels.corners[t][i]] += sums[i];
+  }
+  return flow.cast<std::complex<float>>();
+}
+
+std::vector<Eigen::Vector3d> inner_places(const Original& original) {
+  const Panels& walls = *original.walls;
+  std::vector<int> order(walls.triangle_count());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return original.thickness_m[a] < original.thickness_m[b]; });
+  std::vector<Eigen::Vector3d> places;
+  for (const int t : {order.back(), order[order.size() / 2]}) {
+    places.emplace_back(walls.centers[t] - original.thickness_m[t] / 2 * walls.normals[t]);
+  }
+  return places;
+}
+
+}  // namespace ringdown::radiate

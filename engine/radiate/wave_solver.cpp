@@ -1,0 +1,113 @@
+#include "engine/radiate/wave_solver.h"
+
+#include <cmath>
+#include <complex>
+#include <utility>
+
+extern "C" {
+void cgetrf_(const int* rows, const int* columns, std::complex<float>* matrix, const int* stride, int* pivots,
+             int* info);
+void cgetrs_(const char* transposed, const int* size, const int* columns, const std::complex<float>* matrix,
+             const int* stride, const int* pivots, std::complex<float>* right, const int* right_stride, int* info);
+}
+
+namespace ringdown::radiate {
+namespace {
+
+// One right-hand side of GMRES (Saad & Schultz 1986) of the preconditioned system. The Hessenberg matrix becomes a
+// triangle by one rotation for each step, and the residual is what is left of the right-hand side below it.
+struct Krylov {
+  using Complex = std::complex<double>;
+  std::vector<Eigen::VectorXcf> basis;
+  Eigen::MatrixXcd triangle;
+  Eigen::VectorXcd right;
+  std::vector<std::pair<double, Complex>> rotations;  // cosine and sine
+  double first = 0;
+  bool done = false;
+
+  explicit Krylov(int most_steps)
+      : triangle(Eigen::MatrixXcd::Zero(most_steps + 1, most_steps)), right(Eigen::VectorXcd::Zero(most_steps + 1)) {}
+  void start(const Eigen::VectorXcf& from) {
+    first = from.norm();
+    done = first == 0;
+    right[0] = first;
+    if (!done) basis.emplace_back(from / static_cast<float>(first));
+  }
+  void take(Eigen::VectorXcf next) {
+    const int step = static_cast<int>(rotations.size());
+    for (int l = 0; l <= step; ++l) {
+      const std::complex<float> along = basis[l].dot(next);
+      triangle(l, step) = Complex(along);
+      next -= along * basis[l];
+    }
+    const double norm = next.norm();
+    for (int l = 0; l < step; ++l) rotate(rotations[l], triangle(l, step), triangle(l + 1, step));
+    const Complex above = triangle(step, step);
+    const double length = std::hypot(std::abs(above), norm);
+    const Complex phase = std::abs(above) > 0 ? above / std::abs(above) : Complex(1);
+    rotations.emplace_back(std::abs(above) / length, phase * norm / length);
+    triangle(step, step) = phase * length;
+    rotate(rotations.back(), right[step], right[step + 1]);
+    done = std::abs(right[step + 1]) <= kResidual * first || norm == 0;
+    basis.emplace_back(norm > 0 ? Eigen::VectorXcf(next / static_cast<float>(norm)) : next);
+  }
+  static void rotate(const std::pair<double, Complex>& rotation, Complex& above, Complex& below) {
+    const Complex old = above;
+    above = rotation.first * above + rotation.second * below;
+    below = rotation.first * below - std::conj(rotation.second) * old;
+  }
+  [[nodiscard]] Eigen::VectorXcf solution(Eigen::Index size) const {
+    Eigen::VectorXcf sum = Eigen::VectorXcf::Zero(size);
+    const auto steps = static_cast<Eigen::Index>(rotations.size());
+    if (steps == 0) return sum;
+    const Eigen::VectorXcd weights =
+        triangle.topLeftCorner(steps, steps).triangularView<Eigen::Upper>().solve(right.head(steps));
+    for (Eigen::Index l = 0; l < steps; ++l) sum += std::complex<float>(weights[l]) * basis[l];
+    return sum;
+  }
+};
+
+}  // namespace
+
+// LAPACK counts by columns and so sees the transposed matrix.
+Elimination::Elimination(ComplexMatrix matrix) : factors_(std::move(matrix)), pivots_(factors_.rows()) {
+  const int size = static_cast<int>(factors_.rows());
+  int info = 0;  // above 0: a pivot is exactly 0, which rounding forbids
+  cgetrf_(&size, &size, factors_.data(), &size, pivots_.data(), &info);
+}
+
+Eigen::MatrixXcf Elimination::solve(Eigen::MatrixXcf right) const {
+  const int size = static_cast<int>(factors_.rows()), columns = static_cast<int>(right.cols());
+  int info = 0;
+  cgetrs_("T", &size, &columns, factors_.data(), &size, pivots_.data(), right.data(), &size, &info);
+  return right;
+}
+
+Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, const Elimination* near,
+                         int most_steps, const std::function<bool()>& go_on) {
+  const Eigen::VectorXcf scale = matrix.diagonal().cwiseInverse();
+  const auto precondition = [&](Eigen::MatrixXcf columns) -> Eigen::MatrixXcf {
+    if (near != nullptr) return near->solve(std::move(columns));
+    return scale.asDiagonal() * columns;
+  };
+  const Eigen::MatrixXcf right = precondition(flow);
+  std::vector<Krylov> columns(flow.cols(), Krylov(most_steps));
+  for (Eigen::Index m = 0; m < flow.cols(); ++m) columns[m].start(right.col(m));
+  for (int step = 0;; ++step) {
+    std::vector<Eigen::Index> active;
+    for (Eigen::Index m = 0; m < flow.cols(); ++m) {
+      if (!columns[m].done) active.push_back(m);
+    }
+    if (active.empty()) break;
+    if (step == most_steps || !go_on()) return {};
+    Eigen::MatrixXcf last(flow.rows(), static_cast<Eigen::Index>(active.size()));
+    for (Eigen::Index a = 0; a < last.cols(); ++a) last.col(a) = columns[active[a]].basis.back();
+    const Eigen::MatrixXcf next = precondition(matrix * last);
+    for (Eigen::Index a = 0; a < last.cols(); ++a) columns[active[a]].take(next.col(a));
+  }
+  Eigen::MatrixXcf layers(flow.rows(), flow.cols());
+  for (Eigen::Index m = 0; m < flow.cols(); ++m) layers.col(m) = columns[m].solution(flow.rows());
+  return layers;
+}
+
+}  // namespace ringdown::radiate
