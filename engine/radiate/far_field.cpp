@@ -79,8 +79,8 @@ void fill_waves(const float* x, const float* y, const float* z, Eigen::Index pla
   }
 }
 
-// For each side three parts of the dipole and one of the simple source of every layer, from the mean of the side's ends:
-// rows beyond the sides are 0.
+// For each side three parts of the dipole and one of the simple source of every layer, from the mean of the side's
+// ends: rows beyond the sides are 0.
 Eigen::MatrixXcd sources_of(const Panels& panels, double k, const std::vector<double>& coupling,
                             const Eigen::MatrixXcd& layers, Eigen::Index rows) {
   const std::complex<double> i(0, 1);
@@ -121,7 +121,8 @@ Eigen::MatrixXcd sum_waves(const Eigen::MatrixXd& places, double k, const Direct
       const Eigen::Vector3d way = k * directions.units.row(first + d).transpose();
       if constexpr (std::is_same_v<Scalar, float>) {
         fill_waves(single.col(0).data(), single.col(1).data(), single.col(2).data(), places.rows(),
-                   static_cast<float>(way[0]), static_cast<float>(way[1]), static_cast<float>(way[2]), waves.col(d).data());
+                   static_cast<float>(way[0]), static_cast<float>(way[1]), static_cast<float>(way[2]),
+                   waves.col(d).data());
       } else {
         const Eigen::ArrayXd phase = -(places * way).array();
         waves.col(d).real() = phase.cos();
@@ -168,7 +169,8 @@ Eigen::MatrixXcd harmonics_of(const Directions& directions, const Eigen::MatrixX
                             std::span(values.col(d).data(), static_cast<std::size_t>(count)));
     }
     const Eigen::MatrixXd at = values.leftCols(size).cast<double>();
-    const Eigen::MatrixXcd weighted = directions.weights.segment(first, size).asDiagonal() * fields.middleRows(first, size);
+    const Eigen::MatrixXcd weighted =
+        directions.weights.segment(first, size).asDiagonal() * fields.middleRows(first, size);
     const Eigen::MatrixXd re = at * weighted.real(), im = at * weighted.imag();
     sums.real() += re;
     sums.imag() += im;

@@ -3,7 +3,8 @@
 // RINGDOWN_CLONES compiles a function for several instruction sets; the loader chooses the one that this computer has.
 #pragma once
 
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && defined(__GNUC__) && !defined(__clang__)
+#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && defined(__GNUC__) && \
+    !defined(__clang__)
 #define RINGDOWN_CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 #else
 #define RINGDOWN_CLONES
@@ -19,8 +20,8 @@ struct alignas(64) Complexes {
   Lanes re, im;
 };
 
-// exp(i x) for x from 0 to some 10,000: x is taken to the nearest multiple of pi/2, which is subtracted in two parts, and
-// sine and cosine of the rest are Taylor polynomials (minimax coefficients: Cephes, sinf.c and cosf.c). To 2e-7.
+// exp(i x) for x from 0 to some 10,000: x is taken to the nearest multiple of pi/2, which is subtracted in two parts,
+// and sine and cosine of the rest are Taylor polynomials (minimax coefficients: Cephes, sinf.c and cosf.c). To 2e-7.
 [[gnu::always_inline]] inline void exp_i(const Lanes& x, Lanes& cosine, Lanes& sine) {
   const Lanes magic = Lanes{} + 12582912.0F;  // 1.5 * 2^23: adding it rounds to a whole number, in the lowest bits
   const Lanes shifted = x * 0.636619772F + magic;

@@ -38,13 +38,13 @@ TrianglePotential potential_of(const Panels& panels, int triangle, const Eigen::
     const double r0 = t * t + d * d, ra = std::sqrt(r0 + sa * sa), rb = std::sqrt(r0 + sb * sb);
     double f = 0;
     if (r0 > 1e-24 * scale * scale) {  // ln by the form that does not cancel
-      f = sa > 0 ? std::log((rb + sb) / (ra + sa)) : sb < 0 ? std::log((ra - sa) / (rb - sb))
-                                                           : std::log((rb + sb) * (ra - sa) / r0);
+      f = sa > 0   ? std::log((rb + sb) / (ra + sa))
+          : sb < 0 ? std::log((ra - sa) / (rb - sb))
+                   : std::log((rb + sb) * (ra - sa) / r0);
     } else if (sa * sb > 0) {
       f = std::abs(std::log(sb / sa));
     }
-    const double beta =
-        std::atan2(t * sb, r0 + height * rb) - std::atan2(t * sa, r0 + height * ra);
+    const double beta = std::atan2(t * sb, r0 + height * rb) - std::atan2(t * sa, r0 + height * ra);
     inverse += t * f;
     angle += beta;
     moment += outward * (0.5 * (r0 * f + sb * rb - sa * ra));
@@ -77,8 +77,12 @@ struct OuterPoint {
 std::vector<OuterPoint> seven_points() {
   const double root = std::sqrt(15.0), a = (6 - root) / 21, b = (6 + root) / 21;
   const double wa = (155 - root) / 1200, wb = (155 + root) / 1200;
-  return {{{1 / 3.0, 1 / 3.0, 1 / 3.0}, 9 / 40.0}, {{a, a, 1 - 2 * a}, wa}, {{a, 1 - 2 * a, a}, wa},
-          {{1 - 2 * a, a, a}, wa},                 {{b, b, 1 - 2 * b}, wb}, {{b, 1 - 2 * b, b}, wb},
+  return {{{1 / 3.0, 1 / 3.0, 1 / 3.0}, 9 / 40.0},
+          {{a, a, 1 - 2 * a}, wa},
+          {{a, 1 - 2 * a, a}, wa},
+          {{1 - 2 * a, a, a}, wa},
+          {{b, b, 1 - 2 * b}, wb},
+          {{b, 1 - 2 * b, b}, wb},
           {{1 - 2 * b, b, b}, wb}};
 }
 

@@ -1,5 +1,5 @@
-// Integrals between triangles that touch or lie close, without the wave: where 1/R is too steep for the middles of sides.
-// They depend on the surface alone and serve every wavenumber. [worker]
+// Integrals between triangles that touch or lie close, without the wave: where 1/R is too steep for the middles of
+// sides. They depend on the surface alone and serve every wavenumber. [worker]
 #pragma once
 
 #include "engine/radiate/panels.h"
@@ -9,8 +9,8 @@
 namespace ringdown::radiate {
 
 // What is added to the sums over the middles of sides, in which 1/R counts as 0 where two middles coincide: exact
-// integrals minus these sums, over pairs of triangles closer than kNearSides longest sides. Rows are the hat functions of the
-// point x, columns those of y.
+// integrals minus these sums, over pairs of triangles closer than kNearSides longest sides. Rows are the hat functions
+// of the point x, columns those of y.
 struct NearIntegrals {
   using Sparse = Eigen::SparseMatrix<float, Eigen::RowMajor>;
   Sparse curls;    // V x V [m]: integral of curl(x) . curl(y) / (4 pi R)
@@ -23,10 +23,10 @@ inline constexpr double kNearSides = 2;  // between centres
 NearIntegrals near_integrals(const Panels& panels);
 
 // The static potential of one flat triangle. For each corner's hat function: the integral of hat / R over the triangle,
-// and its gradient at `point`. Closed forms: Wilton et al., IEEE Trans. Antennas Propag. 32 (1984) 276; Graglia, ibid. 41
-// (1993) 1448.
+// and its gradient at `point`. Closed forms: Wilton et al., IEEE Trans. Antennas Propag. 32 (1984) 276; Graglia, ibid.
+// 41 (1993) 1448.
 struct TrianglePotential {
-  std::array<double, 3> value{};              // [m]
+  std::array<double, 3> value{};  // [m]
   std::array<Eigen::Vector3d, 3> gradient{};
 };
 TrianglePotential potential_of(const Panels& panels, int triangle, const Eigen::Vector3d& point);

@@ -22,18 +22,20 @@ struct Side {
 };
 
 struct Panels {
-  mesh::Points nodes;                                   // V x 3 [m]
-  std::vector<std::array<int, 3>> corners;              // T, counter-clockwise from outside
-  std::vector<std::array<int, 3>> sides_of;             // T, numbers of sides; the i-th lies opposite of corner i
-  std::vector<Eigen::Vector3d> normals, centers;        // T
-  std::vector<double> areas;                            // T
-  std::vector<std::array<Eigen::Vector3d, 3>> curls;    // T, n x gradient of each corner's hat function [1/m]
+  mesh::Points nodes;                                 // V x 3 [m]
+  std::vector<std::array<int, 3>> corners;            // T, counter-clockwise from outside
+  std::vector<std::array<int, 3>> sides_of;           // T, numbers of sides; the i-th lies opposite of corner i
+  std::vector<Eigen::Vector3d> normals, centers;      // T
+  std::vector<double> areas;                          // T
+  std::vector<std::array<Eigen::Vector3d, 3>> curls;  // T, n x gradient of each corner's hat function [1/m]
   std::vector<Side> sides;
 
   [[nodiscard]] int node_count() const { return static_cast<int>(nodes.rows()); }
   [[nodiscard]] int triangle_count() const { return static_cast<int>(corners.size()); }
   [[nodiscard]] int side_count() const { return static_cast<int>(sides.size()); }
-  [[nodiscard]] Eigen::Vector3d corner(int triangle, int i) const { return nodes.row(corners[triangle][i]).transpose(); }
+  [[nodiscard]] Eigen::Vector3d corner(int triangle, int i) const {
+    return nodes.row(corners[triangle][i]).transpose();
+  }
   [[nodiscard]] double longest_side(int triangle) const;
   [[nodiscard]] double area() const;
   [[nodiscard]] double volume() const;  // negative when it is turned inside out

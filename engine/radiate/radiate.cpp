@@ -5,8 +5,6 @@
 #include "engine/radiate/skin.h"
 #include "engine/radiate/wave_solver.h"
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -19,15 +17,15 @@
 namespace ringdown::radiate {
 namespace {
 
-constexpr double kSameWave = 0.004;        // modes whose wavenumbers differ by less are solved at their mean
-constexpr int kFewestUnknowns = 500;       // a skin of fewer does not show the body's form
-constexpr double kNodesPerShapeWave = 6;   // of a mode's own pattern, which may be shorter than the wave in the air
+constexpr double kSameWave = 0.004;   // modes whose wavenumbers differ by less are solved at their mean
+constexpr int kFewestUnknowns = 500;  // a skin of fewer does not show the body's form
+constexpr int kMostForShapes = 3000;  // unknowns of a skin that a pattern asks for and no wave in the air
 constexpr double kCoarser = std::numbers::sqrt2;
-constexpr double kChunkWidth = 0.7;          // of wavenumbers times the body's radius
-constexpr int kMostSteps = 60;             // of an iteration with the elimination of a wavenumber close by
+constexpr double kChunkWidth = 0.7;  // of wavenumbers times the body's radius
+constexpr int kMostSteps = 60;       // of an iteration with the elimination of a wavenumber close by
 constexpr int kMostLoneSteps = 200;
 constexpr Eigen::Index kMostLoneColumns = 24;
-constexpr int kFewestLone = 4000;          // unknowns of a lone job that is iterated without elimination
+constexpr int kFewestLone = 4000;  // unknowns of a lone job that is iterated without elimination
 
 // One wavenumber on one skin, and what it is solved for.
 //
@@ -44,7 +42,7 @@ using Chunk = std::vector<Job>;
 
 // What jobs find, each for modes or wavenumbers of its own.
 struct Findings {
-  std::vector<modal::FarField> fields;            // M
+  std::vector<modal::FarField> fields;              // M
   std::vector<double> rms, coarser_rms, source_db;  // M
   std::vector<std::vector<modal::FarField::Level>> levels;
 };
@@ -52,8 +50,12 @@ struct Findings {
 class Solver {
  public:
   Solver(const Original& original, const modal::Air& air, const Options& options)
-      : original_(original), air_(air), options_(options), modes_(static_cast<int>(original.body->frequency_hz.size())) {
-    origin_ = (original.panels->nodes.colwise().maxCoeff() + original.panels->nodes.colwise().minCoeff()).transpose() / 2;
+      : original_(original),
+        air_(air),
+        options_(options),
+        modes_(static_cast<int>(original.body->frequency_hz.size())) {
+    origin_ =
+        (original.panels->nodes.colwise().maxCoeff() + original.panels->nodes.colwise().minCoeff()).transpose() / 2;
     radius_ = (original.panels->nodes.rowwise() - origin_.transpose()).rowwise().norm().maxCoeff();
     found_.fields.resize(modes_);
     found_.levels.resize(modes_);
@@ -79,13 +81,18 @@ class Solver {
 
   // Skins have sides of finest_side_ times powers of the square root of 2.
   void choose_sizes() {
-    const auto side_for = [&](double nodes) { return std::sqrt(original_.panels->area() / nodes * 2 / std::sqrt(3.0)); };
+    const auto side_for = [&](double nodes) {
+      return std::sqrt(original_.panels->area() / nodes * 2 / std::sqrt(3.0));
+    };
     coarsest_side_ = side_for(kFewestUnknowns);
-    const double highest = wavenumber(static_cast<int>(
-        std::max_element(original_.body->frequency_hz.begin(), original_.body->frequency_hz.end()) -
-        original_.body->frequency_hz.begin()));
+    const double highest = wavenumber(
+        static_cast<int>(std::max_element(original_.body->frequency_hz.begin(), original_.body->frequency_hz.end()) -
+                         original_.body->frequency_hz.begin()));
     finest_side_ = std::max(side_for(options_.most_unknowns), std::min(side_for_wave(highest), coarsest_side_));
-    const int count = 1 + static_cast<int>(std::ceil(std::log(coarsest_side_ / finest_side_) / std::log(kCoarser) - 1e-9));
+    const double finest_for_shapes = side_for(std::min(options_.most_unknowns, kMostForShapes));
+    while (finest_side_ / kCoarser > finest_for_shapes) finest_side_ /= kCoarser;  // for patterns shorter than the wave
+    const int count =
+        1 + static_cast<int>(std::ceil(std::log(coarsest_side_ / finest_side_) / std::log(kCoarser) - 1e-9));
     skins_.resize(count + 1);  // one more to compare the coarsest with
   }
   [[nodiscard]] int skin_for(double side) const {
@@ -108,14 +115,15 @@ class Solver {
     for (bool changed = true; changed;) {
       changed = false;
       for (int number = 0; number + 1 < static_cast<int>(skins_.size()); ++number) {
-        if (std::find(skin_of_mode_.begin(), skin_of_mode_.end(), number) == skin_of_mode_.end() || skins_[number]) continue;
+        if (std::find(skin_of_mode_.begin(), skin_of_mode_.end(), number) == skin_of_mode_.end() || skins_[number])
+          continue;
         if (!go_on("radiation: surfaces", static_cast<double>(number) / skins_.size())) return fail_cancelled();
         if (const auto made = make_skin(number); !made) return fail(made.error());
         const std::vector<double> shape = shape_wavenumbers(*skins_[number]);
         for (int m = 0; m < modes_; ++m) {
           if (skin_of_mode_[m] != number || shape[m] <= 0) continue;
           shape_wavenumber_[m] = shape[m];
-          const int finer = skin_for(2 * std::numbers::pi / (kNodesPerShapeWave * shape[m]));
+          const int finer = skin_for(2 * std::numbers::pi / (options_.panels_per_shape * shape[m]));
           if (finer >= number) continue;
           skin_of_mode_[m] = finer;
           changed = true;
@@ -144,7 +152,8 @@ class Solver {
         ++last;
       }
       Job job;
-      job.modes.assign(order.begin() + static_cast<std::ptrdiff_t>(first), order.begin() + static_cast<std::ptrdiff_t>(last));
+      job.modes.assign(order.begin() + static_cast<std::ptrdiff_t>(first),
+                       order.begin() + static_cast<std::ptrdiff_t>(last));
       for (const int m : job.modes) job.wavenumber += wavenumber(m) / static_cast<double>(job.modes.size());
       job.skin = skin_of_mode_[order[first]];
       jobs_.push_back(job);
@@ -303,11 +312,13 @@ class Solver {
       mode.decay_per_s = modal::radiation_decay_per_s(found_.rms[m], omega, air_);
       mode.relative_db = relative_db(m, mode.power_w);
       mode.source_db = found_.source_db[m];
-      mode.coarser_db = std::abs(20 * std::log10(std::max(found_.rms[m], 1e-30) / std::max(found_.coarser_rms[m], 1e-30)));
+      mode.coarser_db =
+          std::abs(20 * std::log10(std::max(found_.rms[m], 1e-30) / std::max(found_.coarser_rms[m], 1e-30)));
       // The error falls with the square of the side, so the finer skin has about as much as the step between the two.
-      mode.error_db = std::max({mode.balance_db, mode.source_db, mode.coarser_db});
+      mode.error_db = std::max(mode.source_db, mode.coarser_db);
       if (mode.error_db > wanted_error_db(mode.relative_db)) {
-        mode.reason = mode.source_db >= mode.coarser_db ? "a source inside of the body is off" : "a coarser surface gives another power";
+        mode.reason = mode.source_db >= mode.coarser_db ? "a source inside of the body is off"
+                                                        : "a coarser surface gives another power";
       }
       add_levels(m);
       radiation.modes.push_back(mode);
@@ -334,7 +345,9 @@ class Solver {
     field.levels = levels;
   }
 
-  bool go_on(std::string_view stage, double fraction) const { return !options_.progress || options_.progress(stage, fraction); }
+  bool go_on(std::string_view stage, double fraction) const {
+    return !options_.progress || options_.progress(stage, fraction);
+  }
 
   static constexpr double kSmallestTerm = 1e-4;
 
@@ -363,64 +376,14 @@ Result<void> check(const Body& body) {
       body.flow.flow.cols() != modes) {
     return fail(ErrorKind::bad_input, "the flow has not the sizes of its samples and of the modes");
   }
-  if (!std::all_of(body.frequency_hz.begin(), body.frequency_hz.end(), [](double f) { return f > 0 && std::isfinite(f); })) {
+  if (!std::all_of(body.frequency_hz.begin(), body.frequency_hz.end(),
+                   [](double f) { return f > 0 && std::isfinite(f); })) {
     return fail(ErrorKind::bad_input, "a mode has no frequency above 0 Hz");
   }
   return {};
 }
 
 }  // namespace
-
-FlowSamples flow_of(const mesh::TriangleMesh& surface, const std::vector<Eigen::MatrixX3d>& displacement,
-                    double most_edge_m) {
-  struct Patch {
-    Eigen::Index triangle;
-    int parts;                               // that each side of the triangle is divided into
-    std::array<Eigen::Vector3d, 3> corners;  // barycentric
-  };
-  std::vector<Patch> patches;
-  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
-    const auto node = [&](int i) { return Eigen::Vector3d(surface.nodes.row(surface.triangles(t, i)).transpose()); };
-    double longest = 0;
-    for (int i = 0; i < 3; ++i) longest = std::max(longest, (node(i) - node((i + 1) % 3)).norm());
-    const int parts = most_edge_m > 0 ? std::max(1, static_cast<int>(std::ceil(longest / most_edge_m))) : 1;
-    const auto at = [&](int i, int j) {
-      return Eigen::Vector3d(1 - static_cast<double>(i + j) / parts, static_cast<double>(i) / parts, static_cast<double>(j) / parts);
-    };
-    for (int i = 0; i < parts; ++i) {
-      for (int j = 0; i + j < parts; ++j) {
-        patches.push_back({t, parts, {at(i, j), at(i + 1, j), at(i, j + 1)}});
-        if (i + j + 1 < parts) patches.push_back({t, parts, {at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)}});
-      }
-    }
-  }
-  FlowSamples samples;
-  const auto count = static_cast<Eigen::Index>(3 * patches.size());
-  samples.positions.resize(count, 3);
-  samples.normals.resize(count, 3);
-  samples.areas.resize(count);
-  samples.flow.resize(count, static_cast<Eigen::Index>(displacement.size()));
-  for (Eigen::Index p = 0; p < static_cast<Eigen::Index>(patches.size()); ++p) {
-    const auto& [t, parts, corners] = patches[p];
-    std::array<Eigen::Vector3d, 3> node;
-    for (int i = 0; i < 3; ++i) node[i] = surface.nodes.row(surface.triangles(t, i)).transpose();
-    const Eigen::Vector3d twice = (node[1] - node[0]).cross(node[2] - node[0]);
-    const double area = twice.norm() / 2 / (parts * parts);
-    for (int e = 0; e < 3; ++e) {
-      const Eigen::Index row = 3 * p + e;
-      const Eigen::Vector3d w = (corners[e] + corners[(e + 1) % 3]) / 2;
-      samples.positions.row(row) = (w[0] * node[0] + w[1] * node[1] + w[2] * node[2]).transpose();
-      samples.normals.row(row) = twice.normalized().transpose();
-      samples.areas[row] = area / 3;
-      for (std::size_t m = 0; m < displacement.size(); ++m) {
-        double along = 0;
-        for (int i = 0; i < 3; ++i) along += w[i] * displacement[m].row(surface.triangles(t, i)).dot(samples.normals.row(row));
-        samples.flow(row, static_cast<Eigen::Index>(m)) = static_cast<float>(along * area / 3);
-      }
-    }
-  }
-  return samples;
-}
 
 Result<Radiation> solve(const Body& body, const modal::Air& air, const Options& options) {
   if (const auto sound = check(body); !sound) return fail(sound.error());

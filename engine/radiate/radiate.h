@@ -13,41 +13,19 @@
 
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
-#include "engine/mesh/tet_mesh.h"
-#include "engine/mesh/triangle_mesh.h"
 #include "engine/modal/radiation_map.h"
-
-#include <Eigen/Core>
+#include "engine/radiate/body.h"
 
 #include <string>
 #include <vector>
 
 namespace ringdown::radiate {
 
-// How M modes push the air at N places of the surface.
-struct FlowSamples {
-  mesh::Points positions;  // N x 3 [m]
-  mesh::Points normals;    // N x 3, outward, of length 1: tell the two sides of a thin wall apart
-  Eigen::VectorXd areas;   // N [m^2], that the samples stand for
-  Eigen::MatrixXf
-      flow;  // N x M [m^2 kg^-1/2]: integral of phi.n over the patch; for a small patch phi.n times its area
-};
-
-// The flow of shapes that are linear on flat triangles: displacement[m] is V x 3 [kg^-1/2] at the nodes. Three samples
-// a triangle, exact in the integral; triangles with sides longer than `most_edge_m` are divided first (0: none is).
-FlowSamples flow_of(const mesh::TriangleMesh& surface, const std::vector<Eigen::MatrixX3d>& displacement,
-                    double most_edge_m = 0);
-
-struct Body {
-  mesh::TriangleMesh surface;        // closed; may be of several closed pieces; finer than the waves it radiates
-  FlowSamples flow;                  // of M modes, about as dense as the surface's triangles
-  std::vector<double> frequency_hz;  // M
-};
-
 struct Options {
   int threads = 0;               // 0: $RINGDOWN_THREADS, or all processors; results do not depend on it
   Progress progress;             // called from one thread at a time; false stops
-  double panels_per_wave = 3.5;  // edges of triangles per wavelength, at least
+  double panels_per_wave = 3.5;  // edges of triangles per wavelength in the air, at least
+  double panels_per_shape = 6;   // and per wavelength of the mode's own pattern, which may be shorter
   int most_unknowns = 12000;  // nodes of the finest surface; one wavenumber takes 8 bytes times the square, per thread
   double range_octaves = 1;   // levels are given this far below and, up to the highest mode, above a mode's own k
 };
@@ -57,8 +35,7 @@ struct RadiatedMode {
   double power_w = 0;      // at a modal velocity of amplitude 1 kg^1/2 m/s
   double decay_per_s = 0;  // of its amplitude, by radiation alone
   double relative_db = 0;  // power over that of a pulsating sphere of the same area and mean square velocity
-  double error_db = 0;     // what is claimed: the largest of the three below
-  double balance_db = 0;   // power through the surface against that in the far field, in the worst case
+  double error_db = 0;     // what is claimed: the larger of the two below
   double source_db = 0;    // error for a source inside the body, whose exterior field is known, near this wavenumber
   double coarser_db = 0;   // change of the power from a surface of coarser triangles
   std::string reason;      // why error_db is above what is wanted (wanted_error_db); empty when it is not

@@ -212,9 +212,8 @@ class Tiling {
   bool collapse(int gone, int kept, double longest) {
     if (!keeps_sharp_lines(gone, kept)) return false;
     const std::vector<int> from = neighbours(gone), to = neighbours(kept);
-    const auto common = std::count_if(from.begin(), from.end(), [&](int n) {
-      return std::find(to.begin(), to.end(), n) != to.end();
-    });
+    const auto common =
+        std::count_if(from.begin(), from.end(), [&](int n) { return std::find(to.begin(), to.end(), n) != to.end(); });
     if (common != 2) return false;
     for (const int n : from) {
       if (n != kept && (at_[n] - at_[kept]).norm() > longest) return false;
@@ -274,19 +273,20 @@ class Tiling {
   }
 
   std::vector<Vector> at_;
-  std::vector<Triangle> triangles_;        // removed ones have corners -1
-  std::vector<std::vector<int>> around_;   // the triangles at each node
-  std::vector<std::vector<int>> sharp_;    // the nodes at the other ends of sharp sides
+  std::vector<Triangle> triangles_;       // removed ones have corners -1
+  std::vector<std::vector<int>> around_;  // the triangles at each node
+  std::vector<std::vector<int>> sharp_;   // the nodes at the other ends of sharp sides
 };
 
 }  // namespace
 
 mesh::TriangleMesh retile(const mesh::TriangleMesh& surface, double side_m) {
   constexpr int kRounds = 3;
+  constexpr double kLongest = 1.45, kShortest = 0.9;  // so that their number is that of equal triangles with this side
   Tiling tiling(surface);
   for (int round = 0; round < kRounds; ++round) {
-    tiling.split_long_sides(side_m * 4 / 3);
-    tiling.collapse_short_sides(side_m * 4 / 5, side_m * 4 / 3);
+    tiling.split_long_sides(kLongest * side_m);
+    tiling.collapse_short_sides(kShortest * side_m, kLongest * side_m);
     tiling.swap_sides();
   }
   return tiling.result();

@@ -14,7 +14,7 @@
 namespace ringdown::radiate {
 namespace {
 
-constexpr int kMostWallTriangles = 4000;
+constexpr int kMostWallTriangles = 3000;
 
 mesh::TriangleMesh mesh_of(const Panels& panels) {
   mesh::TriangleMesh mesh;
@@ -115,8 +115,8 @@ void add_source(const Eigen::Vector3d& inside, double k, const Eigen::Vector3d& 
   if (divide) {
     for (int c = 0; c < 3; ++c) {
       const int n = (c + 1) % 3, p = (c + 2) % 3;
-      add_source(inside, k, normal, area / 4, {corners[c], middles[p], middles[n]}, {hats[c], at_middles[p], at_middles[n]},
-                 depth + 1, sums);
+      add_source(inside, k, normal, area / 4, {corners[c], middles[p], middles[n]},
+                 {hats[c], at_middles[p], at_middles[n]}, depth + 1, sums);
     }
     add_source(inside, k, normal, area / 4, middles, at_middles, depth + 1, sums);
     return;
@@ -142,7 +142,8 @@ Result<Original> Original::of(const Body& body) {
   original.search = std::make_shared<const SurfaceSearch>(*original.panels);
   original.walls = original.panels;
   if (original.panels->triangle_count() > kMostWallTriangles) {
-    auto coarse = panels_of(retile(mesh_of(*original.panels), side_for(original.panels->area(), kMostWallTriangles / 2.0)));
+    auto coarse =
+        panels_of(retile(mesh_of(*original.panels), side_for(original.panels->area(), kMostWallTriangles / 2.0)));
     if (!coarse) return fail(coarse.error());
     original.walls = std::make_shared<const Panels>(std::move(*coarse));
   }
@@ -218,7 +219,8 @@ Eigen::VectorXcf source_flow(const Panels& panels, const Eigen::Vector3d& inside
   for (int t = 0; t < panels.triangle_count(); ++t) {
     std::array<std::complex<double>, 3> sums{};
     add_source(inside, wavenumber_rad_m, panels.normals[t], panels.areas[t],
-               {panels.corner(t, 0), panels.corner(t, 1), panels.corner(t, 2)}, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, 0, sums);
+               {panels.corner(t, 0), panels.corner(t, 1), panels.corner(t, 2)}, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, 0,
+               sums);
     for (int i = 0; i < 3; ++i) flow[panels.corners[t][i]] += sums[i];
   }
   return flow.cast<std::complex<float>>();

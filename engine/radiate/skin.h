@@ -2,13 +2,14 @@
 #pragma once
 
 #include "engine/base/result.h"
+#include "engine/radiate/body.h"
 #include "engine/radiate/near_integrals.h"
 #include "engine/radiate/panels.h"
-#include "engine/radiate/radiate.h"
 #include "engine/radiate/surface_search.h"
 
 #include <Eigen/Core>
 
+#include <memory>
 #include <vector>
 
 namespace ringdown::radiate {
@@ -36,20 +37,20 @@ struct Skin {
   double side_m = 0;
 };
 
-// Nodes are moved out or in by the mean distance of the flat triangles around them from the old surface, so that a coarse
-// skin has the volume of the body. Each sample's flow goes to the corners of the triangle nearest to it: what flows in
-// sum is kept to rounding.
+// Nodes are moved out or in by the mean distance of the flat triangles around them from the old surface, so that a
+// coarse skin has the volume of the body. Each sample's flow goes to the corners of the triangle nearest to it: what
+// flows in sum is kept to rounding.
 Result<Skin> skin_of(const Original& original, double side_m);
 
-// The coupling of the two layers at each node: eta = k min(1, k thickness). A bulky body has the combined layer with eta =
-// k; where a wall is thin beside the wave the simple layer fades out and the double layer alone is left.
+// The coupling of the two layers at each node: eta = k min(1, k thickness). A bulky body has the combined layer with
+// eta = k; where a wall is thin beside the wave the simple layer fades out and the double layer alone is left.
 std::vector<double> coupling_of(const Skin& skin, double wavenumber_rad_m);
 
 // 1 over the length [rad/m] over which each mode's normal motion changes: rms of its gradient over its rms.
 std::vector<double> shape_wavenumbers(const Skin& skin);
 
-// Integrals of the hat functions times the flow of a point source at `inside`: of dG/dn, G = exp(ikR)/(4 pi R). Triangles are
-// divided until they are smaller than 0.4 of their distance.
+// Integrals of the hat functions times the flow of a point source at `inside`: of dG/dn, G = exp(ikR)/(4 pi R).
+// Triangles are divided until they are smaller than 0.4 of their distance.
 Eigen::VectorXcf source_flow(const Panels& panels, const Eigen::Vector3d& inside, double wavenumber_rad_m);
 
 // Two places inside of the body, in its thickest wall and in a middling one.

@@ -21,8 +21,8 @@ class SurfaceSearch {
  public:
   explicit SurfaceSearch(const Panels& panels);
 
-  // Nearest among the triangles whose normal is within 60 degrees of `normal`: of a thin wall's two faces the right one.
-  // Where there is none within a cell's width of the nearest of all, that one.
+  // Nearest among the triangles whose normal is within 60 degrees of `normal`: of a thin wall's two faces the right
+  // one. Where there is none within a cell's width of the nearest of all, that one.
   [[nodiscard]] SurfacePlace nearest(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
 
  private:

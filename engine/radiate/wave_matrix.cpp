@@ -239,9 +239,10 @@ void add_jump(const Panels& panels, const std::vector<double>& coupling, Complex
 
 }  // namespace
 
-// A few hundred nodes at a time are the place of y, and for these sixteen sides at a time that of x. First G between the
-// sixteen and all sides around the nodes; then, node by node, its weighted sums over the node's sides, one for each
-// component of the curl and of the normal; then what the sums give to the rows of the four nodes at each of the sixteen.
+// A few hundred nodes at a time are the place of y, and for these sixteen sides at a time that of x. First G between
+// the sixteen and all sides around the nodes; then, node by node, its weighted sums over the node's sides, one for each
+// component of the curl and of the normal; then what the sums give to the rows of the four nodes at each of the
+// sixteen.
 ComplexMatrix wave_matrix(const Panels& panels, const NearIntegrals& near, double wavenumber_rad_m,
                           const std::vector<double>& coupling) {
   const int nodes = panels.node_count();

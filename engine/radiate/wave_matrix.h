@@ -4,12 +4,13 @@
 //
 //   p(x) = integral of (d/dn(y) - i eta) G(x, y) mu(y) dS,       G = exp(ikR) / (4 pi R)
 //
-// whose normal derivative is the given flow q: N mu - i eta (D' - 1/2) mu = q. With eta > 0 it has one solution at every k
-// (Brakhage & Werner 1965 for the other boundary condition; Burton & Miller 1971 is its transpose); with eta = 0 it is the
-// double layer alone, whose matrix is nearly singular where the air inside of the body would resonate. Tested with hat functions, N needs no
-// derivative of G (Maue 1949):
+// whose normal derivative is the given flow q: N mu - i eta (D' - 1/2) mu = q. With eta > 0 it has one solution at
+// every k (Brakhage & Werner 1965 for the other boundary condition; Burton & Miller 1971 is its transpose); with eta =
+// 0 it is the double layer alone, whose matrix is nearly singular where the air inside of the body would resonate.
+// Tested with hat functions, N needs no derivative of G (Maue 1949):
 //
-//   A_ij = integrals of G (k^2 n(x).n(y) hat_i hat_j - curl hat_i . curl hat_j) - i eta_j (hat_i dG/dn(x) hat_j)  + i/2 eta_j hat_i hat_j
+//   A_ij = integrals of G (k^2 n(x).n(y) hat_i hat_j - curl hat_i . curl hat_j) - i eta_j (hat_i dG/dn(x) hat_j)  + i/2
+//   eta_j hat_i hat_j
 //
 // The integrals are sums over the middles of sides; near_integrals.h corrects those of near triangles.
 #pragma once

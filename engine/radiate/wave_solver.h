@@ -24,10 +24,10 @@ class Elimination {
 
 inline constexpr double kResidual = 1e-4;  // relative
 
-// The layers (V x M) for given flows, by GMRES to a residual of kResidual. All right-hand sides are advanced in step, so
-// that the matrix is read once for all of them. `near` is the elimination of another matrix, of a wavenumber close by, that makes
-// the steps few; without it the diagonal does. Empty when `most_steps` do not suffice, or when `go_on`, asked between
-// steps, returns false.
+// The layers (V x M) for given flows, by GMRES to a residual of kResidual. All right-hand sides are advanced in step,
+// so that the matrix is read once for all of them. `near` is the elimination of another matrix, of a wavenumber close
+// by, that makes the steps few; without it the diagonal does. Empty when `most_steps` do not suffice, or when `go_on`,
+// asked between steps, returns false.
 Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, const Elimination* near,
                          int most_steps, const std::function<bool()>& go_on);
 

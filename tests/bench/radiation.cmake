@@ -1,2 +1,6 @@
 # Included by tests/bench/CMakeLists.txt.
-ringdown_bench(ringdown_radiation_bench SOURCES radiation_bench.cpp LINK ringdown_radiate)
+find_package(CLI11 REQUIRED)
+add_executable(ringdown_radiation_bench radiation_bench.cpp)
+target_link_libraries(ringdown_radiation_bench PRIVATE ringdown_options ringdown_radiate CLI11::CLI11)
+set_target_properties(ringdown_radiation_bench
+                      PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/bench)

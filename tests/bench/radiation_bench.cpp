@@ -1,6 +1,10 @@
-// Radiation of presets: time, sizes and stated errors. CSV on the standard output.
+// Radiation of banks: time, sizes and stated errors. CSV on the standard output.
+//
+//   ringdown_radiation_bench [--modes] [--panels-per-wave N] [--threads N] BANK...
 #include "engine/modal/bank_file.h"
 #include "engine/radiate/radiate.h"
+
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -39,42 +43,66 @@ radiate::Body body_of(const modal::Bank& bank) {
   return body;
 }
 
+void print(const std::string& name, const modal::Bank& bank, const radiate::Radiation& radiation, double processor_s,
+           double wall_s) {
+  std::vector<double> errors;
+  int missed = 0;
+  for (const auto& mode : radiation.modes) {
+    errors.push_back(mode.error_db);
+    missed += mode.reason.empty() ? 0 : 1;
+  }
+  std::sort(errors.begin(), errors.end());
+  const auto packed = modal::pack(radiation.maps);
+  std::printf("%s,%zu,%.0f,%d,%d,%.1f,%.1f,%zu,%.4f,%.3f,%.3f,%d\n", name.c_str(), bank.mode_count(),
+              *std::max_element(bank.frequency_hz.begin(), bank.frequency_hz.end()), radiation.largest_unknowns,
+              radiation.factorizations, processor_s, wall_s, packed.bytes.size(), packed.largest_error,
+              errors[errors.size() / 2], errors.back(), missed);
+  std::fflush(stdout);
+}
+
+void print_modes(const modal::Bank& bank, const radiate::Radiation& radiation) {
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const auto& mode = radiation.modes[m];
+    std::printf("#,%.1f,%.2f,%.5f,%.4f,%.3f,%.3f,%zu,%s\n", bank.frequency_hz[m], mode.relative_db, mode.decay_per_s,
+                bank.decay_per_s[m], mode.source_db, mode.coarser_db, radiation.maps.modes[m].terms.size(),
+                mode.reason.c_str());
+  }
+}
+
 int run(int count, char** arguments) {
-  bool list = false;
+  CLI::App app("Radiation of banks: processor time, sizes and stated errors, as CSV on the standard output");
+  std::vector<std::string> paths;
+  bool modes = false;
   radiate::Options options{.threads = 1};
-  std::printf("bank,modes,highest_hz,unknowns,factorizations,processor_s,wall_s,packed_bytes,packing_error,median_error_db,worst_error_db,missed\n");
-  for (int a = 1; a < count; ++a) {
-    const std::string argument = arguments[a];
-    if (argument == "--modes") { list = true; continue; }
-    if (argument.rfind("--ppw=", 0) == 0) { options.panels_per_wave = std::stod(argument.substr(6)); continue; }
-    if (argument.rfind("--threads=", 0) == 0) { options.threads = std::stoi(argument.substr(10)); continue; }
-    if (argument.rfind("--range=", 0) == 0) { options.range_octaves = std::stod(argument.substr(8)); continue; }
-    const auto bank = modal::read_bank(argument);
-    if (!bank) { std::fprintf(stderr, "%s\n", bank.error().message.c_str()); return 1; }
+  app.add_option("bank", paths, "banks, .glb")->required();
+  app.add_flag(
+      "--modes", modes,
+      "a line for each mode, too: #, Hz, dB beside a pulsating sphere, decay by radiation and the bank's [1/s], the "
+      "error of a source inside and the change from a coarser surface [dB], terms of the map");
+  app.add_option("--panels-per-wave", options.panels_per_wave, "sides of triangles in a wavelength");
+  app.add_option("--threads", options.threads, "threads");
+  app.add_option("--range", options.range_octaves, "octaves around a mode for which levels are found");
+  CLI11_PARSE(app, count, arguments);
+  std::printf(
+      "bank,modes,highest_hz,unknowns,eliminations,processor_s,wall_s,packed_bytes,packing_error,median_error_db,"
+      "worst_error_db,missed\n");
+  for (const std::string& path : paths) {
+    const auto bank = modal::read_bank(path);
+    if (!bank) {
+      std::fprintf(stderr, "%s\n", bank.error().message.c_str());
+      return 1;
+    }
     const double before = processor_seconds();
     const auto start = std::chrono::steady_clock::now();
     const radiate::Body body = body_of(*bank);
     const auto radiation = radiate::solve(body, {}, options);
-    if (!radiation) { std::fprintf(stderr, "%s: %s\n", argument.c_str(), radiation.error().message.c_str()); continue; }
-    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    std::vector<double> errors;
-    int missed = 0;
-    for (const auto& mode : radiation->modes) {
-      errors.push_back(mode.error_db);
-      missed += !mode.reason.empty();
+    if (!radiation) {
+      std::fprintf(stderr, "%s: %s\n", path.c_str(), radiation.error().message.c_str());
+      continue;
     }
-    std::sort(errors.begin(), errors.end());
-    const auto packed = modal::pack(radiation->maps);
-    std::printf("%s,%zu,%.0f,%d,%d,%.1f,%.1f,%zu,%.4f,%.3f,%.3f,%d\n", argument.substr(argument.rfind('/') + 1).c_str(), bank->mode_count(),
-                *std::max_element(bank->frequency_hz.begin(), bank->frequency_hz.end()), radiation->largest_unknowns, radiation->factorizations,
-                processor_seconds() - before, wall, packed.bytes.size(), packed.largest_error, errors[errors.size() / 2], errors.back(), missed);
-    std::fflush(stdout);
-    if (!list) continue;
-    for (std::size_t m = 0; m < bank->mode_count(); ++m) {
-      const auto& mode = radiation->modes[m];
-      std::printf("  %8.1f Hz  relative %7.1f dB  decay %9.4f 1/s (bank %8.3f)  source %.2f coarser %.2f balance %.2f  terms %zu %s\n", bank->frequency_hz[m],
-                  mode.relative_db, mode.decay_per_s, bank->decay_per_s[m], mode.source_db, mode.coarser_db, mode.balance_db, radiation->maps.modes[m].terms.size(), mode.reason.c_str());
-    }
+    const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    print(path.substr(path.rfind('/') + 1), *bank, *radiation, processor_seconds() - before, wall_s);
+    if (modes) print_modes(*bank, *radiation);
   }
   return 0;
 }
