@@ -123,7 +123,7 @@ void expect_source_inside(const mesh::TriangleMesh& surface, const Eigen::Vector
   radiate::Body body{.surface = surface, .flow = {}, .frequency_hz = {}};
   for (const double f : frequencies) body.frequency_hz.insert(body.frequency_hz.end(), {f, f});
   body.flow = sample(
-      surface, 6,
+      surface, static_cast<int>(2 * frequencies.size()),
       [&](int m, const Eigen::Vector3d& at, const Eigen::Vector3d& normal) {
         const Eigen::Vector3d away = at - inside;
         const double r = away.norm(), k = wavenumber_of(frequencies[m / 2]);
