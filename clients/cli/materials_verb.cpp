@@ -88,10 +88,10 @@ std::string decay_curve(const modal::Bank& bar) {
   return curve;
 }
 
-// Seconds to -60 dB of a mode whose undamped frequency is given, with this damping.
-double t60_at(const modal::RayleighDamping& damping, double frequency_hz) {
+// Seconds to -60 dB of a mode whose undamped frequency is given, in this material.
+double t60_at(const modal::Material& material, double frequency_hz) {
   const double omega = modal::hz_to_rad_per_s(frequency_hz);
-  return modal::t60_s(0.5 * (damping.alpha_per_s + damping.beta_s * omega * omega));
+  return modal::t60_s(modal::mode_loss(material.damping_law(), omega * omega).total_per_s());
 }
 
 std::string pitch_of(const modal::Bank& bar) {
@@ -112,8 +112,8 @@ void print_row(const bake::MaterialEntry& entry) {
   const modal::Bank bar = bake::bar_bank(m);
   const double t60 = bar.mode_count() > 0 ? modal::t60_s(bar.decay_per_s.front()) : 0;
   std::printf("%-17s %7.4g %6.3g %7.5g  %-22s %7.2g s %5.2g s %5.2g s  |%s|\n", m.name.c_str(),
-              m.youngs_modulus_pa / 1e9, m.poisson_ratio, m.density_kg_m3, pitch_of(bar).c_str(), t60,
-              t60_at(m.damping, 1000), t60_at(m.damping, 4000), decay_curve(bar).c_str());
+              m.youngs_modulus_pa / 1e9, m.poisson_ratio, m.density_kg_m3, pitch_of(bar).c_str(), t60, t60_at(m, 1000),
+              t60_at(m, 4000), decay_curve(bar).c_str());
 }
 
 // Twelve lines of the level against time.
@@ -147,7 +147,7 @@ void print_material(const bake::MaterialEntry& entry) {
   print_figure("alpha", m.damping.alpha_per_s, "1/s", from.at("alpha_per_s"));
   const bool same = from.at("beta_s") == from.at("alpha_per_s");
   print_figure("beta", m.damping.beta_s, "s", same ? "as alpha" : from.at("beta_s"));
-  for (const modal::LossFactor& point : entry.loss_factors) {
+  for (const modal::LossFactor& point : m.loss_factors) {
     std::printf("  loss factor at %7.5g Hz: %.3g, fitted %.3g\n", point.frequency_hz, point.eta,
                 modal::loss_factor(m.damping, point.frequency_hz));
   }
@@ -158,7 +158,7 @@ void print_material(const bake::MaterialEntry& entry) {
                 modal::t60_s(bar.decay_per_s[i]));
   }
   if (bar.mode_count() == 0) return void(std::printf("  no mode of it rings\n"));
-  std::printf("  T60 at 1 kHz %.2g s, at 4 kHz %.2g s\n", t60_at(m.damping, 1000), t60_at(m.damping, 4000));
+  std::printf("  T60 at 1 kHz %.2g s, at 4 kHz %.2g s\n", t60_at(m, 1000), t60_at(m, 4000));
   print_curve(bar);
 }
 

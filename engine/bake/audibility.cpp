@@ -137,7 +137,7 @@ Eigen::VectorXd energies(const modal::Bank& bank, const Eigen::MatrixXd& amplitu
 // The modes `order` of the bank, in that order. All members by name: one that holds modes and is not here would not
 // compile.
 void take_modes(modal::Bank& bank, const std::vector<std::size_t>& order) {
-  auto& [name, frequencies, decays, errors, shape_errors, positions, shapes, triangles, material, mass, gain,
+  auto& [name, frequencies, decays, losses, errors, shape_errors, positions, shapes, triangles, material, mass, gain,
          provenance] = bank;
   const auto taken = [&order](const auto& list, std::size_t width) {
     std::remove_cvref_t<decltype(list)> chosen;
@@ -151,6 +151,7 @@ void take_modes(modal::Bank& bank, const std::vector<std::size_t>& order) {
   shapes = taken(shapes, positions.size());
   frequencies = taken(frequencies, 1);
   decays = taken(decays, 1);
+  if (!losses.empty()) losses = taken(losses, 1);
   if (!errors.empty()) errors = taken(errors, 1);
   if (!shape_errors.empty()) shape_errors = taken(shape_errors, 1);
 }

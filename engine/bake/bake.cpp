@@ -42,6 +42,7 @@ class Stopwatch {
 struct HeardMode {
   Eigen::Index number;  // in BodyModes
   modal::DampedMode mode;
+  modal::ModeLoss loss;
   double importance;
   double frequency_error;
 };
@@ -56,17 +57,19 @@ double surface_rms(const std::vector<double>& weights, const Eigen::Ref<const Ei
 
 // The modes of the band, the most important first (importance.h).
 std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& units, const std::vector<double>& weights,
-                                     modal::RayleighDamping damping, const BakeOptions& options, BakeReport& report) {
+                                     const modal::Material& material, const BakeOptions& options, BakeReport& report) {
   std::vector<HeardMode> heard;
   for (Eigen::Index m = 0; m < modes.lambda.size(); ++m) {
-    const modal::DampedMode mode = modal::damp(units.lambda() * modes.lambda[m], damping);
+    const double lambda = units.lambda() * modes.lambda[m];
+    const modal::ModeLoss loss = modal::mode_loss(material.damping_law(), lambda);
+    const modal::DampedMode mode = modal::with_decay(lambda, loss.total_per_s());
     if (mode.frequency_hz == 0) {
       ++report.over_damped;
     } else if (mode.frequency_hz < options.band_low_hz) {
       ++report.below_band;
     } else if (mode.frequency_hz <= options.band_high_hz) {
       const double rms = units.shape() * surface_rms(weights, modes.shapes.col(m));
-      heard.push_back({m, mode, importance(mode, rms), modes.errors[m]});
+      heard.push_back({m, mode, loss, importance(mode, rms), modes.errors[m]});
       report.largest_error = std::max(report.largest_error, modes.errors[m]);
     }
   }
@@ -93,6 +96,7 @@ void add_modes(modal::Bank& bank, const std::vector<HeardMode>& heard, const Eig
   for (std::size_t m = 0; m < heard.size(); ++m) {
     bank.frequency_hz.push_back(heard[m].mode.frequency_hz);
     bank.decay_per_s.push_back(heard[m].mode.decay_per_s);
+    bank.losses.push_back(heard[m].loss);
     bank.frequency_error.push_back(rounded(heard[m].frequency_error));
     const Eigen::VectorXf shape = shapes.col(static_cast<Eigen::Index>(m)).cast<float>();
     for (Eigen::Index row = 0; row < shape.size(); row += 3) {
@@ -326,7 +330,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
   if (auto good = fem::check_elastic(elastic); !good)
     return fail(good.error().kind, material.name + ": " + good.error().message);
-  const double highest_lambda = modal::highest_lambda_in_band(options.band_high_hz, material.damping);
+  const double highest_lambda = modal::highest_lambda(options.band_high_hz, material.damping_law());
   if (!(highest_lambda > 0))
     return fail(ErrorKind::bad_input, material.name + " is damped so strongly that nothing of it rings");
   if (progress && !progress("assemble", 0)) return fail_cancelled();
@@ -348,7 +352,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   Stopwatch watch;
   if (progress && !progress("finish", 0)) return fail_cancelled();
   const std::vector<HeardMode> heard =
-      modes_in_band(*modes, units, area_weights(task.surface, mesh.nodes), material.damping, options, report);
+      modes_in_band(*modes, units, area_weights(task.surface, mesh.nodes), material, options, report);
   if (heard.empty()) {
     return fail(ErrorKind::bad_input, name + " has no mode between " +
                                           std::to_string(std::lround(options.band_low_hz)) + " and " +

@@ -145,12 +145,14 @@ modal::Bank bar_bank(const modal::Material& material, const Bar& bar) {
   }
   const std::vector<double> lambdas = bar_lambdas(material, bar, omega * omega);
   for (std::size_t m = 0; m < lambdas.size(); ++m) {
-    const modal::DampedMode mode = modal::damp(lambdas[m], material.damping);
+    const modal::ModeLoss loss = modal::mode_loss(material.damping_law(), lambdas[m]);
+    const modal::DampedMode mode = modal::with_decay(lambdas[m], loss.total_per_s());
     if (mode.frequency_hz <= 0) continue;
     const Shape shape(beam, lambdas[m], parity_of(m));
     const double scale = 1 / std::sqrt(modal_mass(beam, shape));
     bank.frequency_hz.push_back(mode.frequency_hz);
     bank.decay_per_s.push_back(mode.decay_per_s);
+    bank.losses.push_back(loss);
     for (int i = 0; i < kBarPoints; ++i) {
       const double x = i * step - bar.length_m / 2;
       bank.shapes.push_back(

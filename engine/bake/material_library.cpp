@@ -41,6 +41,12 @@ std::array<Figure, 5> figures_of(modal::Material& material) {
            {"beta_s", material.damping.beta_s, kBeta_s}}};
 }
 
+std::string number_text(double value, const char* format = "%.5g") {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, format, value);
+  return buffer;
+}
+
 Result<void> check_stable(const modal::Material& material) {
   return fem::check_elastic({material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3});
 }
@@ -58,15 +64,16 @@ void read_figure(TomlTable& file, const Figure& wanted, MaterialEntry& entry) {
 // The source that is given for the two fitted figures.
 std::string source_of_fit(const MaterialEntry& entry, const std::set<std::string>& sources) {
   std::string text = "fitted to the loss factor";
-  for (const modal::LossFactor& point : entry.loss_factors) {
+  const std::vector<modal::LossFactor>& factors = entry.material.loss_factors;
+  for (const modal::LossFactor& point : factors) {
     char part[64];
-    std::snprintf(part, sizeof part, "%s %.3g at %.5g Hz", &point == &entry.loss_factors.front() ? "" : ",", point.eta,
+    std::snprintf(part, sizeof part, "%s %.3g at %.5g Hz", &point == &factors.front() ? "" : ",", point.eta,
                   point.frequency_hz);
     text += part;
   }
   char off[64];
-  std::snprintf(off, sizeof off, ", which it misses by at most %.0f %%: ",
-                100 * modal::worst_error(entry.material.damping, entry.loss_factors));
+  std::snprintf(off, sizeof off,
+                ", which it misses by at most %.0f %%: ", 100 * modal::worst_error(entry.material.damping, factors));
   text += off;
   for (const std::string& source : sources) text += (source == *sources.begin() ? "" : "; ") + source;
   return text;
@@ -74,7 +81,7 @@ std::string source_of_fit(const MaterialEntry& entry, const std::set<std::string
 
 void read_loss_factors(TomlTable& file, MaterialEntry& entry) {
   std::set<std::string> sources;
-  double lowest_hz = 0, highest_hz = 0;
+  std::vector<modal::LossFactor>& factors = entry.material.loss_factors;
   for (TomlTable& table : file.tables("loss_factor")) {
     table.require({"frequency_hz", "eta", "source"});
     modal::LossFactor point{1, 1};
@@ -83,20 +90,22 @@ void read_loss_factors(TomlTable& file, MaterialEntry& entry) {
     table.number("eta", point.eta, kLossFactor);
     table.text("source", source);
     sources.insert(source);
-    if (entry.loss_factors.empty()) lowest_hz = highest_hz = point.frequency_hz;
-    lowest_hz = std::min(lowest_hz, point.frequency_hz);
-    highest_hz = std::max(highest_hz, point.frequency_hz);
-    entry.loss_factors.push_back(point);
+    factors.push_back(point);
   }
+  std::ranges::sort(factors, {}, &modal::LossFactor::frequency_hz);
   for (const char* key : {"alpha_per_s", "beta_s"}) {
     if (file.has(key)) file.complain(key, std::string("give either [[loss_factor]] or ") + key + ", not both");
   }
-  if (entry.loss_factors.size() > kMaxLossFactors)
-    file.complain("loss_factor", "at most " + std::to_string(kMaxLossFactors) + " loss factors can be given");
-  if (!(lowest_hz < highest_hz))
+  if (factors.size() > modal::kMaxLossFactors)
+    file.complain("loss_factor", "at most " + std::to_string(modal::kMaxLossFactors) + " loss factors can be given");
+  if (factors.size() < 2 || factors.front().frequency_hz == factors.back().frequency_hz)
     file.complain("loss_factor", "give the loss factor at two different frequencies at least");
-  if (entry.loss_factors.empty()) return;
-  const modal::RayleighDamping fitted = entry.material.damping = modal::fit_rayleigh(entry.loss_factors);
+  const auto same = std::ranges::adjacent_find(factors, {}, &modal::LossFactor::frequency_hz);
+  if (same != factors.end())
+    file.complain("loss_factor", "give one loss factor at each frequency; there are two at " +
+                                     number_text(same->frequency_hz) + " Hz");
+  if (factors.empty()) return;
+  const modal::RayleighDamping fitted = entry.material.damping = modal::fit_rayleigh(factors);
   if (!kAlpha_per_s.holds(fitted.alpha_per_s) || !kBeta_s.holds(fitted.beta_s))
     file.complain("loss_factor", "no alpha up to 1e6 1/s and beta up to 1 s fit these loss factors");
   entry.sources["alpha_per_s"] = entry.sources["beta_s"] = source_of_fit(entry, sources);
@@ -133,6 +142,8 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
     if (auto good = check_range(value, figure.range); !good)
       return fail(good.error().kind, key + ": " + good.error().message);
     figure.value = value;
+    if (&figure.value == &material.damping.alpha_per_s || &figure.value == &material.damping.beta_s)
+      material.loss_factors.clear();
     return check_stable(material);
   }
   return fail(ErrorKind::bad_input, "a material has no figure '" + key + "'; choose one of: " + known);
@@ -163,12 +174,6 @@ std::vector<std::string> names_in(const std::filesystem::path& folder) {
 // The page of materials
 namespace {
 
-std::string text(double value, const char* format = "%.5g") {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, format, value);
-  return buffer;
-}
-
 bool holds(const std::string& source, std::string_view words) { return source.find(words) != std::string::npos; }
 
 std::string marked(const std::string& figure, const std::string& source) {
@@ -176,18 +181,31 @@ std::string marked(const std::string& figure, const std::string& source) {
   return holds(source, kToBeChecked) ? shown + " ?" : shown;
 }
 
-// Seconds in which a mode of an undamped 1 kHz falls by 60 dB: ln(1000) / d with d = (alpha + beta lambda) / 2.
-double t60_at_1_khz(modal::RayleighDamping damping) {
-  const double omega = 2 * M_PI * 1000;
-  return std::log(1000.0) / ((damping.alpha_per_s + damping.beta_s * omega * omega) / 2);
+// Seconds in which a mode of an undamped 1 kHz falls by 60 dB.
+double t60_at_1_khz(const modal::Material& material) {
+  const double omega = modal::hz_to_rad_per_s(1000);
+  return modal::t60_s(modal::mode_loss(material.damping_law(), omega * omega).total_per_s());
+}
+
+// How far Rayleigh's fit is off from a list of loss factors; where there is none, Rayleigh's numbers are the material.
+std::string fit_errors(const modal::Material& material) {
+  constexpr double kLowest_hz = 20, kHighest_hz = 20000;
+  const std::vector<modal::LossFactor>& list = material.loss_factors;
+  if (list.empty()) return " | |";
+  const auto off = [&](double low_hz, double high_hz) {
+    return number_text(100 * modal::worst_error(material.damping_law(), low_hz, high_hz), "%.0f");
+  };
+  const double low_hz = list.front().frequency_hz, high_hz = list.back().frequency_hz;
+  return " " + off(low_hz, high_hz) + " % in " + number_text(low_hz) + " ... " + number_text(high_hz) + " Hz | " +
+         off(kLowest_hz, kHighest_hz) + " % |";
 }
 
 std::string figure_row(MaterialEntry entry) {
   std::string row = "| `" + entry.material.name + "` |";
   for (const Figure& figure : figures_of(entry.material)) {
-    row += " " + marked(text(figure.value / figure.table_unit), entry.sources.at(figure.key)) + " |";
+    row += " " + marked(number_text(figure.value / figure.table_unit), entry.sources.at(figure.key)) + " |";
   }
-  return row + " " + text(t60_at_1_khz(entry.material.damping), "%.2g") + " |\n";
+  return row + " " + number_text(t60_at_1_khz(entry.material), "%.2g") + " |" + fit_errors(entry.material) + "\n";
 }
 
 }  // namespace
@@ -196,8 +214,10 @@ Result<std::string> materials_as_markdown(const std::filesystem::path& folder) {
   const std::vector<std::string> names = names_in(folder);
   if (names.empty()) return fail(ErrorKind::bad_input, "there are no materials in " + folder.string());
   std::string figures =
-      "| material | E [GPa] | nu | rho [kg/m^3] | alpha [1/s] | beta [s] | T60 at 1 kHz [s] |\n"
-      "|---|---|---|---|---|---|---|\n";
+      "| material | E [GPa] | nu | rho [kg/m^3] | alpha [1/s] | beta [s] | T60 at 1 kHz [s] | Rayleigh is off by at "
+      "most | "
+      "in 20 ... 20000 Hz |\n"
+      "|---|---|---|---|---|---|---|---|---|\n";
   for (const std::string& name : names) {
     const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
     if (!entry) return fail(entry.error());

@@ -8,7 +8,8 @@
 //
 // Every figure has a source. Rayleigh's alpha and beta are seldom published: most are fitted to a loss factor
 // eta at one frequency by beta = eta / omega, which the source then says. Where it is known at several frequencies,
-// they stand in the file instead of alpha and beta, which are fitted to them (modal/damping.h):
+// they stand in the file instead of alpha and beta, and each mode gets the loss factor of its own frequency
+// (modal/losses.h); alpha and beta are fitted to them (modal/damping.h) for readers that know no others:
 //
 //   [[loss_factor]]          # two at least, at different frequencies
 //   frequency_hz = 250
@@ -34,13 +35,10 @@ namespace ringdown::bake {
 inline constexpr std::string_view kOurChoice = "our choice";
 inline constexpr std::string_view kToBeChecked = "to be checked against the original";
 
-inline constexpr std::size_t kMaxLossFactors = 64;  // in a file
-
 struct MaterialEntry {
   modal::Material material;
   std::string description;
-  std::map<std::string, std::string> sources;   // key of the figure -> where it is from
-  std::vector<modal::LossFactor> loss_factors;  // that alpha and beta were fitted to; empty when the file gives them
+  std::map<std::string, std::string> sources;  // key of the figure -> where it is from
 };
 
 // Checks that the name is the file's, that the constants are a stable solid's, and that every figure has its
@@ -50,7 +48,8 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path);
 // `folder`/`name`.toml; when there is none, the error lists those that are there.
 Result<MaterialEntry> find_material(const std::filesystem::path& folder, const std::string& name);
 
-// Another value for the figure of that key in a material's file; refused when it is out of its range there.
+// Another value for the figure of that key in a material's file; refused when it is out of its range there. With
+// alpha_per_s or beta_s a list of loss factors no longer counts.
 Result<void> set_figure(modal::Material& material, const std::string& key, double value);
 
 // Names of the .toml files in a folder, sorted; empty when there is no such folder.
@@ -58,7 +57,9 @@ std::vector<std::string> names_in(const std::filesystem::path& folder);
 
 // The table of docs/use/materials.md: every material in `folder` with its figures, as Markdown. Their sources stand in
 // the files. Figures that are our own choice are in italics, figures that are yet to be checked carry a question mark
-// (kOurChoice and kToBeChecked). Fails with the first file that cannot be read, or when there is none.
+// (kOurChoice and kToBeChecked). The last columns say how far Rayleigh's fit is off from a list of loss factors,
+// between the list's ends and in the audible band. Fails with the first file that cannot be read, or when there is
+// none.
 Result<std::string> materials_as_markdown(const std::filesystem::path& folder);
 
 }  // namespace ringdown::bake

@@ -165,7 +165,7 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
 modal::Bank with_damping(const modal::Bank& bank, const modal::RayleighDamping& damping) {
   modal::Bank result = bank;
   result.frequency_hz.clear(), result.decay_per_s.clear(), result.frequency_error.clear();
-  result.shape_error.clear(), result.shapes.clear();
+  result.shape_error.clear(), result.shapes.clear(), result.losses.clear();
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const modal::DampedMode mode =
         modal::damp(modal::undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]}), damping);
@@ -176,7 +176,10 @@ modal::Bank with_damping(const modal::Bank& bank, const modal::RayleighDamping& 
     if (!bank.shape_error.empty()) result.shape_error.push_back(bank.shape_error[m]);
     for (std::size_t p = 0; p < bank.point_count(); ++p) result.shapes.push_back(bank.shape(m, p));
   }
-  if (result.material) result.material->damping = damping;
+  if (result.material) {
+    result.material->damping = damping;
+    result.material->loss_factors.clear();
+  }
   return result;
 }
 

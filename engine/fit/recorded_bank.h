@@ -43,8 +43,9 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
 
 inline constexpr std::size_t kMinMatches = 3;
 
-// The bank with that damping: decays, damped frequencies, material. A mode that would be over-damped is dropped. A bank
-// without a material stays without.
+// The bank with that damping: decays, damped frequencies, material. The recording's decays contain what the air took,
+// so the bank no longer says what of them that is. A mode that would be over-damped is dropped. A bank without a
+// material stays without.
 modal::Bank with_damping(const modal::Bank& bank, const modal::RayleighDamping& damping);
 
 // The blow that was recorded.

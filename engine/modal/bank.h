@@ -5,6 +5,7 @@
 //
 //   frequency_hz   M      damped, in (0, inf)                    [Hz]
 //   decay_per_s    M      amplitude decay, in [0, inf)           [1/s]
+//   losses         M      its parts: material, air, support      [1/s]; empty when unknown
 //   positions      P x 3  object frame                           [m]
 //   shapes         M x P x 3, mode-major: shape(m, p) is the mass-normalised displacement of point p in mode m
 //                                                                [kg^-1/2]; between points it is interpolated linearly
@@ -18,6 +19,7 @@
 
 #include "engine/base/vec3.h"
 #include "engine/modal/damping.h"
+#include "engine/modal/losses.h"
 
 #include <algorithm>
 #include <array>
@@ -38,6 +40,8 @@ struct Material {
   double poisson_ratio = 0;
   double density_kg_m3 = 0;
   RayleighDamping damping;
+  std::vector<LossFactor> loss_factors = {};  // where they are known, ascending; `damping` is then their fit
+  [[nodiscard]] MaterialDamping damping_law() const { return {damping, loss_factors}; }
 };
 
 struct MassProperties {
@@ -66,6 +70,7 @@ struct Bank {
   std::string name;
   std::vector<double> frequency_hz;
   std::vector<double> decay_per_s;
+  std::vector<ModeLoss> losses;
   std::vector<double> frequency_error, shape_error;
   std::vector<Vec3f> positions;
   std::vector<Vec3f> shapes;

@@ -4,6 +4,7 @@
 #include "engine/base/output_file.h"
 #include "engine/base/version.h"
 #include "engine/base/within_memory.h"
+#include "engine/modal/bank_extras.h"
 #include "engine/modal/glb.h"
 #include "engine/modal/material_scale.h"
 
@@ -91,36 +92,6 @@ Result<std::optional<MassProperties>> read_mass(const Field& field) {
   return mass;
 }
 
-Provenance read_provenance(const Field& extras, std::string generator) {
-  const auto number = [&extras](const char* key) { return extras[key].number().value_or(0.0); };
-  const auto count = [&extras](const char* key) { return static_cast<std::int64_t>(extras[key].index().value_or(0)); };
-  const Field dropped = extras["dropped"];
-  return {.generator = std::move(generator),
-          .body = extras["body"].text_or(""),
-          .element = extras["element"].text_or(""),
-          .unknowns = count("unknowns"),
-          .rigid_modes = count("rigidModes"),
-          .counted_modes = count("modesCounted"),
-          .band_low_hz = number("bandLow"),
-          .band_high_hz = number("bandHigh"),
-          .largest_residual = number("largestResidual"),
-          .dropped_modes = static_cast<std::int64_t>(dropped["count"].index().value_or(0)),
-          .floor_db = dropped["floor"].number().value_or(0.0),
-          .loss_db = dropped["loss"].number().value_or(0.0)};
-}
-
-// Empty unless it is a list of one sound number for each mode: the bank plays without.
-std::vector<double> read_errors(const Field& list, std::size_t modes) {
-  std::vector<double> errors;
-  if (list.size() != modes) return errors;
-  for (std::size_t m = 0; m < modes; ++m) {
-    const double error = list[m].number().value_or(-1);
-    if (error < 0) return {};
-    errors.push_back(error);
-  }
-  return errors;
-}
-
 // The model a node plays, and that node's uniform scale and gain.
 struct Instance {
   std::size_t model = 0;
@@ -148,16 +119,16 @@ Result<Instance> find_instance(const Glb& glb) {
   return Instance{};
 }
 
-// Similar bodies of one material: lengths times s, eigenvalues by 1/s^2 (as a stiffness by 1/s^2 would do), mass by
-// s^3, shapes by s^-3/2.
+// Similar bodies of one material: lengths times s, eigenvalues by 1/s^2, mass by s^3, shapes by s^-3/2.
 Result<void> scale_size(Bank& bank, double s, const std::string& name) {
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
-    const DampedMode mode = rescale(bank, m, {.stiffness = 1 / (s * s)});
+    const DampedMode mode = rescale(bank, m, {.size = s});
     if (!(mode.frequency_hz > 0)) {
       return fail(ErrorKind::bad_input, name + ": at the node's scale of " + Json(s).dump() + " mode " +
                                             std::to_string(m) +
                                             " is over-damped and has no pitch; bake the object at that size");
     }
+    if (!bank.losses.empty()) bank.losses[m] = rescaled_loss(bank, m, {.size = s});
     bank.frequency_hz[m] = mode.frequency_hz;
     bank.decay_per_s[m] = mode.decay_per_s;
   }
@@ -276,28 +247,15 @@ Json mass_json(const MassProperties& mass) {
           {"inertiaOrientation", mass.orientation}};
 }
 
-Json material_json(const Material& material) {
-  return {{"name", material.name},
-          {"density", material.density_kg_m3},
-          {"youngsModulus", material.youngs_modulus_pa},
-          {"poissonRatio", material.poisson_ratio},
-          {"alpha", material.damping.alpha_per_s},
-          {"beta", material.damping.beta_s}};
-}
-
-Json provenance_json(const Provenance& provenance) {
-  Json json = {{"version", kBankVersion},
-               {"element", provenance.element},
-               {"unknowns", provenance.unknowns},
-               {"rigidModes", provenance.rigid_modes},
-               {"bandLow", provenance.band_low_hz},
-               {"bandHigh", provenance.band_high_hz},
-               {"largestResidual", provenance.largest_residual}};
-  if (!provenance.body.empty()) json["body"] = provenance.body;
-  if (provenance.counted_modes > 0) json["modesCounted"] = provenance.counted_modes;
-  if (provenance.dropped_modes > 0) {
-    json["dropped"] = {{"count", provenance.dropped_modes}, {"loss", provenance.loss_db}};
-    if (provenance.floor_db > 0) json["dropped"]["floor"] = provenance.floor_db;
+Json material_json(const Bank& bank) {
+  const Material& material = *bank.material;
+  Json json = {{"name", material.name},
+               {"density", material.density_kg_m3},
+               {"youngsModulus", material.youngs_modulus_pa},
+               {"poissonRatio", material.poisson_ratio}};
+  if (rayleigh_reproduces_material(bank)) {
+    json["alpha"] = material.damping.alpha_per_s;
+    json["beta"] = material.damping.beta_s;
   }
   return json;
 }
@@ -331,9 +289,8 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name) 
   if (!mass) return fail(mass.error());
   bank.material = std::move(*material);
   bank.mass = *mass;
-  bank.frequency_error = read_errors(model["extras"]["ringdown"]["frequencyErrors"], bank.mode_count());
-  bank.shape_error = read_errors(model["extras"]["ringdown"]["shapeErrors"], bank.mode_count());
-  bank.provenance = read_provenance(model["extras"]["ringdown"], glb->root()["asset"]["generator"].text_or(""));
+  read_extras(model["extras"]["ringdown"], bank);
+  bank.provenance.generator = glb->root()["asset"]["generator"].text_or("");
   if (instance->scale != 1) {
     if (const auto scaled = scale_size(bank, instance->scale, name); !scaled) return fail(scaled.error());
   }
@@ -365,9 +322,7 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std
                 {"frequencies", writer.add_floats(frequencies, 1)},
                 {"decayRates", writer.add_floats(decays, 1)},
                 {"shapes", packed ? add_rounded_shapes(writer, bank) : writer.add_floats(as_floats(bank.shapes), 3)},
-                {"extras", {{"ringdown", provenance_json(bank.provenance)}}}};
-  if (!bank.frequency_error.empty()) model["extras"]["ringdown"]["frequencyErrors"] = bank.frequency_error;
-  if (!bank.shape_error.empty()) model["extras"]["ringdown"]["shapeErrors"] = bank.shape_error;
+                {"extras", {{"ringdown", extras_json(bank)}}}};
   if (!input_hash.empty()) model["extras"]["ringdown"]["inputHash"] = input_hash;
   Json primitive = {{"attributes", {{"POSITION", positions}}}, {"mode", 0}};
   if (!bank.triangles.empty()) {
@@ -377,7 +332,7 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std
   }
   Json extension = {{"modalModels", Json::array()}};
   if (bank.material) {
-    extension["acousticMaterials"] = Json::array({material_json(*bank.material)});
+    extension["acousticMaterials"] = Json::array({material_json(bank)});
     model["material"] = 0;
   }
   if (bank.mass) model["massProperties"] = mass_json(*bank.mass);

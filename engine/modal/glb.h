@@ -2,7 +2,7 @@
 // may be compressed (EXT_meshopt_compression).
 //
 // Reading trusts nothing: a document is refused before memory is allocated for what it claims to hold. Private to
-// bank_file.cpp and its tests. [worker]
+// bank_file.cpp, bank_extras.cpp and their tests. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -53,7 +53,7 @@ struct Glb {
   [[nodiscard]] Field root() const { return {&json, name + ": "}; }
 };
 
-// What a JSON text may hold. Our own has some 33,000 values at most: two for each of 16,384 modes.
+// What a JSON text may hold. Our own has some 85,000 values at most: five for each of 16,384 modes.
 inline constexpr std::size_t kMaxJsonBytes = std::size_t{1} << 24;
 inline constexpr std::size_t kMaxJsonValues = std::size_t{1} << 18;
 

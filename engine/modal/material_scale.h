@@ -1,14 +1,16 @@
 // A different material and size for the same modes, exactly and without a new analysis.
 //
-// Scaling stiffness scales every eigenvalue; density and size scale eigenvalues and mass-normalised shapes; Rayleigh's
-// two terms scale on their own (docs/how/physics.md, "Another material"). Only Poisson's ratio needs a new bake.
+// Scaling stiffness scales every eigenvalue; density and size scale eigenvalues and mass-normalised shapes; what modes
+// lose to material, air and support scales in parts (docs/how/physics.md, "Another material"). Only Poisson's ratio
+// needs a new bake.
 #pragma once
 
 #include "engine/modal/bank.h"
 #include "engine/modal/damping.h"
+#include "engine/modal/losses.h"
 
-#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace ringdown::modal {
 
@@ -30,20 +32,22 @@ inline double shape_factor(const MaterialScale& scale) {
   return 1 / std::sqrt(scale.density * scale.size * scale.size * scale.size);
 }
 
-// Mode `m` of the bank under a scaled material; frequency_hz is 0 when it has become over-damped. The bank's decay is
-// split into beta lambda / 2 (beta from its material, 0 without one) and the rest, which scales like alpha.
-inline DampedMode rescale(const Bank& bank, std::size_t m, const MaterialScale& scale) {
-  const DampedMode baked{bank.frequency_hz[m], bank.decay_per_s[m]};
-  if (scale == MaterialScale{}) return baked;
-  const double lambda = undamped_lambda(baked);
-  const double beta = bank.material ? bank.material->damping.beta_s : 0.0;
-  const double stiffness_part = std::min(0.5 * beta * lambda, baked.decay_per_s);
-  const double mass_part = baked.decay_per_s - stiffness_part;
-  const double factor = lambda_factor(scale);
-  const double decay = scale.alpha * mass_part + scale.beta * factor * stiffness_part;
-  const double omega_squared = factor * lambda - decay * decay;
-  return {omega_squared > 0 ? rad_per_s_to_hz(std::sqrt(omega_squared)) : 0.0, decay};
-}
+// What mode `m` of the bank loses as baked. A bank that does not say so has it split into beta lambda / 2 (beta from
+// its material, 0 without one) for the material and the rest for the support.
+ModeLoss loss_of(const Bank& bank, std::size_t m);
+
+// What mode `m` loses under a scaled material. `alpha` scales what air and support took by the material's alpha, of
+// which the air then takes its part; `beta` scales the material's part. Where the material is a list of loss factors,
+// that part follows the list to the new frequency, and `alpha` and `beta` scale the shares of it that Rayleigh's fit
+// has at that frequency.
+ModeLoss rescaled_loss(const Bank& bank, std::size_t m, const MaterialScale& scale);
+
+// What mode `m` loses to the air under a scaled material. Its size changes the loss exactly: a mode radiates the same
+// share of its energy in a cycle.
+double rescaled_air_loss(const Bank& bank, std::size_t m, const MaterialScale& scale);
+
+// Mode `m` of the bank under a scaled material; frequency_hz is 0 when it has become over-damped.
+DampedMode rescale(const Bank& bank, std::size_t m, const MaterialScale& scale);
 
 // Mass, centre and inertia of the scaled body.
 inline MassProperties rescale(const MassProperties& mass, const MaterialScale& scale) {

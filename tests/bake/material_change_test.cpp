@@ -78,6 +78,24 @@ TEST(Change, AChangeOfMaterialIsABakeInIt) {
   expect_same(changed->bank, baked(1.3, kOther, changed->bank.provenance.band_high_hz), 1e-6);
 }
 
+TEST(Change, AChangeToALossFactorOfEachFrequencyAndBackIsABakeInIt) {
+  modal::Material listed = kOther;
+  listed.loss_factors = {{300, 0.02}, {3000, 0.004}, {9000, 0.01}};
+  listed.damping = modal::fit_rayleigh(listed.loss_factors);
+  const modal::Bank one = baked(1, kSteel, 16000);
+  const auto changed = bake::change(one, {.size = 1.3, .material = listed});
+  ASSERT_TRUE(changed);
+  const modal::Bank other = baked(1.3, listed, changed->bank.provenance.band_high_hz);
+  expect_same(changed->bank, other, 1e-6);
+  for (std::size_t m = 0; m < other.mode_count(); ++m) {
+    const double f = std::sqrt(modal::undamped_lambda({other.frequency_hz[m], other.decay_per_s[m]})) / (2 * M_PI);
+    EXPECT_NEAR(other.decay_per_s[m], M_PI * f * modal::loss_factor_at(listed.loss_factors, f), 1e-6 * f);
+  }
+  const auto back = bake::change(changed->bank, {.size = 1 / 1.3, .material = kSteel});
+  ASSERT_TRUE(back);
+  expect_same(back->bank, one, 1e-6);
+}
+
 TEST(Change, AChangeOrdersModesByTheirNewImportanceAndBackIsTheOldBank) {
   const modal::Bank one = baked(1, kSteel, 16000);
   const auto there = bake::change(one, {.size = 8, .material = kOther});

@@ -1,0 +1,144 @@
+#include "engine/modal/bank_extras.h"
+
+#include "engine/base/version.h"
+
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace ringdown::modal {
+namespace {
+
+Provenance read_provenance(const Field& extras) {
+  const auto number = [&extras](const char* key) { return extras[key].number().value_or(0.0); };
+  const auto count = [&extras](const char* key) { return static_cast<std::int64_t>(extras[key].index().value_or(0)); };
+  const Field dropped = extras["dropped"];
+  return {.body = extras["body"].text_or(""),
+          .element = extras["element"].text_or(""),
+          .unknowns = count("unknowns"),
+          .rigid_modes = count("rigidModes"),
+          .counted_modes = count("modesCounted"),
+          .band_low_hz = number("bandLow"),
+          .band_high_hz = number("bandHigh"),
+          .largest_residual = number("largestResidual"),
+          .dropped_modes = static_cast<std::int64_t>(dropped["count"].index().value_or(0)),
+          .floor_db = dropped["floor"].number().value_or(0.0),
+          .loss_db = dropped["loss"].number().value_or(0.0)};
+}
+
+// Empty unless it is a list of one number from 0 for each mode.
+std::vector<double> read_numbers(const Field& list, std::size_t modes) {
+  std::vector<double> numbers;
+  if (list.size() != modes) return numbers;
+  for (std::size_t m = 0; m < modes; ++m) {
+    const double number = list[m].number().value_or(-1);
+    if (number < 0) return {};
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+// Empty unless every mode has its three parts and they add up to its decay: the bank plays without.
+std::vector<ModeLoss> read_losses(const Field& field, const std::vector<double>& decay_per_s) {
+  constexpr double kRounding = 1e-5;
+  const std::vector<double> material = read_numbers(field["material"], decay_per_s.size()),
+                            support = read_numbers(field["support"], decay_per_s.size());
+  std::vector<double> air = read_numbers(field["air"], decay_per_s.size());
+  if (!field["air"].present()) air.assign(decay_per_s.size(), 0.0);
+  if (material.empty() || support.empty() || air.empty()) return {};
+  std::vector<ModeLoss> losses;
+  for (std::size_t m = 0; m < decay_per_s.size(); ++m) {
+    losses.push_back({.material_per_s = material[m], .air_per_s = air[m], .support_per_s = support[m]});
+    if (std::abs(losses[m].total_per_s() - decay_per_s[m]) > kRounding * decay_per_s[m]) return {};
+  }
+  return losses;
+}
+
+// Empty unless it is a list of pairs, frequency above 0 and ascending, loss factor above 0.
+std::vector<LossFactor> read_loss_factors(const Field& list) {
+  constexpr double kMostHz = 1e9, kMostEta = 10, kLeastEta = 1e-12;
+  std::vector<LossFactor> factors;
+  if (list.size() > kMaxLossFactors) return {};
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const LossFactor point{list[i][0].number().value_or(0), list[i][1].number().value_or(0)};
+    const double before_hz = factors.empty() ? 0 : factors.back().frequency_hz;
+    if (!(point.frequency_hz > before_hz && point.frequency_hz <= kMostHz)) return {};
+    if (!(point.eta >= kLeastEta && point.eta <= kMostEta)) return {};
+    factors.push_back(point);
+  }
+  return factors;
+}
+
+Json losses_json(const std::vector<ModeLoss>& losses) {
+  Json json;
+  bool air = false;
+  for (const ModeLoss& loss : losses) {
+    json["material"].push_back(loss.material_per_s);
+    json["air"].push_back(loss.air_per_s);
+    json["support"].push_back(loss.support_per_s);
+    air = air || loss.air_per_s > 0;
+  }
+  if (!air) json.erase("air");
+  return json;
+}
+
+Json loss_factors_json(const std::vector<LossFactor>& factors) {
+  Json json = Json::array();
+  for (const LossFactor& point : factors) json.push_back({point.frequency_hz, point.eta});
+  return json;
+}
+
+Json provenance_json(const Provenance& provenance) {
+  Json json = {{"version", kBankVersion},
+               {"element", provenance.element},
+               {"unknowns", provenance.unknowns},
+               {"rigidModes", provenance.rigid_modes},
+               {"bandLow", provenance.band_low_hz},
+               {"bandHigh", provenance.band_high_hz},
+               {"largestResidual", provenance.largest_residual}};
+  if (!provenance.body.empty()) json["body"] = provenance.body;
+  if (provenance.counted_modes > 0) json["modesCounted"] = provenance.counted_modes;
+  if (provenance.dropped_modes > 0) {
+    json["dropped"] = {{"count", provenance.dropped_modes}, {"loss", provenance.loss_db}};
+    if (provenance.floor_db > 0) json["dropped"]["floor"] = provenance.floor_db;
+  }
+  return json;
+}
+
+}  // namespace
+
+bool rayleigh_reproduces_material(const Bank& bank) {
+  constexpr double kTolerance = 0.01;
+  const MaterialDamping law = bank.material->damping_law();
+  if (law.loss_factors.empty()) return true;
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const double lambda = undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
+    const double fitted = 0.5 * (law.rayleigh.alpha_per_s + law.rayleigh.beta_s * lambda);
+    if (std::abs(fitted / mode_loss(law, lambda).material_per_s - 1) > kTolerance) return false;
+  }
+  return true;
+}
+
+void read_extras(const Field& extras, Bank& bank) {
+  bank.frequency_error = read_numbers(extras["frequencyErrors"], bank.mode_count());
+  bank.shape_error = read_numbers(extras["shapeErrors"], bank.mode_count());
+  bank.losses = read_losses(extras["losses"], bank.decay_per_s);
+  if (bank.material) {
+    bank.material->loss_factors = read_loss_factors(extras["lossFactors"]);
+    if (!bank.material->loss_factors.empty()) bank.material->damping = fit_rayleigh(bank.material->loss_factors);
+  }
+  bank.provenance = read_provenance(extras);
+}
+
+Json extras_json(const Bank& bank) {
+  Json json = provenance_json(bank.provenance);
+  if (!bank.frequency_error.empty()) json["frequencyErrors"] = bank.frequency_error;
+  if (!bank.shape_error.empty()) json["shapeErrors"] = bank.shape_error;
+  if (!bank.losses.empty()) json["losses"] = losses_json(bank.losses);
+  if (bank.material && !bank.material->loss_factors.empty())
+    json["lossFactors"] = loss_factors_json(bank.material->loss_factors);
+  return json;
+}
+
+}  // namespace ringdown::modal

@@ -1,0 +1,19 @@
+// What a bank's file says in extras.ringdown, beyond the public draft: how the bank was made, how far it can be
+// trusted, and what its modes lose to what (docs/reference/bank-format.md). None of it is needed to play: what does not
+// fit its type or the bank's modes counts as absent. Private to bank_file.cpp. [worker]
+#pragma once
+
+#include "engine/modal/bank.h"
+#include "engine/modal/glb.h"
+
+namespace ringdown::modal {
+
+// Reads what belongs to the bank's modes and material, which the bank must have already.
+void read_extras(const Field& extras, Bank& bank);
+
+Json extras_json(const Bank& bank);
+
+// Whether Rayleigh's two numbers give every mode of the bank what its material takes, to 1 %. The bank has a material.
+bool rayleigh_reproduces_material(const Bank& bank);
+
+}  // namespace ringdown::modal

@@ -1,0 +1,69 @@
+#include "engine/modal/losses.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace ringdown::modal {
+
+double loss_factor_at(std::span<const LossFactor> list, double frequency_hz) {
+  assert(!list.empty());
+  const auto above = std::ranges::upper_bound(list, frequency_hz, {}, &LossFactor::frequency_hz);
+  if (above == list.begin()) return list.front().eta;
+  if (above == list.end()) return list.back().eta;
+  const LossFactor &low = *(above - 1), &high = *above;
+  const double share = std::log(frequency_hz / low.frequency_hz) / std::log(high.frequency_hz / low.frequency_hz);
+  return low.eta * std::pow(high.eta / low.eta, share);
+}
+
+ModeLoss mode_loss(const MaterialDamping& damping, double lambda, double air_per_s) {
+  if (damping.loss_factors.empty()) {
+    const auto& [alpha_per_s, beta_s] = damping.rayleigh;
+    return {0.5 * beta_s * lambda, air_per_s, std::max(0.5 * alpha_per_s - air_per_s, 0.0)};
+  }
+  const double omega = std::sqrt(lambda);
+  return {.material_per_s = 0.5 * omega * loss_factor_at(damping.loss_factors, rad_per_s_to_hz(omega)),
+          .air_per_s = air_per_s};
+}
+
+DampedMode with_decay(double lambda, double decay_per_s) {
+  const double omega_squared = lambda - decay_per_s * decay_per_s;
+  return {omega_squared > 0 ? rad_per_s_to_hz(std::sqrt(omega_squared)) : 0.0, decay_per_s};
+}
+
+// omega_d^2 = lambda (1 - eta^2 / 4), which rises with lambda unless eta rises steeply. The bisection goes between no
+// loss at all and the list's largest.
+double highest_lambda(double band_high_hz, const MaterialDamping& damping) {
+  if (damping.loss_factors.empty()) return highest_lambda_in_band(band_high_hz, damping.rayleigh);
+  constexpr double kMaxEta = 1.99;  // at 2 a mode is critically damped
+  double most = 0;
+  for (const LossFactor& point : damping.loss_factors) most = std::max(most, point.eta);
+  most = std::min(most, kMaxEta);
+  const double omega = hz_to_rad_per_s(band_high_hz);
+  double low = omega * omega, high = low / (1 - most * most / 4);
+  const auto in_band = [&](double lambda) {
+    const DampedMode mode = with_decay(lambda, mode_loss(damping, lambda).material_per_s);
+    return mode.frequency_hz > 0 && mode.frequency_hz <= band_high_hz;
+  };
+  if (in_band(high)) return high;
+  for (int i = 0; i < 100; ++i) {
+    const double middle = 0.5 * (low + high);
+    (in_band(middle) ? low : high) = middle;
+  }
+  return high;
+}
+
+double worst_error(const MaterialDamping& damping, double low_hz, double high_hz) {
+  constexpr int kSteps = 21;
+  double worst = 0;
+  const auto look_at = [&](double frequency_hz) {
+    if (frequency_hz < low_hz || frequency_hz > high_hz) return;
+    const double eta = loss_factor_at(damping.loss_factors, frequency_hz);
+    worst = std::max(worst, std::abs(loss_factor(damping.rayleigh, frequency_hz) / eta - 1));
+  };
+  for (const LossFactor& point : damping.loss_factors) look_at(point.frequency_hz);
+  for (int i = 0; i <= kSteps; ++i) look_at(low_hz * std::pow(high_hz / low_hz, i / double{kSteps}));
+  return worst;
+}
+
+}  // namespace ringdown::modal

@@ -1,0 +1,57 @@
+#include "engine/modal/material_scale.h"
+
+#include <algorithm>
+
+namespace ringdown::modal {
+namespace {
+
+double lambda_of(const Bank& bank, std::size_t m) {
+  return undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
+}
+
+// The material's part as a list of loss factors has it at the new eigenvalue, over what it has at the old one, with
+// the two shares of Rayleigh's fit scaled.
+double list_factor(const MaterialDamping& damping, double lambda, double scaled_lambda, const MaterialScale& scale) {
+  const double factor = mode_loss(damping, scaled_lambda).material_per_s / mode_loss(damping, lambda).material_per_s;
+  const double mass_share = damping.rayleigh.alpha_per_s, stiffness_share = damping.rayleigh.beta_s * scaled_lambda;
+  if (!(mass_share + stiffness_share > 0)) return factor;
+  return factor * (scale.alpha * mass_share + scale.beta * stiffness_share) / (mass_share + stiffness_share);
+}
+
+}  // namespace
+
+ModeLoss loss_of(const Bank& bank, std::size_t m) {
+  if (!bank.losses.empty()) return bank.losses[m];
+  const double beta = bank.material ? bank.material->damping.beta_s : 0.0;
+  const double material = std::min(0.5 * beta * lambda_of(bank, m), bank.decay_per_s[m]);
+  return {.material_per_s = material, .support_per_s = bank.decay_per_s[m] - material};
+}
+
+double rescaled_air_loss(const Bank& bank, std::size_t m, const MaterialScale& scale) {
+  return loss_of(bank, m).air_per_s / (scale.density * scale.size);
+}
+
+ModeLoss rescaled_loss(const Bank& bank, std::size_t m, const MaterialScale& scale) {
+  const ModeLoss baked = loss_of(bank, m);
+  if (scale == MaterialScale{}) return baked;
+  const bool follows_list = bank.material && !bank.material->loss_factors.empty() && !bank.losses.empty();
+  const double factor = lambda_factor(scale);
+  ModeLoss loss{.material_per_s = scale.beta * factor * baked.material_per_s,
+                .air_per_s = rescaled_air_loss(bank, m, scale)};
+  if (follows_list) {
+    const double lambda = lambda_of(bank, m);
+    loss.material_per_s =
+        baked.material_per_s * list_factor(bank.material->damping_law(), lambda, factor * lambda, scale);
+  }
+  const double alpha = bank.material && !follows_list ? bank.material->damping.alpha_per_s : 0.0;
+  const double air_and_support = baked.support_per_s + std::min(baked.air_per_s, 0.5 * alpha);
+  loss.support_per_s = std::max(scale.alpha * air_and_support - loss.air_per_s, 0.0);
+  return loss;
+}
+
+DampedMode rescale(const Bank& bank, std::size_t m, const MaterialScale& scale) {
+  if (scale == MaterialScale{}) return {bank.frequency_hz[m], bank.decay_per_s[m]};
+  return with_decay(lambda_factor(scale) * lambda_of(bank, m), rescaled_loss(bank, m, scale).total_per_s());
+}
+
+}  // namespace ringdown::modal
