@@ -2,6 +2,7 @@
 
 #include "engine/bake/importance.h"
 #include "engine/modal/masking.h"
+#include "engine/modal/mode_choice.h"
 
 #include <Eigen/Dense>
 
@@ -134,28 +135,6 @@ Eigen::VectorXd energies(const modal::Bank& bank, const Eigen::MatrixXd& amplitu
   return sum;
 }
 
-// The modes `order` of the bank, in that order. All members by name: one that holds modes and is not here would not
-// compile.
-void take_modes(modal::Bank& bank, const std::vector<std::size_t>& order) {
-  auto& [name, frequencies, decays, losses, errors, shape_errors, positions, shapes, triangles, material, mass, gain,
-         provenance] = bank;
-  const auto taken = [&order](const auto& list, std::size_t width) {
-    std::remove_cvref_t<decltype(list)> chosen;
-    chosen.reserve(order.size() * width);
-    for (const std::size_t m : order) {
-      const auto from = list.begin() + static_cast<std::ptrdiff_t>(m * width);
-      chosen.insert(chosen.end(), from, from + static_cast<std::ptrdiff_t>(width));
-    }
-    return chosen;
-  };
-  shapes = taken(shapes, positions.size());
-  frequencies = taken(frequencies, 1);
-  decays = taken(decays, 1);
-  if (!losses.empty()) losses = taken(losses, 1);
-  if (!errors.empty()) errors = taken(errors, 1);
-  if (!shape_errors.empty()) shape_errors = taken(shape_errors, 1);
-}
-
 }  // namespace
 
 std::vector<bool> audible_modes(const modal::Bank& bank, double floor_db) {
@@ -195,7 +174,7 @@ Reduced reduce(modal::Bank& bank, const Reduction& reduction) {
   const std::size_t wanted = drop ? heard : order.size();
   const std::size_t kept = reduction.keep > 0 ? std::min(wanted, static_cast<std::size_t>(reduction.keep)) : wanted;
 
-  take_modes(bank, order);
+  modal::take_modes(bank, order);
   order.resize(kept);
   if (kept < audible.size()) {
     bank.provenance.dropped_modes = static_cast<std::int64_t>(audible.size() - kept);
@@ -203,7 +182,7 @@ Reduced reduce(modal::Bank& bank, const Reduction& reduction) {
     bank.provenance.loss_db = loss_db(bank, kept);
     std::vector<std::size_t> first(kept);
     std::iota(first.begin(), first.end(), std::size_t{0});
-    take_modes(bank, first);
+    modal::take_modes(bank, first);
   }
   return {.inaudible = static_cast<int>(audible.size() - wanted),
           .unimportant = static_cast<int>(wanted - kept),

@@ -2,6 +2,7 @@
 
 #include "engine/bake/importance.h"
 #include "engine/modal/material_scale.h"
+#include "engine/modal/mode_choice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -85,23 +86,15 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return weights[a] > weights[b]; });
 
   const auto shape = static_cast<float>(modal::shape_factor(scale));
-  out.frequency_hz.clear();
-  out.decay_per_s.clear();
-  out.losses.clear();
-  out.frequency_error.clear();
-  out.shape_error.clear();
-  out.shapes.clear();
-  for (const std::size_t m : order) {
-    out.frequency_hz.push_back(modes[m].frequency_hz);
-    out.decay_per_s.push_back(modes[m].decay_per_s);
-    if (!bank.losses.empty()) out.losses.push_back(losses[m]);
-    if (!bank.frequency_error.empty()) out.frequency_error.push_back(bank.frequency_error[m]);
-    if (!bank.shape_error.empty()) out.shape_error.push_back(bank.shape_error[m]);
-    for (std::size_t p = 0; p < bank.point_count(); ++p) {
-      const modal::Vec3f& s = bank.shape(m, p);
-      out.shapes.push_back({shape * s[0], shape * s[1], shape * s[2]});
-    }
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    out.frequency_hz[m] = modes[m].frequency_hz;
+    out.decay_per_s[m] = modes[m].decay_per_s;
+    if (!bank.losses.empty()) out.losses[m] = losses[m];
+    if (bank.radiation) out.radiation->maps.modes[m] = modal::rescale(bank.radiation->maps.modes[m], scale);
   }
+  for (modal::Vec3f& s : out.shapes) s = {shape * s[0], shape * s[1], shape * s[2]};
+  if (out.radiation) out.radiation->maps.origin_m = scale.size * out.radiation->maps.origin_m;
+  modal::take_modes(out, order);
   for (modal::Vec3f& point : out.positions) point = modal::rescale(point, scale);
   if (out.mass) out.mass = modal::rescale(*out.mass, scale);
   if (bank.material) out.material = to;

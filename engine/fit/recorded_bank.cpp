@@ -1,6 +1,7 @@
 #include "engine/fit/recorded_bank.h"
 
 #include "engine/modal/contact_pulse.h"
+#include "engine/modal/mode_choice.h"
 #include "engine/modal/damping.h"
 
 #include <algorithm>
@@ -164,18 +165,16 @@ Result<Calibration> calibrate(std::span<const Mode> recorded, const modal::Bank&
 
 modal::Bank with_damping(const modal::Bank& bank, const modal::RayleighDamping& damping) {
   modal::Bank result = bank;
-  result.frequency_hz.clear(), result.decay_per_s.clear(), result.frequency_error.clear();
-  result.shape_error.clear(), result.shapes.clear(), result.losses.clear();
+  result.losses.clear();
+  std::vector<std::size_t> ringing;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const modal::DampedMode mode =
         modal::damp(modal::undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]}), damping);
-    if (mode.frequency_hz <= 0) continue;
-    result.frequency_hz.push_back(mode.frequency_hz);
-    result.decay_per_s.push_back(mode.decay_per_s);
-    if (!bank.frequency_error.empty()) result.frequency_error.push_back(bank.frequency_error[m]);
-    if (!bank.shape_error.empty()) result.shape_error.push_back(bank.shape_error[m]);
-    for (std::size_t p = 0; p < bank.point_count(); ++p) result.shapes.push_back(bank.shape(m, p));
+    result.frequency_hz[m] = mode.frequency_hz;
+    result.decay_per_s[m] = mode.decay_per_s;
+    if (mode.frequency_hz > 0) ringing.push_back(m);
   }
+  modal::take_modes(result, ringing);
   if (result.material) {
     result.material->damping = damping;
     result.material->loss_factors.clear();

@@ -11,6 +11,7 @@
 //                                                                [kg^-1/2]; between points it is interpolated linearly
 //   triangles      T x 3  point numbers, counter-clockwise from outside; may be empty
 //   frequency_error  M    estimated relative errors of the frequencies, at least 0; empty when unknown
+//   radiation        what modes radiate into the air; absent when nobody computed it
 //   shape_error      M    estimated errors of amplitudes where strikes are interpolated between points: rms over the
 //                         surface over the rms of the mode; empty when unknown
 //
@@ -20,6 +21,7 @@
 #include "engine/base/vec3.h"
 #include "engine/modal/damping.h"
 #include "engine/modal/losses.h"
+#include "engine/modal/radiation_map.h"
 
 #include <algorithm>
 #include <array>
@@ -51,6 +53,14 @@ struct MassProperties {
   std::array<double, 4> orientation = {0, 0, 0, 1};  // unit quaternion x y z w: principal axes -> object frame
 };
 
+// What the modes of a bank radiate, and how well that is known.
+struct BankRadiation {
+  RadiationMaps maps;               // of M modes
+  Air air;                          // in which they were found, and the air's part of the losses
+  std::vector<double> error_db;     // M estimated errors of the power, at least 0; empty when unknown
+  std::vector<std::string> reason;  // M: why the error is larger than wanted, or empty; no list when there is none
+};
+
 // How the bank was made; all of it optional, none of it needed to play. Kept in extras.ringdown of the file.
 struct Provenance {
   std::string generator;      // program and version
@@ -71,6 +81,7 @@ struct Bank {
   std::vector<double> frequency_hz;
   std::vector<double> decay_per_s;
   std::vector<ModeLoss> losses;
+  std::optional<BankRadiation> radiation;
   std::vector<double> frequency_error, shape_error;
   std::vector<Vec3f> positions;
   std::vector<Vec3f> shapes;

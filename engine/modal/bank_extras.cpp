@@ -2,8 +2,11 @@
 
 #include "engine/base/version.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -106,6 +109,48 @@ Json provenance_json(const Provenance& provenance) {
   return json;
 }
 
+// A number of `field` in a range, or what it is by default.
+double number_in(const Field& field, double low, double high, double otherwise) {
+  const double number = field.number().value_or(otherwise);
+  return number >= low && number <= high ? number : otherwise;
+}
+
+Result<std::optional<BankRadiation>> read_radiation(const Glb& glb, const Field& field, std::size_t modes) {
+  constexpr double kLeast = 1e-6, kMost = 1e6;  // in SI units, of anything in which sound travels
+  constexpr std::size_t kMostBytes = 32768;     // of a mode
+  if (!field["maps"].present()) return std::nullopt;
+  const auto bytes = read_bytes(glb, field["maps"], kMostBytes * (modes + 1));
+  if (!bytes) return fail(bytes.error());
+  auto maps = unpack(*bytes, field["maps"].path());
+  if (!maps) return fail(maps.error());
+  if (maps->modes.size() != modes) {
+    return fail(ErrorKind::bad_input, field["maps"].path() + " is of " + std::to_string(maps->modes.size()) +
+                                          " modes, expected " + std::to_string(modes) + " as in frequencies");
+  }
+  BankRadiation radiation{.maps = std::move(*maps), .error_db = read_numbers(field["errors"], modes)};
+  Air& air = radiation.air;
+  air.density_kg_m3 = number_in(field["air"]["density"], kLeast, kMost, air.density_kg_m3);
+  air.sound_speed_m_s = number_in(field["air"]["soundSpeed"], kLeast, kMost, air.sound_speed_m_s);
+  const Field doubtful = field["doubtful"];
+  for (std::size_t i = 0; i < std::min(doubtful.size(), modes); ++i) {
+    const std::size_t mode = doubtful[i]["mode"].index().value_or(modes);
+    if (mode >= modes) continue;
+    radiation.reason.resize(modes);
+    radiation.reason[mode] = doubtful[i]["reason"].text_or("");
+  }
+  return radiation;
+}
+
+Json radiation_json(const BankRadiation& radiation, GlbWriter& writer) {
+  Json json = {{"maps", writer.add_bytes(pack(radiation.maps).bytes)},
+               {"air", {{"density", radiation.air.density_kg_m3}, {"soundSpeed", radiation.air.sound_speed_m_s}}}};
+  if (!radiation.error_db.empty()) json["errors"] = radiation.error_db;
+  for (std::size_t m = 0; m < radiation.reason.size(); ++m) {
+    if (!radiation.reason[m].empty()) json["doubtful"].push_back({{"mode", m}, {"reason", radiation.reason[m]}});
+  }
+  return json;
+}
+
 }  // namespace
 
 bool rayleigh_reproduces_material(const Bank& bank) {
@@ -120,7 +165,7 @@ bool rayleigh_reproduces_material(const Bank& bank) {
   return true;
 }
 
-void read_extras(const Field& extras, Bank& bank) {
+Result<void> read_extras(const Glb& glb, const Field& extras, Bank& bank) {
   bank.frequency_error = read_numbers(extras["frequencyErrors"], bank.mode_count());
   bank.shape_error = read_numbers(extras["shapeErrors"], bank.mode_count());
   bank.losses = read_losses(extras["losses"], bank.decay_per_s);
@@ -129,15 +174,20 @@ void read_extras(const Field& extras, Bank& bank) {
     if (!bank.material->loss_factors.empty()) bank.material->damping = fit_rayleigh(bank.material->loss_factors);
   }
   bank.provenance = read_provenance(extras);
+  auto radiation = read_radiation(glb, extras["radiation"], bank.mode_count());
+  if (!radiation) return fail(radiation.error());
+  bank.radiation = std::move(*radiation);
+  return {};
 }
 
-Json extras_json(const Bank& bank) {
+Json extras_json(const Bank& bank, GlbWriter& writer) {
   Json json = provenance_json(bank.provenance);
   if (!bank.frequency_error.empty()) json["frequencyErrors"] = bank.frequency_error;
   if (!bank.shape_error.empty()) json["shapeErrors"] = bank.shape_error;
   if (!bank.losses.empty()) json["losses"] = losses_json(bank.losses);
   if (bank.material && !bank.material->loss_factors.empty())
     json["lossFactors"] = loss_factors_json(bank.material->loss_factors);
+  if (bank.radiation) json["radiation"] = radiation_json(*bank.radiation, writer);
   return json;
 }
 

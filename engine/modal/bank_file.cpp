@@ -129,12 +129,14 @@ Result<void> scale_size(Bank& bank, double s, const std::string& name) {
                                             " is over-damped and has no pitch; bake the object at that size");
     }
     if (!bank.losses.empty()) bank.losses[m] = rescaled_loss(bank, m, {.size = s});
+    if (bank.radiation) bank.radiation->maps.modes[m] = rescale(bank.radiation->maps.modes[m], {.size = s});
     bank.frequency_hz[m] = mode.frequency_hz;
     bank.decay_per_s[m] = mode.decay_per_s;
   }
   const auto length = static_cast<float>(s), shape = static_cast<float>(std::pow(s, -1.5));
   for (Vec3f& p : bank.positions) p = {p[0] * length, p[1] * length, p[2] * length};
   for (Vec3f& v : bank.shapes) v = {v[0] * shape, v[1] * shape, v[2] * shape};
+  if (bank.radiation) bank.radiation->maps.origin_m = s * bank.radiation->maps.origin_m;
   if (bank.mass) {
     bank.mass->mass_kg *= s * s * s;
     bank.mass->center_of_mass_m = s * bank.mass->center_of_mass_m;
@@ -289,7 +291,7 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name) 
   if (!mass) return fail(mass.error());
   bank.material = std::move(*material);
   bank.mass = *mass;
-  read_extras(model["extras"]["ringdown"], bank);
+  if (const auto read = read_extras(*glb, model["extras"]["ringdown"], bank); !read) return fail(read.error());
   bank.provenance.generator = glb->root()["asset"]["generator"].text_or("");
   if (instance->scale != 1) {
     if (const auto scaled = scale_size(bank, instance->scale, name); !scaled) return fail(scaled.error());
@@ -322,7 +324,7 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std
                 {"frequencies", writer.add_floats(frequencies, 1)},
                 {"decayRates", writer.add_floats(decays, 1)},
                 {"shapes", packed ? add_rounded_shapes(writer, bank) : writer.add_floats(as_floats(bank.shapes), 3)},
-                {"extras", {{"ringdown", extras_json(bank)}}}};
+                {"extras", {{"ringdown", extras_json(bank, writer)}}}};
   if (!input_hash.empty()) model["extras"]["ringdown"]["inputHash"] = input_hash;
   Json primitive = {{"attributes", {{"POSITION", positions}}}, {"mode", 0}};
   if (!bank.triangles.empty()) {

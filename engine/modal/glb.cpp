@@ -320,6 +320,16 @@ Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const Field& ref
   return values;
 }
 
+Result<std::vector<std::byte>> read_bytes(const Glb& glb, const Field& reference, std::size_t limit) {
+  const auto elements = locate(glb, reference, 1, limit);
+  if (!elements) return fail(elements.error());
+  if (elements->component_type != kUnsignedByte)
+    return reference.wrong("an accessor of component type 5121 (UNSIGNED_BYTE)");
+  std::vector<std::byte> bytes(elements->count);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = elements->first[i * elements->stride];
+  return bytes;
+}
+
 // Appends `bytes` to the binary, and returns the slice of it that they are.
 Json GlbWriter::append(std::span<const std::byte> bytes) {
   binary_.resize((binary_.size() + 3) / 4 * 4, std::byte{0});
@@ -372,6 +382,10 @@ std::size_t GlbWriter::add_exponentials(std::span<const std::uint32_t> words, st
 
 std::size_t GlbWriter::add_indices(std::span<const std::uint32_t> values) {
   return add(append(std::as_bytes(values)), accessor_json(kUnsignedInt, values.size(), 1), Use::indices);
+}
+
+std::size_t GlbWriter::add_bytes(std::span<const std::byte> bytes) {
+  return add(append(bytes), accessor_json(kUnsignedByte, bytes.size(), 1), Use::data);
 }
 
 std::size_t GlbWriter::add_packed_indices(std::span<const std::uint32_t> values) {

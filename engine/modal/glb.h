@@ -66,6 +66,7 @@ inline constexpr std::size_t kMaxUnpackedBytes = std::size_t{1} << 30;  // of on
 // 3 is VEC3. At most `limit` elements.
 Result<std::vector<float>> read_floats(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit);
 Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const Field& reference, std::size_t limit);
+Result<std::vector<std::byte>> read_bytes(const Glb& glb, const Field& reference, std::size_t limit);
 
 // Collects arrays into one buffer, then writes the container.
 class GlbWriter {
@@ -75,6 +76,7 @@ class GlbWriter {
   // Returns the accessor's number. Vertex arrays get the bounds that glTF wants.
   std::size_t add_floats(std::span<const float> values, std::size_t width, Use use = Use::data);
   std::size_t add_indices(std::span<const std::uint32_t> values);
+  std::size_t add_bytes(std::span<const std::byte> bytes);
 
   // The same, compressed without loss. A reader must know EXT_meshopt_compression then.
   std::size_t add_packed_floats(std::span<const float> values, std::size_t width, Use use = Use::data);

@@ -18,6 +18,12 @@ double list_factor(const MaterialDamping& damping, double lambda, double scaled_
   return factor * (scale.alpha * mass_share + scale.beta * stiffness_share) / (mass_share + stiffness_share);
 }
 
+// The rms of F in the scaled body over that before, apart from what size and density do to shapes.
+double level_factor(const FarField& field, const MaterialScale& scale) {
+  if (scale.stiffness == scale.density) return 1;
+  return level_ratio(field, field.wavenumber_rad_m * std::sqrt(scale.stiffness / scale.density));
+}
+
 }  // namespace
 
 ModeLoss loss_of(const Bank& bank, std::size_t m) {
@@ -28,7 +34,10 @@ ModeLoss loss_of(const Bank& bank, std::size_t m) {
 }
 
 double rescaled_air_loss(const Bank& bank, std::size_t m, const MaterialScale& scale) {
-  return loss_of(bank, m).air_per_s / (scale.density * scale.size);
+  const double share = loss_of(bank, m).air_per_s / (scale.density * scale.size);
+  if (!bank.radiation || scale.stiffness == scale.density) return share;
+  const double level = level_factor(bank.radiation->maps.modes[m], scale);
+  return share * level * level * scale.stiffness / scale.density;
 }
 
 ModeLoss rescaled_loss(const Bank& bank, std::size_t m, const MaterialScale& scale) {
@@ -47,6 +56,20 @@ ModeLoss rescaled_loss(const Bank& bank, std::size_t m, const MaterialScale& sca
   const double air_and_support = baked.support_per_s + std::min(baked.air_per_s, 0.5 * alpha);
   loss.support_per_s = std::max(scale.alpha * air_and_support - loss.air_per_s, 0.0);
   return loss;
+}
+
+FarField rescale(const FarField& field, const MaterialScale& scale) {
+  FarField scaled = field;
+  const double shape_and_area = std::sqrt(scale.size / scale.density);
+  const auto all = static_cast<float>(shape_and_area * level_factor(field, scale));
+  scaled.wavenumber_rad_m *= std::sqrt(scale.stiffness / scale.density) / scale.size;
+  scaled.unit *= all;
+  for (FarField::Term& term : scaled.terms) term.value *= all;
+  for (FarField::Level& level : scaled.levels) {
+    level.wavenumber_rad_m = static_cast<float>(level.wavenumber_rad_m / scale.size);
+    level.rms *= static_cast<float>(shape_and_area);
+  }
+  return scaled;
 }
 
 DampedMode rescale(const Bank& bank, std::size_t m, const MaterialScale& scale) {

@@ -43,11 +43,16 @@ ModeLoss loss_of(const Bank& bank, std::size_t m);
 ModeLoss rescaled_loss(const Bank& bank, std::size_t m, const MaterialScale& scale);
 
 // What mode `m` loses to the air under a scaled material. Its size changes the loss exactly: a mode radiates the same
-// share of its energy in a cycle.
+// share of its energy in a cycle. Stiffness and density move its pitch against its size, and with it how well it
+// radiates, as far as the bank's radiation knows (level_ratio()); without radiation that share is kept, too.
 double rescaled_air_loss(const Bank& bank, std::size_t m, const MaterialScale& scale);
 
 // Mode `m` of the bank under a scaled material; frequency_hz is 0 when it has become over-damped.
 DampedMode rescale(const Bank& bank, std::size_t m, const MaterialScale& scale);
+
+// The far field of a mode of the scaled body. Its size changes it exactly; stiffness and density by its levels, all
+// directions alike.
+FarField rescale(const FarField& field, const MaterialScale& scale);
 
 // Mass, centre and inertia of the scaled body.
 inline MassProperties rescale(const MassProperties& mass, const MaterialScale& scale) {

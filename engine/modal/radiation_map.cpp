@@ -204,7 +204,7 @@ double unit_for(const FarField& field, double error) {
 }
 
 void pack_mode(const FarField& field, double error, PackedMaps& out) {
-  const double unit = static_cast<float>(unit_for(field, error));
+  const double unit = field.unit > 0 ? field.unit : static_cast<float>(unit_for(field, error));
   const std::vector<Rounded> terms = unit > 0 ? round_terms(field, unit) : std::vector<Rounded>{};
   const double own = rms(field);
   const std::size_t levels = own > 0 ? std::min(field.levels.size(), kMostLevels) : 0;
@@ -266,6 +266,7 @@ bool read_mode(Reader& in, FarField& field) {
   const std::uint32_t terms = in.number(2), levels = in.number(1);
   if (!in.sound || !(wavenumber > 0) || unit < 0 || levels > kMostLevels || terms > in.rest.size() / 3) return false;
   field.wavenumber_rad_m = wavenumber;
+  field.unit = unit;
   std::vector<float> ratios;
   for (std::uint32_t i = 0; i < levels; ++i) {
     const float at = in.real();

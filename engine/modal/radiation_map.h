@@ -50,6 +50,7 @@ struct FarField {
   double wavenumber_rad_m = 0;  // omega / c, at which the terms hold
   std::vector<Term> terms;      // in ascending order of harmonics; empty: radiates nothing
   std::vector<Level> levels;    // in ascending order of wavenumbers; empty: known at its own wavenumber only
+  float unit = 0;               // of which every part of a value is a whole multiple, as in unpacked maps; 0: of none
 };
 
 // The far fields of a bank's modes, in the order of the modes.
@@ -97,7 +98,8 @@ std::vector<FarField::Term> terms_of(std::span<const std::complex<double>> coeff
 
 // Maps as bytes: numbers little-endian, a term as the step from the one before and two whole numbers of units that
 // each mode has for itself, each of one byte or two. What is lost is at most `error` rms, relative to each mode's rms
-// over directions; larger errors are taken, as small as possible, when it would not fit into `most_bytes`.
+// over directions; larger errors are taken, as small as possible, when it would not fit into `most_bytes`. Maps that
+// have been packed once keep their units, so that a second time loses nothing.
 struct PackedMaps {
   std::vector<std::byte> bytes;
   double largest_error = 0;  // of any mode, rms over directions relative to the mode's own

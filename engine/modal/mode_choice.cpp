@@ -1,0 +1,34 @@
+#include "engine/modal/mode_choice.h"
+
+#include <type_traits>
+
+namespace ringdown::modal {
+
+// All members of a bank are named: a new one that holds modes and is not named here would not compile.
+void take_modes(Bank& bank, const std::vector<std::size_t>& order) {
+  auto& [name, frequencies, decays, losses, radiation, errors, shape_errors, positions, shapes, triangles, material,
+         mass, gain, provenance] = bank;
+  const auto take = [&order](auto& list, std::size_t width) {
+    if (list.empty()) return;
+    std::remove_reference_t<decltype(list)> chosen;
+    chosen.reserve(order.size() * width);
+    for (const std::size_t m : order) {
+      const auto from = list.begin() + static_cast<std::ptrdiff_t>(m * width);
+      chosen.insert(chosen.end(), from, from + static_cast<std::ptrdiff_t>(width));
+    }
+    list = std::move(chosen);
+  };
+  take(shapes, positions.size());
+  take(frequencies, 1);
+  take(decays, 1);
+  take(losses, 1);
+  take(errors, 1);
+  take(shape_errors, 1);
+  if (!radiation) return;
+  auto& [maps, air, radiation_errors, reasons] = *radiation;
+  take(maps.modes, 1);
+  take(radiation_errors, 1);
+  take(reasons, 1);
+}
+
+}  // namespace ringdown::modal
