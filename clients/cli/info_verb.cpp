@@ -23,6 +23,12 @@ double rms_shape(const modal::Bank& bank, std::size_t mode) {
 }
 
 void print_head(const modal::Bank& bank) {
+  if (bank.provenance.wall_elements > 0) {
+    std::printf(
+        "WRONG      its walls are meshed with %.2g elements across (--force-coarse): they have holes, and modes that "
+        "the body has not\n",
+        bank.provenance.wall_elements);
+  }
   std::printf("%s: %zu modes at %zu points, %zu triangles\n", bank.name.c_str(), bank.mode_count(), bank.point_count(),
               bank.triangles.size());
   if (const auto& m = bank.material) {

@@ -119,7 +119,6 @@ class Baker {
       set_order(2);
       recipe_.options.shape_error = std::max(recipe_.options.shape_error, kPreviewShapeError);
     }
-    if (auto stuffed = plan_stuffing(); !stuffed) return stuffed;
     const bool named = recipe_.meshing.mesh_size_m > 0 || mesh::names_mesh_size(recipe_.geometry);
     if (!reader_.meshes() || (named && !recipe_.preview)) return {};
     if (!go_on("mesh", 0)) return fail_cancelled();
@@ -140,16 +139,6 @@ class Baker {
     return {};
   }
 
-  // Stuffing follows walls with many small straight elements: too many for a high order.
-  Result<void> plan_stuffing() {
-    if (!reader_.is_surface()) return {};
-    if (!go_on("mesh", 0)) return fail_cancelled();
-    const Result<const mesh::PreparedSurface*> surface = reader_.surface(recipe_.meshing, progress());
-    if (!surface) return fail(surface.error());
-    if (!(*surface)->left.sound() && fem::order_of(recipe_.options.element) > 2) set_order(2);
-    return {};
-  }
-
   Result<void> mesh() {
     if (!go_on("mesh", 0)) return fail_cancelled();
     const auto start = std::chrono::steady_clock::now();
@@ -163,6 +152,9 @@ class Baker {
     object_.making = body->making;
     object_.notes = std::move(body->notes);
     object_.mesh_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    object_.wall_elements = body->wall_elements;
+    // Stuffing follows walls with many small straight elements: too many for a high order.
+    if (object_.making == mesh::Making::kStuffed && fem::order_of(recipe_.options.element) > 2) set_order(2);
     const bool large = object_.mesh.mesh.elements.rows() > kPreviewElements;
     if (recipe_.preview && !reader_.meshes() && large) set_order(1);
     return {};
@@ -175,6 +167,7 @@ class Baker {
     if (!baked) return fail(with_question(baked.error()));
     object_.baked = std::move(*baked);
     object_.baked.bank.provenance.body = mesh::text_of(object_.making);
+    object_.baked.bank.provenance.wall_elements = object_.wall_elements;
     object_.rounds.push_back({.element = recipe_.options.element,
                               .elements = object_.baked.report.elements,
                               .unknowns = object_.baked.report.unknowns,

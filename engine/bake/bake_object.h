@@ -36,6 +36,7 @@ struct BakedObject {
   mesh::CheckedMesh mesh;
   mesh::Making making = mesh::Making::kRead;
   std::vector<std::string> notes;    // what was found in a surface, and what was done about it
+  double wall_elements = 0;          // as in mesh::Body
   std::string question;              // whether the size can be meant; or empty
   std::optional<MeshChoice> choice;  // of the mesh size, where none was named
   std::vector<Round> rounds;         // one, or more with recipe.error; the last one made the bank

@@ -55,6 +55,7 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   file->number("unit_m", unit_m, kLength_m);
   if (unit_m > 0) recipe.meshing.unit_m = unit_m;
   file->boolean("cavities", recipe.meshing.cavities);
+  file->boolean("force_coarse", recipe.meshing.force_coarse);
   file->number("scale", recipe.scale, kScale);
   file->number("mesh_size_m", recipe.meshing.mesh_size_m, kLength_m);
   file->named_numbers("parameters", recipe.meshing.parameters);

@@ -6,6 +6,7 @@
 //   geometry = "tumbler.geo"         # or a surface or a mesh (mesh/body_reader.h); relative to this file
 //   unit_m = 0.001                   # length of one unit of the geometry; default: what the file says, else 1
 //   cavities = true                  # shells inside others are cavities, however they are wound; default false
+//   force_coarse = true              # bake walls that are too thin to be meshed, wrong as that sounds; default false
 //   scale = 1.5                      # all lengths times this, once it is meshed; default 1
 //   mesh_size_m = 0.006              # longest edge, where it is meshed; default: chosen by the band (body_shape.h)
 //   error = "0.1%"                   # or 0.001: refine until every frequency is that good (bake_object.h)

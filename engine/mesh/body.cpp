@@ -119,12 +119,14 @@ std::string text_of(Making making) {
       return "surface filled by gmsh";
     case Making::kStuffed:
       return "surface stuffed";
+    case Making::kRefilled:
+      return "skin of a stuffed surface filled by gmsh";
   }
   return "";
 }
 
 std::string packed(Question question, const GmshOptions& options) {
-  const auto& [unit_m, mesh_size_m, edge_size_m, order, cavities, parameters] = options;
+  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, parameters] = options;
   ByteWriter out;
   out.put(question)
       .put(std::int32_t{unit_m.has_value()})
@@ -132,6 +134,7 @@ std::string packed(Question question, const GmshOptions& options) {
       .put(mesh_size_m)
       .put(edge_size_m)
       .put(order)
+      .put(std::int32_t{force_coarse})
       .put(std::int32_t{cavities});
   out.put(std::uint64_t{parameters.size()});
   for (const auto& [name, value] : parameters) {
@@ -143,13 +146,15 @@ std::string packed(Question question, const GmshOptions& options) {
 
 bool unpack_question(std::string_view bytes, Question& question, GmshOptions& options) {
   ByteReader in(bytes);
-  std::int32_t has_unit = 0, cavities = 0;
+  std::int32_t has_unit = 0, force_coarse = 0, cavities = 0;
   double unit_m = 0;
   std::uint64_t parameters = 0;
   if (!in.get(question) || !in.get(has_unit) || !in.get(unit_m) || !in.get(options.mesh_size_m)) return false;
-  if (!in.get(options.edge_size_m) || !in.get(options.order) || !in.get(cavities) || !in.get(parameters)) return false;
+  if (!in.get(options.edge_size_m) || !in.get(options.order) || !in.get(force_coarse)) return false;
+  if (!in.get(cavities) || !in.get(parameters)) return false;
   if (parameters > kMaxParameters) return false;
   options.unit_m = has_unit != 0 ? std::optional(unit_m) : std::nullopt;
+  options.force_coarse = force_coarse != 0;
   options.cavities = cavities != 0;
   options.parameters.clear();
   for (; parameters > 0; --parameters) {
@@ -162,7 +167,7 @@ bool unpack_question(std::string_view bytes, Question& question, GmshOptions& op
 std::string packed(const Body& body) {
   const CheckedMesh& checked = body.mesh;
   ByteWriter out;
-  out.put(body.making);
+  out.put(body.making).put(body.wall_elements);
   put(out, body.notes);
   out.put(std::array{checked.pieces, checked.flipped, checked.straightened, checked.unused_nodes, checked.duplicates});
   put_matrix(out, checked.mesh.nodes);
@@ -174,7 +179,8 @@ bool unpack(std::string_view bytes, Body& body) {
   ByteReader in(bytes);
   std::array<int, 5> counts{};
   TetMesh mesh;
-  if (!in.get(body.making) || text_of(body.making).empty() || !get(in, body.notes) || !in.get(counts)) return false;
+  if (!in.get(body.making) || text_of(body.making).empty() || !get_finite(in, body.wall_elements)) return false;
+  if (body.wall_elements < 0 || !get(in, body.notes) || !in.get(counts)) return false;
   if (!get_matrix(in, mesh.nodes, 3, 3) || !get_matrix(in, mesh.elements, 4, nodes_per_element(kMaxOrder)))
     return false;
   if (!in.finished()) return false;

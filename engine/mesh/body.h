@@ -24,19 +24,22 @@ struct GmshOptions {
   double mesh_size_m = 0;                    // longest edge, for a geometry; never above a tenth of its diagonal
   double edge_size_m = 0;                    // the same along sharp edges, growing to mesh_size_m inside; 0: no less
   int order = 3;                             // 1: straight elements, 2 to 4: curved ones. For a geometry only
+  bool force_coarse = false;                 // of a surface: walls may be thinner than a cell (stuffed_body.h)
   bool cavities = false;                     // of a surface: CavityRule::kInside in place of kWoundTheOtherWay
   std::map<std::string, double> parameters;  // DefineConstant names of a .geo, in the file's unit
 };
 
-enum class Making : std::int32_t { kRead, kMeshed, kFilled, kStuffed };
+enum class Making : std::int32_t { kRead, kMeshed, kFilled, kStuffed, kRefilled };
 
-// "tetrahedra from a file", "geometry meshed by gmsh", "surface filled by gmsh", "surface stuffed".
+// "tetrahedra from a file", "geometry meshed by gmsh", "surface filled by gmsh", "surface stuffed", "skin of a stuffed
+// surface filled by gmsh".
 std::string text_of(Making making);
 
 struct Body {
   CheckedMesh mesh;
   Making making = Making::kRead;
   std::vector<std::string> notes;  // what was found in a surface, and what was done about it
+  double wall_elements = 0;        // across the thinnest wall, where less than one was asked for; 0: enough
 };
 
 // The skin of a body, coarsely, and its thinnest wall (wall_thickness() in surface_distance.h): enough to measure it

@@ -4,14 +4,13 @@
 // By the file's ending:
 //   .node .ele .veg .inp .tet            tetrahedra, read as they are (tet_file.h)
 //   .obj .stl .ply .off .gltf .glb       a surface (surface_file.h): diagnosed and mended (surface_repair.h), then
-//                                        filled by gmsh (fill.h) where it is sound, else stuffed (stuffing.h)
+//                                        filled by gmsh (fill.h) where it is sound, else stuffed (stuffed_body.h)
 //   everything else                      gmsh's: a mesh read as it is, or a geometry meshed (gmsh_reader.h)
 #pragma once
 
 #include "engine/base/progress.h"
 #include "engine/base/result.h"
 #include "engine/mesh/body.h"
-#include "engine/mesh/fill.h"
 
 #include <filesystem>
 #include <optional>
@@ -30,7 +29,6 @@ class BodyMaker {
  private:
   [[nodiscard]] Result<Body> make_of_tetrahedra(const GmshOptions& options) const;
   Result<Body> make_of_surface(const GmshOptions& options, const Progress& progress);
-  Result<Body> stuffed(Body body, const TriangleMesh& mesh, const FillOptions& options, const Progress& progress) const;
 
   std::filesystem::path path_;
   std::optional<PreparedSurface> surface_;

@@ -164,10 +164,15 @@ bool has_companions(const std::filesystem::path& path) {
 
 // Every option by name: a new one that is not in the key does not compile.
 ContentHash key_of(const std::filesystem::path& path, const std::string& text, const GmshOptions& options) {
-  const auto& [unit_m, mesh_size_m, edge_size_m, order, cavities, parameters] = options;
+  const auto& [unit_m, mesh_size_m, edge_size_m, order, force_coarse, cavities, parameters] = options;
   ContentHasher hasher;
   hasher.value(kFormat).text(GMSH_API_VERSION).text(path.extension().string()).text(text);
-  hasher.value(unit_m.value_or(0)).value(mesh_size_m).value(edge_size_m).value(order).value(cavities);
+  hasher.value(unit_m.value_or(0))
+      .value(mesh_size_m)
+      .value(edge_size_m)
+      .value(order)
+      .value(force_coarse)
+      .value(cavities);
   for (const auto& [name, value] : parameters) hasher.text(name).value(value);
   return hasher.hash();
 }

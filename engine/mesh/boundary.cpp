@@ -177,4 +177,20 @@ std::vector<double> area_weights(const Boundary& surface, const Points& nodes) {
   return weights;
 }
 
+TriangleMesh skin_of(const TetMesh& mesh) {
+  const Boundary surface = boundary_of(mesh);
+  TriangleMesh skin;
+  skin.nodes.resize(static_cast<Eigen::Index>(surface.nodes.size()), 3);
+  skin.triangles.resize(static_cast<Eigen::Index>(surface.triangles.size()), 3);
+  for (std::size_t n = 0; n < surface.nodes.size(); ++n) {
+    skin.nodes.row(static_cast<Eigen::Index>(n)) = mesh.nodes.row(surface.nodes[n]);
+  }
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    for (int i = 0; i < 3; ++i) {
+      skin.triangles(static_cast<Eigen::Index>(t), i) = static_cast<std::int32_t>(surface.triangles[t][i]);
+    }
+  }
+  return skin;
+}
+
 }  // namespace ringdown::mesh

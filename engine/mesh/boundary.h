@@ -3,6 +3,7 @@
 
 #include "engine/base/result.h"
 #include "engine/mesh/tet_mesh.h"
+#include "engine/mesh/triangle_mesh.h"
 
 #include <Eigen/SparseCore>
 
@@ -34,5 +35,8 @@ SurfaceQuadrature quadrature_of(const Boundary& surface, const TetMesh& mesh, in
 
 // P weights that sum to 1: a third of the area of the triangles around each point, over the whole area.
 std::vector<double> area_weights(const Boundary& surface, const Points& nodes);
+
+// The skin of a body as a surface of its own, turned outward.
+TriangleMesh skin_of(const TetMesh& mesh);
 
 }  // namespace ringdown::mesh

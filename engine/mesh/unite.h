@@ -13,6 +13,6 @@ namespace ringdown::mesh {
 // remesh.h). Fails when the surface cuts itself more often than kMaxCuts (arrangement.h).
 Result<TriangleMesh> unite(const TriangleMesh& mesh);
 
-inline constexpr double kMergeShare = 1e-7;  // of the diagonal
+inline constexpr double kMergeShare = 1e-10;  // of the diagonal
 
 }  // namespace ringdown::mesh

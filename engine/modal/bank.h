@@ -65,6 +65,7 @@ struct BankRadiation {
 struct Provenance {
   std::string generator;      // program and version
   std::string body;           // where its elements come from: "surface filled by gmsh", ...
+  double wall_elements = 0;   // across its thinnest wall, where that is less than one (--force-coarse); 0: enough
   std::string element;        // "tet20 consistent", ...
   std::int64_t unknowns = 0;  // degrees of freedom of the eigenproblem
   std::int64_t rigid_modes = 0;

@@ -18,6 +18,7 @@ Provenance read_provenance(const Field& extras) {
   const auto count = [&extras](const char* key) { return static_cast<std::int64_t>(extras[key].index().value_or(0)); };
   const Field dropped = extras["dropped"];
   return {.body = extras["body"].text_or(""),
+          .wall_elements = number("wallElements"),
           .element = extras["element"].text_or(""),
           .unknowns = count("unknowns"),
           .rigid_modes = count("rigidModes"),
@@ -101,6 +102,7 @@ Json provenance_json(const Provenance& provenance) {
                {"bandHigh", provenance.band_high_hz},
                {"largestResidual", provenance.largest_residual}};
   if (!provenance.body.empty()) json["body"] = provenance.body;
+  if (provenance.wall_elements > 0) json["wallElements"] = provenance.wall_elements;
   if (provenance.counted_modes > 0) json["modesCounted"] = provenance.counted_modes;
   if (provenance.dropped_modes > 0) {
     json["dropped"] = {{"count", provenance.dropped_modes}, {"loss", provenance.loss_db}};

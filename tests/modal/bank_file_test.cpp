@@ -34,6 +34,7 @@ void expect_same(const Bank& a, const Bank& b) {
     EXPECT_EQ(a.mass->orientation, b.mass->orientation);
   }
   EXPECT_EQ(a.provenance.generator, b.provenance.generator);
+  EXPECT_EQ(a.provenance.wall_elements, b.provenance.wall_elements);
   EXPECT_EQ(a.provenance.element, b.provenance.element);
   EXPECT_EQ(a.provenance.unknowns, b.provenance.unknowns);
   EXPECT_EQ(a.provenance.rigid_modes, b.provenance.rigid_modes);
@@ -47,7 +48,8 @@ void expect_same(const Bank& a, const Bank& b) {
 }
 
 TEST(BankFile, ABankComesBackAsItWentIn) {
-  for (const Bank& bank : {bar_bank(12), random_bank(1, 40, 100), single_mode_bank(440.5, 2.25)}) {
+  for (Bank bank : {bar_bank(12), random_bank(1, 40, 100), single_mode_bank(440.5, 2.25)}) {
+    bank.provenance.wall_elements = 0.25;
     const auto once = parse(written(bank));
     ASSERT_TRUE(once) << once.error().message;
     ASSERT_EQ(once->mode_count(), bank.mode_count());

@@ -67,7 +67,9 @@ void print_surface(const mesh::PreparedSurface& surface) {
   }
   if (!mesh::hopeless(surface, "").empty()) return;
   std::printf("  meshed: %s\n",
-              surface.left.sound() ? "filled by gmsh" : "stuffed, because it is not sound after repair");
+              surface.left.sound()
+                  ? "filled by gmsh"
+                  : "stuffed, because it is not sound after repair, and the skin of that filled by gmsh");
 }
 
 void print_choice(const bake::BodyShape& shape, const modal::Material& material) {

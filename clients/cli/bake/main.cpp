@@ -46,7 +46,7 @@ struct Arguments {
   cli::FolderBake folder;
   bool update = false, progress_lines = false;
   bool progress = false, quiet = false, no_cache = false, preview = false, verify = false, compress = false;
-  bool cavities = false;
+  bool cavities = false, force_coarse = false;
 };
 
 // NAME=NUMBER as given.
@@ -76,6 +76,8 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("--unit", arguments.unit, cli::kUnitHelp)->type_name("LENGTH")->check(cli::check_unit);
   app.add_flag("--cavities", arguments.cavities,
                "shells inside others are cavities, however they are wound (default: those wound the other way)");
+  app.add_flag("--force-coarse", arguments.force_coarse,
+               "bake even what has walls too thin to be meshed, with holes in them and a wrong sound");
   app.add_option("--scale", arguments.scale, "how many times as large as its geometry; the mesh stays the same")
       ->check(manual::between(bake::kScale.low, bake::kScale.high));
   app.add_option("--set-material", settings.figures, "a figure of the material, e.g. poisson_ratio=0.31")
@@ -155,6 +157,7 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   if (arguments.mesh_size_m) recipe.meshing.mesh_size_m = *arguments.mesh_size_m;
   if (arguments.unit) recipe.meshing.unit_m = cli::parse_unit(*arguments.unit);
   if (arguments.cavities) recipe.meshing.cavities = true;
+  if (arguments.force_coarse) recipe.meshing.force_coarse = true;
   if (arguments.scale) recipe.scale = *arguments.scale;
   recipe.figures = arguments.figures;
   if (arguments.points) recipe.options.points = *arguments.points;

@@ -1,0 +1,165 @@
+#include "engine/mesh/stuffed_body.h"
+
+#include "engine/mesh/boundary.h"
+#include "engine/mesh/mesh_check.h"
+#include "engine/mesh/stuffing.h"
+#include "engine/mesh/surface_check.h"
+#include "engine/mesh/surface_distance.h"
+#include "engine/mesh/winding_number.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+// Two ways to a body
+//
+// Small cells follow thin walls, but a lattice of them is too much to solve. So the lattice only gives a skin, which is
+// sound whatever the surface was, and gmsh fills that with elements as large as the band allows (fill.h). A lattice of
+// which only the skin is needed may have kMaxSkinElements. Where gmsh cannot fill the skin, the body is a lattice of
+// fewer, larger cells.
+namespace ringdown::mesh {
+namespace {
+
+constexpr double kCellsPerWall = 2;
+constexpr double kSkinCells = 60;        // along the diagonal at least, so that the skin follows the shape
+constexpr double kElementsPerCell = 12;  // of the lattice
+constexpr double kMaxSkinElements = 3e6, kMaxSolvedElements = 40e3;
+
+struct Cells {
+  double wanted_m = 0, size_m = 0;  // size_m is larger where those wanted would be too many
+};
+
+class StuffedBody {
+ public:
+  StuffedBody(const TriangleMesh& surface, const FillOptions& options, bool force, const std::string& name,
+              const Progress& progress)
+      : surface_(surface), options_(options), force_(force), name_(name), progress_(progress) {
+    box_ = surface.nodes.colwise().maxCoeff() - surface.nodes.colwise().minCoeff();
+    volume_m3_ = std::abs(diagnose(surface).volume_m3);
+    wall_m_ = wall_of_soup(surface);
+    if (!(options_.size_m > 0)) options_.size_m = box_.norm() / 20;
+    options_.wall_m = wall_m_;
+  }
+
+  Result<Body> run() {
+    Result<Body> refilled = refill();
+    if (refilled || refilled.error().kind == ErrorKind::cancelled) return refilled;
+    if (refilled.error().kind == ErrorKind::too_large) return refilled;
+    const Cells cells = cells_for(options_.size_m, kMaxSolvedElements);
+    if (auto fine = check_walls(cells, kMaxSolvedElements); !fine) return fail(fine.error());
+    Result<Stuffed> stuffed = stuff(surface_, {.size_m = cells.size_m}, progress_);
+    if (!stuffed) return fail(stuffed.error().kind, name_ + " cannot be stuffed: " + stuffed.error().message);
+    Result<CheckedMesh> checked = check_mesh(std::move(stuffed->mesh), name_);
+    if (!checked) return fail(checked.error());
+    Body body{.mesh = std::move(*checked), .making = Making::kStuffed, .notes = {}};
+    body.notes.push_back("its skin was not filled by gmsh: " + refilled.error().message);
+    tell(body, "stuffed", cells, stuffed->crumbs);
+    return body;
+  }
+
+ private:
+  [[nodiscard]] Cells cells_for(double largest_m, double most_elements) const {
+    Cells cells;
+    cells.wanted_m = wall_m_ > 0 ? std::min(largest_m, wall_m_ / kCellsPerWall) : largest_m;
+    const double points = 2 * box_.prod() / (0.8 * kMaxLatticePoints);
+    cells.size_m =
+        std::max({cells.wanted_m, std::cbrt(kElementsPerCell * volume_m3_ / most_elements), std::cbrt(points)});
+    return cells;
+  }
+
+  [[nodiscard]] Result<void> check_walls(const Cells& cells, double most_elements) const {
+    if (force_ || !(wall_m_ > 0) || cells.size_m <= wall_m_) return {};
+    const double elements = kElementsPerCell * volume_m3_ / std::pow(cells.wanted_m, 3);
+    char text[400];
+    std::snprintf(
+        text, sizeof text,
+        " has walls of %.3g mm, which cells of %.3g mm would follow: some %.1e elements, more than %.0e; the "
+        "finest that can be made, %.3g mm, would tear them. Mend the surface where `ringdown check mesh` says "
+        "that it is not sound, so that gmsh can fill it, or take a wrong sound with --force-coarse",
+        1000 * wall_m_, 1000 * cells.wanted_m, elements, most_elements, 1000 * cells.size_m);
+    return fail(ErrorKind::too_large, name_ + text);
+  }
+
+  Result<Body> refill() {
+    const Cells cells = cells_for(std::min(options_.size_m, box_.norm() / kSkinCells), kMaxSkinElements);
+    if (auto fine = check_walls(cells, kMaxSkinElements); !fine) return fail(fine.error());
+    Result<Stuffed> stuffed = stuff(surface_, {.size_m = cells.size_m}, progress_);
+    if (!stuffed) return fail(stuffed.error().kind, name_ + " cannot be stuffed: " + stuffed.error().message);
+    const TriangleMesh skin = skin_of(stuffed->mesh);
+    if (!diagnose(skin).sound()) return fail(ErrorKind::bad_input, "it is not sound");
+    Result<Filled> filled = fill(skin, options_, name_);
+    if (!filled) return fail(filled.error());
+    // With the skin's own, small triangles there are too many elements.
+    if (!filled->note.empty()) return fail(ErrorKind::bad_input, filled->note);
+    Body body{.mesh = std::move(filled->mesh), .making = Making::kRefilled, .notes = {}};
+    tell(body, "filled the skin of a body stuffed", cells, stuffed->crumbs);
+    return body;
+  }
+
+  void tell(Body& body, const char* made, const Cells& cells, int crumbs) const {
+    char text[200];
+    std::snprintf(text, sizeof text, "%s with cells of %.3g mm%s", made, 1000 * cells.size_m,
+                  cells.size_m > cells.wanted_m ? ", coarser than its walls ask for; finer would be too much" : "");
+    body.notes.emplace_back(text);
+    if (crumbs > 0) body.notes.push_back("left out: " + std::to_string(crumbs) + " crumbs");
+    if (wall_m_ > 0 && cells.size_m > wall_m_) body.wall_elements = wall_m_ / cells.size_m;
+  }
+
+  const TriangleMesh& surface_;
+  FillOptions options_;
+  bool force_;
+  const std::string& name_;
+  const Progress& progress_;
+  Eigen::RowVector3d box_;
+  double volume_m3_ = 0, wall_m_ = 0;
+};
+
+}  // namespace
+
+// Rays start a hair below the middles of triangles, one in each equal share of the area, and end where a crossing leads
+// out of the body.
+double wall_of_soup(const TriangleMesh& surface) {
+  constexpr int kRays = 1000;
+  const WindingNumber winding(surface);
+  const double length = 1.01 * diagonal_of(surface), hair = 1e-6 * length;
+  std::vector<double> up_to;  // area
+  double area = 0;
+  const auto corner = [&surface](Eigen::Index t, int i) -> Eigen::Vector3d {
+    return surface.nodes.row(surface.triangles(t, i)).transpose();
+  };
+  const auto twice_area = [&corner](Eigen::Index t) -> Eigen::Vector3d {
+    return (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0));
+  };
+  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) up_to.push_back(area += 0.5 * twice_area(t).norm());
+  std::vector<double> lengths;
+  for (int ray = 0; ray < kRays && area > 0; ++ray) {
+    const auto found = std::upper_bound(up_to.begin(), up_to.end(), (ray + 0.5) / kRays * area) - up_to.begin();
+    const Eigen::Index t = std::min<std::ptrdiff_t>(found, surface.triangles.rows() - 1);
+    const Eigen::Vector3d middle = (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3;
+    Eigen::Vector3d inward = -twice_area(t).normalized();
+    if (winding.inside(middle - hair * inward)) inward = -inward;
+    const Eigen::Vector3d from = middle + hair * inward, to = from + length * inward;
+    if (!winding.inside(from) || winding.inside(middle - hair * inward)) continue;  // not at the border of the inside
+    for (const double crossing : winding.crossings(from, to)) {
+      if (winding.inside(from + (crossing * length + hair) * inward)) continue;
+      lengths.push_back(crossing * length + hair);
+      break;
+    }
+  }
+  if (lengths.empty()) return 0;
+  const auto low =
+      lengths.begin() + static_cast<std::ptrdiff_t>(kMinThicknessShare * static_cast<double>(lengths.size()));
+  std::nth_element(lengths.begin(), low, lengths.end());
+  return *low;
+}
+
+Result<Body> make_stuffed(const TriangleMesh& surface, const FillOptions& options, bool force_coarse,
+                          const std::string& name, const Progress& progress) {
+  return StuffedBody(surface, options, force_coarse, name, progress).run();
+}
+
+}  // namespace ringdown::mesh

@@ -1,0 +1,28 @@
+// What `ringdown info` says of a bank.
+#include "engine/modal/bank_file.h"
+#include "tests/integration/process.h"
+#include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+namespace ringdown::test {
+namespace {
+
+TEST(InfoVerb, ABankOfWallsThatAreMeshedTooCoarselySaysSoFirst) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "cup.glb";
+  modal::Bank bank = single_mode_bank(440, 2);
+  const auto said = [&] {
+    EXPECT_TRUE(modal::write_bank(bank, path));
+    return run({RINGDOWN_BIN_DIR "/ringdown", "info", path.string()}).output;
+  };
+  EXPECT_EQ(said().find("WRONG"), std::string::npos);
+  bank.provenance.wall_elements = 0.4;
+  const std::string output = said();
+  EXPECT_TRUE(output.starts_with("WRONG")) << output;
+  EXPECT_NE(output.find("0.4 elements"), std::string::npos) << output;
+}
+
+}  // namespace
+}  // namespace ringdown::test
