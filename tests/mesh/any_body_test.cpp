@@ -141,7 +141,7 @@ std::vector<Brought> all_brought() {
        test::with_copies(test::with_flipped(test::without(of("bowl"), {300, 700}), 13), 11), 0.02, Making::kFilled,
        "closed 2 holes"},
       {"cuts itself", "bar", ".stl",
-       test::united(test::box({0, 0, 0}, {0.12, 0.02, 0.01}), test::box({0.08, 0, 0}, {0.2, 0.02, 0.01})), 0.002,
+       test::united(test::box({0, 0, 0}, {0.12, 0.02, 0.01}), test::box({0.08, 0, 0}, {0.2, 0.02, 0.01})), 0.005,
        Making::kFilled, "intersections between shells"},
       {"two boxes that are an L", "L", ".obj",
        test::united(test::box({0, 0, 0}, {0.12, 0.04, 0.02}), test::box({0, 0.01, 0}, {0.06, 0.08, 0.02})), 0.01,
