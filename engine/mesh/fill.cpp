@@ -21,13 +21,15 @@
 // volume or cut each other, smaller ones are tried. gmsh fills them with straight tetrahedra (fill_as_it_is()), whose
 // outer nodes of higher order are then put onto the original surface (curved()). The volume is compared with the
 // surface's at the end. If any of this fails, all of it is tried once more at a smaller size, and at last the triangles
-// that the surface came with are filled as they are.
+// that the surface came with are filled as they are, unless they are far more than the size asks for, as a scan's are.
 namespace ringdown::mesh {
 namespace {
 
 constexpr double kEdgePerSize = 0.85;      // CGAL's edges scatter about the length asked for
-constexpr double kMaxDeviation = 1 / 7.0;  // of the thinnest wall
-constexpr double kFiner = 0.6;
+constexpr double kEdgePerWall = 0.7;       // no shorter, at first: rounded rims of a wall get two or three
+constexpr double kMaxDeviation = 1 / 7.0;  // of the thickness at that place
+constexpr double kMaxLeaving = 0.03;       // of the area, where triangles may leave the surface farther than that
+constexpr double kFiner = 0.6, kFewerDegrees = 0.85;
 constexpr int kMaxTries = 4;
 constexpr double kVolumeSlip = 0.03;
 constexpr double kVolumeToCurve = 0.15;  // that flat triangles may lose, and curved ones win back
@@ -157,7 +159,8 @@ Result<CheckedMesh> curved(const CheckedMesh& straight, const TriangleMesh& onto
                            const std::string& name) {
   TetMesh mesh = to_order(straight.mesh, options.order);
   const SurfaceRays surface(onto);
-  const double farthest = options.wall_m > 0 ? 2 * kMaxDeviation * options.wall_m : 0.25 * options.size_m;
+  const double farthest =
+      std::max(2 * kMaxDeviation * options.wall_m, (options.wall_m > 0 ? 0.1 : 0.25) * options.size_m);
   std::vector<bool> corner(static_cast<std::size_t>(mesh.nodes.rows()), false);
   for (const std::int32_t n : mesh.elements.leftCols(4).reshaped()) corner[static_cast<std::size_t>(n)] = true;
   for (const std::int32_t n : boundary_of(mesh).nodes) {
@@ -173,26 +176,59 @@ struct Sized {
   double size_m;
 };
 
-// The surface in triangles of the wanted size, or in smaller ones where those would leave the surface.
+// The share of the area where triangles leave the old surface by more than kMaxDeviation of what the body is thick
+// there, or of `wall_m` where that is more, as beside a sharp rim.
+double share_that_leaves(const Remeshed& remeshed, double wall_m) {
+  const SurfaceRays rays(remeshed.mesh);
+  double area = 0, leaves = 0;
+  for (Eigen::Index t = 0; t < remeshed.mesh.triangles.rows(); ++t) {
+    const auto row = remeshed.mesh.triangles.row(t);
+    const Eigen::RowVector3d a = remeshed.mesh.nodes.row(row[0]), b = remeshed.mesh.nodes.row(row[1]),
+                             c = remeshed.mesh.nodes.row(row[2]);
+    const double part = (b - a).cross(c - a).norm();
+    area += part;
+    const double deviation = remeshed.deviations_m[static_cast<std::size_t>(t)];
+    if (deviation > kMaxDeviation * std::max(wall_m, rays.inward(t))) leaves += part;
+  }
+  return leaves / area;
+}
+
+// The surface in triangles of the wanted size where it is flat, and of smaller ones where it bends or, the second time,
+// where those would leave it.
 Result<Sized> sized(const TriangleMesh& surface, const FillOptions& options) {
-  double size = options.size_m;
-  const double most = options.wall_m > 0 ? kMaxDeviation * options.wall_m : 0.1 * diagonal(surface);
+  EdgeLengths lengths{.longest_m = kEdgePerSize * options.size_m,
+                      .shortest_m = kEdgePerWall * (options.wall_m > 0 ? options.wall_m : options.size_m)};
+  lengths.shortest_m = std::clamp(lengths.shortest_m, lengths.longest_m / 8, lengths.longest_m);
   const double volume = volume_of(shells_of(surface));
   const double slip = options.order > 1 ? kVolumeToCurve : kVolumeSlip;
   std::string why;
-  for (int attempt = 0; attempt < kMaxTries; ++attempt, size *= kFiner) {
-    Result<Remeshed> remeshed = remesh(surface, kEdgePerSize * size);
+  for (int attempt = 0; attempt < kMaxTries; ++attempt) {
+    const Result<Remeshed> remeshed = remesh(surface, lengths);
     if (!remeshed) return fail(remeshed.error());
     const double now = volume_of(shells_of(remeshed->mesh));
-    if (remeshed->deviation_m > most || std::abs(now - volume) > slip * volume) {
+    if (share_that_leaves(*remeshed, options.wall_m) > kMaxLeaving || std::abs(now - volume) > slip * volume) {
       why = "triangles of the chosen size leave it";
     } else if (!self_intersections(remeshed->mesh, 1).empty()) {
       why = "triangles of the chosen size cut each other";
     } else {
-      return Sized{std::move(remeshed->mesh), size};
+      return Sized{remeshed->mesh, lengths.longest_m / kEdgePerSize};
     }
+    lengths.shortest_m *= kFiner, lengths.turn_deg *= kFewerDegrees;
+    if (attempt > 0) lengths.longest_m *= kFiner;
   }
   return fail(ErrorKind::bad_input, why);
+}
+
+// The surface's own triangles serve in place of those of the wanted size when they are no more than this.
+double most_own_triangles(const TriangleMesh& surface, double size_m) {
+  constexpr double kTimes = 4, kAlways = 2000;
+  double area = 0;
+  for (const auto& row : surface.triangles.rowwise()) {
+    const Eigen::RowVector3d a = surface.nodes.row(row[0]), b = surface.nodes.row(row[1]),
+                             c = surface.nodes.row(row[2]);
+    area += 0.5 * (b - a).cross(c - a).norm();
+  }
+  return kAlways + kTimes * area / (std::sqrt(3) / 4 * size_m * size_m);
 }
 
 Result<Filled> fill_sized(const TriangleMesh& surface, const FillOptions& options, const std::string& name) {
@@ -218,6 +254,8 @@ Result<Filled> fill(const TriangleMesh& surface, const FillOptions& options, con
     if (filled) return filled;
     why = filled.error().message;
   }
+  if (options.size_m > 0 && static_cast<double>(surface.triangles.rows()) > most_own_triangles(surface, options.size_m))
+    return fail(ErrorKind::bad_input, why + ", and its own are far more than that size asks for");
   Result<CheckedMesh> mesh = fill_as_it_is(surface, options.size_m, name);
   if (!mesh) return fail(mesh.error());
   return Filled{std::move(*mesh), why.empty() ? "" : "filled with the triangles it has, because " + why};

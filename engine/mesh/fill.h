@@ -21,9 +21,10 @@ struct Filled {
 };
 
 // `surface` is sound() (surface_check.h); cavities stay empty, and each further shell is a piece of its own. It is
-// first cut into triangles of the size asked for, keeping sharp edges, and finer where that would leave the surface by
-// more than a seventh of the thinnest wall; where this fails, its own triangles serve. `name` stands in the sentence.
-// Fails when gmsh does, when what comes out is no mesh (check_mesh) or has another volume.
+// first cut into triangles of the size asked for, smaller where it bends, keeping sharp edges (remesh.h), and finer
+// where those would leave the surface by more than a seventh of what the body is thick there; where this fails, its own
+// triangles serve, if they are few enough. `name` stands in the sentence. Fails when gmsh does, when what comes out is
+// no mesh (check_mesh) or has another volume.
 Result<Filled> fill(const TriangleMesh& surface, const FillOptions& options, const std::string& name);
 
 }  // namespace ringdown::mesh

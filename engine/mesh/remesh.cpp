@@ -4,6 +4,7 @@
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/detect_features.h>
+#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/remesh.h>
@@ -11,9 +12,12 @@
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/utility.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace ringdown::mesh {
@@ -68,18 +72,19 @@ TriangleMesh soup_of(Mesh& mesh) {
   return soup;
 }
 
-// The largest distance from the middles of the triangles and of their edges to the surface `from`: a one-sided
-// Hausdorff distance, sampled. The corners are left out, because remeshing projects them onto the surface.
-double deviation(const TriangleMesh& mesh, const SurfaceRays& from) {
-  double most = 0;
-  const auto measure = [&](const Eigen::RowVector3d& at) { most = std::max(most, (from.nearest(at) - at).norm()); };
+// For each triangle the largest distance from its middle and from those of its sides to the surface `from`. The corners
+// are left out, because they lie on it.
+std::vector<double> deviations(const TriangleMesh& mesh, const SurfaceRays& from) {
+  std::vector<double> most;
   for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
     const auto row = mesh.triangles.row(t);
     const Eigen::RowVector3d a = mesh.nodes.row(row[0]), b = mesh.nodes.row(row[1]), c = mesh.nodes.row(row[2]);
-    measure((a + b + c) / 3);
-    if (row[0] < row[1]) measure((a + b) / 2);
-    if (row[1] < row[2]) measure((b + c) / 2);
-    if (row[2] < row[0]) measure((c + a) / 2);
+    double farthest = 0;
+    for (const Eigen::RowVector3d& at : {Eigen::RowVector3d((a + b + c) / 3), Eigen::RowVector3d((a + b) / 2),
+                                         Eigen::RowVector3d((b + c) / 2), Eigen::RowVector3d((c + a) / 2)}) {
+      farthest = std::max(farthest, (from.nearest(at) - at).norm());
+    }
+    most.push_back(farthest);
   }
   return most;
 }
@@ -107,26 +112,132 @@ Triangles triangulate(const std::vector<Eigen::RowVector3d>& loop) {
   return triangles;
 }
 
-// Isotropic remeshing: edges longer than 4/3 of the wanted length are split, those shorter than 4/5 are collapsed,
-// edges are flipped so that nodes have six neighbours, and nodes are moved towards the middle of their neighbours and
-// back onto the surface; kRounds times. Source: Botsch & Kobbelt, A Remeshing Approach to Multiresolution Modeling, SGP
-// 2004, which is what CGAL implements. Edges sharper than kSharpAngle_deg are constrained: they are neither flipped nor
-// smoothed away.
-Result<Remeshed> remesh(const TriangleMesh& surface, double edge_m) {
-  constexpr unsigned kRounds = 4;
+// Graded remeshing
+//
+// Isotropic remeshing (Botsch & Kobbelt, A Remeshing Approach to Multiresolution Modeling, SGP 2004, which is what CGAL
+// implements) splits edges longer than 4/3 of the wanted length, collapses those shorter than 4/5, flips edges so that
+// nodes have six neighbours, and moves nodes towards the middle of their neighbours and back onto the surface. Edges
+// sharper than kSharpAngle_deg are constrained: they are neither flipped nor smoothed away.
+//
+// It begins with the shortest edges everywhere. Then, level by level, the triangles that may be larger are remeshed
+// with edges kGrowth times as long: those around whose corners the surface turns little enough, and which have no
+// smaller triangle beside them. How much it turns is measured on the triangles of the level, between normals that are
+// averaged around each node. So bumps smaller than these triangles, such as a scanner's noise, do not keep triangles
+// small. At last the nodes are put onto the old surface.
+namespace {
+
+constexpr double kGrowth = 1.6;
+constexpr double kMostTriangles = 40e3;  // on the first level
+constexpr unsigned kRounds = 4, kRoundsOfLevel = 2;
+
+class GradedRemeshing {
+ public:
+  explicit GradedRemeshing(Mesh& mesh) : mesh_(mesh) {
+    sharp_ = mesh_.add_property_map<Mesh::Edge_index, bool>("e:sharp", false).first;
+    done_ = mesh_.add_property_map<Mesh::Face_index, bool>("f:done", false).first;
+    pmp::detect_sharp_edges(mesh_, kSharpAngle_deg, sharp_);
+  }
+
+  void run(const EdgeLengths& lengths) {
+    double level_m = std::min(lengths.longest_m, std::max(lengths.shortest_m, shortest_affordable()));
+    std::vector<Mesh::Face_index> faces(mesh_.faces().begin(), mesh_.faces().end());
+    remesh(faces, level_m, kRounds);
+    while (level_m < 0.99 * lengths.longest_m && !faces.empty()) {
+      const double growth = std::min(kGrowth, lengths.longest_m / level_m);
+      faces = faces_to_grow(lengths.turn_deg / growth * std::numbers::pi / 180);
+      level_m *= growth;
+      if (!faces.empty()) remesh(faces, level_m, kRoundsOfLevel);
+    }
+  }
+
+  [[nodiscard]] bool on_sharp_edge(Mesh::Vertex_index v) const {
+    for (const auto h : halfedges_around_target(mesh_.halfedge(v), mesh_)) {
+      if (sharp_[mesh_.edge(h)]) return true;
+    }
+    return false;
+  }
+
+ private:
+  [[nodiscard]] double shortest_affordable() const {
+    return std::sqrt(pmp::area(mesh_) / (std::sqrt(3) / 4 * kMostTriangles));
+  }
+
+  void remesh(const std::vector<Mesh::Face_index>& faces, double edge_m, unsigned rounds) {
+    pmp::isotropic_remeshing(faces, edge_m, mesh_,
+                             CGAL::parameters::number_of_iterations(rounds).edge_is_constrained_map(sharp_));
+  }
+
+  // The angle by which the surface turns along an edge that is not sharp.
+  [[nodiscard]] double turn_along(Mesh::Edge_index edge, const std::vector<Eigen::Vector3d>& face_normals,
+                                  const std::vector<Eigen::Vector3d>& node_normals) const {
+    const auto h = mesh_.halfedge(edge);
+    const auto a = mesh_.source(h), b = mesh_.target(h);
+    const bool smooth = !on_sharp_edge(a) && !on_sharp_edge(b);
+    const Eigen::Vector3d& from = smooth ? node_normals[a] : face_normals[mesh_.face(h)];
+    const Eigen::Vector3d& to = smooth ? node_normals[b] : face_normals[mesh_.face(mesh_.opposite(h))];
+    return std::atan2(from.cross(to).norm(), from.dot(to));
+  }
+
+  std::vector<Mesh::Face_index> faces_to_grow(double most_turn) {
+    std::vector<Eigen::Vector3d> face_normals(mesh_.number_of_faces() + mesh_.number_of_removed_faces());
+    std::vector<Eigen::Vector3d> node_normals(mesh_.number_of_vertices() + mesh_.number_of_removed_vertices(),
+                                              Eigen::Vector3d::Zero());
+    for (const auto f : mesh_.faces()) {
+      const auto h = mesh_.halfedge(f);
+      const Point &a = mesh_.point(mesh_.source(h)), &b = mesh_.point(mesh_.target(h)),
+                  &c = mesh_.point(mesh_.target(mesh_.next(h)));
+      const auto product = CGAL::cross_product(b - a, c - a);
+      const Eigen::Vector3d normal(product.x(), product.y(), product.z());
+      face_normals[f] = normal.normalized();
+      for (const auto v : vertices_around_face(h, mesh_)) node_normals[v] += normal;
+    }
+    for (Eigen::Vector3d& normal : node_normals) normal.normalize();
+    std::vector<bool> bent(node_normals.size(), false), beside_done(node_normals.size(), false);
+    for (const auto e : mesh_.edges()) {
+      if (sharp_[e] || turn_along(e, face_normals, node_normals) <= most_turn) continue;
+      bent[mesh_.source(mesh_.halfedge(e))] = bent[mesh_.target(mesh_.halfedge(e))] = true;
+    }
+    for (const auto f : mesh_.faces()) {
+      if (!done_[f]) continue;
+      for (const auto v : vertices_around_face(mesh_.halfedge(f), mesh_)) beside_done[v] = true;
+    }
+    std::vector<Mesh::Face_index> faces;
+    for (const auto f : mesh_.faces()) {
+      bool grows = !done_[f];
+      for (const auto v : vertices_around_face(mesh_.halfedge(f), mesh_)) grows = grows && !bent[v] && !beside_done[v];
+      if (grows) faces.push_back(f);
+    }
+    for (const auto f : mesh_.faces()) done_[f] = true;
+    for (const auto f : faces) done_[f] = false;
+    return faces;
+  }
+
+  Mesh& mesh_;
+  Mesh::Property_map<Mesh::Edge_index, bool> sharp_;
+  Mesh::Property_map<Mesh::Face_index, bool> done_;
+};
+
+}  // namespace
+
+Result<Remeshed> remesh(const TriangleMesh& surface, const EdgeLengths& lengths) {
   try {
     const PolygonSoup soup(surface);
     if (!pmp::is_polygon_soup_a_polygon_mesh(soup.triangles)) {
       return fail(ErrorKind::bad_input, "the surface runs together at an edge or a point");
     }
     Mesh mesh = soup.half_edges();
-    auto sharp = mesh.add_property_map<Mesh::Edge_index, bool>("e:sharp", false).first;
-    pmp::detect_sharp_edges(mesh, kSharpAngle_deg, sharp);
-    pmp::isotropic_remeshing(mesh.faces(), edge_m, mesh,
-                             CGAL::parameters::number_of_iterations(kRounds).edge_is_constrained_map(sharp));
-    Remeshed remeshed{.mesh = soup_of(mesh)};
+    GradedRemeshing grading(mesh);
+    grading.run(lengths);
+    const SurfaceRays old(surface);
+    for (const auto v : mesh.vertices()) {
+      if (grading.on_sharp_edge(v)) continue;
+      const Point& at = mesh.point(v);
+      const Eigen::RowVector3d on = old.nearest({at.x(), at.y(), at.z()});
+      mesh.point(v) = Point(on[0], on[1], on[2]);
+    }
+    Remeshed remeshed{.mesh = soup_of(mesh), .deviations_m = {}};
     if (remeshed.mesh.triangles.rows() < 4) return fail(ErrorKind::bad_input, "nothing is left of it at that size");
-    remeshed.deviation_m = deviation(remeshed.mesh, SurfaceRays(surface));
+    remeshed.deviations_m = deviations(remeshed.mesh, old);
     return remeshed;
   } catch (const std::exception& exception) {
     return fail(ErrorKind::bad_input, std::string("CGAL cannot remesh it: ") + exception.what());

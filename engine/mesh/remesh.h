@@ -23,12 +23,19 @@ inline constexpr double kSharpAngle_deg = 40;  // between neighbours' normals: e
 
 struct Remeshed {
   TriangleMesh mesh;
-  double deviation_m = 0;  // farthest middle of a triangle or side from the old surface
+  std::vector<double> deviations_m;  // of each triangle: the farthest of its middle and its sides' from the old surface
 };
 
-// Triangles with edges about `edge_m` long, on the old surface (Botsch & Kobbelt, A remeshing approach to
-// multiresolution modeling, 2004; CGAL's isotropic_remeshing). The surface must be closed and consistent. Fails when
-// CGAL cannot.
-Result<Remeshed> remesh(const TriangleMesh& surface, double edge_m);
+struct EdgeLengths {
+  double longest_m = 0;   // where the surface is flat
+  double shortest_m = 0;  // and shorter, down to this, where it bends
+  double turn_deg = 45;   // the angle by which the surface may turn from one end of an edge to the other
+};
+
+// Triangles with edges of these lengths, which grow by a factor of 1.6 from ring to ring. Corners lie on the old
+// surface, and edges sharper than kSharpAngle_deg stay (Botsch & Kobbelt, A remeshing approach to multiresolution
+// modeling, 2004; CGAL's isotropic_remeshing). Noise of a scan makes nothing finer: what counts is how the surface
+// turns at the size of the triangles that it gets. The surface must be closed and consistent. Fails when CGAL cannot.
+Result<Remeshed> remesh(const TriangleMesh& surface, const EdgeLengths& lengths);
 
 }  // namespace ringdown::mesh
