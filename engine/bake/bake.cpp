@@ -6,6 +6,7 @@
 #include "engine/bake/importance.h"
 #include "engine/bake/sample_points.h"
 #include "engine/fem/error_estimate.h"
+#include "engine/fem/shape_change.h"
 #include "engine/mesh/boundary.h"
 #include "engine/solve/eigensolver.h"
 
@@ -311,6 +312,17 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
   return std::move(modes).map(in_band);
 }
 
+// What the way from the mesh's skin to the body's surface does to each frequency, relative, to first order. Its sign is
+// known, but neither it nor the discretisation's error is exact enough to let one make up for the other.
+Eigen::VectorXd shape_errors(const Task& task, const Eigen::VectorXd& gaps_m, const BodyModes& modes) {
+  if (gaps_m.size() == 0) return Eigen::VectorXd::Zero(modes.lambda.size());
+  const fem::Elastic elastic{.youngs_modulus_pa = 1, .poisson_ratio = task.material.poisson_ratio, .density_kg_m3 = 1};
+  const Eigen::VectorXd changes =
+      fem::lambda_changes(mesh::face_points(task.unit_mesh), task.surface, gaps_m / task.units.length_m, elastic,
+                          modes.lambda, modes.shapes);
+  return 0.5 * changes.cwiseAbs().cwiseQuotient(modes.lambda);
+}
+
 modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes) {
   return {.generator = "Ringdown " RINGDOWN_VERSION,
           .element = element_text(options.element),
@@ -343,8 +355,9 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   const BodyUnits units{length_m, material.youngs_modulus_pa, material.density_kg_m3};
   const Task task{
       mesh, {mesh.nodes / length_m, mesh.elements}, mesh::boundary_of(mesh), units, material, options, checked.pieces};
-  const Result<BodyModes> modes = find_body_modes(task, highest_lambda / units.lambda(), report, progress);
+  Result<BodyModes> modes = find_body_modes(task, highest_lambda / units.lambda(), report, progress);
   if (!modes) return fail(modes.error().kind, name + ": " + modes.error().message);
+  modes->errors += shape_errors(task, checked.gaps_m, *modes);
   report.unknowns = modes->unknowns;
   report.elements = mesh.elements.rows();
   report.rigid = modes->rigid;

@@ -62,7 +62,9 @@ struct Baked {
 // family of equal frequencies (a sphere's, a tube's pairs) may the shapes be another basis of the same motions.
 //
 // Errors are estimated from what finer elements would add (fem::frequency_errors) and from what rounding leaves of the
-// rigid motions' zero energy: in meshes of very flat elements that disturbs the lowest modes.
+// rigid motions' zero energy: in meshes of very flat elements that disturbs the lowest modes. Where the mesh's skin
+// does not lie on the body's surface (CheckedMesh::gaps_m), what the gaps do to the frequencies is added
+// (fem/shape_change.h).
 //
 // Fails when the material is not stable, when the eigensolver fails or a second opinion disagrees, when no mode lies
 // in the band, when rounding hides the lowest mode among the rigid motions, or when the body is so far from the

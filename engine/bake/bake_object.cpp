@@ -163,6 +163,7 @@ class Baker {
   Result<void> bake_once() {
     mesh::CheckedMesh scaled = object_.mesh;
     scaled.mesh.nodes *= recipe_.scale;
+    scaled.gaps_m *= recipe_.scale;
     Result<Baked> baked = bake(scaled, material_, recipe_.options, recipe_.name, progress());
     if (!baked) return fail(with_question(baked.error()));
     object_.baked = std::move(*baked);

@@ -1,6 +1,8 @@
 #include "engine/mesh/body.h"
 
 #include "engine/base/byte_stream.h"
+#include "engine/mesh/boundary.h"
+#include "engine/mesh/face_points.h"
 
 #include <algorithm>
 #include <array>
@@ -172,6 +174,7 @@ std::string packed(const Body& body) {
   out.put(std::array{checked.pieces, checked.flipped, checked.straightened, checked.unused_nodes, checked.duplicates});
   put_matrix(out, checked.mesh.nodes);
   put_matrix(out, checked.mesh.elements);
+  out.put_list(std::span(checked.gaps_m.data(), static_cast<std::size_t>(checked.gaps_m.size())));
   return out.bytes();
 }
 
@@ -183,9 +186,13 @@ bool unpack(std::string_view bytes, Body& body) {
   if (body.wall_elements < 0 || !get(in, body.notes) || !in.get(counts)) return false;
   if (!get_matrix(in, mesh.nodes, 3, 3) || !get_matrix(in, mesh.elements, 4, nodes_per_element(kMaxOrder)))
     return false;
-  if (!in.finished()) return false;
+  std::vector<double> gaps_m;
+  if (!in.get_list(gaps_m) || !in.finished()) return false;
   Result<CheckedMesh> checked = check_mesh(std::move(mesh), "the body");
   if (!checked || checked->pieces != counts[0]) return false;
+  checked->gaps_m = Eigen::Map<const Eigen::VectorXd>(gaps_m.data(), static_cast<Eigen::Index>(gaps_m.size()));
+  const std::size_t points = kPointsPerFace * outer_faces(checked->mesh.elements).size();
+  if (!gaps_m.empty() && (gaps_m.size() != points || !checked->gaps_m.allFinite())) return false;
   checked->flipped = counts[1];
   checked->straightened = counts[2];
   checked->unused_nodes = counts[3];

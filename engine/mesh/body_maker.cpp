@@ -7,6 +7,7 @@
 #include "engine/mesh/stuffed_body.h"
 #include "engine/mesh/surface_distance.h"
 #include "engine/mesh/surface_file.h"
+#include "engine/mesh/surface_gap.h"
 #include "engine/mesh/surface_repair.h"
 #include "engine/mesh/tet_file.h"
 
@@ -14,6 +15,8 @@
 
 namespace ringdown::mesh {
 namespace {
+
+constexpr double kReach = 0.05;  // of the diagonal, that a surface is looked for beside its mesh
 
 Result<void> check_unit(const std::filesystem::path& path, const std::optional<double>& unit_m) {
   if (!unit_m || (*unit_m > 0 && std::isfinite(*unit_m))) return {};
@@ -105,6 +108,7 @@ Result<Body> BodyMaker::make_of_surface(const GmshOptions& options, const Progre
     if (filled) {
       if (!filled->note.empty()) body.notes.push_back(filled->note);
       body.mesh = std::move(filled->mesh);
+      body.mesh.gaps_m = surface_gaps(body.mesh.mesh, mesh, kReach * found.diagonal_m, false);
       return body;
     }
     body.notes.push_back("not filled by gmsh: " + filled.error().message);

@@ -60,33 +60,6 @@ Boundary number_points(const std::vector<Triangle>& faces) {
   return surface;
 }
 
-struct OuterFace {
-  Triangle corners;  // sorted
-  Eigen::Index element;
-  int opposite;  // the corner of the element that the face lies opposite to
-};
-
-// The faces that belong to one element only, ordered by their corners.
-std::vector<OuterFace> outer_faces(const Indices& elements) {
-  std::vector<OuterFace> faces;
-  faces.reserve(4 * static_cast<std::size_t>(elements.rows()));
-  for (Eigen::Index e = 0; e < elements.rows(); ++e) {
-    for (int f = 0; f < 4; ++f) {
-      const auto& [a, b, c] = kTetFaces[f];
-      faces.push_back({sorted({elements(e, a), elements(e, b), elements(e, c)}), e, f});
-    }
-  }
-  std::sort(faces.begin(), faces.end(), [](const OuterFace& a, const OuterFace& b) { return a.corners < b.corners; });
-  std::vector<OuterFace> outer;
-  for (std::size_t i = 0; i < faces.size();) {
-    std::size_t next = i + 1;
-    while (next < faces.size() && faces[next].corners == faces[i].corners) ++next;
-    if (next == i + 1) outer.push_back(faces[i]);
-    i = next;
-  }
-  return outer;
-}
-
 // A point on a face, in the element's own coordinates.
 struct PointOnFace {
   std::vector<int> nodes;                          // of the element, that lie on the face
@@ -121,6 +94,26 @@ std::vector<PointOnFace> points_on_face(int order, int face, int points_per_part
 }
 
 }  // namespace
+
+std::vector<OuterFace> outer_faces(const Indices& elements) {
+  std::vector<OuterFace> faces;
+  faces.reserve(4 * static_cast<std::size_t>(elements.rows()));
+  for (Eigen::Index e = 0; e < elements.rows(); ++e) {
+    for (int f = 0; f < 4; ++f) {
+      const auto& [a, b, c] = kTetFaces[f];
+      faces.push_back({sorted({elements(e, a), elements(e, b), elements(e, c)}), e, f});
+    }
+  }
+  std::sort(faces.begin(), faces.end(), [](const OuterFace& a, const OuterFace& b) { return a.corners < b.corners; });
+  std::vector<OuterFace> outer;
+  for (std::size_t i = 0; i < faces.size();) {
+    std::size_t next = i + 1;
+    while (next < faces.size() && faces[next].corners == faces[i].corners) ++next;
+    if (next == i + 1) outer.push_back(faces[i]);
+    i = next;
+  }
+  return outer;
+}
 
 Boundary boundary_of(const TetMesh& mesh) {
   std::array<std::vector<Triangle>, 4> parts;

@@ -19,6 +19,14 @@ struct Boundary {
   std::vector<std::array<std::uint32_t, 3>> triangles;  // positions in `nodes`, counter-clockwise from outside
 };
 
+// A face that belongs to one element only.
+struct OuterFace {
+  std::array<std::int32_t, 3> corners;  // numbers of nodes, ascending
+  Eigen::Index element;
+  int opposite;  // the corner of the element that the face lies opposite to: kTetFaces turns it outward
+};
+std::vector<OuterFace> outer_faces(const Indices& elements);  // ordered by their corners
+
 // The faces that belong to one element only, turned outward. A face of an element of order p becomes p^2 flat triangles
 // between all its nodes, so that a coarse mesh of high order has as many points as its shapes need.
 Boundary boundary_of(const TetMesh& mesh);

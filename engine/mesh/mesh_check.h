@@ -19,6 +19,8 @@ struct CheckedMesh {
   int straightened = 0;  // curved elements that folded over themselves, now less curved or straight
   int unused_nodes = 0;  // dropped
   int duplicates = 0;    // elements with the same nodes as another, dropped
+  Eigen::VectorXd gaps_m =
+      {};  // from the mesh's skin to the body's surface (surface_gap.h); empty: the mesh is the body
 };
 
 // Repairs what has one right repair (the counts above) and refuses the rest: no elements, a node number out of range or

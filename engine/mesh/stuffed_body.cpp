@@ -4,6 +4,7 @@
 #include "engine/mesh/mesh_check.h"
 #include "engine/mesh/stuffing.h"
 #include "engine/mesh/surface_check.h"
+#include "engine/mesh/surface_gap.h"
 #include "engine/mesh/surface_distance.h"
 #include "engine/mesh/winding_number.h"
 
@@ -56,6 +57,7 @@ class StuffedBody {
     Result<CheckedMesh> checked = check_mesh(std::move(stuffed->mesh), name_);
     if (!checked) return fail(checked.error());
     Body body{.mesh = std::move(*checked), .making = Making::kStuffed, .notes = {}};
+    body.mesh.gaps_m = surface_gaps(body.mesh.mesh, surface_, cells.size_m, true);
     body.notes.push_back("its skin was not filled by gmsh: " + refilled.error().message);
     tell(body, "stuffed", cells, stuffed->crumbs);
     return body;
@@ -96,6 +98,7 @@ class StuffedBody {
     // With the skin's own, small triangles there are too many elements.
     if (!filled->note.empty()) return fail(ErrorKind::bad_input, filled->note);
     Body body{.mesh = std::move(filled->mesh), .making = Making::kRefilled, .notes = {}};
+    body.mesh.gaps_m = surface_gaps(body.mesh.mesh, surface_, cells.size_m, true);
     tell(body, "filled the skin of a body stuffed", cells, stuffed->crumbs);
     return body;
   }

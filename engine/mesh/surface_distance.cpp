@@ -63,6 +63,21 @@ double SurfaceRays::inward(Eigen::Index triangle) const {
   return at ? std::sqrt(CGAL::squared_distance(middle, *at)) : none;
 }
 
+double SurfaceRays::along(const Eigen::RowVector3d& point, const Eigen::RowVector3d& direction,
+                          const Eigen::RowVector3d& outward) const {
+  const double none = std::numeric_limits<double>::max();
+  const Point from(point[0], point[1], point[2]);
+  const auto hit = tree_->boxes.first_intersection(
+      DistanceKernel::Ray_3(from, DistanceKernel::Vector_3(direction[0], direction[1], direction[2])));
+  if (!hit) return none;
+  const Triangle& triangle = *hit->second;
+  const auto normal = CGAL::cross_product(triangle[1] - triangle[0], triangle[2] - triangle[0]);
+  if (!(normal * DistanceKernel::Vector_3(outward[0], outward[1], outward[2]) > 0)) return none;
+  const CGAL::Object met(hit->first);
+  const Point* at = CGAL::object_cast<Point>(&met);
+  return at ? std::sqrt(CGAL::squared_distance(from, *at)) : none;
+}
+
 // The wall is measured by rays: from the middle of a triangle along its inward normal to the next triangle. kRays rays
 // are spread evenly over the area, one in each equal share of it, so the figure does not depend on how the surface is
 // cut into triangles. Of the lengths, the quantile kMinThicknessShare is taken rather than the least: a ray that starts

@@ -20,6 +20,11 @@ class SurfaceRays {
   // it never does.
   [[nodiscard]] double inward(Eigen::Index triangle) const;
 
+  // How far one comes from a point straight along `direction`, of length 1, to a triangle that is turned along
+  // `outward`; a huge number when none comes, or one that is turned the other way comes first.
+  [[nodiscard]] double along(const Eigen::RowVector3d& point, const Eigen::RowVector3d& direction,
+                             const Eigen::RowVector3d& outward) const;
+
  private:
   struct Tree;
   std::unique_ptr<Tree> tree_;
