@@ -3,6 +3,7 @@
 #include "engine/bake/material_library.h"
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_cache.h"
+#include "engine/base/free_memory.h"
 #include "engine/base/range.h"
 #include "engine/mesh/body_reader.h"
 
@@ -23,7 +24,7 @@ namespace {
 
 constexpr std::size_t kMaxGeometry = 16 << 20;                            // bytes hashed for a family's name
 constexpr double kMinStepSize = 0.4, kMaxStepSize = 0.85, kMargin = 0.9;  // of mesh sizes from round to round
-constexpr double kPreviewUnknowns = 5000, kPreviewShapeError = 0.1;
+constexpr double kPreviewUnknowns = 5000, kMostPreviewUnknowns = 20e3, kPreviewShapeError = 0.1;
 constexpr Eigen::Index kPreviewElements = 10'000;  // of a mesh from a file, that order 2 is still quick with
 
 // Meshes of one geometry with the same parameters, however fine and of whatever material.
@@ -66,6 +67,20 @@ class Baker {
     if (!recipe.options.cache.empty()) recipe_.options.family = family_of(recipe);
   }
 
+  Result<Forecast> forecast() {
+    if (auto planned = plan(); !planned) return fail(planned.error());
+    if (auto meshed = mesh(); !meshed) return fail(meshed.error());
+    const BakeCost cost = this->cost();
+    BakedObject object = finished();
+    return Forecast{.choice = object.choice,
+                    .mesh = std::move(object.mesh),
+                    .making = object.making,
+                    .notes = std::move(object.notes),
+                    .element = recipe_.options.element,
+                    .cost = cost,
+                    .mesh_seconds = object.mesh_seconds};
+  }
+
   Result<BakedObject> run() {
     if (auto planned = plan(); !planned) return fail(planned.error());
     bool same_mesh = false;
@@ -73,6 +88,8 @@ class Baker {
       if (!same_mesh) {
         if (auto meshed = mesh(); !meshed) return fail(meshed.error());
       }
+      if (auto fits = check_memory(cost(), free_memory_bytes(), recipe_.name); !fits)
+        return fail(with_question(fits.error()));
       if (auto baked = bake_once(); !baked) return fail(baked.error());
       if (recipe_.error <= 0 || error() <= recipe_.error) return finished();
       const Result<bool> refined = refine();
@@ -92,6 +109,11 @@ class Baker {
       }
     }
     return std::move(object_);
+  }
+
+  [[nodiscard]] BakeCost cost() const {
+    const mesh::TetMesh sized{object_.mesh.mesh.nodes * recipe_.scale, object_.mesh.mesh.elements};
+    return expected_cost(sized, recipe_.options.element, material_, recipe_.options.band_high_hz);
   }
 
   [[nodiscard]] double error() const { return object_.rounds.back().error; }
@@ -120,7 +142,8 @@ class Baker {
       recipe_.options.shape_error = std::max(recipe_.options.shape_error, kPreviewShapeError);
     }
     const bool named = recipe_.meshing.mesh_size_m > 0 || mesh::names_mesh_size(recipe_.geometry);
-    if (!reader_.meshes() || (named && !recipe_.preview)) return {};
+    if (!reader_.meshes()) return {};
+    if (named && !recipe_.preview) return reader_.is_surface() ? check_named_size() : Result<void>();
     if (!go_on("mesh", 0)) return fail_cancelled();
     const Result<mesh::Sketch> sketch = reader_.sketch(recipe_.meshing, progress());
     if (!sketch) return fail(sketch.error());
@@ -139,7 +162,30 @@ class Baker {
     return {};
   }
 
+  // A size for which not even a multiple of the memory would do is refused before the surface is meshed.
+  Result<void> check_named_size() {
+    constexpr double kTimes = 3;  // the number of unknowns is only a guess so far
+    const Result<const mesh::PreparedSurface*> surface = reader_.surface(recipe_.meshing, progress());
+    if (!surface) return fail(surface.error());
+    const BakeCost cost = expected_cost(measure_shape((*surface)->mesh, 0), recipe_.meshing.mesh_size_m,
+                                        recipe_.options.element, material_, recipe_.options.band_high_hz);
+    const double free_bytes = free_memory_bytes();
+    return cost.memory_bytes > kTimes * free_bytes ? check_memory(cost, free_bytes, recipe_.name) : Result<void>();
+  }
+
+  // Meshes; once more with a larger size where a chosen one made far more unknowns than it should.
   Result<void> mesh() {
+    if (auto meshed = mesh_once(); !meshed) return meshed;
+    const bool sized_here = reader_.is_surface() && object_.choice && object_.making == mesh::Making::kFilled;
+    const double most = recipe_.preview ? kMostPreviewUnknowns : 1.5 * kMaxChosenUnknowns;
+    const double unknowns = sized_here ? cost().unknowns : 0;
+    if (unknowns <= most) return {};
+    recipe_.meshing.mesh_size_m *= std::sqrt(unknowns / most);
+    object_.choice->size_m = recipe_.meshing.mesh_size_m;
+    return mesh_once();
+  }
+
+  Result<void> mesh_once() {
     if (!go_on("mesh", 0)) return fail_cancelled();
     const auto start = std::chrono::steady_clock::now();
     Result<mesh::Body> body = reader_.read(recipe_.meshing, progress());
@@ -254,6 +300,10 @@ class Baker {
 };
 
 }  // namespace
+
+Result<Forecast> forecast(const ObjectRecipe& recipe, const modal::Material& material, const Progress& progress) {
+  return Baker(recipe, material, progress).forecast();
+}
 
 Result<BakedObject> bake_recipe(const ObjectRecipe& recipe, const modal::Material& material, const Progress& progress) {
   return Baker(recipe, material, progress).run();

@@ -13,6 +13,7 @@
 #pragma once
 
 #include "engine/bake/bake.h"
+#include "engine/bake/bake_cost.h"
 #include "engine/bake/body_shape.h"
 #include "engine/bake/object_file.h"
 #include "engine/mesh/body.h"
@@ -45,6 +46,20 @@ struct BakedObject {
 
 inline constexpr double kMaxChosenUnknowns = 150'000;  // that a chosen mesh size makes
 inline constexpr int kMaxRounds = 6;
+
+// How an object would be baked: meshed, but not solved.
+struct Forecast {
+  std::optional<MeshChoice> choice;
+  mesh::CheckedMesh mesh;
+  mesh::Making making = mesh::Making::kRead;
+  std::vector<std::string> notes;
+  fem::Element element = fem::Element::kTet20;
+  BakeCost cost;  // of the first round
+  double mesh_seconds = 0;
+};
+
+// Fails as meshing does, but not for lack of memory.
+Result<Forecast> forecast(const ObjectRecipe& recipe, const modal::Material& material, const Progress& progress = {});
 
 // Progress stages: "mesh" and those of bake(), from the second round on with the round and its error before them. Fails
 // as meshing and bake() do, and when the error cannot be reached: the sentence names the one that was.

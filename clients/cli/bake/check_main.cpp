@@ -8,6 +8,7 @@
 #include "engine/bake/bake_object.h"
 #include "engine/bake/body_shape.h"
 #include "engine/bake/material_library.h"
+#include "engine/base/content_cache.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
 #include "engine/mesh/body_reader.h"
@@ -72,16 +73,20 @@ void print_surface(const mesh::PreparedSurface& surface) {
                   : "stuffed, because it is not sound after repair, and the skin of that filled by gmsh");
 }
 
-void print_choice(const bake::BodyShape& shape, const modal::Material& material) {
-  const bake::BakeOptions options;
-  const int order = fem::order_of(options.element);
-  const bake::MeshChoice choice =
-      bake::choose_mesh(shape, material, options.band_high_hz, order, bake::kMaxChosenUnknowns);
-  std::printf("  resolution: %.3g mm with order %d, for waves of %.3g mm at %.0f Hz in %s and walls of %.3g mm%s\n",
-              1000 * choice.size_m, order, 1000 * choice.shortest_wave_m, options.band_high_hz, material.name.c_str(),
-              1000 * shape.wall_m, choice.bounded ? "; finer would be right, but too much to solve unasked" : "");
-  std::printf("  estimated: %.2g unknowns, %.3g kg, lowest note near %.2g Hz\n",
-              bake::estimated_unknowns(shape, choice.size_m, order), shape.volume_m3 * material.density_kg_m3,
+void print_forecast(const bake::Forecast& forecast, const bake::BodyShape& shape, const modal::Material& material) {
+  const int order = fem::order_of(forecast.element);
+  if (const auto& choice = forecast.choice) {
+    std::printf("  resolution: %.3g mm with order %d, for waves of %.3g mm at %.0f Hz in %s and walls of %.3g mm%s\n",
+                1000 * choice->size_m, order, 1000 * choice->shortest_wave_m, bake::BakeOptions().band_high_hz,
+                material.name.c_str(), 1000 * shape.wall_m,
+                choice->bounded ? "; finer would be right, but too much to solve unasked" : "");
+  }
+  const bake::BakeCost& cost = forecast.cost;
+  std::printf("  %s: %td elements, %.0f unknowns\n", mesh::text_of(forecast.making).c_str(),
+              forecast.mesh.mesh.elements.rows(), cost.unknowns);
+  std::printf("  expected: %.2g modes, %.2g s of processor time after %.2g s for the mesh, %.2g GiB of memory\n",
+              cost.modes, cost.processor_s, forecast.mesh_seconds, cost.memory_bytes / 1073741824);
+  std::printf("  %.3g kg, lowest note near %.2g Hz\n", shape.volume_m3 * material.density_kg_m3,
               bake::guessed_lowest_hz(shape, material));
 }
 
@@ -97,7 +102,8 @@ void print_tetrahedra(const mesh::Body& body) {
               quality.largest_angle_deg, 1000 * quality.shortest_edge_m, 1000 * quality.longest_edge_m);
 }
 
-// Prints to stdout: faults, repairs, how the body would be meshed and how finely. Nothing is solved.
+// Prints to stdout: faults, repairs, how the body is meshed, and what baking it would take. Nothing is
+// solved.
 Result<void> check_mesh(const CheckRequest& request, const Progress& progress) {
   const Result<bake::MaterialEntry> material = bake::find_material(request.materials, request.material);
   if (!material) return fail(material.error());
@@ -123,7 +129,13 @@ Result<void> check_mesh(const CheckRequest& request, const Progress& progress) {
   const Result<mesh::Sketch> sketch = reader.sketch(options, progress);
   if (!sketch) return fail(sketch.error());
   const bake::BodyShape shape = bake::measure_shape(sketch->skin, sketch->wall_m);
-  print_choice(shape, material->material);
+  bake::ObjectRecipe recipe{
+      .name = request.file.stem().string(), .description = "", .material = "", .geometry = request.file};
+  recipe.meshing.unit_m = request.unit_m;
+  recipe.options.cache = cache_folder().value_or("");
+  const Result<bake::Forecast> forecast = bake::forecast(recipe, material->material, progress);
+  if (!forecast) return fail(forecast.error());
+  print_forecast(*forecast, shape, material->material);
   const double unit_m = request.unit_m.value_or(mesh::unit_in_file(request.file));
   const bake::BakeOptions usual;
   const std::string question =

@@ -1,0 +1,38 @@
+// What a bake will take, known before it is made: modes, processor time and memory, each within a factor of about two
+// (docs/how/accuracy.md says how well that holds). [any thread]
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/bake/body_shape.h"
+#include "engine/fem/assembly.h"
+#include "engine/mesh/tet_mesh.h"
+#include "engine/modal/bank.h"
+
+#include <string>
+
+namespace ringdown::bake {
+
+struct BakeCost {
+  double unknowns = 0;
+  double modes = 0;         // elastic ones up to the top of the band
+  double processor_s = 0;   // once the body is meshed, on a processor like this one
+  double memory_bytes = 0;  // at its peak
+};
+
+// About how many modes a body has up to a frequency: those of a solid (debye_count), and those of the plate, half as
+// large as its surface, that a thin one is: bending waves, and two kinds of waves in its plane.
+double expected_modes(const BodyShape& shape, const modal::Material& material, double frequency_hz);
+
+// Of elements of that kind between the corners of `mesh`, which may be of another order. Counts nodes, and times a
+// product of two matrices to know the processor (some 30 ms).
+BakeCost expected_cost(const mesh::TetMesh& mesh, fem::Element element, const modal::Material& material,
+                       double band_high_hz);
+
+// As above before there is a mesh, from estimated_unknowns().
+BakeCost expected_cost(const BodyShape& shape, double size_m, fem::Element element, const modal::Material& material,
+                       double band_high_hz);
+
+// Fails when a bake takes clearly more than is free, with a sentence that says how much it takes and what to change.
+Result<void> check_memory(const BakeCost& cost, double free_bytes, const std::string& name);
+
+}  // namespace ringdown::bake
