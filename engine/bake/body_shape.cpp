@@ -18,7 +18,7 @@
 namespace ringdown::bake {
 namespace {
 
-constexpr std::array kElementsPerWave = {20.0, 8.0, 4.0, 2.5};  // order 1 to 4
+constexpr std::array kElementsPerWave = {20.0, 8.0, 4.0, 2.5};      // order 1 to 4
 constexpr std::array kUnknownsPerElement = {0.7, 6.0, 17.0, 38.0};  // gmsh's meshes of bodies, not of films
 constexpr double kElementsPerThicknessAtEdges = 1;
 constexpr double kSizeInSection = 0.33;  // of the width
