@@ -6,9 +6,13 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
 
 namespace ringdown::cli {
 namespace {
@@ -20,6 +24,62 @@ double rms_shape(const modal::Bank& bank, std::size_t mode) {
     for (const double component : bank.shape(mode, p)) sum += component * component;
   }
   return std::sqrt(sum / static_cast<double>(bank.point_count()));
+}
+
+// How much louder than on average over all directions a mode sounds where it is loudest [dB].
+double directivity_db(const modal::FarField& field) {
+  constexpr int kDirections = 2000;
+  const int degree = std::max(modal::degree_of(field), 0);
+  std::vector<float> harmonics(static_cast<std::size_t>(modal::harmonic_count(degree)));
+  double loudest = 0;
+  for (int i = 0; i < kDirections; ++i) {  // a spiral of directions, each for the same part of the sphere
+    const double z = 1 - (2 * i + 1.0) / kDirections, turn = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double across = std::sqrt(1 - z * z);
+    modal::real_harmonics({across * std::cos(turn), across * std::sin(turn), z}, degree, harmonics);
+    loudest = std::max(loudest, static_cast<double>(std::abs(modal::far_field(field, harmonics))));
+  }
+  return 20 * std::log10(loudest / modal::rms(field));
+}
+
+// The pressure at 1 m, rms over directions, with which a blow of 1 N s at a random point starts the mode [dB re 20
+// uPa].
+double level_db(const modal::Bank& bank, std::size_t mode) {
+  constexpr double kReference_pa = 20e-6;
+  const double omega = modal::hz_to_rad_per_s(bank.frequency_hz[mode]);
+  const double pressure_pa =
+      bank.radiation->air.density_kg_m3 * omega * modal::rms(bank.radiation->maps.modes[mode]) * rms_shape(bank, mode);
+  return 20 * std::log10(pressure_pa / std::numbers::sqrt2 / kReference_pa);
+}
+
+// The columns of what a mode loses and radiates; empty where the bank does not know.
+std::string loss_columns(const modal::Bank& bank, std::size_t mode) {
+  char text[96];
+  if (bank.losses.empty()) {
+    std::snprintf(text, sizeof text, "%10s %10s %10s", "", "", "");
+  } else {
+    const modal::ModeLoss& loss = bank.losses[mode];
+    std::snprintf(text, sizeof text, "%10.4g %10.4g %10.4g", loss.material_per_s, loss.air_per_s, loss.support_per_s);
+  }
+  std::string columns = text;
+  if (bank.radiation && !bank.radiation->maps.modes[mode].terms.empty()) {
+    std::snprintf(text, sizeof text, " %8.1f %8.1f", level_db(bank, mode),
+                  directivity_db(bank.radiation->maps.modes[mode]));
+  } else {
+    std::snprintf(text, sizeof text, " %8s %8s", "", "");
+  }
+  return columns + text;
+}
+
+void print_radiation(const modal::BankRadiation& radiation) {
+  std::printf("radiation  into air of %.5g kg/m3 and %.5g m/s", radiation.air.density_kg_m3,
+              radiation.air.sound_speed_m_s);
+  if (const auto spread = modal::error_spread(radiation.error_db)) {
+    std::printf("; levels as estimated to %.2g dB in the median, %.2g dB at most", spread->median, spread->largest);
+  }
+  std::printf("\n");
+  for (std::size_t m = 0; m < radiation.reason.size(); ++m) {
+    if (!radiation.reason[m].empty()) std::printf("           mode %zu: %s\n", m, radiation.reason[m].c_str());
+  }
 }
 
 void print_head(const modal::Bank& bank) {
@@ -61,6 +121,7 @@ void print_head(const modal::Bank& bank) {
     std::printf("           of amplitudes between sample points: median %s, largest %s\n",
                 as_percent(spread->median).c_str(), as_percent(spread->largest).c_str());
   }
+  if (bank.radiation) print_radiation(*bank.radiation);
   if (made.dropped_modes > 0) {
     std::printf("left out   %lld modes, at most %.1f dB of the energy of a blow",
                 static_cast<long long>(made.dropped_modes), made.loss_db);
@@ -70,14 +131,14 @@ void print_head(const modal::Bank& bank) {
 }
 
 void print_modes(const modal::Bank& bank) {
-  std::printf("\n%5s %12s %10s %10s %14s %8s  %s\n", "mode", "frequency Hz", "T60 s", "decay 1/s", "rms kg^-1/2",
-              "error %", "note");
+  std::printf("\n%5s %12s %10s %10s %10s %10s %10s %8s %8s %14s %8s  %s\n", "mode", "frequency Hz", "T60 s",
+              "decay 1/s", "material", "air", "support", "dB SPL", "beam dB", "rms kg^-1/2", "error %", "note");
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double decay = bank.decay_per_s[m];
     char error[16] = "";
     if (!bank.frequency_error.empty()) std::snprintf(error, sizeof error, "%.2g", 100 * bank.frequency_error[m]);
-    std::printf("%5zu %12.3f %10.4g %10.4g %14.4g %8s  %s\n", m, bank.frequency_hz[m], modal::t60_s(decay), decay,
-                rms_shape(bank, m), error, note_name(bank.frequency_hz[m]).c_str());
+    std::printf("%5zu %12.3f %10.4g %10.4g %s %14.4g %8s  %s\n", m, bank.frequency_hz[m], modal::t60_s(decay), decay,
+                loss_columns(bank, m).c_str(), rms_shape(bank, m), error, note_name(bank.frequency_hz[m]).c_str());
   }
 }
 

@@ -3,7 +3,7 @@
 #include "engine/bake/audibility.h"
 #include "engine/bake/body_modes.h"
 #include "engine/bake/body_shape.h"
-#include "engine/bake/importance.h"
+#include "engine/bake/heard_modes.h"
 #include "engine/bake/sample_points.h"
 #include "engine/fem/error_estimate.h"
 #include "engine/fem/shape_change.h"
@@ -40,84 +40,8 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-struct HeardMode {
-  Eigen::Index number;  // in BodyModes
-  modal::DampedMode mode;
-  modal::ModeLoss loss;
-  double importance;
-  double frequency_error;
-};
-
-double surface_rms(const std::vector<double>& weights, const Eigen::Ref<const Eigen::VectorXd>& shape) {
-  double sum = 0;
-  for (std::size_t p = 0; p < weights.size(); ++p) {
-    sum += weights[p] * shape.segment<3>(3 * static_cast<Eigen::Index>(p)).squaredNorm();
-  }
-  return std::sqrt(sum);
-}
-
-// The modes of the band, the most important first (importance.h).
-std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& units, const std::vector<double>& weights,
-                                     const modal::Material& material, const BakeOptions& options, BakeReport& report) {
-  std::vector<HeardMode> heard;
-  for (Eigen::Index m = 0; m < modes.lambda.size(); ++m) {
-    const double lambda = units.lambda() * modes.lambda[m];
-    const modal::ModeLoss loss = modal::mode_loss(material.damping_law(), lambda);
-    const modal::DampedMode mode = modal::with_decay(lambda, loss.total_per_s());
-    if (mode.frequency_hz == 0) {
-      ++report.over_damped;
-    } else if (mode.frequency_hz < options.band_low_hz) {
-      ++report.below_band;
-    } else if (mode.frequency_hz <= options.band_high_hz) {
-      const double rms = units.shape() * surface_rms(weights, modes.shapes.col(m));
-      heard.push_back({m, mode, loss, importance(mode, rms), modes.errors[m]});
-      report.largest_error = std::max(report.largest_error, modes.errors[m]);
-    }
-  }
-  std::stable_sort(heard.begin(), heard.end(),
-                   [](const HeardMode& a, const HeardMode& b) { return a.importance > b.importance; });
-  return heard;
-}
-
-// The sign of the first component whose size is the largest to rounding: a symmetric body has several of equal size.
-double sign_of(const Eigen::Ref<const Eigen::VectorXd>& shape) {
-  const double large = 0.999 * shape.cwiseAbs().maxCoeff();
-  return *std::find_if(shape.begin(), shape.end(), [large](double x) { return std::abs(x) >= large; }) < 0 ? -1 : 1;
-}
-
-// The error rounded to three digits, which is all that an estimate may claim.
-double rounded(double error) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2e", error);
-  return std::strtod(text, nullptr);
-}
-
-// `shapes` (3P x M) in kg^-1/2, one column for each of the modes.
-void add_modes(modal::Bank& bank, const std::vector<HeardMode>& heard, const Eigen::MatrixXd& shapes) {
-  for (std::size_t m = 0; m < heard.size(); ++m) {
-    bank.frequency_hz.push_back(heard[m].mode.frequency_hz);
-    bank.decay_per_s.push_back(heard[m].mode.decay_per_s);
-    bank.losses.push_back(heard[m].loss);
-    bank.frequency_error.push_back(rounded(heard[m].frequency_error));
-    const Eigen::VectorXf shape = shapes.col(static_cast<Eigen::Index>(m)).cast<float>();
-    for (Eigen::Index row = 0; row < shape.size(); row += 3) {
-      bank.shapes.push_back({shape[row], shape[row + 1], shape[row + 2]});
-    }
-  }
-}
-
 void add_points(modal::Bank& bank, const mesh::Points& positions) {
   for (const auto& at : positions.cast<float>().rowwise()) bank.positions.push_back({at[0], at[1], at[2]});
-}
-
-// Free of units, with the sign that the bank gives them.
-Eigen::MatrixXd shapes_of(const std::vector<HeardMode>& heard, const BodyModes& modes) {
-  Eigen::MatrixXd shapes(modes.shapes.rows(), static_cast<Eigen::Index>(heard.size()));
-  for (std::size_t m = 0; m < heard.size(); ++m) {
-    const auto shape = modes.shapes.col(heard[m].number);
-    shapes.col(static_cast<Eigen::Index>(m)) = sign_of(shape) * shape;
-  }
-  return shapes;
 }
 
 std::string element_text(fem::Element element) {
@@ -323,6 +247,24 @@ Eigen::VectorXd shape_errors(const Task& task, const Eigen::VectorXd& gaps_m, co
   return 0.5 * changes.cwiseAbs().cwiseQuotient(modes.lambda);
 }
 
+// Lets every mode radiate, and leaves out those that the air over-damps. Returns where fields are measured from [m].
+Result<Vec3> add_radiation(const Task& task, const BodyModes& modes, std::vector<HeardMode>& heard, LeftOut& left_out,
+                           BakeReport& report, const Progress& progress) {
+  Stopwatch watch;
+  const modal::Air& air = *task.options.air;
+  const Result<Vec3> origin = find_radiation({task.unit_mesh, task.surface, task.units, modes}, air, task.options.cache,
+                                             heard, report.radiation, progress);
+  if (!origin) return origin;
+  std::erase_if(heard, [&](HeardMode& mode) {
+    const double air_per_s = modal::radiation_decay_per_s(modal::rms(mode.field), std::sqrt(mode.lambda), air);
+    const bool rings = add_air_loss(mode, task.material, air_per_s);
+    if (!rings) ++left_out.over_damped;
+    return !rings;
+  });
+  report.radiation_seconds = watch.lap();
+  return origin;
+}
+
 modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes) {
   return {.generator = "Ringdown " RINGDOWN_VERSION,
           .element = element_text(options.element),
@@ -362,17 +304,29 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   report.elements = mesh.elements.rows();
   report.rigid = modes->rigid;
 
-  Stopwatch watch;
-  if (progress && !progress("finish", 0)) return fail_cancelled();
-  const std::vector<HeardMode> heard =
-      modes_in_band(*modes, units, area_weights(task.surface, mesh.nodes), material, options, report);
+  LeftOut left_out;
+  std::vector<HeardMode> heard =
+      modes_in_band(*modes, units, material, {options.band_low_hz, options.band_high_hz}, left_out);
+  for (const HeardMode& mode : heard) report.largest_error = std::max(report.largest_error, mode.frequency_error);
+  const bool radiates = options.air && !heard.empty() && report.largest_error <= options.radiation_error;
+  Vec3 origin_m;
+  if (radiates) {
+    const Result<Vec3> origin = add_radiation(task, *modes, heard, left_out, report, progress);
+    if (!origin) return fail(origin.error().kind, name + ": " + origin.error().message);
+    origin_m = *origin;
+  }
   if (heard.empty()) {
     return fail(ErrorKind::bad_input, name + " has no mode between " +
                                           std::to_string(std::lround(options.band_low_hz)) + " and " +
                                           std::to_string(std::lround(options.band_high_hz)) +
                                           " Hz; it may be too small or too large (check the unit of its mesh)");
   }
+  report.over_damped = left_out.over_damped;
+  report.below_band = left_out.below_band;
 
+  Stopwatch watch;
+  if (progress && !progress("finish", 0)) return fail_cancelled();
+  order_by_importance(heard, *modes, units, area_weights(task.surface, mesh.nodes));
   bank.name = name;
   bank.material = material;
   bank.mass = units.mass(modes->mass);
@@ -382,10 +336,11 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   for (const std::size_t m : reduced.kept) kept.push_back(heard[m]);
   const Result<SamplePoints> points = find_points(task, kept, *modes, progress);
   if (!points) return fail(points.error().kind, name + ": " + points.error().message);
-  add_modes(bank, kept, units.shape() * points->shapes);
+  add_modes(bank, kept, units.shape() * points->shapes, radiates ? &*options.air : nullptr);
+  if (radiates) bank.radiation->maps.origin_m = origin_m;
   add_points(bank, length_m * points->positions);
   bank.triangles = points->triangles;
-  for (const double error : points->errors) bank.shape_error.push_back(rounded(error));
+  for (const double error : points->errors) bank.shape_error.push_back(rounded_error(error));
   report.inaudible = reduced.inaudible;
   report.unimportant = reduced.unimportant;
   report.finish_seconds = watch.lap();

@@ -5,13 +5,16 @@
 //   return modal::write_bank(baked->bank, "bell.glb");
 #pragma once
 
+#include "engine/bake/body_radiation.h"
 #include "engine/base/progress.h"
 #include "engine/fem/assembly.h"
 #include "engine/mesh/mesh_check.h"
 #include "engine/modal/bank.h"
 #include "engine/solve/eigensolver.h"
 
+#include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace ringdown::bake {
@@ -19,13 +22,15 @@ namespace ringdown::bake {
 struct BakeOptions {
   fem::Element element = fem::Element::kTet20;  // the mesh is brought to its order
   double band_low_hz = 20, band_high_hz = 20000;
-  double shape_error = 0.03;    // that amplitudes between sample points may have (sample_points.h)
-  std::size_t points = 0;       // on the surface, >= 4: so many, whatever the error. 0: as many as shape_error takes
-  int most_modes = 4096;        // in the band; a fuller band fails (see solve::EigenRequest)
-  int keep_modes = 0;           // the most important ones go into the bank; 0: all
-  double floor_db = 0;          // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
-  std::filesystem::path cache;  // folder of results that bake() may use and add to (ModeCache); empty: none
-  std::string family;           // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
+  double shape_error = 0.03;      // that amplitudes between sample points may have (sample_points.h)
+  std::size_t points = 0;         // on the surface, >= 4: so many, whatever the error. 0: as many as shape_error takes
+  int most_modes = 4096;          // in the band; a fuller band fails (see solve::EigenRequest)
+  int keep_modes = 0;             // the most important ones go into the bank; 0: all
+  std::optional<modal::Air> air;  // that the modes radiate into (body_radiation.h); nothing: radiation is not computed
+  double radiation_error = HUGE_VAL;  // only when no frequency's estimated error is above this
+  double floor_db = 0;                // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
+  std::filesystem::path cache;        // folder of results that bake() may use and add to (ModeCache); empty: none
+  std::string family;  // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
   solve::Method solver = solve::Method::kAutomatic;
   int processes = 2;    // of solve::Method::kSlepc
   bool verify = false;  // asks a second method, and fails when the two disagree (solve::EigenRequest::verify)
@@ -40,7 +45,9 @@ struct BakeReport {
   int unimportant = 0;        // dropped by keep_modes
   bool from_cache = false;    // nothing was assembled or solved
   std::string cache_trouble;  // why the cache could not be written; the bake is none the worse
+  RadiationReport radiation;
   double assemble_seconds = 0, factor_seconds = 0, iterate_seconds = 0, estimate_seconds = 0, finish_seconds = 0;
+  double radiation_seconds = 0;
   solve::Agreement agreement;  // of the second opinion; of no modes when nothing was solved or none was asked for
   double largest_error = 0;    // estimated, relative, of any mode's frequency in the band, dropped ones included
 };
@@ -54,12 +61,15 @@ struct Baked {
 // last (audibility.h), and everything else that a bank holds. Shapes at the sample points are those whose linear
 // interpolation is nearest to the finite elements on the whole surface (sample_points.h); the sign of each is chosen so
 // that its largest component on the surface (the first of equals) is positive. Progress stages: "assemble", "factors",
-// "modes", "errors", "finish".
+// "modes", "errors", "radiation", "finish".
 //
 // With a cache, a body whose shape, Poisson's ratio and element were solved before, up to the band's top or higher, is
 // not solved again: E, density, damping and size rescale exactly (body_modes.h). The bank is the same, byte for byte
 // when nothing changed and to rounding when E, density, damping or size did and the same modes are in it; only inside a
 // family of equal frequencies (a sphere's, a tube's pairs) may the shapes be another basis of the same motions.
+//
+// With options.air each mode's far field is computed; what the air takes is then part of its decay, and the bank says
+// what it radiates and how well that is known.
 //
 // Errors are estimated from what finer elements would add (fem::frequency_errors) and from what rounding leaves of the
 // rigid motions' zero energy: in meshes of very flat elements that disturbs the lowest modes. Where the mesh's skin

@@ -65,6 +65,8 @@ class Baker {
   Baker(const ObjectRecipe& recipe, const modal::Material& material, const Progress& progress)
       : recipe_(recipe), material_(material), progress_(progress), reader_(recipe.geometry, recipe.options.cache) {
     if (!recipe.options.cache.empty()) recipe_.options.family = family_of(recipe);
+    if (recipe.error > 0) recipe_.options.radiation_error = recipe.error;
+    if (recipe.preview) recipe_.options.air.reset();
   }
 
   Result<Forecast> forecast() {

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFormat = 2;  // of the hash; raise it also when the same inputs give another bank
+constexpr int kFormat = 3;  // of the hash; raise it also when the same inputs give another bank
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 30;  // bytes
 
 using Files = std::vector<fs::path>;

@@ -15,6 +15,20 @@ constexpr Range kGain_db{-60, 60};
 constexpr Range kFloor_db{1, 200};
 constexpr Range kBudget_s{0.001, 1e6};
 
+void read_air(TomlTable& file, BakeOptions& options) {
+  modal::Air air;
+  bool radiates = true;
+  std::vector<double> numbers = {air.density_kg_m3, air.sound_speed_m_s};
+  file.boolean("radiation", radiates);
+  file.numbers("air", numbers);
+  if (numbers.size() != 2 || !kAirDensity_kg_m3.holds(numbers[0]) || !kSoundSpeed_m_s.holds(numbers[1])) {
+    return file.complain("air",
+                         "air must be its density, 0.001 to 1000 kg/m^3, and its speed of sound, 10 to 10000 m/s");
+  }
+  options.air.reset();
+  if (radiates) options.air = modal::Air{.density_kg_m3 = numbers[0], .sound_speed_m_s = numbers[1]};
+}
+
 void read_options(TomlTable& file, BakeOptions& options) {
   std::string name(fem::element_name(options.element));
   file.text("element", name);
@@ -28,6 +42,7 @@ void read_options(TomlTable& file, BakeOptions& options) {
   file.whole("keep_modes", modes, 0, 1'000'000);
   file.number("floor_db", options.floor_db, kFloor_db);
   file.boolean("verify", options.verify);
+  read_air(file, options);
   options.points = points;
   options.keep_modes = static_cast<int>(modes);
 

@@ -16,6 +16,8 @@
 //   band_hz = [20, 20000]            # default
 //   keep_modes = 120                 # the most important ones; default: all in the band
 //   floor_db = 60                    # drop what is inaudible this far below the loudest mode; default: nothing
+//   radiation = false                # do not compute what the modes radiate; default true
+//   air = [1.2041, 343.2]            # that they radiate into: density in kg/m^3, speed of sound in m/s; this default
 //   verify = true                    # have a second solver agree, or fail (solve/second_opinion.h); default false
 //   gain_db = -3                     # the bank's gain, -60 ... 60: how loud beside other objects; default 0
 //   budget_s = 20                    # processor seconds that a bake of it should not exceed; default: none
@@ -52,6 +54,7 @@ struct ObjectRecipe {
 };
 
 inline constexpr Range kScale{1e-3, 1e3};
+inline constexpr Range kAirDensity_kg_m3{1e-3, 1e3}, kSoundSpeed_m_s{10, 1e4};
 inline constexpr Range kError{1e-7, 0.5}, kShapeError{1e-3, 0.5};  // that may be asked for
 
 Result<ObjectRecipe> read_object(const std::filesystem::path& path);

@@ -135,8 +135,8 @@ void put_in_a_chain(SamplePoints& points) {
 // has exactly the same ones, so that the same points are removed. The grid lies off the halves that structured meshes
 // have.
 Eigen::MatrixXd on_grid(const Eigen::MatrixXd& values) {
-  constexpr double kGrid = 1 << 22, kGridOffset = 0.3819660113;
-  return (values.array() * kGrid + kGridOffset).round() / kGrid;
+  constexpr double kPlaces = 1 << 22, kOffHalves = 0.3819660113;
+  return (values.array() * kPlaces + kOffHalves).round() / kPlaces;
 }
 
 double median(Eigen::VectorXd values) {

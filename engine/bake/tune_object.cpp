@@ -36,6 +36,7 @@ class ObjectTuner {
     recipe_.options.band_high_hz = kBandAbove * high->frequency_hz;
     recipe_.options.keep_modes = 0;
     recipe_.options.floor_db = 0;
+    recipe_.options.air.reset();
     recipe_.error = 0;
     best_.slopes = request.slopes;
   }

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <numbers>
 #include <numeric>
 #include <string>
+#include <utility>
 
 // All faces of all elements are sorted by their corners; a face that stands there once belongs to the boundary. Its
 // nodes, those between the corners included, become flat triangles (parts_of_face()).
@@ -65,10 +68,65 @@ struct PointOnFace {
   std::vector<int> nodes;                          // of the element, that lie on the face
   Eigen::VectorXd values;                          // of the element's shape functions
   Eigen::Matrix<double, Eigen::Dynamic, 2> sides;  // derivatives of all shape functions along two sides of the face
+  double weight = 0;                               // of all points on the face they add up to 1
+};
+
+// A point of the element's reference, and what share of its face it stands for.
+struct FacePlace {
+  Eigen::Vector4d at;
+  double weight;
 };
 
 // One or three points on each of the parts of a face: exact for polynomials of degree 1 or 2.
-std::vector<PointOnFace> points_on_face(int order, int face, int points_per_part) {
+std::vector<FacePlace> places_on_parts(int order, int face, int points_per_part) {
+  const Barycentric nodes = reference_nodes(order);
+  std::vector<FacePlace> places;
+  for (const Triangle& part : parts_of_face(order, face)) {
+    for (int i = 0; i < points_per_part; ++i) {
+      const double own = points_per_part == 1 ? 1.0 / 3 : 2.0 / 3;
+      places.push_back(
+          {own * nodes.row(part[i]) + (1 - own) / 2 * (nodes.row(part[(i + 1) % 3]) + nodes.row(part[(i + 2) % 3])),
+           1.0 / (order * order * points_per_part)});
+    }
+  }
+  return places;
+}
+
+// Gauss and Legendre's n points in (0, 1) with their weights, exact to degree 2n - 1, by Newton's method.
+std::vector<std::array<double, 2>> gauss_points(int n) {
+  std::vector<std::array<double, 2>> points;
+  for (int i = 0; i < n; ++i) {
+    double x = std::cos(std::numbers::pi * (i + 0.75) / (n + 0.5)), slope = 0;
+    for (int step = 0; step < 20; ++step) {
+      double before = 1, value = x;
+      for (int k = 2; k <= n; ++k) before = std::exchange(value, ((2 * k - 1) * x * value - (k - 1) * before) / k);
+      slope = n * (x * value - before) / (x * x - 1);
+      x -= value / slope;
+    }
+    points.push_back({(1 + x) / 2, 1 / ((1 - x * x) * slope * slope)});
+  }
+  return points;
+}
+
+// What flows through a face of order p has degree p from the shape functions and 2 (p - 1) from the face's form. A
+// triangle is a square with one side drawn together to a point, which adds one degree in one direction.
+std::vector<FacePlace> places_for_flow(int order, int face) {
+  const auto& [a, b, c] = kTetFaces[face];
+  const std::vector<std::array<double, 2>> points = gauss_points((3 * order + 1) / 2);
+  std::vector<FacePlace> places;
+  for (const auto& [u, u_weight] : points) {
+    for (const auto& [v, v_weight] : points) {
+      Eigen::Vector4d at = Eigen::Vector4d::Zero();
+      at[a] = 1 - u;
+      at[b] = u * (1 - v);
+      at[c] = u * v;
+      places.push_back({at, 2 * u * u_weight * v_weight});
+    }
+  }
+  return places;
+}
+
+std::vector<PointOnFace> points_on_face(int order, int face, const std::vector<FacePlace>& wanted) {
   const Barycentric places = reference_nodes(order);
   const auto& [a, b, c] = kTetFaces[face];
   std::vector<int> on_face;
@@ -79,18 +137,42 @@ std::vector<PointOnFace> points_on_face(int order, int face, int points_per_part
     return corner == 0 ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(Eigen::Vector3d::Unit(corner - 1));
   };
   std::vector<PointOnFace> points;
-  for (const Triangle& part : parts_of_face(order, face)) {
-    for (int i = 0; i < points_per_part; ++i) {
-      const double own = points_per_part == 1 ? 1.0 / 3 : 2.0 / 3;
-      const Eigen::Vector4d at =
-          own * places.row(part[i]) + (1 - own) / 2 * (places.row(part[(i + 1) % 3]) + places.row(part[(i + 2) % 3]));
-      const ReferenceGradient gradient = interpolation_gradient(order, at);
-      Eigen::Matrix<double, Eigen::Dynamic, 2> sides(places.rows(), 2);
-      sides << gradient * (free(b) - free(a)), gradient * (free(c) - free(a));
-      points.push_back({on_face, interpolation(order, at), std::move(sides)});
-    }
+  for (const auto& [at, weight] : wanted) {
+    const ReferenceGradient gradient = interpolation_gradient(order, at);
+    Eigen::Matrix<double, Eigen::Dynamic, 2> sides(places.rows(), 2);
+    sides << gradient * (free(b) - free(a)), gradient * (free(c) - free(a));
+    points.push_back({on_face, interpolation(order, at), std::move(sides), weight});
   }
   return points;
+}
+
+// `points` stand on an element's four faces.
+SurfaceQuadrature quadrature_at(const Boundary& surface, const TetMesh& mesh,
+                                const std::array<std::vector<PointOnFace>, 4>& points) {
+  const std::vector<OuterFace> faces = outer_faces(mesh.elements);
+  const auto count = static_cast<Eigen::Index>(faces.size() * points[0].size());
+  SurfaceQuadrature found{.interpolation = {count, static_cast<Eigen::Index>(surface.nodes.size())},
+                          .normals = Points(count, 3),
+                          .areas = Eigen::VectorXd(count)};
+  std::vector<Eigen::Triplet<double>> weights;
+  Eigen::Index row = 0;
+  for (const OuterFace& face : faces) {
+    const auto element = mesh.elements.row(face.element);
+    const ElementNodes nodes = nodes_of(mesh, face.element);
+    std::array<Eigen::Index, nodes_per_element(kMaxOrder)> column{};
+    for (const int n : points[face.opposite].front().nodes) {
+      column[n] = std::lower_bound(surface.nodes.begin(), surface.nodes.end(), element[n]) - surface.nodes.begin();
+    }
+    for (const PointOnFace& point : points[face.opposite]) {
+      for (const int n : point.nodes) weights.emplace_back(row, column[n], point.values[n]);
+      const Eigen::Matrix<double, 2, 3> sides = point.sides.transpose() * nodes;
+      const Eigen::Vector3d normal = Eigen::Vector3d(sides.row(0)).cross(Eigen::Vector3d(sides.row(1)));
+      found.areas[row] = 0.5 * normal.norm() * point.weight;
+      found.normals.row(row++) = normal.normalized();
+    }
+  }
+  found.interpolation.setFromTriplets(weights.begin(), weights.end());
+  return found;
 }
 
 }  // namespace
@@ -130,32 +212,16 @@ Boundary boundary_of(const TetMesh& mesh) {
 
 SurfaceQuadrature quadrature_of(const Boundary& surface, const TetMesh& mesh, int points_per_triangle) {
   assert(points_per_triangle == 1 || points_per_triangle == 3);
-  const int order = mesh.order();
   std::array<std::vector<PointOnFace>, 4> points;
-  for (int f = 0; f < 4; ++f) points[f] = points_on_face(order, f, points_per_triangle);
-  const auto count = static_cast<Eigen::Index>(surface.triangles.size()) * points_per_triangle;
-  SurfaceQuadrature found{.interpolation = {count, static_cast<Eigen::Index>(surface.nodes.size())},
-                          .normals = Points(count, 3),
-                          .areas = Eigen::VectorXd(count)};
-  std::vector<Eigen::Triplet<double>> weights;
-  Eigen::Index row = 0;
-  for (const OuterFace& face : outer_faces(mesh.elements)) {
-    const auto element = mesh.elements.row(face.element);
-    const ElementNodes nodes = nodes_of(mesh, face.element);
-    std::array<Eigen::Index, nodes_per_element(kMaxOrder)> column{};
-    for (const int n : points[face.opposite].front().nodes) {
-      column[n] = std::lower_bound(surface.nodes.begin(), surface.nodes.end(), element[n]) - surface.nodes.begin();
-    }
-    for (const PointOnFace& point : points[face.opposite]) {
-      for (const int n : point.nodes) weights.emplace_back(row, column[n], point.values[n]);
-      const Eigen::Matrix<double, 2, 3> sides = point.sides.transpose() * nodes;
-      const Eigen::Vector3d normal = Eigen::Vector3d(sides.row(0)).cross(Eigen::Vector3d(sides.row(1)));
-      found.areas[row] = 0.5 * normal.norm() / (order * order * points_per_triangle);
-      found.normals.row(row++) = normal.normalized();
-    }
-  }
-  found.interpolation.setFromTriplets(weights.begin(), weights.end());
-  return found;
+  for (int f = 0; f < 4; ++f)
+    points[f] = points_on_face(mesh.order(), f, places_on_parts(mesh.order(), f, points_per_triangle));
+  return quadrature_at(surface, mesh, points);
+}
+
+SurfaceQuadrature flow_quadrature_of(const Boundary& surface, const TetMesh& mesh) {
+  std::array<std::vector<PointOnFace>, 4> points;
+  for (int f = 0; f < 4; ++f) points[f] = points_on_face(mesh.order(), f, places_for_flow(mesh.order(), f));
+  return quadrature_at(surface, mesh, points);
 }
 
 std::vector<double> area_weights(const Boundary& surface, const Points& nodes) {

@@ -41,6 +41,11 @@ struct SurfaceQuadrature {
 };
 SurfaceQuadrature quadrature_of(const Boundary& surface, const TetMesh& mesh, int points_per_triangle);
 
+// Points on the curved faces, at which sums are the integrals of what the elements' shape functions push through the
+// faces: exactly what flows through each face, so that nothing is left over where flow to and fro cancels. About three
+// points for each triangle of boundary_of(); of those of one face, which stand together, the sum counts.
+SurfaceQuadrature flow_quadrature_of(const Boundary& surface, const TetMesh& mesh);
+
 // P weights that sum to 1: a third of the area of the triangles around each point, over the whole area.
 std::vector<double> area_weights(const Boundary& surface, const Points& nodes);
 

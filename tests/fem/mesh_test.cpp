@@ -257,6 +257,23 @@ TEST_P(MeshOfOrder, QuadratureOfASurfaceIsTakenOnItsCurvedFaces) {
   }
 }
 
+// What flows in flows out, and a field x along x, y along y or z along z flows out by the same volume: Gauss's theorem
+// holds to rounding, for integrals are exact.
+TEST_P(MeshOfOrder, FlowThroughCurvedFacesIsExact) {
+  const mesh::TetMesh mesh = test::bent(mesh::to_order(test::box_mesh({6, 2, 2}, kSize), GetParam()), 5);
+  const mesh::Boundary surface = mesh::boundary_of(mesh);
+  const mesh::SurfaceQuadrature samples = mesh::flow_quadrature_of(surface, mesh);
+  mesh::Points nodes(static_cast<Eigen::Index>(surface.nodes.size()), 3);
+  for (Eigen::Index p = 0; p < nodes.rows(); ++p) nodes.row(p) = mesh.nodes.row(surface.nodes[p]);
+  const mesh::Points at = samples.interpolation * nodes;
+  const Eigen::MatrixXd flow = samples.areas.asDiagonal() * samples.normals;
+  EXPECT_LT(flow.colwise().sum().norm(), 1e-14 * samples.areas.sum());
+  const Eigen::RowVector3d volumes = at.cwiseProduct(flow).colwise().sum();
+  EXPECT_NEAR(volumes[1] / volumes[0], 1, 1e-12);
+  EXPECT_NEAR(volumes[2] / volumes[0], 1, 1e-12);
+  EXPECT_NEAR(volumes[0] / enclosed_volume(surface, mesh.nodes), 1, 0.02);
+}
+
 double least_angle_deg(const mesh::Points& nodes, const std::array<std::uint32_t, 3>& triangle) {
   double least = 180;
   for (int i = 0; i < 3; ++i) {

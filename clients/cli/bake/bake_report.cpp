@@ -38,6 +38,18 @@ void print_errors(const bake::BakedObject& object) {
   }
 }
 
+void print_radiation(const bake::Baked& baked) {
+  const auto& radiation = baked.bank.radiation;
+  if (!radiation) return;
+  const auto spread = modal::error_spread(radiation->error_db);
+  std::printf("  radiation: %s", baked.report.radiation.from_cache ? "from the cache; " : "");
+  if (spread)
+    std::printf("estimated errors of the levels: median %.2g dB, largest %.2g dB", spread->median, spread->largest);
+  const auto doubtful = std::ranges::count_if(radiation->reason, [](const auto& reason) { return !reason.empty(); });
+  if (doubtful > 0) std::printf("; of %td modes more than wanted", doubtful);
+  std::printf("\n");
+}
+
 void print_body(const bake::BakedObject& object) {
   std::printf("  %s\n", mesh::text_of(object.making).c_str());
   for (const std::string& note : object.notes) std::printf("    %s\n", note.c_str());
@@ -79,13 +91,18 @@ void print_report(const bake::ObjectRecipe& recipe, const bake::BakedObject& obj
     std::printf("  second opinion on %d modes: frequencies agree to %.0e, shapes to %.0e, in %.1f s\n", agreement.modes,
                 agreement.frequency, agreement.angle, agreement.seconds);
   }
-  if (!report.cache_trouble.empty()) std::printf("  not kept in the cache: %s\n", report.cache_trouble.c_str());
+  for (const std::string& trouble : {report.cache_trouble, report.radiation.cache_trouble}) {
+    if (!trouble.empty()) std::printf("  not kept in the cache: %s\n", trouble.c_str());
+  }
   std::printf(
-      "  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, errors %.1f, finish %.1f; largest residual "
+      "  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, errors %.1f, radiation %.1f, finish %.1f; "
+      "largest "
+      "residual "
       "%.1e\n",
       object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
-      report.estimate_seconds, report.finish_seconds, bank.provenance.largest_residual);
+      report.estimate_seconds, report.radiation_seconds, report.finish_seconds, bank.provenance.largest_residual);
   print_errors(object);
+  print_radiation(object.baked);
   print_body(object);
   std::fflush(stdout);
   if (!object.question.empty()) protocol::complain("is this size meant? " + object.question, protocol::ExitCode::ok);

@@ -40,13 +40,13 @@ struct Arguments {
   std::optional<int> keep;
   std::optional<double> floor_db;
   std::optional<int> processes;
-  std::vector<double> band_hz;
+  std::vector<double> band_hz, air;
   std::map<std::string, double> parameters, figures;
   std::vector<std::string> shaping;  // the given options that can change a bank
   cli::FolderBake folder;
   bool update = false, progress_lines = false;
   bool progress = false, quiet = false, no_cache = false, preview = false, verify = false, compress = false;
-  bool cavities = false, force_coarse = false;
+  bool cavities = false, force_coarse = false, no_radiation = false;
 };
 
 // NAME=NUMBER as given.
@@ -101,6 +101,14 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("--floor", arguments.floor_db,
                  "drop modes that no blow makes audible, this many dB below the loudest or masked (default: none)")
       ->check(manual::between(1.0, 200.0));
+  CLI::Option* air = app.add_option("--air", arguments.air,
+                                    "what the modes radiate into: DENSITY in kg/m3 and SPEED of sound in m/s (default "
+                                    "1.2041 343.2, dry air at 20 degrees)")
+                         ->expected(2)
+                         ->check(manual::above_zero());
+  app.add_flag("--no-radiation", arguments.no_radiation,
+               "do not compute what the modes radiate: the bank is baked sooner, and knows their levels only roughly")
+      ->excludes(air);
   const auto check_error = [](const std::string& text) {
     const Result<void> good = parse_fraction(text).and_then([](double e) { return check_range(e, bake::kError); });
     return good ? std::string() : good.error().message;
@@ -138,6 +146,7 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
       return fail(ErrorKind::bad_input, "name a material for " + input.string() + " with --material");
     recipe.name = input.stem().string();
     recipe.geometry = input;
+    recipe.options.air = modal::Air{};
   }
   if (arguments.material) recipe.material = *arguments.material;
   if (arguments.name) recipe.name = *arguments.name;
@@ -171,6 +180,13 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   if (arguments.band_hz.size() == 2) {
     recipe.options.band_low_hz = arguments.band_hz[0];
     recipe.options.band_high_hz = arguments.band_hz[1];
+  }
+  if (arguments.no_radiation) recipe.options.air.reset();
+  if (arguments.air.size() == 2) {
+    const double density = arguments.air[0], speed = arguments.air[1];
+    if (!bake::kAirDensity_kg_m3.holds(density) || !bake::kSoundSpeed_m_s.holds(speed))
+      return fail(ErrorKind::bad_input, "--air takes a density of 0.001 to 1000 kg/m3 and a speed of 10 to 10000 m/s");
+    recipe.options.air = modal::Air{.density_kg_m3 = density, .sound_speed_m_s = speed};
   }
   for (const auto& [name, value] : arguments.parameters) recipe.meshing.parameters[name] = value;
   return recipe;
