@@ -17,7 +17,7 @@ constexpr Range kBudget_s{0.001, 1e6};
 
 void read_air(TomlTable& file, BakeOptions& options) {
   modal::Air air;
-  bool radiates = true;
+  bool radiates = false;
   std::vector<double> numbers = {air.density_kg_m3, air.sound_speed_m_s};
   file.boolean("radiation", radiates);
   file.numbers("air", numbers);

@@ -29,7 +29,7 @@ struct Ran {
 
 // Without a cache unless `environment` names one: tests must neither use nor fill the user's.
 Ran bake(const std::string& arguments, const std::string& environment = "RINGDOWN_CACHE=/dev/null/none") {
-  const std::string command = environment + " " RINGDOWN_BIN_DIR "/ringdown-bake " + arguments + " --no-radiation 2>&1";
+  const std::string command = environment + " " RINGDOWN_BIN_DIR "/ringdown-bake " + arguments + " 2>&1";
   std::FILE* pipe = ::popen(command.c_str(), "r");
   std::string output;
   std::array<char, 512> part{};

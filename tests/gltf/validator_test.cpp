@@ -37,7 +37,6 @@ Outcome bake_bar(const fs::path& bank, std::vector<std::string> options = {}) {
                                       "--mesh-size",
                                       "0.03",
                                       "--no-cache",
-                                      "--no-radiation",
                                       "-o",
                                       bank};
   command.insert(command.end(), options.begin(), options.end());

@@ -60,7 +60,7 @@ TEST_F(OrdinaryUser, RendersAScene) { expect_made("ringdown render --scene demo 
 TEST_F(OrdinaryUser, BakesAnObject) {
   if (!fs::exists(program("ringdown-bake"))) GTEST_SKIP() << "ringdown-bake is not built";
   const fs::path box = home_.write("box.geo", "SetFactory(\"OpenCASCADE\");\nBox(1) = {0, 0, 0, 0.1, 0.04, 0.02};\n");
-  expect_made("ringdown bake " + box.string() + " -m steel -e tet4 --no-radiation --mesh-size 0.02 -o box.glb", "box.glb");
+  expect_made("ringdown bake " + box.string() + " -m steel -e tet4 --mesh-size 0.02 -o box.glb", "box.glb");
 }
 
 TEST_F(OrdinaryUser, PlaysWithoutASoundCard) {

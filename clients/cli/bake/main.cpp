@@ -46,7 +46,7 @@ struct Arguments {
   cli::FolderBake folder;
   bool update = false, progress_lines = false;
   bool progress = false, quiet = false, no_cache = false, preview = false, verify = false, compress = false;
-  bool cavities = false, force_coarse = false, no_radiation = false;
+  bool cavities = false, force_coarse = false, radiation = false;
 };
 
 // NAME=NUMBER as given.
@@ -101,14 +101,12 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("--floor", arguments.floor_db,
                  "drop modes that no blow makes audible, this many dB below the loudest or masked (default: none)")
       ->check(manual::between(1.0, 200.0));
-  CLI::Option* air = app.add_option("--air", arguments.air,
-                                    "what the modes radiate into: DENSITY in kg/m3 and SPEED of sound in m/s (default "
-                                    "1.2041 343.2, dry air at 20 degrees)")
-                         ->expected(2)
-                         ->check(manual::above_zero());
-  app.add_flag("--no-radiation", arguments.no_radiation,
-               "do not compute what the modes radiate: the bank is baked sooner, and knows their levels only roughly")
-      ->excludes(air);
+  app.add_flag("--radiation", arguments.radiation, "compute what each mode radiates, and what the air takes of it: minutes");
+  app.add_option("--air", arguments.air,
+                 "what the modes radiate into: DENSITY in kg/m3 and SPEED of sound in m/s (default 1.2041 343.2, dry air "
+                 "at 20 degrees); implies --radiation")
+      ->expected(2)
+      ->check(manual::above_zero());
   const auto check_error = [](const std::string& text) {
     const Result<void> good = parse_fraction(text).and_then([](double e) { return check_range(e, bake::kError); });
     return good ? std::string() : good.error().message;
@@ -146,7 +144,6 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
       return fail(ErrorKind::bad_input, "name a material for " + input.string() + " with --material");
     recipe.name = input.stem().string();
     recipe.geometry = input;
-    recipe.options.air = modal::Air{};
   }
   if (arguments.material) recipe.material = *arguments.material;
   if (arguments.name) recipe.name = *arguments.name;
@@ -181,7 +178,7 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
     recipe.options.band_low_hz = arguments.band_hz[0];
     recipe.options.band_high_hz = arguments.band_hz[1];
   }
-  if (arguments.no_radiation) recipe.options.air.reset();
+  if (arguments.radiation && !recipe.options.air) recipe.options.air = modal::Air{};
   if (arguments.air.size() == 2) {
     const double density = arguments.air[0], speed = arguments.air[1];
     if (!bake::kAirDensity_kg_m3.holds(density) || !bake::kSoundSpeed_m_s.holds(speed))
