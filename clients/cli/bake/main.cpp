@@ -101,10 +101,12 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("--floor", arguments.floor_db,
                  "drop modes that no blow makes audible, this many dB below the loudest or masked (default: none)")
       ->check(manual::between(1.0, 200.0));
-  app.add_flag("--radiation", arguments.radiation, "compute what each mode radiates, and what the air takes of it: minutes");
-  app.add_option("--air", arguments.air,
-                 "what the modes radiate into: DENSITY in kg/m3 and SPEED of sound in m/s (default 1.2041 343.2, dry air "
-                 "at 20 degrees); implies --radiation")
+  app.add_flag("--radiation", arguments.radiation,
+               "compute what each mode radiates, and what the air takes of it: minutes");
+  app.add_option(
+         "--air", arguments.air,
+         "what the modes radiate into: DENSITY in kg/m3 and SPEED of sound in m/s (default 1.2041 343.2, dry air "
+         "at 20 degrees); implies --radiation")
       ->expected(2)
       ->check(manual::above_zero());
   const auto check_error = [](const std::string& text) {
