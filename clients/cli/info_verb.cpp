@@ -43,7 +43,7 @@ double directivity_db(const modal::FarField& field) {
 
 // The pressure at 1 m, rms over directions, with which a blow of 1 N s at a random point starts the mode [dB re 20
 // uPa].
-double level_db(const modal::Bank& bank, std::size_t mode) {
+double blow_level_db(const modal::Bank& bank, std::size_t mode) {
   constexpr double kReference_pa = 20e-6;
   const double omega = modal::hz_to_rad_per_s(bank.frequency_hz[mode]);
   const double pressure_pa =
@@ -62,7 +62,7 @@ std::string loss_columns(const modal::Bank& bank, std::size_t mode) {
   }
   std::string columns = text;
   if (bank.radiation && !bank.radiation->maps.modes[mode].terms.empty()) {
-    std::snprintf(text, sizeof text, " %8.1f %8.1f", level_db(bank, mode),
+    std::snprintf(text, sizeof text, " %8.1f %8.1f", blow_level_db(bank, mode),
                   directivity_db(bank.radiation->maps.modes[mode]));
   } else {
     std::snprintf(text, sizeof text, " %8s %8s", "", "");
