@@ -76,8 +76,8 @@ std::size_t Islands::most_contacts() const {
 // keeps the energy M v^2 e^2 / 2, which changes by M v^2 e per unit of e: at e = 1 that is J v / 2. So e is lowered by
 // the gain over the sum of J v / 2, and by kMargin more, because contacts act on each other. Where that was not enough,
 // the next solution shows it. Where nothing bounces, nothing can be taken away.
-bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance,
-                            bool last) {
+bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2,
+                            const Check& check) {
   if (std::ranges::none_of(links_, &Link::bounces)) return false;
   for (Collider* body : members_) {
     IslandState& island = root_of(*body).island;
@@ -92,14 +92,14 @@ bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s,
     IslandState& island = root_of(*links_[k].body).island;
     const double normal_ns = dot(points[k].impulse_ns, points[k].normal);
     if (links_[k].bounces) island.bounced_j += 0.5 * points[k].approach_m_s * std::max(normal_ns, 0.0);
-    island.gained_j -= links_[k].pushed_m_s * length(points[k].impulse_ns);
+    if (check.pushed) island.gained_j -= links_[k].pushed_m_s * length(points[k].impulse_ns);
   }
   bool any = false;
   for (Collider* body : members_) {
     const IslandState& island = root_of(*body).island;
-    const bool gains = island.gained_j > tolerance * island.total_before_j + kMinGain_j;
+    const bool gains = island.gained_j > check.tolerance * island.total_before_j + kMinGain_j;
     if (!gains || island.any_exempt || island.bounced_j == 0) continue;
-    body->elasticity *= last ? 0 : std::max(1 - kMargin * island.gained_j / island.bounced_j, 0.0);
+    body->elasticity *= check.last ? 0 : std::max(1 - kMargin * island.gained_j / island.bounced_j, 0.0);
     any = true;
   }
   return any;

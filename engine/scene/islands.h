@@ -23,8 +23,8 @@ class Islands {
   // Makes an island of every body that is awake.
   void open(std::map<BodyId, Collider>& colliders);
 
-  // Unites the islands of two bodies that touch. `pushed_m_s` is the speed at which the solver will push them apart for
-  // overlapping too far, which adds energy; `bounces` says whether restitution acts.
+  // Unites the islands of two bodies that touch. `pushed_m_s` is the speed at which the solver would push them apart
+  // for overlapping too far, which adds energy; `bounces` says whether restitution acts.
   void unite(Collider& body, Collider& other, double pushed_m_s, bool bounces);
 
   // Unites the islands of two bodies that are joined; null: a joint with the world. Correcting a joint adds energy, so
@@ -37,11 +37,16 @@ class Islands {
   // All bodies that are awake, and those they touch.
   [[nodiscard]] std::span<Collider* const> members() const { return members_; }
 
-  // Whether an island with contacts has gained energy, beyond the work of gravity and of pushes, by more than the share
-  // `tolerance`. Lowers the elasticity of the bodies of such islands: by as much as should do, or to 0 if it is the
-  // `last` time. `points` are those passed to unite(), in that order.
-  bool gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, double tolerance,
-                     bool last);
+  struct Check {
+    double tolerance = 0;  // share of its kinetic energy that an island may gain
+    bool pushed = false;   // whether the solver has pushed overlapping bodies apart
+    bool last = false;     // whether the part can be repeated only once more
+  };
+
+  // Whether an island with contacts has gained energy, beyond the work of gravity and of pushes. Lowers the elasticity
+  // of the bodies of such islands: by as much as should do, or to 0 if it is the last time. `points` are those passed
+  // to unite(), in that order.
+  bool gained_energy(std::span<const ContactPoint> points, double part_s, Vec3 gravity_m_s2, const Check& check);
 
  private:
   struct Link {

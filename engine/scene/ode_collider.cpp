@@ -8,11 +8,6 @@
 #include <cmath>
 
 namespace ringdown::scene {
-namespace {
-
-Vec3 to_vec3(const dReal* v) { return {v[0], v[1], v[2]}; }
-
-}  // namespace
 
 void BodyDeleter::operator()(dxBody* body) const { dBodyDestroy(body); }
 
@@ -94,6 +89,30 @@ void Collider::turn(const Rotation& from, double part_s) {
   const dQuaternion q = {w, x, y, z};
   dBodySetQuaternion(body.get(), q);
   dBodySetAngularVel(body.get(), end.spin_rad_s.x, end.spin_rad_s.y, end.spin_rad_s.z);
+}
+
+void Collider::shift(Vec3 way_m, Vec3 turn_rad) {
+  const Motion now = motion();
+  const Vec3 at = now.position_m + way_m;
+  dBodySetPosition(body.get(), at.x, at.y, at.z);
+  const double angle_rad = length(turn_rad);
+  if (!(angle_rad > 0)) return;
+  const Rotation turn = about(turn_rad, angle_rad), r = normalized(turn * now.rotation);
+  const Vec3 spin = to_matrix(turn) * now.spin_rad_s;
+  const dQuaternion q = {r.w, r.x, r.y, r.z};
+  dBodySetQuaternion(body.get(), q);
+  dBodySetAngularVel(body.get(), spin.x, spin.y, spin.z);
+}
+
+void Collider::slow_down(double energy_j) {
+  const Motion now = motion();
+  const Vec3 spin = transpose(to_matrix(now.rotation)) * now.spin_rad_s;
+  const double kinetic_j = 0.5 * (mass_kg * dot(now.velocity_m_s, now.velocity_m_s) + dot(spin, inertia * spin));
+  if (!(2 * energy_j < kinetic_j)) return;
+  const double share = std::sqrt(1 - energy_j / kinetic_j);
+  const Vec3 v = share * now.velocity_m_s, w = share * now.spin_rad_s;
+  dBodySetLinearVel(body.get(), v.x, v.y, v.z);
+  dBodySetAngularVel(body.get(), w.x, w.y, w.z);
 }
 
 Collider::State Collider::state() const {

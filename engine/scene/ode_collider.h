@@ -29,6 +29,9 @@ struct IslandState {
   double total_before_j = 0, gained_j = 0, bounced_j = 0;
 };
 
+// The first three components of an ODE vector.
+inline Vec3 to_vec3(const double* v) { return {v[0], v[1], v[2]}; }
+
 // A body with its shape, or a static, which is a shape alone. The user data of an ODE geometry points to its Collider.
 struct Collider {
   BodyId id = 0;
@@ -38,6 +41,7 @@ struct Collider {
   double half_thickness_m = 0;           // where the shape is thin; infinite for a plane
   double outer_radius_m = 0;             // of a ball about the centre of mass that holds the body; statics: unused
   bool round = false;                    // a sphere
+  bool joined = false;                   // by a joint of the scene
   double elasticity = 1;                 // share of its contacts' restitution that the part of the step has
   bool was_awake = false;                // before the step
   IslandState island;
@@ -56,6 +60,13 @@ struct Collider {
 
   // Turns the body for a part of a step, from the rotation that it had before, with the spin that the solver gave it.
   void turn(const Rotation& from, double part_s);
+
+  // Moves and turns the body. The spin turns with it, so that kinetic energy stays the same.
+  void shift(Vec3 way_m, Vec3 turn_rad);
+
+  // Takes kinetic energy from the body: velocity and spin shrink in proportion. Does nothing if that is more than half
+  // of what it has, because a body at rest has none to give.
+  void slow_down(double energy_j);
 
   // Everything about a body that a step changes.
   struct State {

@@ -1,5 +1,8 @@
 #include "engine/scene/ode_contact_joints.h"
 
+#include "engine/scene/ode_contact_search.h"
+#include "engine/scene/overlap.h"
+
 #include <ode/ode.h>
 
 #include <algorithm>
@@ -10,148 +13,9 @@
 namespace ringdown::scene {
 namespace {
 
-// Two limits hold for meshes: the cosine of the largest angle between normals that agree, and how far meshes overlap at
-// rest.
-constexpr double kAgree = 0.7, kRestOverlap_m = 1e-4;
-
-Vec3 to_vec3(const dReal* v) { return {v[0], v[1], v[2]}; }
-
-// Moves the deepest contact to the front, then each time the one farthest from those already chosen.
-std::size_t choose_contacts(std::span<dContactGeom> found) {
-  if (found.size() <= kMaxContactsPerPair) return found.size();
-  std::ranges::iter_swap(found.begin(), std::ranges::max_element(found, {}, &dContactGeom::depth));
-  for (std::size_t chosen = 1; chosen < kMaxContactsPerPair; ++chosen) {
-    const auto distance = [&](const dContactGeom& candidate) {
-      double nearest = dInfinity;
-      for (const dContactGeom& taken : found.first(chosen)) {
-        nearest = std::min(nearest, length(to_vec3(candidate.pos) - to_vec3(taken.pos)));
-      }
-      return nearest;
-    };
-    std::ranges::iter_swap(found.begin() + static_cast<std::ptrdiff_t>(chosen),
-                           std::ranges::max_element(found.subspan(chosen), {}, distance));
-  }
-  return kMaxContactsPerPair;
-}
-
-// A contact for every corner of the box below the plane, with the normal out of the plane. ODE itself finds at most
-// four; for a thin plate that overlaps the plane these are the corners of one edge, about which the plate then rocks.
-int box_on_plane(dxGeom* box, dxGeom* plane, std::span<dContactGeom> found) {
-  dVector3 size;
-  dVector4 half_space;
-  dGeomBoxGetLengths(box, size);
-  dGeomPlaneGetParams(plane, half_space);
-  const Vec3 normal = to_vec3(half_space);
-  int count = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto side = [&](int axis) { return (corner >> axis & 1 ? 0.5 : -0.5) * size[axis]; };
-    dVector3 point;
-    dGeomGetRelPointPos(box, side(0), side(1), side(2), point);
-    const double depth = half_space[3] - dot(normal, to_vec3(point));
-    if (depth < 0) continue;
-    dContactGeom& contact = found[count++];
-    contact = {};
-    std::copy_n(point, 3, contact.pos);
-    std::copy_n(half_space, 3, contact.normal);
-    contact.depth = depth;
-    contact.g1 = box;
-    contact.g2 = plane;
-  }
-  return count;
-}
-
-PosedFaces posed_faces(dxGeom* geom) {
-  const dReal* r = dGeomGetRotation(geom);
-  const Matrix3 turn{{{r[0], r[1], r[2]}, {r[4], r[5], r[6]}, {r[8], r[9], r[10]}}};
-  return {static_cast<const Collider*>(dGeomGetData(geom))->shape.faces, turn, to_vec3(dGeomGetPosition(geom))};
-}
-
-// ODE finds one contact point of two hulls. Where faces of the hulls lie on each other, replaces it by the corners of
-// the polygon that the faces share; returns the number of points.
-int spread(std::span<dContactGeom> found) {
-  const dContactGeom one = found.front();
-  const FaceContact shared = share_of_faces(posed_faces(one.g1), posed_faces(one.g2), to_vec3(one.normal));
-  const std::size_t count = std::min(shared.points.size(), found.size());
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto& [point, depth] = shared.points[k];
-    found[k] = one;
-    found[k].depth = depth;
-    for (int axis = 0; const double part : {point.x, point.y, point.z}) found[k].pos[axis++] = part;
-    for (int axis = 0; const double part : {shared.normal.x, shared.normal.y, shared.normal.z}) {
-      found[k].normal[axis++] = part;
-    }
-  }
-  return std::max(static_cast<int>(count), 1);
-}
-
-bool are_hulls(int one, int two) {
-  const bool solid = (one == dConvexClass || one == dBoxClass) && (two == dConvexClass || two == dBoxClass);
-  return solid && (one == dConvexClass || two == dConvexClass);  // of two boxes ODE finds all contacts
-}
-
-Vec3 velocity_at(dxGeom* geom, const dReal* point) {
-  dxBody* body = dGeomGetBody(geom);
-  if (!body) return {};
-  dVector3 velocity;
-  dBodyGetPointVel(body, point[0], point[1], point[2], velocity);
-  return to_vec3(velocity);
-}
-
-// Removes false contacts of two meshes. ODE tests every pair of triangles, and gives each contact the shortest way out
-// of the other triangle's plane: for two plates on each other also sideways ways, as long as the plates are wide. A
-// contact is false if a contact within its own depth has less than half of that depth. It is also false if its normal
-// disagrees with that of the shallowest contact, and it is deeper than that contact and the bodies' approach since the
-// last step can explain.
-std::size_t drop_false(std::span<dContactGeom> found, double part_s) {
-  if (found.empty()) return 0;
-  const dContactGeom least = *std::ranges::min_element(found, {}, &dContactGeom::depth);
-  const auto is_false = [&](const dContactGeom& contact) {
-    const bool shallower_nearby = std::ranges::any_of(found, [&](const dContactGeom& better) {
-      const Vec3 way = to_vec3(better.pos) - to_vec3(contact.pos);
-      return better.depth < 0.5 * contact.depth && dot(way, way) <= contact.depth * contact.depth;
-    });
-    if (shallower_nearby) return true;
-    const Vec3 normal = to_vec3(contact.normal);
-    if (dot(normal, to_vec3(least.normal)) > kAgree) return false;
-    const Vec3 apart = velocity_at(contact.g1, contact.pos) - velocity_at(contact.g2, contact.pos);
-    const double came_in_m = 2 * part_s * std::max(-dot(apart, normal), 0.0);
-    return contact.depth > 2 * least.depth + kRestOverlap_m + came_in_m;
-  };
-  std::array<bool, kMaxContactsFound> out{};
-  for (std::size_t k = 0; k < found.size(); ++k) out[k] = is_false(found[k]);
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    if (!out[k]) found[kept++] = found[k];
-  }
-  return kept;
-}
-
-int find_all(dxGeom* first, dxGeom* second, std::span<dContactGeom> found, double part_s) {
-  const int one = dGeomGetClass(first), two = dGeomGetClass(second);
-  if (one == dBoxClass && two == dPlaneClass) return box_on_plane(first, second, found);
-  if (one != dPlaneClass || two != dBoxClass) {
-    const int count = dCollide(first, second, kMaxContactsFound, found.data(), sizeof(dContactGeom));
-    if (count > 0 && are_hulls(one, two)) return spread(found);
-    if (one == dTriMeshClass && two == dTriMeshClass) {
-      return static_cast<int>(drop_false(found.first(static_cast<std::size_t>(count)), part_s));
-    }
-    return count;
-  }
-  const int count = box_on_plane(second, first, found);
-  for (dContactGeom& contact : found.first(static_cast<std::size_t>(count))) {
-    for (int k = 0; k < 3; ++k) contact.normal[k] = -contact.normal[k];
-    std::swap(contact.g1, contact.g2);
-  }
-  return count;
-}
-
-// Finds at most kMaxContactsPerPair contacts of two geometries: the deepest, and those farthest from each other.
-// Normals point into the first. `room` holds kMaxContactsFound entries; the result is a part of it. `part_s` is how
-// long the bodies have moved since contacts were last looked for. The user data of both geometries is their Collider.
-std::span<dContactGeom> find_contacts(dxGeom* first, dxGeom* second, std::span<dContactGeom> room, double part_s) {
-  const auto found = room.first(static_cast<std::size_t>(find_all(first, second, room, part_s)));
-  return found.first(choose_contacts(found));
-}
+// The bodies of a joint are pushed apart by ODE, because it also corrects the joint: a correction of positions alone
+// would pull the joint's two ends apart.
+bool pushed_by_ode(const Collider& body, const Collider& other) { return body.joined || other.joined; }
 
 // Below this speed the direction of sliding is noise.
 constexpr double kMinSlip_m_s = 1e-6;
@@ -172,7 +36,7 @@ void set_friction_direction(dContact& contact, const Motion& of_body, const Moti
 
 struct ContactJoints::Joint {
   dContact contact{};
-  dxBody *body = nullptr, *other = nullptr;
+  Collider *body = nullptr, *other = nullptr;
   double friction = 0;   // coefficient
   bool bounces = false;  // between bodies of which none is a sphere
 };
@@ -213,6 +77,7 @@ void ContactJoints::begin_part(double found_s, double part_s) {
   part_begin_ = points_.size();
   bounds_n_.clear();
   lands_aslant_ = false;
+  solver_pushes_ = false;
   dropped_before_ = dropped_;
 }
 
@@ -224,35 +89,44 @@ void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
     ++dropped_;
     return;
   }
-  const std::span<dContactGeom> points = find_contacts(first, second, feedback_->found, part_s_);
+  const FoundContacts found = find_contacts(first, second, pairs_, feedback_->found, part_s_);
+  const std::span<dContactGeom> points = found.carry;
   const bool swap = !a->movable();  // the first body of a joint must be one that moves
   Collider &body = swap ? *b : *a, &other = swap ? *a : *b;
-  if (points.empty()) return;
+  if (points.empty() && found.move.empty()) return;
+  const auto into_body = [swap](dContactGeom geom) {
+    if (!swap) return geom;
+    for (int k = 0; k < 3; ++k) geom.normal[k] = -geom.normal[k];
+    std::swap(geom.g1, geom.g2);
+    return geom;
+  };
   Touching pair{body, other, body.motion(), other.motion(), combine(body.surface, other.surface)};
   pair.surface.restitution *= std::min(body.elasticity, other.elasticity);
-  for (dContactGeom& geom : points) {
-    if (swap) {
-      for (int k = 0; k < 3; ++k) geom.normal[k] = -geom.normal[k];
-      std::swap(geom.g1, geom.g2);
-    }
-    add(pair, geom, islands);
+  for (const dContactGeom& geom : points) add(pair, into_body(geom), islands);
+  if (pushed_by_ode(body, other)) return;
+  for (const dContactGeom& further : found.move) {
+    const dContactGeom geom = into_body(further);
+    ContactPoint point{body.id, other.id, to_vec3(geom.pos), to_vec3(geom.normal), geom.depth};
+    point.of_body = pair.of_body;
+    point.of_other = pair.of_other;
+    overlaps_.push_back(overlap(body, other, point));
   }
   // Several contact points of bodies with edges resist rolling by themselves.
-  if (points.size() > 1 && !a->round && !b->round) return;
+  if (points.empty() || (points.size() > 1 && !a->round && !b->round)) return;
   const double limit_nm = pair.surface.rolling_m * loads_.of_n(body.id, other.id);
   if (limit_nm == 0 || points_.empty()) return;
   const ContactPoint& last = points_.back();
   resist_rolling(body, other, last.point_m, last.normal, limit_nm, gravity_m_s2_, part_s_);
 }
 
-// The speed at which ODE will push two bodies apart that overlap by `depth_m`.
+// The speed at which ODE pushes two bodies apart that overlap by `depth_m`.
 double ContactJoints::push_speed(double depth_m) const {
   const double out_m_s = dWorldGetERP(world_) * std::max(depth_m - kContactLayer_m, 0.0) / part_s_;
   return std::min(out_m_s, kMaxCorrection_m_s);
 }
 
 // Corrects the bounce of a body that has reached a fixed surface within this part.
-Landing ContactJoints::land(const Collider& other, double restitution, double approach_m_s,
+Landing ContactJoints::land(const Collider& body, const Collider& other, double restitution, double approach_m_s,
                             const dContactGeom& geom) const {
   const bool lands = approach_m_s > bounce_threshold_m_s_ && geom.depth <= approach_m_s * part_s_;
   if (other.movable() || !lands) return {restitution, approach_m_s};
@@ -262,7 +136,7 @@ Landing ContactJoints::land(const Collider& other, double restitution, double ap
                             .depth_m = geom.depth,
                             .part_s = part_s_,
                             .threshold_m_s = bounce_threshold_m_s_,
-                            .pushed_m_s = push_speed(geom.depth)});
+                            .pushed_m_s = pushed_by_ode(body, other) ? push_speed(geom.depth) : 0});
 }
 
 // Adds one contact point with its joint. The normal of `geom` points into the body that can move.
@@ -275,7 +149,8 @@ void ContactJoints::add(const Touching& pair, const dContactGeom& geom, Islands&
   const Vec3 point = to_vec3(geom.pos), normal = to_vec3(geom.normal);
   const Vec3 approach = of_other.velocity_at(point) - of_body.velocity_at(point);
   const double approach_m_s = dot(approach, normal);
-  const Landing landing = land(other, surface.restitution, approach_m_s, geom);
+  if (geom.depth < 0 && approach_m_s > bounce_threshold_m_s_) return;  // they bounce when they have met
+  const Landing landing = land(body, other, surface.restitution, approach_m_s, geom);
   made_.resize(points_.size());
   Joint& made = made_.emplace_back();
   made.contact.geom = geom;
@@ -284,8 +159,13 @@ void ContactJoints::add(const Touching& pair, const dContactGeom& geom, Islands&
   made.contact.surface.bounce = landing.bounce;
   made.contact.surface.bounce_vel = bounce_threshold_m_s_;
   set_friction_direction(made.contact, of_body, of_other, approach);
-  made.body = body.body.get();
-  made.other = other.body.get();
+  if (geom.depth < 0) {  // may come as close as this
+    made.contact.geom.depth = 0;
+    made.contact.surface.mode |= dContactMotionN;
+    made.contact.surface.motionN = geom.depth / part_s_;
+  }
+  made.body = &body;
+  made.other = &other;
   made.friction = surface.friction;
   made.bounces = approach_m_s > bounce_threshold_m_s_ && !body.round && !other.round;
   lands_aslant_ |= made.bounces && made.friction > 0;
@@ -302,16 +182,16 @@ void ContactJoints::add(const Touching& pair, const dContactGeom& geom, Islands&
 // taken for the largest force.
 void ContactJoints::join(std::size_t point, std::optional<double> bound_n) {
   const Joint& made = made_[point];
-  dxJoint* joint = nullptr;
+  dContact contact = made.contact;
   if (bound_n) {
-    dContact contact = made.contact;
     contact.surface.mode &= ~dContactApprox1;
     contact.surface.mu = *bound_n;
-    joint = dJointCreateContact(world_, joints_.get(), &contact);
-  } else {
-    joint = dJointCreateContact(world_, joints_.get(), &made.contact);
   }
-  dJointAttach(joint, made.body, made.other);
+  if (!solver_pushes_ && !pushed_by_ode(*made.body, *made.other)) {
+    contact.geom.depth = std::min(contact.geom.depth, kContactLayer_m);
+  }
+  dxJoint* joint = dJointCreateContact(world_, joints_.get(), &contact);
+  dJointAttach(joint, made.body->body.get(), made.other->body.get());
   dJointSetFeedback(joint, &feedback_->joints[point]);
 }
 
@@ -343,10 +223,31 @@ void ContactJoints::read_impulses() {
   }
 }
 
+Overlap ContactJoints::overlap(Collider& body, Collider& other, const ContactPoint& point) const {
+  return {&body, &other, point, kContactLayer_m, kMaxCorrection_m_s * part_s_, dWorldGetERP(world_)};
+}
+
+void ContactJoints::let_solver_push() {
+  solver_pushes_ = true;
+  free_friction();
+}
+
+void ContactJoints::move_bodies_apart() {
+  if (solver_pushes_) return overlaps_.clear();
+  for (std::size_t k = part_begin_; k < points_.size(); ++k) {
+    const Joint& made = made_[k];
+    if (!pushed_by_ode(*made.body, *made.other)) overlaps_.push_back(overlap(*made.body, *made.other, points_[k]));
+  }
+  move_apart(overlaps_, gravity_m_s2_);
+  overlaps_.clear();
+}
+
 void ContactJoints::undo_part() {
   dJointGroupEmpty(joints_.get());
   bounds_n_.clear();
   lands_aslant_ = false;
+  solver_pushes_ = false;
+  overlaps_.clear();
   points_.resize(part_begin_);
   dropped_ = dropped_before_;
 }
@@ -357,6 +258,7 @@ void ContactJoints::end_part() {
     points_[k].impulse_ns = impact_shares_[k] * points_[k].impulse_ns;
   }
   loads_.set(part_points(), part_s_);
+  pairs_.end_part();
   dJointGroupEmpty(joints_.get());
 }
 

@@ -2,18 +2,18 @@
 // impulses once the solver has run. Callers hold OdeLock.
 //
 //   joints.begin_step();
-//   joints.begin_part(found_s, part_s);           // a step may be done in
-//   several parts joints.collide(first, second, islands);       // for every
-//   pair of geometries that may touch
+//   joints.begin_part(found_s, part_s);      // a step may be done in several parts
+//   joints.collide(first, second, islands);  // for every pair of geometries that may touch
 //   ... the solver runs ...
 //   joints.read_impulses();
-//   joints.end_part();                            // or undo_part(), to find
-//   the contacts of the part again
+//   joints.end_part();                       // or undo_part(), to find the contacts of the part again
 #pragma once
 
 #include "engine/scene/contact_rules.h"
 #include "engine/scene/islands.h"
+#include "engine/scene/overlap.h"
 #include "engine/scene/rolling.h"
+#include "engine/scene/ode_surface_pairs.h"
 
 #include <cstddef>
 #include <memory>
@@ -27,11 +27,6 @@ struct dxJointGroup;
 struct dxWorld;
 
 namespace ringdown::scene {
-
-inline constexpr std::size_t kMaxContactsPerPair = 4;  // the deepest, and those farthest from each other
-
-// A mesh on a plane gives one contact per vertex, of which a good few are then chosen.
-inline constexpr int kMaxContactsFound = 256;
 
 inline constexpr std::size_t kMaxContactsPerStep = 4096;
 
@@ -70,14 +65,23 @@ class ContactJoints {
   // Makes all joints of the part anew, as collide() made them.
   void free_friction();
 
+  // Makes all joints of the part anew, so that the solver itself pushes overlapping bodies apart. The iterative solver
+  // needs that: what it leaves of a tower's weight in one part is pushed back in the next.
+  void let_solver_push();
+
+  // Moves overlapping bodies of the part apart (overlap.h), unless the solver has done so.
+  void move_bodies_apart();
+
+  void forget(BodyId id) { pairs_.forget(id); }  // must be called when a body goes or changes its shape
+
   void undo_part();
   void end_part();
 
   [[nodiscard]] std::span<const ContactPoint> points() const { return points_; }  // of the step so far
   [[nodiscard]] std::span<const ContactPoint> part_points() const { return std::span(points_).subspan(part_begin_); }
-  [[nodiscard]] std::size_t dropped() const {
-    return dropped_;
-  }  // beyond kMaxContactsPerStep in the step: points, and whole pairs
+
+  // Points and whole pairs beyond kMaxContactsPerStep in the step.
+  [[nodiscard]] std::size_t dropped() const { return dropped_; }
 
  private:
   struct Feedback;  // what ODE reports of each joint
@@ -88,8 +92,9 @@ class ContactJoints {
   };
   void join(std::size_t point, std::optional<double> bound_n);
   void add(const Touching& pair, const dContactGeom& geom, Islands& islands);
-  [[nodiscard]] Landing land(const Collider& other, double restitution, double approach_m_s,
+  [[nodiscard]] Landing land(const Collider& body, const Collider& other, double restitution, double approach_m_s,
                              const dContactGeom& geom) const;
+  [[nodiscard]] Overlap overlap(Collider& body, Collider& other, const ContactPoint& point) const;
   [[nodiscard]] double push_speed(double depth_m) const;
 
   dxWorld* world_;
@@ -100,10 +105,12 @@ class ContactJoints {
   std::unique_ptr<Feedback> feedback_;
   std::vector<ContactPoint> points_;
   std::vector<double> impact_shares_;  // Landing::share of each contact point
+  std::vector<Overlap> overlaps_;      // of the part, beside those of the contact points
   std::vector<Joint> made_;            // of each contact point
   std::vector<double> bounds_n_;       // of friction in the part, the last ones that bound_friction() has set
-  bool lands_aslant_ = false;
+  bool lands_aslant_ = false, solver_pushes_ = false;
   std::size_t part_begin_ = 0, dropped_ = 0, dropped_before_ = 0;
+  SurfacePairs pairs_;
   ContactLoads loads_;  // of the part before
 };
 

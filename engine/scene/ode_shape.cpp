@@ -28,6 +28,7 @@ void make_convex(dxSpace* space, const CollisionShape& shape, OdeShape& out) {
     out.indices.insert(out.indices.end(), {3, a, b, c});
   }
   out.faces = flat_faces(shape.points, shape.triangles);
+  out.surface = make_surface(shape.points, shape.triangles);
   out.geom.reset(convex_of(space, out));
 }
 
@@ -35,6 +36,7 @@ void make_convex(dxSpace* space, const CollisionShape& shape, OdeShape& out) {
 void make_trimesh(dxSpace* space, const CollisionShape& shape, OdeShape& out) {
   flatten(shape, out);
   for (const auto& triangle : shape.triangles) out.indices.insert(out.indices.end(), triangle.begin(), triangle.end());
+  out.surface = make_surface(shape.points, shape.triangles);
   out.mesh.reset(dGeomTriMeshDataCreate());
   dGeomTriMeshDataBuildDouble(out.mesh.get(), out.points.data(), 3 * sizeof(double),
                               static_cast<int>(shape.points.size()), out.indices.data(),
@@ -55,6 +57,7 @@ OdeShape make_shape(dxSpace* space, const CollisionShape& shape) {
     case ShapeType::box:
       out.geom.reset(dCreateBox(space, shape.size_m.x, shape.size_m.y, shape.size_m.z));
       out.faces = box_faces(shape.size_m);
+      out.surface = box_surface(shape.size_m);
       break;
     case ShapeType::sphere:
       out.geom.reset(dCreateSphere(space, shape.radius_m));
@@ -101,6 +104,7 @@ OdeShape make_static(dxSpace* space, const StaticDescription& description) {
   const Rotation rotation = normalized(description.rotation);
   out.geom.reset(dCreateBox(space, size.x, size.y, size.z));
   out.faces = box_faces(size);
+  out.surface = box_surface(size);
   dGeomSetPosition(out.geom.get(), position.x, position.y, position.z);
   const dQuaternion q = {rotation.w, rotation.x, rotation.y, rotation.z};
   dGeomSetQuaternion(out.geom.get(), q);

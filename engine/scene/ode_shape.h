@@ -4,6 +4,7 @@
 #include "engine/scene/description.h"
 #include "engine/scene/faces.h"
 #include "engine/scene/solid.h"
+#include "engine/scene/surface.h"
 
 #include <cstdint>
 #include <memory>
@@ -27,6 +28,7 @@ struct OdeShape {
   std::vector<double> points, planes;
   std::vector<std::uint32_t> indices;
   std::vector<Face> faces;  // of a box or a hull, in the geometry's own frame
+  Surface surface;          // of a box, a hull or a mesh, in the geometry's own frame
   std::unique_ptr<dxTriMeshData, MeshDeleter> mesh;
   std::unique_ptr<dxGeom, GeomDeleter> geom;
   std::unique_ptr<dxGeom, GeomDeleter> ghost;  // see ghost_of()

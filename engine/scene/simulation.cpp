@@ -174,13 +174,15 @@ void Simulation::State::do_part(double found_s, double length_s) {
   find_and_solve();
   for (int round = 1; round <= kMaxRounds && !contacts.part_points().empty(); ++round) {
     const double tolerance = exact ? kGain : kGainByIteration;
-    if (!islands.gained_energy(contacts.part_points(), part_s, gravity_m_s2, tolerance, round == kMaxRounds)) break;
+    if (!islands.gained_energy(contacts.part_points(), part_s, gravity_m_s2, {tolerance, !exact, round == kMaxRounds}))
+      break;
     restore();
     for (const auto& [collider, state] : before) dBodySetTorque(collider->body.get(), 0, 0, 0);  // rolling resistance
     contacts.undo_part();
     find_and_solve();
   }
   for (Collider* member : islands.members()) member->elasticity = 1;
+  contacts.move_bodies_apart();
   ++parts;
   contacts.end_part();
 }
@@ -238,6 +240,7 @@ void Simulation::State::solve() {
     restore();
     exact = false;
   }
+  contacts.let_solver_push();
   // The iterative solver visits contacts in random order, drawn from one generator for the whole process.
   dRandSetSeed(seed + parts);
   dWorldSetQuickStepNumIterations(world.get(), iterations(contacts.part_points().size()));
@@ -271,6 +274,8 @@ void Simulation::State::restore() {
 
 void Simulation::State::join(const BodyJoint& joint) {
   dxBody* other = joint.other ? colliders.at(*joint.other).body.get() : nullptr;
+  colliders.at(joint.body).joined = true;
+  if (joint.other) colliders.at(*joint.other).joined = true;
   joints.push_back({joint, OdeJoint(world.get(), colliders.at(joint.body).body.get(), other, joint.description)});
 }
 
@@ -298,6 +303,7 @@ void Simulation::State::remove(BodyId gone) {
   std::erase_if(joints,
                 [gone](const Joint& joint) { return joint.between.body == gone || joint.between.other == gone; });
   colliders.erase(gone);
+  contacts.forget(gone);
   asleep = false;
   for (auto& [id, collider] : colliders) {
     if (collider.movable()) dBodyEnable(collider.body.get());

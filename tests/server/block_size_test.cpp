@@ -41,7 +41,7 @@ std::vector<synth::Event> events_in_blocks(const std::string& scene, Frame block
     return std::size_t{0};
   });
   EXPECT_TRUE(session.scene().load(scene_file(scene), 0));
-  const auto end = static_cast<Frame>(std::min(session.scene().duration_s(), 3.0) * kRate_hz);
+  const auto end = static_cast<Frame>(std::min(session.scene().duration_s(), 4.0) * kRate_hz);
   for (Frame at = 0; at < end; at += block) session.scene().advance_to(std::min(at + block, end), std::nullopt);
   return events;
 }

@@ -1,0 +1,25 @@
+// Moves overlapping bodies apart at the end of a part of a step. The way out of an overlap is no motion: it gives no
+// velocity, so that a body that is moved out of another rests meanwhile. What a body gains in height it loses in
+// kinetic energy, as far as it has any. Callers hold OdeLock.
+#pragma once
+
+#include "engine/scene/ode_collider.h"
+
+#include <span>
+
+namespace ringdown::scene {
+
+// A contact point, as far as its bodies have to be moved.
+struct Overlap {
+  Collider *body, *other;
+  ContactPoint point;    // as found, before the bodies moved
+  double allowed_m = 0;  // overlap at which the two may stay
+  double most_m = 0;     // the farthest that the point may be moved apart in this part of the step
+  double share = 0;      // of the overlap beyond what is allowed that should be gone after this part
+};
+
+// Moves and turns the bodies so that they move apart at each point by its share, the motion of the part included.
+// Bodies that cannot move stay. Where no point needs it, nothing changes.
+void move_apart(std::span<const Overlap> overlaps, Vec3 gravity_m_s2);
+
+}  // namespace ringdown::scene
