@@ -89,7 +89,7 @@ TEST_F(BakedRadiation, AnotherSizeComesFromTheCacheAndIsTheBankRescaled) {
 
 TEST_F(BakedRadiation, RadiationCanBeCancelled) {
   const mesh::TetMesh mesh = test::box_mesh({6, 2, 2}, {0.12, 0.05, 0.04});
-  const bake::BakeOptions options{.band_high_hz = 8000, .air = kAir};
+  const bake::BakeOptions options{.band_high_hz = 16000, .air = kAir};
   const auto cancelled = bake::bake(test::checked(mesh), kSteel, options, "box",
                                     [](std::string_view stage, double) { return stage != "radiation"; });
   ASSERT_FALSE(cancelled);
