@@ -164,15 +164,27 @@ class Baker {
     return {};
   }
 
-  // A size for which not even a multiple of the memory would do is refused before the surface is meshed.
+  // A size for which not even a multiple of the memory would do is refused before the surface is meshed. Where it means
+  // more elements than anybody meshes, the reader refuses it.
   Result<void> check_named_size() {
-    constexpr double kTimes = 3;  // the number of unknowns is only a guess so far
+    constexpr double kTimes = 3, kMostUnknowns = 1e8;  // the number of unknowns is only a guess so far
     const Result<const mesh::PreparedSurface*> surface = reader_.surface(recipe_.meshing, progress());
     if (!surface) return fail(surface.error());
-    const BakeCost cost = expected_cost(measure_shape((*surface)->mesh, 0), recipe_.meshing.mesh_size_m,
-                                        recipe_.options.element, material_, recipe_.options.band_high_hz);
+    mesh::TriangleMesh sized = (*surface)->mesh;
+    const BakeCost cost = expected_cost(measure_shape(sized, 0), recipe_.meshing.mesh_size_m, recipe_.options.element,
+                                        material_, recipe_.options.band_high_hz);
     const double free_bytes = free_memory_bytes();
-    return cost.memory_bytes > kTimes * free_bytes ? check_memory(cost, free_bytes, recipe_.name) : Result<void>();
+    if (cost.memory_bytes <= kTimes * free_bytes || cost.unknowns > kMostUnknowns) return {};
+    sized.nodes *= recipe_.scale;
+    ask_about_size(measure_shape(sized, 0));
+    const Result<void> fits = check_memory(cost, free_bytes, recipe_.name);
+    return fits ? fits : fail(with_question(fits.error()));
+  }
+
+  void ask_about_size(const BodyShape& shape) {
+    object_.question =
+        question_size(shape, material_, recipe_.options.band_high_hz, recipe_.options.most_modes, recipe_.geometry,
+                      recipe_.meshing.unit_m.value_or(mesh::unit_in_file(recipe_.geometry)));
   }
 
   // Meshes; once more with a larger size where a chosen one made far more unknowns than it should.
@@ -194,9 +206,7 @@ class Baker {
     if (!body) return fail(body.error());
     object_.mesh = std::move(body->mesh);
     const mesh::TetMesh sized{object_.mesh.mesh.nodes * recipe_.scale, object_.mesh.mesh.elements};
-    object_.question =
-        question_size(measure_shape(sized), material_, recipe_.options.band_high_hz, recipe_.options.most_modes,
-                      recipe_.geometry, recipe_.meshing.unit_m.value_or(mesh::unit_in_file(recipe_.geometry)));
+    ask_about_size(measure_shape(sized));
     object_.making = body->making;
     object_.notes = std::move(body->notes);
     object_.mesh_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
