@@ -34,6 +34,7 @@ except ModuleNotFoundError:
     sys.exit(77)
 
 kMaxSize = 30
+kMaxOfPlainData = 36  # functions that take a struct of at most one method: what a folder works on
 kMaxFiles = 2
 
 kFolders = ("engine", "server", "protocol", "clients", "packaging")
@@ -194,9 +195,10 @@ def main():
         print(f"{size:4} {methods:7} {functions:9} {len(files):5}  {name}  {place}")
     wrong = []
     for name, place, methods, functions, size, files in rows:
-        if size > kMaxSize:
+        most = kMaxSize if methods > 1 else kMaxOfPlainData
+        if size > most:
             wrong.append(f"{place}: {name} has {methods} methods and {functions} functions that take it; "
-                         f"the most is {kMaxSize}")
+                         f"the most is {most}")
         if len(files) > kMaxFiles:
             wrong.append(f"{place}: methods of {name} are defined in {len(files)} files; the most is {kMaxFiles}: "
                          + ", ".join(files))
