@@ -165,7 +165,7 @@ class Baker {
   }
 
   // A size for which not even a multiple of the memory would do is refused before the surface is meshed. Where it means
-  // more elements than anybody meshes, the reader refuses it.
+  // more elements than anybody meshes, or the surface encloses nothing (and no number can be told), the reader refuses.
   Result<void> check_named_size() {
     constexpr double kTimes = 3, kMostUnknowns = 1e8;  // the number of unknowns is only a guess so far
     const Result<const mesh::PreparedSurface*> surface = reader_.surface(recipe_.meshing, progress());
@@ -174,7 +174,7 @@ class Baker {
     const BakeCost cost = expected_cost(measure_shape(sized, 0), recipe_.meshing.mesh_size_m, recipe_.options.element,
                                         material_, recipe_.options.band_high_hz);
     const double free_bytes = free_memory_bytes();
-    if (cost.memory_bytes <= kTimes * free_bytes || cost.unknowns > kMostUnknowns) return {};
+    if (!(cost.memory_bytes > kTimes * free_bytes) || cost.unknowns > kMostUnknowns) return {};
     sized.nodes *= recipe_.scale;
     ask_about_size(measure_shape(sized, 0));
     const Result<void> fits = check_memory(cost, free_bytes, recipe_.name);

@@ -252,9 +252,9 @@ void Simulation::State::solve() {
 // the bounds that follow from the last solution, until they agree with the solution's own impulses. Where they do not
 // come to rest, at a very high friction, ODE's first solution stands.
 void Simulation::State::correct_friction() {
-  constexpr int kMaxRounds = 12;
+  constexpr int kMostTries = 12;
   constexpr double kAgree = 2e-3;
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int round = 0; round < kMostTries; ++round) {
     contacts.read_impulses();
     const double change = contacts.bound_friction();
     if (change < kAgree) return;

@@ -102,7 +102,6 @@ TEST_F(LosingNothing, ALogThatNobodyReadsKeepsNobodyFromAnsweringOrEnding) {
   Process daemon(shell("", "--port " + port + " 2>" + path("log")));
   ASSERT_TRUE(answers(static_cast<std::uint16_t>(std::stoi(port))));
   std::string text = pipe.drain();
-  EXPECT_EQ(text, "") << "there was no room";
   EXPECT_TRUE(becomes_true([&] { return (text += pipe.drain()).find("left out: nobody read the log") != text.npos; }));
   daemon.send_signal(SIGTERM);
   EXPECT_EQ(daemon.wait(), 0);
