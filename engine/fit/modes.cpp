@@ -159,14 +159,18 @@ std::vector<double> difference(std::span<const double> a, std::span<const double
 
 double square_sum(std::span<const double> x) { return std::inner_product(x.begin(), x.end(), x.begin(), 0.0); }
 
-// Fits the amplitudes of all modes so far, together with an offset and with what else this pass has seen. A component
-// of the sound that is not in the sum would bend the amplitudes of its neighbours.
+// Fits the amplitudes of all modes so far, together with an offset and with what else a pass of this length has seen. A
+// component of the sound that is not in the sum would bend the amplitudes of its neighbours. One that the pass cannot
+// tell from a mode is left out: the fit would share the mode out between the two, with any two amplitudes.
 void fit_amplitudes_beside(std::span<const double> sound, double rate, std::vector<Mode>& modes,
-                           const std::vector<Candidate>& found) {
+                           const std::vector<Candidate>& found = {}, double length_s = 0) {
   std::vector<Mode> all = modes;
   all.push_back({});
   for (const Candidate& c : found) {
-    if (!c.accepted) all.push_back(c.mode);
+    const auto near = [&](const Mode& mode) {
+      return std::abs(mode.frequency_hz - c.mode.frequency_hz) < 1 / length_s;
+    };
+    if (!c.accepted && std::ranges::none_of(modes, near)) all.push_back(c.mode);
   }
   fit_amplitudes(sound, rate, all);
   std::copy_n(all.begin(), modes.size(), modes.begin());
@@ -197,7 +201,7 @@ std::vector<Mode> search_all(std::span<const double> sound, double rate, const O
     }
     if (fresh.empty()) continue;
     modes.insert(modes.end(), fresh.begin(), fresh.end());
-    fit_amplitudes_beside(sound, rate, modes, found);
+    fit_amplitudes_beside(sound, rate, modes, found, length);
     prune(modes, {.floor_db = options.floor_db + 20, .most_modes = kMaxModes});
     left = difference(sound, synthesise(modes, rate, sound.size()));
   }
@@ -243,7 +247,7 @@ Result<Fit> fit_modes(std::span<const double> samples, double sample_rate_hz, co
   const auto sound = std::span(centred).subspan(extent->start, std::min(most, extent->end - extent->start));
 
   Fit fit{.modes = search_all(sound, sample_rate_hz, options), .clipped = extent->clipped};
-  if (prune(fit.modes, options)) fit_amplitudes_beside(sound, sample_rate_hz, fit.modes, {});
+  if (prune(fit.modes, options)) fit_amplitudes_beside(sound, sample_rate_hz, fit.modes);
   const auto left = difference(sound, synthesise(fit.modes, sample_rate_hz, sound.size()));
   fit.explained = 1 - square_sum(left) / square_sum(sound);
   fit.onset_s = static_cast<double>(extent->onset) / sample_rate_hz;

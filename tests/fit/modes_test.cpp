@@ -96,6 +96,19 @@ TEST(FitModes, LongAndShortModesOfOnePitchAreToldApart) {
   }
 }
 
+TEST(FitModes, AFitOfABandKeepsItsModesAtTheirLevels) {
+  const std::vector<Tone> tones = {{1060.578, 3.166, 0.5, 0.3}, {2892.765, 7.456, 0.05, 0.2}, {5586.302, 21, 0.1, 0}};
+  const Fit fit = fitted(struck(tones, 2), {.low_hz = 500, .high_hz = 4000});
+  for (const Tone& tone : {tones[0], tones[1]}) {
+    const auto mode = std::ranges::min_element(
+        fit.modes, {}, [&](const Mode& m) { return std::abs(m.frequency_hz - tone.frequency_hz); });
+    ASSERT_NE(mode, fit.modes.end());
+    EXPECT_NEAR(mode->frequency_hz, tone.frequency_hz, 1e-3);
+    EXPECT_NEAR(mode->amplitude / tone.amplitude, 1, 0.02);
+  }
+  EXPECT_GT(fit.explained, 0.9);
+}
+
 // A preset's bank, struck in the real mixer at the sample point nearest to a place: its strongest modes there.
 struct Rendered {
   std::vector<double> samples;
