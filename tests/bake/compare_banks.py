@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Compares the frequencies of the banks in two folders, those of their folders too.
+"""Compares the frequencies of the banks in two folders, those of their folders too, but with --flat.
 
-usage: compare_banks.py KEPT FRESH
+usage: compare_banks.py [--flat] KEPT FRESH
 
 Prints each bank whose frequencies differ by more than 1e-5 or that is in one of the folders only. Exit code 1 when there
 is one.
@@ -27,12 +27,12 @@ def frequencies(path):
     return sorted(struct.unpack_from(f"<{accessor['count']}f", binary, start))
 
 
-def banks_below(folder):
+def banks_below(folder, flat):
     return {
         os.path.relpath(os.path.join(root, name), folder)
         for root, _, files in os.walk(folder)
         for name in files
-        if name.endswith(".glb")
+        if name.endswith(".glb") and not (flat and root != folder)
     }
 
 
@@ -48,10 +48,11 @@ def difference(kept, fresh):
 
 
 def main():
-    if len(sys.argv) != 3:
+    flat, folders = "--flat" in sys.argv, [word for word in sys.argv[1:] if word != "--flat"]
+    if len(folders) != 2:
         sys.exit(__doc__)
-    kept, fresh = sys.argv[1:]
-    names, faults = sorted(banks_below(kept) | banks_below(fresh)), 0
+    kept, fresh = folders
+    names, faults = sorted(banks_below(kept, flat) | banks_below(fresh, flat)), 0
     for name in names:
         sentence = difference(os.path.join(kept, name), os.path.join(fresh, name))
         if sentence:
