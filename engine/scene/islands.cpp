@@ -28,6 +28,8 @@ Collider& root_of(Collider& collider) {
 
 }  // namespace
 
+Collider& island_of(Collider& body) { return body.island.parent ? root_of(body) : body; }
+
 void Islands::enter(Collider& body) {
   if (body.island.parent) return;
   const Motion motion = body.motion();
@@ -38,6 +40,7 @@ void Islands::enter(Collider& body) {
 void Islands::merge(Collider& body, Collider& other) {
   enter(body);
   enter(other);
+  body.island.has_others = other.island.has_others = true;
   root_of(other).island.parent = &root_of(body);
 }
 

@@ -18,6 +18,9 @@
 
 namespace ringdown::scene {
 
+// The body that stands for the island of a body: the body itself where it is in none.
+Collider& island_of(Collider& body);
+
 class Islands {
  public:
   // Makes an island of every body that is awake.
@@ -33,6 +36,9 @@ class Islands {
 
   // The number of contact points of the island that has the most.
   [[nodiscard]] std::size_t most_contacts() const;
+
+  // Whether the body touches only what cannot move, and has no joints.
+  [[nodiscard]] static bool is_alone(const Collider& body) { return !body.island.has_others && !body.island.exempt; }
 
   // All bodies that are awake, and those they touch.
   [[nodiscard]] std::span<Collider* const> members() const { return members_; }

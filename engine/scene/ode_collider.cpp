@@ -11,6 +11,8 @@ namespace ringdown::scene {
 
 void BodyDeleter::operator()(dxBody* body) const { dBodyDestroy(body); }
 
+void JointDeleter::operator()(dxJoint* joint) const { dJointDestroy(joint); }
+
 bool Collider::movable() const { return body && !dBodyIsKinematic(body.get()); }
 
 bool Collider::awake() const { return movable() && dBodyIsEnabled(body.get()); }
@@ -46,6 +48,28 @@ void Collider::set_mass(const RigidMass& rigid) {
 }
 
 void Collider::add_torque(Vec3 torque_nm) { dBodyAddTorque(body.get(), torque_nm.x, torque_nm.y, torque_nm.z); }
+
+void Collider::add_force(Vec3 force_n, Vec3 arm_m) {
+  dBodyAddForce(body.get(), force_n.x, force_n.y, force_n.z);
+  add_torque(cross(arm_m, force_n));
+}
+
+void Collider::let_sleep(bool allowed) {
+  if (allowed == supported) return;
+  supported = allowed;
+  if (!support) support.reset(dJointCreateNull(dBodyGetWorld(body.get()), nullptr));
+  dJointAttach(support.get(), allowed ? body.get() : nullptr, nullptr);
+}
+
+FreeBody Collider::without_contacts(Vec3 gravity_m_s2, double part_s) const {
+  const Motion now = motion();
+  const Matrix3 frame = to_matrix(now.rotation);
+  FreeBody free{1 / mass_kg, product(product(frame, inverse_inertia), transpose(frame)), {}, {}};
+  const Vec3 force_n = to_vec3(dBodyGetForce(body.get())), torque_nm = to_vec3(dBodyGetTorque(body.get()));
+  free.velocity_m_s = now.velocity_m_s + part_s * (gravity_m_s2 + free.inverse_mass * force_n);
+  free.spin_rad_s = now.spin_rad_s + part_s * (free.inverse_inertia * torque_nm);
+  return free;
+}
 
 // Euler's equations for the angular momentum in the body's frame, dL/dt = L x w with w = I^-1 L, by the implicit
 // midpoint rule. The rule keeps quadratic invariants, so energy L.w/2 and length of L stay what they are, to rounding;

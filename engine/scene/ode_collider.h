@@ -3,17 +3,23 @@
 #pragma once
 
 #include "engine/scene/contact_point.h"
+#include "engine/scene/fixed_contacts.h"
 #include "engine/scene/ode_shape.h"
 
 #include <cstddef>
 #include <memory>
 
 struct dxBody;
+struct dxJoint;
 
 namespace ringdown::scene {
 
 struct BodyDeleter {
   void operator()(dxBody* body) const;
+};
+
+struct JointDeleter {
+  void operator()(dxJoint* joint) const;
 };
 
 // What Islands (islands.h) notes about a body, and about the island of which the body is the root.
@@ -23,6 +29,8 @@ struct IslandState {
   double before_j = 0;         // kinetic energy before the part of the step
   Vec3 velocity_m_s;           // before the part
   bool exempt = false;         // from the energy check
+  bool has_others = false;     // whether the body touches one that can move
+  bool solved = false;         // whether the body's contacts have been solved without ODE
   // Of the island, kept at its root:
   bool any_exempt = false;
   std::size_t contacts = 0;
@@ -47,13 +55,23 @@ struct Collider {
   IslandState island;
   std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must be destroyed first
   OdeShape shape;
+  std::unique_ptr<dxJoint, JointDeleter> support;  // a joint that holds nothing; see let_sleep()
+  bool supported = false;
 
   [[nodiscard]] bool movable() const;
   [[nodiscard]] bool awake() const;
   [[nodiscard]] Motion motion() const;  // of a static: the origin at rest
   void move(const Motion& motion);      // wakes the body
   void set_mass(const RigidMass& mass);
-  void add_torque(Vec3 torque_nm);  // for the next part of a step; world axes
+  void add_torque(Vec3 torque_nm);           // for the next part of a step; world axes
+  void add_force(Vec3 force_n, Vec3 arm_m);  // at a point `arm_m` from the centre of mass
+
+  // Lets the body fall asleep although ODE knows no contact of it. ODE keeps bodies without joints awake, so that none
+  // sleeps in the air.
+  void let_sleep(bool allowed);
+
+  // How the body will move at the end of the next part by gravity and the forces and torques added, without contacts.
+  [[nodiscard]] FreeBody without_contacts(Vec3 gravity_m_s2, double part_s) const;
 
   // Where the body is after some time without force or torque: its energy and angular momentum unchanged.
   [[nodiscard]] Motion after(const Motion& motion, double time_s) const;

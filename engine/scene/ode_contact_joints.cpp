@@ -1,5 +1,6 @@
 #include "engine/scene/ode_contact_joints.h"
 
+#include "engine/scene/fixed_contacts.h"
 #include "engine/scene/ode_contact_search.h"
 #include "engine/scene/overlap.h"
 
@@ -22,23 +23,32 @@ constexpr double kMinSlip_m_s = 1e-6;
 
 // ODE's friction acts along two directions, each up to its limit. With the first one along the sliding, or the rolling
 // where nothing slides, both together obey Coulomb's cone.
-void set_friction_direction(dContact& contact, const Motion& of_body, const Motion& of_other, Vec3 approach) {
-  const Vec3 normal = to_vec3(contact.geom.normal);
+Vec3 friction_direction(Vec3 normal, const Motion& of_body, const Motion& of_other, Vec3 approach) {
   Vec3 along = approach - dot(approach, normal) * normal;
   if (length(along) < kMinSlip_m_s) along = cross(of_body.spin_rad_s - of_other.spin_rad_s, normal);
   const double speed = length(along);
-  if (speed < kMinSlip_m_s) return;
-  contact.surface.mode |= dContactFDir1;
-  for (int k = 0; const double component : {along.x, along.y, along.z}) contact.fdir1[k++] = component / speed;
+  return speed < kMinSlip_m_s ? any_across(normal) : (1 / speed) * along;
 }
+
+void copy(Vec3 from, double* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
 
 }  // namespace
 
-struct ContactJoints::Joint {
-  dContact contact{};
+struct ContactJoints::Contact {
   Collider *body = nullptr, *other = nullptr;
-  double friction = 0;   // coefficient
-  bool bounces = false;  // between bodies of which none is a sphere
+  Vec3 along;                   // the first direction of friction
+  double friction = 0;          // coefficient
+  double bounce = 0;            // ratio of speeds
+  double impact_share = 1;      // Landing::share
+  double may_approach_m_s = 0;  // because the bodies do not touch yet
+  bool bounces = false;         // between bodies of which none is a sphere
+
+  [[nodiscard]] bool solved() const { return body->island.solved; }  // by solve_lone_body()
+};
+
+struct ContactJoints::Further {
+  Collider *body, *other;
+  ContactPoint point;
 };
 
 struct ContactJoints::Touching {
@@ -59,15 +69,16 @@ ContactJoints::ContactJoints(dxWorld* world, const SceneDescription& scene)
       bounce_threshold_m_s_(bounce_threshold(scene)),
       gravity_m_s2_(scene.gravity_m_s2),
       joints_(dJointGroupCreate(0)),
-      feedback_(std::make_unique<Feedback>()),
-      impact_shares_(kMaxContactsPerStep) {
+      feedback_(std::make_unique<Feedback>()) {
   points_.reserve(kMaxContactsPerStep);
+  made_.reserve(kMaxContactsPerStep);
 }
 
 ContactJoints::~ContactJoints() = default;
 
 void ContactJoints::begin_step() {
   points_.clear();
+  made_.clear();
   dropped_ = 0;
 }
 
@@ -109,7 +120,7 @@ void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
     ContactPoint point{body.id, other.id, to_vec3(geom.pos), to_vec3(geom.normal), geom.depth};
     point.of_body = pair.of_body;
     point.of_other = pair.of_other;
-    overlaps_.push_back(overlap(body, other, point));
+    further_.push_back({&body, &other, point});
   }
   // Several contact points of bodies with edges resist rolling by themselves.
   if (points.empty() || (points.size() > 1 && !a->round && !b->round)) return;
@@ -151,26 +162,14 @@ void ContactJoints::add(const Touching& pair, const dContactGeom& geom, Islands&
   const double approach_m_s = dot(approach, normal);
   if (geom.depth < 0 && approach_m_s > bounce_threshold_m_s_) return;  // they bounce when they have met
   const Landing landing = land(body, other, surface.restitution, approach_m_s, geom);
-  made_.resize(points_.size());
-  Joint& made = made_.emplace_back();
-  made.contact.geom = geom;
-  made.contact.surface.mode = dContactBounce | dContactApprox1;
-  made.contact.surface.mu = surface.friction;
-  made.contact.surface.bounce = landing.bounce;
-  made.contact.surface.bounce_vel = bounce_threshold_m_s_;
-  set_friction_direction(made.contact, of_body, of_other, approach);
-  if (geom.depth < 0) {  // may come as close as this
-    made.contact.geom.depth = 0;
-    made.contact.surface.mode |= dContactMotionN;
-    made.contact.surface.motionN = geom.depth / part_s_;
-  }
-  made.body = &body;
-  made.other = &other;
-  made.friction = surface.friction;
-  made.bounces = approach_m_s > bounce_threshold_m_s_ && !body.round && !other.round;
-  lands_aslant_ |= made.bounces && made.friction > 0;
-  join(points_.size(), std::nullopt);
-  impact_shares_[points_.size()] = landing.share;
+  made_.push_back({.body = &body,
+                   .other = &other,
+                   .along = surface.friction > 0 ? friction_direction(normal, of_body, of_other, approach) : Vec3{},
+                   .friction = surface.friction,
+                   .bounce = landing.bounce,
+                   .impact_share = landing.share,
+                   .may_approach_m_s = std::max(-geom.depth, 0.0) / part_s_,
+                   .bounces = approach_m_s > bounce_threshold_m_s_ && !body.round && !other.round});
   const double pushed_m_s = push_speed(geom.depth);
   const double leaves_m_s = approach_m_s > bounce_threshold_m_s_ ? landing.bounce * approach_m_s : 0;
   islands.unite(body, other, pushed_m_s > leaves_m_s ? pushed_m_s : 0, leaves_m_s > 0);
@@ -178,14 +177,86 @@ void ContactJoints::add(const Touching& pair, const dContactGeom& geom, Islands&
       {body.id, other.id, point, normal, geom.depth, {}, landing.approach_m_s, found_s_, of_body, of_other});
 }
 
+void ContactJoints::hand_over(bool exact, const Islands& islands) {
+  dJointGroupEmpty(joints_.get());
+  solver_pushes_ = !exact;
+  lone_.clear();
+  for (Collider* body : islands.members()) body->island.solved = false;
+  for (std::size_t k = part_begin_; k < points_.size(); ++k) {
+    if (exact && Islands::is_alone(*made_[k].body)) lone_.push_back(k);
+  }
+  const auto body_of = [this](std::size_t point) { return points_[point].body; };
+  if (!std::ranges::is_sorted(lone_, {}, body_of)) std::ranges::stable_sort(lone_, {}, body_of);
+  for (auto begin = lone_.begin(); begin != lone_.end();) {
+    const auto end = std::find_if(begin, lone_.end(), [&](std::size_t k) { return body_of(k) != body_of(*begin); });
+    Collider& body = *made_[*begin].body;
+    body.island.solved = solve_lone_body(body, {begin, end});
+    begin = end;
+  }
+  std::erase_if(lone_, [this](std::size_t k) { return !made_[k].solved(); });
+  for (Collider* body : islands.members()) {
+    if (body->movable()) body->let_sleep(body->island.solved);
+  }
+  free_friction();
+}
+
+// Solves what ODE's exact solver would be given: the motion that the body would have without its contacts, and of each
+// contact the speed that restitution, or the way that is left before the bodies touch, asks for.
+bool ContactJoints::solve_lone_body(Collider& body, std::span<const std::size_t> points) {
+  std::array<FixedContact, kMaxFixedContacts> contacts;
+  std::array<Vec3, kMaxFixedContacts> impulses_ns;
+  if (points.size() > kMaxFixedContacts) return false;
+  const Motion& motion = points_[points.front()].of_body;
+  bool lands = false;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const ContactPoint& point = points_[points[k]];
+    const Contact& made = made_[points[k]];
+    const Vec3 arm_m = point.point_m - motion.position_m;
+    contacts[k] = {arm_m, point.normal, made.along, -made.may_approach_m_s, made.friction};
+    const double approach_m_s = -dot(motion.velocity_at(point.point_m), point.normal);
+    if (approach_m_s > bounce_threshold_m_s_) contacts[k].wanted_m_s = made.bounce * approach_m_s;
+    lands |= made.bounces;
+  }
+  const auto without = body.without_contacts(gravity_m_s2_, part_s_);
+  const double softness = dWorldGetCFM(world_) / part_s_;
+  if (!solve_fixed_contacts(without, std::span(contacts).first(points.size()), softness, lands, impulses_ns)) {
+    return false;
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) points_[points[k]].impulse_ns = impulses_ns[k];
+  return true;
+}
+
+void ContactJoints::push_lone_bodies() {
+  for (const std::size_t k : lone_) {
+    const ContactPoint& point = points_[k];
+    made_[k].body->add_force((1 / part_s_) * point.impulse_ns, point.point_m - point.of_body.position_m);
+  }
+}
+
 // Without a bound, ODE bounds friction by the impulse that the contact would have without friction. With one, `mu` is
 // taken for the largest force.
 void ContactJoints::join(std::size_t point, std::optional<double> bound_n) {
-  const Joint& made = made_[point];
-  dContact contact = made.contact;
-  if (bound_n) {
-    contact.surface.mode &= ~dContactApprox1;
-    contact.surface.mu = *bound_n;
+  const Contact& made = made_[point];
+  const ContactPoint& at = points_[point];
+  dContact contact{};
+  copy(at.point_m, contact.geom.pos);
+  copy(at.normal, contact.geom.normal);
+  contact.geom.depth = at.depth_m;
+  contact.geom.g1 = made.body->shape.geom.get();
+  contact.geom.g2 = made.other->shape.geom.get();
+  contact.surface.mode = dContactBounce;
+  contact.surface.bounce = made.bounce;
+  contact.surface.bounce_vel = bounce_threshold_m_s_;
+  contact.surface.mu = bound_n.value_or(made.friction);
+  if (!bound_n) contact.surface.mode |= dContactApprox1;
+  if (made.friction > 0) {
+    contact.surface.mode |= dContactFDir1;
+    copy(made.along, contact.fdir1);
+  }
+  if (at.depth_m < 0) {  // may come as close as this
+    contact.geom.depth = 0;
+    contact.surface.mode |= dContactMotionN;
+    contact.surface.motionN = -made.may_approach_m_s;
   }
   if (!solver_pushes_ && !pushed_by_ode(*made.body, *made.other)) {
     contact.geom.depth = std::min(contact.geom.depth, kContactLayer_m);
@@ -203,6 +274,7 @@ double ContactJoints::bound_friction() {
   dJointGroupEmpty(joints_.get());
   for (std::size_t k = 0; k < count; ++k) {
     const ContactPoint& point = points_[part_begin_ + k];
+    if (made_[part_begin_ + k].solved()) continue;
     const double bound = made_[part_begin_ + k].friction * std::max(dot(point.impulse_ns, point.normal), 0.0) / part_s_;
     largest = std::max(largest, bound);
     change = std::max(change, std::abs(bound - bounds_n_[k]));
@@ -214,32 +286,31 @@ double ContactJoints::bound_friction() {
 
 void ContactJoints::free_friction() {
   dJointGroupEmpty(joints_.get());
-  for (std::size_t k = part_begin_; k < points_.size(); ++k) join(k, std::nullopt);
+  lands_aslant_ = false;
+  for (std::size_t k = part_begin_; k < points_.size(); ++k) {
+    if (made_[k].solved()) continue;
+    join(k, std::nullopt);
+    lands_aslant_ |= made_[k].bounces && made_[k].friction > 0;
+  }
 }
 
 void ContactJoints::read_impulses() {
   for (std::size_t k = part_begin_; k < points_.size(); ++k) {
-    points_[k].impulse_ns = part_s_ * to_vec3(feedback_->joints[k].f1);
+    if (!made_[k].solved()) points_[k].impulse_ns = part_s_ * to_vec3(feedback_->joints[k].f1);
   }
-}
-
-Overlap ContactJoints::overlap(Collider& body, Collider& other, const ContactPoint& point) const {
-  return {&body, &other, point, kContactLayer_m, kMaxCorrection_m_s * part_s_, dWorldGetERP(world_)};
-}
-
-void ContactJoints::let_solver_push() {
-  solver_pushes_ = true;
-  free_friction();
 }
 
 void ContactJoints::move_bodies_apart() {
-  if (solver_pushes_) return overlaps_.clear();
-  for (std::size_t k = part_begin_; k < points_.size(); ++k) {
-    const Joint& made = made_[k];
-    if (!pushed_by_ode(*made.body, *made.other)) overlaps_.push_back(overlap(*made.body, *made.other, points_[k]));
+  if (!solver_pushes_) {
+    overlaps_.clear();
+    for (const Further& further : further_) overlaps_.push_back({further.body, further.other, &further.point});
+    for (std::size_t k = part_begin_; k < points_.size(); ++k) {
+      const Contact& made = made_[k];
+      if (!pushed_by_ode(*made.body, *made.other)) overlaps_.push_back({made.body, made.other, &points_[k]});
+    }
+    move_apart(overlaps_, {kContactLayer_m, kMaxCorrection_m_s * part_s_, dWorldGetERP(world_)}, gravity_m_s2_);
   }
-  move_apart(overlaps_, gravity_m_s2_);
-  overlaps_.clear();
+  further_.clear();
 }
 
 void ContactJoints::undo_part() {
@@ -247,15 +318,16 @@ void ContactJoints::undo_part() {
   bounds_n_.clear();
   lands_aslant_ = false;
   solver_pushes_ = false;
-  overlaps_.clear();
+  further_.clear();
   points_.resize(part_begin_);
+  made_.resize(part_begin_);
   dropped_ = dropped_before_;
 }
 
 // Reduces each impulse to its impact's, and keeps the loads for the rolling resistance of the next part.
 void ContactJoints::end_part() {
   for (std::size_t k = part_begin_; k < points_.size(); ++k) {
-    points_[k].impulse_ns = impact_shares_[k] * points_[k].impulse_ns;
+    points_[k].impulse_ns = made_[k].impact_share * points_[k].impulse_ns;
   }
   loads_.set(part_points(), part_s_);
   pairs_.end_part();

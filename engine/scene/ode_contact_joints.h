@@ -4,6 +4,7 @@
 //   joints.begin_step();
 //   joints.begin_part(found_s, part_s);      // a step may be done in several parts
 //   joints.collide(first, second, islands);  // for every pair of geometries that may touch
+//   joints.hand_over(exact, islands);        // joints are made
 //   ... the solver runs ...
 //   joints.read_impulses();
 //   joints.end_part();                       // or undo_part(), to find the contacts of the part again
@@ -48,26 +49,32 @@ class ContactJoints {
   // `found_s` is the time from the beginning of the step to this part, `part_s` the part's length.
   void begin_part(double found_s, double part_s);
 
-  // Finds the contact points of two geometries, makes a joint for each, and unites the bodies' islands. Where the
-  // contact has a single point or one of the bodies is a sphere, adds rolling resistance.
+  // Finds the contact points of two geometries, and unites the bodies' islands. Where the contact has a single point or
+  // one of the bodies is a sphere, adds rolling resistance.
   void collide(dxGeom* first, dxGeom* second, Islands& islands);
+
+  // Hands the contact points of the part to the exact or to the iterative solver, as joints. The iterative solver
+  // pushes overlapping bodies apart itself, because what it leaves of a tower's weight in one part is pushed back in
+  // the next. Where the exact one will run, the contacts of a body that touches only what cannot move are solved here
+  // (fixed_contacts.h); push_lone_bodies() then has to be called.
+  void hand_over(bool exact, const Islands& islands);
+
+  // Adds the forces of the contacts that hand_over() has solved to their bodies, for the next part.
+  void push_lone_bodies();
 
   // Stores the solver's impulses in the part's contact points.
   void read_impulses();
 
-  // Whether a body lands in this part in such a way that friction may change the normal impulse: not on a sphere.
+  // Whether a joint's body lands in this part in such a way that friction may change the normal impulse: not on a
+  // sphere.
   [[nodiscard]] bool lands_aslant() const { return lands_aslant_; }
 
   // Makes all joints of the part anew, with friction bounded by the present impulses: their coefficient times the
   // normal part. Returns by how much that changes the bounds, as a share of the largest one.
   double bound_friction();
 
-  // Makes all joints of the part anew, as collide() made them.
+  // Makes all joints of the part anew, as hand_over() made them.
   void free_friction();
-
-  // Makes all joints of the part anew, so that the solver itself pushes overlapping bodies apart. The iterative solver
-  // needs that: what it leaves of a tower's weight in one part is pushed back in the next.
-  void let_solver_push();
 
   // Moves overlapping bodies of the part apart (overlap.h), unless the solver has done so.
   void move_bodies_apart();
@@ -85,16 +92,17 @@ class ContactJoints {
 
  private:
   struct Feedback;  // what ODE reports of each joint
-  struct Joint;     // what a joint is made of
+  struct Contact;   // what a joint is made of
   struct Touching;  // two bodies
   struct JointGroupDeleter {
     void operator()(dxJointGroup* joints) const;
   };
+  struct Further;  // a contact without a joint
   void join(std::size_t point, std::optional<double> bound_n);
+  bool solve_lone_body(Collider& body, std::span<const std::size_t> points);
   void add(const Touching& pair, const dContactGeom& geom, Islands& islands);
   [[nodiscard]] Landing land(const Collider& body, const Collider& other, double restitution, double approach_m_s,
                              const dContactGeom& geom) const;
-  [[nodiscard]] Overlap overlap(Collider& body, Collider& other, const ContactPoint& point) const;
   [[nodiscard]] double push_speed(double depth_m) const;
 
   dxWorld* world_;
@@ -104,10 +112,11 @@ class ContactJoints {
   std::unique_ptr<dxJointGroup, JointGroupDeleter> joints_;
   std::unique_ptr<Feedback> feedback_;
   std::vector<ContactPoint> points_;
-  std::vector<double> impact_shares_;  // Landing::share of each contact point
-  std::vector<Overlap> overlaps_;      // of the part, beside those of the contact points
-  std::vector<Joint> made_;            // of each contact point
-  std::vector<double> bounds_n_;       // of friction in the part, the last ones that bound_friction() has set
+  std::vector<Further> further_;  // contacts of the part that only move bodies apart
+  std::vector<Overlap> overlaps_;
+  std::vector<Contact> made_;      // of each contact point
+  std::vector<std::size_t> lone_;  // the contact points of the part whose bodies touch only what cannot move
+  std::vector<double> bounds_n_;   // of friction in the part, the last ones that bound_friction() has set
   bool lands_aslant_ = false, solver_pushes_ = false;
   std::size_t part_begin_ = 0, dropped_ = 0, dropped_before_ = 0;
   SurfacePairs pairs_;

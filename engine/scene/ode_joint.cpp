@@ -17,8 +17,6 @@ double limit(double degrees, const Range& range) {
 
 }  // namespace
 
-void JointDeleter::operator()(dxJoint* joint) const { dJointDestroy(joint); }
-
 OdeJoint::OdeJoint(dxWorld* world, dxBody* body, dxBody* other, const JointDescription& description)
     : description_(description) {
   if (description_.type == JointType::hinge) {

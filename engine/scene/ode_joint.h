@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/scene/description.h"
+#include "engine/scene/ode_collider.h"
 
 #include <memory>
 #include <utility>
@@ -12,9 +13,6 @@ struct dxWorld;
 
 namespace ringdown::scene {
 
-struct JointDeleter {
-  void operator()(dxJoint* joint) const;
-};
 using OdeJointPtr = std::unique_ptr<dxJoint, JointDeleter>;
 
 // A joint, with a motor for its friction if it has any. The bodies may be destroyed first; the joint then joins

@@ -30,13 +30,7 @@ Pose pose_of(dxGeom* geom) {
 
 RelativePose relative(const Pose& first, const Pose& second) {
   const Matrix3 back = transpose(second.rotation);
-  RelativePose pose{{}, back * (first.position - second.position)};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      for (int k = 0; k < 3; ++k) pose.rotation[i][j] += back[i][k] * first.rotation[k][j];
-    }
-  }
-  return pose;
+  return {product(back, first.rotation), back * (first.position - second.position)};
 }
 
 // The farthest way between two poses of any point within `reach_m` of the origin, or more.

@@ -1,8 +1,10 @@
 #include "engine/scene/overlap.h"
 
+#include "engine/scene/islands.h"
 #include "engine/scene/rotation.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <vector>
 
@@ -46,16 +48,36 @@ struct Row {
   double wanted_m = 0, push = 0;
 };
 
-// Where a point of a body has come to.
-Vec3 carried(Vec3 point_m, const Motion& before, const Motion& after) {
-  return after.position_m +
-         to_matrix(after.rotation) * (transpose(to_matrix(before.rotation)) * (point_m - before.position_m));
-}
+// How a body has moved in the part of the step. The points of a body follow each other.
+class Carried {
+ public:
+  void set(const Collider& collider, const Motion& before) {
+    if (&collider == collider_) return;
+    collider_ = &collider;
+    moves_ = collider.movable();
+    if (!moves_) return;
+    before_m_ = before.position_m;
+    now_ = collider.motion();
+    back_ = transpose(to_matrix(before.rotation));
+    frame_ = to_matrix(now_.rotation);
+  }
+  [[nodiscard]] Vec3 point_m(Vec3 before_m) const {
+    return moves_ ? now_.position_m + frame_ * (back_ * (before_m - before_m_)) : before_m;
+  }
+  [[nodiscard]] const Motion& now() const { return now_; }
 
-double wanted_m(const Overlap& overlap, Vec3 on_body_m, Vec3 on_other_m) {
-  const double too_deep_m = overlap.point.depth_m - overlap.allowed_m;
-  const double way_m = too_deep_m > 0 ? std::min(overlap.share * too_deep_m, overlap.most_m) : too_deep_m;
-  return way_m - dot(on_body_m - on_other_m, overlap.point.normal);
+ private:
+  const Collider* collider_ = nullptr;
+  bool moves_ = false;
+  Vec3 before_m_;
+  Motion now_;
+  Matrix3 back_{}, frame_{};
+};
+
+double wanted_m(const ContactPoint& point, Vec3 apart_m, const Correction& correction) {
+  const double too_deep_m = point.depth_m - correction.allowed_m;
+  const double way_m = too_deep_m > 0 ? std::min(correction.share * too_deep_m, correction.most_m) : too_deep_m;
+  return way_m - dot(apart_m, point.normal);
 }
 
 Side side_of(const Collider& collider, Shift& shift, const Motion& motion, Vec3 point_m, Vec3 normal) {
@@ -67,22 +89,37 @@ Side side_of(const Collider& collider, Shift& shift, const Motion& motion, Vec3 
 
 }  // namespace
 
-void move_apart(std::span<const Overlap> overlaps, Vec3 gravity_m_s2) {
+void move_apart(std::span<const Overlap> overlaps, const Correction& correction, Vec3 gravity_m_s2) {
+  Carried of_body, of_other;
+  std::vector<Collider*> islands;  // in which some point asks for a way
+  const auto wanted_at = [&](const Overlap& overlap) {
+    const ContactPoint& point = *overlap.point;
+    of_body.set(*overlap.body, point.of_body);
+    of_other.set(*overlap.other, point.of_other);
+    return wanted_m(point, of_body.point_m(point.point_m) - of_other.point_m(point.point_m), correction);
+  };
+  const auto islands_of = [](const Overlap& overlap) {
+    return std::array{overlap.body->movable() ? &island_of(*overlap.body) : nullptr,
+                      overlap.other->movable() ? &island_of(*overlap.other) : nullptr};
+  };
+  for (const Overlap& overlap : overlaps) {
+    if (wanted_at(overlap) <= kLeast_m) continue;
+    for (Collider* island : islands_of(overlap)) islands.push_back(island);
+  }
+  if (islands.empty()) return;
+  std::ranges::sort(islands);
+  const auto asks = [&](Collider* island) { return island && std::ranges::binary_search(islands, island); };
   std::map<Collider*, Shift> shifts;
   std::vector<Row> rows;
-  bool any = false;
   for (const Overlap& overlap : overlaps) {
-    const ContactPoint& point = overlap.point;
-    const Motion body = overlap.body->motion(), other = overlap.other->motion();
-    const Vec3 on_body_m = carried(point.point_m, point.of_body, body);
-    const Vec3 on_other_m = overlap.other->body ? carried(point.point_m, point.of_other, other) : point.point_m;
-    Row row{point.normal, {}, {}, wanted_m(overlap, on_body_m, on_other_m)};
-    row.body = side_of(*overlap.body, shifts[overlap.body], body, on_body_m, point.normal);
-    row.other = side_of(*overlap.other, shifts[overlap.other], other, on_other_m, -1 * point.normal);
-    any = any || row.wanted_m > kLeast_m;
+    if (std::ranges::none_of(islands_of(overlap), asks)) continue;
+    const ContactPoint& point = *overlap.point;
+    Row row{point.normal, {}, {}, wanted_at(overlap)};
+    row.body = side_of(*overlap.body, shifts[overlap.body], of_body.now(), of_body.point_m(point.point_m), row.normal);
+    row.other = side_of(*overlap.other, shifts[overlap.other], of_other.now(), of_other.point_m(point.point_m),
+                        -1 * row.normal);
     rows.push_back(row);
   }
-  if (!any) return;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (Row& row : rows) {
       const Vec3 back = -1 * row.normal;

@@ -12,14 +12,17 @@ namespace ringdown::scene {
 // A contact point, as far as its bodies have to be moved.
 struct Overlap {
   Collider *body, *other;
-  ContactPoint point;    // as found, before the bodies moved
-  double allowed_m = 0;  // overlap at which the two may stay
-  double most_m = 0;     // the farthest that the point may be moved apart in this part of the step
+  const ContactPoint* point;  // as found, before the bodies moved
+};
+
+struct Correction {
+  double allowed_m = 0;  // overlap at which two bodies may stay
+  double most_m = 0;     // the farthest that a point may be moved apart in this part of the step
   double share = 0;      // of the overlap beyond what is allowed that should be gone after this part
 };
 
 // Moves and turns the bodies so that they move apart at each point by its share, the motion of the part included.
-// Bodies that cannot move stay. Where no point needs it, nothing changes.
-void move_apart(std::span<const Overlap> overlaps, Vec3 gravity_m_s2);
+// Bodies that cannot move stay. Of an island in which no point needs it, nothing changes.
+void move_apart(std::span<const Overlap> overlaps, const Correction& correction, Vec3 gravity_m_s2);
 
 }  // namespace ringdown::scene

@@ -24,6 +24,14 @@ inline Vec3 operator*(const Matrix3& m, Vec3 v) {
           m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
 }
 
+inline Matrix3 product(const Matrix3& a, const Matrix3& b) {
+  Matrix3 c{};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) c[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
+  }
+  return c;
+}
+
 // The inverse of a rotation matrix.
 inline Matrix3 transpose(const Matrix3& m) {
   return {{{m[0][0], m[1][0], m[2][0]}, {m[0][1], m[1][1], m[2][1]}, {m[0][2], m[1][2], m[2][2]}}};

@@ -232,15 +232,17 @@ void Simulation::State::find_contacts() {
 
 void Simulation::State::solve() {
   exact = islands.most_contacts() <= most_exact;
+  contacts.hand_over(exact, islands);
   if (exact) {
+    contacts.push_lone_bodies();
     ode_warnings = 0;
     dWorldStep(world.get(), part_s);
     if (ode_warnings == 0 && contacts.lands_aslant()) correct_friction();
     if (ode_warnings == 0) return;
     restore();
     exact = false;
+    contacts.hand_over(exact, islands);
   }
-  contacts.let_solver_push();
   // The iterative solver visits contacts in random order, drawn from one generator for the whole process.
   dRandSetSeed(seed + parts);
   dWorldSetQuickStepNumIterations(world.get(), iterations(contacts.part_points().size()));
@@ -259,12 +261,14 @@ void Simulation::State::correct_friction() {
     const double change = contacts.bound_friction();
     if (change < kAgree) return;
     restore();
+    contacts.push_lone_bodies();
     dWorldStep(world.get(), part_s);
     if (ode_warnings > 0) break;
   }
   ode_warnings = 0;
   contacts.free_friction();
   restore();
+  contacts.push_lone_bodies();
   dWorldStep(world.get(), part_s);
 }
 
