@@ -4,6 +4,7 @@
 #include "engine/scene/ode_flight_probe.h"
 #include "engine/scene/islands.h"
 #include "engine/scene/ode_joint.h"
+#include "engine/scene/ode_near_pairs.h"
 
 #include <ode/ode.h>
 
@@ -123,10 +124,11 @@ struct Simulation::State {
   unsigned long seed, parts = 0;
   std::size_t most_exact;
   std::unique_ptr<dxWorld, WorldDeleter> world{dWorldCreate()};
-  std::unique_ptr<dxSpace, SpaceDeleter> space{dHashSpaceCreate(nullptr)};
+  std::unique_ptr<dxSpace, SpaceDeleter> space{dSimpleSpaceCreate(nullptr)};
   ContactJoints contacts;
   std::map<BodyId, Collider> colliders;  // ordered, so that the same scene is solved in the same order
   std::vector<Joint> joints;             // declared after the bodies, which must be destroyed last
+  NearPairs near;
   FlightProbe probe;
   Islands islands;
   std::vector<std::pair<Collider*, Collider::State>> before;  // the bodies' state at the beginning of the part
@@ -202,15 +204,15 @@ void Simulation::State::find_and_solve() {
   contacts.read_impulses();
 }
 
-// Where few bodies are awake, each of them looks for its contacts by itself, which is cheaper than asking the space for
-// all pairs of bodies.
+// Where few bodies are awake, each of them looks for its contacts by itself, which is cheaper than
+// sorting all bodies.
 void Simulation::State::find_contacts() {
   const auto awake = std::ranges::count_if(colliders, [](const auto& entry) { return entry.second.awake(); });
   if (static_cast<std::size_t>(awake) * kFewAwake >= colliders.size()) {
-    return dSpaceCollide(space.get(), this, [](void* data, dxGeom* one, dxGeom* two) {
-      State& state = *static_cast<State*>(data);
-      state.contacts.collide(one, two, state.islands);
-    });
+    for (const auto& [one, two] : near.find(colliders)) {
+      contacts.collide(one->shape.geom.get(), two->shape.geom.get(), islands);
+    }
+    return;
   }
   struct Look {
     State* state;
