@@ -41,9 +41,10 @@ std::optional<PairContact> combine_points(BodyPair pair, std::span<const Contact
     all.point_m = all.point_m + force * point->point_m;
     all.impulse_ns = all.impulse_ns + (straight ? 1 : -1) * point->impulse_ns;
     normals = normals + (straight ? force : -force) * point->normal;
-    all.first = straight ? point->of_body : point->of_other;
-    all.second = straight ? point->of_other : point->of_body;
   }
+  const ContactPoint& last = *points.back();
+  all.first = last.body == pair.first ? last.of_body : last.of_other;
+  all.second = last.body == pair.first ? last.of_other : last.of_body;
   if (!(weight > 0) || !std::isfinite(weight) || !(length(normals) > 0)) return {};
   all.point_m = (1 / weight) * all.point_m;
   const Vec3 normal = (1 / length(normals)) * normals;

@@ -38,16 +38,20 @@ struct Row {
 
 class System {
  public:
-  System(const FreeBody& body, double softness) : body_(body), softness_(softness) {}
+  void begin(double softness) {
+    softness_ = softness;
+    count_ = 0;
+  }
 
-  void add(const FixedContact& contact, Vec3 way, double wanted_m_s) {
+  void add(const FreeBody& body, const FixedContact& contact, Vec3 way, double wanted_m_s) {
     Row& row = rows_[count_];
-    row = {};
+    row.low = row.high = row.impulse = 0;
+    row.at = At::free;
     row.way = way;
     row.turn = cross(contact.arm_m, way);
-    row.way_given = body_.inverse_mass * way;
-    row.turn_given = body_.inverse_inertia * row.turn;
-    row.missing_m_s = wanted_m_s - dot(way, body_.velocity_m_s) - dot(row.turn, body_.spin_rad_s);
+    row.way_given = body.inverse_mass * way;
+    row.turn_given = body.inverse_inertia * row.turn;
+    row.missing_m_s = wanted_m_s - dot(way, body.velocity_m_s) - dot(row.turn, body.spin_rad_s);
     for (int k = 0; k <= count_; ++k) {
       matrix_[count_][k] = matrix_[k][count_] = dot(row.way, rows_[k].way_given) + dot(row.turn, rows_[k].turn_given);
     }
@@ -150,12 +154,11 @@ class System {
     return wrongs;
   }
 
-  const FreeBody& body_;
-  double softness_;
+  double softness_ = 0;
   int count_ = 0;
   std::array<Row, kMaxRows> rows_;
-  std::array<std::array<double, kMaxRows>, kMaxRows> matrix_, factor_;
-  std::array<double, kMaxRows> inverse_diagonal_;
+  std::array<std::array<double, kMaxRows>, kMaxRows> matrix_{}, factor_{};
+  std::array<double, kMaxRows> inverse_diagonal_{};
 };
 
 // Bounds the two rows of a contact's friction. A row at a bound stays at that side.
@@ -182,10 +185,11 @@ Vec3 any_across(Vec3 normal) {
 bool solve_fixed_contacts(const FreeBody& body, std::span<const FixedContact> contacts, double softness, bool lands,
                           std::span<Vec3> impulses_ns) {
   const int count = static_cast<int>(contacts.size());
-  System system(body, softness);
+  thread_local System system;  // clearing its room takes longer than most solutions
+  system.begin(softness);
   std::array<int, kMaxFixedContacts> friction_row{};  // the first of two rows; 0: none
   for (const FixedContact& contact : contacts) {
-    system.add(contact, contact.normal, contact.wanted_m_s);
+    system.add(body, contact, contact.normal, contact.wanted_m_s);
   }
   for (int k = 0; k < count; ++k) system.row(k).high = INFINITY;
   int rows = count;
@@ -195,8 +199,8 @@ bool solve_fixed_contacts(const FreeBody& body, std::span<const FixedContact> co
     if (contact.friction == 0) continue;
     friction_row[k] = rows;
     rows += 2;
-    system.add(contact, contact.along, 0);
-    system.add(contact, cross(contact.normal, contact.along), 0);
+    system.add(body, contact, contact.along, 0);
+    system.add(body, contact, cross(contact.normal, contact.along), 0);
   }
   const auto bound_all = [&] {  // returns the largest bound, and by how much bounds have changed
     double largest_ns = 0, change_ns = 0;

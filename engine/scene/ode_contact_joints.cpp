@@ -57,9 +57,11 @@ struct ContactJoints::Touching {
   SurfacePair surface;
 };
 
-struct ContactJoints::Feedback {
+struct ContactJoints::Room {
   std::array<dContactGeom, kMaxContactsFound> found{};  // of one pair of geometries
   std::vector<dJointFeedback> joints{kMaxContactsPerStep};
+  std::vector<FixedContact> contacts{kMaxFixedContacts};  // of one body
+  std::vector<Vec3> impulses_ns{kMaxFixedContacts};
 };
 
 void ContactJoints::JointGroupDeleter::operator()(dxJointGroup* joints) const { dJointGroupDestroy(joints); }
@@ -69,7 +71,7 @@ ContactJoints::ContactJoints(dxWorld* world, const SceneDescription& scene)
       bounce_threshold_m_s_(bounce_threshold(scene)),
       gravity_m_s2_(scene.gravity_m_s2),
       joints_(dJointGroupCreate(0)),
-      feedback_(std::make_unique<Feedback>()) {
+      room_(std::make_unique<Room>()) {
   points_.reserve(kMaxContactsPerStep);
   made_.reserve(kMaxContactsPerStep);
 }
@@ -100,7 +102,7 @@ void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
     ++dropped_;
     return;
   }
-  const FoundContacts found = find_contacts(first, second, pairs_, feedback_->found, part_s_);
+  const FoundContacts found = find_contacts(first, second, pairs_, room_->found, part_s_);
   const std::span<dContactGeom> points = found.carry;
   const bool swap = !a->movable();  // the first body of a joint must be one that moves
   Collider &body = swap ? *b : *a, &other = swap ? *a : *b;
@@ -203,11 +205,12 @@ void ContactJoints::hand_over(bool exact, const Islands& islands) {
 // Solves what ODE's exact solver would be given: the motion that the body would have without its contacts, and of each
 // contact the speed that restitution, or the way that is left before the bodies touch, asks for.
 bool ContactJoints::solve_lone_body(Collider& body, std::span<const std::size_t> points) {
-  std::array<FixedContact, kMaxFixedContacts> contacts;
-  std::array<Vec3, kMaxFixedContacts> impulses_ns;
   if (points.size() > kMaxFixedContacts) return false;
+  std::vector<FixedContact>& contacts = room_->contacts;
+  std::vector<Vec3>& impulses_ns = room_->impulses_ns;
   const Motion& motion = points_[points.front()].of_body;
   bool lands = false;
+  contacts.resize(points.size());
   for (std::size_t k = 0; k < points.size(); ++k) {
     const ContactPoint& point = points_[points[k]];
     const Contact& made = made_[points[k]];
@@ -219,7 +222,7 @@ bool ContactJoints::solve_lone_body(Collider& body, std::span<const std::size_t>
   }
   const auto without = body.without_contacts(gravity_m_s2_, part_s_);
   const double softness = dWorldGetCFM(world_) / part_s_;
-  if (!solve_fixed_contacts(without, std::span(contacts).first(points.size()), softness, lands, impulses_ns)) {
+  if (!solve_fixed_contacts(without, contacts, softness, lands, impulses_ns)) {
     return false;
   }
   for (std::size_t k = 0; k < points.size(); ++k) points_[points[k]].impulse_ns = impulses_ns[k];
@@ -263,7 +266,7 @@ void ContactJoints::join(std::size_t point, std::optional<double> bound_n) {
   }
   dxJoint* joint = dJointCreateContact(world_, joints_.get(), &contact);
   dJointAttach(joint, made.body->body.get(), made.other->body.get());
-  dJointSetFeedback(joint, &feedback_->joints[point]);
+  dJointSetFeedback(joint, &room_->joints[point]);
 }
 
 double ContactJoints::bound_friction() {
@@ -296,7 +299,7 @@ void ContactJoints::free_friction() {
 
 void ContactJoints::read_impulses() {
   for (std::size_t k = part_begin_; k < points_.size(); ++k) {
-    if (!made_[k].solved()) points_[k].impulse_ns = part_s_ * to_vec3(feedback_->joints[k].f1);
+    if (!made_[k].solved()) points_[k].impulse_ns = part_s_ * to_vec3(room_->joints[k].f1);
   }
 }
 

@@ -91,7 +91,7 @@ class ContactJoints {
   [[nodiscard]] std::size_t dropped() const { return dropped_; }
 
  private:
-  struct Feedback;  // what ODE reports of each joint
+  struct Room;      // for results of ODE and of the solution of one body
   struct Contact;   // what a joint is made of
   struct Touching;  // two bodies
   struct JointGroupDeleter {
@@ -110,7 +110,7 @@ class ContactJoints {
   Vec3 gravity_m_s2_;
   double found_s_ = 0, part_s_ = 0;
   std::unique_ptr<dxJointGroup, JointGroupDeleter> joints_;
-  std::unique_ptr<Feedback> feedback_;
+  std::unique_ptr<Room> room_;
   std::vector<ContactPoint> points_;
   std::vector<Further> further_;  // contacts of the part that only move bodies apart
   std::vector<Overlap> overlaps_;

@@ -60,17 +60,21 @@ int box_on_plane(dxGeom* box, dxGeom* plane, std::span<dContactGeom> found) {
   dVector4 half_space;
   dGeomBoxGetLengths(box, size);
   dGeomPlaneGetParams(plane, half_space);
-  const Vec3 normal = to_vec3(half_space);
+  const Vec3 normal = to_vec3(half_space), middle = to_vec3(dGeomGetPosition(box));
+  const dReal* r = dGeomGetRotation(box);
+  const auto half_edge = [&](int axis) { return (0.5 * size[axis]) * Vec3{r[axis], r[4 + axis], r[8 + axis]}; };
+  const std::array half_edges{half_edge(0), half_edge(1), half_edge(2)};
   int count = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    const auto side = [&](int axis) { return (corner >> axis & 1 ? 0.5 : -0.5) * size[axis]; };
-    dVector3 point;
-    dGeomGetRelPointPos(box, side(0), side(1), side(2), point);
-    const double depth = half_space[3] - dot(normal, to_vec3(point));
+    Vec3 point = middle;
+    for (int axis = 0; axis < 3; ++axis) {
+      point = corner >> axis & 1 ? point + half_edges[axis] : point - half_edges[axis];
+    }
+    const double depth = half_space[3] - dot(normal, point);
     if (depth < 0) continue;
     dContactGeom& contact = found[count++];
     contact = {};
-    std::copy_n(point, 3, contact.pos);
+    for (int axis = 0; const double part : {point.x, point.y, point.z}) contact.pos[axis++] = part;
     std::copy_n(half_space, 3, contact.normal);
     contact.depth = depth;
     contact.g1 = box;
