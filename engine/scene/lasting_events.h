@@ -14,7 +14,9 @@
 
 namespace ringdown::scene {
 
-inline constexpr std::size_t kMaxEventsPerStep = 512;  // strikes, clicks and reports of lasting contacts together
+// Strikes, clicks and reports of lasting contacts together: room for a strike on both sides of every contact point that
+// a step may have (kMaxContactsPerStep), and for two clicks or reports with each.
+inline constexpr std::size_t kMaxEventsPerStep = 16384;
 
 // The events of one step, up to kMaxEventsPerStep.
 struct StepEvents {

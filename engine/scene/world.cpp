@@ -4,6 +4,7 @@
 #include "engine/scene/body_store.h"
 #include "engine/scene/check.h"
 #include "engine/scene/contact_sounds.h"
+#include "engine/scene/lasting_events.h"
 #include "engine/scene/rotation.h"
 #include "engine/scene/simulation.h"
 
@@ -100,7 +101,9 @@ World::State::State(const SceneDescription& scene, double sample_rate_hz)
       simulation(with_step(scene, part_s)),
       sounds(with_step(scene, part_s)),
       timeline{.sample_rate_hz = sample_rate_hz},
-      joints(joints_of(scene)) {}
+      joints(joints_of(scene)) {
+  events.reserve(kMaxEventsPerStep);
+}
 
 Result<BodyId> World::State::add(BodyDescription description, bool spawned) {
   auto added = store.add(std::move(description), spawned);
