@@ -20,7 +20,7 @@ namespace ringdown::scene {
 namespace {
 
 constexpr int kMaxRows = 3 * static_cast<int>(kMaxFixedContacts);
-constexpr int kPatience = 4, kMaxRounds = 60;
+constexpr int kPatience = 4, kMaxRounds = 400;
 
 // Violations smaller than this share of the largest impulse or speed are rounding errors.
 constexpr double kRounding = 1e-11;
@@ -146,9 +146,13 @@ class System {
         continue;
       }
       if (row.low == row.high) continue;
-      double over_m_s = -row.missing_m_s;
-      for (int k = 0; k < count; ++k) over_m_s += matrix_[i][k] * rows_[k].impulse;
-      const double slack_m_s = kRounding * scale_m_s;
+      double over_m_s = -row.missing_m_s, largest_m_s = scale_m_s;
+      for (int k = 0; k < count; ++k) {
+        const double change_m_s = matrix_[i][k] * rows_[k].impulse;
+        over_m_s += change_m_s;
+        largest_m_s = std::max(largest_m_s, std::abs(change_m_s));
+      }
+      const double slack_m_s = kRounding * largest_m_s;
       if (row.at == At::low ? over_m_s < -slack_m_s : over_m_s > slack_m_s) wrong[wrongs++] = i;
     }
     return wrongs;
