@@ -18,6 +18,12 @@ namespace {
 // would pull the joint's two ends apart.
 bool pushed_by_ode(const Collider& body, const Collider& other) { return body.joined || other.joined; }
 
+// The largest speed at which a hull is moved out of an overlap. Its contacts agree on the way out, and a hull that lies
+// on an edge of another one slips into it again and again until it lies flat.
+constexpr double kMaxWayOut_m_s = 0.06;
+
+bool is_hull(const Collider& collider) { return dGeomGetClass(collider.shape.geom.get()) == dConvexClass; }
+
 // Below this speed the direction of sliding is noise.
 constexpr double kMinSlip_m_s = 1e-6;
 
@@ -306,12 +312,16 @@ void ContactJoints::read_impulses() {
 void ContactJoints::move_bodies_apart() {
   if (!solver_pushes_) {
     overlaps_.clear();
-    for (const Further& further : further_) overlaps_.push_back({further.body, further.other, &further.point});
+    const auto ask = [this](Collider& body, Collider& other, const ContactPoint& point) {
+      const double most_m_s = is_hull(body) || is_hull(other) ? kMaxWayOut_m_s : kMaxCorrection_m_s;
+      overlaps_.push_back({&body, &other, &point, most_m_s * part_s_});
+    };
+    for (const Further& further : further_) ask(*further.body, *further.other, further.point);
     for (std::size_t k = part_begin_; k < points_.size(); ++k) {
       const Contact& made = made_[k];
-      if (!pushed_by_ode(*made.body, *made.other)) overlaps_.push_back({made.body, made.other, &points_[k]});
+      if (!pushed_by_ode(*made.body, *made.other)) ask(*made.body, *made.other, points_[k]);
     }
-    move_apart(overlaps_, {kContactLayer_m, kMaxCorrection_m_s * part_s_, dWorldGetERP(world_)}, gravity_m_s2_);
+    move_apart(overlaps_, {kContactLayer_m, dWorldGetERP(world_)}, gravity_m_s2_);
   }
   further_.clear();
 }

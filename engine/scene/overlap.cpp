@@ -74,9 +74,10 @@ class Carried {
   Matrix3 back_{}, frame_{};
 };
 
-double wanted_m(const ContactPoint& point, Vec3 apart_m, const Correction& correction) {
+double wanted_m(const Overlap& overlap, Vec3 apart_m, const Correction& correction) {
+  const ContactPoint& point = *overlap.point;
   const double too_deep_m = point.depth_m - correction.allowed_m;
-  const double way_m = too_deep_m > 0 ? std::min(correction.share * too_deep_m, correction.most_m) : too_deep_m;
+  const double way_m = too_deep_m > 0 ? std::min(correction.share * too_deep_m, overlap.most_m) : too_deep_m;
   return way_m - dot(apart_m, point.normal);
 }
 
@@ -96,7 +97,7 @@ void move_apart(std::span<const Overlap> overlaps, const Correction& correction,
     const ContactPoint& point = *overlap.point;
     of_body.set(*overlap.body, point.of_body);
     of_other.set(*overlap.other, point.of_other);
-    return wanted_m(point, of_body.point_m(point.point_m) - of_other.point_m(point.point_m), correction);
+    return wanted_m(overlap, of_body.point_m(point.point_m) - of_other.point_m(point.point_m), correction);
   };
   const auto islands_of = [](const Overlap& overlap) {
     return std::array{overlap.body->movable() ? &island_of(*overlap.body) : nullptr,

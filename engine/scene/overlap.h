@@ -13,11 +13,11 @@ namespace ringdown::scene {
 struct Overlap {
   Collider *body, *other;
   const ContactPoint* point;  // as found, before the bodies moved
+  double most_m;              // the farthest that the point may be moved apart in this part of the step
 };
 
 struct Correction {
   double allowed_m = 0;  // overlap at which two bodies may stay
-  double most_m = 0;     // the farthest that a point may be moved apart in this part of the step
   double share = 0;      // of the overlap beyond what is allowed that should be gone after this part
 };
 

@@ -78,7 +78,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"lo/", {"protocol/wire/codec.cpp"}, 1},
     {"microhttpd.h", {"server/query_server.cpp"}, 1},
     {"btBullet", {"clients/bullet/"}, 1},
-    {"ode/", {"engine/scene/ode_", "engine/scene/simulation"}, 10},
+    {"ode/", {"engine/scene/ode_", "engine/scene/simulation", "tests/scene/ode_"}, 11},
     {"Spectra/", {"engine/solve/spectra.cpp"}, 1},
     {"Eigen/CholmodSupport", {}, 0},
     {"cholmod.h", {}, 0},
