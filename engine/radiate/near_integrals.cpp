@@ -6,18 +6,30 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 namespace ringdown::radiate {
+namespace {
+
+// `volume` is six times that of the tetrahedron between the point and the triangle.
+double solid_angle(const std::array<Eigen::Vector3d, 3>& corners, const Eigen::Vector3d& point, double volume) {
+  const Eigen::Vector3d a = corners[0] - point, b = corners[1] - point, c = corners[2] - point;
+  const double la = a.norm(), lb = b.norm(), lc = c.norm();
+  return 2 * std::atan2(volume, la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+}
+
+}  // namespace
 
 // Let rho be the point's foot in the triangle's plane and d its height. An edge from a to b with tangent l and outward
 // normal u in the plane has s = (end - rho).l at its ends, t = (end - rho).u, and R at its ends. With
 //
 //   f = integral along the edge of 1/R = ln((R_b + s_b) / (R_a + s_a))
-//   beta = atan(t s_b / (R0^2 + |d| R_b)) - atan(t s_a / (R0^2 + |d| R_a)),    R0^2 = t^2 + d^2
+//   R0^2 = t^2 + d^2
 //
-// summed over the edges: integral of 1/R = sum of t f - |d| beta, that of d/R^3 = sign(d) sum of beta, that of
-// (y - rho)/R = 1/2 sum of u (R0^2 f + s_b R_b - s_a R_a), and by Gauss's theorem that of hat (y - rho)/R^3 =
-// gradient(hat) * (integral of 1/R) - sum of u * (integral of hat/R along the edge).
+// With the solid angle omega that the triangle fills (van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983, 125),
+// summed over the edges: integral of 1/R = sum of t f - |d| omega, that of d/R^3 = sign(d) omega, that of (y - rho)/R =
+// 1/2 sum of u (R0^2 f + s_b R_b - s_a R_a), and by Gauss's theorem that of hat (y - rho)/R^3 = gradient(hat) *
+// (integral of 1/R) - sum of u * (integral of hat/R along the edge).
 TrianglePotential potential_of(const Panels& panels, int triangle, const Eigen::Vector3d& point) {
   const Eigen::Vector3d& n = panels.normals[triangle];
   const std::array<Eigen::Vector3d, 3> p = {panels.corner(triangle, 0), panels.corner(triangle, 1),
@@ -25,7 +37,8 @@ TrianglePotential potential_of(const Panels& panels, int triangle, const Eigen::
   const double scale = std::sqrt(panels.areas[triangle]);
   const double d = (point - p[0]).dot(n), height = std::abs(d);
   const Eigen::Vector3d foot = point - d * n;
-  double inverse = 0, angle = 0;  // the integrals of 1/R and of |d|/R^3
+  const double angle = solid_angle(p, point, 2 * panels.areas[triangle] * height);  // the integral of |d|/R^3
+  double inverse = 0;                                                               // that of 1/R
   Eigen::Vector3d moment = Eigen::Vector3d::Zero(), rim = Eigen::Vector3d::Zero();
   std::array<Eigen::Vector3d, 3> hat_rim = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (int e = 0; e < 3; ++e) {
@@ -44,9 +57,7 @@ TrianglePotential potential_of(const Panels& panels, int triangle, const Eigen::
     } else if (sa * sb > 0) {
       f = std::abs(std::log(sb / sa));
     }
-    const double beta = std::atan2(t * sb, r0 + height * rb) - std::atan2(t * sa, r0 + height * ra);
     inverse += t * f;
-    angle += beta;
     moment += outward * (0.5 * (r0 * f + sb * rb - sa * ra));
     rim += outward * f;
     const double at_start = -sa / length;  // of the edge, where the foot of the point falls
@@ -86,7 +97,13 @@ std::vector<OuterPoint> seven_points() {
           {{1 - 2 * b, b, b}, wb}};
 }
 
-// The rule above on each of the four triangles that the middles of the sides make.
+// Three points, exact to degree 2.
+std::vector<OuterPoint> three_points() {
+  const double a = 1 / 6.0, b = 2 / 3.0, third = 1 / 3.0;
+  return {{{b, a, a}, third}, {{a, b, a}, third}, {{a, a, b}, third}};
+}
+
+// A rule on each of the four triangles that the middles of the sides make.
 std::vector<OuterPoint> divided(const std::vector<OuterPoint>& rule) {
   const double h = 0.5;
   const double corners[4][3][3] = {{{1, 0, 0}, {h, h, 0}, {h, 0, h}},
@@ -181,38 +198,59 @@ void subtract_middles(const Panels& panels, int x, int y, PairIntegrals& sum) {
   }
 }
 
+// For each node the nodes of triangles near its own, in ascending order.
+NearIntegrals without_values(const Panels& panels, const std::vector<std::vector<int>>& near_triangles) {
+  std::vector<std::vector<int>> own(panels.node_count());
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    for (const int n : panels.corners[t]) own[n].push_back(t);
+  }
+  NearIntegrals near;
+  near.begin.push_back(0);
+  std::vector<int> seen(panels.node_count(), -1);
+  for (int row = 0; row < panels.node_count(); ++row) {
+    for (const int x : own[row]) {
+      for (const int y : near_triangles[x]) {
+        for (const int column : panels.corners[y]) {
+          if (std::exchange(seen[column], row) != row) near.columns.push_back(column);
+        }
+      }
+    }
+    std::sort(near.columns.begin() + near.begin.back(), near.columns.end());
+    near.begin.push_back(static_cast<int>(near.columns.size()));
+  }
+  near.entries.resize(near.columns.size());
+  return near;
+}
+
 }  // namespace
 
 NearIntegrals near_integrals(const Panels& panels) {
-  const std::vector<OuterPoint> rule = seven_points(), fine = divided(rule);
+  const std::vector<OuterPoint> few = three_points(), rule = seven_points(), fine = divided(rule);
   const NearbyTriangles nearby(panels);
-  std::vector<Eigen::Triplet<float>> curls, normals, slopes;
+  std::vector<std::vector<int>> near_triangles(panels.triangle_count());
+  for (int x = 0; x < panels.triangle_count(); ++x) nearby.visit(x, [&](int y) { near_triangles[x].push_back(y); });
+  NearIntegrals near = without_values(panels, near_triangles);
   for (int x = 0; x < panels.triangle_count(); ++x) {
-    const double longest = panels.longest_side(x);
-    nearby.visit(x, [&](int y) {
+    for (const int y : near_triangles[x]) {
       PairIntegrals pair;
       pair.hats.setZero();
       pair.slopes.setZero();
-      const bool close = (panels.centers[x] - panels.centers[y]).norm() < 0.7 * longest;
-      add_exact(panels, x, y, close ? fine : rule, pair);
+      const double away = (panels.centers[x] - panels.centers[y]).norm() / panels.longest_side(x);
+      add_exact(panels, x, y, away < 0.7 ? fine : away < 1.4 ? rule : few, pair);
       subtract_middles(panels, x, y, pair);
       const double over = 1 / (4 * std::numbers::pi), across = panels.normals[x].dot(panels.normals[y]);
       for (int i = 0; i < 3; ++i) {
+        const auto first = near.columns.begin() + near.begin[panels.corners[x][i]],
+                   last = near.columns.begin() + near.begin[panels.corners[x][i] + 1];
         for (int j = 0; j < 3; ++j) {
-          const int row = panels.corners[x][i], column = panels.corners[y][j];
+          const auto at = std::lower_bound(first, last, panels.corners[y][j]) - near.columns.begin();
           const double curl = panels.curls[x][i].dot(panels.curls[y][j]);
-          curls.emplace_back(row, column, static_cast<float>(over * curl * pair.constant));
-          normals.emplace_back(row, column, static_cast<float>(over * across * pair.hats(i, j)));
-          slopes.emplace_back(row, column, static_cast<float>(over * pair.slopes(i, j)));
+          near.entries[at].curls += static_cast<float>(over * curl * pair.constant);
+          near.entries[at].normals += static_cast<float>(over * across * pair.hats(i, j));
+          near.entries[at].slopes += static_cast<float>(over * pair.slopes(i, j));
         }
       }
-    });
-  }
-  NearIntegrals near;
-  const int n = panels.node_count();
-  for (auto [matrix, entries] : {std::pair(&near.curls, &curls), {&near.normals, &normals}, {&near.slopes, &slopes}}) {
-    matrix->resize(n, n);
-    matrix->setFromTriplets(entries->begin(), entries->end());
+    }
   }
   return near;
 }

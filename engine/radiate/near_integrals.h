@@ -4,7 +4,8 @@
 
 #include "engine/radiate/panels.h"
 
-#include <Eigen/SparseCore>
+#include <array>
+#include <vector>
 
 namespace ringdown::radiate {
 
@@ -12,10 +13,14 @@ namespace ringdown::radiate {
 // integrals minus these sums, over pairs of triangles closer than kNearSides longest sides. Rows are the hat functions
 // of the point x, columns those of y.
 struct NearIntegrals {
-  using Sparse = Eigen::SparseMatrix<float, Eigen::RowMajor>;
-  Sparse curls;    // V x V [m]: integral of curl(x) . curl(y) / (4 pi R)
-  Sparse normals;  // V x V [m^3]: integral of n(x) . n(y) hat(x) hat(y) / (4 pi R)
-  Sparse slopes;   // V x V [m^2]: integral of hat(x) hat(y) d/dn(x) of 1 / (4 pi R)
+  struct Entry {
+    float curls = 0;    // [m]: integral of curl(x) . curl(y) / (4 pi R)
+    float normals = 0;  // [m^3]: integral of n(x) . n(y) hat(x) hat(y) / (4 pi R)
+    float slopes = 0;   // [m^2]: integral of hat(x) hat(y) d/dn(x) of 1 / (4 pi R)
+  };
+  std::vector<int> begin;      // V + 1: where each row begins in the lists below
+  std::vector<int> columns;    // in ascending order within a row
+  std::vector<Entry> entries;  // as many
 };
 
 inline constexpr double kNearSides = 2;  // between centres

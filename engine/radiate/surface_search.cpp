@@ -48,6 +48,9 @@ SurfaceSearch::SurfaceSearch(const Panels& panels) : panels_(panels) {
       low = low.cwiseMin(panels.corner(t, i));
       high = high.cwiseMax(panels.corner(t, i));
     }
+    double radius = 0;
+    for (int i = 0; i < 3; ++i) radius = std::max(radius, (panels.corner(t, i) - panels.centers[t]).norm());
+    radii_.push_back(radius);
     const auto from = cell_of(low), to = cell_of(high);
     for (int x = from[0]; x <= to[0]; ++x) {
       for (int y = from[1]; y <= to[1]; ++y) {
@@ -69,24 +72,32 @@ std::size_t SurfaceSearch::number_of(int x, int y, int z) const {
   return (static_cast<std::size_t>(x) * count_[1] + y) * count_[2] + z;
 }
 
-// Shells of cells around the point's own, until what was found lies nearer than the next shell can.
+// Shells of cells around the point's own, until what was found lies nearer than the next shell can. A triangle whose
+// circle around its centre lies farther away than what was found is passed over.
 SurfacePlace SurfaceSearch::nearest(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
   const auto own = cell_of(point);
   SurfacePlace facing, any;
   double facing_at = std::numeric_limits<double>::infinity(), any_at = facing_at;
   const int most = *std::max_element(count_.begin(), count_.end());
   for (int shell = 0; shell <= most; ++shell) {
-    const double reached = (shell - 1) * cell_;
+    double reached = std::numeric_limits<double>::infinity();  // no triangle of this shell is nearer
+    for (int c = 0; c < 3; ++c) {
+      const double inside = point[c] - low_[c] - own[c] * cell_;
+      reached = std::min(reached, (shell - 1) * cell_ + std::min(inside, cell_ - inside));
+    }
     if (facing_at <= reached || any_at + cell_ <= reached) break;
     for (int x = std::max(0, own[0] - shell); x <= std::min(count_[0] - 1, own[0] + shell); ++x) {
       for (int y = std::max(0, own[1] - shell); y <= std::min(count_[1] - 1, own[1] + shell); ++y) {
         for (int z = std::max(0, own[2] - shell); z <= std::min(count_[2] - 1, own[2] + shell); ++z) {
           if (std::max({std::abs(x - own[0]), std::abs(y - own[1]), std::abs(z - own[2])}) != shell) continue;
           for (const int t : triangles_[number_of(x, y, z)]) {
+            const bool faces = panels_.normals[t].dot(normal) > kFacing;
+            const double reach = (faces ? facing_at : any_at) + radii_[t];
+            if ((panels_.centers[t] - point).squaredNorm() > reach * reach) continue;
             const SurfacePlace place = nearest_on(panels_, t, point);
             const double away = (place.at - point).norm();
             if (away < any_at) any_at = away, any = place;
-            if (away < facing_at && panels_.normals[t].dot(normal) > kFacing) facing_at = away, facing = place;
+            if (faces && away < facing_at) facing_at = away, facing = place;
           }
         }
       }

@@ -34,6 +34,7 @@ class SurfaceSearch {
   double cell_ = 1;
   std::array<int, 3> count_{};
   std::vector<std::vector<int>> triangles_;  // in each cell
+  std::vector<double> radii_;                // of the circle around each triangle's centre that holds it
 };
 
 }  // namespace ringdown::radiate

@@ -217,10 +217,11 @@ void add_columns(const std::vector<Block>& blocks, const Sources& sources, int n
 void add_near(const NearIntegrals& near, double k, const std::vector<double>& coupling, ComplexMatrix& matrix) {
   const auto k2 = static_cast<float>(k * k);
   for (int row = 0; row < matrix.rows(); ++row) {
-    for (NearIntegrals::Sparse::InnerIterator at(near.normals, row); at; ++at) matrix(row, at.col()) += k2 * at.value();
-    for (NearIntegrals::Sparse::InnerIterator at(near.curls, row); at; ++at) matrix(row, at.col()) -= at.value();
-    for (NearIntegrals::Sparse::InnerIterator at(near.slopes, row); at; ++at) {
-      matrix(row, at.col()) -= std::complex<float>(0, static_cast<float>(coupling[at.col()]) * at.value());
+    for (int at = near.begin[row]; at < near.begin[row + 1]; ++at) {
+      const NearIntegrals::Entry& entry = near.entries[at];
+      const int column = near.columns[at];
+      matrix(row, column) +=
+          std::complex<float>(k2 * entry.normals - entry.curls, -static_cast<float>(coupling[column]) * entry.slopes);
     }
   }
 }
