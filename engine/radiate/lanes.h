@@ -3,6 +3,8 @@
 // RINGDOWN_CLONES compiles a function for several instruction sets; the loader chooses the one that this computer has.
 #pragma once
 
+#include <utility>
+
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && defined(__GNUC__) && \
     !defined(__clang__)
 #define RINGDOWN_CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
@@ -45,6 +47,37 @@ struct alignas(64) Complexes {
 
 [[gnu::always_inline]] inline void square_root(const Lanes& x, Lanes& root) {
   for (int i = 0; i < kLanes; ++i) root[i] = __builtin_sqrtf(x[i]);
+}
+
+// The lanes of `a` whose number has the bit `step` clear, and behind each of them the lane of `b` as many before it;
+// with `upper` the other lanes of `b`, and before each of them the lane of `a` as many behind it.
+template <int step, bool upper, int... lane>
+[[gnu::always_inline]] inline void exchange(const Lanes& a, const Lanes& b, Lanes& out,
+                                            std::integer_sequence<int, lane...> /*lanes*/) {
+  if constexpr (upper) {
+    out = __builtin_shufflevector(a, b, ((lane & step) != 0 ? kLanes + lane : lane + step)...);
+  } else {
+    out = __builtin_shufflevector(a, b, ((lane & step) == 0 ? lane : kLanes + lane - step)...);
+  }
+}
+
+template <int step>
+[[gnu::always_inline]] inline void exchange_all(Lanes (&rows)[kLanes]) {
+  constexpr std::make_integer_sequence<int, kLanes> lanes;
+  for (int first = 0; first < kLanes; ++first) {
+    if ((first & step) != 0) continue;
+    const Lanes a = rows[first], b = rows[first + step];
+    exchange<step, false>(a, b, rows[first], lanes);
+    exchange<step, true>(a, b, rows[first + step], lanes);
+  }
+}
+
+// Rows become columns.
+[[gnu::always_inline]] inline void transpose(Lanes (&rows)[kLanes]) {
+  exchange_all<1>(rows);
+  exchange_all<2>(rows);
+  exchange_all<4>(rows);
+  exchange_all<8>(rows);
 }
 
 }  // namespace ringdown::radiate

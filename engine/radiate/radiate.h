@@ -22,12 +22,14 @@
 namespace ringdown::radiate {
 
 struct Options {
-  int threads = 0;               // 0: $RINGDOWN_THREADS, or all processors; results do not depend on it
-  Progress progress;             // called from one thread at a time; false stops
-  double panels_per_wave = 3.5;  // edges of triangles per wavelength in the air, at least
-  double panels_per_shape = 6;   // and per wavelength of the mode's own pattern, which may be shorter
-  int most_unknowns = 12000;  // nodes of the finest surface; one wavenumber takes 8 bytes times the square, per thread
-  double range_octaves = 1;   // levels are given this far below and, up to the highest mode, above a mode's own k
+  int threads = 0;              // 0: $RINGDOWN_THREADS, or all processors; results do not depend on it
+  Progress progress;            // called from one thread at a time; false stops
+  double panels_per_wave = 3;   // edges of triangles per wavelength in the air, to begin with
+  double panels_per_shape = 6;  // and per wavelength of the mode's own pattern, which may be shorter
+  // Nodes of the finest surface, to which modes come that miss wanted_error_db() on coarser ones. A thread takes 10
+  // bytes times the square of the nodes; fewer threads run where all would take more than 3.5 GiB.
+  int most_unknowns = 8000;
+  double range_octaves = 1;  // levels are given this far below and, up to the highest mode, above a mode's own k
 };
 
 // What one mode radiates, and how well that is known.
@@ -37,7 +39,7 @@ struct RadiatedMode {
   double relative_db = 0;  // power over that of a pulsating sphere of the same area and mean square velocity
   double error_db = 0;     // what is claimed: the larger of the two below
   double source_db = 0;    // error for a source inside the body, whose exterior field is known, near this wavenumber
-  double coarser_db = 0;   // change of the power from a surface of coarser triangles
+  double coarser_db = 0;   // change of the power from the finest surface solved to the limit of ever finer ones
   std::string reason;      // why error_db is above what is wanted (wanted_error_db); empty when it is not
 };
 
@@ -48,7 +50,7 @@ struct Radiation {
   modal::RadiationMaps maps;        // of M modes
   std::vector<RadiatedMode> modes;  // M
   int largest_unknowns = 0;         // of the finest surface
-  int factorizations = 0;
+  int eliminations = 0;             // of matrices with which the iteration did not converge
 };
 
 // Fails when the surface is not closed or turned inside out, when sizes do not agree (bad_input), when memory does not

@@ -45,15 +45,6 @@ double way_inward(const Panels& panels, int from) {
   return std::isfinite(shortest) ? shortest : std::cbrt(std::abs(panels.volume()));
 }
 
-std::vector<Eigen::Vector3d> node_normals(const Panels& panels) {
-  std::vector<Eigen::Vector3d> normals(panels.node_count(), Eigen::Vector3d::Zero());
-  for (int t = 0; t < panels.triangle_count(); ++t) {
-    for (const int n : panels.corners[t]) normals[n] += panels.areas[t] * panels.normals[t];
-  }
-  for (auto& normal : normals) normal.normalize();
-  return normals;
-}
-
 // Nodes whose triangles all lie within 40 degrees of their mean.
 std::vector<bool> smooth_nodes(const Panels& panels, const std::vector<Eigen::Vector3d>& normals) {
   std::vector<bool> smooth(panels.node_count(), true);
@@ -131,6 +122,15 @@ void add_source(const Eigen::Vector3d& inside, double k, const Eigen::Vector3d& 
 }
 
 }  // namespace
+
+std::vector<Eigen::Vector3d> node_normals(const Panels& panels) {
+  std::vector<Eigen::Vector3d> normals(panels.node_count(), Eigen::Vector3d::Zero());
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    for (const int n : panels.corners[t]) normals[n] += panels.areas[t] * panels.normals[t];
+  }
+  for (auto& normal : normals) normal.normalize();
+  return normals;
+}
 
 Result<Original> Original::of(const Body& body) {
   auto panels = panels_of(body.surface);

@@ -11,37 +11,49 @@
 namespace ringdown::radiate {
 namespace {
 
-// One node that a side gives weight to, with the weights: of the three components of the curl, then of the normal, then
-// of the hat function alone.
+// One node that a side gives weight to: the weights of the three components of the curl, and whether the node lies on
+// the side, so that its hat function counts there.
 struct Share {
   int side;
   float curl[3];
-  float normal[3];
-  float hat;
+  bool on_side;
 };
 
 // Consecutive nodes as the place of y, with the sides around them: few enough that their kernels stay in the cache.
 struct Sources {
-  int first = 0, last = 0;     // nodes, from and to before
-  std::vector<float> middles;  // x, y, z of each side
-  std::vector<int> begin;      // last - first + 1: where each node's shares begin
-  std::vector<Share> list;     // sides are positions in `middles`
+  struct Place {
+    float at[3];
+    float normal[3];  // the weights of the normal's components for the hat function of a node on the side
+    float hat;        // and that of the hat function alone
+  };
+  int first = 0, last = 0;    // nodes, from and to before
+  std::vector<Place> places;  // of the sides
+  std::vector<int> begin;     // last - first + 1: where each node's shares begin
+  std::vector<Share> list;    // sides are positions in `places`
 };
 constexpr int kNodesOfSources = 192;
 
+Sources::Place place_of(const Panels& panels, int number) {
+  const Side& side = panels.sides[number];
+  Sources::Place place{};
+  for (int c = 0; c < 3; ++c) place.at[c] = static_cast<float>(side.middle[c]);
+  for (const int triangle : side.triangles) {
+    const double weight = panels.areas[triangle] / 6;  // a third of the area, where the hat function is 1/2
+    for (int c = 0; c < 3; ++c) place.normal[c] += static_cast<float>(weight * panels.normals[triangle][c]);
+    place.hat += static_cast<float>(weight);
+  }
+  return place;
+}
+
 Share share_of(const Panels& panels, int number, int position) {
   const Side& side = panels.sides[number];
-  Share share{number, {}, {}, 0};
+  Share share{number, {}, position < 2};
   for (const int triangle : side.triangles) {
     const auto& corners = panels.corners[triangle];
     const auto at = std::find(corners.begin(), corners.end(), side.nodes[position]);
     if (at == corners.end()) continue;
-    const double weight = panels.areas[triangle] / 3;
-    for (int c = 0; c < 3; ++c) {
-      share.curl[c] += static_cast<float>(weight * panels.curls[triangle][at - corners.begin()][c]);
-      if (position < 2) share.normal[c] += static_cast<float>(weight / 2 * panels.normals[triangle][c]);
-    }
-    if (position < 2) share.hat += static_cast<float>(weight / 2);
+    const Eigen::Vector3d curl = panels.areas[triangle] / 3 * panels.curls[triangle][at - corners.begin()];
+    for (int c = 0; c < 3; ++c) share.curl[c] += static_cast<float>(curl[c]);
   }
   return share;
 }
@@ -59,9 +71,7 @@ std::vector<Sources> sources_of(const Panels& panels) {
       sources.begin.push_back(static_cast<int>(sources.list.size()));
       for (const auto& [side, at] : by_node[node]) {
         const auto [found, fresh] = position.emplace(side, static_cast<int>(position.size()));
-        if (fresh) {
-          for (int c = 0; c < 3; ++c) sources.middles.push_back(static_cast<float>(panels.sides[side].middle[c]));
-        }
+        if (fresh) sources.places.push_back(place_of(panels, side));
         Share share = share_of(panels, side, at);
         share.side = found->second;
         sources.list.push_back(share);
@@ -85,64 +95,78 @@ Block block_of(const Panels& panels, int first) {
   for (int lane = 0; lane < kLanes; ++lane) {
     const bool real = first + lane < panels.side_count();
     const int number = real ? first + lane : panels.side_count() - 1;
-    const Side& side = panels.sides[number];
-    for (int c = 0; c < 3; ++c) block.at[c][lane] = static_cast<float>(side.middle[c]);
+    const Sources::Place place = place_of(panels, number);
+    for (int c = 0; c < 3; ++c) {
+      block.at[c][lane] = place.at[c];
+      block.normal[c][lane] = real ? place.normal[c] : 0;
+    }
     for (int i = 0; i < 4; ++i) {
       const Share share = share_of(panels, number, i);
-      block.nodes[i][lane] = side.nodes[i];
-      for (int c = 0; c < 3; ++c) {
-        block.curl[i][c][lane] = real ? share.curl[c] : 0;
-        if (i == 0) block.normal[c][lane] = real ? share.normal[c] : 0;
-      }
+      block.nodes[i][lane] = panels.sides[number].nodes[i];
+      for (int c = 0; c < 3; ++c) block.curl[i][c][lane] = real ? share.curl[c] : 0;
     }
   }
   return block;
 }
 
-// G and, with `slopes`, its slope over R between the block's sides and the sources'.
+// What is found between the block's sides and one of the sources'.
+struct Kernels {
+  Complexes wave;    // G
+  Complexes normal;  // k^2 n(x).n(y) G
+  Complexes slope;   // hat(y) dG/dn(x), with `slopes`
+};
+
 template <bool slopes>
-[[gnu::always_inline]] inline void fill_kernels(const Block& block, const Sources& sources, float k, Complexes* waves,
-                                                Complexes* over_r) {
-  const float scale = static_cast<float>(0.25 / std::numbers::pi);
-  const float* const middles = sources.middles.data();
-  const int sides = static_cast<int>(sources.middles.size() / 3);
+[[gnu::always_inline]] inline void fill_kernels(const Block& block, const Sources& sources, float k, Kernels* kernels) {
+  const float scale = static_cast<float>(0.25 / std::numbers::pi), k2 = k * k;
+  const int sides = static_cast<int>(sources.places.size());
   for (int s = 0; s < sides; ++s) {
-    const Lanes dx = block.at[0] - middles[3 * s], dy = block.at[1] - middles[3 * s + 1],
-                dz = block.at[2] - middles[3 * s + 2];
+    const Sources::Place& place = sources.places[s];
+    const Lanes dx = block.at[0] - place.at[0], dy = block.at[1] - place.at[1], dz = block.at[2] - place.at[2];
     const Lanes r2 = dx * dx + dy * dy + dz * dz;
     const LaneInts same = r2 == 0.0F;  // all bits, where the middles coincide
-    Lanes root;
+    Lanes root{};
     square_root(same ? Lanes{} + 1.0F : r2, root);
     const Lanes inverse = 1.0F / root;
     Lanes c, n;
     exp_i(k * root, c, n);
     Lanes re = scale * inverse * c, im = scale * inverse * n;
-    Lanes slope_re{}, slope_im{};
-    if (slopes) {  // (ikR - 1) exp(ikR) / R^3
-      const Lanes over = inverse * inverse;
-      slope_re = over * (-(k * root) * im - re);
-      slope_im = over * ((k * root) * re - im);
+    Kernels& kernel = kernels[s];
+    if (slopes) {  // (ikR - 1) exp(ikR) / R^3, times R.n(x), which is 0 where the middles coincide
+      const Lanes along = dx * block.normal[0] + dy * block.normal[1] + dz * block.normal[2];
+      const Lanes over = place.hat * inverse * inverse * along, kr = k * root;
+      kernel.slope = {over * (-kr * im - re), over * (kr * re - im)};
     }
-    waves[s] = {same ? Lanes{} : re, same ? Lanes{} + scale * k : im};  // exp(ikR)/R without 1/R
-    if (slopes) over_r[s] = {same ? Lanes{} : slope_re, same ? Lanes{} : slope_im};
+    re = same ? Lanes{} : re;
+    im = same ? Lanes{} + scale * k : im;  // exp(ikR)/R without 1/R
+    const Lanes across = k2 * (block.normal[0] * place.normal[0] + block.normal[1] * place.normal[1] +
+                               block.normal[2] * place.normal[2]);
+    kernel.wave = {re, im};
+    kernel.normal = {across * re, across * im};
   }
 }
 
 // What a block adds to a few columns, collected here so that each row of the matrix is visited once for all of them.
-constexpr int kTile = 32;
 struct Tile {
-  Complexes entries[4][kTile];
+  Lanes re[4][kLanes], im[4][kLanes];
 };
 
-[[gnu::always_inline]] inline void add_tile(const Block& block, const Tile& tile, int first, int last, int nodes,
+[[gnu::always_inline]] inline void add_tile(const Block& block, Tile& tile, int first, int last, int nodes,
                                             float* matrix) {
   for (int i = 0; i < 4; ++i) {
-    const auto* const entries = reinterpret_cast<const float*>(tile.entries[i]);
+    transpose(tile.re[i]);
+    transpose(tile.im[i]);
     for (int lane = 0; lane < kLanes; ++lane) {
       float* const row = matrix + 2 * (static_cast<std::ptrdiff_t>(block.nodes[i][lane]) * nodes + first);
-      for (int column = 0; column < last - first; ++column) {
-        row[2 * column] += entries[2 * kLanes * column + lane];
-        row[2 * column + 1] += entries[2 * kLanes * column + kLanes + lane];
+      float pairs[2 * kLanes];
+      for (int column = 0; column < kLanes; ++column) {
+        pairs[2 * column] = tile.re[i][lane][column];
+        pairs[2 * column + 1] = tile.im[i][lane][column];
+      }
+      if (last - first == kLanes) {
+        for (int part = 0; part < 2 * kLanes; ++part) row[part] += pairs[part];
+      } else {
+        for (int part = 0; part < 2 * (last - first); ++part) row[part] += pairs[part];
       }
     }
   }
@@ -151,41 +175,28 @@ struct Tile {
 // The columns of the sources for a block's rows.
 template <bool slopes>
 [[gnu::always_inline]] inline void add_block(const Block& block, const Sources& sources, int nodes, float k,
-                                             const float* coupling, Complexes* waves, Complexes* over_r, Tile& tile,
-                                             float* matrix) {
-  const float k2 = k * k;
-  fill_kernels<slopes>(block, sources, k, waves, over_r);
+                                             const float* coupling, Kernels* kernels, Tile& tile, float* matrix) {
+  fill_kernels<slopes>(block, sources, k, kernels);
   for (int column = sources.first; column < sources.last; ++column) {
-    Complexes curl[3]{}, normal[3]{}, slope[4]{};
+    Complexes curl[3]{}, common{}, slope{};
     const int own = column - sources.first;
     for (int at = sources.begin[own]; at < sources.begin[own + 1]; ++at) {
       const Share& share = sources.list[at];
-      const Complexes wave = waves[share.side];
+      const Kernels& kernel = kernels[share.side];
       for (int c = 0; c < 3; ++c) {
-        curl[c].re += share.curl[c] * wave.re;
-        curl[c].im += share.curl[c] * wave.im;
+        curl[c].re += share.curl[c] * kernel.wave.re;
+        curl[c].im += share.curl[c] * kernel.wave.im;
       }
-      if (share.hat == 0) continue;
-      for (int c = 0; c < 3; ++c) {
-        normal[c].re += share.normal[c] * wave.re;
-        normal[c].im += share.normal[c] * wave.im;
-      }
+      if (!share.on_side) continue;
+      common.re += kernel.normal.re;
+      common.im += kernel.normal.im;
       if (!slopes) continue;
-      const Complexes steep = over_r[share.side];
-      const float* const middle = sources.middles.data() + 3 * share.side;
-      for (int c = 0; c < 3; ++c) {
-        const Lanes along = (block.at[c] - middle[c]) * share.hat;
-        slope[c].re += along * steep.re;
-        slope[c].im += along * steep.im;
-      }
+      slope.re += kernel.slope.re;
+      slope.im += kernel.slope.im;
     }
-    Complexes common{};
-    for (int c = 0; c < 3; ++c) {
-      common.re += block.normal[c] * (k2 * normal[c].re);
-      common.im += block.normal[c] * (k2 * normal[c].im);
-      if (!slopes) continue;
-      common.re += coupling[column] * block.normal[c] * slope[c].im;  // - i eta
-      common.im -= coupling[column] * block.normal[c] * slope[c].re;
+    if (slopes) {  // - i eta
+      common.re += coupling[column] * slope.im;
+      common.im -= coupling[column] * slope.re;
     }
     for (int i = 0; i < 4; ++i) {
       Complexes sum{};
@@ -194,22 +205,23 @@ template <bool slopes>
         sum.re -= block.curl[i][c] * curl[c].re;
         sum.im -= block.curl[i][c] * curl[c].im;
       }
-      tile.entries[i][own % kTile] = sum;
+      tile.re[i][own % kLanes] = sum.re;
+      tile.im[i][own % kLanes] = sum.im;
     }
-    if (own % kTile == kTile - 1 || column == sources.last - 1) {
-      add_tile(block, tile, column - own % kTile, column + 1, nodes, matrix);
+    if (own % kLanes == kLanes - 1 || column == sources.last - 1) {
+      add_tile(block, tile, column - own % kLanes, column + 1, nodes, matrix);
     }
   }
 }
 
 RINGDOWN_CLONES
 void add_columns(const std::vector<Block>& blocks, const Sources& sources, int nodes, float k, const float* coupling,
-                 bool slopes, Complexes* waves, Complexes* over_r, Tile& tile, float* matrix) {
+                 bool slopes, Kernels* kernels, Tile& tile, float* matrix) {
   for (const Block& block : blocks) {
     if (slopes) {
-      add_block<true>(block, sources, nodes, k, coupling, waves, over_r, tile, matrix);
+      add_block<true>(block, sources, nodes, k, coupling, kernels, tile, matrix);
     } else {
-      add_block<false>(block, sources, nodes, k, coupling, waves, over_r, tile, matrix);
+      add_block<false>(block, sources, nodes, k, coupling, kernels, tile, matrix);
     }
   }
 }
@@ -242,12 +254,12 @@ void add_jump(const Panels& panels, const std::vector<double>& coupling, Complex
 
 // A few hundred nodes at a time are the place of y, and for these sixteen sides at a time that of x. First G between
 // the sixteen and all sides around the nodes; then, node by node, its weighted sums over the node's sides, one for each
-// component of the curl and of the normal; then what the sums give to the rows of the four nodes at each of the
-// sixteen.
-ComplexMatrix wave_matrix(const Panels& panels, const NearIntegrals& near, double wavenumber_rad_m,
-                          const std::vector<double>& coupling) {
+// component of the curl and one for the normals; then what the sums give to the rows of the four nodes at each of the
+// sixteen, sixteen columns at a time.
+void wave_matrix(const Panels& panels, const NearIntegrals& near, double wavenumber_rad_m,
+                 const std::vector<double>& coupling, ComplexMatrix& matrix) {
   const int nodes = panels.node_count();
-  ComplexMatrix matrix = ComplexMatrix::Zero(nodes, nodes);
+  matrix.setZero(nodes, nodes);
   const Eigen::Vector3d center = panels.nodes.colwise().mean().transpose();
   Panels centered = panels;  // single precision counts from the middle
   for (Side& side : centered.sides) side.middle -= center;
@@ -256,16 +268,14 @@ ComplexMatrix wave_matrix(const Panels& panels, const NearIntegrals& near, doubl
   const std::vector<float> eta(coupling.begin(), coupling.end());
   const bool slopes = std::any_of(eta.begin(), eta.end(), [](float value) { return value != 0; });
   Tile tile;
-  std::vector<Complexes> waves, over_r;
+  std::vector<Kernels> kernels;
   for (const Sources& sources : sources_of(centered)) {
-    waves.resize(sources.middles.size() / 3);
-    over_r.resize(waves.size());
-    add_columns(blocks, sources, nodes, static_cast<float>(wavenumber_rad_m), eta.data(), slopes, waves.data(),
-                over_r.data(), tile, reinterpret_cast<float*>(matrix.data()));
+    kernels.resize(sources.places.size());
+    add_columns(blocks, sources, nodes, static_cast<float>(wavenumber_rad_m), eta.data(), slopes, kernels.data(), tile,
+                reinterpret_cast<float*>(matrix.data()));
   }
   add_near(near, wavenumber_rad_m, coupling, matrix);
   add_jump(panels, coupling, matrix);
-  return matrix;
 }
 
 }  // namespace ringdown::radiate

@@ -70,7 +70,7 @@ struct Krylov {
 }  // namespace
 
 // LAPACK counts by columns and so sees the transposed matrix.
-Elimination::Elimination(ComplexMatrix matrix) : factors_(std::move(matrix)), pivots_(factors_.rows()) {
+Elimination::Elimination(ComplexMatrix& matrix) : factors_(matrix), pivots_(factors_.rows()) {
   const int size = static_cast<int>(factors_.rows());
   int info = 0;  // above 0: a pivot is exactly 0, which rounding forbids
   cgetrf_(&size, &size, factors_.data(), &size, pivots_.data(), &info);
@@ -83,13 +83,8 @@ Eigen::MatrixXcf Elimination::solve(Eigen::MatrixXcf right) const {
   return right;
 }
 
-Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, const Elimination* near,
+Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, const Preconditioner& precondition,
                          int most_steps, const std::function<bool()>& go_on) {
-  const Eigen::VectorXcf scale = matrix.diagonal().cwiseInverse();
-  const auto precondition = [&](Eigen::MatrixXcf columns) -> Eigen::MatrixXcf {
-    if (near != nullptr) return near->solve(std::move(columns));
-    return scale.asDiagonal() * columns;
-  };
   const Eigen::MatrixXcf right = precondition(flow);
   std::vector<Krylov> columns(flow.cols(), Krylov(most_steps));
   for (Eigen::Index m = 0; m < flow.cols(); ++m) columns[m].start(right.col(m));

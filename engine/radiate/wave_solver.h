@@ -11,24 +11,25 @@
 
 namespace ringdown::radiate {
 
-// A matrix taken apart by elimination with pivots, in single precision and in its own memory: 8/3 V^3 operations.
+// A matrix taken apart by elimination with pivots, in its own memory and in single precision: 8/3 V^3 operations.
+// Keeps a reference to the matrix, which then holds the factors.
 class Elimination {
  public:
-  explicit Elimination(ComplexMatrix matrix);
+  explicit Elimination(ComplexMatrix& matrix);
   [[nodiscard]] Eigen::MatrixXcf solve(Eigen::MatrixXcf right) const;
 
  private:
-  ComplexMatrix factors_;
+  ComplexMatrix& factors_;
   std::vector<int> pivots_;
 };
 
-inline constexpr double kResidual = 1e-4;  // relative
+inline constexpr double kResidual = 3e-5;  // relative, of the preconditioned equation
 
 // The layers (V x M) for given flows, by GMRES to a residual of kResidual. All right-hand sides are advanced in step,
-// so that the matrix is read once for all of them. `near` is the elimination of another matrix, of a wavenumber close
-// by, that makes the steps few; without it the diagonal does. Empty when `most_steps` do not suffice, or when `go_on`,
-// asked between steps, returns false.
-Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, const Elimination* near,
+// so that the matrix is read once for all of them. `precondition` returns nearly the solutions for right-hand sides, by
+// a linear map. Empty when `most_steps` do not suffice, or when `go_on`, asked between steps, returns false.
+using Preconditioner = std::function<Eigen::MatrixXcf(const Eigen::MatrixXcf&)>;
+Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, const Preconditioner& precondition,
                          int most_steps, const std::function<bool()>& go_on);
 
 }  // namespace ringdown::radiate

@@ -55,7 +55,7 @@ void print(const std::string& name, const modal::Bank& bank, const radiate::Radi
   const auto packed = modal::pack(radiation.maps);
   std::printf("%s,%zu,%.0f,%d,%d,%.1f,%.1f,%zu,%.4f,%.3f,%.3f,%d\n", name.c_str(), bank.mode_count(),
               *std::max_element(bank.frequency_hz.begin(), bank.frequency_hz.end()), radiation.largest_unknowns,
-              radiation.factorizations, processor_s, wall_s, packed.bytes.size(), packed.largest_error,
+              radiation.eliminations, processor_s, wall_s, packed.bytes.size(), packed.largest_error,
               errors[errors.size() / 2], errors.back(), missed);
   std::fflush(stdout);
 }
