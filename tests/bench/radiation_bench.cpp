@@ -1,15 +1,21 @@
 // Radiation of banks: time, sizes and stated errors. CSV on the standard output.
 //
 //   ringdown_radiation_bench [--modes] [--panels-per-wave N] [--threads N] BANK...
+//   ringdown_radiation_bench --compare N BANK    error against time, beside a dense factorization for each mode
 #include "engine/modal/bank_file.h"
+#include "engine/radiate/far_field.h"
 #include "engine/radiate/radiate.h"
+#include "engine/radiate/skin.h"
+#include "engine/radiate/wave_solver.h"
 
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -69,6 +75,84 @@ void print_modes(const modal::Bank& bank, const radiate::Radiation& radiation) {
   }
 }
 
+radiate::Body with_modes(const radiate::Body& body, const std::vector<int>& modes) {
+  radiate::Body part{.surface = body.surface, .flow = body.flow, .frequency_hz = {}};
+  part.flow.flow.resize(body.flow.flow.rows(), static_cast<Eigen::Index>(modes.size()));
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    part.flow.flow.col(static_cast<Eigen::Index>(i)) = body.flow.flow.col(modes[i]);
+    part.frequency_hz.push_back(body.frequency_hz[modes[i]]);
+  }
+  return part;
+}
+
+void print_errors(const char* way, double setting, int unknowns, double seconds, std::vector<double> errors_db) {
+  std::sort(errors_db.begin(), errors_db.end());
+  std::printf("%s,%.1f,%d,%.1f,%.3f,%.3f\n", way, setting, unknowns, seconds, errors_db[errors_db.size() / 2],
+              errors_db.back());
+  std::fflush(stdout);
+}
+
+// One surface for all modes, fine enough for the highest; for each mode the matrix at its wavenumber, eliminated.
+// Solved for the sample of modes alone; the time of all modes is that of one times their number.
+void print_obvious(const radiate::Body& body, const std::vector<int>& sample, const std::vector<double>& exact_rms,
+                   double panels_per_wave) {
+  const double k_per_hz = 2 * std::numbers::pi / modal::Air{}.sound_speed_m_s;
+  const double highest = *std::max_element(body.frequency_hz.begin(), body.frequency_hz.end());
+  const double start = processor_seconds();
+  const auto original = radiate::Original::of(body);
+  const auto skin = radiate::skin_of(*original, 2 * std::numbers::pi / (k_per_hz * highest * panels_per_wave));
+  const double shared = processor_seconds() - start;
+  const Eigen::Vector3d origin = body.surface.nodes.colwise().mean().transpose();
+  const double radius = (body.surface.nodes.rowwise() - origin.transpose()).rowwise().norm().maxCoeff();
+  radiate::ComplexMatrix matrix;
+  std::vector<double> errors_db;
+  const double begin = processor_seconds();
+  for (std::size_t i = 0; i < sample.size(); ++i) {
+    const double k = k_per_hz * body.frequency_hz[sample[i]];
+    const std::vector<double> coupling = radiate::coupling_of(*skin, k);
+    radiate::wave_matrix(skin->panels, skin->near, k, coupling, matrix);
+    const Eigen::MatrixXcf layer =
+        radiate::Elimination(matrix).solve(skin->flow.col(sample[i]).cast<std::complex<float>>());
+    const auto directions = radiate::directions_for(radiate::degree_for(k, radius));
+    const Eigen::MatrixXcd field =
+        radiate::far_fields(skin->panels, origin, k, coupling, directions, layer.cast<std::complex<double>>());
+    const double rms = std::sqrt(directions.weights.dot(field.col(0).cwiseAbs2()) / (4 * std::numbers::pi));
+    errors_db.push_back(std::abs(20 * std::log10(rms / exact_rms[i])));
+  }
+  const double each = (processor_seconds() - begin) / static_cast<double>(sample.size());
+  print_errors("obvious", panels_per_wave, skin->panels.node_count(),
+               shared + each * static_cast<double>(body.frequency_hz.size()), errors_db);
+}
+
+// Errors of a sample of the modes, beside the finest solution, against the processor time that all modes take.
+int compare(const radiate::Body& body, int sample_size) {
+  std::vector<int> sample;
+  const auto modes = static_cast<int>(body.frequency_hz.size());
+  for (int i = 0; i < sample_size; ++i) sample.push_back((2 * i + 1) * modes / (2 * sample_size));
+  const auto finest = radiate::solve(with_modes(body, sample), {},
+                                     {.threads = 1, .panels_per_wave = 6, .most_unknowns = 8000, .range_octaves = 0});
+  if (!finest) {
+    std::fprintf(stderr, "%s\n", finest.error().message.c_str());
+    return 1;
+  }
+  std::vector<double> exact_rms;
+  for (const auto& field : finest->maps.modes) exact_rms.push_back(modal::rms(field));
+  std::printf("way,setting,unknowns,processor_s,median_db,worst_db\n");
+  for (const int most : {1000, 2000, 4000, 8000}) {
+    const double start = processor_seconds();
+    const auto ours = radiate::solve(body, {}, {.threads = 1, .most_unknowns = most, .range_octaves = 0});
+    const double seconds = processor_seconds() - start;
+    if (!ours) continue;
+    std::vector<double> errors_db;
+    for (std::size_t i = 0; i < sample.size(); ++i) {
+      errors_db.push_back(std::abs(20 * std::log10(modal::rms(ours->maps.modes[sample[i]]) / exact_rms[i])));
+    }
+    print_errors("ours", most, ours->largest_unknowns, seconds, errors_db);
+  }
+  for (const double panels_per_wave : {2.5, 3.5, 5.0, 6.0}) print_obvious(body, sample, exact_rms, panels_per_wave);
+  return 0;
+}
+
 int run(int count, char** arguments) {
   CLI::App app("Radiation of banks: processor time, sizes and stated errors, as CSV on the standard output");
   std::vector<std::string> paths;
@@ -82,7 +166,19 @@ int run(int count, char** arguments) {
   app.add_option("--panels-per-wave", options.panels_per_wave, "sides of triangles in a wavelength");
   app.add_option("--threads", options.threads, "threads");
   app.add_option("--range", options.range_octaves, "octaves around a mode for which levels are found");
+  int sample_size = 0;
+  app.add_option("--compare", sample_size,
+                 "instead: error against time for the first bank, beside a dense factorization for each mode, by so "
+                 "many of its modes");
   CLI11_PARSE(app, count, arguments);
+  if (sample_size > 0) {
+    const auto bank = modal::read_bank(paths.front());
+    if (!bank) {
+      std::fprintf(stderr, "%s\n", bank.error().message.c_str());
+      return 1;
+    }
+    return compare(body_of(*bank), std::min(sample_size, static_cast<int>(bank->mode_count())));
+  }
   std::printf(
       "bank,modes,highest_hz,unknowns,eliminations,processor_s,wall_s,packed_bytes,packing_error,median_error_db,"
       "worst_error_db,missed\n");

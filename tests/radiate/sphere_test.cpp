@@ -87,6 +87,32 @@ TEST(RadiatingSphere, PassesTheResonancesOfTheAirInsideWithoutABump) {
   }
 }
 
+// The first skins are coarse, so that there are errors to state.
+TEST(RadiatingSphere, IsNoFartherFromHankelFunctionsThanTheErrorThatEachModeStates) {
+  const double a = 0.1;
+  radiate::Body body{.surface = sphere(a, 16), .flow = {}, .frequency_hz = {}};
+  std::vector<std::pair<int, double>> modes;
+  for (const double ka : {3.0, 7.0, 11.0}) {
+    for (const int n : {0, 2, 4, 6, 8}) {
+      if (below_pulsation_db(n, ka) > 40) continue;
+      modes.emplace_back(n, ka);
+      body.frequency_hz.push_back(frequency_of(ka, a));
+    }
+  }
+  body.flow = sample(
+      body.surface, static_cast<int>(modes.size()),
+      [&](int i, const auto& at, const auto&) { return harmonic(modes[i].first, modes[i].first / 2, at); }, 0.01);
+  const auto radiation = radiate::solve(
+      body, {}, {.threads = 1, .panels_per_wave = 2, .panels_per_shape = 4, .most_unknowns = 2000, .range_octaves = 0});
+  ASSERT_TRUE(radiation) << radiation.error().message;
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    const auto [n, ka] = modes[i];
+    const Error error = error_of(radiation->maps.modes[i], n, n / 2, sphere_factor(n, ka / a, a));
+    EXPECT_LT(std::abs(error.power_db), radiation->modes[i].error_db + 0.02) << "n " << n << " ka " << ka;
+    EXPECT_LT(radiation->modes[i].error_db, 0.5) << "n " << n << " ka " << ka;
+  }
+}
+
 // A cap of 60 degrees around the pole that moves outward alone: a series of Legendre polynomials.
 TEST(RadiatingSphere, WithAMovingCapRadiatesAsTheSeriesSays) {
   const double a = 0.1, edge = 0.5;
