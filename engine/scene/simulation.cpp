@@ -25,7 +25,8 @@
 // 2. In a part, contacts are found and become contact joints with friction and restitution (ode_contact_joints.h).
 //    Bodies that touch or are joined form islands (islands.h).
 // 3. ODE's exact solver finds the impulses if no island has more contact points than it can solve in time, and ODE's
-//    iterative solver otherwise. If the exact solver warns that it failed, the bodies are restored and the iterative
+//    iterative solver otherwise. Before the exact solver runs, bodies that touch only what cannot move are solved
+//    without it (fixed_contacts.h). If the exact solver warns that it failed, the bodies are restored and the iterative
 //    one is used (State::solve).
 // 4. If an island has gained energy in the part, its bodies are restored and the part is repeated with less restitution
 //    for that island (State::do_part).
