@@ -29,6 +29,9 @@ constexpr double kEdgePerSize = 0.85;      // CGAL's edges scatter about the len
 constexpr double kEdgePerWall = 0.7;       // no shorter, at first: rounded rims of a wall get two or three
 constexpr double kMaxDeviation = 1 / 7.0;  // of the thickness at that place
 constexpr double kMaxLeaving = 0.03;       // of the area, where triangles may leave the surface farther than that
+// If all were of the shortest edges, at the first try and at later ones.
+constexpr double kFirstTriangles = 12e3, kMostTriangles = 40e3;
+constexpr double kLeave = 0.8;  // of kMaxDeviation, so that few go beyond
 constexpr double kFiner = 0.6, kFewerDegrees = 0.85;
 constexpr int kMaxTries = 4;
 constexpr double kVolumeSlip = 0.03;
@@ -108,10 +111,6 @@ class GmshBody {
   double unit_m_;
 };
 
-double diagonal(const TriangleMesh& surface) {
-  return (surface.nodes.colwise().maxCoeff() - surface.nodes.colwise().minCoeff()).norm();
-}
-
 double volume_of(const TetMesh& mesh) {
   double volume = 0;
   const int order = mesh.order();
@@ -138,7 +137,7 @@ void append(TetMesh& mesh, const TetMesh& part) {
 
 Result<CheckedMesh> fill_as_it_is(const TriangleMesh& surface, double size_m, const std::string& name) {
   const Shells shells = shells_of(surface);
-  GmshBody body(surface, shells, diagonal(surface));
+  GmshBody body(surface, shells, diagonal_of(surface));
   TetMesh whole{Points(0, 3), Indices(0, 4)};
   for (int s = 0; s < shells.count; ++s) {
     if (shells.depth[static_cast<std::size_t>(s)] % 2 == 1) continue;
@@ -171,6 +170,16 @@ Result<CheckedMesh> curved(const CheckedMesh& straight, const TriangleMesh& onto
   return check_mesh(std::move(mesh), name);
 }
 
+double area_of(const TriangleMesh& surface) {
+  double area = 0;
+  for (const auto& row : surface.triangles.rowwise()) {
+    const Eigen::RowVector3d a = surface.nodes.row(row[0]), b = surface.nodes.row(row[1]),
+                             c = surface.nodes.row(row[2]);
+    area += 0.5 * (b - a).cross(c - a).norm();
+  }
+  return area;
+}
+
 struct Sized {
   TriangleMesh surface;
   double size_m;
@@ -196,9 +205,14 @@ double share_that_leaves(const Remeshed& remeshed, double wall_m) {
 // The surface in triangles of the wanted size where it is flat, and of smaller ones where it bends or, the second time,
 // where those would leave it.
 Result<Sized> sized(const TriangleMesh& surface, const FillOptions& options) {
+  const double area = area_of(surface);
+  const auto edge_of = [area](double triangles) { return std::sqrt(area / (std::sqrt(3) / 4 * triangles)); };
   EdgeLengths lengths{.longest_m = kEdgePerSize * options.size_m,
-                      .shortest_m = kEdgePerWall * (options.wall_m > 0 ? options.wall_m : options.size_m)};
-  lengths.shortest_m = std::clamp(lengths.shortest_m, lengths.longest_m / 8, lengths.longest_m);
+                      .shortest_m = kEdgePerWall * (options.wall_m > 0 ? options.wall_m : options.size_m),
+                      .leave_m = kLeave * kMaxDeviation * options.wall_m,
+                      .leave_share = kLeave * kMaxDeviation};
+  lengths.shortest_m = std::clamp(lengths.shortest_m, lengths.longest_m / 8, lengths.longest_m / 4);
+  lengths.shortest_m = std::max(lengths.shortest_m, edge_of(kFirstTriangles));
   const double volume = volume_of(shells_of(surface));
   const double slip = options.order > 1 ? kVolumeToCurve : kVolumeSlip;
   std::string why;
@@ -213,7 +227,8 @@ Result<Sized> sized(const TriangleMesh& surface, const FillOptions& options) {
     } else {
       return Sized{remeshed->mesh, lengths.longest_m / kEdgePerSize};
     }
-    lengths.shortest_m *= kFiner, lengths.turn_deg *= kFewerDegrees;
+    lengths.shortest_m = std::max(kFiner * lengths.shortest_m, edge_of(kMostTriangles));
+    lengths.turn_deg *= kFewerDegrees;
     if (attempt > 0) lengths.longest_m *= kFiner;
   }
   return fail(ErrorKind::bad_input, why);
@@ -222,13 +237,7 @@ Result<Sized> sized(const TriangleMesh& surface, const FillOptions& options) {
 // The surface's own triangles serve in place of those of the wanted size when they are no more than this.
 double most_own_triangles(const TriangleMesh& surface, double size_m) {
   constexpr double kTimes = 4, kAlways = 2000;
-  double area = 0;
-  for (const auto& row : surface.triangles.rowwise()) {
-    const Eigen::RowVector3d a = surface.nodes.row(row[0]), b = surface.nodes.row(row[1]),
-                             c = surface.nodes.row(row[2]);
-    area += 0.5 * (b - a).cross(c - a).norm();
-  }
-  return kAlways + kTimes * area / (std::sqrt(3) / 4 * size_m * size_m);
+  return kAlways + kTimes * area_of(surface) / (std::sqrt(3) / 4 * size_m * size_m);
 }
 
 Result<Filled> fill_sized(const TriangleMesh& surface, const FillOptions& options, const std::string& name) {

@@ -4,7 +4,6 @@
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/detect_features.h>
-#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/remesh.h>
@@ -17,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -123,12 +123,13 @@ Triangles triangulate(const std::vector<Eigen::RowVector3d>& loop) {
 // with edges kGrowth times as long: those around whose corners the surface turns little enough, and which have no
 // smaller triangle beside them. How much it turns is measured on the triangles of the level, between normals that are
 // averaged around each node. So bumps smaller than these triangles, such as a scanner's noise, do not keep triangles
-// small. At last the nodes are put onto the old surface.
+// small. Sharp edges may turn by half of what faces may. Nor may a larger triangle leave the surface by more than the
+// body's thickness there allows. At last the nodes are put onto the old surface.
 namespace {
 
 constexpr double kGrowth = 1.6;
-constexpr double kMostTriangles = 40e3;  // on the first level
-constexpr unsigned kRounds = 4, kRoundsOfLevel = 2;
+constexpr double kTurnOfCrease = 0.5;  // nodes of higher order follow faces better than the edges between them
+constexpr unsigned kRoundsOfFirst = 4, kRoundsOfLevel = 2;
 
 class GradedRemeshing {
  public:
@@ -139,12 +140,12 @@ class GradedRemeshing {
   }
 
   void run(const EdgeLengths& lengths) {
-    double level_m = std::min(lengths.longest_m, std::max(lengths.shortest_m, shortest_affordable()));
+    double level_m = std::min(lengths.longest_m, lengths.shortest_m);
     std::vector<Mesh::Face_index> faces(mesh_.faces().begin(), mesh_.faces().end());
-    remesh(faces, level_m, kRounds);
+    remesh(faces, level_m, kRoundsOfFirst);
     while (level_m < 0.99 * lengths.longest_m && !faces.empty()) {
       const double growth = std::min(kGrowth, lengths.longest_m / level_m);
-      faces = faces_to_grow(lengths.turn_deg / growth * std::numbers::pi / 180);
+      faces = faces_to_grow(lengths, level_m, growth);
       level_m *= growth;
       if (!faces.empty()) remesh(faces, level_m, kRoundsOfLevel);
     }
@@ -158,10 +159,6 @@ class GradedRemeshing {
   }
 
  private:
-  [[nodiscard]] double shortest_affordable() const {
-    return std::sqrt(pmp::area(mesh_) / (std::sqrt(3) / 4 * kMostTriangles));
-  }
-
   void remesh(const std::vector<Mesh::Face_index>& faces, double edge_m, unsigned rounds) {
     pmp::isotropic_remeshing(faces, edge_m, mesh_,
                              CGAL::parameters::number_of_iterations(rounds).edge_is_constrained_map(sharp_));
@@ -178,7 +175,35 @@ class GradedRemeshing {
     return std::atan2(from.cross(to).norm(), from.dot(to));
   }
 
-  std::vector<Mesh::Face_index> faces_to_grow(double most_turn) {
+  // The angle by which the sharp edges turn at a node that two of them meet in.
+  [[nodiscard]] double turn_of_crease(Mesh::Vertex_index v) const {
+    std::vector<Eigen::Vector3d> ways;
+    for (const auto h : halfedges_around_target(mesh_.halfedge(v), mesh_)) {
+      if (!sharp_[mesh_.edge(h)]) continue;
+      const auto way = mesh_.point(v) - mesh_.point(mesh_.source(h));
+      ways.emplace_back(way.x(), way.y(), way.z());
+    }
+    if (ways.size() != 2) return 0;
+    return std::atan2(ways[0].cross(ways[1]).norm(), -ways[0].dot(ways[1]));
+  }
+
+  // Of each face, how far triangles may leave the surface there.
+  [[nodiscard]] std::vector<double> ways_to_leave(const EdgeLengths& lengths) {
+    const SurfaceRays rays(soup_of(mesh_));
+    std::vector<double> ways(mesh_.number_of_faces(), std::numeric_limits<double>::max());
+    if (!(lengths.leave_m > 0)) return ways;
+    for (const auto f : mesh_.faces()) {
+      if (done_[f]) continue;
+      ways[f] = std::max(lengths.leave_m, lengths.leave_share * rays.inward(static_cast<Eigen::Index>(f.idx())));
+    }
+    return ways;
+  }
+
+  // Those that may have edges `growth` times as long as now. A triangle of edges e on a surface that turns by an angle
+  // along them leaves it by e / 6 times that angle in its middle.
+  std::vector<Mesh::Face_index> faces_to_grow(const EdgeLengths& lengths, double level_m, double growth) {
+    const std::vector<double> ways = ways_to_leave(lengths);
+    const double most_turn = lengths.turn_deg / growth * std::numbers::pi / 180;
     std::vector<Eigen::Vector3d> face_normals(mesh_.number_of_faces() + mesh_.number_of_removed_faces());
     std::vector<Eigen::Vector3d> node_normals(mesh_.number_of_vertices() + mesh_.number_of_removed_vertices(),
                                               Eigen::Vector3d::Zero());
@@ -194,8 +219,15 @@ class GradedRemeshing {
     for (Eigen::Vector3d& normal : node_normals) normal.normalize();
     std::vector<bool> bent(node_normals.size(), false), beside_done(node_normals.size(), false);
     for (const auto e : mesh_.edges()) {
-      if (sharp_[e] || turn_along(e, face_normals, node_normals) <= most_turn) continue;
+      if (sharp_[e]) continue;
+      const double turn = turn_along(e, face_normals, node_normals);
+      const auto h = mesh_.halfedge(e);
+      const double leave_m = std::min(ways[mesh_.face(h)], ways[mesh_.face(mesh_.opposite(h))]);
+      if (turn <= most_turn && turn * level_m * growth * growth / 6 <= leave_m) continue;
       bent[mesh_.source(mesh_.halfedge(e))] = bent[mesh_.target(mesh_.halfedge(e))] = true;
+    }
+    for (const auto v : mesh_.vertices()) {
+      if (turn_of_crease(v) > kTurnOfCrease * most_turn) bent[v] = true;
     }
     for (const auto f : mesh_.faces()) {
       if (!done_[f]) continue;

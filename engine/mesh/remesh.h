@@ -27,9 +27,11 @@ struct Remeshed {
 };
 
 struct EdgeLengths {
-  double longest_m = 0;   // where the surface is flat
-  double shortest_m = 0;  // and shorter, down to this, where it bends
-  double turn_deg = 45;   // the angle by which the surface may turn from one end of an edge to the other
+  double longest_m = 0;    // where the surface is flat
+  double shortest_m = 0;   // and shorter, down to this, where it bends
+  double turn_deg = 45;    // the angle by which the surface may turn from one end of an edge to the other
+  double leave_m = 0;      // how far triangles may leave a curved surface where the body is thin; 0: any way
+  double leave_share = 0;  // and where it is thicker, as a share of its thickness there
 };
 
 // Triangles with edges of these lengths, which grow by a factor of 1.6 from ring to ring. Corners lie on the old
