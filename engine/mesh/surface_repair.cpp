@@ -89,11 +89,10 @@ class SurfaceRepair {
   }
 
  private:
-  void say(std::size_t count, const char* words) { say(static_cast<int>(count), words); }
-  void say(int count, const char* words) {
+  void say(auto count, const char* words) {
     if (count <= 0) return;
     char text[120];
-    std::snprintf(text, sizeof text, words, count, count == 1 ? "" : "s");
+    std::snprintf(text, sizeof text, words, static_cast<int>(count), count == 1 ? "" : "s");
     actions_.emplace_back(text);
   }
 
@@ -310,21 +309,26 @@ class SurfaceRepair {
 
   void drop_scraps() {
     const Shells shells = shells_of(mesh_);
-    double open = 0, all = 0;
-    int scraps = 0;
-    for (std::size_t s = 0; s < shells.closed.size(); ++s) {
+    std::vector<bool> open(shells.closed.begin(), shells.closed.end());
+    open.flip();
+    drop_scraps(shells, open);
+  }
+
+  // Those shells, unless they are too much to be scraps.
+  void drop_scraps(const Shells& shells, const std::vector<bool>& scraps) {
+    double all = 0, dropped = 0;
+    for (std::size_t s = 0; s < scraps.size(); ++s) {
       all += shells.area_m2[s];
-      if (shells.closed[s]) continue;
-      open += shells.area_m2[s];
-      ++scraps;
+      dropped += scraps[s] ? shells.area_m2[s] : 0;
     }
-    if (scraps == 0 || open > kScraps * all) return;
+    const auto count = std::count(scraps.begin(), scraps.end(), true);
+    if (count == 0 || dropped > kScraps * all) return;
     std::vector<bool> unwanted(shells.shell.size());
     for (std::size_t t = 0; t < unwanted.size(); ++t) {
-      unwanted[t] = shells.shell[t] >= 0 && !shells.closed[static_cast<std::size_t>(shells.shell[t])];
+      unwanted[t] = shells.shell[t] >= 0 && scraps[static_cast<std::size_t>(shells.shell[t])];
     }
     drop(unwanted);
-    say(scraps, "dropped %d open scrap%s");
+    say(count, "dropped %d open scrap%s");
   }
 
   // Drops parts that are open wider than a body would be, before their rims are taken for holes.
@@ -338,23 +342,13 @@ class SurfaceRepair {
       const int shell = shells.shell[static_cast<std::size_t>(edges[first].triangle)];
       if (last - first == 1) rims[static_cast<std::size_t>(shell)].push_back(edges[first]);
     }
-    double all = 0, ragged = 0;
     std::vector<bool> rag(rims.size());
     for (std::size_t s = 0; s < rims.size(); ++s) {
       double opening = 0;
       for (const auto& loop : loops_of(rims[s], &steps_)) opening += spanned_area(mesh_, loop);
       rag[s] = opening > kOpening * (shells.area_m2[s] + opening);
-      all += shells.area_m2[s];
-      ragged += rag[s] ? shells.area_m2[s] : 0;
     }
-    const auto count = std::count(rag.begin(), rag.end(), true);
-    if (count == 0 || ragged > kScraps * all) return;
-    std::vector<bool> unwanted(shells.shell.size());
-    for (std::size_t t = 0; t < unwanted.size(); ++t) {
-      unwanted[t] = shells.shell[t] >= 0 && rag[static_cast<std::size_t>(shells.shell[t])];
-    }
-    drop(unwanted);
-    say(count, "dropped %d open scrap%s");
+    drop_scraps(shells, rag);
   }
 
   void turn_outward() {
@@ -370,7 +364,6 @@ class SurfaceRepair {
     }
     say(std::count(wrong.begin(), wrong.end(), true), "turned %d shell%s the right way out");
   }
-  void say(std::ptrdiff_t count, const char* words) { say(static_cast<int>(count), words); }
 
   // Rounding, and merging of points that are nearly one, may make triangles cut each other that did not, in places as
   // small as the rounding. Uniting such a surface again mends most of them.

@@ -436,7 +436,7 @@ def horseshoe_that_cuts_itself():
     angle = np.linspace(0, 2 * np.pi * 1.04, 160)
     path = np.stack([0.06 * np.cos(angle), 0 * angle, 0.06 * np.sin(angle)], 1)
     ring = "Torus(1) = {0, 0, 0, 0.06, 0.008};\n"
-    return Asset("one shell whose ends run through each other", bent_rod(path, 0.008, 64), OCC + ring)
+    return Asset("one shell whose ends run through each other", bent_rod(path, 0.008, 128), OCC + ring)
 
 
 @asset
