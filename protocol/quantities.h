@@ -24,6 +24,7 @@ inline constexpr Quantity kDamperNumber{"", 0, modal::kMaxDampers - 1};
 inline constexpr Quantity kInput{"", 1, kMaxInputs};
 inline constexpr Quantity kContactTime{"s", 0, 0.1};
 inline constexpr Quantity kGain{"", 0, 100};
+inline constexpr Quantity kPressure{"Pa", 1e-6, 1e6};
 inline constexpr Quantity kLost{"s", 0, 1e9};
 inline constexpr Quantity kRamp{"s", 0, 60};
 inline constexpr Quantity kPan{"", -1, 1};

@@ -366,6 +366,7 @@ protocol::StatusReply OscServer::status() const {
           .skipped_s = load.skipped_s,
           .recording = parts_.recorder && parts_.recorder->records(),
           .captured_s = captured ? captured->seconds : 0,
+          .full_scale_pa = parts_.session.rack().mixer().settings().full_scale_pa,
           .capture = captured ? std::optional(captured->path) : std::nullopt};
 }
 

@@ -10,6 +10,11 @@
 #include <string>
 
 namespace ringdown::server {
+namespace {
+
+constexpr double kLimiter_db = -1;
+
+}  // namespace
 
 void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
   const std::map<std::string, bool> contacts = {{"spectrum", false}, {"exact", true}};
@@ -30,17 +35,28 @@ void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
       ->transform(CLI::CheckedTransformer(contacts).description(""))
       ->type_name("spectrum|exact")
       ->default_str("spectrum");
+  app.add_option("--full-scale", settings.full_scale_pa,
+                 "The sound pressure in pascals, 1 m from an object, that is full scale")
+      ->check(manual::between(1e-6, 1e6))
+      ->type_name("PA")
+      ->capture_default_str();
   // CLI11 checks no empty text where an option needs no value.
+  settings.limiter_db = kLimiter_db;
   const auto take_limiter = [&settings](const std::string& text) {
     if (text.empty()) throw CLI::ValidationError("--limiter", "'' is not a number from -60 to 0");
-    settings.limiter_db = std::strtod(text.c_str(), nullptr);  // checked below
+    settings.limiter_db.reset();
+    if (text != "off") settings.limiter_db = std::strtod(text.c_str(), nullptr);  // checked below
+  };
+  const auto check_limiter = [](const std::string& text) {
+    return text == "off" ? std::string() : manual::wrong_number(text, -60, 0, " from -60 to 0");
   };
   app.add_option_function<std::string>("--limiter", take_limiter,
-                                       "Keep the mix below a ceiling in dB, -1 unless given; it comes 2 ms later")
+                                       "Keep the mix below a ceiling in dB, -1 unless given; it comes 2 ms later; off: "
+                                       "let it pass full scale")
       ->expected(0, 1)
       ->default_str("-1")
-      ->check(manual::between(-60.0, 0.0))
-      ->type_name("DB");
+      ->check(CLI::Validator(check_limiter, "from -60 to 0, or off"))
+      ->type_name("DB|off");
 }
 
 }  // namespace ringdown::server

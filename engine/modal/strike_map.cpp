@@ -9,6 +9,7 @@ namespace ringdown::modal {
 StrikeMap::StrikeMap(std::shared_ptr<const Bank> bank)
     : bank_(std::move(bank)),
       surface_(*bank_),
+      loudness_(*bank_),
       by_frequency_(bank_->mode_count()),
       rank_(bank_->mode_count()),
       shapes_(3 * bank_->mode_count() * bank_->point_count()) {

@@ -2,8 +2,8 @@
 //
 // The sound of a rigid sphere of radius R that a force accelerates in air (speed of sound c), far away, is that force
 // through a filter of two poles, (c/R)(-1 +- i): a dipole that falls by 6 dB an octave below the corner c / (2 pi R).
-// Other shapes count as the sphere of the same mass and radius of gyration. Its level is that of modes: the body's
-// motion as a whole is a mode of shape 1/sqrt(mass), heard as modes are, by its acceleration. Chadwick, Zheng & James,
+// Other shapes count as the sphere of the same mass and radius of gyration. Its level is the pressure at 1 m, rms over
+// directions: rho R^2 / (2 sqrt(3) m) pascals per newton far above the corner. Chadwick, Zheng & James,
 // "Precomputed acceleration noise for improved rigid-body sound", 2012, compute the field of any shape; Koss &
 // Alfredson, "Transient sound radiated by spheres undergoing an elastic collision", 1973, that of the sphere.
 #pragma once
@@ -21,14 +21,13 @@
 
 namespace ringdown::synth {
 
-inline constexpr std::size_t kMaxClicks = 64;  // at a time; more are not heard
-inline constexpr double kSpeedOfSound_m_s = 343;
+inline constexpr std::size_t kMaxClicks = 64;   // at a time; more are not heard
 inline constexpr double kMaxClickRadius_m = 3;  // a larger body's click lies below what is heard
 
 // What an object's click is like.
 struct ClickShape {
   double corner_per_s = 0;  // c / R
-  double gain = 0;          // output per newton far above the corner's roll-off: 1/sqrt(mass), scaled
+  double gain = 0;          // output per newton far above the corner's roll-off
 };
 
 // The radius of the solid sphere of the same mass and radius of gyration [m].

@@ -39,6 +39,10 @@ namespace ringdown::synth {
 inline constexpr std::size_t kMaxBuses = kMaxChannels - kFirstBus;  // outputs beside the stereo mix
 
 struct MixerSettings {
+  // The sound pressure at 1 m from an object that becomes a sample of 1 at gain 1 [Pa]; > 0, fixed once the mixer is
+  // made. An object sounds as at 1 m, rms over directions (modal/loudness.h).
+  double full_scale_pa = modal::kFullScale_pa;
+
   // Modes whose amplitude, at the gain of their object, lies so far below full scale rest until the next strike.
   double floor_db = 120;
 
@@ -92,7 +96,7 @@ class Mixer {
                                                      const modal::MaterialScale& material,
                                                      const modal::Dampers& dampers = {},
                                                      modal::ModeRange modes = {}) const {
-    return voices_.table_for(map, material, dampers, modes, sample_rate_hz());
+    return voices_.table_for(map, material, dampers, modes, sample_rate_hz(), settings_.full_scale_pa);
   }
 
   enum class Install {

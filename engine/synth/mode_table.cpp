@@ -29,12 +29,17 @@ modal::DampedMode damped(const modal::DampedMode& mode, double added_decay_per_s
   return {modal::rad_per_s_to_hz(std::sqrt(lambda - decay * decay)), decay};
 }
 
-std::optional<ClickShape> click_of(const modal::Bank& bank, const modal::MaterialScale& material) {
+// Far from a rigid sphere that is accelerated by a, the pressure in the direction of the motion is
+// rho a R^2 / (2 r) |H|; its rms over directions is 1/sqrt(3) of that.
+std::optional<ClickShape> click_of(const modal::Bank& bank, const modal::MaterialScale& material,
+                                   double full_scale_pa) {
   if (!bank.mass || !(bank.mass->mass_kg > 0)) return {};
   const double radius_m = material.size * radius_of(*bank.mass);
   if (!(radius_m > 0 && radius_m <= kMaxClickRadius_m)) return {};
-  return ClickShape{kSpeedOfSound_m_s / radius_m,
-                    kOutputScale * bank.gain * modal::shape_factor(material) / std::sqrt(bank.mass->mass_kg)};
+  const modal::Air air = modal::air_of(bank);
+  const double mass_kg = modal::rescale(*bank.mass, material).mass_kg;
+  const double pressure_pa = air.density_kg_m3 * radius_m * radius_m / (2 * std::numbers::sqrt3 * mass_kg);
+  return ClickShape{air.sound_speed_m_s / radius_m, bank.gain * pressure_pa / full_scale_pa};
 }
 
 // Dampers of an object of another size, where they lie on its bank.
@@ -74,14 +79,15 @@ std::vector<PlayableMode> playable_modes_of(const modal::StrikeMap& map, const m
 }  // namespace
 
 ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material,
-                     double sample_rate_hz, modal::Dampers dampers, modal::ModeRange modes)
+                     double sample_rate_hz, modal::Dampers dampers, modal::ModeRange modes, double full_scale_pa)
     : map_(std::move(map)),
       material_(material),
       dampers_(std::move(dampers)),
       modes_(modes),
       sample_rate_hz_(sample_rate_hz),
+      full_scale_pa_(full_scale_pa),
       per_size_(1 / material.size),
-      click_(click_of(bank(), material)),
+      click_(click_of(bank(), material, full_scale_pa)),
       column_of_(bank().mode_count(), -1) {
   const std::vector<PlayableMode> playable = playable_modes_of(*map_, material, dampers_, modes_, sample_rate_hz);
   slow_modes_ = static_cast<std::size_t>(
@@ -97,8 +103,8 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
   for (const PlayableMode& mode : playable) {
     const std::size_t skipped = mode_of_.size() < slow_modes_ ? 0 : kModePadding * slow_groups_ - slow_modes_;
     column_.push_back(static_cast<std::uint32_t>(mode_of_.size() + skipped));
-    const double shape = modal::shape_factor(material), omega = modal::hz_to_rad_per_s(mode.damped.frequency_hz);
-    weight_.push_back(kOutputScale * bank().gain * omega * shape);
+    const double pressure_pa = map_->loudness().pressure_pa(bank(), mode.mode, material, mode.damped.frequency_hz);
+    weight_.push_back(bank().gain * pressure_pa / full_scale_pa * modal::shape_factor(material));
     add_mode(mode.mode, mode.damped, mode.s);
   }
   if (slow_modes_ > 0)

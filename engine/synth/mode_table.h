@@ -26,19 +26,16 @@
 
 namespace ringdown::synth {
 
-// Output samples per unit of modal acceleration [kg^1/2 m/s^2]: the uniform part of the radiation factor
-// G_n = 2 pi f_n kOutputScale. Chosen so that a strike of 0.1 N s on a 1 kg object peaks near -12 dB of full scale.
-inline constexpr double kOutputScale = 1e-4;
-
 class ModeTable {
  public:
-  // `dampers` are what lies on the object, `modes` those that it has. [worker]
+  // `dampers` are what lies on the object, `modes` those that it has; a pressure of `full_scale_pa` at 1 m becomes an
+  // amplitude of 1. [worker]
   ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::MaterialScale& material, double sample_rate_hz,
-            modal::Dampers dampers = {}, modal::ModeRange modes = {});
+            modal::Dampers dampers = {}, modal::ModeRange modes = {}, double full_scale_pa = modal::kFullScale_pa);
 
   // The same choice of modes, in the same material and under the same dampers, at another sample rate. [worker]
   [[nodiscard]] std::shared_ptr<ModeTable> at_rate(double sample_rate_hz) const {
-    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz, dampers_, modes_);
+    return std::make_shared<ModeTable>(map_, material_, sample_rate_hz, dampers_, modes_, full_scale_pa_);
   }
   [[nodiscard]] double sample_rate_hz() const RINGDOWN_REALTIME { return sample_rate_hz_; }
 
@@ -96,12 +93,13 @@ class ModeTable {
   modal::MaterialScale material_;
   modal::Dampers dampers_;
   modal::ModeRange modes_;
-  double sample_rate_hz_;
+  double sample_rate_hz_, full_scale_pa_;
   double per_size_;  // from points of the object to those of its bank
   std::optional<ClickShape> click_;
   std::vector<std::uint32_t> mode_of_, column_;  // of playable mode i
   std::vector<std::int32_t> column_of_;          // of a mode of the bank; -1 where it is not playable
-  std::vector<double> weight_;                   // output per modal velocity: G_n, the bank's gain, the density scale
+  std::vector<double>
+      weight_;  // output per modal velocity: pressure over full scale, the bank's gain, the scale of shapes
   std::vector<double> frequency_hz_;
   std::size_t columns_ = 0, slow_modes_ = 0, slow_groups_ = 0;
   std::size_t rest_frames_ = 0;         // whose advance stands in rest_re and rest_im

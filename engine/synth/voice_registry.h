@@ -26,7 +26,7 @@ class VoiceRegistry {
   [[nodiscard]] std::shared_ptr<ModeTable> table_for(const std::shared_ptr<const modal::StrikeMap>& map,
                                                      const modal::MaterialScale& material,
                                                      const modal::Dampers& dampers, modal::ModeRange modes,
-                                                     double sample_rate_hz) const;
+                                                     double sample_rate_hz, double full_scale_pa) const;
 
   // Whether another voice may be installed. [worker]
   [[nodiscard]] bool has_room() const { return voices_ < kMaxVoices; }

@@ -3,6 +3,7 @@
 #include "engine/modal/bank_file.h"
 #include "tests/fit/recording.h"
 #include "tests/synth/player.h"
+#include "tests/support/synthetic_bank.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,7 @@ namespace {
 using namespace ringdown::test;  // NOLINT: recordings
 using test::kRate;
 
-constexpr double kLoudness = synth::kOutputScale / std::numbers::sqrt2;
+const double kLoudness = ringdown::test::kLoudness / std::numbers::sqrt2;
 
 modal::Bank preset(const std::string& name) {
   return *modal::read_bank(RINGDOWN_SOURCE_DIR "/presets/banks/" + name + ".glb");

@@ -4,6 +4,7 @@
 #include "engine/modal/bank_file.h"
 #include "tests/fit/recording.h"
 #include "tests/synth/player.h"
+#include "tests/support/synthetic_bank.h"
 
 #include <gtest/gtest.h>
 
@@ -127,7 +128,7 @@ Rendered render_preset(const std::string& name, const Vec3& place_m, std::size_t
     const auto& phi = bank.shape(m, point);
     const double answer = phi[0] * impulse.x + phi[1] * impulse.y + phi[2] * impulse.z;
     const double amplitude =
-        synth::kOutputScale / std::numbers::sqrt2 * 2 * std::numbers::pi * bank.frequency_hz[m] * answer;
+        ringdown::test::kLoudness / std::numbers::sqrt2 * 2 * std::numbers::pi * bank.frequency_hz[m] * answer;
     tones[m] = {bank.frequency_hz[m], bank.decay_per_s[m], amplitude};
     order.emplace_back(amplitude * amplitude / bank.decay_per_s[m], m);
   }

@@ -3,6 +3,7 @@
 #include "tests/integration/jack_fixture.h"
 #include "tests/integration/jack_recorder.h"
 #include "tests/support/keep_signals.h"
+#include "tests/support/synthetic_bank.h"
 
 #include <cmath>
 #include <numbers>
@@ -35,7 +36,7 @@ class JackInput : public JackTest {
 
   // What one mode of unit mass gives after an impulse, in the middle of the stereo mix.
   static double after_impulse(double impulse_ns) {
-    return std::numbers::sqrt2 / 2 * synth::kOutputScale * 2 * std::numbers::pi * kPitch_hz * impulse_ns;
+    return std::numbers::sqrt2 / 2 * ringdown::test::kLoudness * 2 * std::numbers::pi * kPitch_hz * impulse_ns;
   }
 };
 

@@ -36,6 +36,7 @@ std::string bank_of_zeros(std::size_t bytes) {
 modal::Bank large_bank() {
   modal::Bank bank = single_mode_bank(300, 1);
   bank.frequency_hz.assign(1000, 300);
+  bank.radiation.reset();
   bank.decay_per_s.assign(1000, 1);
   bank.positions.resize(4000, bank.positions.front());
   bank.shapes.assign(1000 * bank.positions.size(), {0, 0, 1});

@@ -36,6 +36,7 @@ class Viewing : public JackTest {
     modal::Bank bank = single_mode_bank(1210, 4);
     bank.frequency_hz = {1210, 290, 2003};
     bank.decay_per_s = {4, 2, 5};
+    bank.radiation->maps.modes.assign(3, even_field(1210));
     bank.shapes.assign(12, {0, 0, 1});
     ASSERT_TRUE(modal::write_bank(bank, folder_ / "bell.glb"));
     std::ofstream(folder_ / "room.toml") << kRoom;

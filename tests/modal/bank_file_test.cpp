@@ -114,6 +114,7 @@ TEST(BankFile, AFileThatIsNotThereIsRefused) {
 Bank large_bank(std::size_t modes, std::size_t points) {
   Bank bank = single_mode_bank(440, 2);
   bank.frequency_hz.assign(modes, 440);
+  bank.radiation.reset();
   bank.decay_per_s.assign(modes, 2);
   bank.frequency_error.clear();
   bank.positions.resize(points);

@@ -165,6 +165,7 @@ TEST(CompressedBank, ASecondTripChangesNoByteWhereTheStepDoubles) {
   constexpr std::size_t kModes = 4000;
   Bank bank = single_mode_bank(440, 2);
   bank.frequency_hz.assign(kModes, 440);
+  bank.radiation.reset();
   bank.decay_per_s.assign(kModes, 2);
   bank.shapes.clear();
   for (std::size_t m = 0; m < kModes; ++m) {

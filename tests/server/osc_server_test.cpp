@@ -1,6 +1,7 @@
 // What the OSC server does with time, patterns and subscribers.
 #include "server/remote_strikes.h"
 #include "tests/server/osc_server_fixture.h"
+#include "tests/support/synthetic_bank.h"
 
 #include <fstream>
 #include <tuple>
@@ -186,7 +187,7 @@ TEST_F(OscServerTest, SubscribersHearHowLoudEachObjectIs) {
       return wanted(n.peak);
     });
   };
-  const double sine = synth::kOutputScale * 2 * 3.14159265 * 6000, within_a_chunk = std::exp(-800 * 128 / kRate);
+  const double sine = ringdown::test::kLoudness * 2 * 3.14159265 * 6000, within_a_chunk = std::exp(-800 * 128 / kRate);
   EXPECT_TRUE(told([&](double peak) { return peak > within_a_chunk * sine * 0.999 && peak < sine * 1.001; }));
   EXPECT_TRUE(told([](double peak) { return peak == 0; })) << "when it has fallen silent";
   EXPECT_TRUE(wait_for<protocol::NotifyLoad>(client_, [](const auto&) { return true; }));

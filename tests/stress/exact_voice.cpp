@@ -1,4 +1,5 @@
 #include "tests/stress/exact_voice.h"
+#include "tests/support/synthetic_bank.h"
 
 #include <utility>
 
@@ -13,7 +14,7 @@ ExactVoice::ExactVoice(Map map, double rate_hz, const modal::MaterialScale& mate
     modes_[m] = {.plays = true,
                  .frequency_hz = damped.frequency_hz,
                  .s = Exact(-static_cast<long double>(damped.decay_per_s), omega) / static_cast<long double>(rate_hz),
-                 .weight = kOutputScale * omega * map_->bank().gain / std::sqrt(material.density)};
+                 .weight = ringdown::test::kLoudness * omega * map_->bank().gain / material.density};
   }
 }
 

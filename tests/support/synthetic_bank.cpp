@@ -28,7 +28,20 @@ double bar_shape(std::size_t n, double x) {
   return std::sin(y) / std::sin(k / 2) + std::sinh(y) / std::sinh(k / 2);
 }
 
+void radiate_evenly(modal::Bank& bank) {
+  bank.radiation.emplace();
+  for (const double f : bank.frequency_hz) bank.radiation->maps.modes.push_back(even_field(f));
+}
+
 }  // namespace
+
+modal::FarField even_field(double frequency_hz) {
+  const auto value = static_cast<float>(modal::kUnknownFlow * std::sqrt(4 * kPi));
+  const modal::Air air;
+  return {.wavenumber_rad_m = static_cast<float>(modal::hz_to_rad_per_s(frequency_hz) / air.sound_speed_m_s),
+          .terms = {{0, {value, 0}}},
+          .unit = value};
+}
 
 modal::Bank single_mode_bank(double frequency_hz, double decay_per_s, modal::Vec3f shape) {
   modal::Bank bank{.name = "single"};
@@ -38,6 +51,7 @@ modal::Bank single_mode_bank(double frequency_hz, double decay_per_s, modal::Vec
   bank.positions = {{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}};
   bank.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
   bank.shapes.assign(4, shape);
+  radiate_evenly(bank);
   return bank;
 }
 
@@ -77,6 +91,7 @@ modal::Bank bar_bank(std::size_t modes) {
                      .dropped_modes = 7,
                      .floor_db = 62.5,
                      .loss_db = -41.300000000000004};
+  radiate_evenly(bank);
   return bank;
 }
 
@@ -121,6 +136,7 @@ modal::Bank random_bank(std::uint32_t seed, std::size_t modes, std::size_t point
     bank.shapes.push_back(
         {static_cast<float>(uniform(-1, 1)), static_cast<float>(uniform(-1, 1)), static_cast<float>(uniform(-1, 1))});
   }
+  radiate_evenly(bank);
   return bank;
 }
 

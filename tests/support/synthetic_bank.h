@@ -2,12 +2,18 @@
 #pragma once
 
 #include "engine/modal/bank.h"
+#include "engine/modal/loudness.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 
 namespace ringdown::test {
+
+// The far field of the synthetic banks' modes is the same in all directions and for all of them, so that output follows
+// modal acceleration: so many samples for 1 kg^1/2 m/s^2, at the default full scale. 1e-4 to rounding.
+modal::FarField even_field(double frequency_hz);
+inline const double kLoudness = modal::Air{}.density_kg_m3 * modal::rms(even_field(1)) / modal::kFullScale_pa;
 
 // One mode that moves every point alike, by `shape`. Four points 1 m from the origin, a tetrahedron's surface.
 modal::Bank single_mode_bank(double frequency_hz, double decay_per_s, modal::Vec3f shape = {0, 0, 1});

@@ -1,6 +1,7 @@
 // Forces that last: contact pulses played sample by sample, and inputs that excite objects.
 #include "tests/synth/mode_bundle.h"
 #include "tests/synth/player.h"
+#include "tests/support/synthetic_bank.h"
 
 #include <hwy/targets.h>
 
@@ -44,7 +45,7 @@ TEST(ContactPulse, AContactPulsePlayedSampleBySampleIsTheConvolutionWithTheMode)
       player.install(0, map_of(single_mode_bank(f, 30)));
       player.push(strike_at(700, 0, {0, 0, 1}, tau));
       player.render(4800);
-      const double scale = std::numbers::sqrt2 / 2 * kOutputScale * 2 * std::numbers::pi * f;
+      const double scale = std::numbers::sqrt2 / 2 * ringdown::test::kLoudness * 2 * std::numbers::pi * f;
       Samples expected(player.left.size());
       for (std::size_t n = 700; n < expected.size(); ++n) {
         const long double t = static_cast<long double>(n - 700) / kRate;
@@ -92,7 +93,7 @@ TEST(ContactPulse, AContactPulseLeavesEachModeAsLoudAsItsSpectrumSays) {
       player.render(4800);
       loud[exact] = largest(player.left_from(200));
     }
-    EXPECT_NEAR(loud[1], loud[0], 0.01 * kOutputScale * 2 * std::numbers::pi * f) << f << " Hz";
+    EXPECT_NEAR(loud[1], loud[0], 0.01 * ringdown::test::kLoudness * 2 * std::numbers::pi * f) << f << " Hz";
   }
 }
 
@@ -232,7 +233,7 @@ TEST_F(Input, NoiseRingsTheModeAsARecurrenceInLongDoubleDoes) {
   Samples expected;
   for (const float s : signal) {
     expected.push_back(
-        static_cast<double>(std::numbers::sqrt2_v<long double> / 2 * kOutputScale * omega * state.imag()));
+        static_cast<double>(std::numbers::sqrt2_v<long double> / 2 * ringdown::test::kLoudness * omega * state.imag()));
     state = (state + static_cast<long double>(s)) * pole;
   }
   EXPECT_LE(largest_difference(out, expected), 1e-6 * largest(expected));

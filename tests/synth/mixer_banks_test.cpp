@@ -1,6 +1,7 @@
 // Banks that come and go while others ring: no click, no gap, no leftovers.
 #include "tests/support/keep_signals.h"
 #include "tests/synth/player.h"
+#include "tests/support/synthetic_bank.h"
 
 #include <gtest/gtest.h>
 
@@ -98,7 +99,7 @@ TEST(Retune, RetuningContinuesPhaseAndAmplitudeAtTheNewPitch) {
   const double new_f = std::sqrt(lambda - kD * kD) / (2 * std::numbers::pi);
   EXPECT_NEAR(new_f, 1.1 * kF, 1e-3);
   Samples exact = closed_form(kF, kD, 1, 0, kRate, 20000);
-  const double level = std::numbers::sqrt2 / 2 * kOutputScale * omega;
+  const double level = std::numbers::sqrt2 / 2 * ringdown::test::kLoudness * omega;
   for (std::size_t n = kChange; n < exact.size(); ++n) {
     const double phase =
         omega * kChange / kRate + 2 * std::numbers::pi * new_f * static_cast<double>(n - kChange) / kRate;

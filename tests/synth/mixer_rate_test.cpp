@@ -1,5 +1,6 @@
 // A mixer whose sample rate changes while things ring: in seconds and hertz nothing may change.
 #include "tests/synth/player.h"
+#include "tests/support/synthetic_bank.h"
 
 namespace ringdown::synth::test {
 namespace {
@@ -12,8 +13,8 @@ Samples expected(double time_s, double rate, std::size_t count) {
   Samples samples(count);
   for (std::size_t n = 0; n < count; ++n) {
     const long double t = time_s + static_cast<long double>(n) / rate;
-    samples[n] =
-        static_cast<double>(std::sqrt(0.5L) * kOutputScale * omega * std::exp(-kDecay_per_s * t) * std::sin(omega * t));
+    samples[n] = static_cast<double>(std::sqrt(0.5L) * ringdown::test::kLoudness * omega * std::exp(-kDecay_per_s * t) *
+                                     std::sin(omega * t));
   }
   return samples;
 }

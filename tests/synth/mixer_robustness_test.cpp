@@ -67,6 +67,7 @@ TEST(AbsurdInput, AnAbsurdStrikeOnModesThatDieWithinAChunkIsFoundToo) {
   modal::Bank with_a_slow_one = single_mode_bank(440, 1e5);  // which is not struck
   with_a_slow_one.frequency_hz.push_back(500);
   with_a_slow_one.decay_per_s.push_back(1);
+  with_a_slow_one.radiation->maps.modes.push_back(ringdown::test::even_field(500));
   with_a_slow_one.shapes.insert(with_a_slow_one.shapes.end(), 4, {1, 0, 0});
   for (const Map& map : {map_of(single_mode_bank(440, 1e5)), map_of(with_a_slow_one)}) {
     for (const double bad : {kNan, 1e300, 1e40, 1e30, 1e20}) {

@@ -6,7 +6,8 @@ namespace {
 
 constexpr double kSize = 1.7;
 
-// By the laws of similar bodies, in one place and by hand: lambda / s^2, shapes s^-3/2, mass s^3, inertia s^5.
+// By the laws of similar bodies, in one place and by hand: lambda / s^2, shapes s^-3/2, far fields s^1/2,
+// mass s^3, inertia s^5.
 modal::Bank of_size(const modal::Bank& bank, double s) {
   modal::Bank scaled = bank;
   const double beta = bank.material ? bank.material->damping.beta_s : 0;
@@ -22,6 +23,10 @@ modal::Bank of_size(const modal::Bank& bank, double s) {
   }
   for (auto& point : scaled.positions) {
     for (float& x : point) x = static_cast<float>(x * s);
+  }
+  for (modal::FarField& field : scaled.radiation->maps.modes) {
+    field.wavenumber_rad_m /= s;
+    for (auto& term : field.terms) term.value *= static_cast<float>(std::sqrt(s));
   }
   if (scaled.mass) {
     scaled.mass->mass_kg *= s * s * s;

@@ -1,5 +1,6 @@
 // Many modes at once, where the mixer sums moments: against the closed form, and across every way to cut time.
 #include "tests/synth/player.h"
+#include "tests/support/synthetic_bank.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -67,7 +68,7 @@ struct Scene {
         const auto& shape = bank.shape(m, s.vertex);
         const double along = shape[0] * s.impulse.x + shape[1] * s.impulse.y + shape[2] * s.impulse.z;
         const double omega = 2 * std::numbers::pi * bank.frequency_hz[m];
-        const double scale = gain[s.object] * kOutputScale * omega * along;
+        const double scale = gain[s.object] * ringdown::test::kLoudness * omega * along;
         for (std::size_t n = 0; n < count; ++n) {
           const Frame since = first + static_cast<Frame>(n) - s.frame;
           if (since < 0) continue;

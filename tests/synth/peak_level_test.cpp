@@ -1,5 +1,6 @@
 // The objects' own levels: what no sample of theirs exceeds.
 #include "tests/synth/player.h"
+#include "tests/support/synthetic_bank.h"
 
 #include <array>
 #include <cmath>
@@ -24,7 +25,7 @@ class OneMode : public testing::Test {
 
   // Of the unpanned sine that an impulse of 1 N s makes, after so many frames.
   static double envelope(double frames) {
-    return kOutputScale * 2 * std::numbers::pi * kTone_hz * std::exp(-kToneDecay_per_s * frames / kRate);
+    return ringdown::test::kLoudness * 2 * std::numbers::pi * kTone_hz * std::exp(-kToneDecay_per_s * frames / kRate);
   }
 
   Player player_;

@@ -99,7 +99,8 @@ inline long double pulse_factor(long double f, long double tau) {
 inline Samples closed_form(double f, double d, double phi_dot_j, double contact_time_s, double rate, std::size_t count,
                            double channel_gain = std::numbers::sqrt2 / 2) {
   const long double omega = 2 * std::numbers::pi_v<long double> * static_cast<long double>(f);
-  const long double scale = channel_gain * kOutputScale * omega * phi_dot_j * pulse_factor(f, contact_time_s);
+  const long double scale =
+      channel_gain * ringdown::test::kLoudness * omega * phi_dot_j * pulse_factor(f, contact_time_s);
   Samples samples(count);
   for (std::size_t n = 0; n < count; ++n) {
     const long double t = static_cast<long double>(n) / static_cast<long double>(rate);

@@ -1,6 +1,7 @@
 // What a strike sounds like, measured from samples: pitch, T60 and amplitude against the closed form.
 #include "tests/support/keep_signals.h"
 #include "tests/synth/player.h"
+#include "tests/support/synthetic_bank.h"
 
 #include <gtest/gtest.h>
 
@@ -27,7 +28,7 @@ TEST(StruckMode, AStruckModeHasThePitchT60AndAmplitudeOfTheClosedForm) {
         KeepSignals keep(kRate);
         keep.add("heard", heard);
         const auto mode = fit_damped_sinusoid(heard, kRate);
-        const double expected = std::numbers::sqrt2 / 2 * kOutputScale * 2 * std::numbers::pi * f * 5e4 *
+        const double expected = std::numbers::sqrt2 / 2 * ringdown::test::kLoudness * 2 * std::numbers::pi * f * 5e4 *
                                 static_cast<double>(pulse_factor(f, contact));
         EXPECT_NEAR(mode.frequency_hz, f, 1e-6 * f);
         EXPECT_NEAR(mode.t60_s(), t60, 2e-4 * t60) << f;

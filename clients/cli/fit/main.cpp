@@ -7,7 +7,7 @@
 #include "engine/fit/sinusoids.h"
 #include "engine/fit/recorded_bank.h"
 #include "engine/modal/bank_file.h"
-#include "engine/synth/mode_table.h"
+#include "engine/modal/loudness.h"
 #include "packaging/manual/command_line.h"
 
 #include <CLI/CLI.hpp>
@@ -104,7 +104,8 @@ Result<void> write_sounds(const fit::Fit& found, const cli::Sound& sound, const 
 }
 
 // The amplitude of a mode in one channel, with its object in the centre, divided by 2 pi f F(f) (phi . j).
-constexpr double kLoudness = synth::kOutputScale / std::numbers::sqrt2;
+constexpr double kLoudness =
+    modal::Air{}.density_kg_m3 * modal::kUnknownFlow / modal::kFullScale_pa / std::numbers::sqrt2;
 
 Result<modal::Bank> bank_of(const fit::Fit& found, const Arguments& arguments) {
   if (arguments.damping_of.empty()) {

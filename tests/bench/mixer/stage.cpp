@@ -22,13 +22,15 @@ double omega_of(double frequency_hz) { return 2 * std::numbers::pi * frequency_h
 Map bank_of(const Spread& spread, std::size_t first, std::size_t step) {
   modal::Bank bank = test::single_mode_bank(1, 1);
   bank.frequency_hz.clear(), bank.decay_per_s.clear(), bank.shapes.clear();
+  bank.radiation->maps.modes.clear();
   for (std::size_t m = first; m < spread.modes; m += step) {
     const double place = (static_cast<double>(m) + 0.5) / static_cast<double>(spread.modes);
     const double hz = between(spread.low_hz, spread.high_hz, place);
     const double other_place = std::fmod(kGoldenRatio * static_cast<double>(m), 1.0);
     const double t60_s = between(spread.shortest_t60_s, spread.longest_t60_s, other_place);
-    const double shape = spread.amplitude / (synth::kOutputScale * omega_of(hz));
+    const double shape = spread.amplitude / (ringdown::test::kLoudness * omega_of(hz));
     bank.frequency_hz.push_back(hz);
+    bank.radiation->maps.modes.push_back(test::even_field(hz));
     bank.decay_per_s.push_back(std::log(1000.0) / t60_s);
     bank.shapes.insert(bank.shapes.end(), bank.point_count(), {0, 0, static_cast<float>(shape)});
   }
@@ -43,8 +45,8 @@ std::vector<Sinusoid> sinusoids_of(const modal::Bank& bank) {
   std::vector<Sinusoid> list;
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     const double shape = bank.shape(m, 0)[2];
-    list.push_back(
-        {bank.frequency_hz[m], bank.decay_per_s[m], synth::kOutputScale * omega_of(bank.frequency_hz[m]) * shape});
+    list.push_back({bank.frequency_hz[m], bank.decay_per_s[m],
+                    ringdown::test::kLoudness * omega_of(bank.frequency_hz[m]) * shape});
   }
   return list;
 }
