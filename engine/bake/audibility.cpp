@@ -1,6 +1,7 @@
 #include "engine/bake/audibility.h"
 
 #include "engine/bake/importance.h"
+#include "engine/modal/loudness.h"
 #include "engine/modal/masking.h"
 #include "engine/modal/mode_choice.h"
 
@@ -48,8 +49,10 @@ Eigen::MatrixXd strike_amplitudes(const modal::Bank& bank) {
   const std::size_t stride = (bank.point_count() + kMaxStrikes - 1) / kMaxStrikes;
   Eigen::MatrixXd amplitudes(static_cast<Eigen::Index>(bank.mode_count()),
                              static_cast<Eigen::Index>((bank.point_count() + stride - 1) / stride));
+  const modal::Loudness loudness(bank);
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
-    const double f = bank.frequency_hz[m], gain = modal::hz_to_rad_per_s(f) * a_weighting(f) * hard_contact(f);
+    const double f = bank.frequency_hz[m];
+    const double gain = loudness.pressure_pa(bank, m, {}, f) * a_weighting(f) * hard_contact(f);
     for (std::size_t p = 0; p < bank.point_count(); p += stride) {
       const Eigen::Vector3d shape = vector(bank.shape(m, p));
       amplitudes(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(p / stride)) =

@@ -3,7 +3,9 @@
 // Every sample point, or every n-th of more than 2,000, is struck along the outward normal by a hard contact. Mode n
 // then starts at the A-weighted amplitude
 //
-//   g_n(p) = 2 pi f_n (phi_n(p) . normal(p)) A(f_n) hard_contact(f_n)                        (importance.h)
+//   g_n(p) = G_n (phi_n(p) . normal(p)) A(f_n) hard_contact(f_n)                             (importance.h)
+//
+// with G_n the sound pressure at 1 m that a modal velocity of 1 radiates (modal/loudness.h),
 //
 // and falls by 8.7 d_n dB a second. At that point it is inaudible when either holds:
 //

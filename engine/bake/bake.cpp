@@ -130,8 +130,9 @@ struct Task {
   int pieces;
 };
 
-// Which modes stay, and in which order: the bank is listened to at the corners of the surface's elements.
-Reduced audition(modal::Bank& bank, const Task& task, const std::vector<HeardMode>& heard, const BodyModes& modes) {
+// The modes as a bank at the corners of the surface's elements. With `air` they are taken to radiate as computed.
+modal::Bank corner_bank(const Task& task, const std::vector<HeardMode>& heard, const BodyModes& modes,
+                        const modal::Air* air) {
   const mesh::Boundary corners = mesh::boundary_of({task.mesh.nodes, task.mesh.elements.leftCols<4>()});
   const Eigen::MatrixXd shapes = shapes_of(heard, modes);
   const auto& surface = task.surface.nodes;
@@ -142,10 +143,15 @@ Reduced audition(modal::Bank& bank, const Task& task, const std::vector<HeardMod
     positions.row(p) = task.mesh.nodes.row(corners.nodes[p]);
     at_corners.middleRows<3>(3 * p) = task.units.shape() * shapes.middleRows<3>(3 * row);
   }
-  modal::Bank heard_bank;
-  add_modes(heard_bank, heard, at_corners);
-  add_points(heard_bank, positions);
-  heard_bank.triangles = corners.triangles;
+  modal::Bank bank;
+  add_modes(bank, heard, at_corners, air);
+  add_points(bank, positions);
+  bank.triangles = corners.triangles;
+  return bank;
+}
+
+// Which modes stay, and in which order.
+Reduced audition(modal::Bank& bank, const Task& task, modal::Bank heard_bank) {
   Reduced reduced = reduce(heard_bank, {.floor_db = task.options.floor_db, .keep = task.options.keep_modes});
   bank.provenance.dropped_modes = heard_bank.provenance.dropped_modes;
   bank.provenance.floor_db = heard_bank.provenance.floor_db;
@@ -326,17 +332,19 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
 
   Stopwatch watch;
   if (progress && !progress("finish", 0)) return fail_cancelled();
-  order_by_importance(heard, *modes, units, area_weights(task.surface, mesh.nodes));
+  const modal::Air* const air = radiates ? &*options.air : nullptr;
+  order_by_importance(heard, corner_bank(task, heard, *modes, air), *modes, units,
+                      area_weights(task.surface, mesh.nodes));
   bank.name = name;
   bank.material = material;
   bank.mass = units.mass(modes->mass);
   bank.provenance = provenance(options, *modes);
-  const Reduced reduced = audition(bank, task, heard, *modes);
+  const Reduced reduced = audition(bank, task, corner_bank(task, heard, *modes, air));
   std::vector<HeardMode> kept;
   for (const std::size_t m : reduced.kept) kept.push_back(heard[m]);
   const Result<SamplePoints> points = find_points(task, kept, *modes, progress);
   if (!points) return fail(points.error().kind, name + ": " + points.error().message);
-  add_modes(bank, kept, units.shape() * points->shapes, radiates ? &*options.air : nullptr);
+  add_modes(bank, kept, units.shape() * points->shapes, air);
   if (radiates) bank.radiation->maps.origin_m = origin_m;
   add_points(bank, length_m * points->positions);
   bank.triangles = points->triangles;

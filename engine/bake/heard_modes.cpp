@@ -1,6 +1,7 @@
 #include "engine/bake/heard_modes.h"
 
 #include "engine/bake/importance.h"
+#include "engine/modal/loudness.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,11 +48,13 @@ bool add_air_loss(HeardMode& mode, const modal::Material& material, double air_p
   return mode.mode.frequency_hz > 0;
 }
 
-void order_by_importance(std::vector<HeardMode>& heard, const BodyModes& modes, const BodyUnits& units,
-                         const std::vector<double>& weights) {
-  for (HeardMode& mode : heard) {
+void order_by_importance(std::vector<HeardMode>& heard, const modal::Bank& bank, const BodyModes& modes,
+                         const BodyUnits& units, const std::vector<double>& weights) {
+  const modal::Loudness loudness(bank);
+  for (std::size_t m = 0; m < heard.size(); ++m) {
+    HeardMode& mode = heard[m];
     const double rms = units.shape() * surface_rms(weights, modes.shapes.col(mode.number));
-    mode.importance = importance(mode.mode, rms);
+    mode.importance = importance(mode.mode, loudness.pressure_pa(bank, m, {}, mode.mode.frequency_hz), rms);
   }
   std::stable_sort(heard.begin(), heard.end(),
                    [](const HeardMode& a, const HeardMode& b) { return a.importance > b.importance; });

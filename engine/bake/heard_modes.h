@@ -40,9 +40,10 @@ std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& un
 // Lets the air take `air_per_s` of what the mode loses. False when that leaves it no pitch.
 bool add_air_loss(HeardMode& mode, const modal::Material& material, double air_per_s);
 
-// Puts the most important modes first (importance.h). `weights` are those of the surface's nodes (mesh::area_weights).
-void order_by_importance(std::vector<HeardMode>& heard, const BodyModes& modes, const BodyUnits& units,
-                         const std::vector<double>& weights);
+// Puts the most important modes first (importance.h). `bank` holds these modes in this order, and says what they
+// radiate; `weights` are those of the surface's nodes (mesh::area_weights).
+void order_by_importance(std::vector<HeardMode>& heard, const modal::Bank& bank, const BodyModes& modes,
+                         const BodyUnits& units, const std::vector<double>& weights);
 
 // The sign, 1 or -1, that a bank gives a shape: its first component whose size is the largest to rounding is positive.
 double sign_of(const Eigen::Ref<const Eigen::VectorXd>& shape);

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-// A mode counts by the energy that the ear collects of it: the amplitude it starts with after a hard blow, weighted by
-// the ear's sensitivity at its frequency, squared, times the time over which loudness builds up as far as the mode
-// lasts.
+// A mode counts by the energy that the ear collects of it: the sound pressure it starts with after a hard blow,
+// weighted by the ear's sensitivity at its frequency, squared, times the time over which loudness builds up as far as
+// the mode lasts.
 namespace ringdown::bake {
 
 double a_weighting(double frequency_hz) {
@@ -28,9 +28,8 @@ double collected_s(double decay_per_s) {
   return kIntegrationSeconds * (x > 1e-12 ? -std::expm1(-x) / x : 1.0);
 }
 
-double importance(modal::DampedMode mode, double surface_rms) {
-  const double amplitude = modal::hz_to_rad_per_s(mode.frequency_hz) * surface_rms * a_weighting(mode.frequency_hz) *
-                           hard_contact(mode.frequency_hz);
+double importance(modal::DampedMode mode, double pressure_pa, double surface_rms) {
+  const double amplitude = pressure_pa * surface_rms * a_weighting(mode.frequency_hz) * hard_contact(mode.frequency_hz);
   return amplitude * amplitude * collected_s(mode.decay_per_s);
 }
 

@@ -17,10 +17,10 @@ double collected_s(double decay_per_s);
 
 // Energy of the mode's sound as the ear collects it, up to a factor common to all modes of an object:
 //
-//   (2 pi f * rms shape * A(f) * hard_contact(f))^2 * collected_s(d)
+//   (pressure * rms shape * A(f) * hard_contact(f))^2 * collected_s(d)
 //
-// 2 pi f is the radiation factor of a strike (docs/how/physics.md); the rms over the surface stands for a strike
-// anywhere. A choice, used for ordering only: dropping a bank's last modes loses the least.
-double importance(modal::DampedMode mode, double surface_rms);
+// with the pressure that a modal velocity of 1 radiates (modal/loudness.h); the rms over the surface stands for a
+// strike anywhere. A choice, used for ordering only: dropping a bank's last modes loses the least.
+double importance(modal::DampedMode mode, double pressure_pa, double surface_rms);
 
 }  // namespace ringdown::bake

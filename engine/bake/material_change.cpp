@@ -1,6 +1,7 @@
 #include "engine/bake/material_change.h"
 
 #include "engine/bake/importance.h"
+#include "engine/modal/loudness.h"
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_choice.h"
 
@@ -71,6 +72,7 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
 
   Changed changed{.bank = bank};
   modal::Bank& out = changed.bank;
+  const modal::Loudness loudness(bank);
   std::vector<modal::DampedMode> modes;
   std::vector<modal::ModeLoss> losses;
   std::vector<double> weights;
@@ -78,7 +80,8 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
     losses.push_back(change.material ? loss_in(from, to, bank, m, scale) : modal::rescaled_loss(bank, m, scale));
     modes.push_back(modal::with_decay(lambda_of(bank, m, scale), losses[m].total_per_s()));
-    weights.push_back(importance(modes[m], rms_shape(bank, m)));
+    const double pressure_pa = loudness.pressure_pa(bank, m, scale, modes[m].frequency_hz);
+    weights.push_back(importance(modes[m], pressure_pa, rms_shape(bank, m)));
     if (modes[m].frequency_hz > 0) order.push_back(m);
   }
   changed.over_damped = bank.mode_count() - order.size();

@@ -50,8 +50,13 @@ double spectral_gain(double f) {
   return static_cast<double>(2 * M_PIl * f * a / (1 + squared(2 * f * 0.0003L)));
 }
 
+// Every mode radiates the same share of its acceleration, in all directions.
+const modal::FarField kEven{.wavenumber_rad_m = 1, .terms = {{0, {1e-3F, 0}}}};
+
 // A mode that starts `level_db` loud (A-weighted, 0 dB the reference) for a blow on each of the six points.
 void add_mode(Bank& bank, double frequency_hz, double decay_per_s, std::array<double, 6> level_db) {
+  if (!bank.radiation) bank.radiation.emplace();
+  bank.radiation->maps.modes.push_back(kEven);
   bank.frequency_hz.push_back(frequency_hz);
   bank.decay_per_s.push_back(decay_per_s);
   for (std::size_t p = 0; p < 6; ++p) {
@@ -75,6 +80,16 @@ TEST(Audibility, BelowTheFloorEverywhereIsInaudible) {
   add_mode(bank, 6000, 5, {-90, -90, -90, -90, -90, -59.5});
   EXPECT_EQ(heard(bank), (std::vector{true, true, false, true}));
   EXPECT_EQ(heard(bank, 50), (std::vector{true, false, false, false}));
+}
+
+// 70 dB less of what moves the surface reaches the air: such a mode is as inaudible as one that hardly moves.
+TEST(Audibility, AModeThatHardlyRadiatesIsInaudible) {
+  Bank bank = octahedron();
+  add_mode(bank, 1000, 5, 0);
+  add_mode(bank, 6000, 5, 0);
+  EXPECT_EQ(heard(bank), (std::vector{true, true}));
+  bank.radiation->maps.modes[1].terms[0].value *= static_cast<float>(std::pow(10.0, -70.0 / 20));
+  EXPECT_EQ(heard(bank), (std::vector{true, false}));
 }
 
 TEST(Audibility, TheFloorIsBelowTheLoudestAtTheSamePoint) {

@@ -1,6 +1,7 @@
 #include "engine/bake/bake.h"
 
 #include "engine/bake/importance.h"
+#include "engine/modal/loudness.h"
 #include "engine/modal/bank_file.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/fem/sample_meshes.h"
@@ -117,7 +118,8 @@ TEST(Bake, ABakeOrdersModesByImportance) {
   const auto bank = baked({.points = 10000}).bank;
   std::vector<double> value(bank.mode_count());
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
-    value[m] = bake::importance({bank.frequency_hz[m], bank.decay_per_s[m]}, 1);
+    const double pressure_pa = modal::Loudness(bank).pressure_pa(bank, m, {}, bank.frequency_hz[m]);
+    value[m] = bake::importance({bank.frequency_hz[m], bank.decay_per_s[m]}, pressure_pa, 1);
   }
   // All modes of one body have about the same surface rms, so the order is that of the spectral part within a factor.
   for (std::size_t m = 1; m < value.size(); ++m) EXPECT_LT(value[m], 12 * value[m - 1]);
