@@ -122,6 +122,8 @@ void print_head(const modal::Bank& bank) {
                 as_percent(spread->median).c_str(), as_percent(spread->largest).c_str());
   }
   if (bank.radiation) print_radiation(*bank.radiation);
+  if (made.peak_pa > 0)
+    std::printf("level      a blow of %.2g N s peaks at %.3g Pa, 1 m away\n", modal::kPeakBlow_ns, made.peak_pa);
   if (made.dropped_modes > 0) {
     std::printf("left out   %lld modes, at most %.1f dB of the energy of a blow",
                 static_cast<long long>(made.dropped_modes), made.loss_db);

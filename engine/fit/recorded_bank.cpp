@@ -1,12 +1,14 @@
 #include "engine/fit/recorded_bank.h"
 
 #include "engine/modal/contact_pulse.h"
+#include "engine/modal/loudness.h"
 #include "engine/modal/mode_choice.h"
 #include "engine/modal/damping.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <numeric>
 
 // Calibration in three steps: the common factor between recorded and baked frequencies, the pairs that agree after it,
@@ -182,6 +184,35 @@ modal::Bank with_damping(const modal::Bank& bank, const modal::RayleighDamping& 
   return result;
 }
 
+double peak_pressure_pa(const modal::Bank& bank, double impulse_ns) {
+  constexpr double kRate_hz = 48000;
+  constexpr std::size_t kFrames = 24000;
+  Vec3 along;
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const modal::Vec3f& shape = bank.shape(m, 0);
+    const Vec3 here{shape[0], shape[1], shape[2]};
+    if (length(here) > length(along)) along = here;
+  }
+  if (length(along) == 0) return 0;
+  const modal::Loudness loudness(bank);
+  std::vector<double> sound(kFrames, 0.0);
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const modal::Vec3f& shape = bank.shape(m, 0);
+    const double omega = modal::hz_to_rad_per_s(bank.frequency_hz[m]);
+    const double velocity = impulse_ns / length(along) * dot(along, Vec3{shape[0], shape[1], shape[2]});
+    const double pressure_pa = velocity * loudness.pressure_pa(bank, m, {}, bank.frequency_hz[m]);
+    const std::complex<double> step = std::exp(std::complex<double>(-bank.decay_per_s[m], omega) / kRate_hz);
+    std::complex<double> z = pressure_pa;
+    for (double& sample : sound) {
+      sample += z.imag();
+      z *= step;
+    }
+  }
+  double peak = 0;
+  for (const double sample : sound) peak = std::max(peak, std::abs(sample));
+  return peak * bank.gain;
+}
+
 modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudness, const std::string& name) {
   constexpr double kMinPulse = 0.1;
   std::vector<Mode> ordered(modes.begin(), modes.end());
@@ -201,6 +232,7 @@ modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudne
         blow.impulse_ns;
     bank.shapes.push_back({static_cast<float>(shape.x), static_cast<float>(shape.y), static_cast<float>(shape.z)});
   }
+  bank.provenance.peak_pa = peak_pressure_pa(bank, modal::kPeakBlow_ns);
   return bank;
 }
 

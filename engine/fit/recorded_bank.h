@@ -54,10 +54,14 @@ struct Blow {
   double contact_time_s = 0;    // with this contact time, F(f) of which is divided out, by 20 dB at most
 };
 
-// A bank that plays the recording's modes: one sample point, which moves along the recorded blow. `loudness`: a mode's
-// amplitude in the mixer's output over 2 pi f F(f) (phi . j), for one channel and an object in the centre
-// (docs/how/physics.md, "A strike"). Shapes have the sign of the recorded sine at the onset: the mixer's sines begin at
-// phase 0, so of the recorded phases no more than that can be kept.
+// The largest pressure [Pa] at 1 m, rms over directions, in the first half second after an impulse of `impulse_ns` at
+// the bank's first point, without contact time, in the direction in which that point's modes move most.
+double peak_pressure_pa(const modal::Bank& bank, double impulse_ns);
+
+// A bank that plays the recording's modes, and states the pressure of a blow of kPeakBlow_ns: one sample point, which
+// moves along the recorded blow. `loudness`: a mode's amplitude in the mixer's output over 2 pi f F(f) (phi . j), for
+// one channel and an object in the centre (docs/how/physics.md, "A strike"). Shapes have the sign of the recorded sine
+// at the onset: the mixer's sines begin at phase 0, so of the recorded phases no more than that can be kept.
 modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudness, const std::string& name);
 
 }  // namespace ringdown::fit

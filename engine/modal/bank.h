@@ -61,6 +61,8 @@ struct BankRadiation {
   std::vector<std::string> reason;  // M: why the error is larger than wanted, or empty; no list when there is none
 };
 
+inline constexpr double kPeakBlow_ns = 0.05;
+
 // How the bank was made; all of it optional, none of it needed to play. Kept in extras.ringdown of the file.
 struct Provenance {
   std::string generator;      // program and version
@@ -75,6 +77,7 @@ struct Provenance {
   std::int64_t dropped_modes = 0;  // of the band, as inaudible or unimportant (engine/bake/audibility.h)
   double floor_db = 0;             // how far below the loudest mode one was dropped as inaudible; 0: none was for that
   double loss_db = 0;              // energy they held over that of all, for the worst strike; with dropped_modes > 0
+  double peak_pa = 0;  // pressure at 1 m at which a blow of kPeakBlow_ns peaks; of recorded banks only, else 0
 };
 
 struct Bank {

@@ -28,7 +28,8 @@ Provenance read_provenance(const Field& extras) {
           .largest_residual = number("largestResidual"),
           .dropped_modes = static_cast<std::int64_t>(dropped["count"].index().value_or(0)),
           .floor_db = dropped["floor"].number().value_or(0.0),
-          .loss_db = dropped["loss"].number().value_or(0.0)};
+          .loss_db = dropped["loss"].number().value_or(0.0),
+          .peak_pa = number("peakPressure")};
 }
 
 // Empty unless it is a list of one number from 0 for each mode.
@@ -101,6 +102,7 @@ Json provenance_json(const Provenance& provenance) {
                {"bandLow", provenance.band_low_hz},
                {"bandHigh", provenance.band_high_hz},
                {"largestResidual", provenance.largest_residual}};
+  if (provenance.peak_pa > 0) json["peakPressure"] = provenance.peak_pa;
   if (!provenance.body.empty()) json["body"] = provenance.body;
   if (provenance.wall_elements > 0) json["wallElements"] = provenance.wall_elements;
   if (provenance.counted_modes > 0) json["modesCounted"] = provenance.counted_modes;

@@ -134,5 +134,13 @@ TEST(ToBank, ARecordingsBankPlaysWithTheRecordedAmplitudes) {
   }
 }
 
+// One mode of amplitude A in a channel of the recording, which a blow of 0.5 N s made: a tenth of that blow peaks at a
+// tenth, and a centred object sounds 3 dB louder than one channel.
+TEST(ToBank, ARecordedBankStatesThePressureAtWhichABlowPeaks) {
+  const std::vector<Mode> modes = {{.frequency_hz = 500, .decay_per_s = 1, .amplitude = 0.3}};
+  const modal::Bank bank = to_bank(modes, {.impulse_ns = {0, 0, 0.5}}, kLoudness, "cup");
+  EXPECT_NEAR(bank.provenance.peak_pa, 0.1 * 0.3 * std::sqrt(2) * modal::kFullScale_pa, 0.001);
+}
+
 }  // namespace
 }  // namespace ringdown::fit
