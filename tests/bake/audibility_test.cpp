@@ -13,6 +13,7 @@
 #include <iterator>
 #include <numeric>
 #include <random>
+#include <span>
 
 namespace ringdown {
 namespace {
@@ -110,9 +111,9 @@ TEST(Audibility, LongModesBelowTheFloorOfAClickAreHeard) {
 TEST(Audibility, AGlancingShapeIsNotStruck) {
   Bank bank = octahedron();
   add_mode(bank, 1000, 5, 0);
-  bank.frequency_hz.push_back(6000);
-  bank.decay_per_s.push_back(5);
-  for (const modal::Vec3f& p : bank.positions) bank.shapes.push_back({p[1], p[2], p[0]});  // a turn, across the normals
+  add_mode(bank, 6000, 5, 0);
+  for (modal::Vec3f& shape : std::span(bank.shapes).last(6))
+    shape = {shape[1], shape[2], shape[0]};  // across the normals
   EXPECT_EQ(heard(bank), (std::vector{true, false}));
 }
 
