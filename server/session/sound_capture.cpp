@@ -38,7 +38,7 @@ Result<void> SoundCapture::start(OutputTarget target) {
   frames_ = 0;
   lost_ = 0;
   sample_rate_hz_ = mixer.sample_rate_hz();
-  const Frame first = mixer.counters().frames;
+  const Frame first = mixer.counters().frames + static_cast<Frame>(mixer.latency_frames());
   rack_.mixer().capture_tap().watch(true);
   thread_ = std::jthread(
       [this, first](const std::stop_token& stop, SoundFile opened) { run(stop, std::move(opened), first); },
@@ -90,15 +90,16 @@ Result<bool> SoundCapture::write_pieces(SoundFile& file, Frame first) {
   std::size_t frames = frames_;
   bool more = true;
   for (; const SoundTap::Piece* piece = tap.front(); tap.pop()) {
-    if (piece->frame < first || !more) continue;
+    const auto early = static_cast<std::size_t>(std::max<Frame>(first - piece->frame, 0));
+    if (early >= piece->frames || !more) continue;
     more = piece->sample_rate_hz == sample_rate_hz_;
     if (!more) continue;
-    const auto begin = std::min(static_cast<std::size_t>(piece->frame - first), most_frames_);
-    const std::size_t end = std::min(begin + piece->frames, most_frames_);
+    const auto begin = std::min(early + static_cast<std::size_t>(piece->frame - first), most_frames_);
+    const std::size_t end = std::min(begin + piece->frames - early, most_frames_);
     samples.insert(samples.end(), 2 * (begin - frames), 0.0f);
     lost_ += begin - frames;
-    samples.insert(samples.end(), piece->samples.begin(),
-                   piece->samples.begin() + static_cast<std::ptrdiff_t>(2 * (end - begin)));
+    const auto from = piece->samples.begin() + static_cast<std::ptrdiff_t>(2 * early);
+    samples.insert(samples.end(), from, from + static_cast<std::ptrdiff_t>(2 * (end - begin)));
     frames = end;
     more = frames < most_frames_;
   }

@@ -1,4 +1,5 @@
-// Captures what is heard, the mix, as a WAV file while the mixer plays.
+// Captures what is heard, the mix, as a WAV file while the mixer plays. The file begins with the sound of the frame at
+// which the capture began, whatever the limiter's delay, as `ringdown render` does.
 //
 // The audio thread puts the samples of each block into a tap (engine/synth/sound_tap.h); a thread of the capture takes
 // them out and writes them. Samples that the tap had to drop because that thread was late are zeros in the file, so

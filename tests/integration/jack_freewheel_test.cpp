@@ -20,7 +20,7 @@ struct Freewheel {
 
 Freewheel freewheel(const JackServer& server, const std::string& scene, std::size_t frames) {
   JackRecorder recorder(server.name(), "recorder", frames, JackRecorder::From::call);
-  Daemon daemon({"--scene", scene}, server.environment());
+  Daemon daemon({"--scene", scene, "--limiter", "off"}, server.environment());
   EXPECT_TRUE(daemon.ready()) << daemon.process().output();
   EXPECT_TRUE(recorder.connect("ringdown:out_left", "recorder:in_1"));
   EXPECT_TRUE(recorder.connect("ringdown:out_right", "recorder:in_2"));

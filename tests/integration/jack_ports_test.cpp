@@ -83,7 +83,8 @@ TEST_F(JackPorts, PatchbaysLearnNamesOrderAndGroupOfPorts) {
 TEST_F(JackPorts, ANoteFromAnotherClientLandsOnItsSample) {
   std::ofstream(folder_ / "notes.toml") << "[[note]]\nnote = 48\nobject = 'low'\nimpulse_ns = [0, 0, 0.5]\n"
                                            "contact_time_s = 0\n";
-  Daemon daemon({"--notes", (folder_ / "notes.toml").string(), "--object", low_}, server_.environment());
+  Daemon daemon({"--notes", (folder_ / "notes.toml").string(), "--limiter", "off", "--object", low_},
+                server_.environment());
   ASSERT_TRUE(daemon.ready()) << daemon.process().output();
   ASSERT_TRUE(exists("ringdown:midi_in"));
   const auto frames = static_cast<std::size_t>(kPortsRate);
