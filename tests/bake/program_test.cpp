@@ -44,14 +44,17 @@ TEST(BakeProgram, TheProgramBakesAPreset) {
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_NE(ran.output.find("unknowns"), std::string::npos) << ran.output;
   EXPECT_EQ(ran.output.find('\r'), std::string::npos) << "progress is for terminals";
-  const auto fresh = modal::read_bank(bank), kept = modal::read_bank(kPresets / "banks/wooden-bar.glb");
+  auto fresh = modal::read_bank(bank), kept = modal::read_bank(kPresets / "banks/wooden-bar.glb");
   ASSERT_TRUE(fresh) << fresh.error().message;
   ASSERT_EQ(fresh->mode_count(), kept->mode_count());
+  // The kept one knows what its modes radiate, and has them in the order of that.
+  const double error = std::ranges::max(fresh->frequency_error) + std::ranges::max(kept->frequency_error);
+  std::ranges::sort(fresh->frequency_hz);
+  std::ranges::sort(kept->frequency_hz);
   // gmsh 4.8 made the mesh of the bank that is kept; another version makes another mesh.
   const bool same_mesh = GMSH_API_VERSION_MAJOR == 4 && GMSH_API_VERSION_MINOR == 8;
   for (std::size_t m = 0; m < fresh->mode_count(); ++m) {
-    const double apart = same_mesh ? 1e-5 : fresh->frequency_error.at(m) + kept->frequency_error.at(m);
-    EXPECT_NEAR(fresh->frequency_hz[m] / kept->frequency_hz[m], 1, apart);
+    EXPECT_NEAR(fresh->frequency_hz[m] / kept->frequency_hz[m], 1, same_mesh ? 1e-5 : error);
   }
 }
 
