@@ -7,6 +7,7 @@ FRESH has all modes of the band, KEPT perhaps the most important ones only, whic
 bank with a frequency that FRESH has not within 1e-5, or that is in one of the folders only. Exit code 1 when there is one.
 """
 import json
+import math
 import os
 import struct
 import sys
@@ -14,17 +15,22 @@ import sys
 TOLERANCE = 1e-5  # gmsh puts nodes on curves of booleans a little differently each time: 1.3e-6 of a frequency was seen
 
 
+def numbers(document, binary, accessor):
+    accessor = document["accessors"][accessor]
+    view = document["bufferViews"][accessor["bufferView"]]
+    start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+    return struct.unpack_from(f"<{accessor['count']}f", binary, start)
+
+
 def frequencies(path):
-    """Of a bank, sorted [Hz]."""
+    """Of a bank's modes without damping, which differs with what they radiate; sorted [Hz]."""
     with open(path, "rb") as file:
         data = file.read()
     size = struct.unpack_from("<I", data, 12)[0]
     document, binary = json.loads(data[20 : 20 + size]), data[28 + size :]
     model = document["extensions"]["KHR_audio_rigid_bodies"]["modalModels"][0]
-    accessor = document["accessors"][model["frequencies"]]
-    view = document["bufferViews"][accessor["bufferView"]]
-    start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
-    return sorted(struct.unpack_from(f"<{accessor['count']}f", binary, start))
+    damped, decays = (numbers(document, binary, model[key]) for key in ("frequencies", "decayRates"))
+    return sorted(math.hypot(f, d / (2 * math.pi)) for f, d in zip(damped, decays))
 
 
 def banks_below(folder, flat):

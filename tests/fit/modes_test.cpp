@@ -122,6 +122,8 @@ Rendered render_preset(const std::string& name, const Vec3& place_m, std::size_t
       static_cast<std::size_t>(std::ranges::min_element(bank.positions, {}, distance) - bank.positions.begin());
   const Vec3 impulse{0.3, 0.5, 0.8};
   bank.mass.reset();  // without the click, which is no mode
+  bank.losses.clear();
+  bank.radiation.emplace();
   std::vector<std::pair<double, std::size_t>> order;
   std::vector<Tone> tones(bank.mode_count());
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
@@ -141,6 +143,7 @@ Rendered render_preset(const std::string& name, const Vec3& place_m, std::size_t
     kept.push_back(tones[m]);
     small.frequency_hz.push_back(bank.frequency_hz[m]);
     small.decay_per_s.push_back(bank.decay_per_s[m]);
+    small.radiation->maps.modes.push_back(ringdown::test::even_field(bank.frequency_hz[m]));
     for (std::size_t p = 0; p < bank.point_count(); ++p) small.shapes.push_back(bank.shape(m, p));
   }
   synth::test::Player player(kRate);
