@@ -187,7 +187,7 @@ class GradedRemeshing {
     return std::atan2(ways[0].cross(ways[1]).norm(), -ways[0].dot(ways[1]));
   }
 
-  // Of each face, how far triangles may leave the surface there.
+  // Returns for each face how far triangles may leave the surface there.
   [[nodiscard]] std::vector<double> ways_to_leave(const EdgeLengths& lengths) {
     const SurfaceRays rays(soup_of(mesh_));
     std::vector<double> ways(mesh_.number_of_faces(), std::numeric_limits<double>::max());
@@ -199,8 +199,8 @@ class GradedRemeshing {
     return ways;
   }
 
-  // Those that may have edges `growth` times as long as now. A triangle of edges e on a surface that turns by an angle
-  // along them leaves it by e / 6 times that angle in its middle.
+  // Returns the faces that may have edges `growth` times as long as now. A triangle of edges e on a surface that turns
+  // by an angle along them leaves it by e / 6 times that angle in its middle.
   std::vector<Mesh::Face_index> faces_to_grow(const EdgeLengths& lengths, double level_m, double growth) {
     const std::vector<double> ways = ways_to_leave(lengths);
     const double most_turn = lengths.turn_deg / growth * std::numbers::pi / 180;

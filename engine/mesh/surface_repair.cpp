@@ -314,7 +314,7 @@ class SurfaceRepair {
     drop_scraps(shells, open);
   }
 
-  // Those shells, unless they are too much to be scraps.
+  // Drops the shells that are `scraps`, unless they are too much of the whole to be scraps.
   void drop_scraps(const Shells& shells, const std::vector<bool>& scraps) {
     double all = 0, dropped = 0;
     for (std::size_t s = 0; s < scraps.size(); ++s) {

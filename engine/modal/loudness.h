@@ -4,9 +4,8 @@
 //
 //   maps of radiation   rho omega |F|rms / 1 m: exact as far as the maps are (radiation_map.h)
 //   triangles           rho c sqrt(sigma A / (4 pi)) phi.n rms / 1 m, with sigma = (ka)^2 / (1 + (ka)^2) and a the
-//   radius
-//                       of the disc of area A: what the draft KHR_audio_rigid_bodies asks for. It knows nothing of
-//                       parts of the surface that cancel, so that it overrates thin bodies by tens of dB.
+//                       radius of the disc of area A: what the draft KHR_audio_rigid_bodies asks for. It knows nothing
+//                       of parts of the surface that cancel, so that it overrates thin bodies by tens of dB.
 //   neither             rho omega kUnknownFlow / 1 m: pressure follows acceleration, as from a small source. Shapes of
 //                       recorded banks are made for this (engine/fit), so that such a bank sounds as it was recorded.
 #pragma once

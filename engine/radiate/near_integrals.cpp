@@ -198,7 +198,7 @@ void subtract_middles(const Panels& panels, int x, int y, PairIntegrals& sum) {
   }
 }
 
-// For each node the nodes of triangles near its own, in ascending order.
+// Makes room, for each node, for the nodes of triangles near its own, in ascending order.
 NearIntegrals without_values(const Panels& panels, const std::vector<std::vector<int>>& near_triangles) {
   std::vector<std::vector<int>> own(panels.node_count());
   for (int t = 0; t < panels.triangle_count(); ++t) {

@@ -27,14 +27,15 @@ constexpr double kMostBytes = 3.5 * (1 << 30);  // of all threads' matrices toge
 // when half of the last step is added, no more than half a step is left.
 constexpr double kExtrapolation = 0.5;  // of the step from the coarser skin to the finer
 
-// What is solved at one wavenumber: modes on one skin and the next coarser one, or levels of modes on one skin.
+// A task is what is solved at one wavenumber: modes on one skin and the next coarser one, or levels of modes on one
+// skin.
 struct Task {
   WaveQuestion question;
   int grade = 0;
   bool levels = false;
 };
 
-// What is found for each mode.
+// A finding is what is known of one mode so far.
 struct Finding {
   int grade = 0;  // of the skin on which the mode is solved
   double rms = 0, finer_rms = 0, source_db = 0;

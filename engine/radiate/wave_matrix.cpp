@@ -109,7 +109,7 @@ Block block_of(const Panels& panels, int first) {
   return block;
 }
 
-// What is found between the block's sides and one of the sources'.
+// The kernels of the integrals, between each of the block's sides and one of the sources'.
 struct Kernels {
   Complexes wave;    // G
   Complexes normal;  // k^2 n(x).n(y) G

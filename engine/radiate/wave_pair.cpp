@@ -10,7 +10,7 @@ namespace {
 constexpr int kFewestIterated = 1500;  // unknowns; fewer are eliminated
 constexpr int kMostSteps = 80;
 
-// What the equation is solved for: modes, and after them the sources.
+// The right-hand sides of the equation: modes, and after them the sources.
 Eigen::MatrixXcf flow_for(const WaveQuestion& question, const Skin& skin, bool with_sources) {
   const auto modes = static_cast<Eigen::Index>(question.modes.size());
   const auto sources = with_sources ? static_cast<Eigen::Index>(question.sources.size()) : 0;

@@ -1,4 +1,4 @@
-// What a body radiates at one wavenumber, from a skin and the next coarser one. [worker]
+// Finds what a body radiates at one wavenumber, from a skin and the next coarser one. [worker]
 //
 // The equation is solved on both. The coarser skin's is eliminated, which costs an eighth of what the finer one's
 // would, and serves twice: its solution tells how far the two differ, and its elimination makes the iteration with the

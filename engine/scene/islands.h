@@ -37,7 +37,7 @@ class Islands {
   // The number of contact points of the island that has the most.
   [[nodiscard]] std::size_t most_contacts() const;
 
-  // Whether the body touches only what cannot move, and has no joints.
+  // Returns true where the body touches only what cannot move, and has no joints.
   [[nodiscard]] static bool is_alone(const Collider& body) { return !body.island.has_others && !body.island.exempt; }
 
   // All bodies that are awake, and those they touch.

@@ -65,8 +65,8 @@ class ContactJoints {
   // Stores the solver's impulses in the part's contact points.
   void read_impulses();
 
-  // Whether a joint's body lands in this part in such a way that friction may change the normal impulse: not on a
-  // sphere.
+  // Returns true where a body, which is no sphere, lands in this part in such a way that friction may change the normal
+  // impulse.
   [[nodiscard]] bool lands_aslant() const { return lands_aslant_; }
 
   // Makes all joints of the part anew, with friction bounded by the present impulses: their coefficient times the

@@ -1,6 +1,7 @@
 #include "engine/scene/simulation.h"
 
 #include "engine/scene/ode_contact_joints.h"
+#include "engine/scene/fixed_contacts.h"
 #include "engine/scene/ode_flight_probe.h"
 #include "engine/scene/islands.h"
 #include "engine/scene/ode_joint.h"
@@ -205,8 +206,8 @@ void Simulation::State::find_and_solve() {
   contacts.read_impulses();
 }
 
-// Where few bodies are awake, each of them looks for its contacts by itself, which is cheaper than
-// sorting all bodies.
+// Each body that is awake looks for its contacts by itself where these are few: that is cheaper than sorting all
+// bodies.
 void Simulation::State::find_contacts() {
   const auto awake = std::ranges::count_if(colliders, [](const auto& entry) { return entry.second.awake(); });
   if (static_cast<std::size_t>(awake) * kFewAwake >= colliders.size()) {
@@ -257,12 +258,10 @@ void Simulation::State::solve() {
 // the bounds that follow from the last solution, until they agree with the solution's own impulses. Where they do not
 // come to rest, at a very high friction, ODE's first solution stands.
 void Simulation::State::correct_friction() {
-  constexpr int kMostTries = 12;
-  constexpr double kAgree = 2e-3;
-  for (int round = 0; round < kMostTries; ++round) {
+  for (int round = 0; round < kMaxFrictionRounds; ++round) {
     contacts.read_impulses();
     const double change = contacts.bound_friction();
-    if (change < kAgree) return;
+    if (change < kFrictionAgrees) return;
     restore();
     contacts.push_lone_bodies();
     dWorldStep(world.get(), part_s);

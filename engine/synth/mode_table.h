@@ -98,8 +98,7 @@ class ModeTable {
   std::optional<ClickShape> click_;
   std::vector<std::uint32_t> mode_of_, column_;  // of playable mode i
   std::vector<std::int32_t> column_of_;          // of a mode of the bank; -1 where it is not playable
-  std::vector<double>
-      weight_;  // output per modal velocity: pressure over full scale, the bank's gain, the scale of shapes
+  std::vector<double> weight_;  // output per modal velocity: pressure over full scale, gain, the scale of shapes
   std::vector<double> frequency_hz_;
   std::size_t columns_ = 0, slow_modes_ = 0, slow_groups_ = 0;
   std::size_t rest_frames_ = 0;         // whose advance stands in rest_re and rest_im

@@ -6,30 +6,22 @@ usage: compare_banks.py [--flat] KEPT FRESH
 FRESH has all modes of the band, KEPT perhaps the most important ones only, which depend on what modes radiate. Prints each
 bank with a frequency that FRESH has not within 1e-5, or that is in one of the folders only. Exit code 1 when there is one.
 """
-import json
 import math
 import os
-import struct
+import pathlib
 import sys
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+
+from bank_document import read_bank
 
 TOLERANCE = 1e-5  # gmsh puts nodes on curves of booleans a little differently each time: 1.3e-6 of a frequency was seen
 
 
-def numbers(document, binary, accessor):
-    accessor = document["accessors"][accessor]
-    view = document["bufferViews"][accessor["bufferView"]]
-    start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
-    return struct.unpack_from(f"<{accessor['count']}f", binary, start)
-
-
 def frequencies(path):
     """Of a bank's modes without damping, which differs with what they radiate; sorted [Hz]."""
-    with open(path, "rb") as file:
-        data = file.read()
-    size = struct.unpack_from("<I", data, 12)[0]
-    document, binary = json.loads(data[20 : 20 + size]), data[28 + size :]
-    model = document["extensions"]["KHR_audio_rigid_bodies"]["modalModels"][0]
-    damped, decays = (numbers(document, binary, model[key]) for key in ("frequencies", "decayRates"))
+    model, numbers = read_bank(path)
+    damped, decays = (numbers(model[key]) for key in ("frequencies", "decayRates"))
     return sorted(math.hypot(f, d / (2 * math.pi)) for f, d in zip(damped, decays))
 
 

@@ -12,7 +12,7 @@ namespace {
 
 using namespace ringdown::test;  // NOLINT: the synthetic banks
 
-// A sphere as an octahedron divided four times, whose mode breathes: every point moves outward by 1 kg^-1/2.
+// A sphere of 60 rings with 120 points each, whose mode breathes: every point moves outward by 1 kg^-1/2.
 Bank breathing_sphere(double radius_m, double frequency_hz) {
   Bank bank{.name = "sphere", .frequency_hz = {frequency_hz}, .decay_per_s = {1}};
   constexpr int kRings = 60, kAround = 120;
