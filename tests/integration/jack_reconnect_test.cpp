@@ -71,15 +71,19 @@ TEST_F(JackReconnect, TheDaemonMeetsEightServersAtOtherRatesAndPeriods) {
              connected("ringdown:out_left", "system:playback_2") &&
              connected("ringdown:out_right", "system:playback_2");
     })) << daemon.process().output();
-    const auto now = status(daemon);
-    ASSERT_TRUE(now);
-    EXPECT_EQ(now->sample_rate_hz, rate);
-    EXPECT_EQ(now->block_frames, period);
-    EXPECT_EQ(now->sounding_objects, 1);
-    const DampedSinusoid tone = listen(rate);
-    EXPECT_NEAR(tone.frequency_hz, kPitch_hz, 1e-3 * kPitch_hz) << "retuned to the server's rate";
-    EXPECT_LT(tone.amplitude(), 1.01 * loudness);
-    EXPECT_GT(tone.amplitude(), 0.5 * loudness) << "what was struck once still rings";
+    EXPECT_TRUE(becomes_true([&, rate = rate, period = period] {
+      const auto now = status(daemon);
+      return now && now->sample_rate_hz == rate && now->block_frames == period && now->sounding_objects == 1;
+    })) << "a server of "
+        << rate << " Hz, " << period << " frames";
+    // A busy machine may cost a recording some blocks, so a recording that is wrong is made again.
+    DampedSinusoid tone;
+    EXPECT_TRUE(becomes_true([&, rate = rate] {
+      tone = listen(rate);
+      return std::abs(tone.frequency_hz - kPitch_hz) < 1e-3 * kPitch_hz && tone.amplitude() < 1.01 * loudness &&
+             tone.amplitude() > 0.5 * loudness;
+    })) << "what was struck once still rings, at its pitch: "
+        << tone.frequency_hz << " Hz, amplitude " << tone.amplitude() << " of " << loudness;
     survived += !HasFailure();
   }
   EXPECT_EQ(survived, kLives.size());
