@@ -10,6 +10,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
+#include <deque>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,7 @@ using scene::BodyDescription;
 using scene::BodyId;
 using scene::ContactPoint;
 using scene::Motion;
+using scene::MotionPair;
 using scene::SceneDescription;
 using scene::ShapeType;
 using scene::StaticDescription;
@@ -68,6 +70,7 @@ class ListeningWorld : public btDiscreteDynamicsWorld {
 
   void solveConstraints(btContactSolverInfo& info) override {
     contacts_.clear();
+    motions_.clear();
     points_.clear();
     for (int m = 0; m < getDispatcher()->getNumManifolds(); ++m) {
       btPersistentManifold& manifold = *getDispatcher()->getManifoldByIndexInternal(m);
@@ -99,9 +102,11 @@ class ListeningWorld : public btDiscreteDynamicsWorld {
   // points of bodies that will bounce are removed until they touch.
   void note(const Item& a, const Item& b, btPersistentManifold& manifold) {
     const scene::SurfacePair surface = scene::combine(a.surface, b.surface);
+    const Item &body = a.movable() ? a : b, &other = a.movable() ? b : a;
+    const MotionPair& motions = motions_.emplace_back(MotionPair{body.motion(), other.motion()});
     for (int k = manifold.getNumContacts() - 1; k >= 0; --k) {
       const btManifoldPoint& point = manifold.getContactPoint(k);
-      const bool bounces = contact_of(a, b, point).approach_m_s > bounce_threshold_m_s_;
+      const bool bounces = contact_of(a, b, point, motions).approach_m_s > bounce_threshold_m_s_;
       if (bounces && point.getDistance() > 0) manifold.removeContactPoint(k);
     }
     for (int k = 0; k < manifold.getNumContacts(); ++k) {
@@ -109,26 +114,27 @@ class ListeningWorld : public btDiscreteDynamicsWorld {
       point.m_combinedRestitution = surface.restitution;
       point.m_combinedFriction = surface.friction;
       point.m_combinedRollingFriction = point.m_combinedSpinningFriction = surface.rolling_m;
-      contacts_.push_back(contact_of(a, b, point));
+      contacts_.push_back(contact_of(a, b, point, motions));
       points_.push_back({&point, a.movable() ? 1.0 : -1.0});
     }
   }
 
-  static ContactPoint contact_of(const Item& a, const Item& b, const btManifoldPoint& point) {
+  static ContactPoint contact_of(const Item& a, const Item& b, const btManifoldPoint& point,
+                                 const MotionPair& motions) {
     const bool swap = !a.movable();
     const Item &body = swap ? b : a, &other = swap ? a : b;
     ContactPoint contact{.body = body.id, .other = other.id, .depth_m = std::max(0.0, -point.getDistance())};
     contact.point_m = to_vec3(swap ? point.getPositionWorldOnB() : point.getPositionWorldOnA());
     contact.normal = (swap ? -1 : 1) * to_vec3(point.m_normalWorldOnB);
-    contact.of_body = body.motion();
-    contact.of_other = other.motion();
+    contact.motions = &motions;
     contact.approach_m_s = dot(
-        contact.of_other.velocity_at(contact.point_m) - contact.of_body.velocity_at(contact.point_m), contact.normal);
+        motions.of_other.velocity_at(contact.point_m) - motions.of_body.velocity_at(contact.point_m), contact.normal);
     return contact;
   }
 
   double bounce_threshold_m_s_;
   std::vector<ContactPoint> contacts_;
+  std::deque<MotionPair> motions_;  // of the contacts' pairs
   std::vector<Point> points_;
 };
 
@@ -155,8 +161,7 @@ Result<void> check_abilities(const SceneDescription& scene) {
   if (!scene.emitters.empty())
     return fail(ErrorKind::bad_input, "the scene has emitter " + quote(scene.emitters[0].name) + cannot);
   for (const BodyDescription& body : scene.bodies) {
-    if (body.scatter_m != 0)
-      return fail(ErrorKind::bad_input, "body " + quote(body.name) + " has scatter_m" + cannot);
+    if (body.scatter_m != 0) return fail(ErrorKind::bad_input, "body " + quote(body.name) + " has scatter_m" + cannot);
     if (body.shape.type == ShapeType::trimesh)
       return fail(ErrorKind::bad_input, "body " + quote(body.name) + " is a trimesh" + cannot);
   }

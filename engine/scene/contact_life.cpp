@@ -81,8 +81,7 @@ ContactReport ContactLives::report(BodyPair pair, const Life& life) const {
 // A contact's life ends when it has not been touched for the minimum repeat time, after its end has been reported.
 std::span<const ContactReport> ContactLives::advance(double now_s) {
   reports_.clear();
-  for (auto entry = lives_.begin(); entry != lives_.end();) {
-    auto& [pair, life] = *entry;
+  lives_.erase_if([&](BodyPair pair, Life& life) {
     if (++life.steps >= report_every_) {
       const ContactReport latest = report(pair, life);
       if (!latest.ends || life.reported) reports_.push_back(latest);
@@ -92,9 +91,8 @@ std::span<const ContactReport> ContactLives::advance(double now_s) {
       life.impulse_ns = life.moment = life.over_first_m = life.over_second_m = {};
     }
     life.touched_before = std::exchange(life.touches, false);
-    const bool over = !life.reported && now_s - life.last_contact_s > minimum_repeat_s_;
-    entry = over ? lives_.erase(entry) : std::next(entry);
-  }
+    return !life.reported && now_s - life.last_contact_s > minimum_repeat_s_;
+  });
   return reports_;
 }
 

@@ -11,10 +11,9 @@
 //   for (const ContactReport& report : lives.advance(now_s)) ...
 #pragma once
 
-#include "engine/scene/contact_point.h"
+#include "engine/scene/pair_map.h"
 
 #include <cstdint>
-#include <map>
 #include <span>
 #include <utility>
 #include <vector>
@@ -27,8 +26,6 @@ inline constexpr double kReportEvery_s = 0.004;
 // A contact that slides and rolls more slowly than this rests, and is silent. A contact that sounds keeps sounding down
 // to half of this speed, so that it does not flicker.
 inline constexpr double kMinContactSpeed_m_s = 0.01;
-
-using BodyPair = std::pair<BodyId, BodyId>;  // the smaller number first
 
 // The contact of one pair in one step: all its points together. World axes.
 struct PairContact {
@@ -91,7 +88,7 @@ class ContactLives {
 
   double minimum_repeat_s_, step_s_;
   int report_every_;
-  std::map<BodyPair, Life> lives_;
+  PairMap<Life> lives_;
   std::vector<ContactReport> reports_;
 };
 

@@ -23,17 +23,21 @@ struct Motion {
   [[nodiscard]] Vec3 velocity_at(Vec3 world_m) const { return velocity_m_s + cross(spin_rad_s, world_m - position_m); }
 };
 
+// How two bodies move when they touch; a static's motion is that of the origin at rest.
+struct MotionPair {
+  Motion of_body, of_other;
+};
+
 // One point at which two bodies touched in one step.
 struct ContactPoint {
   BodyId body = 0, other = 0;  // `body` can move; `other` may be a static
   Vec3 point_m;
-  Vec3 normal;              // unit, into `body`
-  double depth_m = 0;       // how far the two overlapped when the contact was found
-  Vec3 impulse_ns;          // received by `body` in this step; `other` received the opposite
-  double approach_m_s = 0;  // speed along the normal at which the two came together just before
-  double found_s = 0;       // when the contact was found, from the beginning of the step
-  Motion of_body,
-      of_other;  // at that time; a static's motion is that of the origin at rest
+  Vec3 normal;                          // unit, into `body`
+  double depth_m = 0;                   // how far the two overlapped when the contact was found
+  Vec3 impulse_ns;                      // received by `body` in this step; `other` received the opposite
+  double approach_m_s = 0;              // speed along the normal at which the two came together just before
+  double found_s = 0;                   // when the contact was found, from the beginning of the step
+  const MotionPair* motions = nullptr;  // at that time; shared by the points of a pair, valid as long as the point
 };
 
 // A body that moved in a step, and its motion at the end of the step.

@@ -6,8 +6,8 @@
 #include "engine/scene/hertz.h"
 #include "engine/synth/event.h"
 
-#include <map>
 #include <optional>
+#include <unordered_map>
 
 namespace ringdown::scene {
 
@@ -21,7 +21,7 @@ struct ContactSide {
 };
 
 // The sides of all bodies and statics in a scene.
-using ContactSides = std::map<BodyId, ContactSide>;
+using ContactSides = std::unordered_map<BodyId, ContactSide>;
 const ContactSide* find(const ContactSides& sides, BodyId id);  // null: none
 
 // A point of the world in the frame of the side's object, whose centre of mass moves by `motion`.

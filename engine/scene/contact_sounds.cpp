@@ -43,8 +43,8 @@ std::optional<PairContact> combine_points(BodyPair pair, std::span<const Contact
     normals = normals + (straight ? force : -force) * point->normal;
   }
   const ContactPoint& last = *points.back();
-  all.first = last.body == pair.first ? last.of_body : last.of_other;
-  all.second = last.body == pair.first ? last.of_other : last.of_body;
+  all.first = last.body == pair.first ? last.motions->of_body : last.motions->of_other;
+  all.second = last.body == pair.first ? last.motions->of_other : last.motions->of_body;
   if (!(weight > 0) || !std::isfinite(weight) || !(length(normals) > 0)) return {};
   all.point_m = (1 / weight) * all.point_m;
   const Vec3 normal = (1 / length(normals)) * normals;
@@ -66,7 +66,7 @@ double contact_time_s(const ContactSide& body, const ContactSide& other, const C
     return inverse_effective_mass(*side.mass, to_matrix(motion.rotation), point.point_m - motion.position_m,
                                   point.normal);
   };
-  const double both = inverse_mass(body, point.of_body) + inverse_mass(other, point.of_other);
+  const double both = inverse_mass(body, point.motions->of_body) + inverse_mass(other, point.motions->of_other);
   const double time_s = hertz_time(both, relative_radius(body.curvature, other.curvature),
                                    contact_modulus(body.elastic, other.elastic), point.approach_m_s);
   return std::min(time_s, range::kContactTime_s.high);
@@ -178,8 +178,8 @@ void ContactSounds::strike(const ContactPoint& point, double now_s, const Timeli
     event.impulse_ns = transpose(to_matrix(motion.rotation)) * impulse_ns;
     events_.push(event);
   };
-  strike_side(*body, point.of_body, point.impulse_ns);
-  strike_side(*other, point.of_other, -1 * point.impulse_ns);
+  strike_side(*body, point.motions->of_body, point.impulse_ns);
+  strike_side(*other, point.motions->of_other, -1 * point.impulse_ns);
 }
 
 // The impulses of all points move the body as a whole at once; the hardest point's contact time is the click's.
@@ -204,8 +204,8 @@ void ContactSounds::click(BodyPair pair, std::span<const ContactPoint* const> po
     events_.push(event);
   };
   const double sign = hardest->body == pair.first ? 1 : -1;
-  click_side(*body, hardest->of_body, sign);
-  click_side(*other, hardest->of_other, -sign);
+  click_side(*body, hardest->motions->of_body, sign);
+  click_side(*other, hardest->motions->of_other, -sign);
 }
 
 }  // namespace ringdown::scene

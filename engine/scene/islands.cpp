@@ -44,12 +44,12 @@ void Islands::merge(Collider& body, Collider& other) {
   root_of(other).island.parent = &root_of(body);
 }
 
-void Islands::open(std::map<BodyId, Collider>& colliders) {
+void Islands::open(std::span<Collider* const> colliders) {
   members_.clear();
   links_.clear();
-  for (auto& [id, collider] : colliders) {
-    collider.island.parent = nullptr;
-    if (collider.awake()) enter(collider);
+  for (Collider* collider : colliders) {
+    collider->island.parent = nullptr;
+    if (collider->awake()) enter(*collider);
   }
 }
 

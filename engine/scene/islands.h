@@ -12,7 +12,6 @@
 
 #include "engine/scene/ode_collider.h"
 
-#include <map>
 #include <span>
 #include <vector>
 
@@ -24,7 +23,7 @@ Collider& island_of(Collider& body);
 class Islands {
  public:
   // Makes an island of every body that is awake.
-  void open(std::map<BodyId, Collider>& colliders);
+  void open(std::span<Collider* const> colliders);
 
   // Unites the islands of two bodies that touch. `pushed_m_s` is the speed at which the solver would push them apart
   // for overlapping too far, which adds energy; `bounces` says whether restitution acts.

@@ -19,11 +19,10 @@ void LastingEvents::add(const ContactReport& report, const ContactSides& sides, 
                         StepEvents& events) {
   const ContactSide *first = find(sides, report.pair.first), *second = find(sides, report.pair.second);
   const synth::Texture texture = first && second ? combine(first->surface, second->surface).texture : synth::Texture{};
-  const auto entry = numbers_.try_emplace(report.pair).first;
-  Numbers& numbers = entry->second;
+  Numbers& numbers = numbers_[report.pair];
   add_half(report, {first, report.first, report.force_n}, numbers.first, texture, frame, events);
   add_half(report, {second, report.second, -1 * report.force_n}, numbers.second, texture, frame, events);
-  if (!numbers.first && !numbers.second) numbers_.erase(entry);
+  if (!numbers.first && !numbers.second) numbers_.erase(report.pair);
 }
 
 void LastingEvents::add_half(const ContactReport& report, const Half& half, std::optional<Number>& number,

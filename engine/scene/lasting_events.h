@@ -34,7 +34,7 @@ class LastingEvents {
   void add(const ContactReport& report, const ContactSides& sides, synth::Frame frame, StepEvents& events);
 
   // Whether no contact waits for its end to be reported.
-  [[nodiscard]] bool empty() const { return numbers_.empty(); }
+  [[nodiscard]] bool empty() const { return numbers_.size() == 0; }
 
  private:
   struct Number {
@@ -53,7 +53,7 @@ class LastingEvents {
                 const synth::Texture& texture, synth::Frame frame, StepEvents& events);
   std::uint32_t take_number(synth::ObjectNumber object);
 
-  std::map<BodyPair, Numbers> numbers_;
+  PairMap<Numbers> numbers_;
   std::map<synth::ObjectNumber, std::vector<bool>> taken_;  // of each object's numbers
 };
 

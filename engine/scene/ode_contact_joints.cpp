@@ -59,7 +59,7 @@ struct ContactJoints::Further {
 
 struct ContactJoints::Touching {
   Collider &body, &other;  // `body` can move
-  Motion of_body, of_other;
+  const MotionPair& motions;
   SurfacePair surface;
 };
 
@@ -80,6 +80,7 @@ ContactJoints::ContactJoints(dxWorld* world, const SceneDescription& scene)
       room_(std::make_unique<Room>()) {
   points_.reserve(kMaxContactsPerStep);
   made_.reserve(kMaxContactsPerStep);
+  motions_.reserve(kMaxContactsPerStep);  // points refer to them
 }
 
 ContactJoints::~ContactJoints() = default;
@@ -87,6 +88,7 @@ ContactJoints::~ContactJoints() = default;
 void ContactJoints::begin_step() {
   points_.clear();
   made_.clear();
+  motions_.clear();
   dropped_ = 0;
 }
 
@@ -94,6 +96,7 @@ void ContactJoints::begin_part(double found_s, double part_s) {
   found_s_ = found_s;
   part_s_ = part_s;
   part_begin_ = points_.size();
+  motions_begin_ = motions_.size();
   bounds_n_.clear();
   lands_aslant_ = false;
   solver_pushes_ = false;
@@ -104,7 +107,8 @@ void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
   Collider* a = static_cast<Collider*>(dGeomGetData(first));
   Collider* b = static_cast<Collider*>(dGeomGetData(second));
   if (!a->awake() && !b->awake()) return;
-  if (points_.size() == kMaxContactsPerStep) {  // a thousand meshes in one place have half a million pairs
+  // A thousand meshes in one place have half a million pairs.
+  if (points_.size() == kMaxContactsPerStep || motions_.size() == kMaxContactsPerStep) {
     ++dropped_;
     return;
   }
@@ -119,21 +123,22 @@ void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
     std::swap(geom.g1, geom.g2);
     return geom;
   };
-  Touching pair{body, other, body.motion(), other.motion(), combine(body.surface, other.surface)};
+  motions_.push_back({body.motion(), other.motion()});
+  Touching pair{body, other, motions_.back(), combine(body.surface, other.surface)};
   pair.surface.restitution *= std::min(body.elasticity, other.elasticity);
+  const std::size_t before = points_.size();
   for (const dContactGeom& geom : points) add(pair, into_body(geom), islands);
   if (pushed_by_ode(body, other)) return;
   for (const dContactGeom& further : found.move) {
     const dContactGeom geom = into_body(further);
     ContactPoint point{body.id, other.id, to_vec3(geom.pos), to_vec3(geom.normal), geom.depth};
-    point.of_body = pair.of_body;
-    point.of_other = pair.of_other;
+    point.motions = &pair.motions;
     further_.push_back({&body, &other, point});
   }
   // Several contact points of bodies with edges resist rolling by themselves.
-  if (points.empty() || (points.size() > 1 && !a->round && !b->round)) return;
+  if (points_.size() == before || (points.size() > 1 && !a->round && !b->round)) return;
   const double limit_nm = pair.surface.rolling_m * loads_.of_n(body.id, other.id);
-  if (limit_nm == 0 || points_.empty()) return;
+  if (limit_nm == 0) return;
   const ContactPoint& last = points_.back();
   resist_rolling(body, other, last.point_m, last.normal, limit_nm, gravity_m_s2_, part_s_);
 }
@@ -164,7 +169,8 @@ void ContactJoints::add(const Touching& pair, const dContactGeom& geom, Islands&
     ++dropped_;
     return;
   }
-  const auto& [body, other, of_body, of_other, surface] = pair;
+  const auto& [body, other, motions, surface] = pair;
+  const auto& [of_body, of_other] = motions;
   const Vec3 point = to_vec3(geom.pos), normal = to_vec3(geom.normal);
   const Vec3 approach = of_other.velocity_at(point) - of_body.velocity_at(point);
   const double approach_m_s = dot(approach, normal);
@@ -181,8 +187,7 @@ void ContactJoints::add(const Touching& pair, const dContactGeom& geom, Islands&
   const double pushed_m_s = push_speed(geom.depth);
   const double leaves_m_s = approach_m_s > bounce_threshold_m_s_ ? landing.bounce * approach_m_s : 0;
   islands.unite(body, other, pushed_m_s > leaves_m_s ? pushed_m_s : 0, leaves_m_s > 0);
-  points_.push_back(
-      {body.id, other.id, point, normal, geom.depth, {}, landing.approach_m_s, found_s_, of_body, of_other});
+  points_.push_back({body.id, other.id, point, normal, geom.depth, {}, landing.approach_m_s, found_s_, &motions});
 }
 
 void ContactJoints::hand_over(bool exact, const Islands& islands) {
@@ -214,7 +219,7 @@ bool ContactJoints::solve_lone_body(Collider& body, std::span<const std::size_t>
   if (points.size() > kMaxFixedContacts) return false;
   std::vector<FixedContact>& contacts = room_->contacts;
   std::vector<Vec3>& impulses_ns = room_->impulses_ns;
-  const Motion& motion = points_[points.front()].of_body;
+  const Motion& motion = points_[points.front()].motions->of_body;
   bool lands = false;
   contacts.resize(points.size());
   for (std::size_t k = 0; k < points.size(); ++k) {
@@ -238,7 +243,7 @@ bool ContactJoints::solve_lone_body(Collider& body, std::span<const std::size_t>
 void ContactJoints::push_lone_bodies() {
   for (const std::size_t k : lone_) {
     const ContactPoint& point = points_[k];
-    made_[k].body->add_force((1 / part_s_) * point.impulse_ns, point.point_m - point.of_body.position_m);
+    made_[k].body->add_force((1 / part_s_) * point.impulse_ns, point.point_m - point.motions->of_body.position_m);
   }
 }
 
@@ -334,6 +339,7 @@ void ContactJoints::undo_part() {
   further_.clear();
   points_.resize(part_begin_);
   made_.resize(part_begin_);
+  motions_.resize(motions_begin_);
   dropped_ = dropped_before_;
 }
 

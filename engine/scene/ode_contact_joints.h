@@ -112,13 +112,14 @@ class ContactJoints {
   std::unique_ptr<dxJointGroup, JointGroupDeleter> joints_;
   std::unique_ptr<Room> room_;
   std::vector<ContactPoint> points_;
-  std::vector<Further> further_;  // contacts of the part that only move bodies apart
+  std::vector<MotionPair> motions_;  // of the pairs of the step that touch
+  std::vector<Further> further_;     // contacts of the part that only move bodies apart
   std::vector<Overlap> overlaps_;
   std::vector<Contact> made_;      // of each contact point
   std::vector<std::size_t> lone_;  // the contact points of the part whose bodies touch only what cannot move
   std::vector<double> bounds_n_;   // of friction in the part, the last ones that bound_friction() has set
   bool lands_aslant_ = false, solver_pushes_ = false;
-  std::size_t part_begin_ = 0, dropped_ = 0, dropped_before_ = 0;
+  std::size_t part_begin_ = 0, motions_begin_ = 0, dropped_ = 0, dropped_before_ = 0;
   SurfacePairs pairs_;
   ContactLoads loads_;  // of the part before
 };

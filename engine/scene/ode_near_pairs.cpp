@@ -19,12 +19,12 @@ bool overlap(const double* a, const double* b) {
 
 }  // namespace
 
-std::span<const NearPairs::Pair> NearPairs::find(std::map<BodyId, Collider>& colliders) {
+std::span<const NearPairs::Pair> NearPairs::find(std::span<Collider* const> colliders) {
   boxes_.clear();
   double sums[3] = {}, squares[3] = {}, count = 0;
-  for (auto& [id, collider] : colliders) {
-    Box& box = boxes_.emplace_back(Box{{}, &collider, id, collider.awake()});
-    dGeomGetAABB(collider.shape.geom.get(), box.range_m);
+  for (Collider* collider : colliders) {
+    Box& box = boxes_.emplace_back(Box{{}, collider, collider->id, collider->awake()});
+    dGeomGetAABB(collider->shape.geom.get(), box.range_m);
     if (!box.awake) continue;
     ++count;
     for (int axis = 0; axis < 3; ++axis) {

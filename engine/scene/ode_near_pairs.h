@@ -5,7 +5,6 @@
 #include "engine/scene/ode_collider.h"
 
 #include <cstdint>
-#include <map>
 #include <span>
 #include <utility>
 #include <vector>
@@ -18,7 +17,7 @@ class NearPairs {
 
   // All pairs of which at least one body is awake, ordered by their numbers, so that the order does not depend on where
   // bodies are. Valid until the next call.
-  std::span<const Pair> find(std::map<BodyId, Collider>& colliders);
+  std::span<const Pair> find(std::span<Collider* const> colliders);
 
  private:
   struct Box {

@@ -95,8 +95,8 @@ void move_apart(std::span<const Overlap> overlaps, const Correction& correction,
   std::vector<Collider*> islands;  // in which some point asks for a way
   const auto wanted_at = [&](const Overlap& overlap) {
     const ContactPoint& point = *overlap.point;
-    of_body.set(*overlap.body, point.of_body);
-    of_other.set(*overlap.other, point.of_other);
+    of_body.set(*overlap.body, point.motions->of_body);
+    of_other.set(*overlap.other, point.motions->of_other);
     return wanted_m(overlap, of_body.point_m(point.point_m) - of_other.point_m(point.point_m), correction);
   };
   const auto islands_of = [](const Overlap& overlap) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 namespace ringdown::scene {
 namespace {
@@ -81,25 +80,21 @@ std::span<const BodyId> RestingContacts::advance(std::span<const MovedBody> move
   for (const MovedBody& one : moved) moved_.push_back(one.id);
   std::ranges::sort(moved_);
   const auto has_moved = [this](BodyId id) { return std::ranges::binary_search(moved_, id); };
-  for (auto entry = lives_.begin(); entry != lives_.end();) {
-    auto& [pair, life] = *entry;
+  lives_.erase_if([&](BodyPair pair, Life& life) {
     const bool sleeps = !life.touches && !has_moved(pair.first) && !has_moved(pair.second);
     if (!sleeps) {
       ++life.steps;
       life.touched += life.touches ? 1 : 0;
       life.touches = false;
     }
-    if (sleeps || life.steps < window_) {
-      ++entry;
-      continue;
-    }
+    if (sleeps || life.steps < window_) return false;
     judge(pair, life);
     const bool over = life.touched == 0;
     life.steps = life.touched = 0;
     life.impulse_ns = 0;
     life.moves = false;
-    entry = over ? lives_.erase(entry) : std::next(entry);
-  }
+    return over;
+  });
   std::ranges::sort(changed_);
   changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
   reported_.swap(changed_);
@@ -108,8 +103,7 @@ std::span<const BodyId> RestingContacts::advance(std::span<const MovedBody> move
 }
 
 void RestingContacts::remove(BodyId id) {
-  std::erase_if(lives_, [&](const auto& entry) {
-    const auto& [pair, life] = entry;
+  lives_.erase_if([&](BodyPair pair, const Life& life) {
     const bool goes = pair.first == id || pair.second == id;
     if (goes && life.reported) note_change(pair);
     return goes;

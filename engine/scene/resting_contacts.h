@@ -13,7 +13,6 @@
 
 #include "engine/scene/contact_life.h"
 
-#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -74,7 +73,7 @@ class RestingContacts {
 
   double step_s_;
   int window_;
-  std::map<BodyPair, Life> lives_;
+  PairMap<Life> lives_;
   std::vector<BodyId> moved_, changed_, reported_;
 };
 

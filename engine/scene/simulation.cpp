@@ -115,6 +115,7 @@ struct Simulation::State {
   void restore();
   [[nodiscard]] double free_flight(double rest_s);
 
+  Collider& add(BodyId id);
   void remove(BodyId gone);
   void note_moved();
   void join(const BodyJoint& joint);
@@ -128,8 +129,9 @@ struct Simulation::State {
   std::unique_ptr<dxWorld, WorldDeleter> world{dWorldCreate()};
   std::unique_ptr<dxSpace, SpaceDeleter> space{dSimpleSpaceCreate(nullptr)};
   ContactJoints contacts;
-  std::map<BodyId, Collider> colliders;  // ordered, so that the same scene is solved in the same order
-  std::vector<Joint> joints;             // declared after the bodies, which must be destroyed last
+  std::map<BodyId, Collider> colliders;
+  std::vector<Collider*> in_order;  // of their numbers, so that the same scene is solved in the same order
+  std::vector<Joint> joints;        // declared after the bodies, which must be destroyed last
   NearPairs near;
   FlightProbe probe;
   Islands islands;
@@ -163,8 +165,8 @@ Simulation::State::State(const SceneDescription& scene)
 // The time until the first of the awake bodies may have reached an obstacle.
 double Simulation::State::free_flight(double rest_s) {
   double free_s = rest_s;
-  for (auto& [id, collider] : colliders) {
-    if (collider.awake()) free_s = std::min(free_s, probe.free_flight(collider, rest_s, space.get()));
+  for (Collider* collider : in_order) {
+    if (collider->awake()) free_s = std::min(free_s, probe.free_flight(*collider, rest_s, space.get()));
   }
   return free_s;
 }
@@ -192,7 +194,7 @@ void Simulation::State::do_part(double found_s, double length_s) {
 }
 
 void Simulation::State::find_and_solve() {
-  islands.open(colliders);
+  islands.open(in_order);
   find_contacts();
   for (const auto& [between, joint] : joints) {
     islands.join(colliders.at(between.body), between.other ? &colliders.at(*between.other) : nullptr);
@@ -209,9 +211,9 @@ void Simulation::State::find_and_solve() {
 // Each body that is awake looks for its contacts by itself where these are few: that is cheaper than sorting all
 // bodies.
 void Simulation::State::find_contacts() {
-  const auto awake = std::ranges::count_if(colliders, [](const auto& entry) { return entry.second.awake(); });
-  if (static_cast<std::size_t>(awake) * kFewAwake >= colliders.size()) {
-    for (const auto& [one, two] : near.find(colliders)) {
+  const auto awake = std::ranges::count_if(in_order, &Collider::awake);
+  if (static_cast<std::size_t>(awake) * kFewAwake >= in_order.size()) {
+    for (const auto& [one, two] : near.find(in_order)) {
       contacts.collide(one->shape.geom.get(), two->shape.geom.get(), islands);
     }
     return;
@@ -220,10 +222,10 @@ void Simulation::State::find_contacts() {
     State* state;
     Collider* from;
   };
-  for (auto& [id, collider] : colliders) {
-    if (!collider.awake()) continue;
-    Look look{this, &collider};
-    dSpaceCollide2(collider.shape.geom.get(), reinterpret_cast<dxGeom*>(space.get()), &look,
+  for (Collider* collider : in_order) {
+    if (!collider->awake()) continue;
+    Look look{this, collider};
+    dSpaceCollide2(collider->shape.geom.get(), reinterpret_cast<dxGeom*>(space.get()), &look,
                    [](void* data, dxGeom* one, dxGeom* two) {
                      const Look& l = *static_cast<Look*>(data);
                      const Collider* a = static_cast<const Collider*>(dGeomGetData(one));
@@ -297,10 +299,17 @@ std::vector<BodyJoint> Simulation::State::joints_of(BodyId id) const {
 void Simulation::State::note_moved() {
   moved.clear();
   asleep = true;
-  for (auto& [id, collider] : colliders) {
-    if (collider.was_awake) moved.push_back({id, collider.motion()});
-    if (collider.awake()) asleep = false;
+  for (const Collider* collider : in_order) {
+    if (collider->was_awake) moved.push_back({collider->id, collider->motion()});
+    if (collider->awake()) asleep = false;
   }
+}
+
+Collider& Simulation::State::add(BodyId id) {
+  Collider& collider = colliders[id];
+  collider.id = id;
+  in_order.insert(std::ranges::lower_bound(in_order, id, {}, &Collider::id), &collider);
+  return collider;
 }
 
 // Removes a body with its joints, and wakes all others: what rested on it must fall.
@@ -308,11 +317,12 @@ void Simulation::State::remove(BodyId gone) {
   if (!colliders.contains(gone)) return;
   std::erase_if(joints,
                 [gone](const Joint& joint) { return joint.between.body == gone || joint.between.other == gone; });
+  std::erase(in_order, &colliders.at(gone));
   colliders.erase(gone);
   contacts.forget(gone);
   asleep = false;
-  for (auto& [id, collider] : colliders) {
-    if (collider.movable()) dBodyEnable(collider.body.get());
+  for (Collider* collider : in_order) {
+    if (collider->movable()) dBodyEnable(collider->body.get());
   }
 }
 
@@ -328,8 +338,7 @@ Simulation::~Simulation() {
 
 void Simulation::add_static(BodyId id, const StaticDescription& description) {
   const OdeLock lock;
-  Collider& collider = state_->colliders[id];
-  collider.id = id;
+  Collider& collider = state_->add(id);
   collider.surface = description.surface;
   collider.half_thickness_m = half_thickness(description);
   collider.shape = make_static(state_->space.get(), description);
@@ -341,8 +350,7 @@ void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, c
   const OdeLock lock;
   const std::vector<BodyJoint> kept = state_->joints_of(id);
   state_->remove(id);
-  Collider& collider = state_->colliders[id];
-  collider.id = id;
+  Collider& collider = state_->add(id);
   collider.surface = surface;
   collider.half_thickness_m = half_thickness(solid.shape);
   collider.outer_radius_m = outer_radius(solid.shape);
@@ -382,7 +390,7 @@ std::span<const ContactPoint> Simulation::step() {
   const OdeLock lock;
   State& state = *state_;
   state.contacts.begin_step();
-  for (auto& [id, collider] : state.colliders) collider.was_awake = collider.awake();
+  for (Collider* collider : state.in_order) collider->was_awake = collider->awake();
   double done_s = 0;
   for (int k = 1; done_s < state.step_s; ++k) {
     const double rest_s = state.step_s - done_s;
