@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -23,14 +25,12 @@ constexpr int kMostForShapes = 3000;  // unknowns of a skin that a pattern asks 
 constexpr double kCoarser = std::numbers::sqrt2;
 constexpr int kMostRounds = 4;                  // of solving what missed on finer skins
 constexpr double kMostBytes = 3.5 * (1 << 30);  // of all threads' matrices together
-// The power's error falls with the square of the side or faster, and so halves or better from one grade to the next:
-// when half of the last step is added, no more than half a step is left.
-constexpr double kExtrapolation = 0.5;  // of the step from the coarser skin to the finer
+constexpr double kSharedSpan = 0.5;  // of k times the body's radius, in which one elimination preconditions all
 
-// A task is what is solved at one wavenumber: modes on one skin and the next coarser one, or levels of modes on one
-// skin.
+// A task is what one thread solves: modes at wavenumbers close to each other, in descending order, on one skin and the
+// next coarser one, or levels of modes at one wavenumber on one skin.
 struct Task {
-  WaveQuestion question;
+  std::vector<WaveQuestion> questions;
   int grade = 0;
   bool levels = false;
 };
@@ -62,7 +62,9 @@ class Solver {
     std::vector<int> wanted(modes_);
     std::iota(wanted.begin(), wanted.end(), 0);
     for (int round = 0; round < kMostRounds && !wanted.empty(); ++round) {
-      if (const auto done = run(tasks_for(wanted, round == 0), round); !done) return fail(done.error());
+      std::vector<Task> tasks = tasks_for(wanted);
+      if (round == 0) add_levels_to(tasks);
+      if (const auto done = run(tasks, round); !done) return fail(done.error());
       std::erase_if(wanted, [&](int m) { return !misses(report_of(m)) || !may_be_finer(found_[m].grade); });
       for (const int m : wanted) ++found_[m].grade;
     }
@@ -116,15 +118,14 @@ class Solver {
     return {};
   }
 
-  [[nodiscard]] Task task(double k, int grade, std::vector<int> modes) const {
+  [[nodiscard]] WaveQuestion question(double k, std::vector<int> modes) const {
     return {
-        {.wavenumber_rad_m = k, .modes = std::move(modes), .sources = places_, .origin = origin_, .radius_m = radius_},
-        grade};
+        .wavenumber_rad_m = k, .modes = std::move(modes), .sources = places_, .origin = origin_, .radius_m = radius_};
   }
 
   // The modes by skins and wavenumbers, the finest skins first, so that no thread begins the longest task when the
   // others end.
-  [[nodiscard]] std::vector<Task> tasks_for(std::vector<int> order, bool with_levels) const {
+  [[nodiscard]] std::vector<Task> tasks_for(std::vector<int> order) const {
     std::sort(order.begin(), order.end(), [&](int a, int b) {
       return std::pair(found_[a].grade, wavenumber(a)) > std::pair(found_[b].grade, wavenumber(b));
     });
@@ -140,9 +141,11 @@ class Solver {
         sum += wavenumber(order[first]);
       }
       const double mean = sum / static_cast<double>(modes.size());
-      tasks.push_back(task(mean, grade, std::move(modes)));
+      const bool joins = !tasks.empty() && tasks.back().grade == grade &&
+                         (tasks.back().questions.front().wavenumber_rad_m - mean) * radius_ <= kSharedSpan;
+      if (!joins) tasks.push_back({.questions = {}, .grade = grade});
+      tasks.back().questions.push_back(question(mean, std::move(modes)));
     }
-    if (with_levels) add_levels_to(tasks);
     return tasks;
   }
 
@@ -163,77 +166,124 @@ class Solver {
         if (std::abs(std::log2(wavenumber(m) / k)) <= options_.range_octaves + 0.5) modes.push_back(m);
       }
       if (modes.empty()) continue;
-      tasks.push_back(task(k, grade_for(1.5 * side_for_wave(k), finest), std::move(modes)));
-      tasks.back().levels = true;
+      tasks.push_back({.questions = {question(k, std::move(modes))},
+                       .grade = grade_for(1.5 * side_for_wave(k), finest),
+                       .levels = true});
     }
   }
 
-  // Skins and pairs are made before the threads begin, which share them.
-  Result<void> prepare(const std::vector<Task>& tasks) {
+  // Skins are made before the threads begin, which share them.
+  Result<void> prepare(std::span<const Task> tasks) {
     for (const Task& task : tasks) {
       for (const int grade : {task.grade, task.grade - 1}) {
         if (const auto made = make_skin(grade); !made) return fail(made.error());
       }
-      if (!pairs_.contains(task.grade)) {
-        pairs_.emplace(task.grade, pair_of(skins_.at(task.grade), skins_.at(task.grade - 1)));
+      if (!task.levels && !continuations_.contains(task.grade)) {
+        continuations_.emplace(task.grade, continuation_of(skins_.at(task.grade), skins_.at(task.grade - 1)));
       }
     }
     return {};
   }
 
-  Result<void> run(const std::vector<Task>& tasks, int round) {
+  // The tasks from the first on whose matrices come from one band; for levels, all.
+  static std::span<const Task> band_of(std::span<const Task> tasks) {
+    const Task& first = tasks.front();
+    const double lowest = first.questions.front().wavenumber_rad_m / kWidestBand;
+    const auto end = std::find_if(tasks.begin(), tasks.end(), [&](const Task& task) {
+      return task.levels != first.levels ||
+             (!task.levels && (task.grade != first.grade || task.questions.back().wavenumber_rad_m < lowest));
+    });
+    return tasks.first(std::max<std::size_t>(1, end - tasks.begin()));
+  }
+
+  Result<void> run(std::span<const Task> tasks, int round) {
     if (const auto prepared = prepare(tasks); !prepared) return fail(prepared.error());
-    const int largest = skins_.at(tasks.front().grade).panels.node_count();
-    const int threads = std::clamp(static_cast<int>(kMostBytes / wave_memory_bytes(largest)), 1,
-                                   std::min(thread_count(options_.threads), static_cast<int>(tasks.size())));
+    double all = 0;
+    for (const Task& task : tasks) all += cost_of(task);
+    double done = 0;
+    while (!tasks.empty()) {
+      const auto own = band_of(tasks);
+      const auto progress = [&](const Task& task) {
+        done += cost_of(task);
+        return go_on("radiation", (round + done / all) / kMostRounds);
+      };
+      if (!run_band(own, progress)) return fail_cancelled();
+      tasks = tasks.subspan(own.size());
+    }
+    return {};
+  }
+
+  static double cost_of(const Task& task) {
+    return std::exp2(2 * task.grade) * static_cast<double>(task.questions.size());
+  }
+
+  // How many threads there is memory for.
+  [[nodiscard]] int threads_for(int nodes, double shared_bytes) const {
+    return std::clamp(static_cast<int>((kMostBytes - shared_bytes) / wave_memory_bytes(nodes)), 1,
+                      thread_count(options_.threads));
+  }
+
+  // False when progress says so.
+  bool run_band(std::span<const Task> tasks, const std::function<bool(const Task&)>& progress) {
+    const Task& first = tasks.front();
+    const Skin& skin = skins_.at(first.grade);
+    const int nodes = skin.panels.node_count();
+    const int threads = threads_for(nodes, first.levels ? 0 : band_memory_bytes(nodes));
+    std::optional<BandPair> bands;
+    if (!first.levels) {
+      const double highest = first.questions.front().wavenumber_rad_m,
+                   lowest = tasks.back().questions.back().wavenumber_rad_m;
+      int wavenumbers = 0;
+      for (const Task& task : tasks) wavenumbers += static_cast<int>(task.questions.size());
+      bands.emplace(WaveBand(skin, lowest, highest, wavenumbers, threads),
+                    WaveBand(skins_.at(first.grade - 1), lowest, highest, wavenumbers, threads),
+                    continuations_.at(first.grade));
+    }
     std::atomic<std::size_t> next{0};
     std::atomic<bool> stop{false};
     std::mutex mutex;
-    double done = 0, all = 0;
-    const auto cost = [&](const Task& task) { return std::exp2(2 * task.grade); };
-    for (const Task& task : tasks) all += cost(task);
-    in_parallel(threads, [&](int) {
+    in_parallel(std::min(threads, static_cast<int>(tasks.size())), [&](int) {
       WaveMemory memory;
       for (std::size_t t = next++; t < tasks.size() && !stop; t = next++) {
         const Task& task = tasks[t];
         if (task.levels) {
-          const Eigen::MatrixXcd harmonics = answer_on(task.question, skins_.at(task.grade), memory);
+          const Eigen::VectorXd rms = rms_on(task.questions[0], skins_.at(task.grade), memory);
           const std::lock_guard lock(mutex);
-          keep_levels(task.question, harmonics);
-        } else if (const auto found = answer(task.question, pairs_.at(task.grade), memory, [&] { return !stop; })) {
-          keep(task.question, *found);
+          keep_levels(task.questions[0], rms);
+        } else {
+          answer(
+              task.questions, *bands, memory, [&] { return !stop; },
+              [&](const WaveQuestion& question, const WaveAnswer& found) { keep(question, found); });
         }
         const std::lock_guard lock(mutex);
-        done += cost(task);
-        if (!go_on("radiation", (round + done / all) / kMostRounds)) stop = true;
+        if (!progress(task)) stop = true;
       }
     });
-    if (stop) return fail_cancelled();
-    return {};
+    return !stop;
   }
 
-  static double rms_of(const Eigen::VectorXcd& harmonics) { return harmonics.norm() / std::sqrt(4 * std::numbers::pi); }
-
-  // Each task writes for modes of its own.
+  // Each task writes for modes of its own. Where the degree of the harmonics is at its limit, what they leave out is
+  // made up for by the others.
   void keep(const WaveQuestion& question, const WaveAnswer& answer) {
     for (std::size_t i = 0; i < question.modes.size(); ++i) {
       const int m = question.modes[i];
       const auto column = static_cast<Eigen::Index>(i);
-      const Eigen::VectorXcd finer = answer.fine.col(column);
-      const Eigen::VectorXcd values = finer + kExtrapolation * (finer - answer.coarse.col(column));
+      Eigen::VectorXcd values = answer.harmonics.col(column);
+      const double rms = values.norm() / std::sqrt(4 * std::numbers::pi);
+      if (rms > 0) values *= answer.rms[column] / rms;
       Finding& found = found_[m];
-      found.rms = rms_of(values);
-      found.finer_rms = rms_of(finer);
+      found.rms = answer.rms[column];
+      found.finer_rms = answer.finer_rms[column];
       found.source_db = answer.source_db;
       found.field.wavenumber_rad_m = wavenumber(m);
       found.field.terms = modal::terms_of(std::span(values.data(), values.size()), kSmallestTerm);
     }
     if (answer.eliminated) ++eliminations_;
   }
-  void keep_levels(const WaveQuestion& question, const Eigen::MatrixXcd& harmonics) {
+  void keep_levels(const WaveQuestion& question, const Eigen::VectorXd& rms) {
     for (std::size_t i = 0; i < question.modes.size(); ++i) {
-      levels_[question.modes[i]].push_back({static_cast<float>(question.wavenumber_rad_m),
-                                            static_cast<float>(rms_of(harmonics.col(static_cast<Eigen::Index>(i))))});
+      levels_[question.modes[i]].push_back(
+          {static_cast<float>(question.wavenumber_rad_m), static_cast<float>(rms[static_cast<Eigen::Index>(i)])});
     }
   }
 
@@ -307,7 +357,7 @@ class Solver {
   double radius_ = 0;
   std::vector<Eigen::Vector3d> places_;
   std::map<int, Skin> skins_;                                // by grade
-  std::map<int, SkinPair> pairs_;                            // by the finer skin's grade
+  std::map<int, Continuation> continuations_;                // by the finer skin's grade
   std::vector<Finding> found_;                               // M
   std::vector<std::vector<modal::FarField::Level>> levels_;  // M
   std::atomic<int> eliminations_{0};

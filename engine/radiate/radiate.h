@@ -55,7 +55,7 @@ struct Radiation {
 
 // Fails when the surface is not closed or turned inside out, when sizes do not agree (bad_input), when memory does not
 // suffice (no_memory), or with ErrorKind::cancelled. A mode that cannot be resolved by `most_unknowns` is no failure:
-// its error and reason say so. About 2 minutes of one core for a bell of 30 cm up to 12 kHz.
+// its error and reason say so. About a minute of one core for a bell of 30 cm up to 12 kHz.
 Result<Radiation> solve(const Body& body, const modal::Air& air, const Options& options = {});
 
 }  // namespace ringdown::radiate

@@ -175,6 +175,14 @@ Result<Skin> skin_of(const Original& original, double side_m) {
   return skin;
 }
 
+Eigen::VectorXf node_areas(const Panels& panels) {
+  Eigen::VectorXf areas = Eigen::VectorXf::Zero(panels.node_count());
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    for (const int n : panels.corners[t]) areas[n] += static_cast<float>(panels.areas[t] / 3);
+  }
+  return areas;
+}
+
 std::vector<double> coupling_of(const Skin& skin, double wavenumber_rad_m) {
   std::vector<double> coupling;
   for (const double thickness : skin.thickness_m) {
@@ -186,11 +194,7 @@ std::vector<double> coupling_of(const Skin& skin, double wavenumber_rad_m) {
 std::vector<double> shape_wavenumbers(const Skin& skin) {
   const Panels& panels = skin.panels;
   const Eigen::Index modes = skin.flow.cols();
-  Eigen::VectorXf mass = Eigen::VectorXf::Zero(panels.node_count());
-  for (int t = 0; t < panels.triangle_count(); ++t) {
-    for (const int n : panels.corners[t]) mass[n] += static_cast<float>(panels.areas[t] / 3);
-  }
-  const Eigen::MatrixXf motion = mass.cwiseInverse().asDiagonal() * skin.flow;  // V x M
+  const Eigen::MatrixXf motion = node_areas(panels).cwiseInverse().asDiagonal() * skin.flow;  // V x M
   const std::vector<bool> smooth = smooth_nodes(panels, node_normals(panels));
   Eigen::VectorXd slopes = Eigen::VectorXd::Zero(modes), squares = slopes;
   for (int t = 0; t < panels.triangle_count(); ++t) {

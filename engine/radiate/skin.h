@@ -45,6 +45,9 @@ Result<Skin> skin_of(const Original& original, double side_m);
 // At each node the mean of the normals of its triangles, weighted by their areas.
 std::vector<Eigen::Vector3d> node_normals(const Panels& panels);
 
+// A third of the area of the triangles around each node.
+Eigen::VectorXf node_areas(const Panels& panels);
+
 // The coupling of the two layers at each node: eta = k min(1, k thickness). A bulky body has the combined layer with
 // eta = k; where a wall is thin beside the wave the simple layer fades out and the double layer alone is left.
 std::vector<double> coupling_of(const Skin& skin, double wavenumber_rad_m);

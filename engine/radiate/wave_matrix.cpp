@@ -1,8 +1,10 @@
 #include "engine/radiate/wave_matrix.h"
 
+#include "engine/base/in_parallel.h"
 #include "engine/radiate/lanes.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -257,7 +259,7 @@ void add_jump(const Panels& panels, const std::vector<double>& coupling, Complex
 // component of the curl and one for the normals; then what the sums give to the rows of the four nodes at each of the
 // sixteen, sixteen columns at a time.
 void wave_matrix(const Panels& panels, const NearIntegrals& near, double wavenumber_rad_m,
-                 const std::vector<double>& coupling, ComplexMatrix& matrix) {
+                 const std::vector<double>& coupling, ComplexMatrix& matrix, int threads) {
   const int nodes = panels.node_count();
   matrix.setZero(nodes, nodes);
   const Eigen::Vector3d center = panels.nodes.colwise().mean().transpose();
@@ -267,13 +269,17 @@ void wave_matrix(const Panels& panels, const NearIntegrals& near, double wavenum
   for (int first = 0; first < centered.side_count(); first += kLanes) blocks.push_back(block_of(centered, first));
   const std::vector<float> eta(coupling.begin(), coupling.end());
   const bool slopes = std::any_of(eta.begin(), eta.end(), [](float value) { return value != 0; });
-  Tile tile;
-  std::vector<Kernels> kernels;
-  for (const Sources& sources : sources_of(centered)) {
-    kernels.resize(sources.places.size());
-    add_columns(blocks, sources, nodes, static_cast<float>(wavenumber_rad_m), eta.data(), slopes, kernels.data(), tile,
-                reinterpret_cast<float*>(matrix.data()));
-  }
+  const std::vector<Sources> all = sources_of(centered);
+  std::atomic<std::size_t> next{0};
+  in_parallel(threads, [&](int) {  // each writes to columns of its own
+    Tile tile;
+    std::vector<Kernels> kernels;
+    for (std::size_t s = next++; s < all.size(); s = next++) {
+      kernels.resize(all[s].places.size());
+      add_columns(blocks, all[s], nodes, static_cast<float>(wavenumber_rad_m), eta.data(), slopes, kernels.data(), tile,
+                  reinterpret_cast<float*>(matrix.data()));
+    }
+  });
   add_near(near, wavenumber_rad_m, coupling, matrix);
   add_jump(panels, coupling, matrix);
 }

@@ -1,37 +1,42 @@
-// Finds what a body radiates at one wavenumber, from a skin and the next coarser one. [worker]
+// Finds what a body radiates at a few wavenumbers close to each other, from a skin and the next coarser one. [worker]
 //
-// The equation is solved on both. The coarser skin's is eliminated, which costs an eighth of what the finer one's
-// would, and serves twice: its solution tells how far the two differ, and its elimination makes the iteration with the
-// finer matrix short.
+// The equation is solved on both: the two solutions tell how far they differ. The coarser skin's matrix is eliminated
+// at the middle of the wavenumbers, which costs an eighth of what the finer one's would, and makes all iterations
+// short.
 #pragma once
 
 #include "engine/radiate/far_field.h"
 #include "engine/radiate/skin.h"
+#include "engine/radiate/wave_band.h"
 #include "engine/radiate/wave_solver.h"
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
 #include <functional>
-#include <optional>
 #include <vector>
 
 namespace ringdown::radiate {
 
-// Two skins, and how a layer on the coarser one continues on the finer.
-struct SkinPair {
-  const Skin* fine = nullptr;
-  const Skin* coarse = nullptr;
-  Eigen::SparseMatrix<float, Eigen::RowMajor> continuation;  // V fine x V coarse
+// How a layer on the coarser skin continues on the finer, and how a flow does, given as integrals over hat functions.
+struct Continuation {
+  Eigen::SparseMatrix<float, Eigen::RowMajor> layer, flow;  // V fine x V coarse
 };
-SkinPair pair_of(const Skin& fine, const Skin& coarse);
+Continuation continuation_of(const Skin& fine, const Skin& coarse);
+
+// Two skins' matrices in a band of wavenumbers.
+struct BandPair {
+  WaveBand fine, coarse;
+  const Continuation& continuation;
+};
 
 // Memory of one thread, used for one wavenumber after the other.
 struct WaveMemory {
-  ComplexMatrix fine, coarse;
+  ComplexMatrix fine, coarse, factors;
 };
-// Bytes that a thread needs for a skin of so many nodes and the coarser one.
+// Bytes for a skin of so many nodes and the coarser one: what each thread needs, and what the threads share in a band.
 double wave_memory_bytes(int nodes);
+double band_memory_bytes(int nodes);
 
 struct WaveQuestion {
   double wavenumber_rad_m = 0;
@@ -42,16 +47,18 @@ struct WaveQuestion {
 };
 
 struct WaveAnswer {
-  Eigen::MatrixXcd fine, coarse;  // coefficients of harmonics, (degree + 1)^2 x M
-  double source_db = 0;           // error of the power of the worst source, on the finer skin
-  bool eliminated = false;        // the iteration with the finer matrix did not converge
+  Eigen::MatrixXcd harmonics;      // coefficients, (degree + 1)^2 x M, extrapolated to ever finer skins
+  Eigen::VectorXd rms, finer_rms;  // M, over all directions: extrapolated, and on the finer skin
+  double source_db = 0;            // error of the power of the worst source, on the finer skin
+  bool eliminated = false;         // the iteration with the finer matrix did not converge
 };
 
-// Nothing when `go_on` returns false.
-std::optional<WaveAnswer> answer(const WaveQuestion& question, const SkinPair& skins, WaveMemory& memory,
-                                 const std::function<bool()>& go_on);
+// Answers the questions one by one. False when `go_on` returned false.
+bool answer(const std::vector<WaveQuestion>& questions, const BandPair& bands, WaveMemory& memory,
+            const std::function<bool()>& go_on,
+            const std::function<void(const WaveQuestion&, const WaveAnswer&)>& keep);
 
-// On one skin alone, by elimination: coefficients of harmonics.
-Eigen::MatrixXcd answer_on(const WaveQuestion& question, const Skin& skin, WaveMemory& memory);
+// On one skin alone, by elimination: rms over all directions of each mode, good to 0.2 dB where directions are many.
+Eigen::VectorXd rms_on(const WaveQuestion& question, const Skin& skin, WaveMemory& memory);
 
 }  // namespace ringdown::radiate

@@ -1,7 +1,11 @@
 #include "engine/radiate/wave_solver.h"
 
+#include "engine/radiate/lanes.h"
+
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstring>
 #include <utility>
 
 extern "C" {
@@ -83,6 +87,106 @@ Eigen::MatrixXcf Elimination::solve(Eigen::MatrixXcf right) const {
   return right;
 }
 
+namespace {
+
+// Complex numbers as pairs of floats: once as they are with the imaginary parts negated, whose product with a row, pair
+// by pair, sums up to the real part of the complex product, and once with the parts exchanged, for the imaginary part.
+struct Columns {
+  std::vector<float> real, imaginary;
+};
+
+Columns columns_of(const Eigen::MatrixXcf& matrix, Eigen::Index stride) {
+  Columns columns{std::vector<float>(matrix.cols() * stride, 0.0F), std::vector<float>(matrix.cols() * stride, 0.0F)};
+  for (Eigen::Index c = 0; c < matrix.cols(); ++c) {
+    for (Eigen::Index n = 0; n < matrix.rows(); ++n) {
+      const std::complex<float> value = matrix(n, c);
+      const Eigen::Index at = c * stride + 2 * n;
+      columns.real[at] = value.real();
+      columns.real[at + 1] = -value.imag();
+      columns.imaginary[at] = value.imag();
+      columns.imaginary[at + 1] = value.real();
+    }
+  }
+  return columns;
+}
+
+// Two rows of the matrix times `count` columns.
+template <int count>
+[[gnu::always_inline]] inline void multiply_rows(const float* first, const float* second, Eigen::Index floats,
+                                                 const float* real, const float* imaginary, Eigen::Index stride,
+                                                 std::complex<float>* out, Eigen::Index out_stride, bool both) {
+  Lanes sums[2][2][count]{};
+  for (Eigen::Index at = 0; at < floats; at += kLanes) {
+    Lanes a{}, b{};
+    const std::size_t size = sizeof(float) * std::min<Eigen::Index>(kLanes, floats - at);
+    if (size == sizeof a) {
+      std::memcpy(&a, first + at, sizeof a);
+      std::memcpy(&b, second + at, sizeof b);
+    } else {
+      std::memcpy(&a, first + at, size);
+      std::memcpy(&b, second + at, size);
+    }
+    for (int c = 0; c < count; ++c) {
+      Lanes re, im;
+      std::memcpy(&re, real + c * stride + at, sizeof re);
+      std::memcpy(&im, imaginary + c * stride + at, sizeof im);
+      sums[0][0][c] += a * re;
+      sums[0][1][c] += a * im;
+      sums[1][0][c] += b * re;
+      sums[1][1][c] += b * im;
+    }
+  }
+  for (int c = 0; c < count; ++c) {
+    for (int row = 0; row < (both ? 2 : 1); ++row) {
+      float re = 0, im = 0;
+      for (int lane = 0; lane < kLanes; ++lane) {
+        re += sums[row][0][c][lane];
+        im += sums[row][1][c][lane];
+      }
+      out[c * out_stride + row] = {re, im};
+    }
+  }
+}
+
+RINGDOWN_CLONES
+void multiply_all(const float* matrix, Eigen::Index nodes, const float* real, const float* imaginary,
+                  Eigen::Index stride, int count, std::complex<float>* out) {
+  for (Eigen::Index row = 0; row < nodes; row += 2) {
+    const bool both = row + 1 < nodes;
+    const float *const first = matrix + 2 * nodes * row, *const second = both ? first + 2 * nodes : first;
+    switch (count) {
+      case 1:
+        multiply_rows<1>(first, second, 2 * nodes, real, imaginary, stride, out + row, nodes, both);
+        break;
+      case 2:
+        multiply_rows<2>(first, second, 2 * nodes, real, imaginary, stride, out + row, nodes, both);
+        break;
+      case 3:
+        multiply_rows<3>(first, second, 2 * nodes, real, imaginary, stride, out + row, nodes, both);
+        break;
+      default:
+        multiply_rows<4>(first, second, 2 * nodes, real, imaginary, stride, out + row, nodes, both);
+        break;
+    }
+  }
+}
+
+}  // namespace
+
+// The matrix is read once for four columns, which is what the time goes into.
+Eigen::MatrixXcf multiply(const ComplexMatrix& matrix, const Eigen::MatrixXcf& columns) {
+  constexpr int kAtOnce = 4;
+  const Eigen::Index nodes = matrix.rows(), stride = (2 * nodes + kLanes - 1) / kLanes * kLanes;
+  const Columns parts = columns_of(columns, stride);
+  Eigen::MatrixXcf product(nodes, columns.cols());
+  for (Eigen::Index c = 0; c < columns.cols(); c += kAtOnce) {
+    const int count = static_cast<int>(std::min<Eigen::Index>(kAtOnce, columns.cols() - c));
+    multiply_all(reinterpret_cast<const float*>(matrix.data()), nodes, parts.real.data() + c * stride,
+                 parts.imaginary.data() + c * stride, stride, count, product.col(c).data());
+  }
+  return product;
+}
+
 Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& flow, const Preconditioner& precondition,
                          int most_steps, const std::function<bool()>& go_on) {
   const Eigen::MatrixXcf right = precondition(flow);
@@ -97,7 +201,7 @@ Eigen::MatrixXcf iterate(const ComplexMatrix& matrix, const Eigen::MatrixXcf& fl
     if (step == most_steps || !go_on()) return {};
     Eigen::MatrixXcf last(flow.rows(), static_cast<Eigen::Index>(active.size()));
     for (Eigen::Index a = 0; a < last.cols(); ++a) last.col(a) = columns[active[a]].basis.back();
-    const Eigen::MatrixXcf next = precondition(matrix * last);
+    const Eigen::MatrixXcf next = precondition(multiply(matrix, last));
     for (Eigen::Index a = 0; a < last.cols(); ++a) columns[active[a]].take(next.col(a));
   }
   Eigen::MatrixXcf layers(flow.rows(), flow.cols());

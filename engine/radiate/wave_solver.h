@@ -23,6 +23,9 @@ class Elimination {
   std::vector<int> pivots_;
 };
 
+// The square matrix times a few columns.
+Eigen::MatrixXcf multiply(const ComplexMatrix& matrix, const Eigen::MatrixXcf& columns);
+
 inline constexpr double kResidual = 3e-5;  // relative, of the preconditioned equation
 
 // The layers (V x M) for given flows, by GMRES to a residual of kResidual. All right-hand sides are advanced in step,

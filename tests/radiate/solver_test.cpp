@@ -1,5 +1,7 @@
 // What the solver promises beside physics: flow is kept, threads do not matter, broken input is refused.
 #include "engine/radiate/skin.h"
+#include "engine/radiate/wave_band.h"
+#include "engine/radiate/wave_solver.h"
 #include "tests/radiate/shapes.h"
 
 #include <gtest/gtest.h>
@@ -43,6 +45,34 @@ TEST(Radiation, DoesNotDependOnTheNumberOfThreads) {
   ASSERT_TRUE(one && two);
   for (std::size_t m = 0; m < 4; ++m) EXPECT_EQ(one->modes[m].power_w, two->modes[m].power_w);
   EXPECT_EQ(modal::pack(one->maps).bytes, modal::pack(two->maps).bytes);
+}
+
+TEST(WaveBand, GivesTheMatricesThatAreComputedByThemselvesToATenthPerCent) {
+  radiate::Body body{.surface = box({0.12, 0.05, 0.003}, 0.004), .flow = {}, .frequency_hz = {5000}};
+  body.flow = sample(
+      body.surface, 1, [](int, const auto&, const Eigen::Vector3d& normal) { return normal[2]; }, 0.003);
+  const auto original = radiate::Original::of(body);
+  ASSERT_TRUE(original) << original.error().message;
+  const double k = 150;
+  const auto skin = radiate::skin_of(*original, 2 * 3.14159 / (3 * k));  // three triangles in a wavelength
+  ASSERT_TRUE(skin) << skin.error().message;
+  const radiate::WaveBand band(*skin, k / radiate::kWidestBand, k, 20, 2);
+  radiate::ComplexMatrix from_band, by_itself;
+  for (const double share : {1.0, 0.96, 0.88, 0.82, 1 / radiate::kWidestBand}) {
+    band.matrix_at(share * k, from_band);
+    radiate::wave_matrix(skin->panels, skin->near, share * k, band.coupling(), by_itself);
+    EXPECT_LT((from_band - by_itself).norm() / by_itself.norm(), 1e-3) << "k " << share * k;
+  }
+}
+
+TEST(WaveSolver, MultipliesRowsByAnyNumberOfColumns) {
+  for (const int size : {1, 2, 17, 40}) {
+    const radiate::ComplexMatrix matrix = radiate::ComplexMatrix::Random(size, size);
+    for (const int columns : {1, 2, 3, 4, 7}) {
+      const Eigen::MatrixXcf right = Eigen::MatrixXcf::Random(size, columns);
+      EXPECT_LT((radiate::multiply(matrix, right) - matrix * right).norm(), 1e-5 * size) << size << " x " << columns;
+    }
+  }
 }
 
 TEST(Radiation, LevelsAtOtherWavenumbersAreThoseOfAModeThatHasThem) {

@@ -1,0 +1,40 @@
+// The matrix of a skin at every wavenumber of a narrow band, from those at three. [worker]
+//
+// An entry goes as exp(ikR) times a function of k that changes slowly, R being the distance between its two nodes: what
+// is left of the wave are differences of distance of a triangle or two. In a band no wider than kWidestBand this is a
+// parabola to about 1e-3, and an entry costs 3 ns instead of 45. The coupling is that of the band's middle everywhere
+// in it: every coupling above 0 has the same answer.
+#pragma once
+
+#include "engine/radiate/skin.h"
+#include "engine/radiate/wave_matrix.h"
+
+#include <array>
+#include <vector>
+
+namespace ringdown::radiate {
+
+inline constexpr double kWidestBand = 1.27;  // highest over lowest wavenumber
+
+// Keeps a reference to the skin, which must live as long.
+class WaveBand {
+ public:
+  // For so many wavenumbers from the lowest to the highest. Where they are few, or the band has no width, nothing is
+  // prepared and each matrix is computed by itself.
+  WaveBand(const Skin& skin, double lowest_rad_m, double highest_rad_m, int wavenumbers, int threads);
+
+  // Writes the V x V matrix; memory of that size is used again. May be called by several threads at once.
+  void matrix_at(double wavenumber_rad_m, ComplexMatrix& matrix) const;
+
+  [[nodiscard]] const Skin& skin() const { return skin_; }
+  [[nodiscard]] const std::vector<double>& coupling() const { return coupling_; }
+
+ private:
+  const Skin& skin_;
+  std::vector<double> coupling_;  // V
+  double middle_rad_m_ = 0;
+  std::array<double, 3> wavenumbers_{};
+  std::array<ComplexMatrix, 3> matrices_;  // at these wavenumbers, with the phase exp(ikR) of the middle; or empty
+};
+
+}  // namespace ringdown::radiate
