@@ -45,6 +45,37 @@ double way_inward(const Panels& panels, int from) {
   return std::isfinite(shortest) ? shortest : std::cbrt(std::abs(panels.volume()));
 }
 
+// By the solid angle that the surface fills around the point: van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30,
+// 1983.
+bool is_inside(const Panels& panels, const Eigen::Vector3d& point) {
+  double halves = 0;
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    const Eigen::Vector3d a = panels.corner(t, 0) - point, b = panels.corner(t, 1) - point,
+                          c = panels.corner(t, 2) - point;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    halves += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return halves > std::numbers::pi;
+}
+
+Eigen::Vector3d middle_of_wall(const Original& original, int triangle) {
+  const Panels& walls = *original.walls;
+  return walls.centers[triangle] - original.thickness_m[triangle] / 2 * walls.normals[triangle];
+}
+
+// Where a thin wall bends more sharply than the triangles are long, they pass through each other, and rays leave the
+// body without meeting its other face. Such thicknesses are replaced by the median.
+void mend_thickness(Original& original) {
+  constexpr double kSuspect = 1.5;  // of the median
+  std::vector<double> sorted = original.thickness_m;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  const double median = sorted[sorted.size() / 2];
+  for (int t = 0; t < original.walls->triangle_count(); ++t) {
+    double& thickness = original.thickness_m[t];
+    if (thickness > kSuspect * median && !is_inside(*original.panels, middle_of_wall(original, t))) thickness = median;
+  }
+}
+
 // Nodes whose triangles all lie within 40 degrees of their mean.
 std::vector<bool> smooth_nodes(const Panels& panels, const std::vector<Eigen::Vector3d>& normals) {
   std::vector<bool> smooth(panels.node_count(), true);
@@ -151,6 +182,7 @@ Result<Original> Original::of(const Body& body) {
   for (int t = 0; t < original.walls->triangle_count(); ++t) {
     original.thickness_m.push_back(way_inward(*original.walls, t));
   }
+  mend_thickness(original);
   return original;
 }
 
@@ -231,14 +263,15 @@ Eigen::VectorXcf source_flow(const Panels& panels, const Eigen::Vector3d& inside
 }
 
 std::vector<Eigen::Vector3d> inner_places(const Original& original) {
-  const Panels& walls = *original.walls;
-  std::vector<int> order(walls.triangle_count());
+  std::vector<int> order(original.walls->triangle_count());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(),
-            [&](int a, int b) { return original.thickness_m[a] < original.thickness_m[b]; });
+            [&](int a, int b) { return original.thickness_m[a] > original.thickness_m[b]; });
   std::vector<Eigen::Vector3d> places;
-  for (const int t : {order.back(), order[order.size() / 2]}) {
-    places.emplace_back(walls.centers[t] - original.thickness_m[t] / 2 * walls.normals[t]);
+  for (const std::size_t from : {std::size_t{0}, order.size() / 2}) {
+    const auto found = std::find_if(order.begin() + static_cast<std::ptrdiff_t>(from), order.end(),
+                                    [&](int t) { return is_inside(*original.panels, middle_of_wall(original, t)); });
+    if (found != order.end()) places.push_back(middle_of_wall(original, *found));
   }
   return places;
 }

@@ -149,6 +149,30 @@ TEST(SourceInside, OfASolidBlockIsHeardThroughItWithinThreeTenthsOfADecibel) {
   expect_source_inside(box({0.1, 0.06, 0.04}, 0.01), {0.01, 0.005, -0.004}, 0.3, "block");
 }
 
+// A vertical line through a closed surface crosses it an odd number of times above a point inside.
+TEST(SourceInside, LiesWithinTheWallEvenWhereItBendsMoreSharplyThanTrianglesAreLong) {
+  const mesh::TriangleMesh surface = surface_of("gong");
+  const radiate::Body body{.surface = surface, .flow = {}, .frequency_hz = {}};
+  const auto original = radiate::Original::of(body);
+  ASSERT_TRUE(original) << original.error().message;
+  const std::vector<Eigen::Vector3d> places = radiate::inner_places(*original);
+  ASSERT_EQ(places.size(), 2U);
+  for (const Eigen::Vector3d& place : places) {
+    int crossings = 0;
+    for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+      const auto corner = [&](int i) -> Eigen::Vector3d {
+        return surface.nodes.row(surface.triangles(t, i)).transpose() - place;
+      };
+      const Eigen::Vector3d a = corner(0), b = corner(1), c = corner(2);
+      const auto turn = [](const Eigen::Vector3d& p, const Eigen::Vector3d& q) { return p[0] * q[1] - p[1] * q[0]; };
+      const double ab = turn(a, b), bc = turn(b, c), ca = turn(c, a), all = ab + bc + ca;
+      if (ab * all < 0 || bc * all < 0 || ca * all < 0) continue;
+      if ((bc * a[2] + ca * b[2] + ab * c[2]) / all > 0) ++crossings;
+    }
+    EXPECT_EQ(crossings % 2, 1) << place.transpose();
+  }
+}
+
 TEST(SourceInside, OfWallsOfTwoMillimetresIsHeardWithinHalfADecibel) {
   for (const std::string preset : {"steel-plate", "hand-bell", "wine-glass", "tuning-fork"}) {
     const mesh::TriangleMesh surface = surface_of(preset);
