@@ -37,7 +37,8 @@ struct Task {
 
 // A finding is what is known of one mode so far.
 struct Finding {
-  int grade = 0;  // of the skin on which the mode is solved
+  int grade = 0;        // of the skin on which the mode is solved
+  int shape_grade = 1;  // of the skin that its pattern asks for
   double rms = 0, finer_rms = 0, source_db = 0;
   modal::FarField field;
 };
@@ -112,6 +113,7 @@ class Solver {
       for (int m = 0; m < modes_; ++m) {
         if (found_[m].grade != grade || shape[m] <= 0) continue;
         const double side = 2 * std::numbers::pi / (options_.panels_per_shape * shape[m]);
+        found_[m].shape_grade = grade_for(side, for_shapes);
         found_[m].grade = std::max(grade, grade_for(side, std::max(grade, for_shapes)));
       }
     }
@@ -150,7 +152,7 @@ class Solver {
   }
 
   // Wavenumbers half an octave apart, at each the modes within range. A level needs no direction: the skin for two
-  // thirds of the nodes per wave.
+  // thirds of the nodes per wave, or that for the mode's pattern where it is finer.
   void add_levels_to(std::vector<Task>& tasks) const {
     if (options_.range_octaves <= 0) return;
     double lowest = wavenumber(0), highest = lowest;
@@ -160,16 +162,20 @@ class Solver {
       highest = std::max(highest, wavenumber(m));
       finest = std::max(finest, found_[m].grade);
     }
+    std::vector<Task> levels;
     for (double k = highest; k > lowest * std::exp2(-options_.range_octaves - 0.5); k /= std::numbers::sqrt2) {
-      std::vector<int> modes;
+      const int for_wave = grade_for(1.5 * side_for_wave(k), finest);
+      std::map<int, std::vector<int>> modes;  // by grades
       for (int m = 0; m < modes_; ++m) {
-        if (std::abs(std::log2(wavenumber(m) / k)) <= options_.range_octaves + 0.5) modes.push_back(m);
+        if (std::abs(std::log2(wavenumber(m) / k)) > options_.range_octaves + 0.5) continue;
+        modes[std::max(for_wave, found_[m].shape_grade)].push_back(m);
       }
-      if (modes.empty()) continue;
-      tasks.push_back({.questions = {question(k, std::move(modes))},
-                       .grade = grade_for(1.5 * side_for_wave(k), finest),
-                       .levels = true});
+      for (auto& [grade, own] : modes) {
+        levels.push_back({.questions = {question(k, std::move(own))}, .grade = grade, .levels = true});
+      }
     }
+    std::stable_sort(levels.begin(), levels.end(), [](const Task& a, const Task& b) { return a.grade > b.grade; });
+    tasks.insert(tasks.end(), levels.begin(), levels.end());
   }
 
   // Skins are made before the threads begin, which share them.

@@ -2,10 +2,13 @@
 //
 //   ringdown_radiation_bench [--modes] [--panels-per-wave N] [--threads N] BANK...
 //   ringdown_radiation_bench --compare N BANK    error against time, beside a dense factorization for each mode
+//   ringdown_radiation_bench --surface N BANK    power through the surface beside that in the far field, on one skin
+//   ringdown_radiation_bench --levels BANK...    levels at other wavenumbers beside those of skins four times as fine
 #include "engine/modal/bank_file.h"
 #include "engine/radiate/far_field.h"
 #include "engine/radiate/radiate.h"
 #include "engine/radiate/skin.h"
+#include "engine/radiate/surface_power.h"
 #include "engine/radiate/wave_solver.h"
 
 #include <CLI/CLI.hpp>
@@ -92,31 +95,42 @@ void print_errors(const char* way, double setting, int unknowns, double seconds,
   std::fflush(stdout);
 }
 
+struct Solved {
+  double rms = 0;
+  Eigen::MatrixXcd layer;
+  std::vector<double> coupling;
+};
+
+// One mode by elimination on a skin.
+Solved solve_one(const radiate::Body& body, const radiate::Skin& skin, int mode, double k) {
+  const Eigen::Vector3d origin = body.surface.nodes.colwise().mean().transpose();
+  const double radius = (body.surface.nodes.rowwise() - origin.transpose()).rowwise().norm().maxCoeff();
+  radiate::ComplexMatrix matrix;
+  Solved solved{.coupling = radiate::coupling_of(skin, k)};
+  radiate::wave_matrix(skin.panels, skin.near, k, solved.coupling, matrix);
+  solved.layer =
+      radiate::Elimination(matrix).solve(skin.flow.col(mode).cast<std::complex<float>>()).cast<std::complex<double>>();
+  const auto directions = radiate::directions_for(radiate::degree_for(k, radius));
+  const Eigen::MatrixXcd field = radiate::far_fields(skin.panels, origin, k, solved.coupling, directions, solved.layer);
+  solved.rms = std::sqrt(directions.weights.dot(field.col(0).cwiseAbs2()) / (4 * std::numbers::pi));
+  return solved;
+}
+
+double wavenumber_of(double frequency_hz) { return 2 * std::numbers::pi * frequency_hz / modal::Air{}.sound_speed_m_s; }
+
 // One surface for all modes, fine enough for the highest; for each mode the matrix at its wavenumber, eliminated.
 // Solved for the sample of modes alone; the time of all modes is that of one times their number.
 void print_obvious(const radiate::Body& body, const std::vector<int>& sample, const std::vector<double>& exact_rms,
                    double panels_per_wave) {
-  const double k_per_hz = 2 * std::numbers::pi / modal::Air{}.sound_speed_m_s;
-  const double highest = *std::max_element(body.frequency_hz.begin(), body.frequency_hz.end());
+  const double highest = wavenumber_of(*std::max_element(body.frequency_hz.begin(), body.frequency_hz.end()));
   const double start = processor_seconds();
   const auto original = radiate::Original::of(body);
-  const auto skin = radiate::skin_of(*original, 2 * std::numbers::pi / (k_per_hz * highest * panels_per_wave));
+  const auto skin = radiate::skin_of(*original, 2 * std::numbers::pi / (highest * panels_per_wave));
   const double shared = processor_seconds() - start;
-  const Eigen::Vector3d origin = body.surface.nodes.colwise().mean().transpose();
-  const double radius = (body.surface.nodes.rowwise() - origin.transpose()).rowwise().norm().maxCoeff();
-  radiate::ComplexMatrix matrix;
   std::vector<double> errors_db;
   const double begin = processor_seconds();
   for (std::size_t i = 0; i < sample.size(); ++i) {
-    const double k = k_per_hz * body.frequency_hz[sample[i]];
-    const std::vector<double> coupling = radiate::coupling_of(*skin, k);
-    radiate::wave_matrix(skin->panels, skin->near, k, coupling, matrix);
-    const Eigen::MatrixXcf layer =
-        radiate::Elimination(matrix).solve(skin->flow.col(sample[i]).cast<std::complex<float>>());
-    const auto directions = radiate::directions_for(radiate::degree_for(k, radius));
-    const Eigen::MatrixXcd field =
-        radiate::far_fields(skin->panels, origin, k, coupling, directions, layer.cast<std::complex<double>>());
-    const double rms = std::sqrt(directions.weights.dot(field.col(0).cwiseAbs2()) / (4 * std::numbers::pi));
+    const double rms = solve_one(body, *skin, sample[i], wavenumber_of(body.frequency_hz[sample[i]])).rms;
     errors_db.push_back(std::abs(20 * std::log10(rms / exact_rms[i])));
   }
   const double each = (processor_seconds() - begin) / static_cast<double>(sample.size());
@@ -124,11 +138,46 @@ void print_obvious(const radiate::Body& body, const std::vector<int>& sample, co
                shared + each * static_cast<double>(body.frequency_hz.size()), errors_db);
 }
 
+// Each mode of the sample on a skin of 600 to 2,000 nodes by its wavelength.
+void print_surface_powers(const radiate::Body& body, const std::vector<int>& sample) {
+  const modal::Air air;
+  const auto original = radiate::Original::of(body);
+  std::printf("hz,unknowns,far_w,surface_db,share\n");
+  for (const int mode : sample) {
+    const double k = wavenumber_of(body.frequency_hz[mode]), area = original->panels->area();
+    const auto side = [&](double nodes) { return std::sqrt(area / nodes * 2 / std::sqrt(3.0)); };
+    const auto skin = radiate::skin_of(*original, std::clamp(2 * std::numbers::pi / (4 * k), side(2000), side(600)));
+    const Solved solved = solve_one(body, *skin, mode, k);
+    const Eigen::MatrixXd flow = radiate::triangle_flow(skin->panels, original->body->flow).col(mode);
+    const auto surface = radiate::surface_power(skin->panels, k, solved.coupling, solved.layer, flow, air)[0];
+    const double far_w = modal::radiated_power(solved.rms, k * air.sound_speed_m_s, air);
+    std::printf("%.1f,%d,%.3g,%.3f,%.4f\n", body.frequency_hz[mode], skin->panels.node_count(), far_w,
+                10 * std::log10(surface.power_w / far_w), surface.share);
+    std::fflush(stdout);
+  }
+}
+
+// How far the default's levels at other wavenumbers are from those of skins with twice as many triangles in a wave.
+void print_levels(const std::string& name, const radiate::Body& body) {
+  const auto usual = radiate::solve(body, {}, {.threads = 1});
+  const auto finer = radiate::solve(body, {}, {.threads = 1, .panels_per_wave = 6, .panels_per_shape = 12});
+  if (!usual || !finer) return;
+  std::vector<double> errors_db;
+  for (std::size_t m = 0; m < body.frequency_hz.size(); ++m) {
+    const auto &levels = usual->maps.modes[m].levels, &others = finer->maps.modes[m].levels;
+    for (std::size_t l = 0; l < std::min(levels.size(), others.size()); ++l) {
+      const bool own = levels[l].wavenumber_rad_m == static_cast<float>(usual->maps.modes[m].wavenumber_rad_m);
+      if (!own) errors_db.push_back(std::abs(20 * std::log10(levels[l].rms / others[l].rms)));
+    }
+  }
+  std::sort(errors_db.begin(), errors_db.end());
+  const auto at = [&](double share) { return errors_db[static_cast<std::size_t>(share * (errors_db.size() - 1))]; };
+  std::printf("%s,%zu,%.3f,%.3f,%.3f\n", name.c_str(), errors_db.size(), at(0.5), at(0.95), at(1));
+  std::fflush(stdout);
+}
+
 // Errors of a sample of the modes, beside the finest solution, against the processor time that all modes take.
-int compare(const radiate::Body& body, int sample_size) {
-  std::vector<int> sample;
-  const auto modes = static_cast<int>(body.frequency_hz.size());
-  for (int i = 0; i < sample_size; ++i) sample.push_back((2 * i + 1) * modes / (2 * sample_size));
+int compare(const radiate::Body& body, const std::vector<int>& sample) {
   const auto finest = radiate::solve(with_modes(body, sample), {},
                                      {.threads = 1, .panels_per_wave = 6, .most_unknowns = 8000, .range_octaves = 0});
   if (!finest) {
@@ -153,6 +202,14 @@ int compare(const radiate::Body& body, int sample_size) {
   return 0;
 }
 
+std::vector<int> sample_of(const radiate::Body& body, int size) {
+  std::vector<int> sample;
+  const auto modes = static_cast<int>(body.frequency_hz.size());
+  size = std::min(size, modes);
+  for (int i = 0; i < size; ++i) sample.push_back((2 * i + 1) * modes / (2 * size));
+  return sample;
+}
+
 int run(int count, char** arguments) {
   CLI::App app("Radiation of banks: processor time, sizes and stated errors, as CSV on the standard output");
   std::vector<std::string> paths;
@@ -170,23 +227,43 @@ int run(int count, char** arguments) {
   app.add_option("--compare", sample_size,
                  "instead: error against time for the first bank, beside a dense factorization for each mode, by so "
                  "many of its modes");
+  int surface_size = 0;
+  bool levels = false;
+  app.add_option(
+      "--surface", surface_size,
+      "instead: for so many modes of the first bank the power through the surface beside that far away [dB], "
+      "and which share it is of what flows back and forth");
+  app.add_flag("--levels", levels,
+               "instead: levels of six modes at other wavenumbers beside those of finer skins: how many, and the "
+               "median, 95 % and "
+               "largest difference [dB]");
   CLI11_PARSE(app, count, arguments);
-  if (sample_size > 0) {
+  if (sample_size > 0 || surface_size > 0) {
     const auto bank = modal::read_bank(paths.front());
     if (!bank) {
       std::fprintf(stderr, "%s\n", bank.error().message.c_str());
       return 1;
     }
-    return compare(body_of(*bank), std::min(sample_size, static_cast<int>(bank->mode_count())));
+    const radiate::Body body = body_of(*bank);
+    if (sample_size > 0) return compare(body, sample_of(body, sample_size));
+    print_surface_powers(body, sample_of(body, surface_size));
+    return 0;
   }
-  std::printf(
-      "bank,modes,highest_hz,unknowns,eliminations,processor_s,wall_s,packed_bytes,packing_error,median_error_db,"
-      "worst_error_db,missed\n");
+  if (levels) std::printf("bank,levels,median_db,most_db,worst_db\n");
+  if (!levels)
+    std::printf(
+        "bank,modes,highest_hz,unknowns,eliminations,processor_s,wall_s,packed_bytes,packing_error,median_error_db,"
+        "worst_error_db,missed\n");
   for (const std::string& path : paths) {
     const auto bank = modal::read_bank(path);
     if (!bank) {
       std::fprintf(stderr, "%s\n", bank.error().message.c_str());
       return 1;
+    }
+    if (levels) {
+      const radiate::Body body = body_of(*bank);
+      print_levels(path.substr(path.rfind('/') + 1), with_modes(body, sample_of(body, 6)));
+      continue;
     }
     const double before = processor_seconds();
     const auto start = std::chrono::steady_clock::now();
