@@ -41,7 +41,7 @@ class RecordReader {
 
 const std::vector<ArgumentSpec>& arguments_of(std::string_view address) { return (*find_address(address))->arguments; }
 
-BulkStrike read(RecordReader& record) {
+BulkStrike read_strike(RecordReader& record) {
   static const std::vector<ArgumentSpec> strike = arguments_of("/object/0/strike");
   static const ArgumentSpec vertex = arguments_of("/object/0/strike_vertex")[1];
   static const ArgumentSpec delay{"delay", ValueType::number, "s", 0, kMaxDelay_s};
@@ -60,6 +60,36 @@ BulkStrike read(RecordReader& record) {
   return read;
 }
 
+BulkPose read_pose(RecordReader& record) {
+  static const std::vector<ArgumentSpec> pose = arguments_of("/object/0/pose");
+  static const ArgumentSpec delay{"delay", ValueType::number, "s", 0, kMaxDelay_s};
+  BulkPose read;
+  const std::int32_t object = record.integer();
+  record.check(pose[0], object);
+  read.object = static_cast<std::uint32_t>(object);
+  Vec3& p = read.pose.position_m;
+  Rotation& q = read.pose.rotation;
+  double* const numbers[] = {&p.x, &p.y, &p.z, &q.w, &q.x, &q.y, &q.z};
+  for (std::size_t i = 0; i < std::size(numbers); ++i) *numbers[i] = record.number(pose[i + 1]);
+  read.delay_s = record.number(delay);
+  return read;
+}
+
+// All records of a blob, or a sentence about the first wrong one.
+template <class Record>
+Result<std::vector<Record>> decode(const wire::Blob& records, std::size_t bytes, Record (*read)(RecordReader&)) {
+  std::vector<Record> all;
+  all.reserve(records.size() / bytes);
+  for (std::size_t at = 0; at + bytes <= records.size(); at += bytes) {
+    RecordReader record(std::span<const std::byte>(records).subspan(at, bytes));
+    all.push_back(read(record));
+    if (!record.complaint().empty()) {
+      return fail(ErrorKind::bad_input, "record " + std::to_string(all.size()) + " " + record.complaint());
+    }
+  }
+  return all;
+}
+
 void append(wire::Blob& bytes, std::int32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) {
     bytes.push_back(static_cast<std::byte>(static_cast<std::uint32_t>(value) >> shift));
@@ -69,16 +99,11 @@ void append(wire::Blob& bytes, std::int32_t value) {
 }  // namespace
 
 Result<std::vector<BulkStrike>> decode_strikes(const wire::Blob& records) {
-  std::vector<BulkStrike> strikes;
-  strikes.reserve(records.size() / kBytesPerStrike);
-  for (std::size_t at = 0; at + kBytesPerStrike <= records.size(); at += kBytesPerStrike) {
-    RecordReader record(std::span<const std::byte>(records).subspan(at, kBytesPerStrike));
-    strikes.push_back(read(record));
-    if (!record.complaint().empty()) {
-      return fail(ErrorKind::bad_input, "record " + std::to_string(strikes.size()) + " " + record.complaint());
-    }
-  }
-  return strikes;
+  return decode(records, kBytesPerStrike, &read_strike);
+}
+
+Result<std::vector<BulkPose>> decode_poses(const wire::Blob& records) {
+  return decode(records, kBytesPerPose, &read_pose);
 }
 
 wire::Blob encode_strikes(std::span<const BulkStrike> strikes) {
@@ -88,6 +113,19 @@ wire::Blob encode_strikes(std::span<const BulkStrike> strikes) {
     append(bytes, strike.vertex ? static_cast<std::int32_t>(*strike.vertex) : kNoVertex);
     for (const double number : {strike.point_m.x, strike.point_m.y, strike.point_m.z, strike.impulse_ns.x,
                                 strike.impulse_ns.y, strike.impulse_ns.z, strike.contact_time_s, strike.delay_s}) {
+      append(bytes, std::bit_cast<std::int32_t>(static_cast<float>(number)));
+    }
+  }
+  return bytes;
+}
+
+wire::Blob encode_poses(std::span<const BulkPose> poses) {
+  wire::Blob bytes;
+  for (const BulkPose& placed : poses) {
+    append(bytes, static_cast<std::int32_t>(placed.object));
+    const Vec3& p = placed.pose.position_m;
+    const Rotation& q = placed.pose.rotation;
+    for (const double number : {p.x, p.y, p.z, q.w, q.x, q.y, q.z, placed.delay_s}) {
       append(bytes, std::bit_cast<std::int32_t>(static_cast<float>(number)));
     }
   }

@@ -38,6 +38,8 @@ inline constexpr Quantity kLoad{"", 0, 1e6};
 inline constexpr Quantity kRate{"Hz", 0, 1e7};
 inline constexpr Quantity kNoticeRate{"Hz", 0.1, 200};
 inline constexpr Quantity kUnit{"", -1.001, 1.001};  // rounding to float may pass 1
+inline constexpr Quantity kTemperature{"degrees C", -50, 60};
+inline constexpr Quantity kHumidity{"percent", 0, 100};
 inline constexpr Quantity kAnyPosition{"m", -1e30, 1e30};
 inline constexpr Quantity kAnyImpulse{"N s", -1e30, 1e30};
 inline constexpr Quantity kFrequency{"Hz", 1, 1e5};

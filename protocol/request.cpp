@@ -18,6 +18,14 @@ Request request_for(const synth::Event& event, const ObjectRef& object) {
       return RingModes{object, event.vertex, event.count, event.value};
     case synth::EventType::click:
       return Click{object, event.impulse_ns, event.contact_time_s};
+    case synth::EventType::pose:
+      return SetPose{object, {event.point_m, event.rotation}};
+    case synth::EventType::listener:
+      return SetListener{{event.point_m, event.rotation}};
+    case synth::EventType::listener_off:
+      return ListenerOff{};
+    case synth::EventType::listener_air:
+      return SetListenerAir{event.value, event.ramp_s};
     case synth::EventType::clear:
       break;
   }

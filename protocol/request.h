@@ -4,6 +4,7 @@
 // object's own frame. A member's initialiser is the default of an optional argument. [any thread]
 #pragma once
 
+#include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
 #include "engine/modal/damper.h"
 #include "engine/modal/material_scale.h"
@@ -116,6 +117,24 @@ struct SetContact {  // /object/{object}/contact
   Vec3 point_m;
   synth::Contact contact;
 };
+// Where the object's frame lies in the scene, for a listener.
+struct SetPose {  // /object/{object}/pose
+  ObjectRef object;
+  Pose pose;
+};
+// Many poses in one message: records as in bulk.h.
+struct PoseMany {  // /poses
+  wire::Blob records;
+};
+// Where the listener's frame lies: x to the front, y to the left, z up.
+struct SetListener {  // /listener
+  Pose pose;
+};
+struct ListenerOff {};   // /listener/off
+struct SetListenerAir {  // /listener/air
+  double temperature_c = 20;
+  double humidity_percent = 50;
+};
 struct FreeObject {  // /object/{object}/free
   ObjectRef object;
 };
@@ -203,9 +222,10 @@ struct Quit {};  // /quit
 using Request =
     std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, SetDamper, SetGroup, SetMute, SetSolo,
                  RingModes, SelectModes, WatchObject, DescribeObject, ReadBank, Excite, ClearObject, SetContact, Click,
-                 FreeObject, LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush,
-                 SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene, RecordStart, RecordStop,
-                 CaptureStart, CaptureStop, Status, Version, Sync, Quit>;
+                 SetPose, PoseMany, SetListener, ListenerOff, SetListenerAir, FreeObject, LoadObject, ClearAll,
+                 SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush, SceneDescribe, Notify, WatchSound,
+                 Browse, TestTone, SaveState, SaveScene, RecordStart, RecordStop, CaptureStart, CaptureStop, Status,
+                 Version, Sync, Quit>;
 
 // The request that would make this event of `object`.
 Request request_for(const synth::Event& event, const ObjectRef& object);

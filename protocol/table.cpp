@@ -49,7 +49,21 @@ auto density() {
   return optional(number<path...>("density", kDensity, "0 takes mass and inertia from the bank."));
 }
 
+template <auto... path>
+auto pose(std::string_view sentence) {
+  auto columns = vector<path..., &Pose::position_m>({"x", "y", "z"}, kPosition, sentence);
+  const auto turn = [&](auto part) { columns.push_back(optional(part)[0]); };
+  turn(number<path..., &Pose::rotation, &Rotation::w>(
+      "qw", kUnit, "How it is turned, as a unit quaternion: cos(a / 2) for a turn by the angle a."));
+  turn(number<path..., &Pose::rotation, &Rotation::x>("qx", kUnit, "The axis of the turn, times sin(a / 2)."));
+  turn(number<path..., &Pose::rotation, &Rotation::y>("qy", kUnit, "Its y component."));
+  turn(number<path..., &Pose::rotation, &Rotation::z>("qz", kUnit, "Its z component."));
+  return columns;
+}
+
 const ObjectRef kBell{"bell", std::nullopt};
+const Pose kTurned{{0.5, 0, 1}, {0, 0, 1, 0}};
+const BulkPose kPlaced{0, kTurned, 0};
 const BulkStrike kBlow{0, std::nullopt, {0.05, 0, 0.02}, {-0.02, 0, 0}, 0.0005, 0};
 
 using Arguments = std::initializer_list<Columns<Request>>;
@@ -203,6 +217,30 @@ std::vector<Row<Request>> make_request_rows() {
           "The click of a free object that a blow sets in motion as a whole, which strikes do not include. Send it "
           "once for all points struck at one time.",
           {object<&Click::object>(), impulse<&Click::impulse_ns>(), contact_time<&Click::contact_time_s>()}),
+      silent<Lane::mixer>(
+          "/object/{object}/pose", SetPose{kBell, kTurned},
+          "Says where the object is, for a listener (/listener), who then hears it from there. Send 30 to 250 a second "
+          "of what moves; motion between poses is smooth. A pose sent one interval ahead of its time is reached "
+          "exactly then, any other one interval after it comes.",
+          {object<&SetPose::object>(), pose<&SetPose::pose>("Where the object's origin lies in the scene.")}),
+      silent<Lane::mixer>("/poses", PoseMany{encode_poses(std::array{kPlaced})},
+                          "Many poses in one message. A record is 36 bytes, big-endian: int32 object (the number that "
+                          "/load answered), float32 x y z [m], qw qx qy qz and delay [s], 0 to 60, after the message's "
+                          "time. Ranges are those of /object/{object}/pose. One wrong record refuses them all.",
+                          {records<&PoseMany::records>("records", kBytesPerPose, kMaxBulkPoses, "The records.")}),
+      silent<Lane::mixer>(
+          "/listener", SetListener{kTurned},
+          "Says where somebody listens. Objects with a pose are then heard from their places: by what each mode sends "
+          "that way, by distance, and higher or lower as they come and go. Objects without a pose sound as before.",
+          {pose<&SetListener::pose>("Where the listener's head is in the scene. Not turned, it faces along x with its "
+                                    "left ear to y.")}),
+      silent<Lane::mixer>("/listener/off", ListenerOff{}, "Ends that: everything sounds as without a listener.", {}),
+      silent<Lane::mixer>(
+          "/listener/air", SetListenerAir{15, 70},
+          "Sets the air between objects and listener, which takes more of high "
+          "pitches the longer the way.",
+          {number<&SetListenerAir::temperature_c>("temperature", kTemperature, "Of the air."),
+           optional(number<&SetListenerAir::humidity_percent>("humidity", kHumidity, "Relative humidity."))}),
       answered<Lane::worker>("/object/{object}/free", FreeObject{kBell},
                              "Fades and removes the object; its name and number become free.",
                              {object<&FreeObject::object>()}),

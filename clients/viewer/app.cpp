@@ -84,6 +84,9 @@ void App::perform(Action action) {
       settings_.dark = !settings_.dark;
       skinned_scale_ = 0;
       return;
+    case Action::listen:
+      settings_.listen = !settings_.listen;
+      return;
     case Action::next_pane:
       if (options_.only != Pane::any) return;
       focus_next_ = focused_ == Pane::scene ? Pane::sound : focused_ == Pane::sound ? Pane::side : Pane::scene;
@@ -209,6 +212,8 @@ void App::frame() {
   }
   if (window_.minimised()) return talk();
   draw();
+  if (connection_ == 0 || options_.only == Pane::sound) return;
+  if (auto request = listener_.update(scene_.camera(), settings_.listen, now_s())) client_.send(std::move(*request));
 }
 
 }  // namespace ringdown::viewer

@@ -4,6 +4,7 @@
 //   while (app.runs()) app.frame();
 #pragma once
 
+#include "clients/viewer/camera_listener.h"
 #include "clients/viewer/commands.h"
 #include "clients/viewer/keys.h"
 #include "clients/viewer/link/daemon_client.h"
@@ -74,6 +75,7 @@ class App {
   Commands commands_;
   SceneView scene_;
   DetailControl detail_;
+  CameraListener listener_;
   SoundView sound_;
   SideView side_;
   Pane focused_ = Pane::scene;

@@ -15,6 +15,7 @@ constexpr std::array kBindings = {
     Binding{Pane::any, "ctrl+tab", Action::next_pane, once, "Go to the next pane"},
     Binding{Pane::any, "F1", Action::help, once, "Show the keys"},
     Binding{Pane::any, "F2", Action::theme, once, "Dark or light"},
+    Binding{Pane::any, "F3", Action::listen, once, "Listen from where the camera is, or from nowhere"},
     Binding{Pane::any, "F5", Action::pause, once, "Pause the scene, or let it go on"},
     Binding{Pane::any, "F6", Action::restart, once, "Start the scene anew"},
     Binding{Pane::any, "ctrl+=", Action::larger, repeats, "Larger text"},

@@ -20,6 +20,7 @@ enum class Action : std::uint8_t {
   help,
   full_screen,
   theme,
+  listen,
   next_pane,
   larger,
   smaller,

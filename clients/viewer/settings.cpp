@@ -45,6 +45,7 @@ Result<Settings> read_settings(const std::filesystem::path& file) {
   table->number("sound_share", settings.sound_share, kShare);
   table->number("impulse_ns", settings.impulse_ns, kImpulse);
   table->number("contact_time_s", settings.contact_time_s, kContactTime);
+  table->boolean("listen", settings.listen);
   table->boolean("strength_by_time", settings.strength_by_time);
   if (auto good = table->finish(); !good) return fail(good.error());
   return settings;
@@ -66,6 +67,7 @@ Result<void> write_settings(const Settings& settings, const std::filesystem::pat
   line("sound_share", number(settings.sound_share));
   line("impulse_ns", number(settings.impulse_ns));
   line("contact_time_s", number(settings.contact_time_s));
+  line("listen", flag(settings.listen));
   line("strength_by_time", flag(settings.strength_by_time));
   return write_output(file, text);
 }

@@ -19,6 +19,7 @@ struct Settings {
   double side_share = 0.23, sound_share = 0.28;  // of the width: the panes to the left and right of the scene
   double impulse_ns = 0.05;                      // of the test force, and of a click
   double contact_time_s = 0.0005;
+  bool listen = true;            // from where the camera is
   bool strength_by_time = true;  // a click strikes harder the longer the button is held
 };
 

@@ -18,6 +18,29 @@ int degree_of(const FarField& field) RINGDOWN_REALTIME {
   return degree;
 }
 
+namespace {
+
+// The factors of the recurrences below, which take square roots: found once, when the program starts.
+struct Legendre {
+  static constexpr int kDegrees = kMaxHarmonicDegree + 1;
+  std::array<double, kDegrees> diagonal{};                      // from Q_(m-1)^(m-1) to Q_m^m
+  std::array<std::array<double, kDegrees>, kDegrees> a{}, b{};  // by m, then by l
+  Legendre() {
+    for (int m = 0; m < kDegrees; ++m) {
+      if (m > 0) diagonal[static_cast<std::size_t>(m)] = std::sqrt((2 * m + 1.0) / (2 * m));
+      for (int l = m + 1; l < kDegrees; ++l) {
+        const double l2 = static_cast<double>(l) * l, m2 = static_cast<double>(m) * m;
+        const double below = (l - 1.0) * (l - 1.0);
+        a[static_cast<std::size_t>(m)][static_cast<std::size_t>(l)] = std::sqrt((4 * l2 - 1) / (l2 - m2));
+        b[static_cast<std::size_t>(m)][static_cast<std::size_t>(l)] = std::sqrt((below - m2) / (4 * below - 1));
+      }
+    }
+  }
+};
+const Legendre kLegendre;
+
+}  // namespace
+
 // With x = sin(theta) cos(phi), y = sin(theta) sin(phi), z = cos(theta), the functions are products of
 // Re or Im (x + iy)^m and of Q_l^m(z), the normalised Legendre functions over sin(theta)^m. These obey
 //
@@ -34,19 +57,17 @@ void real_harmonics(const Vec3& direction, int degree, std::span<float> values) 
   double re = 1, im = 0;  // (x + iy)^m
   for (int m = 0; m <= degree; ++m) {
     if (m > 0) {
-      diagonal *= std::sqrt((2 * m + 1.0) / (2 * m));
+      diagonal *= kLegendre.diagonal.data()[m];
       const double next = re * x - im * y;
       im = re * y + im * x;
       re = next;
     }
     const double factor = m == 0 ? 1 : std::numbers::sqrt2;
+    const double *const a = kLegendre.a.data()[m].data(), *const b = kLegendre.b.data()[m].data();
     double before = 0, now = diagonal;
     for (int l = m; l <= degree; ++l) {
       if (l > m) {
-        const double l2 = static_cast<double>(l) * l, m2 = static_cast<double>(m) * m;
-        const double below = (l - 1.0) * (l - 1.0);
-        const double a = std::sqrt((4 * l2 - 1) / (l2 - m2)), b = std::sqrt((below - m2) / (4 * below - 1));
-        const double next = a * (z * now - (l > m + 1 ? b * before : 0));
+        const double next = a[l] * (z * now - (l > m + 1 ? b[l] * before : 0));
         before = now;
         now = next;
       }

@@ -17,6 +17,7 @@ StrikeMap::StrikeMap(std::shared_ptr<const Bank> bank)
   std::iota(by_frequency_.begin(), by_frequency_.end(), 0u);
   std::ranges::stable_sort(by_frequency_, {}, [&](std::uint32_t mode) { return bank_->frequency_hz[mode]; });
   for (std::size_t i = 0; i < modes; ++i) rank_[by_frequency_[i]] = static_cast<std::uint32_t>(i);
+  if (bank_->radiation) directions_ = DirectionMap(bank_->radiation->maps, by_frequency_);
   for (std::size_t m = 0; m < modes; ++m) {
     for (std::size_t p = 0; p < bank_->point_count(); ++p) {
       for (std::size_t axis = 0; axis < 3; ++axis) shapes_[(3 * p + axis) * modes + m] = bank_->shape(m, p)[axis];

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "engine/modal/bank.h"
+#include "engine/modal/direction_map.h"
 #include "engine/modal/loudness.h"
 #include "engine/modal/surface_index.h"
 
@@ -33,6 +34,9 @@ class StrikeMap {
   // How loud the bank's modes are.
   [[nodiscard]] const Loudness& loudness() const { return loudness_; }
 
+  // In which directions they are heard; empty when nobody knows.
+  [[nodiscard]] const DirectionMap& directions() const RINGDOWN_REALTIME { return directions_; }
+
   // amplitudes[m] = phi_m(p) . j [J^1/2]: the modal velocity that the impulse gives mode m. `amplitudes` has one
   // element per mode of the bank. Cost O(modes), plus finding the surface point. [audio]
   void excite(Vec3 point_m, Vec3 impulse_ns, std::span<double> amplitudes) const RINGDOWN_REALTIME;
@@ -46,6 +50,7 @@ class StrikeMap {
   std::shared_ptr<const Bank> bank_;
   SurfaceIndex surface_;
   Loudness loudness_;
+  DirectionMap directions_;
   std::vector<std::uint32_t> by_frequency_, rank_;
   std::vector<float> shapes_;  // P x 3 x M: x of all modes at a point, then y, then z
 };

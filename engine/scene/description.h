@@ -6,6 +6,7 @@
 #pragma once
 
 #include "engine/base/range.h"
+#include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
 #include "engine/modal/material_scale.h"
 #include "engine/synth/event.h"
@@ -63,13 +64,11 @@ inline constexpr Range kLimit_degrees{-179, 179};
 inline constexpr Range kJointFriction_nm{0, 1e6};
 inline constexpr Range kEvery_s{0.001, 3600};
 inline constexpr Range kFieldOfView_degrees{1, 170};
+inline constexpr Range kTemperature_c{-50, 60};
+inline constexpr Range kHumidity_percent{0, 100};
 }  // namespace range
 
-// Unit quaternion x y z w, as in glTF.
-struct Rotation {
-  double x = 0, y = 0, z = 0, w = 1;
-  friend bool operator==(const Rotation&, const Rotation&) = default;
-};
+using ringdown::Rotation;
 
 // The surface of a body in contacts.
 struct FrictionSurface {
@@ -164,9 +163,11 @@ struct CameraDescription {
   double field_of_view_degrees = 50;  // vertical
 };
 
-// The position from which the scene is heard.
+// From where the scene is heard, and through which air.
 struct ListenerDescription {
-  Vec3 position_m = {0, -2, 1}, target_m;  // faces the target
+  Vec3 position_m = {0, -2, 1}, target_m;  // faces the target, the head upright,
+  std::optional<Rotation> rotation;        // unless this says how it is turned: x is in front, y left, z up
+  double temperature_c = 20, humidity_percent = 50;
 };
 
 // Contacts act as springs with dampers. Their softness takes the share m CFM/h of the impulse of a body of mass m: with

@@ -243,7 +243,14 @@ class SceneReader {
     ListenerDescription listener;
     table.vector("position_m", listener.position_m, range::kPosition_m);
     table.vector("target_m", listener.target_m, range::kPosition_m);
-    if (listener.position_m == listener.target_m) table.complain("target_m", "target_m must not be position_m");
+    if (!table.has("rotation") && listener.position_m == listener.target_m)
+      table.complain("target_m", "target_m must not be position_m");
+    if (table.has("rotation")) read_rotation(table, listener.rotation.emplace());
+    if (table.has("rotation") && table.has("target_m")) {
+      table.complain("rotation", "a listener has a target_m or a rotation, not both");
+    }
+    table.number("temperature_c", listener.temperature_c, range::kTemperature_c);
+    table.number("humidity_percent", listener.humidity_percent, range::kHumidity_percent);
     scene_.listener = listener;
   }
 
@@ -265,6 +272,14 @@ class SceneReader {
 };
 
 }  // namespace
+
+Pose pose_of(const ListenerDescription& listener) {
+  if (listener.rotation) return {listener.position_m, normalized(*listener.rotation)};
+  const Vec3 way = listener.target_m - listener.position_m;
+  const double level = std::hypot(way.x, way.y);
+  const double yaw = level > 0 ? std::atan2(way.y, way.x) : 0, pitch = std::atan2(way.z, level);
+  return {listener.position_m, about({0, 0, 1}, yaw) * about({0, 1, 0}, -pitch)};
+}
 
 Result<SceneDescription> read_scene(const std::filesystem::path& path, const std::filesystem::path& presets) {
   Result<TomlTable> file = TomlTable::read(path);

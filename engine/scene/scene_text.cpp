@@ -46,7 +46,17 @@ class SceneWriter {
     if (scene.listener) {
       heading("[listener]");
       line("position_m", scene.listener->position_m);
-      line("target_m", scene.listener->target_m);
+      const ListenerDescription usual_listener;
+      const Rotation turn = scene.listener->rotation.value_or(Rotation{});
+      if (!scene.listener->rotation) {
+        line("target_m", scene.listener->target_m);
+      } else if (turn == Rotation{}) {
+        line("target_m", scene.listener->position_m + Vec3{1, 0, 0});
+      } else {
+        write(turn);
+      }
+      unless("temperature_c", scene.listener->temperature_c, usual_listener.temperature_c);
+      unless("humidity_percent", scene.listener->humidity_percent, usual_listener.humidity_percent);
     }
     return std::move(text_);
   }

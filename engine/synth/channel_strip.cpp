@@ -25,6 +25,37 @@ void ChannelStrip::set_pan(double pan, Frame at, Frame length) RINGDOWN_REALTIME
   right_.aim(std::sin(angle), at, length);
 }
 
+// Stereo hears left and right only: what is in front and what is behind sound alike.
+ChannelStrip::Shares ChannelStrip::shares_at(const Place& place, Frame frame) const RINGDOWN_REALTIME {
+  const double level = gain_.at(frame) * place.level;
+  const double angle = 0.25 * std::numbers::pi * (1 - std::clamp(place.toward.y, -1.0, 1.0));
+  return {level * std::cos(angle), level * std::sin(angle), level};
+}
+
+ChannelStrip::Shares ChannelStrip::shares_at(Frame frame) const RINGDOWN_REALTIME {
+  const double gain = gain_.at(frame);
+  return {gain * left_.at(frame), gain * right_.at(frame), gain};
+}
+
+void ChannelStrip::place(const Place& from, const Place& to, Span chunk, double share) RINGDOWN_REALTIME {
+  level_ = to.level;
+  go(share > 1 ? shares_at(from, chunk.begin)
+     : placed_ ? to_
+               : shares_at(chunk.begin),
+     shares_at(to, chunk.end), chunk, std::min(share, 1.0));
+}
+
+void ChannelStrip::place_nowhere(Span chunk, double share) RINGDOWN_REALTIME {
+  go(to_, shares_at(chunk.end), chunk, share);
+}
+
+void ChannelStrip::go(const Shares& from, const Shares& to, Span chunk, double share) RINGDOWN_REALTIME {
+  from_ = from;
+  for (std::size_t i = 0; i < kOutputs; ++i) to_[i] = share < 1 ? from[i] + share * (to[i] - from[i]) : to[i];
+  chunk_ = chunk;
+  placed_ = true;
+}
+
 void ChannelStrip::rescale(Frame now, double ratio) {
   for (Ramp* ramp : {&gain_, &left_, &right_}) {
     ramp->begin = rescaled(ramp->begin, now, ratio);
@@ -39,12 +70,27 @@ bool ChannelStrip::heard(ChannelSet wanted) const RINGDOWN_REALTIME {
 }
 
 ChannelStrip::Shares ChannelStrip::shares() const RINGDOWN_REALTIME {
+  if (placed_) return {to_[0], to_[1], bus_ == kNoBus ? 0.0 : to_[2]};
   return {gain_.to * left_.to, gain_.to * right_.to, bus_ == kNoBus ? 0.0 : gain_.to};
 }
 
 void ChannelStrip::add_samples(const double* mono, std::size_t begin, std::size_t end, const Chunk& chunk,
                                ChannelSums& sums) const RINGDOWN_REALTIME {
   const Frame first = chunk.begin + static_cast<Frame>(begin);
+  if (placed_) {
+    const double per_frame = 1 / static_cast<double>(chunk_.end - chunk_.begin);
+    const auto add_line = [&](std::size_t channel, std::size_t i) RINGDOWN_REALTIME {
+      if (!contains(chunk.wanted, channel)) return;
+      double* const out = sums.samples(channel);
+      if (from_[i] == to_[i]) return add_scaled(mono + begin, to_[i], out + begin, end - begin);
+      const double step = per_frame * (to_[i] - from_[i]);
+      for (std::size_t n = begin; n < end; ++n) out[n] += (from_[i] + step * static_cast<double>(n)) * mono[n];
+    };
+    add_line(kLeft, 0);
+    add_line(kRight, 1);
+    if (bus_ != kNoBus) add_line(bus_, 2);
+    return;
+  }
   const Ramp unity{1, 1};
   const auto add_to = [&](std::size_t channel, const Ramp& share) RINGDOWN_REALTIME {
     if (!contains(chunk.wanted, channel)) return;
@@ -65,8 +111,21 @@ void ChannelStrip::add_samples(const double* mono, std::size_t begin, std::size_
 std::span<const MomentTarget> ChannelStrip::moment_targets(
     ChannelSet wanted, ChannelSums& sums, std::array<MomentTarget, kOutputs>& targets) const RINGDOWN_REALTIME {
   std::size_t count = 0;
+  if (placed_) {
+    const double per_frame = 1 / static_cast<double>(chunk_.end - chunk_.begin);
+    const auto aim_line = [&](std::size_t channel, std::size_t i) RINGDOWN_REALTIME {
+      if (!contains(wanted, channel)) return;
+      const double step = per_frame * (to_[i] - from_[i]);
+      targets[count++] = {sums.moments(channel), static_cast<float>(from_[i] + step * kMomentMiddle),
+                          static_cast<float>(step * kMomentScale)};
+    };
+    aim_line(kLeft, 0);
+    aim_line(kRight, 1);
+    if (bus_ != kNoBus) aim_line(bus_, 2);
+    return {targets.data(), count};
+  }
   const auto aim = [&](std::size_t channel, double gain) RINGDOWN_REALTIME {
-    if (contains(wanted, channel)) targets[count++] = {sums.moments(channel), static_cast<float>(gain)};
+    if (contains(wanted, channel)) targets[count++] = {sums.moments(channel), static_cast<float>(gain), 0};
   };
   aim(kLeft, gain_.to * left_.to);
   aim(kRight, gain_.to * right_.to);

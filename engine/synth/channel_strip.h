@@ -1,8 +1,10 @@
 // An object's gain, pan and bus: how its sound, one channel, reaches the channels of the mixer. Gains move in straight
-// lines that do not depend on how time is cut into chunks. [audio]
+// lines that do not depend on how time is cut into chunks. An object that a listener hears from a place (placement.h)
+// is panned by that place instead, in one straight line for each chunk. [audio]
 #pragma once
 
 #include "engine/base/realtime.h"
+#include "engine/base/vec3.h"
 #include "engine/synth/chunk.h"
 #include "engine/synth/ramp.h"
 
@@ -25,6 +27,25 @@ class ChannelStrip {
   void reset() RINGDOWN_REALTIME { *this = {}; }
   // Changes the length of a frame: ramps end `ratio` times as many frames after `now`. [worker]
   void rescale(Frame now, double ratio);
+
+  // Where an object is heard from: the direction towards it, in the listener's frame (listening.h), shorter than 1
+  // where it is all around; and its level.
+  struct Place {
+    Vec3 toward{1, 0, 0};
+    double level = 1;
+  };
+  struct Span {
+    Frame begin = 0, end = 0;
+  };
+  // In the frames of a chunk it goes from one place to another, from where it was heard from last by a share of the
+  // way. A share above 1: it was not heard before, and begins at `from`.
+  void place(const Place& from, const Place& to, Span chunk, double share) RINGDOWN_REALTIME;
+  // The same, back to its own pan.
+  void place_nowhere(Span chunk, double share) RINGDOWN_REALTIME;
+  void stand() RINGDOWN_REALTIME { from_ = to_; }  // from now on it stays where it is
+  void unplace() RINGDOWN_REALTIME { placed_ = false; }
+  // By what distance lowers its level; 1 without a place.
+  [[nodiscard]] double place_level() const RINGDOWN_REALTIME { return placed_ ? level_ : 1; }
 
   [[nodiscard]] bool still_at(Frame frame) const RINGDOWN_REALTIME {
     return gain_.still_at(frame) && left_.still_at(frame) && right_.still_at(frame);
@@ -50,6 +71,15 @@ class ChannelStrip {
 
  private:
   static constexpr double kCentre = 0.70710678118654752;  // equal power: cos 45 degrees
+  // Gains at the outputs: left, right and bus.
+  [[nodiscard]] Shares shares_at(const Place& place, Frame frame) const RINGDOWN_REALTIME;
+  [[nodiscard]] Shares shares_at(Frame frame) const RINGDOWN_REALTIME;
+  void go(const Shares& from, const Shares& to, Span chunk, double share) RINGDOWN_REALTIME;
+
+  bool placed_ = false;
+  Shares from_{}, to_{};  // in chunk_, while it is placed
+  Span chunk_;
+  double level_ = 1;  // of the last place
   Ramp gain_{1, 1}, left_{kCentre, kCentre}, right_{kCentre, kCentre};
   std::size_t bus_ = kNoBus;
   double set_gain_ = 1;  // as set last; gain_ moves to 0 instead while the object is silent

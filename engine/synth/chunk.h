@@ -15,6 +15,7 @@
 
 namespace ringdown::synth {
 
+class Listening;
 class Shedding;
 struct MixerCounters;
 
@@ -30,6 +31,7 @@ struct Chunk {
   std::array<bool, kMaxInputs> input_sounds{};  // which of them are not silent in this chunk
   const Shedding* shedding = nullptr;
   MixerCounters* counters = nullptr;
+  const Listening* listening = nullptr;  // null: there has never been a listener
 
   [[nodiscard]] Frame end() const RINGDOWN_REALTIME { return begin + static_cast<Frame>(frames); }
 };

@@ -4,6 +4,7 @@
 // copyable, because it crosses threads through SpscRing by value. [any thread]
 #pragma once
 
+#include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
 
 #include <cstdint>
@@ -26,6 +27,10 @@ enum class EventType : std::uint8_t {
   contact,        // point_m, contact: something slides or rolls on the object, or has stopped to
   ring,           // vertex, count, value: sets `count` modes going, from mode `vertex` up, each at amplitude `value`
   click,          // impulse_ns, contact_time_s: sets the object in motion as a whole, which is heard too
+  pose,           // point_m, rotation: where the object's frame lies in the scene at this frame
+  listener,       // point_m, rotation: where the listener's frame lies; `object` does not count
+  listener_off,   // nobody listens from a place any more; `object` does not count
+  listener_air,   // value, ramp_s: temperature in degrees Celsius, relative humidity in percent, for sound on its way
 };
 
 // The profile of a surface, as a sliding body feels it: random heights. For two surfaces in contact, their sum.
@@ -58,6 +63,7 @@ struct Event {
   double value = 0;
   double ramp_s = 0;
   Contact contact;
+  Rotation rotation;
 };
 static_assert(std::is_trivially_copyable_v<Event>);
 
@@ -67,5 +73,14 @@ constexpr bool is_strike(const Event& event) {
 
 // Whether the event does nothing but add to the states of modes.
 constexpr bool excites(const Event& event) { return is_strike(event) || event.type == EventType::ring; }
+
+// Whether the event happens to the listener, and to no object.
+constexpr bool is_of_listener(const Event& event) {
+  return event.type == EventType::listener || event.type == EventType::listener_off ||
+         event.type == EventType::listener_air;
+}
+
+// Whether the event says where something is: it takes effect as it is known, because one goes to a place ahead of time.
+constexpr bool is_placing(const Event& event) { return event.type == EventType::pose || is_of_listener(event); }
 
 }  // namespace ringdown::synth

@@ -8,8 +8,9 @@ namespace ringdown::synth {
 
 std::size_t EventQueue::accept(Frame now) RINGDOWN_REALTIME {
   std::size_t late = 0;
+  placed_ = 0;
   for (Ring& ring : rings_) {
-    for (; count_ < kMaxPendingEvents; ring.pop()) {
+    for (; count_ < kMaxPendingEvents && placed_ < kMaxPlacings; ring.pop()) {
       const Event* event = ring.front();
       if (!event) break;
       late += take(*event, now);
@@ -23,6 +24,12 @@ std::size_t EventQueue::accept(Frame now) RINGDOWN_REALTIME {
 //
 // Returns true when the event was late.
 bool EventQueue::take(const Event& event, Frame now) RINGDOWN_REALTIME {
+  if (is_placing(event)) {
+    Event& placing = placings_.data()[placed_++];
+    placing = event;
+    placing.frame = std::max(event.frame, now);
+    return false;
+  }
   Pending* const heap = heap_.data();
   heap[count_] = {event, next_order_++};
   heap[count_].event.frame = std::max(event.frame, now);
@@ -37,6 +44,7 @@ std::size_t EventQueue::rescale(Frame now, double ratio) {
   for (Ring& ring : rings_) {
     for (; const Event* event = ring.front(); ring.pop()) {
       heap_.resize(std::max(heap_.size(), count_ + 1));
+      if (placed_ == kMaxPlacings) placed_ = 0;  // older places do not matter
       late += take(*event, now);
     }
   }

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace ringdown::synth {
@@ -15,6 +16,7 @@ namespace ringdown::synth {
 // Capacities. Past the first, push() returns false; past the second, events stay in their rings.
 inline constexpr std::size_t kQueueCapacity = 4096;     // events one producer may have in its ring
 inline constexpr std::size_t kMaxPendingEvents = 8192;  // events waiting for their frame
+inline constexpr std::size_t kMaxPlacings = 4096;       // events that say where something is, taken in one block
 
 enum class Producer : std::size_t { control, worker, scene, midi, kCount };
 
@@ -33,6 +35,10 @@ class EventQueue {
   // Takes what the producers pushed; an event whose frame has passed gets frame `now`. Returns how many events were
   // late. [audio]
   std::size_t accept(Frame now) RINGDOWN_REALTIME;
+
+  // Those of the events that say where something is (is_placing()), in the order in which accept() took them, until the
+  // next accept(). They wait for no frame. [audio]
+  [[nodiscard]] std::span<const Event> placings() const RINGDOWN_REALTIME { return {placings_.data(), placed_}; }
 
   // The earliest event, if it happens before frame `end`, else null; of events at one frame the one pushed first.
   // [audio]
@@ -61,7 +67,8 @@ class EventQueue {
   std::array<Ring, static_cast<std::size_t>(Producer::kCount)> rings_{Ring(kQueueCapacity), Ring(kQueueCapacity),
                                                                       Ring(kQueueCapacity), Ring(kQueueCapacity)};
   std::vector<Pending> heap_ = std::vector<Pending>(kMaxPendingEvents);  // earliest first
-  std::size_t count_ = 0;
+  std::vector<Event> placings_ = std::vector<Event>(kMaxPlacings);
+  std::size_t count_ = 0, placed_ = 0;
   std::uint64_t next_order_ = 0;
 };
 

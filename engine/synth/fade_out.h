@@ -36,6 +36,7 @@ class FadeOut {
   [[nodiscard]] double level() const RINGDOWN_REALTIME {
     return static_cast<double>(left_) / static_cast<double>(frames_);
   }
+  void hear_by(const Hearing* hearing) RINGDOWN_REALTIME { states_.hear_by(hearing); }
   [[nodiscard]] const StateArray& states() const RINGDOWN_REALTIME { return states_; }
 
  private:

@@ -5,6 +5,7 @@
 #include "engine/synth/shedding.h"
 #include "engine/synth/work_cost.h"
 
+#include <algorithm>
 #include <utility>
 
 // One strike on one of many
@@ -19,16 +20,19 @@
 namespace ringdown::synth {
 
 // Adds, or with `sign` -1 subtracts, what rings in a member.
-void InstanceGroup::add(ModeStates& states, const ChannelStrip::Shares& shares, double sign) RINGDOWN_REALTIME {
+void InstanceGroup::add(Voice& voice, const ChannelStrip::Shares& shares, double sign) RINGDOWN_REALTIME {
   for (std::size_t i = 0; i < sums_.size(); ++i) {
-    if (shares[i] != 0) sums_[i].add(states, sign * shares[i]);
+    if (shares[i] != 0) sums_[i].add(voice, sign * shares[i], voice.gains().frozen());
   }
 }
 
 bool InstanceGroup::join(Object& object, Frame now) RINGDOWN_REALTIME {
   Voice& voice = *object.voices.current();
   object.member.shares_states = true;
+  voice.gains().freeze();
+  object.strip.stand();
   object.member.shares = object.strip.shares();
+  lowest_level_ = std::min(lowest_level_, object.strip.place_level());
   object.member.anchor = now;
   object.member.losses_seen = losses_;
   bus_ = object.strip.bus();
@@ -63,6 +67,7 @@ void InstanceGroup::note_struck(GroupMember& member) RINGDOWN_REALTIME {
 
 void InstanceGroup::end_round() RINGDOWN_REALTIME {
   struck_ = 0;
+  lowest_level_ = 1;
   ++round_;
 }
 
@@ -115,9 +120,9 @@ bool InstanceGroup::strike(const DueEvent& struck, std::size_t frames_left, cons
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     if (member.shares[i] == 0) continue;
     if (frames_left > 0) {
-      sums_[i].add_late(voice.amplitudes(), member.shares[i], frames_left);
+      sums_[i].add_late(voice.amplitudes(), member.shares[i], frames_left, voice.gains().frozen());
     } else {
-      sums_[i].add(voice.amplitudes(), member.shares[i]);
+      sums_[i].add(voice.amplitudes(), member.shares[i], voice.gains().frozen());
     }
   }
   note_struck(member);
@@ -131,7 +136,7 @@ void InstanceGroup::render_by_moments(const Chunk& chunk, Workspace& workspace) 
     const bool wanted = contains(chunk.wanted, channel);
     const MomentTarget target{wanted ? workspace.sums.moments(channel) : nullptr, 1.0f};
     double* const rest = wanted && sum.needs_samples() ? workspace.sums.samples(channel) : workspace.mono.data();
-    keep_if(sum.render_moments({&target, wanted ? std::size_t{1} : 0}, rest, chunk.frames, chunk.floor), chunk);
+    keep_if(sum.render_moments({&target, wanted ? std::size_t{1} : 0}, rest, chunk.frames, floor(chunk)), chunk);
   });
 }
 
@@ -141,7 +146,7 @@ void InstanceGroup::render_segment(std::size_t begin, std::size_t end, const Chu
   for_outputs([&](ModeStates& sum, std::size_t channel) RINGDOWN_REALTIME {
     if (!sum.ringing()) return;
     double* const out = contains(chunk.wanted, channel) ? workspace.sums.samples(channel) : workspace.mono.data();
-    keep_if(sum.render(out + begin, end - begin, chunk.floor), chunk);
+    keep_if(sum.render(out + begin, end - begin, floor(chunk)), chunk);
   });
 }
 
@@ -174,7 +179,7 @@ void InstanceGroup::skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REAL
 }
 
 void InstanceGroup::count_levels(const Chunk& chunk, LevelHistogram& histogram) RINGDOWN_REALTIME {
-  for_outputs([&](ModeStates& sum, std::size_t) RINGDOWN_REALTIME { sum.count_levels(histogram, 0, chunk.floor); });
+  for_outputs([&](ModeStates& sum, std::size_t) RINGDOWN_REALTIME { sum.count_levels(histogram, 0, floor(chunk)); });
 }
 
 ModeStates::Counts InstanceGroup::counts() const RINGDOWN_REALTIME {

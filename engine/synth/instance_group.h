@@ -4,7 +4,11 @@
 // still, the sum moves on just as each of them does, because its poles are theirs; so it is enough to move on the sum,
 // and a strike is added to it times the object's gain. Beside the sum every member keeps states of its own, which are
 // moved on only when it is struck, in one jump. When its gain or pan is about to move, these states are subtracted from
-// the sum, and the object rings alone until it is still again. [audio, after construction]
+// the sum, and the object rings alone until it is still again.
+//
+// A member that a listener hears from its place has gains of its own for each mode, too, which stand while it is a
+// member: the direction from which a strike is heard is taken at the strike. Placement::may_share() says which objects
+// stay within a decibel of that while they ring. [audio, after construction]
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -68,7 +72,8 @@ class InstanceGroup final : public Source {
     each(sums_[1], kRight);
     if (bus_ != kNoBus) each(sums_[2], bus_);
   }
-  void add(ModeStates& states, const ChannelStrip::Shares& shares, double sign) RINGDOWN_REALTIME;
+  void add(Voice& voice, const ChannelStrip::Shares& shares, double sign) RINGDOWN_REALTIME;
+  [[nodiscard]] double floor(const Chunk& chunk) const RINGDOWN_REALTIME { return lowest_level_ * chunk.floor; }
   void catch_up(Object& object, Frame now) RINGDOWN_REALTIME;
   void note_struck(GroupMember& member) RINGDOWN_REALTIME;
   [[nodiscard]] bool strike(const DueEvent& struck, std::size_t frames_left, const Chunk& chunk) RINGDOWN_REALTIME;
@@ -84,6 +89,7 @@ class InstanceGroup final : public Source {
   std::size_t members_ = 0;
   std::size_t struck_ = 0;    // members struck in this round
   std::uint32_t round_ = 1;   // grows when the group falls silent
+  double lowest_level_ = 1;   // by distance, of the members of this round: the floor is one before distance
   std::uint32_t losses_ = 0;  // grows when the sums had to be thrown away
 };
 

@@ -12,13 +12,14 @@ void LateStrikes::list_all() RINGDOWN_REALTIME {
   std::fill_n(listed_.data(), listed_.size(), std::uint8_t{1});
 }
 
-void LateStrikes::add(const double* amplitudes, double gain) RINGDOWN_REALTIME {
-  states_.add_strike(amplitudes, gain);
+void LateStrikes::add(const double* amplitudes, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+  states_.add_strike(amplitudes, gain, each);
   list_all();
 }
 
-void LateStrikes::add(const double* amplitudes, double gain, std::uint32_t group) RINGDOWN_REALTIME {
-  states_.add_strike(amplitudes, gain, group);
+void LateStrikes::add(const double* amplitudes, double gain, std::uint32_t group,
+                      const ModeFactors* each) RINGDOWN_REALTIME {
+  states_.add_strike(amplitudes, gain, group, each);
   if (has(group)) return;
   listed_.data()[group] = 1;
   groups_.push(group);
@@ -26,6 +27,8 @@ void LateStrikes::add(const double* amplitudes, double gain, std::uint32_t group
 
 bool LateStrikes::render(double* out, std::size_t frames) RINGDOWN_REALTIME {
   ActiveGroups all = groups_.active();
+  const Hearing* const hearing = states_.for_kernel(0).hearing;
+  if (hearing != nullptr && hearing->rate != 1) return drive({}, out, frames);  // which shifts pitches, too
   return render_modes(states_.for_kernel(frames), all, kKeepAllGroups, out, frames);
 }
 

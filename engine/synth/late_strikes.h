@@ -19,8 +19,8 @@ class LateStrikes {
   explicit LateStrikes(const ModeTable& table);  // [worker]
 
   // Adds a strike's amplitudes, times `gain`, at the present frame: to all groups, or to one.
-  void add(const double* amplitudes, double gain) RINGDOWN_REALTIME;
-  void add(const double* amplitudes, double gain, std::uint32_t group) RINGDOWN_REALTIME;
+  void add(const double* amplitudes, double gain, const ModeFactors* each) RINGDOWN_REALTIME;
+  void add(const double* amplitudes, double gain, std::uint32_t group, const ModeFactors* each) RINGDOWN_REALTIME;
 
   // Adds the next `frames` <= kChunkFrames samples to `out`: ringing freely, or under forces. False when a state is
   // absurd.
@@ -29,6 +29,7 @@ class LateStrikes {
 
   [[nodiscard]] bool has(std::uint32_t group) const RINGDOWN_REALTIME { return listed_.data()[group] != 0; }
   [[nodiscard]] const GroupList& groups() const RINGDOWN_REALTIME { return groups_; }  // that have been struck
+  void hear_by(const Hearing* hearing) RINGDOWN_REALTIME { states_.hear_by(hearing); }
   [[nodiscard]] const StateArray& states() const RINGDOWN_REALTIME { return states_; }
   void clear() RINGDOWN_REALTIME;
 

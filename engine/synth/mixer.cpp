@@ -85,6 +85,7 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   const double rate_hz = sample_rate_hz();
   shedding_.begin_block(frames, rate_hz, deadlines_);
   count(counters.late, timeline_.events().accept(now_));
+  for (const Event& event : timeline_.events().placings()) stage_.place(event, now_);
   output_.begin_block(outputs, frames);
   renderer_.main().counts = {};
   for (std::size_t done = 0; done < frames;) {
@@ -124,6 +125,7 @@ void Mixer::render_chunk(Chunk& chunk) RINGDOWN_REALTIME {
   if (stage_.idle() && !timeline_.events().next_before(chunk.end())) return;
   Workspace& workspace = renderer_.main();
   workspace.counts = {};
+  chunk.listening = stage_.begin_listening(chunk);
   chunk.moments = renderer_.prefers_moments(chunk.frames);
   stage_.route_events(chunk, settings_.exact_contacts, shedding_, workspace);
   const std::span<Source* const> sources = stage_.sources();
@@ -140,6 +142,7 @@ void Mixer::change_sample_rate(double sample_rate_hz) {
   const double ratio = sample_rate_hz / this->sample_rate_hz();
   execute_commands(std::numeric_limits<Frame>::max());
   count(meters_.counters.late, timeline_.events().rescale(now_, ratio));
+  for (const Event& event : timeline_.events().placings()) stage_.place(event, now_);
   struct Tables {
     std::shared_ptr<ModeTable> old, renewed;
   };

@@ -32,6 +32,29 @@ struct Anchors {
   alignas(64) float re[kMaxRuns][kModePadding], im[kMaxRuns][kModePadding];
 };
 
+// Multiplies the anchors of a group with the gains at which its modes are heard. A gain that moves does so from run to
+// run, as it is in the middle of each.
+HWY_INLINE void hear_group(const Hearing& hearing, std::size_t first, std::size_t runs, Anchors& anchors) {
+  const hn::CappedTag<float, kModePadding> tag;
+  for (std::size_t i = 0; i < kModePadding; i += hn::Lanes(tag)) {
+    auto gain_re = hn::Load(tag, hearing.gain_re + first + i), gain_im = hn::Load(tag, hearing.gain_im + first + i);
+    auto step_re = hn::Zero(tag), step_im = hn::Zero(tag);
+    if (hearing.step_re != nullptr) {
+      step_re = hn::Load(tag, hearing.step_re + first + i), step_im = hn::Load(tag, hearing.step_im + first + i);
+      const auto middle = hn::Set(tag, hearing.offset + 0.5f * static_cast<float>(kRun - 1));
+      gain_re = hn::MulAdd(step_re, middle, gain_re), gain_im = hn::MulAdd(step_im, middle, gain_im);
+      const auto run = hn::Set(tag, static_cast<float>(kRun));
+      step_re = hn::Mul(step_re, run), step_im = hn::Mul(step_im, run);
+    }
+    for (std::size_t r = 0; r < runs; ++r) {
+      const auto re = hn::Load(tag, anchors.re[r] + i), im = hn::Load(tag, anchors.im[r] + i);
+      hn::Store(hn::NegMulAdd(im, gain_im, hn::Mul(re, gain_re)), tag, anchors.re[r] + i);
+      hn::Store(hn::MulAdd(im, gain_re, hn::Mul(re, gain_im)), tag, anchors.im[r] + i);
+      gain_re = hn::Add(gain_re, step_re), gain_im = hn::Add(gain_im, step_im);
+    }
+  }
+}
+
 // Fills in `runs` anchors of a group and moves its states on; looks at what it leaves.
 HWY_INLINE void advance_group(const ModeArrays& modes, std::size_t first, std::size_t frames, std::size_t runs,
                               Anchors& anchors, EnergyCheck& check) {
@@ -131,6 +154,7 @@ bool render_modes_here(const ModeArrays& modes, ActiveGroups& active, const Ener
   for (std::size_t n = 0; n < runs * kRun; n += hn::MaxLanes(hn::CappedTag<float, kRun>())) {
     hn::Store(hn::Zero(hn::CappedTag<float, kRun>()), hn::CappedTag<float, kRun>(), sums + n);
   }
+  const bool heard = modes.hearing != nullptr && modes.hearing->gain_re != nullptr;
   bool sane = true;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < active.count;) {
@@ -139,6 +163,7 @@ bool render_modes_here(const ModeArrays& modes, ActiveGroups& active, const Ener
       const std::size_t first = std::size_t{group} * kModePadding;
       check.begin_group();
       advance_group(modes, first, frames, runs, batch.anchors[batch.count], check);
+      if (heard) hear_group(*modes.hearing, first, runs, batch.anchors[batch.count]);
       batch.runs[batch.count] = modes.runs + first * 2 * kRun;
       sane = sane && check.sane();
       active.list[kept] = group;

@@ -27,6 +27,23 @@ inline constexpr std::size_t kModePadding = 8;
 // Frames that come from one anchor.
 inline constexpr std::size_t kRun = 16;
 
+// How modes are heard in one call, beside what they do themselves: z sounds as z (gain + step j) in frame j of the
+// call, complex, and the time of a source that comes nearer runs faster. Arrays have one number for each mode, 64-byte
+// aligned.
+struct Hearing {
+  const float* gain_re = nullptr;  // null: 1
+  const float* gain_im = nullptr;
+  const float* step_re = nullptr;  // per frame; null: the gain stands still
+  const float* step_im = nullptr;
+  float offset = 0;  // frames by which the call begins later than the gain was `gain`
+  // Moments only: after `frames` the modes are moved on by p^(rate frames), and in the middle of the call they are
+  // `bend` frames ahead of a steady rate.
+  double rate = 1;
+  double bend = 0;
+  const double* log_re = nullptr;  // log p, where the rate is not 1 or there is a bend
+  const double* log_im = nullptr;
+};
+
 // Structure of arrays; each 64-byte aligned, a multiple of kModePadding long.
 struct ModeArrays {
   double* z_re = nullptr;
@@ -37,7 +54,8 @@ struct ModeArrays {
   const double* advance_im = nullptr;
   const float* stride_re = nullptr;  // p^kRun
   const float* stride_im = nullptr;
-  const float* runs = nullptr;  // 2 kRun numbers for each mode, as run_of() says
+  const float* runs = nullptr;       // 2 kRun numbers for each mode, as run_of() says
+  const Hearing* hearing = nullptr;  // null: z sounds as it is
 };
 
 // Re(p^l) for l < kRun, then -Im(p^l); s = log p. [any]

@@ -28,10 +28,14 @@ constexpr Level kHysteresis = 3;  // 1.1 dB: what wavers about the threshold doe
 
 // Adds a strike's amplitudes to a group as the strike will be after `frames_left` frames.
 void add_decayed(const double* amplitudes, double gain, std::uint32_t group, std::size_t frames_left,
-                 StateArray& states) RINGDOWN_REALTIME {
-  alignas(64) double re[kModePadding] = {}, im[kModePadding];
+                 const ModeFactors* each, StateArray& states) RINGDOWN_REALTIME {
+  alignas(64) double re[kModePadding], im[kModePadding];
   const std::size_t first = std::size_t{group} * kModePadding;
-  for (std::size_t i = 0; i < kModePadding; ++i) im[i] = -gain * amplitudes[first + i];
+  for (std::size_t i = 0; i < kModePadding; ++i) {
+    const double a = gain * amplitudes[first + i];
+    re[i] = each ? a * static_cast<double>(each->im[first + i]) : 0;
+    im[i] = each ? -a * static_cast<double>(each->re[first + i]) : -a;
+  }
   ModeArrays struck = states.for_kernel(0);
   struck.z_re = re, struck.z_im = im;
   struck.pole_re += first, struck.pole_im += first;
@@ -44,6 +48,7 @@ void add_decayed(const double* amplitudes, double gain, std::uint32_t group, std
 ModeStates::ModeStates(const ModeTable& table)
     : table_(table),
       states_(table),
+      gains_(table),
       sounding_(table.groups()),
       fade_(table),
       late_(table),
@@ -53,21 +58,40 @@ ModeStates::ModeStates(const ModeTable& table)
   fast_.list = sounding_.data() + table.slow_groups();
 }
 
-void ModeStates::add(const double* amplitudes, double gain) RINGDOWN_REALTIME {
+void ModeStates::hear_from(std::size_t offset, double rate, double bend) RINGDOWN_REALTIME {
+  gains_.put(hearing_, offset);
+  hearing_.rate = rate;
+  hearing_.bend = bend;
+  hearing_.log_re = table_.log_re();
+  hearing_.log_im = table_.log_im();
+  states_.hear_by(&hearing_);
+  fade_.hear_by(&hearing_);
+  late_.hear_by(&hearing_);
+}
+
+void ModeStates::unhear() RINGDOWN_REALTIME {
+  gains_.switch_off();
+  states_.hear_by(nullptr);
+  fade_.hear_by(nullptr);
+  late_.hear_by(nullptr);
+}
+
+void ModeStates::add(const double* amplitudes, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
   if (selective()) {
-    return add_to_groups([&](std::uint32_t group) RINGDOWN_REALTIME { states_.add_strike(amplitudes, gain, group); });
+    return add_to_groups([&](std::uint32_t group)
+                             RINGDOWN_REALTIME { states_.add_strike(amplitudes, gain, group, each); });
   }
-  states_.add_strike(amplitudes, gain);
+  states_.add_strike(amplitudes, gain, each);
   wake();
 }
 
-void ModeStates::add(ModeStates& other, double gain) RINGDOWN_REALTIME {
+void ModeStates::add(ModeStates& other, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
   assert(&table_ == &other.table_);
   other.unmute();
   if (selective()) {
-    return add_to_groups([&](std::uint32_t group) RINGDOWN_REALTIME { states_.add(other.states_, gain, group); });
+    return add_to_groups([&](std::uint32_t group) RINGDOWN_REALTIME { states_.add(other.states_, gain, group, each); });
   }
-  states_.add(other.states_, gain);
+  states_.add(other.states_, gain, each);
   wake();
 }
 
@@ -123,7 +147,11 @@ bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* o
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
   const ModeArrays all = states_.for_kernel(frames);
   bool sane = !fade_.running() || fade_.render(out, frames);
-  if (fast_.count > 0) sane = render_modes(all, fast_, limits, out, frames) && sane;
+  if (fast_.count > 0 && all.hearing != nullptr && all.hearing->rate != 1) {
+    sane = drive_fast(all, out, frames) && sane;
+  } else if (fast_.count > 0) {
+    sane = render_modes(all, fast_, limits, out, frames) && sane;
+  }
   if (slow_.count > 0) sane = add_moments(all, table_.moments(), slow_, frames, limits, targets) && sane;
   if (muting_.changing()) sane = muting_.render_changes(states_, targets, frames) && sane;
   muting_.advance(states_, frames, slow_);
@@ -131,23 +159,38 @@ bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* o
   return sane;
 }
 
-void ModeStates::add_late(const double* amplitudes, double gain, std::size_t frames_left) RINGDOWN_REALTIME {
-  if (!selective()) return late_.add(amplitudes, gain);
+// Tables cannot shift pitches: all fast modes are moved on sample by sample.
+bool ModeStates::drive_fast(const ModeArrays& all, double* out, std::size_t frames) RINGDOWN_REALTIME {
+  const std::size_t first = kModePadding * table_.slow_groups();
+  Hearing hearing = *all.hearing;
+  for (const float** row : {&hearing.gain_re, &hearing.gain_im, &hearing.step_re, &hearing.step_im}) {
+    if (*row != nullptr) *row += first;
+  }
+  hearing.log_re += first, hearing.log_im += first;
+  ModeArrays fast = all;
+  fast.z_re += first, fast.z_im += first, fast.pole_re += first, fast.pole_im += first;
+  fast.hearing = &hearing;
+  return drive_modes(fast, table_.columns() - first, {}, out, frames) <= kAbsurdEnergy;
+}
+
+void ModeStates::add_late(const double* amplitudes, double gain, std::size_t frames_left,
+                          const ModeFactors* each) RINGDOWN_REALTIME {
+  if (!selective()) return late_.add(amplitudes, gain, each);
   mark();
   for (std::uint32_t group = 0; group < table_.groups(); ++group) {
     const double* const a = amplitudes + std::size_t{group} * kModePadding;
     double energy = 0;
-    for (std::size_t i = 0; i < kModePadding; ++i) energy += gain * gain * a[i] * a[i];
+    for (std::size_t i = 0; i < kModePadding; ++i) energy += gain * gain * a[i] * a[i];  // before direction
     const bool sounds = is_.data()[group] == Is::sounding || late_.has(group) || group >= table_.slow_groups() ||
                         level_of(energy) >= threshold_;
     if (sounds) {
-      late_.add(amplitudes, gain, group);
+      late_.add(amplitudes, gain, group, each);
     } else if (is_.data()[group] == Is::muted) {  // muting_ has reached the end of the chunk
       muting_.catch_up(states_, group);
-      add_decayed(amplitudes, gain, group, frames_left, states_);
+      add_decayed(amplitudes, gain, group, frames_left, each, states_);
       muting_.measure(states_, group);
     } else {
-      add_decayed(amplitudes, gain, group, frames_left, states_);
+      add_decayed(amplitudes, gain, group, frames_left, each, states_);
       muting_.mute(states_, group);
     }
   }

@@ -13,6 +13,7 @@
 #include "engine/synth/fade_out.h"
 #include "engine/synth/late_strikes.h"
 #include "engine/synth/level_histogram.h"
+#include "engine/synth/mode_gains.h"
 #include "engine/synth/mode_table.h"
 #include "engine/synth/mode_watch.h"
 #include "engine/synth/muting.h"
@@ -34,10 +35,10 @@ class ModeStates {
   // Everything from here on: [audio]
 
   // Adds a strike's amplitudes (ModeTable::strike), times `gain`, at the current frame; they sound from the next
-  // rendered frame on.
-  void add(const double* amplitudes, double gain) RINGDOWN_REALTIME;
-  // Adds what rings in `other`, of the same table, times `gain`. What fades out is left alone.
-  void add(ModeStates& other, double gain) RINGDOWN_REALTIME;
+  // rendered frame on. With `each`, every mode is multiplied by a gain of its own as well.
+  void add(const double* amplitudes, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
+  // Adds what rings in `other`, of the same table, times `gain` and `each`. What fades out is left alone.
+  void add(ModeStates& other, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
   // Takes over from `other`, of the same bank, the modes that are in this table too: phase and amplitude continue;
   // pitch, decay and sample rate are this table's from here on. True when other modes still ring in `other`.
   bool take_over(ModeStates& other) RINGDOWN_REALTIME;
@@ -57,9 +58,18 @@ class ModeStates {
                       double floor) RINGDOWN_REALTIME;
   [[nodiscard]] bool needs_samples() const RINGDOWN_REALTIME { return fast_.count > 0 || fade_.running(); }
 
+  // How the modes are heard, which changes nothing of what they do: by gains of their own (mode_gains.h), and in a time
+  // that runs `rate` times as fast, which bends by `bend` (Hearing). hear_from() is called before every function that
+  // renders, with the frames from the last end_hearing() on; unhear() ends all that.
+  [[nodiscard]] ModeGains& gains() RINGDOWN_REALTIME { return gains_; }
+  void hear_from(std::size_t offset, double rate, double bend) RINGDOWN_REALTIME;
+  void end_hearing(std::size_t frames) RINGDOWN_REALTIME { gains_.advance(frames); }
+  void unhear() RINGDOWN_REALTIME;
+
   // A strike in the middle of a chunk that render_moments() has done, `frames_left` before its end. render_late() or
   // drive_late() add what it sounds from there on (LateStrikes), and merge_late() ends the chunk.
-  void add_late(const double* amplitudes, double gain, std::size_t frames_left) RINGDOWN_REALTIME;
+  void add_late(const double* amplitudes, double gain, std::size_t frames_left,
+                const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
   bool render_late(double* out, std::size_t frames) RINGDOWN_REALTIME;
   bool drive_late(std::span<const Force> forces, double* out, std::size_t frames) RINGDOWN_REALTIME;
   void merge_late() RINGDOWN_REALTIME;
@@ -115,6 +125,7 @@ class ModeStates {
   [[nodiscard]] bool selective() const RINGDOWN_REALTIME { return threshold_ != kNoThreshold || muting_.groups() > 0; }
   template <class Add>
   void add_to_groups(const Add& add_to) RINGDOWN_REALTIME;
+  [[nodiscard]] bool drive_fast(const ModeArrays& all, double* out, std::size_t frames) RINGDOWN_REALTIME;
   void list(std::uint32_t group) RINGDOWN_REALTIME;
   void settle() RINGDOWN_REALTIME;
   void unmute() RINGDOWN_REALTIME;
@@ -122,6 +133,8 @@ class ModeStates {
 
   const ModeTable& table_;
   StateArray states_;
+  ModeGains gains_;
+  Hearing hearing_;
   std::vector<std::uint32_t> sounding_;  // groups: slow ones from the front, fast ones from slow_groups() on
   ActiveGroups slow_, fast_;             // in sounding_
   FadeOut fade_;

@@ -99,6 +99,13 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
   runs_ = aligned_zeros<float>(columns_ * 2 * kRun);
   moment_weights_ = aligned_zeros<float>(columns_ * 2 * kMoments);
   band_.assign(columns_, 0);
+  rank_.assign(columns_, 0);
+  column_hz_ = aligned_zeros<float>(columns_);
+  if (bank().radiation) {
+    origin_m_ = material.size * bank().radiation->maps.origin_m;
+  } else if (bank().mass) {
+    origin_m_ = material.size * bank().mass->center_of_mass_m;
+  }
   slowest_decay_.assign(groups(), std::numeric_limits<double>::max());
   for (const PlayableMode& mode : playable) {
     const std::size_t skipped = mode_of_.size() < slow_modes_ ? 0 : kModePadding * slow_groups_ - slow_modes_;
@@ -121,6 +128,10 @@ void ModeTable::add_mode(std::uint32_t mode, const modal::DampedMode& damped, st
   mode_of_.push_back(mode);
   column_of_[mode] = static_cast<std::int32_t>(at);
   frequency_hz_.push_back(damped.frequency_hz);
+  rank_[at] = map_->rank(mode);
+  ring_s_ = std::max(ring_s_, std::numbers::ln10 / std::max(damped.decay_per_s, 1e-3));
+  column_hz_[at] = static_cast<float>(damped.frequency_hz);
+  put(s, row(exponent_re), row(exponent_im));
   put(std::exp(s), row(pole_re), row(pole_im));
   put(std::exp(s * static_cast<double>(kChunkFrames)), row(full_re), row(full_im));
   put(std::exp(s * static_cast<double>(kRun)), strides_.get(), strides_.get() + columns_);

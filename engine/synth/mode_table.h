@@ -73,6 +73,18 @@ class ModeTable {
   // Finds what chunks of `frames` need, so that it is found once. [audio, while no other thread renders]
   void prepare(std::size_t frames) RINGDOWN_REALTIME;
 
+  // In which directions the bank's modes are heard, and for each column the rank of its mode there, its frequency, and
+  // log p of its pole. Padding columns have a rank of 0.
+  [[nodiscard]] const modal::DirectionMap& directions() const RINGDOWN_REALTIME { return map_->directions(); }
+  [[nodiscard]] const std::uint32_t* ranks() const RINGDOWN_REALTIME { return rank_.data(); }
+  [[nodiscard]] const float* frequencies_hz() const RINGDOWN_REALTIME { return column_hz_.get(); }
+  [[nodiscard]] const double* log_re() const RINGDOWN_REALTIME { return row(exponent_re); }
+  [[nodiscard]] const double* log_im() const RINGDOWN_REALTIME { return row(exponent_im); }
+  // How long its longest mode takes to fall by 20 dB [s].
+  [[nodiscard]] double ring_s() const RINGDOWN_REALTIME { return ring_s_; }
+  // Where sound comes from, in the frame of the object in its size.
+  [[nodiscard]] const Vec3& origin_m() const RINGDOWN_REALTIME { return origin_m_; }
+
   // The arrays that a kernel needs to render chunks of `frames`, with states of columns() numbers each.
   [[nodiscard]] ModeArrays modes(double* z_re, double* z_im, std::size_t frames) const RINGDOWN_REALTIME;
   [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME { return {band_.data(), moment_weights_.get()}; }
@@ -83,7 +95,7 @@ class ModeTable {
   class InstanceGroup* instances = nullptr;  // of the objects that share this table (instance_group.h) [audio]
 
  private:
-  enum Row { pole_re, pole_im, full_re, full_im, rest_re, rest_im, kRows };
+  enum Row { pole_re, pole_im, full_re, full_im, rest_re, rest_im, exponent_re, exponent_im, kRows };
 
   [[nodiscard]] double ring(const Event& event, double* amplitudes) const RINGDOWN_REALTIME;
   void add_mode(std::uint32_t mode, const modal::DampedMode& damped, std::complex<double> s);
@@ -108,6 +120,10 @@ class ModeTable {
   AlignedArray<float> moment_weights_;  // columns x 2 kMoments
   std::vector<std::uint16_t> band_;
   std::vector<double> slowest_decay_;  // of each group
+  std::vector<std::uint32_t> rank_;    // of each column
+  AlignedArray<float> column_hz_;
+  Vec3 origin_m_;
+  double ring_s_ = 0;
 };
 
 }  // namespace ringdown::synth

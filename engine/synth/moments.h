@@ -25,6 +25,12 @@ namespace ringdown::synth {
 inline constexpr std::size_t kMoments = 8;
 inline constexpr std::size_t kBands = kChunkFrames + 1;
 
+// Frame j of a chunk is at t = (j - kMomentMiddle) / kMomentScale.
+inline constexpr double kMomentScale = 0.5 * static_cast<double>(kChunkFrames);
+inline constexpr double kMomentMiddle = kMomentScale - 0.5;
+// The decay over half a window about which is expanded: modes with up to twice as much take moments.
+inline constexpr double kMomentDecay = 0.2;
+
 // Whether a mode exp(s n) decays slowly enough, and lies below Nyquist. [any]
 bool takes_moments(std::complex<double> s);
 
@@ -44,9 +50,12 @@ struct MomentArrays {
   const float* weights = nullptr;       // 2 kMoments for each mode, 64-byte aligned
 };
 
+// An output and the gain at which modes sound there. For modes with a hearing of their own (ModeArrays::hearing) the
+// gain may move in a straight line, by `slope` from the middle of the window to its end.
 struct MomentTarget {
   MomentSums* sums = nullptr;
   float gain = 0;
+  float slope = 0;
 };
 
 // A gain that moves in a straight line from the first frame of a chunk to the one after its last.
@@ -61,6 +70,9 @@ struct Fade {
 // multiplied with it; what is cut off is then 20 dB larger. [audio]
 bool add_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
                  const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade = {}) RINGDOWN_REALTIME;
+// The same for modes whose `hearing` is set, which add_moments() calls for them.
+bool add_heard_moments(const ModeArrays& modes, const MomentArrays& moments, ActiveGroups& active, std::size_t frames,
+                       const EnergyLimits& limits, std::span<const MomentTarget> targets, Fade fade) RINGDOWN_REALTIME;
 
 // Turns moments into samples. [audio, after construction]
 class MomentSynthesis {

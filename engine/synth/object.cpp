@@ -4,6 +4,9 @@
 // on. By moments what rang at the beginning of the chunk is added for the whole chunk at once; strikes within it ring
 // beside, by tables, until the chunk ends. Tables serve a chunk in which anything but strikes happens, or in which gain
 // or pan move, because moments add up before single samples are known.
+//
+// An object that is heard from a place takes moments whenever it can, because its gains move all the time and only
+// moments shift its pitch: gain, pan and contacts then count from the next chunk on.
 #include "engine/synth/object.h"
 
 #include "engine/synth/meters.h"
@@ -47,19 +50,30 @@ void VoiceStack::free_all() {
 }
 
 void Object::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  placed_ = placement.heard(chunk) && placement.begin_chunk(chunk, voices, strip);
   apply_threshold(chunk, workspace);
-  if ((chunk.moments || !strip.heard(chunk.wanted)) && only_struck(chunk)) {
+  const bool by_moments = placed_ ? !is_cleared() : (chunk.moments || !strip.heard(chunk.wanted)) && only_struck(chunk);
+  if (by_moments) {
     render_by_moments(chunk, workspace);
   } else {
     render_by_tables(chunk, workspace);
   }
+  if (placed_) placement.end_chunk(chunk, voices);
   voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
     if (!voice.ringing()) return;
     const ModeStates::Counts counts = voice.counts();
     ++workspace.counts.voices;
     workspace.counts.add(counts);
-    chunk.shedding->worked(render_units(counts.sounding, chunk.frames, chunk.moments), workspace);
+    chunk.shedding->worked(render_units(counts.sounding, chunk.frames, by_moments || chunk.moments), workspace);
   });
+}
+
+// Whether something of it is to end in this chunk, which moments cannot cut.
+bool Object::is_cleared() const RINGDOWN_REALTIME {
+  for (const DueEvent* event = due.first; event; event = event->next) {
+    if (event->event.type == EventType::clear) return true;
+  }
+  return false;
 }
 
 // Whether nothing but strikes happens to it in the chunk, and no gain or pan is moving.
@@ -113,6 +127,7 @@ void Object::render_segment(std::size_t begin, std::size_t end, const Chunk& chu
   bool sounds = false;
   double* const mono = workspace.mono.data();
   std::fill_n(mono + begin, end - begin, 0.0);
+  hear(begin, end, chunk);
   voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
     if (!voice.ringing()) return;
     if (!voice.render(mono + begin, end - begin, floor(chunk))) count(chunk.counters->not_finite);
@@ -153,6 +168,7 @@ void Object::render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REAL
   bool struck = driven;
   std::size_t at = 0;
   const auto render_to = [&](std::size_t end) RINGDOWN_REALTIME {
+    hear(at, end, chunk);
     if (driven) {
       drive(at, end, chunk, workspace);
     } else if (struck && end > at && !voice->render_late(workspace.mono.data() + at, end - at)) {
@@ -162,6 +178,10 @@ void Object::render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REAL
   };
   for (const DueEvent* event = due.first; play_next(chunk, workspace); event = due.first) {
     render_to(event->offset);
+    if (!excites(event->event)) {
+      play(event->event, chunk);
+      continue;
+    }
     const bool played = voice && voice->strike_late(event->event, chunk.frames - at);
     count(played ? chunk.counters->strikes : chunk.counters->refused);
     struck = struck || played;

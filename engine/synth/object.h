@@ -8,6 +8,7 @@
 #include "engine/synth/channel_strip.h"
 #include "engine/synth/exciters.h"
 #include "engine/synth/instance_group.h"
+#include "engine/synth/placement.h"
 #include "engine/synth/source.h"
 #include "engine/synth/voice.h"
 
@@ -92,6 +93,7 @@ class Object final : public Source {
 
   VoiceStack voices;
   ChannelStrip strip;
+  Placement placement;
   ExciterSlots exciters;
   GroupMember member;
   Frame left_group = -1;  // the chunk in which something else than strikes happens to it
@@ -105,9 +107,15 @@ class Object final : public Source {
   void apply_threshold(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
   void render_by_tables(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
   void render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  [[nodiscard]] bool is_cleared() const RINGDOWN_REALTIME;
+  void hear(std::size_t begin, std::size_t end, const Chunk& chunk) RINGDOWN_REALTIME {
+    if (placed_ && begin < end) placement.hear(begin, end, chunk.frames, voices);
+  }
   void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
   void render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
   void drive(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+
+  bool placed_ = false;  // in this chunk it is heard from its place
 };
 
 }  // namespace ringdown::synth

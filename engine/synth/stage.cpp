@@ -1,6 +1,7 @@
 #include "engine/synth/stage.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace ringdown::synth {
@@ -62,6 +63,30 @@ void Stage::execute(const Command& command, Frame now) RINGDOWN_REALTIME {
   active_objects_.add(object);  // the next chunk finds out what rings, and retires what does not
 }
 
+void Stage::place(const Event& event, Frame now) RINGDOWN_REALTIME {
+  const Pose pose{event.point_m, event.rotation};
+  const bool has_pose = event.type == EventType::pose || event.type == EventType::listener;
+  if ((has_pose && !is_sane(pose)) ||
+      (event.type == EventType::listener_air && !(std::isfinite(event.value) && std::isfinite(event.ramp_s)))) {
+    return count(counters_.refused);
+  }
+  if (event.type == EventType::listener_off) return listening_.leave();
+  if (event.type == EventType::listener_air) return listening_.set_air({event.value, event.ramp_s});
+  if (event.type == EventType::listener) {
+    const bool begins = !listening_.on();
+    listening_.place(event.frame, pose);
+    for (std::size_t i = 0; begins && i < object_limit_; ++i) {
+      if (objects_.data()[i].placement.track.known()) part(objects_.data()[i], now);
+    }
+    return;
+  }
+  Object& object = objects_.data()[event.object];
+  object_limit_ = std::max<std::size_t>(object_limit_, event.object + 1);
+  const bool known = object.placement.track.known();
+  object.placement.track.add(event.frame, pose);
+  if (!known && listening_.on()) part(object, now);
+}
+
 std::size_t Stage::listen_to_inputs(Chunk& chunk, std::size_t rest) RINGDOWN_REALTIME {
   for (std::size_t input = 0; input < kMaxInputs; ++input) {
     const float* const samples = chunk.inputs[input];
@@ -82,6 +107,7 @@ std::size_t Stage::listen_to_inputs(Chunk& chunk, std::size_t rest) RINGDOWN_REA
 // those that remain appended to their sources, because an object that leaves or joins a group changes its source.
 void Stage::route_events(const Chunk& chunk, bool exact_contacts, Shedding& shedding,
                          Workspace& workspace) RINGDOWN_REALTIME {
+  if (chunk.listening) part_drifted(chunk);
   events_waited_ = false;
   std::size_t count = 0;
   for (; count < due_.size(); events_.pop()) {
@@ -132,12 +158,30 @@ bool Stage::starts_pulse(const DueEvent& due, const Chunk& chunk) RINGDOWN_REALT
   return true;
 }
 
+// Whether a silent object may share its states from the beginning of the chunk on: what it is heard by is found first.
+bool Stage::settles(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
+  if (!object.placement.heard(chunk)) return true;
+  if (object.active || !object.placement.begin_chunk(chunk, object.voices, object.strip)) return false;
+  return object.placement.may_share(chunk, *object.voices.current());
+}
+
+// Members of groups that are heard differently now ring alone again. A part of the objects is looked at in each chunk.
+void Stage::part_drifted(const Chunk& chunk) RINGDOWN_REALTIME {
+  constexpr std::size_t kTurns = 8;
+  next_looked_at_ = (next_looked_at_ + 1) % kTurns;
+  for (std::size_t i = next_looked_at_; i < object_limit_; i += kTurns) {
+    Object& object = objects_.data()[i];
+    if (!object.member.shares_states || !object.placement.drifted(chunk, *object.voices.current())) continue;
+    part(object, chunk.begin);
+  }
+}
+
 // Strikes on objects that share their states go to their group. An object that is struck begins to share if it can.
 void Stage::give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& shedding,
                            Workspace& workspace) RINGDOWN_REALTIME {
   Object& object = *due.object;
   if (!object.due.first && !object.member.shares_states && excites(due.event) && object.left_group != chunk.begin &&
-      object.can_share(chunk.begin) && shedding.may_join(object.units_to_share())) {
+      object.can_share(chunk.begin) && shedding.may_join(object.units_to_share()) && settles(object, chunk)) {
     join(object, chunk.begin, shedding, workspace);
   }
   if (object.member.shares_states) {
@@ -194,7 +238,7 @@ void Stage::finish_chunk(const Chunk& chunk, const Shedding& shedding, Workspace
     put_back(object.due);
     if (!stays_active(object, chunk)) return false;
     if (waits || object.member.shares_states || !object.can_share(chunk.end()) ||
-        !shedding.may_join(object.units_to_share())) {
+        !object.placement.may_share(chunk, *object.voices.current()) || !shedding.may_join(object.units_to_share())) {
       return true;
     }
     join(object, chunk.end(), shedding, workspace);
@@ -206,7 +250,8 @@ bool Stage::stays_active(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
   const bool had_tails = object.voices.has_tails();
   const bool pulse = object.voices.current() && object.exciters.has_pulse();
   object.voices.drop_silent_tails([&](Voice* voice, bool last) RINGDOWN_REALTIME {
-    if (last) object.strip.reset();  // before the worker learns that the number is free again
+    if (last)
+      object.strip.reset(), object.placement.forget();  // before the worker learns that the number is free again
     voices_.retire(number_of(object), voice);
   });
   const bool stays = object.ringing() || (pulse && !had_tails);
@@ -234,6 +279,12 @@ void Stage::render_clicks(const Chunk& chunk, Workspace& workspace) RINGDOWN_REA
     Clicks::One& one = clicks_[i];
     const auto begin = static_cast<std::size_t>(std::max<Frame>(one.begin - chunk.begin, 0));
     one.click.fill(chunk.frames - begin, workspace.mono.data() + begin);
+    Object& struck = objects_.data()[one.object];
+    if (struck.placement.heard(chunk) && !struck.placement.begun(chunk) && !struck.member.shares_states) {
+      if (struck.placement.begin_chunk(chunk, struck.voices, struck.strip)) {
+        struck.placement.end_chunk(chunk, struck.voices);
+      }
+    }
     object(one.object).strip.add_samples(workspace.mono.data(), begin, chunk.frames, chunk, workspace.sums);
   }
   clicks_.drop_before(chunk.end());

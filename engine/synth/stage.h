@@ -6,6 +6,7 @@
 #include "engine/synth/chunk.h"
 #include "engine/synth/click.h"
 #include "engine/synth/exciters.h"
+#include "engine/synth/listening.h"
 #include "engine/synth/meters.h"
 #include "engine/synth/object.h"
 #include "engine/synth/shedding.h"
@@ -29,6 +30,15 @@ class Stage {
 
   // Carries out a command at frame `now`.
   void execute(const Command& command, Frame now) RINGDOWN_REALTIME;
+
+  // Takes up where something is (is_placing()).
+  void place(const Event& event, Frame now) RINGDOWN_REALTIME;
+  // The listener for a chunk; null when there has never been one.
+  [[nodiscard]] const Listening* begin_listening(const Chunk& chunk) RINGDOWN_REALTIME {
+    if (!listening_.used()) return nullptr;
+    listening_.begin_chunk(chunk.begin, chunk.frames, chunk.sample_rate_hz);
+    return &listening_;
+  }
 
   // Finds which inputs are not silent in the chunk's first frames, and activates what they excite. Returns how many of
   // `rest` frames were looked at: kChunkFrames at most when an input is connected.
@@ -58,8 +68,10 @@ class Stage {
   // nothing is rendered, after part_all()]
   template <class Renew>
   void rescale(Frame now, double ratio, const Renew& renew) {
+    listening_.rescale(now);
     for (Object& object : objects_) {
       object.strip.rescale(now, ratio);
+      object.placement.track.rescale(now);
       object.voices.renew(renew);
       for (Exciter* exciter : object.exciters.all()) exciter->rescale(now, ratio);
       exciters_.refit(object.voices.current(), object.exciters);
@@ -113,6 +125,8 @@ class Stage {
                       Workspace& workspace) RINGDOWN_REALTIME;
   void join(Object& object, Frame now, const Shedding& shedding, Workspace& workspace) RINGDOWN_REALTIME;
   void part(Object& object, Frame now) RINGDOWN_REALTIME;
+  [[nodiscard]] bool settles(Object& object, const Chunk& chunk) RINGDOWN_REALTIME;
+  void part_drifted(const Chunk& chunk) RINGDOWN_REALTIME;
   void put_back(DueList& due) RINGDOWN_REALTIME;
   [[nodiscard]] bool stays_active(Object& object, const Chunk& chunk) RINGDOWN_REALTIME;
 
@@ -121,6 +135,8 @@ class Stage {
   MixerCounters& counters_;
   std::vector<Object> objects_;
   std::size_t object_limit_ = 0;
+  std::size_t next_looked_at_ = 0;  // which part of the objects part_drifted() looked at last
+  Listening listening_;
   Exciters exciters_;
   Clicks clicks_;
   ActiveList<Object> active_objects_;

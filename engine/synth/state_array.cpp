@@ -6,29 +6,53 @@
 
 namespace ringdown::synth {
 
-void StateArray::add_strike(const double* amplitudes, double gain) RINGDOWN_REALTIME {
-  double* const im = this->im();
-  for (std::size_t i = 0; i < table_.columns(); ++i) im[i] -= gain * amplitudes[i];
-}
-
-void StateArray::add_strike(const double* amplitudes, double gain, std::uint32_t group) RINGDOWN_REALTIME {
-  const std::size_t first = std::size_t{group} * kModePadding;
-  double* const im = this->im();
-  for (std::size_t i = first; i < first + kModePadding; ++i) im[i] -= gain * amplitudes[i];
-}
-
-void StateArray::add(const StateArray& other, double gain) RINGDOWN_REALTIME {
-  const double* const from = other.numbers_.get();
-  double* const to = numbers_.get();
-  for (std::size_t i = 0; i < 2 * table_.columns(); ++i) to[i] += gain * from[i];
-}
-
-void StateArray::add(const StateArray& other, double gain, std::uint32_t group) RINGDOWN_REALTIME {
-  const std::size_t first = std::size_t{group} * kModePadding;
-  for (std::size_t i = first; i < first + kModePadding; ++i) {
-    re()[i] += gain * other.re()[i];
-    im()[i] += gain * other.im()[i];
+void StateArray::add_strike(const double* amplitudes, double gain, std::size_t first, std::size_t end,
+                            const ModeFactors* each) RINGDOWN_REALTIME {
+  double *const re = this->re(), *const im = this->im();
+  if (each == nullptr) {
+    for (std::size_t i = first; i < end; ++i) im[i] -= gain * amplitudes[i];
+    return;
   }
+  for (std::size_t i = first; i < end; ++i) {
+    re[i] += gain * amplitudes[i] * static_cast<double>(each->im[i]);
+    im[i] -= gain * amplitudes[i] * static_cast<double>(each->re[i]);
+  }
+}
+
+void StateArray::add_strike(const double* amplitudes, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+  add_strike(amplitudes, gain, 0, table_.columns(), each);
+}
+
+void StateArray::add_strike(const double* amplitudes, double gain, std::uint32_t group,
+                            const ModeFactors* each) RINGDOWN_REALTIME {
+  const std::size_t first = std::size_t{group} * kModePadding;
+  add_strike(amplitudes, gain, first, first + kModePadding, each);
+}
+
+void StateArray::add(const StateArray& other, double gain, std::size_t first, std::size_t end,
+                     const ModeFactors* each) RINGDOWN_REALTIME {
+  double *const re = this->re(), *const im = this->im();
+  const double *const from_re = other.re(), *const from_im = other.im();
+  if (each == nullptr) {
+    for (std::size_t i = first; i < end; ++i) re[i] += gain * from_re[i];
+    for (std::size_t i = first; i < end; ++i) im[i] += gain * from_im[i];
+    return;
+  }
+  for (std::size_t i = first; i < end; ++i) {
+    const auto by_re = static_cast<double>(each->re[i]), by_im = static_cast<double>(each->im[i]);
+    re[i] += gain * (from_re[i] * by_re - from_im[i] * by_im);
+    im[i] += gain * (from_re[i] * by_im + from_im[i] * by_re);
+  }
+}
+
+void StateArray::add(const StateArray& other, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
+  add(other, gain, 0, table_.columns(), each);
+}
+
+void StateArray::add(const StateArray& other, double gain, std::uint32_t group,
+                     const ModeFactors* each) RINGDOWN_REALTIME {
+  const std::size_t first = std::size_t{group} * kModePadding;
+  add(other, gain, first, first + kModePadding, each);
 }
 
 bool StateArray::move_from(StateArray& other) RINGDOWN_REALTIME {

@@ -17,6 +17,11 @@ namespace ringdown::synth {
 inline constexpr double kAbsurdEnergy = 1e24;
 inline constexpr EnergyLimits kKeepAllGroups{-1, kAbsurdEnergy};
 
+// A complex gain for each column.
+struct ModeFactors {
+  const float *re = nullptr, *im = nullptr;
+};
+
 class StateArray {
  public:
   // All zero. The table outlives the array. [worker]
@@ -28,17 +33,24 @@ class StateArray {
 
   // The states with all that the kernels need for a call of `frames`.
   [[nodiscard]] ModeArrays for_kernel(std::size_t frames) const RINGDOWN_REALTIME {
-    return table_.modes(re(), im(), frames);
+    ModeArrays modes = table_.modes(re(), im(), frames);
+    modes.hearing = hearing_;
+    return modes;
   }
+  // By what gains the modes are heard in kernels; null: each by 1. It outlives the array.
+  void hear_by(const Hearing* hearing) RINGDOWN_REALTIME { hearing_ = hearing; }
 
   // Adds a strike's amplitudes (ModeTable::strike), one per column, times `gain`. A struck mode begins as a sine:
   // a sin(omega t) = Re(-i a exp(i omega t)), so a strike lowers the imaginary part of z.
-  void add_strike(const double* amplitudes, double gain) RINGDOWN_REALTIME;
-  void add_strike(const double* amplitudes, double gain, std::uint32_t group) RINGDOWN_REALTIME;
+  // With `each`, every mode is multiplied by a gain of its own as well.
+  void add_strike(const double* amplitudes, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
+  void add_strike(const double* amplitudes, double gain, std::uint32_t group,
+                  const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
 
-  // Adds the states of another array of the same table, times `gain`.
-  void add(const StateArray& other, double gain) RINGDOWN_REALTIME;
-  void add(const StateArray& other, double gain, std::uint32_t group) RINGDOWN_REALTIME;
+  // Adds the states of another array of the same table, times `gain`, and times `each`.
+  void add(const StateArray& other, double gain, const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
+  void add(const StateArray& other, double gain, std::uint32_t group,
+           const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
 
   // Moves the states of `other`, of the same bank in another table, that have a column here; every other column becomes
   // zero. True when states without a column here are left in `other`.
@@ -58,7 +70,13 @@ class StateArray {
   [[nodiscard]] double amplitude() const RINGDOWN_REALTIME;
 
  private:
+  void add_strike(const double* amplitudes, double gain, std::size_t first, std::size_t end,
+                  const ModeFactors* each) RINGDOWN_REALTIME;
+  void add(const StateArray& other, double gain, std::size_t first, std::size_t end,
+           const ModeFactors* each) RINGDOWN_REALTIME;
+
   const ModeTable& table_;
+  const Hearing* hearing_ = nullptr;
   AlignedArray<double> numbers_;  // real parts of all columns, then imaginary parts
 };
 

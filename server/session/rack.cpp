@@ -24,6 +24,8 @@ bool Rack::push(synth::Producer producer, const Event& event) {
   if (!mixer_.push(producer, event)) return false;
   if (event.type == EventType::gain) objects_.replace(event.object, [&](ObjectState& o) { o.gain = event.value; });
   if (event.type == EventType::pan) objects_.replace(event.object, [&](ObjectState& o) { o.pan = event.value; });
+  if (event.type == EventType::listener) listened_ = true;
+  if (event.type == EventType::listener_off) listened_ = false;
   observers_.keep(producer, event);
   return true;
 }

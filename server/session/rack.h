@@ -59,6 +59,9 @@ class Rack {
   // object's; other events lock nothing, unless Observers::keep() does. [the producer's thread]
   [[nodiscard]] bool push(synth::Producer producer, const synth::Event& event);
 
+  // Whether somebody listens from a place (EventType::listener was pushed last). [any]
+  [[nodiscard]] bool listened() const { return listened_; }
+
   // The object as it is now. Neither locks nor allocates, unless there is none. [any but audio]
   [[nodiscard]] Result<ObjectSnapshot> find(const protocol::ObjectRef& object) const;
 
@@ -133,6 +136,7 @@ class Rack {
   Buses buses_;
   Excitations excitations_;  // worker
   std::atomic<std::uint32_t> inputs_ = 0;
+  std::atomic<bool> listened_ = false;
   Silences silences_{mixer_};             // worker
   std::set<synth::ObjectNumber> fading_;  // worker: freed objects that still sound at their bus
   std::mutex rate_mutex_;  // held while voices are made and installed, or collected: all are of one sample rate

@@ -116,10 +116,11 @@ Message Recorder::message_of(const Entry& entry) const {
 
 void Recorder::played(const Event& event) {
   if (!records_) return;
+  const bool of_object = !synth::is_of_listener(event);
   const auto object = rack_.find({.number = event.object});
-  if (!object) return;  // the object has been freed a moment ago
+  if (of_object && !object) return;  // the object has been freed a moment ago
   const std::scoped_lock lock(mutex_);
-  if (records_) add(event.frame, Played{event, (*object)->name});
+  if (records_) add(event.frame, Played{event, of_object ? (*object)->name : std::string()});
 }
 
 void Recorder::changed(const ObjectState* before, const ObjectState* after, Frame at) {

@@ -32,6 +32,12 @@ Result<void> check_point(Vec3 point_m, const ObjectState& object) {
                                         "; points are in metres, in the object's own coordinates");
 }
 
+// Single precision on the way may leave a unit quaternion a little longer or shorter.
+Result<void> check_turn(const Rotation& turn) {
+  if (std::abs(norm(turn) - 1) <= 0.01) return {};
+  return fail(ErrorKind::bad_input, "qw: qw, qx, qy and qz must be a quaternion of length 1; 1 0 0 0 is not turned");
+}
+
 struct AppendEvents {
   const Rack& rack;
   synth::Frame frame;
@@ -107,6 +113,42 @@ struct AppendEvents {
                   {.type = EventType::click, .impulse_ns = click.impulse_ns, .contact_time_s = click.contact_time_s});
   }
 
+  Result<void> operator()(const protocol::SetPose& set) const {
+    const auto object = rack.find(set.object);
+    if (!object) return fail(object.error());
+    if (auto good = check_turn(set.pose.rotation); !good) return good;
+    return append(**object,
+                  {.type = EventType::pose, .point_m = set.pose.position_m, .rotation = normalized(set.pose.rotation)});
+  }
+
+  Result<void> operator()(const protocol::PoseMany& bulk) const {
+    const auto poses = protocol::decode_poses(bulk.records);
+    if (!poses) return fail(poses.error());
+    for (std::size_t i = 0; i < poses->size(); ++i) {
+      const protocol::BulkPose& one = (*poses)[i];
+      const auto delay = static_cast<synth::Frame>(std::llround(one.delay_s * rack.mixer().sample_rate_hz()));
+      const AppendEvents later{rack, frame + delay, events};
+      const auto done = later(protocol::SetPose{{.number = one.object}, one.pose});
+      if (!done) return fail(done.error().kind, "record " + std::to_string(i + 1) + " " + done.error().message);
+    }
+    return {};
+  }
+
+  Result<void> operator()(const protocol::SetListener& set) const {
+    if (auto good = check_turn(set.pose.rotation); !good) return good;
+    return append_for_all(
+        {.type = EventType::listener, .point_m = set.pose.position_m, .rotation = normalized(set.pose.rotation)});
+  }
+
+  Result<void> operator()(const protocol::ListenerOff&) const {
+    return append_for_all({.type = EventType::listener_off});
+  }
+
+  Result<void> operator()(const protocol::SetListenerAir& set) const {
+    return append_for_all(
+        {.type = EventType::listener_air, .value = set.temperature_c, .ramp_s = set.humidity_percent});
+  }
+
   Result<void> operator()(const protocol::ClearAll&) const {
     for (const ObjectSnapshot& object : rack.objects()) static_cast<void>(append(*object, {.type = EventType::clear}));
     return {};
@@ -117,6 +159,13 @@ struct AppendEvents {
     const auto object = rack.find(ref);
     if (!object) return fail(object.error());
     return append(**object, event);
+  }
+
+  // An event that happens to no object.
+  Result<void> append_for_all(Event event) const {
+    event.frame = frame;
+    events.push_back(event);
+    return {};
   }
 
   Result<void> append(const ObjectState& object, Event event) const {

@@ -80,6 +80,8 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   auto world = scene::World::create(*description, objects, mixer.sample_rate_hz());
   if (!world) return fail(world.error().kind, path.string() + ": " + world.error().message);
 
+  if (const auto placed = place_listener(*description, frame); !placed) return fail(placed.error());
+
   std::vector<scene::RestDamping> removed;
   {
     const std::scoped_lock lock(mutex_);
@@ -92,9 +94,35 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
     ++version_;
     duration_s_ = description->duration_s;
     body_count_ = world_->bodies().size();
+    poses_.forget();
+    if (!sink_) dropped_ += poses_.send(*world_, frame, rack_);
   }
   set_dampers(removed);
   return body_count_.load();
+}
+
+// A scene without a listener ends the one that the scene before it has set, but nobody else's.
+Result<void> ScenePlayer::place_listener(const scene::SceneDescription& scene, Frame frame) {
+  std::vector<Event> events;
+  if (scene.listener) {
+    const scene::ListenerDescription& listener = *scene.listener;
+    const Pose pose = scene::pose_of(listener);
+    events.push_back({.frame = frame,
+                      .type = EventType::listener_air,
+                      .value = listener.temperature_c,
+                      .ramp_s = listener.humidity_percent});
+    events.push_back(
+        {.frame = frame, .type = EventType::listener, .point_m = pose.position_m, .rotation = pose.rotation});
+  } else if (sets_listener_) {
+    events.push_back({.frame = frame, .type = EventType::listener_off});
+  }
+  sets_listener_ = scene.listener.has_value();
+  for (const Event& event : events) {
+    if (!rack_.push(synth::Producer::worker, event)) {
+      return fail(ErrorKind::refused, "listener: too many changes at once; try again");
+    }
+  }
+  return {};
 }
 
 Result<void> ScenePlayer::pause(bool paused) {
@@ -214,7 +242,10 @@ bool ScenePlayer::step_towards(Frame frame, std::optional<Frame> slack) {
       return false;
     }
     if (slack) slow_down(frame - reported_until() - *slack);
-    if (reported_until() < frame) pass_on(world_->step(), dampings);
+    if (reported_until() < frame) {
+      pass_on(world_->step(), dampings);
+      if (!sink_) dropped_ += poses_.send(*world_, position(), rack_);
+    }
     more = reported_until() < frame;
   }
   set_dampers(dampings);

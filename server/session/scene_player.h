@@ -16,6 +16,7 @@
 #include "server/session/bank_reader.h"
 #include "server/session/file_roots.h"
 #include "server/session/rack.h"
+#include "server/session/scene_poses.h"
 
 #include <atomic>
 #include <cstdint>
@@ -140,6 +141,7 @@ class ScenePlayer {
 
  private:
   Result<scene::BodyId> spawn(const std::optional<protocol::ObjectRef>& object, scene::BodyDescription body);
+  [[nodiscard]] Result<void> place_listener(const scene::SceneDescription& scene, synth::Frame frame);
   [[nodiscard]] synth::Frame position() const;
   [[nodiscard]] synth::Frame reported_until() const;
   void delay(synth::Frame by);
@@ -155,7 +157,9 @@ class ScenePlayer {
   Post post_;
   mutable FairMutex mutex_;  // guards all members below except the atomics
   std::optional<scene::World> world_;
-  synth::Frame start_ = 0;  // the frame of scene time 0
+  ScenePoses poses_;
+  bool sets_listener_ = false;  // the scene, or one before it
+  synth::Frame start_ = 0;      // the frame of scene time 0
   Playing playing_;
   scene::SceneDescription description_;   // of world_
   std::int32_t version_ = 0;              // of the description

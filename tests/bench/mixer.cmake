@@ -1,6 +1,6 @@
 # Included by tests/bench/CMakeLists.txt. A program with a main of its own: its peers are other programs.
 find_package(CLI11 REQUIRED)
-add_executable(ringdown_mixer_bench mixer_bench.cpp machine.cpp promise.cpp mixer/accuracy.cpp mixer/budget.cpp mixer/costs.cpp
+add_executable(ringdown_mixer_bench mixer_bench.cpp machine.cpp promise.cpp mixer/accuracy.cpp mixer/budget.cpp mixer/costs.cpp mixer/directions.cpp
                mixer/faust.cpp mixer/kernels.cpp mixer/klank.cpp mixer/promises.cpp mixer/row.cpp
                mixer/sharing.cpp mixer/stage.cpp
                mixer/supercollider_files.cpp mixer/throughput.cpp mixer/timing.cpp)

@@ -227,6 +227,50 @@ Cases object_only_cases(const std::string& verb) {
       {{"/object/b ll/" + verb, {}, "object"}}};
 }
 
+Cases pose_cases() {
+  const std::string a = "/object/bell/pose";
+  return {{{a, {1, 2, 3}, claim<SetPose>([](const SetPose& s) {
+              return s.object == named("bell") && s.pose == Pose{{1, 2, 3}, {0, 0, 0, 1}};
+            })},
+           {a, {0, 0, 0, 0.5f, 0.5f, -0.5f, 0.5f}, claim<SetPose>([](const SetPose& s) {
+              return s.pose == Pose{{0, 0, 0}, {0.5, -0.5, 0.5, 0.5}};
+            })}},
+          {{"/object/b%/pose", {0, 0, 0}, "object"},
+           {a, {kNan, 0, 0}, "x"},
+           {a, {0, 1e5, 0}, "y"},
+           {a, {0, 0}, "z"},
+           {a, {0, 0, 0, kNan, 0, 0, 0}, "qw"},
+           {a, {0, 0, 0, 1, 2, 0, 0}, "qx"},
+           {a, {0, 0, 0, 1, 0, "up", 0}, "qy"},
+           {a, {0, 0, 0, 1, 0, 0, kInfinity}, "qz"}}};
+}
+
+Cases poses_cases() {
+  return {{{"/poses", {wire::Blob(36)}, claim<PoseMany>([](const PoseMany& p) { return p.records.size() == 36; })}},
+          {{"/poses", {}, "records"}, {"/poses", {wire::Blob(40)}, "records"}}};
+}
+
+Cases listener_cases() {
+  return {{{"/listener", {1, 2, 3, 0, 0, 0, 1}, claim<SetListener>([](const SetListener& s) {
+              return s.pose == Pose{{1, 2, 3}, {0, 0, 1, 0}};
+            })}},
+          {{"/listener", {1, 2}, "z"},
+           {"/listener", {0, kNan, 0}, "y"},
+           {"/listener", {kInfinity, 0, 0}, "x"},
+           {"/listener", {0, 0, 0, 1, kNan, 0, 0}, "qx"},
+           {"/listener", {0, 0, 0, 5}, "qw"},
+           {"/listener", {0, 0, 0, 1, 0, 2}, "qy"},
+           {"/listener", {0, 0, 0, 1, 0, 0, 2}, "qz"}}};
+}
+
+Cases air_cases() {
+  const std::string a = "/listener/air";
+  return {{{a, {10}, claim<SetListenerAir>([](const SetListenerAir& s) {
+              return s.temperature_c == 10 && s.humidity_percent == 50;
+            })}},
+          {{a, {}, "temperature"}, {a, {61}, "temperature"}, {a, {kNan}, "temperature"}, {a, {20, 101}, "humidity"}}};
+}
+
 Cases load_cases() {
   return {{{"/load", {"bell", "a/b c.glb"}, claim<LoadObject>([](const LoadObject& s) {
               return s.name == "bell" && s.bank_path == "a/b c.glb";
@@ -439,6 +483,11 @@ const std::map<std::string, Cases>& all_cases() {
       {"/record/stop", record_stop_cases()},
       {"/object/{object}/gain", gain_cases()},
       {"/object/{object}/pan", pan_cases()},
+      {"/object/{object}/pose", pose_cases()},
+      {"/poses", poses_cases()},
+      {"/listener", listener_cases()},
+      {"/listener/off", bare_cases<ListenerOff>("/listener/off")},
+      {"/listener/air", air_cases()},
       {"/object/{object}/group", group_cases()},
       {"/object/{object}/excite", excite_cases()},
       {"/object/{object}/material", material_cases()},

@@ -31,6 +31,10 @@ void measure_tail(const Settings& settings, const Sink& sink);
 // 1,000 objects of one bank that share their states, the same each for itself, and two of them.
 void measure_instances(const Settings& settings, const Sink& sink);
 
+// 10,000 modes in 100 objects that a listener hears from their places: standing, turning once a second, flying to and
+// fro; and without a listener.
+void measure_directions(const Settings& settings, const Sink& sink);
+
 // One thread and two, at 30,000 modes.
 void measure_threads(const Settings& settings, const Sink& sink);
 

@@ -94,6 +94,8 @@ std::vector<Promise> promises(const Rows& rows) {
   }
   list.push_back(least("two banks: block time over that of 1000 instances that share their states",
                        find(rows, "instances", is("two banks")), 0.9));
+  list.push_back(least("10000 modes in 100 objects that turn: modes per core over those of objects that stand",
+                       find(rows, "directions", is("turning")), 0.8));
   const auto two_threads = [](const Row& row) { return row.who == "2 threads" && row.objects == 100; };
   list.push_back(least("30000 modes in 100 objects: block time of 1 thread over that of 2",
                        find(rows, "threads", two_threads), 1.7));

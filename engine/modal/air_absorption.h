@@ -1,0 +1,38 @@
+// How much of a tone the air takes on its way, by ISO 9613-1 (1993), at the pressure of 101.325 kPa. [any thread]
+#pragma once
+
+#include "engine/base/realtime.h"
+
+namespace ringdown::modal {
+
+struct AirConditions {
+  double temperature_c = 20;     // -50 to 60
+  double humidity_percent = 50;  // relative, 0 to 100
+  friend bool operator==(const AirConditions&, const AirConditions&) = default;
+};
+
+// The coefficients of the standard's equations 3 to 5, from which the absorption at any frequency follows:
+//
+//   alpha(f) = f^2 (classical + oxygen / (f_o + f^2 / f_o) + nitrogen / (f_n + f^2 / f_n))     [nepers per metre]
+struct AirAbsorption {
+  double classical = 0;                         // [s^2 / m]
+  double oxygen = 0, oxygen_relaxation_hz = 1;  // [s / m], [Hz]
+  double nitrogen = 0, nitrogen_relaxation_hz = 1;
+
+  friend bool operator==(const AirAbsorption&, const AirAbsorption&) = default;
+
+  AirAbsorption() = default;
+  // Conditions outside of their ranges count as the nearest within.
+  explicit AirAbsorption(const AirConditions& conditions);
+
+  [[nodiscard]] double nepers_per_m(double frequency_hz) const RINGDOWN_REALTIME {
+    const double f2 = frequency_hz * frequency_hz;
+    return f2 * (classical + oxygen / (oxygen_relaxation_hz + f2 / oxygen_relaxation_hz) +
+                 nitrogen / (nitrogen_relaxation_hz + f2 / nitrogen_relaxation_hz));
+  }
+};
+
+// Of dry air at that temperature [m/s]; 343.2 at 20 degrees.
+double sound_speed_m_s(const AirConditions& conditions);
+
+}  // namespace ringdown::modal

@@ -1,0 +1,178 @@
+#include "engine/synth/placement.h"
+
+#include "engine/synth/object.h"
+
+#include <algorithm>
+#include <cmath>
+
+// Gains of modes move in straight lines from one look at their maps to the next. A line's end is looked up ahead, where
+// the object will be by then, so that the line is right at both ends. How far ahead follows from how fast the object
+// turns under the listener and from how sharp its maps are: by kMaxTurn at most, which leaves the middle of a line off
+// by kMaxTurn^2 / 8, -60 dB rms.
+namespace ringdown::synth {
+namespace {
+
+constexpr double kMaxTurn = 0.1;  // of the phase in which a mode's gain goes through its lobes [rad]
+constexpr double kMaxChunksAhead = 8;
+
+}  // namespace
+
+bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
+  if (!heard(chunk)) return false;
+  const Listening& listening = *chunk.listening;
+  if (!(listening.on() && track.known())) {
+    go_off(chunk, voices, strip);
+    return on_;
+  }
+  bool rings = false;
+  const Voice* source = nullptr;
+  voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
+    rings = rings || voice.ringing();
+    source = source ? source : &voice;
+  });
+  const Vec3 origin_m = source ? source->table().origin_m() : Vec3{};
+  const double rate_hz = chunk.sample_rate_hz;
+  track.advance(chunk.begin, rate_hz);
+  const std::uint32_t jumps = track.jumps() + listening.jumps();
+  const bool fresh = on_ ? heard_until_ != chunk.begin && !rings : !rings;
+  if (fresh) {
+    glide_left_ = 0;
+  } else if (!on_ || leaves_ || jumps != jumps_ || airs_ != listening.airs()) {
+    glide_left_ = kGlide;
+    next_look_ = chunk.begin;
+  }
+  jumps_ = jumps;
+  airs_ = listening.airs();
+  const Sighting begin =
+      sight(track.at(chunk.begin, rate_hz), origin_m, listening.at_begin(), listening.sound_speed_m_s());
+  const bool stands = track.still() && listening.still();
+  const Sighting end =
+      stands ? begin : sight(track.at(chunk.end(), rate_hz), origin_m, listening.at_end(), listening.sound_speed_m_s());
+  const double n = static_cast<double>(chunk.frames);
+  rate_a_ = begin.rate;
+  rate_b_ = rate_c_ = 0;
+  if (end.rate != begin.rate) {
+    const Frame middle = chunk.begin + static_cast<Frame>(chunk.frames / 2);
+    const double x = static_cast<double>(middle - chunk.begin) / n;
+    const double between =
+        sight(track.at(middle, rate_hz), origin_m, listening.at(middle, rate_hz), listening.sound_speed_m_s()).rate;
+    if (x > 0) rate_c_ = ((between - begin.rate) / x - (end.rate - begin.rate)) / (x - 1);
+    rate_b_ = end.rate - begin.rate - rate_c_;
+  }
+  const double share = glide_left_ > 0 ? std::min(1.0, n / static_cast<double>(glide_left_)) : 1.0;
+  strip.place({begin.toward_source, level_at(begin.distance_m)}, {end.toward_source, level_at(end.distance_m)},
+              {chunk.begin, chunk.end()}, fresh ? 2 : share);
+  aim(chunk, begin, end, fresh, stands, origin_m, voices);
+  glide_left_ = std::max<Frame>(glide_left_ - static_cast<Frame>(chunk.frames), 0);
+  last_ = end;
+  on_ = true;
+  leaves_ = false;
+  heard_until_ = chunk.end();
+  return true;
+}
+
+// Looks gains up where it is time to.
+void Placement::aim(const Chunk& chunk, const Sighting& begin, const Sighting& end, bool fresh, bool stands,
+                    const Vec3& origin_m, VoiceStack& voices) RINGDOWN_REALTIME {
+  const Listening& listening = *chunk.listening;
+  const double n = static_cast<double>(chunk.frames), turn = length(end.toward_listener - begin.toward_listener);
+  const double least = glide_left_ > 0 ? static_cast<double>(kGlide) : n;
+  const auto clipped = [](double d) RINGDOWN_REALTIME { return std::max(d, kReferenceDistance_m); };
+  const bool look = chunk.begin >= next_look_;
+  double ahead = least;
+  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
+    ModeGains& gains = voice.gains();
+    const bool first = !gains.on();
+    if (fresh || (first && glide_left_ == 0)) {
+      gains.aim(begin.toward_listener, clipped(begin.distance_m), listening.absorption(), 0);
+    }
+    if (stands) {
+      const bool there = gains.on() && gains.left() == 0;
+      if (there && glide_left_ == 0) {  // exactly, where a line has brought it but for rounding
+        if (gains.moves()) gains.aim(begin.toward_listener, clipped(begin.distance_m), listening.absorption(), 0);
+      } else if (look || gains.left() <= 0) {
+        gains.aim(begin.toward_listener, clipped(begin.distance_m), listening.absorption(), least, true);
+        ahead = std::max(ahead, least);
+      }
+      return;
+    }
+    if (!look && !first && !fresh) return;
+    const double sharpness = std::max(voice.table().directions().sharpness(), 1.0);
+    const double most = std::max(kMaxChunksAhead * static_cast<double>(kChunkFrames), least);
+    const double wanted = turn > 0 ? n * std::floor(kMaxTurn / (turn * sharpness)) : most;
+    ahead = std::clamp(wanted, least, most);
+    const Frame then = chunk.begin + static_cast<Frame>(ahead);
+    const Sighting there = sight(track.at(then, chunk.sample_rate_hz), origin_m,
+                                 listening.at(then, chunk.sample_rate_hz), listening.sound_speed_m_s());
+    gains.aim(there.toward_listener, clipped(there.distance_m), listening.absorption(), ahead, true);
+  });
+  if (look || fresh) next_look_ = chunk.begin + static_cast<Frame>(ahead);
+  hear(0, chunk.frames, chunk.frames, voices);
+}
+
+// Over a part of the chunk the rate counts by its mean, and by how far the time that has passed lies off a straight
+// line in the middle.
+void Placement::hear(std::size_t offset, std::size_t end, std::size_t frames,
+                     VoiceStack& voices) const RINGDOWN_REALTIME {
+  const auto n = static_cast<double>(frames);
+  const double x = static_cast<double>(offset) / n, y = static_cast<double>(end) / n;
+  const double rate = rate_a_ + rate_b_ * (x + y) / 2 + rate_c_ * (x * x + x * y + y * y) / 3;
+  const double change = (rate_b_ + rate_c_ * (x + y)) * (y - x);
+  const double bend = -change * static_cast<double>(end - offset) / 8;
+  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { voice.hear_from(offset, rate, bend); });
+}
+
+void Placement::end_chunk(const Chunk& chunk, VoiceStack& voices) RINGDOWN_REALTIME {
+  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { voice.end_hearing(chunk.frames); });
+}
+
+bool Placement::may_share(const Chunk& chunk, const Voice& voice) const RINGDOWN_REALTIME {
+  if (!heard(chunk)) return true;
+  if (!on_ || leaves_ || glide_left_ > 0 || heard_until_ != chunk.end()) return false;
+  const Motion source = track.at(chunk.end(), chunk.sample_rate_hz), &listener = chunk.listening->at_end();
+  const double speed = length(source.velocity_m_s - listener.velocity_m_s), ring_s = voice.table().ring_s();
+  const double turn = ring_s * (length(source.spin_rad_s) + speed / std::max(last_.distance_m, kNear_m));
+  const double sharpness = std::max(voice.table().directions().sharpness(), 1.0);
+  return turn * sharpness <= kMaxDrift &&
+         ring_s * speed <= kMaxDrift * std::max(last_.distance_m, kReferenceDistance_m) &&
+         std::abs(last_.rate - 1) <= kMaxShift;
+}
+
+bool Placement::drifted(const Chunk& chunk, const Voice& voice) RINGDOWN_REALTIME {
+  if (!heard(chunk)) return false;
+  const Listening& listening = *chunk.listening;
+  if (!listening.on() || track.jumps() + listening.jumps() != jumps_ || listening.airs() != airs_) return true;
+  track.advance(chunk.begin, chunk.sample_rate_hz);
+  const Sighting now = sight(track.at(chunk.begin, chunk.sample_rate_hz), voice.table().origin_m(),
+                             listening.at_begin(), listening.sound_speed_m_s());
+  const double sharpness = std::max(voice.table().directions().sharpness(), 1.0);
+  const double before = level_at(last_.distance_m), level = level_at(now.distance_m);
+  return length(now.toward_listener - last_.toward_listener) * sharpness > kMaxDrift ||
+         length(now.toward_source - last_.toward_source) > kMaxDrift || std::abs(level - before) > kMaxDrift * before;
+}
+
+// Back to being heard without a place.
+void Placement::go_off(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
+  const bool later = heard_until_ != chunk.begin;  // it has been silent since
+  if (!leaves_ && !later) {
+    glide_left_ = kGlide;
+    voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.gains().aim_at_one(static_cast<double>(kGlide)); });
+    rate_a_ = 1;
+    rate_b_ = rate_c_ = 0;
+  }
+  if (later || (leaves_ && glide_left_ == 0)) return stop(voices, strip);
+  leaves_ = true;
+  const double n = static_cast<double>(chunk.frames);
+  strip.place_nowhere({chunk.begin, chunk.end()}, std::min(1.0, n / static_cast<double>(glide_left_)));
+  glide_left_ = std::max<Frame>(glide_left_ - static_cast<Frame>(chunk.frames), 0);
+  heard_until_ = chunk.end();
+  hear(0, chunk.frames, chunk.frames, voices);
+}
+
+void Placement::stop(VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
+  voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.unhear(); });
+  strip.unplace();
+  on_ = leaves_ = false;
+}
+
+}  // namespace ringdown::synth

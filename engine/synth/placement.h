@@ -1,0 +1,66 @@
+// An object's place, and how it is heard from there: what of each mode, how loud, from which side and how much higher.
+// [audio, after construction]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/synth/chunk.h"
+#include "engine/synth/listening.h"
+#include "engine/synth/pose_track.h"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace ringdown::synth {
+
+class ChannelStrip;
+class Voice;
+class VoiceStack;
+
+class Placement {
+ public:
+  static constexpr Frame kGlide = 512;  // frames in which what jumps reaches its new level, side and direction
+
+  PoseTrack track;
+
+  // Whether the object is to be heard from its place in this chunk.
+  [[nodiscard]] bool heard(const Chunk& chunk) const RINGDOWN_REALTIME {
+    return chunk.listening != nullptr && (on_ || (chunk.listening->on() && track.known()));
+  }
+  // Sets strip and voices for the chunk. False when the object is not, or no longer, heard from its place.
+  [[nodiscard]] bool begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
+  // In the chunk, before frames `offset` ... `end` - 1 of it are rendered; `frames` are the chunk's.
+  void hear(std::size_t offset, std::size_t end, std::size_t frames, VoiceStack& voices) const RINGDOWN_REALTIME;
+  void end_chunk(const Chunk& chunk, VoiceStack& voices) RINGDOWN_REALTIME;
+  // Whether begin_chunk() has been called for this chunk.
+  [[nodiscard]] bool begun(const Chunk& chunk) const RINGDOWN_REALTIME { return heard_until_ == chunk.end(); }
+
+  // Whether it may share its states after this chunk, with gains as they are at its end: true when it is not heard from
+  // a place, or its level stays within a decibel while it rings. That is so when, in the time in which its longest mode
+  // falls by 20 dB, it turns under the listener by less than kMaxDrift / (sharpness of its maps), comes nearer or goes
+  // away by less than kMaxDrift of its distance, and its pitch is shifted by less than kMaxShift, which is not heard of
+  // what shares states.
+  static constexpr double kMaxDrift = 0.12, kMaxShift = 0.003;  // 1 dB, 5 cents
+  [[nodiscard]] bool may_share(const Chunk& chunk, const Voice& voice) const RINGDOWN_REALTIME;
+  // Whether a member of an instance group is heard differently now, by as much as that, than when it joined.
+  [[nodiscard]] bool drifted(const Chunk& chunk, const Voice& voice) RINGDOWN_REALTIME;
+
+  // Is heard from its place no more, at once.
+  void stop(VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
+  void forget() RINGDOWN_REALTIME { *this = {}; }
+
+ private:
+  void aim(const Chunk& chunk, const Sighting& begin, const Sighting& end, bool fresh, bool stands,
+           const Vec3& origin_m, VoiceStack& voices) RINGDOWN_REALTIME;
+  void go_off(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
+
+  bool on_ = false, leaves_ = false;
+  Frame heard_until_ = -1;  // the end of the last chunk in which it was heard
+  Frame next_look_ = 0;     // when gains are looked up again
+  Frame glide_left_ = 0;    // frames
+  Sighting last_;           // at heard_until_
+  std::uint32_t jumps_ = 0, airs_ = 0;
+  // The rate at the share x of the chunk: a + b x + c x^2.
+  double rate_a_ = 1, rate_b_ = 0, rate_c_ = 0;
+};
+
+}  // namespace ringdown::synth
