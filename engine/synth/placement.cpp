@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 // Gains of modes move in straight lines from one look at their maps to the next. A line's end is looked up ahead, where
 // the object will be by then, so that the line is right at both ends. How far ahead follows from how fast the object
@@ -34,7 +35,7 @@ bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip
   const double rate_hz = chunk.sample_rate_hz;
   track.advance(chunk.begin, rate_hz);
   const std::uint32_t jumps = track.jumps() + listening.jumps();
-  const bool fresh = on_ ? heard_until_ != chunk.begin && !rings : !rings;
+  const bool fresh = std::exchange(anew_, false) || (on_ ? heard_until_ != chunk.begin && !rings : !rings);
   if (fresh) {
     glide_left_ = 0;
   } else if (!on_ || leaves_ || jumps != jumps_ || airs_ != listening.airs()) {
@@ -100,7 +101,7 @@ void Placement::aim(const Chunk& chunk, const Sighting& begin, const Sighting& e
     const double sharpness = std::max(voice.table().directions().sharpness(), 1.0);
     const double most = std::max(kMaxChunksAhead * static_cast<double>(kChunkFrames), least);
     const double wanted = turn > 0 ? n * std::floor(kMaxTurn / (turn * sharpness)) : most;
-    ahead = std::clamp(wanted, least, most);
+    ahead = glide_left_ > 0 ? least : std::clamp(wanted, least, most);
     const Frame then = chunk.begin + static_cast<Frame>(ahead);
     const Sighting there = sight(track.at(then, chunk.sample_rate_hz), origin_m,
                                  listening.at(then, chunk.sample_rate_hz), listening.sound_speed_m_s());
@@ -138,7 +139,7 @@ bool Placement::may_share(const Chunk& chunk, const Voice& voice) const RINGDOWN
          std::abs(last_.rate - 1) <= kMaxShift;
 }
 
-bool Placement::drifted(const Chunk& chunk, const Voice& voice) RINGDOWN_REALTIME {
+bool Placement::drifted(const Chunk& chunk, const Voice& voice, double share) RINGDOWN_REALTIME {
   if (!heard(chunk)) return false;
   const Listening& listening = *chunk.listening;
   if (!listening.on() || track.jumps() + listening.jumps() != jumps_ || listening.airs() != airs_) return true;
@@ -147,8 +148,9 @@ bool Placement::drifted(const Chunk& chunk, const Voice& voice) RINGDOWN_REALTIM
                              listening.at_begin(), listening.sound_speed_m_s());
   const double sharpness = std::max(voice.table().directions().sharpness(), 1.0);
   const double before = level_at(last_.distance_m), level = level_at(now.distance_m);
-  return length(now.toward_listener - last_.toward_listener) * sharpness > kMaxDrift ||
-         length(now.toward_source - last_.toward_source) > kMaxDrift || std::abs(level - before) > kMaxDrift * before;
+  const double most = share * kMaxDrift;
+  return length(now.toward_listener - last_.toward_listener) * sharpness > most ||
+         length(now.toward_source - last_.toward_source) > most || std::abs(level - before) > most * before;
 }
 
 // Back to being heard without a place.

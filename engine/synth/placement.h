@@ -41,8 +41,10 @@ class Placement {
   // what shares states.
   static constexpr double kMaxDrift = 0.12, kMaxShift = 0.003;  // 1 dB, 5 cents
   [[nodiscard]] bool may_share(const Chunk& chunk, const Voice& voice) const RINGDOWN_REALTIME;
-  // Whether a member of an instance group is heard differently now, by as much as that, than when it joined.
-  [[nodiscard]] bool drifted(const Chunk& chunk, const Voice& voice) RINGDOWN_REALTIME;
+  // Whether a member of an instance group is heard differently now, by `share` of that or more, than when it joined.
+  [[nodiscard]] bool drifted(const Chunk& chunk, const Voice& voice, double share) RINGDOWN_REALTIME;
+  // The next chunk begins with what is heard from the present place, instead of going there from the last one.
+  void begin_anew() RINGDOWN_REALTIME { anew_ = true; }
 
   // Is heard from its place no more, at once.
   void stop(VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
@@ -53,7 +55,7 @@ class Placement {
            const Vec3& origin_m, VoiceStack& voices) RINGDOWN_REALTIME;
   void go_off(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
 
-  bool on_ = false, leaves_ = false;
+  bool on_ = false, leaves_ = false, anew_ = false;
   Frame heard_until_ = -1;  // the end of the last chunk in which it was heard
   Frame next_look_ = 0;     // when gains are looked up again
   Frame glide_left_ = 0;    // frames

@@ -112,18 +112,27 @@ void PoseTrack::begin_curve(Frame now, double sample_rate_hz) RINGDOWN_REALTIME 
   }
   if (still_) now = std::max(now, now_);  // it has stood since the last curve
   const Key key = pending_.data()[0];
+  const double speed =
+      sample_rate_hz * length(key.pose.position_m - from_.pose.position_m) / static_cast<double>(interval);
+  const bool jumps = speed > kMaxSpeed_m_s;
+  if (jumps && key.at > now) {  // not before its frame
+    to_ = from_ = {from_.pose, {}, {}};
+    begin_ = now;
+    end_ = key.at;
+    still_ = false;
+    return;
+  }
   std::move(pending_.data() + 1, pending_.data() + count_, pending_.data());
   --count_;
   const bool hurries = key.at <= now && count_ > 0;
   begin_ = alone ? std::max(now, key.at - interval) : now;
   end_ = std::max(key.at, begin_ + (hurries ? interval - interval / 4 : interval));
-  const double speed = ringdown::length(key.pose.position_m - from_.pose.position_m) / static_cast<double>(interval);
   to_ = end_at(key, count_ > 0 ? pending_.data() : nullptr, longest);
   reached_[1] = reached_[0];
   reached_[0] = key;
   reached_count_ = alone ? 1 : 2;
   still_ = false;
-  if (speed * sample_rate_hz <= kMaxSpeed_m_s) return;
+  if (!jumps) return;
   ++jumps_;
   from_ = to_ = {key.pose, {}, {}};
   reached_count_ = 1;

@@ -7,6 +7,9 @@
 namespace ringdown::synth {
 namespace {
 
+// A member that has moved by this share of what it may is heard from where it is now when it is struck. What still
+// rings of it then changes its level at once, by 0.1 dB at least and 1 dB at most, which its own strike hides.
+constexpr double kStruckDrift = 0.1;
 constexpr double kMaxClickImpulse_ns = 1e9, kMaxClick_s = 1;
 
 // Not-a-number lies in no range.
@@ -165,14 +168,18 @@ bool Stage::settles(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
   return object.placement.may_share(chunk, *object.voices.current());
 }
 
-// Members of groups that are heard differently now ring alone again. A part of the objects is looked at in each chunk.
+// Members of groups that are heard differently now ring alone again, unless they have fallen by 60 dB since they were
+// struck. A part of the objects is looked at in each chunk.
 void Stage::part_drifted(const Chunk& chunk) RINGDOWN_REALTIME {
   constexpr std::size_t kTurns = 8;
   next_looked_at_ = (next_looked_at_ + 1) % kTurns;
   for (std::size_t i = next_looked_at_; i < object_limit_; i += kTurns) {
     Object& object = objects_.data()[i];
-    if (!object.member.shares_states || !object.placement.drifted(chunk, *object.voices.current())) continue;
-    part(object, chunk.begin);
+    if (!object.member.shares_states) continue;
+    const Voice& voice = *object.voices.current();
+    const auto since = static_cast<double>(chunk.begin - object.member.anchor);
+    if (since > 3 * voice.table().ring_s() * chunk.sample_rate_hz) continue;
+    if (object.placement.drifted(chunk, voice, 1)) part(object, chunk.begin);
   }
 }
 
@@ -180,6 +187,11 @@ void Stage::part_drifted(const Chunk& chunk) RINGDOWN_REALTIME {
 void Stage::give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& shedding,
                            Workspace& workspace) RINGDOWN_REALTIME {
   Object& object = *due.object;
+  if (object.member.shares_states && chunk.listening &&
+      object.placement.drifted(chunk, *object.voices.current(), kStruckDrift)) {
+    part(object, chunk.begin);
+    object.placement.begin_anew();
+  }
   if (!object.due.first && !object.member.shares_states && excites(due.event) && object.left_group != chunk.begin &&
       object.can_share(chunk.begin) && shedding.may_join(object.units_to_share()) && settles(object, chunk)) {
     join(object, chunk.begin, shedding, workspace);
