@@ -35,6 +35,7 @@ class DirectionMap {
   // l (l + 1) of its harmonics.
   [[nodiscard]] double sharpness() const RINGDOWN_REALTIME { return sharpness_; }
 
+  [[nodiscard]] std::size_t terms() const RINGDOWN_REALTIME { return harmonics_.size(); }
   // The terms of group g are first()[g] ... first()[g + 1] - 1: each a harmonic, and 2 kGroup numbers at 2 kGroup times
   // its place, the real parts of the group's modes and then their imaginary parts.
   [[nodiscard]] const std::uint32_t* first() const RINGDOWN_REALTIME { return first_.data(); }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace ringdown::synth {
@@ -38,15 +39,20 @@ ChannelStrip::Shares ChannelStrip::shares_at(Frame frame) const RINGDOWN_REALTIM
 }
 
 void ChannelStrip::place(const Place& from, const Place& to, Span chunk, double share) RINGDOWN_REALTIME {
-  level_ = to.level;
+  const double gain = gain_.at(chunk.end);
+  const bool stays = placed_ && share == 1 && to == place_ && gain == place_gain_;
+  const Shares now = stays ? to_ : shares_at(to, chunk.end);
   go(share > 1 ? shares_at(from, chunk.begin)
      : placed_ ? to_
                : shares_at(chunk.begin),
-     shares_at(to, chunk.end), chunk, std::min(share, 1.0));
+     now, chunk, std::min(share, 1.0));
+  place_ = to;
+  place_gain_ = share < 1 ? std::numeric_limits<double>::quiet_NaN() : gain;
 }
 
 void ChannelStrip::place_nowhere(Span chunk, double share) RINGDOWN_REALTIME {
   go(to_, shares_at(chunk.end), chunk, share);
+  place_gain_ = std::numeric_limits<double>::quiet_NaN();
 }
 
 void ChannelStrip::go(const Shares& from, const Shares& to, Span chunk, double share) RINGDOWN_REALTIME {

@@ -33,6 +33,7 @@ class ChannelStrip {
   struct Place {
     Vec3 toward{1, 0, 0};
     double level = 1;
+    friend bool operator==(const Place&, const Place&) = default;
   };
   struct Span {
     Frame begin = 0, end = 0;
@@ -45,7 +46,7 @@ class ChannelStrip {
   void stand() RINGDOWN_REALTIME { from_ = to_; }  // from now on it stays where it is
   void unplace() RINGDOWN_REALTIME { placed_ = false; }
   // By what distance lowers its level; 1 without a place.
-  [[nodiscard]] double place_level() const RINGDOWN_REALTIME { return placed_ ? level_ : 1; }
+  [[nodiscard]] double place_level() const RINGDOWN_REALTIME { return placed_ ? place_.level : 1; }
 
   [[nodiscard]] bool still_at(Frame frame) const RINGDOWN_REALTIME {
     return gain_.still_at(frame) && left_.still_at(frame) && right_.still_at(frame);
@@ -79,7 +80,8 @@ class ChannelStrip {
   bool placed_ = false;
   Shares from_{}, to_{};  // in chunk_, while it is placed
   Span chunk_;
-  double level_ = 1;  // of the last place
+  Place place_;            // the last one
+  double place_gain_ = 0;  // the gain at which to_ is that place's; not a number: to_ is on its way
   Ramp gain_{1, 1}, left_{kCentre, kCentre}, right_{kCentre, kCentre};
   std::size_t bus_ = kNoBus;
   double set_gain_ = 1;  // as set last; gain_ moves to 0 instead while the object is silent

@@ -32,6 +32,7 @@ struct Chunk {
   const Shedding* shedding = nullptr;
   MixerCounters* counters = nullptr;
   const Listening* listening = nullptr;  // null: there has never been a listener
+  double look_pressure = 1;              // by which maps are looked up less often than would be exact (placement.h)
 
   [[nodiscard]] Frame end() const RINGDOWN_REALTIME { return begin + static_cast<Frame>(frames); }
 };
@@ -42,6 +43,7 @@ struct ChunkCounts {
   std::size_t slow_modes = 0;  // of `modes`, those that take moments
   double units = 0;            // of work (work_cost.h)
   double enter_units = 0;      // of these, for muted modes that came back
+  double look_terms = 0;       // that were added up to find gains in directions
   bool shed = false;           // something was left out for want of time
 
   void add(const ChunkCounts& other) RINGDOWN_REALTIME {
@@ -51,6 +53,7 @@ struct ChunkCounts {
     slow_modes += other.slow_modes;
     units += other.units;
     enter_units += other.enter_units;
+    look_terms += other.look_terms;
     shed = shed || other.shed;
   }
   void add(const ModeStates::Counts& states) RINGDOWN_REALTIME {

@@ -16,10 +16,9 @@
 //
 // A gain that moves in a straight line over the chunk, g (a + b t), is taken for little: t exp(delta t) is the
 // derivative of exp(delta t) by delta, so that the moments of b are those of a moved up by one power
-// (Numbers::times_t()). The sums of z a and of z b are gathered with the same weights and combined once per band. A
-// straight line goes through the zero between two lobes of a mode, where a geometric change, which would be a mere
-// change of the exponent, would turn its phase instead: at -31 dB of the lobes for a dipole that turns ten times in a
-// second.
+// (Numbers::times_t()). A straight line goes through the zero between two lobes of a mode, where a geometric change,
+// which would be a mere change of the exponent, would turn its phase instead: at -31 dB of the lobes for a dipole that
+// turns ten times in a second.
 //
 // Where time runs faster or slower (a Doppler shift), exponents are multiplied by the rate. Bands and weights are then
 // found anew, in double and in SIMD lanes, and the states move on by p^(rate n). A rate that changes is a phase that
@@ -45,7 +44,17 @@ class HeardSums {
       by_im_[o] = multiply_add(Pair::all(im[o * kModePadding]), weight, by_im_[o]);
     }
   }
-  HWY_INLINE void give(std::span<const MomentTarget> targets, std::size_t band, const float* level_and_slope) const {
+  // The same for modes that change in a straight line: constant parts, and then those that go as t.
+  HWY_INLINE void add_lines(const float* re, const float* im, const float* weights) {
+    static_assert(kOrders == 1);
+    const Pair weight = Pair::load(weights), sloping = weight.times_t();
+    by_re_[0] = multiply_add(Pair::all(re[0]), weight, by_re_[0]);
+    by_im_[0] = multiply_add(Pair::all(im[0]), weight, by_im_[0]);
+    by_re_[0] = multiply_add(Pair::all(re[kModePadding]), sloping, by_re_[0]);
+    by_im_[0] = multiply_add(Pair::all(im[kModePadding]), sloping, by_im_[0]);
+  }
+  HWY_INLINE void give(std::span<const MomentTarget> targets, bool slopes, std::size_t band,
+                       const float* level_and_slope) const {
     alignas(64) static constexpr float kTurn[2 * kMoments] = {-1, -1, -1, -1, -1, -1, -1, -1, 1, 1, 1, 1, 1, 1, 1, 1};
     const Pair turn = Pair::load(kTurn);
     Pair moments = multiply_add(turn, by_im_[kOrders - 1].turned(), by_re_[kOrders - 1]);
@@ -56,12 +65,18 @@ class HeardSums {
     if (level_and_slope) {
       moments = multiply_add(Pair::all(level_and_slope[1]), moments.times_t(), Pair::all(level_and_slope[0]) * moments);
     }
+    if (!slopes) {
+      for (const MomentTarget& target : targets) {
+        float* const sums = target.sums->of.data() + band * 2 * kMoments;
+        multiply_add(Pair::all(target.gain), moments, Pair::load(sums)).store(sums);
+      }
+      return;
+    }
     const Pair sloping = moments.times_t();
     for (const MomentTarget& target : targets) {
       float* const sums = target.sums->of.data() + band * 2 * kMoments;
-      Pair sum = multiply_add(Pair::all(target.gain), moments, Pair::load(sums));
-      if (target.slope != 0) sum = multiply_add(Pair::all(target.slope), sloping, sum);
-      sum.store(sums);
+      const Pair sum = multiply_add(Pair::all(target.gain), moments, Pair::load(sums));
+      multiply_add(Pair::all(target.slope), sloping, sum).store(sums);
     }
   }
 
@@ -202,8 +217,11 @@ bool add_groups(const ModeArrays& modes, const MomentArrays& moments, ActiveGrou
   HeardGroup<kOrders> group;
   std::size_t kept = 0;
   EnergyCheck check(limits);
-  HeardSums<kOrders> sum;
+  using Sums = HeardSums<kWay == Way::moving ? 1 : kOrders>;
+  Sums sum;
   std::size_t here = kBands;  // none yet
+  bool slopes = false;
+  for (const MomentTarget& target : targets) slopes = slopes || target.slope != 0;
   for (std::size_t i = 0; i < active.count; ++i) {
     const std::uint32_t number = active.list[i];
     const std::size_t first = std::size_t{number} * kModePadding;
@@ -217,14 +235,18 @@ bool add_groups(const ModeArrays& modes, const MomentArrays& moments, ActiveGrou
     const float* const weights = kWay == Way::shifted ? group.own_weights : moments.weights + first * 2 * kMoments;
     for (std::size_t m = 0; m < kModePadding; ++m) {
       if (band[m] != here) {
-        if (here != kBands) sum.give(targets, here, level_and_slope);
-        sum = HeardSums<kOrders>();
+        if (here != kBands) sum.give(targets, slopes, here, level_and_slope);
+        sum = Sums();
         here = band[m];
       }
-      sum.add(group.re + m, group.im + m, weights + m * 2 * kMoments);
+      if constexpr (kWay == Way::moving) {
+        sum.add_lines(group.re + m, group.im + m, weights + m * 2 * kMoments);
+      } else {
+        sum.add(group.re + m, group.im + m, weights + m * 2 * kMoments);
+      }
     }
   }
-  if (here != kBands) sum.give(targets, here, level_and_slope);
+  if (here != kBands) sum.give(targets, slopes, here, level_and_slope);
   active.count = kept;
   return true;
 }

@@ -126,11 +126,13 @@ void Mixer::render_chunk(Chunk& chunk) RINGDOWN_REALTIME {
   Workspace& workspace = renderer_.main();
   workspace.counts = {};
   chunk.listening = stage_.begin_listening(chunk);
+  chunk.look_pressure = look_pressure_.now();
   chunk.moments = renderer_.prefers_moments(chunk.frames);
   stage_.route_events(chunk, settings_.exact_contacts, shedding_, workspace);
   const std::span<Source* const> sources = stage_.sources();
   shedding_.plan(sources, chunk, renderer_.workspaces());
   renderer_.render(sources, chunk);
+  if (chunk.listening) look_pressure_.update(workspace.counts.look_terms, workspace.counts.modes, chunk.frames);
   stage_.finish_chunk(chunk, shedding_, workspace);
   stage_.render_clicks(chunk, workspace);
   renderer_.close();

@@ -158,6 +158,7 @@ class Mixer {
   Stage stage_{timeline_.events(), voices_, meters_.counters};
   Renderer renderer_;
   Shedding shedding_;
+  LookPressure look_pressure_;
   MixOutput output_;
   Frame now_ = 0;  // the next frame to be rendered
   double floor_ = 1e-6;

@@ -51,6 +51,7 @@ void VoiceStack::free_all() {
 
 void Object::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
   placed_ = placement.heard(chunk) && placement.begin_chunk(chunk, voices, strip);
+  if (placed_) workspace.counts.look_terms += placement.look_terms();
   apply_threshold(chunk, workspace);
   const bool by_moments = placed_ ? !is_cleared() : (chunk.moments || !strip.heard(chunk.wanted)) && only_struck(chunk);
   if (by_moments) {

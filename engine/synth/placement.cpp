@@ -15,10 +15,32 @@ namespace {
 
 constexpr double kMaxTurn = 0.1;  // of the phase in which a mode's gain goes through its lobes [rad]
 constexpr double kMaxChunksAhead = 8;
+constexpr double kMaxAhead_s = 0.3;  // under pressure
+
+// What a look-up costs, in terms of its map.
+double terms_of(const ModeTable& table) RINGDOWN_REALTIME {
+  const modal::DirectionMap& map = table.directions();
+  const double harmonics = 0.5 * static_cast<double>(modal::harmonic_count(std::max(map.degree(), 0)));
+  return static_cast<double>(map.terms()) + harmonics + static_cast<double>(table.columns());
+}
+
+constexpr double kFewModes = 1000;     // up to which looks may add up kMaxTerms in a full chunk, some 1 % of a core
+constexpr double kMaxTerms = 16000;    // in a full chunk
+constexpr double kTermsPerMode = 0.3;  // and with more modes, so many for each that sounds, a tenth of what it costs
 
 }  // namespace
 
+void LookPressure::update(double terms, double modes, std::size_t frames) RINGDOWN_REALTIME {
+  constexpr double kShare = 0.1, kMaxPressure = 1000;
+  const double chunks = static_cast<double>(frames) / static_cast<double>(kChunkFrames);
+  const double budget =
+      chunks * std::max(kMaxTerms * std::min(1.0, kFewModes / std::max(modes, 1.0)), kTermsPerMode * modes);
+  mean_ += kShare * (terms - mean_);
+  pressure_ = std::clamp(pressure_ * std::clamp(mean_ / budget, 0.9, 1.2), 1.0, kMaxPressure);
+}
+
 bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
+  look_terms_ = 0;
   if (!heard(chunk)) return false;
   const Listening& listening = *chunk.listening;
   if (!(listening.on() && track.known())) {
@@ -42,10 +64,12 @@ bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip
     glide_left_ = kGlide;
     next_look_ = chunk.begin;
   }
+  const bool follows = on_ && !leaves_ && !fresh && jumps == jumps_ && heard_until_ == chunk.begin;
   jumps_ = jumps;
   airs_ = listening.airs();
   const Sighting begin =
-      sight(track.at(chunk.begin, rate_hz), origin_m, listening.at_begin(), listening.sound_speed_m_s());
+      follows ? last_
+              : sight(track.at(chunk.begin, rate_hz), origin_m, listening.at_begin(), listening.sound_speed_m_s());
   const bool stands = track.still() && listening.still();
   const Sighting end =
       stands ? begin : sight(track.at(chunk.end(), rate_hz), origin_m, listening.at_end(), listening.sound_speed_m_s());
@@ -77,7 +101,7 @@ void Placement::aim(const Chunk& chunk, const Sighting& begin, const Sighting& e
                     const Vec3& origin_m, VoiceStack& voices) RINGDOWN_REALTIME {
   const Listening& listening = *chunk.listening;
   const double n = static_cast<double>(chunk.frames), turn = length(end.toward_listener - begin.toward_listener);
-  const double least = glide_left_ > 0 ? static_cast<double>(kGlide) : n;
+  const double least = std::max(n, static_cast<double>(glide_left_));
   const auto clipped = [](double d) RINGDOWN_REALTIME { return std::max(d, kReferenceDistance_m); };
   const bool look = chunk.begin >= next_look_;
   double ahead = least;
@@ -91,7 +115,7 @@ void Placement::aim(const Chunk& chunk, const Sighting& begin, const Sighting& e
       const bool there = gains.on() && gains.left() == 0;
       if (there && glide_left_ == 0) {  // exactly, where a line has brought it but for rounding
         if (gains.moves()) gains.aim(begin.toward_listener, clipped(begin.distance_m), listening.absorption(), 0);
-      } else if (look || gains.left() <= 0) {
+      } else if (look || !stood_ || gains.left() <= 0) {
         gains.aim(begin.toward_listener, clipped(begin.distance_m), listening.absorption(), least, true);
         ahead = std::max(ahead, least);
       }
@@ -102,12 +126,19 @@ void Placement::aim(const Chunk& chunk, const Sighting& begin, const Sighting& e
     const double most = std::max(kMaxChunksAhead * static_cast<double>(kChunkFrames), least);
     const double wanted = turn > 0 ? n * std::floor(kMaxTurn / (turn * sharpness)) : most;
     ahead = glide_left_ > 0 ? least : std::clamp(wanted, least, most);
+    if (chunk.look_pressure > 1 && glide_left_ == 0) {
+      const double longest = std::max(kMaxAhead_s * chunk.sample_rate_hz, most);
+      ahead = std::clamp(ahead * chunk.look_pressure * (0.75 + 0.5 * spread_), n, longest);
+    }
+    look_terms_ += terms_of(voice.table());
     const Frame then = chunk.begin + static_cast<Frame>(ahead);
     const Sighting there = sight(track.at(then, chunk.sample_rate_hz), origin_m,
                                  listening.at(then, chunk.sample_rate_hz), listening.sound_speed_m_s());
     gains.aim(there.toward_listener, clipped(there.distance_m), listening.absorption(), ahead, true);
   });
-  if (look || fresh) next_look_ = chunk.begin + static_cast<Frame>(ahead);
+  if (look || fresh || (stands && !stood_)) next_look_ = chunk.begin + static_cast<Frame>(ahead);
+  if (look || fresh) spread_ = std::fmod(spread_ + 0.61803398874989485, 1.0);
+  stood_ = stands;
   hear(0, chunk.frames, chunk.frames, voices);
 }
 

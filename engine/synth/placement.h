@@ -7,6 +7,7 @@
 #include "engine/synth/listening.h"
 #include "engine/synth/pose_track.h"
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -15,6 +16,19 @@ namespace ringdown::synth {
 class ChannelStrip;
 class Voice;
 class VoiceStack;
+
+// Looking maps up costs more than all else: a map has some 200 terms. Where more objects turn than can be looked up as
+// often as they should be, all are looked up less often, by the same factor (LookPressure), and their gains go along
+// longer straight lines. The factor depends on terms counted, not on time, so that renders repeat.
+class LookPressure {
+ public:
+  [[nodiscard]] double now() const RINGDOWN_REALTIME { return pressure_; }
+  // After a chunk in which so many modes sounded, and so many terms were added up.
+  void update(double terms, double modes, std::size_t frames) RINGDOWN_REALTIME;
+
+ private:
+  double pressure_ = 1, mean_ = 0;
+};
 
 class Placement {
  public:
@@ -46,9 +60,18 @@ class Placement {
   // The next chunk begins with what is heard from the present place, instead of going there from the last one.
   void begin_anew() RINGDOWN_REALTIME { anew_ = true; }
 
+  // What begin_chunk() has added up to find gains, in terms of maps.
+  [[nodiscard]] double look_terms() const RINGDOWN_REALTIME { return look_terms_; }
+
   // Is heard from its place no more, at once.
   void stop(VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
-  void forget() RINGDOWN_REALTIME { *this = {}; }
+  void forget() RINGDOWN_REALTIME {
+    const double spread = spread_;
+    *this = {};
+    spread_ = spread;
+  }
+  // Objects of different numbers look maps up in different chunks. [worker, before anything is rendered]
+  void spread_looks(std::size_t number) { spread_ = std::fmod(0.61803398874989485 * static_cast<double>(number), 1.0); }
 
  private:
   void aim(const Chunk& chunk, const Sighting& begin, const Sighting& end, bool fresh, bool stands,
@@ -60,6 +83,9 @@ class Placement {
   Frame next_look_ = 0;     // when gains are looked up again
   Frame glide_left_ = 0;    // frames
   Sighting last_;           // at heard_until_
+  double look_terms_ = 0;
+  double spread_ = 0;  // 0 to 1, another for every look, so that objects do not look in the same chunks
+  bool stood_ = false;
   std::uint32_t jumps_ = 0, airs_ = 0;
   // The rate at the share x of the chunk: a + b x + c x^2.
   double rate_a_ = 1, rate_b_ = 0, rate_c_ = 0;

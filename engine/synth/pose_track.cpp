@@ -73,7 +73,10 @@ void PoseTrack::add(Frame at, const Pose& pose) RINGDOWN_REALTIME {
 void PoseTrack::advance(Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
   if (known_ && static_cast<double>(now - now_) > kMaxInterval_s * sample_rate_hz) catch_up(now, sample_rate_hz);
   now_ = now;
-  while (known_ && end_ <= now && (count_ > 0 || !still_)) begin_curve(std::max(end_, begin_), sample_rate_hz);
+  while (known_ && end_ <= now && (count_ > 0 || !still_)) {
+    begin_curve(std::max(end_, begin_), sample_rate_hz);
+    turn_ = turn_between(from_.pose.rotation, to_.pose.rotation);
+  }
 }
 
 // Nobody has asked for a while: what has passed since is passed over.
@@ -192,12 +195,11 @@ PoseTrack::End PoseTrack::state_at(Frame frame) const RINGDOWN_REALTIME {
   const auto length = static_cast<double>(end_ - begin_);
   const double t = static_cast<double>(std::max<Frame>(frame - begin_, 0)) / length;
   const Cubic place = cubic(t, length), slope = cubic_slope(t, length);
-  const Vec3 turn = turn_between(from_.pose.rotation, to_.pose.rotation);
-  const Vec3 turned = mix(place, {}, turn, from_.spin, to_.spin);
+  const Vec3 turned = mix(place, {}, turn_, from_.spin, to_.spin);
   return {{mix(place, from_.pose.position_m, to_.pose.position_m, from_.velocity, to_.velocity),
            normalized(from_.pose.rotation * from_rotation_vector(turned))},
           mix(slope, from_.pose.position_m, to_.pose.position_m, from_.velocity, to_.velocity),
-          mix(slope, {}, turn, from_.spin, to_.spin)};
+          mix(slope, {}, turn_, from_.spin, to_.spin)};
 }
 
 Motion PoseTrack::at(Frame frame, double sample_rate_hz) const RINGDOWN_REALTIME {

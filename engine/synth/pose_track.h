@@ -72,6 +72,7 @@ class PoseTrack {
   std::array<Key, 2> reached_{};  // the last poses that the track has gone to, the latest first
   std::size_t reached_count_ = 0;
   End from_, to_;
+  Vec3 turn_;  // from one rotation to the other, in the axes of the first
   Frame begin_ = 0, end_ = 0;
   Frame now_ = 0;
   bool known_ = false, still_ = true;

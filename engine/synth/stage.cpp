@@ -32,7 +32,9 @@ Stage::Stage(EventQueue& events, VoiceRegistry& voices, MixerCounters& counters)
       exciters_(counters),
       active_objects_(kMaxObjects),
       active_groups_(kMaxVoices),
-      sources_(kMaxObjects + kMaxVoices) {}
+      sources_(kMaxObjects + kMaxVoices) {
+  for (std::size_t i = 0; i < objects_.size(); ++i) objects_[i].placement.spread_looks(i);
+}
 
 Stage::~Stage() {
   for (Object& object : objects_) object.voices.free_all();

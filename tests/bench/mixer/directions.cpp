@@ -19,6 +19,7 @@ constexpr std::size_t kBlock = 128, kObjects = 100, kModes = 10000;
 constexpr double kRadius_m = 0.1;  // of the bodies whose maps are made up
 constexpr double kTurn_rad_s = 2 * std::numbers::pi;
 constexpr double kPoses_hz = 60;
+constexpr int kSettles = 400;  // blocks, until looks at maps are spread over chunks
 constexpr int kMaxDegree = 20;  // beyond which a body's lobes add little
 
 // Maps as bodies of 20 cm have them: lobes up to the degree k R + 1, of one symmetry.
@@ -56,7 +57,7 @@ class Round {
     tell();
     stage_->render();
     for (std::size_t o = 0; o < maps.size(); ++o) stage_->push(strike_of(static_cast<synth::ObjectNumber>(o)));
-    stage_->render();
+    for (int block = 0; block < kSettles; ++block) render();
   }
   void render() {
     if (moves_ >= Moves::turn && static_cast<double>(stage_->frame()) >= next_) tell();
