@@ -126,11 +126,16 @@ bool JackClient::add_port(std::size_t channel, const std::string& name) {
   constexpr auto kFlags = JackPortIsOutput | JackPortIsTerminal;
   jack_port_t* const port = jack_port_register(client_, name.c_str(), JACK_DEFAULT_AUDIO_TYPE, kFlags, 0);
   if (!port) return false;
+  const bool ambisonic = channel >= synth::kFirstAmbisonic;
+  const std::string acn = std::to_string(channel - synth::kFirstAmbisonic);
   describe(client_, port,
            {.pretty_name = channel == kLeft    ? "Mix left"
                            : channel == kRight ? "Mix right"
+                           : ambisonic         ? "AmbiX " + acn + " (ACN, SN3D)"
                                                : name,
-            .group = channel < kFirstBus ? "Mix" : "Objects",
+            .group = channel < kFirstBus ? "Mix"
+                     : ambisonic         ? "Ambisonics"
+                                         : "Objects",
             .order = static_cast<int>(channel)});
   ports_[channel] = port;
   return true;
@@ -199,6 +204,13 @@ int JackClient::priority() const {
 
 Result<void> JackClient::start(const Driver::Program& program) {
   program_ = &program;
+  if (const auto order = program.mixer.settings().ambisonic_order) {
+    for (std::size_t acn = 0; acn < synth::ambisonic_channels(*order); ++acn) {
+      if (add_port(synth::kFirstAmbisonic + acn, "ambisonic_" + std::to_string(acn))) continue;
+      return fail(ErrorKind::no_sound_server,
+                  "the JACK server has no port left for ambisonic channel " + std::to_string(acn));
+    }
+  }
   gate_.open();
   if (jack_activate(client_) == 0) return {};
   gate_.shut();
@@ -258,6 +270,8 @@ void JackClient::render(std::uint32_t frames, bool deadline) RINGDOWN_REALTIME {
     auto* const samples = static_cast<float*>(buffer_of(port, frames));
     if (channel < kFirstBus) {
       outputs.listen_to_mix(channel, samples);
+    } else if (channel >= synth::kFirstAmbisonic) {
+      outputs.listen_to_ambisonics(channel - synth::kFirstAmbisonic, samples);
     } else {
       outputs.listen_to_bus(channel - kFirstBus, samples);
     }

@@ -2,6 +2,7 @@
 
 #include "engine/synth/mixer.h"
 #include "packaging/manual/command_line.h"
+#include "server/session/head.h"
 
 #include <cstdint>
 #include <cstdio>
@@ -57,6 +58,20 @@ void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
       ->default_str("-1")
       ->check(CLI::Validator(check_limiter, "from -60 to 0, or off"))
       ->type_name("DB|off");
+  app.add_option("--ambisonics", settings.ambisonic_order,
+                 "Also render the sound field around the listener: AmbiX of this order, (N + 1)^2 channels")
+      ->check(manual::between(0, static_cast<int>(synth::kMaxAmbisonicOrder)))
+      ->type_name("N");
+  const auto take_head = [&settings](const std::string& sofa) {
+    auto head = session::read_head(sofa);
+    if (!head) throw CLI::ValidationError("--binaural", head.error().message);
+    settings.head = *std::move(head);
+  };
+  app.add_option_function<std::string>("--binaural", take_head,
+                                       "Make left and right the ears of a head, for headphones: that of a SOFA file, or "
+                                       "an artificial head's")
+      ->expected(0, 1)
+      ->type_name("[FILE.sofa]");
 }
 
 }  // namespace ringdown::server

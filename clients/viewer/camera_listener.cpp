@@ -2,7 +2,7 @@
 
 namespace ringdown::viewer {
 
-Pose listener_of(const Camera& camera) {
+ringdown::Pose listener_of(const Camera& camera) {
   const glm::vec3& at = camera.position_m;
   return {{at.x, at.y, at.z},
           about({0, 0, 1}, static_cast<double>(camera.yaw)) * about({0, 1, 0}, -static_cast<double>(camera.pitch))};
@@ -14,7 +14,7 @@ std::optional<protocol::Request> CameraListener::update(const Camera& camera, bo
     listening_ = false;
     return protocol::ListenerOff{};
   }
-  const Pose pose = listener_of(camera);
+  const ringdown::Pose pose = listener_of(camera);
   if (listening_ && pose == sent_ && now_s < sent_s_ + kAgain_s) return std::nullopt;
   listening_ = true;
   sent_ = pose;

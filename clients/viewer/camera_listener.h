@@ -17,11 +17,11 @@ class CameraListener {
  private:
   static constexpr double kAgain_s = 0.5;
   bool listening_ = false;
-  Pose sent_;
+  ringdown::Pose sent_;
   double sent_s_ = 0;
 };
 
 // Where the frame of a listener lies that looks as the camera does: x to the front, y to the left, z up.
-Pose listener_of(const Camera& camera);
+ringdown::Pose listener_of(const Camera& camera);
 
 }  // namespace ringdown::viewer

@@ -8,6 +8,11 @@
 #include <numbers>
 
 namespace ringdown::synth {
+namespace {
+
+constexpr double kLoudspeaker_rad = std::numbers::pi / 6;
+
+}  // namespace
 
 void ChannelStrip::set_gain(double gain, Frame at, Frame length) RINGDOWN_REALTIME {
   set_gain_ = gain;
@@ -24,18 +29,37 @@ void ChannelStrip::set_pan(double pan, Frame at, Frame length) RINGDOWN_REALTIME
   const double angle = 0.25 * std::numbers::pi * (1 + pan);
   left_.aim(std::cos(angle), at, length);
   right_.aim(std::sin(angle), at, length);
+  const double azimuth = -kLoudspeaker_rad * pan;
+  set_direction({std::cos(azimuth), std::sin(azimuth), 0}, at, length);
+}
+
+void ChannelStrip::set_direction(Vec3 towards, Frame at, Frame length) RINGDOWN_REALTIME {
+  const AmbisonicGains gains = encode(towards);
+  for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) encoded_[c].aim(gains[c], at, length);
+}
+
+std::array<Ramp, kMaxAmbisonicChannels> ChannelStrip::front() RINGDOWN_REALTIME {
+  std::array<Ramp, kMaxAmbisonicChannels> still;
+  const AmbisonicGains gains = encode({1, 0, 0});
+  for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) still[c] = {gains[c], gains[c]};
+  return still;
 }
 
 // Stereo hears left and right only: what is in front and what is behind sound alike.
 ChannelStrip::Shares ChannelStrip::shares_at(const Place& place, Frame frame) const RINGDOWN_REALTIME {
   const double level = gain_.at(frame) * place.level;
   const double angle = 0.25 * std::numbers::pi * (1 - std::clamp(place.toward.y, -1.0, 1.0));
-  return {level * std::cos(angle), level * std::sin(angle), level};
+  Shares shares{level * std::cos(angle), level * std::sin(angle), level};
+  const AmbisonicGains field = encode(place.toward);
+  for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) shares[kFirstField + c] = level * field[c];
+  return shares;
 }
 
 ChannelStrip::Shares ChannelStrip::shares_at(Frame frame) const RINGDOWN_REALTIME {
   const double gain = gain_.at(frame);
-  return {gain * left_.at(frame), gain * right_.at(frame), gain};
+  Shares shares{gain * left_.at(frame), gain * right_.at(frame), gain};
+  for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) shares[kFirstField + c] = gain * encoded_[c].at(frame);
+  return shares;
 }
 
 void ChannelStrip::place(const Place& from, const Place& to, Span chunk, double share) RINGDOWN_REALTIME {
@@ -63,21 +87,26 @@ void ChannelStrip::go(const Shares& from, const Shares& to, Span chunk, double s
 }
 
 void ChannelStrip::rescale(Frame now, double ratio) {
-  for (Ramp* ramp : {&gain_, &left_, &right_}) {
-    ramp->begin = rescaled(ramp->begin, now, ratio);
-    ramp->end = rescaled(ramp->end, now, ratio);
-  }
+  const auto rescale = [&](Ramp& ramp) {
+    ramp.begin = rescaled(ramp.begin, now, ratio);
+    ramp.end = rescaled(ramp.end, now, ratio);
+  };
+  for (Ramp* ramp : {&gain_, &left_, &right_}) rescale(*ramp);
+  for (Ramp& ramp : encoded_) rescale(ramp);
 }
 
 double ChannelStrip::max_gain() const RINGDOWN_REALTIME { return std::max(std::abs(gain_.from), std::abs(gain_.to)); }
 
 bool ChannelStrip::heard(ChannelSet wanted) const RINGDOWN_REALTIME {
-  return (wanted & (only(kLeft) | only(kRight) | (bus_ == kNoBus ? 0 : only(bus_)))) != 0;
+  return (wanted & (only(kLeft) | only(kRight) | kAllAmbisonic | (bus_ == kNoBus ? 0 : only(bus_)))) != 0;
 }
 
 ChannelStrip::Shares ChannelStrip::shares() const RINGDOWN_REALTIME {
-  if (placed_) return {to_[0], to_[1], bus_ == kNoBus ? 0.0 : to_[2]};
-  return {gain_.to * left_.to, gain_.to * right_.to, bus_ == kNoBus ? 0.0 : gain_.to};
+  Shares shares{gain_.to * left_.to, gain_.to * right_.to, gain_.to};
+  for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) shares[kFirstField + c] = gain_.to * encoded_[c].to;
+  if (placed_) shares = to_;
+  if (bus_ == kNoBus) shares[2] = 0;
+  return shares;
 }
 
 void ChannelStrip::add_samples(const double* mono, std::size_t begin, std::size_t end, const Chunk& chunk,
@@ -95,6 +124,8 @@ void ChannelStrip::add_samples(const double* mono, std::size_t begin, std::size_
     add_line(kLeft, 0);
     add_line(kRight, 1);
     if (bus_ != kNoBus) add_line(bus_, 2);
+    if ((chunk.wanted & kAllAmbisonic) == 0) return;
+    for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) add_line(kFirstAmbisonic + c, kFirstField + c);
     return;
   }
   const Ramp unity{1, 1};
@@ -112,6 +143,8 @@ void ChannelStrip::add_samples(const double* mono, std::size_t begin, std::size_
   add_to(kLeft, left_);
   add_to(kRight, right_);
   if (bus_ != kNoBus) add_to(bus_, unity);
+  if ((chunk.wanted & kAllAmbisonic) == 0) return;
+  for (std::size_t c = 0; c < kMaxAmbisonicChannels; ++c) add_to(kFirstAmbisonic + c, encoded_[c]);
 }
 
 std::span<const MomentTarget> ChannelStrip::moment_targets(
@@ -128,6 +161,9 @@ std::span<const MomentTarget> ChannelStrip::moment_targets(
     aim_line(kLeft, 0);
     aim_line(kRight, 1);
     if (bus_ != kNoBus) aim_line(bus_, 2);
+    for (std::size_t c = 0; c < kMaxAmbisonicChannels && (wanted & kAllAmbisonic) != 0; ++c) {
+      aim_line(kFirstAmbisonic + c, kFirstField + c);
+    }
     return {targets.data(), count};
   }
   const auto aim = [&](std::size_t channel, double gain) RINGDOWN_REALTIME {
@@ -136,6 +172,9 @@ std::span<const MomentTarget> ChannelStrip::moment_targets(
   aim(kLeft, gain_.to * left_.to);
   aim(kRight, gain_.to * right_.to);
   if (bus_ != kNoBus) aim(bus_, gain_.to);
+  for (std::size_t c = 0; c < kMaxAmbisonicChannels && (wanted & kAllAmbisonic) != 0; ++c) {
+    aim(kFirstAmbisonic + c, gain_.to * encoded_[c].to);
+  }
   return {targets.data(), count};
 }
 

@@ -18,6 +18,7 @@ class ChannelStrip {
  public:
   // Moves the gain or the pan (-1 left ... +1 right, equal power) to a value within `length` frames from frame `at` on.
   void set_gain(double gain, Frame at, Frame length) RINGDOWN_REALTIME;
+  // To ambisonic channels a pan is a direction between the places of two loudspeakers, 30 degrees from the front.
   void set_pan(double pan, Frame at, Frame length) RINGDOWN_REALTIME;
   // Silences the object at all outputs, or lets it be heard again at the gain that was set last. A gain that is set
   // meanwhile is kept for then.
@@ -49,7 +50,7 @@ class ChannelStrip {
   [[nodiscard]] double place_level() const RINGDOWN_REALTIME { return placed_ ? place_.level : 1; }
 
   [[nodiscard]] bool still_at(Frame frame) const RINGDOWN_REALTIME {
-    return gain_.still_at(frame) && left_.still_at(frame) && right_.still_at(frame);
+    return gain_.still_at(frame) && left_.still_at(frame) && right_.still_at(frame) && encoded_.back().still_at(frame);
   }
   [[nodiscard]] double gain_at(Frame frame) const RINGDOWN_REALTIME { return gain_.at(frame); }
   [[nodiscard]] double final_gain() const RINGDOWN_REALTIME { return gain_.to; }
@@ -57,8 +58,8 @@ class ChannelStrip {
   [[nodiscard]] std::size_t bus() const RINGDOWN_REALTIME { return bus_; }
   [[nodiscard]] bool heard(ChannelSet wanted) const RINGDOWN_REALTIME;
 
-  // Final gains to the left, the right, and the bus (0 without one).
-  static constexpr std::size_t kOutputs = 3;
+  // Final gains to the left, the right, the bus (0 without one), and the ambisonic channels.
+  static constexpr std::size_t kFirstField = 3, kOutputs = kFirstField + kMaxAmbisonicChannels;
   using Shares = std::array<double, kOutputs>;
   [[nodiscard]] Shares shares() const RINGDOWN_REALTIME;
 
@@ -71,8 +72,10 @@ class ChannelStrip {
                                                std::array<MomentTarget, kOutputs>& targets) const RINGDOWN_REALTIME;
 
  private:
+  void set_direction(Vec3 towards, Frame at, Frame length) RINGDOWN_REALTIME;
+  static std::array<Ramp, kMaxAmbisonicChannels> front() RINGDOWN_REALTIME;
   static constexpr double kCentre = 0.70710678118654752;  // equal power: cos 45 degrees
-  // Gains at the outputs: left, right and bus.
+  // Gains at the outputs: left, right, bus and field.
   [[nodiscard]] Shares shares_at(const Place& place, Frame frame) const RINGDOWN_REALTIME;
   [[nodiscard]] Shares shares_at(Frame frame) const RINGDOWN_REALTIME;
   void go(const Shares& from, const Shares& to, Span chunk, double share) RINGDOWN_REALTIME;
@@ -83,6 +86,7 @@ class ChannelStrip {
   Place place_;            // the last one
   double place_gain_ = 0;  // the gain at which to_ is that place's; not a number: to_ is on its way
   Ramp gain_{1, 1}, left_{kCentre, kCentre}, right_{kCentre, kCentre};
+  std::array<Ramp, kMaxAmbisonicChannels> encoded_ = front();
   std::size_t bus_ = kNoBus;
   double set_gain_ = 1;  // as set last; gain_ moves to 0 instead while the object is silent
   bool silent_ = false;

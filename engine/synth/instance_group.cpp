@@ -12,12 +12,17 @@
 //
 // A member's amplitudes are added twice: to the member's own states, which catch_up() first moves to the strike's frame
 // in one jump, and, times the member's gain there, to the sums of the outputs. Only the sums are rendered, so a chunk
-// costs two or three sets of states however many members ring. The member's own states are what leave() subtracts from
-// the sums later, moved on by the same poles: sums and member agree to rounding, and nothing is heard of the parting.
+// costs a set of states for each output however many members ring. The member's own states are what leave() subtracts
+// from the sums later, moved on by the same poles: sums and member agree to rounding, and nothing is heard of the
+// parting.
 //
 // The chunk itself goes as that of an object (object.cpp): by tables it is cut at the strikes, by moments strikes
 // within it are late strikes. An event for which there is no time stays on the list, with all that follow it.
 namespace ringdown::synth {
+
+InstanceGroup::InstanceGroup(ModeTable& table, std::size_t ambisonic_channels) : table_(table) {
+  for (std::size_t i = 0; i < 3 + ambisonic_channels; ++i) sums_.emplace_back(table);
+}
 
 // Adds, or with `sign` -1 subtracts, what rings in a member.
 void InstanceGroup::add(Voice& voice, const ChannelStrip::Shares& shares, double sign) RINGDOWN_REALTIME {

@@ -16,9 +16,10 @@
 #include "engine/synth/source.h"
 #include "engine/synth/voice.h"
 
-#include <array>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace ringdown::synth {
 
@@ -34,8 +35,7 @@ struct GroupMember {
 class InstanceGroup final : public Source {
  public:
   // The table outlives the group, or is not used any more. [worker]
-  explicit InstanceGroup(ModeTable& table)
-      : table_(table), sums_{ModeStates(table), ModeStates(table), ModeStates(table)} {}
+  InstanceGroup(ModeTable& table, std::size_t ambisonic_channels);
 
   // From now on voices of the table may join.
   void found() RINGDOWN_REALTIME { table_.instances = this; }
@@ -58,9 +58,7 @@ class InstanceGroup final : public Source {
     return active && member.losses_seen == losses_;
   }
 
-  [[nodiscard]] bool ringing() const RINGDOWN_REALTIME {
-    return sums_[0].ringing() || sums_[1].ringing() || sums_[2].ringing();
-  }
+  [[nodiscard]] bool ringing() const RINGDOWN_REALTIME { return std::ranges::any_of(sums_, &ModeStates::ringing); }
   // The group has fallen silent: no member counts as struck any more.
   void end_round() RINGDOWN_REALTIME;
 
@@ -71,6 +69,7 @@ class InstanceGroup final : public Source {
     each(sums_[0], kLeft);
     each(sums_[1], kRight);
     if (bus_ != kNoBus) each(sums_[2], bus_);
+    for (std::size_t i = 3; i < sums_.size(); ++i) each(sums_[i], kFirstAmbisonic + i - 3);
   }
   void add(Voice& voice, const ChannelStrip::Shares& shares, double sign) RINGDOWN_REALTIME;
   [[nodiscard]] double floor(const Chunk& chunk) const RINGDOWN_REALTIME { return lowest_level_ * chunk.floor; }
@@ -84,8 +83,8 @@ class InstanceGroup final : public Source {
   void silence() RINGDOWN_REALTIME;
 
   ModeTable& table_;
-  std::array<ModeStates, ChannelStrip::kOutputs> sums_;  // left, right, bus
-  std::size_t bus_ = kNoBus;                             // channel of the third sum
+  std::vector<ModeStates> sums_;  // left, right, bus, and the ambisonic channels that there are
+  std::size_t bus_ = kNoBus;      // channel of the third sum
   std::size_t members_ = 0;
   std::size_t struck_ = 0;    // members struck in this round
   std::uint32_t round_ = 1;   // grows when the group falls silent

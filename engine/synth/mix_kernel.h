@@ -10,6 +10,17 @@ namespace ringdown::synth {
 // out += gain * from.
 void add_scaled(const double* from, double gain, double* out, std::size_t frames) RINGDOWN_REALTIME;
 
+// Two filters of the same samples, from the last tap on, each with a result of its own:
+// out[n] += sum over j < taps of reversed[j] * samples[n + j]. Reads and writes up to kFilterOverrun frames further
+// than `frames` says.
+inline constexpr std::size_t kFilterOverrun = 64;
+struct FilterOutput {
+  const float* reversed;
+  float* out;
+};
+void add_filtered(const float* samples, std::size_t taps, const FilterOutput& first, const FilterOutput& second,
+                  std::size_t frames) RINGDOWN_REALTIME;
+
 // to = from; returns the largest |to|, without numbers that are none.
 float write_samples(const double* from, float* to, std::size_t frames) RINGDOWN_REALTIME;
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
+#include "engine/synth/binaural.h"
 #include "engine/synth/block_io.h"
 #include "engine/synth/channel_sums.h"
 #include "engine/synth/event.h"
@@ -10,6 +11,7 @@
 #include "engine/synth/test_tone.h"
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -24,6 +26,8 @@ class MixOutput {
   // Keeps the mix, but not the buses, below a ceiling in dB of full scale (limiter.h); nullopt: samples go out as they
   // are. [worker, while nothing is rendered]
   void limit(std::optional<double> ceiling_db, double sample_rate_hz);
+  // Renders the mix for a head's ears from the ambisonic channels; null: stereo. [worker, while nothing is rendered]
+  void wear(std::shared_ptr<const HeadFilters> head);
   // Frames by which the limiter delays the mix. [any, but not while limit() runs]
   [[nodiscard]] std::size_t latency_frames() const { return limiter_ ? limiter_->delay_frames() : 0; }
 
@@ -31,13 +35,18 @@ class MixOutput {
   // Begins a block. Where nobody listens to the mix but somebody watches it, it is rendered all the same.
   void begin_block(const Outputs& outputs, std::size_t frames) RINGDOWN_REALTIME;
   [[nodiscard]] ChannelSet wanted() const RINGDOWN_REALTIME { return outputs_.wanted(); }
+  // The channels that objects are to be added to, for the sake of those that are wanted.
+  [[nodiscard]] ChannelSet to_render() const RINGDOWN_REALTIME;
   // Writes a chunk's sums to frames at ... at + frames - 1 of the block.
   void write(const ChannelSums& sums, std::size_t at, std::size_t frames) RINGDOWN_REALTIME;
   // Ends the block, whose first frame is `begin`. Returns the largest |sample| of what is heard.
   [[nodiscard]] float end_block(Frame begin, std::size_t frames, double sample_rate_hz) RINGDOWN_REALTIME;
 
  private:
+  void write_piece(const ChannelSums& sums, std::size_t at, std::size_t frames) RINGDOWN_REALTIME;
+
   std::optional<Limiter> limiter_;
+  std::optional<Binaural> binaural_;
   Outputs outputs_;                    // of the block
   float mix_peak_ = 0, bus_peak_ = 0;  // largest |sample| written to them
   std::vector<float> spare_left_ = std::vector<float>(kMaxSpare), spare_right_ = spare_left_;

@@ -31,6 +31,9 @@ Mixer::~Mixer() {
 void Mixer::configure(const MixerSettings& settings) {
   if (settings.threads != renderer_.threads()) renderer_.set_threads(settings.threads);
   if (settings.limiter_db != settings_.limiter_db) output_.limit(settings.limiter_db, sample_rate_hz());
+  output_.wear(settings.head ? settings.head(sample_rate_hz()) : nullptr);
+  const std::optional<std::size_t> order = settings.head ? kMaxAmbisonicOrder : settings.ambisonic_order;
+  voices_.set_ambisonic_channels(order ? synth::ambisonic_channels(*order) : 0);
   shedding_.configure(settings.budget, settings.clock, renderer_.threads());
   floor_ = std::pow(10.0, -settings.floor_db / 20);
   settings_ = settings;
@@ -92,7 +95,7 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
     Chunk chunk{.begin = now_,
                 .sample_rate_hz = rate_hz,
                 .floor = floor_,
-                .wanted = output_.wanted(),
+                .wanted = output_.to_render(),
                 .shedding = &shedding_,
                 .counters = &counters};
     for (std::size_t i = 0; i < kMaxInputs; ++i) chunk.inputs[i] = inputs[i] ? inputs[i] + done : nullptr;
@@ -162,6 +165,7 @@ void Mixer::change_sample_rate(double sample_rate_hz) {
   });
   sample_rate_hz_.store(sample_rate_hz, std::memory_order_relaxed);
   output_.limit(settings_.limiter_db, sample_rate_hz);
+  output_.wear(settings_.head ? settings_.head(sample_rate_hz) : nullptr);
 }
 
 }  // namespace ringdown::synth

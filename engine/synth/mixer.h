@@ -36,7 +36,7 @@
 
 namespace ringdown::synth {
 
-inline constexpr std::size_t kMaxBuses = kMaxChannels - kFirstBus;  // outputs beside the stereo mix
+inline constexpr std::size_t kMaxBuses = kFirstAmbisonic - kFirstBus;  // outputs beside mix and ambisonics
 
 struct MixerSettings {
   // The sound pressure at 1 m from an object that becomes a sample of 1 at gain 1 [Pa]; > 0, fixed once the mixer is
@@ -53,6 +53,13 @@ struct MixerSettings {
 
   // Ceiling of the mix in dB of full scale, without the buses; the mix is then latency_frames() late (limiter.h).
   std::optional<double> limiter_db = {};
+
+  // The order of the ambisonic channels (ambisonics.h), 0 ... kMaxAmbisonicOrder; nullopt: none. Fixed once an object
+  // has a voice.
+  std::optional<std::size_t> ambisonic_order = {};
+
+  // The head that the mix is rendered for: left and right are then its ears (binaural.h). Null: stereo.
+  HeadLoader head = {};
 
   // Threads that render big scenes, the audio thread among them. With more than one, rounding depends on which thread
   // renders what.

@@ -25,7 +25,7 @@ VoiceRegistry::SharedTable* VoiceRegistry::find(const std::shared_ptr<ModeTable>
 std::unique_ptr<InstanceGroup> VoiceRegistry::group_for(const std::shared_ptr<ModeTable>& table) {
   const SharedTable* const known = find(table);
   if (!known) tables_.push_back({table, nullptr});
-  return known && !known->group ? std::make_unique<InstanceGroup>(*table) : nullptr;
+  return known && !known->group ? std::make_unique<InstanceGroup>(*table, ambisonic_channels_) : nullptr;
 }
 
 void VoiceRegistry::keep_group(const std::shared_ptr<ModeTable>& table, std::unique_ptr<InstanceGroup> group) {

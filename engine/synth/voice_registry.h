@@ -28,6 +28,9 @@ class VoiceRegistry {
                                                      const modal::Dampers& dampers, modal::ModeRange modes,
                                                      double sample_rate_hz, double full_scale_pa) const;
 
+  // Groups that are made from now on render so many ambisonic channels. [worker]
+  void set_ambisonic_channels(std::size_t count) { ambisonic_channels_ = count; }
+
   // Whether another voice may be installed. [worker]
   [[nodiscard]] bool has_room() const { return voices_ < kMaxVoices; }
   // A voice is about to be installed. Returns the group that its table needs from now on, because it is the second
@@ -54,7 +57,7 @@ class VoiceRegistry {
       if (!table) continue;
       shared.table = table;
       if (!shared.group) continue;
-      shared.group = std::make_unique<InstanceGroup>(*table);
+      shared.group = std::make_unique<InstanceGroup>(*table, ambisonic_channels_);
       table->instances = shared.group.get();
     }
   }
@@ -71,6 +74,7 @@ class VoiceRegistry {
   };
 
   std::vector<SharedTable> tables_;
+  std::size_t ambisonic_channels_ = 0;
   std::array<std::uint32_t, kMaxObjects> voices_of_{};  // of each object
   std::size_t voices_ = 0;
   SpscRing<Retired> retired_{kMaxVoices};

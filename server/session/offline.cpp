@@ -42,6 +42,9 @@ class Run {
     const auto frames = static_cast<std::size_t>(std::llround(seconds * options_.sample_rate_hz)) + latency();
     recording_.left.resize(frames);
     recording_.right.resize(frames);
+    if (const auto order = settings.ambisonic_order) {
+      recording_.ambisonics.assign(synth::ambisonic_channels(*order), std::vector<float>(frames));
+    }
     return {};
   }
 
@@ -52,9 +55,10 @@ class Run {
       render_until(std::min(begin + block, total));
       if (!progress(static_cast<double>(now_) / static_cast<double>(total))) return cancelled();
     }
-    for (auto* channel : {&recording_.left, &recording_.right}) {
-      channel->erase(channel->begin(), channel->begin() + static_cast<std::ptrdiff_t>(latency()));
-    }
+    const auto late = static_cast<std::ptrdiff_t>(latency());
+    for (auto* channel : {&recording_.left, &recording_.right})
+      channel->erase(channel->begin(), channel->begin() + late);
+    for (auto& channel : recording_.ambisonics) channel.resize(channel.size() - latency());  // passes no limiter
     return {};
   }
 
@@ -117,7 +121,11 @@ class Run {
   void render_frames(Frame end) {
     advance_scene(end);
     const auto begin = static_cast<std::size_t>(now_), count = static_cast<std::size_t>(end - now_);
-    session_.rack().mixer().render({recording_.left.data() + begin, count}, {recording_.right.data() + begin, count});
+    synth::Outputs outputs(recording_.left.data() + begin, recording_.right.data() + begin);
+    for (std::size_t c = 0; c < recording_.ambisonics.size(); ++c) {
+      outputs.listen_to_ambisonics(c, recording_.ambisonics[c].data() + begin);
+    }
+    session_.rack().mixer().render(outputs, count);
     session_.rack().collect();
     now_ = end;
   }
@@ -156,6 +164,14 @@ class Run {
   Frame now_ = 0;
 };
 
+// What is written: the ambisonic channels where there are some, else left and right.
+std::vector<const std::vector<float>*> channels_of(const Recording& recording) {
+  std::vector<const std::vector<float>*> channels;
+  for (const std::vector<float>& channel : recording.ambisonics) channels.push_back(&channel);
+  if (channels.empty()) channels = {&recording.left, &recording.right};
+  return channels;
+}
+
 }  // namespace
 
 Result<Recording> render_offline(const OfflineOptions& options, const Progress& progress) {
@@ -163,7 +179,7 @@ Result<Recording> render_offline(const OfflineOptions& options, const Progress& 
   Run run(options, recording);
   if (const auto ready = run.prepare(); !ready) return fail(ready.error());
   if (const auto rendered = run.render(progress); !rendered) return fail(rendered.error());
-  for (const auto* channel : {&recording.left, &recording.right}) {
+  for (const std::vector<float>* channel : channels_of(recording)) {
     for (const float sample : *channel) recording.peak = std::max(recording.peak, std::abs(sample));
   }
   return recording;
@@ -173,14 +189,19 @@ Result<void> write_audio(const Recording& recording, const std::filesystem::path
   constexpr std::size_t kPiece = 1 << 16;  // frames
   const auto target = output_target(path);
   if (!target) return fail(target.error());
-  auto file = SoundFile::create(*target, recording.sample_rate_hz);
+  const std::vector<const std::vector<float>*> channels = channels_of(recording);
+  SoundFormat format{.channels = channels.size()};
+  if (!recording.ambisonics.empty()) format.comment = "AmbiX: channels in ACN order, SN3D";
+  auto file = SoundFile::create(*target, recording.sample_rate_hz, format);
   if (!file) return fail(file.error());
   const std::size_t frames = recording.left.size();
   std::vector<float> samples;
   for (std::size_t begin = 0; begin < frames; begin += kPiece) {
     const std::size_t end = std::min(begin + kPiece, frames);
     samples.clear();
-    for (std::size_t n = begin; n < end; ++n) samples.insert(samples.end(), {recording.left[n], recording.right[n]});
+    for (std::size_t n = begin; n < end; ++n) {
+      for (const std::vector<float>* channel : channels) samples.push_back((*channel)[n]);
+    }
     if (const auto written = file->write(samples); !written) return written;
     if (!progress(static_cast<double>(end) / static_cast<double>(frames))) return cancelled();
   }

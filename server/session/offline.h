@@ -35,6 +35,7 @@ inline constexpr double kMaxRender_s = 24 * 3600;
 struct Recording {
   double sample_rate_hz = 0;
   std::vector<float> left, right;
+  std::vector<std::vector<float>> ambisonics;  // a row for each channel, if the mixer has ambisonic ones
   float peak = 0;                     // largest |sample|
   std::vector<std::string> warnings;  // of the scene, and requests that were refused and when
 };

@@ -25,6 +25,7 @@ struct SoundFile::Open {
   std::filesystem::path temporary;
   std::FILE* nameless = nullptr;  // of a stream
   SNDFILE* file = nullptr;
+  std::size_t channels = 2;
 
   bool open(SF_INFO& info) {
     if (target.is_stream) {
@@ -65,7 +66,7 @@ SoundFile::SoundFile(SoundFile&&) noexcept = default;
 SoundFile& SoundFile::operator=(SoundFile&&) noexcept = default;
 SoundFile::~SoundFile() = default;
 
-Result<SoundFile> SoundFile::create(OutputTarget target, double sample_rate_hz) {
+Result<SoundFile> SoundFile::create(OutputTarget target, double sample_rate_hz, const SoundFormat& format) {
   const std::filesystem::path path = target.named;
   std::string ending = path.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -73,11 +74,13 @@ Result<SoundFile> SoundFile::create(OutputTarget target, double sample_rate_hz) 
     return cannot_write(path, "its name must end in .wav or .flac, which says the format");
   }
   SF_INFO info{.samplerate = static_cast<int>(sample_rate_hz),
-               .channels = 2,
+               .channels = static_cast<int>(format.channels),
                .format = ending == ".flac" ? SF_FORMAT_FLAC | SF_FORMAT_PCM_24 : SF_FORMAT_WAV | SF_FORMAT_FLOAT};
   auto open = std::make_unique<Open>();
   open->target = std::move(target);
   if (!open->open(info)) return cannot_write(path, sf_strerror(nullptr));
+  open->channels = format.channels;
+  if (!format.comment.empty()) sf_set_string(open->file, SF_STR_COMMENT, format.comment.c_str());
   sf_command(open->file, SFC_SET_CLIPPING, nullptr, SF_TRUE);
   // The chunk would contain the time of day, so no two files would be equal.
   sf_command(open->file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
@@ -85,7 +88,7 @@ Result<SoundFile> SoundFile::create(OutputTarget target, double sample_rate_hz) 
 }
 
 Result<void> SoundFile::write(std::span<const float> samples) {
-  const auto frames = static_cast<sf_count_t>(samples.size() / 2);
+  const auto frames = static_cast<sf_count_t>(samples.size() / open_->channels);
   if (sf_writef_float(open_->file, samples.data(), frames) == frames) return {};
   return cannot_write(open_->target.named, "the disk may be full");
 }

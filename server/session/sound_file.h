@@ -10,21 +10,28 @@
 #include "engine/base/output_file.h"
 #include "engine/base/result.h"
 
+#include <cstddef>
 #include <memory>
 #include <span>
+#include <string>
 
 namespace ringdown::session {
 
+struct SoundFormat {
+  std::size_t channels = 2;
+  std::string comment = {};  // is kept in the file
+};
+
 class SoundFile {
  public:
-  // Stereo: 32-bit float WAV, or 24-bit FLAC when the name ends in .flac. Fails for other endings, except those of
+  // 32-bit float WAV, or 24-bit FLAC when the name ends in .flac. Fails for other endings, except those of
   // streams, and where no file can be made. A path from a message is its own target; output_target() follows a user's.
-  static Result<SoundFile> create(OutputTarget target, double sample_rate_hz);
+  static Result<SoundFile> create(OutputTarget target, double sample_rate_hz, const SoundFormat& format = {});
   SoundFile(SoundFile&&) noexcept;
   SoundFile& operator=(SoundFile&&) noexcept;
   ~SoundFile();
 
-  // Appends frames of two samples each. Fails when the disk is full.
+  // Appends frames of one sample for each channel. Fails when the disk is full.
   Result<void> write(std::span<const float> samples);
 
   // Completes the file and renames it, or copies it to the stream; also after a write() that failed, and then with what

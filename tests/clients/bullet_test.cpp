@@ -14,7 +14,7 @@ namespace {
 
 using synth::Event;
 using synth::EventType;
-using scene::operator*;
+using ringdown::operator*;
 using scene::BodyDescription;
 using scene::SceneDescription;
 using scene::ShapeType;

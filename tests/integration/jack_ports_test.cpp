@@ -103,6 +103,31 @@ TEST_F(JackPorts, ANoteFromAnotherClientLandsOnItsSample) {
   EXPECT_EQ(recorder.first_frame() + first, *keyboard.sent() + 1) << "a sine begins at zero";
 }
 
+// The listener faces along x, the object stands 30 degrees to the left: Y (channel 1) is sin 30 degrees of W (channel
+// 0).
+TEST_F(JackPorts, AmbisonicPortsHearWhereAnObjectStands) {
+  Daemon daemon({"--ambisonics", "1", "--object", low_}, server_.environment());
+  ASSERT_TRUE(daemon.ready()) << daemon.process().output();
+  for (const char* port : {"ambisonic_0", "ambisonic_1", "ambisonic_2", "ambisonic_3"}) {
+    EXPECT_TRUE(exists(std::string("ringdown:") + port)) << port;
+  }
+  EXPECT_FALSE(exists("ringdown:ambisonic_4"));
+  daemon.send({"/listener", {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f}});
+  daemon.send({"/object/low/pose", {1.7320508f, 1.f, 0.f, 1.f, 0.f, 0.f, 0.f}});
+  daemon.send(strike("low"));
+  ASSERT_TRUE(becomes_true([&] { return status(daemon)->sounding_objects == 1; }));
+  const auto frames = static_cast<std::size_t>(kPortsRate / 2);
+  JackRecorder recorder(server_.name(), "recorder", frames);
+  ASSERT_TRUE(recorder.connect("ringdown:ambisonic_0", "recorder:in_1"));
+  ASSERT_TRUE(recorder.connect("ringdown:ambisonic_1", "recorder:in_2"));
+  ASSERT_TRUE(recorder.wait_for(frames));
+  const std::size_t later = frames / 2;  // both are connected by then
+  Samples half;
+  for (const double sample : std::span(recorder.samples(0)).subspan(later)) half.push_back(0.5 * sample);
+  EXPECT_GT(peak(half), 1e-3);
+  EXPECT_LT(relative_error_db(std::span(recorder.samples(1)).subspan(later), half), -80);
+}
+
 TEST_F(JackPorts, AWrongNoteMapIsRefusedWithItsLine) {
   std::ofstream(folder_ / "notes.toml") << "[[note]]\nnote = 200\nobject = 'low'\n";
   const Outcome outcome =

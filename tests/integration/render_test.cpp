@@ -77,6 +77,23 @@ TEST_F(RenderTest, EveryBundleIsHeardWithinASampleOfItsTime) {
   }
 }
 
+TEST_F(RenderTest, AnAmbisonicFileHasAChannelForEachHarmonic) {
+  const auto score = folder_ / "score.osc", sound = folder_ / "field.wav";
+  const wire::Message strike =
+      protocol::format(protocol::Request(protocol::Strike{{.name = "tick"}, {1, 0, 0}, {0, 0, 0.5}, 0}));
+  ASSERT_TRUE(wire::write_score({{0.1, {"/object/tick/pan", {-1.f}}}, {0.5, strike}}, score));
+  const Outcome outcome =
+      run({program("ringdown"), "render", "--events", score.string(), "--object",
+           "tick=" + (folder_ / "tick.glb").string(), "--ambisonics", "2", "--seconds", "1", "-o", sound.string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  const std::vector<Samples> channels = read_channels(sound);
+  ASSERT_EQ(channels.size(), 9);
+  ASSERT_GT(peak(channels[0]), 1e-4);
+  EXPECT_NEAR(peak(channels[1]), 0.5 * peak(channels[0]), 1e-5 * peak(channels[0])) << "30 degrees to the left";
+  EXPECT_EQ(peak(channels[2]), 0) << "not above, nor below";
+  EXPECT_NEAR(peak(channels[3]), std::sqrt(0.75) * peak(channels[0]), 1e-5 * peak(channels[0]));
+}
+
 TEST_F(RenderTest, EveryRecordOfABulkIsHeardWithinASampleOfItsDelay) {
   constexpr double kRate_hz = 48000, kBundle_s = 0.05;
   std::vector<protocol::BulkStrike> strikes;

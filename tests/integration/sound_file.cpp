@@ -25,11 +25,13 @@ Frames read(const std::filesystem::path& path) {
 
 Samples read_frames(const std::filesystem::path& path) { return read(path).samples; }
 
-Samples read_left(const std::filesystem::path& path) {
-  const auto [frames, channels] = read(path);
-  Samples left;
-  for (std::size_t i = 0; i < frames.size(); i += channels) left.push_back(frames[i]);
-  return left;
+std::vector<Samples> read_channels(const std::filesystem::path& path) {
+  const auto [frames, count] = read(path);
+  std::vector<Samples> channels(count);
+  for (std::size_t i = 0; i < frames.size(); ++i) channels[i % count].push_back(frames[i]);
+  return channels;
 }
+
+Samples read_left(const std::filesystem::path& path) { return read_channels(path).front(); }
 
 }  // namespace ringdown::test

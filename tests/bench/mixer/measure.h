@@ -34,6 +34,7 @@ void measure_instances(const Settings& settings, const Sink& sink);
 // 10,000 modes in 100 objects that a listener hears from their places: standing, turning once a second, flying to and
 // fro; and without a listener.
 void measure_directions(const Settings& settings, const Sink& sink);
+void measure_fields(const Settings& settings, const Sink& sink);
 
 // One thread and two, at 30,000 modes.
 void measure_threads(const Settings& settings, const Sink& sink);

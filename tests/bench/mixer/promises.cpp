@@ -79,6 +79,17 @@ Promise load(const Rows& rows) {
   return at_most(what, row->mean_us * 1e-6 * kRate / static_cast<double>(row->block), 1, "");
 }
 
+// The share of a core that a head takes, beside the ambisonic channels that it hears.
+Promise binaural(const Rows& rows) {
+  const Row *ears = find(rows, "fields", is("binaural")), *field = find(rows, "fields", is("ambisonics 3"));
+  const std::string what = "binaural beside ambisonics of order 3: percent of a core";
+  for (const Row* row : {ears, field}) {
+    if (row == nullptr || !row->ok()) return without_value(what, row);
+  }
+  const double block_us = static_cast<double>(ears->block) / kRate * 1e6;
+  return at_most(what, 100 * (ears->mean_us - field->mean_us) / block_us, 2, "");
+}
+
 }  // namespace
 
 std::vector<Promise> promises(const Rows& rows) {
@@ -96,6 +107,9 @@ std::vector<Promise> promises(const Rows& rows) {
                        find(rows, "instances", is("two banks")), 0.9));
   list.push_back(least("10000 modes in 100 objects that turn: modes per core over those of objects that stand",
                        find(rows, "directions", is("turning")), 0.8));
+  list.push_back(most("10000 modes in 100 objects in ambisonics of order 3: block time over stereo",
+                      find(rows, "fields", is("ambisonics 3")), &Row::ratio, 1.25, ""));
+  list.push_back(binaural(rows));
   const auto two_threads = [](const Row& row) { return row.who == "2 threads" && row.objects == 100; };
   list.push_back(least("30000 modes in 100 objects: block time of 1 thread over that of 2",
                        find(rows, "threads", two_threads), 1.7));
