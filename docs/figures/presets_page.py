@@ -16,7 +16,7 @@ PICTURES = ROOT / "docs/figures/presets"
 MOST_BYTES = 25_000
 HEAD = """# The presets
 
-The objects of `presets/objects`, with their banks of 17 to 1,750 kB in `presets/banks`; `./run presets` bakes those that have changed. Each picture shows
+The objects of `presets/objects`, with their banks of 17 to 1,880 kB in `presets/banks`; `./run presets` bakes those that have changed. Each picture shows
 the most important mode, bent and coloured by how far each place moves (dark: rests, yellow: moves most), and the spectrum of a blow where
 the object answers most, in dB over Hz. T60 is that of this mode. Play one:
 

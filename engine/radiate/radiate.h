@@ -26,8 +26,8 @@ struct Options {
   Progress progress;            // called from one thread at a time; false stops
   double panels_per_wave = 3;   // edges of triangles per wavelength in the air, to begin with
   double panels_per_shape = 6;  // and per wavelength of the mode's own pattern, which may be shorter
-  // Nodes of the finest surface, to which modes come that miss wanted_error_db() on coarser ones. A thread takes 10
-  // bytes times the square of the nodes; fewer threads run where all would take more than 3.5 GiB.
+  // Nodes of the finest surface, to which modes come that miss wanted_error_db() on coarser ones. A thread takes 12
+  // bytes times the square of the nodes, all share 30; fewer threads run where that is more than 3.5 GiB.
   int most_unknowns = 8000;
   double range_octaves = 1;  // levels are given this far below and, up to the highest mode, above a mode's own k
 };
