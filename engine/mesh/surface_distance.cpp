@@ -48,6 +48,11 @@ Eigen::RowVector3d SurfaceRays::nearest(const Eigen::RowVector3d& point) const {
   return {found.x(), found.y(), found.z()};
 }
 
+Eigen::Index SurfaceRays::nearest_triangle(const Eigen::RowVector3d& point) const {
+  const auto found = tree_->boxes.closest_point_and_primitive({point[0], point[1], point[2]}).second;
+  return found - tree_->triangles.cbegin();
+}
+
 double SurfaceRays::inward(Eigen::Index triangle) const {
   const Triangle& from = tree_->triangles[static_cast<std::size_t>(triangle)];
   const auto normal = CGAL::cross_product(from[1] - from[0], from[2] - from[0]);

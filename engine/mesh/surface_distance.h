@@ -15,6 +15,7 @@ class SurfaceRays {
 
   // The nearest point of the surface.
   [[nodiscard]] Eigen::RowVector3d nearest(const Eigen::RowVector3d& point) const;
+  [[nodiscard]] Eigen::Index nearest_triangle(const Eigen::RowVector3d& point) const;
 
   // How far one comes from the middle of a triangle straight inward before the surface comes again; a huge number when
   // it never does.

@@ -2,6 +2,7 @@
 
 #include "engine/base/in_parallel.h"
 #include "engine/mesh/face_points.h"
+#include "engine/mesh/smooth_facets.h"
 #include "engine/mesh/surface_distance.h"
 #include "engine/mesh/winding_number.h"
 
@@ -53,18 +54,24 @@ double gap_to(const SurfaceRays& rays, const Eigen::RowVector3d& at, const Eigen
 Eigen::VectorXd surface_gaps(const TetMesh& mesh, const TriangleMesh& surface, double reach_m, bool soup, int threads) {
   const FacePoints points = face_points(mesh);
   Eigen::VectorXd gaps(points.positions.rows());
+  const SurfaceRays rays(surface);
+  const SmoothFacets facets(surface);
   const auto for_all = [&](const auto& oracle) {
     threads = thread_count(threads);
     in_parallel(threads, [&](int thread) {
       for (Eigen::Index p = thread; p < gaps.size(); p += threads) {
-        gaps[p] = gap_to(oracle, points.positions.row(p), points.normals.row(p), reach_m);
+        const Eigen::RowVector3d at = points.positions.row(p), normal = points.normals.row(p);
+        const double gap = gap_to(oracle, at, normal, reach_m);
+        const Eigen::RowVector3d on = at + gap * normal;
+        const double rise = facets.rise(rays.nearest_triangle(on), on).dot(normal);
+        gaps[p] = std::clamp(gap + rise, -reach_m, reach_m);
       }
     });
   };
   if (soup) {
     for_all(WindingNumber(surface));
   } else {
-    for_all(SurfaceRays(surface));
+    for_all(rays);
   }
   return gaps;
 }

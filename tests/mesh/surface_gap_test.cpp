@@ -1,10 +1,16 @@
 #include "engine/mesh/surface_gap.h"
 
 #include "engine/mesh/face_points.h"
+#include "engine/mesh/smooth_facets.h"
 #include "tests/fem/sample_meshes.h"
 #include "tests/mesh/sample_surfaces.h"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace ringdown {
 namespace {
@@ -40,6 +46,70 @@ TEST(SurfaceGap, GapTimesAreaIsTheVolumeThatIsMissing) {
   const auto larger = test::box({0, 0, -0.002}, {0.1, 0.04, 0.04});
   const Eigen::VectorXd gaps = mesh::surface_gaps(box, larger, 0.02, false);
   EXPECT_NEAR(gaps.dot(mesh::face_points(box).areas), 0.002 * 0.1 * 0.04, 1e-9);
+}
+
+Eigen::RowVector3d corner(const mesh::TriangleMesh& surface, Eigen::Index t, int i) {
+  return surface.nodes.row(surface.triangles(t, i));
+}
+
+// The middles of the longest sides of a tube's walls lie on the walls' flat sides, half way from edge to edge: there a
+// circle rises above its chord by r (1 - cos(pi / n)), away from the axis outside as well as inside.
+TEST(SmoothFacets, TheSidesOfATubeRiseToItsCircles) {
+  constexpr int kSides = 24;
+  const mesh::TriangleMesh tube = test::tube(0.03, 0.04, 0.2, kSides);
+  const mesh::SmoothFacets facets(tube);
+  int walls = 0;
+  for (Eigen::Index t = 0; t < tube.triangles.rows(); ++t) {
+    const Eigen::RowVector3d a = corner(tube, t, 0), b = corner(tube, t, 1), c = corner(tube, t, 2);
+    const Eigen::RowVector3d normal = (b - a).cross(c - a).normalized();
+    Eigen::RowVector3d middle = (a + b) / 2;
+    for (const Eigen::RowVector3d& other : {Eigen::RowVector3d((b + c) / 2), Eigen::RowVector3d((c + a) / 2)}) {
+      if (other.head<2>().norm() < middle.head<2>().norm() - 1e-9) middle = other;
+    }
+    const Eigen::RowVector3d rise = facets.rise(t, middle);
+    if (std::abs(normal[2]) > 0.5) {
+      EXPECT_LT(rise.norm(), 1e-12) << "an end is flat";
+      continue;
+    }
+    const double radius = a.head<2>().norm() > 0.035 ? 0.04 : 0.03;
+    const double wanted = radius * (1 - std::cos(std::numbers::pi / kSides));
+    const Eigen::RowVector3d away = middle.normalized().cwiseProduct(Eigen::RowVector3d(1, 1, 0)).normalized();
+    EXPECT_NEAR(rise.dot(away) / wanted, 1, 0.03);
+    ++walls;
+  }
+  EXPECT_EQ(walls, 4 * kSides);
+}
+
+TEST(SmoothFacets, RisesOverABallAreTheVolumeThatItsFacetsLack) {
+  const mesh::TriangleMesh ball = test::sphere(0.1, 40);
+  const mesh::SmoothFacets facets(ball);
+  double flat = 0, risen = 0;
+  for (Eigen::Index t = 0; t < ball.triangles.rows(); ++t) {
+    const Eigen::RowVector3d a = corner(ball, t, 0), b = corner(ball, t, 1), c = corner(ball, t, 2);
+    flat += a.dot(b.cross(c)) / 6;
+    const double area = 0.5 * (b - a).cross(c - a).norm();
+    // Quadratic polynomials are integrated exactly by the middles of the sides.
+    for (const Eigen::RowVector3d& at :
+         {Eigen::RowVector3d((a + b) / 2), Eigen::RowVector3d((b + c) / 2), Eigen::RowVector3d((c + a) / 2)}) {
+      risen += area / 3 * facets.rise(t, at).dot((b - a).cross(c - a).normalized());
+    }
+  }
+  const double lacking = 4.0 / 3 * std::numbers::pi * 1e-3 - flat;
+  EXPECT_NEAR(risen / lacking, 1, 0.05);
+}
+
+// A puck whose upper edge is rounded by a few narrow strips: its flat top stays flat.
+TEST(SmoothFacets, AFlatFaceBesideARoundedEdgeIsFlat) {
+  const double r = 0.002, s = std::sqrt(0.5) * r;
+  const mesh::TriangleMesh puck =
+      test::lathe({{0, 0}, {0.05, 0}, {0.05, 0.02 - r}, {0.05 - r + s, 0.02 - r + s}, {0.05 - r, 0.02}, {0, 0.02}}, 48);
+  const mesh::SmoothFacets facets(puck);
+  double highest = 0;
+  for (Eigen::Index t = 0; t < puck.triangles.rows(); ++t) {
+    const Eigen::RowVector3d middle = (corner(puck, t, 0) + corner(puck, t, 1) + corner(puck, t, 2)) / 3;
+    if (middle[2] > 0.02 - 1e-9) highest = std::max(highest, facets.rise(t, middle).norm());
+  }
+  EXPECT_LT(highest, 0.01 * r);
 }
 
 }  // namespace
