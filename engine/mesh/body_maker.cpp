@@ -12,6 +12,7 @@
 #include "engine/mesh/tet_file.h"
 
 #include <cmath>
+#include <cstdio>
 
 namespace ringdown::mesh {
 namespace {
@@ -28,6 +29,14 @@ std::vector<std::string> notes_of(const PreparedSurface& surface) {
   for (const Finding& finding : surface.found.findings) notes.push_back("found: " + describe(finding));
   for (const std::string& action : surface.actions) notes.push_back("repaired: " + action);
   return notes;
+}
+
+std::string note_of_loss(const CheckedMesh& checked) {
+  const double gap_m = checked.gaps_m[0];
+  char text[160];
+  std::snprintf(text, sizeof text, "its mesh has %s volume than the geometry, as if its skin lay %.2g mm too far %s",
+                gap_m > 0 ? "less" : "more", 1000 * std::abs(gap_m), gap_m > 0 ? "inside" : "outside");
+  return text;
 }
 
 }  // namespace
@@ -76,7 +85,11 @@ Result<Body> BodyMaker::make(const GmshOptions& options, const Progress& progres
   if (is_surface_file(path_)) return make_of_surface(options, progress);
   if (is_tet_file(path_)) return make_of_tetrahedra(options);
   const Making making = is_geometry_file(path_) ? Making::kMeshed : Making::kRead;
-  return read_with_gmsh(path_, options).map([making](CheckedMesh mesh) { return Body{std::move(mesh), making, {}}; });
+  return read_with_gmsh(path_, options).map([making](CheckedMesh mesh) {
+    Body body{std::move(mesh), making, {}};
+    if (body.mesh.gaps_m.size() > 0) body.notes.push_back(note_of_loss(body.mesh));
+    return body;
+  });
 }
 
 Result<Body> BodyMaker::make_of_tetrahedra(const GmshOptions& options) const {

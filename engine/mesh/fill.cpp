@@ -111,18 +111,6 @@ class GmshBody {
   double unit_m_;
 };
 
-double volume_of(const TetMesh& mesh) {
-  double volume = 0;
-  const int order = mesh.order();
-  for (const QuadraturePoint& point : tet_quadrature(std::max(3 * (order - 1), 1))) {
-    const ReferenceGradient gradient = interpolation_gradient(order, point.barycentric);
-    for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
-      volume += point.weight * jacobian(nodes_of(mesh, e), gradient).determinant() / 6;
-    }
-  }
-  return volume;
-}
-
 double volume_of(const Shells& shells) {
   return std::accumulate(shells.volume_m3.begin(), shells.volume_m3.end(), 0.0);
 }

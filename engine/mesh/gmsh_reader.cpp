@@ -1,12 +1,14 @@
 #include "engine/mesh/gmsh_reader.h"
 
 #include "engine/base/atomic_file.h"
+#include "engine/mesh/face_points.h"
 #include "engine/mesh/file_kinds.h"
 #include "engine/mesh/geo_language.h"
 
 #include <gmsh.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -79,12 +81,8 @@ Result<void> check_parameters(const std::filesystem::path& path, const std::map<
   return {};
 }
 
-// The volume of the open body as its CAD kernel has it; of gmsh's own kernel, which has no volumes, a share of the box
-// around it.
-Extent extent_of_open_body(double unit_m) {
-  double x0, y0, z0, x1, y1, z1;
-  gmsh::model::getBoundingBox(-1, -1, x0, y0, z0, x1, y1, z1);
-  const double x = x1 - x0, y = y1 - y0, z = z1 - z0;
+// The volume of the open body in the file's unit, exact, as OpenCASCADE has it; 0 of gmsh's own kernel, which has none.
+double volume_of_open_body() {
   gmsh::vectorpair volumes;
   gmsh::model::occ::getEntities(volumes, 3);
   double volume = 0;
@@ -93,7 +91,15 @@ Extent extent_of_open_body(double unit_m) {
     gmsh::model::occ::getMass(dimension, tag, part);
     volume += std::abs(part);
   }
-  if (volumes.empty()) volume = kShareOfBox * x * y * z;
+  return volume;
+}
+
+Extent extent_of_open_body(double unit_m) {
+  double x0, y0, z0, x1, y1, z1;
+  gmsh::model::getBoundingBox(-1, -1, x0, y0, z0, x1, y1, z1);
+  const double x = x1 - x0, y = y1 - y0, z = z1 - z0;
+  double volume = volume_of_open_body();
+  if (!(volume > 0)) volume = kShareOfBox * x * y * z;
   return {.volume_m3 = std::pow(unit_m, 3) * volume, .diagonal_m = unit_m * std::hypot(x, y, z)};
 }
 
@@ -260,22 +266,7 @@ void unfold() {
   }
 }
 
-Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptions& options) {
-  const double unit_m = options.unit_m ? *options.unit_m : unit_in_file(path);
-  const GmshSession session;
-  gmsh::option::setString("Geometry.OCCTargetUnit", "MM");
-  bool meshed_here = false;
-  try {
-    if (auto opened = open_file(path, options, unit_m); !opened) return fail(opened.error());
-    if (const auto error = session.first_error()) return gmsh_failed(path, *error);
-    meshed_here = is_geometry();
-    if (meshed_here) {
-      if (auto meshed = generate(path, options, unit_m); !meshed) return fail(meshed.error());
-    }
-  } catch (...) {  // of several types; what it says is in the log, too
-    return gmsh_failed(path, session.first_error().value_or(""));
-  }
-  if (const auto error = session.first_error()) return gmsh_failed(path, *error);
+Result<CheckedMesh> take_open(const std::filesystem::path& path, double unit_m, bool meshed_here) {
   const Result<ElementType> type = only_type(path);
   if (!type) return fail(type.error());
   if (type->order == 0) return check_mesh({Points(0, 3), Indices(0, 4)}, path.string());
@@ -284,6 +275,73 @@ Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptio
   unfold();
   Result<CheckedMesh> unfolded = check_mesh(take_mesh(*type, unit_m), path.string());
   return unfolded && unfolded->straightened < mesh->straightened ? std::move(unfolded) : std::move(mesh);
+}
+
+// Meshes that lose volume
+//
+// Curved elements have their nodes on the geometry and follow it well in between, unless they are so large beside a
+// bend that they fold: then they become straight, or gmsh moves their outer nodes to unfold them. Either may lose a
+// percent of the volume, and as much of the frequencies. So the volume is compared with that of the geometry, and where
+// too much of it is lost, bends get smaller elements. What the best of these meshes still lacks is taken to be spread
+// evenly over the skin, as a gap that the estimated errors of the frequencies then include.
+constexpr double kMaxLoss = 2e-3;                 // of the volume, or gain
+constexpr std::array kElementsAround = {10, 16};  // a circle, in the second and the third mesh
+constexpr double kSmallestAtBends = 0.25;         // of the mesh size
+
+struct Loss {
+  double volume_m3 = 0;  // that the mesh lacks; below zero where it has more than the geometry
+  bool much = false;
+};
+
+// None of straight elements, which lack what is to be expected, nor where the exact volume is not known.
+Loss loss_of(const CheckedMesh& checked, double exact_m3) {
+  if (!(exact_m3 > 0) || checked.mesh.elements.rows() == 0 || checked.mesh.order() == 1) return {};
+  const double lost = exact_m3 - volume_of(checked.mesh);
+  return {lost, std::abs(lost) > kMaxLoss * exact_m3};
+}
+
+Result<CheckedMesh> mesh_bends_finer(const std::filesystem::path& path, const GmshOptions& options, double unit_m,
+                                     double exact_m3, Result<CheckedMesh> best) {
+  for (const int around : kElementsAround) {
+    gmsh::model::mesh::clear();
+    gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", around);
+    if (options.mesh_size_m > 0) {
+      gmsh::option::setNumber("Mesh.MeshSizeMin", kSmallestAtBends * options.mesh_size_m / unit_m);
+    }
+    if (auto meshed = generate(path, options, unit_m); !meshed) return best;
+    Result<CheckedMesh> finer = take_open(path, unit_m, true);
+    if (!finer) continue;
+    const bool better = std::abs(loss_of(*finer, exact_m3).volume_m3) < std::abs(loss_of(*best, exact_m3).volume_m3);
+    if (better) best = std::move(finer);
+    if (!loss_of(*best, exact_m3).much) return best;
+  }
+  const FacePoints skin = face_points(best->mesh);
+  const double gap_m = loss_of(*best, exact_m3).volume_m3 / skin.areas.sum();
+  best->gaps_m = Eigen::VectorXd::Constant(skin.areas.size(), gap_m);
+  return best;
+}
+
+Result<CheckedMesh> read_open(const std::filesystem::path& path, const GmshOptions& options) {
+  const double unit_m = options.unit_m ? *options.unit_m : unit_in_file(path);
+  const GmshSession session;
+  gmsh::option::setString("Geometry.OCCTargetUnit", "MM");
+  Result<CheckedMesh> mesh;
+  try {
+    if (auto opened = open_file(path, options, unit_m); !opened) return fail(opened.error());
+    if (const auto error = session.first_error()) return gmsh_failed(path, *error);
+    const bool meshed_here = is_geometry();
+    if (meshed_here) {
+      if (auto meshed = generate(path, options, unit_m); !meshed) return fail(meshed.error());
+    }
+    if (const auto error = session.first_error()) return gmsh_failed(path, *error);
+    mesh = take_open(path, unit_m, meshed_here);
+    const double exact_m3 = meshed_here ? std::pow(unit_m, 3) * volume_of_open_body() : 0;
+    if (mesh && loss_of(*mesh, exact_m3).much)
+      return mesh_bends_finer(path, options, unit_m, exact_m3, std::move(mesh));
+    return mesh;
+  } catch (...) {  // of several types; what it says is in the log, too
+    return gmsh_failed(path, session.first_error().value_or(""));
+  }
 }
 
 }  // namespace

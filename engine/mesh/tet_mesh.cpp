@@ -259,6 +259,18 @@ TetMesh split(const TetMesh& mesh) {
   return fine;
 }
 
+double volume_of(const TetMesh& mesh) {
+  double volume = 0;
+  const int order = mesh.order();
+  for (const QuadraturePoint& point : tet_quadrature(std::max(3 * (order - 1), 1))) {
+    const ReferenceGradient gradient = interpolation_gradient(order, point.barycentric);
+    for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {
+      volume += point.weight * jacobian(nodes_of(mesh, e), gradient).determinant() / 6;
+    }
+  }
+  return volume;
+}
+
 TetQuality quality_of(const TetMesh& mesh) {
   TetQuality quality{.shortest_edge_m = std::numeric_limits<double>::max()};
   for (Eigen::Index e = 0; e < mesh.elements.rows(); ++e) {

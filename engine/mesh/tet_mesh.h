@@ -48,6 +48,9 @@ TetMesh split(const TetMesh& mesh);
 // Returns how many elements were changed. O(E) for each round; there are a few.
 int straighten_folded(TetMesh& mesh);
 
+// The volume that the elements fill, curved as they are [m^3]. O(E).
+double volume_of(const TetMesh& mesh);
+
 struct TetQuality {
   double smallest_angle_deg = 180, largest_angle_deg = 0;  // dihedral; a regular tetrahedron's are 70.5
   double shortest_edge_m = 0, longest_edge_m = 0;
