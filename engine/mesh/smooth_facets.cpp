@@ -25,58 +25,35 @@
 namespace ringdown::mesh {
 namespace {
 
-constexpr double kMaxFan = 500;       // triangles at a node; where there are more, the facets there count as flat
-constexpr double kSimilarSize = 0.5;  // an area's ratio from which on a neighbour counts in full
-
-Eigen::Vector3d corner(const TriangleMesh& mesh, Eigen::Index t, int i) {
-  return mesh.nodes.row(mesh.triangles(t, i)).transpose();
-}
-
-double angle_at(const TriangleMesh& mesh, Eigen::Index t, int i) {
-  const Eigen::Vector3d a = corner(mesh, t, (i + 1) % 3) - corner(mesh, t, i),
-                        b = corner(mesh, t, (i + 2) % 3) - corner(mesh, t, i);
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
-// The triangles at each node: those of node n are triangles[first[n]] up to triangles[first[n + 1]].
-struct Fans {
-  std::vector<std::size_t> first;
-  std::vector<std::int32_t> triangles;
-
-  explicit Fans(const TriangleMesh& mesh) : first(static_cast<std::size_t>(mesh.nodes.rows()) + 1, 0) {
-    for (const std::int32_t n : mesh.triangles.reshaped()) ++first[static_cast<std::size_t>(n) + 1];
-    for (std::size_t n = 1; n < first.size(); ++n) first[n] += first[n - 1];
-    triangles.resize(first.back());
-    std::vector<std::size_t> next(first.begin(), first.end() - 1);
-    for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t) {
-      for (int i = 0; i < 3; ++i) triangles[next[static_cast<std::size_t>(mesh.triangles(t, i))]++] = t;
-    }
-  }
-};
+constexpr std::size_t kMaxFan = 500;    // triangles at a node; where there are more, the facets there count as flat
+constexpr double kSimilarSize = 0.5;    // an area's ratio from which on a neighbour counts in full
+constexpr double kTimesMedian = 3;      // how much sharper than most an edge between facets of a curve may be
+constexpr double kOnePlane_rad = 2e-3;  // radians between neighbours in one plane
 
 }  // namespace
 
 SmoothFacets::SmoothFacets(const TriangleMesh& surface)
     : surface_(surface), normals_(surface.triangles.rows(), 3), bulges_(surface.triangles.rows()) {
-  const double smooth = std::cos(kSharpAngle_deg * std::numbers::pi / 180);
+  const auto angle_at = [this](Eigen::Index t, int i) {
+    const Eigen::Vector3d a = corner(t, (i + 1) % 3) - corner(t, i), b = corner(t, (i + 2) % 3) - corner(t, i);
+    return std::atan2(a.cross(b).norm(), a.dot(b));
+  };
   std::vector<double> areas;
   std::vector<std::array<double, 3>> angles;
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
-    const Eigen::Vector3d twice =
-        (corner(surface, t, 1) - corner(surface, t, 0)).cross(corner(surface, t, 2) - corner(surface, t, 0));
+    const Eigen::Vector3d twice = (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0));
     areas.push_back(0.5 * twice.norm());
     normals_.row(t) = is_degenerate(surface, t) ? Eigen::Vector3d(0, 0, 0) : twice.normalized();
-    angles.push_back({angle_at(surface, t, 0), angle_at(surface, t, 1), angle_at(surface, t, 2)});
+    angles.push_back({angle_at(t, 0), angle_at(t, 1), angle_at(t, 2)});
   }
-  const Fans fans(surface);
+  const double smooth = std::cos(sharpest_smooth_angle());
+  const TriangleFans fans(surface);
   const auto normal_at = [&](Eigen::Index t, int i) {
     const std::int32_t node = surface.triangles(t, i);
-    const std::size_t from = fans.first[static_cast<std::size_t>(node)],
-                      to = fans.first[static_cast<std::size_t>(node) + 1];
+    const auto fan = fans.at(node);
     Eigen::RowVector3d sum = normals_.row(t) * 1e-12;
-    if (static_cast<double>(to - from) > kMaxFan) return Eigen::RowVector3d(normals_.row(t));
-    for (std::size_t k = from; k < to; ++k) {
-      const std::int32_t other = fans.triangles[k];
+    if (fan.size() > kMaxFan) return Eigen::RowVector3d(normals_.row(t));
+    for (const std::int32_t other : fan) {
       if (normals_.row(other).dot(normals_.row(t)) < smooth) continue;
       const auto row = surface.triangles.row(other);
       const int place = row[0] == node ? 0 : row[1] == node ? 1 : 2;
@@ -94,16 +71,36 @@ SmoothFacets::SmoothFacets(const TriangleMesh& surface)
     const std::array<Eigen::RowVector3d, 3> at = {normal_at(t, 0), normal_at(t, 1), normal_at(t, 2)};
     for (int i = 0; i < 3; ++i) {  // side i lies opposite to corner i
       const int a = (i + 1) % 3, b = (i + 2) % 3;
-      bulge[i] = 0.5 * (at[b] - at[a]).dot((corner(surface, t, b) - corner(surface, t, a)).transpose());
+      bulge[i] = 0.5 * (at[b] - at[a]).dot((corner(t, b) - corner(t, a)).transpose());
     }
   }
+}
+
+// Programs cut curves at about equal angles. Where most edges are blunt, as around a fine lathe's work, those that are
+// several times sharper are edges of the body, such as the rings where its profile has corners.
+double SmoothFacets::sharpest_smooth_angle() const {
+  const std::vector<EdgeUse> edges =
+      edges_of(surface_, std::vector<bool>(static_cast<std::size_t>(surface_.triangles.rows()), true));
+  std::vector<double> angles;
+  const double sharp = kSharpAngle_deg * std::numbers::pi / 180;
+  for (std::size_t first = 0, last; first < edges.size(); first = last) {
+    last = end_of_edge(edges, first);
+    if (last - first != 2) continue;
+    const Eigen::RowVector3d a = normals_.row(edges[first].triangle), b = normals_.row(edges[first + 1].triangle);
+    const double angle = std::atan2(a.cross(b).norm(), a.dot(b));
+    if (angle > kOnePlane_rad && angle < sharp) angles.push_back(angle);
+  }
+  if (angles.empty()) return sharp;
+  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
+  std::nth_element(angles.begin(), middle, angles.end());
+  return std::min(sharp, kTimesMedian * *middle);
 }
 
 Eigen::RowVector3d SmoothFacets::rise(Eigen::Index triangle, const Eigen::RowVector3d& point) const {
   const Eigen::RowVector3d normal = normals_.row(triangle);
   if (normal.isZero(0)) return normal;
-  const Eigen::Vector3d a = corner(surface_, triangle, 0), b = corner(surface_, triangle, 1),
-                        c = corner(surface_, triangle, 2), at = point.transpose();
+  const Eigen::Vector3d a = corner(triangle, 0), b = corner(triangle, 1), c = corner(triangle, 2),
+                        at = point.transpose();
   const double whole = (b - a).cross(c - a).norm();
   const auto part = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
     return std::clamp((p - at).cross(q - at).dot(normal.transpose()) / whole, 0.0, 1.0);

@@ -3,9 +3,9 @@
 //   const SmoothFacets facets(surface);
 //   const Eigen::RowVector3d way = facets.rise(triangle, point);  // from the facet to the curve
 //
-// Neighbours that meet at less than kSharpAngle_deg (remesh.h) are taken to stand for one curved surface through their
-// corners, all others for an edge of the body. A box has no rise anywhere, a cylinder of n sides of radius r one of
-// r (1 - cos(pi / n)) at the middle of each side.
+// Neighbours that meet at less than kSharpAngle_deg (remesh.h), and at no more than three times the angle that most
+// meet at, are taken to stand for one curved surface through their corners, all others for an edge of the body. A box
+// has no rise anywhere, a cylinder of n sides of radius r one of r (1 - cos(pi / n)) at the middle of each side.
 #pragma once
 
 #include "engine/mesh/triangle_mesh.h"
@@ -26,6 +26,11 @@ class SmoothFacets {
   [[nodiscard]] Eigen::RowVector3d rise(Eigen::Index triangle, const Eigen::RowVector3d& point) const;
 
  private:
+  [[nodiscard]] Eigen::Vector3d corner(Eigen::Index t, int i) const {
+    return surface_.nodes.row(surface_.triangles(t, i)).transpose();
+  }
+  [[nodiscard]] double sharpest_smooth_angle() const;  // radians
+
   const TriangleMesh& surface_;
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> normals_;  // of each triangle; 0 where it has no area
   std::vector<Eigen::Vector3d> bulges_;  // of each triangle: four times the rise [m] in the middle of each side

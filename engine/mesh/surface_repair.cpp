@@ -1,5 +1,7 @@
 #include "engine/mesh/surface_repair.h"
 
+#include "engine/mesh/denoise.h"
+#include "engine/mesh/flat_triangles.h"
 #include "engine/mesh/remesh.h"
 #include "engine/mesh/surface_check.h"
 #include "engine/mesh/unite.h"
@@ -12,7 +14,6 @@
 #include <cstdio>
 #include <map>
 #include <numeric>
-#include <set>
 #include <utility>
 
 namespace ringdown::mesh {
@@ -24,46 +25,13 @@ namespace {
 // edge. Flat triangles follow, because they hide the edges that their neighbours should share; fins, because they leave
 // free edges that would be taken for holes. Only then do neighbours agree well enough to turn flipped triangles and to
 // find the rims of holes. Closing holes may make new flat triangles. Then shells are turned outward, which needs them
-// closed, and united where they run into each other, which needs them turned. At last the surface is separated where
-// parts of it still run together.
+// closed, freed of noise that folds them, and united where they run into each other, which needs them turned. At last
+// the surface is separated where parts of it still run together.
 //
 // Every step visits each triangle, edge and node a bounded number of times, and sorts them or looks them up in trees at
 // most; `steps_` counts the visits, so that a test can hold the repair to it.
 
 constexpr double kScraps = 0.2;  // of the whole area: open parts that go, where the rest is closed
-
-// Which triangles have an edge. Triangles without area are left out.
-class EdgeIndex {
- public:
-  explicit EdgeIndex(const TriangleMesh& mesh) : mesh_(mesh) {
-    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) add(t);
-  }
-
-  void add(Eigen::Index t) {
-    if (is_degenerate(mesh_, t)) return;
-    for (int i = 0; i < 3; ++i) sides_.emplace(edge(t, i), t);
-  }
-  void remove(Eigen::Index t) {
-    for (int i = 0; i < 3; ++i) sides_.erase({edge(t, i), t});
-  }
-
-  // The first triangle with that edge; -1 when there is none.
-  [[nodiscard]] Eigen::Index find(std::int32_t a, std::int32_t b) const {
-    const Edge wanted = std::minmax(a, b);
-    const auto found = sides_.lower_bound({wanted, 0});
-    return found != sides_.end() && found->first == wanted ? found->second : -1;
-  }
-
- private:
-  using Edge = std::pair<std::int32_t, std::int32_t>;  // its nodes, the lower one first
-
-  [[nodiscard]] Edge edge(Eigen::Index t, int i) const {
-    return std::minmax({mesh_.triangles(t, i), mesh_.triangles(t, (i + 1) % 3)});
-  }
-
-  const TriangleMesh& mesh_;
-  std::set<std::pair<Edge, Eigen::Index>> sides_;
-};
 
 class SurfaceRepair {
  public:
@@ -71,14 +39,15 @@ class SurfaceRepair {
 
   RepairedSurface run() {
     drop_repeated();
-    flat_ += split_at_flats();
+    flat_ += split_at_flats(mesh_, steps_);
     drop_fins();
     turn();
     drop_rags();
     close_holes();
-    flat_ += split_at_flats();
+    flat_ += split_at_flats(mesh_, steps_);
     say(flat_, "took out %d triangle%s without area");
     turn_outward();
+    smooth_noise();
     unite_bodies();
     drop_unused_nodes(mesh_);
     mesh_ = separate(mesh_);
@@ -138,56 +107,6 @@ class SurfaceRepair {
     }
     const auto count = static_cast<double>(std::count(wall.begin(), wall.end(), true));
     return count > kMaxWallShare * static_cast<double>(wall.size()) ? 0 : drop(wall);
-  }
-
-  [[nodiscard]] double side(Eigen::Index t, int i) const {
-    return (mesh_.nodes.row(mesh_.triangles(t, (i + 1) % 3)) - mesh_.nodes.row(mesh_.triangles(t, i))).norm();
-  }
-
-  // A triangle whose corners lie in one line goes, and the neighbour at its longest side is cut in two at the third
-  // corner. The two halves take the neighbour's row and the flat triangle's. A half may be flat itself; it is
-  // handled when the loop comes to its row.
-  std::size_t split_at_flats() {
-    std::vector<bool> flat = flat_triangles();
-    if (std::find(flat.begin(), flat.end(), true) == flat.end()) return 0;
-    EdgeIndex index(mesh_);
-    std::size_t done = 0;
-    for (Eigen::Index t = 0; t < mesh_.triangles.rows(); ++t) {
-      ++steps_;
-      if (!is_degenerate(mesh_, t)) continue;
-      int longest = 0;
-      for (int i = 1; i < 3; ++i) longest = side(t, i) > side(t, longest) ? i : longest;
-      const std::int32_t a = mesh_.triangles(t, longest), b = mesh_.triangles(t, (longest + 1) % 3),
-                         middle = mesh_.triangles(t, (longest + 2) % 3);
-      if (const Eigen::Index neighbour = index.find(a, b); neighbour >= 0) {
-        index.remove(neighbour);
-        split_triangle(neighbour, t, a, b, middle);
-        index.add(neighbour);
-        index.add(t);
-      }
-      ++done;
-    }
-    drop(flat_triangles());
-    return done;
-  }
-
-  std::vector<bool> flat_triangles() {
-    std::vector<bool> flat(static_cast<std::size_t>(mesh_.triangles.rows()));
-    for (std::size_t t = 0; t < flat.size(); ++t) flat[t] = is_degenerate(mesh_, static_cast<Eigen::Index>(t));
-    steps_ += flat.size();
-    return flat;
-  }
-
-  // Cuts triangle `t` at the point `middle` of its side a b. The halves go into its own row and into `spare`.
-  void split_triangle(Eigen::Index t, Eigen::Index spare, std::int32_t a, std::int32_t b, std::int32_t middle) {
-    for (int i = 0; i < 3; ++i) {
-      const std::int32_t from = mesh_.triangles(t, i), to = mesh_.triangles(t, (i + 1) % 3),
-                         apex = mesh_.triangles(t, (i + 2) % 3);
-      if (std::minmax(from, to) != std::minmax(a, b)) continue;
-      mesh_.triangles.row(t) << from, middle, apex;
-      mesh_.triangles.row(spare) << middle, to, apex;
-      return;
-    }
   }
 
   // A flat loop is closed whatever its length, any other up to `longest_m`.
@@ -365,6 +284,20 @@ class SurfaceRepair {
     say(std::count(wrong.begin(), wrong.end(), true), "turned %d shell%s the right way out");
   }
 
+  // Scans cut themselves in thousands of places where noise has folded their triangles. Cutting them there would leave
+  // a surface that is sound, but so rough that no mesh of the wanted size follows it.
+  void smooth_noise() {
+    if (!is_folded_by_noise(mesh_)) return;
+    Denoised smooth = denoise(mesh_);
+    if (2 * self_intersections(smooth.mesh, kMaxIntersections).size() >
+        self_intersections(mesh_, kMaxIntersections).size())
+      return;
+    mesh_ = std::move(smooth.mesh);
+    char text[80];
+    std::snprintf(text, sizeof text, "smoothed noise that folded it, of %.2g mm", 1000 * smooth.moved_m);
+    actions_.emplace_back(text);
+  }
+
   // Rounding, and merging of points that are nearly one, may make triangles cut each other that did not, in places as
   // small as the rounding. Uniting such a surface again mends most of them.
   void unite_bodies() {
@@ -383,7 +316,7 @@ class SurfaceRepair {
       mesh_ = std::move(*skin);
       drop_walls();
       drop(duplicates_in(mesh_));
-      split_at_flats();
+      split_at_flats(mesh_, steps_);
       united = true;
     }
     steps_ = steps;

@@ -52,6 +52,16 @@ std::vector<EdgeUse> edges_of(const TriangleMesh& mesh, const std::vector<bool>&
   return edges;
 }
 
+TriangleFans::TriangleFans(const TriangleMesh& mesh) : first_(static_cast<std::size_t>(mesh.nodes.rows()) + 1, 0) {
+  for (const std::int32_t n : mesh.triangles.reshaped()) ++first_[static_cast<std::size_t>(n) + 1];
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  triangles_.resize(first_.back());
+  std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+  for (std::int32_t t = 0; t < mesh.triangles.rows(); ++t) {
+    for (int i = 0; i < 3; ++i) triangles_[next[static_cast<std::size_t>(mesh.triangles(t, i))]++] = t;
+  }
+}
+
 bool is_degenerate(const TriangleMesh& mesh, Eigen::Index triangle) {
   constexpr double kFlat = 1e-12;
   const auto corners = mesh.triangles.row(triangle);

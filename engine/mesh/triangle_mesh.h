@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 namespace ringdown::mesh {
@@ -58,6 +59,21 @@ std::vector<bool> duplicates_in(const TriangleMesh& mesh);
 
 // Neither degenerate nor a duplicate.
 std::vector<bool> usable_triangles(const TriangleMesh& mesh);
+
+// The triangles at each node, ascending. O(V + T).
+class TriangleFans {
+ public:
+  explicit TriangleFans(const TriangleMesh& mesh);
+
+  [[nodiscard]] std::span<const std::int32_t> at(std::int32_t node) const {
+    const std::size_t first = first_[static_cast<std::size_t>(node)];
+    return {triangles_.data() + first, first_[static_cast<std::size_t>(node) + 1] - first};
+  }
+
+ private:
+  std::vector<std::size_t> first_;  // of each node, in triangles_, and past the last
+  std::vector<std::int32_t> triangles_;
+};
 
 // A PLY text file, which every mesh tool reads; coordinates with 9 digits, in metres. Written as
 // output_file.h says. [worker]

@@ -112,5 +112,21 @@ TEST(SmoothFacets, AFlatFaceBesideARoundedEdgeIsFlat) {
   EXPECT_LT(highest, 0.01 * r);
 }
 
+// A cone on a cylinder, both of 96 sides: the corner of 20 degrees where they meet belongs to the body, though facets
+// meet there at less than they would on a coarser cylinder.
+TEST(SmoothFacets, ABluntCornerOfAFineLatheIsNoCurve) {
+  const double slope = std::tan(20 * std::numbers::pi / 180);
+  const mesh::TriangleMesh post =
+      test::lathe({{0, 0}, {0.04, 0}, {0.04, 0.05}, {0.04 - 0.05 * slope, 0.1}, {0, 0.1}}, 96);
+  const mesh::SmoothFacets facets(post);
+  double highest = 0;
+  for (Eigen::Index t = 0; t < post.triangles.rows(); ++t) {
+    const Eigen::RowVector3d middle = (corner(post, t, 0) + corner(post, t, 1) + corner(post, t, 2)) / 3;
+    highest = std::max(highest, facets.rise(t, middle).norm());
+  }
+  EXPECT_LT(highest, 0.04 * (1 - std::cos(std::numbers::pi / 96)));
+  EXPECT_GT(highest, 0.5 * 0.04 * (1 - std::cos(std::numbers::pi / 96)));
+}
+
 }  // namespace
 }  // namespace ringdown

@@ -195,6 +195,15 @@ def flipped(surface, share, seed=1):
     return surface
 
 
+def slit(surface):
+    """Without the triangles across the middle of the second longest axis, on the upper half of the shortest one."""
+    low, high = surface.min((0, 1)), surface.max((0, 1))
+    shortest, second, _ = np.argsort(high - low)
+    middle = (low + high) / 2 + 1e-3 * (high - low)  # beside planes of symmetry, which nodes lie on
+    crossing = (surface[:, :, second].min(1) < middle[second]) & (surface[:, :, second].max(1) > middle[second])
+    return surface[~(crossing & (surface[:, :, shortest].mean(1) > middle[shortest]))]
+
+
 def with_t_joints(surface, share, seed=1):
     """Some triangles cut in two at the middle of a side, their neighbours not."""
     cut = np.random.default_rng(seed).random(len(surface)) < share
@@ -466,7 +475,7 @@ def scan(frequency, noise, missing=0.0):
 
 @asset
 def scan_10_thousand():
-    return Asset("a scanned figurine, 9,680 triangles, 0.05 mm noise", scan(22, 5e-5), clean=figurine(22))
+    return Asset("a scanned figurine, 9,680 triangles, 0.05 mm noise", scan(22, 5e-5), clean=figurine(64))
 
 
 @asset
