@@ -63,10 +63,10 @@ def limit(seconds):
     resource.setrlimit(resource.RLIMIT_AS, (LIMIT_BYTES, LIMIT_BYTES))
 
 
-def bake(program, path, to, limit_s, *options):
+def bake(program, path, to, limit_s, *options, material=MATERIAL):
     if os.path.exists(to):
         os.remove(to)
-    command = [program, path, "--material", MATERIAL, "-o", to, *options]
+    command = [program, path, "--material", material, "-o", to, *options]
     one_thread = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
     with open(to + ".log", "w", encoding="utf-8") as log:
         process = subprocess.Popen(
