@@ -59,7 +59,8 @@ class HeardSums {
     const Pair turn = Pair::load(kTurn);
     Pair moments = multiply_add(turn, by_im_[kOrders - 1].turned(), by_re_[kOrders - 1]);
     RINGDOWN_UNROLL
-    for (std::size_t o = kOrders - 1; o-- > 0;) {
+    for (std::size_t done = 1; done < kOrders; ++done) {
+      const std::size_t o = kOrders - 1 - done;
       moments = moments.times_t() + multiply_add(turn, by_im_[o].turned(), by_re_[o]);
     }
     if (level_and_slope) {

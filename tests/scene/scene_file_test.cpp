@@ -1,4 +1,6 @@
+#include "engine/scene/rotation.h"
 #include "engine/scene/scene_file.h"
+#include "engine/scene/scene_text.h"
 
 #include <gtest/gtest.h>
 
@@ -227,6 +229,25 @@ TEST_F(SceneFile, JointsEmittersCameraAndListenerThatCannotBeAreRefused) {
   expect_error("[[emitter]]\nname = \"e\"\nfixed = true\n", 1, "missing");
   expect_error("[camera]\nfield_of_view_degrees = 200\n", 2, "outside 1 ... 170");
   expect_error("[listener]\nposition_m = [0, 0, 0]\ntarget_m = [0, 0, 0]\n", 3, "must not be position_m");
+  expect_error("[listener]\nrotation = { x = 0, y = 0, z = 0, w = 1 }\ntarget_m = [0, 0, 0]\n", 2, "not both");
+  expect_error("[listener]\nhumidity_percent = 101\n", 2, "humidity_percent");
+}
+
+TEST_F(SceneFile, AListenerFacesItsTargetOrIsTurnedAndComesBackFromItsText) {
+  const auto faces = parse("[listener]\nposition_m = [1, 1, 1]\ntarget_m = [1, 4, 5]\n");
+  ASSERT_TRUE(faces) << faces.error().message;
+  const Pose pose = pose_of(*faces->listener);
+  const Vec3 front = rotated(pose.rotation, {1, 0, 0}), left = rotated(pose.rotation, {0, 1, 0});
+  EXPECT_NEAR(length(front - Vec3{0, 0.6, 0.8}), 0, 1e-12);
+  EXPECT_NEAR(length(left - Vec3{-1, 0, 0}), 0, 1e-12);
+  const auto turned =
+      parse("[listener]\nposition_m = [1, 2, 3]\nrotation = { axis = [0, 0, 1], degrees = 90 }\ntemperature_c = 5\n");
+  ASSERT_TRUE(turned) << turned.error().message;
+  EXPECT_NEAR(length(rotated(pose_of(*turned->listener).rotation, {1, 0, 0}) - Vec3{0, 1, 0}), 0, 1e-12);
+  const auto again = parse(to_toml(*turned));
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->listener->rotation, turned->listener->rotation);
+  EXPECT_EQ(again->listener->temperature_c, 5);
 }
 
 TEST_F(SceneFile, SurfacesOutOfRangeAreRefused) {

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <unistd.h>
 
@@ -268,6 +270,45 @@ TEST_F(SessionTest, FilesOutsideTheRootsAreRefused) {
   const auto scene = guarded.perform(protocol::SceneLoad{"/etc/passwd"}, 0);
   ASSERT_FALSE(scene);
   EXPECT_NE(scene.error().message.find("--root"), std::string::npos);
+}
+
+TEST_F(SessionTest, AListenerHearsAnObjectFromItsPlaceUntilTheyLeave) {
+  ASSERT_TRUE(session_.perform(protocol::LoadObject{"a", bank("a.glb")}, 0));
+  const auto level = [&] {
+    EXPECT_TRUE(strike({.name = "a"}));
+    const auto heard = test::peak(render(4800));
+    EXPECT_TRUE(session_.play(protocol::ClearAll{}, 0));
+    render(4800);
+    return heard;
+  };
+  const double alone = level();
+  ASSERT_TRUE(session_.play(protocol::SetPose{{.name = "a"}, {{10, 0, 0}, {}}}, 0));
+  EXPECT_NEAR(level() / alone, 1, 1e-3) << "nobody listens";
+  ASSERT_TRUE(session_.play(protocol::SetListener{{{0, 0, 0}, {}}}, 0));
+  render(2400);
+  EXPECT_NEAR(level() / alone, 0.1, 1e-3) << "ten metres in front";
+  const std::array<protocol::BulkPose, 1> aside = {protocol::BulkPose{0, {{0, 5, 0}, {}}, 0}};
+  ASSERT_TRUE(session_.play(protocol::PoseMany{protocol::encode_poses(aside)}, 0));
+  render(9600);
+  EXPECT_NEAR(level() / alone, 0.2 * std::sqrt(2.0), 1e-3) << "five metres to the left";
+  ASSERT_TRUE(session_.play(protocol::ListenerOff{}, 0));
+  render(2400);
+  EXPECT_NEAR(level() / alone, 1, 1e-3);
+}
+
+TEST_F(SessionTest, APoseThatIsNotTurnedByAUnitQuaternionIsRefusedInOneSentence) {
+  ASSERT_TRUE(session_.perform(protocol::LoadObject{"a", bank("a.glb")}, 0));
+  const Pose unturned{{0, 0, 0}, {0, 0, 0, 0}};
+  const std::array<protocol::BulkPose, 2> two = {protocol::BulkPose{0, {}, 0}, protocol::BulkPose{0, unturned, 0}};
+  const std::array<Result<void>, 4> refused = {session_.play(protocol::SetPose{{.name = "a"}, unturned}, 0),
+                                               session_.play(protocol::SetListener{unturned}, 0),
+                                               session_.play(protocol::PoseMany{protocol::encode_poses(two)}, 0),
+                                               session_.play(protocol::SetPose{{.name = "none"}, {}}, 0)};
+  const std::array<const char*, 4> words = {"length 1", "length 1", "record 2", "no object"};
+  for (std::size_t i = 0; i < refused.size(); ++i) {
+    ASSERT_FALSE(refused[i]);
+    EXPECT_NE(refused[i].error().message.find(words[i]), std::string::npos) << refused[i].error().message;
+  }
 }
 
 TEST_F(SessionTest, ObjectsAreLoadedUpToTheLimitAndNotOneMore) {

@@ -1,4 +1,5 @@
 // What a listener hears of objects at their places, against sums of modes one by one in double.
+#include "engine/synth/direction_kernel.h"
 #include "tests/synth/player.h"
 
 #include <gtest/gtest.h>
@@ -326,6 +327,38 @@ TEST(Listening, WithoutAListenerPosesChangeNothingAndWhenTheyLeaveAllIsAsBefore)
   EXPECT_EQ(plain->left, posed->left);
   EXPECT_NE(plain->left, heard->left);
   for (std::size_t n = 8000; n < 12000; ++n) ASSERT_NEAR(plain->left[n], heard->left[n], 3e-6) << n;
+}
+
+TEST(Listening, GainsOfManyModesAreTheirFarFieldsOverTheirRmsButForAPhaseOfEachMode) {
+  std::mt19937 random(9);
+  const auto uniform = [&random] { return static_cast<float>(random()) / 2147483648.0F - 1; };
+  modal::RadiationMaps maps;
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t m = 0; m < 21; ++m) {
+    modal::FarField field;
+    for (std::uint16_t h = 0; h < modal::harmonic_count(9); ++h) {
+      if (random() % 3 == 0) field.terms.push_back({h, {uniform(), uniform()}});
+    }
+    maps.modes.push_back(field);
+    order.push_back(20 - m);
+  }
+  const modal::DirectionMap map(maps, order);
+  std::vector<std::complex<double>> turned(21);
+  for (int i = 0; i < 10; ++i) {
+    const Vec3 toward{uniform(), uniform(), uniform()};
+    std::vector<float> harmonics(modal::harmonic_count(9)), re(24), im(24);
+    modal::real_harmonics(toward, 9, harmonics);
+    look_up(map, harmonics.data(), re.data(), im.data());
+    for (std::size_t rank = 0; rank < 21; ++rank) {
+      const modal::FarField& field = maps.modes[order[rank]];
+      const std::complex<double> exact =
+          std::conj(std::complex<double>(modal::far_field(field, harmonics))) / rms(field);
+      const std::complex<double> phase = std::complex<double>(re[rank], im[rank]) / exact;
+      if (i == 0) turned[rank] = phase;
+      EXPECT_NEAR(std::abs(phase), 1, 1e-5);
+      EXPECT_NEAR(std::abs(phase - turned[rank]), 0, 1e-4 + 1e-5 / std::abs(exact));
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(FewAndMany, Listened, testing::Bool(),
