@@ -14,7 +14,6 @@ namespace {
 
 using synth::Event;
 using synth::EventType;
-using ringdown::operator*;
 using scene::BodyDescription;
 using scene::SceneDescription;
 using scene::ShapeType;
