@@ -16,8 +16,9 @@ Sighting sight(const Motion& source, const Vec3& origin_m, const Motion& listene
   const auto mach = [&](Vec3 v)
                         RINGDOWN_REALTIME { return std::clamp(dot(v, along) / sound_speed_m_s, -kMaxMach, kMaxMach); };
   const double near = std::min(distance_m / kNear_m, 1.0);
+  const double away = mach(listener.velocity_m_s), nearer = mach(velocity);
   return {rotated(inverse(source.pose.rotation), along), near * rotated(inverse(listener.pose.rotation), -1.0 * along),
-          distance_m, (1 - mach(listener.velocity_m_s)) / (1 - mach(velocity))};
+          distance_m, (1 - away) / (1 - nearer), (nearer - away) * nearer / (1 - nearer)};
 }
 
 void Listening::set_air(const modal::AirConditions& conditions) RINGDOWN_REALTIME {

@@ -18,7 +18,8 @@ struct Sighting {
   Vec3 toward_listener;  // unit, in the source's frame
   Vec3 toward_source;    // in the listener's frame; of length 1, or less nearer than kNear_m
   double distance_m = 1;
-  double rate = 1;  // by which frequencies are heard higher
+  double rate = 1;    // by which frequencies are heard higher
+  double excess = 0;  // by which the rate is above 1 - (change of distance) / c: of second order in speeds over c
 };
 
 // The distance at which sources have their own level; nearer ones are not louder.

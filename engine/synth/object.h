@@ -109,7 +109,7 @@ class Object final : public Source {
   void render_by_moments(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
   [[nodiscard]] bool is_cleared() const RINGDOWN_REALTIME;
   void hear(std::size_t begin, std::size_t end, const Chunk& chunk) RINGDOWN_REALTIME {
-    if (placed_ && begin < end) placement.hear(begin, end, chunk.frames, voices);
+    if (placed_ && begin < end) placement.hear(begin, end, chunk, voices);
   }
   void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
   void render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;

@@ -74,22 +74,14 @@ bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip
   const Sighting end =
       stands ? begin : sight(track.at(chunk.end(), rate_hz), origin_m, listening.at_end(), listening.sound_speed_m_s());
   const double n = static_cast<double>(chunk.frames);
-  rate_a_ = begin.rate;
-  rate_b_ = rate_c_ = 0;
-  if (end.rate != begin.rate) {
-    const Frame middle = chunk.begin + static_cast<Frame>(chunk.frames / 2);
-    const double x = static_cast<double>(middle - chunk.begin) / n;
-    const double between =
-        sight(track.at(middle, rate_hz), origin_m, listening.at(middle, rate_hz), listening.sound_speed_m_s()).rate;
-    if (x > 0) rate_c_ = ((between - begin.rate) / x - (end.rate - begin.rate)) / (x - 1);
-    rate_b_ = end.rate - begin.rate - rate_c_;
-  }
   const double share = glide_left_ > 0 ? std::min(1.0, n / static_cast<double>(glide_left_)) : 1.0;
   strip.place({begin.toward_source, level_at(begin.distance_m)}, {end.toward_source, level_at(end.distance_m)},
               {chunk.begin, chunk.end()}, fresh ? 2 : share);
+  first_ = begin;
+  last_ = end;
+  origin_m_ = origin_m;
   aim(chunk, begin, end, fresh, stands, origin_m, voices);
   glide_left_ = std::max<Frame>(glide_left_ - static_cast<Frame>(chunk.frames), 0);
-  last_ = end;
   on_ = true;
   leaves_ = false;
   heard_until_ = chunk.end();
@@ -139,18 +131,30 @@ void Placement::aim(const Chunk& chunk, const Sighting& begin, const Sighting& e
   if (look || fresh || (stands && !stood_)) next_look_ = chunk.begin + static_cast<Frame>(ahead);
   if (look || fresh) spread_ = std::fmod(spread_ + 0.61803398874989485, 1.0);
   stood_ = stands;
-  hear(0, chunk.frames, chunk.frames, voices);
+  hear(0, chunk.frames, chunk, voices);
 }
 
-// Over a part of the chunk the rate counts by its mean, and by how far the time that has passed lies off a straight
-// line in the middle.
-void Placement::hear(std::size_t offset, std::size_t end, std::size_t frames,
+// The time of the source that passes is found from how the distance changes, so that it does not matter where chunks
+// end; what is left is of second order. How far it lies off a straight line in the middle follows from the rates at
+// both ends.
+void Placement::hear(std::size_t offset, std::size_t end, const Chunk& chunk,
                      VoiceStack& voices) const RINGDOWN_REALTIME {
-  const auto n = static_cast<double>(frames);
-  const double x = static_cast<double>(offset) / n, y = static_cast<double>(end) / n;
-  const double rate = rate_a_ + rate_b_ * (x + y) / 2 + rate_c_ * (x * x + x * y + y * y) / 3;
-  const double change = (rate_b_ + rate_c_ * (x + y)) * (y - x);
-  const double bend = -change * static_cast<double>(end - offset) / 8;
+  const auto frames = static_cast<double>(end - offset);
+  Sighting a = first_, b = last_;
+  const bool shifted = a.rate != 1 || b.rate != 1;
+  const auto at = [&](std::size_t frame) RINGDOWN_REALTIME {
+    const Frame then = chunk.begin + static_cast<Frame>(frame);
+    return sight(track.at(then, chunk.sample_rate_hz), origin_m_, chunk.listening->at(then, chunk.sample_rate_hz),
+                 chunk.listening->sound_speed_m_s());
+  };
+  if (shifted && offset > 0) a = at(offset);
+  if (shifted && end < chunk.frames) b = at(end);
+  double rate = 1, bend = 0;
+  if (shifted) {
+    const double way_frames = (b.distance_m - a.distance_m) / chunk.listening->sound_speed_m_s() * chunk.sample_rate_hz;
+    rate = std::clamp(1 - way_frames / frames + 0.5 * (a.excess + b.excess), 0.5, 2.0);
+    bend = -(b.rate - a.rate) * frames / 8;
+  }
   voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { voice.hear_from(offset, rate, bend); });
 }
 
@@ -190,8 +194,7 @@ void Placement::go_off(const Chunk& chunk, VoiceStack& voices, ChannelStrip& str
   if (!leaves_ && !later) {
     glide_left_ = kGlide;
     voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.gains().aim_at_one(static_cast<double>(kGlide)); });
-    rate_a_ = 1;
-    rate_b_ = rate_c_ = 0;
+    first_ = last_ = {};
   }
   if (later || (leaves_ && glide_left_ == 0)) return stop(voices, strip);
   leaves_ = true;
@@ -199,7 +202,7 @@ void Placement::go_off(const Chunk& chunk, VoiceStack& voices, ChannelStrip& str
   strip.place_nowhere({chunk.begin, chunk.end()}, std::min(1.0, n / static_cast<double>(glide_left_)));
   glide_left_ = std::max<Frame>(glide_left_ - static_cast<Frame>(chunk.frames), 0);
   heard_until_ = chunk.end();
-  hear(0, chunk.frames, chunk.frames, voices);
+  hear(0, chunk.frames, chunk, voices);
 }
 
 void Placement::stop(VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {

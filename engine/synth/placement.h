@@ -42,8 +42,8 @@ class Placement {
   }
   // Sets strip and voices for the chunk. False when the object is not, or no longer, heard from its place.
   [[nodiscard]] bool begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME;
-  // In the chunk, before frames `offset` ... `end` - 1 of it are rendered; `frames` are the chunk's.
-  void hear(std::size_t offset, std::size_t end, std::size_t frames, VoiceStack& voices) const RINGDOWN_REALTIME;
+  // In the chunk, before frames `offset` ... `end` - 1 of it are rendered.
+  void hear(std::size_t offset, std::size_t end, const Chunk& chunk, VoiceStack& voices) const RINGDOWN_REALTIME;
   void end_chunk(const Chunk& chunk, VoiceStack& voices) RINGDOWN_REALTIME;
   // Whether begin_chunk() has been called for this chunk.
   [[nodiscard]] bool begun(const Chunk& chunk) const RINGDOWN_REALTIME { return heard_until_ == chunk.end(); }
@@ -82,13 +82,12 @@ class Placement {
   Frame heard_until_ = -1;  // the end of the last chunk in which it was heard
   Frame next_look_ = 0;     // when gains are looked up again
   Frame glide_left_ = 0;    // frames
-  Sighting last_;           // at heard_until_
+  Sighting first_, last_;   // at the beginning of the last chunk, and at heard_until_
+  Vec3 origin_m_;
   double look_terms_ = 0;
   double spread_ = 0;  // 0 to 1, another for every look, so that objects do not look in the same chunks
   bool stood_ = false;
   std::uint32_t jumps_ = 0, airs_ = 0;
-  // The rate at the share x of the chunk: a + b x + c x^2.
-  double rate_a_ = 1, rate_b_ = 0, rate_c_ = 0;
 };
 
 }  // namespace ringdown::synth

@@ -244,7 +244,7 @@ bool ScenePlayer::step_towards(Frame frame, std::optional<Frame> slack) {
     if (slack) slow_down(frame - reported_until() - *slack);
     if (reported_until() < frame) {
       pass_on(world_->step(), dampings);
-      if (!sink_) dropped_ += poses_.send(*world_, position(), rack_);
+      if (!sink_) dropped_ += poses_.send(*world_, position() + pose_delay(), rack_);
     }
     more = reported_until() < frame;
   }
@@ -284,6 +284,13 @@ void ScenePlayer::change_sample_rate(double sample_rate_hz) {
 
 // The frame at which the world stands.
 Frame ScenePlayer::position() const { return start_ + std::llround(world_->time_s() * rack_.mixer().sample_rate_hz()); }
+
+// Bodies are where they are a little later for the listener, so that the pose after the next is known, too, whenever
+// the mixer sets out for the next one: motion then does not depend on the size of blocks.
+Frame ScenePlayer::pose_delay() const {
+  const double seconds = std::max(world_->step_s(), ScenePoses::kEvery_s);
+  return std::llround(seconds * rack_.mixer().sample_rate_hz());
+}
 
 // All events before this frame have been passed on. It lies one step before the world's own time, because a strike is
 // found in the step after the one in which it happens.

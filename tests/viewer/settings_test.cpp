@@ -23,6 +23,7 @@ TEST(Settings, WrittenSettingsAreReadBack) {
   settings.width = 1001;
   settings.side_share = 0.31;
   settings.impulse_ns = 0.125;
+  settings.listen = false;
   settings.strength_by_time = false;
   ASSERT_TRUE(write_settings(settings, file));
   const auto read = read_settings(file);
@@ -33,6 +34,7 @@ TEST(Settings, WrittenSettingsAreReadBack) {
   EXPECT_EQ(read->width, 1001u);
   EXPECT_NEAR(read->side_share, 0.31, 1e-6);
   EXPECT_EQ(read->impulse_ns, 0.125);
+  EXPECT_FALSE(read->listen);
   EXPECT_FALSE(read->strength_by_time);
 }
 
