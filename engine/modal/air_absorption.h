@@ -23,7 +23,7 @@ struct AirAbsorption {
 
   AirAbsorption() = default;
   // Conditions outside of their ranges count as the nearest within.
-  explicit AirAbsorption(const AirConditions& conditions);
+  explicit AirAbsorption(const AirConditions& conditions) RINGDOWN_REALTIME;
 
   [[nodiscard]] double nepers_per_m(double frequency_hz) const RINGDOWN_REALTIME {
     const double f2 = frequency_hz * frequency_hz;
@@ -33,6 +33,6 @@ struct AirAbsorption {
 };
 
 // Of dry air at that temperature [m/s]; 343.2 at 20 degrees.
-double sound_speed_m_s(const AirConditions& conditions);
+double sound_speed_m_s(const AirConditions& conditions) RINGDOWN_REALTIME;
 
 }  // namespace ringdown::modal

@@ -16,9 +16,14 @@ const std::map<std::string, int> kTrusted = {
     {"engine/synth/time_budget.cpp", 1},   // reads the clock: the kernel's page, no system call
     {"engine/synth/worker_pool.cpp", 1},   // runs what its constructor was given and promised
     {"engine/synth/drive_kernel.cpp", 1},  // Highway's choice of an instruction set, a table of functions; so the next
-    {"engine/synth/mix_kernel.cpp", 1},   {"engine/synth/mode_kernel.cpp", 1},
-    {"engine/synth/moments.cpp", 2},      {"server/jack_client.cpp", 1},  // JACK's functions for the process callback
-    {"server/load_meter.cpp", 1},                                         // reads the clock
+    {"engine/synth/direction_kernel.cpp", 1},
+    {"engine/synth/heard_moments.cpp", 1},
+    {"engine/synth/mix_kernel.cpp", 1},
+    {"engine/synth/mode_kernel.cpp", 1},
+    {"engine/synth/moment_synthesis.cpp", 1},
+    {"engine/synth/moments.cpp", 1},
+    {"server/jack_client.cpp", 1},  // JACK's functions for the process callback
+    {"server/load_meter.cpp", 1},   // reads the clock
 };
 
 // How often each source file has one of these words outside comments.

@@ -19,7 +19,7 @@ constexpr std::size_t kBlock = 128, kObjects = 100, kModes = 10000;
 constexpr double kRadius_m = 0.1;  // of the bodies whose maps are made up
 constexpr double kTurn_rad_s = 2 * std::numbers::pi;
 constexpr double kPoses_hz = 60;
-constexpr int kSettles = 400;  // blocks, until looks at maps are spread over chunks
+constexpr int kSettles = 400;   // blocks, until looks at maps are spread over chunks
 constexpr int kMaxDegree = 20;  // beyond which a body's lobes add little
 
 // Maps as bodies of 20 cm have them: lobes up to the degree k R + 1, of one symmetry.
