@@ -43,6 +43,20 @@ void add_decayed(const double* amplitudes, double gain, std::uint32_t group, std
   for (std::size_t i = 0; i < kModePadding; ++i) states.re()[first + i] += re[i], states.im()[first + i] += im[i];
 }
 
+// Tables cannot shift pitches: all fast modes are moved on sample by sample.
+bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std::size_t frames) RINGDOWN_REALTIME {
+  const std::size_t first = kModePadding * table.slow_groups();
+  Hearing hearing = *all.hearing;
+  for (const float** row : {&hearing.gain_re, &hearing.gain_im, &hearing.step_re, &hearing.step_im}) {
+    if (*row != nullptr) *row += first;
+  }
+  hearing.log_re += first, hearing.log_im += first;
+  ModeArrays fast = all;
+  fast.z_re += first, fast.z_im += first, fast.pole_re += first, fast.pole_im += first;
+  fast.hearing = &hearing;
+  return drive_modes(fast, table.columns() - first, {}, out, frames) <= kAbsurdEnergy;
+}
+
 }  // namespace
 
 ModeStates::ModeStates(const ModeTable& table)
@@ -148,7 +162,7 @@ bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* o
   const ModeArrays all = states_.for_kernel(frames);
   bool sane = !fade_.running() || fade_.render(out, frames);
   if (fast_.count > 0 && all.hearing != nullptr && all.hearing->rate != 1) {
-    sane = drive_fast(all, out, frames) && sane;
+    sane = drive_fast(table_, all, out, frames) && sane;
   } else if (fast_.count > 0) {
     sane = render_modes(all, fast_, limits, out, frames) && sane;
   }
@@ -157,20 +171,6 @@ bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* o
   muting_.advance(states_, frames, slow_);
   if (!sane) silence();
   return sane;
-}
-
-// Tables cannot shift pitches: all fast modes are moved on sample by sample.
-bool ModeStates::drive_fast(const ModeArrays& all, double* out, std::size_t frames) RINGDOWN_REALTIME {
-  const std::size_t first = kModePadding * table_.slow_groups();
-  Hearing hearing = *all.hearing;
-  for (const float** row : {&hearing.gain_re, &hearing.gain_im, &hearing.step_re, &hearing.step_im}) {
-    if (*row != nullptr) *row += first;
-  }
-  hearing.log_re += first, hearing.log_im += first;
-  ModeArrays fast = all;
-  fast.z_re += first, fast.z_im += first, fast.pole_re += first, fast.pole_im += first;
-  fast.hearing = &hearing;
-  return drive_modes(fast, table_.columns() - first, {}, out, frames) <= kAbsurdEnergy;
 }
 
 void ModeStates::add_late(const double* amplitudes, double gain, std::size_t frames_left,

@@ -60,10 +60,9 @@ class ModeStates {
 
   // How the modes are heard, which changes nothing of what they do: by gains of their own (mode_gains.h), and in a time
   // that runs `rate` times as fast, which bends by `bend` (Hearing). hear_from() is called before every function that
-  // renders, with the frames from the last end_hearing() on; unhear() ends all that.
+  // renders, with the frames from the last gains().advance() on; unhear() ends all that.
   [[nodiscard]] ModeGains& gains() RINGDOWN_REALTIME { return gains_; }
   void hear_from(std::size_t offset, double rate, double bend) RINGDOWN_REALTIME;
-  void end_hearing(std::size_t frames) RINGDOWN_REALTIME { gains_.advance(frames); }
   void unhear() RINGDOWN_REALTIME;
 
   // A strike in the middle of a chunk that render_moments() has done, `frames_left` before its end. render_late() or
@@ -125,7 +124,6 @@ class ModeStates {
   [[nodiscard]] bool selective() const RINGDOWN_REALTIME { return threshold_ != kNoThreshold || muting_.groups() > 0; }
   template <class Add>
   void add_to_groups(const Add& add_to) RINGDOWN_REALTIME;
-  [[nodiscard]] bool drive_fast(const ModeArrays& all, double* out, std::size_t frames) RINGDOWN_REALTIME;
   void list(std::uint32_t group) RINGDOWN_REALTIME;
   void settle() RINGDOWN_REALTIME;
   void unmute() RINGDOWN_REALTIME;

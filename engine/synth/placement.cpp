@@ -159,7 +159,7 @@ void Placement::hear(std::size_t offset, std::size_t end, const Chunk& chunk,
 }
 
 void Placement::end_chunk(const Chunk& chunk, VoiceStack& voices) RINGDOWN_REALTIME {
-  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { voice.end_hearing(chunk.frames); });
+  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { voice.gains().advance(chunk.frames); });
 }
 
 bool Placement::may_share(const Chunk& chunk, const Voice& voice) const RINGDOWN_REALTIME {
