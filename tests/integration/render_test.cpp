@@ -81,7 +81,8 @@ TEST_F(RenderTest, AnAmbisonicFileHasAChannelForEachHarmonic) {
   const auto score = folder_ / "score.osc", sound = folder_ / "field.wav";
   const wire::Message strike =
       protocol::format(protocol::Request(protocol::Strike{{.name = "tick"}, {1, 0, 0}, {0, 0, 0.5}, 0}));
-  ASSERT_TRUE(wire::write_score({{0.1, {"/object/tick/pan", {-1.f}}}, {0.5, strike}}, score));
+  const std::vector<wire::ScoreEvent> events = {{0.1, {"/object/tick/pan", {-1.f}}}, {0.5, strike}};
+  ASSERT_TRUE(wire::write_score(events, score));
   const Outcome outcome =
       run({program("ringdown"), "render", "--events", score.string(), "--object",
            "tick=" + (folder_ / "tick.glb").string(), "--ambisonics", "2", "--seconds", "1", "-o", sound.string()});
