@@ -67,11 +67,12 @@ void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
     if (!head) throw CLI::ValidationError("--binaural", head.error().message);
     settings.head = *std::move(head);
   };
-  app.add_option_function<std::string>("--binaural", take_head,
-                                       "Make left and right the ears of a head, for headphones: that of a SOFA file, or "
-                                       "an artificial head's")
+  app.add_option_function<std::string>(
+         "--binaural", take_head,
+         "Make left and right the ears of a head, for headphones: that of a SOFA file, or "
+         "an artificial head's")
       ->expected(0, 1)
-      ->type_name("[FILE.sofa]");
+      ->type_name("FILE");
 }
 
 }  // namespace ringdown::server

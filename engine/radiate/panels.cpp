@@ -37,20 +37,6 @@ std::vector<int> new_numbers(const mesh::TriangleMesh& surface) {
   return number;
 }
 
-Result<void> measure_triangles(Panels& panels) {
-  for (int t = 0; t < panels.triangle_count(); ++t) {
-    const Eigen::Vector3d a = panels.corner(t, 0), b = panels.corner(t, 1), c = panels.corner(t, 2);
-    const Eigen::Vector3d normal = (b - a).cross(c - a);
-    const double twice = normal.norm();
-    if (!(twice > 0)) return fail(ErrorKind::bad_input, "the surface has a triangle without area");
-    panels.areas.push_back(twice / 2);
-    panels.normals.push_back(normal / twice);
-    panels.centers.push_back((a + b + c) / 3);
-    panels.curls.push_back({(b - c) / twice, (c - a) / twice, (a - b) / twice});
-  }
-  return {};
-}
-
 Result<void> find_sides(Panels& panels) {
   struct Use {
     int low, high, triangle, opposite;
@@ -115,7 +101,16 @@ Result<Panels> panels_of(const mesh::TriangleMesh& surface) {
   std::sort(panels.corners.begin(), panels.corners.end(), [](const auto& a, const auto& b) {
     return std::pair(std::min({a[0], a[1], a[2]}), a) < std::pair(std::min({b[0], b[1], b[2]}), b);
   });
-  if (const auto measured = measure_triangles(panels); !measured) return fail(measured.error());
+  for (int t = 0; t < panels.triangle_count(); ++t) {
+    const Eigen::Vector3d a = panels.corner(t, 0), b = panels.corner(t, 1), c = panels.corner(t, 2);
+    const Eigen::Vector3d normal = (b - a).cross(c - a);
+    const double twice = normal.norm();
+    if (!(twice > 0)) return fail(ErrorKind::bad_input, "the surface has a triangle without area");
+    panels.areas.push_back(twice / 2);
+    panels.normals.push_back(normal / twice);
+    panels.centers.push_back((a + b + c) / 3);
+    panels.curls.push_back({(b - c) / twice, (c - a) / twice, (a - b) / twice});
+  }
   if (const auto found = find_sides(panels); !found) return fail(found.error());
   return panels;
 }

@@ -19,12 +19,12 @@ struct Places {
   std::array<std::vector<float>, 3> at;
 };
 
-Places places_of(const Panels& panels) {
-  const Eigen::RowVector3d center = panels.nodes.colwise().mean();
+Places places_of(const mesh::Points& nodes) {
+  const Eigen::RowVector3d center = nodes.colwise().mean();
   Places places;
   for (int c = 0; c < 3; ++c) {
     auto& list = places.at[c];
-    for (int n = 0; n < panels.node_count(); ++n) list.push_back(static_cast<float>(panels.nodes(n, c) - center[c]));
+    for (const double x : nodes.col(c)) list.push_back(static_cast<float>(x - center[c]));
     list.resize((list.size() + kLanes - 1) / kLanes * kLanes, 0.0F);
   }
   return places;
@@ -104,7 +104,7 @@ WaveBand::WaveBand(const Skin& skin, double lowest_rad_m, double highest_rad_m, 
   if (wavenumbers <= kFewWavenumbers || !(highest_rad_m > lowest_rad_m)) return;
   const double half = (highest_rad_m - lowest_rad_m) / 2 * std::sqrt(3.0) / 2;
   wavenumbers_ = {middle_rad_m_ - half, middle_rad_m_, middle_rad_m_ + half};
-  const Places places = places_of(skin.panels);
+  const Places places = places_of(skin.panels.nodes);
   const int nodes = skin.panels.node_count();
   for (int n = 0; n < 3; ++n) {
     ComplexMatrix& matrix = matrices_[n];
@@ -134,7 +134,7 @@ void WaveBand::matrix_at(double wavenumber_rad_m, ComplexMatrix& matrix) const {
     }
     weights[n] = static_cast<float>(weight);
   }
-  const Places places = places_of(skin_.panels);
+  const Places places = places_of(skin_.panels.nodes);
   const int nodes = skin_.panels.node_count();
   matrix.resize(nodes, nodes);
   for (int row = 0; row < nodes; ++row) {

@@ -18,17 +18,17 @@ constexpr double kMargin_m = 1e-4;
 // nearer than kMargin_m less this.
 constexpr double kSame_m = 3e-5;
 
-struct Pose {
+struct GeomPose {
   Matrix3 rotation;
   Vec3 position;
 };
 
-Pose pose_of(dxGeom* geom) {
+GeomPose pose_of(dxGeom* geom) {
   const dReal* r = dGeomGetRotation(geom);
   return {{{{r[0], r[1], r[2]}, {r[4], r[5], r[6]}, {r[8], r[9], r[10]}}}, to_vec3(dGeomGetPosition(geom))};
 }
 
-RelativePose relative(const Pose& first, const Pose& second) {
+RelativePose relative(const GeomPose& first, const GeomPose& second) {
   const Matrix3 back = transpose(second.rotation);
   return {product(back, first.rotation), back * (first.position - second.position)};
 }
@@ -57,7 +57,7 @@ bool SurfacePairs::covers(const Collider& one, const Collider& two) {
 
 int SurfacePairs::find(const Collider& first, const Collider& second, double part_s, std::span<dContactGeom> room) {
   const Surface &one = first.shape.surface, &two = second.shape.surface;
-  const Pose at = pose_of(first.shape.geom.get()), base = pose_of(second.shape.geom.get());
+  const GeomPose at = pose_of(first.shape.geom.get()), base = pose_of(second.shape.geom.get());
   const RelativePose pose = relative(at, base);
   const auto [entry, is_new] = kept_.try_emplace({first.id, second.id});
   Kept& kept = entry->second;

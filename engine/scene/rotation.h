@@ -16,6 +16,6 @@ using ringdown::to_matrix;
 using ringdown::transpose;
 
 // Where the listener's frame lies.
-Pose pose_of(const ListenerDescription& listener);
+Pose listener_pose(const ListenerDescription& listener);
 
 }  // namespace ringdown::scene

@@ -273,7 +273,7 @@ class SceneReader {
 
 }  // namespace
 
-Pose pose_of(const ListenerDescription& listener) {
+Pose listener_pose(const ListenerDescription& listener) {
   if (listener.rotation) return {listener.position_m, normalized(*listener.rotation)};
   const Vec3 way = listener.target_m - listener.position_m;
   const double level = std::hypot(way.x, way.y);

@@ -27,14 +27,14 @@ InstanceGroup::InstanceGroup(ModeTable& table, std::size_t ambisonic_channels) :
 // Adds, or with `sign` -1 subtracts, what rings in a member.
 void InstanceGroup::add(Voice& voice, const ChannelStrip::Shares& shares, double sign) RINGDOWN_REALTIME {
   for (std::size_t i = 0; i < sums_.size(); ++i) {
-    if (shares[i] != 0) sums_[i].add(voice, sign * shares[i], voice.gains().frozen());
+    if (shares[i] != 0) sums_[i].add(voice, sign * shares[i], voice.gains.frozen());
   }
 }
 
 bool InstanceGroup::join(Object& object, Frame now) RINGDOWN_REALTIME {
   Voice& voice = *object.voices.current();
   object.member.shares_states = true;
-  voice.gains().freeze();
+  voice.gains.freeze();
   object.strip.stand();
   object.member.shares = object.strip.shares();
   lowest_level_ = std::min(lowest_level_, object.strip.place_level());
@@ -125,9 +125,9 @@ bool InstanceGroup::strike(const DueEvent& struck, std::size_t frames_left, cons
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     if (member.shares[i] == 0) continue;
     if (frames_left > 0) {
-      sums_[i].add_late(voice.amplitudes(), member.shares[i], frames_left, voice.gains().frozen());
+      sums_[i].add_late(voice.amplitudes(), member.shares[i], frames_left, voice.gains.frozen());
     } else {
-      sums_[i].add(voice.amplitudes(), member.shares[i], voice.gains().frozen());
+      sums_[i].add(voice.amplitudes(), member.shares[i], voice.gains.frozen());
     }
   }
   note_struck(member);

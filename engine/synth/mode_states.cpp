@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 // What a group of modes does
 //
@@ -60,9 +61,9 @@ bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std:
 }  // namespace
 
 ModeStates::ModeStates(const ModeTable& table)
-    : table_(table),
+    : gains(table),
+      table_(table),
       states_(table),
-      gains_(table),
       sounding_(table.groups()),
       fade_(table),
       late_(table),
@@ -72,22 +73,19 @@ ModeStates::ModeStates(const ModeTable& table)
   fast_.list = sounding_.data() + table.slow_groups();
 }
 
-void ModeStates::hear_from(std::size_t offset, double rate, double bend) RINGDOWN_REALTIME {
-  gains_.put(hearing_, offset);
-  hearing_.rate = rate;
-  hearing_.bend = bend;
-  hearing_.log_re = table_.log_re();
-  hearing_.log_im = table_.log_im();
-  states_.hear_by(&hearing_);
-  fade_.hear_by(&hearing_);
-  late_.hear_by(&hearing_);
-}
-
-void ModeStates::unhear() RINGDOWN_REALTIME {
-  gains_.switch_off();
-  states_.hear_by(nullptr);
-  fade_.hear_by(nullptr);
-  late_.hear_by(nullptr);
+void ModeStates::hear(const HeardTime* time) RINGDOWN_REALTIME {
+  if (time) {
+    gains.put(hearing_, time->offset);
+    hearing_.rate = time->rate;
+    hearing_.bend = time->bend;
+    std::tie(hearing_.log_re, hearing_.log_im) = table_.exponents();
+  } else {
+    gains.switch_off();
+  }
+  const Hearing* const hearing = time ? &hearing_ : nullptr;
+  states_.hear_by(hearing);
+  fade_.hear_by(hearing);
+  late_.hear_by(hearing);
 }
 
 void ModeStates::add(const double* amplitudes, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
@@ -196,14 +194,9 @@ void ModeStates::add_late(const double* amplitudes, double gain, std::size_t fra
   }
 }
 
-bool ModeStates::render_late(double* out, std::size_t frames) RINGDOWN_REALTIME {
-  const bool sane = late_.render(out, frames);
-  if (!sane) silence();
-  return sane;
-}
-
-bool ModeStates::drive_late(std::span<const Force> forces, double* out, std::size_t frames) RINGDOWN_REALTIME {
-  const bool sane = late_.drive(forces, out, frames);
+bool ModeStates::render_late(double* out, std::size_t frames,
+                             std::optional<std::span<const Force>> forces) RINGDOWN_REALTIME {
+  const bool sane = forces ? late_.drive(*forces, out, frames) : late_.render(out, frames);
   if (!sane) silence();
   return sane;
 }

@@ -22,6 +22,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -58,19 +59,23 @@ class ModeStates {
                       double floor) RINGDOWN_REALTIME;
   [[nodiscard]] bool needs_samples() const RINGDOWN_REALTIME { return fast_.count > 0 || fade_.running(); }
 
-  // How the modes are heard, which changes nothing of what they do: by gains of their own (mode_gains.h), and in a time
-  // that runs `rate` times as fast, which bends by `bend` (Hearing). hear_from() is called before every function that
-  // renders, with the frames from the last gains().advance() on; unhear() ends all that.
-  [[nodiscard]] ModeGains& gains() RINGDOWN_REALTIME { return gains_; }
-  void hear_from(std::size_t offset, double rate, double bend) RINGDOWN_REALTIME;
-  void unhear() RINGDOWN_REALTIME;
+  // How the modes are heard, which changes nothing of what they do: by gains of their own, and in a time that runs
+  // `rate` times as fast, which bends by `bend` (Hearing). hear() is called before every function that renders, with
+  // the frames from the last gains.advance() on; null ends all that.
+  ModeGains gains;
+  struct HeardTime {
+    std::size_t offset = 0;
+    double rate = 1, bend = 0;
+  };
+  void hear(const HeardTime* time) RINGDOWN_REALTIME;
 
-  // A strike in the middle of a chunk that render_moments() has done, `frames_left` before its end. render_late() or
-  // drive_late() add what it sounds from there on (LateStrikes), and merge_late() ends the chunk.
+  // A strike in the middle of a chunk that render_moments() has done, `frames_left` before its end. render_late() adds
+  // what it sounds from there on (LateStrikes), driven sample by sample where there are `forces`, if only an empty
+  // list; merge_late() ends the chunk.
   void add_late(const double* amplitudes, double gain, std::size_t frames_left,
                 const ModeFactors* each = nullptr) RINGDOWN_REALTIME;
-  bool render_late(double* out, std::size_t frames) RINGDOWN_REALTIME;
-  bool drive_late(std::span<const Force> forces, double* out, std::size_t frames) RINGDOWN_REALTIME;
+  bool render_late(double* out, std::size_t frames,
+                   std::optional<std::span<const Force>> forces = {}) RINGDOWN_REALTIME;
   void merge_late() RINGDOWN_REALTIME;
 
   // Groups whose level lies below `threshold` may be muted; kNoThreshold: none may.
@@ -131,7 +136,6 @@ class ModeStates {
 
   const ModeTable& table_;
   StateArray states_;
-  ModeGains gains_;
   Hearing hearing_;
   std::vector<std::uint32_t> sounding_;  // groups: slow ones from the front, fast ones from slow_groups() on
   ActiveGroups slow_, fast_;             // in sounding_

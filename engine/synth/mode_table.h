@@ -22,6 +22,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace ringdown::synth {
@@ -78,8 +79,9 @@ class ModeTable {
   [[nodiscard]] const modal::DirectionMap& directions() const RINGDOWN_REALTIME { return map_->directions(); }
   [[nodiscard]] const std::uint32_t* ranks() const RINGDOWN_REALTIME { return rank_.data(); }
   [[nodiscard]] const float* frequencies_hz() const RINGDOWN_REALTIME { return column_hz_.get(); }
-  [[nodiscard]] const double* log_re() const RINGDOWN_REALTIME { return row(exponent_re); }
-  [[nodiscard]] const double* log_im() const RINGDOWN_REALTIME { return row(exponent_im); }
+  [[nodiscard]] std::pair<const double*, const double*> exponents() const RINGDOWN_REALTIME {
+    return {row(exponent_re), row(exponent_im)};
+  }
   // How long its longest mode takes to fall by 20 dB [s].
   [[nodiscard]] double ring_s() const RINGDOWN_REALTIME { return ring_s_; }
   // Where sound comes from, in the frame of the object in its size.

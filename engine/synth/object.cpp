@@ -203,7 +203,8 @@ void Object::drive(std::size_t begin, std::size_t end, const Chunk& chunk, Works
   }
   const double chunks = static_cast<double>(end - begin) / static_cast<double>(kChunkFrames);
   chunk.shedding->worked(kDrivePerMode * chunks * static_cast<double>(voices.current()->table().columns()), workspace);
-  const bool sane = voices.current()->drive_late({forces.data(), number}, workspace.mono.data() + begin, end - begin);
+  const bool sane = voices.current()->render_late(workspace.mono.data() + begin, end - begin,
+                                                  std::span<const Force>(forces.data(), number));
   if (!sane) count(chunk.counters->not_finite);
 }
 

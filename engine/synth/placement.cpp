@@ -98,7 +98,7 @@ void Placement::aim(const Chunk& chunk, const Sighting& begin, const Sighting& e
   const bool look = chunk.begin >= next_look_;
   double ahead = least;
   voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
-    ModeGains& gains = voice.gains();
+    ModeGains& gains = voice.gains;
     const bool first = !gains.on();
     if (fresh || (first && glide_left_ == 0)) {
       gains.aim(begin.toward_listener, clipped(begin.distance_m), listening.absorption(), 0);
@@ -155,11 +155,12 @@ void Placement::hear(std::size_t offset, std::size_t end, const Chunk& chunk,
     rate = std::clamp(1 - way_frames / frames + 0.5 * (a.excess + b.excess), 0.5, 2.0);
     bend = -(b.rate - a.rate) * frames / 8;
   }
-  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { voice.hear_from(offset, rate, bend); });
+  const ModeStates::HeardTime time{offset, rate, bend};
+  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { voice.hear(&time); });
 }
 
 void Placement::end_chunk(const Chunk& chunk, VoiceStack& voices) RINGDOWN_REALTIME {
-  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { voice.gains().advance(chunk.frames); });
+  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME { voice.gains.advance(chunk.frames); });
 }
 
 bool Placement::may_share(const Chunk& chunk, const Voice& voice) const RINGDOWN_REALTIME {
@@ -193,7 +194,7 @@ void Placement::go_off(const Chunk& chunk, VoiceStack& voices, ChannelStrip& str
   const bool later = heard_until_ != chunk.begin;  // it has been silent since
   if (!leaves_ && !later) {
     glide_left_ = kGlide;
-    voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.gains().aim_at_one(static_cast<double>(kGlide)); });
+    voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.gains.aim_at_one(static_cast<double>(kGlide)); });
     first_ = last_ = {};
   }
   if (later || (leaves_ && glide_left_ == 0)) return stop(voices, strip);
@@ -206,7 +207,7 @@ void Placement::go_off(const Chunk& chunk, VoiceStack& voices, ChannelStrip& str
 }
 
 void Placement::stop(VoiceStack& voices, ChannelStrip& strip) RINGDOWN_REALTIME {
-  voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.unhear(); });
+  voices.for_each([](Voice& voice) RINGDOWN_REALTIME { voice.hear(nullptr); });
   strip.unplace();
   on_ = leaves_ = false;
 }

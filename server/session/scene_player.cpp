@@ -24,6 +24,25 @@ constexpr double kWarnEvery_s = 0.5;  // of lost time
 
 tl::unexpected<Error> no_scene() { return fail(ErrorKind::refused, "there is no scene; load one with /scene/load"); }
 
+// What puts a scene's listener in place. A scene without one ends the one that the scene before it has set (`ends`),
+// but nobody else's.
+std::vector<Event> listener_events(const scene::SceneDescription& scene, bool ends, Frame frame) {
+  if (!scene.listener)
+    return ends ? std::vector<Event>{{.frame = frame, .type = EventType::listener_off}} : std::vector<Event>{};
+  const Pose pose = scene::listener_pose(*scene.listener);
+  return {{.frame = frame,
+           .type = EventType::listener_air,
+           .value = scene.listener->temperature_c,
+           .ramp_s = scene.listener->humidity_percent},
+          {.frame = frame, .type = EventType::listener, .point_m = pose.position_m, .rotation = pose.rotation}};
+}
+
+// Bodies are where they are a little later for the listener, so that the pose after the next is known, too, whenever
+// the mixer sets out for the next one: motion then does not depend on the size of blocks.
+Frame pose_delay(const scene::World& world, double sample_rate_hz) {
+  return std::llround(std::max(world.step_s(), ScenePoses::kEvery_s) * sample_rate_hz);
+}
+
 // The dropped body becomes a [[body]] of the scene. Where emitters scatter their bodies at random, a further body
 // before them would change these places, so there it becomes an emitter of one body after them.
 void add_dropped(scene::SceneDescription& scene, scene::BodyDescription body, double now_s) {
@@ -80,7 +99,12 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   auto world = scene::World::create(*description, objects, mixer.sample_rate_hz());
   if (!world) return fail(world.error().kind, path.string() + ": " + world.error().message);
 
-  if (const auto placed = place_listener(*description, frame); !placed) return fail(placed.error());
+  for (const Event& event : listener_events(*description, sets_listener_, frame)) {
+    if (!rack_.push(synth::Producer::worker, event)) {
+      return fail(ErrorKind::refused, "listener: too many changes at once; try again");
+    }
+  }
+  sets_listener_ = description->listener.has_value();
 
   std::vector<scene::RestDamping> removed;
   {
@@ -99,30 +123,6 @@ Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame f
   }
   set_dampers(removed);
   return body_count_.load();
-}
-
-// A scene without a listener ends the one that the scene before it has set, but nobody else's.
-Result<void> ScenePlayer::place_listener(const scene::SceneDescription& scene, Frame frame) {
-  std::vector<Event> events;
-  if (scene.listener) {
-    const scene::ListenerDescription& listener = *scene.listener;
-    const Pose pose = scene::pose_of(listener);
-    events.push_back({.frame = frame,
-                      .type = EventType::listener_air,
-                      .value = listener.temperature_c,
-                      .ramp_s = listener.humidity_percent});
-    events.push_back(
-        {.frame = frame, .type = EventType::listener, .point_m = pose.position_m, .rotation = pose.rotation});
-  } else if (sets_listener_) {
-    events.push_back({.frame = frame, .type = EventType::listener_off});
-  }
-  sets_listener_ = scene.listener.has_value();
-  for (const Event& event : events) {
-    if (!rack_.push(synth::Producer::worker, event)) {
-      return fail(ErrorKind::refused, "listener: too many changes at once; try again");
-    }
-  }
-  return {};
 }
 
 Result<void> ScenePlayer::pause(bool paused) {
@@ -244,7 +244,8 @@ bool ScenePlayer::step_towards(Frame frame, std::optional<Frame> slack) {
     if (slack) slow_down(frame - reported_until() - *slack);
     if (reported_until() < frame) {
       pass_on(world_->step(), dampings);
-      if (!sink_) dropped_ += poses_.send(*world_, position() + pose_delay(), rack_);
+      if (!sink_)
+        dropped_ += poses_.send(*world_, position() + pose_delay(*world_, rack_.mixer().sample_rate_hz()), rack_);
     }
     more = reported_until() < frame;
   }
@@ -284,13 +285,6 @@ void ScenePlayer::change_sample_rate(double sample_rate_hz) {
 
 // The frame at which the world stands.
 Frame ScenePlayer::position() const { return start_ + std::llround(world_->time_s() * rack_.mixer().sample_rate_hz()); }
-
-// Bodies are where they are a little later for the listener, so that the pose after the next is known, too, whenever
-// the mixer sets out for the next one: motion then does not depend on the size of blocks.
-Frame ScenePlayer::pose_delay() const {
-  const double seconds = std::max(world_->step_s(), ScenePoses::kEvery_s);
-  return std::llround(seconds * rack_.mixer().sample_rate_hz());
-}
 
 // All events before this frame have been passed on. It lies one step before the world's own time, because a strike is
 // found in the step after the one in which it happens.

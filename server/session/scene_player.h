@@ -141,9 +141,7 @@ class ScenePlayer {
 
  private:
   Result<scene::BodyId> spawn(const std::optional<protocol::ObjectRef>& object, scene::BodyDescription body);
-  [[nodiscard]] Result<void> place_listener(const scene::SceneDescription& scene, synth::Frame frame);
   [[nodiscard]] synth::Frame position() const;
-  [[nodiscard]] synth::Frame pose_delay() const;
   [[nodiscard]] synth::Frame reported_until() const;
   void delay(synth::Frame by);
   void slow_down(synth::Frame by);

@@ -8,7 +8,7 @@
 #include "engine/radiate/far_field.h"
 #include "engine/radiate/radiate.h"
 #include "engine/radiate/skin.h"
-#include "engine/radiate/surface_power.h"
+#include "tests/radiate/surface_power.h"
 #include "engine/radiate/wave_solver.h"
 
 #include <CLI/CLI.hpp>

@@ -1,5 +1,5 @@
 // The power that leaves the surface is that which arrives far away.
-#include "engine/radiate/surface_power.h"
+#include "tests/radiate/surface_power.h"
 
 #include "engine/radiate/far_field.h"
 #include "engine/radiate/skin.h"

@@ -236,14 +236,14 @@ TEST_F(SceneFile, JointsEmittersCameraAndListenerThatCannotBeAreRefused) {
 TEST_F(SceneFile, AListenerFacesItsTargetOrIsTurnedAndComesBackFromItsText) {
   const auto faces = parse("[listener]\nposition_m = [1, 1, 1]\ntarget_m = [1, 4, 5]\n");
   ASSERT_TRUE(faces) << faces.error().message;
-  const Pose pose = pose_of(*faces->listener);
+  const Pose pose = listener_pose(*faces->listener);
   const Vec3 front = rotated(pose.rotation, {1, 0, 0}), left = rotated(pose.rotation, {0, 1, 0});
   EXPECT_NEAR(length(front - Vec3{0, 0.6, 0.8}), 0, 1e-12);
   EXPECT_NEAR(length(left - Vec3{-1, 0, 0}), 0, 1e-12);
   const auto turned =
       parse("[listener]\nposition_m = [1, 2, 3]\nrotation = { axis = [0, 0, 1], degrees = 90 }\ntemperature_c = 5\n");
   ASSERT_TRUE(turned) << turned.error().message;
-  EXPECT_NEAR(length(rotated(pose_of(*turned->listener).rotation, {1, 0, 0}) - Vec3{0, 1, 0}), 0, 1e-12);
+  EXPECT_NEAR(length(rotated(listener_pose(*turned->listener).rotation, {1, 0, 0}) - Vec3{0, 1, 0}), 0, 1e-12);
   const auto again = parse(to_toml(*turned));
   ASSERT_TRUE(again) << again.error().message;
   EXPECT_EQ(again->listener->rotation, turned->listener->rotation);

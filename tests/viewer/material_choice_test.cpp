@@ -43,7 +43,7 @@ TEST(MaterialChoice, AChoiceSoundsAsTheBankThatRingdownScaleWrites) {
     ASSERT_EQ(live.size(), offline.size()) << name;
     for (std::size_t m = 0; m < live.size(); ++m) {
       EXPECT_NEAR(live[m] / offline[m], 1, 1e-12) << name;
-      EXPECT_NEAR(live_decays[m] / decays[m], 1, 1e-9) << name;
+      EXPECT_NEAR(live_decays[m] / decays[m], 1, 2e-7) << name << ": banks keep what modes radiate as floats";
     }
   }
 }

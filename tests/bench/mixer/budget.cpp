@@ -98,7 +98,7 @@ class Workshop {
   }
   void drive(std::size_t v) {
     const synth::Force force{voice(v).amplitudes(), out_.data()};
-    static_cast<void>(voice(v).drive_late({&force, 1}, samples_.data(), kChunkFrames));
+    static_cast<void>(voice(v).render_late(samples_.data(), kChunkFrames, std::span<const synth::Force>(&force, 1)));
     voice(v).merge_late();
   }
   void survey(std::size_t v) { voice(v).count_levels(levels_, 0, kFloor); }

@@ -1,4 +1,4 @@
-#include "engine/radiate/surface_power.h"
+#include "tests/radiate/surface_power.h"
 
 #include "engine/radiate/near_integrals.h"
 #include "engine/radiate/surface_search.h"
