@@ -41,9 +41,11 @@ TEST(MaterialChoice, AChoiceSoundsAsTheBankThatRingdownScaleWrites) {
     }
     for (auto* values : {&live, &offline, &live_decays, &decays}) std::ranges::sort(*values);
     ASSERT_EQ(live.size(), offline.size()) << name;
+    // A bank's decays are floats and the parts of its losses are doubles: from which of the two one starts shows in the
+    // eighth digit of a decay, and in that digit's share of a damped frequency.
     for (std::size_t m = 0; m < live.size(); ++m) {
-      EXPECT_NEAR(live[m] / offline[m], 1, 1e-12) << name;
-      EXPECT_NEAR(live_decays[m] / decays[m], 1, 2e-7) << name << ": banks keep what modes radiate as floats";
+      EXPECT_NEAR(live[m] / offline[m], 1, 1e-8) << name;
+      EXPECT_NEAR(live_decays[m] / decays[m], 1, 2e-7) << name;
     }
   }
 }
