@@ -105,10 +105,11 @@ Motion Collider::after(const Motion& motion, double time_s) const {
 }
 
 void Collider::turn(const Rotation& from, double part_s) {
+  constexpr double kLeastTurn_rad = 1e-13;  // below that, ODE's own turn is as good
+  if (!(length(to_vec3(dBodyGetAngularVel(body.get()))) * part_s > kLeastTurn_rad)) return;
   Motion start = motion();
   start.rotation = from;
   const Motion end = after(start, part_s);
-  if (!(length(start.spin_rad_s) > 0)) return;
   const auto& [x, y, z, w] = end.rotation;
   const dQuaternion q = {w, x, y, z};
   dBodySetQuaternion(body.get(), q);
