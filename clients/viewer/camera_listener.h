@@ -10,8 +10,8 @@ namespace ringdown::viewer {
 
 class CameraListener {
  public:
-  // The request to send in this frame, if one is due: where the camera is, whenever it has moved and now and then
-  // besides, because a scene that is loaded may have a listener of its own; and once that nobody listens any more.
+  // Returns the request to send in this frame, if one is due: where the camera is, whenever it has moved and now and
+  // then besides, because a scene that is loaded may have a listener of its own; and once that nobody listens any more.
   std::optional<protocol::Request> update(const Camera& camera, bool listens, double now_s);
 
  private:
@@ -21,7 +21,7 @@ class CameraListener {
   double sent_s_ = 0;
 };
 
-// Where the frame of a listener lies that looks as the camera does: x to the front, y to the left, z up.
+// Returns the pose of a listener that looks as the camera does: x to the front, y to the left, z up.
 ringdown::Pose listener_of(const Camera& camera);
 
 }  // namespace ringdown::viewer

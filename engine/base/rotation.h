@@ -15,7 +15,7 @@ struct Rotation {
   friend bool operator==(const Rotation&, const Rotation&) = default;
 };
 
-// Where a frame of axes lies in another: a point p of the inner frame lies at position_m + rotation p.
+// The place of one frame of axes in another: a point p of the inner frame lies at position_m + rotation p.
 struct Pose {
   Vec3 position_m;
   Rotation rotation;

@@ -70,7 +70,7 @@ class Denoising {
     return *middle > kRough_deg * std::numbers::pi / 180;
   }
 
-  // Whether a node of one triangle belongs to a triangle at a node of the other.
+  // Returns true where a node of one triangle belongs to a triangle at a node of the other.
   [[nodiscard]] bool are_neighbours(std::int32_t a, std::int32_t b) const {
     for (const std::int32_t node : from_.triangles.row(a)) {
       for (const std::int32_t beside : fans_.at(node)) {

@@ -32,7 +32,7 @@ struct AirAbsorption {
   }
 };
 
-// Of dry air at that temperature [m/s]; 343.2 at 20 degrees.
+// The speed of sound in dry air at that temperature [m/s]; 343.2 at 20 degrees.
 double sound_speed_m_s(const AirConditions& conditions) RINGDOWN_REALTIME;
 
 }  // namespace ringdown::modal

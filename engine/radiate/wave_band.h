@@ -19,8 +19,8 @@ inline constexpr double kWidestBand = 1.27;  // highest over lowest wavenumber
 // Keeps a reference to the skin, which must live as long.
 class WaveBand {
  public:
-  // For so many wavenumbers from the lowest to the highest. Where they are few, or the band has no width, nothing is
-  // prepared and each matrix is computed by itself.
+  // Prepares a number of wavenumbers, from the lowest to the highest. Where they are few, or the band has no width,
+  // nothing is prepared and each matrix is computed by itself.
   WaveBand(const Skin& skin, double lowest_rad_m, double highest_rad_m, int wavenumbers, int threads);
 
   // Writes the V x V matrix; memory of that size is used again. May be called by several threads at once.

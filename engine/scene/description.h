@@ -163,7 +163,7 @@ struct CameraDescription {
   double field_of_view_degrees = 50;  // vertical
 };
 
-// From where the scene is heard, and through which air.
+// The listener of a scene, and the air between.
 struct ListenerDescription {
   Vec3 position_m = {0, -2, 1}, target_m;  // faces the target, the head upright,
   std::optional<Rotation> rotation;        // unless this says how it is turned: x is in front, y left, z up

@@ -128,6 +128,7 @@ void ContactJoints::collide(dxGeom* first, dxGeom* second, Islands& islands) {
   pair.surface.restitution *= std::min(body.elasticity, other.elasticity);
   const std::size_t before = points_.size();
   for (const dContactGeom& geom : points) add(pair, into_body(geom), islands);
+  if (points_.size() == before && found.move.empty()) return motions_.pop_back();  // no point refers to them
   if (pushed_by_ode(body, other)) return;
   for (const dContactGeom& further : found.move) {
     const dContactGeom geom = into_body(further);

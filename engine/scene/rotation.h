@@ -15,7 +15,7 @@ using ringdown::product;
 using ringdown::to_matrix;
 using ringdown::transpose;
 
-// Where the listener's frame lies.
+// Returns the pose of the listener's frame.
 Pose listener_pose(const ListenerDescription& listener);
 
 }  // namespace ringdown::scene

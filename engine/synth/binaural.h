@@ -27,8 +27,8 @@ class Binaural {
  public:
   explicit Binaural(std::shared_ptr<const HeadFilters> head);  // [worker]
 
-  // What both ears hear of the next chunk, <= kChunkFrames frames, whose ambisonic channels stand in `sums`. Null
-  // where nothing has sounded for as long as the filters ring. The result is valid until the next call. [audio]
+  // Returns what both ears hear of the next chunk, <= kChunkFrames frames, whose ambisonic channels stand in `sums`.
+  // Null where nothing has sounded for as long as the filters ring. The result is valid until the next call. [audio]
   std::array<const double*, 2> process(const ChannelSums& sums, std::size_t frames) RINGDOWN_REALTIME;
 
  private:

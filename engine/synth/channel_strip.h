@@ -29,8 +29,8 @@ class ChannelStrip {
   // Changes the length of a frame: ramps end `ratio` times as many frames after `now`. [worker]
   void rescale(Frame now, double ratio);
 
-  // Where an object is heard from: the direction towards it, in the listener's frame (listening.h), shorter than 1
-  // where it is all around; and its level.
+  // The place from which an object is heard: the direction towards it, in the listener's frame (listening.h), shorter
+  // than 1 where it is all around; and its level.
   struct Place {
     Vec3 toward{1, 0, 0};
     double level = 1;
