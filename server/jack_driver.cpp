@@ -165,14 +165,14 @@ class JackDriver final : public Driver {
     spdlog::info("JACK's sample rate is now {:.0f} Hz", rate);
   }
 
-  // A server that ends disconnects its ports first. A connection that is gone is therefore forgotten only if the server
-  // still answers a moment later.
+  // A server that ends stops its audio, disconnects its ports, and tells us last, which may take long where the machine
+  // is busy. A connection that is gone is therefore forgotten only once the server has called for 0.3 s of sound more.
   void remember_connections() {
     const auto present = client_->connections();
     if (client_->lost()) return;
-    const bool settled = Clock::now() - changed_ > 300ms;
-    if (present != last_seen_) changed_ = Clock::now();
-    if (settled && present == last_seen_) connections_.clear();
+    const synth::Frame rendered = program_->mixer.counters().frames.load();
+    if (present != last_seen_) changed_at_ = rendered;
+    if (static_cast<double>(rendered - changed_at_) > 0.3 * sample_rate_hz_) connections_.clear();
     connections_.insert(present.begin(), present.end());
     last_seen_ = present;
   }
@@ -227,7 +227,8 @@ class JackDriver final : public Driver {
   std::size_t block_frames_ = 0;
   std::set<JackConnection> connections_, last_seen_;  // connections to restore; connections of a moment ago
   std::set<JackConnection> missing_;                  // connections of the former server that are not restored yet
-  Clock::time_point changed_{}, reported_at_{};
+  synth::Frame changed_at_ = 0;                       // the mixer's frame when last_seen_ was another
+  Clock::time_point reported_at_{};
   std::int32_t reported_own_ = 0;  // xruns
   bool reported_foreign_ = false;
   std::uint64_t dropped_notes_ = 0;
