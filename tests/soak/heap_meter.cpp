@@ -40,6 +40,7 @@ void* uncounted(void* block) {
 }  // namespace
 
 // The C library's own, under the names by which it may be reached when malloc is replaced.
+#pragma GCC visibility push(default)  // shared libraries find these
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
@@ -58,3 +59,4 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
 }
 void free(void* block) { __libc_free(uncounted(block)); }
 }
+#pragma GCC visibility pop

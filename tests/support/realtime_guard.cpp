@@ -49,6 +49,7 @@ using ringdown::test::note;
 using Seen = ringdown::test::RealtimeViolations;
 
 // The C library's own names for its allocator: dlsym() could not be used here, because it allocates.
+#pragma GCC visibility push(default)  // shared libraries find these
 extern "C" {
 void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);
@@ -167,4 +168,5 @@ extern "C" long watched_syscall(long number, ...) {
   return next_of(known, "syscall")(number, a[0], a[1], a[2], a[3], a[4], a[5]);
 }
 
+#pragma GCC visibility pop
 #endif

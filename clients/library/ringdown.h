@@ -1,0 +1,315 @@
+/* libringdown: solid objects as playable, physically exact sound, inside your own program.
+ *
+ *   ringdown_bank* bank;                                             // what a body's modes are: a file from `ringdown bake`
+ *   ringdown_bank_open("bell.glb", &bank, NULL);
+ *   ringdown_mixer* mixer;                                           // what rings
+ *   ringdown_mixer_create(NULL, &mixer, NULL);                       // 48 kHz, stereo, limiter
+ *   uint32_t bell;
+ *   ringdown_add(mixer, "bell", bank, &bell, NULL);                  // worker thread
+ *   const double point_m[3] = {0, 0, 0.1}, impulse_ns[3] = {0, 0, -0.02};
+ *   ringdown_strike(mixer, 480, bell, point_m, impulse_ns, 2e-4, NULL);  // control thread: at frame 480
+ *   ringdown_render(mixer, left, right, 256);                        // audio thread: frames 0 ... 255
+ *
+ * The library is the mixer of the daemon ringdownd and of `ringdown render`: what is sent to either gives the same
+ * samples here. It opens no socket, starts no thread (unless settings.threads says so), prints nothing and has no
+ * global state: any number of mixers live side by side. Scenes of rigid bodies are a library of their own,
+ * ringdown_scene.h.
+ *
+ * UNITS are SI: metres, seconds, newtons, kilograms, Hz, pascals; angles do not occur. Points and impulses of an object
+ * are in the object's own frame, the one of its mesh. Frames are right-handed. A left-handed world with y up (Unity:
+ * x right, y up, z forward) is mapped to a right-handed one by negating one axis of every point, impulse and
+ * direction, say z, and the x and y components of every quaternion; centimetres are divided by 100 (impulses in
+ * kg cm/s as well).
+ *
+ * TIME is counted in sample frames, 64 bits, from 0, the first frame a mixer renders; ringdown_now() is the frame that
+ * the next block begins with. An event happens at its own frame, whatever the block size, up to an hour ahead. One
+ * whose frame has passed happens at once and is counted as late. So "as soon as possible" is frame 0, and "at offset k
+ * of the next block" is ringdown_now() + k.
+ *
+ * THREADS. Each function says which thread may call it, for one mixer:
+ *   [worker]   one thread at a time. May allocate, read files and take milliseconds.
+ *   [control]  one thread at a time. Allocates nothing, locks nothing, makes no system call while it succeeds, so it
+ *              may be the audio thread.
+ *   [audio]    one thread at a time: ringdown_render(). Allocates nothing, locks nothing, makes no system call, and
+ *              takes time in proportion to what sounds.
+ *   [any]      any number of threads.
+ * The three may be one thread or three, and none waits for another. Functions of different mixers never meet. While
+ * ringdown_mixer_destroy() or ringdown_set_sample_rate() runs, no other function of that mixer may.
+ *
+ * OWNERSHIP. Whoever opens a bank releases it; mixers hold on to the banks of their objects by themselves, so a bank
+ * may be released as soon as it has been added. Arrays that the library returns belong to it, and say how long they
+ * live. Strings are UTF-8 and end with 0.
+ *
+ * ERRORS. A function that can fail returns 0 (RINGDOWN_OK) or what kind of failure it was, and writes one sentence for
+ * people into `error` unless that is NULL: what, where, what to do. After a failure nothing has changed. Numbers that
+ * are not finite, and null pointers where something is needed, are refused and never crash. No exception leaves the
+ * library.
+ *
+ * VERSIONS. A struct begins with its `size`: set it to sizeof the struct, as its _init function does. Later versions
+ * add members at the end and functions, and change or remove none while the library's number (libringdown.so.0) stays,
+ * so that a program runs with every later library of that number. What a caller's struct is too short for keeps its
+ * default. Members that a library is too old for are refused when they are not 0.
+ *
+ * The library is under the MIT licence and links nothing under the GPL (docs/use/library.md lists what it links). */
+#ifndef RINGDOWN_H
+#define RINGDOWN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(RINGDOWN_BUILDING) && defined(__GNUC__)
+#define RINGDOWN_API __attribute__((visibility("default")))
+#else
+#define RINGDOWN_API
+#endif
+
+/* ---- Errors and version ------------------------------------------------------------------------------------------ */
+
+typedef enum ringdown_result {
+  RINGDOWN_OK = 0,
+  RINGDOWN_BAD_INPUT = 1,    /* a file or an argument is missing, unreadable, or not what it should be */
+  RINGDOWN_TOO_LARGE = 2,    /* it exceeds a limit: bytes, modes, objects */
+  RINGDOWN_REFUSED = 3,      /* sound, but impossible now: a queue is full, there is no such object any more */
+  RINGDOWN_NO_MEMORY = 4,    /* the computer has not enough memory */
+  RINGDOWN_INPUT_OUTPUT = 5  /* the operating system could not read on or start a thread */
+} ringdown_result;
+
+typedef struct ringdown_error {
+  ringdown_result result;
+  char sentence[508]; /* ends with 0; cut off at a character if it is longer */
+} ringdown_error;
+
+/* The library's version, "0.1.0"; lives for ever. [any] */
+RINGDOWN_API const char* ringdown_version(void);
+
+/* ---- Banks: what a body's modes are ------------------------------------------------------------------------------ */
+
+/* A bank is immutable and may be shared by any number of objects, mixers and threads. All functions of this part: [any]. */
+typedef struct ringdown_bank ringdown_bank;
+
+/* Reads a bank, a .glb of `ringdown bake` or of another program (KHR_audio_rigid_bodies). */
+RINGDOWN_API ringdown_result ringdown_bank_open(const char* path, ringdown_bank** bank, ringdown_error* error);
+
+/* Reads a bank from `bytes` bytes of memory, which are not needed afterwards. `name` stands in sentences where the path
+ * would; NULL: "bank". */
+RINGDOWN_API ringdown_result ringdown_bank_parse(const void* glb, size_t bytes, const char* name, ringdown_bank** bank,
+                                                 ringdown_error* error);
+
+/* Gives the bank back; objects that play it go on. NULL is allowed. */
+RINGDOWN_API void ringdown_bank_release(ringdown_bank* bank);
+
+/* M modes, in order of decreasing importance to the ear; P points on the surface at which shapes are known; T triangles
+ * between them. */
+typedef struct ringdown_bank_info {
+  size_t size;
+  size_t modes, points, triangles; /* M, P, T */
+  const char* name;                /* of the object, "" without one; lives as long as the bank */
+  const char* material;            /* "" without one; lives as long as the bank */
+  double youngs_modulus_pa, poisson_ratio, density_kg_m3; /* 0 without a material */
+  double mass_kg;                                         /* 0: not known */
+  double center_of_mass_m[3];
+  int has_radiation; /* 1: modes have maps of what they radiate in which direction */
+} ringdown_bank_info;
+
+/* Fills as many members as info->size has room for. */
+RINGDOWN_API ringdown_result ringdown_bank_describe(const ringdown_bank* bank, ringdown_bank_info* info);
+
+/* Arrays of the bank; they live as long as it does. */
+RINGDOWN_API const double* ringdown_bank_frequencies_hz(const ringdown_bank* bank);  /* M, damped */
+RINGDOWN_API const double* ringdown_bank_decays_per_s(const ringdown_bank* bank);    /* M, of the amplitude; T60 = 6.91/decay */
+RINGDOWN_API const float* ringdown_bank_points_m(const ringdown_bank* bank);         /* P x 3 */
+RINGDOWN_API const float* ringdown_bank_shapes(const ringdown_bank* bank);           /* M x P x 3, mass-normalised [kg^-1/2] */
+RINGDOWN_API const uint32_t* ringdown_bank_triangles(const ringdown_bank* bank);     /* T x 3 point numbers */
+
+/* Sound pressure at 1 m per modal velocity, rms over directions [Pa / (kg^1/2 m/s)], into `levels`, which has room for
+ * M numbers. A strike of impulse J at a point gives mode m the modal velocity shapes[m][point] . J. */
+RINGDOWN_API ringdown_result ringdown_bank_levels_pa(const ringdown_bank* bank, double* levels);
+
+/* The far field F of a mode towards `count` directions (count x 3, any length but 0): count x 2 numbers, real and
+ * imaginary part [m^2 kg^-1/2]. The pressure at distance r is i rho omega v F exp(ikr)/r for a modal velocity v, with
+ * time as exp(-i omega t). Fails without maps. */
+RINGDOWN_API ringdown_result ringdown_bank_far_field(const ringdown_bank* bank, size_t mode, const double* directions,
+                                                     size_t count, float* far_field, ringdown_error* error);
+
+/* ---- A mixer ----------------------------------------------------------------------------------------------------- */
+
+typedef struct ringdown_mixer ringdown_mixer;
+
+typedef struct ringdown_settings {
+  size_t size;
+  double sample_rate_hz; /* 8000 ... 384000; default 48000 */
+  double full_scale_pa;  /* the sound pressure at 1 m that becomes a sample of 1; default 20, 117 dB SPL */
+  double limiter_db;     /* ceiling of left and right, -60 ... 0 dB of full scale, or 1: no limiter; default -1. The limiter
+                            delays left and right by ringdown_latency() frames. */
+  double floor_db;       /* modes so far below full scale rest until the next strike; 20 ... 300, default 120 */
+  int exact_contacts;    /* 1: a strike's pulse drives the modes sample by sample while it lasts; default 0 */
+  int ambisonic_order;   /* 1 ... 3: render_ambisonics() writes (order + 1)^2 channels; default 0: none */
+  int threads;           /* that render large scenes, the audio thread among them; default 1 */
+  const char* head;      /* binaural left and right: a SOFA file, or "" for the head that libmysofa brings; default NULL:
+                            stereo */
+} ringdown_settings;
+
+/* Fills in the defaults: ringdown_settings settings; ringdown_settings_init(&settings, sizeof settings); [any] */
+RINGDOWN_API void ringdown_settings_init(ringdown_settings* settings, size_t size);
+
+/* Makes a mixer; settings NULL: the defaults. [any] */
+RINGDOWN_API ringdown_result ringdown_mixer_create(const ringdown_settings* settings, ringdown_mixer** mixer,
+                                                   ringdown_error* error);
+/* Ends what rings. NULL is allowed. [any, while no other function of this mixer runs] */
+RINGDOWN_API void ringdown_mixer_destroy(ringdown_mixer* mixer);
+
+/* Goes on at another sample rate; what rings keeps its pitch. [any, while no other function of this mixer runs] */
+RINGDOWN_API ringdown_result ringdown_set_sample_rate(ringdown_mixer* mixer, double sample_rate_hz,
+                                                      ringdown_error* error);
+
+/* ---- Objects [worker] -------------------------------------------------------------------------------------------- */
+
+enum { RINGDOWN_MAX_OBJECTS = 1024, RINGDOWN_MAX_DAMPERS = 8, RINGDOWN_MAX_INPUTS = 4 };
+
+/* Adds an object that plays the bank and writes its number to `object`: the number is what all other functions take.
+ * An object of that name gets the new bank and keeps its number, and what rings goes on with the old one. A name has 1
+ * to 64 letters, digits, '_', '-' or '.'; NULL: "object" and the number. */
+RINGDOWN_API ringdown_result ringdown_add(ringdown_mixer* mixer, const char* name, const ringdown_bank* bank,
+                                          uint32_t* object, ringdown_error* error);
+
+/* Takes the object away: what rings fades out within some milliseconds. */
+RINGDOWN_API ringdown_result ringdown_remove(ringdown_mixer* mixer, uint32_t object, ringdown_error* error);
+
+/* Factors on the bank's own material and size, each > 0 (alpha and beta may be 0); all 1 is the bank as baked. What
+ * rings is retuned. Exact, without a new bake: stiffness is Young's modulus, size is a length, alpha and beta scale
+ * what modes lose to air and support, and to the material. */
+typedef struct ringdown_material {
+  size_t size_of_struct; /* sizeof(ringdown_material) */
+  double stiffness, density, size, alpha, beta;
+} ringdown_material;
+RINGDOWN_API void ringdown_material_init(ringdown_material* material, size_t size_of_struct); /* [any] */
+RINGDOWN_API ringdown_result ringdown_set_material(ringdown_mixer* mixer, uint32_t object,
+                                                   const ringdown_material* material, ringdown_error* error);
+
+/* Lays a hand or a table on the object: damper `number` < RINGDOWN_MAX_DAMPERS at the point of the surface nearest to
+ * point_m resists motion along `direction` (0 0 0: any motion) with damping_ns_m newtons per m/s, from frame `frame`
+ * on. Damping 0 takes the damper away. A light touch of a finger is about 0.1, a hand 10. */
+RINGDOWN_API ringdown_result ringdown_hold(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t number,
+                                           const double point_m[3], const double direction[3], double damping_ns_m,
+                                           ringdown_error* error);
+
+/* While any object is soloed, only soloed ones are heard; a muted one never is. Fades within 20 ms. */
+RINGDOWN_API ringdown_result ringdown_mute(ringdown_mixer* mixer, uint32_t object, int on, ringdown_error* error);
+RINGDOWN_API ringdown_result ringdown_solo(ringdown_mixer* mixer, uint32_t object, int on, ringdown_error* error);
+
+/* From the next block on, input `input` < RINGDOWN_MAX_INPUTS of ringdown_render_all() pushes the object: a sample of 1
+ * is force_n newtons at point_m. A force of 0 0 0 ends that. */
+RINGDOWN_API ringdown_result ringdown_excite(ringdown_mixer* mixer, uint32_t input, uint32_t object,
+                                             const double point_m[3], const double force_n[3], ringdown_error* error);
+
+/* Frees what no longer sounds: banks, and the numbers of objects that were removed. Several times a second. */
+RINGDOWN_API void ringdown_collect(ringdown_mixer* mixer);
+
+/* ---- Events [control] -------------------------------------------------------------------------------------------- */
+
+/* At most 4096 events may come between two blocks; one more is refused and counted as dropped. */
+
+/* Strikes the object: an impulse [N s] at the point of its surface nearest to point_m. A point that is farther from the
+ * object than the object is large is refused: it is in other units or in other coordinates. The contact lasts
+ * contact_time_s, 0 ... 0.1: about 0.0001 for steel or hard wood, 0.001 for a rubber mallet; 0 is an ideal impulse. */
+RINGDOWN_API ringdown_result ringdown_strike(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                             const double point_m[3], const double impulse_ns[3],
+                                             double contact_time_s, ringdown_error* error);
+/* The same at sample point `point` < P of the object's bank. */
+RINGDOWN_API ringdown_result ringdown_strike_at(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t point,
+                                                const double impulse_ns[3], double contact_time_s,
+                                                ringdown_error* error);
+/* A blow that sets the object in motion as a whole, which is heard too; its ringing is a strike of its own. */
+RINGDOWN_API ringdown_result ringdown_click(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                            const double impulse_ns[3], double contact_time_s, ringdown_error* error);
+
+/* Something slides or rolls on the object. Send one such event for each contact at 30 to 200 Hz while it lasts; force
+ * and speeds change gradually in between. It ends with a force of 0 0 0, or 0.1 s after the last event. */
+typedef struct ringdown_contact {
+  size_t size;
+  uint32_t number;             /* which of the object's contacts */
+  double point_m[3];           /* object frame */
+  double force_n[3];           /* on the object: normal and friction together */
+  double slip_m_s;             /* speed at which the surfaces slide past each other */
+  double roll_m_s;             /* speed at which the point of contact travels as they roll */
+  double roughness_m;          /* rms height of both surfaces' roughness; default 2e-6 */
+  double correlation_m;        /* longest wavelength of the roughness; default 5e-5 */
+  double spectral_slope;       /* power over spatial frequency falls as f^slope, <= 0; default -2.4 */
+} ringdown_contact;
+RINGDOWN_API void ringdown_contact_init(ringdown_contact* contact, size_t size); /* [any] */
+RINGDOWN_API ringdown_result ringdown_touch(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                            const ringdown_contact* contact, ringdown_error* error);
+
+/* Sets `count` modes going, from mode `first` up, counted from the lowest frequency, each at `amplitude` of full
+ * scale. */
+RINGDOWN_API ringdown_result ringdown_ring(ringdown_mixer* mixer, int64_t frame, uint32_t object, uint32_t first,
+                                           uint32_t count, double amplitude, ringdown_error* error);
+
+/* Linear gain, 0 ... 100, reached over ramp_s seconds; and pan, -1 left ... 1 right, which counts while nobody listens
+ * from a place. */
+RINGDOWN_API ringdown_result ringdown_gain(ringdown_mixer* mixer, int64_t frame, uint32_t object, double gain,
+                                           double ramp_s, ringdown_error* error);
+RINGDOWN_API ringdown_result ringdown_pan(ringdown_mixer* mixer, int64_t frame, uint32_t object, double pan,
+                                          ringdown_error* error);
+
+/* Fades what rings to silence within ramp_s seconds, or a few milliseconds if that is longer. */
+RINGDOWN_API ringdown_result ringdown_clear(ringdown_mixer* mixer, int64_t frame, uint32_t object, double ramp_s,
+                                            ringdown_error* error);
+
+/* Where the object's frame lies in the world at this frame: position and unit quaternion w x y z. Counts once a
+ * listener is set. Poses 30 to 100 times a second are enough: they are interpolated. */
+RINGDOWN_API ringdown_result ringdown_pose(ringdown_mixer* mixer, int64_t frame, uint32_t object,
+                                           const double position_m[3], const double rotation_wxyz[4],
+                                           ringdown_error* error);
+/* Where the listener's frame lies: x to the front, y to the left, z up. From then on directions, distances, Doppler
+ * shift and absorption by the air are heard. */
+RINGDOWN_API ringdown_result ringdown_listener(ringdown_mixer* mixer, int64_t frame, const double position_m[3],
+                                               const double rotation_wxyz[4], ringdown_error* error);
+RINGDOWN_API ringdown_result ringdown_listener_off(ringdown_mixer* mixer, int64_t frame, ringdown_error* error);
+/* The air between, for what it absorbs: -50 ... 60 degrees Celsius, 0 ... 100 percent; default 20, 50. */
+RINGDOWN_API ringdown_result ringdown_listener_air(ringdown_mixer* mixer, int64_t frame, double temperature_c,
+                                                   double humidity_percent, ringdown_error* error);
+
+/* ---- Sound [audio] ----------------------------------------------------------------------------------------------- */
+
+/* Writes the next `frames` frames of left and right, any number, which need not be the same each time. */
+RINGDOWN_API void ringdown_render(ringdown_mixer* mixer, float* left, float* right, size_t frames);
+
+/* The same with ambisonic channels and inputs. A NULL pointer is a channel to which nobody listens, which costs
+ * nothing, or an input that is silent. */
+typedef struct ringdown_block {
+  size_t size;
+  size_t frames;
+  float* mix[2];                            /* left, right */
+  float* ambisonics[16];                    /* AmbiX: ACN order, SN3D; without limiter, not delayed */
+  const float* inputs[RINGDOWN_MAX_INPUTS]; /* ringdown_excite() */
+} ringdown_block;
+RINGDOWN_API void ringdown_render_all(ringdown_mixer* mixer, const ringdown_block* block);
+
+/* ---- State [any] ------------------------------------------------------------------------------------------------- */
+
+RINGDOWN_API int64_t ringdown_now(const ringdown_mixer* mixer);      /* frames rendered so far */
+RINGDOWN_API size_t ringdown_latency(const ringdown_mixer* mixer);   /* frames by which the limiter delays left and right */
+
+typedef struct ringdown_status {
+  size_t size;
+  uint64_t strikes;        /* played so far */
+  uint64_t late;           /* events that came after their frame */
+  uint64_t dropped;        /* events refused because too many waited */
+  uint64_t refused;        /* strikes on what does not exist any more */
+  uint64_t not_finite;     /* voices silenced because a state was not a sensible number */
+  uint32_t objects;        /* that exist */
+  uint32_t sounding;       /* voices that rang in the last block */
+  uint32_t ringing_modes;  /* modes that rang in the last block */
+  float peak;              /* largest |sample| of the last block */
+} ringdown_status;
+RINGDOWN_API ringdown_result ringdown_get_status(const ringdown_mixer* mixer, ringdown_status* status);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,61 @@
+/* libringdown-scene: rigid bodies that fall, collide, slide and roll, and sound by a mixer of libringdown.
+ *
+ *   ringdown_scene* scene;
+ *   ringdown_scene_load(mixer, "dominoes.toml", 0, &scene, NULL);   // [worker] objects and bodies; scene time 0 is frame 0
+ *   while (playing) {
+ *     ringdown_scene_advance(scene, ringdown_now(mixer) + 1024);    // [scene] all events before that frame
+ *     ringdown_render(mixer, left, right, 1024);                    // [audio]
+ *   }
+ *   ringdown_scene_destroy(scene);                                  // [worker] before the mixer
+ *
+ * Units, errors and versions are as in ringdown.h, whose threads get one more: [scene] is one thread at a time that
+ * steps a scene, the worker or another one, never the audio thread.
+ *
+ * It is a library of its own because of ODE, which computes the motion: ODE has global state, and ends the process on
+ * input that it does not expect. So everything is checked before ODE sees it, and one lock for the whole process lets
+ * one call of this library after the other use ODE: scenes of several mixers wait for each other. The library takes
+ * mixers of the libringdown of its own version only, and refuses others. ODE is used under its BSD licence. */
+#ifndef RINGDOWN_SCENE_H
+#define RINGDOWN_SCENE_H
+
+#include "ringdown.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct ringdown_scene ringdown_scene;
+
+/* Loads a scene file (docs/use/scenes.md) and the objects that it names into the mixer, and starts it at `frame`. A
+ * mixer has at most one scene: that of before must have been destroyed. [worker] */
+RINGDOWN_API ringdown_result ringdown_scene_load(ringdown_mixer* mixer, const char* path, int64_t frame,
+                                                 ringdown_scene** scene, ringdown_error* error);
+/* Ends the scene; what rings goes on ringing, and its objects stay. NULL is allowed. [worker, while no other function of
+ * this scene runs] */
+RINGDOWN_API void ringdown_scene_destroy(ringdown_scene* scene);
+
+/* Steps the bodies until all events before `frame` have been sent to the mixer. Call it with a frame that lies a little
+ * ahead, 10 to 50 ms. The ring between takes 4096 events, so steps of a second are too long. [scene] */
+RINGDOWN_API void ringdown_scene_advance(ringdown_scene* scene, int64_t frame);
+
+RINGDOWN_API ringdown_result ringdown_scene_pause(ringdown_scene* scene, int paused, ringdown_error* error); /* [worker] */
+/* An impulse [N s] in the scene's axes at the body's centre of mass. [worker] */
+RINGDOWN_API ringdown_result ringdown_scene_push(ringdown_scene* scene, uint32_t body, const double impulse_ns[3],
+                                                 ringdown_error* error);
+/* Removes all bodies. [worker] */
+RINGDOWN_API ringdown_result ringdown_scene_clear(ringdown_scene* scene, ringdown_error* error);
+
+RINGDOWN_API double ringdown_scene_duration_s(const ringdown_scene* scene); /* as its file says; 0: for ever. [any] */
+RINGDOWN_API size_t ringdown_scene_bodies(const ringdown_scene* scene);     /* [any] */
+
+/* Where the bodies are now: fills up to `room` places and returns how many bodies there are. [any but audio] */
+typedef struct ringdown_body {
+  uint32_t number;
+  double position_m[3], rotation_wxyz[4];
+} ringdown_body;
+RINGDOWN_API size_t ringdown_scene_poses(const ringdown_scene* scene, ringdown_body* bodies, size_t room);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
