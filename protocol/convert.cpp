@@ -102,6 +102,19 @@ Result<Value> convert(const ArgumentSpec& spec, const wire::Argument& argument) 
   return convert_object(spec, argument);
 }
 
+Result<void> check_range(const ArgumentSpec& spec, const Value& value) {
+  double number = 0;
+  if (const auto* real = std::get_if<double>(&value)) {
+    number = *real;
+  } else if (const auto* integer = std::get_if<std::int32_t>(&value)) {
+    number = *integer;
+  } else {
+    return {};
+  }
+  if (number >= spec.least && number <= spec.most) return {};  // false for NaN
+  return refuse(spec, shown(number));
+}
+
 std::string expectation(const ArgumentSpec& spec) {
   const std::string unit = spec.unit.empty() ? "" : " " + std::string(spec.unit);
   const std::string range = " from " + number_text(spec.least) + " to " + number_text(spec.most) + unit;

@@ -204,6 +204,16 @@ Result<const AddressSpec*> find_address(std::string_view address) {
   return &(*row)->spec;
 }
 
+Result<void> check(const Request& request) {
+  const Row<Request>& row = request_rows()[request.index()];
+  for (std::size_t i = 0; i < row.bindings.size(); ++i) {
+    const ArgumentSpec& argument = row.spec.arguments[i];
+    const Result<void> good = check_range(argument, row.bindings[i].read(request));
+    if (!good) return fail(good.error().kind, std::string(argument.name) + " " + good.error().message);
+  }
+  return {};
+}
+
 Result<Request> parse(const wire::Message& message) {
   const auto row = find_row(request_rows(), message.address);
   if (!row) return fail(row.error());

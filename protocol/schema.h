@@ -80,6 +80,10 @@ Result<const AddressSpec*> find_address(std::string_view address);
 Result<Request> parse(const wire::Message& message);
 Result<Reply> parse_reply(const wire::Message& message);
 
+// Whether the numbers of a request that was made otherwise than by parse() lie in the table's ranges; the error names
+// the argument. Allocates nothing while they do.
+Result<void> check(const Request& request);
+
 // The inverse of parse. Requests carry numbers as d, so that nothing is lost; replies as f (reply.h).
 wire::Message format(const Request& request);
 wire::Message format(const Reply& reply);

@@ -3,13 +3,13 @@
  *   ringdown_scene* scene;
  *   ringdown_scene_load(mixer, "dominoes.toml", 0, &scene, NULL);   // [worker] objects and bodies; scene time 0 is frame 0
  *   while (playing) {
- *     ringdown_scene_advance(scene, ringdown_now(mixer) + 1024);    // [scene] all events before that frame
+ *     ringdown_scene_advance(scene, ringdown_now(mixer) + 1024);    // [worker] all events before that frame
  *     ringdown_render(mixer, left, right, 1024);                    // [audio]
  *   }
  *   ringdown_scene_destroy(scene);                                  // [worker] before the mixer
  *
- * Units, errors and versions are as in ringdown.h, whose threads get one more: [scene] is one thread at a time that
- * steps a scene, the worker or another one, never the audio thread.
+ * Units, errors and versions are as in ringdown.h. The scene belongs to the mixer's worker thread, because bodies that
+ * come to rest on an object damp it, which retunes it.
  *
  * It is a library of its own because of ODE, which computes the motion: ODE has global state, and ends the process on
  * input that it does not expect. So everything is checked before ODE sees it, and one lock for the whole process lets
@@ -35,7 +35,7 @@ RINGDOWN_API ringdown_result ringdown_scene_load(ringdown_mixer* mixer, const ch
 RINGDOWN_API void ringdown_scene_destroy(ringdown_scene* scene);
 
 /* Steps the bodies until all events before `frame` have been sent to the mixer. Call it with a frame that lies a little
- * ahead, 10 to 50 ms. The ring between takes 4096 events, so steps of a second are too long. [scene] */
+ * ahead, 10 to 50 ms. The ring between takes 4096 events, so steps of a second are too long. [worker] */
 RINGDOWN_API void ringdown_scene_advance(ringdown_scene* scene, int64_t frame);
 
 RINGDOWN_API ringdown_result ringdown_scene_pause(ringdown_scene* scene, int paused, ringdown_error* error); /* [worker] */

@@ -18,6 +18,15 @@ std::string key_of(const std::filesystem::path& path) {
 
 }  // namespace
 
+Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name) {
+  auto bank = modal::parse_bank(std::as_bytes(std::span(bytes)), name);
+  if (!bank) return fail(bank.error());
+  return within_memory("play " + name, [&]() -> Result<BankFile> {
+    return BankFile{std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(*bank))),
+                    bytes.size(), hash_of(bytes)};
+  });
+}
+
 Result<BankFile> BankReader::read(const std::filesystem::path& path) {
   const std::string key = key_of(path);
   if (const auto known = known_.find(key); known != known_.end()) {
@@ -26,14 +35,9 @@ Result<BankFile> BankReader::read(const std::filesystem::path& path) {
   }
   const auto bytes = roots_.read(path, modal::kMaxBankFileBytes);
   if (!bytes) return fail(bytes.error());
-  auto bank = modal::parse_bank(std::as_bytes(std::span(*bytes)), path.string());
-  if (!bank) return fail(bank.error());
-  return within_memory("play " + path.string(), [&]() -> Result<BankFile> {
-    auto map = std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(*bank)));
-    const ContentHash content = hash_of(*bytes);
-    known_[key] = {map, bytes->size(), content};
-    return BankFile{std::move(map), bytes->size(), content};
-  });
+  auto file = parse_bank_file(*bytes, path.string());
+  if (file) known_[key] = {file->map, file->bytes, file->content};
+  return file;
 }
 
 void BankReader::forget_unused() {

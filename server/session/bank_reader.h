@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 
 namespace ringdown::session {
 
@@ -20,6 +21,9 @@ struct BankFile {
   std::size_t bytes = 0;  // the file's size
   ContentHash content;    // of the whole file
 };
+
+// The bank in a file of these bytes; `name` stands in sentences where the file's path would.
+Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name);
 
 class BankReader {
  public:

@@ -37,8 +37,8 @@ struct Recording {
   double sample_rate_hz = 0;
   std::vector<float> left, right;
   std::vector<std::vector<float>> ambisonics;  // a row for each channel, if the mixer has ambisonic ones
-  float peak = 0;                     // largest |sample|
-  std::vector<std::string> warnings;  // of the scene, and requests that were refused and when
+  float peak = 0;                              // largest |sample|
+  std::vector<std::string> warnings;           // of the scene, and requests that were refused and when
 };
 
 // Called now and then with the share that is done, 0 to 1. If it returns false, rendering is cancelled.

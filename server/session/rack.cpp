@@ -33,12 +33,16 @@ bool Rack::push(synth::Producer producer, const Event& event) {
 Result<synth::ObjectNumber> Rack::load(const std::string& name, const std::filesystem::path& bank) {
   auto file = banks_.read(bank);
   if (!file) return fail(file.error());
+  return add(name, bank, *std::move(file));
+}
+
+Result<synth::ObjectNumber> Rack::add(const std::string& name, const std::filesystem::path& path, BankFile bank) {
   ObjectState object{.name = name,
-                     .bank = bank,
-                     .bank_bytes = file->bytes,
-                     .bank_content = file->content,
+                     .bank = path,
+                     .bank_bytes = bank.bytes,
+                     .bank_content = bank.content,
                      .bank_version = last_bank_version_ + 1,
-                     .map = std::move(file->map)};
+                     .map = std::move(bank.map)};
   const ObjectSnapshot old = objects_.find(name);
   if (old) {
     object.number = old->number;

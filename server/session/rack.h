@@ -72,6 +72,8 @@ class Rack {
   // Reads a bank and gives it to the object of that name, which is made if there is none; a bank that the object had
   // before rings out. Returns the object's number. On failure nothing has changed. [worker]
   Result<synth::ObjectNumber> load(const std::string& name, const std::filesystem::path& bank);
+  // The same with a bank that was read already, from `path`.
+  Result<synth::ObjectNumber> add(const std::string& name, const std::filesystem::path& path, BankFile bank);
 
   // Change the material or the dampers: what rings is retuned, and later strikes ring retuned. A damper in `dampers` is
   // added, or replaces the object's damper of that number, or removes that damper if its own damping is 0; the object's
