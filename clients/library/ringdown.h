@@ -88,7 +88,8 @@ RINGDOWN_API const char* ringdown_version(void);
 
 /* ---- Banks: what a body's modes are ------------------------------------------------------------------------------ */
 
-/* A bank is immutable and may be shared by any number of objects, mixers and threads. All functions of this part: [any]. */
+/* A bank is immutable and may be shared by any number of objects, mixers and threads. Open a file once and add it as
+ * often as you like: objects of one bank share its memory, and much of their work. All functions of this part: [any]. */
 typedef struct ringdown_bank ringdown_bank;
 
 /* Reads a bank, a .glb of `ringdown bake` or of another program (KHR_audio_rigid_bodies). */

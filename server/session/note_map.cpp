@@ -11,7 +11,7 @@
 namespace ringdown::session {
 namespace {
 
-constexpr Range kPosition_m{-1e4, 1e4}, kImpulse_ns{-1e4, 1e4}, kContactTime_s{0, 0.1}, kDamping_s{0.005, 60};
+constexpr Range kPoint_m{-1e4, 1e4}, kImpulse_ns{-1e4, 1e4}, kContactTime_s{0, 0.1}, kDamping_s{0.005, 60};
 constexpr std::size_t kLeadingModes = 8;
 
 template <class Value, class Read>
@@ -29,7 +29,7 @@ NoteMap::Entry read_entry(TomlTable& table) {
     table.complain("object", "an object's name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
   }
   entry.note = note;
-  optional(table, "point_m", entry.point_m, [&](Vec3& point) { table.vector("point_m", point, kPosition_m); });
+  optional(table, "point_m", entry.point_m, [&](Vec3& point) { table.vector("point_m", point, kPoint_m); });
   optional(table, "impulse_ns", entry.impulse_ns, [&](Vec3& j) { table.vector("impulse_ns", j, kImpulse_ns); });
   optional(table, "contact_time_s", entry.contact_time_s,
            [&](double& time) { table.number("contact_time_s", time, kContactTime_s); });

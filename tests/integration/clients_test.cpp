@@ -90,8 +90,6 @@ TEST_F(Clients, NodeIsHeard) {
               {{"NODE_PATH", modules.string()}, {"RINGDOWN_PORT", port()}});
 }
 
-TEST_F(Clients, TheGameEngineExampleIsHeard) { expect_blow({program("game_engine_strike"), "bell", port()}); }
-
 // A ball that falls on a floor in Bullet and stays there.
 TEST_F(Clients, TheBulletSimulatorIsHeard) {
   if (!std::filesystem::exists(program("ringdown-bullet"))) GTEST_SKIP() << "libbullet-dev is not installed";

@@ -99,18 +99,5 @@ TEST(OscClients, SuperColliderStrikes) {
   expect_example_blow(received[0]);
 }
 
-TEST(OscClients, TheGameEngineExampleBounces) {
-  FakeDaemon daemon;
-  EXPECT_EQ(run(RINGDOWN_BIN_DIR "/game_engine_strike bell " + daemon.port()).exit_code, 0);
-  const auto received = daemon.received(5);
-  ASSERT_EQ(received.size(), 5u);
-  // Restitution 0.6: each impulse is 0.6 of the one before, the first m v (1 + e).
-  double expected = -0.02 * 1.98 * 1.6;
-  for (const TimedMessage& timed : received) {
-    EXPECT_NEAR(strike_in(timed).impulse_ns.z, expected, 1e-6);
-    expected *= 0.6;
-  }
-}
-
 }  // namespace
 }  // namespace ringdown::wire

@@ -1,0 +1,51 @@
+// The C example bounces: its blows are where mechanics says, and each is 0.6 of the one before.
+#include "engine/modal/bank_file.h"
+#include "tests/integration/process.h"
+#include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+namespace ringdown::test {
+namespace {
+
+constexpr double kRate_hz = 48000, kPitch_hz = 1000, kDecay_per_s = 60;
+
+TEST(LibraryExample, BouncesAsMechanicsSays) {
+  const std::string program = RINGDOWN_BIN_DIR "/game_engine";
+  if (!std::filesystem::exists(program)) GTEST_SKIP() << "the example is not built with sanitizers";
+  const TemporaryFolder folder;
+  ASSERT_TRUE(modal::write_bank(single_mode_bank(kPitch_hz, kDecay_per_s, {0, 0, 1}), folder / "bell.glb"));
+  const auto sound = folder / "bounces.f32";
+  const Outcome outcome = run({program, folder / "bell.glb", sound});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+
+  std::ifstream file(sound, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  std::vector<float> samples(bytes.size() / sizeof(float));
+  std::memcpy(samples.data(), bytes.data(), samples.size() * sizeof(float));
+  ASSERT_EQ(samples.size(), 2u * 3u * 48000u);
+  const auto peak_in = [&](double from_s, double to_s) {
+    float peak = 0;
+    for (auto i = static_cast<std::size_t>(from_s * kRate_hz); i < static_cast<std::size_t>(to_s * kRate_hz); ++i) {
+      peak = std::max(peak, std::abs(samples[2 * i]));
+    }
+    return static_cast<double>(peak);
+  };
+  // The game's steps of 1/60 s move its landings by up to two steps.
+  const double fall_s = std::sqrt(2 * 0.2 / 9.81), flight_s = 2 * 0.6 * 9.81 * fall_s / 9.81;
+  EXPECT_EQ(peak_in(0, fall_s - 0.034), 0);
+  const double first = peak_in(fall_s - 0.034, fall_s + 0.04);
+  const double second = peak_in(fall_s + flight_s - 0.05, fall_s + flight_s + 0.05);
+  EXPECT_GT(first, 0);
+  EXPECT_NEAR(second / first, 0.6, 0.06);
+
+  EXPECT_EQ(run({program, "/nonexistent.glb", sound}).exit_code, 1);
+}
+
+}  // namespace
+}  // namespace ringdown::test

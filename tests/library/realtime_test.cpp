@@ -1,0 +1,42 @@
+// Events and blocks of the library on an audio thread: nothing in them allocates, locks or calls the system.
+#include "tests/support/realtime_guard.h"
+
+#include "tests/library/mixer_of_banks.h"
+
+#include <gtest/gtest.h>
+
+namespace ringdown::test {
+namespace {
+
+TEST(LibraryOnTheAudioThread, NeitherEventsNorBlocksAllocateLockOrCallTheSystem) {
+  MixerOfBanks mixer(4);
+  const std::array<double, 3> point{0, 0, 0.1}, impulse{0.01, 0, 0.02};
+  const std::array<double, 4> turned{1, 0, 0, 0};
+  std::array<float, 64> left, right;
+  ringdown_contact contact;
+  ringdown_contact_init(&contact, sizeof contact);
+  contact.point_m[2] = 0.1, contact.force_n[2] = 1, contact.slip_m_s = 0.3;
+  bool good = true;
+  ringdown_error error;
+  const RealtimeScope watch;
+  for (int block = 0; block < 2000; ++block) {
+    const std::int64_t frame = ringdown_now(mixer.get()) + block % 64;
+    const auto object = static_cast<std::uint32_t>(block % 4);
+    good = good && ringdown_strike(mixer.get(), frame, object, point.data(), impulse.data(), 0.001, &error) == 0;
+    good = good && ringdown_strike_at(mixer.get(), frame, object, 3, impulse.data(), 0, &error) == 0;
+    good = good && ringdown_click(mixer.get(), frame, object, impulse.data(), 0.001, &error) == 0;
+    good = good && ringdown_touch(mixer.get(), frame, object, &contact, &error) == 0;
+    good = good && ringdown_ring(mixer.get(), frame, object, 0, 2, 0.01, &error) == 0;
+    good = good && ringdown_gain(mixer.get(), frame, object, 0.5, 0.01, &error) == 0;
+    good = good && ringdown_pan(mixer.get(), frame, object, -0.5, &error) == 0;
+    good = good && ringdown_pose(mixer.get(), frame, object, point.data(), turned.data(), &error) == 0;
+    good = good && ringdown_listener(mixer.get(), frame, impulse.data(), turned.data(), &error) == 0;
+    if (block % 50 == 0) good = good && ringdown_clear(mixer.get(), frame, object, 0.01, &error) == 0;
+    ringdown_render(mixer.get(), left.data(), right.data(), left.size());
+  }
+  EXPECT_TRUE(good) << error.sentence;
+  EXPECT_EQ(watch.seen().total(), 0u) << watch.seen().first;
+}
+
+}  // namespace
+}  // namespace ringdown::test

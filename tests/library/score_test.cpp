@@ -1,0 +1,191 @@
+// A score of 10,000 events in 100 objects: the library gives the samples of `ringdown render`, bit for bit.
+#include "clients/library/ringdown.h"
+#include "engine/modal/bank_file.h"
+#include "protocol/schema.h"
+#include "server/session/offline.h"
+#include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace ringdown::test {
+namespace {
+
+using protocol::ObjectRef;
+
+constexpr std::size_t kObjects = 100, kBanks = 10, kEvents = 10'000, kBlock = 256;
+constexpr double kRate_hz = 48000, kSeconds = 4;
+
+struct TimedRequest {
+  std::int64_t frame = 0;
+  protocol::Request request;
+};
+
+class Composer {
+ public:
+  std::vector<TimedRequest> compose() {
+    std::vector<TimedRequest> score;
+    for (std::size_t i = 0; i < kEvents; ++i) {
+      score.push_back({static_cast<std::int64_t>(0.9 * kSeconds * kRate_hz * number(0, 1)), request()});
+    }
+    std::ranges::stable_sort(score, {}, &TimedRequest::frame);
+    return score;
+  }
+
+ private:
+  double number(double least, double most) { return std::uniform_real_distribution(least, most)(random_); }
+  Vec3 vector(double most) { return {number(-most, most), number(-most, most), number(-most, most)}; }
+
+  protocol::Request request() {
+    const ObjectRef object{.name = {}, .number = static_cast<std::uint32_t>(random_() % kObjects)};
+    switch (random_() % 12) {
+      case 0:
+        return protocol::StrikeVertex{object, static_cast<std::uint32_t>(random_() % 10), vector(0.02), 0.001};
+      case 1:
+        return protocol::SetGain{object, number(0, 0.5), number(0, 0.1)};
+      case 2:
+        return protocol::SetPan{object, number(-1, 1)};
+      case 3:
+        return protocol::RingModes{object, static_cast<std::uint32_t>(random_() % 5), 2, number(0, 0.02)};
+      case 4:
+        return protocol::Click{object, vector(0.01), 0.0005};
+      case 5: {
+        protocol::SetContact contact{object, vector(0.15), {}};
+        contact.contact.force_n = vector(2);
+        contact.contact.slip_m_s = number(0, 1);
+        return contact;
+      }
+      case 6:
+        return protocol::ClearObject{object, number(0, 0.05)};
+      default:
+        return protocol::Strike{object, vector(0.15), vector(0.02), number(0, 0.002)};
+    }
+  }
+
+  std::mt19937 random_{1};
+};
+
+// The same request by the C functions.
+struct Player {
+  ringdown_mixer* mixer;
+  std::int64_t frame;
+  ringdown_error error{};
+
+  static std::array<double, 3> xyz(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+  ringdown_result operator()(const protocol::Strike& s) {
+    return ringdown_strike(mixer, frame, *s.object.number, xyz(s.point_m).data(), xyz(s.impulse_ns).data(),
+                           s.contact_time_s, &error);
+  }
+  ringdown_result operator()(const protocol::StrikeVertex& s) {
+    return ringdown_strike_at(mixer, frame, *s.object.number, s.vertex, xyz(s.impulse_ns).data(), s.contact_time_s,
+                              &error);
+  }
+  ringdown_result operator()(const protocol::SetGain& s) {
+    return ringdown_gain(mixer, frame, *s.object.number, s.gain, s.ramp_s, &error);
+  }
+  ringdown_result operator()(const protocol::SetPan& s) {
+    return ringdown_pan(mixer, frame, *s.object.number, s.pan, &error);
+  }
+  ringdown_result operator()(const protocol::RingModes& s) {
+    return ringdown_ring(mixer, frame, *s.object.number, s.first, s.count, s.amplitude, &error);
+  }
+  ringdown_result operator()(const protocol::Click& s) {
+    return ringdown_click(mixer, frame, *s.object.number, xyz(s.impulse_ns).data(), s.contact_time_s, &error);
+  }
+  ringdown_result operator()(const protocol::SetContact& s) {
+    ringdown_contact contact;
+    ringdown_contact_init(&contact, sizeof contact);
+    std::ranges::copy(xyz(s.point_m), contact.point_m);
+    std::ranges::copy(xyz(s.contact.force_n), contact.force_n);
+    contact.slip_m_s = s.contact.slip_m_s;
+    return ringdown_touch(mixer, frame, *s.object.number, &contact, &error);
+  }
+  ringdown_result operator()(const protocol::ClearObject& s) {
+    return ringdown_clear(mixer, frame, *s.object.number, s.ramp_s, &error);
+  }
+  template <class Other>
+  ringdown_result operator()(const Other&) {
+    return RINGDOWN_REFUSED;
+  }
+};
+
+class Score : public testing::Test {
+ protected:
+  Score() {
+    for (std::size_t b = 0; b < kBanks; ++b) {
+      const auto path = folder_ / (std::to_string(b) + ".glb");
+      EXPECT_TRUE(modal::write_bank(random_bank(static_cast<std::uint32_t>(b), 20 + 5 * b, 12), path));
+      paths_.push_back(path);
+    }
+  }
+
+  session::Recording rendered(const std::vector<TimedRequest>& score) {
+    session::OfflineOptions options;
+    options.seconds = kSeconds;
+    options.block_frames = kBlock;
+    options.mixer.limiter_db = -1;
+    for (const TimedRequest& event : score) {
+      options.score.push_back({static_cast<double>(event.frame) / kRate_hz, protocol::format(event.request)});
+    }
+    for (std::size_t o = 0; o < kObjects; ++o) options.objects.emplace_back("o" + std::to_string(o), path_of(o));
+    auto recording = session::render_offline(options, [](double) { return true; });
+    EXPECT_TRUE(recording) << (recording ? "" : recording.error().message);
+    EXPECT_TRUE(recording->warnings.empty()) << recording->warnings.front();
+    return *std::move(recording);
+  }
+
+  [[nodiscard]] const std::filesystem::path& path_of(std::size_t object) const { return paths_[object % kBanks]; }
+
+  TemporaryFolder folder_;
+  std::vector<std::filesystem::path> paths_;
+};
+
+TEST_F(Score, OfTenThousandEventsGivesTheSamplesOfRingdownRender) {
+  const auto score = Composer().compose();
+  const session::Recording expected = rendered(score);
+  ASSERT_GT(expected.peak, 0.01);
+
+  ringdown_error error;
+  ringdown_mixer* mixer = nullptr;
+  ASSERT_EQ(ringdown_mixer_create(nullptr, &mixer, &error), RINGDOWN_OK) << error.sentence;
+  std::vector<ringdown_bank*> banks(kBanks);
+  for (std::size_t b = 0; b < kBanks; ++b) {
+    ASSERT_EQ(ringdown_bank_open(paths_[b].c_str(), &banks[b], &error), RINGDOWN_OK) << error.sentence;
+  }
+  for (std::size_t o = 0; o < kObjects; ++o) {
+    const std::string name = "o" + std::to_string(o);
+    std::uint32_t number = 0;
+    ASSERT_EQ(ringdown_add(mixer, name.c_str(), banks[o % kBanks], &number, &error), RINGDOWN_OK) << error.sentence;
+    ASSERT_EQ(number, o);
+  }
+  for (ringdown_bank* const bank : banks) ringdown_bank_release(bank);
+  const std::size_t late = ringdown_latency(mixer);
+  std::vector<float> left(expected.left.size() + late), right(left.size());
+  std::size_t next = 0;
+  for (std::size_t begin = 0; begin < left.size(); begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, left.size());
+    for (; next < score.size() && score[next].frame < static_cast<std::int64_t>(end); ++next) {
+      Player player{mixer, score[next].frame};
+      ASSERT_EQ(std::visit(player, score[next].request), RINGDOWN_OK) << player.error.sentence;
+    }
+    ringdown_render(mixer, left.data() + begin, right.data() + begin, end - begin);
+    ringdown_collect(mixer);
+  }
+  EXPECT_EQ(next, score.size());
+  EXPECT_TRUE(std::equal(expected.left.begin(), expected.left.end(), left.begin() + static_cast<std::ptrdiff_t>(late)));
+  EXPECT_TRUE(
+      std::equal(expected.right.begin(), expected.right.end(), right.begin() + static_cast<std::ptrdiff_t>(late)));
+  ringdown_status status{};
+  status.size = sizeof status;
+  EXPECT_EQ(ringdown_get_status(mixer, &status), RINGDOWN_OK);
+  EXPECT_EQ(status.late, 0u);
+  EXPECT_EQ(status.dropped, 0u);
+  EXPECT_EQ(status.objects, kObjects);
+  ringdown_mixer_destroy(mixer);
+}
+
+}  // namespace
+}  // namespace ringdown::test
