@@ -18,7 +18,7 @@
 #ifndef RINGDOWN_SCENE_H
 #define RINGDOWN_SCENE_H
 
-#include "ringdown.h"
+#include <ringdown.h>
 
 #ifdef __cplusplus
 extern "C" {

@@ -34,6 +34,7 @@ constexpr std::array kParts = {Part{"throughput", bench::measure_throughput},
                                Part{"instances", bench::measure_instances},
                                Part{"directions", bench::measure_directions},
                                Part{"fields", bench::measure_fields},
+                               Part{"library", bench::measure_library},
                                Part{"threads", bench::measure_threads},
                                Part{"budget", bench::measure_budget}};
 
@@ -49,7 +50,7 @@ int main(int argc, char** argv) {
   app.add_flag("--gate", gate, "exit with 1 when a promise is missed");
   app.add_flag("--quick", settings.quick, "under a minute: fewer and shorter repeats, the same promises");
   app.add_option("--only", only,
-                 "parts: throughput accuracy silence strike storm decay tail instances directions fields threads budget");
+                 "parts: throughput accuracy silence strike storm decay tail instances directions fields library threads budget");
   CLI11_PARSE(app, argc, argv);
 
   const std::string machine = bench::this_machine(synth::kernel_target());

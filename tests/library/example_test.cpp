@@ -47,5 +47,25 @@ TEST(LibraryExample, BouncesAsMechanicsSays) {
   EXPECT_EQ(run({program, "/nonexistent.glb", sound}).exit_code, 1);
 }
 
+// The page's own program compiles as C99 and plays.
+TEST(LibraryExample, OfThePageCompilesAndPlays) {
+  if (!installed("cc") || std::string(RINGDOWN_SANITIZERS) != "") GTEST_SKIP() << "no compiler, or one that sanitizes";
+  const TemporaryFolder folder;
+  std::ifstream page(RINGDOWN_SOURCE_DIR "/docs/use/library.md");
+  const std::string text{std::istreambuf_iterator<char>(page), {}};
+  const std::size_t begin = text.find("```c\n") + 5, end = text.find("```", begin);
+  ASSERT_NE(end, text.npos);
+  std::ofstream(folder / "bell.c") << text.substr(begin, end - begin);
+  const std::string library = RINGDOWN_BIN_DIR "/../lib";
+  const Outcome made =
+      run({"cc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-I" RINGDOWN_SOURCE_DIR "/clients/library",
+           folder / "bell.c", "-o", folder / "bell", "-L" + library, "-lringdown", "-Wl,-rpath," + library});
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  ASSERT_TRUE(modal::write_bank(random_bank(1, 30, 12), folder / "bell.glb"));
+  const Outcome played = run({folder / "bell", folder / "bell.glb"});
+  EXPECT_EQ(played.exit_code, 0);
+  EXPECT_NE(played.output.find("30 modes ring"), std::string::npos) << played.output;
+}
+
 }  // namespace
 }  // namespace ringdown::test

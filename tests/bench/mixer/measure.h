@@ -36,6 +36,9 @@ void measure_instances(const Settings& settings, const Sink& sink);
 void measure_directions(const Settings& settings, const Sink& sink);
 void measure_fields(const Settings& settings, const Sink& sink);
 
+// The same mixer behind the C library, blocks of 64 with a strike in each.
+void measure_library(const Settings& settings, const Sink& sink);
+
 // One thread and two, at 30,000 modes.
 void measure_threads(const Settings& settings, const Sink& sink);
 

@@ -110,6 +110,8 @@ std::vector<Promise> promises(const Rows& rows) {
   list.push_back(most("10000 modes in 100 objects in ambisonics of order 3: block time over stereo",
                       find(rows, "fields", is("ambisonics 3")), &Row::ratio, 1.25, ""));
   list.push_back(binaural(rows));
+  list.push_back(most("10000 modes in 100 objects behind libringdown: block time over the mixer's",
+                      find(rows, "library", is("libringdown")), &Row::ratio, 1.05, ""));
   const auto two_threads = [](const Row& row) { return row.who == "2 threads" && row.objects == 100; };
   list.push_back(least("30000 modes in 100 objects: block time of 1 thread over that of 2",
                        find(rows, "threads", two_threads), 1.7));

@@ -16,7 +16,8 @@ inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // no
 inline constexpr double kRate = 48000;                                     // [Hz] of everything measured
 
 struct Row {
-  std::string part;  // throughput accuracy silence strike storm decay tail instances directions fields threads budget
+  std::string
+      part;  // throughput accuracy silence strike storm decay tail instances directions fields library threads budget
   std::string who = "ours";  // or a peer, a kernel, a state
   std::size_t modes = 0, objects = 0, block = 0;
   std::string status = "ok";      // "not installed", "failed: ..."
@@ -25,9 +26,10 @@ struct Row {
   double mean_us = kNone;         // processor time of a block (strike: of a strike), median over repeats
   double p50_us = kNone, p99_us = kNone, max_us = kNone;  // wall time of single blocks
   double bytes_per_mode = kNone;
-  double ratio = kNone;  // throughput: ours in one object over this; tail: this over loud;
-                         // instances: this over shared; directions: standing over this; fields: this over stereo;
-                         // threads: 1 thread over this; budget: this over moments
+  double ratio = kNone;     // throughput: ours in one object over this; tail: this over loud;
+                            // instances: this over shared; directions: standing over this; fields: this over stereo;
+                            // library: this over the mixer by itself;
+                            // threads: 1 thread over this; budget: this over moments
   double error_db = kNone;  // of the sum, relative to the closed form in extended precision
 
   [[nodiscard]] bool ok() const { return status == "ok"; }
