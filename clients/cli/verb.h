@@ -21,6 +21,7 @@ void add_send_verb(CLI::App& app, ExitCode& outcome);       // any other message
 void add_info_verb(CLI::App& app, ExitCode& outcome);       // the modes of a bank as a table
 void add_materials_verb(CLI::App& app, ExitCode& outcome);  // the materials, and a bar of each
 void add_scale_verb(CLI::App& app, ExitCode& outcome);      // a bank in another size and material
+void add_export_verb(CLI::App& app, ExitCode& outcome);     // a bank as samples for a sampler
 void add_render_verb(CLI::App& app, ExitCode& outcome);     // a scene or a score to a sound file
 
 }  // namespace ringdown::cli

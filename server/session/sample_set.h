@@ -1,0 +1,58 @@
+// An object as samples for any sampler: sound files of single strikes, and an SFZ file that says which key, velocity
+// and repetition plays which. [worker]
+//
+// A strike's loudness goes with its impulse, exactly, and its colour with how long the contact lasts. So a velocity
+// layer is a contact time: softer blows last longer, by Hertz's law, as MidiPlayer has it. All layers are written at
+// one impulse, and the player scales them by (velocity / 127)^2, which is what SFZ does by itself: no steps between
+// layers are heard but those of colour. Repetitions are strikes at other points nearby. Other keys are the object in
+// another size, rendered anew, so that a sampler transposes by a few semitones at most.
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/base/vec3.h"
+#include "protocol/defaults.h"
+#include "server/session/offline.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+namespace ringdown::session {
+
+inline constexpr int kKeys = 128;
+
+struct SampleSetOptions {
+  std::filesystem::path bank;    // to read
+  std::filesystem::path folder;  // to make: NAME/NAME.sfz and NAME/samples/; must not exist
+  bool flac = false;             // 24-bit FLAC in place of 32-bit float WAV
+  double sample_rate_hz = 48000;
+
+  struct Keys {
+    int low, high;  // MIDI keys, both included
+  };
+  std::optional<Keys> keys;  // nothing: the object in its own size, on its own key
+  int step = 3;              // keys from one size to the next
+  std::optional<int> pitch;  // the MIDI key that the object in its own size sounds; nothing: found by its modes
+
+  int velocities = 5;          // layers
+  int strikes = 4;             // that take turns when a key is repeated
+  std::vector<Vec3> places_m;  // where it is struck; more than one: chosen by key switches. None: where it is loudest
+  double scatter = 0.06;       // how far the turns' points lie apart, of the object's size
+  double contact_time_s = 0.001;    // of the hardest blow
+  double max_s = 15;                // of a sample
+  std::optional<double> release_s;  // a released key is damped within so many seconds; nothing: it rings on
+};
+
+struct SampleSet {
+  std::size_t samples = 0;
+  double seconds = 0;  // of all of them
+  double pitch_hz = 0;
+  int key = 0;  // on which the object in its own size lies
+  std::filesystem::path sfz;
+};
+
+// Renders the samples and writes them. The folder appears when it is complete.
+Result<SampleSet> write_sample_set(const SampleSetOptions& options, const Progress& progress);
+
+}  // namespace ringdown::session
