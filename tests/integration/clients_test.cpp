@@ -90,6 +90,15 @@ TEST_F(Clients, NodeIsHeard) {
               {{"NODE_PATH", modules.string()}, {"RINGDOWN_PORT", port()}});
 }
 
+// A ball that bounces in Godot: from its collision callback to the sound.
+TEST_F(Clients, GodotIsHeard) {
+  if (!installed("godot3-server")) GTEST_SKIP() << "godot3-server is not installed";
+  const auto project = folder_ / "godot";
+  std::filesystem::copy(kClients + "godot", project);
+  expect_blow({"godot3-server", "--path", project.string()},
+              {{"HOME", folder_.path().string()}, {"LC_ALL", "en_US"}, {"RINGDOWN_PORT", port()}});
+}
+
 // A ball that falls on a floor in Bullet and stays there.
 TEST_F(Clients, TheBulletSimulatorIsHeard) {
   if (!std::filesystem::exists(program("ringdown-bullet"))) GTEST_SKIP() << "libbullet-dev is not installed";

@@ -47,6 +47,32 @@ TEST(LibraryExample, BouncesAsMechanicsSays) {
   EXPECT_EQ(run({program, "/nonexistent.glb", sound}).exit_code, 1);
 }
 
+// C# plays the same bounces through the same library, in a world as Unity's: the same bytes.
+TEST(LibraryExample, InCSharpGivesTheBytesOfTheOneInC) {
+  if (!installed("mcs") || !installed("mono")) GTEST_SKIP() << "mono-mcs and mono-runtime are not installed";
+  const std::string program = RINGDOWN_BIN_DIR "/game_engine";
+  if (!std::filesystem::exists(program)) GTEST_SKIP() << "the example is not built with sanitizers";
+  const TemporaryFolder folder;
+  const std::string sources = RINGDOWN_SOURCE_DIR "/clients/csharp/";
+  const auto bounce = folder / "Bounce.exe";
+  const Outcome made = run({"mcs", "-out:" + bounce.string(), sources + "Bounce.cs", sources + "Ringdown.cs"});
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  ASSERT_TRUE(modal::write_bank(random_bank(1, 30, 12), folder / "bell.glb"));
+  const Process::Environment environment = {{"LD_LIBRARY_PATH", RINGDOWN_BIN_DIR "/../lib"}};
+  const Outcome sharp = run({"mono", bounce, folder / "bell.glb", folder / "sharp.f32"}, environment);
+  ASSERT_EQ(sharp.exit_code, 0) << sharp.output;
+  ASSERT_EQ(run({program, folder / "bell.glb", folder / "c.f32"}).exit_code, 0);
+  const auto bytes_of = [](const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+  };
+  EXPECT_EQ(bytes_of(folder / "sharp.f32").size(), 8u * 3 * 48000);
+  EXPECT_TRUE(bytes_of(folder / "sharp.f32") == bytes_of(folder / "c.f32"));
+  const Outcome refused = run({"mono", bounce, "/nonexistent.glb", folder / "sharp.f32"}, environment);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.output.find("/nonexistent.glb"), std::string::npos) << refused.output;
+}
+
 // The page's own program compiles as C99 and plays.
 TEST(LibraryExample, OfThePageCompilesAndPlays) {
   if (!installed("cc") || std::string(RINGDOWN_SANITIZERS) != "") GTEST_SKIP() << "no compiler, or one that sanitizes";

@@ -1,0 +1,247 @@
+// libringdown for C#: Unity, Godot's C#, MonoGame, plain .NET. Copy this file and put libringdown beside the program (in
+// Unity: Assets/Plugins).
+//
+//   using var bank = new Ringdown.Bank("bell.glb");
+//   using var mixer = new Ringdown.Mixer(AudioSettings.outputSampleRate);
+//   uint bell = mixer.Add("bell", bank);                                       // while a level loads
+//   mixer.Strike(bell, Vector.FromUnity(p.x, p.y, p.z), Vector.FromUnity(j.x, j.y, j.z));  // in a collision callback
+//   void OnAudioFilterRead(float[] data, int channels) { mixer.Render(data, channels); }   // Unity's audio callback
+//
+// Units are SI: metres, newton seconds, in the object's own frame. ringdown.h is the manual: which thread may call what,
+// and what each number may be. Errors are exceptions with the library's sentence. Unity's world is left-handed and
+// Unreal's in centimetres, too: Vector.FromUnity and the like convert. Rendering and events allocate nothing.
+using System;
+using System.Runtime.InteropServices;
+
+namespace Ringdown {
+
+public sealed class RingdownException : Exception {
+  public RingdownException(string sentence) : base(sentence) {}
+}
+
+// A point [m], an impulse [N s] or a direction in a right-handed frame.
+[StructLayout(LayoutKind.Sequential)]
+public struct Vector {
+  public double X, Y, Z;
+  public Vector(double x, double y, double z) { X = x; Y = y; Z = z; }
+
+  // Unity: left-handed, y up, metres.
+  public static Vector FromUnity(double x, double y, double z) { return new Vector(x, y, -z); }
+  // Unreal: left-handed, z up, centimetres; impulses are kg cm/s.
+  public static Vector FromUnreal(double x, double y, double z) { return new Vector(x / 100, -y / 100, z / 100); }
+  // Godot and glTF: right-handed, y up, metres.
+  public static Vector FromGodot(double x, double y, double z) { return new Vector(x, y, z); }
+}
+
+// A turn, as a unit quaternion.
+[StructLayout(LayoutKind.Sequential)]
+public struct Turn {
+  public double W, X, Y, Z;
+  public Turn(double w, double x, double y, double z) { W = w; X = x; Y = y; Z = z; }
+
+  public static Turn FromUnity(double x, double y, double z, double w) { return new Turn(w, -x, -y, z); }
+  public static Turn FromUnreal(double x, double y, double z, double w) { return new Turn(w, -x, y, -z); }
+  public static Turn FromGodot(double x, double y, double z, double w) { return new Turn(w, x, y, z); }
+}
+
+// Room for one struct ringdown_error.
+sealed class Failure : IDisposable {
+  const int kBytes = 512;
+  public readonly IntPtr Room = Marshal.AllocHGlobal(kBytes);
+
+  public void Check(int result) {
+    if (result == 0) return;
+    throw new RingdownException(Text(IntPtr.Add(Room, sizeof(int))));
+  }
+  public void Dispose() { Marshal.FreeHGlobal(Room); }
+
+  internal static string Text(IntPtr utf8) {
+    int length = 0;
+    while (Marshal.ReadByte(utf8, length) != 0) ++length;
+    var bytes = new byte[length];
+    Marshal.Copy(utf8, bytes, 0, length);
+    return System.Text.Encoding.UTF8.GetString(bytes);
+  }
+  // A string as C takes it.
+  internal static byte[] Utf8(string text) { return text == null ? null : System.Text.Encoding.UTF8.GetBytes(text + "\0"); }
+}
+
+// The modes of a body, from a file or from memory.
+public sealed class Bank : IDisposable {
+  internal IntPtr Handle;
+
+  public Bank(string path) {
+    using (var failure = new Failure()) {
+      failure.Check(Native.ringdown_bank_open(Failure.Utf8(path), out Handle, failure.Room));
+    }
+  }
+  public Bank(byte[] glb, string name) {
+    using (var failure = new Failure()) {
+      failure.Check(Native.ringdown_bank_parse(glb, (UIntPtr)glb.Length, Failure.Utf8(name), out Handle, failure.Room));
+    }
+  }
+  ~Bank() { Dispose(); }
+  public void Dispose() {
+    Native.ringdown_bank_release(Handle);
+    Handle = IntPtr.Zero;
+    GC.SuppressFinalize(this);
+  }
+
+  // In order of decreasing importance to the ear.
+  public double[] FrequenciesHz() { return Numbers(Native.ringdown_bank_frequencies_hz(Handle)); }
+  // Of the amplitude; T60 is 6.91 over it.
+  public double[] DecaysPerSecond() { return Numbers(Native.ringdown_bank_decays_per_s(Handle)); }
+
+  double[] Numbers(IntPtr from) {
+    var info = new Native.BankInfo { Size = (UIntPtr)Marshal.SizeOf(typeof(Native.BankInfo)) };
+    Native.ringdown_bank_describe(Handle, ref info);
+    var numbers = new double[(int)info.Modes];
+    Marshal.Copy(from, numbers, 0, numbers.Length);
+    return numbers;
+  }
+}
+
+// What rings.
+public sealed class Mixer : IDisposable {
+  IntPtr handle_;
+  readonly Failure failure_ = new Failure(), eventFailure_ = new Failure();  // of the worker, of control
+  float[] left_ = new float[8192], right_ = new float[8192];
+
+  public Mixer(double sampleRateHz = 48000) {
+    var settings = new Native.Settings();
+    Native.ringdown_settings_init(ref settings, (UIntPtr)Marshal.SizeOf(typeof(Native.Settings)));
+    settings.SampleRateHz = sampleRateHz;
+    failure_.Check(Native.ringdown_mixer_create(ref settings, out handle_, failure_.Room));
+  }
+  ~Mixer() { Dispose(); }
+  public void Dispose() {
+    if (handle_ == IntPtr.Zero) return;
+    Native.ringdown_mixer_destroy(handle_);
+    handle_ = IntPtr.Zero;
+    failure_.Dispose();
+    eventFailure_.Dispose();
+    GC.SuppressFinalize(this);
+  }
+
+  // Frames rendered so far: an event at Now + k happens at offset k of the next block; one at 0 as soon as possible.
+  public long Now { get { return Native.ringdown_now(handle_); } }
+  public int Latency { get { return (int)Native.ringdown_latency(handle_); } }
+
+  // [worker]
+  public uint Add(string name, Bank bank) {
+    uint number;
+    failure_.Check(Native.ringdown_add(handle_, Failure.Utf8(name), bank.Handle, out number, failure_.Room));
+    return number;
+  }
+  public void Remove(uint body) { failure_.Check(Native.ringdown_remove(handle_, body, failure_.Room)); }
+  public void Hold(uint body, uint hand, Vector point, double damping, long frame = 0) {
+    var anyway = new Vector();
+    failure_.Check(Native.ringdown_hold(handle_, frame, body, hand, ref point, ref anyway, damping, failure_.Room));
+  }
+  public void Collect() { Native.ringdown_collect(handle_); }
+
+  // [control]
+  public void Strike(uint body, Vector point, Vector impulse, double contactTime = 0.0002, long frame = 0) {
+    eventFailure_.Check(
+        Native.ringdown_strike(handle_, frame, body, ref point, ref impulse, contactTime, eventFailure_.Room));
+  }
+  public void Click(uint body, Vector impulse, double contactTime = 0.0002, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_click(handle_, frame, body, ref impulse, contactTime, eventFailure_.Room));
+  }
+  // Slides at slip metres per second, or rolls. Send it while it lasts, at 30 to 200 Hz; a force of 0 ends it.
+  public void Touch(uint body, uint contact, Vector point, Vector force, double slip, double roll = 0, long frame = 0) {
+    var touch = new Native.Contact();
+    Native.ringdown_contact_init(ref touch, (UIntPtr)Marshal.SizeOf(typeof(Native.Contact)));
+    touch.Number = contact;
+    touch.Point = point;
+    touch.Force = force;
+    touch.Slip = slip;
+    touch.Roll = roll;
+    eventFailure_.Check(Native.ringdown_touch(handle_, frame, body, ref touch, eventFailure_.Room));
+  }
+  public void Gain(uint body, double gain, double ramp = 0.02, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_gain(handle_, frame, body, gain, ramp, eventFailure_.Room));
+  }
+  public void Pan(uint body, double pan, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_pan(handle_, frame, body, pan, eventFailure_.Room));
+  }
+  public void Pose(uint body, Vector position, Turn turn, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_pose(handle_, frame, body, ref position, ref turn, eventFailure_.Room));
+  }
+  // Its frame has x to the front, y to the left and z up.
+  public void Listener(Vector position, Turn turn, long frame = 0) {
+    eventFailure_.Check(Native.ringdown_listener(handle_, frame, ref position, ref turn, eventFailure_.Room));
+  }
+
+  // [audio] Left and right, which are as long as the block.
+  public void Render(float[] left, float[] right) {
+    if (left.Length != right.Length) throw new ArgumentException("left and right must be of one length");
+    Native.ringdown_render(handle_, left, right, (UIntPtr)left.Length);
+  }
+  // [audio] Adds to interleaved samples, as Unity's OnAudioFilterRead has them; one channel gets the sum of both.
+  public void Render(float[] data, int channels) {
+    int frames = data.Length / channels;
+    for (int begin = 0; begin < frames; begin += left_.Length) {
+      int count = Math.Min(left_.Length, frames - begin);
+      Native.ringdown_render(handle_, left_, right_, (UIntPtr)count);
+      for (int i = 0; i < count; ++i) {
+        int at = (begin + i) * channels;
+        data[at] += left_[i];
+        data[channels > 1 ? at + 1 : at] += right_[i];
+      }
+    }
+  }
+}
+
+static class Native {
+  const string kLibrary = "ringdown";
+
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct BankInfo {
+    public UIntPtr Size, Modes, Points, Triangles;
+    public IntPtr Name, Material;
+    public double YoungsModulus, PoissonRatio, Density, Mass, CenterX, CenterY, CenterZ;
+    public int HasRadiation;
+  }
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct Settings {
+    public UIntPtr Size;
+    public double SampleRateHz, FullScale, Limiter, Floor;
+    public int ExactContacts, AmbisonicOrder, Threads;
+    public IntPtr Head;
+  }
+  [StructLayout(LayoutKind.Sequential)]
+  internal struct Contact {
+    public UIntPtr Size;
+    public uint Number;
+    public Vector Point, Force;
+    public double Slip, Roll, Roughness, Correlation, SpectralSlope;
+  }
+
+  [DllImport(kLibrary)] internal static extern int ringdown_bank_open(byte[] path, out IntPtr bank, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_bank_parse(byte[] glb, UIntPtr bytes, byte[] name, out IntPtr bank, IntPtr error);
+  [DllImport(kLibrary)] internal static extern void ringdown_bank_release(IntPtr bank);
+  [DllImport(kLibrary)] internal static extern int ringdown_bank_describe(IntPtr bank, ref BankInfo info);
+  [DllImport(kLibrary)] internal static extern IntPtr ringdown_bank_frequencies_hz(IntPtr bank);
+  [DllImport(kLibrary)] internal static extern IntPtr ringdown_bank_decays_per_s(IntPtr bank);
+  [DllImport(kLibrary)] internal static extern void ringdown_settings_init(ref Settings settings, UIntPtr size);
+  [DllImport(kLibrary)] internal static extern int ringdown_mixer_create(ref Settings settings, out IntPtr mixer, IntPtr error);
+  [DllImport(kLibrary)] internal static extern void ringdown_mixer_destroy(IntPtr mixer);
+  [DllImport(kLibrary)] internal static extern int ringdown_add(IntPtr mixer, byte[] name, IntPtr bank, out uint body, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_remove(IntPtr mixer, uint body, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_hold(IntPtr mixer, long frame, uint body, uint hand, ref Vector point, ref Vector direction, double damping, IntPtr error);
+  [DllImport(kLibrary)] internal static extern void ringdown_collect(IntPtr mixer);
+  [DllImport(kLibrary)] internal static extern int ringdown_strike(IntPtr mixer, long frame, uint body, ref Vector point, ref Vector impulse, double contactTime, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_click(IntPtr mixer, long frame, uint body, ref Vector impulse, double contactTime, IntPtr error);
+  [DllImport(kLibrary)] internal static extern void ringdown_contact_init(ref Contact contact, UIntPtr size);
+  [DllImport(kLibrary)] internal static extern int ringdown_touch(IntPtr mixer, long frame, uint body, ref Contact contact, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_gain(IntPtr mixer, long frame, uint body, double gain, double ramp, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_pan(IntPtr mixer, long frame, uint body, double pan, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_pose(IntPtr mixer, long frame, uint body, ref Vector position, ref Turn turn, IntPtr error);
+  [DllImport(kLibrary)] internal static extern int ringdown_listener(IntPtr mixer, long frame, ref Vector position, ref Turn turn, IntPtr error);
+  [DllImport(kLibrary)] internal static extern void ringdown_render(IntPtr mixer, [Out] float[] left, [Out] float[] right, UIntPtr frames);
+  [DllImport(kLibrary)] internal static extern long ringdown_now(IntPtr mixer);
+  [DllImport(kLibrary)] internal static extern UIntPtr ringdown_latency(IntPtr mixer);
+}
+
+}  // namespace Ringdown
