@@ -62,6 +62,8 @@ void add_sound_options(CLI::App& app, synth::MixerSettings& settings) {
                  "Also render the sound field around the listener: AmbiX of this order, (N + 1)^2 channels")
       ->check(manual::between(0, static_cast<int>(synth::kMaxAmbisonicOrder)))
       ->type_name("N");
+  app.add_flag("--travel-time", settings.travel_time,
+               "Let a listener hear what happens when its sound has travelled the way; without, at once");
   const auto take_head = [&settings](const std::string& sofa) {
     auto head = session::read_head(sofa);
     if (!head) throw CLI::ValidationError("--binaural", head.error().message);

@@ -34,7 +34,8 @@ ringdown_settings defaults() {
           .exact_contacts = mixer.exact_contacts,
           .ambisonic_order = 0,
           .threads = static_cast<int>(mixer.threads),
-          .head = nullptr};
+          .head = nullptr,
+          .travel_time = mixer.travel_time};
 }
 
 Result<void> check_sample_rate(double sample_rate_hz) { return within("sample_rate_hz", sample_rate_hz, 8000, 384000); }
@@ -50,6 +51,7 @@ Result<synth::MixerSettings> settings_of(const ringdown_settings& given) {
   settings.floor_db = given.floor_db;
   settings.exact_contacts = given.exact_contacts != 0;
   settings.threads = static_cast<std::size_t>(given.threads);
+  settings.travel_time = given.travel_time != 0;
   if (given.ambisonic_order > 0) settings.ambisonic_order = static_cast<std::size_t>(given.ambisonic_order);
   if (given.limiter_db != kNoLimiter_db) {
     if (auto good = within("limiter_db", given.limiter_db, -60, 0); !good) return fail(good.error());

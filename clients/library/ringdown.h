@@ -152,6 +152,7 @@ typedef struct ringdown_settings {
   int threads;           /* that render large scenes, the audio thread among them; default 1 */
   const char* head;      /* binaural left and right: a SOFA file, or "" for the head that libmysofa brings; default NULL:
                             stereo */
+  int travel_time;       /* 1: a listener hears what happens when its sound has travelled there; default 0: at once */
 } ringdown_settings;
 
 /* Fills in the defaults: ringdown_settings settings; ringdown_settings_init(&settings, sizeof settings); [any] */

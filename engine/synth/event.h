@@ -74,6 +74,12 @@ constexpr bool is_strike(const Event& event) {
 // Whether the event does nothing but add to the states of modes.
 constexpr bool excites(const Event& event) { return is_strike(event) || event.type == EventType::ring; }
 
+// Whether what the event does is heard, rather than seen or set.
+constexpr bool is_sound(const Event& event) {
+  return excites(event) || event.type == EventType::click || event.type == EventType::contact ||
+         event.type == EventType::clear;
+}
+
 // Whether the event happens to the listener, and to no object.
 constexpr bool is_of_listener(const Event& event) {
   return event.type == EventType::listener || event.type == EventType::listener_off ||

@@ -25,6 +25,7 @@ class EventQueue {
   struct Pending {
     Event event;
     std::uint64_t order = 0;  // among the events of one frame
+    bool travelled = false;   // the frame is that at which it is heard
   };
 
   // Hands an event over. False when the producer's ring is full: the event was not taken. [the producer's thread]

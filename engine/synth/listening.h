@@ -31,10 +31,6 @@ inline double level_at(double distance_m) RINGDOWN_REALTIME {
   return kReferenceDistance_m / (distance_m > kReferenceDistance_m ? distance_m : kReferenceDistance_m);
 }
 
-// `origin_m`: where the source's sound comes from, in its frame.
-Sighting sight(const Motion& source, const Vec3& origin_m, const Motion& listener,
-               double sound_speed_m_s) RINGDOWN_REALTIME;
-
 class Listening {
  public:
   Listening() { set_air({}); }
@@ -47,6 +43,14 @@ class Listening {
     on_ = true;
   }
   void leave() RINGDOWN_REALTIME { on_ = false; }
+  // Whether what a source does is heard later, by as long as its sound travels. Its poses then have to come as much
+  // later, too, so that its track is where it was when the sound left it. [worker, while nothing is rendered]
+  void set_travel_time(bool on) { travel_time_ = on; }
+  [[nodiscard]] bool travel_time() const RINGDOWN_REALTIME { return travel_time_ && on_; }
+  // Frames for which sound travels from a place to where the listener is at a frame from the last chunk on.
+  [[nodiscard]] double travel_frames(const Vec3& from_m, Frame heard, double sample_rate_hz) const RINGDOWN_REALTIME {
+    return length(track_.at(heard, sample_rate_hz).pose.position_m - from_m) / sound_speed_m_s_ * sample_rate_hz;
+  }
   void set_air(const modal::AirConditions& conditions) RINGDOWN_REALTIME;
   void rescale(Frame now) { track_.rescale(now); }  // [worker]
 
@@ -57,6 +61,9 @@ class Listening {
   [[nodiscard]] Motion at(Frame frame, double sample_rate_hz) const RINGDOWN_REALTIME {
     return track_.at(frame, sample_rate_hz);
   }
+  // `origin_m`: where the source's sound comes from, in its frame.
+  [[nodiscard]] Sighting sight(const Motion& source, const Vec3& origin_m,
+                               const Motion& listener) const RINGDOWN_REALTIME;
   [[nodiscard]] bool still() const RINGDOWN_REALTIME { return track_.still(); }
   [[nodiscard]] std::uint32_t jumps() const RINGDOWN_REALTIME { return track_.jumps(); }
   [[nodiscard]] const modal::AirAbsorption& absorption() const RINGDOWN_REALTIME { return absorption_; }
@@ -70,7 +77,7 @@ class Listening {
   modal::AirAbsorption absorption_;
   double sound_speed_m_s_ = 343.2;
   std::uint32_t airs_ = 0;
-  bool on_ = false;
+  bool on_ = false, travel_time_ = false;
 };
 
 }  // namespace ringdown::synth

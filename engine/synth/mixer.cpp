@@ -35,6 +35,7 @@ void Mixer::configure(const MixerSettings& settings) {
   const std::optional<std::size_t> order = settings.head ? kMaxAmbisonicOrder : settings.ambisonic_order;
   voices_.set_ambisonic_channels(order ? synth::ambisonic_channels(*order) : 0);
   shedding_.configure(settings.budget, settings.clock, renderer_.threads());
+  stage_.set_travel_time(settings.travel_time);
   floor_ = std::pow(10.0, -settings.floor_db / 20);
   settings_ = settings;
 }
@@ -88,7 +89,7 @@ void Mixer::render(const Outputs& outputs, const Inputs& inputs, std::size_t fra
   const double rate_hz = sample_rate_hz();
   shedding_.begin_block(frames, rate_hz, deadlines_);
   count(counters.late, timeline_.events().accept(now_));
-  for (const Event& event : timeline_.events().placings()) stage_.place(event, now_);
+  for (const Event& event : timeline_.events().placings()) stage_.place(event, now_, rate_hz);
   output_.begin_block(outputs, frames);
   renderer_.main().counts = {};
   for (std::size_t done = 0; done < frames;) {
@@ -147,7 +148,7 @@ void Mixer::change_sample_rate(double sample_rate_hz) {
   const double ratio = sample_rate_hz / this->sample_rate_hz();
   execute_commands(std::numeric_limits<Frame>::max());
   count(meters_.counters.late, timeline_.events().rescale(now_, ratio));
-  for (const Event& event : timeline_.events().placings()) stage_.place(event, now_);
+  for (const Event& event : timeline_.events().placings()) stage_.place(event, now_, sample_rate_hz);
   struct Tables {
     std::shared_ptr<ModeTable> old, renewed;
   };

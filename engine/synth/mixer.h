@@ -58,6 +58,9 @@ struct MixerSettings {
   // has a voice.
   std::optional<std::size_t> ambisonic_order = {};
 
+  // Whether what happens to an object in its place is heard at the listener when its sound has travelled there.
+  bool travel_time = false;
+
   // The head that the mix is rendered for: left and right are then its ears (binaural.h). Null: stereo.
   HeadLoader head = {};
 

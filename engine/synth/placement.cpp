@@ -68,11 +68,9 @@ bool Placement::begin_chunk(const Chunk& chunk, VoiceStack& voices, ChannelStrip
   jumps_ = jumps;
   airs_ = listening.airs();
   const Sighting begin =
-      follows ? last_
-              : sight(track.at(chunk.begin, rate_hz), origin_m, listening.at_begin(), listening.sound_speed_m_s());
+      follows ? last_ : listening.sight(track.at(chunk.begin, rate_hz), origin_m, listening.at_begin());
   const bool stands = track.still() && listening.still();
-  const Sighting end =
-      stands ? begin : sight(track.at(chunk.end(), rate_hz), origin_m, listening.at_end(), listening.sound_speed_m_s());
+  const Sighting end = stands ? begin : listening.sight(track.at(chunk.end(), rate_hz), origin_m, listening.at_end());
   const double n = static_cast<double>(chunk.frames);
   const double share = glide_left_ > 0 ? std::min(1.0, n / static_cast<double>(glide_left_)) : 1.0;
   strip.place({begin.toward_source, level_at(begin.distance_m)}, {end.toward_source, level_at(end.distance_m)},
@@ -124,8 +122,8 @@ void Placement::aim(const Chunk& chunk, const Sighting& begin, const Sighting& e
     }
     look_terms_ += terms_of(voice.table());
     const Frame then = chunk.begin + static_cast<Frame>(ahead);
-    const Sighting there = sight(track.at(then, chunk.sample_rate_hz), origin_m,
-                                 listening.at(then, chunk.sample_rate_hz), listening.sound_speed_m_s());
+    const Sighting there =
+        listening.sight(track.at(then, chunk.sample_rate_hz), origin_m, listening.at(then, chunk.sample_rate_hz));
     gains.aim(there.toward_listener, clipped(there.distance_m), listening.absorption(), ahead, true);
   });
   if (look || fresh || (stands && !stood_)) next_look_ = chunk.begin + static_cast<Frame>(ahead);
@@ -144,8 +142,8 @@ void Placement::hear(std::size_t offset, std::size_t end, const Chunk& chunk,
   const bool shifted = a.rate != 1 || b.rate != 1;
   const auto at = [&](std::size_t frame) RINGDOWN_REALTIME {
     const Frame then = chunk.begin + static_cast<Frame>(frame);
-    return sight(track.at(then, chunk.sample_rate_hz), origin_m_, chunk.listening->at(then, chunk.sample_rate_hz),
-                 chunk.listening->sound_speed_m_s());
+    return chunk.listening->sight(track.at(then, chunk.sample_rate_hz), origin_m_,
+                                  chunk.listening->at(then, chunk.sample_rate_hz));
   };
   if (shifted && offset > 0) a = at(offset);
   if (shifted && end < chunk.frames) b = at(end);
@@ -180,8 +178,8 @@ bool Placement::drifted(const Chunk& chunk, const Voice& voice, double share) RI
   const Listening& listening = *chunk.listening;
   if (!listening.on() || track.jumps() + listening.jumps() != jumps_ || listening.airs() != airs_) return true;
   track.advance(chunk.begin, chunk.sample_rate_hz);
-  const Sighting now = sight(track.at(chunk.begin, chunk.sample_rate_hz), voice.table().origin_m(),
-                             listening.at_begin(), listening.sound_speed_m_s());
+  const Sighting now =
+      listening.sight(track.at(chunk.begin, chunk.sample_rate_hz), voice.table().origin_m(), listening.at_begin());
   const double sharpness = std::max(voice.table().directions().sharpness(), 1.0);
   const double before = level_at(last_.distance_m), level = level_at(now.distance_m);
   const double most = share * kMaxDrift;

@@ -79,7 +79,8 @@ void PoseTrack::advance(Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
   }
 }
 
-// Nobody has asked for a while: what has passed since is passed over.
+// Nobody has asked for a while: what has passed since is passed over. The track goes on from the last pose that was
+// due, at that pose's own frame, or it would stay behind for as long as poses come.
 void PoseTrack::catch_up(Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
   std::size_t passed = 0;
   for (; passed < count_ && pending_.data()[passed].at <= now; ++passed) {
@@ -91,13 +92,15 @@ void PoseTrack::catch_up(Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
   count_ -= passed;
   reached_count_ = passed > 1 ? 2 : 1;
   to_ = {passed > 0 ? reached_[0].pose : to_.pose, {}, {}};
-  if (passed > 1) {
+  const double longest = kMaxInterval_s * sample_rate_hz;
+  const bool lately = passed > 0 && static_cast<double>(now - reached_[0].at) <= longest;
+  if (passed > 1 && lately) {
     const Key before = std::exchange(reached_[0], reached_[1]);
-    to_ = end_at(before, nullptr, kMaxInterval_s * sample_rate_hz);
+    to_ = end_at(before, nullptr, longest);
     reached_[0] = before;
   }
   from_ = to_;
-  begin_ = end_ = now;
+  begin_ = end_ = lately ? reached_[0].at : now;
   still_ = dot(to_.velocity, to_.velocity) + dot(to_.spin, to_.spin) == 0;
 }
 

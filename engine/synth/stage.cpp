@@ -68,7 +68,7 @@ void Stage::execute(const Command& command, Frame now) RINGDOWN_REALTIME {
   active_objects_.add(object);  // the next chunk finds out what rings, and retires what does not
 }
 
-void Stage::place(const Event& event, Frame now) RINGDOWN_REALTIME {
+void Stage::place(const Event& event, Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
   const Pose pose{event.point_m, event.rotation};
   const bool has_pose = event.type == EventType::pose || event.type == EventType::listener;
   if ((has_pose && !is_sane(pose)) ||
@@ -88,7 +88,9 @@ void Stage::place(const Event& event, Frame now) RINGDOWN_REALTIME {
   Object& object = objects_.data()[event.object];
   object_limit_ = std::max<std::size_t>(object_limit_, event.object + 1);
   const bool known = object.placement.track.known();
-  object.placement.track.add(event.frame, pose);
+  Frame seen = event.frame;
+  if (listening_.travel_time()) seen += std::llround(listening_.travel_frames(pose.position_m, now, sample_rate_hz));
+  object.placement.track.add(seen, pose);
   if (!known && listening_.on()) part(object, now);
 }
 
@@ -114,11 +116,20 @@ void Stage::route_events(const Chunk& chunk, bool exact_contacts, Shedding& shed
                          Workspace& workspace) RINGDOWN_REALTIME {
   if (chunk.listening) part_drifted(chunk);
   events_waited_ = false;
-  std::size_t count = 0;
-  for (; count < due_.size(); events_.pop()) {
+  std::size_t count = 0, sent_on = 0;
+  while (count < due_.size() && sent_on < due_.size()) {
     const EventQueue::Pending* const next = events_.next_before(chunk.end());
     if (!next) break;
     Object& object = objects_.data()[next->event.object];
+    if (const Frame way = next->travelled ? 0 : travels(next->event, object, chunk); way > 0) {
+      EventQueue::Pending heard = *next;
+      heard.event.frame = std::max(heard.event.frame, chunk.begin) + way;
+      heard.travelled = true;
+      events_.pop();
+      events_.put_back(heard);
+      ++sent_on;
+      continue;
+    }
     events_waited_ = !shedding.may_accept(object.units_of(next->event));
     if (events_waited_) break;
     DueEvent& due = due_.data()[count];
@@ -126,8 +137,26 @@ void Stage::route_events(const Chunk& chunk, bool exact_contacts, Shedding& shed
     due.event.frame = std::max(due.frame, chunk.begin);  // it may have waited since an earlier chunk
     due.offset = static_cast<std::size_t>(due.event.frame - chunk.begin);
     count += accept(due, chunk, exact_contacts, shedding, workspace) ? 1 : 0;
+    events_.pop();
   }
   for (std::size_t i = 0; i < count; ++i) give_to_source(due_.data()[i], chunk, shedding, workspace);
+}
+
+// Frames for which the sound of an event travels: it leaves where the object is then, and the object's track is late by
+// that time (Listening::set_travel_time()), so the time is found by going there and looking again.
+Frame Stage::travels(const Event& event, const Object& object, const Chunk& chunk) const RINGDOWN_REALTIME {
+  const PoseTrack& track = object.placement.track;
+  if (!chunk.listening || !chunk.listening->travel_time() || !is_sound(event) || !track.known()) return 0;
+  const Voice* const voice = object.voices.current();
+  const Frame now = std::max(event.frame, chunk.begin);
+  double way = 0;
+  for (int look = 0; look < 4; ++look) {
+    const Frame heard = now + std::llround(way);
+    const Pose pose = track.at(heard, chunk.sample_rate_hz).pose;
+    const Vec3 arm = voice ? rotated(pose.rotation, voice->table().origin_m()) : Vec3{};
+    way = chunk.listening->travel_frames(pose.position_m + arm, heard, chunk.sample_rate_hz);
+  }
+  return std::llround(way);
 }
 
 // Begins what an event begins at once. True when the event is for its object or group to play.
@@ -235,6 +264,7 @@ void Stage::put_back(DueList& due) RINGDOWN_REALTIME {
   for (; due.first; due.first = due.first->next) {
     EventQueue::Pending pending{due.first->event, due.first->order};
     pending.event.frame = due.first->frame;
+    pending.travelled = true;
     events_.put_back(pending);
     events_waited_ = true;
   }

@@ -32,7 +32,8 @@ class Stage {
   void execute(const Command& command, Frame now) RINGDOWN_REALTIME;
 
   // Takes up where something is (is_placing()).
-  void place(const Event& event, Frame now) RINGDOWN_REALTIME;
+  void place(const Event& event, Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
+  void set_travel_time(bool on) { listening_.set_travel_time(on); }  // [worker, while nothing is rendered]
   // The listener for a chunk; null when there has never been one.
   [[nodiscard]] const Listening* begin_listening(const Chunk& chunk) RINGDOWN_REALTIME {
     if (!listening_.used()) return nullptr;
@@ -117,6 +118,7 @@ class Stage {
   [[nodiscard]] ObjectNumber number_of(const Object& object) const RINGDOWN_REALTIME {
     return static_cast<ObjectNumber>(&object - objects_.data());
   }
+  [[nodiscard]] Frame travels(const Event& event, const Object& object, const Chunk& chunk) const RINGDOWN_REALTIME;
   [[nodiscard]] bool accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const Shedding& shedding,
                             Workspace& workspace) RINGDOWN_REALTIME;
   [[nodiscard]] bool starts_pulse(const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME;

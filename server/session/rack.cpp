@@ -13,6 +13,14 @@ std::string shown(const ObjectRef& object) {
   return object.number ? "number " + std::to_string(*object.number) : "\"" + object.name + "\"";
 }
 
+Result<synth::ObjectNumber> free_number(const ObjectTable& objects, const synth::Mixer& mixer) {
+  for (synth::ObjectNumber number = 0; number < synth::kMaxObjects; ++number) {
+    if (!objects.find(number) && !mixer.in_use(number)) return number;
+  }
+  return fail(ErrorKind::too_large, "name: all " + std::to_string(synth::kMaxObjects) +
+                                        " objects are in use; free one with /object/.../free");
+}
+
 }  // namespace
 
 Result<ObjectSnapshot> Rack::find(const ObjectRef& ref) const {
@@ -50,7 +58,7 @@ Result<synth::ObjectNumber> Rack::add(const std::string& name, const std::filesy
     object.mute = old->mute;
     object.solo = old->solo;
   } else {
-    const auto number = free_number();
+    const auto number = free_number(objects_, mixer_);
     if (!number) return fail(number.error());
     object.number = *number;
   }
@@ -203,14 +211,6 @@ Result<void> Rack::free(const ObjectRef& ref) {
   silences_.forget(object->number);
   observers_.report_change(object.get(), nullptr, 0);
   return silences_.update(objects_.all());
-}
-
-Result<synth::ObjectNumber> Rack::free_number() const {
-  for (synth::ObjectNumber number = 0; number < synth::kMaxObjects; ++number) {
-    if (!objects_.find(number) && !mixer_.in_use(number)) return number;
-  }
-  return fail(ErrorKind::too_large, "name: all " + std::to_string(synth::kMaxObjects) +
-                                        " objects are in use; free one with /object/.../free");
 }
 
 void Rack::change_sample_rate(double sample_rate_hz) {

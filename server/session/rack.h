@@ -121,7 +121,6 @@ class Rack {
   void collect();
 
  private:
-  [[nodiscard]] Result<synth::ObjectNumber> free_number() const;
   using Edit = std::function<void(ObjectState&)>;
   // Replaces an object's snapshot and reports that to the observers; retune() gives it a voice of the same bank first.
   // [worker]
