@@ -1,0 +1,400 @@
+// The class Mixer. Python's global lock is what makes the library's worker and control threads one: every method holds
+// it, but render, which lets other threads go on and which only one thread at a time may call.
+#include <ringdown_python.h>
+
+#include <pybind11/numpy.h>
+
+#include <atomic>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ringdown::python {
+
+const ringdown_bank* native_bank(const py::handle& bank);  // core.cpp
+
+namespace {
+
+using Object = std::uint32_t;
+using FrameOrNow = std::optional<std::int64_t>;
+
+struct Mixer {
+  explicit Mixer(const ringdown_settings& settings) : sample_rate_hz(settings.sample_rate_hz) {
+    call_without_lock(ringdown_mixer_create, &settings, &handle);
+  }
+  ~Mixer() { ringdown_mixer_destroy(handle); }
+  Mixer(const Mixer&) = delete;
+  Mixer& operator=(const Mixer&) = delete;
+
+  ringdown_mixer* handle = nullptr;
+  double sample_rate_hz;
+  std::size_t ambisonic_channels = 0;
+  std::atomic<bool> is_rendering = false;
+};
+
+// Holds the mixer for the only thread that may render or change the sample rate.
+class Rendering {
+ public:
+  explicit Rendering(Mixer& mixer) : mixer_(mixer) {
+    if (mixer.is_rendering.exchange(true)) raise(RINGDOWN_REFUSED, "another thread renders with this mixer just now");
+  }
+  ~Rendering() { mixer_.is_rendering = false; }
+  Rendering(const Rendering&) = delete;
+  Rendering& operator=(const Rendering&) = delete;
+
+ private:
+  Mixer& mixer_;
+};
+
+// Channels that the library reads or writes one after the other, on behalf of an array of frames x channels. Where the
+// array's columns are contiguous they are used as they are; otherwise write_back() copies what was rendered.
+class Channels {
+ public:
+  Channels(const py::array& array, const char* name, py::ssize_t frames, std::size_t channels)
+      : frames_(frames), count_(channels) {
+    if (!py::isinstance<py::array_t<float>>(array) || array.ndim() != 2 || array.shape(0) != frames ||
+        array.shape(1) != static_cast<py::ssize_t>(channels)) {
+      throw py::value_error(std::string(name) + " must be an array of frames x " + std::to_string(channels) +
+                            " numbers of type float32");
+    }
+    if (!array.writeable()) throw py::value_error(std::string(name) + " cannot be written to");
+    bytes_ = static_cast<char*>(const_cast<void*>(array.data()));
+    stride_ = array.strides(0);
+    channel_stride_ = array.strides(1);
+    const bool is_aligned = reinterpret_cast<std::uintptr_t>(bytes_) % alignof(float) == 0 &&
+                            channel_stride_ % static_cast<py::ssize_t>(alignof(float)) == 0;
+    is_direct_ = stride_ == static_cast<py::ssize_t>(sizeof(float)) && is_aligned;
+    if (!is_direct_) copy_.resize(static_cast<std::size_t>(frames) * channels);
+  }
+
+  float* channel(std::size_t number) {
+    if (!is_direct_) return copy_.data() + number * static_cast<std::size_t>(frames_);
+    return reinterpret_cast<float*>(bytes_ + static_cast<py::ssize_t>(number) * channel_stride_);
+  }
+
+  void write_back() const {
+    if (is_direct_) return;
+    const float* from = copy_.data();
+    for (std::size_t c = 0; c < count_; ++c) {
+      char* to = bytes_ + static_cast<py::ssize_t>(c) * channel_stride_;
+      for (py::ssize_t n = 0; n < frames_; ++n) std::memcpy(to + n * stride_, from++, sizeof(float));
+    }
+  }
+
+ private:
+  py::ssize_t frames_;
+  std::size_t count_;
+  char* bytes_ = nullptr;
+  py::ssize_t stride_ = 0, channel_stride_ = 0;
+  bool is_direct_ = false;
+  std::vector<float> copy_;
+};
+
+using Inputs = std::optional<py::array_t<float, py::array::f_style | py::array::forcecast>>;
+
+void fill(Mixer& self, py::ssize_t frames, const std::optional<py::array>& stereo,
+          const std::optional<py::array>& ambisonics, const Inputs& inputs) {
+  std::optional<Channels> mix, sphere;
+  ringdown_block block{};
+  block.size = sizeof block;
+  block.frames = static_cast<std::size_t>(frames);
+  if (stereo) {
+    mix.emplace(*stereo, "the array", frames, 2);
+    for (std::size_t c = 0; c < 2; ++c) block.mix[c] = mix->channel(c);
+  }
+  if (ambisonics) {
+    if (self.ambisonic_channels == 0) throw py::value_error("the mixer was made without ambisonic_order");
+    sphere.emplace(*ambisonics, "ambisonics", frames, self.ambisonic_channels);
+    for (std::size_t c = 0; c < self.ambisonic_channels; ++c) block.ambisonics[c] = sphere->channel(c);
+  }
+  if (inputs) {
+    if (inputs->ndim() != 2 || inputs->shape(0) != frames || inputs->shape(1) > RINGDOWN_MAX_INPUTS) {
+      throw py::value_error("inputs must be an array of frames x at most 4 numbers");
+    }
+    for (py::ssize_t c = 0; c < inputs->shape(1); ++c) block.inputs[c] = inputs->data(0, c);
+  }
+  const Rendering rendering(self);
+  {
+    const py::gil_scoped_release released;
+    ringdown_render_all(self.handle, &block);
+    if (mix) mix->write_back();
+    if (sphere) sphere->write_back();
+  }
+  ringdown_collect(self.handle);
+}
+
+// frames x channels, each channel contiguous: the library writes into it directly.
+py::array_t<float> empty_channels(py::ssize_t frames, std::size_t channels) {
+  if (frames < 0) throw py::value_error("frames must not be negative");
+  const auto size = static_cast<py::ssize_t>(sizeof(float));
+  return py::array_t<float>({frames, static_cast<py::ssize_t>(channels)}, {size, size * frames});
+}
+
+py::array render(Mixer& self, py::ssize_t frames, const Inputs& inputs) {
+  py::array_t<float> sound = empty_channels(frames, 2);
+  fill(self, frames, sound, std::nullopt, frames > 0 ? inputs : Inputs());
+  return sound;
+}
+
+py::array render_ambisonics(Mixer& self, py::ssize_t frames, const Inputs& inputs) {
+  py::array_t<float> sound = empty_channels(frames, self.ambisonic_channels);
+  fill(self, frames, std::nullopt, sound, frames > 0 ? inputs : Inputs());
+  return sound;
+}
+
+std::int64_t at(const Mixer& mixer, const FrameOrNow& frame) { return frame ? *frame : ringdown_now(mixer.handle); }
+
+std::unique_ptr<Mixer> make(double sample_rate_hz, double full_scale_pa, std::optional<double> limiter_db,
+                            double floor_db, bool exact_contacts, int ambisonic_order, int threads,
+                            const py::object& head) {
+  constexpr double kNoLimiter_db = 1;
+  ringdown_settings settings;
+  ringdown_settings_init(&settings, sizeof settings);
+  settings.sample_rate_hz = sample_rate_hz;
+  settings.full_scale_pa = full_scale_pa;
+  settings.limiter_db = limiter_db.value_or(kNoLimiter_db);
+  settings.floor_db = floor_db;
+  settings.exact_contacts = exact_contacts ? 1 : 0;
+  settings.ambisonic_order = ambisonic_order;
+  settings.threads = threads;
+  const std::string file = head.is_none() ? std::string() : path_of(head);
+  if (!head.is_none()) settings.head = c_string(file);
+  if (limiter_db && *limiter_db > 0) raise(RINGDOWN_BAD_INPUT, "limiter_db must be from -60 to 0, or None");
+  auto mixer = std::make_unique<Mixer>(settings);
+  const auto order = static_cast<std::size_t>(ambisonic_order);
+  if (order > 0) mixer->ambisonic_channels = (order + 1) * (order + 1);
+  return mixer;
+}
+
+py::object status_of(const Mixer& self) {
+  ringdown_status status{};
+  status.size = sizeof status;
+  ringdown_get_status(self.handle, &status);
+  return py::module_::import("ringdown.values")
+      .attr("Status")(status.strikes, status.late, status.dropped, status.refused, status.not_finite, status.objects,
+                      status.sounding, status.ringing_modes, status.peak);
+}
+
+using Class = py::class_<Mixer>;
+
+void add_sound(Class& mixer) {
+  mixer
+      .def("render", &render, py::arg("frames"), py::arg("inputs") = py::none(),
+           "The next frames of sound, frames x 2 numbers of type float32. While it computes, other threads go on.\n\n"
+           "`inputs`, frames x at most 4 numbers, push the objects that excite() names.")
+      .def(
+          "render_into",
+          [](Mixer& self, const py::array& array, const std::optional<py::array>& ambisonics, const Inputs& inputs) {
+            fill(self, array.ndim() > 0 ? array.shape(0) : 0, array, ambisonics, inputs);
+          },
+          py::arg("array"), py::arg("ambisonics") = py::none(), py::arg("inputs") = py::none(),
+          "Fills an array of frames x 2 numbers of type float32 with the next frames, without a copy if its columns are"
+          " contiguous (order='F'); and one of the ambisonic channels.")
+      .def("render_ambisonics", &render_ambisonics, py::arg("frames"), py::arg("inputs") = py::none(),
+           "The next frames as (ambisonic_order + 1)^2 channels: AmbiX, channels in ACN order, SN3D.")
+      .def_property_readonly(
+          "now", [](const Mixer& self) { return ringdown_now(self.handle); },
+          "Frames rendered so far: the frame that the next block begins with.")
+      .def_property_readonly(
+          "latency_frames", [](const Mixer& self) { return ringdown_latency(self.handle); },
+          "Frames by which the limiter delays left and right.")
+      .def_property(
+          "sample_rate_hz", [](const Mixer& self) { return self.sample_rate_hz; },
+          [](Mixer& self, double sample_rate_hz) {
+            const Rendering rendering(self);
+            call(ringdown_set_sample_rate, self.handle, sample_rate_hz);
+            self.sample_rate_hz = sample_rate_hz;
+          },
+          "The sample rate; what rings keeps its pitch when it is changed.")
+      .def_property_readonly("status", &status_of, "A ringdown.Status: what was played, what rings.");
+}
+
+void add_objects(Class& mixer) {
+  mixer
+      .def(
+          "add",
+          [](Mixer& self, const py::object& bank, const std::optional<std::string>& name) {
+            Object object = 0;
+            call(ringdown_add, self.handle, name ? c_string(*name) : nullptr, native_bank(bank), &object);
+            return object;
+          },
+          py::arg("bank"), py::arg("name") = py::none(),
+          "Adds an object that plays a bank and returns its number, which all other methods take.")
+      .def(
+          "remove", [](Mixer& self, Object object) { call(ringdown_remove, self.handle, object); }, py::arg("object"),
+          "Takes an object away: what rings fades out within some milliseconds.")
+      .def(
+          "material",
+          [](Mixer& self, Object object, double stiffness, double density, double size, double alpha, double beta) {
+            const ringdown_material material{sizeof material, stiffness, density, size, alpha, beta};
+            call(ringdown_set_material, self.handle, object, &material);
+          },
+          py::arg("object"), py::kw_only(), py::arg("stiffness") = 1.0, py::arg("density") = 1.0, py::arg("size") = 1.0,
+          py::arg("alpha") = 1.0, py::arg("beta") = 1.0,
+          "Factors on the bank's own Young's modulus, density, lengths, and the two parts of its damping: what modes"
+          " lose to air and support, and to the material. What rings is retuned.")
+      .def(
+          "hold",
+          [](Mixer& self, Object object, const Vector& point_m, double damping_ns_m, const Vector& direction,
+             std::uint32_t number, const FrameOrNow& frame) {
+            call(ringdown_hold, self.handle, at(self, frame), object, number, point_m.data(), direction.data(),
+                 damping_ns_m);
+          },
+          py::arg("object"), py::arg("point_m"), py::arg("damping_ns_m") = 10.0, py::kw_only(),
+          py::arg("direction") = Vector{}, py::arg("number") = 0, py::arg("frame") = py::none(),
+          "Lays a hand on the object: damper `number`, 0 to 7, resists motion along `direction` (0 0 0: any) with so"
+          " many newtons per m/s. A finger is about 0.1, a hand 10; 0 takes the damper away.")
+      .def(
+          "mute", [](Mixer& self, Object object, bool on) { call(ringdown_mute, self.handle, object, on ? 1 : 0); },
+          py::arg("object"), py::arg("on") = true, "A muted object is not heard.")
+      .def(
+          "solo", [](Mixer& self, Object object, bool on) { call(ringdown_solo, self.handle, object, on ? 1 : 0); },
+          py::arg("object"), py::arg("on") = true, "While any object is soloed, only soloed ones are heard.")
+      .def(
+          "excite",
+          [](Mixer& self, std::uint32_t input, Object object, const Vector& point_m, const Vector& force_n) {
+            call(ringdown_excite, self.handle, input, object, point_m.data(), force_n.data());
+          },
+          py::arg("input"), py::arg("object"), py::arg("point_m"), py::arg("force_n"),
+          "From the next block on, a sample of 1 of an input of render() is a force [N] on the object. A force of 0 0 0"
+          " ends that.");
+}
+
+void add_blows(Class& mixer) {
+  mixer
+      .def(
+          "strike",
+          [](Mixer& self, Object object, const Vector& point_m, const Vector& impulse_ns, double contact_time_s,
+             const FrameOrNow& frame) {
+            call(ringdown_strike, self.handle, at(self, frame), object, point_m.data(), impulse_ns.data(),
+                 contact_time_s);
+          },
+          py::arg("object"), py::arg("point_m"), py::arg("impulse_ns"), py::arg("contact_time_s") = 0.0002,
+          py::arg("frame") = py::none(),
+          "Strikes at the point of the surface nearest to point_m with an impulse [N s]. The contact lasts 0.0001 s for"
+          " steel or hard wood, 0.001 s for a rubber mallet.")
+      .def(
+          "strike_at",
+          [](Mixer& self, Object object, std::uint32_t point, const Vector& impulse_ns, double contact_time_s,
+             const FrameOrNow& frame) {
+            call(ringdown_strike_at, self.handle, at(self, frame), object, point, impulse_ns.data(), contact_time_s);
+          },
+          py::arg("object"), py::arg("point"), py::arg("impulse_ns"), py::arg("contact_time_s") = 0.0002,
+          py::arg("frame") = py::none(), "Strikes at sample point number `point` of the bank.")
+      .def(
+          "click",
+          [](Mixer& self, Object object, const Vector& impulse_ns, double contact_time_s, const FrameOrNow& frame) {
+            call(ringdown_click, self.handle, at(self, frame), object, impulse_ns.data(), contact_time_s);
+          },
+          py::arg("object"), py::arg("impulse_ns"), py::arg("contact_time_s") = 0.0002, py::arg("frame") = py::none(),
+          "A blow that sets the object in motion as a whole, which is heard too; its ringing is a strike of its own.")
+      .def(
+          "touch",
+          [](Mixer& self, Object object, const Vector& point_m, const Vector& force_n, double slip_m_s, double roll_m_s,
+             std::uint32_t number, double roughness_m, double correlation_m, double spectral_slope,
+             const FrameOrNow& frame) {
+            ringdown_contact contact;
+            ringdown_contact_init(&contact, sizeof contact);
+            contact.number = number;
+            std::memcpy(contact.point_m, point_m.data(), sizeof contact.point_m);
+            std::memcpy(contact.force_n, force_n.data(), sizeof contact.force_n);
+            contact.slip_m_s = slip_m_s;
+            contact.roll_m_s = roll_m_s;
+            contact.roughness_m = roughness_m;
+            contact.correlation_m = correlation_m;
+            contact.spectral_slope = spectral_slope;
+            call(ringdown_touch, self.handle, at(self, frame), object, &contact);
+          },
+          py::arg("object"), py::arg("point_m"), py::arg("force_n"), py::arg("slip_m_s") = 0.0,
+          py::arg("roll_m_s") = 0.0, py::kw_only(), py::arg("number") = 0, py::arg("roughness_m") = 2e-6,
+          py::arg("correlation_m") = 5e-5, py::arg("spectral_slope") = -2.4, py::arg("frame") = py::none(),
+          "Something slides or rolls on the object. Send it 30 to 200 times a second while the contact lasts; it ends"
+          " with a force of 0 0 0, or 0.1 s after the last.")
+      .def(
+          "ring",
+          [](Mixer& self, Object object, std::uint32_t first, std::uint32_t count, double amplitude,
+             const FrameOrNow& frame) {
+            call(ringdown_ring, self.handle, at(self, frame), object, first, count, amplitude);
+          },
+          py::arg("object"), py::arg("first") = 0, py::arg("count") = 1, py::arg("amplitude") = 0.1,
+          py::arg("frame") = py::none(),
+          "Sets `count` modes going from mode `first` up, counted from the lowest frequency, each at `amplitude` of"
+          " full scale.");
+}
+
+void add_positions(Class& mixer) {
+  mixer
+      .def(
+          "gain",
+          [](Mixer& self, Object object, double gain, double ramp_s, const FrameOrNow& frame) {
+            call(ringdown_gain, self.handle, at(self, frame), object, gain, ramp_s);
+          },
+          py::arg("object"), py::arg("gain"), py::arg("ramp_s") = 0.0, py::arg("frame") = py::none(),
+          "Linear gain, 0 to 100, reached over ramp_s seconds.")
+      .def(
+          "pan",
+          [](Mixer& self, Object object, double pan, const FrameOrNow& frame) {
+            call(ringdown_pan, self.handle, at(self, frame), object, pan);
+          },
+          py::arg("object"), py::arg("pan"), py::arg("frame") = py::none(),
+          "From -1, left, to 1, right; it counts while nobody listens from a place.")
+      .def(
+          "clear",
+          [](Mixer& self, Object object, double ramp_s, const FrameOrNow& frame) {
+            call(ringdown_clear, self.handle, at(self, frame), object, ramp_s);
+          },
+          py::arg("object"), py::arg("ramp_s") = 0.0, py::arg("frame") = py::none(),
+          "Fades what rings to silence within ramp_s seconds.")
+      .def(
+          "pose",
+          [](Mixer& self, Object object, const Vector& position_m, const Quaternion& rotation_wxyz,
+             const FrameOrNow& frame) {
+            call(ringdown_pose, self.handle, at(self, frame), object, position_m.data(), rotation_wxyz.data());
+          },
+          py::arg("object"), py::arg("position_m"), py::arg("rotation_wxyz") = Quaternion{1, 0, 0, 0},
+          py::arg("frame") = py::none(),
+          "Where the object lies in the world: position [m] and unit quaternion w x y z.")
+      .def(
+          "listener",
+          [](Mixer& self, const std::optional<Vector>& position_m, const Quaternion& rotation_wxyz,
+             const FrameOrNow& frame) {
+            if (!position_m) return call(ringdown_listener_off, self.handle, at(self, frame));
+            call(ringdown_listener, self.handle, at(self, frame), position_m->data(), rotation_wxyz.data());
+          },
+          py::arg("position_m"), py::arg("rotation_wxyz") = Quaternion{1, 0, 0, 0}, py::arg("frame") = py::none(),
+          "Where the listener is, who looks along x, with y to the left and z up; None: nobody listens from a place.")
+      .def(
+          "air",
+          [](Mixer& self, double temperature_c, double humidity_percent, const FrameOrNow& frame) {
+            call(ringdown_listener_air, self.handle, at(self, frame), temperature_c, humidity_percent);
+          },
+          py::arg("temperature_c") = 20.0, py::arg("humidity_percent") = 50.0, py::arg("frame") = py::none(),
+          "The air between objects and listener, for what it absorbs.");
+}
+
+}  // namespace
+
+void add_mixer(py::module_& module) {
+  Class mixer(module, "Mixer",
+              "What rings: objects that play banks, events with frames, and blocks of sound.\n\n"
+              "Units are SI. Points and impulses are in the object's own frame. Time is counted in sample frames from"
+              " the first frame that the mixer renders; an event without a frame happens at the beginning of the next"
+              " block. At most 4096 events may come between two blocks. Failures raise ringdown.Error.");
+  mixer.def(py::init(&make), py::arg("sample_rate_hz") = 48000.0, py::kw_only(), py::arg("full_scale_pa") = 20.0,
+            py::arg("limiter_db") = -1.0, py::arg("floor_db") = 120.0, py::arg("exact_contacts") = false,
+            py::arg("ambisonic_order") = 0, py::arg("threads") = 1, py::arg("head") = py::none(),
+            "full_scale_pa: the sound pressure at 1 m that becomes a sample of 1. limiter_db: ceiling of left and"
+            " right, -60 to 0 dB, or None. floor_db: modes so far below full scale rest. exact_contacts: a strike's"
+            " pulse drives the modes sample by sample. ambisonic_order: 1 to 3, for render_ambisonics(). head: a SOFA"
+            " file for binaural sound, or '' for the head that libmysofa brings.");
+  add_objects(mixer);
+  add_blows(mixer);
+  add_positions(mixer);
+  add_sound(mixer);
+  mixer.def("_capsule", [](Mixer& self) { return py::capsule(self.handle, kMixerCapsule); });
+}
+
+}  // namespace ringdown::python
