@@ -1,6 +1,7 @@
 """Banks from meshes and materials, by the program ringdown-bake, which stays a process of its own."""
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -89,9 +90,9 @@ def _run(command: List[str], complaints: Any, progress: Optional[Progress]) -> i
     assert child.stdout is not None
     try:
         for line in child.stdout:
-            fraction, _, stage = line.strip().partition(" ")
-            if progress is not None and stage:
-                progress(float(fraction), stage)
+            done = re.fullmatch(r"([0-9.]+) (.+)\n", line)
+            if progress is not None and done:
+                progress(float(done[1]), done[2])
         return child.wait()
     except BaseException:  # KeyboardInterrupt above all: no child stays behind
         _stop(child)
