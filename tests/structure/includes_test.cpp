@@ -55,6 +55,7 @@ const std::vector<FolderRule> kFolderRules = {
     {"clients/library/",
      {"engine/base/", "engine/modal/", "engine/synth/", "protocol/", "server/session/", "clients/library/"},
      {"protocol/wire/codec.h", "protocol/wire/score.h", "protocol/wire/socket.h"}},
+    {"clients/python/", {}},  // the C headers of clients/library, as an installed library has them
     {"clients/cli/slepc/", {"engine/base/", "engine/solve/distributed_files.h", "clients/cli/slepc/"}},
     {"clients/cli/fit/",
      {"engine/base/", "engine/modal/", "engine/fit/", "engine/synth/mode_table.h", "server/session/offline.h",
@@ -114,6 +115,7 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"mysofa.h", {"server/session/head.cpp", "tests/server/head_test.cpp"}, 2},
     {"epoxy/", {"clients/viewer/"}, 2, {"clients/viewer/render/gl.h"}},
     {"glm/", {"clients/viewer/"}, 1000, {"clients/viewer/"}},
+    {"pybind11/", {"clients/python/source/"}, 4, {"clients/python/source/ringdown_python.h"}},
     {"png.h", {"clients/viewer/render/picture_file.cpp"}, 1},
 };
 
@@ -291,6 +293,7 @@ TEST(Structure, TheIncludeRulesRefuseWhatTheyShould) {
   EXPECT_FALSE(is_allowed({"server/main.cpp", 1, "engine/bake/bake.h", true}));
   EXPECT_FALSE(is_allowed({"engine/modal/bank.h", 1, "tests/support/signal.h", true}));
   EXPECT_FALSE(is_allowed({"clients/cli/main.cpp", 1, "engine/bake/bake.h", true}));
+  EXPECT_FALSE(is_allowed({"clients/python/source/core.cpp", 1, "engine/modal/bank.h", true}));
   EXPECT_TRUE(is_allowed({"protocol/request.h", 1, "engine/synth/event.h", true}));
 }
 
