@@ -54,6 +54,25 @@ install_package() {
     { cat "$cache/install.log"; return 1; }
 }
 
+# The C program of the library's page, by pkg-config, and what the Python module plays.
+try_library() {
+  install_package libringdown
+  inside sh -c 'DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o APT::Keep-Downloaded-Packages=true gcc libc6-dev pkg-config' >"$cache/install.log" 2>&1 ||
+    { cat "$cache/install.log"; return 1; }
+  sed -n '/^```c$/,/^```$/p' "$source_tree/docs/use/library.md" | sed '/^```/d' >"$root/root/bell.c"
+  inside sh -c 'cc /root/bell.c $(pkg-config --cflags --libs ringdown) -o /root/bell'
+  inside /root/bell /usr/share/ringdown/presets/banks/coin.glb
+  inside pkg-config --exists --print-errors ringdown-scene
+  install_package python3-ringdown
+  inside python3 -c '
+import ringdown
+presets = "/usr/share/ringdown/presets/"
+coin = ringdown.Bank.open(presets + "banks/coin.glb")
+assert abs(ringdown.render([(0, "coin", coin.points_m[0], (0, 0, 0.01))], {"coin": coin}, seconds=0.1)).max() > 0
+assert ringdown.render_scene(presets + "scenes/coin.toml", 0.1).shape == (4800, 2)
+print("import ringdown", ringdown.__version__)'
+}
+
 try_packages() {  # try_packages FOLDER
   mount --bind "$cache/$suite" "$root/var/cache/apt/archives"
   mkdir "$root/packages"
@@ -73,8 +92,12 @@ try_packages() {  # try_packages FOLDER
   inside ringdown info /root/plate.glb >/dev/null
   install_package ringdown-viewer
   inside ringdown-viewer --keys >/dev/null
-  inside apt-get purge -y -qq ringdown ringdown-bake ringdown-viewer >/dev/null 2>&1
-  [ ! -e "$root/usr/share/ringdown" ] || { echo "purging leaves /usr/share/ringdown behind"; return 1; }
+  try_library
+  inside apt-get purge -y -qq ringdown ringdown-bake ringdown-viewer python3-ringdown libringdown >/dev/null 2>&1
+  local left
+  for left in usr/share/ringdown usr/include/ringdown.h usr/lib/python3/dist-packages/ringdown; do
+    [ ! -e "$root/$left" ] || { echo "purging leaves /$left behind"; return 1; }
+  done
   echo "$suite: installed, played and removed"
 }
 
