@@ -4,6 +4,7 @@ import ast
 import gc
 import inspect
 import math
+import re
 import sys
 import threading
 import unittest
@@ -149,8 +150,9 @@ class MixerTest(unittest.TestCase):
         for array in (np.zeros((10, 2)), np.zeros(10, np.float32), np.zeros((10, 3), np.float32), locked, np.float32([1])):
             with self.assertRaises(ValueError):
                 self.mixer.render_into(array)
-        with self.assertRaises(ValueError):
-            self.mixer.render(-1)
+        for frames in (-1, 2**62):
+            with self.assertRaises(ValueError):
+                self.mixer.render(frames)
         with self.assertRaises(ValueError):
             self.mixer.render(10, inputs=np.zeros((9, 1)))
         self.assertEqual(self.mixer.render(0).shape, (0, 2))
@@ -355,6 +357,21 @@ class HintsTest(unittest.TestCase):
         from ringdown import _scene
 
         self.check("_scene.pyi", _scene)
+
+    def test_defaults_are_the_protocols(self):
+        page = (SOURCE / "docs/reference/protocol.md").read_text()
+        for address, name, method, argument in (
+            ("strike", "contact_time", ringdown.Mixer.strike, "contact_time_s"),
+            ("click", "contact_time", ringdown.Mixer.click, "contact_time_s"),
+            ("ring", "amplitude", ringdown.Mixer.ring, "amplitude"),
+            ("contact", "roughness", ringdown.Mixer.touch, "roughness_m"),
+            ("contact", "correlation", ringdown.Mixer.touch, "correlation_m"),
+            ("contact", "slope", ringdown.Mixer.touch, "spectral_slope"),
+        ):
+            part = page.split(f"### `/object/{{object}}/{address}`")[1].split("###")[0]
+            stated = float(re.search(rf"- `{name}`:.*default (-?[0-9.e-]+)", part)[1])
+            ours = float(re.search(rf"{argument}: float = (-?[0-9.e-]+)", method.__doc__)[1])
+            self.assertEqual(ours, stated, f"{address} {name}")
 
     def test_versions_agree(self):
         text = (SOURCE / "clients/python/pyproject.toml").read_text()

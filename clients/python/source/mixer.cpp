@@ -128,7 +128,8 @@ void fill(Mixer& self, py::ssize_t frames, const std::optional<py::array>& stere
 
 // frames x channels, each channel contiguous: the library writes into it directly.
 py::array_t<float> empty_channels(py::ssize_t frames, std::size_t channels) {
-  if (frames < 0) throw py::value_error("frames must not be negative");
+  constexpr py::ssize_t kMaxFrames = py::ssize_t{1} << 40;
+  if (frames < 0 || frames > kMaxFrames) throw py::value_error("frames must be from 0 to 2^40");
   const auto size = static_cast<py::ssize_t>(sizeof(float));
   return py::array_t<float>({frames, static_cast<py::ssize_t>(channels)}, {size, size * frames});
 }
