@@ -66,7 +66,8 @@ class BakeTest(unittest.TestCase):
     def test_passes_options_on_and_keeps_no_file_unasked(self):
         folder, tempfile.tempdir = tempfile.tempdir, str(self.folder)
         self.addCleanup(setattr, tempfile, "tempdir", folder)
-        bank = self.bake(ROD, "brass", set={"length": 200, "diameter": 20}, band=(20, 9000), preview=True, name="rod", keep=None)
+        size = {"length": 200, "diameter": 20}
+        bank = self.bake(ROD, "brass", set=size, band=(20, 9000), preview=True, name="rod", keep=None)
         self.assertEqual((bank.name, bank.material.name), ("rod", "brass"))
         self.assertLess(bank.frequencies_hz.max(), 9000)
         speed = math.sqrt(bank.material.youngs_modulus_pa / bank.material.density_kg_m3 / (210e9 / 7800))

@@ -10,7 +10,10 @@ import unittest
 from support import BANKS, BUILD, SOURCE, skip
 
 for name, package in {
-    "ensurepip": "python3-venv", "setuptools": "python3-setuptools", "wheel": "python3-wheel", "pybind11": "python3-pybind11",
+    "ensurepip": "python3-venv",
+    "setuptools": "python3-setuptools",
+    "wheel": "python3-wheel",
+    "pybind11": "python3-pybind11",
 }.items():
     if not importlib.util.find_spec(name):
         skip(f"{package} is not installed")
@@ -39,13 +42,13 @@ class InstallTest(unittest.TestCase):
 
     def test_installs_and_plays(self):
         shutil.rmtree(FOLDER, ignore_errors=True)
-        shutil.copytree(
-            SOURCE / "clients" / "python", FOLDER / "source", ignore=shutil.ignore_patterns("build", "*.egg-info", "__pycache__")
-        )
+        others = shutil.ignore_patterns("build", "*.egg-info", "__pycache__")
+        shutil.copytree(SOURCE / "clients" / "python", FOLDER / "source", ignore=others)
         self.run_it(sys.executable, "-m", "venv", "--system-site-packages", FOLDER / "env")
         compiler = "ccache c++" if shutil.which("ccache") else "c++"
         self.run_it(
-            FOLDER / "env/bin/pip", "install", "--no-build-isolation", "--no-index", "--disable-pip-version-check", FOLDER / "source",
+            FOLDER / "env/bin/pip", "install", "--no-build-isolation", "--no-index", "--disable-pip-version-check",
+            FOLDER / "source",
             RINGDOWN_INCLUDE_DIR=str(SOURCE / "clients" / "library"), RINGDOWN_LIBRARY_DIR=str(BUILD / "lib"),
             CC=compiler, CXX=compiler, CFLAGS="-O0 -g0",
         )

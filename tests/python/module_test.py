@@ -1,4 +1,4 @@
-"""Bank, Mixer and Scene: arrays without copies, sound by closed forms, and one sentence for everything that is wrong."""
+"""Bank, Mixer and Scene: arrays without copies, sound by closed forms, and a sentence for everything that is wrong."""
 
 import ast
 import gc

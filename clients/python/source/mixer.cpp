@@ -110,7 +110,7 @@ void fill(Mixer& self, py::ssize_t frames, const std::optional<py::array>& stere
     sphere.emplace(*ambisonics, "ambisonics", frames, self.ambisonic_channels);
     for (std::size_t c = 0; c < self.ambisonic_channels; ++c) block.ambisonics[c] = sphere->channel(c);
   }
-  if (inputs) {
+  if (inputs && frames > 0) {
     if (inputs->ndim() != 2 || inputs->shape(0) != frames || inputs->shape(1) > RINGDOWN_MAX_INPUTS) {
       throw py::value_error("inputs must be an array of frames x at most 4 numbers");
     }
@@ -126,23 +126,15 @@ void fill(Mixer& self, py::ssize_t frames, const std::optional<py::array>& stere
   ringdown_collect(self.handle);
 }
 
-// frames x channels, each channel contiguous: the library writes into it directly.
-py::array_t<float> empty_channels(py::ssize_t frames, std::size_t channels) {
+// The next frames as an array whose columns are contiguous, so that the library writes into it directly.
+py::array render(Mixer& self, py::ssize_t frames, const Inputs& inputs, bool ambisonic) {
   constexpr py::ssize_t kMaxFrames = py::ssize_t{1} << 40;
   if (frames < 0 || frames > kMaxFrames) throw py::value_error("frames must be from 0 to 2^40");
   const auto size = static_cast<py::ssize_t>(sizeof(float));
-  return py::array_t<float>({frames, static_cast<py::ssize_t>(channels)}, {size, size * frames});
-}
-
-py::array render(Mixer& self, py::ssize_t frames, const Inputs& inputs) {
-  py::array_t<float> sound = empty_channels(frames, 2);
-  fill(self, frames, sound, std::nullopt, frames > 0 ? inputs : Inputs());
-  return sound;
-}
-
-py::array render_ambisonics(Mixer& self, py::ssize_t frames, const Inputs& inputs) {
-  py::array_t<float> sound = empty_channels(frames, self.ambisonic_channels);
-  fill(self, frames, std::nullopt, sound, frames > 0 ? inputs : Inputs());
+  const auto channels = static_cast<py::ssize_t>(ambisonic ? self.ambisonic_channels : 2);
+  const py::array_t<float> sound({frames, channels}, {size, size * frames});
+  const std::optional<py::array> filled(sound), nothing;
+  fill(self, frames, ambisonic ? nothing : filled, ambisonic ? filled : nothing, inputs);
   return sound;
 }
 
@@ -183,9 +175,12 @@ using Class = py::class_<Mixer>;
 
 void add_sound(Class& mixer) {
   mixer
-      .def("render", &render, py::arg("frames"), py::arg("inputs") = py::none(),
-           "The next frames of sound, frames x 2 numbers of type float32. While it computes, other threads go on.\n\n"
-           "`inputs`, frames x at most 4 numbers, push the objects that excite() names.")
+      .def(
+          "render",
+          [](Mixer& self, py::ssize_t frames, const Inputs& inputs) { return render(self, frames, inputs, false); },
+          py::arg("frames"), py::arg("inputs") = py::none(),
+          "The next frames of sound, frames x 2 numbers of type float32. While it computes, other threads go on.\n\n"
+          "`inputs`, frames x at most 4 numbers, push the objects that excite() names.")
       .def(
           "render_into",
           [](Mixer& self, const py::array& array, const std::optional<py::array>& ambisonics, const Inputs& inputs) {
@@ -194,8 +189,11 @@ void add_sound(Class& mixer) {
           py::arg("array"), py::arg("ambisonics") = py::none(), py::arg("inputs") = py::none(),
           "Fills an array of frames x 2 numbers of type float32 with the next frames, without a copy if its columns are"
           " contiguous (order='F'); and one of the ambisonic channels.")
-      .def("render_ambisonics", &render_ambisonics, py::arg("frames"), py::arg("inputs") = py::none(),
-           "The next frames as (ambisonic_order + 1)^2 channels: AmbiX, channels in ACN order, SN3D.")
+      .def(
+          "render_ambisonics",
+          [](Mixer& self, py::ssize_t frames, const Inputs& inputs) { return render(self, frames, inputs, true); },
+          py::arg("frames"), py::arg("inputs") = py::none(),
+          "The next frames as (ambisonic_order + 1)^2 channels: AmbiX, channels in ACN order, SN3D.")
       .def_property_readonly(
           "now", [](const Mixer& self) { return ringdown_now(self.handle); },
           "Frames rendered so far: the frame that the next block begins with.")
