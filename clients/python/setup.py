@@ -35,7 +35,7 @@ def extension(name, sources, libraries):
         library_dirs=library_dirs,
         runtime_library_dirs=[library] if library else [],
         libraries=libraries,
-        depends=["source/ringdown_python.h"],
+        depends=["source/channels.h", "source/ringdown_python.h"],
     )
 
 

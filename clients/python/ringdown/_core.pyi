@@ -50,6 +50,7 @@ class Mixer:
         limiter_db: Optional[float] = -1.0,
         floor_db: float = 120.0,
         exact_contacts: bool = False,
+        travel_time: bool = False,
         ambisonic_order: int = 0,
         threads: int = 1,
         head: Optional[Path] = None,

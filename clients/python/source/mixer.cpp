@@ -1,5 +1,7 @@
 // The class Mixer. Python's global lock is what makes the library's worker and control threads one: every method holds
 // it, but render, which lets other threads go on and which only one thread at a time may call.
+#include <channels.h>
+
 #include <ringdown_python.h>
 
 #include <pybind11/numpy.h>
@@ -10,7 +12,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace ringdown::python {
 
@@ -47,50 +48,6 @@ class Rendering {
 
  private:
   Mixer& mixer_;
-};
-
-// Channels that the library reads or writes one after the other, on behalf of an array of frames x channels. Where the
-// array's columns are contiguous they are used as they are; otherwise write_back() copies what was rendered.
-class Channels {
- public:
-  Channels(const py::array& array, const char* name, py::ssize_t frames, std::size_t channels)
-      : frames_(frames), count_(channels) {
-    if (!py::isinstance<py::array_t<float>>(array) || array.ndim() != 2 || array.shape(0) != frames ||
-        array.shape(1) != static_cast<py::ssize_t>(channels)) {
-      throw py::value_error(std::string(name) + " must be an array of frames x " + std::to_string(channels) +
-                            " numbers of type float32");
-    }
-    if (!array.writeable()) throw py::value_error(std::string(name) + " cannot be written to");
-    bytes_ = static_cast<char*>(const_cast<void*>(array.data()));
-    stride_ = array.strides(0);
-    channel_stride_ = array.strides(1);
-    const bool is_aligned = reinterpret_cast<std::uintptr_t>(bytes_) % alignof(float) == 0 &&
-                            channel_stride_ % static_cast<py::ssize_t>(alignof(float)) == 0;
-    is_direct_ = stride_ == static_cast<py::ssize_t>(sizeof(float)) && is_aligned;
-    if (!is_direct_) copy_.resize(static_cast<std::size_t>(frames) * channels);
-  }
-
-  float* channel(std::size_t number) {
-    if (!is_direct_) return copy_.data() + number * static_cast<std::size_t>(frames_);
-    return reinterpret_cast<float*>(bytes_ + static_cast<py::ssize_t>(number) * channel_stride_);
-  }
-
-  void write_back() const {
-    if (is_direct_) return;
-    const float* from = copy_.data();
-    for (std::size_t c = 0; c < count_; ++c) {
-      char* to = bytes_ + static_cast<py::ssize_t>(c) * channel_stride_;
-      for (py::ssize_t n = 0; n < frames_; ++n) std::memcpy(to + n * stride_, from++, sizeof(float));
-    }
-  }
-
- private:
-  py::ssize_t frames_;
-  std::size_t count_;
-  char* bytes_ = nullptr;
-  py::ssize_t stride_ = 0, channel_stride_ = 0;
-  bool is_direct_ = false;
-  std::vector<float> copy_;
 };
 
 using Inputs = std::optional<py::array_t<float, py::array::f_style | py::array::forcecast>>;
@@ -141,7 +98,7 @@ py::array render(Mixer& self, py::ssize_t frames, const Inputs& inputs, bool amb
 std::int64_t at(const Mixer& mixer, const FrameOrNow& frame) { return frame ? *frame : ringdown_now(mixer.handle); }
 
 std::unique_ptr<Mixer> make(double sample_rate_hz, double full_scale_pa, std::optional<double> limiter_db,
-                            double floor_db, bool exact_contacts, int ambisonic_order, int threads,
+                            double floor_db, bool exact_contacts, bool travel_time, int ambisonic_order, int threads,
                             const py::object& head) {
   constexpr double kNoLimiter_db = 1;
   ringdown_settings settings;
@@ -151,6 +108,7 @@ std::unique_ptr<Mixer> make(double sample_rate_hz, double full_scale_pa, std::op
   settings.limiter_db = limiter_db.value_or(kNoLimiter_db);
   settings.floor_db = floor_db;
   settings.exact_contacts = exact_contacts ? 1 : 0;
+  settings.travel_time = travel_time ? 1 : 0;
   settings.ambisonic_order = ambisonic_order;
   settings.threads = threads;
   const std::string file = head.is_none() ? std::string() : path_of(head);
@@ -384,10 +342,12 @@ void add_mixer(py::module_& module) {
               " block. At most 4096 events may come between two blocks. Failures raise ringdown.Error.");
   mixer.def(py::init(&make), py::arg("sample_rate_hz") = 48000.0, py::kw_only(), py::arg("full_scale_pa") = 20.0,
             py::arg("limiter_db") = -1.0, py::arg("floor_db") = 120.0, py::arg("exact_contacts") = false,
-            py::arg("ambisonic_order") = 0, py::arg("threads") = 1, py::arg("head") = py::none(),
+            py::arg("travel_time") = false, py::arg("ambisonic_order") = 0, py::arg("threads") = 1,
+            py::arg("head") = py::none(),
             "full_scale_pa: the sound pressure at 1 m that becomes a sample of 1. limiter_db: ceiling of left and"
             " right, -60 to 0 dB, or None. floor_db: modes so far below full scale rest. exact_contacts: a strike's"
-            " pulse drives the modes sample by sample. ambisonic_order: 1 to 3, for render_ambisonics(). head: a SOFA"
+            " pulse drives the modes sample by sample. travel_time: a listener hears what happens when its sound has"
+            " travelled there, not at once. ambisonic_order: 1 to 3, for render_ambisonics(). head: a SOFA"
             " file for binaural sound, or '' for the head that libmysofa brings.");
   add_objects(mixer);
   add_blows(mixer);
