@@ -1,40 +1,14 @@
 #include "server/session/note_map.h"
 
-#include "engine/base/toml_table.h"
 #include "protocol/defaults.h"
-#include "engine/base/object_name.h"
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace ringdown::session {
 namespace {
 
-constexpr Range kPoint_m{-1e4, 1e4}, kImpulse_ns{-1e4, 1e4}, kContactTime_s{0, 0.1}, kDamping_s{0.005, 60};
 constexpr std::size_t kLeadingModes = 8;
-
-template <class Value, class Read>
-void optional(TomlTable& table, std::string_view key, std::optional<Value>& target, Read read) {
-  if (table.has(key)) read(target.emplace());
-}
-
-NoteMap::Entry read_entry(TomlTable& table) {
-  NoteMap::Entry entry;
-  std::uint64_t note = 0;
-  table.require({"note", "object"});
-  table.whole("note", note, 0, kNotes - 1);
-  table.text("object", entry.object);
-  if (!entry.object.empty() && !is_object_name(entry.object)) {
-    table.complain("object", "an object's name is 1 to 64 of A-Z a-z 0-9 _ . - and not digits only");
-  }
-  entry.note = note;
-  optional(table, "point_m", entry.point_m, [&](Vec3& point) { table.vector("point_m", point, kPoint_m); });
-  optional(table, "impulse_ns", entry.impulse_ns, [&](Vec3& j) { table.vector("impulse_ns", j, kImpulse_ns); });
-  optional(table, "contact_time_s", entry.contact_time_s,
-           [&](double& time) { table.number("contact_time_s", time, kContactTime_s); });
-  return entry;
-}
 
 Vec3 as_vector(const modal::Vec3f& v) { return {v[0], v[1], v[2]}; }
 
@@ -64,21 +38,6 @@ NoteTable::Strike best_strike(const ObjectState& object) {
   const double mass_kg = bank.mass ? modal::rescale(*bank.mass, object.material).mass_kg : 1, size = length(direction);
   strike.impulse_ns = size > 0 ? (kDefaultVelocity_m_s * mass_kg / size) * direction : Vec3{};
   return strike;
-}
-
-Result<NoteMap> read_note_map(const std::filesystem::path& path) {
-  auto file = TomlTable::read(path);
-  if (!file) return fail(file.error());
-  NoteMap map;
-  optional(*file, "release_s", map.release_s, [&](double& time) { file->number("release_s", time, kDamping_s); });
-  file->number("damp_s", map.damp_s, kDamping_s);
-  std::set<std::size_t> seen;
-  for (TomlTable& table : file->tables("note")) {
-    map.notes.push_back(read_entry(table));
-    if (!seen.insert(map.notes.back().note).second) table.complain("note", "this note has a [[note]] above already");
-  }
-  if (const auto good = file->finish(); !good) return fail(good.error());
-  return map;
 }
 
 NoteTable resolve(const std::optional<NoteMap>& map, const std::vector<ObjectSnapshot>& objects) {

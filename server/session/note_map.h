@@ -1,40 +1,20 @@
 // Which note of a MIDI keyboard strikes which object, where, and how hard (docs/use/midi.md).
 #pragma once
 
-#include "engine/base/result.h"
 #include "engine/base/vec3.h"
 #include "engine/synth/event.h"
+#include "server/session/note_map_file.h"
 #include "server/session/rack.h"
 
 #include <array>
 #include <cstddef>
-#include <filesystem>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 namespace ringdown::session {
 
-inline constexpr std::size_t kNotes = 128;
 inline constexpr std::size_t kFirstDefaultNote = 60;  // middle C strikes the first object when nothing else is said
-
-// A map as it stands in its file. Values that the file leaves out are chosen from the object's bank.
-struct NoteMap {
-  struct Entry {
-    std::size_t note = 0;
-    std::string object;
-    std::optional<Vec3> point_m;     // object frame
-    std::optional<Vec3> impulse_ns;  // at full velocity
-    std::optional<double> contact_time_s;
-  };
-  std::vector<Entry> notes;
-  std::optional<double> release_s;  // a released note is damped within this time; nullopt: it rings on
-  double damp_s = 0.15;             // the damp pedal damps within this time
-};
-
-// Reads a map. Values out of range and two entries for one note are refused, with the line. [worker]
-Result<NoteMap> read_note_map(const std::filesystem::path& path);
 
 // The map with every value chosen: what the audio thread reads.
 struct NoteTable {

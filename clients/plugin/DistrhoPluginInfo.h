@@ -1,0 +1,19 @@
+// What DPF is to build; the names of file and macros are DPF's.
+#pragma once
+
+#define DISTRHO_PLUGIN_BRAND "Ringdown"
+#define DISTRHO_PLUGIN_NAME "Ringdown"
+#define DISTRHO_PLUGIN_URI "urn:ringdown:instrument"
+#define DISTRHO_PLUGIN_CLAP_ID "ringdown.instrument"
+#define DISTRHO_PLUGIN_CLAP_FEATURES "instrument", "synthesizer", "stereo"
+#define DISTRHO_PLUGIN_LV2_CATEGORY "lv2:InstrumentPlugin"
+#define DISTRHO_PLUGIN_VST3_CATEGORIES "Instrument|Synth|Stereo"
+
+#define DISTRHO_PLUGIN_HAS_UI 0
+#define DISTRHO_PLUGIN_IS_RT_SAFE 1
+#define DISTRHO_PLUGIN_IS_SYNTH 1
+#define DISTRHO_PLUGIN_NUM_INPUTS 0
+#define DISTRHO_PLUGIN_NUM_OUTPUTS 2
+#define DISTRHO_PLUGIN_WANT_MIDI_INPUT 1
+#define DISTRHO_PLUGIN_WANT_STATE 1
+#define DISTRHO_PLUGIN_WANT_FULL_STATE 1

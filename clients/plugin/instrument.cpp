@@ -1,0 +1,257 @@
+#include "clients/plugin/instrument.h"
+
+#include "clients/plugin/base64.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+namespace ringdown::plugin {
+namespace {
+
+constexpr std::chrono::milliseconds kRound{4};
+constexpr std::uint64_t kRoundsPerCollection = 32;
+constexpr double kGainRamp_s = 0.01;
+constexpr double kMiddleKey = 63.5;
+
+void report(const std::string& sentence) { std::fprintf(stderr, "Ringdown: %s\n", sentence.c_str()); }
+
+std::unique_ptr<ringdown_mixer, MixerDestroy> make_mixer(double sample_rate_hz) {
+  ringdown_settings settings;
+  ringdown_settings_init(&settings, sizeof settings);
+  settings.sample_rate_hz = sample_rate_hz;
+  settings.limiter_db = 1;  // none: hosts mix in floating point, and a limiter would delay the sound
+  ringdown_mixer* mixer = nullptr;
+  ringdown_error error{};
+  if (ringdown_mixer_create(&settings, &mixer, &error) != RINGDOWN_OK) report(error.sentence);
+  return std::unique_ptr<ringdown_mixer, MixerDestroy>(mixer);
+}
+
+// The bytes that a session holds for this source; nothing: it holds none.
+std::optional<std::vector<std::uint8_t>> embedded_bytes(const std::string& embedded, const Source& source) {
+  const std::size_t blank = embedded.rfind(' ');
+  if (blank == std::string::npos || embedded.compare(0, blank, source.name) != 0) return std::nullopt;
+  auto bytes = from_base64(std::string_view(embedded).substr(blank + 1));
+  if (!bytes || bytes->empty()) {
+    report("the bank that the session holds is damaged; trying " + source.path.string());
+    return std::nullopt;
+  }
+  return bytes;
+}
+
+bool same(const ringdown_material& a, const ringdown_material& b) {
+  return a.stiffness == b.stiffness && a.density == b.density && a.size == b.size && a.alpha == b.alpha &&
+         a.beta == b.beta;
+}
+
+}  // namespace
+
+void Instrument::set_file(const std::string& path) {
+  const std::lock_guard lock(mutex_);
+  file_ = path;
+  if (running_) catch_up();
+}
+
+std::string Instrument::file() const {
+  const std::lock_guard lock(mutex_);
+  return file_;
+}
+
+void Instrument::set_embedded(const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  embedded_ = text;
+  source_ = {};  // it may be other bytes under the same name
+  if (running_) catch_up();
+}
+
+std::string Instrument::embedded() const {
+  const std::lock_guard lock(mutex_);
+  if (!parameters_.on(Parameter::embed)) return "";
+  const auto choice = static_cast<std::size_t>(parameters_[Parameter::object]);
+  const Source source = find_source(choice, file_, binary_);
+  if (is_note_map(source)) return "";
+  if (embedded_bytes(embedded_, source)) return embedded_;
+  std::ifstream bank(source.path, std::ios::binary);
+  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(bank), {}};
+  return bytes.empty() ? "" : source.name + " " + to_base64(bytes);
+}
+
+// A new mixer, so that nothing of a former run sounds on, and objects of a former bank are gone.
+void Instrument::start() {
+  stop();
+  const std::lock_guard lock(mutex_);
+  published_ = nullptr;
+  map_ = nullptr;
+  plan_ = nullptr;
+  retired_.clear();
+  numbers_.clear();
+  tunings_.clear();
+  source_ = {};
+  keyboard_.reset();
+  gain_ = {};
+  spread_generation_ = 0;
+  mixer_ = make_mixer(sample_rate_hz_);
+  if (!mixer_) return;
+  catch_up();
+  running_ = true;
+  worker_ = std::thread([this] { work(); });
+}
+
+void Instrument::stop() {
+  running_ = false;
+  if (worker_.joinable()) worker_.join();
+}
+
+void Instrument::work() {
+  while (running_) {
+    std::this_thread::sleep_for(kRound);
+    const std::lock_guard lock(mutex_);
+    catch_up();
+  }
+}
+
+void Instrument::catch_up() {
+  const auto choice = static_cast<std::size_t>(parameters_[Parameter::object]);
+  if (Source wanted = find_source(choice, file_, binary_); wanted != source_) {
+    source_ = std::move(wanted);
+    load(source_);
+  }
+  if (plan_ && install(*plan_)) plan_ = nullptr;
+  if (map_) {
+    for (std::size_t i = 0; i < map_->objects.size(); ++i) tune(*map_, map_->objects[i], tunings_[i]);
+  }
+  std::erase_if(retired_, [&](const auto& map) { return map.get() != in_use_.load(); });
+  if (++rounds_ % kRoundsPerCollection == 0) ringdown_collect(mixer_.get());
+}
+
+void Instrument::load(const Source& source) {
+  const auto embedded = embedded_bytes(embedded_, source);
+  auto plan = plan_keys(source, embedded ? std::span<const std::uint8_t>(*embedded) : std::span<const std::uint8_t>{});
+  if (!plan) return report(plan.error().message);
+  plan->map.generation = ++generations_;
+  plan_ = std::make_unique<KeyPlan>(*std::move(plan));
+}
+
+// Gives each object its bank and its material. False: the mixer has no room before the audio thread has taken what
+// waits; what is left is done in another round.
+bool Instrument::install(KeyPlan& plan) {
+  const std::size_t count = plan.map.objects.size();
+  std::vector<Tuning> tunings(count);
+  ringdown_collect(mixer_.get());
+  for (std::size_t i = 0; i < count; ++i) {
+    KeyMap::Object& object = plan.map.objects[i];
+    const std::string name = "key" + std::to_string(i);
+    ringdown_error error{};
+    if (ringdown_add(mixer_.get(), name.c_str(), plan.banks[object.body].get(), &object.number, &error) !=
+        RINGDOWN_OK) {
+      return false;
+    }
+    if (!tune(plan.map, object, tunings[i])) return false;
+  }
+  tunings_ = std::move(tunings);
+  publish(std::make_unique<const KeyMap>(std::move(plan.map)));
+  return true;
+}
+
+void Instrument::publish(std::unique_ptr<const KeyMap> map) {
+  published_ = map.get();
+  if (map_) retired_.push_back(std::move(map_));
+  map_ = std::move(map);
+}
+
+bool Instrument::tune(const KeyMap& map, const KeyMap::Object& object, Tuning& tuning) {
+  ringdown_material material;
+  ringdown_material_init(&material, sizeof material);
+  material.stiffness = parameters_[Parameter::stiffness];
+  material.density = parameters_[Parameter::density];
+  material.alpha = material.beta = parameters_[Parameter::loss];
+  material.size = size_of(map, object, parameters_, keyboard_.bend_semitones(object.key));
+  if (tuning.is_new || !same(material, tuning.material)) {
+    if (ringdown_set_material(mixer_.get(), object.number, &material, nullptr) != RINGDOWN_OK) return false;
+    tuning.material = material;
+    tuning.is_new = false;
+  }
+  const double pressure = keyboard_.pressure(object.key);
+  const double damping_ns_m = parameters_[Parameter::touch] * pressure * pressure;
+  if (damping_ns_m == tuning.damping_ns_m) return true;
+  const Vec3 place = material.size * map.body_of(object).stations[0].position_m;
+  const double point_m[3] = {place.x, place.y, place.z}, direction[3] = {0, 0, 0};
+  if (ringdown_hold(mixer_.get(), 0, object.number, 0, point_m, direction, damping_ns_m, nullptr) != RINGDOWN_OK) {
+    return false;
+  }
+  tuning.damping_ns_m = damping_ns_m;
+  return true;
+}
+
+// The worker frees no map that stands in in_use_. It may have been replaced between our reading and our writing, so we
+// read again.
+const KeyMap* Instrument::take_map() RINGDOWN_REALTIME {
+  const KeyMap* map = published_.load();
+  for (;;) {
+    in_use_.store(map);
+    const KeyMap* const now = published_.load();
+    if (now == map) return map;
+    map = now;
+  }
+}
+
+// libringdown's functions for the audio thread are not marked in C.
+RINGDOWN_TRUST_REALTIME_BEGIN
+
+void Instrument::render(std::span<const MidiMessage> messages, float* left, float* right,
+                        std::size_t frames) RINGDOWN_REALTIME {
+  const KeyMap* const map = take_map();
+  if (map) {
+    spread(*map);
+    const std::int64_t now = ringdown_now(mixer_.get());
+    for (const MidiMessage& message : messages) {
+      keyboard_.play(message.bytes, {mixer_.get(), now + message.frame, *map, parameters_});
+    }
+  }
+  ringdown_render(mixer_.get(), left, right, frames);
+  if (!mixer_) std::fill_n(left, frames, 0.0F), std::fill_n(right, frames, 0.0F);
+  apply_gain(left, right, frames);
+  float peak = 1e-6F;
+  for (std::size_t i = 0; i < frames; ++i) peak = std::max({peak, std::abs(left[i]), std::abs(right[i])});
+  parameters_.set(Parameter::level, 20 * std::log10(static_cast<double>(peak)));
+  in_use_.store(nullptr);
+}
+
+// Places the objects between left and right, in the order of their keys.
+void Instrument::spread(const KeyMap& map) RINGDOWN_REALTIME {
+  const double pan = parameters_[Parameter::pan] / 100, width = parameters_[Parameter::width] / 100;
+  if (map.generation == spread_generation_ && pan == spread_pan_ && width == spread_width_) return;
+  spread_generation_ = map.generation;
+  spread_pan_ = pan;
+  spread_width_ = width;
+  for (std::size_t i = 0; i < map.objects.size(); ++i) {
+    const KeyMap::Object& object = map.objects.data()[i];
+    const double place = pan + width * (static_cast<double>(object.key) - kMiddleKey) / kMiddleKey;
+    ringdown_pan(mixer_.get(), 0, object.number, std::clamp(place, -1.0, 1.0), nullptr);
+  }
+}
+
+RINGDOWN_TRUST_REALTIME_END
+
+void Instrument::apply_gain(float* left, float* right, std::size_t frames) RINGDOWN_REALTIME {
+  const double wanted = std::pow(10, parameters_[Parameter::gain] / 20);
+  if (gain_.wanted != wanted) {
+    const bool first = gain_.wanted == 0;
+    gain_.wanted = wanted;
+    gain_.left = first ? 0 : static_cast<std::size_t>(kGainRamp_s * sample_rate_hz_);
+    gain_.step = first ? 0 : (wanted - gain_.present) / static_cast<double>(gain_.left);
+    if (first) gain_.present = wanted;
+  }
+  for (std::size_t i = 0; i < frames; ++i) {
+    if (gain_.left > 0) gain_.present = --gain_.left == 0 ? gain_.wanted : gain_.present + gain_.step;
+    left[i] = static_cast<float>(static_cast<double>(left[i]) * gain_.present);
+    right[i] = static_cast<float>(static_cast<double>(right[i]) * gain_.present);
+  }
+}
+
+}  // namespace ringdown::plugin

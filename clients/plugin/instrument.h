@@ -1,0 +1,123 @@
+// The instrument behind the plug-in, whatever the format: MIDI and parameters in, sound out. It knows no plug-in
+// interface; plugin.cpp gives it to DPF.
+//
+//   Instrument instrument(48000, "/usr/lib/lv2/ringdown.lv2/ringdown.so");
+//   instrument.set_file("bell.glb");
+//   instrument.start();                                          // loads, and starts the worker
+//   instrument.render(messages, left, right, 256);               // audio
+//   instrument.stop();
+//
+// THREADS. render() is the audio thread's and neither allocates, locks nor makes a system call; parameters() may be set
+// by any thread. Everything else belongs to the host's main thread, or whichever it restores states on.
+//
+// WORKER. A thread of the instrument looks every few milliseconds at what is asked for: another bank, another material
+// or size, a bend, a hand on a key. It loads and retunes, and hands the audio thread a new KeyMap through a pointer. It
+// runs between start() and stop(); start() and set_...() do the same themselves before they return, so that the first
+// block of a session that was opened sounds.
+#pragma once
+
+#include "clients/plugin/key_map.h"
+#include "clients/plugin/keyboard.h"
+#include "clients/plugin/parameters.h"
+#include "clients/plugin/sources.h"
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace ringdown::plugin {
+
+struct MixerDestroy {
+  void operator()(ringdown_mixer* mixer) const { ringdown_mixer_destroy(mixer); }
+};
+
+struct MidiMessage {
+  std::uint32_t frame;  // of the block
+  std::span<const std::uint8_t> bytes;
+};
+
+class Instrument {
+ public:
+  Instrument(double sample_rate_hz, std::filesystem::path binary)
+      : binary_(std::move(binary)), sample_rate_hz_(sample_rate_hz) {}
+  ~Instrument() { stop(); }
+  Instrument(const Instrument&) = delete;
+  Instrument& operator=(const Instrument&) = delete;
+
+  [[nodiscard]] ParameterValues& parameters() { return parameters_; }
+  [[nodiscard]] const ParameterValues& parameters() const { return parameters_; }
+
+  // The file of choice 0, a bank or a note map; "": the first preset.
+  void set_file(const std::string& path);
+  [[nodiscard]] std::string file() const;
+
+  // The bank itself, for sessions that go to other computers: the name of its source, a blank and base64; "" unless the
+  // parameter asks for that. It counts for as long as a source of that name is asked for.
+  void set_embedded(const std::string& text);
+  [[nodiscard]] std::string embedded() const;
+
+  // While stopped only.
+  void set_sample_rate(double sample_rate_hz) { sample_rate_hz_ = sample_rate_hz; }
+
+  void start();
+  void stop();
+
+  // Renders a block; messages are in order of their frames. Silent until a bank is loaded.
+  void render(std::span<const MidiMessage> messages, float* left, float* right, std::size_t frames) RINGDOWN_REALTIME;
+
+ private:
+  // What the worker last did to an object.
+  struct Tuning {
+    ringdown_material material{};
+    double damping_ns_m = 0;
+    bool is_new = true;
+  };
+
+  // A gain that reaches its value in a straight line, from the start of a block.
+  struct GainRamp {
+    double present = 0, step = 0, wanted = 0;
+    std::size_t left = 0;
+  };
+
+  void work();  // the worker's thread
+  void catch_up();
+  void load(const Source& source);
+  bool install(KeyPlan& plan);
+  void publish(std::unique_ptr<const KeyMap> map);
+  bool tune(const KeyMap& map, const KeyMap::Object& object, Tuning& tuning);
+  void spread(const KeyMap& map) RINGDOWN_REALTIME;
+  void apply_gain(float* left, float* right, std::size_t frames) RINGDOWN_REALTIME;
+  const KeyMap* take_map() RINGDOWN_REALTIME;
+
+  const std::filesystem::path binary_;
+  double sample_rate_hz_;
+  ParameterValues parameters_;
+  Keyboard keyboard_;
+  std::unique_ptr<ringdown_mixer, MixerDestroy> mixer_;
+
+  mutable std::mutex mutex_;  // of everything in this paragraph; the audio thread takes none
+  std::string file_, embedded_;
+  Source source_;                       // what was loaded last, or could not be
+  std::unique_ptr<KeyPlan> plan_;       // loaded, but not yet in the mixer
+  std::vector<std::uint32_t> numbers_;  // of the mixer's objects
+  std::vector<Tuning> tunings_;         // of the objects of map_
+  std::unique_ptr<const KeyMap> map_;
+  std::vector<std::unique_ptr<const KeyMap>> retired_;  // which the audio thread may still read
+  std::uint64_t generations_ = 0;
+  std::uint64_t rounds_ = 0;  // of the worker
+
+  std::atomic<const KeyMap*> published_ = nullptr, in_use_ = nullptr;  // what to play; what the audio thread reads now
+  std::uint64_t spread_generation_ = 0;                                // [audio] of the last map that was spread
+  double spread_pan_ = 0, spread_width_ = 0;                           // [audio]
+  GainRamp gain_;                                                      // [audio]
+
+  std::thread worker_;
+  std::atomic<bool> running_ = false;
+};
+
+}  // namespace ringdown::plugin

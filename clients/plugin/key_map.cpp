@@ -1,0 +1,193 @@
+#include "clients/plugin/key_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+
+namespace ringdown::plugin {
+namespace {
+
+constexpr std::size_t kLeadingModes = 8;  // decide where an object moves most, as without a note map in the daemon
+constexpr double kBlow_m_s = 0.1;         // what a blow gives the object as a whole, likewise
+constexpr double kLeastSize = 0.01, kMostSize = 100;  // what libringdown takes
+constexpr double kLowest_hz = 20, kHighest_hz = 20000;
+constexpr double kConcertA_hz = 440, kConcertA = 69;
+
+// The bank's arrays, by mode and point.
+struct Shapes {
+  std::size_t modes, points;
+  const float *shapes, *positions_m;
+
+  [[nodiscard]] Vec3 shape(std::size_t mode, std::size_t point) const {
+    return vector(shapes + 3 * (mode * points + point));
+  }
+  [[nodiscard]] Vec3 position_m(std::size_t point) const { return vector(positions_m + 3 * point); }
+  static Vec3 vector(const float* xyz) {
+    return {static_cast<double>(xyz[0]), static_cast<double>(xyz[1]), static_cast<double>(xyz[2])};
+  }
+};
+
+double motion_at(const Shapes& bank, std::size_t point) {
+  double sum = 0;
+  for (std::size_t mode = 0; mode < std::min(bank.modes, kLeadingModes); ++mode) {
+    sum += dot(bank.shape(mode, point), bank.shape(mode, point));
+  }
+  return sum;
+}
+
+std::size_t nearest_point(const Shapes& bank, const Vec3& position_m) {
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t point = 0; point < bank.points; ++point) {
+    const Vec3 offset = bank.position_m(point) - position_m;
+    if (const double distance = dot(offset, offset); distance < least) nearest = point, least = distance;
+  }
+  return nearest;
+}
+
+// Walks from where the leading modes move most to the sample point nearest to the middle. Where the main mode rests,
+// the direction is the one before: that of the nearest place where it moves.
+void lay_stations(const Shapes& bank, const Vec3& middle_m, Body& body) {
+  std::size_t best = 0;
+  double most = -1;
+  for (std::size_t point = 0; point < bank.points; ++point) {
+    if (const double motion = motion_at(bank, point); motion > most) best = point, most = motion;
+  }
+  const Vec3 start_m = bank.position_m(best);
+  const double strong = length(bank.shape(0, best));
+  Vec3 direction{0, 0, 1};
+  for (std::size_t i = 0; i < kStations; ++i) {
+    const double way = static_cast<double>(i) / (kStations - 1);
+    const std::size_t point = i == 0 ? best : nearest_point(bank, start_m + way * (middle_m - start_m));
+    const Vec3 motion = bank.shape(0, point);
+    if (length(motion) > 1e-3 * strong) direction = (1 / length(motion)) * motion;
+    body.stations[i] = {static_cast<std::uint32_t>(point), bank.position_m(point), direction};
+  }
+}
+
+// The sum of what all audible modes send to 1 m after an impulse of 1 N s at the first station [Pa rms].
+double loudness_pa(const ringdown_bank* bank, const Shapes& shapes, const Body& body) {
+  std::vector<double> levels(shapes.modes);
+  if (ringdown_bank_levels_pa(bank, levels.data()) != RINGDOWN_OK) return 0;
+  const double* const frequencies_hz = ringdown_bank_frequencies_hz(bank);
+  double power = 0;
+  for (std::size_t mode = 0; mode < shapes.modes; ++mode) {
+    if (frequencies_hz[mode] < kLowest_hz || frequencies_hz[mode] > kHighest_hz) continue;
+    const double amplitude = levels[mode] * dot(shapes.shape(mode, body.stations[0].point), body.stations[0].direction);
+    power += amplitude * amplitude / 2;
+  }
+  return std::sqrt(power);
+}
+
+Result<std::shared_ptr<ringdown_bank>> opened(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
+  ringdown_bank* bank = nullptr;
+  ringdown_error error{};
+  const ringdown_result result = bytes.empty()
+                                     ? ringdown_bank_open(path.c_str(), &bank, &error)
+                                     : ringdown_bank_parse(bytes.data(), bytes.size(), path.c_str(), &bank, &error);
+  if (result != RINGDOWN_OK) return fail(ErrorKind::bad_input, error.sentence);
+  return std::shared_ptr<ringdown_bank>(bank, BankRelease{});
+}
+
+Result<void> add_body(const std::filesystem::path& path, std::span<const std::uint8_t> bytes, KeyPlan& plan) {
+  auto bank = opened(path, bytes);
+  if (!bank) return fail(bank.error());
+  const auto body = measure(bank->get());
+  if (!body) return fail(ErrorKind::bad_input, path.string() + ": " + body.error().message);
+  plan.map.bodies.push_back(*body);
+  plan.banks.push_back(*std::move(bank));
+  return {};
+}
+
+// The geometric mean, over the keys with an impulse of their own, of what would bring each to the even level.
+double evening_of(const KeyMap& map) {
+  double logarithms = 0, count = 0;
+  for (const KeyMap::Key& key : map.keys) {
+    if (!key.sounds || !key.impulse_ns || length(*key.impulse_ns) == 0) continue;
+    logarithms += std::log(map.body_of(map.objects[key.object]).even_impulse_ns / length(*key.impulse_ns));
+    ++count;
+  }
+  return count > 0 ? std::exp(logarithms / count) : 1;
+}
+
+// The objects that the map names, each with the bank of its name.
+Result<KeyPlan> plan_note_map(const std::filesystem::path& path) {
+  const auto file = session::read_note_map(path);
+  if (!file) return fail(file.error());
+  KeyPlan plan;
+  plan.map.is_note_map = true;
+  plan.map.release_s = file->release_s;
+  plan.map.damp_s = file->damp_s;
+  std::map<std::string, std::uint32_t> known;
+  for (const session::NoteMap::Entry& entry : file->notes) {
+    const auto [object, is_new] = known.try_emplace(entry.object, static_cast<std::uint32_t>(known.size()));
+    if (is_new) {
+      const auto bank = path.parent_path() / file->banks / (entry.object + ".glb");
+      if (const auto good = add_body(bank, {}, plan); !good) return fail(good.error());
+      plan.map.objects.push_back({.body = object->second, .key = entry.note});
+    }
+    plan.map.keys[entry.note] = {true, object->second, entry.point_m, entry.impulse_ns, entry.contact_time_s};
+    std::size_t& lowest = plan.map.objects[object->second].key;
+    lowest = std::min(lowest, entry.note);
+  }
+  plan.map.evening = evening_of(plan.map);
+  return plan;
+}
+
+}  // namespace
+
+Result<Body> measure(const ringdown_bank* bank) {
+  ringdown_bank_info info{};
+  info.size = sizeof info;
+  if (ringdown_bank_describe(bank, &info) != RINGDOWN_OK || info.modes == 0 || info.points == 0) {
+    return fail(ErrorKind::bad_input, "the bank has no modes that could be struck");
+  }
+  const Shapes shapes{info.modes, info.points, ringdown_bank_shapes(bank), ringdown_bank_points_m(bank)};
+  Body body;
+  const double* const middle = info.center_of_mass_m;
+  lay_stations(shapes, {middle[0], middle[1], middle[2]}, body);
+  body.main_mode_hz = ringdown_bank_frequencies_hz(bank)[0];
+  if (info.mass_kg > 0) body.mass_kg = info.mass_kg;
+  const double loudness = loudness_pa(bank, shapes, body);
+  body.even_impulse_ns = loudness > 0 ? kEvenLevel_pa / loudness : kBlow_m_s * body.mass_kg;
+  return body;
+}
+
+Result<KeyPlan> plan_keys(const Source& source, std::span<const std::uint8_t> embedded) {
+  if (is_note_map(source)) return plan_note_map(source.path);
+  KeyPlan plan;
+  if (const auto good = add_body(source.path, embedded, plan); !good) return fail(good.error());
+  for (std::uint32_t key = 0; key < kKeys; ++key) {
+    plan.map.keys[key].sounds = true;
+    plan.map.keys[key].object = key;
+    plan.map.objects.push_back({.body = 0, .key = key});
+  }
+  return plan;
+}
+
+double size_of(const KeyMap& map, const KeyMap::Object& object, const ParameterValues& parameters,
+               double bend_semitones) RINGDOWN_REALTIME {
+  double size = parameters[Parameter::size] * std::exp2(-bend_semitones / 12);
+  const double key = static_cast<double>(object.key);
+  if (map.is_note_map) {
+    // as large as its bank
+  } else if (parameters.on(Parameter::tuning)) {
+    size *= std::exp2((parameters[Parameter::root_key] - key) / 12);
+  } else {
+    const double pitch_hz = kConcertA_hz * std::exp2((key - kConcertA) / 12);
+    const double material = std::sqrt(parameters[Parameter::stiffness] / parameters[Parameter::density]);
+    size *= map.body_of(object).main_mode_hz * material / pitch_hz;
+  }
+  return std::clamp(size, kLeastSize, kMostSize);
+}
+
+// A body that is s times as large has s^3 times the mass. Its modes move 1/s^(3/2) times as much per impulse and
+// radiate 1/sqrt(s) times the pressure per modal velocity, so an impulse s^2 times as large is as loud.
+double full_impulse_ns(const Body& body, const ParameterValues& parameters, double size) RINGDOWN_REALTIME {
+  if (parameters.on(Parameter::even_loudness)) return body.even_impulse_ns * size * size;
+  return kBlow_m_s * body.mass_kg * parameters[Parameter::density] * size * size * size;
+}
+
+}  // namespace ringdown::plugin

@@ -1,0 +1,209 @@
+#include "clients/plugin/keyboard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+// libringdown's events allocate, lock and wait for nothing, but a C header cannot say so to the compiler.
+RINGDOWN_TRUST_REALTIME_BEGIN
+
+namespace ringdown::plugin {
+namespace {
+
+constexpr std::uint8_t kNoteOff = 0x80, kNoteOn = 0x90, kKeyPressure = 0xa0, kControl = 0xb0, kChannelPressure = 0xd0,
+                       kPitchBend = 0xe0;
+constexpr std::uint8_t kSustainPedal = 64, kSoftPedal = 67, kHardness = 74, kAllSoundOff = 120, kAllNotesOff = 123;
+constexpr double kMaxContact_s = 0.1;
+constexpr double kHardnessOctaves = 3;       // a full controller 74 makes blows 8 times as short
+constexpr double kMasterBend_semitones = 2;  // of MPE's channel 1
+constexpr double kRingsOn_s = 29.9;          // a release from here on is none
+constexpr int kBendCentre = 8192;
+
+// How long a released key takes to be damped; nothing: it rings on.
+std::optional<double> release_s(const Keyboard::Stage& stage) RINGDOWN_REALTIME {
+  if (stage.map.is_note_map) return stage.map.release_s;
+  const double time_s = stage.parameters[Parameter::release];
+  return time_s < kRingsOn_s ? std::optional(time_s) : std::nullopt;
+}
+
+// One blow, as hard as `share` of the full one, with a contact `softness` times as long.
+void strike(const KeyMap::Key& key, double share, double softness, double bend_semitones,
+            const Keyboard::Stage& stage) RINGDOWN_REALTIME {
+  const KeyMap::Object& object = stage.map.objects.data()[key.object];
+  const Body& body = stage.map.body_of(object);
+  const double size = size_of(stage.map, object, stage.parameters, bend_semitones);
+  const auto percent = static_cast<std::size_t>(std::lround(stage.parameters[Parameter::strike_point]));
+  const Body::Station& station = body.stations.data()[std::min(percent, kStations - 1)];
+  const double evening = stage.parameters.on(Parameter::even_loudness) ? stage.map.evening : 1;
+  const Vec3 full_ns =
+      key.impulse_ns ? evening * *key.impulse_ns : full_impulse_ns(body, stage.parameters, size) * station.direction;
+  const Vec3 impulse = share * full_ns;
+  const double impulse_ns[3] = {impulse.x, impulse.y, impulse.z};
+  const double full_time_s =
+      key.contact_time_s ? *key.contact_time_s : 1e-3 * stage.parameters[Parameter::contact_time];
+  const double contact_time_s = std::min(full_time_s * std::pow(share, -0.2) * softness, kMaxContact_s);
+  if (key.point_m) {
+    const Vec3 point = size * *key.point_m;
+    const double point_m[3] = {point.x, point.y, point.z};
+    ringdown_strike(stage.mixer, stage.frame, object.number, point_m, impulse_ns, contact_time_s, nullptr);
+  } else {
+    ringdown_strike_at(stage.mixer, stage.frame, object.number, station.point, impulse_ns, contact_time_s, nullptr);
+  }
+}
+
+}  // namespace
+
+void Keyboard::reset() {
+  down_.reset();
+  sustained_.reset();
+  sustain_ = damping_ = false;
+  channels_ = {};
+  key_tuning_ = {};
+  for (std::size_t key = 0; key < kKeys; ++key) bend_semitones_[key] = pressure_[key] = 0;
+}
+
+void Keyboard::play(std::span<const std::uint8_t> message, const Stage& stage) RINGDOWN_REALTIME {
+  if (message.size() < 2) return;
+  const std::uint8_t* const bytes = message.data();
+  const auto kind = static_cast<std::uint8_t>(bytes[0] & 0xf0);
+  const std::size_t channel = bytes[0] & 0x0f;
+  const auto first = static_cast<std::uint8_t>(bytes[1] & 0x7f);
+  if (bytes[0] == kTuneKeyHigh || bytes[0] == kTuneKeyLow) return tune_key(message, stage);
+  if (kind == kChannelPressure) return press_harder(channel, first / 127.0, stage);
+  if (message.size() < 3) return;
+  const auto second = static_cast<std::uint8_t>(bytes[2] & 0x7f);
+  if (kind == kNoteOn && second > 0) {
+    press(first, channel, second, stage);
+  } else if (kind == kNoteOn || kind == kNoteOff) {
+    release(first, stage);
+  } else if (kind == kKeyPressure) {
+    if (down_[first]) pressure_.data()[first].store(second / 127.0, std::memory_order_relaxed);
+  } else if (kind == kPitchBend) {
+    // DPF's VST3 writes 128 as the upper byte of a full bend, so it is not masked here.
+    const int value = std::min(first + 128 * std::min<int>(bytes[2], 128), 2 * kBendCentre - 1);
+    bend(channel, std::clamp((value - kBendCentre) / (kBendCentre - 1.0), -1.0, 1.0), stage);
+  } else if (kind == kControl) {
+    control(channel, first, second, stage);
+  }
+}
+
+void Keyboard::tune_key(std::span<const std::uint8_t> message, const Stage& stage) RINGDOWN_REALTIME {
+  if (message.size() < 3) return;
+  const std::uint8_t* const bytes = message.data();
+  if (bytes[0] == kTuneKeyHigh) {
+    tuning_high_ = bytes[2] & 0x7f;
+    return;
+  }
+  const std::size_t key = bytes[1] & 0x7f;
+  key_tuning_.data()[key] = tuning_of(128 * tuning_high_ + (bytes[2] & 0x7f));
+  bend_key(key, stage);
+}
+
+void Keyboard::press(std::size_t key, std::size_t channel, std::uint8_t velocity,
+                     const Stage& stage) RINGDOWN_REALTIME {
+  down_[key] = true;
+  sustained_[key] = false;
+  channel_of_.data()[key] = static_cast<std::uint8_t>(channel);
+  pressure_.data()[key].store(0, std::memory_order_relaxed);
+  bend_key(key, stage);
+  const KeyMap::Key& struck = stage.map.keys.data()[key];
+  if (!struck.sounds) return;
+  const double share = (velocity / 127.0) * (velocity / 127.0);
+  const double softness = std::exp2(-kHardnessOctaves * channels_.data()[channel].hardness);
+  strike(struck, share, softness, bend_semitones(key), stage);
+}
+
+void Keyboard::release(std::size_t key, const Stage& stage) RINGDOWN_REALTIME {
+  if (!down_[key]) return;
+  down_[key] = false;
+  key_tuning_.data()[key] = 0;  // of the next note
+  pressure_.data()[key].store(0, std::memory_order_relaxed);
+  if (damping_) return damp(key, stage.map.damp_s, stage);
+  const auto within_s = release_s(stage);
+  if (!within_s) return;
+  if (sustain_) {
+    sustained_[key] = true;
+  } else {
+    damp(key, *within_s, stage);
+  }
+}
+
+void Keyboard::control(std::size_t channel, std::uint8_t number, std::uint8_t value,
+                       const Stage& stage) RINGDOWN_REALTIME {
+  if (number == kSustainPedal) {
+    sustain(value >= 64, stage);
+  } else if (number == kSoftPedal) {
+    if (value >= 64 && !damping_) damp_all(stage.map.damp_s, stage);
+    damping_ = value >= 64;
+  } else if (number == kHardness) {
+    channels_.data()[channel].hardness = std::clamp((value - 64) / 63.0, -1.0, 1.0);
+  } else if (number == kAllSoundOff) {
+    damp_all(0, stage);
+  } else if (number == kAllNotesOff) {
+    for (std::size_t key = 0; key < kKeys; ++key) release(key, stage);
+  }
+}
+
+void Keyboard::sustain(bool down, const Stage& stage) RINGDOWN_REALTIME {
+  sustain_ = down;
+  if (down) return;
+  const KeySet released = sustained_;
+  sustained_.reset();
+  for (std::size_t key = 0; key < kKeys; ++key) {
+    if (released[key]) damp(key, release_s(stage).value_or(stage.map.damp_s), stage);
+  }
+}
+
+void Keyboard::bend(std::size_t channel, double bend, const Stage& stage) RINGDOWN_REALTIME {
+  channels_.data()[channel].bend = bend;
+  const bool mpe = stage.parameters.on(Parameter::mpe);
+  for (std::size_t key = 0; key < kKeys; ++key) {
+    // A channel of MPE may have gone on to another key; what the first one left ringing keeps its pitch.
+    const bool follows = !mpe || down_[key] || sustained_[key];
+    if (follows && ((mpe && channel == 0) || channel_of_.data()[key] == channel)) bend_key(key, stage);
+  }
+}
+
+void Keyboard::bend_key(std::size_t key, const Stage& stage) RINGDOWN_REALTIME {
+  const std::size_t channel = channel_of_.data()[key];
+  const bool mpe = stage.parameters.on(Parameter::mpe);
+  double semitones = 0;
+  if (!mpe || channel != 0) semitones = channels_.data()[channel].bend * stage.parameters[Parameter::bend_range];
+  if (mpe) semitones += channels_[0].bend * kMasterBend_semitones;
+  semitones += key_tuning_.data()[key];
+  bend_semitones_.data()[key].store(semitones, std::memory_order_relaxed);
+}
+
+void Keyboard::press_harder(std::size_t channel, double pressure, const Stage& stage) RINGDOWN_REALTIME {
+  const bool all = stage.parameters.on(Parameter::mpe) && channel == 0;
+  for (std::size_t key = 0; key < kKeys; ++key) {
+    if (down_[key] && (all || channel_of_.data()[key] == channel)) {
+      pressure_.data()[key].store(pressure, std::memory_order_relaxed);
+    }
+  }
+}
+
+// Damps what one key struck, unless another key keeps the object ringing.
+void Keyboard::damp(std::size_t key, double within_s, const Stage& stage) RINGDOWN_REALTIME {
+  const KeyMap::Key& struck = stage.map.keys.data()[key];
+  if (!struck.sounds || kept(struck.object, stage.map)) return;
+  ringdown_clear(stage.mixer, stage.frame, stage.map.objects.data()[struck.object].number, within_s, nullptr);
+}
+
+bool Keyboard::kept(std::uint32_t object, const KeyMap& map) const RINGDOWN_REALTIME {
+  for (std::size_t key = 0; key < kKeys; ++key) {
+    const KeyMap::Key& other = map.keys.data()[key];
+    if (other.sounds && other.object == object && (down_[key] || sustained_[key])) return true;
+  }
+  return false;
+}
+
+void Keyboard::damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME {
+  for (std::size_t i = 0; i < stage.map.objects.size(); ++i) {
+    ringdown_clear(stage.mixer, stage.frame, stage.map.objects.data()[i].number, within_s, nullptr);
+  }
+}
+
+}  // namespace ringdown::plugin
+
+RINGDOWN_TRUST_REALTIME_END

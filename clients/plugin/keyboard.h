@@ -1,0 +1,81 @@
+// The keyboard's state, and what MIDI does: notes strike, released notes and pedals damp, bends and pressure wait for
+// the worker, who retunes. [audio, except what says otherwise]
+//
+// A velocity v gives the share (v / 127)^2 of the full impulse, and the blow lasts share^(-1/5) times as long as the
+// full one, by Hertz's law: soft blows are duller. Controller 74 makes blows harder or softer.
+//
+// Two messages that MIDI leaves undefined bend a single key; only clap_entry.cpp sends them, for CLAP's note
+// expressions: kTuneKeyHigh key h, then kTuneKeyLow key l, of the 14-bit number 128 h + l that tuning_code() makes.
+#pragma once
+
+#include "clients/plugin/key_map.h"
+
+#include <array>
+#include <atomic>
+#include <bitset>
+#include <cstdint>
+#include <span>
+
+namespace ringdown::plugin {
+
+inline constexpr std::uint8_t kTuneKeyHigh = 0xf4, kTuneKeyLow = 0xf5;
+inline constexpr double kTuning_semitones = 120;  // the largest, up and down
+constexpr int tuning_code(double semitones) {
+  return semitones <= -kTuning_semitones
+             ? 0
+             : (semitones >= kTuning_semitones ? 16383
+                                               : static_cast<int>(8192.5 + semitones * 8191 / kTuning_semitones));
+}
+constexpr double tuning_of(int code) { return (code - 8192) * kTuning_semitones / 8191; }
+
+class Keyboard {
+ public:
+  struct Stage {
+    ringdown_mixer* mixer;
+    std::int64_t frame;
+    const KeyMap& map;
+    const ParameterValues& parameters;
+  };
+  // Plays one message at stage.frame. What is not MIDI, or not played, is ignored.
+  void play(std::span<const std::uint8_t> message, const Stage& stage) RINGDOWN_REALTIME;
+
+  // Forgets keys, pedals, bends and pressure. Nothing else may run.
+  void reset();
+
+  // What the worker does to each key's object. [any]
+  [[nodiscard]] double bend_semitones(std::size_t key) const RINGDOWN_REALTIME {
+    return bend_semitones_.data()[key].load(std::memory_order_relaxed);
+  }
+  [[nodiscard]] double pressure(std::size_t key) const RINGDOWN_REALTIME {  // 0 ... 1
+    return pressure_.data()[key].load(std::memory_order_relaxed);
+  }
+
+ private:
+  static constexpr std::size_t kChannels = 16;
+  using KeySet = std::bitset<kKeys>;
+  struct Channel {
+    double bend = 0;      // -1 ... 1
+    double hardness = 0;  // of controller 74, -1 ... 1
+  };
+  void press(std::size_t key, std::size_t channel, std::uint8_t velocity, const Stage& stage) RINGDOWN_REALTIME;
+  void tune_key(std::span<const std::uint8_t> message, const Stage& stage) RINGDOWN_REALTIME;
+  void release(std::size_t key, const Stage& stage) RINGDOWN_REALTIME;
+  void control(std::size_t channel, std::uint8_t number, std::uint8_t value, const Stage& stage) RINGDOWN_REALTIME;
+  void sustain(bool down, const Stage& stage) RINGDOWN_REALTIME;
+  void bend(std::size_t channel, double bend, const Stage& stage) RINGDOWN_REALTIME;
+  void bend_key(std::size_t key, const Stage& stage) RINGDOWN_REALTIME;
+  void press_harder(std::size_t channel, double pressure, const Stage& stage) RINGDOWN_REALTIME;
+  void damp(std::size_t key, double within_s, const Stage& stage) RINGDOWN_REALTIME;
+  void damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME;
+  [[nodiscard]] bool kept(std::uint32_t object, const KeyMap& map) const RINGDOWN_REALTIME;
+
+  KeySet down_, sustained_;  // keys that are down; released keys that the pedal sustains
+  bool sustain_ = false, damping_ = false;
+  int tuning_high_ = 64;                    // of the single key's tuning that arrives
+  std::array<double, kKeys> key_tuning_{};  // [semitones] of single keys
+  std::array<Channel, kChannels> channels_;
+  std::array<std::uint8_t, kKeys> channel_of_{};  // that played the key last
+  std::array<std::atomic<double>, kKeys> bend_semitones_{}, pressure_{};
+};
+
+}  // namespace ringdown::plugin

@@ -1,0 +1,69 @@
+// The plug-in's parameters: what a host shows, automates and saves. Their numbers and symbols stand in people's
+// sessions, so new ones are added at the end and none is removed. [any]
+#pragma once
+
+#include "engine/base/realtime.h"
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+
+namespace ringdown::plugin {
+
+enum class Parameter : std::size_t {
+  level,  // an output; DPF 1.6 cannot read the first parameter of a VST3, and nobody reads this one
+  object,
+  tuning,
+  root_key,
+  size,
+  stiffness,
+  density,
+  loss,
+  strike_point,
+  contact_time,
+  even_loudness,
+  gain,
+  pan,
+  width,
+  release,
+  touch,
+  bend_range,
+  mpe,
+  embed,
+};
+inline constexpr std::size_t kParameters = 19;
+
+enum class Scale { linear, logarithmic, whole, choice, toggle, output };
+
+struct ParameterInfo {
+  const char* symbol;  // in files
+  const char* name;    // for people
+  const char* unit;    // "" for a factor or a choice
+  float least, most, standard;
+  Scale scale;
+  const char* meaning;  // one sentence
+};
+extern const std::array<ParameterInfo, kParameters> kParameterInfo;
+
+// Present values, which any thread may read and set.
+class ParameterValues {
+ public:
+  ParameterValues();
+  // Values out of range, or not numbers, become the nearest in range, or the standard one.
+  void set(std::size_t parameter, float value) RINGDOWN_REALTIME;
+  void set(Parameter parameter, double value) RINGDOWN_REALTIME {
+    set(static_cast<std::size_t>(parameter), static_cast<float>(value));
+  }
+  [[nodiscard]] float get(std::size_t parameter) const RINGDOWN_REALTIME {
+    return parameter < kParameters ? values_.data()[parameter].load(std::memory_order_relaxed) : 0;
+  }
+  [[nodiscard]] double operator[](Parameter parameter) const RINGDOWN_REALTIME {
+    return static_cast<double>(get(static_cast<std::size_t>(parameter)));
+  }
+  [[nodiscard]] bool on(Parameter parameter) const RINGDOWN_REALTIME { return (*this)[parameter] > 0.5; }
+
+ private:
+  std::array<std::atomic<float>, kParameters> values_;
+};
+
+}  // namespace ringdown::plugin

@@ -1,0 +1,121 @@
+// The instrument as DPF wants it: this file and DistrhoPluginInfo.h are compiled once for every plug-in format.
+#include "clients/plugin/instrument.h"
+
+#include <DistrhoPlugin.hpp>
+#include <DistrhoPluginUtils.hpp>
+
+#include <array>
+#include <memory>
+#include <string>
+
+START_NAMESPACE_DISTRHO
+
+namespace {
+
+using ringdown::plugin::Instrument;
+using ringdown::plugin::kChoices;
+using ringdown::plugin::kParameterInfo;
+using ringdown::plugin::kParameters;
+using ringdown::plugin::MidiMessage;
+using ringdown::plugin::ParameterInfo;
+using Kind = ringdown::plugin::Scale;
+
+constexpr std::uint32_t kMaxMessages = 512;  // DPF hands over no more in a block
+constexpr const char* kFileKey = "file";
+constexpr const char* kEmbeddedKey = "embedded";
+
+class RingdownPlugin : public Plugin {
+ public:
+  RingdownPlugin()
+      : Plugin(kParameters, 0, 2), instrument_(std::make_unique<Instrument>(getSampleRate(), getBinaryFilename())) {}
+
+ protected:
+  const char* getLabel() const override { return "ringdown"; }
+  const char* getDescription() const override {
+    return "Solid objects as playable, physically exact sound: one object across the keyboard, or a map of many.";
+  }
+  const char* getMaker() const override { return "Ringdown"; }
+  const char* getLicense() const override { return "MIT"; }
+  std::uint32_t getVersion() const override { return d_version(0, 1, 0); }
+  std::int64_t getUniqueId() const override { return d_cconst('R', 'n', 'g', 'd'); }
+
+  void initAudioPort(bool input, std::uint32_t index, AudioPort& port) override {
+    Plugin::initAudioPort(input, index, port);
+    port.groupId = kPortGroupStereo;
+    port.name = index == 0 ? "Left" : "Right";
+    port.symbol = index == 0 ? "left" : "right";
+  }
+
+  void initParameter(std::uint32_t index, Parameter& parameter) override {
+    const ParameterInfo& info = kParameterInfo[index];
+    parameter.hints = info.scale == Kind::output ? kParameterIsOutput : kParameterIsAutomatable;
+    if (info.scale == Kind::logarithmic) parameter.hints |= kParameterIsLogarithmic;
+    if (info.scale == Kind::whole || info.scale == Kind::choice) parameter.hints |= kParameterIsInteger;
+    if (info.scale == Kind::toggle) parameter.hints |= kParameterIsInteger | kParameterIsBoolean;
+    parameter.name = info.name;
+    parameter.symbol = info.symbol;
+    parameter.unit = info.unit;
+    parameter.description = info.meaning;
+    parameter.ranges = ParameterRanges(info.standard, info.least, info.most);
+    if (info.scale == Kind::choice) name_choices(index, parameter.enumValues);
+  }
+
+  void initState(std::uint32_t index, State& state) override {
+    state.key = index == 0 ? kFileKey : kEmbeddedKey;
+    state.hints = index == 0 ? kStateIsFilenamePath : kStateIsOnlyForDSP;
+    state.label = index == 0 ? "Bank or note map" : "Bank of the session";
+    if (index == 0) state.description = "A bank (.glb) or a note map (.toml), played while Object is \"file\".";
+  }
+
+  float getParameterValue(std::uint32_t index) const override { return instrument_->parameters().get(index); }
+  void setParameterValue(std::uint32_t index, float value) override { instrument_->parameters().set(index, value); }
+
+  String getState(const char* key) const override {
+    if (std::string(key) == kFileKey) return String(instrument_->file().c_str());
+    return String(instrument_->embedded().c_str());
+  }
+
+  void setState(const char* key, const char* value) override {
+    if (std::string(key) == kFileKey) instrument_->set_file(value);
+    if (std::string(key) == kEmbeddedKey) instrument_->set_embedded(value);
+  }
+
+  void sampleRateChanged(double sample_rate_hz) override { instrument_->set_sample_rate(sample_rate_hz); }
+  void activate() override { instrument_->start(); }
+  void deactivate() override { instrument_->stop(); }
+
+  void run(const float**, float** outputs, std::uint32_t frames, const MidiEvent* events,
+           std::uint32_t count) override {
+    std::size_t used = 0;
+    for (std::uint32_t i = 0; i < count && used < kMaxMessages; ++i) {
+      const MidiEvent& event = events[i];
+      if (event.size > MidiEvent::kDataSize) continue;  // system exclusive
+      messages_.data()[used++] = {event.frame, {event.data, event.size}};
+    }
+    instrument_->render({messages_.data(), used}, outputs[0], outputs[1], frames);
+  }
+
+ private:
+  static void name_choices(std::uint32_t index, ParameterEnumerationValues& values) {
+    const bool tuning = kParameterInfo[index].symbol == std::string("tuning");
+    values.count = static_cast<std::uint8_t>(tuning ? 2 : kChoices);
+    values.restrictedMode = true;
+    values.values = new ParameterEnumerationValue[values.count];
+    for (std::uint8_t i = 0; i < values.count; ++i) {
+      values.values[i].value = i;
+      values.values[i].label =
+          tuning ? (i == 0 ? "concert pitch" : "own pitch") : ringdown::plugin::choice_name(i).c_str();
+    }
+  }
+
+  std::unique_ptr<Instrument> instrument_;
+  std::array<MidiMessage, kMaxMessages> messages_{};
+
+  DISTRHO_DECLARE_NON_COPYABLE_WITH_LEAK_DETECTOR(RingdownPlugin)
+};
+
+}  // namespace
+
+Plugin* createPlugin() { return new RingdownPlugin; }
+
+END_NAMESPACE_DISTRHO

@@ -1,0 +1,60 @@
+#include "clients/plugin/sources.h"
+
+#include "engine/base/folders.h"
+
+#include <cstdlib>
+#include <system_error>
+
+namespace ringdown::plugin {
+namespace {
+
+constexpr int kMaxFoldersUp = 8;
+
+std::filesystem::path environment_path(const char* name) {
+  const char* const value = std::getenv(name);
+  return value ? value : "";
+}
+
+std::filesystem::path own_file(std::size_t number) {
+  const std::filesystem::path map = own_folder() / (std::to_string(number) + ".toml");
+  std::error_code ignored;
+  return std::filesystem::exists(map, ignored) ? map : own_folder() / (std::to_string(number) + ".glb");
+}
+
+}  // namespace
+
+std::string choice_name(std::size_t choice) {
+  if (choice == 0 || choice >= kChoices) return "file";
+  if (choice < kFirstPreset) return "own " + std::to_string(choice);
+  return std::string(kPresets[choice - kFirstPreset]);
+}
+
+std::filesystem::path own_folder() {
+  const std::filesystem::path data = environment_path("XDG_DATA_HOME");
+  return (data.empty() ? environment_path("HOME") / ".local/share" : data) / "ringdown/plugin";
+}
+
+std::filesystem::path presets_near(const std::filesystem::path& binary) {
+  std::error_code error;
+  if (!environment_path("RINGDOWN_PRESETS").empty()) return environment_path("RINGDOWN_PRESETS");
+  std::filesystem::path folder = std::filesystem::weakly_canonical(binary, error).parent_path();
+  for (int up = 0; up < kMaxFoldersUp && !folder.empty(); ++up, folder = folder.parent_path()) {
+    for (const char* below : {"presets", "share/ringdown/presets"}) {
+      if (std::filesystem::is_directory(folder / below / "banks", error)) return folder / below;
+    }
+  }
+  return preset_folder().value_or(std::filesystem::path{});
+}
+
+Source find_source(std::size_t choice, const std::string& file, const std::filesystem::path& binary) {
+  if (choice >= 1 && choice < kFirstPreset) return {choice_name(choice), own_file(choice)};
+  if ((choice == 0 || choice >= kChoices) && !file.empty()) return {file, file};
+  const std::string_view preset = kPresets[choice >= kFirstPreset && choice < kChoices ? choice - kFirstPreset : 0];
+  const std::filesystem::path presets = presets_near(binary);
+  const bool map = preset == kNoteMapPreset;
+  return {std::string(preset), presets / (map ? "notes" : "banks") / (std::string(preset) + (map ? ".toml" : ".glb"))};
+}
+
+bool is_note_map(const Source& source) { return source.path.extension() == ".toml"; }
+
+}  // namespace ringdown::plugin

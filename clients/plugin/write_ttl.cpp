@@ -1,0 +1,77 @@
+// Lets the LV2 plug-in write its Turtle files into the present folder, and adds presets.ttl: write_ttl PLUGIN.so NAME.
+// Only for the build. DPF 1.6 could write presets, too, but gives them each other's states.
+#include "clients/plugin/parameters.h"
+#include "clients/plugin/sources.h"
+
+#include <dlfcn.h>
+
+#include <cstdio>
+#include <fstream>
+#include <ostream>
+#include <string>
+
+namespace {
+
+using namespace ringdown::plugin;
+
+constexpr const char* kPlugin = "urn:ringdown:instrument";
+
+std::string preset(std::size_t number) {
+  return "<" + std::string(kPlugin) + "#" + std::string(kPresets[number]) + ">";
+}
+
+// Every preset names all parameters but the ones that are the player's: its object, and what is standard.
+void write_presets(std::ostream& manifest, std::ostream& file) {
+  const std::string prefixes = "@prefix pset: <http://lv2plug.in/ns/ext/presets#> .\n";
+  manifest << prefixes;
+  file << prefixes << "@prefix lv2: <http://lv2plug.in/ns/lv2core#> .\n";
+  for (std::size_t number = 0; number < kPresets.size(); ++number) {
+    manifest << preset(number) << "\n    a pset:Preset ;\n    lv2:appliesTo <" << kPlugin << "> ;\n    rdfs:label \""
+             << kPresets[number] << "\" ;\n    rdfs:seeAlso <presets.ttl> .\n";
+    file << preset(number) << "\n    lv2:port ";
+    for (std::size_t i = 1; i < kParameters; ++i) {  // but the output
+      const float value = i == static_cast<std::size_t>(Parameter::object) ? static_cast<float>(kFirstPreset + number)
+                                                                           : kParameterInfo[i].standard;
+      file << "[ lv2:symbol \"" << kParameterInfo[i].symbol << "\" ; pset:value " << value << " ]"
+           << (i + 1 < kParameters ? " ,\n        " : " .\n");
+    }
+  }
+}
+
+// Takes out the two properties of a vendor's hosts that no vocabulary in Debian defines, so that validators are
+// content.
+void tidy(const std::string& path) {
+  std::ifstream before(path);
+  std::string text;
+  for (std::string line; std::getline(before, line);) {
+    if (line.find(" mod:brand ") == line.npos && line.find(" mod:label ") == line.npos) text += line + "\n";
+  }
+  std::ofstream(path) << text;
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  if (count != 3) {
+    std::fprintf(stderr, "usage: write_ttl PLUGIN.so NAME\n");
+    return 1;
+  }
+  void* const plugin = dlopen(words[1], RTLD_NOW);
+  if (!plugin) {
+    std::fprintf(stderr, "%s\n", dlerror());
+    return 1;
+  }
+  using Generate = void (*)(const char*);
+  const auto generate = reinterpret_cast<Generate>(dlsym(plugin, "lv2_generate_ttl"));
+  if (!generate) {
+    std::fprintf(stderr, "%s is not a plug-in of DPF\n", words[1]);
+    return 1;
+  }
+  generate(words[2]);
+  tidy(std::string(words[2]) + ".ttl");
+  std::ofstream manifest("manifest.ttl", std::ios::app), file("presets.ttl");
+  write_presets(manifest, file);
+  if (manifest.flush() && file.flush()) return 0;
+  std::fprintf(stderr, "cannot write manifest.ttl and presets.ttl\n");
+  return 1;
+}

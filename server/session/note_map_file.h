@@ -1,0 +1,36 @@
+// The file that says which note of a MIDI keyboard strikes which object (docs/use/midi.md), as it stands. note_map.h
+// makes what is played of it.
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/base/vec3.h"
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ringdown::session {
+
+inline constexpr std::size_t kNotes = 128;
+
+// A map as it stands in its file. Values that the file leaves out are chosen from the object's bank.
+struct NoteMap {
+  struct Entry {
+    std::size_t note = 0;
+    std::string object;
+    std::optional<Vec3> point_m;     // object frame
+    std::optional<Vec3> impulse_ns;  // at full velocity
+    std::optional<double> contact_time_s;
+  };
+  std::vector<Entry> notes;
+  std::optional<double> release_s;  // a released note is damped within this time; nullopt: it rings on
+  double damp_s = 0.15;             // the damp pedal damps within this time
+  std::string banks;                // the folder with NAME.glb for each object, for who has no scene; "": the map's own
+};
+
+// Reads a map. Values out of range and two entries for one note are refused, with the line. [worker]
+Result<NoteMap> read_note_map(const std::filesystem::path& path);
+
+}  // namespace ringdown::session
