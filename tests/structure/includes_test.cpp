@@ -56,6 +56,8 @@ const std::vector<FolderRule> kFolderRules = {
      {"engine/base/", "engine/modal/", "engine/synth/", "protocol/", "server/session/", "clients/library/"},
      {"protocol/wire/codec.h", "protocol/wire/score.h", "protocol/wire/socket.h"}},
     {"clients/python/", {}},  // the C headers of clients/library, as an installed library has them
+    {"clients/plugin/",
+     {"engine/base/", "clients/library/ringdown.h", "clients/plugin/", "server/session/note_map_file.h"}},
     {"clients/cli/slepc/", {"engine/base/", "engine/solve/distributed_files.h", "clients/cli/slepc/"}},
     {"clients/cli/fit/",
      {"engine/base/", "engine/modal/", "engine/fit/", "engine/synth/mode_table.h", "server/session/offline.h",
@@ -81,6 +83,8 @@ const std::vector<LibraryRule> kLibraryRules = {
     {"jack/", {"server/jack_client.cpp"}, 1},
     {"lo/", {"protocol/wire/codec.cpp"}, 1},
     {"microhttpd.h", {"server/query_server.cpp"}, 1},
+    {"Distrho", {"clients/plugin/plugin.cpp"}, 1},
+    {"src/clap/", {"clients/plugin/clap_entry.cpp"}, 1},
     {"btBullet", {"clients/bullet/"}, 1},
     {"ode/", {"engine/scene/ode_", "engine/scene/simulation", "tests/scene/ode_"}, 11},
     {"Spectra/", {"engine/solve/spectra.cpp"}, 1},

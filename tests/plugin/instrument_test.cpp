@@ -1,0 +1,382 @@
+// The instrument without a plug-in format: what each parameter and message does to the sound.
+#include "clients/plugin/instrument.h"
+#include "engine/modal/bank_file.h"
+#include "server/session/midi_player.h"
+#include "server/session/session.h"
+#include "tests/support/realtime_guard.h"
+#include "tests/support/signal.h"
+#include "tests/support/synthetic_bank.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+
+namespace ringdown::plugin {
+namespace {
+
+using test::Samples;
+
+constexpr double kRate = 48000;
+constexpr std::uint8_t kOn = 0x90, kOff = 0x80, kKeyPressure = 0xa0, kControl = 0xb0, kPressure = 0xd0, kBend = 0xe0;
+constexpr std::uint8_t kSustain = 64, kDamp = 67;
+
+// One mode at 1 kHz, so that a key's sound is one sinusoid.
+class InstrumentTest : public testing::Test {
+ protected:
+  InstrumentTest() {
+    bank_ = folder_ / "mode.glb";
+    EXPECT_TRUE(modal::write_bank(test::single_mode_bank(1000, 0.5), bank_));
+    instrument_.set_file(bank_);
+    set(Parameter::width, 0);
+    instrument_.start();
+  }
+  void set(Parameter parameter, double value) { instrument_.parameters().set(parameter, value); }
+  void play(std::uint8_t status, std::uint8_t first, std::uint8_t second = 0) {
+    bytes_.push_back({status, first, second});
+  }
+  // The worker does what it would within some milliseconds.
+  void settle() { instrument_.set_file(instrument_.file()); }
+
+  // Left of the next frames; what was played happens in the first of them.
+  Samples hear(std::size_t frames) {
+    std::vector<MidiMessage> messages;
+    for (const auto& message : bytes_) messages.push_back({0, message});
+    std::vector<float> left(frames), right(frames);
+    instrument_.render(messages, left.data(), right.data(), frames);
+    bytes_.clear();
+    right_ = test::to_doubles(right);
+    return test::to_doubles(left);
+  }
+  double pitch_hz(std::size_t frames = 9600) { return test::fit_damped_sinusoid(hear(frames), kRate).frequency_hz; }
+  double loudness(std::size_t frames = 480) { return test::peak(hear(frames)); }
+
+  test::TemporaryFolder folder_;
+  std::filesystem::path bank_;
+  Instrument instrument_{kRate, RINGDOWN_BIN_DIR "/plugin.so"};
+  std::vector<std::array<std::uint8_t, 3>> bytes_;
+  Samples right_;
+};
+
+TEST_F(InstrumentTest, KeysHaveConcertPitch) {
+  for (const auto& [key, expected_hz] : {std::pair{69, 440.0}, {57, 220.0}, {81, 880.0}, {60, 261.6255653}}) {
+    play(kControl, 120, 0);
+    hear(1024);
+    play(kOn, static_cast<std::uint8_t>(key), 100);
+    EXPECT_NEAR(pitch_hz() / expected_hz, 1, 1e-4) << key;
+  }
+}
+
+TEST_F(InstrumentTest, MaterialDoesNotMoveConcertPitchButSizeDoes) {
+  set(Parameter::stiffness, 3);
+  set(Parameter::density, 0.5);
+  set(Parameter::size, 2);
+  settle();
+  play(kOn, 69, 100);
+  EXPECT_NEAR(pitch_hz() / 220, 1, 1e-4);
+}
+
+TEST_F(InstrumentTest, OwnPitchIsTheObjectsAtTheRootKey) {
+  set(Parameter::tuning, 1);
+  set(Parameter::root_key, 50);
+  settle();
+  play(kOn, 62, 100);
+  EXPECT_NEAR(pitch_hz() / 2000, 1, 1e-4);
+  set(Parameter::stiffness, 4);
+  play(kControl, 120, 0);
+  settle();
+  hear(1024);
+  play(kOn, 50, 100);
+  EXPECT_NEAR(pitch_hz() / 2000, 1, 1e-4) << "four times as stiff is an octave higher";
+}
+
+TEST_F(InstrumentTest, ABendMovesWhatRingsOnItsChannelOnly) {
+  set(Parameter::bend_range, 12);
+  play(kOn | 1, 69, 100);
+  hear(480);
+  play(kBend | 2, 0, 127);
+  hear(480);
+  settle();
+  EXPECT_NEAR(pitch_hz() / 440, 1, 1e-4) << "another channel";
+  play(kBend | 1, 127, 127);
+  hear(480);
+  settle();
+  hear(480);
+  EXPECT_NEAR(pitch_hz() / 880, 1, 1e-4);
+  play(kBend | 1, 0, 128);  // as DPF's VST3 writes a full bend
+  hear(480);
+  settle();
+  hear(480);
+  EXPECT_NEAR(pitch_hz() / 880, 1, 1e-4);
+  play(kBend | 1, 0, 64);
+  hear(480);
+  settle();
+  hear(480);
+  EXPECT_NEAR(pitch_hz() / 440, 1, 1e-4);
+}
+
+TEST_F(InstrumentTest, WithMpeTheFirstChannelBendsAllKeysByTwoSemitones) {
+  set(Parameter::mpe, 1);
+  set(Parameter::bend_range, 48);
+  play(kOn | 3, 69, 100);
+  hear(480);
+  play(kBend, 127, 127);
+  hear(480);
+  settle();
+  hear(480);
+  EXPECT_NEAR(pitch_hz() / (440 * std::exp2(2 / 12.0)), 1, 1e-4);
+}
+
+TEST_F(InstrumentTest, ASingleKeyIsTunedByTheClapEntrysMessages) {
+  const int code = tuning_code(-7.5);
+  play(kOn, 69, 100);
+  play(kTuneKeyHigh, 69, static_cast<std::uint8_t>(code >> 7));
+  play(kTuneKeyLow, 69, static_cast<std::uint8_t>(code & 127));
+  hear(480);
+  settle();
+  hear(480);
+  EXPECT_NEAR(pitch_hz() / (440 * std::exp2(-7.5 / 12)), 1, 5e-4);
+  EXPECT_NEAR(tuning_of(tuning_code(0)), 0, 0);
+  EXPECT_EQ(tuning_code(1000), 16383);
+}
+
+TEST_F(InstrumentTest, HalfTheVelocityIsAQuarterOfTheImpulse) {
+  set(Parameter::contact_time, 0.02);
+  play(kOn, 60, 127);
+  const double loud = loudness();
+  play(kControl, 120, 0);
+  hear(1024);
+  play(kOn, 60, 64);
+  EXPECT_NEAR(loudness() / loud, std::pow(64.0 / 127, 2), 1e-3);
+}
+
+// The spectrum of a half sine that lasts tau, at frequency f, over that of an ideal impulse.
+double half_sine(double tau_s, double frequency_hz) {
+  return std::abs(std::cos(M_PI * frequency_hz * tau_s) / (1 - std::pow(2 * frequency_hz * tau_s, 2)));
+}
+
+TEST_F(InstrumentTest, BlowsAreAsSoftAsContactTimeAndController74Say) {
+  set(Parameter::contact_time, 0.02);
+  play(kOn, 81, 127);  // 880 Hz
+  const double hard = loudness(2400);
+  for (const auto& [time_ms, control, tau_s] : {std::tuple{1.0, 64, 1e-3}, {1.0, 1, 8e-3}, {4.0, 127, 0.5e-3}}) {
+    play(kControl, 120, 0);
+    hear(1024);
+    set(Parameter::contact_time, time_ms);
+    play(kControl, 74, static_cast<std::uint8_t>(control));
+    play(kOn, 81, 127);
+    EXPECT_NEAR(loudness(2400) / hard, half_sine(tau_s, 880), 0.02) << time_ms << " " << control;
+  }
+}
+
+TEST_F(InstrumentTest, EvenLoudnessIsTheSameForEveryKey) {
+  set(Parameter::contact_time, 0.02);
+  std::vector<double> levels;
+  for (const std::uint8_t key : {45, 60, 75}) {
+    play(kControl, 120, 0);
+    hear(1024);
+    play(kOn, key, 127);
+    levels.push_back(loudness(2400));
+  }
+  // 2 Pa rms of 20 Pa full scale; a pan of 0 leaves each side 3 dB less.
+  EXPECT_NEAR(levels[0], 0.1, 3e-3);
+  EXPECT_NEAR(levels[1], levels[0], 1e-3);
+  EXPECT_NEAR(levels[2], levels[0], 1e-3);
+}
+
+TEST_F(InstrumentTest, AReleasedKeyIsDampedUnlessItRingsOn) {
+  set(Parameter::release, 0.1);
+  play(kOn, 60, 127);
+  const double loud = loudness();
+  play(kOff, 60, 0);
+  hear(2400);
+  EXPECT_NEAR(loudness(96) / loud, 0.5, 0.06) << "half way through the damping";
+  hear(2400);
+  EXPECT_EQ(loudness(), 0);
+  set(Parameter::release, 30);
+  play(kOn, 60, 127);
+  play(kOff, 60, 0);
+  hear(9600);
+  EXPECT_GT(loudness(), 0.8 * loud);
+}
+
+TEST_F(InstrumentTest, TheSustainPedalKeepsReleasedKeysAndTheDampPedalIsAHandOnEverything) {
+  set(Parameter::release, 0.02);
+  play(kControl, kSustain, 127);
+  play(kOn, 60, 127);
+  play(kOff, 60, 0);
+  hear(4800);
+  EXPECT_GT(loudness(), 0.01);
+  play(kControl, kSustain, 0);
+  hear(1200);
+  EXPECT_EQ(loudness(), 0);
+  play(kOn, 60, 127);
+  play(kControl, kDamp, 127);
+  hear(9600);
+  EXPECT_EQ(loudness(), 0);
+}
+
+// The mode's amplitude falls by exp(-decay t); a damper of c [N s/m] adds c |shape|^2 / 2 to the decay.
+TEST_F(InstrumentTest, AftertouchIsAHandThatDampsMoreWhenPressedHarder) {
+  const auto decay_per_s = [&](std::uint8_t status, std::uint8_t first, std::uint8_t second) {
+    play(kControl, 120, 0);
+    hear(1024);
+    play(kOn, 81, 127);
+    play(status, first, second);
+    hear(480);
+    settle();
+    hear(480);
+    return test::fit_damped_sinusoid(hear(4800), kRate).decay_per_s;
+  };
+  set(Parameter::touch, 10);
+  const double free = decay_per_s(kKeyPressure, 81, 0), touched = decay_per_s(kKeyPressure, 81, 64),
+               held = decay_per_s(kKeyPressure, 81, 127), channel = decay_per_s(kPressure, 127, 0),
+               another = decay_per_s(kPressure | 5, 127, 0);
+  EXPECT_NEAR((touched - free) / (held - free), std::pow(64.0 / 127, 2), 1e-2);
+  EXPECT_GT(held, free + 1);
+  EXPECT_NEAR(channel, held, 1e-3 * held);
+  EXPECT_NEAR(another, free, 1e-2);
+}
+
+TEST_F(InstrumentTest, AGainIsReachedWithoutAStep) {
+  set(Parameter::release, 30);
+  play(kOn, 48, 127);
+  hear(4800);
+  const Samples before = hear(480);
+  set(Parameter::gain, -60);
+  const Samples ramp = hear(960), after = hear(480);
+  EXPECT_LT(test::largest_step(ramp, 1, ramp.size()), 1.2 * test::largest_step(before, 1, before.size()));
+  EXPECT_NEAR(test::peak(after) / test::peak(before), 1e-3, 1e-4);
+}
+
+TEST_F(InstrumentTest, WidthSpreadsTheKeysAndPanMovesThem) {
+  const auto balance = [&](std::uint8_t key) {
+    play(kControl, 120, 0);
+    hear(1024);
+    play(kOn, key, 127);
+    hear(4800);
+    const double left = loudness(2400);
+    return left / test::peak(right_);
+  };
+  EXPECT_NEAR(balance(40), 1, 1e-6);
+  set(Parameter::width, 100);
+  hear(2400);
+  EXPECT_GT(balance(40), 1.2);
+  EXPECT_LT(balance(90), 0.8);
+  set(Parameter::pan, 100);
+  hear(2400);
+  EXPECT_LT(balance(90), 1e-3);
+}
+
+TEST_F(InstrumentTest, AFileThatCannotBeReadLeavesTheSoundAsItIs) {
+  instrument_.set_file("/nowhere/bell.glb");
+  play(kOn, 60, 127);
+  EXPECT_GT(loudness(), 0.01);
+  instrument_.start();
+  play(kOn, 60, 127);
+  EXPECT_EQ(loudness(), 0) << "from the beginning there is nothing to play";
+  instrument_.set_file(bank_);
+  play(kOn, 60, 127);
+  EXPECT_GT(loudness(), 0.01);
+}
+
+TEST_F(InstrumentTest, ChangesOfTheObjectNeverUseUpTheMixer) {
+  for (int turn = 0; turn < 40; ++turn) {
+    set(Parameter::object, turn % 2 == 0 ? 0 : 17);
+    settle();
+    if (turn % 5 == 0) hear(64);  // and sometimes the host does not play at all
+  }
+  hear(64);
+  settle();
+  play(kOn, 60, 127);
+  EXPECT_GT(loudness(), 0.001);
+}
+
+TEST_F(InstrumentTest, AnotherSampleRateKeepsThePitch) {
+  instrument_.stop();
+  instrument_.set_sample_rate(96000);
+  instrument_.start();
+  play(kOn, 69, 127);
+  EXPECT_NEAR(test::fit_damped_sinusoid(hear(9600), 96000).frequency_hz / 440, 1, 1e-4);
+}
+
+TEST_F(InstrumentTest, NothingThatTheAudioThreadDoesAllocatesLocksOrCallsTheSystem) {
+  if (!test::kRealtimeGuardWorks) GTEST_SKIP() << "the sanitizer watches, or nobody";
+  std::vector<float> left(64), right(64);
+  const std::array<std::array<std::uint8_t, 3>, 12> all = {{{kOn, 60, 90},
+                                                            {kOn, 64, 127},
+                                                            {kKeyPressure, 60, 50},
+                                                            {kPressure, 70, 0},
+                                                            {kBend, 10, 90},
+                                                            {kControl, 74, 100},
+                                                            {kControl, kSustain, 127},
+                                                            {kOff, 60, 0},
+                                                            {kControl, kSustain, 0},
+                                                            {kTuneKeyHigh, 64, 70},
+                                                            {kTuneKeyLow, 64, 7},
+                                                            {kControl, 120, 0}}};
+  for (int round = 0; round < 20; ++round) {
+    for (const auto& bytes : all) {
+      const MidiMessage message{11, bytes};
+      const test::RealtimeScope scope;
+      set(Parameter::width, round * 5);
+      set(Parameter::gain, -round);
+      instrument_.render({&message, 1}, left.data(), right.data(), 64);
+      ASSERT_EQ(scope.seen().total(), 0u) << scope.seen().first;
+    }
+    settle();
+  }
+}
+
+// The daemon's keyboard, without the plug-in.
+Samples by_the_daemon(const std::filesystem::path& map, const std::vector<std::array<std::uint8_t, 3>>& messages,
+                      std::size_t every) {
+  session::Session session(kRate);
+  const auto file = session::read_note_map(map);
+  EXPECT_TRUE(file);
+  for (const auto& entry : file->notes) {
+    if (session.rack().find({.name = entry.object, .number = {}})) continue;
+    const auto bank = map.parent_path() / file->banks / (entry.object + ".glb");
+    EXPECT_TRUE(session.rack().load(entry.object, bank));
+  }
+  const session::NoteTable table = session::resolve(*file, session.rack().objects());
+  session::MidiPlayer player;
+  SpscRing<synth::Event> played(64);
+  Samples sound;
+  std::vector<float> left(every), right(every);
+  for (const auto& message : messages) {
+    player.play(message, session.rack().mixer().counters().frames, table, session.rack().mixer(), played);
+    session.rack().mixer().render(left, right);
+    const Samples more = test::to_doubles(left);
+    sound.insert(sound.end(), more.begin(), more.end());
+  }
+  return sound;
+}
+
+TEST_F(InstrumentTest, ANoteMapSoundsAsInTheDaemon) {
+  const std::filesystem::path map = RINGDOWN_SOURCE_DIR "/presets/notes/vibraphone.toml";
+  const std::vector<std::array<std::uint8_t, 3>> messages = {
+      {kOn, 60, 127}, {kOn, 64, 30},           {kOff, 60, 0},  {kControl, kSustain, 127}, {kOn, 89, 100}, {kOff, 89, 0},
+      {kOn, 53, 1},   {kControl, kSustain, 0}, {kOn, 20, 100}, {kControl, kDamp, 127}};
+  instrument_.set_file(map);
+  set(Parameter::even_loudness, 0);
+  instrument_.start();
+  Samples sound;
+  for (const auto& [status, first, second] : messages) {
+    play(status, first, second);
+    const Samples more = hear(2000);
+    sound.insert(sound.end(), more.begin(), more.end());
+  }
+  const Samples expected = by_the_daemon(map, messages, 2000);
+  EXPECT_GT(test::peak(expected), 1e-3);
+  // Modes 120 dB below full scale may rest, and when each is looked at differs.
+  Samples difference(sound.size());
+  std::transform(sound.begin(), sound.end(), expected.begin(), difference.begin(), std::minus<>());
+  EXPECT_LT(20 * std::log10(test::peak(difference)), -120);
+}
+
+}  // namespace
+}  // namespace ringdown::plugin

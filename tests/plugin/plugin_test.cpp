@@ -1,0 +1,280 @@
+// The built plug-ins in small hosts: what clap-validator asks of a plug-in, and the same samples as libringdown's.
+#include "clients/library/ringdown.h"
+#include "tests/plugin/host.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace ringdown::test;
+
+constexpr double kRate_hz = 48000;
+constexpr std::size_t kObject = 1, kTuning = 2, kRootKey = 3, kSize = 4, kContact = 9, kEven = 10, kGain = 11,
+                      kWidth = 13, kRelease = 14, kBendRange = 16, kEmbed = 18;  // 0 is an output
+constexpr double kGlockenspiel = 25, kRingsOn = 30;
+
+struct Score {
+  std::vector<std::pair<std::uint32_t, std::array<std::uint8_t, 3>>> events;  // by frame of the whole
+  std::uint32_t frames;
+};
+struct Sound {
+  std::vector<float> left, right;
+};
+
+// Plays the score in blocks of the sizes given, over and over.
+Sound play(PluginHost& host, const Score& score, const std::vector<std::uint32_t>& blocks) {
+  Sound sound{std::vector<float>(score.frames), std::vector<float>(score.frames)};
+  std::size_t turn = 0, next = 0;
+  for (std::uint32_t at = 0; at < score.frames;) {
+    const std::uint32_t frames = std::min(blocks[turn++ % blocks.size()], score.frames - at);
+    std::vector<MidiEvent> events;
+    for (; next < score.events.size() && score.events[next].first < at + frames; ++next) {
+      events.push_back({score.events[next].first - at, score.events[next].second});
+    }
+    host.render(events, sound.left.data() + at, sound.right.data() + at, frames);
+    at += frames;
+  }
+  return sound;
+}
+
+double power(const std::vector<float>& samples) {
+  double sum = 0;
+  for (const float sample : samples) sum += static_cast<double>(sample) * static_cast<double>(sample);
+  return sum;
+}
+
+// How far b is from a, in dB of a.
+double difference_db(const Sound& a, const Sound& b) {
+  std::vector<float> left(a.left.size()), right(a.right.size());
+  std::transform(a.left.begin(), a.left.end(), b.left.begin(), left.begin(), std::minus<>());
+  std::transform(a.right.begin(), a.right.end(), b.right.begin(), right.begin(), std::minus<>());
+  return 10 * std::log10((power(left) + power(right) + 1e-30) / (power(a.left) + power(a.right) + 1e-30));
+}
+
+struct Format {
+  const char* name;
+  std::unique_ptr<PluginHost> (*open)();
+};
+class EveryFormat : public testing::TestWithParam<Format> {
+ protected:
+  std::unique_ptr<PluginHost> open() { return GetParam().open(); }
+};
+INSTANTIATE_TEST_SUITE_P(, EveryFormat,
+                         testing::Values(Format{"clap", open_clap}, Format{"lv2", open_lv2}, Format{"vst3", open_vst3}),
+                         [](const auto& format) { return std::string(format.param.name); });
+
+// Notes of all velocities at frames that are no multiples of any block.
+Score random_notes(int count, std::uint32_t frames, unsigned seed) {
+  std::mt19937 random(seed);
+  Score score{{}, frames};
+  for (int i = 0; i < count; ++i) {
+    const auto key = static_cast<std::uint8_t>(55 + random() % 30),
+               velocity = static_cast<std::uint8_t>(1 + random() % 127);
+    score.events.push_back({static_cast<std::uint32_t>(random() % (frames * 3 / 4)), {0x90, key, velocity}});
+  }
+  std::sort(score.events.begin(), score.events.end());
+  return score;
+}
+
+// The score on libringdown alone, by what docs/use/plugin.md says: own pitch, root key 72, blows of 0.1 m/s.
+Sound by_library(const Score& score, double contact_s) {
+  ringdown_bank* bank = nullptr;
+  EXPECT_EQ(ringdown_bank_open(RINGDOWN_SOURCE_DIR "/presets/banks/glockenspiel-bar.glb", &bank, nullptr), RINGDOWN_OK);
+  ringdown_bank_info info{};
+  info.size = sizeof info;
+  ringdown_bank_describe(bank, &info);
+  const float* const shapes = ringdown_bank_shapes(bank);
+  std::uint32_t best = 0;
+  double most = -1;
+  for (std::size_t point = 0; point < info.points; ++point) {
+    double motion = 0;
+    for (std::size_t mode = 0; mode < std::min<std::size_t>(8, info.modes); ++mode) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        motion += std::pow(static_cast<double>(shapes[3 * (mode * info.points + point) + axis]), 2);
+      }
+    }
+    if (motion > most) most = motion, best = static_cast<std::uint32_t>(point);
+  }
+  double direction[3], length = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    direction[axis] = static_cast<double>(shapes[3 * best + axis]);
+    length += direction[axis] * direction[axis];
+  }
+  ringdown_settings settings;
+  ringdown_settings_init(&settings, sizeof settings);
+  settings.limiter_db = 1;
+  ringdown_mixer* mixer = nullptr;
+  ringdown_mixer_create(&settings, &mixer, nullptr);
+  std::map<int, std::uint32_t> objects;
+  for (const auto& [frame, midi] : score.events) {
+    const double size = std::exp2((72 - midi[1]) / 12.0);
+    const auto [object, is_new] = objects.try_emplace(midi[1], 0);
+    if (is_new) {
+      ringdown_add(mixer, nullptr, bank, &object->second, nullptr);
+      ringdown_material material;
+      ringdown_material_init(&material, sizeof material);
+      material.size = size;
+      ringdown_set_material(mixer, object->second, &material, nullptr);
+    }
+    const double share = std::pow(midi[2] / 127.0, 2);
+    const double impulse = share * 0.1 * info.mass_kg * size * size * size / std::sqrt(length);
+    const double impulse_ns[3] = {impulse * direction[0], impulse * direction[1], impulse * direction[2]};
+    const double contact = std::min(0.1, contact_s * std::pow(127.0 / midi[2], 0.4));
+    EXPECT_EQ(ringdown_strike_at(mixer, frame, object->second, best, impulse_ns, contact, nullptr), RINGDOWN_OK);
+  }
+  Sound sound{std::vector<float>(score.frames), std::vector<float>(score.frames)};
+  ringdown_render(mixer, sound.left.data(), sound.right.data(), score.frames);
+  ringdown_mixer_destroy(mixer);
+  ringdown_bank_release(bank);
+  return sound;
+}
+
+// Own pitch at key 72, as loud as in nature, in the middle, and keys that ring on.
+void set_plain(PluginHost& host) {
+  for (const auto& [number, value] : std::map<std::size_t, double>{
+           {kObject, kGlockenspiel}, {kTuning, 1}, {kRootKey, 72}, {kEven, 0}, {kWidth, 0}, {kRelease, kRingsOn}}) {
+    host.set_parameter(number, value);
+  }
+}
+
+TEST_P(EveryFormat, PlaysTheSamplesOfTheLibraryAtTheSameFrames) {
+  const Score score = random_notes(60, 48000, 1);
+  const auto host = open();
+  set_plain(*host);
+  host->activate(kRate_hz);
+  const Sound expected = by_library(score, 2e-4);
+  EXPECT_GT(power(expected.left), 1e-3);
+  EXPECT_LT(difference_db(expected, play(*host, score, {256})), -120);
+}
+
+TEST_P(EveryFormat, OddBlocksGiveTheSameSound) {
+  const Score score = random_notes(20, 12000, 2);
+  const auto host = open();
+  set_plain(*host);
+  host->activate(kRate_hz);
+  const Sound expected = play(*host, score, {64});
+  host->activate(kRate_hz);  // and nothing of before is left
+  EXPECT_LT(difference_db(expected, play(*host, score, {1, 255, 3, 4096, 17})), -100);
+}
+
+TEST_P(EveryFormat, AStateBringsBackEveryParameterAndTheSound) {
+  const Score score = random_notes(10, 9000, 3);
+  const auto first = open();
+  std::mt19937 random(4);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < first->parameters(); ++i) {
+    const bool is_switch = i >= kBendRange || i == kTuning || i == kEven;
+    if (i == 0) {
+      values.push_back(0);
+      continue;
+    }
+    values.push_back(i == kObject ? 13 : (i == kRootKey ? 64 : (is_switch ? 1 : 0.5 + (random() % 100) / 100.0)));
+    first->set_parameter(i, values.back());
+  }
+  first->activate(kRate_hz);
+  const Sound expected = play(*first, score, {256});
+  EXPECT_GT(power(expected.left), 1e-9);
+  const std::string state = first->save();
+  const auto second = open();
+  ASSERT_TRUE(second->load(state));
+  second->activate(kRate_hz);
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    EXPECT_NEAR(second->parameter(i), values[i], 1e-4) << i;
+  }
+  EXPECT_EQ(second->save(), state);
+  EXPECT_LT(difference_db(expected, play(*second, score, {256})), -100);
+}
+
+TEST_P(EveryFormat, ParametersInAnyOrderGiveTheSameSound) {
+  const Score score = random_notes(10, 6000, 5);
+  std::vector<std::pair<std::size_t, double>> values = {{kObject, 13}, {kTuning, 1}, {kRootKey, 70}, {kSize, 1.5},
+                                                        {kContact, 1}, {kGain, -3},  {kWidth, 80}};
+  std::vector<Sound> sounds;
+  std::mt19937 random(6);
+  for (int turn = 0; turn < 3; ++turn) {
+    const auto host = open();
+    for (const auto& [number, value] : values) host->set_parameter(number, value);
+    host->activate(kRate_hz);
+    sounds.push_back(play(*host, score, {128}));
+    std::shuffle(values.begin(), values.end(), random);
+  }
+  EXPECT_GT(power(sounds[0].left), 1e-6);
+  EXPECT_LT(difference_db(sounds[0], sounds[1]), -100);
+  EXPECT_LT(difference_db(sounds[0], sounds[2]), -100);
+}
+
+TEST_P(EveryFormat, RandomParametersWhileItPlaysNeverGiveWhatIsNotANumber) {
+  const auto host = open();
+  host->activate(kRate_hz);
+  std::mt19937 random(7);
+  std::vector<float> left(512), right(512);
+  for (int block = 0; block < 60; ++block) {
+    for (int i = 0; i < 4; ++i) {
+      const std::size_t number = 1 + random() % (host->parameters() - 1);
+      // Objects are the small ones, and not each block another: loading takes time.
+      const double value = number == kObject ? 10.0 + random() % 3 : (random() % 2000) / 100.0 - 2;
+      if (number != kObject || block % 10 == 0) host->set_parameter(number, value);
+    }
+    const std::uint32_t frames = 1 + random() % 512;
+    host->render(
+        {{0, {0x90, static_cast<std::uint8_t>(random() % 128), 100}},
+         {frames - 1, {0xe0, static_cast<std::uint8_t>(random() % 128), static_cast<std::uint8_t>(random() % 128)}},
+         {frames - 1, {0xd0, static_cast<std::uint8_t>(random() % 128), 0}}},
+        left.data(), right.data(), frames);
+    for (std::uint32_t i = 0; i < frames; ++i) ASSERT_TRUE(std::isfinite(left[i]) && std::isfinite(right[i])) << block;
+  }
+}
+
+TEST_P(EveryFormat, ManyInstancesLiveSideBySideAndComeAndGo) {
+  std::vector<std::unique_ptr<PluginHost>> hosts;
+  const Score score{{{0, {0x90, 60, 100}}}, 2000};
+  std::vector<Sound> sounds;
+  for (int i = 0; i < 4; ++i) {
+    hosts.push_back(open());
+    hosts.back()->set_parameter(kObject, 13);
+    hosts.back()->activate(kRate_hz);
+  }
+  hosts.erase(hosts.begin() + 1);
+  for (auto& host : hosts) sounds.push_back(play(*host, score, {100}));
+  EXPECT_GT(power(sounds[0].left), 1e-6);
+  EXPECT_LT(difference_db(sounds[0], sounds[1]), -120);
+  EXPECT_LT(difference_db(sounds[0], sounds[2]), -120);
+  open();  // and goes without having been active
+}
+
+TEST_P(EveryFormat, ASessionThatHoldsTheBankNeedsNoFile) {
+  const Score score{{{0, {0x90, 60, 100}}}, 4000};
+  const auto first = open();
+  first->set_parameter(kObject, 13);
+  first->set_parameter(kEmbed, 1);
+  first->activate(kRate_hz);
+  const Sound expected = play(*first, score, {100});
+  const std::string state = first->save();
+  EXPECT_GT(state.size(), 15000u);
+  const char* const presets = std::getenv("RINGDOWN_PRESETS");
+  const std::string before = presets ? presets : "";
+  setenv("RINGDOWN_PRESETS", "/nowhere", 1);
+  const auto second = open();
+  ASSERT_TRUE(second->load(state));
+  second->activate(kRate_hz);
+  const Sound sound = play(*second, score, {100});
+  if (presets) {
+    setenv("RINGDOWN_PRESETS", before.c_str(), 1);
+  } else {
+    unsetenv("RINGDOWN_PRESETS");
+  }
+  EXPECT_GT(power(expected.left), 1e-6);
+  EXPECT_LT(difference_db(expected, sound), -100);
+}
+
+}  // namespace
