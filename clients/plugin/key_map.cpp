@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <string>
 
 namespace ringdown::plugin {
@@ -13,6 +14,8 @@ constexpr std::size_t kLeadingModes = 8;  // decide where an object moves most, 
 constexpr double kBlow_m_s = 0.1;         // what a blow gives the object as a whole, likewise
 constexpr double kLeastSize = 0.01, kMostSize = 100;  // what libringdown takes
 constexpr double kLowest_hz = 20, kHighest_hz = 20000;
+constexpr double kPitchContact_s = 2e-4,
+                 kEnoughEnergy = 0.01;  // of the mode with most: that of the pitch may have less
 constexpr double kConcertA_hz = 440, kConcertA = 69;
 
 // The bank's arrays, by mode and point.
@@ -67,18 +70,41 @@ void lay_stations(const Shapes& bank, const Vec3& middle_m, Body& body) {
   }
 }
 
-// The sum of what all audible modes send to 1 m after an impulse of 1 N s at the first station [Pa rms].
-double loudness_pa(const ringdown_bank* bank, const Shapes& shapes, const Body& body) {
-  std::vector<double> levels(shapes.modes);
-  if (ringdown_bank_levels_pa(bank, levels.data()) != RINGDOWN_OK) return 0;
+// What each mode sends to 1 m after an impulse of 1 N s at the first station [Pa]; 0 for what nobody hears.
+std::vector<double> audible_pa(const ringdown_bank* bank, const Shapes& shapes, const Body& body) {
+  std::vector<double> amplitudes(shapes.modes);
+  if (ringdown_bank_levels_pa(bank, amplitudes.data()) != RINGDOWN_OK) return amplitudes;
   const double* const frequencies_hz = ringdown_bank_frequencies_hz(bank);
-  double power = 0;
   for (std::size_t mode = 0; mode < shapes.modes; ++mode) {
-    if (frequencies_hz[mode] < kLowest_hz || frequencies_hz[mode] > kHighest_hz) continue;
-    const double amplitude = levels[mode] * dot(shapes.shape(mode, body.stations[0].point), body.stations[0].direction);
-    power += amplitude * amplitude / 2;
+    const bool is_heard = frequencies_hz[mode] >= kLowest_hz && frequencies_hz[mode] <= kHighest_hz;
+    const Body::Station& station = body.stations[0];
+    amplitudes[mode] *= is_heard ? std::abs(dot(shapes.shape(mode, station.point), station.direction)) : 0;
   }
-  return std::sqrt(power);
+  return amplitudes;
+}
+
+// How much of a mode is left when the blow is no ideal impulse, but a half sine of kPitchContact_s.
+double heard_of_blow(double frequency_hz) {
+  const double turns = 2 * frequency_hz * kPitchContact_s;
+  if (std::abs(turns - 1) < 1e-6) return std::numbers::pi / 4;
+  return std::abs(std::cos(std::numbers::pi * turns / 2) / (1 - turns * turns));
+}
+
+// The lowest of the modes that send nearly as much energy as any after a blow of wood, or the one that the bank calls
+// the most important, if that is lower. There is no better rule known: people disagree about the pitch of bells.
+double pitch_hz(const ringdown_bank* bank, const std::vector<double>& amplitudes_pa) {
+  const double* const frequencies_hz = ringdown_bank_frequencies_hz(bank);
+  const double* const decays_per_s = ringdown_bank_decays_per_s(bank);
+  std::vector<double> energies(amplitudes_pa.size());
+  for (std::size_t mode = 0; mode < energies.size(); ++mode) {
+    energies[mode] = std::pow(amplitudes_pa[mode] * heard_of_blow(frequencies_hz[mode]), 2) / decays_per_s[mode];
+  }
+  const double enough = kEnoughEnergy * *std::max_element(energies.begin(), energies.end());
+  double lowest = frequencies_hz[0];
+  for (std::size_t mode = 0; mode < energies.size(); ++mode) {
+    if (energies[mode] >= enough && energies[mode] > 0) lowest = std::min(lowest, frequencies_hz[mode]);
+  }
+  return lowest;
 }
 
 Result<std::shared_ptr<ringdown_bank>> opened(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
@@ -148,10 +174,12 @@ Result<Body> measure(const ringdown_bank* bank) {
   Body body;
   const double* const middle = info.center_of_mass_m;
   lay_stations(shapes, {middle[0], middle[1], middle[2]}, body);
-  body.main_mode_hz = ringdown_bank_frequencies_hz(bank)[0];
   if (info.mass_kg > 0) body.mass_kg = info.mass_kg;
-  const double loudness = loudness_pa(bank, shapes, body);
-  body.even_impulse_ns = loudness > 0 ? kEvenLevel_pa / loudness : kBlow_m_s * body.mass_kg;
+  const std::vector<double> amplitudes_pa = audible_pa(bank, shapes, body);
+  body.pitch_hz = pitch_hz(bank, amplitudes_pa);
+  double power = 0;
+  for (const double amplitude : amplitudes_pa) power += amplitude * amplitude / 2;
+  body.even_impulse_ns = power > 0 ? kEvenLevel_pa / std::sqrt(power) : kBlow_m_s * body.mass_kg;
   return body;
 }
 
@@ -176,9 +204,9 @@ double size_of(const KeyMap& map, const KeyMap::Object& object, const ParameterV
   } else if (parameters.on(Parameter::tuning)) {
     size *= std::exp2((parameters[Parameter::root_key] - key) / 12);
   } else {
-    const double pitch_hz = kConcertA_hz * std::exp2((key - kConcertA) / 12);
+    const double wanted_hz = kConcertA_hz * std::exp2((key - kConcertA) / 12);
     const double material = std::sqrt(parameters[Parameter::stiffness] / parameters[Parameter::density]);
-    size *= map.body_of(object).main_mode_hz * material / pitch_hz;
+    size *= map.body_of(object).pitch_hz * material / wanted_hz;
   }
   return std::clamp(size, kLeastSize, kMostSize);
 }

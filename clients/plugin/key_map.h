@@ -38,7 +38,7 @@ struct Body {
     Vec3 position_m, direction;
   };
   std::array<Station, kStations> stations;  // from where the main modes move most to the middle of the object
-  double main_mode_hz = 1;                  // of the mode that counts most to the ear
+  double pitch_hz = 1;                      // of the mode that one would sing
   double mass_kg = 1;
   double even_impulse_ns = 0;  // a blow at the first station that gives kEvenLevel_pa
 };

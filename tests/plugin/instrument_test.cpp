@@ -70,6 +70,31 @@ TEST_F(InstrumentTest, KeysHaveConcertPitch) {
   }
 }
 
+// The bar is tuned to C6, and a struck wine glass sings with its lowest mode of the rim.
+TEST_F(InstrumentTest, BanksOfManyModesHaveTheirTonesAtThePitchOfTheKey) {
+  for (const auto& [name, own_hz] : {std::pair{"glockenspiel-bar", 1046.5}, {"wine-glass", 1136.2}}) {
+    instrument_.set_file(std::string(RINGDOWN_SOURCE_DIR "/presets/banks/") + name + ".glb");
+    play(kControl, 120, 0);
+    hear(1024);
+    set(Parameter::tuning, 0);
+    settle();
+    play(kOn, 69, 127);
+    const Samples in_tune = hear(24000);
+    play(kControl, 120, 0);
+    hear(1024);
+    set(Parameter::tuning, 1);
+    set(Parameter::root_key, 69);
+    set(Parameter::size, own_hz / 440);
+    settle();
+    play(kOn, 69, 127);
+    EXPECT_LT(
+        test::relative_error_db(test::spectrum(in_tune, kRate).magnitude, test::spectrum(hear(24000), kRate).magnitude),
+        -25)
+        << name;
+    set(Parameter::size, 1);
+  }
+}
+
 TEST_F(InstrumentTest, MaterialDoesNotMoveConcertPitchButSizeDoes) {
   set(Parameter::stiffness, 3);
   set(Parameter::density, 0.5);
