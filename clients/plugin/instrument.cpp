@@ -54,6 +54,7 @@ bool same(const ringdown_material& a, const ringdown_material& b) {
 void Instrument::set_file(const std::string& path) {
   const std::lock_guard lock(mutex_);
   file_ = path;
+  is_other_ = true;
   if (running_) catch_up();
 }
 
@@ -66,6 +67,7 @@ void Instrument::set_embedded(const std::string& text) {
   const std::lock_guard lock(mutex_);
   embedded_ = text;
   source_ = {};  // it may be other bytes under the same name
+  is_other_ = true;
   if (running_) catch_up();
 }
 
@@ -92,6 +94,7 @@ void Instrument::start() {
   numbers_.clear();
   tunings_.clear();
   source_ = {};
+  is_other_ = true;
   keyboard_.reset();
   gain_ = {};
   spread_generation_ = 0;
@@ -117,9 +120,12 @@ void Instrument::work() {
 
 void Instrument::catch_up() {
   const auto choice = static_cast<std::size_t>(parameters_[Parameter::object]);
-  if (Source wanted = find_source(choice, file_, binary_); wanted != source_) {
+  if (is_other_ || choice != choice_) {
+    is_other_ = false;
+    choice_ = choice;
+    Source wanted = find_source(choice, file_, binary_);
+    if (wanted != source_) load(wanted);
     source_ = std::move(wanted);
-    load(source_);
   }
   if (plan_ && install(*plan_)) plan_ = nullptr;
   if (map_) {

@@ -102,6 +102,8 @@ class Instrument {
 
   mutable std::mutex mutex_;  // of everything in this paragraph; the audio thread takes none
   std::string file_, embedded_;
+  bool is_other_ = true;                // whether the file or the embedded bank is another
+  std::size_t choice_ = 0;              // of the last round
   Source source_;                       // what was loaded last, or could not be
   std::unique_ptr<KeyPlan> plan_;       // loaded, but not yet in the mixer
   std::vector<std::uint32_t> numbers_;  // of the mixer's objects

@@ -1,65 +1,11 @@
 // The instrument without a plug-in format: what each parameter and message does to the sound.
-#include "clients/plugin/instrument.h"
-#include "engine/modal/bank_file.h"
-#include "server/session/midi_player.h"
-#include "server/session/session.h"
-#include "tests/support/realtime_guard.h"
-#include "tests/support/signal.h"
-#include "tests/support/synthetic_bank.h"
-#include "tests/support/temporary_folder.h"
-
-#include <gtest/gtest.h>
+#include "tests/plugin/instrument_fixture.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <functional>
 
 namespace ringdown::plugin {
 namespace {
-
-using test::Samples;
-
-constexpr double kRate = 48000;
-constexpr std::uint8_t kOn = 0x90, kOff = 0x80, kKeyPressure = 0xa0, kControl = 0xb0, kPressure = 0xd0, kBend = 0xe0;
-constexpr std::uint8_t kSustain = 64, kDamp = 67;
-
-// One mode at 1 kHz, so that a key's sound is one sinusoid.
-class InstrumentTest : public testing::Test {
- protected:
-  InstrumentTest() {
-    bank_ = folder_ / "mode.glb";
-    EXPECT_TRUE(modal::write_bank(test::single_mode_bank(1000, 0.5), bank_));
-    instrument_.set_file(bank_);
-    set(Parameter::width, 0);
-    instrument_.start();
-  }
-  void set(Parameter parameter, double value) { instrument_.parameters().set(parameter, value); }
-  void play(std::uint8_t status, std::uint8_t first, std::uint8_t second = 0) {
-    bytes_.push_back({status, first, second});
-  }
-  // The worker does what it would within some milliseconds.
-  void settle() { instrument_.set_file(instrument_.file()); }
-
-  // Left of the next frames; what was played happens in the first of them.
-  Samples hear(std::size_t frames) {
-    std::vector<MidiMessage> messages;
-    for (const auto& message : bytes_) messages.push_back({0, message});
-    std::vector<float> left(frames), right(frames);
-    instrument_.render(messages, left.data(), right.data(), frames);
-    bytes_.clear();
-    right_ = test::to_doubles(right);
-    return test::to_doubles(left);
-  }
-  double pitch_hz(std::size_t frames = 9600) { return test::fit_damped_sinusoid(hear(frames), kRate).frequency_hz; }
-  double loudness(std::size_t frames = 480) { return test::peak(hear(frames)); }
-
-  test::TemporaryFolder folder_;
-  std::filesystem::path bank_;
-  Instrument instrument_{kRate, RINGDOWN_BIN_DIR "/plugin.so"};
-  std::vector<std::array<std::uint8_t, 3>> bytes_;
-  Samples right_;
-};
 
 TEST_F(InstrumentTest, KeysHaveConcertPitch) {
   for (const auto& [key, expected_hz] : {std::pair{69, 440.0}, {57, 220.0}, {81, 880.0}, {60, 261.6255653}}) {
@@ -294,113 +240,6 @@ TEST_F(InstrumentTest, WidthSpreadsTheKeysAndPanMovesThem) {
   set(Parameter::pan, 100);
   hear(2400);
   EXPECT_LT(balance(90), 1e-3);
-}
-
-TEST_F(InstrumentTest, AFileThatCannotBeReadLeavesTheSoundAsItIs) {
-  instrument_.set_file("/nowhere/bell.glb");
-  play(kOn, 60, 127);
-  EXPECT_GT(loudness(), 0.01);
-  instrument_.start();
-  play(kOn, 60, 127);
-  EXPECT_EQ(loudness(), 0) << "from the beginning there is nothing to play";
-  instrument_.set_file(bank_);
-  play(kOn, 60, 127);
-  EXPECT_GT(loudness(), 0.01);
-}
-
-TEST_F(InstrumentTest, ChangesOfTheObjectNeverUseUpTheMixer) {
-  for (int turn = 0; turn < 40; ++turn) {
-    set(Parameter::object, turn % 2 == 0 ? 0 : 17);
-    settle();
-    if (turn % 5 == 0) hear(64);  // and sometimes the host does not play at all
-  }
-  hear(64);
-  settle();
-  play(kOn, 60, 127);
-  EXPECT_GT(loudness(), 0.001);
-}
-
-TEST_F(InstrumentTest, AnotherSampleRateKeepsThePitch) {
-  instrument_.stop();
-  instrument_.set_sample_rate(96000);
-  instrument_.start();
-  play(kOn, 69, 127);
-  EXPECT_NEAR(test::fit_damped_sinusoid(hear(9600), 96000).frequency_hz / 440, 1, 1e-4);
-}
-
-TEST_F(InstrumentTest, NothingThatTheAudioThreadDoesAllocatesLocksOrCallsTheSystem) {
-  if (!test::kRealtimeGuardWorks) GTEST_SKIP() << "the sanitizer watches, or nobody";
-  std::vector<float> left(64), right(64);
-  const std::array<std::array<std::uint8_t, 3>, 12> all = {{{kOn, 60, 90},
-                                                            {kOn, 64, 127},
-                                                            {kKeyPressure, 60, 50},
-                                                            {kPressure, 70, 0},
-                                                            {kBend, 10, 90},
-                                                            {kControl, 74, 100},
-                                                            {kControl, kSustain, 127},
-                                                            {kOff, 60, 0},
-                                                            {kControl, kSustain, 0},
-                                                            {kTuneKeyHigh, 64, 70},
-                                                            {kTuneKeyLow, 64, 7},
-                                                            {kControl, 120, 0}}};
-  for (int round = 0; round < 20; ++round) {
-    for (const auto& bytes : all) {
-      const MidiMessage message{11, bytes};
-      const test::RealtimeScope scope;
-      set(Parameter::width, round * 5);
-      set(Parameter::gain, -round);
-      instrument_.render({&message, 1}, left.data(), right.data(), 64);
-      ASSERT_EQ(scope.seen().total(), 0u) << scope.seen().first;
-    }
-    settle();
-  }
-}
-
-// The daemon's keyboard, without the plug-in.
-Samples by_the_daemon(const std::filesystem::path& map, const std::vector<std::array<std::uint8_t, 3>>& messages,
-                      std::size_t every) {
-  session::Session session(kRate);
-  const auto file = session::read_note_map(map);
-  EXPECT_TRUE(file);
-  for (const auto& entry : file->notes) {
-    if (session.rack().find({.name = entry.object, .number = {}})) continue;
-    const auto bank = map.parent_path() / file->banks / (entry.object + ".glb");
-    EXPECT_TRUE(session.rack().load(entry.object, bank));
-  }
-  const session::NoteTable table = session::resolve(*file, session.rack().objects());
-  session::MidiPlayer player;
-  SpscRing<synth::Event> played(64);
-  Samples sound;
-  std::vector<float> left(every), right(every);
-  for (const auto& message : messages) {
-    player.play(message, session.rack().mixer().counters().frames, table, session.rack().mixer(), played);
-    session.rack().mixer().render(left, right);
-    const Samples more = test::to_doubles(left);
-    sound.insert(sound.end(), more.begin(), more.end());
-  }
-  return sound;
-}
-
-TEST_F(InstrumentTest, ANoteMapSoundsAsInTheDaemon) {
-  const std::filesystem::path map = RINGDOWN_SOURCE_DIR "/presets/notes/vibraphone.toml";
-  const std::vector<std::array<std::uint8_t, 3>> messages = {
-      {kOn, 60, 127}, {kOn, 64, 30},           {kOff, 60, 0},  {kControl, kSustain, 127}, {kOn, 89, 100}, {kOff, 89, 0},
-      {kOn, 53, 1},   {kControl, kSustain, 0}, {kOn, 20, 100}, {kControl, kDamp, 127}};
-  instrument_.set_file(map);
-  set(Parameter::even_loudness, 0);
-  instrument_.start();
-  Samples sound;
-  for (const auto& [status, first, second] : messages) {
-    play(status, first, second);
-    const Samples more = hear(2000);
-    sound.insert(sound.end(), more.begin(), more.end());
-  }
-  const Samples expected = by_the_daemon(map, messages, 2000);
-  EXPECT_GT(test::peak(expected), 1e-3);
-  // Modes 120 dB below full scale may rest, and when each is looked at differs.
-  Samples difference(sound.size());
-  std::transform(sound.begin(), sound.end(), expected.begin(), difference.begin(), std::minus<>());
-  EXPECT_LT(20 * std::log10(test::peak(difference)), -120);
 }
 
 }  // namespace

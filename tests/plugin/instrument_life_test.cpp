@@ -1,0 +1,149 @@
+// The instrument through a session: files, threads, the audio thread's rules, and the daemon's note maps.
+#include "server/session/midi_player.h"
+#include "server/session/session.h"
+#include "tests/plugin/instrument_fixture.h"
+#include "tests/support/realtime_guard.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <thread>
+
+namespace ringdown::plugin {
+namespace {
+
+TEST_F(InstrumentTest, AFileThatCannotBeReadLeavesTheSoundAsItIs) {
+  instrument_.set_file("/nowhere/bell.glb");
+  play(kOn, 60, 127);
+  EXPECT_GT(loudness(), 0.01);
+  instrument_.start();
+  play(kOn, 60, 127);
+  EXPECT_EQ(loudness(), 0) << "from the beginning there is nothing to play";
+  instrument_.set_file(bank_);
+  play(kOn, 60, 127);
+  EXPECT_GT(loudness(), 0.01);
+}
+
+TEST_F(InstrumentTest, ChangesOfTheObjectNeverUseUpTheMixer) {
+  for (int turn = 0; turn < 40; ++turn) {
+    set(Parameter::object, turn % 2 == 0 ? 0 : 17);
+    settle();
+    if (turn % 5 == 0) hear(64);  // and sometimes the host does not play at all
+  }
+  hear(64);
+  settle();
+  play(kOn, 60, 127);
+  EXPECT_GT(loudness(), 0.001);
+}
+
+TEST_F(InstrumentTest, AnotherSampleRateKeepsThePitch) {
+  instrument_.stop();
+  instrument_.set_sample_rate(96000);
+  instrument_.start();
+  play(kOn, 69, 127);
+  EXPECT_NEAR(test::fit_damped_sinusoid(hear(9600), 96000).frequency_hz / 440, 1, 1e-4);
+}
+
+TEST_F(InstrumentTest, NothingThatTheAudioThreadDoesAllocatesLocksOrCallsTheSystem) {
+  if (!test::kRealtimeGuardWorks) GTEST_SKIP() << "the sanitizer watches, or nobody";
+  std::vector<float> left(64), right(64);
+  const std::array<std::array<std::uint8_t, 3>, 12> all = {{{kOn, 60, 90},
+                                                            {kOn, 64, 127},
+                                                            {kKeyPressure, 60, 50},
+                                                            {kPressure, 70, 0},
+                                                            {kBend, 10, 90},
+                                                            {kControl, 74, 100},
+                                                            {kControl, kSustain, 127},
+                                                            {kOff, 60, 0},
+                                                            {kControl, kSustain, 0},
+                                                            {kTuneKeyHigh, 64, 70},
+                                                            {kTuneKeyLow, 64, 7},
+                                                            {kControl, 120, 0}}};
+  for (int round = 0; round < 20; ++round) {
+    for (const auto& bytes : all) {
+      const MidiMessage message{11, bytes};
+      const test::RealtimeScope scope;
+      set(Parameter::width, round * 5);
+      set(Parameter::gain, -round);
+      instrument_.render({&message, 1}, left.data(), right.data(), 64);
+      ASSERT_EQ(scope.seen().total(), 0u) << scope.seen().first;
+    }
+    settle();
+  }
+}
+
+// For the thread sanitizer; and what is heard is a number.
+TEST_F(InstrumentTest, TheHostMayChangeEverythingWhileItPlays) {
+  std::atomic<bool> ends = false;
+  std::thread audio([&] {
+    std::vector<float> left(128), right(128);
+    for (std::uint8_t key = 0; !ends; key = static_cast<std::uint8_t>((key + 7) % 128)) {
+      const std::array<std::uint8_t, 3> bytes{kOn, key, 100}, bend{kBend, 0, key}, pressure{kPressure, key, 0};
+      const std::array<MidiMessage, 3> messages = {{{0, bytes}, {5, bend}, {9, pressure}}};
+      instrument_.render(messages, left.data(), right.data(), 128);
+      for (const float sample : left) ASSERT_TRUE(std::isfinite(sample));
+    }
+  });
+  for (int turn = 0; turn < 12; ++turn) {
+    set(Parameter::object, turn % 3 == 0 ? 0 : 10 + turn);
+    set(Parameter::embed, 1);
+    instrument_.set_embedded(instrument_.embedded());
+    instrument_.set_file(turn % 2 == 0 ? bank_.string() : "");
+    set(Parameter::size, 0.5 + turn / 10.0);
+    set(Parameter::pan, turn);
+    settle();
+  }
+  ends = true;
+  audio.join();
+}
+
+// The daemon's keyboard, without the plug-in.
+Samples by_the_daemon(const std::filesystem::path& map, const std::vector<std::array<std::uint8_t, 3>>& messages,
+                      std::size_t every) {
+  session::Session session(kRate);
+  const auto file = session::read_note_map(map);
+  EXPECT_TRUE(file);
+  for (const auto& entry : file->notes) {
+    if (session.rack().find({.name = entry.object, .number = {}})) continue;
+    const auto bank = map.parent_path() / file->banks / (entry.object + ".glb");
+    EXPECT_TRUE(session.rack().load(entry.object, bank));
+  }
+  const session::NoteTable table = session::resolve(*file, session.rack().objects());
+  session::MidiPlayer player;
+  SpscRing<synth::Event> played(64);
+  Samples sound;
+  std::vector<float> left(every), right(every);
+  for (const auto& message : messages) {
+    player.play(message, session.rack().mixer().counters().frames, table, session.rack().mixer(), played);
+    session.rack().mixer().render(left, right);
+    const Samples more = test::to_doubles(left);
+    sound.insert(sound.end(), more.begin(), more.end());
+  }
+  return sound;
+}
+
+TEST_F(InstrumentTest, ANoteMapSoundsAsInTheDaemon) {
+  const std::filesystem::path map = RINGDOWN_SOURCE_DIR "/presets/notes/vibraphone.toml";
+  const std::vector<std::array<std::uint8_t, 3>> messages = {
+      {kOn, 60, 127}, {kOn, 64, 30},           {kOff, 60, 0},  {kControl, kSustain, 127}, {kOn, 89, 100}, {kOff, 89, 0},
+      {kOn, 53, 1},   {kControl, kSustain, 0}, {kOn, 20, 100}, {kControl, kDamp, 127}};
+  instrument_.set_file(map);
+  set(Parameter::even_loudness, 0);
+  instrument_.start();
+  Samples sound;
+  for (const auto& [status, first, second] : messages) {
+    play(status, first, second);
+    const Samples more = hear(2000);
+    sound.insert(sound.end(), more.begin(), more.end());
+  }
+  const Samples expected = by_the_daemon(map, messages, 2000);
+  EXPECT_GT(test::peak(expected), 1e-3);
+  // Modes 120 dB below full scale may rest, and when each is looked at differs.
+  Samples difference(sound.size());
+  std::transform(sound.begin(), sound.end(), expected.begin(), difference.begin(), std::minus<>());
+  EXPECT_LT(20 * std::log10(test::peak(difference)), -120);
+}
+
+}  // namespace
+}  // namespace ringdown::plugin
