@@ -65,6 +65,7 @@ std::string Instrument::file() const {
 
 void Instrument::set_embedded(const std::string& text) {
   const std::lock_guard lock(mutex_);
+  if (text == embedded_) return;
   embedded_ = text;
   source_ = {};  // it may be other bytes under the same name
   is_other_ = true;

@@ -42,6 +42,8 @@ struct EventList {
     clap_event_header_t header;
     clap_event_param_value_t value;
     clap_event_midi_t midi;
+    clap_event_note_expression_t expression;
+    clap_event_param_mod_t modulation;
   };
   std::vector<Event> events;
   clap_input_events_t list{this,
@@ -88,6 +90,29 @@ class ClapHost : public PluginHost {
     if (active_) return;
     params_->flush(plugin_, &events_.list, &ignored_);
     events_.events.clear();
+  }
+  void express(int expression, int key, double value) {
+    EventList::Event event{};
+    event.expression = {{sizeof event.expression, 0, CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_NOTE_EXPRESSION, 0},
+                        expression,
+                        -1,
+                        0,
+                        0,
+                        static_cast<std::int16_t>(key),
+                        value};
+    events_.events.push_back(event);
+  }
+  void modulate(std::size_t number, double amount) {
+    EventList::Event event{};
+    event.modulation = {{sizeof event.modulation, 0, CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_PARAM_MOD, 0},
+                        static_cast<clap_id>(number),
+                        nullptr,
+                        -1,
+                        -1,
+                        -1,
+                        -1,
+                        amount};
+    events_.events.push_back(event);
   }
   double parameter(std::size_t number) override {
     double value = 0;
@@ -148,6 +173,13 @@ void* Module::symbol(const char* name) const {
   void* const found = dlsym(handle_, name);
   if (!found) throw std::runtime_error(std::string("there is no ") + name);
   return found;
+}
+
+void express(PluginHost& host, int expression, int key, double value) {
+  dynamic_cast<ClapHost&>(host).express(expression, key, value);
+}
+void modulate(PluginHost& host, std::size_t number, double amount) {
+  dynamic_cast<ClapHost&>(host).modulate(number, amount);
 }
 
 std::unique_ptr<PluginHost> open_clap() { return std::make_unique<ClapHost>(); }

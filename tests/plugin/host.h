@@ -40,6 +40,10 @@ std::unique_ptr<PluginHost> open_clap();
 std::unique_ptr<PluginHost> open_lv2();
 std::unique_ptr<PluginHost> open_vst3();
 
+// Events that only CLAP has, for a host of open_clap(): a note expression, by its number in the format, and modulation.
+void express(PluginHost& host, int expression, int key, double value);
+void modulate(PluginHost& host, std::size_t number, double amount);
+
 // A shared library that stays open until the program ends, as in hosts; throws std::runtime_error if it does not open.
 class Module {
  public:

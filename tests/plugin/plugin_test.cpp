@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -20,7 +21,7 @@ using namespace ringdown::test;
 
 constexpr double kRate_hz = 48000;
 constexpr std::size_t kObject = 1, kTuning = 2, kRootKey = 3, kSize = 4, kContact = 9, kEven = 10, kGain = 11,
-                      kWidth = 13, kRelease = 14, kBendRange = 16, kEmbed = 18;  // 0 is an output
+                      kWidth = 13, kRelease = 14, kTouch = 15, kBendRange = 16, kEmbed = 18;  // 0 is an output
 constexpr double kGlockenspiel = 25, kRingsOn = 30;
 
 struct Score {
@@ -275,6 +276,75 @@ TEST_P(EveryFormat, ASessionThatHoldsTheBankNeedsNoFile) {
   }
   EXPECT_GT(power(expected.left), 1e-6);
   EXPECT_LT(difference_db(expected, sound), -100);
+}
+
+// How much of a frequency there is.
+double part_of(const Sound& sound, double frequency_hz) {
+  std::complex<double> sum = 0;
+  for (std::size_t i = 0; i < sound.left.size(); ++i) {
+    sum += static_cast<double>(sound.left[i]) *
+           std::polar(1.0, 2 * std::numbers::pi * frequency_hz * static_cast<double>(i) / kRate_hz);
+  }
+  return std::abs(sum);
+}
+
+constexpr int kTuningExpression = 2, kBrightness = 5, kPressure = 6;  // CLAP's note expressions
+
+TEST(Clap, NoteExpressionsTuneAKeyAndPressOnIt) {
+  const auto host = open_clap();
+  host->set_parameter(kObject, kGlockenspiel);
+  host->set_parameter(kRelease, kRingsOn);
+  host->activate(kRate_hz);
+  const auto settled = [&] { ASSERT_TRUE(host->load(host->save())); };  // the worker does its work before it returns
+  const Score note{{{0, {0x90, 69, 100}}}, 4800}, silence{{}, 4800};
+  const Sound plain = play(*host, note, {256});
+  EXPECT_GT(part_of(plain, 440), 5 * part_of(plain, 440 * std::exp2(5 / 12.0)));
+  express(*host, kTuningExpression, 69, 5);
+  play(*host, {{}, 64}, {64});
+  settled();
+  play(*host, {{}, 64}, {64});
+  const Sound tuned = play(*host, silence, {256});
+  EXPECT_GT(part_of(tuned, 440 * std::exp2(5 / 12.0)), 5 * part_of(tuned, 440));
+  host->set_parameter(kTouch, 100);
+  express(*host, kPressure, 69, 1);
+  play(*host, {{}, 64}, {64});
+  settled();
+  play(*host, silence, {256});
+  EXPECT_LT(power(play(*host, silence, {256}).left), 0.1 * power(tuned.left));
+}
+
+TEST(Clap, BrightnessHardensTheNextBlowAndModulationIsIgnored) {
+  const Score note{{{0, {0x90, 84, 100}}}, 4800};
+  std::vector<double> loudness;
+  for (const double brightness : {0.5, 0.0, 1.0}) {
+    const auto host = open_clap();
+    host->set_parameter(kObject, kGlockenspiel);
+    host->set_parameter(kContact, 1);
+    host->activate(kRate_hz);
+    express(*host, kBrightness, -1, brightness);
+    modulate(*host, kGain, -40);
+    loudness.push_back(power(play(*host, note, {256}).left));
+  }
+  EXPECT_LT(loudness[1], 0.5 * loudness[0]);
+  EXPECT_GT(loudness[2], 2 * loudness[0]);
+  EXPECT_GT(loudness[0], 1e-5);
+}
+
+TEST(Clap, BrokenStatesAreRefusedOrIgnored) {
+  const auto host = open_clap();
+  const std::string state = host->save();
+  for (const std::string& broken : {std::string(), std::string("nonsense"), state.substr(0, state.size() / 2)}) {
+    EXPECT_FALSE(host->load(broken)) << broken.size();
+  }
+  std::mt19937 random(8);
+  for (int turn = 0; turn < 50; ++turn) {
+    std::string changed = state;
+    for (int i = 0; i < 5; ++i) changed[random() % changed.size()] = static_cast<char>(random());
+    host->load(changed);
+  }
+  EXPECT_TRUE(host->load(state));
+  host->activate(kRate_hz);
+  EXPECT_GT(power(play(*host, {{{0, {0x90, 60, 100}}}, 2000}, {256}).left), 1e-6);
 }
 
 }  // namespace
