@@ -92,11 +92,11 @@ void Instrument::start() {
   map_ = nullptr;
   plan_ = nullptr;
   retired_.clear();
-  numbers_.clear();
   tunings_.clear();
   source_ = {};
   is_other_ = true;
   keyboard_.reset();
+  full_at_ = -1;
   gain_ = {};
   spread_generation_ = 0;
   mixer_ = make_mixer(sample_rate_hz_);
@@ -128,7 +128,10 @@ void Instrument::catch_up() {
     if (wanted != source_) load(wanted);
     source_ = std::move(wanted);
   }
-  if (plan_ && install(*plan_)) plan_ = nullptr;
+  if (plan_ && ringdown_now(mixer_.get()) != full_at_) {
+    full_at_ = install(*plan_) ? -1 : ringdown_now(mixer_.get());
+    if (full_at_ < 0) plan_ = nullptr;
+  }
   if (map_) {
     for (std::size_t i = 0; i < map_->objects.size(); ++i) tune(*map_, map_->objects[i], tunings_[i]);
   }

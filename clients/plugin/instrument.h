@@ -102,12 +102,12 @@ class Instrument {
 
   mutable std::mutex mutex_;  // of everything in this paragraph; the audio thread takes none
   std::string file_, embedded_;
-  bool is_other_ = true;                // whether the file or the embedded bank is another
-  std::size_t choice_ = 0;              // of the last round
-  Source source_;                       // what was loaded last, or could not be
-  std::unique_ptr<KeyPlan> plan_;       // loaded, but not yet in the mixer
-  std::vector<std::uint32_t> numbers_;  // of the mixer's objects
-  std::vector<Tuning> tunings_;         // of the objects of map_
+  bool is_other_ = true;           // whether the file or the embedded bank is another
+  std::size_t choice_ = 0;         // of the last round
+  Source source_;                  // what was loaded last, or could not be
+  std::unique_ptr<KeyPlan> plan_;  // loaded, but not yet in the mixer
+  std::int64_t full_at_ = -1;      // the frame at which the mixer had no room for the plan: it has none before another
+  std::vector<Tuning> tunings_;    // of the objects of map_
   std::unique_ptr<const KeyMap> map_;
   std::vector<std::unique_ptr<const KeyMap>> retired_;  // which the audio thread may still read
   std::uint64_t generations_ = 0;

@@ -32,6 +32,12 @@ TEST_F(InstrumentTest, ChangesOfTheObjectNeverUseUpTheMixer) {
     settle();
     if (turn % 5 == 0) hear(64);  // and sometimes the host does not play at all
   }
+  for (int turn = 0; turn < 20; ++turn) {  // and then no more at all
+    set(Parameter::object, turn % 2 == 0 ? 10 : 17);
+    settle();
+  }
+  hear(64);
+  settle();
   hear(64);
   settle();
   play(kOn, 60, 127);
