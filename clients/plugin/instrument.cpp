@@ -15,6 +15,8 @@ namespace ringdown::plugin {
 namespace {
 
 constexpr std::chrono::milliseconds kRound{4};
+constexpr std::chrono::microseconds kWait{200};
+constexpr int kMaxWaits = 5000;  // a second: no block takes so long
 constexpr std::uint64_t kRoundsPerCollection = 32;
 constexpr double kGainRamp_s = 0.01;
 constexpr double kMiddleKey = 63.5;
@@ -150,6 +152,7 @@ void Instrument::load(const Source& source) {
 // Gives each object its bank and its material. False: the mixer has no room before the audio thread has taken what
 // waits; what is left is done in another round.
 bool Instrument::install(KeyPlan& plan) {
+  silence_keys();
   const std::size_t count = plan.map.objects.size();
   std::vector<Tuning> tunings(count);
   ringdown_collect(mixer_.get());
@@ -166,6 +169,17 @@ bool Instrument::install(KeyPlan& plan) {
   tunings_ = std::move(tunings);
   publish(std::make_unique<const KeyMap>(std::move(plan.map)));
   return true;
+}
+
+// While objects get other banks, a blow by the old map could be one that libringdown refuses, for which it allocates a
+// sentence. So the keys strike nothing until the new map is there, and nobody reads the old one.
+void Instrument::silence_keys() {
+  if (!map_) return;
+  const KeyMap* const old = map_.get();
+  auto silent = std::make_unique<KeyMap>(*map_);
+  for (KeyMap::Key& key : silent->keys) key.sounds = false;
+  publish(std::move(silent));
+  for (int waits = 0; in_use_.load() == old && waits < kMaxWaits; ++waits) std::this_thread::sleep_for(kWait);
 }
 
 void Instrument::publish(std::unique_ptr<const KeyMap> map) {
@@ -218,6 +232,7 @@ void Instrument::render(std::span<const MidiMessage> messages, float* left, floa
   const KeyMap* const map = take_map();
   if (map) {
     spread(*map);
+    keyboard_.begin_block();
     const std::int64_t now = ringdown_now(mixer_.get());
     for (const MidiMessage& message : messages) {
       keyboard_.play(message.bytes, {mixer_.get(), now + message.frame, *map, parameters_});

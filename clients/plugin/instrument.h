@@ -88,6 +88,7 @@ class Instrument {
   void catch_up();
   void load(const Source& source);
   bool install(KeyPlan& plan);
+  void silence_keys();
   void publish(std::unique_ptr<const KeyMap> map);
   bool tune(const KeyMap& map, const KeyMap::Object& object, Tuning& tuning);
   void spread(const KeyMap& map) RINGDOWN_REALTIME;

@@ -127,6 +127,25 @@ Result<void> add_body(const std::filesystem::path& path, std::span<const std::ui
   return {};
 }
 
+// libringdown refuses blows beside the object, and the audio thread must not make any.
+Result<void> check_point(const session::NoteMap::Entry& entry, const ringdown_bank* bank) {
+  if (!entry.point_m) return {};
+  ringdown_bank_info info{};
+  info.size = sizeof info;
+  ringdown_bank_describe(bank, &info);
+  const Shapes shapes{info.modes, info.points, ringdown_bank_shapes(bank), ringdown_bank_points_m(bank)};
+  const Vec3 corner = shapes.position_m(0);
+  double size_m = 0;
+  for (std::size_t point = 0; point < info.points; ++point) {
+    size_m = std::max(size_m, length(shapes.position_m(point) - corner));
+  }
+  const double distance_m = length(shapes.position_m(nearest_point(shapes, *entry.point_m)) - *entry.point_m);
+  if (distance_m <= size_m / 2) return {};
+  return fail(ErrorKind::bad_input, "note " + std::to_string(entry.note) + ": point_m lies " +
+                                        std::to_string(distance_m) + " m from " + entry.object +
+                                        ", in whose frame and metres it should be");
+}
+
 // The geometric mean, over the keys with an impulse of their own, of what would bring each to the even level.
 double evening_of(const KeyMap& map) {
   double logarithms = 0, count = 0;
@@ -153,6 +172,9 @@ Result<KeyPlan> plan_note_map(const std::filesystem::path& path) {
       const auto bank = path.parent_path() / file->banks / (entry.object + ".glb");
       if (const auto good = add_body(bank, {}, plan); !good) return fail(good.error());
       plan.map.objects.push_back({.body = object->second, .key = entry.note});
+    }
+    if (const auto good = check_point(entry, plan.banks[object->second].get()); !good) {
+      return fail(ErrorKind::bad_input, path.string() + ": " + good.error().message);
     }
     plan.map.keys[entry.note] = {true, object->second, entry.point_m, entry.impulse_ns, entry.contact_time_s};
     std::size_t& lowest = plan.map.objects[object->second].key;

@@ -13,10 +13,10 @@ namespace {
 constexpr std::uint8_t kNoteOff = 0x80, kNoteOn = 0x90, kKeyPressure = 0xa0, kControl = 0xb0, kChannelPressure = 0xd0,
                        kPitchBend = 0xe0;
 constexpr std::uint8_t kSustainPedal = 64, kSoftPedal = 67, kHardness = 74, kAllSoundOff = 120, kAllNotesOff = 123;
-constexpr double kMaxContact_s = 0.1;
-constexpr double kHardnessOctaves = 3;       // a full controller 74 makes blows 8 times as short
-constexpr double kMasterBend_semitones = 2;  // of MPE's channel 1
-constexpr double kRingsOn_s = 29.9;          // a release from here on is none
+constexpr double kMaxContact_s = 0.1, kMaxImpulse_ns = 1e4;  // what libringdown takes
+constexpr double kHardnessOctaves = 3;                       // a full controller 74 makes blows 8 times as short
+constexpr double kMasterBend_semitones = 2;                  // of MPE's channel 1
+constexpr double kRingsOn_s = 29.9;                          // a release from here on is none
 constexpr int kBendCentre = 8192;
 
 // How long a released key takes to be damped; nothing: it rings on.
@@ -24,31 +24,6 @@ std::optional<double> release_s(const Keyboard::Stage& stage) RINGDOWN_REALTIME 
   if (stage.map.is_note_map) return stage.map.release_s;
   const double time_s = stage.parameters[Parameter::release];
   return time_s < kRingsOn_s ? std::optional(time_s) : std::nullopt;
-}
-
-// One blow, as hard as `share` of the full one, with a contact `softness` times as long.
-void strike(const KeyMap::Key& key, double share, double softness, double bend_semitones,
-            const Keyboard::Stage& stage) RINGDOWN_REALTIME {
-  const KeyMap::Object& object = stage.map.objects.data()[key.object];
-  const Body& body = stage.map.body_of(object);
-  const double size = size_of(stage.map, object, stage.parameters, bend_semitones);
-  const auto percent = static_cast<std::size_t>(std::lround(stage.parameters[Parameter::strike_point]));
-  const Body::Station& station = body.stations.data()[std::min(percent, kStations - 1)];
-  const double evening = stage.parameters.on(Parameter::even_loudness) ? stage.map.evening : 1;
-  const Vec3 full_ns =
-      key.impulse_ns ? evening * *key.impulse_ns : full_impulse_ns(body, stage.parameters, size) * station.direction;
-  const Vec3 impulse = share * full_ns;
-  const double impulse_ns[3] = {impulse.x, impulse.y, impulse.z};
-  const double full_time_s =
-      key.contact_time_s ? *key.contact_time_s : 1e-3 * stage.parameters[Parameter::contact_time];
-  const double contact_time_s = std::min(full_time_s * std::pow(share, -0.2) * softness, kMaxContact_s);
-  if (key.point_m) {
-    const Vec3 point = size * *key.point_m;
-    const double point_m[3] = {point.x, point.y, point.z};
-    ringdown_strike(stage.mixer, stage.frame, object.number, point_m, impulse_ns, contact_time_s, nullptr);
-  } else {
-    ringdown_strike_at(stage.mixer, stage.frame, object.number, station.point, impulse_ns, contact_time_s, nullptr);
-  }
 }
 
 }  // namespace
@@ -111,6 +86,33 @@ void Keyboard::press(std::size_t key, std::size_t channel, std::uint8_t velocity
   const double share = (velocity / 127.0) * (velocity / 127.0);
   const double softness = std::exp2(-kHardnessOctaves * channels_.data()[channel].hardness);
   strike(struck, share, softness, bend_semitones(key), stage);
+}
+
+// One blow, as hard as `share` of the full one, with a contact `softness` times as long.
+void Keyboard::strike(const KeyMap::Key& key, double share, double softness, double bend_semitones,
+                      const Stage& stage) RINGDOWN_REALTIME {
+  if (!takes_event()) return;
+  const KeyMap::Object& object = stage.map.objects.data()[key.object];
+  const Body& body = stage.map.body_of(object);
+  const double size = size_of(stage.map, object, stage.parameters, bend_semitones);
+  const auto percent = static_cast<std::size_t>(std::lround(stage.parameters[Parameter::strike_point]));
+  const Body::Station& station = body.stations.data()[std::min(percent, kStations - 1)];
+  const double evening = stage.parameters.on(Parameter::even_loudness) ? stage.map.evening : 1;
+  const Vec3 full_ns =
+      key.impulse_ns ? evening * *key.impulse_ns : full_impulse_ns(body, stage.parameters, size) * station.direction;
+  const double hardest = std::min(1.0, kMaxImpulse_ns / std::max(length(full_ns), kMaxImpulse_ns));
+  const Vec3 impulse = share * hardest * full_ns;
+  const double impulse_ns[3] = {impulse.x, impulse.y, impulse.z};
+  const double full_time_s =
+      key.contact_time_s ? *key.contact_time_s : 1e-3 * stage.parameters[Parameter::contact_time];
+  const double contact_time_s = std::min(full_time_s * std::pow(share, -0.2) * softness, kMaxContact_s);
+  if (key.point_m) {
+    const Vec3 point = size * *key.point_m;
+    const double point_m[3] = {point.x, point.y, point.z};
+    ringdown_strike(stage.mixer, stage.frame, object.number, point_m, impulse_ns, contact_time_s, nullptr);
+  } else {
+    ringdown_strike_at(stage.mixer, stage.frame, object.number, station.point, impulse_ns, contact_time_s, nullptr);
+  }
 }
 
 void Keyboard::release(std::size_t key, const Stage& stage) RINGDOWN_REALTIME {
@@ -187,7 +189,12 @@ void Keyboard::press_harder(std::size_t channel, double pressure, const Stage& s
 void Keyboard::damp(std::size_t key, double within_s, const Stage& stage) RINGDOWN_REALTIME {
   const KeyMap::Key& struck = stage.map.keys.data()[key];
   if (!struck.sounds || kept(struck.object, stage.map)) return;
-  ringdown_clear(stage.mixer, stage.frame, stage.map.objects.data()[struck.object].number, within_s, nullptr);
+  clear(struck.object, within_s, stage);
+}
+
+void Keyboard::clear(std::uint32_t object, double within_s, const Stage& stage) RINGDOWN_REALTIME {
+  if (!takes_event()) return;
+  ringdown_clear(stage.mixer, stage.frame, stage.map.objects.data()[object].number, within_s, nullptr);
 }
 
 bool Keyboard::kept(std::uint32_t object, const KeyMap& map) const RINGDOWN_REALTIME {
@@ -200,7 +207,7 @@ bool Keyboard::kept(std::uint32_t object, const KeyMap& map) const RINGDOWN_REAL
 
 void Keyboard::damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME {
   for (std::size_t i = 0; i < stage.map.objects.size(); ++i) {
-    ringdown_clear(stage.mixer, stage.frame, stage.map.objects.data()[i].number, within_s, nullptr);
+    clear(static_cast<std::uint32_t>(i), within_s, stage);
   }
 }
 

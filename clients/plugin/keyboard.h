@@ -39,6 +39,10 @@ class Keyboard {
   // Plays one message at stage.frame. What is not MIDI, or not played, is ignored.
   void play(std::span<const std::uint8_t> message, const Stage& stage) RINGDOWN_REALTIME;
 
+  // To be called before the messages of a block: libringdown takes so many events in a block, and would allocate a
+  // sentence for each that it refuses.
+  void begin_block() RINGDOWN_REALTIME { events_left_ = kMaxEvents; }
+
   // Forgets keys, pedals, bends and pressure. Nothing else may run.
   void reset();
 
@@ -51,7 +55,7 @@ class Keyboard {
   }
 
  private:
-  static constexpr std::size_t kChannels = 16;
+  static constexpr std::size_t kChannels = 16, kMaxEvents = 3900;
   using KeySet = std::bitset<kKeys>;
   struct Channel {
     double bend = 0;      // -1 ... 1
@@ -69,6 +73,12 @@ class Keyboard {
   void damp_all(double within_s, const Stage& stage) RINGDOWN_REALTIME;
   [[nodiscard]] bool kept(std::uint32_t object, const KeyMap& map) const RINGDOWN_REALTIME;
 
+  void strike(const KeyMap::Key& key, double share, double softness, double bend_semitones,
+              const Stage& stage) RINGDOWN_REALTIME;
+  void clear(std::uint32_t object, double within_s, const Stage& stage) RINGDOWN_REALTIME;
+  [[nodiscard]] bool takes_event() RINGDOWN_REALTIME { return events_left_ > 0 && events_left_-- > 0; }
+
+  std::size_t events_left_ = kMaxEvents;
   KeySet down_, sustained_;  // keys that are down; released keys that the pedal sustains
   bool sustain_ = false, damping_ = false;
   int tuning_high_ = 64;                    // of the single key's tuning that arrives

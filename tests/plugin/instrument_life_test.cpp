@@ -80,7 +80,7 @@ TEST_F(InstrumentTest, NothingThatTheAudioThreadDoesAllocatesLocksOrCallsTheSyst
   }
 }
 
-// For the thread sanitizer; and what is heard is a number.
+// Also for the thread sanitizer.
 TEST_F(InstrumentTest, TheHostMayChangeEverythingWhileItPlays) {
   std::atomic<bool> ends = false;
   std::thread audio([&] {
@@ -88,7 +88,11 @@ TEST_F(InstrumentTest, TheHostMayChangeEverythingWhileItPlays) {
     for (std::uint8_t key = 0; !ends; key = static_cast<std::uint8_t>((key + 7) % 128)) {
       const std::array<std::uint8_t, 3> bytes{kOn, key, 100}, bend{kBend, 0, key}, pressure{kPressure, key, 0};
       const std::array<MidiMessage, 3> messages = {{{0, bytes}, {5, bend}, {9, pressure}}};
-      instrument_.render(messages, left.data(), right.data(), 128);
+      {
+        const test::RealtimeScope scope;
+        instrument_.render(messages, left.data(), right.data(), 128);
+        ASSERT_EQ(scope.seen().total(), 0u) << scope.seen().first;
+      }
       for (const float sample : left) ASSERT_TRUE(std::isfinite(sample));
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -104,6 +108,37 @@ TEST_F(InstrumentTest, TheHostMayChangeEverythingWhileItPlays) {
   }
   ends = true;
   audio.join();
+}
+
+// More than libringdown takes in a block, and blows harder than it takes.
+TEST_F(InstrumentTest, AFloodIsNoReasonToAllocate) {
+  set(Parameter::even_loudness, 0);
+  set(Parameter::size, 4);
+  set(Parameter::density, 10);
+  settle();
+  std::vector<std::array<std::uint8_t, 3>> bytes;
+  for (std::uint8_t key = 0; key < 128; ++key) bytes.push_back({kOn, key, 127});
+  for (int i = 0; i < 384; ++i) bytes.push_back({kControl, 120, 0});
+  std::vector<MidiMessage> messages;
+  for (const auto& message : bytes) messages.push_back({0, message});
+  std::vector<float> left(64), right(64);
+  for (int block = 0; block < 3; ++block) {
+    const test::RealtimeScope scope;
+    instrument_.render(messages, left.data(), right.data(), 64);
+    ASSERT_EQ(scope.seen().total(), 0u) << scope.seen().first;
+  }
+}
+
+TEST_F(InstrumentTest, ANoteMapThatStrikesBesideItsObjectIsRefused) {
+  std::filesystem::copy_file(bank_, folder_ / "bell.glb");
+  const std::string text = "[[note]]\nnote = 60\nobject = 'bell'\npoint_m = ";
+  instrument_.set_file(folder_.write("far.toml", text + "[47.0, 0, 0]\n"));
+  instrument_.start();
+  play(kOn, 60, 127);
+  EXPECT_EQ(loudness(), 0);
+  instrument_.set_file(folder_.write("near.toml", text + "[0.6, 0.6, 0.6]\n"));
+  play(kOn, 60, 127);
+  EXPECT_GT(loudness(), 0);
 }
 
 // The daemon's keyboard, without the plug-in.
