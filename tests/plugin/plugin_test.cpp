@@ -158,6 +158,23 @@ TEST_P(EveryFormat, PlaysTheSamplesOfTheLibraryAtTheSameFrames) {
   EXPECT_LT(difference_db(expected, play(*host, score, {256})), -120);
 }
 
+TEST_P(EveryFormat, ReleasesAndPedalsArrive) {
+  const auto host = open();
+  host->set_parameter(kObject, kGlockenspiel);
+  host->set_parameter(kRelease, 0.02);
+  host->activate(kRate_hz);
+  const auto power_after = [&](std::array<std::uint8_t, 3> message) {
+    play(*host, {{{0, message}}, 2048}, {256});
+    return power(play(*host, {{}, 512}, {256}).left);
+  };
+  EXPECT_GT(power_after({0x90, 69, 127}), 1e-4);
+  EXPECT_EQ(power_after({0x80, 69, 0}), 0);
+  power_after({0x90, 69, 127});
+  power_after({0xb0, 64, 127});
+  EXPECT_GT(power_after({0x80, 69, 0}), 1e-4) << "the sustain pedal keeps it";
+  EXPECT_EQ(power_after({0xb0, 64, 0}), 0);
+}
+
 TEST_P(EveryFormat, OddBlocksGiveTheSameSound) {
   const Score score = random_notes(20, 12000, 2);
   const auto host = open();
