@@ -24,6 +24,7 @@ namespace {
 
 constexpr std::size_t kMaxGeometry = 16 << 20;                            // bytes hashed for a family's name
 constexpr double kMinStepSize = 0.4, kMaxStepSize = 0.85, kMargin = 0.9;  // of mesh sizes from round to round
+constexpr double kSmallAtBends = 0.6;  // of the chosen size: the mean of elements' longest edges
 constexpr double kPreviewUnknowns = 5000, kMostPreviewUnknowns = 20e3, kPreviewShapeError = 0.1;
 constexpr Eigen::Index kPreviewElements = 10'000;  // of a mesh from a file, that order 2 is still quick with
 
@@ -187,13 +188,21 @@ class Baker {
                       recipe_.meshing.unit_m.value_or(mesh::unit_in_file(recipe_.geometry)));
   }
 
-  // Meshes; once more with a larger size where a chosen one made far more unknowns than it should.
+  // Meshes. Where a chosen size made far more unknowns than it should, one of two things helps. Elements that are small
+  // because the surface bends, not because of the waves, would stay so, and lower order does for the waves. Otherwise
+  // the body is meshed once more with a larger size.
   Result<void> mesh() {
     if (auto meshed = mesh_once(); !meshed) return meshed;
     const bool sized_here = reader_.is_surface() && object_.choice && object_.making == mesh::Making::kFilled;
     const double most = recipe_.preview ? kMostPreviewUnknowns : 1.5 * kMaxChosenUnknowns;
     const double unknowns = sized_here ? cost().unknowns : 0;
     if (unknowns <= most) return {};
+    const int order = fem::order_of(recipe_.options.element);
+    const bool bends = mean_longest_edge(object_.mesh.mesh) < kSmallAtBends * recipe_.meshing.mesh_size_m;
+    if (bends && order > 2 && unknowns <= growth(order - 1) * most) {
+      set_order(order - 1);
+      return {};
+    }
     recipe_.meshing.mesh_size_m *= std::sqrt(unknowns / most);
     object_.choice->size_m = recipe_.meshing.mesh_size_m;
     return mesh_once();
