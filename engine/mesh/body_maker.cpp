@@ -107,7 +107,7 @@ Result<Body> BodyMaker::make_of_tetrahedra(const GmshOptions& options) const {
 Result<Body> BodyMaker::make_of_surface(const GmshOptions& options, const Progress& progress) {
   const Result<const PreparedSurface*> prepared = surface(options);
   if (!prepared) return fail(prepared.error());
-  const auto& [mesh, found, left, actions] = **prepared;
+  const auto& [mesh, found, left, actions, rough] = **prepared;
   Body body;
   body.making = Making::kFilled;
   body.notes = notes_of(**prepared);
@@ -121,7 +121,8 @@ Result<Body> BodyMaker::make_of_surface(const GmshOptions& options, const Progre
     if (filled) {
       if (!filled->note.empty()) body.notes.push_back(filled->note);
       body.mesh = std::move(filled->mesh);
-      body.mesh.gaps_m = surface_gaps(body.mesh.mesh, mesh, kReach * found.diagonal_m, false);
+      body.mesh.gaps_m =
+          surface_gaps(body.mesh.mesh, rough.value_or(mesh), kReach * found.diagonal_m, rough.has_value());
       return body;
     }
     body.notes.push_back("not filled by gmsh: " + filled.error().message);

@@ -8,16 +8,17 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 // Normals first, then nodes
 //
 // One plain average of the normals over each triangle's neighbourhood (all triangles that share a node with it) turns
-// those of folded triangles. kNormalRounds bilateral averages follow, in which a neighbour counts less the more its
-// normal differs, so that the two sides of an edge do not mix. Then nodes move, kNodeRounds times, towards the planes
-// of their triangles as the new normals have them, and along the surface, on an edge along the edge, to the middle of
-// their neighbours, which unfolds triangles. At last all nodes move along their normals by the same length, which gives
-// the body the volume back that this took.
+// those of folded triangles; where it is taken of others, too, edges become rounder. kNormalRounds bilateral averages
+// follow, in which a neighbour counts less the more its normal differs, so that the two sides of an edge do not mix.
+// Then nodes move, kNodeRounds times, towards the planes of their triangles as the new normals have them, and along the
+// surface, on an edge along the edge, to the middle of their neighbours, which unfolds triangles. At last all nodes
+// move along their normals by the same length, which gives the body the volume back that this took.
 namespace ringdown::mesh {
 namespace {
 
@@ -25,6 +26,7 @@ using Eigen::RowVector3d;
 
 constexpr int kNormalRounds = 10, kNodeRounds = 15;
 constexpr double kAlike = 0.35;        // the difference of unit normals that halves a weight, about
+constexpr double kFolded = 0.5;        // the cosine from a normal to the mean around it below which it counts as folded
 constexpr double kFreeShare = 0.1;     // of the normals' squares: directions that lie in all planes around a node
 constexpr double kAlong = 0.3;         // of the way to the middle of the neighbours
 constexpr double kRough_deg = 5;       // between the normals of most neighbours
@@ -40,9 +42,9 @@ class Denoising {
     measure();
   }
 
-  Denoised run() {
-    average_normals(false);
-    for (int round = 0; round < kNormalRounds; ++round) average_normals(true);
+  Denoised run(FirstAverage first) {
+    average_normals(first);
+    for (int round = 0; round < kNormalRounds; ++round) average_normals({});
     for (int round = 0; round < kNodeRounds; ++round) move_nodes();
     const double lost_m3 = volume(from_) - volume(to_);
     measure();
@@ -104,17 +106,20 @@ class Denoising {
     }
   }
 
-  void average_normals(bool keep_edges) {
+  // Without `first` the average is bilateral.
+  void average_normals(std::optional<FirstAverage> first) {
     Normals next(normals_.rows(), 3);
     for (Eigen::Index t = 0; t < normals_.rows(); ++t) {
       RowVector3d sum(0, 0, 0);
       for (const std::int32_t node : to_.triangles.row(t)) {
         for (const std::int32_t other : fans_.at(node)) {
           const double unlike = (normals_.row(other) - normals_.row(t)).squaredNorm() / (kAlike * kAlike);
-          sum += areas_[other] * (keep_edges ? std::exp(-0.5 * unlike) : 1.0) * normals_.row(other);
+          sum += areas_[other] * (first ? 1.0 : std::exp(-0.5 * unlike)) * normals_.row(other);
         }
       }
-      next.row(t) = sum.squaredNorm() > 0 ? RowVector3d(sum.normalized()) : RowVector3d(normals_.row(t));
+      const RowVector3d mean = sum.squaredNorm() > 0 ? RowVector3d(sum.normalized()) : RowVector3d(normals_.row(t));
+      const bool stays = first == FirstAverage::kOfFolded && mean.dot(normals_.row(t)) > kFolded;
+      next.row(t) = stays ? RowVector3d(normals_.row(t)) : mean;
     }
     normals_ = std::move(next);
   }
@@ -173,6 +178,6 @@ bool is_folded_by_noise(const TriangleMesh& surface) {
   return static_cast<double>(folds) >= kFolds * static_cast<double>(cuts.size()) && at.is_rough();
 }
 
-Denoised denoise(const TriangleMesh& surface) { return Denoising(surface).run(); }
+Denoised denoise(const TriangleMesh& surface, FirstAverage first) { return Denoising(surface).run(first); }
 
 }  // namespace ringdown::mesh

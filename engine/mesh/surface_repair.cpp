@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace ringdown::mesh {
@@ -54,7 +55,7 @@ class SurfaceRepair {
     drop_scraps();
     drop_unused_nodes(mesh_);
     turn_outward();
-    return {std::move(mesh_), std::move(actions_), steps_};
+    return {std::move(mesh_), std::move(actions_), steps_, std::move(rough_)};
   }
 
  private:
@@ -288,11 +289,13 @@ class SurfaceRepair {
   // a surface that is sound, but so rough that no mesh of the wanted size follows it.
   void smooth_noise() {
     if (!is_folded_by_noise(mesh_)) return;
-    Denoised smooth = denoise(mesh_);
-    if (2 * self_intersections(smooth.mesh, kMaxIntersections).size() >
-        self_intersections(mesh_, kMaxIntersections).size())
-      return;
-    mesh_ = std::move(smooth.mesh);
+    const auto cuts = [](const TriangleMesh& mesh) { return self_intersections(mesh, kMaxIntersections).size(); };
+    Denoised smooth = denoise(mesh_, FirstAverage::kOfFolded);
+    if (cuts(smooth.mesh) > 0) {
+      smooth = denoise(mesh_, FirstAverage::kOfAll);
+      if (2 * cuts(smooth.mesh) > cuts(mesh_)) return;
+    }
+    rough_ = std::exchange(mesh_, std::move(smooth.mesh));
     char text[80];
     std::snprintf(text, sizeof text, "smoothed noise that folded it, of %.2g mm", 1000 * smooth.moved_m);
     actions_.emplace_back(text);
@@ -330,6 +333,7 @@ class SurfaceRepair {
   }
 
   TriangleMesh mesh_;
+  std::optional<TriangleMesh> rough_;
   CavityRule rule_;
   std::size_t flat_ = 0, steps_ = 0;
   std::vector<std::string> actions_;
@@ -340,7 +344,7 @@ class SurfaceRepair {
 RepairedSurface repair(const TriangleMesh& mesh, CavityRule rule) { return SurfaceRepair(mesh, rule).run(); }
 
 PreparedSurface prepare(const TriangleMesh& mesh, CavityRule rule) {
-  PreparedSurface prepared{.mesh = mesh, .found = diagnose(mesh, rule), .left = {}, .actions = {}};
+  PreparedSurface prepared{.mesh = mesh, .found = diagnose(mesh, rule), .left = {}, .actions = {}, .rough = {}};
   prepared.left = prepared.found;
   if (prepared.found.sound()) return prepared;
   RepairedSurface repaired = repair(mesh, rule);
@@ -350,6 +354,7 @@ PreparedSurface prepare(const TriangleMesh& mesh, CavityRule rule) {
   if (lost(Fault::kSheet) || lost(Fault::kNoVolume)) return prepared;
   prepared.mesh = std::move(repaired.mesh);
   prepared.actions = std::move(repaired.actions);
+  prepared.rough = std::move(repaired.rough);
   prepared.left = std::move(left);
   return prepared;
 }

@@ -14,6 +14,7 @@
 #include "engine/mesh/shells.h"
 #include "engine/mesh/surface_report.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,9 @@ inline constexpr double kMaxHole = 1.0;
 
 struct RepairedSurface {
   TriangleMesh mesh;
-  std::vector<std::string> actions;  // "closed 2 holes"; empty: nothing was to be done
-  std::size_t steps = 0;             // triangles, edges and nodes visited: the measure of its cost
+  std::vector<std::string> actions;   // "closed 2 holes"; empty: nothing was to be done
+  std::size_t steps = 0;              // triangles, edges and nodes visited: the measure of its cost
+  std::optional<TriangleMesh> rough;  // before noise was smoothed away; none: it was not
 };
 
 // Node numbers must be in range and coordinates finite. Never fails: what it cannot mend stays as it is. O(T log T),

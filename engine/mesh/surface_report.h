@@ -3,6 +3,7 @@
 
 #include "engine/mesh/triangle_mesh.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,7 @@ struct PreparedSurface {
   TriangleMesh mesh;  // repaired
   SurfaceReport found, left;
   std::vector<std::string> actions;
+  std::optional<TriangleMesh> rough;  // before noise was smoothed away: how far the body may lie from it; never sent
 };
 
 // Why no body can be made of a surface: it is a sheet, or flat. Nothing where one can.
