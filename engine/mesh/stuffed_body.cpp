@@ -29,6 +29,8 @@ constexpr double kCellsPerWall = 2;
 constexpr double kSkinCells = 60;        // along the diagonal at least, so that the skin follows the shape
 constexpr double kElementsPerCell = 12;  // of the lattice
 constexpr double kMaxSkinElements = 3e6, kMaxSolvedElements = 40e3;
+constexpr double kMaxTorn = 2;  // cells to a wall: a skin torn more than that is not worth filling
+constexpr double kLeastKept = 0.5, kSmallerCells = 0.75, kMaxForcedElements = 2 * kMaxSolvedElements;
 
 struct Cells {
   double wanted_m = 0, size_m = 0;  // size_m is larger where those wanted would be too many
@@ -50,11 +52,11 @@ class StuffedBody {
     Result<Body> refilled = refill();
     if (refilled || refilled.error().kind == ErrorKind::cancelled) return refilled;
     if (refilled.error().kind == ErrorKind::too_large) return refilled;
-    const Cells cells = cells_for(options_.size_m, kMaxSolvedElements);
+    Cells cells = cells_for(options_.size_m, kMaxSolvedElements);
     if (auto fine = check_walls(cells, kMaxSolvedElements); !fine) return fail(fine.error());
-    Result<Stuffed> stuffed = stuff(surface_, {.size_m = cells.size_m}, progress_);
+    const Result<Stuffed> stuffed = stuff_thin(cells);
     if (!stuffed) return fail(stuffed.error().kind, name_ + " cannot be stuffed: " + stuffed.error().message);
-    Result<CheckedMesh> checked = check_mesh(std::move(stuffed->mesh), name_);
+    Result<CheckedMesh> checked = check_mesh(stuffed->mesh, name_);
     if (!checked) return fail(checked.error());
     Body body{.mesh = std::move(*checked), .making = Making::kStuffed, .notes = {}};
     body.mesh.gaps_m = surface_gaps(body.mesh.mesh, surface_, cells.size_m, true);
@@ -86,9 +88,29 @@ class StuffedBody {
     return fail(ErrorKind::too_large, name_ + text);
   }
 
+  // Between the points of a lattice that is coarser than a wall, most of the wall vanishes, or all of it. Such a body
+  // is made only by force; then cells become smaller, and cells.size_m with them, until half of it is there.
+  Result<Stuffed> stuff_thin(Cells& cells) const {
+    Result<Stuffed> stuffed = stuff(surface_, {.size_m = cells.size_m}, progress_);
+    const auto is_enough = [this](const Result<Stuffed>& made) {
+      return made ? volume_of(made->mesh) >= kLeastKept * volume_m3_ : made.error().kind == ErrorKind::cancelled;
+    };
+    for (double size_m = cells.size_m; force_ && !is_enough(stuffed) && size_m > cells.wanted_m;) {
+      size_m = std::max(kSmallerCells * size_m, cells.wanted_m);
+      Result<Stuffed> next = stuff(surface_, {.size_m = size_m}, progress_);
+      const bool too_many = next && static_cast<double>(next->mesh.elements.rows()) > kMaxForcedElements;
+      if (stuffed && (!next || too_many)) break;
+      if (next) cells.size_m = size_m;
+      stuffed = std::move(next);
+    }
+    return stuffed;
+  }
+
   Result<Body> refill() {
     const Cells cells = cells_for(std::min(options_.size_m, box_.norm() / kSkinCells), kMaxSkinElements);
     if (auto fine = check_walls(cells, kMaxSkinElements); !fine) return fail(fine.error());
+    if (wall_m_ > 0 && cells.size_m > kMaxTorn * wall_m_)
+      return fail(ErrorKind::bad_input, "cells that can be made would tear its walls");
     Result<Stuffed> stuffed = stuff(surface_, {.size_m = cells.size_m}, progress_);
     if (!stuffed) return fail(stuffed.error().kind, name_ + " cannot be stuffed: " + stuffed.error().message);
     const TriangleMesh skin = skin_of(stuffed->mesh);

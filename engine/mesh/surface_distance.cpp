@@ -58,9 +58,10 @@ double SurfaceRays::inward(Eigen::Index triangle) const {
   const auto normal = CGAL::cross_product(from[1] - from[0], from[2] - from[0]);
   const double none = std::numeric_limits<double>::max();
   if (!(normal.squared_length() > 0)) return none;
+  const auto way = -normal / std::sqrt(normal.squared_length());  // a tiny one would vanish beside the coordinates
   const Point middle = CGAL::centroid(from);
   const auto self = tree_->triangles.cbegin() + triangle;
-  const auto hit = tree_->boxes.first_intersection(DistanceKernel::Ray_3(middle, -normal),
+  const auto hit = tree_->boxes.first_intersection(DistanceKernel::Ray_3(middle, way),
                                                    [self](const auto& primitive) { return primitive == self; });
   if (!hit) return none;
   const CGAL::Object met(hit->first);  // made of the variant that CGAL 5 takes from Boost, and CGAL 6 from std
@@ -71,6 +72,7 @@ double SurfaceRays::inward(Eigen::Index triangle) const {
 double SurfaceRays::along(const Eigen::RowVector3d& point, const Eigen::RowVector3d& direction,
                           const Eigen::RowVector3d& outward) const {
   const double none = std::numeric_limits<double>::max();
+  if (!(direction.squaredNorm() > 0)) return none;
   const Point from(point[0], point[1], point[2]);
   const auto hit = tree_->boxes.first_intersection(
       DistanceKernel::Ray_3(from, DistanceKernel::Vector_3(direction[0], direction[1], direction[2])));

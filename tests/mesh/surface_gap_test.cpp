@@ -2,6 +2,7 @@
 
 #include "engine/mesh/face_points.h"
 #include "engine/mesh/smooth_facets.h"
+#include "engine/mesh/surface_distance.h"
 #include "tests/fem/sample_meshes.h"
 #include "tests/mesh/sample_surfaces.h"
 
@@ -32,6 +33,12 @@ TEST(SurfaceGap, ASurfaceFartherOutOrInIsFoundByBothWays) {
       EXPECT_NEAR(gaps.minCoeff(), beyond, 1e-8) << soup;
     }
   }
+}
+
+// Its triangles have areas of 2e-18 m2, less than coordinates of 0.1 m are rounded by.
+TEST(SurfaceGap, ABoxOfNanometresHasItsThickness) {
+  const mesh::TriangleMesh box = test::box({0.1, 0.1, 0.1}, {0.1 + 2e-9, 0.1 + 2e-9, 0.1 + 1e-9});
+  EXPECT_NEAR(mesh::wall_thickness(box), 1e-9, 1e-14);
 }
 
 // Across a hole of one triangle of 192 the winding number still falls through one half near where the surface was.

@@ -25,6 +25,7 @@ from bank_document import read_bank
 
 LIMIT_S = 150  # of processor time, for each process of a bake
 TRUTH_LIMIT_S = 60
+PREVIEW_S = 10  # of processor time, that a preview should take at most
 LIMIT_BYTES = 3 << 30  # of memory
 MODES = 20
 MATERIAL = "porcelain"
@@ -116,22 +117,23 @@ class Comparison:
 
 HEAD = (
     "| asset | what is wrong | mass kg | truth | first Hz | truth | median error %: true | stated | within | unknowns "
-    "| seconds | MiB |\n|--|--|--|--|--|--|--|--|--|--|--|--|"
+    "| seconds | MiB | preview s |\n|--|--|--|--|--|--|--|--|--|--|--|--|--|"
 )
 
 
-def row_of(name, wrong, run, truth, comparison):
+def row_of(name, wrong, run, truth, comparison, preview):
+    end = f"{run.seconds:.0f} | {run.mebibytes:.0f} | {f'{preview.seconds:.1f}' if preview.bank else 'none'} |"
     start = f"| `{name}` | {wrong} |"
     if not run.bank:
-        return f"{start} {run.said.splitlines()[-1]} | | | | | | | | {run.seconds:.0f} | {run.mebibytes:.0f} |"
+        return f"{start} {run.said.splitlines()[-1]} | | | | | | | | {end}"
     bank = run.bank
     text = f"{start} {bank.mass_kg:.4g} |"
     if not truth:
-        return f"{text} none | {bank.frequency_hz[0]:.1f} | | | | | {bank.unknowns} | {run.seconds:.0f} | {run.mebibytes:.0f} |"
+        return f"{text} none | {bank.frequency_hz[0]:.1f} | | | | | {bank.unknowns} | {end}"
     true, stated = (100 * statistics.median(e) for e in (comparison.true, comparison.stated))
     return (
         f"{text} {truth.mass_kg:.4g} | {bank.frequency_hz[0]:.1f} | {truth.frequency_hz[0]:.1f} | {true:.2g} | {stated:.2g} "
-        f"| {comparison.covered()} of {len(comparison.true)} | {bank.unknowns} | {run.seconds:.0f} | {run.mebibytes:.0f} |"
+        f"| {comparison.covered()} of {len(comparison.true)} | {bank.unknowns} | {end}"
     )
 
 
@@ -142,12 +144,14 @@ def main(arguments):
     names = arguments[3:] or list(ugly_assets.ASSETS)
     ugly_assets.main([folder, *names])
     os.makedirs(os.path.dirname(table) or ".", exist_ok=True)
-    faults, baked, ratios, covered, compared = [], 0, [], 0, 0
+    faults, slow_previews, baked, ratios, covered, compared = [], [], 0, [], 0, 0
     with open(table, "w", encoding="utf-8") as out:
         print(HEAD, file=out)
         for name in names:
             path = os.path.join(folder, name)
             run = bake(program, path + ".ply", path + ".glb", LIMIT_S, "--no-cache")
+            preview = bake(program, path + ".ply", path + ".preview.glb", LIMIT_S, "--no-cache", "--preview")
+            slow_previews += [name] if preview.seconds > PREVIEW_S or not preview.bank else []
             truth = comparison = None
             if run.bank:
                 baked += 1
@@ -160,10 +164,11 @@ def main(arguments):
                 ratios.append(statistics.median(s / max(t, SLACK) for t, s in zip(comparison.true, comparison.stated)))
                 if abs(run.bank.mass_kg / truth.mass_kg - 1) > 0.01 or comparison.true[0] > 0.03:
                     faults.append(f"{name} is wrong")
-            row = row_of(name, ugly_assets.ASSETS[name]().wrong, run, truth, comparison)
+            row = row_of(name, ugly_assets.ASSETS[name]().wrong, run, truth, comparison, preview)
             print(row, file=out, flush=True)
             print(row, flush=True)
     print(f"{baked} of {len(names)} baked; {covered} of {compared} modes are within their stated error")
+    print(f"previews of more than {PREVIEW_S} s of processor time: {', '.join(slow_previews) or 'none'}")
     if ratios:
         print(f"median stated over true: {statistics.median(ratios):.2g} in the median body, {max(ratios):.2g} at most")
     if covered < 0.95 * compared:
