@@ -65,23 +65,35 @@ double hit(const std::array<Vector3d, 3>& triangle, const Vector3d& a, const Vec
 
 WindingNumber::WindingNumber(const TriangleMesh& surface) {
   triangles_.reserve(surface.triangles.rows());
-  double volume = 0;
-  Vector3d middle = Vector3d::Zero();
-  if (surface.nodes.rows() > 0) middle = surface.nodes.colwise().mean().transpose();
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
     Triangle triangle;
     for (int k = 0; k < 3; ++k) triangle[k] = surface.nodes.row(surface.triangles(t, k)).transpose();
-    const Vector3d area = area_of(triangle);
-    if (!(area.norm() > 0)) continue;
-    volume += (triangle[0] - middle).dot(area) / 3;
-    triangles_.push_back(triangle);
-  }
-  turned_ = volume < 0;
-  if (turned_) {
-    for (Triangle& triangle : triangles_) std::swap(triangle[1], triangle[2]);
+    if (area_of(triangle).norm() > 0) triangles_.push_back(triangle);
   }
   nodes_.reserve(triangles_.size() / 2 + 1);
-  if (!triangles_.empty()) build(0, static_cast<int>(triangles_.size()));
+  if (triangles_.empty()) return;
+  build(0, static_cast<int>(triangles_.size()));
+  turned_ = faces_inward();
+  if (!turned_) return;
+  for (Triangle& triangle : triangles_) std::swap(triangle[1], triangle[2]);
+  nodes_.clear();
+  build(0, static_cast<int>(triangles_.size()));
+}
+
+// The winding numbers on the two sides of a surface that is turned outward are 1 and 0, else 0 and -1. The sign of the
+// volume would tell the same of a closed surface, but that of an open one depends on where it is measured from.
+bool WindingNumber::faces_inward() const {
+  constexpr std::size_t kTriangles = 500;
+  constexpr double kBeside = 1e-4;  // of the triangle's size
+  const std::size_t step = triangles_.size() / kTriangles + 1;
+  double sum = 0;
+  for (std::size_t t = 0; t < triangles_.size(); t += step) {
+    const Triangle& triangle = triangles_[t];
+    const Vector3d area = area_of(triangle), middle = (triangle[0] + triangle[1] + triangle[2]) / 3;
+    const Vector3d beside = kBeside * std::sqrt(area.norm()) * area.normalized();
+    sum += area.norm() * (at(middle + beside) + at(middle - beside));
+  }
+  return sum < 0;
 }
 
 int WindingNumber::build(int first, int count) {

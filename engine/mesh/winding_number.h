@@ -23,7 +23,7 @@ namespace ringdown::mesh {
 
 class WindingNumber {
  public:
-  // O(T log T). Triangles without area are passed over. A surface whose enclosed volume is negative is taken turned.
+  // O(T log T). Triangles without area are passed over. A surface that is inside out is taken turned.
   explicit WindingNumber(const TriangleMesh& surface);
 
   // To within `tolerance` of the plain sum over all triangles; 0: that sum itself. On a triangle it is half way between
@@ -61,6 +61,7 @@ class WindingNumber {
   };
 
   int build(int first, int count);
+  [[nodiscard]] bool faces_inward() const;
   void expand(Node& node) const;
   static Bounded far_field(const Node& node, const Eigen::Vector3d& offset, double distance);
   [[nodiscard]] Bounded sum(const Eigen::Vector3d& point, double opening) const;

@@ -79,6 +79,28 @@ TEST(WindingNumber, TheWindingNumberOfASurfaceInsideOutIsTurned) {
   EXPECT_TRUE(winding.inside({50.5, 61, 71}));
 }
 
+// The volume between a thin wall and a point is more than that of the wall, so that its sign tells nothing of a box
+// whose upper face is missing on the outside.
+TEST(WindingNumber, AnOpenThinShellIsTurnedOnlyWhereItIsInsideOut) {
+  const Soup outer = moved(box_surface({1, 1, 1}), {-0.5, -0.5, -0.5}),
+             inner = inside_out(moved(box_surface({0.98, 0.98, 0.98}), {-0.49, -0.49, -0.49}));
+  Soup shell{Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>(outer.nodes.rows() + inner.nodes.rows(), 3), {}};
+  shell.nodes << outer.nodes, inner.nodes;
+  std::vector<Eigen::RowVector3i> kept;
+  for (int t = 0; t < outer.triangles.rows(); ++t) {
+    const Eigen::RowVector3i row = outer.triangles.row(t);
+    const bool top = outer.nodes(row[0], 2) > 0 && outer.nodes(row[1], 2) > 0 && outer.nodes(row[2], 2) > 0;
+    if (!top) kept.push_back(row);
+  }
+  for (int t = 0; t < inner.triangles.rows(); ++t)
+    kept.emplace_back(inner.triangles.row(t).array() + static_cast<int>(outer.nodes.rows()));
+  shell.triangles.resize(static_cast<Eigen::Index>(kept.size()), 3);
+  for (std::size_t t = 0; t < kept.size(); ++t) shell.triangles.row(static_cast<Eigen::Index>(t)) = kept[t];
+  EXPECT_FALSE(mesh::WindingNumber(shell).turned());
+  EXPECT_TRUE(mesh::WindingNumber(shell).inside({0.2, 0.1, -0.495}));
+  EXPECT_TRUE(mesh::WindingNumber(inside_out(shell)).turned());
+}
+
 TEST(WindingNumber, AWayThroughASphereCrossesItTwice) {
   const mesh::WindingNumber winding(sphere_surface(1));
   for (const Vector3& aim : points(200, 0.4, 5)) {
