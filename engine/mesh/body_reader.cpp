@@ -177,7 +177,7 @@ ContentHash key_of(const std::filesystem::path& path, const std::string& text, c
   return hasher.hash();
 }
 
-// Whether the content of the file says all that its body depends on.
+// Returns true where the content of the file says all that its body depends on.
 bool stands_alone(const std::filesystem::path& path, const std::string& text) {
   return !has_companions(path) && !(is_program(path) && looks_elsewhere(text));
 }

@@ -5,8 +5,8 @@
 
 namespace ringdown::mesh {
 
-// Says that a surface cuts itself because of noise: nearly all of the triangles that cut each other are neighbours,
-// most neighbours meet at more than some degrees, and triangles are small against the body.
+// Returns true where a surface cuts itself because of noise: nearly all of the triangles that cut each other are
+// neighbours, most neighbours meet at more than some degrees, and triangles are small against the body.
 bool is_folded_by_noise(const TriangleMesh& surface);
 
 struct Denoised {

@@ -189,7 +189,7 @@ class Inspection {
   }
 
   Result<void> inspect(const fs::path& file, const std::string& text) {
-    // Whether gmsh ends a text there or not, one of the two readings could hide a statement.
+    // One of the two readings could hide a statement: gmsh may end a text there, or not.
     if (const std::size_t at = text.find("\\\""); at != std::string::npos) {
       const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
       return fail(ErrorKind::bad_input, file.string() + ", line " + std::to_string(line) +

@@ -27,7 +27,7 @@ struct GeoWord {
 // O(length).
 std::vector<GeoWord> words_of_geo(std::string_view text);
 
-// Whether the text gives `name` a value, by "name = ..." anywhere.
+// Returns true where the text gives `name` a value, by "name = ..." anywhere.
 bool assigns(std::string_view text, std::string_view name);
 
 // The files that a .geo file reads, relative to its folder; nullopt when it depends on anything but files that it

@@ -103,7 +103,7 @@ Extent extent_of_open_body(double unit_m) {
   return {.volume_m3 = std::pow(unit_m, 3) * volume, .diagonal_m = unit_m * std::hypot(x, y, z)};
 }
 
-// Whether the open file has volumes that are not meshed yet.
+// Returns true where the open file has volumes that are not meshed yet.
 bool is_geometry() {
   std::vector<int> types;
   gmsh::model::mesh::getElementTypes(types, 3);

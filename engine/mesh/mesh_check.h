@@ -1,4 +1,4 @@
-// Whether a mesh is one that finite elements can be built on. [worker]
+// Checks that a mesh is one that finite elements can be built on. [worker]
 //
 //   Result<CheckedMesh> checked = check_mesh(std::move(mesh), "cup.msh");
 #pragma once

@@ -36,7 +36,7 @@ struct Shells {
   std::vector<int> parent;  // the innermost of these; -1: none
   std::vector<Role> role;
 
-  // Whether its majority faces inward where it should face outward, or the other way about.
+  // Returns true where most of a shell faces inward and should face outward, or the other way about.
   [[nodiscard]] bool wound_wrongly(std::size_t s) const { return (volume_m3[s] < 0) != (role[s] == Role::kCavity); }
 };
 

@@ -29,7 +29,6 @@ constexpr double kCellsPerWall = 2;
 constexpr double kSkinCells = 60;        // along the diagonal at least, so that the skin follows the shape
 constexpr double kElementsPerCell = 12;  // of the lattice
 constexpr double kMaxSkinElements = 3e6, kMaxSolvedElements = 40e3;
-constexpr double kMaxTorn = 2;  // cells to a wall: a skin torn more than that is not worth filling
 constexpr double kLeastKept = 0.5, kSmallerCells = 0.75, kMaxForcedElements = 2 * kMaxSolvedElements;
 
 struct Cells {
@@ -109,7 +108,7 @@ class StuffedBody {
   Result<Body> refill() {
     const Cells cells = cells_for(std::min(options_.size_m, box_.norm() / kSkinCells), kMaxSkinElements);
     if (auto fine = check_walls(cells, kMaxSkinElements); !fine) return fail(fine.error());
-    if (wall_m_ > 0 && cells.size_m > kMaxTorn * wall_m_)
+    if (wall_m_ > 0 && cells.size_m > wall_m_)
       return fail(ErrorKind::bad_input, "cells that can be made would tear its walls");
     Result<Stuffed> stuffed = stuff(surface_, {.size_m = cells.size_m}, progress_);
     if (!stuffed) return fail(stuffed.error().kind, name_ + " cannot be stuffed: " + stuffed.error().message);
