@@ -1,5 +1,6 @@
 #include "server/describe.h"
 
+#include "engine/modal/bank_file.h"
 #include "server/browse.h"
 
 #include <algorithm>
@@ -49,7 +50,7 @@ Answer read(const protocol::ReadBank& question, const session::Session& session)
     return fail(ErrorKind::bad_input, "offset: " + std::to_string(question.offset) + " is past the end of " + file +
                                           ", which has " + std::to_string(object.bank_bytes) + " bytes");
   }
-  auto piece = session.roots().read_piece(object.bank, question.offset, question.bytes);
+  auto piece = session.roots().read_piece(modal::split_bank_path(object.bank).file, question.offset, question.bytes);
   if (!piece) return fail(piece.error());
   if (piece->total != object.bank_bytes) {
     return fail(ErrorKind::refused,

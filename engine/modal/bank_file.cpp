@@ -6,6 +6,7 @@
 #include "engine/base/within_memory.h"
 #include "engine/modal/bank_extras.h"
 #include "engine/modal/glb.h"
+#include "engine/modal/gltf_file.h"
 #include "engine/modal/material_scale.h"
 
 #include <algorithm>
@@ -262,15 +263,16 @@ Json material_json(const Bank& bank) {
   return json;
 }
 
-Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name) {
-  const auto glb = parse_glb(bytes, name);
+Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, const ReadBeside& read_beside) {
+  const auto glb = read_beside ? parse_gltf(bytes, name, read_beside) : parse_glb(bytes, name);
   if (!glb) return fail(glb.error());
   const Field extension = glb->root()["extensions"][kExtension];
   if (extension["modalModels"].size() == 0) {
     return fail(ErrorKind::bad_input,
                 name + " holds no modal model (extension " + kExtension + "); make one with `ringdown bake`");
   }
-  const auto instance = find_instance(*glb);
+  const auto chosen = split_bank_path(name).model;
+  const auto instance = chosen ? Result<Instance>(Instance{.model = *chosen}) : find_instance(*glb);
   if (!instance) return fail(instance.error());
   const Field model = extension["modalModels"][instance->model];
   if (!model.present())
@@ -301,14 +303,38 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name) 
 
 }  // namespace
 
+BankPath split_bank_path(const std::filesystem::path& path) {
+  constexpr std::size_t kMaxDigits = 9;
+  const std::string text = path.string();
+  const std::size_t mark = text.rfind('#');
+  if (mark == std::string::npos || mark + 1 == text.size() || text.size() - mark - 1 > kMaxDigits) return {path, {}};
+  const std::string file = text.substr(0, mark), digits = text.substr(mark + 1);
+  const bool is_number = digits.find_first_not_of("0123456789") == std::string::npos;
+  if (!is_number || !(file.ends_with(".glb") || file.ends_with(".gltf"))) return {path, {}};
+  return {file, std::stoul(digits)};
+}
+
+std::filesystem::path bank_path(const std::filesystem::path& file, std::size_t model) {
+  return file.string() + "#" + std::to_string(model);
+}
+
 Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& name) {
-  return within_memory("read " + name, [&] { return bank_in(bytes, name); });
+  return parse_bank(bytes, name, {});
+}
+
+Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& name, const ReadBeside& read_beside) {
+  return within_memory("read " + name, [&] { return bank_in(bytes, name, read_beside); });
 }
 
 Result<Bank> read_bank(const std::filesystem::path& path) {
-  const auto text = read_whole_file(path, kMaxBankFileBytes);
+  const std::filesystem::path file = split_bank_path(path).file;
+  const auto text = read_whole_file(file, kMaxBankFileBytes);
   if (!text) return fail(text.error());
-  return parse_bank(std::as_bytes(std::span(*text)), path.string());
+  const ReadBeside beside = [&file](const std::string& relative, std::size_t limit) {
+    return read_whole_file(file.parent_path() / relative, limit);
+  };
+  const bool is_text = file.extension() == ".gltf";
+  return parse_bank(std::as_bytes(std::span(*text)), path.string(), is_text ? beside : ReadBeside());
 }
 
 Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std::string_view input_hash,

@@ -3,6 +3,7 @@
 
 #include "engine/base/result.h"
 #include "engine/modal/bank.h"
+#include "engine/modal/read_beside.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -23,8 +24,19 @@ inline constexpr std::size_t kMaxPoints = std::size_t{1} << 20;
 // field, and what was expected of it.
 Result<Bank> read_bank(const std::filesystem::path& path);
 
-// Reads a bank from memory. `name` stands in error messages where the path would.
+// A path to one of several models in a file: "room.glb#2" is model 2 of room.glb, at its own size and gain. Without a
+// number a file's first node with a model decides, with the node's scale and gain.
+struct BankPath {
+  std::filesystem::path file;
+  std::optional<std::size_t> model;
+};
+BankPath split_bank_path(const std::filesystem::path& path);
+std::filesystem::path bank_path(const std::filesystem::path& file, std::size_t model);
+
+// Reads a bank from memory. `name` stands in error messages where the path would; a name that ends in #NUMBER chooses
+// the model, as a path does. `read_beside` reads a .gltf's other files; without it there must be none.
 Result<Bank> parse_bank(std::span<const std::byte> glb, const std::string& name);
+Result<Bank> parse_bank(std::span<const std::byte> gltf, const std::string& name, const ReadBeside& read_beside);
 
 // How arrays stand in the file. `meshopt` (EXT_meshopt_compression) takes about a third of the bytes, and a reader must
 // know the extension. It rounds shapes: each mode's numbers to whole multiples of a power of two between 1/128 and 1/64

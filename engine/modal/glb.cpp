@@ -183,23 +183,6 @@ class JsonCounter {
   std::size_t values_ = 0;
 };
 
-// A value takes some 20 times its text in memory, so all of them are counted before the first is kept.
-Result<Json> parse_json(std::string_view text, const std::string& name) {
-  const auto too_large = [&name](std::size_t limit, const std::string& of_what) {
-    return fail(ErrorKind::too_large, name + ": its JSON text has more than " + std::to_string(limit) + " " + of_what +
-                                          "; long lists of numbers belong in the binary chunk");
-  };
-  if (text.size() > kMaxJsonBytes) return too_large(kMaxJsonBytes, "bytes");
-  return within_memory("read " + name, [&]() -> Result<Json> {
-    JsonCounter counter;
-    const bool sound = Json::sax_parse(text, &counter);
-    if (counter.too_many()) return too_large(kMaxJsonValues, "values");
-    Json json = sound ? Json::parse(text, nullptr, /*allow_exceptions=*/false) : Json();
-    if (!json.is_object()) return fail(ErrorKind::bad_input, name + ": its JSON text is malformed");
-    return json;
-  });
-}
-
 Json accessor_json(std::size_t component_type, std::size_t count, std::size_t width) {
   return {{"componentType", component_type}, {"count", count}, {"type", width == 1 ? "SCALAR" : "VEC3"}};
 }
@@ -264,6 +247,23 @@ std::string Field::text_or(std::string fallback) const {
   return value_ && value_->is_string() ? value_->get<std::string>() : std::move(fallback);
 }
 
+// A value takes some 20 times its text in memory, so all of them are counted before the first is kept.
+Result<Json> parse_gltf_json(std::string_view text, const std::string& name) {
+  const auto too_large = [&name](std::size_t limit, const std::string& of_what) {
+    return fail(ErrorKind::too_large, name + ": its JSON text has more than " + std::to_string(limit) + " " + of_what +
+                                          "; long lists of numbers belong in the binary chunk");
+  };
+  if (text.size() > kMaxJsonBytes) return too_large(kMaxJsonBytes, "bytes");
+  return within_memory("read " + name, [&]() -> Result<Json> {
+    JsonCounter counter;
+    const bool sound = Json::sax_parse(text, &counter);
+    if (counter.too_many()) return too_large(kMaxJsonValues, "values");
+    Json json = sound ? Json::parse(text, nullptr, /*allow_exceptions=*/false) : Json();
+    if (!json.is_object()) return fail(ErrorKind::bad_input, name + ": its JSON text is malformed");
+    return json;
+  });
+}
+
 Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name) {
   if (bytes.size() < 20 || word_at(bytes, 0) != kMagic) {
     return fail(ErrorKind::bad_input, name + " is not a binary glTF file (.glb); make one with `ringdown bake`");
@@ -279,7 +279,7 @@ Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name)
   if (word_at(bytes, 16) != kJsonChunk || json_size > bytes.size() - 20) {
     return fail(ErrorKind::bad_input, name + ": the first chunk must be the JSON text and end inside the file");
   }
-  auto json = parse_json({reinterpret_cast<const char*>(bytes.data()) + 20, json_size}, name);
+  auto json = parse_gltf_json({reinterpret_cast<const char*>(bytes.data()) + 20, json_size}, name);
   if (!json) return fail(json.error());
   Glb glb{.json = *std::move(json), .name = name};
   const auto rest = bytes.subspan(20 + json_size);

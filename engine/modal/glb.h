@@ -1,8 +1,8 @@
 // Binary glTF 2.0 as a container: one JSON text and one block of bytes, and typed arrays (accessors) into it. An array
 // may be compressed (EXT_meshopt_compression).
 //
-// Reading trusts nothing: a document is refused before memory is allocated for what it claims to hold. Private to
-// bank_file.cpp, bank_extras.cpp and their tests. [worker]
+// Reading trusts nothing: a document is refused before memory is allocated for what it claims to hold. For the
+// readers and writers of banks and of scenes, and their tests. [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -47,7 +47,8 @@ class Field {
 
 struct Glb {
   Json json;
-  std::span<const std::byte> binary;  // into the bytes given to parse_glb
+  std::span<const std::byte> binary;  // into the bytes given to parse_glb, or into `assembled`
+  std::vector<std::byte> assembled;   // of several buffers (gltf_file.h)
   std::string name;                   // for error messages
 
   [[nodiscard]] Field root() const { return {&json, name + ": "}; }
@@ -56,6 +57,9 @@ struct Glb {
 // What a JSON text may hold. Our own has some 85,000 values at most: five for each of 16,384 modes.
 inline constexpr std::size_t kMaxJsonBytes = std::size_t{1} << 24;
 inline constexpr std::size_t kMaxJsonValues = std::size_t{1} << 18;
+
+// A document's JSON text.
+Result<Json> parse_gltf_json(std::string_view text, const std::string& name);
 
 // `name` stands in error messages where the path would.
 Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name);

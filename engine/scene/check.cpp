@@ -31,6 +31,7 @@ class Fields {
   Fields& surface(const FrictionSurface& s) {
     return number("restitution", s.restitution, range::kRestitution)
         .number("friction", s.friction, range::kFriction)
+        .number("sliding_friction", s.sliding_friction.value_or(s.friction), range::kFriction)
         .number("rolling_m", s.rolling_m, range::kRolling_m)
         .number("contact_time_s", s.contact_time_s.value_or(0), range::kContactTime_s)
         .number("edge_radius_m", s.edge_radius_m, range::kEdgeRadius_m)
@@ -109,7 +110,22 @@ Result<void> check(const ObjectDescription& object) {
 }
 
 Result<void> check(const BodyDescription& body) {
+  const std::shared_ptr<const ShapeMesh>& mesh = body.shape.mesh;
+  const auto in_range = [](Vec3 p) {
+    return range::kPosition_m.holds(p.x) && range::kPosition_m.holds(p.y) && range::kPosition_m.holds(p.z);
+  };
+  const auto corners_exist = [&mesh](const std::array<std::uint32_t, 3>& corners) {
+    return std::ranges::all_of(corners, [&](std::uint32_t corner) { return corner < mesh->points_m.size(); });
+  };
   return Fields("body " + quote(body.name))
+      .require(!mesh || mesh->points_m.size() <= kMaxMeshPoints,
+               "its mesh has more than " + std::to_string(kMaxMeshPoints) + " points")
+      .require(!mesh || mesh->triangles.size() <= 4 * kMaxMeshPoints, "its mesh has too many triangles")
+      .require(!mesh || std::ranges::all_of(mesh->points_m, in_range),
+               "a point of its mesh is outside -1000 ... 1000 m")
+      .require(!mesh || std::ranges::all_of(mesh->triangles, corners_exist), "a triangle of its mesh lacks a point")
+      .vector("center_m", body.shape.center_m.value_or(Vec3{}), range::kPosition_m)
+      .number("gravity_factor", body.gravity_factor, range::kGravityFactor)
       .vector("position_m", body.position_m, range::kPosition_m)
       .rotation(body.rotation)
       .vector("velocity_m_s", body.velocity_m_s, range::kVelocity_m_s)
@@ -158,10 +174,26 @@ Result<void> check(const JointDescription& joint, std::span<const BodyDescriptio
       .require(moves(joint.body) || moves(joint.other), "one of its bodies must be free to move")
       .vector("anchor_m", joint.anchor_m, range::kPosition_m)
       .number("friction_nm", joint.friction_nm, range::kJointFriction_nm);
-  if (joint.type == JointType::hinge) {
+  const bool hinge = joint.type == JointType::hinge, slider = joint.type == JointType::slider;
+  if (hinge || slider) {
     const double size = length(joint.axis);
-    fields.require(size > 1e-6 && size < 1e7, "its axis has no direction")
-        .number("low_degrees", joint.low_degrees, range::kLimit_degrees)
+    fields.require(size > 1e-6 && size < 1e7, "its axis has no direction");
+  }
+  if (joint.drive) {
+    fields.require(hinge || slider, "only a hinge or a slider has a drive")
+        .number("drive.stiffness", joint.drive->stiffness, range::kDriveGain)
+        .number("drive.damping", joint.drive->damping, range::kDriveGain)
+        .number("drive.target", joint.drive->target, range::kDriveTarget)
+        .number("drive.speed", joint.drive->speed, range::kDriveTarget)
+        .number("drive.most", joint.drive->most, range::kDriveMost);
+  }
+  if (slider) {
+    fields.number("low_m", joint.low_m, range::kPosition_m)
+        .number("high_m", joint.high_m, range::kPosition_m)
+        .require(joint.low_m <= 0 && joint.high_m >= 0, "its limits must hold the pose described, 0 m");
+  }
+  if (hinge) {
+    fields.number("low_degrees", joint.low_degrees, range::kLimit_degrees)
         .number("high_degrees", joint.high_degrees, range::kLimit_degrees)
         .require(joint.low_degrees <= 0 && joint.high_degrees >= 0,
                  "its limits must hold the pose described, 0 degrees");
@@ -181,6 +213,16 @@ Result<void> check(const SceneDescription& scene) {
   }
   for (const JointDescription& joint : scene.joints) {
     if (auto ok = check(joint, scene.bodies); !ok) return ok;
+  }
+  std::vector<CollisionFilter> filters;
+  const auto note = [&filters](const auto& thing) {
+    if (!std::ranges::count(filters, thing.filter) && filters.size() <= kMaxFilters) filters.push_back(thing.filter);
+  };
+  std::ranges::for_each(scene.bodies, note);
+  std::ranges::for_each(scene.statics, note);
+  if (filters.size() > kMaxFilters) {
+    return fail(ErrorKind::too_large,
+                "the scene has more than the " + std::to_string(kMaxFilters) + " collision filters it may have");
   }
   std::uint64_t count = scene.bodies.size();
   for (const BodyDescription& body : scene.bodies) {

@@ -18,6 +18,22 @@ synth::Texture combine(const synth::Texture& a, const synth::Texture& b) {
   return {std::sqrt(sum), mean(a.correlation_m, b.correlation_m), mean(a.spectral_slope, b.spectral_slope)};
 }
 
+double combine(Combine way, double a, double b) {
+  switch (way) {
+    case Combine::average:
+      return 0.5 * (a + b);
+    case Combine::minimum:
+      return std::min(a, b);
+    case Combine::maximum:
+      return std::max(a, b);
+    case Combine::multiply:
+      return a * b;
+    case Combine::geometric_mean:
+      break;
+  }
+  return std::sqrt(a * b);
+}
+
 }  // namespace
 
 SoftConstraint soft_constraint(double spring_n_m, double damper_ns_m, double step_s) {
@@ -30,8 +46,12 @@ double bounce_threshold(const SceneDescription& scene) {
 }
 
 SurfacePair combine(const FrictionSurface& a, const FrictionSurface& b) {
-  return {std::sqrt(a.restitution * b.restitution), std::sqrt(a.friction * b.friction),
-          std::sqrt(a.rolling_m * b.rolling_m), longer(a.contact_time_s, b.contact_time_s),
+  const Combine friction = std::min(a.friction_combine, b.friction_combine);
+  return {combine(std::min(a.restitution_combine, b.restitution_combine), a.restitution, b.restitution),
+          combine(friction, a.friction, b.friction),
+          combine(friction, a.sliding_friction.value_or(a.friction), b.sliding_friction.value_or(b.friction)),
+          std::sqrt(a.rolling_m * b.rolling_m),
+          longer(a.contact_time_s, b.contact_time_s),
           combine(a.texture, b.texture)};
 }
 

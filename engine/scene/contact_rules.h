@@ -24,9 +24,10 @@ double bounce_threshold(const SceneDescription& scene);
 
 // The properties of a contact between two surfaces.
 struct SurfacePair {
-  double restitution = 0, friction = 0, rolling_m = 0;  // geometric means
-  std::optional<double> contact_time_s;                 // the longer of those given: the softer surface decides
-  synth::Texture texture;                               // variances add; the rest are means weighted by variance
+  double restitution = 0, friction = 0, sliding_friction = 0;  // as both surfaces ask to combine them
+  double rolling_m = 0;                                        // geometric mean
+  std::optional<double> contact_time_s;                        // the longer of those given: the softer surface decides
+  synth::Texture texture;                                      // variances add; the rest are means weighted by variance
 };
 SurfacePair combine(const FrictionSurface& a, const FrictionSurface& b);
 

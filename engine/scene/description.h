@@ -8,11 +8,14 @@
 #include "engine/base/range.h"
 #include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
+#include "engine/modal/bank.h"
 #include "engine/modal/material_scale.h"
 #include "engine/synth/event.h"
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +28,8 @@ inline constexpr std::size_t kMaxStatics = 64;
 inline constexpr std::size_t kMaxJoints = 256;
 inline constexpr std::size_t kMaxEmitters = 64;
 inline constexpr std::size_t kMaxObjects = 256;
+inline constexpr std::size_t kMaxMeshPoints = std::size_t{1} << 16;  // of one body's own mesh
+inline constexpr std::size_t kMaxFilters = 64;                       // that differ, in one scene
 
 // Closed ranges of a scene's numbers.
 namespace range {
@@ -48,6 +53,7 @@ inline constexpr Range kPosition_m{-1000, 1000};    // each component; a body fa
 inline constexpr Range kVelocity_m_s{-1000, 1000};  // each component; a larger one is an error
 inline constexpr Range kSpin_rad_s{-3000, 3000};    // each component; a 10 cm bar then has tips at 150 m/s
 inline constexpr Range kPush_ns{-1e6, 1e6};         // each component
+inline constexpr Range kGravityFactor{-100, 100};
 inline constexpr Range kScatter_m{0, 100};
 inline constexpr Range kStart_s{0, 86400};
 inline constexpr Range kRestitution{0, 1};
@@ -62,6 +68,9 @@ inline constexpr Range kCorrelation_m{1e-7, 1};
 inline constexpr Range kSpectralSlope{-10, 0};
 inline constexpr Range kLimit_degrees{-179, 179};
 inline constexpr Range kJointFriction_nm{0, 1e6};
+inline constexpr Range kDriveGain{0, 1e9};
+inline constexpr Range kDriveTarget{-1000, 1000};
+inline constexpr Range kDriveMost{0, 1e9};
 inline constexpr Range kEvery_s{0.001, 3600};
 inline constexpr Range kFieldOfView_degrees{1, 170};
 inline constexpr Range kTemperature_c{-50, 60};
@@ -70,11 +79,17 @@ inline constexpr Range kHumidity_percent{0, 100};
 
 using ringdown::Rotation;
 
+// How the numbers of two surfaces in contact make one number. Of the ways that two surfaces ask for, the first in this
+// list is taken; the geometric mean is the default.
+enum class Combine { average, minimum, maximum, multiply, geometric_mean };
+
 // The surface of a body in contacts.
 struct FrictionSurface {
-  double restitution = 0.4;  // speed after : speed before
-  double friction = 0.5;     // Coulomb's coefficient
-  double rolling_m = 1e-4;   // rolling resistance: a ball of radius r rolls down slopes steeper than this / r
+  double restitution = 0.4;                // speed after : speed before
+  double friction = 0.5;                   // Coulomb's coefficient
+  std::optional<double> sliding_friction;  // the coefficient while the bodies slide; unset: friction
+  Combine restitution_combine = Combine::geometric_mean, friction_combine = Combine::geometric_mean;
+  double rolling_m = 1e-4;  // rolling resistance: a ball of radius r rolls down slopes steeper than this / r
   std::optional<double> contact_time_s;  // half-sine force pulse; 0 is an ideal impulse; unset: from Hertz's law
   double edge_radius_m = 1e-3;           // of corners and edges; not used for spheres
   std::optional<double> young_pa;        // unset: of the bank's material, else kDefaultYoung_pa
@@ -88,11 +103,29 @@ inline constexpr double kDefaultPoisson = 0.25;
 
 enum class ShapeType { box, sphere, convex, trimesh };
 
+// Points in a body's frame, and triangles between them, counter-clockwise from outside.
+struct ShapeMesh {
+  std::vector<Vec3> points_m;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  friend bool operator==(const ShapeMesh&, const ShapeMesh&) = default;
+};
+
 // A body's shape for collisions. Sizes left at 0 come from the surface of the object's bank, in its position there.
 struct Shape {
   ShapeType type = ShapeType::box;
-  Vec3 size_m;          // box: edge lengths; 0 0 0 is the bank's bounding box
-  double radius_m = 0;  // sphere; 0 is the sphere about the centre of mass that encloses the bank
+  Vec3 size_m;                            // box: edge lengths; 0 0 0 is the bank's bounding box
+  double radius_m = 0;                    // sphere; 0 is the sphere about the centre of mass that encloses the bank
+  std::optional<Vec3> center_m;           // box or sphere with a size: its centre; unset: where the bank has its own
+  std::shared_ptr<const ShapeMesh> mesh;  // convex: the hull of its points; trimesh: the mesh; null: the bank's surface
+};
+
+// Which others a body collides with. Two bodies collide if neither refuses the other. A body refuses another one all of
+// whose systems are in `not_with`, and, unless `only_with` is empty, another one with a system outside of `only_with`
+// or with none.
+struct CollisionFilter {
+  std::vector<std::string> systems;  // to which the body belongs
+  std::vector<std::string> only_with, not_with;
+  friend bool operator==(const CollisionFilter&, const CollisionFilter&) = default;
 };
 
 // An object that can sound, and what the mixer should set for it.
@@ -110,11 +143,14 @@ struct BodyDescription {
   std::string object;  // the object that sounds; empty: a silent body, which still strikes others
   Shape shape;
   double density_kg_m3 = 0;  // 0: mass and inertia from the bank; else of a solid box or sphere of this density
+  std::optional<modal::MassProperties> mass;  // the body's own mass and inertia, instead of both
   Vec3 position_m;
   Rotation rotation;
-  Vec3 velocity_m_s;     // of the centre of mass
-  Vec3 spin_rad_s;       // about it, world axes
-  bool fixed = false;    // does not move, and still sounds when struck
+  Vec3 velocity_m_s;          // of the centre of mass
+  Vec3 spin_rad_s;            // about it, world axes
+  bool fixed = false;         // does not move, and still sounds when struck
+  double gravity_factor = 1;  // of the scene's gravity
+  CollisionFilter filter;
   double start_s = 0;    // enters the scene at this time, moving as described; until then it touches nothing
   double scatter_m = 0;  // shifts the start by up to this along each axis, at random from the scene's seed
   FrictionSurface surface;
@@ -131,22 +167,39 @@ struct StaticDescription {
   Vec3 size_m, position_m;  // box: edge lengths and centre
   Rotation rotation;
   FrictionSurface surface;
+  CollisionFilter filter;
 };
 
 // Two bodies, or a body and the world, held together at a point.
 enum class JointType {
-  hinge,  // allows turning about one axis
-  ball    // allows turning about every axis
+  hinge,   // allows turning about one axis
+  ball,    // allows turning about every axis
+  slider,  // allows moving along one axis, without turning
+  fixed    // allows nothing
+};
+
+// A spring with a damper, or a motor, along a slider's axis or about a hinge's: its force is stiffness times what is
+// missing to `target`, plus damping times what is missing to `speed`, at most `most`. Metres and newtons for a slider,
+// radians and newton metres for a hinge.
+struct JointDrive {
+  double stiffness = 0, damping = 0;  // per unit of way, per unit of speed
+  double target = 0, speed = 0;       // from the pose described
+  double most = 1e6;                  // of force or torque
+  friend bool operator==(const JointDrive&, const JointDrive&) = default;
 };
 
 struct JointDescription {
   std::string name;
   JointType type = JointType::hinge;
-  std::string body, other;  // an empty `other` is the world; a pair that is joined still collides
+  std::string body, other;  // an empty `other` is the world
+  bool collides = true;     // whether the two bodies can touch
   Vec3 anchor_m;            // world, with both bodies as the scene describes them
-  Vec3 axis = {0, 0, 1};    // hinge: world, of any length but zero; `body` turns about it by the right hand
+  Vec3 axis = {0, 0, 1};    // hinge, slider: world, of any length but zero; `body` turns about it by the right hand,
+                            // or moves along it
   double low_degrees = -179, high_degrees = 179;  // hinge: from the pose described; the widest are no limits
+  double low_m = -1000, high_m = 1000;            // slider: from the pose described; the widest are no limits
   double friction_nm = 0;                         // torque that resists turning
+  std::optional<JointDrive> drive;                // hinge, slider
 };
 
 // Lets bodies into the scene one after the other: the first at the template's start_s, each with its own scatter.

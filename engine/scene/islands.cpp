@@ -88,8 +88,8 @@ bool Islands::gained_energy(std::span<const ContactPoint> points, double part_s,
     island.total_before_j += body->island.before_j;
     const Motion motion = body->motion();
     const Vec3 mean_m_s = 0.5 * (body->island.velocity_m_s + motion.velocity_m_s);
-    island.gained_j +=
-        kinetic_energy(*body, motion) - body->island.before_j - part_s * body->mass_kg * dot(gravity_m_s2, mean_m_s);
+    island.gained_j += kinetic_energy(*body, motion) - body->island.before_j -
+                       part_s * body->mass_kg * body->gravity_factor * dot(gravity_m_s2, mean_m_s);
   }
   for (std::size_t k = 0; k < links_.size(); ++k) {
     IslandState& island = root_of(*links_[k].body).island;

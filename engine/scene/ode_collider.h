@@ -48,6 +48,7 @@ struct Collider {
   Matrix3 inertia{}, inverse_inertia{};  // in the body's frame [kg m^2]
   double half_thickness_m = 0;           // where the shape is thin; infinite for a plane
   double outer_radius_m = 0;             // of a ball about the centre of mass that holds the body; statics: unused
+  double gravity_factor = 1;             // of a body
   bool round = false;                    // a sphere
   bool joined = false;                   // by a joint of the scene
   double elasticity = 1;                 // share of its contacts' restitution that the part of the step has

@@ -27,6 +27,9 @@ bool is_hull(const Collider& collider) { return dGeomGetClass(collider.shape.geo
 // Below this speed the direction of sliding is noise.
 constexpr double kMinSlip_m_s = 1e-6;
 
+// Above this speed the bodies slide, and friction is that of sliding.
+constexpr double kSlides_m_s = 1e-3;
+
 // ODE's friction acts along two directions, each up to its limit. With the first one along the sliding, or the rolling
 // where nothing slides, both together obey Coulomb's cone.
 Vec3 friction_direction(Vec3 normal, const Motion& of_body, const Motion& of_other, Vec3 approach) {
@@ -177,10 +180,11 @@ void ContactJoints::add(const Touching& pair, const dContactGeom& geom, Islands&
   const double approach_m_s = dot(approach, normal);
   if (geom.depth < 0 && approach_m_s > bounce_threshold_m_s_) return;  // they bounce when they have met
   const Landing landing = land(body, other, surface.restitution, approach_m_s, geom);
+  const bool slides = length(approach - approach_m_s * normal) > kSlides_m_s;
   made_.push_back({.body = &body,
                    .other = &other,
                    .along = surface.friction > 0 ? friction_direction(normal, of_body, of_other, approach) : Vec3{},
-                   .friction = surface.friction,
+                   .friction = slides ? surface.sliding_friction : surface.friction,
                    .bounce = landing.bounce,
                    .impact_share = landing.share,
                    .may_approach_m_s = std::max(-geom.depth, 0.0) / part_s_,

@@ -19,10 +19,19 @@ double limit(double degrees, const Range& range) {
 
 OdeJoint::OdeJoint(dxWorld* world, dxBody* body, dxBody* other, const JointDescription& description)
     : description_(description) {
-  if (description_.type == JointType::hinge) {
-    add_hinge(world, body, other);
-  } else {
-    add_ball(world, body, other);
+  switch (description_.type) {
+    case JointType::hinge:
+      add_hinge(world, body, other);
+      break;
+    case JointType::ball:
+      add_ball(world, body, other);
+      break;
+    case JointType::slider:
+      add_slider(world, body, other);
+      break;
+    case JointType::fixed:
+      add_fixed(world, body, other);
+      break;
   }
 }
 
@@ -56,19 +65,65 @@ void OdeJoint::add_ball(dxWorld* world, dxBody* body, dxBody* other) {
   }
 }
 
+void OdeJoint::add_slider(dxWorld* world, dxBody* body, dxBody* other) {
+  const Vec3 axis = description_.axis;
+  dxJoint* slider = dJointCreateSlider(world, nullptr);
+  joint_.reset(slider);
+  dJointAttach(slider, body, other);
+  dJointSetSliderAxis(slider, axis.x, axis.y, axis.z);
+  const double low = description_.low_m, high = description_.high_m;
+  dJointSetSliderParam(slider, dParamLoStop, low <= range::kPosition_m.low ? -dInfinity : low);
+  dJointSetSliderParam(slider, dParamHiStop, high >= range::kPosition_m.high ? dInfinity : high);
+}
+
+void OdeJoint::add_fixed(dxWorld* world, dxBody* body, dxBody* other) {
+  joint_.reset(dJointCreateFixed(world, nullptr));
+  dJointAttach(joint_.get(), body, other);
+  dJointSetFixed(joint_.get());
+}
+
+double OdeJoint::way() const {
+  return description_.type == JointType::hinge ? dJointGetHingeAngle(joint_.get())
+                                               : dJointGetSliderPosition(joint_.get());
+}
+
+// The force of the drive at the end of a part of length h, F = k (target - x - h v) + d (speed - v), is that of a motor
+// for the speed (k (target - x) + d speed) / (h k + d) with the compliance 1 / (h k + d). Such a force stays stable
+// however stiff the drive is.
+void OdeJoint::drive(double part_s) {
+  if (!description_.drive) return;
+  const JointDrive& drive = *description_.drive;
+  const double gain = part_s * drive.stiffness + drive.damping;
+  if (!(gain > 0)) return;
+  const auto set = description_.type == JointType::hinge ? dJointSetHingeParam : dJointSetSliderParam;
+  set(joint_.get(), dParamVel, (drive.stiffness * (drive.target - way()) + drive.damping * drive.speed) / gain);
+  set(joint_.get(), dParamCFM, 1 / gain);
+  set(joint_.get(), dParamFMax, drive.most);
+}
+
 JointDescription OdeJoint::now() const {
   JointDescription moved = description_;
   dVector3 vector;
+  if (moved.type == JointType::fixed) return moved;
   if (moved.type == JointType::ball) {
     dJointGetBallAnchor(joint_.get(), vector);
-    moved.anchor_m = {vector[0], vector[1], vector[2]};
+    moved.anchor_m = to_vec3(vector);
+    return moved;
+  }
+  const double went = way();
+  if (moved.drive) moved.drive->target -= went;
+  if (moved.type == JointType::slider) {
+    dJointGetSliderAxis(joint_.get(), vector);
+    moved.axis = to_vec3(vector);
+    if (moved.low_m > range::kPosition_m.low) moved.low_m -= went;
+    if (moved.high_m < range::kPosition_m.high) moved.high_m -= went;
     return moved;
   }
   dJointGetHingeAnchor(joint_.get(), vector);
-  moved.anchor_m = {vector[0], vector[1], vector[2]};
+  moved.anchor_m = to_vec3(vector);
   dJointGetHingeAxis(joint_.get(), vector);
-  moved.axis = {vector[0], vector[1], vector[2]};
-  const double turned = dJointGetHingeAngle(joint_.get()) / kRadians;
+  moved.axis = to_vec3(vector);
+  const double turned = went / kRadians;
   if (moved.low_degrees > range::kLimit_degrees.low) moved.low_degrees -= turned;
   if (moved.high_degrees < range::kLimit_degrees.high) moved.high_degrees -= turned;
   return moved;

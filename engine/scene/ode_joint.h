@@ -15,8 +15,8 @@ namespace ringdown::scene {
 
 using OdeJointPtr = std::unique_ptr<dxJoint, JointDeleter>;
 
-// A joint, with a motor for its friction if it has any. The bodies may be destroyed first; the joint then joins
-// nothing.
+// A joint, with a motor for its friction or its drive if it has one. The bodies may be destroyed first; the joint then
+// joins nothing.
 class OdeJoint {
  public:
   // Joins two bodies in their present poses; a null `other` stands for the world. Anchor and axis are in world axes.
@@ -26,9 +26,15 @@ class OdeJoint {
   // moved with the bodies.
   [[nodiscard]] JointDescription now() const;
 
+  // Sets the drive's motor for a part of a step.
+  void drive(double part_s);
+
  private:
   void add_hinge(dxWorld* world, dxBody* body, dxBody* other);
   void add_ball(dxWorld* world, dxBody* body, dxBody* other);
+  void add_slider(dxWorld* world, dxBody* body, dxBody* other);
+  void add_fixed(dxWorld* world, dxBody* body, dxBody* other);
+  [[nodiscard]] double way() const;  // that a hinge has turned or a slider has moved [rad or m]
 
   JointDescription description_;
   OdeJointPtr joint_, friction_motor_;

@@ -134,7 +134,7 @@ void move_apart(std::span<const Overlap> overlaps, const Correction& correction,
   for (auto& [collider, shift] : shifts) {
     if (!collider->movable()) continue;
     collider->shift(shift.way_m, shift.turn_rad);
-    const double gained_j = -collider->mass_kg * dot(gravity_m_s2, shift.way_m);
+    const double gained_j = -collider->mass_kg * collider->gravity_factor * dot(gravity_m_s2, shift.way_m);
     if (gained_j > 0) collider->slow_down(gained_j);
   }
 }

@@ -53,7 +53,7 @@ void resist_rolling(Collider& body, Collider& other, Vec3 point_m, Vec3 normal, 
     needed_nm = (-1 / (inverse_sum * part_s)) * turning;
   }
   if (!other.movable()) {
-    const Vec3 rolls_down_nm = cross(of_body.position_m - point_m, body.mass_kg * gravity_m_s2);
+    const Vec3 rolls_down_nm = cross(of_body.position_m - point_m, body.mass_kg * body.gravity_factor * gravity_m_s2);
     needed_nm = needed_nm - rolls_down_nm + dot(rolls_down_nm, normal) * normal;
   }
   const double size_nm = length(needed_nm);

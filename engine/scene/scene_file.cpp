@@ -3,6 +3,7 @@
 #include "engine/base/object_name.h"
 #include "engine/base/quote.h"
 #include "engine/base/toml_table.h"
+#include "engine/modal/bank_file.h"
 #include "engine/scene/check.h"
 #include "engine/scene/rotation.h"
 
@@ -35,6 +36,67 @@ void read_rotation(TomlTable& table, Rotation& rotation) {
   turn->number("degrees", degrees, {-1e6, 1e6});
   if (!(length(axis) > 1e-6)) return turn->complain("axis", "axis must not be [0, 0, 0]");
   rotation = about(axis, degrees * std::numbers::pi / 180);
+}
+
+Vec3 triple(const std::vector<double>& numbers, std::size_t first) {
+  return {numbers[first], numbers[first + 1], numbers[first + 2]};
+}
+
+// `mass = { mass_kg = 2, center_of_mass_m = [0, 0, 0], inertia_kg_m2 = [1, 1, 1], orientation = [0, 0, 0, 1] }`.
+void read_mass(TomlTable& table, std::optional<modal::MassProperties>& mass) {
+  std::optional<TomlTable> own = table.table("mass");
+  if (!own) return;
+  own->require({"mass_kg", "inertia_kg_m2"});
+  modal::MassProperties& m = mass.emplace();
+  own->number("mass_kg", m.mass_kg, range::kMass_kg);
+  own->vector("center_of_mass_m", m.center_of_mass_m, range::kPosition_m);
+  own->vector("inertia_kg_m2", m.inertia_kg_m2, {0, 1e15});
+  std::vector<double> turn(m.orientation.begin(), m.orientation.end());
+  own->numbers("orientation", turn);
+  if (turn.size() != 4) return own->complain("orientation", "orientation must be a quaternion, [x, y, z, w]");
+  std::copy_n(turn.begin(), 4, m.orientation.begin());
+}
+
+// `points_m = [x, y, z, x, y, z, ...]` and `triangles = [0, 1, 2, ...]`.
+void read_mesh(TomlTable& table, std::shared_ptr<const ShapeMesh>& target) {
+  std::vector<double> points, corners;
+  table.numbers("points_m", points);
+  table.numbers("triangles", corners);
+  if (points.empty()) return;
+  if (points.size() % 3 != 0) return table.complain("points_m", "points_m must hold three numbers for each point");
+  if (corners.size() % 3 != 0) return table.complain("triangles", "triangles must hold three numbers for each one");
+  ShapeMesh mesh;
+  for (std::size_t k = 0; k < points.size(); k += 3) mesh.points_m.push_back(triple(points, k));
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    if (!(corners[k] >= 0 && corners[k] < static_cast<double>(points.size() / 3)))
+      return table.complain("triangles", "a triangle names a point that is not there");
+    if (k % 3 == 0) mesh.triangles.emplace_back();
+    mesh.triangles.back()[k % 3] = static_cast<std::uint32_t>(corners[k]);
+  }
+  target = std::make_shared<const ShapeMesh>(std::move(mesh));
+}
+
+void read_filter(TomlTable& table, CollisionFilter& filter) {
+  table.words("systems", filter.systems, true);
+  table.words("only_with", filter.only_with, true);
+  table.words("not_with", filter.not_with, true);
+}
+
+void read_combine(TomlTable& table, std::string_view key, Combine& target) {
+  if (!table.has(key)) return;
+  const int way = table.choice(key, {"average", "minimum", "maximum", "multiply", "geometric_mean"});
+  if (way >= 0) target = static_cast<Combine>(way);
+}
+
+void read_drive(TomlTable& table, std::optional<JointDrive>& target) {
+  std::optional<TomlTable> own = table.table("drive");
+  if (!own) return;
+  JointDrive& drive = target.emplace();
+  own->number("stiffness", drive.stiffness, range::kDriveGain);
+  own->number("damping", drive.damping, range::kDriveGain);
+  own->number("target", drive.target, range::kDriveTarget);
+  own->number("speed", drive.speed, range::kDriveTarget);
+  own->number("most", drive.most, range::kDriveMost);
 }
 
 // Reads one file; every function adds to `scene_` or leaves its complaint in the file.
@@ -123,8 +185,11 @@ class SceneReader {
   std::filesystem::path find_bank(const std::string& bank, TomlTable& table) {
     std::error_code ignored;
     const std::filesystem::path beside = path_.parent_path() / bank, preset = presets_ / bank;
-    if (std::filesystem::is_regular_file(beside, ignored)) return beside;
-    if (!presets_.empty() && std::filesystem::is_regular_file(preset, ignored)) return preset;
+    const auto exists = [&ignored](const std::filesystem::path& path) {
+      return std::filesystem::is_regular_file(modal::split_bank_path(path).file, ignored);
+    };
+    if (exists(beside)) return beside;
+    if (!presets_.empty() && exists(preset)) return preset;
     table.complain("bank", "no bank " + beside.string() + (presets_.empty() ? "" : " or " + preset.string()) +
                                "; bake it with `ringdown bake`");
     return {};
@@ -133,6 +198,9 @@ class SceneReader {
   void read_surface(TomlTable& table, FrictionSurface& surface) {
     table.number("restitution", surface.restitution, range::kRestitution);
     table.number("friction", surface.friction, range::kFriction);
+    read_optional(table, "sliding_friction", surface.sliding_friction, range::kFriction);
+    read_combine(table, "restitution_combine", surface.restitution_combine);
+    read_combine(table, "friction_combine", surface.friction_combine);
     table.number("rolling_m", surface.rolling_m, range::kRolling_m);
     read_optional(table, "contact_time_s", surface.contact_time_s, range::kContactTime_s);
     table.number("edge_radius_m", surface.edge_radius_m, range::kEdgeRadius_m);
@@ -166,6 +234,7 @@ class SceneReader {
       read_rotation(table, item.rotation);
     }
     read_surface(table, item.surface);
+    read_filter(table, item.filter);
     scene_.statics.push_back(std::move(item));
   }
 
@@ -188,7 +257,9 @@ class SceneReader {
     table.vector("spin_rad_s", body.spin_rad_s, range::kSpin_rad_s);
     table.number("start_s", body.start_s, range::kStart_s);
     table.number("scatter_m", body.scatter_m, range::kScatter_m);
+    table.number("gravity_factor", body.gravity_factor, range::kGravityFactor);
     read_surface(table, body.surface);
+    read_filter(table, body.filter);
     const bool known = std::ranges::count(scene_.objects, body.object, &ObjectDescription::name) > 0;
     if (!body.object.empty() && !known) {
       table.complain("object", "the scene has no object " + quote(body.object));
@@ -211,15 +282,25 @@ class SceneReader {
     std::vector<std::string> bodies;
     table.require({"name", "type", "bodies", "anchor_m"});
     table.text("name", joint.name);
-    joint.type = table.choice("type", {"hinge", "ball"}) == 1 ? JointType::ball : JointType::hinge;
+    const int type = table.choice("type", {"hinge", "ball", "slider", "fixed"});
+    if (type >= 0) joint.type = static_cast<JointType>(type);
+    const bool hinge = joint.type == JointType::hinge, slider = joint.type == JointType::slider;
     table.words("bodies", bodies, true);
     table.vector("anchor_m", joint.anchor_m, range::kPosition_m);
-    table.number("friction_nm", joint.friction_nm, range::kJointFriction_nm);
-    if (joint.type == JointType::hinge) {
+    table.boolean("collides", joint.collides);
+    if (!slider && joint.type != JointType::fixed)
+      table.number("friction_nm", joint.friction_nm, range::kJointFriction_nm);
+    if (hinge || slider) {
       table.require({"axis"});
       table.vector("axis", joint.axis, {-1e6, 1e6});
+      read_drive(table, joint.drive);
+    }
+    if (hinge) {
       table.number("low_degrees", joint.low_degrees, range::kLimit_degrees);
       table.number("high_degrees", joint.high_degrees, range::kLimit_degrees);
+    } else if (slider) {
+      table.number("low_m", joint.low_m, range::kPosition_m);
+      table.number("high_m", joint.high_m, range::kPosition_m);
     }
     if (bodies.empty() || bodies.size() > 2) table.complain("bodies", "bodies must name one body or two");
     if (!bodies.empty()) joint.body = bodies[0];
@@ -261,10 +342,14 @@ class SceneReader {
     if (box) table.vector("size_m", body.shape.size_m, range::kSize_m);
     if (sphere) table.number("radius_m", body.shape.radius_m, range::kSize_m);
     if (box || sphere) table.number("density_kg_m3", body.density_kg_m3, range::kDensity_kg_m3);
-    if (!body.object.empty()) return;
-    if (!box && !sphere) table.complain("shape", "a body without an object is a box or a sphere");
+    if ((box || sphere) && table.has("center_m"))
+      table.vector("center_m", body.shape.center_m.emplace(), range::kPosition_m);
+    if (!box && !sphere) read_mesh(table, body.shape.mesh);
+    read_mass(table, body.mass);
+    if (!body.object.empty() || body.shape.mesh) return;
+    if (!box && !sphere) table.complain("shape", "a body without an object is a box or a sphere, or has points_m");
     table.require({box ? "size_m" : "radius_m"});
-    if (!table.has("fixed")) table.require({"density_kg_m3"});
+    if (!table.has("fixed") && !body.mass) table.require({"density_kg_m3"});
   }
 
   std::filesystem::path path_, presets_;

@@ -12,6 +12,16 @@ const char* name_of(ShapeType shape) {
   return kNames[static_cast<int>(shape)];
 }
 
+const char* name_of(Combine way) {
+  static constexpr const char* kNames[] = {"average", "minimum", "maximum", "multiply", "geometric_mean"};
+  return kNames[static_cast<int>(way)];
+}
+
+const char* name_of(JointType type) {
+  static constexpr const char* kNames[] = {"hinge", "ball", "slider", "fixed"};
+  return kNames[static_cast<int>(type)];
+}
+
 std::string text_of(const std::string& text) { return toml_string(text); }
 std::string text_of(double number) { return toml_number(number); }
 std::string text_of(const Vec3& v) { return toml_vector(v); }
@@ -110,6 +120,11 @@ class SceneWriter {
     const FrictionSurface usual;
     unless("restitution", surface.restitution, usual.restitution);
     unless("friction", surface.friction, usual.friction);
+    if (surface.sliding_friction) line("sliding_friction", *surface.sliding_friction);
+    if (surface.restitution_combine != usual.restitution_combine)
+      line("restitution_combine", std::string(name_of(surface.restitution_combine)));
+    if (surface.friction_combine != usual.friction_combine)
+      line("friction_combine", std::string(name_of(surface.friction_combine)));
     unless("rolling_m", surface.rolling_m, usual.rolling_m);
     if (surface.contact_time_s) line("contact_time_s", *surface.contact_time_s);
     unless("edge_radius_m", surface.edge_radius_m, usual.edge_radius_m);
@@ -134,6 +149,44 @@ class SceneWriter {
       write(item.rotation);
     }
     write(item.surface);
+    write(item.filter);
+  }
+
+  // Any number of texts or numbers, as a TOML list.
+  template <class Things>
+  void list(const char* key, const Things& things) {
+    if (things.empty()) return;
+    text_.append(key).append(" = [");
+    for (const auto& thing : things) text_.append(&thing == things.data() ? "" : ", ").append(text_of(thing));
+    text_ += "]\n";
+  }
+
+  void write(const CollisionFilter& filter) {
+    list("systems", filter.systems);
+    list("only_with", filter.only_with);
+    list("not_with", filter.not_with);
+  }
+
+  void write(const ShapeMesh& mesh) {
+    std::vector<double> points;
+    std::vector<std::uint64_t> corners;
+    for (const Vec3& p : mesh.points_m) points.insert(points.end(), {p.x, p.y, p.z});
+    for (const auto& triangle : mesh.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
+    list("points_m", points);
+    list("triangles", corners);
+  }
+
+  void write(const modal::MassProperties& mass) {
+    text_ += "mass = { mass_kg = " + text_of(mass.mass_kg) + ", center_of_mass_m = " + text_of(mass.center_of_mass_m) +
+             ", inertia_kg_m2 = " + text_of(mass.inertia_kg_m2) + ", orientation = [" + text_of(mass.orientation[0]) +
+             ", " + text_of(mass.orientation[1]) + ", " + text_of(mass.orientation[2]) + ", " +
+             text_of(mass.orientation[3]) + "] }\n";
+  }
+
+  void write(const JointDrive& drive) {
+    text_ += "drive = { stiffness = " + text_of(drive.stiffness) + ", damping = " + text_of(drive.damping) +
+             ", target = " + text_of(drive.target) + ", speed = " + text_of(drive.speed) +
+             ", most = " + text_of(drive.most) + " }\n";
   }
 
   void write(const BodyDescription& body, const char* kind) {
@@ -143,7 +196,10 @@ class SceneWriter {
     line("shape", std::string(name_of(body.shape.type)));
     unless("size_m", body.shape.size_m, {});
     unless("radius_m", body.shape.radius_m, 0.0);
+    if (body.shape.center_m) line("center_m", *body.shape.center_m);
+    if (body.shape.mesh) write(*body.shape.mesh);
     unless("density_kg_m3", body.density_kg_m3, 0.0);
+    if (body.mass) write(*body.mass);
     unless("position_m", body.position_m, {});
     write(body.rotation);
     unless("velocity_m_s", body.velocity_m_s, {});
@@ -151,22 +207,31 @@ class SceneWriter {
     unless("fixed", body.fixed, false);
     unless("start_s", body.start_s, 0.0);
     unless("scatter_m", body.scatter_m, 0.0);
+    unless("gravity_factor", body.gravity_factor, 1.0);
     write(body.surface);
+    write(body.filter);
   }
 
   void write(const JointDescription& joint) {
-    const bool hinge = joint.type == JointType::hinge;
+    const bool hinge = joint.type == JointType::hinge, slider = joint.type == JointType::slider;
+    const JointDescription usual;
     heading("[[joint]]");
     line("name", joint.name);
-    line("type", std::string(hinge ? "hinge" : "ball"));
+    line("type", std::string(name_of(joint.type)));
     text_ += "bodies = [" + text_of(joint.body) + (joint.other.empty() ? "" : ", " + text_of(joint.other)) + "]\n";
     line("anchor_m", joint.anchor_m);
+    unless("collides", joint.collides, true);
     unless("friction_nm", joint.friction_nm, 0.0);
-    if (!hinge) return;
+    if (!hinge && !slider) return;
     line("axis", joint.axis);
-    const JointDescription usual;
-    unless("low_degrees", joint.low_degrees, usual.low_degrees);
-    unless("high_degrees", joint.high_degrees, usual.high_degrees);
+    if (joint.drive) write(*joint.drive);
+    if (hinge) {
+      unless("low_degrees", joint.low_degrees, usual.low_degrees);
+      unless("high_degrees", joint.high_degrees, usual.high_degrees);
+    } else {
+      unless("low_m", joint.low_m, usual.low_m);
+      unless("high_m", joint.high_m, usual.high_m);
+    }
   }
 
   std::string text_;

@@ -6,6 +6,7 @@
 #include "engine/scene/islands.h"
 #include "engine/scene/ode_joint.h"
 #include "engine/scene/ode_near_pairs.h"
+#include "engine/scene/pair_filter.h"
 
 #include <ode/ode.h>
 
@@ -110,6 +111,8 @@ struct Simulation::State {
   void do_part(double found_s, double part_s);
   void find_and_solve();
   void find_contacts();
+  void collide(dxGeom* one, dxGeom* two);
+  void add_gravity();
   void solve();
   void correct_friction();
   void restore();
@@ -132,6 +135,7 @@ struct Simulation::State {
   std::map<BodyId, Collider> colliders;
   std::vector<Collider*> in_order;  // of their numbers, so that the same scene is solved in the same order
   std::vector<Joint> joints;        // declared after the bodies, which must be destroyed last
+  PairFilter filter;
   NearPairs near;
   FlightProbe probe;
   Islands islands;
@@ -177,6 +181,8 @@ void Simulation::State::do_part(double found_s, double length_s) {
   dWorldSetERP(world.get(), soft.erp);
   dWorldSetCFM(world.get(), soft.cfm);
   contacts.begin_part(found_s, part_s);
+  add_gravity();
+  for (Joint& joint : joints) joint.joint.drive(part_s);
   find_and_solve();
   for (int round = 1; round <= kMaxRounds && !contacts.part_points().empty(); ++round) {
     const double tolerance = exact ? kGain : kGainByIteration;
@@ -214,7 +220,7 @@ void Simulation::State::find_contacts() {
   const auto awake = std::ranges::count_if(in_order, &Collider::awake);
   if (static_cast<std::size_t>(awake) * kFewAwake >= in_order.size()) {
     for (const auto& [one, two] : near.find(in_order)) {
-      contacts.collide(one->shape.geom.get(), two->shape.geom.get(), islands);
+      collide(one->shape.geom.get(), two->shape.geom.get());
     }
     return;
   }
@@ -231,8 +237,22 @@ void Simulation::State::find_contacts() {
                      const Collider* a = static_cast<const Collider*>(dGeomGetData(one));
                      const Collider* met = a == l.from ? static_cast<const Collider*>(dGeomGetData(two)) : a;
                      const bool done = met->awake() && met->id < l.from->id;  // `met` found this pair already
-                     if (!done) l.state->contacts.collide(one, two, l.state->islands);
+                     if (!done) l.state->collide(one, two);
                    });
+  }
+}
+
+void Simulation::State::collide(dxGeom* one, dxGeom* two) {
+  const BodyId a = static_cast<const Collider*>(dGeomGetData(one))->id;
+  const BodyId b = static_cast<const Collider*>(dGeomGetData(two))->id;
+  if (filter.may_touch(a, b)) contacts.collide(one, two, islands);
+}
+
+// What makes up for a body's gravity factor, which ODE does not know.
+void Simulation::State::add_gravity() {
+  for (Collider* collider : in_order) {
+    if (collider->gravity_factor == 1 || !collider->awake()) continue;
+    collider->add_force((collider->gravity_factor - 1) * collider->mass_kg * gravity_m_s2, {});
   }
 }
 
@@ -284,6 +304,7 @@ void Simulation::State::join(const BodyJoint& joint) {
   dxBody* other = joint.other ? colliders.at(*joint.other).body.get() : nullptr;
   colliders.at(joint.body).joined = true;
   if (joint.other) colliders.at(*joint.other).joined = true;
+  if (joint.other && !joint.description.collides) filter.part(joint.body, *joint.other);
   joints.push_back({joint, OdeJoint(world.get(), colliders.at(joint.body).body.get(), other, joint.description)});
 }
 
@@ -315,8 +336,13 @@ Collider& Simulation::State::add(BodyId id) {
 // Removes a body with its joints, and wakes all others: what rested on it must fall.
 void Simulation::State::remove(BodyId gone) {
   if (!colliders.contains(gone)) return;
-  std::erase_if(joints,
-                [gone](const Joint& joint) { return joint.between.body == gone || joint.between.other == gone; });
+  std::erase_if(joints, [&](const Joint& joint) {
+    const auto& [body, other, description] = joint.between;
+    if (body != gone && other != gone) return false;
+    if (other) filter.unpart(body, *other);
+    return true;
+  });
+  filter.forget(gone);
   std::erase(in_order, &colliders.at(gone));
   colliders.erase(gone);
   contacts.forget(gone);
@@ -346,7 +372,7 @@ void Simulation::add_static(BodyId id, const StaticDescription& description) {
 }
 
 void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, const FrictionSurface& surface,
-                          bool fixed) {
+                          bool fixed, double gravity_factor) {
   const OdeLock lock;
   const std::vector<BodyJoint> kept = state_->joints_of(id);
   state_->remove(id);
@@ -354,6 +380,7 @@ void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, c
   collider.surface = surface;
   collider.half_thickness_m = half_thickness(solid.shape);
   collider.outer_radius_m = outer_radius(solid.shape);
+  collider.gravity_factor = gravity_factor;
   collider.round = solid.shape.type == ShapeType::sphere;
   collider.body.reset(dBodyCreate(state_->world.get()));
   collider.shape = make_shape(state_->space.get(), solid.shape);
@@ -369,6 +396,8 @@ void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, c
   for (const BodyJoint& joint : kept) state_->join(joint);
   state_->asleep = false;
 }
+
+void Simulation::set_filter(BodyId id, const CollisionFilter& filter) { state_->filter.set(id, filter); }
 
 void Simulation::remove_body(BodyId id) {
   const OdeLock lock;

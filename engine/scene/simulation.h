@@ -36,8 +36,11 @@ class Simulation {
   void add_static(BodyId id, const StaticDescription& description);
 
   // Adds a body, or replaces one, whose joints then stay. A fixed body ignores velocity, gravity and contacts.
-  void put_body(BodyId id, const Solid& solid, const Motion& motion, const FrictionSurface& surface, bool fixed);
-  void remove_body(BodyId id);  // with its joints
+  // `gravity_factor` scales the scene's gravity.
+  void put_body(BodyId id, const Solid& solid, const Motion& motion, const FrictionSurface& surface, bool fixed,
+                double gravity_factor = 1);
+  void set_filter(BodyId id, const CollisionFilter& filter);  // of a body or a static; until it is removed
+  void remove_body(BodyId id);                                // with its joints
 
   // Joins two bodies in their present poses, or one body to the world. The names in the description are ignored.
   void add_joint(BodyId body, std::optional<BodyId> other, const JointDescription& description);

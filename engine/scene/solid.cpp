@@ -52,14 +52,14 @@ Result<RigidMass> bank_mass(const modal::MassProperties& mass, double density_sc
   const Vec3 moments = mass.inertia_kg_m2;
   const double largest = std::max({moments.x, moments.y, moments.z});
   if (!range::kMass_kg.holds(mass.mass_kg * density_scale)) {
-    return fail(ErrorKind::bad_input, "its bank's mass of " + std::to_string(mass.mass_kg * density_scale) +
-                                          " kg is outside 1e-7 ... 1e7 kg");
+    return fail(ErrorKind::bad_input,
+                "its mass of " + std::to_string(mass.mass_kg * density_scale) + " kg is outside 1e-7 ... 1e7 kg");
   }
   if (!is_finite(mass.center_of_mass_m) || !is_finite(moments) ||
       !(std::min({moments.x, moments.y, moments.z}) > kMinMomentRatio * largest) ||
       !(std::abs(norm(axes) - 1) < 1e-3)) {
     return fail(ErrorKind::bad_input,
-                "its bank's massProperties are degenerate: three moments > 0 and a unit quaternion are needed");
+                "its massProperties are degenerate: three moments > 0 and a unit quaternion are needed");
   }
   RigidMass rigid{mass.mass_kg * density_scale, mass.center_of_mass_m, inertia_tensor(mass)};
   for (auto& row : rigid.inertia_kg_m2) {
@@ -77,12 +77,14 @@ struct Extent {
 Result<Extent> extent_of(const Shape& shape, const modal::Bank* bank) {
   const bool wants_bank = shape.type == ShapeType::box      ? shape.size_m == Vec3{}
                           : shape.type == ShapeType::sphere ? shape.radius_m == 0
-                                                            : true;
+                                                            : !shape.mesh;
+  if (shape.mesh && (shape.type == ShapeType::convex || shape.type == ShapeType::trimesh)) return Extent{};
   if (wants_bank && !bank)
     return fail(ErrorKind::bad_input, "it has no object to take its size from; give it a size or a radius");
   if (wants_bank && bank->positions.empty())
     return fail(ErrorKind::bad_input, "its bank has no surface; give the body a size or a radius");
-  Extent extent{bank && !bank->positions.empty() ? bounds_of(*bank).center() : Vec3{}, shape.size_m, shape.radius_m};
+  const Vec3 usual_center = bank && !bank->positions.empty() ? bounds_of(*bank).center() : Vec3{};
+  Extent extent{shape.center_m.value_or(usual_center), shape.size_m, shape.radius_m};
   if (wants_bank) {
     const Vec3 size = bounds_of(*bank).size();
     const double thinnest = range::kSize_m.low;  // a flat surface still gets a body
@@ -105,6 +107,7 @@ double enclosing_radius(const modal::Bank& bank, Vec3 center) {
 
 Result<RigidMass> mass_of(const BodyDescription& body, const modal::Bank* bank, double density_scale,
                           const Extent& extent) {
+  if (body.mass) return bank_mass(*body.mass, 1);
   if (body.density_kg_m3 == 0 && bank && bank->mass) return bank_mass(*bank->mass, density_scale);
   if (body.density_kg_m3 == 0 && body.fixed) return box_mass({0.1, 0.1, 0.1}, 1000, extent.center_m);
   if (body.density_kg_m3 == 0) {
@@ -129,6 +132,27 @@ Result<RigidMass> mass_of(const BodyDescription& body, const modal::Bank* bank, 
   return mass;
 }
 
+// Removes triangles with two corners in one, then points without a triangle. ODE ends the process when a mesh has more
+// points than edges.
+void remove_loose_parts(CollisionShape& shape) {
+  std::erase_if(shape.triangles, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  constexpr std::uint32_t kLoose = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> number(shape.points.size(), kLoose);
+  for (const auto& triangle : shape.triangles) {
+    for (const std::uint32_t corner : triangle) number[corner] = 0;
+  }
+  std::uint32_t kept = 0;
+  for (std::size_t k = 0; k < number.size(); ++k) {
+    if (number[k] == kLoose) continue;
+    shape.points[kept] = shape.points[k];
+    number[k] = kept++;
+  }
+  shape.points.resize(kept);
+  for (auto& triangle : shape.triangles) {
+    for (std::uint32_t& corner : triangle) corner = number[corner];
+  }
+}
+
 Result<CollisionShape> shape_of(const Shape& shape, const modal::Bank* bank, const Extent& extent,
                                 Vec3 center_of_mass) {
   CollisionShape out;
@@ -140,12 +164,17 @@ Result<CollisionShape> shape_of(const Shape& shape, const modal::Bank* bank, con
     const bool own = shape.radius_m > 0;
     out.radius_m = own ? shape.radius_m : enclosing_radius(*bank, center_of_mass);
     if (!own) out.center_m = {};
+  } else if (shape.mesh) {
+    for (const Vec3& p : shape.mesh->points_m) out.points.push_back(p - center_of_mass);
+    out.triangles = shape.mesh->triangles;
+    out.center_m = {};  // the points themselves lie about the centre of mass
   } else {
     for (const auto& p : bank->positions) out.points.push_back(to_vec3(p) - center_of_mass);
     out.triangles = bank->triangles;
   }
+  if (shape.type == ShapeType::trimesh) remove_loose_parts(out);
   if (shape.type == ShapeType::trimesh && out.triangles.empty()) {
-    return fail(ErrorKind::bad_input, "its bank has no triangles; use shape box, sphere or convex");
+    return fail(ErrorKind::bad_input, "its surface has no triangles; use shape box, sphere or convex");
   }
   if (shape.type == ShapeType::convex) {
     Result<Hull> hull = convex_hull(out.points);

@@ -127,6 +127,7 @@ void World::State::add_statics(const SceneDescription& scene) {
   BodyId next = kFirstStatic;
   for (const StaticDescription& description : scene.statics) {
     simulation.add_static(next, description);
+    simulation.set_filter(next, description.filter);
     sounds.set_side(next++, side_of(description));
   }
 }
@@ -144,7 +145,10 @@ void World::State::let_in() {
     }
     // A part moves a body by its velocity at the end of the part. Starting with the velocity of half a part earlier
     // puts a fall on the true parabola.
-    if (!body.description.fixed) body.motion.velocity_m_s = body.motion.velocity_m_s - (0.5 * part_s) * gravity_m_s2;
+    if (!body.description.fixed) {
+      const Vec3 gravity = body.description.gravity_factor * gravity_m_s2;
+      body.motion.velocity_m_s = body.motion.velocity_m_s - (0.5 * part_s) * gravity;
+    }
     put(id, body, *body.waiting);
     body.waiting.reset();
   }
@@ -154,7 +158,8 @@ void World::State::let_in() {
 void World::State::put(BodyId id, const Body& body, const Solid& solid) {
   const BodyDescription& description = body.description;
   const SoundingObject* object = body.object ? store.find_object(description.object) : nullptr;
-  simulation.put_body(id, solid, body.motion, description.surface, description.fixed);
+  simulation.put_body(id, solid, body.motion, description.surface, description.fixed, description.gravity_factor);
+  simulation.set_filter(id, description.filter);
   ContactSide side =
       side_of(description, solid, object ? object->bank.get() : nullptr, store.scale_of(description.object));
   side.object = body.object;

@@ -12,14 +12,16 @@ namespace {
 std::string key_of(const std::filesystem::path& path) {
   std::error_code error;
   const auto canonical = std::filesystem::weakly_canonical(path, error);
-  const auto time = std::filesystem::last_write_time(path, error).time_since_epoch().count();
+  const auto file = modal::split_bank_path(path).file;
+  const auto time = std::filesystem::last_write_time(file, error).time_since_epoch().count();
   return canonical.string() + "@" + std::to_string(time);
 }
 
 }  // namespace
 
-Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name) {
-  auto bank = modal::parse_bank(std::as_bytes(std::span(bytes)), name);
+Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name,
+                                 const modal::ReadBeside& read_beside) {
+  auto bank = modal::parse_bank(std::as_bytes(std::span(bytes)), name, read_beside);
   if (!bank) return fail(bank.error());
   return within_memory("play " + name, [&]() -> Result<BankFile> {
     return BankFile{std::make_shared<const modal::StrikeMap>(std::make_shared<const modal::Bank>(std::move(*bank))),
@@ -33,9 +35,14 @@ Result<BankFile> BankReader::read(const std::filesystem::path& path) {
     if (auto map = known->second.map.lock())
       return BankFile{std::move(map), known->second.bytes, known->second.content};
   }
-  const auto bytes = roots_.read(path, modal::kMaxBankFileBytes);
+  const auto [at, model] = modal::split_bank_path(path);
+  const auto bytes = roots_.read(at, modal::kMaxBankFileBytes);
   if (!bytes) return fail(bytes.error());
-  auto file = parse_bank_file(*bytes, path.string());
+  const modal::ReadBeside beside = [this, folder = at.parent_path()](const std::string& relative, std::size_t limit) {
+    return roots_.read(folder / relative, limit);
+  };
+  const bool in_scene = model || at.extension() == ".gltf";  // whose buffers may be in other files
+  auto file = parse_bank_file(*bytes, path.string(), in_scene ? beside : modal::ReadBeside());
   if (file) known_[key] = {file->map, file->bytes, file->content};
   return file;
 }

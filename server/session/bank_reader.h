@@ -3,6 +3,7 @@
 
 #include "engine/base/content_hash.h"
 #include "engine/base/result.h"
+#include "engine/modal/read_beside.h"
 #include "engine/modal/strike_map.h"
 #include "server/session/file_roots.h"
 
@@ -22,8 +23,9 @@ struct BankFile {
   ContentHash content;    // of the whole file
 };
 
-// The bank in a file of these bytes; `name` stands in sentences where the file's path would.
-Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name);
+// The bank in a file of these bytes (modal::parse_bank); `name` stands in sentences where the file's path would.
+Result<BankFile> parse_bank_file(std::string_view bytes, const std::string& name,
+                                 const modal::ReadBeside& read_beside = {});
 
 class BankReader {
  public:

@@ -2,6 +2,8 @@
 
 #include "engine/base/folders.h"
 #include "engine/base/toml_table.h"
+#include "engine/modal/bank_file.h"
+#include "engine/scene/gltf_scene.h"
 #include "engine/scene/scene_file.h"
 
 #include <algorithm>
@@ -65,10 +67,23 @@ void add_dropped(scene::SceneDescription& scene, scene::BodyDescription body, do
 
 }  // namespace
 
-Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
-  const auto text = roots_.read(path, kMaxTomlFileBytes);
+// Reads a scene of either format.
+Result<scene::SceneDescription> ScenePlayer::read(const std::filesystem::path& path) {
+  const bool is_gltf = scene::is_gltf(path);
+  const auto text = roots_.read(path, is_gltf ? modal::kMaxBankFileBytes : kMaxTomlFileBytes);
   if (!text) return fail(text.error());
-  const auto description = scene::parse_scene(*text, path, preset_folder().value_or(std::filesystem::path()));
+  if (!is_gltf) return scene::parse_scene(*text, path, preset_folder().value_or(std::filesystem::path()));
+  const modal::ReadBeside beside = [&](const std::string& relative, std::size_t limit) {
+    return roots_.read(path.parent_path() / relative, limit);
+  };
+  auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, beside);
+  if (!read) return fail(read.error());
+  for (const std::string& note : read->notes) rack_.warn("scene: " + note);
+  return std::move(read->scene);
+}
+
+Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
+  const auto description = read(path);
   if (!description) return fail(description.error());
   std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // read before anything changes
   for (const auto& object : description->objects) {

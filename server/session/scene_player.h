@@ -63,8 +63,8 @@ class ScenePlayer {
   using Post = std::function<bool(std::function<void()>)>;
   void retune_by(Post post) { post_ = std::move(post); }
 
-  // Loads a scene file and the objects it names, and starts it at `frame`. The former scene ends; its objects stay.
-  // Returns the number of bodies. [worker]
+  // Loads a scene file, TOML or glTF (.glb, .gltf), and the objects it names, and starts it at `frame`. The former
+  // scene ends; its objects stay. Returns the number of bodies. [worker]
   Result<std::size_t> load(const std::filesystem::path& path, synth::Frame frame);
 
   // Requests to the scene; without a scene they are refused. spawn() returns the new body's number; clear() removes all
@@ -140,6 +140,7 @@ class ScenePlayer {
   [[nodiscard]] double slowed_s() const { return slowed_s_; }
 
  private:
+  Result<scene::SceneDescription> read(const std::filesystem::path& path);
   Result<scene::BodyId> spawn(const std::optional<protocol::ObjectRef>& object, scene::BodyDescription body);
   [[nodiscard]] synth::Frame position() const;
   [[nodiscard]] synth::Frame reported_until() const;

@@ -2,6 +2,7 @@
 
 #include "engine/base/atomic_file.h"
 #include "engine/base/folders.h"
+#include "engine/modal/bank_file.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/scene_text.h"
 #include "server/session/file_roots.h"
@@ -51,7 +52,9 @@ Result<void> save_scene(const Session& session, const fs::path& path) {
   }
   const fs::path presets = preset_folder().value_or(fs::path());
   for (scene::ObjectDescription& object : scene.objects) {
-    object.bank = bank_path(object.bank, path.parent_path(), presets);
+    const auto [file, model] = modal::split_bank_path(object.bank);
+    object.bank = bank_path(file, path.parent_path(), presets);
+    if (model) object.bank = modal::bank_path(object.bank, *model);
   }
   std::string text(kSceneKind.mark);
   text.append("; `ringdownd --scene` and `ringdown render --scene` play it.\n").append(to_toml(scene));

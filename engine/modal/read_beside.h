@@ -1,0 +1,15 @@
+// How a document's other files are read. [worker]
+#pragma once
+
+#include "engine/base/result.h"
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+namespace ringdown::modal {
+
+// Reads a file beside a document: a relative path, without a scheme, and the most bytes that the file may have.
+using ReadBeside = std::function<Result<std::string>(const std::string& relative, std::size_t limit_bytes)>;
+
+}  // namespace ringdown::modal

@@ -1,0 +1,23 @@
+// Joints of a glTF scene (KHR_physics_rigid_bodies) as joints of ours. [worker]
+#pragma once
+
+#include "engine/scene/description.h"
+#include "engine/scene/gltf_document.h"
+
+#include <string>
+
+namespace ringdown::scene {
+
+// A node that a joint holds, and the body that it moves with; an empty one is the world.
+struct JointEnd {
+  const GltfNode& node;
+  std::string body;
+};
+
+// Adds the joint of `first`'s node to the scene, whose bodies must all be there. `joint` is the node's `joint` object.
+// What cannot be made is left out, and the document's notes say so: a joint that leaves other freedom than a hinge, a
+// ball joint, a slider or none.
+void add_joint(GltfDocument& document, const modal::Field& joint, const JointEnd& first, const JointEnd& second,
+               SceneDescription& scene);
+
+}  // namespace ringdown::scene

@@ -1,0 +1,396 @@
+#include "engine/scene/gltf_scene.h"
+
+#include "engine/base/object_name.h"
+#include "engine/base/quote.h"
+#include "engine/base/within_memory.h"
+#include "engine/modal/bank_file.h"
+#include "engine/modal/gltf_file.h"
+#include "engine/scene/check.h"
+#include "engine/scene/gltf_document.h"
+#include "engine/scene/gltf_joints.h"
+#include "engine/scene/gltf_shapes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+namespace ringdown::scene {
+namespace {
+
+using modal::Field;
+
+constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
+constexpr const char* kAudio = "KHR_audio_rigid_bodies";
+constexpr double kUsualDensity_kg_m3 = 1000;
+
+// Extensions that are read here or that change nothing about a scene's motion and sound.
+constexpr std::array kKnown = {"KHR_physics_rigid_bodies", "KHR_implicit_shapes", "KHR_audio_rigid_bodies",
+                               "EXT_meshopt_compression"};
+
+// A collider, and where its node lies.
+struct Collider {
+  std::size_t node = 0;
+  GltfGeometry geometry;
+  FrictionSurface surface;
+  CollisionFilter filter;
+};
+
+// A motion, or a collider without one, and everything that moves with it.
+struct Body {
+  std::size_t node = 0;
+  bool moves = false;
+  std::vector<Collider> colliders;
+  std::optional<std::size_t> model_node;
+};
+
+Field physics_of(const GltfNode& node) { return node.field["extensions"][kPhysics]; }
+Field audio_of(const GltfNode& node) { return node.field["extensions"][kAudio]; }
+
+class SceneReader {
+ public:
+  SceneReader(GltfDocument& document, std::filesystem::path path) : document_(document), path_(std::move(path)) {}
+
+  Result<GltfScene> read() {
+    note_what_is_left_out();
+    collect();
+    for (const Body& body : bodies_) add(body);
+    if (const auto good = document_.result(); !good) return fail(good.error());
+    add_joints();
+    add_camera();
+    if (const auto good = document_.result(); !good) return fail(good.error());
+    if (const auto good = check(scene_); !good)
+      return fail(good.error().kind, path_.string() + ": " + good.error().message);
+    return GltfScene{std::move(scene_), document_.notes.sentences()};
+  }
+
+ private:
+  [[nodiscard]] const std::vector<GltfNode>& nodes() const { return document_.nodes(); }
+  [[nodiscard]] Field list(const char* extension, const char* name) const {
+    return document_.root()["extensions"][extension][name];
+  }
+  void note(const std::string& sentence) { document_.notes.add(sentence); }
+
+  void note_what_is_left_out() {
+    const Field required = document_.root()["extensionsRequired"];
+    for (const std::string& name : document_.texts(required)) {
+      if (std::ranges::find(kKnown, name) == kKnown.end())
+        note("the file requires the extension " + quote(name) + ", which scenes do not use");
+    }
+    const Field animations = document_.root()["animations"];
+    if (animations.size() > 0) note("the file's animations are not played");
+    for (const GltfNode& node : nodes()) {
+      if (!node.in_scene) continue;
+      if (physics_of(node)["trigger"].present()) note("triggers have no effect");
+      if (node.field["extensions"]["EXT_mesh_gpu_instancing"].present())
+        note("instances by EXT_mesh_gpu_instancing are not played");
+    }
+  }
+
+  // The nearest node that is, or is above, this one and for which `has` holds.
+  template <class Has>
+  [[nodiscard]] std::optional<std::size_t> nearest(std::size_t node, const Has& has) const {
+    for (std::optional<std::size_t> at = node; at; at = nodes()[*at].parent) {
+      if (has(nodes()[*at])) return at;
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::optional<std::size_t> motion_of(std::size_t node) const {
+    return nearest(node, [](const GltfNode& n) { return physics_of(n)["motion"].present(); });
+  }
+
+  // Sorts colliders and models by the bodies that they belong to. A body without a motion is its collider's node.
+  void collect() {
+    std::map<std::size_t, std::size_t> by_node;
+    const auto body_at = [&](std::size_t node, bool moves) -> Body& {
+      const auto [found, is_new] = by_node.try_emplace(node, bodies_.size());
+      if (is_new) bodies_.push_back({.node = node, .moves = moves});
+      return bodies_[found->second];
+    };
+    for (std::size_t k = 0; k < nodes().size(); ++k) {
+      if (!nodes()[k].in_scene) continue;
+      const std::optional<std::size_t> motion = motion_of(k);
+      const Field collider = physics_of(nodes()[k])["collider"];
+      const bool plays = audio_of(nodes()[k])["modalModel"].present();
+      if (motion == k) body_at(k, true);
+      if (collider.present()) {
+        if (auto read = read_collider(k, collider))
+          body_at(motion.value_or(k), motion.has_value()).colliders.push_back(std::move(*read));
+      }
+      if (!plays) continue;
+      if (!motion && !collider.present()) {
+        note("a modal model of a node without a motion or a collider has nothing to strike it; it is not loaded");
+        continue;
+      }
+      Body& body = body_at(motion.value_or(k), motion.has_value());
+      if (body.model_node) note("a body plays one modal model; further ones below it are not loaded");
+      if (!body.model_node) body.model_node = k;
+    }
+  }
+
+  std::optional<Collider> read_collider(std::size_t node, const Field& field) {
+    auto geometry = read_geometry(document_, field["geometry"]);
+    if (!geometry) return {};
+    Collider collider{.node = node, .geometry = std::move(*geometry)};
+    const Field material = document_.element(field["physicsMaterial"], list(kPhysics, "physicsMaterials"));
+    if (material.present()) read_material(material, collider.surface);
+    const Field filter = document_.element(field["collisionFilter"], list(kPhysics, "collisionFilters"));
+    if (filter.present()) {
+      collider.filter = {document_.texts(filter["collisionSystems"]), document_.texts(filter["collideWithSystems"]),
+                         document_.texts(filter["notCollideWithSystems"])};
+    }
+    read_finish(node, collider.surface);
+    return collider;
+  }
+
+  void read_material(const Field& material, FrictionSurface& surface) {
+    surface.friction = document_.number(material["staticFriction"], 0.6);
+    surface.sliding_friction = document_.number(material["dynamicFriction"], 0.6);
+    surface.restitution = document_.number(material["restitution"], 0);
+    surface.friction_combine = combine(material["frictionCombine"]);
+    surface.restitution_combine = combine(material["restitutionCombine"]);
+    if (surface.restitution > 1) note("a restitution above 1 is 1");
+    surface.restitution = std::min(surface.restitution, 1.0);
+  }
+
+  Combine combine(const Field& field) {
+    constexpr std::array kWays = {"average", "minimum", "maximum", "multiply"};
+    if (!field.present()) return Combine::average;
+    const auto found = std::ranges::find(kWays, field.text_or(""));
+    if (found == kWays.end()) document_.refuse(field.wrong("average, minimum, maximum or multiply"));
+    return static_cast<Combine>(found - kWays.begin());
+  }
+
+  // The acoustic surface of a node or of the nearest one above it.
+  void read_finish(std::size_t node, FrictionSurface& surface) {
+    const auto owner = nearest(node, [](const GltfNode& n) { return audio_of(n)["acousticSurface"].present(); });
+    if (!owner) return;
+    const Field finish =
+        document_.element(audio_of(nodes()[*owner])["acousticSurface"], list(kAudio, "acousticSurfaces"));
+    surface.texture.roughness_m = document_.number(finish["roughness"], surface.texture.roughness_m);
+    surface.texture.correlation_m = document_.number(finish["correlationLength"], surface.texture.correlation_m);
+    surface.texture.spectral_slope = document_.number(finish["spectralSlope"], surface.texture.spectral_slope);
+    for (const char* unused : {"waviness", "shortWavelength", "profile", "normalTexture"}) {
+      if (finish[unused].present()) note(std::string("the ") + unused + " of an acoustic surface is not heard");
+    }
+    const Field material = document_.element(finish["material"], list(kAudio, "acousticMaterials"));
+    if (material["youngsModulus"].present()) surface.young_pa = document_.number(material["youngsModulus"], 0);
+    if (material["poissonRatio"].present()) surface.poisson = document_.number(material["poissonRatio"], 0);
+  }
+
+  // A body's frame: that of its model, else of its only collider, else its own.
+  [[nodiscard]] Pose frame_of(const Body& body) const {
+    std::size_t node = body.node;
+    if (body.model_node) {
+      node = *body.model_node;
+    } else if (body.colliders.size() == 1) {
+      node = body.colliders[0].node;
+    }
+    const Affine& world = nodes()[node].world;
+    return {world.shift_m, parts_of(world.linear).rotation};
+  }
+
+  void add(const Body& body) {
+    const Pose frame = frame_of(body);
+    std::vector<Shape> shapes;
+    bool is_plane = false;
+    for (const Collider& collider : body.colliders) {
+      const Affine map = inverse(frame) * nodes()[collider.node].world;
+      if (auto shape = place(collider.geometry, map)) {
+        shapes.push_back(std::move(*shape));
+      } else if (collider.geometry.kind == GltfGeometry::plane && collider.geometry.size_m == Vec3{}) {
+        is_plane = true;
+        add_plane(body, collider);
+      } else {
+        note("a collider with a scale of 0 is left out");
+      }
+    }
+    if (shapes.empty()) {
+      if (!is_plane && body.moves) note("a motion without a collider touches nothing, and is left out");
+      return;
+    }
+    for (const Collider& other : body.colliders) {
+      const Collider& first = body.colliders[0];
+      const bool same = other.filter == first.filter && other.surface.friction == first.surface.friction &&
+                        other.surface.restitution == first.surface.restitution;
+      if (!same) note("colliders of one body have one material and one filter: those of the first");
+    }
+    for (const Shape& shape : shapes) points_ += shape.mesh ? shape.mesh->points_m.size() : 0;
+    if (points_ > kMaxScenePoints)
+      return document_.refuse(document_.root()["meshes"].wrong("fewer points in all colliders together"));
+    BodyDescription made{.name = unique_body(nodes()[body.node].name), .shape = join(shapes)};
+    made.position_m = frame.position_m;
+    made.rotation = frame.rotation;
+    made.surface = body.colliders[0].surface;
+    made.filter = body.colliders[0].filter;
+    made.fixed = !body.moves;
+    if (body.model_node) add_object(*body.model_node, made);
+    if (body.moves) add_motion(body, frame, made);
+    names_[body.node] = made.name;
+    scene_.bodies.push_back(std::move(made));
+  }
+
+  void add_plane(const Body& body, const Collider& collider) {
+    if (body.moves) return note("an infinite plane cannot move, and is left out");
+    StaticDescription plane = place_plane(nodes()[collider.node].world);
+    plane.name = nodes()[collider.node].name;
+    for (int k = 2; std::ranges::count(scene_.statics, plane.name, &StaticDescription::name) > 0; ++k)
+      plane.name = nodes()[collider.node].name + "-" + std::to_string(k);
+    plane.surface = collider.surface;
+    plane.filter = collider.filter;
+    scene_.statics.push_back(std::move(plane));
+  }
+
+  // The object of a node that plays a model, with the node's scale and gain.
+  void add_object(std::size_t number, BodyDescription& body) {
+    const GltfNode& node = nodes()[number];
+    const Field reference = audio_of(node)["modalModel"];
+    const Field model = document_.element(reference, list(kAudio, "modalModels"));
+    if (!model.present()) return;
+    const Parts parts = parts_of(node.world.linear);
+    const Vec3 s = parts.scale;
+    if (parts.sheared || parts.mirrored || std::max({s.x, s.y, s.z}) - std::min({s.x, s.y, s.z}) > 1e-6 * s.x)
+      return note("a modal model under an uneven or a mirrored scale is silent; it needs a bake at that scale");
+    ObjectDescription object{.name = unique_object(node.name)};
+    object.bank = modal::bank_path(path_, reference.index().value_or(0));
+    object.gain = document_.number(audio_of(node)["gain"], 1);
+    object.material.size = std::abs(s.x - 1) < 1e-6 ? 1 : s.x;
+    body.object = object.name;
+    has_mass_ = model["massProperties"].present();
+    scene_.objects.push_back(std::move(object));
+  }
+
+  void add_motion(const Body& body, const Pose& frame, BodyDescription& made) {
+    const GltfNode& node = nodes()[body.node];
+    const Field motion = physics_of(node)["motion"];
+    const Rotation turn = parts_of(node.world.linear).rotation;
+    made.velocity_m_s = rotated(turn, document_.vector(motion["linearVelocity"], {}));
+    made.spin_rad_s = rotated(turn, document_.vector(motion["angularVelocity"], {}));
+    made.gravity_factor = document_.number(motion["gravityFactor"], 1);
+    if (document_.flag(motion["isKinematic"], false)) {
+      made.fixed = true;
+      if (made.velocity_m_s != Vec3{} || made.spin_rad_s != Vec3{}) note("kinematic bodies stand still");
+      return;
+    }
+    const bool own =
+        motion["mass"].present() || motion["inertiaDiagonal"].present() || motion["centerOfMass"].present();
+    if (!own && !made.object.empty() && has_mass_) return;
+    modal::MassProperties mass = mass_of(made.shape, kUsualDensity_kg_m3);
+    if (motion["mass"].present()) {
+      double wanted_kg = document_.number(motion["mass"], 1);
+      if (wanted_kg == 0) note("an infinite mass is " + std::to_string(static_cast<int>(range::kMass_kg.high)) + " kg");
+      if (wanted_kg == 0) wanted_kg = range::kMass_kg.high;
+      if (!range::kMass_kg.holds(wanted_kg)) return document_.refuse(motion["mass"].wrong("0, or 1e-7 to 1e7 kg"));
+      mass.inertia_kg_m2 = (wanted_kg / mass.mass_kg) * mass.inertia_kg_m2;
+      mass.mass_kg = wanted_kg;
+    }
+    const Affine to_frame = inverse(frame) * node.world;
+    if (motion["centerOfMass"].present())
+      mass.center_of_mass_m = to_frame * document_.vector(motion["centerOfMass"], {});
+    if (motion["inertiaDiagonal"].present()) {
+      const Vec3 moments = document_.vector(motion["inertiaDiagonal"], {});
+      const Rotation axes = inverse(frame.rotation) * turn * document_.rotation(motion["inertiaOrientation"]);
+      set_moments(moments, mass);
+      mass.orientation = {axes.x, axes.y, axes.z, axes.w};
+    }
+    made.mass = mass;
+  }
+
+  // Moments of 0 are infinite: here a million times the largest other one, or the one that the shape would have.
+  void set_moments(Vec3 moments, modal::MassProperties& mass) {
+    constexpr double kInfinite = 1e6;
+    const Vec3 usual = mass.inertia_kg_m2;
+    double largest = std::max({moments.x, moments.y, moments.z});
+    if (largest == 0) largest = std::max({usual.x, usual.y, usual.z});
+    const auto or_infinite = [&](double moment) {
+      if (moment == 0) note("infinite moments of inertia are a million times the other ones");
+      return moment == 0 ? kInfinite * largest : moment;
+    };
+    mass.inertia_kg_m2 = {or_infinite(moments.x), or_infinite(moments.y), or_infinite(moments.z)};
+  }
+
+  void add_joints() {
+    for (const GltfNode& node : nodes()) {
+      const Field joint = physics_of(node)["joint"];
+      if (!node.in_scene || !joint.present()) continue;
+      const auto other = joint["connectedNode"].index();
+      if (!other || *other >= nodes().size() || !nodes()[*other].in_scene)
+        return document_.refuse(joint["connectedNode"].wrong("the number of a node of the scene"));
+      const std::size_t number = static_cast<std::size_t>(&node - nodes().data());
+      add_joint(document_, joint, {node, body_of(number)}, {nodes()[*other], body_of(*other)}, scene_);
+    }
+  }
+
+  // The name of the body that a node moves with; empty for the world.
+  [[nodiscard]] std::string body_of(std::size_t node) const {
+    const auto motion = motion_of(node);
+    const auto found = motion ? names_.find(*motion) : names_.end();
+    return found == names_.end() ? "" : found->second;
+  }
+
+  // The first camera is the listener. A camera looks along its -z axis; y is up.
+  void add_camera() {
+    const auto found = std::ranges::find_if(
+        nodes(), [](const GltfNode& node) { return node.in_scene && node.field["camera"].present(); });
+    if (found == nodes().end()) return;
+    const Pose pose{found->world.shift_m, parts_of(found->world.linear).rotation};
+    const Rotation forward_left_up{-0.5, 0.5, 0.5, 0.5};  // x to -z, y to -x, z to y
+    const Field camera = document_.element(found->field["camera"], document_.root()["cameras"]);
+    const double yfov_rad = document_.number(camera["perspective"]["yfov"], 0.8);
+    scene_.listener = ListenerDescription{.position_m = pose.position_m, .rotation = pose.rotation * forward_left_up};
+    scene_.camera = CameraDescription{
+        .position_m = pose.position_m,
+        .target_m = pose.position_m + rotated(pose.rotation, {0, 0, -1}),
+        .field_of_view_degrees = std::clamp(yfov_rad * 180 / std::numbers::pi, range::kFieldOfView_degrees.low,
+                                            range::kFieldOfView_degrees.high)};
+  }
+
+  std::string unique_body(const std::string& wanted) const {
+    std::string name = wanted;
+    for (int k = 2; std::ranges::count(scene_.bodies, name, &BodyDescription::name) > 0; ++k)
+      name = wanted + "-" + std::to_string(k);
+    return name;
+  }
+
+  // A name of an object (object_name.h) that is most like a node's.
+  std::string unique_object(const std::string& wanted) const {
+    std::string plain = wanted.substr(0, kMaxName - 6);
+    for (char& letter : plain) {
+      if (!is_object_name(std::string("a") + letter)) letter = '_';
+    }
+    if (!is_object_name(plain)) plain = "n" + plain;
+    std::string name = plain;
+    for (int k = 2; std::ranges::count(scene_.objects, name, &ObjectDescription::name) > 0; ++k)
+      name = plain + "-" + std::to_string(k);
+    return name;
+  }
+
+  GltfDocument& document_;
+  std::filesystem::path path_;
+  std::vector<Body> bodies_;
+  std::map<std::size_t, std::string> names_;  // of the bodies, by their nodes
+  std::size_t points_ = 0;
+  bool has_mass_ = false;  // whether the model of the last object has a mass
+  SceneDescription scene_;
+};
+
+}  // namespace
+
+bool is_gltf(const std::filesystem::path& path) { return path.extension() == ".glb" || path.extension() == ".gltf"; }
+
+Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::filesystem::path& path,
+                                   const modal::ReadBeside& read_beside) {
+  return within_memory("read " + path.string(), [&]() -> Result<GltfScene> {
+    const auto glb = modal::parse_gltf(bytes, path.string(), read_beside);
+    if (!glb) return fail(glb.error());
+    auto document = GltfDocument::read(*glb);
+    if (!document) return fail(document.error());
+    return SceneReader(*document, path).read();
+  });
+}
+
+}  // namespace ringdown::scene
