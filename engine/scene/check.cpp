@@ -73,6 +73,15 @@ Result<void> check_all(const Things& things, std::string_view kind, std::size_t 
   return {};
 }
 
+// A mass in its range, and moments whose radii of gyration lie between a nanometre and, where they stand for infinite
+// ones, 10,000 km.
+bool is_sound(const modal::MassProperties& mass) {
+  const Vec3 c = mass.center_of_mass_m, i = mass.inertia_kg_m2;
+  const Range moment{1e-18 * mass.mass_kg, 1e14 * mass.mass_kg};
+  return range::kMass_kg.holds(mass.mass_kg) && moment.holds(i.x) && moment.holds(i.y) && moment.holds(i.z) &&
+         range::kPosition_m.holds(c.x) && range::kPosition_m.holds(c.y) && range::kPosition_m.holds(c.z);
+}
+
 Result<void> check_object(const BodyDescription& body, const SceneDescription& scene) {
   if (body.object.empty() || std::ranges::count(scene.objects, body.object, &ObjectDescription::name)) return {};
   return fail(ErrorKind::bad_input, "body " + quote(body.name) + ": the scene has no object " + quote(body.object));
@@ -118,6 +127,8 @@ Result<void> check(const BodyDescription& body) {
     return std::ranges::all_of(corners, [&](std::uint32_t corner) { return corner < mesh->points_m.size(); });
   };
   return Fields("body " + quote(body.name))
+      .require(!body.mass || is_sound(*body.mass),
+               "its mass, its centre or its moments of inertia are those of no body")
       .require(!mesh || mesh->points_m.size() <= kMaxMeshPoints,
                "its mesh has more than " + std::to_string(kMaxMeshPoints) + " points")
       .require(!mesh || mesh->triangles.size() <= 4 * kMaxMeshPoints, "its mesh has too many triangles")

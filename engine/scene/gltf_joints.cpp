@@ -88,10 +88,11 @@ class JointMaker {
                                  " axes to move along and " + std::to_string(3 - locked(freedoms.about)) +
                                  " to turn about is not supported, and is left out");
     }
-    swapped_ = second_.body.empty();
+    const auto body = std::ranges::find(scene_.bodies, second_.body, &BodyDescription::name);
+    swapped_ = body == scene_.bodies.end() || body->fixed;
     made_.type = *type;
     made_.body = swapped_ ? first_.body : second_.body;
-    made_.other = swapped_ ? "" : first_.body;
+    made_.other = swapped_ ? second_.body : first_.body;
     made_.collides = collides;
     made_.anchor_m = first_.node.world.shift_m;
     if (*type == JointType::hinge) make_hinge(freedoms, drives);

@@ -325,10 +325,11 @@ class SceneReader {
     }
   }
 
-  // The name of the body that a node moves with; empty for the world.
+  // The name of the body that a node moves with, or that stands still with it; empty for the world.
   [[nodiscard]] std::string body_of(std::size_t node) const {
-    const auto motion = motion_of(node);
-    const auto found = motion ? names_.find(*motion) : names_.end();
+    auto owner = motion_of(node);
+    if (!owner) owner = nearest(node, [](const GltfNode& n) { return physics_of(n)["collider"].present(); });
+    const auto found = owner ? names_.find(*owner) : names_.end();
     return found == names_.end() ? "" : found->second;
   }
 

@@ -5,11 +5,17 @@
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace ringdown::session {
 namespace {
@@ -73,6 +79,67 @@ class ScenePlayerTest : public testing::Test {
   std::map<std::uint32_t, Event> going_on_;
   int ends_ = 0;
 };
+
+// Two nodes with the bank as their model, one of them in twice the size, above a plane; `more` are members of a node.
+void write_gltf_scene(const std::filesystem::path& bank, const std::filesystem::path& path,
+                      const std::string& more = "") {
+  std::ifstream file(bank, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  std::uint32_t size = 0;
+  std::memcpy(&size, bytes.data() + 12, 4);
+  nlohmann::json json = nlohmann::json::parse(bytes.substr(20, size));
+  std::ofstream(path.parent_path() / "scene.bin", std::ios::binary) << bytes.substr(28 + size);
+  json["buffers"][0]["uri"] = "scene.bin";
+  const auto bell = [](const std::string& placed) {
+    return R"({"name": "bell", "extensions": {"KHR_audio_rigid_bodies": {"modalModel": 0, "gain": 0.5},
+      "KHR_physics_rigid_bodies": {"motion": {"mass": 1}, "collider": {"geometry": {"shape": 0}}}}, )" +
+           placed + "}";
+  };
+  json["nodes"] = nlohmann::json::parse(
+      "[" + bell(R"("translation": [0, 0.3, 0])") + "," + bell(R"("translation": [1, 0.4, 0], "scale": [2, 2, 2])") +
+      R"(, {"extensions": {"KHR_physics_rigid_bodies": {)" + more + R"("collider": {"geometry": {"shape": 1}}}}}])");
+  json["scenes"] = nlohmann::json::parse(R"([{"nodes": [0, 1, 2]}])");
+  json["extensions"]["KHR_implicit_shapes"] = nlohmann::json::parse(
+      R"({"shapes": [{"type": "sphere", "sphere": {"radius": 0.1}}, {"type": "plane", "plane": {}}]})");
+  std::ofstream(path) << json.dump();
+}
+
+TEST_F(ScenePlayerTest, AGltfSceneHasAnObjectForEachNodeAndNamesWhatItLeavesOut) {
+  write_gltf_scene(folder_ / "a.glb", folder_ / "room.gltf", R"("trigger": {}, )");
+  std::vector<std::string> warnings;
+  std::map<synth::ObjectNumber, int> strikes;
+  Session session(48000);
+  session.rack().set_on_warning([&](const std::string& sentence) { warnings.push_back(sentence); });
+  session.scene().send_to([&](const scene::StepReport& report) {
+    for (const Event& event : report.events) strikes[event.object] += event.type == EventType::strike;
+    return std::size_t{0};
+  });
+  const auto loaded = session.scene().load(folder_ / "room.gltf", 0);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(warnings, std::vector<std::string>{"scene: triggers have no effect"});
+  const auto small = session.rack().find({.name = "bell"}), large = session.rack().find({.name = "bell-2"});
+  ASSERT_TRUE(small && large);
+  EXPECT_EQ((*small)->map, (*large)->map);  // in memory once
+  EXPECT_EQ((*small)->gain, 0.5);
+  EXPECT_EQ((*large)->material.size, 2);
+  session.scene().advance_to(48000, 48000);
+  EXPECT_GT(strikes[(*small)->number], 0);
+  EXPECT_GT(strikes[(*large)->number], 0);
+}
+
+TEST_F(ScenePlayerTest, AGltfScenesOtherFilesLieBelowTheRootsToo) {
+  write_gltf_scene(folder_ / "a.glb", folder_ / "room.gltf");
+  std::filesystem::remove(folder_ / "scene.bin");
+  const test::TemporaryFolder elsewhere;
+  std::ofstream(elsewhere / "secret.bin") << std::string(100000, 'x');
+  std::filesystem::create_symlink(elsewhere / "secret.bin", folder_ / "scene.bin");
+  EXPECT_TRUE(session_.roots().read(folder_ / "room.gltf", 1 << 20));
+  Session guarded(48000, *FileRoots::only({folder_.path()}));
+  const auto loaded = guarded.scene().load(folder_ / "room.gltf", 0);
+  ASSERT_FALSE(loaded);
+  EXPECT_NE(loaded.error().message.find("scene.bin"), std::string::npos) << loaded.error().message;
+  EXPECT_FALSE(guarded.scene().playing());
+}
 
 TEST_F(ScenePlayerTest, ASceneThatCannotKeepUpLosesTimeAndSaysHowMuch) {
   load(kSlider + kObject);
