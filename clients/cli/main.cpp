@@ -79,6 +79,7 @@ int main(int argc, char** argv) {
   add_scale_verb(app, outcome);
   add_render_verb(app, outcome);
   add_export_verb(app, outcome);
+  add_scene_verb(app, outcome);
   add_strike_verb(app, outcome);
   add_send_verb(app, outcome);
   add_protocol_verb(app, outcome);

@@ -22,6 +22,7 @@ void add_info_verb(CLI::App& app, ExitCode& outcome);       // the modes of a ba
 void add_materials_verb(CLI::App& app, ExitCode& outcome);  // the materials, and a bar of each
 void add_scale_verb(CLI::App& app, ExitCode& outcome);      // a bank in another size and material
 void add_export_verb(CLI::App& app, ExitCode& outcome);     // a bank as samples for a sampler
+void add_scene_verb(CLI::App& app, ExitCode& outcome);      // a scene as glTF
 void add_render_verb(CLI::App& app, ExitCode& outcome);     // a scene or a score to a sound file
 
 }  // namespace ringdown::cli

@@ -5,6 +5,7 @@
 #include "engine/base/version.h"
 #include "engine/base/within_memory.h"
 #include "engine/modal/bank_extras.h"
+#include "engine/modal/bank_model.h"
 #include "engine/modal/glb.h"
 #include "engine/modal/gltf_file.h"
 #include "engine/modal/material_scale.h"
@@ -337,33 +338,40 @@ Result<Bank> read_bank(const std::filesystem::path& path) {
   return parse_bank(std::as_bytes(std::span(*text)), path.string(), is_text ? beside : ReadBeside());
 }
 
-Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std::string_view input_hash,
-                        Compression compression) {
-  const bool packed = compression == Compression::meshopt;
-  GlbWriter writer;
+WrittenModel add_model(GlbWriter& writer, const Bank& bank, bool packed) {
   const std::vector<float> frequencies(bank.frequency_hz.begin(), bank.frequency_hz.end());
   const std::vector<float> decays(bank.decay_per_s.begin(), bank.decay_per_s.end());
   const auto add_positions = packed ? &GlbWriter::add_packed_floats : &GlbWriter::add_floats;
   const std::size_t positions = (writer.*add_positions)(as_floats(bank.positions), 3, GlbWriter::Use::vertices);
-  Json model = {{"name", bank.name},
-                {"positions", positions},
-                {"frequencies", writer.add_floats(frequencies, 1)},
-                {"decayRates", writer.add_floats(decays, 1)},
-                {"shapes", packed ? add_rounded_shapes(writer, bank) : writer.add_floats(as_floats(bank.shapes), 3)},
-                {"extras", {{"ringdown", extras_json(bank, writer)}}}};
-  if (!input_hash.empty()) model["extras"]["ringdown"]["inputHash"] = input_hash;
-  Json primitive = {{"attributes", {{"POSITION", positions}}}, {"mode", 0}};
+  WrittenModel written;
+  written.model = {{"name", bank.name},
+                   {"positions", positions},
+                   {"frequencies", writer.add_floats(frequencies, 1)},
+                   {"decayRates", writer.add_floats(decays, 1)},
+                   {"shapes", packed ? add_rounded_shapes(writer, bank) : writer.add_floats(as_floats(bank.shapes), 3)},
+                   {"extras", {{"ringdown", extras_json(bank, writer)}}}};
+  written.primitive = {{"attributes", {{"POSITION", positions}}}, {"mode", 0}};
   if (!bank.triangles.empty()) {
     const std::span corners(bank.triangles.front().data(), 3 * bank.triangles.size());
-    model["indices"] = primitive["indices"] = packed ? writer.add_packed_indices(corners) : writer.add_indices(corners);
-    primitive["mode"] = 4;
+    written.model["indices"] = written.primitive["indices"] =
+        packed ? writer.add_packed_indices(corners) : writer.add_indices(corners);
+    written.primitive["mode"] = 4;
   }
+  if (bank.material) written.material = material_json(bank);
+  if (bank.mass) written.model["massProperties"] = mass_json(*bank.mass);
+  return written;
+}
+
+Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std::string_view input_hash,
+                        Compression compression) {
+  GlbWriter writer;
+  auto [model, primitive, material] = add_model(writer, bank, compression == Compression::meshopt);
+  if (!input_hash.empty()) model["extras"]["ringdown"]["inputHash"] = input_hash;
   Json extension = {{"modalModels", Json::array()}};
-  if (bank.material) {
-    extension["acousticMaterials"] = Json::array({material_json(bank)});
+  if (material) {
+    extension["acousticMaterials"] = Json::array({*material});
     model["material"] = 0;
   }
-  if (bank.mass) model["massProperties"] = mass_json(*bank.mass);
   extension["modalModels"].push_back(std::move(model));
 
   const Json node = {

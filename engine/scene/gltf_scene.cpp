@@ -1,5 +1,6 @@
 #include "engine/scene/gltf_scene.h"
 
+#include "engine/base/content_hash.h"
 #include "engine/base/object_name.h"
 #include "engine/base/quote.h"
 #include "engine/base/within_memory.h"
@@ -9,6 +10,8 @@
 #include "engine/scene/gltf_document.h"
 #include "engine/scene/gltf_joints.h"
 #include "engine/scene/gltf_shapes.h"
+#include "engine/scene/scene_file.h"
+#include "engine/scene/scene_text.h"
 
 #include <algorithm>
 #include <array>
@@ -381,6 +384,15 @@ class SceneReader {
 
 }  // namespace
 
+std::string fingerprint(const SceneDescription& scene) {
+  SceneDescription own = scene;
+  for (ObjectDescription& object : own.objects) {
+    const std::string bank = object.bank.string();
+    object.bank = bank.substr(std::min(bank.rfind('#'), bank.size()));
+  }
+  return hash_of(to_toml(own)).text();
+}
+
 bool is_gltf(const std::filesystem::path& path) { return path.extension() == ".glb" || path.extension() == ".gltf"; }
 
 Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::filesystem::path& path,
@@ -390,7 +402,17 @@ Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::
     if (!glb) return fail(glb.error());
     auto document = GltfDocument::read(*glb);
     if (!document) return fail(document.error());
-    return SceneReader(*document, path).read();
+    auto read = SceneReader(*document, path).read();
+    const Field own = glb->root()["extras"]["ringdown"];
+    if (!read || !own["scene"].present()) return read;
+    if (own["fingerprint"].text_or("") != fingerprint(read->scene)) {
+      read->notes.push_back(
+          "another program has changed what Ringdown wrote; its own settings in the file are not used");
+      return read;
+    }
+    auto exact = parse_scene(own["scene"].text_or(""), path, {});
+    if (!exact) return fail(exact.error());
+    return GltfScene{*std::move(exact), {}};
   });
 }
 

@@ -24,6 +24,11 @@ struct GltfScene {
   std::vector<std::string> notes;  // sentences about what the file has and the scene has not, each once
 };
 
+// A name for all that a description says, wherever its file is. A file that Ringdown wrote (gltf_writer.h) has the name
+// of what it says to every program. As long as that is what the file says, Ringdown's own scene inside, which says
+// more, is played in its place.
+std::string fingerprint(const SceneDescription& scene);
+
 // Whether a path names a glTF file, by its ending.
 bool is_gltf(const std::filesystem::path& path);
 

@@ -1,0 +1,21 @@
+// A bank as a modal model inside a larger document. For the writers of banks and of scenes. [worker]
+#pragma once
+
+#include "engine/modal/bank.h"
+#include "engine/modal/glb.h"
+
+#include <optional>
+
+namespace ringdown::modal {
+
+// What a document says about a model whose arrays are in its buffer.
+struct WrittenModel {
+  Json model;                    // without the number of its material
+  Json primitive;                // of a mesh of the model's points and triangles
+  std::optional<Json> material;  // an acoustic material
+};
+
+// Adds a bank's arrays to the document's buffer; `packed` ones are compressed by meshopt (Compression, bank_file.h).
+WrittenModel add_model(GlbWriter& writer, const Bank& bank, bool packed);
+
+}  // namespace ringdown::modal

@@ -1,0 +1,20 @@
+// Writes scenes as glTF files with their banks inside, which other programs read (docs/use/gltf-scenes.md). [worker]
+#pragma once
+
+#include "engine/base/result.h"
+#include "engine/modal/bank.h"
+#include "engine/scene/description.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace ringdown::scene {
+
+// The bytes of a .glb file. `banks` are those of the scene's objects, in their order. Every body, static and joint and
+// the camera stand in it as KHR_physics_rigid_bodies and KHR_audio_rigid_bodies say them; of an emitter, its first
+// body. What these cannot say is in the file as a scene of ours besides, from which parse_gltf_scene() makes the same
+// description bit for bit, unless another program has changed the file. Fails where a body cannot be made.
+Result<std::vector<std::byte>> to_glb(const SceneDescription& scene, std::span<const modal::Bank> banks);
+
+}  // namespace ringdown::scene

@@ -1,0 +1,98 @@
+// Scenes written as glTF: read again they are the same, bit for bit, and other programs find them where they are.
+#include "engine/scene/gltf_writer.h"
+#include "engine/modal/bank_file.h"
+#include "engine/scene/gltf_scene.h"
+#include "engine/scene/scene_file.h"
+#include "engine/scene/scene_text.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace ringdown::scene {
+namespace {
+
+const std::filesystem::path kPresets = std::filesystem::path(RINGDOWN_SOURCE_DIR) / "presets";
+
+Result<GltfScene> read(std::span<const std::byte> bytes) { return parse_gltf_scene(bytes, "scene.glb", {}); }
+
+struct Exported {
+  SceneDescription scene;
+  std::vector<modal::Bank> banks;
+  std::vector<std::byte> bytes;
+};
+
+Exported exported(const std::filesystem::path& path) {
+  auto scene = read_scene(path, kPresets);
+  if (!scene) throw std::runtime_error(scene.error().message);
+  std::vector<modal::Bank> banks;
+  for (const ObjectDescription& object : scene->objects) banks.push_back(modal::read_bank(object.bank).value());
+  auto bytes = to_glb(*scene, banks);
+  if (!bytes) throw std::runtime_error(path.string() + ": " + bytes.error().message);
+  return {*scene, std::move(banks), *bytes};
+}
+
+TEST(GltfWriter, EveryPresetSceneIsReadAgainBitForBit) {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(kPresets / "scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    auto [scene, banks, bytes] = exported(entry.path());
+    const auto again = read(bytes);
+    ASSERT_TRUE(again) << entry.path() << again.error().message;
+    EXPECT_TRUE(again->notes.empty());
+    ASSERT_EQ(again->scene.objects.size(), scene.objects.size());
+    for (std::size_t k = 0; k < scene.objects.size(); ++k) {
+      const std::string bank = again->scene.objects[k].bank.string();
+      ASSERT_TRUE(bank.starts_with("scene.glb#")) << bank;
+      scene.objects[k].gain *= banks[k].gain;
+      scene.objects[k].bank = bank;
+    }
+    EXPECT_EQ(to_toml(again->scene), to_toml(scene)) << entry.path();
+    ++count;
+  }
+  EXPECT_GT(count, 5);
+}
+
+TEST(GltfWriter, BanksInsideAreThoseOfTheScene) {
+  const auto [scene, banks, bytes] = exported(kPresets / "scenes/bell-and-clapper.toml");
+  const auto again = read(bytes);
+  ASSERT_TRUE(again) << again.error().message;
+  for (std::size_t k = 0; k < banks.size(); ++k) {
+    const auto bank = modal::parse_bank(bytes, again->scene.objects[k].bank.string());
+    ASSERT_TRUE(bank) << bank.error().message;
+    EXPECT_EQ(bank->frequency_hz, banks[k].frequency_hz);
+    EXPECT_EQ(bank->decay_per_s, banks[k].decay_per_s);
+    EXPECT_EQ(bank->shapes, banks[k].shapes);
+    EXPECT_EQ(bank->positions, banks[k].positions);
+    EXPECT_EQ(bank->triangles, banks[k].triangles);
+  }
+}
+
+// As another program reads the file: without Ringdown's own scene in it.
+TEST(GltfWriter, OtherProgramsFindEveryBodyInItsPlace) {
+  auto [scene, banks, bytes] = exported(kPresets / "scenes/demo.toml");
+  const std::string mark = "\"fingerprint\":\"";
+  std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  text[text.find(mark) + mark.size()] = '-';
+  const auto plain = read(std::as_bytes(std::span(text)));
+  ASSERT_TRUE(plain) << plain.error().message;
+  ASSERT_EQ(plain->notes.size(), 1);
+  EXPECT_NE(plain->notes[0].find("another program has changed"), std::string::npos);
+  for (const BodyDescription& body : scene.bodies) {
+    const auto found = std::ranges::find(plain->scene.bodies, body.name, &BodyDescription::name);
+    ASSERT_NE(found, plain->scene.bodies.end()) << body.name;
+    EXPECT_LT(length(found->position_m - body.position_m), 1e-9);
+    EXPECT_LT(length(found->velocity_m_s - body.velocity_m_s), 1e-9);
+    EXPECT_EQ(found->fixed, body.fixed);
+    EXPECT_EQ(found->shape.type, body.shape.type);
+    EXPECT_EQ(found->surface.restitution, body.surface.restitution);
+  }
+}
+
+}  // namespace
+}  // namespace ringdown::scene
