@@ -164,6 +164,10 @@ Result<void> check_abilities(const SceneDescription& scene) {
     if (body.scatter_m != 0) return fail(ErrorKind::bad_input, "body " + quote(body.name) + " has scatter_m" + cannot);
     if (body.shape.type == ShapeType::trimesh)
       return fail(ErrorKind::bad_input, "body " + quote(body.name) + " is a trimesh" + cannot);
+    if (body.gravity_factor != 1)
+      return fail(ErrorKind::bad_input, "body " + quote(body.name) + " has a gravity_factor" + cannot);
+    if (body.filter != scene::CollisionFilter{})
+      return fail(ErrorKind::bad_input, "body " + quote(body.name) + " has a collision filter" + cannot);
   }
   return {};
 }
