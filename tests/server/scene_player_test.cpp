@@ -1,5 +1,6 @@
 // The embedded scene as the daemon runs it: what it sends when it ends, and when it need not run.
 #include "engine/modal/bank_file.h"
+#include "server/session/scene_save.h"
 #include "server/session/session.h"
 #include "tests/support/synthetic_bank.h"
 #include "tests/support/temporary_folder.h"
@@ -122,6 +123,12 @@ TEST_F(ScenePlayerTest, AGltfSceneHasAnObjectForEachNodeAndNamesWhatItLeavesOut)
   EXPECT_EQ((*small)->map, (*large)->map);  // in memory once
   EXPECT_EQ((*small)->gain, 0.5);
   EXPECT_EQ((*large)->material.size, 2);
+  // As a TOML scene it names the models in the file.
+  const auto saved = save_scene(session, folder_ / "saved.toml");
+  ASSERT_TRUE(saved) << saved.error().message;
+  const auto again = session_.scene().load(folder_ / "saved.toml", 0);
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ((*session_.rack().find({.name = "bell-2"}))->bank, folder_ / "room.gltf#0");
   session.scene().advance_to(48000, 48000);
   EXPECT_GT(strikes[(*small)->number], 0);
   EXPECT_GT(strikes[(*large)->number], 0);
