@@ -156,18 +156,17 @@ void remove_loose_parts(CollisionShape& shape) {
 Result<CollisionShape> shape_of(const Shape& shape, const modal::Bank* bank, const Extent& extent,
                                 Vec3 center_of_mass) {
   CollisionShape out;
-  out.type = shape.type;
-  out.center_m = extent.center_m - center_of_mass;
+  out.type = shape.type;  // the points of hulls and meshes lie about the centre of mass: their center_m stays 0
   if (shape.type == ShapeType::box) {
+    out.center_m = extent.center_m - center_of_mass;
     out.size_m = extent.size_m;
   } else if (shape.type == ShapeType::sphere) {
     const bool own = shape.radius_m > 0;
     out.radius_m = own ? shape.radius_m : enclosing_radius(*bank, center_of_mass);
-    if (!own) out.center_m = {};
+    if (own) out.center_m = extent.center_m - center_of_mass;
   } else if (shape.mesh) {
     for (const Vec3& p : shape.mesh->points_m) out.points.push_back(p - center_of_mass);
     out.triangles = shape.mesh->triangles;
-    out.center_m = {};  // the points themselves lie about the centre of mass
   } else {
     for (const auto& p : bank->positions) out.points.push_back(to_vec3(p) - center_of_mass);
     out.triangles = bank->triangles;

@@ -6,9 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <tuple>
 
 namespace ringdown::scene {
 namespace {
@@ -107,6 +109,41 @@ INSTANTIATE_TEST_SUITE_P(Presets, PresetScene, testing::ValuesIn(scene_names()),
   return name;
 });
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(PresetScene);
+
+// A body lies where its mesh lies: hulls and meshes collide at the points of the bank, wherever the centre of mass is
+// in their bounding box.
+class RestingPreset : public testing::TestWithParam<std::tuple<std::string, ShapeType>> {};
+
+TEST_P(RestingPreset, ABodyLiesOnTheFloorWithItsMeshAndNotBesideIt) {
+  const auto& [name, shape] = GetParam();
+  auto bank = modal::read_bank(kPresets / "banks" / (name + ".glb"));
+  ASSERT_TRUE(bank) << bank.error().message;
+  const std::vector<modal::Vec3f> points = bank->positions;
+  SceneDescription scene;
+  scene.objects = {{.name = name, .bank = "x"}};
+  BodyDescription body{.name = name, .object = name, .shape = {.type = shape}, .position_m = {0, 0, 0.3}};
+  body.surface.restitution = 0;
+  scene.bodies = {body};
+  scene.statics = {{.name = "floor"}};
+  auto world = World::create(scene, std::array{test::sounding(name, 0, std::move(*bank))}, 48000);
+  ASSERT_TRUE(world) << world.error().message;
+  while (world->time_s() < 3) world->step();
+  const BodyState state = world->bodies()[0];
+  double lowest = 1;
+  for (const auto& [x, y, z] : points) {
+    lowest = std::min(lowest, state.position_m.z + rotated(state.rotation, Vec3{x, y, z}).z);
+  }
+  EXPECT_NEAR(lowest, 0, 0.001);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, RestingPreset,
+                         testing::Combine(testing::Values("frying-pan", "knife", "bronze-bell"),
+                                          testing::Values(ShapeType::convex, ShapeType::trimesh)),
+                         [](const auto& info) {
+                           std::string name = std::get<0>(info.param);
+                           std::ranges::replace(name, '-', '_');
+                           return name + (std::get<1>(info.param) == ShapeType::convex ? "_hull" : "_mesh");
+                         });
 
 }  // namespace
 }  // namespace ringdown::scene
