@@ -154,18 +154,18 @@ class SceneReader {
     surface.friction = document_.number(material["staticFriction"], 0.6);
     surface.sliding_friction = document_.number(material["dynamicFriction"], 0.6);
     surface.restitution = document_.number(material["restitution"], 0);
-    surface.friction_combine = combine(material["frictionCombine"]);
-    surface.restitution_combine = combine(material["restitutionCombine"]);
+    const auto combine = [&](const char* key) {
+      constexpr std::array kWays = {"average", "minimum", "maximum", "multiply"};
+      const Field field = material[key];
+      if (!field.present()) return Combine::average;
+      const auto found = std::ranges::find(kWays, field.text_or(""));
+      if (found == kWays.end()) document_.refuse(field.wrong("average, minimum, maximum or multiply"));
+      return static_cast<Combine>(found - kWays.begin());
+    };
+    surface.friction_combine = combine("frictionCombine");
+    surface.restitution_combine = combine("restitutionCombine");
     if (surface.restitution > 1) note("a restitution above 1 is 1");
     surface.restitution = std::min(surface.restitution, 1.0);
-  }
-
-  Combine combine(const Field& field) {
-    constexpr std::array kWays = {"average", "minimum", "maximum", "multiply"};
-    if (!field.present()) return Combine::average;
-    const auto found = std::ranges::find(kWays, field.text_or(""));
-    if (found == kWays.end()) document_.refuse(field.wrong("average, minimum, maximum or multiply"));
-    return static_cast<Combine>(found - kWays.begin());
   }
 
   // The acoustic surface of a node or of the nearest one above it.

@@ -65,25 +65,27 @@ void add_dropped(scene::SceneDescription& scene, scene::BodyDescription body, do
   }
 }
 
-}  // namespace
-
-// Reads a scene of either format.
-Result<scene::SceneDescription> ScenePlayer::read(const std::filesystem::path& path) {
+// What the file has and a scene has not is warned of.
+Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::filesystem::path& path,
+                                           const Rack& rack) {
   const bool is_gltf = scene::is_gltf(path);
-  const auto text = roots_.read(path, is_gltf ? modal::kMaxBankFileBytes : kMaxTomlFileBytes);
+  const auto text = roots.read(path, is_gltf ? modal::kMaxBankFileBytes : kMaxTomlFileBytes);
   if (!text) return fail(text.error());
   if (!is_gltf) return scene::parse_scene(*text, path, preset_folder().value_or(std::filesystem::path()));
   const modal::ReadBeside beside = [&](const std::string& relative, std::size_t limit) {
-    return roots_.read(path.parent_path() / relative, limit);
+    return roots.read(path.parent_path() / relative, limit);
   };
   auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, beside);
   if (!read) return fail(read.error());
-  for (const std::string& note : read->notes) rack_.warn("scene: " + note);
+  for (const std::string& note : read->notes) rack.warn("scene: " + note);
   return std::move(read->scene);
 }
 
+}  // namespace
+
+// Reads a scene of either format.
 Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
-  const auto description = read(path);
+  const auto description = read_below(roots_, path, rack_);
   if (!description) return fail(description.error());
   std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // read before anything changes
   for (const auto& object : description->objects) {

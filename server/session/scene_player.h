@@ -140,7 +140,6 @@ class ScenePlayer {
   [[nodiscard]] double slowed_s() const { return slowed_s_; }
 
  private:
-  Result<scene::SceneDescription> read(const std::filesystem::path& path);
   Result<scene::BodyId> spawn(const std::optional<protocol::ObjectRef>& object, scene::BodyDescription body);
   [[nodiscard]] synth::Frame position() const;
   [[nodiscard]] synth::Frame reported_until() const;

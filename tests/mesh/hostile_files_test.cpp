@@ -62,7 +62,6 @@ TEST(HostileFiles, SurfacesThatBreakTheirReaderAreRefused) {
   const std::pair<const char*, std::string> files[] = {
       {"little.ply", ply("binary_little_endian", kTextBody)},
       {"big.ply", ply("binary_big_endian", kTextBody)},
-      {"tiny.obj", "v 0 0 0\nv 1e-31 0 0\nv 0 1e-31 0\nv 0 0 1e-31\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"},
       {"indices.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999\nf -99 1 2\n"},
       {"nodes.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n99999999999\n1 0 0 0\n"},
   };
@@ -70,6 +69,22 @@ TEST(HostileFiles, SurfacesThatBreakTheirReaderAreRefused) {
     const auto path = folder.write(name, content);
     expect_refused(path, check(path), kBadInput, {});
   }
+}
+
+// Triangles whose areas are below the smallest double are still triangles.
+TEST(HostileFiles, ASurfaceOfNoSizeBreaksNothingAndIsQuestioned) {
+  const TemporaryFolder folder;
+  const auto path =
+      folder.write("tiny.obj", "v 0 0 0\nv 1e-31 0 0\nv 0 1e-31 0\nv 0 0 1e-31\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  bool questioned = false;
+  const auto done = run_child({.command = {RINGDOWN_BIN_DIR "/ringdown-check", "mesh", path.string()},
+                               .limit_s = 60,
+                               .on_line = [&](std::string_view line) {
+                                 questioned = questioned || line.find("is this size meant?") != line.npos;
+                               }});
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->exit_code, 0) << done->errors;
+  EXPECT_TRUE(questioned);
 }
 
 TEST(HostileFiles, GeometriesThatNeverEndAreEnded) {
