@@ -93,9 +93,8 @@ Result<GltfDocument> GltfDocument::read(const modal::Glb& glb) {
   if (nodes.size() > kMaxNodes) return nodes.wrong("at most " + std::to_string(kMaxNodes) + " nodes");
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const std::string name = nodes[k]["name"].text_or("");
-    document.nodes_.push_back({.field = nodes[k],
-                               .name = name.empty() ? "node" + std::to_string(k) : name,
-                               .local = document.local_of(nodes[k])});
+    document.nodes_.push_back(
+        {.field = nodes[k], .name = name.empty() ? "node" + std::to_string(k) : name, .local = document.local_of(k)});
   }
   document.link_nodes();
   if (const auto good = document.result(); !good) return fail(good.error());
@@ -105,7 +104,8 @@ Result<GltfDocument> GltfDocument::read(const modal::Glb& glb) {
 }
 
 // A matrix, or a translation, a rotation and a scale.
-Affine GltfDocument::local_of(const Field& node) {
+Affine GltfDocument::local_of(std::size_t number_of_node) {
+  const Field node = root()["nodes"][number_of_node];
   const Field matrix = node["matrix"];
   if (!matrix.present()) {
     return {scaled(to_matrix(rotation(node["rotation"])), vector(node["scale"], {1, 1, 1})),

@@ -88,7 +88,7 @@ class GltfDocument {
   explicit GltfDocument(const modal::Glb& glb) : glb_(&glb) {}
   void link_nodes();
   void place_nodes();
-  [[nodiscard]] Affine local_of(const modal::Field& node);
+  [[nodiscard]] Affine local_of(std::size_t number_of_node);
   std::vector<std::size_t> roots();
 
   const modal::Glb* glb_;
