@@ -67,7 +67,7 @@ void add_dropped(scene::SceneDescription& scene, scene::BodyDescription body, do
 
 // What the file has and a scene has not is warned of.
 Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::filesystem::path& path,
-                                           const Rack& rack) {
+                                           const std::function<void(const std::string&)>& warn) {
   const bool is_gltf = scene::is_gltf(path);
   const auto text = roots.read(path, is_gltf ? modal::kMaxBankFileBytes : kMaxTomlFileBytes);
   if (!text) return fail(text.error());
@@ -77,7 +77,7 @@ Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::fi
   };
   auto read = scene::parse_gltf_scene(std::as_bytes(std::span(*text)), path, beside);
   if (!read) return fail(read.error());
-  for (const std::string& note : read->notes) rack.warn("scene: " + note);
+  for (const std::string& note : read->notes) warn("scene: " + note);
   return std::move(read->scene);
 }
 
@@ -85,7 +85,7 @@ Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::fi
 
 // Reads a scene of either format.
 Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
-  const auto description = read_below(roots_, path, rack_);
+  const auto description = read_below(roots_, path, [this](const std::string& sentence) { rack_.warn(sentence); });
   if (!description) return fail(description.error());
   std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // read before anything changes
   for (const auto& object : description->objects) {
