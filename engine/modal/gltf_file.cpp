@@ -55,23 +55,6 @@ std::string from_percent(std::string_view text) {
   return plain;
 }
 
-Result<std::string> content_of(const Field& uri, std::size_t limit, const ReadBeside& read_beside) {
-  const std::string text = uri.text_or("");
-  if (text.starts_with("data:")) {
-    const std::size_t comma = text.find(',');
-    const bool base64 = comma != std::string::npos && std::string_view(text).substr(0, comma).ends_with(";base64");
-    auto bytes = base64 ? from_base64(std::string_view(text).substr(comma + 1)) : std::nullopt;
-    if (!bytes) return fail(ErrorKind::bad_input, uri.path() + " is a data: URI without sound base64");
-    return *std::move(bytes);
-  }
-  const std::string relative = from_percent(text);
-  const bool has_scheme = text.find(':') < text.find('/');
-  if (relative.empty() || relative.starts_with('/') || has_scheme || relative.find('\0') != std::string::npos) {
-    return uri.wrong("a relative path or a data: URI");
-  }
-  return read_beside(relative, limit);
-}
-
 // Puts every buffer into one binary.
 class Assembler {
  public:
@@ -97,6 +80,23 @@ class Assembler {
   }
 
  private:
+  [[nodiscard]] Result<std::string> content_of(const Field& uri, std::size_t limit) const {
+    const std::string text = uri.text_or("");
+    if (text.starts_with("data:")) {
+      const std::size_t comma = text.find(',');
+      const bool base64 = comma != std::string::npos && std::string_view(text).substr(0, comma).ends_with(";base64");
+      auto bytes = base64 ? from_base64(std::string_view(text).substr(comma + 1)) : std::nullopt;
+      if (!bytes) return fail(ErrorKind::bad_input, uri.path() + " is a data: URI without sound base64");
+      return *std::move(bytes);
+    }
+    const std::string relative = from_percent(text);
+    const bool has_scheme = text.find(':') < text.find('/');
+    if (relative.empty() || relative.starts_with('/') || has_scheme || relative.find('\0') != std::string::npos) {
+      return uri.wrong("a relative path or a data: URI");
+    }
+    return read_beside_(relative, limit);
+  }
+
   static Json* inside(Json& json, const char* key) {
     if (!json.is_object()) return nullptr;
     const auto found = json.find(key);
@@ -109,7 +109,7 @@ class Assembler {
     if (!length) return fail(length.error());
     std::string content;
     if (buffer["uri"].present()) {
-      auto read = content_of(buffer["uri"], kMaxBufferBytes, read_beside_);
+      auto read = content_of(buffer["uri"], kMaxBufferBytes);
       if (!read) return fail(read.error());
       content = *std::move(read);
     } else if (number == 0 && !glb_.binary.empty()) {
