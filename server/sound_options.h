@@ -11,8 +11,8 @@ struct MixerSettings;
 
 namespace ringdown::server {
 
-// Adds --floor, --contacts, --full-scale, --limiter, --ambisonics and --binaural, which write to `settings`: it must outlive the app. The limiter
-// is on by default. --masking is accepted but only prints that it has no effect any more.
+// Adds --floor, --contacts, --full-scale, --limiter, --ambisonics and --binaural, which write to `settings`: it must
+// outlive the app. The limiter is on by default. --masking is accepted but only prints that it has no effect any more.
 void add_sound_options(CLI::App& app, synth::MixerSettings& settings);
 
 }  // namespace ringdown::server

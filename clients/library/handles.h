@@ -1,4 +1,4 @@
-// What the C API's handles stand for, and how its functions turn results and exceptions into codes and sentences.
+// Defines the handles of the C API, and turns results and exceptions into its codes and sentences.
 // Private to clients/library.
 #pragma once
 
@@ -31,7 +31,7 @@ struct ringdown_mixer {
   ringdown::session::Rack rack;
   std::vector<ringdown::synth::Event> events;  // [control] of the call that is carried out
   std::atomic<std::uint64_t> dropped = 0;
-  std::atomic<bool> has_scene = false;
+  bool has_scene = false;  // [worker]
 };
 
 namespace ringdown::library {
@@ -86,8 +86,8 @@ ringdown_result guarded(ringdown_error* error, Work work) {
   }
 }
 
-// The caller's struct, of whatever version, over our defaults. What the caller's is too short for keeps its default;
-// what is longer than ours must be 0, because we would ignore it.
+// Returns the caller's struct, of whatever version, over our defaults. Members that it is too short for keep their
+// defaults; members that ours does not have must be 0, because they would be ignored.
 template <class Struct>
 Result<Struct> taken(const Struct* given, std::size_t size, Struct defaults) {
   if (!given) return missing("the struct");
@@ -105,7 +105,7 @@ Result<Struct> taken(const Struct* given, std::size_t size, Struct defaults) {
   return defaults;
 }
 
-// As much of ours as the caller's struct has room for; the first member is its size, which stays.
+// Writes as much of `ours` as the caller's struct has room for. Its first member, the size, stays.
 template <class Struct>
 Result<void> give(Struct* given, const Struct& ours) {
   if (!given) return missing("the struct");

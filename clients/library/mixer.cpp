@@ -210,7 +210,11 @@ ringdown_result ringdown_excite(ringdown_mixer* mixer, uint32_t input, uint32_t 
 }
 
 void ringdown_collect(ringdown_mixer* mixer) {
-  if (mixer) mixer->rack.collect();
+  static_cast<void>(guarded(nullptr, [&]() -> Result<void> {
+    if (!mixer) return missing("mixer");
+    mixer->rack.collect();
+    return {};
+  }));
 }
 
 void ringdown_render(ringdown_mixer* mixer, float* left, float* right, size_t frames) {

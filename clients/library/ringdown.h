@@ -50,7 +50,7 @@
  * so that a program runs with every later library of that number. What a caller's struct is too short for keeps its
  * default. Members that a library is too old for are refused when they are not 0.
  *
- * The library is under the MIT licence and links nothing under the GPL (docs/use/library.md lists what it links). */
+ * The library is under the MIT licence and links nothing under the GPL (docs/how/dependencies.md lists what it links). */
 #ifndef RINGDOWN_H
 #define RINGDOWN_H
 

@@ -49,15 +49,13 @@ ringdown_result ringdown_scene_load(ringdown_mixer* mixer, const char* path, int
                                           " and libringdown-scene of " RINGDOWN_VERSION
                                           "; install one version of both");
     }
-    if (mixer->has_scene.exchange(true)) {
+    if (mixer->has_scene) {
       return fail(ErrorKind::refused, "the mixer has a scene already; destroy it first");
     }
     const std::scoped_lock lock(ode());
     auto made = std::make_unique<ringdown_scene>(mixer);
-    if (const auto loaded = made->player.load(path, frame); !loaded) {
-      mixer->has_scene = false;
-      return fail(loaded.error());
-    }
+    if (const auto loaded = made->player.load(path, frame); !loaded) return fail(loaded.error());
+    mixer->has_scene = true;
     *scene = made.release();
     return {};
   });
@@ -65,8 +63,8 @@ ringdown_result ringdown_scene_load(ringdown_mixer* mixer, const char* path, int
 
 void ringdown_scene_destroy(ringdown_scene* scene) {
   if (!scene) return;
+  static_cast<void>(on_scene(scene, nullptr, [](session::ScenePlayer& player) { return player.clear(); }));
   const std::scoped_lock lock(ode());
-  static_cast<void>(scene->player.clear());
   scene->mixer->has_scene = false;
   delete scene;
 }

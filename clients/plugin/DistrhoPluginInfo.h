@@ -1,4 +1,4 @@
-// What DPF is to build; the names of file and macros are DPF's.
+// Tells DPF what to build; the names of the file and of the macros are DPF's.
 #pragma once
 
 #define DISTRHO_PLUGIN_BRAND "Ringdown"

@@ -1,6 +1,6 @@
 #include "clients/plugin/instrument.h"
 
-#include "clients/plugin/base64.h"
+#include "engine/base/base64.h"
 
 #include <algorithm>
 #include <chrono>
@@ -35,7 +35,7 @@ std::unique_ptr<ringdown_mixer, MixerDestroy> make_mixer(double sample_rate_hz) 
 }
 
 // The bytes that a session holds for this source; nothing: it holds none.
-std::optional<std::vector<std::uint8_t>> embedded_bytes(const std::string& embedded, const Source& source) {
+std::optional<std::string> embedded_bytes(const std::string& embedded, const Source& source) {
   const std::size_t blank = embedded.rfind(' ');
   if (blank == std::string::npos || embedded.compare(0, blank, source.name) != 0) return std::nullopt;
   auto bytes = from_base64(std::string_view(embedded).substr(blank + 1));
@@ -82,7 +82,7 @@ std::string Instrument::embedded() const {
   if (is_note_map(source)) return "";
   if (embedded_bytes(embedded_, source)) return embedded_;
   std::ifstream bank(source.path, std::ios::binary);
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(bank), {}};
+  const std::string bytes{std::istreambuf_iterator<char>(bank), {}};
   return bytes.empty() ? "" : source.name + " " + to_base64(bytes);
 }
 
@@ -143,7 +143,7 @@ void Instrument::catch_up() {
 
 void Instrument::load(const Source& source) {
   const auto embedded = embedded_bytes(embedded_, source);
-  auto plan = plan_keys(source, embedded ? std::span<const std::uint8_t>(*embedded) : std::span<const std::uint8_t>{});
+  auto plan = plan_keys(source, embedded ? std::string_view(*embedded) : std::string_view());
   if (!plan) return report(plan.error().message);
   plan->map.generation = ++generations_;
   plan_ = std::make_unique<KeyPlan>(*std::move(plan));

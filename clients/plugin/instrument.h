@@ -71,7 +71,7 @@ class Instrument {
   void render(std::span<const MidiMessage> messages, float* left, float* right, std::size_t frames) RINGDOWN_REALTIME;
 
  private:
-  // What the worker last did to an object.
+  // The retuning that the worker gave an object last.
   struct Tuning {
     ringdown_material material{};
     double damping_ns_m = 0;

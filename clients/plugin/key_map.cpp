@@ -70,7 +70,8 @@ void lay_stations(const Shapes& bank, const Vec3& middle_m, Body& body) {
   }
 }
 
-// What each mode sends to 1 m after an impulse of 1 N s at the first station [Pa]; 0 for what nobody hears.
+// Returns the pressure of each mode at 1 m after an impulse of 1 N s at the first station [Pa]; 0 for modes that nobody
+// hears.
 std::vector<double> audible_pa(const ringdown_bank* bank, const Shapes& shapes, const Body& body) {
   std::vector<double> amplitudes(shapes.modes);
   if (ringdown_bank_levels_pa(bank, amplitudes.data()) != RINGDOWN_OK) return amplitudes;
@@ -107,7 +108,7 @@ double pitch_hz(const ringdown_bank* bank, const std::vector<double>& amplitudes
   return lowest;
 }
 
-Result<std::shared_ptr<ringdown_bank>> opened(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
+Result<std::shared_ptr<ringdown_bank>> opened(const std::filesystem::path& path, std::string_view bytes) {
   ringdown_bank* bank = nullptr;
   ringdown_error error{};
   const ringdown_result result = bytes.empty()
@@ -117,7 +118,7 @@ Result<std::shared_ptr<ringdown_bank>> opened(const std::filesystem::path& path,
   return std::shared_ptr<ringdown_bank>(bank, BankRelease{});
 }
 
-Result<void> add_body(const std::filesystem::path& path, std::span<const std::uint8_t> bytes, KeyPlan& plan) {
+Result<void> add_body(const std::filesystem::path& path, std::string_view bytes, KeyPlan& plan) {
   auto bank = opened(path, bytes);
   if (!bank) return fail(bank.error());
   const auto body = measure(bank->get());
@@ -205,7 +206,7 @@ Result<Body> measure(const ringdown_bank* bank) {
   return body;
 }
 
-Result<KeyPlan> plan_keys(const Source& source, std::span<const std::uint8_t> embedded) {
+Result<KeyPlan> plan_keys(const Source& source, std::string_view embedded) {
   if (is_note_map(source)) return plan_note_map(source.path);
   KeyPlan plan;
   if (const auto good = add_body(source.path, embedded, plan); !good) return fail(good.error());

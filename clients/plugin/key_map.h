@@ -1,4 +1,4 @@
-// What each key of the keyboard strikes: made by the worker, read by the audio thread, never changed in between.
+// The map from keys to the objects they strike: made by the worker, read by the audio thread, never changed in between.
 //
 // One bank across the keyboard: each key is an object of that bank, as large as its pitch asks for. Frequencies go as
 // sqrt(stiffness / density) / size, exactly. Or a note map (docs/use/midi.md): each key strikes an object of its own
@@ -17,7 +17,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
+#include <string_view>
 #include <vector>
 
 namespace ringdown::plugin {
@@ -30,7 +30,7 @@ struct BankRelease {
 };
 using Bank = std::unique_ptr<ringdown_bank, BankRelease>;
 
-// What blows need to know of a bank, in the size it was baked.
+// The numbers of a bank that blows are computed from, in the size it was baked.
 struct Body {
   // A sample point where the object may be struck, and the direction in which its main mode moves there.
   struct Station {
@@ -78,7 +78,7 @@ struct KeyPlan {
 };
 
 // Reads what the source names; `embedded`: the bytes of its bank, instead of the file. [worker]
-Result<KeyPlan> plan_keys(const Source& source, std::span<const std::uint8_t> embedded);
+Result<KeyPlan> plan_keys(const Source& source, std::string_view embedded);
 
 // The factor on the object's lengths when it is bent by so many semitones.
 double size_of(const KeyMap& map, const KeyMap::Object& object, const ParameterValues& parameters,

@@ -46,7 +46,7 @@ class Keyboard {
   // Forgets keys, pedals, bends and pressure. Nothing else may run.
   void reset();
 
-  // What the worker does to each key's object. [any]
+  // The worker reads from these how each key's object is to be retuned. [any]
   [[nodiscard]] double bend_semitones(std::size_t key) const RINGDOWN_REALTIME {
     return bend_semitones_.data()[key].load(std::memory_order_relaxed);
   }

@@ -63,14 +63,15 @@ struct Source {
   friend bool operator==(const Source&, const Source&) = default;
 };
 
-// What to play: `file` counts for choice 0, and is the first preset when it is empty; so is any choice that there is
-// not. `binary` is the plug-in's own file, near which presets may lie.
+// Finds what to play: `file` counts for choice 0, and is the first preset when it is empty; so is any choice that there
+// is not. `binary` is the plug-in's own file, near which presets may lie.
 Source find_source(std::size_t choice, const std::string& file, const std::filesystem::path& binary);
 
 // A note map ends in .toml; everything else is a bank.
 bool is_note_map(const Source& source);
 
-// Where files 1.glb, 2.toml ... of the user lie: $XDG_DATA_HOME/ringdown/plugin or ~/.local/share/ringdown/plugin.
+// Returns the folder of the user's files 1.glb, 2.toml ...: $XDG_DATA_HOME/ringdown/plugin or
+// ~/.local/share/ringdown/plugin.
 std::filesystem::path own_folder();
 
 // The environment's RINGDOWN_PRESETS; else the first of presets/ and share/ringdown/presets in the folder of `binary`

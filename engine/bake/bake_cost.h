@@ -1,5 +1,5 @@
-// Estimates what a bake will take before it is made: modes, processor time and memory. The constants were fitted to seven
-// bakes and checked on one other. [any thread]
+// Estimates what a bake will take before it is made: modes, processor time and memory. The constants were fitted to
+// seven bakes and checked on one other. [any thread]
 #pragma once
 
 #include "engine/base/result.h"

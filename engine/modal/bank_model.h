@@ -8,7 +8,7 @@
 
 namespace ringdown::modal {
 
-// What a document says about a model whose arrays are in its buffer.
+// The JSON of a model whose arrays are in the document's buffer.
 struct WrittenModel {
   Json model;                    // without the number of its material
   Json primitive;                // of a mesh of the model's points and triangles

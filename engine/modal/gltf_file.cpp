@@ -1,5 +1,6 @@
 #include "engine/modal/gltf_file.h"
 
+#include "engine/base/base64.h"
 #include "engine/base/within_memory.h"
 
 #include <array>
@@ -12,30 +13,7 @@
 namespace ringdown::modal {
 namespace {
 
-constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 constexpr std::size_t kNoBuffer = std::size_t{1} << 40;  // no file has so many
-
-// Four letters stand for three bytes; the last letters may be missing or be '='.
-std::optional<std::string> from_base64(std::string_view text) {
-  std::array<int, 256> value{};
-  value.fill(-1);
-  for (int k = 0; const char letter : kAlphabet) value[static_cast<unsigned char>(letter)] = k++;
-  while (text.ends_with('=')) text.remove_suffix(1);
-  if (text.size() % 4 == 1) return std::nullopt;
-  std::string bytes;
-  bytes.reserve(text.size() / 4 * 3 + 3);
-  unsigned bits = 0, word = 0;
-  for (const char letter : text) {
-    const int part = value[static_cast<unsigned char>(letter)];
-    if (part < 0) return std::nullopt;
-    word = (word << 6 | static_cast<unsigned>(part)) & 0xFFFFFF;
-    bits += 6;
-    if (bits < 8) continue;
-    bits -= 8;
-    bytes.push_back(static_cast<char>(word >> bits & 0xFF));
-  }
-  return bytes;
-}
 
 int hex_digit(char letter) {
   if (letter >= '0' && letter <= '9') return letter - '0';
@@ -85,7 +63,9 @@ class Assembler {
     if (text.starts_with("data:")) {
       const std::size_t comma = text.find(',');
       const bool base64 = comma != std::string::npos && std::string_view(text).substr(0, comma).ends_with(";base64");
-      auto bytes = base64 ? from_base64(std::string_view(text).substr(comma + 1)) : std::nullopt;
+      std::string letters = base64 ? text.substr(comma + 1) : "";
+      letters.resize((letters.size() + 3) / 4 * 4, '=');  // which some writers leave out
+      auto bytes = base64 ? from_base64(letters) : std::nullopt;
       if (!bytes) return fail(ErrorKind::bad_input, uri.path() + " is a data: URI without sound base64");
       return *std::move(bytes);
     }

@@ -24,7 +24,7 @@ struct Freedom {
   [[nodiscard]] bool locked() const { return high - low < kLocked; }
 };
 
-// What the limits of a joint leave free, along and about the axes of its frame.
+// The freedom that the limits of a joint leave, along and about the axes of its frame.
 struct Freedoms {
   std::array<Freedom, 3> along, about;
 };

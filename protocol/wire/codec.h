@@ -1,8 +1,10 @@
-// OSC packets to plain messages and back, by liblo. The only file that includes liblo is codec.cpp. [any thread but audio]
+// OSC packets to plain messages and back, by liblo. The only file that includes liblo is codec.cpp. [any thread but
+// audio]
 //
 // liblo 0.31 reads and writes the bytes of messages; everything around that is our own, because of what it does there:
 //
-// - Malformed packets make it read past the end (short blobs, truncated bundles). split_packet() checks every byte first
+// - Malformed packets make it read past the end (short blobs, truncated bundles). split_packet() checks every byte
+// first
 //   and opens the bundles, so that liblo is given single messages that are known to be well formed.
 // - It converts an argument to the type that a method was registered with, and turns NaN or 1e20 into the integer 0: a
 //   request for object NaN would reach object 0. protocol/schema.h converts strictly instead, and refuses.

@@ -49,8 +49,9 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output, "the CSV to write; what peers read and write lies beside it");
   app.add_flag("--gate", gate, "exit with 1 when a promise is missed");
   app.add_flag("--quick", settings.quick, "under a minute: fewer and shorter repeats, the same promises");
-  app.add_option("--only", only,
-                 "parts: throughput accuracy silence strike storm decay tail instances directions fields library threads budget");
+  app.add_option(
+      "--only", only,
+      "parts: throughput accuracy silence strike storm decay tail instances directions fields library threads budget");
   CLI11_PARSE(app, argc, argv);
 
   const std::string machine = bench::this_machine(synth::kernel_target());

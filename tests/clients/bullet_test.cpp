@@ -12,11 +12,11 @@
 namespace ringdown::bullet {
 namespace {
 
-using synth::Event;
-using synth::EventType;
 using scene::BodyDescription;
 using scene::SceneDescription;
 using scene::ShapeType;
+using synth::Event;
+using synth::EventType;
 using test::body_of;
 using test::box_bank;
 using test::scene_of;

@@ -175,13 +175,6 @@ TEST(Picture, TheViewDrawsEveryTriangleAndChoosesModes) {
   EXPECT_NE(ran.output.find("title mode " + last + ", " + last + "/1 Hz"), std::string::npos) << ran.output;
 }
 
-TEST(Picture, Base64IsAsPublished) {  // RFC 4648, section 10
-  EXPECT_EQ(cli::base64(""), "");
-  EXPECT_EQ(cli::base64("f"), "Zg==");
-  EXPECT_EQ(cli::base64("fo"), "Zm8=");
-  EXPECT_EQ(cli::base64("foobar"), "Zm9vYmFy");
-}
-
 TEST(Picture, APictureThatCannotBeWrittenIsReported) {
   const Outcome ran = picture(kBanks / "coin.glb", {"/nowhere/x.png"});
   EXPECT_EQ(ran.exit_code, 1);

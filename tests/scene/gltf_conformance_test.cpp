@@ -253,7 +253,7 @@ void add_joints(std::vector<Case>& cases) {
       });
 }
 
-// What fails, and why.
+// Cases that fail, each with the reason.
 const std::map<std::string, std::string> kKnownToFail{
     {"filter/collideWithSystems, compound", "colliders of one body are one mesh, with one filter"},
     {"filter/notCollideWithSystems, compound", "colliders of one body are one mesh, with one filter"},

@@ -91,12 +91,13 @@ Row measure(const mesh::TetMesh& mesh, int order, const std::vector<double>& tru
 }
 
 void print(const char* shape, const char* how, int order, const Row& row) {
-  std::printf("%s\t%s\t%d\t%ld\t%ld\t%+.3g %%\t%+.3g %%\t%.0f, %.0f\n", shape, how, order, row.elements,
-              row.unknowns, 100 * row.errors.mean, 100 * row.errors.most, row.angles.least, row.angles.most);
+  std::printf("%s\t%s\t%d\t%ld\t%ld\t%+.3g %%\t%+.3g %%\t%.0f, %.0f\n", shape, how, order, row.elements, row.unknowns,
+              100 * row.errors.mean, 100 * row.errors.most, row.angles.least, row.angles.most);
   std::fflush(stdout);
 }
 
-// The table of docs/how/logs/stuffing.tsv: RINGDOWN_STUFFING_TABLE=1 stuffing_accuracy_test --gtest_filter=*Table. Minutes.
+// The table of docs/how/logs/stuffing.tsv: RINGDOWN_STUFFING_TABLE=1 stuffing_accuracy_test --gtest_filter=*Table.
+// Minutes.
 TEST(StuffingAccuracy, StuffedBodiesSoundWithinTheTable) {
   if (!std::getenv("RINGDOWN_STUFFING_TABLE")) GTEST_SKIP() << "only where RINGDOWN_STUFFING_TABLE is set";
   const char* only = std::getenv("RINGDOWN_STUFFING_SHAPE");

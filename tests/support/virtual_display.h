@@ -14,8 +14,8 @@ namespace ringdown::test {
 
 class VirtualDisplay {
  public:
-  // Starts it, waits until it takes clients, and sets DISPLAY and LIBGL_ALWAYS_SOFTWARE. Throws when it does not come up
-  // although it is installed: after a failure that is not fatal, GoogleTest would go on.
+  // Starts it, waits until it takes clients, and sets DISPLAY and LIBGL_ALWAYS_SOFTWARE. Throws when it does not come
+  // up although it is installed: after a failure that is not fatal, GoogleTest would go on.
   VirtualDisplay();
   ~VirtualDisplay();  // puts DISPLAY back
   VirtualDisplay(const VirtualDisplay&) = delete;

@@ -27,7 +27,8 @@ TEST(MaterialChoice, AChoiceSoundsAsTheBankThatRingdownScaleWrites) {
   for (const char* name : {"glass", "aluminium", "spruce", "steel"}) {
     const MaterialChoice choice = choice_of(*bank->material, material(name));
     ASSERT_EQ(choice.obstacle, "") << name;
-    modal::Material fitted = material(name);  // the window sends factors on alpha and beta, which no curve can be told by
+    modal::Material fitted =
+        material(name);  // the window sends factors on alpha and beta, which no curve can be told by
     fitted.loss_factors.clear();
     const auto changed = bake::change(*bank, {.material = fitted});
     ASSERT_TRUE(changed);

@@ -1,5 +1,7 @@
 #include "clients/cli/picture/view_data.h"
 
+#include "engine/base/base64.h"
+
 #include "clients/cli/picture/answer.h"
 #include "clients/cli/picture/shape_view.h"
 
@@ -43,19 +45,6 @@ void append_shape(std::string& bytes, const modal::Bank& bank, std::size_t mode)
 
 }  // namespace
 
-std::string base64(const std::string& bytes) {
-  constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t n = 0; n < bytes.size(); n += 3) {
-    std::uint32_t word = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      word = word << 8 | (n + k < bytes.size() ? static_cast<unsigned char>(bytes[n + k]) : 0);
-    }
-    for (std::size_t k = 0; k < 4; ++k) text += n + k > bytes.size() ? '=' : kLetters[word >> (18 - 6 * k) & 63];
-  }
-  return text;
-}
-
 std::string view_data(const modal::Bank& bank) {
   if (std::max(bank.triangles.size(), bank.point_count()) > kMaxDrawn) return "{}";
   const std::size_t shown =
@@ -65,8 +54,8 @@ std::string view_data(const modal::Bank& bank) {
     for (const std::uint32_t corner : t) append<std::int32_t>(triangles, corner);
   }
   for (std::size_t m = 0; m < shown; ++m) append_shape(shapes, bank, m);
-  return "{\"modes\":" + std::to_string(shown) + ",\"points\":\"" + base64(points_of(bank)) + "\",\"triangles\":\"" +
-         base64(triangles) + "\",\"shapes\":\"" + base64(shapes) + "\"}";
+  return "{\"modes\":" + std::to_string(shown) + ",\"points\":\"" + to_base64(points_of(bank)) + "\",\"triangles\":\"" +
+         to_base64(triangles) + "\",\"shapes\":\"" + to_base64(shapes) + "\"}";
 }
 
 }  // namespace ringdown::cli

@@ -13,6 +13,4 @@ inline constexpr std::size_t kMaxViewBytes = std::size_t{4} << 20;  // of shapes
 // largest component), and how many modes have one. {} when the surface has more than kMaxDrawn triangles or points.
 std::string view_data(const modal::Bank& bank);
 
-std::string base64(const std::string& bytes);
-
 }  // namespace ringdown::cli

@@ -1,4 +1,4 @@
-// What the extension modules ringdown._core and ringdown._scene have in common: failures become Python exceptions, and
+// Shared by the extension modules ringdown._core and ringdown._scene: failures become Python exceptions, and
 // Python's paths and triples of numbers become C's. Needs nothing of Ringdown but its C headers, so that `pip install`
 // can build the modules with an installed libringdown.
 #pragma once
