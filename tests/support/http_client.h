@@ -7,6 +7,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -36,7 +37,8 @@ class HttpConnection {
     ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
     const sockaddr_in own = address(from, 0), server = address(INADDR_LOOPBACK, port);
     open_ = ::bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0 &&
-            ::connect(socket_, reinterpret_cast<const sockaddr*>(&server), sizeof server) == 0;
+            (::connect(socket_, reinterpret_cast<const sockaddr*>(&server), sizeof server) == 0 ||
+             (errno == EINTR && connects_on()));
   }
   ~HttpConnection() { ::close(socket_); }
   HttpConnection(const HttpConnection&) = delete;
@@ -47,7 +49,7 @@ class HttpConnection {
   // Returns false when the server has closed the connection.
   bool send(std::string_view text) {
     while (open_ && !text.empty()) {
-      const ssize_t sent = ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL);
+      const ssize_t sent = again([&] { return ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL); });
       open_ = sent > 0;
       if (open_) text.remove_prefix(static_cast<std::size_t>(sent));
     }
@@ -65,13 +67,31 @@ class HttpConnection {
   [[nodiscard]] std::string receive() {
     std::string text;
     char bytes[65536];
-    for (ssize_t got = 0; (got = ::recv(socket_, bytes, sizeof bytes, 0)) > 0;) {
+    for (ssize_t got = 0; (got = again([&] { return ::recv(socket_, bytes, sizeof bytes, 0); })) > 0;) {
       text.append(bytes, static_cast<std::size_t>(got));
     }
     return text;
   }
 
  private:
+  // A socket with a time-out gives up at any signal, even where SA_RESTART is set, such as for the fuzzer's alarm.
+  template <typename Call>
+  static ssize_t again(Call call) {
+    ssize_t result = 0;
+    while ((result = call()) < 0 && errno == EINTR) {
+    }
+    return result;
+  }
+
+  // Waits for a connection that a signal interrupted: it goes on by itself, and cannot be asked for twice.
+  bool connects_on() {
+    pollfd made{socket_, POLLOUT, 0};
+    again([&] { return ::poll(&made, 1, 120'000); });
+    int fault = ETIMEDOUT;
+    socklen_t size = sizeof fault;
+    return made.revents != 0 && ::getsockopt(socket_, SOL_SOCKET, SO_ERROR, &fault, &size) == 0 && fault == 0;
+  }
+
   static sockaddr_in address(std::uint32_t host, std::uint16_t port) {
     sockaddr_in result{};
     result.sin_family = AF_INET;
