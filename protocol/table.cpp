@@ -299,7 +299,7 @@ std::vector<Row<Request>> make_request_rows() {
            optional(number<&TestTone::frequency_hz>("frequency", kFrequency, "Its frequency."))}),
       answered<Lane::file>(
           "/state/save", SaveState{"state.toml"},
-          "Writes objects, inputs and scene to a readable file, which `ringdownd --state` loads.",
+          "Writes objects, inputs, listener and scene to a readable file, which `ringdownd --state` loads.",
           {other<ValueType::text, &SaveState::path>("path", "The .toml file to write; it replaces only a state.")}),
       answered<Lane::file>("/scene/save", SaveScene{"scene.toml", false},
                            "Writes a scene file with every object as it is set now, and with what was dropped, each at "

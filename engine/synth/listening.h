@@ -38,8 +38,8 @@ class Listening {
   [[nodiscard]] bool on() const RINGDOWN_REALTIME { return on_; }
   // Whether there has ever been a listener.
   [[nodiscard]] bool used() const RINGDOWN_REALTIME { return track_.known(); }
-  void place(Frame at, const Pose& pose) RINGDOWN_REALTIME {
-    track_.add(at, pose);
+  void place(Frame at, const Pose& pose, Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
+    track_.add(at, pose, now, sample_rate_hz);
     on_ = true;
   }
   void leave() RINGDOWN_REALTIME { on_ = false; }

@@ -45,7 +45,7 @@ bool is_sane(const Pose& pose) RINGDOWN_REALTIME {
          size >= 1e-6 && size <= 1e6;
 }
 
-void PoseTrack::add(Frame at, const Pose& pose) RINGDOWN_REALTIME {
+void PoseTrack::add(Frame at, const Pose& pose, Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
   const Key key{at, {pose.position_m, normalized(pose.rotation)}};
   if (!known_) {
     known_ = true;
@@ -54,6 +54,10 @@ void PoseTrack::add(Frame at, const Pose& pose) RINGDOWN_REALTIME {
     reached_[0] = key;
     reached_count_ = 1;
     return;
+  }
+  if (count_ == kMaxPending && static_cast<double>(now - now_) > kMaxInterval_s * sample_rate_hz) {
+    catch_up(now, sample_rate_hz);
+    now_ = now;
   }
   std::size_t place = count_;
   while (place > 0 && pending_.data()[place - 1].at > at) --place;
@@ -96,7 +100,7 @@ void PoseTrack::catch_up(Frame now, double sample_rate_hz) RINGDOWN_REALTIME {
   const bool lately = passed > 0 && static_cast<double>(now - reached_[0].at) <= longest;
   if (passed > 1 && lately) {
     const Key before = std::exchange(reached_[0], reached_[1]);
-    to_ = end_at(before, nullptr, longest);
+    to_ = end_at(before, count_ > 0 ? pending_.data() : nullptr, longest);
     reached_[0] = before;
   }
   from_ = to_;
@@ -111,7 +115,11 @@ void PoseTrack::begin_curve(Frame now, double sample_rate_hz) RINGDOWN_REALTIME 
   const bool moves = dot(from_.velocity, from_.velocity) + dot(from_.spin, from_.spin) > 0;
   const Frame gap = count_ > 0 ? pending_.data()[0].at - reached_[0].at : 0;
   const bool alone = gap <= 0 || static_cast<double>(gap) > longest;
-  const Frame interval = alone ? static_cast<Frame>(kLonePose_s * sample_rate_hz) : gap;
+  Frame interval = gap;
+  if (alone) {  // how fast its thing moves is told by the pose after it
+    interval = static_cast<Frame>(kLonePose_s * sample_rate_hz);
+    if (count_ > 1) interval = std::min(interval, pending_.data()[1].at - pending_.data()[0].at);
+  }
   if (count_ == 0 || (alone && moves && pending_.data()[0].at - interval > now)) {
     come_to_rest(now);
     return;
@@ -215,7 +223,7 @@ void PoseTrack::rescale(Frame now) {
   const Pose pose = count_ > 0 ? pending_[count_ - 1].pose : to_.pose;
   const std::uint32_t jumps = jumps_;
   *this = {};
-  add(now, pose);
+  add(now, pose, now, 1);
   jumps_ = jumps + 1;
 }
 

@@ -31,13 +31,14 @@ class PoseTrack {
   static constexpr double kMaxSpeed_m_s = 120;    // what would have to move faster jumps
   static constexpr double kMaxInterval_s = 0.1;   // poses farther apart are not one motion
   static constexpr double kLonePose_s = 0.03;     // the time in which a pose that follows no other soon is reached
-  static constexpr std::size_t kMaxPending = 32;  // poses that wait for their frames; the last of them counts
+  static constexpr std::size_t kMaxPending = 96;  // poses that wait for their frames: 500 a second in a block of 8,192
 
   [[nodiscard]] bool known() const RINGDOWN_REALTIME { return known_; }
   void forget() RINGDOWN_REALTIME { *this = {}; }
 
-  // Adds a pose, which is sane, for frame `at`. The first pose is where the track starts.
-  void add(Frame at, const Pose& pose) RINGDOWN_REALTIME;
+  // Adds a pose, which is sane, for frame `at`, at frame `now`. The first pose is where the track starts. Where nobody
+  // has asked for the track for a while, poses that have passed make room; of more than kMaxPending the last one counts.
+  void add(Frame at, const Pose& pose, Frame now, double sample_rate_hz) RINGDOWN_REALTIME;
 
   // Goes on to frame `now`, which never decreases.
   void advance(Frame now, double sample_rate_hz) RINGDOWN_REALTIME;

@@ -79,7 +79,7 @@ void Stage::place(const Event& event, Frame now, double sample_rate_hz) RINGDOWN
   if (event.type == EventType::listener_air) return listening_.set_air({event.value, event.ramp_s});
   if (event.type == EventType::listener) {
     const bool begins = !listening_.on();
-    listening_.place(event.frame, pose);
+    listening_.place(event.frame, pose, now, sample_rate_hz);
     for (std::size_t i = 0; begins && i < object_limit_; ++i) {
       if (objects_.data()[i].placement.track.known()) part(objects_.data()[i], now);
     }
@@ -90,7 +90,7 @@ void Stage::place(const Event& event, Frame now, double sample_rate_hz) RINGDOWN
   const bool known = object.placement.track.known();
   Frame seen = event.frame;
   if (listening_.travel_time()) seen += std::llround(listening_.travel_frames(pose.position_m, now, sample_rate_hz));
-  object.placement.track.add(seen, pose);
+  object.placement.track.add(seen, pose, now, sample_rate_hz);
   if (!known && listening_.on()) part(object, now);
 }
 

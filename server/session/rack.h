@@ -56,10 +56,19 @@ class Rack {
   }
 
   // Hands an event to the mixer; false: the mixer's queue is full and nothing happened. A gain or pan becomes the
-  // object's; other events lock nothing, unless Observers::keep() does. [the producer's thread]
+  // object's, and a listener is remembered; other events lock nothing, unless Observers::keep() does. [the producer's
+  // thread]
   [[nodiscard]] bool push(synth::Producer producer, const synth::Event& event);
 
-  // Whether somebody listens from a place (EventType::listener was pushed last). [any]
+  // Where somebody listens, and in which air, as it was set last, even if that frame is still to come.
+  struct Listener {
+    bool on = false;
+    Pose pose;
+    double temperature_c = 20, humidity_percent = 50;
+  };
+  // Nothing when there has never been a listener. [any but audio]
+  [[nodiscard]] std::optional<Listener> listener() const;
+  // Whether there is one now; locks nothing. [any]
   [[nodiscard]] bool listened() const { return listened_; }
 
   // The object as it is now. Neither locks nor allocates, unless there is none. [any but audio]
@@ -128,6 +137,7 @@ class Rack {
   [[nodiscard]] Result<void> retune(const ObjectState& object, const Edit& edit, synth::Frame at = 0);
   [[nodiscard]] Result<void> assign(const ObjectState& object);
   [[nodiscard]] Result<void> install(const ObjectState& object, synth::Mixer::Install how, synth::Frame at = 0);
+  void remember_listener(const synth::Event& event);
 
   synth::Mixer mixer_;
   BankReader& banks_;  // worker
@@ -137,6 +147,8 @@ class Rack {
   Buses buses_;
   Excitations excitations_;  // worker
   std::atomic<std::uint32_t> inputs_ = 0;
+  mutable std::mutex listener_mutex_;
+  std::optional<Listener> listener_;  // under listener_mutex_
   std::atomic<bool> listened_ = false;
   Silences silences_{mixer_};             // worker
   std::set<synth::ObjectNumber> fading_;  // worker: freed objects that still sound at their bus

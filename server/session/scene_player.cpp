@@ -39,10 +39,10 @@ std::vector<Event> listener_events(const scene::SceneDescription& scene, bool en
           {.frame = frame, .type = EventType::listener, .point_m = pose.position_m, .rotation = pose.rotation}};
 }
 
-// Bodies are where they are a little later for the listener, so that the pose after the next is known, too, whenever
+// Bodies are where they are two poses later for the listener, so that the pose after the next is known, too, whenever
 // the mixer sets out for the next one: motion then does not depend on the size of blocks.
 Frame pose_delay(const scene::World& world, double sample_rate_hz) {
-  return std::llround(std::max(world.step_s(), ScenePoses::kEvery_s) * sample_rate_hz);
+  return std::llround(2 * ScenePoses::interval_s(world) * sample_rate_hz);
 }
 
 // The dropped body becomes a [[body]] of the scene. Where emitters scatter their bodies at random, a further body

@@ -1,6 +1,14 @@
 #include "server/session/scene_poses.h"
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 namespace ringdown::session {
+
+double ScenePoses::interval_s(const scene::World& world) {
+  return world.step_s() * std::max(1.0, std::ceil(kEvery_s / world.step_s() - 0.5));
+}
 
 std::uint64_t ScenePoses::send(const scene::World& world, synth::Frame at, Rack& rack) {
   if (!rack.listened()) {
@@ -24,17 +32,25 @@ std::uint64_t ScenePoses::send(const scene::World& world, synth::Frame at, Rack&
     }
   }
   std::uint64_t lost = 0;
+  const synth::Frame interval = std::llround(interval_s(world) * rack.mixer().sample_rate_hz());
   for (const auto& [name, bodies] : objects) {
-    const auto [before, is_new] = sent_.try_emplace(name, bodies.pose);
-    if (!is_new && before->second == bodies.pose) continue;
-    before->second = bodies.pose;
+    const auto [entry, is_new] = sent_.try_emplace(name, Sent{bodies.pose});
+    Sent& before = entry->second;
+    const bool moves = before.pose != bodies.pose, begins = moves && !before.moves;
+    const Pose stood = std::exchange(before.pose, bodies.pose);
+    before.moves = moves;
+    if (!is_new && !moves) continue;
     const auto object = rack.find({.name = name});
     if (!object) continue;
-    lost += !rack.push(synth::Producer::scene, {.frame = at,
-                                                .object = (*object)->number,
-                                                .type = synth::EventType::pose,
-                                                .point_m = bodies.pose.position_m,
-                                                .rotation = bodies.pose.rotation});
+    const auto push = [&](synth::Frame frame, const Pose& pose) {
+      lost += !rack.push(synth::Producer::scene, {.frame = frame,
+                                                  .object = (*object)->number,
+                                                  .type = synth::EventType::pose,
+                                                  .point_m = pose.position_m,
+                                                  .rotation = pose.rotation});
+    };
+    if (begins) push(at - interval, stood);
+    push(at, bodies.pose);
   }
   return lost;
 }

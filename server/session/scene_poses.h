@@ -16,15 +16,22 @@ class ScenePoses {
   // Poses come once in so many seconds, or with every step of the world if that is longer.
   static constexpr double kEvery_s = 0.002;
 
+  // Seconds between two poses of what moves in a world.
+  [[nodiscard]] static double interval_s(const scene::World& world);
+
   // Forgets what was sent: another world follows.
   void forget() { *this = {}; }
-  // Sends the poses of what has moved since the last call, for frame `at`, which is the world's time. Nothing without a
-  // listener. An object that several bodies play is heard from the middle of them, not turned. Returns how many events
-  // were lost.
+  // Sends the poses of what has moved since the last call, for frame `at`, which is the world's time, and where it has
+  // stood an interval before when it begins to move. Nothing without a listener. An object that several bodies play is
+  // heard from the middle of them, not turned. Returns how many events were lost.
   std::uint64_t send(const scene::World& world, synth::Frame at, Rack& rack);
 
  private:
-  std::map<std::string, Pose> sent_;  // of each object
+  struct Sent {
+    Pose pose;
+    bool moves = false;
+  };
+  std::map<std::string, Sent> sent_;  // of each object
   double next_s_ = 0;
 };
 

@@ -8,11 +8,14 @@
 #include "server/session/file_roots.h"
 #include "server/session/session.h"
 
+#include <cmath>
+
 namespace ringdown::session {
 namespace {
 
 constexpr Range kGain{0, 100}, kPan{-1, 1}, kDamping{0, 1e3}, kScale{1e-3, 1e3}, kSize{1e-2, 1e2};
 constexpr Range kPosition_m{-1e4, 1e4}, kForce_n{-1e6, 1e6}, kDirection{-1e3, 1e3}, kDamping_ns_m{0, 1e6};
+constexpr Range kTemperature_c{-50, 60}, kHumidity_percent{0, 100};
 
 void read_name(TomlTable& table, std::string_view key, std::string& name) {
   table.text(key, name);
@@ -75,6 +78,21 @@ State::Input read_input(TomlTable& table) {
   return input;
 }
 
+Rack::Listener read_listener(TomlTable& table) {
+  Rack::Listener listener{.on = true};
+  std::vector<double> turn{0, 0, 0, 1};
+  table.boolean("on", listener.on);
+  table.vector("position_m", listener.pose.position_m, kPosition_m);
+  table.numbers("rotation", turn);
+  if (turn.size() == 4) listener.pose.rotation = {turn[0], turn[1], turn[2], turn[3]};
+  if (turn.size() != 4 || std::abs(norm(listener.pose.rotation) - 1) > 1e-6) {
+    table.complain("rotation", "rotation must be a quaternion of length 1, [x, y, z, w]");
+  }
+  table.number("temperature_c", listener.temperature_c, kTemperature_c);
+  table.number("humidity_percent", listener.humidity_percent, kHumidity_percent);
+  return listener;
+}
+
 State::Scene read_scene(TomlTable& table) {
   State::Scene scene;
   std::string file;
@@ -100,6 +118,7 @@ Result<State> parse_state(std::string_view text, const std::filesystem::path& pa
   State state;
   for (TomlTable& table : file->tables("object")) state.objects.push_back(read_object(table));
   for (TomlTable& table : file->tables("input")) state.inputs.push_back(read_input(table));
+  if (auto table = file->table("listener")) state.listener = read_listener(*table);
   if (auto table = file->table("scene")) state.scene = read_scene(*table);
   if (const auto good = file->finish(); !good) return fail(good.error());
   return state;
@@ -134,8 +153,16 @@ std::string to_toml(const State& state) {
     text += "\n[[input]]\ninput = " + std::to_string(input.input) + "\nobject = " + toml_string(input.object) +
             "\npoint_m = " + toml_vector(input.point_m) + "\nforce_n = " + toml_vector(input.force_n) + "\n";
   }
-  if (!state.scene) return text;
   const auto flag = [](bool on) { return on ? "true\n" : "false\n"; };
+  if (const auto& listener = state.listener) {
+    const Rotation& turn = listener->pose.rotation;
+    text += "\n[listener]\non = " + std::string(flag(listener->on)) +
+            "position_m = " + toml_vector(listener->pose.position_m) + "\nrotation = [" + toml_number(turn.x) + ", " +
+            toml_number(turn.y) + ", " + toml_number(turn.z) + ", " + toml_number(turn.w) +
+            "]\ntemperature_c = " + toml_number(listener->temperature_c) +
+            "\nhumidity_percent = " + toml_number(listener->humidity_percent) + "\n";
+  }
+  if (!state.scene) return text;
   return text + "\n[scene]\nfile = " + toml_string(state.scene->file.string()) +
          "\npaused = " + flag(state.scene->paused) + "cleared = " + flag(state.scene->cleared);
 }
@@ -166,6 +193,7 @@ State state_of(const Session& session) {
     const auto object = excitation ? rack.find({.number = excitation->object}) : fail(ErrorKind::bad_input, "");
     if (object) state.inputs.push_back({input + 1, (*object)->name, excitation->point_m, excitation->force_n});
   }
+  state.listener = rack.listener();
   if (const auto playing = session.scene().playing()) {
     state.scene = {std::filesystem::absolute(playing->file, ignored), playing->paused, playing->cleared};
   }
@@ -225,12 +253,33 @@ Result<void> restore_object(const State::Object& object, Session& session, synth
 
 }  // namespace
 
+namespace {
+
+Result<void> restore_listener(const Rack::Listener& listener, Rack& rack, synth::Frame frame) {
+  using synth::EventType;
+  const synth::Event air{.frame = frame,
+                         .type = EventType::listener_air,
+                         .value = listener.temperature_c,
+                         .ramp_s = listener.humidity_percent};
+  const synth::Event place{.frame = frame,
+                           .type = listener.on ? EventType::listener : EventType::listener_off,
+                           .point_m = listener.pose.position_m,
+                           .rotation = normalized(listener.pose.rotation)};
+  if (rack.push(synth::Producer::worker, air) && rack.push(synth::Producer::worker, place)) return {};
+  return fail(ErrorKind::refused, "listener: too many changes at once; try again");
+}
+
+}  // namespace
+
 Result<void> restore(const State& state, Session& session, synth::Frame frame) {
   if (state.scene) {
     if (const auto restored = restore_scene(*state.scene, session, frame); !restored) return restored;
   }
   for (const State::Object& object : state.objects) {
     if (const auto restored = restore_object(object, session, frame); !restored) return restored;
+  }
+  if (state.listener) {
+    if (const auto restored = restore_listener(*state.listener, session.rack(), frame); !restored) return restored;
   }
   for (const State::Input& input : state.inputs) {
     const auto set = session.rack().excite(input.input - 1, {.name = input.object}, input.point_m, input.force_n);

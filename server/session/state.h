@@ -1,5 +1,6 @@
 // What a daemon holds, as a readable TOML file: its objects with bank, gain, pan, material and group, what its inputs
-// excite, and its scene. `--state` and session managers load it; `/state/save` and session managers write it.
+// excite, its listener and its scene. `--state` and session managers load it; `/state/save` and session managers write
+// it.
 //
 //   [[object]]
 //   name = "bell"
@@ -23,13 +24,20 @@
 //   point_m = [0.05, 0, 0.02]
 //   force_n = [0, 0, -1]
 //
+//   [listener]                                # as in /listener and /listener/air
+//   on = true                                 # false: nobody listens, even if the scene has a listener
+//   position_m = [0, -2, 1]
+//   rotation = [0, 0, 0, 1]
+//   temperature_c = 20
+//   humidity_percent = 50
+//
 //   [scene]
 //   file = "/home/me/scenes/drop.toml"        # starts from its beginning
 //   paused = false
 //   cleared = false                           # whether its bodies were removed
 //
-// The file does not contain what rings, where the scene's bodies are, bodies that were spawned, or the connections of
-// ports, which a session manager keeps itself. [worker, or before the worker runs]
+// The file does not contain what rings, where the scene's bodies and other objects are, bodies that were spawned, or
+// the connections of ports, which a session manager keeps itself. [worker, or before the worker runs]
 #pragma once
 
 #include "engine/base/result.h"
@@ -38,6 +46,7 @@
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
 #include "engine/synth/event.h"
+#include "server/session/rack.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -72,6 +81,7 @@ struct State {
   };
   std::vector<Object> objects;
   std::vector<Input> inputs;
+  std::optional<Rack::Listener> listener;
   std::optional<Scene> scene;
 };
 
@@ -85,8 +95,8 @@ Result<void> write_state(const State& state, const std::filesystem::path& path);
 // The state of the session now. Banks get absolute paths.
 State state_of(const Session& session);
 
-// Loads the objects, inputs and the scene that the state names. Other objects stay; a scene that plays ends. The new
-// scene starts at `frame`. Stops at the first error.
+// Loads the objects, inputs, listener and scene that the state names. Other objects stay; a scene that plays ends. The
+// new scene starts at `frame`. Stops at the first error.
 Result<void> restore(const State& state, Session& session, synth::Frame frame);
 
 }  // namespace ringdown::session

@@ -77,6 +77,21 @@ TEST(SceneSound, DoesNotDependOnTheBlockSize) {
   }
 }
 
+// Where bodies turn before a listener, gains of modes go in straight lines from chunk to chunk, and chunks end where
+// blocks do.
+TEST(SceneSound, OfATurningPlateDependsOnTheBlockSizeByLittle) {
+  const auto render = [](std::size_t block) {
+    const auto recording = render_offline({.scene = scene_file("turning-plate"), .seconds = 1.5, .block_frames = block},
+                                          [](double) { return true; });
+    EXPECT_TRUE(recording);
+    return Samples(recording->left.begin(), recording->left.end());
+  };
+  const Samples reference = render(256);
+  EXPECT_GT(test::peak(reference), 0.01);
+  EXPECT_LT(test::relative_error_db(render(1024), reference), -100);
+  for (const std::size_t block : {64u, 93u}) EXPECT_LT(test::relative_error_db(render(block), reference), -48);
+}
+
 INSTANTIATE_TEST_SUITE_P(Of, BlockSize, testing::ValuesIn(preset_scenes()), [](const auto& scene) {
   std::string name = scene.param;
   std::ranges::replace(name, '-', '_');

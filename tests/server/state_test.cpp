@@ -38,6 +38,31 @@ struct Daemon {
   session::Session session{48000};
 };
 
+TEST_F(StateTest, TheListenerComesBack) {
+  Daemon one, other;
+  EXPECT_FALSE(session::state_of(one.session).listener) << "there has never been one";
+  const Pose pose{{1, -2, 0.5}, normalized({0.1, 0.2, -0.3, 0.9})};
+  ASSERT_TRUE(one.session.play(protocol::SetListener{pose}, 0));
+  ASSERT_TRUE(one.session.play(protocol::SetListenerAir{-5, 80}, 0));
+  const auto come_back = [&] {
+    const auto state = session::parse_state(to_toml(session::state_of(one.session)), folder_ / "s.toml");
+    EXPECT_TRUE(state) << state.error().message;
+    EXPECT_TRUE(restore(*state, other.session, 0));
+    return session::state_of(other.session).listener.value_or(session::Rack::Listener{});
+  };
+  const auto on = come_back();
+  EXPECT_TRUE(on.on);
+  EXPECT_EQ(on.pose.position_m, pose.position_m);
+  EXPECT_NEAR(on.pose.rotation.z, pose.rotation.z, 1e-12);
+  EXPECT_EQ(on.temperature_c, -5);
+  EXPECT_EQ(on.humidity_percent, 80);
+  EXPECT_TRUE(other.session.rack().listened());
+  ASSERT_TRUE(one.session.play(protocol::ListenerOff{}, 0));
+  EXPECT_FALSE(come_back().on);
+  EXPECT_FALSE(other.session.rack().listened());
+  EXPECT_NE(refusal("[listener]\nrotation = [1, 0, 0, 1]\n").find("a quaternion of length 1"), std::string::npos);
+}
+
 TEST_F(StateTest, ASavedStateComesBackInAnotherDaemon) {
   std::ofstream(folder_ / "fall.toml") << R"(
 [[object]]

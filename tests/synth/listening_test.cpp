@@ -82,6 +82,16 @@ class Flight {
   int poses_ = 0;
 };
 
+// Renders while poses come as an embedded scene sends them: 500 a second, two of them ahead.
+void render_like_a_scene(Player& player, const Path& path, std::size_t frames, std::size_t block) {
+  constexpr Frame kEvery = 96;
+  for (Frame next = static_cast<Frame>(player.left.size()); player.left.size() < frames; player.render(block, block)) {
+    for (; next < static_cast<Frame>(player.left.size() + block) + 2 * kEvery; next += kEvery) {
+      player.push(pose_at(next, 0, path(static_cast<double>(next) / kRate)));
+    }
+  }
+}
+
 double error_db(const Samples& heard, const Samples& exact, std::size_t from) {
   return relative_error_db(std::span(heard).subspan(from), std::span(exact).subspan(from));
 }
@@ -169,6 +179,29 @@ TEST_P(Listened, AForksLobesPassTheEarAsItTurns) {
   const auto want = exact(all, 4800, 38400, {.gain = gain});
   EXPECT_LT(error_db(player.left, want[0], 4800), -60);
   EXPECT_LT(error_db(player.right, want[1], 4800), -60);
+}
+
+// What is silent is not followed: the poses of a second wait when it is struck.
+TEST(Listening, AForkThatHasTurnedInSilenceIsHeardFromTheSideThatItHasTurnedTo) {
+  const std::vector<Tone> tones = {{440, 3, 8}, {1200, 3, 8}};
+  const auto path = [](double t) { return Pose{{0, 0, 0}, turn_about_z(2 * kPi * t)}; };
+  constexpr Frame kStrike = 48100;
+  constexpr std::size_t kFrames = 57600;
+  const auto want = exact(
+      tones, kStrike, kFrames, {.gain = [&](const Tone& tone, double t) {
+        const double along = -2 * kPi * t;
+        return lobes(tone.harmonic, {std::cos(along), std::sin(along), 0}) * std::exp(-absorption(tone.frequency_hz));
+      }});
+  for (const std::size_t block : {64u, 93u, 256u, 8192u}) {
+    Player player;
+    player.install(0, map_of(bank_of(tones)));
+    player.push(listener_at(0, {{1, 0, 0}, turn_about_z(kPi)}));
+    player.push(vertex_strike_at(kStrike, 0, 0, {0, 0, 1}));
+    render_like_a_scene(player, path, kFrames, block);
+    const auto n = static_cast<std::size_t>(std::min<Frame>(static_cast<Frame>(player.left.size()), kFrames));
+    const std::span<const double> heard(player.left.data(), n), exactly(want[0].data(), n);
+    EXPECT_LT(relative_error_db(heard, exactly), -60) << "blocks of " << block;
+  }
 }
 
 TEST_P(Listened, APassingRodIsHeardHigherAndThenLower) {
