@@ -71,4 +71,5 @@ if __name__ == "__main__":
     the_bank = ringdown.Bank.open(sys.argv[1])
     ratio_pa, alpha_per_s, beta_s = fit(the_bank, *(read(sys.argv[2]) if len(sys.argv) > 2 else own_recording(the_bank)))
     print(f"E / rho = {ratio_pa:.5g} m^2/s^2, alpha = {alpha_per_s:.3g} 1/s, beta = {beta_s:.3g} s")
-    print(f"with the bank's density: E = {ratio_pa * the_bank.material.density_kg_m3 / 1e9:.4g} GPa")
+    if the_bank.material:
+        print(f"with the bank's density: E = {ratio_pa * the_bank.material.density_kg_m3 / 1e9:.4g} GPa")

@@ -10,7 +10,7 @@ at a time, and bake() makes banks from meshes. Units are SI. Everything that fai
 To play live, send OSC to the daemon ringdownd (strike.py).
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ._core import Bank, Mixer, version
 from .baking import bake
@@ -25,7 +25,7 @@ __version__: str = version()
 __all__ = ["Bank", "Error", "Material", "Mixer", "Scene", "Status", "bake", "render", "render_scene"]
 
 
-def __getattr__(name: str):
+def __getattr__(name: str) -> Any:
     if name == "Scene":  # loaded when it is needed, because it brings ODE
         from ._scene import Scene
 

@@ -5,11 +5,13 @@ import os
 from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
+import numpy.typing as npt
 
 from ._core import Bank, Mixer
 
 Event = Union[Mapping[str, Any], Sequence[Any]]
 BankOrPath = Union[Bank, str, "os.PathLike[str]"]
+Floats = npt.NDArray[np.float32]
 Progress = Callable[[float], None]
 
 TAIL_S = 5.0  # after the last event, where no length is given
@@ -98,7 +100,7 @@ def _play(
     block_frames: int,
     progress: Optional[Progress],
     settings: Mapping[str, Any],
-) -> np.ndarray:
+) -> Floats:
     if block_frames < 1:
         raise ValueError("block_frames must be at least 1")
     mixer = Mixer(**settings)
@@ -139,7 +141,7 @@ def render(
     block_frames: int = 256,
     progress: Optional[Progress] = None,
     **settings: Any,
-) -> np.ndarray:
+) -> Floats:
     """The sound of a score: frames x 2 numbers of type float32.
 
     An event is a strike, (time_s, object, point_m, impulse_ns) or with a contact_time_s as fifth, or a dictionary of
@@ -164,7 +166,7 @@ def render_scene(
     block_frames: int = 256,
     progress: Optional[Progress] = None,
     **settings: Any,
-) -> np.ndarray:
+) -> Floats:
     """The sound of a scene file (.toml), as render() returns it.
 
     seconds: default: as long as the file says. events and objects play along as in render(); objects of the scene itself
