@@ -5,6 +5,7 @@
 #include <DistrhoPluginUtils.hpp>
 
 #include <array>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -76,7 +77,9 @@ class RingdownPlugin : public Plugin {
   }
 
   void setState(const char* key, const char* value) override {
-    if (std::string(key) == kFileKey) instrument_->set_file(value);
+    // LV2 hosts save an empty path as a reference to the state's own document, and that is what they bring back.
+    const bool none = std::filesystem::path(value).filename() == "state.ttl";
+    if (std::string(key) == kFileKey) instrument_->set_file(none ? "" : value);
     if (std::string(key) == kEmbeddedKey) instrument_->set_embedded(value);
   }
 

@@ -92,6 +92,9 @@ class Lv2Host : public PluginHost {
       auto& all = *static_cast<Saved*>(in);
       const auto found = all.values.find(key);
       if (found == all.values.end()) return nullptr;
+      if (key == number_of("urn:ringdown:instrument#file") && found->second.empty()) {
+        found->second = "/session/state.ttl";  // as lilv does, which writes an empty path as <>
+      }
       *size = found->second.size() + 1;
       *type = key == number_of("urn:ringdown:instrument#file") ? all.path : all.string;
       *flags = LV2_STATE_IS_POD | LV2_STATE_IS_PORTABLE;
