@@ -54,6 +54,13 @@ void Collider::add_force(Vec3 force_n, Vec3 arm_m) {
   add_torque(cross(arm_m, force_n));
 }
 
+void Collider::fall_asleep() {
+  dBodySetLinearVel(body.get(), 0, 0, 0);
+  dBodySetAngularVel(body.get(), 0, 0, 0);
+  dBodyDisable(body.get());
+  stillness.reset();
+}
+
 void Collider::let_sleep(bool allowed) {
   if (allowed == supported) return;
   supported = allowed;

@@ -5,6 +5,7 @@
 #include "engine/scene/contact_point.h"
 #include "engine/scene/fixed_contacts.h"
 #include "engine/scene/ode_shape.h"
+#include "engine/scene/stillness.h"
 
 #include <cstddef>
 #include <memory>
@@ -32,7 +33,7 @@ struct IslandState {
   bool has_others = false;     // whether the body touches one that can move
   bool solved = false;         // whether the body's contacts have been solved without ODE
   // Of the island, kept at its root:
-  bool any_exempt = false;
+  bool any_exempt = false, any_moves = false;
   std::size_t contacts = 0;
   double total_before_j = 0, gained_j = 0, bounced_j = 0;
 };
@@ -54,6 +55,7 @@ struct Collider {
   double elasticity = 1;                 // share of its contacts' restitution that the part of the step has
   bool was_awake = false;                // before the step
   IslandState island;
+  Stillness stillness;
   std::unique_ptr<dxBody, BodyDeleter> body;  // declared before the shape, which must be destroyed first
   OdeShape shape;
   std::unique_ptr<dxJoint, JointDeleter> support;  // a joint that holds nothing; see let_sleep()
@@ -66,6 +68,8 @@ struct Collider {
   void set_mass(const RigidMass& mass);
   void add_torque(Vec3 torque_nm);           // for the next part of a step; world axes
   void add_force(Vec3 force_n, Vec3 arm_m);  // at a point `arm_m` from the centre of mass
+
+  void fall_asleep();  // at rest, until something touches the body
 
   // Lets the body fall asleep although ODE knows no contact of it. ODE keeps bodies without joints awake, so that none
   // sleeps in the air.

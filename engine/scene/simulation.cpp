@@ -120,6 +120,7 @@ struct Simulation::State {
 
   Collider& add(BodyId id);
   void remove(BodyId gone);
+  void let_still_bodies_sleep();
   void note_moved();
   void join(const BodyJoint& joint);
   [[nodiscard]] std::vector<BodyJoint> joints_of(BodyId id) const;
@@ -317,6 +318,28 @@ std::vector<BodyJoint> Simulation::State::joints_of(BodyId id) const {
   return found;
 }
 
+// Bodies sleep that lie on others and have all stayed where they are for kSleepAfter_s. Those of an island sleep
+// together, for one that moves would wake the others.
+void Simulation::State::let_still_bodies_sleep() {
+  for (Collider* collider : in_order) {
+    if (!collider->was_awake || !collider->awake()) collider->stillness.reset();
+  }
+  const auto for_each_awake = [this](const auto& call) {
+    for (Collider* collider : in_order) {
+      if (collider->was_awake && collider->awake() && collider->movable()) call(*collider, island_of(*collider).island);
+    }
+  };
+  for_each_awake([](Collider&, IslandState& island) { island.any_moves = false; });
+  for_each_awake([this](Collider& collider, IslandState& island) {
+    const Motion motion = collider.motion();
+    collider.stillness.step({motion.position_m, motion.rotation}, collider.outer_radius_m, step_s);
+    if (collider.stillness.still_s() < kSleepAfter_s) island.any_moves = true;
+  });
+  for_each_awake([](Collider& collider, IslandState& island) {
+    if (!island.any_moves && island.contacts > 0) collider.fall_asleep();
+  });
+}
+
 void Simulation::State::note_moved() {
   moved.clear();
   asleep = true;
@@ -393,6 +416,7 @@ void Simulation::put_body(BodyId id, const Solid& solid, const Motion& motion, c
   dBodySetFiniteRotationMode(collider.body.get(), 1);  // exact for a constant spin, however fast: spheres
   dBodySetGyroscopicMode(collider.body.get(), 0);      // Collider::turn() does better
   collider.move(motion);
+  collider.stillness.reset();
   for (const BodyJoint& joint : kept) state_->join(joint);
   state_->asleep = false;
 }
@@ -412,6 +436,7 @@ void Simulation::add_joint(BodyId body, std::optional<BodyId> other, const Joint
 void Simulation::set_motion(BodyId id, const Motion& motion) {
   const OdeLock lock;
   state_->colliders.at(id).move(motion);
+  state_->colliders.at(id).stillness.reset();
   state_->asleep = false;
 }
 
@@ -427,6 +452,7 @@ std::span<const ContactPoint> Simulation::step() {
     state.do_part(done_s, part_s);
     done_s = part_s == rest_s ? state.step_s : done_s + part_s;
   }
+  state.let_still_bodies_sleep();
   state.note_moved();
   return state.contacts.points();
 }
