@@ -32,28 +32,9 @@ bool Rack::push(synth::Producer producer, const Event& event) {
   if (!mixer_.push(producer, event)) return false;
   if (event.type == EventType::gain) objects_.replace(event.object, [&](ObjectState& o) { o.gain = event.value; });
   if (event.type == EventType::pan) objects_.replace(event.object, [&](ObjectState& o) { o.pan = event.value; });
-  if (synth::is_of_listener(event)) remember_listener(event);
+  listener_.keep(event);
   observers_.keep(producer, event);
   return true;
-}
-
-void Rack::remember_listener(const Event& event) {
-  const std::scoped_lock lock(listener_mutex_);
-  if (event.type == EventType::listener_off && !listener_) return;
-  if (!listener_) listener_.emplace();
-  if (event.type == EventType::listener_air) {
-    listener_->temperature_c = event.value;
-    listener_->humidity_percent = event.ramp_s;
-    return;
-  }
-  listener_->on = event.type == EventType::listener;
-  if (listener_->on) listener_->pose = {event.point_m, event.rotation};
-  listened_ = listener_->on;
-}
-
-std::optional<Rack::Listener> Rack::listener() const {
-  const std::scoped_lock lock(listener_mutex_);
-  return listener_;
 }
 
 Result<synth::ObjectNumber> Rack::load(const std::string& name, const std::filesystem::path& bank) {

@@ -17,6 +17,7 @@
 #include "protocol/request.h"
 #include "server/session/bank_reader.h"
 #include "server/session/buses.h"
+#include "server/session/listener_memory.h"
 #include "server/session/object_table.h"
 #include "server/session/observers.h"
 #include "server/session/silences.h"
@@ -60,16 +61,8 @@ class Rack {
   // thread]
   [[nodiscard]] bool push(synth::Producer producer, const synth::Event& event);
 
-  // Where somebody listens, and in which air, as it was set last, even if that frame is still to come.
-  struct Listener {
-    bool on = false;
-    Pose pose;
-    double temperature_c = 20, humidity_percent = 50;
-  };
-  // Nothing when there has never been a listener. [any but audio]
-  [[nodiscard]] std::optional<Listener> listener() const;
-  // Whether there is one now; locks nothing. [any]
-  [[nodiscard]] bool listened() const { return listened_; }
+  // Where somebody listens from, and whether. [any but audio]
+  [[nodiscard]] const ListenerMemory& listener() const { return listener_; }
 
   // The object as it is now. Neither locks nor allocates, unless there is none. [any but audio]
   [[nodiscard]] Result<ObjectSnapshot> find(const protocol::ObjectRef& object) const;
@@ -137,7 +130,6 @@ class Rack {
   [[nodiscard]] Result<void> retune(const ObjectState& object, const Edit& edit, synth::Frame at = 0);
   [[nodiscard]] Result<void> assign(const ObjectState& object);
   [[nodiscard]] Result<void> install(const ObjectState& object, synth::Mixer::Install how, synth::Frame at = 0);
-  void remember_listener(const synth::Event& event);
 
   synth::Mixer mixer_;
   BankReader& banks_;  // worker
@@ -147,9 +139,7 @@ class Rack {
   Buses buses_;
   Excitations excitations_;  // worker
   std::atomic<std::uint32_t> inputs_ = 0;
-  mutable std::mutex listener_mutex_;
-  std::optional<Listener> listener_;  // under listener_mutex_
-  std::atomic<bool> listened_ = false;
+  ListenerMemory listener_;
   Silences silences_{mixer_};             // worker
   std::set<synth::ObjectNumber> fading_;  // worker: freed objects that still sound at their bus
   std::mutex rate_mutex_;  // held while voices are made and installed, or collected: all are of one sample rate

@@ -11,7 +11,7 @@ double ScenePoses::interval_s(const scene::World& world) {
 }
 
 std::uint64_t ScenePoses::send(const scene::World& world, synth::Frame at, Rack& rack) {
-  if (!rack.listened()) {
+  if (!rack.listener().on()) {
     sent_.clear();  // whoever listens next needs them all
     return 0;
   }

@@ -78,8 +78,8 @@ State::Input read_input(TomlTable& table) {
   return input;
 }
 
-Rack::Listener read_listener(TomlTable& table) {
-  Rack::Listener listener{.on = true};
+ListenerMemory::Listener read_listener(TomlTable& table) {
+  ListenerMemory::Listener listener{.on = true};
   std::vector<double> turn{0, 0, 0, 1};
   table.boolean("on", listener.on);
   table.vector("position_m", listener.pose.position_m, kPosition_m);
@@ -193,7 +193,7 @@ State state_of(const Session& session) {
     const auto object = excitation ? rack.find({.number = excitation->object}) : fail(ErrorKind::bad_input, "");
     if (object) state.inputs.push_back({input + 1, (*object)->name, excitation->point_m, excitation->force_n});
   }
-  state.listener = rack.listener();
+  state.listener = rack.listener().last();
   if (const auto playing = session.scene().playing()) {
     state.scene = {std::filesystem::absolute(playing->file, ignored), playing->paused, playing->cleared};
   }
@@ -255,7 +255,7 @@ Result<void> restore_object(const State::Object& object, Session& session, synth
 
 namespace {
 
-Result<void> restore_listener(const Rack::Listener& listener, Rack& rack, synth::Frame frame) {
+Result<void> restore_listener(const ListenerMemory::Listener& listener, Rack& rack, synth::Frame frame) {
   using synth::EventType;
   const synth::Event air{.frame = frame,
                          .type = EventType::listener_air,

@@ -46,7 +46,7 @@
 #include "engine/modal/material_scale.h"
 #include "engine/modal/mode_range.h"
 #include "engine/synth/event.h"
-#include "server/session/rack.h"
+#include "server/session/listener_memory.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -81,7 +81,7 @@ struct State {
   };
   std::vector<Object> objects;
   std::vector<Input> inputs;
-  std::optional<Rack::Listener> listener;
+  std::optional<ListenerMemory::Listener> listener;
   std::optional<Scene> scene;
 };
 

@@ -48,7 +48,7 @@ TEST_F(StateTest, TheListenerComesBack) {
     const auto state = session::parse_state(to_toml(session::state_of(one.session)), folder_ / "s.toml");
     EXPECT_TRUE(state) << state.error().message;
     EXPECT_TRUE(restore(*state, other.session, 0));
-    return session::state_of(other.session).listener.value_or(session::Rack::Listener{});
+    return session::state_of(other.session).listener.value_or(session::ListenerMemory::Listener{});
   };
   const auto on = come_back();
   EXPECT_TRUE(on.on);
@@ -56,10 +56,10 @@ TEST_F(StateTest, TheListenerComesBack) {
   EXPECT_NEAR(on.pose.rotation.z, pose.rotation.z, 1e-12);
   EXPECT_EQ(on.temperature_c, -5);
   EXPECT_EQ(on.humidity_percent, 80);
-  EXPECT_TRUE(other.session.rack().listened());
+  EXPECT_TRUE(other.session.rack().listener().on());
   ASSERT_TRUE(one.session.play(protocol::ListenerOff{}, 0));
   EXPECT_FALSE(come_back().on);
-  EXPECT_FALSE(other.session.rack().listened());
+  EXPECT_FALSE(other.session.rack().listener().on());
   EXPECT_NE(refusal("[listener]\nrotation = [1, 0, 0, 1]\n").find("a quaternion of length 1"), std::string::npos);
 }
 
