@@ -1,0 +1,85 @@
+// V(d) = k d^(alpha + 1) / (alpha + 1) is the spring's energy and P = sqrt(2 V).
+//
+// The exact mean force over a step is (V(d + x) - V(d)) / x for a change x, and x follows from
+// x = free - Z (that force + r x). The left side minus the right is convex and rising for alpha >= 1, so Newton's steps
+// from x = free come down to the root from one side; three of them leave an error that only matters for accuracy. The
+// line that is returned is a discrete gradient of psi^2 / 2: with g = (P(d + x) - P(d)) / x,
+//
+//   f = g psi + (g^2 / 2 + r) x',  psi' = psi + g x'   =>   f x' = (psi'^2 - psi^2) / 2 + r x'^2
+//
+// for any change x' that then happens. psi and P(d) are the same to a small error, which is corrected downwards only.
+#include "engine/contact/impact.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ringdown::contact {
+namespace {
+
+double power(double depth, double exponent) RINGDOWN_REALTIME {
+  if (depth <= 0) return 0;
+  if (exponent == 1.5) return depth * std::sqrt(depth);
+  if (exponent == 1) return depth;
+  return std::pow(depth, exponent);
+}
+double force_at(const ImpactLaw& law, double depth) RINGDOWN_REALTIME {
+  return law.stiffness * power(depth, law.exponent);
+}
+double energy_at(const ImpactLaw& law, double depth) RINGDOWN_REALTIME {
+  return depth > 0 ? force_at(law, depth) * depth / (law.exponent + 1) : 0.0;
+}
+double root_at(const ImpactLaw& law, double depth) RINGDOWN_REALTIME { return std::sqrt(2 * energy_at(law, depth)); }
+
+}  // namespace
+
+Impact::Step Impact::foresee(const ImpactLaw& law, double free_m, double compliance_m_n,
+                             double step_s) RINGDOWN_REALTIME {
+  constexpr int kNewtonSteps = 3;
+  constexpr double kTiny = 1e-4;  // of the depth: a change below it makes differences of energies inexact
+  const double d = depth_m_;
+  touches_ = d > 0 || d + free_m > 0;
+  secant_ = 0;
+  if (!touches_) {
+    psi_ = 0;
+    return {};
+  }
+  const double loss = law.damping_s_m > 0 ? law.damping_s_m * force_at(law, d + 0.5 * free_m) / step_s : 0.0;
+  const double energy = energy_at(law, d);
+  double x = free_m, mean = 0;
+  for (int i = 0; i < kNewtonSteps; ++i) {
+    double slope;
+    if (std::abs(x) > kTiny * std::max(d, d + x)) {
+      const double end = force_at(law, d + x);
+      const double end_energy = d + x > 0 ? end * (d + x) / (law.exponent + 1) : 0.0;
+      mean = (end_energy - energy) / x;
+      slope = (end - mean) / x;
+    } else {
+      mean = force_at(law, d + 0.5 * x);
+      slope = 0.5 * law.exponent * mean / std::max(d + 0.5 * x, 1e-300);
+    }
+    x -= (x - free_m + compliance_m_n * (mean + loss * x)) / (1 + compliance_m_n * (std::max(slope, 0.0) + loss));
+  }
+  const double root = std::sqrt(2 * energy);
+  if (std::abs(x) > 1e-6 * std::max(d, d + x)) {
+    secant_ = (root_at(law, d + x) - root) / x;
+  } else {
+    const double middle = d + 0.5 * x;
+    secant_ = middle > 0 ? force_at(law, middle) / root_at(law, middle) : 0.0;
+  }
+  psi_ = std::min(psi_, root);
+  const Line line{secant_ * psi_, 0.5 * secant_ * secant_ + loss};
+  return {line, std::max(0.0, (line.at_rest + line.per_m * free_m) / (1 + line.per_m * compliance_m_n)), true};
+}
+
+void Impact::advance(const ImpactLaw& law, double change_m, bool released) RINGDOWN_REALTIME {
+  if (touches_ && released) psi_ = std::min(psi_, root_at(law, depth_m_ + change_m));
+  if (touches_ && !released) psi_ += secant_ * change_m;
+  depth_m_ += change_m;
+}
+
+void Impact::shift(const ImpactLaw& law, double by_m) RINGDOWN_REALTIME {
+  depth_m_ += by_m;
+  psi_ = std::min(psi_, root_at(law, depth_m_));
+}
+
+}  // namespace ringdown::contact
