@@ -65,6 +65,8 @@ Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const 
     trial.speed_m_s = inv_step * size_of(trial.slide_m);
     return trial;
   };
+  Trial trial = slide(0);
+  const double along = bend_[0] * trial.slide_m[0] + bend_[1] * trial.slide_m[1] < 0 ? -1 : 1;
   // a for bristles that are loaded at a speed. What weakens the bristles is the speed of slip proper, of their roots,
   // not that of their own bending: what merely creeps holds until its limit.
   double slip = rate_ * bend;
@@ -73,14 +75,14 @@ Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const 
     const double g =
         normal_n * (law.sliding_coefficient + (law.static_coefficient - law.sliding_coefficient) / (1 + ratio * ratio));
     const double bent = g / law.bristle_n_m;
-    if (bend <= stuck) return 0.0;
-    const double t = bend >= bent ? 1.0 : (bend - stuck) / (bent - stuck);
+    const double end = std::abs(bend + along * speed * step_s);  // if no bristle slipped
+    if (end <= stuck) return 0.0;
+    const double t = end >= bent ? 1.0 : (end - stuck) / (bent - stuck);
     return t * t * (3 - 2 * t) * speed / bent;
   };
 
-  Trial trial = slide(0);
-  const bool loads = bend_[0] * trial.slide_m[0] + bend_[1] * trial.slide_m[1] > 0;
-  if (loads && bend > stuck && trial.speed_m_s > 0) {
+  const double end = size_of({bend_[0] + trial.slide_m[0], bend_[1] + trial.slide_m[1]});
+  if (end > bend && end > stuck) {
     constexpr int kMostTrials = 12;
     constexpr double kPrecision = 1e-9, kMostHaste = 4;
     double x = std::max(slip_m_s_, trial.speed_m_s), other = 0, at_other = 0, before = 0, at_before = 0;
