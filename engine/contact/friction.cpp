@@ -122,4 +122,9 @@ void Friction::advance(const Along& by_m, double step_s) RINGDOWN_REALTIME {
   slip_m_s_ = size_of(by_m) / step_s;
 }
 
+void Friction::stiffen(double by) RINGDOWN_REALTIME {
+  const double keep = std::min(1 / by, 1 / std::sqrt(by));
+  bend_ = {keep * bend_[0], keep * bend_[1]};
+}
+
 }  // namespace ringdown::contact

@@ -47,6 +47,8 @@ class Friction {
                              const AlongCompliance& compliance_m_n, double step_s) RINGDOWN_REALTIME;
   // Ends the foreseen step: the surfaces have slid by `by_m`.
   void advance(const Along& by_m, double step_s) RINGDOWN_REALTIME;
+  // Bristles become `by` times as stiff: the force stays, or falls where it would take energy to keep it.
+  void stiffen(double by) RINGDOWN_REALTIME;
   void release() RINGDOWN_REALTIME { bend_ = {}, slip_m_s_ = 0, rate_ = 0; }
 
   [[nodiscard]] double energy_j(const FrictionLaw& law) const RINGDOWN_REALTIME {

@@ -30,6 +30,7 @@ enum class EventType : std::uint8_t {
   pose,           // point_m, rotation: where the object's frame lies in the scene at this frame
   listener,       // point_m, rotation: where the listener's frame lies; `object` does not count
   listener_off,   // nobody listens from a place any more; `object` does not count
+  touch,          // point_m, touch: a bow, a mallet or another object that feels the object move, from now on
   listener_air,   // value, ramp_s: temperature in degrees Celsius, relative humidity in percent, for sound on its way
 };
 
@@ -51,6 +52,25 @@ struct Contact {
   Texture texture;
 };
 
+// A two-way contact (engine/contact): what touches the object feels how the object's surface moves under it, sample by
+// sample. Directions are unit vectors in the object's frame.
+struct Touch {
+  enum class Kind : std::uint8_t { bow, mallet, couple } kind = Kind::bow;
+  std::uint32_t number = 0;  // which bow, or which coupling, of the object; every mallet is a new one
+  // bow: the hair moves that way; mallet: it flies that way; couple: the object is pushed that way by the other.
+  Vec3 direction;
+  double speed_m_s = 0;    // bow, mallet
+  double force_n = 0;      // bow: pressed so hard, 0 lifts it; couple: the other's weight, 0: both are held
+  double mass_kg = 0;      // mallet; couple: the other's, where it rests on the object by its weight
+  double friction = 0;     // coefficient of static friction: the bow's rosin
+  double width_m = 0;      // bow
+  double stiffness = 0;    // mallet, couple: Hertz's k [N / m^1.5]; 0 ends a coupling
+  double damping_s_m = 0;  // mallet, couple: Hunt and Crossley's mu
+  double gap_m = 0;        // couple: between the surfaces at rest; negative: pressed together so deep
+  Vec3 other_point_m;      // couple: in the other object's frame, whose axes are parallel to the object's
+  ObjectNumber other = 0;  // couple
+};
+
 struct Event {
   Frame frame = 0;
   ObjectNumber object = 0;
@@ -64,6 +84,7 @@ struct Event {
   double ramp_s = 0;
   Contact contact;
   Rotation rotation;
+  Touch touch;
 };
 static_assert(std::is_trivially_copyable_v<Event>);
 
@@ -77,7 +98,7 @@ constexpr bool excites(const Event& event) { return is_strike(event) || event.ty
 // Whether what the event does is heard, rather than seen or set.
 constexpr bool is_sound(const Event& event) {
   return excites(event) || event.type == EventType::click || event.type == EventType::contact ||
-         event.type == EventType::clear;
+         event.type == EventType::touch || event.type == EventType::clear;
 }
 
 // Whether the event happens to the listener, and to no object.

@@ -13,7 +13,7 @@ namespace {
 
 TEST(Friction, OneModeOnABeltSticksAndSlipsInTheClosedFormsPeriod) {
   const double step = 1.0 / 48000;
-  for (const double pitch_hz : {110.0, 220.0}) {
+  for (const double pitch_hz : {65.0, 110.0}) {
     for (const double belt : {0.8, 1.2}) {
       const double omega = 2 * std::numbers::pi * pitch_hz, kg = 0.01, stiffness = omega * omega * kg;
       const double load = 2 * stiffness * 0.002 * 110 / pitch_hz;

@@ -1,0 +1,481 @@
+#include "engine/synth/touch_group.h"
+
+#include "engine/synth/meters.h"
+#include "engine/synth/shedding.h"
+#include "engine/synth/work_cost.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <optional>
+
+namespace ringdown::synth {
+namespace {
+
+constexpr double kMinBowRamp_s = 0.002, kMaxBowRamp_s = 0.05;
+constexpr double kMalletLeaves_s = 0.003;  // it has left when it needs so long to come back at its speed
+constexpr double kMostMallet_s = 2;        // and at the latest after that time
+constexpr double kStepsOfContact = 8;      // that an impact should last
+
+// A row of numbers for each freedom.
+double* row_of(const AlignedArray<double>& rows, std::size_t freedom) RINGDOWN_REALTIME {
+  return rows.get() + freedom * kTapRow;
+}
+
+// Two directions across another.
+std::array<Vec3, 2> across(const Vec3& direction) RINGDOWN_REALTIME {
+  const Vec3 other = std::abs(direction.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 first = cross(direction, other);
+  const Vec3 unit = (1 / length(first)) * first;
+  return {unit, cross(direction, unit)};
+}
+
+// Steps in a sample, for a mass that hits at a speed: Hertz's contact time in samples.
+std::size_t substeps_for(const Touch& touch, double sample_rate_hz) RINGDOWN_REALTIME {
+  if (touch.kind == Touch::Kind::bow || !(touch.stiffness > 0)) return 1;
+  const double kg = touch.mass_kg > 0 ? touch.mass_kg : 0.05;
+  const double speed = touch.kind == Touch::Kind::mallet ? std::max(touch.speed_m_s, 0.01) : 0.2;
+  const double depth = std::pow(1.25 * kg * speed * speed / touch.stiffness, 0.4);
+  const double samples = 2.94 * depth / speed * sample_rate_hz;
+  return static_cast<std::size_t>(std::clamp(std::ceil(kStepsOfContact / samples), 1.0, double{kMaxSubsteps}));
+}
+
+}  // namespace
+
+TouchGroup::TouchGroup() : taps_(aligned_zeros<double>(kFreedoms * (kFreedoms + 1) / 2 * kTapRow)) {}
+
+void TouchGroup::set(std::span<TouchSlot* const> touches) RINGDOWN_REALTIME {
+  if (std::ranges::equal(touches, this->touches())) return;
+  std::ranges::copy(touches, touches_.begin());
+  touch_count_ = touches.size();
+  stale_ = true;
+}
+
+ModeStates::Counts TouchGroup::counts() const RINGDOWN_REALTIME {
+  ModeStates::Counts all;
+  for (std::size_t b = 0; b < body_count_; ++b) {
+    const ModeStates::Counts counts = bodies_[b].object->counts();
+    all.sounding += counts.sounding, all.muted += counts.muted, all.slow += counts.slow;
+  }
+  return all;
+}
+
+TouchGroup::Body& TouchGroup::body_of(const Object& object) RINGDOWN_REALTIME {
+  return *std::find_if(bodies_.begin(), bodies_.begin() + static_cast<std::ptrdiff_t>(body_count_),
+                       [&](const Body& body) RINGDOWN_REALTIME { return body.object == &object; });
+}
+
+ModeArrays TouchGroup::modes_of(const Body& body, const StateArray& states) const RINGDOWN_REALTIME {
+  ModeArrays modes = states.for_kernel(0);
+  if (substeps_ > 1) modes.pole_re = body.poles, modes.pole_im = body.poles + kMaxTouchColumns;
+  return modes;
+}
+
+void TouchGroup::find_poles(Body& body) RINGDOWN_REALTIME {
+  const auto [re, im] = body.table->exponents();
+  const double part = 1.0 / static_cast<double>(substeps_);
+  for (std::size_t i = 0; i < body.table->columns(); ++i) {
+    const double size = std::exp(part * re[i]);
+    body.poles[i] = size * std::cos(part * im[i]);
+    body.poles[kMaxTouchColumns + i] = size * std::sin(part * im[i]);
+  }
+}
+
+// A mode of damped frequency w and decay s with the output weight W per velocity, z = W (w q - i (v + s q)), is moved
+// by its shape phi: q = Re z / (W w) is displaced by 1 N, constant in a step, towards phi (w - i s) / (w^2 + s^2) W, of
+// which 1 - p is reached.
+void TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direction, double width_m,
+                           TouchPort& port) RINGDOWN_REALTIME {
+  Voice& voice = *body.object->voices.current();
+  const ModeTable& table = *body.table;
+  std::fill_n(port.weight.get(), table.columns(), 0.0);
+  std::fill_n(port.kick_re.get(), table.columns(), 0.0);
+  std::fill_n(port.kick_im.get(), table.columns(), 0.0);
+  // What is wide touches a patch: its middle, and half the width away to all sides, as far as there is surface.
+  const std::array<Vec3, 2> aside = across(direction);
+  const std::size_t points = width_m > 0 ? 5 : 1;
+  for (std::size_t k = 0; k < points; ++k) {
+    const double side = k % 2 == 1 ? 0.5 * width_m : -0.5 * width_m;
+    Event push;
+    push.point_m = point_m, push.impulse_ns = direction;
+    if (k > 0) push.point_m = point_m + side * aside[(k - 1) / 2];
+    const double share = points == 1 ? 1.0 : (k == 0 ? 2.0 : 1.0) / 6.0;
+    if (!voice.find_sane_amplitudes(push)) continue;
+    for (std::size_t i = 0; i < table.columns(); ++i) port.weight[i] += share * voice.amplitudes()[i];
+  }
+  const auto [log_re, log_im] = table.exponents();
+  const double rate_hz = table.sample_rate_hz();
+  const ModeArrays poles = modes_of(body, voice.open_states());
+  for (std::size_t i = 0; i < table.playable_modes(); ++i) {
+    const std::size_t c = table.column(i);
+    const double w = log_im[c] * rate_hz, s = -log_re[c] * rate_hz, output = table.output_per_velocity(i);
+    const double amplitude = port.weight[c];
+    port.weight[c] = 0;
+    if (!(std::abs(output) > 0)) continue;  // a mode that nobody hears has no state
+    const std::complex<double> rest = amplitude / (w * w + s * s) * std::complex<double>(w, -s);
+    const std::complex<double> kick = rest * std::complex<double>(1 - poles.pole_re[c], -poles.pole_im[c]);
+    port.weight[c] = amplitude / (output * output * w);
+    port.kick_re[c] = kick.real(), port.kick_im[c] = kick.imag();
+  }
+}
+
+void TouchGroup::find_ports(TouchSlot& touch) RINGDOWN_REALTIME {
+  const Touch& how = touch.event.touch;
+  const bool couple = how.kind == Touch::Kind::couple;
+  const std::array<Vec3, 2> along = across(how.direction);
+  for (std::size_t s = 0; s < touch.sides.size(); ++s) {
+    TouchSlot::Side& side = touch.sides[s];
+    if (!side.object) continue;
+    Body& body = body_of(*side.object);
+    const Vec3& point_m = s == 0 ? touch.event.point_m : how.other_point_m;
+    const double sign = s == 0 ? 1 : -1;
+    find_port(body, point_m, sign * how.direction, how.width_m, side.ports[0]);
+    for (std::size_t k = 0; couple && k < 2; ++k) find_port(body, point_m, sign * along[k], 0, side.ports[k + 1]);
+  }
+  touch.stale = false;
+}
+
+// The step and the bodies' compliance limit how stiff bristles can be: stiffer ones than half of 1 / Z would ring from
+// step to step.
+void TouchGroup::find_laws(TouchSlot& touch) RINGDOWN_REALTIME {
+  const Touch& how = touch.event.touch;
+  touch.contact.on = touch.open;
+  if (how.kind != Touch::Kind::bow) {
+    touch.contact.impact = contact::ImpactLaw{.stiffness = how.stiffness, .damping_s_m = how.damping_s_m};
+  }
+  touch.contact.directions = how.kind == Touch::Kind::couple ? 2 : how.kind == Touch::Kind::bow ? 1 : 0;
+  if (touch.contact.directions == 0) return;
+  constexpr double kStiffest_n_m = 2e6, kSlidingShare = 0.375, kStribeck_m_s = 0.1;
+  const std::size_t i = touch.first + (touch.contact.impact ? 1 : 0);
+  const double compliance = std::max(taps_[(i * (i + 1) / 2 + i) * kTapRow], 1e-30);
+  const double bristle = std::min(kStiffest_n_m, 0.5 / compliance);
+  if (touch.contact.friction) touch.contact.sliding.stiffen(bristle / touch.contact.friction->bristle_n_m);
+  touch.contact.friction =
+      contact::FrictionLaw{.static_coefficient = how.friction,
+                           .sliding_coefficient = kSlidingShare * how.friction,
+                           .stribeck_m_s = kStribeck_m_s,
+                           .bristle_n_m = bristle,
+                           .bristle_ns_m = 0.3 * step_s_ * std::min(1 / compliance, std::sqrt(bristle / compliance))};
+}
+
+void TouchGroup::find_taps() RINGDOWN_REALTIME {
+  coupled_.fill(false);
+  std::fill_n(taps_.get(), kFreedoms * (kFreedoms + 1) / 2 * kTapRow, 0.0);
+  struct Place {
+    const TouchPort* port;
+    std::size_t freedom;
+  };
+  for (std::size_t b = 0; b < body_count_; ++b) {
+    Body& body = bodies_[b];
+    std::array<Place, kMaxPlaces> places;
+    std::size_t count = 0;
+    for (const TouchSlot* touch : touches()) {
+      for (const TouchSlot::Side& side : touch->sides) {
+        if (side.object != body.object || !touch->used) continue;
+        for (std::size_t k = 0; k < touch->contact.freedoms() && count < kMaxPlaces; ++k) {
+          places[count++] = {&side.ports[k], touch->first + k};
+        }
+      }
+    }
+    for (std::size_t j = 0; j < count; ++j) {
+      std::array<const double*, kMaxPlaces> weights{};
+      std::array<double*, kMaxPlaces> out{};
+      std::array<std::array<double, kChunkFrames>, kMaxPlaces> room;
+      std::size_t wanted = 0;
+      for (std::size_t i = 0; i <= j; ++i) weights[i] = places[i].port->weight.get(), out[i] = room[i].data(), ++wanted;
+      ModeArrays kicked = modes_of(body, body.object->voices.current()->open_states());
+      kicked.z_re = places[j].port->kick_re.get(), kicked.z_im = places[j].port->kick_im.get();
+      free_motion(kicked, body.table->columns(), {weights.data(), wanted}, {out.data(), wanted}, kMaxTouchSteps);
+      for (std::size_t i = 0; i <= j; ++i) {
+        const std::size_t low = std::min(places[i].freedom, places[j].freedom);
+        const std::size_t high = std::max(places[i].freedom, places[j].freedom);
+        const std::size_t pair = high * (high + 1) / 2 + low;
+        coupled_[pair] = true;
+        for (std::size_t n = 0; n < kMaxTouchSteps; ++n) taps_[pair * kTapRow + n] += room[i][n];
+      }
+    }
+  }
+  for (const TouchSlot* touch : touches()) {
+    if (touch->rigid.kg == 0 || !touch->used) continue;
+    const std::size_t pair = touch->first * (touch->first + 1) / 2 + touch->first;
+    coupled_[pair] = true;
+    const double first = 0.5 * step_s_ * step_s_ / touch->rigid.kg;
+    for (std::size_t n = 0; n < kMaxTouchSteps; ++n) {
+      taps_[pair * kTapRow + n] += first * static_cast<double>(2 * n + 1);
+    }
+  }
+  for (std::size_t j = 0; j < network_.freedoms(); ++j) {
+    for (std::size_t i = 0; i <= j; ++i) network_.set_compliance(i, j, taps_[(j * (j + 1) / 2 + i) * kTapRow]);
+  }
+}
+
+// Finds again what has changed: who takes part, an object's voice, a point.
+void TouchGroup::refresh(const Chunk& chunk) RINGDOWN_REALTIME {
+  std::size_t wanted = 1;
+  for (const TouchSlot* touch : touches()) {
+    if (touch->used) wanted = std::max(wanted, substeps_for(touch->event.touch, chunk.sample_rate_hz));
+  }
+  bool stale = stale_ || wanted != substeps_ || step_s_ != 1 / (chunk.sample_rate_hz * static_cast<double>(wanted));
+  for (std::size_t b = 0; b < body_count_ && !stale; ++b) {
+    const Voice* const voice = bodies_[b].object->voices.current();
+    stale = !voice || &voice->table() != bodies_[b].table;
+  }
+  bool moved = stale;
+  if (stale) {
+    stale_ = false;
+    substeps_ = wanted;
+    step_s_ = 1 / (chunk.sample_rate_hz * static_cast<double>(wanted));
+    body_count_ = 0;
+    network_.clear();
+    for (TouchSlot* touch : touches()) {
+      for (TouchSlot::Side& side : touch->sides) {
+        if (!side.object || !side.object->voices.current()) continue;
+        bool known = false;
+        for (std::size_t b = 0; b < body_count_; ++b) known = known || bodies_[b].object == side.object;
+        if (known) continue;
+        Body& body = bodies_[body_count_++];
+        body.object = side.object;
+        body.table = &side.object->voices.current()->table();
+        body.poles = side.poles.get();
+        if (substeps_ > 1) find_poles(body);
+      }
+      find_laws(*touch);
+      const std::optional<std::size_t> first = network_.add(touch->contact);
+      touch->first = first.value_or(0);
+      touch->stale = true;
+      if (!first) touch->used = touch->open = touch->contact.on = false;
+    }
+  }
+  for (TouchSlot* touch : touches()) {
+    if (!touch->stale || !touch->used) continue;
+    find_ports(*touch);
+    moved = true;
+  }
+  if (!moved) return;
+  find_taps();
+  for (TouchSlot* touch : touches()) find_laws(*touch);
+}
+
+void TouchGroup::play_events(std::size_t offset, const Chunk& chunk) RINGDOWN_REALTIME {
+  for (std::size_t b = 0; b < body_count_; ++b) {
+    Object& object = *bodies_[b].object;
+    for (; object.due.first && object.due.first->offset <= offset; object.due.first = object.due.first->next) {
+      const Event& event = object.due.first->event;
+      if (event.type == EventType::touch) {
+        play_touch(event, chunk);
+        continue;
+      }
+      object.play(event, chunk);
+      if (event.type != EventType::clear) continue;
+      for (TouchSlot* touch : touches()) {
+        if (touch->involves(object)) touch->used = touch->open = touch->contact.on = false;
+      }
+    }
+  }
+}
+
+void TouchGroup::play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME {
+  const Touch& how = event.touch;
+  const auto slot = std::ranges::find_if(touches(), [&](const TouchSlot* touch) RINGDOWN_REALTIME {
+    const Event& last = touch->event;
+    return touch->used && last.object == event.object && last.touch.kind == how.kind &&
+           last.touch.number == how.number && (how.kind != Touch::Kind::mallet || last.frame == event.frame);
+  });
+  if (slot == touches().end()) return;
+  TouchSlot& touch = **slot;
+  const bool begins = !touch.open;
+  const bool ends = how.kind == Touch::Kind::couple && !(how.stiffness > 0);
+  if (ends) {
+    touch.used = touch.open = touch.contact.on = false;
+    return;
+  }
+  const auto ramp_s = begins ? kMinBowRamp_s
+                             : std::clamp(static_cast<double>(event.frame - touch.since) / chunk.sample_rate_hz,
+                                          kMinBowRamp_s, kMaxBowRamp_s);
+  const auto ramp = static_cast<Frame>(ramp_s * chunk.sample_rate_hz);
+  const bool lifted = how.kind == Touch::Kind::bow && how.force_n == 0;
+  if (!lifted) {  // a bow that is lifted stays where it is and keeps its speed
+    const Touch& last = touch.event.touch;
+    touch.stale = touch.stale || !(touch.event.point_m == event.point_m && last.direction == how.direction &&
+                                   last.other_point_m == how.other_point_m && last.width_m == how.width_m);
+    touch.event = event;
+    if (begins) touch.speed_m_s = {how.speed_m_s, how.speed_m_s, event.frame, event.frame};
+    touch.speed_m_s.aim(how.speed_m_s, event.frame, ramp);
+  }
+  touch.force_n.aim(how.force_n, event.frame, ramp);
+  touch.since = event.frame;
+  if (!begins) return;
+  touch.open = touch.contact.on = true;
+  touch.contact.sliding.release();
+  touch.contact.pressed.place(-how.gap_m);
+  touch.rigid.at_m = 0;
+  touch.rigid.speed_m_s = how.kind == Touch::Kind::mallet ? -how.speed_m_s : 0;
+}
+
+void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk) RINGDOWN_REALTIME {
+  const std::size_t steps = frames * substeps_;
+  for (std::size_t i = 0; i < network_.freedoms(); ++i) std::fill_n(row_of(approach_, i), steps + 1, 0.0);
+  for (std::size_t b = 0; b < body_count_; ++b) {
+    Body& body = bodies_[b];
+    Voice& voice = *body.object->voices.current();
+    std::array<const double*, kMaxPlaces> weights{};
+    std::array<std::size_t, kMaxPlaces> freedoms{};
+    std::array<double*, kMaxPlaces> out{};
+    alignas(64) std::array<std::array<double, kMaxTouchSteps + 8>, kMaxPlaces> room;
+    std::size_t count = 0;
+    for (const TouchSlot* touch : touches()) {
+      for (const TouchSlot::Side& side : touch->sides) {
+        if (side.object != body.object || !touch->open) continue;
+        for (std::size_t k = 0; k < touch->contact.freedoms() && count < kMaxPlaces; ++k, ++count) {
+          weights[count] = side.ports[k].weight.get(), freedoms[count] = touch->first + k,
+          out[count] = room[count].data();
+        }
+      }
+    }
+    const auto to_move = [&](ModeArrays modes, std::size_t points) RINGDOWN_REALTIME {
+      free_motion(modes, body.table->columns(), {weights.data(), count}, {out.data(), count}, points);
+    };
+    to_move(modes_of(body, voice.open_states()), steps + 1);
+    for (std::size_t k = 0; k < count; ++k) {
+      double* const to = row_of(approach_, freedoms[k]);
+      for (std::size_t n = 0; n <= steps; ++n) to[n] -= room[k][n];
+    }
+    // An exciter's impulse J takes J A off Im z at once, where A is what an impulse of 1 gives.
+    body.exciting_count = 0;
+    for (Exciter* exciter : body.object->exciters.all()) {
+      const float* const samples = exciter->input ? chunk.inputs[*exciter->input] : nullptr;
+      double* const impulses = body.impulses[body.exciting_count].data();
+      exciter->fill(chunk.begin + static_cast<Frame>(begin), frames, samples ? samples + begin : nullptr, impulses);
+      body.exciting[body.exciting_count++] = {exciter->amplitudes.get(), impulses};
+      if (count == 0 || std::all_of(impulses, impulses + frames, [](double j) RINGDOWN_REALTIME { return j == 0; })) {
+        continue;
+      }
+      // The states of an impulse of 1 i: Re (i A p^n) = -(answer to an impulse of 1).
+      alignas(64) static constexpr std::array<double, kMaxTouchColumns> kZeros{};
+      ModeArrays struck = modes_of(body, voice.open_states());
+      struck.z_re = const_cast<double*>(kZeros.data()), struck.z_im = exciter->amplitudes.get();
+      to_move(struck, steps + 1);
+      for (std::size_t k = 0; k < count; ++k) {
+        double* const to = row_of(approach_, freedoms[k]);
+        for (std::size_t n = 0; n < frames; ++n) {
+          const std::size_t at = n * substeps_;
+          for (std::size_t m = 0; at + m <= steps; ++m) to[at + m] += impulses[n] * room[k][m];
+        }
+      }
+    }
+  }
+  for (const TouchSlot* touch : touches()) {
+    if (touch->rigid.kg == 0 || !touch->open) continue;
+    double* const to = row_of(approach_, touch->first);
+    const double curve = 0.5 * touch->rigid.load_n / touch->rigid.kg;
+    for (std::size_t n = 0; n <= steps; ++n) {
+      const double t = static_cast<double>(n) * step_s_;
+      to[n] -= (touch->rigid.speed_m_s + curve * t) * t;
+    }
+  }
+}
+
+void TouchGroup::find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME {
+  const std::size_t freedoms = network_.freedoms();
+  std::array<double, kFreedoms> free{}, force{};
+  std::array<TapRow, kFreedoms * kFreedoms> rows;
+  pushes_.fill(false);
+  for (std::size_t s = 0; s < steps; ++s) {
+    for (std::size_t i = 0; i < freedoms; ++i) free[i] = row_of(approach_, i)[s + 1] - row_of(approach_, i)[s];
+    for (TouchSlot* touch : touches()) {
+      if (touch->event.touch.kind != Touch::Kind::bow || !touch->open) continue;
+      const Frame frame = begin + static_cast<Frame>(s / substeps_);
+      if (s % substeps_ == 0) touch->contact.load_n = touch->force_n.at(frame);
+      free[touch->first] += touch->speed_m_s.at(frame) * step_s_;
+    }
+    const bool works = network_.step({free.data(), freedoms}, step_s_, {force.data(), freedoms});
+    for (std::size_t i = 0; i < freedoms; ++i) row_of(forces_, i)[s] = force[i];
+    if (!works) continue;
+    std::size_t count = 0;
+    for (std::size_t j = 0; j < freedoms; ++j) {
+      if (force[j] == 0) continue;
+      pushes_[j] = true;
+      for (std::size_t i = 0; i < freedoms; ++i) {
+        const std::size_t low = std::min(i, j), high = std::max(i, j), pair = high * (high + 1) / 2 + low;
+        if (coupled_[pair]) rows[count++] = {taps_.get() + pair * kTapRow, row_of(approach_, i) + s + 1, force[j]};
+      }
+    }
+    add_taps({rows.data(), count}, steps - s);
+  }
+  for (TouchSlot* touch : touches()) {
+    RigidMass& rigid = touch->rigid;
+    if (rigid.kg == 0 || !touch->open) continue;
+    const double* const push = row_of(forces_, touch->first);
+    for (std::size_t s = 0; s < steps; ++s) {
+      const double faster = (push[s] + rigid.load_n) / rigid.kg * step_s_;
+      rigid.at_m += (rigid.speed_m_s + 0.5 * faster) * step_s_;
+      rigid.speed_m_s += faster;
+    }
+  }
+}
+
+void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk& chunk,
+                                Workspace& workspace) RINGDOWN_REALTIME {
+  const std::size_t frames = end - begin, steps = frames * substeps_;
+  move_freely(begin, frames, chunk);
+  find_forces(chunk.begin + static_cast<Frame>(begin), steps);
+  double columns = 0;
+  for (std::size_t b = 0; b < body_count_; ++b) {
+    Body& body = bodies_[b];
+    std::array<PortForce, kMaxPortForces> ports;
+    std::size_t count = 0;
+    for (const TouchSlot* touch : touches()) {
+      for (const TouchSlot::Side& side : touch->sides) {
+        if (side.object != body.object || !touch->open) continue;
+        for (std::size_t k = 0; k < touch->contact.freedoms() && count < kMaxPortForces; ++k) {
+          if (!pushes_[touch->first + k]) continue;
+          ports[count++] = {side.ports[k].kick_re.get(), side.ports[k].kick_im.get(),
+                            row_of(forces_, touch->first + k)};
+        }
+      }
+    }
+    const TouchForces touch{modes_of(body, body.object->voices.current()->open_states()),
+                            {body.exciting.data(), body.exciting_count},
+                            {ports.data(), count},
+                            substeps_};
+    body.object->render_touched(begin, end, chunk, workspace, touch);
+    columns += static_cast<double>(body.table->columns());
+  }
+  const double chunks = static_cast<double>(steps) / static_cast<double>(kChunkFrames);
+  chunk.shedding->worked(chunks * (kTouchPerMode * columns + kTouchPerContact * static_cast<double>(touch_count_)),
+                         workspace);
+}
+
+void TouchGroup::close_finished(Frame now) RINGDOWN_REALTIME {
+  for (TouchSlot* touch : touches()) {
+    if (!touch->open) continue;
+    const Touch& how = touch->event.touch;
+    bool over = how.kind == Touch::Kind::bow && touch->force_n.to == 0 && now >= touch->force_n.end;
+    if (how.kind == Touch::Kind::mallet) {
+      const double away = -touch->contact.pressed.depth_m();
+      over = (touch->rigid.speed_m_s > 0 && away > kMalletLeaves_s * touch->rigid.speed_m_s) ||
+             now - touch->since > static_cast<Frame>(kMostMallet_s / (step_s_ * static_cast<double>(substeps_)));
+    }
+    if (over) touch->used = touch->open = touch->contact.on = false;
+  }
+}
+
+void TouchGroup::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  refresh(chunk);
+  for (std::size_t b = 0; b < body_count_; ++b) bodies_[b].object->begin_touched(chunk, workspace);
+  for (std::size_t at = 0; at < chunk.frames;) {
+    play_events(at, chunk);
+    refresh(chunk);
+    std::size_t end = std::min(chunk.frames, at + kMaxTouchSteps / substeps_);
+    for (std::size_t b = 0; b < body_count_; ++b) {
+      const DueEvent* const next = bodies_[b].object->due.first;
+      if (next) end = std::min(end, std::max(next->offset, at + 1));
+    }
+    render_segment(at, end, chunk, workspace);
+    at = end;
+  }
+  for (std::size_t b = 0; b < body_count_; ++b) bodies_[b].object->end_touched(chunk, workspace);
+  close_finished(chunk.end());
+}
+
+}  // namespace ringdown::synth
