@@ -127,14 +127,14 @@ struct SetBow {  // /object/{object}/bow
 struct HitMallet {  // /object/{object}/mallet
   ObjectRef object;
   Vec3 point_m, velocity_m_s;
-  synth::Touch touch{.kind = synth::Touch::Kind::mallet, .stiffness = 1e7, .damping_s_m = 0.1};
+  synth::Touch touch{.kind = synth::Touch::Kind::mallet, .stiffness = 1e7, .bounce = 0.9};
 };
 // Another object that touches this one.
 struct SetCoupling {  // /object/{object}/couple
   ObjectRef object;
   Vec3 point_m;
   ObjectRef other;
-  synth::Touch touch{.kind = synth::Touch::Kind::couple, .friction = 0.3, .stiffness = 1e8, .damping_s_m = 0.5};
+  synth::Touch touch{.kind = synth::Touch::Kind::couple, .friction = 0.3, .stiffness = 1e8, .bounce = 0.6};
 };
 // Where the object's frame lies in the scene, for a listener.
 struct SetPose {  // /object/{object}/pose

@@ -241,7 +241,7 @@ std::vector<Row<Request>> make_request_rows() {
           HitMallet{kBell,
                     {0.05, 0, 0.02},
                     {0, 0, -1},
-                    {.kind = synth::Touch::Kind::mallet, .mass_kg = 0.02, .stiffness = 1e7, .damping_s_m = 0.1}},
+                    {.kind = synth::Touch::Kind::mallet, .mass_kg = 0.02, .stiffness = 1e7, .bounce = 0.9}},
           "A mallet flies at the object and feels it: how long the blow lasts, and how often it hits, follows from "
           "mass, "
           "head and speed, and from what the object does.",
@@ -252,8 +252,8 @@ std::vector<Row<Request>> make_request_rows() {
            optional(number<&HitMallet::touch, &synth::Touch::stiffness>(
                "head", kHead,
                "How hard the head is: some 1e5 for yarn, 1e7 for rubber, 1e9 for wood, 1e10 for steel.")),
-           optional(number<&HitMallet::touch, &synth::Touch::damping_s_m>(
-               "loss", kLosses, "What the head takes: it returns with about 1 - 2/3 loss speed of its speed."))}),
+           optional(number<&HitMallet::touch, &synth::Touch::bounce>(
+               "bounce", kBounce, "Its speed after a blow on a wall, over that before."))}),
       silent<Lane::mixer>(
           "/object/{object}/couple",
           SetCoupling{kBell,
@@ -263,7 +263,7 @@ std::vector<Row<Request>> make_request_rows() {
                        .direction = {0, 0, 1},
                        .friction = 0.3,
                        .stiffness = 1e8,
-                       .damping_s_m = 0.5}},
+                       .bounce = 0.6}},
           "Lets another object touch this one at a point of each, so that both rattle, buzz and ring together. The "
           "axes "
           "of the two are taken as parallel. A stiffness of 0 parts them.",
@@ -282,8 +282,8 @@ std::vector<Row<Request>> make_request_rows() {
                                                                           "Of the contact, by Hertz's law.")),
            optional(number<&SetCoupling::touch, &synth::Touch::friction>("friction", kFriction,
                                                                          "Coefficient of static friction.")),
-           optional(number<&SetCoupling::touch, &synth::Touch::damping_s_m>("loss", kLosses,
-                                                                            "What a blow takes, as of a mallet.")),
+           optional(number<&SetCoupling::touch, &synth::Touch::bounce>("bounce", kBounce,
+                                                                       "Speed after an impact over that before.")),
            optional(number<&SetCoupling::touch, &synth::Touch::mass_kg>(
                "mass", kRestingMass, "Of the other, where it rests by its weight; 0 follows from the weight.")),
            optional(integer<&SetCoupling::touch, &synth::Touch::number>("number", kIndex,

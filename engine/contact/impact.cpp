@@ -43,7 +43,12 @@ Impact::Step Impact::foresee(const ImpactLaw& law, double free_m, double complia
     psi_ = 0;
     return {};
   }
-  const double loss = law.damping_s_m > 0 ? law.damping_s_m * force_at(law, d + 0.5 * free_m) / step_s : 0.0;
+  if (d <= 0) {
+    constexpr double kSlowest_m_s = 1e-3;
+    const double speed = std::max(free_m / step_s, kSlowest_m_s);
+    damping_s_m_ = law.damping_s_m + (law.bounce < 1 ? 1.5 * (1 - law.bounce) / (law.bounce * speed) : 0.0);
+  }
+  const double loss = damping_s_m_ > 0 ? damping_s_m_ * force_at(law, d + 0.5 * free_m) / step_s : 0.0;
   const double energy = energy_at(law, d);
   double x = free_m, mean = 0;
   for (int i = 0; i < kNewtonSteps; ++i) {

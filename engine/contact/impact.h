@@ -15,6 +15,9 @@ struct ImpactLaw {
   double stiffness = 1e8;  // k [N / m^exponent]
   double exponent = 1.5;   // alpha >= 1: 1.5 between round bodies (Hertz), 1 for a spring, 2 to 3 for felt
   double damping_s_m = 0;  // mu: restitution is about 1 - (2/3) mu v at small speeds v
+  // Below 1: mu is chosen as each contact begins, so that its bounce at the speed of that moment is this, and what
+  // bounces comes to rest [Hu & Guo, Powder Technol. 286, 187 (2015): mu = 1.5 (1 - e) / (e v)].
+  double bounce = 1;
 };
 
 // f = at_rest + per_m * (change of depth).
@@ -40,15 +43,17 @@ class Impact {
   void advance(const ImpactLaw& law, double change_m, bool released) RINGDOWN_REALTIME;
 
   [[nodiscard]] double depth_m() const RINGDOWN_REALTIME { return depth_m_; }
-  void place(double depth_m) RINGDOWN_REALTIME { depth_m_ = depth_m, psi_ = 0; }  // while nothing touches
+  // Nothing touches yet; what is pressed together at once is so without speed.
+  void place(double depth_m) RINGDOWN_REALTIME { depth_m_ = depth_m, psi_ = damping_s_m_ = 0; }
   // Moves the zero of depths without doing work, as when the stiffness or the place of the contact changes.
   void shift(const ImpactLaw& law, double by_m) RINGDOWN_REALTIME;
   [[nodiscard]] double energy_j() const RINGDOWN_REALTIME { return 0.5 * psi_ * psi_; }
 
  private:
-  double depth_m_ = -1;  // negative: so far apart
-  double psi_ = 0;       // sqrt(2 energy)
-  double secant_ = 0;    // of the foreseen step: change of psi per change of depth
+  double depth_m_ = -1;     // negative: so far apart
+  double psi_ = 0;          // sqrt(2 energy)
+  double damping_s_m_ = 0;  // of the contact that goes on
+  double secant_ = 0;       // of the foreseen step: change of psi per change of depth
   bool touches_ = false;
 };
 

@@ -65,7 +65,7 @@ struct Touch {
   double friction = 0;     // coefficient of static friction: the bow's rosin
   double width_m = 0;      // bow
   double stiffness = 0;    // mallet, couple: Hertz's k [N / m^1.5]; 0 ends a coupling
-  double damping_s_m = 0;  // mallet, couple: Hunt and Crossley's mu
+  double bounce = 1;       // mallet, couple: speed after over speed before an impact, 0.01 to 1
   double gap_m = 0;        // couple: between the surfaces at rest; negative: pressed together so deep
   Vec3 other_point_m;      // couple: in the other object's frame, whose axes are parallel to the object's
   ObjectNumber other = 0;  // couple

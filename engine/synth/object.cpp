@@ -209,6 +209,7 @@ void Object::render_touched(std::size_t begin, std::size_t end, const Chunk& chu
                               : voice.render(mono + begin, end - begin, floor(chunk));
     if (!sane) count(chunk.counters->not_finite);
   });
+  for (std::size_t n = begin; n < end; ++n) mono[n] -= touch.leaning[n - begin];
   strip.add_samples(mono, begin, end, chunk, workspace.sums);
 }
 

@@ -28,6 +28,7 @@ struct TouchForces {
   std::span<const Force> forces;
   std::span<const PortForce> ports;
   std::size_t substeps = 1;
+  const double* leaning = nullptr;  // of the samples: what does not sound, because it only bends
 };
 
 // An object's voices: the current one, which takes strikes, and older ones that ring out.

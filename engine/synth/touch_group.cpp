@@ -31,13 +31,26 @@ std::array<Vec3, 2> across(const Vec3& direction) RINGDOWN_REALTIME {
 }
 
 // Steps in a sample, for a mass that hits at a speed: Hertz's contact time in samples.
-std::size_t substeps_for(const Touch& touch, double sample_rate_hz) RINGDOWN_REALTIME {
+std::size_t substeps_for(const TouchSlot& slot, double sample_rate_hz) RINGDOWN_REALTIME {
+  const Touch& touch = slot.event.touch;
   if (touch.kind == Touch::Kind::bow || !(touch.stiffness > 0)) return 1;
-  const double kg = touch.mass_kg > 0 ? touch.mass_kg : 0.05;
+  const double kg = 1 / ((slot.rigid.kg > 0 ? 1 / slot.rigid.kg : 0.0) + std::max(slot.per_kg, 1e-3));
   const double speed = touch.kind == Touch::Kind::mallet ? std::max(touch.speed_m_s, 0.01) : 0.2;
   const double depth = std::pow(1.25 * kg * speed * speed / touch.stiffness, 0.4);
   const double samples = 2.94 * depth / speed * sample_rate_hz;
   return static_cast<std::size_t>(std::clamp(std::ceil(kStepsOfContact / samples), 1.0, double{kMaxSubsteps}));
+}
+
+// What a surface sounds like follows its acceleration. Where it is only bent by a force that lasts, it does not sound:
+// adds that part of the samples to `to`. A sample lies between two steps.
+void lean(TouchPort& port, const double* force_n, std::size_t frames, std::size_t substeps,
+          double* to) RINGDOWN_REALTIME {
+  double before = port.last_n;
+  for (std::size_t n = 0; n < frames; ++n) {
+    to[n] += 0.5 * port.leaning * (before + force_n[n * substeps]);
+    before = force_n[(n + 1) * substeps - 1];
+  }
+  port.last_n = before;
 }
 
 }  // namespace
@@ -84,8 +97,8 @@ void TouchGroup::find_poles(Body& body) RINGDOWN_REALTIME {
 // A mode of damped frequency w and decay s with the output weight W per velocity, z = W (w q - i (v + s q)), is moved
 // by its shape phi: q = Re z / (W w) is displaced by 1 N, constant in a step, towards phi (w - i s) / (w^2 + s^2) W, of
 // which 1 - p is reached.
-void TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direction, double width_m,
-                           TouchPort& port) RINGDOWN_REALTIME {
+double TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direction, double width_m,
+                             TouchPort& port) RINGDOWN_REALTIME {
   Voice& voice = *body.object->voices.current();
   const ModeTable& table = *body.table;
   std::fill_n(port.weight.get(), table.columns(), 0.0);
@@ -103,6 +116,8 @@ void TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& directio
     if (!voice.find_sane_amplitudes(push)) continue;
     for (std::size_t i = 0; i < table.columns(); ++i) port.weight[i] += share * voice.amplitudes()[i];
   }
+  double per_kg = 0;
+  port.leaning = 0;
   const auto [log_re, log_im] = table.exponents();
   const double rate_hz = table.sample_rate_hz();
   const ModeArrays poles = modes_of(body, voice.open_states());
@@ -115,22 +130,27 @@ void TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& directio
     const std::complex<double> rest = amplitude / (w * w + s * s) * std::complex<double>(w, -s);
     const std::complex<double> kick = rest * std::complex<double>(1 - poles.pole_re[c], -poles.pole_im[c]);
     port.weight[c] = amplitude / (output * output * w);
+    port.leaning += rest.real();
     port.kick_re[c] = kick.real(), port.kick_im[c] = kick.imag();
+    per_kg += amplitude * amplitude / (output * output);
   }
+  return per_kg;
 }
 
 void TouchGroup::find_ports(TouchSlot& touch) RINGDOWN_REALTIME {
   const Touch& how = touch.event.touch;
   const bool couple = how.kind == Touch::Kind::couple;
   const std::array<Vec3, 2> along = across(how.direction);
+  touch.per_kg = 0;
   for (std::size_t s = 0; s < touch.sides.size(); ++s) {
     TouchSlot::Side& side = touch.sides[s];
     if (!side.object) continue;
     Body& body = body_of(*side.object);
     const Vec3& point_m = s == 0 ? touch.event.point_m : how.other_point_m;
     const double sign = s == 0 ? 1 : -1;
-    find_port(body, point_m, sign * how.direction, how.width_m, side.ports[0]);
-    for (std::size_t k = 0; couple && k < 2; ++k) find_port(body, point_m, sign * along[k], 0, side.ports[k + 1]);
+    touch.per_kg += find_port(body, point_m, sign * how.direction, how.width_m, side.ports[0]);
+    for (std::size_t k = 0; couple && k < 2; ++k)
+      static_cast<void>(find_port(body, point_m, sign * along[k], 0, side.ports[k + 1]));
   }
   touch.stale = false;
 }
@@ -141,7 +161,7 @@ void TouchGroup::find_laws(TouchSlot& touch) RINGDOWN_REALTIME {
   const Touch& how = touch.event.touch;
   touch.contact.on = touch.open;
   if (how.kind != Touch::Kind::bow) {
-    touch.contact.impact = contact::ImpactLaw{.stiffness = how.stiffness, .damping_s_m = how.damping_s_m};
+    touch.contact.impact = contact::ImpactLaw{.stiffness = how.stiffness, .bounce = how.bounce};
   }
   touch.contact.directions = how.kind == Touch::Kind::couple ? 2 : how.kind == Touch::Kind::bow ? 1 : 0;
   if (touch.contact.directions == 0) return;
@@ -213,7 +233,7 @@ void TouchGroup::find_taps() RINGDOWN_REALTIME {
 void TouchGroup::refresh(const Chunk& chunk) RINGDOWN_REALTIME {
   std::size_t wanted = 1;
   for (const TouchSlot* touch : touches()) {
-    if (touch->used) wanted = std::max(wanted, substeps_for(touch->event.touch, chunk.sample_rate_hz));
+    if (touch->used) wanted = std::max(wanted, substeps_for(*touch, chunk.sample_rate_hz));
   }
   bool stale = stale_ || wanted != substeps_ || step_s_ != 1 / (chunk.sample_rate_hz * static_cast<double>(wanted));
   for (std::size_t b = 0; b < body_count_ && !stale; ++b) {
@@ -252,6 +272,9 @@ void TouchGroup::refresh(const Chunk& chunk) RINGDOWN_REALTIME {
     moved = true;
   }
   if (!moved) return;
+  for (const TouchSlot* touch : touches()) {  // what a contact's surfaces weigh is known only now
+    if (touch->used && substeps_for(*touch, chunk.sample_rate_hz) > substeps_) return refresh(chunk);
+  }
   find_taps();
   for (TouchSlot* touch : touches()) find_laws(*touch);
 }
@@ -308,6 +331,9 @@ void TouchGroup::play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REA
   touch.open = touch.contact.on = true;
   touch.contact.sliding.release();
   touch.contact.pressed.place(-how.gap_m);
+  for (TouchSlot::Side& side : touch.sides) {
+    for (TouchPort& port : side.ports) port.last_n = 0;
+  }
   touch.rigid.at_m = 0;
   touch.rigid.speed_m_s = how.kind == Touch::Kind::mallet ? -how.speed_m_s : 0;
 }
@@ -423,11 +449,14 @@ void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk&
   for (std::size_t b = 0; b < body_count_; ++b) {
     Body& body = bodies_[b];
     std::array<PortForce, kMaxPortForces> ports;
+    std::array<double, kMaxTouchSteps> leaning{};
     std::size_t count = 0;
-    for (const TouchSlot* touch : touches()) {
-      for (const TouchSlot::Side& side : touch->sides) {
+    for (TouchSlot* touch : touches()) {
+      for (TouchSlot::Side& side : touch->sides) {
         if (side.object != body.object || !touch->open) continue;
         for (std::size_t k = 0; k < touch->contact.freedoms() && count < kMaxPortForces; ++k) {
+          if (!pushes_[touch->first + k] && side.ports[k].last_n == 0) continue;
+          lean(side.ports[k], row_of(forces_, touch->first + k), frames, substeps_, leaning.data());
           if (!pushes_[touch->first + k]) continue;
           ports[count++] = {side.ports[k].kick_re.get(), side.ports[k].kick_im.get(),
                             row_of(forces_, touch->first + k)};
@@ -437,7 +466,8 @@ void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk&
     const TouchForces touch{modes_of(body, body.object->voices.current()->open_states()),
                             {body.exciting.data(), body.exciting_count},
                             {ports.data(), count},
-                            substeps_};
+                            substeps_,
+                            leaning.data()};
     body.object->render_touched(begin, end, chunk, workspace, touch);
     columns += static_cast<double>(body.table->columns());
   }

@@ -39,6 +39,8 @@ struct TouchPort {
   AlignedArray<double> weight = aligned_zeros<double>(kMaxTouchColumns);   // displacement [m] per Re z
   AlignedArray<double> kick_re = aligned_zeros<double>(kMaxTouchColumns);  // what 1 N adds to z in a step
   AlignedArray<double> kick_im = aligned_zeros<double>(kMaxTouchColumns);
+  double leaning = 0;  // the sum of Re z at rest under 1 N
+  double last_n = 0;   // the force in the last step
 };
 
 // A mass that moves along the contact's normal.
@@ -60,6 +62,7 @@ struct TouchSlot {
   Event event;         // the last one
   std::array<Side, 2> sides;
   RigidMass rigid;
+  double per_kg = 0;  // one over the mass that a short push along the normal feels
   contact::Contact contact;
   std::size_t first = 0;  // of its freedoms in the group's network
   Ramp speed_m_s, force_n;
@@ -103,8 +106,9 @@ class TouchGroup final : public Source {
   void play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME;
   void refresh(const Chunk& chunk) RINGDOWN_REALTIME;
   void find_poles(Body& body) RINGDOWN_REALTIME;
-  void find_port(Body& body, const Vec3& point_m, const Vec3& direction, double width_m,
-                 TouchPort& port) RINGDOWN_REALTIME;
+  // Returns the sum of the modes' squared shapes: one over the mass that a short push feels [1/kg].
+  double find_port(Body& body, const Vec3& point_m, const Vec3& direction, double width_m,
+                   TouchPort& port) RINGDOWN_REALTIME;
   void find_ports(TouchSlot& touch) RINGDOWN_REALTIME;
   void find_taps() RINGDOWN_REALTIME;
   void find_laws(TouchSlot& touch) RINGDOWN_REALTIME;

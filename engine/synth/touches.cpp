@@ -13,7 +13,7 @@ bool is_sane(const Touch& t) RINGDOWN_REALTIME {
   const auto within = [](double value, double least, double most)
                           RINGDOWN_REALTIME { return value >= least && value <= most; };
   const bool common = std::abs(dot(t.direction, t.direction) - 1) < 1e-6 && within(t.force_n, 0, kMostTouchForce_n) &&
-                      within(t.friction, 0, 10) && within(t.damping_s_m, 0, 1e6);
+                      within(t.friction, 0, 10) && within(t.bounce, 0.01, 1);
   if (t.kind == Touch::Kind::bow) {
     return common && within(t.speed_m_s, -kMostTouchSpeed_m_s, kMostTouchSpeed_m_s) && within(t.width_m, 0, 1);
   }

@@ -93,12 +93,23 @@ TEST(Impact, ReturnsWhatHuntAndCrossleySay) {
   }
 }
 
+TEST(Impact, BouncesAsAskedAtAnySpeed) {
+  for (const double bounce : {0.3, 0.6, 0.9}) {
+    for (const double speed : {0.01, 0.3, 5.0}) {
+      ImpactLaw law{.stiffness = 1};
+      law.stiffness = std::pow(hertz_time(law, 0.02, speed) * 48000 / 20, 2.5);
+      law.bounce = bounce;
+      EXPECT_NEAR(throw_mass(law, 0.02, speed, 1.0 / 48000, 0.3).restitution, bounce, 0.05) << bounce << ", " << speed;
+    }
+  }
+}
+
 TEST(Impact, BodyAtRestLiesAsDeepAsStaticsSays) {
   const double step = 1.0 / 48000, kg = 0.3, weight = 9.81 * kg;
   for (const double stiffness : {1e6, 1e8, 1e10}) {
     ModalBody mass(step);
     mass.add_mass(kg);
-    Contact contact{.impact = ImpactLaw{.stiffness = stiffness, .damping_s_m = 20}};
+    Contact contact{.impact = ImpactLaw{.stiffness = stiffness, .bounce = 0.3}};
     contact.pressed.place(-1e-5);
     Network network;
     ASSERT_TRUE(network.add(contact));

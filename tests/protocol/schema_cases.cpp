@@ -201,11 +201,10 @@ Cases mallet_cases() {
   const std::string a = "/object/bell/mallet";
   return {{{a, {1, 2, 3, 0, 0, -2, 0.25f}, claim<HitMallet>([](const HitMallet& m) {
               return m.object == named("bell") && m.point_m == Vec3{1, 2, 3} && m.velocity_m_s == Vec3{0, 0, -2} &&
-                     m.touch.mass_kg == 0.25 && m.touch.stiffness == 1e7 && m.touch.damping_s_m == 0.1;
+                     m.touch.mass_kg == 0.25 && m.touch.stiffness == 1e7 && m.touch.bounce == 0.9;
             })},
            {a, {0, 0, 0, 0, 0, -2, 0.25f, 1024, 0.5f}, claim<HitMallet>([](const HitMallet& m) {
-              return m.touch.stiffness == 1024 && m.touch.damping_s_m == 0.5 &&
-                     m.touch.kind == synth::Touch::Kind::mallet;
+              return m.touch.stiffness == 1024 && m.touch.bounce == 0.5 && m.touch.kind == synth::Touch::Kind::mallet;
             })}},
           {{"/object/b%/mallet", {0, 0, 0, 0, 0, 1, 1}, "object"},
            {a, {kNan, 0, 0, 0, 0, 1, 1}, "x"},
@@ -216,7 +215,7 @@ Cases mallet_cases() {
            {a, {0, 0, 0, 0, 0}, "vz"},
            {a, {0, 0, 0, 0, 0, 1, 0}, "mass"},
            {a, {0, 0, 0, 0, 0, 1, 1, 0}, "head"},
-           {a, {0, 0, 0, 0, 0, 1, 1, 5, -1}, "loss"}}};
+           {a, {0, 0, 0, 0, 0, 1, 1, 5, -1}, "bounce"}}};
 }
 
 Cases couple_cases() {
@@ -225,13 +224,13 @@ Cases couple_cases() {
               return c.object == named("bell") && c.point_m == Vec3{1, 2, 3} && c.other == named("plate") &&
                      c.touch.other_point_m == Vec3{4, 5, 6} && c.touch.direction == Vec3{0, 0, 2} &&
                      c.touch.force_n == 0 && c.touch.gap_m == 0 && c.touch.stiffness == 1e8 &&
-                     c.touch.friction == 0.3 && c.touch.damping_s_m == 0.5 && c.touch.mass_kg == 0;
+                     c.touch.friction == 0.3 && c.touch.bounce == 0.6 && c.touch.mass_kg == 0;
             })},
            {a,
-            {1, 2, 3, 7, 4, 5, 6, 0, 0, 1, 2, 0.0625f, 0, 0.25f, 4, 0.5f, 2},
+            {1, 2, 3, 7, 4, 5, 6, 0, 0, 1, 2, 0.0625f, 0, 0.25f, 0.75f, 0.5f, 2},
             claim<SetCoupling>([](const SetCoupling& c) {
               return c.other == numbered(7) && c.touch.force_n == 2 && c.touch.gap_m == 0.0625 &&
-                     c.touch.stiffness == 0 && c.touch.friction == 0.25 && c.touch.damping_s_m == 4 &&
+                     c.touch.stiffness == 0 && c.touch.friction == 0.25 && c.touch.bounce == 0.75 &&
                      c.touch.mass_kg == 0.5 && c.touch.number == 2 && c.touch.kind == synth::Touch::Kind::couple;
             })}},
           {{"/object/b%/couple", {0, 0, 0, 1, 0, 0, 0, 0, 0, 1}, "object"},
@@ -249,7 +248,7 @@ Cases couple_cases() {
            {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 1}, "gap"},
            {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, -1}, "stiffness"},
            {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 1, 6}, "friction"},
-           {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, -1}, "loss"},
+           {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, -1}, "bounce"},
            {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 1, -1}, "mass"},
            {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 1, 1, -1}, "number"}}};
 }

@@ -28,7 +28,7 @@ std::unique_ptr<Stage> stage_in(State state) {
                    .direction = {0, 0, 1},
                    .friction = 0.3,
                    .stiffness = 1e7,
-                   .damping_s_m = 0.1,
+                   .bounce = 0.9,
                    .gap_m = state == State::touching ? -1e-4 : 0.01,
                    .other = static_cast<synth::ObjectNumber>(2 * c + 1)};
     stage->push(event);
