@@ -24,7 +24,7 @@ inline constexpr Quantity kFriction{"", 0, 5};
 inline constexpr Quantity kMalletMass{"kg", 1e-5, 100};
 inline constexpr Quantity kRestingMass{"kg", 0, 1e5};
 inline constexpr Quantity kStiffness{"N/m^1.5", 0, 1e14};
-inline constexpr Quantity kHead{"N/m^1.5", 1, 1e14};
+inline constexpr Quantity kHardness{"N/m^1.5", 1, 1e14};
 inline constexpr Quantity kBounce{"", 0.01, 1};
 inline constexpr Quantity kGap{"m", -0.01, 0.1};
 inline constexpr Quantity kRoughness{"m", 0, 0.1};

@@ -250,7 +250,7 @@ std::vector<Row<Request>> make_request_rows() {
            vector<&HitMallet::velocity_m_s>({"vx", "vy", "vz"}, kVelocity, "Its velocity; not 0."),
            number<&HitMallet::touch, &synth::Touch::mass_kg>("mass", kMalletMass, "Its mass, shaft and hand included."),
            optional(number<&HitMallet::touch, &synth::Touch::stiffness>(
-               "head", kHead,
+               "head", kHardness,
                "How hard the head is: some 1e5 for yarn, 1e7 for rubber, 1e9 for wood, 1e10 for steel.")),
            optional(number<&HitMallet::touch, &synth::Touch::bounce>(
                "bounce", kBounce, "Its speed after a blow on a wall, over that before."))}),

@@ -83,8 +83,8 @@ Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const 
 
   const double end = size_of({bend_[0] + trial.slide_m[0], bend_[1] + trial.slide_m[1]});
   if (end > bend && end > stuck) {
-    constexpr int kMostTrials = 12;
-    constexpr double kPrecision = 1e-9, kMostHaste = 4;
+    constexpr int kMostTrials = 8;
+    constexpr double kPrecision = 1e-7, kMostHaste = 4;
     double x = std::max(slip_m_s_, trial.speed_m_s), other = 0, at_other = 0, before = 0, at_before = 0;
     bool bracketed = false;
     for (int i = 0; i < kMostTrials; ++i) {

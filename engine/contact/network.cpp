@@ -1,6 +1,6 @@
-// A step has two halves. First each contact foresees its own force, the others' held: twice around, when there are
-// several freedoms (Gauss-Seidel). That turns every law into a straight line, f = a + b x. Then all lines are closed at
-// once with the bodies' x = free - Z f:
+// A step has two halves. First each contact foresees its own force, the others' held as they were in the last step;
+// when a contact has just begun or ended, twice around (Gauss-Seidel). That turns every law into a straight line, f = a
+// + b x. Then all lines are closed at once with the bodies' x = free - Z f:
 //
 //   (1 + B Z) f = a + B free,
 //
@@ -110,12 +110,13 @@ void Network::close(std::span<const double> free_m, std::span<double> force_n) R
 
 bool Network::step(std::span<const double> free_m, double step_s, std::span<double> force_n) RINGDOWN_REALTIME {
   std::copy_n(last_.begin(), freedoms_, force_n.begin());
-  const int sweeps = contacts_ > 1 || freedoms_ > 1 ? 2 : 1;
-  bool works = false;
+  const int sweeps = fresh_ && freedoms_ > 1 ? 2 : 1;
+  bool works = false, fresh = false;
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     works = false;
     for (std::size_t c = 0; c < contacts_; ++c) {
       Place& place = places_[c];
+      const bool worked = place.works;
       if (place.contact->on) {
         foresee(place, free_m, step_s, force_n);
       } else {
@@ -123,9 +124,11 @@ bool Network::step(std::span<const double> free_m, double step_s, std::span<doub
         std::fill_n(force_n.begin() + static_cast<std::ptrdiff_t>(place.first), place.contact->freedoms(), 0.0);
       }
       works = works || place.works;
+      if (sweep == 0) fresh = fresh || place.works != worked;
     }
     if (!works) break;
   }
+  fresh_ = fresh;
   for (bool again = works; again;) {
     std::fill_n(force_n.begin(), freedoms_, 0.0);
     close(free_m, force_n);

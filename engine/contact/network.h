@@ -40,7 +40,7 @@ struct Contact {
 
 class Network {
  public:
-  void clear() RINGDOWN_REALTIME { contacts_ = freedoms_ = 0; }
+  void clear() RINGDOWN_REALTIME { contacts_ = freedoms_ = 0, fresh_ = true; }
   // The first of the contact's freedoms: its normal, then its directions along the surface. The contact must outlive
   // the network or its next clear(). nullopt: there is no room.
   [[nodiscard]] std::optional<std::size_t> add(Contact& contact) RINGDOWN_REALTIME;
@@ -69,6 +69,7 @@ class Network {
   std::array<Place, kMaxContacts> places_;
   std::size_t contacts_ = 0, freedoms_ = 0;
   std::array<std::array<double, kMaxFreedoms>, kMaxFreedoms> compliance_{};
+  bool fresh_ = true;                        // a contact has begun to work, or ended to
   std::array<double, kMaxFreedoms> last_{};  // forces of the last step, where the next prediction begins
 };
 

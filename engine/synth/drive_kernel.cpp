@@ -137,60 +137,81 @@ double drive_modes_here(const ModeArrays& modes, std::size_t columns, std::span<
 }
 
 // Modes under forces that are constant over each step (engine/contact): z <- z p + (force) x (kick).
-template <bool kHeard>
-HWY_INLINE Vec drive_touched_vector(const ModeArrays& modes, std::size_t first, std::span<const Force> forces,
-                                    std::span<const PortForce> ports, std::size_t frames, std::size_t substeps,
-                                    Sums& sums) {
+template <std::size_t kVectors, bool kHeard>
+HWY_INLINE Vec drive_touched_vectors(const ModeArrays& modes, std::size_t first, std::span<const Force> forces,
+                                     std::span<const PortForce> ports, std::size_t frames, std::size_t substeps,
+                                     Sums& sums) {
   const Tag tag;
   const std::size_t lanes = hn::Lanes(tag);
-  Complex z = load_states(modes, first);
-  const Complex p = load_poles(modes, first);
-  Vec amplitude[kMaxForces], kick_re[kMaxPortForces], kick_im[kMaxPortForces];
-  for (std::size_t f = 0; f < forces.size(); ++f) amplitude[f] = hn::Load(tag, forces[f].amplitudes + first);
-  for (std::size_t k = 0; k < ports.size(); ++k) {
-    kick_re[k] = hn::Load(tag, ports[k].kick_re + first);
-    kick_im[k] = hn::Load(tag, ports[k].kick_im + first);
+  Complex z[kVectors], p[kVectors];
+  RINGDOWN_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    z[v] = load_states(modes, first + v * lanes);
+    p[v] = load_poles(modes, first + v * lanes);
   }
-  Gains<kHeard ? 1 : 0> gains(modes.hearing, first);
+  Gains<kHeard ? kVectors : 0> gains(modes.hearing, first);
   std::size_t step = 0;
   for (std::size_t n = 0; n < frames; ++n) {
     double* const to = sums.lanes + n * lanes;
     Vec sum = hn::Load(tag, to);
-    if constexpr (kHeard) {
-      Complex& gain = gains.now[0];
-      sum = hn::Add(sum, hn::NegMulAdd(z.im, gain.im, hn::Mul(z.re, gain.re)));
-      gain = {hn::Add(gain.re, gains.step[0].re), hn::Add(gain.im, gains.step[0].im)};
-    } else {
-      sum = hn::Add(sum, z.re);
+    RINGDOWN_UNROLL
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      if constexpr (kHeard) {
+        Complex& gain = gains.now[v];
+        sum = hn::Add(sum, hn::NegMulAdd(z[v].im, gain.im, hn::Mul(z[v].re, gain.re)));
+        gain = {hn::Add(gain.re, gains.step[v].re), hn::Add(gain.im, gains.step[v].im)};
+      } else {
+        sum = hn::Add(sum, z[v].re);
+      }
     }
     hn::Store(sum, tag, to);
-    for (std::size_t f = 0; f < forces.size(); ++f) {
-      z.im = hn::NegMulAdd(hn::Set(tag, forces[f].samples[n]), amplitude[f], z.im);
+    for (const Force& force : forces) {
+      const Vec impulse = hn::Set(tag, force.samples[n]);
+      RINGDOWN_UNROLL
+      for (std::size_t v = 0; v < kVectors; ++v) {
+        z[v].im = hn::NegMulAdd(impulse, hn::Load(tag, force.amplitudes + first + v * lanes), z[v].im);
+      }
     }
     for (std::size_t k = 0; k < substeps; ++k, ++step) {
-      z = multiply(z, p);
-      for (std::size_t i = 0; i < ports.size(); ++i) {
-        const Vec force = hn::Set(tag, ports[i].samples[step]);
-        z.re = hn::MulAdd(force, kick_re[i], z.re);
-        z.im = hn::MulAdd(force, kick_im[i], z.im);
+      RINGDOWN_UNROLL
+      for (std::size_t v = 0; v < kVectors; ++v) z[v] = multiply(z[v], p[v]);
+      for (const PortForce& port : ports) {
+        const Vec force = hn::Set(tag, port.samples[step]);
+        RINGDOWN_UNROLL
+        for (std::size_t v = 0; v < kVectors; ++v) {
+          z[v].re = hn::MulAdd(force, hn::Load(tag, port.kick_re + first + v * lanes), z[v].re);
+          z[v].im = hn::MulAdd(force, hn::Load(tag, port.kick_im + first + v * lanes), z[v].im);
+        }
       }
     }
   }
-  store_states(z, modes, first);
-  return norm(z);
+  Vec energy = hn::Zero(tag);
+  RINGDOWN_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    store_states(z[v], modes, first + v * lanes);
+    energy = hn::Add(energy, norm(z[v]));
+  }
+  return energy;
 }
 
 double drive_touched_here(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces,
                           std::span<const PortForce> ports, double* out, std::size_t frames, std::size_t substeps) {
+  constexpr std::size_t kTogether = 4;
   const Tag tag;
   const std::size_t lanes = hn::Lanes(tag);
   Sums sums;
   std::fill_n(sums.lanes, frames * lanes, 0.0);
   Vec energy = hn::Zero(tag);
   const bool heard = modes.hearing != nullptr && modes.hearing->gain_re != nullptr;
-  for (std::size_t at = 0; at < columns; at += lanes) {
-    energy = hn::Add(energy, heard ? drive_touched_vector<true>(modes, at, forces, ports, frames, substeps, sums)
-                                   : drive_touched_vector<false>(modes, at, forces, ports, frames, substeps, sums));
+  std::size_t at = 0;
+  for (; at + kTogether * lanes <= columns; at += kTogether * lanes) {
+    energy = hn::Add(energy,
+                     heard ? drive_touched_vectors<kTogether, true>(modes, at, forces, ports, frames, substeps, sums)
+                           : drive_touched_vectors<kTogether, false>(modes, at, forces, ports, frames, substeps, sums));
+  }
+  for (; at < columns; at += lanes) {
+    energy = hn::Add(energy, heard ? drive_touched_vectors<1, true>(modes, at, forces, ports, frames, substeps, sums)
+                                   : drive_touched_vectors<1, false>(modes, at, forces, ports, frames, substeps, sums));
   }
   for (std::size_t n = 0; n < frames; ++n) {
     out[n] += hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums.lanes + n * lanes)));
@@ -198,7 +219,7 @@ double drive_touched_here(const ModeArrays& modes, std::size_t columns, std::spa
   return hn::GetLane(hn::SumOfLanes(tag, energy));
 }
 
-// Where two vectors of modes move the surface at kPlaces places, added to sums of lanes for each step.
+// Where a few vectors of modes move the surface at kPlaces places, added to sums of lanes for each step.
 template <std::size_t kPlaces, std::size_t kVectors>
 HWY_INLINE void move_places(const ModeArrays& modes, std::size_t first, const double* const* weights, std::size_t count,
                             double* sums) {

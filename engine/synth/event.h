@@ -15,7 +15,8 @@ namespace ringdown::synth {
 
 using Frame = std::int64_t;  // sample frames since the mixer started
 inline constexpr Frame kNever = std::numeric_limits<Frame>::max();
-using ObjectNumber = std::uint32_t;                // the object's place in the mixer, as the daemon assigned it
+using ObjectNumber = std::uint32_t;  // the object's place in the mixer, as the daemon assigned it
+inline constexpr ObjectNumber kNoObject = ~ObjectNumber{0};
 inline constexpr ObjectNumber kMaxObjects = 1024;  // objects of a mixer, numbered from 0
 
 enum class EventType : std::uint8_t {
@@ -59,16 +60,18 @@ struct Touch {
   std::uint32_t number = 0;  // which bow, or which coupling, of the object; every mallet is a new one
   // bow: the hair moves that way; mallet: it flies that way; couple: the object is pushed that way by the other.
   Vec3 direction;
-  double speed_m_s = 0;    // bow, mallet
-  double force_n = 0;      // bow: pressed so hard, 0 lifts it; couple: the other's weight, 0: both are held
-  double mass_kg = 0;      // mallet; couple: the other's, where it rests on the object by its weight
-  double friction = 0;     // coefficient of static friction: the bow's rosin
-  double width_m = 0;      // bow
-  double stiffness = 0;    // mallet, couple: Hertz's k [N / m^1.5]; 0 ends a coupling
-  double bounce = 1;       // mallet, couple: speed after over speed before an impact, 0.01 to 1
-  double gap_m = 0;        // couple: between the surfaces at rest; negative: pressed together so deep
-  Vec3 other_point_m;      // couple: in the other object's frame, whose axes are parallel to the object's
-  ObjectNumber other = 0;  // couple
+  double speed_m_s = 0;  // bow, mallet
+  double force_n = 0;    // bow: pressed so hard, 0 lifts it; couple: the other's weight, 0: both are held
+  double mass_kg = 0;    // mallet; couple: the other's, where it rests on the object by its weight
+  double friction = 0;   // coefficient of static friction: the bow's rosin
+  double width_m = 0;    // bow
+  double stiffness = 0;  // mallet, couple: Hertz's k [N / m^1.5]; 0 ends a coupling
+  double bounce = 1;     // mallet, couple: speed after over speed before an impact, 0.01 to 1
+  double gap_m = 0;      // couple: between the surfaces at rest; negative: pressed together so deep
+  // couple; mallet: an object whose own surface is the mallet's head, if any.
+  ObjectNumber other = kNoObject;
+  Vec3 other_point_m;    // in the other object's frame
+  Vec3 other_direction;  // the way it is pushed, in its own frame; 0 0 0: against `direction`, as axes are parallel
 };
 
 struct Event {

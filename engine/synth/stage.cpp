@@ -189,8 +189,7 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
 bool Stage::accept_touch(DueEvent& due, const Chunk& chunk, const Shedding& shedding) RINGDOWN_REALTIME {
   Object& object = *due.object;
   const Touch& how = due.event.touch;
-  const bool couple = how.kind == Touch::Kind::couple;
-  Object* const other = couple && how.other < kMaxObjects ? &objects_.data()[how.other] : nullptr;
+  Object* const other = how.other < kMaxObjects ? &objects_.data()[how.other] : nullptr;
   const Touches::Answer answer = touches_.accept(due.event, object, other, shedding.tight());
   if (answer == Touches::Answer::nothing) return false;
   if (answer == Touches::Answer::one_way && how.kind == Touch::Kind::mallet) {

@@ -148,7 +148,9 @@ void TouchGroup::find_ports(TouchSlot& touch) RINGDOWN_REALTIME {
     Body& body = body_of(*side.object);
     const Vec3& point_m = s == 0 ? touch.event.point_m : how.other_point_m;
     const double sign = s == 0 ? 1 : -1;
-    touch.per_kg += find_port(body, point_m, sign * how.direction, how.width_m, side.ports[0]);
+    const bool turned = s == 1 && length(how.other_direction) > 0;
+    const Vec3 direction = turned ? how.other_direction : sign * how.direction;
+    touch.per_kg += find_port(body, point_m, direction, how.width_m, side.ports[0]);
     for (std::size_t k = 0; couple && k < 2; ++k)
       static_cast<void>(find_port(body, point_m, sign * along[k], 0, side.ports[k + 1]));
   }
@@ -302,7 +304,8 @@ void TouchGroup::play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REA
   const auto slot = std::ranges::find_if(touches(), [&](const TouchSlot* touch) RINGDOWN_REALTIME {
     const Event& last = touch->event;
     return touch->used && last.object == event.object && last.touch.kind == how.kind &&
-           last.touch.number == how.number && (how.kind != Touch::Kind::mallet || last.frame == event.frame);
+           last.touch.number == how.number &&
+           (how.kind != Touch::Kind::mallet || (!touch->open && last.frame == event.frame));
   });
   if (slot == touches().end()) return;
   TouchSlot& touch = **slot;
@@ -338,9 +341,10 @@ void TouchGroup::play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REA
   touch.rigid.speed_m_s = how.kind == Touch::Kind::mallet ? -how.speed_m_s : 0;
 }
 
-void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk) RINGDOWN_REALTIME {
+// How the freedoms change in a segment if nothing pushes: first along the normals, then along the surfaces.
+void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk, bool along) RINGDOWN_REALTIME {
   const std::size_t steps = frames * substeps_;
-  for (std::size_t i = 0; i < network_.freedoms(); ++i) std::fill_n(row_of(approach_, i), steps + 1, 0.0);
+  for (std::size_t i = 0; i < network_.freedoms() && !along; ++i) std::fill_n(row_of(approach_, i), steps + 1, 0.0);
   for (std::size_t b = 0; b < body_count_; ++b) {
     Body& body = bodies_[b];
     Voice& voice = *body.object->voices.current();
@@ -352,7 +356,8 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
     for (const TouchSlot* touch : touches()) {
       for (const TouchSlot::Side& side : touch->sides) {
         if (side.object != body.object || !touch->open) continue;
-        for (std::size_t k = 0; k < touch->contact.freedoms() && count < kMaxPlaces; ++k, ++count) {
+        const std::size_t normals = touch->contact.impact ? 1 : 0, end = along ? touch->contact.freedoms() : normals;
+        for (std::size_t k = along ? normals : 0; k < end && count < kMaxPlaces; ++k, ++count) {
           weights[count] = side.ports[k].weight.get(), freedoms[count] = touch->first + k,
           out[count] = room[count].data();
         }
@@ -361,7 +366,7 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
     const auto to_move = [&](ModeArrays modes, std::size_t points) RINGDOWN_REALTIME {
       free_motion(modes, body.table->columns(), {weights.data(), count}, {out.data(), count}, points);
     };
-    to_move(modes_of(body, voice.open_states()), steps + 1);
+    if (count > 0) to_move(modes_of(body, voice.open_states()), steps + 1);
     for (std::size_t k = 0; k < count; ++k) {
       double* const to = row_of(approach_, freedoms[k]);
       for (std::size_t n = 0; n <= steps; ++n) to[n] -= room[k][n];
@@ -369,9 +374,11 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
     // An exciter's impulse J takes J A off Im z at once, where A is what an impulse of 1 gives.
     body.exciting_count = 0;
     for (Exciter* exciter : body.object->exciters.all()) {
-      const float* const samples = exciter->input ? chunk.inputs[*exciter->input] : nullptr;
       double* const impulses = body.impulses[body.exciting_count].data();
-      exciter->fill(chunk.begin + static_cast<Frame>(begin), frames, samples ? samples + begin : nullptr, impulses);
+      if (!along) {
+        const float* const samples = exciter->input ? chunk.inputs[*exciter->input] : nullptr;
+        exciter->fill(chunk.begin + static_cast<Frame>(begin), frames, samples ? samples + begin : nullptr, impulses);
+      }
       body.exciting[body.exciting_count++] = {exciter->amplitudes.get(), impulses};
       if (count == 0 || std::all_of(impulses, impulses + frames, [](double j) RINGDOWN_REALTIME { return j == 0; })) {
         continue;
@@ -391,7 +398,7 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
     }
   }
   for (const TouchSlot* touch : touches()) {
-    if (touch->rigid.kg == 0 || !touch->open) continue;
+    if (touch->rigid.kg == 0 || !touch->open || along) continue;
     double* const to = row_of(approach_, touch->first);
     const double curve = 0.5 * touch->rigid.load_n / touch->rigid.kg;
     for (std::size_t n = 0; n <= steps; ++n) {
@@ -399,6 +406,26 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
       to[n] -= (touch->rigid.speed_m_s + curve * t) * t;
     }
   }
+}
+
+// Whether nothing touches in a segment; it is then done.
+bool TouchGroup::stays_apart(std::size_t steps) RINGDOWN_REALTIME {
+  for (const TouchSlot* touch : touches()) {
+    if (!touch->open) continue;
+    if (!touch->contact.impact) return false;
+    const double* const row = row_of(approach_, touch->first);
+    if (touch->contact.pressed.depth_m() + *std::max_element(row, row + steps + 1) - row[0] > 0) return false;
+  }
+  for (TouchSlot* touch : touches()) {
+    if (!touch->open) continue;
+    const double* const row = row_of(approach_, touch->first);
+    touch->contact.pressed.place(touch->contact.pressed.depth_m() + row[steps] - row[0]);
+    touch->contact.sliding.release();
+  }
+  pushes_.fill(false);
+  for (std::size_t i = 0; i < network_.freedoms(); ++i) std::fill_n(row_of(forces_, i), steps, 0.0);
+  move_masses(steps);
+  return true;
 }
 
 void TouchGroup::find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME {
@@ -428,6 +455,10 @@ void TouchGroup::find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME {
     }
     add_taps({rows.data(), count}, steps - s);
   }
+  move_masses(steps);
+}
+
+void TouchGroup::move_masses(std::size_t steps) RINGDOWN_REALTIME {
   for (TouchSlot* touch : touches()) {
     RigidMass& rigid = touch->rigid;
     if (rigid.kg == 0 || !touch->open) continue;
@@ -443,8 +474,11 @@ void TouchGroup::find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME {
 void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk& chunk,
                                 Workspace& workspace) RINGDOWN_REALTIME {
   const std::size_t frames = end - begin, steps = frames * substeps_;
-  move_freely(begin, frames, chunk);
-  find_forces(chunk.begin + static_cast<Frame>(begin), steps);
+  move_freely(begin, frames, chunk, false);
+  if (!stays_apart(steps)) {
+    move_freely(begin, frames, chunk, true);
+    find_forces(chunk.begin + static_cast<Frame>(begin), steps);
+  }
   double columns = 0;
   for (std::size_t b = 0; b < body_count_; ++b) {
     Body& body = bodies_[b];

@@ -115,7 +115,9 @@ class TouchGroup final : public Source {
   [[nodiscard]] ModeArrays modes_of(const Body& body, const StateArray& states) const RINGDOWN_REALTIME;
   [[nodiscard]] Body& body_of(const Object& object) RINGDOWN_REALTIME;
   void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
-  void move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk) RINGDOWN_REALTIME;
+  [[nodiscard]] bool stays_apart(std::size_t steps) RINGDOWN_REALTIME;
+  void move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk, bool along) RINGDOWN_REALTIME;
+  void move_masses(std::size_t steps) RINGDOWN_REALTIME;
   void find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME;
   void close_finished(Frame now) RINGDOWN_REALTIME;
 

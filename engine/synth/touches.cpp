@@ -20,7 +20,7 @@ bool is_sane(const Touch& t) RINGDOWN_REALTIME {
   const bool pressed = t.stiffness == 0 || within(t.stiffness, 1, 1e15);
   if (t.kind == Touch::Kind::mallet) {
     return common && pressed && t.stiffness > 0 && within(t.mass_kg, 1e-6, 1e3) &&
-           within(t.speed_m_s, 0, kMostTouchSpeed_m_s);
+           within(t.speed_m_s, 0, kMostTouchSpeed_m_s) && std::isfinite(dot(t.other_point_m, t.other_point_m));
   }
   return common && pressed && within(t.mass_kg, 0, 1e6) && within(t.gap_m, -0.1, 1) && t.other < kMaxObjects &&
          std::isfinite(dot(t.other_point_m, t.other_point_m));
@@ -31,7 +31,7 @@ bool is_sane(const Touch& t) RINGDOWN_REALTIME {
 Touches::Answer Touches::accept(const Event& event, Object& object, Object* other, bool tight) RINGDOWN_REALTIME {
   const Touch& how = event.touch;
   if (!is_sane(how) || !std::isfinite(dot(event.point_m, event.point_m))) return Answer::refused;
-  const bool couple = how.kind == Touch::Kind::couple;
+  const bool couple = how.kind == Touch::Kind::couple, two = couple || other;
   if (how.kind != Touch::Kind::mallet) {
     const bool known = std::ranges::any_of(slots_, [&](const TouchSlot& slot) RINGDOWN_REALTIME {
       return slot.used && slot.event.object == event.object && slot.event.touch.kind == how.kind &&
@@ -40,14 +40,14 @@ Touches::Answer Touches::accept(const Event& event, Object& object, Object* othe
     if (known) return Answer::taken;
   }
   if ((how.kind == Touch::Kind::bow && how.force_n == 0) || (couple && how.stiffness == 0)) return Answer::nothing;
-  if (tight || !can_touch(&object) || (couple && (!can_touch(other) || other == &object))) return Answer::one_way;
+  if (tight || !can_touch(&object) || (two && (!can_touch(other) || other == &object))) return Answer::one_way;
   const auto slot = std::ranges::find_if(slots_, [](const TouchSlot& one) RINGDOWN_REALTIME { return !one.used; });
   if (slot == slots_.end()) return Answer::one_way;
   slot->used = slot->stale = true;
   slot->open = false;
   slot->event = event;
   slot->sides[0].object = &object;
-  slot->sides[1].object = couple ? other : nullptr;
+  slot->sides[1].object = two ? other : nullptr;
   slot->contact = {};
   slot->contact.on = false;
   slot->rigid = {};
@@ -113,6 +113,7 @@ Event Touches::strike_of(const Event& mallet, const Object& object) RINGDOWN_REA
   const Touch& how = mallet.touch;
   Event strike = mallet;
   strike.type = EventType::strike;
+  if (length(strike.impulse_ns) > 0) return strike;  // a scene knows
   const Voice* const voice = object.voices.current();
   double kg = how.mass_kg;
   if (voice && voice->table().bank().mass && voice->table().bank().mass->mass_kg > 0) {
