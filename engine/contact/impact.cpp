@@ -2,8 +2,9 @@
 //
 // The exact mean force over a step is (V(d + x) - V(d)) / x for a change x, and x follows from
 // x = free - Z (that force + r x). The left side minus the right is convex and rising for alpha >= 1, so Newton's steps
-// from x = free come down to the root from one side; three of them leave an error that only matters for accuracy. The
-// line that is returned is a discrete gradient of psi^2 / 2: with g = (P(d + x) - P(d)) / x,
+// from x = free come down to the root from one side; three of them, or one from the tangent at d, leave an error that
+// only matters for accuracy. The line that is returned is a discrete gradient of psi^2 / 2: with g = (P(d + x) - P(d))
+// / x,
 //
 //   f = g psi + (g^2 / 2 + r) x',  psi' = psi + g x'   =>   f x' = (psi'^2 - psi^2) / 2 + r x'^2
 //
@@ -34,9 +35,8 @@ double root_at(const ImpactLaw& law, double depth) RINGDOWN_REALTIME { return st
 
 Impact::Step Impact::foresee(const ImpactLaw& law, double free_m, double compliance_m_n,
                              double step_s) RINGDOWN_REALTIME {
-  constexpr int kNewtonSteps = 3;
   constexpr double kTiny = 1e-4;  // of the depth: a change below it makes differences of energies inexact
-  const double d = depth_m_;
+  const double d = depth_m_, share = 1 / (law.exponent + 1);
   touches_ = d > 0 || d + free_m > 0;
   secant_ = 0;
   if (!touches_) {
@@ -49,15 +49,20 @@ Impact::Step Impact::foresee(const ImpactLaw& law, double free_m, double complia
     damping_s_m_ = law.damping_s_m + (law.bounce < 1 ? 1.5 * (1 - law.bounce) / (law.bounce * speed) : 0.0);
   }
   const double loss = damping_s_m_ > 0 ? damping_s_m_ * force_at(law, d + 0.5 * free_m) / step_s : 0.0;
-  const double energy = energy_at(law, d);
-  double x = free_m, mean = 0;
-  for (int i = 0; i < kNewtonSteps; ++i) {
-    double slope;
+  const double force = force_at(law, d), energy = d > 0 ? share * force * d : 0.0;
+  // Inside, the tangent at d is as good a beginning as two steps from `free_m`.
+  double x = free_m;
+  int steps = 3;
+  if (d > 0) {
+    x = (free_m - compliance_m_n * force) / (1 + compliance_m_n * (0.5 * law.exponent * force / d + loss));
+    steps = std::abs(x) < 0.5 * d ? 1 : 3;
+  }
+  for (int i = 0; i < steps; ++i) {
+    double mean, slope;
     if (std::abs(x) > kTiny * std::max(d, d + x)) {
-      const double end = force_at(law, d + x);
-      const double end_energy = d + x > 0 ? end * (d + x) / (law.exponent + 1) : 0.0;
-      mean = (end_energy - energy) / x;
-      slope = (end - mean) / x;
+      const double end = force_at(law, d + x), inverse = 1 / x;
+      mean = ((d + x > 0 ? share * end * (d + x) : 0.0) - energy) * inverse;
+      slope = (end - mean) * inverse;
     } else {
       mean = force_at(law, d + 0.5 * x);
       slope = 0.5 * law.exponent * mean / std::max(d + 0.5 * x, 1e-300);
