@@ -3,7 +3,9 @@
 
     docs/figures/plot_contacts.py build/bench/bin/ringdown docs/figures/contacts.png
 """
+import json
 import pathlib
+import struct
 import subprocess
 import sys
 import tempfile
@@ -23,7 +25,7 @@ SCORES = [
      "0 /object/bar/bow 0.1736 0 0  0 0 1  0.1 1\n3 /object/bar/bow 0.1736 0 0  0 0 1  0.4 2\n"
      "5 /object/bar/bow 0.1736 0 0  0 0 1  0.4 0\n", 7),
     ("wine glass: its rim rubbed", {"glass": "wine-glass"},
-     "0 /object/glass/bow {rim}  0 1 0  0.3 1\n5 /object/glass/bow {rim}  0 1 0  0.3 0\n", 7),
+     "0 /object/glass/bow {rim}  0 1 0  0.05 1\n5 /object/glass/bow {rim}  0 1 0  0.05 0\n", 7),
     ("steel plate: bowed at its edge, harder and harder", {"plate": "steel-plate"},
      "0 /object/plate/bow {edge}  0 0 1  0.2 0.5\n2 /object/plate/bow {edge}  0 0 1  0.2 3\n"
      "4 /object/plate/bow {edge}  0 0 1  0.2 15\n6 /object/plate/bow {edge}  0 0 1  0.2 0\n", 7),
@@ -35,9 +37,6 @@ SCORES = [
 
 def points(bank):
     """All sample points of a preset's bank."""
-    import json
-    import struct
-
     data = (BANKS / (bank + ".glb")).read_bytes()
     size = struct.unpack("<I", data[12:16])[0]
     scene = json.loads(data[20:20 + size])
@@ -49,11 +48,34 @@ def word(values):
     return " ".join(f"{v:.5g}" for v in values)
 
 
+def osc(score):
+    """The lines `time address arguments` as an OSC score."""
+    def text(word):
+        data = word.encode() + b"\0"
+        return data + bytes(-len(data) % 4)
+
+    score_bytes = b""
+    for line in score.splitlines():
+        time, address, *arguments = line.split()
+        tags, values = ",", b""
+        for argument in arguments:
+            try:
+                values += struct.pack(">f", float(argument))
+                tags += "f"
+            except ValueError:
+                values += text(argument)
+                tags += "s"
+        message = text(address) + text(tags) + values
+        bundle = b"#bundle\0" + struct.pack(">Q", int(float(time) * 2**32)) + struct.pack(">i", len(message)) + message
+        score_bytes += struct.pack(">i", len(bundle)) + bundle
+    return score_bytes
+
+
 def render(program, objects, score, seconds):
     with tempfile.TemporaryDirectory() as folder:
         path, out = pathlib.Path(folder) / "score", pathlib.Path(folder) / "out.wav"
-        path.write_text(score)
-        command = [program, "render", "--score", path, "-o", out, "--seconds", str(seconds), "--limiter", "off"]
+        path.write_bytes(osc(score))
+        command = [program, "render", "--events", path, "-o", out, "--seconds", str(seconds), "--limiter", "off"]
         for name, bank in objects.items():
             command += ["--object", f"{name}={bank}"]
         subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL)
