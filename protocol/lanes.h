@@ -18,8 +18,9 @@
 namespace ringdown::protocol {
 
 // Becomes events, which the mixer plays at the request's own frame.
-using MixerRequest = std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, RingModes, ClearObject, SetContact,
-                                  Click, SetPose, PoseMany, SetListener, ListenerOff, SetListenerAir, ClearAll>;
+using MixerRequest =
+    std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, RingModes, ClearObject, SetContact, SetBow,
+                 HitMallet, SetCoupling, Click, SetPose, PoseMany, SetListener, ListenerOff, SetListenerAir, ClearAll>;
 
 // Carried out by the worker before the request's own frame, and heard from that frame on.
 using TimedWorkerRequest = std::variant<SetDamper>;

@@ -14,6 +14,16 @@ Request request_for(const synth::Event& event, const ObjectRef& object) {
       return SetPan{object, event.value};
     case synth::EventType::contact:
       return SetContact{object, event.point_m, event.contact};
+    case synth::EventType::touch:
+      switch (event.touch.kind) {
+        case synth::Touch::Kind::bow:
+          return SetBow{object, event.point_m, event.touch};
+        case synth::Touch::Kind::mallet:
+          return HitMallet{object, event.point_m, event.touch.speed_m_s * event.touch.direction, event.touch};
+        case synth::Touch::Kind::couple:
+          break;
+      }
+      return SetCoupling{object, event.point_m, {.number = event.touch.other}, event.touch};
     case synth::EventType::ring:
       return RingModes{object, event.vertex, event.count, event.value};
     case synth::EventType::click:

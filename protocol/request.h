@@ -117,6 +117,25 @@ struct SetContact {  // /object/{object}/contact
   Vec3 point_m;
   synth::Contact contact;
 };
+// A bow on the object, which feels how it moves.
+struct SetBow {  // /object/{object}/bow
+  ObjectRef object;
+  Vec3 point_m;
+  synth::Touch touch{.kind = synth::Touch::Kind::bow, .friction = 0.8};
+};
+// A mallet that flies at the object.
+struct HitMallet {  // /object/{object}/mallet
+  ObjectRef object;
+  Vec3 point_m, velocity_m_s;
+  synth::Touch touch{.kind = synth::Touch::Kind::mallet, .stiffness = 1e7, .bounce = 0.9};
+};
+// Another object that touches this one.
+struct SetCoupling {  // /object/{object}/couple
+  ObjectRef object;
+  Vec3 point_m;
+  ObjectRef other;
+  synth::Touch touch{.kind = synth::Touch::Kind::couple, .friction = 0.3, .stiffness = 1e8, .bounce = 0.6};
+};
 // Where the object's frame lies in the scene, for a listener.
 struct SetPose {  // /object/{object}/pose
   ObjectRef object;
@@ -221,11 +240,11 @@ struct Quit {};  // /quit
 
 using Request =
     std::variant<Strike, StrikeVertex, StrikeMany, SetGain, SetPan, SetMaterial, SetDamper, SetGroup, SetMute, SetSolo,
-                 RingModes, SelectModes, WatchObject, DescribeObject, ReadBank, Excite, ClearObject, SetContact, Click,
-                 SetPose, PoseMany, SetListener, ListenerOff, SetListenerAir, FreeObject, LoadObject, ClearAll,
-                 SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush, SceneDescribe, Notify, WatchSound,
-                 Browse, TestTone, SaveState, SaveScene, RecordStart, RecordStop, CaptureStart, CaptureStop, Status,
-                 Version, Sync, Quit>;
+                 RingModes, SelectModes, WatchObject, DescribeObject, ReadBank, Excite, ClearObject, SetContact, SetBow,
+                 HitMallet, SetCoupling, Click, SetPose, PoseMany, SetListener, ListenerOff, SetListenerAir, FreeObject,
+                 LoadObject, ClearAll, SceneLoad, ScenePause, SpawnBox, SpawnSphere, SceneClear, ScenePush,
+                 SceneDescribe, Notify, WatchSound, Browse, TestTone, SaveState, SaveScene, RecordStart, RecordStop,
+                 CaptureStart, CaptureStop, Status, Version, Sync, Quit>;
 
 // The request that would make this event of `object`.
 Request request_for(const synth::Event& event, const ObjectRef& object);

@@ -213,6 +213,82 @@ std::vector<Row<Request>> make_request_rows() {
            optional(number<&SetContact::contact, &synth::Contact::texture, &synth::Texture::spectral_slope>(
                "slope", kSpectralSlope, "The power of the heights over spatial frequency f goes as f^slope."))}),
       silent<Lane::mixer>(
+          "/object/{object}/bow",
+          SetBow{kBell,
+                 {0.05, 0, 0.02},
+                 {.kind = synth::Touch::Kind::bow,
+                  .direction = {0, 0, 1},
+                  .speed_m_s = 0.2,
+                  .force_n = 1,
+                  .friction = 0.8,
+                  .width_m = 0}},
+          "Bows the object: the hair sticks to the surface, slips, and feels how it moves. Send it again to change "
+          "speed "
+          "or force, which then move there in the time since the last message, 2 to 50 ms. A force of 0 lifts the bow.",
+          {object<&SetBow::object>(), vector<&SetBow::point_m>({"x", "y", "z"}, kPosition, "Where the bow lies."),
+           vector<&SetBow::touch, &synth::Touch::direction>(
+               {"dx", "dy", "dz"}, kDirection, "The way the hair moves, along the surface; any length but 0."),
+           number<&SetBow::touch, &synth::Touch::speed_m_s>("speed", kBowSpeed,
+                                                            "The hair's speed; negative for the way back."),
+           number<&SetBow::touch, &synth::Touch::force_n>("force", kPress, "How hard the bow is pressed."),
+           optional(number<&SetBow::touch, &synth::Touch::width_m>(
+               "width", kWidth, "Of the hair: modes whose waves are shorter feel less of it.")),
+           optional(number<&SetBow::touch, &synth::Touch::friction>(
+               "rosin", kFriction, "Coefficient of static friction; sliding has three eighths of it.")),
+           optional(integer<&SetBow::touch, &synth::Touch::number>("number", kIndex, "Which of the object's bows."))}),
+      silent<Lane::mixer>(
+          "/object/{object}/mallet",
+          HitMallet{kBell,
+                    {0.05, 0, 0.02},
+                    {0, 0, -1},
+                    {.kind = synth::Touch::Kind::mallet, .mass_kg = 0.02, .stiffness = 1e7, .bounce = 0.9}},
+          "A mallet flies at the object and feels it: how long the blow lasts, and how often it hits, follows from "
+          "mass, "
+          "head and speed, and from what the object does.",
+          {object<&HitMallet::object>(),
+           vector<&HitMallet::point_m>({"x", "y", "z"}, kPosition, "Where the mallet lands."),
+           vector<&HitMallet::velocity_m_s>({"vx", "vy", "vz"}, kVelocity, "Its velocity; not 0."),
+           number<&HitMallet::touch, &synth::Touch::mass_kg>("mass", kMalletMass, "Its mass, shaft and hand included."),
+           optional(number<&HitMallet::touch, &synth::Touch::stiffness>(
+               "head", kHardness,
+               "How hard the head is: some 1e5 for yarn, 1e7 for rubber, 1e9 for wood, 1e10 for steel.")),
+           optional(number<&HitMallet::touch, &synth::Touch::bounce>(
+               "bounce", kBounce, "Its speed after a blow on a wall, over that before."))}),
+      silent<Lane::mixer>(
+          "/object/{object}/couple",
+          SetCoupling{kBell,
+                      {0.05, 0, 0.02},
+                      kBell,
+                      {.kind = synth::Touch::Kind::couple,
+                       .direction = {0, 0, 1},
+                       .friction = 0.3,
+                       .stiffness = 1e8,
+                       .bounce = 0.6}},
+          "Lets another object touch this one at a point of each, so that both rattle, buzz and ring together. The "
+          "axes "
+          "of the two are taken as parallel. A stiffness of 0 parts them.",
+          {object<&SetCoupling::object>(),
+           vector<&SetCoupling::point_m>({"x", "y", "z"}, kPosition, "Where this object is touched."),
+           other<ValueType::object, &SetCoupling::other>("other", "The other object."),
+           vector<&SetCoupling::touch, &synth::Touch::other_point_m>({"ox", "oy", "oz"}, kPosition,
+                                                                     "Where the other is touched, in its own frame."),
+           vector<&SetCoupling::touch, &synth::Touch::direction>(
+               {"nx", "ny", "nz"}, kDirection, "The way in which the other pushes this object; any length but 0."),
+           optional(number<&SetCoupling::touch, &synth::Touch::force_n>(
+               "weight", kPress, "With which the other rests on this object; 0: both are held where they are.")),
+           optional(number<&SetCoupling::touch, &synth::Touch::gap_m>(
+               "gap", kGap, "Between the two at rest; negative: pressed together so deep.")),
+           optional(number<&SetCoupling::touch, &synth::Touch::stiffness>("stiffness", kStiffness,
+                                                                          "Of the contact, by Hertz's law.")),
+           optional(number<&SetCoupling::touch, &synth::Touch::friction>("friction", kFriction,
+                                                                         "Coefficient of static friction.")),
+           optional(number<&SetCoupling::touch, &synth::Touch::bounce>("bounce", kBounce,
+                                                                       "Speed after an impact over that before.")),
+           optional(number<&SetCoupling::touch, &synth::Touch::mass_kg>(
+               "mass", kRestingMass, "Of the other, where it rests by its weight; 0 follows from the weight.")),
+           optional(integer<&SetCoupling::touch, &synth::Touch::number>("number", kIndex,
+                                                                        "Which of this object's couplings."))}),
+      silent<Lane::mixer>(
           "/object/{object}/click", Click{kBell, {-0.02, 0, 0}, 0.0005},
           "The click of a free object that a blow sets in motion as a whole, which strikes do not include. Send it "
           "once for all points struck at one time.",

@@ -17,6 +17,7 @@ struct ContactSide {
   Curvature curvature;
   std::optional<RigidMass> mass;              // nothing: it does not move
   std::optional<synth::ObjectNumber> object;  // nothing: silent
+  bool two_way = false;                       // its impacts feel how it vibrates
   Vec3 center_m;                              // centre of mass in the object's frame
 };
 

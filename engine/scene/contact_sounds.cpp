@@ -57,16 +57,21 @@ std::optional<PairContact> combine_points(BodyPair pair, std::span<const Contact
   return all;
 }
 
-// How long the two sides touch in an impact: as given by their surfaces, or by Hertz's law (hertz.h) from the mass that
-// each side opposes to the impact, their curvatures and their elasticities.
-double contact_time_s(const ContactSide& body, const ContactSide& other, const ContactPoint& point) {
-  if (const auto given = combine(body.surface, other.surface).contact_time_s) return *given;
+// One over the mass that two bodies oppose to an impact [1/kg].
+double inverse_mass_of(const ContactSide& body, const ContactSide& other, const ContactPoint& point) {
   const auto inverse_mass = [&](const ContactSide& side, const Motion& motion) {
     if (!side.mass) return 0.0;
     return inverse_effective_mass(*side.mass, to_matrix(motion.rotation), point.point_m - motion.position_m,
                                   point.normal);
   };
-  const double both = inverse_mass(body, point.motions->of_body) + inverse_mass(other, point.motions->of_other);
+  return inverse_mass(body, point.motions->of_body) + inverse_mass(other, point.motions->of_other);
+}
+
+// How long the two sides touch in an impact: as given by their surfaces, or by Hertz's law (hertz.h) from the mass that
+// each side opposes to the impact, their curvatures and their elasticities.
+double contact_time_s(const ContactSide& body, const ContactSide& other, const ContactPoint& point) {
+  if (const auto given = combine(body.surface, other.surface).contact_time_s) return *given;
+  const double both = inverse_mass_of(body, other, point);
   const double time_s = hertz_time(both, relative_radius(body.curvature, other.curvature),
                                    contact_modulus(body.elastic, other.elastic), point.approach_m_s);
   return std::min(time_s, range::kContactTime_s.high);
@@ -171,6 +176,7 @@ void ContactSounds::strike(const ContactPoint& point, double now_s, const Timeli
   synth::Event event;
   event.frame = timeline.frame(latest_s_);
   event.contact_time_s = contact_time_s(*body, *other, point);
+  if ((body->two_way || other->two_way) && strike_two_way(*body, *other, point, event)) return;
   const auto strike_side = [&](const ContactSide& side, const Motion& motion, Vec3 impulse_ns) {
     if (!side.object) return;
     event.object = *side.object;
@@ -180,6 +186,42 @@ void ContactSounds::strike(const ContactPoint& point, double now_s, const Timeli
   };
   strike_side(*body, point.motions->of_body, point.impulse_ns);
   strike_side(*other, point.motions->of_other, -1 * point.impulse_ns);
+}
+
+// The bodies' common mass flies at the first object that sounds, and its head is the other's surface, if that sounds,
+// too. The spring between them is as stiff as makes rigid bodies touch for the contact time. False where there is none.
+bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& other, const ContactPoint& point,
+                                   synth::Event event) {
+  const bool straight = body.object.has_value();
+  const ContactSide &struck = straight ? body : other, &head = straight ? other : body;
+  const double inverse_mass = inverse_mass_of(body, other, point);
+  if (!struck.object || !(inverse_mass > 0) || !(event.contact_time_s > 0)) return false;
+  const auto in_frame_of = [&](bool of_body, Vec3 world) {
+    return transpose(to_matrix((of_body ? point.motions->of_body : point.motions->of_other).rotation)) * world;
+  };
+  const Vec3 impulse_ns = (straight ? 1 : -1) * point.impulse_ns;
+  const Vec3 way = (1 / length(impulse_ns)) * impulse_ns;
+  const double speed = point.approach_m_s;
+  constexpr double kHertz = 2.94;  // contact time over depth, times speed
+  event.type = synth::EventType::touch;
+  event.object = *struck.object;
+  event.point_m = to_object(straight ? point.motions->of_body : point.motions->of_other, struck, point.point_m);
+  event.impulse_ns = in_frame_of(straight, impulse_ns);
+  event.touch.kind = synth::Touch::Kind::mallet;
+  event.touch.direction = in_frame_of(straight, way);
+  event.touch.speed_m_s = speed;
+  event.touch.mass_kg = 1 / inverse_mass;
+  event.touch.stiffness =
+      1.25 * event.touch.mass_kg * speed * speed / std::pow(event.contact_time_s * speed / kHertz, 2.5);
+  event.touch.bounce = std::clamp(length(impulse_ns) * inverse_mass / speed - 1, 0.05, 1.0);
+  if (head.object && *head.object != *struck.object) {
+    event.touch.other = *head.object;
+    event.touch.other_point_m =
+        to_object(straight ? point.motions->of_other : point.motions->of_body, head, point.point_m);
+    event.touch.other_direction = in_frame_of(!straight, -1 * way);
+  }
+  events_.push(event);
+  return true;
 }
 
 // The impulses of all points move the body as a whole at once; the hardest point's contact time is the click's.

@@ -148,6 +148,7 @@ struct BodyDescription {
   Rotation rotation;
   Vec3 velocity_m_s;          // of the centre of mass
   Vec3 spin_rad_s;            // about it, world axes
+  bool two_way = false;       // impacts feel how it vibrates: the object feels them sample by sample
   bool fixed = false;         // does not move, and still sounds when struck
   double gravity_factor = 1;  // of the scene's gravity
   CollisionFilter filter;

@@ -257,6 +257,7 @@ class SceneReader {
     read_rotation(table, body.rotation);
     table.vector("velocity_m_s", body.velocity_m_s, range::kVelocity_m_s);
     table.vector("spin_rad_s", body.spin_rad_s, range::kSpin_rad_s);
+    body.two_way = table.choice("contact", {"one-way", "two-way"}) == 1;
     table.number("start_s", body.start_s, range::kStart_s);
     table.number("scatter_m", body.scatter_m, range::kScatter_m);
     table.number("gravity_factor", body.gravity_factor, range::kGravityFactor);

@@ -205,6 +205,7 @@ class SceneWriter {
     unless("velocity_m_s", body.velocity_m_s, {});
     unless("spin_rad_s", body.spin_rad_s, {});
     unless("fixed", body.fixed, false);
+    if (body.two_way) line("contact", std::string("two-way"));
     unless("start_s", body.start_s, 0.0);
     unless("scatter_m", body.scatter_m, 0.0);
     unless("gravity_factor", body.gravity_factor, 1.0);

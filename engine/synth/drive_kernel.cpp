@@ -136,6 +136,159 @@ double drive_modes_here(const ModeArrays& modes, std::size_t columns, std::span<
   return hn::GetLane(hn::SumOfLanes(tag, energy));
 }
 
+// Modes under forces that are constant over each step (engine/contact): z <- z p + (force) x (kick).
+template <std::size_t kVectors, bool kHeard>
+HWY_INLINE Vec drive_touched_vectors(const ModeArrays& modes, std::size_t first, std::span<const Force> forces,
+                                     std::span<const PortForce> ports, std::size_t frames, std::size_t substeps,
+                                     Sums& sums) {
+  const Tag tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  Complex z[kVectors], p[kVectors];
+  RINGDOWN_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    z[v] = load_states(modes, first + v * lanes);
+    p[v] = load_poles(modes, first + v * lanes);
+  }
+  Gains<kHeard ? kVectors : 0> gains(modes.hearing, first);
+  std::size_t step = 0;
+  for (std::size_t n = 0; n < frames; ++n) {
+    double* const to = sums.lanes + n * lanes;
+    Vec sum = hn::Load(tag, to);
+    RINGDOWN_UNROLL
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      if constexpr (kHeard) {
+        Complex& gain = gains.now[v];
+        sum = hn::Add(sum, hn::NegMulAdd(z[v].im, gain.im, hn::Mul(z[v].re, gain.re)));
+        gain = {hn::Add(gain.re, gains.step[v].re), hn::Add(gain.im, gains.step[v].im)};
+      } else {
+        sum = hn::Add(sum, z[v].re);
+      }
+    }
+    hn::Store(sum, tag, to);
+    for (const Force& force : forces) {
+      const Vec impulse = hn::Set(tag, force.samples[n]);
+      RINGDOWN_UNROLL
+      for (std::size_t v = 0; v < kVectors; ++v) {
+        z[v].im = hn::NegMulAdd(impulse, hn::Load(tag, force.amplitudes + first + v * lanes), z[v].im);
+      }
+    }
+    for (std::size_t k = 0; k < substeps; ++k, ++step) {
+      RINGDOWN_UNROLL
+      for (std::size_t v = 0; v < kVectors; ++v) z[v] = multiply(z[v], p[v]);
+      for (const PortForce& port : ports) {
+        const Vec force = hn::Set(tag, port.samples[step]);
+        RINGDOWN_UNROLL
+        for (std::size_t v = 0; v < kVectors; ++v) {
+          z[v].re = hn::MulAdd(force, hn::Load(tag, port.kick_re + first + v * lanes), z[v].re);
+          z[v].im = hn::MulAdd(force, hn::Load(tag, port.kick_im + first + v * lanes), z[v].im);
+        }
+      }
+    }
+  }
+  Vec energy = hn::Zero(tag);
+  RINGDOWN_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    store_states(z[v], modes, first + v * lanes);
+    energy = hn::Add(energy, norm(z[v]));
+  }
+  return energy;
+}
+
+double drive_touched_here(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces,
+                          std::span<const PortForce> ports, double* out, std::size_t frames, std::size_t substeps) {
+  constexpr std::size_t kTogether = 4;
+  const Tag tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  Sums sums;
+  std::fill_n(sums.lanes, frames * lanes, 0.0);
+  Vec energy = hn::Zero(tag);
+  const bool heard = modes.hearing != nullptr && modes.hearing->gain_re != nullptr;
+  std::size_t at = 0;
+  for (; at + kTogether * lanes <= columns; at += kTogether * lanes) {
+    energy = hn::Add(energy,
+                     heard ? drive_touched_vectors<kTogether, true>(modes, at, forces, ports, frames, substeps, sums)
+                           : drive_touched_vectors<kTogether, false>(modes, at, forces, ports, frames, substeps, sums));
+  }
+  for (; at < columns; at += lanes) {
+    energy = hn::Add(energy, heard ? drive_touched_vectors<1, true>(modes, at, forces, ports, frames, substeps, sums)
+                                   : drive_touched_vectors<1, false>(modes, at, forces, ports, frames, substeps, sums));
+  }
+  for (std::size_t n = 0; n < frames; ++n) {
+    out[n] += hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums.lanes + n * lanes)));
+  }
+  return hn::GetLane(hn::SumOfLanes(tag, energy));
+}
+
+// Where a few vectors of modes move the surface at kPlaces places, added to sums of lanes for each step.
+template <std::size_t kPlaces, std::size_t kVectors>
+HWY_INLINE void move_places(const ModeArrays& modes, std::size_t first, const double* const* weights, std::size_t count,
+                            double* sums) {
+  const Tag tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  Complex z[kVectors], p[kVectors];
+  Vec weight[kPlaces][kVectors];
+  RINGDOWN_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    z[v] = load_states(modes, first + v * lanes);
+    p[v] = load_poles(modes, first + v * lanes);
+    RINGDOWN_UNROLL
+    for (std::size_t k = 0; k < kPlaces; ++k) weight[k][v] = hn::Load(tag, weights[k] + first + v * lanes);
+  }
+  for (std::size_t n = 0; n < count; ++n) {
+    RINGDOWN_UNROLL
+    for (std::size_t k = 0; k < kPlaces; ++k) {
+      double* const to = sums + (k * kChunkFrames + n) * lanes;
+      Vec sum = hn::Load(tag, to);
+      RINGDOWN_UNROLL
+      for (std::size_t v = 0; v < kVectors; ++v) sum = hn::MulAdd(weight[k][v], z[v].re, sum);
+      hn::Store(sum, tag, to);
+    }
+    RINGDOWN_UNROLL
+    for (std::size_t v = 0; v < kVectors; ++v) z[v] = multiply(z[v], p[v]);
+  }
+}
+
+template <std::size_t kPlaces>
+HWY_INLINE void move_some(const ModeArrays& modes, std::size_t columns, const double* const* weights,
+                          double* const* out, std::size_t count) {
+  const Tag tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  alignas(64) double sums[kPlaces * kChunkFrames * kModePadding];
+  for (std::size_t k = 0; k < kPlaces; ++k) std::fill_n(sums + k * kChunkFrames * lanes, count * lanes, 0.0);
+  constexpr std::size_t kTogether = 3;
+  std::size_t at = 0;
+  for (; at + kTogether * lanes <= columns; at += kTogether * lanes) {
+    move_places<kPlaces, kTogether>(modes, at, weights, count, sums);
+  }
+  for (; at < columns; at += lanes) move_places<kPlaces, 1>(modes, at, weights, count, sums);
+  for (std::size_t k = 0; k < kPlaces; ++k) {
+    for (std::size_t n = 0; n < count; ++n) {
+      out[k][n] = hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums + (k * kChunkFrames + n) * lanes)));
+    }
+  }
+}
+
+void free_motion_here(const ModeArrays& modes, std::size_t columns, std::span<const double* const> weights,
+                      std::span<double* const> out, std::size_t count) {
+  std::size_t at = 0;
+  for (; at + 3 <= weights.size(); at += 3) move_some<3>(modes, columns, &weights[at], &out[at], count);
+  for (; at + 2 <= weights.size(); at += 2) move_some<2>(modes, columns, &weights[at], &out[at], count);
+  for (; at < weights.size(); ++at) move_some<1>(modes, columns, &weights[at], &out[at], count);
+}
+
+void add_taps_here(std::span<const TapRow> rows, std::size_t count) {
+  const Tag tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  for (const TapRow& row : rows) {
+    const Vec force = hn::Set(tag, row.force);
+    std::size_t i = 0;
+    for (; i + lanes <= count; i += lanes) {
+      hn::StoreU(hn::NegMulAdd(force, hn::Load(tag, row.taps + i), hn::LoadU(tag, row.to + i)), tag, row.to + i);
+    }
+    for (; i < count; ++i) row.to[i] -= row.force * row.taps[i];
+  }
+}
+
 }  // namespace ringdown::synth::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -143,12 +296,27 @@ HWY_AFTER_NAMESPACE();
 namespace ringdown::synth {
 
 HWY_EXPORT(drive_modes_here);
+HWY_EXPORT(drive_touched_here);
+HWY_EXPORT(free_motion_here);
+HWY_EXPORT(add_taps_here);
 
 // Highway's dispatch reads an atomic, and indexes a table of functions, all of them in this file.
 RINGDOWN_TRUST_REALTIME_BEGIN
 double drive_modes(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces, double* out,
                    std::size_t frames) RINGDOWN_REALTIME {
   return HWY_DYNAMIC_DISPATCH(drive_modes_here)(modes, columns, forces, out, frames);
+}
+double drive_touched(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces,
+                     std::span<const PortForce> ports, double* out, std::size_t frames,
+                     std::size_t substeps) RINGDOWN_REALTIME {
+  return HWY_DYNAMIC_DISPATCH(drive_touched_here)(modes, columns, forces, ports, out, frames, substeps);
+}
+void free_motion(const ModeArrays& modes, std::size_t columns, std::span<const double* const> weights,
+                 std::span<double* const> out, std::size_t count) RINGDOWN_REALTIME {
+  HWY_DYNAMIC_DISPATCH(free_motion_here)(modes, columns, weights, out, count);
+}
+void add_taps(std::span<const TapRow> rows, std::size_t count) RINGDOWN_REALTIME {
+  HWY_DYNAMIC_DISPATCH(add_taps_here)(rows, count);
 }
 RINGDOWN_TRUST_REALTIME_END
 

@@ -15,7 +15,8 @@ namespace ringdown::synth {
 
 using Frame = std::int64_t;  // sample frames since the mixer started
 inline constexpr Frame kNever = std::numeric_limits<Frame>::max();
-using ObjectNumber = std::uint32_t;                // the object's place in the mixer, as the daemon assigned it
+using ObjectNumber = std::uint32_t;  // the object's place in the mixer, as the daemon assigned it
+inline constexpr ObjectNumber kNoObject = ~ObjectNumber{0};
 inline constexpr ObjectNumber kMaxObjects = 1024;  // objects of a mixer, numbered from 0
 
 enum class EventType : std::uint8_t {
@@ -30,6 +31,7 @@ enum class EventType : std::uint8_t {
   pose,           // point_m, rotation: where the object's frame lies in the scene at this frame
   listener,       // point_m, rotation: where the listener's frame lies; `object` does not count
   listener_off,   // nobody listens from a place any more; `object` does not count
+  touch,          // point_m, touch: a bow, a mallet or another object that feels the object move, from now on
   listener_air,   // value, ramp_s: temperature in degrees Celsius, relative humidity in percent, for sound on its way
 };
 
@@ -51,6 +53,27 @@ struct Contact {
   Texture texture;
 };
 
+// A two-way contact (engine/contact): what touches the object feels how the object's surface moves under it, sample by
+// sample. Directions are unit vectors in the object's frame.
+struct Touch {
+  enum class Kind : std::uint8_t { bow, mallet, couple } kind = Kind::bow;
+  std::uint32_t number = 0;  // which bow, or which coupling, of the object; every mallet is a new one
+  // bow: the hair moves that way; mallet: it flies that way; couple: the object is pushed that way by the other.
+  Vec3 direction;
+  double speed_m_s = 0;  // bow, mallet
+  double force_n = 0;    // bow: pressed so hard, 0 lifts it; couple: the other's weight, 0: both are held
+  double mass_kg = 0;    // mallet; couple: the other's, where it rests on the object by its weight
+  double friction = 0;   // coefficient of static friction: the bow's rosin
+  double width_m = 0;    // bow
+  double stiffness = 0;  // mallet, couple: Hertz's k [N / m^1.5]; 0 ends a coupling
+  double bounce = 1;     // mallet, couple: speed after over speed before an impact, 0.01 to 1
+  double gap_m = 0;      // couple: between the surfaces at rest; negative: pressed together so deep
+  // couple; mallet: an object whose own surface is the mallet's head, if any.
+  ObjectNumber other = kNoObject;
+  Vec3 other_point_m;    // in the other object's frame
+  Vec3 other_direction;  // the way it is pushed, in its own frame; 0 0 0: against `direction`, as axes are parallel
+};
+
 struct Event {
   Frame frame = 0;
   ObjectNumber object = 0;
@@ -64,6 +87,7 @@ struct Event {
   double ramp_s = 0;
   Contact contact;
   Rotation rotation;
+  Touch touch;
 };
 static_assert(std::is_trivially_copyable_v<Event>);
 
@@ -77,7 +101,7 @@ constexpr bool excites(const Event& event) { return is_strike(event) || event.ty
 // Whether what the event does is heard, rather than seen or set.
 constexpr bool is_sound(const Event& event) {
   return excites(event) || event.type == EventType::click || event.type == EventType::contact ||
-         event.type == EventType::clear;
+         event.type == EventType::touch || event.type == EventType::clear;
 }
 
 // Whether the event happens to the listener, and to no object.

@@ -191,6 +191,37 @@ void Object::render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REAL
   if (struck) voice->merge_late();
 }
 
+void Object::begin_touched(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  placed_ = placement.heard(chunk) && placement.begin_chunk(chunk, voices, strip);
+  if (placed_) workspace.counts.look_terms += placement.look_terms();
+}
+
+void Object::render_touched(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace,
+                            const TouchForces& touch) RINGDOWN_REALTIME {
+  double* const mono = workspace.mono.data();
+  std::fill_n(mono + begin, end - begin, 0.0);
+  hear(begin, end, chunk);
+  voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
+    const bool current = &voice == voices.current();
+    if (!current && !voice.ringing()) return;
+    const bool sane = current ? voice.render_touched(touch.stepped, touch.forces, touch.ports, mono + begin,
+                                                     end - begin, touch.substeps)
+                              : voice.render(mono + begin, end - begin, floor(chunk));
+    if (!sane) count(chunk.counters->not_finite);
+  });
+  for (std::size_t n = begin; n < end; ++n) mono[n] -= touch.leaning[n - begin];
+  strip.add_samples(mono, begin, end, chunk, workspace.sums);
+}
+
+void Object::end_touched(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  if (placed_) placement.end_chunk(chunk, voices);
+  voices.for_each([&](const Voice& voice) RINGDOWN_REALTIME {
+    if (!voice.ringing()) return;
+    ++workspace.counts.voices;
+    workspace.counts.add(voice.counts());
+  });
+}
+
 void Object::drive(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
   if (begin == end) return;
   std::array<Force, kMaxForces> forces;
@@ -248,7 +279,7 @@ bool Object::ringing() const RINGDOWN_REALTIME {
 bool Object::can_share(Frame now) const RINGDOWN_REALTIME {
   const Voice* const voice = voices.current();
   const InstanceGroup* const group = voice ? voice->table().instances : nullptr;
-  if (!group || voices.has_tails() || !exciters.all().empty() || voice->counts().fading) return false;
+  if (!group || touched || voices.has_tails() || !exciters.all().empty() || voice->counts().fading) return false;
   // Gains are part of the group's sums, and what is absurdly loud should not depend on sharing.
   if (std::abs(strip.final_gain()) > kMaxSharedGain) return false;
   return group->accepts(strip.bus()) && strip.still_at(now);

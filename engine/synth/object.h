@@ -6,6 +6,7 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/channel_strip.h"
+#include "engine/synth/drive_kernel.h"
 #include "engine/synth/exciters.h"
 #include "engine/synth/instance_group.h"
 #include "engine/synth/placement.h"
@@ -14,11 +15,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace ringdown::synth {
 
 // The largest gain, pan or force [N] that is accepted: a larger one, or not-a-number, would spoil the whole mix.
 inline constexpr double kMaxEventValue = 1e6;
+
+// What moves a touched object on in a segment (ModeStates::render_touched).
+struct TouchForces {
+  ModeArrays stepped;
+  std::span<const Force> forces;
+  std::span<const PortForce> ports;
+  std::size_t substeps = 1;
+  const double* leaning = nullptr;  // of the samples: what does not sound, because it only bends
+};
 
 // An object's voices: the current one, which takes strikes, and older ones that ring out.
 class VoiceStack {
@@ -68,6 +79,8 @@ class VoiceStack {
 };
 
 class Object final : public Source {
+  friend class TouchGroup;
+
  public:
   void render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
   void skip(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME override;
@@ -96,6 +109,7 @@ class Object final : public Source {
   Placement placement;
   ExciterSlots exciters;
   GroupMember member;
+  bool touched = false;   // a TouchGroup renders it
   Frame left_group = -1;  // the chunk in which something else than strikes happens to it
 
  private:
@@ -114,6 +128,12 @@ class Object final : public Source {
   void render_segment(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
   void render_late(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
   void drive(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+
+  // In place of render() while a TouchGroup renders it (touch_group.h): begin, segments with events between, end.
+  void begin_touched(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
+  void render_touched(std::size_t begin, std::size_t end, const Chunk& chunk, Workspace& workspace,
+                      const TouchForces& touch) RINGDOWN_REALTIME;
+  void end_touched(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME;
 
   bool placed_ = false;  // in this chunk it is heard from its place
 };

@@ -32,7 +32,7 @@ Stage::Stage(EventQueue& events, VoiceRegistry& voices, MixerCounters& counters)
       exciters_(counters),
       active_objects_(kMaxObjects),
       active_groups_(kMaxVoices),
-      sources_(kMaxObjects + kMaxVoices) {
+      sources_(kMaxObjects + kMaxVoices + kMaxTouches) {
   for (std::size_t i = 0; i < objects_.size(); ++i) objects_[i].placement.spread_looks(i);
 }
 
@@ -139,6 +139,7 @@ void Stage::route_events(const Chunk& chunk, bool exact_contacts, Shedding& shed
     count += accept(due, chunk, exact_contacts, shedding, workspace) ? 1 : 0;
     events_.pop();
   }
+  touches_.regroup();
   for (std::size_t i = 0; i < count; ++i) give_to_source(due_.data()[i], chunk, shedding, workspace);
 }
 
@@ -166,6 +167,7 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
   Object& object = *due.object;
   if (is_strike(event)) return !(exact_contacts && !shedding.tight() && starts_pulse(due, chunk));
   if (event.type == EventType::ring) return true;
+  if (event.type == EventType::touch) return accept_touch(due, chunk, shedding);
   if (event.type == EventType::click) {
     start_click(event, chunk, shedding);
     return false;
@@ -180,6 +182,30 @@ bool Stage::accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const
   if (object.member.shares_states) shedding.worked(object.units_to_share(), workspace);
   part(object, chunk.begin);
   if (event.type == EventType::clear) object.exciters.stop_at(event.frame);
+  return true;
+}
+
+// A mallet for which there is no place or time becomes a strike; a bow or a coupling is refused.
+bool Stage::accept_touch(DueEvent& due, const Chunk& chunk, const Shedding& shedding) RINGDOWN_REALTIME {
+  Object& object = *due.object;
+  const Touch& how = due.event.touch;
+  Object* const other = how.other < kMaxObjects ? &objects_.data()[how.other] : nullptr;
+  const Touches::Answer answer = touches_.accept(due.event, object, other, shedding.tight());
+  if (answer == Touches::Answer::nothing) return false;
+  if (answer == Touches::Answer::one_way && how.kind == Touch::Kind::mallet) {
+    due.event = Touches::strike_of(due.event, object);
+    return true;
+  }
+  if (answer != Touches::Answer::taken) {
+    count(counters_.refused);
+    return false;
+  }
+  for (Object* one : {&object, other}) {
+    if (!one) continue;
+    part(*one, chunk.begin);
+    active_objects_.add(*one);
+    object_limit_ = std::max<std::size_t>(object_limit_, number_of(*one) + 1);
+  }
   return true;
 }
 
@@ -223,8 +249,9 @@ void Stage::give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& sh
     part(object, chunk.begin);
     object.placement.begin_anew();
   }
-  if (!object.due.first && !object.member.shares_states && excites(due.event) && object.left_group != chunk.begin &&
-      object.can_share(chunk.begin) && shedding.may_join(object.units_to_share()) && settles(object, chunk)) {
+  if (!object.due.first && !object.member.shares_states && !object.touched && excites(due.event) &&
+      object.left_group != chunk.begin && object.can_share(chunk.begin) && shedding.may_join(object.units_to_share()) &&
+      settles(object, chunk)) {
     join(object, chunk.begin, shedding, workspace);
   }
   if (object.member.shares_states) {
@@ -240,7 +267,10 @@ void Stage::give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& sh
 std::span<Source* const> Stage::sources() RINGDOWN_REALTIME {
   std::size_t count = 0;
   for (InstanceGroup* group : active_groups_.all()) sources_.data()[count++] = group;
-  for (Object* object : active_objects_.all()) sources_.data()[count++] = object;
+  for (TouchGroup* group : touches_.groups()) sources_.data()[count++] = group;
+  for (Object* object : active_objects_.all()) {
+    if (!object->touched) sources_.data()[count++] = object;
+  }
   return {sources_.data(), count};
 }
 
@@ -298,7 +328,7 @@ bool Stage::stays_active(Object& object, const Chunk& chunk) RINGDOWN_REALTIME {
       object.strip.reset(), object.placement.forget();  // before the worker learns that the number is free again
     voices_.retire(number_of(object), voice);
   });
-  const bool stays = object.ringing() || (pulse && !had_tails);
+  const bool stays = object.ringing() || object.touched || (pulse && !had_tails);
   exciters_.drop_finished(chunk.end(), object.exciters);
   return stays;
 }

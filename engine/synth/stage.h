@@ -11,6 +11,7 @@
 #include "engine/synth/object.h"
 #include "engine/synth/shedding.h"
 #include "engine/synth/timeline.h"
+#include "engine/synth/touches.h"
 #include "engine/synth/voice_registry.h"
 
 #include <cstddef>
@@ -121,6 +122,7 @@ class Stage {
   [[nodiscard]] Frame travels(const Event& event, const Object& object, const Chunk& chunk) const RINGDOWN_REALTIME;
   [[nodiscard]] bool accept(DueEvent& due, const Chunk& chunk, bool exact_contacts, const Shedding& shedding,
                             Workspace& workspace) RINGDOWN_REALTIME;
+  [[nodiscard]] bool accept_touch(DueEvent& due, const Chunk& chunk, const Shedding& shedding) RINGDOWN_REALTIME;
   [[nodiscard]] bool starts_pulse(const DueEvent& due, const Chunk& chunk) RINGDOWN_REALTIME;
   void start_click(const Event& event, const Chunk& chunk, const Shedding& shedding) RINGDOWN_REALTIME;
   void give_to_source(DueEvent& due, const Chunk& chunk, const Shedding& shedding,
@@ -141,6 +143,7 @@ class Stage {
   Listening listening_;
   Exciters exciters_;
   Clicks clicks_;
+  Touches touches_;
   ActiveList<Object> active_objects_;
   ActiveList<InstanceGroup> active_groups_;
   std::vector<Source*> sources_;  // of the chunk

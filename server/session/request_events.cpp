@@ -108,6 +108,29 @@ struct AppendEvents {
     return append(**object, {.type = EventType::contact, .point_m = set.point_m, .contact = set.contact});
   }
 
+  Result<void> operator()(const protocol::SetBow& set) const {
+    return append_touch(set.object, set.point_m, set.touch, set.touch.direction, "dx dy dz");
+  }
+
+  Result<void> operator()(const protocol::HitMallet& hit) const {
+    synth::Touch touch = hit.touch;
+    touch.speed_m_s = length(hit.velocity_m_s);
+    return append_touch(hit.object, hit.point_m, touch, hit.velocity_m_s, "vx vy vz");
+  }
+
+  Result<void> operator()(const protocol::SetCoupling& set) const {
+    const auto other = rack.find(set.other);
+    if (!other) return fail(other.error());
+    if (auto good = check_point(set.touch.other_point_m, **other); !good) return good;
+    synth::Touch touch = set.touch;
+    touch.other = (*other)->number;
+    const auto object = rack.find(set.object);
+    if (object && (*object)->number == touch.other) {
+      return fail(ErrorKind::bad_input, "other: an object does not touch itself; name another one");
+    }
+    return append_touch(set.object, set.point_m, touch, set.touch.direction, "nx ny nz");
+  }
+
   Result<void> operator()(const protocol::Click& click) const {
     return append(click.object,
                   {.type = EventType::click, .impulse_ns = click.impulse_ns, .contact_time_s = click.contact_time_s});
@@ -155,6 +178,20 @@ struct AppendEvents {
   }
 
  private:
+  Result<void> append_touch(const protocol::ObjectRef& ref, Vec3 point_m, synth::Touch touch, Vec3 direction,
+                            const char* arguments) const {
+    const auto object = rack.find(ref);
+    if (!object) return fail(object.error());
+    if (auto good = check_point(point_m, **object); !good) return good;
+    const double size = length(direction);
+    if (!(size > 0))
+      return fail(ErrorKind::bad_input, std::string(arguments) + ": must not all be 0; give a direction");
+    touch.direction = (1 / size) * direction;
+    Event event{.type = EventType::touch, .point_m = point_m};
+    event.touch = touch;
+    return append(**object, event);
+  }
+
   Result<void> append(const protocol::ObjectRef& ref, const Event& event) const {
     const auto object = rack.find(ref);
     if (!object) return fail(object.error());

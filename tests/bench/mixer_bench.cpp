@@ -34,6 +34,7 @@ constexpr std::array kParts = {Part{"throughput", bench::measure_throughput},
                                Part{"instances", bench::measure_instances},
                                Part{"directions", bench::measure_directions},
                                Part{"fields", bench::measure_fields},
+                               Part{"two-way", bench::measure_two_way},
                                Part{"library", bench::measure_library},
                                Part{"threads", bench::measure_threads},
                                Part{"budget", bench::measure_budget}};
@@ -49,9 +50,9 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output, "the CSV to write; what peers read and write lies beside it");
   app.add_flag("--gate", gate, "exit with 1 when a promise is missed");
   app.add_flag("--quick", settings.quick, "under a minute: fewer and shorter repeats, the same promises");
-  app.add_option(
-      "--only", only,
-      "parts: throughput accuracy silence strike storm decay tail instances directions fields library threads budget");
+  app.add_option("--only", only,
+                 "parts: throughput accuracy silence strike storm decay tail instances directions fields two-way "
+                 "library threads budget");
   CLI11_PARSE(app, argc, argv);
 
   const std::string machine = bench::this_machine(synth::kernel_target());

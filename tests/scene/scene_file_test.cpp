@@ -83,6 +83,7 @@ rotation = { axis = [2, 0, 0], degrees = 180 }
 velocity_m_s = [4, 5, 6]
 spin_rad_s = [7, 8, 9]
 fixed = true
+contact = "two-way"
 scatter_m = 0.1
 restitution = 0.3
 friction = 0.7
@@ -130,6 +131,7 @@ density_kg_m3 = 7800
   EXPECT_EQ(first.velocity_m_s, (Vec3{4, 5, 6}));
   EXPECT_EQ(first.spin_rad_s, (Vec3{7, 8, 9}));
   EXPECT_TRUE(first.fixed);
+  EXPECT_TRUE(first.two_way);
   EXPECT_EQ(first.scatter_m, 0.1);
   EXPECT_EQ(first.surface.friction, 0.7);
   EXPECT_EQ(first.surface.contact_time_s, 0.002);

@@ -80,6 +80,35 @@ TEST(Strike, TheImpulseOfALandingIsThatOfTheClosedFormAtEveryStep) {
   }
 }
 
+// Two spheres, the upper one two-way: its fall ends in one event for both, with the mass that both oppose.
+TEST(Strike, ATwoWayBodyMeetsTheOtherWithTheirCommonMass) {
+  const double height = 0.2, radius = 0.05 * std::sqrt(3.0);
+  SceneDescription scene = scene_of({body_of("below", ShapeType::sphere, {0, 0, radius}),
+                                     body_of("above", ShapeType::sphere, {0, 0, 3 * radius + height})},
+                                    0.5);
+  scene.step_s = 1.0 / 4000;
+  scene.bodies[1].two_way = true;
+  World world = world_of(scene, {sounding("below", 3, box_bank(kSize, 2)), sounding("above", 4, box_bank(kSize, 1))});
+  std::vector<Event> touches;
+  while (touches.empty() && world.time_s() < 1) {
+    const auto report = world.step();
+    touches = test::only(synth::EventType::touch, {report.events.begin(), report.events.end()});
+  }
+  ASSERT_FALSE(touches.empty());
+  const Event& event = touches.front();
+  const synth::Touch& touch = event.touch;
+  EXPECT_EQ(touch.kind, synth::Touch::Kind::mallet);
+  EXPECT_EQ(event.object + touch.other, 7u);
+  const double down = event.object == 3 ? -1 : 1;
+  EXPECT_NEAR(touch.direction.z, down, 1e-3);
+  EXPECT_NEAR(touch.other_direction.z, -down, 1e-3);
+  EXPECT_NEAR(touch.mass_kg, 2.0 / 3, 1e-3);
+  EXPECT_NEAR(touch.speed_m_s, std::sqrt(2 * 9.81 * height), 0.02);
+  EXPECT_NEAR(event.point_m.z, (event.object == 3 ? 1 : -1) * radius, 2e-3);
+  const double depth = std::pow(1.25 * touch.mass_kg * touch.speed_m_s * touch.speed_m_s / touch.stiffness, 0.4);
+  EXPECT_NEAR(2.943 * depth / touch.speed_m_s, event.contact_time_s, 0.01 * event.contact_time_s);
+}
+
 // Whole steps of a fall until one has strikes; the change of momentum in it that gravity did not make.
 double momentum_given(World& world, std::size_t body, double mass, std::vector<Event>& strikes) {
   for (;;) {

@@ -28,7 +28,8 @@ const std::vector<FolderRule> kFolderRules = {
     {"engine/base/", {"engine/base/"}},
     // the real-time half
     {"engine/modal/", {"engine/base/", "engine/modal/"}},
-    {"engine/synth/", {"engine/base/", "engine/modal/", "engine/synth/"}},
+    {"engine/contact/", {"engine/base/", "engine/contact/"}},
+    {"engine/synth/", {"engine/base/", "engine/modal/", "engine/contact/", "engine/synth/"}},
     // the offline half
     {"engine/mesh/", {"engine/base/", "engine/mesh/"}},
     {"engine/fem/", {"engine/base/", "engine/mesh/", "engine/fem/"}},

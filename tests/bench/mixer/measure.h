@@ -36,6 +36,9 @@ void measure_instances(const Settings& settings, const Sink& sink);
 void measure_directions(const Settings& settings, const Sink& sink);
 void measure_fields(const Settings& settings, const Sink& sink);
 
+// 16 two-way contacts of 200 + 200 modes, touching and apart, and the same modes ringing freely.
+void measure_two_way(const Settings& settings, const Sink& sink);
+
 // The same mixer behind the C library, blocks of 64 with a strike in each.
 void measure_library(const Settings& settings, const Sink& sink);
 

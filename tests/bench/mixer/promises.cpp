@@ -90,6 +90,16 @@ Promise binaural(const Rows& rows) {
   return at_most(what, 100 * (ears->mean_us - field->mean_us) / block_us, 2, "");
 }
 
+// What contacts that touch cost above the same modes ringing freely.
+Promise above_free(const Rows& rows) {
+  const Row *touching = find(rows, "two-way", is("touching")), *free = find(rows, "two-way", is("free"));
+  const std::string what = "16 two-way contacts of 200 + 200 modes with friction: share of a core above ringing freely";
+  for (const Row* row : {touching, free}) {
+    if (row == nullptr || !row->ok()) return without_value(what, row);
+  }
+  return at_most(what, touching->ratio - free->ratio, 0.15, "");
+}
+
 }  // namespace
 
 std::vector<Promise> promises(const Rows& rows) {
@@ -110,6 +120,9 @@ std::vector<Promise> promises(const Rows& rows) {
   list.push_back(most("10000 modes in 100 objects in ambisonics of order 3: block time over stereo",
                       find(rows, "fields", is("ambisonics 3")), &Row::ratio, 1.25, ""));
   list.push_back(binaural(rows));
+  list.push_back(most("16 two-way contacts of 200 + 200 modes with friction: share of a core",
+                      find(rows, "two-way", is("touching")), &Row::ratio, 0.3, ""));
+  list.push_back(above_free(rows));
   list.push_back(most("10000 modes in 100 objects behind libringdown: block time over the mixer's",
                       find(rows, "library", is("libringdown")), &Row::ratio, 1.05, ""));
   const auto two_threads = [](const Row& row) { return row.who == "2 threads" && row.objects == 100; };

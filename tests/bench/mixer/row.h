@@ -17,7 +17,7 @@ inline constexpr double kRate = 48000;                                     // [H
 
 struct Row {
   std::string
-      part;  // throughput accuracy silence strike storm decay tail instances directions fields library threads budget
+      part;  // throughput accuracy silence strike storm decay tail instances directions fields two-way library threads budget
   std::string who = "ours";  // or a peer, a kernel, a state
   std::size_t modes = 0, objects = 0, block = 0;
   std::string status = "ok";      // "not installed", "failed: ..."
@@ -28,7 +28,7 @@ struct Row {
   double bytes_per_mode = kNone;
   double ratio = kNone;     // throughput: ours in one object over this; tail: this over loud;
                             // instances: this over shared; directions: standing over this; fields: this over stereo;
-                            // library: this over the mixer by itself;
+                            // two-way: share of a core; library: this over the mixer by itself;
                             // threads: 1 thread over this; budget: this over moments
   double error_db = kNone;  // of the sum, relative to the closed form in extended precision
 

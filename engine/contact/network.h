@@ -1,0 +1,76 @@
+// Contacts that share bodies, solved together, one time step after another.
+//
+// Each contact touches in one to three directions: along the normal, by Hunt and Crossley's law or under a load that is
+// given, and in one or two directions along the surface, by bristles. A direction of a contact is a *freedom*; its
+// change in a step is the approach, or the sliding, of the two surfaces. All that the network knows of the bodies is by
+// how much each freedom would change without forces, and the compliances: by how much a newton at freedom j lowers the
+// change of freedom i, which is a sum over modes. A body's mass, modes and number do not matter to the cost.
+//
+//   network.clear(); const auto i = network.add(contact); ... set_compliance(i, j, m_n) ...
+//   each step: network.step(free_m, step_s, force_n)
+//
+// No memory is allocated after construction. [audio]
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/contact/friction.h"
+#include "engine/contact/impact.h"
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+namespace ringdown::contact {
+
+inline constexpr std::size_t kMaxContacts = 16;  // of a network
+inline constexpr std::size_t kMaxFreedoms = 24;  // of all its contacts
+
+struct Contact {
+  std::optional<ImpactLaw> impact;  // none: pressed together by load_n
+  double load_n = 0;
+  std::optional<FrictionLaw> friction;
+  std::size_t directions = 0;  // along the surface: 0 without friction, else 1 or 2
+  Impact pressed;              // states
+  Friction sliding;
+  bool on = true;  // off: neither touches nor rubs
+
+  [[nodiscard]] std::size_t freedoms() const RINGDOWN_REALTIME { return (impact ? 1 : 0) + directions; }
+};
+
+class Network {
+ public:
+  void clear() RINGDOWN_REALTIME { contacts_ = freedoms_ = 0, fresh_ = true; }
+  // The first of the contact's freedoms: its normal, then its directions along the surface. The contact must outlive
+  // the network or its next clear(). nullopt: there is no room.
+  [[nodiscard]] std::optional<std::size_t> add(Contact& contact) RINGDOWN_REALTIME;
+  [[nodiscard]] std::size_t freedoms() const RINGDOWN_REALTIME { return freedoms_; }
+  void set_compliance(std::size_t i, std::size_t j, double m_n) RINGDOWN_REALTIME {
+    compliance_[i][j] = compliance_[j][i] = m_n;
+  }
+
+  // Finds the forces of a step from what the freedoms would change by without them. False when all are 0.
+  bool step(std::span<const double> free_m, double step_s, std::span<double> force_n) RINGDOWN_REALTIME;
+
+ private:
+  struct Place {
+    Contact* contact = nullptr;
+    std::size_t first = 0;
+    Impact::Step impact;
+    Friction::Step friction;
+    bool works = false, rubs = false, released = false;
+  };
+  void foresee(Place& place, std::span<const double> free_m, double step_s,
+               std::span<double> force_n) RINGDOWN_REALTIME;
+  [[nodiscard]] double free_of(std::size_t i, std::span<const double> free_m, std::span<const double> force_n,
+                               std::size_t skip, std::size_t skip_count) const RINGDOWN_REALTIME;
+  void close(std::span<const double> free_m, std::span<double> force_n) RINGDOWN_REALTIME;
+
+  std::array<Place, kMaxContacts> places_;
+  std::size_t contacts_ = 0, freedoms_ = 0;
+  std::array<std::array<double, kMaxFreedoms>, kMaxFreedoms> compliance_{};
+  bool fresh_ = true;                        // a contact has begun to work, or ended to
+  std::array<double, kMaxFreedoms> last_{};  // forces of the last step, where the next prediction begins
+};
+
+}  // namespace ringdown::contact

@@ -1,0 +1,326 @@
+#include "engine/synth/touch_group.h"
+
+#include "engine/synth/meters.h"
+#include "engine/synth/shedding.h"
+#include "engine/synth/work_cost.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ringdown::synth {
+namespace {
+
+constexpr double kMinBowRamp_s = 0.002, kMaxBowRamp_s = 0.05;
+constexpr double kMalletLeaves_s = 0.003;  // it has left when it needs so long to come back at its speed
+constexpr double kMostMallet_s = 2;        // and at the latest after that time
+
+// A row of numbers for each freedom.
+double* row_of(const AlignedArray<double>& rows, std::size_t freedom) RINGDOWN_REALTIME {
+  return rows.get() + freedom * kTapRow;
+}
+
+// What a surface sounds like follows its acceleration. Where it is only bent by a force that lasts, it does not sound:
+// adds that part of the samples to `to`. A sample lies between two steps.
+void lean(TouchPort& port, const double* force_n, std::size_t frames, std::size_t substeps,
+          double* to) RINGDOWN_REALTIME {
+  double before = port.last_n;
+  for (std::size_t n = 0; n < frames; ++n) {
+    to[n] += 0.5 * port.leaning * (before + force_n[n * substeps]);
+    before = force_n[(n + 1) * substeps - 1];
+  }
+  port.last_n = before;
+}
+
+}  // namespace
+
+TouchGroup::TouchGroup() : taps_(aligned_zeros<double>(kFreedoms * (kFreedoms + 1) / 2 * kTapRow)) {}
+
+void TouchGroup::set(std::span<TouchSlot* const> touches) RINGDOWN_REALTIME {
+  if (std::ranges::equal(touches, this->touches())) return;
+  std::ranges::copy(touches, touches_.begin());
+  touch_count_ = touches.size();
+  stale_ = true;
+}
+
+ModeStates::Counts TouchGroup::counts() const RINGDOWN_REALTIME {
+  ModeStates::Counts all;
+  for (std::size_t b = 0; b < body_count_; ++b) {
+    const ModeStates::Counts counts = bodies_[b].object->counts();
+    all.sounding += counts.sounding, all.muted += counts.muted, all.slow += counts.slow;
+  }
+  return all;
+}
+
+TouchGroup::Body& TouchGroup::body_of(const Object& object) RINGDOWN_REALTIME {
+  return *std::find_if(bodies_.begin(), bodies_.begin() + static_cast<std::ptrdiff_t>(body_count_),
+                       [&](const Body& body) RINGDOWN_REALTIME { return body.object == &object; });
+}
+
+ModeArrays TouchGroup::modes_of(const Body& body, const StateArray& states) const RINGDOWN_REALTIME {
+  ModeArrays modes = states.for_kernel(0);
+  if (substeps_ > 1) modes.pole_re = body.poles, modes.pole_im = body.poles + kMaxTouchColumns;
+  return modes;
+}
+
+void TouchGroup::play_events(std::size_t offset, const Chunk& chunk) RINGDOWN_REALTIME {
+  for (std::size_t b = 0; b < body_count_; ++b) {
+    Object& object = *bodies_[b].object;
+    for (; object.due.first && object.due.first->offset <= offset; object.due.first = object.due.first->next) {
+      const Event& event = object.due.first->event;
+      if (event.type == EventType::touch) {
+        play_touch(event, chunk);
+        continue;
+      }
+      object.play(event, chunk);
+      if (event.type != EventType::clear) continue;
+      for (TouchSlot* touch : touches()) {
+        if (touch->involves(object)) touch->used = touch->open = touch->contact.on = false;
+      }
+    }
+  }
+}
+
+void TouchGroup::play_touch(const Event& event, const Chunk& chunk) RINGDOWN_REALTIME {
+  const Touch& how = event.touch;
+  const auto slot = std::ranges::find_if(touches(), [&](const TouchSlot* touch) RINGDOWN_REALTIME {
+    const Event& last = touch->event;
+    return touch->used && last.object == event.object && last.touch.kind == how.kind &&
+           last.touch.number == how.number &&
+           (how.kind != Touch::Kind::mallet || (!touch->open && last.frame == event.frame));
+  });
+  if (slot == touches().end()) return;
+  TouchSlot& touch = **slot;
+  const bool begins = !touch.open;
+  const bool ends = how.kind == Touch::Kind::couple && !(how.stiffness > 0);
+  if (ends) {
+    touch.used = touch.open = touch.contact.on = false;
+    return;
+  }
+  const auto ramp_s = begins ? kMinBowRamp_s
+                             : std::clamp(static_cast<double>(event.frame - touch.since) / chunk.sample_rate_hz,
+                                          kMinBowRamp_s, kMaxBowRamp_s);
+  const auto ramp = static_cast<Frame>(ramp_s * chunk.sample_rate_hz);
+  const bool lifted = how.kind == Touch::Kind::bow && how.force_n == 0;
+  if (!lifted) {  // a bow that is lifted stays where it is and keeps its speed
+    const Touch& last = touch.event.touch;
+    touch.stale = touch.stale || !(touch.event.point_m == event.point_m && last.direction == how.direction &&
+                                   last.other_point_m == how.other_point_m && last.width_m == how.width_m);
+    touch.event = event;
+    if (begins) touch.speed_m_s = {how.speed_m_s, how.speed_m_s, event.frame, event.frame};
+    touch.speed_m_s.aim(how.speed_m_s, event.frame, ramp);
+  }
+  touch.force_n.aim(how.force_n, event.frame, ramp);
+  touch.since = event.frame;
+  if (!begins) return;
+  touch.open = touch.contact.on = true;
+  touch.contact.sliding.release();
+  touch.contact.pressed.place(-how.gap_m);
+  for (TouchSlot::Side& side : touch.sides) {
+    for (TouchPort& port : side.ports) port.last_n = 0;
+  }
+  touch.rigid.at_m = 0;
+  touch.rigid.speed_m_s = how.kind == Touch::Kind::mallet ? -how.speed_m_s : 0;
+}
+
+// How the freedoms change in a segment if nothing pushes: first along the normals, then along the surfaces.
+void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk& chunk, bool along) RINGDOWN_REALTIME {
+  const std::size_t steps = frames * substeps_;
+  for (std::size_t i = 0; i < network_.freedoms() && !along; ++i) std::fill_n(row_of(approach_, i), steps + 1, 0.0);
+  for (std::size_t b = 0; b < body_count_; ++b) {
+    Body& body = bodies_[b];
+    Voice& voice = *body.object->voices.current();
+    std::array<const double*, kMaxPlaces> weights{};
+    std::array<std::size_t, kMaxPlaces> freedoms{};
+    std::array<double*, kMaxPlaces> out{};
+    alignas(64) std::array<std::array<double, kMaxTouchSteps + 8>, kMaxPlaces> room;
+    std::size_t count = 0;
+    for (const TouchSlot* touch : touches()) {
+      for (const TouchSlot::Side& side : touch->sides) {
+        if (side.object != body.object || !touch->open) continue;
+        const std::size_t normals = touch->contact.impact ? 1 : 0, end = along ? touch->contact.freedoms() : normals;
+        for (std::size_t k = along ? normals : 0; k < end && count < kMaxPlaces; ++k, ++count) {
+          weights[count] = side.ports[k].weight.get(), freedoms[count] = touch->first + k,
+          out[count] = room[count].data();
+        }
+      }
+    }
+    const auto to_move = [&](ModeArrays modes, std::size_t points) RINGDOWN_REALTIME {
+      free_motion(modes, body.table->columns(), {weights.data(), count}, {out.data(), count}, points);
+    };
+    if (count > 0) to_move(modes_of(body, voice.open_states()), steps + 1);
+    for (std::size_t k = 0; k < count; ++k) {
+      double* const to = row_of(approach_, freedoms[k]);
+      for (std::size_t n = 0; n <= steps; ++n) to[n] -= room[k][n];
+    }
+    // An exciter's impulse J takes J A off Im z at once, where A is what an impulse of 1 gives.
+    body.exciting_count = 0;
+    for (Exciter* exciter : body.object->exciters.all()) {
+      double* const impulses = body.impulses[body.exciting_count].data();
+      if (!along) {
+        const float* const samples = exciter->input ? chunk.inputs[*exciter->input] : nullptr;
+        exciter->fill(chunk.begin + static_cast<Frame>(begin), frames, samples ? samples + begin : nullptr, impulses);
+      }
+      body.exciting[body.exciting_count++] = {exciter->amplitudes.get(), impulses};
+      if (count == 0 || std::all_of(impulses, impulses + frames, [](double j) RINGDOWN_REALTIME { return j == 0; })) {
+        continue;
+      }
+      // The states of an impulse of 1 i: Re (i A p^n) = -(answer to an impulse of 1).
+      alignas(64) static constexpr std::array<double, kMaxTouchColumns> kZeros{};
+      ModeArrays struck = modes_of(body, voice.open_states());
+      struck.z_re = const_cast<double*>(kZeros.data()), struck.z_im = exciter->amplitudes.get();
+      to_move(struck, steps + 1);
+      for (std::size_t k = 0; k < count; ++k) {
+        double* const to = row_of(approach_, freedoms[k]);
+        for (std::size_t n = 0; n < frames; ++n) {
+          const std::size_t at = n * substeps_;
+          for (std::size_t m = 0; at + m <= steps; ++m) to[at + m] += impulses[n] * room[k][m];
+        }
+      }
+    }
+  }
+  for (const TouchSlot* touch : touches()) {
+    if (touch->rigid.kg == 0 || !touch->open || along) continue;
+    double* const to = row_of(approach_, touch->first);
+    const double curve = 0.5 * touch->rigid.load_n / touch->rigid.kg;
+    for (std::size_t n = 0; n <= steps; ++n) {
+      const double t = static_cast<double>(n) * step_s_;
+      to[n] -= (touch->rigid.speed_m_s + curve * t) * t;
+    }
+  }
+}
+
+// Whether nothing touches in a segment; it is then done.
+bool TouchGroup::stays_apart(std::size_t steps) RINGDOWN_REALTIME {
+  for (const TouchSlot* touch : touches()) {
+    if (!touch->open) continue;
+    if (!touch->contact.impact) return false;
+    const double* const row = row_of(approach_, touch->first);
+    if (touch->contact.pressed.depth_m() + *std::max_element(row, row + steps + 1) - row[0] > 0) return false;
+  }
+  for (TouchSlot* touch : touches()) {
+    if (!touch->open) continue;
+    const double* const row = row_of(approach_, touch->first);
+    touch->contact.pressed.place(touch->contact.pressed.depth_m() + row[steps] - row[0]);
+    touch->contact.sliding.release();
+  }
+  pushes_.fill(false);
+  for (std::size_t i = 0; i < network_.freedoms(); ++i) std::fill_n(row_of(forces_, i), steps, 0.0);
+  move_masses(steps);
+  return true;
+}
+
+void TouchGroup::find_forces(Frame begin, std::size_t steps) RINGDOWN_REALTIME {
+  const std::size_t freedoms = network_.freedoms();
+  std::array<double, kFreedoms> free{}, force{};
+  std::array<TapRow, kFreedoms * kFreedoms> rows;
+  pushes_.fill(false);
+  for (std::size_t s = 0; s < steps; ++s) {
+    for (std::size_t i = 0; i < freedoms; ++i) free[i] = row_of(approach_, i)[s + 1] - row_of(approach_, i)[s];
+    for (TouchSlot* touch : touches()) {
+      if (touch->event.touch.kind != Touch::Kind::bow || !touch->open) continue;
+      const Frame frame = begin + static_cast<Frame>(s / substeps_);
+      if (s % substeps_ == 0) touch->contact.load_n = touch->force_n.at(frame);
+      free[touch->first] += touch->speed_m_s.at(frame) * step_s_;
+    }
+    const bool works = network_.step({free.data(), freedoms}, step_s_, {force.data(), freedoms});
+    for (std::size_t i = 0; i < freedoms; ++i) row_of(forces_, i)[s] = force[i];
+    if (!works) continue;
+    std::size_t count = 0;
+    for (std::size_t j = 0; j < freedoms; ++j) {
+      if (force[j] == 0) continue;
+      pushes_[j] = true;
+      for (std::size_t i = 0; i < freedoms; ++i) {
+        const std::size_t low = std::min(i, j), high = std::max(i, j), pair = high * (high + 1) / 2 + low;
+        if (coupled_[pair]) rows[count++] = {taps_.get() + pair * kTapRow, row_of(approach_, i) + s + 1, force[j]};
+      }
+    }
+    add_taps({rows.data(), count}, steps - s);
+  }
+  move_masses(steps);
+}
+
+void TouchGroup::move_masses(std::size_t steps) RINGDOWN_REALTIME {
+  for (TouchSlot* touch : touches()) {
+    RigidMass& rigid = touch->rigid;
+    if (rigid.kg == 0 || !touch->open) continue;
+    const double* const push = row_of(forces_, touch->first);
+    for (std::size_t s = 0; s < steps; ++s) {
+      const double faster = (push[s] + rigid.load_n) / rigid.kg * step_s_;
+      rigid.at_m += (rigid.speed_m_s + 0.5 * faster) * step_s_;
+      rigid.speed_m_s += faster;
+    }
+  }
+}
+
+void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk& chunk,
+                                Workspace& workspace) RINGDOWN_REALTIME {
+  const std::size_t frames = end - begin, steps = frames * substeps_;
+  move_freely(begin, frames, chunk, false);
+  if (!stays_apart(steps)) {
+    move_freely(begin, frames, chunk, true);
+    find_forces(chunk.begin + static_cast<Frame>(begin), steps);
+  }
+  double columns = 0;
+  for (std::size_t b = 0; b < body_count_; ++b) {
+    Body& body = bodies_[b];
+    std::array<PortForce, kMaxPortForces> ports;
+    std::array<double, kMaxTouchSteps> leaning{};
+    std::size_t count = 0;
+    for (TouchSlot* touch : touches()) {
+      for (TouchSlot::Side& side : touch->sides) {
+        if (side.object != body.object || !touch->open) continue;
+        for (std::size_t k = 0; k < touch->contact.freedoms() && count < kMaxPortForces; ++k) {
+          if (!pushes_[touch->first + k] && side.ports[k].last_n == 0) continue;
+          lean(side.ports[k], row_of(forces_, touch->first + k), frames, substeps_, leaning.data());
+          if (!pushes_[touch->first + k]) continue;
+          ports[count++] = {side.ports[k].kick_re.get(), side.ports[k].kick_im.get(),
+                            row_of(forces_, touch->first + k)};
+        }
+      }
+    }
+    const TouchForces touch{modes_of(body, body.object->voices.current()->open_states()),
+                            {body.exciting.data(), body.exciting_count},
+                            {ports.data(), count},
+                            substeps_,
+                            leaning.data()};
+    body.object->render_touched(begin, end, chunk, workspace, touch);
+    columns += static_cast<double>(body.table->columns());
+  }
+  const double chunks = static_cast<double>(steps) / static_cast<double>(kChunkFrames);
+  chunk.shedding->worked(chunks * (kTouchPerMode * columns + kTouchPerContact * static_cast<double>(touch_count_)),
+                         workspace);
+}
+
+void TouchGroup::close_finished(Frame now) RINGDOWN_REALTIME {
+  for (TouchSlot* touch : touches()) {
+    if (!touch->open) continue;
+    const Touch& how = touch->event.touch;
+    bool over = how.kind == Touch::Kind::bow && touch->force_n.to == 0 && now >= touch->force_n.end;
+    if (how.kind == Touch::Kind::mallet) {
+      const double away = -touch->contact.pressed.depth_m();
+      over = (touch->rigid.speed_m_s > 0 && away > kMalletLeaves_s * touch->rigid.speed_m_s) ||
+             now - touch->since > static_cast<Frame>(kMostMallet_s / (step_s_ * static_cast<double>(substeps_)));
+    }
+    if (over) touch->used = touch->open = touch->contact.on = false;
+  }
+}
+
+void TouchGroup::render(const Chunk& chunk, Workspace& workspace) RINGDOWN_REALTIME {
+  refresh(chunk);
+  for (std::size_t b = 0; b < body_count_; ++b) bodies_[b].object->begin_touched(chunk, workspace);
+  for (std::size_t at = 0; at < chunk.frames;) {
+    play_events(at, chunk);
+    refresh(chunk);
+    std::size_t end = std::min(chunk.frames, at + kMaxTouchSteps / substeps_);
+    for (std::size_t b = 0; b < body_count_; ++b) {
+      const DueEvent* const next = bodies_[b].object->due.first;
+      if (next) end = std::min(end, std::max(next->offset, at + 1));
+    }
+    render_segment(at, end, chunk, workspace);
+    at = end;
+  }
+  for (std::size_t b = 0; b < body_count_; ++b) bodies_[b].object->end_touched(chunk, workspace);
+  close_finished(chunk.end());
+}
+
+}  // namespace ringdown::synth

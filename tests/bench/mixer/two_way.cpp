@@ -1,0 +1,66 @@
+// What two-way contacts cost: 16 couplings of 200 and 200 modes with friction, in blocks of 64 frames, while they
+// touch, while they are a hair's breadth apart, and while the same modes ring freely.
+#include "tests/bench/mixer/measure.h"
+#include "tests/bench/mixer/stage.h"
+#include "tests/bench/mixer/timing.h"
+
+#include <memory>
+#include <vector>
+
+namespace ringdown::bench {
+namespace {
+
+constexpr std::size_t kBlock = 64, kCouplings = 16, kModes = 200;
+
+enum class State { free, apart, touching };
+
+std::unique_ptr<Stage> stage_in(State state) {
+  auto stage = std::make_unique<Stage>(kBlock);
+  for (std::size_t o = 0; o < 2 * kCouplings; ++o) {
+    const auto object = static_cast<synth::ObjectNumber>(o);
+    stage->install(object,
+                   bank_of({.modes = 2 * kCouplings * kModes, .low_hz = 100, .amplitude = 1e-5}, o, 2 * kCouplings));
+    stage->push(strike_of(object));
+  }
+  for (std::size_t c = 0; c < kCouplings && state != State::free; ++c) {
+    synth::Event event{.object = static_cast<synth::ObjectNumber>(2 * c), .type = synth::EventType::touch};
+    event.touch = {.kind = synth::Touch::Kind::couple,
+                   .direction = {0, 0, 1},
+                   .friction = 0.3,
+                   .stiffness = 1e7,
+                   .bounce = 0.9,
+                   .gap_m = state == State::touching ? -1e-4 : 0.01,
+                   .other = static_cast<synth::ObjectNumber>(2 * c + 1)};
+    stage->push(event);
+  }
+  stage->render();
+  stage->render();
+  return stage;
+}
+
+}  // namespace
+
+void measure_two_way(const Settings& settings, const Sink& sink) {
+  struct Case {
+    const char* who;
+    std::unique_ptr<Stage> stage;
+    BlockTimes times = {};
+  };
+  std::vector<Case> cases;
+  cases.push_back({"free", stage_in(State::free)});
+  cases.push_back({"apart", stage_in(State::apart)});
+  cases.push_back({"touching", stage_in(State::touching)});
+  for (int r = 0; r < (settings.quick ? 8 : 40); ++r) {
+    for (Case& c : cases) time_repeat([&] { c.stage->render(); }, settings.quick ? 0.02 : 0.06, c.times);
+  }
+  for (Case& c : cases) {
+    Row row{
+        .part = "two-way", .who = c.who, .modes = 2 * kCouplings * kModes, .objects = 2 * kCouplings, .block = kBlock};
+    fill_in(row, c.times);
+    row.ratio = median(c.times.repeats_s) / (kBlock / kRate);
+    if (c.stage->lost() > 0) row.status = "failed: an event was lost";
+    sink(row);
+  }
+}
+
+}  // namespace ringdown::bench
