@@ -20,6 +20,7 @@ struct FacePoints {
   Eigen::VectorXd areas;      // N [m^2]
   Indices nodes;              // F x n, numbers in the mesh
   std::vector<int> opposite;  // F, the corner of its element that a face lies opposite to
+  std::vector<Eigen::Index> elements;  // F
 };
 FacePoints face_points(const TetMesh& mesh);
 
