@@ -199,13 +199,15 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
 
   const double volume_m3 = system->node_mass.sum() * std::pow(task.units.length_m, 3);
   const double highest_lambda = request.highest_lambda * task.units.lambda();
-  if (auto few = check_count(volume_m3, isotropic_stand_in(task.material), task.options, highest_lambda); !few) return fail(few.error());
+  if (auto few = check_count(volume_m3, isotropic_stand_in(task.material), task.options, highest_lambda); !few)
+    return fail(few.error());
   const Result<Eigenmodes> modes = solve::solve_modes(moving, request, progress);
   if (!modes) return fail(modes.error());
   report.agreement = modes->agreement;
   report.factor_seconds = modes->factor_seconds;
   report.iterate_seconds = modes->iterate_seconds;
-  if (auto rigid = check_rigid(*modes, task.makeup.free_motions, request.highest_lambda); !rigid) return fail(rigid.error());
+  if (auto rigid = check_rigid(*modes, task.makeup.free_motions, request.highest_lambda); !rigid)
+    return fail(rigid.error());
 
   const Eigen::MatrixXd expanded = clamped.empty() ? Eigen::MatrixXd() : fem::with_nodes(modes->shapes, clamped);
   const Eigen::MatrixXd& shapes = clamped.empty() ? modes->shapes : expanded;
@@ -239,8 +241,9 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
   if (task.options.cache.empty()) return solve_body(task, request, report, progress).map(in_band);
 
   const ModeCache cache{ContentCache(task.options.cache)};
-  const BodyQuestion question{task.unit_mesh,    task.surface.nodes.size(), task.options.element,
-                              task.material.poisson_ratio, request.tolerance,  task.makeup.key};
+  const BodyQuestion question{task.unit_mesh,       task.surface.nodes.size(),
+                              task.options.element, task.material.poisson_ratio,
+                              request.tolerance,    task.makeup.key};
   auto kept = cache.find(question, top, request.most_modes);
   if (kept && kept->errors.size() == kept->lambda.size() && (kept->verified || !request.verify)) {
     report.from_cache = true;
@@ -317,15 +320,13 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   if (auto near = check_place(mesh.nodes, length_m); !near) return fail(near.error().kind, name + near.error().message);
   const BodyUnits units{length_m, material.youngs_modulus_pa, material.density_kg_m3};
   mesh::TetMesh unit_mesh{mesh.nodes / length_m, mesh.elements};
-  Result<FittedMakeup> makeup =
-      fit_makeup(options.makeup, material, unit_mesh, checked.groups, units, checked.pieces);
+  Result<FittedMakeup> makeup = fit_makeup(options.makeup, material, unit_mesh, checked.groups, units, checked.pieces);
   if (!makeup) return fail(makeup.error().kind, name + ": " + makeup.error().message);
   const double highest_lambda = makeup->highest_lambda(options.band_high_hz);
   if (!(highest_lambda > 0))
     return fail(ErrorKind::bad_input, material.name + " is damped so strongly that nothing of it rings");
   report.held = makeup->notes;
-  const Task task{mesh,     std::move(unit_mesh), mesh::boundary_of(mesh), units,
-                  material, options,              std::move(*makeup)};
+  const Task task{mesh, std::move(unit_mesh), mesh::boundary_of(mesh), units, material, options, std::move(*makeup)};
   Result<BodyModes> modes = find_body_modes(task, highest_lambda / units.lambda(), report, progress);
   if (!modes) return fail(modes.error().kind, name + ": " + modes.error().message);
   modes->errors += shape_errors(task, checked.gaps_m, *modes);

@@ -128,7 +128,8 @@ std::optional<BodyModes> unpacked(std::string_view bytes, const BodyQuestion& qu
   int verified = 0;
   if (!in.get_list(nodes) || !in.get_list(lambda) || !in.get_list(shapes) || !in.get_list(residuals) ||
       !in.get_list(errors) || !in.get(modes.complete_to) || !in.get(modes.rigid) || !in.get(verified) ||
-      !in.get(modes.unknowns) || !in.get(modes.mass) || !read_shares(in, lambda.size(), modes.shares) || !in.finished()) {
+      !in.get(modes.unknowns) || !in.get(modes.mass) || !read_shares(in, lambda.size(), modes.shares) ||
+      !in.finished()) {
     return std::nullopt;
   }
   const std::size_t rows = 3 * question.surface_nodes, count = lambda.size();

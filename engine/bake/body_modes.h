@@ -6,9 +6,9 @@
 //   lambda = E / (rho L^2) lambda',      phi = rho^-1/2 L^-3/2 phi'
 //
 // are exact, and so they are of any other body with ratios of moduli and densities in the place of Poisson's ratio
-// (fitted_makeup.h). So one solution serves every E, rho, damping and size of a body; the cache keeps it (ModeCache), and a
-// bake always goes through it, so that a cached bank and a fresh one are the same. L is the diagonal of the mesh's
-// bounding box.
+// (fitted_makeup.h). So one solution serves every E, rho, damping and size of a body; the cache keeps it (ModeCache),
+// and a bake always goes through it, so that a cached bank and a fresh one are the same. L is the diagonal of the
+// mesh's bounding box.
 #pragma once
 
 #include "engine/base/content_cache.h"
@@ -31,7 +31,8 @@ struct BodyUnits {
   [[nodiscard]] modal::MassProperties mass(const modal::MassProperties& body) const;
 };
 
-// How a mode's energy is spread over what loses it differently (fitted_makeup.h); empty for a free body of one material.
+// How a mode's energy is spread over what loses it differently (fitted_makeup.h); empty for a free body of one
+// material.
 struct ModeShares {
   Eigen::MatrixXd strain, motion;  // parts x m: phi^T K phi, weighed by the part's losses, and phi^T M phi
   Eigen::MatrixXd springs;         // 2 supports x m: integrals of |phi|^2 along the normal, and across it
@@ -76,7 +77,7 @@ struct BodyQuestion {
   std::size_t surface_nodes = 0;   // S
   fem::Element element = fem::Element::kTet20;
   double poisson_ratio = 0;
-  double tolerance = 0;    // of the solver
+  double tolerance = 0;     // of the solver
   std::string makeup = {};  // what else the modes depend on (FittedMakeup::key)
 };
 

@@ -51,8 +51,9 @@ Matrix3d axes_at(const Grain& grain, const Vector3d& point_m) {
 
 Result<void> check_grain(const modal::Material& material, const Grain& grain) {
   if (!material.orthotropy) {
-    return fail(ErrorKind::bad_input, "has a grain, but the material's file has no [orthotropic] or "
-                                      "[transversely_isotropic] constants; leave the grain out, or give them");
+    return fail(ErrorKind::bad_input,
+                "has a grain, but the material's file has no [orthotropic] or "
+                "[transversely_isotropic] constants; leave the grain out, or give them");
   }
   const Vector3d along = to_eigen(grain.axis ? *grain.axis : grain.along);
   if (!(along.norm() > 0)) return fail(ErrorKind::bad_input, "the grain's direction has no length");
@@ -67,9 +68,7 @@ Result<void> check_grain(const modal::Material& material, const Grain& grain) {
   return {};
 }
 
-Eigen::Array<double, 6, 1> loss_ratios(const modal::Orthotropy& o) {
-  return Eigen::Array<double, 6, 1>(o.loss.data());
-}
+Eigen::Array<double, 6, 1> loss_ratios(const modal::Orthotropy& o) { return Eigen::Array<double, 6, 1>(o.loss.data()); }
 
 // A part's laws: of its stiffness, and of what it loses.
 struct PartLaws {
@@ -115,7 +114,8 @@ class Fitter {
     fitted_.part_of.assign(static_cast<std::size_t>(mesh_.elements.rows()), rest);
     for (std::size_t p = 0; p < makeup_.parts.size(); ++p) {
       const auto found = std::ranges::find(groups_.volumes, makeup_.parts[p].group);
-      if (found == groups_.volumes.end()) return fail(ErrorKind::bad_input, no_group(makeup_.parts[p].group, groups_.volumes));
+      if (found == groups_.volumes.end())
+        return fail(ErrorKind::bad_input, no_group(makeup_.parts[p].group, groups_.volumes));
       const auto number = static_cast<std::int32_t>(found - groups_.volumes.begin());
       for (std::size_t e = 0; e < fitted_.part_of.size(); ++e) {
         if (groups_.volume_of[e] == number) fitted_.part_of[e] = static_cast<std::int32_t>(p);
@@ -150,8 +150,8 @@ class Fitter {
       const fem::Elastic elastic = elastic_of(material);
       const auto refuse = [&](const Error& error) { return fail(error.kind, material.name + ": " + error.message); };
       if (!grain) {
-        if (auto stable = fem::check_elastic(
-                {material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3});
+        if (auto stable =
+                fem::check_elastic({material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3});
             !stable)
           return refuse(stable.error());
         add_law(p, {elastic}, {elastic}, laws, lost, law_of);
@@ -197,8 +197,7 @@ class Fitter {
 
   // Where the middle of the reference element lies.
   [[nodiscard]] Vector3d middle(Eigen::Index e) const {
-    return mesh::nodes_of(mesh_, e).transpose() *
-           mesh::interpolation(mesh_.order(), Eigen::Vector4d::Constant(0.25));
+    return mesh::nodes_of(mesh_, e).transpose() * mesh::interpolation(mesh_.order(), Eigen::Vector4d::Constant(0.25));
   }
 
   Result<std::vector<mesh::OuterFace>> faces_at(const Place& place) {
@@ -215,7 +214,8 @@ class Fitter {
     } else {
       std::copy_if(outer_.begin(), outer_.end(), std::back_inserter(faces), [&](const mesh::OuterFace& face) {
         const std::vector<std::int32_t> nodes = fem::nodes_on(mesh_, {face});
-        return std::ranges::all_of(nodes, [&](std::int32_t n) { return lies_on(place, mesh_.nodes.row(n).transpose()); });
+        return std::ranges::all_of(nodes,
+                                   [&](std::int32_t n) { return lies_on(place, mesh_.nodes.row(n).transpose()); });
       });
     }
     if (!faces.empty()) return faces;
@@ -370,8 +370,8 @@ modal::ModeLoss FittedMakeup::loss(const ModeShares& shares, const BodyUnits& un
     const double normal = per_area * shares.springs(2 * static_cast<Eigen::Index>(k), m);
     const double along = per_area * shares.springs(2 * static_cast<Eigen::Index>(k) + 1, m);
     const double energy = support.stiffness_n_m3 * normal + support.stiffness_along_n_m3 * along;
-    loss.support_per_s += 0.5 * support.damping_ns_m3 * (normal + along) +
-                          0.5 * support.loss_factor * energy / std::sqrt(lambda);
+    loss.support_per_s +=
+        0.5 * support.damping_ns_m3 * (normal + along) + 0.5 * support.loss_factor * energy / std::sqrt(lambda);
   }
   return loss;
 }

@@ -30,7 +30,8 @@ struct FittedMakeup {
   std::vector<std::string> notes;  // what holds where, for people
 
   // What beside lambda the losses of modes depend on; empty for a plain body.
-  [[nodiscard]] ModeShares shares(const mesh::TetMesh& unit_mesh, const Eigen::Ref<const Eigen::MatrixXd>& shapes) const;
+  [[nodiscard]] ModeShares shares(const mesh::TetMesh& unit_mesh,
+                                  const Eigen::Ref<const Eigen::MatrixXd>& shapes) const;
 
   // What mode `m` of eigenvalue lambda [rad^2/s^2] loses, so much of it to the air.
   [[nodiscard]] modal::ModeLoss loss(const ModeShares& shares, const BodyUnits& units, Eigen::Index m, double lambda,

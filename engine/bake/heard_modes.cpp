@@ -26,10 +26,7 @@ std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& un
   std::vector<HeardMode> heard;
   for (Eigen::Index m = 0; m < modes.lambda.size(); ++m) {
     const double lambda = units.lambda() * modes.lambda[m];
-    HeardMode mode{.number = m,
-                   .lambda = lambda,
-                   .loss = loss_of(m, lambda, 0),
-                   .frequency_error = modes.errors[m]};
+    HeardMode mode{.number = m, .lambda = lambda, .loss = loss_of(m, lambda, 0), .frequency_error = modes.errors[m]};
     mode.mode = modal::with_decay(lambda, mode.loss.total_per_s());
     if (mode.mode.frequency_hz == 0) {
       ++left_out.over_damped;

@@ -1,7 +1,7 @@
 // What a body is made of beyond one isotropic material, and what holds it. [any thread]
 //
-// All of it is optional: a Makeup with nothing in it is a free body of one isotropic material. Lengths are metres of the
-// object as it is baked.
+// All of it is optional: a Makeup with nothing in it is a free body of one isotropic material. Lengths are metres of
+// the object as it is baked.
 #pragma once
 
 #include "engine/base/vec3.h"

@@ -195,8 +195,10 @@ std::string grain_row(const MaterialEntry& entry) {
   const modal::Orthotropy& solid = *entry.material.orthotropy;
   for (const GrainFigure& figure : grain_figures(solid)) {
     const auto source = entry.sources.find(std::string("grain.") + figure.key);
-    row += " " + marked(number_text(figure.value / figure.table_unit, "%.3g"),
-                        source == entry.sources.end() ? "" : source->second) + " |";
+    row += " " +
+           marked(number_text(figure.value / figure.table_unit, "%.3g"),
+                  source == entry.sources.end() ? "" : source->second) +
+           " |";
   }
   row += " ";
   for (const double loss : solid.loss) row += (&loss == solid.loss.data() ? "" : ", ") + number_text(loss, "%.3g");

@@ -18,7 +18,8 @@
 //
 // A material with a grain says as well what it is along it and across (modal/orthotropy.h), for objects that give their
 // grain (object_file.h): nine figures in [orthotropic], or five in [transversely_isotropic], which is alike in all
-// directions across its axis 1; each with its source, and if they are known, loss factors of a modulus over those above:
+// directions across its axis 1; each with its source, and if they are known, loss factors of a modulus over those
+// above:
 //
 //   [orthotropic.youngs_modulus_1_pa]    # _2_pa _3_pa, poisson_ratio_12 _13 _23, shear_modulus_12_pa _13_pa _23_pa
 //   value = 11e9

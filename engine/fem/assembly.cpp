@@ -246,8 +246,8 @@ std::vector<Scatter> share_columns(const NodeGraph& graph, int threads, System& 
 }
 
 // Threads first share the elements of a batch, then the columns that those are added to.
-void add_elements(const mesh::TetMesh& mesh, const Solid& solid, Element element, int threads,
-                  const NodeGraph& graph, System& system) {
+void add_elements(const mesh::TetMesh& mesh, const Solid& solid, Element element, int threads, const NodeGraph& graph,
+                  System& system) {
   const int order = mesh.order();
   const auto element_bytes =
       static_cast<Eigen::Index>(10 * sizeof(double)) * mesh.elements.cols() * mesh.elements.cols();

@@ -30,8 +30,7 @@ Vector3d free_place(int corner) { return corner == 0 ? Vector3d::Zero() : Vector
 
 Matrix3d stiffness_at(const Layer& layer, const FacePoint& point) {
   const Vector3d n = layer.direction.value_or(point.normal);
-  return layer.tangential_n_m3 * Matrix3d::Identity() +
-         (layer.normal_n_m3 - layer.tangential_n_m3) * n * n.transpose();
+  return layer.tangential_n_m3 * Matrix3d::Identity() + (layer.normal_n_m3 - layer.tangential_n_m3) * n * n.transpose();
 }
 
 void add_face(const mesh::TetMesh& mesh, const Layer& layer, const mesh::OuterFace& face, System& system) {
@@ -122,8 +121,7 @@ void add_resistance(const mesh::TetMesh& mesh, const mesh::OuterFace& face, cons
                     double length, Motions& resisted) {
   const mesh::ElementNodes nodes = nodes_of(mesh, face.element);
   for (const FacePoint& point : points_on_face(nodes, face.opposite)) {
-    const Vector3d arm =
-        (nodes.transpose() * mesh::interpolation(mesh.order(), point.barycentric) - middle) / length;
+    const Vector3d arm = (nodes.transpose() * mesh::interpolation(mesh.order(), point.barycentric) - middle) / length;
     Eigen::Matrix<double, 3, 6> motion;
     motion.leftCols<3>().setIdentity();
     for (int k = 0; k < 3; ++k) motion.col(3 + k) = Vector3d::Unit(k).cross(arm);

@@ -5,9 +5,9 @@
 //   K_ab += integral of  N_a N_b (k_n n n^T + k_t (I - n n^T)) dS        k in N/m for each m^2
 //   M_ab += integral of  N_a N_b m dS                                    m in kg/m^2
 //
-// with n the surface's normal, or one direction for all of it. Clamped nodes leave the system: what is left has the same
-// form (assembly.h), so that every method of engine/solve takes it. A surface that slides is a layer with k_t = 0 and a
-// k_n beside which the body is soft (kRigid in bake/makeup.cpp).
+// with n the surface's normal, or one direction for all of it. Clamped nodes leave the system: what is left has the
+// same form (assembly.h), so that every method of engine/solve takes it. A surface that slides is a layer with k_t = 0
+// and a k_n beside which the body is soft (kRigid in bake/makeup.cpp).
 #pragma once
 
 #include "engine/fem/assembly.h"

@@ -74,15 +74,17 @@ Eigen::VectorXd lambda_changes(const mesh::FacePoints& points, const mesh::Bound
       const double weight = gaps[p] * points.areas[p];
       if (weight == 0) continue;
       const Frame frame = frame_of(points.second.row(p), points.third.row(p));
-      const Eigen::Matrix3d in_plane = law.stiffness_pa ? plane_stiffness(*law.stiffness_pa, frame)
-                                                        : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
+      const Eigen::Matrix3d in_plane =
+          law.stiffness_pa ? plane_stiffness(*law.stiffness_pa, frame) : Eigen::Matrix3d(Eigen::Matrix3d::Zero());
       for (Eigen::Index m = 0; m < modes; ++m) {
         Eigen::Matrix<double, 3, 2> slopes;
         slopes << second.row(i).segment<3>(3 * m).transpose(), third.row(i).segment<3>(3 * m).transpose();
         const Eigen::Matrix2d strain = frame.directions.transpose() * slopes * frame.from_sides;
         const double e11 = strain(0, 0), e22 = strain(1, 1), shear = strain(0, 1) + strain(1, 0);
         const Eigen::Vector3d strains(e11, e22, shear);
-        const double energy = law.stiffness_pa ? strains.dot(in_plane * strains) : plane * (e11 * e11 + e22 * e22 + 2 * nu * e11 * e22 + (1 - nu) / 2 * shear * shear);
+        const double energy = law.stiffness_pa
+                                  ? strains.dot(in_plane * strains)
+                                  : plane * (e11 * e11 + e22 * e22 + 2 * nu * e11 * e22 + (1 - nu) / 2 * shear * shear);
         const double motion = elastic.density_kg_m3 * values.row(i).segment<3>(3 * m).squaredNorm();
         changes[m] += weight * (energy - lambda[m] * motion);
       }

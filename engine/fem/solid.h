@@ -22,7 +22,7 @@ namespace ringdown::fem {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 struct Law {
-  Elastic elastic;                   // where `stiffness_pa` is set, only its density counts
+  Elastic elastic;                                     // where `stiffness_pa` is set, only its density counts
   std::optional<Matrix6> stiffness_pa = std::nullopt;  // symmetric, positive definite
 };
 
@@ -32,7 +32,8 @@ class Solid {
   Solid(std::vector<Law> laws, std::vector<std::int32_t> law_of) : laws_(std::move(laws)), law_of_(std::move(law_of)) {}
 
   [[nodiscard]] const Law& at(Eigen::Index element) const {
-    return law_of_.empty() ? laws_.front() : laws_[static_cast<std::size_t>(law_of_[static_cast<std::size_t>(element)])];
+    return law_of_.empty() ? laws_.front()
+                           : laws_[static_cast<std::size_t>(law_of_[static_cast<std::size_t>(element)])];
   }
   [[nodiscard]] const std::vector<Law>& laws() const { return laws_; }
   [[nodiscard]] const std::vector<std::int32_t>& law_of() const { return law_of_; }  // empty: all are of the first law

@@ -95,7 +95,7 @@ struct Bank {
   std::optional<Material> material;
   std::optional<MassProperties> mass;
   bool held = false;  // supports hold it: it is no free body
-  double gain = 1;  // linear, on all that it sounds: how loud its maker wants it beside others
+  double gain = 1;    // linear, on all that it sounds: how loud its maker wants it beside others
   Provenance provenance;
 
   [[nodiscard]] std::size_t mode_count() const { return frequency_hz.size(); }
