@@ -96,6 +96,12 @@ void print_head(const modal::Bank& bank) {
                 m->name.c_str(), m->youngs_modulus_pa, m->poisson_ratio, m->density_kg_m3, m->damping.alpha_per_s,
                 m->damping.beta_s);
   }
+  if (bank.material && bank.material->orthotropy) {
+    const auto& [e, nu, g, loss] = *bank.material->orthotropy;
+    std::printf("grain      E = %.3g %.3g %.3g Pa, nu = %.3g %.3g %.3g, G = %.3g %.3g %.3g Pa\n", e[0], e[1], e[2],
+                nu[0], nu[1], nu[2], g[0], g[1], g[2]);
+  }
+  if (bank.held) std::printf("held       by supports: no free body\n");
   if (const auto& m = bank.mass) {
     std::printf("mass       %.4g kg, inertia %.4g %.4g %.4g kg m2 about (%.4g %.4g %.4g) m\n", m->mass_kg,
                 m->inertia_kg_m2.x, m->inertia_kg_m2.y, m->inertia_kg_m2.z, m->center_of_mass_m.x,

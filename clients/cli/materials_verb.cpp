@@ -151,6 +151,9 @@ void print_material(const bake::MaterialEntry& entry) {
     std::printf("  loss factor at %7.5g Hz: %.3g, fitted %.3g\n", point.frequency_hz, point.eta,
                 modal::loss_factor(m.damping, point.frequency_hz));
   }
+  for (const auto& [key, source] : from) {
+    if (key.starts_with("grain.")) std::printf("  %-28s %s\n", key.c_str(), source.c_str());
+  }
   const modal::Bank bar = bake::bar_bank(m);
   std::printf("\nA free bar of 200 x 30 x 8 mm, struck on its end (bending modes of Timoshenko's beam):\n");
   for (std::size_t i = 0; i < std::min<std::size_t>(bar.mode_count(), 6); ++i) {
@@ -166,7 +169,9 @@ ExitCode list(const MaterialsArguments& arguments) {
   if (arguments.markdown) {
     const Result<std::string> page = bake::materials_as_markdown(arguments.folder);
     if (!page) return complain(page.error());
-    std::fputs(page->c_str(), stdout);
+    const Result<std::string> grains = bake::grains_as_markdown(arguments.folder);
+    if (!grains) return complain(grains.error());
+    std::fputs((*page + "\n" + *grains).c_str(), stdout);
     return ExitCode::ok;
   }
   const std::vector<std::string> names = bake::names_in(arguments.folder);

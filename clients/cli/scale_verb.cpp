@@ -66,6 +66,10 @@ ExitCode scale(const ScaleArguments& arguments) {
                   bank->material->poisson_ratio, change.material->name.c_str(), change.material->poisson_ratio);
     complain(text, ExitCode::ok);
   }
+  if (change.material && bank->material->orthotropy)
+    complain("its grain stays: stiffness and density change alike in all directions", ExitCode::ok);
+  if (bank->held)
+    complain("its springs and dampers change with it; clamps and sliding surfaces stay exact", ExitCode::ok);
   return ExitCode::ok;
 }
 

@@ -3,6 +3,7 @@
 #include "engine/bake/audibility.h"
 #include "engine/bake/body_modes.h"
 #include "engine/bake/body_shape.h"
+#include "engine/bake/fitted_makeup.h"
 #include "engine/bake/heard_modes.h"
 #include "engine/bake/sample_points.h"
 #include "engine/fem/error_estimate.h"
@@ -64,14 +65,17 @@ Result<void> check_options(const BakeOptions& options) {
 }
 
 // The largest |lambda| of a rigid motion, which is 0 but for rounding: so large is the rounding error of any lambda.
-double rounding_of(const Eigenmodes& modes) { return modes.lambda.head(modes.rigid).cwiseAbs().maxCoeff(); }
+double rounding_of(const Eigenmodes& modes) {
+  return modes.rigid > 0 ? modes.lambda.head(modes.rigid).cwiseAbs().maxCoeff() : 0.0;
+}
 
-// A mesh whose pieces hold together by faces (check_mesh) has six rigid motions for each, and no others.
-Result<void> check_rigid(const Eigenmodes& modes, int pieces, double highest_lambda) {
+// A mesh whose pieces hold together by faces (check_mesh) has six rigid motions for each, and no others; `free` of them
+// are left by what holds the body.
+Result<void> check_rigid(const Eigenmodes& modes, int free, double highest_lambda) {
   constexpr double kMinContrast = 10;
   const bool vibrates = modes.lambda.size() > modes.rigid;
   const double lowest = vibrates ? modes.lambda[modes.rigid] : highest_lambda;
-  if (modes.rigid == 6 * pieces && lowest > kMinContrast * rounding_of(modes)) return {};
+  if (modes.rigid == free && lowest > kMinContrast * rounding_of(modes)) return {};
   return fail(ErrorKind::bad_input,
               "its lowest vibration cannot be told from rigid motions for rounding; its elements are too flat or too "
               "distorted: mesh the object again");
@@ -104,7 +108,7 @@ Result<void> check_count(double volume_m3, const modal::Material& material, cons
                   ": check the unit of its lengths (--unit 0.001 for millimetres), or narrow the band (--band)");
 }
 
-BodyModes on_surface(const Eigenmodes& modes, const mesh::Boundary& surface) {
+BodyModes on_surface(const Eigenmodes& modes, const Eigen::MatrixXd& shapes, const mesh::Boundary& surface) {
   const Eigen::Index elastic = modes.lambda.size() - modes.rigid;
   BodyModes body{.lambda = modes.lambda.tail(elastic),
                  .shapes = Eigen::MatrixXd(3 * static_cast<Eigen::Index>(surface.nodes.size()), elastic),
@@ -113,7 +117,7 @@ BodyModes on_surface(const Eigenmodes& modes, const mesh::Boundary& surface) {
   for (Eigen::Index m = 0; m < elastic; ++m) {
     for (std::size_t p = 0; p < surface.nodes.size(); ++p) {
       body.shapes.col(m).segment<3>(3 * static_cast<Eigen::Index>(p)) =
-          modes.shapes.col(modes.rigid + m).segment<3>(3 * surface.nodes[p]);
+          shapes.col(modes.rigid + m).segment<3>(3 * surface.nodes[p]);
     }
   }
   return body;
@@ -127,7 +131,7 @@ struct Task {
   const BodyUnits units;
   const modal::Material& material;
   const BakeOptions& options;
-  int pieces;
+  const FittedMakeup makeup;
 };
 
 // The modes as a bank at the corners of the surface's elements. With `air` they are taken to radiate as computed.
@@ -183,32 +187,43 @@ Result<SamplePoints> find_points(const Task& task, const std::vector<HeardMode>&
 Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& request, BakeReport& report,
                              const Progress& progress) {
   Stopwatch watch;
-  const fem::Elastic elastic{.youngs_modulus_pa = 1, .poisson_ratio = task.material.poisson_ratio, .density_kg_m3 = 1};
-  const Result<fem::System> system = fem::assemble(task.unit_mesh, elastic, task.options.element);
+  const fem::Holding& holding = task.makeup.holding;
+  Result<fem::System> system = fem::assemble(task.unit_mesh, task.makeup.solid, task.options.element);
   if (!system) return fail(system.error().kind, task.material.name + ": " + system.error().message);
+  fem::add_layers(task.unit_mesh, holding, *system);
+  const std::vector<std::int32_t> clamped = fem::nodes_on(task.unit_mesh, holding.clamped);
+  fem::System left;
+  if (!clamped.empty()) fem::remove_nodes(clamped, *system, left);
+  const fem::System& moving = clamped.empty() ? *system : left;
   report.assemble_seconds = watch.lap();
 
   const double volume_m3 = system->node_mass.sum() * std::pow(task.units.length_m, 3);
   const double highest_lambda = request.highest_lambda * task.units.lambda();
-  if (auto few = check_count(volume_m3, task.material, task.options, highest_lambda); !few) return fail(few.error());
-  const Result<Eigenmodes> modes = solve::solve_modes(*system, request, progress);
+  if (auto few = check_count(volume_m3, isotropic_stand_in(task.material), task.options, highest_lambda); !few)
+    return fail(few.error());
+  const Result<Eigenmodes> modes = solve::solve_modes(moving, request, progress);
   if (!modes) return fail(modes.error());
   report.agreement = modes->agreement;
   report.factor_seconds = modes->factor_seconds;
   report.iterate_seconds = modes->iterate_seconds;
-  if (auto rigid = check_rigid(*modes, task.pieces, request.highest_lambda); !rigid) return fail(rigid.error());
+  if (auto rigid = check_rigid(*modes, task.makeup.free_motions, request.highest_lambda); !rigid)
+    return fail(rigid.error());
 
-  BodyModes body = on_surface(*modes, task.surface);
+  const Eigen::MatrixXd expanded = clamped.empty() ? Eigen::MatrixXd() : fem::with_nodes(modes->shapes, clamped);
+  const Eigen::MatrixXd& shapes = clamped.empty() ? modes->shapes : expanded;
+  BodyModes body = on_surface(*modes, shapes, task.surface);
+  const auto elastic = shapes.rightCols(body.lambda.size());
+  body.shares = task.makeup.shares(task.unit_mesh, elastic);
   watch.lap();
   if (progress && !progress("errors", 0)) return fail_cancelled();
   Result<Eigen::VectorXd> errors =
-      fem::frequency_errors(task.unit_mesh, elastic, body.lambda, modes->shapes.rightCols(body.lambda.size()));
+      fem::frequency_errors(task.unit_mesh, task.makeup.solid, body.lambda, elastic, 0, holding);
   if (!errors) return fail(errors.error());
   body.errors = *errors + rounding_of(*modes) * body.lambda.cwiseInverse();
   report.estimate_seconds = watch.lap();
   body.complete_to = request.highest_lambda;
   body.verified = request.verify;
-  body.unknowns = system->unknowns();
+  body.unknowns = moving.unknowns();
   body.mass = mass_properties(task.unit_mesh, system->node_mass);
   return body;
 }
@@ -218,7 +233,7 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
   solve::EigenRequest request{.highest_lambda = kHeadroom * top,
                               .most_modes = task.options.most_modes,
                               .method = task.options.solver,
-                              .rigid = 6 * task.pieces,
+                              .rigid = task.makeup.free_motions,
                               .processes = task.options.processes,
                               .verify = task.options.verify,
                               .unit_hz = std::sqrt(task.units.lambda())};
@@ -226,8 +241,9 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
   if (task.options.cache.empty()) return solve_body(task, request, report, progress).map(in_band);
 
   const ModeCache cache{ContentCache(task.options.cache)};
-  const BodyQuestion question{task.unit_mesh, task.surface.nodes.size(), task.options.element,
-                              task.material.poisson_ratio, request.tolerance};
+  const BodyQuestion question{task.unit_mesh,       task.surface.nodes.size(),
+                              task.options.element, task.material.poisson_ratio,
+                              request.tolerance,    task.makeup.key};
   auto kept = cache.find(question, top, request.most_modes);
   if (kept && kept->errors.size() == kept->lambda.size() && (kept->verified || !request.verify)) {
     report.from_cache = true;
@@ -246,11 +262,16 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
 // known, but neither it nor the discretisation's error is exact enough to let one make up for the other.
 Eigen::VectorXd shape_errors(const Task& task, const Eigen::VectorXd& gaps_m, const BodyModes& modes) {
   if (gaps_m.size() == 0) return Eigen::VectorXd::Zero(modes.lambda.size());
-  const fem::Elastic elastic{.youngs_modulus_pa = 1, .poisson_ratio = task.material.poisson_ratio, .density_kg_m3 = 1};
   const Eigen::VectorXd changes =
-      fem::lambda_changes(mesh::face_points(task.unit_mesh), task.surface, gaps_m / task.units.length_m, elastic,
-                          modes.lambda, modes.shapes);
+      fem::lambda_changes(mesh::face_points(task.unit_mesh), task.surface, gaps_m / task.units.length_m,
+                          task.makeup.solid, modes.lambda, modes.shapes);
   return 0.5 * changes.cwiseAbs().cwiseQuotient(modes.lambda);
+}
+
+LossOf loss_of(const Task& task, const BodyModes& modes) {
+  return [&task, &modes](Eigen::Index m, double lambda, double air_per_s) {
+    return task.makeup.loss(modes.shares, task.units, m, lambda, air_per_s);
+  };
 }
 
 // Lets every mode radiate, and leaves out those that the air over-damps. Returns where fields are measured from [m].
@@ -263,7 +284,7 @@ Result<Vec3> add_radiation(const Task& task, const BodyModes& modes, std::vector
   if (!origin) return origin;
   std::erase_if(heard, [&](HeardMode& mode) {
     const double air_per_s = modal::radiation_decay_per_s(modal::rms(mode.field), std::sqrt(mode.lambda), air);
-    const bool rings = add_air_loss(mode, task.material, air_per_s);
+    const bool rings = add_air_loss(mode, loss_of(task, modes), air_per_s);
     if (!rings) ++left_out.over_damped;
     return !rings;
   });
@@ -290,9 +311,6 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
   if (auto good = fem::check_elastic(elastic); !good)
     return fail(good.error().kind, material.name + ": " + good.error().message);
-  const double highest_lambda = modal::highest_lambda(options.band_high_hz, material.damping_law());
-  if (!(highest_lambda > 0))
-    return fail(ErrorKind::bad_input, material.name + " is damped so strongly that nothing of it rings");
   if (progress && !progress("assemble", 0)) return fail_cancelled();
   Baked baked;
   auto& [bank, report] = baked;
@@ -301,8 +319,14 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   const double length_m = characteristic_length(mesh.nodes);
   if (auto near = check_place(mesh.nodes, length_m); !near) return fail(near.error().kind, name + near.error().message);
   const BodyUnits units{length_m, material.youngs_modulus_pa, material.density_kg_m3};
-  const Task task{
-      mesh, {mesh.nodes / length_m, mesh.elements}, mesh::boundary_of(mesh), units, material, options, checked.pieces};
+  mesh::TetMesh unit_mesh{mesh.nodes / length_m, mesh.elements};
+  Result<FittedMakeup> makeup = fit_makeup(options.makeup, material, unit_mesh, checked.groups, units, checked.pieces);
+  if (!makeup) return fail(makeup.error().kind, name + ": " + makeup.error().message);
+  const double highest_lambda = makeup->highest_lambda(options.band_high_hz);
+  if (!(highest_lambda > 0))
+    return fail(ErrorKind::bad_input, material.name + " is damped so strongly that nothing of it rings");
+  report.held = makeup->notes;
+  const Task task{mesh, std::move(unit_mesh), mesh::boundary_of(mesh), units, material, options, std::move(*makeup)};
   Result<BodyModes> modes = find_body_modes(task, highest_lambda / units.lambda(), report, progress);
   if (!modes) return fail(modes.error().kind, name + ": " + modes.error().message);
   modes->errors += shape_errors(task, checked.gaps_m, *modes);
@@ -312,7 +336,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
 
   LeftOut left_out;
   std::vector<HeardMode> heard =
-      modes_in_band(*modes, units, material, {options.band_low_hz, options.band_high_hz}, left_out);
+      modes_in_band(*modes, units, loss_of(task, *modes), {options.band_low_hz, options.band_high_hz}, left_out);
   for (const HeardMode& mode : heard) report.largest_error = std::max(report.largest_error, mode.frequency_error);
   const bool radiates = options.air && !heard.empty() && report.largest_error <= options.radiation_error;
   Vec3 origin_m;
@@ -337,6 +361,8 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
                       area_weights(task.surface, mesh.nodes));
   bank.name = name;
   bank.material = material;
+  if (!options.makeup.grain) bank.material->orthotropy.reset();
+  bank.held = !options.makeup.supports.empty();
   bank.mass = units.mass(modes->mass);
   bank.provenance = provenance(options, *modes);
   const Reduced reduced = audition(bank, task, corner_bank(task, heard, *modes, air));

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "engine/bake/body_radiation.h"
+#include "engine/bake/makeup.h"
 #include "engine/base/progress.h"
 #include "engine/fem/assembly.h"
 #include "engine/mesh/mesh_check.h"
@@ -16,6 +17,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace ringdown::bake {
 
@@ -31,6 +33,7 @@ struct BakeOptions {
   double floor_db = 0;                // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
   std::filesystem::path cache;        // folder of results that bake() may use and add to (ModeCache); empty: none
   std::string family;  // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
+  Makeup makeup;       // grain, parts and supports
   solve::Method solver = solve::Method::kAutomatic;
   int processes = 2;    // of solve::Method::kSlepc
   bool verify = false;  // asks a second method, and fails when the two disagree (solve::EigenRequest::verify)
@@ -38,13 +41,14 @@ struct BakeOptions {
 
 struct BakeReport {
   Eigen::Index unknowns = 0, elements = 0;
-  int rigid = 0;              // dropped
-  int below_band = 0;         // dropped
-  int over_damped = 0;        // dropped: they have no pitch
-  int inaudible = 0;          // dropped by floor_db
-  int unimportant = 0;        // dropped by keep_modes
-  bool from_cache = false;    // nothing was assembled or solved
-  std::string cache_trouble;  // why the cache could not be written; the bake is none the worse
+  int rigid = 0;                  // dropped
+  int below_band = 0;             // dropped
+  int over_damped = 0;            // dropped: they have no pitch
+  int inaudible = 0;              // dropped by floor_db
+  int unimportant = 0;            // dropped by keep_modes
+  bool from_cache = false;        // nothing was assembled or solved
+  std::string cache_trouble;      // why the cache could not be written; the bake is none the worse
+  std::vector<std::string> held;  // what holds the body, and on how large an area
   RadiationReport radiation;
   double assemble_seconds = 0, factor_seconds = 0, iterate_seconds = 0, estimate_seconds = 0, finish_seconds = 0;
   double radiation_seconds = 0;
@@ -57,16 +61,17 @@ struct Baked {
   BakeReport report;
 };
 
-// The modes of the free body whose damped frequency lies in the band, in order of importance() but with inaudible ones
-// last (audibility.h), and everything else that a bank holds. Shapes at the sample points are those whose linear
-// interpolation is nearest to the finite elements on the whole surface (sample_points.h); the sign of each is chosen so
-// that its largest component on the surface (the first of equals) is positive. Progress stages: "assemble", "factors",
-// "modes", "errors", "radiation", "finish".
+// The modes of the body, free or held as options.makeup says, whose damped frequency lies in the band, in order of
+// importance() but with inaudible ones last (audibility.h), and everything else that a bank holds. Shapes at the sample
+// points are those whose linear interpolation is nearest to the finite elements on the whole surface (sample_points.h);
+// the sign of each is chosen so that its largest component on the surface (the first of equals) is positive. Progress
+// stages: "assemble", "factors", "modes", "errors", "radiation", "finish".
 //
-// With a cache, a body whose shape, Poisson's ratio and element were solved before, up to the band's top or higher, is
-// not solved again: E, density, damping and size rescale exactly (body_modes.h). The bank is the same, byte for byte
-// when nothing changed and to rounding when E, density, damping or size did and the same modes are in it; only inside a
-// family of equal frequencies (a sphere's, a tube's pairs) may the shapes be another basis of the same motions.
+// With a cache, a body whose shape, Poisson's ratio (or makeup) and element were solved before, up to the band's top or
+// higher, is not solved again: E, density, damping and size rescale exactly (body_modes.h). The bank is the same, byte
+// for byte when nothing changed and to rounding when E, density, damping or size did and the same modes are in it; only
+// inside a family of equal frequencies (a sphere's, a tube's pairs) may the shapes be another basis of the same
+// motions.
 //
 // With options.air each mode's far field is computed; what the air takes is then part of its decay, and the bank says
 // what it radiates and how well that is known.
@@ -76,9 +81,9 @@ struct Baked {
 // does not lie on the body's surface (CheckedMesh::gaps_m), what the gaps do to the frequencies is added
 // (fem/shape_change.h).
 //
-// Fails when the material is not stable, when the eigensolver fails or a second opinion disagrees, when no mode lies
-// in the band, when rounding hides the lowest mode among the rigid motions, or when the body is so far from the
-// origin that a bank's positions would lose it.
+// Fails when a material is not stable, when its makeup does not fit the mesh (fitted_makeup.h), when the eigensolver
+// fails or a second opinion disagrees, when no mode lies in the band, when rounding hides the lowest mode among the
+// rigid motions, or when the body is so far from the origin that a bank's positions would lose it.
 Result<Baked> bake(const mesh::CheckedMesh& mesh, const modal::Material& material, const BakeOptions& options,
                    const std::string& name, const Progress& progress = {});
 

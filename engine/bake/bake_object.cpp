@@ -1,5 +1,6 @@
 #include "engine/bake/bake_object.h"
 
+#include "engine/bake/fitted_makeup.h"
 #include "engine/bake/material_library.h"
 #include "engine/base/atomic_file.h"
 #include "engine/base/content_cache.h"
@@ -64,10 +65,15 @@ double growth(int order) {
 class Baker {
  public:
   Baker(const ObjectRecipe& recipe, const modal::Material& material, const Progress& progress)
-      : recipe_(recipe), material_(material), progress_(progress), reader_(recipe.geometry, recipe.options.cache) {
+      : recipe_(recipe),
+        material_(material),
+        stand_in_(recipe.options.makeup.grain ? isotropic_stand_in(material) : material),
+        progress_(progress),
+        reader_(recipe.geometry, recipe.options.cache) {
     if (!recipe.options.cache.empty()) recipe_.options.family = family_of(recipe);
     if (recipe.error > 0) recipe_.options.radiation_error = recipe.error;
     if (recipe.preview) recipe_.options.air.reset();
+    recipe_.options.makeup = scaled(std::move(recipe_.options.makeup), recipe.scale);
   }
 
   Result<Forecast> forecast() {
@@ -116,7 +122,7 @@ class Baker {
 
   [[nodiscard]] BakeCost cost() const {
     const mesh::TetMesh sized{object_.mesh.mesh.nodes * recipe_.scale, object_.mesh.mesh.elements};
-    return expected_cost(sized, recipe_.options.element, material_, recipe_.options.band_high_hz);
+    return expected_cost(sized, recipe_.options.element, stand_in_, recipe_.options.band_high_hz);
   }
 
   [[nodiscard]] double error() const { return object_.rounds.back().error; }
@@ -154,7 +160,7 @@ class Baker {
     const int order = fem::order_of(recipe_.options.element);
     // Frequencies fall with size: the band of a larger object is `scale` times as wide for its unscaled geometry.
     const double band_high_hz = std::max(recipe_.scale, 1.0) * recipe_.options.band_high_hz;
-    MeshChoice choice = choose_mesh(shape, material_, band_high_hz, order, kMaxChosenUnknowns);
+    MeshChoice choice = choose_mesh(shape, stand_in_, band_high_hz, order, kMaxChosenUnknowns);
     if (recipe_.preview) {
       const MeshChoice quick = choose_coarse_mesh(shape, order, kPreviewUnknowns);
       if (quick.size_m > choice.size_m) choice = quick;
@@ -173,7 +179,7 @@ class Baker {
     if (!surface) return fail(surface.error());
     mesh::TriangleMesh sized = (*surface)->mesh;
     const BakeCost cost = expected_cost(measure_shape(sized, 0), recipe_.meshing.mesh_size_m, recipe_.options.element,
-                                        material_, recipe_.options.band_high_hz);
+                                        stand_in_, recipe_.options.band_high_hz);
     const double free_bytes = free_memory_bytes();
     if (!(cost.memory_bytes > kTimes * free_bytes) || cost.unknowns > kMostUnknowns) return {};
     sized.nodes *= recipe_.scale;
@@ -184,7 +190,7 @@ class Baker {
 
   void ask_about_size(const BodyShape& shape) {
     object_.question =
-        question_size(shape, material_, recipe_.options.band_high_hz, recipe_.options.most_modes, recipe_.geometry,
+        question_size(shape, stand_in_, recipe_.options.band_high_hz, recipe_.options.most_modes, recipe_.geometry,
                       recipe_.meshing.unit_m.value_or(mesh::unit_in_file(recipe_.geometry)));
   }
 
@@ -282,6 +288,8 @@ class Baker {
     if (raise) {
       set_order(order + 1);
     } else {
+      if (!object_.mesh.groups.empty() && !recipe_.options.makeup.plain())
+        return fail(ErrorKind::too_large, out_of_reach("a mesh with groups is not split"));
       Result<mesh::CheckedMesh> fine = mesh::check_mesh(mesh::split(object_.mesh.mesh), recipe_.geometry.string());
       if (!fine) return fail(fine.error());
       object_.mesh = std::move(*fine);
@@ -315,6 +323,7 @@ class Baker {
 
   ObjectRecipe recipe_;
   const modal::Material& material_;
+  const modal::Material stand_in_;  // for plans
   const Progress& progress_;
   mesh::BodyReader reader_;
   BakedObject object_;
@@ -330,6 +339,15 @@ Result<BakedObject> bake_recipe(const ObjectRecipe& recipe, const modal::Materia
   return Baker(recipe, material, progress).run();
 }
 
+Result<ObjectRecipe> with_part_materials(ObjectRecipe recipe, const std::filesystem::path& materials) {
+  for (Part& part : recipe.options.makeup.parts) {
+    Result<MaterialEntry> material = find_material(materials, part.material.name);
+    if (!material) return fail(material.error());
+    part.material = std::move(material->material);
+  }
+  return recipe;
+}
+
 Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesystem::path& materials,
                                 const Progress& progress) {
   Result<MaterialEntry> material = find_material(materials, recipe.material);
@@ -337,7 +355,9 @@ Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesyste
   for (const auto& [key, value] : recipe.figures) {
     if (auto set = set_figure(material->material, key, value); !set) return fail(set.error());
   }
-  Result<BakedObject> object = bake_recipe(recipe, material->material, progress);
+  const Result<ObjectRecipe> whole = with_part_materials(recipe, materials);
+  if (!whole) return fail(whole.error());
+  Result<BakedObject> object = bake_recipe(*whole, material->material, progress);
   if (object) object->baked.bank.gain = std::pow(10.0, recipe.gain_db / 20);
   return object;
 }

@@ -28,6 +28,9 @@ BodyModes up_to(BodyModes modes, double top) {
   modes.residuals.conservativeResize(count);
   modes.shapes.conservativeResize(Eigen::NoChange, count);
   if (modes.errors.size() > 0) modes.errors.conservativeResize(count);
+  for (Eigen::MatrixXd* share : {&modes.shares.strain, &modes.shares.motion, &modes.shares.springs}) {
+    if (share->size() > 0) share->conservativeResize(Eigen::NoChange, count);
+  }
   modes.complete_to = std::min(modes.complete_to, top);
   return modes;
 }
@@ -57,7 +60,9 @@ ContentHash key_of(const BodyQuestion& question) {
     grid.push_back(std::llround(kGrid * x + kGridOffset));
   }
   hasher.values(std::span<const std::int64_t>(grid)).text(fem::element_name(question.element));
-  return hasher.value(question.poisson_ratio).value(question.tolerance).hash();
+  hasher.value(question.poisson_ratio).value(question.tolerance);
+  if (!question.makeup.empty()) hasher.text(question.makeup);
+  return hasher.hash();
 }
 
 ContentHash family_key(const BodyQuestion& question, const std::string& family) {
@@ -76,6 +81,10 @@ std::string packed(const mesh::Points& nodes, const BodyModes& modes) {
   out.put_list(numbers(nodes)).put_list(numbers(modes.lambda)).put_list(numbers(modes.shapes));
   out.put_list(numbers(modes.residuals)).put_list(numbers(modes.errors));
   out.put(modes.complete_to).put(modes.rigid).put(static_cast<int>(modes.verified)).put(modes.unknowns).put(modes.mass);
+  if (modes.shares.strain.size() > 0) {
+    out.put(static_cast<std::uint64_t>(modes.shares.strain.rows())).put_list(numbers(modes.shares.strain));
+    out.put_list(numbers(modes.shares.motion)).put_list(numbers(modes.shares.springs));
+  }
   return out.bytes();
 }
 
@@ -94,6 +103,24 @@ bool same_nodes(const std::vector<double>& kept, const mesh::Points& nodes) {
   return off <= kSameNode * std::max(1.0, nodes.cwiseAbs().maxCoeff());  // false also for NaN
 }
 
+// The shares of `modes` modes at the end of an entry, which a plain body's does not have.
+bool read_shares(ByteReader& in, std::size_t modes, ModeShares& shares) {
+  if (in.finished()) return true;
+  std::uint64_t parts = 0;
+  std::vector<double> strain, motion, springs;
+  if (!in.get(parts) || !in.get_list(strain) || !in.get_list(motion) || !in.get_list(springs)) return false;
+  const bool whole = parts > 0 && modes > 0 && strain.size() == parts * modes && motion.size() == strain.size() &&
+                     springs.size() % (2 * modes) == 0;
+  if (!whole) return false;
+  const auto matrix = [modes](const std::vector<double>& list) {
+    const auto columns = static_cast<Eigen::Index>(modes);
+    return Eigen::MatrixXd(
+        Eigen::Map<const Eigen::MatrixXd>(list.data(), static_cast<Eigen::Index>(list.size()) / columns, columns));
+  };
+  shares = {matrix(strain), matrix(motion), matrix(springs)};
+  return shares.strain.allFinite() && shares.motion.allFinite() && shares.springs.allFinite();
+}
+
 std::optional<BodyModes> unpacked(std::string_view bytes, const BodyQuestion& question) {
   ByteReader in(bytes);
   std::vector<double> nodes, lambda, shapes, residuals, errors;
@@ -101,13 +128,16 @@ std::optional<BodyModes> unpacked(std::string_view bytes, const BodyQuestion& qu
   int verified = 0;
   if (!in.get_list(nodes) || !in.get_list(lambda) || !in.get_list(shapes) || !in.get_list(residuals) ||
       !in.get_list(errors) || !in.get(modes.complete_to) || !in.get(modes.rigid) || !in.get(verified) ||
-      !in.get(modes.unknowns) || !in.get(modes.mass) || !in.finished()) {
+      !in.get(modes.unknowns) || !in.get(modes.mass) || !read_shares(in, lambda.size(), modes.shares) ||
+      !in.finished()) {
     return std::nullopt;
   }
   const std::size_t rows = 3 * question.surface_nodes, count = lambda.size();
   const bool whole = shapes.size() == rows * count && residuals.size() == count &&
                      (errors.empty() || errors.size() == count) && is_ascending_above_zero(lambda);
-  if (!whole || !same_nodes(nodes, question.unit_mesh.nodes)) return std::nullopt;
+  const bool has_shares = modes.shares.strain.size() > 0;
+  if (!whole || has_shares == (question.makeup.empty() || count == 0)) return std::nullopt;
+  if (!same_nodes(nodes, question.unit_mesh.nodes)) return std::nullopt;
   const auto vector = [](const std::vector<double>& list) {
     return Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
   };

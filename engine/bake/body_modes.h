@@ -5,9 +5,10 @@
 //
 //   lambda = E / (rho L^2) lambda',      phi = rho^-1/2 L^-3/2 phi'
 //
-// are exact. So one solution serves every E, rho, damping and size of a body; the cache keeps it (ModeCache), and a
-// bake always goes through it, so that a cached bank and a fresh one are the same. L is the diagonal of the mesh's
-// bounding box.
+// are exact, and so they are of any other body with ratios of moduli and densities in the place of Poisson's ratio
+// (fitted_makeup.h). So one solution serves every E, rho, damping and size of a body; the cache keeps it (ModeCache),
+// and a bake always goes through it, so that a cached bank and a fresh one are the same. L is the diagonal of the
+// mesh's bounding box.
 #pragma once
 
 #include "engine/base/content_cache.h"
@@ -30,6 +31,13 @@ struct BodyUnits {
   [[nodiscard]] modal::MassProperties mass(const modal::MassProperties& body) const;
 };
 
+// How a mode's energy is spread over what loses it differently (fitted_makeup.h); empty for a free body of one
+// material.
+struct ModeShares {
+  Eigen::MatrixXd strain, motion;  // parts x m: phi^T K phi, weighed by the part's losses, and phi^T M phi
+  Eigen::MatrixXd springs;         // 2 supports x m: integrals of |phi|^2 along the normal, and across it
+};
+
 struct BodyModes {
   Eigen::VectorXd lambda;     // m, ascending; the rigid motions are left out
   Eigen::MatrixXd shapes;     // 3S x m, at the S nodes of mesh::boundary_of(), in its order
@@ -40,6 +48,7 @@ struct BodyModes {
   bool verified = false;  // a second method agreed
   std::int64_t unknowns = 0;
   modal::MassProperties mass;  // of density 1
+  ModeShares shares;
 };
 
 // The first modes only, those with lambda up to `top`.
@@ -55,7 +64,8 @@ double characteristic_length(const mesh::Points& nodes);
 //   if (auto modes = cache.find(question, top, most_modes)) ...no need to solve...
 //
 // The key is the hash of all that the unit-free eigenproblem depends on: the elements' node numbers, the nodes in units
-// of the body's length, the kind of element, Poisson's ratio, the solver's tolerance, and a format version. A file
+// of the body's length, the kind of element, Poisson's ratio, the solver's tolerance, what makes a body more than one
+// free piece of isotropic material, and a format version. A file
 // name, E, rho, damping, size, band or surface points are not in it.
 //
 // Nodes enter the key rounded to 2^-24 of the length, because the same mesh in another unit differs in its last bits;
@@ -67,7 +77,8 @@ struct BodyQuestion {
   std::size_t surface_nodes = 0;   // S
   fem::Element element = fem::Element::kTet20;
   double poisson_ratio = 0;
-  double tolerance = 0;  // of the solver
+  double tolerance = 0;     // of the solver
+  std::string makeup = {};  // what else the modes depend on (FittedMakeup::key)
 };
 
 class ModeCache {

@@ -21,15 +21,12 @@ double surface_rms(const std::vector<double>& weights, const Eigen::Ref<const Ei
 
 }  // namespace
 
-std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& units, const modal::Material& material,
+std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& units, const LossOf& loss_of,
                                      const Band& band, LeftOut& left_out) {
   std::vector<HeardMode> heard;
   for (Eigen::Index m = 0; m < modes.lambda.size(); ++m) {
     const double lambda = units.lambda() * modes.lambda[m];
-    HeardMode mode{.number = m,
-                   .lambda = lambda,
-                   .loss = modal::mode_loss(material.damping_law(), lambda),
-                   .frequency_error = modes.errors[m]};
+    HeardMode mode{.number = m, .lambda = lambda, .loss = loss_of(m, lambda, 0), .frequency_error = modes.errors[m]};
     mode.mode = modal::with_decay(lambda, mode.loss.total_per_s());
     if (mode.mode.frequency_hz == 0) {
       ++left_out.over_damped;
@@ -42,8 +39,8 @@ std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& un
   return heard;
 }
 
-bool add_air_loss(HeardMode& mode, const modal::Material& material, double air_per_s) {
-  mode.loss = modal::mode_loss(material.damping_law(), mode.lambda, air_per_s);
+bool add_air_loss(HeardMode& mode, const LossOf& loss_of, double air_per_s) {
+  mode.loss = loss_of(mode.number, mode.lambda, air_per_s);
   mode.mode = modal::with_decay(mode.lambda, mode.loss.total_per_s());
   return mode.mode.frequency_hz > 0;
 }

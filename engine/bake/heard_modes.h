@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -33,12 +34,15 @@ struct LeftOut {
   int below_band = 0, over_damped = 0;
 };
 
+// What the mode of that number in BodyModes and of eigenvalue lambda [rad^2/s^2] loses, so much of it to the air.
+using LossOf = std::function<modal::ModeLoss(Eigen::Index number, double lambda, double air_per_s)>;
+
 // The modes whose damped frequency lies in the band, by ascending lambda.
-std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& units, const modal::Material& material,
+std::vector<HeardMode> modes_in_band(const BodyModes& modes, const BodyUnits& units, const LossOf& loss_of,
                                      const Band& band, LeftOut& left_out);
 
 // Lets the air take `air_per_s` of what the mode loses. False when that leaves it no pitch.
-bool add_air_loss(HeardMode& mode, const modal::Material& material, double air_per_s);
+bool add_air_loss(HeardMode& mode, const LossOf& loss_of, double air_per_s);
 
 // Puts the most important modes first (importance.h). `bank` holds these modes in this order, and says what they
 // radiate; `weights` are those of the surface's nodes (mesh::area_weights).

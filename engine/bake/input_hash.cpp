@@ -84,6 +84,7 @@ std::optional<std::string> input_hash(const BankInputs& inputs) {
   if (!files) return std::nullopt;
   if (inputs.object != inputs.geometry) files->push_back(inputs.object);
   files->push_back(inputs.material);
+  files->insert(files->end(), inputs.part_materials.begin(), inputs.part_materials.end());
   ContentHasher hasher;
   hasher.value(kFormat).text(RINGDOWN_VERSION).text(inputs.object.filename().string());
   for (const fs::path& file : *files) {

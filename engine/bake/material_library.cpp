@@ -1,5 +1,6 @@
 #include "engine/bake/material_library.h"
 
+#include "engine/bake/material_grain.h"
 #include "engine/base/quote.h"
 #include "engine/base/toml_table.h"
 #include "engine/fem/elastic.h"
@@ -128,6 +129,7 @@ Result<MaterialEntry> read_material(const std::filesystem::path& path) {
     if (!(curve && damping)) read_figure(*file, figure, entry);
   }
   if (curve) read_loss_factors(*file, entry);
+  read_grain_constants(*file, material.orthotropy, entry.sources);
   if (auto good = file->finish(); !good) return fail(good.error());
   if (const auto stable = check_stable(material); !stable)
     return fail(stable.error().kind, path.string() + ":1: " + stable.error().message);
@@ -146,6 +148,7 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
       material.loss_factors.clear();
     return check_stable(material);
   }
+  if (auto set = set_grain_constant(material, key, value)) return *set;
   return fail(ErrorKind::bad_input, "a material has no figure '" + key + "'; choose one of: " + known);
 }
 
@@ -187,6 +190,21 @@ double t60_at_1_khz(const modal::Material& material) {
   return modal::t60_s(modal::mode_loss(material.damping_law(), omega * omega).total_per_s());
 }
 
+std::string grain_row(const MaterialEntry& entry) {
+  std::string row = "| `" + entry.material.name + "` |";
+  const modal::Orthotropy& solid = *entry.material.orthotropy;
+  for (const GrainFigure& figure : grain_figures(solid)) {
+    const auto source = entry.sources.find(std::string("grain.") + figure.key);
+    row += " " +
+           marked(number_text(figure.value / figure.table_unit, "%.3g"),
+                  source == entry.sources.end() ? "" : source->second) +
+           " |";
+  }
+  row += " ";
+  for (const double loss : solid.loss) row += (&loss == solid.loss.data() ? "" : ", ") + number_text(loss, "%.3g");
+  return row + " |\n";
+}
+
 // How far Rayleigh's fit is off from a list of loss factors; where there is none, Rayleigh's numbers are the material.
 std::string fit_errors(const modal::Material& material) {
   constexpr double kLowest_hz = 20, kHighest_hz = 20000;
@@ -209,6 +227,18 @@ std::string figure_row(MaterialEntry entry) {
 }
 
 }  // namespace
+
+Result<std::string> grains_as_markdown(const std::filesystem::path& folder) {
+  std::string table =
+      "| material | E1 [GPa] | E2 | E3 | nu12 | nu13 | nu23 | G12 [GPa] | G13 | G23 | losses of E1 E2 E3 G12 G13 G23 "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const std::string& name : names_in(folder)) {
+    const Result<MaterialEntry> entry = read_material(folder / (name + ".toml"));
+    if (!entry) return fail(entry.error());
+    if (entry->material.orthotropy) table += grain_row(*entry);
+  }
+  return table;
+}
 
 Result<std::string> materials_as_markdown(const std::filesystem::path& folder) {
   const std::vector<std::string> names = names_in(folder);

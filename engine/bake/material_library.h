@@ -16,6 +16,19 @@
 //   eta = 0.01
 //   source = "where the figure is from"
 //
+// A material with a grain says as well what it is along it and across (modal/orthotropy.h), for objects that give their
+// grain (object_file.h): nine figures in [orthotropic], or five in [transversely_isotropic], which is alike in all
+// directions across its axis 1; each with its source, and if they are known, loss factors of a modulus over those
+// above:
+//
+//   [orthotropic.youngs_modulus_1_pa]    # _2_pa _3_pa, poisson_ratio_12 _13 _23, shear_modulus_12_pa _13_pa _23_pa
+//   value = 11e9
+//   source = "where the figure is from"
+//   [orthotropic.loss_2]                 # loss_1 loss_3 loss_12 loss_13 loss_23; default 1
+//   value = 2.5
+//   source = "..."
+//   [transversely_isotropic.youngs_modulus_1_pa]    # youngs_modulus_2_pa poisson_ratio_12 _23 shear_modulus_12_pa;
+//                                                   # loss_1 loss_2 loss_12
 // docs/use/materials.md lists all of them. A library of its own, without finite elements: `ringdown` has it too.
 #pragma once
 
@@ -51,6 +64,9 @@ Result<MaterialEntry> find_material(const std::filesystem::path& folder, const s
 // Another value for the figure of that key in a material's file; refused when it is out of its range there. With
 // alpha_per_s or beta_s a list of loss factors no longer counts.
 Result<void> set_figure(modal::Material& material, const std::string& key, double value);
+
+// The second table of docs/use/materials.md: the constants along the grain and across, of the materials that have them.
+Result<std::string> grains_as_markdown(const std::filesystem::path& folder);
 
 // Names of the .toml files in a folder, sorted; empty when there is no such folder.
 std::vector<std::string> names_in(const std::filesystem::path& folder);

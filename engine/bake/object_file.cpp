@@ -1,5 +1,6 @@
 #include "engine/bake/object_file.h"
 
+#include "engine/bake/makeup_file.h"
 #include "engine/base/toml_table.h"
 
 #include <cmath>
@@ -75,6 +76,7 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
   file->number("mesh_size_m", recipe.meshing.mesh_size_m, kLength_m);
   file->named_numbers("parameters", recipe.meshing.parameters);
   read_options(*file, recipe.options);
+  read_makeup(*file, recipe.options.makeup);
   recipe.meshing.order = fem::order_of(recipe.options.element);
   file->fraction("error", recipe.error, kError);
   file->fraction("shape_error", recipe.options.shape_error, kShapeError);
@@ -85,6 +87,12 @@ Result<ObjectRecipe> recipe_in(Result<TomlTable> file, const std::filesystem::pa
 }
 
 }  // namespace
+
+std::vector<std::filesystem::path> part_materials(const ObjectRecipe& recipe, const std::filesystem::path& materials) {
+  std::vector<std::filesystem::path> files;
+  for (const Part& part : recipe.options.makeup.parts) files.push_back(materials / (part.material.name + ".toml"));
+  return files;
+}
 
 Result<ObjectRecipe> read_object(const std::filesystem::path& path) { return recipe_in(TomlTable::read(path), path); }
 

@@ -21,6 +21,27 @@
 //   verify = true                    # have a second solver agree, or fail (solve/second_opinion.h); default false
 //   gain_db = -3                     # the bank's gain, -60 ... 60: how loud beside other objects; default 0
 //   budget_s = 20                    # processor seconds that a bake of it should not exceed; default: none
+//   [grain]                          # the material's axes (makeup.h); without, the material is isotropic
+//   along = [1, 0, 0]                # of its grain
+//   radial = [0, 0, 1]               # of its growth rings; needed for orthotropic materials
+//   axis = [0, 0, 1]                 # instead of both: the grain runs along this axis, the radius away from it
+//   through = [0, 0, 0]              # a point of the axis, in metres; default: the origin
+//   winds = true                     # the grain runs around the axis; default false
+//   [[part]]                         # elements of another material
+//   group = "handle"                 # Physical Volume of the mesh or .geo
+//   material = "maple"
+//   grain = { along = [1, 0, 0], radial = [0, 0, 1] }    # as [grain]
+//   [[support]]                      # what holds the body; any number of them
+//   kind = "clamped"                 # or "slides", "springs"
+//   box = [0, 0, 0, 0.01, 0.1, 0.1]  # faces between two corners, in metres before `scale`; or:
+//   plane = [0, 0, 0, 0, 0, 1]       # faces on a plane: a point in metres, and the normal; or:
+//   group = "foot"                   # Physical Surface
+//   stiffness = 1e9                  # of springs: N/m for each m^2 along the normal
+//   stiffness_along = 1e8            # along the surface; default: as along the normal
+//   damping = 1e4                    # N s/m for each m^2; default 0
+//   loss_factor = 0.1                # of the springs; default 0
+//   [[mass]]                         # glued on, spread over a box, plane or group
+//   mass_kg = 0.002
 //   [parameters]                     # DefineConstant names of a .geo, in its unit
 //   height = 110
 #pragma once
@@ -34,6 +55,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ringdown::bake {
 
@@ -56,6 +78,9 @@ struct ObjectRecipe {
 inline constexpr Range kScale{1e-3, 1e3};
 inline constexpr Range kAirDensity_kg_m3{1e-3, 1e3}, kSoundSpeed_m_s{10, 1e4};
 inline constexpr Range kError{1e-7, 0.5}, kShapeError{1e-3, 0.5};  // that may be asked for
+
+// The files of the materials that the recipe's parts have.
+std::vector<std::filesystem::path> part_materials(const ObjectRecipe& recipe, const std::filesystem::path& materials);
 
 Result<ObjectRecipe> read_object(const std::filesystem::path& path);
 

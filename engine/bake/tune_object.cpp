@@ -164,7 +164,11 @@ Result<TunedObject> tune_object(const TuneRequest& request, const std::filesyste
   }
   const Result<MaterialEntry> material = find_material(materials, request.recipe.material);
   if (!material) return fail(material.error());
-  return ObjectTuner(request, material->material).run();
+  Result<ObjectRecipe> whole = with_part_materials(request.recipe, materials);
+  if (!whole) return fail(whole.error());
+  TuneRequest complete = request;
+  complete.recipe = std::move(*whole);
+  return ObjectTuner(complete, material->material).run();
 }
 
 }  // namespace ringdown::bake

@@ -246,8 +246,8 @@ std::vector<Scatter> share_columns(const NodeGraph& graph, int threads, System& 
 }
 
 // Threads first share the elements of a batch, then the columns that those are added to.
-void add_elements(const mesh::TetMesh& mesh, const Elastic& elastic, Element element, int threads,
-                  const NodeGraph& graph, System& system) {
+void add_elements(const mesh::TetMesh& mesh, const Solid& solid, Element element, int threads, const NodeGraph& graph,
+                  System& system) {
   const int order = mesh.order();
   const auto element_bytes =
       static_cast<Eigen::Index>(10 * sizeof(double)) * mesh.elements.cols() * mesh.elements.cols();
@@ -259,9 +259,9 @@ void add_elements(const mesh::TetMesh& mesh, const Elastic& elastic, Element ele
     const Eigen::Index count = std::min(per_batch, mesh.elements.rows() - first);
     in_parallel(threads, [&](int thread) {
       for (Eigen::Index k = count * thread / threads; k < count * (thread + 1) / threads; ++k) {
-        integrals[thread](nodes_of(mesh, first + k), elastic, batch.stiffness(k), batch.mass(k));
+        integrals[thread](nodes_of(mesh, first + k), solid.at(first + k), batch.stiffness(k), batch.mass(k));
         if (element == Element::kTet4Lumped) {
-          batch.mass(k) = lumped_mass(corners_of(mesh, first + k), elastic.density_kg_m3);
+          batch.mass(k) = lumped_mass(corners_of(mesh, first + k), solid.at(first + k).elastic.density_kg_m3);
         }
       }
     });
@@ -274,12 +274,12 @@ void add_elements(const mesh::TetMesh& mesh, const Elastic& elastic, Element ele
 }
 
 // Eigen's sparse matrices cannot be moved: made where they stay.
-Result<System> assemble_checked(const mesh::TetMesh& mesh, const Elastic& elastic, Element element, int threads) {
+Result<System> assemble_checked(const mesh::TetMesh& mesh, const Solid& solid, Element element, int threads) {
   const NodeGraph graph = node_graph(mesh, threads);
   Result<System> system = System{};
   lay_out_stiffness(graph, threads, system->stiffness);
   lay_out_mass(graph, element == Element::kTet4Lumped, system->node_mass);
-  add_elements(mesh, elastic, element, threads, graph, *system);
+  add_elements(mesh, solid, element, threads, graph, *system);
   return system;
 }
 
@@ -296,13 +296,13 @@ Result<Element> parse_element(std::string_view name) {
               "unknown element '" + std::string(name) + "'; choose tet10, tet20, tet35, tet4 or tet4-lumped");
 }
 
-Result<System> assemble(const mesh::TetMesh& mesh, const Elastic& elastic, Element element, int threads) {
+Result<System> assemble(const mesh::TetMesh& mesh, const Solid& solid, Element element, int threads) {
   assert(mesh.order() == order_of(element));
-  if (auto stable = check_elastic(elastic); !stable) return fail(stable.error());
+  if (auto stable = check_solid(solid); !stable) return fail(stable.error());
   const auto useful = static_cast<int>(mesh.elements.rows() / kElementsPerThread + 1);
   const BlasThreads one(1);
   try {
-    return assemble_checked(mesh, elastic, element, std::min(thread_count(threads), useful));
+    return assemble_checked(mesh, solid, element, std::min(thread_count(threads), useful));
   } catch (const std::exception&) {
     return fail(ErrorKind::no_memory, "not enough memory for the matrices of " + std::to_string(mesh.nodes.rows()) +
                                           " nodes; make the mesh coarser");

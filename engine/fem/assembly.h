@@ -6,7 +6,7 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/fem/elastic.h"
+#include "engine/fem/solid.h"
 #include "engine/mesh/tet_mesh.h"
 
 #include <Eigen/SparseCore>
@@ -43,7 +43,7 @@ struct System {
 // there are processors. Each entry is added up by one thread in the order of the elements, so the result is the same to
 // the last bit in every run and for any number of threads. O(E), no list of triplets: the pattern is found first from
 // the nodes' neighbours. Fails on a material that is not stable, and when memory runs out.
-Result<System> assemble(const mesh::TetMesh& mesh, const Elastic& elastic, Element element, int threads = 0);
+Result<System> assemble(const mesh::TetMesh& mesh, const Solid& solid, Element element, int threads = 0);
 
 // y = kron(node_mass, I3) x for x of 3N numbers, or 3N x m at once. y may not be x.
 void apply_mass(const SparseMatrix& node_mass, const double* x, double* y);

@@ -92,6 +92,20 @@ void elastic_stiffness(const MatrixXd& gradients, const Elastic& elastic, Eigen:
   }
 }
 
+void anisotropic_stiffness(const MatrixXd& gradients, const Matrix6& law, Eigen::Ref<MatrixXd> stiffness) {
+  const GradientToStiffness blocks = gradient_to_stiffness(law);
+  for (Eigen::Index b = 0; b < gradients.cols(); b += 3) {
+    for (Eigen::Index a = b; a < gradients.rows(); a += 3) {
+      Matrix3d block = gradients.block<3, 3>(a, b);
+      if (a == b) block.triangularView<Eigen::StrictlyUpper>() = block.transpose();
+      Matrix3d sum;
+      sum.reshaped() = blocks * block.reshaped();
+      stiffness.block<3, 3>(a, b) = sum;
+      stiffness.block<3, 3>(b, a) = sum.transpose();
+    }
+  }
+}
+
 }  // namespace
 
 ElementIntegrals::ElementIntegrals(int order) : order_(order) {
@@ -101,9 +115,9 @@ ElementIntegrals::ElementIntegrals(int order) : order_(order) {
   jacobians_.resize(3 * points, 3);
 }
 
-void ElementIntegrals::operator()(const mesh::ElementNodes& nodes, const Elastic& elastic,
-                                  Eigen::Ref<MatrixXd> stiffness, Eigen::Ref<MatrixXd> mass) {
-  const double density = elastic.density_kg_m3;
+void ElementIntegrals::operator()(const mesh::ElementNodes& nodes, const Law& law, Eigen::Ref<MatrixXd> stiffness,
+                                  Eigen::Ref<MatrixXd> mass) {
+  const double density = law.elastic.density_kg_m3;
   if (mesh::is_straight(nodes)) {
     const mesh::Corners corners = nodes.topRows<4>();
     straight_gradients(corners, reference(order_).gradients, gradients_);
@@ -111,7 +125,8 @@ void ElementIntegrals::operator()(const mesh::ElementNodes& nodes, const Elastic
   } else {
     integrate_curved(nodes, density, mass);
   }
-  elastic_stiffness(gradients_, elastic, stiffness);
+  if (law.stiffness_pa) return anisotropic_stiffness(gradients_, *law.stiffness_pa, stiffness);
+  elastic_stiffness(gradients_, law.elastic, stiffness);
 }
 
 // Sums over the points q of a rule are products of a matrix, whose columns are the samples times sqrt(weight), with its
@@ -144,13 +159,13 @@ void ElementIntegrals::integrate_curved(const mesh::ElementNodes& nodes, double 
 
 MatrixXd stiffness(const mesh::ElementNodes& nodes, const Elastic& elastic) {
   MatrixXd stiffness(3 * nodes.rows(), 3 * nodes.rows()), mass(nodes.rows(), nodes.rows());
-  ElementIntegrals(mesh::order_of_nodes(nodes.rows()))(nodes, elastic, stiffness, mass);
+  ElementIntegrals(mesh::order_of_nodes(nodes.rows()))(nodes, {elastic}, stiffness, mass);
   return stiffness;
 }
 
 MatrixXd consistent_mass(const mesh::ElementNodes& nodes, double density_kg_m3) {
   MatrixXd stiffness(3 * nodes.rows(), 3 * nodes.rows()), mass(nodes.rows(), nodes.rows());
-  ElementIntegrals(mesh::order_of_nodes(nodes.rows()))(nodes, {1, 0, density_kg_m3}, stiffness, mass);
+  ElementIntegrals(mesh::order_of_nodes(nodes.rows()))(nodes, {{1, 0, density_kg_m3}}, stiffness, mass);
   return mass;
 }
 

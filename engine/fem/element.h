@@ -9,13 +9,15 @@
 // g is constant, so K_ab is its integrand times the volume: vol (lambda b_ia b_jb + ...), without the factor -1/2 that
 // the course report has (docs/how/physics.md, section 8). The mass is a multiple of I, so only the number is kept.
 //
+// A solid that is not isotropic has K_ab(i, j) = sum over k, l of C(ik, jl) integral of g_a,k g_b,l (solid.h).
+//
 // All of K_ab follows from G_ab = integral of g_a g_b^T. In a straight element of any order g_a = A ghat_a with one
 // matrix A = dl/dx, so G_ab = vol A Ghat_ab A^T with numbers Ghat_ab found once, for the reference element.
 //
 // Order of unknowns in a stiffness: node by node, x y z: row 3 a + component.
 #pragma once
 
-#include "engine/fem/elastic.h"
+#include "engine/fem/solid.h"
 #include "engine/mesh/tet_element.h"
 
 #include <Eigen/Core>
@@ -32,7 +34,7 @@ class ElementIntegrals {
   // for degree 2p + 1, two more than leaves the eigenvalues their order of convergence (Banerjee & Osborn, Numer. Math.
   // 56, 1990); rigid motions still cost no energy, because they are in the span of the N_a. The mass is exact: N_a N_b
   // det J has degree 5p - 3.
-  void operator()(const mesh::ElementNodes& nodes, const Elastic& elastic, Eigen::Ref<Eigen::MatrixXd> stiffness,
+  void operator()(const mesh::ElementNodes& nodes, const Law& law, Eigen::Ref<Eigen::MatrixXd> stiffness,
                   Eigen::Ref<Eigen::MatrixXd> mass);
 
  private:

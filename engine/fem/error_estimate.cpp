@@ -47,8 +47,8 @@ using PerMode = Eigen::Array<double, 1, kModesAtOnce>;
 
 class SurplusProblem {
  public:
-  SurplusProblem(const mesh::TetMesh& mesh, const Elastic& elastic)
-      : mesh_(mesh), space_(surplus_space(mesh)), element_(mesh.order(), elastic) {}
+  SurplusProblem(const mesh::TetMesh& mesh, const Solid& solid, const Holding& holding)
+      : mesh_(mesh), solid_(solid), holding_(holding), space_(surplus_space(mesh)), element_(mesh.order()) {}
 
   // Residuals of all modes, kModesAtOnce to an entry, the last one filled up with zeros; keeps every element's energy.
   std::vector<Rows> residuals(const Eigen::Ref<const Eigen::VectorXd>& lambda,
@@ -60,11 +60,17 @@ class SurplusProblem {
  private:
   void add_residual(const SurplusMatrices& matrices, Eigen::Index e, const Eigen::Ref<const Eigen::VectorXd>& lambda,
                     const Eigen::Ref<const Eigen::MatrixXd>& shapes, Rows& residual) const;
+  void add_layers(const Eigen::Ref<const Eigen::VectorXd>& lambda, const Eigen::Ref<const Eigen::MatrixXd>& shapes,
+                  std::vector<Rows>& residuals);
+  void clamp(std::vector<Rows>& residuals);
+  [[nodiscard]] int opposite_of(const mesh::OuterFace& face) const;
   void invert_parts();
   [[nodiscard]] Rows energy_times(const Rows& x) const;
   [[nodiscard]] Rows preconditioned(const Rows& x) const;
 
   const mesh::TetMesh& mesh_;
+  const Solid& solid_;
+  const Holding& holding_;
   SurplusSpace space_;
   SurplusElement element_;
   std::vector<Eigen::MatrixXf> energies_;  // one for each element
@@ -101,7 +107,7 @@ std::vector<Rows> SurplusProblem::residuals(const Eigen::Ref<const Eigen::Vector
     in_parallel(threads, [&](int thread) {
       for (std::size_t k = thread; k < batch.size(); k += threads) {
         const auto e = first + static_cast<Eigen::Index>(k);
-        batch[k] = element_(mesh_.nodes(space_.nodes.row(e), Eigen::all));
+        batch[k] = element_(mesh_.nodes(space_.nodes.row(e), Eigen::all), solid_.at(e));
         energies_[e] = batch[k].energy;
       }
     });
@@ -116,8 +122,89 @@ std::vector<Rows> SurplusProblem::residuals(const Eigen::Ref<const Eigen::Vector
       }
     });
   }
+  if (!holding_.layers.empty()) add_layers(lambda, shapes, groups);
+  if (!holding_.clamped.empty()) clamp(groups);
   invert_parts();
   return groups;
+}
+
+// The corner opposite to a face, in the order of SurplusSpace::nodes.
+int SurplusProblem::opposite_of(const mesh::OuterFace& face) const {
+  int corner = 0;
+  while (std::find(face.corners.begin(), face.corners.end(), space_.nodes(face.element, corner)) != face.corners.end())
+    ++corner;
+  return corner;
+}
+
+// What springs and glued masses add to the residual, and springs to the energy of W.
+void SurplusProblem::add_layers(const Eigen::Ref<const Eigen::VectorXd>& lambda,
+                                const Eigen::Ref<const Eigen::MatrixXd>& shapes, std::vector<Rows>& residuals) {
+  const int w = element_.functions(), n = element_.nodes(), order = mesh_.order();
+  for (const Layer& layer : holding_.layers) {
+    for (const mesh::OuterFace& face : layer.faces) {
+      const Eigen::Index e = face.element;
+      for (const FacePoint& point : points_on_face(mesh_.nodes(space_.nodes.row(e), Eigen::all), opposite_of(face))) {
+        const Eigen::VectorXd finer = surplus_shape(order, point.barycentric),
+                              values = mesh::interpolation(order, point.barycentric);
+        const Eigen::Vector3d normal = layer.direction.value_or(point.normal);
+        const Eigen::Matrix3d springs =
+            point.area * (layer.tangential_n_m3 * Eigen::Matrix3d::Identity() +
+                          (layer.normal_n_m3 - layer.tangential_n_m3) * normal * normal.transpose());
+        Eigen::MatrixXd at = Eigen::MatrixXd::Zero(3, shapes.cols());
+        for (int a = 0; a < n; ++a) {
+          if (values[a] != 0) at += values[a] * shapes.middleRows<3>(3 * Eigen::Index{space_.nodes(e, a)});
+        }
+        const Eigen::MatrixXd pull = springs * at - layer.mass_kg_m2 * point.area * at * lambda.asDiagonal();
+        for (int a = 0; a < w; ++a) {
+          if (finer[a] == 0) continue;
+          for (Eigen::Index m = 0; m < shapes.cols(); ++m) {
+            residuals[m / kModesAtOnce].block<3, 1>(3 * space_.functions(e, a), m % kModesAtOnce) +=
+                (finer[a] * pull.col(m)).cast<float>();
+          }
+          for (int b = 0; b < w; ++b) {
+            for (int j = 0; j < 3; ++j) {
+              for (int i = 0; i < 3; ++i)
+                energies_[e](i * w + a, j * w + b) += static_cast<float>(finer[a] * finer[b] * springs(i, j));
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+// Functions of clamped edges and faces stay zero: no residual, and an energy of their own.
+void SurplusProblem::clamp(std::vector<Rows>& residuals) {
+  const int w = element_.functions(), per_face = surplus_per_face(mesh_.order());
+  std::vector<char> clamped(space_.count(), 0);
+  for (const mesh::OuterFace& face : holding_.clamped) {
+    const int opposite = opposite_of(face);
+    for (std::size_t k = 0; k < kRisingEdges.size(); ++k) {
+      const auto& [a, b] = kRisingEdges[k];
+      if (a != opposite && b != opposite) clamped[space_.functions(face.element, static_cast<Eigen::Index>(k))] = 1;
+    }
+    for (std::size_t k = 0; k < kRisingFaces.size(); ++k) {
+      if (std::ranges::find(kRisingFaces[k], opposite) != kRisingFaces[k].end()) continue;
+      for (int j = 0; j < per_face; ++j)
+        clamped[space_.functions(face.element, static_cast<Eigen::Index>(kRisingEdges.size() + per_face * k + j))] = 1;
+    }
+  }
+  for (Rows& rows : residuals) {
+    for (int function = 0; function < space_.count(); ++function) {
+      if (clamped[function]) rows.middleRows<3>(3 * function).setZero();
+    }
+  }
+  for (Eigen::Index e = 0; e < space_.functions.rows(); ++e) {
+    for (int a = 0; a < w; ++a) {
+      if (!clamped[space_.functions(e, a)]) continue;
+      for (int i = 0; i < 3; ++i) {
+        const float own = energies_[e](i * w + a, i * w + a);
+        energies_[e].row(i * w + a).setZero();
+        energies_[e].col(i * w + a).setZero();
+        energies_[e](i * w + a, i * w + a) = own;
+      }
+    }
+  }
 }
 
 void SurplusProblem::invert_parts() {
@@ -208,13 +295,14 @@ PerMode SurplusProblem::falls(Rows r) const {
 
 }  // namespace
 
-Result<Eigen::VectorXd> frequency_errors(const mesh::TetMesh& mesh, const Elastic& elastic,
+Result<Eigen::VectorXd> frequency_errors(const mesh::TetMesh& mesh, const Solid& solid,
                                          const Eigen::Ref<const Eigen::VectorXd>& lambda,
-                                         const Eigen::Ref<const Eigen::MatrixXd>& shapes, int threads) {
+                                         const Eigen::Ref<const Eigen::MatrixXd>& shapes, int threads,
+                                         const Holding& holding) {
   threads = thread_count(threads);
   const BlasThreads one(1);
   try {
-    SurplusProblem problem(mesh, elastic);
+    SurplusProblem problem(mesh, solid, holding);
     std::vector<Rows> residuals = problem.residuals(lambda, shapes, threads);
     Eigen::VectorXd falls(lambda.size());
     in_parallel(threads, [&](int thread) {

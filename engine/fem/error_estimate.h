@@ -12,7 +12,8 @@
 #pragma once
 
 #include "engine/base/result.h"
-#include "engine/fem/elastic.h"
+#include "engine/fem/holding.h"
+#include "engine/fem/solid.h"
 #include "engine/mesh/tet_mesh.h"
 
 #include <Eigen/Core>
@@ -27,8 +28,11 @@ inline constexpr double kMaxFrequencyError = 10;
 // unit modal mass, unknown 3 n + i as in assembly.h. threads = 0: as many as there are processors; the result is the
 // same for any number of them. Cost on one core: about 0.1 ms for each element and 2 us for each element and mode
 // (order 3); memory: 4 (3w)^2 bytes for each element, 8 KB for order 3. Fails when memory runs out.
-Result<Eigen::VectorXd> frequency_errors(const mesh::TetMesh& mesh, const Elastic& elastic,
+//
+// `holding` is what holds the body (holding.h): finer elements would be clamped, sprung and loaded in the same places.
+Result<Eigen::VectorXd> frequency_errors(const mesh::TetMesh& mesh, const Solid& solid,
                                          const Eigen::Ref<const Eigen::VectorXd>& lambda,
-                                         const Eigen::Ref<const Eigen::MatrixXd>& shapes, int threads = 0);
+                                         const Eigen::Ref<const Eigen::MatrixXd>& shapes, int threads = 0,
+                                         const Holding& holding = {});
 
 }  // namespace ringdown::fem

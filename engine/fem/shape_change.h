@@ -10,7 +10,7 @@
 // of stress, which the strains along the surface determine. The shapes at the surface's nodes are all it takes.
 #pragma once
 
-#include "engine/fem/elastic.h"
+#include "engine/fem/solid.h"
 #include "engine/mesh/boundary.h"
 #include "engine/mesh/face_points.h"
 
@@ -20,9 +20,10 @@ namespace ringdown::fem {
 
 // Changes of lambda, m numbers. `points` are face_points() of the mesh, `gaps` how far the surface moves outward at
 // each of them, in the mesh's unit of length; lambda has m numbers, and the columns of `shapes` (3P x m) are of unit
-// modal mass, at the nodes of `surface`, which is boundary_of() the mesh. O(N n m).
+// modal mass, at the nodes of `surface`, which is boundary_of() the mesh. Where the surface is held, it is taken to be
+// free. O(N n m).
 Eigen::VectorXd lambda_changes(const mesh::FacePoints& points, const mesh::Boundary& surface,
-                               const Eigen::Ref<const Eigen::VectorXd>& gaps, const Elastic& elastic,
+                               const Eigen::Ref<const Eigen::VectorXd>& gaps, const Solid& solid,
                                const Eigen::Ref<const Eigen::VectorXd>& lambda,
                                const Eigen::Ref<const Eigen::MatrixXd>& shapes);
 

@@ -209,6 +209,24 @@ MatrixXd stiffness(const MatrixXd& products, double lambda, double mu, int row, 
   return result;
 }
 
+// The same of a solid that is not isotropic.
+MatrixXd stiffness(const MatrixXd& products, const Matrix6& law, int row, int rows, int column, int columns) {
+  const Eigen::Index all = products.rows() / 3;
+  MatrixXd result = MatrixXd::Zero(3 * rows, 3 * columns);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      auto block = result.block(i * rows, j * columns, rows, columns);
+      for (int k = 0; k < 3; ++k) {
+        for (int l = 0; l < 3; ++l) {
+          const double factor = law(voigt(i, k), voigt(j, l));
+          if (factor != 0) block += factor * products.block(k * all + row, l * all + column, rows, columns);
+        }
+      }
+    }
+  }
+  return result;
+}
+
 // The six rigid motions at the nodes, columns of length 1.
 MatrixXd rigid_motions(const mesh::ElementNodes& nodes) {
   const Eigen::Index n = nodes.rows();
@@ -226,8 +244,7 @@ MatrixXd rigid_motions(const mesh::ElementNodes& nodes) {
 
 }  // namespace
 
-SurplusElement::SurplusElement(int order, const Elastic& elastic)
-    : w_(surplus_per_element(order)), n_(mesh::nodes_per_element(order)), elastic_(elastic) {
+SurplusElement::SurplusElement(int order) : w_(surplus_per_element(order)), n_(mesh::nodes_per_element(order)) {
   const std::vector<mesh::QuadraturePoint> rule = mesh::tet_quadrature(2 * order + 1);
   const auto points = static_cast<Eigen::Index>(rule.size());
   const int all = w_ + n_;
@@ -276,26 +293,33 @@ MatrixXd SurplusElement::gradient_products(const mesh::ElementNodes& nodes, Matr
   return weighted * gradients.transpose();
 }
 
-Eigen::MatrixXf SurplusElement::relaxed(const MatrixXd& products, const mesh::ElementNodes& nodes) const {
-  const double mu = elastic_.mu_pa(), lambda = softened(elastic_.lambda_pa(), mu);
-  MatrixXd energy = stiffness(products, lambda, mu, 0, w_, 0, w_);
-  MatrixXd lower = stiffness(products, lambda, mu, w_, n_, w_, n_);
+Eigen::MatrixXf SurplusElement::relaxed(const MatrixXd& products, const mesh::ElementNodes& nodes,
+                                        const Law& law) const {
+  const double mu = law.elastic.mu_pa(), lambda = softened(law.elastic.lambda_pa(), mu);
+  const auto part = [&](int row, int rows, int column, int columns) {
+    return law.stiffness_pa ? stiffness(products, *law.stiffness_pa, row, rows, column, columns)
+                            : stiffness(products, lambda, mu, row, rows, column, columns);
+  };
+  MatrixXd energy = part(0, w_, 0, w_);
+  MatrixXd lower = part(w_, n_, w_, n_);
   const MatrixXd rigid = rigid_motions(nodes);
   lower += lower.diagonal().mean() * rigid * rigid.transpose();  // K is singular there, and W meets none of it
   const Eigen::LLT<MatrixXd> factors(lower);
   if (factors.info() == Eigen::Success) {
-    const MatrixXd half = factors.matrixL().solve(stiffness(products, lambda, mu, w_, n_, 0, w_));
+    const MatrixXd half = factors.matrixL().solve(part(w_, n_, 0, w_));
     energy -= kRelaxed * half.transpose() * half;
   }
   return energy.cast<float>();
 }
 
-SurplusMatrices SurplusElement::operator()(const mesh::ElementNodes& nodes) const {
+SurplusMatrices SurplusElement::operator()(const mesh::ElementNodes& nodes, const Law& law) const {
   SurplusMatrices element;
   const MatrixXd products = gradient_products(nodes, element.mass);
-  element.mass *= elastic_.density_kg_m3;
-  element.coupling = stiffness(products, elastic_.lambda_pa(), elastic_.mu_pa(), 0, w_, w_, n_);
-  element.energy = relaxed(products, nodes);
+  const Elastic& elastic = law.elastic;
+  element.mass *= elastic.density_kg_m3;
+  element.coupling = law.stiffness_pa ? stiffness(products, *law.stiffness_pa, 0, w_, w_, n_)
+                                      : stiffness(products, elastic.lambda_pa(), elastic.mu_pa(), 0, w_, w_, n_);
+  element.energy = relaxed(products, nodes, law);
   return element;
 }
 

@@ -15,7 +15,7 @@
 // sharp.
 #pragma once
 
-#include "engine/fem/elastic.h"
+#include "engine/fem/solid.h"
 #include "engine/mesh/tet_element.h"
 #include "engine/mesh/tet_mesh.h"
 
@@ -70,10 +70,10 @@ struct SurplusMatrices {
 
 class SurplusElement {
  public:
-  SurplusElement(int order, const Elastic& elastic);
+  explicit SurplusElement(int order);
 
   // `nodes` in the order of SurplusSpace::nodes; the element may be inside out.
-  [[nodiscard]] SurplusMatrices operator()(const mesh::ElementNodes& nodes) const;
+  [[nodiscard]] SurplusMatrices operator()(const mesh::ElementNodes& nodes, const Law& law) const;
 
   [[nodiscard]] int functions() const { return w_; }
   [[nodiscard]] int nodes() const { return n_; }
@@ -82,10 +82,10 @@ class SurplusElement {
   // Of all functions, W's first: the integrals of d_k N_a d_l N_b at row k (w + n) + a, column l (w + n) + b. Fills
   // `mass` without the density.
   Eigen::MatrixXd gradient_products(const mesh::ElementNodes& nodes, Eigen::MatrixXd& mass) const;
-  Eigen::MatrixXf relaxed(const Eigen::MatrixXd& stiffness, const mesh::ElementNodes& nodes) const;
+  [[nodiscard]] Eigen::MatrixXf relaxed(const Eigen::MatrixXd& products, const mesh::ElementNodes& nodes,
+                                        const Law& law) const;
 
   int w_, n_;
-  Elastic elastic_;
   Eigen::VectorXd weights_;                         // of the points, summing to 1/6
   std::vector<mesh::ReferenceGradient> gradients_;  // at each point, w + n rows
   Eigen::MatrixXd surplus_, shapes_;                // w and n rows, a column for each point

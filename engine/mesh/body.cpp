@@ -109,6 +109,32 @@ bool get(ByteReader& in, SurfaceReport& report) {
                      [&in](Finding& finding) { return get(in, finding); });
 }
 
+void put(ByteWriter& out, const MeshGroups& groups) {
+  put(out, groups.volumes);
+  out.put_list(std::span<const std::int32_t>(groups.volume_of));
+  out.put(std::uint64_t{groups.surfaces.size()});
+  for (const FaceGroup& group : groups.surfaces) {
+    put(out, group.name);
+    out.put_list(std::span<const std::int64_t>(group.faces));
+  }
+}
+
+bool get(ByteReader& in, MeshGroups& groups, Eigen::Index elements) {
+  std::uint64_t surfaces = 0;
+  if (!get(in, groups.volumes) || !in.get_list(groups.volume_of) || !in.get(surfaces) || surfaces > kMaxPlaces * 100)
+    return false;
+  const auto count = static_cast<std::int32_t>(groups.volumes.size());
+  const auto known = [count](std::int32_t volume) { return volume >= -1 && volume < count; };
+  if (groups.volume_of.size() != (count > 0 ? static_cast<std::size_t>(elements) : 0)) return false;
+  if (!std::all_of(groups.volume_of.begin(), groups.volume_of.end(), known)) return false;
+  groups.surfaces.resize(surfaces);
+  return std::all_of(groups.surfaces.begin(), groups.surfaces.end(), [&](FaceGroup& group) {
+    if (!get(in, group.name) || !in.get_list(group.faces)) return false;
+    return std::is_sorted(group.faces.begin(), group.faces.end()) &&
+           (group.faces.empty() || (group.faces.front() >= 0 && group.faces.back() < 4 * elements));
+  });
+}
+
 }  // namespace
 
 std::string text_of(Making making) {
@@ -175,6 +201,7 @@ std::string packed(const Body& body) {
   put_matrix(out, checked.mesh.nodes);
   put_matrix(out, checked.mesh.elements);
   out.put_list(std::span(checked.gaps_m.data(), static_cast<std::size_t>(checked.gaps_m.size())));
+  put(out, checked.groups);
   return out.bytes();
 }
 
@@ -187,12 +214,15 @@ bool unpack(std::string_view bytes, Body& body) {
   if (!get_matrix(in, mesh.nodes, 3, 3) || !get_matrix(in, mesh.elements, 4, nodes_per_element(kMaxOrder)))
     return false;
   std::vector<double> gaps_m;
-  if (!in.get_list(gaps_m) || !in.finished()) return false;
+  MeshGroups groups;
+  if (!in.get_list(gaps_m) || !get(in, groups, mesh.elements.rows()) || !in.finished()) return false;
   Result<CheckedMesh> checked = check_mesh(std::move(mesh), "the body");
   if (!checked || checked->pieces != counts[0]) return false;
   checked->gaps_m = Eigen::Map<const Eigen::VectorXd>(gaps_m.data(), static_cast<Eigen::Index>(gaps_m.size()));
   const std::size_t points = kPointsPerFace * outer_faces(checked->mesh.elements).size();
   if (!gaps_m.empty() && (gaps_m.size() != points || !checked->gaps_m.allFinite())) return false;
+  if (!groups.empty() && checked->duplicates > 0) return false;  // the elements would no longer match
+  checked->groups = std::move(groups);
   checked->flipped = counts[1];
   checked->straightened = counts[2];
   checked->unused_nodes = counts[3];

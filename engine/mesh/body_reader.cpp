@@ -135,7 +135,7 @@ Result<Body> BodyReader::read(const GmshOptions& options, const Progress& progre
 // It keeps the bytes that the reading process gave back, and they are checked in the same way when they come from it.
 namespace {
 
-constexpr int kFormat = 10;                                    // of an entry, and of how bodies are made
+constexpr int kFormat = 11;                                    // of an entry, and of how bodies are made
 constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;  // bytes; a larger file is read each time
 
 // Words of gmsh's language and of mesh formats by which a result depends on more than the file and its parameters. One

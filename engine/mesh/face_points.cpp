@@ -80,7 +80,8 @@ FacePoints face_points(const TetMesh& mesh) {
                     .third = Points(count * kPointsPerFace, 3),
                     .areas = Eigen::VectorXd(count * kPointsPerFace),
                     .nodes = Indices(count, nodes),
-                    .opposite = {}};
+                    .opposite = {},
+                    .elements = {}};
   Eigen::MatrixXd places(nodes, 3);
   for (Eigen::Index f = 0; f < count; ++f) {
     const auto& [corners, element, opposite] = faces[f];
@@ -89,6 +90,7 @@ FacePoints face_points(const TetMesh& mesh) {
       places.row(k) = mesh.nodes.row(points.nodes(f, k));
     }
     points.opposite.push_back(opposite);
+    points.elements.push_back(element);
     const FaceFunctions& at = functions[opposite];
     points.positions.middleRows<kPointsPerFace>(f * kPointsPerFace) = at.values * places;
     points.second.middleRows<kPointsPerFace>(f * kPointsPerFace) = at.along_second * places;

@@ -15,11 +15,12 @@ inline constexpr int kPointsPerFace = 9;  // the middles of the nine parts of a 
 // (ascending node numbers); so a mesh of another order with the same corners has its points in the same order.
 // A point stands for a share of the area. With F faces of n = (p + 1)(p + 2)/2 nodes each, N = F kPointsPerFace:
 struct FacePoints {
-  Points positions, normals;  // N x 3 [m]; outward, of length 1
-  Points second, third;       // N x 3 [m], derivatives of the position along the sides of FaceFunctions
-  Eigen::VectorXd areas;      // N [m^2]
-  Indices nodes;              // F x n, numbers in the mesh
-  std::vector<int> opposite;  // F, the corner of its element that a face lies opposite to
+  Points positions, normals;           // N x 3 [m]; outward, of length 1
+  Points second, third;                // N x 3 [m], derivatives of the position along the sides of FaceFunctions
+  Eigen::VectorXd areas;               // N [m^2]
+  Indices nodes;                       // F x n, numbers in the mesh
+  std::vector<int> opposite;           // F, the corner of its element that a face lies opposite to
+  std::vector<Eigen::Index> elements;  // F
 };
 FacePoints face_points(const TetMesh& mesh);
 

@@ -4,6 +4,7 @@
 #include "engine/mesh/face_points.h"
 #include "engine/mesh/file_kinds.h"
 #include "engine/mesh/geo_language.h"
+#include "engine/mesh/gmsh_groups.h"
 
 #include <gmsh.h>
 
@@ -270,10 +271,15 @@ Result<CheckedMesh> take_open(const std::filesystem::path& path, double unit_m, 
   const Result<ElementType> type = only_type(path);
   if (!type) return fail(type.error());
   if (type->order == 0) return check_mesh({Points(0, 3), Indices(0, 4)}, path.string());
-  Result<CheckedMesh> mesh = check_mesh(take_mesh(*type, unit_m), path.string());
+  const auto checked_with_groups = [&] {
+    Result<CheckedMesh> checked = check_mesh(take_mesh(*type, unit_m), path.string());
+    if (checked) checked->groups = groups_of_open_model(type->type, *checked);
+    return checked;
+  };
+  Result<CheckedMesh> mesh = checked_with_groups();
   if (!meshed_here || !mesh || mesh->straightened == 0 || type->order > kMaxUnfolded) return mesh;
   unfold();
-  Result<CheckedMesh> unfolded = check_mesh(take_mesh(*type, unit_m), path.string());
+  Result<CheckedMesh> unfolded = checked_with_groups();
   return unfolded && unfolded->straightened < mesh->straightened ? std::move(unfolded) : std::move(mesh);
 }
 

@@ -6,9 +6,23 @@
 #include "engine/base/result.h"
 #include "engine/mesh/tet_mesh.h"
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace ringdown::mesh {
+
+// What a mesh's author named. Elements and their faces are numbered as in the mesh, whatever its order.
+struct FaceGroup {
+  std::string name;
+  std::vector<std::int64_t> faces;  // 4 element + the corner that the face lies opposite to, ascending
+};
+struct MeshGroups {
+  std::vector<std::string> volumes;
+  std::vector<std::int32_t> volume_of;  // E: a number in `volumes`, or -1; empty when there are none
+  std::vector<FaceGroup> surfaces;
+  [[nodiscard]] bool empty() const { return volumes.empty() && surfaces.empty(); }
+};
 
 // A mesh that the other folders may trust: node numbers in range, every node used, every element positively oriented
 // and with volume, coordinates finite, neighbours joined by whole faces (mesh_joints.h), no element inside another.
@@ -19,6 +33,7 @@ struct CheckedMesh {
   int straightened = 0;  // curved elements that folded over themselves, now less curved or straight
   int unused_nodes = 0;  // dropped
   int duplicates = 0;    // elements with the same nodes as another, dropped
+  MeshGroups groups = {};
   Eigen::VectorXd gaps_m =
       {};  // from the mesh's skin to the body's surface (surface_gap.h); empty: the mesh is the body
 };

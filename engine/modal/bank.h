@@ -21,6 +21,7 @@
 #include "engine/base/vec3.h"
 #include "engine/modal/damping.h"
 #include "engine/modal/losses.h"
+#include "engine/modal/orthotropy.h"
 #include "engine/modal/radiation_map.h"
 
 #include <algorithm>
@@ -35,7 +36,7 @@ namespace ringdown::modal {
 
 using Vec3f = std::array<float, 3>;
 
-// An isotropic elastic solid.
+// An elastic solid: isotropic, and where it is known, what it is along its grain and across.
 struct Material {
   std::string name;
   double youngs_modulus_pa = 0;
@@ -43,6 +44,7 @@ struct Material {
   double density_kg_m3 = 0;
   RayleighDamping damping;
   std::vector<LossFactor> loss_factors = {};  // where they are known, ascending; `damping` is then their fit
+  std::optional<Orthotropy> orthotropy = {};  // of a bank: its modes are those of this solid, not of an isotropic one
   [[nodiscard]] MaterialDamping damping_law() const { return {damping, loss_factors}; }
 };
 
@@ -92,7 +94,8 @@ struct Bank {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::optional<Material> material;
   std::optional<MassProperties> mass;
-  double gain = 1;  // linear, on all that it sounds: how loud its maker wants it beside others
+  bool held = false;  // supports hold it: it is no free body
+  double gain = 1;    // linear, on all that it sounds: how loud its maker wants it beside others
   Provenance provenance;
 
   [[nodiscard]] std::size_t mode_count() const { return frequency_hz.size(); }

@@ -94,6 +94,26 @@ Json loss_factors_json(const std::vector<LossFactor>& factors) {
   return json;
 }
 
+// Nothing unless all of it is there and a stable solid's: the bank plays without.
+std::optional<Orthotropy> read_orthotropy(const Field& field) {
+  Orthotropy solid;
+  const auto read = [&field](const char* key, auto& target) {
+    if (field[key].size() != target.size()) return false;
+    for (std::size_t i = 0; i < target.size(); ++i) target[i] = field[key][i].number().value_or(NAN);
+    return std::ranges::all_of(target, [](double number) { return std::isfinite(number); });
+  };
+  const bool whole = read("youngsModuli", solid.youngs_modulus_pa) && read("poissonRatios", solid.poisson_ratio) &&
+                     read("shearModuli", solid.shear_modulus_pa) && read("losses", solid.loss);
+  return whole && is_stable(solid) ? std::optional(solid) : std::nullopt;
+}
+
+Json orthotropy_json(const Orthotropy& solid) {
+  return {{"youngsModuli", solid.youngs_modulus_pa},
+          {"poissonRatios", solid.poisson_ratio},
+          {"shearModuli", solid.shear_modulus_pa},
+          {"losses", solid.loss}};
+}
+
 Json provenance_json(const Provenance& provenance) {
   Json json = {{"version", kBankVersion},
                {"element", provenance.element},
@@ -177,6 +197,8 @@ Result<void> read_extras(const Glb& glb, const Field& extras, Bank& bank) {
     bank.material->loss_factors = read_loss_factors(extras["lossFactors"]);
     if (!bank.material->loss_factors.empty()) bank.material->damping = fit_rayleigh(bank.material->loss_factors);
   }
+  if (bank.material) bank.material->orthotropy = read_orthotropy(extras["orthotropic"]);
+  bank.held = extras["held"].present() && extras["held"].json() == Json(true);
   bank.provenance = read_provenance(extras);
   auto radiation = read_radiation(glb, extras["radiation"], bank.mode_count());
   if (!radiation) return fail(radiation.error());
@@ -191,6 +213,8 @@ Json extras_json(const Bank& bank, GlbWriter& writer) {
   if (!bank.losses.empty()) json["losses"] = losses_json(bank.losses);
   if (bank.material && !bank.material->loss_factors.empty())
     json["lossFactors"] = loss_factors_json(bank.material->loss_factors);
+  if (bank.material && bank.material->orthotropy) json["orthotropic"] = orthotropy_json(*bank.material->orthotropy);
+  if (bank.held) json["held"] = true;
   if (bank.radiation) json["radiation"] = radiation_json(*bank.radiation, writer);
   return json;
 }

@@ -7,7 +7,7 @@ namespace ringdown::modal {
 // All members of a bank are named: a new one that holds modes and is not named here would not compile.
 void take_modes(Bank& bank, const std::vector<std::size_t>& order) {
   auto& [name, frequencies, decays, losses, radiation, errors, shape_errors, positions, shapes, triangles, material,
-         mass, gain, provenance] = bank;
+         mass, held, gain, provenance] = bank;
   const auto take = [&order](auto& list, std::size_t width) {
     if (list.empty()) return;
     std::remove_reference_t<decltype(list)> chosen;

@@ -51,6 +51,17 @@ inline mesh::TetMesh box_mesh(Cells cells, Eigen::Vector3d size) {
   return mesh::check_mesh(box, "box").value().mesh;  // turns the half that is inside out
 }
 
+// A mesh from 0 on, with smaller elements at its far ends along an axis, or at the near one alone.
+inline mesh::TetMesh finer_at_ends(mesh::TetMesh mesh, int axis, bool both) {
+  constexpr double kPi = 3.14159265358979324;
+  const double size = mesh.nodes.col(axis).maxCoeff();
+  for (double& x : mesh.nodes.col(axis)) {
+    const double s = x / size;
+    x = size * (both ? s - 0.5 * std::sin(2 * kPi * s) / (2 * kPi) : s - 0.5 * std::sin(kPi * s) / kPi);
+  }
+  return mesh;
+}
+
 // The element with consistent mass that suits the mesh.
 inline fem::Element element_of(const mesh::TetMesh& mesh) {
   constexpr std::array kElements = {fem::Element::kTet4, fem::Element::kTet10, fem::Element::kTet20,

@@ -86,6 +86,7 @@ void print_report(const bake::ObjectRecipe& recipe, const bake::BakedObject& obj
     std::printf("  left out of the band: %lld modes, at most %.1f dB of the energy of a blow\n",
                 static_cast<long long>(bank.provenance.dropped_modes), bank.provenance.loss_db);
   }
+  for (const std::string& held : report.held) std::printf("  %s\n", held.c_str());
   if (report.from_cache) std::printf("  from the cache: nothing was solved\n");
   if (const solve::Agreement& agreement = report.agreement; agreement.modes > 0) {
     std::printf("  second opinion on %d modes: frequencies agree to %.0e, shapes to %.0e, in %.1f s\n", agreement.modes,

@@ -66,6 +66,7 @@ void look_at(Job& job, const FolderBake& request) {
   const auto hash = bake::input_hash({.object = job.file.input,
                                       .geometry = recipe.geometry,
                                       .material = request.materials / (recipe.material + ".toml"),
+                                      .part_materials = bake::part_materials(recipe, request.materials),
                                       .options = request.hashed});
   if (hash && modal::read_input_hash(job.file.output) == hash) job.state = State::unchanged;
 }

@@ -204,6 +204,7 @@ ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments
   const std::string hash = bake::input_hash({.object = input,
                                              .geometry = recipe->geometry,
                                              .material = arguments.materials / (recipe->material + ".toml"),
+                                             .part_materials = bake::part_materials(*recipe, arguments.materials),
                                              .options = arguments.shaping})
                                .value_or("");
   if (arguments.update && !hash.empty() && modal::read_input_hash(output) == hash) {

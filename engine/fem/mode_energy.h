@@ -1,0 +1,25 @@
+// Where in a body the energy of its modes is. [worker]
+#pragma once
+
+#include "engine/fem/solid.h"
+#include "engine/mesh/tet_mesh.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <vector>
+
+namespace ringdown::fem {
+
+struct ModeEnergy {
+  Eigen::MatrixXd strain;  // parts x m: phi^T K phi
+  Eigen::MatrixXd motion;  // parts x m: phi^T M phi
+};
+
+// Sums over the elements of each part, by the laws of `solid`, which need not be stable: with the imaginary part of the
+// stiffness the sums are what a cycle loses. `part_of` has a part's number for each element, or is empty: all are of
+// part 0. Shapes are 3N x m. One pass over the elements, on all processors.
+ModeEnergy mode_energy(const mesh::TetMesh& mesh, const Solid& solid, const std::vector<std::int32_t>& part_of,
+                       int parts, const Eigen::Ref<const Eigen::MatrixXd>& shapes);
+
+}  // namespace ringdown::fem

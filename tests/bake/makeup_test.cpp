@@ -1,0 +1,293 @@
+// Grain, parts and supports from an object file to a bank.
+#include "engine/bake/bake_object.h"
+#include "engine/bake/fitted_makeup.h"
+#include "engine/mesh/body.h"
+#include "engine/mesh/boundary.h"
+#include "engine/mesh/gmsh_reader.h"
+#include "engine/modal/bank_file.h"
+#include "engine/modal/damping.h"
+#include "tests/fem/grain_frequencies.h"
+#include "tests/fem/sample_meshes.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <numbers>
+
+namespace ringdown {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+modal::Material steel() {
+  return {.name = "steel",
+          .youngs_modulus_pa = 200e9,
+          .poisson_ratio = 0.3,
+          .density_kg_m3 = 7850,
+          .damping = {.alpha_per_s = 2, .beta_s = 1e-8}};
+}
+
+modal::Material spruce() {
+  return {.name = "spruce",
+          .youngs_modulus_pa = 11e9,
+          .poisson_ratio = 0.3,
+          .density_kg_m3 = 430,
+          .damping = {.beta_s = 4e-6},
+          .orthotropy = modal::Orthotropy{.youngs_modulus_pa = {11e9, 0.86e9, 0.47e9},
+                                          .poisson_ratio = {0.37, 0.47, 0.44},
+                                          .shear_modulus_pa = {0.70e9, 0.67e9, 0.033e9},
+                                          .loss = {1, 2.5, 2.5, 2, 2, 2.5}}};
+}
+
+bake::BakeOptions quick(double top_hz) {
+  bake::BakeOptions options;
+  options.band_low_hz = 1;
+  options.band_high_hz = top_hz;
+  options.shape_error = 0.2;
+  return options;
+}
+
+mesh::CheckedMesh bar(double scale = 1) {
+  return test::checked(test::box_mesh({10, 2, 1}, scale * Eigen::Vector3d(0.2, 0.02, 0.01)));
+}
+
+bake::Place box(Vec3 from, Vec3 to) { return {.box_m = std::array{from, to}, .plane = std::nullopt, .group = {}}; }
+
+std::vector<double> sorted(std::vector<double> frequencies) {
+  std::sort(frequencies.begin(), frequencies.end());
+  return frequencies;
+}
+
+TEST(Makeup, AnObjectFileSaysItAllAndIsReadStrictly) {
+  const char* text = R"(material = "maple"
+geometry = "knife.geo"
+[grain]
+axis = [0, 0, 1]
+through = [0.1, 0, 0]
+winds = true
+[[part]]
+group = "blade"
+material = "steel"
+[[part]]
+group = "handle"
+material = "spruce"
+grain = { along = [1, 0, 0], radial = [0, 0, 1] }
+[[support]]
+kind = "springs"
+plane = [0, 0, 0, 0, 0, 1]
+stiffness = 1e8
+damping = 100
+[[support]]
+kind = "clamped"
+group = "foot"
+[[mass]]
+mass_kg = 0.01
+box = [0, 0, 0, 1, 1, 1]
+)";
+  const bake::Makeup makeup = bake::parse_object(text, "knife.toml")->options.makeup;
+  ASSERT_TRUE(makeup.grain && makeup.grain->axis && makeup.grain->winds);
+  ASSERT_EQ(makeup.parts.size(), 2u);
+  EXPECT_EQ(makeup.parts[1].material.name, "spruce");
+  EXPECT_EQ(makeup.parts[1].grain->radial->z, 1);
+  ASSERT_EQ(makeup.supports.size(), 2u);
+  EXPECT_EQ(makeup.supports[0].stiffness_along_n_m3, 1e8);
+  EXPECT_EQ(makeup.supports[1].place.group, "foot");
+  EXPECT_EQ(makeup.masses[0].mass_kg, 0.01);
+
+  const auto complaint = [](const std::string& tables) {
+    return bake::parse_object("material = \"m\"\ngeometry = \"g.geo\"\n" + tables, "x.toml").error().message;
+  };
+  EXPECT_NE(complaint("[grain]\nalong = [0, 0, 0]\n").find("must have a length"), std::string::npos);
+  EXPECT_NE(complaint("[grain]\nalong = [1, 0, 0]\naxis = [1, 0, 0]\n").find("either a direction"), std::string::npos);
+  EXPECT_NE(complaint("[[support]]\nkind = \"clamped\"\n").find("give one of box, plane and group"), std::string::npos);
+  EXPECT_NE(complaint("[[support]]\nkind = \"clamped\"\ngroup = \"a\"\nstiffness = 1\n").find("belongs to springs"),
+            std::string::npos);
+  EXPECT_NE(complaint("[[support]]\nkind = \"clamped\"\nbox = [1, 2]\n").find("six numbers"), std::string::npos);
+}
+
+TEST(Makeup, ACantileverIsHeldHasNoRigidMotionAndScalesWithItsPlace) {
+  bake::BakeOptions options = quick(4500);
+  options.makeup.supports = {{.place = box({0, 0, 0}, {0, 0.02, 0.01})}};
+  const auto baked = bake::bake(bar(), steel(), options, "tine").value();
+  EXPECT_EQ(baked.report.rigid, 0);
+  EXPECT_TRUE(baked.bank.held);
+  const std::vector<double> found = sorted(baked.bank.frequency_hz);
+  ASSERT_GE(found.size(), 4u);
+  for (std::size_t m = 0; m < 4; ++m) EXPECT_NEAR(found[m] / reference::kSteelCantilever[m], 1, 2e-3);
+
+  // The same object file, twice as large: half the frequencies.
+  options.makeup = bake::scaled(options.makeup, 2);
+  options.band_high_hz /= 2;
+  const auto large = bake::bake(bar(2), steel(), options, "tine").value();
+  const std::vector<double> halves = sorted(large.bank.frequency_hz);
+  for (std::size_t m = 0; m < 4; ++m) EXPECT_NEAR(2 * halves[m] / found[m], 1, 1e-6);
+}
+
+// A stiff block on soft springs is a mass on a spring: omega^2 = k A / m, d = c A / (2 m) + eta omega / 2 + alpha / 2.
+TEST(Makeup, ABlockOnSpringsBouncesAndItsDampersTakeWhatTheyShould) {
+  const double area = 0.02 * 0.2, mass = 7850 * 0.2 * 0.02 * 0.01, k = 2e7, c = 500, eta = 0.01;
+  bake::BakeOptions options = quick(100);
+  options.air.reset();
+  options.makeup.supports = {{.kind = bake::SupportKind::kSprings,
+                              .place = box({0, 0, 0}, {0.2, 0.02, 0}),
+                              .stiffness_n_m3 = k,
+                              .stiffness_along_n_m3 = 1e-3 * k,
+                              .damping_ns_m3 = c,
+                              .loss_factor = eta}};
+  const auto baked = bake::bake(bar(), steel(), options, "on springs");
+  ASSERT_TRUE(baked) << baked.error().message;
+  EXPECT_EQ(baked->report.rigid, 0);
+  const double omega = std::sqrt(k * area / mass), decay = 0.5 * c * area / mass + 0.5 * eta * omega + 1;
+  const double bounce_hz = std::sqrt(omega * omega - decay * decay) / (2 * kPi);
+  const modal::Bank& bank = baked->bank;
+  const auto nearest = std::min_element(bank.frequency_hz.begin(), bank.frequency_hz.end(), [&](double a, double b) {
+    return std::abs(a - bounce_hz) < std::abs(b - bounce_hz);
+  });
+  const auto m = nearest - bank.frequency_hz.begin();
+  EXPECT_NEAR(*nearest / bounce_hz, 1, 1e-3);
+  EXPECT_NEAR(bank.decay_per_s[m] / decay, 1, 1e-3);
+  EXPECT_NEAR(bank.losses[m].support_per_s / decay, 1, 1e-3);
+}
+
+TEST(Makeup, EachDirectionOfAGrainTakesItsLoss) {
+  bake::BakeOptions options = quick(6000);
+  options.air.reset();
+  options.makeup.grain = bake::Grain{.radial = Vec3{0, 0, 1}};
+  const auto losing = bake::bake(bar(), spruce(), options, "bar").value();
+  modal::Material even = spruce();
+  even.orthotropy->loss.fill(1);
+  const auto plain = bake::bake(bar(), even, options, "bar").value();
+  ASSERT_TRUE(losing.bank.material->orthotropy);
+  for (std::size_t m = 0; m < plain.bank.mode_count(); ++m) {
+    const double omega = 2 * kPi * plain.bank.frequency_hz[m];
+    EXPECT_NEAR(plain.bank.decay_per_s[m] / (0.5 * 4e-6 * omega * omega), 1, 2e-3);
+  }
+  // Bending along the grain loses little more; twist as much as shear does.
+  double least = 9, most = 0;
+  for (std::size_t m = 0; m < losing.bank.mode_count(); ++m) {
+    const double lambda = modal::undamped_lambda({losing.bank.frequency_hz[m], losing.bank.decay_per_s[m]});
+    const double ratio = losing.bank.decay_per_s[m] / (0.5 * 4e-6 * lambda);
+    least = std::min(least, ratio), most = std::max(most, ratio);
+  }
+  EXPECT_GT(least, 1);
+  EXPECT_LT(least, 1.3);
+  EXPECT_GT(most, 1.8);
+  EXPECT_LT(most, 2.5);
+
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(modal::write_bank(losing.bank, folder.path() / "bar.glb"));
+  const modal::Bank read = modal::read_bank(folder.path() / "bar.glb").value();
+  EXPECT_EQ(read.material->orthotropy, losing.bank.material->orthotropy);
+  EXPECT_FALSE(read.held);
+}
+
+TEST(Makeup, TheCacheKeepsApartWhatIsMadeOrHeldDifferently) {
+  const test::TemporaryFolder folder;
+  bake::BakeOptions options = quick(6000);
+  options.air.reset();
+  options.cache = folder.path();
+  const auto found = [&](const bake::Makeup& makeup) {
+    options.makeup = makeup;
+    const auto baked = bake::bake(bar(), spruce(), options, "bar").value();
+    return std::pair{baked.report.from_cache, baked.bank};
+  };
+  bake::Makeup along{.grain = bake::Grain{.radial = Vec3{0, 0, 1}}},
+      across{.grain = bake::Grain{.along = {0, 1, 0}, .radial = Vec3{0, 0, 1}}}, held = along;
+  held.supports = {{.place = box({0, 0, 0}, {0, 0.02, 0.01})}};
+  for (const bake::Makeup& makeup : {bake::Makeup{}, along, across, held}) {
+    const auto first = found(makeup), second = found(makeup);
+    EXPECT_FALSE(first.first);
+    EXPECT_TRUE(second.first);
+    EXPECT_EQ(first.second.frequency_hz, second.second.frequency_hz);
+    EXPECT_EQ(first.second.decay_per_s, second.second.decay_per_s);
+  }
+}
+
+TEST(Makeup, PartsOfOneMaterialAreOneBodyAndPartsOfTwoLoseEachItsShare) {
+  mesh::CheckedMesh mesh = bar();
+  mesh.groups.volumes = {"left"};
+  for (Eigen::Index e = 0; e < mesh.mesh.elements.rows(); ++e)
+    mesh.groups.volume_of.push_back(mesh::corners_of(mesh.mesh, e).col(0).mean() < 0.1 ? 0 : -1);
+  bake::BakeOptions options = quick(8000);
+  options.air.reset();
+  const auto whole = bake::bake(mesh, steel(), options, "bar").value().bank;
+  options.makeup.parts = {{.group = "left", .material = steel(), .grain = std::nullopt}};
+  const auto same = bake::bake(mesh, steel(), options, "bar").value().bank;
+  ASSERT_EQ(same.mode_count(), whole.mode_count());
+  for (std::size_t m = 0; m < whole.mode_count(); ++m) {
+    EXPECT_NEAR(same.frequency_hz[m] / whole.frequency_hz[m], 1, 1e-7);
+    EXPECT_NEAR(same.decay_per_s[m] / whole.decay_per_s[m], 1, 1e-5);
+  }
+  // Only one half loses: in a symmetric bar, half of what the whole loses.
+  options.makeup.parts[0].material.damping = {};
+  const auto half = bake::bake(mesh, steel(), options, "bar").value().bank;
+  for (std::size_t m = 0; m < whole.mode_count(); ++m)
+    EXPECT_NEAR(half.decay_per_s[m] / whole.decay_per_s[m], 0.5, 2e-3);
+  options.makeup.parts[0].group = "right";
+  EXPECT_NE(bake::bake(mesh, steel(), options, "bar").error().message.find("has no group 'right'"), std::string::npos);
+}
+
+// Alike in all directions across its axis: a tube with its grain around that axis is one with a straight grain.
+TEST(Makeup, AGrainAlongAnAxisIsStraightWhereAllDirectionsAcrossAreAlike) {
+  modal::Material bamboo = spruce();
+  bamboo.orthotropy = modal::Orthotropy{.youngs_modulus_pa = {15e9, 1.1e9, 1.1e9},
+                                        .poisson_ratio = {0.3, 0.3, 0.4},
+                                        .shear_modulus_pa = {1e9, 1e9, 1.1e9 / 2.8}};
+  const bake::Grain straight{.along = {0, 0, 1}}, around{.axis = Vec3{0, 0, 1}, .through_m = {0.3, 0.1, 0}},
+      wound{.axis = Vec3{0, 0, 1}, .winds = true};
+  const Eigen::Vector3d point(0.02, 0.01, 0.05);
+  const fem::Matrix6 a = bake::stiffness_at(bamboo, straight, point).value(),
+                     b = bake::stiffness_at(bamboo, around, point).value(),
+                     c = bake::stiffness_at(bamboo, wound, {0.07, 0, 0.3}).value();
+  EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 1e-9 * a(2, 2));
+  EXPECT_NEAR(c(1, 1) / a(2, 2), 1, 1e-9);  // on the x axis a winding runs along y
+  EXPECT_NE(bake::stiffness_at(spruce(), straight, point).error().message.find("radial = [x, y, z]"),
+            std::string::npos);
+}
+
+TEST(Makeup, GroupsOfAGeoFileHoldAndPartABody) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path() / "two.geo") << R"(SetFactory("OpenCASCADE");
+DefineConstant[ mesh_size = 10 ];
+Box(1) = {0, 0, 0, 40, 20, 10};  Box(2) = {40, 0, 0, 40, 20, 10};
+BooleanFragments{ Volume{1}; Delete; }{ Volume{2}; Delete; }
+Physical Volume("handle") = {1};  Physical Volume("blade") = {2};
+foot() = Surface In BoundingBox {-1, -1, -1, 1, 21, 11};
+Physical Surface("foot") = {foot()};
+)";
+  mesh::GmshOptions meshing;
+  meshing.unit_m = 0.001;
+  meshing.mesh_size_m = 0.01;
+  const auto mesh = mesh::read_with_gmsh(folder.path() / "two.geo", meshing);
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_EQ(mesh->pieces, 1);  // shared nodes
+  mesh::Body body{.mesh = *mesh}, back;
+  ASSERT_TRUE(mesh::unpack(mesh::packed(body), back));
+  for (const mesh::MeshGroups& groups : {mesh->groups, back.mesh.groups}) {
+    ASSERT_EQ(groups.volumes, (std::vector<std::string>{"handle", "blade"}));
+    ASSERT_EQ(groups.surfaces.size(), 1u);
+    for (Eigen::Index e = 0; e < mesh->mesh.elements.rows(); ++e)
+      ASSERT_EQ(groups.volume_of[e], mesh::corners_of(mesh->mesh, e).col(0).mean() < 0.04 ? 0 : 1);
+    std::vector<mesh::OuterFace> faces;
+    for (const mesh::OuterFace& face : mesh::outer_faces(mesh->mesh.elements)) {
+      if (std::ranges::binary_search(groups.surfaces[0].faces, 4 * face.element + face.opposite)) faces.push_back(face);
+    }
+    EXPECT_NEAR(fem::extent_of(mesh->mesh, faces).area, 0.02 * 0.01, 1e-9);
+  }
+}
+
+TEST(Makeup, WhatDoesNotFitTheBodyIsSaid) {
+  bake::BakeOptions options = quick(6000);
+  options.makeup.supports = {{.place = box({1, 1, 1}, {2, 2, 2})}};
+  EXPECT_NE(bake::bake(bar(), steel(), options, "bar").error().message.find("no face of its surface lies on the box"),
+            std::string::npos);
+  options.makeup.supports = {{.kind = bake::SupportKind::kSlides, .place = box({-1, -1, -1}, {1, 1, 1})}};
+  EXPECT_NE(bake::bake(bar(), steel(), options, "bar").error().message.find("is not flat"), std::string::npos);
+  options.makeup.supports.clear();
+  options.makeup.grain = bake::Grain{};
+  EXPECT_NE(bake::bake(bar(), steel(), options, "bar").error().message.find("leave the grain out"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ringdown
