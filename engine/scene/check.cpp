@@ -39,7 +39,9 @@ class Fields {
         .number("poisson", s.poisson.value_or(kDefaultPoisson), range::kPoisson)
         .number("roughness_m", s.texture.roughness_m, range::kRoughness_m)
         .number("correlation_m", s.texture.correlation_m, range::kCorrelation_m)
-        .number("spectral_slope", s.texture.spectral_slope, range::kSpectralSlope);
+        .number("spectral_slope", s.texture.spectral_slope, range::kSpectralSlope)
+        .number("shortest_m", s.texture.shortest_m, range::kShortest_m)
+        .number("waviness", s.waviness.value_or(0), range::kWaviness);
   }
   Fields& require(bool holds, const std::string& otherwise) {
     if (!holds) refuse(otherwise);

@@ -46,6 +46,7 @@ struct ContactReport {
   Vec3 force_n;         // on the first body, world: the mean
   double slip_m_s = 0;  // mean, weighted by force
   double roll_m_s = 0;  // speed at which the contact point travels over both surfaces
+  double over_first_m_s = 0, over_second_m_s = 0;  // and over each of them
   Motion first, second;
 };
 

@@ -56,8 +56,10 @@ class ContactSounds {
   };
   void process_pair(BodyPair pair, std::span<const ContactPoint* const> points, double now_s, const Timeline& timeline);
   [[nodiscard]] bool is_impact(const ContactPoint& point) const;
-  void strike(const ContactPoint& point, double now_s, const Timeline& timeline);
-  void click(BodyPair pair, std::span<const ContactPoint* const> points, const Timeline& timeline);
+  [[nodiscard]] std::optional<double> face_time_s(std::span<const ContactPoint* const> points) const;
+  void strike(const ContactPoint& point, std::optional<double> face_s, double now_s, const Timeline& timeline);
+  void click(BodyPair pair, std::span<const ContactPoint* const> points, std::optional<double> face_s,
+             const Timeline& timeline);
 
   double step_s_, bounce_threshold_m_s_;
   bool clicks_;

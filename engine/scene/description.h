@@ -20,6 +20,10 @@
 #include <string>
 #include <vector>
 
+namespace ringdown::modal {
+struct SurfaceRelief;  // surface_relief.h
+}
+
 namespace ringdown::scene {
 
 // The most of each kind in one scene. Readers and World refuse more.
@@ -66,6 +70,8 @@ inline constexpr Range kPoisson{-0.9, 0.499};
 inline constexpr Range kRoughness_m{0, 0.01};
 inline constexpr Range kCorrelation_m{1e-7, 1};
 inline constexpr Range kSpectralSlope{-10, 0};
+inline constexpr Range kShortest_m{0, 1};
+inline constexpr Range kWaviness{0, 10};
 inline constexpr Range kLimit_degrees{-179, 179};
 inline constexpr Range kJointFriction_nm{0, 1e6};
 inline constexpr Range kDriveGain{0, 1e9};
@@ -95,6 +101,9 @@ struct FrictionSurface {
   std::optional<double> young_pa;        // unset: of the bank's material, else kDefaultYoung_pa
   std::optional<double> poisson;         // unset: of the bank's material, else kDefaultPoisson
   synth::Texture texture;                // what sliding and rolling excite
+  std::optional<double> waviness;  // height over length of the departure from flat, which leaves flat faces so much of
+                                   // their patch to bear; unset: impacts of faces are those of their corners
+  std::shared_ptr<const modal::SurfaceRelief> relief;  // measured heights and mesoscale relief, in glTF scenes; or null
 };
 
 // Hard stone or glass: the elasticity of bodies without another material.

@@ -10,6 +10,8 @@
 #include "engine/scene/gltf_document.h"
 #include "engine/scene/gltf_joints.h"
 #include "engine/scene/gltf_shapes.h"
+#include "engine/scene/gltf_surface.h"
+#include "engine/scene/normal_map.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/scene_text.h"
 
@@ -31,8 +33,8 @@ constexpr const char* kAudio = "KHR_audio_rigid_bodies";
 constexpr double kUsualDensity_kg_m3 = 1000;
 
 // Extensions that are read here or that change nothing about a scene's motion and sound.
-constexpr std::array kKnown = {"KHR_physics_rigid_bodies", "KHR_implicit_shapes", "KHR_audio_rigid_bodies",
-                               "EXT_meshopt_compression"};
+constexpr std::array kKnown = {"KHR_physics_rigid_bodies", "KHR_implicit_shapes", "KHR_collision_shapes",
+                          "KHR_audio_rigid_bodies",                               "EXT_meshopt_compression"};
 
 // A collider, and where its node lies.
 struct Collider {
@@ -55,7 +57,8 @@ Field audio_of(const GltfNode& node) { return node.field["extensions"][kAudio]; 
 
 class SceneReader {
  public:
-  SceneReader(GltfDocument& document, std::filesystem::path path) : document_(document), path_(std::move(path)) {}
+  SceneReader(GltfDocument& document, std::filesystem::path path, const modal::ReadBeside& read_beside)
+      : document_(document), path_(std::move(path)), read_beside_(read_beside) {}
 
   Result<GltfScene> read() {
     note_what_is_left_out();
@@ -106,7 +109,14 @@ class SceneReader {
     return nearest(node, [](const GltfNode& n) { return physics_of(n)["motion"].present(); });
   }
 
-  // Sorts colliders and models by the bodies that they belong to. A body without a motion is its collider's node.
+  // The node of the body that a collider or a model belongs to: that of the motion; without one, the nearest node with
+  // a modal model, else its own.
+  [[nodiscard]] std::size_t owner_of(std::size_t node) const {
+    if (const auto motion = motion_of(node)) return *motion;
+    return nearest(node, [](const GltfNode& n) { return audio_of(n)["modalModel"].present(); }).value_or(node);
+  }
+
+  // Sorts colliders and models by the bodies that they belong to.
   void collect() {
     std::map<std::size_t, std::size_t> by_node;
     const auto body_at = [&](std::size_t node, bool moves) -> Body& {
@@ -122,21 +132,17 @@ class SceneReader {
       if (motion == k) body_at(k, true);
       if (collider.present()) {
         if (auto read = read_collider(k, collider))
-          body_at(motion.value_or(k), motion.has_value()).colliders.push_back(std::move(*read));
+          body_at(owner_of(k), motion.has_value()).colliders.push_back(std::move(*read));
       }
       if (!plays) continue;
-      if (!motion && !collider.present()) {
-        note("a modal model of a node without a motion or a collider has nothing to strike it; it is not loaded");
-        continue;
-      }
-      Body& body = body_at(motion.value_or(k), motion.has_value());
+      Body& body = body_at(owner_of(k), motion.has_value());
       if (body.model_node) note("a body plays one modal model; further ones below it are not loaded");
       if (!body.model_node) body.model_node = k;
     }
   }
 
   std::optional<Collider> read_collider(std::size_t node, const Field& field) {
-    auto geometry = read_geometry(document_, field["geometry"]);
+    auto geometry = read_geometry(document_, geometry_of(field));
     if (!geometry) return {};
     Collider collider{.node = node, .geometry = std::move(*geometry)};
     const Field material = document_.element(field["physicsMaterial"], list(kPhysics, "physicsMaterials"));
@@ -146,7 +152,7 @@ class SceneReader {
       collider.filter = {document_.texts(filter["collisionSystems"]), document_.texts(filter["collideWithSystems"]),
                          document_.texts(filter["notCollideWithSystems"])};
     }
-    read_finish(node, collider.surface);
+    read_surface(node, collider.surface);
     return collider;
   }
 
@@ -168,21 +174,40 @@ class SceneReader {
     surface.restitution = std::min(surface.restitution, 1.0);
   }
 
-  // The acoustic surface of a node or of the nearest one above it.
-  void read_finish(std::size_t node, FrictionSurface& surface) {
+  // The acoustic surface of a node or of the nearest one above it; without one, that of a machined surface.
+  void read_surface(std::size_t node, FrictionSurface& surface) {
     const auto owner = nearest(node, [](const GltfNode& n) { return audio_of(n)["acousticSurface"].present(); });
-    if (!owner) return;
-    const Field finish =
-        document_.element(audio_of(nodes()[*owner])["acousticSurface"], list(kAudio, "acousticSurfaces"));
-    surface.texture.roughness_m = document_.number(finish["roughness"], surface.texture.roughness_m);
-    surface.texture.correlation_m = document_.number(finish["correlationLength"], surface.texture.correlation_m);
-    surface.texture.spectral_slope = document_.number(finish["spectralSlope"], surface.texture.spectral_slope);
-    for (const char* unused : {"waviness", "shortWavelength", "profile", "normalTexture"}) {
-      if (finish[unused].present()) note(std::string("the ") + unused + " of an acoustic surface is not heard");
-    }
+    const Field finish = owner ? document_.element(audio_of(nodes()[*owner])["acousticSurface"],
+                                                   list(kAudio, "acousticSurfaces"))
+                               : Field(nullptr, "");
+    read_finish(document_, finish, surface);
     const Field material = document_.element(finish["material"], list(kAudio, "acousticMaterials"));
     if (material["youngsModulus"].present()) surface.young_pa = document_.number(material["youngsModulus"], 0);
     if (material["poissonRatio"].present()) surface.poisson = document_.number(material["poissonRatio"], 0);
+    surface.relief = relief(node, owner, finish);
+  }
+
+  // What is known of the heights of a collider's surface. The same profile or map is read once for each surface, mesh
+  // and size.
+  std::shared_ptr<const modal::SurfaceRelief> relief(std::size_t node, std::optional<std::size_t> owner,
+                                                     const Field& finish) {
+    auto mesh_node = nearest(node, [](const GltfNode& n) { return n.field["mesh"].present(); });
+    const auto other = geometry_of(physics_of(nodes()[node])["collider"])["node"].index();
+    if (other && *other < nodes().size() && nodes()[*other].field["mesh"].present()) mesh_node = *other;
+    const Affine& world = nodes()[node].world;
+    const Vec3 s = parts_of(world.linear).scale;
+    const std::string key = std::to_string(owner.value_or(nodes().size())) + " " +
+                            std::to_string(mesh_node.value_or(nodes().size())) + " " + std::to_string(s.x) + " " +
+                            std::to_string(s.y) + " " + std::to_string(s.z);
+    const auto [found, is_new] = reliefs_.try_emplace(key);
+    if (!is_new) return found->second;
+    modal::SurfaceRelief relief{.profile = read_profile(document_, finish)};
+    if (mesh_node) {
+      const Field mesh = document_.element(nodes()[*mesh_node].field["mesh"], document_.root()["meshes"]);
+      relief.mesoscale = relief_of(document_, finish["normalTexture"], mesh, world, read_beside_);
+    }
+    if (relief.profile || relief.mesoscale) found->second = std::make_shared<modal::SurfaceRelief>(std::move(relief));
+    return found->second;
   }
 
   // A body's frame: that of its model, else of its only collider, else its own.
@@ -214,6 +239,8 @@ class SceneReader {
     }
     if (shapes.empty()) {
       if (!is_plane && body.moves) note("a motion without a collider touches nothing, and is left out");
+      if (!body.moves && body.model_node)
+        note("a modal model of a node without a motion or a collider has nothing to strike it; it is not loaded");
       return;
     }
     for (const Collider& other : body.colliders) {
@@ -259,9 +286,11 @@ class SceneReader {
     if (parts.sheared || parts.mirrored || std::max({s.x, s.y, s.z}) - std::min({s.x, s.y, s.z}) > 1e-6 * s.x)
       return note("a modal model under an uneven or a mirrored scale is silent; it needs a bake at that scale");
     ObjectDescription object{.name = unique_object(node.name)};
-    object.bank = modal::bank_path(path_, reference.index().value_or(0));
+    // A model was made for its node at the scale that the file gives it, which moves the points and nothing else.
+    const double scale = std::abs(s.x - 1) < 1e-6 ? 1 : s.x;
+    if (!modal::kBankPathScale.holds(scale)) return note("a modal model under a scale beyond 1e-6 to 1e6 is silent");
+    object.bank = modal::bank_path({path_, reference.index().value_or(0), scale});
     object.gain = document_.number(audio_of(node)["gain"], 1);
-    object.material.size = std::abs(s.x - 1) < 1e-6 ? 1 : s.x;
     body.object = object.name;
     has_mass_ = model["massProperties"].present();
     scene_.objects.push_back(std::move(object));
@@ -332,7 +361,7 @@ class SceneReader {
   [[nodiscard]] std::string body_of(std::size_t node) const {
     auto owner = motion_of(node);
     if (!owner) owner = nearest(node, [](const GltfNode& n) { return physics_of(n)["collider"].present(); });
-    const auto found = owner ? names_.find(*owner) : names_.end();
+    const auto found = owner ? names_.find(owner_of(*owner)) : names_.end();
     return found == names_.end() ? "" : found->second;
   }
 
@@ -375,6 +404,8 @@ class SceneReader {
 
   GltfDocument& document_;
   std::filesystem::path path_;
+  const modal::ReadBeside& read_beside_;
+  std::map<std::string, std::shared_ptr<const modal::SurfaceRelief>> reliefs_;
   std::vector<Body> bodies_;
   std::map<std::size_t, std::string> names_;  // of the bodies, by their nodes
   std::size_t points_ = 0;
@@ -402,7 +433,7 @@ Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::
     if (!glb) return fail(glb.error());
     auto document = GltfDocument::read(*glb);
     if (!document) return fail(document.error());
-    auto read = SceneReader(*document, path).read();
+    auto read = SceneReader(*document, path, read_beside).read();
     const Field own = glb->root()["extras"]["ringdown"];
     if (!read || !own["scene"].present()) return read;
     if (own["fingerprint"].text_or("") != fingerprint(read->scene)) {

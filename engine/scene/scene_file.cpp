@@ -211,6 +211,8 @@ class SceneReader {
     table.number("roughness_m", surface.texture.roughness_m, range::kRoughness_m);
     table.number("correlation_m", surface.texture.correlation_m, range::kCorrelation_m);
     table.number("spectral_slope", surface.texture.spectral_slope, range::kSpectralSlope);
+    table.number("shortest_m", surface.texture.shortest_m, range::kShortest_m);
+    read_optional(table, "waviness", surface.waviness, range::kWaviness);
   }
 
   static void read_optional(TomlTable& table, std::string_view key, std::optional<double>& target, const Range& range) {

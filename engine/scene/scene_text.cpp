@@ -133,6 +133,8 @@ class SceneWriter {
     unless("roughness_m", surface.texture.roughness_m, usual.texture.roughness_m);
     unless("correlation_m", surface.texture.correlation_m, usual.texture.correlation_m);
     unless("spectral_slope", surface.texture.spectral_slope, usual.texture.spectral_slope);
+    unless("shortest_m", surface.texture.shortest_m, usual.texture.shortest_m);
+    if (surface.waviness) line("waviness", *surface.waviness);
   }
 
   void write(const StaticDescription& item) {

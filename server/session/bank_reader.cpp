@@ -35,7 +35,7 @@ Result<BankFile> BankReader::read(const std::filesystem::path& path) {
     if (auto map = known->second.map.lock())
       return BankFile{std::move(map), known->second.bytes, known->second.content};
   }
-  const auto [at, model] = modal::split_bank_path(path);
+  const auto [at, model, scale] = modal::split_bank_path(path);
   const auto bytes = roots_.read(at, modal::kMaxBankFileBytes);
   if (!bytes) return fail(bytes.error());
   const modal::ReadBeside beside = [this, folder = at.parent_path()](const std::string& relative, std::size_t limit) {
