@@ -384,6 +384,10 @@ WrittenModel add_model(GlbWriter& writer, const Bank& bank, bool packed) {
 
 Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std::string_view input_hash,
                         Compression compression) {
+  return write_output(path, to_glb(bank, input_hash, compression));
+}
+
+std::vector<std::byte> to_glb(const Bank& bank, std::string_view input_hash, Compression compression) {
   GlbWriter writer;
   auto [model, primitive, material] = add_model(writer, bank, compression == Compression::meshopt);
   if (!input_hash.empty()) model["extras"]["ringdown"]["inputHash"] = input_hash;
@@ -403,7 +407,7 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std
                    {"scenes", Json::array({{{"nodes", Json::array({0})}}})},
                    {"nodes", Json::array({node})},
                    {"meshes", Json::array({{{"name", bank.name}, {"primitives", Json::array({primitive})}}})}};
-  return write_output(path, std::move(writer).finish(std::move(document)));
+  return std::move(writer).finish(std::move(document));
 }
 
 std::optional<std::string> read_input_hash(const std::filesystem::path& path) {

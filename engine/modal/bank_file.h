@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ringdown::modal {
 
@@ -52,6 +53,10 @@ enum class Compression { none, meshopt };
 // made from, the file carries it.
 Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std::string_view input_hash = {},
                         Compression compression = Compression::none);
+
+// The bytes of such a file.
+std::vector<std::byte> to_glb(const Bank& bank, std::string_view input_hash = {},
+                              Compression compression = Compression::none);
 
 // The input_hash that `path` was written with; nothing when there is no such file, when it is cut off or no glTF, or
 // when it has none. Milliseconds.

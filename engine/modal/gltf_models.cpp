@@ -32,7 +32,7 @@ void pad(std::string& text, char filler) { text.resize((text.size() + 3) / 4 * 4
 
 // A file taken apart. A .gltf is a text alone.
 struct Pieces {
-  bool is_glb = false;
+  bool is_glb = false, has_binary = false;
   std::string_view binary;  // the binary chunk
   std::string_view others;  // the chunks after it, with their heads
 };
@@ -45,6 +45,7 @@ Pieces take_apart(std::string_view file) {
   std::size_t at = kHead + kChunkHead + word_in(file, kHead);
   if (at + kChunkHead <= file.size()) {
     const std::size_t size = word_in(file, at);
+    pieces.has_binary = true;
     pieces.binary = file.substr(at + kChunkHead, size);
     at += kChunkHead + size;
   }
@@ -121,7 +122,7 @@ Result<ExtendedGltf> add_models(std::string_view file, const std::string& name, 
     const Pieces pieces = take_apart(file);
     const Field root(&json, name + ": ");
     const bool inside = pieces.is_glb && !root["buffers"][0]["uri"].present() &&
-                        (root["buffers"].size() == 0 || !pieces.binary.empty());
+                        (root["buffers"].size() == 0 || pieces.has_binary);
     // Where the first new accessor, view and byte will be.
     const std::size_t accessors = root["accessors"].size(), views = root["bufferViews"].size();
     const std::size_t buffer = inside ? 0 : root["buffers"].size();

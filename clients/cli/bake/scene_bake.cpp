@@ -45,8 +45,11 @@ std::vector<Alike> groups_of(const std::vector<SilentBody>& bodies) {
     if (!bodies[k].trouble.empty()) continue;
     const auto found =
         std::ranges::find_if(groups, [&](const Alike& group) { return same_sound(bodies[group[0]], bodies[k]); });
-    if (found == groups.end()) groups.push_back({k});
-    if (found != groups.end()) found->push_back(k);
+    if (found == groups.end()) {
+      groups.push_back({k});
+    } else {
+      found->push_back(k);
+    }
   }
   return groups;
 }
