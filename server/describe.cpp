@@ -54,7 +54,9 @@ Answer read(const protocol::ReadBank& question, const session::Session& session)
   if (object.bank_alone) {
     const auto rest = std::span(*object.bank_alone).subspan(question.offset);
     const auto piece = rest.first(std::min<std::size_t>(rest.size(), question.bytes));
-    return std::vector<protocol::Reply>{protocol::BankReply{object.name, object.bank_version, whole(question.offset),
+    return std::vector<protocol::Reply>{protocol::BankReply{object.name,
+                                                            object.bank_version,
+                                                            whole(question.offset),
                                                             whole(object.bank_alone->size()),
                                                             {piece.begin(), piece.end()}}};
   }

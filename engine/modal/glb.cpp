@@ -115,7 +115,7 @@ Result<Elements> locate(const Glb& glb, const Field& reference, std::size_t widt
   if (!number) return fail(number.error());
   const Field accessor = glb.root()["accessors"][*number];
   if (!accessor.present()) return reference.wrong("the number of an accessor in the file");
-  const char* type = width == 1 ? "SCALAR" : width == 2 ? "VEC2" : "VEC3";
+  const char* type = width == 1 ? "SCALAR" : width == 2 ? "VEC2" : width == 3 ? "VEC3" : "VEC4";
   if (accessor["type"].text_or("") != type) return accessor["type"].wrong(std::string("\"") + type + "\"");
   if (accessor["sparse"].present()) return accessor["sparse"].wrong("absent: sparse accessors are not supported");
 

@@ -67,7 +67,7 @@ Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name)
 inline constexpr std::size_t kMaxUnpackedBytes = std::size_t{1} << 30;  // of one compressed array
 
 // The accessor that `reference` (a field holding its number) names, as count x width numbers. `width` 1 is SCALAR,
-// 2 and 3 are VEC2 and VEC3. At most `limit` elements.
+// 2 to 4 are VEC2 to VEC4. At most `limit` elements.
 Result<std::vector<float>> read_floats(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit);
 Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const Field& reference, std::size_t limit);
 Result<std::vector<std::byte>> read_bytes(const Glb& glb, const Field& reference, std::size_t limit);

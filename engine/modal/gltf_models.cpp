@@ -121,8 +121,8 @@ Result<ExtendedGltf> add_models(std::string_view file, const std::string& name, 
     }
     const Pieces pieces = take_apart(file);
     const Field root(&json, name + ": ");
-    const bool inside = pieces.is_glb && !root["buffers"][0]["uri"].present() &&
-                        (root["buffers"].size() == 0 || pieces.has_binary);
+    const bool inside =
+        pieces.is_glb && !root["buffers"][0]["uri"].present() && (root["buffers"].size() == 0 || pieces.has_binary);
     // Where the first new accessor, view and byte will be.
     const std::size_t accessors = root["accessors"].size(), views = root["bufferViews"].size();
     const std::size_t buffer = inside ? 0 : root["buffers"].size();
@@ -170,7 +170,8 @@ Result<ExtendedGltf> add_models(std::string_view file, const std::string& name, 
     extended.file = pieces.is_glb ? joined(json, binary, pieces.others) : json.dump(2) + "\n";
     const std::size_t text_bytes = pieces.is_glb ? word_in(extended.file, kHead) : extended.file.size();
     if (text_bytes > kMaxJsonBytes || (pieces.is_glb && kMaxGlb < extended.file.size())) {
-      return fail(ErrorKind::too_large, name + " would become larger than a glTF file may be; bake fewer of its bodies");
+      return fail(ErrorKind::too_large,
+                  name + " would become larger than a glTF file may be; bake fewer of its bodies");
     }
     return extended;
   });

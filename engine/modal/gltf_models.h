@@ -1,4 +1,5 @@
-// Adds modal models to a glTF file that another program wrote, and leaves everything else in the file as it is. [worker]
+// Adds modal models to a glTF file that another program wrote, and leaves everything else in the file as it is.
+// [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -21,7 +22,7 @@ struct AddedModel {
 };
 
 struct ExtendedGltf {
-  std::string file;              // the new bytes of the .glb or .gltf
+  std::string file;                 // the new bytes of the .glb or .gltf
   std::string buffer_name, buffer;  // of a file beside it that must be there first; empty: none
 };
 

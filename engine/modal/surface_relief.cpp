@@ -6,9 +6,9 @@
 namespace ringdown::modal {
 namespace {
 
-constexpr std::size_t kFewest = 4;     // heights of a level, for a cubic through four
-constexpr int kTaps = 8;               // parts of a step, over which a coarser height is averaged
-constexpr double kStepsPerWidth = 2;   // a level is smooth over about as many of its steps
+constexpr std::size_t kFewest = 4;    // heights of a level, for a cubic through four
+constexpr int kTaps = 8;              // parts of a step, over which a coarser height is averaged
+constexpr double kStepsPerWidth = 2;  // a level is smooth over about as many of its steps
 
 // The heights of a level with half as many: each is the mean over two of its new steps, weighted by a triangle.
 std::vector<float> halved(const std::vector<float>& fine) {
@@ -44,16 +44,21 @@ Result<SurfaceTrack> SurfaceTrack::make(std::span<const float> heights_m, double
   if (!std::ranges::all_of(heights_m, [](float h) { return std::isfinite(h); }))
     return fail(ErrorKind::bad_input, "a height of a surface's track is not a finite number");
   SurfaceTrack track;
-  std::vector<float>& first = track.levels_.emplace_back();
+  std::vector<float> first;
   while (first.size() < kFewest) first.insert(first.end(), heights_m.begin(), heights_m.end());
-  track.length_m_ = spacing_m * static_cast<double>(first.size());
-  while (track.levels_.back().size() >= 2 * kFewest) track.levels_.push_back(halved(track.levels_.back()));
+  const std::size_t count = first.size();
+  track.length_m_ = spacing_m * static_cast<double>(count);
+  track.levels_.push_back(std::move(first));
+  while (track.levels_.back().size() >= 2 * kFewest) {
+    std::vector<float> coarse = halved(track.levels_.back());
+    track.levels_.push_back(std::move(coarse));
+  }
   double sum = 0;
-  for (std::size_t k = 0; k < first.size(); ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     const double slope = track.slope_in(0, (static_cast<double>(k) + 0.5) * spacing_m);
     sum += slope * slope;
   }
-  track.rms_slope_ = std::sqrt(sum / static_cast<double>(track.levels_.front().size()));
+  track.rms_slope_ = std::sqrt(sum / static_cast<double>(count));
   return track;
 }
 

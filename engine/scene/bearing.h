@@ -1,10 +1,10 @@
 // Faces that meet: how much of their common patch bears, how long their impact lasts, and over which widths a lasting
 // contact smooths what it travels over. After the reference model of KHR_audio_rigid_bodies, appendix B. [any thread]
 //
-// Rough surfaces bear where they touch, at a pressure p = E* g / 2 that depends on neither load nor area, with g the rms
-// gradient of the heights. Of a patch A0 under the load N the part A = A0 erf(sqrt(pi) N / (2 A0 p)) touches (Pastewka
-// and Robbins 2016). One scale up, with the waviness in place of g, the law says how much of a patch that two flat
-// faces share bears at all.
+// Rough surfaces bear where they touch, at a pressure p = E* g / 2 that depends on neither load nor area, with g the
+// rms gradient of the heights. Of a patch A0 under the load N the part A = A0 erf(sqrt(pi) N / (2 A0 p)) touches
+// (Pastewka and Robbins 2016). One scale up, with the waviness in place of g, the law says how much of a patch that two
+// flat faces share bears at all.
 #pragma once
 
 #include "engine/base/vec3.h"

@@ -3,6 +3,7 @@
 #include "engine/base/object_name.h"
 #include "engine/base/quote.h"
 #include "engine/base/range.h"
+#include "engine/scene/motion_path.h"
 #include "engine/scene/rotation.h"
 
 #include <algorithm>
@@ -84,6 +85,16 @@ bool is_sound(const modal::MassProperties& mass) {
          range::kPosition_m.holds(c.x) && range::kPosition_m.holds(c.y) && range::kPosition_m.holds(c.z);
 }
 
+bool is_sound(const MotionPath& path) {
+  const auto near = [](Vec3 v, const Range& range) { return range.holds(v.x) && range.holds(v.y) && range.holds(v.z); };
+  const auto good = [&](const Pose& pose) {
+    return near(pose.position_m, range::kPosition_m) && norm(pose.rotation) > 1e-3 && norm(pose.rotation) < 1e3;
+  };
+  return path.poses.size() <= kMaxPathPoses && (path.poses.empty() || path.every_s > 0) &&
+         near(path.velocity_m_s, range::kVelocity_m_s) && near(path.spin_rad_s, range::kSpin_rad_s) &&
+         std::ranges::all_of(path.poses, good);
+}
+
 Result<void> check_object(const BodyDescription& body, const SceneDescription& scene) {
   if (body.object.empty() || std::ranges::count(scene.objects, body.object, &ObjectDescription::name)) return {};
   return fail(ErrorKind::bad_input, "body " + quote(body.name) + ": the scene has no object " + quote(body.object));
@@ -131,6 +142,8 @@ Result<void> check(const BodyDescription& body) {
   return Fields("body " + quote(body.name))
       .require(!body.mass || is_sound(*body.mass),
                "its mass, its centre or its moments of inertia are those of no body")
+      .require(!body.path || body.fixed, "only a fixed body follows a path")
+      .require(!body.path || is_sound(*body.path), "its path has poses or velocities that no body can have")
       .require(!mesh || mesh->points_m.size() <= kMaxMeshPoints,
                "its mesh has more than " + std::to_string(kMaxMeshPoints) + " points")
       .require(!mesh || mesh->triangles.size() <= 4 * kMaxMeshPoints, "its mesh has too many triangles")
@@ -192,6 +205,8 @@ Result<void> check(const JointDescription& joint, std::span<const BodyDescriptio
     const double size = length(joint.axis);
     fields.require(size > 1e-6 && size < 1e7, "its axis has no direction");
   }
+  fields.number("limit_stiffness", joint.limit_stiffness, range::kDriveGain)
+      .number("limit_damping", joint.limit_damping, range::kDriveGain);
   if (joint.drive) {
     fields.require(hinge || slider, "only a hinge or a slider has a drive")
         .number("drive.stiffness", joint.drive->stiffness, range::kDriveGain)

@@ -196,7 +196,8 @@ std::optional<double> ContactSounds::face_time_s(std::span<const ContactPoint* c
   return std::min(time_s, range::kContactTime_s.high);
 }
 
-void ContactSounds::strike(const ContactPoint& point, std::optional<double> face_s, double now_s, const Timeline& timeline) {
+void ContactSounds::strike(const ContactPoint& point, std::optional<double> face_s, double now_s,
+                           const Timeline& timeline) {
   const ContactSide *body = find(sides_, point.body), *other = find(sides_, point.other);
   if (!body || !other) return;
   const double since_s = std::clamp(point.depth_m / point.approach_m_s, 0.0, step_s_);

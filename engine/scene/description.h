@@ -26,6 +26,8 @@ struct SurfaceRelief;  // surface_relief.h
 
 namespace ringdown::scene {
 
+struct MotionPath;  // motion_path.h
+
 // The most of each kind in one scene. Readers and World refuse more.
 inline constexpr std::size_t kMaxBodies = 1024;  // described, emitted and spawned together
 inline constexpr std::size_t kMaxStatics = 64;
@@ -155,10 +157,11 @@ struct BodyDescription {
   std::optional<modal::MassProperties> mass;  // the body's own mass and inertia, instead of both
   Vec3 position_m;
   Rotation rotation;
-  Vec3 velocity_m_s;          // of the centre of mass
-  Vec3 spin_rad_s;            // about it, world axes
-  bool fixed = false;         // does not move, and still sounds when struck
-  double gravity_factor = 1;  // of the scene's gravity
+  Vec3 velocity_m_s;                       // of the centre of mass
+  Vec3 spin_rad_s;                         // about it, world axes
+  bool fixed = false;                      // does not move, and still sounds when struck
+  double gravity_factor = 1;               // of the scene's gravity
+  std::shared_ptr<const MotionPath> path;  // of a fixed body: how it moves, whatever touches it; null: not at all
   CollisionFilter filter;
   double start_s = 0;    // enters the scene at this time, moving as described; until then it touches nothing
   double scatter_m = 0;  // shifts the start by up to this along each axis, at random from the scene's seed
@@ -207,6 +210,7 @@ struct JointDescription {
                             // or moves along it
   double low_degrees = -179, high_degrees = 179;  // hinge: from the pose described; the widest are no limits
   double low_m = -1000, high_m = 1000;            // slider: from the pose described; the widest are no limits
+  double limit_stiffness = 0, limit_damping = 0;  // of the limits, as of a drive; 0: they are hard
   double friction_nm = 0;                         // torque that resists turning
   std::optional<JointDrive> drive;                // hinge, slider
 };

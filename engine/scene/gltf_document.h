@@ -29,6 +29,9 @@ Vec3 operator*(const Affine& map, Vec3 point_m);
 Affine to_affine(const Pose& pose);
 Affine inverse(const Pose& pose);
 
+// A map of the file, whose y points up, in our axes, whose z does.
+Affine upright(const Affine& map);
+
 // A linear map as lengths along its columns and a rotation, and whether that is all of it: the columns of a sheared
 // map are not at right angles. A mirror's rotation has one column turned round.
 struct Parts {

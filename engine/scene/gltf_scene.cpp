@@ -7,10 +7,12 @@
 #include "engine/modal/bank_file.h"
 #include "engine/modal/gltf_file.h"
 #include "engine/scene/check.h"
+#include "engine/scene/gltf_animation.h"
 #include "engine/scene/gltf_document.h"
 #include "engine/scene/gltf_joints.h"
 #include "engine/scene/gltf_shapes.h"
 #include "engine/scene/gltf_surface.h"
+#include "engine/scene/motion_path.h"
 #include "engine/scene/normal_map.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/scene_text.h"
@@ -34,7 +36,7 @@ constexpr double kUsualDensity_kg_m3 = 1000;
 
 // Extensions that are read here or that change nothing about a scene's motion and sound.
 constexpr std::array kKnown = {"KHR_physics_rigid_bodies", "KHR_implicit_shapes", "KHR_collision_shapes",
-                          "KHR_audio_rigid_bodies",                               "EXT_meshopt_compression"};
+                               "KHR_audio_rigid_bodies", "EXT_meshopt_compression"};
 
 // A collider, and where its node lies.
 struct Collider {
@@ -58,7 +60,7 @@ Field audio_of(const GltfNode& node) { return node.field["extensions"][kAudio]; 
 class SceneReader {
  public:
   SceneReader(GltfDocument& document, std::filesystem::path path, const modal::ReadBeside& read_beside)
-      : document_(document), path_(std::move(path)), read_beside_(read_beside) {}
+      : document_(document), path_(std::move(path)), read_beside_(read_beside), animations_(document) {}
 
   Result<GltfScene> read() {
     note_what_is_left_out();
@@ -86,8 +88,6 @@ class SceneReader {
       if (std::ranges::find(kKnown, name) == kKnown.end())
         note("the file requires the extension " + quote(name) + ", which scenes do not use");
     }
-    const Field animations = document_.root()["animations"];
-    if (animations.size() > 0) note("the file's animations are not played");
     for (const GltfNode& node : nodes()) {
       if (!node.in_scene) continue;
       if (physics_of(node)["trigger"].present()) note("triggers have no effect");
@@ -177,9 +177,9 @@ class SceneReader {
   // The acoustic surface of a node or of the nearest one above it; without one, that of a machined surface.
   void read_surface(std::size_t node, FrictionSurface& surface) {
     const auto owner = nearest(node, [](const GltfNode& n) { return audio_of(n)["acousticSurface"].present(); });
-    const Field finish = owner ? document_.element(audio_of(nodes()[*owner])["acousticSurface"],
-                                                   list(kAudio, "acousticSurfaces"))
-                               : Field(nullptr, "");
+    const Field finish =
+        owner ? document_.element(audio_of(nodes()[*owner])["acousticSurface"], list(kAudio, "acousticSurfaces"))
+              : Field(nullptr, "");
     read_finish(document_, finish, surface);
     const Field material = document_.element(finish["material"], list(kAudio, "acousticMaterials"));
     if (material["youngsModulus"].present()) surface.young_pa = document_.number(material["youngsModulus"], 0);
@@ -211,14 +211,13 @@ class SceneReader {
   }
 
   // A body's frame: that of its model, else of its only collider, else its own.
+  static std::size_t frame_node(const Body& body) {
+    if (body.model_node) return *body.model_node;
+    return body.colliders.size() == 1 ? body.colliders[0].node : body.node;
+  }
+
   [[nodiscard]] Pose frame_of(const Body& body) const {
-    std::size_t node = body.node;
-    if (body.model_node) {
-      node = *body.model_node;
-    } else if (body.colliders.size() == 1) {
-      node = body.colliders[0].node;
-    }
-    const Affine& world = nodes()[node].world;
+    const Affine& world = nodes()[frame_node(body)].world;
     return {world.shift_m, parts_of(world.linear).rotation};
   }
 
@@ -260,6 +259,13 @@ class SceneReader {
     made.fixed = !body.moves;
     if (body.model_node) add_object(*body.model_node, made);
     if (body.moves) add_motion(body, frame, made);
+    if (auto path = animations_.path_of(frame_node(body))) {
+      made.fixed = true;
+      made.velocity_m_s = made.spin_rad_s = {};
+      made.position_m = path->poses[0].position_m;
+      made.rotation = path->poses[0].rotation;
+      made.path = std::move(path);
+    }
     names_[body.node] = made.name;
     scene_.bodies.push_back(std::move(made));
   }
@@ -305,7 +311,11 @@ class SceneReader {
     made.gravity_factor = document_.number(motion["gravityFactor"], 1);
     if (document_.flag(motion["isKinematic"], false)) {
       made.fixed = true;
-      if (made.velocity_m_s != Vec3{} || made.spin_rad_s != Vec3{}) note("kinematic bodies stand still");
+      if (made.velocity_m_s != Vec3{} || made.spin_rad_s != Vec3{}) {
+        const MotionPath path{.velocity_m_s = made.velocity_m_s, .spin_rad_s = made.spin_rad_s};
+        made.path = std::make_shared<MotionPath>(path);
+        made.velocity_m_s = made.spin_rad_s = {};
+      }
       return;
     }
     const bool own =
@@ -405,6 +415,7 @@ class SceneReader {
   GltfDocument& document_;
   std::filesystem::path path_;
   const modal::ReadBeside& read_beside_;
+  GltfAnimations animations_;
   std::map<std::string, std::shared_ptr<const modal::SurfaceRelief>> reliefs_;
   std::vector<Body> bodies_;
   std::map<std::size_t, std::string> names_;  // of the bodies, by their nodes

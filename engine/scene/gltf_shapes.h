@@ -26,7 +26,8 @@ struct GltfGeometry {
   std::shared_ptr<const ShapeMesh> points;  // hull, mesh
 };
 
-// A collider's `geometry`; of earlier drafts, which Blender's exporter writes, the collider itself, which names a shape.
+// A collider's `geometry`; of earlier drafts, which Blender's exporter writes, the collider itself, which names a
+// shape.
 modal::Field geometry_of(const modal::Field& collider);
 
 // The shapes of the file, by the extension's present name or its former one, KHR_collision_shapes.

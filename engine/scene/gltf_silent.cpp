@@ -59,13 +59,9 @@ class SilentFinder {
 
  private:
   [[nodiscard]] const std::vector<GltfNode>& nodes() const { return document_.nodes(); }
-  [[nodiscard]] Field physics(std::size_t node) const {
-    return nodes()[node].field["extensions"][kPhysicsExtension];
-  }
+  [[nodiscard]] Field physics(std::size_t node) const { return nodes()[node].field["extensions"][kPhysicsExtension]; }
   [[nodiscard]] Field audio(std::size_t node) const { return nodes()[node].field["extensions"][kAudioExtension]; }
-  [[nodiscard]] Field list(const char* name) const {
-    return document_.root()["extensions"][kAudioExtension][name];
-  }
+  [[nodiscard]] Field list(const char* name) const { return document_.root()["extensions"][kAudioExtension][name]; }
 
   template <class Has>
   [[nodiscard]] std::optional<std::size_t> nearest(std::size_t node, const Has& has) const {

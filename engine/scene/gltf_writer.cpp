@@ -265,6 +265,10 @@ class GlbScene {
     if (hinge && joint.high_degrees < range::kLimit_degrees.high) range["max"] = radians * joint.high_degrees;
     if (slider && joint.low_m > range::kPosition_m.low) range["min"] = joint.low_m;
     if (slider && joint.high_m < range::kPosition_m.high) range["max"] = joint.high_m;
+    if (range.size() > 1 && joint.limit_stiffness > 0) {
+      range["stiffness"] = joint.limit_stiffness;
+      range["damping"] = joint.limit_damping;
+    }
     if (range.size() > 1) limits.push_back(range);
     Json written = {{"limits", limits}};
     if (joint.drive) {
@@ -328,8 +332,8 @@ class GlbScene {
   const SceneDescription& scene_;
   std::span<const modal::Bank> banks_;
   modal::GlbWriter writer_;
-  std::vector<std::size_t> model_of_;         // of each object's bank
-  std::vector<std::size_t> played_model_of_;  // of the bank in the object's material and size
+  std::vector<std::size_t> model_of_;              // of each object's bank
+  std::vector<std::size_t> played_model_of_;       // of the bank in the object's material and size
   std::map<std::string, std::size_t> body_nodes_;  // by the body's name
   Json nodes_ = Json::array(), roots_ = Json::array(), meshes_ = Json::array(), cameras_ = Json::array();
   Json shapes_ = Json::array(), models_ = Json::array(), materials_ = Json::array(), finishes_ = Json::array();

@@ -57,8 +57,8 @@ class LastingEvents {
     FilterWidths widths;
   };
   static Felt felt(const ContactReport& report, const ContactSide& first, const ContactSide& second);
-  void add_half(const ContactReport& report, const Half& half, std::optional<Number>& number,
-                const Felt& felt, synth::Frame frame, StepEvents& events);
+  void add_half(const ContactReport& report, const Half& half, std::optional<Number>& number, const Felt& felt,
+                synth::Frame frame, StepEvents& events);
   std::uint32_t take_number(synth::ObjectNumber object);
 
   PairMap<Numbers> numbers_;

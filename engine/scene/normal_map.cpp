@@ -115,7 +115,8 @@ std::optional<Picture> picture_of(GltfDocument& document, const Field& info, con
     bytes = *std::move(read);
   }
   auto picture = unpack_png(std::as_bytes(std::span(bytes)));
-  if (!picture) document.notes.add("a normal map cannot be read, and is not felt: it must be a PNG of 16 million pixels at most");
+  if (!picture)
+    document.notes.add("a normal map cannot be read, and is not felt: it must be a PNG of 16 million pixels at most");
   return picture;
 }
 

@@ -298,6 +298,8 @@ class SceneReader {
       table.require({"axis"});
       table.vector("axis", joint.axis, {-1e6, 1e6});
       read_drive(table, joint.drive);
+      table.number("limit_stiffness", joint.limit_stiffness, range::kDriveGain);
+      table.number("limit_damping", joint.limit_damping, range::kDriveGain);
     }
     if (hinge) {
       table.number("low_degrees", joint.low_degrees, range::kLimit_degrees);

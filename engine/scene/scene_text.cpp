@@ -227,6 +227,8 @@ class SceneWriter {
     if (!hinge && !slider) return;
     line("axis", joint.axis);
     if (joint.drive) write(*joint.drive);
+    unless("limit_stiffness", joint.limit_stiffness, usual.limit_stiffness);
+    unless("limit_damping", joint.limit_damping, usual.limit_damping);
     if (hinge) {
       unless("low_degrees", joint.low_degrees, usual.low_degrees);
       unless("high_degrees", joint.high_degrees, usual.high_degrees);

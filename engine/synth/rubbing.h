@@ -7,11 +7,11 @@
 // kRollingRatio times as long. A contact that stands still makes no force.
 //
 // Where a surface's own heights are known (engine/modal/surface_relief.h), they are felt instead, each surface's at the
-// speed at which the contact travels over it, and smoothed over the width of the region that bears. Its mesoscale relief
-// is felt besides.
+// speed at which the contact travels over it, and smoothed over the width of the region that bears. Its mesoscale
+// relief is felt besides.
 //
-// The random profile is a sum of octaves of cubic B-splines over random numbers, which a hash finds anew wherever they are
-// needed, so nothing is stored and the same contact sounds the same each time. Octaves beyond hearing are left out.
+// The random profile is a sum of octaves of cubic B-splines over random numbers, which a hash finds anew wherever they
+// are needed, so nothing is stored and the same contact sounds the same each time. Octaves beyond hearing are left out.
 #pragma once
 
 #include "engine/base/realtime.h"

@@ -22,7 +22,8 @@ struct BankFile {
   std::shared_ptr<const modal::StrikeMap> map;
   std::size_t bytes = 0;  // the file's size
   ContentHash content;    // of the whole file
-  std::shared_ptr<const std::vector<std::byte>> alone;  // of a bank in a scene: a file with this bank alone, in place of the scene's
+  std::shared_ptr<const std::vector<std::byte>>
+      alone;  // of a bank in a scene: a file with this bank alone, in place of the scene's
 };
 
 // The bank in a file of these bytes (modal::parse_bank); `name` stands in sentences where the file's path would.

@@ -34,8 +34,8 @@ struct Ran {
 };
 
 Ran bake(const fs::path& file, const std::string& more = "--preview --band 20 12000", const std::string& front = "") {
-  const std::string command = front + " RINGDOWN_CACHE=/dev/null/none " RINGDOWN_BIN_DIR "/ringdown-bake " + file.string() +
-                              " " + more + " 2>&1";
+  const std::string command = front + " RINGDOWN_CACHE=/dev/null/none " RINGDOWN_BIN_DIR "/ringdown-bake " +
+                              file.string() + " " + more + " 2>&1";
   std::FILE* pipe = ::popen(command.c_str(), "r");
   std::string output;
   std::array<char, 512> part{};
@@ -61,8 +61,7 @@ std::size_t add_ceramic(GltfRoom& room) {
 
 Json body(const std::string& name, std::size_t mesh, std::size_t surface, Json motion = Json::object()) {
   Json node = {{"name", name}, {"mesh", mesh}};
-  node["extensions"][kPhysics] = {{"motion", std::move(motion)},
-                                  {"collider", {{"geometry", {{"shape", 0}}}}}};
+  node["extensions"][kPhysics] = {{"motion", std::move(motion)}, {"collider", {{"geometry", {{"shape", 0}}}}}};
   node["extensions"][kAudio] = {{"acousticSurface", surface}};
   return node;
 }
@@ -85,7 +84,8 @@ Glb take_apart(const std::string& file) {
 Json without_models(Json json, const Json& before) {
   json["extensions"][kAudio].erase("modalModels");
   for (Json& node : json["nodes"]) {
-    if (node.contains("extensions") && node["extensions"].contains(kAudio)) node["extensions"][kAudio].erase("modalModel");
+    if (node.contains("extensions") && node["extensions"].contains(kAudio))
+      node["extensions"][kAudio].erase("modalModel");
   }
   for (const char* list : {"accessors", "bufferViews"}) {
     Json kept = Json::array();
@@ -107,7 +107,8 @@ double lowest(const modal::Bank& bank) { return std::ranges::min(bank.frequency_
 
 double rms_shape(const modal::Bank& bank) {
   double sum = 0;
-  for (const auto& v : bank.shapes) sum += double{v[0]} * double{v[0]} + double{v[1]} * double{v[1]} + double{v[2]} * double{v[2]};
+  for (const auto& v : bank.shapes)
+    sum += double{v[0]} * double{v[0]} + double{v[1]} * double{v[1]} + double{v[2]} * double{v[2]};
   return std::sqrt(sum / static_cast<double>(bank.shapes.size()));
 }
 
@@ -221,7 +222,8 @@ TEST(SceneBake, ATextKeepsItsBufferAndGetsAnother) {
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_EQ(content(folder / "room data.bin"), room.binary);
   const Json after = Json::parse(content(file));
-  EXPECT_EQ(without_models(after, Json::parse(room.gltf("room%20data.bin"))), Json::parse(room.gltf("room%20data.bin")));
+  EXPECT_EQ(without_models(after, Json::parse(room.gltf("room%20data.bin"))),
+            Json::parse(room.gltf("room%20data.bin")));
   ASSERT_EQ(after["buffers"].size(), 2);
   EXPECT_EQ(content(folder / after["buffers"][1]["uri"].get<std::string>()).size(), after["buffers"][1]["byteLength"]);
   EXPECT_GT(bank_of(file, after, 0).mode_count(), 3);

@@ -43,6 +43,6 @@ inline constexpr Target kTargets[] = {
     {"osc", osc},           {"slip", slip},         {"score", score},   {"bank", bank},   {"mesh", mesh},
     {"scene", scene},       {"material", material}, {"object", object}, {"notes", notes}, {"state", state},
     {"settings", settings}, {"options", options},   {"nsm", nsm},       {"midi", midi},   {"geo", geo},
-    {"answer", answer},     {"reader", reader},     {"http", http},         {"gltf", gltf}};
+    {"answer", answer},     {"reader", reader},     {"http", http},     {"gltf", gltf}};
 
 }  // namespace ringdown::fuzz

@@ -96,7 +96,10 @@ TEST_F(SceneFiles, TheRulesFindWhatBreaksThem) {
       {"motion.weight", [&](Json& json) { physics(json)["motion"]["weight"] = 1; }},
       {"lacks geometry", [&](Json& json) { physics(json)["collider"].erase("geometry"); }},
       {"names nothing", [&](Json& json) { physics(json)["collider"]["physicsMaterial"] = 1; }},
-      {"inertiaOrientation", [&](Json& json) { physics(json)["motion"]["inertiaOrientation"] = {1, 1, 0, 0}; }},
+      {"inertiaOrientation",
+       [&](Json& json) {
+         physics(json)["motion"]["inertiaOrientation"] = {1, 1, 0, 0};
+       }},
       {"roughness",
        [](Json& json) { json["extensions"]["KHR_audio_rigid_bodies"]["acousticSurfaces"][0]["roughness"] = "fine"; }},
       {"lacks box", [](Json& json) { json["extensions"]["KHR_implicit_shapes"]["shapes"][0].erase("box"); }},

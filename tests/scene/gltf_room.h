@@ -39,22 +39,22 @@ class GltfRoom {
           p[static_cast<std::size_t>(axis)] = side;
           p[static_cast<std::size_t>((axis + 1) % 3)] = 2 * u - 1;
           p[static_cast<std::size_t>((axis + 2) % 3)] = side * (2 * v - 1);
-          points.insert(points.end(), {static_cast<float>(0.5 * size_m.x * p[0]), static_cast<float>(0.5 * size_m.y * p[1]),
-                                       static_cast<float>(0.5 * size_m.z * p[2])});
+          points.insert(points.end(),
+                        {static_cast<float>(0.5 * size_m.x * p[0]), static_cast<float>(0.5 * size_m.y * p[1]),
+                         static_cast<float>(0.5 * size_m.z * p[2])});
           for (int k = 0; k < 3; ++k) normals.push_back(k == axis ? static_cast<float>(side) : 0.F);
           uv.insert(uv.end(), {static_cast<float>(u), static_cast<float>(v)});
         }
         for (const int k : {0, 1, 2, 0, 2, 3}) corners.push_back(static_cast<std::uint16_t>(first + k));
       }
     }
-    json["meshes"].push_back(
-        {{"name", name},
-         {"primitives",
-          {{{"attributes",
-             {{"POSITION", add_array(points, 5126, "VEC3", 3, 34962)},
-              {"NORMAL", add_array(normals, 5126, "VEC3", 3, 34962)},
-              {"TEXCOORD_0", add_array(uv, 5126, "VEC2", 2, 34962)}}},
-            {"indices", add_array(corners, 5123, "SCALAR", 1, 34963)}}}}});
+    json["meshes"].push_back({{"name", name},
+                              {"primitives",
+                               {{{"attributes",
+                                  {{"POSITION", add_array(points, 5126, "VEC3", 3, 34962)},
+                                   {"NORMAL", add_array(normals, 5126, "VEC3", 3, 34962)},
+                                   {"TEXCOORD_0", add_array(uv, 5126, "VEC2", 2, 34962)}}},
+                                 {"indices", add_array(corners, 5123, "SCALAR", 1, 34963)}}}}});
     auto& accessor = json["accessors"][json["accessors"].size() - 4];
     const Vec3 half = 0.5 * size_m;
     accessor["min"] = {-half.x, -half.y, -half.z};

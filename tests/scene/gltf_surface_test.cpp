@@ -173,7 +173,8 @@ TEST(GltfSurface, AMapThatIsNoneIsNamedAndNotFelt) {
 // Speeds over the two surfaces, of the last event of each contact of a body that sounds.
 std::array<double, 2> sweeps(SceneDescription scene, double seconds) {
   scene.bodies[0].object = "a";
-  auto world = World::create(scene, std::vector{ringdown::test::sounding("a", 0, ringdown::test::box_bank({0.2, 0.2, 0.2}, 1))}, 48000);
+  auto world = World::create(
+      scene, std::vector{ringdown::test::sounding("a", 0, ringdown::test::box_bank({0.2, 0.2, 0.2}, 1))}, 48000);
   EXPECT_TRUE(world) << world.error().message;
   std::array<double, 2> last{};
   while (world->time_s() < seconds) {

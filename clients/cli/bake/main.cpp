@@ -60,7 +60,9 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
                  "an object (.toml), a surface (.stl .obj .ply .glb), a geometry (.geo .step .brep), a mesh (.msh .vtk "
                  "...), a folder of them, or a scene (.glb .gltf) whose bodies have acoustic materials")
       ->type_name("FILE");
-  app.add_option("-o,--output", arguments.output, "the bank to write (.glb); of a folder, where to (default: beside); of a scene, another file (default: itself)")
+  app.add_option("-o,--output", arguments.output,
+                 "the bank to write (.glb); of a folder, where to (default: beside); of a scene, another file "
+                 "(default: itself)")
       ->type_name("FILE");
   app.add_option("-m,--material", arguments.material,
                  "name of a material; an object file has one already, and keeps it when a folder is baked");

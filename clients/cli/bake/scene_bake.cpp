@@ -58,7 +58,8 @@ std::vector<Alike> groups_of(const std::vector<SilentBody>& bodies) {
 // one.
 Result<modal::Material> material_of(const scene::GltfMaterial& given, const fs::path& library) {
   std::string name = given.name;
-  std::ranges::transform(name, name.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  std::ranges::transform(name, name.begin(),
+                         [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
   std::ranges::replace(name, ' ', '-');
   const bool whole = given.density_kg_m3 && given.young_pa && given.poisson && (given.alpha_per_s || given.beta_s);
   modal::Material known;
@@ -72,9 +73,8 @@ Result<modal::Material> material_of(const scene::GltfMaterial& given, const fs::
                                          {given.alpha_per_s || given.beta_s, "alpha and beta"}}) {
       if (!is_there) missing += (missing.empty() ? "" : ", ") + std::string(what);
     }
-    return fail(ErrorKind::bad_input,
-                "its acoustic material " + quote(given.name) + " has no " + missing +
-                    "; add them, or name it as one of `ringdown materials`, which then fills in");
+    return fail(ErrorKind::bad_input, "its acoustic material " + quote(given.name) + " has no " + missing +
+                                          "; add them, or name it as one of `ringdown materials`, which then fills in");
   }
   if (!whole) {
     const auto entry = bake::find_material(library, name);
@@ -145,8 +145,7 @@ class SceneBaker {
       if (!body.trouble.empty()) complain_of(body, body.trouble);
     const std::vector<Alike> groups = groups_of(found->bodies);
     const PrivateFolder folder("ringdown-scene");
-    if (folder.path().empty())
-      return complain({ErrorKind::input_output, "cannot make a folder for temporary files"});
+    if (folder.path().empty()) return complain({ErrorKind::input_output, "cannot make a folder for temporary files"});
     std::vector<modal::Bank> banks;
     std::vector<modal::AddedModel> models;
     banks.reserve(groups.size());
@@ -234,8 +233,9 @@ class SceneBaker {
     if (!extended) return fail(extended.error());
     const bool elsewhere = fs::absolute(output).parent_path() != fs::absolute(request_.input).parent_path();
     if (elsewhere && !extended->buffer_name.empty()) {
-      return fail(ErrorKind::bad_input, request_.input.string() +
-                                            " keeps its buffers in files beside it; write the scene into the same folder");
+      return fail(
+          ErrorKind::bad_input,
+          request_.input.string() + " keeps its buffers in files beside it; write the scene into the same folder");
     }
     const auto now = read_whole_file(request_.input, modal::kMaxBankFileBytes);
     if (!now || *now != bytes) {

@@ -26,7 +26,7 @@ struct SceneBake {
 };
 
 // Options of ringdown-bake that a scene does not take.
-inline constexpr auto kNotForScenes = {"--name",         "--unit",     "--scale",  "--set",
+inline constexpr auto kNotForScenes = {"--name",         "--unit",     "--scale", "--set",
                                        "--set-material", "--compress", "--update"};
 
 // Whether a file is a .glb or .gltf with acoustic surfaces: a scene, not a bank or a surface.
