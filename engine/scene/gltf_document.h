@@ -16,6 +16,9 @@
 namespace ringdown::scene {
 
 inline constexpr std::size_t kMaxNodes = 16384;
+inline constexpr const char* kPhysicsExtension = "KHR_physics_rigid_bodies";
+inline constexpr const char* kAudioExtension = "KHR_audio_rigid_bodies";
+inline constexpr const char* kShapesExtension = "KHR_implicit_shapes";
 
 // A linear map and a shift: a point p of the inner frame lies at linear p + shift_m.
 struct Affine {

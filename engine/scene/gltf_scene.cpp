@@ -30,16 +30,15 @@ namespace {
 
 using modal::Field;
 
-constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
-constexpr const char* kAudio = "KHR_audio_rigid_bodies";
 constexpr double kUsualDensity_kg_m3 = 1000;
+constexpr std::size_t kMaxMaps = 64;  // of normal maps, each for its surface, mesh and size
 
 // Extensions that are read here or that change nothing about a scene's motion and sound.
 constexpr std::array kKnown = {"KHR_physics_rigid_bodies", "KHR_implicit_shapes", "KHR_collision_shapes",
                                "KHR_audio_rigid_bodies", "EXT_meshopt_compression"};
 
 // A collider, and where its node lies.
-struct Collider {
+struct PlacedCollider {
   std::size_t node = 0;
   GltfGeometry geometry;
   FrictionSurface surface;
@@ -47,25 +46,25 @@ struct Collider {
 };
 
 // A motion, or a collider without one, and everything that moves with it.
-struct Body {
+struct GatheredBody {
   std::size_t node = 0;
   bool moves = false;
-  std::vector<Collider> colliders;
+  std::vector<PlacedCollider> colliders;
   std::optional<std::size_t> model_node;
 };
 
-Field physics_of(const GltfNode& node) { return node.field["extensions"][kPhysics]; }
-Field audio_of(const GltfNode& node) { return node.field["extensions"][kAudio]; }
+Field physics_of(const GltfNode& node) { return node.field["extensions"][kPhysicsExtension]; }
+Field audio_of(const GltfNode& node) { return node.field["extensions"][kAudioExtension]; }
 
-class SceneReader {
+class GltfSceneReader {
  public:
-  SceneReader(GltfDocument& document, std::filesystem::path path, const modal::ReadBeside& read_beside)
+  GltfSceneReader(GltfDocument& document, std::filesystem::path path, const modal::ReadBeside& read_beside)
       : document_(document), path_(std::move(path)), read_beside_(read_beside), animations_(document) {}
 
   Result<GltfScene> read() {
     note_what_is_left_out();
     collect();
-    for (const Body& body : bodies_) add(body);
+    for (const GatheredBody& body : bodies_) add(body);
     if (const auto good = document_.result(); !good) return fail(good.error());
     add_joints();
     add_camera();
@@ -119,7 +118,7 @@ class SceneReader {
   // Sorts colliders and models by the bodies that they belong to.
   void collect() {
     std::map<std::size_t, std::size_t> by_node;
-    const auto body_at = [&](std::size_t node, bool moves) -> Body& {
+    const auto body_at = [&](std::size_t node, bool moves) -> GatheredBody& {
       const auto [found, is_new] = by_node.try_emplace(node, bodies_.size());
       if (is_new) bodies_.push_back({.node = node, .moves = moves});
       return bodies_[found->second];
@@ -135,19 +134,19 @@ class SceneReader {
           body_at(owner_of(k), motion.has_value()).colliders.push_back(std::move(*read));
       }
       if (!plays) continue;
-      Body& body = body_at(owner_of(k), motion.has_value());
+      GatheredBody& body = body_at(owner_of(k), motion.has_value());
       if (body.model_node) note("a body plays one modal model; further ones below it are not loaded");
       if (!body.model_node) body.model_node = k;
     }
   }
 
-  std::optional<Collider> read_collider(std::size_t node, const Field& field) {
+  std::optional<PlacedCollider> read_collider(std::size_t node, const Field& field) {
     auto geometry = read_geometry(document_, geometry_of(field));
     if (!geometry) return {};
-    Collider collider{.node = node, .geometry = std::move(*geometry)};
-    const Field material = document_.element(field["physicsMaterial"], list(kPhysics, "physicsMaterials"));
+    PlacedCollider collider{.node = node, .geometry = std::move(*geometry)};
+    const Field material = document_.element(field["physicsMaterial"], list(kPhysicsExtension, "physicsMaterials"));
     if (material.present()) read_material(material, collider.surface);
-    const Field filter = document_.element(field["collisionFilter"], list(kPhysics, "collisionFilters"));
+    const Field filter = document_.element(field["collisionFilter"], list(kPhysicsExtension, "collisionFilters"));
     if (filter.present()) {
       collider.filter = {document_.texts(filter["collisionSystems"]), document_.texts(filter["collideWithSystems"]),
                          document_.texts(filter["notCollideWithSystems"])};
@@ -177,11 +176,11 @@ class SceneReader {
   // The acoustic surface of a node or of the nearest one above it; without one, that of a machined surface.
   void read_surface(std::size_t node, FrictionSurface& surface) {
     const auto owner = nearest(node, [](const GltfNode& n) { return audio_of(n)["acousticSurface"].present(); });
-    const Field finish =
-        owner ? document_.element(audio_of(nodes()[*owner])["acousticSurface"], list(kAudio, "acousticSurfaces"))
-              : Field(nullptr, "");
+    const Field finish = owner ? document_.element(audio_of(nodes()[*owner])["acousticSurface"],
+                                                   list(kAudioExtension, "acousticSurfaces"))
+                               : Field(nullptr, "");
     read_finish(document_, finish, surface);
-    const Field material = document_.element(finish["material"], list(kAudio, "acousticMaterials"));
+    const Field material = document_.element(finish["material"], list(kAudioExtension, "acousticMaterials"));
     if (material["youngsModulus"].present()) surface.young_pa = document_.number(material["youngsModulus"], 0);
     if (material["poissonRatio"].present()) surface.poisson = document_.number(material["poissonRatio"], 0);
     surface.relief = relief(node, owner, finish);
@@ -202,30 +201,32 @@ class SceneReader {
     const auto [found, is_new] = reliefs_.try_emplace(key);
     if (!is_new) return found->second;
     modal::SurfaceRelief relief{.profile = read_profile(document_, finish)};
-    if (mesh_node) {
+    if (mesh_node && maps_ == kMaxMaps) note("more than 64 normal maps are not felt");
+    if (mesh_node && maps_ < kMaxMaps) {
       const Field mesh = document_.element(nodes()[*mesh_node].field["mesh"], document_.root()["meshes"]);
       relief.mesoscale = relief_of(document_, finish["normalTexture"], mesh, world, read_beside_);
+      if (relief.mesoscale) ++maps_;
     }
     if (relief.profile || relief.mesoscale) found->second = std::make_shared<modal::SurfaceRelief>(std::move(relief));
     return found->second;
   }
 
   // A body's frame: that of its model, else of its only collider, else its own.
-  static std::size_t frame_node(const Body& body) {
+  static std::size_t frame_node(const GatheredBody& body) {
     if (body.model_node) return *body.model_node;
     return body.colliders.size() == 1 ? body.colliders[0].node : body.node;
   }
 
-  [[nodiscard]] Pose frame_of(const Body& body) const {
+  [[nodiscard]] Pose frame_of(const GatheredBody& body) const {
     const Affine& world = nodes()[frame_node(body)].world;
     return {world.shift_m, parts_of(world.linear).rotation};
   }
 
-  void add(const Body& body) {
+  void add(const GatheredBody& body) {
     const Pose frame = frame_of(body);
     std::vector<Shape> shapes;
     bool is_plane = false;
-    for (const Collider& collider : body.colliders) {
+    for (const PlacedCollider& collider : body.colliders) {
       const Affine map = inverse(frame) * nodes()[collider.node].world;
       if (auto shape = place(collider.geometry, map)) {
         shapes.push_back(std::move(*shape));
@@ -242,8 +243,8 @@ class SceneReader {
         note("a modal model of a node without a motion or a collider has nothing to strike it; it is not loaded");
       return;
     }
-    for (const Collider& other : body.colliders) {
-      const Collider& first = body.colliders[0];
+    for (const PlacedCollider& other : body.colliders) {
+      const PlacedCollider& first = body.colliders[0];
       const bool same = other.filter == first.filter && other.surface.friction == first.surface.friction &&
                         other.surface.restitution == first.surface.restitution;
       if (!same) note("colliders of one body have one material and one filter: those of the first");
@@ -270,7 +271,7 @@ class SceneReader {
     scene_.bodies.push_back(std::move(made));
   }
 
-  void add_plane(const Body& body, const Collider& collider) {
+  void add_plane(const GatheredBody& body, const PlacedCollider& collider) {
     if (body.moves) return note("an infinite plane cannot move, and is left out");
     StaticDescription plane = place_plane(nodes()[collider.node].world);
     plane.name = nodes()[collider.node].name;
@@ -285,7 +286,7 @@ class SceneReader {
   void add_object(std::size_t number, BodyDescription& body) {
     const GltfNode& node = nodes()[number];
     const Field reference = audio_of(node)["modalModel"];
-    const Field model = document_.element(reference, list(kAudio, "modalModels"));
+    const Field model = document_.element(reference, list(kAudioExtension, "modalModels"));
     if (!model.present()) return;
     const Parts parts = parts_of(node.world.linear);
     const Vec3 s = parts.scale;
@@ -302,7 +303,7 @@ class SceneReader {
     scene_.objects.push_back(std::move(object));
   }
 
-  void add_motion(const Body& body, const Pose& frame, BodyDescription& made) {
+  void add_motion(const GatheredBody& body, const Pose& frame, BodyDescription& made) {
     const GltfNode& node = nodes()[body.node];
     const Field motion = physics_of(node)["motion"];
     const Rotation turn = parts_of(node.world.linear).rotation;
@@ -417,7 +418,8 @@ class SceneReader {
   const modal::ReadBeside& read_beside_;
   GltfAnimations animations_;
   std::map<std::string, std::shared_ptr<const modal::SurfaceRelief>> reliefs_;
-  std::vector<Body> bodies_;
+  std::size_t maps_ = 0;  // normal maps among them
+  std::vector<GatheredBody> bodies_;
   std::map<std::size_t, std::string> names_;  // of the bodies, by their nodes
   std::size_t points_ = 0;
   bool has_mass_ = false;  // whether the model of the last object has a mass
@@ -444,7 +446,7 @@ Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::
     if (!glb) return fail(glb.error());
     auto document = GltfDocument::read(*glb);
     if (!document) return fail(document.error());
-    auto read = SceneReader(*document, path, read_beside).read();
+    auto read = GltfSceneReader(*document, path, read_beside).read();
     const Field own = glb->root()["extras"]["ringdown"];
     if (!read || !own["scene"].present()) return read;
     if (own["fingerprint"].text_or("") != fingerprint(read->scene)) {

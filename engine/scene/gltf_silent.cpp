@@ -14,8 +14,6 @@ namespace {
 
 using modal::Field;
 
-constexpr const char* kPhysicsExtension = "KHR_physics_rigid_bodies";
-constexpr const char* kAudioExtension = "KHR_audio_rigid_bodies";
 constexpr double kEven = 1e-6;  // scales that differ by less are even
 
 // A map that shifts, turns and stretches evenly, as gmsh takes it: 12 numbers, row by row.

@@ -5,6 +5,7 @@
 #include "engine/modal/bank_model.h"
 #include "engine/modal/scaled_bank.h"
 #include "engine/scene/fixed_contacts.h"
+#include "engine/scene/gltf_document.h"
 #include "engine/scene/gltf_scene.h"
 #include "engine/scene/gltf_shapes.h"
 #include "engine/scene/rotation.h"
@@ -22,10 +23,6 @@ namespace ringdown::scene {
 namespace {
 
 using modal::Json;
-
-constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
-constexpr const char* kAudio = "KHR_audio_rigid_bodies";
-constexpr const char* kShapes = "KHR_implicit_shapes";
 
 // The file's y points up: our (x, y, z) is its (x, z, -y).
 Vec3 to_file(Vec3 v) { return {v.x, v.z, -v.y}; }
@@ -166,9 +163,9 @@ class GlbScene {
       node["rotation"] = json_of(to_file(normalized(item.rotation)));
       shape = {{"type", "box"}, {"box", {{"size", json_of(item.size_m)}}}};
     }
-    node["extensions"][kPhysics]["collider"] =
+    node["extensions"][kPhysicsExtension]["collider"] =
         collider({{"shape", add_shape(std::move(shape))}}, item.surface, item.filter);
-    node["extensions"][kAudio]["acousticSurface"] = add_finish(item.surface);
+    node["extensions"][kAudioExtension]["acousticSurface"] = add_finish(item.surface);
     add_node(std::move(node));
   }
 
@@ -182,12 +179,12 @@ class GlbScene {
     Json node = {{"name", body.name},
                  {"translation", json_of(to_file(body.position_m))},
                  {"rotation", json_of(to_file(normalized(body.rotation)))}};
-    Json& physics = node["extensions"][kPhysics];
+    Json& physics = node["extensions"][kPhysicsExtension];
     if (sounds) {
       node["mesh"] = played_model_of_[number];
-      node["extensions"][kAudio] = {{"modalModel", played_model_of_[number]},
-                                    {"gain", object->gain * banks_[number].gain},
-                                    {"acousticSurface", add_finish(body.surface)}};
+      node["extensions"][kAudioExtension] = {{"modalModel", played_model_of_[number]},
+                                             {"gain", object->gain * banks_[number].gain},
+                                             {"acousticSurface", add_finish(body.surface)}};
     }
     if (!body.fixed) physics["motion"] = motion(body, solid->mass);
     const CollisionShape& shape = solid->shape;
@@ -205,7 +202,7 @@ class GlbScene {
         add_node(std::move(node));
         add_node({{"name", body.name + " collider"},
                   {"translation", json_of(center)},
-                  {"extensions", {{kPhysics, {{"collider", std::move(made)}}}}}},
+                  {"extensions", {{kPhysicsExtension, {{"collider", std::move(made)}}}}}},
                  false);
         body_nodes_[body.name] = self;
         return {};
@@ -283,7 +280,7 @@ class GlbScene {
     }
     joints_.push_back(std::move(written));
     const std::size_t held = add_end(joint.other, joint, axes), connected = add_end(joint.body, joint, axes);
-    nodes_[held]["extensions"][kPhysics]["joint"] = {
+    nodes_[held]["extensions"][kPhysicsExtension]["joint"] = {
         {"connectedNode", connected}, {"joint", joints_.size() - 1}, {"enableCollision", joint.collides}};
   }
 
@@ -323,9 +320,9 @@ class GlbScene {
       document["extensionsUsed"].push_back(name);
       document["extensions"][name] = content;
     };
-    use(kPhysics, physics);
-    use(kAudio, audio);
-    if (!shapes_.empty()) use(kShapes, {{"shapes", shapes_}});
+    use(kPhysicsExtension, physics);
+    use(kAudioExtension, audio);
+    if (!shapes_.empty()) use(kShapesExtension, {{"shapes", shapes_}});
     return document;
   }
 

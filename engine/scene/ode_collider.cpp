@@ -38,6 +38,7 @@ void Collider::move(const Motion& motion) {
 }
 
 void Collider::drive(const Motion& motion) {
+  if (!driven) dBodySetAutoDisableFlag(body.get(), 0);
   driven = true;
   told = motion;
   move(motion);
