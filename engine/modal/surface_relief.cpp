@@ -53,6 +53,7 @@ Result<SurfaceTrack> SurfaceTrack::make(std::span<const float> heights_m, double
     std::vector<float> coarse = halved(track.levels_.back());
     track.levels_.push_back(std::move(coarse));
   }
+  track.levels_.emplace_back(kFewest, 0.F);  // over more than the whole track there is no slope
   double sum = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const double slope = track.slope_in(0, (static_cast<double>(k) + 0.5) * spacing_m);

@@ -42,7 +42,7 @@ class SurfaceTrack {
   SurfaceTrack() = default;
   [[nodiscard]] double slope_in(std::size_t level, double at_m) const RINGDOWN_REALTIME;
 
-  std::vector<std::vector<float>> levels_;  // of at least kFewest heights each
+  std::vector<std::vector<float>> levels_;  // of at least kFewest heights each; the last is flat
   double length_m_ = 0, rms_slope_ = 0;
 };
 
