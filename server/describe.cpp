@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 
 namespace ringdown::server {
 namespace {
@@ -49,6 +50,15 @@ Answer read(const protocol::ReadBank& question, const session::Session& session)
   if (question.offset >= object.bank_bytes) {
     return fail(ErrorKind::bad_input, "offset: " + std::to_string(question.offset) + " is past the end of " + file +
                                           ", which has " + std::to_string(object.bank_bytes) + " bytes");
+  }
+  if (object.bank_alone) {
+    const auto rest = std::span(*object.bank_alone).subspan(question.offset);
+    const auto piece = rest.first(std::min<std::size_t>(rest.size(), question.bytes));
+    return std::vector<protocol::Reply>{protocol::BankReply{object.name,
+                                                            object.bank_version,
+                                                            whole(question.offset),
+                                                            whole(object.bank_alone->size()),
+                                                            {piece.begin(), piece.end()}}};
   }
   auto piece = session.roots().read_piece(modal::split_bank_path(object.bank).file, question.offset, question.bytes);
   if (!piece) return fail(piece.error());

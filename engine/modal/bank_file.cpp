@@ -11,6 +11,7 @@
 #include "engine/modal/material_scale.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 
@@ -22,6 +23,7 @@ constexpr std::size_t kMaxTriangleCorners = 6 * kMaxPoints;
 constexpr double kStepsPerRms = 64;
 constexpr float kMaxRoundedShape = 1e24F;  // kg^-1/2; far from any body, but a file may say it
 static_assert(kMaxUnpackedBytes == kMaxBankFileBytes);
+constexpr std::size_t kMaxModelNumber = 999'999'999;
 constexpr double kMaxNodeScale = 1000;  // and its inverse: a bell of a millimetre up to one of a kilometre
 
 std::vector<Vec3f> as_vectors(const std::vector<float>& values) {
@@ -153,6 +155,16 @@ Result<void> scale_size(Bank& bank, double s, const std::string& name) {
   return {};
 }
 
+// Moves the points of a bank, whose body has the size that this makes.
+void spread_points(Bank& bank, double factor) {
+  const auto moved = [factor](float x) {
+    return static_cast<float>(std::clamp(factor * static_cast<double>(x), -1e30, 1e30));
+  };
+  for (Vec3f& p : bank.positions) p = {moved(p[0]), moved(p[1]), moved(p[2])};
+  if (bank.radiation) bank.radiation->maps.origin_m = factor * bank.radiation->maps.origin_m;
+  if (bank.mass) bank.mass->center_of_mass_m = factor * bank.mass->center_of_mass_m;
+}
+
 Result<void> read_modes(const Glb& glb, const Field& model, Bank& bank) {
   const auto frequencies = read_floats(glb, model["frequencies"], 1, kMaxModes);
   if (!frequencies) return fail(frequencies.error());
@@ -272,7 +284,7 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, 
     return fail(ErrorKind::bad_input,
                 name + " holds no modal model (extension " + kExtension + "); make one with `ringdown bake`");
   }
-  const auto chosen = split_bank_path(name).model;
+  const auto [file, chosen, spread] = split_bank_path(name);
   const auto instance = chosen ? Result<Instance>(Instance{.model = *chosen}) : find_instance(*glb);
   if (!instance) return fail(instance.error());
   const Field model = extension["modalModels"][instance->model];
@@ -296,6 +308,7 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, 
   bank.mass = *mass;
   if (const auto read = read_extras(*glb, model["extras"]["ringdown"], bank); !read) return fail(read.error());
   bank.provenance.generator = glb->root()["asset"]["generator"].text_or("");
+  if (spread != 1) spread_points(bank, spread);
   if (instance->scale != 1) {
     if (const auto scaled = scale_size(bank, instance->scale, name); !scaled) return fail(scaled.error());
   }
@@ -305,18 +318,25 @@ Result<Bank> bank_in(std::span<const std::byte> bytes, const std::string& name, 
 }  // namespace
 
 BankPath split_bank_path(const std::filesystem::path& path) {
-  constexpr std::size_t kMaxDigits = 9;
   const std::string text = path.string();
   const std::size_t mark = text.rfind('#');
-  if (mark == std::string::npos || mark + 1 == text.size() || text.size() - mark - 1 > kMaxDigits) return {path, {}};
-  const std::string file = text.substr(0, mark), digits = text.substr(mark + 1);
-  const bool is_number = digits.find_first_not_of("0123456789") == std::string::npos;
-  if (!is_number || !(file.ends_with(".glb") || file.ends_with(".gltf"))) return {path, {}};
-  return {file, std::stoul(digits)};
+  if (mark == std::string::npos) return {path, {}};
+  BankPath split{text.substr(0, mark), 0};
+  const std::string file = split.file.string();
+  const char *at = text.data() + mark + 1, *const end = text.data() + text.size();
+  const auto number = std::from_chars(at, end, *split.model);
+  bool good = number.ec == std::errc() && *split.model <= kMaxModelNumber;
+  if (good && number.ptr != end) {
+    const auto scale = std::from_chars(number.ptr + 1, end, split.scale);
+    good = *number.ptr == '@' && scale.ec == std::errc() && scale.ptr == end && kBankPathScale.holds(split.scale);
+  }
+  return good && (file.ends_with(".glb") || file.ends_with(".gltf")) ? split : BankPath{path, {}};
 }
 
-std::filesystem::path bank_path(const std::filesystem::path& file, std::size_t model) {
-  return file.string() + "#" + std::to_string(model);
+std::filesystem::path bank_path(const BankPath& path) {
+  if (!path.model) return path.file;
+  const std::string text = path.file.string() + "#" + std::to_string(*path.model);
+  return path.scale == 1 ? text : text + "@" + Json(path.scale).dump();
 }
 
 Result<Bank> parse_bank(std::span<const std::byte> bytes, const std::string& name) {
@@ -364,6 +384,10 @@ WrittenModel add_model(GlbWriter& writer, const Bank& bank, bool packed) {
 
 Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std::string_view input_hash,
                         Compression compression) {
+  return write_output(path, to_glb(bank, input_hash, compression));
+}
+
+std::vector<std::byte> to_glb(const Bank& bank, std::string_view input_hash, Compression compression) {
   GlbWriter writer;
   auto [model, primitive, material] = add_model(writer, bank, compression == Compression::meshopt);
   if (!input_hash.empty()) model["extras"]["ringdown"]["inputHash"] = input_hash;
@@ -383,7 +407,7 @@ Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std
                    {"scenes", Json::array({{{"nodes", Json::array({0})}}})},
                    {"nodes", Json::array({node})},
                    {"meshes", Json::array({{{"name", bank.name}, {"primitives", Json::array({primitive})}}})}};
-  return write_output(path, std::move(writer).finish(std::move(document)));
+  return std::move(writer).finish(std::move(document));
 }
 
 std::optional<std::string> read_input_hash(const std::filesystem::path& path) {

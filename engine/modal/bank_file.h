@@ -1,6 +1,7 @@
 // Banks on disk: binary glTF 2.0 with the extension KHR_audio_rigid_bodies (docs/reference/bank-format.md). [worker]
 #pragma once
 
+#include "engine/base/range.h"
 #include "engine/base/result.h"
 #include "engine/modal/bank.h"
 #include "engine/modal/read_beside.h"
@@ -11,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ringdown::modal {
 
@@ -24,14 +26,18 @@ inline constexpr std::size_t kMaxPoints = std::size_t{1} << 20;
 // field, and what was expected of it.
 Result<Bank> read_bank(const std::filesystem::path& path);
 
-// A path to one of several models in a file: "room.glb#2" is model 2 of room.glb, at its own size and gain. Without a
-// number a file's first node with a model decides, with the node's scale and gain.
+// A path to one of several models in a file: "room.glb#2" is model 2 of room.glb, "room.glb#2@0.5" the same with its
+// points half as far from the frame's origin. Such a factor moves the points alone: it is the scale of a node of a
+// scene, for which the model was made, so pitch, shapes and mass are those in the file. Without a number a file's first
+// node with a model decides, with the node's gain and with its scale as a change of the object's size.
 struct BankPath {
   std::filesystem::path file;
   std::optional<std::size_t> model;
+  double scale = 1;  // from kBankPathScale
 };
+inline constexpr Range kBankPathScale{1e-6, 1e6};
 BankPath split_bank_path(const std::filesystem::path& path);
-std::filesystem::path bank_path(const std::filesystem::path& file, std::size_t model);
+std::filesystem::path bank_path(const BankPath& path);
 
 // Reads a bank from memory. `name` stands in error messages where the path would; a name that ends in #NUMBER chooses
 // the model, as a path does. `read_beside` reads a .gltf's other files; without it there must be none.
@@ -47,6 +53,10 @@ enum class Compression { none, meshopt };
 // made from, the file carries it.
 Result<void> write_bank(const Bank& bank, const std::filesystem::path& path, std::string_view input_hash = {},
                         Compression compression = Compression::none);
+
+// The bytes of such a file.
+std::vector<std::byte> to_glb(const Bank& bank, std::string_view input_hash = {},
+                              Compression compression = Compression::none);
 
 // The input_hash that `path` was written with; nothing when there is no such file, when it is cut off or no glTF, or
 // when it has none. Milliseconds.

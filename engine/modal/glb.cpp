@@ -115,7 +115,7 @@ Result<Elements> locate(const Glb& glb, const Field& reference, std::size_t widt
   if (!number) return fail(number.error());
   const Field accessor = glb.root()["accessors"][*number];
   if (!accessor.present()) return reference.wrong("the number of an accessor in the file");
-  const char* type = width == 1 ? "SCALAR" : "VEC3";
+  const char* type = width == 1 ? "SCALAR" : width == 2 ? "VEC2" : width == 3 ? "VEC3" : "VEC4";
   if (accessor["type"].text_or("") != type) return accessor["type"].wrong(std::string("\"") + type + "\"");
   if (accessor["sparse"].present()) return accessor["sparse"].wrong("absent: sparse accessors are not supported");
 
@@ -328,6 +328,15 @@ Result<std::vector<std::byte>> read_bytes(const Glb& glb, const Field& reference
   std::vector<std::byte> bytes(elements->count);
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = elements->first[i * elements->stride];
   return bytes;
+}
+
+Result<std::span<const std::byte>> read_view(const Glb& glb, const Field& reference) {
+  const auto number = reference.index();
+  if (!number) return fail(number.error());
+  const Field view = glb.root()["bufferViews"][*number];
+  if (!view.present() || view["extensions"][kMeshopt].present())
+    return reference.wrong("the number of a buffer view in the file that is not compressed");
+  return bytes_of(glb, view);
 }
 
 // Appends `bytes` to the binary, and returns the slice of it that they are.

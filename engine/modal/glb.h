@@ -67,10 +67,13 @@ Result<Glb> parse_glb(std::span<const std::byte> bytes, const std::string& name)
 inline constexpr std::size_t kMaxUnpackedBytes = std::size_t{1} << 30;  // of one compressed array
 
 // The accessor that `reference` (a field holding its number) names, as count x width numbers. `width` 1 is SCALAR,
-// 3 is VEC3. At most `limit` elements.
+// 2 to 4 are VEC2 to VEC4. At most `limit` elements.
 Result<std::vector<float>> read_floats(const Glb& glb, const Field& reference, std::size_t width, std::size_t limit);
 Result<std::vector<std::uint32_t>> read_indices(const Glb& glb, const Field& reference, std::size_t limit);
 Result<std::vector<std::byte>> read_bytes(const Glb& glb, const Field& reference, std::size_t limit);
+
+// The bytes of the buffer view that `reference` names, which must not be compressed; into the document's binary.
+Result<std::span<const std::byte>> read_view(const Glb& glb, const Field& reference);
 
 // Collects arrays into one buffer, then writes the container.
 class GlbWriter {

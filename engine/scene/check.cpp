@@ -3,6 +3,7 @@
 #include "engine/base/object_name.h"
 #include "engine/base/quote.h"
 #include "engine/base/range.h"
+#include "engine/scene/motion_path.h"
 #include "engine/scene/rotation.h"
 
 #include <algorithm>
@@ -39,7 +40,9 @@ class Fields {
         .number("poisson", s.poisson.value_or(kDefaultPoisson), range::kPoisson)
         .number("roughness_m", s.texture.roughness_m, range::kRoughness_m)
         .number("correlation_m", s.texture.correlation_m, range::kCorrelation_m)
-        .number("spectral_slope", s.texture.spectral_slope, range::kSpectralSlope);
+        .number("spectral_slope", s.texture.spectral_slope, range::kSpectralSlope)
+        .number("shortest_m", s.texture.shortest_m, range::kShortest_m)
+        .number("waviness", s.waviness.value_or(0), range::kWaviness);
   }
   Fields& require(bool holds, const std::string& otherwise) {
     if (!holds) refuse(otherwise);
@@ -80,6 +83,16 @@ bool is_sound(const modal::MassProperties& mass) {
   const Range moment{1e-18 * mass.mass_kg, 1e14 * mass.mass_kg};
   return range::kMass_kg.holds(mass.mass_kg) && moment.holds(i.x) && moment.holds(i.y) && moment.holds(i.z) &&
          range::kPosition_m.holds(c.x) && range::kPosition_m.holds(c.y) && range::kPosition_m.holds(c.z);
+}
+
+bool is_sound(const MotionPath& path) {
+  const auto near = [](Vec3 v, const Range& range) { return range.holds(v.x) && range.holds(v.y) && range.holds(v.z); };
+  const auto good = [&](const Pose& pose) {
+    return near(pose.position_m, range::kPosition_m) && norm(pose.rotation) > 1e-3 && norm(pose.rotation) < 1e3;
+  };
+  return path.poses.size() <= kMaxPathPoses && (path.poses.empty() || path.every_s > 0) &&
+         near(path.velocity_m_s, range::kVelocity_m_s) && near(path.spin_rad_s, range::kSpin_rad_s) &&
+         std::ranges::all_of(path.poses, good);
 }
 
 Result<void> check_object(const BodyDescription& body, const SceneDescription& scene) {
@@ -129,6 +142,8 @@ Result<void> check(const BodyDescription& body) {
   return Fields("body " + quote(body.name))
       .require(!body.mass || is_sound(*body.mass),
                "its mass, its centre or its moments of inertia are those of no body")
+      .require(!body.path || body.fixed, "only a fixed body follows a path")
+      .require(!body.path || is_sound(*body.path), "its path has poses or velocities that no body can have")
       .require(!mesh || mesh->points_m.size() <= kMaxMeshPoints,
                "its mesh has more than " + std::to_string(kMaxMeshPoints) + " points")
       .require(!mesh || mesh->triangles.size() <= 4 * kMaxMeshPoints, "its mesh has too many triangles")
@@ -190,6 +205,8 @@ Result<void> check(const JointDescription& joint, std::span<const BodyDescriptio
     const double size = length(joint.axis);
     fields.require(size > 1e-6 && size < 1e7, "its axis has no direction");
   }
+  fields.number("limit_stiffness", joint.limit_stiffness, range::kDriveGain)
+      .number("limit_damping", joint.limit_damping, range::kDriveGain);
   if (joint.drive) {
     fields.require(hinge || slider, "only a hinge or a slider has a drive")
         .number("drive.stiffness", joint.drive->stiffness, range::kDriveGain)

@@ -40,12 +40,13 @@ struct PairContact {
 // What a lasting contact was like since its last report.
 struct ContactReport {
   BodyPair pair;
-  bool begins = false;  // the first report of the contact
-  bool ends = false;    // the contact is over or rests; the other members have no meaning
-  Vec3 point_m;         // world
-  Vec3 force_n;         // on the first body, world: the mean
-  double slip_m_s = 0;  // mean, weighted by force
-  double roll_m_s = 0;  // speed at which the contact point travels over both surfaces
+  bool begins = false;                             // the first report of the contact
+  bool ends = false;                               // the contact is over or rests; the other members have no meaning
+  Vec3 point_m;                                    // world
+  Vec3 force_n;                                    // on the first body, world: the mean
+  double slip_m_s = 0;                             // mean, weighted by force
+  double roll_m_s = 0;                             // speed at which the contact point travels over both surfaces
+  double over_first_m_s = 0, over_second_m_s = 0;  // and over each of them
   Motion first, second;
 };
 

@@ -10,12 +10,16 @@ std::optional<double> longer(std::optional<double> a, std::optional<double> b) {
   return a && b ? std::max(a, b) : a ? a : b;
 }
 
+double shortest(const synth::Texture& t) { return t.shortest_m > 0 ? t.shortest_m : t.correlation_m / 16; }
+
 synth::Texture combine(const synth::Texture& a, const synth::Texture& b) {
   const double variance_a = a.roughness_m * a.roughness_m, variance_b = b.roughness_m * b.roughness_m;
   const double sum = variance_a + variance_b;
   const double share = sum > 0 ? variance_a / sum : 0.5;
   const auto mean = [share](double of_a, double of_b) { return share * of_a + (1 - share) * of_b; };
-  return {std::sqrt(sum), mean(a.correlation_m, b.correlation_m), mean(a.spectral_slope, b.spectral_slope)};
+  synth::Texture both{std::sqrt(sum), mean(a.correlation_m, b.correlation_m), mean(a.spectral_slope, b.spectral_slope)};
+  if (a.shortest_m > 0 || b.shortest_m > 0) both.shortest_m = mean(shortest(a), shortest(b));
+  return both;
 }
 
 double combine(Combine way, double a, double b) {

@@ -1,5 +1,6 @@
 #include "engine/scene/contact_sounds.h"
 
+#include "engine/scene/bearing.h"
 #include "engine/scene/contact_rules.h"
 #include "engine/scene/hertz.h"
 #include "engine/scene/rotation.h"
@@ -59,12 +60,12 @@ std::optional<PairContact> combine_points(BodyPair pair, std::span<const Contact
 
 // One over the mass that two bodies oppose to an impact [1/kg].
 double inverse_mass_of(const ContactSide& body, const ContactSide& other, const ContactPoint& point) {
-  const auto inverse_mass = [&](const ContactSide& side, const Motion& motion) {
+  const auto of_side = [&](const ContactSide& side, const Motion& motion) {
     if (!side.mass) return 0.0;
     return inverse_effective_mass(*side.mass, to_matrix(motion.rotation), point.point_m - motion.position_m,
                                   point.normal);
   };
-  return inverse_mass(body, point.motions->of_body) + inverse_mass(other, point.motions->of_other);
+  return of_side(body, point.motions->of_body) + of_side(other, point.motions->of_other);
 }
 
 // How long the two sides touch in an impact: as given by their surfaces, or by Hertz's law (hertz.h) from the mass that
@@ -154,10 +155,11 @@ void ContactSounds::process_pair(BodyPair pair, std::span<const ContactPoint* co
     if (is_impact(*point)) fastest_m_s = std::max(fastest_m_s, point->approach_m_s);
   }
   if (fastest_m_s > 0 && lives_.strikes(pair, fastest_m_s, now_s)) {
+    const std::optional<double> face_s = face_time_s(points);
     for (const ContactPoint* point : points) {
-      if (is_impact(*point)) strike(*point, now_s, timeline);
+      if (is_impact(*point)) strike(*point, face_s, now_s, timeline);
     }
-    if (clicks_) click(pair, points, timeline);
+    if (clicks_) click(pair, points, face_s, timeline);
     return;
   }
   const ContactSide *first = find(sides_, pair.first), *second = find(sides_, pair.second);
@@ -168,14 +170,42 @@ void ContactSounds::process_pair(BodyPair pair, std::span<const ContactPoint* co
   resting_.add(*contact, points);
 }
 
-void ContactSounds::strike(const ContactPoint& point, double now_s, const Timeline& timeline) {
+// How long faces that meet touch (bearing.h): where a surface has a waviness, and the points span a patch.
+std::optional<double> ContactSounds::face_time_s(std::span<const ContactPoint* const> points) const {
+  constexpr double kSmallest_m2 = 1e-10;
+  const ContactPoint& last = *points.back();
+  const ContactSide *body = find(sides_, last.body), *other = find(sides_, last.other);
+  if (points.size() < 3 || !body || !other || !(body->surface.waviness || other->surface.waviness)) return {};
+  if (combine(body->surface, other->surface).contact_time_s) return {};
+  std::vector<Vec3> places;
+  Vec3 middle_m;
+  double weight = 0, approach_m_s = 0;
+  for (const ContactPoint* point : points) {
+    places.push_back(point->point_m);
+    const double force = length(point->impulse_ns);
+    middle_m = middle_m + force * point->point_m;
+    weight += force;
+    approach_m_s = std::max(approach_m_s, point->approach_m_s);
+  }
+  const double area_m2 = patch_area(places, last.normal);
+  if (!(weight > 0) || !(area_m2 > kSmallest_m2)) return {};
+  ContactPoint all = last;
+  all.point_m = (1 / weight) * middle_m;
+  const double time_s =
+      face_impact_time(inverse_mass(*body, *other, all), contact_modulus(body->elastic, other->elastic), area_m2,
+                       waviness_of(body->surface, other->surface), approach_m_s);
+  return std::min(time_s, range::kContactTime_s.high);
+}
+
+void ContactSounds::strike(const ContactPoint& point, std::optional<double> face_s, double now_s,
+                           const Timeline& timeline) {
   const ContactSide *body = find(sides_, point.body), *other = find(sides_, point.other);
   if (!body || !other) return;
   const double since_s = std::clamp(point.depth_m / point.approach_m_s, 0.0, step_s_);
   latest_s_ = std::max(latest_s_, now_s + point.found_s - since_s);
   synth::Event event;
   event.frame = timeline.frame(latest_s_);
-  event.contact_time_s = contact_time_s(*body, *other, point);
+  event.contact_time_s = face_s ? *face_s : contact_time_s(*body, *other, point);
   if ((body->two_way || other->two_way) && strike_two_way(*body, *other, point, event)) return;
   const auto strike_side = [&](const ContactSide& side, const Motion& motion, Vec3 impulse_ns) {
     if (!side.object) return;
@@ -225,7 +255,8 @@ bool ContactSounds::strike_two_way(const ContactSide& body, const ContactSide& o
 }
 
 // The impulses of all points move the body as a whole at once; the hardest point's contact time is the click's.
-void ContactSounds::click(BodyPair pair, std::span<const ContactPoint* const> points, const Timeline& timeline) {
+void ContactSounds::click(BodyPair pair, std::span<const ContactPoint* const> points, std::optional<double> face_s,
+                          const Timeline& timeline) {
   const ContactPoint* hardest = nullptr;
   Vec3 on_first_ns;
   for (const ContactPoint* point : points) {
@@ -238,7 +269,7 @@ void ContactSounds::click(BodyPair pair, std::span<const ContactPoint* const> po
   synth::Event event;
   event.frame = timeline.frame(latest_s_);
   event.type = synth::EventType::click;
-  event.contact_time_s = contact_time_s(*body, *other, *hardest);
+  event.contact_time_s = face_s ? *face_s : contact_time_s(*body, *other, *hardest);
   const auto click_side = [&](const ContactSide& side, const Motion& motion, double sign) {
     if (!side.object || !side.mass) return;
     event.object = *side.object;

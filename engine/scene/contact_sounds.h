@@ -56,10 +56,12 @@ class ContactSounds {
   };
   void process_pair(BodyPair pair, std::span<const ContactPoint* const> points, double now_s, const Timeline& timeline);
   [[nodiscard]] bool is_impact(const ContactPoint& point) const;
-  void strike(const ContactPoint& point, double now_s, const Timeline& timeline);
+  [[nodiscard]] std::optional<double> face_time_s(std::span<const ContactPoint* const> points) const;
+  void strike(const ContactPoint& point, std::optional<double> face_s, double now_s, const Timeline& timeline);
   [[nodiscard]] bool strike_two_way(const ContactSide& body, const ContactSide& other, const ContactPoint& point,
                                     synth::Event event);
-  void click(BodyPair pair, std::span<const ContactPoint* const> points, const Timeline& timeline);
+  void click(BodyPair pair, std::span<const ContactPoint* const> points, std::optional<double> face_s,
+             const Timeline& timeline);
 
   double step_s_, bounce_threshold_m_s_;
   bool clicks_;

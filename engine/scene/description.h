@@ -20,7 +20,13 @@
 #include <string>
 #include <vector>
 
+namespace ringdown::modal {
+struct SurfaceRelief;  // surface_relief.h
+}
+
 namespace ringdown::scene {
+
+struct MotionPath;  // motion_path.h
 
 // The most of each kind in one scene. Readers and World refuse more.
 inline constexpr std::size_t kMaxBodies = 1024;  // described, emitted and spawned together
@@ -66,6 +72,8 @@ inline constexpr Range kPoisson{-0.9, 0.499};
 inline constexpr Range kRoughness_m{0, 0.01};
 inline constexpr Range kCorrelation_m{1e-7, 1};
 inline constexpr Range kSpectralSlope{-10, 0};
+inline constexpr Range kShortest_m{0, 1};
+inline constexpr Range kWaviness{0, 10};
 inline constexpr Range kLimit_degrees{-179, 179};
 inline constexpr Range kJointFriction_nm{0, 1e6};
 inline constexpr Range kDriveGain{0, 1e9};
@@ -95,6 +103,9 @@ struct FrictionSurface {
   std::optional<double> young_pa;        // unset: of the bank's material, else kDefaultYoung_pa
   std::optional<double> poisson;         // unset: of the bank's material, else kDefaultPoisson
   synth::Texture texture;                // what sliding and rolling excite
+  std::optional<double> waviness;  // height over length of the departure from flat, which leaves flat faces so much of
+                                   // their patch to bear; unset: impacts of faces are those of their corners
+  std::shared_ptr<const modal::SurfaceRelief> relief;  // measured heights and mesoscale relief, in glTF scenes; or null
 };
 
 // Hard stone or glass: the elasticity of bodies without another material.
@@ -146,11 +157,12 @@ struct BodyDescription {
   std::optional<modal::MassProperties> mass;  // the body's own mass and inertia, instead of both
   Vec3 position_m;
   Rotation rotation;
-  Vec3 velocity_m_s;          // of the centre of mass
-  Vec3 spin_rad_s;            // about it, world axes
-  bool two_way = false;       // impacts feel how it vibrates: the object feels them sample by sample
-  bool fixed = false;         // does not move, and still sounds when struck
-  double gravity_factor = 1;  // of the scene's gravity
+  Vec3 velocity_m_s;                       // of the centre of mass
+  Vec3 spin_rad_s;                         // about it, world axes
+  bool two_way = false;                    // impacts feel how it vibrates: the object feels them sample by sample
+  bool fixed = false;                      // does not move, and still sounds when struck
+  double gravity_factor = 1;               // of the scene's gravity
+  std::shared_ptr<const MotionPath> path;  // of a fixed body: how it moves, whatever touches it; null: not at all
   CollisionFilter filter;
   double start_s = 0;    // enters the scene at this time, moving as described; until then it touches nothing
   double scatter_m = 0;  // shifts the start by up to this along each axis, at random from the scene's seed
@@ -199,6 +211,7 @@ struct JointDescription {
                             // or moves along it
   double low_degrees = -179, high_degrees = 179;  // hinge: from the pose described; the widest are no limits
   double low_m = -1000, high_m = 1000;            // slider: from the pose described; the widest are no limits
+  double limit_stiffness = 0, limit_damping = 0;  // of the limits, as of a drive; 0: they are hard
   double friction_nm = 0;                         // torque that resists turning
   std::optional<JointDrive> drive;                // hinge, slider
 };

@@ -38,13 +38,6 @@ Rotation to_rotation(const Matrix3& m) {
   }
 }
 
-// glTF's y points up, ours z. Exact, because no number changes but in its place and sign.
-Affine upright(const Affine& map) {
-  const Matrix3& m = map.linear;
-  return {{{{m[0][0], m[0][1], m[0][2]}, {-m[2][0], -m[2][1], -m[2][2]}, {m[1][0], m[1][1], m[1][2]}}},
-          {map.shift_m.x, -map.shift_m.z, map.shift_m.y}};
-}
-
 bool is_finite(const Affine& map) {
   return std::ranges::all_of(map.linear,
                              [](const auto& row) {
@@ -60,6 +53,13 @@ Affine operator*(const Affine& outer, const Affine& inner) {
 }
 
 Vec3 operator*(const Affine& map, Vec3 point_m) { return map.linear * point_m + map.shift_m; }
+
+// glTF's y points up, ours z. Exact, because no number changes but in its place and sign.
+Affine upright(const Affine& map) {
+  const Matrix3& m = map.linear;
+  return {{{{m[0][0], m[0][1], m[0][2]}, {-m[2][0], -m[2][1], -m[2][2]}, {m[1][0], m[1][1], m[1][2]}}},
+          {map.shift_m.x, -map.shift_m.z, map.shift_m.y}};
+}
 
 Affine to_affine(const Pose& pose) { return {to_matrix(pose.rotation), pose.position_m}; }
 

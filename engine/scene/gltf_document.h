@@ -16,6 +16,9 @@
 namespace ringdown::scene {
 
 inline constexpr std::size_t kMaxNodes = 16384;
+inline constexpr const char* kPhysicsExtension = "KHR_physics_rigid_bodies";
+inline constexpr const char* kAudioExtension = "KHR_audio_rigid_bodies";
+inline constexpr const char* kShapesExtension = "KHR_implicit_shapes";
 
 // A linear map and a shift: a point p of the inner frame lies at linear p + shift_m.
 struct Affine {
@@ -28,6 +31,9 @@ Vec3 operator*(const Affine& map, Vec3 point_m);
 // The map that a pose is, and back from a pose's frame: a point of the world in that frame.
 Affine to_affine(const Pose& pose);
 Affine inverse(const Pose& pose);
+
+// A map of the file, whose y points up, in our axes, whose z does.
+Affine upright(const Affine& map);
 
 // A linear map as lengths along its columns and a rotation, and whether that is all of it: the columns of a sheared
 // map are not at right angles. A mirror's rotation has one column turned round.

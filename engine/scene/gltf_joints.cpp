@@ -21,7 +21,8 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct Freedom {
   double low = -kInfinity, high = kInfinity;
-  [[nodiscard]] bool locked() const { return high - low < kLocked; }
+  double stiffness = 0, damping = 0;  // of the limits; 0: they are hard
+  [[nodiscard]] bool locked() const { return high - low < kLocked && stiffness == 0; }
 };
 
 // The freedom that the limits of a joint leave, along and about the axes of its frame.
@@ -43,7 +44,9 @@ void read_limit(GltfDocument& document, const Field& limit, Freedoms& freedoms) 
   const Field axes = limit[linear ? "linearAxes" : "angularAxes"];
   const double low = document.number(limit["min"], -kInfinity), high = document.number(limit["max"], kInfinity);
   if (axes.size() < 1 || axes.size() > 3) return document.refuse(axes.wrong("one to three axes"));
-  if (limit["stiffness"].present()) document.notes.add("soft limits of joints are hard");
+  const double stiffness = document.number(limit["stiffness"], 0), damping = document.number(limit["damping"], 0);
+  if (axes.size() > 1 && stiffness > 0)
+    document.notes.add("soft limits of joints are hard where they hold several axes");
   // A limit over several axes is one of a distance or of an angle, which has no sign.
   const bool holds_all = axes.size() > 1 && high < kLocked;
   if (axes.size() > 1 && !holds_all) {
@@ -55,6 +58,8 @@ void read_limit(GltfDocument& document, const Field& limit, Freedoms& freedoms) 
     Freedom& freedom = (linear ? freedoms.along : freedoms.about)[*axis];
     freedom.low = std::max(freedom.low, holds_all ? 0 : low);
     freedom.high = std::min(freedom.high, holds_all ? 0 : high);
+    if (axes.size() == 1) freedom.stiffness = std::max(freedom.stiffness, stiffness);
+    if (axes.size() == 1) freedom.damping = std::max(freedom.damping, damping);
   }
 }
 
@@ -129,21 +134,28 @@ class JointMaker {
   void make_hinge(const Freedoms& freedoms, const Field& drives) {
     const int k = free_axis(freedoms.about);
     const double now = twist(inverse(frame_) * parts_of(second_.node.world.linear).rotation, k);
-    const auto& [low, high] = within(freedoms.about[static_cast<std::size_t>(k)], now);
+    const auto& [low, high, stiffness, damping] = within(freedoms.about[static_cast<std::size_t>(k)], now);
     made_.axis = axis(k);
     made_.low_degrees = std::max(kDegrees * low, range::kLimit_degrees.low);
     made_.high_degrees = std::min(kDegrees * high, range::kLimit_degrees.high);
+    soften(freedoms.about[static_cast<std::size_t>(k)]);
     add_drive(drives, "angular", k, now);
   }
 
   void make_slider(const Freedoms& freedoms, const Field& drives) {
     const int k = free_axis(freedoms.along);
     const double now = part(apart(), k);
-    const auto& [low, high] = within(freedoms.along[static_cast<std::size_t>(k)], now);
+    const auto& [low, high, stiffness, damping] = within(freedoms.along[static_cast<std::size_t>(k)], now);
     made_.axis = axis(k);
     made_.low_m = std::max(low, range::kPosition_m.low);
     made_.high_m = std::min(high, range::kPosition_m.high);
+    soften(freedoms.along[static_cast<std::size_t>(k)]);
     add_drive(drives, "linear", k, now);
+  }
+
+  void soften(const Freedom& freedom) {
+    made_.limit_stiffness = freedom.stiffness;
+    made_.limit_damping = freedom.stiffness > 0 ? freedom.damping : 0;
   }
 
   // Where the second end lies in the first one's frame.
@@ -155,7 +167,7 @@ class JointMaker {
   Freedom within(const Freedom& freedom, double now) {
     if (freedom.low > now + kLocked || freedom.high < now - kLocked)
       document_.notes.add("a joint begins beyond its limits; the limits are widened to its beginning");
-    return {std::min(freedom.low - now, 0.0), std::max(freedom.high - now, 0.0)};
+    return {std::min(freedom.low - now, 0.0), std::max(freedom.high - now, 0.0), freedom.stiffness, freedom.damping};
   }
 
   void check_ends(const Freedoms& freedoms) {

@@ -7,9 +7,13 @@
 #include "engine/modal/bank_file.h"
 #include "engine/modal/gltf_file.h"
 #include "engine/scene/check.h"
+#include "engine/scene/gltf_animation.h"
 #include "engine/scene/gltf_document.h"
 #include "engine/scene/gltf_joints.h"
 #include "engine/scene/gltf_shapes.h"
+#include "engine/scene/gltf_surface.h"
+#include "engine/scene/motion_path.h"
+#include "engine/scene/normal_map.h"
 #include "engine/scene/scene_file.h"
 #include "engine/scene/scene_text.h"
 
@@ -26,16 +30,15 @@ namespace {
 
 using modal::Field;
 
-constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
-constexpr const char* kAudio = "KHR_audio_rigid_bodies";
 constexpr double kUsualDensity_kg_m3 = 1000;
+constexpr std::size_t kMaxMaps = 64;  // of normal maps, each for its surface, mesh and size
 
 // Extensions that are read here or that change nothing about a scene's motion and sound.
-constexpr std::array kKnown = {"KHR_physics_rigid_bodies", "KHR_implicit_shapes", "KHR_audio_rigid_bodies",
-                               "EXT_meshopt_compression"};
+constexpr std::array kKnown = {"KHR_physics_rigid_bodies", "KHR_implicit_shapes", "KHR_collision_shapes",
+                               "KHR_audio_rigid_bodies", "EXT_meshopt_compression"};
 
 // A collider, and where its node lies.
-struct Collider {
+struct PlacedCollider {
   std::size_t node = 0;
   GltfGeometry geometry;
   FrictionSurface surface;
@@ -43,24 +46,25 @@ struct Collider {
 };
 
 // A motion, or a collider without one, and everything that moves with it.
-struct Body {
+struct GatheredBody {
   std::size_t node = 0;
   bool moves = false;
-  std::vector<Collider> colliders;
+  std::vector<PlacedCollider> colliders;
   std::optional<std::size_t> model_node;
 };
 
-Field physics_of(const GltfNode& node) { return node.field["extensions"][kPhysics]; }
-Field audio_of(const GltfNode& node) { return node.field["extensions"][kAudio]; }
+Field physics_of(const GltfNode& node) { return node.field["extensions"][kPhysicsExtension]; }
+Field audio_of(const GltfNode& node) { return node.field["extensions"][kAudioExtension]; }
 
-class SceneReader {
+class GltfSceneReader {
  public:
-  SceneReader(GltfDocument& document, std::filesystem::path path) : document_(document), path_(std::move(path)) {}
+  GltfSceneReader(GltfDocument& document, std::filesystem::path path, const modal::ReadBeside& read_beside)
+      : document_(document), path_(std::move(path)), read_beside_(read_beside), animations_(document) {}
 
   Result<GltfScene> read() {
     note_what_is_left_out();
     collect();
-    for (const Body& body : bodies_) add(body);
+    for (const GatheredBody& body : bodies_) add(body);
     if (const auto good = document_.result(); !good) return fail(good.error());
     add_joints();
     add_camera();
@@ -83,8 +87,6 @@ class SceneReader {
       if (std::ranges::find(kKnown, name) == kKnown.end())
         note("the file requires the extension " + quote(name) + ", which scenes do not use");
     }
-    const Field animations = document_.root()["animations"];
-    if (animations.size() > 0) note("the file's animations are not played");
     for (const GltfNode& node : nodes()) {
       if (!node.in_scene) continue;
       if (physics_of(node)["trigger"].present()) note("triggers have no effect");
@@ -106,10 +108,17 @@ class SceneReader {
     return nearest(node, [](const GltfNode& n) { return physics_of(n)["motion"].present(); });
   }
 
-  // Sorts colliders and models by the bodies that they belong to. A body without a motion is its collider's node.
+  // The node of the body that a collider or a model belongs to: that of the motion; without one, the nearest node with
+  // a modal model, else its own.
+  [[nodiscard]] std::size_t owner_of(std::size_t node) const {
+    if (const auto motion = motion_of(node)) return *motion;
+    return nearest(node, [](const GltfNode& n) { return audio_of(n)["modalModel"].present(); }).value_or(node);
+  }
+
+  // Sorts colliders and models by the bodies that they belong to.
   void collect() {
     std::map<std::size_t, std::size_t> by_node;
-    const auto body_at = [&](std::size_t node, bool moves) -> Body& {
+    const auto body_at = [&](std::size_t node, bool moves) -> GatheredBody& {
       const auto [found, is_new] = by_node.try_emplace(node, bodies_.size());
       if (is_new) bodies_.push_back({.node = node, .moves = moves});
       return bodies_[found->second];
@@ -122,31 +131,27 @@ class SceneReader {
       if (motion == k) body_at(k, true);
       if (collider.present()) {
         if (auto read = read_collider(k, collider))
-          body_at(motion.value_or(k), motion.has_value()).colliders.push_back(std::move(*read));
+          body_at(owner_of(k), motion.has_value()).colliders.push_back(std::move(*read));
       }
       if (!plays) continue;
-      if (!motion && !collider.present()) {
-        note("a modal model of a node without a motion or a collider has nothing to strike it; it is not loaded");
-        continue;
-      }
-      Body& body = body_at(motion.value_or(k), motion.has_value());
+      GatheredBody& body = body_at(owner_of(k), motion.has_value());
       if (body.model_node) note("a body plays one modal model; further ones below it are not loaded");
       if (!body.model_node) body.model_node = k;
     }
   }
 
-  std::optional<Collider> read_collider(std::size_t node, const Field& field) {
-    auto geometry = read_geometry(document_, field["geometry"]);
+  std::optional<PlacedCollider> read_collider(std::size_t node, const Field& field) {
+    auto geometry = read_geometry(document_, geometry_of(field));
     if (!geometry) return {};
-    Collider collider{.node = node, .geometry = std::move(*geometry)};
-    const Field material = document_.element(field["physicsMaterial"], list(kPhysics, "physicsMaterials"));
+    PlacedCollider collider{.node = node, .geometry = std::move(*geometry)};
+    const Field material = document_.element(field["physicsMaterial"], list(kPhysicsExtension, "physicsMaterials"));
     if (material.present()) read_material(material, collider.surface);
-    const Field filter = document_.element(field["collisionFilter"], list(kPhysics, "collisionFilters"));
+    const Field filter = document_.element(field["collisionFilter"], list(kPhysicsExtension, "collisionFilters"));
     if (filter.present()) {
       collider.filter = {document_.texts(filter["collisionSystems"]), document_.texts(filter["collideWithSystems"]),
                          document_.texts(filter["notCollideWithSystems"])};
     }
-    read_finish(node, collider.surface);
+    read_surface(node, collider.surface);
     return collider;
   }
 
@@ -168,40 +173,60 @@ class SceneReader {
     surface.restitution = std::min(surface.restitution, 1.0);
   }
 
-  // The acoustic surface of a node or of the nearest one above it.
-  void read_finish(std::size_t node, FrictionSurface& surface) {
+  // The acoustic surface of a node or of the nearest one above it; without one, that of a machined surface.
+  void read_surface(std::size_t node, FrictionSurface& surface) {
     const auto owner = nearest(node, [](const GltfNode& n) { return audio_of(n)["acousticSurface"].present(); });
-    if (!owner) return;
-    const Field finish =
-        document_.element(audio_of(nodes()[*owner])["acousticSurface"], list(kAudio, "acousticSurfaces"));
-    surface.texture.roughness_m = document_.number(finish["roughness"], surface.texture.roughness_m);
-    surface.texture.correlation_m = document_.number(finish["correlationLength"], surface.texture.correlation_m);
-    surface.texture.spectral_slope = document_.number(finish["spectralSlope"], surface.texture.spectral_slope);
-    for (const char* unused : {"waviness", "shortWavelength", "profile", "normalTexture"}) {
-      if (finish[unused].present()) note(std::string("the ") + unused + " of an acoustic surface is not heard");
-    }
-    const Field material = document_.element(finish["material"], list(kAudio, "acousticMaterials"));
+    const Field finish = owner ? document_.element(audio_of(nodes()[*owner])["acousticSurface"],
+                                                   list(kAudioExtension, "acousticSurfaces"))
+                               : Field(nullptr, "");
+    read_finish(document_, finish, surface);
+    const Field material = document_.element(finish["material"], list(kAudioExtension, "acousticMaterials"));
     if (material["youngsModulus"].present()) surface.young_pa = document_.number(material["youngsModulus"], 0);
     if (material["poissonRatio"].present()) surface.poisson = document_.number(material["poissonRatio"], 0);
+    surface.relief = relief(node, owner, finish);
+  }
+
+  // What is known of the heights of a collider's surface. The same profile or map is read once for each surface, mesh
+  // and size.
+  std::shared_ptr<const modal::SurfaceRelief> relief(std::size_t node, std::optional<std::size_t> owner,
+                                                     const Field& finish) {
+    auto mesh_node = nearest(node, [](const GltfNode& n) { return n.field["mesh"].present(); });
+    const auto other = geometry_of(physics_of(nodes()[node])["collider"])["node"].index();
+    if (other && *other < nodes().size() && nodes()[*other].field["mesh"].present()) mesh_node = *other;
+    const Affine& world = nodes()[node].world;
+    const Vec3 s = parts_of(world.linear).scale;
+    const std::string key = std::to_string(owner.value_or(nodes().size())) + " " +
+                            std::to_string(mesh_node.value_or(nodes().size())) + " " + std::to_string(s.x) + " " +
+                            std::to_string(s.y) + " " + std::to_string(s.z);
+    const auto [found, is_new] = reliefs_.try_emplace(key);
+    if (!is_new) return found->second;
+    modal::SurfaceRelief relief{.profile = read_profile(document_, finish)};
+    if (mesh_node && maps_ == kMaxMaps) note("more than 64 normal maps are not felt");
+    if (mesh_node && maps_ < kMaxMaps) {
+      const Field mesh = document_.element(nodes()[*mesh_node].field["mesh"], document_.root()["meshes"]);
+      relief.mesoscale = relief_of(document_, finish["normalTexture"], mesh, world, read_beside_);
+      if (relief.mesoscale) ++maps_;
+    }
+    if (relief.profile || relief.mesoscale) found->second = std::make_shared<modal::SurfaceRelief>(std::move(relief));
+    return found->second;
   }
 
   // A body's frame: that of its model, else of its only collider, else its own.
-  [[nodiscard]] Pose frame_of(const Body& body) const {
-    std::size_t node = body.node;
-    if (body.model_node) {
-      node = *body.model_node;
-    } else if (body.colliders.size() == 1) {
-      node = body.colliders[0].node;
-    }
-    const Affine& world = nodes()[node].world;
+  static std::size_t frame_node(const GatheredBody& body) {
+    if (body.model_node) return *body.model_node;
+    return body.colliders.size() == 1 ? body.colliders[0].node : body.node;
+  }
+
+  [[nodiscard]] Pose frame_of(const GatheredBody& body) const {
+    const Affine& world = nodes()[frame_node(body)].world;
     return {world.shift_m, parts_of(world.linear).rotation};
   }
 
-  void add(const Body& body) {
+  void add(const GatheredBody& body) {
     const Pose frame = frame_of(body);
     std::vector<Shape> shapes;
     bool is_plane = false;
-    for (const Collider& collider : body.colliders) {
+    for (const PlacedCollider& collider : body.colliders) {
       const Affine map = inverse(frame) * nodes()[collider.node].world;
       if (auto shape = place(collider.geometry, map)) {
         shapes.push_back(std::move(*shape));
@@ -214,10 +239,12 @@ class SceneReader {
     }
     if (shapes.empty()) {
       if (!is_plane && body.moves) note("a motion without a collider touches nothing, and is left out");
+      if (!body.moves && body.model_node)
+        note("a modal model of a node without a motion or a collider has nothing to strike it; it is not loaded");
       return;
     }
-    for (const Collider& other : body.colliders) {
-      const Collider& first = body.colliders[0];
+    for (const PlacedCollider& other : body.colliders) {
+      const PlacedCollider& first = body.colliders[0];
       const bool same = other.filter == first.filter && other.surface.friction == first.surface.friction &&
                         other.surface.restitution == first.surface.restitution;
       if (!same) note("colliders of one body have one material and one filter: those of the first");
@@ -233,11 +260,18 @@ class SceneReader {
     made.fixed = !body.moves;
     if (body.model_node) add_object(*body.model_node, made);
     if (body.moves) add_motion(body, frame, made);
+    if (auto path = animations_.path_of(frame_node(body))) {
+      made.fixed = true;
+      made.velocity_m_s = made.spin_rad_s = {};
+      made.position_m = path->poses[0].position_m;
+      made.rotation = path->poses[0].rotation;
+      made.path = std::move(path);
+    }
     names_[body.node] = made.name;
     scene_.bodies.push_back(std::move(made));
   }
 
-  void add_plane(const Body& body, const Collider& collider) {
+  void add_plane(const GatheredBody& body, const PlacedCollider& collider) {
     if (body.moves) return note("an infinite plane cannot move, and is left out");
     StaticDescription plane = place_plane(nodes()[collider.node].world);
     plane.name = nodes()[collider.node].name;
@@ -252,22 +286,24 @@ class SceneReader {
   void add_object(std::size_t number, BodyDescription& body) {
     const GltfNode& node = nodes()[number];
     const Field reference = audio_of(node)["modalModel"];
-    const Field model = document_.element(reference, list(kAudio, "modalModels"));
+    const Field model = document_.element(reference, list(kAudioExtension, "modalModels"));
     if (!model.present()) return;
     const Parts parts = parts_of(node.world.linear);
     const Vec3 s = parts.scale;
     if (parts.sheared || parts.mirrored || std::max({s.x, s.y, s.z}) - std::min({s.x, s.y, s.z}) > 1e-6 * s.x)
       return note("a modal model under an uneven or a mirrored scale is silent; it needs a bake at that scale");
     ObjectDescription object{.name = unique_object(node.name)};
-    object.bank = modal::bank_path(path_, reference.index().value_or(0));
+    // A model was made for its node at the scale that the file gives it, which moves the points and nothing else.
+    const double scale = std::abs(s.x - 1) < 1e-6 ? 1 : s.x;
+    if (!modal::kBankPathScale.holds(scale)) return note("a modal model under a scale beyond 1e-6 to 1e6 is silent");
+    object.bank = modal::bank_path({path_, reference.index().value_or(0), scale});
     object.gain = document_.number(audio_of(node)["gain"], 1);
-    object.material.size = std::abs(s.x - 1) < 1e-6 ? 1 : s.x;
     body.object = object.name;
     has_mass_ = model["massProperties"].present();
     scene_.objects.push_back(std::move(object));
   }
 
-  void add_motion(const Body& body, const Pose& frame, BodyDescription& made) {
+  void add_motion(const GatheredBody& body, const Pose& frame, BodyDescription& made) {
     const GltfNode& node = nodes()[body.node];
     const Field motion = physics_of(node)["motion"];
     const Rotation turn = parts_of(node.world.linear).rotation;
@@ -276,7 +312,11 @@ class SceneReader {
     made.gravity_factor = document_.number(motion["gravityFactor"], 1);
     if (document_.flag(motion["isKinematic"], false)) {
       made.fixed = true;
-      if (made.velocity_m_s != Vec3{} || made.spin_rad_s != Vec3{}) note("kinematic bodies stand still");
+      if (made.velocity_m_s != Vec3{} || made.spin_rad_s != Vec3{}) {
+        const MotionPath path{.velocity_m_s = made.velocity_m_s, .spin_rad_s = made.spin_rad_s};
+        made.path = std::make_shared<MotionPath>(path);
+        made.velocity_m_s = made.spin_rad_s = {};
+      }
       return;
     }
     const bool own =
@@ -332,7 +372,7 @@ class SceneReader {
   [[nodiscard]] std::string body_of(std::size_t node) const {
     auto owner = motion_of(node);
     if (!owner) owner = nearest(node, [](const GltfNode& n) { return physics_of(n)["collider"].present(); });
-    const auto found = owner ? names_.find(*owner) : names_.end();
+    const auto found = owner ? names_.find(owner_of(*owner)) : names_.end();
     return found == names_.end() ? "" : found->second;
   }
 
@@ -375,7 +415,11 @@ class SceneReader {
 
   GltfDocument& document_;
   std::filesystem::path path_;
-  std::vector<Body> bodies_;
+  const modal::ReadBeside& read_beside_;
+  GltfAnimations animations_;
+  std::map<std::string, std::shared_ptr<const modal::SurfaceRelief>> reliefs_;
+  std::size_t maps_ = 0;  // normal maps among them
+  std::vector<GatheredBody> bodies_;
   std::map<std::size_t, std::string> names_;  // of the bodies, by their nodes
   std::size_t points_ = 0;
   bool has_mass_ = false;  // whether the model of the last object has a mass
@@ -402,7 +446,7 @@ Result<GltfScene> parse_gltf_scene(std::span<const std::byte> bytes, const std::
     if (!glb) return fail(glb.error());
     auto document = GltfDocument::read(*glb);
     if (!document) return fail(document.error());
-    auto read = SceneReader(*document, path).read();
+    auto read = GltfSceneReader(*document, path, read_beside).read();
     const Field own = glb->root()["extras"]["ringdown"];
     if (!read || !own["scene"].present()) return read;
     if (own["fingerprint"].text_or("") != fingerprint(read->scene)) {

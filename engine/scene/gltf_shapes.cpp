@@ -143,6 +143,28 @@ ShapeMesh welded(const ShapeMesh& mesh) {
   return out;
 }
 
+// Triangles as a hull or as a mesh. `reference` names them in sentences.
+std::optional<GltfGeometry> made_of(GltfDocument& document, const ShapeMesh& triangles, bool is_hull,
+                                    const Field& reference) {
+  if (!document.result()) return {};
+  ShapeMesh mesh = welded(triangles);
+  if (mesh.points_m.size() > kMaxMeshPoints) {
+    document.refuse(reference.wrong("what has meshes of at most " + std::to_string(kMaxMeshPoints) + " points"));
+    return {};
+  }
+  if (mesh.triangles.empty()) {
+    document.notes.add("a collider's node " + reference.path() + " has no mesh; the collider is left out");
+    return {};
+  }
+  if (!is_hull) return GltfGeometry{.kind = GltfGeometry::mesh, .points = std::make_shared<ShapeMesh>(std::move(mesh))};
+  auto hull = hull_of(mesh);
+  if (!hull) {
+    document.notes.add("the points of a convex collider lie in one plane; the collider is a mesh instead");
+    return GltfGeometry{.kind = GltfGeometry::mesh, .points = std::make_shared<ShapeMesh>(std::move(mesh))};
+  }
+  return GltfGeometry{.kind = GltfGeometry::hull, .points = std::move(hull)};
+}
+
 // The meshes of a node and of all below it, in the node's own frame.
 std::optional<GltfGeometry> node_geometry(GltfDocument& document, const Field& geometry) {
   const auto top = geometry["node"].index();
@@ -162,25 +184,7 @@ std::optional<GltfGeometry> node_geometry(GltfDocument& document, const Field& g
     for (const std::size_t child : node.children) open.emplace_back(child, map * document.nodes()[child].local);
     if (mesh.points_m.size() > 4 * kMaxMeshPoints) break;
   }
-  const bool is_hull = document.flag(geometry["convexHull"], false);
-  if (!document.result()) return {};
-  mesh = welded(mesh);
-  if (mesh.points_m.size() > kMaxMeshPoints) {
-    document.refuse(
-        geometry["node"].wrong("a node whose meshes have at most " + std::to_string(kMaxMeshPoints) + " points"));
-    return {};
-  }
-  if (mesh.triangles.empty()) {
-    document.notes.add("a collider's node " + geometry["node"].path() + " has no mesh; the collider is left out");
-    return {};
-  }
-  if (!is_hull) return GltfGeometry{.kind = GltfGeometry::mesh, .points = std::make_shared<ShapeMesh>(std::move(mesh))};
-  auto hull = hull_of(mesh);
-  if (!hull) {
-    document.notes.add("the points of a convex collider lie in one plane; the collider is a mesh instead");
-    return GltfGeometry{.kind = GltfGeometry::mesh, .points = std::make_shared<ShapeMesh>(std::move(mesh))};
-  }
-  return GltfGeometry{.kind = GltfGeometry::hull, .points = std::move(hull)};
+  return made_of(document, mesh, document.flag(geometry["convexHull"], false), geometry["node"]);
 }
 
 // A number that must be at least `low`, or above 0.
@@ -191,9 +195,19 @@ double size(GltfDocument& document, const Field& field, double fallback, bool ma
   return value;
 }
 
+// Earlier drafts had meshes among the shapes.
+std::optional<GltfGeometry> mesh_among_shapes(GltfDocument& document, const Field& shape) {
+  ShapeMesh triangles;
+  const Field mesh = document.element(shape["mesh"]["mesh"], document.root()["meshes"]);
+  if (mesh.present()) add_mesh(document, mesh, {}, triangles);
+  const Field own = shape["extensions"]["KHR_physics_rigid_bodies"];
+  return made_of(document, triangles, document.flag(own["convexHull"], false), shape["mesh"]["mesh"]);
+}
+
 std::optional<GltfGeometry> implicit(GltfDocument& document, const Field& shape) {
   const std::string type = shape["type"].text_or("");
   const Field own = shape[type];
+  if (type == "mesh") return mesh_among_shapes(document, shape);
   GltfGeometry geometry;
   if (type == "box") {
     geometry.size_m = {size(document, own["size"][0], 1), size(document, own["size"][1], 1),
@@ -262,14 +276,23 @@ ShapeMesh mesh_of(const Shape& shape) {
 
 }  // namespace
 
+Field geometry_of(const Field& collider) {
+  return collider["geometry"].present() || !collider["shape"].present() ? collider["geometry"] : collider;
+}
+
+Field shapes_of(const GltfDocument& document) {
+  const Field extensions = document.root()["extensions"];
+  const Field shapes = extensions["KHR_implicit_shapes"]["shapes"];
+  return shapes.present() ? shapes : extensions["KHR_collision_shapes"]["shapes"];
+}
+
 std::optional<GltfGeometry> read_geometry(GltfDocument& document, const Field& geometry) {
   if (geometry["node"].present()) return node_geometry(document, geometry);
   if (!geometry["shape"].present()) {
     document.refuse(geometry.wrong("an object with a shape or a node"));
     return {};
   }
-  const Field shape =
-      document.element(geometry["shape"], document.root()["extensions"]["KHR_implicit_shapes"]["shapes"]);
+  const Field shape = document.element(geometry["shape"], shapes_of(document));
   return shape.present() ? implicit(document, shape) : std::nullopt;
 }
 
@@ -317,6 +340,16 @@ StaticDescription place_plane(const Affine& map) {
   if (length(across) > 0) plane.normal = (up / length(across)) * across;
   plane.offset_m = dot(plane.normal, map.shift_m);
   return plane;
+}
+
+ShapeMesh surface_of(GltfDocument& document, std::span<const std::size_t> nodes, const Affine& map) {
+  ShapeMesh all;
+  for (const std::size_t number : nodes) {
+    const GltfNode& node = document.nodes()[number];
+    const Field mesh = document.element(node.field["mesh"], document.root()["meshes"]);
+    if (mesh.present()) add_mesh(document, mesh, map * node.world, all);
+  }
+  return welded(all);
 }
 
 Shape join(std::span<const Shape> shapes) {

@@ -7,6 +7,7 @@
 #include "engine/scene/description.h"
 #include "engine/scene/gltf_document.h"
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <span>
@@ -25,6 +26,13 @@ struct GltfGeometry {
   std::shared_ptr<const ShapeMesh> points;  // hull, mesh
 };
 
+// A collider's `geometry`; of earlier drafts, which Blender's exporter writes, the collider itself, which names a
+// shape.
+modal::Field geometry_of(const modal::Field& collider);
+
+// The shapes of the file, by the extension's present name or its former one, KHR_collision_shapes.
+modal::Field shapes_of(const GltfDocument& document);
+
 // Reads a `geometry` object. Nothing when it is not supported, or disabled, which the document's notes then say.
 std::optional<GltfGeometry> read_geometry(GltfDocument& document, const modal::Field& geometry);
 
@@ -34,6 +42,10 @@ std::optional<Shape> place(const GltfGeometry& geometry, const Affine& map);
 
 // An infinite plane as a static, its node lying by `map` in the world.
 StaticDescription place_plane(const Affine& map);
+
+// The meshes of these nodes themselves as one, each node's points moved by its place in the world and then by `map`;
+// corners in one place are joined.
+ShapeMesh surface_of(GltfDocument& document, std::span<const std::size_t> nodes, const Affine& map);
 
 // Several shapes of one body as one mesh.
 Shape join(std::span<const Shape> shapes);

@@ -3,7 +3,9 @@
 #include "engine/base/quote.h"
 #include "engine/base/version.h"
 #include "engine/modal/bank_model.h"
+#include "engine/modal/scaled_bank.h"
 #include "engine/scene/fixed_contacts.h"
+#include "engine/scene/gltf_document.h"
 #include "engine/scene/gltf_scene.h"
 #include "engine/scene/gltf_shapes.h"
 #include "engine/scene/rotation.h"
@@ -15,15 +17,12 @@
 #include <map>
 #include <numbers>
 #include <string>
+#include <utility>
 
 namespace ringdown::scene {
 namespace {
 
 using modal::Json;
-
-constexpr const char* kPhysics = "KHR_physics_rigid_bodies";
-constexpr const char* kAudio = "KHR_audio_rigid_bodies";
-constexpr const char* kShapes = "KHR_implicit_shapes";
 
 // The file's y points up: our (x, y, z) is its (x, z, -y).
 Vec3 to_file(Vec3 v) { return {v.x, v.z, -v.y}; }
@@ -70,21 +69,32 @@ class GlbScene {
   }
 
  private:
-  // Objects with the same bank share its model.
+  // Objects with the same bank share its model. An object in another size or material has a model of its own for other
+  // programs, which know no such scale.
   void add_models() {
-    std::map<std::string, std::size_t> known;
+    std::map<std::pair<std::string, std::string>, std::size_t> known;
+    const auto model_at = [&](std::size_t k, const modal::MaterialScale& scale) {
+      const std::string key = Json{scale.alpha, scale.beta, scale.density, scale.stiffness, scale.size}.dump();
+      const auto [model, is_new] = known.try_emplace({scene_.objects[k].bank.string(), key}, models_.size());
+      if (!is_new) return model->second;
+      const modal::Bank played = scale == modal::MaterialScale{} ? banks_[k] : modal::scaled(banks_[k], scale);
+      add_model(played.mode_count() > 0 ? played : banks_[k]);
+      return model->second;
+    };
     for (std::size_t k = 0; k < scene_.objects.size(); ++k) {
-      const auto [model, is_new] = known.try_emplace(scene_.objects[k].bank.string(), models_.size());
-      model_of_.push_back(model->second);
-      if (!is_new) continue;
-      auto written = modal::add_model(writer_, banks_[k], /*packed=*/false);
-      if (written.material) {
-        written.model["material"] = materials_.size();
-        materials_.push_back(*std::move(written.material));
-      }
-      models_.push_back(std::move(written.model));
-      meshes_.push_back({{"name", banks_[k].name}, {"primitives", Json::array({std::move(written.primitive)})}});
+      model_of_.push_back(model_at(k, {}));
+      played_model_of_.push_back(model_at(k, scene_.objects[k].material));
     }
+  }
+
+  void add_model(const modal::Bank& bank) {
+    auto written = modal::add_model(writer_, bank, /*packed=*/false);
+    if (written.material) {
+      written.model["material"] = materials_.size();
+      materials_.push_back(*std::move(written.material));
+    }
+    models_.push_back(std::move(written.model));
+    meshes_.push_back({{"name", bank.name}, {"primitives", Json::array({std::move(written.primitive)})}});
   }
 
   std::size_t add_node(Json node, bool is_root = true) {
@@ -99,11 +109,11 @@ class GlbScene {
   }
 
   // A mesh of a body's own, on a node that is in no scene.
-  std::size_t add_mesh(const ShapeMesh& mesh, double scale) {
+  std::size_t add_mesh(const ShapeMesh& mesh) {
     std::vector<float> points;
     std::vector<std::uint32_t> corners;
     for (const Vec3& p : mesh.points_m)
-      for (const double x : {p.x, p.y, p.z}) points.push_back(static_cast<float>(x / scale));
+      for (const double x : {p.x, p.y, p.z}) points.push_back(static_cast<float>(x));
     for (const auto& triangle : mesh.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
     const std::size_t positions = writer_.add_floats(points, 3, modal::GlbWriter::Use::vertices);
     Json primitive = {{"attributes", {{"POSITION", positions}}}};
@@ -153,9 +163,9 @@ class GlbScene {
       node["rotation"] = json_of(to_file(normalized(item.rotation)));
       shape = {{"type", "box"}, {"box", {{"size", json_of(item.size_m)}}}};
     }
-    node["extensions"][kPhysics]["collider"] =
+    node["extensions"][kPhysicsExtension]["collider"] =
         collider({{"shape", add_shape(std::move(shape))}}, item.surface, item.filter);
-    node["extensions"][kAudio]["acousticSurface"] = add_finish(item.surface);
+    node["extensions"][kAudioExtension]["acousticSurface"] = add_finish(item.surface);
     add_node(std::move(node));
   }
 
@@ -166,27 +176,25 @@ class GlbScene {
     const modal::MaterialScale scaled = sounds ? object->material : modal::MaterialScale{};
     const auto solid = make_solid(body, sounds ? &banks_[number] : nullptr, scaled);
     if (!solid) return fail(solid.error().kind, "body " + quote(body.name) + ": " + solid.error().message);
-    const double scale = scaled.size;
     Json node = {{"name", body.name},
                  {"translation", json_of(to_file(body.position_m))},
                  {"rotation", json_of(to_file(normalized(body.rotation)))}};
-    Json& physics = node["extensions"][kPhysics];
+    Json& physics = node["extensions"][kPhysicsExtension];
     if (sounds) {
-      node["mesh"] = model_of_[number];
-      node["extensions"][kAudio] = {{"modalModel", model_of_[number]},
-                                    {"gain", object->gain * banks_[number].gain},
-                                    {"acousticSurface", add_finish(body.surface)}};
-      if (scale != 1) node["scale"] = json_of(scale * Vec3{1, 1, 1});
+      node["mesh"] = played_model_of_[number];
+      node["extensions"][kAudioExtension] = {{"modalModel", played_model_of_[number]},
+                                             {"gain", object->gain * banks_[number].gain},
+                                             {"acousticSurface", add_finish(body.surface)}};
     }
-    if (!body.fixed) physics["motion"] = motion(body, solid->mass, scale);
+    if (!body.fixed) physics["motion"] = motion(body, solid->mass);
     const CollisionShape& shape = solid->shape;
     const std::size_t self = nodes_.size();
     if (shape.type == ShapeType::box || shape.type == ShapeType::sphere) {
       const Json written = shape.type == ShapeType::box
-                               ? Json{{"type", "box"}, {"box", {{"size", json_of((1 / scale) * shape.size_m)}}}}
-                               : Json{{"type", "sphere"}, {"sphere", {{"radius", shape.radius_m / scale}}}};
+                               ? Json{{"type", "box"}, {"box", {{"size", json_of(shape.size_m)}}}}
+                               : Json{{"type", "sphere"}, {"sphere", {{"radius", shape.radius_m}}}};
       Json made = collider({{"shape", add_shape(written)}}, body.surface, body.filter);
-      const Vec3 center = (1 / scale) * (shape.center_m + solid->mass.center_m);
+      const Vec3 center = shape.center_m + solid->mass.center_m;
       if (length(center) == 0) {
         physics["collider"] = std::move(made);
       } else {
@@ -194,13 +202,13 @@ class GlbScene {
         add_node(std::move(node));
         add_node({{"name", body.name + " collider"},
                   {"translation", json_of(center)},
-                  {"extensions", {{kPhysics, {{"collider", std::move(made)}}}}}},
+                  {"extensions", {{kPhysicsExtension, {{"collider", std::move(made)}}}}}},
                  false);
         body_nodes_[body.name] = self;
         return {};
       }
     } else {
-      const std::size_t mesh_node = body.shape.mesh ? add_mesh(*body.shape.mesh, scale) : self;
+      const std::size_t mesh_node = body.shape.mesh ? add_mesh(*body.shape.mesh) : self;
       physics["collider"] =
           collider({{"node", mesh_node}, {"convexHull", shape.type == ShapeType::convex}}, body.surface, body.filter);
     }
@@ -208,12 +216,12 @@ class GlbScene {
     return {};
   }
 
-  static Json motion(const BodyDescription& body, const RigidMass& mass, double scale) {
+  static Json motion(const BodyDescription& body, const RigidMass& mass) {
     modal::MassProperties principal;
     set_inertia(principal, mass.inertia_kg_m2);
     const Rotation back = inverse(normalized(body.rotation));
     return {{"mass", mass.mass_kg},
-            {"centerOfMass", json_of((1 / scale) * mass.center_m)},
+            {"centerOfMass", json_of(mass.center_m)},
             {"inertiaDiagonal", json_of(principal.inertia_kg_m2)},
             {"inertiaOrientation", principal.orientation},
             {"linearVelocity", json_of(rotated(back, body.velocity_m_s))},
@@ -229,8 +237,7 @@ class GlbScene {
       return add_node({{"name", joint.name}, {"translation", json_of(place.position_m)}, {"rotation", json_of(axes)}});
     const BodyDescription& described = *std::ranges::find(scene_.bodies, body, &BodyDescription::name);
     const Rotation back = inverse(to_file(normalized(described.rotation)));
-    const double scale = nodes_[found->second].contains("scale") ? nodes_[found->second]["scale"][0].get<double>() : 1;
-    const Vec3 local = (1 / scale) * rotated(back, place.position_m - to_file(described.position_m));
+    const Vec3 local = rotated(back, place.position_m - to_file(described.position_m));
     const std::size_t number = add_node(
         {{"name", joint.name}, {"translation", json_of(local)}, {"rotation", json_of(normalized(back * axes))}}, false);
     nodes_[found->second]["children"].push_back(number);
@@ -255,6 +262,10 @@ class GlbScene {
     if (hinge && joint.high_degrees < range::kLimit_degrees.high) range["max"] = radians * joint.high_degrees;
     if (slider && joint.low_m > range::kPosition_m.low) range["min"] = joint.low_m;
     if (slider && joint.high_m < range::kPosition_m.high) range["max"] = joint.high_m;
+    if (range.size() > 1 && joint.limit_stiffness > 0) {
+      range["stiffness"] = joint.limit_stiffness;
+      range["damping"] = joint.limit_damping;
+    }
     if (range.size() > 1) limits.push_back(range);
     Json written = {{"limits", limits}};
     if (joint.drive) {
@@ -269,7 +280,7 @@ class GlbScene {
     }
     joints_.push_back(std::move(written));
     const std::size_t held = add_end(joint.other, joint, axes), connected = add_end(joint.body, joint, axes);
-    nodes_[held]["extensions"][kPhysics]["joint"] = {
+    nodes_[held]["extensions"][kPhysicsExtension]["joint"] = {
         {"connectedNode", connected}, {"joint", joints_.size() - 1}, {"enableCollision", joint.collides}};
   }
 
@@ -309,16 +320,17 @@ class GlbScene {
       document["extensionsUsed"].push_back(name);
       document["extensions"][name] = content;
     };
-    use(kPhysics, physics);
-    use(kAudio, audio);
-    if (!shapes_.empty()) use(kShapes, {{"shapes", shapes_}});
+    use(kPhysicsExtension, physics);
+    use(kAudioExtension, audio);
+    if (!shapes_.empty()) use(kShapesExtension, {{"shapes", shapes_}});
     return document;
   }
 
   const SceneDescription& scene_;
   std::span<const modal::Bank> banks_;
   modal::GlbWriter writer_;
-  std::vector<std::size_t> model_of_;              // of each object
+  std::vector<std::size_t> model_of_;              // of each object's bank
+  std::vector<std::size_t> played_model_of_;       // of the bank in the object's material and size
   std::map<std::string, std::size_t> body_nodes_;  // by the body's name
   Json nodes_ = Json::array(), roots_ = Json::array(), meshes_ = Json::array(), cameras_ = Json::array();
   Json shapes_ = Json::array(), models_ = Json::array(), materials_ = Json::array(), finishes_ = Json::array();

@@ -57,6 +57,7 @@ void Islands::unite(Collider& body, Collider& other, double pushed_m_s, bool bou
   enter(body);
   links_.push_back({&body, pushed_m_s, bounces});
   if (other.movable()) merge(body, other);
+  if (other.driven) body.island.exempt = true;
 }
 
 void Islands::join(Collider& body, Collider* other) {

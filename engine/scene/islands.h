@@ -25,8 +25,9 @@ class Islands {
   // Makes an island of every body that is awake.
   void open(std::span<Collider* const> colliders);
 
-  // Unites the islands of two bodies that touch. `pushed_m_s` is the speed at which the solver would push them apart
-  // for overlapping too far, which adds energy; `bounces` says whether restitution acts.
+  // Unites the islands of two bodies that touch. What a driven body touches is exempt from the energy check.
+  // `pushed_m_s` is the speed at which the solver would push them apart for overlapping too far, which adds energy;
+  // `bounces` says whether restitution acts.
   void unite(Collider& body, Collider& other, double pushed_m_s, bool bounces);
 
   // Unites the islands of two bodies that are joined; null: a joint with the world. Correcting a joint adds energy, so

@@ -18,15 +18,24 @@ void StepEvents::push(const synth::Event& event) {
 void LastingEvents::add(const ContactReport& report, const ContactSides& sides, synth::Frame frame,
                         StepEvents& events) {
   const ContactSide *first = find(sides, report.pair.first), *second = find(sides, report.pair.second);
-  const synth::Texture texture = first && second ? combine(first->surface, second->surface).texture : synth::Texture{};
+  const Felt both = first && second ? felt(report, *first, *second) : Felt{};
   Numbers& numbers = numbers_[report.pair];
-  add_half(report, {first, report.first, report.force_n}, numbers.first, texture, frame, events);
-  add_half(report, {second, report.second, -1 * report.force_n}, numbers.second, texture, frame, events);
+  add_half(report, {first, report.first, report.force_n}, numbers.first, both, frame, events);
+  add_half(report, {second, report.second, -1 * report.force_n}, numbers.second, both, frame, events);
   if (!numbers.first && !numbers.second) numbers_.erase(report.pair);
 }
 
+LastingEvents::Felt LastingEvents::felt(const ContactReport& report, const ContactSide& first,
+                                        const ContactSide& second) {
+  Felt both{.texture = combine(first.surface, second.surface).texture};
+  both.surfaces[0] = {first.surface.relief.get(), report.over_first_m_s};
+  both.surfaces[1] = {second.surface.relief.get(), report.over_second_m_s};
+  both.widths = filter_widths(first, second, length(report.force_n));
+  return both;
+}
+
 void LastingEvents::add_half(const ContactReport& report, const Half& half, std::optional<Number>& number,
-                             const synth::Texture& texture, synth::Frame frame, StepEvents& events) {
+                             const Felt& felt, synth::Frame frame, StepEvents& events) {
   const bool sounds = half.side && half.side->object;
   if (!number && (!sounds || report.ends)) return;
   if (!number) number = Number{*half.side->object, take_number(*half.side->object)};
@@ -40,7 +49,10 @@ void LastingEvents::add_half(const ContactReport& report, const Half& half, std:
     event.contact.force_n = transpose(to_matrix(half.motion.rotation)) * half.force_n;
     event.contact.slip_m_s = report.slip_m_s;
     event.contact.roll_m_s = report.roll_m_s;
-    event.contact.texture = texture;
+    event.contact.texture = felt.texture;
+    event.contact.surfaces = felt.surfaces;
+    event.contact.finish_width_m = felt.widths.finish_m;
+    event.contact.relief_width_m = felt.widths.relief_m;
   } else {
     taken_[number->object][number->number] = false;
     number.reset();

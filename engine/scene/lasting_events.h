@@ -2,10 +2,12 @@
 // thread at a time]
 #pragma once
 
+#include "engine/scene/bearing.h"
 #include "engine/scene/contact_life.h"
 #include "engine/scene/contact_side.h"
 #include "engine/synth/event.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -49,8 +51,14 @@ class LastingEvents {
     const Motion& motion;
     Vec3 force_n;
   };
-  void add_half(const ContactReport& report, const Half& half, std::optional<Number>& number,
-                const synth::Texture& texture, synth::Frame frame, StepEvents& events);
+  struct Felt {  // of both sides together
+    synth::Texture texture;
+    std::array<synth::Passing, 2> surfaces;
+    FilterWidths widths;
+  };
+  static Felt felt(const ContactReport& report, const ContactSide& first, const ContactSide& second);
+  void add_half(const ContactReport& report, const Half& half, std::optional<Number>& number, const Felt& felt,
+                synth::Frame frame, StepEvents& events);
   std::uint32_t take_number(synth::ObjectNumber object);
 
   PairMap<Numbers> numbers_;

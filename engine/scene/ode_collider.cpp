@@ -37,6 +37,15 @@ void Collider::move(const Motion& motion) {
   dBodyEnable(body.get());
 }
 
+void Collider::drive(const Motion& motion) {
+  if (!driven) dBodySetAutoDisableFlag(body.get(), 0);
+  driven = true;
+  told = motion;
+  move(motion);
+  dBodySetLinearVel(body.get(), motion.velocity_m_s.x, motion.velocity_m_s.y, motion.velocity_m_s.z);
+  dBodySetAngularVel(body.get(), motion.spin_rad_s.x, motion.spin_rad_s.y, motion.spin_rad_s.z);
+}
+
 void Collider::set_mass(const RigidMass& rigid) {
   const Matrix3& i = rigid.inertia_kg_m2;
   dMass mass;

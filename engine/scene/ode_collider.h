@@ -52,6 +52,8 @@ struct Collider {
   double gravity_factor = 1;             // of a body
   bool round = false;                    // a sphere
   bool joined = false;                   // by a joint of the scene
+  bool driven = false;                   // moves as it is told, whatever touches it
+  Motion told;                           // of a driven body, in this part of the step
   double elasticity = 1;                 // share of its contacts' restitution that the part of the step has
   bool was_awake = false;                // before the step
   IslandState island;
@@ -65,6 +67,7 @@ struct Collider {
   [[nodiscard]] bool awake() const;
   [[nodiscard]] Motion motion() const;  // of a static: the origin at rest
   void move(const Motion& motion);      // wakes the body
+  void drive(const Motion& motion);     // of a driven body
   void set_mass(const RigidMass& mass);
   void add_torque(Vec3 torque_nm);           // for the next part of a step; world axes
   void add_force(Vec3 force_n, Vec3 arm_m);  // at a point `arm_m` from the centre of mass

@@ -157,7 +157,7 @@ double ContactJoints::push_speed(double depth_m) const {
 Landing ContactJoints::land(const Collider& body, const Collider& other, double restitution, double approach_m_s,
                             const dContactGeom& geom) const {
   const bool lands = approach_m_s > bounce_threshold_m_s_ && geom.depth <= approach_m_s * part_s_;
-  if (other.movable() || !lands) return {restitution, approach_m_s};
+  if (other.movable() || other.driven || !lands) return {restitution, approach_m_s};
   return corrected_landing({.restitution = restitution,
                             .approach_m_s = approach_m_s,
                             .fall_m_s2 = -dot(gravity_m_s2_, to_vec3(geom.normal)),

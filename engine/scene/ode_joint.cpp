@@ -87,10 +87,17 @@ double OdeJoint::way() const {
                                                : dJointGetSliderPosition(joint_.get());
 }
 
-// The force of the drive at the end of a part of length h, F = k (target - x - h v) + d (speed - v), is that of a motor
-// for the speed (k (target - x) + d speed) / (h k + d) with the compliance 1 / (h k + d). Such a force stays stable
-// however stiff the drive is.
+// A soft limit is a spring with a damper (contact_rules.h). The force of the drive at the end of a part of length h, F
+// = k (target - x - h v) + d (speed - v), is that of a motor for the speed (k (target - x) + d speed) / (h k + d) with
+// the compliance 1 / (h k + d). Such a force stays stable however stiff the drive is.
 void OdeJoint::drive(double part_s) {
+  const bool turns = description_.type == JointType::hinge, slides = description_.type == JointType::slider;
+  const double limit = part_s * description_.limit_stiffness + description_.limit_damping;
+  if (description_.limit_stiffness > 0 && (turns || slides)) {
+    const auto set = turns ? dJointSetHingeParam : dJointSetSliderParam;
+    set(joint_.get(), dParamStopERP, part_s * description_.limit_stiffness / limit);
+    set(joint_.get(), dParamStopCFM, 1 / limit);
+  }
   if (!description_.drive) return;
   const JointDrive& drive = *description_.drive;
   const double gain = part_s * drive.stiffness + drive.damping;

@@ -26,7 +26,7 @@ class OdeJoint {
   // moved with the bodies.
   [[nodiscard]] JointDescription now() const;
 
-  // Sets the drive's motor for a part of a step.
+  // Sets the drive's motor and soft limits for a part of a step.
   void drive(double part_s);
 
  private:

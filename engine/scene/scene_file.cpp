@@ -211,6 +211,8 @@ class SceneReader {
     table.number("roughness_m", surface.texture.roughness_m, range::kRoughness_m);
     table.number("correlation_m", surface.texture.correlation_m, range::kCorrelation_m);
     table.number("spectral_slope", surface.texture.spectral_slope, range::kSpectralSlope);
+    table.number("shortest_m", surface.texture.shortest_m, range::kShortest_m);
+    read_optional(table, "waviness", surface.waviness, range::kWaviness);
   }
 
   static void read_optional(TomlTable& table, std::string_view key, std::optional<double>& target, const Range& range) {
@@ -297,6 +299,8 @@ class SceneReader {
       table.require({"axis"});
       table.vector("axis", joint.axis, {-1e6, 1e6});
       read_drive(table, joint.drive);
+      table.number("limit_stiffness", joint.limit_stiffness, range::kDriveGain);
+      table.number("limit_damping", joint.limit_damping, range::kDriveGain);
     }
     if (hinge) {
       table.number("low_degrees", joint.low_degrees, range::kLimit_degrees);

@@ -133,6 +133,8 @@ class SceneWriter {
     unless("roughness_m", surface.texture.roughness_m, usual.texture.roughness_m);
     unless("correlation_m", surface.texture.correlation_m, usual.texture.correlation_m);
     unless("spectral_slope", surface.texture.spectral_slope, usual.texture.spectral_slope);
+    unless("shortest_m", surface.texture.shortest_m, usual.texture.shortest_m);
+    if (surface.waviness) line("waviness", *surface.waviness);
   }
 
   void write(const StaticDescription& item) {
@@ -226,6 +228,8 @@ class SceneWriter {
     if (!hinge && !slider) return;
     line("axis", joint.axis);
     if (joint.drive) write(*joint.drive);
+    unless("limit_stiffness", joint.limit_stiffness, usual.limit_stiffness);
+    unless("limit_damping", joint.limit_damping, usual.limit_damping);
     if (hinge) {
       unless("low_degrees", joint.low_degrees, usual.low_degrees);
       unless("high_degrees", joint.high_degrees, usual.high_degrees);

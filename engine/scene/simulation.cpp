@@ -116,6 +116,7 @@ struct Simulation::State {
   void solve();
   void correct_friction();
   void restore();
+  void move_driven(double done_s);
   [[nodiscard]] double free_flight(double rest_s);
 
   Collider& add(BodyId id);
@@ -127,7 +128,9 @@ struct Simulation::State {
 
   double step_s, spring_n_m, damper_ns_m;
   Vec3 gravity_m_s2;
-  double part_s = 0;  // length of the part being done
+  double part_s = 0;        // length of the part being done
+  bool has_driven = false;  // whether a body moves as it is told
+  double driven_s = 0;      // of the step, at the part's beginning
   unsigned long seed, parts = 0;
   std::size_t most_exact;
   std::unique_ptr<dxWorld, WorldDeleter> world{dWorldCreate()};
@@ -299,6 +302,23 @@ void Simulation::State::correct_friction() {
 
 void Simulation::State::restore() {
   for (const auto& [collider, state] : before) collider->restore(state);
+  move_driven(driven_s);
+}
+
+// Puts driven bodies where they are after so much of the step: ODE's own solutions, of which there may be several, move
+// them, too.
+void Simulation::State::move_driven(double done_s) {
+  driven_s = done_s;
+  if (!has_driven) return;
+  for (Collider* collider : in_order) {
+    if (!collider->driven) continue;
+    Motion now = collider->told;
+    now.position_m = now.position_m + done_s * now.velocity_m_s;
+    now.rotation = normalized(from_rotation_vector(done_s * now.spin_rad_s) * now.rotation);
+    const Motion told = collider->told;
+    collider->drive(now);
+    collider->told = told;
+  }
 }
 
 void Simulation::State::join(const BodyJoint& joint) {
@@ -319,11 +339,15 @@ std::vector<BodyJoint> Simulation::State::joints_of(BodyId id) const {
 }
 
 // Bodies sleep that lie on others and have all stayed where they are for kSleepAfter_s. Those of an island sleep
-// together, for one that moves would wake the others.
+// together, for one that moves would wake the others. None does while a driven body moves, which may shake them.
 void Simulation::State::let_still_bodies_sleep() {
+  const bool shaken = std::ranges::any_of(in_order, [](const Collider* collider) {
+    return collider->driven && (collider->told.velocity_m_s != Vec3{} || collider->told.spin_rad_s != Vec3{});
+  });
   for (Collider* collider : in_order) {
-    if (!collider->was_awake || !collider->awake()) collider->stillness.reset();
+    if (shaken || !collider->was_awake || !collider->awake()) collider->stillness.reset();
   }
+  if (shaken) return;
   const auto for_each_awake = [this](const auto& call) {
     for (Collider* collider : in_order) {
       if (collider->was_awake && collider->awake() && collider->movable()) call(*collider, island_of(*collider).island);
@@ -344,7 +368,7 @@ void Simulation::State::note_moved() {
   moved.clear();
   asleep = true;
   for (const Collider* collider : in_order) {
-    if (collider->was_awake) moved.push_back({collider->id, collider->motion()});
+    if (collider->was_awake || collider->driven) moved.push_back({collider->id, collider->motion()});
     if (collider->awake()) asleep = false;
   }
 }
@@ -440,10 +464,22 @@ void Simulation::set_motion(BodyId id, const Motion& motion) {
   state_->asleep = false;
 }
 
+void Simulation::drive(BodyId id, const Motion& motion) {
+  const OdeLock lock;
+  state_->colliders.at(id).drive(motion);
+  state_->has_driven = true;
+  if (motion.velocity_m_s == Vec3{} && motion.spin_rad_s == Vec3{}) return;
+  state_->asleep = false;
+  for (Collider* collider : state_->in_order) {
+    if (collider->movable()) dBodyEnable(collider->body.get());
+  }
+}
+
 std::span<const ContactPoint> Simulation::step() {
   const OdeLock lock;
   State& state = *state_;
   state.contacts.begin_step();
+  state.driven_s = 0;
   for (Collider* collider : state.in_order) collider->was_awake = collider->awake();
   double done_s = 0;
   for (int k = 1; done_s < state.step_s; ++k) {
@@ -451,6 +487,7 @@ std::span<const ContactPoint> Simulation::step() {
     const double part_s = k < kMaxParts ? state.free_flight(rest_s) : rest_s;
     state.do_part(done_s, part_s);
     done_s = part_s == rest_s ? state.step_s : done_s + part_s;
+    state.move_driven(done_s);
   }
   state.let_still_bodies_sleep();
   state.note_moved();

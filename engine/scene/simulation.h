@@ -47,6 +47,9 @@ class Simulation {
 
   void set_motion(BodyId id, const Motion& motion);  // wakes the body
 
+  // Says how a fixed body moves in the next step, at a constant velocity; wakes all bodies if it does move.
+  void drive(BodyId id, const Motion& motion);
+
   // Advances by one step and returns its contact points, which stay valid until the next call. A body about to fly
   // through another, or deep into it, is stopped where they meet: the step is then done in parts.
   std::span<const ContactPoint> step();

@@ -5,6 +5,7 @@
 #include "engine/scene/check.h"
 #include "engine/scene/contact_sounds.h"
 #include "engine/scene/lasting_events.h"
+#include "engine/scene/motion_path.h"
 #include "engine/scene/rotation.h"
 #include "engine/scene/simulation.h"
 
@@ -71,6 +72,7 @@ struct World::State {
   void remove(BodyId id);
   void do_part();
   void check_bodies();
+  void drive();
   [[nodiscard]] double time_s() const { return static_cast<double>(steps) * step_s + part * part_s; }
 
   double step_s;
@@ -82,6 +84,7 @@ struct World::State {
   ContactSounds sounds;
   Timeline timeline;
   std::vector<WaitingJoint> joints;
+  std::vector<BodyId> driven;  // bodies that follow a path
   std::int64_t steps = 0;
   int part = 0;             // of the step being done
   double next_start_s = 0;  // no waiting body enters before this time
@@ -106,8 +109,10 @@ World::State::State(const SceneDescription& scene, double sample_rate_hz)
 }
 
 Result<BodyId> World::State::add(BodyDescription description, bool spawned) {
+  const bool has_path = description.path != nullptr;
   auto added = store.add(std::move(description), spawned);
   if (!added) return added;
+  if (has_path) driven.push_back(*added);
   next_start_s = 0;
   let_in();
   return added;
@@ -186,8 +191,20 @@ void World::State::remove(BodyId id) {
   store.remove(id);
 }
 
+// Moves the bodies that follow paths.
+void World::State::drive() {
+  for (const BodyId id : driven) {
+    const auto found = store.bodies().find(id);
+    if (found == store.bodies().end() || found->second.waiting) continue;
+    const Body& body = found->second;
+    const BodyDescription& d = body.description;
+    simulation.drive(id, motion_on(*d.path, {d.position_m, d.rotation}, body.mass.center_m, time_s(), part_s));
+  }
+}
+
 void World::State::do_part() {
   let_in();
+  drive();
   const bool asleep = simulation.asleep();
   if (asleep && sounds.quiet()) return;
   const auto points = asleep ? std::span<const ContactPoint>() : simulation.step();

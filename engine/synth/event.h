@@ -7,9 +7,14 @@
 #include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
+
+namespace ringdown::modal {
+struct SurfaceRelief;  // surface_relief.h
+}
 
 namespace ringdown::synth {
 
@@ -40,7 +45,14 @@ struct Texture {
   double roughness_m = 2e-6;     // root mean square of its heights
   double correlation_m = 5e-5;   // longest wavelength of its roughness
   double spectral_slope = -2.4;  // power over spatial frequency falls as f^slope, <= 0
+  double shortest_m = 0;         // shortest wavelength of its roughness; 0: a sixteenth of the longest
   friend bool operator==(const Texture&, const Texture&) = default;
+};
+
+// One of the two surfaces of a contact, where its heights are known, and how fast the contact travels over it.
+struct Passing {
+  const modal::SurfaceRelief* relief = nullptr;  // null: they are not. Whoever sends the event keeps it
+  double speed_m_s = 0;
 };
 
 // A lasting contact at one moment. Force and speeds change gradually from one event to the next, and after the last
@@ -50,7 +62,9 @@ struct Contact {
   Vec3 force_n;              // on the object, its frame: normal and friction together
   double slip_m_s = 0;       // speed at which the two surfaces slide past each other
   double roll_m_s = 0;       // speed at which the point of contact travels over the object as they roll
-  Texture texture;
+  Texture texture;           // of both surfaces together, unless one has a profile
+  std::array<Passing, 2> surfaces;
+  double finish_width_m = 0, relief_width_m = 0;  // over which profiles and mesoscale relief are smoothed
 };
 
 // A two-way contact (engine/contact): what touches the object feels how the object's surface moves under it, sample by

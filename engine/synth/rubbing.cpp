@@ -27,8 +27,8 @@ double random_at(std::uint64_t seed, std::int64_t place) RINGDOWN_REALTIME {
 }  // namespace
 
 Rubbing::Rubbing(std::uint32_t seed, double sample_rate_hz) RINGDOWN_REALTIME : rate_hz_(sample_rate_hz) {
-  for (std::size_t i = 0; i < kOctaves; ++i) {
-    sliding_.octaves[i].seed = 2 * kOctaves * std::uint64_t{seed} + i;
+  for (std::size_t i = 0; i < kMaxOctaves; ++i) {
+    sliding_.octaves[i].seed = (2 * kOctaves * std::uint64_t{seed} + i % kOctaves) ^ std::uint64_t{i / kOctaves} << 48;
     rolling_.octaves[i].seed = sliding_.octaves[i].seed + kOctaves;
   }
 }
@@ -36,7 +36,7 @@ Rubbing::Rubbing(std::uint32_t seed, double sample_rate_hz) RINGDOWN_REALTIME : 
 void Rubbing::update(Frame at, const Contact& contact) RINGDOWN_REALTIME {
   const double force = length(contact.force_n);
   if (force == 0 && force_n_.to == 0) return;  // it is ending already
-  const bool changes = force > 0 && heights_m_[0] > 0;
+  const bool changes = force > 0 && heights_m_.count > 0;
   const double since_s = changes ? static_cast<double>(at - updated_) / rate_hz_ : kFade_s;
   const auto ramp = static_cast<Frame>(std::clamp(since_s, kMinForceRamp_s, kMaxForceRamp_s) * rate_hz_);
   updated_ = at;
@@ -45,17 +45,56 @@ void Rubbing::update(Frame at, const Contact& contact) RINGDOWN_REALTIME {
   if (force == 0) return;  // it ends as it moves
   slip_m_s_.aim(contact.slip_m_s, at, ramp);
   roll_m_s_.aim(contact.roll_m_s, at, ramp);
-  if (heights_m_[0] > 0 && contact.texture == texture_) return;
+  know(contact, at, ramp);
+  if (heights_m_.count > 0 && contact.texture == texture_) return;
   texture_ = contact.texture;
   sliding_.longest_m = texture_.correlation_m;
   rolling_.longest_m = kRollingRatio * texture_.correlation_m;
+  heights_m_.count = kOctaves;
+  if (texture_.shortest_m > 0) {
+    const double octaves = 1 + std::round(std::log2(texture_.correlation_m / texture_.shortest_m));
+    heights_m_.count = static_cast<std::size_t>(std::clamp(octaves, 1.0, static_cast<double>(kMaxOctaves)));
+  }
   double power = 0;
-  for (std::size_t octave = 0; octave < kOctaves; ++octave) {
+  for (std::size_t octave = 0; octave < heights_m_.count; ++octave) {
     const double share = std::exp2(static_cast<double>(octave) * (texture_.spectral_slope + 1));
-    heights_m_[octave] = std::sqrt(share);
+    heights_m_.of_octave_m[octave] = std::sqrt(share);
     power += share * kSplineVariance;
   }
-  for (double& height : heights_m_) height *= texture_.roughness_m / std::sqrt(power);
+  for (double& height : heights_m_.of_octave_m) height *= texture_.roughness_m / std::sqrt(power);
+}
+
+// The levels of the tracks follow the speed at the time of the event, so that they do not depend on where blocks end.
+void Rubbing::know(const Contact& contact, Frame at, Frame ramp) RINGDOWN_REALTIME {
+  has_profile_ = has_relief_ = false;
+  for (std::size_t k = 0; k < known_.size(); ++k) {
+    Known& known = known_[k];
+    const Passing& passing = contact.surfaces[k];
+    if (passing.relief != known.relief) known = {.relief = passing.relief};
+    if (!known.relief) continue;
+    known.speed_m_s.aim(passing.speed_m_s, at, ramp);
+    const double step_m = std::max(known.speed_m_s.from, known.speed_m_s.to) / rate_hz_;
+    if (const auto& profile = known.relief->profile) {
+      has_profile_ = true;
+      known.profile = profile->blend(contact.finish_width_m, step_m);
+    }
+    if (const auto& mesoscale = known.relief->mesoscale) {
+      has_relief_ = true;
+      known.mesoscale = mesoscale->blend(contact.relief_width_m, step_m);
+    }
+  }
+}
+
+// The slopes of the surfaces whose heights are known; the contact moves on over them for a frame.
+double Rubbing::pass_known(Frame frame) RINGDOWN_REALTIME {
+  double slope = 0;
+  for (Known& known : known_) {
+    if (!known.relief) continue;
+    if (const auto& profile = known.relief->profile) slope += profile->slope_at(known.at_m, known.profile);
+    if (const auto& mesoscale = known.relief->mesoscale) slope += mesoscale->slope_at(known.at_m, known.mesoscale);
+    known.at_m += known.speed_m_s.at(frame) / rate_hz_;
+  }
+  return slope;
 }
 
 // The derivative of the spline.
@@ -75,17 +114,17 @@ double Rubbing::Spline::slope_at(double u) RINGDOWN_REALTIME {
 
 double Rubbing::Track::pass(const Heights& heights_m, double speed_m_s, double sample_rate_hz) RINGDOWN_REALTIME {
   double slope = 0, spacing_m = 0.5 * longest_m;
-  for (std::size_t i = 0; i < kOctaves; ++i, spacing_m *= 0.5) {
+  for (std::size_t i = 0; i < heights_m.count; ++i, spacing_m *= 0.5) {
     const double passing = speed_m_s / (2 * spacing_m * sample_rate_hz);  // waves in a frame
     if (passing >= kNoOctave) break;
     const double part = std::min(1.0, (kNoOctave - passing) / (kNoOctave - kFullOctave));
-    slope += part * heights_m[i] / spacing_m * octaves[i].slope_at(at_m / spacing_m);
+    slope += part * heights_m.of_octave_m[i] / spacing_m * octaves[i].slope_at(at_m / spacing_m);
   }
   at_m += speed_m_s / sample_rate_hz;
   return slope;
 }
 
-// The impulse of a frame is the force's magnitude, times the slope of the two profiles under the contact, times the
+// The impulse of a frame is the force's magnitude, times the slope of the profiles under the contact, times the
 // length of the frame. Force and speeds follow the last update by ramps (Ramp), and each profile moves on by its speed
 // (Track::pass). The running mean of the slope, with a time constant of 1 / (2 pi kMinAudible_hz), is subtracted,
 // because a constant part would push the modes aside without being heard.
@@ -94,10 +133,14 @@ void Rubbing::fill(Frame first, std::size_t count, double* impulses) RINGDOWN_RE
   for (std::size_t i = 0; i < count; ++i) {
     const Frame frame = first + static_cast<Frame>(i);
     if (frame >= time_out_ && force_n_.to != 0) force_n_.aim(0, frame, static_cast<Frame>(kFade_s * rate_hz_));
-    const double slope = sliding_.pass(heights_m_, slip_m_s_.at(frame), rate_hz_) +
-                         rolling_.pass(heights_m_, roll_m_s_.at(frame), rate_hz_);
+    double slope = 0;
+    if (!has_profile_) {
+      slope = sliding_.pass(heights_m_, slip_m_s_.at(frame), rate_hz_) +
+              rolling_.pass(heights_m_, roll_m_s_.at(frame), rate_hz_);
+    }
+    if (has_profile_ || has_relief_) slope += pass_known(frame);
     mean_slope_ += (begun_ ? forget : 1) * (slope - mean_slope_);
-    begun_ = begun_ || heights_m_[0] > 0;  // it may be asked before its first update
+    begun_ = begun_ || heights_m_.count > 0;  // it may be asked before its first update
     impulses[i] = force_n_.at(frame) * (slope - mean_slope_) * seconds;
   }
 }
@@ -106,7 +149,8 @@ void Rubbing::rescale(Frame now, double ratio) {
   const auto moved = [now, ratio](Frame frame) {
     return now + static_cast<Frame>(std::llround(static_cast<double>(frame - now) * ratio));
   };
-  for (Ramp* ramp : {&force_n_, &slip_m_s_, &roll_m_s_}) ramp->begin = moved(ramp->begin), ramp->end = moved(ramp->end);
+  for (Ramp* ramp : {&force_n_, &slip_m_s_, &roll_m_s_, &known_[0].speed_m_s, &known_[1].speed_m_s})
+    ramp->begin = moved(ramp->begin), ramp->end = moved(ramp->end);
   updated_ = moved(updated_), time_out_ = moved(time_out_);
   rate_hz_ *= ratio;
 }

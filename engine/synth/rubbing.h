@@ -6,11 +6,16 @@
 // the sound follows the speed, and its level the load. What rolls touches a larger patch and feels only the waves
 // kRollingRatio times as long. A contact that stands still makes no force.
 //
-// The profile is a sum of octaves of cubic B-splines over random numbers, which a hash finds anew wherever they are
-// needed, so nothing is stored and the same contact sounds the same each time. Octaves beyond hearing are left out.
+// Where a surface's own heights are known (engine/modal/surface_relief.h), they are felt instead, each surface's at the
+// speed at which the contact travels over it, and smoothed over the width of the region that bears. Its mesoscale
+// relief is felt besides.
+//
+// The random profile is a sum of octaves of cubic B-splines over random numbers, which a hash finds anew wherever they
+// are needed, so nothing is stored and the same contact sounds the same each time. Octaves beyond hearing are left out.
 #pragma once
 
 #include "engine/base/realtime.h"
+#include "engine/modal/surface_relief.h"
 #include "engine/synth/ramp.h"
 #include "engine/synth/event.h"
 
@@ -44,8 +49,11 @@ class Rubbing {
   void rescale(Frame now, double ratio);
 
  private:
-  static constexpr std::size_t kOctaves = 5;
-  using Heights = std::array<double, kOctaves>;
+  static constexpr std::size_t kOctaves = 5, kMaxOctaves = 12;  // without a shortest wavelength, and with one
+  struct Heights {
+    std::array<double, kMaxOctaves> of_octave_m{};
+    std::size_t count = 0;
+  };
   // The random numbers around a place, and a cubic B-spline over them.
   struct Spline {
     std::uint64_t seed = 0;
@@ -57,16 +65,28 @@ class Rubbing {
   struct Track {
     double at_m = 0;
     double longest_m = 1;
-    std::array<Spline, kOctaves> octaves;
+    std::array<Spline, kMaxOctaves> octaves;
     // The profile's slope under the contact, which moves on at `speed_m_s` for a frame.
     [[nodiscard]] double pass(const Heights& heights_m, double speed_m_s, double sample_rate_hz) RINGDOWN_REALTIME;
   };
 
+  // A surface whose heights are known.
+  struct Known {
+    const modal::SurfaceRelief* relief = nullptr;
+    Ramp speed_m_s;
+    double at_m = 0;
+    modal::SurfaceTrack::Blend profile, mesoscale;
+  };
+  void know(const Contact& contact, Frame at, Frame ramp) RINGDOWN_REALTIME;
+  [[nodiscard]] double pass_known(Frame frame) RINGDOWN_REALTIME;
+
   double rate_hz_ = 1;
   Ramp force_n_, slip_m_s_, roll_m_s_;
   Texture texture_;
-  Heights heights_m_{};  // of each octave
+  Heights heights_m_;  // of each octave
   Track sliding_, rolling_;
+  std::array<Known, 2> known_;
+  bool has_profile_ = false, has_relief_ = false;  // of either surface
   bool begun_ = false;
   double mean_slope_ = 0;  // running mean: only deviations from it are felt
   Frame updated_ = 0, time_out_ = 0;

@@ -19,7 +19,10 @@ bool is_sane(const Contact& contact) RINGDOWN_REALTIME {
                           RINGDOWN_REALTIME { return value >= least && value <= most; };
   return within(dot(contact.force_n, contact.force_n), 0, kMaxEventValue * kMaxEventValue) &&
          within(contact.slip_m_s, 0, kMaxEventValue) && within(contact.roll_m_s, 0, kMaxEventValue) &&
-         within(t.roughness_m, 0, 1) && within(t.correlation_m, 1e-9, 1e3) && within(t.spectral_slope, -10, 0);
+         within(t.roughness_m, 0, 1) && within(t.correlation_m, 1e-9, 1e3) && within(t.spectral_slope, -10, 0) &&
+         within(t.shortest_m, 0, 1e3) && within(contact.surfaces[0].speed_m_s, 0, kMaxEventValue) &&
+         within(contact.surfaces[1].speed_m_s, 0, kMaxEventValue) && within(contact.finish_width_m, 0, 1e3) &&
+         within(contact.relief_width_m, 0, 1e3);
 }
 
 }  // namespace

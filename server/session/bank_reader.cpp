@@ -33,9 +33,9 @@ Result<BankFile> BankReader::read(const std::filesystem::path& path) {
   const std::string key = key_of(path);
   if (const auto known = known_.find(key); known != known_.end()) {
     if (auto map = known->second.map.lock())
-      return BankFile{std::move(map), known->second.bytes, known->second.content};
+      return BankFile{std::move(map), known->second.bytes, known->second.content, known->second.alone};
   }
-  const auto [at, model] = modal::split_bank_path(path);
+  const auto [at, model, scale] = modal::split_bank_path(path);
   const auto bytes = roots_.read(at, modal::kMaxBankFileBytes);
   if (!bytes) return fail(bytes.error());
   const modal::ReadBeside beside = [this, folder = at.parent_path()](const std::string& relative, std::size_t limit) {
@@ -43,7 +43,12 @@ Result<BankFile> BankReader::read(const std::filesystem::path& path) {
   };
   const bool in_scene = model || at.extension() == ".gltf";  // whose buffers may be in other files
   auto file = parse_bank_file(*bytes, path.string(), in_scene ? beside : modal::ReadBeside());
-  if (file) known_[key] = {file->map, file->bytes, file->content};
+  if (file && in_scene) {
+    file->alone = std::make_shared<const std::vector<std::byte>>(modal::to_glb(file->map->bank()));
+    file->bytes = file->alone->size();
+    file->content = ContentHasher().bytes(*file->alone).hash();
+  }
+  if (file) known_[key] = {file->map, file->bytes, file->content, file->alone};
   return file;
 }
 

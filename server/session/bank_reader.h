@@ -13,6 +13,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ringdown::session {
 
@@ -21,6 +22,8 @@ struct BankFile {
   std::shared_ptr<const modal::StrikeMap> map;
   std::size_t bytes = 0;  // the file's size
   ContentHash content;    // of the whole file
+  std::shared_ptr<const std::vector<std::byte>>
+      alone;  // of a bank in a scene: a file with this bank alone, in place of the scene's
 };
 
 // The bank in a file of these bytes (modal::parse_bank); `name` stands in sentences where the file's path would.
@@ -45,6 +48,7 @@ class BankReader {
     std::weak_ptr<const modal::StrikeMap> map;
     std::size_t bytes = 0;
     ContentHash content;
+    std::shared_ptr<const std::vector<std::byte>> alone;
   };
 
   const FileRoots& roots_;

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace ringdown::session {
 
@@ -20,9 +21,11 @@ namespace ringdown::session {
 struct ObjectState {
   std::string name;
   synth::ObjectNumber number = 0;
-  std::filesystem::path bank;     // the file that the map was read from
-  std::size_t bank_bytes = 0;     // the file's size
-  ContentHash bank_content;       // the file's hash
+  std::filesystem::path bank;  // the file that the map was read from
+  std::size_t bank_bytes = 0;  // the file's size
+  ContentHash bank_content;    // the file's hash
+  std::shared_ptr<const std::vector<std::byte>>
+      bank_alone;                 // of a scene's bank: the file with it alone that they are of
   std::int32_t bank_version = 0;  // grows when the object gets a new bank
   std::shared_ptr<const modal::StrikeMap> map;
   modal::MaterialScale material;

@@ -48,6 +48,7 @@ Result<synth::ObjectNumber> Rack::add(const std::string& name, const std::filesy
                      .bank = path,
                      .bank_bytes = bank.bytes,
                      .bank_content = bank.content,
+                     .bank_alone = std::move(bank.alone),
                      .bank_version = last_bank_version_ + 1,
                      .map = std::move(bank.map)};
   const ObjectSnapshot old = objects_.find(name);

@@ -85,8 +85,9 @@ Result<scene::SceneDescription> read_below(const FileRoots& roots, const std::fi
 
 // Reads a scene of either format.
 Result<std::size_t> ScenePlayer::load(const std::filesystem::path& path, Frame frame) {
-  const auto description = read_below(roots_, path, [this](const std::string& sentence) { rack_.warn(sentence); });
+  auto description = read_below(roots_, path, [this](const std::string& sentence) { rack_.warn(sentence); });
   if (!description) return fail(description.error());
+  if (const auto kept = reliefs_.keep(*description); !kept) return fail(kept.error());
   std::vector<std::shared_ptr<const modal::StrikeMap>> banks;  // read before anything changes
   for (const auto& object : description->objects) {
     auto bank = banks_.read(object.bank);

@@ -10,6 +10,7 @@
 #pragma once
 
 #include "engine/base/result.h"
+#include "engine/scene/gltf_surface.h"
 #include "engine/scene/world.h"
 #include "engine/synth/event.h"
 #include "protocol/request.h"
@@ -157,6 +158,7 @@ class ScenePlayer {
   mutable FairMutex mutex_;  // guards all members below except the atomics
   std::optional<scene::World> world_;
   ScenePoses poses_;
+  scene::Reliefs reliefs_;      // of all scenes so far: the mixer may still feel them
   bool sets_listener_ = false;  // the scene, or one before it
   synth::Frame start_ = 0;      // the frame of scene time 0
   Playing playing_;

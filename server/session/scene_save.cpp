@@ -52,9 +52,9 @@ Result<void> save_scene(const Session& session, const fs::path& path) {
   }
   const fs::path presets = preset_folder().value_or(fs::path());
   for (scene::ObjectDescription& object : scene.objects) {
-    const auto [file, model] = modal::split_bank_path(object.bank);
-    object.bank = bank_path(file, path.parent_path(), presets);
-    if (model) object.bank = modal::bank_path(object.bank, *model);
+    modal::BankPath bank = modal::split_bank_path(object.bank);
+    bank.file = bank_path(bank.file, path.parent_path(), presets);
+    object.bank = modal::bank_path(bank);
   }
   std::string text(kSceneKind.mark);
   text.append("; `ringdownd --scene` and `ringdown render --scene` play it.\n").append(to_toml(scene));

@@ -21,6 +21,7 @@ void answer(Bytes bytes);  // of the process that reads mesh files
 void geo(Bytes file);      // what a .geo says, by its names
 void reader(Bytes file);   // mesh files of all kinds, read by that process; the first byte chooses the ending
 void scene(Bytes file);    // .toml, and moving what was read
+void gltf(Bytes file);     // .glb and .gltf scenes, moving what was read, and looking for what could be baked
 void material(Bytes file);
 void object(Bytes file);
 void notes(Bytes file);
@@ -42,6 +43,6 @@ inline constexpr Target kTargets[] = {
     {"osc", osc},           {"slip", slip},         {"score", score},   {"bank", bank},   {"mesh", mesh},
     {"scene", scene},       {"material", material}, {"object", object}, {"notes", notes}, {"state", state},
     {"settings", settings}, {"options", options},   {"nsm", nsm},       {"midi", midi},   {"geo", geo},
-    {"answer", answer},     {"reader", reader},     {"http", http}};
+    {"answer", answer},     {"reader", reader},     {"http", http},     {"gltf", gltf}};
 
 }  // namespace ringdown::fuzz

@@ -336,7 +336,9 @@ TEST(GltfScene, EveryInstanceOfAModelIsAnObjectOfItsOwn) {
   EXPECT_EQ(scene.objects[0].bank, "room.gltf#0");
   EXPECT_EQ(scene.objects[2].bank, "room.gltf#1");
   EXPECT_EQ(scene.objects[1].gain, 0.5);
-  EXPECT_EQ(scene.objects[1].material.size, 2);
+  // The model was made for the node at its scale: the points lie farther apart, the pitch stays.
+  EXPECT_EQ(scene.objects[1].bank, "room.gltf#0@2.0");
+  EXPECT_EQ(scene.objects[1].material, modal::MaterialScale{});
   EXPECT_EQ(scene.bodies[1].object, "my_bell-2");
 }
 

@@ -66,6 +66,21 @@ TEST(Joint, ARodSwingsWithThePeriodOfItsMoment) {
   }
 }
 
+TEST(Joint, ASoftLimitBearsAWeightAsASpringDoes) {
+  SceneDescription scene = pendulum(JointType::slider, 0);
+  scene.joints[0].axis = {0, 0, 1};
+  scene.joints[0].low_m = scene.joints[0].high_m = 0;
+  World hard = world_with(scene);
+  const double before_m = hook(hard).z;
+  test::run_all(hard, 3);
+  EXPECT_NEAR(hook(hard).z, before_m, 1e-4);
+  scene.joints[0].limit_stiffness = 200;
+  scene.joints[0].limit_damping = 5;
+  World soft = world_with(scene);
+  test::run_all(soft, 3);
+  EXPECT_NEAR(before_m - hook(soft).z, kMass * kG / 200, 1e-4);
+}
+
 TEST(Joint, AHingeTurnsAboutItsAxisOnlyAndABallAboutAll) {
   for (const JointType type : {JointType::hinge, JointType::ball}) {
     World world = world_with(pendulum(type, 0.0));

@@ -120,15 +120,27 @@ TEST_F(ScenePlayerTest, AGltfSceneHasAnObjectForEachNodeAndNamesWhatItLeavesOut)
   EXPECT_EQ(warnings, std::vector<std::string>{"scene: triggers have no effect"});
   const auto small = session.rack().find({.name = "bell"}), large = session.rack().find({.name = "bell-2"});
   ASSERT_TRUE(small && large);
-  EXPECT_EQ((*small)->map, (*large)->map);  // in memory once
+  // Under a scale the points lie farther out, and the model rings as it does in the file.
+  const modal::Bank &bank = (*small)->map->bank(), &larger = (*large)->map->bank();
+  EXPECT_EQ(larger.frequency_hz, bank.frequency_hz);
+  EXPECT_EQ(larger.shapes, bank.shapes);
+  EXPECT_EQ(larger.positions.at(0)[0], 2 * bank.positions.at(0)[0]);
   EXPECT_EQ((*small)->gain, 0.5);
-  EXPECT_EQ((*large)->material.size, 2);
+  EXPECT_EQ((*large)->material, modal::MaterialScale{});
+  // Who shows the objects gets each bank alone, wherever the scene's buffers are.
+  for (const auto& object : {*small, *large}) {
+    ASSERT_TRUE(object->bank_alone);
+    const auto shown = modal::parse_bank(*object->bank_alone, "alone");
+    ASSERT_TRUE(shown) << shown.error().message;
+    EXPECT_EQ(shown->positions, object->map->bank().positions);
+    EXPECT_EQ(object->bank_bytes, object->bank_alone->size());
+  }
   // As a TOML scene it names the models in the file.
   const auto saved = save_scene(session, folder_ / "saved.toml");
   ASSERT_TRUE(saved) << saved.error().message;
   const auto again = session_.scene().load(folder_ / "saved.toml", 0);
   ASSERT_TRUE(again) << again.error().message;
-  EXPECT_EQ((*session_.rack().find({.name = "bell-2"}))->bank, folder_ / "room.gltf#0");
+  EXPECT_EQ((*session_.rack().find({.name = "bell-2"}))->bank, folder_ / "room.gltf#0@2.0");
   session.scene().advance_to(48000, 48000);
   EXPECT_GT(strikes[(*small)->number], 0);
   EXPECT_GT(strikes[(*large)->number], 0);

@@ -7,6 +7,7 @@
 #include "clients/cli/bake/folder_command.h"
 #include "clients/cli/long_work.h"
 #include "clients/cli/bake/options.h"
+#include "clients/cli/bake/scene_bake.h"
 #include "engine/bake/bake_object.h"
 #include "engine/bake/input_hash.h"
 #include "engine/base/content_cache.h"
@@ -57,9 +58,11 @@ struct Settings {
 void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("input", arguments.input,
                  "an object (.toml), a surface (.stl .obj .ply .glb), a geometry (.geo .step .brep), a mesh (.msh .vtk "
-                 "...), or a folder of them")
+                 "...), a folder of them, or a scene (.glb .gltf) whose bodies have acoustic materials")
       ->type_name("FILE");
-  app.add_option("-o,--output", arguments.output, "the bank to write (.glb); of a folder, where to (default: beside)")
+  app.add_option("-o,--output", arguments.output,
+                 "the bank to write (.glb); of a folder, where to (default: beside); of a scene, another file "
+                 "(default: itself)")
       ->type_name("FILE");
   app.add_option("-m,--material", arguments.material,
                  "name of a material; an object file has one already, and keeps it when a folder is baked");
@@ -226,6 +229,21 @@ ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments
   return ExitCode::ok;
 }
 
+ExitCode bake_scene(const Arguments& arguments, const std::stop_token& stop) {
+  const cli::SceneBake request{.input = arguments.input,
+                               .output = arguments.output.empty() ? arguments.input : arguments.output,
+                               .materials = arguments.materials,
+                               .recipe_for =
+                                   [&arguments](const fs::path& geometry) {
+                                     Arguments of_body = arguments;
+                                     of_body.material = "of the scene";
+                                     return recipe_for(geometry, of_body);
+                                   },
+                               .style = progress_style(arguments),
+                               .quiet = arguments.quiet};
+  return cli::bake_scene(request, stop);
+}
+
 ExitCode bake_folder(const CLI::App& app, const Arguments& arguments) {
   cli::FolderBake request = arguments.folder;
   request.output = arguments.output;
@@ -248,6 +266,7 @@ const std::vector<manual::Section> kSections = {
     {"EXAMPLES",
      {{"ringdown-bake bell.toml -o bell.glb", "An object file names its shape and its material."},
       {"ringdown-bake objects -o banks --jobs 4", "What has changed of a folder, four at a time."},
+      {"ringdown-bake room.glb", "Each body of a scene that has an acoustic material and no model gets its own."},
       {"ringdown-bake cup.stl --unit mm --material steel -o cup.glb", "A surface of your own, in millimetres."}}},
     {"SEE ALSO", {{"ringdown(1), ringdownd(1)", "The other programs."}}},
 };
@@ -264,7 +283,13 @@ ExitCode run(int argc, char** argv) {
     const bool is_usage = chosen.error().kind == ErrorKind::usage;
     return is_usage ? complain_of_usage(app, chosen.error().message) : complain(chosen.error());
   }
-  if (arguments.output.empty() && arguments.folder.folder.empty()) {
+  const bool in_scene = arguments.folder.folder.empty() && !arguments.material && cli::has_surfaces(arguments.input);
+  for (const char* name : cli::kNotForScenes) {
+    if (in_scene && app.count(name) > 0)
+      return complain_of_usage(app, std::string(name) + " is not for scenes, and " + arguments.input.string() +
+                                        " is one; with --material it is a surface");
+  }
+  if (arguments.output.empty() && arguments.folder.folder.empty() && !in_scene) {
     return complain_of_usage(app, "say with --output where to write");
   }
   auto read = cli::read_settings("--set", settings.parameters, arguments.parameters);
@@ -279,6 +304,7 @@ ExitCode run(int argc, char** argv) {
   keep_stdout_for(arguments.output);
   return cli::run_cancellable([&](const std::stop_token& stop) {
     try {
+      if (in_scene) return bake_scene(arguments, stop);
       return bake_one(arguments.input, arguments.output, arguments, stop);
     } catch (const std::bad_alloc&) {
       return complain({ErrorKind::no_memory, "there is not enough memory to bake " + arguments.input.string() +
