@@ -7,7 +7,8 @@
 // and cut into bands narrow enough that a few hundred samples of each hold all there is to know (subband.h). In each,
 // ESPRIT finds poles, which least squares makes as good as the noise allows; those that the noise of the band could
 // have made are dropped (poles.h). Long modes are found first, over the whole recording; then, in what is left, shorter
-// ones over its first quarter, sixteenth and so on. At last all amplitudes are fitted together (sinusoids.h). [worker]
+// ones over its first quarter, sixteenth and so on, and those that die within a few cycles one by one (pursuit.h). At
+// last all amplitudes are fitted together (sinusoids.h). What no mode explains may be kept as a burst (burst.h). [worker]
 #pragma once
 
 #include "engine/base/result.h"

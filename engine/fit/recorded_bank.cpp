@@ -213,10 +213,12 @@ double peak_pressure_pa(const modal::Bank& bank, double impulse_ns) {
   return peak * bank.gain;
 }
 
-modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudness, const std::string& name) {
+modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudness, const std::string& name,
+                    std::span<const Mode> burst) {
   constexpr double kMinPulse = 0.1;
   std::vector<Mode> ordered(modes.begin(), modes.end());
   std::ranges::sort(ordered, std::greater{}, [](const Mode& m) { return m.amplitude * m.amplitude / m.decay_per_s; });
+  ordered.insert(ordered.end(), burst.begin(), burst.end());
   modal::Bank bank{.name = name, .positions = {{0, 0, 0}}};
   bank.provenance.generator = "ringdown " RINGDOWN_VERSION ", from a recording";
   const double per_impulse = 1 / dot(blow.impulse_ns, blow.impulse_ns);

@@ -1,0 +1,208 @@
+#!/usr/bin/env python3
+"""Dull, short, noisy, reverberant and clipped blows through `ringdown fit`, and how far from them its banks sound.
+
+usage: dull_sounds.py FIT FOLDER [--table] [--all-modes]
+
+FIT is ringdown-fit, FOLDER gets the sounds and banks. The sounds are made here, as what they are named after sounds: modes that
+die within 5 to 500 ms, the click of the contact, noise, a room. The bank is played by the formula of docs/how/fit.md, by numpy
+alone, and compared in cells of a third of an octave by 10 ms that lie 6 dB above the recording's noise, after one shift of the
+level. Each limit is today's figure and a little more. Exit code 1 when a limit is missed, 77 without numpy.
+"""
+import json
+import math
+import pathlib
+import struct
+import subprocess
+import sys
+import wave
+
+try:
+    import numpy as np
+except ImportError:
+    print("skipped: python3-numpy is not installed")
+    sys.exit(77)
+
+RATE = 48000
+ONSET = 0.2
+
+
+def ring(modes, seconds):
+    """Modes as (Hz, T60 [s], amplitude), from the onset on."""
+    t = np.arange(int(seconds * RATE)) / RATE
+    return sum(a * np.exp(-6.91 * t / t60) * np.sin(2 * np.pi * f * t + 0.7 * i) for i, (f, t60, a) in enumerate(modes))
+
+
+def scatter(random, count, low, high, t60, level):
+    """Modes at random between two frequencies, the higher the shorter."""
+    f = np.sort(low * (high / low) ** random.random(count))
+    return [(x, t60 * (low / x) ** 0.5 * (0.7 + 0.6 * random.random()), level * random.normal()) for x in f]
+
+
+def click(random, seconds, t60, slope, level):
+    """Noise of the contact: so many dB per octave from 1 kHz, decaying."""
+    count = int(seconds * RATE)
+    f = np.fft.rfftfreq(count, 1 / RATE)
+    tilt = (np.maximum(f, 50) / 1000) ** (slope / 6.02)
+    noise = np.fft.irfft(np.fft.rfft(random.normal(size=count)) * tilt, count)
+    t = np.arange(count) / RATE
+    return level * noise / np.std(noise) * np.exp(-6.91 * t / t60)
+
+
+def room(random, sound, t60, wet):
+    """The sound in a room: direct, and a tail of decaying noise from 5 ms on."""
+    t = np.arange(int(t60 * RATE)) / RATE
+    tail = random.normal(size=t.size) * np.exp(-6.91 * t / t60) * (t > 0.005)
+    tail *= wet / np.sqrt(np.sum(tail**2))
+    size = 1 << (sound.size + tail.size).bit_length()
+    wet_sound = np.fft.irfft(np.fft.rfft(sound, size) * np.fft.rfft(tail, size), size)[: sound.size]
+    return sound + wet_sound
+
+
+def sounds():
+    """Name, sound from the onset on (peak 1), noise floor in dB below that, and limits of the distance [dB] at this strike
+    point and, for another strike point of the same thing, what the bank of the first predicts there."""
+    made = {}
+
+    def add(name, seed, make, floor_db, limit, seconds=1.0, clip=None):
+        random = np.random.default_rng(seed)
+        body = make(random, np.random.default_rng(seed + 1000))
+        other = make(np.random.default_rng(seed), np.random.default_rng(seed + 2000))
+        made[name] = ([b / np.max(np.abs(b)) for b in (body, other)], floor_db, limit, seconds, clip)
+
+    def struck(random, blow, modes, seconds, **of_click):
+        """The same modes, with amplitudes of this strike point, and another piece of noise."""
+        there = [(f, t60, a * (0.3 + 1.4 * blow.random()) * (1 if blow.random() < 0.7 else -1)) for f, t60, a in modes]
+        return ring(there, seconds) + click(blow, seconds, **of_click)
+
+    add("wood-pad", 1, lambda r, b: struck(r, b, [(310, 0.03, 1), (790, 0.02, 0.7), (1480, 0.014, 0.5), (2350, 0.01, 0.3)], 0.4,
+                                           t60=0.012, slope=-6, level=0.35), -55, (5, 6))
+    add("plastic-scoop", 2, lambda r, b: struck(r, b, [(220, 0.045, 1), (540, 0.03, 0.6), (1150, 0.02, 0.4)] +
+                                                scatter(r, 8, 1500, 6000, 0.012, 0.15), 0.4, t60=0.02, slope=-4, level=0.3), -50, (5, 6))
+    add("mortar", 3, lambda r, b: struck(r, b, scatter(r, 60, 900, 12000, 0.12, 0.3), 0.6, t60=0.02, slope=-2, level=0.4), -60, (5, 6))
+    add("pitcher", 4, lambda r, b: struck(r, b, scatter(r, 25, 600, 9000, 0.3, 0.4), 0.8, t60=0.03, slope=-3, level=0.2), -45, (5, 6))
+    add("bowl", 5, lambda r, b: struck(r, b, scatter(r, 14, 700, 12000, 1.2, 0.4), 1.5, t60=0.004, slope=0, level=0.1), -60, (5, 6), 2)
+    add("bowl-in-noise", 6, lambda r, b: struck(r, b, scatter(r, 14, 700, 12000, 0.9, 0.4), 1.5, t60=0.006, slope=-3, level=0.15), -22,
+        (5, 6), 2)
+    add("pad-in-a-room", 7, lambda r, b: room(b, struck(r, b, [(260, 0.04, 1), (690, 0.025, 0.7), (1700, 0.012, 0.4)], 0.6, t60=0.01,
+                                                        slope=-5, level=0.3), 0.35, 0.35), -55, (5, 6))
+    add("skillet-clipped", 8, lambda r, b: struck(r, b, scatter(r, 20, 300, 9000, 0.5, 0.4), 1.0, t60=0.02, slope=-4, level=0.3), -50,
+        (5, 6), 1.2, 0.5)
+    add("stand", 9, lambda r, b: struck(r, b, scatter(r, 12, 250, 5000, 0.05, 0.5), 0.4, t60=0.01, slope=-6, level=0.3), -40, (5, 6), 0.6)
+    return made
+
+
+def recording(body, floor_db, seconds, clip, seed):
+    random = np.random.default_rng(seed)
+    samples = np.zeros(int((ONSET + seconds) * RATE))
+    first = int(ONSET * RATE)
+    count = min(body.size, samples.size - first)
+    samples[first : first + count] = 0.9 * body[:count]
+    if clip:
+        samples = np.clip(samples, -0.9 * clip, 0.9 * clip)
+    floor = 10 ** (floor_db / 20) * (clip or 1) * random.normal(size=samples.size)
+    return np.clip(samples + floor, -0.9 * clip, 0.9 * clip) if clip else samples + floor
+
+
+def write(path, samples):
+    with wave.open(str(path), "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(2)
+        file.setframerate(RATE)
+        file.writeframes((np.clip(samples, -1, 1) * 32767).astype("<i2").tobytes())
+
+
+def read_bank(path):
+    """Frequencies, decays and what an impulse of 1 N s along z moves each mode by."""
+    data = path.read_bytes()
+    size = struct.unpack_from("<I", data, 12)[0]
+    document, binary = json.loads(data[20 : 20 + size]), data[28 + size :]
+    model = document["extensions"]["KHR_audio_rigid_bodies"]["modalModels"][0]
+
+    def floats(key):
+        accessor = document["accessors"][model[key]]
+        view = document["bufferViews"][accessor["bufferView"]]
+        start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        width = {"SCALAR": 1, "VEC3": 3}[accessor["type"]]
+        return np.frombuffer(binary, "<f4", accessor["count"] * width, start).astype(float)
+
+    return floats("frequencies"), floats("decayRates"), floats("shapes").reshape(-1, 3)[:, 2]
+
+
+def play(bank, seconds):
+    """One channel of the mixer, the object in the centre (docs/how/fit.md)."""
+    t = np.arange(int(seconds * RATE)) / RATE
+    out = np.zeros(t.size)
+    for f, d, z in zip(*bank):
+        out += 1e-4 / math.sqrt(2) * 2 * np.pi * f * z * np.exp(-d * t) * np.sin(2 * np.pi * f * t)
+    return out
+
+
+def cells(samples, onset):
+    """Mean squares in thirds of an octave by 10 ms."""
+    step, size = RATE // 100, 8192
+    window = np.hanning(2 * step + 2)[1:-1]
+    padded = np.concatenate([np.zeros(step), samples, np.zeros(2 * step)])
+    count = (samples.size - onset) // step
+    f = np.fft.rfftfreq(size, 1 / RATE)
+    edges = 1000 * 10 ** ((np.arange(-11, 14) - 0.5) / 10)
+    rows = []
+    for c in range(count):
+        at = onset + c * step - step // 2 + step
+        power = np.abs(np.fft.rfft(padded[at : at + 2 * step] * window, size)) ** 2 / np.sum(window**2)
+        sums = np.concatenate([[0], np.cumsum(power)])
+        rows.append(np.diff(np.interp(edges, np.concatenate([f - f[1] / 2, [f[-1] + f[1] / 2]]), sums)))
+    return np.array(rows).T
+
+
+def distance(samples, model, onset):
+    recorded, played = cells(samples, onset), cells(model, onset)
+    noise = np.mean(cells(samples[: onset - 960], 0), axis=1)[:, None]
+    good = recorded > 4 * np.maximum(noise, 1e-8 * recorded.max())
+    level = lambda gain: 10 * np.log10(recorded[good]) - 10 * np.log10((gain * played + noise)[good])
+    shift = np.mean(level(1))
+    return math.sqrt(np.mean(level(10 ** (shift / 10)) ** 2)), shift
+
+
+def fit(program, path, bank, options):
+    ran = subprocess.run([program, str(path), "-o", str(bank), *options], capture_output=True, text=True, check=False)
+    if ran.returncode != 0:
+        sys.exit(f"{path}: {ran.stderr}")
+    return ran
+
+
+def main():
+    words = [word for word in sys.argv[1:] if not word.startswith("--")]
+    if len(words) != 2:
+        sys.exit(__doc__)
+    program, folder = words[0], pathlib.Path(words[1])
+    options = ["--no-burst"] if "--all-modes" in sys.argv else []
+    folder.mkdir(parents=True, exist_ok=True)
+    onset, faults, here = int(ONSET * RATE), 0, []
+    if "--table" in sys.argv:
+        print("| sound | modes | explained | distance [dB] | level of the bank [dB] | another strike point [dB] |\n|---|---|---|---|---|---|")
+    for name, (bodies, floor_db, limits, seconds, clip) in sounds().items():
+        samples, other = (recording(body, floor_db, seconds, clip, 7 + i) for i, body in enumerate(bodies))
+        path, bank = folder / f"{name}.wav", folder / f"{name}.glb"
+        write(path, samples)
+        ran = fit(program, path, bank, options)
+        model = np.zeros(samples.size)
+        played = play(read_bank(bank), seconds)
+        model[onset : onset + played.size] = played[: samples.size - onset]
+        off, shift = distance(samples, model, onset)
+        predicted, _ = distance(other, model, onset)
+        words = ran.stdout.split(":", 1)[1].split()
+        good = off <= limits[0] and predicted <= limits[1] and abs(shift) < 3
+        warned = "warning" in ran.stderr
+        faults += not good
+        here.append(off)
+        if "--table" in sys.argv:
+            print(f"| {name} | {words[0]} | {words[3]} % | {off:.1f} | {-shift:+.1f} | {predicted:.1f} |")
+        else:
+            print(f"{name:16} {words[0]:>3} modes explain {words[3]} %, distance {off:.2f} dB, bank {-shift:+.2f} dB, another strike "
+                  f"point {predicted:.2f} dB" + (", warned" if warned else "") + ("" if good else "  ABOVE ITS LIMIT"), flush=True)
+    print(f"median {np.median(here):.2f} dB, worst {max(here):.2f} dB")
+    sys.exit(1 if faults else 0)
+
+
+if __name__ == "__main__":
+    main()
