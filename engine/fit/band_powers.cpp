@@ -8,9 +8,9 @@
 #include <numbers>
 #include <numeric>
 
-// A cell's spectrum is that of 20 ms under a Hann window, padded to bins of some 12 Hz; a band takes the bins between its
-// edges, and of a bin on an edge the part that lies inside. Below 300 Hz bands are narrower than what 20 ms can tell
-// apart, so that neighbours share their sound: this blurs both of the sounds that are compared alike.
+// A cell's spectrum is that of 20 ms under a Hann window, padded to bins of some 12 Hz; a band takes the bins between
+// its edges, and of a bin on an edge the part that lies inside. Below 300 Hz bands are narrower than what 20 ms can
+// tell apart, so that neighbours share their sound: this blurs both of the sounds that are compared alike.
 namespace ringdown::fit {
 namespace {
 
@@ -44,8 +44,10 @@ class CellSpectrum {
     for (std::size_t b = 0; b < centres_.size(); ++b) {
       const double low = band_low_hz(centres_[b]) / bin, high = band_high_hz(centres_[b]) / bin;
       double sum = 0;
-      for (auto k = static_cast<std::size_t>(low + 0.5); static_cast<double>(k) - 0.5 < high && k < padded_.size() / 2; ++k) {
-        const double inside = std::min(static_cast<double>(k) + 0.5, high) - std::max(static_cast<double>(k) - 0.5, low);
+      for (auto k = static_cast<std::size_t>(low + 0.5); static_cast<double>(k) - 0.5 < high && k < padded_.size() / 2;
+           ++k) {
+        const double inside =
+            std::min(static_cast<double>(k) + 0.5, high) - std::max(static_cast<double>(k) - 0.5, low);
         sum += std::max(inside, 0.0) * std::norm(spectrum_[k]);
       }
       powers[b * stride] = scale * sum;
@@ -79,7 +81,8 @@ double band_high_hz(double centre_hz) { return centre_hz * std::pow(10, 0.05); }
 BandPowers band_powers(std::span<const double> samples, double sample_rate_hz, std::size_t onset) {
   CellSpectrum spectrum(sample_rate_hz);
   const std::size_t step = samples_of_cell(sample_rate_hz);
-  BandPowers result{.centre_hz = spectrum.centres(), .cells = (samples.size() - std::min(onset, samples.size())) / step};
+  BandPowers result{.centre_hz = spectrum.centres(),
+                    .cells = (samples.size() - std::min(onset, samples.size())) / step};
   result.values.resize(result.bands() * result.cells);
   for (std::size_t c = 0; c < result.cells; ++c) {
     const auto first = static_cast<std::ptrdiff_t>(onset + c * step) - static_cast<std::ptrdiff_t>(step / 2);
@@ -109,26 +112,37 @@ std::vector<double> band_noise(std::span<const double> samples, double sample_ra
   return noise;
 }
 
+std::vector<bool> heard_cells(const BandPowers& powers, std::span<const double> noise) {
+  std::vector<bool> heard(powers.values.size());
+  for (std::size_t b = 0; b < powers.bands(); ++b) {
+    const auto stands = [&](std::size_t c) {
+      return c < powers.cells && powers.power(b, c) > kCellOverNoise * noise[b] && powers.power(b, c) > 0;
+    };
+    for (std::size_t c = 0; c < powers.cells; ++c) {
+      heard[b * powers.cells + c] = stands(c) && (c == 0 || stands(c - 1) || stands(c + 1));
+    }
+  }
+  return heard;
+}
+
 double distance_db(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise) {
-  const std::size_t cells = std::min(recorded.cells, model.cells);
+  const std::vector<bool> heard = heard_cells(recorded, noise);
+  const auto off = [&](std::size_t b, std::size_t c, double gain) {
+    return power_db(recorded.power(b, c)) - power_db(gain * model.power(b, c) + noise[b]);
+  };
   std::size_t count = 0;
-  double shift = 0, squares = 0;
-  const auto for_each_cell = [&](const auto& work) {
+  double sum = 0, squares = 0;
+  for (const bool square : {false, true}) {
+    const double gain = square ? std::pow(10, sum / static_cast<double>(count) / 10) : 1;
     for (std::size_t b = 0; b < recorded.bands(); ++b) {
-      for (std::size_t c = 0; c < cells; ++c) {
-        if (recorded.power(b, c) > kCellOverNoise * noise[b] && recorded.power(b, c) > 0) work(b, c);
+      for (std::size_t c = 0; c < std::min(recorded.cells, model.cells); ++c) {
+        if (!heard[b * recorded.cells + c]) continue;
+        if (square) squares += std::pow(off(b, c, gain), 2);
+        if (!square) sum += off(b, c, 1), ++count;
       }
     }
-  };
-  for_each_cell([&](std::size_t b, std::size_t c) {
-    shift += power_db(recorded.power(b, c)) - power_db(model.power(b, c) + noise[b]);
-    ++count;
-  });
-  if (count == 0) return NAN;
-  const double gain = std::pow(10, shift / static_cast<double>(count) / 10);
-  for_each_cell([&](std::size_t b, std::size_t c) {
-    squares += std::pow(power_db(recorded.power(b, c)) - power_db(gain * model.power(b, c) + noise[b]), 2);
-  });
+    if (count == 0) return NAN;
+  }
   return std::sqrt(squares / static_cast<double>(count));
 }
 

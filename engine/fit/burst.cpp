@@ -9,17 +9,17 @@
 #include <numbers>
 
 // In each pair of bands the decay and the two levels are searched that make the logarithm of modes' and burst's power
-// together nearest to the recording's. The power that a decaying noise leaves in each cell is known in closed form, up to
-// what spills into neighbouring bands; so the burst is played, measured, and its levels are corrected, a few times.
+// together nearest to the recording's. The power that a decaying noise leaves in each cell is known in closed form, up
+// to what spills into neighbouring bands; so the burst is played, measured, and its levels are corrected, a few times.
 namespace ringdown::fit {
 namespace {
 
 constexpr double kSlowestBurst_per_s = 12, kFastestBurst_per_s = 1500;  // T60 from half a second to 5 ms
 constexpr int kDecays = 40;
 constexpr double kLevelStep_db = 1, kLowestLevel_db = -45, kHighestLevel_db = 12;
-constexpr double kMostCells = 60;   // after the onset: later than 0.6 s nothing is a burst
-constexpr double kWorth_db = 0.5;   // of the distance in a pair of bands: a burst that gains less is left out
-constexpr double kBurstCycles = 0.5;     // frequency over decay at least, or the band's sound is all in its neighbours
+constexpr double kMostCells = 60;     // after the onset: later than 0.6 s nothing is a burst
+constexpr double kWorth_db = 0.5;     // of the distance in a pair of bands: a burst that gains less is left out
+constexpr double kBurstCycles = 0.5;  // frequency over decay at least, or the band's sound is all in its neighbours
 constexpr int kCorrections = 4;
 constexpr double kModeSpacing_hz = 60;
 constexpr std::size_t kMinOfBand = 2, kMaxOfBand = 40;  // of a band
@@ -36,36 +36,23 @@ class Draw {
   std::uint64_t state_ = 20130201;
 };
 
-// The power under the window of cell c of noise exp(-d t) of unit power at the onset.
-double decayed_power(double decay, std::size_t cell) {
-  constexpr int kSteps = 40;
-  double sum = 0, whole = 0;
-  for (int n = 0; n < kSteps; ++n) {
-    const double turn = (n + 0.5) / kSteps;
-    const double window = std::pow(std::sin(std::numbers::pi * turn), 4);  // Hann's, squared
-    const double t = kCell_s * (static_cast<double>(cell) - 0.5 + 2 * turn);
-    if (t >= 0) sum += window * std::exp(-2 * decay * t);
-    whole += window;
-  }
-  return sum / whole;
-}
-
 struct Target {
   BandPowers recorded, modes;
   std::vector<double> noise;
+  std::vector<bool> heard;
   std::size_t cells = 0;  // that matter
-  [[nodiscard]] bool counts(std::size_t b, std::size_t c) const {
-    return recorded.power(b, c) > kCellOverNoise * noise[b] && recorded.power(b, c) > 0;
-  }
+  [[nodiscard]] bool counts(std::size_t b, std::size_t c) const { return heard[b * recorded.cells + c]; }
 };
 
 // Sum over the cells of a band of the squared difference of levels, with a burst of this power and these cells' shares.
+// Where the recording is lost in noise, the burst must be, too.
 double misfit(const Target& target, std::size_t b, double power, const std::vector<double>& share) {
   double sum = 0;
   for (std::size_t c = 0; c < target.cells; ++c) {
-    if (!target.counts(b, c)) continue;
     const double model = target.modes.power(b, c) + power * share[c] + target.noise[b];
-    sum += std::pow(power_db(target.recorded.power(b, c)) - power_db(model), 2);
+    const double quiet = kCellOverNoise * target.noise[b];
+    if (!target.counts(b, c) && (power * share[c] < target.noise[b] || model < quiet)) continue;
+    sum += std::pow(power_db(target.counts(b, c) ? target.recorded.power(b, c) : quiet) - power_db(model), 2);
   }
   return sum;
 }
@@ -102,7 +89,8 @@ void fit_pair(const Target& target, std::size_t pair, Burst& burst) {
   if (cells == 0) return;
   std::array<double, kBandsOfDecay> powers{};
   for (int i = 0; i <= kDecays; ++i) {
-    const double decay = kSlowestBurst_per_s * std::pow(kFastestBurst_per_s / kSlowestBurst_per_s, static_cast<double>(i) / kDecays);
+    const double decay =
+        kSlowestBurst_per_s * std::pow(kFastestBurst_per_s / kSlowestBurst_per_s, static_cast<double>(i) / kDecays);
     if (decay * kBurstCycles > burst.centre_hz[first]) break;
     std::vector<double> share(target.cells);
     for (std::size_t c = 0; c < target.cells; ++c) share[c] = decayed_power(decay, c);
@@ -141,6 +129,19 @@ void correct_levels(const Target& target, const BandPowers& model, const BandPow
 
 }  // namespace
 
+double decayed_power(double decay_per_s, std::size_t cell) {
+  constexpr int kSteps = 40;
+  double sum = 0, whole = 0;
+  for (int n = 0; n < kSteps; ++n) {
+    const double turn = (n + 0.5) / kSteps;
+    const double window = std::pow(std::sin(std::numbers::pi * turn), 4);  // Hann's, squared
+    const double t = kCell_s * (static_cast<double>(cell) - 0.5 + 2 * turn);
+    if (t >= 0) sum += window * std::exp(-2 * decay_per_s * t);
+    whole += window;
+  }
+  return sum / whole;
+}
+
 bool Burst::silent() const {
   return std::ranges::all_of(level, [](double x) { return x == 0; });
 }
@@ -178,10 +179,12 @@ std::vector<double> played_from(std::span<const Mode> modes, double sample_rate_
   return sound;
 }
 
-Burst fit_burst(std::span<const double> recording, double sample_rate_hz, std::size_t onset, std::span<const Mode> played) {
+Burst fit_burst(std::span<const double> recording, double sample_rate_hz, std::size_t onset,
+                std::span<const Mode> played) {
   Target target{.recorded = band_powers(recording, sample_rate_hz, onset),
                 .noise = band_noise(recording, sample_rate_hz, onset)};
   const std::vector<double> of_modes = played_from(played, sample_rate_hz, onset, recording.size());
+  target.heard = heard_cells(target.recorded, target.noise);
   target.modes = band_powers(of_modes, sample_rate_hz, onset);
   target.cells = std::min(target.recorded.cells, static_cast<std::size_t>(kMostCells));
   Burst burst{.centre_hz = target.recorded.centre_hz,
@@ -189,8 +192,9 @@ Burst fit_burst(std::span<const double> recording, double sample_rate_hz, std::s
               .decay_per_s = std::vector<double>((target.recorded.bands() + kBandsOfDecay - 1) / kBandsOfDecay)};
   for (std::size_t pair = 0; pair < burst.decay_per_s.size(); ++pair) fit_pair(target, pair, burst);
   for (int round = 0; round < kCorrections && !burst.silent(); ++round) {
-    const std::vector<double> alone =
-        played_from(burst_modes(burst), sample_rate_hz, onset, std::min(recording.size(), onset + static_cast<std::size_t>(kMostCells * kCell_s * sample_rate_hz)));
+    const std::vector<double> alone = played_from(
+        burst_modes(burst), sample_rate_hz, onset,
+        std::min(recording.size(), onset + static_cast<std::size_t>(kMostCells * kCell_s * sample_rate_hz)));
     std::vector<double> together(of_modes.begin(), of_modes.begin() + static_cast<std::ptrdiff_t>(alone.size()));
     for (std::size_t n = 0; n < alone.size(); ++n) together[n] += alone[n];
     const BandPowers alone_powers = band_powers(alone, sample_rate_hz, onset);

@@ -211,10 +211,12 @@ std::vector<Mode> search_all(std::span<const double> sound, double rate, const O
   return modes;
 }
 
-double mean_square(std::span<const double> x) { return square_sum(x) / static_cast<double>(std::max<std::size_t>(x.size(), 1)); }
+double mean_square(std::span<const double> x) {
+  return square_sum(x) / static_cast<double>(std::max<std::size_t>(x.size(), 1));
+}
 
-// Adds short modes where the first kPursuit_s of what is left are a blow: much louder than what follows, and a good part
-// of the sound itself. `noise`: the mean square of the samples without the sound, where that is known.
+// Adds short modes where the first kPursuit_s of what is left are a blow: much louder than what follows, and a good
+// part of the sound itself. `noise`: the mean square of the samples without the sound, where that is known.
 void add_short_modes(std::span<const double> sound, double rate, const Options& options, std::optional<double> noise,
                      std::vector<Mode>& modes) {
   constexpr double kStands = 4, kPart = 0.05;  // in energy
@@ -273,11 +275,13 @@ Result<Fit> fit_modes(std::span<const double> samples, double sample_rate_hz, co
   Fit fit{.modes = search_all(sound, sample_rate_hz, options), .clipped = extent->clipped};
   const auto before = std::span(centred).first(extent->onset);
   const bool silence_before = static_cast<double>(before.size()) > kSilence_s * sample_rate_hz;
-  add_short_modes(sound, sample_rate_hz, options,
-                  silence_before ? std::optional(mean_square(before)) : std::nullopt, fit.modes);
+  const std::optional<double> noise = silence_before ? std::optional(mean_square(before)) : std::nullopt;
+  add_short_modes(sound, sample_rate_hz, options, noise, fit.modes);
   if (prune(fit.modes, options)) fit_amplitudes_beside(sound, sample_rate_hz, fit.modes);
   const auto left = difference(sound, synthesise(fit.modes, sample_rate_hz, sound.size()));
   fit.explained = 1 - square_sum(left) / square_sum(sound);
+  const double of_noise = std::min(noise.value_or(0) * static_cast<double>(sound.size()), 0.99 * square_sum(sound));
+  fit.of_blow = 1 - std::max(square_sum(left) - of_noise, 0.0) / (square_sum(sound) - of_noise);
   fit.onset_s = static_cast<double>(extent->onset) / sample_rate_hz;
   fit.start_s = static_cast<double>(extent->start) / sample_rate_hz;
   fit.end_s = fit.start_s + static_cast<double>(sound.size()) / sample_rate_hz;

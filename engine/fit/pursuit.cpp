@@ -15,9 +15,9 @@ namespace {
 constexpr double kPerOctave = 24;
 constexpr double kDecays_per_s[] = {25, 50, 100, 180, 320, 560, 1000, 1600};
 constexpr double kFastestAtom_per_s = 2000;
-constexpr double kAtomCycles = 0.5;         // frequency over decay, at least: below, it is a thud without pitch
-constexpr double kAtomOverNoise = 30;       // energy of an atom over that of noise on one of its two coordinates
-constexpr double kLeastPart = 0.02;     // of what is left: an atom that explains less is noise of the sound itself
+constexpr double kAtomCycles = 0.5;    // frequency over decay, at least: below, it is a thud without pitch
+constexpr double kAtomOverNoise = 30;  // energy of an atom over that of noise on one of its two coordinates
+constexpr double kLeastPart = 0.02;    // of what is left: an atom that explains less is noise of the sound itself
 constexpr int kSteps = 12;
 
 struct Atom {
@@ -26,7 +26,8 @@ struct Atom {
 
 // The energy that exp(-d t) times a sine and a cosine explain of the samples.
 double explained(std::span<const double> samples, double rate, double frequency_hz, double decay_per_s) {
-  const std::complex<double> turn = std::exp(std::complex<double>(-decay_per_s, modal::hz_to_rad_per_s(frequency_hz)) / rate);
+  const std::complex<double> turn =
+      std::exp(std::complex<double>(-decay_per_s, modal::hz_to_rad_per_s(frequency_hz)) / rate);
   double re = 1, im = 0, with_cos = 0, with_sin = 0, cc = 0, cs = 0, ss = 0;
   for (const double x : samples) {
     with_cos += x * re, with_sin += x * im;
@@ -42,7 +43,8 @@ double explained(std::span<const double> samples, double rate, double frequency_
 
 Atom best_on_grid(std::span<const double> samples, double rate, const PursuitOptions& options) {
   Atom best;
-  for (double f = std::max(options.low_hz, 40.0); f < std::min(options.high_hz, 0.45 * rate); f *= std::exp2(1 / kPerOctave)) {
+  for (double f = std::max(options.low_hz, 40.0); f < std::min(options.high_hz, 0.45 * rate);
+       f *= std::exp2(1 / kPerOctave)) {
     for (const double d : kDecays_per_s) {
       if (f < kAtomCycles * d) break;
       const double energy = explained(samples, rate, f, d);

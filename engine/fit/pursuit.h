@@ -1,7 +1,7 @@
-// Short modes of a dull sound, one after the other: of all damped sinusoids the one that explains most of what is left is
-// taken out, and again, as long as one explains much more than noise could [matching pursuit: Mallat & Zhang, IEEE Trans.
-// Signal Processing 41, 1993; with damped sinusoids: Goodwin & Vetterli, ibid. 47, 1999]. Where modes die within a few
-// cycles, ESPRIT finds too few samples to tell them from noise (poles.h). [worker]
+// Short modes of a dull sound, one after the other: of all damped sinusoids the one that explains most of what is left
+// is taken out, and again, as long as one explains much more than noise could [matching pursuit: Mallat & Zhang, IEEE
+// Trans. Signal Processing 41, 1993; with damped sinusoids: Goodwin & Vetterli, ibid. 47, 1999]. Where modes die within
+// a few cycles, ESPRIT finds too few samples to tell them from noise (poles.h). [worker]
 #pragma once
 
 #include "engine/fit/sinusoids.h"

@@ -61,8 +61,8 @@ double peak_pressure_pa(const modal::Bank& bank, double impulse_ns);
 // A bank that plays the recording's modes, and states the pressure of a blow of kPeakBlow_ns: one sample point, which
 // moves along the recorded blow. `loudness`: a mode's amplitude in the mixer's output over 2 pi f F(f) (phi . j), for
 // one channel and an object in the centre (docs/how/physics.md, "A strike"). Shapes have the sign of the recorded sine
-// at the onset: the mixer's sines begin at phase 0, so of the recorded phases no more than that can be kept. The modes of
-// a `burst` (burst.h) stand last, as the least important ones.
+// at the onset: the mixer's sines begin at phase 0, so of the recorded phases no more than that can be kept. The modes
+// of a `burst` (burst.h) stand last, as the least important ones.
 modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudness, const std::string& name,
                     std::span<const Mode> burst = {});
 

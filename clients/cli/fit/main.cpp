@@ -6,8 +6,8 @@
 #include "engine/base/output_file.h"
 #include "engine/fit/band_powers.h"
 #include "engine/fit/burst.h"
-#include "engine/fit/sinusoids.h"
 #include "engine/fit/recorded_bank.h"
+#include "engine/fit/settle.h"
 #include "engine/modal/bank_file.h"
 #include "engine/modal/loudness.h"
 #include "packaging/manual/command_line.h"
@@ -91,8 +91,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
 struct Kept {
   fit::Fit found;
   fit::Burst burst;
-  std::vector<fit::Mode> noise;
-  double distance_db = NAN;  // of what the bank plays
+  std::vector<fit::Mode> played, noise;  // the modes with the phases that a bank has, and the burst's
+  double distance_db = NAN;              // of what the bank plays
 };
 
 std::size_t sample_at(double seconds, const cli::Sound& sound) {
@@ -103,11 +103,12 @@ Kept keep(fit::Fit found, const cli::Sound& sound, const Arguments& arguments) {
   Kept kept{.found = std::move(found)};
   const std::size_t onset = sample_at(kept.found.onset_s, sound), end = sample_at(kept.found.end_s, sound);
   const auto part = std::span(sound.samples).first(end);
-  std::vector<fit::Mode> played = fit::as_played(kept.found.modes);
+  kept.played = fit::settle(part, sound.sample_rate_hz, onset, kept.found.modes);
   if (!arguments.without_burst && arguments.damping_of.empty()) {
-    kept.burst = fit::fit_burst(part, sound.sample_rate_hz, onset, played);
+    kept.burst = fit::fit_burst(part, sound.sample_rate_hz, onset, kept.played);
     kept.noise = fit::burst_modes(kept.burst);
   }
+  std::vector<fit::Mode> played = kept.played;
   played.insert(played.end(), kept.noise.begin(), kept.noise.end());
   const auto model = fit::played_from(played, sound.sample_rate_hz, onset, end);
   kept.distance_db = fit::distance_db(fit::band_powers(part, sound.sample_rate_hz, onset),
@@ -140,7 +141,7 @@ Result<modal::Bank> bank_of(const Kept& kept, const Arguments& arguments) {
   if (arguments.damping_of.empty()) {
     const fit::Blow blow{{arguments.impulse[0], arguments.impulse[1], arguments.impulse[2]},
                          arguments.contact_ms / 1e3};
-    return fit::to_bank(found.modes, blow, kLoudness, arguments.name, kept.noise);
+    return fit::to_bank(kept.played, blow, kLoudness, arguments.name, kept.noise);
   }
   const Result<modal::Bank> bank = modal::read_bank(arguments.damping_of);
   if (!bank) return bank;

@@ -50,12 +50,13 @@ void print_burst(const std::string& name, const fit::Fit& fit, const fit::Burst&
                 burst.numbers(), shortest, longest, modes);
   }
   if (std::isfinite(distance_db)) {
-    std::printf("distance   %.1f dB: what the bank plays, from the recording, in thirds of an octave by 10 ms\n", distance_db);
+    std::printf("distance   %.1f dB: what the bank plays, from the recording, in thirds of an octave by 10 ms\n",
+                distance_db);
   }
-  if (fit.explained < kLittle) {
+  if (fit.of_blow < kLittle) {
     std::fflush(stdout);
-    std::fprintf(stderr, "ringdown-fit: warning: the modes explain only %.2g %% of the energy of %s; %s\n", 100 * fit.explained,
-                 name.c_str(), modes > 0 ? "the rest is a burst of noise" : "the rest is lost");
+    std::fprintf(stderr, "ringdown-fit: warning: the modes explain only %.2g %% of the blow's energy in %s; %s\n",
+                 100 * fit.of_blow, name.c_str(), modes > 0 ? "the rest is a burst of noise" : "the rest is lost");
   }
 }
 

@@ -13,8 +13,8 @@ namespace ringdown::cli {
 // Prints one paragraph about the recording and a row for each mode.
 void print_fit(const std::string& name, const fit::Fit& fit);
 
-// Prints what the burst is, drawn as so many modes, and how far all that is kept lies from the recording; and on stderr a
-// warning when the modes explain little of it.
+// Prints what the burst is, drawn as so many modes, and how far all that is kept lies from the recording; and on stderr
+// a warning when the modes explain little of it.
 void print_burst(const std::string& name, const fit::Fit& fit, const fit::Burst& burst, std::size_t modes,
                  double distance_db);
 
