@@ -6,8 +6,10 @@
 #include <unsupported/Eigen/FFT>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <numbers>
 
 namespace ringdown::fit {
@@ -18,10 +20,59 @@ constexpr double kMostDecay_ratio = 3;  // what differs more is another mode at 
 
 double cents_between(double a, double b) { return 1200 * std::log2(a / b); }
 
-double misfit_cents(std::span<const Mode> heard, const Calibration& found, double tolerance) {
-  double sum = static_cast<double>(heard.size() - found.matches.size()) * tolerance * tolerance;
-  for (const Match& match : found.matches) sum += match.off_cents * match.off_cents;
-  return std::sqrt(sum / static_cast<double>(heard.size()));
+std::vector<double> ascending(const modal::Bank& bank) {
+  std::vector<double> frequencies = bank.frequency_hz;
+  std::ranges::sort(frequencies);
+  return frequencies;
+}
+
+// Frequencies of three banks by rank, and between them.
+class Between {
+ public:
+  explicit Between(std::span<const NuBank, 3> banks) {
+    for (std::size_t i = 0; i < 3; ++i) nu_[i] = banks[i].poisson_ratio, frequencies_[i] = ascending(*banks[i].bank);
+    for (const auto& list : frequencies_) count_ = std::min(count_, list.size());
+  }
+  [[nodiscard]] std::vector<double> at(double nu) const {
+    std::vector<double> result(count_);
+    for (std::size_t i = 0; i < 3; ++i) {
+      double weight = 1;
+      for (std::size_t j = 0; j < 3; ++j) weight *= j == i ? 1 : (nu - nu_[j]) / (nu_[i] - nu_[j]);
+      for (std::size_t k = 0; k < count_; ++k) result[k] += weight * frequencies_[i][k];
+    }
+    std::ranges::sort(result);
+    return result;
+  }
+
+ private:
+  std::array<double, 3> nu_{};
+  std::array<std::vector<double>, 3> frequencies_;
+  std::size_t count_ = SIZE_MAX;
+};
+
+double nearest_cents(const std::vector<double>& ascending, double frequency) {
+  const auto above = std::ranges::lower_bound(ascending, frequency);
+  double off = INFINITY;
+  if (above != ascending.end()) off = std::abs(cents_between(frequency, *above));
+  if (above != ascending.begin()) off = std::min(off, std::abs(cents_between(frequency, *(above - 1))));
+  return off;
+}
+
+// Mean square over the heard modes, and in part over the baked ones below the highest of these, since a thing that has
+// a mode is mostly heard with it: in a dense bank something lies near everything.
+double mean_square_cents(const std::vector<double>& heard, const std::vector<double>& baked, double tuning_cents,
+                         double tolerance) {
+  constexpr double kOfBaked = 0.25;
+  const double factor = std::exp2(tuning_cents / 1200), most = tolerance * tolerance;
+  double sum = 0, other = 0;
+  std::size_t count = 0;
+  for (const double f : heard) sum += std::min(std::pow(nearest_cents(baked, f / factor), 2), most);
+  for (const double f : baked) {
+    if (f * factor > heard.back()) break;
+    other += std::min(std::pow(nearest_cents(heard, f * factor), 2), most), ++count;
+  }
+  return sum / static_cast<double>(heard.size()) +
+         kOfBaked * other / static_cast<double>(std::max<std::size_t>(count, 1));
 }
 
 }  // namespace
@@ -58,24 +109,35 @@ std::vector<Mode> merge(std::span<const std::vector<Mode>> recordings) {
   return merged;
 }
 
-Result<NuChoice> choose_nu(std::span<const Mode> heard, std::span<const NuBank> banks,
-                           const CalibrateOptions& options) {
-  constexpr double kTelling_cents = 0.5;  // that the misfit changes by at least from one bank to the next
-  std::vector<double> squares;
-  for (const NuBank& bank : banks) {
-    const Result<Calibration> found = calibrate(heard, *bank.bank, options);
-    if (!found) return fail(found.error());
-    squares.push_back(std::pow(misfit_cents(heard, *found, options.tolerance_cents), 2));
+NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options) {
+  constexpr double kNuStep = 0.0025, kTuningStep = 2, kAside = 0.03, kTelling_cents = 0.5;
+  std::vector<double> frequencies;
+  for (const Mode& mode : heard) frequencies.push_back(mode.frequency_hz);
+  const Between between(banks);
+  const double low = banks.front().poisson_ratio, high = banks.back().poisson_ratio;
+  const auto best_at = [&](double nu, double around, double most, double step) {
+    const std::vector<double> baked = between.at(nu);
+    std::pair<double, double> best{INFINITY, around};  // square, tuning
+    for (double tuning = around - most; tuning <= around + most; tuning += step) {
+      best = std::min(best, {mean_square_cents(frequencies, baked, tuning, options.tolerance_cents), tuning});
+    }
+    return best;
+  };
+  NuChoice choice;
+  double nearest = INFINITY;
+  for (double nu = low; nu <= high + 1e-9; nu += kNuStep) {
+    const auto [square, tuning] = best_at(nu, options.around_cents, options.most_tuning_cents, kTuningStep);
+    if (square < nearest) nearest = square, choice.poisson_ratio = nu, choice.tuning_cents = tuning;
   }
-  const auto at = static_cast<std::size_t>(std::ranges::min_element(squares) - squares.begin());
-  NuChoice choice{banks[at].poisson_ratio, std::sqrt(squares[at]), false};
-  if (at == 0 || at + 1 == squares.size()) return choice;
-  const double x0 = banks[at - 1].poisson_ratio, x1 = banks[at].poisson_ratio, x2 = banks[at + 1].poisson_ratio;
-  const double left = (squares[at] - squares[at - 1]) / (x1 - x0), right = (squares[at + 1] - squares[at]) / (x2 - x1);
-  const double curvature = (right - left) / (x2 - x0);
-  if (!(curvature > 0)) return choice;
-  choice.poisson_ratio = std::clamp(0.5 * (x0 + x1) - 0.5 * left / curvature, x0, x2);
-  choice.told = std::sqrt(std::max(squares[at - 1], squares[at + 1])) - choice.misfit_cents > kTelling_cents;
+  const auto [square, tuning] = best_at(choice.poisson_ratio, choice.tuning_cents, kTuningStep, 0.05);
+  choice.tuning_cents = tuning, choice.misfit_cents = std::sqrt(square);
+  const bool inside = choice.poisson_ratio > low + kNuStep && choice.poisson_ratio < high - kNuStep;
+  const auto aside = [&](double nu) {
+    return std::sqrt(best_at(std::clamp(nu, low, high), tuning, options.tolerance_cents, 0.5).first) -
+           choice.misfit_cents;
+  };
+  const double rise = std::max(aside(choice.poisson_ratio - kAside), aside(choice.poisson_ratio + kAside));
+  choice.told = inside && rise > kTelling_cents;
   return choice;
 }
 

@@ -2,11 +2,10 @@
 // and damping the recordings ask for, and what is left. [worker]
 //
 //   const std::vector<Mode> heard = merge(modes_of_each_recording);
-//   const NuChoice nu = choose_nu(heard, {{0.2, &soft}, {0.25, &middle}, {0.3, &stiff}});
-//   bake again with nu.poisson_ratio, calibrate(heard, bank) (recorded_bank.h), and draw
+//   const NuChoice nu = choose_nu(heard, banks, options);  // of three bakes with different ratios
+//   bake again with nu.poisson_ratio, calibrate(heard, bank, {.around_cents = nu.tuning_cents}) (recorded_bank.h), draw
 #pragma once
 
-#include "engine/base/result.h"
 #include "engine/fit/modes.h"
 #include "engine/fit/recorded_bank.h"
 #include "engine/modal/bank.h"
@@ -30,13 +29,15 @@ struct NuBank {
 
 struct NuChoice {
   double poisson_ratio = 0;
-  double misfit_cents = 0;  // there: root mean square over the heard modes, an unmatched one counting as the tolerance
-  bool told = false;        // false: the modes hardly depend on it, or the best one lies outside of those given
+  double tuning_cents = 0;  // the recordings over the bank at that ratio
+  double misfit_cents = 0;  // root mean square over the heard modes, one without a match counting as the tolerance
+  bool told = false;        // false: the modes hardly depend on it, or the best one lies at an end of what was searched
 };
 
-// The ratio at which the modes match best: the vertex of the parabola through the best of the banks and its neighbours.
-// Banks ascend by their ratio, three at least. Fails where one of them does not match at all.
-Result<NuChoice> choose_nu(std::span<const Mode> heard, std::span<const NuBank> banks, const CalibrateOptions& options);
+// Searches Poisson's ratio from the first bank's to the last one's, and the tuning, for the best match of all heard
+// modes. In between, each frequency of the banks, by its rank, is a parabola in the ratio. `banks`: three of one shape,
+// ascending.
+NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options);
 
 // The modes of a bank that match, in its tuning and damping, as loud as in this recording: what the bank would sound
 // like if it were struck as the thing was.

@@ -15,6 +15,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <set>
@@ -32,7 +33,7 @@ struct CompareArguments {
   double top_hz = 12000;
   bool keep_nu = false;
   fit::Options options;
-  fit::CalibrateOptions match{.tolerance_cents = 30, .most_tuning_cents = 600};
+  fit::CalibrateOptions match{.tolerance_cents = 30, .most_tuning_cents = 250};
 };
 
 void add_compare_options(CLI::App& app, CompareArguments& arguments) {
@@ -56,7 +57,7 @@ void add_compare_options(CLI::App& app, CompareArguments& arguments) {
       ->check(manual::between(0.1, 200.0))
       ->capture_default_str();
   app.add_flag("--keep-nu", arguments.keep_nu,
-               "Leave Poisson's ratio as the material says: one bake in place of four.");
+               "Leave Poisson's ratio as the material says: one bake in place of eleven.");
 }
 
 struct Inputs {
@@ -132,10 +133,30 @@ Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const 
   return sounds;
 }
 
+// Bakes with three ratios around `middle`, and chooses between them.
+Result<fit::NuChoice> choose_between(const Inputs& inputs, const CompareArguments& arguments, const fs::path& folder,
+                                     std::span<const fit::Mode> heard, double middle, double aside,
+                                     double around_cents) {
+  constexpr double kLeast = 0.02, kMost = 0.47;
+  const double centre = std::clamp(middle, kLeast + aside, kMost - aside);
+  std::array<modal::Bank, 3> banks;
+  std::array<fit::NuBank, 3> choices{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double nu = centre + aside * (static_cast<double>(i) - 1);
+    Result<modal::Bank> bank = baked(inputs, arguments, folder / "other.glb", nu);
+    if (!bank) return fail(bank.error());
+    banks[i] = std::move(*bank);
+    choices[i] = {nu, &banks[i]};
+  }
+  fit::CalibrateOptions match = arguments.match;
+  if (around_cents != 0) match.most_tuning_cents = 2 * match.tolerance_cents, match.around_cents = around_cents;
+  return fit::choose_nu(heard, choices, match);
+}
+
 // The bank at the Poisson's ratio that the recordings ask for, or at the material's own where they do not tell.
 Result<void> find_bank(const Inputs& inputs, const CompareArguments& arguments, const fs::path& folder,
-                       cli::Comparison& c) {
-  constexpr double kStep = 0.05, kMost = 0.48;
+                       cli::Comparison& c, double& around_cents) {
+  constexpr double kMiddle = 0.25;  // of what solids have
   Result<modal::Bank> own = baked(inputs, arguments, folder / "own.glb", std::nullopt);
   if (!own) return fail(own.error());
   if (!own->material) return fail(ErrorKind::bad_input, "the bank of " + inputs.shape.string() + " has no material");
@@ -143,22 +164,17 @@ Result<void> find_bank(const Inputs& inputs, const CompareArguments& arguments, 
   c.poisson_ratio = c.given_poisson_ratio = own->material->poisson_ratio;
   c.bank = *own;
   if (arguments.keep_nu) return {};
-  const double middle = std::min(c.given_poisson_ratio, kMost - kStep);
-  std::vector<modal::Bank> others;
-  std::vector<fit::NuBank> banks;
-  const std::vector<double> ratios = {middle - kStep, middle, middle + kStep};
-  for (const double nu : ratios) {
-    Result<modal::Bank> bank = nu == c.given_poisson_ratio ? *own : baked(inputs, arguments, folder / "other.glb", nu);
-    if (!bank) return fail(bank.error());
-    others.push_back(std::move(*bank));
+  Result<fit::NuChoice> choice = fit::NuChoice{.poisson_ratio = kMiddle};
+  for (const double aside : {0.2, 0.06, 0.03}) {
+    choice = choose_between(inputs, arguments, folder, c.heard, choice->poisson_ratio, aside, around_cents);
+    if (!choice) return fail(choice.error());
+    around_cents = choice->tuning_cents;
   }
-  for (std::size_t i = 0; i < ratios.size(); ++i) banks.push_back({ratios[i], &others[i]});
-  const Result<fit::NuChoice> choice = fit::choose_nu(c.heard, banks, arguments.match);
-  if (!choice) return fail(choice.error());
-  c.nu_told = choice->told;
   if (!choice->told) return {};
   Result<modal::Bank> best = baked(inputs, arguments, folder / "best.glb", choice->poisson_ratio);
   if (!best) return fail(best.error());
+  around_cents = choice->tuning_cents;
+  c.nu_told = true;
   c.poisson_ratio = choice->poisson_ratio;
   c.bank = std::move(*best);
   return {};
@@ -185,9 +201,21 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   for (const cli::ComparedSound& s : c.sounds) each.push_back(s.found.modes);
   c.heard = fit::merge(each);
   std::erase_if(c.heard, [&](const fit::Mode& mode) { return mode.frequency_hz > arguments.top_hz; });
+  if (c.heard.size() < fit::kMinMatches) {
+    return complain({ErrorKind::bad_input, arguments.folder.string() + ": the recordings have " +
+                                               std::to_string(c.heard.size()) + " modes below --top, and " +
+                                               std::to_string(fit::kMinMatches) + " are needed"});
+  }
   const PrivateFolder folder("ringdown-compare");
   if (folder.path().empty()) return complain({ErrorKind::input_output, "cannot make a folder for temporary files"});
-  if (const auto found = find_bank(*inputs, arguments, folder.path(), c); !found) return complain(found.error());
+  double around_cents = 0;
+  if (const auto found = find_bank(*inputs, arguments, folder.path(), c, around_cents); !found) {
+    return complain(found.error());
+  }
+  if (around_cents != 0) {  // where E/rho and nu were searched together
+    arguments.match.around_cents = around_cents;
+    arguments.match.most_tuning_cents = arguments.match.tolerance_cents;
+  }
   if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
   Result<fit::Calibration> calibration = fit::calibrate(c.heard, c.bank, arguments.match);
   if (!calibration)
