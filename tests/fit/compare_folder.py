@@ -90,8 +90,10 @@ def main():
     html = page.read_text()
     if html.count("<svg") != 4 or "middle.wav" not in html or "nan" in html.lower():
         faults.append("the page lacks its pictures")
-    if not (folder / "fitted.glb").exists():
-        faults.append("no bank was written")
+    again = sorted(read_bank(folder / "fitted.glb")[0])
+    worst = max(abs(1200 * np.log2(a / b)) for a, b in zip(again, sorted(frequencies)))
+    if worst > 1:
+        faults.append(f"the bank that was written is {worst:.2f} cents off")
     empty = folder / "empty"
     empty.mkdir(exist_ok=True)
     for where, word in ((empty, "no recording"), (folder / "nowhere", "cannot read the folder")):

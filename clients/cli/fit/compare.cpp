@@ -10,6 +10,7 @@
 #include "engine/fit/burst.h"
 #include "engine/fit/comparison.h"
 #include "engine/modal/bank_file.h"
+#include "engine/modal/damping.h"
 #include "packaging/manual/command_line.h"
 
 #include <CLI/CLI.hpp>
@@ -44,7 +45,7 @@ void add_compare_options(CLI::App& app, CompareArguments& arguments) {
       ->required();
   app.add_option("-o,--output", arguments.output, "The page to write (.html); default: compare.html in the folder.")
       ->type_name("FILE");
-  app.add_option("--bank", arguments.bank, "Write the bank with the fitted damping, too.")->type_name("FILE");
+  app.add_option("--bank", arguments.bank, "Write the bank with the fitted E, nu and damping, too.")->type_name("FILE");
   app.add_option("-m,--material", arguments.material, "The material to begin with; default: the object file's.")
       ->type_name("NAME");
   app.add_option("--materials", arguments.materials, "Folder of the materials; default: the presets'.")
@@ -190,6 +191,18 @@ double distance_of(const cli::ComparedSound& s) {
                           fit::band_noise(part, rate, onset));
 }
 
+// The bank with the fitted modulus and damping.
+modal::Bank fitted_bank(const cli::Comparison& c) {
+  modal::Bank bank = c.bank;
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const double lambda = c.stiffness() * modal::undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
+    bank.frequency_hz[m] = modal::rad_per_s_to_hz(std::sqrt(lambda));
+    bank.decay_per_s[m] = 0;
+  }
+  bank.material->youngs_modulus_pa *= c.stiffness();
+  return fit::with_damping(bank, c.calibration.damping);
+}
+
 ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   if (arguments.output.empty()) arguments.output = arguments.folder / "compare.html";
   const Result<Inputs> inputs = find_inputs(arguments.folder);
@@ -227,7 +240,7 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   }
   std::fputs(cli::verdict(c).c_str(), stdout);
   if (!arguments.bank.empty()) {
-    const auto written = modal::write_bank(fit::with_damping(c.bank, c.calibration.damping), arguments.bank);
+    const auto written = modal::write_bank(fitted_bank(c), arguments.bank);
     if (!written) return complain(written.error());
   }
   const auto written = write_output(arguments.output, std::string_view(cli::compare_page(c)));
