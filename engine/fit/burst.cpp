@@ -127,6 +127,23 @@ void correct_levels(const Target& target, const BandPowers& model, const BandPow
   }
 }
 
+// The mean of the logarithm of a noise's power lies up to 2.5 dB below the logarithm of its mean. What the levels lack
+// of the energy that modes leave is added to all of them.
+void match_energy(const Target& target, const BandPowers& alone, Burst& burst) {
+  constexpr double kMost = 2;  // 3 dB
+  double wanted = 0, played = 0;
+  for (std::size_t b = 0; b < burst.level.size(); ++b) {
+    for (std::size_t c = 0; c < target.cells && burst.level[b] > 0; ++c) {
+      if (!target.counts(b, c)) continue;
+      wanted += target.recorded.power(b, c) - target.modes.power(b, c);
+      played += alone.power(b, c);
+    }
+  }
+  if (!(played > 0)) return;
+  const double gain = std::sqrt(std::clamp(wanted / played, 1.0, kMost));
+  for (double& level : burst.level) level *= gain;
+}
+
 }  // namespace
 
 double decayed_power(double decay_per_s, std::size_t cell) {
@@ -191,15 +208,19 @@ Burst fit_burst(std::span<const double> recording, double sample_rate_hz, std::s
               .level = std::vector<double>(target.recorded.bands()),
               .decay_per_s = std::vector<double>((target.recorded.bands() + kBandsOfDecay - 1) / kBandsOfDecay)};
   for (std::size_t pair = 0; pair < burst.decay_per_s.size(); ++pair) fit_pair(target, pair, burst);
-  for (int round = 0; round < kCorrections && !burst.silent(); ++round) {
-    const std::vector<double> alone = played_from(
-        burst_modes(burst), sample_rate_hz, onset,
-        std::min(recording.size(), onset + static_cast<std::size_t>(kMostCells * kCell_s * sample_rate_hz)));
+  const std::size_t samples =
+      std::min(recording.size(), onset + static_cast<std::size_t>(kMostCells * kCell_s * sample_rate_hz));
+  for (int round = 0; round <= kCorrections && !burst.silent(); ++round) {
+    const std::vector<double> alone = played_from(burst_modes(burst), sample_rate_hz, onset, samples);
+    const BandPowers of_burst = band_powers(alone, sample_rate_hz, onset);
+    target.cells = std::min(target.cells, of_burst.cells);
+    if (round == kCorrections) {
+      match_energy(target, of_burst, burst);
+      break;
+    }
     std::vector<double> together(of_modes.begin(), of_modes.begin() + static_cast<std::ptrdiff_t>(alone.size()));
     for (std::size_t n = 0; n < alone.size(); ++n) together[n] += alone[n];
-    const BandPowers alone_powers = band_powers(alone, sample_rate_hz, onset);
-    target.cells = std::min(target.cells, alone_powers.cells);
-    correct_levels(target, band_powers(together, sample_rate_hz, onset), alone_powers, burst);
+    correct_levels(target, band_powers(together, sample_rate_hz, onset), of_burst, burst);
   }
   return burst;
 }

@@ -1,13 +1,13 @@
 #include "engine/fit/settle.h"
 
 #include "engine/fit/band_powers.h"
-#include "engine/fit/burst.h"
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 // In a few rounds the modes are played together, and what they are off is measured in each cell. A straight line
 // through what the cells of a mode's band are off over time, weighted by the part that the mode has in them, says by
@@ -55,7 +55,6 @@ struct Recorded {
 
 void settle_mode(const Recorded& recorded, const BandPowers& model, Mode& mode) {
   const std::size_t b = band_of(model, mode.frequency_hz);
-  if (mode.frequency_hz < band_low_hz(model.centre_hz.front())) return;
   Line line;
   const double noise = recorded.noise[b];
   for (std::size_t c = 0; c < std::min(recorded.powers.cells, model.cells); ++c) {
@@ -96,6 +95,51 @@ void turn_signs(const Recorded& recorded, double rate, std::size_t onset, std::s
   }
 }
 
+// Tries other levels and decays of short modes, and to do without them, beside a sound that stays as it is, as long as
+// the sum comes nearer. Only its beginning is looked at: there short modes are.
+void vary(std::span<const double> recording, double rate, std::size_t onset, std::span<const double> beside,
+          std::vector<Mode>& modes) {
+  constexpr double kLook_s = 0.5, kShort_per_s = 12, kWorth_db = 0.01;
+  constexpr std::size_t kMostVaried = 40;
+  constexpr int kSweeps = 2;
+  constexpr std::array<std::array<double, 2>, 7> kTries = {
+      {{0, 1}, {0.7, 1}, {1.4, 1}, {1, 1.4}, {1, 0.7}, {-1, 1}, {0.8, 1.8}}};  // of amplitude and decay
+  const std::size_t samples = std::min(recording.size(), onset + static_cast<std::size_t>(kLook_s * rate));
+  Recorded recorded{band_powers(recording.first(samples), rate, onset), band_noise(recording, rate, onset)};
+  std::vector<std::size_t> order;
+  for (std::size_t m = 0; m < modes.size(); ++m) {
+    if (modes[m].decay_per_s > kShort_per_s) order.push_back(m);
+  }
+  std::ranges::sort(order, std::greater{}, [&](std::size_t m) { return modes[m].amplitude; });
+  order.resize(std::min(order.size(), kMostVaried));
+  std::vector<double> sum = played_from(modes, rate, onset, samples);
+  for (std::size_t n = 0; n < samples && n < beside.size(); ++n) sum[n] += beside[n];
+  const auto off = [&](const std::vector<double>& sound) {
+    return distance_db(recorded.powers, band_powers(sound, rate, onset), recorded.noise);
+  };
+  double nearest = off(sum);
+  for (int sweep = 0; sweep < kSweeps && nearest > kNear_db; ++sweep) {
+    for (const std::size_t m : order) {
+      const std::vector<double> own = played_from({&modes[m], 1}, rate, onset, samples);
+      std::optional<Mode> better;
+      std::vector<double> best_sum;
+      for (const auto& [level, faster] : kTries) {
+        Mode other = modes[m];
+        other.amplitude *= std::abs(level);
+        other.decay_per_s = std::min(other.decay_per_s * faster, kSettledDecay_per_s);
+        if (level < 0) other.phase_rad = other.phase_rad == 0 ? std::numbers::pi : 0;
+        std::vector<double> changed = sum;
+        const std::vector<double> next = played_from({&other, 1}, rate, onset, samples);
+        for (std::size_t n = onset; n < samples; ++n) changed[n] += next[n] - own[n];
+        const double distance = off(changed);
+        if (distance < nearest - kWorth_db) nearest = distance, better = other, best_sum = std::move(changed);
+      }
+      if (better) modes[m] = *better, sum = std::move(best_sum);
+    }
+  }
+  std::erase_if(modes, [](const Mode& mode) { return mode.amplitude == 0; });
+}
+
 }  // namespace
 
 std::vector<Mode> settle(std::span<const double> recording, double sample_rate_hz, std::size_t onset,
@@ -114,6 +158,26 @@ std::vector<Mode> settle(std::span<const double> recording, double sample_rate_h
   }
   if (nearest > kNear_db) turn_signs(recorded, sample_rate_hz, onset, recording.size(), best, nearest);
   return best;
+}
+
+Kept keep(std::span<const double> recording, double sample_rate_hz, std::size_t onset, std::span<const Mode> modes,
+          bool with_burst) {
+  Kept kept{.modes = settle(recording, sample_rate_hz, onset, modes)};
+  if (with_burst) {
+    kept.burst = fit_burst(recording, sample_rate_hz, onset, kept.modes);
+    kept.noise = burst_modes(kept.burst);
+    vary(recording, sample_rate_hz, onset, played_from(kept.noise, sample_rate_hz, onset, recording.size()),
+         kept.modes);
+    kept.burst = fit_burst(recording, sample_rate_hz, onset, kept.modes);
+    kept.noise = burst_modes(kept.burst);
+  }
+  std::vector<double> model = played_from(kept.modes, sample_rate_hz, onset, recording.size());
+  const std::vector<double> noise = played_from(kept.noise, sample_rate_hz, onset, recording.size());
+  for (std::size_t n = 0; n < model.size(); ++n) model[n] += noise[n];
+  kept.distance_db =
+      distance_db(band_powers(recording, sample_rate_hz, onset), band_powers(model, sample_rate_hz, onset),
+                  band_noise(recording, sample_rate_hz, onset));
+  return kept;
 }
 
 }  // namespace ringdown::fit

@@ -6,17 +6,31 @@
 // ms.
 #pragma once
 
+#include "engine/fit/burst.h"
 #include "engine/fit/sinusoids.h"
 
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
 
 namespace ringdown::fit {
 
-// As as_played(burst.h) has them where that is near the recording already. `recording`: from its beginning to where its
-// sound ends; `onset`: the sample at which modes begin. Never further from the recording than as_played().
+// The modes as as_played() (burst.h) has them where that is near the recording already. `recording`: from its beginning
+// to where its sound ends; `onset`: the sample at which modes begin. Never further from the recording than as_played().
 std::vector<Mode> settle(std::span<const double> recording, double sample_rate_hz, std::size_t onset,
                          std::span<const Mode> modes);
+
+// What a bank keeps of a recording: settled modes, and the burst of noise for what they leave.
+struct Kept {
+  std::vector<Mode> modes;
+  Burst burst;
+  std::vector<Mode> noise;   // the burst's modes
+  double distance_db = NAN;  // of all that from the recording (band_powers.h)
+};
+
+// As settle(), then a burst unless there should be none, and short modes once more beside it. A second or two.
+Kept keep(std::span<const double> recording, double sample_rate_hz, std::size_t onset, std::span<const Mode> modes,
+          bool with_burst);
 
 }  // namespace ringdown::fit

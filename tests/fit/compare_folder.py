@@ -3,9 +3,9 @@
 
 usage: compare_folder.py BIN FOLDER
 
-BIN holds ringdown-bake and ringdown-compare. The thing is a tile of which the material's file knows neither E, nu nor damping; its
-sound is the sum of its modes by numpy, struck at two points, with noise. Exit code 1 when compare finds another material, or
-says nothing useful where the folder is wrong; 77 without numpy.
+BIN holds ringdown-bake and ringdown-compare. The thing is a tile of which the material's file knows neither E, nu nor damping;
+its sound is the sum of its modes by numpy, struck at two points, with noise. Exit code 1 when compare finds another material,
+or says nothing useful where the folder is wrong; 77 without numpy.
 """
 import pathlib
 import re

@@ -4,7 +4,6 @@
 #include "clients/cli/fit/sound.h"
 #include "clients/cli/long_work.h"
 #include "engine/base/output_file.h"
-#include "engine/fit/band_powers.h"
 #include "engine/fit/burst.h"
 #include "engine/fit/recorded_bank.h"
 #include "engine/fit/settle.h"
@@ -87,41 +86,21 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->type_name("FILE");
 }
 
-// What is kept of a recording: modes, and the burst of noise as modes of its own.
-struct Kept {
-  fit::Fit found;
-  fit::Burst burst;
-  std::vector<fit::Mode> played, noise;  // the modes with the phases that a bank has, and the burst's
-  double distance_db = NAN;              // of what the bank plays
-};
-
 std::size_t sample_at(double seconds, const cli::Sound& sound) {
   return std::min(static_cast<std::size_t>(std::round(seconds * sound.sample_rate_hz)), sound.samples.size());
 }
 
-Kept keep(fit::Fit found, const cli::Sound& sound, const Arguments& arguments) {
-  Kept kept{.found = std::move(found)};
-  const std::size_t onset = sample_at(kept.found.onset_s, sound), end = sample_at(kept.found.end_s, sound);
-  const auto part = std::span(sound.samples).first(end);
-  kept.played = fit::settle(part, sound.sample_rate_hz, onset, kept.found.modes);
-  if (!arguments.without_burst && arguments.damping_of.empty()) {
-    kept.burst = fit::fit_burst(part, sound.sample_rate_hz, onset, kept.played);
-    kept.noise = fit::burst_modes(kept.burst);
-  }
-  std::vector<fit::Mode> played = kept.played;
-  played.insert(played.end(), kept.noise.begin(), kept.noise.end());
-  const auto model = fit::played_from(played, sound.sample_rate_hz, onset, end);
-  kept.distance_db = fit::distance_db(fit::band_powers(part, sound.sample_rate_hz, onset),
-                                      fit::band_powers(model, sound.sample_rate_hz, onset),
-                                      fit::band_noise(part, sound.sample_rate_hz, onset));
-  return kept;
+fit::Kept keep(const fit::Fit& found, const cli::Sound& sound, const Arguments& arguments) {
+  const auto part = std::span(sound.samples).first(sample_at(found.end_s, sound));
+  const bool with_burst = !arguments.without_burst && arguments.damping_of.empty();
+  return fit::keep(part, sound.sample_rate_hz, sample_at(found.onset_s, sound), found.modes, with_burst);
 }
 
-Result<void> write_sounds(const Kept& kept, const cli::Sound& sound, const Arguments& arguments,
-                          const std::stop_token& stop) {
+Result<void> write_sounds(const fit::Fit& found, const fit::Kept& kept, const cli::Sound& sound,
+                          const Arguments& arguments, const std::stop_token& stop) {
   if (arguments.resynth.empty() && arguments.residual.empty()) return {};
-  const std::size_t onset = sample_at(kept.found.onset_s, sound), count = sound.samples.size();
-  std::vector<double> samples = fit::played_from(kept.found.modes, sound.sample_rate_hz, onset, count);
+  const std::size_t onset = sample_at(found.onset_s, sound), count = sound.samples.size();
+  std::vector<double> samples = fit::played_from(found.modes, sound.sample_rate_hz, onset, count);
   if (!arguments.resynth.empty()) {
     std::vector<double> all = fit::played_from(kept.noise, sound.sample_rate_hz, onset, count);
     for (std::size_t n = 0; n < count; ++n) all[n] += samples[n];
@@ -136,12 +115,11 @@ Result<void> write_sounds(const Kept& kept, const cli::Sound& sound, const Argum
 constexpr double kLoudness =
     modal::Air{}.density_kg_m3 * modal::kUnknownFlow / modal::kFullScale_pa / std::numbers::sqrt2;
 
-Result<modal::Bank> bank_of(const Kept& kept, const Arguments& arguments) {
-  const fit::Fit& found = kept.found;
+Result<modal::Bank> bank_of(const fit::Fit& found, const fit::Kept& kept, const Arguments& arguments) {
   if (arguments.damping_of.empty()) {
     const fit::Blow blow{{arguments.impulse[0], arguments.impulse[1], arguments.impulse[2]},
                          arguments.contact_ms / 1e3};
-    return fit::to_bank(kept.played, blow, kLoudness, arguments.name, kept.noise);
+    return fit::to_bank(kept.modes, blow, kLoudness, arguments.name, kept.noise);
   }
   const Result<modal::Bank> bank = modal::read_bank(arguments.damping_of);
   if (!bank) return bank;
@@ -158,7 +136,7 @@ ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {
   const Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, arguments.options);
   if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
   if (!found) return complain({found.error().kind, arguments.input.string() + ": " + found.error().message});
-  const Kept kept = keep(*found, *sound, arguments);
+  const fit::Kept kept = keep(*found, *sound, arguments);
   if (found->modes.empty() && kept.noise.empty()) {
     return complain(
         {ErrorKind::bad_input,
@@ -166,13 +144,13 @@ ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {
   }
   cli::print_fit(arguments.input.string(), *found);
   cli::print_burst(arguments.input.string(), *found, kept.burst, kept.noise.size(), kept.distance_db);
-  const Result<modal::Bank> bank = bank_of(kept, arguments);
+  const Result<modal::Bank> bank = bank_of(*found, kept, arguments);
   if (!bank) return complain(bank.error());
   if (!arguments.output.empty()) {
     const auto written = modal::write_bank(*bank, arguments.output);
     if (!written) return complain(written.error());
   }
-  const auto written = write_sounds(kept, *sound, arguments, stop);
+  const auto written = write_sounds(*found, kept, *sound, arguments, stop);
   return written ? ExitCode::ok : complain(written.error());
 }
 
