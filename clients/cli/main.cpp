@@ -58,8 +58,8 @@ const std::vector<manual::Section> kSections = {
       {"ringdown strike bell --at 0.1,0,0.05 --impulse -0.2,0,0", "A blow of 0.2 N s, played by the daemon."},
       {"ringdown render --scene demo.toml -o demo.wav", "A scene as a sound file; no daemon is needed."}}},
     {"SEE ALSO",
-     {{"ringdownd(1), ringdown-bake(1), ringdown-fit(1), ringdown-picture(1)",
-       "The daemon, and what `ringdown bake`, `fit` and `picture` run."}}},
+     {{"ringdownd(1), ringdown-bake(1), ringdown-fit(1), ringdown-compare(1), ringdown-picture(1)",
+       "The daemon, and what `ringdown bake`, `fit`, `compare` and `picture` run."}}},
 };
 
 }  // namespace
@@ -71,6 +71,7 @@ int main(int argc, char** argv) {
   ExitCode outcome = ExitCode::ok;
   add_program_verb(app, outcome, "bake", "Turns a mesh and a material into a bank.");
   add_program_verb(app, outcome, "check", "Says what is wrong with a mesh, and how it would be meshed.");
+  add_program_verb(app, outcome, "compare", "Holds recordings of a thing against its baked bank.");
   add_program_verb(app, outcome, "fit", "Finds the modes of a struck object in a recording, as a bank.");
   add_program_verb(app, outcome, "picture", "Draws a bank, as a picture or as a page.");
   add_program_verb(app, outcome, "tune", "Finds parameters of a geometry at which modes hit their notes.");

@@ -4,6 +4,7 @@
 #include "engine/fit/sinusoids.h"
 #include "engine/fit/extent.h"
 #include "engine/fit/poles.h"
+#include "engine/fit/pursuit.h"
 #include "engine/fit/subband.h"
 #include "engine/modal/damping.h"
 
@@ -19,7 +20,8 @@
 // on. It cuts the band of frequencies into narrow bands of a few hundred samples each (subband.h), finds and refines
 // the poles in every one (poles.h), and keeps those that decay in about the length of the pass: slower ones were found
 // before, faster ones wait for a shorter pass. Neighbouring bands overlap, so what two of them found is made one. Then
-// the amplitudes of all modes so far are fitted together, and their sum is subtracted for the next pass.
+// the amplitudes of all modes so far are fitted together, and their sum is subtracted for the next pass. Where a blow
+// still stands in what all passes leave, its modes are too short for them, and are pursued one by one (pursuit.h).
 namespace ringdown::fit {
 namespace {
 
@@ -34,6 +36,7 @@ constexpr double kMinCycles = 1.5;      // frequency over decay: below, it is a 
 constexpr double kMinDecay = 3;         // decay over its standard error: below, it may be hum
 constexpr double kUnresolved = 0.02;    // modes nearer than that over the length are the same one, found twice
 constexpr double kRemains = 0.25;       // the same of a mode that an earlier pass has found, and its remains
+constexpr double kSilence_s = 0.02;     // before the blow: enough to know the noise from
 constexpr double kTrace = 0.1;          // how loud these may be, of that mode
 
 struct Candidate {
@@ -208,6 +211,29 @@ std::vector<Mode> search_all(std::span<const double> sound, double rate, const O
   return modes;
 }
 
+double mean_square(std::span<const double> x) {
+  return square_sum(x) / static_cast<double>(std::max<std::size_t>(x.size(), 1));
+}
+
+// Adds short modes where the first kPursuit_s of what is left are a blow: much louder than what follows, and a good
+// part of the sound itself. `noise`: the mean square of the samples without the sound, where that is known.
+void add_short_modes(std::span<const double> sound, double rate, const Options& options, std::optional<double> noise,
+                     std::vector<Mode>& modes) {
+  constexpr double kStands = 4, kPart = 0.05;  // in energy
+  const std::vector<double> left = difference(sound, synthesise(modes, rate, sound.size()));
+  const auto head = std::min(left.size(), static_cast<std::size_t>(kPursuit_s * rate));
+  const std::span<const double> beginning = std::span(left).first(head);
+  const double tail = left.size() > 2 * head ? mean_square(std::span(left).subspan(left.size() - head)) : 0;
+  const double quiet = std::max(noise.value_or(0), noise ? 0 : tail);
+  if (mean_square(beginning) < kStands * std::max(quiet, tail)) return;
+  if (square_sum(beginning) < kPart * square_sum(sound.first(head))) return;
+  const std::vector<Mode> found =
+      pursue(beginning, rate, {.low_hz = options.low_hz, .high_hz = options.high_hz, .noise = std::max(quiet, tail)});
+  if (found.empty()) return;
+  modes.insert(modes.end(), found.begin(), found.end());
+  fit_amplitudes_beside(sound, rate, modes);
+}
+
 Result<void> check(std::span<const double> samples, double rate, const Options& options) {
   if (!(rate >= kMinRate_hz && rate <= kMaxRate_hz)) {
     return fail(ErrorKind::bad_input, "a sample rate of " + std::to_string(rate) + " Hz is not between 8 and 768 kHz");
@@ -247,9 +273,15 @@ Result<Fit> fit_modes(std::span<const double> samples, double sample_rate_hz, co
   const auto sound = std::span(centred).subspan(extent->start, std::min(most, extent->end - extent->start));
 
   Fit fit{.modes = search_all(sound, sample_rate_hz, options), .clipped = extent->clipped};
+  const auto before = std::span(centred).first(extent->onset);
+  const bool silence_before = static_cast<double>(before.size()) > kSilence_s * sample_rate_hz;
+  const std::optional<double> noise = silence_before ? std::optional(mean_square(before)) : std::nullopt;
+  add_short_modes(sound, sample_rate_hz, options, noise, fit.modes);
   if (prune(fit.modes, options)) fit_amplitudes_beside(sound, sample_rate_hz, fit.modes);
   const auto left = difference(sound, synthesise(fit.modes, sample_rate_hz, sound.size()));
   fit.explained = 1 - square_sum(left) / square_sum(sound);
+  const double of_noise = std::min(noise.value_or(0) * static_cast<double>(sound.size()), 0.99 * square_sum(sound));
+  fit.of_blow = 1 - std::max(square_sum(left) - of_noise, 0.0) / (square_sum(sound) - of_noise);
   fit.onset_s = static_cast<double>(extent->onset) / sample_rate_hz;
   fit.start_s = static_cast<double>(extent->start) / sample_rate_hz;
   fit.end_s = fit.start_s + static_cast<double>(sound.size()) / sample_rate_hz;

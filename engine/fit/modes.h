@@ -7,7 +7,9 @@
 // and cut into bands narrow enough that a few hundred samples of each hold all there is to know (subband.h). In each,
 // ESPRIT finds poles, which least squares makes as good as the noise allows; those that the noise of the band could
 // have made are dropped (poles.h). Long modes are found first, over the whole recording; then, in what is left, shorter
-// ones over its first quarter, sixteenth and so on. At last all amplitudes are fitted together (sinusoids.h). [worker]
+// ones over its first quarter, sixteenth and so on, and those that die within a few cycles one by one (pursuit.h). At
+// last all amplitudes are fitted together (sinusoids.h). What no mode explains may be kept as a burst (burst.h).
+// [worker]
 #pragma once
 
 #include "engine/base/result.h"
@@ -35,6 +37,7 @@ struct Fit {
   double end_s = 0;         // to here, where the sound is lost in noise, the next blow comes, or kMaxLength_s are over
   std::size_t clipped = 0;  // samples that stand at full scale
   double explained = 0;     // 1 - energy of what the modes leave over that of the sound, from start to end
+  double of_blow = 0;       // the same, of what the sound has beyond the noise before the blow, where that is known
 };
 
 inline constexpr double kMaxLength_s = 8;     // of the sound that is looked at

@@ -66,12 +66,13 @@ double score(const std::vector<Match>& matches, double tolerance) {
 // The tuning with the most and closest matches, then made exact. In a dense bank something lies near everything, so it
 // takes a narrow tolerance to see it, and among equals the smallest one is meant.
 double find_tuning(std::span<const Mode> recorded, const Sorted& baked, const CalibrateOptions& options) {
-  double best = 0, best_score = 0;
+  double best = options.around_cents, best_score = 0;
   const double narrow = std::min(8.0, options.tolerance_cents);
   for (double tuning = 0; tuning <= options.most_tuning_cents; ++tuning) {
     for (const double sign : {1.0, -1.0}) {
-      const double s = score(match(recorded, baked, sign * tuning, narrow), narrow);
-      if (s > 1.001 * best_score) best = sign * tuning, best_score = s;
+      const double candidate = options.around_cents + sign * tuning;
+      const double s = score(match(recorded, baked, candidate, narrow), narrow);
+      if (s > 1.001 * best_score) best = candidate, best_score = s;
     }
   }
   for (int round = 0; round < 3; ++round) {
@@ -213,10 +214,12 @@ double peak_pressure_pa(const modal::Bank& bank, double impulse_ns) {
   return peak * bank.gain;
 }
 
-modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudness, const std::string& name) {
+modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudness, const std::string& name,
+                    std::span<const Mode> burst) {
   constexpr double kMinPulse = 0.1;
   std::vector<Mode> ordered(modes.begin(), modes.end());
   std::ranges::sort(ordered, std::greater{}, [](const Mode& m) { return m.amplitude * m.amplitude / m.decay_per_s; });
+  ordered.insert(ordered.end(), burst.begin(), burst.end());
   modal::Bank bank{.name = name, .positions = {{0, 0, 0}}};
   bank.provenance.generator = "ringdown " RINGDOWN_VERSION ", from a recording";
   const double per_impulse = 1 / dot(blow.impulse_ns, blow.impulse_ns);

@@ -35,6 +35,7 @@ struct Calibration {
 struct CalibrateOptions {
   double tolerance_cents = 30;     // a match is no further off, after the common factor
   double most_tuning_cents = 200;  // the largest common factor that is looked for, up or down
+  double around_cents = 0;         // from here
 };
 
 // Fails when fewer than kMinMatches modes match: then it is another thing, or another kind of blow.
@@ -61,7 +62,9 @@ double peak_pressure_pa(const modal::Bank& bank, double impulse_ns);
 // A bank that plays the recording's modes, and states the pressure of a blow of kPeakBlow_ns: one sample point, which
 // moves along the recorded blow. `loudness`: a mode's amplitude in the mixer's output over 2 pi f F(f) (phi . j), for
 // one channel and an object in the centre (docs/how/physics.md, "A strike"). Shapes have the sign of the recorded sine
-// at the onset: the mixer's sines begin at phase 0, so of the recorded phases no more than that can be kept.
-modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudness, const std::string& name);
+// at the onset: the mixer's sines begin at phase 0, so of the recorded phases no more than that can be kept. The modes
+// of a `burst` (burst.h) stand last, as the least important ones.
+modal::Bank to_bank(std::span<const Mode> modes, const Blow& blow, double loudness, const std::string& name,
+                    std::span<const Mode> burst = {});
 
 }  // namespace ringdown::fit

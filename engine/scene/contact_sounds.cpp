@@ -192,7 +192,7 @@ std::optional<double> ContactSounds::face_time_s(std::span<const ContactPoint* c
   ContactPoint all = last;
   all.point_m = (1 / weight) * middle_m;
   const double time_s =
-      face_impact_time(inverse_mass(*body, *other, all), contact_modulus(body->elastic, other->elastic), area_m2,
+      face_impact_time(inverse_mass_of(*body, *other, all), contact_modulus(body->elastic, other->elastic), area_m2,
                        waviness_of(body->surface, other->surface), approach_m_s);
   return std::min(time_s, range::kContactTime_s.high);
 }

@@ -4,8 +4,9 @@
 #include "clients/cli/fit/sound.h"
 #include "clients/cli/long_work.h"
 #include "engine/base/output_file.h"
-#include "engine/fit/sinusoids.h"
+#include "engine/fit/burst.h"
 #include "engine/fit/recorded_bank.h"
+#include "engine/fit/settle.h"
 #include "engine/modal/bank_file.h"
 #include "engine/modal/loudness.h"
 #include "packaging/manual/command_line.h"
@@ -31,6 +32,7 @@ struct Arguments {
   std::array<double, 2> band = {20, 20000};
   std::vector<double> impulse = {0, 0, 1};
   double contact_ms = 0;
+  bool without_burst = false;
   std::string name;
   fit::Options options;
   fit::CalibrateOptions match;
@@ -75,28 +77,34 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "The contact time in ms that this impulse will have; its spectrum is divided out.")
       ->check(manual::between(0.0, 100.0))
       ->capture_default_str();
+  app.add_flag("--no-burst", arguments.without_burst,
+               "Keep only modes: without, what they leave of the blow becomes a burst of noise in the bank.");
   app.add_option("--name", arguments.name, "The bank's name; default: the recording's.");
-  app.add_option("--resynth", arguments.resynth, "Write the sum of the modes as a sound.")->type_name("FILE");
+  app.add_option("--resynth", arguments.resynth, "Write the sum of the modes, and of the burst, as a sound.")
+      ->type_name("FILE");
   app.add_option("--residual", arguments.residual, "Write what they leave of the recording as a sound.")
       ->type_name("FILE");
 }
 
-// The sum of the modes, as long as the recording, silent before the onset.
-std::vector<double> resynthesis(const fit::Fit& found, const cli::Sound& sound) {
-  const auto onset = static_cast<std::size_t>(std::round(found.onset_s * sound.sample_rate_hz));
-  std::vector<double> samples(onset);
-  const auto ringing = fit::synthesise(found.modes, sound.sample_rate_hz, sound.samples.size() - onset);
-  samples.insert(samples.end(), ringing.begin(), ringing.end());
-  return samples;
+std::size_t sample_at(double seconds, const cli::Sound& sound) {
+  return std::min(static_cast<std::size_t>(std::round(seconds * sound.sample_rate_hz)), sound.samples.size());
 }
 
-Result<void> write_sounds(const fit::Fit& found, const cli::Sound& sound, const Arguments& arguments,
-                          const std::stop_token& stop) {
+fit::Kept keep(const fit::Fit& found, const cli::Sound& sound, const Arguments& arguments) {
+  const auto part = std::span(sound.samples).first(sample_at(found.end_s, sound));
+  const bool with_burst = !arguments.without_burst && arguments.damping_of.empty();
+  return fit::keep(part, sound.sample_rate_hz, sample_at(found.onset_s, sound), found.modes, with_burst);
+}
+
+Result<void> write_sounds(const fit::Fit& found, const fit::Kept& kept, const cli::Sound& sound,
+                          const Arguments& arguments, const std::stop_token& stop) {
   if (arguments.resynth.empty() && arguments.residual.empty()) return {};
-  std::vector<double> samples = resynthesis(found, sound);
+  const std::size_t onset = sample_at(found.onset_s, sound), count = sound.samples.size();
+  std::vector<double> samples = fit::played_from(found.modes, sound.sample_rate_hz, onset, count);
   if (!arguments.resynth.empty()) {
-    if (auto written = cli::write_sound(samples, sound.sample_rate_hz, arguments.resynth, stop); !written)
-      return written;
+    std::vector<double> all = fit::played_from(kept.noise, sound.sample_rate_hz, onset, count);
+    for (std::size_t n = 0; n < count; ++n) all[n] += samples[n];
+    if (auto written = cli::write_sound(all, sound.sample_rate_hz, arguments.resynth, stop); !written) return written;
   }
   if (arguments.residual.empty()) return {};
   for (std::size_t n = 0; n < samples.size(); ++n) samples[n] = sound.samples[n] - samples[n];
@@ -107,11 +115,11 @@ Result<void> write_sounds(const fit::Fit& found, const cli::Sound& sound, const 
 constexpr double kLoudness =
     modal::Air{}.density_kg_m3 * modal::kUnknownFlow / modal::kFullScale_pa / std::numbers::sqrt2;
 
-Result<modal::Bank> bank_of(const fit::Fit& found, const Arguments& arguments) {
+Result<modal::Bank> bank_of(const fit::Fit& found, const fit::Kept& kept, const Arguments& arguments) {
   if (arguments.damping_of.empty()) {
     const fit::Blow blow{{arguments.impulse[0], arguments.impulse[1], arguments.impulse[2]},
                          arguments.contact_ms / 1e3};
-    return fit::to_bank(found.modes, blow, kLoudness, arguments.name);
+    return fit::to_bank(kept.modes, blow, kLoudness, arguments.name, kept.noise);
   }
   const Result<modal::Bank> bank = modal::read_bank(arguments.damping_of);
   if (!bank) return bank;
@@ -128,19 +136,21 @@ ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {
   const Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, arguments.options);
   if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
   if (!found) return complain({found.error().kind, arguments.input.string() + ": " + found.error().message});
-  if (found->modes.empty()) {
+  const fit::Kept kept = keep(*found, *sound, arguments);
+  if (found->modes.empty() && kept.noise.empty()) {
     return complain(
         {ErrorKind::bad_input,
          arguments.input.string() + " has no mode that stands out of its noise; --from says where a blow is"});
   }
   cli::print_fit(arguments.input.string(), *found);
-  const Result<modal::Bank> bank = bank_of(*found, arguments);
+  cli::print_burst(arguments.input.string(), *found, kept.burst, kept.noise.size(), kept.distance_db);
+  const Result<modal::Bank> bank = bank_of(*found, kept, arguments);
   if (!bank) return complain(bank.error());
   if (!arguments.output.empty()) {
     const auto written = modal::write_bank(*bank, arguments.output);
     if (!written) return complain(written.error());
   }
-  const auto written = write_sounds(*found, *sound, arguments, stop);
+  const auto written = write_sounds(*found, kept, *sound, arguments, stop);
   return written ? ExitCode::ok : complain(written.error());
 }
 

@@ -35,6 +35,31 @@ void print_fit(const std::string& name, const fit::Fit& fit) {
   }
 }
 
+void print_burst(const std::string& name, const fit::Fit& fit, const fit::Burst& burst, std::size_t modes,
+                 double distance_db) {
+  constexpr double kLittle = 0.5;
+  std::printf("\n");
+  if (modes > 0) {
+    double shortest = INFINITY, longest = 0;
+    for (std::size_t b = 0; b < burst.level.size(); ++b) {
+      if (burst.level[b] == 0) continue;
+      const double t60 = modal::t60_s(burst.decay_per_s[b / fit::kBandsOfDecay]);
+      shortest = std::min(shortest, t60), longest = std::max(longest, t60);
+    }
+    std::printf("burst      of noise, %zu numbers, T60 %.3g to %.3g s; the bank plays it as %zu short modes\n",
+                burst.numbers(), shortest, longest, modes);
+  }
+  if (std::isfinite(distance_db)) {
+    std::printf("distance   %.1f dB: what the bank plays, from the recording, in thirds of an octave by 10 ms\n",
+                distance_db);
+  }
+  if (fit.of_blow < kLittle) {
+    std::fflush(stdout);
+    std::fprintf(stderr, "ringdown-fit: warning: the modes explain only %.2g %% of the blow's energy in %s; %s\n",
+                 100 * fit.of_blow, name.c_str(), modes > 0 ? "the rest is a burst of noise" : "the rest is lost");
+  }
+}
+
 void print_calibration(const fit::Fit& fit, const modal::Bank& bank, const fit::Calibration& calibration) {
   std::printf("\n%5s %12s %12s %9s %10s %10s %10s\n", "mode", "recorded Hz", "baked Hz", "off cents", "decay 1/s",
               "fitted 1/s", "");

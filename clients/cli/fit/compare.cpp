@@ -1,0 +1,272 @@
+// ringdown-compare: holds recordings of a thing against its baked bank.
+#include "clients/cli/fit/compare_page.h"
+#include "clients/cli/fit/sound.h"
+#include "clients/cli/long_work.h"
+#include "engine/base/child_process.h"
+#include "engine/base/folders.h"
+#include "engine/base/output_file.h"
+#include "engine/base/quote.h"
+#include "engine/fit/band_powers.h"
+#include "engine/fit/burst.h"
+#include "engine/fit/comparison.h"
+#include "engine/modal/bank_file.h"
+#include "engine/modal/damping.h"
+#include "packaging/manual/command_line.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+namespace {
+
+using namespace ringdown;  // NOLINT: a program
+using protocol::complain;
+using protocol::ExitCode;
+namespace fs = std::filesystem;
+
+struct CompareArguments {
+  fs::path folder, output, bank, materials;
+  std::string material;
+  double top_hz = 12000;
+  bool keep_nu = false;
+  fit::Options options;
+  fit::CalibrateOptions match{.tolerance_cents = 30, .most_tuning_cents = 250};
+};
+
+void add_compare_options(CLI::App& app, CompareArguments& arguments) {
+  app.add_option(
+         "folder", arguments.folder,
+         "Recordings of one blow each, and the thing's shape: one object file (.toml), or one mesh and --material.")
+      ->type_name("FOLDER")
+      ->required();
+  app.add_option("-o,--output", arguments.output, "The page to write (.html); default: compare.html in the folder.")
+      ->type_name("FILE");
+  app.add_option("--bank", arguments.bank, "Write the bank with the fitted E, nu and damping, too.")->type_name("FILE");
+  app.add_option("-m,--material", arguments.material, "The material to begin with; default: the object file's.")
+      ->type_name("NAME");
+  app.add_option("--materials", arguments.materials, "Folder of the materials; default: the presets'.")
+      ->type_name("FOLDER");
+  app.add_option("--top", arguments.top_hz, "Modes are compared up to this frequency in Hz.")
+      ->check(manual::between(100.0, 20000.0))
+      ->capture_default_str();
+  app.add_option("--tolerance", arguments.match.tolerance_cents,
+                 "How far a matching mode may be off, in cents, after the tuning that all have in common.")
+      ->check(manual::between(0.1, 200.0))
+      ->capture_default_str();
+  app.add_flag("--keep-nu", arguments.keep_nu,
+               "Leave Poisson's ratio as the material says: one bake in place of eleven.");
+}
+
+struct Inputs {
+  fs::path shape;
+  std::vector<fs::path> sounds;
+};
+
+Result<Inputs> find_inputs(const fs::path& folder) {
+  static const std::set<std::string> kSounds = {".wav", ".flac", ".aif", ".aiff", ".ogg"};
+  static const std::set<std::string> kMeshes = {".obj",  ".stl", ".ply", ".off", ".geo", ".msh",
+                                                ".mesh", ".inp", ".vtk", ".glb", ".gltf"};
+  std::error_code error;
+  Inputs inputs;
+  std::vector<fs::path> objects, meshes;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::string ending = entry->path().extension().string();
+    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (kSounds.contains(ending)) inputs.sounds.push_back(entry->path());
+    if (ending == ".toml") objects.push_back(entry->path());
+    if (kMeshes.contains(ending)) meshes.push_back(entry->path());
+  }
+  if (error) return fail(ErrorKind::bad_input, "cannot read the folder " + folder.string() + ": " + error.message());
+  std::ranges::sort(inputs.sounds);
+  if (inputs.sounds.empty()) {
+    return fail(ErrorKind::bad_input,
+                folder.string() + " has no recording: put a WAV or FLAC file of one blow into it");
+  }
+  const std::vector<fs::path>& shapes = objects.empty() ? meshes : objects;
+  if (shapes.size() != 1) {
+    return fail(ErrorKind::bad_input, folder.string() + " has " + std::to_string(objects.size()) +
+                                          " object files and " + std::to_string(meshes.size()) +
+                                          " meshes: it needs one object file (.toml), or one mesh and --material");
+  }
+  inputs.shape = shapes.front();
+  return inputs;
+}
+
+// Bakes the shape with this Poisson's ratio, or the material's own.
+Result<modal::Bank> baked(const Inputs& inputs, const CompareArguments& arguments, const fs::path& to,
+                          std::optional<double> nu) {
+  const Result<fs::path> program = find_beside("ringdown-bake");
+  if (!program) return fail(program.error());
+  ChildRequest request{
+      .command = {program->string(), inputs.shape.string(), "-o", to.string(), "--quiet", "--band", "20",
+                  std::to_string(std::exp2(arguments.match.most_tuning_cents / 1200) * arguments.top_hz)}};
+  const auto add = [&request](const std::string& option, const std::string& value) {
+    request.command.insert(request.command.end(), {option, value});
+  };
+  if (!arguments.material.empty()) add("--material", arguments.material);
+  if (!arguments.materials.empty()) add("--materials", arguments.materials.string());
+  if (nu) add("--set-material", "poisson_ratio=" + std::to_string(*nu));
+  const Result<ChildOutcome> done = run_child(request);
+  if (!done) return fail(done.error());
+  if (done->exit_code != 0) return fail(ErrorKind::bad_input, last_line(done->errors));
+  return modal::read_bank(to);
+}
+
+Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const CompareArguments& arguments) {
+  std::vector<cli::ComparedSound> sounds;
+  for (const fs::path& path : inputs.sounds) {
+    Result<cli::Sound> sound = cli::read_sound(path, std::nullopt);
+    if (!sound) return fail(sound.error());
+    Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, arguments.options);
+    if (!found) return fail(found.error().kind, path.string() + ": " + found.error().message);
+    if (found->modes.empty()) {
+      std::fprintf(stderr, "ringdown-compare: %s has no mode that stands out of its noise; it is left out\n",
+                   path.c_str());
+      continue;
+    }
+    sounds.push_back({path.filename().string(), std::move(*sound), std::move(*found), {}, 0});
+  }
+  if (sounds.empty()) return fail(ErrorKind::bad_input, "no recording in " + arguments.folder.string() + " has a mode");
+  return sounds;
+}
+
+// Bakes with three ratios around `middle`, and chooses between them.
+Result<fit::NuChoice> choose_between(const Inputs& inputs, const CompareArguments& arguments, const fs::path& folder,
+                                     std::span<const fit::Mode> heard, double middle, double aside,
+                                     double around_cents) {
+  constexpr double kLeast = 0.02, kMost = 0.47;
+  const double centre = std::clamp(middle, kLeast + aside, kMost - aside);
+  std::array<modal::Bank, 3> banks;
+  std::array<fit::NuBank, 3> choices{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double nu = centre + aside * (static_cast<double>(i) - 1);
+    Result<modal::Bank> bank = baked(inputs, arguments, folder / "other.glb", nu);
+    if (!bank) return fail(bank.error());
+    banks[i] = std::move(*bank);
+    choices[i] = {nu, &banks[i]};
+  }
+  fit::CalibrateOptions match = arguments.match;
+  if (around_cents != 0) match.most_tuning_cents = 2 * match.tolerance_cents, match.around_cents = around_cents;
+  return fit::choose_nu(heard, choices, match);
+}
+
+// The bank at the Poisson's ratio that the recordings ask for, or at the material's own where they do not tell.
+Result<void> find_bank(const Inputs& inputs, const CompareArguments& arguments, const fs::path& folder,
+                       cli::Comparison& c, double& around_cents) {
+  constexpr double kMiddle = 0.25;  // of what solids have
+  Result<modal::Bank> own = baked(inputs, arguments, folder / "own.glb", std::nullopt);
+  if (!own) return fail(own.error());
+  if (!own->material) return fail(ErrorKind::bad_input, "the bank of " + inputs.shape.string() + " has no material");
+  c.material = own->material->name;
+  c.poisson_ratio = c.given_poisson_ratio = own->material->poisson_ratio;
+  c.bank = *own;
+  if (arguments.keep_nu) return {};
+  Result<fit::NuChoice> choice = fit::NuChoice{.poisson_ratio = kMiddle};
+  for (const double aside : {0.2, 0.06, 0.03}) {
+    choice = choose_between(inputs, arguments, folder, c.heard, choice->poisson_ratio, aside, around_cents);
+    if (!choice) return fail(choice.error());
+    around_cents = choice->tuning_cents;
+  }
+  if (!choice->told) return {};
+  Result<modal::Bank> best = baked(inputs, arguments, folder / "best.glb", choice->poisson_ratio);
+  if (!best) return fail(best.error());
+  around_cents = choice->tuning_cents;
+  c.nu_told = true;
+  c.poisson_ratio = choice->poisson_ratio;
+  c.bank = std::move(*best);
+  return {};
+}
+
+double distance_of(const cli::ComparedSound& s) {
+  const double rate = s.sound.sample_rate_hz;
+  const auto onset = static_cast<std::size_t>(s.found.onset_s * rate);
+  const auto end = std::min(s.sound.samples.size(), static_cast<std::size_t>(s.found.end_s * rate));
+  const auto part = std::span(s.sound.samples).first(end);
+  const auto model = fit::played_from(s.baked, rate, onset, end);
+  return fit::distance_db(fit::band_powers(part, rate, onset), fit::band_powers(model, rate, onset),
+                          fit::band_noise(part, rate, onset));
+}
+
+// The bank with the fitted modulus and damping.
+modal::Bank fitted_bank(const cli::Comparison& c) {
+  modal::Bank bank = c.bank;
+  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
+    const double lambda = c.stiffness() * modal::undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
+    bank.frequency_hz[m] = modal::rad_per_s_to_hz(std::sqrt(lambda));
+    bank.decay_per_s[m] = 0;
+  }
+  bank.material->youngs_modulus_pa *= c.stiffness();
+  return fit::with_damping(bank, c.calibration.damping);
+}
+
+ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
+  if (arguments.output.empty()) arguments.output = arguments.folder / "compare.html";
+  const Result<Inputs> inputs = find_inputs(arguments.folder);
+  if (!inputs) return complain(inputs.error());
+  Result<std::vector<cli::ComparedSound>> sounds = read_sounds(*inputs, arguments);
+  if (!sounds) return complain(sounds.error());
+  cli::Comparison c{.name = inputs->shape.stem().string(), .sounds = std::move(*sounds)};
+  std::vector<std::vector<fit::Mode>> each;
+  for (const cli::ComparedSound& s : c.sounds) each.push_back(s.found.modes);
+  c.heard = fit::merge(each);
+  std::erase_if(c.heard, [&](const fit::Mode& mode) { return mode.frequency_hz > arguments.top_hz; });
+  if (c.heard.size() < fit::kMinMatches) {
+    return complain({ErrorKind::bad_input, arguments.folder.string() + ": the recordings have " +
+                                               std::to_string(c.heard.size()) + " modes below --top, and " +
+                                               std::to_string(fit::kMinMatches) + " are needed"});
+  }
+  const PrivateFolder folder("ringdown-compare");
+  if (folder.path().empty()) return complain({ErrorKind::input_output, "cannot make a folder for temporary files"});
+  double around_cents = 0;
+  if (const auto found = find_bank(*inputs, arguments, folder.path(), c, around_cents); !found) {
+    return complain(found.error());
+  }
+  if (around_cents != 0) {  // where E/rho and nu were searched together
+    arguments.match.around_cents = around_cents;
+    arguments.match.most_tuning_cents = arguments.match.tolerance_cents;
+  }
+  if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
+  Result<fit::Calibration> calibration = fit::calibrate(c.heard, c.bank, arguments.match);
+  if (!calibration)
+    return complain({calibration.error().kind, arguments.folder.string() + ": " + calibration.error().message});
+  c.calibration = std::move(*calibration);
+  for (cli::ComparedSound& s : c.sounds) {
+    s.baked = fit::as_recorded(s.found.modes, c.bank, c.calibration, arguments.match);
+    s.distance_db = distance_of(s);
+  }
+  std::fputs(cli::verdict(c).c_str(), stdout);
+  if (!arguments.bank.empty()) {
+    const auto written = modal::write_bank(fitted_bank(c), arguments.bank);
+    if (!written) return complain(written.error());
+  }
+  const auto written = write_output(arguments.output, std::string_view(cli::compare_page(c)));
+  return written ? ExitCode::ok : complain(written.error());
+}
+
+// The text of the man page beside the options.
+const std::vector<manual::Section> kCompareSections = {
+    {"EXAMPLES",
+     {{"ringdown compare my-bowl",
+       "A folder with bowl.toml, or with bowl.obj and --material porcelain, and with blows as WAV files."}}},
+    {"SEE ALSO", {{"ringdown-fit(1), ringdown-bake(1)", "What it runs on each recording, and on the shape."}}},
+};
+
+ExitCode run_compare(int argc, char** argv) {
+  CLI::App app("Holds recordings of a thing against its baked bank.", "ringdown-compare");
+  manual::add_common_options(app);
+  CompareArguments arguments;
+  add_compare_options(app, arguments);
+  if (const auto ended = manual::parse(app, argc, argv, kCompareSections)) return *ended;
+  for (const fs::path& path : {arguments.output, arguments.bank}) keep_stdout_for(path);
+  return cli::run_cancellable([&arguments](const std::stop_token& stop) { return compare(arguments, stop); });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return ringdown::protocol::exit_status([&] { return run_compare(argc, argv); });
+}

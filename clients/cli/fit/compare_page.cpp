@@ -1,0 +1,213 @@
+#include "clients/cli/fit/compare_page.h"
+
+#include "engine/fit/band_powers.h"
+#include "engine/fit/burst.h"
+#include "engine/modal/damping.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+
+namespace ringdown::cli {
+namespace {
+
+constexpr double kWidth = 760, kHeight = 220, kLeft = 46, kBottom = 26;
+constexpr double kLow_hz = 60, kHigh_hz = 16000;
+constexpr double kMostDecay_s = 1.5;
+constexpr const char* kRecorded = "#D55E00";
+constexpr const char* kBaked = "#0072B2";
+
+template <class... Numbers>
+std::string print(const char* format, Numbers... numbers) {
+  std::array<char, 512> text{};
+  std::snprintf(text.data(), text.size(), format, numbers...);
+  return text.data();
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+// A picture's frame, from numbers in 0..1 to places, and lines in it.
+struct Picture {
+  std::string body;
+  static double x(double part) { return kLeft + part * (kWidth - kLeft - 8); }
+  static double y(double part) { return 8 + (1 - part) * (kHeight - kBottom - 8); }
+
+  void line(const std::vector<std::array<double, 2>>& points, const std::string& style) {
+    body += "<polyline fill=\"none\" " + style + " points=\"";
+    for (const auto& [px, py] : points) body += print("%.1f,%.1f ", x(px), y(std::clamp(py, 0.0, 1.0)));
+    body += "\"/>";
+  }
+  void mark_x(double part, const std::string& label) {
+    body +=
+        print("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#ddd\"/>", x(part), x(part), y(0), y(1));
+    body += print("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%s</text>", x(part), kHeight - 8, label.c_str());
+  }
+  void mark_y(double part, const std::string& label) {
+    body +=
+        print("<line x1=\"%.1f\" x2=\"%.1f\" y1=\"%.1f\" y2=\"%.1f\" stroke=\"#ddd\"/>", x(0), x(1), y(part), y(part));
+    body += print("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">%s</text>", kLeft - 4, y(part) + 4, label.c_str());
+  }
+  [[nodiscard]] std::string svg() const {
+    return print("<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" xmlns=\"http://www.w3.org/2000/svg\">", kWidth, kHeight,
+                 kWidth) +
+           body + "</svg>\n";
+  }
+};
+
+std::span<const double> from_onset(const ComparedSound& s, double most_s) {
+  const double rate = s.sound.sample_rate_hz;
+  const auto count = s.sound.samples.size();
+  const auto first = std::min(count, static_cast<std::size_t>(s.found.onset_s * rate));
+  const auto last = std::min(count, static_cast<std::size_t>(std::min(s.found.end_s, s.found.onset_s + most_s) * rate));
+  return std::span(s.sound.samples).subspan(first, std::max(last, first) - first);
+}
+
+std::string spectra(const ComparedSound& s) {
+  constexpr std::size_t kPoints = 700;
+  constexpr double kSpan_db = 90;
+  const auto part = from_onset(s, 2);
+  const std::vector<double> model = fit::synthesise(s.baked, s.sound.sample_rate_hz, part.size());
+  const double high = std::min(kHigh_hz, 0.49 * s.sound.sample_rate_hz);
+  const auto recorded = fit::spectrum_db(part, s.sound.sample_rate_hz, kLow_hz, high, kPoints);
+  const auto baked = fit::spectrum_db(model, s.sound.sample_rate_hz, kLow_hz, high, kPoints);
+  const double top = *std::ranges::max_element(recorded) + 5;
+  Picture picture;
+  for (const double hz : {100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0, 10000.0}) {
+    picture.mark_x(std::log(hz / kLow_hz) / std::log(high / kLow_hz),
+                   print(hz < 1000 ? "%.0f Hz" : "%.0f k", hz < 1000 ? hz : hz / 1000));
+  }
+  for (int db = 0; db < kSpan_db; db += 20) picture.mark_y(1 - (db + 5) / kSpan_db, print("%d", -db));
+  for (const auto& [levels, style] :
+       {std::pair(&recorded, std::string("stroke=\"") + kRecorded + "\" stroke-width=\"1\""),
+        std::pair(&baked, std::string("stroke=\"") + kBaked + "\" stroke-width=\"1\" stroke-opacity=\"0.8\"")}) {
+    std::vector<std::array<double, 2>> points;
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      points.push_back({static_cast<double>(i) / kPoints, 1 - (top - (*levels)[i]) / kSpan_db});
+    }
+    picture.line(points, style);
+  }
+  return picture.svg();
+}
+
+// Levels of octaves over time.
+std::string decays(const ComparedSound& s) {
+  constexpr double kSpan_db = 70;
+  const double rate = s.sound.sample_rate_hz;
+  const auto part = from_onset(s, kMostDecay_s);
+  const auto recorded = fit::band_powers(part, rate, 0);
+  const auto baked = fit::band_powers(fit::synthesise(s.baked, rate, part.size()), rate, 0);
+  const double length = std::max(fit::kCell_s * static_cast<double>(recorded.cells), fit::kCell_s);
+  const double loudest = recorded.values.empty() ? 0 : fit::power_db(*std::ranges::max_element(recorded.values));
+  Picture picture;
+  const double step = length > 0.6 ? 0.2 : 0.05;
+  for (double t = 0; t < length; t += step) picture.mark_x(t / length, print("%.2f s", t));
+  for (int db = 0; db < kSpan_db; db += 20) picture.mark_y(1 - (db + 5) / kSpan_db, print("%d", -db));
+  for (std::size_t first = 2; first + 3 <= recorded.bands(); first += 6) {  // every other octave
+    for (const auto& [powers, style] :
+         {std::pair(&recorded, std::string("stroke=\"") + kRecorded + "\""),
+          std::pair(&baked, std::string("stroke=\"") + kBaked + "\" stroke-dasharray=\"4 2\"")}) {
+      std::vector<std::array<double, 2>> points;
+      for (std::size_t c = 0; c < powers->cells; ++c) {
+        double sum = 0;
+        for (std::size_t b = first; b < first + 3; ++b) sum += powers->power(b, c);
+        const double level = 1 - (loudest + 5 - fit::power_db(sum)) / kSpan_db;
+        points.push_back({fit::kCell_s * (static_cast<double>(c) + 0.5) / length, level});
+      }
+      picture.line(points, style);
+    }
+  }
+  return picture.svg();
+}
+
+std::string rows(const Comparison& c) {
+  std::string text =
+      "<table><tr><th>mode</th><th>recorded [Hz]</th><th>baked [Hz]</th><th>off [cents]</th><th>T60 recorded [s]</th>"
+      "<th>T60 baked [s]</th></tr>\n";
+  const double tuning = std::exp2(c.calibration.tuning_cents / 1200);
+  for (const fit::Match& match : c.calibration.matches) {
+    const fit::Mode& mode = c.heard[match.recorded];
+    const double lambda = modal::undamped_lambda({mode.frequency_hz, mode.decay_per_s});
+    const double decay = modal::damp(lambda, c.calibration.damping).decay_per_s;
+    text += print("<tr><td>%zu</td><td>%.2f</td><td>%.2f</td><td>%+.1f</td><td>%.3g</td><td>%.3g</td></tr>\n",
+                  match.baked, mode.frequency_hz, tuning * c.bank.frequency_hz[match.baked], match.off_cents,
+                  modal::t60_s(mode.decay_per_s), modal::t60_s(decay));
+  }
+  return text + "</table>\n";
+}
+
+}  // namespace
+
+double Comparison::stiffness() const { return std::exp2(calibration.tuning_cents / 600); }
+
+double Comparison::mean_cents() const {
+  double sum = 0;
+  for (const fit::Match& match : calibration.matches) sum += std::abs(match.off_cents);
+  return sum / static_cast<double>(std::max<std::size_t>(calibration.matches.size(), 1));
+}
+
+double Comparison::worst_cents() const {
+  double worst = 0;
+  for (const fit::Match& match : calibration.matches) worst = std::max(worst, std::abs(match.off_cents));
+  return worst;
+}
+
+double Comparison::decay_error() const {
+  double sum = 0;
+  for (const fit::Match& match : calibration.matches) {
+    const fit::Mode& mode = heard[match.recorded];
+    const double lambda = modal::undamped_lambda({mode.frequency_hz, mode.decay_per_s});
+    sum += std::abs(std::log(mode.decay_per_s / modal::damp(lambda, calibration.damping).decay_per_s));
+  }
+  return std::expm1(sum / static_cast<double>(std::max<std::size_t>(calibration.matches.size(), 1)));
+}
+
+std::string verdict(const Comparison& c) {
+  std::string text =
+      print("%s: %zu of the %zu modes heard match one of the bank's %zu\n", c.name.c_str(),
+            c.calibration.matches.size(), c.heard.size(), c.bank.mode_count()) +
+      print("frequencies  %.1f cents off on average, %.1f at most, after E/rho and nu\n", c.mean_cents(),
+            c.worst_cents()) +
+      print("E/rho        %.4f times that of %s\n", c.stiffness(), c.material.c_str()) +
+      (c.nu_told ? print("nu           %.3f; the material says %.3f\n", c.poisson_ratio, c.given_poisson_ratio)
+                 : print("nu           %.3f as the material says: the recordings do not tell\n", c.poisson_ratio)) +
+      print("damping      alpha = %.4g 1/s, beta = %.4g s; decays %.0f %% off on average\n",
+            c.calibration.damping.alpha_per_s, c.calibration.damping.beta_s, 100 * c.decay_error());
+  for (const ComparedSound& s : c.sounds) text += print("distance     %.1f dB: ", s.distance_db) + s.name + "\n";
+  return text;
+}
+
+std::string compare_page(const Comparison& c) {
+  std::string text =
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + escaped(c.name) +
+      "</title>\n<style>body{font:15px sans-serif;max-width:800px;margin:2em auto}svg text{font:11px sans-serif}"
+      "table{border-collapse:collapse}td,th{padding:2px 10px;text-align:right}tr:nth-child(even){background:#f4f4f4}"
+      "pre{background:#f4f4f4;padding:8px}</style></head><body>\n<h1>" +
+      escaped(c.name) + "</h1>\n<pre>" + escaped(verdict(c)) + "</pre>\n<p>" +
+      print("<b style=\"color:%s\">recorded</b>, ", kRecorded) + print("<b style=\"color:%s\">baked</b>: ", kBaked) +
+      "the bank's modes that match, in the fitted E/rho, nu and damping, as loud as in the recording.</p>\n";
+  for (const ComparedSound& s : c.sounds) {
+    text += "<h2>" + escaped(s.name) +
+            print("</h2>\n<p>Distance %.1f dB, in thirds of an octave by 10 ms. Spectrum [dB]:</p>\n", s.distance_db) +
+            spectra(s) + "<p>Decay of every other octave, from 125 Hz [dB]:</p>\n" + decays(s);
+  }
+  return text + "<h2>Modes</h2>\n" + rows(c) + "</body></html>\n";
+}
+
+}  // namespace ringdown::cli

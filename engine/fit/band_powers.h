@@ -1,0 +1,53 @@
+// A sound's power in cells of a third of an octave by 10 ms, and how far two sounds lie apart there. [any]
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace ringdown::fit {
+
+inline constexpr double kCell_s = 0.01;
+inline constexpr double kLowestBand_hz = 80, kHighestBand_hz = 16000;  // nominal centres of the outermost bands
+
+// Centres of the third-octave bands that lie below half the sample rate, from kLowestBand_hz up [Hz].
+std::vector<double> band_centres_hz(double sample_rate_hz);
+
+// Where a band begins and ends [Hz].
+double band_low_hz(double centre_hz);
+double band_high_hz(double centre_hz);
+
+// Mean squares, in units of the samples squared: power(b, c) is that of band b in cell c, which begins c * kCell_s
+// after the onset. Each is taken under a Hann window of two cells, centred on its cell.
+struct BandPowers {
+  std::vector<double> centre_hz;
+  std::size_t cells = 0;
+  std::vector<double> values;  // bands x cells
+  [[nodiscard]] std::size_t bands() const { return centre_hz.size(); }
+  [[nodiscard]] double power(std::size_t band, std::size_t cell) const { return values[band * cells + cell]; }
+};
+
+// Cells from sample `onset` on, as many as lie wholly in the samples; what is missing before the first counts as
+// silence.
+BandPowers band_powers(std::span<const double> samples, double sample_rate_hz, std::size_t onset);
+
+// The level of a mean square [dB].
+inline double power_db(double power) { return 10 * std::log10(std::max(power, 1e-300)); }
+
+// The noise of each band, as mean square: of what lies before the onset, 50 ms of it at least, or else of the quietest
+// tenth of the cells after it. Never less than 80 dB below the loudest cell.
+std::vector<double> band_noise(std::span<const double> samples, double sample_rate_hz, std::size_t onset);
+
+inline constexpr double kCellOverNoise = 4;  // power over the noise: 6 dB
+
+// For each cell whether it is heard: it and a neighbour in time stand kCellOverNoise over the noise, or it is the
+// first. By chance alone one cell of noise in fifty does, but hardly two together.
+std::vector<bool> heard_cells(const BandPowers& powers, std::span<const double> noise);
+
+// Root mean square of the differences of level over all cells of `recorded` that are heard, after one shift of
+// `model`'s level that makes their mean 0 [dB]. The noise is added to the model. NAN without such a cell.
+double distance_db(const BandPowers& recorded, const BandPowers& model, std::span<const double> noise);
+
+}  // namespace ringdown::fit

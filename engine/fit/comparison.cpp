@@ -1,0 +1,190 @@
+#include "engine/fit/comparison.h"
+
+#include "engine/fit/band_powers.h"
+#include "engine/modal/damping.h"
+
+#include <unsupported/Eigen/FFT>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <numbers>
+
+namespace ringdown::fit {
+namespace {
+
+constexpr double kSame_cents = 4;       // two recordings' estimates of one mode
+constexpr double kMostDecay_ratio = 3;  // what differs more is another mode at the same pitch
+
+double cents_between(double a, double b) { return 1200 * std::log2(a / b); }
+
+std::vector<double> ascending(const modal::Bank& bank) {
+  std::vector<double> frequencies = bank.frequency_hz;
+  std::ranges::sort(frequencies);
+  return frequencies;
+}
+
+// Frequencies of three banks by rank, and between them.
+class Between {
+ public:
+  explicit Between(std::span<const NuBank, 3> banks) {
+    for (std::size_t i = 0; i < 3; ++i) nu_[i] = banks[i].poisson_ratio, frequencies_[i] = ascending(*banks[i].bank);
+    for (const auto& list : frequencies_) count_ = std::min(count_, list.size());
+  }
+  [[nodiscard]] std::vector<double> at(double nu) const {
+    std::vector<double> result(count_);
+    for (std::size_t i = 0; i < 3; ++i) {
+      double weight = 1;
+      for (std::size_t j = 0; j < 3; ++j) weight *= j == i ? 1 : (nu - nu_[j]) / (nu_[i] - nu_[j]);
+      for (std::size_t k = 0; k < count_; ++k) result[k] += weight * frequencies_[i][k];
+    }
+    std::ranges::sort(result);
+    return result;
+  }
+
+ private:
+  std::array<double, 3> nu_{};
+  std::array<std::vector<double>, 3> frequencies_;
+  std::size_t count_ = SIZE_MAX;
+};
+
+double nearest_cents(const std::vector<double>& ascending, double frequency) {
+  const auto above = std::ranges::lower_bound(ascending, frequency);
+  double off = INFINITY;
+  if (above != ascending.end()) off = std::abs(cents_between(frequency, *above));
+  if (above != ascending.begin()) off = std::min(off, std::abs(cents_between(frequency, *(above - 1))));
+  return off;
+}
+
+// Mean square over the heard modes, and in part over the baked ones below the highest of these, since a thing that has
+// a mode is mostly heard with it: in a dense bank something lies near everything.
+double mean_square_cents(const std::vector<double>& heard, const std::vector<double>& baked, double tuning_cents,
+                         double tolerance) {
+  constexpr double kOfBaked = 0.25;
+  const double factor = std::exp2(tuning_cents / 1200), most = tolerance * tolerance;
+  double sum = 0, other = 0;
+  std::size_t count = 0;
+  for (const double f : heard) sum += std::min(std::pow(nearest_cents(baked, f / factor), 2), most);
+  for (const double f : baked) {
+    if (f * factor > heard.back()) break;
+    other += std::min(std::pow(nearest_cents(heard, f * factor), 2), most), ++count;
+  }
+  return sum / static_cast<double>(heard.size()) +
+         kOfBaked * other / static_cast<double>(std::max<std::size_t>(count, 1));
+}
+
+}  // namespace
+
+std::vector<Mode> merge(std::span<const std::vector<Mode>> recordings) {
+  std::vector<Mode> all;
+  for (const std::vector<Mode>& modes : recordings) {
+    double loudest = 0;
+    for (const Mode& mode : modes) loudest = std::max(loudest, mode.amplitude);
+    for (const Mode& mode : modes) {
+      if (mode.amplitude > loudest * std::pow(10, -kFaint_db / 20)) all.push_back(mode);
+    }
+  }
+  std::ranges::sort(all, {}, &Mode::frequency_hz);
+  std::vector<Mode> merged;
+  std::vector<double> weights;
+  for (const Mode& mode : all) {
+    const double weight = 1 / std::max(std::pow(mode.decay_error_per_s / mode.decay_per_s, 2), 1e-8);
+    Mode* last = merged.empty() ? nullptr : &merged.back();
+    const bool same = last && cents_between(mode.frequency_hz, last->frequency_hz) < kSame_cents &&
+                      std::abs(std::log(mode.decay_per_s / last->decay_per_s)) < std::log(kMostDecay_ratio);
+    if (!same) {
+      merged.push_back(mode), weights.push_back(weight);
+      continue;
+    }
+    const double part = weight / (weight + weights.back());
+    last->frequency_hz += part * (mode.frequency_hz - last->frequency_hz);
+    last->decay_per_s += part * (mode.decay_per_s - last->decay_per_s);
+    last->amplitude = std::max(last->amplitude, mode.amplitude);
+    last->decay_error_per_s = std::min(last->decay_error_per_s, mode.decay_error_per_s);
+    last->frequency_error_hz = std::min(last->frequency_error_hz, mode.frequency_error_hz);
+    weights.back() += weight;
+  }
+  return merged;
+}
+
+NuChoice choose_nu(std::span<const Mode> heard, std::span<const NuBank, 3> banks, const CalibrateOptions& options) {
+  constexpr double kNuStep = 0.0025, kTuningStep = 2, kAside = 0.03, kTelling_cents = 0.5;
+  std::vector<double> frequencies;
+  for (const Mode& mode : heard) frequencies.push_back(mode.frequency_hz);
+  const Between between(banks);
+  const double low = banks.front().poisson_ratio, high = banks.back().poisson_ratio;
+  const auto best_at = [&](double nu, double around, double most, double step) {
+    const std::vector<double> baked = between.at(nu);
+    std::pair<double, double> best{INFINITY, around};  // square, tuning
+    for (double tuning = around - most; tuning <= around + most; tuning += step) {
+      best = std::min(best, {mean_square_cents(frequencies, baked, tuning, options.tolerance_cents), tuning});
+    }
+    return best;
+  };
+  NuChoice choice;
+  double nearest = INFINITY;
+  for (double nu = low; nu <= high + 1e-9; nu += kNuStep) {
+    const auto [square, tuning] = best_at(nu, options.around_cents, options.most_tuning_cents, kTuningStep);
+    if (square < nearest) nearest = square, choice.poisson_ratio = nu, choice.tuning_cents = tuning;
+  }
+  const auto [square, tuning] = best_at(choice.poisson_ratio, choice.tuning_cents, kTuningStep, 0.05);
+  choice.tuning_cents = tuning, choice.misfit_cents = std::sqrt(square);
+  const bool inside = choice.poisson_ratio > low + kNuStep && choice.poisson_ratio < high - kNuStep;
+  const auto aside = [&](double nu) {
+    return std::sqrt(best_at(std::clamp(nu, low, high), tuning, options.tolerance_cents, 0.5).first) -
+           choice.misfit_cents;
+  };
+  const double rise = std::max(aside(choice.poisson_ratio - kAside), aside(choice.poisson_ratio + kAside));
+  choice.told = inside && rise > kTelling_cents;
+  return choice;
+}
+
+std::vector<Mode> as_recorded(std::span<const Mode> recording, const modal::Bank& bank, const Calibration& calibration,
+                              const CalibrateOptions& options) {
+  std::vector<Mode> modes;
+  const double tuning = std::exp2(calibration.tuning_cents / 1200);
+  for (const Match& match : calibration.matches) {
+    const double lambda =
+        tuning * tuning * modal::undamped_lambda({bank.frequency_hz[match.baked], bank.decay_per_s[match.baked]});
+    const modal::DampedMode baked = modal::damp(lambda, calibration.damping);
+    const auto nearest = std::ranges::min_element(
+        recording, {}, [&](const Mode& mode) { return std::abs(mode.frequency_hz - baked.frequency_hz); });
+    if (nearest == recording.end()) continue;
+    if (std::abs(cents_between(nearest->frequency_hz, baked.frequency_hz)) > options.tolerance_cents) continue;
+    Mode mode = *nearest;
+    mode.frequency_hz = baked.frequency_hz, mode.decay_per_s = baked.decay_per_s;
+    modes.push_back(mode);
+  }
+  return modes;
+}
+
+std::vector<double> spectrum_db(std::span<const double> samples, double sample_rate_hz, double low_hz, double high_hz,
+                                std::size_t points) {
+  std::size_t size = 1;
+  while (size < 2 * samples.size()) size *= 2;
+  std::vector<double> padded(size);
+  for (std::size_t n = 0; n < samples.size(); ++n) {  // the second half of a Hann window: the blow is at the beginning
+    padded[n] = samples[n] *
+                (0.5 + 0.5 * std::cos(std::numbers::pi * static_cast<double>(n) / static_cast<double>(samples.size())));
+  }
+  Eigen::FFT<double> fft;
+  std::vector<std::complex<double>> spectrum;
+  fft.fwd(spectrum, padded);
+  std::vector<double> levels;
+  const double bin = sample_rate_hz / static_cast<double>(size);
+  for (std::size_t i = 0; i < points; ++i) {
+    const auto edge = [&](std::size_t k) {
+      return low_hz * std::pow(high_hz / low_hz, static_cast<double>(k) / static_cast<double>(points)) / bin;
+    };
+    const auto first = static_cast<std::size_t>(edge(i));
+    const auto last = std::min(std::max(first + 1, static_cast<std::size_t>(edge(i + 1))), size / 2);
+    double largest = 0;
+    for (std::size_t k = first; k < last; ++k) largest = std::max(largest, std::norm(spectrum[k]));
+    levels.push_back(power_db(largest));
+  }
+  return levels;
+}
+
+}  // namespace ringdown::fit

@@ -1,0 +1,183 @@
+#include "engine/fit/settle.h"
+
+#include "engine/fit/band_powers.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+// In a few rounds the modes are played together, and what they are off is measured in each cell. A straight line
+// through what the cells of a mode's band are off over time, weighted by the part that the mode has in them, says by
+// how much its level and its decay should change; it changes by half of that, as its neighbours do the same. The
+// nearest round wins. Then the signs of modes are turned that beat with others at the wrong time, where this brings the
+// whole nearer.
+namespace ringdown::fit {
+namespace {
+
+constexpr int kSettleRounds = 12;
+constexpr double kNear_db = 2;  // of a mode's cells: nearer ones stay as they are
+constexpr double kHalf = 0.5;
+constexpr double kMostLevel_db = 6;           // in a round
+constexpr double kMostDecay = 1.5;            // a factor
+constexpr double kSettledDecay_per_s = 2000;  // at most
+constexpr double kPerNeper_db = 8.685889638;
+
+std::size_t band_of(const BandPowers& powers, double frequency_hz) {
+  std::size_t b = 0;
+  while (b + 1 < powers.bands() && frequency_hz > band_high_hz(powers.centre_hz[b])) ++b;
+  return b;
+}
+
+// A weighted straight line through what cells are off.
+struct Line {
+  double w = 0, wt = 0, wtt = 0, we = 0, wte = 0, wee = 0;
+  void add(double weight, double t, double e) {
+    w += weight, wt += weight * t, wtt += weight * t * t;
+    we += weight * e, wte += weight * t * e, wee += weight * e * e;
+  }
+  [[nodiscard]] double rms() const { return w > 0 ? std::sqrt(wee / w) : 0; }
+  // The slope, 0 where there are too few cells for one; then the value at t = 0.
+  [[nodiscard]] double slope() const {
+    const double determinant = w * wtt - wt * wt;
+    return w > 1.5 && determinant > 1e-3 * w * wtt ? (w * wte - wt * we) / determinant : 0;
+  }
+  [[nodiscard]] double start() const { return w > 0 ? (we - slope() * wt) / w : 0; }
+};
+
+struct Recorded {
+  BandPowers powers;
+  std::vector<double> noise;
+  std::vector<bool> heard;
+};
+
+void settle_mode(const Recorded& recorded, const BandPowers& model, Mode& mode) {
+  const std::size_t b = band_of(model, mode.frequency_hz);
+  Line line;
+  const double noise = recorded.noise[b];
+  for (std::size_t c = 0; c < std::min(recorded.powers.cells, model.cells); ++c) {
+    const bool heard = recorded.heard[b * recorded.powers.cells + c];
+    const double own = 0.5 * mode.amplitude * mode.amplitude * decayed_power(mode.decay_per_s, c);
+    const double played = model.power(b, c) + noise, wanted = recorded.powers.power(b, c);
+    if (own < 0.01 * played || (!heard && played < kCellOverNoise * noise)) continue;
+    const double t = kCell_s * (static_cast<double>(c) + 0.5);
+    line.add(std::min(own / played, 1.0), t, power_db(std::max(wanted, noise)) - power_db(played));
+  }
+  if (line.rms() < kNear_db) return;
+  const double level = std::clamp(kHalf * line.start(), -kMostLevel_db, kMostLevel_db);
+  mode.amplitude *= std::pow(10, level / 20);
+  const double decay = mode.decay_per_s - kHalf * line.slope() / kPerNeper_db;
+  mode.decay_per_s =
+      std::min(std::clamp(decay, mode.decay_per_s / kMostDecay, mode.decay_per_s * kMostDecay), kSettledDecay_per_s);
+}
+
+// Turns the signs of the loudest modes, one after the other, as long as that brings the sum nearer.
+void turn_signs(const Recorded& recorded, double rate, std::size_t onset, std::size_t samples, std::vector<Mode>& modes,
+                double nearest) {
+  constexpr std::size_t kMostTurned = 40;
+  constexpr double kGain_db = 0.02;
+  std::vector<std::size_t> order(modes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, std::greater{},
+                    [&](std::size_t m) { return std::pow(modes[m].amplitude, 2) / modes[m].decay_per_s; });
+  order.resize(std::min(order.size(), kMostTurned));
+  std::vector<double> sum = played_from(modes, rate, onset, samples);
+  for (const std::size_t m : order) {
+    const std::vector<double> own = played_from({&modes[m], 1}, rate, onset, samples);
+    std::vector<double> turned = sum;
+    for (std::size_t n = onset; n < samples; ++n) turned[n] -= 2 * own[n];
+    const double distance = distance_db(recorded.powers, band_powers(turned, rate, onset), recorded.noise);
+    if (!(distance < nearest - kGain_db)) continue;
+    nearest = distance, sum = std::move(turned);
+    modes[m].phase_rad = modes[m].phase_rad == 0 ? std::numbers::pi : 0;
+  }
+}
+
+// Tries other levels and decays of short modes, and to do without them, beside a sound that stays as it is, as long as
+// the sum comes nearer. Only its beginning is looked at: there short modes are.
+void vary(std::span<const double> recording, double rate, std::size_t onset, std::span<const double> beside,
+          std::vector<Mode>& modes) {
+  constexpr double kLook_s = 0.5, kShort_per_s = 12, kWorth_db = 0.01;
+  constexpr std::size_t kMostVaried = 40;
+  constexpr int kSweeps = 2;
+  constexpr std::array<std::array<double, 2>, 7> kTries = {
+      {{0, 1}, {0.7, 1}, {1.4, 1}, {1, 1.4}, {1, 0.7}, {-1, 1}, {0.8, 1.8}}};  // of amplitude and decay
+  const std::size_t samples = std::min(recording.size(), onset + static_cast<std::size_t>(kLook_s * rate));
+  Recorded recorded{band_powers(recording.first(samples), rate, onset), band_noise(recording, rate, onset)};
+  std::vector<std::size_t> order;
+  for (std::size_t m = 0; m < modes.size(); ++m) {
+    if (modes[m].decay_per_s > kShort_per_s) order.push_back(m);
+  }
+  std::ranges::sort(order, std::greater{}, [&](std::size_t m) { return modes[m].amplitude; });
+  order.resize(std::min(order.size(), kMostVaried));
+  std::vector<double> sum = played_from(modes, rate, onset, samples);
+  for (std::size_t n = 0; n < samples && n < beside.size(); ++n) sum[n] += beside[n];
+  const auto off = [&](const std::vector<double>& sound) {
+    return distance_db(recorded.powers, band_powers(sound, rate, onset), recorded.noise);
+  };
+  double nearest = off(sum);
+  for (int sweep = 0; sweep < kSweeps && nearest > kNear_db; ++sweep) {
+    for (const std::size_t m : order) {
+      const std::vector<double> own = played_from({&modes[m], 1}, rate, onset, samples);
+      std::optional<Mode> better;
+      std::vector<double> best_sum;
+      for (const auto& [level, faster] : kTries) {
+        Mode other = modes[m];
+        other.amplitude *= std::abs(level);
+        other.decay_per_s = std::min(other.decay_per_s * faster, kSettledDecay_per_s);
+        if (level < 0) other.phase_rad = other.phase_rad == 0 ? std::numbers::pi : 0;
+        std::vector<double> changed = sum;
+        const std::vector<double> next = played_from({&other, 1}, rate, onset, samples);
+        for (std::size_t n = onset; n < samples; ++n) changed[n] += next[n] - own[n];
+        const double distance = off(changed);
+        if (distance < nearest - kWorth_db) nearest = distance, better = other, best_sum = std::move(changed);
+      }
+      if (better) modes[m] = *better, sum = std::move(best_sum);
+    }
+  }
+  std::erase_if(modes, [](const Mode& mode) { return mode.amplitude == 0; });
+}
+
+}  // namespace
+
+std::vector<Mode> settle(std::span<const double> recording, double sample_rate_hz, std::size_t onset,
+                         std::span<const Mode> modes) {
+  Recorded recorded{band_powers(recording, sample_rate_hz, onset), band_noise(recording, sample_rate_hz, onset)};
+  recorded.heard = heard_cells(recorded.powers, recorded.noise);
+  std::vector<Mode> played = as_played(modes), best = played;
+  double nearest = INFINITY;
+  for (int round = 0; round < kSettleRounds && recorded.powers.bands() > 0; ++round) {
+    const BandPowers model =
+        band_powers(played_from(played, sample_rate_hz, onset, recording.size()), sample_rate_hz, onset);
+    const double distance = distance_db(recorded.powers, model, recorded.noise);
+    if (!std::isfinite(distance)) return played;
+    if (distance < nearest) nearest = distance, best = played;
+    for (Mode& mode : played) settle_mode(recorded, model, mode);
+  }
+  if (nearest > kNear_db) turn_signs(recorded, sample_rate_hz, onset, recording.size(), best, nearest);
+  return best;
+}
+
+Kept keep(std::span<const double> recording, double sample_rate_hz, std::size_t onset, std::span<const Mode> modes,
+          bool with_burst) {
+  Kept kept{.modes = settle(recording, sample_rate_hz, onset, modes)};
+  if (with_burst) {
+    kept.burst = fit_burst(recording, sample_rate_hz, onset, kept.modes);
+    kept.noise = burst_modes(kept.burst);
+    vary(recording, sample_rate_hz, onset, played_from(kept.noise, sample_rate_hz, onset, recording.size()),
+         kept.modes);
+    kept.burst = fit_burst(recording, sample_rate_hz, onset, kept.modes);
+    kept.noise = burst_modes(kept.burst);
+  }
+  std::vector<double> model = played_from(kept.modes, sample_rate_hz, onset, recording.size());
+  const std::vector<double> noise = played_from(kept.noise, sample_rate_hz, onset, recording.size());
+  for (std::size_t n = 0; n < model.size(); ++n) model[n] += noise[n];
+  kept.distance_db =
+      distance_db(band_powers(recording, sample_rate_hz, onset), band_powers(model, sample_rate_hz, onset),
+                  band_noise(recording, sample_rate_hz, onset));
+  return kept;
+}
+
+}  // namespace ringdown::fit

@@ -1,0 +1,36 @@
+// Levels and decays of modes as a bank plays them. [any]
+//
+// A bank keeps of a mode's phase no more than the sign, so that modes which overlap and partly cancel each other in the
+// recording do not do so in the bank: it would be too loud by up to 20 dB there, and ring too long. Such modes are
+// given other levels and decays, with which they are as loud as the recording in cells of a third of an octave by 10
+// ms.
+#pragma once
+
+#include "engine/fit/burst.h"
+#include "engine/fit/sinusoids.h"
+
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace ringdown::fit {
+
+// The modes as as_played() (burst.h) has them where that is near the recording already. `recording`: from its beginning
+// to where its sound ends; `onset`: the sample at which modes begin. Never further from the recording than as_played().
+std::vector<Mode> settle(std::span<const double> recording, double sample_rate_hz, std::size_t onset,
+                         std::span<const Mode> modes);
+
+// What a bank keeps of a recording: settled modes, and the burst of noise for what they leave.
+struct Kept {
+  std::vector<Mode> modes;
+  Burst burst;
+  std::vector<Mode> noise;   // the burst's modes
+  double distance_db = NAN;  // of all that from the recording (band_powers.h)
+};
+
+// As settle(), then a burst unless there should be none, and short modes once more beside it. A second or two.
+Kept keep(std::span<const double> recording, double sample_rate_hz, std::size_t onset, std::span<const Mode> modes,
+          bool with_burst);
+
+}  // namespace ringdown::fit
