@@ -10,6 +10,7 @@
 // bounding box.
 #pragma once
 
+#include "engine/bake/nonlinear_modes.h"
 #include "engine/base/content_cache.h"
 #include "engine/fem/assembly.h"
 #include "engine/mesh/tet_mesh.h"
@@ -40,6 +41,7 @@ struct BodyModes {
   bool verified = false;  // a second method agreed
   std::int64_t unknowns = 0;
   modal::MassProperties mass;  // of density 1
+  std::optional<NonlinearModes> nonlinear;  // of the first modes, where they were asked for; not in the ModeCache
 };
 
 // The first modes only, those with lambda up to `top`.

@@ -69,6 +69,8 @@ ModeStates::ModeStates(const ModeTable& table)
       late_(table),
       muting_(table),
       is_(table.groups()) {
+  states_.let_glide();
+  if (table.coupled()) coupled_ = std::make_unique<CoupledModes>(*table.coupled());
   slow_.list = sounding_.data();
   fast_.list = sounding_.data() + table.slow_groups();
 }
@@ -78,7 +80,7 @@ void ModeStates::hear(const HeardTime* time) RINGDOWN_REALTIME {
     gains.put(hearing_, time->offset);
     hearing_.rate = time->rate;
     hearing_.bend = time->bend;
-    std::tie(hearing_.log_re, hearing_.log_im) = table_.exponents();
+    std::tie(hearing_.log_re, hearing_.log_im) = states_.exponents();
   } else {
     gains.switch_off();
   }
@@ -100,6 +102,7 @@ void ModeStates::add(const double* amplitudes, double gain, const ModeFactors* e
 void ModeStates::add(ModeStates& other, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
   assert(&table_ == &other.table_);
   other.unmute();
+  other.uncouple();
   if (selective()) {
     return add_to_groups([&](std::uint32_t group) RINGDOWN_REALTIME { states_.add(other.states_, gain, group, each); });
   }
@@ -130,6 +133,8 @@ void ModeStates::add_to_groups(const Add& add_to) RINGDOWN_REALTIME {
 bool ModeStates::take_over(ModeStates& other) RINGDOWN_REALTIME {
   unmute();
   other.unmute();
+  uncouple();
+  other.uncouple();
   bool left = states_.move_from(other.states_);
   left = fade_.move_from(other.fade_) || left;
   if (other.slow_.count + other.fast_.count > 0) wake();
@@ -138,13 +143,16 @@ bool ModeStates::take_over(ModeStates& other) RINGDOWN_REALTIME {
 
 void ModeStates::fade_out(std::size_t frames) RINGDOWN_REALTIME {
   unmute();
+  uncouple();
   fade_.begin(states_, frames);
   rest();
 }
 
 bool ModeStates::render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME {
+  const bool coupled_sane = couple(out, frames);
+  states_.follow(false);
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
-  bool sane = !fade_.running() || fade_.render(out, frames);
+  bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled_sane;
   for (ActiveGroups* groups : {&slow_, &fast_}) {
     if (groups->count > 0) sane = render_modes(states_.for_kernel(frames), *groups, limits, out, frames) && sane;
   }
@@ -156,15 +164,17 @@ bool ModeStates::render(double* out, std::size_t frames, double floor) RINGDOWN_
 
 bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                                 double floor) RINGDOWN_REALTIME {
+  const bool coupled_sane = couple(out, frames);
+  states_.follow(true);
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
   const ModeArrays all = states_.for_kernel(frames);
-  bool sane = !fade_.running() || fade_.render(out, frames);
+  bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled_sane;
   if (fast_.count > 0 && all.hearing != nullptr && all.hearing->rate != 1) {
     sane = drive_fast(table_, all, out, frames) && sane;
   } else if (fast_.count > 0) {
     sane = render_modes(all, fast_, limits, out, frames) && sane;
   }
-  if (slow_.count > 0) sane = add_moments(all, table_.moments(), slow_, frames, limits, targets) && sane;
+  if (slow_.count > 0) sane = add_moments(all, states_.moments(), slow_, frames, limits, targets) && sane;
   if (muting_.changing()) sane = muting_.render_changes(states_, targets, frames) && sane;
   muting_.advance(states_, frames, slow_);
   if (!sane) silence();
@@ -244,6 +254,7 @@ void ModeStates::apply_threshold(std::size_t& allowance, bool at_once) RINGDOWN_
 
 void ModeStates::mute_all(std::size_t frames) RINGDOWN_REALTIME {
   settle();
+  uncouple();
   cut_short_ = true;
   for (std::size_t i = 0; i < slow_.count; ++i) muting_.mute(states_, slow_.list[i]);
   slow_.count = 0;
@@ -268,11 +279,13 @@ void ModeStates::count_levels(LevelHistogram& histogram, Level gain, double floo
 
 void ModeStates::skip(Frame frames) RINGDOWN_REALTIME {
   unmute();
+  uncouple();
   if (frames > 0) states_.skip(static_cast<std::uint64_t>(frames));
 }
 
 void ModeStates::rest() RINGDOWN_REALTIME {
   unmute();
+  uncouple();
   threshold_ = applied_ = kNoThreshold;
   slow_.count = fast_.count = 0;
 }
@@ -307,6 +320,28 @@ void ModeStates::unmute() RINGDOWN_REALTIME {
   muting_.muted.clear();
 }
 
+// Renders the modes that exchange energy, while they are loud enough for that and there is time; their states are zero
+// meanwhile. Modes that are heard by gains of their own stay in the kernels. False when something was not a number.
+bool ModeStates::couple(double* out, std::size_t frames) RINGDOWN_REALTIME {
+  constexpr double kBegin = 0.004, kEnd = 0.001;  // relative detuning: 7 and 1.7 cents
+  if (!coupled_) return true;
+  const bool heard = states_.for_kernel(0).hearing != nullptr;
+  const bool loud = coupled_->strength(states_.re(), states_.im()) > (coupled_->running() ? kEnd : kBegin);
+  if (heard || !loud || selective()) {
+    uncouple();
+    return true;
+  }
+  coupled_->take(states_.re(), states_.im());
+  return coupled_->render(out, frames);
+}
+
+// Gives what rings in coupled modes back to the states.
+void ModeStates::uncouple() RINGDOWN_REALTIME {
+  if (!coupling()) return;
+  coupled_->give_back(states_.re(), states_.im());
+  wake();
+}
+
 // Notes in is_ what each group does.
 void ModeStates::mark() RINGDOWN_REALTIME {
   std::fill_n(is_.data(), is_.size(), Is::resting);
@@ -317,6 +352,7 @@ void ModeStates::mark() RINGDOWN_REALTIME {
 }
 
 void ModeStates::silence() RINGDOWN_REALTIME {
+  uncouple();
   states_.clear();
   fade_.clear();
   late_.clear();
@@ -340,6 +376,7 @@ double ModeStates::peak_level(Frame rested) const RINGDOWN_REALTIME {
   for (const GroupList* groups : {&muting_.muted, &muting_.leaving, &muting_.entering}) {
     for (const std::uint32_t group : *groups) add(group, muting_.frames_behind(group));
   }
+  if (coupling()) sum += coupled_->amplitude();
   if (fade_.running()) sum += fade_.level() * fade_.states().amplitude();
   return sum;
 }
