@@ -214,8 +214,8 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   if (task.options.nonlinear > 0 && body.lambda.size() > 0) {
     watch.lap();
     const int count = std::min(task.options.nonlinear, static_cast<int>(body.lambda.size()));
-    Result<NonlinearModes> nonlinear = find_nonlinear(task.unit_mesh, elastic, *system, modes->lambda, modes->shapes,
-                                                      modes->rigid, count, progress);
+    Result<NonlinearModes> nonlinear =
+        find_nonlinear(task.unit_mesh, elastic, *system, modes->lambda, modes->shapes, modes->rigid, count, progress);
     if (!nonlinear) return fail(nonlinear.error());
     body.nonlinear = std::move(*nonlinear);
     report.nonlinear_seconds = watch.lap();

@@ -29,11 +29,11 @@ struct BakeOptions {
   int keep_modes = 0;             // the most important ones go into the bank; 0: all
   std::optional<modal::Air> air;  // that the modes radiate into (body_radiation.h); nothing: radiation is not computed
   double radiation_error = HUGE_VAL;  // only when no frequency's estimated error is above this
-  int nonlinear = 0;                  // how many of the lowest modes bend each other's pitch (nonlinear_modes.h); 0: none
-  int coupled = 0;                    // of these, the lowest, exchange energy while they are loud; up to kMaxCoupled
-  double floor_db = 0;                // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
-  std::filesystem::path cache;        // folder of results that bake() may use and add to (ModeCache); empty: none
-  std::string family;  // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
+  int nonlinear = 0;            // how many of the lowest modes bend each other's pitch (nonlinear_modes.h); 0: none
+  int coupled = 0;              // of these, the lowest, exchange energy while they are loud; up to kMaxCoupled
+  double floor_db = 0;          // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
+  std::filesystem::path cache;  // folder of results that bake() may use and add to (ModeCache); empty: none
+  std::string family;           // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
   solve::Method solver = solve::Method::kAutomatic;
   int processes = 2;    // of solve::Method::kSlepc
   bool verify = false;  // asks a second method, and fails when the two disagree (solve::EigenRequest::verify)
@@ -51,8 +51,8 @@ struct BakeReport {
   RadiationReport radiation;
   double assemble_seconds = 0, factor_seconds = 0, iterate_seconds = 0, estimate_seconds = 0, finish_seconds = 0;
   double radiation_seconds = 0, nonlinear_seconds = 0;
-  std::vector<double> hardening;      // own_hardening() of the modes that have nonlinear terms, by frequency
-  std::vector<std::size_t> hardened;  // which of these the bank's terms are, in their order
+  std::vector<double> hardening;                 // own_hardening() of the modes that have nonlinear terms, by frequency
+  std::vector<std::size_t> hardened;             // which of these the bank's terms are, in their order
   double membrane_share = 0, carried_share = 0;  // as in NonlinearModes
   solve::Agreement agreement;  // of the second opinion; of no modes when nothing was solved or none was asked for
   double largest_error = 0;    // estimated, relative, of any mode's frequency in the band, dropped ones included

@@ -40,7 +40,7 @@ struct BodyModes {
   int rigid = 0;
   bool verified = false;  // a second method agreed
   std::int64_t unknowns = 0;
-  modal::MassProperties mass;  // of density 1
+  modal::MassProperties mass;               // of density 1
   std::optional<NonlinearModes> nonlinear;  // of the first modes, where they were asked for; not in the ModeCache
 };
 

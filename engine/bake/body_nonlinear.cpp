@@ -63,7 +63,8 @@ Result<void> NonlinearCache::store(const BodyModes& modes, const NonlinearModes&
 Result<void> check_shallow(const NonlinearModes& terms, const std::string& name) {
   if (terms.carried_share <= kMostCarried) return {};
   return fail(ErrorKind::bad_input,
-              name + " is too deep a shell for nonlinear modes: the stress of its own bending, carried along, changes " +
+              name +
+                  " is too deep a shell for nonlinear modes: the stress of its own bending, carried along, changes " +
                   as_percent(terms.carried_share) + " of what its stretching gives, and more than " +
                   as_percent(kMostCarried) + " is not modelled; bake it without --nonlinear");
 }

@@ -32,10 +32,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kSpare = 10, kProbes = 6;
-constexpr int kCarried = 6;             // modes whose own term is compared
-constexpr double kShift = -1e-3;        // of the lowest mode's eigenvalue
-constexpr double kFamily = 2e-3;        // relative, of frequencies that count as equal
-constexpr double kRounding = 1e-11;     // of C's eigenvalues
+constexpr int kCarried = 6;          // modes whose own term is compared
+constexpr double kShift = -1e-3;     // of the lowest mode's eigenvalue
+constexpr double kFamily = 2e-3;     // relative, of frequencies that count as equal
+constexpr double kRounding = 1e-11;  // of C's eigenvalues
 
 class Operator {
  public:
@@ -150,8 +150,8 @@ MatrixXd NonlinearModes::matrix(Index k) const {
 int nonlinear_functions(int modes) { return std::min({modes * (modes + 1) / 2, std::max(20, modes * 3 / 5), 60}); }
 
 Result<NonlinearModes> find_nonlinear(const mesh::TetMesh& unit_mesh, const fem::Elastic& elastic,
-                                      const fem::System& system, const VectorXd& all_lambda,
-                                      const MatrixXd& all_shapes, int rigid, int modes, const Progress& progress) try {
+                                      const fem::System& system, const VectorXd& all_lambda, const MatrixXd& all_shapes,
+                                      int rigid, int modes, const Progress& progress) try {
   const Index m = modes, most = m * (m + 1) / 2;
   const VectorXd lambda = all_lambda.segment(rigid, m), omega = lambda.cwiseSqrt();
   const MatrixXd kept = all_shapes.leftCols(rigid + m), shapes = kept.rightCols(m);

@@ -10,9 +10,9 @@
 // Touze, Thomas & Chaigne, J. Sound Vib. 258, 2002, have the same equation for plates; Ducceschi & Touze, J. Sound Vib.
 // 344, 2015. docs/how/nonlinear.md derives it.
 //
-// The B_k are found by a randomised range finder (Halko, Martinsson & Tropp, SIAM Rev. 53, 2011; Nystrom's form with one
-// power iteration): random mixtures of all pairs of modes, each condensed by one solve with the factored K, instead of
-// M (M + 1) / 2 of them.
+// The B_k are found by a randomised range finder (Halko, Martinsson & Tropp, SIAM Rev. 53, 2011; Nystrom's form with
+// one power iteration): random mixtures of all pairs of modes, each condensed by one solve with the factored K, instead
+// of M (M + 1) / 2 of them.
 #pragma once
 
 #include "engine/base/progress.h"
@@ -28,12 +28,12 @@ namespace ringdown::bake {
 
 // Free of units, as BodyModes are (body_modes.h): H goes as E^(1/2) rho^-1 L^(-7/2), g as E^(1/2) rho^(-1/2) L^-1.
 struct NonlinearModes {
-  Eigen::MatrixXd bending;   // K x M(M+1)/2: H^k_ij, i >= j, row after row of the lower triangle
-  Eigen::MatrixXd curving;   // K x M: g
-  double residual = 0;       // share of the pairs' energy, each over its two modes', that the K fields do not hold
-  double membrane_share = 0; // of linear energy that is membrane's, of the mode with the most
-  double carried_share = 0;  // the largest relative change of a mode's own term by what is left out: the
-                             // turning of its own linear stress (fem::QuadraticStrain::carried_force)
+  Eigen::MatrixXd bending;    // K x M(M+1)/2: H^k_ij, i >= j, row after row of the lower triangle
+  Eigen::MatrixXd curving;    // K x M: g
+  double residual = 0;        // share of the pairs' energy, each over its two modes', that the K fields do not hold
+  double membrane_share = 0;  // of linear energy that is membrane's, of the mode with the most
+  double carried_share = 0;   // the largest relative change of a mode's own term by what is left out: the
+                              // turning of its own linear stress (fem::QuadraticStrain::carried_force)
 
   [[nodiscard]] Eigen::Index modes() const { return curving.cols(); }
   [[nodiscard]] Eigen::Index functions() const { return curving.rows(); }

@@ -13,8 +13,8 @@
 namespace ringdown::fem {
 namespace {
 
-constexpr int kMostThreads = 4;                // each has a copy of the shapes' size
-constexpr Eigen::Index kFewElements = 200;     // for a thread
+constexpr int kMostThreads = 4;             // each has a copy of the shapes' size
+constexpr Eigen::Index kFewElements = 200;  // for a thread
 
 }  // namespace
 

@@ -53,7 +53,7 @@ class QuadraticStrain {
   Elastic elastic_;
   int threads_;
   Eigen::Index modes_;
-  Rows shapes_;                                      // 3N x M
+  Rows shapes_;                                     // 3N x M
   std::vector<mesh::ReferenceGradient> gradients_;  // at each point of the rule
   std::vector<double> weights_;
 };

@@ -184,8 +184,7 @@ Result<std::optional<NonlinearTerms>> read_nonlinear(const Glb& glb, const Field
   terms.thickness_m = field["thickness"].number().value_or(0);
   if (!(terms.thickness_m > 0)) return field["thickness"].wrong("more than 0");
   terms.residual = number_in(field["residual"], 0, 1, 0);
-  terms.coupled = static_cast<std::uint32_t>(
-      std::min<std::size_t>(field["coupled"].index().value_or(0), kMaxCoupled));
+  terms.coupled = static_cast<std::uint32_t>(std::min<std::size_t>(field["coupled"].index().value_or(0), kMaxCoupled));
   terms.errors = read_numbers(field["errors"], terms.mode_count());
   return terms;
 }

@@ -1,4 +1,5 @@
-// What makes a thin object's pitch depend on how hard it is struck: the geometric nonlinearity of a bank's lowest modes.
+// What makes a thin object's pitch depend on how hard it is struck: the geometric nonlinearity of a bank's lowest
+// modes.
 //
 // With q the modal displacements [kg^1/2 m], the energy of M modes is
 //

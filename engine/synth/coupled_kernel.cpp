@@ -57,10 +57,14 @@ double forces_of(const CoupledArrays& terms, const float* HWY_RESTRICT q, float*
 double coupled_forces_here(const CoupledArrays& terms, const float* q, float* gradient) {
   constexpr std::size_t kPerPadding = kCoupledPadding / hn::MaxLanes(FloatTag());
   switch (terms.stride / kCoupledPadding) {
-    case 1: return forces_of<kPerPadding>(terms, q, gradient);
-    case 2: return forces_of<2 * kPerPadding>(terms, q, gradient);
-    case 3: return forces_of<3 * kPerPadding>(terms, q, gradient);
-    default: return forces_of<4 * kPerPadding>(terms, q, gradient);
+    case 1:
+      return forces_of<kPerPadding>(terms, q, gradient);
+    case 2:
+      return forces_of<2 * kPerPadding>(terms, q, gradient);
+    case 3:
+      return forces_of<3 * kPerPadding>(terms, q, gradient);
+    default:
+      return forces_of<4 * kPerPadding>(terms, q, gradient);
   }
 }
 

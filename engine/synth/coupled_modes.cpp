@@ -119,9 +119,7 @@ double CoupledModes::linear_energy() const RINGDOWN_REALTIME {
   return sum;
 }
 
-double CoupledModes::energy_j() const RINGDOWN_REALTIME {
-  return linear_energy() + 0.5 * (psi_ * psi_ - shift_);
-}
+double CoupledModes::energy_j() const RINGDOWN_REALTIME { return linear_energy() + 0.5 * (psi_ * psi_ - shift_); }
 
 // V halfway between the last two samples, where psi stands.
 double CoupledModes::potential_at_middle() RINGDOWN_REALTIME {
@@ -168,8 +166,8 @@ void CoupledModes::step() RINGDOWN_REALTIME {
   const double *turn = turn_.data(), *keep = keep_.data(), *push = push_.data();
   double along = 0, size = 0;
   for (std::size_t m = 0; m < modes_; ++m) {
-    gradient[m] = static_cast<float>(static_cast<double>(gradient[m]) * per_truth -
-                                     control * (now[m] - before[m]) * per_s);
+    gradient[m] =
+        static_cast<float>(static_cast<double>(gradient[m]) * per_truth - control * (now[m] - before[m]) * per_s);
     const auto g = static_cast<double>(gradient[m]);
     const double free = turn[m] * now[m] - keep[m] * before[m];
     along += g * (free - before[m]);

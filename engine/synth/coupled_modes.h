@@ -5,11 +5,11 @@
 // Each mode keeps its exact pole: q+ = 2 Re(p) q - |p|^2 q- - d V'. V is handled by a scalar auxiliary variable
 // psi = sqrt(2 V + C), which makes an explicit step that cannot gain energy (Shen, Xu & Yang, J. Comput. Phys. 353,
 // 2018; Bilbao, Ducceschi & Zama, J. Comput. Phys. 486, 2023): with g = V'/sqrt(2 V + C) the sum of the modes' discrete
-// energies and psi^2 / 2 is kept to rounding where nothing is lost. Two things keep psi at its true value: C is many times
-// the energy, and a term along the velocity moves energy between psi and the modes without changing the sum.
+// energies and psi^2 / 2 is kept to rounding where nothing is lost. Two things keep psi at its true value: C is many
+// times the energy, and a term along the velocity moves energy between psi and the modes without changing the sum.
 //
-// The states z of the mixer and the displacements are two views of one motion: q = Re z / (output per displacement), and
-// the displacement one sample ago is that of z / p. So modes come and go without a click.
+// The states z of the mixer and the displacements are two views of one motion: q = Re z / (output per displacement),
+// and the displacement one sample ago is that of z / p. So modes come and go without a click.
 #pragma once
 
 #include "engine/base/realtime.h"
@@ -30,10 +30,10 @@ inline constexpr std::size_t kMaxCoupledModes = 64, kMaxCoupledFunctions = 60;
 
 // What all voices of a table share.
 struct CoupledTable {
-  std::vector<std::uint32_t> columns;          // of the M modes
+  std::vector<std::uint32_t> columns;           // of the M modes
   std::vector<double> pole_re, pole_im, omega;  // M: per frame; [rad/s]
-  std::vector<double> output;                  // M: output per displacement
-  std::vector<double> detuning;                // M: how far |z|^2 = 1 of the mode detunes any other, relative
+  std::vector<double> output;                   // M: output per displacement
+  std::vector<double> detuning;                 // M: how far |z|^2 = 1 of the mode detunes any other, relative
   AlignedArray<float> bending, curving;
   CoupledArrays arrays;
   double frame_s = 0;
@@ -75,9 +75,9 @@ class CoupledModes {
 
   const CoupledTable& table_;
   std::size_t modes_;
-  std::vector<double> now_, before_;              // q of this sample and of the last one
+  std::vector<double> now_, before_;                // q of this sample and of the last one
   std::vector<double> turn_, keep_, push_, stiff_;  // 2 Re p, |p|^2, 2 k^2 / (1 + |p|^2), discrete omega^2
-  AlignedArray<float> place_, gradient_;          // q as the kernel wants it, padded
+  AlignedArray<float> place_, gradient_;            // q as the kernel wants it, padded
   double psi_ = 0, shift_ = 0, psi_over_truth_ = 1;
   bool running_ = false;
 };

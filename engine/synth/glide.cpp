@@ -12,9 +12,9 @@ namespace ringdown::synth {
 namespace {
 
 constexpr double kPerBand = std::numbers::pi / static_cast<double>(kChunkFrames);
-constexpr double kSamePitch = 2e-5;          // relative: 0.035 cents, below which a mode is left where it is
-constexpr float kGrowth = 1.05F;             // of the sound, from which all modes are looked at
-constexpr float kFastChange = 6e-4F;         // relative, in one call: a cent
+constexpr double kSamePitch = 2e-5;           // relative: 0.035 cents, below which a mode is left where it is
+constexpr float kGrowth = 1.05F;              // of the sound, from which all modes are looked at
+constexpr float kFastChange = 6e-4F;          // relative, in one call: a cent
 constexpr double kLeastX = -0.5, kMostX = 3;  // pitches from 0.7 to 2 times their own
 
 // x from x0: as glide.h derives it.
@@ -177,9 +177,8 @@ void Glide::move(std::size_t c, double delta) RINGDOWN_REALTIME {
   delta_.data()[c] = delta;
   const ModeArrays own = table_.modes(nullptr, nullptr, kChunkFrames);
   const auto [own_re, own_im] = table_.exponents();
-  const auto times = [](double a_re, double a_im, double b_re, double b_im) RINGDOWN_REALTIME {
-    return Complex(a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re);
-  };
+  const auto times = [](double a_re, double a_im, double b_re, double b_im)
+                         RINGDOWN_REALTIME { return Complex(a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re); };
   const double turn_re = std::cos(delta), turn_im = std::sin(delta);
   Complex turn(turn_re, turn_im), stride_turn, full_turn;
   for (std::size_t power = 2; power <= kChunkFrames; power *= 2) {

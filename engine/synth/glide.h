@@ -1,9 +1,9 @@
 // Thin objects glide: the harder they were struck, the higher (or lower) they sound until they have calmed down.
 //
 // Each chunk, mode m of a bank with nonlinear terms turns by delta_m per frame faster than it would alone, where
-// delta_m follows from all amplitudes (modal/nonlinear.h: detuning). Only phases are moved: amplitudes, decay and energy
-// stay as they are. To second order x = 2 delta / omega = sum of 2 B_ml v_l^2 / (omega_l^2 omega_m), with v_l a mode's
-// velocity. A mode that stiffens moves less far at the same energy, so that this x0 becomes
+// delta_m follows from all amplitudes (modal/nonlinear.h: detuning). Only phases are moved: amplitudes, decay and
+// energy stay as they are. To second order x = 2 delta / omega = sum of 2 B_ml v_l^2 / (omega_l^2 omega_m), with v_l a
+// mode's velocity. A mode that stiffens moves less far at the same energy, so that this x0 becomes
 //
 //   x = 3/4 (sqrt(1 + 8/3 x0) - 1),   omega' = omega sqrt(1 + x)
 //
@@ -83,11 +83,11 @@ class Glide {
   const ModeTable& table_;
   const GlideMatrix& matrix_;
   std::size_t columns_;
-  std::vector<std::uint32_t> groups_;   // with gliding modes
-  std::vector<std::int32_t> mode_of_;   // of each column: its row of the matrix, or -1
-  std::vector<float> squares_;          // |z|^2 of the gliding modes
-  std::vector<double> delta_;           // of each column [rad/frame]
-  AlignedArray<double> rows_;           // kRows x columns
+  std::vector<std::uint32_t> groups_;  // with gliding modes
+  std::vector<std::int32_t> mode_of_;  // of each column: its row of the matrix, or -1
+  std::vector<float> squares_;         // |z|^2 of the gliding modes
+  std::vector<double> delta_;          // of each column [rad/frame]
+  AlignedArray<double> rows_;          // kRows x columns
   AlignedArray<float> strides_, runs_, weights_;
   std::vector<std::uint16_t> band_;
   float total_ = 0;

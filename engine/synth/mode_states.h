@@ -59,9 +59,7 @@ class ModeStates {
   // said so before.
   bool render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                       double floor) RINGDOWN_REALTIME;
-  [[nodiscard]] bool needs_samples() const RINGDOWN_REALTIME {
-    return fast_.count > 0 || fade_.running() || coupled_;
-  }
+  [[nodiscard]] bool needs_samples() const RINGDOWN_REALTIME { return fast_.count > 0 || fade_.running() || coupled_; }
 
   // How the modes are heard, which changes nothing of what they do: by gains of their own, and in a time that runs
   // `rate` times as fast, which bends by `bend` (Hearing). hear() is called before every function that renders, with

@@ -34,7 +34,8 @@ Solved solved(mesh::TetMesh mesh, const fem::Elastic& elastic, double top_hz, in
 
 constexpr fem::Elastic kSteel{200e9, 0.3, 7850};
 
-// A disc of radius 1 in the plane and thickness 1, from a box: squares about the middle become circles. `cells` is even.
+// A disc of radius 1 in the plane and thickness 1, from a box: squares about the middle become circles. `cells` is
+// even.
 mesh::TetMesh disc_mesh(int cells) {
   mesh::TetMesh mesh = mesh::to_order(test::box_mesh({cells, cells, 1}, {2, 2, 1}), 3);
   for (auto node : mesh.nodes.rowwise()) {

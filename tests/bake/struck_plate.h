@@ -24,10 +24,10 @@ constexpr double kRate_hz = 48000, kDecay_per_s = 0.5, kSide_m = 0.2, kThickness
 constexpr int kModes = 16, kFunctions = 20;
 
 struct Plate {
-  Eigen::VectorXd omega;            // M
-  std::vector<Eigen::MatrixXd> h;   // K, M x M
-  Eigen::VectorXd shape;            // M: at the point that is struck
-  double curving = 0;               // how large g is, as if the plate were a shell
+  Eigen::VectorXd omega;           // M
+  std::vector<Eigen::MatrixXd> h;  // K, M x M
+  Eigen::VectorXd shape;           // M: at the point that is struck
+  double curving = 0;              // how large g is, as if the plate were a shell
 };
 
 inline Plate steel_plate() {
@@ -50,7 +50,7 @@ inline Plate steel_plate() {
 
 // With `coupled`, that many modes exchange energy.
 inline std::shared_ptr<const modal::StrikeMap> map_of(const Plate& plate, bool nonlinear, int coupled = 0,
-                                                     double decay_per_s = kDecay_per_s) {
+                                                      double decay_per_s = kDecay_per_s) {
   modal::Bank bank;
   bank.name = "plate";
   bank.positions = {{0, 0, 0}};
@@ -65,7 +65,8 @@ inline std::shared_ptr<const modal::StrikeMap> map_of(const Plate& plate, bool n
     for (int m = 0; m < kModes; ++m) terms.modes.push_back(static_cast<std::uint32_t>(m));
     for (const Eigen::MatrixXd& h : plate.h) {
       for (int i = 0; i < kModes; ++i) {
-        terms.curving.push_back(static_cast<float>(plate.curving * plate.omega[i] * std::sin(1 + i + terms.curving.size())));
+        terms.curving.push_back(
+            static_cast<float>(plate.curving * plate.omega[i] * std::sin(1 + i + terms.curving.size())));
         for (int j = 0; j <= i; ++j) terms.bending.push_back(static_cast<float>(h(i, j)));
       }
     }

@@ -1,8 +1,9 @@
 // Von Karman's free plate by polynomials: an oracle for nonlinear_modes.h that shares no code with it.
 //
 // Deflections w are products of Legendre polynomials on the square, for the energy D/2 [(lap w)^2 - 2 (1 - nu) det
-// grad grad w]; the membrane's strain 1/2 w_i w_j is condensed by least squares over in-plane displacements, products of
-// Legendre polynomials too. Chu & Herrmann's and Touze, Thomas & Chaigne's coefficients follow from the same equations.
+// grad grad w]; the membrane's strain 1/2 w_i w_j is condensed by least squares over in-plane displacements, products
+// of Legendre polynomials too. Chu & Herrmann's and Touze, Thomas & Chaigne's coefficients follow from the same
+// equations.
 #pragma once
 
 #include "engine/fem/elastic.h"
@@ -36,8 +37,7 @@ struct PlateTerms {
       }
       const auto size = static_cast<double>(end - first);
       const double mean = lambda.segment(first, end - first).mean();
-      own.segment(first, end - first)
-          .setConstant((sum + trace.squaredNorm()) / (size * (size + 2) * mean * mean));
+      own.segment(first, end - first).setConstant((sum + trace.squaredNorm()) / (size * (size + 2) * mean * mean));
     }
     return own;
   }
@@ -104,8 +104,8 @@ inline PlateTerms plate(const Eigen::VectorXd& x, const Eigen::VectorXd& y, cons
   const auto form = [&](const Eigen::MatrixXd& p, const Eigen::MatrixXd& q) {
     return Eigen::MatrixXd(p.transpose() * weights.asDiagonal() * q);
   };
-  const Eigen::MatrixXd stiffness = bending * (form(wxx, wxx) + form(wyy, wyy) + nu * (form(wxx, wyy) + form(wyy, wxx)) +
-                                               2 * (1 - nu) * form(wxy, wxy));
+  const Eigen::MatrixXd stiffness = bending * (form(wxx, wxx) + form(wyy, wyy) +
+                                               nu * (form(wxx, wyy) + form(wyy, wxx)) + 2 * (1 - nu) * form(wxy, wxy));
   const Eigen::MatrixXd mass = elastic.density_kg_m3 * h * form(w, w);
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solved(stiffness, mass);
   PlateTerms result{solved.eigenvalues().segment(3, modes), {}};
@@ -143,8 +143,7 @@ inline PlateTerms plate(const Eigen::VectorXd& x, const Eigen::VectorXd& y, cons
   }
   const Eigen::MatrixXd normal = in_plane.transpose() * in_plane;  // three rigid motions: regularised
   const double small = 1e-12 * normal.diagonal().maxCoeff();
-  const Eigen::LDLT<Eigen::MatrixXd> factored(normal +
-                                              small * Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+  const Eigen::LDLT<Eigen::MatrixXd> factored(normal + small * Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
   result.pairs = pairs - in_plane * factored.solve(in_plane.transpose() * pairs);
   return result;
 }

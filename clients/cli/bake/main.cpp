@@ -101,8 +101,9 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("--floor", arguments.floor_db,
                  "drop modes that no blow makes audible, this many dB below the loudest or masked (default: none)")
       ->check(manual::between(1.0, 200.0));
-  app.add_option("--nonlinear", arguments.nonlinear,
-                 "how many of the lowest modes bend each other's pitch when struck hard; for thin bodies (default: none)")
+  app.add_option(
+         "--nonlinear", arguments.nonlinear,
+         "how many of the lowest modes bend each other's pitch when struck hard; for thin bodies (default: none)")
       ->check(manual::between(0, bake::kMostNonlinearModes));
   app.add_option("--coupled", arguments.coupled,
                  "how many of these, the lowest, exchange energy while they are loud: a gong's build-up, up to half a "
