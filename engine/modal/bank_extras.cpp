@@ -155,7 +155,14 @@ Json radiation_json(const BankRadiation& radiation, GlbWriter& writer) {
   return json;
 }
 
-Result<std::optional<NonlinearTerms>> read_nonlinear(const Glb& glb, const Field& field, std::size_t modes) {
+struct NonlinearReader {
+  const Glb& glb;
+  const Field field;
+  const std::size_t modes;
+  Result<std::optional<NonlinearTerms>> operator()() const;
+};
+
+Result<std::optional<NonlinearTerms>> NonlinearReader::operator()() const {
   if (!field["bending"].present()) return std::nullopt;
   const Field list = field["modes"];
   NonlinearTerms terms;
@@ -226,7 +233,7 @@ Result<void> read_extras(const Glb& glb, const Field& extras, Bank& bank) {
   auto radiation = read_radiation(glb, extras["radiation"], bank.mode_count());
   if (!radiation) return fail(radiation.error());
   bank.radiation = std::move(*radiation);
-  auto nonlinear = read_nonlinear(glb, extras["nonlinear"], bank.mode_count());
+  auto nonlinear = NonlinearReader{glb, extras["nonlinear"], bank.mode_count()}();
   if (!nonlinear) return fail(nonlinear.error());
   bank.nonlinear = std::move(*nonlinear);
   return {};

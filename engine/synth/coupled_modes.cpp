@@ -29,7 +29,7 @@ std::shared_ptr<const CoupledTable> CoupledTable::of(const ModeTable& table, con
                                                      const std::vector<double>& output_per_velocity) {
   const modal::Bank& bank = table.bank();
   if (!bank.nonlinear || bank.nonlinear->coupled == 0) return nullptr;
-  const std::vector<GlidingMode> lowest = lowest_nonlinear_modes(
+  const std::vector<GlidingMode> lowest = GlideMatrix::lowest(
       table, material, output_per_velocity, std::min<std::size_t>(bank.nonlinear->coupled, kMaxCoupledModes));
   if (lowest.empty()) return nullptr;
   std::vector<std::size_t> order;
@@ -206,6 +206,26 @@ void CoupledModes::give_back(double* re, double* im) RINGDOWN_REALTIME {
     im[c] += state_im(m);
   }
   running_ = false;
+}
+
+Coupling::Coupling(const ModeTable& table) {
+  if (table.coupled) modes_ = std::make_unique<CoupledModes>(*table.coupled);
+}
+
+Coupling::Outcome Coupling::render(double* re, double* im, bool allowed, double* out,
+                                   std::size_t frames) RINGDOWN_REALTIME {
+  constexpr double kBegin = 0.004, kEnd = 0.001;  // relative detuning: 7 and 1.7 cents
+  if (!modes_) return Outcome::nothing;
+  if (!allowed || !(modes_->strength(re, im) > (modes_->running() ? kEnd : kBegin)))
+    return give_back(re, im) ? Outcome::ended : Outcome::nothing;
+  modes_->take(re, im);
+  return modes_->render(out, frames) ? Outcome::rendered : Outcome::absurd;
+}
+
+bool Coupling::give_back(double* re, double* im) RINGDOWN_REALTIME {
+  if (!running()) return false;
+  modes_->give_back(re, im);
+  return true;
 }
 
 }  // namespace ringdown::synth

@@ -82,4 +82,24 @@ class CoupledModes {
   bool running_ = false;
 };
 
+// A voice's coupled modes, if its table has any: when they run. [audio, after construction]
+class Coupling {
+ public:
+  explicit Coupling(const ModeTable& table);
+
+  [[nodiscard]] bool possible() const RINGDOWN_REALTIME { return modes_ != nullptr; }
+  [[nodiscard]] bool running() const RINGDOWN_REALTIME { return modes_ && modes_->running(); }
+  [[nodiscard]] double amplitude() const RINGDOWN_REALTIME { return running() ? modes_->amplitude() : 0.0; }
+
+  // Takes over what rings in the states while that is loud enough and `allowed`, and adds its sound to `out`; else
+  // gives it back, and says `ended` when it did.
+  enum class Outcome : std::uint8_t { nothing, rendered, ended, absurd };
+  Outcome render(double* re, double* im, bool allowed, double* out, std::size_t frames) RINGDOWN_REALTIME;
+  // True when something was given back, whose modes are to sound from the states again.
+  bool give_back(double* re, double* im) RINGDOWN_REALTIME;
+
+ private:
+  std::unique_ptr<CoupledModes> modes_;
+};
+
 }  // namespace ringdown::synth

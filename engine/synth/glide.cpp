@@ -25,8 +25,8 @@ double at_energy(double x0) RINGDOWN_REALTIME {
 
 }  // namespace
 
-std::vector<GlidingMode> lowest_nonlinear_modes(const ModeTable& table, const modal::MaterialScale& material,
-                                                const std::vector<double>& output_per_velocity, std::size_t most) {
+std::vector<GlidingMode> GlideMatrix::lowest(const ModeTable& table, const modal::MaterialScale& material,
+                                             const std::vector<double>& output_per_velocity, std::size_t most) {
   const modal::Bank& bank = table.bank();
   std::vector<GlidingMode> modes;
   for (std::size_t i = 0; i < table.playable_modes(); ++i) {
@@ -45,8 +45,7 @@ std::shared_ptr<const GlideMatrix> GlideMatrix::of(const ModeTable& table, const
                                                    const std::vector<double>& output_per_velocity) {
   const modal::Bank& bank = table.bank();
   if (!bank.nonlinear) return nullptr;
-  const std::vector<GlidingMode> gliding =
-      lowest_nonlinear_modes(table, material, output_per_velocity, kMaxGlidingModes);
+  const std::vector<GlidingMode> gliding = lowest(table, material, output_per_velocity, kMaxGlidingModes);
   if (gliding.empty()) return nullptr;
 
   std::vector<std::size_t> order;
@@ -77,7 +76,7 @@ std::shared_ptr<const GlideMatrix> GlideMatrix::of(const ModeTable& table, const
 
 Glide::Glide(const ModeTable& table)
     : table_(table),
-      matrix_(*table.glide()),
+      matrix_(*table.glide),
       columns_(table.columns()),
       mode_of_(columns_, -1),
       squares_(matrix_.columns.size()),

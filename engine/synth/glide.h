@@ -38,10 +38,6 @@ struct GlidingMode {
   std::size_t mode, playable;  // its number in the bank and in the table
 };
 
-// The lowest of them, at most `most`, ascending; those that make no sound are left out. [worker]
-std::vector<GlidingMode> lowest_nonlinear_modes(const ModeTable& table, const modal::MaterialScale& material,
-                                                const std::vector<double>& output_per_velocity, std::size_t most);
-
 // What detunes what, in terms of a table's columns.
 struct GlideMatrix {
   std::vector<std::uint32_t> columns;  // of the n gliding modes
@@ -52,6 +48,10 @@ struct GlideMatrix {
   // playable mode of the table. [worker]
   static std::shared_ptr<const GlideMatrix> of(const ModeTable& table, const modal::MaterialScale& material,
                                                const std::vector<double>& output_per_velocity);
+
+  // The lowest modes with terms, at most `most`, ascending; those that make no sound are left out. [worker]
+  static std::vector<GlidingMode> lowest(const ModeTable& table, const modal::MaterialScale& material,
+                                         const std::vector<double>& output_per_velocity, std::size_t most);
 };
 
 class Glide {

@@ -58,6 +58,14 @@ bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std:
   return drive_modes(fast, table.columns() - first, {}, out, frames) <= kAbsurdEnergy;
 }
 
+// Renders the modes that exchange energy, whose states are zero meanwhile. Modes that are heard by gains of their own
+// stay in the kernels, and so do all while modes are muted.
+Coupling::Outcome couple(Coupling& coupling, StateArray& states, bool muting, double* out,
+                         std::size_t frames) RINGDOWN_REALTIME {
+  const bool allowed = !muting && states.for_kernel(0).hearing == nullptr;
+  return coupling.render(states.re(), states.im(), allowed, out, frames);
+}
+
 }  // namespace
 
 ModeStates::ModeStates(const ModeTable& table)
@@ -68,9 +76,9 @@ ModeStates::ModeStates(const ModeTable& table)
       fade_(table),
       late_(table),
       muting_(table),
+      coupling_(table),
       is_(table.groups()) {
   states_.let_glide();
-  if (table.coupled()) coupled_ = std::make_unique<CoupledModes>(*table.coupled());
   slow_.list = sounding_.data();
   fast_.list = sounding_.data() + table.slow_groups();
 }
@@ -102,7 +110,7 @@ void ModeStates::add(const double* amplitudes, double gain, const ModeFactors* e
 void ModeStates::add(ModeStates& other, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
   assert(&table_ == &other.table_);
   other.unmute();
-  other.uncouple();
+  if (other.coupling_.give_back(other.states_.re(), other.states_.im())) other.wake();
   if (selective()) {
     return add_to_groups([&](std::uint32_t group) RINGDOWN_REALTIME { states_.add(other.states_, gain, group, each); });
   }
@@ -133,8 +141,8 @@ void ModeStates::add_to_groups(const Add& add_to) RINGDOWN_REALTIME {
 bool ModeStates::take_over(ModeStates& other) RINGDOWN_REALTIME {
   unmute();
   other.unmute();
-  uncouple();
-  other.uncouple();
+  if (coupling_.give_back(states_.re(), states_.im())) wake();
+  if (other.coupling_.give_back(other.states_.re(), other.states_.im())) other.wake();
   bool left = states_.move_from(other.states_);
   left = fade_.move_from(other.fade_) || left;
   if (other.slow_.count + other.fast_.count > 0) wake();
@@ -143,16 +151,17 @@ bool ModeStates::take_over(ModeStates& other) RINGDOWN_REALTIME {
 
 void ModeStates::fade_out(std::size_t frames) RINGDOWN_REALTIME {
   unmute();
-  uncouple();
+  if (coupling_.give_back(states_.re(), states_.im())) wake();
   fade_.begin(states_, frames);
   rest();
 }
 
 bool ModeStates::render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME {
-  const bool coupled_sane = couple(out, frames);
+  const Coupling::Outcome coupled = couple(coupling_, states_, selective(), out, frames);
+  if (coupled == Coupling::Outcome::ended) wake();
   states_.follow(false);
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
-  bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled_sane;
+  bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled != Coupling::Outcome::absurd;
   for (ActiveGroups* groups : {&slow_, &fast_}) {
     if (groups->count > 0) sane = render_modes(states_.for_kernel(frames), *groups, limits, out, frames) && sane;
   }
@@ -164,11 +173,12 @@ bool ModeStates::render(double* out, std::size_t frames, double floor) RINGDOWN_
 
 bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                                 double floor) RINGDOWN_REALTIME {
-  const bool coupled_sane = couple(out, frames);
+  const Coupling::Outcome coupled = couple(coupling_, states_, selective(), out, frames);
+  if (coupled == Coupling::Outcome::ended) wake();
   states_.follow(true);
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
   const ModeArrays all = states_.for_kernel(frames);
-  bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled_sane;
+  bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled != Coupling::Outcome::absurd;
   if (fast_.count > 0 && all.hearing != nullptr && all.hearing->rate != 1) {
     sane = drive_fast(table_, all, out, frames) && sane;
   } else if (fast_.count > 0) {
@@ -254,7 +264,7 @@ void ModeStates::apply_threshold(std::size_t& allowance, bool at_once) RINGDOWN_
 
 void ModeStates::mute_all(std::size_t frames) RINGDOWN_REALTIME {
   settle();
-  uncouple();
+  if (coupling_.give_back(states_.re(), states_.im())) wake();
   cut_short_ = true;
   for (std::size_t i = 0; i < slow_.count; ++i) muting_.mute(states_, slow_.list[i]);
   slow_.count = 0;
@@ -279,13 +289,13 @@ void ModeStates::count_levels(LevelHistogram& histogram, Level gain, double floo
 
 void ModeStates::skip(Frame frames) RINGDOWN_REALTIME {
   unmute();
-  uncouple();
+  if (coupling_.give_back(states_.re(), states_.im())) wake();
   if (frames > 0) states_.skip(static_cast<std::uint64_t>(frames));
 }
 
 void ModeStates::rest() RINGDOWN_REALTIME {
   unmute();
-  uncouple();
+  if (coupling_.give_back(states_.re(), states_.im())) wake();
   threshold_ = applied_ = kNoThreshold;
   slow_.count = fast_.count = 0;
 }
@@ -320,28 +330,6 @@ void ModeStates::unmute() RINGDOWN_REALTIME {
   muting_.muted.clear();
 }
 
-// Renders the modes that exchange energy, while they are loud enough for that and there is time; their states are zero
-// meanwhile. Modes that are heard by gains of their own stay in the kernels. False when something was not a number.
-bool ModeStates::couple(double* out, std::size_t frames) RINGDOWN_REALTIME {
-  constexpr double kBegin = 0.004, kEnd = 0.001;  // relative detuning: 7 and 1.7 cents
-  if (!coupled_) return true;
-  const bool heard = states_.for_kernel(0).hearing != nullptr;
-  const bool loud = coupled_->strength(states_.re(), states_.im()) > (coupled_->running() ? kEnd : kBegin);
-  if (heard || !loud || selective()) {
-    uncouple();
-    return true;
-  }
-  coupled_->take(states_.re(), states_.im());
-  return coupled_->render(out, frames);
-}
-
-// Gives what rings in coupled modes back to the states.
-void ModeStates::uncouple() RINGDOWN_REALTIME {
-  if (!coupling()) return;
-  coupled_->give_back(states_.re(), states_.im());
-  wake();
-}
-
 // Notes in is_ what each group does.
 void ModeStates::mark() RINGDOWN_REALTIME {
   std::fill_n(is_.data(), is_.size(), Is::resting);
@@ -352,7 +340,7 @@ void ModeStates::mark() RINGDOWN_REALTIME {
 }
 
 void ModeStates::silence() RINGDOWN_REALTIME {
-  uncouple();
+  if (coupling_.give_back(states_.re(), states_.im())) wake();
   states_.clear();
   fade_.clear();
   late_.clear();
@@ -376,7 +364,7 @@ double ModeStates::peak_level(Frame rested) const RINGDOWN_REALTIME {
   for (const GroupList* groups : {&muting_.muted, &muting_.leaving, &muting_.entering}) {
     for (const std::uint32_t group : *groups) add(group, muting_.frames_behind(group));
   }
-  if (coupling()) sum += coupled_->amplitude();
+  sum += coupling_.amplitude();
   if (fade_.running()) sum += fade_.level() * fade_.states().amplitude();
   return sum;
 }

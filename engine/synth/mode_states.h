@@ -23,7 +23,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -59,7 +58,9 @@ class ModeStates {
   // said so before.
   bool render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                       double floor) RINGDOWN_REALTIME;
-  [[nodiscard]] bool needs_samples() const RINGDOWN_REALTIME { return fast_.count > 0 || fade_.running() || coupled_; }
+  [[nodiscard]] bool needs_samples() const RINGDOWN_REALTIME {
+    return fast_.count > 0 || fade_.running() || coupling_.possible();
+  }
 
   // How the modes are heard, which changes nothing of what they do: by gains of their own, and in a time that runs
   // `rate` times as fast, which bends by `bend` (Hearing). hear() is called before every function that renders, with
@@ -106,7 +107,7 @@ class ModeStates {
 
   // False once everything has died away below the floor; rendering would then add nothing.
   [[nodiscard]] bool ringing() const RINGDOWN_REALTIME {
-    return slow_.count + fast_.count + muting_.groups() > 0 || fade_.running() || coupling();
+    return slow_.count + fast_.count + muting_.groups() > 0 || fade_.running() || coupling_.running();
   }
   struct Counts {
     std::size_t sounding = 0, muted = 0;  // modes
@@ -134,9 +135,6 @@ class ModeStates {
   void list(std::uint32_t group) RINGDOWN_REALTIME;
   void settle() RINGDOWN_REALTIME;
   void unmute() RINGDOWN_REALTIME;
-  [[nodiscard]] bool coupling() const RINGDOWN_REALTIME { return coupled_ && coupled_->running(); }
-  bool couple(double* out, std::size_t frames) RINGDOWN_REALTIME;
-  void uncouple() RINGDOWN_REALTIME;
   void mark() RINGDOWN_REALTIME;
 
   const ModeTable& table_;
@@ -147,7 +145,7 @@ class ModeStates {
   FadeOut fade_;
   LateStrikes late_;
   Muting muting_;
-  std::unique_ptr<CoupledModes> coupled_;  // null where the bank has none
+  Coupling coupling_;
   Level threshold_ = kNoThreshold, applied_ = kNoThreshold;
   bool cut_short_ = false;
   enum class Is : std::uint8_t { resting, sounding, muted };

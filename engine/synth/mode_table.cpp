@@ -121,8 +121,8 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
   if (!bank().nonlinear) return;
   std::vector<double> output_per_velocity = weight_;
   for (double& output : output_per_velocity) output /= modal::shape_factor(material);
-  glide_ = GlideMatrix::of(*this, material, output_per_velocity);
-  coupled_ = CoupledTable::of(*this, material, output_per_velocity);
+  glide = GlideMatrix::of(*this, material, output_per_velocity);
+  coupled = CoupledTable::of(*this, material, output_per_velocity);
 }
 
 // Fills in the last column.

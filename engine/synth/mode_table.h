@@ -92,14 +92,14 @@ class ModeTable {
 
   // The arrays that a kernel needs to render chunks of `frames`, with states of columns() numbers each.
   [[nodiscard]] ModeArrays modes(double* z_re, double* z_im, std::size_t frames) const RINGDOWN_REALTIME;
-  // How its modes detune each other; null where the bank does not say.
-  [[nodiscard]] const GlideMatrix* glide() const RINGDOWN_REALTIME { return glide_.get(); }
-  // Which of them may exchange energy sample by sample; null where the bank asks for none.
-  [[nodiscard]] const CoupledTable* coupled() const RINGDOWN_REALTIME { return coupled_.get(); }
   [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME { return {band_.data(), moment_weights_.get()}; }
 
   // Of the object as a whole; nothing when the bank does not say its mass, or it is too large to click.
   [[nodiscard]] const std::optional<ClickShape>& click() const RINGDOWN_REALTIME { return click_; }
+
+  // How its modes detune each other, and which of them may exchange energy; null where the bank does not say.
+  std::shared_ptr<const GlideMatrix> glide;
+  std::shared_ptr<const CoupledTable> coupled;
 
   class InstanceGroup* instances = nullptr;  // of the objects that share this table (instance_group.h) [audio]
 
@@ -131,8 +131,6 @@ class ModeTable {
   std::vector<double> slowest_decay_;  // of each group
   std::vector<std::uint32_t> rank_;    // of each column
   AlignedArray<float> column_hz_;
-  std::shared_ptr<const GlideMatrix> glide_;
-  std::shared_ptr<const CoupledTable> coupled_;
   Vec3 origin_m_;
   double ring_s_ = 0;
 };

@@ -49,7 +49,7 @@ class StateArray {
   }
   // Lets amplitudes move pitches, where the table's bank says how (glide.h). [worker]
   void let_glide() {
-    if (table_.glide()) glide_ = std::make_unique<Glide>(table_);
+    if (table_.glide) glide_ = std::make_unique<Glide>(table_);
   }
   // Before each call that renders.
   void follow(bool moments) RINGDOWN_REALTIME {

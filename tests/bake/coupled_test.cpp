@@ -11,7 +11,7 @@ namespace {
 struct Rig {
   Rig(const Plate& plate, double impulse_ns, double decay_per_s)
       : table(map_of(plate, true, kModes, decay_per_s), modal::MaterialScale{}, kRate_hz),
-        modes(*table.coupled()),
+        modes(*table.coupled),
         re(table.columns()),
         im(table.columns()) {
     strike(impulse_ns);
@@ -87,9 +87,9 @@ TEST(CoupledModes, SoundAsTheFullEquations) {
     rig.modes.give_back(re.data(), im.data());
     for (int m = 0; m < kModes; ++m) {
       const std::size_t c = *rig.table.column_of(static_cast<std::size_t>(m));
-      const auto& columns = rig.table.coupled()->columns;
+      const auto& columns = rig.table.coupled->columns;
       const auto place = std::find(columns.begin(), columns.end(), c) - columns.begin();
-      const double output = rig.table.coupled()->output[static_cast<std::size_t>(place)];
+      const double output = rig.table.coupled->output[static_cast<std::size_t>(place)];
       const double v = -(im[c] * plate.omega[m] + kDecay_per_s * re[c]) / output, wanted = exact[m][128 * (chunk + 1)];
       wrong += (v - wanted) * (v - wanted);
       right += wanted * wanted;
@@ -112,9 +112,29 @@ double above_modes(const Samples& sound, std::size_t begin, std::size_t end) {
 TEST(CoupledModes, AVoiceEntersAndLeavesWithoutAClick) {
   const Plate plate = steel_plate();
   const auto coupled = struck(plate, true, 0.03, kModes), gliding = struck(plate, true, 0.03);
-  const Samples sound = by_tables(*coupled, 96'000), smooth = by_tables(*gliding, 96'000);
-  for (std::size_t begin = 0; begin < 95'000; begin += 1000)
+  const Samples sound = by_tables(*coupled, 240'000), smooth = by_tables(*gliding, 240'000);
+  for (std::size_t begin = 0; begin < 239'000; begin += 1000)
     EXPECT_LT(above_modes(sound, begin, begin + 1000), 1.5 * above_modes(smooth, begin, begin + 1000)) << begin;
+}
+
+TEST(CoupledModes, ABlowBeginsThemAndCalmEndsThem) {
+  const ModeTable table(map_of(steel_plate(), true, kModes, 5), modal::MaterialScale{}, kRate_hz);
+  Coupling coupling(table);
+  std::vector<double> re(table.columns()), im(table.columns()), scratch(kModes);
+  auto amplitudes = aligned_zeros<double>(table.columns());
+  std::array<double, 128> out{};
+  const auto outcome = [&] { return coupling.render(re.data(), im.data(), true, out.data(), out.size()); };
+  EXPECT_EQ(outcome(), Coupling::Outcome::nothing);
+  const Event event{.type = EventType::strike_vertex, .vertex = 0, .impulse_ns = {0, 0, 0.06}};
+  ASSERT_TRUE(table.strike(event, scratch, amplitudes.get()));
+  for (std::size_t c = 0; c < table.columns(); ++c) im[c] -= amplitudes.get()[c];
+  int chunks = 0;
+  while (outcome() == Coupling::Outcome::rendered && chunks < 2000) ++chunks;
+  EXPECT_GT(chunks, 50);
+  EXPECT_LT(chunks, 2000);
+  EXPECT_FALSE(coupling.running());
+  EXPECT_NE(im[*table.column_of(0)], 0) << "the states have what was left";
+  EXPECT_EQ(outcome(), Coupling::Outcome::nothing);
 }
 
 }  // namespace
