@@ -1,6 +1,7 @@
 #include "engine/bake/bake.h"
 
 #include "engine/bake/audibility.h"
+#include "engine/bake/body_nonlinear.h"
 #include "engine/bake/body_modes.h"
 #include "engine/bake/body_shape.h"
 #include "engine/bake/fitted_makeup.h"
@@ -225,6 +226,15 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   body.verified = request.verify;
   body.unknowns = moving.unknowns();
   body.mass = mass_properties(task.unit_mesh, system->node_mass);
+  if (task.options.nonlinear > 0 && body.lambda.size() > 0) {
+    watch.lap();
+    const int count = std::min(task.options.nonlinear, static_cast<int>(body.lambda.size()));
+    Result<NonlinearModes> nonlinear =
+        find_nonlinear(task.unit_mesh, elastic, *system, modes->lambda, modes->shapes, modes->rigid, count, progress);
+    if (!nonlinear) return fail(nonlinear.error());
+    body.nonlinear = std::move(*nonlinear);
+    report.nonlinear_seconds = watch.lap();
+  }
   return body;
 }
 
@@ -245,7 +255,10 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
                               task.options.element, task.material.poisson_ratio,
                               request.tolerance,    task.makeup.key};
   auto kept = cache.find(question, top, request.most_modes);
-  if (kept && kept->errors.size() == kept->lambda.size() && (kept->verified || !request.verify)) {
+  const NonlinearCache terms{ContentCache(task.options.cache)};
+  if (kept && task.options.nonlinear > 0) kept->nonlinear = terms.find(*kept, task.options.nonlinear);
+  if (kept && kept->errors.size() == kept->lambda.size() && (kept->verified || !request.verify) &&
+      (kept->nonlinear || task.options.nonlinear == 0)) {
     report.from_cache = true;
     return std::move(*kept);
   }
@@ -255,7 +268,9 @@ Result<BodyModes> find_body_modes(const Task& task, double top, BakeReport& repo
   const Result<void> stored = cache.store(question, *modes);
   if (!stored) report.cache_trouble = stored.error().message;
   if (stored) (void)cache.expect(question, task.options.family, modes->lambda);
-  return std::move(modes).map(in_band);
+  BodyModes body = in_band(std::move(*modes));
+  if (body.nonlinear && body.nonlinear->modes() <= body.lambda.size()) (void)terms.store(body, *body.nonlinear);
+  return body;
 }
 
 // What the way from the mesh's skin to the body's surface does to each frequency, relative, to first order. Its sign is
@@ -290,6 +305,20 @@ Result<Vec3> add_radiation(const Task& task, const BodyModes& modes, std::vector
   });
   report.radiation_seconds = watch.lap();
   return origin;
+}
+
+void add_nonlinear(const Task& task, const BodyModes& modes, const std::vector<HeardMode>& kept, Baked& baked) {
+  const NonlinearModes& terms = *modes.nonlinear;
+  baked.bank.nonlinear = bank_terms(terms, kept, modes, task.units, measure_shape(task.mesh).thickness_m);
+  if (baked.bank.nonlinear) baked.bank.nonlinear->coupled = static_cast<std::uint32_t>(task.options.coupled);
+  const Eigen::VectorXd own = own_hardening(terms, modes.lambda.head(terms.modes()));
+  baked.report.hardening.assign(own.begin(), own.end());
+  for (const HeardMode& mode : kept) {
+    if (mode.number < terms.modes()) baked.report.hardened.push_back(static_cast<std::size_t>(mode.number));
+  }
+  std::sort(baked.report.hardened.begin(), baked.report.hardened.end());
+  baked.report.membrane_share = terms.membrane_share;
+  baked.report.carried_share = terms.carried_share;
 }
 
 modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes) {
@@ -329,6 +358,9 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   const Task task{mesh, std::move(unit_mesh), mesh::boundary_of(mesh), units, material, options, std::move(*makeup)};
   Result<BodyModes> modes = find_body_modes(task, highest_lambda / units.lambda(), report, progress);
   if (!modes) return fail(modes.error().kind, name + ": " + modes.error().message);
+  if (modes->nonlinear) {
+    if (auto shallow = check_shallow(*modes->nonlinear, name); !shallow) return fail(shallow.error());
+  }
   modes->errors += shape_errors(task, checked.gaps_m, *modes);
   report.unknowns = modes->unknowns;
   report.elements = mesh.elements.rows();
@@ -374,6 +406,7 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   if (radiates) bank.radiation->maps.origin_m = origin_m;
   add_points(bank, length_m * points->positions);
   bank.triangles = points->triangles;
+  if (modes->nonlinear) add_nonlinear(task, *modes, kept, baked);
   for (const double error : points->errors) bank.shape_error.push_back(rounded_error(error));
   report.inaudible = reduced.inaudible;
   report.unimportant = reduced.unimportant;

@@ -30,10 +30,12 @@ struct BakeOptions {
   int keep_modes = 0;             // the most important ones go into the bank; 0: all
   std::optional<modal::Air> air;  // that the modes radiate into (body_radiation.h); nothing: radiation is not computed
   double radiation_error = HUGE_VAL;  // only when no frequency's estimated error is above this
-  double floor_db = 0;                // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
-  std::filesystem::path cache;        // folder of results that bake() may use and add to (ModeCache); empty: none
-  std::string family;  // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
-  Makeup makeup;       // grain, parts and supports
+  int nonlinear = 0;            // how many of the lowest modes bend each other's pitch (nonlinear_modes.h); 0: none
+  int coupled = 0;              // of these, the lowest, exchange energy while they are loud; up to kMaxCoupled
+  double floor_db = 0;          // modes inaudible this far below the loudest are dropped (audibility.h); 0: none
+  std::filesystem::path cache;  // folder of results that bake() may use and add to (ModeCache); empty: none
+  std::string family;           // what relatives of this shape share (ModeCache::expected); empty: the mesh itself
+  Makeup makeup;                // grain, parts and supports
   solve::Method solver = solve::Method::kAutomatic;
   int processes = 2;    // of solve::Method::kSlepc
   bool verify = false;  // asks a second method, and fails when the two disagree (solve::EigenRequest::verify)
@@ -51,7 +53,10 @@ struct BakeReport {
   std::vector<std::string> held;  // what holds the body, and on how large an area
   RadiationReport radiation;
   double assemble_seconds = 0, factor_seconds = 0, iterate_seconds = 0, estimate_seconds = 0, finish_seconds = 0;
-  double radiation_seconds = 0;
+  double radiation_seconds = 0, nonlinear_seconds = 0;
+  std::vector<double> hardening;                 // own_hardening() of the modes that have nonlinear terms, by frequency
+  std::vector<std::size_t> hardened;             // which of these the bank's terms are, in their order
+  double membrane_share = 0, carried_share = 0;  // as in NonlinearModes
   solve::Agreement agreement;  // of the second opinion; of no modes when nothing was solved or none was asked for
   double largest_error = 0;    // estimated, relative, of any mode's frequency in the band, dropped ones included
 };
@@ -65,7 +70,7 @@ struct Baked {
 // importance() but with inaudible ones last (audibility.h), and everything else that a bank holds. Shapes at the sample
 // points are those whose linear interpolation is nearest to the finite elements on the whole surface (sample_points.h);
 // the sign of each is chosen so that its largest component on the surface (the first of equals) is positive. Progress
-// stages: "assemble", "factors", "modes", "errors", "radiation", "finish".
+// stages: "assemble", "factors", "modes", "errors", "nonlinear", "radiation", "finish".
 //
 // With a cache, a body whose shape, Poisson's ratio (or makeup) and element were solved before, up to the band's top or
 // higher, is not solved again: E, density, damping and size rescale exactly (body_modes.h). The bank is the same, byte
@@ -75,6 +80,9 @@ struct Baked {
 //
 // With options.air each mode's far field is computed; what the air takes is then part of its decay, and the bank says
 // what it radiates and how well that is known.
+//
+// With options.nonlinear the bank has the nonlinear terms of that many modes, the lowest, or of all it has; a body that
+// is too deep a shell for them is refused.
 //
 // Errors are estimated from what finer elements would add (fem::frequency_errors) and from what rounding leaves of the
 // rigid motions' zero energy: in meshes of very flat elements that disturbs the lowest modes. Where the mesh's skin

@@ -100,7 +100,10 @@ class Baker {
       if (auto fits = check_memory(cost(), free_memory_bytes(), recipe_.name); !fits)
         return fail(with_question(fits.error()));
       if (auto baked = bake_once(); !baked) return fail(baked.error());
-      if (recipe_.error <= 0 || error() <= recipe_.error) return finished();
+      if (recipe_.error <= 0 || error() <= recipe_.error) {
+        if (auto compared = compare_nonlinear(); !compared) return fail(compared.error());
+        return finished();
+      }
       const Result<bool> refined = refine();
       if (!refined) return fail(refined.error());
       same_mesh = *refined;
@@ -246,6 +249,37 @@ class Baker {
                               .elements = object_.baked.report.elements,
                               .unknowns = object_.baked.report.unknowns,
                               .error = object_.baked.report.largest_error});
+    return {};
+  }
+
+  // Estimates the errors of nonlinear terms: how far a coarser mesh of the same geometry is from them. Leaves them
+  // unknown where no coarser mesh can be made.
+  Result<void> compare_nonlinear() {
+    constexpr double kCoarser = 1.4, kMostElements = 0.85, kMargin = 1.1;
+    modal::Bank& bank = object_.baked.bank;
+    if (!bank.nonlinear || !reader_.meshes() || recipe_.preview) return {};
+    mesh::GmshOptions meshing = recipe_.meshing;
+    const double edge = mean_longest_edge(object_.mesh.mesh);
+    meshing.mesh_size_m = kCoarser * (meshing.mesh_size_m > 0 ? std::min(meshing.mesh_size_m, edge) : edge);
+    meshing.edge_size_m *= kCoarser;
+    Result<mesh::Body> body = reader_.read(meshing, progress());
+    if (!body || static_cast<double>(body->mesh.mesh.elements.rows()) >
+                     kMostElements * static_cast<double>(object_.mesh.mesh.elements.rows())) {
+      return {};
+    }
+    body->mesh.mesh.nodes *= recipe_.scale;
+    BakeOptions options = recipe_.options;
+    options.air.reset();
+    options.shape_error = kPreviewShapeError;
+    double highest_hz = 0;
+    for (const std::uint32_t mode : bank.nonlinear->modes) highest_hz = std::max(highest_hz, bank.frequency_hz[mode]);
+    options.band_high_hz = std::min(options.band_high_hz, kMargin * highest_hz);
+    const Result<Baked> coarse = bake(body->mesh, material_, options, recipe_.name, progress());
+    if (!coarse) return coarse.error().kind == ErrorKind::cancelled ? fail(coarse.error()) : Result<void>();
+    const BakeReport &fine = object_.baked.report, &other = coarse->report;
+    if (other.hardening.size() < fine.hardening.size()) return {};
+    for (const std::size_t mode : fine.hardened)
+      bank.nonlinear->errors.push_back(std::abs(other.hardening[mode] / fine.hardening[mode] - 1));
     return {};
   }
 

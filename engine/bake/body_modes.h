@@ -11,6 +11,7 @@
 // mesh's bounding box.
 #pragma once
 
+#include "engine/bake/nonlinear_modes.h"
 #include "engine/base/content_cache.h"
 #include "engine/fem/assembly.h"
 #include "engine/mesh/tet_mesh.h"
@@ -49,6 +50,7 @@ struct BodyModes {
   std::int64_t unknowns = 0;
   modal::MassProperties mass;  // of density 1
   ModeShares shares;
+  std::optional<NonlinearModes> nonlinear;  // of the first modes, where they were asked for; not in the ModeCache
 };
 
 // The first modes only, those with lambda up to `top`.

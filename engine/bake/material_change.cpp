@@ -97,6 +97,7 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
   }
   for (modal::Vec3f& s : out.shapes) s = {shape * s[0], shape * s[1], shape * s[2]};
   if (out.radiation) out.radiation->maps.origin_m = scale.size * out.radiation->maps.origin_m;
+  if (out.nonlinear) modal::rescale(*out.nonlinear, scale);
   modal::take_modes(out, order);
   for (modal::Vec3f& point : out.positions) point = modal::rescale(point, scale);
   if (out.mass) out.mass = modal::rescale(*out.mass, scale);

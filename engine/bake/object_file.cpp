@@ -44,6 +44,13 @@ void read_options(TomlTable& file, BakeOptions& options) {
   file.number("floor_db", options.floor_db, kFloor_db);
   file.boolean("verify", options.verify);
   read_air(file, options);
+  std::uint64_t nonlinear = 0;
+  file.whole("nonlinear", nonlinear, 0, kMostNonlinearModes);
+  options.nonlinear = static_cast<int>(nonlinear);
+  std::uint64_t coupled = 0;
+  file.whole("coupled", coupled, 0, modal::kMaxCoupled);
+  if (coupled > nonlinear) file.complain("coupled", "coupled modes are among the nonlinear ones: at most as many");
+  options.coupled = static_cast<int>(coupled);
   options.points = points;
   options.keep_modes = static_cast<int>(modes);
 

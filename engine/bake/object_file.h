@@ -18,6 +18,8 @@
 //   floor_db = 60                    # drop what is inaudible this far below the loudest mode; default: nothing
 //   radiation = false                # do not compute what the modes radiate; default true
 //   air = [1.2041, 343.2]            # that they radiate into: density in kg/m^3, speed of sound in m/s; this default
+//   nonlinear = 60                   # so many modes bend each other's pitch (nonlinear_modes.h); default 0
+//   coupled = 40                     # of these, the lowest, exchange energy while they are loud; default 0, up to 64
 //   verify = true                    # have a second solver agree, or fail (solve/second_opinion.h); default false
 //   gain_db = -3                     # the bank's gain, -60 ... 60: how loud beside other objects; default 0
 //   budget_s = 20                    # processor seconds that a bake of it should not exceed; default: none

@@ -21,6 +21,7 @@
 #include "engine/base/vec3.h"
 #include "engine/modal/damping.h"
 #include "engine/modal/losses.h"
+#include "engine/modal/nonlinear.h"
 #include "engine/modal/orthotropy.h"
 #include "engine/modal/radiation_map.h"
 
@@ -88,6 +89,7 @@ struct Bank {
   std::vector<double> decay_per_s;
   std::vector<ModeLoss> losses;
   std::optional<BankRadiation> radiation;
+  std::optional<NonlinearTerms> nonlinear;
   std::vector<double> frequency_error, shape_error;
   std::vector<Vec3f> positions;
   std::vector<Vec3f> shapes;

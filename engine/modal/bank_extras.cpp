@@ -175,6 +175,58 @@ Json radiation_json(const BankRadiation& radiation, GlbWriter& writer) {
   return json;
 }
 
+struct NonlinearReader {
+  const Glb& glb;
+  const Field field;
+  const std::size_t modes;
+  Result<std::optional<NonlinearTerms>> operator()() const;
+};
+
+Result<std::optional<NonlinearTerms>> NonlinearReader::operator()() const {
+  if (!field["bending"].present()) return std::nullopt;
+  const Field list = field["modes"];
+  NonlinearTerms terms;
+  std::vector<bool> named(modes);
+  for (std::size_t i = 0; i < std::min(list.size(), kMaxNonlinearModes + 1); ++i) {
+    const std::size_t mode = list[i].index().value_or(modes);
+    if (mode >= modes || named[mode]) return list[i].wrong("the number of a mode, each once");
+    named[mode] = true;
+    terms.modes.push_back(static_cast<std::uint32_t>(mode));
+  }
+  if (terms.modes.empty() || terms.modes.size() > kMaxNonlinearModes)
+    return list.wrong("a list of 1 to " + std::to_string(kMaxNonlinearModes) + " modes");
+  auto curving = read_floats(glb, field["curving"], 1, kMaxNonlinearFunctions * terms.mode_count());
+  if (!curving) return fail(curving.error());
+  terms.curving = std::move(*curving);
+  auto bending = read_floats(glb, field["bending"], 1, kMaxNonlinearFunctions * terms.pairs());
+  if (!bending) return fail(bending.error());
+  terms.bending = std::move(*bending);
+  const std::size_t functions = terms.function_count();
+  if (functions == 0 || terms.curving.size() != functions * terms.mode_count() ||
+      terms.bending.size() != functions * terms.pairs()) {
+    return fail(ErrorKind::bad_input, field["bending"].path() + " has " + std::to_string(terms.bending.size()) +
+                                          " elements, expected " + std::to_string(functions * terms.pairs()) +
+                                          " (functions times pairs of modes)");
+  }
+  terms.thickness_m = field["thickness"].number().value_or(0);
+  if (!(terms.thickness_m > 0)) return field["thickness"].wrong("more than 0");
+  terms.residual = number_in(field["residual"], 0, 1, 0);
+  terms.coupled = static_cast<std::uint32_t>(std::min<std::size_t>(field["coupled"].index().value_or(0), kMaxCoupled));
+  terms.errors = read_numbers(field["errors"], terms.mode_count());
+  return terms;
+}
+
+Json nonlinear_json(const NonlinearTerms& terms, GlbWriter& writer) {
+  Json json = {{"modes", terms.modes},
+               {"bending", writer.add_floats(terms.bending, 1)},
+               {"curving", writer.add_floats(terms.curving, 1)},
+               {"thickness", terms.thickness_m},
+               {"residual", terms.residual}};
+  if (terms.coupled > 0) json["coupled"] = terms.coupled;
+  if (!terms.errors.empty()) json["errors"] = terms.errors;
+  return json;
+}
+
 }  // namespace
 
 bool rayleigh_reproduces_material(const Bank& bank) {
@@ -203,6 +255,9 @@ Result<void> read_extras(const Glb& glb, const Field& extras, Bank& bank) {
   auto radiation = read_radiation(glb, extras["radiation"], bank.mode_count());
   if (!radiation) return fail(radiation.error());
   bank.radiation = std::move(*radiation);
+  auto nonlinear = NonlinearReader{glb, extras["nonlinear"], bank.mode_count()}();
+  if (!nonlinear) return fail(nonlinear.error());
+  bank.nonlinear = std::move(*nonlinear);
   return {};
 }
 
@@ -216,6 +271,7 @@ Json extras_json(const Bank& bank, GlbWriter& writer) {
   if (bank.material && bank.material->orthotropy) json["orthotropic"] = orthotropy_json(*bank.material->orthotropy);
   if (bank.held) json["held"] = true;
   if (bank.radiation) json["radiation"] = radiation_json(*bank.radiation, writer);
+  if (bank.nonlinear) json["nonlinear"] = nonlinear_json(*bank.nonlinear, writer);
   return json;
 }
 

@@ -141,6 +141,7 @@ Result<void> scale_size(Bank& bank, double s, const std::string& name) {
   for (Vec3f& p : bank.positions) p = {p[0] * length, p[1] * length, p[2] * length};
   for (Vec3f& v : bank.shapes) v = {v[0] * shape, v[1] * shape, v[2] * shape};
   if (bank.radiation) bank.radiation->maps.origin_m = s * bank.radiation->maps.origin_m;
+  if (bank.nonlinear) rescale(*bank.nonlinear, {.size = s});
   if (bank.mass) {
     bank.mass->mass_kg *= s * s * s;
     bank.mass->center_of_mass_m = s * bank.mass->center_of_mass_m;

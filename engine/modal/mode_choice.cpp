@@ -6,8 +6,8 @@ namespace ringdown::modal {
 
 // All members of a bank are named: a new one that holds modes and is not named here would not compile.
 void take_modes(Bank& bank, const std::vector<std::size_t>& order) {
-  auto& [name, frequencies, decays, losses, radiation, errors, shape_errors, positions, shapes, triangles, material,
-         mass, held, gain, provenance] = bank;
+  auto& [name, frequencies, decays, losses, radiation, nonlinear, errors, shape_errors, positions, shapes, triangles,
+         material, mass, held, gain, provenance] = bank;
   const auto take = [&order](auto& list, std::size_t width) {
     if (list.empty()) return;
     std::remove_reference_t<decltype(list)> chosen;
@@ -24,6 +24,8 @@ void take_modes(Bank& bank, const std::vector<std::size_t>& order) {
   take(losses, 1);
   take(errors, 1);
   take(shape_errors, 1);
+  if (nonlinear) take_modes(*nonlinear, order);
+  if (nonlinear && nonlinear->modes.empty()) nonlinear.reset();
   if (!radiation) return;
   auto& [maps, air, radiation_errors, reasons] = *radiation;
   take(maps.modes, 1);

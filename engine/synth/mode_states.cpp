@@ -58,6 +58,14 @@ bool drive_fast(const ModeTable& table, const ModeArrays& all, double* out, std:
   return drive_modes(fast, table.columns() - first, {}, out, frames) <= kAbsurdEnergy;
 }
 
+// Renders the modes that exchange energy, whose states are zero meanwhile. Modes that are heard by gains of their own
+// stay in the kernels, and so do all while modes are muted.
+Coupling::Outcome couple(Coupling& coupling, StateArray& states, bool muting, double* out,
+                         std::size_t frames) RINGDOWN_REALTIME {
+  const bool allowed = !muting && states.for_kernel(0).hearing == nullptr;
+  return coupling.render(states.re(), states.im(), allowed, out, frames);
+}
+
 }  // namespace
 
 ModeStates::ModeStates(const ModeTable& table)
@@ -68,7 +76,9 @@ ModeStates::ModeStates(const ModeTable& table)
       fade_(table),
       late_(table),
       muting_(table),
+      coupling_(table),
       is_(table.groups()) {
+  states_.let_glide();
   slow_.list = sounding_.data();
   fast_.list = sounding_.data() + table.slow_groups();
 }
@@ -78,7 +88,7 @@ void ModeStates::hear(const HeardTime* time) RINGDOWN_REALTIME {
     gains.put(hearing_, time->offset);
     hearing_.rate = time->rate;
     hearing_.bend = time->bend;
-    std::tie(hearing_.log_re, hearing_.log_im) = table_.exponents();
+    std::tie(hearing_.log_re, hearing_.log_im) = states_.exponents();
   } else {
     gains.switch_off();
   }
@@ -100,6 +110,7 @@ void ModeStates::add(const double* amplitudes, double gain, const ModeFactors* e
 void ModeStates::add(ModeStates& other, double gain, const ModeFactors* each) RINGDOWN_REALTIME {
   assert(&table_ == &other.table_);
   other.unmute();
+  if (other.coupling_.give_back(other.states_.re(), other.states_.im())) other.wake();
   if (selective()) {
     return add_to_groups([&](std::uint32_t group) RINGDOWN_REALTIME { states_.add(other.states_, gain, group, each); });
   }
@@ -130,6 +141,8 @@ void ModeStates::add_to_groups(const Add& add_to) RINGDOWN_REALTIME {
 bool ModeStates::take_over(ModeStates& other) RINGDOWN_REALTIME {
   unmute();
   other.unmute();
+  if (coupling_.give_back(states_.re(), states_.im())) wake();
+  if (other.coupling_.give_back(other.states_.re(), other.states_.im())) other.wake();
   bool left = states_.move_from(other.states_);
   left = fade_.move_from(other.fade_) || left;
   if (other.slow_.count + other.fast_.count > 0) wake();
@@ -138,13 +151,17 @@ bool ModeStates::take_over(ModeStates& other) RINGDOWN_REALTIME {
 
 void ModeStates::fade_out(std::size_t frames) RINGDOWN_REALTIME {
   unmute();
+  if (coupling_.give_back(states_.re(), states_.im())) wake();
   fade_.begin(states_, frames);
   rest();
 }
 
 bool ModeStates::render(double* out, std::size_t frames, double floor) RINGDOWN_REALTIME {
+  const Coupling::Outcome coupled = couple(coupling_, states_, selective(), out, frames);
+  if (coupled == Coupling::Outcome::ended) wake();
+  states_.follow(false);
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
-  bool sane = !fade_.running() || fade_.render(out, frames);
+  bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled != Coupling::Outcome::absurd;
   for (ActiveGroups* groups : {&slow_, &fast_}) {
     if (groups->count > 0) sane = render_modes(states_.for_kernel(frames), *groups, limits, out, frames) && sane;
   }
@@ -156,15 +173,18 @@ bool ModeStates::render(double* out, std::size_t frames, double floor) RINGDOWN_
 
 bool ModeStates::render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                                 double floor) RINGDOWN_REALTIME {
+  const Coupling::Outcome coupled = couple(coupling_, states_, selective(), out, frames);
+  if (coupled == Coupling::Outcome::ended) wake();
+  states_.follow(true);
   const EnergyLimits limits{floor * floor, kAbsurdEnergy};
   const ModeArrays all = states_.for_kernel(frames);
-  bool sane = !fade_.running() || fade_.render(out, frames);
+  bool sane = (!fade_.running() || fade_.render(out, frames)) && coupled != Coupling::Outcome::absurd;
   if (fast_.count > 0 && all.hearing != nullptr && all.hearing->rate != 1) {
     sane = drive_fast(table_, all, out, frames) && sane;
   } else if (fast_.count > 0) {
     sane = render_modes(all, fast_, limits, out, frames) && sane;
   }
-  if (slow_.count > 0) sane = add_moments(all, table_.moments(), slow_, frames, limits, targets) && sane;
+  if (slow_.count > 0) sane = add_moments(all, states_.moments(), slow_, frames, limits, targets) && sane;
   if (muting_.changing()) sane = muting_.render_changes(states_, targets, frames) && sane;
   muting_.advance(states_, frames, slow_);
   if (!sane) silence();
@@ -257,6 +277,7 @@ void ModeStates::apply_threshold(std::size_t& allowance, bool at_once) RINGDOWN_
 
 void ModeStates::mute_all(std::size_t frames) RINGDOWN_REALTIME {
   settle();
+  if (coupling_.give_back(states_.re(), states_.im())) wake();
   cut_short_ = true;
   for (std::size_t i = 0; i < slow_.count; ++i) muting_.mute(states_, slow_.list[i]);
   slow_.count = 0;
@@ -281,11 +302,13 @@ void ModeStates::count_levels(LevelHistogram& histogram, Level gain, double floo
 
 void ModeStates::skip(Frame frames) RINGDOWN_REALTIME {
   unmute();
+  if (coupling_.give_back(states_.re(), states_.im())) wake();
   if (frames > 0) states_.skip(static_cast<std::uint64_t>(frames));
 }
 
 void ModeStates::rest() RINGDOWN_REALTIME {
   unmute();
+  if (coupling_.give_back(states_.re(), states_.im())) wake();
   threshold_ = applied_ = kNoThreshold;
   slow_.count = fast_.count = 0;
 }
@@ -330,6 +353,7 @@ void ModeStates::mark() RINGDOWN_REALTIME {
 }
 
 void ModeStates::silence() RINGDOWN_REALTIME {
+  if (coupling_.give_back(states_.re(), states_.im())) wake();
   states_.clear();
   fade_.clear();
   late_.clear();
@@ -353,6 +377,7 @@ double ModeStates::peak_level(Frame rested) const RINGDOWN_REALTIME {
   for (const GroupList* groups : {&muting_.muted, &muting_.leaving, &muting_.entering}) {
     for (const std::uint32_t group : *groups) add(group, muting_.frames_behind(group));
   }
+  sum += coupling_.amplitude();
   if (fade_.running()) sum += fade_.level() * fade_.states().amplitude();
   return sum;
 }

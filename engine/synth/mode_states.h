@@ -10,6 +10,7 @@
 #pragma once
 
 #include "engine/base/realtime.h"
+#include "engine/synth/coupled_modes.h"
 #include "engine/synth/fade_out.h"
 #include "engine/synth/late_strikes.h"
 #include "engine/synth/level_histogram.h"
@@ -57,7 +58,9 @@ class ModeStates {
   // said so before.
   bool render_moments(std::span<const MomentTarget> targets, double* out, std::size_t frames,
                       double floor) RINGDOWN_REALTIME;
-  [[nodiscard]] bool needs_samples() const RINGDOWN_REALTIME { return fast_.count > 0 || fade_.running(); }
+  [[nodiscard]] bool needs_samples() const RINGDOWN_REALTIME {
+    return fast_.count > 0 || fade_.running() || coupling_.possible();
+  }
 
   // How the modes are heard, which changes nothing of what they do: by gains of their own, and in a time that runs
   // `rate` times as fast, which bends by `bend` (Hearing). hear() is called before every function that renders, with
@@ -114,7 +117,7 @@ class ModeStates {
 
   // False once everything has died away below the floor; rendering would then add nothing.
   [[nodiscard]] bool ringing() const RINGDOWN_REALTIME {
-    return slow_.count + fast_.count + muting_.groups() > 0 || fade_.running();
+    return slow_.count + fast_.count + muting_.groups() > 0 || fade_.running() || coupling_.running();
   }
   struct Counts {
     std::size_t sounding = 0, muted = 0;  // modes
@@ -152,6 +155,7 @@ class ModeStates {
   FadeOut fade_;
   LateStrikes late_;
   Muting muting_;
+  Coupling coupling_;
   Level threshold_ = kNoThreshold, applied_ = kNoThreshold;
   bool cut_short_ = false;
   enum class Is : std::uint8_t { resting, sounding, muted };

@@ -2,6 +2,8 @@
 
 #include "engine/modal/added_decay.h"
 #include "engine/modal/contact_pulse.h"
+#include "engine/synth/coupled_modes.h"
+#include "engine/synth/glide.h"
 
 #include <algorithm>
 #include <cmath>
@@ -116,6 +118,11 @@ ModeTable::ModeTable(std::shared_ptr<const modal::StrikeMap> map, const modal::M
   }
   if (slow_modes_ > 0)
     std::fill(band_.begin() + static_cast<std::ptrdiff_t>(slow_modes_), band_.end(), band_[slow_modes_ - 1]);
+  if (!bank().nonlinear) return;
+  std::vector<double> output_per_velocity = weight_;
+  for (double& output : output_per_velocity) output /= modal::shape_factor(material);
+  glide = GlideMatrix::of(*this, material, output_per_velocity);
+  coupled = CoupledTable::of(*this, material, output_per_velocity);
 }
 
 // Fills in the last column.

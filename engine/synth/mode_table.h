@@ -27,6 +27,9 @@
 
 namespace ringdown::synth {
 
+struct GlideMatrix;
+struct CoupledTable;
+
 class ModeTable {
  public:
   // `dampers` are what lies on the object, `modes` those that it has; a pressure of `full_scale_pa` at 1 m becomes an
@@ -98,6 +101,10 @@ class ModeTable {
 
   // Of the object as a whole; nothing when the bank does not say its mass, or it is too large to click.
   [[nodiscard]] const std::optional<ClickShape>& click() const RINGDOWN_REALTIME { return click_; }
+
+  // How its modes detune each other, and which of them may exchange energy; null where the bank does not say.
+  std::shared_ptr<const GlideMatrix> glide;
+  std::shared_ptr<const CoupledTable> coupled;
 
   class InstanceGroup* instances = nullptr;  // of the objects that share this table (instance_group.h) [audio]
 

@@ -65,7 +65,7 @@ bool Muting::render_changes(StateArray& states, double* out, std::size_t frames)
 bool Muting::render_changes(StateArray& states, std::span<const MomentTarget> targets,
                             std::size_t frames) RINGDOWN_REALTIME {
   const ModeArrays all = states.for_kernel(frames);
-  const MomentArrays moments = states.table().moments();
+  const MomentArrays moments = states.moments();
   ActiveGroups going = leaving.active(), coming = entering.active();
   const bool sane = add_moments(all, moments, going, frames, kKeepAllGroups, targets, {1, 0});
   return add_moments(all, moments, coming, frames, kKeepAllGroups, targets, {0, 1}) && sane;

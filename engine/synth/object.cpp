@@ -279,6 +279,7 @@ bool Object::ringing() const RINGDOWN_REALTIME {
 bool Object::can_share(Frame now) const RINGDOWN_REALTIME {
   const Voice* const voice = voices.current();
   const InstanceGroup* const group = voice ? voice->table().instances : nullptr;
+  if (voice && voice->table().glide) return false;  // its pitch depends on its own amplitude
   if (!group || touched || voices.has_tails() || !exciters.all().empty() || voice->counts().fading) return false;
   // Gains are part of the group's sums, and what is absurdly loud should not depend on sharing.
   if (std::abs(strip.final_gain()) > kMaxSharedGain) return false;

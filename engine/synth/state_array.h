@@ -4,12 +4,15 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/aligned_array.h"
+#include "engine/synth/glide.h"
 #include "engine/synth/mode_table.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <utility>
 
 namespace ringdown::synth {
 
@@ -35,7 +38,22 @@ class StateArray {
   [[nodiscard]] ModeArrays for_kernel(std::size_t frames) const RINGDOWN_REALTIME {
     ModeArrays modes = table_.modes(re(), im(), frames);
     modes.hearing = hearing_;
+    if (glide_ && glide_->active()) glide_->apply(modes, frames);
     return modes;
+  }
+  [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME {
+    return glide_ && glide_->active() ? glide_->moments() : table_.moments();
+  }
+  [[nodiscard]] std::pair<const double*, const double*> exponents() const RINGDOWN_REALTIME {
+    return glide_ && glide_->active() ? glide_->exponents() : table_.exponents();
+  }
+  // Lets amplitudes move pitches, where the table's bank says how (glide.h). [worker]
+  void let_glide() {
+    if (table_.glide) glide_ = std::make_unique<Glide>(table_);
+  }
+  // Before each call that renders.
+  void follow(bool moments) RINGDOWN_REALTIME {
+    if (glide_) glide_->follow(re(), im(), moments);
   }
   // By what gains the modes are heard in kernels; null: each by 1. It outlives the array.
   void hear_by(const Hearing* hearing) RINGDOWN_REALTIME { hearing_ = hearing; }
@@ -77,6 +95,7 @@ class StateArray {
 
   const ModeTable& table_;
   const Hearing* hearing_ = nullptr;
+  std::unique_ptr<Glide> glide_;  // null: pitches are the table's
   AlignedArray<double> numbers_;  // real parts of all columns, then imaginary parts
 };
 

@@ -16,6 +16,7 @@ const std::map<std::string, int> kTrusted = {
     {"engine/synth/time_budget.cpp", 1},   // reads the clock: the kernel's page, no system call
     {"engine/synth/worker_pool.cpp", 1},   // runs what its constructor was given and promised
     {"engine/synth/drive_kernel.cpp", 1},  // Highway's choice of an instruction set, a table of functions; so the next
+    {"engine/synth/coupled_kernel.cpp", 1},
     {"engine/synth/direction_kernel.cpp", 1},
     {"engine/synth/heard_moments.cpp", 1},
     {"engine/synth/mix_kernel.cpp", 1},

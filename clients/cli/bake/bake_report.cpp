@@ -50,6 +50,19 @@ void print_radiation(const bake::Baked& baked) {
   std::printf("\n");
 }
 
+void print_nonlinear(const bake::Baked& baked) {
+  const auto& terms = baked.bank.nonlinear;
+  if (!terms) return;
+  std::printf("  nonlinear: %zu modes, %zu functions that leave out %s; membrane's share of a mode up to %s",
+              terms->mode_count(), terms->function_count(), as_percent(terms->residual).c_str(),
+              as_percent(baked.report.membrane_share).c_str());
+  if (const auto spread = modal::error_spread(terms->errors)) {
+    std::printf("; estimated errors of the hardening: median %s, largest %s", as_percent(spread->median).c_str(),
+                as_percent(spread->largest).c_str());
+  }
+  std::printf("\n");
+}
+
 void print_body(const bake::BakedObject& object) {
   std::printf("  %s\n", mesh::text_of(object.making).c_str());
   for (const std::string& note : object.notes) std::printf("    %s\n", note.c_str());
@@ -96,14 +109,17 @@ void print_report(const bake::ObjectRecipe& recipe, const bake::BakedObject& obj
     if (!trouble.empty()) std::printf("  not kept in the cache: %s\n", trouble.c_str());
   }
   std::printf(
-      "  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, errors %.1f, radiation %.1f, finish %.1f; "
+      "  seconds: mesh %.1f, assemble %.1f, factors %.1f, modes %.1f, errors %.1f, nonlinear %.1f, radiation %.1f, "
+      "finish %.1f; "
       "largest "
       "residual "
       "%.1e\n",
       object.mesh_seconds, report.assemble_seconds, report.factor_seconds, report.iterate_seconds,
-      report.estimate_seconds, report.radiation_seconds, report.finish_seconds, bank.provenance.largest_residual);
+      report.estimate_seconds, report.nonlinear_seconds, report.radiation_seconds, report.finish_seconds,
+      bank.provenance.largest_residual);
   print_errors(object);
   print_radiation(object.baked);
+  print_nonlinear(object.baked);
   print_body(object);
   std::fflush(stdout);
   if (!object.question.empty()) protocol::complain("is this size meant? " + object.question, protocol::ExitCode::ok);

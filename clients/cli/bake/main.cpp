@@ -38,7 +38,7 @@ struct Arguments {
   std::optional<std::string> material, name, element, error, shape_error, solver, unit;
   std::optional<double> mesh_size_m, scale;
   std::optional<std::size_t> points;
-  std::optional<int> keep;
+  std::optional<int> keep, nonlinear, coupled;
   std::optional<double> floor_db;
   std::optional<int> processes;
   std::vector<double> band_hz, air;
@@ -104,6 +104,14 @@ void add_options(CLI::App& app, Arguments& arguments, Settings& settings) {
   app.add_option("--floor", arguments.floor_db,
                  "drop modes that no blow makes audible, this many dB below the loudest or masked (default: none)")
       ->check(manual::between(1.0, 200.0));
+  app.add_option(
+         "--nonlinear", arguments.nonlinear,
+         "how many of the lowest modes bend each other's pitch when struck hard; for thin bodies (default: none)")
+      ->check(manual::between(0, bake::kMostNonlinearModes));
+  app.add_option("--coupled", arguments.coupled,
+                 "how many of these, the lowest, exchange energy while they are loud: a gong's build-up, up to half a "
+                 "core for each object (default: none)")
+      ->check(manual::between(0, static_cast<int>(modal::kMaxCoupled)));
   app.add_flag("--radiation", arguments.radiation,
                "compute what each mode radiates, and what the air takes of it: minutes");
   app.add_option(
@@ -174,6 +182,10 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
   if (arguments.points) recipe.options.points = *arguments.points;
   if (arguments.shape_error) recipe.options.shape_error = parse_fraction(*arguments.shape_error).value();
   if (arguments.keep) recipe.options.keep_modes = *arguments.keep;
+  if (arguments.nonlinear) recipe.options.nonlinear = *arguments.nonlinear;
+  if (arguments.coupled) recipe.options.coupled = *arguments.coupled;
+  if (recipe.options.coupled > recipe.options.nonlinear)
+    return fail(ErrorKind::bad_input, "--coupled modes are among the --nonlinear ones: at most as many");
   if (arguments.floor_db) recipe.options.floor_db = *arguments.floor_db;
   if (arguments.error) recipe.error = parse_fraction(*arguments.error).value();
   recipe.preview = arguments.preview;

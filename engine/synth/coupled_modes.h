@@ -1,0 +1,105 @@
+// The build-up of a gong: its lowest modes exchange energy, and their equations are solved sample by sample.
+//
+//   q_m'' + 2 d_m q_m' + omega_m^2 q_m + dV/dq_m = 0,     V = sum over k of [ (g_k . q) t_k + 1/2 t_k^2 ]
+//
+// Each mode keeps its exact pole: q+ = 2 Re(p) q - |p|^2 q- - d V'. V is handled by a scalar auxiliary variable
+// psi = sqrt(2 V + C), which makes an explicit step that cannot gain energy (Shen, Xu & Yang, J. Comput. Phys. 353,
+// 2018; Bilbao, Ducceschi & Zama, J. Comput. Phys. 486, 2023): with g = V'/sqrt(2 V + C) the sum of the modes' discrete
+// energies and psi^2 / 2 is kept to rounding where nothing is lost. Two things keep psi at its true value: C is many
+// times the energy, and a term along the velocity moves energy between psi and the modes without changing the sum.
+//
+// The states z of the mixer and the displacements are two views of one motion: q = Re z / (output per displacement),
+// and the displacement one sample ago is that of z / p. So modes come and go without a click.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/modal/material_scale.h"
+#include "engine/synth/aligned_array.h"
+#include "engine/synth/coupled_kernel.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace ringdown::synth {
+
+class ModeTable;
+
+inline constexpr std::size_t kMaxCoupledModes = 64, kMaxCoupledFunctions = 60;
+
+// What all voices of a table share.
+struct CoupledTable {
+  std::vector<std::uint32_t> columns;           // of the M modes
+  std::vector<double> pole_re, pole_im, omega;  // M: per frame; [rad/s]
+  std::vector<double> output;                   // M: output per displacement
+  std::vector<double> detuning;                 // M: how far |z|^2 = 1 of the mode detunes any other, relative
+  AlignedArray<float> bending, curving;
+  CoupledArrays arrays;
+  double frame_s = 0;
+
+  // Nothing where the bank asks for none (modal::NonlinearTerms::coupled). [worker]
+  static std::shared_ptr<const CoupledTable> of(const ModeTable& table, const modal::MaterialScale& material,
+                                                const std::vector<double>& output_per_velocity);
+};
+
+class CoupledModes {
+ public:
+  // At rest. The table outlives it. [worker]
+  explicit CoupledModes(const CoupledTable& table);
+
+  // From here on: [audio]
+  [[nodiscard]] bool running() const RINGDOWN_REALTIME { return running_; }
+
+  // How far its modes detune each other, relative, by the mixer's states and its own.
+  [[nodiscard]] double strength(const double* re, const double* im) const RINGDOWN_REALTIME;
+
+  // Takes what rings in its modes' states, which become zero.
+  void take(double* re, double* im) RINGDOWN_REALTIME;
+  // Adds `frames` samples to `out` and moves on. False when something is not a number: it has come to rest then.
+  bool render(double* out, std::size_t frames) RINGDOWN_REALTIME;
+  // Gives everything back to the states and comes to rest.
+  void give_back(double* re, double* im) RINGDOWN_REALTIME;
+
+  // The sum of its modes' amplitudes at the output.
+  [[nodiscard]] double amplitude() const RINGDOWN_REALTIME;
+  // The energy of its modes [J], that of psi included; and psi over its true value at the last sample.
+  [[nodiscard]] double energy_j() const RINGDOWN_REALTIME;
+  [[nodiscard]] double psi_over_truth() const RINGDOWN_REALTIME { return psi_over_truth_; }
+
+ private:
+  [[nodiscard]] double state_im(std::size_t m) const RINGDOWN_REALTIME;
+  [[nodiscard]] double linear_energy() const RINGDOWN_REALTIME;
+  double potential_at_middle() RINGDOWN_REALTIME;
+  void step() RINGDOWN_REALTIME;
+
+  const CoupledTable& table_;
+  std::size_t modes_;
+  std::vector<double> now_, before_;                // q of this sample and of the last one
+  std::vector<double> turn_, keep_, push_, stiff_;  // 2 Re p, |p|^2, 2 k^2 / (1 + |p|^2), discrete omega^2
+  AlignedArray<float> place_, gradient_;            // q as the kernel wants it, padded
+  double psi_ = 0, shift_ = 0, psi_over_truth_ = 1;
+  bool running_ = false;
+};
+
+// A voice's coupled modes, if its table has any: when they run. [audio, after construction]
+class Coupling {
+ public:
+  explicit Coupling(const ModeTable& table);
+
+  [[nodiscard]] bool possible() const RINGDOWN_REALTIME { return modes_ != nullptr; }
+  [[nodiscard]] bool running() const RINGDOWN_REALTIME { return modes_ && modes_->running(); }
+  [[nodiscard]] double amplitude() const RINGDOWN_REALTIME { return running() ? modes_->amplitude() : 0.0; }
+
+  // Takes over what rings in the states while that is loud enough and `allowed`, and adds its sound to `out`; else
+  // gives it back, and says `ended` when it did.
+  enum class Outcome : std::uint8_t { nothing, rendered, ended, absurd };
+  Outcome render(double* re, double* im, bool allowed, double* out, std::size_t frames) RINGDOWN_REALTIME;
+  // True when something was given back, whose modes are to sound from the states again.
+  bool give_back(double* re, double* im) RINGDOWN_REALTIME;
+
+ private:
+  std::unique_ptr<CoupledModes> modes_;
+};
+
+}  // namespace ringdown::synth

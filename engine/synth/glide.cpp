@@ -1,0 +1,242 @@
+#include "engine/synth/glide.h"
+
+#include "engine/modal/nonlinear.h"
+#include "engine/synth/mode_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace ringdown::synth {
+namespace {
+
+constexpr double kPerBand = std::numbers::pi / static_cast<double>(kChunkFrames);
+constexpr double kSamePitch = 2e-5;           // relative: 0.035 cents, below which a mode is left where it is
+constexpr float kGrowth = 1.05F;              // of the sound, from which all modes are looked at
+constexpr float kFastChange = 6e-4F;          // relative, in one call: a cent
+constexpr double kLeastX = -0.5, kMostX = 3;  // pitches from 0.7 to 2 times their own
+
+// x from x0: as glide.h derives it.
+double at_energy(double x0) RINGDOWN_REALTIME {
+  if (x0 <= 0) return std::max(x0, kLeastX);
+  return std::min(0.75 * (std::sqrt(1 + 8.0 / 3 * x0) - 1), kMostX);
+}
+
+}  // namespace
+
+std::vector<GlidingMode> GlideMatrix::lowest(const ModeTable& table, const modal::MaterialScale& material,
+                                             const std::vector<double>& output_per_velocity, std::size_t most) {
+  const modal::Bank& bank = table.bank();
+  std::vector<GlidingMode> modes;
+  for (std::size_t i = 0; i < table.playable_modes(); ++i) {
+    const std::size_t mode = table.mode_of(i);
+    const auto& named = bank.nonlinear->modes;
+    if (std::find(named.begin(), named.end(), mode) == named.end() || !(output_per_velocity[i] > 0)) continue;
+    modes.push_back({std::sqrt(modal::undamped_lambda(modal::rescale(bank, mode, material))), mode, i});
+  }
+  std::sort(modes.begin(), modes.end(),
+            [](const GlidingMode& a, const GlidingMode& b) { return a.omega_rad_s < b.omega_rad_s; });
+  modes.resize(std::min(modes.size(), most));
+  return modes;
+}
+
+std::shared_ptr<const GlideMatrix> GlideMatrix::of(const ModeTable& table, const modal::MaterialScale& material,
+                                                   const std::vector<double>& output_per_velocity) {
+  const modal::Bank& bank = table.bank();
+  if (!bank.nonlinear) return nullptr;
+  const std::vector<GlidingMode> gliding = lowest(table, material, output_per_velocity, kMaxGlidingModes);
+  if (gliding.empty()) return nullptr;
+
+  std::vector<std::size_t> order;
+  for (const GlidingMode& mode : gliding) order.push_back(mode.mode);
+  modal::NonlinearTerms terms = *bank.nonlinear;
+  modal::take_modes(terms, order);
+  modal::rescale(terms, material);
+  const std::size_t n = gliding.size();
+  std::vector<double> omega(n);
+  for (std::size_t i = 0; i < n; ++i) omega[i] = gliding[terms.modes[i]].omega_rad_s;
+  const std::vector<double> b = modal::detuning(terms, omega);
+
+  auto matrix = std::make_shared<GlideMatrix>();
+  matrix->relative.resize(n * n);
+  matrix->reach.assign(n, 0);
+  for (std::size_t l = 0; l < n; ++l) {
+    const std::size_t playable = gliding[terms.modes[l]].playable;
+    matrix->columns.push_back(static_cast<std::uint32_t>(table.column(playable)));
+    const double displacement = 1 / (omega[l] * output_per_velocity[playable]);
+    for (std::size_t m = 0; m < n; ++m) {
+      const double x = 2 * b[m * n + l] * displacement * displacement / omega[m];
+      matrix->relative[m * n + l] = static_cast<float>(x);
+      matrix->reach[l] = std::max(matrix->reach[l], static_cast<float>(std::abs(0.5 * x)));
+    }
+  }
+  return matrix;
+}
+
+Glide::Glide(const ModeTable& table)
+    : table_(table),
+      matrix_(*table.glide),
+      columns_(table.columns()),
+      mode_of_(columns_, -1),
+      squares_(matrix_.columns.size()),
+      delta_(columns_),
+      rows_(aligned_zeros<double>(kRows * columns_)),
+      strides_(aligned_zeros<float>(2 * columns_)),
+      runs_(aligned_zeros<float>(columns_ * 2 * kRun)),
+      weights_(aligned_zeros<float>(columns_ * 2 * kMoments)),
+      band_(columns_) {
+  for (std::size_t m = 0; m < matrix_.columns.size(); ++m) {
+    mode_of_[matrix_.columns[m]] = static_cast<std::int32_t>(m);
+    groups_.push_back(matrix_.columns[m] / static_cast<std::uint32_t>(kModePadding));
+  }
+  std::sort(groups_.begin(), groups_.end());
+  groups_.erase(std::unique(groups_.begin(), groups_.end()), groups_.end());
+  const ModeArrays modes = table.modes(nullptr, nullptr, kChunkFrames);
+  const auto [log_re, log_im] = table.exponents();
+  std::copy_n(modes.pole_re, columns_, row(pole_re));
+  std::copy_n(modes.pole_im, columns_, row(pole_im));
+  std::copy_n(modes.advance_re, columns_, row(full_re));
+  std::copy_n(modes.advance_im, columns_, row(full_im));
+  std::copy_n(log_re, columns_, row(exponent_re));
+  std::copy_n(log_im, columns_, row(exponent_im));
+  std::copy_n(modes.stride_re, columns_, strides_.get());
+  std::copy_n(modes.stride_im, columns_, strides_.get() + columns_);
+  std::copy_n(modes.runs, columns_ * 2 * kRun, runs_.get());
+  const MomentArrays moments = table.moments();
+  std::copy_n(moments.weights, columns_ * 2 * kMoments, weights_.get());
+  std::copy_n(moments.band, columns_, band_.data());
+}
+
+void Glide::follow(const double* re, const double* im, bool moments) RINGDOWN_REALTIME {
+  const std::size_t n = squares_.size();
+  const std::uint32_t* const columns = matrix_.columns.data();
+  const float* const reach = matrix_.reach.data();
+  float* const squares = squares_.data();
+  float total = 0;
+  for (std::size_t l = 0; l < n; ++l) {
+    const std::uint32_t c = columns[l];
+    squares[l] = static_cast<float>(re[c] * re[c] + im[c] * im[c]);
+    total += reach[l] * squares[l];
+  }
+  const bool begins = !active_;
+  if (begins && !(total > kLeastDetuning)) return;
+  if (!begins && !(total > 0.5F * kLeastDetuning)) {
+    active_ = false;
+    return;
+  }
+  const bool anew = begins || moments != moments_;
+  const float change = std::abs(total - total_);
+  const bool all = anew || total > kGrowth * total_;
+  active_ = true, moments_ = moments, total_ = total;
+  const std::size_t most = groups_.size();
+  const auto share = static_cast<std::size_t>(static_cast<float>(most) * std::min(change / kFastChange, 1.0F));
+  const std::size_t count = all ? most : std::min(most, 1 + share);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (next_ >= most) next_ = 0;
+    look_at_group(next_++, anew);
+  }
+}
+
+void Glide::look_at_group(std::size_t which, bool anew) RINGDOWN_REALTIME {
+  const std::size_t n = squares_.size(), first = std::size_t{groups_.data()[which]} * kModePadding;
+  const double* const own_im = table_.exponents().second;
+  bool moved = false;
+  for (std::size_t c = first; c < first + kModePadding; ++c) {
+    const std::int32_t m = mode_of_.data()[c];
+    if (m < 0) continue;
+    const float* const row = matrix_.relative.data() + static_cast<std::size_t>(m) * n;
+    const float* const squares = squares_.data();
+    float sums[8] = {};
+    std::size_t l = 0;
+    for (; l + 8 <= n; l += 8) {
+      for (std::size_t i = 0; i < 8; ++i) sums[i] += row[l + i] * squares[l + i];
+    }
+    for (; l < n; ++l) sums[0] += row[l] * squares[l];
+    const float x0 = ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+    const double omega = own_im[c], x = at_energy(static_cast<double>(x0));
+    const double delta = std::min(omega * (std::sqrt(1 + x) - 1), 0.999 * std::numbers::pi - omega);
+    if (!anew && std::abs(delta - delta_.data()[c]) < kSamePitch * omega) continue;
+    move(c, delta);
+    moved = true;
+  }
+  if (!moved || !moments_ || first >= table_.slow_groups() * kModePadding) return;
+  // The kernel takes a group to lie in one band when its first and last modes do.
+  const std::uint16_t* const band = band_.data() + first;
+  if (band[0] != band[kModePadding - 1]) return;
+  if (std::all_of(band, band + kModePadding, [&](std::uint16_t b) RINGDOWN_REALTIME { return b == band[0]; })) return;
+  const bool above = row(exponent_im)[first] > band[0] * kPerBand;
+  const std::uint16_t other = above || band[0] == 0 ? band[0] + 1 : band[0] - 1;
+  weigh(first, std::min<std::uint16_t>(other, kBands - 1));
+}
+
+// Moves a mode to `delta` above its own pitch: its pole, and what the kind of call in use reads.
+void Glide::move(std::size_t c, double delta) RINGDOWN_REALTIME {
+  using Complex = std::complex<double>;
+  delta_.data()[c] = delta;
+  const ModeArrays own = table_.modes(nullptr, nullptr, kChunkFrames);
+  const auto [own_re, own_im] = table_.exponents();
+  const auto times = [](double a_re, double a_im, double b_re, double b_im)
+                         RINGDOWN_REALTIME { return Complex(a_re * b_re - a_im * b_im, a_re * b_im + a_im * b_re); };
+  const double turn_re = std::cos(delta), turn_im = std::sin(delta);
+  Complex turn(turn_re, turn_im), stride_turn, full_turn;
+  for (std::size_t power = 2; power <= kChunkFrames; power *= 2) {
+    turn = times(turn.real(), turn.imag(), turn.real(), turn.imag());
+    if (power == kRun) stride_turn = turn;
+  }
+  full_turn = turn;
+  row(exponent_re)[c] = own_re[c];
+  row(exponent_im)[c] = own_im[c] + delta;
+  const Complex pole = times(own.pole_re[c], own.pole_im[c], turn_re, turn_im);
+  const Complex full = times(own.advance_re[c], own.advance_im[c], full_turn.real(), full_turn.imag());
+  row(pole_re)[c] = pole.real(), row(pole_im)[c] = pole.imag();
+  row(full_re)[c] = full.real(), row(full_im)[c] = full.imag();
+  if (moments_ && c < table_.slow_groups() * kModePadding) {
+    const long band = std::lround((own_im[c] + delta) / kPerBand);
+    return weigh(c, static_cast<std::uint16_t>(std::min<long>(band, kBands - 1)));
+  }
+  const Complex stride = times(static_cast<double>(own.stride_re[c]), static_cast<double>(own.stride_im[c]),
+                               stride_turn.real(), stride_turn.imag());
+  strides_.get()[c] = static_cast<float>(stride.real());
+  strides_.get()[columns_ + c] = static_cast<float>(stride.imag());
+  const float* const from = own.runs + c * 2 * kRun;
+  float* const to = runs_.get() + c * 2 * kRun;
+  double re = 1, im = 0;
+  for (std::size_t l = 0; l < kRun; ++l) {  // a run keeps Re(p^l) and -Im(p^l)
+    const Complex power = times(static_cast<double>(from[l]), -static_cast<double>(from[kRun + l]), re, im);
+    to[l] = static_cast<float>(power.real());
+    to[kRun + l] = static_cast<float>(-power.imag());
+    const Complex next = times(re, im, turn_re, turn_im);
+    re = next.real(), im = next.imag();
+  }
+}
+
+// The weights of moments.h for the mode's exponent, seen from the centre of `band`.
+void Glide::weigh(std::size_t c, std::uint16_t band) RINGDOWN_REALTIME {
+  const double delta_re = row(exponent_re)[c] * kMomentScale;
+  const double delta_im = (row(exponent_im)[c] - band * kPerBand) * kMomentScale;
+  const double size = std::exp(delta_re * (kMomentMiddle / kMomentScale));
+  const double angle = delta_im * (kMomentMiddle / kMomentScale);
+  double re = size * std::cos(angle), im = size * std::sin(angle);
+  float* const weights = weights_.get() + c * 2 * kMoments;
+  const double x_re = delta_re + kMomentDecay;
+  for (std::size_t p = 0; p < kMoments; ++p) {
+    weights[p] = static_cast<float>(re);
+    weights[kMoments + p] = static_cast<float>(im);
+    const double next = re * x_re - im * delta_im;
+    im = re * delta_im + im * x_re;
+    re = next;
+  }
+  band_.data()[c] = band;
+}
+
+void Glide::apply(ModeArrays& modes, std::size_t frames) const RINGDOWN_REALTIME {
+  modes.pole_re = row(pole_re), modes.pole_im = row(pole_im);
+  const bool full = frames == kChunkFrames;
+  modes.advance_re = full ? row(full_re) : nullptr;
+  modes.advance_im = full ? row(full_im) : nullptr;
+  modes.stride_re = strides_.get(), modes.stride_im = strides_.get() + columns_;
+  modes.runs = runs_.get();
+}
+
+}  // namespace ringdown::synth

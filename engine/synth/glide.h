@@ -1,0 +1,98 @@
+// Thin objects glide: the harder they were struck, the higher (or lower) they sound until they have calmed down.
+//
+// Each chunk, mode m of a bank with nonlinear terms turns by delta_m per frame faster than it would alone, where
+// delta_m follows from all amplitudes (modal/nonlinear.h: detuning). Only phases are moved: amplitudes, decay and
+// energy stay as they are. To second order x = 2 delta / omega = sum of 2 B_ml v_l^2 / (omega_l^2 omega_m), with v_l a
+// mode's velocity. A mode that stiffens moves less far at the same energy, so that this x0 becomes
+//
+//   x = 3/4 (sqrt(1 + 8/3 x0) - 1),   omega' = omega sqrt(1 + x)
+//
+// which is harmonic balance of Duffing's oscillator at given energy, and agrees to first order.
+//
+// The matrix belongs to the table that voices share; a Glide is one voice's, with poles and tables of its own that the
+// kernels are given in place of the table's as soon as a mode is detuned by more than kLeastDetuning.
+#pragma once
+
+#include "engine/base/realtime.h"
+#include "engine/modal/material_scale.h"
+#include "engine/synth/aligned_array.h"
+#include "engine/synth/mode_kernel.h"
+#include "engine/synth/moments.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace ringdown::synth {
+
+class ModeTable;
+
+inline constexpr std::size_t kMaxGlidingModes = 100;  // the lowest; M^2 numbers, and 8 M^3 bytes while a table is made
+inline constexpr float kLeastDetuning = 1e-5F;        // relative: 0.017 cents
+
+// A mode that is played and has nonlinear terms.
+struct GlidingMode {
+  double omega_rad_s;          // undamped
+  std::size_t mode, playable;  // its number in the bank and in the table
+};
+
+// What detunes what, in terms of a table's columns.
+struct GlideMatrix {
+  std::vector<std::uint32_t> columns;  // of the n gliding modes
+  std::vector<float> relative;         // n x n: x0 of mode m for a state z_l of 1, row m after row
+  std::vector<float> reach;            // n: the largest of them in column l
+
+  // Nothing where the bank has no terms or none of their modes is played. `output_per_velocity` has one number for each
+  // playable mode of the table. [worker]
+  static std::shared_ptr<const GlideMatrix> of(const ModeTable& table, const modal::MaterialScale& material,
+                                               const std::vector<double>& output_per_velocity);
+
+  // The lowest modes with terms, at most `most`, ascending; those that make no sound are left out. [worker]
+  static std::vector<GlidingMode> lowest(const ModeTable& table, const modal::MaterialScale& material,
+                                         const std::vector<double>& output_per_velocity, std::size_t most);
+};
+
+class Glide {
+ public:
+  // The table outlives it and has a matrix. [worker]
+  explicit Glide(const ModeTable& table);
+
+  // From here on: [audio]
+
+  // Looks at the states before a call renders `moments` or tables, and finds the pitches anew where they have changed.
+  // When the sound grows all modes are looked at, else a few groups at a time, more while pitches move fast.
+  void follow(const double* re, const double* im, bool moments) RINGDOWN_REALTIME;
+
+  [[nodiscard]] bool active() const RINGDOWN_REALTIME { return active_; }
+  // Gives a kernel the moved poles and tables for a call of `frames`. While active().
+  void apply(ModeArrays& modes, std::size_t frames) const RINGDOWN_REALTIME;
+  [[nodiscard]] MomentArrays moments() const RINGDOWN_REALTIME { return {band_.data(), weights_.get()}; }
+  [[nodiscard]] std::pair<const double*, const double*> exponents() const RINGDOWN_REALTIME {
+    return {row(exponent_re), row(exponent_im)};
+  }
+
+ private:
+  enum Row { pole_re, pole_im, full_re, full_im, exponent_re, exponent_im, kRows };
+  [[nodiscard]] double* row(Row which) const RINGDOWN_REALTIME { return rows_.get() + which * columns_; }
+  void look_at_group(std::size_t which, bool anew) RINGDOWN_REALTIME;
+  void move(std::size_t column, double delta) RINGDOWN_REALTIME;
+  void weigh(std::size_t column, std::uint16_t band) RINGDOWN_REALTIME;
+
+  const ModeTable& table_;
+  const GlideMatrix& matrix_;
+  std::size_t columns_;
+  std::vector<std::uint32_t> groups_;  // with gliding modes
+  std::vector<std::int32_t> mode_of_;  // of each column: its row of the matrix, or -1
+  std::vector<float> squares_;         // |z|^2 of the gliding modes
+  std::vector<double> delta_;          // of each column [rad/frame]
+  AlignedArray<double> rows_;          // kRows x columns
+  AlignedArray<float> strides_, runs_, weights_;
+  std::vector<std::uint16_t> band_;
+  float total_ = 0;
+  std::size_t next_ = 0;  // in groups_
+  bool active_ = false, moments_ = false;
+};
+
+}  // namespace ringdown::synth
