@@ -244,7 +244,7 @@ def main():
         print("|---|---|---|---|---|---|")
     for name, thing in THINGS.items():
         limits, seconds = thing["limits"], thing["seconds"]
-        samples, other = recording(thing, 0), recording(thing, 1)
+        samples, other = recording(thing, 0), recording(thing, 1)[: int((ONSET + 0.8) * RATE)]
         path, bank = folder / f"{name}.wav", folder / f"{name}.glb"
         write(path, samples)
         ran = fit(program, path, bank, options)
