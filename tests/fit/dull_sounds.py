@@ -90,7 +90,7 @@ THINGS = {
         scattered=(14, 700, 12000, 0.9, 0.4), click=dict(t60=0.006, slope=-3, level=0.15),
     ),
     "pad-in-a-room": dict(
-        seed=7, floor_db=-55, limits=(4.2, 4.9), seconds=1.0, room=(0.35, 0.35),
+        seed=7, floor_db=-55, limits=(4.3, 5.6), seconds=1.0, room=(0.35, 0.35),
         modes=[(260, 0.04, 1), (690, 0.025, 0.7), (1700, 0.012, 0.4)], click=dict(t60=0.01, slope=-5, level=0.3),
     ),
     "skillet-clipped": dict(
@@ -244,7 +244,7 @@ def main():
         print("|---|---|---|---|---|---|")
     for name, thing in THINGS.items():
         limits, seconds = thing["limits"], thing["seconds"]
-        samples, other = recording(thing, 0), recording(thing, 1)
+        samples, other = recording(thing, 0), recording(thing, 1)[: int((ONSET + 0.8) * RATE)]
         path, bank = folder / f"{name}.wav", folder / f"{name}.glb"
         write(path, samples)
         ran = fit(program, path, bank, options)

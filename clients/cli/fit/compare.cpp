@@ -5,7 +5,6 @@
 #include "engine/base/child_process.h"
 #include "engine/base/folders.h"
 #include "engine/base/output_file.h"
-#include "engine/base/quote.h"
 #include "engine/fit/band_powers.h"
 #include "engine/fit/burst.h"
 #include "engine/fit/comparison.h"
@@ -20,6 +19,7 @@
 #include <cmath>
 #include <cstdio>
 #include <set>
+#include <unistd.h>
 
 namespace {
 
@@ -96,25 +96,50 @@ Result<Inputs> find_inputs(const fs::path& folder) {
   return inputs;
 }
 
-// Bakes the shape with this Poisson's ratio, or the material's own.
-Result<modal::Bank> baked(const Inputs& inputs, const CompareArguments& arguments, const fs::path& to,
-                          std::optional<double> nu) {
-  const Result<fs::path> program = find_beside("ringdown-bake");
-  if (!program) return fail(program.error());
-  ChildRequest request{
-      .command = {program->string(), inputs.shape.string(), "-o", to.string(), "--quiet", "--band", "20",
-                  std::to_string(std::exp2(arguments.match.most_tuning_cents / 1200) * arguments.top_hz)}};
-  const auto add = [&request](const std::string& option, const std::string& value) {
-    request.command.insert(request.command.end(), {option, value});
-  };
-  if (!arguments.material.empty()) add("--material", arguments.material);
-  if (!arguments.materials.empty()) add("--materials", arguments.materials.string());
-  if (nu) add("--set-material", "poisson_ratio=" + std::to_string(*nu));
-  const Result<ChildOutcome> done = run_child(request);
-  if (!done) return fail(done.error());
-  if (done->exit_code != 0) return fail(ErrorKind::bad_input, last_line(done->errors));
-  return modal::read_bank(to);
-}
+// Bakes the shape again and again, and says how far it is.
+class Baker {
+ public:
+  Baker(const Inputs& inputs, const CompareArguments& arguments, fs::path folder, std::stop_token stop)
+      : inputs_(inputs),
+        arguments_(arguments),
+        folder_(std::move(folder)),
+        stop_(std::move(stop)),
+        line_("ringdown-compare",
+              isatty(STDERR_FILENO) == 1 ? cli::ProgressLine::Style::bar : cli::ProgressLine::Style::none) {}
+
+  // With this Poisson's ratio, or the material's own.
+  Result<modal::Bank> bake(std::optional<double> nu) {
+    constexpr double kBakes = 11;
+    const Result<fs::path> program = find_beside("ringdown-bake");
+    if (!program) return fail(program.error());
+    const fs::path to = folder_ / "baked.glb";
+    const double top_hz = std::exp2(arguments_.match.most_tuning_cents / 1200) * arguments_.top_hz;
+    ChildRequest request{.command = {program->string(), inputs_.shape.string(), "-o", to.string(), "--quiet", "--band",
+                                     "20", std::to_string(top_hz)},
+                         .keep_going = [this] { return !stop_.stop_requested(); }};
+    const auto add = [&request](const std::string& option, const std::string& value) {
+      request.command.insert(request.command.end(), {option, value});
+    };
+    if (!arguments_.material.empty()) add("--material", arguments_.material);
+    if (!arguments_.materials.empty()) add("--materials", arguments_.materials.string());
+    if (nu) add("--set-material", "poisson_ratio=" + std::to_string(*nu));
+    line_.show("baking " + std::to_string(done_ + 1), arguments_.keep_nu ? 0 : done_ / kBakes);
+    ++done_;
+    const Result<ChildOutcome> done = run_child(request);
+    if (!done) return fail(done.error());
+    if (done->stopped) return fail(ErrorKind::cancelled, "cancelled; nothing was written");
+    if (done->exit_code != 0) return fail(ErrorKind::bad_input, last_line(done->errors));
+    return modal::read_bank(to);
+  }
+
+ private:
+  const Inputs& inputs_;
+  const CompareArguments& arguments_;
+  fs::path folder_;
+  std::stop_token stop_;
+  cli::ProgressLine line_;
+  int done_ = 0;
+};
 
 Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const CompareArguments& arguments) {
   std::vector<cli::ComparedSound> sounds;
@@ -135,44 +160,41 @@ Result<std::vector<cli::ComparedSound>> read_sounds(const Inputs& inputs, const 
 }
 
 // Bakes with three ratios around `middle`, and chooses between them.
-Result<fit::NuChoice> choose_between(const Inputs& inputs, const CompareArguments& arguments, const fs::path& folder,
-                                     std::span<const fit::Mode> heard, double middle, double aside,
-                                     double around_cents) {
+Result<fit::NuChoice> choose_between(Baker& baker, fit::CalibrateOptions match, std::span<const fit::Mode> heard,
+                                     double middle, double aside, double around_cents) {
   constexpr double kLeast = 0.02, kMost = 0.47;
   const double centre = std::clamp(middle, kLeast + aside, kMost - aside);
   std::array<modal::Bank, 3> banks;
   std::array<fit::NuBank, 3> choices{};
   for (std::size_t i = 0; i < 3; ++i) {
     const double nu = centre + aside * (static_cast<double>(i) - 1);
-    Result<modal::Bank> bank = baked(inputs, arguments, folder / "other.glb", nu);
+    Result<modal::Bank> bank = baker.bake(nu);
     if (!bank) return fail(bank.error());
     banks[i] = std::move(*bank);
     choices[i] = {nu, &banks[i]};
   }
-  fit::CalibrateOptions match = arguments.match;
   if (around_cents != 0) match.most_tuning_cents = 2 * match.tolerance_cents, match.around_cents = around_cents;
   return fit::choose_nu(heard, choices, match);
 }
 
 // The bank at the Poisson's ratio that the recordings ask for, or at the material's own where they do not tell.
-Result<void> find_bank(const Inputs& inputs, const CompareArguments& arguments, const fs::path& folder,
-                       cli::Comparison& c, double& around_cents) {
+Result<void> find_bank(Baker& baker, const CompareArguments& arguments, cli::Comparison& c, double& around_cents) {
   constexpr double kMiddle = 0.25;  // of what solids have
-  Result<modal::Bank> own = baked(inputs, arguments, folder / "own.glb", std::nullopt);
+  Result<modal::Bank> own = baker.bake(std::nullopt);
   if (!own) return fail(own.error());
-  if (!own->material) return fail(ErrorKind::bad_input, "the bank of " + inputs.shape.string() + " has no material");
+  if (!own->material) return fail(ErrorKind::bad_input, "the bank of " + c.name + " has no material");
   c.material = own->material->name;
   c.poisson_ratio = c.given_poisson_ratio = own->material->poisson_ratio;
   c.bank = *own;
   if (arguments.keep_nu) return {};
   Result<fit::NuChoice> choice = fit::NuChoice{.poisson_ratio = kMiddle};
   for (const double aside : {0.2, 0.06, 0.03}) {
-    choice = choose_between(inputs, arguments, folder, c.heard, choice->poisson_ratio, aside, around_cents);
+    choice = choose_between(baker, arguments.match, c.heard, choice->poisson_ratio, aside, around_cents);
     if (!choice) return fail(choice.error());
     around_cents = choice->tuning_cents;
   }
   if (!choice->told) return {};
-  Result<modal::Bank> best = baked(inputs, arguments, folder / "best.glb", choice->poisson_ratio);
+  Result<modal::Bank> best = baker.bake(choice->poisson_ratio);
   if (!best) return fail(best.error());
   around_cents = choice->tuning_cents;
   c.nu_told = true;
@@ -222,8 +244,10 @@ ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   const PrivateFolder folder("ringdown-compare");
   if (folder.path().empty()) return complain({ErrorKind::input_output, "cannot make a folder for temporary files"});
   double around_cents = 0;
-  if (const auto found = find_bank(*inputs, arguments, folder.path(), c, around_cents); !found) {
-    return complain(found.error());
+  {
+    Baker baker(*inputs, arguments, folder.path(), stop);
+    const auto found = find_bank(baker, arguments, c, around_cents);
+    if (!found) return complain(found.error());
   }
   if (around_cents != 0) {  // where E/rho and nu were searched together
     arguments.match.around_cents = around_cents;
