@@ -32,7 +32,8 @@ double size_of(const Along& a) RINGDOWN_REALTIME {
 Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const Along& free_m,
                                  const AlongCompliance& compliance_m_n, double step_s) RINGDOWN_REALTIME {
   const double most_n = law.static_coefficient * normal_n;
-  if (!(most_n > 0)) {
+  constexpr double kLeast_n = 1e-12;  // less would bend bristles by denormal numbers
+  if (!(most_n > kLeast_n)) {
     release();
     return {};
   }
