@@ -32,7 +32,8 @@ double size_of(const Along& a) RINGDOWN_REALTIME {
 Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const Along& free_m,
                                  const AlongCompliance& compliance_m_n, double step_s) RINGDOWN_REALTIME {
   const double most_n = law.static_coefficient * normal_n;
-  if (!(most_n > 0)) {
+  constexpr double kLeast_n = 1e-12;  // less would bend bristles by denormal numbers
+  if (!(most_n > kLeast_n)) {
     release();
     return {};
   }
@@ -111,12 +112,14 @@ Friction::Step Friction::foresee(const FrictionLaw& law, double normal_n, const 
     }
   }
   rate_ = trial.rate;
+  rubs_ = true;
   return {trial.at_rest,
           trial.per_m,
           {trial.at_rest[0] + trial.per_m * trial.slide_m[0], trial.at_rest[1] + trial.per_m * trial.slide_m[1]}};
 }
 
 void Friction::advance(const Along& by_m, double step_s) RINGDOWN_REALTIME {
+  if (!rubs_) return;
   const double keep = 1 / (1 + rate_ * step_s);
   bend_ = {keep * (bend_[0] + by_m[0]), keep * (bend_[1] + by_m[1])};
   slip_m_s_ = size_of(by_m) / step_s;

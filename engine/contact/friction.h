@@ -49,7 +49,7 @@ class Friction {
   void advance(const Along& by_m, double step_s) RINGDOWN_REALTIME;
   // Bristles become `by` times as stiff: the force stays, or falls where it would take energy to keep it.
   void stiffen(double by) RINGDOWN_REALTIME;
-  void release() RINGDOWN_REALTIME { bend_ = {}, slip_m_s_ = 0, rate_ = 0; }
+  void release() RINGDOWN_REALTIME { bend_ = {}, slip_m_s_ = 0, rate_ = 0, rubs_ = false; }
 
   [[nodiscard]] double energy_j(const FrictionLaw& law) const RINGDOWN_REALTIME {
     return 0.5 * law.bristle_n_m * (bend_[0] * bend_[0] + bend_[1] * bend_[1]);
@@ -60,6 +60,7 @@ class Friction {
   Along bend_{};         // z [m]
   double slip_m_s_ = 0;  // speed in the last step
   double rate_ = 0;      // alpha |v| / z_ss of the foreseen step [1/s]
+  bool rubs_ = false;    // in the foreseen step
 };
 
 }  // namespace ringdown::contact

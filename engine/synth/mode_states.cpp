@@ -221,19 +221,6 @@ bool ModeStates::render_late(double* out, std::size_t frames,
   return sane;
 }
 
-bool ModeStates::render_touched(const ModeArrays& stepped, std::span<const Force> forces,
-                                std::span<const PortForce> ports, double* out, std::size_t frames,
-                                std::size_t substeps) RINGDOWN_REALTIME {
-  wake();
-  threshold_ = applied_ = kNoThreshold;
-  ModeArrays all = states_.for_kernel(0);
-  all.pole_re = stepped.pole_re, all.pole_im = stepped.pole_im;
-  bool sane = !fade_.running() || fade_.render(out, frames);
-  sane = drive_touched(all, table_.columns(), forces, ports, out, frames, substeps) <= kAbsurdEnergy && sane;
-  if (!sane) silence();
-  return sane;
-}
-
 void ModeStates::merge_late() RINGDOWN_REALTIME {
   mark();
   for (const std::uint32_t group : late_.groups()) {

@@ -30,6 +30,8 @@
 namespace ringdown::synth {
 
 class ModeStates {
+  friend class TouchedStates;
+
  public:
   // Silent. The table outlives the states. [worker]
   explicit ModeStates(const ModeTable& table);
@@ -80,16 +82,6 @@ class ModeStates {
   bool render_late(double* out, std::size_t frames,
                    std::optional<std::span<const Force>> forces = {}) RINGDOWN_REALTIME;
   void merge_late() RINGDOWN_REALTIME;
-
-  // What two-way contacts need. open_states() brings every mode back and returns the states, to be looked at;
-  // render_touched() renders and moves on as drive_touched() does, by the poles of `stepped`, whose states it ignores.
-  // False when a state is absurd.
-  [[nodiscard]] const StateArray& open_states() RINGDOWN_REALTIME {
-    unmute();
-    return states_;
-  }
-  bool render_touched(const ModeArrays& stepped, std::span<const Force> forces, std::span<const PortForce> ports,
-                      double* out, std::size_t frames, std::size_t substeps) RINGDOWN_REALTIME;
 
   // Groups whose level lies below `threshold` may be muted; kNoThreshold: none may.
   static constexpr Level kNoThreshold = -100000;

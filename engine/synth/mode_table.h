@@ -31,6 +31,8 @@ struct GlideMatrix;
 struct CoupledTable;
 
 class ModeTable {
+  friend class TouchGroup;
+
  public:
   // `dampers` are what lies on the object, `modes` those that it has; a pressure of `full_scale_pa` at 1 m becomes an
   // amplitude of 1. [worker]
@@ -73,11 +75,6 @@ class ModeTable {
   // `scratch` has one element per mode of the bank, `amplitudes` one per column; its padding stays as it was. [audio]
   [[nodiscard]] std::optional<double> strike(const Event& event, std::span<double> scratch,
                                              double* amplitudes) const RINGDOWN_REALTIME;
-
-  // The output amplitude of playable mode `i` per unit of its modal velocity [1 / (m kg^1/2 / s)].
-  [[nodiscard]] double output_per_velocity(std::size_t i) const RINGDOWN_REALTIME {
-    return weight_.data()[i] / modal::shape_factor(material_);
-  }
 
   // Finds what chunks of `frames` need, so that it is found once. [audio, while no other thread renders]
   void prepare(std::size_t frames) RINGDOWN_REALTIME;

@@ -204,8 +204,7 @@ void Object::render_touched(std::size_t begin, std::size_t end, const Chunk& chu
   voices.for_each([&](Voice& voice) RINGDOWN_REALTIME {
     const bool current = &voice == voices.current();
     if (!current && !voice.ringing()) return;
-    const bool sane = current ? voice.render_touched(touch.stepped, touch.forces, touch.ports, mono + begin,
-                                                     end - begin, touch.substeps)
+    const bool sane = current ? TouchedStates(voice).render(touch, mono + begin, end - begin)
                               : voice.render(mono + begin, end - begin, floor(chunk));
     if (!sane) count(chunk.counters->not_finite);
   });

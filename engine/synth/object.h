@@ -6,30 +6,20 @@
 
 #include "engine/base/realtime.h"
 #include "engine/synth/channel_strip.h"
-#include "engine/synth/drive_kernel.h"
 #include "engine/synth/exciters.h"
 #include "engine/synth/instance_group.h"
 #include "engine/synth/placement.h"
 #include "engine/synth/source.h"
+#include "engine/synth/touched_states.h"
 #include "engine/synth/voice.h"
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 namespace ringdown::synth {
 
 // The largest gain, pan or force [N] that is accepted: a larger one, or not-a-number, would spoil the whole mix.
 inline constexpr double kMaxEventValue = 1e6;
-
-// What moves a touched object on in a segment (ModeStates::render_touched).
-struct TouchForces {
-  ModeArrays stepped;
-  std::span<const Force> forces;
-  std::span<const PortForce> ports;
-  std::size_t substeps = 1;
-  const double* leaning = nullptr;  // of the samples: what does not sound, because it only bends
-};
 
 // An object's voices: the current one, which takes strikes, and older ones that ring out.
 class VoiceStack {

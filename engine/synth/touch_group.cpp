@@ -147,7 +147,7 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
     const auto to_move = [&](ModeArrays modes, std::size_t points) RINGDOWN_REALTIME {
       free_motion(modes, body.table->columns(), {weights.data(), count}, {out.data(), count}, points);
     };
-    if (count > 0) to_move(modes_of(body, voice.open_states()), steps + 1);
+    if (count > 0) to_move(modes_of(body, TouchedStates(voice).open()), steps + 1);
     for (std::size_t k = 0; k < count; ++k) {
       double* const to = row_of(approach_, freedoms[k]);
       for (std::size_t n = 0; n <= steps; ++n) to[n] -= room[k][n];
@@ -166,7 +166,7 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
       }
       // The states of an impulse of 1 i: Re (i A p^n) = -(answer to an impulse of 1).
       alignas(64) static constexpr std::array<double, kMaxTouchColumns> kZeros{};
-      ModeArrays struck = modes_of(body, voice.open_states());
+      ModeArrays struck = modes_of(body, TouchedStates(voice).open());
       struck.z_re = const_cast<double*>(kZeros.data()), struck.z_im = exciter->amplitudes.get();
       to_move(struck, steps + 1);
       for (std::size_t k = 0; k < count; ++k) {
@@ -278,7 +278,7 @@ void TouchGroup::render_segment(std::size_t begin, std::size_t end, const Chunk&
         }
       }
     }
-    const TouchForces touch{modes_of(body, body.object->voices.current()->open_states()),
+    const TouchForces touch{modes_of(body, TouchedStates(*body.object->voices.current()).open()),
                             {body.exciting.data(), body.exciting_count},
                             {ports.data(), count},
                             substeps_,

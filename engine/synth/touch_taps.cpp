@@ -68,11 +68,11 @@ double TouchGroup::find_port(Body& body, const Vec3& point_m, const Vec3& direct
   double per_kg = 0;
   port.leaning = 0;
   const auto [log_re, log_im] = table.exponents();
-  const double rate_hz = table.sample_rate_hz();
-  const ModeArrays poles = modes_of(body, voice.open_states());
+  const double rate_hz = table.sample_rate_hz(), shape = modal::shape_factor(table.material_);
+  const ModeArrays poles = modes_of(body, TouchedStates(voice).open());
   for (std::size_t i = 0; i < table.playable_modes(); ++i) {
     const std::size_t c = table.column(i);
-    const double w = log_im[c] * rate_hz, s = -log_re[c] * rate_hz, output = table.output_per_velocity(i);
+    const double w = log_im[c] * rate_hz, s = -log_re[c] * rate_hz, output = table.weight_.data()[i] / shape;
     const double amplitude = port.weight[c];
     port.weight[c] = 0;
     if (!(std::abs(output) > 0)) continue;  // a mode that nobody hears has no state
@@ -154,7 +154,7 @@ void TouchGroup::find_taps() RINGDOWN_REALTIME {
       std::array<std::array<double, kChunkFrames>, kMaxPlaces> room;
       std::size_t wanted = 0;
       for (std::size_t i = 0; i <= j; ++i) weights[i] = places[i].port->weight.get(), out[i] = room[i].data(), ++wanted;
-      ModeArrays kicked = modes_of(body, body.object->voices.current()->open_states());
+      ModeArrays kicked = modes_of(body, TouchedStates(*body.object->voices.current()).open());
       kicked.z_re = places[j].port->kick_re.get(), kicked.z_im = places[j].port->kick_im.get();
       free_motion(kicked, body.table->columns(), {weights.data(), wanted}, {out.data(), wanted}, kMaxTouchSteps);
       for (std::size_t i = 0; i <= j; ++i) {

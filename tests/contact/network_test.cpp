@@ -30,7 +30,7 @@ struct Rig {
       for (int m = 0; m < 20; ++m) {
         std::vector<double> shapes(7);
         for (double& shape : shapes) shape = 3 * any(random);
-        body.add(6.283185307 * (150 + 400 * m + 150 * any(random)), 3 + 3 * std::abs(any(random)), shapes);
+        body.add(6.283185307 * (150 + 400 * m + 100 * any(random)), 3 + 3 * std::abs(any(random)), shapes);
       }
       bodies.push_back(std::move(body));
     }

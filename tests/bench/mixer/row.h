@@ -16,8 +16,8 @@ inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();  // no
 inline constexpr double kRate = 48000;                                     // [Hz] of everything measured
 
 struct Row {
-  std::string
-      part;  // throughput accuracy silence strike storm decay tail instances directions fields two-way library threads budget
+  std::string part;  // throughput accuracy silence strike storm decay tail instances directions fields two-way library
+                     // threads budget
   std::string who = "ours";  // or a peer, a kernel, a state
   std::size_t modes = 0, objects = 0, block = 0;
   std::string status = "ok";      // "not installed", "failed: ..."
