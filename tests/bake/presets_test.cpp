@@ -293,7 +293,9 @@ TEST(Presets, EveryObjectHasItsBank) {
     EXPECT_LE(fs::file_size(file), 2'000'000u);
     EXPECT_EQ(bank->name, object->name);
     EXPECT_EQ(bank->frequency_error.size(), bank->mode_count()) << name << ": a bake writes estimates";
-    EXPECT_EQ(bank->provenance.rigid_modes, 6);
+    EXPECT_EQ(bank->held, !object->options.makeup.supports.empty()) << name;
+    EXPECT_EQ(bank->provenance.rigid_modes, bank->held ? 0 : 6) << name;
+    EXPECT_EQ(bank->material->orthotropy.has_value(), object->options.makeup.grain.has_value()) << name;
     const auto in_band = static_cast<std::size_t>(bank->provenance.counted_modes - bank->provenance.rigid_modes);
     EXPECT_EQ(bank->mode_count() + static_cast<std::size_t>(bank->provenance.dropped_modes), in_band) << name;
     const std::size_t kept = object->options.keep_modes > 0 ? object->options.keep_modes : in_band;
