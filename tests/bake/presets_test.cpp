@@ -293,6 +293,7 @@ TEST(Presets, EveryObjectHasItsBank) {
     EXPECT_LE(fs::file_size(file), 2'000'000u);
     EXPECT_EQ(bank->name, object->name);
     EXPECT_EQ(bank->frequency_error.size(), bank->mode_count()) << name << ": a bake writes estimates";
+    ASSERT_TRUE(bank->material);
     EXPECT_EQ(bank->held, !object->options.makeup.supports.empty()) << name;
     EXPECT_EQ(bank->provenance.rigid_modes, bank->held ? 0 : 6) << name;
     EXPECT_EQ(bank->material->orthotropy.has_value(), object->options.makeup.grain.has_value()) << name;
