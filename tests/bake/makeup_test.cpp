@@ -48,9 +48,7 @@ bake::BakeOptions quick(double top_hz) {
   return options;
 }
 
-mesh::CheckedMesh bar() {
-  return test::checked(test::box_mesh({10, 2, 1}, {0.2, 0.02, 0.01}));
-}
+mesh::CheckedMesh bar() { return test::checked(test::box_mesh({10, 2, 1}, {0.2, 0.02, 0.01})); }
 
 bake::Place box(Vec3 from, Vec3 to) { return {.box_m = std::array{from, to}, .plane = std::nullopt, .group = {}}; }
 
