@@ -318,7 +318,9 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   const mesh::TetMesh mesh = mesh::to_order(checked.mesh, fem::order_of(options.element));
   const double length_m = characteristic_length(mesh.nodes);
   if (auto near = check_place(mesh.nodes, length_m); !near) return fail(near.error().kind, name + near.error().message);
-  const BodyUnits units{length_m, material.youngs_modulus_pa, material.density_kg_m3};
+  const bool grained = options.makeup.grain && material.orthotropy;
+  const BodyUnits units{length_m, grained ? material.orthotropy->youngs_modulus_pa[0] : material.youngs_modulus_pa,
+                        material.density_kg_m3};
   mesh::TetMesh unit_mesh{mesh.nodes / length_m, mesh.elements};
   Result<FittedMakeup> makeup = fit_makeup(options.makeup, material, unit_mesh, checked.groups, units, checked.pieces);
   if (!makeup) return fail(makeup.error().kind, name + ": " + makeup.error().message);
