@@ -200,8 +200,8 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
 
   const double volume_m3 = system->node_mass.sum() * std::pow(task.units.length_m, 3);
   const double highest_lambda = request.highest_lambda * task.units.lambda();
-  if (auto few = check_count(volume_m3, isotropic_stand_in(task.material), task.options, highest_lambda); !few)
-    return fail(few.error());
+  const modal::Material guess = task.options.makeup.grain ? isotropic_stand_in(task.material) : task.material;
+  if (auto few = check_count(volume_m3, guess, task.options, highest_lambda); !few) return fail(few.error());
   const Result<Eigenmodes> modes = solve::solve_modes(moving, request, progress);
   if (!modes) return fail(modes.error());
   report.agreement = modes->agreement;
@@ -347,7 +347,9 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   const mesh::TetMesh mesh = mesh::to_order(checked.mesh, fem::order_of(options.element));
   const double length_m = characteristic_length(mesh.nodes);
   if (auto near = check_place(mesh.nodes, length_m); !near) return fail(near.error().kind, name + near.error().message);
-  const BodyUnits units{length_m, material.youngs_modulus_pa, material.density_kg_m3};
+  const bool grained = options.makeup.grain && material.orthotropy;
+  const BodyUnits units{length_m, grained ? material.orthotropy->youngs_modulus_pa[0] : material.youngs_modulus_pa,
+                        material.density_kg_m3};
   mesh::TetMesh unit_mesh{mesh.nodes / length_m, mesh.elements};
   Result<FittedMakeup> makeup = fit_makeup(options.makeup, material, unit_mesh, checked.groups, units, checked.pieces);
   if (!makeup) return fail(makeup.error().kind, name + ": " + makeup.error().message);

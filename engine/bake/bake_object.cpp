@@ -389,8 +389,9 @@ Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesyste
   for (const auto& [key, value] : recipe.figures) {
     if (auto set = set_figure(material->material, key, value); !set) return fail(set.error());
   }
-  const Result<ObjectRecipe> whole = with_part_materials(recipe, materials);
+  Result<ObjectRecipe> whole = with_part_materials(recipe, materials);
   if (!whole) return fail(whole.error());
+  if (recipe.other_material && !material->material.orthotropy) whole->options.makeup.grain.reset();
   Result<BakedObject> object = bake_recipe(*whole, material->material, progress);
   if (object) object->baked.bank.gain = std::pow(10.0, recipe.gain_db / 20);
   return object;

@@ -163,7 +163,7 @@ class Fitter {
       if (!stiffness) return refuse(stiffness.error());
       const PartLaws own{*stiffness, fem::lost_stiffness(constants, loss_ratios(*material.orthotropy))};
       const auto turned = [&](const Eigen::Vector3d& point_m, const fem::Matrix6& law) {
-        return fem::Law{elastic, fem::rotated(law, axes_at(*grain, point_m))};
+        return fem::Law{{1, 0, elastic.density_kg_m3}, fem::rotated(law, axes_at(*grain, point_m))};
       };
       if (!grain->axis) {
         add_law(p, turned(Vector3d::Zero(), own.stiffness), turned(Vector3d::Zero(), own.lost), laws, lost, law_of);

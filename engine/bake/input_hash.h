@@ -18,8 +18,8 @@ struct BankInputs {
   std::filesystem::path object;    // the file that was named: an object or a geometry
   std::filesystem::path geometry;  // may be the same
   std::filesystem::path material;
-  std::vector<std::filesystem::path> part_materials = {};  // of parts in a material of their own
   std::vector<std::string> options;                        // that can change the bank, as words
+  std::vector<std::filesystem::path> part_materials = {};  // of parts in a material of their own
 };
 
 // Nothing when the files do not tell all: one cannot be read, or a .geo asks its surroundings (GetEnv, SystemCall, Rand

@@ -30,12 +30,31 @@ double alpha_of(const modal::Material& material) {
   return material.loss_factors.empty() ? material.damping.alpha_per_s : 0.0;
 }
 
+// How much more or less the mode loses than its material as a whole: by a grain, parts of other materials, springs that
+// have a share of its energy. 1 to rounding where nothing of that is known.
+double share_of_loss(const modal::Material& from, const modal::Bank& bank, std::size_t m) {
+  constexpr double kRounding = 1e-4;
+  const double whole = modal::mode_loss(from.damping_law(), lambda_of(bank, m, {})).material_per_s;
+  if (bank.losses.empty() || !(whole > 0)) return 1;
+  const double share = bank.losses[m].material_per_s / whole;
+  return std::abs(share - 1) > kRounding ? share : 1;
+}
+
+// The grain of a material that takes the place of another: all moduli change alike.
+std::optional<modal::Orthotropy> scaled_grain(std::optional<modal::Orthotropy> grain, double stiffness) {
+  if (!grain) return grain;
+  for (double& modulus : grain->youngs_modulus_pa) modulus *= stiffness;
+  for (double& modulus : grain->shear_modulus_pa) modulus *= stiffness;
+  return grain;
+}
+
 // What the mode loses in another material. What air and support take together goes as the two materials' alphas do: a
 // bank whose support takes more than its material says keeps that ratio.
 modal::ModeLoss loss_in(const modal::Material& from, const modal::Material& to, const modal::Bank& bank, std::size_t m,
                         const modal::MaterialScale& scale) {
   modal::ModeLoss loss =
       modal::mode_loss(to.damping_law(), lambda_of(bank, m, scale), modal::rescaled_air_loss(bank, m, scale));
+  loss.material_per_s *= share_of_loss(from, bank, m);
   const modal::ModeLoss baked = modal::loss_of(bank, m);
   const double alpha = alpha_of(from), wanted_alpha = alpha_of(to);
   const double taken = baked.support_per_s + std::min(baked.air_per_s, 0.5 * alpha);
@@ -69,6 +88,7 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
   modal::Material to = change.material.value_or(from);
   to.poisson_ratio = from.poisson_ratio;
   const modal::MaterialScale scale = scale_of(from, to, change);
+  to.orthotropy = scaled_grain(from.orthotropy, scale.stiffness);
 
   Changed changed{.bank = bank};
   modal::Bank& out = changed.bank;

@@ -201,7 +201,7 @@ std::string grain_row(const MaterialEntry& entry) {
            " |";
   }
   row += " ";
-  for (const double loss : solid.loss) row += (&loss == solid.loss.data() ? "" : ", ") + number_text(loss, "%.3g");
+  for (const double& loss : solid.loss) row += (&loss == solid.loss.data() ? "" : ", ") + number_text(loss, "%.3g");
   return row + " |\n";
 }
 

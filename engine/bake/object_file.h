@@ -70,6 +70,7 @@ struct ObjectRecipe {
   BakeOptions options;
   double scale = 1;                       // size of the object over that of its geometry, whose mesh it keeps
   std::map<std::string, double> figures;  // of the material, by their keys in its file, instead of what stands there
+  bool other_material = false;  // `material` is not the object's own: a grain that it has no constants for is left out
   double gain_db = 0;
   double error = 0;  // relative, that the estimate for every frequency in the band must reach; 0: whatever it is
   double most_unknowns = 400'000;  // that `error` may lead to

@@ -94,19 +94,6 @@ Json loss_factors_json(const std::vector<LossFactor>& factors) {
   return json;
 }
 
-// Nothing unless all of it is there and a stable solid's: the bank plays without.
-std::optional<Orthotropy> read_orthotropy(const Field& field) {
-  Orthotropy solid;
-  const auto read = [&field](const char* key, auto& target) {
-    if (field[key].size() != target.size()) return false;
-    for (std::size_t i = 0; i < target.size(); ++i) target[i] = field[key][i].number().value_or(NAN);
-    return std::ranges::all_of(target, [](double number) { return std::isfinite(number); });
-  };
-  const bool whole = read("youngsModuli", solid.youngs_modulus_pa) && read("poissonRatios", solid.poisson_ratio) &&
-                     read("shearModuli", solid.shear_modulus_pa) && read("losses", solid.loss);
-  return whole && is_stable(solid) ? std::optional(solid) : std::nullopt;
-}
-
 Json orthotropy_json(const Orthotropy& solid) {
   return {{"youngsModuli", solid.youngs_modulus_pa},
           {"poissonRatios", solid.poisson_ratio},
@@ -249,7 +236,19 @@ Result<void> read_extras(const Glb& glb, const Field& extras, Bank& bank) {
     bank.material->loss_factors = read_loss_factors(extras["lossFactors"]);
     if (!bank.material->loss_factors.empty()) bank.material->damping = fit_rayleigh(bank.material->loss_factors);
   }
-  if (bank.material) bank.material->orthotropy = read_orthotropy(extras["orthotropic"]);
+  // Nothing unless all of it is there and a stable solid's: the bank plays without.
+  const auto read_orthotropy = [field = extras["orthotropic"]]() -> std::optional<Orthotropy> {
+    Orthotropy solid;
+    const auto read = [&field](const char* key, auto& target) {
+      if (field[key].size() != target.size()) return false;
+      for (std::size_t i = 0; i < target.size(); ++i) target[i] = field[key][i].number().value_or(NAN);
+      return std::ranges::all_of(target, [](double number) { return std::isfinite(number); });
+    };
+    const bool whole = read("youngsModuli", solid.youngs_modulus_pa) && read("poissonRatios", solid.poisson_ratio) &&
+                       read("shearModuli", solid.shear_modulus_pa) && read("losses", solid.loss);
+    return whole && is_stable(solid) ? std::optional(solid) : std::nullopt;
+  };
+  if (bank.material) bank.material->orthotropy = read_orthotropy();
   bank.held = extras["held"].present() && extras["held"].json() == Json(true);
   bank.provenance = read_provenance(extras);
   auto radiation = read_radiation(glb, extras["radiation"], bank.mode_count());

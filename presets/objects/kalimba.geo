@@ -2,7 +2,7 @@
 // A strip clamped at one end has f = 0.1615 (thickness / length^2) sqrt(E / rho): `stiffness` is 0.1615 sqrt(E / rho) in
 // mm/s, with what a strip is stiffer than a beam.
 SetFactory("OpenCASCADE");
-DefineConstant[ thickness = 0.9, width = 4.5, gap = 1.5, stiffness = 815000, mesh_size = 7 ];
+DefineConstant[ thickness = 0.9, width = 4.5, gap = 1.5, stiffness = 846600, mesh_size = 7 ];
 pitch() = {293.66, 349.23, 440, 523.25, 493.88, 392, 329.63, 261.63};
 For i In {0 : 7}
   length = Sqrt(stiffness * thickness / pitch(i));

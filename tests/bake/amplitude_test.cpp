@@ -279,7 +279,7 @@ BakedBody bake_body(const mesh::CheckedMesh& mesh, bake::BakeOptions options, co
 TEST(AmplitudeError, WhatIsTakenForTruthIsWhatASolveOfItsOwnFinds) {
   const mesh::CheckedMesh plate = test::checked(test::box_mesh({5, 4, 1}, {0.25, 0.18, 0.003}));
   const test::Solution kept = bake_body(plate, {.band_high_hz = 3000}, "plate").solution;
-  const auto system = fem::assemble(kept.mesh, {200e9, 0.3, 7850}, fem::Element::kTet20);
+  const auto system = fem::assemble(kept.mesh, fem::Elastic{200e9, 0.3, 7850}, fem::Element::kTet20);
   ASSERT_TRUE(system);
   const double top = 2 * std::numbers::pi * 3000;
   const auto own = solve::solve_modes(*system, {.highest_lambda = top * top, .rigid = 6});

@@ -21,7 +21,7 @@ Box(1) = {0, 0, 0, side, side, side};
 )";
 
 double volume(const mesh::CheckedMesh& mesh) {
-  return fem::assemble(mesh.mesh, {1e9, 0.3, 1}, test::element_of(mesh.mesh))->node_mass.sum();
+  return fem::assemble(mesh.mesh, fem::Elastic{1e9, 0.3, 1}, test::element_of(mesh.mesh))->node_mass.sum();
 }
 
 mesh::GmshOptions in_millimetres(std::map<std::string, double> parameters = {}) {

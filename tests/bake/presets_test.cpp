@@ -206,7 +206,9 @@ TEST(MaterialPage, TheCommittedTableIsInStep) {
   const std::string page((std::istreambuf_iterator<char>(file)), {});
   const auto table = bake::materials_as_markdown(kPresets / "materials");
   ASSERT_TRUE(table) << table.error().message;
-  EXPECT_NE(page.find("-->\n" + *table + "<!-- end"), std::string::npos) << "run: ./run docs";
+  const auto grains = bake::grains_as_markdown(kPresets / "materials");
+  ASSERT_TRUE(grains) << grains.error().message;
+  EXPECT_NE(page.find("-->\n" + *table + "\n" + *grains + "<!-- end"), std::string::npos) << "run: ./run docs";
 }
 
 TEST(MaterialPage, ThePageSaysWhichFiguresToDoubt) {
@@ -227,17 +229,24 @@ TEST(MaterialPage, ThePageSaysWhichFiguresToDoubt) {
 }
 
 TEST(Presets, EveryMaterialIsWholeAndSourced) {
-  const auto check = [](const fs::path& folder) {
+  const auto check = [](const fs::path& folder, std::size_t& count) {
     const auto names = bake::names_in(folder);
+    count = names.size();
     for (const std::string& name : names) {
       const auto entry = bake::read_material(folder / (name + ".toml"));
       EXPECT_TRUE(entry) << (entry ? "" : entry.error().message);
-      EXPECT_EQ(entry ? entry->sources.size() : 0, 5u) << name;
+      ASSERT_TRUE(entry);
+      const auto of_grain = static_cast<std::size_t>(
+          std::ranges::count_if(entry->sources, [](const auto& source) { return source.first.starts_with("grain."); }));
+      EXPECT_EQ(entry->sources.size() - of_grain, 5u) << name;
+      EXPECT_EQ(of_grain >= 5, entry->material.orthotropy.has_value()) << name;
     }
-    return names.size();
   };
-  EXPECT_GE(check(kPresets / "materials"), 25u);
-  EXPECT_EQ(check(kPresets / "materials/report-2011"), 5u);
+  std::size_t ours = 0, reports = 0;
+  check(kPresets / "materials", ours);
+  check(kPresets / "materials/report-2011", reports);
+  EXPECT_GE(ours, 25u);
+  EXPECT_EQ(reports, 5u);
 }
 
 // Table 3.1 as E and nu; its metal is its aluminium again.
@@ -293,7 +302,10 @@ TEST(Presets, EveryObjectHasItsBank) {
     EXPECT_LE(fs::file_size(file), 2'000'000u);
     EXPECT_EQ(bank->name, object->name);
     EXPECT_EQ(bank->frequency_error.size(), bank->mode_count()) << name << ": a bake writes estimates";
-    EXPECT_EQ(bank->provenance.rigid_modes, 6);
+    ASSERT_TRUE(bank->material);
+    EXPECT_EQ(bank->held, !object->options.makeup.supports.empty()) << name;
+    EXPECT_EQ(bank->provenance.rigid_modes, bank->held ? 0 : 6) << name;
+    EXPECT_EQ(bank->material->orthotropy.has_value(), object->options.makeup.grain.has_value()) << name;
     const auto in_band = static_cast<std::size_t>(bank->provenance.counted_modes - bank->provenance.rigid_modes);
     EXPECT_EQ(bank->mode_count() + static_cast<std::size_t>(bank->provenance.dropped_modes), in_band) << name;
     const std::size_t kept = object->options.keep_modes > 0 ? object->options.keep_modes : in_band;

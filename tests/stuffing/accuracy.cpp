@@ -10,7 +10,7 @@ namespace ringdown::test {
 
 Eigen::VectorXd frequencies(const mesh::TetMesh& mesh, int order, double highest_hz) {
   const mesh::TetMesh raised = mesh::to_order(mesh, order);
-  const auto system = fem::assemble(raised, {200e9, 0.3, 7850}, element_of(raised));
+  const auto system = fem::assemble(raised, fem::Elastic{200e9, 0.3, 7850}, element_of(raised));
   if (!system) return {};
   const double pi = std::numbers::pi;
   const auto modes = solve::solve_modes(*system, {.highest_lambda = std::pow(2 * pi * highest_hz, 2)});

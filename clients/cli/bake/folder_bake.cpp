@@ -66,8 +66,8 @@ void look_at(Job& job, const FolderBake& request) {
   const auto hash = bake::input_hash({.object = job.file.input,
                                       .geometry = recipe.geometry,
                                       .material = request.materials / (recipe.material + ".toml"),
-                                      .part_materials = bake::part_materials(recipe, request.materials),
-                                      .options = request.hashed});
+                                      .options = request.hashed,
+                                      .part_materials = bake::part_materials(recipe, request.materials)});
   if (hash && modal::read_input_hash(job.file.output) == hash) job.state = State::unchanged;
 }
 

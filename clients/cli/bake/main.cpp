@@ -159,6 +159,7 @@ Result<bake::ObjectRecipe> recipe_for(const fs::path& input, const Arguments& ar
     recipe.geometry = input;
   }
   if (arguments.material) recipe.material = *arguments.material;
+  recipe.other_material = arguments.material.has_value();
   if (arguments.name) recipe.name = *arguments.name;
   if (arguments.element) {
     const Result<fem::Element> element = fem::parse_element(*arguments.element);
@@ -219,8 +220,8 @@ ExitCode bake_one(const fs::path& input, const fs::path& output, const Arguments
   const std::string hash = bake::input_hash({.object = input,
                                              .geometry = recipe->geometry,
                                              .material = arguments.materials / (recipe->material + ".toml"),
-                                             .part_materials = bake::part_materials(*recipe, arguments.materials),
-                                             .options = arguments.shaping})
+                                             .options = arguments.shaping,
+                                             .part_materials = bake::part_materials(*recipe, arguments.materials)})
                                .value_or("");
   if (arguments.update && !hash.empty() && modal::read_input_hash(output) == hash) {
     if (!arguments.quiet) std::printf("%s: unchanged\n", recipe->name.c_str());
