@@ -111,6 +111,11 @@ class SilentFinder {
       document_.notes.add("a plane has no thickness to be baked, and stays silent");
       return {};
     }
+    const auto is_near = [](Vec3 p) { return length(p) <= range::kPosition_m.high; };  // not where it overflowed
+    if (!std::ranges::all_of(body.surface.points_m, is_near)) {
+      body.surface = {};
+      body.trouble = "its mesh reaches farther than 1000 m from its node";
+    }
     const Field mass = physics(node)["motion"]["mass"];
     if (mass.present()) {
       const double mass_kg = document_.number(mass, 0);

@@ -179,7 +179,7 @@ class GlbScene {
     Json node = {{"name", body.name},
                  {"translation", json_of(to_file(body.position_m))},
                  {"rotation", json_of(to_file(normalized(body.rotation)))}};
-    Json& physics = node["extensions"][kPhysicsExtension];
+    Json& physics = node["extensions"][kPhysicsExtension] = Json::object();
     if (sounds) {
       node["mesh"] = played_model_of_[number];
       node["extensions"][kAudioExtension] = {{"modalModel", played_model_of_[number]},

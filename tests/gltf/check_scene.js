@@ -126,7 +126,7 @@ for (const name of process.argv.slice(2)) {
     if (own) check(file, own, ofFile, extension);
     nodes.forEach((node, k) => {
       const part = node.extensions?.[extension];
-      if (part && ofNode) check(file, part, ofNode, `nodes[${k}].${extension}`);
+      if (part !== undefined && ofNode) check(file, part, ofNode, `nodes[${k}].${extension}`);
     });
   }
   console.log(`${name}: checked`);
