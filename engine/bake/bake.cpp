@@ -229,8 +229,9 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   if (task.options.nonlinear > 0 && body.lambda.size() > 0) {
     watch.lap();
     const int count = std::min(task.options.nonlinear, static_cast<int>(body.lambda.size()));
+    const fem::Elastic& law = task.makeup.solid.laws().front().elastic;  // of a plain body the only one
     Result<NonlinearModes> nonlinear =
-        find_nonlinear(task.unit_mesh, elastic, *system, modes->lambda, modes->shapes, modes->rigid, count, progress);
+        find_nonlinear(task.unit_mesh, law, *system, modes->lambda, modes->shapes, modes->rigid, count, progress);
     if (!nonlinear) return fail(nonlinear.error());
     body.nonlinear = std::move(*nonlinear);
     report.nonlinear_seconds = watch.lap();
@@ -337,6 +338,12 @@ modal::Provenance provenance(const BakeOptions& options, const BodyModes& modes)
 Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& material, const BakeOptions& options,
                    const std::string& name, const Progress& progress) {
   if (auto good = check_options(options); !good) return fail(good.error());
+  if (options.nonlinear > 0 && !options.makeup.plain()) {
+    return fail(ErrorKind::bad_input,
+                name +
+                    ": nonlinear terms are found for free bodies of one material without grain; leave "
+                    "`nonlinear` out, or grain, parts, supports and masses");
+  }
   const fem::Elastic elastic{material.youngs_modulus_pa, material.poisson_ratio, material.density_kg_m3};
   if (auto good = fem::check_elastic(elastic); !good)
     return fail(good.error().kind, material.name + ": " + good.error().message);
