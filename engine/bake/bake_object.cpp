@@ -253,8 +253,8 @@ class Baker {
     modal::Bank& bank = object_.baked.bank;
     if (!bank.nonlinear || !reader_.meshes() || recipe_.preview) return {};
     mesh::GmshOptions meshing = recipe_.meshing;
-    const double edge = mean_longest_edge(object_.mesh.mesh);
-    meshing.mesh_size_m = kCoarser * (meshing.mesh_size_m > 0 ? std::min(meshing.mesh_size_m, edge) : edge);
+    const double size_m = meshing.mesh_size_m > 0 ? meshing.mesh_size_m : mean_longest_edge(object_.mesh.mesh);
+    meshing.mesh_size_m = kCoarser * size_m;
     meshing.edge_size_m *= kCoarser;
     Result<mesh::Body> body = reader_.read(meshing, progress());
     if (!body || static_cast<double>(body->mesh.mesh.elements.rows()) >
