@@ -255,12 +255,12 @@ class Baker {
   // Estimates the errors of nonlinear terms: how far a coarser mesh of the same geometry is from them. Leaves them
   // unknown where no coarser mesh can be made.
   Result<void> compare_nonlinear() {
-    constexpr double kCoarser = 1.4, kMostElements = 0.85, kMargin = 1.1;
+    constexpr double kCoarser = 1.4, kMostElements = 0.85, kBandMargin = 1.1;
     modal::Bank& bank = object_.baked.bank;
     if (!bank.nonlinear || !reader_.meshes() || recipe_.preview) return {};
     mesh::GmshOptions meshing = recipe_.meshing;
-    const double edge = mean_longest_edge(object_.mesh.mesh);
-    meshing.mesh_size_m = kCoarser * (meshing.mesh_size_m > 0 ? std::min(meshing.mesh_size_m, edge) : edge);
+    const double size_m = meshing.mesh_size_m > 0 ? meshing.mesh_size_m : mean_longest_edge(object_.mesh.mesh);
+    meshing.mesh_size_m = kCoarser * size_m;
     meshing.edge_size_m *= kCoarser;
     Result<mesh::Body> body = reader_.read(meshing, progress());
     if (!body || static_cast<double>(body->mesh.mesh.elements.rows()) >
@@ -273,7 +273,7 @@ class Baker {
     options.shape_error = kPreviewShapeError;
     double highest_hz = 0;
     for (const std::uint32_t mode : bank.nonlinear->modes) highest_hz = std::max(highest_hz, bank.frequency_hz[mode]);
-    options.band_high_hz = std::min(options.band_high_hz, kMargin * highest_hz);
+    options.band_high_hz = std::min(options.band_high_hz, kBandMargin * highest_hz);
     const Result<Baked> coarse = bake(body->mesh, material_, options, recipe_.name, progress());
     if (!coarse) return coarse.error().kind == ErrorKind::cancelled ? fail(coarse.error()) : Result<void>();
     const BakeReport &fine = object_.baked.report, &other = coarse->report;

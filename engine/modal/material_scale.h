@@ -64,6 +64,13 @@ inline MassProperties rescale(const MassProperties& mass, const MaterialScale& s
   return scaled;
 }
 
+// The nonlinear terms of the scaled body, exact by dimensions.
+inline void rescale(NonlinearTerms& terms, const MaterialScale& scale) {
+  const double root = std::sqrt(scale.stiffness);
+  multiply(terms, root / (scale.density * std::pow(scale.size, 3.5)), root / (std::sqrt(scale.density) * scale.size));
+  terms.thickness_m *= scale.size;
+}
+
 // A sample point of the scaled body.
 inline Vec3f rescale(const Vec3f& point, const MaterialScale& scale) {
   const auto times = [&](float x) { return static_cast<float>(scale.size * static_cast<double>(x)); };

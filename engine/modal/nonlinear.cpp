@@ -1,7 +1,5 @@
 #include "engine/modal/nonlinear.h"
 
-#include "engine/modal/material_scale.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -68,13 +66,9 @@ double cubic_detuning(const CubicEnergy& t, const std::vector<double>& omega, st
 
 }  // namespace
 
-void rescale(NonlinearTerms& terms, const MaterialScale& scale) {
-  const double by_stiffness = std::sqrt(scale.stiffness);
-  const auto h = static_cast<float>(by_stiffness / (scale.density * std::pow(scale.size, 3.5)));
-  const auto g = static_cast<float>(by_stiffness / (std::sqrt(scale.density) * scale.size));
-  for (float& value : terms.bending) value *= h;
-  for (float& value : terms.curving) value *= g;
-  terms.thickness_m *= scale.size;
+void multiply(NonlinearTerms& terms, double bending, double curving) {
+  for (float& value : terms.bending) value = static_cast<float>(bending * static_cast<double>(value));
+  for (float& value : terms.curving) value = static_cast<float>(curving * static_cast<double>(value));
 }
 
 void take_modes(NonlinearTerms& terms, const std::vector<std::size_t>& order) {

@@ -14,8 +14,6 @@
 
 namespace ringdown::modal {
 
-struct MaterialScale;
-
 inline constexpr std::size_t kMaxNonlinearModes = 300, kMaxNonlinearFunctions = 100, kMaxCoupled = 64;
 
 struct NonlinearTerms {
@@ -36,9 +34,8 @@ struct NonlinearTerms {
   [[nodiscard]] float g(std::size_t k, std::size_t i) const { return curving[k * modes.size() + i]; }
 };
 
-// The same object in another material and size: exact by dimensions. With e on stiffness, r on density and s on size, H
-// goes as e^(1/2) r^-1 s^(-7/2), g as e^(1/2) r^(-1/2) s^-1.
-void rescale(NonlinearTerms& terms, const MaterialScale& scale);
+// Multiplies H and g: of the same object in another material and size (rescale() in material_scale.h).
+void multiply(NonlinearTerms& terms, double bending, double curving);
 
 // Leaves the modes of these numbers of the bank, which are its modes 0, 1, ... from then on (mode_choice.h).
 void take_modes(NonlinearTerms& terms, const std::vector<std::size_t>& order);
