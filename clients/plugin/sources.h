@@ -13,7 +13,7 @@ namespace ringdown::plugin {
 inline constexpr std::size_t kOwnFiles = 8;
 inline constexpr std::size_t kFirstPreset = kOwnFiles + 1;
 // Their order stands in people's sessions: new ones are added at the end.
-inline constexpr std::array<std::string_view, 38> kPresets = {"vibraphone-key",
+inline constexpr std::array<std::string_view, 41> kPresets = {"vibraphone-key",
                                                               "anvil",
                                                               "block",
                                                               "bottle",
@@ -50,7 +50,10 @@ inline constexpr std::array<std::string_view, 38> kPresets = {"vibraphone-key",
                                                               "wooden-bar",
                                                               "wrench",
                                                               "xylophone-key",
-                                                              "vibraphone"};
+                                                              "vibraphone",
+                                                              "music-box-comb",
+                                                              "kalimba",
+                                                              "thunder-sheet"};
 inline constexpr std::string_view kNoteMapPreset = "vibraphone";  // the one that is a note map
 inline constexpr std::size_t kChoices = kFirstPreset + kPresets.size();
 

@@ -120,9 +120,9 @@ Json provenance_json(const Provenance& provenance) {
   return json;
 }
 
-// A number of `field` in a range, or what it is by default.
-double number_in(const Field& field, double low, double high, double otherwise) {
-  const double number = field.number().value_or(otherwise);
+// A number that was read, in a range, or what it is by default.
+double number_in(const Result<double>& read, double low, double high, double otherwise) {
+  const double number = read.value_or(otherwise);
   return number >= low && number <= high ? number : otherwise;
 }
 
@@ -140,8 +140,8 @@ Result<std::optional<BankRadiation>> read_radiation(const Glb& glb, const Field&
   }
   BankRadiation radiation{.maps = std::move(*maps), .error_db = read_numbers(field["errors"], modes)};
   Air& air = radiation.air;
-  air.density_kg_m3 = number_in(field["air"]["density"], kLeast, kMost, air.density_kg_m3);
-  air.sound_speed_m_s = number_in(field["air"]["soundSpeed"], kLeast, kMost, air.sound_speed_m_s);
+  air.density_kg_m3 = number_in(field["air"]["density"].number(), kLeast, kMost, air.density_kg_m3);
+  air.sound_speed_m_s = number_in(field["air"]["soundSpeed"].number(), kLeast, kMost, air.sound_speed_m_s);
   const Field doubtful = field["doubtful"];
   for (std::size_t i = 0; i < std::min(doubtful.size(), modes); ++i) {
     const std::size_t mode = doubtful[i]["mode"].index().value_or(modes);
@@ -197,7 +197,7 @@ Result<std::optional<NonlinearTerms>> NonlinearReader::operator()() const {
   }
   terms.thickness_m = field["thickness"].number().value_or(0);
   if (!(terms.thickness_m > 0)) return field["thickness"].wrong("more than 0");
-  terms.residual = number_in(field["residual"], 0, 1, 0);
+  terms.residual = number_in(field["residual"].number(), 0, 1, 0);
   terms.coupled = static_cast<std::uint32_t>(std::min<std::size_t>(field["coupled"].index().value_or(0), kMaxCoupled));
   terms.errors = read_numbers(field["errors"], terms.mode_count());
   return terms;

@@ -70,7 +70,7 @@ class Assembler {
     if (!length) return fail(length.error());
     std::string content;
     if (buffer["uri"].present()) {
-      auto read = read_uri(buffer["uri"], kMaxBufferBytes, read_beside_);
+      auto read = read_uri(buffer["uri"].text_or(""), buffer["uri"].path(), kMaxBufferBytes, read_beside_);
       if (!read) return fail(read.error());
       content = *std::move(read);
     } else if (number == 0 && !glb_.binary.empty()) {
@@ -124,21 +124,21 @@ bool is_glb(std::span<const std::byte> bytes) { return bytes.size() >= 4 && std:
 
 }  // namespace
 
-Result<std::string> read_uri(const Field& uri, std::size_t limit, const ReadBeside& read_beside) {
-  const std::string text = uri.text_or("");
-  if (text.starts_with("data:")) {
-    const std::size_t comma = text.find(',');
-    const bool base64 = comma != std::string::npos && std::string_view(text).substr(0, comma).ends_with(";base64");
-    std::string letters = base64 ? text.substr(comma + 1) : "";
+Result<std::string> read_uri(const std::string& uri, const std::string& path, std::size_t limit,
+                             const ReadBeside& read_beside) {
+  if (uri.starts_with("data:")) {
+    const std::size_t comma = uri.find(',');
+    const bool base64 = comma != std::string::npos && std::string_view(uri).substr(0, comma).ends_with(";base64");
+    std::string letters = base64 ? uri.substr(comma + 1) : "";
     letters.resize((letters.size() + 3) / 4 * 4, '=');  // which some writers leave out
     auto bytes = base64 ? from_base64(letters) : std::nullopt;
-    if (!bytes) return fail(ErrorKind::bad_input, uri.path() + " is a data: URI without sound base64");
+    if (!bytes) return fail(ErrorKind::bad_input, path + " is a data: URI without sound base64");
     return *std::move(bytes);
   }
-  const std::string relative = from_percent(text);
-  const bool has_scheme = text.find(':') < text.find('/');
+  const std::string relative = from_percent(uri);
+  const bool has_scheme = uri.find(':') < uri.find('/');
   if (relative.empty() || relative.starts_with('/') || has_scheme || relative.find('\0') != std::string::npos) {
-    return uri.wrong("a relative path or a data: URI");
+    return fail(ErrorKind::bad_input, path + ": expected a relative path or a data: URI");
   }
   return read_beside(relative, limit);
 }

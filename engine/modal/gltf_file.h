@@ -21,8 +21,9 @@ inline constexpr std::size_t kMaxBufferBytes = std::size_t{1} << 30;
 // missing, too short, too large or of a scheme other than data:, and on `read_beside` failing.
 Result<Glb> parse_gltf(std::span<const std::byte> bytes, const std::string& name, const ReadBeside& read_beside);
 
-// The content of a `uri`: inside it (data:, base64), or in a file beside the document. Fails on other schemes, on paths
-// that are not relative, and on `read_beside` failing.
-Result<std::string> read_uri(const Field& uri, std::size_t limit, const ReadBeside& read_beside);
+// The content of a URI, which `path` names in messages: inside it (data:, base64), or in a file beside the document.
+// Fails on other schemes, on paths that are not relative, and on `read_beside` failing.
+Result<std::string> read_uri(const std::string& uri, const std::string& path, std::size_t limit,
+                             const ReadBeside& read_beside);
 
 }  // namespace ringdown::modal

@@ -195,19 +195,16 @@ double size(GltfDocument& document, const Field& field, double fallback, bool ma
   return value;
 }
 
-// Earlier drafts had meshes among the shapes.
-std::optional<GltfGeometry> mesh_among_shapes(GltfDocument& document, const Field& shape) {
-  ShapeMesh triangles;
-  const Field mesh = document.element(shape["mesh"]["mesh"], document.root()["meshes"]);
-  if (mesh.present()) add_mesh(document, mesh, {}, triangles);
-  const Field own = shape["extensions"]["KHR_physics_rigid_bodies"];
-  return made_of(document, triangles, document.flag(own["convexHull"], false), shape["mesh"]["mesh"]);
-}
-
 std::optional<GltfGeometry> implicit(GltfDocument& document, const Field& shape) {
   const std::string type = shape["type"].text_or("");
   const Field own = shape[type];
-  if (type == "mesh") return mesh_among_shapes(document, shape);
+  if (type == "mesh") {  // in earlier drafts
+    ShapeMesh triangles;
+    const Field mesh = document.element(own["mesh"], document.root()["meshes"]);
+    if (mesh.present()) add_mesh(document, mesh, {}, triangles);
+    const Field hull = shape["extensions"]["KHR_physics_rigid_bodies"]["convexHull"];
+    return made_of(document, triangles, document.flag(hull, false), own["mesh"]);
+  }
   GltfGeometry geometry;
   if (type == "box") {
     geometry.size_m = {size(document, own["size"][0], 1), size(document, own["size"][1], 1),
@@ -280,8 +277,8 @@ Field geometry_of(const Field& collider) {
   return collider["geometry"].present() || !collider["shape"].present() ? collider["geometry"] : collider;
 }
 
-Field shapes_of(const GltfDocument& document) {
-  const Field extensions = document.root()["extensions"];
+Field shapes_of(const Field& root) {
+  const Field extensions = root["extensions"];
   const Field shapes = extensions["KHR_implicit_shapes"]["shapes"];
   return shapes.present() ? shapes : extensions["KHR_collision_shapes"]["shapes"];
 }
@@ -292,7 +289,7 @@ std::optional<GltfGeometry> read_geometry(GltfDocument& document, const Field& g
     document.refuse(geometry.wrong("an object with a shape or a node"));
     return {};
   }
-  const Field shape = document.element(geometry["shape"], shapes_of(document));
+  const Field shape = document.element(geometry["shape"], shapes_of(document.root()));
   return shape.present() ? implicit(document, shape) : std::nullopt;
 }
 

@@ -30,8 +30,8 @@ struct GltfGeometry {
 // shape.
 modal::Field geometry_of(const modal::Field& collider);
 
-// The shapes of the file, by the extension's present name or its former one, KHR_collision_shapes.
-modal::Field shapes_of(const GltfDocument& document);
+// The shapes of the file with this root, by the extension's present name or its former one, KHR_collision_shapes.
+modal::Field shapes_of(const modal::Field& root);
 
 // Reads a `geometry` object. Nothing when it is not supported, or disabled, which the document's notes then say.
 std::optional<GltfGeometry> read_geometry(GltfDocument& document, const modal::Field& geometry);

@@ -169,7 +169,7 @@ class SilentFinder {
     for (const std::size_t k : colliders) {
       const Affine map = back * nodes()[k].world;
       const Field geometry = geometry_of(physics(k)["collider"]);
-      const Field shape = document_.element(geometry["shape"], shapes_of(document_));
+      const Field shape = document_.element(geometry["shape"], shapes_of(document_.root()));
       if (geometry["node"].present() || shape["type"].text_or("") == "mesh") {
         if (const auto read = read_geometry(document_, geometry)) {
           if (auto placed = place(*read, map)) meshes.push_back(std::move(*placed));

@@ -111,7 +111,7 @@ std::optional<Picture> picture_of(GltfDocument& document, const Field& info, con
   if (image["bufferView"].present()) {
     const auto view = modal::read_view(document.glb(), image["bufferView"]);
     if (view && view->size() <= kMaxMapBytes) bytes.assign(reinterpret_cast<const char*>(view->data()), view->size());
-  } else if (auto read = modal::read_uri(image["uri"], kMaxMapBytes, read_beside)) {
+  } else if (auto read = modal::read_uri(image["uri"].text_or(""), image["uri"].path(), kMaxMapBytes, read_beside)) {
     bytes = *std::move(read);
   }
   auto picture = unpack_png(std::as_bytes(std::span(bytes)));

@@ -1,11 +1,14 @@
-// What was last said of the listener, even if its frame is still to come. [any thread but audio]
+// What was last said of the listener, even if its frame is still to come. [any thread; keep() neither locks nor
+// allocates]
 #pragma once
 
 #include "engine/base/rotation.h"
 #include "engine/synth/event.h"
 
+#include <array>
 #include <atomic>
-#include <mutex>
+#include <cstdint>
+#include <initializer_list>
 #include <optional>
 
 namespace ringdown::session {
@@ -18,36 +21,55 @@ class ListenerMemory {
     double temperature_c = 20, humidity_percent = 50;
   };
 
-  // Takes notice of an event of the listener; others are nothing to it.
+  // Takes notice of an event of the listener; others are nothing to it. Of two threads that say where the listener is
+  // at the same moment, each number is from one of them.
   void keep(const synth::Event& event) {
     using synth::EventType;
     if (!synth::is_of_listener(event)) return;
-    const std::scoped_lock lock(mutex_);
-    if (event.type == EventType::listener_off && !last_) return;
-    if (!last_) last_.emplace();
+    if (event.type == EventType::listener_off && !known_) return;
+    begun_.fetch_add(1);
     if (event.type == EventType::listener_air) {
-      last_->temperature_c = event.value;
-      last_->humidity_percent = event.ramp_s;
-      return;
+      store(kAir, {event.value, event.ramp_s});
+    } else {
+      on_ = event.type == EventType::listener;
+      if (on_) {
+        const Vec3& at = event.point_m;
+        const Rotation& turn = event.rotation;
+        store(0, {at.x, at.y, at.z, turn.x, turn.y, turn.z, turn.w});
+      }
     }
-    last_->on = event.type == EventType::listener;
-    if (last_->on) last_->pose = {event.point_m, event.rotation};
-    on_ = last_->on;
+    known_ = true;
+    ended_.fetch_add(1);
   }
 
-  // Nothing when there has never been a listener.
+  // Nothing when there has never been a listener. Waits for those who are just writing.
   [[nodiscard]] std::optional<Listener> last() const {
-    const std::scoped_lock lock(mutex_);
-    return last_;
+    std::array<double, kAir + 2> n{};
+    bool on = false;
+    std::uint64_t ended = 0;
+    do {
+      ended = ended_;
+      for (std::size_t i = 0; i < n.size(); ++i) n[i] = numbers_[i];
+      on = on_;
+    } while (begun_ != ended);
+    if (!known_) return {};
+    return Listener{on, {{n[0], n[1], n[2]}, {n[3], n[4], n[5], n[6]}}, n[kAir], n[kAir + 1]};
   }
 
-  // Whether there is a listener now; locks nothing.
+  // Whether there is a listener now.
   [[nodiscard]] bool on() const { return on_; }
 
  private:
-  mutable std::mutex mutex_;
-  std::optional<Listener> last_;
-  std::atomic<bool> on_ = false;
+  static constexpr std::size_t kAir = 7;  // position, rotation (x y z w), then the air's temperature and humidity
+
+  void store(std::size_t first, std::initializer_list<double> values) {
+    for (const double value : values) numbers_[first++] = value;
+  }
+
+  std::atomic<std::uint64_t> begun_ = 0, ended_ = 0;  // equal when nobody is writing
+  std::array<std::atomic<double>, kAir + 2> numbers_ = {
+      0, 0, 0, 0, 0, 0, 1, Listener{}.temperature_c, Listener{}.humidity_percent};
+  std::atomic<bool> on_ = false, known_ = false;
 };
 
 }  // namespace ringdown::session

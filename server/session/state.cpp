@@ -251,11 +251,7 @@ Result<void> restore_object(const State::Object& object, Session& session, synth
   return {};
 }
 
-}  // namespace
-
-namespace {
-
-Result<void> restore_listener(const ListenerMemory::Listener& listener, Rack& rack, synth::Frame frame) {
+Result<void> restore_listener(const ListenerMemory::Listener& listener, Session& session, synth::Frame frame) {
   using synth::EventType;
   const synth::Event air{.frame = frame,
                          .type = EventType::listener_air,
@@ -265,6 +261,7 @@ Result<void> restore_listener(const ListenerMemory::Listener& listener, Rack& ra
                            .type = listener.on ? EventType::listener : EventType::listener_off,
                            .point_m = listener.pose.position_m,
                            .rotation = normalized(listener.pose.rotation)};
+  Rack& rack = session.rack();
   if (rack.push(synth::Producer::worker, air) && rack.push(synth::Producer::worker, place)) return {};
   return fail(ErrorKind::refused, "listener: too many changes at once; try again");
 }
@@ -279,7 +276,7 @@ Result<void> restore(const State& state, Session& session, synth::Frame frame) {
     if (const auto restored = restore_object(object, session, frame); !restored) return restored;
   }
   if (state.listener) {
-    if (const auto restored = restore_listener(*state.listener, session.rack(), frame); !restored) return restored;
+    if (const auto restored = restore_listener(*state.listener, session, frame); !restored) return restored;
   }
   for (const State::Input& input : state.inputs) {
     const auto set = session.rack().excite(input.input - 1, {.name = input.object}, input.point_m, input.force_n);
