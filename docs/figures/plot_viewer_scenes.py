@@ -26,6 +26,7 @@ MOMENTS_S = {  # of the scene
     "bell-and-clapper": 1.2,
     "vibraphone": 5,
     "xylophone": 5.2,
+    "turning-plate": 3,
 }
 COLUMNS = 4
 TAKEN, SHOWN = (640, 400), (400, 250)

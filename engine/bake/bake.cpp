@@ -400,6 +400,10 @@ Result<Baked> bake(const mesh::CheckedMesh& checked, const modal::Material& mate
   const modal::Air* const air = radiates ? &*options.air : nullptr;
   order_by_importance(heard, corner_bank(task, heard, *modes, air), *modes, units,
                       area_weights(task.surface, mesh.nodes));
+  if (modes->nonlinear) {  // what bends the others' pitch stays, however softly it radiates
+    std::stable_partition(heard.begin(), heard.end(),
+                          [&](const HeardMode& mode) { return mode.number < modes->nonlinear->modes(); });
+  }
   bank.name = name;
   bank.material = material;
   if (!options.makeup.grain) bank.material->orthotropy.reset();
