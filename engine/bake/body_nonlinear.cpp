@@ -71,31 +71,31 @@ Result<void> check_shallow(const NonlinearModes& terms, const std::string& name)
 
 std::optional<modal::NonlinearTerms> bank_terms(const NonlinearModes& terms, const std::vector<HeardMode>& kept,
                                                 const BodyModes& modes, const BodyUnits& units, double thickness_m) {
-  struct Place {
+  struct KeptMode {
     Eigen::Index number;
     std::uint32_t mode;
     double sign;
   };
-  std::vector<Place> places;
+  std::vector<KeptMode> places;
   for (std::size_t m = 0; m < kept.size(); ++m) {
     const Eigen::Index number = kept[m].number;
     if (number >= terms.modes()) continue;
     places.push_back({number, static_cast<std::uint32_t>(m), sign_of(modes.shapes.col(number))});
   }
   if (places.empty()) return std::nullopt;
-  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.number < b.number; });
+  std::sort(places.begin(), places.end(), [](const KeptMode& a, const KeptMode& b) { return a.number < b.number; });
   const double root = std::sqrt(units.modulus_pa), length = units.length_m, density = units.density_kg_m3;
   const double h_unit = root / (density * std::pow(length, 3.5)), g_unit = root / (std::sqrt(density) * length);
 
   modal::NonlinearTerms result{.thickness_m = thickness_m, .residual = terms.residual};
-  for (const Place& place : places) result.modes.push_back(place.mode);
+  for (const KeptMode& place : places) result.modes.push_back(place.mode);
   for (Eigen::Index k = 0; k < terms.functions(); ++k) {
     const Eigen::MatrixXd h = terms.matrix(k);
     for (std::size_t i = 0; i < places.size(); ++i) {
-      const Place& a = places[i];
+      const KeptMode& a = places[i];
       result.curving.push_back(static_cast<float>(g_unit * a.sign * terms.curving(k, a.number)));
       for (std::size_t j = 0; j <= i; ++j) {
-        const Place& b = places[j];
+        const KeptMode& b = places[j];
         result.bending.push_back(static_cast<float>(h_unit * a.sign * b.sign * h(a.number, b.number)));
       }
     }

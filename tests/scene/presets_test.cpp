@@ -139,10 +139,10 @@ TEST_P(RestingPreset, ABodyLiesOnTheFloorWithItsMeshAndNotBesideIt) {
 INSTANTIATE_TEST_SUITE_P(Of, RestingPreset,
                          testing::Combine(testing::Values("frying-pan", "knife", "bronze-bell"),
                                           testing::Values(ShapeType::convex, ShapeType::trimesh)),
-                         [](const auto& info) {
-                           std::string name = std::get<0>(info.param);
+                         [](const auto& one) {
+                           std::string name = std::get<0>(one.param);
                            std::ranges::replace(name, '-', '_');
-                           return name + (std::get<1>(info.param) == ShapeType::convex ? "_hull" : "_mesh");
+                           return name + (std::get<1>(one.param) == ShapeType::convex ? "_hull" : "_mesh");
                          });
 
 }  // namespace
