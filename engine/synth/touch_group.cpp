@@ -10,6 +10,8 @@
 namespace ringdown::synth {
 namespace {
 
+alignas(64) constexpr std::array<double, kMaxTouchColumns> kZeros{};
+
 constexpr double kMinBowRamp_s = 0.002, kMaxBowRamp_s = 0.05;
 constexpr double kMalletLeaves_s = 0.003;  // it has left when it needs so long to come back at its speed
 constexpr double kMostMallet_s = 2;        // and at the latest after that time
@@ -165,7 +167,6 @@ void TouchGroup::move_freely(std::size_t begin, std::size_t frames, const Chunk&
         continue;
       }
       // The states of an impulse of 1 i: Re (i A p^n) = -(answer to an impulse of 1).
-      alignas(64) static constexpr std::array<double, kMaxTouchColumns> kZeros{};
       ModeArrays struck = modes_of(body, TouchedStates(voice).open());
       struck.z_re = const_cast<double*>(kZeros.data()), struck.z_im = exciter->amplitudes.get();
       to_move(struck, steps + 1);
