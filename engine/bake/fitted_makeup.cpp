@@ -195,7 +195,7 @@ class Fitter {
     return fitted_.part_of.empty() ? 0 : static_cast<std::size_t>(fitted_.part_of[static_cast<std::size_t>(e)]);
   }
 
-  // Where the middle of the reference element lies.
+  // The point of element `e` at the middle of the reference element, free of units like the mesh.
   [[nodiscard]] Vector3d middle(Eigen::Index e) const {
     return mesh::nodes_of(mesh_, e).transpose() * mesh::interpolation(mesh_.order(), Eigen::Vector4d::Constant(0.25));
   }

@@ -29,11 +29,12 @@ struct FittedMakeup {
   std::string key;                 // all that the modes depend on beside mesh and Poisson's ratio; empty: plain
   std::vector<std::string> notes;  // what holds where, for people
 
-  // What beside lambda the losses of modes depend on; empty for a plain body.
+  // The shares of each mode's energy by which loss() tells its losses apart; empty for a plain body. `shapes` is 3N x
+  // m.
   [[nodiscard]] ModeShares shares(const mesh::TetMesh& unit_mesh,
                                   const Eigen::Ref<const Eigen::MatrixXd>& shapes) const;
 
-  // What mode `m` of eigenvalue lambda [rad^2/s^2] loses, so much of it to the air.
+  // The decay rates [1/s] of mode `m`, whose eigenvalue is lambda [rad^2/s^2]; the air takes `air_per_s` of them.
   [[nodiscard]] modal::ModeLoss loss(const ModeShares& shares, const BodyUnits& units, Eigen::Index m, double lambda,
                                      double air_per_s) const;
 

@@ -34,7 +34,8 @@ struct LeftOut {
   int below_band = 0, over_damped = 0;
 };
 
-// What the mode of that number in BodyModes and of eigenvalue lambda [rad^2/s^2] loses, so much of it to the air.
+// Returns the decay rates [1/s] of mode `number` of BodyModes, whose eigenvalue is lambda [rad^2/s^2]; the air takes
+// `air_per_s` of them.
 using LossOf = std::function<modal::ModeLoss(Eigen::Index number, double lambda, double air_per_s)>;
 
 // The modes whose damped frequency lies in the band, by ascending lambda.

@@ -1,4 +1,4 @@
-// What a body is made of beyond one isotropic material, and what holds it. [any thread]
+// A Makeup says what a body is made of beyond one isotropic material, and what holds it. [any thread]
 //
 // All of it is optional: a Makeup with nothing in it is a free body of one isotropic material. Lengths are metres of
 // the object as it is baked.
@@ -67,7 +67,7 @@ struct Makeup {
   [[nodiscard]] bool plain() const { return !grain && parts.empty() && supports.empty() && masses.empty(); }
 };
 
-// The same, of an object whose lengths are `scale` times as large.
+// The makeup of an object whose lengths are `scale` times as large.
 Makeup scaled(Makeup makeup, double scale);
 
 }  // namespace ringdown::bake

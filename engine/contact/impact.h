@@ -27,7 +27,7 @@ struct Line {
 
 class Impact {
  public:
-  // Of the step to come: the line of the force, and the force that was predicted.
+  // The step to come has the force on a line, and a force that was predicted.
   struct Step {
     Line line;
     double force_n = 0;

@@ -28,7 +28,8 @@ std::optional<std::size_t> Network::add(Contact& contact) RINGDOWN_REALTIME {
   return first;
 }
 
-// What freedom i would change by under the other contacts' forces: all but `skip_count` freedoms from `skip` on.
+// Freedom i would change by this much [m] under the other contacts' forces: all but `skip_count` freedoms from `skip`
+// on.
 double Network::free_of(std::size_t i, std::span<const double> free_m, std::span<const double> force_n,
                         std::size_t skip, std::size_t skip_count) const RINGDOWN_REALTIME {
   double change = free_m[i];

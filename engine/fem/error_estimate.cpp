@@ -136,7 +136,7 @@ int SurplusProblem::opposite_of(const mesh::OuterFace& face) const {
   return corner;
 }
 
-// What springs and glued masses add to the residual, and springs to the energy of W.
+// Springs and glued masses add their part to the residual, and springs theirs to the energy of W.
 void SurplusProblem::add_layers(const Eigen::Ref<const Eigen::VectorXd>& lambda,
                                 const Eigen::Ref<const Eigen::MatrixXd>& shapes, std::vector<Rows>& residuals) {
   const int w = element_.functions(), n = element_.nodes(), order = mesh_.order();

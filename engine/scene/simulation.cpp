@@ -5,17 +5,15 @@
 #include "engine/scene/ode_flight_probe.h"
 #include "engine/scene/islands.h"
 #include "engine/scene/ode_joint.h"
+#include "engine/scene/ode_lock.h"
 #include "engine/scene/ode_near_pairs.h"
 #include "engine/scene/pair_filter.h"
 
 #include <ode/ode.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
-#include <cstdarg>
 #include <map>
-#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -34,31 +32,6 @@
 //    for that island (State::do_part).
 namespace ringdown::scene {
 namespace {
-
-// ODE's warnings since the last reset, guarded by OdeLock. The only warning seen so far says that the exact solver has
-// left some contacts without a force, which happens in very symmetrical scenes.
-std::size_t ode_warnings = 0;
-void count_warning(int, const char*, va_list) { ++ode_warnings; }
-
-// Held during every call into ODE. The first OdeLock of the process initialises ODE, the first one on a thread
-// allocates ODE's data for that thread.
-class OdeLock {
- public:
-  OdeLock() : lock_(mutex()) {
-    static const int ready = dInitODE2(0);
-    dSetMessageHandler(count_warning);
-    thread_local const int allocated = dAllocateODEDataForThread(dAllocateMaskAll);
-    assert(ready && allocated);
-    static_cast<void>(ready), static_cast<void>(allocated);
-  }
-
- private:
-  static std::mutex& mutex() {
-    static std::mutex instance;
-    return instance;
-  }
-  std::lock_guard<std::mutex> lock_;
-};
 
 struct WorldDeleter {
   void operator()(dxWorld* world) const { dWorldDestroy(world); }
@@ -265,10 +238,10 @@ void Simulation::State::solve() {
   contacts.hand_over(exact, islands);
   if (exact) {
     contacts.push_lone_bodies();
-    ode_warnings = 0;
+    OdeLock::warnings() = 0;
     dWorldStep(world.get(), part_s);
-    if (ode_warnings == 0 && contacts.lands_aslant()) correct_friction();
-    if (ode_warnings == 0) return;
+    if (OdeLock::warnings() == 0 && contacts.lands_aslant()) correct_friction();
+    if (OdeLock::warnings() == 0) return;
     restore();
     exact = false;
     contacts.hand_over(exact, islands);
@@ -291,9 +264,9 @@ void Simulation::State::correct_friction() {
     restore();
     contacts.push_lone_bodies();
     dWorldStep(world.get(), part_s);
-    if (ode_warnings > 0) break;
+    if (OdeLock::warnings() > 0) break;
   }
-  ode_warnings = 0;
+  OdeLock::warnings() = 0;
   contacts.free_friction();
   restore();
   contacts.push_lone_bodies();

@@ -63,6 +63,64 @@ struct Gains<0> {
   HWY_INLINE Gains(const Hearing* /*all*/, std::size_t /*first*/) {}
 };
 
+// Adds one frame of a few vectors of modes, as they are heard, to its partial sums at `to`, and moves the gains on.
+template <std::size_t kVectors, bool kHeard>
+HWY_INLINE void add_heard(const Complex* z, Gains<kHeard ? kVectors : 0>& gains, double* to) {
+  const Tag tag;
+  Vec sum = hn::Load(tag, to);
+  RINGDOWN_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    if constexpr (kHeard) {
+      Complex& gain = gains.now[v];
+      sum = hn::Add(sum, hn::NegMulAdd(z[v].im, gain.im, hn::Mul(z[v].re, gain.re)));
+      gain = {hn::Add(gain.re, gains.step[v].re), hn::Add(gain.im, gains.step[v].im)};
+    } else {
+      sum = hn::Add(sum, z[v].re);
+    }
+  }
+  hn::Store(sum, tag, to);
+}
+
+// Stores the states of a few vectors of modes. Returns the lanes of their energy.
+template <std::size_t kVectors>
+HWY_INLINE Vec store_vectors(const Complex* z, const ModeArrays& modes, std::size_t first) {
+  const Tag tag;
+  Vec energy = hn::Zero(tag);
+  RINGDOWN_UNROLL
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    store_states(z[v], modes, first + v * hn::Lanes(tag));
+    energy = hn::Add(energy, norm(z[v]));
+  }
+  return energy;
+}
+
+// Runs drive.vectors<kVectors, kHeard>(first, sums) over all columns, several vectors together while there are enough.
+// Adds the samples to `out`; returns the energy.
+template <class Drive>
+HWY_INLINE double drive_columns(const ModeArrays& modes, std::size_t columns, const Drive& drive, double* out,
+                                std::size_t frames) {
+  constexpr std::size_t kTogether = 4;
+  const Tag tag;
+  const std::size_t lanes = hn::Lanes(tag);
+  Sums sums;
+  std::fill_n(sums.lanes, frames * lanes, 0.0);
+  Vec energy = hn::Zero(tag);
+  std::size_t at = 0;
+  const bool heard = modes.hearing != nullptr && modes.hearing->gain_re != nullptr;
+  for (; at + kTogether * lanes <= columns; at += kTogether * lanes) {
+    energy = hn::Add(energy, heard ? drive.template vectors<kTogether, true>(at, sums)
+                                   : drive.template vectors<kTogether, false>(at, sums));
+  }
+  for (; at < columns; at += lanes) {
+    energy =
+        hn::Add(energy, heard ? drive.template vectors<1, true>(at, sums) : drive.template vectors<1, false>(at, sums));
+  }
+  for (std::size_t n = 0; n < frames; ++n) {
+    out[n] += hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums.lanes + n * lanes)));
+  }
+  return hn::GetLane(hn::SumOfLanes(tag, energy));
+}
+
 // A few vectors of modes at once, whose chains of products run side by side.
 template <std::size_t kVectors, bool kHeard>
 HWY_INLINE Vec drive_vectors(const ModeArrays& modes, std::size_t first, std::span<const Force> forces,
@@ -82,19 +140,7 @@ HWY_INLINE Vec drive_vectors(const ModeArrays& modes, std::size_t first, std::sp
   }
   Gains<kHeard ? kVectors : 0> gains(modes.hearing, first);
   for (std::size_t n = 0; n < frames; ++n) {
-    double* const to = sums.lanes + n * lanes;
-    Vec sum = hn::Load(tag, to);
-    RINGDOWN_UNROLL
-    for (std::size_t v = 0; v < kVectors; ++v) {
-      if constexpr (kHeard) {
-        Complex& gain = gains.now[v];
-        sum = hn::Add(sum, hn::NegMulAdd(z[v].im, gain.im, hn::Mul(z[v].re, gain.re)));
-        gain = {hn::Add(gain.re, gains.step[v].re), hn::Add(gain.im, gains.step[v].im)};
-      } else {
-        sum = hn::Add(sum, z[v].re);
-      }
-    }
-    hn::Store(sum, tag, to);
+    add_heard<kVectors, kHeard>(z, gains, sums.lanes + n * lanes);
     for (std::size_t f = 0; f < forces.size(); ++f) {
       const Vec impulse = hn::Set(tag, forces[f].samples[n]);
       RINGDOWN_UNROLL
@@ -103,37 +149,22 @@ HWY_INLINE Vec drive_vectors(const ModeArrays& modes, std::size_t first, std::sp
     RINGDOWN_UNROLL
     for (std::size_t v = 0; v < kVectors; ++v) z[v] = multiply(z[v], p[v]);
   }
-  Vec energy = hn::Zero(tag);
-  RINGDOWN_UNROLL
-  for (std::size_t v = 0; v < kVectors; ++v) {
-    store_states(z[v], modes, first + v * lanes);
-    energy = hn::Add(energy, norm(z[v]));
-  }
-  return energy;
+  return store_vectors<kVectors>(z, modes, first);
 }
+
+struct UnderForces {
+  const ModeArrays& modes;
+  std::span<const Force> forces;
+  std::size_t frames;
+  template <std::size_t kVectors, bool kHeard>
+  HWY_INLINE Vec vectors(std::size_t first, Sums& sums) const {
+    return drive_vectors<kVectors, kHeard>(modes, first, forces, frames, sums);
+  }
+};
 
 double drive_modes_here(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces, double* out,
                         std::size_t frames) {
-  constexpr std::size_t kTogether = 4;
-  const Tag tag;
-  const std::size_t lanes = hn::Lanes(tag);
-  Sums sums;
-  std::fill_n(sums.lanes, frames * lanes, 0.0);
-  Vec energy = hn::Zero(tag);
-  std::size_t at = 0;
-  const bool heard = modes.hearing != nullptr && modes.hearing->gain_re != nullptr;
-  for (; at + kTogether * lanes <= columns; at += kTogether * lanes) {
-    energy = hn::Add(energy, heard ? drive_vectors<kTogether, true>(modes, at, forces, frames, sums)
-                                   : drive_vectors<kTogether, false>(modes, at, forces, frames, sums));
-  }
-  for (; at < columns; at += lanes) {
-    energy = hn::Add(energy, heard ? drive_vectors<1, true>(modes, at, forces, frames, sums)
-                                   : drive_vectors<1, false>(modes, at, forces, frames, sums));
-  }
-  for (std::size_t n = 0; n < frames; ++n) {
-    out[n] += hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums.lanes + n * lanes)));
-  }
-  return hn::GetLane(hn::SumOfLanes(tag, energy));
+  return drive_columns(modes, columns, UnderForces{modes, forces, frames}, out, frames);
 }
 
 // Modes under forces that are constant over each step (engine/contact): z <- z p + (force) x (kick).
@@ -152,19 +183,7 @@ HWY_INLINE Vec drive_touched_vectors(const ModeArrays& modes, std::size_t first,
   Gains<kHeard ? kVectors : 0> gains(modes.hearing, first);
   std::size_t step = 0;
   for (std::size_t n = 0; n < frames; ++n) {
-    double* const to = sums.lanes + n * lanes;
-    Vec sum = hn::Load(tag, to);
-    RINGDOWN_UNROLL
-    for (std::size_t v = 0; v < kVectors; ++v) {
-      if constexpr (kHeard) {
-        Complex& gain = gains.now[v];
-        sum = hn::Add(sum, hn::NegMulAdd(z[v].im, gain.im, hn::Mul(z[v].re, gain.re)));
-        gain = {hn::Add(gain.re, gains.step[v].re), hn::Add(gain.im, gains.step[v].im)};
-      } else {
-        sum = hn::Add(sum, z[v].re);
-      }
-    }
-    hn::Store(sum, tag, to);
+    add_heard<kVectors, kHeard>(z, gains, sums.lanes + n * lanes);
     for (const Force& force : forces) {
       const Vec impulse = hn::Set(tag, force.samples[n]);
       RINGDOWN_UNROLL
@@ -185,38 +204,23 @@ HWY_INLINE Vec drive_touched_vectors(const ModeArrays& modes, std::size_t first,
       }
     }
   }
-  Vec energy = hn::Zero(tag);
-  RINGDOWN_UNROLL
-  for (std::size_t v = 0; v < kVectors; ++v) {
-    store_states(z[v], modes, first + v * lanes);
-    energy = hn::Add(energy, norm(z[v]));
-  }
-  return energy;
+  return store_vectors<kVectors>(z, modes, first);
 }
+
+struct UnderTouches {
+  const ModeArrays& modes;
+  std::span<const Force> forces;
+  std::span<const PortForce> ports;
+  std::size_t frames, substeps;
+  template <std::size_t kVectors, bool kHeard>
+  HWY_INLINE Vec vectors(std::size_t first, Sums& sums) const {
+    return drive_touched_vectors<kVectors, kHeard>(modes, first, forces, ports, frames, substeps, sums);
+  }
+};
 
 double drive_touched_here(const ModeArrays& modes, std::size_t columns, std::span<const Force> forces,
                           std::span<const PortForce> ports, double* out, std::size_t frames, std::size_t substeps) {
-  constexpr std::size_t kTogether = 4;
-  const Tag tag;
-  const std::size_t lanes = hn::Lanes(tag);
-  Sums sums;
-  std::fill_n(sums.lanes, frames * lanes, 0.0);
-  Vec energy = hn::Zero(tag);
-  const bool heard = modes.hearing != nullptr && modes.hearing->gain_re != nullptr;
-  std::size_t at = 0;
-  for (; at + kTogether * lanes <= columns; at += kTogether * lanes) {
-    energy = hn::Add(energy,
-                     heard ? drive_touched_vectors<kTogether, true>(modes, at, forces, ports, frames, substeps, sums)
-                           : drive_touched_vectors<kTogether, false>(modes, at, forces, ports, frames, substeps, sums));
-  }
-  for (; at < columns; at += lanes) {
-    energy = hn::Add(energy, heard ? drive_touched_vectors<1, true>(modes, at, forces, ports, frames, substeps, sums)
-                                   : drive_touched_vectors<1, false>(modes, at, forces, ports, frames, substeps, sums));
-  }
-  for (std::size_t n = 0; n < frames; ++n) {
-    out[n] += hn::GetLane(hn::SumOfLanes(tag, hn::Load(tag, sums.lanes + n * lanes)));
-  }
-  return hn::GetLane(hn::SumOfLanes(tag, energy));
+  return drive_columns(modes, columns, UnderTouches{modes, forces, ports, frames, substeps}, out, frames);
 }
 
 // Where a few vectors of modes move the surface at kPlaces places, added to sums of lanes for each step.

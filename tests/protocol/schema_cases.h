@@ -6,9 +6,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace ringdown::protocol {
@@ -33,6 +35,28 @@ struct Cases {
 
 inline ObjectRef named(std::string name) { return {std::move(name), std::nullopt}; }
 inline ObjectRef numbered(std::uint32_t number) { return {"", number}; }
+
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+template <class Struct>
+Claim claim(std::function<bool(const Struct&)> predicate) {
+  return [predicate](const Request& request) {
+    const auto* parsed = std::get_if<Struct>(&request);
+    return parsed && predicate(*parsed);
+  };
+}
+template <class Struct>
+Claim is_a() {
+  return [](const Request& request) { return std::holds_alternative<Struct>(request); };
+}
+
+// Of everything that touches an object for some time.
+Cases bow_cases();
+Cases mallet_cases();
+Cases couple_cases();
+Cases contact_cases();
+Cases hold_cases();
 
 // By the address as the table has it.
 const std::map<std::string, Cases>& all_cases();

@@ -19,7 +19,7 @@ namespace ringdown::cli {
 
 struct SceneBake {
   std::filesystem::path input, output, materials;  // the input may be the output
-  // What the command line says about a bake of that geometry.
+  // Makes the recipe for baking that geometry from the options of the command line.
   std::function<Result<bake::ObjectRecipe>(const std::filesystem::path& geometry)> recipe_for;
   ProgressLine::Style style = ProgressLine::Style::none;
   bool quiet = false;
@@ -29,7 +29,7 @@ struct SceneBake {
 inline constexpr auto kNotForScenes = {"--name",         "--unit",     "--scale", "--set",
                                        "--set-material", "--compress", "--update"};
 
-// Whether a file is a .glb or .gltf with acoustic surfaces: a scene, not a bank or a surface.
+// A .glb or .gltf with acoustic surfaces is a scene, and not a bank or a surface; true for such a file.
 bool has_surfaces(const std::filesystem::path& path);
 
 // Prints a line for each model and a summary to stdout, and a sentence for each body that failed to stderr. Exit codes:

@@ -36,7 +36,7 @@ struct Comparison {
   [[nodiscard]] double decay_error() const;  // the mean factor by which decays are off, less 1
 };
 
-// What is on the page, in a few lines.
+// The comparison's result in a few lines of text; the page shows the same at length.
 std::string verdict(const Comparison& comparison);
 
 std::string compare_page(const Comparison& comparison);

@@ -1,0 +1,133 @@
+#include "tests/protocol/schema_cases.h"
+
+namespace ringdown::protocol {
+
+Cases bow_cases() {
+  const std::string a = "/object/bell/bow";
+  return {{{a, {1, 2, 3, 0, 0, 2, 0.25f, 1.5f}, claim<SetBow>([](const SetBow& b) {
+              return b.object == named("bell") && b.point_m == Vec3{1, 2, 3} && b.touch.direction == Vec3{0, 0, 2} &&
+                     b.touch.speed_m_s == 0.25 && b.touch.force_n == 1.5 && b.touch.friction == 0.8 &&
+                     b.touch.width_m == 0 && b.touch.number == 0 && b.touch.kind == synth::Touch::Kind::bow;
+            })},
+           {a, {0, 0, 0, 1, 0, 0, -1, 0, 0.5f, 0.25f, 3}, claim<SetBow>([](const SetBow& b) {
+              return b.touch.speed_m_s == -1 && b.touch.force_n == 0 && b.touch.width_m == 0.5 &&
+                     b.touch.friction == 0.25 && b.touch.number == 3;
+            })}},
+          {{"/object/b%/bow", {0, 0, 0, 0, 0, 1, 0, 0}, "object"},
+           {a, {kNan, 0, 0, 0, 0, 1, 0, 0}, "x"},
+           {a, {0, 1e5, 0, 0, 0, 1, 0, 0}, "y"},
+           {a, {0, 0, "up", 0, 0, 1, 0, 0}, "z"},
+           {a, {0, 0, 0, kInfinity, 0, 1, 0, 0}, "dx"},
+           {a, {0, 0, 0, 0, 1e7, 1, 0, 0}, "dy"},
+           {a, {0, 0, 0, 0, 0}, "dz"},
+           {a, {0, 0, 0, 0, 0, 1, 1000, 0}, "speed"},
+           {a, {0, 0, 0, 0, 0, 1, 0, -1}, "force"},
+           {a, {0, 0, 0, 0, 0, 1, 0, 1, -1}, "width"},
+           {a, {0, 0, 0, 0, 0, 1, 0, 1, 0, 6}, "rosin"},
+           {a, {0, 0, 0, 0, 0, 1, 0, 1, 0, 1, -1}, "number"}}};
+}
+
+Cases mallet_cases() {
+  const std::string a = "/object/bell/mallet";
+  return {{{a, {1, 2, 3, 0, 0, -2, 0.25f}, claim<HitMallet>([](const HitMallet& m) {
+              return m.object == named("bell") && m.point_m == Vec3{1, 2, 3} && m.velocity_m_s == Vec3{0, 0, -2} &&
+                     m.touch.mass_kg == 0.25 && m.touch.stiffness == 1e7 && m.touch.bounce == 0.9;
+            })},
+           {a, {0, 0, 0, 0, 0, -2, 0.25f, 1024, 0.5f}, claim<HitMallet>([](const HitMallet& m) {
+              return m.touch.stiffness == 1024 && m.touch.bounce == 0.5 && m.touch.kind == synth::Touch::Kind::mallet;
+            })}},
+          {{"/object/b%/mallet", {0, 0, 0, 0, 0, 1, 1}, "object"},
+           {a, {kNan, 0, 0, 0, 0, 1, 1}, "x"},
+           {a, {0, 1e5, 0, 0, 0, 1, 1}, "y"},
+           {a, {0, 0, "up", 0, 0, 1, 1}, "z"},
+           {a, {0, 0, 0, kInfinity, 0, 1, 1}, "vx"},
+           {a, {0, 0, 0, 0, 1e7, 1, 1}, "vy"},
+           {a, {0, 0, 0, 0, 0}, "vz"},
+           {a, {0, 0, 0, 0, 0, 1, 0}, "mass"},
+           {a, {0, 0, 0, 0, 0, 1, 1, 0}, "head"},
+           {a, {0, 0, 0, 0, 0, 1, 1, 5, -1}, "bounce"}}};
+}
+
+Cases couple_cases() {
+  const std::string a = "/object/bell/couple";
+  return {{{a, {1, 2, 3, "plate", 4, 5, 6, 0, 0, 2}, claim<SetCoupling>([](const SetCoupling& c) {
+              return c.object == named("bell") && c.point_m == Vec3{1, 2, 3} && c.other == named("plate") &&
+                     c.touch.other_point_m == Vec3{4, 5, 6} && c.touch.direction == Vec3{0, 0, 2} &&
+                     c.touch.force_n == 0 && c.touch.gap_m == 0 && c.touch.stiffness == 1e8 &&
+                     c.touch.friction == 0.3 && c.touch.bounce == 0.6 && c.touch.mass_kg == 0;
+            })},
+           {a,
+            {1, 2, 3, 7, 4, 5, 6, 0, 0, 1, 2, 0.0625f, 0, 0.25f, 0.75f, 0.5f, 2},
+            claim<SetCoupling>([](const SetCoupling& c) {
+              return c.other == numbered(7) && c.touch.force_n == 2 && c.touch.gap_m == 0.0625 &&
+                     c.touch.stiffness == 0 && c.touch.friction == 0.25 && c.touch.bounce == 0.75 &&
+                     c.touch.mass_kg == 0.5 && c.touch.number == 2 && c.touch.kind == synth::Touch::Kind::couple;
+            })}},
+          {{"/object/b%/couple", {0, 0, 0, 1, 0, 0, 0, 0, 0, 1}, "object"},
+           {a, {kNan, 0, 0, 1, 0, 0, 0, 0, 0, 1}, "x"},
+           {a, {0, 1e5, 0, 1, 0, 0, 0, 0, 0, 1}, "y"},
+           {a, {0, 0, "up", 1, 0, 0, 0, 0, 0, 1}, "z"},
+           {a, {0, 0, 0, "b%", 0, 0, 0, 0, 0, 1}, "other"},
+           {a, {0, 0, 0, 1, kNan, 0, 0, 0, 0, 1}, "ox"},
+           {a, {0, 0, 0, 1, 0, 1e5, 0, 0, 0, 1}, "oy"},
+           {a, {0, 0, 0, 1, 0, 0, "up", 0, 0, 1}, "oz"},
+           {a, {0, 0, 0, 1, 0, 0, 0, kInfinity, 0, 1}, "nx"},
+           {a, {0, 0, 0, 1, 0, 0, 0, 0, 1e7, 1}, "ny"},
+           {a, {0, 0, 0, 1, 0, 0, 0, 0, 0}, "nz"},
+           {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, -1}, "weight"},
+           {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 1}, "gap"},
+           {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, -1}, "stiffness"},
+           {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 1, 6}, "friction"},
+           {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, -1}, "bounce"},
+           {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 1, -1}, "mass"},
+           {a, {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 1, 1, -1}, "number"}}};
+}
+
+Cases contact_cases() {
+  const std::string a = "/object/bell/contact";
+  return {{{a, {1, 2, 3, 0, 0, -0.5f, 0.25f}, claim<SetContact>([](const SetContact& k) {
+              return k.object == named("bell") && k.point_m == Vec3{1, 2, 3} && k.contact.force_n == Vec3{0, 0, -0.5} &&
+                     k.contact.slip_m_s == 0.25 && k.contact.roll_m_s == 0 && k.contact.number == 0 &&
+                     k.contact.texture == synth::Texture{};
+            })},
+           {a, {0, 0, 0, 0, 0, 0, 0, 2, 7, 0.0625f, 0.25f, -2}, claim<SetContact>([](const SetContact& k) {
+              return k.contact.roll_m_s == 2 && k.contact.number == 7 &&
+                     k.contact.texture == synth::Texture{0.0625, 0.25, -2};
+            })}},
+          {{"/object/b%/contact", {0, 0, 0, 0, 0, 0, 0}, "object"},
+           {a, {kNan, 0, 0, 0, 0, 0, 0}, "x"},
+           {a, {0, 1e5, 0, 0, 0, 0, 0}, "y"},
+           {a, {0, 0, "up", 0, 0, 0, 0}, "z"},
+           {a, {0, 0, 0, kInfinity, 0, 0, 0}, "fx"},
+           {a, {0, 0, 0, 0, 1e7, 0, 0}, "fy"},
+           {a, {0, 0, 0, 0, 0, -1e7, 0}, "fz"},
+           {a, {0, 0, 0, 0, 0, 0}, "slip"},
+           {a, {0, 0, 0, 0, 0, 0, -1}, "slip"},
+           {a, {0, 0, 0, 0, 0, 0, 0, -1}, "roll"},
+           {a, {0, 0, 0, 0, 0, 0, 0, 0, -1}, "number"},
+           {a, {0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, "roughness"},
+           {a, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, "correlation"},
+           {a, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1}, "slope"}}};
+}
+
+Cases hold_cases() {
+  const std::string a = "/object/bell/hold";
+  return {{{a, {1, 2, 3, 5}, claim<SetDamper>([](const SetDamper& h) {
+              return h.object == named("bell") && h.damper == modal::Damper{{1, 2, 3}, {0, 0, 0}, 5} && h.number == 0;
+            })},
+           {a, {1, 2, 3, 0, 0, 0, -1, 15}, claim<SetDamper>([](const SetDamper& h) {
+              return h.damper == modal::Damper{{1, 2, 3}, {0, 0, -1}, 0} && h.number == 15;
+            })}},
+          {{"/object/b%/hold", {0, 0, 0, 0}, "object"},
+           {a, {kNan, 0, 0, 0}, "x"},
+           {a, {0, 1e5, 0, 0}, "y"},
+           {a, {0, 0, "up", 0}, "z"},
+           {a, {0, 0, 0}, "damping"},
+           {a, {0, 0, 0, -1}, "damping"},
+           {a, {0, 0, 0, 1, kInfinity, 0, 0}, "nx"},
+           {a, {0, 0, 0, 1, 0, 1e4, 0}, "ny"},
+           {a, {0, 0, 0, 1, 0, 0, -1e4}, "nz"},
+           {a, {0, 0, 0, 1, 0, 0, 0, 16}, "number"}}};
+}
+
+}  // namespace ringdown::protocol

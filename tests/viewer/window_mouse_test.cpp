@@ -1,0 +1,125 @@
+// The mouse in the window, on a display, against a real daemon: what it strikes, and how it moves the camera.
+#include "engine/modal/bank_file.h"
+#include "tests/viewer/studio.h"
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ringdown::viewer {
+namespace {
+
+// The bell's sample point that is nearest to the camera: nothing of the bell hides it. The pixel lies a little towards
+// its middle, because such a point may be at the edge of what is seen.
+struct Target {
+  Vec3 object_m;    // in the bell's frame
+  glm::vec2 pixel;  // in the window
+};
+Target nearest_point(Studio& studio) {
+  const auto bank = modal::read_bank(kPresets + "/banks/bronze-bell.glb");
+  EXPECT_TRUE(bank);
+  const SceneView& view = studio.app().scene_view();
+  const auto& set = view.stage().contents();
+  const auto bell =
+      static_cast<std::size_t>(std::ranges::find(set.items, "bell", &StageItem::object) - set.items.begin());
+  Target target{};
+  float nearest = 1e9F;
+  for (const auto& [x, y, z] : bank->positions) {
+    const glm::vec3 point(set.frame.bodies[bell].pose * glm::vec4(x, y, z, 1));
+    const float away = glm::length(point - view.camera().position_m);
+    const auto pixel = view.camera().project(point, static_cast<int>(view.size().x), static_cast<int>(view.size().y));
+    if (away >= nearest || !pixel) continue;
+    nearest = away;
+    target = {{x, y, z}, glm::vec2(view.origin().x, view.origin().y) + *pixel};
+  }
+  const glm::vec2 middle = glm::vec2(view.origin().x, view.origin().y) +
+                           *view.camera().project(glm::vec3(set.frame.bodies[bell].pose[3]),
+                                                  static_cast<int>(view.size().x), static_cast<int>(view.size().y));
+  target.pixel += 3.0F * glm::normalize(middle - target.pixel);
+  return target;
+}
+
+TEST(Window, AClickOnTheBellStrikesItThere) {
+  OPEN_STUDIO(studio);
+  const Target target = nearest_point(studio);
+  const auto x = std::to_string(std::lround(target.pixel.x)), y = std::to_string(std::lround(target.pixel.y));
+  studio.act({"mousemove", x, y});
+  studio.act({"click", "1"});
+  ASSERT_TRUE(studio.asks<protocol::Strike>());
+  const protocol::Strike strike = studio.relay().asked<protocol::Strike>()[0];
+  EXPECT_EQ(strike.object.name, "bell");
+  // A pixel is some 2 mm there, and the surface bends.
+  EXPECT_LT(length(strike.point_m - target.object_m), 0.02);
+  EXPECT_GT(length(strike.impulse_ns), 0);
+  std::optional<KnownContact> told;
+  bool sounds = false, glows = false;
+  EXPECT_TRUE(studio.until([&] {
+    const Model& model = studio.app().model();
+    if (!model.contacts().empty()) told = model.contacts().back();
+    sounds = sounds || model.load().sounding_objects == 1;
+    glows = glows || std::ranges::any_of(studio.app().scene_view().stage().contents().frame.bodies,
+                                         [](const DrawnBody& body) { return body.glow > 0.3F; });
+    return told && sounds && glows;
+  })) << "told "
+      << told.has_value() << ", sounds " << sounds << ", glows " << glows << "; " << studio.condition();
+  ASSERT_TRUE(told);
+  EXPECT_LT(length(told->point_m - target.object_m), 0.02) << "as the daemon tells it";
+}
+
+TEST(Window, AClickHeldLongerStrikesHarder) {
+  OPEN_STUDIO(studio);
+  const Target target = nearest_point(studio);
+  studio.act({"mousemove", std::to_string(std::lround(target.pixel.x)), std::to_string(std::lround(target.pixel.y))});
+  const auto strikes = [&] { return studio.relay().asked<protocol::Strike>(); };
+  studio.act({"mousedown", "1"});
+  studio.act({"mouseup", "1"});
+  ASSERT_TRUE(studio.until([&] { return strikes().size() == 1; }));
+  studio.act({"mousedown", "1"});
+  studio.until([] { return false; }, 2s);
+  studio.act({"mouseup", "1"});
+  ASSERT_TRUE(studio.until([&] { return strikes().size() == 2; }));
+  EXPECT_LE(length(strikes()[0].impulse_ns), length(strikes()[1].impulse_ns)) << "however long the first took";
+  EXPECT_NEAR(length(strikes()[1].impulse_ns), 8 * studio.app().commands().choice().impulse_ns, 1e-6);
+}
+
+TEST(Window, DraggingTurnsTheWheelZoomsAndShiftPushes) {
+  OPEN_STUDIO(studio);
+  App& app = studio.app();
+  const SceneView& view = app.scene_view();
+  const auto in_view = [&](glm::vec3 point) {
+    const auto pixel = view.camera().project(point, static_cast<int>(view.size().x), static_cast<int>(view.size().y));
+    return std::pair(std::to_string(std::lround(view.origin().x + pixel->x)),
+                     std::to_string(std::lround(view.origin().y + pixel->y)));
+  };
+  const auto [bx, by] = in_view({0.4F, -0.05F, 0.05F});
+  studio.act({"keydown", "shift"});
+  studio.act({"mousemove", bx, by});
+  studio.act({"mousedown", "1"});
+  for (int i = 0; i < 4; ++i) studio.act({"mousemove_relative", "--", "-15", "0"});
+  studio.act({"mouseup", "1"});
+  studio.act({"keyup", "shift"});
+  ASSERT_TRUE(studio.asks<protocol::ScenePush>());
+  EXPECT_LT(studio.relay().asked<protocol::ScenePush>()[0].impulse_ns.x, 0);
+  EXPECT_TRUE(studio.until([&] {
+    const auto& set = view.stage().contents();
+    return std::ranges::any_of(set.frame.bodies,
+                               [](const DrawnBody& b) { return b.pose[3].x > 0.01F && b.pose[3].x < 0.39F; });
+  })) << "the block does not move";
+
+  const float yaw = view.camera().yaw;
+  studio.act({"mousemove", bx, by});
+  studio.act({"mousedown", "1"});
+  for (int i = 0; i < 4; ++i) studio.act({"mousemove_relative", "--", "-20", "0"});
+  studio.act({"mouseup", "1"});
+  EXPECT_TRUE(studio.until([&] { return std::abs(view.camera().yaw - yaw) > 0.02F; }));
+  const glm::vec3 before = view.camera().position_m;
+  studio.act({"click", "4"});
+  EXPECT_TRUE(
+      studio.until([&] { return glm::dot(view.camera().position_m - before, view.camera().forward()) > 0.01F; }));
+  EXPECT_TRUE(studio.relay().asked<protocol::Strike>().empty()) << "a drag strikes nothing";
+}
+
+}  // namespace
+}  // namespace ringdown::viewer
