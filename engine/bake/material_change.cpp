@@ -40,14 +40,6 @@ double share_of_loss(const modal::Material& from, const modal::Bank& bank, std::
   return std::abs(share - 1) > kRounding ? share : 1;
 }
 
-// The grain of a material that takes the place of another: all moduli change alike.
-std::optional<modal::Orthotropy> scaled_grain(std::optional<modal::Orthotropy> grain, double stiffness) {
-  if (!grain) return grain;
-  for (double& modulus : grain->youngs_modulus_pa) modulus *= stiffness;
-  for (double& modulus : grain->shear_modulus_pa) modulus *= stiffness;
-  return grain;
-}
-
 // What the mode loses in another material. What air and support take together goes as the two materials' alphas do: a
 // bank whose support takes more than its material says keeps that ratio.
 modal::ModeLoss loss_in(const modal::Material& from, const modal::Material& to, const modal::Bank& bank, std::size_t m,
@@ -88,7 +80,8 @@ Result<Changed> change(const modal::Bank& bank, const Change& change) {
   modal::Material to = change.material.value_or(from);
   to.poisson_ratio = from.poisson_ratio;
   const modal::MaterialScale scale = scale_of(from, to, change);
-  to.orthotropy = scaled_grain(from.orthotropy, scale.stiffness);
+  to.orthotropy = from.orthotropy;
+  if (to.orthotropy) to.orthotropy = modal::stiffer(*to.orthotropy, scale.stiffness);
 
   Changed changed{.bank = bank};
   modal::Bank& out = changed.bank;

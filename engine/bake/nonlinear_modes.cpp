@@ -106,21 +106,24 @@ MatrixXd inverse_root(const MatrixXd& c) {
   return solved.eigenvectors().rightCols(count) * values.tail(count).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
-// The largest relative change of a low mode's own quartic term by the forces that condensing leaves out.
-double carried_share(const fem::QuadraticStrain& strain, const solve::SlavedResponse& response, Index modes) {
-  double largest = 0;
-  for (Index m = 0; m < std::min<Index>(modes, kCarried); ++m) {
+// The largest change of a low mode's own quartic term by the forces that condensing leaves out, over that term or, where
+// a mode hardly stretches, over what it would be if it stretched as the mean of these modes does.
+double carried_share(const fem::QuadraticStrain& strain, const solve::SlavedResponse& response,
+                     const VectorXd& lambda) {
+  const Index modes = lambda.size(), low = std::min<Index>(modes, kCarried);
+  VectorXd terms(low), changes(low);
+  for (Index m = 0; m < low; ++m) {
     MatrixXd mixture = MatrixXd::Zero(modes, modes);
     mixture(m, m) = 1;
     const VectorXd force = strain.force(mixture), full = force + strain.carried_force(m);
     MatrixXd both(force.size(), 2);
     both << force, full;
     const MatrixXd answers = response(both);
-    const double own = strain.products(mixture, answers.col(0))(m, m);
-    const double change = full.dot(answers.col(1)) - force.dot(answers.col(0));
-    largest = std::max(largest, std::abs(change) / own);
+    terms[m] = strain.products(mixture, answers.col(0))(m, m);
+    changes[m] = std::abs(full.dot(answers.col(1)) - force.dot(answers.col(0)));
   }
-  return largest;
+  const double mean = terms.cwiseQuotient(lambda.head(low)).mean();
+  return changes.cwiseQuotient(terms.cwiseMax(mean * lambda.head(low))).maxCoeff();
 }
 
 MatrixXd lower_triangles(const MatrixXd& pairs, const VectorXd& omega) {
@@ -192,7 +195,7 @@ Result<NonlinearModes> find_nonlinear(const mesh::TetMesh& unit_mesh, const fem:
     result.residual = std::max(0.0, missing) / (std::max(0.0, missing) + best.squaredNorm());
   }
   result.membrane_share = (result.curving.colwise().squaredNorm().transpose().cwiseQuotient(lambda)).maxCoeff();
-  result.carried_share = carried_share(strain, response, m);
+  result.carried_share = carried_share(strain, response, lambda);
   return result;
 } catch (const std::bad_alloc&) {
   return fail(ErrorKind::no_memory, "not enough memory for " + std::to_string(modes) +

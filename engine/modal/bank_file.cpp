@@ -9,6 +9,7 @@
 #include "engine/modal/glb.h"
 #include "engine/modal/gltf_file.h"
 #include "engine/modal/material_scale.h"
+#include "engine/modal/scaled_bank.h"
 
 #include <algorithm>
 #include <charconv>
@@ -123,30 +124,15 @@ Result<Instance> find_instance(const Glb& glb) {
   return Instance{};
 }
 
-// Similar bodies of one material: lengths times s, eigenvalues by 1/s^2, mass by s^3, shapes by s^-3/2.
+// The same object s times as large, whose modes must still ring.
 Result<void> scale_size(Bank& bank, double s, const std::string& name) {
   for (std::size_t m = 0; m < bank.mode_count(); ++m) {
-    const DampedMode mode = rescale(bank, m, {.size = s});
-    if (!(mode.frequency_hz > 0)) {
-      return fail(ErrorKind::bad_input, name + ": at the node's scale of " + Json(s).dump() + " mode " +
-                                            std::to_string(m) +
-                                            " is over-damped and has no pitch; bake the object at that size");
-    }
-    if (!bank.losses.empty()) bank.losses[m] = rescaled_loss(bank, m, {.size = s});
-    if (bank.radiation) bank.radiation->maps.modes[m] = rescale(bank.radiation->maps.modes[m], {.size = s});
-    bank.frequency_hz[m] = mode.frequency_hz;
-    bank.decay_per_s[m] = mode.decay_per_s;
+    if (rescale(bank, m, {.size = s}).frequency_hz > 0) continue;
+    return fail(ErrorKind::bad_input, name + ": at the node's scale of " + Json(s).dump() + " mode " +
+                                          std::to_string(m) +
+                                          " is over-damped and has no pitch; bake the object at that size");
   }
-  const auto length = static_cast<float>(s), shape = static_cast<float>(std::pow(s, -1.5));
-  for (Vec3f& p : bank.positions) p = {p[0] * length, p[1] * length, p[2] * length};
-  for (Vec3f& v : bank.shapes) v = {v[0] * shape, v[1] * shape, v[2] * shape};
-  if (bank.radiation) bank.radiation->maps.origin_m = s * bank.radiation->maps.origin_m;
-  if (bank.nonlinear) rescale(*bank.nonlinear, {.size = s});
-  if (bank.mass) {
-    bank.mass->mass_kg *= s * s * s;
-    bank.mass->center_of_mass_m = s * bank.mass->center_of_mass_m;
-    bank.mass->inertia_kg_m2 = std::pow(s, 5) * bank.mass->inertia_kg_m2;
-  }
+  bank = scaled(bank, {.size = s});
   const auto finite = [](const Vec3f& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); };
   if (!std::all_of(bank.positions.begin(), bank.positions.end(), finite) ||
       !std::all_of(bank.shapes.begin(), bank.shapes.end(), finite)) {

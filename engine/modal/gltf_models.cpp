@@ -87,7 +87,12 @@ void renumber(Json& model, std::size_t by) {
     if (model.contains(key)) model[key] = model[key].get<std::size_t>() + by;
   }
   Json& own = model["extras"]["ringdown"];
-  if (own.contains("radiation")) own["radiation"]["maps"] = own["radiation"]["maps"].get<std::size_t>() + by;
+  const auto move = [&own, by](const char* part, const char* key) {
+    if (own.contains(part)) own[part][key] = own[part][key].get<std::size_t>() + by;
+  };
+  move("radiation", "maps");
+  move("nonlinear", "bending");
+  move("nonlinear", "curving");
 }
 
 // The arrays of the models as a document of their own: accessors, views and one buffer.

@@ -27,6 +27,13 @@ struct Orthotropy {
   friend bool operator==(const Orthotropy&, const Orthotropy&) = default;
 };
 
+// The solid with all of its moduli `factor` times as large.
+inline Orthotropy stiffer(Orthotropy solid, double factor) {
+  for (double& modulus : solid.youngs_modulus_pa) modulus *= factor;
+  for (double& modulus : solid.shear_modulus_pa) modulus *= factor;
+  return solid;
+}
+
 // Whether a stable solid has these constants: S is positive definite.
 inline bool is_stable(const Orthotropy& solid) {
   const auto& [e, nu, g, loss] = solid;

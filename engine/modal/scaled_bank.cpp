@@ -21,12 +21,14 @@ Bank scaled(const Bank& bank, const MaterialScale& scale) {
   for (Vec3f& v : out.shapes) v = {shape * v[0], shape * v[1], shape * v[2]};
   for (Vec3f& point : out.positions) point = rescale(point, scale);
   if (out.radiation) out.radiation->maps.origin_m = scale.size * out.radiation->maps.origin_m;
+  if (out.nonlinear) rescale(*out.nonlinear, scale);
   if (out.mass) out.mass = rescale(*out.mass, scale);
   if (out.material) {
     out.material->density_kg_m3 *= scale.density;
     out.material->youngs_modulus_pa *= scale.stiffness;
     out.material->damping.alpha_per_s *= scale.alpha;
     out.material->damping.beta_s *= scale.beta;
+    if (out.material->orthotropy) out.material->orthotropy = stiffer(*out.material->orthotropy, scale.stiffness);
   }
   if (ringing.size() < bank.mode_count()) take_modes(out, ringing);
   return out;

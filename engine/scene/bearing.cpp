@@ -19,11 +19,10 @@ namespace {
 double finish_slope(const FrictionSurface& surface) {
   if (surface.relief && surface.relief->profile) return surface.relief->profile->rms_slope();
   const synth::Texture& t = surface.texture;
-  const double shortest_m = t.shortest_m > 0 ? t.shortest_m : t.correlation_m / 16;
   double power = 0, slopes = 0;
-  for (double length_m = t.correlation_m; length_m > 0.99 * shortest_m && length_m > 0; length_m *= 0.5) {
-    const double share = std::pow(t.correlation_m / length_m, t.spectral_slope + 1);
-    const double q = 2 * std::numbers::pi / length_m;
+  for (std::size_t octave = 0; octave < t.octaves(); ++octave) {
+    const double ratio = std::exp2(static_cast<double>(octave)), share = std::pow(ratio, t.spectral_slope + 1);
+    const double q = 2 * std::numbers::pi * ratio / t.correlation_m;
     power += share;
     slopes += share * q * q;
   }

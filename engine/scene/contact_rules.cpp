@@ -10,7 +10,9 @@ std::optional<double> longer(std::optional<double> a, std::optional<double> b) {
   return a && b ? std::max(a, b) : a ? a : b;
 }
 
-double shortest(const synth::Texture& t) { return t.shortest_m > 0 ? t.shortest_m : t.correlation_m / 16; }
+double shortest(const synth::Texture& t) {
+  return t.shortest_m > 0 ? t.shortest_m : std::ldexp(t.correlation_m, 1 - static_cast<int>(t.octaves()));
+}
 
 synth::Texture combine(const synth::Texture& a, const synth::Texture& b) {
   const double variance_a = a.roughness_m * a.roughness_m, variance_b = b.roughness_m * b.roughness_m;

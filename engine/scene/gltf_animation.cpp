@@ -34,6 +34,8 @@ void GltfAnimations::add(const Field& animation) {
     if (way == kWays.end()) return document_.refuse(sampler["interpolation"].wrong("LINEAR, STEP or CUBICSPLINE"));
     Channel channel{static_cast<Target>(path - kTargets.begin()), static_cast<Way>(way - kWays.begin()), {}, {}};
     const std::size_t width = channel.target == Target::rotation ? 4 : 3;
+    if (keys_ > kMaxAllKeys)
+      return document_.notes.add("the animations have too many keys; further channels are not played");
     auto times = modal::read_floats(document_.glb(), sampler["input"], 1, kMaxKeys);
     auto values = modal::read_floats(document_.glb(), sampler["output"], width, 3 * kMaxKeys);
     if (!times) return document_.refuse(tl::unexpected(times.error()));
@@ -42,6 +44,7 @@ void GltfAnimations::add(const Field& animation) {
     const bool rises = std::ranges::adjacent_find(*times, std::greater_equal<>()) == times->end();
     if (values->size() != each * times->size() || !rises || !(times->front() >= 0))
       return document_.refuse(sampler["input"].wrong("times from 0 that rise, with a value for each"));
+    keys_ += times->size();
     length_s_ = std::max(length_s_, static_cast<double>(times->back()));
     channel.times_s = *std::move(times);
     channel.values = *std::move(values);
@@ -63,7 +66,7 @@ std::vector<double> GltfAnimations::value_at(const Channel& channel, double time
   const double from = static_cast<double>(times[k]);
   const bool held = k + 1 == times.size() || channel.way == Way::step || time_s <= from;
   const double span = held ? 1 : static_cast<double>(times[k + 1]) - from, t = held ? 0 : (time_s - from) / span;
-  // A rotation takes the shorter way; over the short time between keys a straight line that is normalised serves.
+  // A rotation takes the shorter way, at a steady rate; between equal ones a straight line serves.
   double along = 0;
   for (std::size_t c = 0; c < width && !held; ++c) along += at(k, value, c) * at(k + 1, value, c);
   const double sign = channel.target == Target::rotation && channel.way == Way::linear && along < 0 ? -1 : 1;
@@ -120,12 +123,14 @@ std::shared_ptr<const MotionPath> GltfAnimations::path_of(std::size_t node) {
   if (!animated || !(length_s_ > 0)) return nullptr;
   if (scales) document_.notes.add("an animation changes a body's scale, which collisions do not follow");
   const double count = std::ceil(length_s_ / kEvery_s) + 1;
-  if (!(count <= static_cast<double>(std::min(kMaxPathPoses, kMaxPoses - poses_)))) {
-    document_.notes.add("the animations are longer than " + std::to_string(kMaxPoses / 240) +
-                        " s of all bodies together; further bodies stand still");
+  const double nodes = static_cast<double>(chain.size());
+  if (!(count <= static_cast<double>(kMaxPathPoses)) || !(count * nodes <= static_cast<double>(kMaxPoses - poses_))) {
+    document_.notes.add("the animations are longer than " + std::to_string(kMaxPathPoses / 240) + " s, or than " +
+                        std::to_string(kMaxPoses / 240) +
+                        " s of all bodies and the nodes above them together; further bodies stand still");
     return nullptr;
   }
-  poses_ += static_cast<std::size_t>(count);
+  poses_ += static_cast<std::size_t>(count * nodes);
   auto path = std::make_shared<MotionPath>();
   path->every_s = length_s_ / (count - 1);
   for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {

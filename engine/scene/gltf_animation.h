@@ -15,9 +15,11 @@ namespace ringdown::scene {
 
 class GltfAnimations {
  public:
-  static constexpr double kEvery_s = 1.0 / 240;                   // between the poses of a path
-  static constexpr std::size_t kMaxPoses = std::size_t{1} << 20;  // of all paths of a scene together
-  static constexpr std::size_t kMaxKeys = std::size_t{1} << 16;   // of one channel
+  static constexpr double kEvery_s = 1.0 / 240;  // between the poses of a path
+  static constexpr std::size_t kMaxPoses =
+      std::size_t{1} << 20;  // of all paths of a scene together, each times the nodes from its own up to the root
+  static constexpr std::size_t kMaxKeys = std::size_t{1} << 16;     // of one channel
+  static constexpr std::size_t kMaxAllKeys = std::size_t{1} << 22;  // of all channels together
 
   // Reads the channels that move or turn nodes. What is refused or left out, the document notes.
   explicit GltfAnimations(GltfDocument& document);
@@ -41,7 +43,7 @@ class GltfAnimations {
   GltfDocument& document_;
   std::map<std::size_t, std::vector<Channel>> channels_;  // by their nodes
   double length_s_ = 0;
-  std::size_t poses_ = 0;
+  std::size_t keys_ = 0, poses_ = 0;
 };
 
 }  // namespace ringdown::scene

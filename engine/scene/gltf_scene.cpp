@@ -23,6 +23,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 namespace ringdown::scene {
@@ -31,7 +32,6 @@ namespace {
 using modal::Field;
 
 constexpr double kUsualDensity_kg_m3 = 1000;
-constexpr std::size_t kMaxMaps = 64;  // of normal maps, each for its surface, mesh and size
 
 // Extensions that are read here or that change nothing about a scene's motion and sound.
 constexpr std::array kKnown = {"KHR_physics_rigid_bodies", "KHR_implicit_shapes", "KHR_collision_shapes",
@@ -195,16 +195,13 @@ class GltfSceneReader {
     if (other && *other < nodes().size() && nodes()[*other].field["mesh"].present()) mesh_node = *other;
     const Affine& world = nodes()[node].world;
     const Vec3 s = parts_of(world.linear).scale;
-    const std::string key = std::to_string(owner.value_or(nodes().size())) + " " +
-                            std::to_string(mesh_node.value_or(nodes().size())) + " " + std::to_string(s.x) + " " +
-                            std::to_string(s.y) + " " + std::to_string(s.z);
+    const std::tuple key{owner.value_or(nodes().size()), mesh_node.value_or(nodes().size()), s.x, s.y, s.z};
     const auto [found, is_new] = reliefs_.try_emplace(key);
     if (!is_new) return found->second;
     modal::SurfaceRelief relief{.profile = read_profile(document_, finish)};
-    if (mesh_node && maps_ == kMaxMaps) note("more than 64 normal maps are not felt");
-    if (mesh_node && maps_ < kMaxMaps) {
+    if (mesh_node) {
       const Field mesh = document_.element(nodes()[*mesh_node].field["mesh"], document_.root()["meshes"]);
-      relief.mesoscale = relief_of(document_, finish["normalTexture"], mesh, world, read_beside_);
+      relief.mesoscale = relief_of(document_, finish["normalTexture"], mesh, world, maps_ < kMaxMaps, read_beside_);
       if (relief.mesoscale) ++maps_;
     }
     if (relief.profile || relief.mesoscale) found->second = std::make_shared<modal::SurfaceRelief>(std::move(relief));
@@ -240,7 +237,9 @@ class GltfSceneReader {
     if (shapes.empty()) {
       if (!is_plane && body.moves) note("a motion without a collider touches nothing, and is left out");
       if (!body.moves && body.model_node)
-        note("a modal model of a node without a motion or a collider has nothing to strike it; it is not loaded");
+        note(is_plane
+                 ? "a modal model of an infinite plane is not loaded"
+                 : "a modal model of a node without a motion or a collider has nothing to strike it; it is not loaded");
       return;
     }
     for (const PlacedCollider& other : body.colliders) {
@@ -417,7 +416,8 @@ class GltfSceneReader {
   std::filesystem::path path_;
   const modal::ReadBeside& read_beside_;
   GltfAnimations animations_;
-  std::map<std::string, std::shared_ptr<const modal::SurfaceRelief>> reliefs_;
+  std::map<std::tuple<std::size_t, std::size_t, double, double, double>, std::shared_ptr<const modal::SurfaceRelief>>
+      reliefs_;           // by surface, mesh and size
   std::size_t maps_ = 0;  // normal maps among them
   std::vector<GatheredBody> bodies_;
   std::map<std::size_t, std::string> names_;  // of the bodies, by their nodes

@@ -145,9 +145,16 @@ class GlbScene {
   }
 
   std::size_t add_finish(const FrictionSurface& surface) {
-    finishes_.push_back({{"roughness", surface.texture.roughness_m},
-                         {"correlationLength", surface.texture.correlation_m},
-                         {"spectralSlope", surface.texture.spectral_slope}});
+    constexpr double kWavinessLength_m = 2e-3;  // any will do: what is felt is the quotient
+    Json finish = {{"roughness", surface.texture.roughness_m},
+                   {"correlationLength", surface.texture.correlation_m},
+                   {"spectralSlope", surface.texture.spectral_slope}};
+    if (surface.texture.shortest_m > 0) finish["shortWavelength"] = surface.texture.shortest_m;
+    if (surface.waviness) {
+      finish["waviness"] = *surface.waviness * kWavinessLength_m;
+      finish["wavinessLength"] = kWavinessLength_m;
+    }
+    finishes_.push_back(std::move(finish));
     return finishes_.size() - 1;
   }
 

@@ -23,7 +23,7 @@ constexpr double kSteepest = 4;  // a normal that leans more than this slope is 
 
 struct Picture {
   std::size_t width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;
+  std::vector<std::uint8_t> rgba;
 };
 
 std::optional<Picture> unpack_png(std::span<const std::byte> bytes) {
@@ -32,12 +32,13 @@ std::optional<Picture> unpack_png(std::span<const std::byte> bytes) {
   const std::unique_ptr<png_image, void (*)(png_image*)> guard(&png, [](png_image* p) { png_image_free(p); });
   if (!png_image_begin_read_from_memory(&png, bytes.data(), bytes.size())) return {};
   if (png.width == 0 || png.height == 0 || png.width > kMaxMapPixels / png.height) return {};
-  png.format = PNG_FORMAT_RGB;
-  // As the numbers stand in the file: normals are no colours.
+  if (png.width > kMaxMapSamples) return {};
+  // As the numbers stand in the file: normals are no colours, and alpha, which is not read, changes none of them.
+  png.format = PNG_FORMAT_RGBA;
   png.flags |= PNG_IMAGE_FLAG_COLORSPACE_NOT_sRGB;
   Picture picture{.width = png.width, .height = png.height};
-  picture.rgb.resize(3 * picture.width * picture.height);
-  if (!png_image_finish_read(&png, nullptr, picture.rgb.data(), 0, nullptr)) return {};
+  picture.rgba.resize(4 * picture.width * picture.height);
+  if (!png_image_finish_read(&png, nullptr, picture.rgba.data(), 0, nullptr)) return {};
   return picture;
 }
 
@@ -86,7 +87,7 @@ std::vector<float> heights_of(const Picture& picture, double strength, double te
   double mean = 0;
   for (std::size_t k = 0; k < rows * picture.width; ++k) {
     const auto part = [&](std::size_t channel) {
-      return static_cast<double>(picture.rgb[3 * k + channel]) * 2 / 255 - 1;
+      return static_cast<double>(picture.rgba[4 * k + channel]) * 2 / 255 - 1;
     };
     const double x = strength * part(0), z = std::max(part(2), 1e-3);
     slopes.push_back(std::clamp(-x / z, -kSteepest, kSteepest));
@@ -116,19 +117,24 @@ std::optional<Picture> picture_of(GltfDocument& document, const Field& info, con
   }
   auto picture = unpack_png(std::as_bytes(std::span(bytes)));
   if (!picture)
-    document.notes.add("a normal map cannot be read, and is not felt: it must be a PNG of 16 million pixels at most");
+    document.notes.add("a normal map cannot be read, and is not felt: it must be a PNG of 16 million pixels at most, " +
+                       std::to_string(kMaxMapSamples) + " in a row");
   return picture;
 }
 
 }  // namespace
 
 std::optional<modal::SurfaceTrack> relief_of(GltfDocument& document, const Field& own, const Field& mesh,
-                                             const Affine& map, const modal::ReadBeside& read_beside) {
+                                             const Affine& map, bool may_read, const modal::ReadBeside& read_beside) {
   for (std::size_t k = 0; k < mesh["primitives"].size(); ++k) {
     const Field primitive = mesh["primitives"][k];
     const Field material = document.element(primitive["material"], document.root()["materials"]);
     const Field info = own.present() ? own : material["normalTexture"];
     if (!info.present()) continue;
+    if (!may_read) {
+      document.notes.add("more than " + std::to_string(kMaxMaps) + " normal maps are not felt");
+      return {};
+    }
     if (info["extensions"]["KHR_texture_transform"].present())
       document.notes.add("a normal map is felt without its KHR_texture_transform");
     const auto set = info["texCoord"].index_or(0).value_or(0);
@@ -144,7 +150,7 @@ std::optional<modal::SurfaceTrack> relief_of(GltfDocument& document, const Field
     const double texel_m = u_m / static_cast<double>(picture->width);
     auto track = modal::SurfaceTrack::make(heights_of(*picture, strength, texel_m), texel_m);
     if (track) return *std::move(track);
-    document.refuse(info.wrong("a map with finite heights"));
+    document.notes.add("a normal map of one texel, or of heights that are no finite numbers, is not felt");
     return {};
   }
   return {};

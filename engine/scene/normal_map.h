@@ -14,14 +14,16 @@
 
 namespace ringdown::scene {
 
+inline constexpr std::size_t kMaxMaps = 64;                          // each for its surface, mesh and size
 inline constexpr std::size_t kMaxMapBytes = std::size_t{1} << 26;    // of the picture file
 inline constexpr std::size_t kMaxMapPixels = std::size_t{1} << 24;   // that it unpacks to
 inline constexpr std::size_t kMaxMapSamples = std::size_t{1} << 18;  // of the relief: so many texels' rows are read
 
 // The relief of the first primitive of a mesh that has one. `own` is the surface's normalTexture, which replaces the
 // one of the primitive's material when it is present. `map` takes the mesh into the world. Nothing when there is no
-// map, and when it cannot be used, which the notes then say: pictures other than PNG, no texture coordinates, no size.
+// map, and when it cannot be used, which the notes then say: pictures other than PNG, no texture coordinates, no size,
+// one texel. Nor is one read that may not be, because the scene has kMaxMaps already.
 std::optional<modal::SurfaceTrack> relief_of(GltfDocument& document, const modal::Field& own, const modal::Field& mesh,
-                                             const Affine& map, const modal::ReadBeside& read_beside);
+                                             const Affine& map, bool may_read, const modal::ReadBeside& read_beside);
 
 }  // namespace ringdown::scene

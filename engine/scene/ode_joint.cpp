@@ -1,5 +1,7 @@
 #include "engine/scene/ode_joint.h"
 
+#include "engine/scene/contact_rules.h"
+
 #include <ode/ode.h>
 
 #include <numbers>
@@ -92,11 +94,11 @@ double OdeJoint::way() const {
 // the compliance 1 / (h k + d). Such a force stays stable however stiff the drive is.
 void OdeJoint::drive(double part_s) {
   const bool turns = description_.type == JointType::hinge, slides = description_.type == JointType::slider;
-  const double limit = part_s * description_.limit_stiffness + description_.limit_damping;
   if (description_.limit_stiffness > 0 && (turns || slides)) {
+    const SoftConstraint soft = soft_constraint(description_.limit_stiffness, description_.limit_damping, part_s);
     const auto set = turns ? dJointSetHingeParam : dJointSetSliderParam;
-    set(joint_.get(), dParamStopERP, part_s * description_.limit_stiffness / limit);
-    set(joint_.get(), dParamStopCFM, 1 / limit);
+    set(joint_.get(), dParamStopERP, soft.erp);
+    set(joint_.get(), dParamStopCFM, soft.cfm);
   }
   if (!description_.drive) return;
   const JointDrive& drive = *description_.drive;

@@ -4,10 +4,14 @@
 // copyable, because it crosses threads through SpscRing by value. [any thread]
 #pragma once
 
+#include "engine/base/realtime.h"
 #include "engine/base/rotation.h"
 #include "engine/base/vec3.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
@@ -46,6 +50,14 @@ struct Texture {
   double correlation_m = 5e-5;   // longest wavelength of its roughness
   double spectral_slope = -2.4;  // power over spatial frequency falls as f^slope, <= 0
   double shortest_m = 0;         // shortest wavelength of its roughness; 0: a sixteenth of the longest
+
+  // The octaves of wavelengths that the roughness has, from the longest down.
+  static constexpr std::size_t kOctaves = 5, kMaxOctaves = 12;  // without a shortest wavelength, and at most
+  [[nodiscard]] std::size_t octaves() const RINGDOWN_REALTIME {
+    if (!(shortest_m > 0)) return kOctaves;
+    const double count = 1 + std::round(std::log2(correlation_m / shortest_m));
+    return static_cast<std::size_t>(std::clamp(count, 1.0, static_cast<double>(kMaxOctaves)));
+  }
   friend bool operator==(const Texture&, const Texture&) = default;
 };
 

@@ -50,11 +50,7 @@ void Rubbing::update(Frame at, const Contact& contact) RINGDOWN_REALTIME {
   texture_ = contact.texture;
   sliding_.longest_m = texture_.correlation_m;
   rolling_.longest_m = kRollingRatio * texture_.correlation_m;
-  heights_m_.count = kOctaves;
-  if (texture_.shortest_m > 0) {
-    const double octaves = 1 + std::round(std::log2(texture_.correlation_m / texture_.shortest_m));
-    heights_m_.count = static_cast<std::size_t>(std::clamp(octaves, 1.0, static_cast<double>(kMaxOctaves)));
-  }
+  heights_m_.count = texture_.octaves();
   double power = 0;
   for (std::size_t octave = 0; octave < heights_m_.count; ++octave) {
     const double share = std::exp2(static_cast<double>(octave) * (texture_.spectral_slope + 1));

@@ -49,7 +49,7 @@ class Rubbing {
   void rescale(Frame now, double ratio);
 
  private:
-  static constexpr std::size_t kOctaves = 5, kMaxOctaves = 12;  // without a shortest wavelength, and with one
+  static constexpr std::size_t kOctaves = Texture::kOctaves, kMaxOctaves = Texture::kMaxOctaves;
   struct Heights {
     std::array<double, kMaxOctaves> of_octave_m{};
     std::size_t count = 0;

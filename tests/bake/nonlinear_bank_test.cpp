@@ -1,6 +1,7 @@
 // Nonlinear terms in a bank's file, and what other modes and other sizes make of them.
 #include "engine/modal/bank_file.h"
 #include "engine/modal/mode_choice.h"
+#include "engine/modal/scaled_bank.h"
 #include "tests/bake/struck_plate.h"
 #include "tests/support/temporary_folder.h"
 
@@ -41,6 +42,18 @@ TEST(NonlinearBank, AFileWhoseArraysDoNotFitIsRefused) {
   const Result<modal::Bank> read = modal::read_bank(path);
   ASSERT_FALSE(read);
   EXPECT_NE(read.error().message.find("nonlinear.bending has"), std::string::npos) << read.error().message;
+}
+
+// By dimensions: H is in m^-1.5 kg^-0.5 times the square root of a modulus over a density, g in 1/(m s).
+TEST(NonlinearBank, AScaledBankHasScaledTerms) {
+  const modal::Bank bank = plate_bank();
+  const modal::Bank scaled = modal::scaled(bank, {.density = 9, .stiffness = 4, .size = 2});
+  ASSERT_TRUE(scaled.nonlinear);
+  const modal::NonlinearTerms &before = *bank.nonlinear, &after = *scaled.nonlinear;
+  ASSERT_EQ(after.mode_count(), before.mode_count());
+  EXPECT_FLOAT_EQ(after.h(1, 3, 2), static_cast<float>(2.0 / 9 * std::pow(2, -3.5)) * before.h(1, 3, 2));
+  EXPECT_FLOAT_EQ(after.g(1, 3), 2.0F / 3 / 2 * before.g(1, 3));
+  EXPECT_EQ(after.thickness_m, 2 * before.thickness_m);
 }
 
 TEST(NonlinearBank, ModesThatAreLeftOutTakeTheirTermsWithThem) {

@@ -211,6 +211,21 @@ TEST(SceneBake, AnImplicitShapeIsBakedExactly) {
   EXPECT_LT(nearest, 1e-3);
 }
 
+TEST(SceneBake, NonlinearTermsFollowTheArraysThatWereThere) {
+  const TemporaryFolder folder;
+  GltfRoom room;
+  constexpr double kThickness_m = 0.003;
+  room.add("KHR_implicit_shapes", "shapes", {{"type", "box"}, {"box", {{"size", {0.2, 0.15, kThickness_m}}}}});
+  room.add_node(body("Sheet", room.add_box("Sheet", {0.2, 0.15, kThickness_m}), add_ceramic(room)));
+  const fs::path file = folder.write("room.glb", room.glb());
+  const Ran ran = bake(file, "--band 20 3000 --nonlinear 4");
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  const modal::Bank bank = bank_of(file, take_apart(content(file)).json, 0);
+  ASSERT_TRUE(bank.nonlinear);
+  EXPECT_EQ(bank.nonlinear->mode_count(), 4);
+  EXPECT_NEAR(bank.nonlinear->thickness_m, kThickness_m, 0.1 * kThickness_m);
+}
+
 TEST(SceneBake, ATextKeepsItsBufferAndGetsAnother) {
   const TemporaryFolder folder;
   GltfRoom room;

@@ -87,31 +87,33 @@ TEST(GltfSurface, AProfileIsReadAndNotScaled) {
   EXPECT_FALSE(read(room_with_profile({1e-6F, std::nanf("")}, 5e-6)));
 }
 
-std::string png_of(int width, int height, const std::vector<unsigned char>& rgb) {
+// `format`: PNG_FORMAT_RGB or PNG_FORMAT_RGBA.
+std::string png_of(int width, int height, const std::vector<unsigned char>& pixels, png_uint_32 format) {
   png_image png = {};
   png.version = PNG_IMAGE_VERSION;
   png.width = static_cast<png_uint_32>(width);
   png.height = static_cast<png_uint_32>(height);
-  png.format = PNG_FORMAT_RGB;
+  png.format = format;
   std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(png), '\0');
   png_alloc_size_t size = bytes.size();
-  EXPECT_TRUE(png_image_write_to_memory(&png, bytes.data(), &size, 0, rgb.data(), 0, nullptr));
+  EXPECT_TRUE(png_image_write_to_memory(&png, bytes.data(), &size, 0, pixels.data(), 0, nullptr));
   bytes.resize(size);
   return bytes;
 }
 
-// Ridges across u, `waves` of them, as steep as `slope`.
-std::string ridges(int waves, double slope) {
+// Ridges across u, `waves` of them, as steep as `slope`. With alpha, half of the picture is transparent.
+std::string ridges(int waves, double slope, bool alpha = false) {
   constexpr int kWidth = 256, kHeight = 16;
-  std::vector<unsigned char> rgb;
+  std::vector<unsigned char> pixels;
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       const double s = slope * std::cos(2 * std::numbers::pi * waves * x / kWidth), z = 1 / std::sqrt(1 + s * s);
       for (const double part : {-s * z, 0.0, z})
-        rgb.push_back(static_cast<unsigned char>(std::lround(127.5 * (part + 1))));
+        pixels.push_back(static_cast<unsigned char>(std::lround(127.5 * (part + 1))));
+      if (alpha) pixels.push_back(x % 2 == 0 ? 0 : 128);
     }
   }
-  return png_of(kWidth, kHeight, rgb);
+  return png_of(kWidth, kHeight, pixels, alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB);
 }
 
 // A box of 0.4 m edges whose every face has the whole map.
@@ -152,6 +154,24 @@ TEST(GltfSurface, ANormalMapIsReliefThatScalesWithItsMesh) {
       EXPECT_NEAR(high - low, size * 2 * 0.2 * 0.05 / (2 * std::numbers::pi), 2e-4 * size);
     }
   }
+}
+
+TEST(GltfSurface, WhatIsTransparentInANormalMapIsFeltAlike) {
+  const auto plain = read(room_with_map(ridges(8, 0.2), true));
+  const auto alpha = read(room_with_map(ridges(8, 0.2, true), true));
+  ASSERT_TRUE(plain && alpha);
+  const auto& relief = alpha->scene.bodies.at(0).surface.relief;
+  ASSERT_TRUE(relief && relief->mesoscale);
+  EXPECT_TRUE(std::ranges::equal(relief->mesoscale->heights_m(),
+                                 plain->scene.bodies.at(0).surface.relief->mesoscale->heights_m()));
+}
+
+TEST(GltfSurface, AMapOfOneTexelIsNamedAndNotFelt) {
+  const auto scene = read(room_with_map(png_of(1, 1, {128, 128, 255}, PNG_FORMAT_RGB), true));
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_EQ(scene->notes.size(), 1);
+  EXPECT_NE(scene->notes[0].find("of one texel"), std::string::npos);
+  EXPECT_FALSE(scene->scene.bodies[0].surface.relief);
 }
 
 TEST(GltfSurface, AMapThatIsNoneIsNamedAndNotFelt) {

@@ -74,12 +74,29 @@ TEST(GltfWriter, BanksInsideAreThoseOfTheScene) {
 }
 
 // As another program reads the file: without Ringdown's own scene in it.
-TEST(GltfWriter, OtherProgramsFindEveryBodyInItsPlace) {
-  auto [scene, banks, bytes] = exported(kPresets / "scenes/demo.toml");
+// The scene as a program reads it that knows nothing of ours.
+Result<GltfScene> read_by_others(std::span<const std::byte> bytes) {
   const std::string mark = "\"fingerprint\":\"";
   std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   text[text.find(mark) + mark.size()] = '-';
-  const auto plain = read(std::as_bytes(std::span(text)));
+  return read(std::as_bytes(std::span(text)));
+}
+
+TEST(GltfWriter, OtherProgramsFindEveryFinish) {
+  auto [scene, banks, bytes] = exported(kPresets / "scenes/demo.toml");
+  scene.bodies[0].surface.waviness = 3e-4;
+  scene.bodies[0].surface.texture.shortest_m = 2e-6;
+  const auto plain = read_by_others(to_glb(scene, banks).value());
+  ASSERT_TRUE(plain) << plain.error().message;
+  const auto found = std::ranges::find(plain->scene.bodies, scene.bodies[0].name, &BodyDescription::name);
+  ASSERT_NE(found, plain->scene.bodies.end());
+  EXPECT_NEAR(found->surface.waviness.value(), 3e-4, 1e-15);
+  EXPECT_EQ(found->surface.texture.shortest_m, 2e-6);
+}
+
+TEST(GltfWriter, OtherProgramsFindEveryBodyInItsPlace) {
+  auto [scene, banks, bytes] = exported(kPresets / "scenes/demo.toml");
+  const auto plain = read_by_others(bytes);
   ASSERT_TRUE(plain) << plain.error().message;
   ASSERT_EQ(plain->notes.size(), 1);
   EXPECT_NE(plain->notes[0].find("another program has changed"), std::string::npos);
