@@ -196,12 +196,14 @@ Result<BodyModes> solve_body(const Task& task, const solve::EigenRequest& reques
   fem::System left;
   if (!clamped.empty()) fem::remove_nodes(clamped, *system, left);
   const fem::System& moving = clamped.empty() ? *system : left;
+  if (moving.unknowns() == 0)
+    return fail(ErrorKind::bad_input, "its supports clamp all of it: nothing is left to move");
   report.assemble_seconds = watch.lap();
 
-  const double volume_m3 = system->node_mass.sum() * std::pow(task.units.length_m, 3);
   const double highest_lambda = request.highest_lambda * task.units.lambda();
   const modal::Material guess = task.options.makeup.grain ? isotropic_stand_in(task.material) : task.material;
-  if (auto few = check_count(volume_m3, guess, task.options, highest_lambda); !few) return fail(few.error());
+  if (auto few = check_count(measure_shape(task.mesh).volume_m3, guess, task.options, highest_lambda); !few)
+    return fail(few.error());
   const Result<Eigenmodes> modes = solve::solve_modes(moving, request, progress);
   if (!modes) return fail(modes.error());
   report.agreement = modes->agreement;

@@ -392,6 +392,13 @@ Result<BakedObject> bake_object(const ObjectRecipe& recipe, const std::filesyste
   Result<ObjectRecipe> whole = with_part_materials(recipe, materials);
   if (!whole) return fail(whole.error());
   if (recipe.other_material && !material->material.orthotropy) whole->options.makeup.grain.reset();
+  const Makeup& makeup = whole->options.makeup;
+  for (const char* key : {"youngs_modulus_pa", "poisson_ratio"}) {
+    if (!makeup.grain || !makeup.parts.empty() || !recipe.figures.contains(key)) continue;
+    return fail(ErrorKind::bad_input, std::string(key) +
+                                          " changes nothing of a body with a grain; set the constants along and across "
+                                          "it, as youngs_modulus_1_pa");
+  }
   Result<BakedObject> object = bake_recipe(*whole, material->material, progress);
   if (object) object->baked.bank.gain = std::pow(10.0, recipe.gain_db / 20);
   return object;

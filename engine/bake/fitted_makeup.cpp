@@ -383,6 +383,7 @@ double FittedMakeup::highest_lambda(double band_high_hz) const {
     if (!key.empty() && material.orthotropy) most = std::ranges::max(material.orthotropy->loss);
     modal::Material strongest = material;
     for (modal::LossFactor& point : strongest.loss_factors) point.eta *= std::max(most, 1.0);
+    strongest.damping.beta_s *= std::max(most, 1.0);
     highest = std::max(highest, modal::highest_lambda(band_high_hz, strongest.damping_law()));
   }
   return highest;

@@ -1,9 +1,9 @@
 // A Makeup on one mesh, free of units (body_modes.h): what is assembled, and what modes lose by it. [worker]
 //
-//   Result<FittedMakeup> fitted = fit_makeup(makeup, material, unit_mesh, groups, units);
+//   Result<FittedMakeup> fitted = fit_makeup(makeup, material, unit_mesh, groups, units, pieces);
 //   ...assemble fitted->solid, add fitted->holding...
-//   fitted->shares(unit_mesh, shapes);        // kept with the modes
-//   fitted->loss(shares, m, lambda, air);     // [1/s]
+//   fitted->shares(unit_mesh, shapes);             // kept with the modes
+//   fitted->loss(shares, units, m, lambda, air);   // [1/s]
 #pragma once
 
 #include "engine/bake/body_modes.h"

@@ -149,6 +149,9 @@ Result<void> set_figure(modal::Material& material, const std::string& key, doubl
     return check_stable(material);
   }
   if (auto set = set_grain_constant(material, key, value)) return *set;
+  if (material.orthotropy) {
+    for (const GrainFigure& figure : grain_figures(*material.orthotropy)) known += std::string(", ") + figure.key;
+  }
   return fail(ErrorKind::bad_input, "a material has no figure '" + key + "'; choose one of: " + known);
 }
 

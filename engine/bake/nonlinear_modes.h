@@ -32,8 +32,9 @@ struct NonlinearModes {
   Eigen::MatrixXd curving;    // K x M: g
   double residual = 0;        // share of the pairs' energy, each over its two modes', that the K fields do not hold
   double membrane_share = 0;  // of linear energy that is membrane's, of the mode with the most
-  double carried_share = 0;   // the largest relative change of a mode's own term by what is left out: the
-                              // turning of its own linear stress (fem::QuadraticStrain::carried_force)
+  double carried_share = 0;   // the largest change of a low mode's own term by what is left out, the turning of
+                              // its own linear stress (fem::QuadraticStrain::carried_force): over that term, or over
+                              // the mean mode's where a mode hardly stretches
 
   [[nodiscard]] Eigen::Index modes() const { return curving.cols(); }
   [[nodiscard]] Eigen::Index functions() const { return curving.rows(); }

@@ -146,10 +146,7 @@ void SurplusProblem::add_layers(const Eigen::Ref<const Eigen::VectorXd>& lambda,
       for (const FacePoint& point : points_on_face(mesh_.nodes(space_.nodes.row(e), Eigen::all), opposite_of(face))) {
         const Eigen::VectorXd finer = surplus_shape(order, point.barycentric),
                               values = mesh::interpolation(order, point.barycentric);
-        const Eigen::Vector3d normal = layer.direction.value_or(point.normal);
-        const Eigen::Matrix3d springs =
-            point.area * (layer.tangential_n_m3 * Eigen::Matrix3d::Identity() +
-                          (layer.normal_n_m3 - layer.tangential_n_m3) * normal * normal.transpose());
+        const Eigen::Matrix3d springs = point.area * stiffness_at(layer, point);
         Eigen::MatrixXd at = Eigen::MatrixXd::Zero(3, shapes.cols());
         for (int a = 0; a < n; ++a) {
           if (values[a] != 0) at += values[a] * shapes.middleRows<3>(3 * Eigen::Index{space_.nodes(e, a)});

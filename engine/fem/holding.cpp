@@ -28,11 +28,6 @@ struct GaussRule {
 
 Vector3d free_place(int corner) { return corner == 0 ? Vector3d::Zero() : Vector3d(Vector3d::Unit(corner - 1)); }
 
-Matrix3d stiffness_at(const Layer& layer, const FacePoint& point) {
-  const Vector3d n = layer.direction.value_or(point.normal);
-  return layer.tangential_n_m3 * Matrix3d::Identity() + (layer.normal_n_m3 - layer.tangential_n_m3) * n * n.transpose();
-}
-
 void add_face(const mesh::TetMesh& mesh, const Layer& layer, const mesh::OuterFace& face, System& system) {
   const mesh::ElementNodes nodes = nodes_of(mesh, face.element);
   const Eigen::Index count = nodes.rows();
@@ -136,6 +131,11 @@ void add_resistance(const mesh::TetMesh& mesh, const mesh::OuterFace& face, cons
 }
 
 }  // namespace
+
+Matrix3d stiffness_at(const Layer& layer, const FacePoint& point) {
+  const Vector3d n = layer.direction.value_or(point.normal);
+  return layer.tangential_n_m3 * Matrix3d::Identity() + (layer.normal_n_m3 - layer.tangential_n_m3) * n * n.transpose();
+}
 
 std::vector<FacePoint> points_on_face(const mesh::ElementNodes& nodes, int opposite) {
   const int order = mesh::order_of_nodes(nodes.rows());

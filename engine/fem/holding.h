@@ -7,7 +7,7 @@
 //
 // with n the surface's normal, or one direction for all of it. Clamped nodes leave the system: what is left has the
 // same form (assembly.h), so that every method of engine/solve takes it. A surface that slides is a layer with k_t = 0
-// and a k_n beside which the body is soft (kRigid in bake/makeup.cpp).
+// and a k_n beside which the body is soft (kRigid in bake/fitted_makeup.cpp).
 #pragma once
 
 #include "engine/fem/assembly.h"
@@ -31,7 +31,6 @@ struct Layer {
 struct Holding {
   std::vector<mesh::OuterFace> clamped;
   std::vector<Layer> layers;
-  [[nodiscard]] bool empty() const { return clamped.empty() && layers.empty(); }
 };
 
 // A point of an element's face: `area` is what it stands for.
@@ -40,6 +39,9 @@ struct FacePoint {
   Eigen::Vector3d normal;  // of length 1; inward when the element is inside out
   double area = 0;
 };
+// Stiffness of a layer at a point, for each area [N/m^3]: k_n n n^T + k_t (I - n n^T).
+Eigen::Matrix3d stiffness_at(const Layer& layer, const FacePoint& point);
+
 // Exact for products of two shape functions on straight faces.
 std::vector<FacePoint> points_on_face(const mesh::ElementNodes& nodes, int opposite);
 

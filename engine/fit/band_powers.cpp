@@ -93,13 +93,16 @@ BandPowers band_powers(std::span<const double> samples, double sample_rate_hz, s
 
 std::vector<double> band_noise(std::span<const double> samples, double sample_rate_hz, std::size_t onset) {
   constexpr std::size_t kMinCells = 5, kGuard = 2;  // the second: a window reaches that far into its neighbours
-  constexpr double kLeast = 1e-8;                   // 80 dB below the loudest cell: what no ear misses
+  constexpr auto kMostCells = static_cast<std::size_t>(kMostSilence_s / kCell_s);
+  constexpr double kLeast = 1e-8;  // 80 dB below the loudest cell: what no ear misses
   const std::size_t step = samples_of_cell(sample_rate_hz);
   const BandPowers after = band_powers(samples, sample_rate_hz, onset);
   const double least = after.values.empty() ? 0 : kLeast * *std::ranges::max_element(after.values);
   const bool silence_before = onset / step >= kMinCells + kGuard;
+  const std::size_t end = silence_before ? onset - kGuard * step : 0;
   const BandPowers quiet =
-      silence_before ? band_powers(samples.first(onset - kGuard * step), sample_rate_hz, 0) : after;
+      silence_before ? band_powers(samples.first(end).last(std::min(end, kMostCells * step)), sample_rate_hz, 0)
+                     : after;
   std::vector<double> noise(quiet.bands(), least);
   for (std::size_t b = 0; b < quiet.bands() && quiet.cells > 0; ++b) {
     const auto row = quiet.values.begin() + static_cast<std::ptrdiff_t>(b * quiet.cells);

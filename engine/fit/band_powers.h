@@ -10,9 +10,9 @@
 namespace ringdown::fit {
 
 inline constexpr double kCell_s = 0.01;
-inline constexpr double kLowestBand_hz = 80, kHighestBand_hz = 16000;  // nominal centres of the outermost bands
+inline constexpr double kMostSilence_s = 0.25;  // looked at before an onset: longer ago another blow may have been
 
-// Centres of the third-octave bands that lie below half the sample rate, from kLowestBand_hz up [Hz].
+// Centres of the third-octave bands from 80 Hz to 16 kHz that lie below half the sample rate [Hz].
 std::vector<double> band_centres_hz(double sample_rate_hz);
 
 // Where a band begins and ends [Hz].
@@ -36,7 +36,7 @@ BandPowers band_powers(std::span<const double> samples, double sample_rate_hz, s
 // The level of a mean square [dB].
 inline double power_db(double power) { return 10 * std::log10(std::max(power, 1e-300)); }
 
-// The noise of each band, as mean square: of what lies before the onset, 50 ms of it at least, or else of the quietest
+// The noise of each band, as mean square: of the 50 to 250 ms before the onset, or else of the quietest
 // tenth of the cells after it. Never less than 80 dB below the loudest cell.
 std::vector<double> band_noise(std::span<const double> samples, double sample_rate_hz, std::size_t onset);
 

@@ -1,7 +1,7 @@
 // The part of a blow's sound that rings too shortly to have modes, as a burst of noise of a few numbers: its level in
 // each third of an octave, and how fast it decays in every two of them. [any]
 //
-//   const Burst burst = fit_burst(sound, 48000, played);
+//   const Burst burst = fit_burst(sound, 48000, onset, played);
 //   const std::vector<Mode> modes = burst_modes(burst);
 //
 // The burst is played as a crowd of short modes, drawn from these numbers alone, and no bank needs more than modes: it

@@ -30,8 +30,10 @@ struct NuBank {
 struct NuChoice {
   double poisson_ratio = 0;
   double tuning_cents = 0;  // the recordings over the bank at that ratio
-  double misfit_cents = 0;  // root mean square over the heard modes, one without a match counting as the tolerance
-  bool told = false;        // false: the modes hardly depend on it, or the best one lies at an end of what was searched
+  // Root of the mean square over the heard modes and a quarter of that over the baked ones that could be heard; one
+  // without a match counts as the tolerance.
+  double misfit_cents = 0;
+  bool told = false;  // false: the modes hardly depend on it, or the best one lies at an end of what was searched
 };
 
 // Searches Poisson's ratio from the first bank's to the last one's, and the tuning, for the best match of all heard

@@ -2,6 +2,7 @@
 
 #include "engine/base/in_parallel.h"
 #include "engine/fit/sinusoids.h"
+#include "engine/fit/band_powers.h"
 #include "engine/fit/extent.h"
 #include "engine/fit/poles.h"
 #include "engine/fit/pursuit.h"
@@ -273,7 +274,9 @@ Result<Fit> fit_modes(std::span<const double> samples, double sample_rate_hz, co
   const auto sound = std::span(centred).subspan(extent->start, std::min(most, extent->end - extent->start));
 
   Fit fit{.modes = search_all(sound, sample_rate_hz, options), .clipped = extent->clipped};
-  const auto before = std::span(centred).first(extent->onset);
+  const auto before = std::span(centred)
+                          .first(extent->onset)
+                          .last(std::min(extent->onset, static_cast<std::size_t>(kMostSilence_s * sample_rate_hz)));
   const bool silence_before = static_cast<double>(before.size()) > kSilence_s * sample_rate_hz;
   const std::optional<double> noise = silence_before ? std::optional(mean_square(before)) : std::nullopt;
   add_short_modes(sound, sample_rate_hz, options, noise, fit.modes);

@@ -34,19 +34,33 @@ double unit_of_unv(const std::filesystem::path& path) {
   return factor > 0 && std::isfinite(factor) ? 1 / factor : 1;
 }
 
-}  // namespace
+constexpr std::array kSurfaces = {".obj", ".stl", ".ply", ".off", ".gltf", ".glb"};
+constexpr std::array kGeometries = {".geo", ".step", ".stp", ".brep", ".iges", ".igs", ".xao"};
 
-bool is_surface_file(const std::filesystem::path& path) {
-  constexpr std::array kEndings = {".obj", ".stl", ".ply", ".off", ".gltf", ".glb"};
+// In small letters.
+std::string ending_of(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+  return ending;
 }
 
-bool is_geometry_file(const std::filesystem::path& path) {
-  constexpr std::array kEndings = {".geo", ".step", ".stp", ".brep", ".iges", ".igs", ".xao"};
-  return std::find(kEndings.begin(), kEndings.end(), path.extension()) != kEndings.end();
+template <std::size_t N>
+bool is_among(const std::string& ending, const std::array<const char*, N>& endings) {
+  return std::find(endings.begin(), endings.end(), ending) != endings.end();
 }
+
+}  // namespace
+
+bool is_body_file(const std::filesystem::path& path) {
+  constexpr std::array kMeshes = {".msh", ".vtk", ".inp", ".unv", ".mesh", ".bdf", ".node", ".veg", ".tet"};
+  const std::string ending = ending_of(path);
+  return is_among(ending, kMeshes) || is_among(ending, kGeometries) ||
+         (is_among(ending, kSurfaces) && ending != ".glb");
+}
+
+bool is_surface_file(const std::filesystem::path& path) { return is_among(ending_of(path), kSurfaces); }
+
+bool is_geometry_file(const std::filesystem::path& path) { return is_among(path.extension().string(), kGeometries); }
 
 bool names_mesh_size(const std::filesystem::path& path) {
   if (path.extension() != ".geo") return false;

@@ -5,6 +5,10 @@
 
 namespace ringdown::mesh {
 
+// A body in any of the forms that are read, by the name's ending in any case; of a TetGen mesh the .node file, and no
+// .glb, which may be a bank.
+bool is_body_file(const std::filesystem::path& path);
+
 // A surface, by the name's ending in any case (surface_file.h).
 bool is_surface_file(const std::filesystem::path& path);
 

@@ -8,11 +8,9 @@ die within 5 to 500 ms, the click of the contact, noise, a room. The bank is pla
 alone, and compared in cells of a third of an octave by 10 ms that lie 6 dB above the recording's noise, after one shift of the
 level. Each limit is today's figure and a little more. Exit code 1 when a limit is missed, 77 without numpy.
 """
-import json
 import math
 import pathlib
 import re
-import struct
 import subprocess
 import sys
 import wave
@@ -22,6 +20,9 @@ try:
 except ImportError:
     print("skipped: python3-numpy is not installed")
     sys.exit(77)
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import bank_document  # noqa: E402
 
 RATE = 48000
 ONSET = 0.2
@@ -138,17 +139,10 @@ def write(path, samples):
 
 def read_bank(path):
     """Frequencies, decays and what an impulse of 1 N s along z moves each mode by."""
-    data = path.read_bytes()
-    size = struct.unpack_from("<I", data, 12)[0]
-    document, binary = json.loads(data[20 : 20 + size]), data[28 + size :]
-    model = document["extensions"]["KHR_audio_rigid_bodies"]["modalModels"][0]
+    model, numbers = bank_document.read_bank(path)
 
     def floats(key):
-        accessor = document["accessors"][model[key]]
-        view = document["bufferViews"][accessor["bufferView"]]
-        start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
-        width = {"SCALAR": 1, "VEC3": 3}[accessor["type"]]
-        return np.frombuffer(binary, "<f4", accessor["count"] * width, start).astype(float)
+        return np.array(numbers(model[key]))
 
     return floats("frequencies"), floats("decayRates"), floats("shapes").reshape(-1, 3)[:, 2]
 

@@ -6,7 +6,7 @@ import struct
 def read_bank(path):
     """The bank's model, a dictionary of KHR_audio_rigid_bodies, and a function that returns an accessor's numbers.
 
-    Accessors are scalar floats, as frequencies and decay rates are, and are not compressed.
+    Accessors are floats, of which a vector's follow one another, and are not compressed.
     """
     with open(path, "rb") as file:
         data = file.read()
@@ -17,6 +17,7 @@ def read_bank(path):
         accessor = document["accessors"][index]
         view = document["bufferViews"][accessor["bufferView"]]
         start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
-        return struct.unpack_from(f"<{accessor['count']}f", binary, start)
+        count = accessor["count"] * {"SCALAR": 1, "VEC3": 3}[accessor["type"]]
+        return struct.unpack_from(f"<{count}f", binary, start)
 
     return document["extensions"]["KHR_audio_rigid_bodies"]["modalModels"][0], numbers

@@ -104,7 +104,7 @@ def compare(thing, baked):
     for row in thing["modes"]["list"]:
         many, name = row[1], row[2] if len(row) > 2 else ""
         if at + many > len(baked):
-            break
+            sys.exit(f"{thing['name']}: the bank has {len(baked)} modes, and the table asks for {at + many}")
         if row[0] > 0:
             own = sum(frequency for frequency, _ in baked[at : at + many]) / many
             stated = max(error for _, error in baked[at : at + many])

@@ -2,6 +2,7 @@
 
 #include "engine/bake/input_hash.h"
 #include "engine/bake/object_file.h"
+#include "engine/mesh/file_kinds.h"
 
 #include <algorithm>
 #include <map>
@@ -11,17 +12,6 @@ namespace ringdown::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Takes only the .node file of a TetGen mesh, because its .ele file is the same mesh.
-const std::set<std::string> kShapeEndings = {".geo", ".step", ".stp", ".brep", ".iges", ".igs", ".xao",
-                                             ".msh", ".vtk",  ".inp", ".unv",  ".mesh", ".bdf", ".node",
-                                             ".veg", ".tet",  ".obj", ".stl",  ".ply",  ".off", ".gltf"};
-
-std::string ending_of(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return ending;
-}
 
 template <class Iterator>
 Result<std::vector<fs::path>> files_below(const fs::path& folder) {
@@ -72,14 +62,14 @@ Result<FolderContent> content_of(const FolderQuestion& question) {
       FolderJob job = job_for(file);
       jobs.emplace(job.name, job);
       if (const auto recipe = bake::read_object(file)) note_files(recipe->geometry, true, used);
-    } else if (kShapeEndings.contains(ending_of(file))) {
+    } else if (mesh::is_body_file(file)) {
       note_files(file, false, used);
     }
   }
 
   FolderContent content;
   for (const fs::path& file : *files) {
-    if (!kShapeEndings.contains(ending_of(file)) || used.contains(canonical_name(file))) continue;
+    if (!mesh::is_body_file(file) || used.contains(canonical_name(file))) continue;
     FolderJob job = job_for(file);
     const auto other = jobs.find(job.name);
     if (other != jobs.end() && other->second.input.extension() == ".toml") continue;

@@ -8,8 +8,9 @@
 #include "engine/fit/band_powers.h"
 #include "engine/fit/burst.h"
 #include "engine/fit/comparison.h"
+#include "engine/mesh/file_kinds.h"
 #include "engine/modal/bank_file.h"
-#include "engine/modal/damping.h"
+#include "engine/modal/scaled_bank.h"
 #include "packaging/manual/command_line.h"
 
 #include <CLI/CLI.hpp>
@@ -66,10 +67,9 @@ struct Inputs {
   std::vector<fs::path> sounds;
 };
 
-Result<Inputs> find_inputs(const fs::path& folder) {
+// `bank` is where the fitted bank goes: no mesh.
+Result<Inputs> find_inputs(const fs::path& folder, const fs::path& bank) {
   static const std::set<std::string> kSounds = {".wav", ".flac", ".aif", ".aiff", ".ogg"};
-  static const std::set<std::string> kMeshes = {".obj",  ".stl", ".ply", ".off", ".geo", ".msh",
-                                                ".mesh", ".inp", ".vtk", ".glb", ".gltf"};
   std::error_code error;
   Inputs inputs;
   std::vector<fs::path> objects, meshes;
@@ -78,7 +78,10 @@ Result<Inputs> find_inputs(const fs::path& folder) {
     std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     if (kSounds.contains(ending)) inputs.sounds.push_back(entry->path());
     if (ending == ".toml") objects.push_back(entry->path());
-    if (kMeshes.contains(ending)) meshes.push_back(entry->path());
+    if (mesh::is_body_file(entry->path()) || ending == ".glb") meshes.push_back(entry->path());
+  }
+  if (meshes.size() > 1) {  // a bank that was written beside the mesh
+    std::erase_if(meshes, [&](const fs::path& path) { return path.filename() == bank.filename(); });
   }
   if (error) return fail(ErrorKind::bad_input, "cannot read the folder " + folder.string() + ": " + error.message());
   std::ranges::sort(inputs.sounds);
@@ -186,7 +189,7 @@ Result<void> find_bank(Baker& baker, const CompareArguments& arguments, cli::Com
   c.material = own->material->name;
   c.poisson_ratio = c.given_poisson_ratio = own->material->poisson_ratio;
   c.bank = *own;
-  if (arguments.keep_nu) return {};
+  if (arguments.keep_nu || own->material->orthotropy) return {};  // a grain's constants leave nothing to nu
   Result<fit::NuChoice> choice = fit::NuChoice{.poisson_ratio = kMiddle};
   for (const double aside : {0.2, 0.06, 0.03}) {
     choice = choose_between(baker, arguments.match, c.heard, choice->poisson_ratio, aside, around_cents);
@@ -215,19 +218,12 @@ double distance_of(const cli::ComparedSound& s) {
 
 // The bank with the fitted modulus and damping.
 modal::Bank fitted_bank(const cli::Comparison& c) {
-  modal::Bank bank = c.bank;
-  for (std::size_t m = 0; m < bank.mode_count(); ++m) {
-    const double lambda = c.stiffness() * modal::undamped_lambda({bank.frequency_hz[m], bank.decay_per_s[m]});
-    bank.frequency_hz[m] = modal::rad_per_s_to_hz(std::sqrt(lambda));
-    bank.decay_per_s[m] = 0;
-  }
-  bank.material->youngs_modulus_pa *= c.stiffness();
-  return fit::with_damping(bank, c.calibration.damping);
+  return fit::with_damping(modal::scaled(c.bank, {.stiffness = c.stiffness()}), c.calibration.damping);
 }
 
 ExitCode compare(CompareArguments& arguments, const std::stop_token& stop) {
   if (arguments.output.empty()) arguments.output = arguments.folder / "compare.html";
-  const Result<Inputs> inputs = find_inputs(arguments.folder);
+  const Result<Inputs> inputs = find_inputs(arguments.folder, arguments.bank);
   if (!inputs) return complain(inputs.error());
   Result<std::vector<cli::ComparedSound>> sounds = read_sounds(*inputs, arguments);
   if (!sounds) return complain(sounds.error());

@@ -92,8 +92,7 @@ std::size_t sample_at(double seconds, const cli::Sound& sound) {
 
 fit::Kept keep(const fit::Fit& found, const cli::Sound& sound, const Arguments& arguments) {
   const auto part = std::span(sound.samples).first(sample_at(found.end_s, sound));
-  const bool with_burst = !arguments.without_burst && arguments.damping_of.empty();
-  return fit::keep(part, sound.sample_rate_hz, sample_at(found.onset_s, sound), found.modes, with_burst);
+  return fit::keep(part, sound.sample_rate_hz, sample_at(found.onset_s, sound), found.modes, !arguments.without_burst);
 }
 
 Result<void> write_sounds(const fit::Fit& found, const fit::Kept& kept, const cli::Sound& sound,
@@ -136,14 +135,16 @@ ExitCode fit_recording(Arguments& arguments, const std::stop_token& stop) {
   const Result<fit::Fit> found = fit::fit_modes(sound->samples, sound->sample_rate_hz, arguments.options);
   if (stop.stop_requested()) return complain({ErrorKind::cancelled, "cancelled; nothing was written"});
   if (!found) return complain({found.error().kind, arguments.input.string() + ": " + found.error().message});
-  const fit::Kept kept = keep(*found, *sound, arguments);
+  const bool is_of_recording = arguments.damping_of.empty();  // else it is a baked bank with other damping
+  const fit::Kept kept = is_of_recording ? keep(*found, *sound, arguments) : fit::Kept{};
   if (found->modes.empty() && kept.noise.empty()) {
     return complain(
         {ErrorKind::bad_input,
          arguments.input.string() + " has no mode that stands out of its noise; --from says where a blow is"});
   }
   cli::print_fit(arguments.input.string(), *found);
-  cli::print_burst(arguments.input.string(), *found, kept.burst, kept.noise.size(), kept.distance_db);
+  if (is_of_recording)
+    cli::print_burst(arguments.input.string(), *found, kept.burst, kept.noise.size(), kept.distance_db);
   const Result<modal::Bank> bank = bank_of(*found, kept, arguments);
   if (!bank) return complain(bank.error());
   if (!arguments.output.empty()) {
